@@ -209,12 +209,12 @@ fn the_temporary_folder_and_partial_files_belong_to_this_user_alone() {
     assert_eq!(fs::metadata(scratch.path()).unwrap().permissions().mode() & 0o777, 0o700);
     // What stands in the place of a partial file is not written through.
     symlink("/etc/passwd", folder.join("a.txt.partial")).unwrap();
-    counterpoise_host::files::write(&folder.join("a.txt"), b"content").unwrap();
+    counterpoise_host::files::write_file(&folder.join("a.txt"), b"content").unwrap();
     assert_eq!(fs::read(folder.join("a.txt")).unwrap(), b"content");
     // A link in the place of the file is replaced, and what it names stays as it was.
     fs::write(folder.join("target"), b"kept").unwrap();
     symlink(folder.join("target"), folder.join("b.txt")).unwrap();
-    counterpoise_host::files::write(&folder.join("b.txt"), b"new").unwrap();
+    counterpoise_host::files::write_file(&folder.join("b.txt"), b"new").unwrap();
     assert_eq!(fs::read(folder.join("target")).unwrap(), b"kept");
     assert_eq!(fs::read(folder.join("b.txt")).unwrap(), b"new");
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 4);

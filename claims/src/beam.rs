@@ -1,6 +1,6 @@
 //! Claims on the beam's finite elements: how few of them are enough.
 
-use counterpoise_models::parameters::{Beam, Section, SectionShape};
+use counterpoise_models::parameters::{Beam, BeamSection, SectionShape};
 use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Integration, Mesh, Support, Theory, modes};
 
 use super::drawing::{Curve, Style, drawing, panel};
@@ -69,7 +69,7 @@ fn cone(beam: &Beam) -> Option<Beam> {
         return None;
     };
     let shape = SectionShape::Tube { outer_diameter_m: [near[0], far[1]], inner_diameter_m: *bore };
-    let section = Section { name: "cone".to_owned(), from_m: first.from_m, to_m: last.to_m, shape };
+    let section = BeamSection { name: "cone".to_owned(), from_m: first.from_m, to_m: last.to_m, shape };
     Some(Beam { sections: vec![section], ..beam.clone() })
 }
 

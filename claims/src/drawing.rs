@@ -118,7 +118,7 @@ pub fn points_of(x: &[f64], y: &[f64], scale: f64) -> Vec<Point> {
 
 /// Returns the hub rate in mrad/s over time.
 pub fn hub_rates(history: &History) -> Vec<Point> {
-    points_of(&history.time_s, &history.hub_rate_rad_s, 1e3)
+    points_of(history.time_s(), history.hub_rate_rad_s(), 1e3)
 }
 
 /// Returns the hub rate in mrad/s over time, from a time on.

@@ -55,11 +55,11 @@ pub fn tip_motion(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     };
     let (free, held) = (run(Arrangement::Uncontrolled)?, run(Arrangement::Compensated)?);
     let first = held.index_at(tested.procedure.settle_s);
-    let predicted = predicted_tip(tested.parameters(), &held.hub_rate_rad_s);
-    let (tip, hub) = (&held.tip_rate_rad_s[first..], &held.hub_rate_rad_s[first..]);
+    let predicted = predicted_tip(tested.parameters(), held.hub_rate_rad_s());
+    let (tip, hub) = (&held.tip_rate_rad_s()[first..], &held.hub_rate_rad_s()[first..]);
     let as_hub = 1e3 * rms(&less(tip, hub));
     let as_predicted = 1e3 * rms(&less(tip, predicted.get(first..).unwrap_or(&[])));
-    let (before, after) = (1e3 * rms(&free.tip_rate_rad_s[first..]), 1e3 * rms(tip));
+    let (before, after) = (1e3 * rms(&free.tip_rate_rad_s()[first..]), 1e3 * rms(tip));
     let hub_after = 1e3 * rms(hub);
     Ok(Claim {
         id: "F2",
@@ -100,17 +100,17 @@ pub fn tip_motion(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
 
 /// Returns the tip with and without control, and what hub and prediction say of it.
 fn tip_motion_figures(free: &History, held: &History, predicted: &[f64], first: usize) -> Vec<Drawing> {
-    let at_s = &held.time_s[first..];
-    let tip = &held.tip_rate_rad_s[first..];
+    let at_s = &held.time_s()[first..];
+    let tip = &held.tip_rate_rad_s()[first..];
     let of = |values: &[f64]| points_of(at_s, values.get(first..).unwrap_or(&[]), 1e3);
     let stabilised = vec![
-        Curve::faint("without control", of(&free.tip_rate_rad_s)),
-        Curve::line("with the whole controller", of(&held.tip_rate_rad_s)),
+        Curve::faint("without control", of(free.tip_rate_rad_s())),
+        Curve::line("with the whole controller", of(held.tip_rate_rad_s())),
     ];
     let off = |name: &str, values: &[f64]| {
         Curve::line(name, points_of(at_s, &less(tip, values.get(first..).unwrap_or(&[])), 1e3))
     };
-    let errors = vec![off("tip less hub", &held.hub_rate_rad_s), off("tip less its prediction", predicted)];
+    let errors = vec![off("tip less hub", held.hub_rate_rad_s()), off("tip less its prediction", predicted)];
     vec![
         drawing("The tip's rate", time_axis(), vec![panel(Axis::linear("tip rate", "mrad/s"), stabilised)]),
         drawing(

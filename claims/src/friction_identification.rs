@@ -11,7 +11,7 @@ use counterpoise_pipeline::PipelineError;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{FrictionModel, ObserverOptions};
 use counterpoise_recordings::Recording;
-use counterpoise_simulate::replay::{Loop, Replayer};
+use counterpoise_simulate::replay::{ReplayLoop, Replayer};
 use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 use counterpoise_synth::observer::Drives;
 
@@ -73,13 +73,13 @@ pub fn with_observer(project: &Project, found: &IdentifiedFriction) -> Project {
     project
 }
 
-fn recorded(truth: &Parameters) -> Result<(Recording, Loop), PipelineError> {
+fn recorded(truth: &Parameters) -> Result<(Recording, ReplayLoop), PipelineError> {
     let plant = Plant::from_lumped(truth)?;
     let sample_period_s = truth.interface.sample_period_s;
     let bias_v = plant.equilibrium(&Default::default()).control_v;
     let mut controller =
         ProportionalIntegral { kp_v_s_rad: 18.0, ki_v_rad: 80.0, bias_v, sample_period_s, integral_v: 0.0 };
-    let control = Loop::from(&controller);
+    let control = ReplayLoop::from(&controller);
     let scenario = Scenario {
         demand_rad_s: Signal::Triangle { amplitude: TRIANGLE.0, period_s: TRIANGLE.1 },
         imperfections: Imperfections::NoiseAndQuantisation { seed: SEED },
@@ -94,7 +94,7 @@ fn recorded(truth: &Parameters) -> Result<(Recording, Loop), PipelineError> {
 fn with_fitted_stiffness(
     start: &Parameters,
     recording: &Recording,
-    control: &Loop,
+    control: &ReplayLoop,
 ) -> Result<Parameters, PipelineError> {
     let replayer = Replayer::new(start, recording)?;
     let with = |factor: f64| {

@@ -1,7 +1,7 @@
 //! Claims on identification by the triangle wave: a machine that the project does not know, recorded and identified.
 
 use counterpoise_controller::{ProportionalIntegral, SampledController};
-use counterpoise_diagnose::identification::{Estimate, GainPoint, Identified, identify};
+use counterpoise_diagnose::identification::{Estimate, GainPoint, Identification, identify};
 use counterpoise_models::Parameters;
 use counterpoise_models::parameters::MapPoint;
 use counterpoise_models::plant::Plant;
@@ -135,7 +135,7 @@ pub fn triangle_identification(tested: &TestedDesign<'_>) -> Result<Claim, Pipel
 }
 
 /// Control against hub rate, recorded and as the identified mechanism needs it, with what is read from it.
-fn lobes(found: &Identified) -> Drawing {
+fn lobes(found: &Identification) -> Drawing {
     let points: &[[f64; 3]] = found.loops.first().map_or(&[], |one| &one.points);
     let every = points.len().div_ceil(DRAWN).max(1);
     let of =

@@ -1,7 +1,7 @@
 //! Claims on the linear loop: margins, step, rejection.
 
 use counterpoise_linalg::C64;
-use counterpoise_verify::linear::Curve as Response;
+use counterpoise_verify::linear::ResponseCurve as Response;
 use counterpoise_verify::{
     Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure, Verification,
 };
@@ -84,7 +84,7 @@ fn margins_and_step_figures(tested: &TestedDesign<'_>) -> Vec<Drawing> {
     });
     let mut all = vec![drawing("Loop broken at the plant's input", frequency_axis(), vec![gain, phase])];
     if let Some(step) = found(tested).history(Model::Linear, Experiment::Step) {
-        let demand = points_of(&step.time_s, &step.demand_rad_s, 1e3);
+        let demand = points_of(step.time_s(), step.demand_rad_s(), 1e3);
         let height = 1e3 * tested.procedure.step.rate_rad_s;
         let panel =
             hub_panel(vec![Curve::line("hub rate", hub_rates(step)), Curve::reference("demand", demand)])

@@ -5,7 +5,7 @@ use counterpoise_linalg::C64;
 use counterpoise_models::plant::Plant;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};
-use counterpoise_verify::linear::Curve as Response;
+use counterpoise_verify::linear::ResponseCurve as Response;
 use counterpoise_verify::{Figure, LoopFigure};
 
 use super::drawing::{Curve, drawing, frequency_axis, panel};

@@ -32,7 +32,7 @@ struct Run {
 
 impl Run {
     fn rms_mrad_s(&self, from_s: f64) -> f64 {
-        1e3 * rms(&self.history.hub_rate_rad_s[self.history.index_at(from_s)..])
+        1e3 * rms(&self.history.hub_rate_rad_s()[self.history.index_at(from_s)..])
     }
 
     /// Returns the mean of the ratio over the band, dB.
@@ -120,7 +120,7 @@ fn runs(tested: &TestedDesign<'_>, balanced: &Parameters) -> Result<Vec<Run>, Pi
             let history = tested.history(parameters, controller, experiment)?;
             let options = WelchOptions { segment: SEGMENT, confidence: CONFIDENCE };
             let period = parameters.interface.sample_period_s;
-            let spectra = welch(&history.pitch_rate_rad_s, &history.hub_rate_rad_s, period, options).ok();
+            let spectra = welch(history.pitch_rate_rad_s(), history.hub_rate_rad_s(), period, options).ok();
             all.push(Run { plant, control, history, spectra });
         }
     }
@@ -166,7 +166,7 @@ fn curves(runs: &[&Run], of: &dyn Fn(&Spectra) -> Vec<f64>) -> Vec<Curve> {
 
 /// Returns the controller without the path that sees the accelerometer.
 fn without_heave(controller: &Controller) -> Result<Controller, PipelineError> {
-    let heave = counterpoise_controller::Signal::PlatformAcceleration;
+    let heave = counterpoise_controller::PathSignal::PlatformAcceleration;
     let kept = controller
         .with(|parts| parts.paths.retain(|path| !(is_feedforward(path) && path.inputs.contains(&heave))));
     Ok(kept.map_err(counterpoise_verify::Error::from)?)

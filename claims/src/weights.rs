@@ -2,7 +2,7 @@
 
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, feedback, margins, series, step};
-use counterpoise_synth::{Alternative, Method, Weight, alternative, attempt};
+use counterpoise_synth::{Alternative, SynthesisMethod, Weight, alternative, attempt};
 use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Source, StepFigure};
 
 use super::drawing::{
@@ -216,9 +216,11 @@ fn figures(designed: &Stages) -> Figures {
 pub fn three_methods(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let design = &tested.designed.synthesised.design;
     let (mut words, mut loops, mut criteria) = (Vec::new(), Vec::new(), Vec::new());
-    for (method, name) in
-        [(Method::ThreePart, "H2"), (Method::LqgLtr, "LQG/LTR"), (Method::HInfinity, "H-infinity")]
-    {
+    for (method, name) in [
+        (SynthesisMethod::ThreePart, "H2"),
+        (SynthesisMethod::LqgLtr, "LQG/LTR"),
+        (SynthesisMethod::HInfinity, "H-infinity"),
+    ] {
         match attempt(alternative(&design.plant, &design.specification.feedback, method))? {
             Ok(part) => {
                 let broken = broken(tested, &part)?;

@@ -9,8 +9,8 @@ use crate::signal::{HUB_POSITION, HUB_RATE};
 use crate::tolerance::{HIGHEST_ELEVATION_RAD, LONGEST_WINDOW, SAME_PERIOD};
 use crate::words;
 use crate::{
-    DemandLimit, Error, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, Programs, Scaling,
-    Signal,
+    DemandLimit, Error, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, PathSignal,
+    Programs, Scaling,
 };
 
 /// Names that target code uses itself, beside the words of its languages.
@@ -234,10 +234,14 @@ fn rising(what: &str, points: &[[f64; 2]], column: usize) -> Result<(), Error> {
     points.first().map_or(Ok(()), |point| at_least_0(what, point[column]))
 }
 
-fn rate(signal: Signal) -> Result<(), Error> {
+fn rate(signal: PathSignal) -> Result<(), Error> {
     let is_rate = matches!(
         signal,
-        Signal::Demand | Signal::HubRate | Signal::MotorRate | Signal::RelativeRate | Signal::PlatformRate
+        PathSignal::Demand
+            | PathSignal::HubRate
+            | PathSignal::MotorRate
+            | PathSignal::RelativeRate
+            | PathSignal::PlatformRate
     );
     require("signal of a friction model", f64::NAN, Required { holds: is_rate, words: "a rate" })
 }

@@ -1,7 +1,7 @@
 //! A program made ready to run: all slots resolved to places of one memory.
 
 use crate::Number;
-use crate::program::{Operation, Program, Slot, Term};
+use crate::program::{Operation, Program, ProgramTerm, Slot};
 
 /// One operation with all slots resolved to places of one memory: states, then inputs, then locals.
 #[derive(Debug, Clone)]
@@ -138,8 +138,10 @@ fn flatten<N: Number>(op: &Operation, place: &dyn Fn(Slot) -> usize, all: &mut V
     match op {
         Operation::Sum { constant, terms, .. } => {
             let first = all.len();
-            let flat =
-                |term: &Term| FlatTerm { coefficient: N::from_f64(term.coefficient), place: place(term.of) };
+            let flat = |term: &ProgramTerm| FlatTerm {
+                coefficient: N::from_f64(term.coefficient),
+                place: place(term.of),
+            };
             all.extend(terms.iter().map(flat));
             Flat::Sum { into, constant: constant.map(N::from_f64), first, last: all.len() }
         }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::Signal;
+use crate::PathSignal;
 
 /// Estimates the out-of-balance from the control, and sets it
 ///
@@ -20,7 +20,7 @@ pub struct Estimator {
     /// Acceleration of gravity along the axis that the imbalance feels, m/s^2; 0 in azimuth or without gravity.
     pub gravity_m_s2: f64,
     /// Rate of the friction regressors.
-    pub rate: Signal,
+    pub rate: PathSignal,
     /// Rate w0 at which the dry regressor is half grown, rad/s.
     pub half_rate_rad_s: f64,
     /// Volts that hold one kg m at one m/s^2.

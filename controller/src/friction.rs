@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::Signal;
+use crate::PathSignal;
 
 /// A friction that follows a rate by one of the laws of dry friction
 ///
@@ -16,7 +16,7 @@ pub struct FrictionObserver {
     /// Name: a lower-case identifier.
     pub name: String,
     /// The rate w that the friction follows: a measured one (feedback) or the demand (feedforward).
-    pub rate: Signal,
+    pub rate: PathSignal,
     /// The law.
     pub law: ObserverLaw,
     /// Coulomb level F_c, N m.

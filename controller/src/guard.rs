@@ -27,7 +27,7 @@ pub const STICKY: u32 = RESTARTED | REFUSED | ALONE;
 
 /// Which sensors a controller uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sensors {
+pub enum SensorUse {
     /// All that it was designed with.
     All,
     /// The demand and the hub gyroscope alone.
@@ -133,10 +133,10 @@ impl<N: Number> Guard<N> {
     }
 
     /// Sets which sensors are used.
-    pub fn use_sensors(&mut self, sensors: Sensors) {
+    pub fn use_sensors(&mut self, sensors: SensorUse) {
         match sensors {
-            Sensors::All => self.status.flags &= !ALONE,
-            Sensors::FeedbackAlone => self.status.flags |= ALONE,
+            SensorUse::All => self.status.flags &= !ALONE,
+            SensorUse::FeedbackAlone => self.status.flags |= ALONE,
         }
     }
 

@@ -60,7 +60,7 @@ pub use controller::Controller;
 pub use error::Error;
 pub use estimator::{Estimator, Learning};
 pub use friction::{FrictionObserver, ObserverLaw};
-pub use guard::{GuardSettings, Sensors, Status};
+pub use guard::{GuardSettings, SensorUse, Status};
 pub use number::Number;
 pub use parts::{Correction, DemandLimit, Parts, Path, Projection, Scaling};
 pub use program::Programs;
@@ -68,4 +68,4 @@ pub use runner::Runner;
 pub use sampled_controller::{
     PositionController, PositionSource, ProportionalIntegral, RateSource, Readings, SampledController,
 };
-pub use signal::{COMMON_READINGS, READING_NAMES, READINGS, Signal};
+pub use signal::{COMMON_READINGS, PathSignal, READING_NAMES, READINGS};

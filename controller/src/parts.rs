@@ -4,7 +4,7 @@ use counterpoise_lti::StateSpace;
 use serde::{Deserialize, Serialize};
 
 use crate::tolerance::READING_LIMITS;
-use crate::{COMMON_READINGS, Estimator, FrictionObserver, READINGS, Signal};
+use crate::{COMMON_READINGS, Estimator, FrictionObserver, PathSignal, READINGS};
 
 /// A discrete transfer path from signals to volts
 ///
@@ -17,7 +17,7 @@ pub struct Path {
     /// Name: a lower-case identifier, for target code and reports.
     pub name: String,
     /// The signals u, one an input of `system`.
-    pub inputs: Vec<Signal>,
+    pub inputs: Vec<PathSignal>,
     /// Discrete system with one output, in the realisation in which it is to run (see [`crate::realise::modal_form`]).
     pub system: StateSpace,
     /// Gain a state on what the limiter cut off; zeros if the path does not wind up.

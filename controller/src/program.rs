@@ -13,7 +13,7 @@ pub enum Slot {
 
 /// coefficient x slot.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Term {
+pub struct ProgramTerm {
     /// Coefficient; never 0.
     pub coefficient: f64,
     /// What it multiplies.
@@ -22,10 +22,10 @@ pub struct Term {
 
 /// `coefficient * slot` is the term of a sum.
 impl std::ops::Mul<Slot> for f64 {
-    type Output = Term;
+    type Output = ProgramTerm;
 
-    fn mul(self, of: Slot) -> Term {
-        Term { coefficient: self, of }
+    fn mul(self, of: Slot) -> ProgramTerm {
+        ProgramTerm { coefficient: self, of }
     }
 }
 
@@ -40,7 +40,7 @@ pub enum Operation {
         /// First summand.
         constant: Option<f64>,
         /// Other summands.
-        terms: Vec<Term>,
+        terms: Vec<ProgramTerm>,
     },
     /// `into = a b`.
     Product {
@@ -82,7 +82,7 @@ pub enum Operation {
 
 /// Operations that belong together, and what they do, in words.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Section {
+pub struct ProgramSection {
     /// One line for the reader of target code.
     pub says: String,
     /// The operations, in order.
@@ -97,7 +97,7 @@ pub struct Program {
     /// Names of the locals.
     pub locals: Vec<String>,
     /// The operations by sections.
-    pub sections: Vec<Section>,
+    pub sections: Vec<ProgramSection>,
     /// The output of the program, if it has one.
     pub output: Option<Slot>,
 }

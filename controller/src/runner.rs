@@ -3,7 +3,7 @@
 use crate::compiled_program::Compiled;
 use crate::guard::{Guard, Kept, Plausible, kept_states, plausible, tend};
 use crate::program::OnRestart;
-use crate::{Controller, Number, Programs, Readings, SampledController, Sensors, Status};
+use crate::{Controller, Number, Programs, Readings, SampledController, SensorUse, Status};
 
 /// A controller that runs, in the numbers N: `f64` is the reference, `f32` what a small target computes.
 #[derive(Debug, Clone)]
@@ -69,7 +69,7 @@ impl<N: Number> Runner<N> {
 
     /// Hands the control over to feedback alone, or back to all sensors. Readings other than the demand and the hub gyroscope
     /// fade out, or in, over a tenth of a second.
-    pub fn use_sensors(&mut self, sensors: Sensors) {
+    pub fn use_sensors(&mut self, sensors: SensorUse) {
         self.guard.use_sensors(sensors);
     }
 

@@ -9,7 +9,7 @@ use crate::tolerance::{MARGINAL, NEGLIGIBLE, SINGLE_ROUNDING, WORTH};
 
 /// A form in which a path can run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub enum RealisationForm {
     /// Sections of first and second order: about 3 products a state.
     Modal,
     /// Equal and diagonal Gramians: the whole matrix, one product for each pair of states.
@@ -20,9 +20,9 @@ pub enum Form {
 
 /// A realisation with what rounding its coefficients to single precision does.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Candidate {
-    /// [`Form::Modal`] or [`Form::Balanced`].
-    pub form: Form,
+pub struct RealisationCandidate {
+    /// [`RealisationForm::Modal`] or [`RealisationForm::Balanced`].
+    pub form: RealisationForm,
     /// The system in this form.
     pub system: StateSpace,
     /// Coefficients that a step multiplies by.
@@ -43,11 +43,11 @@ const DECADES: f64 = 5.0;
 ///
 /// # Errors
 /// As [`modal_form`]; [`Error::Lti`] if the Gramians of the stable part fail.
-pub fn realise_form(system: &StateSpace, form: Form) -> Result<StateSpace, Error> {
+pub fn realise_form(system: &StateSpace, form: RealisationForm) -> Result<StateSpace, Error> {
     match form {
-        Form::Modal => Ok(modal_form(system)?.system),
-        Form::Balanced => balanced(system),
-        Form::LeastSensitive => {
+        RealisationForm::Modal => Ok(modal_form(system)?.system),
+        RealisationForm::Balanced => balanced(system),
+        RealisationForm::LeastSensitive => {
             let (modal, balanced) = (modal_form(system)?.system, balanced(system)?);
             let is_worth = predicted(&balanced)? * WORTH < predicted(&modal)?;
             Ok(if is_worth { balanced } else { modal })
@@ -55,7 +55,7 @@ pub fn realise_form(system: &StateSpace, form: Form) -> Result<StateSpace, Error
     }
 }
 
-/// Returns the predicted error of [`Candidate`] alone, without the rounded response.
+/// Returns the predicted error of [`RealisationCandidate`] alone, without the rounded response.
 fn predicted(system: &StateSpace) -> Result<f64, Error> {
     let rates = rates(system.timebase);
     Ok(Sizes::of(&frequency_response(system, &rates)?).worst(&deviations(system, &rates)?))
@@ -84,17 +84,17 @@ impl Sizes {
 ///
 /// # Errors
 /// As [`realise_form`].
-pub fn form_candidates(system: &StateSpace) -> Result<Vec<Candidate>, Error> {
-    [Form::Modal, Form::Balanced]
+pub fn form_candidates(system: &StateSpace) -> Result<Vec<RealisationCandidate>, Error> {
+    [RealisationForm::Modal, RealisationForm::Balanced]
         .into_iter()
         .map(|form| form_candidate(&realise_form(system, form)?, form))
         .collect()
 }
 
-/// Returns the one that [`Form::LeastSensitive`] takes.
-pub fn least_sensitive(candidates: &[Candidate]) -> Option<&Candidate> {
-    let of = |form: Form| candidates.iter().find(|candidate| candidate.form == form);
-    match (of(Form::Modal), of(Form::Balanced)) {
+/// Returns the one that [`RealisationForm::LeastSensitive`] takes.
+pub fn least_sensitive(candidates: &[RealisationCandidate]) -> Option<&RealisationCandidate> {
+    let of = |form: RealisationForm| candidates.iter().find(|candidate| candidate.form == form);
+    match (of(RealisationForm::Modal), of(RealisationForm::Balanced)) {
         (Some(modal), Some(balanced)) if balanced.predicted * WORTH < modal.predicted => Some(balanced),
         (Some(modal), _) => Some(modal),
         (None, other) => other,
@@ -105,13 +105,13 @@ pub fn least_sensitive(candidates: &[Candidate]) -> Option<&Candidate> {
 ///
 /// # Errors
 /// [`Error::Lti`] if a response cannot be computed.
-pub fn form_candidate(system: &StateSpace, form: Form) -> Result<Candidate, Error> {
+pub fn form_candidate(system: &StateSpace, form: RealisationForm) -> Result<RealisationCandidate, Error> {
     let rates = rates(system.timebase);
     let response = frequency_response(system, &rates)?;
     let sizes = Sizes::of(&response);
     let rounded = frequency_response(&in_single(system), &rates)?;
     let off: Vec<f64> = rounded.iter().zip(&response).map(|(a, b)| (a - b).norm_max()).collect();
-    Ok(Candidate {
+    Ok(RealisationCandidate {
         form,
         system: system.clone(),
         coefficients: count_coefficients(system),
@@ -269,7 +269,7 @@ mod tests {
     #[test]
     fn every_form_has_the_same_response_and_an_exact_integrator() {
         let given = mixed();
-        for form in [Form::Modal, Form::Balanced, Form::LeastSensitive] {
+        for form in [RealisationForm::Modal, RealisationForm::Balanced, RealisationForm::LeastSensitive] {
             let found = realise_form(&given, form).unwrap();
             assert!(difference(&given, &found) < 1e-10, "{form:?}");
             assert!(found.A.as_slice().contains(&1.0), "{form:?}");
@@ -304,7 +304,7 @@ mod tests {
         let B = Mat::from_rows(&[&[1.0], &[0.0], &[0.0]]);
         let C = Mat::from_rows(&[&[1e-6, 1e-6, 1e-6]]);
         let given = StateSpace::new(A, B, C, Mat::zeros(1, 1), PERIOD).unwrap();
-        let as_it_is = form_candidate(&given, Form::Modal).unwrap();
+        let as_it_is = form_candidate(&given, RealisationForm::Modal).unwrap();
         let all = form_candidates(&given).unwrap();
         let chosen = least_sensitive(&all).unwrap();
         assert!(

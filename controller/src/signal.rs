@@ -35,9 +35,9 @@ pub const PLATFORM_ACCELERATION: usize = 3;
 /// Index of the surge accelerometer among the readings.
 pub const PLATFORM_SURGE: usize = 6;
 
-/// A signal that a path of the controller uses. Its name in a file is [`Signal::name`].
+/// A signal that a path of the controller uses. Its name in a file is [`PathSignal::name`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Signal {
+pub enum PathSignal {
     /// Demanded hub rate after the reference prefilter, rad/s.
     #[serde(rename = "filtered_demand_rad_s")]
     Demand,
@@ -67,32 +67,32 @@ pub enum Signal {
     PreviousControl,
 }
 
-impl Signal {
+impl PathSignal {
     /// Returns the reading behind the signal, if it is one; the demand is filtered first.
     pub fn reading(self) -> Option<usize> {
         match self {
-            Signal::Demand => Some(0),
-            Signal::HubRate => Some(1),
-            Signal::PlatformRate => Some(2),
-            Signal::PlatformAcceleration => Some(3),
-            Signal::MotorRate => Some(4),
-            Signal::HubPosition => Some(5),
-            Signal::RateError | Signal::RelativeRate | Signal::PreviousControl => None,
+            PathSignal::Demand => Some(0),
+            PathSignal::HubRate => Some(1),
+            PathSignal::PlatformRate => Some(2),
+            PathSignal::PlatformAcceleration => Some(3),
+            PathSignal::MotorRate => Some(4),
+            PathSignal::HubPosition => Some(5),
+            PathSignal::RateError | PathSignal::RelativeRate | PathSignal::PreviousControl => None,
         }
     }
 
     /// Returns the name with unit, as target code carries it.
     pub fn name(self) -> &'static str {
         match self {
-            Signal::Demand => "filtered_demand_rad_s",
-            Signal::RateError => "rate_error_rad_s",
-            Signal::RelativeRate => "relative_rate_rad_s",
-            Signal::PreviousControl => "previous_control_v",
-            Signal::HubRate => READING_NAMES[1],
-            Signal::PlatformRate => READING_NAMES[2],
-            Signal::PlatformAcceleration => READING_NAMES[3],
-            Signal::MotorRate => READING_NAMES[4],
-            Signal::HubPosition => READING_NAMES[5],
+            PathSignal::Demand => "filtered_demand_rad_s",
+            PathSignal::RateError => "rate_error_rad_s",
+            PathSignal::RelativeRate => "relative_rate_rad_s",
+            PathSignal::PreviousControl => "previous_control_v",
+            PathSignal::HubRate => READING_NAMES[1],
+            PathSignal::PlatformRate => READING_NAMES[2],
+            PathSignal::PlatformAcceleration => READING_NAMES[3],
+            PathSignal::MotorRate => READING_NAMES[4],
+            PathSignal::HubPosition => READING_NAMES[5],
         }
     }
 }

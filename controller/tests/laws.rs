@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_controller::{
-    Controller, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, Scaling, Signal,
+    Controller, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, PathSignal, Scaling,
 };
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
@@ -14,7 +14,7 @@ fn observing(law: ObserverLaw, level: Vec<[f64; 2]>, period_s: f64) -> Controlle
     let mut parts = Parts::new(period_s, 1e4);
     parts.observers = vec![FrictionObserver {
         name: "pivot".into(),
-        rate: Signal::HubRate,
+        rate: PathSignal::HubRate,
         law,
         coulomb_nm: COULOMB,
         rest_stiffness_nm_rad: STIFFNESS,
@@ -127,7 +127,7 @@ fn through() -> Parts {
     let system =
         StateSpace::new(Mat::zeros(0, 0), Mat::zeros(0, 1), Mat::zeros(1, 0), through, timebase).unwrap();
     let mut parts = Parts::new(1e-3, 10.0);
-    let (inputs, scaling) = (vec![Signal::Demand], Scaling::Fixed);
+    let (inputs, scaling) = (vec![PathSignal::Demand], Scaling::Fixed);
     parts.paths = vec![Path { name: "through".into(), inputs, system, anti_windup: vec![], scaling }];
     parts
 }
@@ -165,7 +165,7 @@ fn estimating(learning: Learning, gravity_m_s2: f64) -> Controller {
     parts.estimator = Some(Estimator {
         learning,
         gravity_m_s2,
-        rate: Signal::HubRate,
+        rate: PathSignal::HubRate,
         half_rate_rad_s: 0.01,
         volts_per_kg_m_s2: 0.002,
         rate_limit_kg_m_s: f64::INFINITY,

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
 use counterpoise_controller::{
-    Controller, Correction, Error, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, READINGS,
-    Runner, SampledController, Scaling, Signal,
+    Controller, Correction, Error, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path,
+    PathSignal, READINGS, Runner, SampledController, Scaling,
 };
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
@@ -18,7 +18,7 @@ fn one(x: f64) -> Mat {
     Mat::from_rows(&[&[x]])
 }
 
-fn path(name: &str, inputs: Vec<Signal>, system: StateSpace) -> Path {
+fn path(name: &str, inputs: Vec<PathSignal>, system: StateSpace) -> Path {
     let anti_windup = vec![0.0; system.order()];
     Path { name: name.into(), inputs, system, anti_windup, scaling: Scaling::Fixed }
 }
@@ -35,14 +35,14 @@ fn parts() -> Parts {
     let C = Mat::from_rows(&[&[80.0, 1.0, -2.0]]);
     let mut feedback = path(
         "feedback",
-        vec![Signal::Demand, Signal::HubRate],
+        vec![PathSignal::Demand, PathSignal::HubRate],
         system(A, B, C, Mat::from_rows(&[&[3.0, -3.0]])),
     );
     feedback.anti_windup = vec![0.01, 0.0, 0.0];
     let A = Mat::from_rows(&[&[0.7, 0.1], &[-0.1, 0.7]]);
     let heave_system =
         system(A, Mat::from_rows(&[&[0.1], &[0.2]]), Mat::from_rows(&[&[0.3, -0.1]]), one(0.0));
-    let mut heave = path("heave", vec![Signal::PlatformAcceleration], heave_system);
+    let mut heave = path("heave", vec![PathSignal::PlatformAcceleration], heave_system);
     heave.scaling = Scaling::WithOutOfBalance;
     parts.paths = vec![feedback, heave];
     parts
@@ -125,7 +125,7 @@ fn the_friction_observer_follows_dahl() {
         let mut parts = Parts::new(period, 10.0);
         parts.observers = vec![FrictionObserver {
             name: "pivot".into(),
-            rate: Signal::HubRate,
+            rate: PathSignal::HubRate,
             law: ObserverLaw::Dahl,
             level: Vec::new(),
             coulomb_nm: 117.0,
@@ -151,13 +151,13 @@ fn the_estimator_finds_the_out_of_balance_under_friction() {
     parts.out_of_balance_range_kg_m = (0.0, 400.0);
     let heave = path(
         "held",
-        vec![Signal::Demand],
+        vec![PathSignal::Demand],
         system(Mat::zeros(0, 0), Mat::zeros(0, 1), Mat::zeros(1, 0), one(1.0)),
     );
     parts.paths = vec![heave];
     parts.estimator = Some(Estimator {
         gravity_m_s2: 9.81,
-        rate: Signal::HubRate,
+        rate: PathSignal::HubRate,
         half_rate_rad_s: 0.01,
         learning: Learning::Gradient { step: 0.05, scale: [0.1, 1.0, 1.0] },
         hold_band_kg_m: 0.0,
@@ -214,7 +214,7 @@ fn what_cannot_run_is_refused() {
         ("word of the target code", |p| p.paths[1].name = "double".into()),
         ("two things", |p| p.paths[1].name = "feedback_v".into()),
         ("is empty", |p| p.paths[1].name.clear()),
-        ("inputs of the system", |p| p.paths[0].inputs = vec![Signal::Demand]),
+        ("inputs of the system", |p| p.paths[0].inputs = vec![PathSignal::Demand]),
         ("anti-windup gains", |p| p.paths[0].anti_windup = vec![0.0]),
         ("sample period is", |p| p.paths[0].system.timebase = Timebase::Continuous),
         ("must be finite", |p| p.paths[0].anti_windup[0] = f64::INFINITY),

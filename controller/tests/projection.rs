@@ -3,8 +3,8 @@
 
 use counterpoise_controller::signal::{HUB_POSITION, PLATFORM_ACCELERATION};
 use counterpoise_controller::{
-    Controller, Correction, Error, Parts, Path, Projection, Readings, SampledController, Scaling, Sensors,
-    Signal,
+    Controller, Correction, Error, Parts, Path, PathSignal, Projection, Readings, SampledController, Scaling,
+    SensorUse,
 };
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
@@ -21,7 +21,7 @@ fn parts(projection: Option<Projection>) -> Parts {
     parts.projection = projection;
     parts.paths.push(Path {
         name: "heave".into(),
-        inputs: vec![Signal::PlatformAcceleration],
+        inputs: vec![PathSignal::PlatformAcceleration],
         system,
         anti_windup: Vec::new(),
         scaling: Scaling::Fixed,
@@ -103,7 +103,7 @@ fn feedback_alone_uses_neither_accelerometer() {
     let controller = Controller::new(parts(measured(0.2))).unwrap();
     assert_eq!(controller.feedback_alone().unwrap().runner().step(&readings(0.4)), 0.0);
     let mut runner = controller.runner();
-    runner.use_sensors(Sensors::FeedbackAlone);
+    runner.use_sensors(SensorUse::FeedbackAlone);
     assert_eq!((0..200).map(|_| runner.step(&readings(0.4))).last(), Some(0.0));
 }
 

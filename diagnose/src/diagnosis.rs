@@ -2,21 +2,21 @@
 
 use counterpoise_models::{FeedbackSignal, Parameters};
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::ReplayLoop;
 
 use crate::error::Error;
 use crate::explanation::{Explanation, explain};
 use crate::findings::answer::{Answer, DiagnosisVerdict};
 use crate::findings::axis_units::set_axis_units;
 use crate::findings::instrument_findings::make_finding;
-use crate::findings::similarity::Scale;
-use crate::findings::verdict::Evidence;
-use crate::identification::{Amplifier, apply_identified, identify};
+use crate::findings::similarity::SimilarityScale;
+use crate::findings::verdict::VerdictEvidence;
+use crate::identification::{IdentifiedAmplifier, apply_identified, identify};
 use crate::library::{
     Component, Effect, EffectName, find_effects, list_effects, list_textbook_effects, make_free_gain_curve,
 };
 use crate::localisation::error_map::{MapCell, localise_errors};
-use crate::localisation::residual_regression::ReplayedRecording;
+use crate::localisation::residual_regression::AssessedReplay;
 use crate::localisation::torque_balances::{BalanceVisibility, list_balances};
 use crate::machine::{
     RedundantSensors, can_have, can_have_textbook, can_show, has_component, usable_sensors,
@@ -44,7 +44,7 @@ pub struct Diagnosis {
     /// The recordings as they were diagnosed: without the faults of sensors and recorder that could be repaired.
     pub recordings: Vec<Recording>,
     /// The loop in which they were replayed.
-    pub control: Loop,
+    pub control: ReplayLoop,
 }
 
 /// What happens if a recorded control is not what the loop's controller makes of the recorded readings.
@@ -61,8 +61,8 @@ pub enum Contradiction {
 pub struct Request<'a> {
     /// The mechanism as the project has it.
     pub base: &'a Parameters,
-    /// The controller that was in the loop, or [`Loop::Open`] if it is not known.
-    pub control: Loop,
+    /// The controller that was in the loop, or [`ReplayLoop::Open`] if it is not known.
+    pub control: ReplayLoop,
     /// What happens if the recordings contradict that controller.
     pub contradiction: Contradiction,
     /// The recordings of one machine.
@@ -89,14 +89,14 @@ impl Diagnosis {
 }
 
 /// Diagnoses a machine of any size from its recordings: in closed loop with the controller that was in the loop, or under the
-/// recorded control if the controller is not known ([`Loop::Open`]).
+/// recorded control if the controller is not known ([`ReplayLoop::Open`]).
 ///
 /// # Errors
 /// No recording, a channel that is missing, a recording that does not fit the project's clock, a mechanism that cannot
 /// be simulated; [`Error::Cancelled`] if the pool was asked to stop.
 pub fn diagnose(
     base: &Parameters,
-    control: impl Into<Loop>,
+    control: impl Into<ReplayLoop>,
     recordings: &[Recording],
     pool: &dyn Pool,
 ) -> Result<Diagnosis, Error> {
@@ -108,7 +108,7 @@ pub fn diagnose(
 /// # Errors
 /// As [`diagnose`].
 pub fn run(request: &Request, pool: &dyn Pool) -> Result<Diagnosis, Error> {
-    let mut found = match Scale::of(request.base, request.recordings) {
+    let mut found = match SimilarityScale::of(request.base, request.recordings) {
         Some(scale) => {
             diagnose_scaled(scale, request.base, request.control.clone(), request.recordings, pool)?
         }
@@ -128,7 +128,7 @@ fn diagnose_as_built(request: &Request, pool: &dyn Pool) -> Result<Diagnosis, Er
         Contradiction::PlayBack => foreign_controls(base, control, &examined.recordings),
         Contradiction::Ignore => Vec::new(),
     };
-    let control = if foreign.is_empty() { control.clone() } else { Loop::Open };
+    let control = if foreign.is_empty() { control.clone() } else { ReplayLoop::Open };
     let (heard, remarks) = drop_unknown_heave(examined.recordings);
     let mut found = diagnose_of(Sizes::TYPICAL, base, control, &heard, pool)?.with_faults(&examined.faults);
     found.answer.qualification.splice(0..0, foreign.into_iter().chain(remarks));
@@ -136,7 +136,11 @@ fn diagnose_as_built(request: &Request, pool: &dyn Pool) -> Result<Diagnosis, Er
 }
 
 /// Returns a remark on each recording whose control is not what the loop's controller makes of its readings.
-fn foreign_controls(base: &Parameters, control: &Loop, recordings: &[Recording]) -> Vec<RecordingRemark> {
+fn foreign_controls(
+    base: &Parameters,
+    control: &ReplayLoop,
+    recordings: &[Recording],
+) -> Vec<RecordingRemark> {
     let remark = |recording: &Recording| {
         let mismatch = check_control(base, recording, control)?;
         Some(RecordingRemark::OtherController { recording: recording.name.clone(), mismatch })
@@ -146,9 +150,9 @@ fn foreign_controls(base: &Parameters, control: &Loop, recordings: &[Recording])
 
 /// Diagnoses a dynamically similar machine of the library's sizes, and brings the answer back to the machine itself.
 fn diagnose_scaled(
-    scale: Scale,
+    scale: SimilarityScale,
     base: &Parameters,
-    control: Loop,
+    control: ReplayLoop,
     recordings: &[Recording],
     pool: &dyn Pool,
 ) -> Result<Diagnosis, Error> {
@@ -166,7 +170,7 @@ fn diagnose_scaled(
 fn diagnose_of(
     sizes: Sizes,
     base: &Parameters,
-    control: Loop,
+    control: ReplayLoop,
     recordings: &[Recording],
     pool: &dyn Pool,
 ) -> Result<Diagnosis, Error> {
@@ -197,7 +201,7 @@ fn diagnose_of(
         return Err(Error::Cancelled);
     }
     let search = search.ok_or(Error::NotSimulated)?;
-    let evidence = Evidence {
+    let evidence = VerdictEvidence {
         simulator: &simulator,
         base,
         search: &search,
@@ -220,7 +224,7 @@ fn locate_error(
 ) -> Vec<MapCell> {
     let replayed = map(pool, simulator.count(), |index| {
         let (measured, assessment) = (simulator.signals_of(index)?, simulator.assess(base, index)?);
-        Some(ReplayedRecording { measured, assessment })
+        Some(AssessedReplay { measured, assessment })
     });
     localise_errors(base, &replayed.into_iter().flatten().collect::<Vec<_>>(), isolability, pool)
 }
@@ -287,27 +291,27 @@ fn rate_error(recording: &Recording, ratio: f64) -> Option<f64> {
 fn seeds(base: &Parameters, recordings: &[Recording]) -> Vec<(&'static Effect, Vec<f64>)> {
     let Ok(found) = identify(base, &[recordings]) else { return Vec::new() };
     match found.amplifier {
-        Amplifier::Curve { .. } => {
+        IdentifiedAmplifier::Curve { .. } => {
             vec![(make_free_gain_curve(), make_free_gain_curve().values(&apply_identified(base, &found)))]
         }
         _ => Vec::new(),
     }
 }
 
-fn check(base: &Parameters, recordings: &[Recording], control: &Loop) -> Result<(), Error> {
+fn check(base: &Parameters, recordings: &[Recording], control: &ReplayLoop) -> Result<(), Error> {
     if recordings.is_empty() {
         return Err(Error::NoRecording);
     }
     for r in recordings {
         let needed = [
-            ("demand", r.has(Channel::Demand) || *control == Loop::Open),
+            ("demand", r.has(Channel::Demand) || *control == ReplayLoop::Open),
             ("control", r.has(Channel::Control)),
             ("hub_rate", r.has(Channel::HubRate)),
         ];
         if let Some((channel, _)) = needed.into_iter().find(|(_, present)| !present) {
             return Err(Error::NoChannel {
                 controlled: base.controlled_quantity(),
-                replays_control: *control == Loop::Open,
+                replays_control: *control == ReplayLoop::Open,
                 recording: r.name.clone(),
                 channel,
             });

@@ -100,7 +100,7 @@ fn identifying_channels(controlled: ControlledQuantity) -> String {
 
 #[cfg(test)]
 mod tests {
-    use counterpoise_models::parameters::Axis;
+    use counterpoise_models::parameters::AxisKind;
 
     use super::*;
 
@@ -112,10 +112,10 @@ mod tests {
             Error::NoChannel { controlled, replays_control, recording, channel: "hub_rate" }.to_string()
         };
         assert_eq!(
-            told(QuantityKind::Rate, Axis::Linear, false),
+            told(QuantityKind::Rate, AxisKind::Linear, false),
             "recording run 3: the channel hub_rate is missing; a diagnosis of this machine needs demand, control and hub_rate (the slide speed)"
         );
-        let position = told(QuantityKind::Position, Axis::Rotary, true);
+        let position = told(QuantityKind::Position, AxisKind::Rotary, true);
         assert!(
             position.ends_with(
                 "needs control and hub_rate (the hub angle, which may be recorded as hub_position)"

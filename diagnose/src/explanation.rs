@@ -3,14 +3,14 @@
 use counterpoise_models::Parameters;
 
 use crate::findings::answer::{Answer, DiagnosisVerdict, Name};
-use crate::findings::verdict::Evidence;
+use crate::findings::verdict::VerdictEvidence;
 use crate::learning::LearningTask;
 use crate::learning::comparison::{Comparison, is_flexible};
 use crate::learning::visited_ranges::Visited;
 use crate::library::{Component, EffectName};
 use crate::localisation::error_map::rank_components;
 use crate::recording::measured_signals::MeasuredSignals;
-use crate::selection::candidate::Candidate;
+use crate::selection::candidate::FittedCandidate;
 use crate::selection::outcome::SearchOutcome;
 use crate::selection::searcher::Searcher;
 use crate::simulator_access::Assessment;
@@ -25,7 +25,7 @@ pub(crate) struct Explanation {
 
 /// Derives the answer from a search: effects of the library are named if they predict held-out data better than one free function does in
 /// their place; what they leave, or all of it, is modelled by free functions; a curve that is an effect of the library gets its name.
-pub(crate) fn explain(searcher: &Searcher, evidence: Evidence) -> Explanation {
+pub(crate) fn explain(searcher: &Searcher, evidence: VerdictEvidence) -> Explanation {
     let mut search = evidence.search.clone();
     let comparison = flexible(searcher, &evidence).and_then(|named| compare(searcher, &evidence, &named));
     if comparison.is_some_and(|c| c.prefers_function()) {
@@ -34,7 +34,7 @@ pub(crate) fn explain(searcher: &Searcher, evidence: Evidence) -> Explanation {
     }
     let mut learned = None;
     for _ in 0..=NAMED_FROM_CURVES {
-        let now = Evidence { search: &search, map: evidence.map.clone(), ..copy_of(&evidence) };
+        let now = VerdictEvidence { search: &search, map: evidence.map.clone(), ..copy_of(&evidence) };
         learned = None;
         if !matches!(now.verdict(), DiagnosisVerdict::Unknown | DiagnosisVerdict::Incomplete)
             || searcher.pool.is_cancelled()
@@ -57,7 +57,7 @@ pub(crate) fn explain(searcher: &Searcher, evidence: Evidence) -> Explanation {
         // no free function took the place of what was named after all
         search = evidence.search.clone();
     }
-    let evidence = Evidence { search: &search, ..evidence };
+    let evidence = VerdictEvidence { search: &search, ..evidence };
     let improved = evidence.improved_mechanism();
     let even = comparison.filter(Comparison::is_even);
     let answer = evidence.answer();
@@ -68,8 +68,8 @@ pub(crate) fn explain(searcher: &Searcher, evidence: Evidence) -> Explanation {
 }
 
 /// Returns the same evidence with an empty localisation.
-fn copy_of<'e>(evidence: &Evidence<'e>) -> Evidence<'e> {
-    Evidence {
+fn copy_of<'e>(evidence: &VerdictEvidence<'e>) -> VerdictEvidence<'e> {
+    VerdictEvidence {
         simulator: evidence.simulator,
         base: evidence.base,
         search: evidence.search,
@@ -81,15 +81,15 @@ fn copy_of<'e>(evidence: &Evidence<'e>) -> Evidence<'e> {
 }
 
 /// Returns the named effects if they are flexible enough to imitate an error that is none of them.
-fn flexible(searcher: &Searcher, evidence: &Evidence) -> Option<Candidate> {
+fn flexible(searcher: &Searcher, evidence: &VerdictEvidence) -> Option<FittedCandidate> {
     let named = evidence.named_model()?;
     is_flexible(named, searcher.simulator.travel_rad()).then(|| named.clone())
 }
 
 /// Compares the named effects with one free function in their place.
-fn compare(searcher: &Searcher, evidence: &Evidence, named: &Candidate) -> Option<Comparison> {
+fn compare(searcher: &Searcher, evidence: &VerdictEvidence, named: &FittedCandidate) -> Option<Comparison> {
     let nothing = SearchOutcome { accepted: None, ..evidence.search.clone() };
-    let bare = Evidence { search: &nothing, map: evidence.map.clone(), ..copy_of(evidence) };
+    let bare = VerdictEvidence { search: &nothing, map: evidence.map.clone(), ..copy_of(evidence) };
     let rest = Rest::of(searcher, &bare)?;
     let task = rest.task(searcher, &bare);
     task.compare(named)
@@ -104,7 +104,7 @@ struct Rest {
 }
 
 impl Rest {
-    fn of(searcher: &Searcher, evidence: &Evidence) -> Option<Self> {
+    fn of(searcher: &Searcher, evidence: &VerdictEvidence) -> Option<Self> {
         let base = evidence.improved_mechanism();
         let before = match evidence.named_model() {
             Some(named) => searcher.assess_model(&base, &|r| named.assessments.get(r))?,
@@ -117,7 +117,7 @@ impl Rest {
         Some(Self { base, before, components: rank_components(&evidence.map), visited })
     }
 
-    fn task<'t>(&'t self, searcher: &'t Searcher<'t>, evidence: &'t Evidence) -> LearningTask<'t> {
+    fn task<'t>(&'t self, searcher: &'t Searcher<'t>, evidence: &'t VerdictEvidence) -> LearningTask<'t> {
         LearningTask {
             searcher,
             base: &self.base,

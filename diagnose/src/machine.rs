@@ -5,10 +5,10 @@
 //! presupposes such a part (a gap between teeth, a bending mode, a back-EMF) is no candidate.
 
 use counterpoise_models::parameters::{AmplifierDynamics, FrictionLaw, Transmission};
-use counterpoise_models::{Axis, FeedbackSignal, Parameters};
+use counterpoise_models::{AxisKind, FeedbackSignal, Parameters};
 use counterpoise_recordings::{Channel, Recording};
 
-use crate::library::{Component, Effect, EffectName, Kind};
+use crate::library::{Component, Effect, EffectKind, EffectName};
 
 /// The motor's current in the steady state: i = (gain u - back_emf w_m) / loss, after the static curve of the amplifier.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,12 +40,12 @@ impl SteadyDrive {
 
 /// Returns the cosine that gravity sees at a hub angle: 1 on a linear axis, whose weight is constant.
 pub(crate) fn cosine(p: &Parameters, angle_rad: f64) -> f64 {
-    if p.axis == Axis::Linear { 1.0 } else { angle_rad.cos() }
+    if p.axis == AxisKind::Linear { 1.0 } else { angle_rad.cos() }
 }
 
 /// Returns the sine that gravity sees at a hub angle: 0 on a linear axis.
 pub(crate) fn sine(p: &Parameters, angle_rad: f64) -> f64 {
-    if p.axis == Axis::Linear { 0.0 } else { angle_rad.sin() }
+    if p.axis == AxisKind::Linear { 0.0 } else { angle_rad.sin() }
 }
 
 /// Which of the sensors are present that a machine can do without.
@@ -111,7 +111,9 @@ pub(crate) fn can_show(p: &Parameters, recordings: &[Recording], effect: &Effect
 pub(crate) fn can_have_textbook(p: &Parameters, effect: &Effect) -> bool {
     has_component(p, effect.component)
         && !replaced_by_cylinder(p, effect.component)
-        && (effect.component != Component::Motor || effect.kind != Kind::MissingPhysics || !is_direct(p))
+        && (effect.component != Component::Motor
+            || effect.kind != EffectKind::MissingPhysics
+            || !is_direct(p))
 }
 
 /// Whether a hydraulic cylinder drives in the place of a component, whose effects are then those of another machine.
@@ -127,7 +129,7 @@ fn structure_can_have(p: &Parameters, effect: &Effect) -> bool {
     let Some(lumped) = &p.lumped else { return false };
     let of_beam = effect.effect == EffectName::FlexibleMode || effect.parameters[0].name == "beam_inertia";
     match effect.effect {
-        EffectName::VerticalOffset => p.axis == Axis::Rotary,
+        EffectName::VerticalOffset => p.axis == AxisKind::Rotary,
         EffectName::Equilibrator => p.loads.equilibrator.is_some(),
         EffectName::EndStops => p.loads.end_stops.is_some(),
         EffectName::Recoil => p.loads.recoil.is_some(),
@@ -174,7 +176,7 @@ fn amplifier_can_have(p: &Parameters, effect: EffectName) -> bool {
 fn friction_can_have(law: &FrictionLaw, effect: &Effect) -> bool {
     let has_none = *law == FrictionLaw::None;
     match (effect.effect, effect.kind) {
-        (EffectName::Coulomb, Kind::MissingPhysics) => has_none,
+        (EffectName::Coulomb, EffectKind::MissingPhysics) => has_none,
         (
             EffectName::Coulomb
             | EffectName::Stribeck
@@ -209,7 +211,7 @@ mod tests {
             EffectName::ContinuousCurrent,
         ];
         let absent = |e: &&Effect| {
-            let is_second_friction = e.effect == EffectName::Coulomb && e.kind == Kind::MissingPhysics;
+            let is_second_friction = e.effect == EffectName::Coulomb && e.kind == EffectKind::MissingPhysics;
             let of_other_sensor = e.component == Component::HubGyro
                 && e.effect == EffectName::Bias
                 && !sensor_can_have(FeedbackSignal::HubRate, e);

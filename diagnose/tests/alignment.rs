@@ -11,7 +11,7 @@ use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_diagnose::simulator_access::objective::{PreparedRecordings, RecordingReplays};
 use counterpoise_models::{Parameters, Plant, Sensor, reference};
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::ReplayLoop;
 use counterpoise_simulate::{
     Detail, FurtherMotion, Imperfections, PlatformMotion, Scenario, Signal, Simulator, Sine,
 };
@@ -78,7 +78,7 @@ fn found(component: Component, effect: EffectName, change: impl FnOnce(&mut Para
     change(&mut machine);
     let recordings = [recording(&machine, 1), recording(&machine, 2)];
     let prepared = PreparedRecordings::new(&recordings, &model);
-    let simulator = RecordingReplays::new(&model, &Loop::from(&controller(BIAS_V)), &prepared).unwrap();
+    let simulator = RecordingReplays::new(&model, &ReplayLoop::from(&controller(BIAS_V)), &prepared).unwrap();
     let effects: Vec<_> = find_effects(component, effect).collect();
     let start = effects[0].values(&model);
     let selection = FitSelection::all(recordings.len());
@@ -132,7 +132,7 @@ fn a_sensor_that_is_stated_to_be_slower_has_no_fault() {
     machine.sensors.platform_gyro.own_period_s = 5.0 * PERIOD_S;
     machine.sensors.hub_resolver.as_mut().unwrap().own_period_s = 4.0 * PERIOD_S;
     let recordings = [recording(&machine, 2)];
-    let control = Loop::from(&controller(BIAS_V));
+    let control = ReplayLoop::from(&controller(BIAS_V));
     let stated = find_instrument_faults(&machine, &control, &recordings);
     assert!(stated.faults.is_empty(), "{:?}", stated.faults);
     let not_stated = find_instrument_faults(&rig(), &control, &recordings);

@@ -11,7 +11,7 @@ use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_diagnose::simulator_access::objective::{PreparedRecordings, RecordingReplays};
 use counterpoise_models::{Parameters, Plant, reference};
 use counterpoise_recordings::Recording;
-use counterpoise_simulate::replay::{Loop, Replayer, replay};
+use counterpoise_simulate::replay::{ReplayLoop, Replayer, replay};
 use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
 /// Control that holds the rig's weight, V.
@@ -48,7 +48,7 @@ fn run(seed: u64, period_s: f64, duration_s: f64) -> (Recording, f64) {
 /// Recordings that begin in the middle of the motion, with the hose bent one way and the other.
 #[test]
 fn a_hose_bent_at_the_start_is_found_bent() {
-    let control = Loop::from(&controller(BIAS_V));
+    let control = ReplayLoop::from(&controller(BIAS_V));
     for middle_s in [2.9, 3.8] {
         let torque_nm = run(7, 2.0, middle_s).1;
         let later = recording(7, 2.0).part((1e3 * middle_s).round() as usize..8000);
@@ -71,7 +71,7 @@ fn a_hose_bent_at_the_start_is_found_bent() {
 #[test]
 fn the_hose_is_replayed_to_the_noise_and_missed_where_it_is_left_out() {
     let recording = recording(7, 2.0);
-    let control = Loop::from(&controller(BIAS_V));
+    let control = ReplayLoop::from(&controller(BIAS_V));
     let worst = |p: &Parameters| {
         let found = replay(p, &recording, &control).unwrap();
         found.channels.iter().map(|c| c.rms_error / c.floor).fold(0.0, f64::max)
@@ -86,7 +86,7 @@ fn the_hose_is_found_again() {
     let recordings = [recording(1, 2.0), recording(2, 0.9)];
     let base = reference::rig();
     let prepared = PreparedRecordings::new(&recordings, &base);
-    let simulator = RecordingReplays::new(&base, &Loop::from(&controller(BIAS_V)), &prepared).unwrap();
+    let simulator = RecordingReplays::new(&base, &ReplayLoop::from(&controller(BIAS_V)), &prepared).unwrap();
     let effects: Vec<_> = find_effects(Component::Structure, EffectName::Hysteresis).collect();
     let selection = FitSelection::all(recordings.len());
     let problem = Problem {

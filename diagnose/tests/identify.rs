@@ -5,7 +5,7 @@ use crate::common;
 
 use common::controller;
 use counterpoise_diagnose::identification::{
-    Amplifier, Estimate, Identified, Note, apply_identified, identify,
+    Estimate, Identification, IdentifiedAmplifier, Note, apply_identified, identify,
 };
 use counterpoise_models::parameters::{FrictionLaw, MapPoint, StribeckCurve};
 use counterpoise_models::{Parameters, Plant, reference};
@@ -63,7 +63,7 @@ fn other_machine() -> Parameters {
 }
 
 /// First moment, inertia, Coulomb, viscous.
-fn four(found: &Identified) -> [Estimate; 4] {
+fn four(found: &Identification) -> [Estimate; 4] {
     let b = &found.balances[0];
     [b.out_of_balance_kg_m, b.inertia_kg_m2, found.coulomb_nm, found.viscous_nm_s_rad]
 }
@@ -104,8 +104,10 @@ fn true_current(input_v: f64) -> f64 {
     rig.amplifier.drive_v(input_v, &rig.motor) * rig.amplifier.stall_gain_a_v(&rig.motor)
 }
 
-fn worst_point(found: &Identified) -> f64 {
-    let Amplifier::Curve { points } = &found.amplifier else { panic!("no curve: {:?}", found.amplifier) };
+fn worst_point(found: &Identification) -> f64 {
+    let IdentifiedAmplifier::Curve { points } = &found.amplifier else {
+        panic!("no curve: {:?}", found.amplifier)
+    };
     for q in points {
         println!("  {:?} truth {:.3}", q, true_current(q.input_v));
     }
@@ -131,7 +133,7 @@ fn the_gain_curve_is_recovered_from_balanced_and_midpoint_runs() {
 fn a_linear_amplifier_is_left_as_it_is() {
     let recording = triangle(&mut simulator(&reference::rig()), 2.88, 3);
     let found = identify(&reference::rig(), &[&[recording]]).unwrap();
-    assert!(!matches!(found.amplifier, Amplifier::Curve { .. }), "{:?}", found.amplifier);
+    assert!(!matches!(found.amplifier, IdentifiedAmplifier::Curve { .. }), "{:?}", found.amplifier);
 }
 
 #[test]

@@ -16,7 +16,7 @@ use counterpoise_diagnose::simulator_access::{Serial, SimulatorAccess};
 use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 use counterpoise_models::{Parameters, Plant, reference};
 use counterpoise_recordings::Recording;
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::ReplayLoop;
 use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
 /// Control that holds the rig's weight, V.
@@ -50,7 +50,7 @@ fn modelled(machine: &Parameters) -> Option<(LearnedModel, Parameters)> {
     let base = reference::rig();
     let recordings = recordings(machine);
     let prepared = PreparedRecordings::new(&recordings, &base);
-    let simulator = RecordingReplays::new(&base, &Loop::from(&controller(BIAS_V)), &prepared).unwrap();
+    let simulator = RecordingReplays::new(&base, &ReplayLoop::from(&controller(BIAS_V)), &prepared).unwrap();
     let searcher = Searcher {
         simulator: &simulator,
         pool: &Serial,

@@ -12,7 +12,7 @@ use counterpoise_models::loads::equilibrator::{Equilibrator, Force};
 use counterpoise_models::loads::{EndStops, Recoil};
 use counterpoise_models::{Parameters, Plant, reference};
 use counterpoise_recordings::Recording;
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::ReplayLoop;
 use counterpoise_simulate::{Detail, Firing, Imperfections, Scenario, Signal, Simulator};
 
 /// Control that holds the rig's weight, V.
@@ -35,7 +35,7 @@ fn recording(machine: &Parameters, seed: u64, period_s: f64) -> Recording {
 fn found(component: Component, effect: EffectName, truth: &Parameters, model: &Parameters) -> f64 {
     let recordings = [recording(truth, 1, 2.0), recording(truth, 2, 0.5)];
     let prepared = PreparedRecordings::new(&recordings, model);
-    let simulator = RecordingReplays::new(model, &Loop::from(&controller(BIAS_V)), &prepared).unwrap();
+    let simulator = RecordingReplays::new(model, &ReplayLoop::from(&controller(BIAS_V)), &prepared).unwrap();
     let effects: Vec<_> = find_effects(component, effect).collect();
     let start = effects[0].values(model);
     let selection = FitSelection::all(recordings.len());

@@ -1,7 +1,7 @@
 //! Curves are read: each simple form with its numbers; a curve without one gets no reading.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_diagnose::learning::reading::{Form, Reading, read};
+use counterpoise_diagnose::learning::reading::{CurveReading, Form, read_curve};
 use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 
 fn curve(variable: RegimeVariable, low: f64, high: f64, of: impl Fn(f64) -> f64) -> LearnedElement {
@@ -18,14 +18,15 @@ fn curve(variable: RegimeVariable, low: f64, high: f64, of: impl Fn(f64) -> f64)
 #[test]
 fn each_form_is_read_with_its_numbers() {
     use RegimeVariable::{Angle, Rate, Time};
-    let near = |reading: &Reading, name: &str, value: f64| {
+    let near = |reading: &CurveReading, name: &str, value: f64| {
         let (found, half) = (reading.value(name), reading.half_width(name));
         assert!(
             (found - value).abs() < half.max(0.03 * value.abs()),
             "{name} {found} +- {half}, not {value}"
         );
     };
-    let read = |variable, low, high, of: &dyn Fn(f64) -> f64| read(&curve(variable, low, high, of)).unwrap();
+    let read =
+        |variable, low, high, of: &dyn Fn(f64) -> f64| read_curve(&curve(variable, low, high, of)).unwrap();
     let flat = read(Angle, -0.1, 0.1, &|_| 1.2);
     assert_eq!(flat.form, Form::Constant);
     let bump = read(Angle, -0.1, 0.1, &|x| 1.0 + 0.4 * (-((x + 0.06) / 0.02f64).powi(2)).exp());
@@ -53,5 +54,5 @@ fn each_form_is_read_with_its_numbers() {
 #[test]
 fn a_curve_without_a_simple_form_is_not_read() {
     let rough = curve(RegimeVariable::Angle, -0.1, 0.1, |x| (3e3 * (x + 0.11) * (x + 0.11)).sin());
-    assert_eq!(read(&rough), None);
+    assert_eq!(read_curve(&rough), None);
 }

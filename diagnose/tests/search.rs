@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_diagnose::findings::answer::{Answer, DiagnosisVerdict};
-use counterpoise_diagnose::findings::verdict::Evidence;
+use counterpoise_diagnose::findings::verdict::VerdictEvidence;
 use counterpoise_diagnose::library::{Component, EffectName, list_effects};
 use counterpoise_diagnose::selection::searcher::Searcher;
 use counterpoise_diagnose::selection::sizes::Sizes;
@@ -109,7 +109,7 @@ fn diagnosed(change: impl Fn(&mut Parameters), strange: f64) -> Answer {
     }
     .search()
     .unwrap();
-    let evidence = Evidence {
+    let evidence = VerdictEvidence {
         simulator: &simulator,
         base: &base,
         search: &search,

@@ -5,7 +5,7 @@ use crate::{File, Numbers};
 
 /// A processor core, QEMU's board for it, and what the cross compiler must know.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Core {
+pub struct TargetCore {
     /// Name for a reader.
     pub name: &'static str,
     /// QEMU's machine.
@@ -15,13 +15,13 @@ pub struct Core {
 }
 
 /// The cores that costs are counted on.
-pub const CORES: [Core; 2] = [
-    Core {
+pub const CORES: [TargetCore; 2] = [
+    TargetCore {
         name: "Cortex-M4F",
         machine: "mps2-an386",
         flags: ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"],
     },
-    Core {
+    TargetCore {
         name: "Cortex-M7",
         machine: "mps2-an500",
         flags: ["-mcpu=cortex-m7", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv5-d16"],
@@ -59,7 +59,7 @@ pub const LINK: [&str; 8] = [
 ];
 
 /// Returns the arguments of [`EMULATOR`] for a core, up to the firmware's path.
-pub fn emulator_command(core: &Core) -> [&'static str; 13] {
+pub fn emulator_command(core: &TargetCore) -> [&'static str; 13] {
     [
         "-M",
         core.machine,
@@ -92,7 +92,7 @@ pub fn counting_code(name: &str, numbers: Numbers) -> Vec<File> {
 
 /// What the code costs on a core.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Cost {
+pub struct CodeCost {
     /// Most instructions of a step over the counter's patterns of readings: rest, both signs, alternating, limiter.
     pub step_instructions: u64,
     /// Most instructions of setting the out-of-balance.
@@ -105,7 +105,7 @@ pub struct Cost {
     pub stack_bytes: u64,
 }
 
-impl Cost {
+impl CodeCost {
     /// Reads what the counter printed, what [`SIZER`] said of the controller's object file, and the compiler's stack
     /// usage file. Nothing where one of them is not as expected, or where the self test failed on the target.
     pub fn read(counted: &str, sizes: &str, stack_usage: &str) -> Option<Self> {
@@ -131,8 +131,8 @@ mod tests {
     fn what_the_tools_say_is_read() {
         let sizes = "   text\t   data\t    bss\n   3116\t      0\t      0\n";
         let usage = "axis.c:1:6:axis_init\t8\tstatic\naxis.c:9:8:axis_step\t112\tstatic\n";
-        let found = Cost::read("wrong 0 step 612 set 40 state 188\n", sizes, usage);
-        let expected = Cost {
+        let found = CodeCost::read("wrong 0 step 612 set 40 state 188\n", sizes, usage);
+        let expected = CodeCost {
             step_instructions: 612,
             set_instructions: 40,
             flash_bytes: 3116,
@@ -144,6 +144,6 @@ mod tests {
 
     #[test]
     fn a_failed_self_test_has_no_cost() {
-        assert_eq!(Cost::read("wrong 3 step 612 set 40 state 188", "", ""), None);
+        assert_eq!(CodeCost::read("wrong 3 step 612 set 40 state 188", "", ""), None);
     }
 }

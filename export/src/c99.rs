@@ -7,7 +7,9 @@ use minijinja::{Environment, context};
 use crate::guard::{flags, guard, guard_bytes, guard_instructions, mark_files};
 use crate::print::{Dialect, Printer, literal, meaning, state};
 use crate::vectors::{Vector, shipped_vectors};
-use crate::{Error, File, Options, Precision, Provenance, Source, check_name, check_range, reading_fields};
+use crate::{
+    CodeOptions, Error, ExportSource, File, Precision, Provenance, check_name, check_range, reading_fields,
+};
 
 /// Returns the controller as C99 source
 ///
@@ -24,9 +26,9 @@ use crate::{Error, File, Options, Precision, Provenance, Source, check_name, che
 /// [`Error::Name`] for a name that is no lower-case identifier, [`Error::SingleRange`] for a coefficient that single
 /// precision cannot hold.
 pub fn c99<'a>(
-    source: impl Into<Source<'a>>,
+    source: impl Into<ExportSource<'a>>,
     provenance: &Provenance,
-    options: &Options,
+    options: &CodeOptions,
 ) -> Result<Vec<File>, Error> {
     let source = source.into();
     let controller = source.controller();
@@ -67,7 +69,7 @@ pub(crate) fn with_guard(
     Ok(context! { guard_header, same_set, guard_calls, ..data })
 }
 
-fn data(controller: &Controller, provenance: &[String], options: &Options) -> minijinja::Value {
+fn data(controller: &Controller, provenance: &[String], options: &CodeOptions) -> minijinja::Value {
     let (name, programs) = (&options.name, controller.programs());
     let real = format!("{name}_real");
     let printer = |program, input_prefix| Printer {

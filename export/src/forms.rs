@@ -1,6 +1,6 @@
 //! The same controller with its paths in other forms: what each form costs, and what small numbers do to it.
 
-use counterpoise_controller::sensitivity::{Form, realise_form};
+use counterpoise_controller::sensitivity::{RealisationForm, realise_form};
 use counterpoise_controller::{Controller, Path};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, poles};
@@ -88,8 +88,8 @@ fn brought(path: &Path, form: PathForm) -> Option<Path> {
     let D = system.D.hstack(&Mat::zeros(system.outputs(), 1));
     let both = StateSpace { B, D, ..system.clone() };
     let realised = match form {
-        PathForm::Modal => realise_form(&both, Form::Modal).ok()?,
-        PathForm::Balanced => realise_form(&both, Form::Balanced).ok()?,
+        PathForm::Modal => realise_form(&both, RealisationForm::Modal).ok()?,
+        PathForm::Balanced => realise_form(&both, RealisationForm::Balanced).ok()?,
         PathForm::Companion | PathForm::InUse => companion(&both)?,
     };
     let order = realised.order();

@@ -1,6 +1,6 @@
 //! The verified controller as source code.
 //!
-//! In come a verified controller (a [`Source`]) and its [`Provenance`]; out go files as text: C99 and a
+//! In come a verified controller (a [`ExportSource`]) and its [`Provenance`]; out go files as text: C99 and a
 //! `no_std` Rust crate, each with test vectors from the reference. Both print the same straight line of arithmetic that
 //! the reference runs, so their answers are equal to the last bit.
 //!
@@ -57,7 +57,7 @@ pub use provenance::Provenance;
 pub use ranges::{Adjustable, MeasuredDeviation, Ranges};
 pub use rounding::{Deviation, single_precision};
 pub use rust_crate::rust_crate;
-pub use source::Source;
+pub use source::ExportSource;
 pub use targets::{
     FixedFigures, Jobs, Numbers, Record, TargetFigures, TargetRuns, Targets, compare_targets, fixed_form,
 };
@@ -86,14 +86,14 @@ pub enum Precision {
 
 /// How code is generated.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Options {
+pub struct CodeOptions {
     /// What every name of the code starts with, and every file: a lower-case identifier.
     pub name: String,
     /// Numbers of the target.
     pub precision: Precision,
 }
 
-impl Options {
+impl CodeOptions {
     /// Returns double precision under a name.
     pub fn double(name: &str) -> Self {
         Self { name: name.to_owned(), precision: Precision::Double }

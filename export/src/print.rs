@@ -1,6 +1,6 @@
 //! Operations as statements of C and Rust.
 
-use counterpoise_controller::program::{Operation, Program, Programs, Slot, StateGroup, Term};
+use counterpoise_controller::program::{Operation, Program, ProgramTerm, Programs, Slot, StateGroup};
 
 use crate::Precision;
 use crate::comment::comment_text;
@@ -117,7 +117,7 @@ impl Printer<'_> {
     }
 
     /// Returns the summands from left to right: a - c b is a + (-c) b, to the last bit.
-    fn sum(&self, constant: Option<f64>, terms: &[Term]) -> Vec<String> {
+    fn sum(&self, constant: Option<f64>, terms: &[ProgramTerm]) -> Vec<String> {
         let mut pieces: Vec<String> = constant.map(|c| self.literal(c)).into_iter().collect();
         for term in terms {
             let size = term.coefficient.abs();

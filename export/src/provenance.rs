@@ -1,7 +1,7 @@
 //! Where generated code comes from: handed in, written into every header.
 
 use crate::comment::comment_text;
-use crate::{Converters, Source};
+use crate::{Converters, ExportSource};
 
 /// What the header of generated code says of its origin. All of it is handed in: this crate knows no clock and no file.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -26,7 +26,7 @@ pub struct Provenance {
 
 impl Provenance {
     /// Returns the lines of the header, with what the source says of its verification.
-    pub(crate) fn header(&self, source: Source) -> Vec<String> {
+    pub(crate) fn header(&self, source: ExportSource) -> Vec<String> {
         let mut lines = self.lines();
         lines.push(source.line());
         lines.iter().flat_map(|line| wrapped(line)).map(|line| comment_text(&line)).collect()

@@ -7,7 +7,9 @@ use minijinja::{Environment, context};
 use crate::guard::{flags, guard, mark_files};
 use crate::print::{Dialect, Printer, literal, meaning, state};
 use crate::vectors::{Vector, shipped_vectors};
-use crate::{Error, File, Options, Precision, Provenance, Source, check_name, check_range, reading_fields};
+use crate::{
+    CodeOptions, Error, ExportSource, File, Precision, Provenance, check_name, check_range, reading_fields,
+};
 
 /// Returns the controller as a `no_std` Rust crate without dependencies and without `unsafe`: `Cargo.toml`,
 /// `src/lib.rs` and `tests/vectors.rs`, the same arithmetic and the same vectors as [`crate::c99()`].
@@ -15,9 +17,9 @@ use crate::{Error, File, Options, Precision, Provenance, Source, check_name, che
 /// # Errors
 /// As [`crate::c99()`].
 pub fn rust_crate<'a>(
-    source: impl Into<Source<'a>>,
+    source: impl Into<ExportSource<'a>>,
     provenance: &Provenance,
-    options: &Options,
+    options: &CodeOptions,
 ) -> Result<Vec<File>, Error> {
     let source = source.into();
     let controller = source.controller();
@@ -37,7 +39,7 @@ pub fn rust_crate<'a>(
     Ok(mark_files(templates.into_iter().map(fill).collect::<Result<_, Error>>()?))
 }
 
-fn data(controller: &Controller, provenance: &[String], options: &Options) -> minijinja::Value {
+fn data(controller: &Controller, provenance: &[String], options: &CodeOptions) -> minijinja::Value {
     let programs = controller.programs();
     let precision = options.precision;
     let printer = |program, input_prefix| Printer {

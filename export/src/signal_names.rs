@@ -3,7 +3,7 @@
 //! The code of a controller is generated with the names of a rate loop. Another loop runs the same operations on other
 //! quantities; its files have these quantities' names, units and meanings in place of the rates'.
 
-use counterpoise_models::{Axis, ControlledQuantity, QuantityKind};
+use counterpoise_models::{AxisKind, ControlledQuantity, QuantityKind};
 
 use crate::File;
 
@@ -57,12 +57,12 @@ pub fn with_loop_names(controlled: ControlledQuantity, files: Vec<File>) -> Vec<
 fn words_of(controlled: ControlledQuantity) -> Option<Words> {
     let (of, definition) = match (controlled.kind, controlled.axis) {
         (QuantityKind::Rate, _) => return None,
-        (QuantityKind::Position, Axis::Rotary) => ("relative to the platform", None),
-        (QuantityKind::Position, Axis::Linear) => ("relative to the platform", Some(("m", "m=\"1\""))),
-        (QuantityKind::Effort, Axis::Rotary) => {
+        (QuantityKind::Position, AxisKind::Rotary) => ("relative to the platform", None),
+        (QuantityKind::Position, AxisKind::Linear) => ("relative to the platform", Some(("m", "m=\"1\""))),
+        (QuantityKind::Effort, AxisKind::Rotary) => {
             ("of the transmission", Some(("N.m", "kg=\"1\" m=\"2\" s=\"-2\"")))
         }
-        (QuantityKind::Effort, Axis::Linear) => {
+        (QuantityKind::Effort, AxisKind::Linear) => {
             ("of the transmission", Some(("N", "kg=\"1\" m=\"1\" s=\"-2\"")))
         }
         (QuantityKind::Current, _) => ("of the motor", None),
@@ -132,7 +132,7 @@ mod tests {
         let files = vec![File { name: "modelDescription.xml".into(), text: text.into() }];
         let place = ControlledQuantity {
             kind: QuantityKind::Position,
-            axis: Axis::Linear,
+            axis: AxisKind::Linear,
             ..ControlledQuantity::RATE
         };
         let found = with_loop_names(place, files);

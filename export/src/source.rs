@@ -5,36 +5,36 @@ use counterpoise_verify::VerifiedController;
 
 /// A controller to be turned into code.
 #[derive(Debug, Clone, Copy)]
-pub enum Source<'a> {
+pub enum ExportSource<'a> {
     /// The usual one: its verdicts are known.
     Verified(&'a VerifiedController),
     /// For tests and experiments; the code says so in its header.
     Unverified(&'a Controller),
 }
 
-impl<'a> From<&'a VerifiedController> for Source<'a> {
+impl<'a> From<&'a VerifiedController> for ExportSource<'a> {
     fn from(verified: &'a VerifiedController) -> Self {
-        Source::Verified(verified)
+        ExportSource::Verified(verified)
     }
 }
 
-impl<'a> Source<'a> {
+impl<'a> ExportSource<'a> {
     /// Returns the controller.
     pub fn controller(&self) -> &'a Controller {
         match self {
-            Source::Verified(verified) => verified.controller(),
-            Source::Unverified(controller) => controller,
+            ExportSource::Verified(verified) => verified.controller(),
+            ExportSource::Unverified(controller) => controller,
         }
     }
 
     /// Returns the line of the header that says whether the controller was verified.
     pub(crate) fn line(&self) -> String {
         match self {
-            Source::Verified(verified) => {
+            ExportSource::Verified(verified) => {
                 let (hold, fail, open) = verified.verification().counts();
                 format!("verified: {hold} requirements hold, {fail} fail, {open} could not be judged")
             }
-            Source::Unverified(_) => "verified: NO. For tests and experiments only.".to_owned(),
+            ExportSource::Unverified(_) => "verified: NO. For tests and experiments only.".to_owned(),
         }
     }
 }

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use counterpoise_controller::{Controller, READINGS, Readings, SampledController};
 use counterpoise_models::plant::Plant;
 use counterpoise_simulate::Simulator;
-use counterpoise_verify::{Arrangement, Experiment, History, Procedure, VerifiedController, nonlinear};
+use counterpoise_verify::{Arrangement, Experiment, Procedure, VerifiedController, nonlinear};
 
 use crate::{
     Adjustable, Deviation, Fixed, FixedError, FixedRunner, FormFigures, MeasuredDeviation, Ranges,
@@ -258,7 +258,7 @@ fn run(
 ) -> Result<Run, counterpoise_verify::Error> {
     let mut recorder = Recorder { inner, seen: Record::default() };
     let history = nonlinear::history_of(simulator, &mut recorder, procedure, experiment)?;
-    Ok(Run { experiment, seen: recorder.seen, errors_rad_s: errors(&history) })
+    Ok(Run { experiment, seen: recorder.seen, errors_rad_s: history.tracking_error_rad_s() })
 }
 
 impl Run {
@@ -286,10 +286,6 @@ fn with_runs(
     let Deviations { numbers, predicted, measured } = deviations;
     let MeasuredDeviation { largest_v: measured_v, rms_v: measured_rms_v } = measured;
     TargetFigures { numbers, predicted, measured_v, measured_rms_v, experiments, closed_loops }
-}
-
-fn errors(history: &History) -> Vec<f64> {
-    history.demand_rad_s.iter().zip(&history.hub_rate_rad_s).map(|(r, y)| r - y).collect()
 }
 
 fn rms(errors: &[f64]) -> f64 {

@@ -9,9 +9,9 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use counterpoise_controller::READINGS;
-use counterpoise_export::Source::Unverified;
+use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
-use counterpoise_export::{Options, Ranges, c99, fixed_c99, plan_fixed_point};
+use counterpoise_export::{CodeOptions, Ranges, c99, fixed_c99, plan_fixed_point};
 use counterpoise_models::{Plant, reference};
 use support::{Random, complete, folder, is_there, provenance, run, typical, write};
 
@@ -27,9 +27,9 @@ fn generated(test: &str) -> Vec<PathBuf> {
     let known = Ranges::from_readings(&controller, &[history], 4.0);
     let fixed = plan_fixed_point(&controller, &known, 1e-2, 2000).unwrap();
     let kinds = [
-        ("double", c99(Unverified(&controller), &provenance(), &Options::double("axis")).unwrap()),
-        ("complete", c99(Unverified(&complete()), &provenance(), &Options::single("axis")).unwrap()),
-        ("single", c99(Unverified(&controller), &provenance(), &Options::single("axis")).unwrap()),
+        ("double", c99(Unverified(&controller), &provenance(), &CodeOptions::double("axis")).unwrap()),
+        ("complete", c99(Unverified(&complete()), &provenance(), &CodeOptions::single("axis")).unwrap()),
+        ("single", c99(Unverified(&controller), &provenance(), &CodeOptions::single("axis")).unwrap()),
         ("fixed", fixed_c99(Unverified(&controller), &fixed, &provenance(), "axis").unwrap()),
     ];
     let place = |(kind, files): &(&str, Vec<counterpoise_export::File>)| {
@@ -87,7 +87,10 @@ fn units(test: &str) -> Vec<(PathBuf, Vec<String>)> {
     let plant = Plant::from_lumped(&reference::rig()).unwrap();
     let asked = PlantUnit { plant: &plant, name: "rig" };
     let kinds = [
-        ("axis", controller_unit(Unverified(&complete()), &provenance(), &Options::double("axis")).unwrap()),
+        (
+            "axis",
+            controller_unit(Unverified(&complete()), &provenance(), &CodeOptions::double("axis")).unwrap(),
+        ),
         ("rig", plant_unit(asked, &provenance()).unwrap()),
     ];
     let place = |(name, files): &(&str, Vec<counterpoise_export::File>)| {

@@ -6,9 +6,9 @@ use crate::support;
 
 use std::process::Command;
 
-use counterpoise_controller::{Controller, Estimator, Learning, ObserverLaw, Parts, Signal};
-use counterpoise_export::Source::Unverified;
-use counterpoise_export::{Options, Precision, c99};
+use counterpoise_controller::{Controller, Estimator, Learning, ObserverLaw, Parts, PathSignal};
+use counterpoise_export::ExportSource::Unverified;
+use counterpoise_export::{CodeOptions, Precision, c99};
 use support::{
     STRICT, Target, equal_to_the_last_bit, folder, is_there, provenance, reference, requests, run, server,
     typical, write,
@@ -31,7 +31,7 @@ fn learning(learning: Learning, gravity_m_s2: f64, hold_samples: u32) -> Control
         parts.estimator = Some(Estimator {
             learning,
             gravity_m_s2,
-            rate: Signal::RelativeRate,
+            rate: PathSignal::RelativeRate,
             half_rate_rad_s: 0.01,
             volts_per_kg_m_s2: 0.019 / 9.80665,
             rate_limit_kg_m_s: f64::INFINITY,
@@ -74,7 +74,7 @@ fn program(test: &str, controllers: &[Controller], precision: Precision) -> Targ
     let mut sources = vec!["server.c".to_owned()];
     let names: Vec<String> = (0..controllers.len()).map(|i| format!("controller_{i}")).collect();
     for (controller, name) in controllers.iter().zip(&names) {
-        let options = Options { name: name.clone(), precision };
+        let options = CodeOptions { name: name.clone(), precision };
         write(&folder, &c99(Unverified(controller), &provenance(), &options).unwrap());
         sources.push(format!("{name}.c"));
     }

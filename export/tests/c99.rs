@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use counterpoise_controller::{Controller, Parts};
-use counterpoise_export::Source::Unverified;
-use counterpoise_export::{Options, Precision, c99};
+use counterpoise_export::ExportSource::Unverified;
+use counterpoise_export::{CodeOptions, Precision, c99};
 use support::{
     STRICT, Target, complete, equal_to_the_last_bit, folder, is_there, provenance, random_controller,
     reference, requests, run, server, typical, write,
@@ -21,7 +21,7 @@ fn build(test: &str, controllers: &[Controller], precision: Precision, flags: &[
     let mut sources = vec!["server.c".to_owned()];
     for (i, controller) in controllers.iter().enumerate() {
         let name = format!("controller_{i}");
-        let options = Options { name: name.clone(), precision };
+        let options = CodeOptions { name: name.clone(), precision };
         write(&folder, &c99(Unverified(controller), &provenance(), &options).unwrap());
         sources.push(format!("{name}.c"));
         names.push(name);
@@ -57,7 +57,8 @@ fn a_controller_with_every_block_is_equal_to_the_reference() {
     equal_to_the_last_bit(&Target::start(&double).ask_all(&asked), &reference::<f64>(&controllers, &asked));
     let single = build("complete_single", &controllers, Precision::Single, &STRICT);
     equal_to_the_last_bit(&Target::start(&single).ask_all(&asked), &reference::<f32>(&controllers, &asked));
-    let code = c99(Unverified(&complete()), &provenance(), &Options::double("axis")).unwrap()[1].text.clone();
+    let code =
+        c99(Unverified(&complete()), &provenance(), &CodeOptions::double("axis")).unwrap()[1].text.clone();
     for block in [
         "corrected readings",
         "reference prefilter",
@@ -100,7 +101,9 @@ fn what_is_shipped_compiles_and_passes_on_every_compiler() {
             support::skipped(&format!("no {compiler}"));
             continue;
         }
-        for (kind, options) in [("double", Options::double("axis")), ("single", Options::single("axis"))] {
+        for (kind, options) in
+            [("double", CodeOptions::double("axis")), ("single", CodeOptions::single("axis"))]
+        {
             let folder = folder(&format!("shipped_{compiler}_{kind}"));
             write(&folder, &c99(Unverified(&typical()), &provenance(), &options).unwrap());
             let compile = |arguments: &[&str]| {
@@ -121,7 +124,7 @@ fn the_self_test_sees_a_changed_coefficient() {
         return support::skipped("no C compiler");
     }
     let folder = folder("spoilt");
-    let mut files = c99(Unverified(&typical()), &provenance(), &Options::double("axis")).unwrap();
+    let mut files = c99(Unverified(&typical()), &provenance(), &CodeOptions::double("axis")).unwrap();
     let coefficient = format!("{:?}", typical().parts().paths[0].system.B[(3, 0)].abs());
     let nudged = files[1].text.replacen(&coefficient, &format!("1.001 * {coefficient}"), 1);
     assert_ne!(nudged, files[1].text);
@@ -139,7 +142,7 @@ fn an_empty_controller_compiles_too() {
     }
     let folder = folder("empty");
     let controller = Controller::new(Parts::new(1e-3, 10.0)).unwrap();
-    write(&folder, &c99(Unverified(&controller), &provenance(), &Options::double("nothing")).unwrap());
+    write(&folder, &c99(Unverified(&controller), &provenance(), &CodeOptions::double("nothing")).unwrap());
     let sources = ["nothing.c", "nothing_self_test.c", "nothing_test.c"];
     run(Command::new("cc").current_dir(&folder).args(STRICT).args(sources).args(["-o", "test"]));
     run(&mut Command::new(folder.join("test")));
@@ -147,7 +150,7 @@ fn an_empty_controller_compiles_too() {
 
 #[test]
 fn the_header_says_where_the_code_comes_from() {
-    let files = c99(Unverified(&typical()), &provenance(), &Options::double("axis")).unwrap();
+    let files = c99(Unverified(&typical()), &provenance(), &CodeOptions::double("axis")).unwrap();
     for line in provenance().lines() {
         assert!(files[0].text.contains(&line) && files[1].text.contains(&line), "{line}");
     }
@@ -156,7 +159,7 @@ fn the_header_says_where_the_code_comes_from() {
 
 #[test]
 fn the_readme_names_what_is_there() {
-    let files = c99(Unverified(&typical()), &provenance(), &Options::double("axis")).unwrap();
+    let files = c99(Unverified(&typical()), &provenance(), &CodeOptions::double("axis")).unwrap();
     let readme = &files.iter().find(|file| file.name == "axis_README.md").unwrap().text;
     assert!(files.iter().all(|file| file.name.ends_with(".md") || readme.contains(&file.name)));
     for said in
@@ -169,7 +172,7 @@ fn the_readme_names_what_is_there() {
 #[test]
 fn names_that_are_no_identifiers_are_refused() {
     for name in ["", "9axis", "Axis", "an axis", "a_name_that_is_much_too_long_for_a_prefix"] {
-        assert!(c99(Unverified(&typical()), &provenance(), &Options::double(name)).is_err(), "{name}");
+        assert!(c99(Unverified(&typical()), &provenance(), &CodeOptions::double(name)).is_err(), "{name}");
     }
 }
 
@@ -177,7 +180,7 @@ fn names_that_are_no_identifiers_are_refused() {
 #[test]
 fn words_of_the_target_languages_are_refused() {
     for name in ["double", "match", "class", "core", "std", "test", "linux", "async"] {
-        assert!(c99(Unverified(&typical()), &provenance(), &Options::double(name)).is_err(), "{name}");
+        assert!(c99(Unverified(&typical()), &provenance(), &CodeOptions::double(name)).is_err(), "{name}");
     }
 }
 
@@ -189,7 +192,7 @@ fn files_of_different_exports_do_not_compile_together() {
     let folder = folder("mixed_set");
     let files = |project: &str| {
         let provenance = counterpoise_export::Provenance { project: project.into(), ..provenance() };
-        c99(Unverified(&typical()), &provenance, &Options::double("axis")).unwrap()
+        c99(Unverified(&typical()), &provenance, &CodeOptions::double("axis")).unwrap()
     };
     write(&folder, &files("yesterday"));
     let compile = |source: &str| {

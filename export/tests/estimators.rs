@@ -6,8 +6,8 @@ use crate::support;
 
 use std::process::Command;
 
-use counterpoise_controller::{Controller, Estimator, Learning, Parts, READINGS, Scaling, Signal};
-use counterpoise_export::Source::Unverified;
+use counterpoise_controller::{Controller, Estimator, Learning, Parts, PathSignal, READINGS, Scaling};
+use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::{
     Deviation, FixedRunner, MeasuredDeviation, Ranges, fixed_c99, plan_fixed_point, single_precision,
 };
@@ -26,9 +26,9 @@ fn estimating(learning: Learning, gravity_m_s2: f64) -> Controller {
     let integrator = StateSpace::new(one(1.0), one(0.02), one(1.0), one(9.0), timebase).unwrap();
     let lag = StateSpace::new(one(0.97), one(0.03), one(-0.2), one(0.0), timebase).unwrap();
     let mut parts = Parts::new(1e-3, 10.0);
-    let mut heave = path("heave", vec![Signal::PlatformAcceleration], lag);
+    let mut heave = path("heave", vec![PathSignal::PlatformAcceleration], lag);
     heave.scaling = Scaling::WithOutOfBalance;
-    parts.paths = vec![path("feedback", vec![Signal::RateError], integrator), heave];
+    parts.paths = vec![path("feedback", vec![PathSignal::RateError], integrator), heave];
     parts.design_out_of_balance_kg_m = 120.0;
     parts.out_of_balance_range_kg_m = (-400.0, 400.0);
     parts.bias_v_per_kg_m = if gravity_m_s2 == 0.0 { 0.0 } else { VOLTS_PER_KG_M };
@@ -36,7 +36,7 @@ fn estimating(learning: Learning, gravity_m_s2: f64) -> Controller {
     parts.estimator = Some(Estimator {
         learning,
         gravity_m_s2,
-        rate: Signal::RelativeRate,
+        rate: PathSignal::RelativeRate,
         half_rate_rad_s: 0.01,
         volts_per_kg_m_s2: VOLTS_PER_KG_M / GRAVITY,
         rate_limit_kg_m_s: 200.0,

@@ -7,9 +7,9 @@ use crate::support;
 use std::process::Command;
 
 use counterpoise_controller::guard::{ALONE, REFUSED, REPLACED, RESTARTED, UNCHANGED};
-use counterpoise_controller::{Controller, Parts, READINGS, SampledController, Sensors, Signal};
-use counterpoise_export::Source::Unverified;
-use counterpoise_export::{FixedRunner, Options, Ranges, c99, fixed_c99, plan_fixed_point, rust_crate};
+use counterpoise_controller::{Controller, Parts, PathSignal, READINGS, SampledController, SensorUse};
+use counterpoise_export::ExportSource::Unverified;
+use counterpoise_export::{CodeOptions, FixedRunner, Ranges, c99, fixed_c99, plan_fixed_point, rust_crate};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 use support::{
@@ -58,7 +58,9 @@ fn c_answers_broken_readings_as_the_reference_does() {
     }
     let controllers = controllers();
     let asked = faulty(controllers.len(), 1500);
-    for (kind, options) in [("double", Options::double as fn(&str) -> Options), ("single", Options::single)] {
+    for (kind, options) in
+        [("double", CodeOptions::double as fn(&str) -> CodeOptions), ("single", CodeOptions::single)]
+    {
         let folder = folder(&format!("faulty_{kind}"));
         let mut names = Vec::new();
         for (i, controller) in controllers.iter().enumerate() {
@@ -186,7 +188,7 @@ fn states_that_run_away_are_put_back() {
     let timebase = Timebase::Discrete { period_s: 1e-3 };
     let mut parts = Parts::new(1e-3, 10.0);
     let system = StateSpace::new(one(1.5), one(1.0), one(1.0), one(0.0), timebase).unwrap();
-    parts.paths.push(path("wild", vec![Signal::RateError], system));
+    parts.paths.push(path("wild", vec![PathSignal::RateError], system));
     let controller = Controller::new(parts).unwrap();
     let (mut double, mut single) = (controller.runner(), controller.runner_in::<f32>());
     let mut restarts = 0;
@@ -212,7 +214,7 @@ fn a_handover_ends_at_feedback_alone() {
     certified.step_array(&readings(0));
     for k in 1..20_000 {
         if k == 2000 {
-            runner.use_sensors(Sensors::FeedbackAlone);
+            runner.use_sensors(SensorUse::FeedbackAlone);
         }
         let control = runner.step_array(&readings(k));
         let alone = certified.step_array(&readings(k));
@@ -250,7 +252,9 @@ fn generated_crates_are_clean_for_clippy() {
     }
     let folder = folder("clippy");
     for (name, controller) in [("plain", typical()), ("every_block", complete())] {
-        for (numbers, options) in [("double", Options::double(name)), ("single", Options::single(name))] {
+        for (numbers, options) in
+            [("double", CodeOptions::double(name)), ("single", CodeOptions::single(name))]
+        {
             let place = folder.join(numbers);
             write(&place, &rust_crate(Unverified(&controller), &provenance(), &options).unwrap());
             let mut clippy = Command::new("cargo");

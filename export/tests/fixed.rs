@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use counterpoise_controller::{Controller, READINGS};
-use counterpoise_export::Source::Unverified;
+use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::{
     Fixed, FixedError, FixedRunner, Ranges, fixed_c99, plan_fixed_point, single_precision, vectors::LARGEST,
 };

@@ -3,9 +3,9 @@
 
 use crate::support;
 
-use counterpoise_export::Source::Unverified;
+use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
-use counterpoise_export::{File, Options, Provenance, c99, rust_crate};
+use counterpoise_export::{CodeOptions, File, Provenance, c99, rust_crate};
 use counterpoise_models::{Plant, reference};
 use support::typical;
 
@@ -37,7 +37,7 @@ fn generated(text: &str) -> Vec<File> {
         ..Provenance::default()
     };
     let controller = typical();
-    let options = Options::double("axis");
+    let options = CodeOptions::double("axis");
     let plant = Plant::from_lumped(&reference::rig()).unwrap();
     let mut files = c99(Unverified(&controller), &provenance, &options).unwrap();
     files.extend(rust_crate(Unverified(&controller), &provenance, &options).unwrap());

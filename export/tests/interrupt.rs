@@ -10,8 +10,10 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 
 use counterpoise_controller::{COMMON_READINGS, Controller, READINGS};
-use counterpoise_export::Source::Unverified;
-use counterpoise_export::{Converters, File, Options, Provenance, Ranges, c99, fixed_c99, plan_fixed_point};
+use counterpoise_export::ExportSource::Unverified;
+use counterpoise_export::{
+    CodeOptions, Converters, File, Provenance, Ranges, c99, fixed_c99, plan_fixed_point,
+};
 use counterpoise_models::reference;
 use support::{Random, STRICT, folder, is_there, provenance, run, typical, write};
 
@@ -113,7 +115,7 @@ fn the_block_in_double_answers_count_by_count() {
         return support::skipped("no C compiler");
     }
     let controller = typical();
-    let files = c99(Unverified(&controller), &origin(), &Options::double("axis")).unwrap();
+    let files = c99(Unverified(&controller), &origin(), &CodeOptions::double("axis")).unwrap();
     let found = answered(&folder("interrupt_double"), &files);
     assert_eq!(found, expected(&controller));
     assert!(found.iter().any(|count| count.abs() > 100), "{found:?}");
@@ -133,7 +135,7 @@ fn the_blocks_in_small_numbers_answer_within_a_count() {
     let known = Ranges::from_readings(&controller, &[history], 4.0);
     let fixed = plan_fixed_point(&controller, &known, 2.5e-3, SAMPLES).unwrap();
     let kinds = [
-        ("single", c99(Unverified(&controller), &origin(), &Options::single("axis")).unwrap()),
+        ("single", c99(Unverified(&controller), &origin(), &CodeOptions::single("axis")).unwrap()),
         ("fixed", fixed_c99(Unverified(&controller), &fixed, &origin(), "axis").unwrap()),
     ];
     let expected = expected(&controller);

@@ -17,11 +17,11 @@ use counterpoise_models::loads::{EndStops, Recoil};
 use counterpoise_models::parameters::cylinder::Lever;
 use counterpoise_models::plant::{Body, BodyMode};
 use counterpoise_models::{
-    AccelerometerAxis, AmplifierDynamics, Axis, FeedbackSignal, Friction, FrictionLaw, LearnedElement,
+    AccelerometerAxis, AmplifierDynamics, AxisKind, FeedbackSignal, Friction, FrictionLaw, LearnedElement,
     LearnedPlace, LearnedQuantity, Linkage, MapPoint, MotorHeat, OperatingPoint, Parameters, Plant,
     RegimeVariable, Ripple, Sensor, StribeckCurve, reference,
 };
-use counterpoise_simulate::convergence::cases;
+use counterpoise_simulate::convergence::convergence_cases;
 use counterpoise_simulate::{Firing, FurtherMotion, PlatformMotion, Playback, Scenario, Signal, Simulator};
 use support::{STRICT, folder, is_there, provenance, run, write};
 
@@ -252,7 +252,7 @@ fn every_law_of_friction_and_contact() {
         plant: case.plant,
         control_v: case.control_v.abs(),
     };
-    all_equal(&cases(&rig).unwrap().into_iter().map(of).collect::<Vec<_>>());
+    all_equal(&convergence_cases(&rig).unwrap().into_iter().map(of).collect::<Vec<_>>());
 }
 
 #[test]
@@ -476,7 +476,7 @@ fn kinds_of_machine() {
             (p.gearbox.hysteresis_nm, p.gearbox.hysteresis_stiffness_nm_rad) = (60.0, 4e5);
             p.sensors.measured = FeedbackSignal::MotorPosition;
         }),
-        machine("linear axis", |p| p.axis = Axis::Linear),
+        machine("linear axis", |p| p.axis = AxisKind::Linear),
         machine("torque sensor in a gearbox with a gap", |p| p.sensors.measured = FeedbackSignal::Torque),
         machine("torque sensor behind a harmonic drive", |p| {
             p.gearbox.backlash_rad = 0.0;

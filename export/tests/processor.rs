@@ -8,10 +8,10 @@ use crate::support;
 mod target;
 
 use counterpoise_controller::{Controller, Number, READINGS};
-use counterpoise_export::Source::Unverified;
-use counterpoise_export::board::{CORES, Core};
+use counterpoise_export::ExportSource::Unverified;
+use counterpoise_export::board::{CORES, TargetCore};
 use counterpoise_export::{
-    File, Fixed, FixedRunner, Numbers, Options, Precision, Ranges, c99, fixed_c99, plan_fixed_point,
+    CodeOptions, File, Fixed, FixedRunner, Numbers, Precision, Ranges, c99, fixed_c99, plan_fixed_point,
 };
 use support::{
     Random, Request, Target, complete, equal_to_the_last_bit, folder, provenance, reference, requests,
@@ -39,10 +39,10 @@ fn a_step_costs_what_its_multiplications_need() {
     let step = &controller.programs().step;
     let (multiplications, additions) = (step.multiplications(), step.additions());
     println!("one step: {multiplications} multiplications, {additions} additions");
-    let exact = |options: Options| c99(Unverified(&controller), &provenance(), &options).unwrap();
+    let exact = |options: CodeOptions| c99(Unverified(&controller), &provenance(), &options).unwrap();
     let kinds = [
-        (Numbers::Single, exact(Options::single("axis"))),
-        (Numbers::Double, exact(Options::double("axis"))),
+        (Numbers::Single, exact(CodeOptions::single("axis"))),
+        (Numbers::Double, exact(CodeOptions::double("axis"))),
         (
             Numbers::Fixed,
             fixed_c99(Unverified(&controller), &fixed(&controller), &provenance(), "axis").unwrap(),
@@ -71,7 +71,13 @@ fn a_step_costs_what_its_multiplications_need() {
 }
 
 /// Builds a server of one controller for a core and gives its answers.
-fn answers(core: &Core, test: &str, files: &[File], main: &str, asked: &[(usize, Request)]) -> Vec<f64> {
+fn answers(
+    core: &TargetCore,
+    test: &str,
+    files: &[File],
+    main: &str,
+    asked: &[(usize, Request)],
+) -> Vec<f64> {
     let folder = folder(&format!("{test}_{}", core.machine));
     write(&folder, files);
     std::fs::write(folder.join("server.c"), main).unwrap();
@@ -79,9 +85,9 @@ fn answers(core: &Core, test: &str, files: &[File], main: &str, asked: &[(usize,
     Target::launch(&mut emulator(core, &folder)).ask_all(asked)
 }
 
-fn compare<N: Number>(core: &Core, precision: Precision) {
+fn compare<N: Number>(core: &TargetCore, precision: Precision) {
     let (controllers, asked) = ([complete()], requests(1, 600));
-    let options = Options { name: "controller_0".into(), precision };
+    let options = CodeOptions { name: "controller_0".into(), precision };
     let files = c99(Unverified(&controllers[0]), &provenance(), &options).unwrap();
     let main = server(&["controller_0".into()]);
     let found = answers(core, &format!("answers_{precision:?}"), &files, &main, &asked);

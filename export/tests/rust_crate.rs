@@ -8,8 +8,8 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use counterpoise_controller::{Controller, Parts, READING_NAMES};
-use counterpoise_export::Source::Unverified;
-use counterpoise_export::{Options, Precision, rust_crate};
+use counterpoise_export::ExportSource::Unverified;
+use counterpoise_export::{CodeOptions, Precision, rust_crate};
 use support::{
     Target, complete, equal_to_the_last_bit, folder, provenance, random_controller, reference, requests, run,
     typical, write,
@@ -25,7 +25,7 @@ fn build(test: &str, controllers: &[Controller], precision: Precision) -> PathBu
     let (mut modules, mut starts, mut arms) = (String::new(), String::new(), String::new());
     for (i, controller) in controllers.iter().enumerate() {
         let name = format!("controller_{i}");
-        let options = Options { name: name.clone(), precision };
+        let options = CodeOptions { name: name.clone(), precision };
         write(&folder, &rust_crate(Unverified(controller), &provenance(), &options).unwrap());
         let source = format!("{name}/src/lib.rs");
         let flags =
@@ -75,7 +75,7 @@ fn random_controllers_are_equal_to_the_reference() {
 #[test]
 fn the_crate_passes_its_own_tests() {
     let folder = folder("rust_own_tests");
-    write(&folder, &rust_crate(Unverified(&typical()), &provenance(), &Options::single("axis")).unwrap());
+    write(&folder, &rust_crate(Unverified(&typical()), &provenance(), &CodeOptions::single("axis")).unwrap());
     let source = folder.join("axis/src/lib.rs");
     let lib = ["--edition=2021", "--crate-type=lib", "--crate-name=axis", "-Dwarnings"];
     run(rustc().current_dir(&folder).args(lib).arg(source));

@@ -42,7 +42,7 @@ pub fn write_code(
         let inside = format!("{name}/");
         let own: Vec<File> = code.iter().filter(|file| file.name.starts_with(&inside)).cloned().collect();
         for file in &own {
-            files::write(&scratch.path().join(&file.name), file.text.as_bytes())
+            files::write_file(&scratch.path().join(&file.name), file.text.as_bytes())
                 .map_err(|error| format!("{} cannot be written: {error}", file.name))?;
         }
         let unit = pack_unit(&own, &name, library(scratch.path(), &name).as_deref());

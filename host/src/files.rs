@@ -177,7 +177,7 @@ pub fn create_project(folder: &Path, document: &Document) -> Result<PathBuf, Str
     let name = whole.file_name().and_then(|name| name.to_str()).unwrap_or("machine");
     let named = document.set("plant.name", &Setting::Text(name.to_owned())).map_err(|e| e.to_string())?;
     let path = whole.join(PROJECT_FILE);
-    write(&path, named.text().as_bytes()).map_err(cannot)?;
+    write_file(&path, named.text().as_bytes()).map_err(cannot)?;
     Ok(path)
 }
 
@@ -212,7 +212,7 @@ pub fn is_recording(path: &Path) -> bool {
 ///
 /// # Errors
 /// Those of the file system, and that the place is taken by something else; the old file is then as it was.
-pub fn write(path: &Path, content: &[u8]) -> io::Result<()> {
+pub fn write_file(path: &Path, content: &[u8]) -> io::Result<()> {
     write_on(&Native, path, content)
 }
 

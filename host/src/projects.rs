@@ -181,7 +181,7 @@ pub fn improved_document(loaded: &Loaded, plant: &Parameters) -> Result<Document
 
 /// Writes a file whole or not at all, as the studio does.
 pub fn write_file(path: &Path, content: &[u8]) -> Result<()> {
-    files::write(path, content).with_context(|| format!("cannot write {}", path.display()))
+    files::write_file(path, content).with_context(|| format!("cannot write {}", path.display()))
 }
 
 /// What the pipeline needs from outside: the files beside the project, and a clock that measures its stages.

@@ -7,7 +7,7 @@ use crate::tolerance::{BALANCE_GAIN, BALANCE_SWEEPS, EPS};
 
 /// A balanced matrix `A = D^-1 A0 D` with `D = diag(scale)`, every entry of `scale` a power of two.
 #[derive(Debug, Clone)]
-pub struct Balanced {
+pub struct BalancedMatrix {
     /// The matrix with rows and columns of similar size.
     pub A: Mat,
     /// The diagonal of `D`.
@@ -32,7 +32,7 @@ enum Couplings {
 ///
 /// # Errors
 /// Not square, or entries that are not finite.
-pub fn balance(A: &Mat) -> Result<Balanced, Error> {
+pub fn balance(A: &Mat) -> Result<BalancedMatrix, Error> {
     balance_by(A, Couplings::AboveRounding)
 }
 
@@ -40,11 +40,11 @@ pub fn balance(A: &Mat) -> Result<Balanced, Error> {
 ///
 /// # Errors
 /// As [`balance`].
-pub(crate) fn balance_all(A: &Mat) -> Result<Balanced, Error> {
+pub(crate) fn balance_all(A: &Mat) -> Result<BalancedMatrix, Error> {
     balance_by(A, Couplings::All)
 }
 
-fn balance_by(A: &Mat, couplings: Couplings) -> Result<Balanced, Error> {
+fn balance_by(A: &Mat, couplings: Couplings) -> Result<BalancedMatrix, Error> {
     check_square("A", A)?;
     let mut A = A.clone();
     let mut scale = vec![1.0; A.nrows()];
@@ -56,7 +56,7 @@ fn balance_by(A: &Mat, couplings: Couplings) -> Result<Balanced, Error> {
             break;
         }
     }
-    Ok(Balanced { A, scale })
+    Ok(BalancedMatrix { A, scale })
 }
 
 vectorised! {

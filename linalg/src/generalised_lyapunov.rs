@@ -87,7 +87,7 @@ fn check_regular(E: &Mat) -> Result<(), Error> {
 
 /// The weights of a quadratic cost on the state `x` and the input `u`: `x'Qx + u'Ru + 2 x'Su`.
 #[derive(Clone, Copy, Debug)]
-pub struct Weights<'a> {
+pub struct CostWeights<'a> {
     /// n x n, symmetric.
     pub Q: &'a Mat,
     /// m x m, symmetric.
@@ -104,7 +104,7 @@ pub struct Weights<'a> {
 ///
 /// # Errors
 /// As for [`care`], and [`Error::Singular`] for a singular `E`.
-pub fn gcare(A: &Mat, E: &Mat, B: &Mat, weights: &Weights) -> Result<Outcome<Riccati>, Error> {
+pub fn gcare(A: &Mat, E: &Mat, B: &Mat, weights: &CostWeights) -> Result<Outcome<Riccati>, Error> {
     riccati(A, E, B, weights, Kind::Continuous)
 }
 
@@ -113,11 +113,11 @@ pub fn gcare(A: &Mat, E: &Mat, B: &Mat, weights: &Weights) -> Result<Outcome<Ric
 ///
 /// # Errors
 /// As for [`gcare`].
-pub fn gdare(A: &Mat, E: &Mat, B: &Mat, weights: &Weights) -> Result<Outcome<Riccati>, Error> {
+pub fn gdare(A: &Mat, E: &Mat, B: &Mat, weights: &CostWeights) -> Result<Outcome<Riccati>, Error> {
     riccati(A, E, B, weights, Kind::Discrete)
 }
 
-fn riccati(A: &Mat, E: &Mat, B: &Mat, weights: &Weights, kind: Kind) -> Result<Outcome<Riccati>, Error> {
+fn riccati(A: &Mat, E: &Mat, B: &Mat, weights: &CostWeights, kind: Kind) -> Result<Outcome<Riccati>, Error> {
     check_square("A", A)?;
     check_shape("E", E, A.nrows(), A.ncols())?;
     check_shape("Q", weights.Q, A.nrows(), A.ncols())?;
@@ -138,7 +138,7 @@ struct Generalised<'a> {
     A: &'a Mat,
     E: &'a Mat,
     B: &'a Mat,
-    weights: &'a Weights<'a>,
+    weights: &'a CostWeights<'a>,
     kind: Kind,
 }
 
@@ -198,7 +198,7 @@ impl Generalised<'_> {
     /// Gain, closed loop and residual at `X`; the residual as a completed square, which needs no inverse in more than working precision.
     fn at(&self, X: &Extended) -> Result<At, Error> {
         let (A, E, B) = (self.A, self.E, self.B);
-        let Weights { Q, R, S } = *self.weights;
+        let CostWeights { Q, R, S } = *self.weights;
         let BX = Extended::from(B.t()).times(X);
         let (moved, weight) = match self.kind {
             Kind::Continuous => (BX.times(&E.clone().into()), R.clone()),
@@ -265,7 +265,7 @@ mod tests {
         let (A, E, B) = data();
         let (Q, R) = (Mat::eye(5), Mat::diag(&[1.0, 0.3]));
         let S = B.scale(0.1);
-        let weights = Weights { Q: &Q, R: &R, S: Some(&S) };
+        let weights = CostWeights { Q: &Q, R: &R, S: Some(&S) };
         for answer in [gcare(&A, &E, &B, &weights).unwrap(), gdare(&A, &E, &B, &weights).unwrap()] {
             let found = answer.solution().unwrap();
             assert!(found.certificate.relative_residual < 1e-15, "{:?}", found.certificate);

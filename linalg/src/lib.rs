@@ -61,7 +61,7 @@ pub mod sylvester;
 pub mod tolerance;
 pub mod transfer_matrix;
 
-pub use balance::{Balanced, balance};
+pub use balance::{BalancedMatrix, balance};
 pub use boundary::Boundary;
 pub use cone_program::{Cone, ConeProgram, ConeSolution, Unsolved};
 pub use decomposition::{
@@ -71,7 +71,7 @@ pub use decomposition::{
 pub use dense::{Qr, cdet, cholesky, csolve, dot, inverse, qr, qr_full_q, qr_r, solve, transpose_times};
 pub use error::Error;
 pub use expm::{expm, expm_integral, van_loan_accumulated, van_loan_cost, van_loan_noise};
-pub use generalised_lyapunov::{Weights, gcare, gdare, gdlyap, glyap};
+pub use generalised_lyapunov::{CostWeights, gcare, gdare, gdlyap, glyap};
 pub use generalised_sylvester::gsylvester;
 pub use hammarling::{
     dlyap_factor, dlyap_factors, dlyap_square_factor, lyap_factor, lyap_factors, lyap_square_factor,
@@ -81,10 +81,10 @@ pub use lyapunov::{dlyap, dlyap_separation, lyap, lyap_separation, refined_squar
 pub use mat::{C64, CMat, Mat};
 pub use pencil_roots::pencil_roots;
 pub use range_basis::RangeBasis;
-pub use riccati::{Certificate, Method, Outcome, Reason, Riccati, care, care_g, dare};
+pub use riccati::{Outcome, Reason, Riccati, RiccatiCertificate, RiccatiMethod, care, care_g, dare};
 pub use schur::{Schur, eigenvalues, schur};
 pub use sparse::{Sparse, SparseCholesky};
 pub use stability::{boundary_eigenvalues, is_clear_of_boundary};
 pub use staircase::{MinimalPart, minimal_part};
 pub use sylvester::{dsylvester, eigenvalue_separation, sylvester};
-pub use transfer_matrix::{Realisation, refined_transfer};
+pub use transfer_matrix::{StateRealisation, refined_transfer};

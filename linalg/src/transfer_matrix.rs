@@ -8,7 +8,7 @@ use crate::tolerance::{EPS, PRECISE_TRANSFER_STATES, TRANSFER_REFINEMENTS, TRANS
 
 /// The four matrices of a transfer matrix: `A` n x n, `B` n x m, `C` p x n, `D` p x m.
 #[derive(Clone, Copy, Debug)]
-pub struct Realisation<'a> {
+pub struct StateRealisation<'a> {
     /// How the states act on each other.
     pub A: &'a Mat,
     /// How the inputs act on the states.
@@ -29,8 +29,8 @@ pub struct Realisation<'a> {
 ///
 /// # Errors
 /// Wrong shapes, entries that are not finite, [`Error::Singular`] at a pole, or if the equations of a larger system are singular to doubles.
-pub fn refined_transfer(system: Realisation, s: C64) -> Result<CMat, Error> {
-    let Realisation { A, B, C, D } = system;
+pub fn refined_transfer(system: StateRealisation, s: C64) -> Result<CMat, Error> {
+    let StateRealisation { A, B, C, D } = system;
     check_square("A", A)?;
     let (n, m, p) = (A.nrows(), B.ncols(), C.nrows());
     check_shape("B", B, n, m)?;
@@ -108,7 +108,7 @@ mod tests {
             &[99999.9999, -1000.000001, 1999.999999, -1000.0],
         ]);
         let (B, C) = (Mat::col(&[1.0; 4]), Mat::row(&[0.0, 0.0, 0.0, 100.0]));
-        let system = Realisation { A: &A, B: &B, C: &C, D: &Mat::zeros(1, 1) };
+        let system = StateRealisation { A: &A, B: &B, C: &C, D: &Mat::zeros(1, 1) };
         let found = refined_transfer(system, C64::default()).unwrap()[(0, 0)];
         assert!((found.norm() / 2e26 - 1.0).abs() < 1e-10 && found.im == 0.0, "{found}");
     }
@@ -120,7 +120,7 @@ mod tests {
         let A = Mat::from_rows(&[&[-1.0, 0.0], &[0.0, -1.0 - e]]);
         let (B, C) = (Mat::col(&[1.0, 1.0]), Mat::from_rows(&[&[1.0, -1.0]]));
         let s = C64::new(0.0, 0.7);
-        let system = Realisation { A: &A, B: &B, C: &C, D: &Mat::zeros(1, 1) };
+        let system = StateRealisation { A: &A, B: &B, C: &C, D: &Mat::zeros(1, 1) };
         let found = refined_transfer(system, s).unwrap()[(0, 0)];
         let exact = C64::new(e, 0.0) / ((s + 1.0) * (s + 1.0 + e));
         assert!(((found - exact) / exact).norm() < 1e-15, "{found} {exact}");

@@ -98,7 +98,7 @@ impl Data {
     /// The equations with a matrix E, roots of pencils, and what takes lists.
     fn generalised(&self) -> Vec<Call<'_>> {
         let Self { A, B, C, Q, R, S } = self;
-        let weights = |S| Weights { Q, R, S };
+        let weights = |S| CostWeights { Q, R, S };
         let scales = C.diagonal();
         let starts: Vec<C64> = scales.iter().map(|&re| C64::new(re, 1.0)).collect();
         let other: Vec<C64> = starts.iter().skip(1).copied().collect();

@@ -5,13 +5,13 @@ use std::f64::consts::PI;
 use crate::error::During;
 use crate::level::Level;
 use crate::peak::Peak;
-use crate::response::point;
+use crate::response::point_of_rate;
 use crate::tolerance::{
     CAREFUL_BEYOND, CAREFUL_PER_DECADE, CLEAR_OF_AXIS, GOLDEN_STEPS, KNOWN_SOLUTION, NARROW_PEAK, PEAK_STEP,
     PEAK_WIDTHS, PRECISE_SIZE, VERTEX_RISE,
 };
 use crate::{C64, Error, Mat, StateSpace, Timebase};
-use counterpoise_linalg::{self as linalg, Realisation};
+use counterpoise_linalg::{self as linalg, StateRealisation};
 
 /// Returns the peak with its value computed with residuals in twice the working precision. Where that differs by more than the tolerance
 /// from what was known, the place is uncertain, too, and a small system's response is searched.
@@ -34,8 +34,10 @@ pub(crate) fn with_care(g: &StateSpace, peak: Peak, tolerance: f64) -> Result<Pe
 
 /// Returns the largest singular value at a frequency, of the system as it is given; `None` at a pole.
 fn gain(g: &StateSpace, rate_rad_s: f64) -> Result<Option<f64>, Error> {
-    let system = Realisation { A: &g.A, B: &g.B, C: &g.C, D: &g.D };
-    let Ok(H) = linalg::refined_transfer(system, point(rate_rad_s, g.timebase)) else { return Ok(None) };
+    let system = StateRealisation { A: &g.A, B: &g.B, C: &g.C, D: &g.D };
+    let Ok(H) = linalg::refined_transfer(system, point_of_rate(rate_rad_s, g.timebase)) else {
+        return Ok(None);
+    };
     Ok(Some(linalg::largest_singular_value(&H).with_operation("L-infinity norm")?))
 }
 
@@ -164,7 +166,7 @@ pub(crate) fn is_kept_by_riccati(g: &StateSpace, level: f64) -> bool {
     let solution = outcome.ok().and_then(linalg::Outcome::solution);
     solution.is_some_and(|found| {
         let known = found.certificate.forward_error.norm_fro() <= KNOWN_SOLUTION * found.X.norm_fro();
-        found.certificate.method == linalg::Method::Precise || known
+        found.certificate.method == linalg::RiccatiMethod::Precise || known
     })
 }
 

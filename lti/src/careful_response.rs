@@ -1,10 +1,10 @@
 //! The response of a small loop where rounding blurs it: with residuals in twice the working precision.
 
-use crate::response::{Point, Response, point};
+use crate::response::{Point, Response, point_of_rate};
 use crate::scaling::balance;
 use crate::tolerance::{BLURRED, BLURRED_STRIDE, CERTAIN_SIGN, LEAST_GAIN, PRECISE_SIZE};
 use crate::{C64, StateSpace};
-use counterpoise_linalg::{self as linalg, Realisation};
+use counterpoise_linalg::{self as linalg, StateRealisation};
 
 /// A loop with one input and one output, and the frequencies between which its response is computed with care.
 pub(crate) struct CarefulResponse {
@@ -78,7 +78,8 @@ impl CarefulResponse {
 
     fn computed_at(&self, rate: f64) -> Option<C64> {
         let StateSpace { A, B, C, D, timebase } = &self.system;
-        let H = linalg::refined_transfer(Realisation { A, B, C, D }, point(rate, *timebase)).ok()?;
+        let H =
+            linalg::refined_transfer(StateRealisation { A, B, C, D }, point_of_rate(rate, *timebase)).ok()?;
         Some(H[(0, 0)])
     }
 }

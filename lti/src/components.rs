@@ -25,7 +25,7 @@ pub fn components(A: &Mat) -> Vec<Vec<usize>> {
 }
 
 /// Returns the groups of states that have nothing to do with each other: A is block diagonal in them.
-pub fn independent(A: &Mat) -> Vec<Vec<usize>> {
+pub fn independent_blocks(A: &Mat) -> Vec<Vec<usize>> {
     let n = A.nrows();
     let mut group: Vec<usize> = (0..n).collect();
     for j in 0..n {
@@ -81,7 +81,7 @@ mod tests {
     fn what_is_not_connected_is_independent() {
         let mut A = Mat::eye(5);
         (A[(0, 3)], A[(4, 3)]) = (1.0, 1.0);
-        assert_eq!(independent(&A), vec![vec![0, 3, 4], vec![1], vec![2]]);
+        assert_eq!(independent_blocks(&A), vec![vec![0, 3, 4], vec![1], vec![2]]);
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub struct Descriptor {
 /// A descriptor system without its infinite modes: `y = system u + derivatives[0] u' + derivatives[1] u'' + ...`
 /// (where sampled: u\[k+1\], u\[k+2\], ...).
 #[derive(Debug, Clone, PartialEq)]
-pub struct Reduced {
+pub struct ReducedDescriptor {
     /// The finite modes and the direct path.
     pub system: StateSpace,
     /// What the input's derivatives contribute, each p x m; empty if the system is proper.
@@ -59,7 +59,7 @@ impl Descriptor {
     ///
     /// # Errors
     /// [`Error::SingularPencil`] where the constraints do not determine the variables: there is no transfer function.
-    pub fn reduce_index(&self) -> Result<Reduced, Error> {
+    pub fn reduce_index(&self) -> Result<ReducedDescriptor, Error> {
         let (mut pencil, rate) = Pencil::scaled(self);
         let mut rounds = 0;
         while pencil.round()? {
@@ -191,7 +191,7 @@ impl Pencil {
     }
 
     /// Divides by E and moves the derivatives of the input to the output: x = z + M u^(k-1) takes u^(k) out of z'.
-    fn finish(mut self, g: &Descriptor, rate: f64, rounds: usize) -> Result<Reduced, Error> {
+    fn finish(mut self, g: &Descriptor, rate: f64, rounds: usize) -> Result<ReducedDescriptor, Error> {
         let by_E = |M: &Mat| {
             if M.nrows() == 0 {
                 Ok(M.clone())
@@ -218,7 +218,7 @@ impl Pencil {
             self.D[0].value.clone(),
             g.system.timebase,
         )?;
-        Ok(Reduced { system, derivatives: derivatives(&self.D, rate), rounds })
+        Ok(ReducedDescriptor { system, derivatives: derivatives(&self.D, rate), rounds })
     }
 }
 

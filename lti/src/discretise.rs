@@ -171,7 +171,7 @@ pub struct SampledCost {
 
 /// A continuous quadratic cost on [x; u].
 #[derive(Debug, Clone, Copy)]
-pub struct Cost<'a> {
+pub struct QuadraticCost<'a> {
     /// State weight, n x n, symmetric.
     pub Q: &'a Mat,
     /// Input weight, m x m, symmetric.
@@ -190,7 +190,7 @@ pub struct Cost<'a> {
 ///
 /// # Errors
 /// [`Error::Shape`], [`Error::Period`], [`Error::Matrix`].
-pub fn sampled_cost(A: &Mat, B: &Mat, cost: Cost, period_s: f64) -> Result<SampledCost, Error> {
+pub fn sampled_cost(A: &Mat, B: &Mat, cost: QuadraticCost, period_s: f64) -> Result<SampledCost, Error> {
     if !(period_s > 0.0 && period_s.is_finite()) {
         return Err(Error::Period { period_s });
     }
@@ -209,7 +209,7 @@ pub fn sampled_cost(A: &Mat, B: &Mat, cost: Cost, period_s: f64) -> Result<Sampl
     })
 }
 
-fn check_cost(A: &Mat, B: &Mat, cost: &Cost) -> Result<(), Error> {
+fn check_cost(A: &Mat, B: &Mat, cost: &QuadraticCost) -> Result<(), Error> {
     let (n, m) = B.shape();
     let checks = [("A", A, (n, n)), ("Q", cost.Q, (n, n)), ("R", cost.R, (m, m)), ("S", cost.S, (n, m))];
     for (what, matrix, expected) in checks {
@@ -297,7 +297,7 @@ mod tests {
         let g = plant();
         let (n, T) = (3, 0.07);
         let (Q, R, S) = (&g.C.t() * &g.C, Mat::eye(1).scale(2.0), g.C.t().scale(0.3));
-        let exact = sampled_cost(&g.A, &g.B, Cost { Q: &Q, R: &R, S: &S }, T).unwrap();
+        let exact = sampled_cost(&g.A, &g.B, QuadraticCost { Q: &Q, R: &R, S: &S }, T).unwrap();
         let start = Mat::col(&[0.3, -1.0, 0.7]);
         let u = 0.9;
         // Simpson's rule on 200 panels, exact states at the nodes.

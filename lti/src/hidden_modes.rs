@@ -9,7 +9,7 @@ use crate::tolerance::{
     ABSENT_RESIDUE, CONTOUR_POINTS, CONTOUR_RADIUS, MOST_HIDDEN_MODES, NEAR_CENTRE, SAME_BOUNDARY_POLE,
 };
 use crate::{C64, Error, Mat, StateSpace, Timebase};
-use counterpoise_linalg::{self as linalg, Realisation, Schur};
+use counterpoise_linalg::{self as linalg, Schur, StateRealisation};
 
 /// Returns the system without its modes on the boundary of stability if the response contains none of them; `None` if it contains one, or if the
 /// modes are too close to others to be told apart. The system is balanced.
@@ -64,7 +64,7 @@ fn is_absent(g: &StateSpace, centre: C64, kept: &[C64], hidden: &[C64]) -> bool 
     if spread > NEAR_CENTRE * radius {
         return false;
     }
-    let system = Realisation { A: &g.A, B: &g.B, C: &g.C, D: &g.D };
+    let system = StateRealisation { A: &g.A, B: &g.B, C: &g.C, D: &g.D };
     let turns: Vec<C64> =
         (0..CONTOUR_POINTS).map(|k| C64::from_polar(1.0, TAU * k as f64 / CONTOUR_POINTS as f64)).collect();
     let responses: Result<Vec<_>, _> =

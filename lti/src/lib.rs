@@ -70,7 +70,7 @@ pub use delay::{delay_samples, pade};
 pub use delayed_hold::c2d_delayed;
 pub use delayed_margins::{DelayedMargins, margins_with_delay};
 pub use descriptor::Descriptor;
-pub use discretise::{Cost, Discretisation, SampledCost, c2d, d2c_tustin, sampled_cost};
+pub use discretise::{Discretisation, QuadraticCost, SampledCost, c2d, d2c_tustin, sampled_cost};
 pub use error::Error;
 pub use gramians::{
     ctrb_factor, ctrb_gramian, gramian_factors, hankel_values, hankelnorm, obsv_factor, obsv_gramian,
@@ -80,7 +80,7 @@ pub use margins::{
     candidate_sensitivity, margins,
 };
 pub use multiloop::{MultiloopMargins, multiloop_margins};
-pub use named_blocks::{Named, SignalTerm, connect};
+pub use named_blocks::{NamedSystem, SignalTerm, connect};
 pub use norms::{NormBounds, h2norm, hinfnorm, linfnorm, linfnorm_bounds};
 pub use peak::Peak;
 pub use placement::{Placement, place};

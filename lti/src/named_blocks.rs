@@ -7,7 +7,7 @@ use crate::{Error, Mat, StateSpace};
 
 /// A system whose signals have names.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Named {
+pub struct NamedSystem {
     /// The system.
     pub system: StateSpace,
     /// One name an input: which signal feeds it. Several blocks may listen to one signal.
@@ -32,7 +32,7 @@ impl<'a> SignalTerm<'a> {
     }
 }
 
-impl Named {
+impl NamedSystem {
     /// Returns names the signals of a system.
     ///
     /// # Errors
@@ -66,7 +66,7 @@ impl Named {
 /// # Errors
 /// [`Error::Signal`] for a name that nothing drives (with the nearest name that exists), that is driven twice, or an
 /// external input that nothing listens to; [`Error::Timebase`], [`Error::AlgebraicLoop`].
-pub fn connect(blocks: &[Named], inputs: &[&str], outputs: &[&str]) -> Result<StateSpace, Error> {
+pub fn connect(blocks: &[NamedSystem], inputs: &[&str], outputs: &[&str]) -> Result<StateSpace, Error> {
     let Some((first, rest)) = blocks.split_first() else {
         return Err(signal("(none)", "cannot be connected: there are no blocks", &[]));
     };
@@ -154,12 +154,16 @@ mod tests {
         .unwrap()
     }
 
-    fn blocks() -> Vec<Named> {
+    fn blocks() -> Vec<NamedSystem> {
         vec![
-            Named::new(lag(2.0), &["u"], &["y"]).unwrap(),
-            Named::new(lag(9.0), &["e"], &["u"]).unwrap(),
-            Named::sum("e", &[SignalTerm::new(1.0, "r"), SignalTerm::new(-1.0, "y")], Timebase::Continuous)
-                .unwrap(),
+            NamedSystem::new(lag(2.0), &["u"], &["y"]).unwrap(),
+            NamedSystem::new(lag(9.0), &["e"], &["u"]).unwrap(),
+            NamedSystem::sum(
+                "e",
+                &[SignalTerm::new(1.0, "r"), SignalTerm::new(-1.0, "y")],
+                Timebase::Continuous,
+            )
+            .unwrap(),
         ]
     }
 

@@ -1,6 +1,6 @@
 //! Frequency response: Hessenberg form once, then one pass over it for each handful of points.
 
-use crate::components::{components, independent};
+use crate::components::{components, independent_blocks};
 use crate::error::During;
 use crate::hessenberg_sweep::{LANES, Lane, sweep};
 use crate::scaling::balance;
@@ -102,7 +102,7 @@ impl Response {
         let modal = modes(g)?;
         let (scaled, _) = balance(modal.as_ref().unwrap_or(g));
         let scaled = if dual { scaled.dual() } else { scaled };
-        let groups = independent(&scaled.A);
+        let groups = independent_blocks(&scaled.A);
         let parts: Result<Vec<Part>, Error> =
             groups.iter().map(|group| Part::of(&scaled.permute(group))).collect();
         let mut parts = parts?;
@@ -119,7 +119,7 @@ impl Response {
     /// # Errors
     /// As [`frequency_response`].
     pub fn at(&self, rate_rad_s: f64) -> Result<CMat, Error> {
-        let s = point(rate_rad_s, self.timebase);
+        let s = point_of_rate(rate_rad_s, self.timebase);
         self.gather(&self.sum(&Lane::new(&[s])), 0, s)
     }
 
@@ -128,7 +128,7 @@ impl Response {
     /// # Errors
     /// As [`frequency_response`].
     pub fn at_all(&self, rates_rad_s: &[f64]) -> Result<Vec<CMat>, Error> {
-        let points: Vec<C64> = rates_rad_s.iter().map(|&rate| point(rate, self.timebase)).collect();
+        let points: Vec<C64> = rates_rad_s.iter().map(|&rate| point_of_rate(rate, self.timebase)).collect();
         self.at_points(&points)
     }
 
@@ -164,7 +164,7 @@ impl Response {
         let mut out = Vec::with_capacity(rates_rad_s.len());
         for group in rates_rad_s.chunks(LANES) {
             let mut lanes = [C64::new(0.0, 1.0); LANES];
-            lanes.iter_mut().zip(group).for_each(|(lane, &rate)| *lane = point(rate, self.timebase));
+            lanes.iter_mut().zip(group).for_each(|(lane, &rate)| *lane = point_of_rate(rate, self.timebase));
             let values = self.sum(&Lane::new(&lanes));
             out.extend((0..group.len()).map(|lane| values[0].get(lane) + self.D[(0, 0)]));
         }
@@ -177,7 +177,7 @@ impl Response {
     /// |y| (|H| + |s|) |x| + |C| |x| + |y| |B| + |D| times the unit roundoff, with x = inv(s I - H) B and y = C inv(s I - H), in the
     /// coordinates in which the response is computed (N. Higham, Accuracy and Stability of Numerical Algorithms, section 7.2). O(n^2).
     pub(crate) fn rounding_at(&self, rate_rad_s: f64) -> f64 {
-        self.rounding(point(rate_rad_s, self.timebase))
+        self.rounding(point_of_rate(rate_rad_s, self.timebase))
     }
 
     /// Returns the same at a point s (or z) of the complex plane.
@@ -286,7 +286,7 @@ fn block_hessenberg(g: &StateSpace) -> Result<(Mat, Mat, StateSpace), Error> {
 }
 
 /// Returns the point of the complex plane that belongs to a frequency in rad/s.
-pub fn point(rate_rad_s: f64, timebase: Timebase) -> C64 {
+pub fn point_of_rate(rate_rad_s: f64, timebase: Timebase) -> C64 {
     match timebase {
         Timebase::Continuous => C64::new(0.0, rate_rad_s),
         Timebase::Discrete { period_s } => C64::from_polar(1.0, rate_rad_s * period_s),

@@ -1,6 +1,6 @@
 //! A whole H2 problem in sampled time: dynamics, cost and noise.
 
-use crate::discretise::{Cost, SampledCost, sampled_cost};
+use crate::discretise::{QuadraticCost, SampledCost, sampled_cost};
 use crate::error::During;
 use crate::{Error, Mat};
 use counterpoise_linalg as linalg;
@@ -41,7 +41,7 @@ pub struct SampledProblem {
 pub fn sampled_problem(
     A: &Mat,
     B: &Mat,
-    cost: Cost,
+    cost: QuadraticCost,
     noise: Noise,
     period_s: f64,
 ) -> Result<SampledProblem, Error> {
@@ -83,7 +83,7 @@ mod tests {
         let ((A, B, W), T) = (plant(), 0.05);
         let (Q, R, S) = (Mat::diag(&[50.0, 0.2, 1.0]), Mat::eye(1).scale(0.3), Mat::col(&[0.1, 0.0, 0.2]));
         let V = Mat::eye(1).scale(1e-4);
-        let cost = Cost { Q: &Q, R: &R, S: &S };
+        let cost = QuadraticCost { Q: &Q, R: &R, S: &S };
         let noise = Noise { process: &W, measurement: &V };
         let exact = sampled_problem(&A, &B, cost, noise, T).unwrap();
         let d = &exact.cost;
@@ -137,7 +137,7 @@ mod tests {
         let (A, B, W) = plant();
         let (Q, R, S) = (Mat::eye(3), Mat::eye(1), Mat::zeros(3, 1));
         let noise = Noise { process: &W.block(0, 0, 2, 2), measurement: &Mat::eye(1) };
-        let found = sampled_problem(&A, &B, Cost { Q: &Q, R: &R, S: &S }, noise, 0.1);
+        let found = sampled_problem(&A, &B, QuadraticCost { Q: &Q, R: &R, S: &S }, noise, 0.1);
         assert!(matches!(found, Err(Error::Shape { what: "W", .. })));
     }
 }

@@ -24,7 +24,7 @@ fn system(state: &mut u64) -> StateSpace {
 fn further<'a>(g: &'a StateSpace, h: &'a StateSpace, E: &'a Mat, x: f64, y: f64) -> Vec<Call<'a>> {
     let wanted = vec![C64::new(x, y), C64::new(x, -y), C64::new(-1.0, 0.0)];
     let roots = wanted.clone();
-    let cost = move || Cost { Q: E, R: &h.D, S: &g.B };
+    let cost = move || QuadraticCost { Q: E, R: &h.D, S: &g.B };
     vec![
         ("c2d_delayed", Box::new(move || judge(c2d_delayed(g, x, y)))),
         (
@@ -64,7 +64,8 @@ fn further<'a>(g: &'a StateSpace, h: &'a StateSpace, E: &'a Mat, x: f64, y: f64)
             "Named",
             Box::new(move || {
                 judge(
-                    Named::new(g.clone(), &["u"], &["y"]).map(|block| connect(&[block], &["u", "r"], &["y"])),
+                    NamedSystem::new(g.clone(), &["u"], &["y"])
+                        .map(|block| connect(&[block], &["u", "r"], &["y"])),
                 )
             }),
         ),

@@ -3,7 +3,7 @@
 #![allow(non_snake_case)]
 
 use counterpoise_models::reference::rig;
-use counterpoise_models::structure::{FeOptions, Structure};
+use counterpoise_models::structure::{ConfiguredStructure, FeOptions};
 use std::fmt::Write as _;
 
 /// Number of the first grid point.
@@ -11,7 +11,7 @@ const FIRST_GRID: usize = 100;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1).ok_or("name the folder")?;
-    let fe = Structure::new(&rig(), None)?.fe(&FeOptions::default())?;
+    let fe = ConfiguredStructure::new(&rig(), None)?.fe(&FeOptions::default())?;
     let market = |A: &counterpoise_linalg::Mat| {
         let n = A.nrows();
         let lower: Vec<(usize, usize)> =

@@ -15,7 +15,7 @@ pub struct Linkage {
 
 /// The third side of the triangle at an angle, with its slopes; all 0 where the pins meet.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Side {
+pub struct LinkageSide {
     /// L, m.
     pub length_m: f64,
     /// dL/dp, m/rad.
@@ -46,14 +46,14 @@ impl Linkage {
     ///     L^2 = r^2 + R^2 - 2 r R cos c     dL/dp = -r R sin(c)/L     d2L/dp2 = (r R cos c - (dL/dp)^2)/L
     /// ```
     #[inline]
-    pub fn side_at(&self, angle_rad: f64) -> Side {
+    pub fn side_at(&self, angle_rad: f64) -> LinkageSide {
         let length_m = self.length_m(angle_rad);
         if length_m == 0.0 {
-            return Side::default();
+            return LinkageSide::default();
         }
         let (product, between) = (self.arm_m * self.anchor_m, self.included_angle_rad(angle_rad));
         let slope_m_rad = -product * between.sin() / length_m;
         let curvature_m_rad2 = (product * between.cos() - slope_m_rad * slope_m_rad) / length_m;
-        Side { length_m, slope_m_rad, curvature_m_rad2 }
+        LinkageSide { length_m, slope_m_rad, curvature_m_rad2 }
     }
 }

@@ -30,7 +30,7 @@ pub fn put_cylinder(p: &mut Parameters, lever: Lever) {
 pub fn rig() -> Parameters {
     Parameters {
         name: "reference rig".to_owned(),
-        axis: Axis::Rotary,
+        axis: AxisKind::Rotary,
         gravity_m_s2: 9.80665,
         beam: Some(beam()),
         lumped: Some(lumped()),
@@ -68,7 +68,7 @@ pub fn rig() -> Parameters {
 }
 
 fn beam() -> Beam {
-    let tube = |name: &str, from_m, to_m, outer_diameter_m| Section {
+    let tube = |name: &str, from_m, to_m, outer_diameter_m| BeamSection {
         name: name.to_owned(),
         from_m,
         to_m,

@@ -6,7 +6,7 @@ use counterpoise_lti::{Response, poles};
 use counterpoise_models::plant::Body;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{
-    AmplifierDynamics, Angles, Axis, Excitation, FeedbackSignal, Friction, FrictionLaw,
+    AmplifierDynamics, Angles, AxisKind, Excitation, FeedbackSignal, Friction, FrictionLaw,
     FrictionLinearisation, Gearbox, LinearPlant, Link, Lumped, OperatingPoint, Parameters, Plant, Ripple,
     Transmission, reference,
 };
@@ -231,7 +231,7 @@ fn a_pendulum_swings_at_its_own_frequency() {
 #[test]
 fn a_ball_screw_resonates_as_two_masses_do() {
     let mut p = direct(40.0);
-    p.axis = Axis::Linear;
+    p.axis = AxisKind::Linear;
     let lead = 0.01;
     let ratio = TAU / lead;
     p.gearbox = Gearbox {
@@ -285,7 +285,7 @@ fn every_kind_rests_at_its_equilibrium_and_linearises_as_it_moves() {
     (quick.motor.inductance_h, quick.amplifier.time_constant_s) = (0.0, 0.0);
     quick.amplifier.bus_voltage_v = f64::INFINITY;
     let mut slide = direct(12.0);
-    (slide.axis, slide.amplifier.gain) = (Axis::Linear, 100.0);
+    (slide.axis, slide.amplifier.gain) = (AxisKind::Linear, 100.0);
     slide.lumped.as_mut().unwrap().out_of_balance_kg_m = 12.0;
     for p in [harmonic, rigid, quick, slide] {
         let plant = Plant::from_lumped(&p).unwrap();

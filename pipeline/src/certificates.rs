@@ -1,11 +1,12 @@
 //! What certifies a design: residuals of its equations, costs predicted and found, and the poles of the sampled loop.
 
-use counterpoise_synth::{Certified, Channel, Cost, Equation, Feedforward};
+use counterpoise_synth::{Certified, Cost, DisturbanceChannel, Equation, Feedforward};
 use counterpoise_verify::Verification;
 
 use crate::Synthesised;
 use crate::tolerance::SAME_COST;
 use crate::tolerance::SOLVED_RESIDUAL;
+use crate::wording::design_findings::describe_part;
 
 /// A number that certifies the design, with whether it is as it must be.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +28,7 @@ pub fn certify_designs(made: &Synthesised, verification: Option<&Verification>) 
         all.push(of_equation("feedback, filter equation", &design.feedback.filter));
         all.extend(of_cost("feedback", design.feedback.cost));
     }
-    for (name, channel) in [("heave", Channel::Heave), ("pitch", Channel::Pitch)] {
+    for (name, channel) in [("heave", DisturbanceChannel::Heave), ("pitch", DisturbanceChannel::Pitch)] {
         design.part(channel).into_iter().for_each(|part| all.extend(of_feedforward(name, part)));
     }
     made.sampled.certified.iter().for_each(|part| all.extend(of_sampled(part)));
@@ -58,7 +59,7 @@ fn of_cost(name: &str, cost: Cost) -> Option<Certificate> {
 }
 
 fn of_sampled(part: &Certified) -> Vec<Certificate> {
-    let name = format!("{} in sampled time", part.part);
+    let name = format!("{} in sampled time", describe_part(part.part));
     let mut all = vec![of_equation(&format!("{name}, regulator equation"), &part.regulator)];
     all.extend(part.filter.as_ref().map(|filter| of_equation(&format!("{name}, filter equation"), filter)));
     all.extend(of_cost(&name, part.cost));

@@ -1,7 +1,7 @@
 //! How a project file was read, and which values are assumed.
 
 use counterpoise_diagnose::learning::reading::{ReadElement, read_elements};
-use counterpoise_models::Axis;
+use counterpoise_models::AxisKind;
 use counterpoise_project::{
     Assumption, Diagnostic, Document, Parsed, Project, Purpose, SectionStatement, Tolerance,
 };
@@ -158,7 +158,7 @@ pub fn rank_assumptions(
 fn overview(modelled: &Modelled) -> PlantOverview {
     let body = modelled.plant.body();
     PlantOverview {
-        is_sliding: modelled.parameters.axis == Axis::Linear,
+        is_sliding: modelled.parameters.axis == AxisKind::Linear,
         order: modelled.linear.system.order(),
         inertia_kg_m2: body.inertia_kg_m2,
         out_of_balance_kg_m: body.out_of_balance_kg_m,

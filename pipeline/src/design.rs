@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_export::{File, FormFigures, TargetRuns, Targets};
 use counterpoise_project::Project;
-use counterpoise_verify::certificate::Certificate as StabilityCertificate;
-use counterpoise_verify::spectral::{Spectral, spectral};
+use counterpoise_verify::certificate::StabilityCertificate;
+use counterpoise_verify::spectral::{Spectral, spectral_rejections};
 use counterpoise_verify::{Procedure, VerifiedController};
 
 use crate::certificates::{Certificate, certify_designs};
@@ -254,7 +254,7 @@ pub fn design(project: &Project, world: &dyn World) -> Result<Designed, Pipeline
         comparison,
         views: design_views(&stages.modelled, &stages.reduced, &stages.synthesised)?,
         loop_view: loop_view(stages.verified.verification())?,
-        spectra: spectral(stages.verified.verification()),
+        spectra: spectral_rejections(stages.verified.verification()),
         targets: study_targets(project, &stages, targets, world)?,
         first_design: first,
         verified_loop: verified_loop(

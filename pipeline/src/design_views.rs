@@ -2,7 +2,7 @@
 
 use counterpoise_lti::{Response, StateSpace};
 use counterpoise_models::plant::LinearPlant;
-use counterpoise_synth::{Channel, Design, Entry, Specification, Weight};
+use counterpoise_synth::{Design, DisturbanceChannel, ScheduleEntry, Specification, Weight};
 use ndarray::Array2;
 
 use crate::frequencies::logarithmic_hz;
@@ -173,14 +173,14 @@ fn weights_of(part: &'static str, weights: &[NamedWeight<'_>]) -> WeightResponse
 /// A controller taken from a design; `None` if the design has none of its kind.
 type ControllerOf = fn(&Design) -> Option<StateSpace>;
 
-fn controller_families(balance: &[Entry]) -> Result<Vec<ControllerFamily>, PipelineError> {
+fn controller_families(balance: &[ScheduleEntry]) -> Result<Vec<ControllerFamily>, PipelineError> {
     if balance.len() < 2 {
         return Ok(Vec::new());
     }
     let kinds: [(&'static str, &'static str, usize, ControllerOf); 3] = [
         ("Feedback", "V s/rad", 1, |d| Some(d.feedback_controller())),
-        ("Heave feedforward", "V s^2/m", 0, |d| d.feedforward_controller(Channel::Heave)),
-        ("Pitch feedforward", "V s/rad", 0, |d| d.feedforward_controller(Channel::Pitch)),
+        ("Heave feedforward", "V s^2/m", 0, |d| d.feedforward_controller(DisturbanceChannel::Heave)),
+        ("Pitch feedforward", "V s/rad", 0, |d| d.feedforward_controller(DisturbanceChannel::Pitch)),
     ];
     let mut all = Vec::new();
     for (name, unit, input, of) in kinds {

@@ -2,6 +2,8 @@
 
 use counterpoise_synth::DesignFinding;
 
+use crate::wording::design_findings::{describe_design_finding, describe_synthesis_error};
+
 use crate::recordings::{ColumnRemark, UnusedColumn};
 
 /// Every reason for which a stage of the pipeline has no result.
@@ -194,7 +196,7 @@ pub enum PipelineError {
     #[error("reduction: {0}")]
     Reduce(#[from] counterpoise_reduce::Error),
     /// The design failed.
-    #[error("design: {0}")]
+    #[error("design: {}", describe_synthesis_error(.0))]
     Synth(#[source] counterpoise_synth::Error),
     /// There is no fixed-point form.
     #[error("fixed point: {0}")]
@@ -255,7 +257,11 @@ pub enum PipelineError {
 }
 
 fn lines(findings: &[DesignFinding]) -> String {
-    findings.iter().map(|f| format!("  - {f}")).collect::<Vec<_>>().join("\n")
+    findings
+        .iter()
+        .map(|finding| format!("  - {}", describe_design_finding(finding)))
+        .collect::<Vec<_>>()
+        .join("\n")
 }
 
 impl From<counterpoise_synth::Error> for PipelineError {

@@ -1,7 +1,7 @@
 //! The recording of an inertial measurement unit on the base, prepared to drive the platform of a verification.
 
 use counterpoise_models::base_motion::{BaseState, FeltMotion, Level, Mounting, motion_at_elevation_axis};
-use counterpoise_recordings::clock::to_uniform_clock;
+use counterpoise_recordings::clock::{stack_columns, to_uniform_clock};
 use counterpoise_recordings::{Error, Table};
 use counterpoise_verify::signals::filter::from_rest;
 use counterpoise_verify::signals::statistics::subtract_mean;
@@ -26,7 +26,12 @@ pub fn inertial_unit(source: &InertialUnit, table: &Table) -> Result<Road, Error
     for name in &source.rate {
         columns.push(table.quantity(name, "rate", "rad/s")?);
     }
-    let clocked = to_uniform_clock(&table.name, time.view(), None, columns)?;
+    let clocked = to_uniform_clock(
+        &table.name,
+        time.view(),
+        None,
+        stack_columns(columns.iter().map(|values| values.view())),
+    )?;
     let wanted = Stretch {
         low_pass_hz: source.low_pass_hz,
         start_s: source.start_s,
@@ -34,7 +39,7 @@ pub fn inertial_unit(source: &InertialUnit, table: &Table) -> Result<Road, Error
         period_s: clocked.period_s,
     };
     let mut taken = Vec::with_capacity(6);
-    for signal in &clocked.signals {
+    for signal in clocked.signals.columns() {
         taken.push(stretch(&wanted, table, &signal.to_vec())?);
     }
     let rates: Vec<Vec<f64>> = taken[3..].iter().map(|rate| subtract_mean(rate)).collect();

@@ -6,7 +6,7 @@ use counterpoise_diagnose::simulator_access::{Pool, Serial};
 use counterpoise_linalg::sparse::StageProgress;
 use counterpoise_models::plant::{Angles, Equilibrium, FrictionLinearisation, LinearPlant, Plant};
 use counterpoise_models::structure::{
-    Condensation, FeModel, Fitted, Structure, pinned_modes, reduce_to_lumped, with_derived_lumped,
+    Condensation, ConfiguredStructure, FeModel, Fitted, pinned_modes, reduce_to_lumped, with_derived_lumped,
 };
 use counterpoise_models::{Configuration, Parameters, PointMass};
 
@@ -160,7 +160,7 @@ pub fn finite_elements_watched<'a>(
         let fe = content.structure(&fitted, &wanted, &mut watch)?;
         return Ok((fe, &import.modal_damping));
     }
-    let structure = Structure::new(&project.plant, configuration)?;
+    let structure = ConfiguredStructure::new(&project.plant, configuration)?;
     let ratios = project.plant.beam.as_ref().map_or(&[] as &[f64], |beam| &beam.modal_damping);
     Ok((structure.fe(&project.model.elements)?, ratios))
 }

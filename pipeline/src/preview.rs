@@ -11,7 +11,9 @@ use counterpoise_project::Project;
 use counterpoise_verify::linear::closed_loop::resolver_use;
 use counterpoise_verify::linear::frequency::grid_hz;
 use counterpoise_verify::linear::plant::Resolver;
-use counterpoise_verify::linear::{self, ArrangedLoop, Closed, Curves, PlantResponse, SampledPlant, arrange};
+use counterpoise_verify::linear::{
+    self, ArrangedLoop, Closed, Curves, PlantResponse, SampledPlant, arrange_controller,
+};
 use counterpoise_verify::{ARRANGEMENTS, Arrangement, Experiment, History, Procedure, Source, Step};
 
 use crate::first_design::leaves_weights_open;
@@ -77,14 +79,20 @@ impl DesignPreview {
 
     /// Returns the overshoot of the response to a step of the demand, percent of the demand; 0 without overshoot.
     pub fn overshoot_percent(&self) -> f64 {
-        let demand = self.step.demand_rad_s.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        let top = self.step.hub_rate_rad_s.iter().copied().fold(0.0, f64::max);
+        let demand = self.step.demand_rad_s().iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let top = self.step.hub_rate_rad_s().iter().copied().fold(0.0, f64::max);
         (100.0 * (top / demand - 1.0)).max(0.0)
+    }
+
+    /// Returns the control of a response about the value that holds the weight of the mechanism, V.
+    pub fn control_about_holding_v(&self, response: &History) -> Vec<f64> {
+        let holding_v = self.modelled.linear.equilibrium.control_v;
+        response.control_v().iter().map(|control_v| control_v - holding_v).collect()
     }
 
     /// Returns the largest change of the control in the response to a step of the demand, V.
     pub fn step_control_v(&self) -> f64 {
-        let control_v = &self.step.control_v;
+        let control_v = self.step.control_v();
         let first = control_v.first().copied().unwrap_or_default();
         control_v.iter().map(|v| (v - first).abs()).fold(0.0, f64::max)
     }
@@ -93,7 +101,7 @@ impl DesignPreview {
     /// is left out because it contains the transient of the start.
     pub fn residual_hub_rate_rad_s(&self, source: Source) -> f64 {
         let history = self.motion(source, Arrangement::Compensated);
-        let hub = history.map_or(&[][..], |h| &h.hub_rate_rad_s[..]);
+        let hub = history.map_or(&[][..], History::hub_rate_rad_s);
         hub.iter().skip(hub.len() / 2).map(|v| v.abs()).fold(0.0, f64::max)
     }
 
@@ -282,7 +290,7 @@ fn close_loops(
     let uncontrolled = sampled.uncontrolled.clone();
     let mut loops = vec![ArrangedLoop { arrangement: Arrangement::Uncontrolled, closed: uncontrolled }];
     for arrangement in ARRANGEMENTS.into_iter().skip(1) {
-        let acting = arrange(controller, arrangement)?;
+        let acting = arrange_controller(controller, arrangement)?;
         let closed = Closed::new(&sampled.plant, acting.as_ref(), moment)?;
         loops.push(ArrangedLoop { arrangement, closed });
     }

@@ -8,6 +8,7 @@ mod two_axes;
 
 use std::collections::BTreeMap;
 
+use crate::wording::figures::describe_unmeasured;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_project::Assumption;
@@ -27,6 +28,7 @@ use crate::exchange::{
 use crate::recordings::ReplayedRecording;
 use crate::studies::assumptions::AssumptionEffect;
 use crate::tolerance::ROUNDED_POLE;
+use crate::wording::design_findings::{describe_design_finding, describe_part};
 pub use certificate::CertificateResult;
 pub use complete_design::ResultContents;
 pub use robustness::{AdviceResult, RobustnessResult};
@@ -335,15 +337,11 @@ pub struct ChannelResult {
     pub rms_error: f64,
     /// What noise and quantisation leave of a perfect model, RMS.
     pub floor: f64,
+    /// RMS error over the noise floor; not part of the JSON, whose reader divides.
+    #[serde(skip)]
+    pub residual_over_floor: f64,
     /// Variance accounted for, percent.
     pub vaf: f64,
-}
-
-impl ChannelResult {
-    /// Returns the RMS error over the noise floor.
-    pub fn error_over_floor(&self) -> f64 {
-        self.rms_error / self.floor
-    }
 }
 
 /// Fit of one recording.
@@ -481,7 +479,7 @@ impl From<&Synthesised> for SynthResult {
                 .max_by(f64::total_cmp),
             costs: costs(made),
             demanded_rate: made.demanded_rate.as_ref().map(describe_demanded_rate),
-            warnings: made.warnings.iter().map(ToString::to_string).collect(),
+            warnings: made.warnings.iter().map(describe_design_finding).collect(),
         }
     }
 }
@@ -504,7 +502,9 @@ impl VerifyResult {
             let (verdict, value, limit, why) = match verdict {
                 Verdict::Holds { value, limit, .. } => ("holds", Some(*value), Some(limit.value()), None),
                 Verdict::Fails { value, limit, .. } => ("fails", Some(*value), Some(limit.value()), None),
-                Verdict::NotApplicable { why } => ("not applicable", None, None, Some(why.to_string())),
+                Verdict::NotApplicable { why } => {
+                    ("not applicable", None, None, Some(describe_unmeasured(why)))
+                }
             };
             VerdictResult {
                 figure: requirement.figure.key_in(controlled),
@@ -595,7 +595,12 @@ impl ReplayedRecording {
 
 fn channels(fits: &[ChannelFit]) -> BTreeMap<&'static str, ChannelResult> {
     let channel = |fit: &ChannelFit| {
-        let result = ChannelResult { rms_error: fit.rms_error, floor: fit.floor, vaf: fit.vaf };
+        let result = ChannelResult {
+            rms_error: fit.rms_error,
+            floor: fit.floor,
+            residual_over_floor: fit.residual_over_floor(),
+            vaf: fit.vaf,
+        };
         (fit.channel.name(), result)
     };
     fits.iter().map(channel).collect()
@@ -626,7 +631,7 @@ fn costs(made: &Synthesised) -> Vec<CostResult> {
     let continuous = std::iter::once(("feedback", design.feedback.cost)).chain(feedforwards).chain(joint);
     let continuous = continuous.map(|(name, cost)| (name.to_owned(), cost));
     let sampled = made.sampled.certified.iter();
-    let sampled = sampled.map(|part| (format!("{} in sampled time", part.part), part.cost));
+    let sampled = sampled.map(|part| (format!("{} in sampled time", describe_part(part.part)), part.cost));
     let result = |(part, cost): (String, counterpoise_synth::Cost)| CostResult {
         part,
         predicted: cost.predicted,

@@ -1,12 +1,12 @@
 //! The motion of the platform of a verification: prepared from a recording, or realised from numbers.
 
-use counterpoise_recordings::clock::to_uniform_clock;
+use counterpoise_recordings::clock::{stack_columns, to_uniform_clock};
 use counterpoise_recordings::{Error, Table};
 use counterpoise_verify::signals::filter::{LowPass, from_rest, low_pass};
 use counterpoise_verify::signals::spectrum::{
     angle_tones, pitch_simulator, random_motion, sine_tones, tones,
 };
-use counterpoise_verify::signals::{Drive, iso_road};
+use counterpoise_verify::signals::{RoadDrive, iso_road};
 use counterpoise_verify::{FurtherRoad, Road};
 
 use counterpoise_project::resolve::platform::{Motion, MotionKind, RoadSource};
@@ -28,9 +28,14 @@ pub fn road_from_table(source: &RoadSource, table: &Table) -> Result<Road, Error
     if !source.surge.is_empty() {
         columns.push(table.quantity(&source.surge, "surge", "m/s^2")?);
     }
-    let clocked = to_uniform_clock(&table.name, time.view(), None, columns)?;
+    let clocked = to_uniform_clock(
+        &table.name,
+        time.view(),
+        None,
+        stack_columns(columns.iter().map(|values| values.view())),
+    )?;
     let shape = |signal: usize, scale: f64| {
-        shaped(source, table, clocked.period_s, &clocked.signals[signal].to_vec(), scale)
+        shaped(source, table, clocked.period_s, &clocked.signals.column(signal).to_vec(), scale)
     };
     Ok(Road {
         name: table.name.clone(),
@@ -55,7 +60,7 @@ pub fn realise_motion(motion: &Motion, gravity_m_s2: f64) -> Result<Road, counte
             pitch_simulator(&angle, *offset_m, how)
         }
         MotionKind::IsoRoad { class, speed_m_s, vehicle } => {
-            let drive = Drive {
+            let drive = RoadDrive {
                 class: *class,
                 speed_m_s: *speed_m_s,
                 duration_s: how.duration_s,

@@ -1,7 +1,7 @@
 //! The project of a traverse axis: read from the file that the project of its elevation axis names, and checked against that project.
 
 use counterpoise_diagnose::simulator_access::Pool;
-use counterpoise_models::{Axis, FeedbackSignal};
+use counterpoise_models::{AxisKind, FeedbackSignal};
 use counterpoise_project::resolve::traverse::TraverseAxis;
 use counterpoise_project::{Attachments, Document, Parsed, Project, Purpose};
 
@@ -90,7 +90,7 @@ pub(crate) fn check_axes(elevation: &Project, traverse: &Project, file: &str) ->
             "it has a [traverse] section itself: a machine has one traverse axis under one elevation axis",
         );
     }
-    if [elevation, traverse].iter().any(|axis| axis.plant.axis == Axis::Linear) {
+    if [elevation, traverse].iter().any(|axis| axis.plant.axis == AxisKind::Linear) {
         return wrong("both axes must turn: leave plant.axis at \"rotary\" in both files");
     }
     let gyroscopes = [&traverse.plant.sensors.hub_gyro, &traverse.plant.sensors.platform_gyro];

@@ -379,7 +379,7 @@ const LONGEST_SEGMENT: usize = 8192;
 /// Returns the spectrum of the hub rate, less that of the reading's noise, over |S|^2.
 fn output_lines(history: &History, made: &Synthesised, noise: f64) -> Result<Vec<[f64; 2]>, PipelineError> {
     let error: Vec<f64> =
-        history.hub_rate_rad_s.iter().zip(&history.demand_rad_s).map(|(y, r)| y - r).collect();
+        history.hub_rate_rad_s().iter().zip(history.demand_rad_s()).map(|(y, r)| y - r).collect();
     let period_s = made.sampling.period_s;
     let mut segment = LONGEST_SEGMENT;
     while segment > 64 && segment * (SEGMENTS + 1) / 2 > error.len() {

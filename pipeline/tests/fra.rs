@@ -4,7 +4,7 @@
 use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, On, Plan};
 use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
-use counterpoise_pipeline::studies::fra_points::Point;
+use counterpoise_pipeline::studies::fra_points::ResponseMapPoint;
 use counterpoise_pipeline::{model, with_chosen_weights};
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
@@ -17,7 +17,7 @@ fn db(h: [f64; 2]) -> f64 {
     20.0 * h[0].hypot(h[1]).log10()
 }
 
-fn mapped(around: Around, amplitudes: &[f64], frequencies_hz: &[f64]) -> Vec<Point> {
+fn mapped(around: Around, amplitudes: &[f64], frequencies_hz: &[f64]) -> Vec<ResponseMapPoint> {
     let project = rig();
     let modelled = model(&project).unwrap();
     let plan = Plan {
@@ -97,7 +97,7 @@ fn designed(text: &str) -> Project {
     with_chosen_weights(&read.project).unwrap().unwrap().project
 }
 
-fn mapped_of(project: &Project, around: Around, frequencies_hz: &[f64]) -> Vec<Point> {
+fn mapped_of(project: &Project, around: Around, frequencies_hz: &[f64]) -> Vec<ResponseMapPoint> {
     let modelled = model(project).unwrap();
     let amplitudes = vec![around.usual_amplitudes(project)[0]];
     let plan = Plan { around, amplitudes, frequencies_hz: frequencies_hz.to_vec(), offset_m: 0.0 };

@@ -49,7 +49,7 @@ fn a_project_file_can_require_every_figure_and_each_gets_its_verdict() {
             // a margin that has no bound
             (Verdict::Fails { value, .. }, Verdict::Holds { .. }) => assert!(value.is_infinite(), "{key}"),
             (Verdict::NotApplicable { why }, Verdict::NotApplicable { .. }) => {
-                assert!(key.starts_with("linear") && key.ends_with("gear_open_fraction"), "{key}: {why}");
+                assert!(key.starts_with("linear") && key.ends_with("gear_open_fraction"), "{key}: {why:?}");
             }
             other => panic!("{key}: {other:?}"),
         }

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_models::parameters::cylinder::Lever;
-use counterpoise_models::{Axis, Plant};
+use counterpoise_models::{AxisKind, Plant};
 use counterpoise_project::{Attachments, Document, Project};
 
 const GOOD: &str = r#"format = 2
@@ -60,7 +60,7 @@ fn a_cylinder_stands_in_the_places_of_gear_motor_and_amplifier() {
     near(cylinder.flow_l_s(full, 7.5 - 7.0), 0.4);
     near(cylinder.overlap_l_s / full, 0.03);
     assert_eq!(cylinder.lever, Lever::Constant(0.433));
-    assert_eq!(p.axis, Axis::Rotary);
+    assert_eq!(p.axis, AxisKind::Rotary);
     near(p.motor_friction.coulomb_nm(), 150.0);
     assert!(Plant::from_lumped(p).is_ok());
 }

@@ -4,10 +4,12 @@
 
 use counterpoise_linalg::riccati::Outcome;
 use counterpoise_linalg::{
-    C64, Mat, Riccati, Weights, care, dare, dlyap, dsylvester, gcare, gdare, gdlyap, glyap, lyap, sylvester,
+    C64, CostWeights, Mat, Riccati, care, dare, dlyap, dsylvester, gcare, gdare, gdlyap, glyap, lyap,
+    sylvester,
 };
 use counterpoise_lti as lti;
 use counterpoise_lti::{StateSpace, Timebase, h2norm, linfnorm_bounds, margins};
+use counterpoise_pipeline::wording::design_findings::describe_synthesis_error;
 use counterpoise_reduce::{Method, Order, balred};
 use counterpoise_synth::{Generalised, h2syn, hinfsyn};
 use ndarray::{Array2, ShapeBuilder};
@@ -72,6 +74,11 @@ fn array<'py>(py: Python<'py>, matrix: &Mat) -> PyResult<Owned<'py>> {
     Ok(PyArray2::from_owned_array(py, owned))
 }
 
+/// Returns the exception of a synthesis, with every reason of a refusal.
+fn no_controller(why: counterpoise_synth::Error) -> PyErr {
+    numerical(describe_synthesis_error(&why))
+}
+
 fn complex<'py>(py: Python<'py>, values: &[C64]) -> Complex<'py> {
     PyArray1::from_iter(py, values.iter().map(|z| Complex64::new(z.re, z.im)))
 }
@@ -109,8 +116,8 @@ fn riccati<'py>(
     let solved = py.detach(|| match (&E, time) {
         (None, Time::Continuous) => care(&A, &B, &Q, &R, S.as_ref()),
         (None, Time::Discrete) => dare(&A, &B, &Q, &R, S.as_ref()),
-        (Some(E), Time::Continuous) => gcare(&A, E, &B, &Weights { Q: &Q, R: &R, S: S.as_ref() }),
-        (Some(E), Time::Discrete) => gdare(&A, E, &B, &Weights { Q: &Q, R: &R, S: S.as_ref() }),
+        (Some(E), Time::Continuous) => gcare(&A, E, &B, &CostWeights { Q: &Q, R: &R, S: S.as_ref() }),
+        (Some(E), Time::Discrete) => gdare(&A, E, &B, &CostWeights { Q: &Q, R: &R, S: S.as_ref() }),
     });
     match solved.map_err(numerical)? {
         Outcome::Solved(found) => {
@@ -245,7 +252,7 @@ fn h2_synthesis<'py>(
     controls: usize,
 ) -> PyResult<([Owned<'py>; 4], f64)> {
     let plant = generalised(&given, measurements, controls)?;
-    let found = py.detach(|| h2syn(&plant)).map_err(numerical)?;
+    let found = py.detach(|| h2syn(&plant)).map_err(no_controller)?;
     Ok((matrices(py, &found.controller)?, found.achieved_norm))
 }
 
@@ -260,6 +267,6 @@ fn hinf_synthesis<'py>(
     tolerance: f64,
 ) -> PyResult<([Owned<'py>; 4], f64, f64)> {
     let plant = generalised(&given, measurements, controls)?;
-    let found = py.detach(|| hinfsyn(&plant, tolerance)).map_err(numerical)?;
+    let found = py.detach(|| hinfsyn(&plant, tolerance)).map_err(no_controller)?;
     Ok((matrices(py, &found.controller)?, found.achieved_norm, found.unreachable))
 }

@@ -7,7 +7,7 @@ use counterpoise_host::code_files;
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::recordings::diagnose::diagnose;
-use counterpoise_pipeline::recordings::read::{Gaps, loop_of, read, recording_controller};
+use counterpoise_pipeline::recordings::read::{Gaps, loop_of, read_files, recording_controller};
 use counterpoise_pipeline::recordings::replay::{ReplayLength, replay};
 use counterpoise_pipeline::results::{DesignResult, ModelResult, ReduceResult, ReplayResult, SynthResult};
 use counterpoise_pipeline::{self as pipeline, ProjectIdentity, design, run_stages, study_synthesis};
@@ -202,7 +202,7 @@ impl NativeProject {
             let files = projects::read_recordings(&recordings)?;
             let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
             let controller = recording_controller(&loaded.project).map_err(refused)?;
-            let read = read(&loaded.project, controller.as_ref(), &files, Gaps::Repaired).map_err(refused)?;
+            let read = read_files(&loaded.project, controller.as_ref(), &files, Gaps::Repaired).map_err(refused)?;
             let control = loop_of(&loaded.project, controller.as_ref());
             let replayed =
                 replay(&loaded.project, &read, &control, ReplayLength::Automatic).map_err(refused)?;

@@ -28,7 +28,7 @@ const TIMES: [&str; 13] = [
 ];
 
 /// Returns how many values of a channel are missing, and where the first one is; `None` if none is.
-pub(crate) fn missing(channel: Channel, values: &Array1<f64>) -> Option<Remark> {
+pub(crate) fn missing(channel: Channel, values: ArrayView1<'_, f64>) -> Option<Remark> {
     let first = values.iter().position(|v| !v.is_finite())?;
     let samples = values.iter().filter(|v| !v.is_finite()).count();
     Some(Remark::Missing { channel, samples, first_row: first + 1 })

@@ -1,6 +1,6 @@
 //! The clock of a file: its sample period, what is wrong with it, and signals on a uniform clock.
 
-use ndarray::{Array1, ArrayView1};
+use ndarray::{Array2, ArrayView1, ArrayView2, ShapeBuilder as _};
 
 use crate::tolerance::{EVEN_STEPS, FEWEST_ROWS, GAP_PERIODS, LONGEST_GAP, SAME_PERIOD_BY_ROUNDING};
 use crate::{Error, Remark};
@@ -15,8 +15,8 @@ pub struct Uniform {
     pub period_s: f64,
     /// Time of the first sample, s.
     pub start_s: f64,
-    /// The signals, of one length; NaN inside gaps.
-    pub signals: Vec<Array1<f64>>,
+    /// The signals, time x signal, each column contiguous in memory; NaN inside gaps.
+    pub signals: Array2<f64>,
     /// What was found about the clock.
     pub remarks: Vec<Remark>,
 }
@@ -33,7 +33,7 @@ struct Steps {
     repeated: Vec<usize>,
 }
 
-/// Returns signals on a uniform clock, from the time of each of their samples.
+/// Returns signals on a uniform clock, from the time of each of their samples; `signals` is time x signal.
 ///
 /// Even time is kept; uneven time is evened out by linear interpolation; gaps become NaN; rows without a time and rows that repeat
 /// the row before them are dropped. A period that is within rounding of `wanted_s` is set to it.
@@ -44,7 +44,7 @@ pub fn to_uniform_clock(
     file: &str,
     time_s: ArrayView1<'_, f64>,
     wanted_s: Option<f64>,
-    signals: Vec<Array1<f64>>,
+    signals: Array2<f64>,
 ) -> Result<Uniform, Error> {
     let found = Steps::of(file, time_s, &signals)?;
     let Steps { rows, steps_s, median_s, .. } = &found;
@@ -66,14 +66,14 @@ pub fn to_uniform_clock(
     }
     let is_uneven = has_gaps || jitter > EVEN_STEPS;
     if is_uneven {
-        check_length(file, time_s[last] - time_s[first], period_s, signals.len())?;
+        check_length(file, time_s[last] - time_s[first], period_s, signals.ncols())?;
     }
-    let signals = if is_uneven { interpolated(time_s, rows, period_s, signals) } else { signals };
+    let signals = if is_uneven { interpolated(time_s, rows, period_s, signals.view()) } else { signals };
     Ok(Uniform { period_s, start_s: time_s[first], signals, remarks })
 }
 
 impl Steps {
-    fn of(file: &str, time_s: ArrayView1<'_, f64>, signals: &[Array1<f64>]) -> Result<Self, Error> {
+    fn of(file: &str, time_s: ArrayView1<'_, f64>, signals: &Array2<f64>) -> Result<Self, Error> {
         let repeated: Vec<usize> =
             (1..time_s.len()).filter(|row| is_repeated(*row, time_s, signals)).collect();
         let counts = |row: &usize| time_s[*row].is_finite() && repeated.binary_search(row).is_err();
@@ -98,6 +98,17 @@ impl Steps {
     }
 }
 
+/// Returns columns as one array, time x signal, each column contiguous in memory; a column that is shorter than others ends in NaN.
+pub fn stack_columns<'a>(columns: impl IntoIterator<Item = ArrayView1<'a, f64>>) -> Array2<f64> {
+    let columns: Vec<ArrayView1<'a, f64>> = columns.into_iter().collect();
+    let rows = columns.iter().map(ArrayView1::len).max().unwrap_or(0);
+    let mut signals = Array2::from_elem((rows, columns.len()).f(), f64::NAN);
+    for (mut signal, values) in signals.columns_mut().into_iter().zip(&columns) {
+        signal.iter_mut().zip(values).for_each(|(sample, value)| *sample = *value);
+    }
+    signals
+}
+
 /// Refuses a sample period on which signals of a duration would take too much memory; this is checked before any of it is
 /// allocated.
 ///
@@ -113,9 +124,10 @@ pub(crate) fn check_length(file: &str, duration_s: f64, period_s: f64, signals: 
 }
 
 /// Returns whether a row equals the one before it, its time included.
-fn is_repeated(row: usize, time_s: ArrayView1<'_, f64>, signals: &[Array1<f64>]) -> bool {
-    let same = |values: ArrayView1<'_, f64>| values[row].to_bits() == values[row - 1].to_bits();
-    same(time_s) && signals.iter().all(|values| same(values.view()))
+fn is_repeated(row: usize, time_s: ArrayView1<'_, f64>, signals: &Array2<f64>) -> bool {
+    let same = |now: f64, before: f64| now.to_bits() == before.to_bits();
+    same(time_s[row], time_s[row - 1])
+        && (0..signals.ncols()).all(|signal| same(signals[(row, signal)], signals[(row - 1, signal)]))
 }
 
 fn steps(file: &str, time_s: ArrayView1<'_, f64>, rows: &[usize]) -> Result<Vec<f64>, Error> {
@@ -168,16 +180,19 @@ fn interpolated(
     time_s: ArrayView1<'_, f64>,
     rows: &[usize],
     period_s: f64,
-    signals: Vec<Array1<f64>>,
-) -> Vec<Array1<f64>> {
+    signals: ArrayView2<'_, f64>,
+) -> Array2<f64> {
     let instants = instants(time_s, rows, period_s);
-    let at = |values: &Array1<f64>, (row, fraction): (usize, Option<f64>)| match fraction {
+    let at = |values: ArrayView1<'_, f64>, (row, fraction): (usize, Option<f64>)| match fraction {
         Some(0.0) => values[rows[row]],
         Some(f) => values[rows[row]] * (1.0 - f) + values[rows[row + 1]] * f,
         None => f64::NAN,
     };
-    let one = |values: &Array1<f64>| instants.iter().map(|place| at(values, *place)).collect();
-    signals.iter().map(one).collect()
+    let mut even = Array2::zeros((instants.len(), signals.ncols()).f());
+    for (mut column, values) in even.columns_mut().into_iter().zip(signals.columns()) {
+        column.iter_mut().zip(&instants).for_each(|(sample, place)| *sample = at(values, *place));
+    }
+    even
 }
 
 /// Returns for each uniform instant the row at or before it, and the fraction of the way to the next row; no fraction inside a

@@ -1,9 +1,9 @@
 //! Which column of a file is which channel of the mechanism, and how its numbers become the channel's.
 
-use ndarray::Array1;
+use ndarray::{Array1, Array2, ArrayViewMut1};
 
 use crate::checks::{check_time_unit, missing, nearly_named, without_infinities, without_outliers};
-use crate::clock::{Uniform, check_length, to_uniform_clock};
+use crate::clock::{Uniform, check_length, stack_columns, to_uniform_clock};
 use crate::shaping::{Resampling, interpolate_on_clock, lagging_slopes, resample, slopes, unroll};
 use crate::table::TIME_NAMES;
 use crate::tolerance::STATED_PERIOD;
@@ -131,16 +131,17 @@ impl Mapping {
         remarks.extend(nearly_named(table, |name| self.names_column(name), &channels, time_s.as_ref()));
         let mut remarks = counted(remarks);
         remarks.extend(odd);
-        let Uniform { period_s, start_s, signals, remarks: of_clock } =
+        let signals = stack_columns(signals.iter().map(|values| values.view()));
+        let Uniform { period_s, start_s, mut signals, remarks: of_clock } =
             self.clocked(table, time_s, signals)?;
         remarks.extend(of_clock);
-        let missing = channels.iter().zip(&signals).filter_map(|(channel, values)| missing(*channel, values));
-        remarks.extend(missing);
-        let mut recording = Recording::new(table.name.clone(), period_s);
-        (recording.start_s, recording.remarks) = (start_s, remarks);
-        for (channel, values) in channels.into_iter().zip(signals) {
-            recording.set(channel, self.differentiated(channel, values, period_s));
+        let columns = channels.iter().zip(signals.columns());
+        remarks.extend(columns.filter_map(|(channel, values)| missing(*channel, values)));
+        for (channel, values) in channels.iter().zip(signals.columns_mut()) {
+            self.differentiate(*channel, values, period_s);
         }
+        let mut recording = Recording::from_signals(table.name.clone(), period_s, &channels, signals);
+        (recording.start_s, recording.remarks) = (start_s, remarks);
         self.resample(&mut recording)?;
         Ok(recording)
     }
@@ -162,7 +163,7 @@ impl Mapping {
         &self,
         table: &Table,
         time_s: Option<Array1<f64>>,
-        signals: Vec<Array1<f64>>,
+        signals: Array2<f64>,
     ) -> Result<Uniform, Error> {
         match (time_s, self.sample_period_s) {
             (Some(time_s), wanted_s) => to_uniform_clock(&table.name, time_s.view(), wanted_s, signals),
@@ -174,17 +175,18 @@ impl Mapping {
         }
     }
 
-    /// Returns the slope of a column if the mapping asks for it, else the column.
-    fn differentiated(&self, channel: Channel, mut values: Array1<f64>, period_s: f64) -> Array1<f64> {
+    /// Replaces a channel by its slope if the mapping asks for it.
+    fn differentiate(&self, channel: Channel, mut values: ArrayViewMut1<'_, f64>, period_s: f64) {
         for (_, source) in self.channels.iter().filter(|(c, _)| *c == channel) {
-            if let (Some(over_s), Some(samples)) = (source.slope_over_s, values.as_slice()) {
-                values = slopes(samples, period_s, over_s);
+            if let Some(over_s) = source.slope_over_s {
+                let of = slopes(&values.to_vec(), period_s, over_s);
+                values.assign(&of);
             }
-            if let (Some(lag_s), Some(samples)) = (source.slope_lag_s, values.as_slice()) {
-                values = lagging_slopes(samples, period_s, lag_s);
+            if let Some(lag_s) = source.slope_lag_s {
+                let of = lagging_slopes(&values.to_vec(), period_s, lag_s);
+                values.assign(&of);
             }
         }
-        values
     }
 
     /// Puts every channel on the given sample period if the file has another.

@@ -43,6 +43,18 @@ impl Recording {
         Self { name: name.into(), sample_period_s, ..Self::default() }
     }
 
+    /// Returns a recording of signals, time x channel, with a channel for each column, whose first sample is at 0 s. The columns must be
+    /// contiguous in memory, as those of [`stack_columns`](crate::clock::stack_columns) are.
+    pub(crate) fn from_signals(
+        name: impl Into<String>,
+        sample_period_s: f64,
+        channels: &[Channel],
+        signals: Array2<f64>,
+    ) -> Self {
+        let columns = channels.iter().copied().zip(0..).collect();
+        Self { signals, columns, ..Self::new(name, sample_period_s) }
+    }
+
     /// Returns the recording under another name.
     #[must_use]
     pub fn with_name(self, name: impl Into<String>) -> Self {

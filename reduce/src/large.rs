@@ -4,8 +4,8 @@ use counterpoise_linalg as linalg;
 use counterpoise_linalg::{
     C64, CMat, Mat, Sparse,
     sparse::{
-        Accuracy, BalancedDirections, Ports, ProgressObserver, QuadraticPencil, StageProgress,
-        low_rank_gramians,
+        BalancedDirections, GramianAccuracy, ProgressObserver, QuadraticPencil, StageProgress,
+        StructurePorts, low_rank_gramians,
     },
 };
 use counterpoise_lti::{StateSpace, Timebase, is_stable, response_at};
@@ -70,8 +70,8 @@ pub fn balred_large(
         return Err(Error::Range { what, value, allowed: "positive: eliminate massless unknowns first" });
     }
     let pencil = QuadraticPencil::of(&structure.M, &structure.C, &structure.K).with_step("balancing")?;
-    let ports = Ports { F: &structure.F, P: &structure.P, V: &structure.V };
-    let accuracy = Accuracy { contribution: IDLE_CONTRIBUTION, steps: MOST_STEPS };
+    let ports = StructurePorts { F: &structure.F, P: &structure.P, V: &structure.V };
+    let accuracy = GramianAccuracy { contribution: IDLE_CONTRIBUTION, steps: MOST_STEPS };
     let gramians = low_rank_gramians(&pencil, &ports, accuracy, watch).with_step("balancing")?;
     let directions = gramians.balanced_directions(&pencil).with_step("balancing")?;
     let (kept, mut warnings) = choose(&directions.values, order, 0)?;

@@ -1,7 +1,7 @@
 //! The runs of the adaptation: out-of-balance and estimate, control and hub rate over time, and what each interval came to.
 
 use counterpoise_models::ControlledQuantity;
-use counterpoise_models::parameters::Axis;
+use counterpoise_models::parameters::AxisKind;
 use counterpoise_pipeline::studies::adapt::{AdaptRun, AdaptedIntervals, Trace};
 
 use counterpoise_pipeline::studies::adaptation_trials::{
@@ -211,12 +211,12 @@ fn rate_of_runs(runs: &[AdaptRun]) -> ControlledQuantity {
 /// Returns the heads of the columns with out-of-balance and rate, in the units of the axis.
 fn unit_columns(rate: ControlledQuantity) -> [Column; 3] {
     match rate.axis {
-        Axis::Rotary => [
+        AxisKind::Rotary => [
             Column::Number("out-of-balance [kg m]"),
             Column::Number("controller uses [kg m]"),
             Column::Number("hub rate [mrad/s RMS]"),
         ],
-        Axis::Linear => [
+        AxisKind::Linear => [
             Column::Number("weight along the axis [kg]"),
             Column::Number("controller uses [kg]"),
             Column::Number("slide speed [mm/s RMS]"),

@@ -4,7 +4,8 @@ use counterpoise_pipeline::studies::certificate::RegimeRobustness;
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 use counterpoise_verify::certificate::{
-    CaseCertificate, Certificate, Criterion, Orbit, Regime, RegimeLoop, SectorProof, Stability, Teeth,
+    CaseCertificate, Orbit, Regime, RegimeLoop, SectorProof, Stability, StabilityCertificate,
+    StabilityCriterion, Teeth,
 };
 use counterpoise_verify::structured::Joints;
 
@@ -30,7 +31,7 @@ pub fn describe_verdict(case: &CaseCertificate) -> String {
             if case.controlled == case.rate {
                 format!(
                     "{} moves",
-                    if case.rate.axis == counterpoise_models::Axis::Rotary { "hub" } else { "slide" }
+                    if case.rate.axis == counterpoise_models::AxisKind::Rotary { "hub" } else { "slide" }
                 )
             } else {
                 format!("{} varies by", case.controlled.name())
@@ -44,12 +45,12 @@ pub fn describe_verdict(case: &CaseCertificate) -> String {
 /// For which frictions and motions a proof holds.
 fn scope(proof: &SectorProof) -> String {
     let laws = match proof.criterion {
-        Criterion::Passivity => "for every dry friction that only takes energy",
-        Criterion::Circle => {
+        StabilityCriterion::Passivity => "for every dry friction that only takes energy",
+        StabilityCriterion::Circle => {
             "for every dry friction that yields as Dahl's does, at most as stiff as the stated one"
         }
-        Criterion::Popov => "for every dry friction that is a function of the rate",
-        Criterion::ZamesFalb => "for every dry friction that rises with the rate",
+        StabilityCriterion::Popov => "for every dry friction that is a function of the rate",
+        StabilityCriterion::ZamesFalb => "for every dry friction that rises with the rate",
     };
     let teeth = if proof.teeth == Teeth::Pressed { ", while the gear teeth stay together" } else { "" };
     format!("{laws} (criterion: {}){teeth}", proof.criterion.key())
@@ -101,7 +102,7 @@ pub fn name_regime(regime: Regime) -> &'static str {
 }
 
 /// Returns the certificate in lines, for a terminal and for the section's text: the worst case first.
-pub fn certificate_lines(found: &Certificate) -> Vec<String> {
+pub fn certificate_lines(found: &StabilityCertificate) -> Vec<String> {
     let Some(worst) = found.worst() else { return Vec::new() };
     let mut lines = vec![format!("{} (worst case: {})", describe_verdict(worst), worst.name)];
     if let Some(at) = worst.worst_regime() {
@@ -189,7 +190,7 @@ pub fn worst_case_heading(joints: Joints) -> &'static str {
 }
 
 /// Returns the section of a report.
-pub fn certificate_section(found: &Certificate, robust: &[RegimeRobustness]) -> Section {
+pub fn certificate_section(found: &StabilityCertificate, robust: &[RegimeRobustness]) -> Section {
     let mut section = Section::new("Stability of the exported controller");
     for line in certificate_lines(found) {
         section = section.saying(format!("{}.", capitalise_first(&line)));
@@ -213,7 +214,7 @@ pub fn certificate_section(found: &Certificate, robust: &[RegimeRobustness]) -> 
     }
 }
 
-fn regimes(found: &Certificate) -> Table {
+fn regimes(found: &StabilityCertificate) -> Table {
     let columns = [
         Column::Text("case"),
         Column::Text("regime"),

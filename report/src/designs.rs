@@ -1,6 +1,6 @@
 //! Every design of a project in one table: terminal lines, page, and Markdown.
 
-use counterpoise_models::{Axis as Travel, ControlledQuantity, QuantityKind};
+use counterpoise_models::{AxisKind as Travel, ControlledQuantity, QuantityKind};
 use counterpoise_pipeline::ProjectIdentity;
 use counterpoise_pipeline::studies::designs::{DesignRow, DesignTable, LimitsResult};
 use counterpoise_pipeline::tuning::{BlockResult, WeightsResult};

@@ -12,7 +12,7 @@ use crate::learned::learned_section;
 use crate::localisation::localisation_section;
 use counterpoise_pipeline::Consequence;
 use counterpoise_pipeline::recordings::DiagnosedRecordings;
-use counterpoise_pipeline::recordings::tracks::Track;
+use counterpoise_pipeline::recordings::tracks::{Track, TrackColumn};
 
 use crate::{
     Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone, difference, residual,
@@ -215,15 +215,20 @@ pub(super) fn comparison(track: &Track, command: &str) -> Figure {
     let points = |series: &[f64]| -> Vec<(f64, f64)> {
         series.iter().enumerate().map(|(k, v)| (k as f64 * track.period_s, *v)).collect()
     };
-    let name = if track.after.is_empty() { "model" } else { "model as it was" };
+    let name = if track.after().is_empty() { "model" } else { "model as it was" };
     let mut signals = vec![
-        Series::solid_line("measured", Colour::Muted, points(&track.measured)),
-        Series::solid_line(name, Colour::Second, points(&track.before)),
+        Series::solid_line("measured", Colour::Muted, points(track.measured())),
+        Series::solid_line(name, Colour::Second, points(track.before())),
     ];
-    let mut errors = vec![Series::solid_line(name, Colour::Second, points(&track.error(&track.before)))];
-    if !track.after.is_empty() {
-        signals.push(Series::solid_line("improved model", Colour::First, points(&track.after)));
-        errors.push(Series::solid_line("improved model", Colour::First, points(&track.error(&track.after))));
+    let mut errors =
+        vec![Series::solid_line(name, Colour::Second, points(&track.error(TrackColumn::Before)))];
+    if !track.after().is_empty() {
+        signals.push(Series::solid_line("improved model", Colour::First, points(track.after())));
+        errors.push(Series::solid_line(
+            "improved model",
+            Colour::First,
+            points(&track.error(TrackColumn::After)),
+        ));
     }
     let panels = vec![
         Panel::new(Axis::linear(track.channel, track.unit), signals).with_height(190.0),

@@ -1,14 +1,15 @@
 //! Two verifications side by side, as a section.
 
 use counterpoise_pipeline::Consequence;
+use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_verify::Verification;
-use counterpoise_verify::difference::Change;
+use counterpoise_verify::difference::FigureChange;
 
 use crate::tolerance::{LEAST_SHOWN_CHANGE, LEAST_SHOWN_DIFFERENCE, SAME_FIGURE};
 use crate::{Cell, Column, Section, Table, Tone};
 
 /// Returns every figure that changed, those whose verdict turned first.
-pub fn changes_section(before: &str, changes: &[Change]) -> Section {
+pub fn changes_section(before: &str, changes: &[FigureChange]) -> Section {
     let columns = [
         Column::Text("figure"),
         Column::Number("before"),
@@ -17,7 +18,7 @@ pub fn changes_section(before: &str, changes: &[Change]) -> Section {
         Column::Text("requirement"),
     ];
     let mut table = Table::new("", &columns);
-    let mut moved: Vec<&Change> = changes.iter().filter(|change| has_changed(change)).collect();
+    let mut moved: Vec<&FigureChange> = changes.iter().filter(|change| has_changed(change)).collect();
     moved.sort_by_key(|change| (!change.has_changed_verdict(), change.holds.is_none()));
     table.rows = moved.iter().map(|change| row(change)).collect();
     let same = changes.len() - moved.len();
@@ -27,7 +28,7 @@ pub fn changes_section(before: &str, changes: &[Change]) -> Section {
 }
 
 /// Returns the difference in one line: verdicts that turned, and how many figures changed.
-pub fn summarise_changes(before: &str, changes: &[Change]) -> String {
+pub fn summarise_changes(before: &str, changes: &[FigureChange]) -> String {
     let way = |found| {
         changes.iter().filter(|change| change.has_changed_verdict() && change.holds == Some(found)).count()
     };
@@ -61,13 +62,13 @@ pub fn consequence_section(found: &Consequence) -> Section {
 }
 
 /// Returns whether a figure changed at all.
-pub fn has_changed(change: &Change) -> bool {
+pub fn has_changed(change: &FigureChange) -> bool {
     change.has_changed_verdict()
         || change.relative().is_none_or(|part| part.abs() > SAME_FIGURE) && change.before != change.after
 }
 
 /// Returns the verdict's way, in words.
-pub fn classify_change(change: &Change) -> (Tone, &'static str) {
+pub fn classify_change(change: &FigureChange) -> (Tone, &'static str) {
     match (change.held, change.holds) {
         (Some(true), Some(false)) => (Tone::Bad, "no longer holds"),
         (Some(false), Some(true)) => (Tone::Good, "now holds"),
@@ -79,7 +80,7 @@ pub fn classify_change(change: &Change) -> (Tone, &'static str) {
 
 /// Returns the change as a person reads it: percent, or the difference where a figure is in decibels or
 /// degrees.
-pub fn describe_size(change: &Change) -> String {
+pub fn describe_size(change: &FigureChange) -> String {
     let Some(difference) = change.difference() else { return "\u{2013}".to_owned() };
     match change.unit() {
         unit @ ("dB" | "deg" | "%") if difference.abs() < LEAST_SHOWN_DIFFERENCE => {
@@ -93,11 +94,15 @@ pub fn describe_size(change: &Change) -> String {
     }
 }
 
-fn row(change: &Change) -> Vec<Cell> {
+fn row(change: &FigureChange) -> Vec<Cell> {
     let number = |value: Option<f64>| value.map_or_else(|| Cell::text("\u{2013}"), Cell::number);
     let (tone, word) = classify_change(change);
     let unit = change.unit();
-    let name = if unit.is_empty() { change.name() } else { format!("{} [{unit}]", change.name()) };
+    let name = if unit.is_empty() {
+        describe_figure(change.figure, change.controlled)
+    } else {
+        format!("{} [{unit}]", describe_figure(change.figure, change.controlled))
+    };
     let requirement = if word.is_empty() { Cell::text("") } else { Cell::Verdict(tone, word.to_owned()) };
     vec![
         Cell::text(name),
@@ -116,11 +121,11 @@ mod tests {
 
     use super::*;
 
-    fn change(before: f64, after: f64, verdicts: [bool; 2]) -> Change {
+    fn change(before: f64, after: f64, verdicts: [bool; 2]) -> FigureChange {
         let figure = Figure::from_key("gain_margin_db").unwrap();
         let [held, holds] = verdicts.map(Some);
         let controlled = counterpoise_models::ControlledQuantity::RATE;
-        Change { figure, controlled, before: Some(before), after: Some(after), held, holds }
+        FigureChange { figure, controlled, before: Some(before), after: Some(after), held, holds }
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! The evidence of a verification as sections with figures and tables.
 
 use counterpoise_models::ControlledQuantity;
-use counterpoise_verify::linear::{Curve, frequency::Rejection};
+use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
+use counterpoise_verify::linear::{ResponseCurve, frequency::Rejection};
 use counterpoise_verify::{Arrangement, Experiment, History, Model, Source, Value, Verification};
 
 use crate::bode::{BodeCurve, Phase, ResponsePoint, bode_figure};
@@ -39,11 +40,11 @@ pub fn evidence_sections(found: &Verification) -> Vec<Section> {
     first.into_iter().chain(triangle::triangle_section(found)).chain(rest).collect()
 }
 
-fn curve_points(frequency_hz: &[f64], curve: &Curve) -> Vec<ResponsePoint> {
+fn curve_points(frequency_hz: &[f64], curve: &ResponseCurve) -> Vec<ResponsePoint> {
     frequency_hz.iter().zip(&curve.response).map(|(f, h)| ResponsePoint::new(*f, h.re, h.im)).collect()
 }
 
-fn bode_curves(found: &Verification, curves: &[Curve]) -> Vec<BodeCurve> {
+fn bode_curves(found: &Verification, curves: &[ResponseCurve]) -> Vec<BodeCurve> {
     let frequency = &found.evidence.curves.frequency_hz;
     let coloured = curves.iter().zip(Colour::CYCLE);
     coloured
@@ -138,11 +139,11 @@ fn margin_table(found: &Verification) -> Table {
 }
 
 fn step_section(found: &Verification) -> Section {
-    let control = step_column(found, "Control during the step", "control", "V", |history| &history.control_v);
+    let control = step_column(found, "Control during the step", "control", "V", History::control_v);
     let controlled = found.controlled_quantity();
     let (name, unit) = (controlled.tip_name(), controlled.tip_unit());
     let title = format!("{} during the step", capitalise_first(&name));
-    let tip = step_column(found, &title, &name, unit, |history| &history.tip_rate_rad_s);
+    let tip = step_column(found, &title, &name, unit, History::tip_rate_rad_s);
     Section::new(&format!("Step of the demanded {}", controlled.name()))
         .showing(step_figure(found, 220.0))
         .showing(control)
@@ -168,12 +169,12 @@ fn paired(time_s: &[f64], column: &[f64]) -> Vec<(f64, f64)> {
 pub fn step_figure(found: &Verification, height: f64) -> Option<Figure> {
     let mut series: Vec<Series> = steps(found)
         .map(|(history, name, colour, dash)| {
-            let points = paired(&history.time_s, &history.hub_rate_rad_s);
+            let points = paired(history.time_s(), history.hub_rate_rad_s());
             Series::new(name, colour, dash, points)
         })
         .collect();
     let first = steps(found).next()?.0;
-    series.push(Series::dotted_line("demand", Colour::Third, paired(&first.time_s, &first.demand_rad_s)));
+    series.push(Series::dotted_line("demand", Colour::Third, paired(first.time_s(), first.demand_rad_s())));
     let panel = Panel::new(controlled_axis(found), series).with_height(height);
     Some(Figure::new("Step of the demand", Axis::linear("time", "s"), vec![panel]))
 }
@@ -183,11 +184,11 @@ fn step_column(
     title: &str,
     label: &str,
     unit: &str,
-    column: fn(&History) -> &Vec<f64>,
+    column: fn(&History) -> &[f64],
 ) -> Option<Figure> {
     steps(found).next()?;
     let series = steps(found).map(|(history, name, colour, dash)| {
-        let points = paired(&history.time_s, column(history));
+        let points = paired(history.time_s(), column(history));
         Series::new(name, colour, dash, points)
     });
     let panel = Panel::new(Axis::linear(label, unit), series.collect()).with_height(220.0);
@@ -213,7 +214,8 @@ pub fn disturbance_figure(found: &Verification, model: Model, source: Source, he
     let series: Vec<Series> = ARRANGEMENTS
         .iter()
         .filter_map(|(arrangement, name, colour)| {
-            run(*arrangement).map(|h| Series::solid_line(name, *colour, paired(&h.time_s, &h.hub_rate_rad_s)))
+            run(*arrangement)
+                .map(|h| Series::solid_line(name, *colour, paired(h.time_s(), h.hub_rate_rad_s())))
         })
         .collect();
     let controlled: Vec<Series> = series.iter().filter(|s| s.colour != Colour::Muted).cloned().collect();
@@ -335,10 +337,10 @@ pub fn figure_section(found: &Verification) -> Section {
     for measured in &found.figures {
         let value = match &measured.value {
             Value::Is(number) => Cell::number(*number),
-            Value::Absent { why } => Cell::text(why.to_string()),
+            Value::Absent { why } => Cell::text(describe_unmeasured(why)),
         };
         let (name, key) = (
-            Cell::text(measured.figure.name(found.controlled_quantity())),
+            Cell::text(describe_figure(measured.figure, found.controlled_quantity())),
             Cell::text(measured.figure.key_in(found.controlled_quantity())),
         );
         table.rows.push(vec![

@@ -1,7 +1,7 @@
 //! The report of the frequency response analyser: gain and phase over frequency for every amplitude, beside the linear models.
 
 use counterpoise_pipeline::studies::fra::{Around, Map};
-use counterpoise_pipeline::studies::fra_points::Point;
+use counterpoise_pipeline::studies::fra_points::ResponseMapPoint;
 use counterpoise_pipeline::studies::fra_summary::{AmplitudePoints, MapTotals, MeasuringPace, Sticking};
 
 use crate::bode::{BodeCurve, Phase, ResponsePoint, bode_figure};
@@ -84,8 +84,13 @@ fn label(map: &Map, amplitude: f64) -> String {
     }
 }
 
-fn curve(name: &str, colour: Colour, points: &[Point], of: fn(&Point) -> Option<[f64; 2]>) -> BodeCurve {
-    let at = |p: &Point| of(p).map(|h| ResponsePoint::new(p.frequency_hz, h[0], h[1]));
+fn curve(
+    name: &str,
+    colour: Colour,
+    points: &[ResponseMapPoint],
+    of: fn(&ResponseMapPoint) -> Option<[f64; 2]>,
+) -> BodeCurve {
+    let at = |p: &ResponseMapPoint| of(p).map(|h| ResponsePoint::new(p.frequency_hz, h[0], h[1]));
     BodeCurve::new(name, colour, points.iter().filter_map(at).collect())
 }
 
@@ -174,7 +179,7 @@ fn beside_models(map: &Map, family: &AmplitudePoints, colour: Colour) -> Figure 
 }
 
 fn harmonics(map: &Map, command: &str) -> Figure {
-    let of = |y: fn(&Point) -> f64| -> Vec<Series> {
+    let of = |y: fn(&ResponseMapPoint) -> f64| -> Vec<Series> {
         let families = map.points_by_amplitude();
         let series =
             families.iter().zip(Colour::CYCLE).map(|(AmplitudePoints { amplitude, points }, colour)| {

@@ -1,7 +1,7 @@
 //! The report of an identification: the numbers with their intervals, control against rate, the amplifier's curve.
 
 use crate::wording::identification::{AmplifierText, IdentificationText};
-use counterpoise_diagnose::identification::{Estimate, GainPoint, Loop};
+use counterpoise_diagnose::identification::{Estimate, FrictionPicture, GainPoint};
 use counterpoise_pipeline::recordings::AxisUnits;
 
 use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
@@ -127,7 +127,7 @@ struct Drawn<'a> {
 }
 
 /// Control against the rate of the axis, measured and as the identified mechanism needs it.
-fn loop_figure(picture: &Loop, found: &IdentificationText, drawn: Drawn<'_>) -> Figure {
+fn loop_figure(picture: &FrictionPicture, found: &IdentificationText, drawn: Drawn<'_>) -> Figure {
     let rate = drawn.units.rate;
     let points = |k: usize| picture.points.iter().map(move |p| (p[0], p[k]));
     let series = vec![
@@ -229,7 +229,7 @@ mod tests {
             breakaway_nm: None,
             amplifier: AmplifierText::NotIdentifiable { why: "the control stays large" },
             lobes: Lobes { offset_v: 3.5, step_v: 0.5, slope_v_s_rad: 6.0, width_v_s2_rad: 2.0 },
-            loops: vec![Loop {
+            loops: vec![FrictionPicture {
                 recording: "triangle".to_owned(),
                 balance: 0,
                 points: (0..700).map(|k| [turn(k).sin(), turn(k).cos(), turn(k).cos()]).collect(),

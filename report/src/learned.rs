@@ -43,9 +43,9 @@ fn curve(function: &LearnedFunctionText) -> Figure {
     let band: Vec<(f64, f64, f64)> = function
         .points
         .iter()
-        .zip(function.band())
+        .zip(&function.band)
         .filter(|_| !function.half_width.is_empty())
-        .map(|(x, [low, high])| (*x, low, high))
+        .map(|(x, [low, high])| (*x, *low, *high))
         .collect();
     let unit = if function.value_unit.is_empty() { "1" } else { function.value_unit };
     let value = Panel::new(

@@ -37,7 +37,7 @@ pub fn replay_report(
 
 /// Returns the largest error over its floor, and its channel.
 fn largest(channels: &BTreeMap<&'static str, ChannelResult>) -> Option<(f64, &'static str)> {
-    let ratios = channels.iter().map(|(name, c)| (c.error_over_floor(), *name));
+    let ratios = channels.iter().map(|(name, c)| (c.residual_over_floor, *name));
     ratios.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
@@ -125,7 +125,7 @@ fn section(recording: &RecordingResult, tracks: &[Track]) -> Section {
             Cell::text(*channel),
             Cell::number(c.rms_error),
             Cell::number(c.floor),
-            Cell::text(format!("{:.2}", c.error_over_floor())),
+            Cell::text(format!("{:.2}", c.residual_over_floor)),
             Cell::text(format!("{:.4}", c.vaf)),
         ]);
     }

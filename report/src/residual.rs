@@ -9,7 +9,7 @@ use counterpoise_verify::signals::welch::Spectra;
 
 use crate::tolerance::COHERENT;
 use crate::{Cell, Column, Section, Table, Tone};
-use counterpoise_pipeline::recordings::tracks::Track;
+use counterpoise_pipeline::recordings::tracks::{Track, TrackColumn};
 use counterpoise_plot::thin::MOST_POINTS;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
@@ -73,19 +73,19 @@ fn track<'a>(tracks: &'a [Track], recording: &str, channel: &str) -> Option<&'a 
 }
 
 /// Which run of a track is meant, with its name and colour.
-type Run = (&'static str, Colour, fn(&Track) -> &[f64]);
+type Run = (&'static str, Colour, TrackColumn);
 
 const RUNS: [Run; 3] = [
-    ("measured", Colour::Muted, |t| &t.measured),
-    ("model as it was", Colour::Second, |t| &t.before),
-    ("improved model", Colour::First, |t| &t.after),
+    ("measured", Colour::Muted, TrackColumn::Measured),
+    ("model as it was", Colour::Second, TrackColumn::Before),
+    ("improved model", Colour::First, TrackColumn::After),
 ];
 
 fn loop_figure(tracks: &[Track], recording: &str) -> Option<Figure> {
     let (control, rate) = (track(tracks, recording, "control")?, track(tracks, recording, "hub_rate")?);
-    let series = RUNS.iter().filter(|(_, _, of)| !of(rate).is_empty()).map(|(name, colour, of)| {
-        let step = of(rate).len().div_ceil(MOST_POINTS).max(1);
-        let pairs = of(rate).iter().copied().zip(of(control).iter().copied());
+    let series = RUNS.iter().filter(|(.., run)| !rate.column(*run).is_empty()).map(|(name, colour, run)| {
+        let step = rate.column(*run).len().div_ceil(MOST_POINTS).max(1);
+        let pairs = rate.column(*run).iter().copied().zip(control.column(*run).iter().copied());
         Series::solid_line(name, *colour, pairs.step_by(step))
     });
     let panel = Panel::new(Axis::linear("control", control.unit), series.collect()).with_height(300.0);

@@ -1,6 +1,7 @@
 //! The first screen of a verification's report.
 
 use counterpoise_pipeline::wording::acceptance::Traceable;
+use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
 use counterpoise_verify::verification::WorseFeedforward;
 use counterpoise_verify::{
     Arrangement, Experiment, Figure, Limit, LoopFigure, Model, Quantity, Requirement, Source, StepFigure,
@@ -42,7 +43,7 @@ fn failure(found: &Verification, requirement: &Requirement, verdict: &Verdict) -
     let unit = requirement.figure.unit(found.controlled_quantity());
     Some(format!(
         "{}: {} {unit} where {} {unit} is asked ({}).",
-        capitalise_first(&requirement.figure.name(found.controlled_quantity())),
+        capitalise_first(&describe_figure(requirement.figure, found.controlled_quantity())),
         short_number(*value),
         words_of(*limit),
         found.acceptance(&requirement.figure).basis
@@ -87,9 +88,9 @@ pub fn verdict_table(found: &Verification) -> Table {
 fn verdict_row(found: &Verification, requirement: &Requirement, verdict: &Verdict) -> Vec<Cell> {
     let unit = requirement.figure.unit(found.controlled_quantity());
     let name = if unit.is_empty() {
-        requirement.figure.name(found.controlled_quantity())
+        describe_figure(requirement.figure, found.controlled_quantity())
     } else {
-        format!("{} [{unit}]", requirement.figure.name(found.controlled_quantity()))
+        format!("{} [{unit}]", describe_figure(requirement.figure, found.controlled_quantity()))
     };
     let part = verdict.relative_distance().unwrap_or(0.0);
     let (measured, room, verdict) = match verdict {
@@ -104,7 +105,7 @@ fn verdict_row(found: &Verification, requirement: &Requirement, verdict: &Verdic
             Cell::Verdict(Tone::Bad, "fails".to_owned()),
         ),
         Verdict::NotApplicable { why } => {
-            ("\u{2013}".to_owned(), Cell::text(""), Cell::Verdict(Tone::Neutral, why.to_string()))
+            ("\u{2013}".to_owned(), Cell::text(""), Cell::Verdict(Tone::Neutral, describe_unmeasured(why)))
         }
     };
     let basis = Cell::text(found.acceptance(&requirement.figure).basis);
@@ -127,7 +128,7 @@ pub fn traceability_section(found: &Verification) -> Option<Section> {
         vec![
             Cell::text(format!(
                 "{}, {}",
-                figure.name(found.controlled_quantity()),
+                describe_figure(*figure, found.controlled_quantity()),
                 sign_of(requirement.limit)
             )),
             Cell::text(source),

@@ -1,6 +1,7 @@
 //! The pages of a robustness campaign.
 
 use counterpoise_pipeline::studies::sweep::CampaignResult;
+use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_verify::robust::{Sense, Summary, Worst};
 use counterpoise_verify::{Limit, Requirement, Value, Verification};
 
@@ -207,7 +208,7 @@ fn worst(found: &CampaignResult, project: &str) -> Section {
 
 fn name(found: &CampaignResult, requirement: usize) -> String {
     let figure = found.requirements[requirement].figure;
-    let (name, unit) = (figure.name(found.controlled), figure.unit(found.controlled));
+    let (name, unit) = (describe_figure(figure, found.controlled), figure.unit(found.controlled));
     if unit.is_empty() { name } else { format!("{name} [{unit}]") }
 }
 
@@ -243,7 +244,7 @@ fn shares(found: &CampaignResult) -> Table {
 fn distribution(found: &CampaignResult, requirement: usize) -> Figure {
     let distribution = found.distribution(requirement);
     let figure = found.requirements[requirement].figure;
-    let name = figure.name(found.controlled);
+    let name = describe_figure(figure, found.controlled);
     let limit = found.requirements[requirement].limit.value();
     let marks = vec![Mark::Instant { x: limit, text: format!("limit {}", short_number(limit)) }];
     let panel = Panel::new(
@@ -315,7 +316,12 @@ fn member_summary(found: &CampaignResult) -> Table {
 fn failure(found: &CampaignResult, requirement: &Requirement, value: f64) -> String {
     let figure = requirement.figure;
     let value = format!("{} {}", short_number(value), figure.unit(found.controlled));
-    format!("{}: {} ({})", figure.name(found.controlled), value.trim_end(), bound(requirement.limit))
+    format!(
+        "{}: {} ({})",
+        describe_figure(figure, found.controlled),
+        value.trim_end(),
+        bound(requirement.limit)
+    )
 }
 
 /// Returns a limit with its sign.

@@ -1,6 +1,6 @@
 //! The controller on its targets: in double, single and fixed point side by side, and what a step costs.
 
-use counterpoise_controller::sensitivity::Form;
+use counterpoise_controller::sensitivity::RealisationForm;
 use counterpoise_export::{FormFigures, Numbers, TargetFigures, Targets};
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::design::TargetStudy;
@@ -175,7 +175,8 @@ fn form_table(forms: &[PathForms]) -> Table {
     let mut table = Table::new(title, &columns);
     for each in forms {
         for candidate in &each.candidates {
-            let name = if candidate.form == Form::Balanced { "balanced" } else { "modal sections" };
+            let name =
+                if candidate.form == RealisationForm::Balanced { "balanced" } else { "modal sections" };
             table.rows.push(vec![
                 Cell::text(each.path.as_str()),
                 Cell::text(name),

@@ -96,7 +96,7 @@ fn tiles(f: &Figures) -> Vec<Tile> {
     ]
 }
 
-fn figure(best: &counterpoise_synth::Trial, curve: &[TradeOffPoint]) -> Figure {
+fn figure(best: &counterpoise_synth::SearchTrial, curve: &[TradeOffPoint]) -> Figure {
     let over = |of: &dyn Fn(&Figures) -> f64| {
         let mut points: Vec<(f64, f64)> =
             curve.iter().map(|point| &point.found.best.figures).map(|found| (found.ms, of(found))).collect();

@@ -45,25 +45,30 @@ impl Run<'_> {
 }
 
 fn over_time(runs: &[Run<'_>], first: &History, controlled: ControlledQuantity) -> Figure {
-    let of = |column: &dyn Fn(&History, usize) -> f64| -> Vec<Series> {
+    let of = |column: fn(&History) -> &[f64]| -> Vec<Series> {
         let points = |history: &History| -> Vec<Point> {
-            (0..history.time_s.len()).map(|k| Point::new(history.time_s[k], column(history, k))).collect()
+            history
+                .time_s()
+                .iter()
+                .zip(column(history))
+                .map(|(time, value)| Point::new(*time, *value))
+                .collect()
         };
         runs.iter().map(|run| run.series(points(run.history))).collect()
     };
-    let mut rates = of(&|history, k| history.hub_rate_rad_s[k]);
-    let demand = first.time_s.iter().copied().zip(first.demand_rad_s.iter().copied());
+    let mut rates = of(History::hub_rate_rad_s);
+    let demand = first.time_s().iter().copied().zip(first.demand_rad_s().iter().copied());
     rates.push(Series::dotted_line("demand", Colour::Third, demand));
     let error = |run: &Run<'_>| {
         let errors = run.history.tracking_error_rad_s();
-        let points = run.history.time_s.iter().zip(&errors);
+        let points = run.history.time_s().iter().zip(&errors);
         run.series(points.map(|(time, error)| Point::new(*time, 1e3 * error)).collect())
     };
     let errors = runs.iter().map(error).collect();
     let panels = vec![
         Panel::new(Axis::linear(controlled.name(), controlled.unit()), rates).with_height(150.0),
         Panel::new(Axis::linear("error", controlled.milli_unit()), errors).with_height(130.0),
-        Panel::new(Axis::linear("control", "V"), of(&|history, k| history.control_v[k])).with_height(130.0),
+        Panel::new(Axis::linear("control", "V"), of(History::control_v)).with_height(130.0),
     ];
     Figure::new("Triangle of the demand", Axis::linear("time", "s"), panels)
 }
@@ -72,10 +77,10 @@ fn over_time(runs: &[Run<'_>], first: &History, controlled: ControlledQuantity) 
 fn loops(runs: &[Run<'_>], controlled: ControlledQuantity) -> Figure {
     let one = |run: &Run<'_>| {
         let history = run.history;
-        let half = history.time_s.len() / 2;
-        let every = (history.time_s.len() - half).div_ceil(MOST_POINTS).max(1);
-        let samples = (half..history.time_s.len()).step_by(every);
-        let point = |k: usize| Point::new(1e3 * history.hub_rate_rad_s[k], history.control_v[k]);
+        let half = history.len() / 2;
+        let every = (history.len() - half).div_ceil(MOST_POINTS).max(1);
+        let samples = (half..history.len()).step_by(every);
+        let point = |k: usize| Point::new(1e3 * history.hub_rate_rad_s()[k], history.control_v()[k]);
         run.series(samples.map(point).collect())
     };
     let panel = Panel::new(Axis::linear("control", "V"), runs.iter().map(one).collect()).with_height(300.0);

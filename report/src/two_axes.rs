@@ -1,6 +1,9 @@
 //! Both axes verified together, in words and tables.
 
 use counterpoise_pipeline::TwoAxisStudy;
+use counterpoise_pipeline::wording::figures::{
+    describe_joint_experiment, describe_joint_figure, describe_joint_quantity, describe_unmeasured,
+};
 use counterpoise_plot::number::short_number;
 use counterpoise_verify::{JointExperiment, JointQuantity, JointRequirement, JointValue, Verdict};
 
@@ -39,8 +42,8 @@ fn table(values: &[JointValue]) -> Table {
     for value in values {
         let quantity = value.figure.quantity;
         table.rows.push(vec![
-            Cell::text(value.figure.experiment.name()),
-            Cell::text(quantity.name()),
+            Cell::text(describe_joint_experiment(value.figure.experiment)),
+            Cell::text(describe_joint_quantity(quantity)),
             Cell::number(MILLI * value.together),
             Cell::number(MILLI * value.alone),
             Cell::text(format!("m{}", quantity.unit())),
@@ -63,7 +66,7 @@ pub fn two_axes_lines(study: &TwoAxisStudy) -> Vec<String> {
         };
         format!(
             "{}: line of sight {} mrad RMS, in elevation {}, in cross-elevation {}; rate errors {} and {} mrad/s",
-            experiment.name(),
+            describe_joint_experiment(experiment),
             found(JointQuantity::Sight),
             found(JointQuantity::ElevationSight),
             found(JointQuantity::CrossElevationSight),
@@ -82,7 +85,7 @@ fn verdict_lines(study: &TwoAxisStudy) -> Vec<String> {
 }
 
 fn verdict_line(requirement: &JointRequirement, verdict: &Verdict) -> String {
-    let (figure, unit) = (&requirement.figure, requirement.figure.quantity.unit());
+    let (figure, unit) = (describe_joint_figure(requirement.figure), requirement.figure.quantity.unit());
     let side = requirement.limit.side();
     let limit = short_number(requirement.limit.value());
     match verdict {
@@ -93,6 +96,8 @@ fn verdict_line(requirement: &JointRequirement, verdict: &Verdict) -> String {
             let (value, by) = (short_number(*value), short_number(*by));
             format!("FAILS: {figure}, {value} {unit} ({side} {limit}), by {by}")
         }
-        Verdict::NotApplicable { why } => format!("not applicable: {figure}, {why}"),
+        Verdict::NotApplicable { why } => {
+            format!("not applicable: {figure}, {}", describe_unmeasured(why))
+        }
     }
 }

@@ -12,7 +12,7 @@ use counterpoise_models::plant::{Body, BodyMode};
 use counterpoise_models::{FrictionLaw, OperatingPoint, Plant, reference};
 use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};
 use counterpoise_simulate::{
-    Detail, Imperfections, PlatformMotion, Scenario, Signal, Simulator, Variant, run_ensemble,
+    Detail, EnsembleRun, Imperfections, PlatformMotion, Scenario, Signal, Simulator, run_ensemble,
 };
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use two_mass::{Controller, scenario};
@@ -155,8 +155,8 @@ fn ensemble(criterion: &mut Criterion) {
             bencher.iter(|| {
                 let mut controllers = controllers.clone();
                 let variants = simulators.iter_mut().zip(&mut controllers).zip(&scenarios);
-                let mut variants: Vec<Variant> = variants
-                    .map(|((simulator, controller), scenario)| Variant {
+                let mut variants: Vec<EnsembleRun> = variants
+                    .map(|((simulator, controller), scenario)| EnsembleRun {
                         simulator,
                         controller,
                         scenario,

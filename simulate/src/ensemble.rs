@@ -21,7 +21,7 @@ use counterpoise_models::DriveLimits;
 pub const SIDE_BY_SIDE: usize = LANES;
 
 /// A run of an ensemble.
-pub struct Variant<'a> {
+pub struct EnsembleRun<'a> {
     /// The simulator of its plant.
     pub simulator: &'a mut Simulator,
     /// Its controller; it is used as it is handed in.
@@ -44,7 +44,7 @@ pub struct RunObserver<'a> {
 ///
 /// # Errors
 /// Variant by variant, as [`Simulator::run`].
-pub fn run_ensemble(variants: &mut [Variant]) -> Vec<Result<TimeHistory, Error>> {
+pub fn run_ensemble(variants: &mut [EnsembleRun]) -> Vec<Result<TimeHistory, Error>> {
     run_ensemble_in(Registers::Widest, variants)
 }
 
@@ -52,12 +52,15 @@ pub fn run_ensemble(variants: &mut [Variant]) -> Vec<Result<TimeHistory, Error>>
 ///
 /// # Errors
 /// Variant by variant, as [`Simulator::run`].
-pub fn run_ensemble_in(registers: Registers, variants: &mut [Variant]) -> Vec<Result<TimeHistory, Error>> {
+pub fn run_ensemble_in(
+    registers: Registers,
+    variants: &mut [EnsembleRun],
+) -> Vec<Result<TimeHistory, Error>> {
     variants.chunks_mut(LANES).flat_map(|few| run_few(registers, few)).collect()
 }
 
-fn run_alone(variant: &mut Variant) -> Result<TimeHistory, Error> {
-    let Variant { simulator, controller, scenario, watch } = variant;
+fn run_alone(variant: &mut EnsembleRun) -> Result<TimeHistory, Error> {
+    let EnsembleRun { simulator, controller, scenario, watch } = variant;
     match watch {
         Some(RunObserver { every, goes_on }) => {
             simulator.run_while(&mut **controller, scenario, *every, &mut **goes_on)
@@ -67,7 +70,7 @@ fn run_alone(variant: &mut Variant) -> Result<TimeHistory, Error> {
 }
 
 /// Runs up to four variants side by side if they are of one shape, and one after the other if not.
-fn run_few(registers: Registers, variants: &mut [Variant]) -> Vec<Result<TimeHistory, Error>> {
+fn run_few(registers: Registers, variants: &mut [EnsembleRun]) -> Vec<Result<TimeHistory, Error>> {
     let can_share = variants.iter().all(can_share);
     if !can_share || variants.len() < FEWEST_LANES {
         return variants.iter_mut().map(run_alone).collect();
@@ -86,7 +89,7 @@ fn run_few(registers: Registers, variants: &mut [Variant]) -> Vec<Result<TimeHis
 
 /// Returns whether a variant can run beside others: on a base that only heaves and pitches, and without loads and limits of the drive, whose
 /// state belongs to a run alone.
-fn can_share(variant: &Variant) -> bool {
+fn can_share(variant: &EnsembleRun) -> bool {
     let plant = variant.simulator.plant();
     variant.scenario.platform.further.is_none()
         && plant.loads().is_none()
@@ -142,7 +145,7 @@ enum LaneState<'a> {
 }
 
 impl<'a> Run<'a> {
-    fn new<'b: 'a>(variant: &'a mut Variant<'b>) -> Self {
+    fn new<'b: 'a>(variant: &'a mut EnsembleRun<'b>) -> Self {
         let scenario = variant.scenario;
         let (plant, stepper, steps_per_sample) = variant.simulator.parts();
         let progress = match Lap::new(plant, scenario, stepper, steps_per_sample) {

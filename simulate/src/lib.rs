@@ -55,12 +55,12 @@ pub mod two_axes;
 
 pub use engine::ports::{Bonds, FrictionState};
 pub use engine::state::{Effort, PlantState};
-pub use ensemble::{Registers, RunObserver, Variant, run_ensemble, run_ensemble_in};
+pub use ensemble::{EnsembleRun, Registers, RunObserver, run_ensemble, run_ensemble_in};
 pub use error::Error;
 pub use firing::Firing;
 pub use history::{ReadingColumns, TimeHistory, TrueColumns};
 pub use motion::{FurtherMotion, PlatformMotion};
-pub use replay::{ChannelFit, Loop, Playback, Replay, Replayer, replay};
+pub use replay::{ChannelFit, Playback, Replay, ReplayLoop, Replayer, replay};
 pub use run::{Simulator, run, state_at_rest};
 pub use scenario::{Detail, Initial, Scenario};
 pub use sensing::Imperfections;

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_models::{Plant, reference};
-use counterpoise_simulate::convergence::{cases, study};
+use counterpoise_simulate::convergence::{convergence_cases, study_convergence};
 
 /// What the error must show: the least order with steps as they are, and, with events found, the most that it may be at the longest
 /// step (eight milliseconds) and at the shortest (an eighth).
@@ -26,11 +26,11 @@ fn demanded(name: &str) -> (f64, [f64; 2]) {
 #[test]
 fn every_law_and_contact_converge_to_a_second_method_by_their_order() {
     let plant = Plant::from_lumped(&reference::rig()).unwrap();
-    let cases = cases(&plant).unwrap();
+    let cases = convergence_cases(&plant).unwrap();
     assert_eq!(cases.len(), 15);
     for case in cases {
         let name = case.name;
-        let found = study(&case.plant, case.control_v, 5).unwrap();
+        let found = study_convergence(&case.plant, case.control_v, 5).unwrap();
         println!("{name}: order {:.1}, second method {:.0e}", found.order(), found.second_method);
         println!("    steps  {}\n    events {}", shown(&found.error), shown(&found.finding_events));
         let (order, [longest, shortest]) = demanded(name);
@@ -47,8 +47,8 @@ fn every_law_and_contact_converge_to_a_second_method_by_their_order() {
 #[test]
 fn the_error_of_contact_falls_in_proportion_to_the_step() {
     let plant = Plant::from_lumped(&reference::rig()).unwrap();
-    let contact = cases(&plant).unwrap().pop().unwrap();
-    let found = study(&contact.plant, contact.control_v, 7).unwrap();
+    let contact = convergence_cases(&plant).unwrap().pop().unwrap();
+    let found = study_convergence(&contact.plant, contact.control_v, 7).unwrap();
     println!("steps  {}\nevents {}", shown(&found.error), shown(&found.finding_events));
     println!("orders {:.2} {:.2}", found.order(), found.order_finding_events());
     assert!(found.order() > 0.9 && found.order_finding_events() > 0.7);

@@ -3,8 +3,8 @@
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{Friction, FrictionLaw, OperatingPoint, Parameters, Plant, Ripple, reference};
 use counterpoise_simulate::{
-    Detail, Imperfections, Initial, PlatformMotion, Registers, RunObserver, Scenario, Signal, Simulator,
-    TimeHistory, Variant, run_ensemble, run_ensemble_in,
+    Detail, EnsembleRun, Imperfections, Initial, PlatformMotion, Registers, RunObserver, Scenario, Signal,
+    Simulator, TimeHistory, run_ensemble, run_ensemble_in,
 };
 
 /// Numbers between 0 and 1, the same for one seed (Marsaglia's xorshift).
@@ -167,11 +167,11 @@ fn together(registers: Registers, runs: &[Run]) -> Vec<String> {
     let mut simulators: Vec<Simulator> =
         runs.iter().map(|(plant, ..)| Simulator::new(plant).unwrap()).collect();
     let mut controllers: Vec<ProportionalIntegral> = runs.iter().map(|run| run.1.clone()).collect();
-    let mut variants: Vec<Variant> = simulators
+    let mut variants: Vec<EnsembleRun> = simulators
         .iter_mut()
         .zip(&mut controllers)
         .zip(runs)
-        .map(|((simulator, controller), run)| Variant {
+        .map(|((simulator, controller), run)| EnsembleRun {
             simulator,
             controller,
             scenario: &run.2,
@@ -213,12 +213,12 @@ fn a_watched_variant_ends_where_it_would_alone() {
     let mut simulators: Vec<Simulator> =
         runs.iter().map(|(plant, ..)| Simulator::new(plant).unwrap()).collect();
     let mut controllers: Vec<ProportionalIntegral> = runs.iter().map(|run| run.1.clone()).collect();
-    let mut variants: Vec<Variant> = simulators
+    let mut variants: Vec<EnsembleRun> = simulators
         .iter_mut()
         .zip(&mut controllers)
         .zip(&runs)
         .enumerate()
-        .map(|(k, ((simulator, controller), run))| Variant {
+        .map(|(k, ((simulator, controller), run))| EnsembleRun {
             simulator,
             controller,
             scenario: &run.2,

@@ -10,7 +10,7 @@ use counterpoise_models::{MapPoint, Parameters, Ripple, reference};
 use counterpoise_recordings::Channel;
 use counterpoise_simulate::replay::COMPARED;
 use counterpoise_simulate::replay::{ReplayMode, ReplayVariant, Replayer, SelectedReplay};
-use counterpoise_simulate::{Loop, Replay, replay};
+use counterpoise_simulate::{Replay, ReplayLoop, replay};
 
 /// RMS error over floor that counts as a fit.
 const FIT: f64 = 1.5;
@@ -52,19 +52,19 @@ fn is_nearly_balanced(machine: &str) -> bool {
     matches!(machine, "p02" | "p03")
 }
 
-fn closed(machine: &str) -> Loop {
+fn closed(machine: &str) -> ReplayLoop {
     let bias_v = if is_nearly_balanced(machine) { 0.38 } else { 2.88 };
-    Loop::Closed(ProportionalIntegral { bias_v, ..controller() }.into())
+    ReplayLoop::Closed(ProportionalIntegral { bias_v, ..controller() }.into())
 }
 
-fn replayed(machine: &str, experiment: &str, control: &Loop) -> Replay {
+fn replayed(machine: &str, experiment: &str, control: &ReplayLoop) -> Replay {
     let recording = recording(&format!("{machine}/{experiment}"));
     replay(&truth(machine), &recording, control).unwrap()
 }
 
 fn assert_fits(replay: &Replay, channels: &[Channel], what: &str) {
     for fit in replay.channels.iter().filter(|fit| channels.contains(&fit.channel)) {
-        let ratio = fit.rms_error / fit.floor;
+        let ratio = fit.residual_over_floor();
         assert!(ratio <= FIT, "{what}: {} at {ratio:.2} floors", fit.channel.name());
     }
 }
@@ -95,7 +95,7 @@ fn the_true_machines_fit_on_every_channel_in_closed_loop() {
 fn the_hunting_machines_fit_in_open_loop() {
     for machine in ["p02", "p03"] {
         for experiment in ["triangle", "steps", "multisine"] {
-            let replay = replayed(machine, experiment, &Loop::Open);
+            let replay = replayed(machine, experiment, &ReplayLoop::Open);
             let rates = [Channel::HubRate, Channel::MotorRate];
             assert_fits(&replay, &rates, &format!("{machine} {experiment}"));
         }
@@ -109,7 +109,7 @@ fn selected(parameters: &Parameters, machine: &str, experiment: &str) -> Selecte
 }
 
 fn worst(replay: &Replay) -> f64 {
-    replay.channels.iter().map(|fit| fit.rms_error / fit.floor).fold(0.0, f64::max)
+    replay.channels.iter().map(|fit| fit.residual_over_floor()).fold(0.0, f64::max)
 }
 
 const UNSEEN: [&str; 3] = ["unseen/triangle", "unseen/steps", "unseen/road"];
@@ -171,7 +171,7 @@ fn variants_replayed_side_by_side_leave_the_same_bytes_as_each_alone() {
         let recording = recording(&format!("{machine}/{experiment}")).part(0..3000);
         let truth = truth(machine);
         let replayer = Replayer::new(&truth, &recording).unwrap();
-        for control in [closed(machine), Loop::Open] {
+        for control in [closed(machine), ReplayLoop::Open] {
             let start = replayer.replay(&truth, &control).unwrap().start;
             let mechanisms: Vec<Parameters> = (0..6)
                 .map(|k| {

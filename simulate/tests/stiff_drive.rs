@@ -3,7 +3,7 @@
 
 use counterpoise_models::{Friction, FrictionLaw, Lumped, Parameters, Plant, Sensor, reference};
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::{Loop, Playback, Scenario, Simulator, replay};
+use counterpoise_simulate::{Playback, ReplayLoop, Scenario, Simulator, replay};
 
 const MASS: f64 = 95.109;
 const COULOMB: f64 = 20.394;
@@ -110,7 +110,7 @@ fn a_recording_without_an_angle_replays_from_a_start_nearby() {
             let recording = Recording::new("carriage", 1e-3)
                 .with(Channel::Control, control[cut..].to_vec())
                 .with(Channel::HubRate, recorded[cut..].to_vec());
-            let replayed = replay(&carriage(law.clone()), &recording, &Loop::Open).unwrap();
+            let replayed = replay(&carriage(law.clone()), &recording, &ReplayLoop::Open).unwrap();
             let angle = replayed.start.core[counterpoise_models::plant::core::state::ANGLE];
             assert!(angle.abs() < 1e-3, "{law:?} from {cut}: {angle:e} rad");
             let vaf = replayed.channels[0].vaf;

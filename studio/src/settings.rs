@@ -166,7 +166,7 @@ pub fn project_settings_file(
 /// Writes settings. An error of the disk is ignored: the defaults are used the next time.
 pub fn write_settings(files: &[SettingsFile]) {
     for file in files {
-        let _ = counterpoise_host::files::write(&file.path, &file.content);
+        let _ = counterpoise_host::files::write_file(&file.path, &file.content);
     }
 }
 

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use crate::common;
+use counterpoise_pipeline::wording::figures::describe_figure;
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -166,7 +167,10 @@ fn a_campaign_fills_its_table_and_a_requirement_leads_to_its_spread() {
     assert!(says(&bench, "plot: Share of mechanisms below a value"));
     let of = bench.state().results.measurements.campaign.as_ref().unwrap().value.as_ref().unwrap();
     let row = &of.rows[bench.state().view.requirement];
-    assert!(row.requirement.figure.name(row.controlled).contains("phase margin") && row.values.len() == 30);
+    assert!(
+        describe_figure(row.requirement.figure, row.controlled).contains("phase margin")
+            && row.values.len() == 30
+    );
     assert!(row.values.is_sorted());
     let path = "synth.feedback.error.gain".to_owned();
     bench.state_mut().run(&Command::Set { path, value: 28.0, gesture: None });

@@ -12,7 +12,7 @@ use counterpoise_host::worker::Token;
 use counterpoise_host::{files, projects};
 use counterpoise_pipeline::model;
 use counterpoise_pipeline::recordings::read::{loop_of, recording_controller};
-use counterpoise_pipeline::recordings::{Gaps, ReplayLength, diagnose, read, replay};
+use counterpoise_pipeline::recordings::{Gaps, ReplayLength, diagnose, read_files, replay};
 use counterpoise_project::{Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_report::wording::answer::describe_diagnosed_recordings;
@@ -40,7 +40,7 @@ fn both_ways(folder: &Path, paths: Vec<PathBuf>) -> [String; 2] {
     let controller = recording_controller(&project).unwrap();
     let controller = controller.as_ref();
     let files = projects::read_recordings(&paths).unwrap();
-    let read = read(&project, controller, &files, Gaps::Repaired).unwrap();
+    let read = read_files(&project, controller, &files, Gaps::Repaired).unwrap();
     let expected = replay(&project, &read, &loop_of(&project, controller), ReplayLength::Automatic).unwrap();
     let expected: Vec<_> = expected.iter().map(describe_replay).collect();
     let project = Arc::new(project);
@@ -117,7 +117,7 @@ fn every_example_replays_in_the_studio_as_on_the_command_line() {
     for folder in all.filter(|path| path.join("project.toml").exists() && !with_recordings(path)) {
         let project = projects::load_project(&folder, Purpose::Model).unwrap().project;
         let path = scratch.path().join(format!("{replayed}.csv"));
-        files::write(&path, recorded(&project).as_bytes()).unwrap();
+        files::write_file(&path, recorded(&project).as_bytes()).unwrap();
         let [found, expected] = both_ways(&folder, vec![path]);
         assert_eq!(found, expected, "{}", folder.display());
         replayed += 1;
@@ -132,10 +132,10 @@ fn a_recording_without_the_demand_does_not_change_how_the_others_are_replayed() 
     let scratch = files::scratch_folder().unwrap();
     let project = projects::load_project(&folder, Purpose::Replay).unwrap().project;
     let file = projects::read_recordings(&[folder.join("triangle.parquet")]).unwrap();
-    let mut whole = read(&project, None, &file, Gaps::AsWritten).unwrap().remove(0).recording;
+    let mut whole = read_files(&project, None, &file, Gaps::AsWritten).unwrap().remove(0).recording;
     let written = |name: &str, recording: &Recording| {
         let path = scratch.path().join(name);
-        files::write(&path, excerpt(recording, 1500).as_bytes()).unwrap();
+        files::write_file(&path, excerpt(recording, 1500).as_bytes()).unwrap();
         path
     };
     let with = written("with.csv", &whole);
@@ -156,8 +156,8 @@ fn a_replay_in_the_studio_says_if_another_project_exported_the_controller() {
     let text = std::fs::read_to_string(example("reference-rig").join("project.toml")).unwrap();
     let whole = text.replace("sandy-loam.parquet", "road.parquet");
     let road = std::fs::read(example("reference-rig").join("sandy-loam.parquet")).unwrap();
-    files::write(&folder.join("road.parquet"), &road).unwrap();
-    files::write(&folder.join("project.toml"), whole.as_bytes()).unwrap();
+    files::write_file(&folder.join("road.parquet"), &road).unwrap();
+    files::write_file(&folder.join("project.toml"), whole.as_bytes()).unwrap();
     let project = projects::load_project(&folder, Purpose::Design).unwrap().project;
     let modelled = model(&project).unwrap();
     let reduced = counterpoise_pipeline::reduce(&project, &modelled).unwrap();
@@ -165,15 +165,15 @@ fn a_replay_in_the_studio_says_if_another_project_exported_the_controller() {
     let identity = counterpoise_pipeline::ProjectIdentity { name: "rig".to_owned(), hash: "0123".to_owned() };
     let controller =
         counterpoise_pipeline::exchange::ControllerResult::new(&identity, &made.sampled.controller);
-    files::write(&folder.join("controller.json"), json(&controller).as_bytes()).unwrap();
+    files::write_file(&folder.join("controller.json"), json(&controller).as_bytes()).unwrap();
     let named = "\n[recording_controller]\nkind = \"exported\"\nfile = \"controller.json\"\n";
     let text = format!("{whole}{named}");
-    files::write(&folder.join("project.toml"), text.as_bytes()).unwrap();
+    files::write_file(&folder.join("project.toml"), text.as_bytes()).unwrap();
     let project = projects::load_project(&folder, Purpose::Model).unwrap().project;
     let source = example("left-out-friction").join("triangle.parquet");
     let file = projects::read_recordings(&[source]).unwrap();
-    let recorded = read(&project, None, &file, Gaps::AsWritten).unwrap();
-    files::write(&folder.join("start.csv"), excerpt(&recorded[0].recording, 1500).as_bytes()).unwrap();
+    let recorded = read_files(&project, None, &file, Gaps::AsWritten).unwrap();
+    files::write_file(&folder.join("start.csv"), excerpt(&recorded[0].recording, 1500).as_bytes()).unwrap();
     let paths = vec![folder.join("start.csv")];
     let ask =
         ReplayRequest { project: Arc::new(project.clone()), folder: folder.clone(), paths, improved: None };
@@ -210,9 +210,10 @@ fn a_diagnosis_in_the_studio_is_the_diagnosis_of_the_command_line() {
     let source = example("left-out-friction");
     let project = projects::load_project(&source, Purpose::Model).unwrap().project;
     let files = projects::read_recordings(&[source.join("triangle.parquet")]).unwrap();
-    let whole = read(&project, None, &files, Gaps::AsWritten).unwrap();
-    files::write(&folder.join("project.toml"), &std::fs::read(source.join("project.toml")).unwrap()).unwrap();
-    files::write(&folder.join("start.csv"), excerpt(&whole[0].recording, 1500).as_bytes()).unwrap();
+    let whole = read_files(&project, None, &files, Gaps::AsWritten).unwrap();
+    files::write_file(&folder.join("project.toml"), &std::fs::read(source.join("project.toml")).unwrap())
+        .unwrap();
+    files::write_file(&folder.join("start.csv"), excerpt(&whole[0].recording, 1500).as_bytes()).unwrap();
     let paths = vec![folder.join("start.csv")];
     let workers = counterpoise_host::workers::Workers::new(counterpoise_host::stages::ProgressDisplay::Quiet);
     let expected = diagnose(&project, &projects::read_recordings(&paths).unwrap(), &workers).unwrap();

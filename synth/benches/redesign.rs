@@ -48,8 +48,9 @@ fn redesign(plant: &DesignPlant, method: SamplingMethod) -> f64 {
     let sampling = Sampling { method, ..Sampling::new(1e-3, 10.0) };
     let sampled = discretise(&design, &sampling).unwrap();
     let found = figures(plant, &sampled, &sampling, [1.26, 12.6]).unwrap();
-    let errors = [counterpoise_synth::Channel::Heave, counterpoise_synth::Channel::Pitch]
-        .map(|channel| stabilisation_error(plant, &design, channel, 1.0).unwrap());
+    let errors =
+        [counterpoise_synth::DisturbanceChannel::Heave, counterpoise_synth::DisturbanceChannel::Pitch]
+            .map(|channel| stabilisation_error(plant, &design, channel, 1.0).unwrap());
     found.phase_margin_deg + errors[0] + errors[1]
 }
 

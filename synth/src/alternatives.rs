@@ -15,7 +15,7 @@ use crate::{
 
 /// Which method made a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
+pub enum SynthesisMethod {
     /// The structured H2 design of [`feedback()`].
     ThreePart,
     /// Textbook H2 on the generalised plant, observer and weights in one: [`h2syn()`].
@@ -30,7 +30,7 @@ pub enum Method {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Alternative {
     /// The method.
-    pub method: Method,
+    pub method: SynthesisMethod,
     /// The controller: u = C (r - y).
     pub controller: StateSpace,
     /// The norm it reached: H2 or H-infinity from the noises to the weighted error and control; none for LQG/LTR.
@@ -46,26 +46,26 @@ pub struct Alternative {
 pub fn alternative(
     plant: &DesignPlant,
     weights: &FeedbackWeights,
-    method: Method,
+    method: SynthesisMethod,
 ) -> Result<Alternative, Error> {
     match method {
-        Method::ThreePart => {
+        SynthesisMethod::ThreePart => {
             let part = feedback(plant, weights, Reference::Error)?;
             let norm = part.cost.achieved.map(f64::sqrt);
             let controller = part.controller.select(&[0], &[0, 1]);
             Ok(Alternative { method, controller, norm, on_generalised: None })
         }
-        Method::JointH2 => {
+        SynthesisMethod::JointH2 => {
             let part = h2syn(&generalised_plant(plant, weights)?)?;
             let (controller, norm) = (from_error(&part.controller, weights)?, Some(part.achieved_norm));
             Ok(Alternative { method, controller, norm, on_generalised: Some(part.controller) })
         }
-        Method::HInfinity => {
+        SynthesisMethod::HInfinity => {
             let part = hinfsyn(&generalised_plant(plant, weights)?, ALTERNATIVE_BOUND)?;
             let (controller, norm) = (from_error(&part.controller, weights)?, Some(part.achieved_norm));
             Ok(Alternative { method, controller, norm, on_generalised: Some(part.controller) })
         }
-        Method::LqgLtr => {
+        SynthesisMethod::LqgLtr => {
             let seen = plant.measured_plant()?.select(&[0], &[plant.control]);
             let shape = series(&weights.error.realise()?, &weights.control.realise_inverse()?)?;
             let recovery = weights.loop_recovery.max(f64::MIN_POSITIVE) / weights.measurement_noise;

@@ -1,7 +1,5 @@
 //! What limits the bandwidth of a loop.
 
-use std::fmt;
-
 /// What limits a bandwidth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LimitKind {
@@ -25,25 +23,9 @@ pub enum LimitKind {
     Asked,
 }
 
-impl fmt::Display for LimitKind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            LimitKind::SampleRate => "sample rate",
-            LimitKind::Margins => "margins (delay and lags)",
-            LimitKind::Resonance => "resonance",
-            LimitKind::Noise => "noise",
-            LimitKind::Quantisation => "quantisation",
-            LimitKind::Control => "control limit",
-            LimitKind::AtRest => "friction at rest, gravity",
-            LimitKind::Tolerances => "tolerances of the file",
-            LimitKind::Asked => "what is asked for",
-        })
-    }
-}
-
 /// A limit of the bandwidth.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Limit {
+pub struct BandwidthLimit {
     /// What limits.
     pub kind: LimitKind,
     /// The highest bandwidth that it allows, rad/s; infinite if it allows every one that was looked at.
@@ -75,21 +57,9 @@ pub struct Bandwidth {
     /// What limits it: the limit whose lifting alone raises it most, or several that only a lifting of all of them raises.
     pub limited_by: Vec<LimitKind>,
     /// Every limit: those whose lifting alone raises the bandwidth first, by how much they do; then by what they allow.
-    pub limits: Vec<Limit>,
+    pub limits: Vec<BandwidthLimit>,
     /// What is not known.
     pub unknown: Vec<Unknown>,
     /// What was asked for, rad/s.
     pub asked_rad_s: Option<f64>,
-}
-
-impl fmt::Display for Unknown {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Unknown::Structure => "a flexible mode of structure or transmission",
-            Unknown::Noise => "noise or resolution of the measured signal",
-            Unknown::Sensor => "the lag of the sensor",
-            Unknown::Delay => "the delay of the loop",
-            Unknown::Demand => "the largest step of the demand",
-        })
-    }
 }

@@ -2,7 +2,7 @@
 
 /// Which disturbance is meant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Channel {
+pub enum DisturbanceChannel {
     /// The vertical motion of the pivot.
     Heave,
     /// The rotation of the platform.

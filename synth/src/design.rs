@@ -8,8 +8,8 @@ use crate::cause::Cause;
 use crate::preflight::gain::Gain;
 use crate::tolerance::{SLOWEST_RAD_S, ZERO_GAIN};
 use crate::{
-    Assembly, Basis, Channel, DesignFinding, DesignPlant, Error, Feedback, Feedforward, FeedforwardWeights,
-    JointOptimum, Specification, Weight, feedback, feedforward, joint_optimum, preflight,
+    Assembly, DesignFinding, DesignPlant, DisturbanceChannel, Error, Feedback, Feedforward, FeedforwardBasis,
+    FeedforwardWeights, JointOptimum, Specification, Weight, feedback, feedforward, joint_optimum, preflight,
 };
 
 /// A designed controller, continuous, with its certificates.
@@ -54,14 +54,14 @@ pub fn design(plant: &DesignPlant, specification: &Specification) -> Result<Desi
     let feedback = feedback(plant, &specification.feedback, specification.reference)?;
     let substitute = with_position_loop(whole, &feedback.controller, specification.position_gain)?;
     let (mut parts, mut warnings, mut solvable) = ([None, None], findings, specification.clone());
-    for (part, channel) in parts.iter_mut().zip([Channel::Heave, Channel::Pitch]) {
+    for (part, channel) in parts.iter_mut().zip([DisturbanceChannel::Heave, DisturbanceChannel::Pitch]) {
         let Some(weights) = specification.feedforward(channel) else { continue };
         if specification.assembly == Assembly::Joint {
             continue;
         }
         *part = Some(match weights.basis {
-            Basis::OpenLoop => feedforward(plant, weights, channel)?,
-            Basis::ClosedLoop => {
+            FeedforwardBasis::OpenLoop => feedforward(plant, weights, channel)?,
+            FeedforwardBasis::ClosedLoop => {
                 let closed = with_feedback(plant, &feedback)?;
                 let (seen, warning) = with_control_seen(&closed, weights, channel)?;
                 warnings.extend(warning);
@@ -88,7 +88,7 @@ pub fn design(plant: &DesignPlant, specification: &Specification) -> Result<Desi
 fn with_control_seen(
     closed: &DesignPlant,
     weights: &FeedforwardWeights,
-    channel: Channel,
+    channel: DisturbanceChannel,
 ) -> Result<(FeedforwardWeights, Option<DesignFinding>), Error> {
     let weighed = weights.output.unwrap_or(closed.rate);
     let gain = Gain::of(&closed.system.select(&[weighed], &[closed.control]))?;
@@ -131,10 +131,10 @@ fn with_feedback(plant: &DesignPlant, feedback: &Feedback) -> Result<DesignPlant
 
 impl Design {
     /// Returns the feedforward of a channel.
-    pub fn part(&self, channel: Channel) -> Option<&Feedforward> {
+    pub fn part(&self, channel: DisturbanceChannel) -> Option<&Feedforward> {
         match channel {
-            Channel::Heave => self.heave.as_ref(),
-            Channel::Pitch => self.pitch.as_ref(),
+            DisturbanceChannel::Heave => self.heave.as_ref(),
+            DisturbanceChannel::Pitch => self.pitch.as_ref(),
         }
     }
 
@@ -148,7 +148,7 @@ impl Design {
     }
 
     /// Returns the feedforward module of a channel from the measured disturbance to the control.
-    pub fn feedforward_controller(&self, channel: Channel) -> Option<StateSpace> {
+    pub fn feedforward_controller(&self, channel: DisturbanceChannel) -> Option<StateSpace> {
         let module = &self.part(channel)?.module;
         let inputs: Vec<usize> = (0..module.inputs()).collect();
         Some(module.select(&[0], &inputs))
@@ -164,7 +164,9 @@ impl Design {
             let inputs: Vec<usize> = (0..joint.controller.inputs()).collect();
             return Ok(joint.controller.select(&[0], &inputs));
         }
-        let parts = [Channel::Heave, Channel::Pitch].into_iter().filter_map(|channel| self.part(channel));
+        let parts = [DisturbanceChannel::Heave, DisturbanceChannel::Pitch]
+            .into_iter()
+            .filter_map(|channel| self.part(channel));
         let modules: Vec<StateSpace> =
             parts.map(|part| self.as_seen(&part.module)).collect::<Result<_, Error>>()?;
         self.assemble(&self.feedback_controller(), &modules)

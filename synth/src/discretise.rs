@@ -1,15 +1,15 @@
 //! From the continuous design to the sampled controller that runs.
 
 use counterpoise_controller::sensitivity::realise_form;
-use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal};
+use counterpoise_controller::{Controller, Parts, Path, PathSignal, Scaling};
 use counterpoise_lti::{StateSpace, c2d};
 
 use crate::anti_windup::{anti_windup, anti_windup_of};
 use crate::cascade::from_error_and_reading;
 use crate::certificate::Certified;
 use crate::sampled_data::{self, Drafted};
-use crate::sampling::{Sampled, Sampling, SamplingMethod, check, sampled_plant};
-use crate::{Assembly, Channel, Design, Error, Reference};
+use crate::sampling::{Sampled, Sampling, SamplingMethod, check_sampled_loop, sampled_plant};
+use crate::{Assembly, Design, DisturbanceChannel, Error, Reference};
 
 /// Returns the design as a sampled controller.
 ///
@@ -28,7 +28,7 @@ pub fn discretise(design: &Design, sampling: &Sampling) -> Result<Sampled, Error
     parts.out_of_balance_range_kg_m = sampling.out_of_balance_range_kg_m;
     parts.bias_v_per_kg_m = sampling.bias_v_per_kg_m;
     parts.transfer_time_s = sampling.transfer_time_s;
-    Ok(Sampled { certified, ..check(&design.plant, Controller::new(parts)?, sampling)? })
+    Ok(Sampled { certified, ..check_sampled_loop(&design.plant, Controller::new(parts)?, sampling)? })
 }
 
 type Paths = (Vec<Path>, Vec<Certified>);
@@ -51,7 +51,7 @@ fn paths(design: &Design, sampling: &Sampling) -> Result<Paths, Error> {
     let feedback = from_what_it_sees(design, &design.feedback_controller());
     let converted = c2d(&feedback, sampling.period_s, sampling.method.conversion())?;
     let mut paths = vec![feedback_path(design, &converted, sampling)?];
-    for channel in [Channel::Heave, Channel::Pitch] {
+    for channel in [DisturbanceChannel::Heave, DisturbanceChannel::Pitch] {
         let Some(system) = design.feedforward_controller(channel) else { continue };
         needs_one_input(&system)?;
         let converted = c2d(&system, sampling.period_s, sampling.method.conversion())?;
@@ -63,13 +63,13 @@ fn paths(design: &Design, sampling: &Sampling) -> Result<Paths, Error> {
 /// The parts as designed in sampled time.
 struct Drafts {
     feedback: Drafted,
-    modules: Vec<(Channel, Drafted)>,
+    modules: Vec<(DisturbanceChannel, Drafted)>,
 }
 
 fn drafts(design: &Design, sampling: &Sampling) -> Result<Drafts, Error> {
     let feedback = sampled_data::feedback(design, sampling)?;
     let mut modules = Vec::new();
-    for channel in [Channel::Heave, Channel::Pitch] {
+    for channel in [DisturbanceChannel::Heave, DisturbanceChannel::Pitch] {
         let Some(continuous) = design.feedforward_controller(channel) else { continue };
         needs_one_input(&continuous)?;
         let drafted = sampled_data::feedforward(design, channel, &feedback.system, sampling)?;
@@ -105,7 +105,7 @@ type HeaveModule = Option<(StateSpace, Option<Certified>)>;
 /// # Errors
 /// Those of the discretisation and of the realisation.
 pub(crate) fn heave_module(design: &Design, sampling: &Sampling) -> Result<HeaveModule, Error> {
-    let Some(continuous) = design.feedforward_controller(Channel::Heave) else {
+    let Some(continuous) = design.feedforward_controller(DisturbanceChannel::Heave) else {
         return Ok(None);
     };
     if sampling.method != SamplingMethod::SampledData {
@@ -113,17 +113,19 @@ pub(crate) fn heave_module(design: &Design, sampling: &Sampling) -> Result<Heave
         return Ok(Some((realise_form(&converted, sampling.form)?, None)));
     }
     let mut modules = drafts(design, sampling)?.modules.into_iter();
-    let Some((_, module)) = modules.find(|(channel, _)| *channel == Channel::Heave) else { return Ok(None) };
+    let Some((_, module)) = modules.find(|(channel, _)| *channel == DisturbanceChannel::Heave) else {
+        return Ok(None);
+    };
     Ok(Some((realise_form(&module.system.select(&[0], &[0]), sampling.form)?, Some(module.certified))))
 }
 
-fn place(channel: Channel, sampling: &Sampling) -> (&'static str, Signal, Scaling) {
+fn place(channel: DisturbanceChannel, sampling: &Sampling) -> (&'static str, PathSignal, Scaling) {
     match channel {
-        Channel::Heave if sampling.out_of_balance_kg_m != 0.0 => {
-            ("heave", Signal::PlatformAcceleration, Scaling::WithOutOfBalance)
+        DisturbanceChannel::Heave if sampling.out_of_balance_kg_m != 0.0 => {
+            ("heave", PathSignal::PlatformAcceleration, Scaling::WithOutOfBalance)
         }
-        Channel::Heave => ("heave", Signal::PlatformAcceleration, Scaling::Fixed),
-        Channel::Pitch => ("pitch", Signal::PlatformRate, Scaling::Fixed),
+        DisturbanceChannel::Heave => ("heave", PathSignal::PlatformAcceleration, Scaling::Fixed),
+        DisturbanceChannel::Pitch => ("pitch", PathSignal::PlatformRate, Scaling::Fixed),
     }
 }
 
@@ -148,9 +150,9 @@ fn from_what_it_sees(design: &Design, feedback: &StateSpace) -> StateSpace {
 
 fn feedback_path(design: &Design, feedback: &StateSpace, sampling: &Sampling) -> Result<Path, Error> {
     let inputs = match design.specification.reference {
-        _ if design.plant.rate_loop.is_some() => vec![Signal::RateError, Signal::HubRate],
-        Reference::Error => vec![Signal::RateError],
-        Reference::WeightOnly => vec![Signal::Demand, Signal::HubRate],
+        _ if design.plant.rate_loop.is_some() => vec![PathSignal::RateError, PathSignal::HubRate],
+        Reference::Error => vec![PathSignal::RateError],
+        Reference::WeightOnly => vec![PathSignal::Demand, PathSignal::HubRate],
     };
     let system = realise_form(feedback, sampling.form)?;
     let plant = sampled_plant(&design.plant, sampling)?;
@@ -161,7 +163,11 @@ fn feedback_path(design: &Design, feedback: &StateSpace, sampling: &Sampling) ->
     Ok(Path { name: "feedback".into(), inputs, system, anti_windup, scaling: Scaling::Fixed })
 }
 
-fn feedforward_path(channel: Channel, module: &StateSpace, sampling: &Sampling) -> Result<Path, Error> {
+fn feedforward_path(
+    channel: DisturbanceChannel,
+    module: &StateSpace,
+    sampling: &Sampling,
+) -> Result<Path, Error> {
     let system = realise_form(module, sampling.form)?;
     let (name, input, scaling) = place(channel, sampling);
     let anti_windup = vec![0.0; system.order()];
@@ -169,8 +175,8 @@ fn feedforward_path(channel: Channel, module: &StateSpace, sampling: &Sampling) 
 }
 
 fn joint_path(design: &Design, joint: &StateSpace, sampling: &Sampling) -> Result<Path, Error> {
-    let mut inputs = vec![Signal::Demand, Signal::HubRate];
-    for channel in [Channel::Heave, Channel::Pitch] {
+    let mut inputs = vec![PathSignal::Demand, PathSignal::HubRate];
+    for channel in [DisturbanceChannel::Heave, DisturbanceChannel::Pitch] {
         if let Some(module) = design.feedforward_controller(channel) {
             needs_one_input(&module)?;
             inputs.push(place(channel, sampling).1);

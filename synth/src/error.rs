@@ -9,7 +9,7 @@ use crate::refusal::Refusal;
 #[non_exhaustive]
 pub enum Error {
     /// The problem is well posed but has no solution.
-    #[error("{0}")]
+    #[error("the problem has no solution, for {} reasons: see `findings`", .0.findings.len())]
     Refused(Refusal),
     /// A system could not be built or evaluated.
     #[error(transparent)]

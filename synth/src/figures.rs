@@ -1,6 +1,6 @@
 //! The figures of a sampled feedback loop that a search needs: margins, overshoot, rejection, effort.
 
-use counterpoise_controller::Signal;
+use counterpoise_controller::PathSignal;
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::response::Response;
 use counterpoise_lti::{Discretisation, StateSpace, c2d, h2norm, margins};
@@ -95,8 +95,8 @@ fn held(plant: &DesignPlant, sampling: &Sampling) -> Result<StateSpace, Error> {
 /// From (demand, hub rate) to the control.
 fn controller(sampled: &Sampled, sampling: &Sampling) -> Result<StateSpace, Error> {
     let linear = sampled.controller.linear(sampling.out_of_balance_kg_m)?;
-    let reading = |signal: Signal, fallback: usize| signal.reading().unwrap_or(fallback);
-    let inputs = [reading(Signal::Demand, 0), reading(Signal::HubRate, 1)];
+    let reading = |signal: PathSignal, fallback: usize| signal.reading().unwrap_or(fallback);
+    let inputs = [reading(PathSignal::Demand, 0), reading(PathSignal::HubRate, 1)];
     let linear = linear.select(&[0], &inputs);
     // The paths that read neither signal stay at zero: leave their states out.
     let used: Vec<usize> = (0..linear.order()).filter(|&i| (0..2).any(|j| linear.B[(i, j)] != 0.0)).collect();

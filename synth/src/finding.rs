@@ -1,8 +1,8 @@
-//! What stands in a design's way, said so that a designer can act: which weight, at which frequency, and what to do.
+//! What stands in a design's way: which part, which weight, at which frequency, and what is wrong.
 
 use std::fmt;
 
-use crate::Channel;
+use crate::DisturbanceChannel;
 use crate::cause::Cause;
 
 /// Whether a design can go on.
@@ -29,11 +29,11 @@ pub enum Part {
     Generalised,
 }
 
-impl From<Channel> for Part {
-    fn from(channel: Channel) -> Self {
+impl From<DisturbanceChannel> for Part {
+    fn from(channel: DisturbanceChannel) -> Self {
         match channel {
-            Channel::Heave => Part::Heave,
-            Channel::Pitch => Part::Pitch,
+            DisturbanceChannel::Heave => Part::Heave,
+            DisturbanceChannel::Pitch => Part::Pitch,
         }
     }
 }
@@ -77,38 +77,5 @@ impl DesignFinding {
     /// Returns whether the design cannot go on.
     pub fn is_refusal(&self) -> bool {
         self.severity == FindingSeverity::Refusal
-    }
-
-    /// Returns what the designer can do about it.
-    pub fn suggestion(&self) -> &'static str {
-        self.cause.suggestion()
-    }
-}
-
-impl fmt::Display for DesignFinding {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.part)?;
-        if let Some(weight) = &self.weight {
-            write!(f, ", {weight}")?;
-        }
-        match self.rate_rad_s {
-            Some(rate) if rate.is_infinite() => write!(f, ", at high frequency")?,
-            Some(0.0) => write!(f, ", at zero frequency")?,
-            Some(rate) => write!(f, ", at {rate:.4} rad/s")?,
-            None => {}
-        }
-        write!(f, ": {}; {}", self.cause, self.suggestion())
-    }
-}
-
-impl fmt::Display for Part {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Part::Plant => "plant",
-            Part::Feedback => "feedback",
-            Part::Heave => "heave feedforward",
-            Part::Pitch => "pitch feedforward",
-            Part::Generalised => "generalised plant",
-        })
     }
 }

@@ -2,7 +2,7 @@
 
 use counterpoise_linalg::{Mat, Svd, svd};
 use counterpoise_lti::scaling::balance;
-use counterpoise_lti::{Named, StateSpace, Timebase, connect, lft};
+use counterpoise_lti::{NamedSystem, StateSpace, Timebase, connect, lft};
 
 use crate::Error;
 use crate::cause::Cause;
@@ -50,7 +50,7 @@ pub struct NamedBlock<'a> {
     /// Name of the block.
     pub name: &'a str,
     /// The system and the names of its inputs and outputs.
-    pub system: Named,
+    pub system: NamedSystem,
 }
 
 /// Named inputs or outputs of a generalised plant.
@@ -150,7 +150,7 @@ impl Generalised {
         inputs: Ports<'_>,
         outputs: Ports<'_>,
     ) -> Result<Self, Error> {
-        let systems: Vec<Named> = blocks.iter().map(|block| block.system.clone()).collect();
+        let systems: Vec<NamedSystem> = blocks.iter().map(|block| block.system.clone()).collect();
         let origin = |block: &NamedBlock<'_>| StateOrigin::new(block.name, block.system.system.order());
         let connected = connect(&systems, inputs.names, outputs.names)?;
         Self::new(connected, inputs.of_controller, outputs.of_controller)?

@@ -20,7 +20,7 @@ use crate::certificate::{Cost, Equation, mean_square, riccati};
 use crate::feedforward::with_derivatives;
 use crate::finding::Part;
 use crate::tolerance::GAIN_STEP;
-use crate::{Channel, DesignPlant, Error, Knowledge, Specification};
+use crate::{DesignPlant, DisturbanceChannel, DisturbanceKnowledge, Error, Specification};
 
 /// A joint controller with its certificates.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,7 +29,7 @@ pub struct JointOptimum {
     /// specification has no feedforward for is left out.
     pub controller: StateSpace,
     /// The motions that are measured, in the order of the controller's inputs.
-    pub channels: Vec<Channel>,
+    pub channels: Vec<DisturbanceChannel>,
     /// The regulator's Riccati equation.
     pub regulator: Equation,
     /// The filter's.
@@ -59,7 +59,7 @@ struct Problem {
     G: Mat,
     /// Densities of the readings' noises.
     noises: Vec<f64>,
-    channels: Vec<Channel>,
+    channels: Vec<DisturbanceChannel>,
 }
 
 /// Designs the joint optimum under the feedback's weights and the generators and noises of the feedforwards.
@@ -132,7 +132,7 @@ impl Problem {
         let (A, B, C) = (core.A.clone(), core.B.clone(), core.C.clone());
         let noises = vec![weights.measurement_noise];
         let mut problem = Self { core, A, B, C, G, noises, channels: Vec::new() };
-        for channel in [Channel::Heave, Channel::Pitch] {
+        for channel in [DisturbanceChannel::Heave, DisturbanceChannel::Pitch] {
             problem.add_motion(plant, specification, channel, &system)?;
         }
         Ok(problem)
@@ -143,11 +143,11 @@ impl Problem {
         &mut self,
         plant: &DesignPlant,
         specification: &Specification,
-        channel: Channel,
+        channel: DisturbanceChannel,
         system: &StateSpace,
     ) -> Result<(), Error> {
         let Some(weights) = specification.feedforward(channel) else { return Ok(()) };
-        let Knowledge::Measured { noise } = weights.knowledge else {
+        let DisturbanceKnowledge::Measured { noise } = weights.knowledge else {
             let problem = "it takes motions as sensors read them, not as exactly known";
             return Err(Error::System { what: "joint optimum", problem });
         };

@@ -88,7 +88,6 @@ pub mod scheduled_controller;
 pub mod search;
 pub mod specification;
 mod stage;
-mod suggestion;
 pub mod table;
 pub mod tolerance;
 pub mod total_cost;
@@ -96,12 +95,12 @@ pub mod tuning;
 pub mod weight;
 
 pub use adaptation::{Adaptive, Estimation, Recursive, RecursiveSettings, WindowedMean};
-pub use alternatives::{Alternative, Method, alternative};
-pub use bandwidth::{Bandwidth, Limit, LimitKind, Unknown};
+pub use alternatives::{Alternative, SynthesisMethod, alternative};
+pub use bandwidth::{Bandwidth, BandwidthLimit, LimitKind, Unknown};
 pub use best_loop::{BestLoop, BestLoopTask, best_loop};
-pub use cause::{Cause, Hidden};
+pub use cause::{Cause, HiddenFrom};
 pub use certificate::{Certified, Cost, Equation};
-pub use channel::Channel;
+pub use channel::DisturbanceChannel;
 pub use design::{Design, design};
 pub use discretise::discretise;
 pub use error::{Error, attempt};
@@ -110,30 +109,31 @@ pub use feedforward::{Feedforward, feedforward};
 pub use figures::{FigureSystems, Figures, figure_systems, figures};
 pub use finding::{DesignFinding, FindingSeverity, Part};
 pub use first_design::{
-    Circumstances, FirstDesign, LimitLoops, LoopJudgement, Motion, RequiredMargins, first_design,
+    Circumstances, ExpectedMotion, FirstDesign, LimitLoops, LoopJudgement, RequiredMargins, first_design,
     first_design_on,
 };
-pub use fixed_structure::{Block, BlockKind, FixedStructure, Parameter, ParameterName};
+pub use fixed_structure::{Block, BlockKind, BlockParameter, FixedStructure, ParameterName};
 pub use generalised_plant::{Generalised, NamedBlock, Ports, StateOrigin};
 pub use h2syn::{H2, h2syn};
 pub use hinfsyn::{HInfinity, hinfsyn};
 pub use joint::{JointOptimum, joint_optimum};
 pub use lqg::{Gain, Recovered, kalman, lqg_ltr, lqr, observer_controller};
-pub use observer::{Drive, Drives, Identified, Side, friction_observers};
+pub use observer::{Drive, Drives, FrictionSide, ObservedFriction, friction_observers};
 pub use parallel_run::ParallelRun;
 pub use plant::{DesignPlant, LateReading, RateLoop};
 pub use preflight::preflight;
 pub use ramp::control_of_ramp;
 pub use rational::Rational;
 pub use refusal::Refusal;
-pub use requirements::{Requirements, Spectrum};
+pub use requirements::{BandSpectrum, Requirements};
 pub use residual::{Weighed, error_at, stabilisation_error};
-pub use sampling::{Sampled, Sampling, SamplingMethod, check, sampled_loop, sampled_plant};
-pub use schedule::{Conditions, Configuration, Entry, Law, schedule};
+pub use sampling::{Sampled, Sampling, SamplingMethod, check_sampled_loop, sampled_loop, sampled_plant};
+pub use schedule::{Conditions, Configuration, HeaveFeedforwardLaw, ScheduleEntry, schedule};
 pub use scheduled_controller::discretise_schedule;
-pub use search::{Ended, SearchResult, SearchTask, Trial, search, trade_off};
+pub use search::{Ended, SearchResult, SearchTask, SearchTrial, search, trade_off};
 pub use specification::{
-    Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification,
+    Assembly, DisturbanceKnowledge, FeedbackWeights, FeedforwardBasis, FeedforwardWeights, Reference,
+    Specification,
 };
 pub use table::{Fit, TablePoint, fit_table};
 pub use total_cost::{SourceCost, TotalCost, total_cost};

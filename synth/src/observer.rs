@@ -1,12 +1,12 @@
 //! Cancelling dry friction by a nonlinear observer: identified levels in, observers for the controller out.
 
-use counterpoise_controller::{FrictionObserver, ObserverLaw, Signal};
+use counterpoise_controller::{FrictionObserver, ObserverLaw, PathSignal};
 
 use crate::Error;
 
 /// On which side of the gear a friction acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
+pub enum FrictionSide {
     /// At the motor shaft: levels are torques there, per angle of the shaft.
     Motor,
     /// At the load: levels are torques at the hub.
@@ -15,11 +15,11 @@ pub enum Side {
 
 /// A friction as it was identified.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Identified {
+pub struct ObservedFriction {
     /// A lower-case identifier.
     pub name: String,
     /// Where it acts.
-    pub side: Side,
+    pub side: FrictionSide,
     /// Its law, with rates and damping of the side where it acts.
     pub law: ObserverLaw,
     /// Coulomb level, N m.
@@ -58,7 +58,7 @@ pub enum Drives {
 /// # Errors
 /// [`Error::Range`] for a share outside 0 to 1, a drive without torque, or levels that are not positive.
 pub fn friction_observers(
-    frictions: &[Identified],
+    frictions: &[ObservedFriction],
     drive: Drive,
     drives: Drives,
     share: f64,
@@ -70,7 +70,7 @@ pub fn friction_observers(
 }
 
 fn observer(
-    friction: &Identified,
+    friction: &ObservedFriction,
     drive: Drive,
     drives: Drives,
     share: f64,
@@ -80,15 +80,15 @@ fn observer(
     let slides = matches!(friction.law, ObserverLaw::Sliding { .. } | ObserverLaw::Walrath { .. });
     require("rest stiffness in N m/rad", stiffness, "positive", |stiffness| stiffness > 0.0 || slides)?;
     let turns = match friction.side {
-        Side::Motor => drive.ratio,
-        Side::Load => 1.0,
+        FrictionSide::Motor => drive.ratio,
+        FrictionSide::Load => 1.0,
     };
     let volts = share / drive.stall_nm_v;
     Ok(FrictionObserver {
         name: friction.name.clone(),
         rate: match drives {
-            Drives::MeasuredRate => Signal::RelativeRate,
-            Drives::Demand => Signal::Demand,
+            Drives::MeasuredRate => PathSignal::RelativeRate,
+            Drives::Demand => PathSignal::Demand,
         },
         law: at_the_hub(&friction.law, turns),
         coulomb_nm: level * turns,
@@ -129,8 +129,8 @@ mod tests {
     use super::*;
     use counterpoise_controller::{Controller, Parts, Readings, SampledController};
 
-    fn identified(side: Side) -> Identified {
-        Identified {
+    fn identified(side: FrictionSide) -> ObservedFriction {
+        ObservedFriction {
             name: "dry".into(),
             side,
             law: ObserverLaw::Dahl,
@@ -145,7 +145,7 @@ mod tests {
     fn a_sliding_motor_is_given_the_volts_that_its_friction_takes() {
         let drive = Drive { ratio: 200.0, stall_nm_v: 516.0 };
         let observers =
-            friction_observers(&[identified(Side::Motor)], drive, Drives::MeasuredRate, 1.0).unwrap();
+            friction_observers(&[identified(FrictionSide::Motor)], drive, Drives::MeasuredRate, 1.0).unwrap();
         let mut parts = Parts::new(1e-3, 10.0);
         parts.observers = observers;
         let mut runner = Controller::new(parts).unwrap().runner();
@@ -160,9 +160,10 @@ mod tests {
     #[test]
     fn what_is_not_a_share_or_a_level_is_refused() {
         let drive = Drive { ratio: 200.0, stall_nm_v: 516.0 };
-        let try_share = |share| friction_observers(&[identified(Side::Load)], drive, Drives::Demand, share);
+        let try_share =
+            |share| friction_observers(&[identified(FrictionSide::Load)], drive, Drives::Demand, share);
         assert!(try_share(1.2).is_err() && try_share(f64::NAN).is_err() && try_share(0.8).is_ok());
-        let none = Identified { coulomb_nm: 0.0, ..identified(Side::Load) };
+        let none = ObservedFriction { coulomb_nm: 0.0, ..identified(FrictionSide::Load) };
         assert!(friction_observers(&[none], drive, Drives::Demand, 0.8).is_err());
     }
 }

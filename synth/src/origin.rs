@@ -4,7 +4,7 @@ use counterpoise_linalg as linalg;
 use counterpoise_linalg::{C64, CMat, Mat, Reason, csvd};
 
 use crate::Error;
-use crate::cause::{Cause, Hidden};
+use crate::cause::{Cause, HiddenFrom};
 use crate::finding::{DesignFinding, Part};
 use crate::generalised_plant::Blocks;
 
@@ -38,11 +38,11 @@ pub(crate) fn require_solution(
     };
     let (cause, rate) = match reason {
         Reason::Uncontrollable { mode, distance } => {
-            let from = if of == Of::Regulator { Hidden::Control } else { Hidden::Measurement };
+            let from = if of == Of::Regulator { HiddenFrom::Control } else { HiddenFrom::Measurement };
             (hidden(P, mode, distance, from)?, Some(mode.norm()))
         }
         Reason::Unobservable { mode, distance } => {
-            let from = if of == Of::Regulator { Hidden::Cost } else { Hidden::Noise };
+            let from = if of == Of::Regulator { HiddenFrom::Cost } else { HiddenFrom::Noise };
             (hidden(P, mode, distance, from)?, Some(mode.norm()))
         }
         Reason::OnBoundary { eigenvalue, .. } => (unsolved(of, &reason), Some(eigenvalue.norm())),
@@ -57,21 +57,21 @@ fn unsolved(of: Of, reason: &Reason) -> Cause {
     Cause::Equation { what: of.text(), reason: reason.to_string() }
 }
 
-fn hidden(P: &Blocks, mode: C64, distance: f64, from: Hidden) -> Result<Cause, Error> {
+fn hidden(P: &Blocks, mode: C64, distance: f64, from: HiddenFrom) -> Result<Cause, Error> {
     Ok(Cause::ModeHidden { mode, distance, from, block: P.block_of(&direction(P, mode, from)?) })
 }
 
 /// The moduli of the mode's direction, an entry a state: a left eigenvector that the inputs do not reach or a right one
 /// that the outputs do not show.
-fn direction(P: &Blocks, mode: C64, from: Hidden) -> Result<Vec<f64>, Error> {
+fn direction(P: &Blocks, mode: C64, from: HiddenFrom) -> Result<Vec<f64>, Error> {
     match from {
-        Hidden::Control => missed(&P.A.t(), &P.B2.t(), mode),
-        Hidden::Measurement => missed(&P.A, &P.C2, mode),
-        Hidden::Cost => {
+        HiddenFrom::Control => missed(&P.A.t(), &P.B2.t(), mode),
+        HiddenFrom::Measurement => missed(&P.A, &P.C2, mode),
+        HiddenFrom::Cost => {
             let (A, C) = without(&P.A, &P.B2, &P.C1, &P.D12)?;
             missed(&A, &C, mode)
         }
-        Hidden::Noise => {
+        HiddenFrom::Noise => {
             let (A, C) = without(&P.A.t(), &P.C2.t(), &P.B1.t(), &P.D21.t())?;
             missed(&A, &C, mode)
         }

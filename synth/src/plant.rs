@@ -4,7 +4,7 @@ use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase, append, delay::pade, series};
 
 use crate::tolerance::ROUNDED_SAMPLE;
-use crate::{Channel, Error};
+use crate::{DisturbanceChannel, Error};
 
 /// What a design starts from
 ///
@@ -128,18 +128,18 @@ impl DesignPlant {
     }
 
     /// Returns the inputs of a disturbance channel.
-    pub fn columns(&self, channel: Channel) -> &[usize] {
+    pub fn columns(&self, channel: DisturbanceChannel) -> &[usize] {
         match channel {
-            Channel::Heave => &self.heave,
-            Channel::Pitch => &self.pitch,
+            DisturbanceChannel::Heave => &self.heave,
+            DisturbanceChannel::Pitch => &self.pitch,
         }
     }
 
     /// Returns the sensor of a disturbance channel.
-    pub fn sensor(&self, channel: Channel) -> Option<&StateSpace> {
+    pub fn sensor(&self, channel: DisturbanceChannel) -> Option<&StateSpace> {
         match channel {
-            Channel::Heave => self.heave_sensor.as_ref(),
-            Channel::Pitch => self.pitch_sensor.as_ref(),
+            DisturbanceChannel::Heave => self.heave_sensor.as_ref(),
+            DisturbanceChannel::Pitch => self.pitch_sensor.as_ref(),
         }
     }
 

@@ -1,6 +1,6 @@
 //! What a ramp of the demand asks of the control.
 
-use counterpoise_controller::{Controller, Signal};
+use counterpoise_controller::{Controller, PathSignal};
 use counterpoise_lti::StateSpace;
 
 use crate::sampling::sampled_plant;
@@ -21,7 +21,7 @@ pub fn control_of_ramp(
     duration_s: f64,
 ) -> Result<f64, Error> {
     let plant = sampled_plant(plant, sampling)?;
-    let readings = [Signal::Demand, Signal::HubRate].map(|signal| signal.reading().unwrap_or(0));
+    let readings = [PathSignal::Demand, PathSignal::HubRate].map(|signal| signal.reading().unwrap_or(0));
     let controller = controller.linear(sampling.out_of_balance_kg_m)?.select(&[0], &readings);
     let samples = (duration_s / sampling.period_s).ceil().clamp(*SAMPLES.start(), *SAMPLES.end());
     let (mut x, mut z) = (vec![0.0; plant.order()], vec![0.0; controller.order()]);

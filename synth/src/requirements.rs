@@ -5,7 +5,7 @@ use counterpoise_lti::response::Response;
 
 use crate::feedforward::with_derivatives;
 use crate::figures::{BAND_POINTS, Figures, band_rate, rejection};
-use crate::{Channel, DesignPlant, Error, Specification};
+use crate::{DesignPlant, DisturbanceChannel, Error, Specification};
 
 /// What the feedback loop must keep. Infinite or zero limits ask for nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,12 +27,12 @@ pub struct Requirements {
     /// Band over which rejection is wanted, rad/s.
     pub band_rad_s: [f64; 2],
     /// By what the share that is left is averaged over the band.
-    pub spectrum: Spectrum,
+    pub spectrum: BandSpectrum,
 }
 
 /// By what the share of a disturbance that is left is averaged over the band.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Spectrum {
+pub enum BandSpectrum {
     /// Alike everywhere on the logarithmic axis.
     #[default]
     Flat,
@@ -53,7 +53,7 @@ impl Requirements {
             step_control_v: f64::INFINITY,
             noise_gain: f64::INFINITY,
             band_rad_s: [1.26, 12.6],
-            spectrum: Spectrum::Flat,
+            spectrum: BandSpectrum::Flat,
         }
     }
 
@@ -77,8 +77,8 @@ impl Requirements {
         specification: &Specification,
     ) -> Result<[f64; BAND_POINTS], Error> {
         match self.spectrum {
-            Spectrum::Flat => Ok([1.0; BAND_POINTS]),
-            Spectrum::Expected => expected(plant, specification, self.band_rad_s),
+            BandSpectrum::Flat => Ok([1.0; BAND_POINTS]),
+            BandSpectrum::Expected => expected(plant, specification, self.band_rad_s),
         }
     }
 
@@ -105,7 +105,7 @@ fn expected(
     band_rad_s: [f64; 2],
 ) -> Result<[f64; BAND_POINTS], Error> {
     let mut powers = [0.0; BAND_POINTS];
-    for channel in [Channel::Heave, Channel::Pitch] {
+    for channel in [DisturbanceChannel::Heave, DisturbanceChannel::Pitch] {
         let Some(weights) = specification.feedforward(channel) else { continue };
         let columns = plant.columns(channel);
         let generator = Response::of(&with_derivatives(&weights.generator.realise()?, columns.len())?)?;

@@ -4,7 +4,7 @@ use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase, append, h2norm, lft, series};
 
 use crate::feedforward::with_derivatives;
-use crate::{Assembly, Channel, Design, DesignPlant, Error};
+use crate::{Assembly, Design, DesignPlant, DisturbanceChannel, Error};
 
 /// Returns the RMS of the true rate under a channel's generator, feedback and feedforward in action, the feedforward's output
 /// times `gain`; infinite for a loop that is not stable.
@@ -14,7 +14,7 @@ use crate::{Assembly, Channel, Design, DesignPlant, Error};
 pub fn stabilisation_error(
     plant: &DesignPlant,
     design: &Design,
-    channel: Channel,
+    channel: DisturbanceChannel,
     gain: f64,
 ) -> Result<f64, Error> {
     error_at(plant, design, channel, Weighed { gain, output: plant.rate })
@@ -36,7 +36,7 @@ pub struct Weighed {
 pub fn error_at(
     plant: &DesignPlant,
     design: &Design,
-    channel: Channel,
+    channel: DisturbanceChannel,
     Weighed { gain, output }: Weighed,
 ) -> Result<f64, Error> {
     let count = plant.system.outputs();

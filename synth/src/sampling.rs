@@ -1,7 +1,7 @@
 //! What sampling adds to a design, and the sampled loop that a controller makes.
 
-use counterpoise_controller::sensitivity::Form;
-use counterpoise_controller::{Controller, Signal};
+use counterpoise_controller::sensitivity::RealisationForm;
+use counterpoise_controller::{Controller, PathSignal};
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{Discretisation, StateSpace, c2d, delay_samples, poles, series};
 
@@ -42,7 +42,7 @@ pub struct Sampling {
     /// How each path becomes discrete.
     pub method: SamplingMethod,
     /// The form in which each path runs.
-    pub form: Form,
+    pub form: RealisationForm,
     /// The control is limited to +/- this, V.
     pub limit_v: f64,
     /// Whole samples of delay of the real loop beyond the hold, for the check of the sampled loop.
@@ -63,7 +63,7 @@ impl Sampling {
         Self {
             period_s,
             method: SamplingMethod::TUSTIN,
-            form: Form::LeastSensitive,
+            form: RealisationForm::LeastSensitive,
             limit_v,
             delay_samples: 0,
             out_of_balance_kg_m: 0.0,
@@ -111,7 +111,11 @@ impl Sampled {
 ///
 /// # Errors
 /// [`Error`] for a plant that is not one.
-pub fn check(plant: &DesignPlant, controller: Controller, sampling: &Sampling) -> Result<Sampled, Error> {
+pub fn check_sampled_loop(
+    plant: &DesignPlant,
+    controller: Controller,
+    sampling: &Sampling,
+) -> Result<Sampled, Error> {
     let loop_gain = sampled_loop(plant, &controller, sampling)?;
     let closed = counterpoise_lti::feedback(&loop_gain, &StateSpace::gain(Mat::eye(1), loop_gain.timebase)?)?;
     let closed_loop = poles(&closed)?;
@@ -138,7 +142,7 @@ pub fn sampled_loop(
 ) -> Result<StateSpace, Error> {
     let seen = sampled_plant(plant, sampling)?;
     let linear = controller.linear(sampling.out_of_balance_kg_m)?;
-    let hub = Signal::HubRate.reading().unwrap_or(1);
+    let hub = PathSignal::HubRate.reading().unwrap_or(1);
     Ok(series(&seen, &linear.select(&[0], &[hub]).negate())?)
 }
 

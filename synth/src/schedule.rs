@@ -10,7 +10,7 @@ use counterpoise_lti::response::Response;
 
 use crate::residual::stabilisation_error;
 use crate::tolerance::{EQUAL, GAIN_LAW};
-use crate::{Channel, Design, DesignPlant, Error, Specification, design};
+use crate::{Design, DesignPlant, DisturbanceChannel, Error, Specification, design};
 
 /// A state of the machine: masses fitted, plant linearised with them.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,7 +55,7 @@ impl Conditions {
 
 /// What to do with the heave feedforward in a configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Law {
+pub enum HeaveFeedforwardLaw {
     /// Its gain times the ratio of the out-of-balances; exact by theory.
     ExactGain {
         /// M over the nominal M.
@@ -77,7 +77,7 @@ pub enum Law {
 
 /// One configuration of the schedule.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Entry {
+pub struct ScheduleEntry {
     /// Its name.
     pub name: String,
     /// Its out-of-balance, kg m.
@@ -85,7 +85,7 @@ pub struct Entry {
     /// Which conditions hold.
     pub conditions: Conditions,
     /// What follows for the heave feedforward.
-    pub law: Law,
+    pub law: HeaveFeedforwardLaw,
     /// The full redesign.
     pub design: Design,
     /// Change of the feedback against nominal, lowest and highest over the band, dB.
@@ -110,7 +110,7 @@ pub fn schedule(
     nominal: &Configuration,
     others: &[Configuration],
     specification: &Specification,
-) -> Result<Vec<Entry>, Error> {
+) -> Result<Vec<ScheduleEntry>, Error> {
     let base = design(&nominal.plant, specification)?;
     let mut entries = Vec::new();
     for configuration in std::iter::once(nominal).chain(others) {
@@ -125,14 +125,14 @@ fn entry(
     here: &Configuration,
     base: &Design,
     design: Design,
-) -> Result<Entry, Error> {
+) -> Result<ScheduleEntry, Error> {
     let factor = here.out_of_balance_kg_m / nominal.out_of_balance_kg_m;
     let noises: Vec<usize> =
         design.specification.feedback.disturbances.iter().map(|entry| entry.index).collect();
-    let conditions = conditions(&nominal.plant, &here.plant, factor, &noises)?;
+    let conditions = check_gain_law(&nominal.plant, &here.plant, factor, &noises)?;
     let law = law(conditions, base, &design, factor)?;
     let error = |with: &Design, gain: f64| match with.heave {
-        Some(_) => stabilisation_error(&here.plant, with, Channel::Heave, gain).map(Some),
+        Some(_) => stabilisation_error(&here.plant, with, DisturbanceChannel::Heave, gain).map(Some),
         None => Ok(None),
     };
     let gain = if factor.is_finite() { factor } else { 1.0 };
@@ -141,14 +141,14 @@ fn entry(
             (Some(before), Some(after)) => change_db(&before, &after).map(Some),
             _ => Ok(None),
         };
-    Ok(Entry {
+    Ok(ScheduleEntry {
         name: here.name.clone(),
         out_of_balance_kg_m: here.out_of_balance_kg_m,
         conditions,
         law,
         feedback_db: change_db(&base.feedback_controller(), &design.feedback_controller())?,
-        heave_db: change(Channel::Heave)?,
-        pitch_db: change(Channel::Pitch)?,
+        heave_db: change(DisturbanceChannel::Heave)?,
+        pitch_db: change(DisturbanceChannel::Pitch)?,
         error_before: error(base, 1.0)?,
         error_gain_law: error(base, gain)?,
         error_after: error(&design, 1.0)?,
@@ -161,7 +161,7 @@ fn entry(
 ///
 /// # Errors
 /// [`Error::System`] where the plants have different sizes.
-pub fn conditions(
+pub fn check_gain_law(
     nominal: &DesignPlant,
     here: &DesignPlant,
     factor: f64,
@@ -199,20 +199,30 @@ fn deviation(a: &Mat, b: &Mat) -> f64 {
     if relative.is_nan() { f64::INFINITY } else { relative }
 }
 
-fn law(conditions: Conditions, base: &Design, here: &Design, factor: f64) -> Result<Law, Error> {
-    let modules = (base.feedforward_controller(Channel::Heave), here.feedforward_controller(Channel::Heave));
+fn law(
+    conditions: Conditions,
+    base: &Design,
+    here: &Design,
+    factor: f64,
+) -> Result<HeaveFeedforwardLaw, Error> {
+    let modules = (
+        base.feedforward_controller(DisturbanceChannel::Heave),
+        here.feedforward_controller(DisturbanceChannel::Heave),
+    );
     if conditions.hold() {
-        return Ok(Law::ExactGain { factor });
+        return Ok(HeaveFeedforwardLaw::ExactGain { factor });
     }
-    let (Some(before), Some(after)) = modules else { return Ok(Law::NearlyGain { factor, deviation: 0.0 }) };
+    let (Some(before), Some(after)) = modules else {
+        return Ok(HeaveFeedforwardLaw::NearlyGain { factor, deviation: 0.0 });
+    };
     if !factor.is_finite() {
-        return Ok(Law::Redesign { deviation: f64::INFINITY });
+        return Ok(HeaveFeedforwardLaw::Redesign { deviation: f64::INFINITY });
     }
     let deviation = worst_deviation(&before, &after, factor)?;
     Ok(if deviation <= GAIN_LAW {
-        Law::NearlyGain { factor, deviation }
+        HeaveFeedforwardLaw::NearlyGain { factor, deviation }
     } else {
-        Law::Redesign { deviation }
+        HeaveFeedforwardLaw::Redesign { deviation }
     })
 }
 

@@ -1,11 +1,11 @@
 //! One sampled controller for a whole schedule over out-of-balance.
 
-use counterpoise_controller::{Controller, Path, Scaling, Signal};
+use counterpoise_controller::{Controller, Path, PathSignal, Scaling};
 
 use crate::certificate::Certified;
 use crate::discretise::heave_module;
 use crate::finding::Part;
-use crate::{Design, Entry, Error, Sampled, Sampling, check, discretise};
+use crate::{Design, Error, Sampled, Sampling, ScheduleEntry, check_sampled_loop, discretise};
 
 /// Returns one controller for the whole schedule: the nominal feedback and pitch feedforward, and the redesigned heave
 /// feedforwards interpolated over the out-of-balance.
@@ -15,11 +15,11 @@ use crate::{Design, Entry, Error, Sampled, Sampling, check, discretise};
 /// [`Error::Refused`].
 pub fn discretise_schedule(
     nominal: &Design,
-    entries: &[Entry],
+    entries: &[ScheduleEntry],
     sampling: &Sampling,
 ) -> Result<Sampled, Error> {
     let base = discretise(nominal, sampling)?;
-    let mut sorted: Vec<&Entry> = entries.iter().collect();
+    let mut sorted: Vec<&ScheduleEntry> = entries.iter().collect();
     sorted.sort_by(|a, b| a.out_of_balance_kg_m.total_cmp(&b.out_of_balance_kg_m));
     if sorted.len() < 2 {
         return Err(Error::System { what: "schedule", problem: "it needs two configurations or more" });
@@ -38,8 +38,14 @@ pub fn discretise_schedule(
             above_kg_m: at(index + 1),
         };
         let (name, anti_windup) = (format!("heave_{index}"), vec![0.0; system.order()]);
-        paths.push(Path { name, inputs: vec![Signal::PlatformAcceleration], system, anti_windup, scaling });
+        paths.push(Path {
+            name,
+            inputs: vec![PathSignal::PlatformAcceleration],
+            system,
+            anti_windup,
+            scaling,
+        });
     }
     let controller: Controller = base.controller.with(|parts| parts.paths = paths)?;
-    Ok(Sampled { certified, ..check(&nominal.plant, controller, sampling)? })
+    Ok(Sampled { certified, ..check_sampled_loop(&nominal.plant, controller, sampling)? })
 }

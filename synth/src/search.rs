@@ -25,7 +25,7 @@ pub struct SearchTask<'a> {
 
 /// One trial of the search.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Trial {
+pub struct SearchTrial {
     /// The specification that was tried.
     pub specification: Specification,
     /// What its sampled loop does.
@@ -38,7 +38,7 @@ pub struct Trial {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SearchResult {
     /// The best trial: nothing missed if that could be had, then the best rejection.
-    pub best: Trial,
+    pub best: SearchTrial,
     /// Trials made.
     pub trials: usize,
     /// How the search ended.
@@ -73,7 +73,10 @@ const KNOBS: usize = 4;
 ///
 /// # Errors
 /// [`Error`] for a plant or sampling that is none. If not even the start can be designed: [`Error::Refused`].
-pub fn search(task: &SearchTask<'_>, go_on: &mut dyn FnMut(&Trial) -> bool) -> Result<SearchResult, Error> {
+pub fn search(
+    task: &SearchTask<'_>,
+    go_on: &mut dyn FnMut(&SearchTrial) -> bool,
+) -> Result<SearchResult, Error> {
     let SearchTask { plant, start, requirements, sampling, most_trials } = *task;
     let feedback_alone = Specification { heave: None, pitch: None, ..start.clone() };
     let powers = requirements.powers(plant, start)?;
@@ -117,7 +120,7 @@ pub fn search(task: &SearchTask<'_>, go_on: &mut dyn FnMut(&Trial) -> bool) -> R
 pub fn trade_off(
     task: &SearchTask<'_>,
     ms_limits: &[f64],
-    go_on: &mut dyn FnMut(&Trial) -> bool,
+    go_on: &mut dyn FnMut(&SearchTrial) -> bool,
 ) -> Result<Vec<SearchResult>, Error> {
     let mut curve: Vec<SearchResult> = Vec::new();
     for &ms in ms_limits {
@@ -155,7 +158,7 @@ fn directions() -> Vec<[f64; KNOBS]> {
     all
 }
 
-fn merit(trial: &Trial) -> f64 {
+fn merit(trial: &SearchTrial) -> f64 {
     PENALTY * trial.missed + trial.figures.rejection
 }
 
@@ -183,7 +186,7 @@ impl Problem<'_> {
             && below(&feedback.control, control)
     }
 
-    fn attempt(&self, knobs: [f64; KNOBS]) -> Result<Trial, Error> {
+    fn attempt(&self, knobs: [f64; KNOBS]) -> Result<SearchTrial, Error> {
         let specification = moved(self.start, knobs);
         let designed = design(self.plant, &specification)?;
         let sampled = discretise(&designed, self.sampling)?;
@@ -191,7 +194,7 @@ impl Problem<'_> {
         let of_all = figures(self.plant, &sampled, self.sampling, band)?;
         let figures = Figures { rejection: rejection(&sampled.loop_gain, band, &self.powers)?, ..of_all };
         let missed = self.requirements.total_shortfall(&figures);
-        Ok(Trial { specification, figures, missed })
+        Ok(SearchTrial { specification, figures, missed })
     }
 }
 

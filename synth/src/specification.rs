@@ -3,7 +3,7 @@
 use counterpoise_linalg::Mat;
 use counterpoise_linalg::sparse::VectorEntry;
 
-use crate::{Channel, Weight};
+use crate::{DisturbanceChannel, Weight};
 
 /// The whole of a three-part design, apart from the plant.
 #[derive(Debug, Clone, PartialEq)]
@@ -76,16 +76,16 @@ pub struct FeedforwardWeights {
     /// Shape of the disturbance: its spectrum is |generator|^2, driven by unit white noise. Strictly proper and stable.
     pub generator: Weight,
     /// What is known of the disturbance.
-    pub knowledge: Knowledge,
+    pub knowledge: DisturbanceKnowledge,
     /// The output whose rate is weighed: the tip, for instance; `None` for the rate that is controlled.
     pub output: Option<usize>,
     /// The plant that the feedforward is designed on.
-    pub basis: Basis,
+    pub basis: FeedforwardBasis,
 }
 
 /// The plant that a feedforward is designed on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Basis {
+pub enum FeedforwardBasis {
     /// The plant alone: G and G_d.
     #[default]
     OpenLoop,
@@ -95,7 +95,7 @@ pub enum Basis {
 
 /// What the feedforward knows of the disturbance.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Knowledge {
+pub enum DisturbanceKnowledge {
     /// Its value and its derivatives up to the generator's order, exactly. The sensor is taken as perfect.
     Exact,
     /// The plant's sensor with white noise of this spectral density, unit^2 s: an optimal filter in front.
@@ -107,20 +107,20 @@ pub enum Knowledge {
 
 impl Specification {
     /// Returns the feedforward of a channel.
-    pub fn feedforward(&self, channel: Channel) -> Option<&FeedforwardWeights> {
+    pub fn feedforward(&self, channel: DisturbanceChannel) -> Option<&FeedforwardWeights> {
         match channel {
-            Channel::Heave => self.heave.as_ref(),
-            Channel::Pitch => self.pitch.as_ref(),
+            DisturbanceChannel::Heave => self.heave.as_ref(),
+            DisturbanceChannel::Pitch => self.pitch.as_ref(),
         }
     }
 }
 
 impl Specification {
     /// Puts other weights in the place of a channel's.
-    pub(crate) fn set_feedforward(&mut self, channel: Channel, weights: FeedforwardWeights) {
+    pub(crate) fn set_feedforward(&mut self, channel: DisturbanceChannel, weights: FeedforwardWeights) {
         match channel {
-            Channel::Heave => self.heave = Some(weights),
-            Channel::Pitch => self.pitch = Some(weights),
+            DisturbanceChannel::Heave => self.heave = Some(weights),
+            DisturbanceChannel::Pitch => self.pitch = Some(weights),
         }
     }
 }

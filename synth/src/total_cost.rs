@@ -20,7 +20,7 @@ use counterpoise_lti::{StateSpace, poles};
 use crate::feedforward::with_derivatives;
 use crate::finding::Part;
 use crate::tolerance::{GAIN_STEP, NARROWEST_POLE, POLE_AT_ZERO_RAD_S};
-use crate::{Assembly, Channel, Design, Error, FeedforwardWeights, Knowledge, Weight};
+use crate::{Assembly, Design, DisturbanceChannel, DisturbanceKnowledge, Error, FeedforwardWeights, Weight};
 
 /// The cost of one source of disturbance in the assembled loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,7 +65,7 @@ pub fn total_cost(design: &Design) -> Result<TotalCost, Error> {
     let rates = assembled.rates(design)?;
     let of_feedback = |gain: f64| assembled.feedback_source(design, &rates, gain);
     let mut channels = Vec::new();
-    for channel in [Channel::Heave, Channel::Pitch] {
+    for channel in [DisturbanceChannel::Heave, DisturbanceChannel::Pitch] {
         if let Some(source) = ChannelSource::new(design, channel)? {
             channels.push((channel, source));
         }
@@ -168,14 +168,14 @@ fn response_of(system: Option<&StateSpace>) -> Result<Option<Response>, Error> {
 }
 
 impl ChannelSource {
-    fn new(design: &Design, channel: Channel) -> Result<Option<Self>, Error> {
+    fn new(design: &Design, channel: DisturbanceChannel) -> Result<Option<Self>, Error> {
         let (Some(part), Some(weights)) = (design.part(channel), design.specification.feedforward(channel))
         else {
             return Ok(None);
         };
         let columns = design.plant.columns(channel).to_vec();
         let generator = with_derivatives(&weights.generator.realise()?, columns.len())?;
-        let exact = weights.knowledge == Knowledge::Exact;
+        let exact = weights.knowledge == DisturbanceKnowledge::Exact;
         let sensor = design.plant.sensor(channel).filter(|_| !exact);
         let mut all = poles(&generator)?;
         all.extend(poles(&part.module)?);
@@ -220,7 +220,7 @@ impl Assembled {
     /// The grid: logarithmic from below the slowest to above the fastest pole, and dense around lightly damped ones.
     fn rates(&self, design: &Design) -> Result<Vec<f64>, Error> {
         let mut all = self.poles.clone();
-        for channel in [Channel::Heave, Channel::Pitch] {
+        for channel in [DisturbanceChannel::Heave, DisturbanceChannel::Pitch] {
             all.extend(ChannelSource::new(design, channel)?.into_iter().flat_map(|source| source.poles));
         }
         let moduli = all.iter().map(|pole| pole.norm()).filter(|modulus| *modulus > POLE_AT_ZERO_RAD_S);
@@ -282,7 +282,7 @@ impl Assembled {
             let given = Moved { hub: direct(self.rate), weighed: direct(source.rate) };
             let at = Point { rate, share, gain: feedback_gain };
             self.add(&mut cost, source, at, &plant, given, module)?;
-            if let Knowledge::Measured { noise } = source.weights.knowledge {
+            if let DisturbanceKnowledge::Measured { noise } = source.weights.knowledge {
                 let of_noise = source.module.at(rate)?;
                 let module = [of_noise[(0, 0)], of_noise[(1, 0)]].map(|value| value * noise.sqrt());
                 let none = Moved { hub: C64::ZERO, weighed: C64::ZERO };

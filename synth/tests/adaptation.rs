@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, non_snake_case)]
 
 use counterpoise_controller::{
-    Controller, Estimator, Learning, Parts, Path, Readings, Runner, SampledController, Scaling, Signal,
+    Controller, Estimator, Learning, Parts, Path, PathSignal, Readings, Runner, SampledController, Scaling,
 };
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
@@ -35,13 +35,13 @@ fn carrying(learning: Learning, gravity_m_s2: f64) -> Controller {
     let timebase = Timebase::Discrete { period_s: PERIOD_S };
     let gain = StateSpace::gain(Mat::eye(1), timebase).unwrap();
     let mut parts = Parts::new(PERIOD_S, 10.0);
-    let (inputs, scaling) = (vec![Signal::Demand], Scaling::Fixed);
+    let (inputs, scaling) = (vec![PathSignal::Demand], Scaling::Fixed);
     parts.paths = vec![Path { name: "through".into(), inputs, system: gain, anti_windup: vec![], scaling }];
     parts.design_out_of_balance_kg_m = 150.0;
     parts.estimator = Some(Estimator {
         learning,
         gravity_m_s2,
-        rate: Signal::RelativeRate,
+        rate: PathSignal::RelativeRate,
         half_rate_rad_s: 1e-3,
         volts_per_kg_m_s2: VOLTS,
         rate_limit_kg_m_s: 400.0,

@@ -7,7 +7,7 @@ use common::{rig, thesis_weights};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase, h2norm, hinfnorm, poles, response::response_at, series};
 use counterpoise_synth::{
-    Alternative, Gain, Method, alternative, alternatives::generalised_plant, kalman, lqg_ltr, lqr,
+    Alternative, Gain, SynthesisMethod, alternative, alternatives::generalised_plant, kalman, lqg_ltr, lqr,
 };
 
 fn double_integrator(timebase: Timebase) -> StateSpace {
@@ -77,7 +77,7 @@ fn recovery_brings_the_loop_to_its_target() {
 fn the_joint_textbook_design_is_the_three_part_one() {
     let (plant, weights) = (rig(), thesis_weights().feedback);
     let made = |method| alternative(&plant, &weights, method).unwrap();
-    let (three, joint) = (made(Method::ThreePart), made(Method::JointH2));
+    let (three, joint) = (made(SynthesisMethod::ThreePart), made(SynthesisMethod::JointH2));
     for rate in [0.5, 5.0, 30.0, 200.0, 1000.0] {
         let [a, b] =
             [&three, &joint].map(|part: &Alternative| response_at(&part.controller, rate).unwrap()[(0, 1)]);
@@ -95,7 +95,12 @@ fn the_joint_textbook_design_is_the_three_part_one() {
 fn every_method_makes_a_stable_loop_and_each_is_best_in_its_own_norm() {
     let (plant, weights) = (rig(), thesis_weights().feedback);
     let seen = plant.measured_plant().unwrap().select(&[0], &[0]);
-    let methods = [Method::ThreePart, Method::JointH2, Method::LqgLtr, Method::HInfinity];
+    let methods = [
+        SynthesisMethod::ThreePart,
+        SynthesisMethod::JointH2,
+        SynthesisMethod::LqgLtr,
+        SynthesisMethod::HInfinity,
+    ];
     for method in methods {
         let part = alternative(&plant, &weights, method).unwrap();
         let K = part.controller.select(&[0], &[0]);

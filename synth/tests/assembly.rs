@@ -10,8 +10,9 @@ use counterpoise_linalg::{C64, Mat, eigenvalues};
 use counterpoise_lti::{Discretisation, StateSpace, c2d, h2norm, lft, response::response_at};
 use counterpoise_models::LinearPlant;
 use counterpoise_synth::{
-    Assembly, Basis, Cause, Channel, Design, DesignPlant, Knowledge, Sampled, Sampling, SamplingMethod,
-    Specification, Weight, design, discretise, stabilisation_error, total_cost,
+    Assembly, Cause, Design, DesignPlant, DisturbanceChannel, DisturbanceKnowledge, FeedforwardBasis,
+    Sampled, Sampling, SamplingMethod, Specification, Weight, design, discretise, stabilisation_error,
+    total_cost,
 };
 
 fn designed(plant: &DesignPlant, specification: &Specification) -> Design {
@@ -33,7 +34,7 @@ fn rate_over_heave(design: &Design, rate: f64) -> C64 {
 fn in_grimble_s_assembly_the_feedback_keeps_out_of_what_the_feedforward_leaves() {
     let mut specification = Specification { pitch: None, ..weights() };
     let heave = specification.heave.as_mut().unwrap();
-    heave.knowledge = Knowledge::Exact;
+    heave.knowledge = DisturbanceKnowledge::Exact;
     heave.generator = Weight::Lag { gain: 1.0, time_s: 0.1 };
     let simple = designed(&rig(), &specification);
     specification.assembly = Assembly::Grimble;
@@ -151,7 +152,7 @@ fn the_total_cost_has_the_feedback_s_own_cost_in_it_and_its_slopes_are_differenc
 fn both_feedforwards_are_had_on_the_closed_loop() {
     let mut specification = weights();
     for part in [&mut specification.heave, &mut specification.pitch] {
-        part.as_mut().unwrap().basis = Basis::ClosedLoop;
+        part.as_mut().unwrap().basis = FeedforwardBasis::ClosedLoop;
     }
     let design = designed(&rig(), &specification);
     assert!(design.warnings.iter().any(|finding| matches!(finding.cause, Cause::FreeControlUnseen { .. })));
@@ -168,7 +169,8 @@ fn both_feedforwards_are_had_on_the_closed_loop() {
 fn the_residual_is_that_of_the_assembly() {
     let of = |assembly| {
         let design = designed(&rig(), &Specification { assembly, ..weights() });
-        [Channel::Heave, Channel::Pitch].map(|c| stabilisation_error(&design.plant, &design, c, 1.0).unwrap())
+        [DisturbanceChannel::Heave, DisturbanceChannel::Pitch]
+            .map(|c| stabilisation_error(&design.plant, &design, c, 1.0).unwrap())
     };
     let (added, apart) = (of(Assembly::SimpleAdd), of(Assembly::Grimble));
     println!("{added:?} {apart:?}");

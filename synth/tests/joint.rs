@@ -5,8 +5,8 @@ use crate::common;
 
 use common::{rig, weights};
 use counterpoise_synth::{
-    Assembly, FeedforwardWeights, Knowledge, Sampling, Specification, design, discretise, feedback,
-    joint_optimum,
+    Assembly, DisturbanceKnowledge, FeedforwardWeights, Sampling, Specification, design, discretise,
+    feedback, joint_optimum,
 };
 
 /// Predicted and achieved cost agree, the loop is stable, and no gain of a part lowers the cost.
@@ -39,8 +39,10 @@ fn better_sensors_cost_less() {
         let mut specification = weights();
         for part in [&mut specification.heave, &mut specification.pitch] {
             let weights: &mut FeedforwardWeights = part.as_mut().unwrap();
-            let Knowledge::Measured { noise: usual } = weights.knowledge else { panic!("measured") };
-            weights.knowledge = Knowledge::Measured { noise: noise * usual };
+            let DisturbanceKnowledge::Measured { noise: usual } = weights.knowledge else {
+                panic!("measured")
+            };
+            weights.knowledge = DisturbanceKnowledge::Measured { noise: noise * usual };
         }
         joint_optimum(&rig(), &specification).unwrap().cost.achieved.unwrap()
     };

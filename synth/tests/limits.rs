@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_synth::{
-    Bandwidth, Circumstances, DesignPlant, Limit, LimitKind, RequiredMargins, Sampling, first_design,
+    Bandwidth, BandwidthLimit, Circumstances, DesignPlant, LimitKind, RequiredMargins, Sampling, first_design,
 };
 
 /// Two inertias on a spring with a gyroscope, and everything else that can limit their loop.
@@ -143,7 +143,7 @@ fn relaxing_the_limit_that_is_named_raises_the_bandwidth() {
         let machine = random.machine();
         let Some(found) = machine.bandwidth() else { continue };
         *named.entry(format!("{:?}", found.limited_by)).or_insert(0) += 1;
-        let is_checked = |limit: &&Limit| asked.is_some() || found.limited_by == [limit.kind];
+        let is_checked = |limit: &&BandwidthLimit| asked.is_some() || found.limited_by == [limit.kind];
         for limit in found.limits.iter().filter(is_checked) {
             let relaxed = machine.relaxed(limit.kind).bandwidth().map_or(0.0, |b| b.bandwidth_rad_s);
             let rise = relaxed / found.bandwidth_rad_s;

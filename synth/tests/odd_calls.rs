@@ -121,7 +121,9 @@ fn from_plants(seed: u64, rig: &DesignPlant) -> Vec<&'static str> {
         ("feedback", Box::new(|| judge(feedback(&plant, &weights.feedback, weights.reference)))),
         (
             "feedforward",
-            Box::new(|| judge(weights.heave.as_ref().map(|w| feedforward(&plant, w, Channel::Heave)))),
+            Box::new(|| {
+                judge(weights.heave.as_ref().map(|w| feedforward(&plant, w, DisturbanceChannel::Heave)))
+            }),
         ),
         ("design", Box::new(|| judge(design(&plant, &weights).map(|made| discretise(&made, &sampling))))),
         ("sampled_plant", Box::new(|| judge(sampled_plant(&plant, &sampling)))),

@@ -7,15 +7,15 @@ use common::{rig, weights};
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_synth::{
-    Cause, DesignFinding, DesignPlant, FindingSeverity, Knowledge, Part, Reference, Specification, Weight,
-    design, preflight,
+    Cause, DesignFinding, DesignPlant, DisturbanceKnowledge, FindingSeverity, Part, Reference, Specification,
+    Weight, design, preflight,
 };
 
 fn pair(re: f64, im: f64) -> Vec<C64> {
     vec![C64::new(re, im), C64::new(re, -im)]
 }
 
-/// The refusals of a changed specification; each must name a suggestion, and the design must give the same.
+/// The refusals of a changed specification; the design must give the same.
 fn refusals(plant: &DesignPlant, change: impl FnOnce(&mut Specification)) -> Vec<DesignFinding> {
     let mut specification = weights();
     change(&mut specification);
@@ -25,9 +25,6 @@ fn refusals(plant: &DesignPlant, change: impl FnOnce(&mut Specification)) -> Vec
     assert!(!refused.is_empty(), "{findings:?}");
     let reasons = design(plant, &specification).unwrap_err();
     assert_eq!(format!("{:?}", reasons.findings()), format!("{findings:?}"));
-    for finding in &refused {
-        assert!(!finding.suggestion().is_empty() && finding.to_string().contains(finding.suggestion()));
-    }
     refused
 }
 
@@ -141,8 +138,9 @@ fn noises_that_are_none() {
         let refused = refusals(&rig(), |s| s.feedback.measurement_noise = noise);
         assert!(matches!(refused[0].cause, Cause::Density { what: "the measurement noise", .. }));
     }
-    let refused =
-        refusals(&rig(), |s| s.heave.as_mut().unwrap().knowledge = Knowledge::Measured { noise: 0.0 });
+    let refused = refusals(&rig(), |s| {
+        s.heave.as_mut().unwrap().knowledge = DisturbanceKnowledge::Measured { noise: 0.0 }
+    });
     assert!(matches!(refused[0].cause, Cause::Density { .. }));
     assert_eq!(refused[0].part, Part::Heave);
 }
@@ -166,7 +164,7 @@ fn a_generator_too_rough_for_the_derivative_and_knowledge_that_is_not_complete()
     let refused =
         refusals(&plant, |s| s.pitch.as_mut().unwrap().generator = Weight::Lag { gain: 1.0, time_s: 1.0 });
     assert_eq!(refused[0].cause, Cause::GeneratorTooRough { relative_degree: 1, needed: 2 });
-    let refused = refusals(&rig(), |s| s.pitch.as_mut().unwrap().knowledge = Knowledge::Exact);
+    let refused = refusals(&rig(), |s| s.pitch.as_mut().unwrap().knowledge = DisturbanceKnowledge::Exact);
     assert_eq!(refused[0].cause, Cause::KnowledgeIncomplete { order: 2, known: 1 });
 }
 
@@ -258,17 +256,11 @@ fn warnings_do_not_stand_in_the_way() {
 }
 
 #[test]
-fn findings_read_like_an_engineer_s() {
+fn a_finding_names_the_weight_and_the_frequency() {
     let refused =
         refusals(&washed_out(), |s| s.feedback.error = Weight::Integral { gain: 200.0, time_s: 1.0 });
-    let text = refused[0].to_string();
-    assert!(
-        text.starts_with(
-            "feedback, error weight 200 / (1 s), at zero frequency: the error weight is infinite"
-        ),
-        "{text}"
-    );
-    assert!(text.contains("use K / (a s + 1)"), "{text}");
+    assert_eq!(refused[0].weight.as_deref(), Some("error weight 200 / (1 s)"));
+    assert_eq!((refused[0].part, refused[0].rate_rad_s), (Part::Feedback, Some(0.0)));
 }
 
 /// A slide of 25 kg on a ball screw of 90 N/um and 10 mm lead, its position read at the motor (1.06 kg cm^2): states are the motor's rate,

@@ -1,7 +1,7 @@
 //! What a ramp of the demand asks of the control, against closed forms.
 #![allow(clippy::unwrap_used, missing_docs, non_snake_case)]
 
-use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal};
+use counterpoise_controller::{Controller, Parts, Path, PathSignal, Scaling};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_synth::{DesignPlant, Sampling, control_of_ramp};
@@ -17,7 +17,7 @@ fn an_integrator_follows_a_ramp_with_its_rate() {
     let timebase = Timebase::Discrete { period_s };
     parts.paths.push(Path {
         name: "feedback".into(),
-        inputs: vec![Signal::RateError],
+        inputs: vec![PathSignal::RateError],
         system: StateSpace::gain(one(gain), timebase).unwrap(),
         anti_windup: Vec::new(),
         scaling: Scaling::Fixed,

@@ -7,7 +7,7 @@ use common::{rig, thesis_weights, weights};
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{Discretisation, StateSpace, c2d, margins, response::response_at};
 use counterpoise_synth::{
-    Channel, Design, DesignPlant, Sampled, Sampling, Specification, design, discretise, preflight,
+    Design, DesignPlant, DisturbanceChannel, Sampled, Sampling, Specification, design, discretise, preflight,
 };
 
 const PERIOD_S: f64 = 1e-3;
@@ -41,7 +41,7 @@ fn step(sampled: &Sampled, samples: usize) -> Vec<f64> {
 }
 
 /// |G_d + G T| / |G_d| at a frequency, T sampled, behind its sensor and the hold.
-fn residual(design: &Design, channel: Channel, rate: f64) -> f64 {
+fn residual(design: &Design, channel: DisturbanceChannel, rate: f64) -> f64 {
     let plant = rig();
     let T = design.feedforward_controller(channel).unwrap();
     let T = c2d(&T, PERIOD_S, Discretisation::Tustin { prewarp_rad_s: None }).unwrap();
@@ -103,7 +103,9 @@ fn predicted_and_achieved_costs_agree_and_residuals_are_small() {
 #[test]
 fn the_feedforwards_leave_little_where_vehicles_move() {
     let design = designed(&weights());
-    for (channel, limits) in [(Channel::Heave, [0.01, 0.01, 0.05]), (Channel::Pitch, [0.03, 0.03, 0.10])] {
+    for (channel, limits) in
+        [(DisturbanceChannel::Heave, [0.01, 0.01, 0.05]), (DisturbanceChannel::Pitch, [0.03, 0.03, 0.10])]
+    {
         for (hz, limit) in [0.3, 1.0, 3.0].into_iter().zip(limits) {
             let left = residual(&design, channel, std::f64::consts::TAU * hz);
             assert!(left < limit, "{channel:?} at {hz} Hz: {left}");

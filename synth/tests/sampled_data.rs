@@ -49,7 +49,7 @@ fn variants() -> Vec<(&'static str, Specification)> {
     let mut grimble = base.clone();
     grimble.assembly = Assembly::Grimble;
     let mut closed = base.clone();
-    closed.heave.as_mut().unwrap().basis = Basis::ClosedLoop;
+    closed.heave.as_mut().unwrap().basis = FeedforwardBasis::ClosedLoop;
     closed.pitch.as_mut().unwrap().error = Weight::Lag { gain: 300.0, time_s: 0.1 };
     vec![("integral", base), ("lag", lag), ("constant", level), ("grimble", grimble), ("closed", closed)]
 }
@@ -61,8 +61,8 @@ fn distances(design: &Design, made: &Sampled) -> [f64; 3] {
     let forward = |channel| continuous(design.feedforward_controller(channel).unwrap(), 0);
     let wanted = [
         (continuous(design.feedback_controller(), 1), 1),
-        (forward(Channel::Heave), 3),
-        (forward(Channel::Pitch), 2),
+        (forward(DisturbanceChannel::Heave), 3),
+        (forward(DisturbanceChannel::Pitch), 2),
     ];
     wanted.map(|(wanted, reading)| {
         let found = response_at(&linear.select(&[0], &[reading]), rate).unwrap()[(0, 0)];

@@ -7,8 +7,8 @@ use common::{plant, rig, weights};
 use counterpoise_lti::response::response_at;
 use counterpoise_models::reference;
 use counterpoise_synth::{
-    Channel, Configuration, Design, Entry, Law, Sampling, design, discretise_schedule, schedule,
-    stabilisation_error,
+    Configuration, Design, DisturbanceChannel, HeaveFeedforwardLaw, Sampling, ScheduleEntry, design,
+    discretise_schedule, schedule, stabilisation_error,
 };
 
 fn nominal() -> Configuration {
@@ -35,7 +35,7 @@ fn same_inertia(factor: f64) -> Configuration {
     Configuration { name: format!("{factor}"), out_of_balance_kg_m: 151.67 * factor, plant }
 }
 
-fn entries(others: &[Configuration]) -> Vec<Entry> {
+fn entries(others: &[Configuration]) -> Vec<ScheduleEntry> {
     schedule(&nominal(), others, &weights()).unwrap()
 }
 
@@ -48,7 +48,7 @@ fn with_inertia_kept_the_gain_law_is_exact_and_said_to_be() {
     for entry in entries(&[same_inertia(0.37), same_inertia(1.48)]).iter().skip(1) {
         let factor = entry.out_of_balance_kg_m / 151.67;
         assert!(
-            matches!(entry.law, Law::ExactGain { factor: f } if (f - factor).abs() < 1e-12),
+            matches!(entry.law, HeaveFeedforwardLaw::ExactGain { factor: f } if (f - factor).abs() < 1e-12),
             "{:?}",
             entry.law
         );
@@ -69,7 +69,10 @@ fn with_the_masses_fitted_the_conditions_fail_and_the_deviation_is_measured() {
     let entries = entries(&table());
     for entry in entries.iter().filter(|entry| entry.name == "148 percent" || entry.name == "37 percent") {
         assert!(!entry.conditions.hold() && entry.conditions.path_deviation > 1e-3, "{:?}", entry.conditions);
-        assert!(matches!(entry.law, Law::NearlyGain { .. } | Law::Redesign { .. }));
+        assert!(matches!(
+            entry.law,
+            HeaveFeedforwardLaw::NearlyGain { .. } | HeaveFeedforwardLaw::Redesign { .. }
+        ));
         let (before, after) = (entry.error_before.unwrap(), entry.error_after.unwrap());
         assert!(after < 0.5 * before, "{}: {before} before, {after} after", entry.name);
         assert!(entry.feedback_db.1 - entry.feedback_db.0 < 6.0);
@@ -89,17 +92,17 @@ fn a_redesign_brings_the_error_back_to_its_share_of_the_out_of_balance() {
 #[test]
 fn heave_feedforward_all_but_removes_the_error_of_the_feedback() {
     let (design, plant) = (base(), rig());
-    let with = stabilisation_error(&plant, &design, Channel::Heave, 1.0).unwrap();
-    let without = stabilisation_error(&plant, &design, Channel::Heave, 0.0).unwrap();
+    let with = stabilisation_error(&plant, &design, DisturbanceChannel::Heave, 1.0).unwrap();
+    let without = stabilisation_error(&plant, &design, DisturbanceChannel::Heave, 0.0).unwrap();
     assert!(with < 0.2 * without, "{with} and {without}");
-    let with = stabilisation_error(&plant, &design, Channel::Pitch, 1.0).unwrap();
-    let without = stabilisation_error(&plant, &design, Channel::Pitch, 0.0).unwrap();
+    let with = stabilisation_error(&plant, &design, DisturbanceChannel::Pitch, 1.0).unwrap();
+    let without = stabilisation_error(&plant, &design, DisturbanceChannel::Pitch, 0.0).unwrap();
     assert!(with < 0.3 * without, "{with} and {without}");
 }
 
 #[test]
 fn one_controller_carries_the_whole_schedule() {
-    let entries: Vec<Entry> = entries(&table())
+    let entries: Vec<ScheduleEntry> = entries(&table())
         .into_iter()
         .filter(|e| ["normal", "37 percent", "148 percent"].contains(&e.name.as_str()))
         .collect();
@@ -108,7 +111,7 @@ fn one_controller_carries_the_whole_schedule() {
     let sampled = discretise_schedule(&base(), entries, &sampling).unwrap();
     for entry in entries {
         let linear = sampled.controller.linear(entry.out_of_balance_kg_m).unwrap();
-        let expected = entry.design.feedforward_controller(Channel::Heave).unwrap();
+        let expected = entry.design.feedforward_controller(DisturbanceChannel::Heave).unwrap();
         let (a, b) =
             (response_at(&linear, 5.0).unwrap()[(0, 3)], response_at(&expected, 5.0).unwrap()[(0, 0)]);
         assert!((a - b).norm() < 1e-4 * b.norm(), "{}: {a} {b}", entry.name);

@@ -8,8 +8,8 @@ use counterpoise_lti::{StateSpace, Timebase};
 
 use common::{rig, thesis_weights, weights};
 use counterpoise_synth::{
-    Channel, Design, Ended, Error, Requirements, Sampling, SearchResult, SearchTask, Specification, Spectrum,
-    Weight, design, search, stabilisation_error, trade_off,
+    BandSpectrum, Design, DisturbanceChannel, Ended, Error, Requirements, Sampling, SearchResult, SearchTask,
+    Specification, Weight, design, search, stabilisation_error, trade_off,
 };
 
 fn found(start: &Specification, requirements: &Requirements, most: usize) -> SearchResult {
@@ -88,16 +88,17 @@ fn more_sensitivity_buys_more_rejection() {
 fn rejection_of_the_expected_motion_is_the_share_of_its_rate_that_is_left() {
     let mut start = weights();
     let band_rad_s = [0.5, 200.0];
-    let requirements = Requirements { spectrum: Spectrum::Expected, band_rad_s, ..Requirements::thesis() };
+    let requirements =
+        Requirements { spectrum: BandSpectrum::Expected, band_rad_s, ..Requirements::thesis() };
     let both = found(&start, &requirements, 1).best.figures.rejection;
     let flat =
         found(&start, &Requirements { band_rad_s, ..Requirements::thesis() }, 1).best.figures.rejection;
     start.pitch = None;
     let plant = rig();
     let design = design(&plant, &start).unwrap();
-    let with = stabilisation_error(&plant, &design, Channel::Heave, 0.0).unwrap();
+    let with = stabilisation_error(&plant, &design, DisturbanceChannel::Heave, 0.0).unwrap();
     let open = Design { substitute: Some(idle()), ..design };
-    let without = stabilisation_error(&plant, &open, Channel::Heave, 0.0).unwrap();
+    let without = stabilisation_error(&plant, &open, DisturbanceChannel::Heave, 0.0).unwrap();
     let heave = found(&start, &requirements, 1).best.figures.rejection;
     println!("both {both}, flat {flat}, heave {heave}, {}", with / without);
     assert!((heave / (with / without) - 1.0).abs() < 0.05, "{heave} {}", with / without);

@@ -13,7 +13,7 @@ use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::recordings::read::recording_controller;
 use counterpoise_pipeline::{ProjectIdentity, model, reduce, synthesise};
 use counterpoise_project::{Attachments, Document, Project, Setting};
-use counterpoise_simulate::replay::{Loop, RecordedController};
+use counterpoise_simulate::replay::{RecordedController, ReplayLoop};
 
 use crate::sealed::row::{offers, recordings};
 use crate::sealed::truth::SHOW_WHEN_BALANCED;
@@ -92,19 +92,19 @@ fn rig(effect: &PracticeEffect) -> (Document, Parameters) {
 pub fn record_and_diagnose(effect: &PracticeEffect, way: Way, pool: &dyn Pool) -> Diagnosed {
     let (document, nominal) = rig(effect);
     let project = Project::resolve(&document, &Attachments::none()).unwrap().project;
-    let (case, control): (Case, Loop) = match way {
+    let (case, control): (Case, ReplayLoop) = match way {
         Way::ProportionalIntegral => {
             let case = effect.which.map_or_else(
                 || crate::sealed::case_of_nothing(&nominal),
                 |which| case_of(which, SIZE, &nominal),
             );
-            (case, Loop::from(&controller()))
+            (case, ReplayLoop::from(&controller()))
         }
         Way::Exported | Way::PlayedBack => {
             let controller = export_controller(&project);
             let replayed = from_file(&document, &controller_file(&project, &controller));
             let case = case_under(effect.which, SIZE, &nominal, &controller);
-            (case, if way == Way::Exported { Loop::from(replayed) } else { Loop::Open })
+            (case, if way == Way::Exported { ReplayLoop::from(replayed) } else { ReplayLoop::Open })
         }
     };
     let answer = diagnose(&nominal, control, &recordings(&case), pool).unwrap().answer;

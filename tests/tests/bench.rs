@@ -4,6 +4,7 @@
 
 use counterpoise_pipeline::studies::adapt::{AdaptRun, adapt};
 use counterpoise_pipeline::studies::comparison::{Comparison, compare_designs};
+use counterpoise_pipeline::wording::design_findings::describe_design_finding;
 use counterpoise_pipeline::{PipelineError, Synthesised, model, reduce, synthesise};
 use counterpoise_project::Project;
 
@@ -191,7 +192,7 @@ fn weights_without_a_solution_are_refused_with_weight_frequency_and_suggestion()
         assert!(good.contains(from), "the example has no {from:?}");
         let error = made(&project(&good.replacen(from, to, 1))).err();
         let Some(PipelineError::NoController(findings)) = &error else { panic!("{to}: {error:?}") };
-        let said = findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+        let said = findings.iter().map(describe_design_finding).collect::<Vec<_>>().join("\n");
         println!("{said}\n");
         words.iter().for_each(|word| assert!(said.contains(word), "{word} is not in: {said}"));
     }

@@ -8,7 +8,7 @@ use counterpoise_project::resolve::synthesis_options::{FrictionModel, ObserverOp
 use counterpoise_synth::Drives;
 use counterpoise_tests::certificates::trial;
 use counterpoise_verify::Procedure;
-use counterpoise_verify::certificate::{CaseCertificate, Criterion, Stability};
+use counterpoise_verify::certificate::{CaseCertificate, Stability, StabilityCriterion};
 
 fn base() -> Project {
     let path = format!("{}/../examples/reference-rig/project.toml", env!("CARGO_MANIFEST_DIR"));
@@ -56,7 +56,7 @@ fn the_reference_rig_is_stable_in_every_regime() {
 fn the_reference_rig_is_proved_and_quiet_for_other_levels_of_friction() {
     let proof = certified(&base()).sector.unwrap();
     assert!(proof.holds(), "{proof:?}");
-    assert_eq!(proof.criterion, Criterion::Circle, "passivity alone fails");
+    assert_eq!(proof.criterion, StabilityCriterion::Circle, "passivity alone fails");
     for level in [0.1, 3.0] {
         let mut project = base();
         for friction in [&mut project.plant.motor_friction, &mut project.plant.pivot_friction] {

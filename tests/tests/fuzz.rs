@@ -9,9 +9,9 @@
 mod mutate;
 
 use counterpoise_controller::{Controller, Parts};
-use counterpoise_export::Source::Unverified;
+use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
-use counterpoise_export::{File, Options, Provenance, c99, rust_crate};
+use counterpoise_export::{CodeOptions, File, Provenance, c99, rust_crate};
 use counterpoise_models::{Plant, reference};
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_recordings::{CsvParts, Mapping, Table};
@@ -133,9 +133,9 @@ fn generated(controller: &Controller, plant: &Plant, text: &str) -> Vec<File> {
         feedback_alone: vec![text],
         ..Provenance::default()
     };
-    let options = Options::double("axis");
+    let options = CodeOptions::double("axis");
     let mut files = c99(Unverified(controller), &provenance, &options).unwrap();
-    files.extend(c99(Unverified(controller), &provenance, &Options::single("axis")).unwrap());
+    files.extend(c99(Unverified(controller), &provenance, &CodeOptions::single("axis")).unwrap());
     files.extend(rust_crate(Unverified(controller), &provenance, &options).unwrap());
     files.extend(controller_unit(Unverified(controller), &provenance, &options).unwrap());
     files.extend(plant_unit(PlantUnit { plant, name: "axis_plant" }, &provenance).unwrap());

@@ -15,7 +15,7 @@ use counterpoise_models::{AmplifierDynamics, Parameters, Plant, Ripple};
 use counterpoise_pipeline::{model, reduce, synthesise, with_chosen_weights};
 use counterpoise_project::{Document, Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::{Loop, RecordedController};
+use counterpoise_simulate::replay::{RecordedController, ReplayLoop};
 use counterpoise_simulate::signal::{Signal, Sine};
 use counterpoise_simulate::{Detail, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
 
@@ -356,7 +356,7 @@ impl Machine {
 
     /// The diagnosis of recordings that a machine is thought to have made.
     fn diagnosed_as(&self, machine: &Parameters, recordings: &[Recording]) -> Diagnosis {
-        let control = Loop::from_controller(machine, RecordedController::from(self.controller.clone()));
+        let control = ReplayLoop::from_controller(machine, RecordedController::from(self.controller.clone()));
         counterpoise_diagnose::diagnose(machine, control, recordings, &Serial).unwrap()
     }
 

@@ -18,7 +18,7 @@ use counterpoise_project::starters::Kind;
 use counterpoise_project::{Attachments, Document, Parsed, Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_report::{Context, html_page, of_verification};
-use counterpoise_simulate::replay::{ChannelFit, Loop, RecordedController, Replayer};
+use counterpoise_simulate::replay::{ChannelFit, RecordedController, ReplayLoop, Replayer};
 use counterpoise_simulate::signal::{Signal, Sine};
 use counterpoise_simulate::{Detail, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
 use counterpoise_synth::LimitKind;
@@ -384,16 +384,16 @@ fn every_kind_replays_what_it_recorded_under_its_own_controller() {
         let plant = recorded_plant(&machine.project);
         let controller = machine.made.sampled.controller.clone();
         let recording = record(&machine.project, &plant, &controller);
-        let control = Loop::from_controller(plant.parameters(), RecordedController::from(controller));
+        let control = ReplayLoop::from_controller(plant.parameters(), RecordedController::from(controller));
         let replay = Replayer::new(plant.parameters(), &recording).and_then(|r| match &control {
-            Loop::Open => r.replay_open(plant.parameters()),
-            Loop::Closed(_) => r.replay_plant(&plant, &control),
+            ReplayLoop::Open => r.replay_open(plant.parameters()),
+            ReplayLoop::Closed(_) => r.replay_plant(&plant, &control),
         });
         let Ok(replay) = replay else {
             wrong.push(format!("{}: {:?}", machine.name, replay.err()));
             continue;
         };
-        let ratio = |fit: &ChannelFit| (fit.rms_error / fit.floor, fit.channel);
+        let ratio = |fit: &ChannelFit| (fit.residual_over_floor(), fit.channel);
         let worst: (f64, Channel) =
             replay.channels.iter().map(ratio).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap();
         println!("{}: {} floors in {}", machine.name, worst.0, worst.1.name());

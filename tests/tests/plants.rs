@@ -264,7 +264,7 @@ fn road(found: &Verification) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let wanted = |e: &Experiment| matches!(e, Experiment::Disturbance(Source::Road, _));
     let all = &found.evidence.histories;
     let run = all.iter().find(|h| h.model == Model::Nonlinear && wanted(&h.experiment)).unwrap();
-    (run.time_s.clone(), run.heave_m_s2.clone(), run.pitch_rate_rad_s.clone())
+    (run.time_s().to_vec(), run.heave_m_s2().to_vec(), run.pitch_rate_rad_s().to_vec())
 }
 
 fn rms(x: &[f64]) -> f64 {

@@ -11,7 +11,7 @@ use counterpoise_models::Plant;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Attachments, Document, Project, Setting};
 use counterpoise_recordings::{Channel, Recording, Table};
-use counterpoise_simulate::replay::{Loop, Replay, Replayer, replay};
+use counterpoise_simulate::replay::{Replay, ReplayLoop, Replayer, replay};
 use counterpoise_simulate::{Imperfections, Scenario, Signal, run};
 use counterpoise_tests::Threads;
 
@@ -48,7 +48,7 @@ fn diagnosed_recordings(project: &Project, folder: &Path) -> Vec<Recording> {
 
 /// The largest RMS error of a channel over its floor.
 fn worst(project: &Project, folder: &Path) -> f64 {
-    let control = Loop::from(
+    let control = ReplayLoop::from(
         project
             .recording_controller
             .as_ref()
@@ -182,7 +182,7 @@ fn assert_fits(machine: &str, recording: &str, replayed: &Replay) {
 fn machines_whose_truth_is_known_replay_in_closed_loop_to_their_floor() {
     for machine in ["p01", "p04", "p05", "p06", "p07"] {
         let Some((project, all)) = known(machine) else { return };
-        let control = Loop::from(
+        let control = ReplayLoop::from(
             project
                 .recording_controller
                 .as_ref()
@@ -228,7 +228,8 @@ fn an_amplifier_s_curve_is_found_as_fine_as_the_recordings_ask() {
     let unseen = recordings(&project, &folder.join("unseen"));
     counterpoise_tests::run_in_parallel(unseen.len(), &|k| {
         let replayer = Replayer::new(&found.improved, &unseen[k]).unwrap();
-        let followed = replayer.replay_free_or_windowed(&found.improved, &Loop::from(&controller)).unwrap();
+        let followed =
+            replayer.replay_free_or_windowed(&found.improved, &ReplayLoop::from(&controller)).unwrap();
         assert_fits("p03", &unseen[k].name, &followed.replay);
     });
 }

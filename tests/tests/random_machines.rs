@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use std::sync::Mutex;
 
 use counterpoise_models::{Friction, FrictionLaw, Parameters};
+use counterpoise_pipeline::wording::design_findings::describe_design_finding;
 use counterpoise_pipeline::{
     FirstDesignResult, PipelineError, World, model, reduce, synthesise, verify, with_chosen_weights,
 };
@@ -169,7 +170,9 @@ fn tried(seed: u64) -> TriedMachine {
     let project = machine(&mut Dice(ChaCha8Rng::seed_from_u64(seed)));
     let chosen = match with_chosen_weights(&project) {
         Ok(chosen) => chosen.unwrap(),
-        Err(PipelineError::NoController(reasons)) => return TriedMachine::Refused(reasons[0].to_string()),
+        Err(PipelineError::NoController(reasons)) => {
+            return TriedMachine::Refused(describe_design_finding(&reasons[0]));
+        }
         Err(error @ (PipelineError::CannotHold { .. } | PipelineError::CannotCarry { .. })) => {
             return TriedMachine::Refused(error.to_string());
         }

@@ -4,9 +4,9 @@
 
 use std::process::Command;
 
-use counterpoise_controller::sensitivity::Form;
+use counterpoise_controller::sensitivity::RealisationForm;
 use counterpoise_export::forms::{PathForm, convert_to_form};
-use counterpoise_export::{Options, Ranges, Source, c99, single_precision};
+use counterpoise_export::{CodeOptions, ExportSource, Ranges, c99, single_precision};
 use counterpoise_pipeline::export::path_forms;
 use counterpoise_pipeline::{World, model, reduce, synthesise, verify};
 use counterpoise_project::Project;
@@ -53,9 +53,9 @@ fn readings() -> Vec<[f64; counterpoise_controller::READINGS]> {
 }
 
 /// What the C in single precision answers.
-fn answers<'a>(controller: impl Into<Source<'a>>, name: &str) -> Vec<f64> {
+fn answers<'a>(controller: impl Into<ExportSource<'a>>, name: &str) -> Vec<f64> {
     let folder = folder(&format!("realisation_{}", name.replace(' ', "_")));
-    write(&folder, &c99(controller, &provenance(), &Options::single("axis")).unwrap());
+    write(&folder, &c99(controller, &provenance(), &CodeOptions::single("axis")).unwrap());
     std::fs::write(folder.join("server.c"), server(&["axis".into()])).unwrap();
     let sources = ["server.c", "axis.c", "-o", "server"];
     assert_eq!(run(Command::new("cc").current_dir(&folder).args(STRICT).args(sources)), "");
@@ -69,9 +69,11 @@ fn the_form_asked_for_is_what_is_exported_and_as_sensitive_as_predicted() {
         return support::skipped("no C compiler");
     }
     let mut margins = Vec::new();
-    for (name, expected) in
-        [("modal", Some(Form::Modal)), ("balanced", Some(Form::Balanced)), ("least-sensitive", None)]
-    {
+    for (name, expected) in [
+        ("modal", Some(RealisationForm::Modal)),
+        ("balanced", Some(RealisationForm::Balanced)),
+        ("least-sensitive", None),
+    ] {
         let verified = verified(&[(KEY, &format!("{KEY}\nrealisation = \"{name}\""))]);
         let controller = verified.controller();
         for each in path_forms(&verified).unwrap() {
@@ -117,7 +119,9 @@ fn the_c_tells_the_forms_apart() {
         let other = convert_to_form(controller, form).unwrap();
         let (mut reference, mut double) = (controller.runner(), other.runner());
         let (mut single, mut worst) = (other.runner_in::<f32>(), [0.0_f64; 2]);
-        for (readings, answer) in readings().iter().zip(answers(Source::Unverified(&other), form.name())) {
+        for (readings, answer) in
+            readings().iter().zip(answers(ExportSource::Unverified(&other), form.name()))
+        {
             assert_eq!(single.step_array(readings).to_bits(), answer.to_bits(), "{form:?}");
             let right = reference.step_array(readings);
             let found = [double.step_array(readings), answer].map(|value| (value - right).abs());
@@ -148,6 +152,6 @@ fn known_sensor_errors_are_taken_out_of_the_readings() {
         (corrections[0].offset + 0.002 / 1.05).abs() < 1e-15
             && left.controller().parts().corrections.is_empty()
     );
-    let code = c99(&undone, &provenance(), &Options::double("axis")).unwrap()[1].text.clone();
+    let code = c99(&undone, &provenance(), &CodeOptions::double("axis")).unwrap()[1].text.clone();
     assert!(code.contains("corrected_hub_rate_rad_s = -0.0019047619047619048"), "{code}");
 }

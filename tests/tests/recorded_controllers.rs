@@ -21,7 +21,7 @@ use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Attachments, Document, Project, Setting};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::{
-    Loop, RecordedController, ReplayMode, Replayer, control_fit, reading_floor,
+    RecordedController, ReplayLoop, ReplayMode, Replayer, control_fit, reading_floor,
 };
 use counterpoise_simulate::signal::{Signal, Sine};
 use counterpoise_simulate::{Detail, Firing, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
@@ -92,9 +92,9 @@ fn record_with(plant: &Plant, controller: &mut dyn SampledController, seed: u64)
 }
 
 /// The largest ratio of residual to noise floor of a closed-loop replay, with its channel.
-fn worst(plant: &Plant, recording: &Recording, control: &Loop) -> (f64, Channel) {
+fn worst(plant: &Plant, recording: &Recording, control: &ReplayLoop) -> (f64, Channel) {
     let replay = Replayer::new(plant.parameters(), recording).unwrap().replay_plant(plant, control).unwrap();
-    let ratio = |fit: &counterpoise_simulate::replay::ChannelFit| (fit.rms_error / fit.floor, fit.channel);
+    let ratio = |fit: &counterpoise_simulate::replay::ChannelFit| (fit.residual_over_floor(), fit.channel);
     replay.channels.iter().map(ratio).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
 }
 
@@ -109,9 +109,9 @@ fn every_exported_controller_replays_its_own_recordings() {
         assert!(
             fit.rms_error < 2.0 * fit.floor,
             "{name}: control off by {} floors",
-            fit.rms_error / fit.floor
+            fit.residual_over_floor()
         );
-        let control = Loop::from(exported);
+        let control = ReplayLoop::from(exported);
         let (ratio, channel) = worst(&plant, &recording, &control);
         assert!(ratio < REPLAYED, "{name}: {ratio} floors in {}", channel.name());
         let middle = recording.part(2500..recording.len());
@@ -129,7 +129,7 @@ fn recordings_under_single_and_fixed_point_code_are_replayed_by_the_controller_o
     for name in EXAMPLES {
         let project = project(name);
         let (plant, controller) = exported(&project);
-        let control = Loop::from(read_back(&folder(name), &project, &controller));
+        let control = ReplayLoop::from(read_back(&folder(name), &project, &controller));
         let single = record(&plant, &mut controller.runner_in::<f32>());
         let (ratio, channel) = worst(&plant, &single, &control);
         assert!(ratio < REPLAYED, "{name} in single precision: {ratio} floors in {}", channel.name());
@@ -207,15 +207,15 @@ fn a_recording_under_another_controller_is_played_back_and_diagnosed() {
     let bytes = fs::read(folder.join("triangle.parquet")).unwrap();
     let files = [RecordingFile { name: "triangle.parquet".to_owned(), bytes }];
     let controller = recording_controller(&project).unwrap();
-    let read = recordings::read(&project, controller.as_ref(), &files, Gaps::Repaired).unwrap();
+    let read = recordings::read_files(&project, controller.as_ref(), &files, Gaps::Repaired).unwrap();
     let control = control_for(&project, controller.as_ref(), read.iter().map(|item| &item.recording));
-    assert!(matches!(control, Loop::Closed(_)));
+    assert!(matches!(control, ReplayLoop::Closed(_)));
     let replayed = recordings::replay(&project, &read, &control, ReplayLength::Automatic).unwrap();
     let fits = &replayed[0].followed.replay.channels;
     assert!(fits.iter().all(|fit| fit.channel != Channel::Control && fit.rms_error < REPLAYED * fit.floor));
     assert!(replayed[0].remarks.iter().any(|remark| matches!(remark, ColumnRemark::Controller(_))));
     let diagnosed = recordings::diagnose(&project, &files, &Serial).unwrap();
-    assert_eq!(diagnosed.control, Loop::Open);
+    assert_eq!(diagnosed.control, ReplayLoop::Open);
     assert_eq!(diagnosed.diagnosis.answer.verdict, DiagnosisVerdict::Consistent);
     let said = |remark: &RecordingRemark| matches!(remark, RecordingRemark::OtherController { .. });
     assert!(diagnosed.diagnosis.answer.qualification.iter().any(said));
@@ -249,7 +249,7 @@ fn a_machine_that_floats_in_its_gap_is_replayed_in_windows_and_freely_as_closely
     let (plant, controller) = exported(&project);
     let recording = record(&plant, &mut controller.runner());
     let again = record_with(&plant, &mut controller.runner(), 6);
-    let control = Loop::from(read_back(&folder("azimuth"), &project, &controller));
+    let control = ReplayLoop::from(read_back(&folder("azimuth"), &project, &controller));
     // two runs of the machine that differ in noise alone already part: no free replay is closer than they are
     let own = apart(&plant, &recording, &again);
     assert!(own > 2.0 * REPLAYED, "{own}");
@@ -262,7 +262,7 @@ fn a_machine_that_floats_in_its_gap_is_replayed_in_windows_and_freely_as_closely
         // what the estimator has gathered before the first sample does not show in the control at once
         let is_whole = recording.len() == 8000;
         for fit in selected.replay.channels.iter().filter(|fit| is_whole || fit.channel != Channel::Control) {
-            let ratio = fit.rms_error / fit.floor;
+            let ratio = fit.residual_over_floor();
             assert!(ratio < REPLAYED, "{ratio} floors in {}", fit.channel.name());
         }
     }

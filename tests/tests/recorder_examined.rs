@@ -14,7 +14,7 @@ use counterpoise_diagnose::recording::instrument_faults::{
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::{Recording, Table};
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::ReplayLoop;
 use counterpoise_tests::sealed;
 
 const EXPERIMENTS: [&str; 4] = ["multisine", "road", "steps", "triangle"];
@@ -45,7 +45,7 @@ impl Machine {
             .recording_controller
             .as_ref()
             .and_then(RecordingController::as_proportional_integral)
-            .map_or(Loop::Open, Loop::from);
+            .map_or(ReplayLoop::Open, ReplayLoop::from);
         find_instrument_faults(&self.project.plant, &control, recordings)
     }
 
@@ -227,7 +227,7 @@ fn exchanged_columns_are_named_and_put_back() {
 #[test]
 fn sealed_machines_have_no_fault_of_the_recorder() {
     let nominal = counterpoise_models::reference::rig();
-    let control = Loop::from(&sealed::controller());
+    let control = ReplayLoop::from(&sealed::controller());
     let seeds: Vec<u64> = SEEDS.into_iter().step_by(one_of(2)).collect();
     let wrong = std::sync::Mutex::new(Vec::new());
     counterpoise_tests::run_in_parallel(seeds.len(), &|k| {

@@ -14,7 +14,7 @@ use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::Recording;
 use counterpoise_recordings::{Column, Table};
 use counterpoise_report::wording::recordings::{describe_anomaly, describe_repair};
-use counterpoise_simulate::replay::{Loop, replay};
+use counterpoise_simulate::replay::{ReplayLoop, replay};
 
 /// What a recorder made of a table is said to be, and its parts that can be replayed.
 struct Told {
@@ -30,7 +30,7 @@ impl Told {
 
     /// The largest RMS error over its floor of every part in closed loop.
     fn worst(&self) -> f64 {
-        let control = Loop::from(
+        let control = ReplayLoop::from(
             self.project
                 .recording_controller
                 .as_ref()

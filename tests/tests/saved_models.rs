@@ -14,7 +14,7 @@ use counterpoise_pipeline::recordings::ReadRecording;
 use counterpoise_pipeline::recordings::replay::{ReplayLength, replay_one};
 use counterpoise_project::{Attachments, Document, Project};
 use counterpoise_recordings::Recording;
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::ReplayLoop;
 use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
 /// A replay and the diagnosis seek their initial states by different means.
@@ -63,7 +63,7 @@ fn recordings(machine: &Parameters) -> Vec<Recording> {
 fn confirmed(machine: &Parameters) -> Answer {
     let (document, project) = project();
     let recordings = recordings(machine);
-    let control = Loop::from(&controller());
+    let control = ReplayLoop::from(&controller());
     let Diagnosis { answer, improved, .. } =
         diagnose(&project.plant, control.clone(), &recordings, &Serial).unwrap();
     let names: Vec<_> = answer.findings.iter().map(|f| (f.component, f.effect, f.probability)).collect();

@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 
 use counterpoise_claims::identification::AMPLIFIER;
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
-use counterpoise_diagnose::identification::{Amplifier, apply_identified, identify};
+use counterpoise_diagnose::identification::{IdentifiedAmplifier, apply_identified, identify};
 use counterpoise_pipeline::recordings::measured_modes::diagnose_structure;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::{Recording, Table};
-use counterpoise_simulate::replay::{Loop, replay};
+use counterpoise_simulate::replay::{ReplayLoop, replay};
 
 fn folder(example: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(example)
@@ -77,7 +77,7 @@ fn the_amplifiers_curve_is_recovered_in_one_iteration_and_the_second_changes_not
     let (balanced, midpoint) = (recording(&project, "balanced"), recording(&project, "midpoint"));
     let states = [&[balanced.clone()][..], &[midpoint][..]];
     let found = identify(&project.plant, &states).unwrap();
-    assert!(matches!(found.amplifier, Amplifier::Curve { .. }));
+    assert!(matches!(found.amplifier, IdentifiedAmplifier::Curve { .. }));
     let errors =
         found.amplifier.points().iter().map(|q| (q.input_v, q.current_a / current_a(q.input_v) - 1.0));
     let worst = errors.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap();
@@ -86,9 +86,9 @@ fn the_amplifiers_curve_is_recovered_in_one_iteration_and_the_second_changes_not
     assert!((moments[0] - 10.617).abs() < 0.05 && (moments[1] - 75.835).abs() < 0.05, "{moments:?}");
     let better = apply_identified(&project.plant, &found);
     let again = identify(&better, &states).unwrap();
-    assert!(matches!(again.amplifier, Amplifier::AsInProject { .. }));
+    assert!(matches!(again.amplifier, IdentifiedAmplifier::AsInProject { .. }));
     // as figure 7-12: the balanced run, simulated with the linear and with the recovered amplifier
-    let control = Loop::from(
+    let control = ReplayLoop::from(
         project
             .recording_controller
             .as_ref()

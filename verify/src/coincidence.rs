@@ -66,7 +66,12 @@ pub struct Shots {
 }
 
 /// Returns what a window makes of the errors of hub and tip, in rad, in samples of one period. `None` if every shot leaves after the end.
-pub fn shots(hub_rad: &[f64], tip_rad: &[f64], period_s: f64, asked: &Coincidence) -> Option<Shots> {
+pub fn coincidence_figures(
+    hub_rad: &[f64],
+    tip_rad: &[f64],
+    period_s: f64,
+    asked: &Coincidence,
+) -> Option<Shots> {
     let is_inside: Vec<bool> = hub_rad.iter().map(|error| error.abs() <= asked.window_rad).collect();
     let inside = is_inside.iter().filter(|one| **one).count();
     if inside == 0 {
@@ -112,7 +117,7 @@ mod tests {
     }
 
     fn of(asked: Coincidence) -> Shots {
-        shots(&sine(), &sine(), PERIOD_S, &asked).unwrap()
+        coincidence_figures(&sine(), &sine(), PERIOD_S, &asked).unwrap()
     }
 
     /// A sine of amplitude A is within w during 2/pi asin(w/A) of the time. Outside, it waits half of each stay on the average: stays last
@@ -147,16 +152,16 @@ mod tests {
         let still = vec![0.0; 1000];
         let asked =
             Coincidence { target_rad: 1e-3, dispersion_rad: 1e-3, delay_s: 0.0, ..Coincidence::default() };
-        let found = shots(&still, &still, PERIOD_S, &asked).unwrap();
+        let found = coincidence_figures(&still, &still, PERIOD_S, &asked).unwrap();
         assert!((found.hit - 0.682_689_492_137_085_9).abs() < 1e-12, "{found:?}");
     }
 
     #[test]
     fn nothing_is_released_by_an_axis_that_never_is_inside() {
         let far = vec![1e-2; 1000];
-        let found = shots(&far, &far, PERIOD_S, &Coincidence::default()).unwrap();
+        let found = coincidence_figures(&far, &far, PERIOD_S, &Coincidence::default()).unwrap();
         assert_eq!(found, Shots { inside: 0.0, wait_s: f64::INFINITY, hit: 0.0 });
         let late = Coincidence { delay_s: 1.0, ..Coincidence::default() };
-        assert_eq!(shots(&[0.0; 1000], &[0.0; 1000], PERIOD_S, &late), None);
+        assert_eq!(coincidence_figures(&[0.0; 1000], &[0.0; 1000], PERIOD_S, &late), None);
     }
 }

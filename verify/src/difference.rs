@@ -6,7 +6,7 @@ use crate::{Figure, Verdict, Verification};
 
 /// A figure before and after.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Change {
+pub struct FigureChange {
     /// Which figure.
     pub figure: Figure,
     /// What the loop controls, whose name and unit the figure has.
@@ -21,12 +21,7 @@ pub struct Change {
     pub holds: Option<bool>,
 }
 
-impl Change {
-    /// Returns the figure in words.
-    pub fn name(&self) -> String {
-        self.figure.name(self.controlled)
-    }
-
+impl FigureChange {
     /// Returns the figure's unit.
     pub fn unit(&self) -> &'static str {
         self.figure.unit(self.controlled)
@@ -50,11 +45,11 @@ impl Change {
 }
 
 /// Returns every figure of either verification, in the order of the second, those of the first alone at the end.
-pub fn changes(before: &Verification, after: &Verification) -> Vec<Change> {
+pub fn figure_changes(before: &Verification, after: &Verification) -> Vec<FigureChange> {
     let mut figures: Vec<Figure> = after.figures.iter().map(|measured| measured.figure).collect();
     let gone = before.figures.iter().map(|measured| measured.figure);
     figures.extend(gone.filter(|figure| after.figures.iter().all(|m| m.figure != *figure)));
-    let change = |figure: Figure| Change {
+    let change = |figure: Figure| FigureChange {
         figure,
         controlled: after.controlled_quantity(),
         before: before.value(figure),

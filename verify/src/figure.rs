@@ -155,20 +155,6 @@ pub enum SightFigure {
     TipTransferLoss,
 }
 
-impl Quantity {
-    /// The quantity in words a person reads.
-    fn name(self, controlled: ControlledQuantity) -> String {
-        match self {
-            Quantity::HubRms => format!("RMS {}", controlled.name()),
-            Quantity::HubPeak => format!("peak {}", controlled.name()),
-            Quantity::TipRms => format!("RMS {}", controlled.tip_name()),
-            Quantity::TipPeak => format!("peak {}", controlled.tip_name()),
-            Quantity::CurrentPeak => format!("peak {}", controlled.drive_name()),
-            other => words(&QUANTITIES, &other).name.to_owned(),
-        }
-    }
-}
-
 impl SightFigure {
     /// Every figure.
     pub const ALL: [Self; 10] = [
@@ -214,118 +200,99 @@ pub enum Figure {
     Sight(SightFigure),
 }
 
-/// What a figure, or a part of one, is called.
+/// Key and unit of a figure, or of a part of one.
 #[derive(Debug, Clone, Copy, Default)]
 struct Words {
     /// In a project file.
     key: &'static str,
-    /// In words a person reads.
-    name: &'static str,
     /// Its unit; empty for a pure number and for a part without one.
     unit: &'static str,
 }
 
-/// A row of a table: a value and what it is called.
+/// A row of a table: a value with its key and unit.
 struct Row<K> {
     of: K,
     words: Words,
 }
 
 impl<K> Row<K> {
-    const fn new(of: K, key: &'static str, name: &'static str, unit: &'static str) -> Self {
-        Self { of, words: Words { key, name, unit } }
+    const fn new(of: K, key: &'static str, unit: &'static str) -> Self {
+        Self { of, words: Words { key, unit } }
     }
 }
 
-const MODELS: [Row<Model>; 2] = [
-    Row::new(Model::Linear, "linear", "linear plant", ""),
-    Row::new(Model::Nonlinear, "nonlinear", "nonlinear plant", ""),
-];
+const MODELS: [Row<Model>; 2] =
+    [Row::new(Model::Linear, "linear", ""), Row::new(Model::Nonlinear, "nonlinear", "")];
 
 const SOURCES: [Row<Source>; 4] = [
-    Row::new(Source::Heave, "heave", "heave", ""),
-    Row::new(Source::Pitch, "pitch", "pitch", ""),
-    Row::new(Source::Both, "both", "heave and pitch", ""),
-    Row::new(Source::Road, "road", "road", ""),
+    Row::new(Source::Heave, "heave", ""),
+    Row::new(Source::Pitch, "pitch", ""),
+    Row::new(Source::Both, "both", ""),
+    Row::new(Source::Road, "road", ""),
 ];
 
 const ARRANGEMENT_NAMES: [Row<Arrangement>; 3] = [
-    Row::new(Arrangement::Uncontrolled, "uncontrolled", "without control", ""),
-    Row::new(Arrangement::Feedback, "feedback", "feedback", ""),
-    Row::new(Arrangement::Compensated, "compensated", "feedback + feedforward", ""),
+    Row::new(Arrangement::Uncontrolled, "uncontrolled", ""),
+    Row::new(Arrangement::Feedback, "feedback", ""),
+    Row::new(Arrangement::Compensated, "compensated", ""),
 ];
 
 const LOOP: [Row<LoopFigure>; 9] = [
-    Row::new(LoopFigure::GainMargin, "gain_margin_db", "gain margin", "dB"),
-    Row::new(LoopFigure::GainReductionMargin, "gain_reduction_margin_db", "gain reduction margin", "dB"),
-    Row::new(LoopFigure::PhaseMargin, "phase_margin_deg", "phase margin", "deg"),
-    Row::new(LoopFigure::DelayMargin, "delay_margin_s", "delay margin", "s"),
-    Row::new(LoopFigure::DiskMargin, "disk_margin", "disk margin", ""),
-    Row::new(LoopFigure::MaxSensitivity, "max_sensitivity", "largest sensitivity Ms", ""),
-    Row::new(
-        LoopFigure::MaxComplementary,
-        "max_complementary_sensitivity",
-        "largest complementary sensitivity Mt",
-        "",
-    ),
-    Row::new(LoopFigure::PoleRadius, "closed_loop_pole_radius", "largest closed-loop pole modulus", ""),
-    Row::new(LoopFigure::Crossover, "crossover_hz", "highest crossover", "Hz"),
+    Row::new(LoopFigure::GainMargin, "gain_margin_db", "dB"),
+    Row::new(LoopFigure::GainReductionMargin, "gain_reduction_margin_db", "dB"),
+    Row::new(LoopFigure::PhaseMargin, "phase_margin_deg", "deg"),
+    Row::new(LoopFigure::DelayMargin, "delay_margin_s", "s"),
+    Row::new(LoopFigure::DiskMargin, "disk_margin", ""),
+    Row::new(LoopFigure::MaxSensitivity, "max_sensitivity", ""),
+    Row::new(LoopFigure::MaxComplementary, "max_complementary_sensitivity", ""),
+    Row::new(LoopFigure::PoleRadius, "closed_loop_pole_radius", ""),
+    Row::new(LoopFigure::Crossover, "crossover_hz", "Hz"),
 ];
 
 const STEP: [Row<StepFigure>; 6] = [
-    Row::new(StepFigure::Overshoot, "overshoot_percent", "overshoot", "%"),
-    Row::new(StepFigure::RiseTime, "rise_time_s", "rise time", "s"),
-    Row::new(StepFigure::PeakTime, "peak_time_s", "peak time", "s"),
-    Row::new(StepFigure::SettlingTime, "settling_time_s", "settling time", "s"),
-    Row::new(StepFigure::SteadyStateError, "steady_state_error_percent", "steady-state error", "%"),
-    Row::new(StepFigure::ControlPeak, "control_peak_v", "peak control", "V"),
+    Row::new(StepFigure::Overshoot, "overshoot_percent", "%"),
+    Row::new(StepFigure::RiseTime, "rise_time_s", "s"),
+    Row::new(StepFigure::PeakTime, "peak_time_s", "s"),
+    Row::new(StepFigure::SettlingTime, "settling_time_s", "s"),
+    Row::new(StepFigure::SteadyStateError, "steady_state_error_percent", "%"),
+    Row::new(StepFigure::ControlPeak, "control_peak_v", "V"),
 ];
 
 const TRIANGLE: [Row<TriangleFigure>; 3] = [
-    Row::new(TriangleFigure::ErrorRms, "error_rms_rad_s", "RMS error", "rad/s"),
-    Row::new(TriangleFigure::ErrorPeak, "error_peak_rad_s", "peak error", "rad/s"),
-    Row::new(TriangleFigure::ControlPeak, "control_peak_v", "peak control", "V"),
+    Row::new(TriangleFigure::ErrorRms, "error_rms_rad_s", "rad/s"),
+    Row::new(TriangleFigure::ErrorPeak, "error_peak_rad_s", "rad/s"),
+    Row::new(TriangleFigure::ControlPeak, "control_peak_v", "V"),
 ];
 
 const QUANTITIES: [Row<Quantity>; 10] = [
-    Row::new(Quantity::HubRms, "hub_rms_rad_s", "RMS hub rate", "rad/s"),
-    Row::new(Quantity::HubPeak, "hub_peak_rad_s", "peak hub rate", "rad/s"),
-    Row::new(Quantity::TipRms, "tip_rms_rad_s", "RMS tip rate", "rad/s"),
-    Row::new(Quantity::TipPeak, "tip_peak_rad_s", "peak tip rate", "rad/s"),
-    Row::new(Quantity::ControlRms, "control_rms_v", "RMS control", "V"),
-    Row::new(Quantity::ControlPeak, "control_peak_v", "peak control", "V"),
-    Row::new(Quantity::CurrentPeak, "current_peak_a", "peak current", "A"),
-    Row::new(Quantity::TravelPeak, "travel_peak_rad", "peak travel", "rad"),
-    Row::new(Quantity::GearOpen, "gear_open_fraction", "gear open", "of the time"),
-    Row::new(Quantity::Rejection, "drr_db", "DRR at the procedure's motion", "dB"),
+    Row::new(Quantity::HubRms, "hub_rms_rad_s", "rad/s"),
+    Row::new(Quantity::HubPeak, "hub_peak_rad_s", "rad/s"),
+    Row::new(Quantity::TipRms, "tip_rms_rad_s", "rad/s"),
+    Row::new(Quantity::TipPeak, "tip_peak_rad_s", "rad/s"),
+    Row::new(Quantity::ControlRms, "control_rms_v", "V"),
+    Row::new(Quantity::ControlPeak, "control_peak_v", "V"),
+    Row::new(Quantity::CurrentPeak, "current_peak_a", "A"),
+    Row::new(Quantity::TravelPeak, "travel_peak_rad", "rad"),
+    Row::new(Quantity::GearOpen, "gear_open_fraction", "of the time"),
+    Row::new(Quantity::Rejection, "drr_db", "dB"),
 ];
 
 const REST: [Row<RestFigure>; 2] = [
-    Row::new(RestFigure::HubRms, "rest_hub_rms_rad_s", "RMS hub rate at rest", "rad/s"),
-    Row::new(RestFigure::Drift, "rest_drift_rad", "drift at rest", "rad"),
+    Row::new(RestFigure::HubRms, "rest_hub_rms_rad_s", "rad/s"),
+    Row::new(RestFigure::Drift, "rest_drift_rad", "rad"),
 ];
 
 const SIGHT: [Row<SightFigure>; 10] = [
-    Row::new(SightFigure::Hub, "line_of_sight_rms_rad", "RMS line of sight", "rad"),
-    Row::new(SightFigure::HubJitter, "line_of_sight_jitter_rad", "line-of-sight jitter", "rad"),
-    Row::new(SightFigure::Tip, "tip_line_of_sight_rms_rad", "RMS line of sight of the tip", "rad"),
-    Row::new(
-        SightFigure::TipJitter,
-        "tip_line_of_sight_jitter_rad",
-        "line-of-sight jitter of the tip",
-        "rad",
-    ),
-    Row::new(SightFigure::Bending, "tip_against_hub_rms_rad", "RMS angle of the tip against the hub", "rad"),
-    Row::new(
-        SightFigure::Coincidence,
-        "coincidence_fraction",
-        "time within the coincidence window",
-        "of the time",
-    ),
-    Row::new(SightFigure::Wait, "coincidence_wait_s", "mean wait for coincidence", "s"),
-    Row::new(SightFigure::Hit, "hit_probability", "hit probability", ""),
-    Row::new(SightFigure::HubTransferLoss, "line_of_sight_mtf_loss", "MTF loss by motion", ""),
-    Row::new(SightFigure::TipTransferLoss, "tip_line_of_sight_mtf_loss", "MTF loss by motion of the tip", ""),
+    Row::new(SightFigure::Hub, "line_of_sight_rms_rad", "rad"),
+    Row::new(SightFigure::HubJitter, "line_of_sight_jitter_rad", "rad"),
+    Row::new(SightFigure::Tip, "tip_line_of_sight_rms_rad", "rad"),
+    Row::new(SightFigure::TipJitter, "tip_line_of_sight_jitter_rad", "rad"),
+    Row::new(SightFigure::Bending, "tip_against_hub_rms_rad", "rad"),
+    Row::new(SightFigure::Coincidence, "coincidence_fraction", "of the time"),
+    Row::new(SightFigure::Wait, "coincidence_wait_s", "s"),
+    Row::new(SightFigure::Hit, "hit_probability", ""),
+    Row::new(SightFigure::HubTransferLoss, "line_of_sight_mtf_loss", ""),
+    Row::new(SightFigure::TipTransferLoss, "tip_line_of_sight_mtf_loss", ""),
 ];
 
 fn words<K: PartialEq>(table: &[Row<K>], of: &K) -> Words {
@@ -429,36 +396,6 @@ impl Figure {
         out
     }
 
-    /// Returns the figure in words a person reads, for example `peak hub rate, pitch, feedback, linear plant`.
-    pub fn name(&self, controlled: ControlledQuantity) -> String {
-        match self {
-            Figure::Loop(figure) => words(&LOOP, figure).name.to_owned(),
-            Figure::Step(model, figure) => {
-                format!("step {}, {}", words(&STEP, figure).name, words(&MODELS, model).name)
-            }
-            Figure::Triangle(model, figure) => {
-                format!("triangle {}, {}", words(&TRIANGLE, figure).name, words(&MODELS, model).name)
-            }
-            Figure::Disturbance(model, source, arrangement, quantity) => format!(
-                "{}, {}, {}, {}",
-                quantity.name(controlled),
-                words(&SOURCES, source).name,
-                words(&ARRANGEMENT_NAMES, arrangement).name,
-                words(&MODELS, model).name
-            ),
-            Figure::Rejection { source, arrangement, frequency_hz } => {
-                format!(
-                    "DRR {} at {frequency_hz} Hz, {}, linear plant",
-                    words(&SOURCES, source).name,
-                    words(&ARRANGEMENT_NAMES, arrangement).name
-                )
-            }
-            Figure::Rest(RestFigure::HubRms) => format!("RMS {} at rest", controlled.name()),
-            Figure::Rest(figure) => words(&REST, figure).name.to_owned(),
-            Figure::Sight(figure) => words(&SIGHT, figure).name.to_owned(),
-        }
-    }
-
     /// Returns the unit in a loop; empty for a pure number.
     pub fn unit(&self, controlled: ControlledQuantity) -> &'static str {
         match self {
@@ -509,7 +446,7 @@ fn rejections(frequency_hz: f64) -> Vec<Figure> {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::panic)]
     use super::*;
-    use counterpoise_models::{Axis, DriveQuantity, QuantityKind};
+    use counterpoise_models::{AxisKind, DriveQuantity, QuantityKind};
 
     #[test]
     fn every_key_finds_its_figure_and_no_two_are_alike() {
@@ -517,7 +454,6 @@ mod tests {
         let mut keys: Vec<String> = all.iter().map(Figure::key).collect();
         for figure in &all {
             assert_eq!(Figure::from_key(&figure.key()).unwrap(), *figure);
-            assert!(!figure.name(ControlledQuantity::RATE).is_empty());
         }
         keys.sort();
         keys.dedup();
@@ -537,20 +473,16 @@ mod tests {
     }
 
     #[test]
-    fn a_figure_has_the_name_and_the_unit_of_what_its_loop_controls() {
+    fn a_figure_has_the_key_and_the_unit_of_what_its_loop_controls() {
         let of = |kind, axis| ControlledQuantity { kind, axis, ..ControlledQuantity::RATE };
-        let torque = of(QuantityKind::Effort, Axis::Rotary);
+        let torque = of(QuantityKind::Effort, AxisKind::Rotary);
         let peak = Figure::from_key("linear_pitch_feedback_current_peak_a").unwrap();
         assert_eq!((peak.key_in(torque), peak.unit(torque)), (peak.key(), "A"));
         let boom = ControlledQuantity { drive: DriveQuantity::Pressure, ..ControlledQuantity::RATE };
         assert_eq!(peak.key_in(boom), "linear_pitch_feedback_load_pressure_peak_mpa");
-        assert_eq!(
-            (peak.name(boom), peak.unit(boom)),
-            (peak.name(torque).replace("current", "load pressure"), "MPa")
-        );
+        assert_eq!(peak.unit(boom), "MPa");
         assert_eq!(Figure::from_key_in(boom, &peak.key_in(boom)), Ok(peak));
         let rms = Figure::from_key("linear_pitch_feedback_hub_rms_rad_s").unwrap();
-        assert_eq!(rms.name(torque), "RMS transmitted torque, pitch, feedback, linear plant");
         assert_eq!(
             (rms.unit(torque), rms.key_in(torque).as_str()),
             ("N m", "linear_pitch_feedback_torque_rms_nm")
@@ -558,7 +490,7 @@ mod tests {
         for quantity in
             [QuantityKind::Rate, QuantityKind::Position, QuantityKind::Effort, QuantityKind::Current]
         {
-            for controlled in [of(quantity, Axis::Rotary), of(quantity, Axis::Linear)] {
+            for controlled in [of(quantity, AxisKind::Rotary), of(quantity, AxisKind::Linear)] {
                 let mut keys: Vec<String> = Figure::all().iter().map(|f| f.key_in(controlled)).collect();
                 for (figure, key) in Figure::all().iter().zip(&keys) {
                     assert_eq!(Figure::from_key_in(controlled, key).unwrap(), *figure);

@@ -1,4 +1,6 @@
-//! Time histories as plain data.
+//! Time histories: arrays of signals over time.
+
+use ndarray::{Array2, ArrayView2, ShapeBuilder as _, s};
 
 use crate::tolerance::SAME_INSTANT_S;
 use crate::{Arrangement, Model, Source};
@@ -16,75 +18,175 @@ pub enum Experiment {
     Rest,
 }
 
-/// What happened: one entry a sample in every column; a column that was not computed is empty.
+/// A signal of a [`History`]: a column of its array.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum HistoryColumn {
+    /// Time, s.
+    Time,
+    /// Demanded hub rate, rad/s.
+    Demand,
+    /// Heave, m/s^2.
+    Heave,
+    /// Platform pitch rate, rad/s.
+    PitchRate,
+    /// Hub rate (inertial), rad/s.
+    HubRate,
+    /// Tip rate (inertial), rad/s.
+    TipRate,
+    /// Control with the voltage that holds the out-of-balance, V.
+    Control,
+    /// Motor current, A; about its value at rest on the linear plant.
+    Current,
+    /// Hub angle relative to the platform from its start, rad.
+    Travel,
+    /// Whether the gear teeth touch: 1 or 0; the linear plant has no such column, which is why it stands last.
+    Contact,
+}
+
+/// What happened: an array time x signal, with a named column for each signal.
+///
+/// A loop of a position, a torque or a current has that quantity in the columns of demand and hub rate, in its unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct History {
     /// On which plant.
     pub model: Model,
     /// What was done.
     pub experiment: Experiment,
-    /// Time, s.
-    pub time_s: Vec<f64>,
-    /// Demanded hub rate, rad/s.
-    pub demand_rad_s: Vec<f64>,
-    /// Heave, m/s^2.
-    pub heave_m_s2: Vec<f64>,
-    /// Platform pitch rate, rad/s.
-    pub pitch_rate_rad_s: Vec<f64>,
-    /// Hub rate (inertial), rad/s.
-    pub hub_rate_rad_s: Vec<f64>,
-    /// Tip rate (inertial), rad/s.
-    pub tip_rate_rad_s: Vec<f64>,
-    /// Control with the voltage that holds the out-of-balance, V.
-    pub control_v: Vec<f64>,
-    /// Motor current, A; about its value at rest on the linear plant.
-    pub current_a: Vec<f64>,
-    /// Hub angle relative to the platform from its start, rad.
-    pub travel_rad: Vec<f64>,
-    /// Whether the gear teeth touch: 1 or 0; empty on the linear plant.
-    pub contact: Vec<f64>,
+    /// Time x signal in the order of [`HistoryColumn`], each column contiguous in memory.
+    signals: Array2<f64>,
 }
 
 impl History {
-    /// Returns the demanded less the actual hub rate, rad/s.
-    pub fn tracking_error_rad_s(&self) -> Vec<f64> {
-        self.demand_rad_s.iter().zip(&self.hub_rate_rad_s).map(|(demand, rate)| demand - rate).collect()
+    /// Returns a history whose signals are all 0.
+    pub(crate) fn zeros(model: Model, experiment: Experiment, samples: usize) -> Self {
+        let columns = match model {
+            Model::Linear => HistoryColumn::Contact as usize,
+            Model::Nonlinear => HistoryColumn::Contact as usize + 1,
+        };
+        Self { model, experiment, signals: Array2::zeros((samples, columns).f()) }
     }
 
-    /// Returns the first sample at or after a time; the number of samples where there is none.
+    /// Returns the history with the samples of a column, which it must have.
+    pub(crate) fn with(mut self, column: HistoryColumn, samples: impl IntoIterator<Item = f64>) -> Self {
+        self.column_mut(column).iter_mut().zip(samples).for_each(|(value, sample)| *value = sample);
+        self
+    }
+
+    /// Returns the signals, time x column in the order of [`HistoryColumn`]; a history of the linear plant ends before
+    /// [`HistoryColumn::Contact`].
+    pub fn signals(&self) -> ArrayView2<'_, f64> {
+        self.signals.view()
+    }
+
+    /// Returns the samples of a column; none if the history has no such column.
+    pub fn column(&self, column: HistoryColumn) -> &[f64] {
+        let has_column = (column as usize) < self.signals.ncols();
+        has_column.then(|| self.signals.column(column as usize).to_slice()).flatten().unwrap_or_default()
+    }
+
+    /// Returns the samples of a column, to be changed; none if the history has no such column.
+    pub(crate) fn column_mut(&mut self, column: HistoryColumn) -> &mut [f64] {
+        if column as usize >= self.signals.ncols() {
+            return &mut [];
+        }
+        self.signals.column_mut(column as usize).into_slice().unwrap_or_default()
+    }
+
+    /// Returns the number of samples.
+    pub fn len(&self) -> usize {
+        self.signals.nrows()
+    }
+
+    /// Returns whether the history has no sample.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Returns the time, s.
+    pub fn time_s(&self) -> &[f64] {
+        self.column(HistoryColumn::Time)
+    }
+
+    /// Returns the demanded hub rate, rad/s.
+    pub fn demand_rad_s(&self) -> &[f64] {
+        self.column(HistoryColumn::Demand)
+    }
+
+    /// Returns the heave, m/s^2.
+    pub fn heave_m_s2(&self) -> &[f64] {
+        self.column(HistoryColumn::Heave)
+    }
+
+    /// Returns the platform's pitch rate, rad/s.
+    pub fn pitch_rate_rad_s(&self) -> &[f64] {
+        self.column(HistoryColumn::PitchRate)
+    }
+
+    /// Returns the hub rate, inertial, rad/s.
+    pub fn hub_rate_rad_s(&self) -> &[f64] {
+        self.column(HistoryColumn::HubRate)
+    }
+
+    /// Returns the tip rate, inertial, rad/s.
+    pub fn tip_rate_rad_s(&self) -> &[f64] {
+        self.column(HistoryColumn::TipRate)
+    }
+
+    /// Returns the control with the voltage that holds the out-of-balance, V.
+    pub fn control_v(&self) -> &[f64] {
+        self.column(HistoryColumn::Control)
+    }
+
+    /// Returns the motor current, A; about its value at rest on the linear plant.
+    pub fn current_a(&self) -> &[f64] {
+        self.column(HistoryColumn::Current)
+    }
+
+    /// Returns the hub angle relative to the platform from its start, rad.
+    pub fn travel_rad(&self) -> &[f64] {
+        self.column(HistoryColumn::Travel)
+    }
+
+    /// Returns whether the gear teeth touch, 1 or 0; nothing on the linear plant.
+    pub fn contact(&self) -> &[f64] {
+        self.column(HistoryColumn::Contact)
+    }
+
+    /// Returns the demanded less the actual hub rate, rad/s.
+    pub fn tracking_error_rad_s(&self) -> Vec<f64> {
+        self.demand_rad_s().iter().zip(self.hub_rate_rad_s()).map(|(demand, rate)| demand - rate).collect()
+    }
+
+    /// Returns the first sample at or after a time; the number of samples if there is none.
     pub fn index_at(&self, time_s: f64) -> usize {
-        self.time_s.partition_point(|t| *t < time_s)
+        self.time_s().partition_point(|t| *t < time_s)
+    }
+
+    /// Returns the platform's motion: its acceleration in m/s^2 if it heaves alone, its pitch rate in rad/s otherwise.
+    pub fn motion(&self, source: Source) -> &[f64] {
+        if source == Source::Heave { self.heave_m_s2() } else { self.pitch_rate_rad_s() }
     }
 
     /// Returns the largest size of the platform's motion: its acceleration in m/s^2 if it heaves alone, its pitch rate in rad/s otherwise;
     /// `None` if the platform stands still.
     pub fn motion_amplitude(&self) -> Option<f64> {
         let Experiment::Disturbance(source, _) = self.experiment else { return None };
-        let column = if source == Source::Heave { &self.heave_m_s2 } else { &self.pitch_rate_rad_s };
-        Some(crate::signals::peak(column)).filter(|amplitude| *amplitude > 0.0)
+        Some(crate::signals::peak(self.motion(source))).filter(|amplitude| *amplitude > 0.0)
     }
 
     /// Returns the history from a time on, its clock and its travel starting there.
-    pub fn from_time(mut self, time_s: f64) -> Self {
+    pub fn from_time(self, time_s: f64) -> Self {
         let first = self.index_at(time_s - SAME_INSTANT_S);
-        let (start_s, start_rad) = (self.time_s.get(first).copied(), self.travel_rad.get(first).copied());
-        for column in [
-            &mut self.time_s,
-            &mut self.demand_rad_s,
-            &mut self.heave_m_s2,
-            &mut self.pitch_rate_rad_s,
-            &mut self.hub_rate_rad_s,
-            &mut self.tip_rate_rad_s,
-            &mut self.control_v,
-            &mut self.current_a,
-            &mut self.travel_rad,
-            &mut self.contact,
-        ] {
-            column.drain(..first.min(column.len()));
+        let later = self.signals.slice(s![first.., ..]);
+        let mut signals = Array2::zeros(later.raw_dim().f());
+        signals.assign(&later);
+        let mut rest = Self { signals, ..self };
+        for column in [HistoryColumn::Time, HistoryColumn::Travel] {
+            let samples = rest.column_mut(column);
+            let start = samples.first().copied().unwrap_or(0.0);
+            samples.iter_mut().for_each(|value| *value -= start);
         }
-        self.time_s.iter_mut().for_each(|t| *t -= start_s.unwrap_or(0.0));
-        self.travel_rad.iter_mut().for_each(|angle| *angle -= start_rad.unwrap_or(0.0));
-        self
+        rest
     }
 }
 

@@ -52,7 +52,7 @@ pub use figure::{
     ARRANGEMENTS, Arrangement, Figure, LoopFigure, Model, Quantity, RestFigure, SightFigure, Source,
     StepFigure, TriangleFigure,
 };
-pub use history::{Experiment, History};
+pub use history::{Experiment, History, HistoryColumn};
 pub use image_motion::Optics;
 pub use line_of_sight::{SightAngles, SightError};
 pub use measure::{MeasuredFigure, Value};

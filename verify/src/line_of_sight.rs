@@ -6,7 +6,7 @@
 
 use counterpoise_models::{Plant, QuantityKind};
 
-use crate::coincidence::shots;
+use crate::coincidence::coincidence_figures;
 use crate::history::{Experiment, History, integrate};
 use crate::measure::{MeasuredFigure, Value};
 use crate::signals::rms;
@@ -43,7 +43,7 @@ impl SightError {
 }
 
 /// Returns the run on which the line of sight is judged: the road, or heave and pitch together, with the whole controller.
-pub fn experiment(procedure: &Procedure) -> Experiment {
+pub fn sight_experiment(procedure: &Procedure) -> Experiment {
     let source = if procedure.road.is_some() { Source::Road } else { Source::Both };
     Experiment::Disturbance(source, Arrangement::Compensated)
 }
@@ -63,16 +63,16 @@ impl SightAngles {
     /// Returns the angles of a history from a time on; `None` if it has fewer than two samples.
     pub fn of(history: &History, settle_s: f64) -> Option<Self> {
         let first = history.index_at(settle_s);
-        let period_s = match history.time_s.get(..2) {
+        let period_s = match history.time_s().get(..2) {
             Some([a, b]) => b - a,
             _ => return None,
         };
         let of = |rates: &[f64]| {
             let errors =
-                rates.iter().zip(&history.demand_rad_s).skip(first).map(|(rate, demand)| rate - demand);
+                rates.iter().zip(history.demand_rad_s()).skip(first).map(|(rate, demand)| rate - demand);
             subtract_mean(&integrate(errors, period_s))
         };
-        Some(Self { period_s, hub_rad: of(&history.hub_rate_rad_s), tip_rad: of(&history.tip_rate_rad_s) })
+        Some(Self { period_s, hub_rad: of(history.hub_rate_rad_s()), tip_rad: of(history.tip_rate_rad_s()) })
     }
 
     /// Returns the first samples, about their mean.
@@ -117,7 +117,8 @@ pub(crate) fn figures(
     procedure: &Procedure,
     loop_holds: LoopHolds,
 ) -> Vec<MeasuredFigure> {
-    let Some(sight) = procedure.line_of_sight.filter(|_| history.experiment == experiment(procedure)) else {
+    let Some(sight) = procedure.line_of_sight.filter(|_| history.experiment == sight_experiment(procedure))
+    else {
         return Vec::new();
     };
     let asked = SightFigure::ALL.into_iter().filter(|figure| sight.has(*figure));
@@ -154,8 +155,9 @@ fn values(history: &History, settle_s: f64, sight: LineOfSight) -> Vec<(SightFig
         all.push((SightFigure::HubTransferLoss, optics.loss(&angles.hub_rad, exposure)));
         all.push((SightFigure::TipTransferLoss, optics.loss(&angles.tip_rad, exposure)));
     }
-    let fired =
-        sight.coincidence.and_then(|asked| shots(&angles.hub_rad, &angles.tip_rad, angles.period_s, &asked));
+    let fired = sight
+        .coincidence
+        .and_then(|asked| coincidence_figures(&angles.hub_rad, &angles.tip_rad, angles.period_s, &asked));
     if let Some(fired) = fired {
         all.push((SightFigure::Coincidence, fired.inside));
         all.push((SightFigure::Wait, fired.wait_s));
@@ -198,7 +200,7 @@ impl From<&Plant> for LoopHolds {
 
 /// Returns the figures of a run that diverges: the error is infinite, nothing is within the window, and no image is left.
 pub(crate) fn infinite_figures(procedure: &Procedure, ran: Experiment) -> Vec<MeasuredFigure> {
-    let Some(sight) = procedure.line_of_sight.filter(|_| ran == experiment(procedure)) else {
+    let Some(sight) = procedure.line_of_sight.filter(|_| ran == sight_experiment(procedure)) else {
         return Vec::new();
     };
     let worst = |figure| match figure {
@@ -213,26 +215,17 @@ pub(crate) fn infinite_figures(procedure: &Procedure, ran: Experiment) -> Vec<Me
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Model;
+    use crate::{HistoryColumn, Model};
     use std::f64::consts::TAU;
 
     fn history(rate: impl Fn(f64) -> f64) -> History {
         let time_s: Vec<f64> = (0..20_001).map(|k| 1e-3 * f64::from(k)).collect();
         let rates: Vec<f64> = time_s.iter().map(|t| rate(*t)).collect();
-        History {
-            model: Model::Nonlinear,
-            experiment: Experiment::Disturbance(Source::Both, Arrangement::Compensated),
-            demand_rad_s: vec![0.0; rates.len()],
-            heave_m_s2: Vec::new(),
-            pitch_rate_rad_s: Vec::new(),
-            tip_rate_rad_s: rates.iter().map(|rate| 2.0 * rate).collect(),
-            hub_rate_rad_s: rates,
-            control_v: Vec::new(),
-            current_a: Vec::new(),
-            travel_rad: Vec::new(),
-            contact: Vec::new(),
-            time_s,
-        }
+        let experiment = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
+        History::zeros(Model::Nonlinear, experiment, rates.len())
+            .with(HistoryColumn::Time, time_s)
+            .with(HistoryColumn::TipRate, rates.iter().map(|rate| 2.0 * rate))
+            .with(HistoryColumn::HubRate, rates)
     }
 
     #[test]

@@ -91,9 +91,9 @@ pub fn infinite_figures(model: Model, experiment: Experiment) -> Vec<MeasuredFig
 }
 
 fn step_of(history: &History) -> Vec<MeasuredFigure> {
-    let demand = history.demand_rad_s.last().copied().unwrap_or(0.0);
-    let found = step_figures(&history.time_s, &history.hub_rate_rad_s, demand);
-    let control = peak(&history.control_v);
+    let demand = history.demand_rad_s().last().copied().unwrap_or(0.0);
+    let found = step_figures(history.time_s(), history.hub_rate_rad_s(), demand);
+    let control = peak(history.control_v());
     let all: Vec<(StepFigure, Value)> = match found {
         Ok(found) => step_values(&found, control),
         Err(error) => {
@@ -128,15 +128,15 @@ fn disturbance_of(history: &History, settle_s: f64) -> Vec<MeasuredFigure> {
         Value::of(number, Unmeasured::NoSuchSignal)
     };
     let all = [
-        (Quantity::HubRms, of(&history.hub_rate_rad_s, rms)),
-        (Quantity::HubPeak, of(&history.hub_rate_rad_s, peak)),
-        (Quantity::TipRms, of(&history.tip_rate_rad_s, rms)),
-        (Quantity::TipPeak, of(&history.tip_rate_rad_s, peak)),
-        (Quantity::ControlRms, of(&history.control_v, |part| rms(&subtract_mean(part)))),
-        (Quantity::ControlPeak, of(&history.control_v, peak)),
-        (Quantity::CurrentPeak, of(&history.current_a, peak)),
-        (Quantity::TravelPeak, of(&history.travel_rad, peak)),
-        (Quantity::GearOpen, of(&history.contact, |part| 1.0 - mean(part))),
+        (Quantity::HubRms, of(history.hub_rate_rad_s(), rms)),
+        (Quantity::HubPeak, of(history.hub_rate_rad_s(), peak)),
+        (Quantity::TipRms, of(history.tip_rate_rad_s(), rms)),
+        (Quantity::TipPeak, of(history.tip_rate_rad_s(), peak)),
+        (Quantity::ControlRms, of(history.control_v(), |part| rms(&subtract_mean(part)))),
+        (Quantity::ControlPeak, of(history.control_v(), peak)),
+        (Quantity::CurrentPeak, of(history.current_a(), peak)),
+        (Quantity::TravelPeak, of(history.travel_rad(), peak)),
+        (Quantity::GearOpen, of(history.contact(), |part| 1.0 - mean(part))),
         (Quantity::Rejection, rejection_of(history, source, first)),
     ];
     let figure = |quantity| Figure::Disturbance(history.model, source, arrangement, quantity);
@@ -145,32 +145,34 @@ fn disturbance_of(history: &History, settle_s: f64) -> Vec<MeasuredFigure> {
 
 /// RMS of the hub's rate over that of the platform's motion, dB.
 fn rejection_of(history: &History, source: Source, first: usize) -> Value {
-    let motion = if source == Source::Heave { &history.heave_m_s2 } else { &history.pitch_rate_rad_s };
     let size = |column: &[f64]| column.get(first..).filter(|part| !part.is_empty()).map(rms);
-    let ratio = size(&history.hub_rate_rad_s).zip(size(motion)).filter(|(_, moved)| *moved > 0.0);
+    let ratio =
+        size(history.hub_rate_rad_s()).zip(size(history.motion(source))).filter(|(_, moved)| *moved > 0.0);
     Value::of(ratio.map(|(hub, moved)| 20.0 * (hub / moved).log10()), Unmeasured::PlatformStill)
 }
 
 fn triangle_of(history: &History, settle_s: f64) -> Vec<MeasuredFigure> {
-    let first = history.index_at(settle_s).min(history.time_s.len());
-    let both = history.demand_rad_s[first..].iter().zip(&history.hub_rate_rad_s[first..]);
-    let error: Vec<f64> = both.map(|(demand, hub)| demand - hub).collect();
+    let first = history.index_at(settle_s).min(history.len());
+    let error = &history.tracking_error_rad_s()[first..];
     let some = |number: f64| Value::of((!error.is_empty()).then_some(number), Unmeasured::EmptyRecord);
     let all = [
-        (TriangleFigure::ErrorRms, some(rms(&error))),
-        (TriangleFigure::ErrorPeak, some(peak(&error))),
-        (TriangleFigure::ControlPeak, some(peak(&history.control_v[first..]))),
+        (TriangleFigure::ErrorRms, some(rms(error))),
+        (TriangleFigure::ErrorPeak, some(peak(error))),
+        (TriangleFigure::ControlPeak, some(peak(&history.control_v()[first..]))),
     ];
     let figure = |figure| Figure::Triangle(history.model, figure);
     all.into_iter().map(|(one, value)| MeasuredFigure { figure: figure(one), value }).collect()
 }
 
 fn rest_of(history: &History) -> Vec<MeasuredFigure> {
-    let half = history.time_s.len() / 2;
-    let drift =
-        history.travel_rad.last().zip(history.travel_rad.get(half)).map(|(end, start)| (end - start).abs());
+    let half = history.len() / 2;
+    let drift = history
+        .travel_rad()
+        .last()
+        .zip(history.travel_rad().get(half))
+        .map(|(end, start)| (end - start).abs());
     let all = [
-        (RestFigure::HubRms, Value::Is(rms(&history.hub_rate_rad_s[half..]))),
+        (RestFigure::HubRms, Value::Is(rms(&history.hub_rate_rad_s()[half..]))),
         (RestFigure::Drift, Value::of(drift, Unmeasured::EmptyRecord)),
     ];
     all.into_iter().map(|(figure, value)| MeasuredFigure { figure: Figure::Rest(figure), value }).collect()

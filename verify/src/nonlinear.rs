@@ -8,8 +8,8 @@ use counterpoise_simulate::{
     TimeHistory, state_at_rest,
 };
 
-use crate::history::{Experiment, History, integrate};
-use crate::linear::arrange;
+use crate::history::{Experiment, History, HistoryColumn, integrate};
+use crate::linear::arrange_controller;
 use crate::{Arrangement, Error, Model, Procedure, Source, line_of_sight};
 
 /// What acts on the mechanism: the controller, or the voltage that holds it.
@@ -72,7 +72,7 @@ pub fn run(
         Experiment::Disturbance(_, arrangement) => arrangement,
         Experiment::Step | Experiment::Triangle | Experiment::Rest => Arrangement::Compensated,
     };
-    let mut acting = match arrange(controller, arrangement)? {
+    let mut acting = match arrange_controller(controller, arrangement)? {
         Some(controller) => Acting::Runner(Box::new(controller.runner())),
         None => Acting::Constant(holding_v(simulator.plant(), &procedure.operating_point)),
     };
@@ -156,7 +156,7 @@ fn scenario(procedure: &Procedure, experiment: Experiment) -> Scenario {
 
 /// A machine fires where its base moves as on duty: figures of a step, of rest and of one motion alone are those of the machine that does not.
 fn firing(procedure: &Procedure, ran: Experiment) -> Firing {
-    let on_duty = line_of_sight::experiment(procedure);
+    let on_duty = line_of_sight::sight_experiment(procedure);
     match (ran, on_duty) {
         (Experiment::Disturbance(ran, _), Experiment::Disturbance(source, _)) if ran == source => {
             Firing::Stated
@@ -238,18 +238,15 @@ fn columns(run: TimeHistory, experiment: Experiment, from: &Start) -> History {
         tip = travel_rad.iter().zip(bent).map(|(hub, bent)| hub + bent).collect();
         hub.clone_from(&travel_rad);
     }
-    History {
-        model: Model::Nonlinear,
-        experiment,
-        time_s,
-        demand_rad_s: demand,
-        heave_m_s2: truth.heave_m_s2,
-        pitch_rate_rad_s: truth.platform_rate_rad_s,
-        hub_rate_rad_s: hub,
-        tip_rate_rad_s: tip,
-        control_v: run.readings.control_v,
-        current_a: truth.current_a,
-        travel_rad,
-        contact: truth.contact.iter().map(|flank| f64::from(flank.abs())).collect(),
-    }
+    History::zeros(Model::Nonlinear, experiment, time_s.len())
+        .with(HistoryColumn::Time, time_s)
+        .with(HistoryColumn::Demand, demand)
+        .with(HistoryColumn::Heave, truth.heave_m_s2)
+        .with(HistoryColumn::PitchRate, truth.platform_rate_rad_s)
+        .with(HistoryColumn::HubRate, hub)
+        .with(HistoryColumn::TipRate, tip)
+        .with(HistoryColumn::Control, run.readings.control_v)
+        .with(HistoryColumn::Current, truth.current_a)
+        .with(HistoryColumn::Travel, travel_rad)
+        .with(HistoryColumn::Contact, truth.contact.iter().map(|flank| f64::from(flank.abs())))
 }

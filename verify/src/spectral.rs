@@ -21,7 +21,7 @@ pub const CONFIDENCE: f64 = 0.95;
 
 /// Returns the ratios of every arrangement that was run on the road; none without a road, or where the record is too short. Heave and
 /// pitch of a vehicle go together, so each ratio carries a part of the other: where they are coherent, it tells of both.
-pub fn spectral(found: &Verification) -> Vec<Spectral> {
+pub fn spectral_rejections(found: &Verification) -> Vec<Spectral> {
     let mut all = Vec::new();
     for source in [Source::Pitch, Source::Heave] {
         for arrangement in crate::ARRANGEMENTS {
@@ -33,10 +33,10 @@ pub fn spectral(found: &Verification) -> Vec<Spectral> {
 
 fn one(found: &Verification, source: Source, arrangement: Arrangement) -> Option<Spectral> {
     let history = found.history(Model::Nonlinear, Experiment::Disturbance(Source::Road, arrangement))?;
-    let x = if source == Source::Heave { &history.heave_m_s2 } else { &history.pitch_rate_rad_s };
+    let x = history.motion(source);
     let most = 2 * x.len() / (FEWEST_SEGMENTS + 1);
     let segment = if most >= LONGEST_SEGMENT { LONGEST_SEGMENT } else { most / 2 * 2 };
     let options = WelchOptions { segment, confidence: CONFIDENCE };
-    let spectra = welch(x, &history.hub_rate_rad_s, found.evidence.sample_period_s, options).ok()?;
+    let spectra = welch(x, history.hub_rate_rad_s(), found.evidence.sample_period_s, options).ok()?;
     Some(Spectral { source, arrangement, spectra })
 }

@@ -4,8 +4,6 @@
 //! Alone, the elevation axis stands on a ring that does not turn, and the traverse axis carries the body at the elevation that its parameters
 //! include. The error of the line of sight is the integral of rate less demand about its mean, as in [`crate::line_of_sight`].
 
-use std::fmt;
-
 use counterpoise_controller::Controller;
 use counterpoise_models::Plant;
 use counterpoise_models::base_motion::{
@@ -101,16 +99,6 @@ impl JointExperiment {
         }
     }
 
-    /// Returns its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::ElevationStep => "step in elevation",
-            Self::TraverseStep => "step in traverse",
-            Self::BothSteps => "steps of both axes",
-            Self::Motion => "motion of the base",
-        }
-    }
-
     fn has_step(self) -> AxisPair<bool> {
         AxisPair {
             elevation: matches!(self, Self::ElevationStep | Self::BothSteps),
@@ -140,17 +128,6 @@ impl JointQuantity {
         }
     }
 
-    /// Returns its name.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::ElevationRate => "rate error, elevation",
-            Self::TraverseRate => "rate error, traverse",
-            Self::ElevationSight => "line of sight, elevation",
-            Self::CrossElevationSight => "line of sight, cross-elevation",
-            Self::Sight => "line of sight, total",
-        }
-    }
-
     /// Returns its unit.
     pub fn unit(self) -> &'static str {
         match self {
@@ -176,12 +153,6 @@ impl JointFigure {
     /// Returns the figure of a key; `None` if there is none.
     pub fn from_key(key: &str) -> Option<Self> {
         Self::all().find(|figure| figure.key() == key)
-    }
-}
-
-impl fmt::Display for JointFigure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}, {}", self.experiment.name(), self.quantity.name())
     }
 }
 

@@ -13,7 +13,7 @@ use crate::history::{Experiment, History};
 use crate::line_of_sight;
 use crate::linear::closed_loop::is_feedforward;
 use crate::linear::frequency::rejections;
-use crate::linear::{self, ArrangedLoop, Closed, Curves, SampledPlant, arrange};
+use crate::linear::{self, ArrangedLoop, Closed, Curves, SampledPlant, arrange_controller};
 use crate::measure::{MeasuredFigure, Value, history_figures, infinite_figures, loop_figures};
 use crate::tolerance::WORSE_FEEDFORWARD;
 use crate::{
@@ -171,6 +171,14 @@ impl Verification {
         }
     }
 
+    /// Returns what the loop may reach at most in the step, for a largest overshoot in percent: the demand at its end, raised by that; 0
+    /// if no step was run on the plant.
+    pub fn highest_allowed_rad_s(&self, model: Model, overshoot_percent: f64) -> f64 {
+        let step = self.history(model, Experiment::Step);
+        let demand = step.and_then(|step| step.demand_rad_s().last().copied()).unwrap_or_default();
+        demand * (1.0 + 0.01 * overshoot_percent)
+    }
+
     fn saw_a_road(&self) -> bool {
         let on_road = |figure| matches!(figure, Figure::Disturbance(_, Source::Road, ..));
         self.figures.iter().any(|measured| on_road(measured.figure))
@@ -290,7 +298,9 @@ fn same_run(controller: &Controller, experiment: Experiment, histories: &[Histor
     };
     let same = Experiment::Disturbance(source, other);
     let known = histories.iter().find(|h| h.model == Model::Nonlinear && h.experiment == same)?;
-    Some(History { experiment, ..known.clone() })
+    let mut history = known.clone();
+    history.experiment = experiment;
+    Some(history)
 }
 
 /// Returns the plant linearised where the procedure has it stand. In a loop of rate its angles are left out, so that gravity's
@@ -374,7 +384,7 @@ fn linear_loops(
     let moment = controller.parts().design_out_of_balance_kg_m;
     let mut loops = Vec::new();
     for arrangement in ARRANGEMENTS {
-        let closed = Closed::new(&sampled, arrange(controller, arrangement)?.as_ref(), moment)?;
+        let closed = Closed::new(&sampled, arrange_controller(controller, arrangement)?.as_ref(), moment)?;
         loops.push(ArrangedLoop { arrangement, closed });
     }
     let whole = &loops[loops.len() - 1].closed;
@@ -457,7 +467,7 @@ fn linear_histories(
             match linear_history(sampled, closed, procedure, experiment)? {
                 None => figures.extend(infinite_figures(Model::Linear, experiment)),
                 Some(mut history) => {
-                    linear::surge::add(&mut history, sampled, loops, procedure)?;
+                    linear::surge::add_surge(&mut history, sampled, loops, procedure)?;
                     figures.extend(history_figures(&history, procedure.settle_s));
                     histories.push(history);
                 }

@@ -176,7 +176,10 @@ fn gunner_and_observer_get_their_figures() {
     let value = |figure| found.value(Figure::Sight(figure)).unwrap();
     assert!(matches!(found.verdicts[0].1, Verdict::Holds { .. }), "{:?}", found.verdicts);
     let history = found
-        .history(Model::Nonlinear, counterpoise_verify::line_of_sight::experiment(&found.evidence.procedure))
+        .history(
+            Model::Nonlinear,
+            counterpoise_verify::line_of_sight::sight_experiment(&found.evidence.procedure),
+        )
         .unwrap();
     let angles = SightAngles::of(history, 2.5).unwrap();
     let inside = angles.hub_rad.iter().filter(|error| error.abs() <= 1e-3).count();

@@ -8,7 +8,7 @@ use counterpoise_models::plant::{Angles, FrictionLinearisation, OperatingPoint};
 use counterpoise_verify::linear::frequency::{Curves, rejections};
 use counterpoise_verify::linear::plant::Resolver;
 use counterpoise_verify::linear::{
-    ArrangedLoop, Closed, LoopCause, LoopEffect, SampledPlant, arrange, disturbance, step,
+    ArrangedLoop, Closed, LoopCause, LoopEffect, SampledPlant, arrange_controller, disturbance, step,
 };
 use counterpoise_verify::signals::step_figures;
 use counterpoise_verify::{Arrangement, HeaveAndPitch, Sine, Source, Step};
@@ -25,7 +25,7 @@ fn sampled() -> SampledPlant {
 }
 
 fn closed(plant: &SampledPlant, arrangement: Arrangement) -> Closed {
-    let controller = arrange(&controller(), arrangement).unwrap();
+    let controller = arrange_controller(&controller(), arrangement).unwrap();
     Closed::new(plant, controller.as_ref(), 151.67).unwrap()
 }
 
@@ -51,8 +51,8 @@ fn the_rejection_ratio_is_what_a_time_history_shows() {
                 _ => HeaveAndPitch { heave_m_s2: 0.0, pitch_rate_rad_s: sine.at(t) },
             };
             let run = disturbance(&plant, &closed, source, arrangement, 40.0, motion).unwrap();
-            let driven = if source == Source::Heave { &run.heave_m_s2 } else { &run.pitch_rate_rad_s };
-            let found = tone(&run.hub_rate_rad_s, 2.0, 1e-3, 8.0) / tone(driven, 2.0, 1e-3, 8.0);
+            let driven = run.motion(source);
+            let found = tone(run.hub_rate_rad_s(), 2.0, 1e-3, 8.0) / tone(driven, 2.0, 1e-3, 8.0);
             let error = (found - ratio.response[0]).norm() / ratio.response[0].norm();
             assert!(error < 2e-4, "{arrangement:?} {source:?}: {found} {} {error:e}", ratio.response[0]);
         }
@@ -65,10 +65,10 @@ fn the_loop_is_stable_and_follows_a_step_without_error() {
     let closed = closed(&plant, Arrangement::Compensated);
     assert!(closed.pole_radius() < 1.0, "{}", closed.pole_radius());
     let run = step(&plant, &closed, Step { rate_rad_s: 0.1, duration_s: 5.0 }).unwrap();
-    let figures = step_figures(&run.time_s, &run.hub_rate_rad_s, 0.1).unwrap();
+    let figures = step_figures(run.time_s(), run.hub_rate_rad_s(), 0.1).unwrap();
     assert!(figures.steady_state_error_percent < 1e-3, "{figures:?}");
     assert!(
-        (run.control_v[0] - plant.holding_v - 1.8).abs() < 1e-9,
+        (run.control_v()[0] - plant.holding_v - 1.8).abs() < 1e-9,
         "the first control is kp times the step"
     );
     assert!((plant.holding_v - 2.88).abs() < 0.01, "{}", plant.holding_v);

@@ -3,9 +3,11 @@
 
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase};
-use counterpoise_verify::certificate::Criterion;
-use counterpoise_verify::certificate::multiplier::{Knowledge, Multiplier, Proof, search};
-use counterpoise_verify::structured::taylor::{Evaluated, Interval, Taylor};
+use counterpoise_verify::certificate::StabilityCriterion;
+use counterpoise_verify::certificate::multiplier::{
+    FrictionKnowledge, Multiplier, ProofOutcome, search_multiplier,
+};
+use counterpoise_verify::structured::taylor::{Evaluated, RateInterval, Taylor};
 
 const RANGE: [f64; 2] = [1e-3, 1e3];
 
@@ -25,26 +27,27 @@ fn transfer(numerator: &[f64], denominator: &[f64]) -> StateSpace {
 }
 
 /// G + 1 / k: a nonlinearity of slopes from 0 to k round G is one of slopes from 0 to infinity round this.
-fn shifted(system: &Evaluated, k: f64, over: Interval) -> Option<Vec<Vec<Taylor>>> {
+fn shifted(system: &Evaluated, k: f64, over: RateInterval) -> Option<Vec<Vec<Taylor>>> {
     let G = system.evaluate_over(over)?[0][0];
     Some(vec![vec![G + Taylor::constant(C64::new(1.0 / k, 0.0), over)]])
 }
 
 /// Whether stability is proved for all nonlinearities of what is known with slopes up to k.
-fn proves(system: &StateSpace, k: f64, known: Knowledge, most: Criterion) -> bool {
+fn proves(system: &StateSpace, k: f64, known: FrictionKnowledge, most: StabilityCriterion) -> bool {
     let system = &Evaluated::of(system).unwrap();
     let mut rates: Vec<f64> =
         (0..160).map(|i| RANGE[0] * (RANGE[1] / RANGE[0]).powf(f64::from(i) / 159.0)).collect();
     for _ in 0..8 {
         let point =
-            |rate: &f64| shifted(system, k, Interval { middle_rad_s: *rate, half_rad_s: 0.0 }).unwrap();
+            |rate: &f64| shifted(system, k, RateInterval { middle_rad_s: *rate, half_rad_s: 0.0 }).unwrap();
         let all: Vec<_> = rates.iter().map(point).collect();
-        let found: Option<Multiplier> = search(&[known], most, &all, &rates).map(|best| best.multiplier);
+        let found: Option<Multiplier> =
+            search_multiplier(&[known], most, &all, &rates).map(|best| best.multiplier);
         let Some(multiplier) = found else { return false };
         match multiplier.proves(&|over| shifted(system, k, over), RANGE) {
-            Proof::Holds { .. } => return true,
-            Proof::FailsAt(rate) => rates.push(rate),
-            Proof::Narrow(_) => return false,
+            ProofOutcome::Holds { .. } => return true,
+            ProofOutcome::FailsAt(rate) => rates.push(rate),
+            ProofOutcome::Narrow(_) => return false,
         }
     }
     false
@@ -56,11 +59,14 @@ fn proves(system: &StateSpace, k: f64, known: Knowledge, most: Criterion) -> boo
 #[test]
 fn circle_and_popov_criterion_reach_their_limits_on_a_triple_lag() {
     let lag = transfer(&[1.0], &[1.0, 3.0, 3.0, 1.0]);
-    let function = Knowledge::FunctionOfRate;
-    assert!(proves(&lag, 3.95, function, Criterion::Passivity));
-    assert!(!proves(&lag, 4.05, function, Criterion::Passivity));
-    assert!(proves(&lag, 7.8, function, Criterion::Popov));
-    assert!(!proves(&lag, 8.1, Knowledge::Rises, Criterion::ZamesFalb), "no proof beyond the linear limit");
+    let function = FrictionKnowledge::FunctionOfRate;
+    assert!(proves(&lag, 3.95, function, StabilityCriterion::Passivity));
+    assert!(!proves(&lag, 4.05, function, StabilityCriterion::Passivity));
+    assert!(proves(&lag, 7.8, function, StabilityCriterion::Popov));
+    assert!(
+        !proves(&lag, 8.1, FrictionKnowledge::Rises, StabilityCriterion::ZamesFalb),
+        "no proof beyond the linear limit"
+    );
 }
 
 /// G = (s^2 - 0.2 s - 0.1) / (s^3 + 2 s^2 + s + 1), an example of the literature on Zames-Falb multipliers (X. Chen and J. Wen, 1995). For
@@ -73,11 +79,17 @@ fn third_order() -> StateSpace {
 #[test]
 fn a_zames_falb_multiplier_reaches_the_linear_limit_where_popov_does_not() {
     let system = third_order();
-    assert!(proves(&system, 1.2, Knowledge::Rises, Criterion::Passivity), "circle criterion");
-    assert!(!proves(&system, 1.3, Knowledge::Rises, Criterion::Passivity), "circle criterion");
-    assert!(!proves(&system, 4.4, Knowledge::Rises, Criterion::Popov));
-    assert!(proves(&system, 4.4, Knowledge::Rises, Criterion::ZamesFalb));
-    assert!(!proves(&system, 4.65, Knowledge::Rises, Criterion::ZamesFalb));
+    assert!(
+        proves(&system, 1.2, FrictionKnowledge::Rises, StabilityCriterion::Passivity),
+        "circle criterion"
+    );
+    assert!(
+        !proves(&system, 1.3, FrictionKnowledge::Rises, StabilityCriterion::Passivity),
+        "circle criterion"
+    );
+    assert!(!proves(&system, 4.4, FrictionKnowledge::Rises, StabilityCriterion::Popov));
+    assert!(proves(&system, 4.4, FrictionKnowledge::Rises, StabilityCriterion::ZamesFalb));
+    assert!(!proves(&system, 4.65, FrictionKnowledge::Rises, StabilityCriterion::ZamesFalb));
 }
 
 /// The worst nonlinearities in simulation: saturations and dead zones of any level fade below the limit, and a linear gain

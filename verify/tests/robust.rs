@@ -4,8 +4,8 @@
 use crate::support;
 
 use counterpoise_verify::robust::{
-    Campaign, Distribution, Family, Layout, Points, Sense, Variation, Varied, configurations, figures_of,
-    merge, one_at_a_time, ranking, summary, worst_case,
+    Campaign, Distribution, Family, Layout, PointLayout, Sense, Variation, Varied, configurations,
+    figures_of, merge_shards, one_at_a_time, rank_parameters, summarise_requirement, worst_case,
 };
 use counterpoise_verify::{Figure, Limit, Procedure, Requirement, Value, verify};
 use support::{controller, plant, rig};
@@ -36,7 +36,7 @@ fn campaign(samples: usize) -> Campaign {
         short(),
         variations,
         requirements,
-        Layout { samples, seed: 11, points: Points::LatinHypercube },
+        Layout { samples, seed: 11, points: PointLayout::LatinHypercube },
     )
     .unwrap()
 }
@@ -61,10 +61,10 @@ fn shards_in_any_order_give_the_same_bytes() {
             campaign.shard(shard, shards).unwrap().map(|index| campaign.run(index).unwrap()).collect()
         };
         let parts: Vec<Vec<_>> = (0..shards).rev().map(run).collect();
-        assert_eq!(merge(&campaign, parts).unwrap(), all);
+        assert_eq!(merge_shards(&campaign, parts).unwrap(), all);
     }
-    assert!(merge(&campaign, vec![all.clone(), all[..1].to_vec()]).is_err());
-    assert!(merge(&campaign, vec![all[1..].to_vec()]).is_err());
+    assert!(merge_shards(&campaign, vec![all.clone(), all[..1].to_vec()]).is_err());
+    assert!(merge_shards(&campaign, vec![all[1..].to_vec()]).is_err());
     assert!(campaign.shard(5, 5).is_err());
 }
 
@@ -72,11 +72,11 @@ fn shards_in_any_order_give_the_same_bytes() {
 fn the_ranking_finds_what_matters_and_the_search_does_not_lose() {
     let campaign = campaign(24);
     let samples: Vec<_> = (0..24).map(|index| campaign.run(index).unwrap()).collect();
-    let order = ranking(&campaign, &samples, 0);
+    let order = rank_parameters(&campaign, &samples, 0);
     assert_eq!(order[0].variation, 0, "inertia sets the gain margin: {order:?}");
     let backlash = order.iter().find(|ranked| ranked.variation == 2).unwrap();
     assert!(backlash.correlation.abs() < 0.5, "a gap is not in the linear loop");
-    let overall = summary(&campaign, &samples, 0);
+    let overall = summarise_requirement(&campaign, &samples, 0);
     let worst = worst_case(&campaign, &samples, 0, 60).unwrap();
     assert!(worst.converged && worst.value <= overall.lowest, "{worst:?}");
     assert!(overall.interval.0 <= overall.share && overall.share <= overall.interval.1);
@@ -108,10 +108,10 @@ fn what_matters_in_either_direction_is_found() {
         },
     ];
     let drr = require("heave_compensated_drr_db at 1 Hz", Limit::AtMost(-40.0));
-    let layout = Layout { samples: 40, seed: 3, points: Points::LatinHypercube };
+    let layout = Layout { samples: 40, seed: 3, points: PointLayout::LatinHypercube };
     let campaign = Campaign::new(rig(), controller(), short(), variations, vec![drr], layout).unwrap();
     let samples: Vec<_> = (0..40).map(|index| campaign.run(index).unwrap()).collect();
-    let order = ranking(&campaign, &samples, 0);
+    let order = rank_parameters(&campaign, &samples, 0);
     assert_eq!((order[0].variation, order[0].sense), (1, Sense::EitherWay), "{order:?}");
     assert!(order[0].correlation > 0.8, "{order:?}");
 }

@@ -8,13 +8,14 @@ use counterpoise_verify::Procedure;
 use counterpoise_verify::robust::{Distribution, Variation, Varied};
 use counterpoise_verify::structured::factor::Reach;
 use counterpoise_verify::structured::{
-    Block, Structure, Uncertainty, lower_bound, robust_stability, upper_bound, vertex_bound,
+    PerturbationBlock, PerturbationStructure, Uncertainty, lower_bound, robust_stability, upper_bound,
+    vertex_bound,
 };
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use support::{controller, rig};
 
-const REAL: Block = Block::Real { repeated: 1 };
+const REAL: PerturbationBlock = PerturbationBlock::Real { repeated: 1 };
 
 struct Source(ChaCha8Rng);
 
@@ -38,11 +39,11 @@ impl Source {
 
 /// M = u v*: det(I - M Delta) = 1 - sum of a_k delta_k. By duality the least size is 1 over the minimum over x of
 /// sum over real blocks of |Re a + x Im a| + sqrt(1 + x^2) sum over complex blocks of |a|.
-fn rank_one(a: &[C64], structure: &Structure) -> f64 {
+fn rank_one(a: &[C64], structure: &PerturbationStructure) -> f64 {
     let at = |x: f64| -> f64 {
-        let one = |(a, block): (&C64, &Block)| match block {
-            Block::Real { .. } => (a.re + x * a.im).abs(),
-            Block::Complex => (1.0 + x * x).sqrt() * a.norm(),
+        let one = |(a, block): (&C64, &PerturbationBlock)| match block {
+            PerturbationBlock::Real { .. } => (a.re + x * a.im).abs(),
+            PerturbationBlock::Complex => (1.0 + x * x).sqrt() * a.norm(),
         };
         a.iter().zip(&structure.blocks).map(one).sum()
     };
@@ -60,8 +61,8 @@ fn a_matrix_of_rank_one_has_the_value_of_its_closed_form() {
     for case in 0..40 {
         let n = 2 + case % 5;
         let mut blocks = vec![REAL; n];
-        (0..case % (n + 1)).for_each(|k| blocks[k] = Block::Complex);
-        let structure = Structure::of(&blocks);
+        (0..case % (n + 1)).for_each(|k| blocks[k] = PerturbationBlock::Complex);
+        let structure = PerturbationStructure::of(&blocks);
         let u: Vec<C64> = (0..n).map(|_| source.complex()).collect();
         let v: Vec<C64> = (0..n).map(|_| source.complex()).collect();
         let M = CMat::from_fn(n, n, |i, j| u[i] * v[j].conj());
@@ -86,7 +87,8 @@ fn two_complex_blocks_leave_no_gap_between_the_bounds() {
     let mut source = Source::of(7);
     for n in [2, 3] {
         for case in 0..20 {
-            let (M, structure) = (source.matrix(n), Structure::of(&vec![Block::Complex; n]));
+            let (M, structure) =
+                (source.matrix(n), PerturbationStructure::of(&vec![PerturbationBlock::Complex; n]));
             let upper = upper_bound(&M, &structure, None).beta;
             let found = lower_bound(&M, &structure).or_else(|| vertex_bound(&M, &structure, &[], &[], upper));
             let lower = found.unwrap().beta;
@@ -99,7 +101,8 @@ fn two_complex_blocks_leave_no_gap_between_the_bounds() {
 fn two_real_parameters_and_a_complex_one_agree_with_brute_force() {
     let mut source = Source::of(11);
     for case in 0..6 {
-        let (M, structure) = (source.matrix(3), Structure::of(&[REAL, REAL, Block::Complex]));
+        let (M, structure) =
+            (source.matrix(3), PerturbationStructure::of(&[REAL, REAL, PerturbationBlock::Complex]));
         let exact = brute_force(&M);
         let upper = upper_bound(&M, &structure, None).beta;
         assert!(upper > 0.999 * exact && upper < 1.15 * exact, "case {case}: {upper} {exact}");
@@ -166,7 +169,7 @@ fn de_gaston_safonov(rate: f64) -> CMat {
 #[test]
 fn a_published_margin_of_three_real_parameters_is_found() {
     const PUBLISHED: f64 = 3.4174;
-    let structure = Structure::of(&[REAL; 3]);
+    let structure = PerturbationStructure::of(&[REAL; 3]);
     let (mut upper, mut lower) = (0.0_f64, 0.0_f64);
     for k in 0..=250 {
         let M = de_gaston_safonov(8.1 + 0.001 * f64::from(k));

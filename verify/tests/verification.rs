@@ -125,7 +125,7 @@ fn every_figure_can_be_required_and_is_judged_by_how_much() {
                 // the linear plant has no teeth that part, and a step that stays below the demand no peak
                 let teeth = key.key().starts_with("linear") && key.key().ends_with("gear_open_fraction");
                 let peak = key.key().ends_with("step_peak_time_s") && *why == Unmeasured::NoPeak;
-                assert!(teeth || peak, "{key}: {why}");
+                assert!(teeth || peak, "{key}: {why:?}");
             }
             // a margin without bound
             (Verdict::Holds { value, .. } | Verdict::Fails { value, .. }, None) => {
@@ -166,11 +166,11 @@ fn the_simulator_without_friction_and_backlash_is_the_linear_loop() {
     ] {
         let linear = found.history(Model::Linear, experiment).unwrap();
         let nonlinear = found.history(Model::Nonlinear, experiment).unwrap();
-        let samples = linear.hub_rate_rad_s.len().min(nonlinear.hub_rate_rad_s.len());
+        let samples = linear.len().min(nonlinear.len());
         let error: f64 = (0..samples)
-            .map(|k| (linear.hub_rate_rad_s[k] - nonlinear.hub_rate_rad_s[k]).abs())
+            .map(|k| (linear.hub_rate_rad_s()[k] - nonlinear.hub_rate_rad_s()[k]).abs())
             .fold(0.0, f64::max);
-        let size = linear.hub_rate_rad_s.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+        let size = linear.hub_rate_rad_s().iter().fold(0.0f64, |a, b| a.max(b.abs()));
         // what is left: converters, and the cosine of the hub's angle in the out-of-balance
         assert!(error < 0.03 * size, "{experiment:?}: {error} of {size}");
     }

@@ -13,6 +13,7 @@ use counterpoise_pipeline::export::target_proofs::{Answered, Costs, Proof};
 use counterpoise_pipeline::results::{DesignResult, ResultContents};
 use counterpoise_pipeline::studies::advice::Kept;
 use counterpoise_pipeline::wording::acceptance::Traceable;
+use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
 use counterpoise_pipeline::{FirstDesignResult, Stages, TwoAxisStudy, design};
 use counterpoise_project::Purpose;
 use counterpoise_report::adaptation::{describe_action, describe_refusal};
@@ -173,7 +174,7 @@ fn print(options: &DesignOptions, made: &Stages) {
 /// Prints the verdicts, one a line, and their sum.
 pub fn print_verdicts(found: &Verification) {
     for (requirement, verdict) in &found.verdicts {
-        let name = requirement.figure.name(found.controlled_quantity());
+        let name = describe_figure(requirement.figure, found.controlled_quantity());
         let unit = requirement.figure.unit(found.controlled_quantity());
         let basis = found.acceptance(&requirement.figure).basis;
         match verdict {
@@ -190,7 +191,9 @@ pub fn print_verdicts(found: &Verification) {
                     limit.value()
                 );
             }
-            Verdict::NotApplicable { why } => say!("  -      {name}: not applicable, {why}"),
+            Verdict::NotApplicable { why } => {
+                say!("  -      {name}: not applicable, {}", describe_unmeasured(why))
+            }
         }
     }
     let (holds, fails, open) = found.counts();

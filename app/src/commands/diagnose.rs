@@ -7,8 +7,9 @@ use counterpoise_diagnose::findings::channel_fits::Channels;
 use counterpoise_pipeline::configuration::apply_configuration;
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
 use counterpoise_pipeline::recordings::replay::{ReplayLength, replay_one};
-use counterpoise_pipeline::recordings::{Gaps, RecordingFile, diagnose, read, replay_held_out};
+use counterpoise_pipeline::recordings::{Gaps, RecordingFile, diagnose, read_files, replay_held_out};
 use counterpoise_pipeline::results::RecordingResult;
+use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_pipeline::{Consequence, verify_redesign};
 use counterpoise_project::Purpose;
 use counterpoise_report::wording::answer::{
@@ -80,7 +81,7 @@ fn confirm(
 ) -> anyhow::Result<Vec<RecordingResult>> {
     let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
     let controller = recording_controller(&loaded.project).map_err(refused)?;
-    let read = read(&loaded.project, controller.as_ref(), files, Gaps::Repaired).map_err(refused)?;
+    let read = read_files(&loaded.project, controller.as_ref(), files, Gaps::Repaired).map_err(refused)?;
     let control = control_for(&loaded.project, controller.as_ref(), read.iter().map(|item| &item.recording));
     let improved = apply_configuration(&loaded.project, &found.improved).map_err(refused)?;
     let one = |item| replay_one(&improved, item, &control, ReplayLength::Automatic).map_err(refused);
@@ -96,7 +97,7 @@ fn print_confirmation(replayed: &[RecordingResult]) {
         let ratios: Vec<String> = recording
             .channels
             .iter()
-            .map(|(name, c)| format!("{name} {:.4e} ({:.2} floors)", c.rms_error, c.error_over_floor()))
+            .map(|(name, c)| format!("{name} {:.4e} ({:.2} floors)", c.rms_error, c.residual_over_floor))
             .collect();
         say!("  {}: {}", recording.file, ratios.join(", "));
     }
@@ -120,7 +121,7 @@ fn print_held_out(recordings: &[HeldOutText]) {
             "after / floor"
         );
         for (name, c) in &recording.channels {
-            let ratio = c.residual_over_floor();
+            let ratio = c.after_over_floor;
             say!("    {name:<14} {:12.4e} {:12.4e} {:12.4e} {ratio:16.2}", c.floor, c.before, c.after);
         }
         recording.remarks.iter().for_each(|remark| say!("    {remark}"));
@@ -144,7 +145,11 @@ fn print_consequence(found: &Consequence) {
     say!("the project's design on the improved model:");
     for change in found.changes.iter().filter(|change| change.has_changed_verdict()) {
         let (_, word) = difference::classify_change(change);
-        say!("  {word}: {} ({})", change.name(), difference::describe_size(change));
+        say!(
+            "  {word}: {} ({})",
+            describe_figure(change.figure, change.controlled),
+            difference::describe_size(change)
+        );
     }
     let line = |name: &str, v: &Verification| {
         let (hold, fail, _) = v.counts();

@@ -12,7 +12,7 @@ use counterpoise_host::workers::{Processors, try_map_stream};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::recordings::controller_origin::other_export;
 use counterpoise_pipeline::recordings::read::{loop_of, read_table, recording_controller, without_demand};
-use counterpoise_pipeline::recordings::{Gaps, ReadRecording, ReplayLength, read, replay};
+use counterpoise_pipeline::recordings::{Gaps, ReadRecording, ReplayLength, read_files, replay};
 use counterpoise_pipeline::results::{RecordingResult, ReplayResult};
 use counterpoise_project::{Project, Purpose};
 use counterpoise_report::wording::recordings::{
@@ -72,7 +72,7 @@ pub fn run(options: &ReplayOptions) -> Done {
     let files = if whole.is_empty() { Vec::new() } else { projects::read_recordings(&whole)? };
     let controller = recording_controller(&loaded.project).map_err(refused)?;
     let controller = controller.as_ref();
-    let read = read(&loaded.project, controller, &files, Gaps::Repaired).map_err(refused)?;
+    let read = read_files(&loaded.project, controller, &files, Gaps::Repaired).map_err(refused)?;
     if !options.open_loop {
         tell_missing_demand(&loaded.project, &read);
     }
@@ -152,7 +152,7 @@ fn print(result: &ReplayResult) {
         recording.remarks.iter().for_each(|remark| say!("  {remark}"));
         say!("  {:<16} {:>12} {:>12} {:>8} {:>10}", "channel", "RMS error", "floor", "ratio", "VAF %");
         for (name, c) in &recording.channels {
-            let ratio = c.error_over_floor();
+            let ratio = c.residual_over_floor;
             say!("  {name:<16} {:12.4e} {:12.4e} {ratio:8.2} {:10.4}", c.rms_error, c.floor, c.vaf);
         }
     }

@@ -9,7 +9,7 @@ use counterpoise_pipeline::{self as pipeline, ProjectIdentity, Stages};
 use counterpoise_project::Purpose;
 use counterpoise_report::sweep::SweepFigure;
 use counterpoise_report::{Context as PageContext, ProvenanceEntry, html_page, robust, sweep};
-use counterpoise_verify::robust::{Campaign, Member, Sample, merge};
+use counterpoise_verify::robust::{Campaign, Member, Sample, merge_shards};
 use counterpoise_verify::structured::RobustStability;
 use std::path::Path;
 
@@ -183,7 +183,7 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     if let Some(missing) = missing(&parts, named.campaign.len()) {
         bail!("{missing}: run the shards that hold them, or the same command without --merge and --shard");
     }
-    let samples = merge(&named.campaign, parts).context(
+    let samples = merge_shards(&named.campaign, parts).context(
         "the shards do not make one campaign: remove those of other cuts, or run the missing ones",
     )?;
     shards::write_shard(&options.output.join("samples.parquet"), &named.campaign, &named.name, &samples)?;

@@ -3,13 +3,14 @@
 use clap::Args;
 use counterpoise_pipeline::results::SynthResult;
 use counterpoise_pipeline::studies::comparison::{Comparison, LoopFigures, MethodRow};
-use counterpoise_pipeline::studies::search::{Judged, Searched, TradeOffPoint, search, verify_found};
+use counterpoise_pipeline::studies::search::{Judged, Searched, TradeOffPoint, search_weights, verify_found};
 use counterpoise_pipeline::tuning::TuningResult;
+use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_pipeline::{
     self as pipeline, FirstDesignResult, Modelled, ProjectIdentity, Reduced, SynthesisStudy, study_synthesis,
 };
 use counterpoise_project::{Project, Purpose};
-use counterpoise_synth::{Ended, Figures, Trial};
+use counterpoise_synth::{Ended, Figures, SearchTrial};
 use counterpoise_verify::Verdict;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -59,7 +60,7 @@ pub fn run(options: &SynthOptions) -> Done {
     if options.search {
         let modelled = pipeline::model(&loaded.project)?;
         let reduced = pipeline::reduce(&loaded.project, &modelled)?;
-        return search_weights(options, &loaded, &modelled, &reduced);
+        return report_search(options, &loaded, &modelled, &reduced);
     }
     let study = study_synthesis(&loaded.project, &loaded.folder())?;
     let result = SynthResult::from(&study.synthesised);
@@ -278,10 +279,11 @@ struct CurvePoint {
     missed: f64,
 }
 
-fn search_weights(options: &SynthOptions, loaded: &Loaded, modelled: &Modelled, reduced: &Reduced) -> Done {
+fn report_search(options: &SynthOptions, loaded: &Loaded, modelled: &Modelled, reduced: &Reduced) -> Done {
     let _watch = interrupt::watch_interrupts();
-    let mut found =
-        search(&loaded.project, modelled, reduced, &mut |_: &Trial| !interrupt::is_stop_requested())?;
+    let mut found = search_weights(&loaded.project, modelled, reduced, &mut |_: &SearchTrial| {
+        !interrupt::is_stop_requested()
+    })?;
     let world = ProjectWorld::of(loaded, ProgressDisplay::Quiet);
     let judged = match loaded.project.verify {
         Some(_) => verify_found(&found, modelled, reduced, &world, &mut || !interrupt::is_stop_requested())?,
@@ -319,7 +321,7 @@ fn verified_point(point: &Judged) -> VerifiedPoint {
     let failing = found.verdicts.iter().filter_map(|(requirement, verdict)| match verdict {
         Verdict::Fails { value, limit, .. } => Some(format!(
             "{}: {} against {}",
-            requirement.figure.name(found.controlled_quantity()),
+            describe_figure(requirement.figure, found.controlled_quantity()),
             output::format_figure(*value),
             limit.value()
         )),

@@ -10,6 +10,7 @@ use counterpoise_pipeline::results::{AdviceResult, RobustnessResult, TwoAxesResu
 use counterpoise_pipeline::studies::adaptation_trials::Trials;
 use counterpoise_pipeline::studies::advice::{Advice, Kept};
 use counterpoise_pipeline::studies::certificate::RegimeRobustness;
+use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_pipeline::{self as pipeline, DesignedAxis, ProjectIdentity, TwoAxisStudy, studies};
 use counterpoise_project::{Project, Purpose, StructureChoice};
 use counterpoise_report::adaptation::{describe_action, describe_refusal, trial_section};
@@ -18,10 +19,10 @@ use counterpoise_report::{
     Context, Origin, advice, certificate, difference, error_budget, html_page, of_verification, robust,
     two_axes,
 };
-use counterpoise_verify::certificate::{CaseCertificate, Certificate};
-use counterpoise_verify::difference::{Change, changes};
-use counterpoise_verify::signals::{Drive, RoadClass, Vehicle, iso_road};
-use counterpoise_verify::spectral::{Spectral, spectral};
+use counterpoise_verify::certificate::{CaseCertificate, StabilityCertificate};
+use counterpoise_verify::difference::{FigureChange, figure_changes};
+use counterpoise_verify::signals::{RoadClass, RoadDrive, Vehicle, iso_road};
+use counterpoise_verify::spectral::{Spectral, spectral_rejections};
 use counterpoise_verify::structured::{Joints, RobustStability};
 use counterpoise_verify::{Procedure, Triangle, Verification};
 
@@ -82,7 +83,7 @@ const DRIVE_S: (f64, f64, f64) = (30.0, 0.005, 1.0);
 pub fn run(options: &VerifyOptions) -> Done {
     let study = verified(options, &options.project)?;
     let before = options.against.as_ref().map(|path| verified(options, path)).transpose()?;
-    let changed = before.as_ref().map(|before| changes(&before.found, &study.found));
+    let changed = before.as_ref().map(|before| figure_changes(&before.found, &study.found));
     if let Some(path) = &options.report {
         projects::write_file(path, page(options, &study, changed.as_deref()).as_bytes())?;
     }
@@ -164,7 +165,7 @@ struct VerificationStudy {
     /// The linear worst case of the ranges of the project's sweep.
     stability: Option<RobustStability>,
     /// Stability in every regime; `None` on the linear plant alone.
-    certificate: Option<Certificate>,
+    certificate: Option<StabilityCertificate>,
     /// The linear worst case in the other regimes and cases.
     regimes: Vec<RegimeRobustness>,
     /// What to change where a requirement fails.
@@ -225,7 +226,7 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
         measured_on,
         budget,
         identity,
-        on_road: spectral(&found),
+        on_road: spectral_rejections(&found),
         loop_view: loop_view(&found)?,
         found,
         stability,
@@ -253,7 +254,7 @@ fn drive(class: &str, speed_m_s: f64, procedure: &Procedure) -> Result<counterpo
         format!("--road {class}: the classes of ISO 8608 here are A (very good) to E (very poor)")
     })?;
     let (duration_s, sample_period_s, fade_s) = DRIVE_S;
-    let drive = Drive { class, speed_m_s, duration_s, sample_period_s, fade_s, seed: procedure.seed };
+    let drive = RoadDrive { class, speed_m_s, duration_s, sample_period_s, fade_s, seed: procedure.seed };
     iso_road(drive, Vehicle::HEAVY, GRAVITY_M_S2).with_context(|| format!("--speed {speed_m_s}"))
 }
 
@@ -287,7 +288,7 @@ fn command(options: &VerifyOptions) -> String {
     words
 }
 
-fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[Change]>) -> String {
+fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[FigureChange]>) -> String {
     let origin = Origin { project: String::new(), command: command(options) };
     let advised = advice::advice_section(&study.advice);
     let certified =
@@ -326,8 +327,8 @@ struct Row {
     holds: Option<bool>,
 }
 
-fn print_changes(options: &VerifyOptions, changed: &[Change]) -> Result<()> {
-    let row = |change: &Change| Row {
+fn print_changes(options: &VerifyOptions, changed: &[FigureChange]) -> Result<()> {
+    let row = |change: &FigureChange| Row {
         figure: change.figure.key_in(change.controlled),
         unit: change.unit(),
         before: change.before,
@@ -340,13 +341,13 @@ fn print_changes(options: &VerifyOptions, changed: &[Change]) -> Result<()> {
         return Ok(());
     }
     let judged = changed.iter().filter(|change| change.holds.is_some() || change.held.is_some());
-    let shown: Vec<&Change> = judged.collect();
+    let shown: Vec<&FigureChange> = judged.collect();
     for change in &shown {
         let text = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), output::format_figure);
         say!(
             "  {:15} {}: {} -> {} {} ({})",
             difference::classify_change(change).1,
-            change.name(),
+            describe_figure(change.figure, change.controlled),
             text(change.before),
             text(change.after),
             change.unit(),

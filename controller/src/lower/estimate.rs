@@ -4,7 +4,7 @@ use crate::lower::regressors::{EstimatorInputs, fall, regressors, write_unexplai
 use crate::lower::schedule::{self, settable};
 use crate::lower::squares::squares;
 use crate::lower::{Limits, States, Writer};
-use crate::program::{OnRestart, Slot, Term};
+use crate::program::{OnRestart, ProgramTerm, Slot};
 use crate::tolerance::LEAST_LIFT;
 use crate::{Estimator, Learning};
 
@@ -33,7 +33,7 @@ fn gradient(
     let left = write_unexplained(inputs.control, p, &phi, writer);
     let squares: [Slot; 3] = std::array::from_fn(|i| writer.product(format!("square_{i}"), phi[i], phi[i]));
     let size = writer.local("excitation");
-    let weights: Vec<Term> = (0..3).map(|i| scale[i].powi(2) * squares[i]).collect();
+    let weights: Vec<ProgramTerm> = (0..3).map(|i| scale[i].powi(2) * squares[i]).collect();
     writer.sum_into(size, Some(1.0), &weights);
     let push = writer.quotient("push", left, size);
     for i in 0..3 {
@@ -56,7 +56,7 @@ fn mean(inputs: &EstimatorInputs<'_>, estimator: &Estimator, window: u32, writer
     writer.sum_into(lift, Some(estimator.gravity_m_s2), &falls);
     let explained = writer.product("explained_v", p, lift);
     let sum_now = writer.sum("sum_now_v", &[1.0 * sum, 1.0 * inputs.control, -1.0 * explained]);
-    let falls: Vec<Term> = std::iter::once(1.0 * fallen).chain(falls).collect();
+    let falls: Vec<ProgramTerm> = std::iter::once(1.0 * fallen).chain(falls).collect();
     let fallen_now = writer.sum("fall_now_m_s2", &falls);
     let count_now = writer.local("count_now");
     writer.sum_into(count_now, Some(1.0), &[1.0 * count]);

@@ -14,7 +14,9 @@ mod step;
 
 use std::collections::HashSet;
 
-use crate::program::{OnRestart, Operation, Program, Programs, Section, Slot, StateGroup, StateLimits, Term};
+use crate::program::{
+    OnRestart, Operation, Program, ProgramSection, ProgramTerm, Programs, Slot, StateGroup, StateLimits,
+};
 use crate::{Parts, READING_NAMES};
 
 /// Group of the prefilter's states.
@@ -141,7 +143,7 @@ impl Writer {
 
     /// Opens a section.
     pub fn section(&mut self, says: impl Into<String>) {
-        self.program.sections.push(Section { says: says.into(), operations: Vec::new() });
+        self.program.sections.push(ProgramSection { says: says.into(), operations: Vec::new() });
     }
 
     /// Adds a local.
@@ -158,13 +160,13 @@ impl Writer {
     }
 
     /// Writes `into = constant + sum of coefficient x slot`, coefficients of 0 left out.
-    pub fn sum_into(&mut self, into: Slot, constant: Option<f64>, terms: &[Term]) {
+    pub fn sum_into(&mut self, into: Slot, constant: Option<f64>, terms: &[ProgramTerm]) {
         let terms = terms.iter().filter(|term| term.coefficient != 0.0).copied().collect();
         self.push(Operation::Sum { into, constant: constant.filter(|c| *c != 0.0), terms });
     }
 
     /// Adds a local that is a sum.
-    pub fn sum(&mut self, name: impl Into<String>, terms: &[Term]) -> Slot {
+    pub fn sum(&mut self, name: impl Into<String>, terms: &[ProgramTerm]) -> Slot {
         let into = self.local(name);
         self.sum_into(into, None, terms);
         into

@@ -3,7 +3,7 @@
 use crate::Projection;
 use crate::READINGS;
 use crate::lower::{Limits, States, Update, Writer};
-use crate::program::{OnRestart, Slot, Term};
+use crate::program::{OnRestart, ProgramTerm, Slot};
 use crate::signal::{PLATFORM_ACCELERATION, PLATFORM_RATE, PLATFORM_SURGE};
 use crate::tolerance::HIGHEST_ELEVATION_RAD;
 
@@ -67,7 +67,7 @@ fn sine_and_cosine(angle: Slot, writer: &mut Writer) -> (Slot, Slot) {
         let into = writer.local(name);
         let powers = [square, fourth, sixth, eighth];
         let signs = [-1.0, 1.0, -1.0, 1.0];
-        let terms: Vec<Term> = (0..4).map(|i| signs[i] / divisors[i] * powers[i]).collect();
+        let terms: Vec<ProgramTerm> = (0..4).map(|i| signs[i] / divisors[i] * powers[i]).collect();
         writer.sum_into(into, Some(1.0), &terms);
         into
     };

@@ -2,8 +2,8 @@
 
 use crate::lower::Writer;
 use crate::lower::schedule::Layout;
-use crate::program::{Slot, Term};
-use crate::{Estimator, Parts, Signal};
+use crate::program::{ProgramTerm, Slot};
+use crate::{Estimator, Parts, PathSignal};
 
 /// What an estimator is given in a sample.
 pub(crate) struct EstimatorInputs<'a> {
@@ -12,18 +12,22 @@ pub(crate) struct EstimatorInputs<'a> {
     /// States of the out-of-balance.
     pub layout: &'a Layout,
     /// Where a signal is found.
-    pub signal: &'a dyn Fn(Signal) -> Slot,
+    pub signal: &'a dyn Fn(PathSignal) -> Slot,
     /// The limited control, in volts of a linear drive.
     pub control: Slot,
 }
 
 /// Writes the terms of g (cos(theta) - 1): the cosine by its series, whose error is below 2e-5 up to 1 rad.
-pub(super) fn fall(inputs: &EstimatorInputs<'_>, estimator: &Estimator, writer: &mut Writer) -> Vec<Term> {
+pub(super) fn fall(
+    inputs: &EstimatorInputs<'_>,
+    estimator: &Estimator,
+    writer: &mut Writer,
+) -> Vec<ProgramTerm> {
     let g = estimator.gravity_m_s2;
     if g == 0.0 {
         return Vec::new();
     }
-    let angle = (inputs.signal)(Signal::HubPosition);
+    let angle = (inputs.signal)(PathSignal::HubPosition);
     let square = writer.product("angle_square", angle, angle);
     let fourth = writer.product("angle_fourth", square, square);
     let sixth = writer.product("angle_sixth", square, fourth);
@@ -33,8 +37,9 @@ pub(super) fn fall(inputs: &EstimatorInputs<'_>, estimator: &Estimator, writer: 
 /// Writes g cos(theta) + a_p.
 fn lift(inputs: &EstimatorInputs<'_>, estimator: &Estimator, writer: &mut Writer) -> Slot {
     let lift = writer.local("lift_m_s2");
-    let heave = (inputs.signal)(Signal::PlatformAcceleration);
-    let terms: Vec<Term> = std::iter::once(1.0 * heave).chain(fall(inputs, estimator, writer)).collect();
+    let heave = (inputs.signal)(PathSignal::PlatformAcceleration);
+    let terms: Vec<ProgramTerm> =
+        std::iter::once(1.0 * heave).chain(fall(inputs, estimator, writer)).collect();
     writer.sum_into(lift, Some(estimator.gravity_m_s2), &terms);
     lift
 }

@@ -1,7 +1,7 @@
 //! Gains, bias and transfer that follow the out-of-balance.
 
 use crate::lower::{Limits, States, Writer};
-use crate::program::{OnRestart, Operation, Program, Slot, StateLimits, Term};
+use crate::program::{OnRestart, Operation, Program, ProgramTerm, Slot, StateLimits};
 use crate::tolerance::{ESTIMATE_SPAN, SLOWEST_RAD_S};
 use crate::{Estimator, Learning, Parts, Scaling};
 
@@ -205,7 +205,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout) -> Program {
 
 /// Writes the part of the last control that gains and bias make.
 pub(crate) fn slow_part(writer: &mut Writer, layout: &Layout, when: &str) -> Slot {
-    let mut parts: Vec<Term> = Vec::new();
+    let mut parts: Vec<ProgramTerm> = Vec::new();
     for (i, followed) in layout.paths.iter().enumerate() {
         if let Some(followed) = followed {
             parts.push(1.0 * writer.product(format!("{when}_{i}_v"), followed.gain, followed.last));

@@ -4,7 +4,7 @@ use crate::lower::regressors::{EstimatorInputs, regressors, write_unexplained};
 use crate::lower::{Limits, States, Writer};
 use crate::program::{OnRestart, Slot, StateLimits};
 use crate::tolerance::{LEAST_VARIANCE, MOST_TOLD, MOST_VARIANCE, WHOLE, WOUND_END, WOUND_START};
-use crate::{Estimator, Learning, Signal};
+use crate::{Estimator, Learning, PathSignal};
 
 /// Recursive least squares with the covariance as U D U'.
 pub(crate) fn squares(
@@ -32,7 +32,7 @@ pub(crate) fn squares(
         phi.push(one);
     }
     let gate = (*dead_band_m_s2 > 0.0).then(|| {
-        let heave = (inputs.signal)(Signal::PlatformAcceleration);
+        let heave = (inputs.signal)(PathSignal::PlatformAcceleration);
         gate(heave, &DeadBand { forget: *forget, rms_m_s2: *dead_band_m_s2 }, states, writer)
     });
     let mut left = write_unexplained(control, &p, &phi, writer);
@@ -62,7 +62,7 @@ struct Filtered<'a> {
 impl Filtered<'_> {
     /// Writes the control less what the inertias take, and the regressors.
     fn write(&self, phi: &[Slot], states: &mut States, writer: &mut Writer) -> (Slot, Vec<Slot>) {
-        let hub = (self.inputs.signal)(Signal::HubRate);
+        let hub = (self.inputs.signal)(PathSignal::HubRate);
         let names = ["lift", "direction", "rate"];
         let lagged: Vec<(Slot, Slot)> =
             names.iter().zip(phi).map(|(name, of)| self.lag(name, *of, states, writer)).collect();

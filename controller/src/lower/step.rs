@@ -9,9 +9,9 @@ use crate::lower::{
     Limits, PREFILTER_STATES, PREVIOUS_CONTROL, States, Update, Writer, curve, observe, project,
     reading_names,
 };
-use crate::program::{OnRestart, Program, Slot, Term};
+use crate::program::{OnRestart, Program, ProgramTerm, Slot};
 use crate::signal::PLATFORM_ACCELERATION;
-use crate::{DemandLimit, FrictionObserver, Parts, Path, READINGS, Signal};
+use crate::{DemandLimit, FrictionObserver, Parts, Path, PathSignal, READINGS};
 
 /// Where each signal of this step is found.
 struct Signals {
@@ -22,11 +22,11 @@ struct Signals {
 }
 
 impl Signals {
-    fn slot(&self, signal: Signal) -> Slot {
+    fn slot(&self, signal: PathSignal) -> Slot {
         let derived = match signal {
-            Signal::RateError => self.rate_error,
-            Signal::RelativeRate => self.relative_rate,
-            Signal::PreviousControl => self.previous_control,
+            PathSignal::RateError => self.rate_error,
+            PathSignal::RelativeRate => self.relative_rate,
+            PathSignal::PreviousControl => self.previous_control,
             _ => None,
         };
         derived.unwrap_or(self.readings[signal.reading().unwrap_or(0)])
@@ -151,22 +151,22 @@ fn prefilter(
 }
 
 fn derive(parts: &Parts, signals: &mut Signals, states: &mut States, writer: &mut Writer) {
-    let used = |signal: Signal| {
+    let used = |signal: PathSignal| {
         parts.paths.iter().any(|path| path.inputs.contains(&signal))
             || parts.observers.iter().any(|observer| observer.rate == signal)
             || parts.estimator.as_ref().is_some_and(|estimator| estimator.rate == signal)
     };
     writer.section("derived signals");
     let [demand, hub, platform, ..] = signals.readings;
-    signals.rate_error =
-        used(Signal::RateError).then(|| writer.sum(Signal::RateError.name(), &[1.0 * demand, -1.0 * hub]));
+    signals.rate_error = used(PathSignal::RateError)
+        .then(|| writer.sum(PathSignal::RateError.name(), &[1.0 * demand, -1.0 * hub]));
     if let (Some(DemandLimit::Error(most)), Some(error)) = (parts.demand_limit, signals.rate_error) {
         signals.rate_error = Some(writer.clamp("limited_error", error, Limits::symmetric(most)));
     }
-    signals.relative_rate = used(Signal::RelativeRate)
-        .then(|| writer.sum(Signal::RelativeRate.name(), &[1.0 * hub, -1.0 * platform]));
+    signals.relative_rate = used(PathSignal::RelativeRate)
+        .then(|| writer.sum(PathSignal::RelativeRate.name(), &[1.0 * hub, -1.0 * platform]));
     signals.previous_control =
-        used(Signal::PreviousControl).then(|| states.scalar(PREVIOUS_CONTROL, 0.0, OnRestart::Restart));
+        used(PathSignal::PreviousControl).then(|| states.scalar(PREVIOUS_CONTROL, 0.0, OnRestart::Restart));
 }
 
 /// Writes C x + D u of each path, times its gain if it follows the out-of-balance.
@@ -202,7 +202,7 @@ fn control(
 ) -> Control {
     writer.section("control: paths, friction, bias and transfer, in this order, then the limiter");
     let all = outputs.iter().chain(friction).copied().chain(layout.bias).chain(layout.transfer);
-    let terms: Vec<Term> = all.map(|slot| 1.0 * slot).collect();
+    let terms: Vec<ProgramTerm> = all.map(|slot| 1.0 * slot).collect();
     let control = writer.sum("control_v", &terms);
     let limit = parts.equivalent_limit_v();
     let limited = writer.clamp("limited_v", control, Limits::symmetric(limit));
@@ -262,7 +262,7 @@ fn row(
     i: usize,
     x: &[Slot],
     u: &[Slot],
-) -> Vec<Term> {
+) -> Vec<ProgramTerm> {
     let states = x.iter().enumerate().map(|(j, &slot)| X[(i, j)] * slot);
     let inputs = u.iter().enumerate().map(|(j, &slot)| U[(i, j)] * slot);
     states.chain(inputs).collect()

@@ -19,7 +19,7 @@ pub struct Limits {
 
 /// The shape of a demand over time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Shape {
+pub enum DemandShape {
     /// Triangle waves of the rate with a number of periods: what depends on rate and on direction.
     Triangle {
         /// Periods in the experiment.
@@ -39,7 +39,7 @@ pub enum Shape {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Demand {
     /// Its shape.
-    pub shape: Shape,
+    pub shape: DemandShape,
     /// Its size, as a share of the largest that the limits allow.
     pub level: f64,
     /// Rate at each sample, rad/s.
@@ -49,20 +49,20 @@ pub struct Demand {
 }
 
 /// All shapes of the menu.
-pub const SHAPES: [Shape; 7] = [
-    Shape::Triangle { periods: 2 },
-    Shape::Triangle { periods: 6 },
-    Shape::Triangle { periods: 16 },
-    Shape::Staircase,
-    Shape::GrowingSine,
-    Shape::Multisine,
-    Shape::Steps,
+pub const SHAPES: [DemandShape; 7] = [
+    DemandShape::Triangle { periods: 2 },
+    DemandShape::Triangle { periods: 6 },
+    DemandShape::Triangle { periods: 16 },
+    DemandShape::Staircase,
+    DemandShape::GrowingSine,
+    DemandShape::Multisine,
+    DemandShape::Steps,
 ];
 
 /// Returns the menu within limits, at a sample period.
 pub fn list_demands(limits: &Limits, period_s: f64) -> Vec<Demand> {
     let count = (limits.duration_s / period_s).round().max(2.0) as usize;
-    let of = |shape: Shape| {
+    let of = |shape: DemandShape| {
         let unit: Vec<f64> =
             (0..count).map(|k| shape.at(k as f64 / count as f64, limits.duration_s)).collect();
         LEVELS.map(|level| sized(shape, level, &unit, limits, period_s))
@@ -71,7 +71,7 @@ pub fn list_demands(limits: &Limits, period_s: f64) -> Vec<Demand> {
 }
 
 /// Returns a demand of a shape at a share of the largest size that keeps rate and angle within their limits.
-fn sized(shape: Shape, level: f64, unit: &[f64], limits: &Limits, period_s: f64) -> Demand {
+fn sized(shape: DemandShape, level: f64, unit: &[f64], limits: &Limits, period_s: f64) -> Demand {
     let peak = |series: &[f64]| series.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
     let travelled = integral(unit, period_s);
     let by_rate = limits.rate_rad_s / peak(unit).max(f64::MIN_POSITIVE);
@@ -92,7 +92,7 @@ fn integral(rate: &[f64], period_s: f64) -> Vec<f64> {
     rate.iter().map(&mut step).collect()
 }
 
-impl Shape {
+impl DemandShape {
     /// Returns the value, of about 1 at most, at a share of the duration.
     fn at(self, share: f64, duration_s: f64) -> f64 {
         match self {

@@ -7,6 +7,6 @@ pub mod menu;
 pub mod plan;
 pub mod separation;
 
-pub use menu::{Demand, Limits, Shape};
-pub use plan::{ExperimentRequest, Plan, PlannedExperiment, Reached, plan};
+pub use menu::{Demand, DemandShape, Limits};
+pub use plan::{ExperimentPlan, ExperimentRequest, PlannedExperiment, Reached, plan};
 pub use separation::{PossibleMachine, Separation};

@@ -8,9 +8,9 @@ use counterpoise_simulate::{
     Detail, Firing, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
 };
 
-use super::menu::{Demand, Limits, Shape, list_demands};
+use super::menu::{Demand, DemandShape, Limits, list_demands};
 use super::separation::{Expected, PossibleMachine, Separation, separation};
-use crate::library::Parameter;
+use crate::library::EffectParameter;
 use crate::simulator_access::{Pool, map};
 use crate::tolerance::FIT_STEP;
 use crate::tolerance::experiment::{LEAST_FLOOR, OVERSHOOT, STEPS_PER_SAMPLE};
@@ -42,7 +42,7 @@ pub struct Reached {
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedExperiment {
     /// The demand's shape.
-    pub shape: Shape,
+    pub shape: DemandShape,
     /// The demand as the controller reads it: a rate, or an angle if the loop controls that.
     pub demand: Vec<f64>,
     /// How well it separates each two machines.
@@ -60,7 +60,7 @@ impl PlannedExperiment {
 
 /// The experiments that keep the limits, with the machines that they separate.
 #[derive(Debug, Clone, Default)]
-pub struct Plan {
+pub struct ExperimentPlan {
     /// The machines that keep the limits with at least one demand: separations refer to them by their places.
     pub machines: Vec<PossibleMachine>,
     /// The experiments, the one first that separates best.
@@ -68,12 +68,12 @@ pub struct Plan {
 }
 
 /// Returns the plan within the limits; it has no experiments if fewer than two machines keep them.
-pub fn plan(request: &ExperimentRequest, pool: &dyn Pool) -> Plan {
-    let Some(first) = request.machines.first() else { return Plan::default() };
+pub fn plan(request: &ExperimentRequest, pool: &dyn Pool) -> ExperimentPlan {
+    let Some(first) = request.machines.first() else { return ExperimentPlan::default() };
     let demands = list_demands(&request.limits, first.parameters.interface.sample_period_s);
     let machines = request.that_keep_limits(&demands, pool);
     if machines.len() < 2 {
-        return Plan { machines, experiments: Vec::new() };
+        return ExperimentPlan { machines, experiments: Vec::new() };
     }
     let request = ExperimentRequest { machines: &machines, ..*request };
     let count = demands.len();
@@ -84,7 +84,7 @@ pub fn plan(request: &ExperimentRequest, pool: &dyn Pool) -> Plan {
     let mut experiments: Vec<PlannedExperiment> = tried.into_iter().flatten().collect();
     let weakest = |e: &PlannedExperiment| e.weakest().map_or(0.0, |s| s.log_likelihood_ratio);
     experiments.sort_by(|a, b| weakest(b).total_cmp(&weakest(a)));
-    Plan { machines, experiments }
+    ExperimentPlan { machines, experiments }
 }
 
 impl ExperimentRequest<'_> {
@@ -138,7 +138,7 @@ impl ExperimentRequest<'_> {
             return None;
         }
         let signals = self.over_floors(&machine.parameters, &history);
-        let slope = |parameter: &&'static Parameter| {
+        let slope = |parameter: &&'static EffectParameter| {
             let step = moved(parameter, &machine.parameters);
             let again = self.simulated(&step, demand)?;
             let changed = self.over_floors(&machine.parameters, &again);
@@ -195,7 +195,7 @@ impl ExperimentRequest<'_> {
 }
 
 /// Returns a mechanism with one parameter moved by a part of its typical size, inside its bounds.
-fn moved(parameter: &Parameter, of: &Parameters) -> Parameters {
+fn moved(parameter: &EffectParameter, of: &Parameters) -> Parameters {
     let value = parameter.read(of);
     let step = FIT_STEP * parameter.size;
     let up = value + step;

@@ -3,7 +3,7 @@
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
 
-use crate::library::Parameter;
+use crate::library::EffectParameter;
 use crate::recording::series::dot;
 use crate::tolerance::AMBIGUOUS;
 use crate::tolerance::experiment::REFIT_RIDGE;
@@ -16,7 +16,7 @@ pub struct PossibleMachine {
     /// The mechanism.
     pub parameters: Parameters,
     /// Parameters that a fit to the new recording would adapt.
-    pub free: Vec<&'static Parameter>,
+    pub free: Vec<&'static EffectParameter>,
 }
 
 /// How well an experiment separates two machines.

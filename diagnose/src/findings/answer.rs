@@ -62,7 +62,7 @@ impl Name {
 
 /// What a finding rests on.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Basis {
+pub enum FindingBasis {
     /// An effect of the library that was fitted in the simulator.
     FittedEffect {
         /// Largest RMS error over its noise floor, with the model as it was.
@@ -111,7 +111,7 @@ pub struct Finding {
     /// Probability that the effect, by this name, is in the machine.
     pub probability: f64,
     /// What it rests on.
-    pub basis: Basis,
+    pub basis: FindingBasis,
     /// Fitted parameters.
     pub parameters: Vec<FittedParameter>,
     /// Effects that explain these recordings equally well.

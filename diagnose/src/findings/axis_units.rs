@@ -1,7 +1,7 @@
 //! The units of an answer: on a linear axis kg, N and m in place of kg m^2, N m and rad, for all but the motor that turns; of the loop's
 //! sensor the unit of what it measures.
 
-use counterpoise_models::{Axis, Parameters, Transmission};
+use counterpoise_models::{AxisKind, Parameters, Transmission};
 
 use super::answer::Answer;
 use crate::library::Component;
@@ -35,7 +35,7 @@ fn unit(base: &Parameters, component: Component, parameter: &str, turning: &'sta
     }
     // A linear motor slides with what it drives; every other one turns.
     let turns = component == Component::Motor && base.gearbox.kind != Transmission::Direct;
-    if turns || base.axis == Axis::Rotary { turning } else { base.axis.unit(turning) }
+    if turns || base.axis == AxisKind::Rotary { turning } else { base.axis.unit(turning) }
 }
 
 #[cfg(test)]
@@ -50,7 +50,7 @@ mod tests {
         assert_eq!([of(&machine, "bias"), of(&machine, "natural_frequency")], ["rad/s", "rad/s"]);
         machine.sensors.measured = FeedbackSignal::Torque;
         assert_eq!([of(&machine, "bias"), of(&machine, "natural_frequency")], ["N m", "rad/s"]);
-        machine.axis = Axis::Linear;
+        machine.axis = AxisKind::Linear;
         assert_eq!([of(&machine, "bias"), of(&machine, "natural_frequency")], ["N", "rad/s"]);
         machine.sensors.measured = FeedbackSignal::HubPosition;
         assert_eq!(of(&machine, "bias"), "m");

@@ -1,6 +1,6 @@
 //! Faults of instruments as findings.
 
-use crate::findings::answer::{Basis, Finding, FittedParameter, Name};
+use crate::findings::answer::{Finding, FindingBasis, FittedParameter, Name};
 use crate::library::{Component, EffectName};
 use crate::recording::instrument_faults::{Column, FaultKind, InstrumentFault};
 use crate::tolerance::RIGHT_WHERE_EXPLAINED;
@@ -45,7 +45,7 @@ pub fn make_finding(fault: &InstrumentFault) -> Finding {
         effect,
         component: component_of(fault.column),
         probability: RIGHT_WHERE_EXPLAINED / (1.0 + fault.or.len() as f64),
-        basis: Basis::InstrumentFault(fault.clone()),
+        basis: FindingBasis::InstrumentFault(fault.clone()),
         parameters: parameters_of(&fault.kind),
         alternatives: fault.or.iter().map(other).chain(exchanged).collect(),
     }

@@ -106,10 +106,10 @@ fn search_agreement(map: &[MapCell], best: Option<&MapCell>, findings: &[Finding
 mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
-    use crate::findings::answer::Basis;
+    use crate::findings::answer::FindingBasis;
     use crate::library::EffectName;
     use crate::localisation::error_map::localise_errors;
-    use crate::localisation::residual_regression::ReplayedRecording;
+    use crate::localisation::residual_regression::AssessedReplay;
     use crate::localisation::torque_balances::list_balances;
     use crate::localisation::trend::{Repetition, Trend};
     use crate::machine::RedundantSensors;
@@ -168,7 +168,7 @@ mod tests {
         };
         localise_errors(
             &p,
-            &[ReplayedRecording { measured, assessment: judged }],
+            &[AssessedReplay { measured, assessment: judged }],
             &list_balances(sensors),
             &Serial,
         )
@@ -192,7 +192,7 @@ mod tests {
             effect,
             component,
             probability: 1.0,
-            basis: Basis::NoKnownEffect { pattern: None, nearest: None },
+            basis: FindingBasis::NoKnownEffect { pattern: None, nearest: None },
             parameters: Vec::new(),
             alternatives: Vec::new(),
         }

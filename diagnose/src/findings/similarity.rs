@@ -13,12 +13,12 @@ use counterpoise_models::{
     Drift, FeedbackSignal, LearnedElement, LearnedPlace, Parameters, RegimeVariable, Ripple, Sensor,
 };
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::ReplayLoop;
 
-use crate::findings::answer::{Answer, Basis};
+use crate::findings::answer::{Answer, FindingBasis};
 use crate::findings::channel_fits::Channels;
-use crate::learning::reading::read;
-use crate::library::{Component, EffectName, Parameter, find_effects, list_textbook_effects};
+use crate::learning::reading::read_curve;
+use crate::library::{Component, EffectName, EffectParameter, find_effects, list_textbook_effects};
 use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::trend::Trend;
 use crate::machine::SteadyDrive;
@@ -29,14 +29,14 @@ const SCALED_REGIMES: [Regime; 2] = [Regime::Load, Regime::MotorAngle];
 
 /// Factors on the torques at the hub and on the gear ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scale {
+pub struct SimilarityScale {
     /// On torques at the hub.
     pub torque: f64,
     /// On the gear ratio.
     pub ratio: f64,
 }
 
-impl Scale {
+impl SimilarityScale {
     /// Returns the factors that bring a machine to the usual size; `None` if it has that size already, or no lumped structure.
     pub fn of(base: &Parameters, recordings: &[Recording]) -> Option<Self> {
         let lumped = base.lumped.as_ref()?;
@@ -145,9 +145,9 @@ impl Scale {
     }
 
     /// Returns the loop in which the scaled machine is replayed: under the recorded control if its readings are scaled, because a controller
-    /// reads those of the machine itself. [`Loop::from_controller`] replays such a loop so anyway.
-    pub fn replayed_loop(self, control: Loop, measured: FeedbackSignal) -> Loop {
-        if self.reading(measured) == 1.0 { control } else { Loop::Open }
+    /// reads those of the machine itself. [`ReplayLoop::from_controller`] replays such a loop so anyway.
+    pub fn replayed_loop(self, control: ReplayLoop, measured: FeedbackSignal) -> ReplayLoop {
+        if self.reading(measured) == 1.0 { control } else { ReplayLoop::Open }
     }
 
     /// Converts the numbers of an answer back to the machine itself.
@@ -162,7 +162,7 @@ impl Scale {
                 parameter.before = own(parameter.before);
                 parameter.ci95 = parameter.ci95.map(own);
             }
-            if let Basis::NoKnownEffect { pattern: Some(pattern), .. } = &mut finding.basis
+            if let FindingBasis::NoKnownEffect { pattern: Some(pattern), .. } = &mut finding.basis
                 && SCALED_REGIMES.contains(&pattern.regime)
             {
                 pattern.trend = pattern.trend.map(Trend::without_numbers);
@@ -189,7 +189,7 @@ impl Scale {
         if let Some(learned) = &mut answer.learned {
             for part in &mut learned.parts {
                 self.inverse().learned(&mut part.element);
-                part.reading = read(&part.element);
+                part.reading = read_curve(&part.element);
             }
             let tables = [&mut learned.after, &mut learned.held_out_before, &mut learned.held_out_after];
             tables.into_iter().for_each(|table| self.bring_channels_back(table, measured));
@@ -210,7 +210,7 @@ impl Scale {
     }
 
     /// Converts the value of a parameter on the scaled machine back to the machine itself.
-    fn own(self, scaled: &Parameters, definition: &Parameter, value: f64) -> f64 {
+    fn own(self, scaled: &Parameters, definition: &EffectParameter, value: f64) -> f64 {
         let mut probe = scaled.clone();
         definition.write(&mut probe, value);
         let taken = definition.read(&probe);
@@ -229,7 +229,7 @@ fn drive_torque(base: &Parameters, recordings: &[Recording]) -> f64 {
     (gain * crate::recording::series::rms(&control)).abs()
 }
 
-fn find_parameter(component: Component, effect: EffectName, name: &str) -> Option<&'static Parameter> {
+fn find_parameter(component: Component, effect: EffectName, name: &str) -> Option<&'static EffectParameter> {
     // the effects of such a machine come first: one whose friction starts from nothing also writes where the law has none
     let textbook =
         list_textbook_effects().into_iter().filter(|e| e.component == component && e.effect == effect);
@@ -306,17 +306,17 @@ mod tests {
     #[test]
     fn a_scaled_machine_moves_alike_and_comes_back() {
         let rig = rig();
-        let small = Scale { torque: 1e-4, ratio: 0.01 };
+        let small = SimilarityScale { torque: 1e-4, ratio: 0.01 };
         let machine = small.apply_to(&rig);
         let ((rate, control), (rate_small, control_small)) = (rates(&rig), rates(&machine));
         let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
         assert!(apart(&rate, &rate_small) < 1e-4 * 0.15, "{}", apart(&rate, &rate_small));
         assert!(apart(&control, &control_small) < 1e-3, "{}", apart(&control, &control_small));
-        let scale = Scale::of(&machine, &[]).unwrap();
+        let scale = SimilarityScale::of(&machine, &[]).unwrap();
         let usual = scale.apply_to(&machine);
         assert!((0.7..1.5).contains(&(usual.gearbox.ratio / USUAL_INERTIA_AND_RATIO.1)));
         assert_eq!(scale.inverse().apply_to(&usual), machine);
-        assert!(Scale::of(&usual, &[]).is_none() && Scale::of(&rig, &[]).is_none());
+        assert!(SimilarityScale::of(&usual, &[]).is_none() && SimilarityScale::of(&rig, &[]).is_none());
         let definition = find_parameter(Component::Pivot, EffectName::Coulomb, "coulomb").unwrap();
         let own = scale.own(&usual, definition, usual.pivot_friction.coulomb_nm());
         assert!((own / machine.pivot_friction.coulomb_nm() - 1.0).abs() < 1e-12);
@@ -326,8 +326,8 @@ mod tests {
     fn a_machine_on_a_cylinder_moves_alike_with_its_own_lever() {
         let mut crane = rig();
         put_cylinder(&mut crane, Lever::Constant(0.3));
-        let small = Scale { torque: 2f64.powi(-10), ratio: 1.0 }.apply_to(&crane);
-        let scale = Scale::of(&small, &[]).unwrap();
+        let small = SimilarityScale { torque: 2f64.powi(-10), ratio: 1.0 }.apply_to(&crane);
+        let scale = SimilarityScale::of(&small, &[]).unwrap();
         assert_eq!(scale.ratio, 1.0);
         let (own, usual) = (read_in_open_loop(&small), read_in_open_loop(&scale.apply_to(&small)));
         let largest = own.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
@@ -356,7 +356,7 @@ mod tests {
             stiffness_nm_rad: 2e5,
             dissipation_s_rad: 0.1,
         });
-        let scale = Scale { torque: 2f64.powi(-12), ratio: 2f64.powi(-5) };
+        let scale = SimilarityScale { torque: 2f64.powi(-12), ratio: 2f64.powi(-5) };
         let machine = scale.apply_to(&rig);
         let (of_rig, of_machine) = (read_in_open_loop(&rig), read_in_open_loop(&machine));
         let largest = of_rig.iter().map(|torque| (torque - of_rig[0]).abs()).fold(0.0, f64::max);

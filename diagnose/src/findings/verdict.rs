@@ -1,19 +1,19 @@
 //! From a search to an answer: verdict, findings with their intervals, what the recordings cannot tell.
 
 use crate::findings::answer::{
-    Answer, Basis, DiagnosisVerdict, Finding, FitTable, FittedParameter, Hypothesis, HypothesisValue, Name,
-    NearestEffect, NextExperiment, NotExcited, Pattern, SearchWarning,
+    Answer, DiagnosisVerdict, Finding, FindingBasis, FitTable, FittedParameter, Hypothesis, HypothesisValue,
+    Name, NearestEffect, NextExperiment, NotExcited, Pattern, SearchWarning,
 };
 use crate::findings::channel_fits::fits_by_channel;
 use crate::fitting::output_error::confidence_intervals;
 use crate::fitting::score::score;
-use crate::library::{Component, Effect, EffectName, Parameter};
+use crate::library::{Component, Effect, EffectName, EffectParameter};
 use crate::localisation::error_hypotheses::COMPONENTS;
 use crate::localisation::error_map::{MapCell, rank_components};
 use crate::localisation::torque_balances::BalanceVisibility;
 use crate::recording::remarks::RecordingRemark;
 use crate::recording::series::correlation_time;
-use crate::selection::candidate::Candidate;
+use crate::selection::candidate::FittedCandidate;
 use crate::selection::outcome::SearchOutcome;
 use crate::selection::signature::EffectSignature;
 use crate::selection::sizes::Sizes;
@@ -24,10 +24,10 @@ use crate::tolerance::{
     AMBIGUOUS, EXPLAINED, GAIN_NEEDED, RIGHT_OF_THREE, RIGHT_OF_UNKNOWN, RIGHT_WHERE_EXPLAINED,
     RIGHT_WHERE_INCOMPLETE, RIVAL_DECAY, SHARE_TO_NAME, TEXTBOOK_SHARE_TO_NAME,
 };
-use counterpoise_models::{Axis, Parameters};
+use counterpoise_models::{AxisKind, Parameters};
 
 /// What the answer is derived from.
-pub struct Evidence<'a> {
+pub struct VerdictEvidence<'a> {
     /// Simulator and recordings.
     pub simulator: &'a dyn SimulatorAccess,
     /// The mechanism as the project file has it.
@@ -44,7 +44,7 @@ pub struct Evidence<'a> {
     pub sizes: Sizes,
 }
 
-impl Evidence<'_> {
+impl VerdictEvidence<'_> {
     /// Derives the answer.
     pub fn answer(self) -> Answer {
         let verdict = self.verdict();
@@ -86,7 +86,7 @@ impl Evidence<'_> {
 
     /// Returns the accepted model if it explains enough of the mismatch to be named: all of it, or most of it within its bounds. A
     /// parameter that went to a bound to explain a part stands for something else.
-    pub(crate) fn named_model(&self) -> Option<&Candidate> {
+    pub(crate) fn named_model(&self) -> Option<&FittedCandidate> {
         let accepted = self.search.accepted.as_ref()?;
         let textbook =
             !self.sizes.typical && accepted.power_share(&self.search.baseline.score) > TEXTBOOK_SHARE_TO_NAME;
@@ -96,7 +96,7 @@ impl Evidence<'_> {
 
     /// Returns the share of the mismatch that a model explains: of the distance from the noise floor, or, on a machine with textbook values,
     /// of the residual's power.
-    fn share(&self, model: &Candidate) -> f64 {
+    fn share(&self, model: &FittedCandidate) -> f64 {
         if !self.sizes.typical {
             // far above the floor, what matters is how much of the error is gone
             return model.power_share(&self.search.baseline.score);
@@ -106,7 +106,7 @@ impl Evidence<'_> {
     }
 
     /// Returns the effects that explain the recordings as well as the effect at `index` does.
-    fn alternatives(&self, accepted: &Candidate, index: usize) -> Vec<Name> {
+    fn alternatives(&self, accepted: &FittedCandidate, index: usize) -> Vec<Name> {
         let Some(rivals) = self.search.rivals.get(index) else { return Vec::new() };
         let chosen = accepted.fit.effects[index];
         let best = rivals.iter().find(|r| r.newest().is_some_and(|e| same_name(e, chosen)));
@@ -126,7 +126,7 @@ impl Evidence<'_> {
     /// Returns the effect that acts as another one does whatever is recorded: on a platform that stands still, and over a small travel, a mass
     /// above or below the pivot pulls back or pushes away as a spring does.
     fn structural_equivalent(&self, effect: &Effect) -> Option<Name> {
-        let stands_still = !self.base.sensors.platform_gyro.is_fitted() && self.base.axis == Axis::Rotary;
+        let stands_still = !self.base.sensors.platform_gyro.is_fitted() && self.base.axis == AxisKind::Rotary;
         let small = self.simulator.travel_rad() < SMALL_TRAVEL_RAD;
         let other = match (effect.component, effect.effect) {
             (Component::Structure, EffectName::VerticalOffset) => EffectName::PositionStiffness,
@@ -136,7 +136,7 @@ impl Evidence<'_> {
         (stands_still && small).then_some(Name { effect: other, component: Component::Structure })
     }
 
-    fn probability(&self, accepted: &Candidate, index: usize) -> f64 {
+    fn probability(&self, accepted: &FittedCandidate, index: usize) -> f64 {
         let rivals = self.search.rivals.get(index).map_or(&[][..], Vec::as_slice);
         let chosen = accepted.fit.effects[index];
         let best = rivals.iter().find(|r| r.newest().is_some_and(|e| same_name(e, chosen)));
@@ -147,7 +147,7 @@ impl Evidence<'_> {
         let tried = |name: &Name| {
             rivals
                 .iter()
-                .filter_map(Candidate::newest)
+                .filter_map(FittedCandidate::newest)
                 .any(|e| (e.effect, e.component) == (name.effect, name.component))
         };
         let weight =
@@ -156,7 +156,7 @@ impl Evidence<'_> {
     }
 
     /// Returns the probability that a name without a rival is true, by how well the model explains the recordings.
-    fn ceiling(&self, accepted: &Candidate) -> f64 {
+    fn ceiling(&self, accepted: &FittedCandidate) -> f64 {
         let explained = self.sizes.typical && accepted.whole.worst() < EXPLAINED;
         match (explained, accepted.fit.effects.len()) {
             (true, ..3) => RIGHT_WHERE_EXPLAINED,
@@ -175,14 +175,14 @@ impl Evidence<'_> {
         }
     }
 
-    fn finding(&self, accepted: &Candidate, index: usize) -> Finding {
+    fn finding(&self, accepted: &FittedCandidate, index: usize) -> Finding {
         let effect = accepted.fit.effects[index];
         let parameters = self.fitted_parameters(accepted, index);
         Finding {
             effect: effect.effect,
             component: effect.component,
             probability: self.probability(accepted, index),
-            basis: Basis::FittedEffect {
+            basis: FindingBasis::FittedEffect {
                 worst_before: self.search.baseline.score.worst(),
                 worst_after: accepted.whole.worst(),
             },
@@ -191,12 +191,12 @@ impl Evidence<'_> {
         }
     }
 
-    fn fitted_parameters(&self, accepted: &Candidate, index: usize) -> Vec<FittedParameter> {
+    fn fitted_parameters(&self, accepted: &FittedCandidate, index: usize) -> Vec<FittedParameter> {
         let first: usize = accepted.fit.effects[..index].iter().map(|e| e.parameters.len()).sum();
         let effect = accepted.fit.effects[index];
         let (samples, inflation) = self.worth(accepted);
         let bounds = confidence_intervals(&accepted.fit, samples, inflation);
-        let one = |(j, definition): (usize, &Parameter)| {
+        let one = |(j, definition): (usize, &EffectParameter)| {
             let wrap =
                 if effect.is_ripple() && j == 2 { whole_turns(accepted.fit.values[first + j]) } else { 0.0 };
             FittedParameter {
@@ -211,7 +211,7 @@ impl Evidence<'_> {
     }
 
     /// Returns the number of residuals, and how many of them carry the information of one.
-    fn worth(&self, accepted: &Candidate) -> (usize, f64) {
+    fn worth(&self, accepted: &FittedCandidate) -> (usize, f64) {
         let parameters = &accepted.fit.parameters;
         let mut samples = 0;
         let mut independent = 0.0;
@@ -243,7 +243,7 @@ impl Evidence<'_> {
             effect: EffectName::Unknown,
             component,
             probability: RIGHT_OF_UNKNOWN * self.place_probability(component),
-            basis: Basis::NoKnownEffect { pattern: self.pattern(component), nearest },
+            basis: FindingBasis::NoKnownEffect { pattern: self.pattern(component), nearest },
             parameters: Vec::new(),
             alternatives: others.iter().map(unknown).collect(),
         }
@@ -333,17 +333,17 @@ impl Evidence<'_> {
 }
 
 /// Returns the effects of a candidate but its newest.
-fn beside(candidate: &Candidate) -> Vec<Name> {
+fn beside(candidate: &FittedCandidate) -> Vec<Name> {
     let effects = &candidate.fit.effects;
     let name = |e: &&'static Effect| Name { effect: e.effect, component: e.component };
     effects[..effects.len().saturating_sub(1)].iter().map(name).collect()
 }
 
 /// Returns the fitted parameters of a candidate's newest effect.
-fn newest_values(candidate: &Candidate) -> Vec<HypothesisValue> {
+fn newest_values(candidate: &FittedCandidate) -> Vec<HypothesisValue> {
     let Some(effect) = candidate.newest() else { return Vec::new() };
     let values = &candidate.fit.values[candidate.fit.values.len() - effect.parameters.len()..];
-    let one = |(parameter, value): (&Parameter, &f64)| HypothesisValue {
+    let one = |(parameter, value): (&EffectParameter, &f64)| HypothesisValue {
         name: parameter.name,
         value: *value,
         unit: parameter.unit,

@@ -3,7 +3,7 @@
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::PlantState;
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::ReplayLoop;
 
 use crate::fitting::output_error::{FitSelection, Problem};
 use crate::recording::noise::with_recorded_noise;
@@ -17,7 +17,7 @@ use crate::tolerance::SEARCH_ITERATIONS;
 /// The first moments of a recording do not show everything: without a position channel, the angle shows only in what the weight does later.
 pub fn fit_start(
     mechanism: &Parameters,
-    control: &Loop,
+    control: &ReplayLoop,
     recording: &Recording,
     near: &PlantState,
 ) -> Option<PlantState> {
@@ -25,7 +25,8 @@ pub fn fit_start(
     let base = &with_recorded_noise(mechanism, recordings);
     let prepared = PreparedRecordings::new(recordings, base);
     let simulator = RecordingReplays::new(base, control, &prepared).ok()?;
-    let source = if *control == Loop::Open { ControlSource::Playback } else { ControlSource::ClosedLoop };
+    let source =
+        if *control == ReplayLoop::Open { ControlSource::Playback } else { ControlSource::ClosedLoop };
     let known =
         Assessment { channels: Vec::new(), divergence: Vec::new(), start: Some(near.clone()), source };
     let selection = FitSelection { iterations: SEARCH_ITERATIONS, restarts: 0, ..FitSelection::all(1) };

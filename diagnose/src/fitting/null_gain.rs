@@ -9,7 +9,7 @@ use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
 
 use crate::fitting::output_error::{Fit, from_variable, to_variable};
-use crate::library::{Mapping, Parameter};
+use crate::library::{EffectParameter, ParameterMapping};
 use crate::recording::series::dot;
 use crate::simulator_access::{Assessment, Pool, SimulatorAccess, Span, map};
 use crate::tolerance::fitting::GRAM_RIDGE;
@@ -53,7 +53,7 @@ pub(crate) fn mean_null_gain(
 
 /// Parameters of an effect with their fitted values.
 struct FittedParameters<'a> {
-    definitions: &'a [Parameter],
+    definitions: &'a [EffectParameter],
     values: &'a [f64],
 }
 
@@ -67,8 +67,8 @@ fn project_noise(
 ) -> Option<NoiseProjection> {
     let here = simulator.residuals(parameters, index, Span::Whole, near)?;
     let weights: Vec<f64> = here.iter().map(|m| 1.0 / m.relative_rms().max(1.0)).collect();
-    let column = |(parameter, &value): (&Parameter, &f64)| {
-        let step = if parameter.mapping == Mapping::Whole { 1.0 } else { 10.0 * FIT_STEP };
+    let column = |(parameter, &value): (&EffectParameter, &f64)| {
+        let step = if parameter.mapping == ParameterMapping::Whole { 1.0 } else { 10.0 * FIT_STEP };
         let mut moved = parameters.clone();
         parameter.write(&mut moved, from_variable(parameter, to_variable(parameter, value) + step));
         let there = simulator.residuals(&moved, index, Span::Whole, near)?;

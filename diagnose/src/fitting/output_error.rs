@@ -8,10 +8,10 @@ use counterpoise_simulate::replay::{START_FREEDOMS, start_has};
 
 use crate::fitting::initial_states::StartColumns;
 use crate::fitting::normal_equations::{LinearisedCost, damped_step, long_run, stretch_sums};
-use crate::library::{Effect, Mapping, Parameter, learned_element};
+use crate::library::{Effect, EffectParameter, ParameterMapping, learned_element};
 use crate::recording::series::dot;
 use crate::simulator_access::{
-    Assessment, ChannelResidual, Pool, SimulatorAccess, Span, StartShift, Variant, map,
+    Assessment, ChannelResidual, MechanismVariant, Pool, SimulatorAccess, Span, StartShift, map,
 };
 use crate::tolerance::fitting::LEAST_DAMPING;
 use crate::tolerance::{
@@ -26,7 +26,7 @@ const START_ANGLE: usize = 0;
 struct PlacedVariant {
     /// Place of the recording in the selection.
     place: usize,
-    variant: Variant,
+    variant: MechanismVariant,
 }
 
 /// Which recordings a fit may see.
@@ -93,7 +93,7 @@ impl Fit {
 }
 
 /// Returns all parameters of a list of effects.
-pub fn parameters_of(effects: &[&'static Effect]) -> Vec<&'static Parameter> {
+pub fn parameters_of(effects: &[&'static Effect]) -> Vec<&'static EffectParameter> {
     effects.iter().flat_map(|effect| effect.parameters.iter()).collect()
 }
 
@@ -106,18 +106,18 @@ pub fn apply_effects(base: &Parameters, effects: &[&'static Effect], values: &[f
     changed
 }
 
-pub(crate) fn to_variable(parameter: &Parameter, value: f64) -> f64 {
+pub(crate) fn to_variable(parameter: &EffectParameter, value: f64) -> f64 {
     match parameter.mapping {
-        Mapping::Log => value.max(f64::MIN_POSITIVE).ln() / parameter.size,
-        Mapping::Linear | Mapping::Whole => value / parameter.size,
+        ParameterMapping::Log => value.max(f64::MIN_POSITIVE).ln() / parameter.size,
+        ParameterMapping::Linear | ParameterMapping::Whole => value / parameter.size,
     }
 }
 
-pub(crate) fn from_variable(parameter: &Parameter, variable: f64) -> f64 {
+pub(crate) fn from_variable(parameter: &EffectParameter, variable: f64) -> f64 {
     let value = match parameter.mapping {
-        Mapping::Log => (variable * parameter.size).exp(),
-        Mapping::Linear => variable * parameter.size,
-        Mapping::Whole => (variable * parameter.size).round(),
+        ParameterMapping::Log => (variable * parameter.size).exp(),
+        ParameterMapping::Linear => variable * parameter.size,
+        ParameterMapping::Whole => (variable * parameter.size).round(),
     };
     value.clamp(parameter.bounds[0], parameter.bounds[1])
 }
@@ -204,7 +204,7 @@ impl Problem<'_> {
                 .map(|(own, starts)| starts.subtract_shift(own, &starts.fit_shift(own)))
                 .collect()
         };
-        let per_value = |(column, parameter): (&Vec<Vec<f64>>, &&Parameter)| {
+        let per_value = |(column, parameter): (&Vec<Vec<f64>>, &&EffectParameter)| {
             let mut left = left(column);
             left.iter_mut().flatten().for_each(|entry| *entry /= parameter.size);
             left
@@ -297,7 +297,7 @@ impl Problem<'_> {
         shift: &StartShift,
     ) -> Option<Vec<f64>> {
         let (index, span) = (self.selection.recordings[place], self.selection.span);
-        let variant = Variant { parameters: parameters.clone(), shift: *shift };
+        let variant = MechanismVariant { parameters: parameters.clone(), shift: *shift };
         weighted(&self.simulator.residuals_of(&variant, index, span, near)?, near)
     }
 
@@ -308,7 +308,7 @@ impl Problem<'_> {
             variants.chunk_by(|a, b| a.place == b.place).flat_map(|same| same.chunks(SIDE_BY_SIDE)).collect();
         let done = map(self.pool, together.len(), |k| {
             let place = together[k][0].place;
-            let few: Vec<Variant> = together[k].iter().map(|one| one.variant.clone()).collect();
+            let few: Vec<MechanismVariant> = together[k].iter().map(|one| one.variant.clone()).collect();
             let (index, span) = (self.selection.recordings[place], self.selection.span);
             let found = self.simulator.residuals_of_variants(&few, index, span, &near[place]);
             found.iter().map(|channels| weighted(channels.as_ref()?, &near[place])).collect::<Vec<_>>()
@@ -345,7 +345,7 @@ impl Problem<'_> {
             let moved = |&(place, freedom): &(usize, usize)| {
                 let mut shift = now.shifts[place];
                 shift[freedom] += by;
-                PlacedVariant { place, variant: Variant { parameters: parameters.clone(), shift } }
+                PlacedVariant { place, variant: MechanismVariant { parameters: parameters.clone(), shift } }
             };
             let moved: Vec<PlacedVariant> = wanted.iter().map(moved).collect();
             for ((place, freedom), there) in wanted.iter().zip(self.of_variants(&moved, near)) {
@@ -399,7 +399,7 @@ impl Problem<'_> {
             (0..near.len()).flat_map(|place| moved.iter().map(move |parameters| (place, parameters)));
         let variants: Vec<PlacedVariant> = places
             .map(|(place, parameters)| {
-                let variant = Variant { parameters: parameters.clone(), shift: now.shifts[place] };
+                let variant = MechanismVariant { parameters: parameters.clone(), shift: now.shifts[place] };
                 PlacedVariant { place, variant }
             })
             .collect();
@@ -516,8 +516,8 @@ struct FitState {
     cost: f64,
 }
 
-fn difference_step(parameter: &Parameter, x: f64) -> f64 {
-    let step = if parameter.mapping == Mapping::Whole { 1.0 } else { FIT_STEP };
+fn difference_step(parameter: &EffectParameter, x: f64) -> f64 {
+    let step = if parameter.mapping == ParameterMapping::Whole { 1.0 } else { FIT_STEP };
     let upper = to_variable(parameter, parameter.bounds[1]);
     if x + step > upper { -step } else { step }
 }
@@ -536,12 +536,12 @@ pub fn confidence_intervals(fit: &Fit, samples: usize, inflation: f64) -> Vec<[f
     let covariance = inverse(&fit.information).ok();
     let sandwich = covariance.as_ref().map(|c| &(c * &fit.scatter) * c);
     let scale = fit.cost.max(1.0) * inflation / samples.max(1) as f64;
-    let bound = |(j, (parameter, &value)): (usize, (&&'static Parameter, &f64))| {
+    let bound = |(j, (parameter, &value)): (usize, (&&'static EffectParameter, &f64))| {
         let fisher = covariance.as_ref().map_or(f64::INFINITY, |c| c[(j, j)].max(0.0) * scale);
         let coloured = sandwich.as_ref().map_or(0.0, |s| s[(j, j)].max(0.0));
         let systematic = match parameter.mapping {
-            Mapping::Log => SYSTEMATIC / parameter.size,
-            Mapping::Linear | Mapping::Whole => SYSTEMATIC * value.abs() / parameter.size,
+            ParameterMapping::Log => SYSTEMATIC / parameter.size,
+            ParameterMapping::Linear | ParameterMapping::Whole => SYSTEMATIC * value.abs() / parameter.size,
         };
         let deviation = fisher.max(coloured).sqrt().hypot(systematic);
         let x = to_variable(parameter, value);

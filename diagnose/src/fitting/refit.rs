@@ -3,7 +3,7 @@
 
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::ReplayLoop;
 
 use crate::error::Error;
 use crate::fitting::output_error::{FitSelection, Problem};
@@ -30,7 +30,7 @@ pub struct Structure {
 /// A recording that cannot be replayed.
 pub fn refit(
     base: &Parameters,
-    control: impl Into<Loop>,
+    control: impl Into<ReplayLoop>,
     recordings: &[Recording],
     structures: &[Structure],
     pool: &dyn Pool,

@@ -14,7 +14,7 @@ use counterpoise_recordings::{Channel, Recording, repeat_last};
 
 use super::outcome::{Estimate, SensorErrors};
 use super::problem::Layout;
-use super::regression::{Block, Fit, fit};
+use super::regression::{Block, Fit, fit_rows};
 use super::signal::{Chain, Kernel};
 use crate::recording::series::rms;
 use crate::tolerance::identification::{LEAST_TURNING_RAD_S, LOW_PASS_S, MEMORY_S};
@@ -58,7 +58,7 @@ fn misalignment(p: &Parameters, recordings: &[&Recording]) -> Option<[Option<Est
         shared: vec![0.0; 3],
         memory: part.memory,
     });
-    let found = fit(&blocks.collect::<Vec<Block>>())?;
+    let found = fit_rows(&blocks.collect::<Vec<Block>>())?;
     let (hub, platform) = (&sensors.hub_gyro.alignment, &sensors.platform_gyro.alignment);
     let before =
         [hub.roll_sensitivity - platform.roll_sensitivity, hub.yaw_sensitivity - platform.yaw_sensitivity];

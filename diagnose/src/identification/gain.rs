@@ -3,7 +3,7 @@
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
 
-use super::outcome::{Amplifier, GainPoint, Unidentifiable};
+use super::outcome::{GainPoint, IdentifiedAmplifier, Unidentifiable};
 use super::problem::Problem;
 use super::regression::Fit;
 use crate::Error;
@@ -12,19 +12,20 @@ use crate::tolerance::identification::*;
 /// The amplifier, and the problem with its curve where the curve departs from the project's.
 pub struct GainCurve {
     /// What the recordings say of it.
-    pub amplifier: Amplifier,
+    pub amplifier: IdentifiedAmplifier,
     /// The problem and its solution with the curve.
     pub curved: Option<(Problem, Fit)>,
 }
 
 /// Identifies the curve.
-pub fn curve(
+pub fn identify_amplifier(
     p: &Parameters,
     states: &[&[Recording]],
     plain: &Problem,
     linear: &Fit,
 ) -> Result<GainCurve, Error> {
-    let unseen = |reason| Ok(GainCurve { amplifier: Amplifier::NotIdentifiable { reason }, curved: None });
+    let unseen =
+        |reason| Ok(GainCurve { amplifier: IdentifiedAmplifier::NotIdentifiable { reason }, curved: None });
     let knots = knots(p, plain);
     if knots.len() < LEAST_POINTS + 2 {
         return unseen(Unidentifiable::ControlStaysLarge);
@@ -42,9 +43,12 @@ pub fn curve(
         apart > CURVE_DEPARTURE * q.linear_a && apart > q.current_a - q.ci95_a[0]
     });
     if departs && fit.residual_rms.powi(2) < CURVE_WORTH * linear.residual_rms.powi(2) {
-        return Ok(GainCurve { amplifier: Amplifier::Curve { points }, curved: Some((problem, fit)) });
+        return Ok(GainCurve {
+            amplifier: IdentifiedAmplifier::Curve { points },
+            curved: Some((problem, fit)),
+        });
     }
-    Ok(GainCurve { amplifier: Amplifier::AsInProject { points }, curved: None })
+    Ok(GainCurve { amplifier: IdentifiedAmplifier::AsInProject { points }, curved: None })
 }
 
 /// Returns the knots that the control was near for long enough, with 0 and the start of the linear range.

@@ -3,15 +3,15 @@
 use counterpoise_models::Parameters;
 use counterpoise_models::parameters::MapPoint;
 
-use super::outcome::{Amplifier, Estimate, Identified};
+use super::outcome::{Estimate, Identification, IdentifiedAmplifier};
 use crate::tolerance::identification::{DIGITS, LINEAR_FROM_SHARE};
 
 /// Returns the mechanism with the identified values of the first state of balance. A value stays where its interval holds what
 /// the project says. Friction changes at the pivot, the motor's part is kept, unless there is too little for that: then both
 /// shrink alike. Inertia changes in hub and beam alike.
-pub fn apply_identified(p: &Parameters, found: &Identified) -> Parameters {
+pub fn apply_identified(p: &Parameters, found: &Identification) -> Parameters {
     let mut out = apply_except_amplifier(p, found);
-    if let Amplifier::Curve { points } = &found.amplifier {
+    if let IdentifiedAmplifier::Curve { points } = &found.amplifier {
         out.amplifier.map = map(p, points.iter().map(|q| [q.input_v, q.current_a]));
         out.amplifier.dead_zone_v = 0.0;
     }
@@ -19,7 +19,7 @@ pub fn apply_identified(p: &Parameters, found: &Identified) -> Parameters {
 }
 
 /// The same, the amplifier as it was.
-pub(super) fn apply_except_amplifier(p: &Parameters, found: &Identified) -> Parameters {
+pub(super) fn apply_except_amplifier(p: &Parameters, found: &Identification) -> Parameters {
     let mut out = p.clone();
     if let Some(balance) = found.balances.first() {
         inertia(&mut out, balance.out_of_balance_kg_m, balance.inertia_kg_m2);
@@ -41,7 +41,7 @@ pub(super) fn apply_except_amplifier(p: &Parameters, found: &Identified) -> Para
 }
 
 /// The sensors with their identified errors. A misalignment changes the hub gyroscope, because kinematics tell its difference from the platform's alone.
-fn sensors(out: &mut Parameters, found: &Identified) {
+fn sensors(out: &mut Parameters, found: &Identification) {
     let sensors = &mut out.sensors;
     if let Some(arm) = found.sensors.lever_arm_m.and_then(new_value) {
         sensors.accelerometer_lever_arm_m = arm;

@@ -27,7 +27,8 @@ mod problem;
 
 pub use improve::apply_identified;
 pub use outcome::{
-    Amplifier, Balance, Estimate, GainPoint, Identified, Lobes, Loop, Note, SensorErrors, Unidentifiable,
+    Balance, Estimate, FrictionPicture, GainPoint, Identification, IdentifiedAmplifier, Lobes, Note,
+    SensorErrors, Unidentifiable,
 };
 
 use counterpoise_models::Parameters;
@@ -47,7 +48,7 @@ use problem::{Layout, Problem};
 ///
 /// # Errors
 /// No recording, no control or hub rate, too little sliding, motions that cannot be told apart.
-pub fn identify(p: &Parameters, states: &[&[Recording]]) -> Result<Identified, Error> {
+pub fn identify(p: &Parameters, states: &[&[Recording]]) -> Result<Identification, Error> {
     if states.iter().all(|state| state.is_empty()) {
         return Err(Error::NoRecording);
     }
@@ -59,19 +60,19 @@ pub fn identify(p: &Parameters, states: &[&[Recording]]) -> Result<Identified, E
 }
 
 /// One round, with the beam and the presliding distances of a mechanism.
-fn round(p: &Parameters, states: &[&[Recording]], before: &Before) -> Result<Identified, Error> {
+fn round(p: &Parameters, states: &[&[Recording]], before: &Before) -> Result<Identification, Error> {
     let mut plain = Problem::new(p, states, &[])?;
     let sliding_s = plain.sliding_s();
     if sliding_s < LEAST_SLIDING_S {
         return Err(Error::TooLittleSliding { sliding_s, needed_s: LEAST_SLIDING_S });
     }
     let mut linear = plain.fit().ok_or(Error::NotTold)?;
-    let mut found = gain::curve(p, states, &plain, &linear)?;
+    let mut found = gain::identify_amplifier(p, states, &plain, &linear)?;
     let negative = negative_viscous(plain.layout, found.curved.as_ref().map_or(&linear, |(_, fit)| fit));
     if negative.is_some() {
         plain = plain.with_held_viscous(Some(before.viscous.max(0.0)));
         linear = plain.fit().ok_or(Error::NotTold)?;
-        found = gain::curve(p, states, &plain, &linear)?;
+        found = gain::identify_amplifier(p, states, &plain, &linear)?;
     }
     let (problem, fit) = found.curved.as_ref().map_or((&plain, &linear), |(problem, fit)| (problem, fit));
     let layout = problem.layout;
@@ -80,7 +81,7 @@ fn round(p: &Parameters, states: &[&[Recording]], before: &Before) -> Result<Ide
         out_of_balance_kg_m: estimate(layout.moment(s), before.moment),
         inertia_kg_m2: estimate(layout.inertia(s), before.inertia),
     };
-    Ok(Identified {
+    Ok(Identification {
         balances: (0..states.len()).map(balance).collect(),
         coulomb_nm: estimate(layout.coulomb(), before.coulomb),
         viscous_nm_s_rad: estimate(layout.viscous(), before.viscous),
@@ -147,7 +148,7 @@ fn lobes(p: &Parameters, problem: &Problem, value: &[f64]) -> Lobes {
     }
 }
 
-fn loops(p: &Parameters, problem: &Problem, value: &[f64]) -> Vec<Loop> {
+fn loops(p: &Parameters, problem: &Problem, value: &[f64]) -> Vec<FrictionPicture> {
     let gain = torque_per_volt(p);
     let one = |(index, part): (usize, &problem::RecordingPart)| {
         let rows = &part.rows;
@@ -159,7 +160,7 @@ fn loops(p: &Parameters, problem: &Problem, value: &[f64]) -> Vec<Loop> {
         };
         let edge = (LOW_PASS_S * 4.0 / rows.period_s) as usize;
         let inside = edge..rows.torque.len().saturating_sub(edge);
-        Loop {
+        FrictionPicture {
             recording: part.name.clone(),
             balance: part.state,
             points: inside.step_by(step).map(point).collect(),
@@ -171,7 +172,7 @@ fn loops(p: &Parameters, problem: &Problem, value: &[f64]) -> Vec<Loop> {
 fn notes(
     p: &Parameters,
     states: &[&[Recording]],
-    amplifier: &Amplifier,
+    amplifier: &IdentifiedAmplifier,
     fit: &regression::Fit,
     layout: Layout,
 ) -> Vec<Note> {
@@ -196,7 +197,7 @@ fn notes(
     if p.lumped.is_none() {
         out.push(Note::RigidBeam);
     }
-    if matches!(amplifier, Amplifier::Curve { .. }) && states.len() == 1 {
+    if matches!(amplifier, IdentifiedAmplifier::Curve { .. }) && states.len() == 1 {
         out.push(Note::CurveFromOneState);
     }
     out

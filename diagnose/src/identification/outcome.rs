@@ -31,7 +31,7 @@ pub struct Balance {
 
 /// The picture of control against rate, of one recording.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Loop {
+pub struct FrictionPicture {
     /// Name of the recording.
     pub recording: String,
     /// Index of its state of balance.
@@ -130,7 +130,7 @@ impl SensorErrors {
 
 /// What the recordings say of the amplifier.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Amplifier {
+pub enum IdentifiedAmplifier {
     /// Its gain curve departs from the project's; the mechanism was identified together with it.
     Curve {
         /// The curve, by rising input.
@@ -150,7 +150,7 @@ pub enum Amplifier {
 
 /// Everything that was identified. All torques are at the output (hub) side.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Identified {
+pub struct Identification {
     /// One for each state of balance, in the order given.
     pub balances: Vec<Balance>,
     /// Coulomb friction, pivot + N x motor, N m.
@@ -161,11 +161,11 @@ pub struct Identified {
     /// and bending that a reversal excites.
     pub breakaway_nm: Option<Estimate>,
     /// Amplifier.
-    pub amplifier: Amplifier,
+    pub amplifier: IdentifiedAmplifier,
     /// The lobes in volts.
     pub lobes: Lobes,
     /// Control against rate, recording by recording.
-    pub loops: Vec<Loop>,
+    pub loops: Vec<FrictionPicture>,
     /// RMS torque that the balance leaves, N m.
     pub residual_nm: f64,
     /// Largest share of a regressor's power that is sensor noise; it was taken off.
@@ -195,7 +195,7 @@ impl Estimate {
     }
 }
 
-impl Amplifier {
+impl IdentifiedAmplifier {
     /// Returns the points of the curve; none if it is not identifiable.
     pub fn points(&self) -> &[GainPoint] {
         match self {

@@ -3,7 +3,7 @@
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
 
-use super::regression::{Block, Fit, fit};
+use super::regression::{Block, Fit, fit_rows};
 use super::rows::{Maker, Rows};
 use crate::Error;
 use crate::tolerance::identification::{LOW_PASS_S, MEMORY_S};
@@ -139,7 +139,7 @@ impl Problem {
     /// Solves the least squares; returns `None` if the unknowns cannot be told apart.
     pub fn fit(&self) -> Option<Fit> {
         let blocks: Vec<Block> = self.parts.iter().map(|part| self.block(part)).collect();
-        fit(&blocks)
+        fit_rows(&blocks)
     }
 
     /// Returns the residual of a recording's balance at every row, N m, sliding or not.

@@ -44,7 +44,7 @@ pub struct Fit {
 /// Bartlett's weights over L rows in time, written as sums over windows (Econometrica 55, 1987). The quantile grows with
 /// 1 / (number of independent windows). An unknown whose column is 0 throughout is not a number. Returns `None` if the other columns
 /// cannot be told apart.
-pub fn fit(blocks: &[Block]) -> Option<Fit> {
+pub fn fit_rows(blocks: &[Block]) -> Option<Fit> {
     let n = blocks.first()?.columns.len();
     let mut normal = Mat::zeros(n, n);
     let mut right = Mat::zeros(n, 1);
@@ -183,7 +183,7 @@ mod tests {
         let x: Vec<f64> = (0..200).map(|k| (0.3 * f64::from(k)).sin()).collect();
         let one = vec![1.0; 200];
         let y: Vec<f64> = x.iter().map(|x| 2.0 - 3.0 * x).collect();
-        let fit = fit(&[block(&[&one, &x], &y, &[true; 200])]).unwrap();
+        let fit = fit_rows(&[block(&[&one, &x], &y, &[true; 200])]).unwrap();
         assert!((fit.value[0] - 2.0).abs() < 1e-12 && (fit.value[1] + 3.0).abs() < 1e-12);
         assert!(fit.half_width[1] < 1e-12 && fit.residual_rms < 1e-12);
     }
@@ -191,7 +191,7 @@ mod tests {
     #[test]
     fn equal_columns_are_refused() {
         let x: Vec<f64> = (0..200).map(|k| (0.3 * f64::from(k)).sin()).collect();
-        assert!(fit(&[block(&[&x, &x], &x, &[true; 200])]).is_none());
+        assert!(fit_rows(&[block(&[&x, &x], &x, &[true; 200])]).is_none());
     }
 
     #[test]

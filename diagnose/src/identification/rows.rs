@@ -9,7 +9,7 @@
 //! their parts of the viscous friction in the project (they differ while the gear twists); w is the rate of the mean
 //! inertia, `known` the torque of what is known: the first moment above the axis and the spring to the platform.
 
-use counterpoise_models::{AccelerometerAxis, Axis, FeedbackSignal, Parameters};
+use counterpoise_models::{AccelerometerAxis, AxisKind, FeedbackSignal, Parameters};
 use counterpoise_recordings::{Channel, Recording, repeat_last};
 
 use super::signal::{Chain, Kernel};
@@ -211,7 +211,8 @@ impl Maker<'_> {
     ) -> Option<LeverArmColumn> {
         let (p, sensors) = (self.p, &self.p.sensors);
         let is_fitted = sensors.platform_accelerometer.is_fitted() && sensors.platform_gyro.is_fitted();
-        let is_level = sensors.accelerometer_axis == AccelerometerAxis::Vertical && p.axis == Axis::Rotary;
+        let is_level =
+            sensors.accelerometer_axis == AccelerometerAxis::Vertical && p.axis == AxisKind::Rotary;
         let recorded = [Channel::PlatformAccel, Channel::PlatformRate].iter().all(|one| recording.has(*one));
         let moment = p.lumped.as_ref()?.out_of_balance_kg_m;
         if !(is_fitted && is_level && recorded) || moment == 0.0 {

@@ -6,8 +6,8 @@
 use crate::fitting::output_error::{FitSelection, confidence_intervals, parameters_of};
 use crate::fitting::score::score;
 use crate::learning::learner::LearningTask;
-use crate::library::{Component, Effect, Kind, Mapping, Parameter, gain_curve_inputs};
-use crate::selection::candidate::Candidate;
+use crate::library::{Component, Effect, EffectKind, EffectParameter, ParameterMapping, gain_curve_inputs};
+use crate::selection::candidate::FittedCandidate;
 use crate::selection::parameter_scan::covers_a_period;
 use crate::simulator_access::Assessment;
 use crate::tolerance::learning::{
@@ -42,41 +42,42 @@ impl Comparison {
 
 /// Returns whether effects of the library are flexible enough to imitate an error that is none of them: two or more, or one with a shape
 /// that the recordings do not determine.
-pub(crate) fn is_flexible(named: &Candidate, travel_rad: f64) -> bool {
+pub(crate) fn is_flexible(named: &FittedCandidate, travel_rad: f64) -> bool {
     let effects = &named.fit.effects;
     if named.fit.values.len() > COMPARED_PARAMETERS_AT_MOST
         || effects.iter().any(|e| gain_curve_inputs(e).is_some())
     {
         return false;
     }
-    let shaped = |e: &&&'static Effect| e.kind == Kind::MissingPhysics && e.parameters.len() > 1;
+    let shaped = |e: &&&'static Effect| e.kind == EffectKind::MissingPhysics && e.parameters.len() > 1;
     effects.len() > 1
         || (effects.iter().any(|e| shaped(&e))
             && (is_undetermined(named) || is_piece_of_a_sine(named, travel_rad)))
 }
 
 /// Returns whether the interval of a parameter of shape, one beside the first, is wide.
-fn is_undetermined(named: &Candidate) -> bool {
+fn is_undetermined(named: &FittedCandidate) -> bool {
     let samples: f64 = named.whole.cells.iter().map(|cell| cell.samples).sum();
     let independent: f64 = named.whole.cells.iter().map(|cell| cell.worth).sum();
     let bounds = confidence_intervals(&named.fit, samples as usize, samples / independent.max(1.0));
     let parameters = parameters_of(&named.fit.effects);
     let all = parameters.iter().zip(&named.fit.values).zip(&bounds).skip(1);
-    let wide = |((parameter, value), [low, high]): ((&&'static Parameter, &f64), &[f64; 2])| match parameter
-        .mapping
-    {
-        Mapping::Log => (high / low).ln() > UNDETERMINED_LOGARITHM,
-        // a place or a phase may be zero: then its typical size is the measure
-        Mapping::Linear => {
-            high - low > UNDETERMINED_SHARE * value.abs().max(parameter.size) && parameter.name != "phase"
-        }
-        Mapping::Whole => false,
-    };
+    let wide =
+        |((parameter, value), [low, high]): ((&&'static EffectParameter, &f64), &[f64; 2])| match parameter
+            .mapping
+        {
+            ParameterMapping::Log => (high / low).ln() > UNDETERMINED_LOGARITHM,
+            // a place or a phase may be zero: then its typical size is the measure
+            ParameterMapping::Linear => {
+                high - low > UNDETERMINED_SHARE * value.abs().max(parameter.size) && parameter.name != "phase"
+            }
+            ParameterMapping::Whole => false,
+        };
     all.into_iter().any(wide)
 }
 
 /// Returns whether a torque or friction that should repeat with the angle at the pivot is seen over less than a period.
-fn is_piece_of_a_sine(named: &Candidate, travel_rad: f64) -> bool {
+fn is_piece_of_a_sine(named: &FittedCandidate, travel_rad: f64) -> bool {
     let mut first = 0;
     named.fit.effects.iter().any(|effect| {
         let order = named.fit.values.get(first + 1).copied();
@@ -90,7 +91,7 @@ fn is_piece_of_a_sine(named: &Candidate, travel_rad: f64) -> bool {
 impl LearningTask<'_> {
     /// Compares effects of the library with the free function that explains most in their place: both are fitted to the same parts of the
     /// recordings and predict the same others. Returns `None` if no free function is worth having.
-    pub(crate) fn compare(&self, named: &Candidate) -> Option<Comparison> {
+    pub(crate) fn compare(&self, named: &FittedCandidate) -> Option<Comparison> {
         let function = self.one_function()?;
         let candidate = &function.learned.candidate;
         let split = self.split(&candidate.fit.effects)?;

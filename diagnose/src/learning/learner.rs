@@ -10,13 +10,13 @@ use crate::fitting::output_error::{
 };
 use crate::fitting::score::{RecordingPart, Score, score};
 use crate::learning::held_out::{HeldOut, flat_preferences, preferences};
-use crate::learning::reading::{Reading, read};
+use crate::learning::reading::{CurveReading, read_curve};
 use crate::learning::templates::{Template, TemplateContext, is_at};
 use crate::learning::visited_ranges::{Reach, Visited};
 use crate::library::{Component, Effect, learned_element};
 use crate::localisation::error_map::MapCell;
 use crate::recording::series::correlation_time;
-use crate::selection::candidate::{Candidate, whole_parts};
+use crate::selection::candidate::{FittedCandidate, whole_parts};
 use crate::selection::searcher::Searcher;
 use crate::simulator_access::{Assessment, Span};
 use crate::tolerance::learning::{
@@ -69,13 +69,13 @@ pub struct LearnedPart {
     /// Log-likelihood that it gains on held-out data.
     pub log_likelihood_gain: f64,
     /// What its curve says; `None` if no simple form does.
-    pub reading: Option<Reading>,
+    pub reading: Option<CurveReading>,
 }
 
 /// A function that was fitted, with the model that has it.
 #[derive(Clone)]
 pub(crate) struct Learned {
-    pub candidate: Candidate,
+    pub candidate: FittedCandidate,
     /// For each function, how rough it may be and the cost's curvature by its values.
     smoothness: Vec<Smoothness>,
     /// The places at which the first function was tried, with what it gains there.
@@ -368,10 +368,10 @@ impl LearningTask<'_> {
     }
 
     /// Assesses a fit on all recordings, and on the parts that it was not fitted to.
-    fn assessed(&self, fit: Fit, parts: Vec<RecordingPart>) -> Option<Candidate> {
+    fn assessed(&self, fit: Fit, parts: Vec<RecordingPart>) -> Option<FittedCandidate> {
         let all = 0..self.before.len();
         let judged: Vec<Assessment> = all.map(|r| self.assessment(&fit, r)).collect::<Option<_>>()?;
-        Some(Candidate {
+        Some(FittedCandidate {
             whole: score(&judged, &whole_parts(judged.len()))?,
             held_out: score(&judged, &parts)?,
             held_out_before: score(self.before, &parts)?,
@@ -465,8 +465,8 @@ impl LearningTask<'_> {
 
     /// Returns whether a model with one more function is worth having: it gains enough on held-out data, makes no channel worse there, and
     /// removes a good part of the residual's power.
-    fn worth(&self, candidate: &Candidate, present: Option<&Candidate>) -> bool {
-        let gained = candidate.gain() - present.map_or(0.0, Candidate::gain);
+    fn worth(&self, candidate: &FittedCandidate, present: Option<&FittedCandidate>) -> bool {
+        let gained = candidate.gain() - present.map_or(0.0, FittedCandidate::gain);
         let power_before = present.map_or(1.0, power_left);
         gained > candidate.least_gain
             && !candidate.is_harmful()
@@ -474,7 +474,7 @@ impl LearningTask<'_> {
     }
 
     /// Returns the model that a candidate is, its functions with bands and coverage.
-    fn model(&self, candidate: &Candidate, gains: &[f64]) -> Option<LearnedModel> {
+    fn model(&self, candidate: &FittedCandidate, gains: &[f64]) -> Option<LearnedModel> {
         let fit = &candidate.fit;
         let (samples, inflation) = self.independence(candidate);
         let intervals = confidence_intervals(fit, samples, inflation);
@@ -489,7 +489,7 @@ impl LearningTask<'_> {
                 coverage: self.visited.coverage(known),
                 ..known.clone()
             };
-            let reading = read(&element);
+            let reading = read_curve(&element);
             parts.push(LearnedPart {
                 element,
                 reading,
@@ -509,7 +509,7 @@ impl LearningTask<'_> {
     }
 
     /// Returns the number of residuals, and how many of them carry the information of one.
-    fn independence(&self, candidate: &Candidate) -> (usize, f64) {
+    fn independence(&self, candidate: &FittedCandidate) -> (usize, f64) {
         let (mut samples, mut independent) = (0, 0.0);
         for (r, near) in candidate.assessments.iter().enumerate() {
             let parameters = &candidate.fit.parameters;
@@ -525,7 +525,7 @@ impl LearningTask<'_> {
 }
 
 /// Returns the share of the residual's power that a model leaves on held-out data, mean over recordings and channels.
-fn power_left(candidate: &Candidate) -> f64 {
+fn power_left(candidate: &FittedCandidate) -> f64 {
     let cells = candidate.held_out.cells.iter().zip(&candidate.held_out_before.cells);
     // a channel that was at its floor before cannot get better, and does not count
     let far = |score: &Score| score.cells.iter().filter(|c| c.excess > EXPLAINED).count();
@@ -538,7 +538,7 @@ fn power_left(candidate: &Candidate) -> f64 {
 }
 
 /// Returns the log-likelihood that a model gains for each held-out sample: models may be judged on different parts.
-fn merit(candidate: &Candidate) -> f64 {
+fn merit(candidate: &FittedCandidate) -> f64 {
     let samples: f64 = candidate.held_out.cells.iter().map(|cell| cell.samples).sum();
     candidate.gain() / samples.max(1.0)
 }

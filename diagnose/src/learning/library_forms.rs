@@ -8,9 +8,9 @@ use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, Paramet
 use crate::fitting::output_error::FitSelection;
 use crate::fitting::score::score;
 use crate::learning::learner::{FittedFunctions, LearningTask};
-use crate::learning::reading::{Form, Reading, read};
+use crate::learning::reading::{CurveReading, Form, read_curve};
 use crate::library::{Component, Effect, EffectName, find_effects, learned_element};
-use crate::selection::candidate::Candidate;
+use crate::selection::candidate::FittedCandidate;
 use crate::tolerance::{AMBIGUOUS, PARAMETER_PRICE, SEARCH_ITERATIONS};
 
 /// An effect of the library with values from which its fit starts.
@@ -20,7 +20,7 @@ struct LibraryForm {
 }
 
 /// Returns the effects of the library that a curve may be.
-fn library_forms(element: &LearnedElement, reading: &Reading, base: &Parameters) -> Vec<LibraryForm> {
+fn library_forms(element: &LearnedElement, reading: &CurveReading, base: &Parameters) -> Vec<LibraryForm> {
     use LearnedPlace::{Motor, Pivot};
     use LearnedQuantity::{FrictionLevel, Torque, TorqueConstant};
     use RegimeVariable::{Angle, Load, Rate, Time, Turn};
@@ -80,8 +80,8 @@ impl LearningTask<'_> {
     pub(crate) fn name_function(
         &self,
         functions: &FittedFunctions,
-        named: Option<&Candidate>,
-    ) -> Option<Candidate> {
+        named: Option<&FittedCandidate>,
+    ) -> Option<FittedCandidate> {
         let candidate = &functions.learned.candidate;
         let [effect] = candidate.fit.effects.as_slice() else { return None };
         let coverage = self.visited.coverage(learned_element(effect)?);
@@ -90,7 +90,7 @@ impl LearningTask<'_> {
             coverage,
             ..learned_element(effect)?.clone()
         };
-        let reading = read(&element)?;
+        let reading = read_curve(&element)?;
         let forms = library_forms(&element, &reading, self.base);
         let fitted = forms.iter().filter_map(|form| self.fit_form(form, functions, named));
         fitted.min_by(|a, b| a.log_likelihood_deficit(b).total_cmp(&0.0))
@@ -101,8 +101,8 @@ impl LearningTask<'_> {
         &self,
         form: &LibraryForm,
         functions: &FittedFunctions,
-        named: Option<&Candidate>,
-    ) -> Option<Candidate> {
+        named: Option<&FittedCandidate>,
+    ) -> Option<FittedCandidate> {
         let searcher = self.searcher;
         let known = named.map_or_else(Vec::new, |n| n.fit.effects.clone());
         let tried = searcher.effects.iter().any(|e| std::ptr::eq(*e, form.effect));
@@ -127,7 +127,7 @@ impl LearningTask<'_> {
         let before = score(self.before, &curve.held_out_parts)?;
         let built = searcher.build_candidate(fit, &judged, &selection.recordings, self.before)?;
         let parts = curve.held_out_parts.clone();
-        let built = Candidate { held_out, held_out_before: before, held_out_parts: parts, ..built };
+        let built = FittedCandidate { held_out, held_out_before: before, held_out_parts: parts, ..built };
         built.is_acceptable().then(|| searcher.refit_candidate(built))
     }
 }

@@ -49,7 +49,7 @@ pub struct FormParameter {
 
 /// What a curve says.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Reading {
+pub struct CurveReading {
     /// The form.
     pub form: Form,
     /// Its parameters.
@@ -58,7 +58,7 @@ pub struct Reading {
     pub explained: f64,
 }
 
-impl Reading {
+impl CurveReading {
     /// Returns a parameter's value by its name; 0 if the form has none of that name.
     pub fn value(&self, name: &str) -> f64 {
         self.find(name).map_or(0.0, |p| p.value)
@@ -110,16 +110,19 @@ pub struct ReadElement {
     /// The function.
     pub element: LearnedElement,
     /// The simple form that its curve has; `None` if it has none.
-    pub reading: Option<Reading>,
+    pub reading: Option<CurveReading>,
 }
 
 /// Reads the free functions of a mechanism.
 pub fn read_elements(elements: &[LearnedElement]) -> Vec<ReadElement> {
-    elements.iter().map(|element| ReadElement { element: element.clone(), reading: read(element) }).collect()
+    elements
+        .iter()
+        .map(|element| ReadElement { element: element.clone(), reading: read_curve(element) })
+        .collect()
 }
 
 /// Returns the simple form that a curve has; `None` if none explains most of it, or if it has too few points.
-pub fn read(element: &LearnedElement) -> Option<Reading> {
+pub fn read_curve(element: &LearnedElement) -> Option<CurveReading> {
     let curve = Curve::of(element)?;
     let constant = curve.best(Form::Constant)?;
     let total = constant.misfit;
@@ -136,7 +139,7 @@ pub fn read(element: &LearnedElement) -> Option<Reading> {
     let within_noise = best.misfit < count;
     // a level that is not told from the one that changes nothing says nothing
     let off = (best.linear[0] - element.quantity.neutral()).abs() > NORMAL_95 * best.deviation[0];
-    (if flat { within_noise && off } else { explained > READ_SHARE || within_noise }).then(|| Reading {
+    (if flat { within_noise && off } else { explained > READ_SHARE || within_noise }).then(|| CurveReading {
         form: best.form,
         parameters: curve.parameters(&best),
         explained,

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::effect::{Access, Effect, Kind, Mapping, Parameter};
+use super::effect::{Access, Effect, EffectKind, EffectParameter, ParameterMapping};
 use super::names::{Component, EffectName};
 use crate::tolerance::fitting::FREE_INPUTS_V;
 
@@ -35,19 +35,19 @@ pub fn gain_curve_inputs(effect: &Effect) -> Option<&'static [f64]> {
 
 fn made(inputs_v: &[f64]) -> Effect {
     let inputs_v: &'static [f64] = Box::leak(inputs_v.to_vec().into_boxed_slice());
-    let parameter = |(point, input): (usize, &f64)| Parameter {
+    let parameter = |(point, input): (usize, &f64)| EffectParameter {
         name: Box::leak(format!("gain at {input} V").into_boxed_str()),
         unit: "1",
         bounds: [0.05, 4.0],
         size: 0.1,
-        mapping: Mapping::Linear,
+        mapping: ParameterMapping::Linear,
         access: Access::Curve { inputs_v, point },
     };
     Effect {
         // current = odd, piecewise linear map of the input (Dholiwar 2007, tables 7-1 and 7-2)
         effect: EffectName::GainCurve,
         component: Component::Amplifier,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: Box::leak(inputs_v.iter().enumerate().map(parameter).collect()),
         starts: &[],
     }

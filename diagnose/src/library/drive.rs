@@ -1,7 +1,7 @@
 //! Drive: motor, gearbox, amplifier, and the control's own timing.
 
 use super::amplifier_map::{fraction, static_gain};
-use super::effect::{Effect, Kind, parameter};
+use super::effect::{Effect, EffectKind, parameter};
 use super::names::{Component, EffectName};
 use crate::tolerance::fitting::{FREE_INPUTS_V, USUAL_GAIN_CORNER_V};
 use crate::tolerance::fitting::{LEAST_GAIN_LOSS, LEAST_LEVEL_NM};
@@ -71,7 +71,7 @@ pub(super) static TEXTBOOK: &[Effect] = &[
         // T_2 = K delta + D delta', another D (Dholiwar 2007, (5-22))
         effect: EffectName::Damping,
         component: Component::Gearbox,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!("damping", "N m s/rad", [1e-4, 1e9], 0.5, Log, gearbox.damping_nm_s_rad)],
         starts: &[],
     },
@@ -79,7 +79,7 @@ pub(super) static TEXTBOOK: &[Effect] = &[
         // J_m w_m' = torques at the motor shaft, another J_m (Dholiwar 2007, (5-23))
         effect: EffectName::Inertia,
         component: Component::Motor,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!("motor_inertia", "kg m^2", [1e-9, 1e4], 0.1, Log, motor.inertia_kg_m2)],
         starts: &[],
     },
@@ -87,7 +87,7 @@ pub(super) static TEXTBOOK: &[Effect] = &[
         // F_c sgn(w) when sliding, with a scale of its own: also where the model has none (Coulomb 1785; Dahl 1968)
         effect: EffectName::Coulomb,
         component: Component::Pivot,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[parameter!(
             "coulomb",
             "N m",
@@ -104,7 +104,7 @@ pub(super) static TEXTBOOK: &[Effect] = &[
         // F_c sgn(w_m) at the motor shaft, with a scale of its own (Coulomb 1785; Dahl 1968)
         effect: EffectName::Coulomb,
         component: Component::Motor,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[parameter!(
             "coulomb",
             "N m",
@@ -121,7 +121,7 @@ pub(super) static TEXTBOOK: &[Effect] = &[
         // dry friction F_c (1 + a sgn(w_m)) at the motor shaft (Armstrong-Helouvry, Dupont, Canudas de Wit 1994)
         effect: EffectName::AsymmetricFriction,
         component: Component::Motor,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[parameter!("asymmetry", "1", [-0.9, 0.9], 0.1, Linear, motor_friction.asymmetry)],
         starts: &[],
     },
@@ -129,7 +129,7 @@ pub(super) static TEXTBOOK: &[Effect] = &[
         // viscous part F_v (1 + a sgn(w_m)) w_m at the motor shaft (Janot, Gautier, Brunot 2019)
         effect: EffectName::AsymmetricFriction,
         component: Component::Motor,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[parameter!(
             "viscous_asymmetry",
             "1",
@@ -144,7 +144,7 @@ pub(super) static TEXTBOOK: &[Effect] = &[
         // dry friction F_c (1 + (ratio - 1) exp(-(w_m / v_s)^2)) at the motor shaft (Stribeck 1902; Armstrong-Helouvry 1991)
         effect: EffectName::Stribeck,
         component: Component::Motor,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[
             parameter!("static_ratio", "1", [1.0, 4.0], 0.2, Linear, motor_friction.static_ratio),
             parameter!("stribeck_rate", "rad/s", [0.01, 1e3], 0.3, Log, motor_friction.stribeck_rate_rad_s),
@@ -155,7 +155,7 @@ pub(super) static TEXTBOOK: &[Effect] = &[
         // e = K_e w_m, another K_e (Hanselman 2003)
         effect: EffectName::BackEmf,
         component: Component::Motor,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!(
             "back_emf_constant",
             "V s/rad",
@@ -170,7 +170,7 @@ pub(super) static TEXTBOOK: &[Effect] = &[
         // R i = V - K_e w_m, another R (Hanselman 2003)
         effect: EffectName::Resistance,
         component: Component::Motor,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!("resistance", "ohm", [1e-3, 1e3], 0.1, Log, motor.resistance_ohm)],
         starts: &[],
     },
@@ -182,7 +182,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // F_c sgn(w_m) at the motor shaft, another level (Dahl 1968)
         effect: EffectName::Coulomb,
         component: Component::Motor,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!(
             "coulomb",
             "N m",
@@ -199,7 +199,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // F_v w_m at the motor shaft, another coefficient (Dholiwar 2007, 5.2.6)
         effect: EffectName::Viscous,
         component: Component::Motor,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!(
             "viscous",
             "N m s/rad",
@@ -214,7 +214,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // torque A sin(n theta_m + phase) on the motor shaft, with or without current (Hanselman 2003; Proca et al. 2003)
         effect: EffectName::Cogging,
         component: Component::Motor,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[
             parameter!("amplitude", "N m", [0.0, 10.0], 0.03, Linear, motor.cogging.amplitude),
             parameter!("order", "1/turn", [0.004, 100.0], 0.01, Log, motor.cogging.order),
@@ -226,7 +226,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // torque constant K_t (1 + A sin(n theta_m + phase)) (Jahns and Soong 1996)
         effect: EffectName::TorqueRipple,
         component: Component::Motor,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[
             parameter!("amplitude", "1", [0.0, 0.9], 0.02, Linear, motor.torque_ripple.amplitude),
             parameter!("order", "1/turn", [0.004, 100.0], 0.01, Log, motor.torque_ripple.order),
@@ -238,7 +238,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // T_m = K_t i, another K_t (Dholiwar 2007, (5-23))
         effect: EffectName::TorqueConstant,
         component: Component::Motor,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!(
             "torque_constant",
             "N m/A",
@@ -253,7 +253,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // T_2 = K deadzone(delta, b / 2), another gap b (Nordin and Gutman 2002)
         effect: EffectName::Backlash,
         component: Component::Gearbox,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!("backlash", "rad", [0.0, 0.1], 1e-3, Linear, gearbox.backlash_rad)],
         starts: &[&[0.0], &[0.001], &[0.002], &[0.004], &[0.007], &[0.012]],
     },
@@ -261,7 +261,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // T_2 = K deadzone(delta, b / 2), another K (Dholiwar 2007, (5-22))
         effect: EffectName::Stiffness,
         component: Component::Gearbox,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!("stiffness", "N m/rad", [1e3, 1e10], 0.1, Log, gearbox.stiffness_nm_rad)],
         starts: &[],
     },
@@ -269,7 +269,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // torque A sin(n theta_m + phase) on the hub (Smith 2003 on gear transmission error)
         effect: EffectName::MeshRipple,
         component: Component::Gearbox,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[
             parameter!("amplitude", "N m", [0.0, 2e3], 6.0, Linear, gearbox.mesh_ripple.amplitude),
             parameter!("order", "1/turn", [0.005, 100.0], 0.01, Log, gearbox.mesh_ripple.order),
@@ -281,7 +281,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // a fraction of the mesh torque is lost on the driven side (Pelchen, Schweiger, Otter 2002)
         effect: EffectName::MeshEfficiency,
         component: Component::Gearbox,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[parameter!("efficiency", "1", [0.3, 1.0], 0.03, Linear, gearbox.mesh_efficiency)],
         starts: &[&[0.95], &[0.85]],
     },
@@ -289,7 +289,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // gain of the amplifier x (1 - depth exp(-(|v| / corner)^3)): another gain at small inputs (Dholiwar 2007, tables 7-1 and 7-2)
         effect: EffectName::GainCurve,
         component: Component::Amplifier,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[
             parameter!(
                 "depth",
@@ -310,7 +310,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // no output for |v| below c, v - c sgn(v) beyond (Tao and Kokotovic 1996)
         effect: EffectName::DeadZone,
         component: Component::Amplifier,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[parameter!("dead_zone", "V", [0.0, 2.0], 0.03, Linear, amplifier.dead_zone_v)],
         starts: &[&[0.03], &[0.15]],
     },
@@ -318,7 +318,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // |i| does not exceed a limit (Dholiwar 2007, 5.2.4)
         effect: EffectName::CurrentLimit,
         component: Component::Amplifier,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[parameter!("current_limit", "A", [0.5, 1e3], 0.1, Log,
             get current_limit, set |p, v| p.amplifier.current_limit_a = v)],
         starts: &[&[30.0], &[20.0], &[13.0], &[9.0]],
@@ -327,7 +327,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // i^2 <= i_c^2 + f (i_p^2 - i_c^2), another i_c: the drive folds its current back (i^2 t)
         effect: EffectName::ContinuousCurrent,
         component: Component::Amplifier,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!(
             "continuous_current",
             "A",
@@ -342,7 +342,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // tau_a dV/dt = -V + ..., another tau_a (Dholiwar 2007, (5-21)); of a drive that takes a current or a torque, t di/dt = -i + ...
         effect: EffectName::Bandwidth,
         component: Component::Amplifier,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[
             parameter!("time_constant", "s", [1e-5, 0.5], 0.3, Log, get lag_of_drive, set set_lag_of_drive),
         ],
@@ -352,7 +352,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // the control reaches the amplifier d samples late (Astrom and Wittenmark 1997)
         effect: EffectName::Delay,
         component: Component::Control,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[parameter!(
             "delay",
             "samples",

@@ -7,7 +7,7 @@ use super::{amplifier_map, learned_values};
 
 /// How a parameter's value is mapped to the variable of the fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Mapping {
+pub enum ParameterMapping {
     /// The value over its typical size.
     Linear,
     /// The logarithm of the value; for quantities that are positive by nature.
@@ -18,7 +18,7 @@ pub enum Mapping {
 
 /// One parameter of an effect.
 #[derive(Debug, Clone, Copy)]
-pub struct Parameter {
+pub struct EffectParameter {
     /// Name in the answer.
     pub name: &'static str,
     /// Unit in the answer.
@@ -28,7 +28,7 @@ pub struct Parameter {
     /// Typical size of a change; the unit of the fit and of the screening.
     pub size: f64,
     /// Mapping to the variable of the fit.
-    pub mapping: Mapping,
+    pub mapping: ParameterMapping,
     /// Where the value is found in the mechanism's parameters.
     pub access: Access,
 }
@@ -59,7 +59,7 @@ pub enum Access {
     },
 }
 
-impl Parameter {
+impl EffectParameter {
     /// Returns its value in a mechanism.
     pub fn read(&self, of: &Parameters) -> f64 {
         match self.access {
@@ -83,7 +83,7 @@ impl Parameter {
 
 /// Whether an effect is physics that the model knows with another value, or physics that it lacks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum EffectKind {
     /// The right physics with another value.
     ParameterChange,
     /// Physics that was left out.
@@ -100,9 +100,9 @@ pub struct Effect {
     /// The component in which it acts.
     pub component: Component,
     /// Parameter change, missing physics or instrument.
-    pub kind: Kind,
+    pub kind: EffectKind,
     /// Parameters.
-    pub parameters: &'static [Parameter],
+    pub parameters: &'static [EffectParameter],
     /// Values of the parameters from which a fit starts; an empty list starts at the model's own values.
     pub starts: &'static [&'static [f64]],
 }
@@ -130,22 +130,22 @@ impl Effect {
 
 macro_rules! parameter {
     ($name:literal, $unit:literal, [$low:expr, $high:expr], $size:expr, $mapping:ident, $($field:ident).+) => {
-        $crate::library::Parameter {
+        $crate::library::EffectParameter {
             name: $name,
             unit: $unit,
             bounds: [$low, $high],
             size: $size,
-            mapping: $crate::library::Mapping::$mapping,
+            mapping: $crate::library::ParameterMapping::$mapping,
             access: $crate::library::Access::Field { get: |p| p.$($field).+, set: |p, value| p.$($field).+ = value },
         }
     };
     ($name:literal, $unit:literal, [$low:expr, $high:expr], $size:expr, $mapping:ident, get $get:expr, set $set:expr) => {
-        $crate::library::Parameter {
+        $crate::library::EffectParameter {
             name: $name,
             unit: $unit,
             bounds: [$low, $high],
             size: $size,
-            mapping: $crate::library::Mapping::$mapping,
+            mapping: $crate::library::ParameterMapping::$mapping,
             access: $crate::library::Access::Field { get: $get, set: $set },
         }
     };

@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use counterpoise_models::{LearnedElement, LearnedPlace};
 
-use super::effect::{Access, Effect, Kind, Mapping, Parameter};
+use super::effect::{Access, Effect, EffectKind, EffectParameter, ParameterMapping};
 use super::names::{Component, EffectName};
 use crate::tolerance::FIT_STEP;
 use crate::tolerance::learning::{FACTOR_BOUNDS, TORQUE_BOUND};
@@ -40,26 +40,26 @@ fn made(element: &'static LearnedElement, size: f64) -> Effect {
     let bound = TORQUE_BOUND * size * FIT_STEP;
     let bounds = if element.quantity.is_factor() { FACTOR_BOUNDS } else { [-bound, bound] };
     let unit = if element.quantity.is_factor() { "1" } else { "N m" };
-    let parameter = |(point, at): (usize, &f64)| Parameter {
+    let parameter = |(point, at): (usize, &f64)| EffectParameter {
         name: Box::leak(format!("value at {at:.4} {}", element.variable.unit()).into_boxed_str()),
         unit,
         bounds,
         size,
-        mapping: Mapping::Linear,
+        mapping: ParameterMapping::Linear,
         access: Access::Learned { element, point },
     };
     Effect {
         // a free function of one regime variable (Kennedy, O'Hagan 2001: discrepancy of a model)
         effect: EffectName::Unknown,
-        component: component(element.place),
-        kind: Kind::MissingPhysics,
+        component: component_of(element.place),
+        kind: EffectKind::MissingPhysics,
         parameters: Box::leak(element.points.iter().enumerate().map(parameter).collect()),
         starts: &[],
     }
 }
 
 /// Returns the component at which a free function acts.
-pub fn component(place: LearnedPlace) -> Component {
+pub fn component_of(place: LearnedPlace) -> Component {
     match place {
         LearnedPlace::Pivot => Component::Pivot,
         LearnedPlace::Motor => Component::Motor,

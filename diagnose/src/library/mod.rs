@@ -15,8 +15,8 @@ mod sensing;
 mod structure;
 
 pub use curve::{gain_curve_inputs, make_free_gain_curve, make_gain_curve};
-pub use effect::{Access, Effect, Kind, Mapping, Parameter};
-pub use free_functions::{component as component_of, learned_element, make_learned_effect};
+pub use effect::{Access, Effect, EffectKind, EffectParameter, ParameterMapping};
+pub use free_functions::{component_of, learned_element, make_learned_effect};
 pub(crate) use names::named;
 pub use names::{Component, EffectName};
 

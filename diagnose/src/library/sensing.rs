@@ -1,6 +1,6 @@
 //! Sensors and the recorder.
 
-use super::effect::{Effect, Kind, parameter};
+use super::effect::{Effect, EffectKind, parameter};
 use super::names::{Component, EffectName};
 
 macro_rules! instrument {
@@ -8,7 +8,7 @@ macro_rules! instrument {
         Effect {
             effect: EffectName::$effect,
             component: Component::$component,
-            kind: Kind::Instrument,
+            kind: EffectKind::Instrument,
             parameters: &[$parameter],
             starts: $starts,
         }
@@ -21,7 +21,7 @@ macro_rules! misalignment {
         Effect {
             effect: EffectName::Misalignment,
             component: Component::$component,
-            kind: Kind::Instrument,
+            kind: EffectKind::Instrument,
             parameters: &[
                 parameter!(
                     "roll_sensitivity",
@@ -200,7 +200,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // the platform's channels are recorded late by a time (two clocks, or one channel group sampled after the other)
         effect: EffectName::ChannelSkew,
         component: Component::Platform,
-        kind: Kind::Instrument,
+        kind: EffectKind::Instrument,
         parameters: &[parameter!(
             "skew",
             "s",

@@ -1,6 +1,6 @@
 //! Structure and pivot: imbalance, inertia, springs, friction at the pivot.
 
-use super::effect::{Effect, Kind, parameter};
+use super::effect::{Effect, EffectKind, parameter};
 use super::names::{Component, EffectName};
 use counterpoise_models::{Lumped, Parameters};
 
@@ -32,7 +32,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // T_oob = (g + a_p) (mu cos theta_h - nu sin theta_h), another mu (Dholiwar 2007, (5-22))
         effect: EffectName::OutOfBalance,
         component: Component::Structure,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!(
             "out_of_balance",
             "kg m",
@@ -49,7 +49,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // T_oob = (g + a_p) (mu cos theta_h - nu sin theta_h), another nu (Dholiwar 2007, (5-22))
         effect: EffectName::VerticalOffset,
         component: Component::Structure,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!(
             "vertical_offset",
             "kg m",
@@ -66,7 +66,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // J theta'' = torques, another beam inertia (Dholiwar 2007, (5-24))
         effect: EffectName::Inertia,
         component: Component::Structure,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!(
             "beam_inertia",
             "kg m^2",
@@ -83,7 +83,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // J theta'' = torques, another hub inertia (Dholiwar 2007, (5-24))
         effect: EffectName::Inertia,
         component: Component::Structure,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!(
             "hub_inertia",
             "kg m^2",
@@ -100,7 +100,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // T = -k (theta_h - theta_p - centre): a cable or hose between hub and platform (Hooke; Armstrong-Helouvry, Dupont, Canudas de Wit 1994 on cable drag)
         effect: EffectName::PositionStiffness,
         component: Component::Structure,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[
             parameter!(
                 "stiffness",
@@ -129,7 +129,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // dT/dt = k (w - |w| T / (2 T_max) - w |T| / (2 T_max)): a hose between hub and platform that yields (Bouc 1967; Wen 1976)
         effect: EffectName::Hysteresis,
         component: Component::Structure,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[
             parameter!(
                 "level",
@@ -158,7 +158,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // K_h (theta_h - theta_b) between hub and beam, another stiffness (Dholiwar 2007, (5-24), (5-25))
         effect: EffectName::FlexibleMode,
         component: Component::Structure,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!(
             "stiffness",
             "N m/rad",
@@ -175,7 +175,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // D_h (theta_h' - theta_b') between hub and beam, another damping (Dholiwar 2007, (5-24), (5-25))
         effect: EffectName::FlexibleMode,
         component: Component::Structure,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!(
             "damping",
             "N m s/rad",
@@ -192,7 +192,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // F_c sgn(w) when sliding, another level (Dahl 1968)
         effect: EffectName::Coulomb,
         component: Component::Pivot,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!(
             "coulomb",
             "N m",
@@ -209,7 +209,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // F_c sgn(w) on a machine whose model has no dry friction (Coulomb 1785)
         effect: EffectName::Coulomb,
         component: Component::Pivot,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[parameter!(
             "coulomb",
             "N m",
@@ -226,7 +226,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // F_v w, another coefficient (Dholiwar 2007, 5.2.6)
         effect: EffectName::Viscous,
         component: Component::Pivot,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!(
             "viscous",
             "N m s/rad",
@@ -241,7 +241,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // dry friction F_c (1 + (ratio - 1) exp(-(w / v_s)^2)) (Stribeck 1902; Bo and Pavelescu 1982; Armstrong-Helouvry 1991)
         effect: EffectName::Stribeck,
         component: Component::Pivot,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[
             parameter!("static_ratio", "1", [1.0, 4.0], 0.2, Linear, pivot_friction.static_ratio),
             parameter!("stribeck_rate", "rad/s", [5e-4, 0.5], 0.3, Log, pivot_friction.stribeck_rate_rad_s),
@@ -252,7 +252,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // dry friction F_c (1 + a sgn(w)) (Armstrong-Helouvry, Dupont, Canudas de Wit 1994)
         effect: EffectName::AsymmetricFriction,
         component: Component::Pivot,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[parameter!("asymmetry", "1", [-0.9, 0.9], 0.1, Linear, pivot_friction.asymmetry)],
         starts: &[],
     },
@@ -260,7 +260,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // viscous part F_v (1 + a sgn(w)) w (Janot, Gautier, Brunot 2019 on the EMPS axis; Armstrong-Helouvry, Dupont, Canudas de Wit 1994)
         effect: EffectName::AsymmetricFriction,
         component: Component::Pivot,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[parameter!(
             "viscous_asymmetry",
             "1",
@@ -275,7 +275,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // dry friction F_c (1 + a sin(n theta + phase)), theta the hub's angle on the platform (Armstrong-Helouvry 1991; Popovic and Goldenberg 1998)
         effect: EffectName::PositionDependentFriction,
         component: Component::Pivot,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[
             parameter!("amplitude", "1", [0.0, 0.95], 0.1, Linear, pivot_friction.position_ripple.amplitude),
             parameter!("order", "1/turn", [2.0, 400.0], 0.02, Log, pivot_friction.position_ripple.order),
@@ -287,7 +287,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // sigma of Dahl's law, another value (Dahl 1968)
         effect: EffectName::PreslidingStiffness,
         component: Component::Pivot,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!(
             "rest_stiffness",
             "N m/rad",
@@ -304,7 +304,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // c w |w| (turbulent drag; Armstrong-Helouvry 1991)
         effect: EffectName::QuadraticDrag,
         component: Component::Pivot,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[parameter!(
             "quadratic",
             "N m s^2/rad^2",
@@ -319,7 +319,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // dry friction F_c + c |T|, T the torque carried (Pelchen, Schweiger, Otter 2002; Hamon et al. 2011)
         effect: EffectName::LoadDependentFriction,
         component: Component::Pivot,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[parameter!(
             "load_coefficient",
             "1",
@@ -334,7 +334,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // level (1 + a (exp(-t / tau) - 1)) (Bittencourt, Wernholt 2012 on friction and temperature)
         effect: EffectName::WarmUp,
         component: Component::Pivot,
-        kind: Kind::MissingPhysics,
+        kind: EffectKind::MissingPhysics,
         parameters: &[
             parameter!("warm_up", "1", [-1.0, 0.95], 0.1, Linear, pivot_friction.warm_up),
             parameter!("time_constant", "s", [0.5, 200.0], 0.4, Log, pivot_friction.warm_up_time_s),
@@ -345,7 +345,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // T = f F r R sin(c) / L, another force: a gas of another temperature, another spring (AMCP 706-345, 1960)
         effect: EffectName::Equilibrator,
         component: Component::Structure,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!(
             "factor",
             "",
@@ -361,7 +361,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // T = k d (1 + c v), another k (Hunt and Crossley 1975)
         effect: EffectName::EndStops,
         component: Component::Structure,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!(
             "stop_stiffness",
             "N m/rad",
@@ -377,7 +377,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         // T = e K + ..., another height e of the recoiling mass above the trunnion (AMCP 706-342, 1963)
         effect: EffectName::Recoil,
         component: Component::Structure,
-        kind: Kind::ParameterChange,
+        kind: EffectKind::ParameterChange,
         parameters: &[parameter!(
             "recoil_height",
             "m",

@@ -14,7 +14,7 @@ use crate::localisation::error_hypotheses::{
 use crate::localisation::free_functions::{
     KnotSpacing, classify_knot_function, hat_series, place_knots, sines, turns, waves,
 };
-use crate::localisation::residual_regression::{ErrorTerm, ReplayedRecording, ResidualRegression, Series};
+use crate::localisation::residual_regression::{AssessedReplay, ErrorTerm, ResidualRegression, Series};
 use crate::localisation::torque_balances::BalanceVisibility;
 use crate::localisation::trend::{Repetition, Trend};
 use crate::simulator_access::{Pool, map};
@@ -38,7 +38,7 @@ pub struct MapCell {
 /// Tries every error hypothesis on recordings with their replays; returns the cells component by component.
 pub fn localise_errors(
     parameters: &Parameters,
-    recordings: &[ReplayedRecording],
+    recordings: &[AssessedReplay],
     isolability: &[BalanceVisibility],
     pool: &dyn Pool,
 ) -> Vec<MapCell> {

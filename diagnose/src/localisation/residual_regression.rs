@@ -28,7 +28,7 @@ pub(crate) type Series = Vec<Vec<f64>>;
 
 /// A recording with the replay that was assessed on it.
 #[derive(Debug, Clone)]
-pub struct ReplayedRecording {
+pub struct AssessedReplay {
     /// Its signals.
     pub measured: MeasuredSignals,
     /// The assessment of its replay.
@@ -70,7 +70,7 @@ pub(crate) struct ResidualRegression<'a> {
 
 impl<'a> ResidualRegression<'a> {
     /// Prepares the regression; returns `None` if a balance is not finite.
-    pub fn new(p: &'a Parameters, recordings: &[ReplayedRecording]) -> Option<Self> {
+    pub fn new(p: &'a Parameters, recordings: &[AssessedReplay]) -> Option<Self> {
         let has = |f: fn(&MeasuredSignals) -> bool| recordings.iter().all(|r| f(&r.measured));
         let recorded = RedundantSensors {
             motor_rate: has(|m| m.motor_rate.is_some()),
@@ -341,7 +341,7 @@ fn solved(gram: &Mat, right: &[f64]) -> Option<Vec<f64>> {
 fn departed(
     p: &Parameters,
     recorded: &Signals,
-    recording: &ReplayedRecording,
+    recording: &AssessedReplay,
     balances: &[Balance],
 ) -> [Vec<Vec<f64>>; 2] {
     let replay = replayed(recording);
@@ -357,8 +357,8 @@ fn departed(
 }
 
 /// Returns the readings of the replay: the recorded ones plus the residuals. A control that was played back is the recorded one.
-fn replayed(recording: &ReplayedRecording) -> MeasuredSignals {
-    let ReplayedRecording { measured, assessment: judged } = recording;
+fn replayed(recording: &AssessedReplay) -> MeasuredSignals {
+    let AssessedReplay { measured, assessment: judged } = recording;
     let mut out = measured.clone();
     for misfit in &judged.channels {
         let column = match misfit.channel {

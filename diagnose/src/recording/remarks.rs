@@ -2,7 +2,7 @@
 
 use crate::recording::gap_repair::Repair;
 use crate::recording::instrument_faults::InstrumentFault;
-use crate::recording::sanity_checks::{ControlMismatch, Remark};
+use crate::recording::sanity_checks::{ControlMismatch, SanityRemark};
 
 /// What was done with a recording whose platform moves and whose heave was not recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,7 +53,7 @@ pub enum RecordingRemark {
     /// A check found something unusual.
     Checked {
         /// What it found.
-        remark: Remark,
+        remark: SanityRemark,
         /// Whether the channel is still compared.
         comparison: Comparison,
     },

@@ -5,7 +5,7 @@
 
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
-use counterpoise_simulate::replay::{Loop, control_fit};
+use counterpoise_simulate::replay::{ReplayLoop, control_fit};
 
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::rms;
@@ -122,7 +122,7 @@ impl Anomaly {
 
 /// Something that is wrong, or worth knowing, about a recording.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Remark {
+pub struct SanityRemark {
     /// Name of the recording.
     pub recording: String,
     /// Channel.
@@ -132,10 +132,10 @@ pub struct Remark {
 }
 
 /// Checks the channels of one recording by themselves and against each other; `ratio` is the gear's, motor turns per hub turn.
-pub fn check_signals(name: &str, measured: &MeasuredSignals, ratio: f64) -> Vec<Remark> {
+pub fn check_signals(name: &str, measured: &MeasuredSignals, ratio: f64) -> Vec<SanityRemark> {
     let mut remarks = Vec::new();
     let mut note = |channel, anomaly| {
-        remarks.push(Remark { recording: name.to_owned(), channel, anomaly });
+        remarks.push(SanityRemark { recording: name.to_owned(), channel, anomaly });
     };
     for (channel, series) in channels(measured) {
         if let Some(anomaly) = check_alone(series) {
@@ -172,10 +172,14 @@ pub struct ControlMismatch {
 /// Compares the recorded control with what the project's controller makes of the recorded demand and hub rate. Returns `None` if they
 /// agree, if one of the three was not recorded, or if no controller is known. The columns must be the samples that were read, not
 /// made from others.
-pub fn check_control(base: &Parameters, recording: &Recording, control: &Loop) -> Option<ControlMismatch> {
-    let Loop::Closed(controller) = control else { return None };
+pub fn check_control(
+    base: &Parameters,
+    recording: &Recording,
+    control: &ReplayLoop,
+) -> Option<ControlMismatch> {
+    let ReplayLoop::Closed(controller) = control else { return None };
     let (fit, _) = control_fit(base, recording, controller)?;
-    let ratio = fit.rms_error / fit.floor;
+    let ratio = fit.residual_over_floor();
     (ratio > FOREIGN_CONTROL_MULTIPLE).then_some(ControlMismatch { rms_v: fit.rms_error, ratio })
 }
 

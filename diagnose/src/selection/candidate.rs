@@ -10,7 +10,7 @@ use crate::tolerance::{
 
 /// A candidate that was fitted and assessed.
 #[derive(Debug, Clone)]
-pub struct Candidate {
+pub struct FittedCandidate {
     /// All effects of the model, fitted together; the new one is the last.
     pub fit: Fit,
     /// Fit of every recording, whole.
@@ -29,7 +29,7 @@ pub struct Candidate {
     pub least_gain: f64,
 }
 
-impl Candidate {
+impl FittedCandidate {
     /// Returns the effect that the candidate adds.
     pub fn newest(&self) -> Option<&'static Effect> {
         self.fit.effects.last().copied()
@@ -119,14 +119,14 @@ impl Candidate {
 
 /// Ranks candidates, best first, with each set of effects once: by the likelihood of all data, every channel weighted by its worth
 /// to the one that is nearest to the floor.
-pub(crate) fn rank_candidates(mut candidates: Vec<Candidate>) -> Vec<Candidate> {
+pub(crate) fn rank_candidates(mut candidates: Vec<FittedCandidate>) -> Vec<FittedCandidate> {
     candidates.sort_by(|a, b| a.whole.level().total_cmp(&b.whole.level()));
     if let Some(nearest) = candidates.first().cloned() {
         candidates.sort_by(|a, b| {
             a.log_likelihood_deficit(&nearest).total_cmp(&b.log_likelihood_deficit(&nearest))
         });
     }
-    let mut kept: Vec<Candidate> = Vec::new();
+    let mut kept: Vec<FittedCandidate> = Vec::new();
     for candidate in candidates {
         if !kept.iter().any(|k| k.has_same_effects(&candidate)) {
             kept.push(candidate);

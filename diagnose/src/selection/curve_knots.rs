@@ -14,7 +14,7 @@ use crate::fitting::output_error::FitSelection;
 use crate::library::{Effect, gain_curve_inputs, make_gain_curve};
 use crate::recording::series::correlation_time;
 use crate::recording::series::dot;
-use crate::selection::candidate::Candidate;
+use crate::selection::candidate::FittedCandidate;
 use crate::selection::searcher::Searcher;
 use crate::simulator_access::{Assessment, ChannelResidual, Span, StartShift, map};
 use crate::tolerance::selection::SAME_GRID_PLACE;
@@ -25,7 +25,7 @@ use crate::tolerance::{
 
 impl Searcher<'_> {
     /// Returns a candidate with the knots of its curve where the recordings require them; unchanged if it has no curve.
-    pub(crate) fn place_curve_knots(&self, mut candidate: Candidate) -> Candidate {
+    pub(crate) fn place_curve_knots(&self, mut candidate: FittedCandidate) -> FittedCandidate {
         for _ in 0..KNOT_ROUNDS {
             match self.move_curve_knots(&candidate) {
                 Some(sharper) => candidate = sharper,
@@ -36,7 +36,7 @@ impl Searcher<'_> {
     }
 
     /// Returns the candidate with other knots if those explain more.
-    fn move_curve_knots(&self, candidate: &Candidate) -> Option<Candidate> {
+    fn move_curve_knots(&self, candidate: &FittedCandidate) -> Option<FittedCandidate> {
         let effects = &candidate.fit.effects;
         let place = effects.iter().position(|e| gain_curve_inputs(e).is_some())?;
         let present = gain_curve_inputs(effects[place])?;
@@ -59,7 +59,7 @@ impl Searcher<'_> {
     }
 
     /// Returns what each knot of a fine curve does to all recordings.
-    fn slopes(&self, candidate: &Candidate, fine: &[f64]) -> Option<Slopes> {
+    fn slopes(&self, candidate: &FittedCandidate, fine: &[f64]) -> Option<Slopes> {
         let mut slopes = Slopes::new(fine, make_gain_curve(fine).values(&candidate.fit.parameters));
         for recording in 0..self.simulator.count() {
             let (residual, columns) = self.columns(candidate, recording, make_gain_curve(fine))?;
@@ -71,7 +71,12 @@ impl Searcher<'_> {
 
     /// Returns the residuals of a recording, channel by channel, and what each knot of the fine curve does to them, without what
     /// the initial state could do instead.
-    fn columns(&self, candidate: &Candidate, recording: usize, fine: &'static Effect) -> Option<Columns> {
+    fn columns(
+        &self,
+        candidate: &FittedCandidate,
+        recording: usize,
+        fine: &'static Effect,
+    ) -> Option<Columns> {
         let near = candidate.assessments.get(recording)?;
         let values = fine.values(&candidate.fit.parameters);
         let parameters = fine.apply_to(&candidate.fit.parameters, &values);

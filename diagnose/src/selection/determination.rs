@@ -1,7 +1,7 @@
 //! Effects whose size the recordings do not tell from none: no name rests on them.
 
 use crate::fitting::output_error::{FitSelection, confidence_intervals, parameters_of};
-use crate::selection::candidate::Candidate;
+use crate::selection::candidate::FittedCandidate;
 use crate::selection::outcome::SearchOutcome;
 use crate::selection::searcher::Searcher;
 use crate::tolerance::{AMBIGUOUS, EXPLAINED, SEARCH_ITERATIONS};
@@ -28,7 +28,7 @@ impl Searcher<'_> {
     }
 
     /// Returns whether the interval of an effect's size, its first parameter, contains the value of the model as it was.
-    fn is_undetermined(&self, model: &Candidate, index: usize) -> bool {
+    fn is_undetermined(&self, model: &FittedCandidate, index: usize) -> bool {
         let samples: f64 = model.whole.cells.iter().map(|cell| cell.samples).sum();
         let independent: f64 = model.whole.cells.iter().map(|cell| cell.worth).sum();
         let bounds = confidence_intervals(&model.fit, samples as usize, samples / independent.max(1.0));
@@ -39,7 +39,12 @@ impl Searcher<'_> {
     }
 
     /// Returns the model without one of its effects, fitted to all recordings and validated.
-    fn without_effect(&self, best: &Candidate, index: usize, search: &SearchOutcome) -> Option<Candidate> {
+    fn without_effect(
+        &self,
+        best: &FittedCandidate,
+        index: usize,
+        search: &SearchOutcome,
+    ) -> Option<FittedCandidate> {
         let (mut effects, mut start) = (best.fit.effects.clone(), best.fit.values.clone());
         let first = parameters_of(&effects[..index]).len();
         let dropped = effects.remove(index);

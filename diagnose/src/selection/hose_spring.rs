@@ -1,14 +1,14 @@
 //! A simpler model in place of what a stage finds: a spring for a hose that does not yield.
 
 use crate::library::{Component, Effect, EffectName, find_effects};
-use crate::selection::candidate::Candidate;
+use crate::selection::candidate::FittedCandidate;
 use crate::selection::signature::EffectSignature;
 
 /// If the best candidate adds a hose, returns a spring in its place, as stiff as the hose and a spring beside it together, with the
 /// other effect that it adds. A hose that does not yield is a spring, and a fit of the spring from the model as it is may not find
 /// it.
 pub(crate) fn spring_in_place_of_hose(
-    candidates: &[Candidate],
+    candidates: &[FittedCandidate],
     present: usize,
     recordings: usize,
 ) -> Option<Vec<EffectSignature>> {

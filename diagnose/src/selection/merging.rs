@@ -2,7 +2,7 @@
 
 use crate::fitting::output_error::{FitSelection, apply_effects, parameters_of};
 use crate::library::Effect;
-use crate::selection::candidate::Candidate;
+use crate::selection::candidate::FittedCandidate;
 use crate::selection::outcome::SearchOutcome;
 use crate::selection::screening::screen_effects;
 use crate::selection::searcher::Searcher;
@@ -14,7 +14,11 @@ impl Searcher<'_> {
     /// Returns a candidate with one effect in place of two of the same component, if it explains as much: another out-of-balance in
     /// place of an accelerometer's bias and scale together. The other effects keep their values during the screening, because
     /// without the two no fit of them converges.
-    pub(crate) fn merge_effects(&self, best: &Candidate, search: &SearchOutcome) -> Option<Candidate> {
+    pub(crate) fn merge_effects(
+        &self,
+        best: &FittedCandidate,
+        search: &SearchOutcome,
+    ) -> Option<FittedCandidate> {
         let effects = &best.fit.effects;
         let of_one = |i: &usize, j: &usize| effects[*i].component == effects[*j].component;
         let pairs = (0..effects.len()).flat_map(|j| (0..j).map(move |i| [i, j]));
@@ -22,7 +26,12 @@ impl Searcher<'_> {
         pairs.find_map(|pair| self.merge_pair(best, pair, search))
     }
 
-    fn merge_pair(&self, best: &Candidate, pair: [usize; 2], search: &SearchOutcome) -> Option<Candidate> {
+    fn merge_pair(
+        &self,
+        best: &FittedCandidate,
+        pair: [usize; 2],
+        search: &SearchOutcome,
+    ) -> Option<FittedCandidate> {
         let kept = effects_except(best, pair);
         let model = apply_effects(self.base, &kept.effects, &kept.values);
         let judged = self.assess_model(&model, &|r| best.assessments.get(r))?;
@@ -52,16 +61,16 @@ impl Searcher<'_> {
         let simplest = simpler
             .min_by(|a, b| a.log_likelihood_deficit(best).total_cmp(&b.log_likelihood_deficit(best)))?;
         self.validate_candidate(simplest, &search.baseline.score, &search.baseline.fitted)
-            .filter(Candidate::is_acceptable)
+            .filter(FittedCandidate::is_acceptable)
     }
 
     /// Fits the kept effects and one more to all recordings, from their present values.
     fn fit_with_one_more(
         &self,
-        best: &Candidate,
+        best: &FittedCandidate,
         kept: &KeptEffects,
         look: &EffectSignature,
-    ) -> Option<Candidate> {
+    ) -> Option<FittedCandidate> {
         let effects = kept.effects.iter().copied().chain([look.effect]).collect();
         let start: Vec<f64> = kept.values.iter().chain(&look.start).copied().collect();
         let selection =
@@ -78,7 +87,7 @@ struct KeptEffects {
 }
 
 /// Returns the effects of a candidate but two.
-fn effects_except(best: &Candidate, pair: [usize; 2]) -> KeptEffects {
+fn effects_except(best: &FittedCandidate, pair: [usize; 2]) -> KeptEffects {
     let mut kept = KeptEffects { effects: Vec::new(), values: Vec::new() };
     for (i, effect) in best.fit.effects.iter().enumerate().filter(|(i, _)| !pair.contains(i)) {
         let first = parameters_of(&best.fit.effects[..i]).len();

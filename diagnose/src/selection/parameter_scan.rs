@@ -8,7 +8,7 @@ use crate::tolerance::selection::{
 use counterpoise_models::Parameters;
 
 use crate::fitting::output_error::Fit;
-use crate::library::{Component, Effect, EffectName, Mapping, find_effects, find_scan_range};
+use crate::library::{Component, Effect, EffectName, ParameterMapping, find_effects, find_scan_range};
 use crate::selection::order_spectrum::{BalanceOverAngle, OrderRange};
 use crate::selection::perturbations::{Perturbation, perturbation_towards, ripple_perturbation};
 use crate::selection::signature::{
@@ -39,7 +39,7 @@ pub(crate) fn scan_parameter(scene: &ScreeningContext, effect: &'static Effect) 
         best = value(lowest);
         (low, high) = (value(lowest.saturating_sub(1)), value((lowest + 1).min(count - 1)));
     }
-    let best = if parameter.mapping == Mapping::Whole { best.round() } else { best };
+    let best = if parameter.mapping == ParameterMapping::Whole { best.round() } else { best };
     let perturbation = perturbation_towards(effect, scene.base, &[best]);
     (perturbation.directions[0][0] != 0.0).then_some(perturbation)
 }

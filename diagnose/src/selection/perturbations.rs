@@ -8,7 +8,7 @@ use crate::tolerance::selection::{
 use counterpoise_models::Parameters;
 
 use crate::fitting::output_error::{from_variable, to_variable};
-use crate::library::{Effect, Mapping};
+use crate::library::{Effect, ParameterMapping};
 use crate::selection::sizes::Sizes;
 
 /// One effect with a set of directions in its parameters' fit variables.
@@ -35,8 +35,9 @@ pub(crate) enum Combination {
 pub(crate) fn step_limits(perturbation: &Perturbation, sizes: Sizes) -> Vec<[f64; 2]> {
     let both = |limit: f64| [-limit, limit];
     let far = |direction: &Vec<f64>| {
-        let moved =
-            |k: &usize| direction[*k] != 0.0 && perturbation.effect.parameters[*k].mapping == Mapping::Log;
+        let moved = |k: &usize| {
+            direction[*k] != 0.0 && perturbation.effect.parameters[*k].mapping == ParameterMapping::Log
+        };
         let of = |k: usize| {
             LARGEST_SCALED_LOGARITHM / (direction[k].abs() * perturbation.effect.parameters[k].size)
         };
@@ -97,7 +98,7 @@ pub(crate) fn perturbations_of(
     let origin: Vec<f64> = free.iter().map(|k| to_variable(k, k.read(base))).collect();
     let perturbation =
         |origin: Vec<f64>, directions, combine| Perturbation { effect, origin, directions, combine };
-    if free[0].mapping == Mapping::Whole {
+    if free[0].mapping == ParameterMapping::Whole {
         let towards = |d: usize| perturbation(origin.clone(), vec![vec![d as f64]], Combination::Towards);
         return [1, 2, 4, 8].into_iter().map(towards).collect();
     }
@@ -114,7 +115,7 @@ pub(crate) fn perturbations_of(
     let unit = |j: usize| (0..free.len()).map(|i| if i == j { 0.1 } else { 0.0 }).collect();
     let mut all = vec![perturbation(origin, (0..free.len()).map(unit).collect(), Combination::Free)];
     if let ([parameter], false) = (free, sizes.typical)
-        && parameter.mapping == Mapping::Log
+        && parameter.mapping == ParameterMapping::Log
     {
         let far = |factor: &f64| perturbation_towards(effect, base, &[parameter.read(base) * factor]);
         all.extend(

@@ -3,7 +3,7 @@
 
 use crate::fitting::output_error::{Fit, FitSelection, apply_effects, parameters_of};
 use crate::library::{Effect, find_refinement};
-use crate::selection::candidate::Candidate;
+use crate::selection::candidate::FittedCandidate;
 use crate::selection::outcome::SearchOutcome;
 use crate::selection::searcher::Searcher;
 use crate::selection::stage::StageBreadth;
@@ -12,7 +12,7 @@ use crate::tolerance::{AMBIGUOUS, RIVALS, SEARCH_ITERATIONS, SWAP_NEEDED};
 
 impl Searcher<'_> {
     /// Returns the accepted effects with those in a coarse form refined, if that explains more.
-    pub(crate) fn refine_effects(&self, candidate: Candidate) -> Candidate {
+    pub(crate) fn refine_effects(&self, candidate: FittedCandidate) -> FittedCandidate {
         let finer = |effect: &&'static Effect| find_refinement(effect).unwrap_or(effect);
         let effects: Vec<&'static Effect> = candidate.fit.effects.iter().map(finer).collect();
         if effects.iter().zip(&candidate.fit.effects).all(|(a, b)| std::ptr::eq(*a, *b)) {
@@ -29,7 +29,7 @@ impl Searcher<'_> {
     }
 
     /// Fits the accepted effects once more, to all recordings.
-    pub(crate) fn refit_candidate(&self, candidate: Candidate) -> Candidate {
+    pub(crate) fn refit_candidate(&self, candidate: FittedCandidate) -> FittedCandidate {
         let selection =
             FitSelection { iterations: SEARCH_ITERATIONS, ..FitSelection::all(self.simulator.count()) };
         let (effects, assessments) = (candidate.fit.effects.clone(), &candidate.assessments);
@@ -59,7 +59,7 @@ impl Searcher<'_> {
         }
         if let (1, Some(stage)) = (best.fit.effects.len(), search.stages.iter().find(|s| s.contains(&best))) {
             let singles = stage.singles();
-            let gains_little = |c: &Candidate| c.has_same_effects(&best) && c.gain() < c.least_gain;
+            let gains_little = |c: &FittedCandidate| c.has_same_effects(&best) && c.gain() < c.least_gain;
             if singles.iter().any(gains_little) && !self.gains_alone(&best, &search.baseline.fitted) {
                 return;
             }
@@ -70,7 +70,7 @@ impl Searcher<'_> {
 
     /// Returns whether what is left of a larger model gains enough on the last part of every recording, fitted from its own values to the
     /// first parts. The first fit of its only effect may not have come so far from the values of the model as it was.
-    fn gains_alone(&self, best: &Candidate, before: &[Assessment]) -> bool {
+    fn gains_alone(&self, best: &FittedCandidate, before: &[Assessment]) -> bool {
         let all: Vec<usize> = (0..self.simulator.count()).collect();
         let selection = FitSelection::searching(all.clone());
         let fit = self.fit(best.fit.effects.clone(), &best.fit.values, &selection, &best.assessments);
@@ -84,11 +84,11 @@ impl Searcher<'_> {
     /// Returns the rivals of an effect, best first: the effect itself as the model is fitted now, and those that were level with
     /// its first fit or ahead of it, fitted as thoroughly. Otherwise an effect could pass for equivalent because the other's first
     /// fit did not converge.
-    fn refit_rivals(&self, rivals: Vec<Candidate>, best: &Candidate) -> Vec<Candidate> {
+    fn refit_rivals(&self, rivals: Vec<FittedCandidate>, best: &FittedCandidate) -> Vec<FittedCandidate> {
         let Some(first) = rivals.iter().find(|c| c.has_same_effects(best)).cloned() else { return rivals };
-        let again = |rival: Candidate| {
+        let again = |rival: FittedCandidate| {
             if rival.has_same_effects(best) {
-                Candidate { whole: best.whole.clone(), ..rival }
+                FittedCandidate { whole: best.whole.clone(), ..rival }
             } else if rival.log_likelihood_deficit(&first) < AMBIGUOUS
                 && rival.log_likelihood_deficit(best) >= AMBIGUOUS
             {
@@ -97,13 +97,13 @@ impl Searcher<'_> {
                 rival
             }
         };
-        let mut heard: Vec<Candidate> = rivals.into_iter().map(again).collect();
+        let mut heard: Vec<FittedCandidate> = rivals.into_iter().map(again).collect();
         heard.sort_by(|a, b| a.log_likelihood_deficit(best).total_cmp(&b.log_likelihood_deficit(best)));
         heard
     }
 
     /// Replaces effects if another explains more beside the rest; returns the candidates in the place of each.
-    fn swap_effects(&self, best: &mut Candidate, search: &SearchOutcome) -> Vec<Vec<Candidate>> {
+    fn swap_effects(&self, best: &mut FittedCandidate, search: &SearchOutcome) -> Vec<Vec<FittedCandidate>> {
         let mut all = Vec::new();
         for index in 0..best.fit.effects.len() {
             let Some(without) = self.remove_effect(best, index).filter(|_| !self.pool.is_cancelled()) else {
@@ -123,7 +123,7 @@ impl Searcher<'_> {
     }
 
     /// Returns what else could be in the place of an effect: from the stage that tried it, or from a new screening.
-    fn find_rivals(&self, search: &SearchOutcome, without: &Candidate) -> Vec<Candidate> {
+    fn find_rivals(&self, search: &SearchOutcome, without: &FittedCandidate) -> Vec<FittedCandidate> {
         let tried = search.stages.iter().map(|stage| stage.extend_candidate(without)).max_by_key(Vec::len);
         match tried.filter(|tried| tried.len() >= RIVALS) {
             Some(tried) => tried,
@@ -132,7 +132,7 @@ impl Searcher<'_> {
     }
 
     /// Drops effects without which the rest explains the recordings equally well; returns their indices, one after the other.
-    fn prune_effects(&self, best: &mut Candidate, search: &SearchOutcome) -> Vec<usize> {
+    fn prune_effects(&self, best: &mut FittedCandidate, search: &SearchOutcome) -> Vec<usize> {
         let mut dropped = Vec::new();
         let mut index = 0;
         while best.fit.effects.len() > 1 && index < best.fit.effects.len() && !self.pool.is_cancelled() {
@@ -150,7 +150,7 @@ impl Searcher<'_> {
     }
 
     /// Returns a candidate without one of its effects: the others fitted anew, or with their values if that is better.
-    fn remove_effect(&self, candidate: &Candidate, index: usize) -> Option<Candidate> {
+    fn remove_effect(&self, candidate: &FittedCandidate, index: usize) -> Option<FittedCandidate> {
         let mut effects = candidate.fit.effects.clone();
         let first = parameters_of(&effects[..index]).len();
         let mut start = candidate.fit.values.clone();
@@ -163,7 +163,7 @@ impl Searcher<'_> {
         let (again, as_it_is) = (self.replace_fit(candidate, fit)?, self.score_model(&kept)?);
         if as_it_is.level() < again.whole.level() {
             let fit = Fit { values: start, parameters: kept, ..again.fit };
-            return Some(Candidate { fit, whole: as_it_is, ..candidate.clone() });
+            return Some(FittedCandidate { fit, whole: as_it_is, ..candidate.clone() });
         }
         Some(again)
     }

@@ -5,7 +5,7 @@
 //! those that it was fitted to: each recording in turn is left out of the fit and predicted.
 
 use crate::fitting::score::Score;
-use crate::selection::candidate::Candidate;
+use crate::selection::candidate::FittedCandidate;
 use crate::selection::outcome::SearchOutcome;
 use crate::selection::searcher::Searcher;
 use crate::selection::stage::{Stage, StageBreadth};
@@ -50,19 +50,19 @@ impl Searcher<'_> {
         smaller: &Score,
         needed: &[usize],
         search: &SearchOutcome,
-    ) -> Option<Candidate> {
+    ) -> Option<FittedCandidate> {
         let worth =
-            |c: &&Candidate| c.is_acceptable() && c.is_worth_more_than(smaller, &search.baseline.score);
-        let beyond = |c: &&Candidate| self.exceeds_null_gain(c, smaller);
-        let mut worthy: Vec<&Candidate> = stage.candidates.iter().filter(worth).take(RIVALS).collect();
+            |c: &&FittedCandidate| c.is_acceptable() && c.is_worth_more_than(smaller, &search.baseline.score);
+        let beyond = |c: &&FittedCandidate| self.exceeds_null_gain(c, smaller);
+        let mut worthy: Vec<&FittedCandidate> = stage.candidates.iter().filter(worth).take(RIVALS).collect();
         if !self.sizes.typical {
             // what a model with textbook values leaves is far above the floor: held-out data decides, with one more effect at its
             // price
-            let worth = |c: &Candidate| c.gain() - SWAP_NEEDED * c.fit.effects.len() as f64;
+            let worth = |c: &FittedCandidate| c.gain() - SWAP_NEEDED * c.fit.effects.len() as f64;
             worthy.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
         }
         let best = worthy.into_iter().find(beyond)?;
-        let best = Candidate { needed: needed.to_vec(), ..best.clone() };
+        let best = FittedCandidate { needed: needed.to_vec(), ..best.clone() };
         let validated = self.validate_candidate(best, smaller, &search.baseline.fitted)?;
         (!validated.is_harmful() && validated.gain() > validated.least_gain).then_some(validated)
     }

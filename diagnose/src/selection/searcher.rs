@@ -5,7 +5,7 @@ use counterpoise_models::Parameters;
 use crate::fitting::output_error::{Fit, FitSelection, Problem};
 use crate::fitting::score::{Score, assess, score};
 use crate::library::Effect;
-use crate::selection::candidate::{Candidate, held_out_parts, whole_parts};
+use crate::selection::candidate::{FittedCandidate, held_out_parts, whole_parts};
 use crate::selection::parameter_scan::repeats;
 use crate::selection::sizes::Sizes;
 use crate::simulator_access::{Assessment, Pool, SimulatorAccess, map};
@@ -29,7 +29,12 @@ pub struct Searcher<'a> {
 
 impl Searcher<'_> {
     /// Assesses a fit on all recordings, and on what it was not fitted to.
-    pub(crate) fn assess_fit(&self, fit: Fit, fitted: &[usize], before: &[Assessment]) -> Option<Candidate> {
+    pub(crate) fn assess_fit(
+        &self,
+        fit: Fit,
+        fitted: &[usize],
+        before: &[Assessment],
+    ) -> Option<FittedCandidate> {
         let one = |r: usize| match fit.assessment(r) {
             Some(own) => self.simulator.assess_from(&fit.parameters, r, own),
             None => self.simulator.assess_near(&fit.parameters, r, &before[r].without_residuals()),
@@ -63,12 +68,12 @@ impl Searcher<'_> {
         judged: &[Assessment],
         fitted: &[usize],
         before: &[Assessment],
-    ) -> Option<Candidate> {
+    ) -> Option<FittedCandidate> {
         if !repeats(self.simulator, &fit) {
             return None;
         }
         let parts = held_out_parts(self.simulator.count(), fitted);
-        Some(Candidate {
+        Some(FittedCandidate {
             whole: score(judged, &whole_parts(self.simulator.count()))?,
             held_out: score(judged, &parts)?,
             held_out_before: score(before, &parts)?,
@@ -83,7 +88,7 @@ impl Searcher<'_> {
     /// Fits new effects while those of a model with many parameters are held.
     pub(crate) fn fit_on_top(
         &self,
-        fixed: &Candidate,
+        fixed: &FittedCandidate,
         effects: Vec<&'static Effect>,
         start: &[f64],
         selection: &FitSelection,
@@ -120,14 +125,14 @@ impl Searcher<'_> {
 
     /// Returns a candidate with another fit of its effects to all recordings, assessed from the initial states that were found with
     /// it.
-    pub(crate) fn replace_fit(&self, candidate: &Candidate, fit: Fit) -> Option<Candidate> {
+    pub(crate) fn replace_fit(&self, candidate: &FittedCandidate, fit: Fit) -> Option<FittedCandidate> {
         if !repeats(self.simulator, &fit) {
             return None;
         }
         let judged = self.assess_model(&fit.parameters, &|r| fit.assessment(r))?;
         let whole = score(&judged, &whole_parts(judged.len()))?;
         let assessments = judged.iter().map(Assessment::without_residuals).collect();
-        Some(Candidate { fit, whole, assessments, ..candidate.clone() })
+        Some(FittedCandidate { fit, whole, assessments, ..candidate.clone() })
     }
 
     pub(crate) fn score_model(&self, parameters: &Parameters) -> Option<Score> {

@@ -8,7 +8,7 @@ use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
 
 use crate::fitting::output_error::{from_variable, to_variable};
-use crate::library::{Effect, Parameter};
+use crate::library::{Effect, EffectParameter};
 use crate::recording::series::{dot, rms};
 use crate::selection::perturbations::{
     Perturbation, apply_perturbation, first_change, start_values, step_limits,
@@ -64,7 +64,7 @@ impl EffectSignature {
         let ripple = self.effect.is_ripple();
         let moves = |j: usize| j == 0 || (self.effect.starts.is_empty() && !ripple);
         let share = if ripple { share.abs() } else { share };
-        let value = |(j, parameter): (usize, &Parameter)| {
+        let value = |(j, parameter): (usize, &EffectParameter)| {
             if !moves(j) {
                 return self.start[j];
             }

@@ -4,7 +4,7 @@ use crate::fitting::output_error::FitSelection;
 use crate::fitting::score::assess;
 use crate::library::Effect;
 use crate::selection::baseline::{Baseline, log_excess};
-use crate::selection::candidate::{Candidate, rank_candidates};
+use crate::selection::candidate::{FittedCandidate, rank_candidates};
 use crate::selection::hose_spring::spring_in_place_of_hose;
 use crate::selection::pairs::rank_pairs;
 use crate::selection::parameter_scan::scan_backlash;
@@ -21,28 +21,28 @@ use crate::tolerance::{
 #[derive(Debug, Clone)]
 pub struct Stage {
     /// Candidates, best first.
-    pub candidates: Vec<Candidate>,
+    pub candidates: Vec<FittedCandidate>,
     /// The screening, best first.
     pub signatures: Vec<EffectSignature>,
 }
 
 impl Stage {
     /// Returns whether a candidate of this stage consists of the only effect of a model.
-    pub(crate) fn contains(&self, model: &Candidate) -> bool {
+    pub(crate) fn contains(&self, model: &FittedCandidate) -> bool {
         let effect = model.newest();
-        let same = |c: &Candidate| c.newest().zip(effect).is_some_and(|(a, b)| std::ptr::eq(a, b));
+        let same = |c: &FittedCandidate| c.newest().zip(effect).is_some_and(|(a, b)| std::ptr::eq(a, b));
         self.candidates.iter().any(|c| c.fit.effects.len() == 1 && same(c))
     }
 
     /// Returns the candidates of one effect alone.
-    pub(crate) fn singles(&self) -> Vec<Candidate> {
+    pub(crate) fn singles(&self) -> Vec<FittedCandidate> {
         self.adding_one(0)
     }
 
     /// Returns the candidates that have all effects of a smaller model and one more.
-    pub(crate) fn extend_candidate(&self, smaller: &Candidate) -> Vec<Candidate> {
-        let has = |c: &Candidate, e: &Effect| c.fit.effects.iter().any(|f| std::ptr::eq(*f, e));
-        let all = |c: &&Candidate| {
+    pub(crate) fn extend_candidate(&self, smaller: &FittedCandidate) -> Vec<FittedCandidate> {
+        let has = |c: &FittedCandidate, e: &Effect| c.fit.effects.iter().any(|f| std::ptr::eq(*f, e));
+        let all = |c: &&FittedCandidate| {
             c.fit.effects.len() == smaller.fit.effects.len() + 1
                 && smaller.fit.effects.iter().all(|e| has(c, e))
         };
@@ -50,7 +50,7 @@ impl Stage {
     }
 
     /// Returns the candidates that add one effect to a number of present ones.
-    pub(crate) fn adding_one(&self, present: usize) -> Vec<Candidate> {
+    pub(crate) fn adding_one(&self, present: usize) -> Vec<FittedCandidate> {
         self.candidates.iter().filter(|c| c.fit.effects.len() == present + 1).cloned().collect()
     }
 }
@@ -95,7 +95,7 @@ impl Searcher<'_> {
     }
 
     /// Runs a stage on top of a model.
-    pub(crate) fn run_stage(&self, present: &Candidate, breadth: StageBreadth) -> Stage {
+    pub(crate) fn run_stage(&self, present: &FittedCandidate, breadth: StageBreadth) -> Stage {
         let judged = self.assess_model(&present.fit.parameters, &|r| present.assessments.get(r));
         match judged.or_else(|| assess(self.simulator, self.pool, &present.fit.parameters)) {
             Some(judged) => {
@@ -107,7 +107,12 @@ impl Searcher<'_> {
     }
 
     /// Screens every effect on top of the present model, fits the shortlist and compares the candidates.
-    fn screen_and_fit(&self, present: Option<&Candidate>, against: Standing, breadth: StageBreadth) -> Stage {
+    fn screen_and_fit(
+        &self,
+        present: Option<&FittedCandidate>,
+        against: Standing,
+        breadth: StageBreadth,
+    ) -> Stage {
         let Standing { screened_from: from, judged_against: judged } = against;
         let model = present.map_or(self.base, |c| &c.fit.parameters);
         let taken: Vec<&Effect> = present.map_or(Vec::new(), |c| c.fit.effects.clone());
@@ -162,10 +167,10 @@ impl Searcher<'_> {
     /// Fits and assesses every proposal.
     fn fit_candidates(
         &self,
-        present: Option<&Candidate>,
+        present: Option<&FittedCandidate>,
         proposals: &[Vec<EffectSignature>],
         judged: &[Assessment],
-    ) -> Vec<Candidate> {
+    ) -> Vec<FittedCandidate> {
         let one = |t: usize| self.fit_candidate(present, &proposals[t], judged);
         let fitted = map_with_progress(self.pool, "fitting", proposals.len(), one);
         fitted.into_iter().flatten().collect()
@@ -174,10 +179,10 @@ impl Searcher<'_> {
     /// Fits the present effects and one or two more to the recordings in which they show most.
     fn fit_candidate(
         &self,
-        present: Option<&Candidate>,
+        present: Option<&FittedCandidate>,
         signatures: &[EffectSignature],
         before: &[Assessment],
-    ) -> Option<Candidate> {
+    ) -> Option<FittedCandidate> {
         let free = present.filter(|c| c.fit.values.len() <= JOINT_PARAMETERS);
         let mut effects = free.map_or(Vec::new(), |c| c.fit.effects.clone());
         let mut start = free.map_or(Vec::new(), |c| c.fit.values.clone());
@@ -204,10 +209,10 @@ impl Searcher<'_> {
     /// Fits the best candidates to the first part of every recording.
     fn refit_finalists(
         &self,
-        present: Option<&Candidate>,
-        candidates: Vec<Candidate>,
+        present: Option<&FittedCandidate>,
+        candidates: Vec<FittedCandidate>,
         before: &[Assessment],
-    ) -> Vec<Candidate> {
+    ) -> Vec<FittedCandidate> {
         let recordings: Vec<usize> = (0..self.simulator.count()).collect();
         let selection = FitSelection::searching(recordings);
         let again = map_with_progress(self.pool, "comparing", candidates.len(), |c| {
@@ -226,7 +231,7 @@ impl Searcher<'_> {
         if again.len() < candidates.len() {
             return candidates;
         }
-        let better = |(now, was): (Option<Candidate>, Candidate)| match now {
+        let better = |(now, was): (Option<FittedCandidate>, FittedCandidate)| match now {
             Some(now) if now.whole.level() < was.whole.level() => now,
             _ => was,
         };
@@ -235,7 +240,9 @@ impl Searcher<'_> {
 }
 
 /// Splits ranked candidates into those that are worth a fit to every recording, and the others.
-pub(crate) fn split_finalists(mut candidates: Vec<Candidate>) -> (Vec<Candidate>, Vec<Candidate>) {
+pub(crate) fn split_finalists(
+    mut candidates: Vec<FittedCandidate>,
+) -> (Vec<FittedCandidate>, Vec<FittedCandidate>) {
     let Some(best) = candidates.first() else { return (candidates, Vec::new()) };
     let limit = best.whole.level() + FINAL_REACH[usize::from(!best.explains())];
     let near = candidates.iter().take(FINALISTS).take_while(|c| c.whole.level() < limit).count();

@@ -6,7 +6,7 @@ use crate::fitting::null_gain::mean_null_gain;
 use crate::fitting::output_error::{Fit, FitSelection};
 use crate::fitting::score::{RecordingPart, Score, score};
 use crate::selection::baseline::log_excess;
-use crate::selection::candidate::{Candidate, whole_parts};
+use crate::selection::candidate::{FittedCandidate, whole_parts};
 use crate::selection::searcher::Searcher;
 use crate::simulator_access::{Assessment, map_with_progress};
 use crate::tolerance::{
@@ -27,10 +27,10 @@ impl Searcher<'_> {
     /// recording keeps its assessment.
     pub(crate) fn validate_candidate(
         &self,
-        candidate: Candidate,
+        candidate: FittedCandidate,
         smaller: &Score,
         plain: &[Assessment],
-    ) -> Option<Candidate> {
+    ) -> Option<FittedCandidate> {
         let count = self.simulator.count();
         if count < 2 {
             return Some(candidate);
@@ -54,7 +54,7 @@ impl Searcher<'_> {
         parts.iter_mut().zip(&predicted).for_each(|(part, prediction)| part.from = prediction.from);
         let own: Vec<usize> = (0..count).filter(|&r| predicted[r].from > 0.0).collect();
         let judged: Vec<Assessment> = predicted.into_iter().map(|prediction| prediction.assessment).collect();
-        Some(Candidate {
+        Some(FittedCandidate {
             held_out: score(&judged, &parts)?,
             held_out_before: score(plain, &parts)?,
             held_out_parts: parts,
@@ -64,7 +64,7 @@ impl Searcher<'_> {
     }
 
     /// Returns whether a candidate gains more than its newest effect would gain on the noise in the loop alone.
-    pub(crate) fn exceeds_null_gain(&self, candidate: &Candidate, smaller: &Score) -> bool {
+    pub(crate) fn exceeds_null_gain(&self, candidate: &FittedCandidate, smaller: &Score) -> bool {
         let gain = candidate.whole.energy_over(smaller) - GAIN_NEEDED;
         gain > GAIN_BEYOND_NULL
             || gain
@@ -74,7 +74,7 @@ impl Searcher<'_> {
 
     /// Predicts a recording by the candidate fitted to the others, or the rest of the recording from its first part if the others leave open
     /// what it shows: a motor that sticks in all of them tells only that its friction is no less, for example.
-    fn predict_recording(&self, candidate: &Candidate, left_out: usize) -> Option<Prediction> {
+    fn predict_recording(&self, candidate: &FittedCandidate, left_out: usize) -> Option<Prediction> {
         let others: Vec<usize> = (0..self.simulator.count()).filter(|r| *r != left_out).collect();
         let fit = self.refit_to(candidate, others.clone())?;
         let near = candidate.assessments.get(left_out)?;
@@ -89,7 +89,7 @@ impl Searcher<'_> {
     }
 
     /// Returns whether recordings to which a candidate was fitted again do not tell the new values from the candidate's own.
-    fn leave_values_open(&self, candidate: &Candidate, fit: &Fit, recordings: &[usize]) -> bool {
+    fn leave_values_open(&self, candidate: &FittedCandidate, fit: &Fit, recordings: &[usize]) -> bool {
         let head = RecordingPart { recording: 0, from: 0.0, to: FITTED_SHARE };
         let score_of = |parameters: &Parameters, r: usize, near: Option<&Assessment>| {
             score(&[self.simulator.assess_from(parameters, r, near?)?], &[head])
@@ -103,7 +103,7 @@ impl Searcher<'_> {
     }
 
     /// Predicts the rest of a recording by the candidate fitted to its first part and to that of the others.
-    fn continue_recording(&self, candidate: &Candidate, recording: usize) -> Option<Prediction> {
+    fn continue_recording(&self, candidate: &FittedCandidate, recording: usize) -> Option<Prediction> {
         let fit = self.refit_to(candidate, (0..self.simulator.count()).collect())?;
         let near = fit.assessment(recording).or_else(|| candidate.assessments.get(recording))?;
         let assessment = self.simulator.assess_from(&fit.parameters, recording, near)?;
@@ -111,7 +111,7 @@ impl Searcher<'_> {
     }
 
     /// Fits the candidate to the first part of some recordings.
-    fn refit_to(&self, candidate: &Candidate, recordings: Vec<usize>) -> Option<Fit> {
+    fn refit_to(&self, candidate: &FittedCandidate, recordings: Vec<usize>) -> Option<Fit> {
         if candidate.fit.values.len() > JOINT_PARAMETERS {
             return Some(candidate.fit.clone());
         }
@@ -122,7 +122,7 @@ impl Searcher<'_> {
 
 /// Returns whether a prediction of a recording is worse than the candidate's own fit of it by more than two models differ that cannot be told
 /// apart.
-fn predicts_less(predicted: &Assessment, candidate: &Candidate, recording: usize) -> bool {
+fn predicts_less(predicted: &Assessment, candidate: &FittedCandidate, recording: usize) -> bool {
     let whole = RecordingPart { recording: 0, from: 0.0, to: 1.0 };
     score(std::slice::from_ref(predicted), &[whole])
         .is_some_and(|predicted| predicted.loss_against(&candidate.whole.of_recording(recording)) > AMBIGUOUS)

@@ -32,7 +32,7 @@ impl ChannelResidual {
 
 /// A variant of a mechanism, and where it starts.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Variant {
+pub struct MechanismVariant {
     /// The mechanism.
     pub parameters: Parameters,
     /// The shift of its initial state.
@@ -124,12 +124,12 @@ pub trait SimulatorAccess: Sync {
     /// [`SimulatorAccess::residuals_from_shifted_start`] do.
     fn residuals_of(
         &self,
-        variant: &Variant,
+        variant: &MechanismVariant,
         index: usize,
         span: Span,
         near: &Assessment,
     ) -> Option<Vec<ChannelResidual>> {
-        let Variant { parameters, shift } = variant;
+        let MechanismVariant { parameters, shift } = variant;
         if shift.iter().all(|s| *s == 0.0) {
             return self.residuals(parameters, index, span, near);
         }
@@ -139,7 +139,7 @@ pub trait SimulatorAccess: Sync {
     /// Returns the residuals of several variants of a mechanism in one recording: the same as of one after the other, but quicker.
     fn residuals_of_variants(
         &self,
-        variants: &[Variant],
+        variants: &[MechanismVariant],
         index: usize,
         span: Span,
         near: &Assessment,

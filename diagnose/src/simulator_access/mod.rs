@@ -7,5 +7,7 @@ mod access;
 pub mod objective;
 mod pool;
 
-pub use access::{Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, StartShift, Variant};
+pub use access::{
+    Assessment, ChannelResidual, ControlSource, MechanismVariant, SimulatorAccess, Span, StartShift,
+};
 pub use pool::{Pool, Serial, map, map_all, map_with_progress};

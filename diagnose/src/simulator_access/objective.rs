@@ -8,7 +8,7 @@ use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::PlantState;
 use counterpoise_simulate::history::ReadingColumns;
-use counterpoise_simulate::replay::{Loop, Replay, ReplayVariant, Replayer, reading_floor};
+use counterpoise_simulate::replay::{Replay, ReplayLoop, ReplayVariant, Replayer, reading_floor};
 
 use crate::error::Error;
 use crate::recording::measured_signals::{MeasuredSignals, read_signals};
@@ -16,7 +16,7 @@ use crate::recording::noise::{measure_noise_floor, rounding_noise, stated_noise}
 use crate::recording::series::deviation;
 use crate::recording::series::rms;
 use crate::simulator_access::access::{
-    Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, StartShift, Variant,
+    Assessment, ChannelResidual, ControlSource, MechanismVariant, SimulatorAccess, Span, StartShift,
 };
 use crate::tolerance::{FITTED_SHARE, STEPS_PER_SAMPLE};
 
@@ -48,7 +48,7 @@ impl PreparedRecordings {
 /// Recordings of one machine that are ready to be replayed.
 pub struct RecordingReplays<'a> {
     base: &'a Parameters,
-    control: Loop,
+    control: ReplayLoop,
     prepared: &'a PreparedRecordings,
     whole: Vec<Replayer<'a>>,
     heads: Vec<Replayer<'a>>,
@@ -69,7 +69,7 @@ impl<'a> RecordingReplays<'a> {
     /// A recording that cannot be replayed.
     pub fn new(
         base: &'a Parameters,
-        control: &Loop,
+        control: &ReplayLoop,
         prepared: &'a PreparedRecordings,
     ) -> Result<Self, Error> {
         let ready = |recordings: &'a [Recording]| {
@@ -77,8 +77,8 @@ impl<'a> RecordingReplays<'a> {
             recordings.iter().map(one).collect::<Result<Vec<_>, counterpoise_simulate::Error>>()
         };
         let control_floor = match control {
-            Loop::Closed(controller) => controller.control_floor(base),
-            Loop::Open => 0.0,
+            ReplayLoop::Closed(controller) => controller.control_floor(base),
+            ReplayLoop::Open => 0.0,
         };
         // A replay holds the noise that this loop makes of its readings, whatever the recorded control shows of it: readings that move by
         // single counts leave most samples without noise, and a control of another loop has another noise.
@@ -135,10 +135,10 @@ impl<'a> RecordingReplays<'a> {
         run(&ready.with_platform_sensors_of(parameters)).ok()
     }
 
-    fn control(&self, source: ControlSource) -> &Loop {
+    fn control(&self, source: ControlSource) -> &ReplayLoop {
         match source {
             ControlSource::ClosedLoop => &self.control,
-            ControlSource::Playback => &Loop::Open,
+            ControlSource::Playback => &ReplayLoop::Open,
         }
     }
 
@@ -154,7 +154,7 @@ impl<'a> RecordingReplays<'a> {
     ) -> Option<(Channel, usize)> {
         let channel = SCORED[place];
         let stand_in = channel == Channel::Control && source == ControlSource::Playback;
-        if stand_in && self.control == Loop::Open {
+        if stand_in && self.control == ReplayLoop::Open {
             return None;
         }
         let (shown, place) = if stand_in { (Channel::HubRate, HUB_RATE) } else { (channel, place) };
@@ -236,7 +236,7 @@ impl<'a> RecordingReplays<'a> {
         playback: impl Fn() -> Option<Replay>,
     ) -> Option<Assessment> {
         let length = self.prepared.whole[index].len();
-        if self.control == Loop::Open {
+        if self.control == ReplayLoop::Open {
             return self.played(parameters, index, quiet);
         }
         let divergence = self.divergence(parameters, index, &quiet, ControlSource::ClosedLoop)?;
@@ -328,7 +328,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
 
     fn residuals_of_variants(
         &self,
-        variants: &[Variant],
+        variants: &[MechanismVariant],
         index: usize,
         span: Span,
         near: &Assessment,
@@ -391,24 +391,27 @@ impl SimulatorAccess for RecordingReplays<'_> {
 
     fn assess_from(&self, parameters: &Parameters, index: usize, near: &Assessment) -> Option<Assessment> {
         let (ready, start) = (&self.whole[index], near.start.as_ref()?);
-        let run =
-            |control: &Loop| self.with(parameters, ready, |r| r.replay_from(parameters, control, start));
-        self.judged(parameters, index, run(&self.control)?, || run(&Loop::Open))
+        let run = |control: &ReplayLoop| {
+            self.with(parameters, ready, |r| r.replay_from(parameters, control, start))
+        };
+        self.judged(parameters, index, run(&self.control)?, || run(&ReplayLoop::Open))
     }
 
     fn assess_near(&self, parameters: &Parameters, index: usize, near: &Assessment) -> Option<Assessment> {
         let Some(start) = near.start.as_ref() else { return self.assess(parameters, index) };
         let ready = &self.whole[index];
-        let run =
-            |control: &Loop| self.with(parameters, ready, |r| r.replay_near(parameters, control, start));
-        self.judged(parameters, index, run(&self.control)?, || run(&Loop::Open))
+        let run = |control: &ReplayLoop| {
+            self.with(parameters, ready, |r| r.replay_near(parameters, control, start))
+        };
+        self.judged(parameters, index, run(&self.control)?, || run(&ReplayLoop::Open))
     }
 
     fn assess(&self, parameters: &Parameters, index: usize) -> Option<Assessment> {
         let judged = || {
-            let run =
-                |control: &Loop| self.with(parameters, &self.whole[index], |r| r.replay(parameters, control));
-            self.judged(parameters, index, run(&self.control)?, || run(&Loop::Open))
+            let run = |control: &ReplayLoop| {
+                self.with(parameters, &self.whole[index], |r| r.replay(parameters, control))
+            };
+            self.judged(parameters, index, run(&self.control)?, || run(&ReplayLoop::Open))
         };
         if parameters == self.base { self.standing[index].get_or_init(judged).clone() } else { judged() }
     }

@@ -12,7 +12,7 @@ use crate::fixed_point::{FULL, Fixed, FixedOperation, FixedProgram, FixedRunner,
 use crate::guard::{flags, guard_bytes, mark_files};
 use crate::print::{Dialect, limit, meaning, state, wrap};
 use crate::vectors::{SHIPPED_SAMPLES, self_test_vectors};
-use crate::{Error, File, Provenance, Ranges, Source, check_name, reading_fields};
+use crate::{Error, ExportSource, File, Provenance, Ranges, check_name, reading_fields};
 
 /// Returns the controller in C99 with 32-bit integers: the files and functions of [`crate::c99()`]. The header states the format of each reading and
 /// of the control.
@@ -20,7 +20,7 @@ use crate::{Error, File, Provenance, Ranges, Source, check_name, reading_fields}
 /// # Errors
 /// [`Error::Name`], and [`Error::OtherController`] where the plan was made for another controller than the source.
 pub fn fixed_c99<'a>(
-    source: impl Into<Source<'a>>,
+    source: impl Into<ExportSource<'a>>,
     fixed: &Fixed,
     provenance: &Provenance,
     name: &str,

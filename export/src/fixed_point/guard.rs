@@ -9,7 +9,7 @@
 
 use counterpoise_controller::guard::{ALONE, STICKY};
 use counterpoise_controller::signal::{DEMAND, HUB_RATE};
-use counterpoise_controller::{GuardSettings, READINGS, Sensors, Status};
+use counterpoise_controller::{GuardSettings, READINGS, SensorUse, Status};
 
 use crate::fixed_point::format::to_integer;
 use crate::fixed_point::{FULL, Fixed, narrow};
@@ -86,10 +86,10 @@ impl FixedGuard {
     }
 
     /// Sets which sensors are used.
-    pub fn use_sensors(&mut self, sensors: Sensors) {
+    pub fn use_sensors(&mut self, sensors: SensorUse) {
         match sensors {
-            Sensors::All => self.status.flags &= !ALONE,
-            Sensors::FeedbackAlone => self.status.flags |= ALONE,
+            SensorUse::All => self.status.flags &= !ALONE,
+            SensorUse::FeedbackAlone => self.status.flags |= ALONE,
         }
     }
 

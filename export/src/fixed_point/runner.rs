@@ -1,7 +1,7 @@
 //! Runs a fixed-point controller, integer by integer as the target does.
 
 use counterpoise_controller::program::Slot;
-use counterpoise_controller::{GuardSettings, READINGS, Readings, SampledController, Sensors, Status};
+use counterpoise_controller::{GuardSettings, READINGS, Readings, SampledController, SensorUse, Status};
 
 use crate::Adjustable;
 use crate::fixed_point::format::{to_integer, unit};
@@ -64,7 +64,7 @@ impl FixedRunner {
     }
 
     /// Hands the control over to feedback alone, or back to all sensors.
-    pub fn use_sensors(&mut self, sensors: Sensors) {
+    pub fn use_sensors(&mut self, sensors: SensorUse) {
         self.guard.use_sensors(sensors);
     }
 

@@ -1,7 +1,7 @@
 //! From the operations of a program to integer ones, with the proof that nothing overflows.
 
 use counterpoise_controller::Controller;
-use counterpoise_controller::program::{Operation, Program, Slot, Term};
+use counterpoise_controller::program::{Operation, Program, ProgramTerm, Slot};
 
 use crate::Ranges;
 use crate::fixed_point::format::{ALL, Span, bits_for, to_integer, unit};
@@ -159,7 +159,7 @@ impl<'a> Writer<'a> {
         self.put(clamp, into, bits, span, OperationError::default());
     }
 
-    fn sum(&mut self, into: Slot, constant: f64, terms: &[Term], seen: f64) -> Result<(), FixedError> {
+    fn sum(&mut self, into: Slot, constant: f64, terms: &[ProgramTerm], seen: f64) -> Result<(), FixedError> {
         let sizes: Vec<f64> = terms.iter().map(|term| term.coefficient.abs() * self.size(term.of)).collect();
         let possible = constant.abs() + sizes.iter().sum::<f64>();
         let bits = self.target(into, seen, possible);
@@ -169,7 +169,7 @@ impl<'a> Writer<'a> {
         }
         let integer = |value: f64, bits: i32| (value * f64::from(bits).exp2()).round() as i64;
         let fixed =
-            |t: &Term| FixedTerm { factor: integer(t.coefficient, scale - self.bits(t.of)), of: t.of };
+            |t: &ProgramTerm| FixedTerm { factor: integer(t.coefficient, scale - self.bits(t.of)), of: t.of };
         let mut factors: Vec<FixedTerm> = terms.iter().map(fixed).collect();
         let mut start = integer(constant, scale);
         let mut worst = (constant - start as f64 * unit(scale)).abs();
@@ -195,7 +195,7 @@ impl<'a> Writer<'a> {
 
     /// Returns the finest scale, in fraction bits, at which all coefficients are 32-bit integers and the sum cannot
     /// overflow.
-    fn accumulator(&self, constant: f64, terms: &[Term]) -> i32 {
+    fn accumulator(&self, constant: f64, terms: &[ProgramTerm]) -> i32 {
         let fitting = terms.iter().map(|t| bits_for(t.coefficient.abs()) + self.bits(t.of));
         let constant_bits = bits_for(constant.abs().max(f64::MIN_POSITIVE)) + 30;
         let mut scale = fitting.min().unwrap_or(constant_bits).min(constant_bits);

@@ -4,7 +4,7 @@ use counterpoise_controller::{Controller, READINGS};
 use minijinja::{Environment, context};
 
 use crate::fmi::{Unit, Variable};
-use crate::{Error, File, Options, Provenance, Source, c99, reading_fields};
+use crate::{CodeOptions, Error, ExportSource, File, Provenance, c99, reading_fields};
 
 /// Returns the controller as an FMI 3.0 co-simulation unit, in a folder of the options' name.
 ///
@@ -13,9 +13,9 @@ use crate::{Error, File, Options, Provenance, Source, c99, reading_fields};
 /// # Errors
 /// As [`crate::c99()`].
 pub fn controller_unit<'a>(
-    source: impl Into<Source<'a>>,
+    source: impl Into<ExportSource<'a>>,
     provenance: &Provenance,
-    options: &Options,
+    options: &CodeOptions,
 ) -> Result<Vec<File>, Error> {
     let source = source.into();
     let controller = source.controller();

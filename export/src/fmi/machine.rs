@@ -4,8 +4,8 @@ use counterpoise_models::friction::{FrictionModel, Law, StribeckLevel};
 use counterpoise_models::plant::core::state;
 use counterpoise_models::plant::{Hose, OperatingPoint, Plant};
 use counterpoise_models::{
-    AccelerometerAxis, AmplifierDynamics, Axis, FeedbackSignal, Friction, FrictionLaw, IDEAL_LAG_S, Ripple,
-    Sensor, StribeckCurve,
+    AccelerometerAxis, AmplifierDynamics, AxisKind, FeedbackSignal, Friction, FrictionLaw, IDEAL_LAG_S,
+    Ripple, Sensor, StribeckCurve,
 };
 
 /// Motor rate over which the direction of the power through the mesh changes, rad/s.
@@ -181,8 +181,8 @@ pub(crate) fn kind(plant: &Plant) -> minijinja::Value {
     let unlimited = plant.has_state(state::VOLTAGE) || p.amplifier.bus_voltage_v.is_infinite();
     minijinja::context! {
         rigid => plant.is_rigid(),
-        linear => p.axis == Axis::Linear,
-        surge => p.sensors.reads_surge() && p.axis == Axis::Rotary,
+        linear => p.axis == AxisKind::Linear,
+        surge => p.sensors.reads_surge() && p.axis == AxisKind::Rotary,
         elevated => p.sensors.accelerometer_axis == AccelerometerAxis::Elevated,
         tilt => tilt(Some(&p.sensors.platform_accelerometer)),
         surge_tilt => tilt(p.sensors.surge_accelerometer.as_ref()),

@@ -1,6 +1,6 @@
 //! Single precision.
 
-use counterpoise_controller::program::{Operation, Slot, Term};
+use counterpoise_controller::program::{Operation, ProgramTerm, Slot};
 use counterpoise_controller::{Controller, Number, Runner};
 
 use super::{
@@ -130,7 +130,7 @@ impl Single<'_> {
 }
 
 /// Squared bounds of the roundings of products and partial sums. What is whole in single precision is not rounded.
-fn sum(constant: Option<f64>, terms: &[Term], read: &[f64]) -> f64 {
+fn sum(constant: Option<f64>, terms: &[ProgramTerm], read: &[f64]) -> f64 {
     let (mut partial, mut squares) = (constant.unwrap_or(0.0), 0.0);
     for (term, value) in terms.iter().zip(read) {
         let product = term.coefficient * value;

@@ -215,7 +215,9 @@ fn evaluate(operation: &Operation, operands: &[f64], partials: &mut [f64]) -> (f
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use counterpoise_controller::{Controller, Estimator, Learning, Parts, Path, READINGS, Scaling, Signal};
+    use counterpoise_controller::{
+        Controller, Estimator, Learning, Parts, Path, PathSignal, READINGS, Scaling,
+    };
     use counterpoise_linalg::Mat;
     use counterpoise_lti::{StateSpace, Timebase};
 
@@ -232,7 +234,7 @@ mod tests {
         );
         parts.paths.push(Path {
             name: "heave".into(),
-            inputs: vec![Signal::PlatformAcceleration],
+            inputs: vec![PathSignal::PlatformAcceleration],
             system: system.unwrap(),
             anti_windup: vec![0.0; 2],
             scaling: Scaling::WithOutOfBalance,
@@ -249,7 +251,7 @@ mod tests {
                 inertia_v_s2_rad: [0.1, 0.2],
             },
             gravity_m_s2: 9.8,
-            rate: Signal::HubRate,
+            rate: PathSignal::HubRate,
             half_rate_rad_s: 0.01,
             volts_per_kg_m_s2: 0.002,
             rate_limit_kg_m_s: f64::INFINITY,

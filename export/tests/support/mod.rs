@@ -8,7 +8,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use counterpoise_controller::signal::{HUB_POSITION, PLATFORM_SURGE};
 use counterpoise_controller::{
     COMMON_READINGS, Controller, Correction, Estimator, FrictionObserver, Learning, Number, ObserverLaw,
-    Parts, Path, Projection, READINGS, Readings, SampledController, Scaling, Signal,
+    Parts, Path, PathSignal, Projection, READINGS, Readings, SampledController, Scaling,
 };
 use counterpoise_export::{File, Fixed, FixedRunner, Provenance};
 use counterpoise_linalg::Mat;
@@ -78,16 +78,16 @@ pub fn typical() -> Controller {
     let timebase = Timebase::Discrete { period_s: 1e-3 };
     let integrator = StateSpace::new(one(1.0), one(0.03), one(1.0), one(9.0), timebase).unwrap();
     let both = counterpoise_lti::parallel(&integrator, &modal(&mut random, 11, 1)).unwrap();
-    let mut feedback = path("feedback", vec![Signal::RateError], both);
+    let mut feedback = path("feedback", vec![PathSignal::RateError], both);
     feedback.anti_windup[0] = 0.02;
-    let mut heave = path("heave", vec![Signal::PlatformAcceleration], modal(&mut random, 9, 1));
+    let mut heave = path("heave", vec![PathSignal::PlatformAcceleration], modal(&mut random, 9, 1));
     heave.scaling = Scaling::WithOutOfBalance;
-    let pitch = path("pitch", vec![Signal::PlatformRate], modal(&mut random, 8, 1));
+    let pitch = path("pitch", vec![PathSignal::PlatformRate], modal(&mut random, 8, 1));
     parts.paths = vec![feedback, heave, pitch];
     parts.prefilter = Some(modal(&mut random, 1, 1));
     parts.observers = vec![FrictionObserver {
         name: "pivot_friction".into(),
-        rate: Signal::RelativeRate,
+        rate: PathSignal::RelativeRate,
         law: ObserverLaw::Dahl,
         level: Vec::new(),
         coulomb_nm: 117.0,
@@ -121,7 +121,7 @@ pub fn complete() -> Controller {
             Scaling::Scheduled { below_kg_m: Some(60.0), at_kg_m: 180.0, above_kg_m: None };
         parts.observers.push(FrictionObserver {
             name: "motor_friction".into(),
-            rate: Signal::Demand,
+            rate: PathSignal::Demand,
             law: ObserverLaw::Dahl,
             level: Vec::new(),
             coulomb_nm: 13.0,
@@ -131,7 +131,7 @@ pub fn complete() -> Controller {
         });
         parts.estimator = Some(Estimator {
             gravity_m_s2: 9.80665,
-            rate: Signal::RelativeRate,
+            rate: PathSignal::RelativeRate,
             half_rate_rad_s: 0.01,
             learning: Learning::Gradient { step: 0.3, scale: [0.02, 0.1, 0.1] },
             hold_band_kg_m: 0.0,
@@ -144,7 +144,7 @@ pub fn complete() -> Controller {
 }
 
 /// Returns a path without anti-windup.
-pub fn path(name: &str, inputs: Vec<Signal>, system: StateSpace) -> Path {
+pub fn path(name: &str, inputs: Vec<PathSignal>, system: StateSpace) -> Path {
     let anti_windup = vec![0.0; system.order()];
     Path { name: name.into(), inputs, system, anti_windup, scaling: Scaling::Fixed }
 }
@@ -193,8 +193,13 @@ pub fn random_controller(seed: u64) -> Controller {
     parts.bias_v_per_kg_m = 0.02 * random.signed();
     parts.transfer_time_s = 0.1 * random.unit();
     let order = 1 + seed as usize % 40;
-    let signals = [Signal::RateError, Signal::PlatformRate, Signal::PlatformAcceleration, Signal::MotorRate];
-    let inputs: Vec<Signal> = signals[..1 + (random.unit() * 4.0) as usize].to_vec();
+    let signals = [
+        PathSignal::RateError,
+        PathSignal::PlatformRate,
+        PathSignal::PlatformAcceleration,
+        PathSignal::MotorRate,
+    ];
+    let inputs: Vec<PathSignal> = signals[..1 + (random.unit() * 4.0) as usize].to_vec();
     let system = if (seed / 40) % 5 < 2 {
         badly_scaled(&mut random, order, inputs.len())
     } else {
@@ -202,7 +207,7 @@ pub fn random_controller(seed: u64) -> Controller {
     };
     let mut first = path("first", inputs, system);
     first.anti_windup[0] = 0.1 * random.signed() * first.system.B[(0, 0)];
-    let mut second = path("second", vec![Signal::HubPosition, Signal::PreviousControl], {
+    let mut second = path("second", vec![PathSignal::HubPosition, PathSignal::PreviousControl], {
         let mut system = modal(&mut random, 2, 2);
         system.D = system.D.scale(0.1);
         system

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use counterpoise_export::board::{
-    COMPILER, Core, Cost, EMULATOR, LINK, SIZER, counting_code, emulator_command,
+    COMPILER, CodeCost, EMULATOR, LINK, SIZER, TargetCore, counting_code, emulator_command,
 };
 use counterpoise_export::{File, Numbers};
 
@@ -22,7 +22,7 @@ pub fn tools_are_there() -> bool {
 }
 
 /// Cross-compiles sources in a folder without a warning allowed; gives the objects.
-pub fn compile(core: &Core, folder: &Path, own: &[String]) -> Vec<String> {
+pub fn compile(core: &TargetCore, folder: &Path, own: &[String]) -> Vec<String> {
     let strict = STRICT.iter().filter(|flag| !flag.starts_with("-O"));
     let mut command = Command::new(COMPILER);
     command.current_dir(folder).args(core.flags).args(strict);
@@ -32,7 +32,7 @@ pub fn compile(core: &Core, folder: &Path, own: &[String]) -> Vec<String> {
 }
 
 /// Links `firmware.elf` from the controller's sources and a program.
-pub fn build(core: &Core, folder: &Path, own: &[String], program: &str) -> PathBuf {
+pub fn build(core: &TargetCore, folder: &Path, own: &[String], program: &str) -> PathBuf {
     let objects = compile(core, folder, own);
     let board: Vec<File> = counting_code("axis", Numbers::Double);
     for file in board.iter().filter(|file| file.name != "count.c") {
@@ -45,14 +45,14 @@ pub fn build(core: &Core, folder: &Path, own: &[String], program: &str) -> PathB
 }
 
 /// Returns the emulator with the firmware of a folder.
-pub fn emulator(core: &Core, folder: &Path) -> Command {
+pub fn emulator(core: &TargetCore, folder: &Path) -> Command {
     let mut command = Command::new(EMULATOR);
     command.current_dir(folder).args(emulator_command(core)).stderr(Stdio::inherit());
     command
 }
 
 /// Returns what the code called `name` costs on a core.
-pub fn cost(core: &Core, test: &str, (name, numbers): (&str, Numbers), files: &[File]) -> Cost {
+pub fn cost(core: &TargetCore, test: &str, (name, numbers): (&str, Numbers), files: &[File]) -> CodeCost {
     let folder = folder(&format!("{test}_{}_{numbers:?}", core.machine));
     write(&folder, files);
     write(&folder, &counting_code(name, numbers));
@@ -60,5 +60,5 @@ pub fn cost(core: &Core, test: &str, (name, numbers): (&str, Numbers), files: &[
     let said = run(&mut emulator(core, &folder));
     let size = run(Command::new(SIZER).current_dir(&folder).arg(format!("{name}.o")));
     let usage = std::fs::read_to_string(folder.join(format!("{name}.su"))).unwrap();
-    Cost::read(&said, &size, &usage).unwrap_or_else(|| panic!("{said}{size}{usage}"))
+    CodeCost::read(&said, &size, &usage).unwrap_or_else(|| panic!("{said}{size}{usage}"))
 }

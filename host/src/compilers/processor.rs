@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use counterpoise_export::board::{
-    COMPILE, COMPILER, CORES, Core, Cost, EMULATOR, LINK, SIZER, counting_code, emulator_command,
+    COMPILE, COMPILER, CORES, CodeCost, EMULATOR, LINK, SIZER, TargetCore, counting_code, emulator_command,
 };
 use counterpoise_export::host::{CODE_FOLDER, including_file};
 use counterpoise_export::{File, Numbers};
@@ -60,7 +60,7 @@ const CONTROLLER: &str = "controller.c";
 const SELF_TEST: &str = "self_test.c";
 
 /// Measures the cost on a core. Returns `None` if a tool or the self test fails.
-fn count(core: &Core, folder: &Path, code: &TargetCode) -> Option<Cost> {
+fn count(core: &TargetCore, folder: &Path, code: &TargetCode) -> Option<CodeCost> {
     let folder = folder.join(format!("{}-{:?}", core.machine, code.numbers));
     write(&folder.join(CODE_FOLDER), &code.files)?;
     write(&folder, &counting_code(&code.name, code.numbers))?;
@@ -74,12 +74,12 @@ fn count(core: &Core, folder: &Path, code: &TargetCode) -> Option<Cost> {
     let counted = said(Command::new(EMULATOR).args(emulator_command(core)), &folder)?;
     let sizes = said(Command::new(SIZER).arg(&objects[0]), &folder)?;
     let usage = std::fs::read_to_string(folder.join(CONTROLLER.replace(".c", ".su"))).ok()?;
-    Cost::read(&counted, &sizes, &usage)
+    CodeCost::read(&counted, &sizes, &usage)
 }
 
 fn write(folder: &Path, files: &[File]) -> Option<()> {
     let place = |file: &File| -> PathBuf { folder.join(&file.name) };
-    files.iter().try_for_each(|file| files::write(&place(file), file.text.as_bytes()).ok())
+    files.iter().try_for_each(|file| files::write_file(&place(file), file.text.as_bytes()).ok())
 }
 
 /// Returns the standard output of a command that succeeded in a folder.

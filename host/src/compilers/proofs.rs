@@ -62,7 +62,8 @@ fn build(code: &TargetCode, folder: &Path) -> Result<(), String> {
 fn build_rust(code: &TargetCode, folder: &Path) -> Result<(), String> {
     let library = code.files.iter().find(|file| file.name.ends_with("src/lib.rs"));
     let library = library.ok_or("the crate has no lib.rs")?;
-    files::write(&folder.join("generated.rs"), library.text.as_bytes()).map_err(|error| error.to_string())?;
+    files::write_file(&folder.join("generated.rs"), library.text.as_bytes())
+        .map_err(|error| error.to_string())?;
     write(folder, &[rust_replay(code.readings)])?;
     let crate_name = ["--crate-name", RUST_CRATE, "generated.rs"];
     silent(Command::new(RUST_COMPILER).args(RUST_LIBRARY).args(crate_name), folder)?;
@@ -83,7 +84,7 @@ fn build_c(code: &TargetCode, folder: &Path) -> Result<(), String> {
 }
 
 fn write(folder: &Path, code: &[File]) -> Result<(), String> {
-    let write = |file: &File| files::write(&folder.join(&file.name), file.text.as_bytes());
+    let write = |file: &File| files::write_file(&folder.join(&file.name), file.text.as_bytes());
     code.iter().try_for_each(write).map_err(|error| error.to_string())
 }
 
@@ -100,7 +101,7 @@ fn silent(command: &mut Command, folder: &Path) -> Result<(), String> {
 /// Returns samples replayed, and those answered otherwise.
 fn replayed(figures: &TargetFigures, fixed: Option<&Fixed>, folder: &Path) -> Option<(usize, usize)> {
     let bytes = encode_requests(&figures.closed_loops, fixed);
-    files::write(&folder.join("readings"), &bytes).ok()?;
+    files::write_file(&folder.join("readings"), &bytes).ok()?;
     let readings = std::fs::File::open(folder.join("readings")).ok()?;
     let output = Command::new(folder.join("replay")).stdin(Stdio::from(readings)).output().ok()?;
     if !output.status.success() {

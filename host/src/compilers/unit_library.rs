@@ -24,7 +24,7 @@ const INCLUDING: [&str; 2] = ["including-behaviour.c", "including-unit.c"];
 /// project's stands on the compiler's command line.
 fn compiled_library(sources: &Path, name: &str, place: &Path) -> Option<Vec<u8>> {
     for file in [including_file(INCLUDING[0], &format!("{name}.c")), including_file(INCLUDING[1], "fmu.c")] {
-        files::write(&place.join(&file.name), file.text.as_bytes()).ok()?;
+        files::write_file(&place.join(&file.name), file.text.as_bytes()).ok()?;
     }
     let library = place.join("unit.so");
     let mut compiler = Command::new("cc");

@@ -11,7 +11,7 @@ use super::newton::{Equation, Refined};
 use super::precise::{self, InverseNorms, PreciseEquation, relative_step};
 use super::reason::excess;
 use super::scaling::Problem;
-use super::{Certificate, Method, Reason, Riccati};
+use super::{Reason, Riccati, RiccatiCertificate, RiccatiMethod};
 
 /// A solution in scaled units with its residual.
 pub(super) struct Certified {
@@ -48,7 +48,7 @@ pub(super) fn certify(
     equation: &(impl Equation + PreciseEquation),
     problem: &Problem,
     refined: Refined,
-    method: Method,
+    method: RiccatiMethod,
 ) -> Result<Certified, Reason> {
     let kind = Equation::kind(equation);
     let h0 = refined.derivative.solve_inner(&Mat::eye(problem.A.nrows())).norm_fro();
@@ -71,7 +71,7 @@ pub(super) fn certify(
     let moduli = equation.moduli(&refined.gain, &refined.X);
     let data_change = refined.derivative.solve(&moduli).map(f64::abs);
     let operator_norm = operator_norm(refined.derivative.form.T.norm_fro(), kind);
-    let certificate = Certificate {
+    let certificate = RiccatiCertificate {
         relative_residual,
         backward_error,
         symmetry: asymmetry(&refined.X),
@@ -108,7 +108,7 @@ pub(super) fn certify_precise(
     let size = equation.evaluate(&X.clone().into())?.terms;
     let remaining = residual.norm_fro();
     let rounding = found.X.minus(&Precise::from(&X)).high;
-    let certificate = Certificate {
+    let certificate = RiccatiCertificate {
         relative_residual: if size > 0.0 { remaining / size } else { 0.0 },
         backward_error: remaining / data_size(problem, &X),
         symmetry: asymmetry(&X),
@@ -119,7 +119,7 @@ pub(super) fn certify_precise(
         residual_norm: remaining,
         term_norm: size,
         scale: Vec::new(),
-        method: Method::Precise,
+        method: RiccatiMethod::Precise,
         newton_steps: found.steps,
     };
     let normwise = Normwise::Norms(found.inverse_norms);

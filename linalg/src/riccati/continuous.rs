@@ -15,7 +15,7 @@ use super::newton::{Equation, refine};
 use super::precise::PreciseEquation;
 use super::reason::{self, Nearest};
 use super::scaling::{Problem, rescale, scale};
-use super::{Method, Outcome, Reason, Riccati, subspace};
+use super::{Outcome, Reason, Riccati, RiccatiMethod, subspace};
 
 /// Solves `A'X + XA - (XB + S) R^-1 (B'X + S') + Q = 0` for the stabilising `X`: `A - B F` is stable with
 /// `F = R^-1 (B'X + S')`. `A` n x n, `B` n x m, `Q` n x n symmetric, `R` m x m symmetric and not singular (of either
@@ -166,10 +166,10 @@ fn attempt(
             if let Some(value) = start.nearest.filter(|_| problem.A.nrows() > PRECISE_STATES) {
                 *nearest = Nearest::Known(value);
             }
-            (start.first, Method::Schur)
+            (start.first, RiccatiMethod::Schur)
         }
         Start::Doubling(parameters) => {
-            (solve_by_doubling(modes, parameters).map_err(Failure::Certain)?, Method::Doubling)
+            (solve_by_doubling(modes, parameters).map_err(Failure::Certain)?, RiccatiMethod::Doubling)
         }
     };
     let first = first.ok_or(Reason::NoGraph)?;

@@ -15,7 +15,7 @@ use super::newton::Equation;
 use super::precise::{self, PreciseEquation, relative_step};
 use super::reason::{self, Nearest, Nearness};
 use super::scaling::{Problem, Scaled, rescale};
-use super::{Certificate, Outcome, Reason, Riccati};
+use super::{Outcome, Reason, Riccati, RiccatiCertificate};
 
 /// Whether a solution in doubles is accepted without further questions.
 pub(super) fn is_beyond_doubt(found: &Certified, problem: &Problem, kind: Kind) -> bool {
@@ -35,7 +35,7 @@ fn is_accurate(found: &Certified) -> bool {
 /// Whether neither the data nor the computation determines a solution: the data to no digit, the computation to less than three. It is what
 /// Newton's method makes of a multiple mode that is out of reach.
 fn is_undetermined(found: &Certified, problem: &Problem) -> bool {
-    let Certificate { forward_error, .. } = &found.solution.certificate;
+    let RiccatiCertificate { forward_error, .. } = &found.solution.certificate;
     relative_step(forward_error, &found.solution.X) > SENSITIVE
         && found.normwise_condition(problem) * EPS > RICCATI_UNDETERMINED
 }

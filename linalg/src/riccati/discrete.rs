@@ -13,7 +13,7 @@ use super::modes::Modes;
 use super::newton::refine;
 use super::precise::PreciseEquation;
 use super::scaling::{Problem, rescale, scale};
-use super::{Method, Outcome, Reason, Riccati, doubling, reason, subspace};
+use super::{Outcome, Reason, Riccati, RiccatiMethod, doubling, reason, subspace};
 
 /// Solves `A'XA - X - (A'XB + S)(R + B'XB)^-1 (B'XA + S') + Q = 0` for the stabilising `X`: every eigenvalue of
 /// `A - B F` is inside the unit circle, `F = (R + B'XB)^-1 (B'XA + S')`. Shapes as for [`super::care`]; `R` may be
@@ -62,7 +62,7 @@ fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
     let mut first = None;
     for shift in equation.shifts() {
         let Some(problem) = shifted(data, shift) else { continue };
-        for method in [Method::Doubling, Method::Schur] {
+        for method in [RiccatiMethod::Doubling, RiccatiMethod::Schur] {
             match attempt(equation, &problem, shift, method) {
                 Ok(found) if is_beyond_doubt(&found, &problem, Kind::Discrete) => {
                     return Outcome::Solved(found);
@@ -106,11 +106,18 @@ fn shifted(Data { A, B, Q, R, S }: &Data, shift: f64) -> Option<Problem> {
     fold(A, B, &Q, &R, Some(&cross))
 }
 
-fn attempt(equation: &Discrete, problem: &Problem, shift: f64, method: Method) -> Result<Certified, Failure> {
+fn attempt(
+    equation: &Discrete,
+    problem: &Problem,
+    shift: f64,
+    method: RiccatiMethod,
+) -> Result<Certified, Failure> {
     let scaled = scale(problem.clone());
     let first = match method {
-        Method::Schur => subspace::solve_by_discrete_schur(&scaled.problem),
-        Method::Doubling | Method::Precise => doubling::run(scaled.problem.clone()).approximation(),
+        RiccatiMethod::Schur => subspace::solve_by_discrete_schur(&scaled.problem),
+        RiccatiMethod::Doubling | RiccatiMethod::Precise => {
+            doubling::run(scaled.problem.clone()).approximation()
+        }
     };
     let first = first.ok_or(Reason::NoGraph)?;
     let modes = Modes::of(&scaled.problem, Kind::Discrete);

@@ -83,7 +83,7 @@ pub struct Riccati {
     /// The eigenvalues of `A - B F` (of `A - G X`), sorted by real part.
     pub closed_loop: Vec<C64>,
     /// How good the solution is.
-    pub certificate: Certificate,
+    pub certificate: RiccatiCertificate,
 }
 
 /// The evidence that a Riccati solution is one.
@@ -101,7 +101,7 @@ pub struct Riccati {
 /// The other figures refer to the problem scaled by `scale`, in which norms over states of different kinds mean something:
 /// `A_ij scale_j / scale_i`, `Q_ij scale_i scale_j`, `X_ij scale_i scale_j`.
 #[derive(Clone, Debug)]
-pub struct Certificate {
+pub struct RiccatiCertificate {
     /// `norm(residual)` over the sum of the norms of the equation's terms, Frobenius, with `X` as it is returned.
     pub relative_residual: f64,
     /// `norm(residual)` over `norm(Q) + 2 norm(A) norm(X) + norm(G) norm(X)^2`: a few eps means that doubles can hold no
@@ -126,12 +126,12 @@ pub struct Certificate {
     /// The factors of the states, powers of two, in whose units the equation was solved.
     pub scale: Vec<f64>,
     /// Which method gave the first approximation.
-    pub method: Method,
+    pub method: RiccatiMethod,
     /// How many Newton steps refined it.
     pub newton_steps: usize,
 }
 
-impl Certificate {
+impl RiccatiCertificate {
     /// Makes figures infinite that could not be computed because a number on the way left the range of doubles: nothing is known of them.
     pub(crate) fn bound_unknown(&mut self) {
         let bounded = |x: f64| if x.is_nan() { f64::INFINITY } else { x };
@@ -159,7 +159,7 @@ impl Certificate {
 
 /// The method behind a Riccati solution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
+pub enum RiccatiMethod {
     /// Ordered real Schur form of the Hamiltonian matrix (Laub 1979) or of the symplectic pencil.
     Schur,
     /// Structure-preserving doubling (Chu, Fan and Lin 2005).
@@ -168,7 +168,7 @@ pub enum Method {
     Precise,
 }
 
-impl fmt::Display for Method {
+impl fmt::Display for RiccatiMethod {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Schur => "ordered Schur form",
@@ -178,7 +178,7 @@ impl fmt::Display for Method {
     }
 }
 
-impl fmt::Display for Certificate {
+impl fmt::Display for RiccatiCertificate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(
             f,

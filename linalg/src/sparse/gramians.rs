@@ -18,7 +18,7 @@ const IDLE_STEPS: usize = 2;
 
 /// What drives a structure and what is measured.
 #[derive(Debug, Clone, Copy)]
-pub struct Ports<'a> {
+pub struct StructurePorts<'a> {
     /// Where the inputs push, n x m.
     pub F: &'a Mat,
     /// What the outputs see of the positions, p x n.
@@ -29,7 +29,7 @@ pub struct Ports<'a> {
 
 /// How far the iteration goes.
 #[derive(Debug, Clone, Copy)]
-pub struct Accuracy {
+pub struct GramianAccuracy {
     /// A step whose columns are below this share of the factor contributes nothing.
     pub contribution: f64,
     /// Largest number of factorisations.
@@ -83,8 +83,8 @@ impl LowRankGramians {
 /// held, [`Error::TooLarge`], or [`Error::Cancelled`].
 pub fn low_rank_gramians(
     pencil: &QuadraticPencil,
-    ports: &Ports,
-    accuracy: Accuracy,
+    ports: &StructurePorts,
+    accuracy: GramianAccuracy,
     watch: &mut ProgressObserver,
 ) -> Result<LowRankGramians, Error> {
     check(pencil, ports)?;
@@ -123,7 +123,7 @@ pub fn low_rank_gramians(
     })
 }
 
-fn check(pencil: &QuadraticPencil, ports: &Ports) -> Result<(), Error> {
+fn check(pencil: &QuadraticPencil, ports: &StructurePorts) -> Result<(), Error> {
     let (n, m, p) = (pencil.K.nrows(), ports.F.ncols(), ports.P.nrows());
     for (what, matrix, (needed_rows, needed_cols)) in
         [("F", ports.F, (n, m)), ("P", ports.P, (p, n)), ("V", ports.V, (p, n))]

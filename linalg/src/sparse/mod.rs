@@ -18,7 +18,7 @@ mod ritz;
 
 pub use analysis::Analysis;
 pub use cholesky::SparseCholesky;
-pub use gramians::{Accuracy, BalancedDirections, LowRankGramians, Ports, low_rank_gramians};
+pub use gramians::{BalancedDirections, GramianAccuracy, LowRankGramians, StructurePorts, low_rank_gramians};
 pub use inertia::{ModeCounter, count_below};
 pub use matrix::{Entry, Sparse, VectorEntry};
 pub use modes::{Cut, LowestModes, ProgressObserver, StageProgress, Wanted, highest_cut, lowest_modes};

@@ -46,7 +46,7 @@ pub struct Contact<const N: usize> {
 /// `mobility` is B, (rad/s)/(N m): what a constant torque on joint j takes from the rate of joint i over the step;
 /// symmetric positive definite for a mechanism. Joints whose law does not stick take no part (torque 0). Method: projected
 /// Gauss-Seidel, which converges for every such B; one sweep is exact for a single joint.
-pub fn contact<const N: usize>(joints: &[Joint<'_>; N], mobility: &SMatrix<f64, N, N>) -> Contact<N> {
+pub fn contact_torques<const N: usize>(joints: &[Joint<'_>; N], mobility: &SMatrix<f64, N, N>) -> Contact<N> {
     let bounds: [Option<Stick>; N] = std::array::from_fn(|i| bounds(&joints[i]));
     let mut out = Contact {
         torque_nm: [0.0; N],

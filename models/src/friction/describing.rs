@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 /// One period of the torque under a sinusoidal motion.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Loop {
+pub struct TorqueLoop {
     /// Relative angle, rad.
     pub angle_rad: Vec<f64>,
     /// Relative rate, rad/s.
@@ -28,11 +28,11 @@ pub struct Loop {
 /// The states move exactly over each of 2000 steps of constant mean rate; the periodic solution is sought by Aitken's
 /// extrapolation from period to period. With the complex stiffness k, friction acts
 /// like a spring Re k and a damper Im k / omega; lost energy = pi A^2 Im k exactly for any law.
-pub fn sinusoidal_loop(model: &FrictionModel, amplitude_rad: f64, frequency_rad_s: f64) -> Loop {
+pub fn sinusoidal_loop(model: &FrictionModel, amplitude_rad: f64, frequency_rad_s: f64) -> TorqueLoop {
     let motion = Motion { model, amplitude_rad, frequency_rad_s };
     let mut states = vec![0.0; model.states()];
     let gap = motion.settle(&mut states);
-    let mut out = Loop {
+    let mut out = TorqueLoop {
         angle_rad: Vec::with_capacity(LOOP_STEPS),
         rate_rad_s: Vec::with_capacity(LOOP_STEPS),
         torque_nm: Vec::with_capacity(LOOP_STEPS),
@@ -103,7 +103,7 @@ pub fn describing_function(model: &FrictionModel, amplitude_rad: f64, frequency_
     sinusoidal_loop(model, amplitude_rad, frequency_rad_s).stiffness_nm_rad
 }
 
-impl Loop {
+impl TorqueLoop {
     fn analyse(&mut self, amplitude_rad: f64, step_s: f64) {
         let frequency = TAU / (step_s * LOOP_STEPS as f64);
         let dot = |a: &[f64]| a.iter().zip(&self.torque_nm).map(|(a, t)| a * t).sum::<f64>();

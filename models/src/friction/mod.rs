@@ -50,7 +50,7 @@ pub mod stribeck;
 pub mod walrath;
 
 pub use bristle::Bristle;
-pub use contact::{Contact, Joint, contact};
+pub use contact::{Contact, Joint, contact_torques};
 pub use dahl::Dahl;
 pub use dry::{DryFriction, SmoothLaw};
 pub use law::Law;

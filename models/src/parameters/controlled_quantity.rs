@@ -3,7 +3,7 @@
 //! Figures, signals and readings were named for a loop of the hub's rate. A loop of something else has them of its own quantity, with
 //! the names from here.
 
-use super::{Axis, FeedbackSignal, Parameters};
+use super::{AxisKind, FeedbackSignal, Parameters};
 
 /// What kind of quantity a loop controls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -35,7 +35,7 @@ pub struct ControlledQuantity {
     /// Its kind.
     pub kind: QuantityKind,
     /// Whether the axis turns or slides.
-    pub axis: Axis,
+    pub axis: AxisKind,
     /// What the drive makes its torque or force of.
     pub drive: DriveQuantity,
 }
@@ -95,16 +95,16 @@ const CURRENT: Words =
 impl ControlledQuantity {
     /// The rate of a turning axis.
     pub const RATE: Self =
-        Self { kind: QuantityKind::Rate, axis: Axis::Rotary, drive: DriveQuantity::Current };
+        Self { kind: QuantityKind::Rate, axis: AxisKind::Rotary, drive: DriveQuantity::Current };
 
     fn words(self) -> &'static Words {
         match (self.kind, self.axis) {
-            (QuantityKind::Rate, Axis::Rotary) => &RATE,
-            (QuantityKind::Rate, Axis::Linear) => &SPEED,
-            (QuantityKind::Position, Axis::Rotary) => &ANGLE,
-            (QuantityKind::Position, Axis::Linear) => &PLACE,
-            (QuantityKind::Effort, Axis::Rotary) => &TORQUE,
-            (QuantityKind::Effort, Axis::Linear) => &FORCE,
+            (QuantityKind::Rate, AxisKind::Rotary) => &RATE,
+            (QuantityKind::Rate, AxisKind::Linear) => &SPEED,
+            (QuantityKind::Position, AxisKind::Rotary) => &ANGLE,
+            (QuantityKind::Position, AxisKind::Linear) => &PLACE,
+            (QuantityKind::Effort, AxisKind::Rotary) => &TORQUE,
+            (QuantityKind::Effort, AxisKind::Linear) => &FORCE,
             (QuantityKind::Current, _) => &CURRENT,
         }
     }
@@ -117,9 +117,9 @@ impl ControlledQuantity {
     /// Returns every quantity on every axis.
     fn all() -> impl Iterator<Item = Self> {
         let kinds = [QuantityKind::Rate, QuantityKind::Position, QuantityKind::Effort, QuantityKind::Current];
-        kinds
-            .into_iter()
-            .flat_map(|kind| [Axis::Rotary, Axis::Linear].map(|axis| Self { kind, axis, ..Self::RATE }))
+        kinds.into_iter().flat_map(|kind| {
+            [AxisKind::Rotary, AxisKind::Linear].map(|axis| Self { kind, axis, ..Self::RATE })
+        })
     }
 
     /// Returns the rate on the same axis: what the inner loop of a cascade controls.
@@ -313,8 +313,11 @@ mod tests {
             own.dedup();
             assert_eq!(own.len(), keys.len(), "{own:?}");
         }
-        let force =
-            ControlledQuantity { kind: QuantityKind::Effort, axis: Axis::Linear, ..ControlledQuantity::RATE };
+        let force = ControlledQuantity {
+            kind: QuantityKind::Effort,
+            axis: AxisKind::Linear,
+            ..ControlledQuantity::RATE
+        };
         assert_eq!((force.signal().as_str(), force.unit()), ("transmitted_force_n", "N"));
         assert_eq!(force.tip_signal(), "tip_speed_m_s");
     }

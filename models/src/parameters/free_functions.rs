@@ -25,6 +25,23 @@ pub struct LearnedElement {
     pub coverage: Vec<f64>,
 }
 
+impl LearnedElement {
+    /// Returns the ends of the 95 % band at each point, in the unit of the values; the value itself if the band is not known.
+    pub fn band(&self) -> Vec<[f64; 2]> {
+        let ends = |(k, value): (usize, &f64)| {
+            let half = self.half_width.get(k).copied().unwrap_or(0.0);
+            [value - half, value + half]
+        };
+        self.values.iter().enumerate().map(ends).collect()
+    }
+
+    /// Returns the least and the largest value.
+    pub fn value_range(&self) -> [f64; 2] {
+        let fold = |start: f64, pick: fn(f64, f64) -> f64| self.values.iter().copied().fold(start, pick);
+        [fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max)]
+    }
+}
+
 /// The component at which a free function acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LearnedPlace {

@@ -26,7 +26,9 @@ pub use drive_limits::{
 pub use free_functions::{Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 pub use friction::{Friction, FrictionLaw, StribeckCurve};
 pub use sensing::{AccelerometerAxis, Alignment, Clock, Drift, FeedbackSignal, Interface, Sensor, Sensors};
-pub use structure::{Beam, Configuration, Link, Lumped, PointMass, Section, SectionShape, StructuralDamping};
+pub use structure::{
+    Beam, BeamSection, Configuration, Link, Lumped, PointMass, SectionShape, StructuralDamping,
+};
 
 /// One axis of a cantilever mechanism on a moving platform.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,7 +36,7 @@ pub struct Parameters {
     /// Name of the machine.
     pub name: String,
     /// Whether the hub turns or slides.
-    pub axis: Axis,
+    pub axis: AxisKind,
     /// Acceleration of gravity, m/s^2.
     pub gravity_m_s2: f64,
     /// Distributed description of the structure, if it is known.
@@ -69,7 +71,7 @@ pub struct Parameters {
 
 /// How the hub moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Axis {
+pub enum AxisKind {
     /// It turns: angles in rad, inertias in kg m^2, torques in N m. The weight's torque follows the angle.
     #[default]
     Rotary,
@@ -96,7 +98,7 @@ const AXIS_UNITS: [(&str, &str); 14] = [
     ("(rad/s)^2 s", "(m/s)^2 s"),
 ];
 
-impl Axis {
+impl AxisKind {
     /// Returns the unit of a quantity of the axis that has a given unit on a turning one.
     pub fn unit(self, turning: &'static str) -> &'static str {
         let known = AXIS_UNITS.iter().find(|(unit, _)| *unit == turning && self == Self::Linear);

@@ -16,7 +16,7 @@ pub struct Beam {
     /// What the damping of the structure is made of.
     pub damping: StructuralDamping,
     /// Sections, adjoining, in order of position.
-    pub sections: Vec<Section>,
+    pub sections: Vec<BeamSection>,
     /// Masses that can be fitted.
     pub masses: Vec<PointMass>,
 }
@@ -40,7 +40,7 @@ pub enum StructuralDamping {
 
 /// A stretch of the beam.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Section {
+pub struct BeamSection {
     /// Name for reports.
     pub name: String,
     /// Start and end along the axis, m.

@@ -260,7 +260,7 @@ impl Plant {
     /// rotor of a rigid transmission. A linear axis has none.
     #[inline]
     pub fn gyroscopic_torque_nm(&self, hub: SinCos, [roll, yaw]: [f64; 2]) -> f64 {
-        if self.parameters.axis == crate::Axis::Linear {
+        if self.parameters.axis == crate::AxisKind::Linear {
             return 0.0;
         }
         let slender = self.body.inertia_kg_m2 - self.parameters.reflected_inertia_kg_m2();

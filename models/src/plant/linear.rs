@@ -6,7 +6,7 @@ use super::{Core, Equilibrium, Mesh, Plant};
 use crate::Error;
 use crate::friction::FrictionModel;
 use crate::friction::describing::describing_function;
-use crate::parameters::{Axis, Friction};
+use crate::parameters::{AxisKind, Friction};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 
@@ -276,8 +276,8 @@ impl Plant {
         let (sin, cos) = self.tilt(at.point.hub_angle_rad);
         let gravity = self.parameters.gravity_m_s2;
         let lift = match self.parameters.axis {
-            Axis::Rotary => gravity * self.body.vertical_offset_kg_m * cos,
-            Axis::Linear => 0.0,
+            AxisKind::Rotary => gravity * self.body.vertical_offset_kg_m * cos,
+            AxisKind::Linear => 0.0,
         };
         let rates = self.hub_rate_row();
         let relative = rates.len();
@@ -328,8 +328,8 @@ impl Plant {
     /// Returns the names of the core's states and of the relative angle behind them.
     fn core_state_names(&self) -> Vec<String> {
         let (angle, rate) = match self.parameters.axis {
-            Axis::Rotary => ("angle_rad", "rate_rad_s"),
-            Axis::Linear => ("position_m", "speed_m_s"),
+            AxisKind::Rotary => ("angle_rad", "rate_rad_s"),
+            AxisKind::Linear => ("position_m", "speed_m_s"),
         };
         let travel = angle.rsplit_once('_').map_or("rad", |(_, unit)| unit);
         let mut names: Vec<String> =
@@ -344,8 +344,8 @@ impl Plant {
             names.push(format!("mode_{k}_{rate}"));
         }
         names.push(match self.parameters.axis {
-            Axis::Rotary => "relative_hub_angle_rad".to_owned(),
-            Axis::Linear => "relative_position_m".to_owned(),
+            AxisKind::Rotary => "relative_hub_angle_rad".to_owned(),
+            AxisKind::Linear => "relative_position_m".to_owned(),
         });
         names
     }

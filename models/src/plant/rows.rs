@@ -115,8 +115,8 @@ impl Plant {
     #[inline]
     pub fn tilt(&self, hub_angle_rad: f64) -> (f64, f64) {
         match self.parameters.axis {
-            crate::Axis::Rotary => hub_angle_rad.sin_cos(),
-            crate::Axis::Linear => (0.0, 1.0),
+            crate::AxisKind::Rotary => hub_angle_rad.sin_cos(),
+            crate::AxisKind::Linear => (0.0, 1.0),
         }
     }
 }

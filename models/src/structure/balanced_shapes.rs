@@ -7,7 +7,10 @@
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::{
     Mat, Sparse,
-    sparse::{Accuracy, Ports, ProgressObserver, QuadraticPencil, Wanted, low_rank_gramians, lowest_modes},
+    sparse::{
+        GramianAccuracy, ProgressObserver, QuadraticPencil, StructurePorts, Wanted, low_rank_gramians,
+        lowest_modes,
+    },
 };
 
 use super::damping::{DampedFrequency, Rayleigh, rayleigh_coefficients};
@@ -44,8 +47,8 @@ impl BalancedShapes {
         };
         let pencil = QuadraticPencil::of(&M, &D, &K)?;
         let F = loads(structure, clamped)?;
-        let ports = Ports { F: &F, P: &F.t(), V: &Mat::zeros(F.ncols(), F.nrows()) };
-        let accuracy = Accuracy { contribution: GRAMIAN_CONTRIBUTION, steps: GRAMIAN_STEPS };
+        let ports = StructurePorts { F: &F, P: &F.t(), V: &Mat::zeros(F.ncols(), F.nrows()) };
+        let accuracy = GramianAccuracy { contribution: GRAMIAN_CONTRIBUTION, steps: GRAMIAN_STEPS };
         let gramians = low_rank_gramians(&pencil, &ports, accuracy, watch).map_err(|error| match error {
             linalg::Error::NotStable { eigenvalue, .. } => Error::Parameter {
                 parameter: "the damping of a mode of the clamped structure, 1/s,".to_owned(),

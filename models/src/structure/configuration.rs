@@ -9,14 +9,14 @@ use crate::parameters::{Beam, Configuration, Parameters, StructuralDamping};
 
 /// A mechanism's beam with what a configuration fits to it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Structure {
+pub struct ConfiguredStructure {
     /// The beam.
     pub beam: Beam,
     /// What is fitted to it.
     pub fitted: Fitted,
 }
 
-impl Structure {
+impl ConfiguredStructure {
     /// Returns the structure of a mechanism; `configuration` is `None` if nothing is fitted.
     ///
     /// # Errors
@@ -73,7 +73,7 @@ pub fn with_derived_lumped(parameters: &Parameters, options: &FeOptions) -> Resu
     if parameters.lumped.is_some() {
         return Ok(parameters.clone());
     }
-    let structure = Structure::new(parameters, None)?;
+    let structure = ConfiguredStructure::new(parameters, None)?;
     let derived = reduce_to_lumped(&structure.fe(options)?, &structure.beam.modal_damping)?;
     Ok(Parameters { lumped: Some(derived), ..parameters.clone() })
 }

@@ -37,7 +37,7 @@ pub struct Element {
     /// Stiffness matrix; N/m, N and N m.
     pub stiffness: Matrix4<f64>,
     /// The functions that interpolate between the nodes.
-    pub shape: Shape,
+    pub shape: ElementShape,
 }
 
 /// Returns the element from x = `from_m` to `to_m`.
@@ -49,7 +49,7 @@ pub struct Element {
 ///
 /// # Errors
 /// [`Error::PowerLaw`] if no power law passes through the element's three cross sections.
-pub fn element(
+pub fn element_matrices(
     profile: &Profile,
     from_m: f64,
     to_m: f64,
@@ -73,7 +73,7 @@ fn integrate(
     theory: Theory,
     cross_section: impl Fn(f64) -> CrossSection,
 ) -> Element {
-    let shape = Shape::new(profile, from_m, to_m, theory);
+    let shape = ElementShape::new(profile, from_m, to_m, theory);
     let mut out = Element { mass: Matrix4::zeros(), stiffness: Matrix4::zeros(), shape };
     for (a, b) in profile.pieces_m(from_m, to_m) {
         for (point, weight) in GAUSS {
@@ -100,7 +100,7 @@ fn power_law_element(profile: &Profile, from_m: f64, to_m: f64) -> Result<Elemen
     Ok(Element {
         mass: power_law::mass(line_mass, length, &area),
         stiffness: power_law::stiffness(rigidity, length, &second.ok_or_else(refused)?),
-        shape: Shape::hermite(from_m, to_m),
+        shape: ElementShape::hermite(from_m, to_m),
     })
 }
 
@@ -125,7 +125,7 @@ impl Element {
 /// The interpolation of an element: cubic, with linear terms if shear counts (Friedman and Kosmatka, Computers and
 /// Structures 47, 1993), phi = 12 E I / (kappa G A L^2) of the mean cross section.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shape {
+pub struct ElementShape {
     from_m: f64,
     length_m: f64,
     shear_share: f64,
@@ -144,7 +144,7 @@ pub struct Local {
     pub shear: Vector4<f64>,
 }
 
-impl Shape {
+impl ElementShape {
     fn new(profile: &Profile, from_m: f64, to_m: f64, theory: Theory) -> Self {
         let length_m = to_m - from_m;
         let mean = profile.average(from_m, to_m);

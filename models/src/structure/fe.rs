@@ -1,6 +1,6 @@
 //! The finite-element model of a structure that turns about a pivot.
 
-use super::element::{Element, Integration, Shape, Theory, element};
+use super::element::{Element, ElementShape, Integration, Theory, element_matrices};
 use super::mesh::Mesh;
 use super::profile::Profile;
 use crate::Error;
@@ -96,7 +96,7 @@ impl FeModel {
         let mut out = Self::rigid(&nodes, beam.pivot_m);
         let mut shapes = Vec::with_capacity(nodes.len() - 1);
         for (i, ends) in nodes.windows(2).enumerate() {
-            let one = element(&profile, ends[0], ends[1], options.theory, options.integration)?;
+            let one = element_matrices(&profile, ends[0], ends[1], options.theory, options.integration)?;
             out.place(i, &one);
             shapes.push(one.shape);
         }
@@ -162,7 +162,7 @@ impl FeModel {
     }
 
     /// Adds a point mass through the interpolation of the element that carries it.
-    fn fit(&mut self, mass: &PointMass, nodes: &[f64], shapes: &[Shape]) -> Result<(), Error> {
+    fn fit(&mut self, mass: &PointMass, nodes: &[f64], shapes: &[ElementShape]) -> Result<(), Error> {
         for (field, value) in [("mass", mass.mass_kg), ("inertia", mass.inertia_kg_m2)] {
             if value.is_nan() || value < 0.0 || value.is_infinite() || !mass.position_m.is_finite() {
                 let parameter = format!("beam.mass \"{}\".{field}", mass.name);

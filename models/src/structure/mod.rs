@@ -34,7 +34,7 @@ pub mod refinement;
 pub mod sparse_structure;
 mod supported_modes;
 
-pub use configuration::{Structure, with_derived_lumped};
+pub use configuration::{ConfiguredStructure, with_derived_lumped};
 pub use element::{Integration, Theory};
 pub use fe::{FeModel, FeOptions, Fitted, NodeRows, Truncation};
 pub use large::{Condensation, Shapes};

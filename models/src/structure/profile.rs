@@ -1,7 +1,7 @@
 //! The cross section along the beam.
 
 use crate::Error;
-use crate::parameters::{Beam, Section, SectionShape};
+use crate::parameters::{Beam, BeamSection, SectionShape};
 use crate::tolerance::ADJOINING;
 use std::f64::consts::PI;
 
@@ -12,7 +12,7 @@ pub struct Profile {
     shear_modulus_pa: f64,
     poissons_ratio: f64,
     density_kg_m3: f64,
-    sections: Vec<Section>,
+    sections: Vec<BeamSection>,
 }
 
 /// What an element needs of the cross section at a place.
@@ -98,7 +98,7 @@ impl Profile {
 
     /// Returns the pieces of [from, to] that lie in one section each.
     pub fn pieces_m(&self, from_m: f64, to_m: f64) -> Vec<(f64, f64)> {
-        let cut = |s: &Section| (s.from_m.max(from_m), s.to_m.min(to_m));
+        let cut = |s: &BeamSection| (s.from_m.max(from_m), s.to_m.min(to_m));
         let long = |(a, b): &(f64, f64)| b - a > ADJOINING * (to_m - from_m);
         self.sections.iter().map(cut).filter(long).collect()
     }
@@ -209,7 +209,7 @@ impl Profile {
 }
 
 /// Outer and inner diameter, given area and second moment, height and width; 0 if the section has none.
-fn dimensions(section: &Section, x_m: f64) -> [f64; 6] {
+fn dimensions(section: &BeamSection, x_m: f64) -> [f64; 6] {
     let t = (x_m - section.from_m) / (section.to_m - section.from_m);
     let linear = |[near, far]: [f64; 2]| near + (far - near) * t;
     match section.shape {

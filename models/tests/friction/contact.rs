@@ -2,7 +2,7 @@
 
 use super::{assert_close, model};
 use counterpoise_models::FrictionLaw;
-use counterpoise_models::friction::{FrictionModel, Joint, contact};
+use counterpoise_models::friction::{FrictionModel, Joint, contact_torques};
 use nalgebra::{Matrix1, Matrix2};
 
 fn coulomb(coulomb_nm: f64, static_ratio: f64) -> FrictionModel {
@@ -16,7 +16,7 @@ fn pulled(friction: &FrictionModel, h: f64, duration: f64) -> (Vec<f64>, f64) {
         let middle = stretch + 0.5 * h * (0.1 - rate);
         let free = rate + h * 2.0 * middle;
         let joint = Joint { friction, level: 1.0, rate_rad_s: rate, free_rate_rad_s: free };
-        let next = contact(&[joint], &Matrix1::new(h)).rate_rad_s[0];
+        let next = contact_torques(&[joint], &Matrix1::new(h)).rate_rad_s[0];
         if rate == 0.0 && next != 0.0 {
             starts.push(k as f64 * h);
         }
@@ -54,12 +54,12 @@ fn a_load_below_breakaway_is_held_to_the_last_bit() {
     for _ in 0..100_000 {
         let joint =
             Joint { friction: &friction, level: 1.0, rate_rad_s: rate, free_rate_rad_s: rate + h * 2.39 };
-        let held = contact(&[joint], &Matrix1::new(h));
+        let held = contact_torques(&[joint], &Matrix1::new(h));
         rate = held.rate_rad_s[0];
         assert!(rate == 0.0 && (held.torque_nm[0] - 2.39).abs() < 1e-12);
     }
     let joint = Joint { friction: &friction, level: 1.0, rate_rad_s: 0.0, free_rate_rad_s: h * 2.41 };
-    assert!(contact(&[joint], &Matrix1::new(h)).rate_rad_s[0] > 0.0);
+    assert!(contact_torques(&[joint], &Matrix1::new(h)).rate_rad_s[0] > 0.0);
 }
 
 /// Two joints on coupled inertias: each of the nine cases obeys the complementarity.
@@ -73,7 +73,7 @@ fn two_joints_obey_the_complementarity_in_every_case() {
             let free = [f64::from(a) * 4e-4, f64::from(b) * 4e-4];
             let joint =
                 |friction, free_rate_rad_s| Joint { friction, level: 1.0, rate_rad_s: 0.0, free_rate_rad_s };
-            let found = contact(&[joint(&first, free[0]), joint(&second, free[1])], &mobility);
+            let found = contact_torques(&[joint(&first, free[0]), joint(&second, free[1])], &mobility);
             let mut case = [0; 2];
             for (i, limit) in [1.0, 0.4].into_iter().enumerate() {
                 let (t, w) = (found.torque_nm[i], found.rate_rad_s[i]);
@@ -110,7 +110,7 @@ fn two_rubbing_masses_lose_energy_and_come_to_rest() {
         let joint =
             |friction, i: usize| Joint { friction, level: 1.0, rate_rad_s: w[i], free_rate_rad_s: free[i] };
         let mobility = Matrix2::new(h / masses[0], 0.0, 0.0, h / masses[1]);
-        let next = contact(&[joint(&first, 0), joint(&second, 1)], &mobility).rate_rad_s;
+        let next = contact_torques(&[joint(&first, 0), joint(&second, 1)], &mobility).rate_rad_s;
         (0..2).for_each(|i| x[i] += 0.5 * h * (w[i] + next[i]));
         w = next;
         assert!(energy(&x, &w) <= last + 1e-4 * start);
@@ -124,6 +124,6 @@ fn two_rubbing_masses_lose_energy_and_come_to_rest() {
 fn laws_that_do_not_stick_take_no_part() {
     let friction = super::dahl(1.0, 1e3, 1.0);
     let joint = Joint { friction: &friction, level: 1.0, rate_rad_s: 0.1, free_rate_rad_s: 0.2 };
-    let found = contact(&[joint], &Matrix1::new(1e-3));
+    let found = contact_torques(&[joint], &Matrix1::new(1e-3));
     assert_eq!((found.torque_nm, found.rate_rad_s), ([0.0], [0.2]));
 }

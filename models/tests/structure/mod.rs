@@ -13,7 +13,7 @@ mod timoshenko;
 mod uniform;
 
 use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Integration, Mesh, Support, Theory, modes};
-use counterpoise_models::{Beam, PointMass, Section, SectionShape, StructuralDamping};
+use counterpoise_models::{Beam, BeamSection, PointMass, SectionShape, StructuralDamping};
 
 /// A beam of unit modulus and density along 0 .. 1, pivot at 0.
 pub(crate) fn unit_beam(shape: SectionShape) -> Beam {
@@ -24,7 +24,7 @@ pub(crate) fn unit_beam(shape: SectionShape) -> Beam {
         pivot_m: 0.0,
         modal_damping: vec![0.01],
         damping: StructuralDamping::Modal,
-        sections: vec![Section { name: "beam".to_owned(), from_m: 0.0, to_m: 1.0, shape }],
+        sections: vec![BeamSection { name: "beam".to_owned(), from_m: 0.0, to_m: 1.0, shape }],
         masses: Vec::new(),
     }
 }

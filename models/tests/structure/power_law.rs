@@ -1,7 +1,7 @@
 //! The corrected closed forms against a fine quadrature of the same power law.
 
 use super::{assert_close, options, unit_beam};
-use counterpoise_models::structure::element::Shape;
+use counterpoise_models::structure::element::ElementShape;
 use counterpoise_models::structure::power_law::{PowerLaw, mass, stiffness};
 use counterpoise_models::structure::{FeModel, Fitted, Integration, Mesh};
 use counterpoise_models::{Error, SectionShape};
@@ -34,7 +34,7 @@ fn closed_forms_equal_quadrature() {
     for (k, (excess, exponent)) in laws.into_iter().enumerate() {
         let law = PowerLaw { excess, exponent };
         let length = 0.7 + 0.3 * k as f64;
-        let shape = Shape::hermite(0.0, length);
+        let shape = ElementShape::hermite(0.0, length);
         let (m, s) = (mass(3.0, length, &law), stiffness(5.0, length, &law));
         let mass_scale = m[(0, 0)];
         for i in 0..4 {

@@ -3,14 +3,14 @@
 use super::assert_close;
 use counterpoise_models::reference::rig;
 use counterpoise_models::structure::{
-    FeOptions, Structure, Support, modes, reduce_to_lumped, with_derived_lumped,
+    ConfiguredStructure, FeOptions, Support, modes, reduce_to_lumped, with_derived_lumped,
 };
 use counterpoise_models::{Parameters, Plant, StructuralDamping};
 use std::f64::consts::TAU;
 
 #[test]
 fn the_beam_has_the_stated_inertia_moment_and_frequencies() {
-    let structure = Structure::new(&rig(), None).unwrap();
+    let structure = ConfiguredStructure::new(&rig(), None).unwrap();
     let model = structure.fe(&FeOptions::default()).unwrap();
     assert_close(model.inertia_kg_m2(), 345.7, 0.05);
     assert_close(model.first_moment_kg_m(), 151.67, 0.005);
@@ -20,7 +20,7 @@ fn the_beam_has_the_stated_inertia_moment_and_frequencies() {
 
 #[test]
 fn frequencies_are_those_of_an_independent_program() {
-    let model = Structure::new(&rig(), None).unwrap().fe(&FeOptions::default()).unwrap();
+    let model = ConfiguredStructure::new(&rig(), None).unwrap().fe(&FeOptions::default()).unwrap();
     let cases = [
         (Support::Free, [37.9218352, 106.059864, 211.282733, 358.175963]),
         (Support::Pinned, [37.9168922, 103.301924, 198.434032, 332.694206]),
@@ -37,7 +37,7 @@ fn frequencies_are_those_of_an_independent_program() {
 #[test]
 fn the_derived_two_inertias_are_the_given_ones() {
     let rig = rig();
-    let structure = Structure::new(&rig, None).unwrap();
+    let structure = ConfiguredStructure::new(&rig, None).unwrap();
     let derived =
         reduce_to_lumped(&structure.fe(&FeOptions::default()).unwrap(), &structure.beam.modal_damping)
             .unwrap();
@@ -59,7 +59,8 @@ fn the_derived_two_inertias_are_the_given_ones() {
 fn each_configuration_has_its_inertia_and_moment() {
     let rig = rig();
     for configuration in &rig.configurations {
-        let model = Structure::new(&rig, Some(configuration)).unwrap().fe(&FeOptions::default()).unwrap();
+        let model =
+            ConfiguredStructure::new(&rig, Some(configuration)).unwrap().fe(&FeOptions::default()).unwrap();
         let lumped = rig.with_configuration(configuration).unwrap().lumped.unwrap();
         let inertia = lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2;
         assert_close(model.inertia_kg_m2() / inertia, 1.0, 3e-4);
@@ -70,7 +71,7 @@ fn each_configuration_has_its_inertia_and_moment() {
 #[test]
 fn the_plant_takes_any_number_of_modes() {
     let rig = rig();
-    let structure = Structure::new(&rig, None).unwrap();
+    let structure = ConfiguredStructure::new(&rig, None).unwrap();
     for count in [1, 3, 14, 40] {
         let pinned = structure.pinned_modes(&FeOptions::default(), count).unwrap();
         assert_eq!(pinned.body.modes.len(), count);
@@ -80,7 +81,8 @@ fn the_plant_takes_any_number_of_modes() {
 
 #[test]
 fn damping_ratios_go_by_mode_and_the_last_holds_above() {
-    let pinned = Structure::new(&rig(), None).unwrap().pinned_modes(&FeOptions::default(), 6).unwrap();
+    let pinned =
+        ConfiguredStructure::new(&rig(), None).unwrap().pinned_modes(&FeOptions::default(), 6).unwrap();
     let ratios: Vec<f64> = pinned.body.modes.iter().map(|m| m.damping_ratio).collect();
     assert_eq!(ratios, [0.010, 0.008, 0.008, 0.010, 0.010, 0.010]);
 }
@@ -88,7 +90,7 @@ fn damping_ratios_go_by_mode_and_the_last_holds_above() {
 #[test]
 fn the_damping_of_the_plant_follows_the_law_that_the_beam_names() {
     let ratios = |damping| {
-        let mut structure = Structure::new(&rig(), None).unwrap();
+        let mut structure = ConfiguredStructure::new(&rig(), None).unwrap();
         structure.beam.damping = damping;
         let pinned = structure.pinned_modes(&FeOptions::default(), 6).unwrap();
         pinned.body.modes.iter().map(|m| (m.frequency_rad_s, m.damping_ratio)).collect::<Vec<_>>()

@@ -4,8 +4,8 @@
 //! replay of recordings.
 
 use counterpoise_controller::{
-    COMMON_READINGS, Controller, Correction, DemandLimit, Estimator, FrictionObserver, Path, Projection,
-    READING_NAMES, Scaling, Signal,
+    COMMON_READINGS, Controller, Correction, DemandLimit, Estimator, FrictionObserver, Path, PathSignal,
+    Projection, READING_NAMES, Scaling,
 };
 use counterpoise_models::ControlledQuantity;
 use serde::Serialize;
@@ -115,7 +115,7 @@ impl ControllerResult {
 impl PathResult {
     /// Returns a path as plain data.
     pub fn of(path: &Path) -> Self {
-        let inputs: Vec<&str> = path.inputs.iter().map(|signal: &Signal| signal.name()).collect();
+        let inputs: Vec<&str> = path.inputs.iter().map(|signal: &PathSignal| signal.name()).collect();
         let system = SystemResult::new(&path.name, &path.system, &inputs, &["control_v"]);
         Self { system, anti_windup: path.anti_windup.clone(), scaling: path.scaling }
     }

@@ -2,7 +2,7 @@
 
 use counterpoise_controller::Controller;
 use counterpoise_models::plant::Plant;
-use counterpoise_verify::line_of_sight::experiment;
+use counterpoise_verify::line_of_sight::sight_experiment;
 use counterpoise_verify::sight_spectrum::SightSpectrum;
 use counterpoise_verify::{
     BudgetRun, Contribution, ErrorBudget, ErrorSource, LinearContribution, Model, Procedure, Verification,
@@ -73,7 +73,7 @@ impl SightProcedureResult {
     pub fn of(procedure: &Procedure) -> Option<Self> {
         let sight = procedure.line_of_sight?;
         Some(Self {
-            experiment: history_name(Model::Nonlinear, experiment(procedure)),
+            experiment: history_name(Model::Nonlinear, sight_experiment(procedure)),
             settle_s: procedure.sight_settle_s(),
             exposure_s: sight.exposure_s,
             coincidence: sight.coincidence.map(|asked| CoincidenceResult {

@@ -2,7 +2,7 @@
 //! checked with.
 
 use counterpoise_controller::{COMMON_READINGS, READING_NAMES};
-use counterpoise_verify::structured::{Block, PulledLoop};
+use counterpoise_verify::structured::{PerturbationBlock, PulledLoop};
 use serde::Serialize;
 
 use super::systems::SystemResult;
@@ -56,8 +56,8 @@ impl From<&PulledLoop> for PulledLoopResult {
                 .blocks
                 .iter()
                 .map(|block| match block {
-                    Block::Real { repeated } => *repeated,
-                    Block::Complex => 0,
+                    PerturbationBlock::Real { repeated } => *repeated,
+                    PerturbationBlock::Complex => 0,
                 })
                 .collect(),
             errors: pulled.errors,

@@ -2,7 +2,7 @@
 
 use counterpoise_linalg::Mat;
 use counterpoise_models::Beam;
-use counterpoise_models::parameters::{Section, SectionShape};
+use counterpoise_models::parameters::{BeamSection, SectionShape};
 use counterpoise_models::structure::FeModel;
 use serde::Serialize;
 
@@ -156,7 +156,7 @@ impl BeamResult {
 }
 
 impl SectionResult {
-    fn of(section: &Section) -> Self {
+    fn of(section: &BeamSection) -> Self {
         let (shape, dimensions) = match section.shape {
             SectionShape::Tube { outer_diameter_m, inner_diameter_m } => {
                 ("tube", [outer_diameter_m, inner_diameter_m])

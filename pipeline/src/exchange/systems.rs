@@ -3,7 +3,7 @@
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{Response, StateSpace, Timebase};
 use counterpoise_models::ControlledQuantity;
-use counterpoise_synth::{Channel, Design, Weight};
+use counterpoise_synth::{Design, DisturbanceChannel, Weight};
 use serde::Serialize;
 
 /// A signal by its name and unit.
@@ -239,9 +239,10 @@ pub(crate) fn controllers_of_design(
         StoredController { result, system }
     };
     let mut all = vec![stored("feedback", feedback.clone(), inputs)];
-    for (channel, name, input) in
-        [(Channel::Heave, "heave", "platform_accel_m_s2"), (Channel::Pitch, "pitch", "platform_rate_rad_s")]
-    {
+    for (channel, name, input) in [
+        (DisturbanceChannel::Heave, "heave", "platform_accel_m_s2"),
+        (DisturbanceChannel::Pitch, "pitch", "platform_rate_rad_s"),
+    ] {
         all.extend(design.feedforward_controller(channel).map(|system| stored(name, system, &[input])));
     }
     all

@@ -1,6 +1,6 @@
 //! The controller on its targets as plain data: the loop in each kind of numbers, forms of its paths, what compilers and emulators answered.
 
-use counterpoise_controller::sensitivity::Form;
+use counterpoise_controller::sensitivity::RealisationForm;
 use counterpoise_export::{Numbers, TargetFigures};
 use counterpoise_models::ControlledQuantity;
 use serde::ser::SerializeMap;
@@ -214,7 +214,7 @@ impl NumbersResult {
 fn path_forms(each: &PathForms) -> impl Iterator<Item = PathFormResult> {
     each.candidates.iter().map(|candidate| PathFormResult {
         path: each.path.clone(),
-        form: if candidate.form == Form::Balanced { "balanced" } else { "modal" },
+        form: if candidate.form == RealisationForm::Balanced { "balanced" } else { "modal" },
         is_in_use: candidate.form == each.chosen,
         coefficients: candidate.coefficients,
         predicted: candidate.predicted,

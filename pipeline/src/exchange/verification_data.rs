@@ -5,7 +5,7 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_models::parameters::{Parameters, Sensor};
 use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_verify::linear::SampledPlant;
-use counterpoise_verify::linear::closed_loop::{Closed, arrange, resolver_use};
+use counterpoise_verify::linear::closed_loop::{Closed, arrange_controller, resolver_use};
 use counterpoise_verify::{
     Arrangement, Experiment, Figure, History, Model, Procedure, Quantity, StepFigure, TriangleFigure,
     Verification, linear_plant,
@@ -43,49 +43,29 @@ pub struct VerifiedLoop {
 pub struct HistoryResult {
     /// What the loop controls.
     pub controlled: ControlledQuantity,
-    /// The experiment: the beginning of the keys of its figures, for example `nonlinear_road_compensated`.
-    pub name: String,
-    /// Time of the first sample, s.
-    pub start_s: f64,
     /// Sample time, s.
     pub sample_time_s: f64,
-    /// Demanded hub rate, rad/s.
-    pub demand_rad_s: Vec<f64>,
-    /// Heave of the platform, m/s^2.
-    pub heave_m_s2: Vec<f64>,
-    /// Pitch rate of the platform, rad/s.
-    pub pitch_rate_rad_s: Vec<f64>,
-    /// Inertial hub rate, rad/s.
-    pub hub_rate_rad_s: Vec<f64>,
-    /// Inertial tip rate, rad/s.
-    pub tip_rate_rad_s: Vec<f64>,
-    /// Control, V.
-    pub control_v: Vec<f64>,
-    /// Motor current, A; with a cylinder the load pressure, MPa.
-    pub current_a: Vec<f64>,
-    /// Hub angle relative to the platform from its start, rad.
-    pub travel_rad: Vec<f64>,
-    /// Whether the gear teeth touch: 1 or 0.
-    pub contact: Vec<f64>,
+    /// Plant, experiment and signals.
+    pub history: History,
 }
 
 impl Serialize for HistoryResult {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let controlled = self.controlled;
+        let (controlled, history) = (self.controlled, &self.history);
         let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("name", &self.name)?;
-        map.serialize_entry("start_s", &self.start_s)?;
+        map.serialize_entry("name", &history_name(history.model, history.experiment))?;
+        map.serialize_entry("start_s", &history.time_s().first().copied().unwrap_or(0.0))?;
         map.serialize_entry("sample_time_s", &self.sample_time_s)?;
-        map.serialize_entry(&controlled.named_signal("demand_rad_s"), &self.demand_rad_s)?;
-        map.serialize_entry("heave_m_s2", &self.heave_m_s2)?;
-        map.serialize_entry("pitch_rate_rad_s", &self.pitch_rate_rad_s)?;
-        map.serialize_entry(&controlled.signal(), &self.hub_rate_rad_s)?;
-        map.serialize_entry(&controlled.tip_signal(), &self.tip_rate_rad_s)?;
-        map.serialize_entry("control_v", &self.control_v)?;
-        map.serialize_entry(&controlled.named_signal("current_a"), &self.current_a)?;
-        map.serialize_entry(&format!("travel_{}", controlled.travel_unit()), &self.travel_rad)?;
-        if !self.contact.is_empty() {
-            map.serialize_entry("contact", &self.contact)?;
+        map.serialize_entry(&controlled.named_signal("demand_rad_s"), history.demand_rad_s())?;
+        map.serialize_entry("heave_m_s2", history.heave_m_s2())?;
+        map.serialize_entry("pitch_rate_rad_s", history.pitch_rate_rad_s())?;
+        map.serialize_entry(&controlled.signal(), history.hub_rate_rad_s())?;
+        map.serialize_entry(&controlled.tip_signal(), history.tip_rate_rad_s())?;
+        map.serialize_entry("control_v", history.control_v())?;
+        map.serialize_entry(&controlled.named_signal("current_a"), history.current_a())?;
+        map.serialize_entry(&format!("travel_{}", controlled.travel_unit()), history.travel_rad())?;
+        if !history.contact().is_empty() {
+            map.serialize_entry("contact", history.contact())?;
         }
         map.end()
     }
@@ -166,7 +146,7 @@ fn controllers(
     for (arrangement, name) in
         [(Arrangement::Compensated, "controller"), (Arrangement::Feedback, "controller_feedback_alone")]
     {
-        let Some(part) = arrange(controller, arrangement)? else { continue };
+        let Some(part) = arrange_controller(controller, arrangement)? else { continue };
         let closed = Closed::new(sampled, Some(&part), moment)?;
         systems.extend(closed.controller.as_ref().map(|system| {
             SystemResult::new(name, system, &READING_NAMES[..COMMON_READINGS], &["control_v"])
@@ -224,30 +204,9 @@ fn delays(parameters: &Parameters) -> Vec<usize> {
 
 /// Returns the time histories of a verification.
 pub fn history_results(found: &Verification) -> Vec<HistoryResult> {
-    let sample_time_s = found.evidence.sample_period_s;
-    let result = |history| HistoryResult::new(history, sample_time_s, found.controlled_quantity());
+    let (controlled, sample_time_s) = (found.controlled_quantity(), found.evidence.sample_period_s);
+    let result = |history: &History| HistoryResult { controlled, sample_time_s, history: history.clone() };
     found.evidence.histories.iter().map(result).collect()
-}
-
-impl HistoryResult {
-    /// Returns a time history as plain data.
-    pub fn new(history: &History, sample_time_s: f64, controlled: ControlledQuantity) -> Self {
-        Self {
-            controlled,
-            name: history_name(history.model, history.experiment),
-            start_s: history.time_s.first().copied().unwrap_or(0.0),
-            sample_time_s,
-            demand_rad_s: history.demand_rad_s.clone(),
-            heave_m_s2: history.heave_m_s2.clone(),
-            pitch_rate_rad_s: history.pitch_rate_rad_s.clone(),
-            hub_rate_rad_s: history.hub_rate_rad_s.clone(),
-            tip_rate_rad_s: history.tip_rate_rad_s.clone(),
-            control_v: history.control_v.clone(),
-            current_a: history.current_a.clone(),
-            travel_rad: history.travel_rad.clone(),
-            contact: history.contact.clone(),
-        }
-    }
 }
 
 /// Returns the name of a time history: the beginning of the keys of its experiment's figures.

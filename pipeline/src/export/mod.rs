@@ -3,16 +3,17 @@
 mod feedback_alone;
 pub mod target_proofs;
 
+use crate::wording::figures::{describe_figure, describe_unmeasured};
 use counterpoise_controller::realise::count_coefficients;
-use counterpoise_controller::sensitivity::{Candidate, Form, form_candidates};
+use counterpoise_controller::sensitivity::{RealisationCandidate, RealisationForm, form_candidates};
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
 use counterpoise_export::signal_names;
 use counterpoise_export::{
-    Converters, File, Numbers, Options, Provenance, Targets, c99, compare_targets, fixed_c99, fixed_form,
+    CodeOptions, Converters, File, Numbers, Provenance, Targets, c99, compare_targets, fixed_c99, fixed_form,
     rust_crate,
 };
 use counterpoise_models::plant::Plant;
-use counterpoise_models::{Axis, FeedbackSignal, Parameters};
+use counterpoise_models::{AxisKind, FeedbackSignal, Parameters};
 use counterpoise_verify::{Limit, Procedure, Verdict, VerifiedController};
 use sha2::{Digest, Sha256};
 
@@ -157,7 +158,7 @@ pub fn every_target(
         |language, numbers, files| TargetCode { language, numbers, name: name.clone(), readings, files };
     let mut all = Vec::new();
     for (numbers, options) in
-        [(Numbers::Double, Options::double(&name)), (Numbers::Single, Options::single(&name))]
+        [(Numbers::Double, CodeOptions::double(&name)), (Numbers::Single, CodeOptions::single(&name))]
     {
         // What single precision cannot hold has no form in it.
         let (Ok(c), Ok(rust)) = (c99(verified, &origin, &options), rust_crate(verified, &origin, &options))
@@ -179,9 +180,9 @@ pub struct PathForms {
     /// Name of the path.
     pub path: String,
     /// Modal and balanced.
-    pub candidates: Vec<Candidate>,
+    pub candidates: Vec<RealisationCandidate>,
     /// The form of the verified controller.
-    pub chosen: Form,
+    pub chosen: RealisationForm,
 }
 
 /// Returns the forms of each path that has states.
@@ -195,7 +196,7 @@ pub fn path_forms(verified: &VerifiedController) -> Result<Vec<PathForms>, Pipel
         let count = count_coefficients(&path.system);
         // A form is known by its number of coefficients: few in blocks, all of them in a full matrix.
         let nearest = candidates.iter().min_by_key(|candidate| candidate.coefficients.abs_diff(count));
-        let chosen = nearest.map_or(Form::Modal, |candidate| candidate.form);
+        let chosen = nearest.map_or(RealisationForm::Modal, |candidate| candidate.form);
         Ok(PathForms { path: path.name.clone(), candidates, chosen })
     };
     paths.map(of).collect()
@@ -220,10 +221,10 @@ fn units(
     plant: &Plant,
     verified: &VerifiedController,
     origin: &Provenance,
-    options: &Options,
+    options: &CodeOptions,
 ) {
     let named = |ending: &str| format!("{}_{ending}", options.name);
-    let controller = Options { name: named("unit"), ..options.clone() };
+    let controller = CodeOptions { name: named("unit"), ..options.clone() };
     made.add("FMI unit of the controller", controller_unit(verified, origin, &controller));
     made.add("FMI unit of the plant", plant_unit(PlantUnit { plant, name: &named("plant") }, origin));
 }
@@ -259,13 +260,16 @@ fn provenance(project: &Project, verified: &VerifiedController, world: &dyn Worl
     let verification = verified.verification();
     let verdicts = verification.verdicts.iter().map(|(requirement, verdict)| {
         let controlled = verification.controlled_quantity();
-        let (figure, unit) = (requirement.figure.name(controlled), requirement.figure.unit(controlled));
+        let (figure, unit) =
+            (describe_figure(requirement.figure, controlled), requirement.figure.unit(controlled));
         let basis = verification.acceptance(&requirement.figure).basis;
         let said = |value: f64, limit: &Limit| format!("{figure}: {value:.4} {unit} ({limit}; {basis})");
         match verdict {
             Verdict::Holds { value, limit, .. } => format!("{}: holds", said(*value, limit)),
             Verdict::Fails { value, limit, .. } => format!("{}: FAILS", said(*value, limit)),
-            Verdict::NotApplicable { why } => format!("{figure}: not applicable, {why}"),
+            Verdict::NotApplicable { why } => {
+                format!("{figure}: not applicable, {}", describe_unmeasured(why))
+            }
         }
     });
     Provenance {
@@ -283,11 +287,11 @@ fn provenance(project: &Project, verified: &VerifiedController, world: &dyn Worl
 /// Returns what the first two readings of the controller hold, if the loop is not one of the hub's inertial rate on a turning axis.
 fn loop_signals(plant: &Parameters) -> Option<String> {
     let (angle, rate, torque) = match plant.axis {
-        Axis::Rotary => ("angle, rad", "rate, rad/s", "torque of the transmission, N m"),
-        Axis::Linear => ("position, m", "speed, m/s", "force of the transmission, N"),
+        AxisKind::Rotary => ("angle, rad", "rate, rad/s", "torque of the transmission, N m"),
+        AxisKind::Linear => ("position, m", "speed, m/s", "force of the transmission, N"),
     };
     let signal = match plant.sensors.measured {
-        FeedbackSignal::HubRate if plant.axis == Axis::Rotary => return None,
+        FeedbackSignal::HubRate if plant.axis == AxisKind::Rotary => return None,
         FeedbackSignal::HubRate => format!("inertial {rate}"),
         FeedbackSignal::RelativeRate => format!("{rate}, relative to the platform"),
         FeedbackSignal::MotorRate => format!("motor's {rate}, over the ratio, relative to the platform"),

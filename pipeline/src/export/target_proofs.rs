@@ -1,7 +1,7 @@
 //! What compilers and emulators answered about the generated code, as data. They are run elsewhere.
 
 use counterpoise_export::Numbers;
-use counterpoise_export::board::Cost;
+use counterpoise_export::board::CodeCost;
 
 /// What the code in some numbers costs on a core.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,7 +11,7 @@ pub struct CoreCost {
     /// Numbers of the code.
     pub numbers: Numbers,
     /// What was counted.
-    pub cost: Cost,
+    pub cost: CodeCost,
 }
 
 /// What was counted, and what was not.

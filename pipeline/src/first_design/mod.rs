@@ -17,7 +17,7 @@ use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::{Synthesis, WeightSource};
 use counterpoise_project::resolve::verify::StepSize;
 use counterpoise_synth::{
-    Circumstances, DesignPlant, Error as SynthesisError, FirstDesign, LimitKind, LimitLoops, Motion,
+    Circumstances, DesignPlant, Error as SynthesisError, ExpectedMotion, FirstDesign, LimitKind, LimitLoops,
     ParallelRun, RequiredMargins, Weight, first_design_on,
 };
 use counterpoise_verify::certificate::elements::rest_impedances;
@@ -28,6 +28,7 @@ use crate::exchange::SystemResult;
 use crate::model::CONVERTER_RANGE_V;
 use crate::synth::{design_plant, sampling};
 use crate::tolerance::{ALLOWS_MORE, MARGINS_TO_SPARE};
+use crate::wording::design_findings::{describe_design_finding, describe_limit, describe_unknown};
 use crate::{Modelled, PipelineError, Reduced, model, reduce};
 
 /// A project whose weights were chosen.
@@ -267,7 +268,7 @@ fn margins(project: &Project) -> RequiredMargins {
 
 /// Returns a sine that the project expects as a spectrum of the same RMS up to twice its frequency; `None` if no sensor
 /// reads it or it does not move.
-fn motion(expected: &Sine, sensor: &Sensor, modelled: &Modelled) -> Option<Motion> {
+fn motion(expected: &Sine, sensor: &Sensor, modelled: &Modelled) -> Option<ExpectedMotion> {
     let (amplitude, period_s) = (expected.amplitude.abs(), modelled.parameters.interface.sample_period_s);
     if sensor.gain == 0.0 || amplitude == 0.0 || expected.frequency_hz <= 0.0 {
         return None;
@@ -283,7 +284,7 @@ fn motion(expected: &Sine, sensor: &Sensor, modelled: &Modelled) -> Option<Motio
         gain: gain * natural * natural,
     };
     let noise_rms = if sensor.noise_rms > 0.0 { sensor.noise_rms } else { UNKNOWN_NOISE * amplitude };
-    Some(Motion { generator, noise: noise_rms * noise_rms * period_s })
+    Some(ExpectedMotion { generator, noise: noise_rms * noise_rms * period_s })
 }
 
 /// Four significant digits, as a person would write them.
@@ -374,7 +375,7 @@ impl FirstDesignResult {
 impl From<&FirstDesign> for FirstDesignResult {
     fn from(first: &FirstDesign) -> Self {
         let (found, judged) = (&first.bandwidth, &first.judgement);
-        let row = |(limit, loops): (&counterpoise_synth::Limit, &LimitLoops)| {
+        let row = |(limit, loops): (&counterpoise_synth::BandwidthLimit, &LimitLoops)| {
             let told = |system: &StateSpace| {
                 SystemResult::new("loop", system, &["control_v"], &["returned_control_v"])
             };
@@ -382,7 +383,7 @@ impl From<&FirstDesign> for FirstDesignResult {
             let over_reached = bandwidth_rad_s.map(|rate| rate / found.bandwidth_rad_s);
             let lifted_rad_s = limit.lifted_rad_s;
             LimitRow {
-                limit: limit.kind.to_string(),
+                limit: describe_limit(limit.kind).to_owned(),
                 bandwidth_rad_s,
                 over_reached,
                 lifted_rad_s,
@@ -393,7 +394,12 @@ impl From<&FirstDesign> for FirstDesignResult {
         Self {
             bandwidth_rad_s: found.bandwidth_rad_s,
             asked_rad_s: found.asked_rad_s,
-            limited_by: found.limited_by.iter().map(ToString::to_string).collect::<Vec<_>>().join(" and "),
+            limited_by: found
+                .limited_by
+                .iter()
+                .map(|kind| describe_limit(*kind))
+                .collect::<Vec<_>>()
+                .join(" and "),
             limits: found.limits.iter().zip(&first.shown_by).map(row).collect(),
             required: RequiredMarginsResult {
                 gain_margin_db: first.required.gain_db,
@@ -401,7 +407,7 @@ impl From<&FirstDesign> for FirstDesignResult {
                 max_sensitivity: first.required.max_sensitivity,
             },
             sample_period_s: first.sample_period_s,
-            unknown: found.unknown.iter().map(ToString::to_string).collect(),
+            unknown: found.unknown.iter().map(|fact| describe_unknown(*fact).to_owned()).collect(),
             gain_margin_db: judged.gain_margin_db,
             phase_margin_deg: judged.phase_margin_deg,
             max_sensitivity: judged.max_sensitivity,
@@ -411,7 +417,7 @@ impl From<&FirstDesign> for FirstDesignResult {
                 .iter()
                 .map(|system| SystemResult::new("loop", system, &["control_v"], &["returned_control_v"]))
                 .collect(),
-            left_out: first.left_out.iter().map(ToString::to_string).collect(),
+            left_out: first.left_out.iter().map(describe_design_finding).collect(),
         }
     }
 }

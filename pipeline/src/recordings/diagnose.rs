@@ -7,11 +7,11 @@ use counterpoise_diagnose::recording::gap_repair::repair_gaps;
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_project::Project;
 use counterpoise_recordings::Recording;
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::ReplayLoop;
 
 use super::column_remarks::ColumnRemark;
 use super::read::{
-    Gaps, RecordingFile, control_for, read, recording_controller, unused_columns, without_demand,
+    Gaps, RecordingFile, control_for, read_files, recording_controller, unused_columns, without_demand,
 };
 use super::residuals::{ResidualStudy, study_residuals};
 use super::tracks::{Track, replay_before_and_after};
@@ -24,7 +24,7 @@ pub struct DiagnosedRecordings {
     /// The answer and the improved mechanism.
     pub diagnosis: Diagnosis,
     /// The control under which the recordings were replayed.
-    pub control: Loop,
+    pub control: ReplayLoop,
     /// Recordings without the demand, for which the project's recording controller could not be run.
     pub without_demand: Vec<String>,
     /// What was found on reading each recording, with its name.
@@ -49,7 +49,7 @@ pub fn diagnose(
     pool: &dyn Pool,
 ) -> Result<DiagnosedRecordings, PipelineError> {
     let controller = recording_controller(project)?;
-    let read = read(project, controller.as_ref(), files, Gaps::AsWritten)?;
+    let read = read_files(project, controller.as_ref(), files, Gaps::AsWritten)?;
     let control = control_for(project, controller.as_ref(), read.iter().map(|item| &item.recording));
     let contradiction = if read.iter().all(|item| item.keeps_samples) {
         Contradiction::PlayBack

@@ -1,9 +1,9 @@
 //! The next experiment of a project's machine: the machines that a diagnosis leaves possible, and the demand that separates them best.
 
 use counterpoise_diagnose::can_have;
-use counterpoise_diagnose::experiment::{ExperimentRequest, Limits, Plan, PossibleMachine, plan};
+use counterpoise_diagnose::experiment::{ExperimentPlan, ExperimentRequest, Limits, PossibleMachine, plan};
 use counterpoise_diagnose::library::{
-    Component, Effect, EffectName, Kind, Parameter, find_effects, list_effects,
+    Component, Effect, EffectKind, EffectName, EffectParameter, find_effects, list_effects,
 };
 use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::Parameters;
@@ -93,7 +93,7 @@ pub fn plan_experiment(
     findings: Option<&Findings>,
     limits: Limits,
     pool: &dyn Pool,
-) -> Result<Plan, PipelineError> {
+) -> Result<ExperimentPlan, PipelineError> {
     let controller = recording_controller(project)?.ok_or(PipelineError::Missing {
         section: "recording_controller",
         needed_by: "the plan of an experiment",
@@ -169,7 +169,7 @@ fn machine(plant: &Parameters, effects: &[ValuedEffect]) -> PossibleMachine {
     let parameters = effects.iter().fold(plant.clone(), |p, one| one.effect.apply_to(&p, &one.values));
     let name = |one: &ValuedEffect| format!("{} {}", one.effect.component, one.effect.effect);
     let names: Vec<String> = effects.iter().map(name).collect();
-    let free: Vec<&'static Parameter> = effects.iter().flat_map(|one| one.effect.parameters).collect();
+    let free: Vec<&'static EffectParameter> = effects.iter().flat_map(|one| one.effect.parameters).collect();
     PossibleMachine { name: names.join(" and "), parameters, free }
 }
 
@@ -235,6 +235,7 @@ fn effect_of(component: &str, effect: &str, values: &[NamedValue]) -> Option<Val
         e.parameters.len() == values.len() && e.parameters.iter().zip(values).all(|(p, v)| p.name == v.name)
     };
     let found = find_effects(component, name).find(fits)?;
-    let is_physics = found.kind != Kind::Instrument || list_effects().iter().any(|e| std::ptr::eq(*e, found));
+    let is_physics =
+        found.kind != EffectKind::Instrument || list_effects().iter().any(|e| std::ptr::eq(*e, found));
     is_physics.then(|| ValuedEffect { effect: found, values: values.iter().map(|v| v.value).collect() })
 }

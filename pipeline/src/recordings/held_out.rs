@@ -7,7 +7,7 @@ use counterpoise_project::Project;
 use counterpoise_simulate::replay::{ChannelFit, ReplayMode};
 
 use super::column_remarks::ColumnRemark;
-use super::read::{Gaps, RecordingFile, control_for, read, recording_controller};
+use super::read::{Gaps, RecordingFile, control_for, read_files, recording_controller};
 use super::replay::{ReplayLength, replay_one};
 use crate::PipelineError;
 use crate::configuration::apply_configuration;
@@ -37,6 +37,13 @@ pub struct HeldOutFit {
     pub before: f64,
     /// RMS of the residual of the improved model.
     pub after: f64,
+}
+
+impl HeldOutFit {
+    /// Returns the RMS of the residual over the noise floor, of the model as it was and of the improved one.
+    pub fn residuals_over_floor(&self) -> [f64; 2] {
+        [self.before / self.floor, self.after / self.floor]
+    }
 }
 
 /// How much better the improved model predicts a held-out recording.
@@ -75,8 +82,8 @@ impl HeldOutRecording {
     pub fn comparison(&self) -> HeldOutComparison {
         let channels = self.judged_channels();
         let worst =
-            |of: fn(&HeldOutFit) -> f64| channels.values().map(|c| of(c) / c.floor).fold(0.0, f64::max);
-        let [before, after] = [worst(|c| c.before), worst(|c| c.after)];
+            |model: usize| channels.values().map(|c| c.residuals_over_floor()[model]).fold(0.0, f64::max);
+        let [before, after] = [worst(0), worst(1)];
         let removed: Vec<f64> = channels
             .values()
             .filter(|c| c.before > RESIDUAL_ABOVE_FLOOR * c.floor)
@@ -115,7 +122,7 @@ pub fn replay_held_out(
     let plant = apply_configuration(project, &project.plant)?;
     let improved = apply_configuration(project, improved)?;
     let controller = recording_controller(project)?;
-    let read = read(project, controller.as_ref(), files, Gaps::Repaired)?;
+    let read = read_files(project, controller.as_ref(), files, Gaps::Repaired)?;
     let control = control_for(project, controller.as_ref(), read.iter().map(|item| &item.recording));
     let one = |item| {
         let after = replay_one(&improved, item, &control, ReplayLength::Automatic)?;

@@ -2,20 +2,20 @@
 
 use std::path::Path;
 
-use counterpoise_diagnose::identification::Identified;
-use counterpoise_models::{Axis, ControlledQuantity, QuantityKind};
+use counterpoise_diagnose::identification::Identification;
+use counterpoise_models::{AxisKind, ControlledQuantity, QuantityKind};
 use counterpoise_project::Project;
 use counterpoise_recordings::Recording;
 
 use super::column_remarks::ColumnRemark;
-use super::read::{Gaps, RecordingFile, read, recording_controller, unused_columns};
+use super::read::{Gaps, RecordingFile, read_files, recording_controller, unused_columns};
 use crate::PipelineError;
 
 /// What was identified, with what was found on reading each recording.
 #[derive(Debug, Clone)]
 pub struct IdentifiedRecordings {
     /// The identified mechanism.
-    pub identified: Identified,
+    pub identified: Identification,
     /// What was found on reading each recording, with its name.
     pub remarks: Vec<(String, Vec<ColumnRemark>)>,
     /// The units of the values.
@@ -43,7 +43,7 @@ pub struct AxisUnits {
 
 impl AxisUnits {
     /// Returns the units of an axis.
-    pub fn of(axis: Axis) -> Self {
+    pub fn of(axis: AxisKind) -> Self {
         Self {
             moment: axis.unit("kg m"),
             inertia: axis.unit("kg m^2"),
@@ -68,7 +68,7 @@ pub fn identify(
     let (mut recordings, mut remarks, mut unused) = (Vec::new(), Vec::new(), Vec::new());
     for files in states.iter().filter(|files| !files.is_empty()) {
         let mut of_state = Vec::new();
-        for item in read(project, controller.as_ref(), files, Gaps::Repaired)? {
+        for item in read_files(project, controller.as_ref(), files, Gaps::Repaired)? {
             unused.extend(unused_columns([&item]));
             let stem = Path::new(&item.file).file_stem().map(|s| s.to_string_lossy().into_owned());
             of_state.push(item.recording.with_name(stem.unwrap_or_else(|| item.file.clone())));

@@ -5,7 +5,7 @@ use counterpoise_diagnose::recording::sanity_checks::check_control;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::{Channel, Error, Mapping, Recording, Remark, Table};
-use counterpoise_simulate::replay::{Loop, RecordedController};
+use counterpoise_simulate::replay::{RecordedController, ReplayLoop};
 
 use super::column_remarks::{ColumnRemark, UnusedColumn};
 use super::converter_range::remove_impossible;
@@ -61,7 +61,7 @@ pub enum Gaps {
 /// # Errors
 /// [`PipelineError::UnreadableRecording`] if a file cannot be read as it is mapped, [`PipelineError::NothingToReplay`] if the
 /// gaps of a recording leave no part of it.
-pub fn read(
+pub fn read_files(
     project: &Project,
     controller: Option<&RecordedController>,
     files: &[RecordingFile],
@@ -98,12 +98,12 @@ fn mapping(project: &Project) -> Mapping {
     Mapping { sample_period_s: clock, units, ..project.recording.clone() }
 }
 
-/// Reads the recordings of a table as the project maps its columns, gaps and stuck sensors repaired; see [`read`].
+/// Reads the recordings of a table as the project maps its columns, gaps and stuck sensors repaired; see [`read_files`].
 ///
 /// `controller` is the project's [`recording_controller`].
 ///
 /// # Errors
-/// As [`read`].
+/// As [`read_files`].
 pub fn read_table(
     project: &Project,
     controller: Option<&RecordedController>,
@@ -188,14 +188,17 @@ fn foreign_controller(
     controller: Option<&RecordedController>,
     recording: &Recording,
 ) -> Option<ColumnRemark> {
-    check_control(&project.plant, recording, &Loop::from(controller?.clone())).map(ColumnRemark::Controller)
+    check_control(&project.plant, recording, &ReplayLoop::from(controller?.clone()))
+        .map(ColumnRemark::Controller)
 }
 
 /// Returns the loop in which recordings are replayed, each by itself: with the project's [`recording_controller`], or under the recorded
-/// control if the project names none or the loop controls a torque or a current ([`Loop::from_controller`]). A recording that lacks the demand is replayed
+/// control if the project names none or the loop controls a torque or a current ([`ReplayLoop::from_controller`]). A recording that lacks the demand is replayed
 /// under its recorded control all the same.
-pub fn loop_of(project: &Project, controller: Option<&RecordedController>) -> Loop {
-    controller.cloned().map_or(Loop::Open, |controller| Loop::from_controller(&project.plant, controller))
+pub fn loop_of(project: &Project, controller: Option<&RecordedController>) -> ReplayLoop {
+    controller
+        .cloned()
+        .map_or(ReplayLoop::Open, |controller| ReplayLoop::from_controller(&project.plant, controller))
 }
 
 /// Returns the one loop in which all recordings are compared with a model: that of [`loop_of`] if every recording holds the demand,
@@ -204,7 +207,7 @@ pub fn control_for<'a>(
     project: &Project,
     controller: Option<&RecordedController>,
     recordings: impl IntoIterator<Item = &'a Recording>,
-) -> Loop {
+) -> ReplayLoop {
     let complete = recordings.into_iter().all(|recording| recording.has(Channel::Demand));
     loop_of(project, controller.filter(|_| complete))
 }

@@ -2,7 +2,7 @@
 
 use counterpoise_models::Parameters;
 use counterpoise_verify::Verification;
-use counterpoise_verify::difference::{Change, changes};
+use counterpoise_verify::difference::{FigureChange, figure_changes};
 
 use crate::{PipelineError, World, model, project_procedure, reduce, synthesise, verify_on};
 use counterpoise_project::Project;
@@ -17,7 +17,7 @@ pub struct Consequence {
     /// A controller redesigned on the improved model, verified on it; `None` if it has no design.
     pub redesigned: Option<Verification>,
     /// Every figure from `before` to `kept`.
-    pub changes: Vec<Change>,
+    pub changes: Vec<FigureChange>,
 }
 
 /// Verifies a project's design on an improved mechanism; `None` if the project has no design to verify.
@@ -42,7 +42,7 @@ pub fn verify_redesign(
     let before = verify_on(project, &modelled.plant, &made, &procedure)?.into_parts().1;
     let kept = verify_on(project, &truer.plant, &made, &procedure)?.into_parts().1;
     Ok(Some(Consequence {
-        changes: changes(&before, &kept),
+        changes: figure_changes(&before, &kept),
         redesigned: redesigned.ok().map(|verified| verified.into_parts().1),
         before,
         kept,

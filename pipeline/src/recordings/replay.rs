@@ -3,13 +3,13 @@
 use counterpoise_diagnose::fitting::fitted_start::fit_start;
 use counterpoise_diagnose::learning::visited_ranges::Visited;
 use counterpoise_diagnose::recording::measured_signals::read_signals;
-use counterpoise_diagnose::recording::sanity_checks::{Remark, check_signals};
+use counterpoise_diagnose::recording::sanity_checks::{SanityRemark, check_signals};
 use counterpoise_diagnose::tolerance::{EXPLAINED, SAMPLES_AT_MOST};
 use counterpoise_models::Parameters;
 use counterpoise_models::plant::Body;
 use counterpoise_project::{Project, StructureChoice};
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::{Loop, Replay, ReplayMode, Replayer, SelectedReplay};
+use counterpoise_simulate::replay::{Replay, ReplayLoop, ReplayMode, Replayer, SelectedReplay};
 
 use super::column_remarks::ColumnRemark;
 use super::read::{ReadRecording, unused_columns};
@@ -54,7 +54,7 @@ pub struct ReplayedRecording {
 pub fn replay(
     project: &Project,
     read: &[ReadRecording],
-    control: &Loop,
+    control: &ReplayLoop,
     length: ReplayLength,
 ) -> Result<Vec<ReplayedRecording>, PipelineError> {
     let (parameters, structure) = match project.model.structure {
@@ -83,7 +83,7 @@ struct Mechanism<'a> {
 pub fn replay_one(
     plant: &Parameters,
     item: &ReadRecording,
-    control: &Loop,
+    control: &ReplayLoop,
     length: ReplayLength,
 ) -> Result<ReplayedRecording, PipelineError> {
     replay_on(&Mechanism { parameters: plant, structure: None }, item, control, length)
@@ -92,7 +92,7 @@ pub fn replay_one(
 fn replay_on(
     mechanism: &Mechanism<'_>,
     item: &ReadRecording,
-    control: &Loop,
+    control: &ReplayLoop,
     length: ReplayLength,
 ) -> Result<ReplayedRecording, PipelineError> {
     let plant = mechanism.parameters;
@@ -100,7 +100,7 @@ fn replay_on(
         Some(body) => replayer.with_whole_body(body.clone()),
         None => replayer,
     });
-    let control = if item.plays_control_back() { &Loop::Open } else { control };
+    let control = if item.plays_control_back() { &ReplayLoop::Open } else { control };
     let followed = replayer.and_then(|replayer| match mechanism.structure {
         Some(_) => selected(&replayer, plant, control, length),
         None => {
@@ -125,22 +125,22 @@ fn replay_on(
 fn selected(
     replayer: &Replayer,
     plant: &Parameters,
-    control: &Loop,
+    control: &ReplayLoop,
     length: ReplayLength,
 ) -> Result<SelectedReplay, counterpoise_simulate::Error> {
     let (replay, mode) = match (length, control) {
         (ReplayLength::Automatic, _) => {
             return replayer.replay_free_or_windowed(plant, control);
         }
-        (ReplayLength::Whole, Loop::Open) => (replayer.replay_open(plant)?, ReplayMode::Free),
+        (ReplayLength::Whole, ReplayLoop::Open) => (replayer.replay_open(plant)?, ReplayMode::Free),
         (ReplayLength::Whole, _) => {
             let replay = replayer.replay(plant, control)?;
             return Ok(SelectedReplay { replay, mode: ReplayMode::Free, divergence: None });
         }
-        (ReplayLength::Windows { window_s }, Loop::Open) => {
+        (ReplayLength::Windows { window_s }, ReplayLoop::Open) => {
             (replayer.replay_windowed(plant, window_s)?, ReplayMode::Windowed { window_s, free: Vec::new() })
         }
-        (ReplayLength::Windows { window_s }, Loop::Closed(controller)) => {
+        (ReplayLength::Windows { window_s }, ReplayLoop::Closed(controller)) => {
             let replay = replayer.replay_windowed_with_control(plant, window_s, controller)?;
             (replay, ReplayMode::Windowed { window_s, free: Vec::new() })
         }
@@ -153,12 +153,16 @@ fn selected(
 fn from_fitted_start(
     replayer: &Replayer,
     plant: &Parameters,
-    control: &Loop,
+    control: &ReplayLoop,
     selected: SelectedReplay,
 ) -> SelectedReplay {
     let free = selected.mode == ReplayMode::Free;
     let before = worst(&selected.replay);
-    if !free || *control == Loop::Open || before < EXPLAINED || replayer.recording().len() > SAMPLES_AT_MOST {
+    if !free
+        || *control == ReplayLoop::Open
+        || before < EXPLAINED
+        || replayer.recording().len() > SAMPLES_AT_MOST
+    {
         return selected;
     }
     let start = fit_start(plant, control, replayer.recording(), &selected.replay.start);
@@ -173,14 +177,15 @@ fn from_fitted_start(
 fn worst(replay: &Replay) -> f64 {
     let driven = |channel: Channel| matches!(channel, Channel::PlatformRate | Channel::PlatformAccel);
     let compared = replay.channels.iter().filter(|fit| !driven(fit.channel));
-    compared.map(|fit| fit.rms_error / fit.floor).fold(0.0, f64::max)
+    compared.map(|fit| fit.residual_over_floor()).fold(0.0, f64::max)
 }
 
 /// Returns what is wrong with a recording itself.
 fn anomalies(plant: &Parameters, recording: &Recording) -> Vec<ColumnRemark> {
     let ratio = plant.gearbox.ratio;
     let Some(signals) = read_signals(recording, plant.sensors.measured) else { return Vec::new() };
-    let remark = |found: Remark| ColumnRemark::Anomaly { channel: found.channel, anomaly: found.anomaly };
+    let remark =
+        |found: SanityRemark| ColumnRemark::Anomaly { channel: found.channel, anomaly: found.anomaly };
     let mut all: Vec<ColumnRemark> =
         check_signals(&recording.name, &signals, ratio).into_iter().map(remark).collect();
     if !plant.learned.is_empty() {

@@ -3,7 +3,7 @@
 use counterpoise_diagnose::fitting::residual_tests::{NamedSignal, ResidualTest, test_residual};
 use counterpoise_verify::signals::welch::{Spectra, WelchOptions, welch};
 
-use super::tracks::Track;
+use super::tracks::{Track, TrackColumn};
 
 /// Longest segment of a spectrum, samples, and the number of segments below which it is shorter: six segments average enough for a
 /// coherence that means something.
@@ -88,47 +88,43 @@ fn averaged(x: &[f64], y: &[f64], period_s: f64) -> Option<Spectra> {
     welch(x, y, period_s, WelchOptions { segment, confidence: CONFIDENCE }).ok()
 }
 
-fn residual(run: &[f64], measured: &[f64]) -> Vec<f64> {
-    run.iter().zip(measured).map(|(s, m)| s - m).collect()
-}
-
 fn spectra(track: &Track) -> Option<ResidualSpectra> {
     if track.channel != "control" && track.channel != "hub_rate" {
         return None;
     }
     let own = |signal: &[f64]| averaged(signal, signal, track.period_s);
-    let of_residual = |run: &[f64]| own(&residual(run, &track.measured));
+    let of_residual = |run| own(&track.error(run));
     Some(ResidualSpectra {
         recording: track.recording.clone(),
         channel: track.channel,
         unit: track.unit,
-        measured: own(&track.measured)?,
-        before: of_residual(&track.before),
-        after: if track.after.is_empty() { None } else { of_residual(&track.after) },
+        measured: own(track.measured())?,
+        before: of_residual(TrackColumn::Before),
+        after: if track.after().is_empty() { None } else { of_residual(TrackColumn::After) },
     })
 }
 
 fn response(tracks: &[Track], recording: &str) -> Option<ControlResponse> {
     let (control, rate) = (find(tracks, recording, "control")?, find(tracks, recording, "hub_rate")?);
-    let of = |run: fn(&Track) -> &[f64]| averaged(run(control), run(rate), rate.period_s);
+    let of = |run| averaged(control.column(run), rate.column(run), rate.period_s);
     Some(ControlResponse {
         recording: recording.to_owned(),
-        measured: of(|t| &t.measured)?,
-        before: of(|t| &t.before),
-        after: if rate.after.is_empty() { None } else { of(|t| &t.after) },
+        measured: of(TrackColumn::Measured)?,
+        before: of(TrackColumn::Before),
+        after: if rate.after().is_empty() { None } else { of(TrackColumn::After) },
     })
 }
 
 fn tested(tracks: &[Track], track: &Track) -> TestedResidual {
     let signals = ["control", "hub_rate"]
-        .map(|name| find(tracks, &track.recording, name).map(|t| NamedSignal { name, values: &t.measured }));
+        .map(|name| find(tracks, &track.recording, name).map(|t| NamedSignal { name, values: t.measured() }));
     let signals: Vec<NamedSignal<'_>> = signals.into_iter().flatten().collect();
-    let test = |run: &[f64]| test_residual(&residual(run, &track.measured), &signals);
+    let test = |run| test_residual(&track.error(run), &signals);
     TestedResidual {
         recording: track.recording.clone(),
         channel: track.channel,
         period_s: track.period_s,
-        before: test(&track.before),
-        after: test(&track.after),
+        before: test(TrackColumn::Before),
+        after: test(TrackColumn::After),
     }
 }

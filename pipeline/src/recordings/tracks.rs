@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use counterpoise_models::ControlledQuantity;
-use counterpoise_models::Parameters;
+use counterpoise_models::{ControlledQuantity, Parameters};
+use counterpoise_recordings::clock::stack_columns;
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::{Loop, Replay, replay};
+use counterpoise_simulate::replay::{ChannelFit, Replay, ReplayLoop, replay};
+use ndarray::{Array2, ArrayView1, ArrayView2};
 
 /// One channel of one recording, measured and simulated.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,29 +19,63 @@ pub struct Track {
     pub unit: &'static str,
     /// Sample period, s.
     pub period_s: f64,
+    /// Time x run in the order of [`TrackColumn`], each column contiguous in memory.
+    signals: Array2<f64>,
+}
+
+/// A run of a [`Track`]: a column of its array.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TrackColumn {
     /// As recorded.
-    pub measured: Vec<f64>,
+    Measured,
     /// As simulated by the model as it was.
-    pub before: Vec<f64>,
-    /// As simulated by the improved model; empty if there is none.
-    pub after: Vec<f64>,
+    Before,
+    /// As simulated by the improved model; a track has no such column if there is none.
+    After,
 }
 
 impl Track {
+    /// Returns the signals, time x run in the order of [`TrackColumn`].
+    pub fn signals(&self) -> ArrayView2<'_, f64> {
+        self.signals.view()
+    }
+
+    /// Returns the samples of a run; none if there is no such run.
+    pub fn column(&self, column: TrackColumn) -> &[f64] {
+        let has_column = (column as usize) < self.signals.ncols();
+        has_column.then(|| self.signals.column(column as usize).to_slice()).flatten().unwrap_or_default()
+    }
+
+    /// Returns the samples as recorded.
+    pub fn measured(&self) -> &[f64] {
+        self.column(TrackColumn::Measured)
+    }
+
+    /// Returns the samples as simulated by the model as it was.
+    pub fn before(&self) -> &[f64] {
+        self.column(TrackColumn::Before)
+    }
+
+    /// Returns the samples as simulated by the improved model; none if there is no such model.
+    pub fn after(&self) -> &[f64] {
+        self.column(TrackColumn::After)
+    }
+
     /// Returns the quantity that the loop controls, if this is the track of its reading.
     pub fn controlled_quantity(&self) -> ControlledQuantity {
         ControlledQuantity::of_unit(self.unit)
     }
 
-    /// Returns simulated less measured samples; `simulated` is [`Track::before`] or [`Track::after`].
-    pub fn error(&self, simulated: &[f64]) -> Vec<f64> {
-        simulated.iter().zip(&self.measured).map(|(simulated, measured)| simulated - measured).collect()
+    /// Returns simulated less measured samples; none if there is no such run.
+    pub fn error(&self, simulated: TrackColumn) -> Vec<f64> {
+        let both = self.column(simulated).iter().zip(self.measured());
+        both.map(|(simulated, measured)| simulated - measured).collect()
     }
 
     /// Returns the power of the residual of the model as it was, relative to that of what was measured.
     pub fn relative_residual_power(&self) -> f64 {
-        let sum: f64 = self.measured.iter().zip(&self.before).map(|(m, b)| (m - b).powi(2)).sum();
-        let power: f64 = self.measured.iter().map(|m| m * m).sum();
+        let sum: f64 = self.measured().iter().zip(self.before()).map(|(m, b)| (m - b).powi(2)).sum();
+        let power: f64 = self.measured().iter().map(|m| m * m).sum();
         sum / power.max(f64::MIN_POSITIVE)
     }
 }
@@ -52,7 +87,7 @@ const COMPARED: [Channel; 4] = [Channel::Control, Channel::HubRate, Channel::Mot
 /// mechanism cannot replay is left out.
 pub fn replay_before_and_after(
     recordings: &[Recording],
-    control: &Loop,
+    control: &ReplayLoop,
     plant: &Parameters,
     improved: &Parameters,
 ) -> Vec<Track> {
@@ -68,17 +103,49 @@ pub fn replay_before_and_after(
 /// Returns the compared channels of one recording beside its replays.
 pub fn compare_channels(recording: &Recording, before: &Replay, after: Option<&Replay>) -> Vec<Track> {
     let track = |channel: Channel| {
+        let runs = [Some(before), after].into_iter().flatten();
+        let simulated = runs.map(|replay| replay.simulated.channel(channel));
+        let columns = std::iter::once(recording.samples(channel)?).chain(simulated);
         Some(Track {
             recording: short_name(&recording.name),
             channel: channel.name(),
             unit: channel.unit(),
             period_s: recording.sample_period_s,
-            measured: recording.samples(channel)?.to_vec(),
-            before: before.simulated.channel(channel).to_vec(),
-            after: after.map(|replay| replay.simulated.channel(channel).to_vec()).unwrap_or_default(),
+            signals: stack_columns(columns.map(ArrayView1::from)),
         })
     };
     COMPARED.into_iter().filter_map(track).collect()
+}
+
+/// What a model makes of a channel of a recording.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulatedChannel {
+    /// The simulated samples.
+    pub signal: Vec<f64>,
+    /// The residual, simulated less measured.
+    pub residual: Vec<f64>,
+    /// RMS of the residual over the noise floor of the project's model; `None` if that does not simulate the channel.
+    pub residual_over_floor: Option<f64>,
+}
+
+/// Returns what the project's model and an improved one make of a channel of a recording; `None` of a model that was not replayed, or that
+/// does not simulate the channel.
+pub fn simulate_channel(
+    recording: &Recording,
+    channel: Channel,
+    models: [Option<&Replay>; 2],
+) -> [Option<SimulatedChannel>; 2] {
+    let fit = |replay: &Replay| replay.channels.iter().copied().find(|fit| fit.channel == channel);
+    let floor = models[0].and_then(fit).map(|fit| fit.floor);
+    models.map(|replay| {
+        let (replay, measured) = (replay?, recording.samples(channel)?);
+        let own = fit(replay)?;
+        let signal = replay.simulated.channel(channel).to_vec();
+        let residual =
+            signal.iter().zip(measured).map(|(simulated, measured)| simulated - measured).collect();
+        let residual_over_floor = floor.map(|floor| ChannelFit { floor, ..own }.residual_over_floor());
+        Some(SimulatedChannel { signal, residual, residual_over_floor })
+    })
 }
 
 /// Returns the name of a recording without its folder and ending, with the part of it that is meant.

@@ -1,9 +1,9 @@
 //! The stability certificate as plain data.
 
 use counterpoise_models::{ControlledQuantity, QuantityKind};
-use counterpoise_verify::certificate::multiplier::{Kind, Term};
+use counterpoise_verify::certificate::multiplier::{MultiplierTerm, TermKind};
 use counterpoise_verify::certificate::{
-    CaseCertificate, Certificate, Orbit, Prediction, RegimeLoop, SectorProof, Stability,
+    CaseCertificate, Orbit, Prediction, RegimeLoop, SectorProof, Stability, StabilityCertificate,
 };
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -153,13 +153,13 @@ pub struct TermResult {
     pub weight: f64,
 }
 
-impl From<&Term> for TermResult {
-    fn from(term: &Term) -> Self {
+impl From<&MultiplierTerm> for TermResult {
+    fn from(term: &MultiplierTerm) -> Self {
         let (kind, value, sign) = match term.kind {
-            Kind::Constant => ("constant", 1.0, 1.0),
-            Kind::Derivative(sign) => ("derivative", sign, 1.0),
-            Kind::Kernel { corner_rad_s, sign } => ("kernel", corner_rad_s, sign),
-            Kind::Stiffness(stiffness) => ("stiffness", stiffness, 1.0),
+            TermKind::Constant => ("constant", 1.0, 1.0),
+            TermKind::Derivative(sign) => ("derivative", sign, 1.0),
+            TermKind::Kernel { corner_rad_s, sign } => ("kernel", corner_rad_s, sign),
+            TermKind::Stiffness(stiffness) => ("stiffness", stiffness, 1.0),
         };
         Self { joint: term.joint, kind, value, sign, weight: term.weight }
     }
@@ -297,8 +297,8 @@ fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-impl From<&Certificate> for CertificateResult {
-    fn from(found: &Certificate) -> Self {
+impl From<&StabilityCertificate> for CertificateResult {
+    fn from(found: &StabilityCertificate) -> Self {
         let worst = found.worst();
         Self {
             stability: worst.map_or("not predicted", |case| word(case.stability)),

@@ -1,7 +1,7 @@
 //! How exactly the simulator moves this plant: its error over the step, for every law of friction and for contact.
 
 use counterpoise_diagnose::simulator_access::{Pool, map};
-use counterpoise_simulate::convergence::{Case, cases, study};
+use counterpoise_simulate::convergence::{Case, convergence_cases, study_convergence};
 use serde::Serialize;
 
 use crate::{Modelled, PipelineError};
@@ -34,13 +34,13 @@ pub struct Accuracy {
 /// # Errors
 /// A plant that a law does not fit, or that cannot be simulated.
 pub fn simulation_accuracy(modelled: &Modelled, pool: &dyn Pool) -> Result<Vec<Accuracy>, PipelineError> {
-    let all = cases(&modelled.plant)?;
+    let all = convergence_cases(&modelled.plant)?;
     let found = map(pool, all.len(), |k| one(&all[k]));
     found.into_iter().collect()
 }
 
 fn one(case: &Case) -> Result<Accuracy, PipelineError> {
-    let found = study(&case.plant, case.control_v, LENGTHS)?;
+    let found = study_convergence(&case.plant, case.control_v, LENGTHS)?;
     let order = Some(found.order()).filter(|order| order.is_finite());
     Ok(Accuracy {
         name: case.name,

@@ -4,6 +4,7 @@
 //! logarithm of the weight, gives the change that should be enough; that design is made and measured as well, so that what is advised
 //! has been tried.
 
+use crate::wording::figures::describe_figure;
 use counterpoise_controller::Controller;
 use counterpoise_models::ControlledQuantity;
 use counterpoise_project::Project;
@@ -32,7 +33,7 @@ pub struct Advice {
 impl Advice {
     /// Returns the figure of the requirement in words.
     pub fn name(&self) -> String {
-        self.requirement.figure.name(self.controlled)
+        describe_figure(self.requirement.figure, self.controlled)
     }
 
     /// Returns the figure's unit.
@@ -254,12 +255,10 @@ impl WeightTrials<'_> {
             factor: change.factor,
             value: values[0],
             systems: controllers_of(plant, &controller, procedure)?,
-            history: history.map(|found| {
-                HistoryResult::new(
-                    &found,
-                    controller.sample_period_s(),
-                    plant.parameters().controlled_quantity(),
-                )
+            history: history.map(|history| HistoryResult {
+                controlled: plant.parameters().controlled_quantity(),
+                sample_time_s: controller.sample_period_s(),
+                history,
             }),
         };
         Ok(Some((values, tried)))

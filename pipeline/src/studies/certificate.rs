@@ -3,7 +3,7 @@
 use counterpoise_project::Project;
 use counterpoise_verify::Procedure;
 use counterpoise_verify::certificate::elements::{Elements, quasi_linear};
-use counterpoise_verify::certificate::{Case, Certificate, certify};
+use counterpoise_verify::certificate::{CertifiedCase, StabilityCertificate, certify};
 use counterpoise_verify::structured::{Joints, RobustStability, Uncertainty, robust_stability_in};
 
 use crate::synth::schedule::with_factor;
@@ -29,15 +29,18 @@ pub fn certified_cases(
     project: &Project,
     modelled: &Modelled,
     synthesised: &Synthesised,
-) -> Result<Vec<Case>, PipelineError> {
+) -> Result<Vec<CertifiedCase>, PipelineError> {
     let design = synthesised.sampled.controller.parts().design_out_of_balance_kg_m;
-    let mut all =
-        vec![Case { name: "design".to_owned(), plant: modelled.plant.clone(), out_of_balance_kg_m: design }];
+    let mut all = vec![CertifiedCase {
+        name: "design".to_owned(),
+        plant: modelled.plant.clone(),
+        out_of_balance_kg_m: design,
+    }];
     let schedule = project.synth.as_ref().and_then(|asked| asked.options.schedule.as_ref());
     let Some(schedule) = schedule else { return Ok(all) };
     let case = |name: String, modelled: Modelled| {
         let out_of_balance_kg_m = modelled.plant.body().out_of_balance_kg_m;
-        Case { name, plant: modelled.plant, out_of_balance_kg_m }
+        CertifiedCase { name, plant: modelled.plant, out_of_balance_kg_m }
     };
     for name in &schedule.configurations {
         let mut configured = project.clone();
@@ -60,7 +63,7 @@ pub fn certify_controller(
     modelled: &Modelled,
     synthesised: &Synthesised,
     procedure: &Procedure,
-) -> Result<Certificate, PipelineError> {
+) -> Result<StabilityCertificate, PipelineError> {
     let cases = certified_cases(project, modelled, synthesised)?;
     Ok(certify(&synthesised.sampled.controller, procedure, &cases)?)
 }

@@ -7,9 +7,9 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::alternatives::generalised_plant;
 use counterpoise_synth::{
-    Alternative, Channel, Design, DesignPlant, Entry, FeedbackWeights, Figures, JointOptimum, Method,
-    Reference, Refusal, Sampled, SourceCost, Weighed, Weight, alternative, attempt, check, discretise,
-    error_at, figure_systems, figures, total_cost,
+    Alternative, Design, DesignPlant, DisturbanceChannel, FeedbackWeights, Figures, JointOptimum, Reference,
+    Refusal, Sampled, ScheduleEntry, SourceCost, SynthesisMethod, Weighed, Weight, alternative, attempt,
+    check_sampled_loop, discretise, error_at, figure_systems, figures, total_cost,
 };
 use serde::Serialize;
 
@@ -19,6 +19,7 @@ use crate::exchange::{SystemResult, TransferFunctionResult};
 use crate::synth::design_plant;
 use crate::synth::schedule::{BalanceRow, balance_rows};
 use crate::tolerance::DRIFTING_POLE;
+use crate::wording::design_findings::{describe_design_findings, describe_part};
 use crate::{Modelled, PipelineError, Synthesised, finite_elements_of, model};
 use counterpoise_project::Project;
 use counterpoise_project::file::Choice;
@@ -216,11 +217,11 @@ pub fn compare_designs(
 }
 
 fn balance_basis(
-    entries: &[Entry],
+    entries: &[ScheduleEntry],
     controlled: ControlledQuantity,
 ) -> Result<Vec<BalanceBasis>, PipelineError> {
     let Some(base) = entries.first().map(|entry| &entry.design) else { return Ok(Vec::new()) };
-    let basis = |entry: &Entry| {
+    let basis = |entry: &ScheduleEntry| {
         let design = &entry.design;
         Ok(BalanceBasis {
             controllers: controllers_of_design(design, controlled)
@@ -243,7 +244,7 @@ fn cost_of(made: &Synthesised) -> Result<Option<TotalCostResult>, PipelineError>
     }
     let found = total_cost(&made.design)?;
     let row = |source: &SourceCost| PartCostRow {
-        part: source.part.to_string(),
+        part: describe_part(source.part).to_owned(),
         cost: source.cost,
         slope: source.slope,
         best_gain: source.best_gain,
@@ -256,8 +257,8 @@ fn cost_of(made: &Synthesised) -> Result<Option<TotalCostResult>, PipelineError>
 /// Returns the cost of a joint design. It has one cost for all paths; its parts are the gains from its sensors.
 fn joint_result(joint: &JointOptimum, total: f64) -> TotalCostResult {
     let names = std::iter::once("hub").chain(joint.channels.iter().map(|channel| match channel {
-        Channel::Heave => "heave",
-        Channel::Pitch => "pitch",
+        DisturbanceChannel::Heave => "heave",
+        DisturbanceChannel::Pitch => "pitch",
     }));
     let row = |(name, slope): (&str, &f64)| PartCostRow {
         part: format!("{name} sensor"),
@@ -319,12 +320,8 @@ fn with_feedback(
     design.specification.reference = Reference::Error;
     Ok(match attempt(discretise(&design, &made.sampling))? {
         Ok(sampled) => Ok(measured_loop(made, &sampled)?),
-        Err(refusal) => Err(words(&refusal.findings)),
+        Err(refusal) => Err(describe_design_findings(&refusal.findings)),
     })
-}
-
-fn words(findings: &[counterpoise_synth::DesignFinding]) -> String {
-    findings.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
 /// Returns the feedback as built; with alternatives, each of them with the error weight and with that without integral
@@ -391,7 +388,7 @@ fn as_built(asked: &Synthesis, made: &Synthesised) -> Result<MethodRow, Pipeline
 /// Returns the row of an alternative, but for what it solved and whether it integrates.
 fn method_row(
     made: &Synthesised,
-    method: Method,
+    method: SynthesisMethod,
     answer: Result<Alternative, Refusal>,
 ) -> Result<MethodRow, PipelineError> {
     let blank = MethodRow {
@@ -405,7 +402,7 @@ fn method_row(
         problem: None,
     };
     Ok(match answer {
-        Err(refusal) => MethodRow { why: Some(words(&refusal.findings)), ..blank },
+        Err(refusal) => MethodRow { why: Some(describe_design_findings(&refusal.findings)), ..blank },
         Ok(found) => {
             let row = MethodRow { order: found.controller.order(), norm: found.norm, ..blank };
             match with_feedback(made, &found.controller)? {
@@ -423,7 +420,7 @@ fn problem(
     found: &Alternative,
 ) -> Result<MethodProblem, PipelineError> {
     let of_method = three_part(made, weights, &found.controller)?;
-    if found.method == Method::ThreePart {
+    if found.method == SynthesisMethod::ThreePart {
         return Ok(of_method);
     }
     let unnamed = |name: &str, system: &StateSpace| SystemResult::new(name, system, &[], &[]);
@@ -502,7 +499,8 @@ fn lowered(made: &Synthesised) -> Result<Option<LoweredRow>, PipelineError> {
 
 fn motions(design: &Design) -> Result<Vec<MotionRow>, PipelineError> {
     let mut rows = Vec::new();
-    for (channel, disturbance) in [(Channel::Heave, "heave"), (Channel::Pitch, "pitch")] {
+    for (channel, disturbance) in [(DisturbanceChannel::Heave, "heave"), (DisturbanceChannel::Pitch, "pitch")]
+    {
         if design.part(channel).is_none() {
             continue;
         }
@@ -534,7 +532,7 @@ fn spillover(
     let order = plant.system.order();
     let largest = |poles: &[C64]| poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
     let pair = |pole: &C64| [pole.re, pole.im];
-    let checked = attempt(check(&plant, made.sampled.controller.clone(), &made.sampling))?;
+    let checked = attempt(check_sampled_loop(&plant, made.sampled.controller.clone(), &made.sampling))?;
     let sampled_loop = checked.as_ref().ok().map(|sampled| {
         SystemResult::new("sampled loop", &sampled.loop_gain, &["control_v"], &["returned_control_v"])
     });

@@ -4,7 +4,7 @@
 use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::ControlledQuantity;
-use counterpoise_synth::{Assembly, Channel, Design, FeedforwardWeights, Knowledge};
+use counterpoise_synth::{Assembly, Design, DisturbanceChannel, DisturbanceKnowledge, FeedforwardWeights};
 use serde::Serialize;
 
 use crate::PipelineError;
@@ -77,7 +77,7 @@ pub struct ChannelBasis {
 /// # Errors
 /// Those of the plant with its delay.
 pub fn cost_basis(design: &Design, controlled: ControlledQuantity) -> Result<CostBasis, PipelineError> {
-    let channels = [Channel::Heave, Channel::Pitch].into_iter();
+    let channels = [DisturbanceChannel::Heave, DisturbanceChannel::Pitch].into_iter();
     let channels = channels.filter_map(|channel| channel_basis(design, channel, controlled)).collect();
     basis(design, &design.feedback_controller(), controlled, channels)
 }
@@ -131,18 +131,22 @@ fn basis(
     })
 }
 
-fn channel_basis(design: &Design, channel: Channel, controlled: ControlledQuantity) -> Option<ChannelBasis> {
+fn channel_basis(
+    design: &Design,
+    channel: DisturbanceChannel,
+    controlled: ControlledQuantity,
+) -> Option<ChannelBasis> {
     let (part, weights) = (design.part(channel)?, design.specification.feedforward(channel)?);
     let asked: &FeedforwardWeights = weights;
     let sensor = design.plant.sensor(channel).map(|system| SystemResult::new("sensor", system, &[], &[]));
     let noise = match asked.knowledge {
-        Knowledge::Exact => None,
-        Knowledge::Measured { noise } => Some(noise),
+        DisturbanceKnowledge::Exact => None,
+        DisturbanceKnowledge::Measured { noise } => Some(noise),
     };
     Some(ChannelBasis {
         name: match channel {
-            Channel::Heave => "heave",
-            Channel::Pitch => "pitch",
+            DisturbanceChannel::Heave => "heave",
+            DisturbanceChannel::Pitch => "pitch",
         },
         inputs: design.plant.columns(channel).to_vec(),
         module: SystemResult::new("feedforward", &part.module, &[], &["control_v", "expected_rate_rad_s"])

@@ -8,8 +8,8 @@ use counterpoise_project::resolve::fixed_structure::{Tuning, TuningObjective};
 use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_simulate::Simulator;
 use counterpoise_synth::{
-    Assembly, BestLoopTask, Block, BlockKind, Disturbance, FixedStructure, LoopLimits, LoopMeasures, Method,
-    Reference, Specification, TuningSubject, best_loop, measure_controller,
+    Assembly, BestLoopTask, Block, BlockKind, Disturbance, FixedStructure, LoopLimits, LoopMeasures,
+    Reference, Specification, SynthesisMethod, TuningSubject, best_loop, measure_controller,
 };
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Experiment, Procedure, Source, nonlinear};
@@ -250,10 +250,10 @@ fn own_name(asked: &Synthesis) -> String {
     match (asked.options.fixed_feedback_name(), asked.specification.assembly, asked.options.method) {
         (Some(name), ..) => format!("own: {name}"),
         (_, Assembly::Joint, _) => "own: joint optimum".to_owned(),
-        (_, _, Method::ThreePart) => "own: three-part H2".to_owned(),
-        (_, _, Method::JointH2) => "own: textbook H2".to_owned(),
-        (_, _, Method::LqgLtr) => "own: LQG/LTR".to_owned(),
-        (_, _, Method::HInfinity) => "own: H-infinity".to_owned(),
+        (_, _, SynthesisMethod::ThreePart) => "own: three-part H2".to_owned(),
+        (_, _, SynthesisMethod::JointH2) => "own: textbook H2".to_owned(),
+        (_, _, SynthesisMethod::LqgLtr) => "own: LQG/LTR".to_owned(),
+        (_, _, SynthesisMethod::HInfinity) => "own: H-infinity".to_owned(),
     }
 }
 
@@ -276,9 +276,10 @@ fn variants(asked: &Synthesis) -> Vec<(&'static str, Synthesis)> {
     let mut plain = asked.clone();
     plain.options.remove_fixed_feedback();
     plain.options.tuning = None;
-    plain.options.method = Method::ThreePart;
+    plain.options.method = SynthesisMethod::ThreePart;
     let mut all = Vec::new();
-    let is_plain = asked.options.fixed_feedback_name().is_none() && asked.options.method == Method::ThreePart;
+    let is_plain =
+        asked.options.fixed_feedback_name().is_none() && asked.options.method == SynthesisMethod::ThreePart;
     if !is_plain || asked.specification.assembly == Assembly::Joint {
         let mut three_part = plain.clone();
         three_part.specification.assembly = Assembly::SimpleAdd;
@@ -322,7 +323,7 @@ impl RowBuilder<'_> {
             let mut synthesis = self.project.synth.clone().unwrap_or_default();
             synthesis.options.remove_fixed_feedback();
             put_in_place(&tuned.feedback, &mut synthesis);
-            synthesis.options.method = Method::ThreePart;
+            synthesis.options.method = SynthesisMethod::ThreePart;
             synthesis.options.controller_order = None;
             if synthesis.specification.assembly == Assembly::Joint {
                 synthesis.specification.assembly = Assembly::SimpleAdd;
@@ -400,10 +401,10 @@ impl RowBuilder<'_> {
                 Experiment::Step => history,
                 _ => history.from_time(self.procedure.settle_s),
             };
-            let pairs = history.hub_rate_rad_s.iter().zip(&history.demand_rad_s);
+            let pairs = history.hub_rate_rad_s().iter().zip(history.demand_rad_s());
             let error: Vec<f64> = pairs.map(|(y, r)| y - r).collect();
-            let mean = history.control_v.iter().sum::<f64>() / history.control_v.len().max(1) as f64;
-            let control: Vec<f64> = history.control_v.iter().map(|u| u - mean).collect();
+            let mean = history.control_v().iter().sum::<f64>() / history.control_v().len().max(1) as f64;
+            let control: Vec<f64> = history.control_v().iter().map(|u| u - mean).collect();
             Ok([rms(&error), rms(&control)])
         };
         let under = |source: Source| Experiment::Disturbance(source, Arrangement::Compensated);

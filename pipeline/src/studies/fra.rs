@@ -12,7 +12,9 @@ use counterpoise_models::plant::{Angles, FrictionLinearisation, Plant};
 use counterpoise_models::{ControlledQuantity, FrictionLaw, OperatingPoint};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::ensemble::SIDE_BY_SIDE;
-use counterpoise_simulate::fra::{self, Measurement, PlannedPoint, Response, Settings, Test, TestSine};
+use counterpoise_simulate::fra::{
+    self, MeasuredResponse, Measurement, PlannedPoint, Settings, Test, TestSine,
+};
 use counterpoise_verify::linear::SampledPlant;
 use counterpoise_verify::linear::closed_loop::resolver_use;
 use counterpoise_verify::linear::plant::Resolver;
@@ -20,9 +22,9 @@ use ndarray::Array2;
 use serde::Serialize;
 use std::f64::consts::TAU;
 
-use super::fra_points::{MapPoints, MeasuredPoint};
+use super::fra_points::{MapPoints, ResponseMapPoint, gain_db, pair, phase_deg};
 use crate::recordings::ColumnRemark;
-use crate::recordings::read::{Gaps, ReadRecording, RecordingFile, read, recording_controller};
+use crate::recordings::read::{Gaps, ReadRecording, RecordingFile, read_files, recording_controller};
 use crate::tolerance::{EXCITED_ABOVE_NOISE, LEAST_SWING_RAD, MOST_SWING_TRIALS, SELF_CONSISTENT_SWING};
 use crate::{Modelled, PipelineError, cannot_hold, model, reduce, synthesise};
 use counterpoise_project::Project;
@@ -135,7 +137,7 @@ pub fn map_recordings(
         let map = analyser.measure_recording(&item.recording, &plan.frequencies_hz)?;
         Ok(RecordedMap { map: Map { recording: Some(item.file), ..map }, columns: item.remarks })
     };
-    read(project, controller.as_ref(), files, Gaps::Repaired)?.into_iter().map(one).collect()
+    read_files(project, controller.as_ref(), files, Gaps::Repaired)?.into_iter().map(one).collect()
 }
 
 impl Around {
@@ -283,9 +285,9 @@ impl Analyser {
         let points = map(pool, measured.len(), |k| {
             let one = &measured[(k % frequencies, k / frequencies)];
             let point = self.point_of(&one.response, one.amplitude)?;
-            Ok(MeasuredPoint { last_change: Some(one.last_change), settled: one.settled, ..point })
+            Ok(ResponseMapPoint { last_change: Some(one.last_change), settled: one.settled, ..point })
         });
-        let points: Vec<MeasuredPoint> = points.into_iter().collect::<Result<_, PipelineError>>()?;
+        let points: Vec<ResponseMapPoint> = points.into_iter().collect::<Result<_, PipelineError>>()?;
         Ok(Map {
             name: self.name.clone(),
             around: self.around,
@@ -322,7 +324,7 @@ impl Analyser {
         for hz in frequencies_hz {
             let found = fra::response(input, output, recording.sample_period_s, TAU * hz, usize::MAX)?;
             let point = self.point_of(&found, found.input.harmonics[0].norm())?;
-            points.push(MeasuredPoint { settled: excited(&found, recording.sample_period_s), ..point });
+            points.push(ResponseMapPoint { settled: excited(&found, recording.sample_period_s), ..point });
         }
         Ok(Map {
             name: self.name.clone(),
@@ -335,21 +337,27 @@ impl Analyser {
         })
     }
 
-    fn point_of(&self, response: &Response, amplitude: f64) -> Result<MeasuredPoint, PipelineError> {
+    fn point_of(
+        &self,
+        response: &MeasuredResponse,
+        amplitude: f64,
+    ) -> Result<ResponseMapPoint, PipelineError> {
         let rate = response.frequency_rad_s;
         let linear = self.expected(FrictionLinearisation::Viscous, rate)?;
         let describing = self.described(&linear, rate, amplitude)?;
-        Ok(MeasuredPoint {
+        Ok(ResponseMapPoint {
             amplitude,
             frequency_hz: rate / TAU,
-            response: response.value,
-            mean: response.output.mean,
+            response: pair(response.value),
+            gain_db: gain_db(response.value),
+            phase_deg: phase_deg(response.value),
+            mean_rad_s: response.output.mean,
             distortion: response.distortion(),
             cycles: response.cycles,
             last_change: None,
             settled: true,
-            linear: linear.response,
-            describing: describing.map(|found| found.response),
+            linear: pair(linear.response),
+            describing: describing.map(|found| pair(found.response)),
         })
     }
 
@@ -468,7 +476,7 @@ const PLATFORM_GYRO: usize = FIRST_READING + 2;
 
 /// Returns whether the input has a line at the frequency: n samples of noise leave an amplitude of about sqrt(2 / n) of
 /// their RMS.
-fn excited(found: &Response, period_s: f64) -> bool {
+fn excited(found: &MeasuredResponse, period_s: f64) -> bool {
     let samples = found.cycles as f64 * TAU / (found.frequency_rad_s * period_s);
     found.input.harmonics[0].norm() > EXCITED_ABOVE_NOISE * found.input.residual_rms * (2.0 / samples).sqrt()
 }

@@ -2,7 +2,7 @@
 
 use counterpoise_project::Project;
 
-use super::fra::Around;
+use super::fra::{Around, Plan};
 use crate::frequencies::logarithmic_hz;
 use crate::model::CONVERTER_RANGE_V;
 
@@ -16,6 +16,10 @@ const USUAL_PLATFORM_RATE_RAD_S: f64 = 0.1;
 /// Lowest and highest of the usual frequencies, Hz, and their number.
 const USUAL_FREQUENCIES_HZ: [f64; 2] = [0.3, 30.0];
 const USUAL_FREQUENCIES: usize = 25;
+/// Amplitudes of the platform's rate of a quick map, rad/s: from the rates at which friction sticks to those at which it slides.
+const QUICK_AMPLITUDES_RAD_S: [f64; 4] = [0.02, 0.05, 0.1, 0.2];
+/// Number of frequencies of a quick map: ten a decade.
+const QUICK_FREQUENCIES: usize = 21;
 /// Highest usual frequency over the sample rate: below one half, where a sampled sine has no amplitude of its own.
 const USUAL_SAMPLED_SHARE: f64 = 0.4;
 
@@ -24,6 +28,19 @@ pub fn usual_frequencies_hz(project: &Project) -> Vec<f64> {
     let [from_hz, to_hz] = USUAL_FREQUENCIES_HZ;
     let to_hz = to_hz.min(USUAL_SAMPLED_SHARE / project.plant.interface.sample_period_s);
     logarithmic_hz([from_hz.min(0.1 * to_hz), to_hz], USUAL_FREQUENCIES)
+}
+
+/// Returns the plan of a map that is measured while a designer waits: from the platform's motion to the hub, with fewer amplitudes and
+/// frequencies than the usual map.
+pub fn quick_plan() -> Plan {
+    let [low, high] = USUAL_FREQUENCIES_HZ;
+    let frequency = |k: usize| low * (high / low).powf(k as f64 / (QUICK_FREQUENCIES - 1) as f64);
+    Plan {
+        around: Around::Disturbance,
+        amplitudes: QUICK_AMPLITUDES_RAD_S.to_vec(),
+        frequencies_hz: (0..QUICK_FREQUENCIES).map(frequency).collect(),
+        offset_m: 0.0,
+    }
 }
 
 impl Around {

@@ -6,7 +6,7 @@ use serde::{Serialize, Serializer};
 use std::f64::consts::TAU;
 
 /// The numbers of a map. Arrays of two dimensions are frequency x amplitude; a map of a recording has one amplitude at each
-/// frequency, so its arrays have one column. Their JSON is a list of [`Point`]s, amplitude by amplitude, frequency rising.
+/// frequency, so its arrays have one column. Their JSON is a list of [`ResponseMapPoint`]s, amplitude by amplitude, frequency rising.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapPoints {
     /// Frequencies, Hz, moved so that whole cycles fill whole samples.
@@ -15,7 +15,7 @@ pub struct MapPoints {
     pub cycles: Array1<usize>,
     /// The linear model without dry friction at each frequency.
     pub linear: Array1<C64>,
-    /// The linear model with dry friction as its describing function, frequency x amplitude; see [`Point::describing`].
+    /// The linear model with dry friction as its describing function, frequency x amplitude; see [`ResponseMapPoint::describing`].
     pub describing: Array2<Option<C64>>,
     /// Amplitudes of the excitation, in the input's unit, frequency x amplitude.
     pub amplitude: Array2<f64>,
@@ -31,9 +31,9 @@ pub struct MapPoints {
     pub settled: Array2<bool>,
 }
 
-/// One point of the map.
+/// One point of the map, with the numbers that its JSON has.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Point {
+pub struct ResponseMapPoint {
     /// Amplitude of the excitation, in the input's unit.
     pub amplitude: f64,
     /// Frequency, Hz, moved so that whole cycles fill whole samples.
@@ -61,24 +61,9 @@ pub struct Point {
     pub describing: Option<[f64; 2]>,
 }
 
-/// What was found at one point, before it takes its place in the arrays.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct MeasuredPoint {
-    pub amplitude: f64,
-    pub frequency_hz: f64,
-    pub response: C64,
-    pub mean: f64,
-    pub distortion: f64,
-    pub cycles: usize,
-    pub last_change: Option<f64>,
-    pub settled: bool,
-    pub linear: C64,
-    pub describing: Option<C64>,
-}
-
 impl MapPoints {
     /// Arranges what was found amplitude by amplitude, `frequencies` points each.
-    pub(crate) fn of(found: &[MeasuredPoint], frequencies: usize) -> Self {
+    pub(crate) fn of(found: &[ResponseMapPoint], frequencies: usize) -> Self {
         let amplitudes = found.len().checked_div(frequencies).unwrap_or(0);
         // frequency, cycles and linear model are the same at every amplitude
         let first = &found[..frequencies.min(found.len())];
@@ -89,11 +74,11 @@ impl MapPoints {
         Self {
             frequency_hz: first.iter().map(|point| point.frequency_hz).collect(),
             cycles: first.iter().map(|point| point.cycles).collect(),
-            linear: first.iter().map(|point| point.linear).collect(),
-            describing: Array2::from_shape_fn(shape, |place| at(place).describing),
+            linear: first.iter().map(|point| complex(point.linear)).collect(),
+            describing: Array2::from_shape_fn(shape, |place| at(place).describing.map(complex)),
             amplitude: Array2::from_shape_fn(shape, |place| at(place).amplitude),
-            response: Array2::from_shape_fn(shape, |place| at(place).response),
-            mean: Array2::from_shape_fn(shape, |place| at(place).mean),
+            response: Array2::from_shape_fn(shape, |place| complex(at(place).response)),
+            mean: Array2::from_shape_fn(shape, |place| at(place).mean_rad_s),
             distortion: Array2::from_shape_fn(shape, |place| at(place).distortion),
             last_change: (!is_recorded).then(|| Array2::from_shape_fn(shape, last_change)),
             settled: Array2::from_shape_fn(shape, |place| at(place).settled),
@@ -116,15 +101,15 @@ impl MapPoints {
     }
 
     /// Returns the point of a frequency and an amplitude, by their numbers.
-    pub fn at(&self, frequency: usize, amplitude: usize) -> Point {
+    pub fn at(&self, frequency: usize, amplitude: usize) -> ResponseMapPoint {
         let place = (frequency, amplitude);
         let response = self.response[place];
-        Point {
+        ResponseMapPoint {
             amplitude: self.amplitude[place],
             frequency_hz: self.frequency_hz[frequency],
             response: pair(response),
             gain_db: gain_db(response),
-            phase_deg: response.arg().to_degrees(),
+            phase_deg: phase_deg(response),
             mean_rad_s: self.mean[place],
             distortion: self.distortion[place],
             cycles: self.cycles[frequency],
@@ -136,12 +121,12 @@ impl MapPoints {
     }
 
     /// Returns the points of an amplitude, frequency rising.
-    pub fn of_amplitude(&self, amplitude: usize) -> impl Iterator<Item = Point> + '_ {
+    pub fn of_amplitude(&self, amplitude: usize) -> impl Iterator<Item = ResponseMapPoint> + '_ {
         (0..self.response.nrows()).map(move |frequency| self.at(frequency, amplitude))
     }
 
     /// Returns all points: amplitude by amplitude, frequency rising.
-    pub fn iter(&self) -> impl Iterator<Item = Point> + '_ {
+    pub fn iter(&self) -> impl Iterator<Item = ResponseMapPoint> + '_ {
         (0..self.amplitudes()).flat_map(|amplitude| self.of_amplitude(amplitude))
     }
 
@@ -177,6 +162,15 @@ pub(super) fn gain_db(h: C64) -> f64 {
     20.0 * h.norm().log10()
 }
 
-fn pair(value: C64) -> [f64; 2] {
+/// Returns the phase of a response, degrees, from -180 to 180.
+pub(super) fn phase_deg(h: C64) -> f64 {
+    h.arg().to_degrees()
+}
+
+fn complex([re, im]: [f64; 2]) -> C64 {
+    C64::new(re, im)
+}
+
+pub(super) fn pair(value: C64) -> [f64; 2] {
     [value.re, value.im]
 }

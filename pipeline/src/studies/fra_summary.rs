@@ -1,7 +1,7 @@
 //! What a measured map shows as a whole: the points of each amplitude, how far the linear models are off, and where the joint sticks.
 
 use super::fra::Map;
-use super::fra_points::{Point, gain_db};
+use super::fra_points::{ResponseMapPoint, gain_db};
 use counterpoise_linalg::C64;
 use ndarray::ArrayView1;
 
@@ -11,7 +11,7 @@ pub struct AmplitudePoints {
     /// Amplitude of the excitation, in the input's unit; NaN for a recording, which has no single one.
     pub amplitude: f64,
     /// The points, frequency rising.
-    pub points: Vec<Point>,
+    pub points: Vec<ResponseMapPoint>,
 }
 
 /// An amplitude at which nothing moves at some frequencies.
@@ -25,7 +25,7 @@ pub struct Sticking {
     pub moved_by: Option<f64>,
 }
 
-impl Point {
+impl ResponseMapPoint {
     /// Returns whether nothing moves: there is no response whose gain could be stated in dB.
     pub fn sticks(&self) -> bool {
         self.gain_db == f64::NEG_INFINITY
@@ -44,7 +44,7 @@ impl Point {
 
 impl AmplitudePoints {
     /// Returns the point with the largest gain; `None` if there are no points.
-    pub fn highest_point(&self) -> Option<Point> {
+    pub fn highest_point(&self) -> Option<ResponseMapPoint> {
         self.points.iter().copied().max_by(|a, b| a.gain_db.total_cmp(&b.gain_db))
     }
 
@@ -55,7 +55,7 @@ impl AmplitudePoints {
 
     /// Returns the same for the model with the describing function, over the points that have one.
     pub fn describing_error_db(&self) -> f64 {
-        let error = |p: &Point| p.describing_gain_db().map(|gain| (gain - p.gain_db).abs());
+        let error = |p: &ResponseMapPoint| p.describing_gain_db().map(|gain| (gain - p.gain_db).abs());
         upper_median(self.points.iter().filter_map(error).collect())
     }
 
@@ -64,7 +64,7 @@ impl AmplitudePoints {
         let frequencies_hz: Vec<f64> =
             self.points.iter().filter(|p| p.sticks()).map(|p| p.frequency_hz).collect();
         let moves = |other: &&AmplitudePoints| {
-            let moving = |p: &Point| !(p.sticks() && frequencies_hz.contains(&p.frequency_hz));
+            let moving = |p: &ResponseMapPoint| !(p.sticks() && frequencies_hz.contains(&p.frequency_hz));
             other.amplitude > self.amplitude && other.points.iter().all(moving)
         };
         let moved_by = all.iter().filter(moves).map(|other| other.amplitude).min_by(f64::total_cmp);
@@ -80,7 +80,7 @@ impl<Remark> Map<Remark> {
     /// Returns the points of each amplitude, in the order of the map; those of a recording together.
     pub fn points_by_amplitude(&self) -> Vec<AmplitudePoints> {
         let of_amplitude = |k: usize| {
-            let points: Vec<Point> = self.points.of_amplitude(k).collect();
+            let points: Vec<ResponseMapPoint> = self.points.of_amplitude(k).collect();
             let first = points.first().filter(|_| self.recording.is_none());
             AmplitudePoints { amplitude: first.map_or(f64::NAN, |point| point.amplitude), points }
         };

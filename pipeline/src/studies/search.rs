@@ -1,7 +1,7 @@
 //! From requirements to weights: the search, its trade-off curve, and the project with the weights that were found.
 
 use counterpoise_synth::{
-    Figures, Requirements, SearchResult, SearchTask, Trial, figures, search as searched, trade_off,
+    Figures, Requirements, SearchResult, SearchTask, SearchTrial, figures, search as searched, trade_off,
 };
 
 use counterpoise_verify::VerifiedController;
@@ -45,11 +45,11 @@ pub struct Searched {
 ///
 /// # Errors
 /// A project without requirements, and those of the plant and the design.
-pub fn search(
+pub fn search_weights(
     project: &Project,
     modelled: &Modelled,
     reduced: &Reduced,
-    go_on: &mut dyn FnMut(&Trial) -> bool,
+    go_on: &mut dyn FnMut(&SearchTrial) -> bool,
 ) -> Result<Searched, PipelineError> {
     let missing = |section| PipelineError::Missing { section, needed_by: "the search for weights" };
     let asked = project.synth.as_ref().ok_or(missing("synth"))?;
@@ -81,7 +81,7 @@ pub fn search(
     let full = counterpoise_synth::DesignPlant { system: modelled.linear.system.clone(), ..plant.clone() };
     let designed = counterpoise_synth::design(&plant, &found.best.specification)?;
     let sampled = counterpoise_synth::discretise(&designed, &sampling)?;
-    let around_full = counterpoise_synth::check(&full, sampled.controller, &sampling)?;
+    let around_full = counterpoise_synth::check_sampled_loop(&full, sampled.controller, &sampling)?;
     let of_all = figures(&full, &around_full, &sampling, wanted.requirements.band_rad_s)?;
     let rejection = wanted.requirements.share_left(&around_full.loop_gain, &full, &asked.specification)?;
     let on_full_plant = Figures { rejection, ..of_all };
@@ -93,8 +93,8 @@ pub fn search(
 
 /// Returns the trial of the curve that keeps the requirements and rejects more than the answer, if there is one: its
 /// points were searched further.
-fn better_point(curve: &[TradeOffPoint], found: &SearchResult, wanted: &Requirements) -> Option<Trial> {
-    let rejection = |trial: &Trial| trial.figures.rejection;
+fn better_point(curve: &[TradeOffPoint], found: &SearchResult, wanted: &Requirements) -> Option<SearchTrial> {
+    let rejection = |trial: &SearchTrial| trial.figures.rejection;
     let points = curve.iter().map(|point| &point.found.best);
     points
         .filter(|trial| wanted.total_shortfall(&trial.figures) == 0.0)

@@ -5,7 +5,7 @@ use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_models::ControlledQuantity;
 use counterpoise_verify::robust::{
     Campaign, Layout, Member, Ranked, Sample, Sense, Summary, Variation, Worst, configurations,
-    one_at_a_time, ranking, summary, worst_case,
+    one_at_a_time, rank_parameters, summarise_requirement, worst_case,
 };
 use counterpoise_verify::structured::{RobustStability, Uncertainty};
 use counterpoise_verify::{Figure, Limit, LoopFigure, Requirement, VerifiedController};
@@ -65,8 +65,8 @@ impl CampaignResult {
             factors: Array2::from_shape_fn((samples.len(), variations.len()), |(i, k)| samples[i].factors[k]),
             values: Array2::from_shape_fn((samples.len(), requirements.len()), |(i, k)| samples[i].values[k]),
             passing: samples.iter().filter(|sample| campaign.passes(sample)).count(),
-            summaries: each.clone().map(|k| summary(campaign, samples, k)).collect(),
-            rankings: each.map(|k| ranking(campaign, samples, k)).collect(),
+            summaries: each.clone().map(|k| summarise_requirement(campaign, samples, k)).collect(),
+            rankings: each.map(|k| rank_parameters(campaign, samples, k)).collect(),
             worst: others.worst,
             families: others.families,
             stability: others.stability,
@@ -234,6 +234,15 @@ pub struct RequirementSpread {
     pub values: Vec<f64>,
 }
 
+impl RequirementSpread {
+    /// Returns each finite value with the percentage of mechanisms below it; half of the mechanism that has the value counts as below.
+    pub fn distribution(&self) -> Vec<[f64; 2]> {
+        let count = self.values.len().max(1) as f64;
+        let finite = self.values.iter().enumerate().filter(|(_, value)| value.is_finite());
+        finite.map(|(k, value)| [*value, 100.0 * (k as f64 + 0.5) / count]).collect()
+    }
+}
+
 /// The parameter that moves a figure most.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StrongestParameter {
@@ -250,7 +259,7 @@ pub fn requirement_spreads(campaign: &Campaign, samples: &[Sample]) -> Vec<Requi
     let one = |(k, requirement): (usize, &Requirement)| {
         let mut values: Vec<f64> = samples.iter().map(|s| s.values[k]).filter(|v| !v.is_nan()).collect();
         values.sort_by(f64::total_cmp);
-        let strongest = ranking(campaign, samples, k).into_iter().find(|r| r.correlation.is_finite());
+        let strongest = rank_parameters(campaign, samples, k).into_iter().find(|r| r.correlation.is_finite());
         let strongest = strongest.map(|r| StrongestParameter {
             key: campaign.variations()[r.variation].parameter.key(),
             correlation: r.correlation,
@@ -259,7 +268,7 @@ pub fn requirement_spreads(campaign: &Campaign, samples: &[Sample]) -> Vec<Requi
         RequirementSpread {
             controlled: campaign.controlled_quantity(),
             requirement: requirement.clone(),
-            summary: summary(campaign, samples, k),
+            summary: summarise_requirement(campaign, samples, k),
             strongest,
             values,
         }

@@ -16,6 +16,11 @@ pub struct EffortPoint {
     pub figures: Figures,
 }
 
+/// Returns the usual factors on the error weight: half octaves from 1/8 to 8.
+pub fn usual_error_weight_factors() -> Vec<f64> {
+    (-6..=6).map(|k| 2f64.powf(0.5 * f64::from(k))).collect()
+}
+
 /// Returns the feedback for each factor on its error weight: |S| over the band of the project's search (its usual one where the
 /// project asks for none) against the control that noise costs. A factor without a stable sampled loop is left out; `None` if
 /// `go_on` returned `false` before the end.

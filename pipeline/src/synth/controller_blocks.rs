@@ -2,12 +2,13 @@
 
 use counterpoise_controller::signal::{HUB_POSITION, HUB_RATE};
 use counterpoise_controller::{
-    Correction, Estimator, FrictionObserver, Learning, Parts, Projection, READINGS, Signal,
+    Correction, Estimator, FrictionObserver, Learning, Parts, PathSignal, Projection, READINGS,
 };
 use counterpoise_lti::{StateSpace, c2d};
 use counterpoise_models::{Friction, MapPoint, Parameters, Sensor, Sensors};
 use counterpoise_synth::{
-    DesignPlant, Drive, Identified, Sampled, Sampling, Side, check, friction_observers,
+    DesignPlant, Drive, FrictionSide, ObservedFriction, Sampled, Sampling, check_sampled_loop,
+    friction_observers,
 };
 
 use crate::model::CONVERTER_RANGE_V;
@@ -73,7 +74,7 @@ pub(crate) fn with_controller_blocks(
     let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
     let hub_angle_rad = modelled.linear.equilibrium.point.hub_angle_rad;
     let plant = attach_sensors(plant, &modelled.parameters, hub_angle_rad)?;
-    Ok(Sampled { certified: sampled.certified, ..check(&plant, controller, sampling)? })
+    Ok(Sampled { certified: sampled.certified, ..check_sampled_loop(&plant, controller, sampling)? })
 }
 
 /// Returns the projection of heave and surge across the beam, where the machine has both accelerometers and the design a feedforward of
@@ -157,13 +158,13 @@ fn prefilter(asked: &Synthesis, sampling: &Sampling) -> Result<Option<StateSpace
 
 /// Observers of the friction at motor and pivot: as identified, or the plant's.
 fn observers(asked: &ObserverOptions, p: &Parameters) -> Result<Vec<FrictionObserver>, PipelineError> {
-    let follow = |name: &str, side: Side, given: &Option<Friction>, of_plant: &Friction| match given {
+    let follow = |name: &str, side: FrictionSide, given: &Option<Friction>, of_plant: &Friction| match given {
         Some(own) => observer_friction(name, side, own, FrictionModel::OwnLaw, asked.sign_rate_rad_s),
         None => observer_friction(name, side, of_plant, asked.model, asked.sign_rate_rad_s),
     };
-    let pivot = follow("friction_pivot", Side::Load, &asked.pivot, &p.pivot_friction);
-    let motor = follow("friction_motor", Side::Motor, &asked.motor, &p.motor_friction);
-    let identified: Vec<Identified> = pivot.into_iter().chain(motor).collect();
+    let pivot = follow("friction_pivot", FrictionSide::Load, &asked.pivot, &p.pivot_friction);
+    let motor = follow("friction_motor", FrictionSide::Motor, &asked.motor, &p.motor_friction);
+    let identified: Vec<ObservedFriction> = pivot.into_iter().chain(motor).collect();
     let drive = Drive { ratio: p.gearbox.ratio, stall_nm_v: torque_per_volt(p) };
     Ok(friction_observers(&identified, drive, asked.drives, asked.share)?)
 }
@@ -184,7 +185,7 @@ pub(crate) fn estimator(
     Estimator {
         learning: learning(adaptation, modelled, observer),
         gravity_m_s2: p.gravity_m_s2,
-        rate: Signal::RelativeRate,
+        rate: PathSignal::RelativeRate,
         half_rate_rad_s: adaptation.half_rate_rad_s,
         volts_per_kg_m_s2: volts,
         rate_limit_kg_m_s: if mean { f64::INFINITY } else { adaptation.rate_limit_kg_m_s },

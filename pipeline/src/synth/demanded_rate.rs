@@ -7,7 +7,7 @@
 
 use counterpoise_controller::{DemandLimit, Parts};
 use counterpoise_lti::margins;
-use counterpoise_models::{AmplifierDynamics, Axis};
+use counterpoise_models::{AmplifierDynamics, AxisKind};
 use counterpoise_project::resolve::synthesis::{LoopKind, Synthesis};
 use counterpoise_synth::{Design, Sampled, Sampling, control_of_ramp};
 
@@ -60,8 +60,8 @@ pub(crate) fn demanded_rate(
         return Ok(None);
     }
     let unit = match p.axis {
-        Axis::Rotary => "rad/s",
-        Axis::Linear => "m/s",
+        AxisKind::Rotary => "rad/s",
+        AxisKind::Linear => "m/s",
     };
     if let Some(rate) = asked.rate_limit {
         return Ok(Some(DemandedRate { rate, origin: RateOrigin::Stated, unit }));

@@ -4,7 +4,7 @@ use counterpoise_controller::ObserverLaw;
 use counterpoise_models::friction::StribeckLevel;
 use counterpoise_models::friction::bristle::MEAN_DEFLECTION;
 use counterpoise_models::{Friction, FrictionLaw, StribeckCurve};
-use counterpoise_synth::{Identified, Side};
+use counterpoise_synth::{FrictionSide, ObservedFriction};
 
 use crate::tolerance::SAME_FRICTION_LEVEL;
 use counterpoise_project::resolve::synthesis_options::FrictionModel;
@@ -21,11 +21,11 @@ const LEVEL_AT: [f64; 14] = [0.0, 0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.
 /// rate). Bristles become Dahl's law of their stiffness.
 pub(crate) fn observer_friction(
     name: &str,
-    side: Side,
+    side: FrictionSide,
     friction: &Friction,
     model: FrictionModel,
     sign_rate_rad_s: f64,
-) -> Option<Identified> {
+) -> Option<ObservedFriction> {
     let coulomb_nm = friction.coulomb_nm();
     if coulomb_nm.is_nan() || coulomb_nm <= 0.0 {
         return None;
@@ -35,7 +35,7 @@ pub(crate) fn observer_friction(
         FrictionModel::OwnLaw => by_itself(friction, sign_rate_rad_s),
     };
     let level = curve.map_or(Vec::new(), |curve| level(friction, curve));
-    Some(Identified {
+    Some(ObservedFriction {
         name: name.to_owned(),
         side,
         law,

@@ -11,8 +11,8 @@ use counterpoise_lti::{Discretisation, StateSpace, Timebase, c2d, d2c_tustin, fr
 use counterpoise_models::ControlledQuantity;
 use counterpoise_reduce::{ControllerReduction, Method as Truncation, Order, reduce_controller};
 use counterpoise_synth::{
-    Alternative, Channel, Design, DesignFinding, Entry, Method, Reference, Sampled, Sampling, alternative,
-    design, discretise, discretise_schedule,
+    Alternative, Design, DesignFinding, DisturbanceChannel, Reference, Sampled, Sampling, ScheduleEntry,
+    SynthesisMethod, alternative, design, discretise, discretise_schedule,
 };
 
 use crate::synth::controller_blocks::{with_controller_blocks, with_reading_limits};
@@ -44,7 +44,7 @@ pub struct Synthesised {
     /// What was left out of the feedback to reach its order, where the project asks for one.
     pub lowered: Option<Lowered>,
     /// The designs over out-of-balance, nominal first; empty without schedule.
-    pub balance: Vec<Entry>,
+    pub balance: Vec<ScheduleEntry>,
     /// The largest rate that a loop of position demands; `None` for a loop of rate, or without a limit.
     pub demanded_rate: Option<DemandedRate>,
     /// What the loop controls.
@@ -91,7 +91,9 @@ pub fn synthesise(
         None => Vec::new(),
     };
     let sampled = match &asked.options.schedule {
-        Some(wanted) if schedule::redesigns(wanted, &balance) && design.part(Channel::Heave).is_some() => {
+        Some(wanted)
+            if schedule::redesigns(wanted, &balance) && design.part(DisturbanceChannel::Heave).is_some() =>
+        {
             discretise_schedule(&design, schedule::select_interpolated(wanted, &balance), &sampling)
         }
         _ => discretise(&design, &sampling),
@@ -119,7 +121,7 @@ pub fn synthesise(
 /// Puts the feedback of another method in place of the three-part one, where the project names one.
 fn by_method(asked: &Synthesis, design: &mut Design) -> Result<Option<Alternative>, PipelineError> {
     let method = asked.options.method;
-    if method == Method::ThreePart {
+    if method == SynthesisMethod::ThreePart {
         return Ok(None);
     }
     sees_the_error_alone(design, "method")?;

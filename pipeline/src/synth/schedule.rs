@@ -1,7 +1,7 @@
 //! The schedule over out-of-balance: the plant in each state of balance, and what becomes of the three controllers.
 
 use counterpoise_models::plant::{Body, Plant};
-use counterpoise_synth::{Configuration, Entry, Law, schedule};
+use counterpoise_synth::{Configuration, HeaveFeedforwardLaw, ScheduleEntry, schedule};
 use serde::Serialize;
 
 use crate::model::of_rate;
@@ -46,7 +46,7 @@ pub fn schedule_entries(
     asked: &Synthesis,
     modelled: &Modelled,
     wanted: &ScheduleOptions,
-) -> Result<Vec<Entry>, PipelineError> {
+) -> Result<Vec<ScheduleEntry>, PipelineError> {
     let nominal = configured(project, asked, "nominal", modelled)?;
     let others = other_configurations(project, asked, modelled, wanted)?;
     Ok(schedule(&nominal, &others, &asked.specification)?)
@@ -112,17 +112,22 @@ pub(crate) fn scale_imbalance(plant: &Plant, factor: f64) -> Result<Plant, Pipel
 }
 
 /// Returns whether the exported controller interpolates redesigns.
-pub(crate) fn redesigns(asked: &ScheduleOptions, entries: &[Entry]) -> bool {
+pub(crate) fn redesigns(asked: &ScheduleOptions, entries: &[ScheduleEntry]) -> bool {
     match asked.law {
         ScheduleLaw::Gain => false,
         ScheduleLaw::Redesign => true,
-        ScheduleLaw::Auto => entries.iter().any(|entry| matches!(entry.law, Law::Redesign { .. })),
+        ScheduleLaw::Auto => {
+            entries.iter().any(|entry| matches!(entry.law, HeaveFeedforwardLaw::Redesign { .. }))
+        }
     }
 }
 
 /// Returns the designs that the exported controller interpolates: those of the configurations; of the factors where
 /// there are none, because two designs of one out-of-balance and different inertia cannot both hold.
-pub(crate) fn select_interpolated<'a>(asked: &ScheduleOptions, entries: &'a [Entry]) -> &'a [Entry] {
+pub(crate) fn select_interpolated<'a>(
+    asked: &ScheduleOptions,
+    entries: &'a [ScheduleEntry],
+) -> &'a [ScheduleEntry] {
     match asked.configurations.len() {
         0 => entries,
         count => &entries[..entries.len().min(1 + count)],
@@ -130,11 +135,11 @@ pub(crate) fn select_interpolated<'a>(asked: &ScheduleOptions, entries: &'a [Ent
 }
 
 /// Returns the entries as plain rows.
-pub fn balance_rows(entries: &[Entry]) -> Vec<BalanceRow> {
+pub fn balance_rows(entries: &[ScheduleEntry]) -> Vec<BalanceRow> {
     entries.iter().map(row).collect()
 }
 
-fn row(entry: &Entry) -> BalanceRow {
+fn row(entry: &ScheduleEntry) -> BalanceRow {
     let both = |(low, high): (f64, f64)| [low, high];
     BalanceRow {
         name: entry.name.clone(),

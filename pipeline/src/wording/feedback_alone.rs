@@ -1,5 +1,6 @@
 //! The loop with feedback alone in words: the lines about it in the header of the exported code.
 
+use crate::wording::figures::describe_figure;
 use counterpoise_verify::{Figure, Limit, Verdict, Verification};
 
 use crate::PipelineError;
@@ -18,13 +19,17 @@ pub(crate) fn describe_feedback_alone(found: &Verification) -> Vec<String> {
     let loops = found.figures.iter().map(|measured| measured.figure);
     let loops = loops.filter(|figure| matches!(figure, Figure::Loop(_)));
     let said = loops.filter_map(|figure| Some((figure, found.value(figure)?)));
-    lines.extend(said.map(|(figure, value)| format!("{}: {value:.4} {}", figure.name(of), figure.unit(of))));
+    lines.extend(
+        said.map(|(figure, value)| {
+            format!("{}: {value:.4} {}", describe_figure(figure, of), figure.unit(of))
+        }),
+    );
     lines.extend(found.verdicts.iter().filter_map(|(requirement, verdict)| {
         let asked = |limit: &Limit| match limit {
             Limit::AtLeast(value) => format!("at least {value}"),
             Limit::AtMost(value) => format!("at most {value}"),
         };
-        let (figure, unit) = (requirement.figure.name(of), requirement.figure.unit(of));
+        let (figure, unit) = (describe_figure(requirement.figure, of), requirement.figure.unit(of));
         let said = |value: f64, limit: &Limit, word: &str| {
             format!("requirement {figure}: {value:.4} {unit} ({}): {word}", asked(limit))
         };

@@ -1,7 +1,7 @@
 //! The schedule over out-of-balance in words: which conditions hold in a state of balance, and what follows. The JSON result carries them.
 
 use counterpoise_synth::tolerance::EQUAL;
-use counterpoise_synth::{Conditions, Law};
+use counterpoise_synth::{Conditions, HeaveFeedforwardLaw};
 
 /// Describes which conditions of the gain law hold.
 pub(crate) fn describe_conditions(found: &Conditions) -> String {
@@ -22,15 +22,17 @@ pub(crate) fn describe_conditions(found: &Conditions) -> String {
 }
 
 /// Describes what becomes of the heave feedforward.
-pub(crate) fn describe_law(law: &Law) -> String {
+pub(crate) fn describe_law(law: &HeaveFeedforwardLaw) -> String {
     match law {
-        Law::ExactGain { factor } => format!("gain {factor:.4}, exact by theory"),
-        Law::NearlyGain { factor, deviation } => {
+        HeaveFeedforwardLaw::ExactGain { factor } => format!("gain {factor:.4}, exact by theory"),
+        HeaveFeedforwardLaw::NearlyGain { factor, deviation } => {
             format!("gain {factor:.4}, within {:.2} % of the redesign", 100.0 * deviation)
         }
-        Law::Redesign { deviation } if deviation.is_finite() => {
+        HeaveFeedforwardLaw::Redesign { deviation } if deviation.is_finite() => {
             format!("redesign: a gain would be {:.1} % off", 100.0 * deviation)
         }
-        Law::Redesign { .. } => "redesign: there is no gain from a nominal imbalance of 0".to_owned(),
+        HeaveFeedforwardLaw::Redesign { .. } => {
+            "redesign: there is no gain from a nominal imbalance of 0".to_owned()
+        }
     }
 }

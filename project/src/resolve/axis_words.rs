@@ -1,6 +1,6 @@
 //! The words and units of a linear axis: a walk whose fields have a mass for an inertia, N for N m and m for rad.
 
-use counterpoise_models::Axis;
+use counterpoise_models::AxisKind;
 
 use crate::file::field::{Assumed, Field, TableField};
 use crate::file::visit::{Count, Presence, Visit};
@@ -53,24 +53,24 @@ const TEXTS: [(&str, &str); 18] = [
 
 /// A walk in the words of an axis.
 pub(super) struct Words<'a> {
-    axis: Axis,
+    axis: AxisKind,
     inner: &'a mut dyn Visit,
 }
 
 impl<'a> Words<'a> {
-    pub fn of(axis: Axis, inner: &'a mut dyn Visit) -> Self {
+    pub fn of(axis: AxisKind, inner: &'a mut dyn Visit) -> Self {
         Self { axis, inner }
     }
 
     fn field(&self, field: &Field) -> Field {
         match self.axis {
-            Axis::Rotary => *field,
-            Axis::Linear if TURNING.contains(&field.key) => *field,
+            AxisKind::Rotary => *field,
+            AxisKind::Linear if TURNING.contains(&field.key) => *field,
             // what lies between a motor that turns and a slide
-            Axis::Linear if field.key == "ratio" && field.unit.is_empty() => {
+            AxisKind::Linear if field.key == "ratio" && field.unit.is_empty() => {
                 Field { unit: "rad/m", meaning: "motor's angle per travel of the slide", ..*field }
             }
-            Axis::Linear => Field {
+            AxisKind::Linear => Field {
                 key: sliding_key(field.key),
                 unit: self.axis.unit(field.unit),
                 meaning: sliding_text(field.meaning),
@@ -85,7 +85,7 @@ impl<'a> Words<'a> {
     }
 
     fn key(&self, key: &str) -> String {
-        let known = KEYS.iter().find(|(turning, _)| *turning == key && self.axis == Axis::Linear);
+        let known = KEYS.iter().find(|(turning, _)| *turning == key && self.axis == AxisKind::Linear);
         known.map_or_else(|| key.to_owned(), |(_, sliding)| (*sliding).to_owned())
     }
 }
@@ -131,8 +131,8 @@ impl Visit for Words<'_> {
 
     fn enter(&mut self, table: &TableField, presence: Presence) -> bool {
         let own = match self.axis {
-            Axis::Rotary => *table,
-            Axis::Linear => TableField { meaning: sliding_text(table.meaning), ..*table },
+            AxisKind::Rotary => *table,
+            AxisKind::Linear => TableField { meaning: sliding_text(table.meaning), ..*table },
         };
         self.inner.enter(&own, presence)
     }

@@ -1,6 +1,6 @@
 //! What the elevated accelerometer and the motion of the base need of the rest of the project.
 
-use counterpoise_models::{AccelerometerAxis, Axis, Sensor};
+use counterpoise_models::{AccelerometerAxis, AxisKind, Sensor};
 
 use super::findings::Findings;
 use super::{Project, platform::PlatformSource};
@@ -22,7 +22,7 @@ pub(super) fn check_elevated(findings: &mut Findings<'_>, project: &Project) {
         findings
             .add(Severity::Error, Remark::new(Problem::Conflict, path, allowed.to_owned()).with_value(found));
     };
-    if project.plant.axis == Axis::Linear {
+    if project.plant.axis == AxisKind::Linear {
         let allowed = "must be \"vertical\" where plant.axis is \"linear\": a slide has no elevation";
         return complain(key, "\"elevated\"".to_owned(), allowed);
     }
@@ -46,7 +46,7 @@ pub(super) fn check_projection(findings: &mut Findings<'_>, project: &Project) {
     let mut say = |severity: Severity, path: &str, allowed: &str| {
         findings.add(severity, Remark::new(Problem::Conflict, path, allowed.to_owned()));
     };
-    if project.plant.axis == Axis::Linear {
+    if project.plant.axis == AxisKind::Linear {
         return say(
             Severity::Error,
             section,
@@ -92,7 +92,7 @@ pub(super) fn check_projection(findings: &mut Findings<'_>, project: &Project) {
 pub(super) fn slide(findings: &mut Findings<'_>, project: &Project) {
     let road = project.verify.as_ref().and_then(|verify| verify.road.as_ref());
     let Some(PlatformSource::Recording(source)) = road else { return };
-    if project.plant.axis == Axis::Linear && !source.surge.is_empty() {
+    if project.plant.axis == AxisKind::Linear && !source.surge.is_empty() {
         let allowed = "has no effect: a linear axis feels the acceleration along it, which is `heave` here";
         let remark = Remark::new(Problem::Conflict, "verify.road.surge", allowed.to_owned());
         findings.add(Severity::Warning, remark.with_value(format!("\"{}\"", source.surge)));

@@ -1,8 +1,8 @@
 //! What the loop controls: the rate, the position, the torque or the current that its sensor measures, or rate and position in a cascade.
 
 use counterpoise_lti::Discretisation;
-use counterpoise_models::{Axis, FeedbackSignal};
-use counterpoise_synth::{Assembly, Basis, Method, SamplingMethod};
+use counterpoise_models::{AxisKind, FeedbackSignal};
+use counterpoise_synth::{Assembly, FeedforwardBasis, SamplingMethod, SynthesisMethod};
 
 use super::synthesis::{LoopKind, Synthesis};
 use crate::file::field::{Field, Limit};
@@ -81,14 +81,14 @@ const RATE_LIMIT: Field = Field::new(
 .limit(Limit::AtLeast(0.0));
 
 /// Reads or lists the largest rate that a loop of position demands.
-pub(super) fn rate_limit(v: &mut dyn Visit, synth: &mut Synthesis, axis: Axis) {
+pub(super) fn rate_limit(v: &mut dyn Visit, synth: &mut Synthesis, axis: AxisKind) {
     if !matches!(synth.loop_kind, LoopKind::Position | LoopKind::Cascade) {
         synth.rate_limit = None;
         return;
     }
     let unit = match axis {
-        Axis::Rotary => "rad/s",
-        Axis::Linear => "m/s",
+        AxisKind::Rotary => "rad/s",
+        AxisKind::Linear => "m/s",
     };
     maybe_number(v, &RATE_LIMIT.unit(unit), &mut synth.rate_limit);
 }
@@ -114,9 +114,9 @@ pub(super) fn problem_exists(v: &mut dyn Visit, synth: &Synthesis) {
     let on_closed_loop = [&specification.heave, &specification.pitch]
         .into_iter()
         .flatten()
-        .any(|part| part.basis == Basis::ClosedLoop);
+        .any(|part| part.basis == FeedforwardBasis::ClosedLoop);
     let apart = [
-        (options.method != Method::ThreePart, "`method`"),
+        (options.method != SynthesisMethod::ThreePart, "`method`"),
         (!options.alternatives.is_empty(), "`alternatives`"),
         (options.controller_order.is_some(), "`controller_order`"),
         (!options.structure.blocks.is_empty(), "[[synth.block]]"),

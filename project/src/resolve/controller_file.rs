@@ -2,7 +2,7 @@
 
 use counterpoise_controller::{
     COMMON_READINGS, Controller, Correction, DemandLimit, Estimator, FrictionObserver, Parts, Path,
-    Projection, READINGS, Scaling, Signal,
+    PathSignal, Projection, READINGS, Scaling,
 };
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
@@ -128,7 +128,7 @@ impl FilePath {
         };
         Ok(Path {
             name: self.system.name.clone(),
-            inputs: self.system.inputs.iter().map(signal).collect::<Result<Vec<Signal>, _>>()?,
+            inputs: self.system.inputs.iter().map(signal).collect::<Result<Vec<PathSignal>, _>>()?,
             system: self.system.state_space()?,
             anti_windup: self.anti_windup.clone(),
             scaling: self.scaling,

@@ -2,7 +2,7 @@
 
 use counterpoise_models::parameters::cylinder::{L_PER_M3, Lever, PA_PER_MPA};
 use counterpoise_models::{
-    Amplifier, AmplifierDynamics, Axis, Cylinder, Gearbox, Linkage, Motor, Parameters,
+    Amplifier, AmplifierDynamics, AxisKind, Cylinder, Gearbox, Linkage, Motor, Parameters,
 };
 
 use super::digits::round_to_digits;
@@ -139,7 +139,7 @@ pub(super) fn cylinder(v: &mut dyn Visit, presence: Presence, plant: &mut Parame
             Some(hint.into()),
         );
     }
-    if plant.axis == Axis::Linear {
+    if plant.axis == AxisKind::Linear {
         let hint = "leave `axis` out: the cylinder turns the mechanism by its lever";
         v.complain(
             "cylinder",

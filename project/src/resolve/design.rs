@@ -1,14 +1,15 @@
 //! The `[reduce]`, `[synth]` and `[export]` sections: what is asked of the design and of its code.
 
-use counterpoise_controller::sensitivity::Form;
+use counterpoise_controller::sensitivity::RealisationForm;
 use counterpoise_controller::words::is_word;
-use counterpoise_export::{Options, Precision};
+use counterpoise_export::{CodeOptions, Precision};
 use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_lti::{Discretisation, Timebase};
 use counterpoise_models::plant::LinearPlant;
-use counterpoise_models::{Axis, FeedbackSignal};
+use counterpoise_models::{AxisKind, FeedbackSignal};
 use counterpoise_synth::{
-    Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, SamplingMethod,
+    Assembly, DisturbanceKnowledge, FeedbackWeights, FeedforwardBasis, FeedforwardWeights, Reference,
+    SamplingMethod,
 };
 
 use super::cascade;
@@ -50,7 +51,7 @@ pub struct Export {
     /// Languages.
     pub languages: Vec<Language>,
     /// Name and precision.
-    pub options: Options,
+    pub options: CodeOptions,
 }
 
 /// Languages of generated code.
@@ -95,7 +96,7 @@ impl Choice for Precision {
     const NAMES: &'static [(&'static str, Self)] = &[("double", Self::Double), ("single", Self::Single)];
 }
 
-impl Choice for Form {
+impl Choice for RealisationForm {
     const NAMES: &'static [(&'static str, Self)] =
         &[("least-sensitive", Self::LeastSensitive), ("modal", Self::Modal), ("balanced", Self::Balanced)];
 }
@@ -141,7 +142,7 @@ impl Default for Reduction {
 
 impl Default for Export {
     fn default() -> Self {
-        Self { languages: vec![Language::C99], options: Options::double("controller") }
+        Self { languages: vec![Language::C99], options: CodeOptions::double("controller") }
     }
 }
 
@@ -164,7 +165,7 @@ pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut Reduction) {
 }
 
 /// Reads or lists the design of a loop whose sensor measures a rate or a position.
-pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: FeedbackSignal, axis: Axis) {
+pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: FeedbackSignal, axis: AxisKind) {
     cascade::loop_kind(v, synth, measured);
     cascade::rate_limit(v, synth, axis);
     assembly_and_form(v, synth);
@@ -172,7 +173,8 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: Feedback
     synthesis_options::tables(v, &mut synth.options);
     let specification = &synth.specification;
     if specification.assembly != Assembly::SimpleAdd {
-        let apart = |part: &FeedforwardWeights| part.output.is_some() || part.basis == Basis::ClosedLoop;
+        let apart =
+            |part: &FeedforwardWeights| part.output.is_some() || part.basis == FeedforwardBasis::ClosedLoop;
         if [&specification.heave, &specification.pitch].into_iter().flatten().any(apart) {
             let allowed =
                 "must be \"simple-add\" where a feedforward weighs the tip or is designed on the closed loop";
@@ -259,7 +261,7 @@ fn weights_can_be_tuned(v: &mut dyn Visit, synth: &Synthesis, tuning: &Tuning) {
     let problem = match tuning.weights {
         TunedWeights::Stated => "needs blocks, whose parameters it tunes, or weights = \"tune\"",
         TunedWeights::Tuned => return,
-        TunedWeights::ToTune if synth.options.method != counterpoise_synth::Method::ThreePart => {
+        TunedWeights::ToTune if synth.options.method != counterpoise_synth::SynthesisMethod::ThreePart => {
             "can tune the weights of method = \"three-part\" alone"
         }
         TunedWeights::ToTune if specification.assembly == Assembly::Joint => {
@@ -296,11 +298,15 @@ fn fixed_feedback_stands_alone(v: &mut dyn Visit, synth: &Synthesis) {
         }
     };
     let tustin = matches!(synth.discretisation, SamplingMethod::Emulation(Discretisation::Tustin { .. }));
-    let on_closed_loop = |part: &FeedforwardWeights| part.basis == Basis::ClosedLoop;
+    let on_closed_loop = |part: &FeedforwardWeights| part.basis == FeedforwardBasis::ClosedLoop;
     let feedforwards = [&specification.heave, &specification.pitch];
     let tunes_weights = options.tuning.as_ref().is_some_and(|tuning| tuning.weights == TunedWeights::ToTune);
     let apart = [
-        (options.method != counterpoise_synth::Method::ThreePart, "method", "must be \"three-part\""),
+        (
+            options.method != counterpoise_synth::SynthesisMethod::ThreePart,
+            "method",
+            "must be \"three-part\"",
+        ),
         (options.controller_order.is_some(), "controller_order", "must be absent"),
         (tunes_weights, "tune", "must not have weights = \"tune\""),
         (specification.assembly == Assembly::Joint, "assembly", "must not be \"joint\""),
@@ -341,7 +347,7 @@ fn imported_can_run(v: &mut dyn Visit, synth: &Synthesis) {
 fn joint_problem_exists(v: &mut dyn Visit, synth: &Synthesis) {
     let options = &synth.options;
     let apart = [
-        (options.method != counterpoise_synth::Method::ThreePart, "`method`"),
+        (options.method != counterpoise_synth::SynthesisMethod::ThreePart, "`method`"),
         (options.controller_order.is_some(), "`controller_order`"),
         (options.schedule.is_some(), "[synth.schedule]"),
         (synth.discretisation == SamplingMethod::SampledData, "`discretisation` = \"sampled-data\""),
@@ -354,7 +360,7 @@ fn joint_problem_exists(v: &mut dyn Visit, synth: &Synthesis) {
 
 /// Complains where a feedback that is not the three-part one is to be designed in sampled time.
 fn sampled_problem_exists(v: &mut dyn Visit, options: &SynthesisOptions) {
-    let problem = if options.method != counterpoise_synth::Method::ThreePart {
+    let problem = if options.method != counterpoise_synth::SynthesisMethod::ThreePart {
         "must not be \"sampled-data\" with another `method`: only the three-part design has a sampled problem"
     } else if options.controller_order.is_some() {
         "must not be \"sampled-data\" with `controller_order`: a feedback of lower order is converted, not designed anew"
@@ -478,7 +484,7 @@ impl Choice for Weighed {
     const NAMES: &'static [(&'static str, Self)] = &[("hub", Self::Hub), ("tip", Self::Tip)];
 }
 
-impl Choice for Basis {
+impl Choice for FeedforwardBasis {
     const NAMES: &'static [(&'static str, Self)] =
         &[("open-loop", Self::OpenLoop), ("closed-loop", Self::ClosedLoop)];
 }
@@ -498,8 +504,8 @@ fn weighed(v: &mut dyn Visit, part: &mut FeedforwardWeights) {
 fn feedforward(v: &mut dyn Visit, part: &mut FeedforwardWeights, noise_unit: &'static str) {
     weighed(v, part);
     let (mut known, mut noise) = match part.knowledge {
-        Knowledge::Exact => (Known::Exact, f64::NAN),
-        Knowledge::Measured { noise } => (Known::Measured, noise),
+        DisturbanceKnowledge::Exact => (Known::Exact, f64::NAN),
+        DisturbanceKnowledge::Measured { noise } => (Known::Measured, noise),
     };
     choose(
         v,
@@ -507,12 +513,12 @@ fn feedforward(v: &mut dyn Visit, part: &mut FeedforwardWeights, noise_unit: &'s
         &mut known,
     );
     part.knowledge = match known {
-        Known::Exact => Knowledge::Exact,
+        Known::Exact => DisturbanceKnowledge::Exact,
         Known::Measured => {
             let field = Field::new("measurement_noise", "spectral density of the noise of its sensor")
                 .unit(noise_unit);
             v.number(&field.limit(Limit::Above(0.0)), &mut noise);
-            Knowledge::Measured { noise }
+            DisturbanceKnowledge::Measured { noise }
         }
     };
     table(

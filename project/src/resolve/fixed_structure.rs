@@ -1,6 +1,6 @@
 //! A feedback of fixed structure: its blocks, and what their open parameters are tuned for.
 
-use counterpoise_synth::{Block, BlockKind, LoopLimits, Parameter, ParameterName};
+use counterpoise_synth::{Block, BlockKind, BlockParameter, LoopLimits, ParameterName};
 
 use super::model::count;
 use crate::file::field::{Field, Limit, TableField};
@@ -121,7 +121,7 @@ fn block(v: &mut dyn Visit, block: &mut Block) {
     }
 }
 
-fn read_parameter(v: &mut dyn Visit, parameter: &mut Parameter, value: &Field, range: &Field) {
+fn read_parameter(v: &mut dyn Visit, parameter: &mut BlockParameter, value: &Field, range: &Field) {
     maybe_number(v, value, &mut parameter.value);
     let mut ends: Vec<f64> = parameter.range.map(|range| range.to_vec()).unwrap_or_default();
     v.numbers(range, Count::Exactly(2), &mut ends);

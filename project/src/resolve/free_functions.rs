@@ -1,7 +1,7 @@
 //! Free functions: `[[plant.learned]]`, a table over one regime variable at one component.
 
 use counterpoise_models::{
-    Axis, Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, Parameters, RegimeVariable,
+    AxisKind, Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, Parameters, RegimeVariable,
 };
 
 use super::axis_words::Words;
@@ -83,13 +83,13 @@ pub(super) fn learned_functions(v: &mut dyn Visit, plant: &mut Parameters) {
     });
 }
 
-fn function(v: &mut dyn Visit, axis: Axis, element: &mut LearnedElement) {
+fn function(v: &mut dyn Visit, axis: AxisKind, element: &mut LearnedElement) {
     v.text(&NAME, &mut element.name);
     choose(v, &PLACE, &mut element.place);
     choose(v, &QUANTITY, &mut element.quantity);
     choose(v, &VARIABLE, &mut element.variable);
     choose(v, &INTERPOLATION, &mut element.interpolation);
-    let words = &mut Words::of(if element.place == LearnedPlace::Motor { Axis::Rotary } else { axis }, v);
+    let words = &mut Words::of(if element.place == LearnedPlace::Motor { AxisKind::Rotary } else { axis }, v);
     let value_unit = element.quantity.unit();
     words.numbers(&POINTS.unit(element.variable.unit()), Count::AtLeastOne, &mut element.points);
     words.numbers(&VALUES.unit(value_unit), Count::AtLeastOne, &mut element.values);

@@ -3,7 +3,7 @@
 
 use counterpoise_models::loads::equilibrator::{Action, Force, Gas};
 use counterpoise_models::loads::{EndStops, Equilibrator, Recoil};
-use counterpoise_models::{Axis, DriveLimits, MotorHeat, Parameters};
+use counterpoise_models::{AxisKind, DriveLimits, MotorHeat, Parameters};
 
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{Choice, Count, Presence, Visit, choose, optional};
@@ -46,7 +46,7 @@ pub(super) fn loads(v: &mut dyn Visit, plant: &mut Parameters) {
     optional(v, &section, &mut plant.loads.recoil, blank_recoil(), recoil);
     let turning =
         [("equilibrator", plant.loads.equilibrator.is_some()), ("recoil", plant.loads.recoil.is_some())];
-    for (key, _) in turning.into_iter().filter(|(_, there)| *there && plant.axis == Axis::Linear) {
+    for (key, _) in turning.into_iter().filter(|(_, there)| *there && plant.axis == AxisKind::Linear) {
         v.complain(key, "must not stand where axis = \"linear\": it acts about a trunnion", None);
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Without any, the loop has an ideal rate gyroscope.
 
-use counterpoise_models::{Axis, FeedbackSignal, Parameters, Sensor, Sensors};
+use counterpoise_models::{AxisKind, FeedbackSignal, Parameters, Sensor, Sensors};
 use std::f64::consts::TAU;
 
 use super::sensor::{IDEAL_SCALE, gyroscope, sensor};
@@ -84,7 +84,7 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
         }
         let mut place = if measured == FeedbackSignal::MotorPosition { Place::Motor } else { Place::Load };
         choose(v, &PLACE, &mut place);
-        if plant.axis == Axis::Linear && place == Place::Load && v.has("counts") {
+        if plant.axis == AxisKind::Linear && place == Place::Load && v.has("counts") {
             let allowed = "must be \"motor\" for an encoder with counts a turn";
             let hint = "an encoder on the motor: place = \"motor\"; a scale along the slide: resolution = \"1 um\" in place of `counts`";
             v.complain("place", allowed, Some(hint.to_owned()));
@@ -126,8 +126,8 @@ fn not_alone(v: &mut dyn Visit) {
 fn efforts(v: &mut dyn Visit, plant: &mut Parameters, found: usize) -> usize {
     let measured = plant.sensors.measured;
     let torque_unit = match plant.axis {
-        Axis::Rotary => "N m",
-        Axis::Linear => "N",
+        AxisKind::Rotary => "N m",
+        AxisKind::Linear => "N",
     };
     let mut count = 0;
     for (key, meaning, of, unit) in [
@@ -158,7 +158,7 @@ fn measures(plant: &mut Parameters, measured: FeedbackSignal, found: usize) -> u
 
 /// Reads or lists the step of an encoder: by the counts a turn of what it sits on, or as a length of a linear scale.
 fn resolution(v: &mut dyn Visit, plant: &mut Parameters, place: Place) {
-    let scale_of_a_slide = place == Place::Load && plant.axis == Axis::Linear;
+    let scale_of_a_slide = place == Place::Load && plant.axis == AxisKind::Linear;
     let known = plant.sensors.hub_gyro.resolution;
     if scale_of_a_slide {
         let step = Field::new("resolution", "step of the linear scale")

@@ -1,8 +1,8 @@
 //! The `[plant]` section: drive train, sensors, interface, and the structure.
 
 use counterpoise_models::{
-    AccelerometerAxis, Axis, Clock, DriveLimits, FeedbackSignal, Friction, FrictionLaw, Gearbox, Interface,
-    Loads, Lumped, Motor, Parameters, Ripple, Sensor, Sensors, Transmission,
+    AccelerometerAxis, AxisKind, Clock, DriveLimits, FeedbackSignal, Friction, FrictionLaw, Gearbox,
+    Interface, Loads, Lumped, Motor, Parameters, Ripple, Sensor, Sensors, Transmission,
 };
 
 use super::axis_words::Words;
@@ -24,7 +24,7 @@ const IDEAL_BITS: f64 = 48.0;
 pub(crate) fn blank() -> Parameters {
     Parameters {
         name: String::new(),
-        axis: Axis::Rotary,
+        axis: AxisKind::Rotary,
         gravity_m_s2: f64::NAN,
         beam: None,
         lumped: None,
@@ -77,10 +77,10 @@ fn blank_motor() -> Motor {
 pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
     v.text(&Field::new("name", "name of the machine").or_text("machine").show_default(), &mut plant.name);
     choose(v, &Field::new("axis", "whether the hub turns or slides").or_text("rotary"), &mut plant.axis);
-    if plant.axis == Axis::Rotary && (v.has("mass") || v.has("lumped.mass")) {
+    if plant.axis == AxisKind::Rotary && (v.has("mass") || v.has("lumped.mass")) {
         let allowed = "must be \"linear\" where [plant] has a mass: what turns has an inertia";
         v.complain("axis", allowed, Some("write axis = \"linear\"".to_owned()));
-        plant.axis = Axis::Linear;
+        plant.axis = AxisKind::Linear;
     }
     v.number(
         &Field::new("gravity", "acceleration of gravity").unit("m/s^2").limit(AT_LEAST_0).or(9.80665),
@@ -132,24 +132,24 @@ fn motor_and_drive(v: &mut dyn Visit, plant: &mut Parameters) {
     transmission::other_sections(&mut Words::of(axis, v), plant);
     // a linear motor drives the hub without a transmission, and has the hub's units
     let is_direct = plant.gearbox.kind == Transmission::Direct;
-    let is_turning = is_direct && axis == Axis::Linear && v.has("motor.inertia");
+    let is_turning = is_direct && axis == AxisKind::Linear && v.has("motor.inertia");
     if is_turning {
         let allowed =
             "must state what lies between a motor with an inertia and a slide: its transmission is missing";
         let hint = "add [plant.ball_screw] with its `lead`, or give the `mass` of a linear motor in place of `inertia`";
         v.complain("motor.inertia", allowed, Some(hint.to_owned()));
     }
-    let rotor = if is_turning { Axis::Rotary } else { turning_of_motor(plant) };
+    let rotor = if is_turning { AxisKind::Rotary } else { turning_of_motor(plant) };
     motor_section(&mut Words::of(rotor, v), &mut plant.motor);
     drive::drive(&mut Words::of(rotor, v), plant);
 }
 
 /// Returns whether what drives turns or slides: a motor without a transmission has the hub's units, and the piston of a cylinder slides.
-fn turning_of_motor(plant: &Parameters) -> Axis {
+fn turning_of_motor(plant: &Parameters) -> AxisKind {
     match (plant.cylinder.is_some(), plant.gearbox.kind) {
-        (true, _) => Axis::Linear,
+        (true, _) => AxisKind::Linear,
         (false, Transmission::Direct) => plant.axis,
-        (false, _) => Axis::Rotary,
+        (false, _) => AxisKind::Rotary,
     }
 }
 
@@ -158,7 +158,7 @@ impl Choice for AccelerometerAxis {
         &[("vertical", Self::Vertical), ("elevated", Self::Elevated)];
 }
 
-impl Choice for Axis {
+impl Choice for AxisKind {
     const NAMES: &'static [(&'static str, Self)] = &[("rotary", Self::Rotary), ("linear", Self::Linear)];
 }
 
@@ -261,7 +261,7 @@ fn frictions(v: &mut dyn Visit, plant: &mut Parameters) {
     let rotor = turning_of_motor(plant);
     let motor = TableField::optional("motor", "friction at the motor shaft, or of the seals of a cylinder");
     one_friction(&mut Words::of(rotor, v), &motor, &mut plant.motor_friction);
-    let place = if plant.axis == Axis::Linear {
+    let place = if plant.axis == AxisKind::Linear {
         "friction of the slide on its guide"
     } else {
         "friction at the hub pivot"

@@ -4,7 +4,9 @@ use counterpoise_models::base_motion::Traverse;
 use counterpoise_verify::signals::iso_road::check_vehicle;
 use counterpoise_verify::signals::sea::Sea;
 use counterpoise_verify::signals::six_axes::SixAxes;
-use counterpoise_verify::signals::spectrum::{Realisation, check_density, check_pitch_simulator, sine_tones};
+use counterpoise_verify::signals::spectrum::{
+    MotionRealisation, check_density, check_pitch_simulator, sine_tones,
+};
 use counterpoise_verify::signals::{RoadClass, Vehicle};
 
 use super::base_motion::{self, InertialUnit};
@@ -68,7 +70,7 @@ pub struct Motion {
     /// What it is made from.
     pub kind: MotionKind,
     /// Duration, fades and seed.
-    pub realisation: Realisation,
+    pub realisation: MotionRealisation,
 }
 
 /// What a motion is made from.
@@ -199,7 +201,7 @@ fn kind(source: &PlatformSource) -> Kind {
 fn blank_of(kind: Kind) -> PlatformSource {
     let empty = Vec::new;
     let made = |kind| {
-        let realisation = Realisation { duration_s: DURATION_S, fade_s: 1.0, seed: 1 };
+        let realisation = MotionRealisation { duration_s: DURATION_S, fade_s: 1.0, seed: 1 };
         PlatformSource::Made(Motion { kind, realisation })
     };
     match kind {

@@ -1,6 +1,6 @@
 //! The `[recording]` section: how the columns of recordings become channels.
 
-use counterpoise_models::{Axis, FeedbackSignal};
+use counterpoise_models::{AxisKind, FeedbackSignal};
 use counterpoise_recordings::{Channel, ChannelSource, ChannelUnits, Controlled, Mapping, Travel};
 
 use super::Project;
@@ -27,8 +27,8 @@ impl Project {
         let positioned = matches!(self.recording_controller, Some(RecordingController::Position(_)));
         let demand = if positioned { Controlled::Position } else { reading };
         let travel = match self.plant.axis {
-            Axis::Rotary => Travel::Turning,
-            Axis::Linear => Travel::Sliding,
+            AxisKind::Rotary => Travel::Turning,
+            AxisKind::Linear => Travel::Sliding,
         };
         ChannelUnits { reading, demand, travel }
     }

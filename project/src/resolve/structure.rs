@@ -1,7 +1,7 @@
 //! The structure: the beam with its sections and masses, the lumped inertias, the configurations.
 
 use counterpoise_models::{
-    Beam, Configuration, Link, Lumped, PointMass, Section, SectionShape, StructuralDamping,
+    Beam, BeamSection, Configuration, Link, Lumped, PointMass, SectionShape, StructuralDamping,
 };
 
 use crate::file::field::{Field, Limit, TableField, UsualRange};
@@ -198,8 +198,12 @@ pub(crate) fn beam(v: &mut dyn Visit, beam: &mut Beam) {
     v.number(&DENSITY, &mut beam.density_kg_m3);
     v.number(&PIVOT, &mut beam.pivot_m);
     damping(v, beam);
-    let blank =
-        Section { name: String::new(), from_m: f64::NAN, to_m: f64::NAN, shape: blank_shape(Shape::Tube) };
+    let blank = BeamSection {
+        name: String::new(),
+        from_m: f64::NAN,
+        to_m: f64::NAN,
+        shape: blank_shape(Shape::Tube),
+    };
     list(v, &SECTIONS, &mut beam.sections, blank, section);
     masses(v, &mut beam.masses);
 }
@@ -248,7 +252,7 @@ pub(crate) fn assumed_ratio(v: &mut dyn Visit, field: &Field, ratios: &mut Vec<f
     }
 }
 
-fn section(v: &mut dyn Visit, section: &mut Section) {
+fn section(v: &mut dyn Visit, section: &mut BeamSection) {
     v.text(&NAME, &mut section.name);
     v.number(&FROM, &mut section.from_m);
     v.number(&TO, &mut section.to_m);

@@ -1,6 +1,6 @@
 //! The `[sweep]` section: which parameters vary, one at a time and all at once.
 
-use counterpoise_verify::robust::{Distribution, Family, Points, Variation, Varied, varied_parameters};
+use counterpoise_verify::robust::{Distribution, Family, PointLayout, Variation, Varied, varied_parameters};
 
 use super::Project;
 use crate::assumption::Tolerance;
@@ -16,7 +16,7 @@ pub struct Sweep {
     /// Its seed.
     pub seed: u64,
     /// How its points are laid out.
-    pub layout: Points,
+    pub layout: PointLayout,
     /// Parameters that vary together.
     pub variations: Vec<Variation>,
     /// Parameters that vary one at a time, with their factors.
@@ -55,7 +55,7 @@ impl Choice for Shape {
         &[("uniform", Self::Uniform), ("log-uniform", Self::LogUniform), ("normal", Self::Normal)];
 }
 
-impl Choice for Points {
+impl Choice for PointLayout {
     const NAMES: &'static [(&'static str, Self)] =
         &[("latin-hypercube", Self::LatinHypercube), ("sobol", Self::Sobol)];
 }
@@ -163,7 +163,7 @@ pub(crate) fn blank() -> Sweep {
     Sweep {
         samples: 200,
         seed: 1,
-        layout: Points::LatinHypercube,
+        layout: PointLayout::LatinHypercube,
         variations: Vec::new(),
         families: Vec::new(),
         input_error: GAIN_ERROR,

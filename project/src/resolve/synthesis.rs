@@ -1,9 +1,9 @@
 //! What is asked of a design, as plain data.
 
-use counterpoise_controller::sensitivity::Form;
+use counterpoise_controller::sensitivity::RealisationForm;
 use counterpoise_synth::{
-    Assembly, Basis, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, SamplingMethod,
-    Specification, Weight,
+    Assembly, DisturbanceKnowledge, FeedbackWeights, FeedforwardBasis, FeedforwardWeights, Reference,
+    SamplingMethod, Specification, Weight,
 };
 
 use super::synthesis_options::SynthesisOptions;
@@ -29,7 +29,7 @@ pub struct Synthesis {
     /// How the controller is sampled.
     pub discretisation: SamplingMethod,
     /// The form in which each path runs.
-    pub form: Form,
+    pub form: RealisationForm,
     /// Time in which the step of a changed out-of-balance fades in, s.
     pub transfer_time_s: f64,
     /// Method, order, observer, schedule, adaptation, search.
@@ -92,7 +92,7 @@ pub(crate) fn blank_synthesis() -> Synthesis {
         delay_samples: 1.0,
         pade_order: 2,
         discretisation: SamplingMethod::TUSTIN,
-        form: Form::LeastSensitive,
+        form: RealisationForm::LeastSensitive,
         transfer_time_s: 0.0,
         options: SynthesisOptions::default(),
     }
@@ -112,13 +112,13 @@ pub(super) fn blank_feedback() -> FeedbackWeights {
 
 /// Returns weights of a feedforward still to be read.
 pub(super) fn blank_feedforward() -> FeedforwardWeights {
-    let knowledge = Knowledge::Measured { noise: f64::NAN };
+    let knowledge = DisturbanceKnowledge::Measured { noise: f64::NAN };
     FeedforwardWeights {
         error: blank_weight(),
         control: blank_weight(),
         generator: blank_weight(),
         knowledge,
         output: None,
-        basis: Basis::OpenLoop,
+        basis: FeedforwardBasis::OpenLoop,
     }
 }

@@ -2,7 +2,7 @@
 //! adaptation and the search for weights.
 
 use counterpoise_models::Friction;
-use counterpoise_synth::{Drives, FixedStructure, Method, Requirements, Spectrum, Weight};
+use counterpoise_synth::{BandSpectrum, Drives, FixedStructure, Requirements, SynthesisMethod, Weight};
 
 use super::fixed_structure::{Tuning, blocks, tuning};
 use super::friction::{blank_identified, identified_friction};
@@ -16,9 +16,9 @@ use crate::file::visit::{Choice, Count, Visit, choose, maybe_number, optional, p
 #[derive(Debug, Clone, PartialEq)]
 pub struct SynthesisOptions {
     /// The method of the feedback that is built.
-    pub method: Method,
+    pub method: SynthesisMethod,
     /// Further methods, shown beside it with the same figures.
-    pub alternatives: Vec<Method>,
+    pub alternatives: Vec<SynthesisMethod>,
     /// States that are kept of the feedback; `None` keeps them all.
     pub controller_order: Option<usize>,
     /// Filter of the demand before the controller.
@@ -185,7 +185,7 @@ pub struct WeightSearch {
     pub ms_limits: Vec<f64>,
 }
 
-impl Choice for Method {
+impl Choice for SynthesisMethod {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("three-part", Self::ThreePart),
         ("joint-h2", Self::JointH2),
@@ -194,7 +194,7 @@ impl Choice for Method {
     ];
 }
 
-impl Choice for Spectrum {
+impl Choice for BandSpectrum {
     const NAMES: &'static [(&'static str, Self)] = &[("flat", Self::Flat), ("expected", Self::Expected)];
 }
 
@@ -228,7 +228,7 @@ impl Default for SynthesisOptions {
     /// Returns the three-part design as it is.
     fn default() -> Self {
         Self {
-            method: Method::ThreePart,
+            method: SynthesisMethod::ThreePart,
             alternatives: Vec::new(),
             controller_order: None,
             prefilter: None,
@@ -286,13 +286,13 @@ pub(crate) fn tables(v: &mut dyn Visit, options: &mut SynthesisOptions) {
     optional(v, &section, &mut options.tuning, Tuning::default(), tuning);
 }
 
-fn methods(v: &mut dyn Visit, methods: &mut Vec<Method>) {
+fn methods(v: &mut dyn Visit, methods: &mut Vec<SynthesisMethod>) {
     let mut names: Vec<String> = methods.iter().map(|m| m.name().to_owned()).collect();
     let meaning = "further methods of the feedback, shown for comparison with the same figures";
     v.texts(&Field::new("alternatives", meaning).or_empty(), &mut names);
-    let known = |name: &String| Method::NAMES.iter().find(|(n, _)| n == name).map(|(_, m)| *m);
+    let known = |name: &String| SynthesisMethod::NAMES.iter().find(|(n, _)| n == name).map(|(_, m)| *m);
     if let Some(unknown) = names.iter().find(|name| known(name).is_none()) {
-        let hint = crate::diagnostic::did_you_mean(unknown, Method::NAMES.iter().map(|(n, _)| *n));
+        let hint = crate::diagnostic::did_you_mean(unknown, SynthesisMethod::NAMES.iter().map(|(n, _)| *n));
         let allowed = "may hold \"three-part\", \"joint-h2\", \"lqg-ltr\" and \"h-infinity\"";
         v.complain("alternatives", allowed, hint);
     }

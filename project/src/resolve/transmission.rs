@@ -1,6 +1,6 @@
 //! What lies between motor and hub, each kind a section of its own; none of them: the motor sits on the hub's axis.
 
-use counterpoise_models::{Axis, Gearbox, Parameters, Ripple, Transmission};
+use counterpoise_models::{AxisKind, Gearbox, Parameters, Ripple, Transmission};
 use std::f64::consts::TAU;
 
 use super::friction::ripple;
@@ -93,7 +93,7 @@ fn begin(gearbox: &mut Gearbox, kind: Transmission) {
 fn keys(v: &mut dyn Visit, plant: &mut Parameters) {
     if let Transmission::BallScrew { mut lead_m } = plant.gearbox.kind {
         v.number(&Field::new("lead", "travel a turn").unit("m/rev").limit(ABOVE_0), &mut lead_m);
-        if plant.axis == Axis::Rotary {
+        if plant.axis == AxisKind::Rotary {
             v.complain("lead", "must be that of a linear axis: write axis = \"linear\" in [plant]", None);
         }
         plant.gearbox.kind = Transmission::BallScrew { lead_m };

@@ -2,8 +2,8 @@
 
 use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::{
-    Answer, Basis, DiagnosisVerdict, Finding, FitTable, FittedParameter, Hypothesis, Name, NextExperiment,
-    NotExcited, SearchWarning,
+    Answer, DiagnosisVerdict, Finding, FindingBasis, FitTable, FittedParameter, Hypothesis, Name,
+    NextExperiment, NotExcited, SearchWarning,
 };
 use counterpoise_diagnose::findings::localisation_chart::LocalisationChart;
 use counterpoise_diagnose::library::{Component, EffectName};
@@ -191,10 +191,10 @@ pub fn component_list(components: &[Component]) -> String {
 /// Describes one finding.
 pub fn describe_finding(finding: &Finding) -> FindingText {
     let (when, explanation) = match &finding.basis {
-        Basis::FittedEffect { worst_before, worst_after } => {
+        FindingBasis::FittedEffect { worst_before, worst_after } => {
             describe_fitted_effect(finding, *worst_before, *worst_after)
         }
-        Basis::NoKnownEffect { pattern, nearest } => {
+        FindingBasis::NoKnownEffect { pattern, nearest } => {
             let nearest = nearest.map_or_else(String::new, |nearest| {
                 format!(
                     " The nearest, {} {}, explains {:.0} % of it.",
@@ -206,7 +206,7 @@ pub fn describe_finding(finding: &Finding) -> FindingText {
             let explanation = format!("No effect of the library explains the residual.{nearest}");
             (describe_pattern(pattern.as_ref()), explanation)
         }
-        Basis::InstrumentFault(fault) => {
+        FindingBasis::InstrumentFault(fault) => {
             let when = if fault.everywhere {
                 "in every recording".to_owned()
             } else {

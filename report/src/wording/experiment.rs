@@ -1,6 +1,6 @@
 //! The plan of an experiment in words and as plain data.
 
-use counterpoise_diagnose::experiment::{Plan, PlannedExperiment, Shape};
+use counterpoise_diagnose::experiment::{DemandShape, ExperimentPlan, PlannedExperiment};
 use counterpoise_plot::number::short_number;
 use serde::Serialize;
 
@@ -49,7 +49,7 @@ pub struct OtherExperiment {
 const OTHERS: usize = 3;
 
 /// Describes a plan.
-pub fn describe_plan(plan: &Plan) -> ExperimentPlanText {
+pub fn describe_plan(plan: &ExperimentPlan) -> ExperimentPlanText {
     let best = plan.experiments.first();
     let separations = best.iter().flat_map(|e| &e.separations).map(|s| SeparationText {
         first: s.first,
@@ -76,11 +76,11 @@ pub fn describe_plan(plan: &Plan) -> ExperimentPlanText {
 /// Describes the demand of an experiment.
 fn describe_demand(experiment: &PlannedExperiment) -> String {
     let shape = match experiment.shape {
-        Shape::Triangle { periods } => format!("triangle waves of the rate, {periods} periods"),
-        Shape::Staircase => "a ladder of constant rates in both directions".to_owned(),
-        Shape::GrowingSine => "a slow sine that grows from nothing".to_owned(),
-        Shape::Multisine => "sines at many frequencies".to_owned(),
-        Shape::Steps => "steps of the rate with rests".to_owned(),
+        DemandShape::Triangle { periods } => format!("triangle waves of the rate, {periods} periods"),
+        DemandShape::Staircase => "a ladder of constant rates in both directions".to_owned(),
+        DemandShape::GrowingSine => "a slow sine that grows from nothing".to_owned(),
+        DemandShape::Multisine => "sines at many frequencies".to_owned(),
+        DemandShape::Steps => "steps of the rate with rests".to_owned(),
     };
     format!("{shape}, with a rate of up to {} rad/s", short_number(experiment.reached.rate_rad_s))
 }

@@ -33,13 +33,9 @@ pub struct HeldOutChannel {
     pub before: f64,
     /// RMS of the residual of the improved model.
     pub after: f64,
-}
-
-impl HeldOutChannel {
-    /// Returns the RMS of the residual of the improved model over the noise floor.
-    pub fn residual_over_floor(&self) -> f64 {
-        self.after / self.floor
-    }
+    /// The same over the noise floor; not part of the JSON, whose reader divides.
+    #[serde(skip)]
+    pub after_over_floor: f64,
 }
 
 /// Describes held-out recordings.
@@ -49,7 +45,8 @@ pub fn describe_held_out(recordings: &[HeldOutRecording]) -> Vec<HeldOutText> {
 
 fn describe(recording: &HeldOutRecording) -> HeldOutText {
     let channel = |(name, fit): (&'static str, HeldOutFit)| {
-        (name, HeldOutChannel { floor: fit.floor, before: fit.before, after: fit.after })
+        let [_, after_over_floor] = fit.residuals_over_floor();
+        (name, HeldOutChannel { floor: fit.floor, before: fit.before, after: fit.after, after_over_floor })
     };
     let comparison = recording.comparison();
     let remarks = recording.remarks.iter().map(describe_column_remark);

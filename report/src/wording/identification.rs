@@ -1,7 +1,8 @@
 //! What was identified, with its notes in sentences.
 
 use counterpoise_diagnose::identification::{
-    Amplifier, Balance, Estimate, GainPoint, Identified, Lobes, Loop, Note, SensorErrors, Unidentifiable,
+    Balance, Estimate, FrictionPicture, GainPoint, Identification, IdentifiedAmplifier, Lobes, Note,
+    SensorErrors, Unidentifiable,
 };
 use counterpoise_pipeline::recordings::identify::IdentifiedRecordings;
 use serde::Serialize;
@@ -24,7 +25,7 @@ pub struct IdentificationText {
     /// The lobes in volts.
     pub lobes: Lobes,
     /// Control against rate, recording by recording.
-    pub loops: Vec<Loop>,
+    pub loops: Vec<FrictionPicture>,
     /// RMS torque that the balance leaves, N m.
     pub residual_nm: f64,
     /// Largest share of a regressor's power that is sensor noise; it was taken off.
@@ -95,7 +96,7 @@ pub fn describe_identified_recordings(found: &IdentifiedRecordings) -> Identific
 }
 
 /// Describes what was identified.
-pub fn describe_identification(found: &Identified) -> IdentificationText {
+pub fn describe_identification(found: &Identification) -> IdentificationText {
     IdentificationText {
         balances: found.balances.clone(),
         coulomb_nm: found.coulomb_nm,
@@ -112,11 +113,11 @@ pub fn describe_identification(found: &Identified) -> IdentificationText {
     }
 }
 
-fn describe_amplifier(amplifier: &Amplifier) -> AmplifierText {
+fn describe_amplifier(amplifier: &IdentifiedAmplifier) -> AmplifierText {
     match amplifier {
-        Amplifier::Curve { points } => AmplifierText::Curve { points: points.clone() },
-        Amplifier::AsInProject { points } => AmplifierText::AsInProject { points: points.clone() },
-        Amplifier::NotIdentifiable { reason } => {
+        IdentifiedAmplifier::Curve { points } => AmplifierText::Curve { points: points.clone() },
+        IdentifiedAmplifier::AsInProject { points } => AmplifierText::AsInProject { points: points.clone() },
+        IdentifiedAmplifier::NotIdentifiable { reason } => {
             let why = match reason {
                 Unidentifiable::ControlStaysLarge => {
                     "the control stays where the amplifier is taken as linear; recordings near balance take it through small values"

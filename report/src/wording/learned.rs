@@ -1,7 +1,7 @@
 //! A model without a name in sentences: what a free function acts on, over which range, and what its curve says.
 
 use counterpoise_diagnose::findings::channel_fits::Channels;
-use counterpoise_diagnose::learning::reading::{Form, ReadElement, Reading};
+use counterpoise_diagnose::learning::reading::{CurveReading, Form, ReadElement};
 use counterpoise_diagnose::learning::visited_ranges::RangeExceedance;
 use counterpoise_diagnose::learning::{LearnedModel, LearnedPart};
 use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
@@ -44,23 +44,15 @@ pub struct LearnedFunctionText {
     pub values: Vec<f64>,
     /// Half width of its 95 % band.
     pub half_width: Vec<f64>,
+    /// Ends of that band at each point; not part of the JSON.
+    #[serde(skip)]
+    pub band: Vec<[f64; 2]>,
     /// Share of the recorded samples nearest to each point.
     pub coverage: Vec<f64>,
     /// What the curve says.
     pub reading: String,
     /// Over which range it is known.
     pub range: String,
-}
-
-impl LearnedFunctionText {
-    /// Returns the ends of the 95 % band at each point; the value itself if the band is not known.
-    pub fn band(&self) -> Vec<[f64; 2]> {
-        let ends = |(k, value): (usize, &f64)| {
-            let half = self.half_width.get(k).copied().unwrap_or(0.0);
-            [value - half, value + half]
-        };
-        self.values.iter().enumerate().map(ends).collect()
-    }
 }
 
 /// Describes a model without a name.
@@ -88,7 +80,7 @@ fn describe_function(part: &LearnedPart) -> LearnedFunctionText {
     describe_element(&part.element, part.reading.as_ref())
 }
 
-fn describe_element(element: &LearnedElement, reading: Option<&Reading>) -> LearnedFunctionText {
+fn describe_element(element: &LearnedElement, reading: Option<&CurveReading>) -> LearnedFunctionText {
     LearnedFunctionText {
         place: place(element.place),
         quantity: quantity(element.quantity),
@@ -98,6 +90,7 @@ fn describe_element(element: &LearnedElement, reading: Option<&Reading>) -> Lear
         points: element.points.clone(),
         values: element.values.clone(),
         half_width: element.half_width.clone(),
+        band: element.band(),
         coverage: element.coverage.clone(),
         reading: describe_reading(element, reading),
         range: range(element),
@@ -199,7 +192,7 @@ fn change(element: &LearnedElement, value: f64, half: f64) -> String {
 }
 
 /// Describes what a curve says, with its numbers and intervals.
-pub fn describe_reading(element: &LearnedElement, reading: Option<&Reading>) -> String {
+pub fn describe_reading(element: &LearnedElement, reading: Option<&CurveReading>) -> String {
     let subject = subject(element);
     let Some(reading) = reading else { return without_form(element, &subject) };
     let sized = |name: &str| (reading.value(name), reading.half_width(name));
@@ -231,8 +224,7 @@ pub fn describe_reading(element: &LearnedElement, reading: Option<&Reading>) -> 
 
 /// Describes a curve that no simple form explains.
 fn without_form(element: &LearnedElement, subject: &str) -> String {
-    let fold = |start: f64, pick: fn(f64, f64) -> f64| element.values.iter().copied().fold(start, pick);
-    let (low, high) = (fold(f64::INFINITY, f64::min), fold(f64::NEG_INFINITY, f64::max));
+    let [low, high] = element.value_range();
     let unit = if element.quantity.is_factor() { " times its value" } else { " N m" };
     let over = variable(element.variable);
     format!(
@@ -243,7 +235,7 @@ fn without_form(element: &LearnedElement, subject: &str) -> String {
 }
 
 /// Describes a curve that goes from one level to another, or to another and back.
-fn step(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+fn step(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
     let of = |name: &str| change(element, reading.value(name).abs(), reading.half_width(name));
     let rises = |name: &str| if reading.value(name) > 0.0 { "rises" } else { "falls" };
     let at = |name: &str| along(element.variable, reading.value(name));
@@ -280,7 +272,7 @@ fn step(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
 }
 
 /// Describes a factor that changes in proportion to its variable.
-fn evenly(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+fn evenly(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
     let [size, half_width] = reading.change_over(element);
     let rises = if reading.value("slope") > 0.0 { "rises" } else { "falls" };
     let by = change(element, size, half_width);
@@ -296,7 +288,7 @@ fn spot(element: &LearnedElement, height: f64) -> &'static str {
     }
 }
 
-fn line(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+fn line(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
     let (slope, half_width) = (reading.value("slope"), reading.half_width("slope"));
     let size = format!(
         "{} N m per {} ({} to {})",
@@ -315,7 +307,7 @@ fn line(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
     }
 }
 
-fn stops(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+fn stops(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
     let (slope, over) = (reading.value("slope"), variable(element.variable));
     let hard = slope < 0.0 && element.variable == RegimeVariable::Angle && !element.quantity.is_factor();
     format!(
@@ -328,7 +320,7 @@ fn stops(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
     )
 }
 
-fn cubic(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+fn cubic(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
     let (slope, cube) = (reading.value("slope"), reading.value("cubic"));
     let what = match (element.quantity, element.variable, cube < 0.0) {
         (LearnedQuantity::Torque, RegimeVariable::Angle, true) => ": a spring that hardens",
@@ -347,7 +339,7 @@ fn cubic(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
     )
 }
 
-fn sine(element: &LearnedElement, subject: &str, reading: &Reading) -> String {
+fn sine(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
     let amplitude = change(element, reading.value("amplitude"), reading.half_width("amplitude"));
     let (order, half) = (reading.value("order"), reading.half_width("order"));
     match element.variable {

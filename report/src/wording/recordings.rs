@@ -107,7 +107,7 @@ pub fn describe_replay_mode(result: &RecordingResult) -> String {
     let Some(divergence) = &result.parting else { return by };
     let of_machine = result.free.iter().filter(|(name, _)| !name.starts_with("platform"));
     let left: Vec<String> =
-        of_machine.map(|(name, c)| format!("{name} {:.2}", c.error_over_floor())).collect();
+        of_machine.map(|(name, c)| format!("{name} {:.2}", c.residual_over_floor)).collect();
     format!(
         "{by}: the machine hunts, and two runs of the model itself diverge by {:.1} noise floors in {}; from start to end the residual over the noise floor is {}",
         divergence.floors,

@@ -37,7 +37,7 @@ const GAP_RAD: f64 = 5e-4;
 ///
 /// # Errors
 /// A machine that a law does not fit.
-pub fn cases(plant: &Plant) -> Result<Vec<Case>, Error> {
+pub fn convergence_cases(plant: &Plant) -> Result<Vec<Case>, Error> {
     let own = plant.parameters();
     let weight = plant.body().out_of_balance_kg_m.abs() * own.gravity_m_s2.abs();
     let level = [own.pivot_friction.coulomb_nm(), LEVEL_SHARE * weight, 1.0];

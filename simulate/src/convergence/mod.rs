@@ -1,15 +1,15 @@
 //! How the integrator's error falls with its step, against a second method.
 //!
-//! [`study`] moves a plant under a constant control on a platform that pitches steadily and heaves, with steps of one
+//! [`study_convergence`] moves a plant under a constant control on a platform that pitches steadily and heaves, with steps of one
 //! length only, and compares the hub rate at the end of every longest step with the classical Runge-Kutta method by far shorter
 //! steps: another method, on another form of the equations, that finds the instants at which something switches by halving its own
 //! steps. Where friction reverses or teeth meet inside a step, no method keeps its order; the integrator finds those instants,
-//! which [`Convergence::finding_events`] tells. [`cases()`] has every law of friction, and contact.
+//! which [`Convergence::finding_events`] tells. [`convergence_cases`] has every law of friction, and contact.
 
 mod cases;
 mod second;
 
-pub use cases::{Case, cases};
+pub use cases::{Case, convergence_cases};
 
 use crate::run::Simulator;
 use crate::tolerance::{ANY_DEFECT, CLEAR, EVENT_ROUNDING, TOLERANCE};
@@ -66,7 +66,7 @@ impl Convergence {
 ///
 /// # Errors
 /// A mechanism that cannot be simulated.
-pub fn study(plant: &Plant, control_v: f64, lengths: usize) -> Result<Convergence, Error> {
+pub fn study_convergence(plant: &Plant, control_v: f64, lengths: usize) -> Result<Convergence, Error> {
     let longest_s = LONGEST_PERIODS * plant.parameters().interface.sample_period_s;
     let second = |steps: usize| -> Result<Vec<f64>, Error> {
         let (plant, control) = ready(plant, control_v, longest_s)?;

@@ -7,7 +7,7 @@ use crate::firing::Firing;
 use crate::tolerance::{NEAR_ANGLE_RAD, SMALL_ACCELERATION, SMALL_FLOW};
 use counterpoise_models::friction::{Bristle, FrictionConditions, FrictionModel, Law, Stick};
 use counterpoise_models::plant::{CylinderPoint, Hose, JointMotion, LearnedFunctions, LearnedRegime, SinCos};
-use counterpoise_models::{Axis, FeedbackSignal, LearnedPlace, LoadPoint, Loads, Parameters, Plant};
+use counterpoise_models::{AxisKind, FeedbackSignal, LearnedPlace, LoadPoint, Loads, Parameters, Plant};
 
 /// Which output is which (see [`OUTPUTS`]).
 const MOTOR: usize = 0;
@@ -238,7 +238,7 @@ pub(crate) struct Ports {
     gear_hysteresis: Option<Hose>,
     /// Whether the transmission has a kinematic error.
     wavy: bool,
-    axis: Axis,
+    axis: AxisKind,
     measured: FeedbackSignal,
     lossy: bool,
     needs_mesh_torque: bool,
@@ -257,7 +257,7 @@ pub(crate) struct Ports {
 pub(crate) struct CommonParts {
     pub has_motor_extras: bool,
     pub has_hub_extras: bool,
-    pub axis: Axis,
+    pub axis: AxisKind,
     pub measured: FeedbackSignal,
 }
 
@@ -479,8 +479,8 @@ impl Ports {
     #[inline]
     pub fn tilt(&self, about: &AngleNearby, hub_angle: f64) -> SinCos {
         match self.axis {
-            Axis::Rotary => about.sin_cos(hub_angle),
-            Axis::Linear => SinCos { sin: 0.0, cos: 1.0 },
+            AxisKind::Rotary => about.sin_cos(hub_angle),
+            AxisKind::Linear => SinCos { sin: 0.0, cos: 1.0 },
         }
     }
 

@@ -10,7 +10,7 @@ pub const HARMONICS: usize = 5;
 
 /// A periodic signal: mean + sum over k of Re(c_k exp(i k w t)) with t from the start of the window's first sample.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Spectrum {
+pub struct HarmonicSpectrum {
     /// Mean, the "DC" of an analyser.
     pub mean: f64,
     /// Complex amplitudes of the fundamental and its harmonics: c_1, c_2, ...
@@ -21,20 +21,20 @@ pub struct Spectrum {
 
 /// A response at one frequency.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Response {
+pub struct MeasuredResponse {
     /// Frequency, rad/s.
     pub frequency_rad_s: f64,
     /// Output over input at the fundamental.
     pub value: C64,
     /// The input.
-    pub input: Spectrum,
+    pub input: HarmonicSpectrum,
     /// The output.
-    pub output: Spectrum,
+    pub output: HarmonicSpectrum,
     /// Whole cycles in the window.
     pub cycles: usize,
 }
 
-impl Response {
+impl MeasuredResponse {
     /// Returns the gain, dB.
     pub fn gain_db(&self) -> f64 {
         20.0 * self.value.norm().log10()
@@ -59,7 +59,7 @@ impl Response {
 ///
 /// # Errors
 /// A frequency that is not between 0 and the Nyquist frequency, fewer samples than unknowns.
-pub fn spectrum(samples: &[f64], period_s: f64, frequency_rad_s: f64) -> Result<Spectrum, Error> {
+pub fn spectrum(samples: &[f64], period_s: f64, frequency_rad_s: f64) -> Result<HarmonicSpectrum, Error> {
     Harmonics::new(samples.len(), period_s, frequency_rad_s)?.spectrum(samples)
 }
 
@@ -104,7 +104,7 @@ impl Harmonics {
     ///
     /// # Errors
     /// Fewer samples than unknowns, and a window in which they cannot be told apart.
-    pub fn spectrum(&self, samples: &[f64]) -> Result<Spectrum, Error> {
+    pub fn spectrum(&self, samples: &[f64]) -> Result<HarmonicSpectrum, Error> {
         let usable = samples.iter().filter(|y| y.is_finite()).count();
         if usable < self.unknowns() {
             let expected = self.unknowns();
@@ -114,7 +114,7 @@ impl Harmonics {
         let harmonics =
             (0..self.count).map(|k| C64::new(solution[1 + 2 * k], -solution[2 + 2 * k])).collect();
         let left: f64 = self.usable(samples).map(|(row, y)| (y - dot(row, &solution)).powi(2)).sum();
-        Ok(Spectrum { mean: solution[0], harmonics, residual_rms: (left / usable as f64).sqrt() })
+        Ok(HarmonicSpectrum { mean: solution[0], harmonics, residual_rms: (left / usable as f64).sqrt() })
     }
 
     fn unknowns(&self) -> usize {
@@ -154,7 +154,7 @@ pub fn response(
     period_s: f64,
     frequency_rad_s: f64,
     most_cycles: usize,
-) -> Result<Response, Error> {
+) -> Result<MeasuredResponse, Error> {
     let length = input.len().min(output.len());
     let analyser = Analyser::new(length, period_s, frequency_rad_s, most_cycles)?;
     analyser.response(&input[..length], &output[..length])
@@ -194,7 +194,7 @@ impl Analyser {
     ///
     /// # Errors
     /// An input without a fundamental, fewer samples than unknowns.
-    pub fn response(&self, input: &[f64], output: &[f64]) -> Result<Response, Error> {
+    pub fn response(&self, input: &[f64], output: &[f64]) -> Result<MeasuredResponse, Error> {
         let last = |signal: &[f64]| {
             let from = signal.len().saturating_sub(self.harmonics.samples());
             self.harmonics.spectrum(&signal[from..])
@@ -204,7 +204,7 @@ impl Analyser {
         if u.norm() == 0.0 {
             return Err(Error::Range { what: "amplitude of the input", value: 0.0, allowed: "above 0" });
         }
-        Ok(Response {
+        Ok(MeasuredResponse {
             frequency_rad_s: self.frequency_rad_s,
             value: y / u,
             input,

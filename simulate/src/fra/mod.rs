@@ -10,9 +10,9 @@
 
 pub mod analyser;
 
-pub use analyser::{Response, Spectrum, response, spectrum};
+pub use analyser::{HarmonicSpectrum, MeasuredResponse, response, spectrum};
 
-use crate::ensemble::{RunObserver, Variant, run_ensemble};
+use crate::ensemble::{EnsembleRun, RunObserver, run_ensemble};
 use crate::fra::analyser::Analyser;
 use crate::history::{ReadingColumns, TimeHistory};
 use crate::run::Simulator;
@@ -82,7 +82,7 @@ pub struct Measurement {
     /// Amplitude of the excitation: V for the plant, rad/s otherwise.
     pub amplitude: f64,
     /// The response over the last window.
-    pub response: Response,
+    pub response: MeasuredResponse,
     /// Relative change of the response from the window before.
     pub last_change: f64,
     /// Whether that is below what the settings ask for; if not, the motion had not settled when the windows ran out.
@@ -179,7 +179,7 @@ impl TestRun {
     }
 
     /// Returns the run for an ensemble.
-    fn variant<'a>(&'a mut self, controller: &'a mut dyn SampledController) -> Variant<'a> {
+    fn variant<'a>(&'a mut self, controller: &'a mut dyn SampledController) -> EnsembleRun<'a> {
         let Self { test, window, scenario, simulator, settled_below, holding, .. } = self;
         let every = window.samples;
         let mut settling = Settling { test: *test, window, allowed: *settled_below, last: None };
@@ -188,7 +188,7 @@ impl TestRun {
             Some(holding) => holding as &mut dyn SampledController,
             None => controller,
         };
-        Variant { simulator, controller, scenario, watch: Some(RunObserver { every, goes_on }) }
+        EnsembleRun { simulator, controller, scenario, watch: Some(RunObserver { every, goes_on }) }
     }
 
     fn measurement(self, history: &TimeHistory) -> Result<Measurement, Error> {
@@ -212,7 +212,7 @@ struct Settling<'a> {
     test: Test,
     window: &'a Window,
     allowed: f64,
-    last: Option<Response>,
+    last: Option<MeasuredResponse>,
 }
 
 impl Settling<'_> {
@@ -273,7 +273,12 @@ impl Window {
         Ok(Self { samples, frequency_rad_s, analyser })
     }
 
-    fn response(&self, test: Test, columns: &ReadingColumns, index: usize) -> Result<Response, Error> {
+    fn response(
+        &self,
+        test: Test,
+        columns: &ReadingColumns,
+        index: usize,
+    ) -> Result<MeasuredResponse, Error> {
         let input = match test {
             Test::Plant => &columns.control_v,
             Test::ClosedLoop => &columns.demand_rad_s,

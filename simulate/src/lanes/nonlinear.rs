@@ -5,7 +5,7 @@ use crate::engine::moments::NODES;
 use crate::engine::ports::Ports;
 use crate::engine::tables::{OUTPUTS, PORTS, STAGES};
 use counterpoise_models::friction::{DryFriction, Real};
-use counterpoise_models::{Axis, FeedbackSignal, Plant};
+use counterpoise_models::{AxisKind, FeedbackSignal, Plant};
 use pulp::Simd;
 
 const MOTOR: usize = 0;
@@ -25,7 +25,7 @@ pub(crate) struct LanePorts<R = Lanes> {
     vertical_offset: R,
     has_motor_extras: bool,
     has_hub_extras: bool,
-    axis: Axis,
+    axis: AxisKind,
     measured: FeedbackSignal,
     /// Torques and loads against which an error at a port is small.
     pub scales: [R; PORTS],
@@ -217,8 +217,8 @@ impl<S: Simd> LanePorts<Lane<S>> {
     #[inline(always)]
     pub fn tilt(&self, about: &LaneAngle<Lane<S>>, hub_angle: Lane<S>) -> [Lane<S>; 2] {
         match self.axis {
-            Axis::Rotary => about.sin_cos(hub_angle),
-            Axis::Linear => [hub_angle.constant(0.0), hub_angle.constant(1.0)],
+            AxisKind::Rotary => about.sin_cos(hub_angle),
+            AxisKind::Linear => [hub_angle.constant(0.0), hub_angle.constant(1.0)],
         }
     }
 
@@ -226,8 +226,8 @@ impl<S: Simd> LanePorts<Lane<S>> {
     #[inline(always)]
     pub fn reach(&self, about: &LaneAngle<Lane<S>>, hub_angle: Lane<S>) -> Lane<S> {
         match self.axis {
-            Axis::Rotary => (hub_angle - about.angle).abs(),
-            Axis::Linear => hub_angle.constant(0.0),
+            AxisKind::Rotary => (hub_angle - about.angle).abs(),
+            AxisKind::Linear => hub_angle.constant(0.0),
         }
     }
 

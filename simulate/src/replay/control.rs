@@ -82,7 +82,7 @@ mod tests {
         let ratio = |kp: f64| {
             let (fit, made) = control_fit(&rig, &recording(), &controller(kp).into()).unwrap();
             assert!(made[1200].is_nan() && made[1201].is_finite());
-            fit.rms_error / fit.floor
+            fit.residual_over_floor()
         };
         assert!(ratio(18.0) < 1.05, "{}", ratio(18.0));
         assert!(ratio(17.0) > 5.0, "{}", ratio(17.0));

@@ -26,7 +26,7 @@ pub use windowed_replay::{Divergence, ReplayMode, SelectedReplay, WINDOW_S};
 
 use self::exported_controller::FittedStart;
 use crate::Error;
-use crate::ensemble::{Variant, run_ensemble};
+use crate::ensemble::{EnsembleRun, run_ensemble};
 use crate::firing::Firing;
 use crate::history::{ReadingColumns, TimeHistory};
 use crate::run::Simulator;
@@ -53,14 +53,14 @@ pub const COMPARED: [Channel; 6] = [
 
 /// How the control of a replay comes about.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Loop {
+pub enum ReplayLoop {
     /// The recorded controller acts on the simulated readings; its state at the start is found from the recording.
     Closed(RecordedController),
     /// The recorded control is played back.
     Open,
 }
 
-impl Loop {
+impl ReplayLoop {
     /// Returns how a recording of a mechanism under a controller is replayed: in closed loop, or with the recorded control if the loop controls
     /// a torque or a current.
     ///
@@ -72,13 +72,13 @@ impl Loop {
     }
 }
 
-impl From<&ProportionalIntegral> for Loop {
+impl From<&ProportionalIntegral> for ReplayLoop {
     fn from(controller: &ProportionalIntegral) -> Self {
         Self::Closed(controller.clone().into())
     }
 }
 
-impl From<RecordedController> for Loop {
+impl From<RecordedController> for ReplayLoop {
     fn from(controller: RecordedController) -> Self {
         Self::Closed(controller)
     }
@@ -131,12 +131,19 @@ pub struct ChannelFit {
     pub vaf: f64,
 }
 
+impl ChannelFit {
+    /// Returns the RMS of the residual over the noise floor.
+    pub fn residual_over_floor(&self) -> f64 {
+        self.rms_error / self.floor
+    }
+}
+
 /// Replays a recording.
 ///
 /// # Errors
 /// A mechanism that cannot be simulated, a recording without samples, without the demand (closed loop) or the
 /// control (open loop), a sample period that is not the interface's, columns of different lengths.
-pub fn replay(parameters: &Parameters, recording: &Recording, control: &Loop) -> Result<Replay, Error> {
+pub fn replay(parameters: &Parameters, recording: &Recording, control: &ReplayLoop) -> Result<Replay, Error> {
     Replayer::new(parameters, recording)?.replay(parameters, control)
 }
 
@@ -244,7 +251,7 @@ impl<'a> Replayer<'a> {
     ///
     /// # Errors
     /// As [`replay`].
-    pub fn replay(&self, parameters: &Parameters, control: &Loop) -> Result<Replay, Error> {
+    pub fn replay(&self, parameters: &Parameters, control: &ReplayLoop) -> Result<Replay, Error> {
         let plant = self.plant(parameters)?;
         self.replay_plant(&plant, control)
     }
@@ -257,7 +264,7 @@ impl<'a> Replayer<'a> {
     pub fn replay_near(
         &self,
         parameters: &Parameters,
-        control: &Loop,
+        control: &ReplayLoop,
         near: &PlantState,
     ) -> Result<Replay, Error> {
         let plant = self.plant(parameters)?;
@@ -270,7 +277,7 @@ impl<'a> Replayer<'a> {
     ///
     /// # Errors
     /// As [`replay`].
-    pub fn replay_plant(&self, plant: &Plant, control: &Loop) -> Result<Replay, Error> {
+    pub fn replay_plant(&self, plant: &Plant, control: &ReplayLoop) -> Result<Replay, Error> {
         let mut simulator = self.simulator(plant)?;
         let start = start::estimate(&mut simulator, self)?;
         self.settled(plant, simulator, control, start)
@@ -281,13 +288,13 @@ impl<'a> Replayer<'a> {
         &self,
         plant: &Plant,
         mut simulator: Simulator,
-        control: &Loop,
+        control: &ReplayLoop,
         mut start: PlantState,
     ) -> Result<Replay, Error> {
         let mut history = self.run(&mut simulator, control, &start)?;
-        let knows_position = matches!(control, Loop::Closed(controller) if controller.knows_position());
+        let knows_position = matches!(control, ReplayLoop::Closed(controller) if controller.knows_position());
         let offset = self.position_offset(&history).filter(|_| !knows_position);
-        if let (Loop::Closed(_), Some(offset)) = (control, offset) {
+        if let (ReplayLoop::Closed(_), Some(offset)) = (control, offset) {
             start.core[state::ANGLE] -= offset;
             history = self.run(&mut simulator, control, &start)?;
         }
@@ -301,7 +308,7 @@ impl<'a> Replayer<'a> {
     pub fn replay_from(
         &self,
         parameters: &Parameters,
-        control: &Loop,
+        control: &ReplayLoop,
         start: &PlantState,
     ) -> Result<Replay, Error> {
         let plant = self.plant(parameters)?;
@@ -317,7 +324,7 @@ impl<'a> Replayer<'a> {
     pub fn replay_nudged(
         &self,
         parameters: &Parameters,
-        control: &Loop,
+        control: &ReplayLoop,
         near: &PlantState,
         steps: &[f64; START_FREEDOMS],
     ) -> Result<Replay, Error> {
@@ -333,12 +340,16 @@ impl<'a> Replayer<'a> {
     ///
     /// # Errors
     /// Mechanism by mechanism, as [`replay`].
-    pub fn replay_variants(&self, control: &Loop, variants: &[ReplayVariant]) -> Vec<Result<Replay, Error>> {
+    pub fn replay_variants(
+        &self,
+        control: &ReplayLoop,
+        variants: &[ReplayVariant],
+    ) -> Vec<Result<Replay, Error>> {
         let mut ready: Vec<Result<ReadyVariant, Error>> =
             variants.iter().map(|variant| self.ready(control, variant)).collect();
         let possible = ready.iter_mut().filter_map(|one| one.as_mut().ok());
-        let mut runs: Vec<Variant> = possible
-            .map(|one| Variant {
+        let mut runs: Vec<EnsembleRun> = possible
+            .map(|one| EnsembleRun {
                 simulator: &mut one.simulator,
                 controller: one.controller.as_mut(),
                 scenario: &one.scenario,
@@ -356,27 +367,38 @@ impl<'a> Replayer<'a> {
     }
 
     /// Makes a mechanism ready to be replayed.
-    fn ready(&self, control: &Loop, variant: &ReplayVariant) -> Result<ReadyVariant<'a>, Error> {
+    fn ready(&self, control: &ReplayLoop, variant: &ReplayVariant) -> Result<ReadyVariant<'a>, Error> {
         let mut simulator = self.simulator(&self.plant(variant.parameters)?)?;
         let start = match &variant.steps {
             Some(steps) => start::nudge_start(&mut simulator, self, variant.start, steps),
             None => variant.start.clone(),
         };
         let controller: Box<dyn SampledController + 'a> = match control {
-            Loop::Open => Box::new(self.playback()?),
-            Loop::Closed(controller) => controller.at_start_of(self.recording, &self.fitted)?,
+            ReplayLoop::Open => Box::new(self.playback()?),
+            ReplayLoop::Closed(controller) => controller.at_start_of(self.recording, &self.fitted)?,
         };
         Ok(ReadyVariant { scenario: self.scenario(self.samples, &start), simulator, start, controller })
     }
 
     /// Returns the fits of a run.
-    fn compared(&self, plant: &Plant, control: &Loop, history: TimeHistory, start: PlantState) -> Replay {
+    fn compared(
+        &self,
+        plant: &Plant,
+        control: &ReplayLoop,
+        history: TimeHistory,
+        start: PlantState,
+    ) -> Replay {
         let channels = self.fits(plant.parameters(), control, &history.readings);
         Replay { channels, simulated: history.readings, start }
     }
 
     /// Returns how well simulated readings fit the recording, channel by channel.
-    fn fits(&self, parameters: &Parameters, control: &Loop, simulated: &ReadingColumns) -> Vec<ChannelFit> {
+    fn fits(
+        &self,
+        parameters: &Parameters,
+        control: &ReplayLoop,
+        simulated: &ReadingColumns,
+    ) -> Vec<ChannelFit> {
         let floors = Floors { parameters, control };
         let one = |channel: Channel| {
             let floor = floors.of(channel)?;
@@ -388,13 +410,13 @@ impl<'a> Replayer<'a> {
     fn run(
         &self,
         simulator: &mut Simulator,
-        control: &Loop,
+        control: &ReplayLoop,
         start: &PlantState,
     ) -> Result<TimeHistory, Error> {
         let scenario = self.scenario(self.samples, start);
         match control {
-            Loop::Open => simulator.run(&mut self.playback()?, &scenario),
-            Loop::Closed(controller) => {
+            ReplayLoop::Open => simulator.run(&mut self.playback()?, &scenario),
+            ReplayLoop::Closed(controller) => {
                 let mut ready = controller.at_start_of(self.recording, &self.fitted)?;
                 simulator.run(ready.as_mut(), &scenario)
             }
@@ -485,7 +507,7 @@ impl SampledController for Playback<'_> {
 /// The floors of the channels.
 struct Floors<'a> {
     parameters: &'a Parameters,
-    control: &'a Loop,
+    control: &'a ReplayLoop,
 }
 
 impl Floors<'_> {
@@ -494,7 +516,7 @@ impl Floors<'_> {
     fn of(&self, channel: Channel) -> Option<f64> {
         match channel {
             Channel::Control => {
-                let Loop::Closed(controller) = self.control else { return None };
+                let ReplayLoop::Closed(controller) = self.control else { return None };
                 Some(controller.control_floor(self.parameters))
             }
             read => Some(reading_floor(sensor_of(self.parameters, read)?, &self.parameters.interface)),

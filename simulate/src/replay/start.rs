@@ -11,7 +11,7 @@
 
 use super::normal::{Normal, squares};
 use super::{Playback, Replayer, reading_floor};
-use crate::ensemble::{SIDE_BY_SIDE, Variant, run_ensemble};
+use crate::ensemble::{EnsembleRun, SIDE_BY_SIDE, run_ensemble};
 use crate::history::TimeHistory;
 use crate::run::Simulator;
 use crate::scenario::Scenario;
@@ -341,8 +341,8 @@ impl<'a, 'b> Fit<'a, 'b> {
             let mut controls: Vec<Playback> = controls.collect::<Result<_, _>>()?;
             let simulators = std::iter::once(&mut *self.simulator).chain(&mut self.beside);
             let runs = simulators.zip(&mut controls).zip(&scenarios);
-            let mut variants: Vec<Variant> = runs
-                .map(|((simulator, controller), scenario)| Variant {
+            let mut variants: Vec<EnsembleRun> = runs
+                .map(|((simulator, controller), scenario)| EnsembleRun {
                     simulator,
                     controller,
                     scenario,

@@ -8,7 +8,7 @@ use super::control::control_fit;
 use super::exported_controller::FittedStart;
 use super::start::redrawn;
 use super::windows::is_explained;
-use super::{ChannelFit, Loop, RecordedController, Replay, Replayer};
+use super::{ChannelFit, RecordedController, Replay, ReplayLoop, Replayer};
 use crate::Error;
 use crate::history::ReadingColumns;
 use crate::noise::Noise;
@@ -66,10 +66,10 @@ impl Replayer<'_> {
     pub fn replay_free_or_windowed(
         &self,
         parameters: &Parameters,
-        control: &Loop,
+        control: &ReplayLoop,
     ) -> Result<SelectedReplay, Error> {
         let mode = ReplayMode::Free;
-        let Loop::Closed(controller) = control else {
+        let ReplayLoop::Closed(controller) = control else {
             return Ok(SelectedReplay { replay: self.replay_open(parameters)?, mode, divergence: None });
         };
         let free = self.replay(parameters, control)?;
@@ -94,7 +94,12 @@ impl Replayer<'_> {
 
     /// Returns the longest window, of [`WINDOW_S`] and its halves, over which a replay explains what the model itself would have recorded: a
     /// machine that floats in its gap forgets faster than one that hunts, and what it forgets says nothing against the model.
-    fn own_window_s(&self, parameters: &Parameters, control: &Loop, free: &Replay) -> Result<f64, Error> {
+    fn own_window_s(
+        &self,
+        parameters: &Parameters,
+        control: &ReplayLoop,
+        free: &Replay,
+    ) -> Result<f64, Error> {
         let mut simulator = self.simulator(&self.plant(parameters)?)?;
         let noisy = self.clone().with_noise_of(MODEL_SEED);
         let own = noisy.run(&mut simulator, control, &free.start)?.readings;
@@ -138,7 +143,7 @@ impl Replayer<'_> {
     fn divergence(
         &self,
         parameters: &Parameters,
-        control: &Loop,
+        control: &ReplayLoop,
         quiet: &Replay,
     ) -> Result<Option<Divergence>, Error> {
         let mut simulator = self.simulator(&self.plant(parameters)?)?;
@@ -162,7 +167,7 @@ impl Replayer<'_> {
 /// Returns the largest residual over its noise floor in the channels that show whether a machine hunts.
 fn excess(replay: &Replay) -> f64 {
     let telling = replay.channels.iter().filter(|fit| TELLING.contains(&fit.channel));
-    telling.map(|fit| fit.rms_error / fit.floor).fold(0.0, f64::max)
+    telling.map(|fit| fit.residual_over_floor()).fold(0.0, f64::max)
 }
 
 /// Returns the recording with noise on its demand: it drives the loop as another noise of the gyroscope does.

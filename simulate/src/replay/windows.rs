@@ -6,7 +6,7 @@
 //! the gap is one of the states that the fit can find.
 
 use super::normal::{Normal, squares};
-use super::{Loop, Playback, Replay, Replayer, reading_floor};
+use super::{Playback, Replay, ReplayLoop, Replayer, reading_floor};
 use crate::firing::Firing;
 use crate::run::{Simulator, holding_control};
 use crate::scenario::{Detail, Initial, Scenario};
@@ -45,7 +45,7 @@ impl Replayer<'_> {
         if length.is_nan() || length < SHORTEST_WINDOW as f64 {
             return Err(Error::Range { what: "window_s", value: window_s, allowed: "at least 20 samples" });
         }
-        let mut whole = self.replay(parameters, &Loop::Open)?;
+        let mut whole = self.replay(parameters, &ReplayLoop::Open)?;
         let mut windows = Windows::new(self, parameters, length as usize, &whole.start)?;
         let mut near = whole.start.clone();
         let mut from = 0;
@@ -61,7 +61,7 @@ impl Replayer<'_> {
             near = history.final_state;
             from += count;
         }
-        whole.channels = self.fits(parameters, &Loop::Open, &whole.simulated);
+        whole.channels = self.fits(parameters, &ReplayLoop::Open, &whole.simulated);
         Ok(whole)
     }
 }
@@ -77,14 +77,14 @@ impl Replayer<'_> {
     /// # Errors
     /// As [`super::replay`] in open loop.
     pub fn replay_open(&self, parameters: &Parameters) -> Result<Replay, Error> {
-        let first = self.replay(parameters, &Loop::Open)?;
+        let first = self.replay(parameters, &ReplayLoop::Open)?;
         if is_explained(&first) || self.samples < SHORTEST_WINDOW {
             return Ok(first);
         }
         let mut windows = Windows::new(self, parameters, self.samples, &first.start)?;
         let longest = (LONGEST_START_FIT_S / WINDOW_FITTED_SHARE / self.recording.sample_period_s) as usize;
         let start = windows.fitted(&first.start, 0, self.samples.min(longest))?;
-        let longer = self.replay_from(parameters, &Loop::Open, &start)?;
+        let longer = self.replay_from(parameters, &ReplayLoop::Open, &start)?;
         Ok(if is_explained(&longer) { longer } else { first })
     }
 }

@@ -27,7 +27,7 @@ use base::{BaseSample, BaseTrack};
 use counterpoise_controller::SampledController;
 use counterpoise_models::plant::core::input;
 use counterpoise_models::two_axes::{Coupling, RingMotion, TraverseGyroscope};
-use counterpoise_models::{Axis, Mesh, Plant};
+use counterpoise_models::{AxisKind, Mesh, Plant};
 use coupling::{Coupler, TraverseTorque};
 use quartics::{PLACES, Trace};
 
@@ -158,7 +158,7 @@ impl TwoAxisSimulator {
 fn check(elevation: &Plant, traverse: &Plant) -> Result<(), Error> {
     let period_s = |plant: &Plant| plant.parameters().interface.sample_period_s;
     let gravity = traverse.parameters().gravity_m_s2;
-    if [elevation, traverse].iter().any(|plant| plant.parameters().axis == Axis::Linear) {
+    if [elevation, traverse].iter().any(|plant| plant.parameters().axis == AxisKind::Linear) {
         return Err(Error::Range {
             what: "the number of linear axes",
             value: 1.0,

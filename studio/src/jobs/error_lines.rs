@@ -1,6 +1,7 @@
 //! Why a job has no result, one reason a line.
 
 use counterpoise_pipeline::PipelineError;
+use counterpoise_pipeline::wording::design_findings::describe_design_finding;
 
 /// Reasons why there is no result, one a line.
 pub type ErrorLines = Vec<String>;
@@ -8,7 +9,7 @@ pub type ErrorLines = Vec<String>;
 /// Returns every reason in an error, one a line.
 pub fn error_lines(error: &PipelineError) -> ErrorLines {
     match error {
-        PipelineError::NoController(findings) => findings.iter().map(ToString::to_string).collect(),
+        PipelineError::NoController(findings) => findings.iter().map(describe_design_finding).collect(),
         other => vec![other.to_string()],
     }
 }

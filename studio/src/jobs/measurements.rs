@@ -6,7 +6,8 @@ use counterpoise_diagnose::simulator_access::map;
 use counterpoise_host::progress::{CancellablePool, SharedProgress};
 use counterpoise_host::worker::{Token, Wake, Worker};
 use counterpoise_pipeline as pipeline;
-use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan};
+use counterpoise_pipeline::studies::fra::{Analyser, Map, On};
+use counterpoise_pipeline::studies::fra_plan::quick_plan;
 use counterpoise_pipeline::studies::sweep::{RequirementSpread, requirement_spreads};
 use counterpoise_report::wording::recordings::describe_map;
 use counterpoise_verify::VerifiedController;
@@ -60,12 +61,6 @@ pub type PartialCampaign = Arc<Mutex<Option<CampaignView>>>;
 /// Measures.
 pub type MeasurementWorker = Worker<MeasurementRequest, MeasurementResult>;
 
-/// Amplitudes of the platform's rate, rad/s: from the rates at which friction sticks to those at which it slides.
-const AMPLITUDES_RAD_S: [f64; 4] = [0.02, 0.05, 0.1, 0.2];
-/// Lowest and highest frequency of the map, Hz.
-const FREQUENCIES_HZ: [f64; 2] = [0.3, 30.0];
-/// Number of frequencies of the map.
-const FREQUENCY_COUNT: usize = 21;
 /// Mechanisms between two partial results of a campaign.
 const PARTIAL_INTERVAL: usize = 10;
 
@@ -91,14 +86,7 @@ pub fn measurement_worker(
 }
 
 fn measure_map(of: &VerificationRequest, watch: &CancellablePool) -> Result<Map, pipeline::PipelineError> {
-    let [low, high] = FREQUENCIES_HZ;
-    let frequency = |k: usize| low * (high / low).powf(k as f64 / (FREQUENCY_COUNT - 1) as f64);
-    let plan = Plan {
-        around: Around::Disturbance,
-        amplitudes: AMPLITUDES_RAD_S.to_vec(),
-        frequencies_hz: (0..FREQUENCY_COUNT).map(frequency).collect(),
-        offset_m: 0.0,
-    };
+    let plan = quick_plan();
     let analyser = Analyser::new(&of.design.project, &of.design.modelled, &plan, On::Simulation)?;
     let map = analyser.compare(&analyser.measure(&plan, watch)?, watch)?;
     Ok(describe_map(map))

@@ -96,7 +96,7 @@ pub fn copy_plot(request: CopyRequest) -> CopiedPlot {
     let outcome = match target {
         CopyTarget::Clipboard => clipboard_content(&chart, format).map(CopyOutcome::ForClipboard),
         CopyTarget::File(path) => file_content(&chart, format).and_then(|bytes| {
-            files::write(&path, &bytes)
+            files::write_file(&path, &bytes)
                 .map_err(|error| format!("{} cannot be written: {error}", path.display()))?;
             Ok(CopyOutcome::Written(path))
         }),

@@ -11,6 +11,7 @@ use counterpoise_pipeline::recordings::read::{
     loop_of, read_recording, read_table_and_recordings, recording_controller, without_demand,
 };
 use counterpoise_pipeline::recordings::replay::replay_one;
+use counterpoise_pipeline::recordings::tracks::{SimulatedChannel, simulate_channel};
 use counterpoise_pipeline::recordings::{
     Gaps, ReadRecording, RecordingFile, ReplayLength, ReplayedRecording, replay,
 };
@@ -85,22 +86,20 @@ pub struct ChannelView {
     /// The recorded samples.
     pub measured: Arc<MinMaxPyramid>,
     /// What the project's model makes of it; `None` for an input of the model.
-    pub model: Option<SimulatedChannel>,
+    pub model: Option<SimulatedView>,
     /// What the diagnosed model makes of it.
-    pub improved: Option<SimulatedChannel>,
-    /// RMS of the residual that a perfect model would leave.
-    pub floor: Option<f64>,
+    pub improved: Option<SimulatedView>,
 }
 
 /// What a model makes of a channel.
 #[derive(Debug, Clone)]
-pub struct SimulatedChannel {
+pub struct SimulatedView {
     /// The simulated samples.
     pub signal: Arc<MinMaxPyramid>,
     /// The residual, simulated minus measured.
     pub residual: Arc<MinMaxPyramid>,
-    /// RMS of the residual.
-    pub rms: f64,
+    /// RMS of the residual over the noise floor of the project's model, if that simulates the channel.
+    pub residual_over_floor: Option<f64>,
 }
 
 /// Returns the recordings with their replays, or `None` if the job was cancelled.
@@ -231,38 +230,21 @@ fn replayed_view(
 }
 
 /// Returns every recorded channel with what the model and the improved model make of it.
-fn channel_views(recording: &Recording, [model, improved]: [Option<&Replay>; 2]) -> Vec<ChannelView> {
+fn channel_views(recording: &Recording, replays: [Option<&Replay>; 2]) -> Vec<ChannelView> {
     let period = recording.sample_period_s;
+    let pyramid = |values: &[f64]| Arc::new(MinMaxPyramid::new(over_time(values, period)));
+    let view = |found: SimulatedChannel| SimulatedView {
+        signal: pyramid(&found.signal),
+        residual: pyramid(&found.residual),
+        residual_over_floor: found.residual_over_floor,
+    };
     let one = |(channel, measured): (Channel, &[f64])| {
-        let of = |replay: Option<&Replay>| simulated_channel(replay?, channel, measured, period);
-        let fit = model.and_then(|replay| replay.channels.iter().find(|fit| fit.channel == channel));
-        ChannelView {
-            channel,
-            measured: Arc::new(MinMaxPyramid::new(over_time(measured.iter().copied(), period))),
-            model: of(model),
-            improved: of(improved),
-            floor: fit.map(|fit| fit.floor),
-        }
+        let [model, improved] = simulate_channel(recording, channel, replays).map(|found| found.map(view));
+        ChannelView { channel, measured: pyramid(measured), model, improved }
     };
     recording.channels().map(one).collect()
 }
 
-fn simulated_channel(
-    replay: &Replay,
-    channel: Channel,
-    measured: &[f64],
-    period_s: f64,
-) -> Option<SimulatedChannel> {
-    let rms = replay.channels.iter().find(|fit| fit.channel == channel)?.rms_error;
-    let simulated = replay.simulated.channel(channel);
-    let residual = simulated.iter().zip(measured).map(|(s, m)| s - m);
-    Some(SimulatedChannel {
-        residual: Arc::new(MinMaxPyramid::new(over_time(residual, period_s))),
-        signal: Arc::new(MinMaxPyramid::new(over_time(simulated.iter().copied(), period_s))),
-        rms,
-    })
-}
-
-fn over_time(values: impl Iterator<Item = f64>, period_s: f64) -> Vec<[f64; 2]> {
-    values.enumerate().map(|(k, v)| [k as f64 * period_s, v]).collect()
+fn over_time(values: &[f64], period_s: f64) -> Vec<[f64; 2]> {
+    values.iter().enumerate().map(|(k, v)| [k as f64 * period_s, *v]).collect()
 }

@@ -53,7 +53,7 @@ pub fn write_report(request: &ReportRequest) -> Result<PathBuf, String> {
         costs: &processor::measure_costs(code),
         first_design: first_design.as_ref(),
     };
-    files::write(&request.output, html_page(&of_design(&designed, &result, &run)).as_bytes())
+    files::write_file(&request.output, html_page(&of_design(&designed, &result, &run)).as_bytes())
         .map_err(|error| format!("{} cannot be written: {error}", request.output.display()))?;
     Ok(request.output.clone())
 }

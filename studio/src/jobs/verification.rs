@@ -7,7 +7,7 @@ use std::time::Duration;
 use counterpoise_host::files::Folder;
 use counterpoise_host::worker::{Token, Wake, Worker};
 use counterpoise_pipeline::preview::DesignPreview;
-use counterpoise_pipeline::studies::trade_off::{EffortPoint, trade_off_points};
+use counterpoise_pipeline::studies::trade_off::{EffortPoint, trade_off_points, usual_error_weight_factors};
 use counterpoise_pipeline::{self as pipeline, World};
 use counterpoise_verify::linear::{LoopShape, loop_shape};
 use counterpoise_verify::{Verification, VerifiedController};
@@ -71,7 +71,7 @@ pub fn verification_worker(wake: &Wake, partial: &PartialVerification) -> Verifi
 pub fn trade_off_worker(wake: &Wake) -> TradeOffWorker {
     Worker::new(Arc::clone(wake), |design: Arc<DesignPreview>, token: &Token| {
         let go_on = || !token.is_cancelled();
-        let factors = error_weight_factors();
+        let factors = usual_error_weight_factors();
         trade_off_points(&design.project, &design.modelled, &design.reduced, &factors, &go_on).ok()?
     })
 }
@@ -82,9 +82,4 @@ pub fn loop_shape_worker(wake: &Wake) -> LoopShapeWorker {
         let sample_period_s = design.modelled.parameters.interface.sample_period_s;
         loop_shape(&design.broken, &design.curves, sample_period_s).ok()
     })
-}
-
-/// Returns the factors on the error weight at which error is traded against effort: half octaves from 1/8 to 8.
-fn error_weight_factors() -> Vec<f64> {
-    (-6..=6).map(|k| 2f64.powf(0.5 * f64::from(k))).collect()
 }

@@ -1,6 +1,6 @@
 //! The beam drawn to scale, at rest or moving in a mode.
 
-use counterpoise_models::parameters::{Beam, PointMass, Section, SectionShape};
+use counterpoise_models::parameters::{Beam, BeamSection, PointMass, SectionShape};
 use counterpoise_pipeline::reduction_views::PinnedModes;
 use egui::{Color32, Pos2, Rect, Stroke, Ui, pos2, vec2};
 
@@ -65,7 +65,13 @@ fn half_heights(shape: &SectionShape) -> [f64; 2] {
     }
 }
 
-fn draw_section(ui: &Ui, theme: &Theme, frame: &DrawingScale, section: &Section, shape: &dyn Fn(f64) -> f64) {
+fn draw_section(
+    ui: &Ui,
+    theme: &Theme,
+    frame: &DrawingScale,
+    section: &BeamSection,
+    shape: &dyn Fn(f64) -> f64,
+) {
     let (from, to, half) = (section.from_m, section.to_m, half_heights(&section.shape));
     const PIECES: usize = 12;
     let x = |k: usize| from + (to - from) * k as f64 / PIECES as f64;

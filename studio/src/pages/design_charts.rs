@@ -60,9 +60,9 @@ fn controlled_chart(view: &View, of: &DesignPreview, title: &str) -> Chart {
 
 /// Returns the response to a step of the demand.
 pub fn step_chart(view: &View, design: &DesignPreview) -> Chart {
-    let of = |d: &DesignPreview| controlled_points(view, d, &d.step.time_s, &d.step.hub_rate_rad_s);
+    let of = |d: &DesignPreview| controlled_points(view, d, d.step.time_s(), d.step.hub_rate_rad_s());
     let mut chart = with_kept_designs(view, controlled_chart(view, design, "Step of the demand"), of);
-    let demand = controlled_points(view, design, &design.step.time_s, &design.step.demand_rad_s);
+    let demand = controlled_points(view, design, design.step.time_s(), design.step.demand_rad_s());
     chart = chart.with_curve("demand", view.theme.weak, Dash::Dashed, demand);
     chart.group = None;
     chart.with_curve("hub", view.theme.curves[0], Dash::Solid, of(design))
@@ -70,9 +70,10 @@ pub fn step_chart(view: &View, design: &DesignPreview) -> Chart {
 
 /// Returns the control about the value that holds the weight of the mechanism.
 pub fn control_chart(view: &View, design: &DesignPreview) -> Chart {
-    let holding = design.modelled.linear.equilibrium.control_v;
-    let about =
-        |h: &History| h.time_s.iter().zip(&h.control_v).map(|(t, v)| [*t, v - holding]).collect::<Vec<_>>();
+    let about = |response: &History| -> Vec<[f64; 2]> {
+        let control_v = design.control_about_holding_v(response);
+        response.time_s().iter().zip(control_v).map(|(t, v)| [*t, v]).collect()
+    };
     let of = |source| design.motion(source, Arrangement::Compensated).map_or(Vec::new(), about);
     let c = &view.theme.curves;
     Chart::new("Control effort", "time, s", "about the holding value, V")
@@ -111,7 +112,7 @@ pub fn motion_chart(view: &View, design: &DesignPreview, source: Source) -> Char
     let of = |arrangement| {
         move |d: &DesignPreview| {
             let history = d.motion(source, arrangement);
-            history.map_or(Vec::new(), |h| controlled_points(view, d, &h.time_s, &h.hub_rate_rad_s))
+            history.map_or(Vec::new(), |h| controlled_points(view, d, h.time_s(), h.hub_rate_rad_s()))
         }
     };
     let chart = with_kept_designs(view, controlled_chart(view, design, title), of(Arrangement::Compensated));

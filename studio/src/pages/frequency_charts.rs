@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use counterpoise_lti::Margins;
-use counterpoise_verify::linear::Curve as Response;
+use counterpoise_verify::linear::ResponseCurve as Response;
 
 use crate::charts::chart::{Chart, Scale};
 use crate::units::GainUnit;

@@ -1,25 +1,12 @@
 //! The limit of the selected requirement, drawn into the charts from which its figure is read.
 
 use counterpoise_verify::{
-    Experiment, Figure, History, Limit, LoopFigure, Quantity, Requirement, Source, StepFigure, Verification,
+    Figure, HistoryColumn, Limit, LoopFigure, Quantity, Requirement, Source, StepFigure, Verification,
 };
 
 use crate::charts::chart::Chart;
 use crate::number_format::format_short;
 use crate::view::View;
-
-/// The signal of a chart over time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum HistorySignal {
-    /// The hub's rate.
-    Hub,
-    /// The control.
-    Control,
-    /// The motor's current.
-    Current,
-    /// The tip's rate.
-    Tip,
-}
 
 /// Returns the selected requirement.
 pub fn selected_requirement<'a>(view: &View, found: &'a Verification) -> Option<&'a Requirement> {
@@ -27,46 +14,31 @@ pub fn selected_requirement<'a>(view: &View, found: &'a Verification) -> Option<
     found.verdicts.get(view.requirement.min(last)).map(|(requirement, _)| requirement)
 }
 
-/// Marks the limit of the selected requirement in a chart over time if it limits the signal of this chart.
-pub fn mark_history_limit(
-    view: &View,
-    found: &Verification,
-    experiment: Experiment,
-    signal: HistorySignal,
-    chart: &mut Chart,
-) {
+/// Marks the limit of the selected requirement in a chart over time if it limits the column that this chart shows.
+pub fn mark_history_limit(view: &View, found: &Verification, column: HistoryColumn, chart: &mut Chart) {
     let Some(requirement) = selected_requirement(view, found) else { return };
     let limit = requirement.limit.value();
     let mut both = |value: f64| chart.levels.extend([value, -value]);
-    match (requirement.figure, signal) {
-        (Figure::Disturbance(_, _, _, Quantity::HubPeak), HistorySignal::Hub)
-        | (Figure::Disturbance(_, _, _, Quantity::TipPeak), HistorySignal::Tip) => {
+    match (requirement.figure, column) {
+        (Figure::Disturbance(_, _, _, Quantity::HubPeak), HistoryColumn::HubRate)
+        | (Figure::Disturbance(_, _, _, Quantity::TipPeak), HistoryColumn::TipRate) => {
             both(view.units.display_unit(requirement.figure.unit(found.controlled_quantity())).factor * limit)
         }
-        (Figure::Disturbance(_, _, _, Quantity::CurrentPeak), HistorySignal::Current)
-        | (Figure::Disturbance(_, _, _, Quantity::ControlPeak), HistorySignal::Control)
-        | (Figure::Step(_, StepFigure::ControlPeak), HistorySignal::Control) => both(limit),
-        (Figure::Step(model, StepFigure::Overshoot), HistorySignal::Hub) => {
-            let demand = found.history(model, experiment).and_then(final_demand).unwrap_or_default();
-            chart.levels.push(
-                view.units.display_unit(found.controlled_quantity().unit()).factor
-                    * demand
-                    * (1.0 + 0.01 * limit),
-            );
+        (Figure::Disturbance(_, _, _, Quantity::CurrentPeak), HistoryColumn::Current)
+        | (Figure::Disturbance(_, _, _, Quantity::ControlPeak), HistoryColumn::Control)
+        | (Figure::Step(_, StepFigure::ControlPeak), HistoryColumn::Control) => both(limit),
+        (Figure::Step(model, StepFigure::Overshoot), HistoryColumn::HubRate) => {
+            let factor = view.units.display_unit(found.controlled_quantity().unit()).factor;
+            chart.levels.push(factor * found.highest_allowed_rad_s(model, limit));
         }
         (
             Figure::Step(_, StepFigure::RiseTime | StepFigure::PeakTime | StepFigure::SettlingTime),
-            HistorySignal::Hub,
+            HistoryColumn::HubRate,
         ) => {
             chart.add_mark(limit, "limit");
         }
         _ => {}
     }
-}
-
-/// Returns the demand at the end of a step, rad/s.
-fn final_demand(history: &History) -> Option<f64> {
-    history.demand_rad_s.last().copied()
 }
 
 /// Marks the limit of a disturbance rejection in its chart.

@@ -3,6 +3,7 @@
 use crate::tolerance::HELD_BY_ALL_SHARE;
 use counterpoise_pipeline::studies::fra::Map;
 use counterpoise_pipeline::studies::sweep::{RequirementSpread, StrongestParameter};
+use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_verify::Limit;
 use counterpoise_verify::robust::Sense;
 use egui::{RichText, Ui};
@@ -182,7 +183,7 @@ fn show_row(ui: &mut Ui, view: &View, result: &CampaignView, index: usize) -> eg
     let written = |value: f64| format_short(unit.factor * value);
     let s = &row.summary;
     let sign = if matches!(row.requirement.limit, Limit::AtLeast(_)) { "\u{2265}" } else { "\u{2264}" };
-    let name = row.requirement.figure.name(row.controlled);
+    let name = describe_figure(row.requirement.figure, row.controlled);
     let shown = ui.selectable_label(is_selected, widgets::figure_name_layout(&name, theme));
     shown.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, is_selected, name.clone()));
     ui.label(format!("{sign} {} {}", written(row.requirement.limit.value()), unit.name));
@@ -203,11 +204,8 @@ fn strongest_in_words(strongest: &StrongestParameter) -> String {
 /// Returns the share of the mechanisms below each value.
 fn distribution_chart(view: &View, row: &RequirementSpread) -> Chart {
     let unit = view.units.display_unit(row.requirement.figure.unit(row.controlled));
-    let count = row.values.len().max(1) as f64;
-    let finite = row.values.iter().enumerate().filter(|(_, v)| v.is_finite());
-    let points: Vec<[f64; 2]> =
-        finite.map(|(k, v)| [unit.factor * v, 100.0 * (k as f64 + 0.5) / count]).collect();
-    let label = format!("{}, {}", row.requirement.figure.name(row.controlled), unit.name);
+    let points = row.distribution().into_iter().map(|[value, share]| [unit.factor * value, share]).collect();
+    let label = format!("{}, {}", describe_figure(row.requirement.figure, row.controlled), unit.name);
     let mut chart = Chart::new("Share of mechanisms below a value", label.trim_end_matches(", "), "share, %");
     chart.add_mark(unit.factor * row.requirement.limit.value(), "limit");
     chart.with_curve("", view.theme.curves[0], Dash::Solid, points)

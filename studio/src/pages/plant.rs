@@ -251,7 +251,7 @@ fn learned_charts(view: &View, function: &LearnedFunctionText) -> [Chart; 2] {
     let of = |value: &dyn Fn(usize) -> f64| -> Vec<[f64; 2]> {
         function.points.iter().enumerate().map(|(k, x)| [*x, value(k)]).collect()
     };
-    let band = function.band();
+    let band = &function.band;
     let colour = view.theme.curves[0];
     let title = format!("Free function: {} at the {}", function.quantity, function.place);
     let curve = Chart::new(&title, &along, &format!("{}, {unit}", function.quantity))

@@ -15,10 +15,10 @@ use crate::view::View;
 fn channel_chart(view: &View, channel: &ChannelView) -> (Chart, DisplayUnit) {
     let name = channel_words(channel.channel);
     let mut title = name.clone();
-    if let (Some(model), Some(floor)) = (&channel.model, channel.floor) {
-        title = format!("{name}: residual {:.2} x its noise floor", model.rms / floor);
-        if let Some(improved) = &channel.improved {
-            title = format!("{title}, {:.2} with the diagnosis", improved.rms / floor);
+    if let Some(ratio) = channel.model.as_ref().and_then(|model| model.residual_over_floor) {
+        title = format!("{name}: residual {ratio:.2} x its noise floor");
+        if let Some(ratio) = channel.improved.as_ref().and_then(|improved| improved.residual_over_floor) {
+            title = format!("{title}, {ratio:.2} with the diagnosis");
         }
     }
     let unit = view.units.display_unit(channel.channel.unit());

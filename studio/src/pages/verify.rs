@@ -1,6 +1,7 @@
 //! The page Verify: verdicts on the full plant while the runs come in, and the evidence behind each one; then export.
 
 use counterpoise_pipeline::wording::acceptance::Traceable;
+use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_report::error_budget;
 use counterpoise_verify::{Figure, Limit, Verdict, Verification};
 use egui::{RichText, Ui};
@@ -160,7 +161,7 @@ fn show_verdict(ui: &mut Ui, view: &View, found: &Verification, index: usize) ->
         Limit::AtLeast(_) => "\u{2265}",
         Limit::AtMost(_) => "\u{2264}",
     };
-    let figure = requirement.figure.name(found.controlled_quantity());
+    let figure = describe_figure(requirement.figure, found.controlled_quantity());
     let limit = format_short(unit.factor * requirement.limit.value());
     let limit = format!("{value} {sign} {limit} {}", unit.name);
     let text_colour = if matches!(verdict, Verdict::Holds { .. }) { theme.text } else { colour };

@@ -1,11 +1,13 @@
 //! The evidence of a verification as charts: time histories and responses over frequency.
 
 use counterpoise_report::wording::capitalise_first;
-use counterpoise_verify::{Arrangement, Experiment, Figure, History, Model, Source, Verification};
+use counterpoise_verify::{
+    Arrangement, Experiment, Figure, History, HistoryColumn, Model, Source, Verification,
+};
 use egui::Ui;
 
 use super::frequency_charts::{frequency_chart, magnitude_points, mark_margins};
-use super::limit_marks::{self, HistorySignal};
+use super::limit_marks;
 use super::widgets;
 use crate::charts::chart::{Chart, Dash};
 use crate::command::Command;
@@ -16,12 +18,12 @@ const TIME_GROUP: &str = "verified over time";
 /// The charts over frequency share theirs.
 const FREQUENCY_GROUP: &str = "verified over frequency";
 
-/// A column of a history as it is shown.
-struct HistoryColumn<'a> {
+/// A signal of a history as it is shown.
+struct ShownSignal<'a> {
     name: &'a str,
     unit: &'a str,
     factor: f64,
-    values: fn(&History) -> &Vec<f64>,
+    column: HistoryColumn,
 }
 
 /// Shows the run behind the selected verdict: four of its signals under one cursor.
@@ -32,26 +34,27 @@ pub fn show_histories(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, fo
     let tip_name = capitalise_first(&found.controlled_quantity().tip_name());
     let controlled = found.controlled_quantity();
     let drive_name = capitalise_first(controlled.drive_name());
-    let column = |name, unit, factor, values| HistoryColumn { name, unit, factor, values };
+    let shown = |name, unit, factor, column| ShownSignal { name, unit, factor, column };
     let mut charts = [
         hub_chart(view, found, experiment),
-        history_chart(view, found, experiment, &column("Control", "V", 1.0, |h| &h.control_v)),
+        history_chart(view, found, experiment, &shown("Control", "V", 1.0, HistoryColumn::Control)),
         history_chart(
             view,
             found,
             experiment,
-            &column(&drive_name, controlled.drive_unit(), 1.0, |h| &h.current_a),
+            &shown(&drive_name, controlled.drive_unit(), 1.0, HistoryColumn::Current),
         ),
         history_chart(
             view,
             found,
             experiment,
-            &column(&tip_name, &tip.name, tip.factor, |h| &h.tip_rate_rad_s),
+            &shown(&tip_name, &tip.name, tip.factor, HistoryColumn::TipRate),
         ),
     ];
-    let signals = [HistorySignal::Hub, HistorySignal::Control, HistorySignal::Current, HistorySignal::Tip];
-    for (chart, signal) in charts.iter_mut().zip(signals) {
-        limit_marks::mark_history_limit(view, found, experiment, signal, chart);
+    let columns =
+        [HistoryColumn::HubRate, HistoryColumn::Control, HistoryColumn::Current, HistoryColumn::TipRate];
+    for (chart, column) in charts.iter_mut().zip(columns) {
+        limit_marks::mark_history_limit(view, found, column, chart);
     }
     let area = widgets::take_remaining_area(ui);
     for (cell, chart) in widgets::grid_cells(area, 4, 2).iter().zip(&charts) {
@@ -120,8 +123,8 @@ fn experiment_name(experiment: Experiment) -> &'static str {
     }
 }
 
-fn history_points(history: &History, values: fn(&History) -> &Vec<f64>, factor: f64) -> Vec<[f64; 2]> {
-    history.time_s.iter().zip(values(history)).map(|(t, v)| [*t, factor * v]).collect()
+fn history_points(history: &History, column: HistoryColumn, factor: f64) -> Vec<[f64; 2]> {
+    history.time_s().iter().zip(history.column(column)).map(|(t, v)| [*t, factor * v]).collect()
 }
 
 fn hub_chart(view: &View, found: &Verification, experiment: Experiment) -> Chart {
@@ -135,7 +138,7 @@ fn hub_chart(view: &View, found: &Verification, experiment: Experiment) -> Chart
         && let Some(h) =
             found.history(Model::Nonlinear, Experiment::Disturbance(source, Arrangement::Feedback))
     {
-        let points = history_points(h, |h| &h.hub_rate_rad_s, factor);
+        let points = history_points(h, HistoryColumn::HubRate, factor);
         let colour = view.theme.curves[1].gamma_multiply(0.7);
         chart = chart.with_curve("feedback alone", colour, Dash::Solid, points);
     }
@@ -144,18 +147,23 @@ fn hub_chart(view: &View, found: &Verification, experiment: Experiment) -> Chart
         (Model::Linear, "linear", view.theme.curves[2], Dash::Dashed),
     ] {
         if let Some(h) = found.history(model, experiment) {
-            chart = chart.with_curve(label, colour, dash, history_points(h, |h| &h.hub_rate_rad_s, factor));
+            chart = chart.with_curve(label, colour, dash, history_points(h, HistoryColumn::HubRate, factor));
         }
     }
     chart
 }
 
-fn history_chart(view: &View, found: &Verification, experiment: Experiment, column: &HistoryColumn) -> Chart {
-    let label = format!("{}, {}", column.name.to_lowercase(), column.unit);
-    let chart = Chart::new(column.name, "time, s", &label).with_group(TIME_GROUP);
+fn history_chart(
+    view: &View,
+    found: &Verification,
+    experiment: Experiment,
+    shown: &ShownSignal<'_>,
+) -> Chart {
+    let label = format!("{}, {}", shown.name.to_lowercase(), shown.unit);
+    let chart = Chart::new(shown.name, "time, s", &label).with_group(TIME_GROUP);
     match found.history(Model::Nonlinear, experiment) {
         Some(h) => {
-            let points = history_points(h, column.values, column.factor);
+            let points = history_points(h, shown.column, shown.factor);
             chart.with_curve("full plant", view.theme.curves[0], Dash::Solid, points)
         }
         None => chart,

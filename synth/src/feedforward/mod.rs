@@ -18,7 +18,7 @@ use counterpoise_lti::{StateSpace, Timebase};
 use crate::augmented_plant::Augmented;
 use crate::certificate::{Cost, Equation, mean_square, riccati};
 use crate::finding::Part;
-use crate::{Channel, DesignPlant, Error, FeedforwardWeights, Knowledge};
+use crate::{DesignPlant, DisturbanceChannel, DisturbanceKnowledge, Error, FeedforwardWeights};
 
 /// A feedforward part with its certificates.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,11 +75,11 @@ struct Regulator {
 pub fn feedforward(
     plant: &DesignPlant,
     weights: &FeedforwardWeights,
-    channel: Channel,
+    channel: DisturbanceChannel,
 ) -> Result<Feedforward, Error> {
     let problem = problem(plant, weights, channel)?;
     let regulator = problem.regulator(channel.into())?;
-    let Knowledge::Measured { noise } = weights.knowledge else {
+    let DisturbanceKnowledge::Measured { noise } = weights.knowledge else {
         let knows = exact_knowledge(&problem.generator)?;
         let module = problem.exact_module(&regulator, &knows)?;
         let cost = Cost {
@@ -116,7 +116,11 @@ fn finish(
     })
 }
 
-fn problem(plant: &DesignPlant, weights: &FeedforwardWeights, channel: Channel) -> Result<Problem, Error> {
+fn problem(
+    plant: &DesignPlant,
+    weights: &FeedforwardWeights,
+    channel: DisturbanceChannel,
+) -> Result<Problem, Error> {
     let system = plant.delayed_plant()?;
     let weighed = weights.output.unwrap_or(plant.rate);
     if weighed >= system.outputs() {

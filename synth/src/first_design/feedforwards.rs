@@ -6,12 +6,13 @@ use super::scan::Tried;
 use crate::error::attempt;
 use crate::finding::DesignFinding;
 use crate::{
-    Assembly, Basis, Channel, Error, FeedforwardWeights, Knowledge, Reference, Specification, Weight, design,
+    Assembly, DisturbanceChannel, DisturbanceKnowledge, Error, FeedforwardBasis, FeedforwardWeights,
+    Reference, Specification, Weight, design,
 };
 
 /// A motion of the platform that is expected, and how it is measured.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Motion {
+pub struct ExpectedMotion {
     /// The motion's spectrum as the modulus of a stable, strictly proper weight.
     pub generator: Weight,
     /// Spectral density of the noise of its sensor, unit^2 s.
@@ -42,12 +43,14 @@ pub(super) fn with_feedforwards(
         position_gain: found.position_gain,
     };
     // A feedforward on the closed loop knows one feedback, not a cascade.
-    let bases: &[Basis] = match given.plant.rate_loop {
-        Some(_) => &[Basis::OpenLoop],
-        None => &[Basis::OpenLoop, Basis::ClosedLoop],
+    let bases: &[FeedforwardBasis] = match given.plant.rate_loop {
+        Some(_) => &[FeedforwardBasis::OpenLoop],
+        None => &[FeedforwardBasis::OpenLoop, FeedforwardBasis::ClosedLoop],
     };
     let mut left_out = Vec::new();
-    for (channel, motion) in [(Channel::Heave, &given.heave), (Channel::Pitch, &given.pitch)] {
+    for (channel, motion) in
+        [(DisturbanceChannel::Heave, &given.heave), (DisturbanceChannel::Pitch, &given.pitch)]
+    {
         let Some(motion) = motion else { continue };
         let mut reasons = Vec::new();
         for &basis in bases {
@@ -65,19 +68,24 @@ pub(super) fn with_feedforwards(
     Ok((specification, left_out))
 }
 
-fn with_one(base: &Specification, channel: Channel, weights: FeedforwardWeights) -> Specification {
+fn with_one(base: &Specification, channel: DisturbanceChannel, weights: FeedforwardWeights) -> Specification {
     match channel {
-        Channel::Heave => Specification { heave: Some(weights), ..base.clone() },
-        Channel::Pitch => Specification { pitch: Some(weights), ..base.clone() },
+        DisturbanceChannel::Heave => Specification { heave: Some(weights), ..base.clone() },
+        DisturbanceChannel::Pitch => Specification { pitch: Some(weights), ..base.clone() },
     }
 }
 
 /// Steady volts cost in heave, where they hold a weight, and are free in pitch, where they cancel a drag.
-fn feedforward(found: &Tried, channel: Channel, motion: &Motion, basis: Basis) -> FeedforwardWeights {
+fn feedforward(
+    found: &Tried,
+    channel: DisturbanceChannel,
+    motion: &ExpectedMotion,
+    basis: FeedforwardBasis,
+) -> FeedforwardWeights {
     let corner = ROLL_OFF * found.judgement.bandwidth_rad_s;
     let (second_s2, first_s) =
         (round_weight(1.0 / (corner * corner)), round_weight(2.0 * ROLL_OFF_DAMPING / corner));
-    let is_free = channel == Channel::Pitch && basis == Basis::OpenLoop;
+    let is_free = channel == DisturbanceChannel::Pitch && basis == FeedforwardBasis::OpenLoop;
     let control = if is_free {
         Weight::QuadraticFreeAtZero { gain: 1.0, second_s2, first_s }
     } else {
@@ -88,7 +96,7 @@ fn feedforward(found: &Tried, channel: Channel, motion: &Motion, basis: Basis) -
         error: Weight::Constant { gain: round_weight(ERROR_RATIO * level) },
         control,
         generator: motion.generator.clone(),
-        knowledge: Knowledge::Measured { noise: round_weight(motion.noise) },
+        knowledge: DisturbanceKnowledge::Measured { noise: round_weight(motion.noise) },
         output: None,
         basis,
     }

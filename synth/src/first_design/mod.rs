@@ -27,7 +27,7 @@ mod lifted_limits;
 mod neighbours;
 mod scan;
 
-pub use feedforwards::Motion;
+pub use feedforwards::ExpectedMotion;
 pub use judgement::{LoopJudgement, RequiredMargins};
 
 use counterpoise_lti::StateSpace;
@@ -68,9 +68,9 @@ pub struct Circumstances {
     /// The bandwidth that is asked for, rad/s; `None` asks for the highest.
     pub asked_rad_s: Option<f64>,
     /// The heave that is expected and measured.
-    pub heave: Option<Motion>,
+    pub heave: Option<ExpectedMotion>,
     /// The pitch that is expected and measured.
-    pub pitch: Option<Motion>,
+    pub pitch: Option<ExpectedMotion>,
 }
 
 /// Weights that were chosen, and why the loop is no quicker.

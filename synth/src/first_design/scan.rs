@@ -10,7 +10,7 @@ use super::Circumstances;
 use super::candidate::{DAMPED_LOAD, DEAR, MORE_PHASE, PlantGain, SHAPES, position_gain, weights};
 use super::judgement::{Judge, LoopJudgement};
 use super::neighbours::{light_modes, shifted_modes};
-use crate::bandwidth::{Limit, LimitKind, Unknown};
+use crate::bandwidth::{BandwidthLimit, LimitKind, Unknown};
 use crate::cascade::with_position_loop;
 use crate::error::attempt;
 use crate::tolerance::{CAUTION, CEILING, CLOCK_SHARE, FAR_ABOVE_CEILING};
@@ -426,7 +426,7 @@ impl<'a> Scan<'a> {
     ///
     /// # Errors
     /// Those of the design.
-    pub fn demonstrate_limit(&self, limit: &Limit) -> Result<Option<StateSpace>, Error> {
+    pub fn demonstrate_limit(&self, limit: &BandwidthLimit) -> Result<Option<StateSpace>, Error> {
         let is_formula = matches!(limit.kind, LimitKind::SampleRate | LimitKind::Asked);
         match self.highest_keeping(limit.kind) {
             Some(tried) if !is_formula && limit.bandwidth_rad_s.is_finite() => {
@@ -445,10 +445,10 @@ impl<'a> Scan<'a> {
     }
 
     /// Returns every limit, the lowest first.
-    pub fn summary(&self) -> Vec<Limit> {
+    pub fn summary(&self) -> Vec<BandwidthLimit> {
         let asked = self.circumstances.asked_rad_s.map(|_| LimitKind::Asked);
-        let limit = |kind| Limit { kind, bandwidth_rad_s: self.highest(kind), lifted_rad_s: None };
-        let mut limits: Vec<Limit> = KINDS.into_iter().chain(asked).map(limit).collect();
+        let limit = |kind| BandwidthLimit { kind, bandwidth_rad_s: self.highest(kind), lifted_rad_s: None };
+        let mut limits: Vec<BandwidthLimit> = KINDS.into_iter().chain(asked).map(limit).collect();
         // Of a machine without friction whose weight does not matter there is nothing to say.
         // Nor of one whose file has no tolerances.
         let may_be_silent = |kind| matches!(kind, LimitKind::AtRest | LimitKind::Tolerances);

@@ -11,12 +11,12 @@ pub struct Block {
     /// Kind.
     pub kind: BlockKind,
     /// Parameters.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Vec<BlockParameter>,
 }
 
 /// A parameter, all of which are positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parameter {
+pub struct BlockParameter {
     /// Its value; where it is tuned, the first value that is tried.
     pub value: Option<f64>,
     /// Lowest and highest value that the tuning may choose; `None` fixes the value, or without a value leaves the range to
@@ -96,7 +96,7 @@ impl ParameterName {
     }
 }
 
-impl Parameter {
+impl BlockParameter {
     /// Returns a parameter of a fixed value.
     pub fn with_fixed_value(value: f64) -> Self {
         Self { value: Some(value), range: None }
@@ -114,7 +114,7 @@ impl Parameter {
 impl Block {
     /// Returns a block of which every parameter is left to the tuning.
     pub fn open(kind: BlockKind) -> Self {
-        Self { kind, parameters: vec![Parameter::OPEN; kind.parameters().len()] }
+        Self { kind, parameters: vec![BlockParameter::OPEN; kind.parameters().len()] }
     }
 }
 

@@ -11,7 +11,7 @@ mod block;
 
 use counterpoise_lti::StateSpace;
 
-pub use block::{Block, BlockKind, Parameter, ParameterName};
+pub use block::{Block, BlockKind, BlockParameter, ParameterName};
 
 use crate::Error;
 use crate::error_feedback::from_demand_and_reading;
@@ -27,7 +27,7 @@ pub struct FixedStructure {
 impl FixedStructure {
     /// Returns whether a parameter is left to the tuning.
     pub fn is_open(&self) -> bool {
-        self.blocks.iter().flat_map(|block| &block.parameters).any(Parameter::is_open)
+        self.blocks.iter().flat_map(|block| &block.parameters).any(BlockParameter::is_open)
     }
 
     /// Returns the values of all parameters, block by block.
@@ -117,7 +117,7 @@ mod tests {
     fn a_series_of_blocks_is_the_product_of_their_responses() {
         let block = |kind: BlockKind| Block {
             kind,
-            parameters: example(kind).into_iter().map(Parameter::with_fixed_value).collect(),
+            parameters: example(kind).into_iter().map(BlockParameter::with_fixed_value).collect(),
         };
         let structure = FixedStructure {
             blocks: vec![

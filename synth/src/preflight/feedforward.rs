@@ -7,12 +7,15 @@ use super::gain::Gain;
 use super::{against_plant, axis_roots, not_stable, weight_forms, well_formed};
 use crate::cause::Cause;
 use crate::finding::{DesignFinding, Part};
-use crate::{Assembly, Basis, Channel, DesignPlant, Error, Knowledge, Specification, Weight};
+use crate::{
+    Assembly, DesignPlant, DisturbanceChannel, DisturbanceKnowledge, Error, FeedforwardBasis, Specification,
+    Weight,
+};
 
 pub(super) fn check_feedforward(
     plant: &DesignPlant,
     spec: &Specification,
-    channel: Channel,
+    channel: DisturbanceChannel,
 ) -> Result<Vec<DesignFinding>, Error> {
     let (part, columns) = (Part::from(channel), plant.columns(channel));
     let Some(weights) = spec.feedforward(channel) else { return Ok(Vec::new()) };
@@ -36,13 +39,18 @@ pub(super) fn check_feedforward(
     if disturbed.largest == 0.0 {
         findings.push(DesignFinding::warning(part, Cause::ChannelWithoutEffect));
     }
-    if weights.knowledge != Knowledge::Exact && weights.basis == Basis::OpenLoop {
+    if weights.knowledge != DisturbanceKnowledge::Exact && weights.basis == FeedforwardBasis::OpenLoop {
         findings.extend(bounded(part, &system, &weights.error)?);
     }
     Ok(findings)
 }
 
-fn generator(part: Part, weight: &Weight, inputs: usize, knowledge: Knowledge) -> Vec<DesignFinding> {
+fn generator(
+    part: Part,
+    weight: &Weight,
+    inputs: usize,
+    knowledge: DisturbanceKnowledge,
+) -> Vec<DesignFinding> {
     let rational = weight.rational();
     let mut findings = well_formed(part, "generator", weight);
     let relative_degree = rational.relative_degree();
@@ -58,13 +66,13 @@ fn generator(part: Part, weight: &Weight, inputs: usize, knowledge: Knowledge) -
         refuse(Cause::GeneratorUnstable { pole }, pole.im.abs());
     }
     let order = rational.poles.len();
-    if knowledge == Knowledge::Exact && order != inputs {
+    if knowledge == DisturbanceKnowledge::Exact && order != inputs {
         findings.push(
             DesignFinding::refusal(part, Cause::KnowledgeIncomplete { order, known: inputs })
                 .with_weight("generator", weight),
         );
     }
-    if let Knowledge::Measured { noise } = knowledge
+    if let DisturbanceKnowledge::Measured { noise } = knowledge
         && !(noise > 0.0 && noise.is_finite())
     {
         findings.push(DesignFinding::refusal(

@@ -14,7 +14,7 @@ use counterpoise_lti::{StateSpace, Timebase, poles, zeros};
 use crate::cause::Cause;
 use crate::finding::{DesignFinding, Part};
 use crate::tolerance::{CONJUGATE, DELAY_PHASE, ON_AXIS, OUT_OF_REACH, VANISHES, ZERO_GAIN};
-use crate::{Channel, DesignPlant, Error, FeedbackWeights, Reference, Specification, Weight};
+use crate::{DesignPlant, DisturbanceChannel, Error, FeedbackWeights, Reference, Specification, Weight};
 
 /// Returns every finding about a plant and a specification, refusals first; empty where nothing stands in the way.
 ///
@@ -23,7 +23,7 @@ use crate::{Channel, DesignPlant, Error, FeedbackWeights, Reference, Specificati
 pub fn preflight(plant: &DesignPlant, specification: &Specification) -> Result<Vec<DesignFinding>, Error> {
     let mut findings = check_plant(plant)?;
     findings.extend(check_feedback(plant, &specification.feedback, specification.reference)?);
-    for channel in [Channel::Heave, Channel::Pitch] {
+    for channel in [DisturbanceChannel::Heave, DisturbanceChannel::Pitch] {
         if specification.feedforward(channel).is_some() {
             findings.extend(check_feedforward(plant, specification, channel)?);
         }

@@ -10,7 +10,10 @@ use crate::certificate::{Certified, Cost, Equation};
 use crate::feedforward::with_derivatives;
 use crate::finding::Part;
 use crate::stage::{Estimate, SampledNoise, Stage, filter, update_by_reading};
-use crate::{Assembly, Basis, Channel, Design, DesignPlant, Error, FeedforwardWeights, Knowledge, Sampling};
+use crate::{
+    Assembly, Design, DesignPlant, DisturbanceChannel, DisturbanceKnowledge, Error, FeedforwardBasis,
+    FeedforwardWeights, Sampling,
+};
 
 /// The feedforward of a channel designed on the sampled problem
 ///
@@ -20,19 +23,19 @@ use crate::{Assembly, Basis, Channel, Design, DesignPlant, Error, FeedforwardWei
 /// ```
 ///
 /// The regulator is a discrete Riccati equation on plant and weights; the disturbance's share follows from a discrete
-/// Sylvester equation, as does what the disturbance's filter tells of the plant. With [`Basis::ClosedLoop`] the sampled
+/// Sylvester equation, as does what the disturbance's filter tells of the plant. With [`FeedforwardBasis::ClosedLoop`] the sampled
 /// feedback runs in the plant.
 ///
 /// # Errors
 /// As [`crate::feedforward()`], and for exact knowledge of derivatives, which no sensor reads.
 pub(crate) fn feedforward(
     design: &Design,
-    channel: Channel,
+    channel: DisturbanceChannel,
     feedback: &StateSpace,
     sampling: &Sampling,
 ) -> Result<Option<Drafted>, Error> {
     let Some(weights) = design.specification.feedforward(channel) else { return Ok(None) };
-    let (closed, part) = (weights.basis == Basis::ClosedLoop, Part::from(channel));
+    let (closed, part) = (weights.basis == FeedforwardBasis::ClosedLoop, Part::from(channel));
     let with_sensor = closed || design.specification.assembly == Assembly::Grimble;
     let feels = if with_sensor { HubSensor::Inside } else { HubSensor::Outside };
     let driven = Driven::new(&design.plant, weights, channel, feels, sampling)?;
@@ -85,7 +88,7 @@ impl Driven {
     fn new(
         plant: &DesignPlant,
         weights: &FeedforwardWeights,
-        channel: Channel,
+        channel: DisturbanceChannel,
         hub_sensor: HubSensor,
         sampling: &Sampling,
     ) -> Result<Self, Error> {
@@ -93,7 +96,7 @@ impl Driven {
         let weighed = 1 + weights.output.unwrap_or(plant.rate);
         let columns = plant.columns(channel);
         let generator = with_derivatives(&weights.generator.realise()?, columns.len())?;
-        let exact = weights.knowledge == Knowledge::Exact;
+        let exact = weights.knowledge == DisturbanceKnowledge::Exact;
         let sensor = if exact { None } else { plant.sensor(channel) };
         let source = source(&generator, sensor)?;
         let error = weights.error.realise()?;
@@ -111,8 +114,8 @@ impl Driven {
         let seen = row.scale(-error.D[(0, 0)]).hstack(&error.C).hstack(&Mat::zeros(1, f));
         let entering = Mat::zeros(n + e, source.inputs()).vstack(&source.B);
         let density = match weights.knowledge {
-            Knowledge::Exact => 0.0,
-            Knowledge::Measured { noise } => noise,
+            DisturbanceKnowledge::Exact => 0.0,
+            DisturbanceKnowledge::Measured { noise } => noise,
         };
         let reading = Mat::zeros(1, n + e).hstack(&source.C);
         let T = sampling.period_s;

@@ -1,7 +1,7 @@
 //! A continuous plant under held inputs, with the exact cost and noise of a period.
 
 use counterpoise_linalg::Mat;
-use counterpoise_lti::{Cost as Quadratic, Discretisation, Noise, StateSpace, c2d, sampled_problem};
+use counterpoise_lti::{Discretisation, Noise, QuadraticCost as Quadratic, StateSpace, c2d, sampled_problem};
 
 use crate::stage::{SampledNoise, Stage};
 use crate::{DesignPlant, Error};

@@ -3,7 +3,7 @@
 use counterpoise_linalg::C64;
 
 use super::grid::{LoopGrid, LoopPlant};
-use crate::fixed_structure::{FixedStructure, Parameter, ParameterName};
+use crate::fixed_structure::{BlockParameter, FixedStructure, ParameterName};
 use crate::tolerance::LEAST_RESPONSE;
 use crate::{Error, Sampling};
 
@@ -57,7 +57,7 @@ impl<'a> Blocks<'a> {
 
     /// Returns the values of all parameters at a point.
     pub fn values(&self, at: &[f64]) -> Vec<Vec<f64>> {
-        let stated = |parameter: &Parameter| parameter.value.unwrap_or(1.0);
+        let stated = |parameter: &BlockParameter| parameter.value.unwrap_or(1.0);
         let blocks = &self.structure.blocks;
         let mut all: Vec<Vec<f64>> =
             blocks.iter().map(|b| b.parameters.iter().map(stated).collect()).collect();
@@ -76,7 +76,7 @@ impl<'a> Blocks<'a> {
     pub fn fix_parameters(&self, at: &[f64]) -> FixedStructure {
         let mut structure = self.structure.clone();
         for (block, values) in structure.blocks.iter_mut().zip(self.values(at)) {
-            block.parameters = values.into_iter().map(Parameter::with_fixed_value).collect();
+            block.parameters = values.into_iter().map(BlockParameter::with_fixed_value).collect();
         }
         structure
     }

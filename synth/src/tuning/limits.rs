@@ -1,6 +1,6 @@
 //! The limits of a tuned loop, and the figures of any sampled loop, computed from state-space systems.
 
-use counterpoise_controller::{Controller, Signal};
+use counterpoise_controller::{Controller, PathSignal};
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::response::Response;
 use counterpoise_lti::{StateSpace, Timebase, feedback, h2norm, linfnorm, margins, poles, series};
@@ -198,7 +198,7 @@ pub fn measure_controller(
     disturbance: &Disturbance,
 ) -> Result<LoopMeasures, Error> {
     let linear = controller.linear(sampling.out_of_balance_kg_m)?;
-    let hub = Signal::HubRate.reading().unwrap_or(1);
+    let hub = PathSignal::HubRate.reading().unwrap_or(1);
     let K = hub_path(&linear, hub).negate();
     measure_loop(&sampled_plant(plant, sampling)?, &K, disturbance)
 }

@@ -175,7 +175,7 @@ fn a_loop_holds_a_pendulum_that_the_plant_without_its_angle_does_not_show() {
 #[test]
 fn fixed_parameters_stay_and_ranges_hold() {
     let mut structure = open(&PI_LAG);
-    structure.blocks[1].parameters[0] = crate::fixed_structure::Parameter::with_fixed_value(150.0);
+    structure.blocks[1].parameters[0] = crate::fixed_structure::BlockParameter::with_fixed_value(150.0);
     structure.blocks[0].parameters[1].range = Some([1.0, 2.0]);
     let plants = [servo(2.0, 80.0)];
     let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([1.0, 10.0]));

@@ -12,7 +12,7 @@
 use std::cell::RefCell;
 use std::f64::consts::PI;
 
-use counterpoise_controller::Signal;
+use counterpoise_controller::PathSignal;
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::response::Response;
 use counterpoise_lti::{Discretisation, StateSpace, c2d};
@@ -199,7 +199,7 @@ impl<'a> Weights<'a> {
         };
         let sampled = discretise(&design(self.plant, &specification)?, self.sampling)?;
         let linear = sampled.controller.linear(self.sampling.out_of_balance_kg_m)?;
-        Ok(hub_path(&linear, Signal::HubRate.reading().unwrap_or(1)).negate())
+        Ok(hub_path(&linear, PathSignal::HubRate.reading().unwrap_or(1)).negate())
     }
 }
 

@@ -6,8 +6,8 @@ use counterpoise_models::{
     Angles, FrictionLinearisation, LinearPlant, OperatingPoint, Parameters, Plant, reference,
 };
 use counterpoise_synth::{
-    Assembly, Basis, DesignPlant, FeedbackWeights, FeedforwardWeights, Knowledge, Reference, Specification,
-    Weight,
+    Assembly, DesignPlant, DisturbanceKnowledge, FeedbackWeights, FeedforwardBasis, FeedforwardWeights,
+    Reference, Specification, Weight,
 };
 
 /// The lumped reference rig, held at 0 rad, viscous friction, with its sensors and one sample of delay.
@@ -67,9 +67,9 @@ fn heave() -> FeedforwardWeights {
         error: Weight::Constant { gain: 300.0 },
         control: Weight::Quadratic { gain: 1.0, second_s2: 1e-4, first_s: 1.4e-2 },
         generator: low_pass(1.0, 20.0),
-        knowledge: Knowledge::Measured { noise: 2.5e-8 },
+        knowledge: DisturbanceKnowledge::Measured { noise: 2.5e-8 },
         output: None,
-        basis: Basis::OpenLoop,
+        basis: FeedforwardBasis::OpenLoop,
     }
 }
 
@@ -78,9 +78,9 @@ fn pitch() -> FeedforwardWeights {
         error: Weight::Constant { gain: 300.0 },
         control: Weight::QuadraticFreeAtZero { gain: 1.0, second_s2: 1e-4, first_s: 1.4e-2 },
         generator: low_pass(0.1, 12.0),
-        knowledge: Knowledge::Measured { noise: 4e-11 },
+        knowledge: DisturbanceKnowledge::Measured { noise: 4e-11 },
         output: None,
-        basis: Basis::OpenLoop,
+        basis: FeedforwardBasis::OpenLoop,
     }
 }
 

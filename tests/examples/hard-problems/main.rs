@@ -13,6 +13,7 @@ use counterpoise_linalg::{
     sparse::{Entry, Sparse},
 };
 use counterpoise_lti::{Descriptor, Discretisation, StateSpace, Timebase};
+use counterpoise_pipeline::wording::design_findings::describe_synthesis_error;
 use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
 use counterpoise_reduce::{LargeStructure, Method, Order, balred, balred_large, error_at, minimal};
 use counterpoise_synth::{Error as SynthesisError, Generalised, HInfinity, hinfsyn};
@@ -232,7 +233,7 @@ fn riccati(problem: &Value) -> Answer {
 fn generalised_riccati(problem: &Value) -> Answer {
     let get = |key| matrix(problem, key);
     let (Q, R) = (get("Q")?, get("R")?);
-    let weights = linalg::Weights { Q: &Q, R: &R, S: None };
+    let weights = linalg::CostWeights { Q: &Q, R: &R, S: None };
     let (A, E, B) = (get("A")?, get("E")?, get("B")?);
     solved(text(match problem["kind"].as_str() {
         Some("gcare") => linalg::gcare(&A, &E, &B, &weights),
@@ -293,7 +294,9 @@ fn hinfinity(problem: &Value) -> Answer {
     let count = |key| problem[key].as_u64().unwrap_or(0) as usize;
     let plant = text(Generalised::new(system(problem)?, count("controls"), count("measurements")))?;
     let found = match hinfsyn(&plant, number(problem, "tolerance", 1e-6)) {
-        Err(why @ SynthesisError::Refused(_)) => return Ok(json!({ "refused": why.to_string() })),
+        Err(why @ SynthesisError::Refused(_)) => {
+            return Ok(json!({ "refused": describe_synthesis_error(&why) }));
+        }
         other => text(other)?,
     };
     let HInfinity { controller: K, bound, achieved_norm, unreachable, trials, .. } = found;

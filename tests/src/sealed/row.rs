@@ -1,7 +1,7 @@
 //! How one answer stands to its sealed truth: a line of the score.
 
 use counterpoise_diagnose::findings::answer::{Answer, DiagnosisVerdict, Finding, Name};
-use counterpoise_diagnose::findings::channel_fits::{ChannelFit, Channels};
+use counterpoise_diagnose::findings::channel_fits::{Channels, PooledFit};
 use counterpoise_diagnose::library::EffectName;
 use counterpoise_recordings::{Channel, Recording};
 use serde::{Deserialize, Serialize};
@@ -187,7 +187,7 @@ fn errors(sealed: &Sealed, answer: &Answer) -> Vec<f64> {
 /// fault of the platform's own sensors changes no motion, and counts by the misfit that it makes.
 fn size(case: &Case, index: usize, answer: &Answer) -> f64 {
     if case.sealed.concealed[index].component.starts_with("platform") {
-        let over = |f: &ChannelFit| ((f.rms_error / f.floor).powi(2) - 1.0).max(0.0).sqrt();
+        let over = |f: &PooledFit| (f.pooled_residual_over_floor().powi(2) - 1.0).max(0.0).sqrt();
         return answer.fit.before.values().map(over).fold(0.0, f64::max);
     }
     let mut largest: f64 = 0.0;
@@ -209,7 +209,7 @@ fn size(case: &Case, index: usize, answer: &Answer) -> f64 {
 
 /// Mean ln(RMS / floor) of the channels, 0 at the floor.
 fn distance(channels: &Channels) -> f64 {
-    let sum: f64 = channels.values().map(|c| (c.rms_error / c.floor).max(1.0).ln()).sum();
+    let sum: f64 = channels.values().map(|c| c.pooled_residual_over_floor().max(1.0).ln()).sum();
     sum / channels.len().max(1) as f64
 }
 

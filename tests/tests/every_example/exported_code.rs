@@ -6,11 +6,11 @@ use std::process::Command;
 use std::sync::Mutex;
 
 use counterpoise_controller::{Controller, READINGS, SampledController};
-use counterpoise_export::Source::Unverified;
-use counterpoise_export::board::{CORES, Core};
+use counterpoise_export::ExportSource::Unverified;
+use counterpoise_export::board::{CORES, TargetCore};
 use counterpoise_export::host::{RUST_COMPILER, RUST_CRATE, count_differing, encode_requests, rust_replay};
 use counterpoise_export::{
-    File, FixedRunner, Numbers, Options, Precision, Ranges, Targets, c99, fixed_c99, plan_fixed_point,
+    CodeOptions, File, FixedRunner, Numbers, Precision, Ranges, Targets, c99, fixed_c99, plan_fixed_point,
     rust_crate, single_precision,
 };
 use counterpoise_models::plant::Plant;
@@ -53,7 +53,7 @@ fn drive(plant: &Plant, controller: &mut dyn SampledController, duration_s: f64)
 /// Compiles the C for this machine.
 fn compiled(test: &str, controller: &Controller, precision: Precision) -> PathBuf {
     let folder = folder(test);
-    let options = Options { name: "controller".into(), precision };
+    let options = CodeOptions { name: "controller".into(), precision };
     write(&folder, &c99(Unverified(controller), &provenance(), &options).unwrap());
     std::fs::write(folder.join("server.c"), server(&["controller".into()])).unwrap();
     let sources = ["server.c", "controller.c", "-o", "server"];
@@ -82,7 +82,7 @@ fn a_processor_in_the_simulated_loop_moves_the_rig_as_the_reference_does() {
     }
     let (plant, controller) = reference_rig();
     let folder = folder("rig_processor");
-    let files = c99(Unverified(&controller), &provenance(), &Options::single("controller")).unwrap();
+    let files = c99(Unverified(&controller), &provenance(), &CodeOptions::single("controller")).unwrap();
     write(&folder, &files);
     std::fs::write(folder.join("server.c"), server(&["controller".into()])).unwrap();
     let board = Path::new(env!("CARGO_MANIFEST_DIR")).join("../export/target");
@@ -195,7 +195,7 @@ struct Design {
 
 impl Design {
     /// Everything that is claimed of an example's generated code.
-    fn is_right(&self, cores: &[Core]) {
+    fn is_right(&self, cores: &[TargetCore]) {
         self.within_prediction();
         if self.name == REFERENCE {
             self.costs_nothing_in_any_numbers();
@@ -234,8 +234,8 @@ impl Design {
     fn kinds(&self) -> Vec<(Numbers, PathBuf)> {
         let c = &self.controller;
         let mut kinds = vec![
-            (Numbers::Double, c99(Unverified(c), &provenance(), &Options::double("axis")).unwrap()),
-            (Numbers::Single, c99(Unverified(c), &provenance(), &Options::single("axis")).unwrap()),
+            (Numbers::Double, c99(Unverified(c), &provenance(), &CodeOptions::double("axis")).unwrap()),
+            (Numbers::Single, c99(Unverified(c), &provenance(), &CodeOptions::single("axis")).unwrap()),
         ];
         match &self.compared.fixed {
             Ok(fixed) => {
@@ -284,7 +284,7 @@ impl Design {
         let folder = folder(&format!("example_{}_rust", self.name));
         write(
             &folder,
-            &rust_crate(Unverified(&self.controller), &provenance(), &Options::double("axis")).unwrap(),
+            &rust_crate(Unverified(&self.controller), &provenance(), &CodeOptions::double("axis")).unwrap(),
         );
         write(&folder, &[rust_replay(self.controller.parts().reading_count())]);
         let rustc =
@@ -389,7 +389,7 @@ fn the_reference_rigs_step_costs_what_its_multiplications_need() {
     let states = controller.programs().state_count();
     let needed = (2 * step.multiplications() + step.additions() + 2 * states) as u64;
     let guard = (GUARD_OF_STATE * states + GUARD_OF_READING * controller.parts().reading_count()) as u64;
-    let files = c99(Unverified(&controller), &provenance(), &Options::single("axis")).unwrap();
+    let files = c99(Unverified(&controller), &provenance(), &CodeOptions::single("axis")).unwrap();
     let found = target::cost(&CORES[0], "reference_rig", ("axis", Numbers::Single), &files);
     println!("{} multiplications, {} additions, {states} states", step.multiplications(), step.additions());
     println!("about {needed} instructions needed and at most {guard} for the guard, {found:?}");
@@ -404,7 +404,10 @@ fn every_language_of_the_example_compiles_without_a_word() {
     let known = Ranges::from_readings(&controller, &[readings(&run_of)], 4.0);
     let fixed = plan_fixed_point(&controller, &known, 1e-2, run_of.len()).unwrap();
     let folder = folder("rig_languages");
-    write(&folder, &rust_crate(Unverified(&controller), &provenance(), &Options::double("axis")).unwrap());
+    write(
+        &folder,
+        &rust_crate(Unverified(&controller), &provenance(), &CodeOptions::double("axis")).unwrap(),
+    );
     let rust = ["--edition=2021", "--crate-type=lib", "-Dwarnings", "axis/src/lib.rs"];
     run(Command::new("rustc").current_dir(&folder).args(rust));
     if !is_there("cc") {

@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use counterpoise_controller::{Controller, Parts, ProportionalIntegral, Signal as ControlSignal};
-use counterpoise_export::Source::Unverified;
+use counterpoise_controller::{Controller, Parts, PathSignal as ControlSignal, ProportionalIntegral};
+use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::fmi::{PlantUnit, controller_unit, pack_unit, plant_unit};
-use counterpoise_export::{File, Options};
+use counterpoise_export::{CodeOptions, File};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_models::plant::{OperatingPoint, Plant};
@@ -62,7 +62,7 @@ fn compiled(folder: &Path, name: &str, files: &[File]) -> Vec<u8> {
 
 /// Writes the units of a controller and of a plant, and what the studio's own loop of them does.
 fn write_loop(folder: &Path, plant: &Plant, controller: &Controller, scenario: &Scenario) {
-    let axis = controller_unit(Unverified(controller), &provenance(), &Options::double("axis")).unwrap();
+    let axis = controller_unit(Unverified(controller), &provenance(), &CodeOptions::double("axis")).unwrap();
     let rig = plant_unit(PlantUnit { plant, name: "rig" }, &provenance()).unwrap();
     let expected = Simulator::new(plant).unwrap().run(&mut controller.runner(), scenario).unwrap();
     std::fs::create_dir_all(folder).unwrap();

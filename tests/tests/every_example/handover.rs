@@ -6,7 +6,7 @@ use std::sync::Mutex;
 
 use counterpoise_controller::guard::{ALONE, REFUSED};
 use counterpoise_controller::{
-    COMMON_READINGS, Controller, Number, Readings, Runner, SampledController, Sensors, Status,
+    COMMON_READINGS, Controller, Number, Readings, Runner, SampledController, SensorUse, Status,
 };
 use counterpoise_export::{FixedRunner, Ranges, plan_fixed_point};
 use counterpoise_models::plant::Plant;
@@ -43,7 +43,7 @@ macro_rules! pass_on {
         }
 
         fn hand_over(&mut self) {
-            self.use_sensors(Sensors::FeedbackAlone);
+            self.use_sensors(SensorUse::FeedbackAlone);
         }
 
         fn says(&self) -> Status {

@@ -12,7 +12,7 @@ use super::balance::{CycleBalance, MeshBalance, Settled};
 use super::elements::{Elements, Learning, Linear, Sinusoid};
 use super::floor::Subject;
 use super::gap::gap_share;
-use super::regime::{Teeth, teeth};
+use super::regime::{Teeth, teeth_can_part};
 use crate::Error;
 use crate::linear::plant::port;
 use crate::tolerance::{
@@ -80,7 +80,7 @@ impl<'a> Balance<'a> {
         let start_rad_s = rest.least_stable_pole().map_or(1.0, |pole| rate_of(pole, period_s));
         Ok(Self {
             subject,
-            teeth: teeth(subject.case, point)?,
+            teeth: teeth_can_part(subject.case, point)?,
             pressed_nm: subject.case.plant.equilibrium(point).mesh_torque_nm.abs(),
             start_rad_s,
         })

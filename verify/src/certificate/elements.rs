@@ -1,14 +1,14 @@
 //! What stands for the nonlinear parts of the loop in one regime: an impedance at each joint, a share of the gear's stiffness, and a
 //! linear path for each friction observer.
 
-use counterpoise_controller::{Controller, FrictionObserver, Parts, Path, Scaling, Signal};
+use counterpoise_controller::{Controller, FrictionObserver, Parts, Path, PathSignal, Scaling};
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase, lft, poles, series};
 use counterpoise_models::Parameters;
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, Impedance, Plant, impedance};
 
-use super::Case;
+use super::CertifiedCase;
 use super::floor::Subject;
 use crate::Error;
 use crate::linear::SampledPlant;
@@ -87,7 +87,10 @@ impl Elements {
     ///
     /// # Errors
     /// Those of the controller.
-    pub fn observers_at_rest(case: &Case, controller: &Controller) -> Result<Vec<ObserverGain>, Error> {
+    pub fn observers_at_rest(
+        case: &CertifiedCase,
+        controller: &Controller,
+    ) -> Result<Vec<ObserverGain>, Error> {
         let parameters = case.plant.parameters();
         let (ratio, period_s) = (parameters.gearbox.ratio, parameters.interface.sample_period_s);
         controller.parts().observers.iter().map(|observer| small(observer, period_s, ratio)).collect()
@@ -102,7 +105,7 @@ impl Elements {
             Ok(Impedance { stiffness: 0.0, damping: law.steady_slope(rate, 1.0) })
         };
         let observer = |observer: &FrictionObserver| {
-            let rate = if observer.rate == Signal::MotorRate { ratio * rate_rad_s } else { rate_rad_s };
+            let rate = if observer.rate == PathSignal::MotorRate { ratio * rate_rad_s } else { rate_rad_s };
             let level = observer.coulomb_nm * level_slope(&observer.level, rate);
             ObserverGain { direct: observer.volts_per_nm * level, integral: 0.0 }
         };
@@ -123,7 +126,7 @@ impl Elements {
         let period_s = parameters.interface.sample_period_s;
         let gain = |observer: &FrictionObserver| {
             let felt = match observer.rate {
-                Signal::MotorRate => motion.rate_rad_s * motion.motor_over_hub,
+                PathSignal::MotorRate => motion.rate_rad_s * motion.motor_over_hub,
                 _ => motion.rate_rad_s,
             };
             observer_gain(observer, felt, frequency, period_s)
@@ -141,7 +144,7 @@ impl Elements {
 fn small(observer: &FrictionObserver, period_s: f64, ratio: f64) -> Result<ObserverGain, Error> {
     let frequency = 0.1 * std::f64::consts::PI / period_s;
     let stiffness = observer.rest_stiffness_nm_rad;
-    let side = if observer.rate == Signal::MotorRate { ratio } else { 1.0 };
+    let side = if observer.rate == PathSignal::MotorRate { ratio } else { 1.0 };
     let deflection =
         if stiffness > 0.0 { observer.coulomb_nm / stiffness } else { OBSERVER_SMALL_DEFLECTION_RAD * side };
     observer_gain(observer, OBSERVER_SMALL_SHARE * deflection * frequency, frequency, period_s)
@@ -163,14 +166,14 @@ fn observer_gain(
     frequency_rad_s: f64,
     period_s: f64,
 ) -> Result<ObserverGain, Error> {
-    if observer.rate == Signal::Demand {
+    if observer.rate == PathSignal::Demand {
         return Ok(ObserverGain::default());
     }
     let samples = (std::f64::consts::TAU / (frequency_rad_s * period_s)).round() as usize;
     let samples = samples.clamp(OBSERVER_SAMPLES[0], OBSERVER_SAMPLES[1]);
     let angle = std::f64::consts::TAU / samples as f64;
     let reading = observer.rate.reading().unwrap_or(1);
-    let sign = if observer.rate == Signal::RateError { -1.0 } else { 1.0 };
+    let sign = if observer.rate == PathSignal::RateError { -1.0 } else { 1.0 };
     let mut parts = Parts::new(period_s, UNLIMITED_V);
     let alone = FrictionObserver { viscous_v_s_rad: 0.0, ..observer.clone() };
     parts.observers.push(alone);

@@ -4,7 +4,7 @@ use counterpoise_controller::Controller;
 use counterpoise_models::{ControlledQuantity, QuantityKind};
 use counterpoise_simulate::history::TrueColumns;
 
-use super::Case;
+use super::CertifiedCase;
 use crate::Procedure;
 use crate::signals::rms;
 use crate::signals::statistics::subtract_mean;
@@ -30,7 +30,7 @@ impl ReadingNoise {
 
 /// A case with the controller and the procedure.
 pub(crate) struct Subject<'a> {
-    pub(crate) case: &'a Case,
+    pub(crate) case: &'a CertifiedCase,
     pub(crate) controller: &'a Controller,
     pub(crate) procedure: &'a Procedure,
     /// What its noise floor is made of.

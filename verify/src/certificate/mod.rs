@@ -37,7 +37,7 @@ use floor::Subject;
 pub use balance::CycleBalance;
 pub use cycle::Cycle;
 pub use floor::ReadingNoise;
-pub use multiplier::Criterion;
+pub use multiplier::StabilityCriterion;
 pub use orbit::Orbit;
 pub use prediction::Prediction;
 pub use regime::{Regime, RegimeLoop, Teeth};
@@ -50,7 +50,7 @@ use crate::{Error, Procedure};
 
 /// A mechanism with the out-of-balance that is set in the controller: the design's own, or another one of the schedule.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Case {
+pub struct CertifiedCase {
     /// Name, for reports: that of the configuration.
     pub name: String,
     /// The mechanism.
@@ -111,12 +111,12 @@ pub struct CaseCertificate {
 
 /// The certificate over all cases.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Certificate {
+pub struct StabilityCertificate {
     /// The cases, the design's own first.
     pub cases: Vec<CaseCertificate>,
 }
 
-impl Certificate {
+impl StabilityCertificate {
     /// Returns the worst case: unstable before a limit cycle before what is not predicted before stable, then the case whose worst
     /// regime is nearest to instability. `None` without cases.
     pub fn worst(&self) -> Option<&CaseCertificate> {
@@ -155,14 +155,18 @@ impl CaseCertificate {
 ///
 /// # Errors
 /// Those of the models, the linear loop and the simulator; a motion that diverges is a result.
-pub fn certify(controller: &Controller, procedure: &Procedure, cases: &[Case]) -> Result<Certificate, Error> {
-    let certified = |case: &Case| {
+pub fn certify(
+    controller: &Controller,
+    procedure: &Procedure,
+    cases: &[CertifiedCase],
+) -> Result<StabilityCertificate, Error> {
+    let certified = |case: &CertifiedCase| {
         let noise = ReadingNoise::default();
         let mut subject = Subject { case, controller, procedure, noise };
         subject.noise = rounding::reading_noise(&subject)?;
         certify_case(&subject)
     };
-    Ok(Certificate { cases: cases.iter().map(certified).collect::<Result<_, Error>>()? })
+    Ok(StabilityCertificate { cases: cases.iter().map(certified).collect::<Result<_, Error>>()? })
 }
 
 fn certify_case(subject: &Subject<'_>) -> Result<CaseCertificate, Error> {

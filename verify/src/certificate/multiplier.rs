@@ -22,12 +22,12 @@
 use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_linalg::{C64, CMat, Cone, ConeProgram};
 
-use crate::structured::taylor::{Interval, Taylor};
+use crate::structured::taylor::{RateInterval, Taylor};
 use crate::tolerance::{HOPELESS_EIGENVALUE, KERNELS, MULTIPLIER_SPLITS, MULTIPLIER_START, NEGLIGIBLE_TERM};
 
 /// What is known about the friction at a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Knowledge {
+pub enum FrictionKnowledge {
     /// It takes energy out of the motion.
     Dissipates,
     /// It is a function of the rate, of the rate's sign.
@@ -40,7 +40,7 @@ pub enum Knowledge {
 
 /// The strongest criterion that a proof needed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Criterion {
+pub enum StabilityCriterion {
     /// Passivity.
     Passivity,
     /// The circle criterion on the presliding stiffness.
@@ -51,32 +51,32 @@ pub enum Criterion {
     ZamesFalb,
 }
 
-impl Criterion {
+impl StabilityCriterion {
     /// Returns the key of the criterion in results.
     pub fn key(self) -> &'static str {
         match self {
-            Criterion::Passivity => "passivity",
-            Criterion::Circle => "circle",
-            Criterion::Popov => "popov",
-            Criterion::ZamesFalb => "zames-falb",
+            StabilityCriterion::Passivity => "passivity",
+            StabilityCriterion::Circle => "circle",
+            StabilityCriterion::Popov => "popov",
+            StabilityCriterion::ZamesFalb => "zames-falb",
         }
     }
 }
 
 /// A term of N at one joint, with its weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Term {
+pub struct MultiplierTerm {
     /// Joint.
     pub joint: usize,
     /// Which term.
-    pub kind: Kind,
+    pub kind: TermKind,
     /// Weight, 0 or more.
     pub weight: f64,
 }
 
 /// A kind of term.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Kind {
+pub enum TermKind {
     /// 1.
     Constant,
     /// j w / reference, with a sign.
@@ -96,18 +96,18 @@ pub enum Kind {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Multiplier {
     /// Its terms.
-    pub terms: Vec<Term>,
+    pub terms: Vec<MultiplierTerm>,
     /// Rate by which derivatives are divided, rad/s.
     pub reference_rad_s: f64,
     joints: usize,
 }
 
 /// H over an interval.
-pub type Loop<'a> = dyn Fn(Interval) -> Option<Vec<Vec<Taylor>>> + 'a;
+pub type LoopOverInterval<'a> = dyn Fn(RateInterval) -> Option<Vec<Vec<Taylor>>> + 'a;
 
 /// How a check between points ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Proof {
+pub enum ProofOutcome {
     /// It holds at every frequency of the range.
     Holds {
         /// Least eigenvalue over the largest modulus of an eigenvalue, over all intervals.
@@ -125,7 +125,7 @@ pub enum Proof {
 
 impl Multiplier {
     /// The matrix N H + (N H)^* + R over an interval, as (0, 0), (1, 1) and (0, 1) entry; with one joint the last two are empty.
-    fn form(&self, H: &[Vec<Taylor>], over: Interval) -> [Taylor; 3] {
+    fn form(&self, H: &[Vec<Taylor>], over: RateInterval) -> [Taylor; 3] {
         let n: Vec<Taylor> = (0..self.joints).map(|joint| self.at(joint, over)).collect();
         let none = Taylor::constant(C64::new(0.0, 0.0), over);
         let own = |k: usize| {
@@ -139,7 +139,7 @@ impl Multiplier {
     }
 
     /// Returns N at a joint over an interval.
-    pub fn at(&self, joint: usize, over: Interval) -> Taylor {
+    pub fn at(&self, joint: usize, over: RateInterval) -> Taylor {
         let own = self.terms.iter().filter(|term| term.joint == joint);
         own.fold(Taylor::constant(C64::new(0.0, 0.0), over), |sum, term| {
             sum + term.kind.multiplier(self.reference_rad_s, over) * term.weight
@@ -147,7 +147,7 @@ impl Multiplier {
     }
 
     /// R at a joint over an interval.
-    fn residue(&self, joint: usize, over: Interval) -> Taylor {
+    fn residue(&self, joint: usize, over: RateInterval) -> Taylor {
         let own = self.terms.iter().filter(|term| term.joint == joint);
         let factor: f64 = own.map(|term| term.weight * term.kind.residue(self.reference_rad_s)).sum();
         let (w, half) = (over.middle_rad_s, over.half_rad_s);
@@ -160,7 +160,7 @@ impl Multiplier {
     }
 
     /// Returns the matrix of the condition at a rate.
-    pub fn matrix(&self, H: &[Vec<Taylor>], over: Interval) -> CMat {
+    pub fn matrix(&self, H: &[Vec<Taylor>], over: RateInterval) -> CMat {
         let [a, d, b] = self.form(H, over);
         CMat::from_fn(self.joints, self.joints, |i, j| match (i, j) {
             (0, 0) => a.value,
@@ -172,11 +172,11 @@ impl Multiplier {
 
     /// Returns whether the condition holds at every rate of a range: the range is halved until it does in each interval. The tangent
     /// is a Hermitian matrix whose least eigenvalue is a concave function of the rate, so that its ends decide.
-    pub fn proves(&self, H: &Loop<'_>, [low, high]: [f64; 2]) -> Proof {
+    pub fn proves(&self, H: &LoopOverInterval<'_>, [low, high]: [f64; 2]) -> ProofOutcome {
         let mut open = vec![[low, high]];
         let (mut least, mut rate_rad_s, mut intervals) = (f64::INFINITY, low, 0);
         while let Some([from, to]) = open.pop() {
-            let over = Interval { middle_rad_s: 0.5 * (from + to), half_rad_s: 0.5 * (to - from) };
+            let over = RateInterval { middle_rad_s: 0.5 * (from + to), half_rad_s: 0.5 * (to - from) };
             intervals += 1;
             if let Some(found) = H(over) {
                 let form = self.form(&found, over);
@@ -188,7 +188,7 @@ impl Multiplier {
                 let middle = form.map(|entry| entry.value);
                 let (here, size) = (smallest(middle, self.joints), largest(middle, self.joints));
                 if here <= 0.0 {
-                    return Proof::FailsAt(over.middle_rad_s);
+                    return ProofOutcome::FailsAt(over.middle_rad_s);
                 }
                 if bound > 0.0 {
                     if bound / size < least {
@@ -199,25 +199,25 @@ impl Multiplier {
             }
             let middle = (from * to).sqrt();
             if !(from < middle && middle < to) {
-                return Proof::FailsAt(middle);
+                return ProofOutcome::FailsAt(middle);
             }
             if intervals > MULTIPLIER_SPLITS {
-                return Proof::Narrow(middle);
+                return ProofOutcome::Narrow(middle);
             }
             open.extend([[middle, to], [from, middle]]);
         }
-        Proof::Holds { least, rate_rad_s, intervals }
+        ProofOutcome::Holds { least, rate_rad_s, intervals }
     }
 
     /// Returns the strongest criterion among the terms that matter.
-    pub fn criterion(&self) -> Criterion {
-        let of = |term: &Term| match term.kind {
-            Kind::Constant => Criterion::Passivity,
-            Kind::Stiffness(_) => Criterion::Circle,
-            Kind::Derivative(_) => Criterion::Popov,
-            Kind::Kernel { .. } => Criterion::ZamesFalb,
+    pub fn criterion(&self) -> StabilityCriterion {
+        let of = |term: &MultiplierTerm| match term.kind {
+            TermKind::Constant => StabilityCriterion::Passivity,
+            TermKind::Stiffness(_) => StabilityCriterion::Circle,
+            TermKind::Derivative(_) => StabilityCriterion::Popov,
+            TermKind::Kernel { .. } => StabilityCriterion::ZamesFalb,
         };
-        self.terms.iter().map(of).max().unwrap_or(Criterion::Passivity)
+        self.terms.iter().map(of).max().unwrap_or(StabilityCriterion::Passivity)
     }
 }
 
@@ -237,13 +237,13 @@ fn largest([a, d, b]: [C64; 3], joints: usize) -> f64 {
     0.5 * (a.re + d.re).abs() + (0.25 * (a.re - d.re).powi(2) + b.norm_sqr()).sqrt()
 }
 
-impl Kind {
-    fn multiplier(self, reference_rad_s: f64, over: Interval) -> Taylor {
+impl TermKind {
+    fn multiplier(self, reference_rad_s: f64, over: RateInterval) -> Taylor {
         match self {
-            Kind::Constant => Taylor::constant(C64::new(1.0, 0.0), over),
-            Kind::Derivative(sign) => Taylor::derivative(sign / reference_rad_s, over),
-            Kind::Stiffness(_) => Taylor::derivative(-1.0 / reference_rad_s, over),
-            Kind::Kernel { corner_rad_s, sign } => {
+            TermKind::Constant => Taylor::constant(C64::new(1.0, 0.0), over),
+            TermKind::Derivative(sign) => Taylor::derivative(sign / reference_rad_s, over),
+            TermKind::Stiffness(_) => Taylor::derivative(-1.0 / reference_rad_s, over),
+            TermKind::Kernel { corner_rad_s, sign } => {
                 let one = Taylor::constant(C64::new(1.0, 0.0), over);
                 (one + Taylor::derivative(1.0 / corner_rad_s, over)).recip() * -sign
             }
@@ -253,7 +253,7 @@ impl Kind {
     /// The factor of w^2 in R.
     fn residue(self, reference_rad_s: f64) -> f64 {
         match self {
-            Kind::Stiffness(stiffness) => 2.0 / (reference_rad_s * stiffness),
+            TermKind::Stiffness(stiffness) => 2.0 / (reference_rad_s * stiffness),
             _ => 0.0,
         }
     }
@@ -263,30 +263,32 @@ impl Kind {
 #[derive(Debug, Clone, Copy)]
 struct JointKind {
     joint: usize,
-    kind: Kind,
+    kind: TermKind,
 }
 
 /// The terms that what is known allows, up to a criterion.
-fn allowed(known: &[Knowledge], most: Criterion, reference_rad_s: f64) -> Vec<JointKind> {
+fn allowed(known: &[FrictionKnowledge], most: StabilityCriterion, reference_rad_s: f64) -> Vec<JointKind> {
     let mut all = Vec::new();
     for (joint, known) in known.iter().enumerate() {
-        all.push(JointKind { joint, kind: Kind::Constant });
+        all.push(JointKind { joint, kind: TermKind::Constant });
         match *known {
-            Knowledge::Stiffness(most_nm_rad) if most >= Criterion::Circle => {
-                all.push(JointKind { joint, kind: Kind::Stiffness(most_nm_rad) });
+            FrictionKnowledge::Stiffness(most_nm_rad) if most >= StabilityCriterion::Circle => {
+                all.push(JointKind { joint, kind: TermKind::Stiffness(most_nm_rad) });
             }
-            Knowledge::FunctionOfRate | Knowledge::Rises if most >= Criterion::Popov => {
-                all.extend([1.0, -1.0].map(|sign| JointKind { joint, kind: Kind::Derivative(sign) }));
+            FrictionKnowledge::FunctionOfRate | FrictionKnowledge::Rises
+                if most >= StabilityCriterion::Popov =>
+            {
+                all.extend([1.0, -1.0].map(|sign| JointKind { joint, kind: TermKind::Derivative(sign) }));
             }
             _ => {}
         }
-        if *known == Knowledge::Rises && most >= Criterion::ZamesFalb {
+        if *known == FrictionKnowledge::Rises && most >= StabilityCriterion::ZamesFalb {
             for k in 0..KERNELS {
                 let corner_rad_s = reference_rad_s * 10f64.powf(4.0 * k as f64 / (KERNELS - 1) as f64 - 2.0);
                 for (ahead, sign) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
                     all.push(JointKind {
                         joint,
-                        kind: Kind::Kernel { corner_rad_s: ahead * corner_rad_s, sign },
+                        kind: TermKind::Kernel { corner_rad_s: ahead * corner_rad_s, sign },
                     });
                 }
             }
@@ -296,12 +298,14 @@ fn allowed(known: &[Knowledge], most: Criterion, reference_rad_s: f64) -> Vec<Jo
 }
 
 /// Returns whether a criterion has a term that weaker ones lack.
-pub fn adds_terms(known: &[Knowledge], most: Criterion) -> bool {
-    let added = |known: &Knowledge| match (most, *known) {
-        (Criterion::Passivity, _) => true,
-        (Criterion::Circle, known) => matches!(known, Knowledge::Stiffness(_)),
-        (Criterion::Popov, known) => matches!(known, Knowledge::FunctionOfRate | Knowledge::Rises),
-        (Criterion::ZamesFalb, known) => known == Knowledge::Rises,
+pub fn adds_terms(known: &[FrictionKnowledge], most: StabilityCriterion) -> bool {
+    let added = |known: &FrictionKnowledge| match (most, *known) {
+        (StabilityCriterion::Passivity, _) => true,
+        (StabilityCriterion::Circle, known) => matches!(known, FrictionKnowledge::Stiffness(_)),
+        (StabilityCriterion::Popov, known) => {
+            matches!(known, FrictionKnowledge::FunctionOfRate | FrictionKnowledge::Rises)
+        }
+        (StabilityCriterion::ZamesFalb, known) => known == FrictionKnowledge::Rises,
     };
     known.iter().any(added)
 }
@@ -322,7 +326,12 @@ pub struct Best {
 /// up.
 ///
 /// H is expected with diagonal entries of like size in every joint.
-pub fn search(known: &[Knowledge], most: Criterion, H: &[Vec<Vec<Taylor>>], rates: &[f64]) -> Option<Best> {
+pub fn search_multiplier(
+    known: &[FrictionKnowledge],
+    most: StabilityCriterion,
+    H: &[Vec<Vec<Taylor>>],
+    rates: &[f64],
+) -> Option<Best> {
     let size = |at: &Vec<Vec<Taylor>>| {
         at.iter().flatten().map(|entry| entry.value.norm_sqr()).sum::<f64>().sqrt().max(f64::MIN_POSITIVE)
     };
@@ -333,7 +342,7 @@ pub fn search(known: &[Knowledge], most: Criterion, H: &[Vec<Vec<Taylor>>], rate
     let kinds = allowed(known, most, reference_rad_s);
     let joints = known.len();
     let one = |&JointKind { joint, kind }: &JointKind| Multiplier {
-        terms: vec![Term { joint, kind, weight: 1.0 }],
+        terms: vec![MultiplierTerm { joint, kind, weight: 1.0 }],
         reference_rad_s,
         joints,
     };
@@ -345,7 +354,7 @@ pub fn search(known: &[Knowledge], most: Criterion, H: &[Vec<Vec<Taylor>>], rate
     }
     let before = program.0.rows();
     for ((at, rate), size) in H.iter().zip(rates).zip(&sizes) {
-        let over = Interval { middle_rad_s: *rate, half_rad_s: 0.0 };
+        let over = RateInterval { middle_rad_s: *rate, half_rad_s: 0.0 };
         let forms: Vec<[C64; 3]> =
             each.iter().map(|alone| alone.form(at, over).map(|entry| entry.value)).collect();
         program.positive(&forms, size * size / most_size, joints);
@@ -355,7 +364,7 @@ pub fn search(known: &[Knowledge], most: Criterion, H: &[Vec<Vec<Taylor>>], rate
     let prices = solved.prices.iter().skip(before).step_by(rows_at_each);
     let costliest = prices.zip(rates).max_by(|a, b| a.0.total_cmp(b.0))?;
     let terms = kinds.iter().zip(&solved.x).filter(|(_, weight)| **weight > NEGLIGIBLE_TERM);
-    let terms = terms.map(|(of, weight)| Term { joint: of.joint, kind: of.kind, weight: *weight });
+    let terms = terms.map(|(of, weight)| MultiplierTerm { joint: of.joint, kind: of.kind, weight: *weight });
     let multiplier = Multiplier { terms: terms.collect(), reference_rad_s, joints };
     // no multiplier has a larger least eigenvalue than the dual value with its sign changed
     Some(Best { multiplier, costliest_rad_s: *costliest.1, is_hopeless: -solved.dual < HOPELESS_EIGENVALUE })
@@ -392,8 +401,8 @@ impl Program {
         let own = kinds.iter().enumerate().filter(|(_, of)| of.joint == joint);
         let entries: Vec<VectorEntry> = own
             .filter_map(|(k, of)| match of.kind {
-                Kind::Constant => Some(VectorEntry::new(k, -1.0)),
-                Kind::Kernel { .. } => Some(VectorEntry::new(k, 1.0)),
+                TermKind::Constant => Some(VectorEntry::new(k, -1.0)),
+                TermKind::Kernel { .. } => Some(VectorEntry::new(k, 1.0)),
                 _ => None,
             })
             .collect();

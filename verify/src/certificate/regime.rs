@@ -3,7 +3,7 @@
 use counterpoise_lti::{StateSpace, candidate_margins};
 use counterpoise_models::friction::FrictionModel;
 
-use super::Case;
+use super::CertifiedCase;
 use super::elements::{Elements, Learning, Linear};
 use super::floor::Subject;
 use crate::Error;
@@ -118,7 +118,10 @@ impl RegimeLoop {
 ///
 /// # Errors
 /// Friction parameters out of range.
-pub fn teeth(case: &Case, subject_point: &counterpoise_models::OperatingPoint) -> Result<Teeth, Error> {
+pub fn teeth_can_part(
+    case: &CertifiedCase,
+    subject_point: &counterpoise_models::OperatingPoint,
+) -> Result<Teeth, Error> {
     let parameters = case.plant.parameters();
     if parameters.gearbox.backlash_rad == 0.0 {
         return Ok(Teeth::WithoutGap);
@@ -143,7 +146,7 @@ pub(super) fn loops(subject: &Subject<'_>) -> Result<Vec<RegimeLoop>, Error> {
     }
     let one = |(regime, elements)| loop_in(subject, regime, elements);
     let mut all = regimes.into_iter().map(one).collect::<Result<Vec<_>, Error>>()?;
-    if teeth(subject.case, &subject.procedure.operating_point)? == Teeth::CanOpen {
+    if teeth_can_part(subject.case, &subject.procedure.operating_point)? == Teeth::CanOpen {
         let open = Elements { mesh_share: OPEN, ..rest };
         all.push(loop_in(subject, Regime::TeethOpen, &open)?);
     }

@@ -20,21 +20,23 @@ use counterpoise_models::{Friction, FrictionLaw};
 
 use super::elements::{ObserverGain, quasi_linear};
 use super::floor::Subject;
-use super::multiplier::{Best, Criterion, Knowledge, Multiplier, Proof, adds_terms, search};
-use super::regime::{Teeth, grid_rad_s, teeth};
+use super::multiplier::{
+    Best, FrictionKnowledge, Multiplier, ProofOutcome, StabilityCriterion, adds_terms, search_multiplier,
+};
+use super::regime::{Teeth, grid_rad_s, teeth_can_part};
 use crate::Error;
 use crate::structured::closing::{GainErrors, outermost_pole};
 use crate::structured::factor::Factor;
 use crate::structured::loops::{Pieces, PulledLoop, Uncertain, UncertainLoop};
-use crate::structured::places::{Dry, Place, without_dry};
-use crate::structured::taylor::{Interval, Taylor};
+use crate::structured::places::{LinearisedDryFriction, Place, without_dry};
+use crate::structured::taylor::{RateInterval, Taylor};
 use crate::tolerance::{ALIASES, MULTIPLIER_RANGE, MULTIPLIER_ROUNDS};
 
 /// What the sector argument says about a loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SectorProof {
     /// The strongest criterion that was needed, or tried in vain.
-    pub criterion: Criterion,
+    pub criterion: StabilityCriterion,
     /// Least eigenvalue of the condition over its largest, over all frequencies; above 0 the condition holds at every one of them.
     pub least: f64,
     /// Frequency at which it is least, or fails, Hz.
@@ -64,24 +66,24 @@ impl SectorProof {
 }
 
 /// What is known of a friction; `None` if it may give energy.
-fn knowledge(friction: &Friction) -> Result<Option<Knowledge>, Error> {
+fn knowledge(friction: &Friction) -> Result<Option<FrictionKnowledge>, Error> {
     let plain = friction.static_ratio <= 1.0;
     if FrictionModel::new(friction)?.is_modulated() {
-        return Ok(memoryless(&friction.law).then_some(Knowledge::Dissipates));
+        return Ok(memoryless(&friction.law).then_some(FrictionKnowledge::Dissipates));
     }
     Ok(match friction.law {
-        FrictionLaw::None => Some(Knowledge::Rises),
+        FrictionLaw::None => Some(FrictionKnowledge::Rises),
         FrictionLaw::Dahl { rest_stiffness_nm_rad, exponent, .. } => plain.then(|| {
             // 1 - F / F_c sgn w with the levels of the two directions: at most 2 / (1 - asymmetry)
             let most = 2.0 / (1.0 - friction.asymmetry.abs());
-            Knowledge::Stiffness(rest_stiffness_nm_rad * most.powf(exponent))
+            FrictionKnowledge::Stiffness(rest_stiffness_nm_rad * most.powf(exponent))
         }),
-        FrictionLaw::Coulomb { .. } if plain && friction.asymmetry == 0.0 => Some(Knowledge::Rises),
-        FrictionLaw::Coulomb { .. } | FrictionLaw::Stribeck { .. } => Some(Knowledge::FunctionOfRate),
-        FrictionLaw::Lugre { .. } => plain.then_some(Knowledge::Dissipates),
+        FrictionLaw::Coulomb { .. } if plain && friction.asymmetry == 0.0 => Some(FrictionKnowledge::Rises),
+        FrictionLaw::Coulomb { .. } | FrictionLaw::Stribeck { .. } => Some(FrictionKnowledge::FunctionOfRate),
+        FrictionLaw::Lugre { .. } => plain.then_some(FrictionKnowledge::Dissipates),
         FrictionLaw::Walrath { .. } => None,
         FrictionLaw::ResetIntegrator { .. } | FrictionLaw::Karnopp { .. } | FrictionLaw::Bristle { .. } => {
-            Some(Knowledge::Dissipates)
+            Some(FrictionKnowledge::Dissipates)
         }
     })
 }
@@ -96,10 +98,10 @@ fn memoryless(law: &FrictionLaw) -> bool {
 pub(super) fn prove(subject: &Subject<'_>) -> Result<Option<SectorProof>, Error> {
     let parts = subject.controller.parts();
     let fed_back =
-        parts.observers.iter().any(|observer| observer.rate != counterpoise_controller::Signal::Demand);
+        parts.observers.iter().any(|observer| observer.rate != counterpoise_controller::PathSignal::Demand);
     let parameters = subject.case.plant.parameters();
     let point = &subject.procedure.operating_point;
-    let teeth = teeth(subject.case, point)?;
+    let teeth = teeth_can_part(subject.case, point)?;
     let curved = !parts.drive_curve.is_empty()
         || !parameters.amplifier.map.is_empty()
         || parameters.amplifier.dead_zone_v != 0.0;
@@ -115,9 +117,9 @@ pub(super) fn prove(subject: &Subject<'_>) -> Result<Option<SectorProof>, Error>
     let [Some(motor), Some(pivot)] = [knowledge(laws[0])?, knowledge(laws[1])?] else { return Ok(None) };
     let gains = vec![ObserverGain::default(); parts.observers.len()];
     let controller = quasi_linear(subject.controller, &gains)?;
-    let rates = Dry { viscous: [-1.0; 2], springs: [0.0; 2] };
+    let rates = LinearisedDryFriction { viscous: [-1.0; 2], springs: [0.0; 2] };
     let nominal = without_dry(parameters, [0.0; 2]);
-    let still = Dry { viscous: [0.0; 2], springs: [0.0; 2] };
+    let still = LinearisedDryFriction { viscous: [0.0; 2], springs: [0.0; 2] };
     let exact = GainErrors { at: [C64::new(0.0, 0.0); 2], rate_rad_s: 1.0 };
     if outermost_pole(&nominal, &still, &controller, point, &exact)?.norm() >= 1.0 {
         return Ok(None);
@@ -137,24 +139,24 @@ const COARSER: usize = 4;
 struct Scaled<'a> {
     pulled: &'a UncertainLoop,
     units: [f64; 2],
-    known: [Knowledge; 2],
+    known: [FrictionKnowledge; 2],
 }
 
 impl<'a> Scaled<'a> {
-    fn new(pulled: &'a UncertainLoop, known: [Knowledge; 2]) -> Result<Self, Error> {
+    fn new(pulled: &'a UncertainLoop, known: [FrictionKnowledge; 2]) -> Result<Self, Error> {
         let all = pulled.at(&grid_rad_s(pulled.sample_period_s()))?;
         let units = [0, 1].map(|k| {
             let most = all.iter().map(|H| H[(k, k)].norm()).fold(f64::MIN_POSITIVE, f64::max);
             most.sqrt().recip()
         });
         let in_units = |k: usize| match known[k] {
-            Knowledge::Stiffness(most) => Knowledge::Stiffness(most / units[k].powi(2)),
+            FrictionKnowledge::Stiffness(most) => FrictionKnowledge::Stiffness(most / units[k].powi(2)),
             other => other,
         };
         Ok(Self { pulled, units, known: [in_units(0), in_units(1)] })
     }
 
-    fn pieces(&self, over: Interval) -> Option<Pieces> {
+    fn pieces(&self, over: RateInterval) -> Option<Pieces> {
         let mut found = self.pulled.pieces_over(over)?;
         for k in 0..2 {
             found.control[k] = found.control[k] * self.units[k];
@@ -164,7 +166,7 @@ impl<'a> Scaled<'a> {
         Some(found)
     }
 
-    fn at(&self, over: Interval) -> Option<Vec<Vec<Taylor>>> {
+    fn at(&self, over: RateInterval) -> Option<Vec<Vec<Taylor>>> {
         Some(whole(&self.pieces(over)?))
     }
 
@@ -175,7 +177,7 @@ impl<'a> Scaled<'a> {
         let range = [MULTIPLIER_RANGE[0] * std::f64::consts::TAU, MULTIPLIER_RANGE[1] * nyquist];
         let hertz = |rate: f64| rate / std::f64::consts::TAU;
         let mut found = SectorProof {
-            criterion: Criterion::Passivity,
+            criterion: StabilityCriterion::Passivity,
             least: f64::NEG_INFINITY,
             frequency_hz: 0.0,
             intervals: 0,
@@ -186,13 +188,18 @@ impl<'a> Scaled<'a> {
             units: self.units,
             pulled: self.pulled.pulled_loop(),
         };
-        for most in [Criterion::Passivity, Criterion::Circle, Criterion::Popov, Criterion::ZamesFalb] {
+        for most in [
+            StabilityCriterion::Passivity,
+            StabilityCriterion::Circle,
+            StabilityCriterion::Popov,
+            StabilityCriterion::ZamesFalb,
+        ] {
             found.criterion = most;
             if !adds_terms(&self.known, most) {
                 continue;
             }
             let (tried, failed) = self.searched(most, range);
-            if let Some((multiplier, Proof::Holds { least, rate_rad_s, intervals })) = tried {
+            if let Some((multiplier, ProofOutcome::Holds { least, rate_rad_s, intervals })) = tried {
                 found.criterion = multiplier.criterion();
                 (found.least, found.frequency_hz, found.intervals) = (least, hertz(rate_rad_s), intervals);
                 found.aliases = self.aliases(&multiplier, nyquist);
@@ -207,7 +214,7 @@ impl<'a> Scaled<'a> {
 
     /// Searches a multiplier on a grid, to which the rate at which it failed is added, until it holds or none can; and that rate. What none can
     /// hold at every fourth point of the grid, none can at all of them.
-    fn searched(&self, most: Criterion, range: [f64; 2]) -> (Option<(Multiplier, Proof)>, f64) {
+    fn searched(&self, most: StabilityCriterion, range: [f64; 2]) -> (Option<(Multiplier, ProofOutcome)>, f64) {
         let mut rates = grid_between(range);
         let few: Vec<f64> = rates.iter().copied().step_by(COARSER).collect();
         let mut failed = range[0];
@@ -223,12 +230,12 @@ impl<'a> Scaled<'a> {
                 break;
             }
             match best.multiplier.proves(&|over| self.at(over), range) {
-                Proof::FailsAt(rate) => {
+                ProofOutcome::FailsAt(rate) => {
                     failed = rate;
                     rates.push(rate);
                 }
                 // Another multiplier for one more rate holds as narrowly.
-                Proof::Narrow(rate) => return (None, rate),
+                ProofOutcome::Narrow(rate) => return (None, rate),
                 holds => return (Some((best.multiplier, holds)), failed),
             }
         }
@@ -236,10 +243,10 @@ impl<'a> Scaled<'a> {
     }
 
     /// The best multiplier at some rates; `None` at a pole or if the solver gives up.
-    fn best(&self, most: Criterion, rates: &[f64]) -> Option<Best> {
-        let point = |rate: &f64| self.at(Interval { middle_rad_s: *rate, half_rad_s: 0.0 });
+    fn best(&self, most: StabilityCriterion, rates: &[f64]) -> Option<Best> {
+        let point = |rate: &f64| self.at(RateInterval { middle_rad_s: *rate, half_rad_s: 0.0 });
         let all = rates.iter().map(point).collect::<Option<Vec<_>>>()?;
-        search(&self.known, most, &all, rates)
+        search_multiplier(&self.known, most, &all, rates)
     }
 
     /// The bound of what passes through aliases: 4 sum over j != k of b_k^2 r_j^2 at its largest over the frequencies below half the
@@ -265,7 +272,7 @@ impl<'a> Scaled<'a> {
 
     /// |Q^-1/2 N control|^2 and |Q^-1/2 reading|^2 at a rate; `None` at a pole.
     fn sizes(&self, multiplier: &Multiplier, rate: f64) -> Option<[f64; 2]> {
-        let over = Interval { middle_rad_s: rate, half_rad_s: 0.0 };
+        let over = RateInterval { middle_rad_s: rate, half_rad_s: 0.0 };
         let pieces = self.pieces(over)?;
         let Q = multiplier.matrix(&whole(&pieces), over);
         let weighed = |column: [C64; 2]| -> Option<f64> {

@@ -24,7 +24,7 @@ use crate::history::History;
 use crate::line_of_sight::SightAngles;
 use crate::linear::closed_loop::resolver_use;
 use crate::linear::noise::{NoiseEntry, NoiseResponse, noise_responses};
-use crate::linear::{Closed, SampledPlant, arrange, disturbance, surge::acting_arrangement};
+use crate::linear::{Closed, SampledPlant, arrange_controller, disturbance, surge::acting_arrangement};
 use crate::sight_spectrum::{Bands, SightSpectrum};
 use crate::tolerance::SIGHT_POINTS_A_BAND;
 use crate::{Arrangement, Error, HeaveAndPitch, LineOfSight, Procedure, Source};
@@ -119,7 +119,8 @@ impl<'a> Propagation<'a> {
         if closed.pole_radius() >= 1.0 {
             return Ok(None);
         }
-        let meets_surge = arrange(controller, acting_arrangement(&sampled, Arrangement::Compensated))?;
+        let meets_surge =
+            arrange_controller(controller, acting_arrangement(&sampled, Arrangement::Compensated))?;
         let closed_for_surge = Closed::new(&sampled, meets_surge.as_ref(), moment)?;
         let closed_for_torques = Closed::new(&torqued, Some(controller), moment)?;
         let grid = Grid::of(bands);

@@ -1,6 +1,6 @@
 //! The closed loop, and the loop broken at the plant's input.
 
-use counterpoise_controller::{Controller, Path, Signal};
+use counterpoise_controller::{Controller, Path, PathSignal};
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, lft, poles, series};
 
@@ -76,7 +76,10 @@ fn same_period(controller: &Controller, interface_s: f64) -> Result<(), Error> {
 ///
 /// # Errors
 /// Those of the controller.
-pub fn arrange(controller: &Controller, arrangement: Arrangement) -> Result<Option<Controller>, Error> {
+pub fn arrange_controller(
+    controller: &Controller,
+    arrangement: Arrangement,
+) -> Result<Option<Controller>, Error> {
     match arrangement {
         Arrangement::Uncontrolled => Ok(None),
         Arrangement::Feedback => {
@@ -88,11 +91,13 @@ pub fn arrange(controller: &Controller, arrangement: Arrangement) -> Result<Opti
 
 /// Returns whether a path sees nothing but the platform's motion.
 pub fn is_feedforward(path: &Path) -> bool {
-    path.inputs.iter().all(|signal| matches!(signal, Signal::PlatformRate | Signal::PlatformAcceleration))
+    path.inputs
+        .iter()
+        .all(|signal| matches!(signal, PathSignal::PlatformRate | PathSignal::PlatformAcceleration))
 }
 
 /// Returns whether any part of the controller reads the hub's angle.
 pub fn resolver_use(controller: &Controller) -> Resolver {
-    let reads = controller.parts().paths.iter().any(|path| path.inputs.contains(&Signal::HubPosition));
+    let reads = controller.parts().paths.iter().any(|path| path.inputs.contains(&PathSignal::HubPosition));
     if reads { Resolver::Read } else { Resolver::Unread }
 }

@@ -10,7 +10,7 @@ use crate::{Arrangement, Error, Source};
 
 /// One complex response over frequency.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Curve {
+pub struct ResponseCurve {
     /// What it is, for a legend.
     pub name: String,
     /// One value a frequency of [`Curves::frequency_hz`].
@@ -23,13 +23,13 @@ pub struct Curves {
     /// Frequencies, Hz.
     pub frequency_hz: Vec<f64>,
     /// Hub rate for the control, heave and pitch rate, continuous, without sensors.
-    pub plant: Vec<Curve>,
+    pub plant: Vec<ResponseCurve>,
     /// The discrete controller from the hub gyroscope (with the sign of the rate error), the accelerometer and the platform gyroscope.
-    pub controller: Vec<Curve>,
+    pub controller: Vec<ResponseCurve>,
     /// The loop broken at the plant's input.
-    pub broken: Curve,
+    pub broken: ResponseCurve,
     /// 1 / (1 + L) and L / (1 + L).
-    pub sensitivities: Vec<Curve>,
+    pub sensitivities: Vec<ResponseCurve>,
     /// What the loop makes of its demand, of a disturbance of the control, and of the noise of each sensor that the feedback reads: with
     /// the two sensitivities, the gang of six.
     pub loop_responses: Vec<LoopResponse>,
@@ -74,7 +74,8 @@ impl Curves {
     pub fn with(plant: &SampledPlant, at: &PlantResponse, loops: &[ArrangedLoop]) -> Result<Self, Error> {
         let truth = |input: usize| at.continuous.iter().map(|m| m[(port::HUB, input)]).collect();
         let names = ["control", "heave", "pitch"];
-        let plant_curves = (0..3).map(|j| Curve { name: names[j].to_owned(), response: truth(j) }).collect();
+        let plant_curves =
+            (0..3).map(|j| ResponseCurve { name: names[j].to_owned(), response: truth(j) }).collect();
         let (mut rejection, mut controller) = (Vec::new(), None);
         for ArrangedLoop { arrangement, closed } in loops {
             let K = at.controller(closed)?;
@@ -89,7 +90,7 @@ impl Curves {
             loop_responses: controller
                 .as_deref()
                 .map_or(Vec::new(), |K| loop_responses(plant, at, K, &broken)),
-            broken: Curve { name: "loop".to_owned(), response: broken },
+            broken: ResponseCurve { name: "loop".to_owned(), response: broken },
             rejection,
             frequency_hz: at.frequency_hz.clone(),
         })
@@ -102,17 +103,17 @@ pub(super) fn break_loop(K: &[CMat], P: &[CMat]) -> Vec<C64> {
     K.iter().zip(P).map(at).collect()
 }
 
-fn sensitivities(broken: &[C64]) -> Vec<Curve> {
+fn sensitivities(broken: &[C64]) -> Vec<ResponseCurve> {
     let one = C64::new(1.0, 0.0);
-    let of = |name: &str, value: &dyn Fn(C64) -> C64| Curve {
+    let of = |name: &str, value: &dyn Fn(C64) -> C64| ResponseCurve {
         name: name.to_owned(),
         response: broken.iter().map(|&L| value(L)).collect(),
     };
     vec![of("sensitivity", &|L| one / (one + L)), of("complementary sensitivity", &|L| L / (one + L))]
 }
 
-fn controller_curves(response: &[CMat]) -> Vec<Curve> {
-    let column = |name: &str, j: usize, sign: f64| Curve {
+fn controller_curves(response: &[CMat]) -> Vec<ResponseCurve> {
+    let column = |name: &str, j: usize, sign: f64| ResponseCurve {
         name: name.to_owned(),
         response: response.iter().map(|m| m[(0, j)] * sign).collect(),
     };

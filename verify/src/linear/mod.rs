@@ -16,8 +16,8 @@ pub mod root_locus;
 pub mod surge;
 pub mod time;
 
-pub use closed_loop::{ArrangedLoop, Closed, arrange};
-pub use frequency::{Curve, Curves, rejection_db};
+pub use closed_loop::{ArrangedLoop, Closed, arrange_controller};
+pub use frequency::{Curves, ResponseCurve, rejection_db};
 pub use loop_responses::{LoopCause, LoopEffect, LoopResponse};
 pub use loop_shape::{
     Disk, LoopPath, LoopShape, MarginKind, MarginOnPath, largest_sensitivity, loop_shape, margins_on_path,

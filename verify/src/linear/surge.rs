@@ -1,7 +1,7 @@
 //! What surge adds to a history of the linear loop.
 
 use super::{ArrangedLoop, SampledPlant};
-use crate::history::{Experiment, History};
+use crate::history::{Experiment, History, HistoryColumn};
 use crate::{Arrangement, Error, HeaveAndPitch, Procedure, Source};
 
 /// Adds the response to the road's surge to the history of a road; every other history is left as it is.
@@ -12,7 +12,7 @@ use crate::{Arrangement, Error, HeaveAndPitch, Procedure, Source};
 ///
 /// # Errors
 /// Those of the simulation.
-pub fn add(
+pub fn add_surge(
     history: &mut History,
     plant: &SampledPlant,
     loops: &[ArrangedLoop],
@@ -29,17 +29,15 @@ pub fn add(
         |time_s: f64| HeaveAndPitch { heave_m_s2: -tangent * road.surge_at(time_s), pitch_rate_rad_s: 0.0 };
     let duration_s = procedure.duration_of(Source::Road);
     let surge = super::disturbance(plant, &acting.closed, Source::Road, arrangement, duration_s, motion)?;
-    let columns = [
-        (&mut history.hub_rate_rad_s, &surge.hub_rate_rad_s),
-        (&mut history.tip_rate_rad_s, &surge.tip_rate_rad_s),
-        (&mut history.current_a, &surge.current_a),
-        (&mut history.travel_rad, &surge.travel_rad),
-    ];
-    for (column, added) in columns {
-        column.iter_mut().zip(added).for_each(|(value, more)| *value += more);
+    for column in
+        [HistoryColumn::HubRate, HistoryColumn::TipRate, HistoryColumn::Current, HistoryColumn::Travel]
+    {
+        let added = surge.column(column);
+        history.column_mut(column).iter_mut().zip(added).for_each(|(value, more)| *value += more);
     }
-    let added = surge.control_v.iter().map(|v| v - plant.holding_v);
-    history.control_v.iter_mut().zip(added).for_each(|(value, more)| *value += more);
+    let added = surge.control_v().iter().map(|v| v - plant.holding_v);
+    let control_v = history.column_mut(HistoryColumn::Control);
+    control_v.iter_mut().zip(added).for_each(|(value, more)| *value += more);
     Ok(())
 }
 

@@ -5,7 +5,7 @@ use counterpoise_lti::lsim;
 
 use super::plant::port;
 use super::{Closed, SampledPlant};
-use crate::history::{Experiment, History, integrate};
+use crate::history::{Experiment, History, HistoryColumn, integrate};
 use crate::procedure::{Step, Triangle};
 use crate::{Arrangement, Error, HeaveAndPitch, Model, Source};
 
@@ -79,24 +79,20 @@ fn run(
     let driven: Vec<LoopInputs> = time_s.iter().map(|&t| inputs(t)).collect();
     let u = Mat::from_fn(samples, 3, |k, j| driven[k].array()[j]);
     let y = lsim(&closed.system, &u, None)?;
-    let column = |j: usize| y.column(j).to_vec();
-    let hub = column(port::HUB);
+    let column = |j: usize| y.column(j).iter().copied();
     // A loop of a torque or a current has it in the place of the hub's rate.
-    let moving = if plant.controls_effort { column(port::TIP) } else { hub.clone() };
-    let relative = moving.iter().zip(&driven).map(|(rate, inputs)| rate - inputs.platform.pitch_rate_rad_s);
-    let travel_rad = if plant.controls_position { hub.clone() } else { integrate(relative, period_s) };
-    Ok(History {
-        model: Model::Linear,
-        experiment,
-        demand_rad_s: driven.iter().map(|d| d.demand_rad_s).collect(),
-        heave_m_s2: driven.iter().map(|d| d.platform.heave_m_s2).collect(),
-        pitch_rate_rad_s: driven.iter().map(|d| d.platform.pitch_rate_rad_s).collect(),
-        travel_rad,
-        hub_rate_rad_s: hub,
-        tip_rate_rad_s: column(port::TIP),
-        control_v: column(port::CONTROL_OUT).iter().map(|v| v + plant.holding_v).collect(),
-        current_a: column(port::CURRENT),
-        contact: Vec::new(),
-        time_s,
-    })
+    let moving = column(if plant.controls_effort { port::TIP } else { port::HUB });
+    let relative = moving.zip(&driven).map(|(rate, inputs)| rate - inputs.platform.pitch_rate_rad_s);
+    let travel_rad =
+        if plant.controls_position { column(port::HUB).collect() } else { integrate(relative, period_s) };
+    Ok(History::zeros(Model::Linear, experiment, samples)
+        .with(HistoryColumn::Time, time_s)
+        .with(HistoryColumn::Demand, driven.iter().map(|d| d.demand_rad_s))
+        .with(HistoryColumn::Heave, driven.iter().map(|d| d.platform.heave_m_s2))
+        .with(HistoryColumn::PitchRate, driven.iter().map(|d| d.platform.pitch_rate_rad_s))
+        .with(HistoryColumn::HubRate, column(port::HUB))
+        .with(HistoryColumn::TipRate, column(port::TIP))
+        .with(HistoryColumn::Control, column(port::CONTROL_OUT).map(|v| v + plant.holding_v))
+        .with(HistoryColumn::Current, column(port::CURRENT))
+        .with(HistoryColumn::Travel, travel_rad))
 }

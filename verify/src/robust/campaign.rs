@@ -8,7 +8,7 @@ use counterpoise_models::parameters::Parameters;
 use counterpoise_models::plant::Plant;
 use ndarray::Array2;
 
-use super::{Distribution, Points, Varied, figures_of};
+use super::{Distribution, PointLayout, Varied, figures_of};
 use crate::measure::Value;
 use crate::{Error, Figure, Procedure, Requirement};
 
@@ -52,7 +52,7 @@ pub struct Layout {
     /// Seed of the layout.
     pub seed: u64,
     /// The method.
-    pub points: Points,
+    pub points: PointLayout,
 }
 
 impl Campaign {
@@ -224,7 +224,7 @@ impl Campaign {
 ///
 /// # Errors
 /// [`Error::Length`] where samples are missing or there are too many, [`Error::Range`] where one comes twice.
-pub fn merge(campaign: &Campaign, shards: Vec<Vec<Sample>>) -> Result<Vec<Sample>, Error> {
+pub fn merge_shards(campaign: &Campaign, shards: Vec<Vec<Sample>>) -> Result<Vec<Sample>, Error> {
     let mut all: Vec<Sample> = shards.into_iter().flatten().collect();
     all.sort_by_key(|sample| sample.index);
     if let Some(pair) = all.windows(2).find(|pair| pair[0].index == pair[1].index) {

@@ -11,11 +11,11 @@ pub mod statistics;
 pub mod varied_parameters;
 pub mod worst;
 
-pub use campaign::{Campaign, Layout, Sample, Variation, merge};
+pub use campaign::{Campaign, Layout, Sample, Variation, merge_shards};
 pub use family::{Family, Member, configurations, one_at_a_time};
-pub use sampling::{Distribution, Points, latin_hypercube};
+pub use sampling::{Distribution, PointLayout, latin_hypercube};
 pub use selected_figures::{figures_of, history_of};
 pub use sobol::sobol;
-pub use statistics::{Ranked, Sense, Summary, ranking, summary};
+pub use statistics::{Ranked, Sense, Summary, rank_parameters, summarise_requirement};
 pub use varied_parameters::Varied;
 pub use worst::{Worst, worst_case};

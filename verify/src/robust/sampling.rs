@@ -33,7 +33,7 @@ pub enum Distribution {
 
 /// How the points of a campaign are laid out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Points {
+pub enum PointLayout {
     /// Each coordinate once in each of as many strata as there are samples.
     #[default]
     LatinHypercube,
@@ -41,15 +41,15 @@ pub enum Points {
     Sobol,
 }
 
-impl Points {
+impl PointLayout {
     /// Returns points of the open unit cube, samples x dimensions.
     ///
     /// # Errors
     /// As [`super::sobol()`].
     pub fn sample_points(self, samples: usize, dimensions: usize, seed: u64) -> Result<Array2<f64>, Error> {
         match self {
-            Points::LatinHypercube => Ok(latin_hypercube(samples, dimensions, seed)),
-            Points::Sobol => super::sobol(samples, dimensions, seed),
+            PointLayout::LatinHypercube => Ok(latin_hypercube(samples, dimensions, seed)),
+            PointLayout::Sobol => super::sobol(samples, dimensions, seed),
         }
     }
 }

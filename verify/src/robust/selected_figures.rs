@@ -8,7 +8,7 @@ use counterpoise_simulate::Simulator;
 use crate::history::{Experiment, History};
 use crate::line_of_sight;
 use crate::linear::closed_loop::resolver_use;
-use crate::linear::{ArrangedLoop, Closed, SampledPlant, arrange, surge};
+use crate::linear::{ArrangedLoop, Closed, SampledPlant, arrange_controller, surge};
 use crate::measure::{MeasuredFigure, Value, history_figures, infinite_figures, loop_figures};
 use crate::verification::{linear_history, linear_plant, rejection_figures};
 use crate::{Arrangement, Error, Figure, Model, Procedure, Unmeasured, nonlinear};
@@ -102,7 +102,7 @@ fn need_of(figure: &Figure, procedure: &Procedure) -> Need {
         }
         Figure::Rejection { arrangement, frequency_hz, .. } => Need::Tone(arrangement, frequency_hz),
         Figure::Rest(_) => Need::Simulated(Experiment::Rest),
-        Figure::Sight(_) => Need::Simulated(line_of_sight::experiment(procedure)),
+        Figure::Sight(_) => Need::Simulated(line_of_sight::sight_experiment(procedure)),
     }
 }
 
@@ -142,7 +142,7 @@ impl<'a> Linear<'a> {
 
     fn closed(&self, arrangement: Arrangement) -> Result<Closed, Error> {
         let moment = self.controller.parts().design_out_of_balance_kg_m;
-        Closed::new(&self.sampled, arrange(self.controller, arrangement)?.as_ref(), moment)
+        Closed::new(&self.sampled, arrange_controller(self.controller, arrangement)?.as_ref(), moment)
     }
 
     fn measure(&self, need: Need, procedure: &Procedure) -> Result<Vec<MeasuredFigure>, Error> {
@@ -176,7 +176,7 @@ impl<'a> Linear<'a> {
             return Ok(None);
         };
         let loops = self.surging(arrangement, closed)?;
-        surge::add(&mut history, &self.sampled, &loops, procedure)?;
+        surge::add_surge(&mut history, &self.sampled, &loops, procedure)?;
         Ok(Some(history))
     }
 

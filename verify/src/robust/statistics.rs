@@ -47,7 +47,7 @@ pub enum Sense {
 const NORMAL_975: f64 = 1.959_963_984_540_054;
 
 /// Returns the requirement's figure over the samples.
-pub fn summary(campaign: &Campaign, samples: &[Sample], requirement: usize) -> Summary {
+pub fn summarise_requirement(campaign: &Campaign, samples: &[Sample], requirement: usize) -> Summary {
     let limit = campaign.requirements()[requirement].limit;
     let judged: Vec<(usize, f64)> = samples
         .iter()
@@ -74,7 +74,7 @@ pub fn summary(campaign: &Campaign, samples: &[Sample], requirement: usize) -> S
 /// Returns the parameters by the size of their rank correlation with the requirement's figure, strongest first. A figure that any
 /// departure from the design spoils (the rejection by a feedforward) has no order in the factor itself: then its distance from 1 is
 /// compared.
-pub fn ranking(campaign: &Campaign, samples: &[Sample], requirement: usize) -> Vec<Ranked> {
+pub fn rank_parameters(campaign: &Campaign, samples: &[Sample], requirement: usize) -> Vec<Ranked> {
     let judged: Vec<&Sample> = samples.iter().filter(|s| !s.values[requirement].is_nan()).collect();
     let figure = ranks(&judged.iter().map(|s| s.values[requirement]).collect::<Vec<f64>>());
     let one = |variation: usize| {

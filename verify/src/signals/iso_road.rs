@@ -34,7 +34,7 @@ pub enum RoadClass {
 
 /// A drive over a road.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Drive {
+pub struct RoadDrive {
     /// How rough the road is.
     pub class: RoadClass,
     /// How fast the vehicle goes, m/s.
@@ -89,7 +89,7 @@ struct Tone {
 ///
 /// # Errors
 /// [`Error::Range`] for a speed, duration or period that is not positive, and a vehicle without mass.
-pub fn iso_road(drive: Drive, vehicle: Vehicle, gravity_m_s2: f64) -> Result<Road, Error> {
+pub fn iso_road(drive: RoadDrive, vehicle: Vehicle, gravity_m_s2: f64) -> Result<Road, Error> {
     check(drive, vehicle)?;
     let name = format!("ISO 8608 class {:?} at {} m/s", drive.class, drive.speed_m_s);
     let tones = profile(drive);
@@ -122,7 +122,7 @@ pub fn iso_road(drive: Drive, vehicle: Vehicle, gravity_m_s2: f64) -> Result<Roa
 
 /// The two outputs of a system from the road under the front and the rear axle, over time.
 fn motion(
-    drive: Drive,
+    drive: RoadDrive,
     vehicle: Vehicle,
     system: &StateSpace,
     tones: &[Tone],
@@ -173,7 +173,7 @@ pub fn check_vehicle(speed_m_s: f64, vehicle: Vehicle) -> Result<(), Error> {
     vehicle.sides.map_or(Ok(()), |sides| roll_dynamics(vehicle, sides).map(drop))
 }
 
-fn check(drive: Drive, vehicle: Vehicle) -> Result<(), Error> {
+fn check(drive: RoadDrive, vehicle: Vehicle) -> Result<(), Error> {
     check_vehicle(drive.speed_m_s, vehicle)?;
     for (what, value) in [("duration in s", drive.duration_s), ("sample period in s", drive.sample_period_s)]
     {
@@ -185,7 +185,7 @@ fn check(drive: Drive, vehicle: Vehicle) -> Result<(), Error> {
 }
 
 /// Sines at logarithmically spaced frequencies, each with the variance of its band.
-fn profile(drive: Drive) -> Vec<Tone> {
+fn profile(drive: RoadDrive) -> Vec<Tone> {
     let mut source = ChaCha8Rng::seed_from_u64(drive.seed);
     let ratio = (BAND.1 / BAND.0).powf(1.0 / SINES as f64);
     let tone = |k: usize| {
@@ -242,7 +242,7 @@ mod tests {
     use counterpoise_lti::{dcgain, poles};
 
     const G: f64 = 9.80665;
-    const DRIVE: Drive = Drive {
+    const DRIVE: RoadDrive = RoadDrive {
         class: RoadClass::C,
         speed_m_s: 8.0,
         duration_s: 60.0,
@@ -272,14 +272,14 @@ mod tests {
     fn two_classes_worse_is_four_times_the_motion_and_a_seed_repeats() {
         let (c, e) = (
             iso_road(DRIVE, Vehicle::HEAVY, G).unwrap(),
-            iso_road(Drive { class: RoadClass::E, ..DRIVE }, Vehicle::HEAVY, G).unwrap(),
+            iso_road(RoadDrive { class: RoadClass::E, ..DRIVE }, Vehicle::HEAVY, G).unwrap(),
         );
         assert!((rms(&e.heave_m_s2) / rms(&c.heave_m_s2) - 4.0).abs() < 1e-9);
         assert_eq!(c, iso_road(DRIVE, Vehicle::HEAVY, G).unwrap());
         assert!((0.2..3.0).contains(&rms(&c.heave_m_s2)), "{} m/s^2", rms(&c.heave_m_s2));
         assert!((0.005..0.3).contains(&rms(&c.pitch_rate_rad_s)), "{} rad/s", rms(&c.pitch_rate_rad_s));
         assert_eq!(c.heave_m_s2[0], 0.0);
-        assert!(iso_road(Drive { speed_m_s: 0.0, ..DRIVE }, Vehicle::HEAVY, G).is_err());
+        assert!(iso_road(RoadDrive { speed_m_s: 0.0, ..DRIVE }, Vehicle::HEAVY, G).is_err());
     }
 
     #[test]

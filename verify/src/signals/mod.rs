@@ -16,9 +16,9 @@ pub mod vehicle;
 pub mod welch;
 
 pub use filter::{LowPass, from_rest, low_pass};
-pub use iso_road::{Drive, RoadClass, iso_road};
+pub use iso_road::{RoadClass, RoadDrive, iso_road};
 pub use sea::{Sea, Ship, WaveShape, Waves};
-pub use spectrum::{Realisation, Tone, pitch_simulator, random_motion};
+pub use spectrum::{MotionRealisation, MotionTone, pitch_simulator, random_motion};
 pub use statistics::{mean, peak, rms};
 pub use step::{StepFigures, step_figures};
 pub use vehicle::{Sides, Vehicle};

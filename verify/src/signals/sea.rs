@@ -18,7 +18,7 @@ use counterpoise_linalg::C64;
 use counterpoise_models::base_motion::Traverse;
 
 use super::six_axes::{BaseSeries, felt_road, phases};
-use super::spectrum::{Realisation, SINES, check, range_error, window};
+use super::spectrum::{MotionRealisation, SINES, check, range_error, window};
 use crate::{Error, Road};
 
 /// Shape of the spectrum of the waves' height.
@@ -177,7 +177,7 @@ impl Sea {
     ///
     /// # Errors
     /// [`Error::Range`] for a height, period, size, damping, speed or duration out of range.
-    pub fn road(&self, how: Realisation, gravity_m_s2: f64) -> Result<Road, Error> {
+    pub fn road(&self, how: MotionRealisation, gravity_m_s2: f64) -> Result<Road, Error> {
         check(how)?;
         self.check()?;
         let (waves, phases) = (self.waves.realise(), phases(how.seed, WAVE_STREAM));
@@ -253,7 +253,7 @@ mod tests {
     use std::f64::consts::PI;
 
     const G: f64 = 9.80665;
-    const HOW: Realisation = Realisation { duration_s: 300.0, fade_s: 1.0, seed: 3 };
+    const HOW: MotionRealisation = MotionRealisation { duration_s: 300.0, fade_s: 1.0, seed: 3 };
 
     fn sea(shape: WaveShape, heading_rad: f64) -> Sea {
         Sea {
@@ -346,7 +346,8 @@ mod tests {
         };
         // four realisations of 50 waves each know an RMS to about 4 %
         let pooled = |column: fn(&Road) -> &Vec<f64>| {
-            let square = |seed| rms(column(&motion.road(Realisation { seed, ..HOW }, G).unwrap())).powi(2);
+            let square =
+                |seed| rms(column(&motion.road(MotionRealisation { seed, ..HOW }, G).unwrap())).powi(2);
             ((1..5).map(square).sum::<f64>() / 4.0).sqrt()
         };
         let (pitch, heave) = (pooled(|road| &road.pitch_rate_rad_s), pooled(|road| &road.heave_m_s2));

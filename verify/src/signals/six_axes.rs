@@ -11,8 +11,8 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use super::spectrum::{
-    PERIOD_S, Realisation, SINES, Tone, check, check_density, frequency, power, range_error, sine_tones, sum,
-    window,
+    MotionRealisation, MotionTone, PERIOD_S, SINES, check, check_density, frequency, power_in_band,
+    range_error, sine_tones, sum, window,
 };
 use crate::procedure::FurtherRoad;
 use crate::{Error, Road};
@@ -93,7 +93,7 @@ impl SixAxes {
     ///
     /// # Errors
     /// [`Error::Range`] for a duration, fade, coherence, amplitude, frequency or density out of range.
-    pub fn road(&self, how: Realisation, gravity_m_s2: f64) -> Result<Road, Error> {
+    pub fn road(&self, how: MotionRealisation, gravity_m_s2: f64) -> Result<Road, Error> {
         let samples = check(how)?;
         self.check()?;
         let mut series = BaseSeries::at_rest(samples, PERIOD_S);
@@ -126,7 +126,7 @@ impl SixAxes {
         Ok(())
     }
 
-    fn all_tones(&self, seed: u64) -> Vec<Vec<Tone>> {
+    fn all_tones(&self, seed: u64) -> Vec<Vec<MotionTone>> {
         let grid = self.grid();
         let common = phases(seed, COMMON_STREAM);
         let mut all = Vec::with_capacity(6);
@@ -151,16 +151,16 @@ impl SixAxes {
         band.map(|[low, high]| Grid { low_hz: low, ratio: (high / low).powf(1.0 / SINES as f64) })
     }
 
-    fn realised(&self, psd: &[[f64; 2]], grid: &Grid, common: &[f64], own: &[f64]) -> Vec<Tone> {
+    fn realised(&self, psd: &[[f64; 2]], grid: &Grid, common: &[f64], own: &[f64]) -> Vec<MotionTone> {
         let shared = self.coherence.sqrt();
         let mut tones = Vec::new();
         for k in 0..SINES {
             let low = grid.low_hz * grid.ratio.powi(k as i32);
-            let amplitude = (2.0 * power(psd, low, low * grid.ratio)).sqrt();
+            let amplitude = (2.0 * power_in_band(psd, low, low * grid.ratio)).sqrt();
             let rate_rad_s = TAU * low * grid.ratio.sqrt();
             for (share, phase_rad) in [(shared, common[k]), (1.0 - shared, own[k])] {
                 if share * amplitude > 0.0 {
-                    tones.push(Tone { rate_rad_s, amplitude: share.sqrt() * amplitude, phase_rad });
+                    tones.push(MotionTone { rate_rad_s, amplitude: share.sqrt() * amplitude, phase_rad });
                 }
             }
         }
@@ -187,7 +187,7 @@ mod tests {
     use super::*;
     use crate::signals::rms;
 
-    const HOW: Realisation = Realisation { duration_s: 60.0, fade_s: 1.0, seed: 5 };
+    const HOW: MotionRealisation = MotionRealisation { duration_s: 60.0, fade_s: 1.0, seed: 5 };
     const POINTS: [[f64; 2]; 2] = [[0.3, 0.1], [6.0, 0.1]];
 
     fn axes(coherence: f64) -> SixAxes {
@@ -206,7 +206,7 @@ mod tests {
                 road.heave_m_s2.iter().zip(&surge).map(|(a, b)| a * b).sum::<f64>() / surge.len() as f64;
             let correlation = both / (rms(&road.heave_m_s2) * rms(&surge));
             assert!((low..=high).contains(&correlation), "{coherence}: {correlation}");
-            let variance = power(&POINTS, 0.0, 100.0);
+            let variance = power_in_band(&POINTS, 0.0, 100.0);
             assert!((rms(&surge).powi(2) / variance - 1.0).abs() < 0.25, "{}", rms(&surge));
         }
     }

@@ -14,7 +14,7 @@ use crate::{Error, Road};
 
 /// A sine of a platform's motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tone {
+pub struct MotionTone {
     /// Frequency, rad/s.
     pub rate_rad_s: f64,
     /// Amplitude, in the unit of what moves.
@@ -25,7 +25,7 @@ pub struct Tone {
 
 /// How long a motion lasts, and how it begins and ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Realisation {
+pub struct MotionRealisation {
     /// Duration, s.
     pub duration_s: f64,
     /// Time in which the motion fades in and out, s.
@@ -48,7 +48,7 @@ const PITCH_STREAM: u64 = 1;
 ///
 /// # Errors
 /// As [`tones`], and for a duration or fade out of range.
-pub fn random_motion(heave: &[[f64; 2]], pitch: &[[f64; 2]], how: Realisation) -> Result<Road, Error> {
+pub fn random_motion(heave: &[[f64; 2]], pitch: &[[f64; 2]], how: MotionRealisation) -> Result<Road, Error> {
     let samples = check(how)?;
     let series = |points: &[[f64; 2]], stream: u64| -> Result<Vec<f64>, Error> {
         let tones = tones(points, how.seed, stream)?;
@@ -77,7 +77,7 @@ pub fn random_motion(heave: &[[f64; 2]], pitch: &[[f64; 2]], how: Realisation) -
 ///
 /// # Errors
 /// For a duration, fade, offset, amplitude or frequency out of range.
-pub fn pitch_simulator(angle: &[Tone], offset_m: f64, how: Realisation) -> Result<Road, Error> {
+pub fn pitch_simulator(angle: &[MotionTone], offset_m: f64, how: MotionRealisation) -> Result<Road, Error> {
     let samples = check(how)?;
     check_pitch_simulator(angle, offset_m)?;
     let at = |k: usize| {
@@ -95,7 +95,7 @@ pub fn pitch_simulator(angle: &[Tone], offset_m: f64, how: Realisation) -> Resul
 ///
 /// # Errors
 /// [`Error::Range`] for an offset or amplitude that is not finite, and for a frequency out of range.
-pub fn check_pitch_simulator(angle: &[Tone], offset_m: f64) -> Result<(), Error> {
+pub fn check_pitch_simulator(angle: &[MotionTone], offset_m: f64) -> Result<(), Error> {
     if !offset_m.is_finite() {
         return Err(range_error("offset of the pivot in m", offset_m, "finite"));
     }
@@ -109,8 +109,8 @@ pub fn check_pitch_simulator(angle: &[Tone], offset_m: f64) -> Result<(), Error>
 }
 
 /// Returns the tones of sines that are given by amplitude and frequency in Hz, with phase 0.
-pub fn sine_tones(sines: &[[f64; 2]]) -> Vec<Tone> {
-    let tone = |&[amplitude, hz]: &[f64; 2]| Tone { rate_rad_s: TAU * hz, amplitude, phase_rad: 0.0 };
+pub fn sine_tones(sines: &[[f64; 2]]) -> Vec<MotionTone> {
+    let tone = |&[amplitude, hz]: &[f64; 2]| MotionTone { rate_rad_s: TAU * hz, amplitude, phase_rad: 0.0 };
     sines.iter().map(tone).collect()
 }
 
@@ -142,7 +142,7 @@ pub fn check_density(points: &[[f64; 2]]) -> Result<(), Error> {
 ///
 /// # Errors
 /// As [`check_density`].
-pub fn tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<Tone>, Error> {
+pub fn tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<MotionTone>, Error> {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return Ok(Vec::new()) };
     check_density(points)?;
     let mut source = ChaCha8Rng::seed_from_u64(seed);
@@ -150,8 +150,8 @@ pub fn tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<Tone>, E
     let ratio = (last[0] / first[0]).powf(1.0 / SINES as f64);
     let tone = |k: usize| {
         let low = first[0] * ratio.powi(k as i32);
-        let variance = power(points, low, low * ratio);
-        Tone {
+        let variance = power_in_band(points, low, low * ratio);
+        MotionTone {
             rate_rad_s: TAU * low * ratio.sqrt(),
             amplitude: (2.0 * variance).sqrt(),
             phase_rad: TAU * (source.next_u64() >> 11) as f64 / (1u64 << 53) as f64,
@@ -162,8 +162,8 @@ pub fn tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<Tone>, E
 
 /// Returns the tones of the angle whose rate the given tones are.
 #[must_use]
-pub fn angle_tones(rate: &[Tone]) -> Vec<Tone> {
-    let turned = |tone: &Tone| Tone {
+pub fn angle_tones(rate: &[MotionTone]) -> Vec<MotionTone> {
+    let turned = |tone: &MotionTone| MotionTone {
         amplitude: tone.amplitude / tone.rate_rad_s,
         phase_rad: tone.phase_rad - std::f64::consts::FRAC_PI_2,
         ..*tone
@@ -172,7 +172,7 @@ pub fn angle_tones(rate: &[Tone]) -> Vec<Tone> {
 }
 
 /// Returns the integral of the density over a band, exactly: between two points it is c f^p.
-pub fn power(points: &[[f64; 2]], low_hz: f64, high_hz: f64) -> f64 {
+pub fn power_in_band(points: &[[f64; 2]], low_hz: f64, high_hz: f64) -> f64 {
     let piece = |two: &[[f64; 2]]| {
         let (from, to) = (two[0][0].max(low_hz), two[1][0].min(high_hz));
         if to <= from {
@@ -187,7 +187,7 @@ pub fn power(points: &[[f64; 2]], low_hz: f64, high_hz: f64) -> f64 {
 }
 
 /// A sum of sines and its first two derivatives.
-pub(super) fn sum(tones: &[Tone], time_s: f64) -> [f64; 3] {
+pub(super) fn sum(tones: &[MotionTone], time_s: f64) -> [f64; 3] {
     tones.iter().fold([0.0; 3], |[x, v, a], tone| {
         let w = tone.rate_rad_s;
         let (sin, cos) = (w * time_s + tone.phase_rad).sin_cos();
@@ -196,7 +196,7 @@ pub(super) fn sum(tones: &[Tone], time_s: f64) -> [f64; 3] {
 }
 
 /// The fade s^3 (10 - 15 s + 6 s^2) in and out, and its first two derivatives.
-pub(super) fn window(time_s: f64, how: Realisation) -> [f64; 3] {
+pub(super) fn window(time_s: f64, how: MotionRealisation) -> [f64; 3] {
     let left = (how.duration_s - time_s).max(0.0);
     let (from_end, sign) = if time_s <= left { (time_s, 1.0) } else { (left, -1.0) };
     if from_end >= how.fade_s {
@@ -208,7 +208,7 @@ pub(super) fn window(time_s: f64, how: Realisation) -> [f64; 3] {
     [value, sign * slope, 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / (f * f)]
 }
 
-pub(super) fn check(how: Realisation) -> Result<usize, Error> {
+pub(super) fn check(how: MotionRealisation) -> Result<usize, Error> {
     if !(how.duration_s > 0.0 && how.duration_s <= 3600.0) {
         return Err(range_error("duration of the motion in s", how.duration_s, "positive, at most 3600"));
     }
@@ -237,17 +237,17 @@ mod tests {
     use crate::signals::rms;
     use crate::signals::welch::{WelchOptions, welch};
 
-    const HOW: Realisation = Realisation { duration_s: 120.0, fade_s: 0.0, seed: 7 };
+    const HOW: MotionRealisation = MotionRealisation { duration_s: 120.0, fade_s: 0.0, seed: 7 };
     const POINTS: [[f64; 2]; 3] = [[0.3, 0.02], [1.5, 0.5], [12.0, 0.004]];
 
     #[test]
     fn the_variance_is_the_integral_of_the_density() {
         let tones = tones(&POINTS, 3, 0).unwrap();
         let variance: f64 = tones.iter().map(|t| 0.5 * t.amplitude * t.amplitude).sum();
-        assert!((variance / power(&POINTS, 0.0, 100.0) - 1.0).abs() < 1e-9);
+        assert!((variance / power_in_band(&POINTS, 0.0, 100.0) - 1.0).abs() < 1e-9);
         // 1/f from 1 to e has the integral 1
         let e = std::f64::consts::E;
-        assert!((power(&[[1.0, 1.0], [e, 1.0 / e]], 0.0, 9.0) - 1.0).abs() < 1e-12);
+        assert!((power_in_band(&[[1.0, 1.0], [e, 1.0 / e]], 0.0, 9.0) - 1.0).abs() < 1e-12);
         let made = random_motion(&POINTS, &[], HOW).unwrap();
         assert!((rms(&made.heave_m_s2).powi(2) / variance - 1.0).abs() < 0.1);
         assert!(made.pitch_rate_rad_s.iter().all(|p| *p == 0.0));
@@ -263,15 +263,15 @@ mod tests {
             let inside = |hz: f64| hz >= low && hz < high;
             let pairs = found.frequency_hz.iter().zip(&found.pxx);
             let sum: f64 = pairs.filter(|(hz, _)| inside(**hz)).map(|(_, density)| density * step).sum();
-            let ratio = sum / power(&POINTS, low, high);
+            let ratio = sum / power_in_band(&POINTS, low, high);
             assert!((0.7..1.4).contains(&ratio), "{low} to {high} Hz: {ratio}");
         }
     }
 
     #[test]
     fn a_pitch_simulator_heaves_with_its_pitch_acceleration() {
-        let angle = [Tone { rate_rad_s: 9.0, amplitude: 0.03, phase_rad: 0.4 }];
-        let how = Realisation { duration_s: 6.0, fade_s: 1.0, seed: 1 };
+        let angle = [MotionTone { rate_rad_s: 9.0, amplitude: 0.03, phase_rad: 0.4 }];
+        let how = MotionRealisation { duration_s: 6.0, fade_s: 1.0, seed: 1 };
         let made = pitch_simulator(&angle, 1.7, how).unwrap();
         let rate = &made.pitch_rate_rad_s;
         // where the fade begins or ends its third derivative jumps, which a difference quotient sees
@@ -287,8 +287,9 @@ mod tests {
 
     #[test]
     fn a_seed_repeats_and_nonsense_is_refused() {
-        let made =
-            |seed| random_motion(&POINTS, &POINTS, Realisation { seed, duration_s: 5.0, ..HOW }).unwrap();
+        let made = |seed| {
+            random_motion(&POINTS, &POINTS, MotionRealisation { seed, duration_s: 5.0, ..HOW }).unwrap()
+        };
         assert_eq!(made(1), made(1));
         assert_ne!(made(1).heave_m_s2, made(2).heave_m_s2);
         assert_ne!(made(1).heave_m_s2, made(1).pitch_rate_rad_s);
@@ -300,6 +301,6 @@ mod tests {
         ] {
             assert!(random_motion(&bad, &[], HOW).is_err(), "{bad:?}");
         }
-        assert!(random_motion(&POINTS, &[], Realisation { fade_s: 70.0, ..HOW }).is_err());
+        assert!(random_motion(&POINTS, &[], MotionRealisation { fade_s: 70.0, ..HOW }).is_err());
     }
 }

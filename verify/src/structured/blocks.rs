@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// One block of a block-diagonal perturbation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Block {
+pub enum PerturbationBlock {
     /// A real number, repeated so many times: a parameter that enters at as many places.
     Real {
         /// How many times, at least 1.
@@ -14,26 +14,26 @@ pub enum Block {
     Complex,
 }
 
-impl Block {
+impl PerturbationBlock {
     /// Returns the rows and columns of the block.
     pub fn order(self) -> usize {
         match self {
-            Block::Real { repeated } => repeated,
-            Block::Complex => 1,
+            PerturbationBlock::Real { repeated } => repeated,
+            PerturbationBlock::Complex => 1,
         }
     }
 }
 
 /// A block-diagonal structure.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Structure {
+pub struct PerturbationStructure {
     /// Its blocks, from top to bottom.
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<PerturbationBlock>,
 }
 
-impl Structure {
+impl PerturbationStructure {
     /// Returns the structure of the given blocks.
-    pub fn of(blocks: &[Block]) -> Self {
+    pub fn of(blocks: &[PerturbationBlock]) -> Self {
         Self { blocks: blocks.to_vec() }
     }
 
@@ -43,9 +43,9 @@ impl Structure {
     }
 
     /// Returns each block with the rows that it takes.
-    pub fn place_blocks(&self) -> Vec<(Block, Range<usize>)> {
+    pub fn place_blocks(&self) -> Vec<(PerturbationBlock, Range<usize>)> {
         let mut from = 0;
-        let mut place = |block: &Block| {
+        let mut place = |block: &PerturbationBlock| {
             let rows = from..from + block.order();
             from = rows.end;
             (*block, rows)

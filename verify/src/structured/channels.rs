@@ -5,7 +5,7 @@ use counterpoise_models::plant::core::{input, state};
 use counterpoise_models::plant::{Core, Mesh, Plant};
 use counterpoise_models::{FeedbackSignal, Lumped};
 
-use super::places::{Dry, Place};
+use super::places::{LinearisedDryFriction, Place};
 use crate::linear::plant::Resolver;
 
 /// A signal that a deviation adds, and what it is proportional to.
@@ -117,8 +117,13 @@ fn one_at(n: usize, at: usize) -> Vec<f64> {
 }
 
 /// Returns the channels that the deviation of a place adds; they are empty if the plant has no such part.
-pub(super) fn channels_of(place: Place, plant: &Plant, base: &Base, dry: &Dry) -> Vec<Channel> {
-    let Dry { viscous: dry, springs } = *dry;
+pub(super) fn channels_of(
+    place: Place,
+    plant: &Plant,
+    base: &Base,
+    dry: &LinearisedDryFriction,
+) -> Vec<Channel> {
+    let LinearisedDryFriction { viscous: dry, springs } = *dry;
     let size = base.A.nrows();
     let wide = |row: Vec<f64>, factor: f64| -> Vec<f64> {
         let mut row: Vec<f64> = row.iter().map(|entry| entry * factor).collect();

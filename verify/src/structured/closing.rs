@@ -9,7 +9,7 @@ use counterpoise_models::plant::{
     Angles, FrictionLinearisation, Impedance, LinearPlant, OperatingPoint, Plant,
 };
 
-use super::places::Dry;
+use super::places::LinearisedDryFriction;
 use crate::Error;
 use crate::linear::SampledPlant;
 use crate::linear::closed_loop::resolver_use;
@@ -25,7 +25,11 @@ pub struct GainErrors {
 }
 
 /// The mechanism, whose dry friction does not act, linearised with the springs of presliding: without angles if there are none.
-pub(super) fn linearise(body: &Plant, at: &OperatingPoint, dry: &Dry) -> Result<LinearPlant, Error> {
+pub(super) fn linearise(
+    body: &Plant,
+    at: &OperatingPoint,
+    dry: &LinearisedDryFriction,
+) -> Result<LinearPlant, Error> {
     let spring = |stiffness| Impedance { stiffness, damping: 0.0 };
     let (friction, angles) = if dry.springs == [0.0; 2] {
         (FrictionLinearisation::Viscous, body.angles())
@@ -57,7 +61,7 @@ pub struct ClosedWith {
 /// As [`outermost_pole`].
 pub fn close_perturbed_loop(
     parameters: &Parameters,
-    dry: &Dry,
+    dry: &LinearisedDryFriction,
     controller: &Controller,
     at: &OperatingPoint,
     errors: &GainErrors,
@@ -85,7 +89,7 @@ pub fn close_perturbed_loop(
 /// Parameters that make no mechanism, and those of the sampling and of the connection.
 pub fn outermost_pole(
     parameters: &Parameters,
-    dry: &Dry,
+    dry: &LinearisedDryFriction,
     controller: &Controller,
     at: &OperatingPoint,
     errors: &GainErrors,

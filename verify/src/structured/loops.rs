@@ -21,12 +21,12 @@ use counterpoise_models::parameters::Parameters;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::plant::{LinearPlant, OperatingPoint, Plant};
 
-use super::blocks::{Block, Structure};
+use super::blocks::{PerturbationBlock, PerturbationStructure};
 use super::channels::{Base, Channel, base, channels_of};
 use super::closing::linearise;
 use super::factor::Factor;
-use super::places::{Dry, Place};
-use super::taylor::{Evaluated, Interval, Taylor};
+use super::places::{LinearisedDryFriction, Place};
+use super::taylor::{Evaluated, RateInterval, Taylor};
 use crate::Error;
 use crate::linear::closed_loop::resolver_use;
 use crate::linear::plant::port;
@@ -51,7 +51,7 @@ pub struct Uncertain {
 #[derive(Debug, Clone, PartialEq)]
 pub struct PulledLoop {
     /// The structure of Delta.
-    pub structure: Structure,
+    pub structure: PerturbationStructure,
     /// The continuous mechanism: from what each deviation adds and the control to what each deviation is proportional to and the readings
     /// of hub gyroscope, tachometer and resolver before their delays.
     pub mechanism: StateSpace,
@@ -72,7 +72,7 @@ pub struct PulledLoop {
 /// A loop with its uncertain parts pulled out.
 pub struct UncertainLoop {
     /// The structure of Delta: the parameters in order, then the errors at the plant's input and output that are not 0.
-    pub structure: Structure,
+    pub structure: PerturbationStructure,
     /// The systems that M is made of, in coordinates of their own.
     made_of: [StateSpace; 3],
     systems: Systems,
@@ -110,7 +110,7 @@ impl UncertainLoop {
     /// Those of the models, of the sampling and of the connection.
     pub fn new(
         nominal: &Parameters,
-        dry: Dry,
+        dry: LinearisedDryFriction,
         controller: &Controller,
         at: &OperatingPoint,
         uncertain: &[Uncertain],
@@ -124,17 +124,19 @@ impl UncertainLoop {
         let closed = Closed::new(&plant, Some(controller), moment)?;
         let K = closed.controller.ok_or(Error::NoController)?;
         let base = base(&body, drive_slope(&body, &linear), resolver_use(controller), dry.springs);
-        let mut structure = Structure::default();
+        let mut structure = PerturbationStructure::default();
         let mut channels = Vec::new();
         for one in uncertain {
             let own: Vec<Channel> =
                 one.places.iter().flat_map(|place| channels_of(*place, &body, &base, &dry)).collect();
             if !own.is_empty() {
-                structure.blocks.push(Block::Real { repeated: own.len() });
+                structure.blocks.push(PerturbationBlock::Real { repeated: own.len() });
             }
             channels.extend(own.into_iter().map(|channel| UncertainChannel { channel, factor: one.factor }));
         }
-        structure.blocks.extend(errors.iter().filter(|error| **error > 0.0).map(|_| Block::Complex));
+        structure
+            .blocks
+            .extend(errors.iter().filter(|error| **error > 0.0).map(|_| PerturbationBlock::Complex));
         let readings: Vec<usize> = (port::FIRST_READING..plant.sampled.outputs()).collect();
         let extended = extended(&base, &channels)?;
         let sampled = plant.sampled.select(&readings, &[port::CONTROL]);
@@ -177,7 +179,7 @@ impl UncertainLoop {
 
     /// Returns the parts of M over an interval of rates, for a loop without errors at the plant's input and output; `None` if a pole
     /// is in the middle of the interval, or if the loop is algebraically singular.
-    pub fn pieces_over(&self, interval: Interval) -> Option<Pieces> {
+    pub fn pieces_over(&self, interval: RateInterval) -> Option<Pieces> {
         let m = self.channels;
         let G = self.systems.extended.evaluate_over(interval)?;
         let K = self.systems.closed.as_ref()?.evaluate_over(interval)?;
@@ -329,7 +331,7 @@ mod tests {
         let base = base(&body, slope, Resolver::Unread, [0.0; 2]);
         let channels: Vec<UncertainChannel> = places(varied)
             .iter()
-            .flat_map(|place| channels_of(*place, &body, &base, &Dry::default()))
+            .flat_map(|place| channels_of(*place, &body, &base, &LinearisedDryFriction::default()))
             .map(|channel| UncertainChannel { channel, factor })
             .collect();
         let m = channels.len();

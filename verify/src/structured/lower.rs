@@ -2,8 +2,8 @@
 
 use counterpoise_linalg::{C64, CMat};
 
-use super::Structure;
-use super::blocks::Block;
+use super::PerturbationStructure;
+use super::blocks::PerturbationBlock;
 use crate::tolerance::{POWER_ITERATIONS, POWER_RESIDUAL, POWER_STARTS};
 
 /// A structured perturbation Delta of size 1 with det(I - M Delta / beta) = 0: mu(M) is at least `beta`.
@@ -16,7 +16,7 @@ pub struct Perturbation {
 }
 
 /// Returns the largest bound that the iteration finds from a few fixed starts; `None` if it converges from none of them, or the bound is 0.
-pub fn lower_bound(M: &CMat, structure: &Structure) -> Option<Perturbation> {
+pub fn lower_bound(M: &CMat, structure: &PerturbationStructure) -> Option<Perturbation> {
     let found = (0..POWER_STARTS).filter_map(|start| Iteration::new(M, structure, start).run());
     found.max_by(|a, b| a.beta.total_cmp(&b.beta))
 }
@@ -24,7 +24,7 @@ pub fn lower_bound(M: &CMat, structure: &Structure) -> Option<Perturbation> {
 struct Iteration<'a> {
     M: &'a CMat,
     Mh: CMat,
-    structure: &'a Structure,
+    structure: &'a PerturbationStructure,
     a: Vec<C64>,
     b: Vec<C64>,
     w: Vec<C64>,
@@ -55,7 +55,7 @@ fn unit(x: Vec<C64>) -> Option<(Vec<C64>, f64)> {
 }
 
 impl<'a> Iteration<'a> {
-    fn new(M: &'a CMat, structure: &'a Structure, start: usize) -> Self {
+    fn new(M: &'a CMat, structure: &'a PerturbationStructure, start: usize) -> Self {
         let n = M.nrows();
         let turn = |k: usize, by: usize| C64::from_polar(1.0, (by * start * (k + 1)) as f64 * 2.399_963);
         let b: Vec<C64> = (0..n).map(|k| turn(k, 1) / (n as f64).sqrt()).collect();
@@ -83,8 +83,10 @@ impl<'a> Iteration<'a> {
         for (k, (block, rows)) in self.structure.place_blocks().into_iter().enumerate() {
             let (a, w) = (&self.a[rows.clone()], &self.w[rows.clone()]);
             let q = match block {
-                Block::Complex => phase(inner(a, w)),
-                Block::Real { .. } => C64::new(real(self.delta[k].re, &self.b[rows.clone()], a, w), 0.0),
+                PerturbationBlock::Complex => phase(inner(a, w)),
+                PerturbationBlock::Real { .. } => {
+                    C64::new(real(self.delta[k].re, &self.b[rows.clone()], a, w), 0.0)
+                }
             };
             self.delta[k] = q;
             let (from, factor) = match which {

@@ -27,7 +27,7 @@ pub mod taylor;
 pub mod upper;
 pub mod vertices;
 
-pub use blocks::{Block, Structure};
+pub use blocks::{PerturbationBlock, PerturbationStructure};
 pub use loops::PulledLoop;
 pub use lower::{Perturbation, lower_bound};
 pub use places::Joints;

@@ -75,7 +75,7 @@ pub fn places(varied: Varied) -> &'static [Place] {
 
 /// What stands for dry friction in a linear plant, at motor and pivot.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Dry {
+pub struct LinearisedDryFriction {
     /// Viscous friction, N m s/rad.
     pub viscous: [f64; 2],
     /// Springs, N m/rad: the presliding stiffness at rest.

@@ -7,8 +7,8 @@ use counterpoise_models::parameters::Parameters;
 use super::closing::{ClosedWith, GainErrors, close_perturbed_loop, outermost_pole};
 use super::factor::{Factor, Reach};
 use super::loops::{Uncertain, UncertainLoop};
-use super::places::{Dry, Joints, Place, dry_as_viscous, places, presliding, without_dry};
-use super::{Block, Perturbation, UpperBound, lower_bound, upper_bound, vertex_bound};
+use super::places::{Joints, LinearisedDryFriction, Place, dry_as_viscous, places, presliding, without_dry};
+use super::{Perturbation, PerturbationBlock, UpperBound, lower_bound, upper_bound, vertex_bound};
 use crate::robust::{Variation, Varied};
 use crate::tolerance::{
     MU_HIGH_PEAK, MU_LOWEST_HZ, MU_POINTS, MU_REFINEMENTS, MU_SEARCHED, MU_SPARSE, MU_STEEP,
@@ -150,7 +150,7 @@ impl<'a> Problem<'a> {
             procedure,
             pulled: UncertainLoop::new(
                 &without_dry(parameters, dry),
-                Dry { viscous: dry, springs: [0.0; 2] },
+                LinearisedDryFriction { viscous: dry, springs: [0.0; 2] },
                 controller,
                 &procedure.operating_point,
                 &[],
@@ -171,7 +171,7 @@ impl<'a> Problem<'a> {
         let mut entering = Vec::new();
         for one in all.iter().filter(moves) {
             let alone = loop_of(std::slice::from_ref(one))?;
-            if alone.structure.blocks.iter().any(|block| matches!(block, Block::Real { .. })) {
+            if alone.structure.blocks.iter().any(|block| matches!(block, PerturbationBlock::Real { .. })) {
                 entering.push(*one);
             }
         }
@@ -182,7 +182,7 @@ impl<'a> Problem<'a> {
     }
 
     /// The mechanism at deviations `scale` times `deltas`, dry friction replaced, and the viscous friction in its place.
-    fn perturbed(&self, deltas: &[f64], scale: f64) -> Result<(Parameters, Dry), Error> {
+    fn perturbed(&self, deltas: &[f64], scale: f64) -> Result<(Parameters, LinearisedDryFriction), Error> {
         let mut parameters = self.parameters.clone();
         let mut dry = self.dry;
         for (StatedRange { varied, factor }, delta) in self.entering.iter().zip(deltas) {
@@ -198,7 +198,7 @@ impl<'a> Problem<'a> {
             Joints::Sliding | Joints::Frictionless => [0.0; 2],
             Joints::AtRest => presliding(&parameters),
         };
-        Ok((without_dry(&parameters, dry), Dry { viscous: dry, springs }))
+        Ok((without_dry(&parameters, dry), LinearisedDryFriction { viscous: dry, springs }))
     }
 
     /// The errors of gain in a direction, `scale` times the stated ones.

@@ -28,7 +28,7 @@ pub struct Taylor {
 
 /// An interval of rates.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Interval {
+pub struct RateInterval {
     /// Middle, rad/s.
     pub middle_rad_s: f64,
     /// Half the width, rad/s; 0 for a point.
@@ -37,25 +37,25 @@ pub struct Interval {
 
 impl Taylor {
     /// Returns a constant.
-    pub fn constant(value: C64, over: Interval) -> Self {
+    pub fn constant(value: C64, over: RateInterval) -> Self {
         Self { value, slope: C64::new(0.0, 0.0), rest: 0.0, half_rad_s: over.half_rad_s }
     }
 
     /// Returns j w times a factor.
-    pub fn derivative(factor: f64, over: Interval) -> Self {
+    pub fn derivative(factor: f64, over: RateInterval) -> Self {
         let slope = C64::new(0.0, factor);
         Self { value: slope * over.middle_rad_s, slope, rest: 0.0, half_rad_s: over.half_rad_s }
     }
 
     /// Returns exp(-j w time).
-    pub fn late(time_s: f64, over: Interval) -> Self {
+    pub fn late(time_s: f64, over: RateInterval) -> Self {
         let value = C64::from_polar(1.0, -over.middle_rad_s * time_s);
         let rest = 0.5 * (over.half_rad_s * time_s).powi(2);
         Self { value, slope: C64::new(0.0, -time_s) * value, rest, half_rad_s: over.half_rad_s }
     }
 
     /// Returns the response of a hold over a period: (1 - exp(-j w T)) / (j w T), the mean of exp(-j w t) over the period.
-    pub fn hold(period_s: f64, over: Interval) -> Self {
+    pub fn hold(period_s: f64, over: RateInterval) -> Self {
         let j = C64::new(0.0, over.middle_rad_s * period_s);
         let late = (-j).exp();
         let value = (1.0 - late) / j;
@@ -163,7 +163,7 @@ impl Evaluated {
     /// Returns the response over an interval of rates, by rows. With the resolvent R = (s I - A)^-1,
     /// R(s + d) = R - d R^2 + d^2 R^3 (I + d R)^-1.
     /// `None` if the middle of the interval is a pole.
-    pub fn evaluate_over(&self, over: Interval) -> Option<Vec<Vec<Taylor>>> {
+    pub fn evaluate_over(&self, over: RateInterval) -> Option<Vec<Vec<Taylor>>> {
         let half = over.half_rad_s;
         // the point, its derivative with the rate, how far it moves, and how far it leaves its tangent
         let (point, along, moved, bent) = match self.timebase {
@@ -218,7 +218,7 @@ mod tests {
             for (middle_rad_s, half_rad_s) in
                 [(2.0, 0.2), (15.0, 0.2), (19.9, 0.2), (19.9, 0.01), (40.0, 0.2)]
             {
-                let over = Interval { middle_rad_s, half_rad_s };
+                let over = RateInterval { middle_rad_s, half_rad_s };
                 let found = evaluated.evaluate_over(over).unwrap()[0][0];
                 for x in [-1.0, -0.5, 0.35, 1.0].map(|share| share * half_rad_s) {
                     let exact = response_at(&system, middle_rad_s + x).unwrap()[(0, 0)];
@@ -241,7 +241,7 @@ mod tests {
 
     #[test]
     fn a_hold_and_a_delay_stay_within_their_bounds() {
-        let over = Interval { middle_rad_s: 700.0, half_rad_s: 30.0 };
+        let over = RateInterval { middle_rad_s: 700.0, half_rad_s: 30.0 };
         let period_s = 1e-3;
         for x in [-30.0, -7.0, 30.0] {
             let j = C64::new(0.0, (700.0 + x) * period_s);

@@ -11,8 +11,8 @@
 
 use counterpoise_linalg::{C64, CMat};
 
-use super::Structure;
-use super::blocks::Block;
+use super::PerturbationStructure;
+use super::blocks::PerturbationBlock;
 use super::hermitian::Factor;
 use crate::tolerance::{
     SCALING_BEHIND, SCALING_DECREMENT, SCALING_FIRST, SCALING_FLOOR, SCALING_GAIN, SCALING_NEAR,
@@ -61,7 +61,7 @@ impl<'a> Slack<'a> {
 /// Returns an upper bound of mu(M) over a structure, within about a percent of the best that scalings D and G prove.
 ///
 /// `near` is the bound of a similar matrix, of a neighbouring frequency, from which the search may start.
-pub fn upper_bound(M: &CMat, structure: &Structure, near: Option<&UpperBound>) -> UpperBound {
+pub fn upper_bound(M: &CMat, structure: &PerturbationStructure, near: Option<&UpperBound>) -> UpperBound {
     let scale = balanced(M, structure);
     let n = M.nrows();
     let inside = CMat::from_fn(n, n, |i, j| M[(i, j)] * (scale[i] / scale[j]));
@@ -87,7 +87,7 @@ fn unscaled(bound: &UpperBound, scale: &[f64]) -> Scalings {
 }
 
 /// Osborne's scaling, one number a block: rows and columns of S M inv(S) of equal size.
-fn balanced(M: &CMat, structure: &Structure) -> Vec<f64> {
+fn balanced(M: &CMat, structure: &PerturbationStructure) -> Vec<f64> {
     let mut scale = vec![1.0; M.nrows()];
     for _ in 0..8 {
         for (_, rows) in structure.place_blocks() {
@@ -130,10 +130,11 @@ struct Direction {
     entries: Vec<Entry>,
 }
 
-fn directions(structure: &Structure) -> Vec<Direction> {
+fn directions(structure: &PerturbationStructure) -> Vec<Direction> {
     let mut all = Vec::new();
     for (block, rows) in structure.place_blocks() {
-        let kinds = if matches!(block, Block::Real { .. }) { &[false, true][..] } else { &[false][..] };
+        let kinds =
+            if matches!(block, PerturbationBlock::Real { .. }) { &[false, true][..] } else { &[false][..] };
         for &of_G in kinds {
             for a in rows.clone() {
                 all.push(Direction { of_G, entries: vec![Entry::new(a, a, C64::new(1.0, 0.0))] });
@@ -163,7 +164,7 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(M: &'a CMat, structure: &Structure, near: Option<Scalings>) -> Self {
+    fn new(M: &'a CMat, structure: &PerturbationStructure, near: Option<Scalings>) -> Self {
         let n = M.nrows();
         let size = M.norm_fro().powi(2).max(f64::MIN_POSITIVE);
         let plain = (CMat::eye(n).scale(C64::new(0.5, 0.0)), CMat::zeros(n, n));

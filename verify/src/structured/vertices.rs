@@ -11,9 +11,9 @@
 
 use counterpoise_linalg::{C64, CMat, csolve};
 
-use super::blocks::Block;
+use super::blocks::PerturbationBlock;
 use super::factor::Reach;
-use super::{Perturbation, Structure};
+use super::{Perturbation, PerturbationStructure};
 use crate::tolerance::{
     ASCENT_ROUNDS, CROSSING_NEARNESS, CROSSING_RAISES, PHASE_NEARNESS, ROUGH_PHASE, SEARCH_BEGINNINGS,
     SEARCH_SHRINK, SEARCH_SHRINKS, TRIED_LEVELS, TRIED_PHASES,
@@ -23,7 +23,7 @@ use crate::tolerance::{
 /// two complex blocks, or where it would be much larger.
 pub fn vertex_bound(
     M: &CMat,
-    structure: &Structure,
+    structure: &PerturbationStructure,
     start: &[f64],
     reach: &[Reach],
     upper: f64,
@@ -47,10 +47,10 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(M: &'a CMat, structure: &Structure, reach: &'a [Reach]) -> Option<Self> {
+    fn new(M: &'a CMat, structure: &PerturbationStructure, reach: &'a [Reach]) -> Option<Self> {
         let (mut real, mut complex, mut owner) = (Vec::new(), Vec::new(), Vec::new());
         for (block, rows) in structure.place_blocks() {
-            if block == Block::Complex {
+            if block == PerturbationBlock::Complex {
                 complex.extend(rows);
             } else {
                 let number = owner.last().map_or(0, |last| last + 1);

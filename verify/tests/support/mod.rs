@@ -1,7 +1,7 @@
 //! A controller for the reference rig: PI on the rate error, and constant feedforward gains.
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_controller::{Controller, Parts, Path, Scaling, Signal};
+use counterpoise_controller::{Controller, Parts, Path, PathSignal, Scaling};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_models::parameters::Parameters;
@@ -19,7 +19,7 @@ pub fn plant() -> Plant {
     Plant::from_lumped(&rig()).unwrap()
 }
 
-fn gain(name: &str, signal: Signal, value: f64) -> Path {
+fn gain(name: &str, signal: PathSignal, value: f64) -> Path {
     let system = StateSpace::gain(Mat::row(&[value]), Timebase::Discrete { period_s: PERIOD_S }).unwrap();
     let inputs = vec![signal];
     Path { name: name.into(), inputs, system, anti_windup: vec![], scaling: Scaling::Fixed }
@@ -33,14 +33,14 @@ pub fn controller() -> Controller {
     let mut parts = Parts::new(PERIOD_S, 10.0);
     parts.paths.push(Path {
         name: "feedback".into(),
-        inputs: vec![Signal::RateError],
+        inputs: vec![PathSignal::RateError],
         system: pi,
         anti_windup: vec![0.01],
         scaling: Scaling::Fixed,
     });
     let moment = rig().lumped.unwrap().out_of_balance_kg_m;
-    parts.paths.push(gain("heave", Signal::PlatformAcceleration, moment * VOLTS_PER_NM));
-    parts.paths.push(gain("pitch", Signal::PlatformRate, -200.0 * 200.0 * 0.002 * VOLTS_PER_NM));
+    parts.paths.push(gain("heave", PathSignal::PlatformAcceleration, moment * VOLTS_PER_NM));
+    parts.paths.push(gain("pitch", PathSignal::PlatformRate, -200.0 * 200.0 * 0.002 * VOLTS_PER_NM));
     parts.design_out_of_balance_kg_m = moment;
     parts.bias_v_per_kg_m = 9.80665 * VOLTS_PER_NM;
     Controller::new(parts).unwrap()

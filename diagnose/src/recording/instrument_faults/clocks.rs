@@ -8,7 +8,7 @@ use crate::tolerance::recording::{
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::ReplayLoop;
 
 use super::column::Column;
 use super::identities::{
@@ -153,7 +153,7 @@ fn grows_evenly(base: &Parameters, r: &Recording, column: Column) -> bool {
 /// controller's identity holds in every recording in which it did not.
 pub(super) fn control_offset(
     base: &Parameters,
-    control: &Loop,
+    control: &ReplayLoop,
     recordings: &[Recording],
 ) -> Option<(Column, Lateness, Vec<usize>)> {
     let controller = proportional_integral(control)?;

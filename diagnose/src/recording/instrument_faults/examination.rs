@@ -7,7 +7,7 @@
 
 use counterpoise_models::{FeedbackSignal, Parameters};
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::ReplayLoop;
 
 use crate::recording::instrument_faults::column::Column;
 use crate::recording::instrument_faults::factors::{FoundMistake, Mistake};
@@ -35,7 +35,7 @@ pub struct ExaminedRecordings {
 /// Examines the recordings of one machine; `control` is the controller that was in the loop, if the project knows it.
 pub fn find_instrument_faults(
     base: &Parameters,
-    control: &Loop,
+    control: &ReplayLoop,
     recordings: &[Recording],
 ) -> ExaminedRecordings {
     let columns = |r: &Recording| Column::ALL.into_iter().filter(|c| c.of(r).is_some()).collect();
@@ -90,7 +90,7 @@ impl ExaminedRecordings {
         }
     }
 
-    fn singles(&mut self, base: &Parameters, control: &Loop) {
+    fn singles(&mut self, base: &Parameters, control: &ReplayLoop) {
         for r in 0..self.recordings.len() {
             for column in Column::ALL.into_iter().filter(|column| !shows_a_place(base, *column)) {
                 let period_s = self.recordings[r].sample_period_s;
@@ -105,7 +105,7 @@ impl ExaminedRecordings {
     }
 
     /// Replaces missing values by what they must have been: the controller's own output, or the rest of a platform at rest.
-    fn bridge(&mut self, r: usize, column: Column, control: &Loop, base: &Parameters) {
+    fn bridge(&mut self, r: usize, column: Column, control: &ReplayLoop, base: &Parameters) {
         let recording = &mut self.recordings[r];
         let Some(series) = column.of_mut(recording) else { return };
         let missing = series.iter().filter(|v| !v.is_finite()).count();
@@ -132,7 +132,7 @@ impl ExaminedRecordings {
         column: Column,
         useless: &[usize],
         kind: &FaultKind,
-        control: &Loop,
+        control: &ReplayLoop,
         base: &Parameters,
     ) -> Treatment {
         let recording = &mut self.recordings[r];
@@ -230,7 +230,7 @@ impl ExaminedRecordings {
         }
     }
 
-    fn control_offsets(&mut self, base: &Parameters, control: &Loop) {
+    fn control_offsets(&mut self, base: &Parameters, control: &ReplayLoop) {
         if let Some((column, lateness, recordings)) = clocks::control_offset(base, control, &self.recordings)
         {
             recordings.into_iter().for_each(|r| self.shift(r, column, lateness));
@@ -276,7 +276,7 @@ impl ExaminedRecordings {
 
 /// Returns the motor's mean rate beyond the resolver's, if the resolver has none beyond the gyroscopes.
 fn motor_bias(base: &Parameters, recording: &Recording, r: usize) -> Option<(usize, f64, f64)> {
-    let found = identities::list_identities(base, &Loop::Open, recording);
+    let found = identities::list_identities(base, &ReplayLoop::Open, recording);
     let of = |column| found.iter().find(|i| i.of == column);
     let (motor, resolver) = (of(Column::MotorRate)?, of(Column::HubPosition)?);
     let apart = motor.constant.0 - resolver.constant.0;
@@ -308,7 +308,7 @@ fn filled(series: &mut [f64]) {
 }
 
 /// Replaces missing controls by the controller's own output if it agrees with the others; returns whether it did.
-fn remade(recording: &mut Recording, control: &Loop, base: &Parameters) -> bool {
+fn remade(recording: &mut Recording, control: &ReplayLoop, base: &Parameters) -> bool {
     let Some(controller) = identities::proportional_integral(control) else { return false };
     let channels = [Channel::Demand, Channel::HubRate, Channel::Control];
     let [Some(demand), Some(hub), Some(u)] = channels.map(|channel| recording.samples(channel)) else {

@@ -7,7 +7,7 @@ use crate::tolerance::recording::{
 };
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::ReplayLoop;
 
 use super::column::Column;
 use super::fault::{intended_factor, is_known};
@@ -41,7 +41,7 @@ enum FactorOrigin {
 type Table = Vec<Vec<Identity>>;
 
 /// The identities of every recording.
-fn table_of(base: &Parameters, control: &Loop, recordings: &[Recording]) -> Table {
+fn table_of(base: &Parameters, control: &ReplayLoop, recordings: &[Recording]) -> Table {
     recordings.iter().map(|r| list_identities(base, control, r)).collect()
 }
 
@@ -49,7 +49,7 @@ fn table_of(base: &Parameters, control: &Loop, recordings: &[Recording]) -> Tabl
 /// single mistake explains it.
 pub(super) fn find_mistake(
     base: &Parameters,
-    control: &Loop,
+    control: &ReplayLoop,
     recordings: &[Recording],
 ) -> Option<FoundMistake> {
     let table = table_of(base, control, recordings);

@@ -13,7 +13,7 @@ use crate::tolerance::recording::{IDENTITY_DOUBT, NEAR_LIMIT_V, PLATFORM_MOVES_R
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::Loop;
+use counterpoise_simulate::replay::ReplayLoop;
 
 use super::column::Column;
 use super::regression::{Regression, delay_series, regress};
@@ -47,7 +47,7 @@ pub(super) struct Identity {
 }
 
 /// All identities that a recording allows.
-pub(super) fn list_identities(base: &Parameters, control: &Loop, r: &Recording) -> Vec<Identity> {
+pub(super) fn list_identities(base: &Parameters, control: &ReplayLoop, r: &Recording) -> Vec<Identity> {
     let ratio = base.gearbox.ratio;
     let motor = r.samples(Channel::MotorRate).map(|w| w.iter().map(|v| v / ratio).collect::<Vec<f64>>());
     let angle = r.samples(Channel::HubPosition).map(|a| derivative(a, r.sample_period_s));
@@ -62,10 +62,10 @@ pub(super) fn list_identities(base: &Parameters, control: &Loop, r: &Recording) 
 
 /// Returns the proportional-integral controller of a loop. The identity of another controller is not linear in the columns' factors, so
 /// that it finds no factor; `control_fit` of the simulator compares its control as a whole.
-pub(super) fn proportional_integral(control: &Loop) -> Option<&ProportionalIntegral> {
+pub(super) fn proportional_integral(control: &ReplayLoop) -> Option<&ProportionalIntegral> {
     match control {
-        Loop::Closed(controller) => controller.as_proportional_integral(),
-        Loop::Open => None,
+        ReplayLoop::Closed(controller) => controller.as_proportional_integral(),
+        ReplayLoop::Open => None,
     }
 }
 

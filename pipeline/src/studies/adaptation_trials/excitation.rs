@@ -3,7 +3,7 @@
 use counterpoise_simulate::signal::Sine;
 use counterpoise_simulate::{FurtherMotion, PlatformMotion, Signal};
 use counterpoise_verify::Procedure;
-use counterpoise_verify::signals::{Drive, RoadClass, Vehicle, iso_road};
+use counterpoise_verify::signals::{RoadClass, RoadDrive, Vehicle, iso_road};
 use serde::Serialize;
 
 use crate::PipelineError;
@@ -83,7 +83,7 @@ fn road(procedure: &Procedure, gravity_m_s2: f64) -> Result<PlatformMotion, Pipe
         (None, None) => return Ok(PlatformMotion::STILL),
         (None, Some(class)) => {
             let (speed_m_s, duration_s, sample_period_s, fade_s) = (8.0, 30.0, 0.005, 1.0);
-            let drive = Drive { class, speed_m_s, duration_s, sample_period_s, fade_s, seed };
+            let drive = RoadDrive { class, speed_m_s, duration_s, sample_period_s, fade_s, seed };
             iso_road(drive, Vehicle::HEAVY, gravity_m_s2)?
         }
     };

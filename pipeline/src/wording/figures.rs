@@ -1,0 +1,209 @@
+//! Names of figures, in words a person reads.
+
+use counterpoise_models::ControlledQuantity;
+use counterpoise_verify::{
+    Arrangement, Figure, JointExperiment, JointFigure, JointQuantity, LoopFigure, Model, Quantity,
+    RestFigure, SightFigure, Source, StepFigure, TriangleFigure, Unmeasured,
+};
+
+/// Returns the name of a figure in a loop, for example `peak hub rate, pitch, feedback, linear plant`.
+pub fn describe_figure(figure: Figure, controlled: ControlledQuantity) -> String {
+    match figure {
+        Figure::Loop(figure) => loop_figure(figure).to_owned(),
+        Figure::Step(model, figure) => format!("step {}, {}", step_figure(figure), plant(model)),
+        Figure::Triangle(model, figure) => format!("triangle {}, {}", triangle_figure(figure), plant(model)),
+        Figure::Disturbance(model, source, arrangement, quantity) => {
+            let (quantity, moving) = (quantity_name(quantity, controlled), platform_motion(source));
+            format!("{quantity}, {moving}, {}, {}", acting(arrangement), plant(model))
+        }
+        Figure::Rejection { source, arrangement, frequency_hz } => {
+            format!(
+                "DRR {} at {frequency_hz} Hz, {}, linear plant",
+                platform_motion(source),
+                acting(arrangement)
+            )
+        }
+        Figure::Rest(RestFigure::HubRms) => format!("RMS {} at rest", controlled.name()),
+        Figure::Rest(RestFigure::Drift) => "drift at rest".to_owned(),
+        Figure::Sight(figure) => sight_figure(figure).to_owned(),
+    }
+}
+
+/// Returns the name of a figure of both axes.
+pub fn describe_joint_figure(figure: JointFigure) -> String {
+    format!("{}, {}", describe_joint_experiment(figure.experiment), describe_joint_quantity(figure.quantity))
+}
+
+/// Returns the name of a run of both axes.
+pub fn describe_joint_experiment(experiment: JointExperiment) -> &'static str {
+    match experiment {
+        JointExperiment::ElevationStep => "step in elevation",
+        JointExperiment::TraverseStep => "step in traverse",
+        JointExperiment::BothSteps => "steps of both axes",
+        JointExperiment::Motion => "motion of the base",
+    }
+}
+
+/// Returns the name of what is measured in a run of both axes.
+pub fn describe_joint_quantity(quantity: JointQuantity) -> &'static str {
+    match quantity {
+        JointQuantity::ElevationRate => "rate error, elevation",
+        JointQuantity::TraverseRate => "rate error, traverse",
+        JointQuantity::ElevationSight => "line of sight, elevation",
+        JointQuantity::CrossElevationSight => "line of sight, cross-elevation",
+        JointQuantity::Sight => "line of sight, total",
+    }
+}
+
+/// Describes why a figure was not measured, or has no number.
+pub fn describe_unmeasured(why: &Unmeasured) -> String {
+    match why {
+        Unmeasured::NoRoad => "this experiment was not run: the verification has no road".to_owned(),
+        Unmeasured::NoTriangle => "this experiment was not run: the verification has no triangle".to_owned(),
+        Unmeasured::LinearPlantAlone => {
+            "this experiment was not run: the linear plant alone was verified".to_owned()
+        }
+        Unmeasured::NotRun => "this experiment was not run".to_owned(),
+        Unmeasured::NoLineOfSight => {
+            "this figure was not measured: the project has no [verify.line_of_sight]".to_owned()
+        }
+        Unmeasured::NoCoincidence => {
+            "this figure was not measured: the project has no [verify.line_of_sight.coincidence]".to_owned()
+        }
+        Unmeasured::NoOptics => {
+            "this figure was not measured: the project has no [verify.line_of_sight.optics]".to_owned()
+        }
+        Unmeasured::HoldsPosition => {
+            "the loop holds a position on the platform: its line of sight moves with it".to_owned()
+        }
+        Unmeasured::HoldsEffort => {
+            "the loop holds a torque, a force or a current: nothing holds a line of sight".to_owned()
+        }
+        Unmeasured::NoSuchSignal => "not computed on this plant".to_owned(),
+        Unmeasured::ShortRun => "the run is too short for it".to_owned(),
+        Unmeasured::EmptyRecord => "the record is empty".to_owned(),
+        Unmeasured::NoRise => "the hub never reaches 90 % of the demand".to_owned(),
+        Unmeasured::NoPeak => "the hub never exceeds the demand".to_owned(),
+        Unmeasured::PlatformStill => "the platform does not move".to_owned(),
+        Unmeasured::NotANumber => "not a number".to_owned(),
+        Unmeasured::NoValue => "it could not be measured".to_owned(),
+        Unmeasured::StepResponse(error) => error.to_string(),
+    }
+}
+
+fn quantity_name(quantity: Quantity, controlled: ControlledQuantity) -> String {
+    match quantity {
+        Quantity::HubRms => format!("RMS {}", controlled.name()),
+        Quantity::HubPeak => format!("peak {}", controlled.name()),
+        Quantity::TipRms => format!("RMS {}", controlled.tip_name()),
+        Quantity::TipPeak => format!("peak {}", controlled.tip_name()),
+        Quantity::CurrentPeak => format!("peak {}", controlled.drive_name()),
+        Quantity::ControlRms => "RMS control".to_owned(),
+        Quantity::ControlPeak => "peak control".to_owned(),
+        Quantity::TravelPeak => "peak travel".to_owned(),
+        Quantity::GearOpen => "gear open".to_owned(),
+        Quantity::Rejection => "DRR at the procedure's motion".to_owned(),
+    }
+}
+
+fn loop_figure(of: LoopFigure) -> &'static str {
+    match of {
+        LoopFigure::GainMargin => "gain margin",
+        LoopFigure::GainReductionMargin => "gain reduction margin",
+        LoopFigure::PhaseMargin => "phase margin",
+        LoopFigure::DelayMargin => "delay margin",
+        LoopFigure::DiskMargin => "disk margin",
+        LoopFigure::MaxSensitivity => "largest sensitivity Ms",
+        LoopFigure::MaxComplementary => "largest complementary sensitivity Mt",
+        LoopFigure::PoleRadius => "largest closed-loop pole modulus",
+        LoopFigure::Crossover => "highest crossover",
+    }
+}
+
+fn step_figure(of: StepFigure) -> &'static str {
+    match of {
+        StepFigure::Overshoot => "overshoot",
+        StepFigure::RiseTime => "rise time",
+        StepFigure::PeakTime => "peak time",
+        StepFigure::SettlingTime => "settling time",
+        StepFigure::SteadyStateError => "steady-state error",
+        StepFigure::ControlPeak => "peak control",
+    }
+}
+
+fn triangle_figure(of: TriangleFigure) -> &'static str {
+    match of {
+        TriangleFigure::ErrorRms => "RMS error",
+        TriangleFigure::ErrorPeak => "peak error",
+        TriangleFigure::ControlPeak => "peak control",
+    }
+}
+
+fn sight_figure(of: SightFigure) -> &'static str {
+    match of {
+        SightFigure::Hub => "RMS line of sight",
+        SightFigure::HubJitter => "line-of-sight jitter",
+        SightFigure::Tip => "RMS line of sight of the tip",
+        SightFigure::TipJitter => "line-of-sight jitter of the tip",
+        SightFigure::Bending => "RMS angle of the tip against the hub",
+        SightFigure::Coincidence => "time within the coincidence window",
+        SightFigure::Wait => "mean wait for coincidence",
+        SightFigure::Hit => "hit probability",
+        SightFigure::HubTransferLoss => "MTF loss by motion",
+        SightFigure::TipTransferLoss => "MTF loss by motion of the tip",
+    }
+}
+
+fn plant(of: Model) -> &'static str {
+    match of {
+        Model::Linear => "linear plant",
+        Model::Nonlinear => "nonlinear plant",
+    }
+}
+
+fn platform_motion(of: Source) -> &'static str {
+    match of {
+        Source::Heave => "heave",
+        Source::Pitch => "pitch",
+        Source::Both => "heave and pitch",
+        Source::Road => "road",
+    }
+}
+
+fn acting(of: Arrangement) -> &'static str {
+    match of {
+        Arrangement::Uncontrolled => "without control",
+        Arrangement::Feedback => "feedback",
+        Arrangement::Compensated => "feedback + feedforward",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use counterpoise_models::{DriveQuantity, QuantityKind};
+
+    #[test]
+    fn no_two_figures_have_one_name() {
+        let mut names: Vec<String> = Figure::all()
+            .into_iter()
+            .map(|figure| describe_figure(figure, ControlledQuantity::RATE))
+            .collect();
+        let all = names.len();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), all);
+    }
+
+    #[test]
+    fn a_figure_has_the_name_of_what_its_loop_controls() {
+        let torque = ControlledQuantity { kind: QuantityKind::Effort, ..ControlledQuantity::RATE };
+        let boom = ControlledQuantity { drive: DriveQuantity::Pressure, ..ControlledQuantity::RATE };
+        let peak = Figure::from_key("linear_pitch_feedback_current_peak_a").unwrap();
+        let name = describe_figure(peak, torque);
+        assert_eq!(describe_figure(peak, boom), name.replace("current", "load pressure"));
+        let rms = Figure::from_key("linear_pitch_feedback_hub_rms_rad_s").unwrap();
+        assert_eq!(describe_figure(rms, torque), "RMS transmitted torque, pitch, feedback, linear plant");
+    }
+}
