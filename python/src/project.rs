@@ -202,7 +202,8 @@ impl NativeProject {
             let files = projects::read_recordings(&recordings)?;
             let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
             let controller = recording_controller(&loaded.project).map_err(refused)?;
-            let read = read_files(&loaded.project, controller.as_ref(), &files, Gaps::Repaired).map_err(refused)?;
+            let read =
+                read_files(&loaded.project, controller.as_ref(), &files, Gaps::Repaired).map_err(refused)?;
             let control = loop_of(&loaded.project, controller.as_ref());
             let replayed =
                 replay(&loaded.project, &read, &control, ReplayLength::Automatic).map_err(refused)?;

@@ -215,15 +215,19 @@ pub(super) fn comparison(track: &Track, command: &str) -> Figure {
     let points = |series: &[f64]| -> Vec<(f64, f64)> {
         series.iter().enumerate().map(|(k, v)| (k as f64 * track.period_s, *v)).collect()
     };
-    let name = if track.after().is_empty() { "model" } else { "model as it was" };
+    let name = if track.column(TrackColumn::After).is_empty() { "model" } else { "model as it was" };
     let mut signals = vec![
-        Series::solid_line("measured", Colour::Muted, points(track.measured())),
-        Series::solid_line(name, Colour::Second, points(track.before())),
+        Series::solid_line("measured", Colour::Muted, points(track.column(TrackColumn::Measured))),
+        Series::solid_line(name, Colour::Second, points(track.column(TrackColumn::Before))),
     ];
     let mut errors =
         vec![Series::solid_line(name, Colour::Second, points(&track.error(TrackColumn::Before)))];
-    if !track.after().is_empty() {
-        signals.push(Series::solid_line("improved model", Colour::First, points(track.after())));
+    if !track.column(TrackColumn::After).is_empty() {
+        signals.push(Series::solid_line(
+            "improved model",
+            Colour::First,
+            points(track.column(TrackColumn::After)),
+        ));
         errors.push(Series::solid_line(
             "improved model",
             Colour::First,

@@ -3,7 +3,9 @@
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
 use counterpoise_verify::linear::{ResponseCurve, frequency::Rejection};
-use counterpoise_verify::{Arrangement, Experiment, History, Model, Source, Value, Verification};
+use counterpoise_verify::{
+    Arrangement, Experiment, History, HistoryColumn, Model, Source, Value, Verification,
+};
 
 use crate::bode::{BodeCurve, Phase, ResponsePoint, bode_figure};
 use crate::triangle;
@@ -139,11 +141,11 @@ fn margin_table(found: &Verification) -> Table {
 }
 
 fn step_section(found: &Verification) -> Section {
-    let control = step_column(found, "Control during the step", "control", "V", History::control_v);
+    let control = step_column(found, "Control during the step", "control", "V", HistoryColumn::Control);
     let controlled = found.controlled_quantity();
     let (name, unit) = (controlled.tip_name(), controlled.tip_unit());
     let title = format!("{} during the step", capitalise_first(&name));
-    let tip = step_column(found, &title, &name, unit, History::tip_rate_rad_s);
+    let tip = step_column(found, &title, &name, unit, HistoryColumn::TipRate);
     Section::new(&format!("Step of the demanded {}", controlled.name()))
         .showing(step_figure(found, 220.0))
         .showing(control)
@@ -184,11 +186,11 @@ fn step_column(
     title: &str,
     label: &str,
     unit: &str,
-    column: fn(&History) -> &[f64],
+    column: HistoryColumn,
 ) -> Option<Figure> {
     steps(found).next()?;
     let series = steps(found).map(|(history, name, colour, dash)| {
-        let points = paired(history.time_s(), column(history));
+        let points = paired(history.time_s(), history.column(column));
         Series::new(name, colour, dash, points)
     });
     let panel = Panel::new(Axis::linear(label, unit), series.collect()).with_height(220.0);

@@ -1,7 +1,7 @@
 //! A triangle of the demand, as a section.
 
 use counterpoise_models::{ControlledQuantity, QuantityKind};
-use counterpoise_verify::{Experiment, History, Model, Verification};
+use counterpoise_verify::{Experiment, History, HistoryColumn, Model, Verification};
 
 use crate::Section;
 use counterpoise_plot::thin::MOST_POINTS;
@@ -45,18 +45,18 @@ impl Run<'_> {
 }
 
 fn over_time(runs: &[Run<'_>], first: &History, controlled: ControlledQuantity) -> Figure {
-    let of = |column: fn(&History) -> &[f64]| -> Vec<Series> {
+    let of = |column: HistoryColumn| -> Vec<Series> {
         let points = |history: &History| -> Vec<Point> {
             history
                 .time_s()
                 .iter()
-                .zip(column(history))
+                .zip(history.column(column))
                 .map(|(time, value)| Point::new(*time, *value))
                 .collect()
         };
         runs.iter().map(|run| run.series(points(run.history))).collect()
     };
-    let mut rates = of(History::hub_rate_rad_s);
+    let mut rates = of(HistoryColumn::HubRate);
     let demand = first.time_s().iter().copied().zip(first.demand_rad_s().iter().copied());
     rates.push(Series::dotted_line("demand", Colour::Third, demand));
     let error = |run: &Run<'_>| {
@@ -68,7 +68,7 @@ fn over_time(runs: &[Run<'_>], first: &History, controlled: ControlledQuantity) 
     let panels = vec![
         Panel::new(Axis::linear(controlled.name(), controlled.unit()), rates).with_height(150.0),
         Panel::new(Axis::linear("error", controlled.milli_unit()), errors).with_height(130.0),
-        Panel::new(Axis::linear("control", "V"), of(History::control_v)).with_height(130.0),
+        Panel::new(Axis::linear("control", "V"), of(HistoryColumn::Control)).with_height(130.0),
     ];
     Figure::new("Triangle of the demand", Axis::linear("time", "s"), panels)
 }

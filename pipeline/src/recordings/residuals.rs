@@ -98,9 +98,13 @@ fn spectra(track: &Track) -> Option<ResidualSpectra> {
         recording: track.recording.clone(),
         channel: track.channel,
         unit: track.unit,
-        measured: own(track.measured())?,
+        measured: own(track.column(TrackColumn::Measured))?,
         before: of_residual(TrackColumn::Before),
-        after: if track.after().is_empty() { None } else { of_residual(TrackColumn::After) },
+        after: if track.column(TrackColumn::After).is_empty() {
+            None
+        } else {
+            of_residual(TrackColumn::After)
+        },
     })
 }
 
@@ -111,13 +115,15 @@ fn response(tracks: &[Track], recording: &str) -> Option<ControlResponse> {
         recording: recording.to_owned(),
         measured: of(TrackColumn::Measured)?,
         before: of(TrackColumn::Before),
-        after: if rate.after().is_empty() { None } else { of(TrackColumn::After) },
+        after: if rate.column(TrackColumn::After).is_empty() { None } else { of(TrackColumn::After) },
     })
 }
 
 fn tested(tracks: &[Track], track: &Track) -> TestedResidual {
-    let signals = ["control", "hub_rate"]
-        .map(|name| find(tracks, &track.recording, name).map(|t| NamedSignal { name, values: t.measured() }));
+    let signals = ["control", "hub_rate"].map(|name| {
+        find(tracks, &track.recording, name)
+            .map(|t| NamedSignal { name, values: t.column(TrackColumn::Measured) })
+    });
     let signals: Vec<NamedSignal<'_>> = signals.into_iter().flatten().collect();
     let test = |run| test_residual(&track.error(run), &signals);
     TestedResidual {

@@ -46,21 +46,6 @@ impl Track {
         has_column.then(|| self.signals.column(column as usize).to_slice()).flatten().unwrap_or_default()
     }
 
-    /// Returns the samples as recorded.
-    pub fn measured(&self) -> &[f64] {
-        self.column(TrackColumn::Measured)
-    }
-
-    /// Returns the samples as simulated by the model as it was.
-    pub fn before(&self) -> &[f64] {
-        self.column(TrackColumn::Before)
-    }
-
-    /// Returns the samples as simulated by the improved model; none if there is no such model.
-    pub fn after(&self) -> &[f64] {
-        self.column(TrackColumn::After)
-    }
-
     /// Returns the quantity that the loop controls, if this is the track of its reading.
     pub fn controlled_quantity(&self) -> ControlledQuantity {
         ControlledQuantity::of_unit(self.unit)
@@ -68,14 +53,15 @@ impl Track {
 
     /// Returns simulated less measured samples; none if there is no such run.
     pub fn error(&self, simulated: TrackColumn) -> Vec<f64> {
-        let both = self.column(simulated).iter().zip(self.measured());
+        let both = self.column(simulated).iter().zip(self.column(TrackColumn::Measured));
         both.map(|(simulated, measured)| simulated - measured).collect()
     }
 
     /// Returns the power of the residual of the model as it was, relative to that of what was measured.
     pub fn relative_residual_power(&self) -> f64 {
-        let sum: f64 = self.measured().iter().zip(self.before()).map(|(m, b)| (m - b).powi(2)).sum();
-        let power: f64 = self.measured().iter().map(|m| m * m).sum();
+        let (measured, before) = (self.column(TrackColumn::Measured), self.column(TrackColumn::Before));
+        let sum: f64 = measured.iter().zip(before).map(|(m, b)| (m - b).powi(2)).sum();
+        let power: f64 = measured.iter().map(|m| m * m).sum();
         sum / power.max(f64::MIN_POSITIVE)
     }
 }

@@ -116,6 +116,13 @@ fn one_at(n: usize, at: usize) -> Vec<f64> {
     row
 }
 
+/// Returns a row times a factor, with zeros up to a size.
+fn scale_and_pad(row: &[f64], factor: f64, size: usize) -> Vec<f64> {
+    let mut row: Vec<f64> = row.iter().map(|entry| entry * factor).collect();
+    row.resize(size, 0.0);
+    row
+}
+
 /// Returns the channels that the deviation of a place adds; they are empty if the plant has no such part.
 pub(super) fn channels_of(
     place: Place,
@@ -125,11 +132,7 @@ pub(super) fn channels_of(
 ) -> Vec<Channel> {
     let LinearisedDryFriction { viscous: dry, springs } = *dry;
     let size = base.A.nrows();
-    let wide = |row: Vec<f64>, factor: f64| -> Vec<f64> {
-        let mut row: Vec<f64> = row.iter().map(|entry| entry * factor).collect();
-        row.resize(size, 0.0);
-        row
-    };
+    let wide = |row: Vec<f64>, factor: f64| scale_and_pad(&row, factor, size);
     let torque = Torques::of(plant);
     let (p, motor_rate) = (plant.parameters(), wide(plant.motor_rate_row(), 1.0));
     let (hub, tip) = (plant.hub_rate_row(), plant.tip_rate_row());
