@@ -10,7 +10,8 @@ gyroscope, on the load or the motor; loop of rate, of position or a cascade.
 delays: readings are 1 to 20 samples late or held for 2 to 8, the drive by up to 2.5, the control by up to 3. Margins and largest sensitivity that the first
 design states must be those of the verified linear loop, within 0.1 dB, half a degree and 2 %, and the loop must be stable in every regime.
 
-tolerances: inertias, stiffnesses, torque constant and resistance are known to 10 to 40 %. `sweep` varies them and searches the worst case.
+tolerances: inertias, stiffnesses, torque constant and resistance are known to 10 to 40 %. `sweep` varies them and searches the worst case: 99 % of 200 mechanisms must
+keep a sensitivity of 2, and the worst case must be stable.
 
 Needs nothing but Python.
 """
@@ -136,7 +137,7 @@ def judge_tolerances(program, folder):
         return 'refused', done.stderr.strip().splitlines()[0][:160]
     share = re.search(r'([\d.]+) % .*max_sensitivity', done.stdout)
     worst = re.search(r'worst case ([\d.]+|infinite)', done.stdout)
-    held = worst and worst.group(1) != 'infinite' and float(worst.group(1)) <= 2.05
+    held = share and float(share.group(1)) >= 99.0 and worst and worst.group(1) != 'infinite'
     return ('held' if held else 'EXCEEDED'), f'{share and share.group(1)} % of the mechanisms, worst {worst and worst.group(1)}'
 
 

@@ -214,7 +214,11 @@ impl<'a> Scaled<'a> {
 
     /// Searches a multiplier on a grid, to which the rate at which it failed is added, until it holds or none can; and that rate. What none can
     /// hold at every fourth point of the grid, none can at all of them.
-    fn searched(&self, most: StabilityCriterion, range: [f64; 2]) -> (Option<(Multiplier, ProofOutcome)>, f64) {
+    fn searched(
+        &self,
+        most: StabilityCriterion,
+        range: [f64; 2],
+    ) -> (Option<(Multiplier, ProofOutcome)>, f64) {
         let mut rates = grid_between(range);
         let few: Vec<f64> = rates.iter().copied().step_by(COARSER).collect();
         let mut failed = range[0];
