@@ -86,7 +86,7 @@ fn corners(values: usize) -> Vec<Vec<bool>> {
         false => column,
     };
     let row = |row: usize, sign: bool| -> Vec<bool> {
-        (0..values).map(|column| ((row & mask(column)).count_ones() % 2 == 0) == sign).collect()
+        (0..values).map(|column| (row & mask(column)).count_ones().is_multiple_of(2) == sign).collect()
     };
     (0..rows).flat_map(|k| [row(k, true), row(k, false)]).collect()
 }
