@@ -317,6 +317,8 @@ pub struct Best {
     pub multiplier: Multiplier,
     /// The rate at which the condition costs most, rad/s: without it another multiplier would hold by more at the others.
     pub costliest_rad_s: f64,
+    /// No multiplier of the same terms has a larger least eigenvalue at these rates.
+    pub bound: f64,
     /// Whether the dual program shows that no multiplier of the same terms holds at all of these rates by more than the accuracy of the
     /// program; a multiplier of 0 holds by nothing.
     pub is_hopeless: bool,
@@ -367,7 +369,12 @@ pub fn search_multiplier(
     let terms = terms.map(|(of, weight)| MultiplierTerm { joint: of.joint, kind: of.kind, weight: *weight });
     let multiplier = Multiplier { terms: terms.collect(), reference_rad_s, joints };
     // no multiplier has a larger least eigenvalue than the dual value with its sign changed
-    Some(Best { multiplier, costliest_rad_s: *costliest.1, is_hopeless: -solved.dual < HOPELESS_EIGENVALUE })
+    Some(Best {
+        multiplier,
+        costliest_rad_s: *costliest.1,
+        bound: -solved.dual,
+        is_hopeless: -solved.dual < HOPELESS_EIGENVALUE,
+    })
 }
 
 /// The cone program: the weights and, last, the least eigenvalue that is to be largest.

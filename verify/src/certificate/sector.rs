@@ -30,7 +30,7 @@ use crate::structured::factor::Factor;
 use crate::structured::loops::{Pieces, PulledLoop, Uncertain, UncertainLoop};
 use crate::structured::places::{LinearisedDryFriction, Place, without_dry};
 use crate::structured::taylor::{RateInterval, Taylor};
-use crate::tolerance::{ALIASES, MULTIPLIER_RANGE, MULTIPLIER_ROUNDS};
+use crate::tolerance::{ALIASES, HOPELESS_EIGENVALUE, MULTIPLIER_RANGE, MULTIPLIER_ROUNDS};
 
 /// What the sector argument says about a loop.
 #[derive(Debug, Clone, PartialEq)]
@@ -223,19 +223,18 @@ impl<'a> Scaled<'a> {
         let few: Vec<f64> = rates.iter().copied().step_by(COARSER).collect();
         let mut failed = range[0];
         match self.best(most, &few) {
-            Some(found) if found.is_hopeless => return (None, found.costliest_rad_s),
+            Some(found) if found.bound < -HOPELESS_EIGENVALUE => return (None, found.costliest_rad_s),
             Some(_) => {}
             None => return (None, failed),
         }
         for _ in 0..MULTIPLIER_ROUNDS {
             let Some(best) = self.best(most, &rates) else { break };
-            if best.is_hopeless {
-                failed = best.costliest_rad_s;
-                break;
-            }
             match best.multiplier.proves(&|over| self.at(over), range) {
                 ProofOutcome::FailsAt(rate) => {
-                    failed = rate;
+                    failed = if best.is_hopeless { best.costliest_rad_s } else { rate };
+                    if best.is_hopeless {
+                        break;
+                    }
                     rates.push(rate);
                 }
                 // Another multiplier for one more rate holds as narrowly.
