@@ -10,7 +10,7 @@
 //! [`number`], [`guard`], [`runner`], `linear`, [`realise`], [`sensitivity`], [`tolerance`] (the numbers that decide), [`words`], [`error`].
 //!
 //! ```
-//! use counterpoise_controller::{Controller, Parts, Path, Readings, SampledController, Scaling, Signal};
+//! use counterpoise_controller::{Controller, Parts, Path, PathSignal, Readings, SampledController, Scaling};
 //! use counterpoise_linalg::Mat;
 //! use counterpoise_lti::{StateSpace, Timebase};
 //!
@@ -20,7 +20,7 @@
 //! let system = StateSpace::new(one(1.0), one(1e-3), one(1.0), one(2.0), timebase).unwrap();
 //! let path = Path {
 //!     name: "feedback".into(),
-//!     inputs: vec![Signal::RateError],
+//!     inputs: vec![PathSignal::RateError],
 //!     system,
 //!     anti_windup: vec![0.1],
 //!     scaling: Scaling::Fixed,

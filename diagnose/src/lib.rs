@@ -25,10 +25,10 @@
 //! use counterpoise_diagnose::simulator_access::Serial;
 //! use counterpoise_diagnose::{Error, diagnose};
 //! use counterpoise_models::reference;
-//! use counterpoise_simulate::replay::Loop;
+//! use counterpoise_simulate::replay::ReplayLoop;
 //!
 //! assert!(list_effects().iter().any(|effect| effect.component == Component::Gearbox));
-//! let refused = diagnose(&reference::rig(), Loop::Open, &[], &Serial);
+//! let refused = diagnose(&reference::rig(), ReplayLoop::Open, &[], &Serial);
 //! assert_eq!(refused.err(), Some(Error::NoRecording));
 //! ```
 //!

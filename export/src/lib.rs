@@ -12,11 +12,11 @@
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts};
-//! use counterpoise_export::{Options, Provenance, Source, c99};
+//! use counterpoise_export::{CodeOptions, ExportSource, Provenance, c99};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let controller = Controller::new(Parts::new(1e-3, 10.0))?;
-//! let files = c99(Source::Unverified(&controller), &Provenance::default(), &Options::double("controller"))?;
+//! let files = c99(ExportSource::Unverified(&controller), &Provenance::default(), &CodeOptions::double("controller"))?;
 //! assert_eq!(files[1].name, "controller.c");
 //! assert!(files[1].text.contains("controller_step"));
 //! # Ok(())

@@ -11,7 +11,7 @@
 //! ```
 //! let folder = counterpoise_host::files::scratch_folder()?;
 //! let path = folder.path().join("a/b.txt");
-//! counterpoise_host::files::write(&path, b"whole or not at all")?;
+//! counterpoise_host::files::write_file(&path, b"whole or not at all")?;
 //! assert_eq!(std::fs::read(&path)?, b"whole or not at all");
 //! # Ok::<(), std::io::Error>(())
 //! ```
