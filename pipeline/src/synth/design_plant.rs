@@ -77,21 +77,25 @@ struct SensorDelays {
 }
 
 impl SensorDelays {
-    /// Returns a sensor's dynamics and its delay.
+    /// Returns a sensor's dynamics with its delay.
     fn reading_of(self, sensor: &Sensor) -> Result<StateSpace, PipelineError> {
-        let dynamics = sensor.dynamics()?;
-        let samples = sensor.delay_samples(self.period_s);
-        if samples == 0 || self.pade_order == 0 {
-            return Ok(dynamics);
+        match self.late_reading(sensor)? {
+            Some(LateReading { dynamics, delay_s }) if self.pade_order > 0 => {
+                Ok(series(&dynamics, &pade(delay_s, self.pade_order)?)?)
+            }
+            _ => Ok(sensor.dynamics()?),
         }
-        Ok(series(&dynamics, &pade(samples as f64 * self.period_s, self.pade_order)?)?)
     }
 
-    /// Returns what a sampled loop takes for a sensor whose readings are late.
+    /// Returns what a sampled loop takes for a sensor whose readings are late; `None` if they are not.
     fn late_reading(self, sensor: &Sensor) -> Result<Option<LateReading>, PipelineError> {
-        let samples = sensor.delay_samples(self.period_s);
-        let dynamics = sensor.dynamics()?;
-        Ok((samples > 0).then_some(LateReading { dynamics, delay_s: samples as f64 * self.period_s }))
+        match sensor.delay_samples(self.period_s) {
+            0 => Ok(None),
+            samples => Ok(Some(LateReading {
+                dynamics: sensor.dynamics()?,
+                delay_s: samples as f64 * self.period_s,
+            })),
+        }
     }
 
     /// Returns the accelerometer with its share of heave: on the elevated mass it reads what the out-of-balance feels, and so does the

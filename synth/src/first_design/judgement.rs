@@ -192,15 +192,7 @@ impl<'a> Judge<'a> {
                 break;
             }
             let rates = modes_rad_s.iter().copied().flat_map(near).chain(about(nominal.bandwidth_rad_s));
-            let seen = largest_sensitivity(held, K, rates)?;
-            if seen > (1.0 + SEEN_ABOVE) * NEIGHBOUR_MS {
-                return Ok(seen);
-            }
-            let sensitivity = match stable_loop(held, K)? {
-                Some(loop_gain) => candidate_sensitivity(&loop_gain)?.value,
-                None => f64::INFINITY,
-            };
-            worst = worst.max(sensitivity);
+            worst = worst.max(sensitivity_beside(held, K, rates, stable_loop)?);
         }
         Ok(worst)
     }
@@ -208,20 +200,13 @@ impl<'a> Judge<'a> {
     /// The largest sensitivity over the plants at the ends of tolerances; beyond what is borne, that of the first plant that exceeds it.
     fn sensitivity_within_tolerances(&self, K: &StateSpace, nominal: &LoopJudgement) -> Result<f64, Error> {
         let mut worst = 0.0_f64;
-        let peak = nominal.sensitivity_peak_rad_s;
         for plant in &self.within_tolerances {
             if worst > NEIGHBOUR_MS {
                 break;
             }
-            let rates = about(nominal.bandwidth_rad_s).chain(about(peak)).filter(|rate| *rate > 0.0);
-            let seen = largest_sensitivity(plant, K, rates)?;
-            if seen > (1.0 + SEEN_ABOVE) * NEIGHBOUR_MS {
-                return Ok(seen);
-            }
-            worst = worst.max(match is_held(plant, K)? {
-                true => candidate_sensitivity(&series(plant, &K.negate())?)?.value,
-                false => f64::INFINITY,
-            });
+            let rates = about(nominal.bandwidth_rad_s).chain(about(nominal.sensitivity_peak_rad_s));
+            let rates = rates.filter(|rate| *rate > 0.0);
+            worst = worst.max(sensitivity_beside(plant, K, rates, held_loop)?);
         }
         Ok(worst)
     }
@@ -231,10 +216,8 @@ impl<'a> Judge<'a> {
     fn sensitivity_of_others(&self, K: &StateSpace, nominal: f64) -> Result<f64, Error> {
         let mut worst = nominal;
         for plant in &self.others {
-            if !is_held(plant, K)? {
-                return Ok(f64::INFINITY);
-            }
-            worst = worst.max(candidate_sensitivity(&series(plant, &K.negate())?)?.value);
+            let Some(loop_gain) = held_loop(plant, K)? else { return Ok(f64::INFINITY) };
+            worst = worst.max(candidate_sensitivity(&loop_gain)?.value);
         }
         Ok(worst)
     }
@@ -316,23 +299,43 @@ fn stable_margins(plant: &StateSpace, K: &StateSpace) -> Result<Option<Candidate
 
 /// The loop gain of a controller on a plant; `None` if its closed loop is not stable.
 fn stable_loop(plant: &StateSpace, K: &StateSpace) -> Result<Option<StateSpace>, Error> {
+    loop_with_poles(plant, K, |pole| is_stable_pole(pole, plant.timebase))
+}
+
+/// The loop gain of a controller on a plant; `None` if its closed loop is not stable but for what only drifts.
+fn held_loop(plant: &StateSpace, K: &StateSpace) -> Result<Option<StateSpace>, Error> {
+    loop_with_poles(plant, K, |pole| pole.norm() < 1.0 || (pole - C64::ONE).norm() < DRIFTING_POLE)
+}
+
+/// The loop gain of a controller on a plant; `None` if a pole of its closed loop is not allowed.
+fn loop_with_poles(
+    plant: &StateSpace,
+    K: &StateSpace,
+    is_allowed: impl Fn(C64) -> bool,
+) -> Result<Option<StateSpace>, Error> {
     let loop_gain = series(plant, &K.negate())?;
     // Poles cost a hundredth of the margins, and most candidates that fail are not stable.
     let one = StateSpace::gain(Mat::eye(1), loop_gain.timebase)?;
     let found = poles(&closed(&loop_gain, &one)?)?;
-    if found.iter().any(|pole| !is_stable_pole(*pole, loop_gain.timebase)) {
-        return Ok(None);
-    }
-    Ok(Some(loop_gain))
+    Ok(found.into_iter().all(is_allowed).then_some(loop_gain))
 }
 
-/// Whether a controller holds a plant: its closed loop is stable but for what only drifts.
-fn is_held(plant: &StateSpace, K: &StateSpace) -> Result<bool, Error> {
-    let broken = series(plant, &K.negate())?;
-    let one = StateSpace::gain(Mat::eye(1), plant.timebase)?;
-    let found = poles(&closed(&broken, &one)?)?;
-    let drifts = |pole: &C64| (pole - C64::ONE).norm() < DRIFTING_POLE;
-    Ok(found.iter().all(|pole| pole.norm() < 1.0 || drifts(pole)))
+/// The largest sensitivity with a plant beside the plant, infinite if there is no such loop; that at some frequencies if they show already
+/// that it is not borne.
+fn sensitivity_beside(
+    plant: &StateSpace,
+    K: &StateSpace,
+    rates_rad_s: impl Iterator<Item = f64>,
+    loop_of: fn(&StateSpace, &StateSpace) -> Result<Option<StateSpace>, Error>,
+) -> Result<f64, Error> {
+    let seen = largest_sensitivity(plant, K, rates_rad_s)?;
+    if seen > (1.0 + SEEN_ABOVE) * NEIGHBOUR_MS {
+        return Ok(seen);
+    }
+    match loop_of(plant, K)? {
+        Some(loop_gain) => Ok(candidate_sensitivity(&loop_gain)?.value),
+        None => Ok(f64::INFINITY),
+    }
 }
 
 /// The largest sensitivity at some frequencies; those above half the sample rate and on a pole are left out.

@@ -317,11 +317,21 @@ pub struct Best {
     pub multiplier: Multiplier,
     /// The rate at which the condition costs most, rad/s: without it another multiplier would hold by more at the others.
     pub costliest_rad_s: f64,
-    /// No multiplier of the same terms has a larger least eigenvalue at these rates.
+    /// No multiplier of the same terms has a larger least eigenvalue at these rates: the dual value with its sign changed.
     pub bound: f64,
-    /// Whether the dual program shows that no multiplier of the same terms holds at all of these rates by more than the accuracy of the
-    /// program; a multiplier of 0 holds by nothing.
-    pub is_hopeless: bool,
+}
+
+impl Best {
+    /// Returns whether no multiplier of the same terms holds at all of these rates by more than the accuracy of the program; a multiplier of 0
+    /// holds by nothing.
+    pub fn is_hopeless(&self) -> bool {
+        self.bound < HOPELESS_EIGENVALUE
+    }
+
+    /// Returns whether every multiplier of the same terms misses the condition at one of these rates, by more than the accuracy of the program.
+    pub fn is_ruled_out(&self) -> bool {
+        self.bound < -HOPELESS_EIGENVALUE
+    }
 }
 
 /// Returns the multiplier that makes the condition hold best at some rates, with the terms up to a criterion; `None` if the solver gives
@@ -368,13 +378,7 @@ pub fn search_multiplier(
     let terms = kinds.iter().zip(&solved.x).filter(|(_, weight)| **weight > NEGLIGIBLE_TERM);
     let terms = terms.map(|(of, weight)| MultiplierTerm { joint: of.joint, kind: of.kind, weight: *weight });
     let multiplier = Multiplier { terms: terms.collect(), reference_rad_s, joints };
-    // no multiplier has a larger least eigenvalue than the dual value with its sign changed
-    Some(Best {
-        multiplier,
-        costliest_rad_s: *costliest.1,
-        bound: -solved.dual,
-        is_hopeless: -solved.dual < HOPELESS_EIGENVALUE,
-    })
+    Some(Best { multiplier, costliest_rad_s: *costliest.1, bound: -solved.dual })
 }
 
 /// The cone program: the weights and, last, the least eigenvalue that is to be largest.

@@ -30,7 +30,7 @@ use crate::structured::factor::Factor;
 use crate::structured::loops::{Pieces, PulledLoop, Uncertain, UncertainLoop};
 use crate::structured::places::{LinearisedDryFriction, Place, without_dry};
 use crate::structured::taylor::{RateInterval, Taylor};
-use crate::tolerance::{ALIASES, HOPELESS_EIGENVALUE, MULTIPLIER_RANGE, MULTIPLIER_ROUNDS};
+use crate::tolerance::{ALIASES, MULTIPLIER_RANGE, MULTIPLIER_ROUNDS};
 
 /// What the sector argument says about a loop.
 #[derive(Debug, Clone, PartialEq)]
@@ -223,18 +223,16 @@ impl<'a> Scaled<'a> {
         let few: Vec<f64> = rates.iter().copied().step_by(COARSER).collect();
         let mut failed = range[0];
         match self.best(most, &few) {
-            Some(found) if found.bound < -HOPELESS_EIGENVALUE => return (None, found.costliest_rad_s),
+            Some(found) if found.is_ruled_out() => return (None, found.costliest_rad_s),
             Some(_) => {}
             None => return (None, failed),
         }
         for _ in 0..MULTIPLIER_ROUNDS {
             let Some(best) = self.best(most, &rates) else { break };
             match best.multiplier.proves(&|over| self.at(over), range) {
+                ProofOutcome::FailsAt(_) if best.is_hopeless() => return (None, best.costliest_rad_s),
                 ProofOutcome::FailsAt(rate) => {
-                    failed = if best.is_hopeless { best.costliest_rad_s } else { rate };
-                    if best.is_hopeless {
-                        break;
-                    }
+                    failed = rate;
                     rates.push(rate);
                 }
                 // Another multiplier for one more rate holds as narrowly.
