@@ -105,3 +105,12 @@ pub(crate) const SAME_INERTIA: f64 = 1e-9;
 
 /// Most bits of a converter: beyond, double precision has no smaller step over its range.
 pub const MOST_CONVERTER_BITS: f64 = 52.0;
+
+// ---- sensors ----
+
+/// Rest of a delay beyond whole samples, in samples, that the linear loop leaves out: its phase is 0.06 degrees at a sixth of the sample
+/// rate, and a quotient of two decimal numbers is rounded.
+pub(crate) const NEGLIGIBLE_REST: f64 = 1e-3;
+/// Order of the Padé approximation of the rest of a delay. The phase of a rest of a whole sample is right to 1e-5 rad at a sixth of the
+/// sample rate, and to 0.02 rad at half of it; order 4 would be right to 1e-3 rad there, and costs a state a sensor.
+pub(crate) const REST_ORDER: usize = 3;

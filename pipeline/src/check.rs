@@ -1,6 +1,7 @@
 //! How a project file was read, and which values are assumed.
 
 use counterpoise_diagnose::learning::reading::{ReadElement, read_elements};
+use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_models::AxisKind;
 use counterpoise_project::{
     Assumption, Diagnostic, Document, Parsed, Project, Purpose, SectionStatement, Tolerance,
@@ -150,7 +151,7 @@ pub fn rank_assumptions(
     };
     let project = chosen.as_ref().map_or(project, |chosen| &chosen.project);
     let synthesised = synthesise(project, modelled, &reduced)?;
-    let found = assumption_effects(project, modelled, &synthesised, assumptions, systems)?;
+    let found = assumption_effects(project, modelled, &synthesised, assumptions, systems, &Serial)?;
     let assumptions = with_those_of_design(assumptions, &synthesised);
     Ok(RankedAssumptions { assumptions, effects: found.effects, assumed_loop: found.assumed_loop })
 }

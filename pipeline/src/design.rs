@@ -1,8 +1,6 @@
 //! A whole design: every stage from the project file to code, and everything that is stated about the result.
 
-use std::sync::OnceLock;
-
-use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_diagnose::simulator_access::{Pool, join};
 use counterpoise_export::{File, FormFigures, TargetRuns, Targets};
 use counterpoise_project::Project;
 use counterpoise_verify::certificate::StabilityCertificate;
@@ -136,33 +134,71 @@ pub struct SynthesisStudy {
 /// [`PipelineError`]: what is missing in the project, what cannot be built, and every reason why there is no controller.
 /// A requirement that is not met is no error: it is a verdict in [`Stages::verified`].
 pub fn run_stages(project: &Project, world: &dyn World) -> Result<Stages, PipelineError> {
-    let made = run_to_verification(project, world)?;
-    let stability = run_observed(world, Step::Verify, || made.certificate(project))?;
-    made.exported(project, world, stability)
+    let made = SampledDesign::of(project, world)?;
+    let (verified, stability) = run_observed(world, Step::Verify, || {
+        join(world.pool(), || made.verified(project), || made.certificate(project))
+    });
+    made.exported(project, world, verified?, stability?)
 }
 
-/// What the stages up to the verification made.
-struct VerifiedDesign {
+/// What the stages up to the sampled controller made, and what its verification will do to the mechanism.
+struct SampledDesign {
     modelled: Modelled,
     reduced: Reduced,
     synthesised: Synthesised,
     procedure: Procedure,
-    verified: VerifiedController,
 }
 
-fn run_to_verification(project: &Project, world: &dyn World) -> Result<VerifiedDesign, PipelineError> {
-    let modelled = run_observed(world, Step::Model, || model(project))?;
-    let reduced = run_observed(world, Step::Reduce, || reduce(project, &modelled))?;
-    let synthesised = run_observed(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
-    let procedure = project_procedure(project, world)?;
-    let verified =
-        run_observed(world, Step::Verify, || verify_on(project, &modelled.plant, &synthesised, &procedure))?;
-    Ok(VerifiedDesign { modelled, reduced, synthesised, procedure, verified })
-}
+impl SampledDesign {
+    fn of(project: &Project, world: &dyn World) -> Result<Self, PipelineError> {
+        let modelled = run_observed(world, Step::Model, || model(project))?;
+        let reduced = run_observed(world, Step::Reduce, || reduce(project, &modelled))?;
+        let synthesised = run_observed(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
+        let procedure = project_procedure(project, world)?;
+        Ok(Self { modelled, reduced, synthesised, procedure })
+    }
 
-impl VerifiedDesign {
+    fn verified(&self, project: &Project) -> Result<VerifiedController, PipelineError> {
+        verify_on(project, &self.modelled.plant, &self.synthesised, &self.procedure)
+    }
+
     fn certificate(&self, project: &Project) -> Result<StabilityCertificate, PipelineError> {
         studies::certificate::certify_controller(project, &self.modelled, &self.synthesised, &self.procedure)
+    }
+
+    /// Verifies and certifies the controller, runs it in every kind of numbers and compares it with other designs, side by side on the
+    /// processors at hand.
+    fn studied(&self, project: &Project, pool: &dyn Pool) -> Result<StudiedDesign, PipelineError> {
+        let verified = || {
+            let verified = self.verified(project)?;
+            let (targets, loop_view) =
+                join(pool, || self.studied_targets(&verified, pool), || loop_view(verified.verification()));
+            Ok::<_, PipelineError>((targets?, loop_view?, verified))
+        };
+        let beside = || {
+            let compare = || compare_designs(project, &self.modelled, &self.synthesised);
+            join(pool, || self.certificate(project), compare)
+        };
+        let (verified, (stability, comparison)) = join(pool, verified, beside);
+        let (targets, loop_view, verified) = verified?;
+        Ok(StudiedDesign { verified, stability: stability?, targets, comparison: comparison?, loop_view })
+    }
+
+    /// Runs the controller in every kind of numbers.
+    fn studied_targets(
+        &self,
+        verified: &VerifiedController,
+        pool: &dyn Pool,
+    ) -> Result<StudiedTargets, PipelineError> {
+        let jobs = |count: usize, job: &(dyn Fn(usize) + Sync)| pool.run(count, job);
+        let runs = TargetRuns::record(verified, &self.modelled.plant, &self.procedure, &jobs)?;
+        let allowed_v = half_step_v(&self.modelled.plant);
+        let (fixed, (single, by_form)) = join(
+            pool,
+            || runs.fixed_point_form(allowed_v),
+            || join(pool, || runs.single(), || runs.figures_by_form()),
+        );
+        Ok(StudiedTargets { compared: Targets::of(&runs, single?, fixed?), by_form })
     }
 
     /// Writes the code.
@@ -170,9 +206,10 @@ impl VerifiedDesign {
         self,
         project: &Project,
         world: &dyn World,
+        verified: VerifiedController,
         stability: StabilityCertificate,
     ) -> Result<Stages, PipelineError> {
-        let Self { modelled, reduced, synthesised, procedure, verified } = self;
+        let Self { modelled, reduced, synthesised, procedure } = self;
         let Exported { files, left_out } = run_observed(world, Step::Export, || {
             export_by(project, &modelled, &verified, &procedure, world)
         })?;
@@ -189,44 +226,15 @@ impl VerifiedDesign {
             traverse,
         })
     }
-
-    /// Certifies the loop and runs the controller in every kind of numbers, side by side on the processors at hand.
-    fn studied(&self, project: &Project, pool: &dyn Pool) -> Result<StudiedDesign, PipelineError> {
-        let (certified, compared) = (OnceLock::new(), OnceLock::new());
-        let (certify, compare) = (|| self.certificate(project), || self.studied_targets(pool));
-        pool.run(2, &|part| match part {
-            0 => drop(compared.set(compare())),
-            _ => drop(certified.set(certify())),
-        });
-        // A pool that was asked to stop leaves parts out.
-        let stability = certified.into_inner().unwrap_or_else(certify)?;
-        let targets = compared.into_inner().unwrap_or_else(compare)?;
-        Ok(StudiedDesign { stability, targets })
-    }
-
-    /// Runs the controller in every kind of numbers.
-    fn studied_targets(&self, pool: &dyn Pool) -> Result<StudiedTargets, PipelineError> {
-        let jobs = |count: usize, job: &(dyn Fn(usize) + Sync)| pool.run(count, job);
-        let runs = TargetRuns::record(&self.verified, &self.modelled.plant, &self.procedure, &jobs)?;
-        let allowed_v = half_step_v(&self.modelled.plant);
-        let (single, fixed, forms) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
-        let (in_single, in_fixed) = (|| runs.single(), || runs.fixed_point_form(allowed_v));
-        pool.run(3, &|part| match part {
-            0 => drop(fixed.set(in_fixed())),
-            1 => drop(single.set(in_single())),
-            _ => drop(forms.set(runs.figures_by_form())),
-        });
-        let single = single.into_inner().unwrap_or_else(in_single)?;
-        let fixed = fixed.into_inner().unwrap_or_else(in_fixed)?;
-        let by_form = forms.into_inner().unwrap_or_else(|| runs.figures_by_form());
-        Ok(StudiedTargets { compared: Targets::of(&runs, single, fixed), by_form })
-    }
 }
 
-/// What is computed of a verified design side by side.
+/// What is computed of a sampled design side by side.
 struct StudiedDesign {
+    verified: VerifiedController,
     stability: StabilityCertificate,
     targets: StudiedTargets,
+    comparison: Comparison,
+    loop_view: LoopView,
 }
 
 /// The controller in every kind of numbers and in every form, in the runs of its verification.
@@ -242,18 +250,17 @@ struct StudiedTargets {
 pub fn design(project: &Project, world: &dyn World) -> Result<Designed, PipelineError> {
     let Decided { project, first, .. } = choose_and_tune(project, world)?;
     let project = &project;
-    let made = run_to_verification(project, world)?;
+    let made = SampledDesign::of(project, world)?;
     let studied = run_observed(world, Step::Verify, || made.studied(project, world.pool()))?;
-    let StudiedDesign { stability, targets } = studied;
-    let stages = made.exported(project, world, stability)?;
-    let comparison = compare_designs(project, &stages.modelled, &stages.synthesised)?;
+    let StudiedDesign { verified, stability, targets, comparison, loop_view } = studied;
+    let stages = made.exported(project, world, verified, stability)?;
     Ok(Designed {
         identity: ProjectIdentity::of(project, world),
         weights: project.synth.as_ref().map(describe_weights).unwrap_or_default(),
         certificates: certify_designs(&stages.synthesised, Some(stages.verified.verification())),
         comparison,
         views: design_views(&stages.modelled, &stages.reduced, &stages.synthesised)?,
-        loop_view: loop_view(stages.verified.verification())?,
+        loop_view,
         spectra: spectral_rejections(stages.verified.verification()),
         targets: study_targets(project, &stages, targets, world)?,
         first_design: first,

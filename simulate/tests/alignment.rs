@@ -106,7 +106,7 @@ fn a_slower_sensor_gives_its_last_reading_again() {
     let found = run(&p).readings.platform_rate_rad_s;
     let each = run(&rig()).readings.platform_rate_rad_s;
     assert!((0..SAMPLES).all(|k| found[k] == each[k - k % 5]));
-    assert_eq!(p.sensors.platform_gyro.delay_samples(1e-3), 2);
+    assert_eq!(p.sensors.platform_gyro.mean_delay(1e-3).samples, 2);
 }
 
 #[test]

@@ -47,6 +47,8 @@ pub enum Unknown {
     Delay,
     /// No step of the demand is stated.
     Demand,
+    /// No limit of the drive is stated.
+    DriveLimit,
 }
 
 /// A bandwidth with its limits.

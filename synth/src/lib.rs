@@ -109,8 +109,8 @@ pub use feedforward::{Feedforward, feedforward};
 pub use figures::{FigureSystems, Figures, figure_systems, figures};
 pub use finding::{DesignFinding, FindingSeverity, Part};
 pub use first_design::{
-    Circumstances, ExpectedMotion, FirstDesign, LimitLoops, LoopJudgement, RequiredMargins, first_design,
-    first_design_on,
+    Circumstances, ControlLimit, ExpectedMotion, FirstDesign, LimitLoops, LoopJudgement, RequiredMargins,
+    first_design, first_design_on,
 };
 pub use fixed_structure::{Block, BlockKind, BlockParameter, FixedStructure, ParameterName};
 pub use generalised_plant::{Generalised, NamedBlock, Ports, StateOrigin};

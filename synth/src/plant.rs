@@ -45,12 +45,12 @@ pub struct DesignPlant {
     pub rate_loop: Option<Box<RateLoop>>,
 }
 
-/// A sensor whose readings are late by whole samples.
+/// A sensor whose readings are late.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LateReading {
-    /// Measured over true quantity, without the delay.
+    /// Measured over true quantity, with what is left of the delay beyond whole samples.
     pub dynamics: StateSpace,
-    /// The delay, s.
+    /// Whole samples of the delay, s.
     pub delay_s: f64,
 }
 

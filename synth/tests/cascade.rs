@@ -6,8 +6,8 @@ use counterpoise_linalg::Mat;
 use counterpoise_lti::{Discretisation, StateSpace, Timebase, c2d, margins};
 use counterpoise_synth::cascade::difference_lag;
 use counterpoise_synth::{
-    Assembly, Circumstances, DesignPlant, FeedbackWeights, RateLoop, Reference, RequiredMargins, Sampling,
-    Specification, Weight, design, discretise, first_design,
+    Assembly, Circumstances, ControlLimit, DesignPlant, FeedbackWeights, RateLoop, Reference,
+    RequiredMargins, Sampling, Specification, Weight, design, discretise, first_design,
 };
 
 const PERIOD_S: f64 = 1e-3;
@@ -97,6 +97,7 @@ fn a_first_design_chooses_both_loops_and_the_whole_keeps_the_margins() {
         within_tolerances: Vec::new(),
         load_output: None,
         sampling: sampling.clone(),
+        control_limit: ControlLimit::OfDrive,
         noise_rms: 1e-6,
         reading_step: 0.0,
         holding_v: 0.0,

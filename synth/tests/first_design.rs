@@ -8,8 +8,8 @@ use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase, margins};
 use counterpoise_models::reference;
 use counterpoise_synth::{
-    Cause, Circumstances, Design, DesignPlant, Error, FirstDesign, LimitKind, RequiredMargins, Sampling,
-    Unknown, design, discretise, first_design,
+    Cause, Circumstances, ControlLimit, Design, DesignPlant, Error, FirstDesign, LimitKind, RequiredMargins,
+    Sampling, Unknown, design, discretise, first_design,
 };
 
 const CEILING: f64 = std::f64::consts::TAU / 20.0;
@@ -21,6 +21,7 @@ fn circumstances(plant: DesignPlant, sampling: Sampling) -> Circumstances {
         others: Vec::new(),
         within_tolerances: Vec::new(),
         sampling,
+        control_limit: ControlLimit::OfDrive,
         noise_rms: 0.0,
         reading_step: 0.0,
         holding_v: 0.0,
@@ -93,6 +94,7 @@ fn what_is_not_known_lowers_the_bandwidth() {
     for less in [
         Circumstances { noise_rms: 0.0, ..known.clone() },
         Circumstances { demand_step: 0.0, ..known.clone() },
+        Circumstances { control_limit: ControlLimit::OfConverter, ..known.clone() },
     ] {
         let found = exported(&less).unwrap();
         assert!(found.bandwidth.bandwidth_rad_s <= all * 1.001 && !found.bandwidth.unknown.is_empty());

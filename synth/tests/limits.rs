@@ -6,7 +6,8 @@ use std::f64::consts::TAU;
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_synth::{
-    Bandwidth, BandwidthLimit, Circumstances, DesignPlant, LimitKind, RequiredMargins, Sampling, first_design,
+    Bandwidth, BandwidthLimit, Circumstances, ControlLimit, DesignPlant, LimitKind, RequiredMargins,
+    Sampling, first_design,
 };
 
 /// Two inertias on a spring with a gyroscope, and everything else that can limit their loop.
@@ -52,6 +53,7 @@ impl Machine {
             within_tolerances: Vec::new(),
             load_output: None,
             sampling: Sampling { delay_samples, ..Sampling::new(self.period_s, 10.0) },
+            control_limit: ControlLimit::OfDrive,
             noise_rms: self.noise / self.period_s.sqrt(),
             reading_step: self.reading_step,
             holding_v: 0.0,

@@ -94,6 +94,31 @@ fn the_broken_loop_is_the_controller_times_the_held_plant() {
     assert_eq!(curves.rejection.len(), 6);
 }
 
+/// The reading of a gyroscope that is late by a part of a sample turns the loop by that part.
+#[test]
+fn a_late_reading_turns_the_loop_by_its_delay() {
+    let with_delay = |delay_s: f64| {
+        let mut late = rig();
+        late.sensors.hub_gyro.delay_s = delay_s;
+        let level = plant().equilibrium(&OperatingPoint::default());
+        let linear = plant().linearise(&level, FrictionLinearisation::Viscous, Angles::Drop).unwrap();
+        let sampled = SampledPlant::new(&linear, &late, Resolver::Unread).unwrap();
+        let arrangement = Arrangement::Compensated;
+        let loops = vec![ArrangedLoop { arrangement, closed: closed(&sampled, arrangement) }];
+        Curves::of(&sampled, &loops).unwrap()
+    };
+    let prompt = with_delay(0.0);
+    for delay_s in [2e-6, 0.25e-3, 0.5e-3, 0.99e-3, 1e-3, 1.4e-3, 2.0001e-3, 17.7e-3] {
+        let late = with_delay(delay_s);
+        for (k, f) in late.frequency_hz.iter().enumerate().filter(|(_, f)| **f < 100.0) {
+            let expected =
+                prompt.broken.response[k] * Complex64::from_polar(1.0, -std::f64::consts::TAU * f * delay_s);
+            let error = (late.broken.response[k] - expected).norm() / expected.norm();
+            assert!(error < 3e-3, "{delay_s} s, {f} Hz: {error}");
+        }
+    }
+}
+
 #[test]
 fn the_responses_of_the_closed_loop_are_those_of_the_sampled_system() {
     let plant = sampled();

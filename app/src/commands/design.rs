@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use crate::output::say;
 use clap::Args;
+use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_export::File;
 use counterpoise_host::code_files;
 use counterpoise_host::compilers::{processor, proofs};
@@ -14,7 +15,7 @@ use counterpoise_pipeline::results::{DesignResult, ResultContents};
 use counterpoise_pipeline::studies::advice::Kept;
 use counterpoise_pipeline::wording::acceptance::Traceable;
 use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
-use counterpoise_pipeline::{FirstDesignResult, Stages, TwoAxisStudy, design};
+use counterpoise_pipeline::{FirstDesignResult, Stages, TwoAxisStudy, World, design};
 use counterpoise_project::Purpose;
 use counterpoise_report::adaptation::{describe_action, describe_refusal};
 use counterpoise_report::certificate;
@@ -60,7 +61,7 @@ pub fn run(options: &DesignOptions) -> Done {
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
     let designed = design(&loaded.project, &world)?;
-    let mut result = results_of(options, &loaded, &designed)?;
+    let mut result = results_of(options, &loaded, &designed, world.pool())?;
     let code = &designed.targets.code;
     let (proofs, costs) =
         (proofs::prove_code(code, &designed.targets.compared), processor::measure_costs(code));
@@ -105,13 +106,14 @@ fn results_of(
     options: &DesignOptions,
     loaded: &Loaded,
     designed: &counterpoise_pipeline::Designed,
+    pool: &dyn Pool,
 ) -> anyhow::Result<DesignResult> {
     let contents = ResultContents {
         assumptions: &loaded.assumptions,
         systems: options.results.loop_systems(),
         kept: if options.histories { Kept::Histories } else { Kept::Systems },
     };
-    Ok(DesignResult::complete(&loaded.project, designed, &contents)?)
+    Ok(DesignResult::complete(&loaded.project, designed, &contents, pool)?)
 }
 
 fn print_two_axes(designed: &counterpoise_pipeline::Designed) {

@@ -10,4 +10,4 @@ mod pool;
 pub use access::{
     Assessment, ChannelResidual, ControlSource, MechanismVariant, SimulatorAccess, Span, StartShift,
 };
-pub use pool::{Pool, Serial, map, map_all, map_with_progress};
+pub use pool::{Pool, Serial, join, map, map_all, map_with_progress};

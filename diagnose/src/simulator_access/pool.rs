@@ -50,6 +50,21 @@ pub fn map_all<T: Send + Sync>(pool: &dyn Pool, count: usize, job: impl Fn(usize
     slots.into_iter().enumerate().map(|(k, slot)| slot.into_inner().unwrap_or_else(|| job(k))).collect()
 }
 
+/// Returns the results of two jobs that know nothing of each other, done side by side.
+pub fn join<A: Send + Sync, B: Send + Sync>(
+    pool: &dyn Pool,
+    first: impl Fn() -> A + Sync,
+    second: impl Fn() -> B + Sync,
+) -> (A, B) {
+    let (a, b) = (OnceLock::new(), OnceLock::new());
+    pool.run(2, &|part| match part {
+        0 => drop(a.set(first())),
+        _ => drop(b.set(second())),
+    });
+    // A pool that was asked to stop leaves jobs out.
+    (a.into_inner().unwrap_or_else(first), b.into_inner().unwrap_or_else(second))
+}
+
 /// Does the same as [`map`], and says how many of the jobs of a stage are done.
 pub fn map_with_progress<T: Send>(
     pool: &dyn Pool,

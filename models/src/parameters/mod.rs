@@ -25,7 +25,9 @@ pub use drive_limits::{
 };
 pub use free_functions::{Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 pub use friction::{Friction, FrictionLaw, StribeckCurve};
-pub use sensing::{AccelerometerAxis, Alignment, Clock, Drift, FeedbackSignal, Interface, Sensor, Sensors};
+pub use sensing::{
+    AccelerometerAxis, Alignment, Clock, Drift, FeedbackSignal, Interface, ReadingDelay, Sensor, Sensors,
+};
 pub use structure::{
     Beam, BeamSection, Configuration, Link, Lumped, PointMass, SectionShape, StructuralDamping,
 };

@@ -1,5 +1,9 @@
 //! Sensors, converters and the clock of the digital controller.
 
+use counterpoise_lti::{StateSpace, pade};
+
+use crate::tolerance::{NEGLIGIBLE_REST, REST_ORDER};
+
 /// What the sensor of the controlled output measures: the controller's first reading, and what a demand demands.
 ///
 /// Values of the motor are divided by the ratio, so that every reading of the loop is one of the hub's side.
@@ -217,6 +221,25 @@ impl Clock {
     pub const IDEAL: Self = Self { jitter_s: 0.0, missed_samples: 0.0, late_samples: 0.0 };
 }
 
+/// The delay of a reading: whole samples of the controller, and the rest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReadingDelay {
+    /// Whole samples.
+    pub samples: usize,
+    /// The rest, s: less than a sample.
+    pub rest_s: f64,
+}
+
+impl ReadingDelay {
+    /// Returns the rest as a system in continuous time: a Padé approximation of order [`REST_ORDER`].
+    ///
+    /// # Errors
+    /// That of the approximation, for a rest that is no number.
+    pub fn rest(&self) -> Result<StateSpace, counterpoise_lti::Error> {
+        pade(self.rest_s, if self.rest_s > 0.0 { REST_ORDER } else { 0 })
+    }
+}
+
 impl Sensor {
     /// A sensor without dynamics, noise or error, 1 V per unit.
     pub const IDEAL: Self = Self {
@@ -253,9 +276,13 @@ impl Sensor {
         0.5 * (self.samples_between_readings(sample_period_s) - 1) as f64
     }
 
-    /// Returns the mean delay of its reading in whole samples, as the linear loop takes it: its own, and that of readings that are held.
-    pub fn delay_samples(&self, sample_period_s: f64) -> usize {
-        (self.delay_s / sample_period_s + self.mean_hold_samples(sample_period_s)).round().max(0.0) as usize
+    /// Returns the mean delay of its reading, as the linear loop takes it: its own, and that of readings that are held.
+    pub fn mean_delay(&self, sample_period_s: f64) -> ReadingDelay {
+        let all = (self.delay_s / sample_period_s + self.mean_hold_samples(sample_period_s)).max(0.0);
+        let whole = (all + NEGLIGIBLE_REST).floor();
+        let rest = (all - whole).max(0.0);
+        let rest_s = if rest < NEGLIGIBLE_REST { 0.0 } else { rest * sample_period_s };
+        ReadingDelay { samples: whole as usize, rest_s }
     }
 
     /// Returns whether there is a sensor.

@@ -3,6 +3,12 @@
 use crate::parameters::{Amplifier, AmplifierDynamics, Motor};
 
 impl Amplifier {
+    /// Returns whether anything is known of the most that the drive can give: a limit of its input, voltage or current, or a measured map.
+    pub fn has_limit(&self) -> bool {
+        let limits = [self.input_limit_v, self.bus_voltage_v, self.current_limit_a];
+        limits.into_iter().any(f64::is_finite) || !self.map.is_empty()
+    }
+
     /// Returns the static gain of the closed amplifier loop, motor stalled: K_v / (R + K_v K_ifb), A/V; of a drive that takes a
     /// current or a torque, its gain.
     pub fn stall_gain_a_v(&self, motor: &Motor) -> f64 {

@@ -25,7 +25,7 @@ pub struct VerifiedLoop {
     pub systems: Vec<SystemResult>,
     /// Whole samples by which the control is late.
     pub control_delay_samples: usize,
-    /// Whole samples by which each reading is late.
+    /// Whole samples by which each reading is late; the rest of a delay is part of the continuous system.
     pub reading_delays_samples: Vec<usize>,
     /// Control that holds the mechanism at its operating point, V.
     pub holding_v: f64,
@@ -190,8 +190,9 @@ fn plants(sampled: &SampledPlant) -> Vec<SystemResult> {
 /// Whole samples by which each reading is late.
 fn delays(parameters: &Parameters) -> Vec<usize> {
     let sensors = &parameters.sensors;
-    let whole =
-        |sensor: Option<&Sensor>| sensor.map_or(0, |s| s.delay_samples(parameters.interface.sample_period_s));
+    let whole = |sensor: Option<&Sensor>| {
+        sensor.map_or(0, |s| s.mean_delay(parameters.interface.sample_period_s).samples)
+    };
     vec![
         0,
         whole(Some(&sensors.hub_gyro)),

@@ -17,8 +17,8 @@ use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::{Synthesis, WeightSource};
 use counterpoise_project::resolve::verify::StepSize;
 use counterpoise_synth::{
-    Circumstances, DesignPlant, Error as SynthesisError, ExpectedMotion, FirstDesign, LimitKind, LimitLoops,
-    ParallelRun, RequiredMargins, Weight, first_design_on,
+    Circumstances, ControlLimit, DesignPlant, Error as SynthesisError, ExpectedMotion, FirstDesign,
+    LimitKind, LimitLoops, ParallelRun, RequiredMargins, Weight, first_design_on,
 };
 use counterpoise_verify::certificate::elements::rest_impedances;
 use counterpoise_verify::{Figure, Limit, LoopFigure, Sine};
@@ -173,6 +173,10 @@ fn circumstances(
         within_tolerances: tolerance_corners::plants_within_tolerances(project, asked, reduced)?,
         load_output: Some(load_output(&plant)),
         sampling: sampling(asked, modelled)?,
+        control_limit: match p.amplifier.has_limit() {
+            true => ControlLimit::OfDrive,
+            false => ControlLimit::OfConverter,
+        },
         noise_rms: reading.noise_rms,
         reading_step: converter_step(reading, p.interface.input_bits),
         holding_v: modelled.linear.equilibrium.control_v,

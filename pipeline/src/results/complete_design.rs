@@ -1,5 +1,6 @@
 //! The complete result of a design: with both axes together, the error budget, and what the assumptions matter.
 
+use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_project::{Assumption, Project};
 
 use super::{DesignResult, TwoAxesResult};
@@ -29,6 +30,7 @@ impl DesignResult {
         project: &Project,
         designed: &Designed,
         contents: &ResultContents<'_>,
+        pool: &dyn Pool,
     ) -> Result<Self, PipelineError> {
         let stages = &designed.stages;
         let mut result = Self::from(designed);
@@ -42,7 +44,7 @@ impl DesignResult {
             }
             Kept::Systems => result.leave_histories_out(),
         }
-        let ranked = effects_on_design(project, stages, contents.assumptions, contents.systems);
+        let ranked = effects_on_design(project, stages, contents.assumptions, contents.systems, pool);
         result.model.assumptions = with_those_of_design(contents.assumptions, &stages.synthesised);
         (result.model.assumption_effects, result.model.assumed_loop) = (ranked.effects, ranked.assumed_loop);
         Ok(result)

@@ -1,6 +1,7 @@
 //! How much each assumption of a project matters: the design as it stands, on plants in which one assumed value is wrong by its
 //! usual range.
 
+use counterpoise_diagnose::simulator_access::{Pool, map_all};
 use counterpoise_models::plant::Plant;
 use counterpoise_project::{Assumption, Project};
 use counterpoise_verify::{Arrangement, Figure, LoopFigure, Procedure, Source, frequency_figures};
@@ -89,6 +90,7 @@ pub fn assumption_effects(
     synthesised: &Synthesised,
     assumptions: &[Assumption],
     systems: LoopSystems,
+    pool: &dyn Pool,
 ) -> Result<AssumptionEffects, PipelineError> {
     let procedure = Procedure {
         operating_point: project.model.operating_point,
@@ -114,7 +116,8 @@ pub fn assumption_effects(
         let (key, value, unit) = (assumption.key.clone(), assumption.value, assumption.unit);
         Some(AssumptionEffect { key, value, unit, at, largest_change_db })
     };
-    let mut effects: Vec<AssumptionEffect> = assumptions.iter().filter_map(effect).collect();
+    let found = map_all(pool, assumptions.len(), |k| effect(&assumptions[k]));
+    let mut effects: Vec<AssumptionEffect> = found.into_iter().flatten().collect();
     effects.sort_by(|a, b| b.largest_change_db.total_cmp(&a.largest_change_db));
     let assumed = || verified_loop(&modelled.plant, controller, &procedure);
     let assumed_loop = (is_included && !effects.is_empty()).then(assumed).transpose()?;
@@ -133,8 +136,9 @@ pub fn effects_on_design(
     stages: &Stages,
     assumptions: &[Assumption],
     systems: LoopSystems,
+    pool: &dyn Pool,
 ) -> AssumptionEffects {
-    assumption_effects(project, &stages.modelled, &stages.synthesised, assumptions, systems)
+    assumption_effects(project, &stages.modelled, &stages.synthesised, assumptions, systems, pool)
         .unwrap_or_default()
 }
 

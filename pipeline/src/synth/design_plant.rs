@@ -3,7 +3,7 @@
 use counterpoise_lti::delay::pade;
 use counterpoise_lti::{StateSpace, series};
 use counterpoise_models::plant::LinearPlant;
-use counterpoise_models::{Parameters, Sensor, Sensors};
+use counterpoise_models::{Parameters, ReadingDelay, Sensor, Sensors};
 use counterpoise_synth::cascade::difference_lag;
 use counterpoise_synth::{DesignPlant, LateReading, RateLoop, Sampling};
 
@@ -79,23 +79,22 @@ struct SensorDelays {
 impl SensorDelays {
     /// Returns a sensor's dynamics with its delay.
     fn reading_of(self, sensor: &Sensor) -> Result<StateSpace, PipelineError> {
-        match self.late_reading(sensor)? {
-            Some(LateReading { dynamics, delay_s }) if self.pade_order > 0 => {
-                Ok(series(&dynamics, &pade(delay_s, self.pade_order)?)?)
-            }
+        let ReadingDelay { samples, rest_s } = sensor.mean_delay(self.period_s);
+        let delay_s = samples as f64 * self.period_s + rest_s;
+        match self.pade_order {
+            order if order > 0 && delay_s > 0.0 => Ok(series(&sensor.dynamics()?, &pade(delay_s, order)?)?),
             _ => Ok(sensor.dynamics()?),
         }
     }
 
     /// Returns what a sampled loop takes for a sensor whose readings are late; `None` if they are not.
     fn late_reading(self, sensor: &Sensor) -> Result<Option<LateReading>, PipelineError> {
-        match sensor.delay_samples(self.period_s) {
-            0 => Ok(None),
-            samples => Ok(Some(LateReading {
-                dynamics: sensor.dynamics()?,
-                delay_s: samples as f64 * self.period_s,
-            })),
+        let delay = sensor.mean_delay(self.period_s);
+        if delay.samples == 0 && delay.rest_s == 0.0 {
+            return Ok(None);
         }
+        let dynamics = series(&sensor.dynamics()?, &delay.rest()?)?;
+        Ok(Some(LateReading { dynamics, delay_s: delay.samples as f64 * self.period_s }))
     }
 
     /// Returns the accelerometer with its share of heave: on the elevated mass it reads what the out-of-balance feels, and so does the

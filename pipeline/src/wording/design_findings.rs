@@ -187,6 +187,7 @@ pub fn describe_unknown(unknown: Unknown) -> &'static str {
         Unknown::Sensor => "the lag of the sensor",
         Unknown::Delay => "the delay of the loop",
         Unknown::Demand => "the largest step of the demand",
+        Unknown::DriveLimit => "the limit of the drive",
     }
 }
 

@@ -42,7 +42,7 @@ pub fn write_report(request: &ReportRequest) -> Result<PathBuf, String> {
         systems: LoopSystems::LeftOut,
         kept: Kept::Systems,
     };
-    let result = DesignResult::complete(&request.project, &designed, &contents)
+    let result = DesignResult::complete(&request.project, &designed, &contents, request.folder.pool())
         .map_err(|error| error_lines(&error).join("; "))?;
     let (code, project) = (&designed.targets.code, request.project_path.display().to_string());
     let first_design = designed.first_design.as_ref().map(FirstDesignResult::from);

@@ -38,6 +38,15 @@ use crate::finding::{DesignFinding, Part};
 use crate::{DesignPlant, Error, ParallelRun, Sampling, Specification};
 use scan::Scan;
 
+/// Where the limit of a control comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ControlLimit {
+    /// From what the drive can give.
+    OfDrive,
+    /// From the range of the controller's output alone: what the drive can give is not known.
+    OfConverter,
+}
+
 /// What is known of a loop beyond its linear plant. Numbers of 0 are not known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Circumstances {
@@ -53,6 +62,8 @@ pub struct Circumstances {
     pub load_output: Option<usize>,
     /// How the controller is sampled.
     pub sampling: Sampling,
+    /// Where the limit of the control comes from.
+    pub control_limit: ControlLimit,
     /// RMS noise of a reading, in the unit of the measured signal.
     pub noise_rms: f64,
     /// Step of a digital reading, in the unit of the measured signal.

@@ -6,10 +6,10 @@ use std::sync::OnceLock;
 
 use counterpoise_lti::StateSpace;
 
-use super::Circumstances;
 use super::candidate::{DAMPED_LOAD, DEAR, MORE_PHASE, PlantGain, SHAPES, position_gain, weights};
 use super::judgement::{Judge, LoopJudgement};
 use super::neighbours::{light_modes, shifted_modes};
+use super::{Circumstances, ControlLimit};
 use crate::bandwidth::{BandwidthLimit, LimitKind, Unknown};
 use crate::cascade::with_position_loop;
 use crate::error::attempt;
@@ -484,6 +484,7 @@ fn unknown(given: &Circumstances, modes: &[f64]) -> Vec<Unknown> {
                 && given.plant.late_reading.is_none(),
         ),
         (Unknown::Demand, given.demand_step == 0.0),
+        (Unknown::DriveLimit, given.control_limit == ControlLimit::OfConverter),
     ];
     all.into_iter().filter(|(_, is_unknown)| *is_unknown).map(|(fact, _)| fact).collect()
 }

@@ -2,7 +2,7 @@
 
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{Discretisation, StateSpace, Timebase, append, c2d, delay_samples, series};
-use counterpoise_models::parameters::{Parameters, Sensor};
+use counterpoise_models::parameters::{Parameters, ReadingDelay, Sensor};
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_models::{AccelerometerAxis, ControlledQuantity};
 
@@ -50,11 +50,13 @@ pub struct SampledPlant {
     pub(crate) delays: Delays,
 }
 
-/// Whole samples by which signals are late.
+/// How late signals are: the control by whole samples, readings by whole samples and a rest. The rests are part of the continuous
+/// system.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Delays {
     pub(crate) control: usize,
     pub(crate) readings: [usize; READINGS],
+    rests: [ReadingDelay; READINGS],
 }
 
 /// Inputs and outputs of the sampled system.
@@ -118,13 +120,14 @@ impl SampledPlant {
         resolver: Resolver,
         drivers: Drivers,
     ) -> Result<Self, Error> {
-        Delays::of(parameters).check()?;
+        let delays = Delays::of(parameters);
+        delays.check()?;
         let sensed = with_truths(plant, parameters, drivers)?;
         let hub_angle_rad = plant.equilibrium.point.hub_angle_rad;
         let share = parameters.sensors.accelerometer_share_of_heave(hub_angle_rad);
-        let continuous = series(&sensed, &sensors(parameters, resolver, share)?)?;
+        let undelayed = series(&sensed, &sensors(parameters, resolver, share)?)?;
+        let continuous = delays.apply_rests(undelayed)?;
         let sample_period_s = parameters.interface.sample_period_s;
-        let delays = Delays::of(parameters);
         let sampled = delays.apply(&sample(&continuous, sample_period_s)?, sample_period_s)?;
         Ok(Self {
             continuous,
@@ -256,17 +259,32 @@ impl Delays {
     fn of(parameters: &Parameters) -> Self {
         let period_s = parameters.interface.sample_period_s;
         let sensors = &parameters.sensors;
-        let whole = |sensor: &Sensor| sensor.delay_samples(period_s);
-        let fitted = |sensor: &Option<Sensor>| sensor.as_ref().map_or(0, whole);
-        let readings = [
-            0,
-            whole(&sensors.hub_gyro),
-            whole(&sensors.platform_gyro),
-            whole(&sensors.platform_accelerometer),
-            fitted(&sensors.motor_tachometer),
-            fitted(&sensors.hub_resolver),
+        let none = ReadingDelay { samples: 0, rest_s: 0.0 };
+        let fitted = |sensor: Option<&Sensor>| sensor.map_or(none, |sensor| sensor.mean_delay(period_s));
+        let rests = [
+            none,
+            fitted(Some(&sensors.hub_gyro)),
+            fitted(Some(&sensors.platform_gyro)),
+            fitted(Some(&sensors.platform_accelerometer)),
+            fitted(sensors.motor_tachometer.as_ref()),
+            fitted(sensors.hub_resolver.as_ref()),
         ];
-        Self { control: parameters.interface.output_delay_samples, readings }
+        let readings = rests.map(|delay| delay.samples);
+        Self { control: parameters.interface.output_delay_samples, readings, rests }
+    }
+
+    /// Adds the rests of the delays to the readings of the continuous system, whose last outputs they are; the demand is none of them.
+    fn apply_rests(&self, continuous: StateSpace) -> Result<StateSpace, Error> {
+        let sensed = &self.rests[1..];
+        if sensed.iter().all(|delay| delay.rest_s == 0.0) {
+            return Ok(continuous);
+        }
+        let others = continuous.outputs() - sensed.len();
+        let mut after = StateSpace::gain(Mat::eye(others), Timebase::Continuous)?;
+        for delay in sensed {
+            after = append(&after, &delay.rest()?)?;
+        }
+        Ok(series(&continuous, &after)?)
     }
 
     /// Refuses delays that would fill the memory: the loop's matrices are dense, with a state for each sample of delay.
