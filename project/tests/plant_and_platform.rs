@@ -32,6 +32,40 @@ fn said(document: &Document, files: &Attachments) -> Vec<String> {
     errors.iter().map(|error| error.to_string().split_once("error: ").unwrap().1.to_owned()).collect()
 }
 
+/// A drive that takes a torque has its limit in N m whatever the motor's torque constant, and one that takes a current in A.
+#[test]
+fn a_limit_of_torque_is_one_whatever_the_torque_constant() {
+    let file = |constant: f64, kind: &str, limit: &str| {
+        format!(
+            "format = 2\nplant.inertia = 2.0\nplant.motor = {{ torque_constant = {constant} }}\n\
+             plant.drive = {{ kind = \"{kind}\", limit = {limit} }}\nplant.sensors.hub_gyro = {{ noise = 1e-4 }}\n\
+             plant.interface = {{ sample_period = 1e-3 }}\n"
+        )
+    };
+    let largest_nm = |project: &Project| {
+        let (amplifier, motor) = (&project.plant.amplifier, &project.plant.motor);
+        [10.0 * amplifier.gain, amplifier.current_limit_a]
+            .map(|current_a| current_a * motor.torque_constant_nm_a)
+    };
+    for constant in [0.02, 0.2, 0.3, 1.0, 7.0] {
+        for (kind, limit, expected_nm) in [
+            ("torque", "2.0", 2.0),
+            ("torque", "\"2 N m\"", 2.0),
+            ("current", "2.0", 2.0 * constant),
+            ("current", "\"2 A\"", 2.0 * constant),
+        ] {
+            let project = resolved(&Document::parse(&file(constant, kind, limit), "drive.toml"));
+            for found in largest_nm(&project) {
+                assert!((found / expected_nm - 1.0).abs() < 1e-12, "{constant} {kind} {limit}: {found}");
+            }
+            let written = project.to_text();
+            assert!(written.contains(&format!("limit = {:?}", 2.0)), "{constant} {kind}:\n{written}");
+            assert_eq!(written.contains("kind = \"current\""), kind == "current", "{written}");
+            assert_eq!(again(&project).plant, project.plant, "{constant} {kind}");
+        }
+    }
+}
+
 #[test]
 fn rectangles_and_laws_of_damping_survive_the_file() {
     let tube = "outer_diameter = [0.105, 0.070]\ninner_diameter = [0.050, 0.050]";

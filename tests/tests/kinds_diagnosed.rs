@@ -64,7 +64,7 @@ const BELT_TENSION: &str = "format = 2
             plant.sensors.motor_tachometer = { noise = 2e-3 }
             plant.interface = { sample_period = 1e-3, output_bits = 16 }";
 
-const KINDS: [Kind; 19] = [
+const KINDS: [Kind; 22] = [
     Kind {
         name: "direct torque drive, gyroscope",
         file: "format = 2
@@ -269,6 +269,43 @@ const KINDS: [Kind; 19] = [
         file: ELASTIC_JOINT,
         conceals: |p| p.gearbox.stiffness_nm_rad *= 1.3,
         names: &[(C::Gearbox, E::Stiffness)],
+    },
+    Kind {
+        name: "direct torque drive, a late gyroscope",
+        file: "format = 2
+            plant.inertia = 0.5
+            plant.drive = { kind = \"torque\", limit = 60.0 }
+            plant.friction.pivot = { model = \"coulomb\", coulomb = 0.4, viscous = 0.3 }
+            plant.sensors.hub_gyro = { natural_frequency = 400.0, noise = 2e-4, delay = \"8.4 ms\" }
+            plant.interface = { sample_period = 1e-3, output_bits = 16 }",
+        conceals: |p| p.pivot_friction.law.scale_coulomb(1.5),
+        names: &[(C::Pivot, E::Coulomb), (C::Motor, E::Coulomb)],
+    },
+    Kind {
+        name: "pendulum on a voltage drive, a late encoder",
+        file: "format = 2
+            model.hub_angle = -1.5
+            plant.lumped = { hub_inertia = 0.00695, out_of_balance = 0.05 }
+            plant.motor = { inertia = 0.01195, torque_constant = 1.6225, resistance = 3.949 }
+            plant.drive = { kind = \"voltage\", limit = 12.0 }
+            plant.friction.pivot = { model = \"coulomb\", coulomb = 0.02, viscous = 0.01169 }
+            plant.sensors.encoder = { counts = 65536, delay = \"7 ms\" }
+            plant.interface = { sample_period = 2e-3, output_bits = 16 }",
+        conceals: |p| p.lumped.as_mut().unwrap().out_of_balance_kg_m = 0.08,
+        names: &[(C::Structure, E::OutOfBalance), (C::Structure, E::VerticalOffset), (C::Structure, E::PositionStiffness)],
+    },
+    Kind {
+        name: "gearbox on a current loop, a late encoder on the motor with a period of its own",
+        file: "format = 2
+            plant.inertia = 2.0
+            plant.gearbox = { ratio = 50.0, stiffness = 5e4 }
+            plant.motor = { inertia = 3e-4, torque_constant = 0.2 }
+            plant.drive = { kind = \"current\", limit = 10.0, bandwidth = \"300 Hz\" }
+            plant.friction.pivot = { model = \"dahl\", coulomb = 2.0, rest_stiffness = 2e4, viscous = 1.0 }
+            plant.sensors.encoder = { place = \"motor\", counts = 262144, delay = \"3 ms\", sample_period = \"4 ms\" }
+            plant.interface = { sample_period = 1e-3, output_bits = 16 }",
+        conceals: |p| p.lumped.as_mut().unwrap().hub_inertia_kg_m2 *= 1.5,
+        names: &[(C::Structure, E::Inertia), (C::Motor, E::Inertia), (C::Motor, E::TorqueConstant)],
     },
 ];
 

@@ -86,10 +86,14 @@ fn turning(p: &Parameters, recording: &Recording) -> Option<Turning> {
     if rates.iter().all(|rate| rms(rate) < LEAST_TURNING_RAD_S) {
         return None;
     }
-    let apart: Vec<f64> = filled(hub).iter().zip(filled(platform)).map(|(hub, base)| hub - base).collect();
-    let turned = kernel.slope(&chain.as_gyro(&filled(position)));
+    let sensors = &p.sensors;
+    let hub = chain.reading_of(&sensors.hub_gyro, &filled(hub));
+    let base = chain.reading_of(&sensors.platform_gyro, &filled(platform));
+    let apart: Vec<f64> = hub.iter().zip(base).map(|(hub, base)| hub - base).collect();
+    let turned =
+        kernel.slope(&chain.as_gyro(&chain.reading_of(sensors.hub_resolver.as_ref()?, &filled(position))));
     let difference = kernel.smooth(&apart).iter().zip(turned).map(|(apart, rate)| apart - rate).collect();
-    let [roll, yaw] = rates.map(|rate| kernel.smooth(&chain.as_gyro(&rate)));
+    let [roll, yaw] = rates.map(|rate| kernel.smooth(&chain.as_gyro(&chain.as_late(&rate))));
     let half = kernel.half();
     let clear = |k: usize| {
         k >= 2 * half && k + half < count && whole[k - half..=k + half].iter().all(|is_whole| *is_whole)

@@ -75,6 +75,7 @@ struct Channels {
     hub: Vec<f64>,
     platform: Vec<f64>,
     heave: Vec<f64>,
+    /// Motor rate as the loop's sensor would show it, from the motor's tachometer or from the loop's sensor on the motor.
     motor: Option<Vec<f64>>,
     /// Hub rate on the platform.
     relative: Vec<f64>,
@@ -107,7 +108,7 @@ impl Maker<'_> {
         let channels = channels(recording, &chain, self.p)?;
         let ratio = self.p.gearbox.ratio;
         let twisting = || self.motor_behind_gear(&chain, &channels);
-        let motor: Vec<f64> = channels.motor.as_ref().map_or_else(twisting, |m| chain.as_gyro(m));
+        let motor: Vec<f64> = channels.motor.clone().unwrap_or_else(twisting);
         let driven: Vec<f64> = motor.iter().map(|w| w / ratio).collect();
         let rate = self.damped_rate(&driven, &channels);
         let (direction, turning) = self.directions(&driven, period_s);
@@ -120,7 +121,7 @@ impl Maker<'_> {
         let noise = variance(&channels.hub);
         let [kept, steep] = kernel.noise_gains();
         let variances = [variance(&rate) * kept, noise * steep];
-        let shared = if channels.motor.is_none() { self.losses_of_rate() } else { [0.0; 2] };
+        let shared = if self.p.sensors.motor_tachometer.is_none() { self.losses_of_rate() } else { [0.0; 2] };
         Ok(Rows {
             torque: self.torque(&chain, &kernel, &channels, &motor),
             regressors: [
@@ -342,24 +343,41 @@ fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Er
         all.resize(n, all.last().copied().unwrap_or(0.0));
         all
     };
-    let (control, reading) = (filled(control), filled(hub));
-    let platform = r.samples(Channel::PlatformRate).map_or_else(|| vec![0.0; n], &mut filled);
-    let mut heave = r.samples(Channel::PlatformAccel).map_or_else(|| vec![0.0; n], &mut filled);
+    let (control, reading) = (filled(control), chain.reading_of(&p.sensors.hub_gyro, &filled(hub)));
+    let mut of_base = |channel, sensor| {
+        r.samples(channel).map_or_else(|| vec![0.0; n], |column| chain.reading_of(sensor, &filled(column)))
+    };
+    let platform = of_base(Channel::PlatformRate, &p.sensors.platform_gyro);
+    let mut heave = of_base(Channel::PlatformAccel, &p.sensors.platform_accelerometer);
     let arm = p.sensors.accelerometer_lever_arm_m;
     if arm != 0.0 {
         let pitching = derivative(&platform, period_s);
         heave.iter_mut().zip(pitching).for_each(|(reading, a)| *reading -= arm * a);
     }
-    let motor_read = r.samples(Channel::MotorRate).filter(|_| p.sensors.motor_tachometer.is_some());
-    let motor = motor_read.map(&mut filled);
+    let tachometer = r.samples(Channel::MotorRate).zip(p.sensors.motor_tachometer.as_ref());
+    let mut motor =
+        tachometer.map(|(column, sensor)| chain.as_gyro(&chain.reading_of(sensor, &filled(column))));
     let relative: Vec<f64> = match p.sensors.measured {
         FeedbackSignal::HubRate => reading.iter().zip(&platform).map(|(h, p)| h - p).collect(),
-        FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate => reading.clone(),
-        FeedbackSignal::HubPosition | FeedbackSignal::MotorPosition => derivative(&reading, period_s),
+        FeedbackSignal::RelativeRate => reading.clone(),
+        FeedbackSignal::HubPosition => derivative(&reading, period_s),
+        FeedbackSignal::MotorRate | FeedbackSignal::MotorPosition => {
+            let at_output = match p.sensors.measured {
+                FeedbackSignal::MotorRate => reading.clone(),
+                _ => derivative(&reading, period_s),
+            };
+            let on_shaft: Vec<f64> = at_output.iter().map(|rate| p.gearbox.ratio * rate).collect();
+            let passed = (!p.gearbox.is_rigid()).then(|| chain.passed_torque(&control, &on_shaft, &platform));
+            motor = Some(on_shaft);
+            match passed {
+                Some(torque) => behind_the_gear(motor.as_deref().unwrap_or_default(), &torque, period_s, p),
+                None => at_output,
+            }
+        }
         // A torque and a current show no motion; the motor's tachometer does, and a torque how far the load stays behind.
         FeedbackSignal::Torque => {
             let motor = motor.as_ref().ok_or_else(|| missing("motor_rate"))?;
-            behind_the_gear(&chain.as_gyro(motor), &reading, period_s, p)
+            behind_the_gear(motor, &reading, period_s, p)
         }
         FeedbackSignal::Current => {
             let motor = motor.as_ref().ok_or_else(|| missing("motor_rate"))?;
@@ -372,9 +390,9 @@ fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Er
         _ => relative.iter().zip(&platform).map(|(r, p)| r + p).collect(),
     };
     // the integral of what the gyroscopes read has their lag already
-    let resolver = r.samples(Channel::HubPosition).filter(|_| p.sensors.hub_resolver.is_some());
+    let resolver = r.samples(Channel::HubPosition).zip(p.sensors.hub_resolver.as_ref());
     let position = match resolver {
-        Some(column) => chain.as_gyro(&filled(column)),
+        Some((column, sensor)) => chain.as_gyro(&chain.reading_of(sensor, &filled(column))),
         None if measured.is_position() => reading,
         None => integral(&relative, period_s),
     };

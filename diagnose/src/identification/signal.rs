@@ -2,7 +2,9 @@
 
 #![allow(non_snake_case)]
 
+use crate::recording::series::derivative;
 use crate::tolerance::identification::KERNEL_POWER;
+use crate::tolerance::recording::ON_SAMPLE;
 use counterpoise_linalg::{Mat, expm_integral, solve};
 use counterpoise_models::{AmplifierDynamics, Link, Lumped, Parameters, parameters::Sensor};
 
@@ -187,7 +189,9 @@ impl Electrical {
         let none =
             || Self { A: Mat::zeros(0, 0), B: [Vec::new(), Vec::new()], C: Vec::new(), D: [gain, 0.0] };
         match amplifier.dynamics {
-            AmplifierDynamics::IdealCurrent | AmplifierDynamics::TorqueCommand => none(),
+            AmplifierDynamics::IdealCurrent
+            | AmplifierDynamics::TorqueCommand
+            | AmplifierDynamics::CurrentCommand => none(),
             AmplifierDynamics::CurrentLoop { bandwidth_rad_s: w, .. } => {
                 let B = [vec![w * gain], vec![0.0]];
                 Self { A: Mat::from_rows(&[&[-w]]), B, C: vec![1.0], D: [0.0; 2] }
@@ -236,12 +240,24 @@ pub struct Chain<'a> {
     period_s: f64,
     /// Samples by which the control is held back.
     delay: usize,
+    /// Samples by which the readings of the loop's sensor are late, on the average.
+    late: f64,
 }
 
 impl<'a> Chain<'a> {
     /// Returns the chain of a mechanism at a sample period, s.
     pub fn new(p: &'a Parameters, period_s: f64) -> Self {
-        Self { p, period_s, delay: p.interface.output_delay_samples }
+        let late = lateness(&p.sensors.hub_gyro, period_s);
+        Self { p, period_s, delay: p.interface.output_delay_samples, late }
+    }
+
+    /// Returns what a sensor has shown without its scale and bias, as late as the loop's own sensor shows it.
+    pub fn reading_of(&self, sensor: &Sensor, series: &[f64]) -> Vec<f64> {
+        let moved = shifted(series, self.late - lateness(sensor, self.period_s));
+        if !sensor.is_fitted() {
+            return moved;
+        }
+        moved.into_iter().map(|reading| (reading - sensor.bias) / sensor.gain).collect()
     }
 
     /// Returns the sample period, s.
@@ -249,7 +265,12 @@ impl<'a> Chain<'a> {
         self.period_s
     }
 
-    /// Returns a true signal as the hub gyroscope would show it: w^2 / (s^2 + 2 z w s + w^2).
+    /// Returns a signal that is not late as late as the loop's sensor shows it.
+    pub fn as_late(&self, series: &[f64]) -> Vec<f64> {
+        shifted(series, self.late)
+    }
+
+    /// Returns a signal that is as late as the loop's sensor with that sensor's lag too: w^2 / (s^2 + 2 z w s + w^2).
     pub fn as_gyro(&self, series: &[f64]) -> Vec<f64> {
         let lagged = self.gyro().and_then(|(A, B)| Filter::new(&System::showing(A, B, 0), self.period_s));
         lagged.map_or_else(|| series.to_vec(), |filter| filter.run(series, Between::Straight))
@@ -292,13 +313,15 @@ impl<'a> Chain<'a> {
             }
         };
         let filter = Filter::new(&system, self.period_s);
-        filter.map_or_else(|| vec![0.0; late.len()], |filter| filter.run(&late, Between::Held))
+        let made = filter.map_or_else(|| vec![0.0; late.len()], |filter| filter.run(&late, Between::Held));
+        shifted(&made, self.late.fract())
     }
 
-    /// The drive as the amplifier gets it: held back by the controller.
+    /// The drive as the amplifier gets it, held back by the controller, as late as the loop's sensor shows it, in whole samples.
     fn late(&self, drive_v: &[f64]) -> Vec<f64> {
         let first = drive_v.first().copied().unwrap_or(0.0);
-        (0..drive_v.len()).map(|k| if k < self.delay { first } else { drive_v[k - self.delay] }).collect()
+        let delay = self.delay + self.late as usize;
+        (0..drive_v.len()).map(|k| if k < delay { first } else { drive_v[k - delay] }).collect()
     }
 
     /// Returns the motor rate (rad/s) as the gyroscope would show it, of a motor whose gear twists between it and a joint whose
@@ -332,7 +355,7 @@ impl<'a> Chain<'a> {
         let (Some(driven), Some(turned), Some(braked)) = (driven, turned, braked) else {
             return joint_rate.iter().map(|w| ratio * w).collect();
         };
-        let forced = driven.run(&self.late(drive_v), Between::Held);
+        let forced = shifted(&driven.run(&self.late(drive_v), Between::Held), self.late.fract());
         let dry = braked.run(direction, Between::Held);
         let forced: Vec<f64> = forced.iter().zip(&dry).map(|(a, b)| a + b).collect();
         let led = turned.run(joint_rate, Between::Straight);
@@ -359,6 +382,28 @@ impl<'a> Chain<'a> {
         A
     }
 
+    /// Returns the torque that the transmission passes to the hub, N m, from the control (V) and the rates of motor and platform (rad/s) as
+    /// the loop's sensor shows them:
+    ///
+    /// ```text
+    ///     T = N (K_t i - J_m d(w_m + s w_p)/dt - F_m sgn w_m - b_m w_m)
+    /// ```
+    pub fn passed_torque(&self, control_v: &[f64], motor: &[f64], platform: &[f64]) -> Vec<f64> {
+        let (p, friction) = (self.p, &self.p.motor_friction);
+        let drive: Vec<f64> = control_v.iter().map(|u| p.amplifier.drive_v(*u, &p.motor)).collect();
+        let (driven, braked) = (self.current_of_drive(&drive), self.current_of_rate(motor));
+        let rotor: Vec<f64> =
+            motor.iter().zip(platform).map(|(m, w)| m + p.motor.platform_coupling * w).collect();
+        let accelerations = derivative(&rotor, self.period_s);
+        let (dry_nm, viscous) = (friction.coulomb_nm(), friction.viscous_nm_s_rad);
+        let at = |k: usize| {
+            let made = p.motor.torque_constant_nm_a * (driven[k] + braked[k]);
+            let lost = dry_nm * motor[k].signum() + viscous * motor[k];
+            p.gearbox.ratio * (made - p.motor.inertia_kg_m2 * accelerations[k] - lost)
+        };
+        (0..motor.len()).map(at).collect()
+    }
+
     /// Returns the current (A) that the back-EMF of a motor rate (rad/s) makes.
     pub fn current_of_rate(&self, motor_rate: &[f64]) -> Vec<f64> {
         let filter = Filter::new(&Electrical::of(self.p).system(1), self.period_s);
@@ -377,6 +422,25 @@ impl<'a> Chain<'a> {
         let beyond = filter.run(hub_rate, Between::Straight);
         hub_rate.iter().zip(&beyond).map(|(h, b)| (1.0 - share) * h + share * b).collect()
     }
+}
+
+/// Samples by which the readings of a sensor are late, on the average.
+fn lateness(sensor: &Sensor, period_s: f64) -> f64 {
+    sensor.delay_s / period_s + sensor.mean_hold_samples(period_s)
+}
+
+/// Returns a series so many samples later; its ends are held beyond the ends.
+fn shifted(series: &[f64], samples: f64) -> Vec<f64> {
+    if samples.abs() < ON_SAMPLE {
+        return series.to_vec();
+    }
+    let last = series.len().saturating_sub(1);
+    let at = |k: usize| {
+        let place = (k as f64 - samples).clamp(0.0, last as f64);
+        let (low, share) = (place as usize, place.fract());
+        series[low] * (1.0 - share) + series[(low + 1).min(last)] * share
+    };
+    (0..series.len()).map(at).collect()
 }
 
 /// Returns the system from the hub's rate to the mean rate of the inertias beyond it. States: of each inertia, the twist of its spring

@@ -32,7 +32,7 @@ fn lag_of_drive(p: &Parameters) -> f64 {
     match p.amplifier.dynamics {
         AmplifierDynamics::Modelled | AmplifierDynamics::IdealCurrent => p.amplifier.time_constant_s,
         AmplifierDynamics::CurrentLoop { bandwidth_rad_s, .. } => 1.0 / bandwidth_rad_s,
-        AmplifierDynamics::TorqueCommand => 0.0,
+        AmplifierDynamics::TorqueCommand | AmplifierDynamics::CurrentCommand => 0.0,
     }
 }
 
@@ -44,7 +44,7 @@ fn set_lag_of_drive(p: &mut Parameters, lag_s: f64) {
             return;
         }
         AmplifierDynamics::CurrentLoop { delay_s, .. } => delay_s,
-        AmplifierDynamics::TorqueCommand => 0.0,
+        AmplifierDynamics::TorqueCommand | AmplifierDynamics::CurrentCommand => 0.0,
     };
     p.amplifier.dynamics = AmplifierDynamics::CurrentLoop { bandwidth_rad_s: 1.0 / lag_s, delay_s };
 }

@@ -157,7 +157,7 @@ pub(crate) fn kind(plant: &Plant) -> minijinja::Value {
     let rest = plant.equilibrium(&OperatingPoint::default());
     let current = match p.amplifier.dynamics {
         _ if plant.has_state(state::CURRENT) => "state",
-        AmplifierDynamics::TorqueCommand => "command",
+        dynamics if dynamics.is_command() => "command",
         _ => "armature",
     };
     let (measured, shown, shown_at_rest) = match p.sensors.measured {
@@ -217,7 +217,9 @@ fn three(ripple: &Ripple) -> [f64; 3] {
 pub(crate) fn ideal_current(plant: &Plant) -> &'static str {
     match plant.parameters().amplifier.dynamics {
         AmplifierDynamics::IdealCurrent | AmplifierDynamics::CurrentLoop { .. } => "true",
-        AmplifierDynamics::Modelled | AmplifierDynamics::TorqueCommand => "false",
+        AmplifierDynamics::Modelled
+        | AmplifierDynamics::TorqueCommand
+        | AmplifierDynamics::CurrentCommand => "false",
     }
 }
 

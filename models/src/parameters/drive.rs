@@ -132,6 +132,15 @@ pub enum AmplifierDynamics {
     },
     /// A current that is gain x input at once, without a state: the drive takes a torque.
     TorqueCommand,
+    /// The same of a drive that takes a current, whose file states its limit as one.
+    CurrentCommand,
+}
+
+impl AmplifierDynamics {
+    /// Returns whether the current is what is commanded, at once and without a state.
+    pub fn is_command(self) -> bool {
+        matches!(self, Self::TorqueCommand | Self::CurrentCommand)
+    }
 }
 
 /// Time constant with which an ideal current source follows its input, s: a hundredth of the shortest sample period in use.

@@ -12,7 +12,7 @@ impl Amplifier {
     /// Returns the static gain of the closed amplifier loop, motor stalled: K_v / (R + K_v K_ifb), A/V; of a drive that takes a
     /// current or a torque, its gain.
     pub fn stall_gain_a_v(&self, motor: &Motor) -> f64 {
-        if matches!(self.dynamics, AmplifierDynamics::CurrentLoop { .. } | AmplifierDynamics::TorqueCommand) {
+        if self.dynamics.is_command() || matches!(self.dynamics, AmplifierDynamics::CurrentLoop { .. }) {
             return self.gain;
         }
         self.gain / (motor.resistance_ohm + self.gain * self.current_feedback_v_a)

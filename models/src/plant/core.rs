@@ -128,7 +128,7 @@ impl Plant {
             AmplifierDynamics::CurrentLoop { bandwidth_rad_s, .. } => {
                 self.current_source(core, 1.0 / bandwidth_rad_s);
             }
-            AmplifierDynamics::TorqueCommand => {}
+            AmplifierDynamics::TorqueCommand | AmplifierDynamics::CurrentCommand => {}
         }
     }
 

@@ -23,7 +23,8 @@ impl Plant {
             (state::VOLTAGE, AmplifierDynamics::Modelled | AmplifierDynamics::IdealCurrent) => {
                 amplifier.time_constant_s > 0.0
             }
-            (state::VOLTAGE, _) | (state::CURRENT, AmplifierDynamics::TorqueCommand) => false,
+            (state::VOLTAGE, _) => false,
+            (state::CURRENT, dynamics) if dynamics.is_command() => false,
             (state::CURRENT, AmplifierDynamics::Modelled) => motor.inductance_h > 0.0,
             (state::MOTOR, _) => !self.is_rigid() || self.parameters.cylinder.is_some(),
             (state::WINDUP, _) => !self.is_rigid(),
@@ -65,7 +66,7 @@ impl Plant {
             row[state::CURRENT] = 1.0;
             return row;
         }
-        if amplifier.dynamics == AmplifierDynamics::TorqueCommand {
+        if amplifier.dynamics.is_command() {
             row[n + input::DRIVE] = amplifier.stall_gain_a_v(motor);
             return row;
         }

@@ -218,7 +218,9 @@ fn compliance(findings: &mut Findings<'_>, plant: &Parameters) {
             continue;
         };
         let section = path.trim_end_matches(key);
-        let allowed = format!("acts through a transmission that gives: state {section}stiffness as well");
+        let allowed = format!(
+            "acts through a transmission that gives: state {section}stiffness as well; if none is known, leave the backlash out, and the transmission is rigid"
+        );
         let remark = Remark::new(Problem::Conflict, path, allowed).with_value(value.to_string());
         findings.add(Severity::Error, remark);
     }

@@ -9,6 +9,8 @@ use crate::file::field::{Field, Limit, TableField, UnitHint, UsualRange};
 use crate::file::visit::{Choice, Presence, Visit, choose};
 use crate::tolerance::WHOLE_DELAY;
 
+use super::digits::round_to_digits;
+
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 const ABOVE_0: Limit = Limit::Above(0.0);
 /// Full scale of the control, V.
@@ -97,11 +99,9 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
     }
     let section = TableField::optional("drive", "a drive that takes a torque, a current or a voltage");
     let usual = plant.amplifier.dynamics == AmplifierDynamics::TorqueCommand
-        && plant.amplifier.current_limit_a == f64::INFINITY
-        && plant.motor.torque_constant_nm_a == 1.0;
+        && plant.amplifier.current_limit_a == f64::INFINITY;
     if !v.enter(&section, Presence::from(!usual)) {
-        let takes = if plant.motor.torque_constant_nm_a == 1.0 { Takes::Torque } else { Takes::Current };
-        return set(v, plant, takes, &Stated::NONE);
+        return set(v, plant, Takes::Torque, &Stated::NONE);
     }
     let mut takes = takes_of(plant);
     let kind = Field::new("kind", "what the drive takes").or_text("torque").show_default();
@@ -135,8 +135,8 @@ impl Stated {
 
 fn takes_of(plant: &Parameters) -> Takes {
     match plant.amplifier.dynamics {
-        AmplifierDynamics::TorqueCommand if plant.motor.torque_constant_nm_a == 1.0 => Takes::Torque,
-        AmplifierDynamics::TorqueCommand | AmplifierDynamics::CurrentLoop { .. } => Takes::Current,
+        AmplifierDynamics::TorqueCommand => Takes::Torque,
+        AmplifierDynamics::CurrentCommand | AmplifierDynamics::CurrentLoop { .. } => Takes::Current,
         AmplifierDynamics::Modelled | AmplifierDynamics::IdealCurrent => Takes::Voltage,
     }
 }
@@ -148,6 +148,7 @@ fn keys(v: &mut dyn Visit, plant: &Parameters, takes: Takes) -> Stated {
     }
     match takes {
         Takes::Torque => {
+            stated.limit = torque_limit_nm(plant);
             let limit = Field::new("limit", "largest torque of the motor, at 10 V of control; with `kind` current the largest current in A, with voltage the largest voltage in V").unit("N m");
             let limit = limit.with_unit_hints(&[OF_CURRENT, OF_VOLTAGE]);
             v.number(&limit.limit(ABOVE_0).or(f64::INFINITY), &mut stated.limit);
@@ -175,6 +176,12 @@ fn keys(v: &mut dyn Visit, plant: &Parameters, takes: Takes) -> Stated {
     stated
 }
 
+/// Returns the largest torque of the motor, N m: that of the largest current.
+fn torque_limit_nm(plant: &Parameters) -> f64 {
+    let (limit_a, constant) = (plant.amplifier.current_limit_a, plant.motor.torque_constant_nm_a);
+    if constant == 1.0 { limit_a } else { round_to_digits(limit_a * constant) }
+}
+
 /// Makes the amplifier of what is stated.
 fn set(v: &mut dyn Visit, plant: &mut Parameters, takes: Takes, stated: &Stated) {
     let blank = blank_amplifier();
@@ -185,15 +192,21 @@ fn set(v: &mut dyn Visit, plant: &mut Parameters, takes: Takes, stated: &Stated)
         plant.amplifier = Amplifier { gain, bus_voltage_v: stated.limit, dynamics, ..blank };
         return;
     }
-    let limit_a = if stated_limit { stated.limit } else { full_scale_a(v, plant) };
-    let lagging = stated.bandwidth_rad_s.is_finite() || stated.delay_s > 0.0;
-    let dynamics = if takes == Takes::Current && lagging {
-        let bandwidth_rad_s = stated.bandwidth_rad_s.min(1.0 / counterpoise_models::IDEAL_LAG_S);
-        AmplifierDynamics::CurrentLoop { bandwidth_rad_s, delay_s: stated.delay_s }
-    } else {
-        AmplifierDynamics::TorqueCommand
+    let current_limit_a = match takes {
+        Takes::Torque => stated.limit / plant.motor.torque_constant_nm_a,
+        Takes::Current | Takes::Voltage => stated.limit,
     };
-    plant.amplifier = Amplifier { gain: limit_a / FULL_V, current_limit_a: stated.limit, dynamics, ..blank };
+    let full_a = if stated_limit { current_limit_a } else { full_scale_a(v, plant) };
+    let lagging = stated.bandwidth_rad_s.is_finite() || stated.delay_s > 0.0;
+    let dynamics = match takes {
+        Takes::Current if lagging => {
+            let bandwidth_rad_s = stated.bandwidth_rad_s.min(1.0 / counterpoise_models::IDEAL_LAG_S);
+            AmplifierDynamics::CurrentLoop { bandwidth_rad_s, delay_s: stated.delay_s }
+        }
+        Takes::Current => AmplifierDynamics::CurrentCommand,
+        Takes::Torque | Takes::Voltage => AmplifierDynamics::TorqueCommand,
+    };
+    plant.amplifier = Amplifier { gain: full_a / FULL_V, current_limit_a, dynamics, ..blank };
 }
 
 /// Current at 10 V of a drive without a stated limit, A.

@@ -44,6 +44,10 @@ fn no_current(plant: &Parameters) -> Option<(&'static str, &'static str)> {
             "cannot be the sensor of the loop, because a drive that takes a torque has no current",
             "write drive = { kind = \"voltage\", ... } with the motor's resistance and inductance",
         )),
+        AmplifierDynamics::CurrentCommand => Some((
+            "cannot be the sensor of the loop, because a current loop without a bandwidth follows its command at once",
+            "state plant.drive.bandwidth, from the drive's data sheet",
+        )),
         AmplifierDynamics::Modelled if plant.motor.inductance_h == 0.0 => Some((
             "cannot be the sensor of the loop, because without an inductance the current follows the voltage at once",
             "state plant.motor.inductance, from the motor's data sheet",
