@@ -66,10 +66,16 @@ fn convolve(series: &[f64], kernel: &[f64]) -> Vec<f64> {
 
 /// A linear filter x' = A x + B u, y = C x + D u that starts in its steady state; exact for an input that is held between samples, or
 /// straight. It may have no state.
+///
+/// The answer to a held input is the mean over the half periods before and after a sample: the answer of a quick filter to the steps at the samples
+/// is over before the next one, which would show it half a period late.
 struct Filter {
     Ad: Mat,
     held: Mat,
     ramp: Mat,
+    /// State after half a period, and its mean over it, of the state before and the held input.
+    half: Mat,
+    half_mean: Mat,
     start: Mat,
     output: Vec<f64>,
     direct: f64,
@@ -99,6 +105,8 @@ impl Filter {
                 Ad: Mat::zeros(0, 0),
                 held: none(),
                 ramp: none(),
+                half: Mat::zeros(0, 1),
+                half_mean: Mat::zeros(0, 1),
                 start: none(),
                 output,
                 direct,
@@ -111,7 +119,11 @@ impl Filter {
         let mut slope = Mat::zeros(n + 1, 1);
         slope[(n, 0)] = 1.0;
         let (moved, ramp) = expm_integral(&wide, &slope, period_s).ok()?;
+        let half_s = 0.5 * period_s;
+        let (half, integral) = expm_integral(&wide, &Mat::eye(n + 1), half_s).ok()?;
         Some(Self {
+            half: half.block(0, 0, n, n + 1),
+            half_mean: integral.block(0, 0, n, n + 1).scale(1.0 / half_s),
             Ad: moved.block(0, 0, n, n),
             held: moved.block(0, n, n, 1),
             ramp: ramp.block(0, 0, n, 1).scale(1.0 / period_s),
@@ -123,17 +135,36 @@ impl Filter {
 
     fn run(&self, input: &[f64], between: Between) -> Vec<f64> {
         let mut x = self.start.scale(input.first().copied().unwrap_or(0.0));
+        let mut shown_before = self.shown(&x);
         let mut out = Vec::with_capacity(input.len());
         for (k, u) in input.iter().enumerate() {
-            let shown: f64 = self.output.iter().enumerate().map(|(i, c)| c * x[(i, 0)]).sum();
-            // at the instant of a sample a held input jumps: a symmetric low-pass sees the mean of both sides
-            let before = if between == Between::Held { input[k.saturating_sub(1)] } else { *u };
+            let (before, shown) = match between {
+                Between::Straight => (*u, self.shown(&x)),
+                Between::Held => {
+                    let after = self.shown(&self.after_half(&self.half_mean, &x, *u));
+                    let shown = 0.5 * (shown_before + after);
+                    let middle = self.after_half(&self.half, &x, *u);
+                    shown_before = self.shown(&self.after_half(&self.half_mean, &middle, *u));
+                    (input[k.saturating_sub(1)], shown)
+                }
+            };
             out.push(shown + self.direct * 0.5 * (before + u));
             let next = input.get(k + 1).copied().unwrap_or(*u);
             let rise = if between == Between::Held { 0.0 } else { next - u };
             x = self.advanced(&x, *u, rise);
         }
         out
+    }
+
+    fn shown(&self, x: &Mat) -> f64 {
+        self.output.iter().enumerate().map(|(i, c)| c * x[(i, 0)]).sum()
+    }
+
+    /// Returns what a map of half a period makes of a state and a held input.
+    fn after_half(&self, map: &Mat, x: &Mat, u: f64) -> Mat {
+        let n = x.nrows();
+        let of = |i: usize| (0..n).map(|j| map[(i, j)] * x[(j, 0)]).sum::<f64>() + map[(i, n)] * u;
+        Mat::from_fn(n, 1, |i, _| of(i))
     }
 
     fn advanced(&self, x: &Mat, u: f64, rise: f64) -> Mat {
