@@ -126,7 +126,7 @@ fn intervals(
             None => &mut controller,
         };
         let run = Simulator::new(&Plant::from_lumped(&machine)?)?.run(acting, &heaving(tested, initial))?;
-        let rates = &run.truth.hub_rate_rad_s;
+        let rates = run.truth.hub_rate_rad_s();
         let first = ((1.0 - JUDGED) * rates.len() as f64) as usize;
         found.push(1e3 * rms(&rates[first..]));
         initial = Initial::State(Box::new(run.final_state));

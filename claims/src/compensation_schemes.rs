@@ -152,7 +152,7 @@ fn moved(
     };
     let scenario = Scenario { platform, ..Scenario::at_rest(DURATION_S.0) };
     let run = Simulator::new(&Plant::from_lumped(tested.parameters())?)?.run(controller, &scenario)?;
-    Ok(run.truth.hub_rate_rad_s)
+    Ok(run.truth.hub_rate_rad_s().to_vec())
 }
 
 fn first(tested: &TestedDesign<'_>) -> usize {

@@ -60,7 +60,7 @@ fn moved(tested: &TestedDesign<'_>, hub_rad: f64, platform_rad: f64) -> Result<V
     let period_s = p.interface.sample_period_s;
     let mut controller = Misaligned { runner, hub_rad, platform_rad, period_s, sample: 0 };
     let run = Simulator::new(&Plant::from_lumped(p)?)?.run(&mut controller, &scenario)?;
-    Ok(run.truth.hub_rate_rad_s)
+    Ok(run.truth.hub_rate_rad_s().to_vec())
 }
 
 /// Returns what a misaligned run has more than the aligned one at the roll's frequency, over the roll rate.

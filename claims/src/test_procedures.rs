@@ -343,7 +343,7 @@ fn triangle(tested: &TestedDesign<'_>, parameters: &Parameters) -> Result<Triang
         .run(&mut tested.controller().runner(), &scenario)?;
     Ok(Triangle {
         period_s: run.sample_period_s,
-        hub_rate_rad_s: run.truth.hub_rate_rad_s,
-        control_v: run.readings.control_v,
+        hub_rate_rad_s: run.truth.hub_rate_rad_s().to_vec(),
+        control_v: run.readings.control_v().to_vec(),
     })
 }

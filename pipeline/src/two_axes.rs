@@ -252,17 +252,17 @@ fn forward_alone(ring_rad: f64) -> Result<Option<PlatformSource>, PipelineError>
 
 fn felt_of(road: &Road) -> Vec<FeltMotion> {
     let of = |k: usize| {
-        let further = road.further.as_ref().map(|further| FeltMotion {
-            surge_m_s2: further.surge_m_s2[k],
-            roll_rate_rad_s: further.roll_rate_rad_s[k],
-            yaw_rate_rad_s: further.yaw_rate_rad_s[k],
+        let further = road.has_further_motion().then(|| FeltMotion {
+            surge_m_s2: road.surge_m_s2()[k],
+            roll_rate_rad_s: road.roll_rate_rad_s()[k],
+            yaw_rate_rad_s: road.yaw_rate_rad_s()[k],
             ..FeltMotion::default()
         });
         FeltMotion {
-            heave_m_s2: road.heave_m_s2[k],
-            pitch_rate_rad_s: road.pitch_rate_rad_s[k],
+            heave_m_s2: road.heave_m_s2()[k],
+            pitch_rate_rad_s: road.pitch_rate_rad_s()[k],
             ..further.unwrap_or_default()
         }
     };
-    (0..road.heave_m_s2.len()).map(of).collect()
+    (0..road.signals.len()).map(of).collect()
 }

@@ -204,39 +204,39 @@ fn cannot_tell(answer: &AnswerText) -> Section {
     remarks.fold(section, |section, remark| section.saying(remark.clone()))
 }
 
-/// Returns the track whose error was largest against the measurement.
+/// Returns the track whose residual was largest against the measurement.
 pub(super) fn worst_track(tracks: &[Track]) -> Option<&Track> {
     let drawn = tracks.iter().filter(|t| t.channel == "control" || t.channel == "hub_rate");
     drawn.max_by(|a, b| a.relative_residual_power().total_cmp(&b.relative_residual_power()))
 }
 
-/// Measured and simulated above, the errors below.
+/// Measured and simulated above, the residuals below.
 pub(super) fn comparison(track: &Track, command: &str) -> Figure {
     let points = |series: &[f64]| -> Vec<(f64, f64)> {
         series.iter().enumerate().map(|(k, v)| (k as f64 * track.period_s, *v)).collect()
     };
-    let name = if track.column(TrackColumn::After).is_empty() { "model" } else { "model as it was" };
+    let name = if track.signals.column(TrackColumn::After).is_empty() { "model" } else { "model as it was" };
     let mut signals = vec![
-        Series::solid_line("measured", Colour::Muted, points(track.column(TrackColumn::Measured))),
-        Series::solid_line(name, Colour::Second, points(track.column(TrackColumn::Before))),
+        Series::solid_line("measured", Colour::Muted, points(track.signals.column(TrackColumn::Measured))),
+        Series::solid_line(name, Colour::Second, points(track.signals.column(TrackColumn::Before))),
     ];
-    let mut errors =
-        vec![Series::solid_line(name, Colour::Second, points(&track.error(TrackColumn::Before)))];
-    if !track.column(TrackColumn::After).is_empty() {
+    let mut residuals =
+        vec![Series::solid_line(name, Colour::Second, points(&track.residual(TrackColumn::Before)))];
+    if !track.signals.column(TrackColumn::After).is_empty() {
         signals.push(Series::solid_line(
             "improved model",
             Colour::First,
-            points(track.column(TrackColumn::After)),
+            points(track.signals.column(TrackColumn::After)),
         ));
-        errors.push(Series::solid_line(
+        residuals.push(Series::solid_line(
             "improved model",
             Colour::First,
-            points(&track.error(TrackColumn::After)),
+            points(&track.residual(TrackColumn::After)),
         ));
     }
     let panels = vec![
         Panel::new(Axis::linear(track.channel, track.unit), signals).with_height(190.0),
-        Panel::new(Axis::linear("error", track.unit), errors).with_height(120.0),
+        Panel::new(Axis::linear("residual", track.unit), residuals).with_height(120.0),
     ];
     let title = format!("{}: {}", track.recording, track.channel.replace('_', " "));
     let figure = Figure::new(&title, Axis::linear("time", "s"), panels);

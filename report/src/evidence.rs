@@ -190,7 +190,7 @@ fn step_column(
 ) -> Option<Figure> {
     steps(found).next()?;
     let series = steps(found).map(|(history, name, colour, dash)| {
-        let points = paired(history.time_s(), history.column(column));
+        let points = paired(history.time_s(), history.signals.column(column));
         Series::new(name, colour, dash, points)
     });
     let panel = Panel::new(Axis::linear(label, unit), series.collect()).with_height(220.0);

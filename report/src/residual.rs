@@ -83,11 +83,13 @@ const RUNS: [Run; 3] = [
 
 fn loop_figure(tracks: &[Track], recording: &str) -> Option<Figure> {
     let (control, rate) = (track(tracks, recording, "control")?, track(tracks, recording, "hub_rate")?);
-    let series = RUNS.iter().filter(|(.., run)| !rate.column(*run).is_empty()).map(|(name, colour, run)| {
-        let step = rate.column(*run).len().div_ceil(MOST_POINTS).max(1);
-        let pairs = rate.column(*run).iter().copied().zip(control.column(*run).iter().copied());
-        Series::solid_line(name, *colour, pairs.step_by(step))
-    });
+    let series =
+        RUNS.iter().filter(|(.., run)| !rate.signals.column(*run).is_empty()).map(|(name, colour, run)| {
+            let step = rate.signals.column(*run).len().div_ceil(MOST_POINTS).max(1);
+            let pairs =
+                rate.signals.column(*run).iter().copied().zip(control.signals.column(*run).iter().copied());
+            Series::solid_line(name, *colour, pairs.step_by(step))
+        });
     let panel = Panel::new(Axis::linear("control", control.unit), series.collect()).with_height(300.0);
     let name = rate.controlled_quantity().name();
     let title = format!("{recording}: control against {name}");

@@ -104,7 +104,7 @@ fn recorded(project: &Project) -> String {
     };
     let mut control = Sines { amplitude_v: 0.5, sample: 0.0, period_s };
     let history = Simulator::new(&plant).unwrap().run(&mut control, &scenario).unwrap();
-    excerpt(&history.readings.recording("run", period_s), history.readings.control_v.len())
+    excerpt(&history.readings.recording("run", period_s), history.readings.control_v().len())
 }
 
 /// Every other example, on a recording that its own machine made.

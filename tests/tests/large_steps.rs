@@ -110,7 +110,7 @@ fn answer(plant: &Plant, made: &Synthesised, (size, duration_s): (f64, f64), sta
     };
     let run = Simulator::new(plant).unwrap().run(&mut made.sampled.controller.runner(), &scenario).unwrap();
     let reached = |y: &f64| (y - start) / size - 1.0;
-    let errors: Vec<f64> = run.readings.hub_rate_rad_s.iter().map(reached).collect();
+    let errors: Vec<f64> = run.readings.hub_rate_rad_s().iter().map(reached).collect();
     let last = &errors[errors.len() * 9 / 10..];
     Answer {
         overshoot: errors.iter().copied().fold(f64::NEG_INFINITY, f64::max),
@@ -165,7 +165,7 @@ fn a_stated_limit_is_kept_and_a_start_elsewhere_is_no_step() {
         let scenario = Scenario { demand_rad_s: Signal::step(0.05, 1.0), ..Scenario::at_rest(8.0) };
         let run =
             Simulator::new(&plant).unwrap().run(&mut made.sampled.controller.runner(), &scenario).unwrap();
-        let fastest = run.truth.hub_rate_rad_s.iter().map(|w| w.abs()).fold(0.0, f64::max);
+        let fastest = run.truth.hub_rate_rad_s().iter().map(|w| w.abs()).fold(0.0, f64::max);
         assert!(fastest <= 0.2 * more && fastest >= 0.19, "{kind}: {fastest}");
     }
     let free = format!(
@@ -178,6 +178,6 @@ fn a_stated_limit_is_kept_and_a_start_elsewhere_is_no_step() {
         ..Scenario::at_rest(1.0)
     };
     let run = Simulator::new(&plant).unwrap().run(&mut made.sampled.controller.runner(), &still).unwrap();
-    let fastest = run.truth.hub_rate_rad_s.iter().map(|w| w.abs()).fold(0.0, f64::max);
+    let fastest = run.truth.hub_rate_rad_s().iter().map(|w| w.abs()).fold(0.0, f64::max);
     assert!(fastest < 1e-3, "{fastest}");
 }

@@ -265,7 +265,7 @@ fn a_machine_that_hunts_does_not_repeat_itself() {
             imperfections: Imperfections::NoiseAndQuantisation { seed },
             ..Scenario::at_rest(steps.sample_period_s * steps.len() as f64)
         };
-        run(&plant, &mut controller.clone(), &scenario).unwrap().truth.hub_rate_rad_s
+        run(&plant, &mut controller.clone(), &scenario).unwrap().truth.hub_rate_rad_s().to_vec()
     };
     let (one, other) = (run(1), run(2));
     let apart = one.iter().zip(&other).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / one.len() as f64;

@@ -169,9 +169,9 @@ impl ExperimentRequest<'_> {
         let peak =
             |series: &[f64], from: f64| series.iter().fold(0.0, |most: f64, v| most.max((v - from).abs()));
         Reached {
-            angle_rad: peak(&history.truth.hub_angle_rad, self.start_angle_rad),
-            rate_rad_s: peak(&history.truth.hub_rate_rad_s, 0.0),
-            current_a: peak(&history.truth.current_a, 0.0),
+            angle_rad: peak(history.truth.hub_angle_rad(), self.start_angle_rad),
+            rate_rad_s: peak(history.truth.hub_rate_rad_s(), 0.0),
+            current_a: peak(history.truth.current_a(), 0.0),
         }
     }
 

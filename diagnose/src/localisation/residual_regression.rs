@@ -356,7 +356,7 @@ fn departed(
     [of(recorded), of(&noisy)]
 }
 
-/// Returns the readings of the replay: the recorded ones plus the residuals. A control that was played back is the recorded one.
+/// Returns the readings of the replay: the recorded ones less the residuals. A control that was played back is the recorded one.
 fn replayed(recording: &AssessedReplay) -> MeasuredSignals {
     let AssessedReplay { measured, assessment: judged } = recording;
     let mut out = measured.clone();
@@ -369,7 +369,7 @@ fn replayed(recording: &AssessedReplay) -> MeasuredSignals {
             _ => None,
         };
         let pairs = column.into_iter().flatten().zip(&misfit.residual);
-        pairs.for_each(|(value, residual)| *value += residual * misfit.floor);
+        pairs.for_each(|(value, residual)| *value -= residual * misfit.floor);
     }
     out
 }

@@ -16,7 +16,7 @@ pub type StartShift = [f64; START_FREEDOMS];
 pub struct ChannelResidual {
     /// Channel name.
     pub channel: &'static str,
-    /// (simulated - measured) / noise floor, sample by sample.
+    /// (measured - simulated) / noise floor, sample by sample.
     pub residual: Vec<f64>,
     /// Noise floor in the channel's unit: the RMS of the residual of a perfect model (noise, quantisation, what the platform's
     /// sensors add).

@@ -177,7 +177,7 @@ impl<'a> RecordingReplays<'a> {
             let recorded = &self.prepared.whole[index].samples(shown)?[..length];
             let floor = self.floors[index][c];
             let simulated = replay.simulated.channel(shown);
-            let difference = |(s, r): (&f64, &f64)| if r.is_finite() { (s - r) / floor } else { 0.0 };
+            let difference = |(s, r): (&f64, &f64)| if r.is_finite() { (r - s) / floor } else { 0.0 };
             let residual: Vec<f64> = simulated.iter().zip(recorded).map(difference).collect();
             let told = if shown == channel { floor } else { self.control_floor };
             out.push(ChannelResidual { channel: channel.name(), residual, floor: told });

@@ -93,14 +93,14 @@ fn spectra(track: &Track) -> Option<ResidualSpectra> {
         return None;
     }
     let own = |signal: &[f64]| averaged(signal, signal, track.period_s);
-    let of_residual = |run| own(&track.error(run));
+    let of_residual = |run| own(&track.residual(run));
     Some(ResidualSpectra {
         recording: track.recording.clone(),
         channel: track.channel,
         unit: track.unit,
-        measured: own(track.column(TrackColumn::Measured))?,
+        measured: own(track.signals.column(TrackColumn::Measured))?,
         before: of_residual(TrackColumn::Before),
-        after: if track.column(TrackColumn::After).is_empty() {
+        after: if track.signals.column(TrackColumn::After).is_empty() {
             None
         } else {
             of_residual(TrackColumn::After)
@@ -110,22 +110,22 @@ fn spectra(track: &Track) -> Option<ResidualSpectra> {
 
 fn response(tracks: &[Track], recording: &str) -> Option<ControlResponse> {
     let (control, rate) = (find(tracks, recording, "control")?, find(tracks, recording, "hub_rate")?);
-    let of = |run| averaged(control.column(run), rate.column(run), rate.period_s);
+    let of = |run| averaged(control.signals.column(run), rate.signals.column(run), rate.period_s);
     Some(ControlResponse {
         recording: recording.to_owned(),
         measured: of(TrackColumn::Measured)?,
         before: of(TrackColumn::Before),
-        after: if rate.column(TrackColumn::After).is_empty() { None } else { of(TrackColumn::After) },
+        after: if rate.signals.column(TrackColumn::After).is_empty() { None } else { of(TrackColumn::After) },
     })
 }
 
 fn tested(tracks: &[Track], track: &Track) -> TestedResidual {
     let signals = ["control", "hub_rate"].map(|name| {
         find(tracks, &track.recording, name)
-            .map(|t| NamedSignal { name, values: t.column(TrackColumn::Measured) })
+            .map(|t| NamedSignal { name, values: t.signals.column(TrackColumn::Measured) })
     });
     let signals: Vec<NamedSignal<'_>> = signals.into_iter().flatten().collect();
-    let test = |run| test_residual(&track.error(run), &signals);
+    let test = |run| test_residual(&track.residual(run), &signals);
     TestedResidual {
         recording: track.recording.clone(),
         channel: track.channel,

@@ -263,7 +263,7 @@ impl SampledController for Noted {
 
 impl Trace {
     fn extend(&mut self, from_s: f64, out_of_balance_kg_m: f64, history: &TimeHistory, used_kg_m: &[f64]) {
-        let (rate, control) = (&history.truth.hub_rate_rad_s, &history.readings.control_request_v);
+        let (rate, control) = (history.truth.hub_rate_rad_s(), history.readings.control_request_v());
         let count = rate.len().min(used_kg_m.len()).min(control.len());
         for k in (0..count).step_by(EVERY) {
             self.time_s.push(from_s + k as f64 * history.sample_period_s);
@@ -330,7 +330,7 @@ impl Stage<'_> {
                 over_default: 1.0,
                 adapted: late,
             });
-            angle = history.truth.platform_angle_rad.last().copied().unwrap_or(angle);
+            angle = history.truth.platform_angle_rad().last().copied().unwrap_or(angle);
             state = Some(history.final_state);
         }
         let adapts = plan.from.is_some();
@@ -482,7 +482,7 @@ impl Stage<'_> {
 
 /// Returns the RMS of the true hub rate in the later part of a run.
 fn settled_rms(history: &TimeHistory) -> f64 {
-    let all = &history.truth.hub_rate_rad_s;
+    let all = history.truth.hub_rate_rad_s();
     let late = &all[(SETTLE * all.len() as f64) as usize..];
     (late.iter().map(|rate| rate * rate).sum::<f64>() / late.len().max(1) as f64).sqrt()
 }

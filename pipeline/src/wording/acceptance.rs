@@ -86,7 +86,7 @@ fn size(source: Source, procedure: &Procedure) -> String {
         Source::Both => format!("{heave}, and {pitch}"),
         Source::Road => match &procedure.road {
             Some(road) => {
-                let (heave, pitch) = (rms(&road.heave_m_s2), rms(&road.pitch_rate_rad_s));
+                let (heave, pitch) = (rms(road.heave_m_s2()), rms(road.pitch_rate_rad_s()));
                 format!("the road \"{}\", RMS heave {heave:.3} m/s^2 and pitch {pitch:.4} rad/s", road.name)
             }
             None => "the road".to_owned(),

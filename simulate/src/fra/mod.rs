@@ -217,7 +217,7 @@ struct Settling<'a> {
 
 impl Settling<'_> {
     fn goes_on(&mut self, readings: &ReadingColumns) -> bool {
-        let windows = readings.control_v.len() / self.window.samples;
+        let windows = readings.control_v().len() / self.window.samples;
         let found = self.window.response(self.test, readings, windows - 1).ok();
         let change = match (&found, &self.last) {
             (Some(now), Some(before)) if windows >= 3 => (now.value - before.value).norm() / now.value.norm(),
@@ -280,12 +280,12 @@ impl Window {
         index: usize,
     ) -> Result<MeasuredResponse, Error> {
         let input = match test {
-            Test::Plant => &columns.control_v,
-            Test::ClosedLoop => &columns.demand_rad_s,
-            Test::PlatformToHub => &columns.platform_rate_rad_s,
+            Test::Plant => &columns.control_v(),
+            Test::ClosedLoop => &columns.demand_rad_s(),
+            Test::PlatformToHub => &columns.platform_rate_rad_s(),
         };
         let range = index * self.samples..(index + 1) * self.samples;
-        self.analyser.response(&input[range.clone()], &columns.hub_rate_rad_s[range])
+        self.analyser.response(&input[range.clone()], &columns.hub_rate_rad_s()[range])
     }
 }
 

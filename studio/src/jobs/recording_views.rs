@@ -96,7 +96,7 @@ pub struct ChannelView {
 pub struct SimulatedView {
     /// The simulated samples.
     pub signal: Arc<MinMaxPyramid>,
-    /// The residual, simulated minus measured.
+    /// The residual, measured minus simulated.
     pub residual: Arc<MinMaxPyramid>,
     /// RMS of the residual over the noise floor of the project's model, if that simulates the channel.
     pub residual_over_floor: Option<f64>,

@@ -124,7 +124,7 @@ fn experiment_name(experiment: Experiment) -> &'static str {
 }
 
 fn history_points(history: &History, column: HistoryColumn, factor: f64) -> Vec<[f64; 2]> {
-    history.time_s().iter().zip(history.column(column)).map(|(t, v)| [*t, factor * v]).collect()
+    history.time_s().iter().zip(history.signals.column(column)).map(|(t, v)| [*t, factor * v]).collect()
 }
 
 fn hub_chart(view: &View, found: &Verification, experiment: Experiment) -> Chart {

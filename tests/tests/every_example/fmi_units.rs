@@ -43,8 +43,8 @@ fn csv(run: &TimeHistory) -> String {
     let mut text = "time,demand,heave,pitch_rate,control,hub_rate\n".to_owned();
     let (r, t) = (&run.readings, &run.truth);
     for (k, time) in run.time_s().iter().enumerate() {
-        let (demand, heave, pitch) = (r.demand_rad_s[k], t.heave_m_s2[k], t.platform_rate_rad_s[k]);
-        let (control, rate) = (r.control_request_v[k], t.hub_rate_rad_s[k]);
+        let (demand, heave, pitch) = (r.demand_rad_s()[k], t.heave_m_s2()[k], t.platform_rate_rad_s()[k]);
+        let (control, rate) = (r.control_request_v()[k], t.hub_rate_rad_s()[k]);
         writeln!(text, "{time:?},{demand:?},{heave:?},{pitch:?},{control:?},{rate:?}").unwrap();
     }
     text

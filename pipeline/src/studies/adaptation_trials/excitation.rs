@@ -93,12 +93,12 @@ fn road(procedure: &Procedure, gravity_m_s2: f64) -> Result<PlatformMotion, Pipe
         values: values.iter().copied().cycle().take(count).collect(),
     };
     Ok(PlatformMotion {
-        heave_m_s2: again(&road.heave_m_s2),
-        pitch_rate_rad_s: again(&road.pitch_rate_rad_s),
-        further: road.further.as_ref().map(|further| FurtherMotion {
-            surge_m_s2: again(&further.surge_m_s2),
-            roll_rate_rad_s: again(&further.roll_rate_rad_s),
-            yaw_rate_rad_s: again(&further.yaw_rate_rad_s),
+        heave_m_s2: again(road.heave_m_s2()),
+        pitch_rate_rad_s: again(road.pitch_rate_rad_s()),
+        further: road.has_further_motion().then(|| FurtherMotion {
+            surge_m_s2: again(road.surge_m_s2()),
+            roll_rate_rad_s: again(road.roll_rate_rad_s()),
+            yaw_rate_rad_s: again(road.yaw_rate_rad_s()),
         }),
         ..PlatformMotion::STILL
     })

@@ -89,8 +89,8 @@ impl Stage<'_> {
                 Err(counterpoise_simulate::Error::Diverged { .. }) => return Ok(TrialRun::default()),
                 other => other?,
             };
-            rates.extend(run.truth.hub_rate_rad_s);
-            angle = run.truth.platform_angle_rad.last().copied().unwrap_or(angle);
+            rates.extend(run.truth.hub_rate_rad_s());
+            angle = run.truth.platform_angle_rad().last().copied().unwrap_or(angle);
             state = Some(run.final_state);
         }
         let period_s = self.modelled.parameters.interface.sample_period_s;
