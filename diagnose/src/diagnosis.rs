@@ -30,9 +30,10 @@ use crate::recording::sanity_checks::{check_control, check_signals};
 use crate::recording::unknown_heave::drop_unknown_heave;
 use crate::selection::searcher::Searcher;
 use crate::selection::sizes::Sizes;
+use crate::simulator_access::SimulatorAccess;
 use crate::simulator_access::objective::{PreparedRecordings, RecordingReplays};
-use crate::simulator_access::{Pool, SimulatorAccess, map};
 use crate::tolerance::{BIAS_SEEN_RAD_S, SAMPLES_AT_MOST, TEXTBOOK_SAMPLES_AT_MOST};
+use counterpoise_pool::{Pool, map};
 
 /// A diagnosis: the answer, and the machine that explains the recordings.
 #[derive(Debug, Clone)]

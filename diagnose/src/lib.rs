@@ -22,7 +22,7 @@
 //!
 //! ```
 //! use counterpoise_diagnose::library::{Component, list_effects};
-//! use counterpoise_diagnose::simulator_access::Serial;
+//! use counterpoise_pool::Serial;
 //! use counterpoise_diagnose::{Error, diagnose};
 //! use counterpoise_models::reference;
 //! use counterpoise_simulate::replay::ReplayLoop;

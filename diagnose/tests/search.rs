@@ -8,9 +8,10 @@ use counterpoise_diagnose::library::{Component, EffectName, list_effects};
 use counterpoise_diagnose::selection::searcher::Searcher;
 use counterpoise_diagnose::selection::sizes::Sizes;
 use counterpoise_diagnose::simulator_access::{
-    Assessment, ChannelResidual, ControlSource, Serial, SimulatorAccess, Span,
+    Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span,
 };
 use counterpoise_models::{Parameters, reference};
+use counterpoise_pool::Serial;
 
 const SAMPLES: usize = 1500;
 const FLOOR: f64 = 0.01;

@@ -5,8 +5,8 @@ use std::fs;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_pipeline::World;
+use counterpoise_pool::Pool;
 use counterpoise_project::{Attachments, Document, Setting};
 
 use crate::workers::Processors;

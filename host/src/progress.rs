@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_pool::Pool;
 
 use crate::time_left::TimeLeft;
 use crate::worker::{Token, Wake};

@@ -4,10 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::recordings::RecordingFile;
 use counterpoise_pipeline::{Decided, Step, TunedProject, World, choose_and_tune, with_recorded_design};
+use counterpoise_pool::Pool;
 use counterpoise_project::diagnostic::first_findings;
 use counterpoise_project::resolve::synthesis_options::AdaptationUse;
 use counterpoise_project::{Assumption, Attachments, Diagnostic, Document, Parsed, Project, Purpose};

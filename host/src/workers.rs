@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Mutex;
 use std::time::Duration;
 
-use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_pool::Pool;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 

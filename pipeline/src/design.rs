@@ -2,8 +2,8 @@
 
 use std::sync::OnceLock;
 
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_export::{File, FormFigures, TargetRuns, Targets};
+use counterpoise_pool::Pool;
 use counterpoise_project::Project;
 use counterpoise_verify::certificate::StabilityCertificate;
 use counterpoise_verify::spectral::{Spectral, spectral_rejections};
@@ -206,8 +206,7 @@ impl VerifiedDesign {
 
     /// Runs the controller in every kind of numbers.
     fn studied_targets(&self, pool: &dyn Pool) -> Result<StudiedTargets, PipelineError> {
-        let jobs = |count: usize, job: &(dyn Fn(usize) + Sync)| pool.run(count, job);
-        let runs = TargetRuns::record(&self.verified, &self.modelled.plant, &self.procedure, &jobs)?;
+        let runs = TargetRuns::record(&self.verified, &self.modelled.plant, &self.procedure, pool)?;
         let allowed_v = half_step_v(&self.modelled.plant);
         let (single, fixed, forms) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
         let (in_single, in_fixed) = (|| runs.single(), || runs.fixed_point_form(allowed_v));

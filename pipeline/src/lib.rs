@@ -56,7 +56,7 @@ pub mod two_axes;
 pub mod verify;
 pub mod wording;
 
-use counterpoise_diagnose::simulator_access::{Pool, Serial};
+use counterpoise_pool::{Pool, Serial};
 use counterpoise_synth::FirstDesign;
 
 pub use design::{Designed, Stages, SynthesisStudy, design, run_stages, study_synthesis};

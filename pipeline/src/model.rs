@@ -2,13 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use counterpoise_diagnose::simulator_access::{Pool, Serial};
 use counterpoise_linalg::sparse::StageProgress;
 use counterpoise_models::plant::{Angles, Equilibrium, FrictionLinearisation, LinearPlant, Plant};
 use counterpoise_models::structure::{
     Condensation, ConfiguredStructure, FeModel, Fitted, pinned_modes, reduce_to_lumped, with_derived_lumped,
 };
 use counterpoise_models::{Configuration, Parameters, PointMass};
+use counterpoise_pool::{Pool, Serial};
 
 use crate::PipelineError;
 use crate::configuration::{apply_configuration, named_configuration};

@@ -5,8 +5,8 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_lti::{Margins, StateSpace, margins};
+use counterpoise_pool::{Pool, map};
 use counterpoise_project::Project;
 use counterpoise_verify::linear::closed_loop::resolver_use;
 use counterpoise_verify::linear::frequency::grid_hz;

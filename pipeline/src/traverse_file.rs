@@ -1,7 +1,7 @@
 //! The project of a traverse axis: read from the file that the project of its elevation axis names, and checked against that project.
 
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::{AxisKind, FeedbackSignal};
+use counterpoise_pool::Pool;
 use counterpoise_project::resolve::traverse::TraverseAxis;
 use counterpoise_project::{Attachments, Document, Parsed, Project, Purpose};
 

@@ -1,11 +1,11 @@
 //! The analyser's map against two linear models, and the same instrument on a run of itself.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_pipeline::studies::fra::{Analyser, Around, On, Plan};
 use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
 use counterpoise_pipeline::studies::fra_points::ResponseMapPoint;
 use counterpoise_pipeline::{model, with_chosen_weights};
+use counterpoise_pool::Serial;
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
 

@@ -4,9 +4,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_pipeline::preview::{DesignPreview, PreviewCache, PreviewRequest, preview_design};
 use counterpoise_pipeline::with_chosen_weights;
+use counterpoise_pool::Serial;
 use counterpoise_project::resolve::synthesis::Synthesis;
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 

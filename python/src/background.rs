@@ -6,10 +6,10 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_host::files;
 use counterpoise_host::workers::{Processors, start_thread};
 use counterpoise_pipeline::{Step, World};
+use counterpoise_pool::Pool;
 use pyo3::prelude::*;
 
 use crate::failures::exception;

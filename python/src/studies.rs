@@ -5,7 +5,6 @@ use std::path::PathBuf;
 
 use anyhow::{Context, ensure};
 use counterpoise_diagnose::identification::apply_identified;
-use counterpoise_diagnose::simulator_access::{Pool, map_with_progress};
 use counterpoise_host::projects;
 use counterpoise_pipeline::recordings::identify;
 use counterpoise_pipeline::studies::adaptation::study_adaptation;
@@ -14,6 +13,7 @@ use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult, campa
 use counterpoise_pipeline::{
     self as pipeline, prepare_campaign, robust_stability, run_stages, vary_families,
 };
+use counterpoise_pool::{Pool, map_with_progress};
 use counterpoise_project::Purpose;
 use counterpoise_report::sweep::{SweepFigure, sweep_figures};
 use counterpoise_report::wording::identification::describe_identified_recordings;

@@ -12,7 +12,7 @@
 //! - whether it can be had: [`preflight`](mod@preflight), [`finding`], [`cause`], [`refusal`], [`error`];
 //! - the design: [`feedback`](mod@feedback), [`error_feedback`] (one that sees the error alone), [`cascade`], [`feedforward`](mod@feedforward), [`design`](mod@design), [`certificate`],
 //!   [`joint`] optimum of all parts, [`residual`], [`total_cost`](mod@total_cost);
-//! - [`first_design`](mod@first_design): weights chosen for the highest [`bandwidth`] that the loop allows, on the processors at hand ([`parallel_run`]);
+//! - [`first_design`](mod@first_design): weights chosen for the highest [`bandwidth`] that the loop allows, on the processors at hand;
 //! - in sampled time: [`sampling`], [`discretise`](mod@discretise), [`ramp`];
 //! - around it: [`schedule`](mod@schedule) over out-of-balance with its [`scheduled_controller`], [`figures`](mod@figures),
 //!   [`requirements`] and [`search`](mod@search) from requirements to weights, [`observer`] of friction, [`adaptation`];
@@ -73,7 +73,6 @@ pub mod lqg;
 mod normal_form;
 pub mod observer;
 mod origin;
-pub mod parallel_run;
 pub mod plant;
 pub mod preflight;
 pub mod ramp;
@@ -119,7 +118,6 @@ pub use hinfsyn::{HInfinity, hinfsyn};
 pub use joint::{JointOptimum, joint_optimum};
 pub use lqg::{Gain, Recovered, kalman, lqg_ltr, lqr, observer_controller};
 pub use observer::{Drive, Drives, FrictionSide, ObservedFriction, friction_observers};
-pub use parallel_run::ParallelRun;
 pub use plant::{DesignPlant, LateReading, RateLoop};
 pub use preflight::preflight;
 pub use ramp::control_of_ramp;

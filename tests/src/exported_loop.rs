@@ -7,11 +7,11 @@ use std::path::Path;
 use counterpoise_controller::Controller;
 use counterpoise_diagnose::diagnose;
 use counterpoise_diagnose::findings::answer::{Answer, DiagnosisVerdict};
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::recordings::read::recording_controller;
 use counterpoise_pipeline::{ProjectIdentity, model, reduce, synthesise};
+use counterpoise_pool::Pool;
 use counterpoise_project::{Attachments, Document, Project, Setting};
 use counterpoise_simulate::replay::{RecordedController, ReplayLoop};
 

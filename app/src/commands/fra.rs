@@ -19,11 +19,11 @@ use ndarray::Array2;
 use crate::exit::{Done, Exit};
 use crate::options::Outputs;
 use crate::output::{self, say};
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_host::clock::Moment;
 use counterpoise_host::projects::{self, Loaded};
 use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_host::workers::{Processors, Workers, run_on};
+use counterpoise_pool::Pool;
 
 /// Arguments of `fra`.
 #[derive(Args)]

@@ -2,7 +2,6 @@
 
 use anyhow::Error;
 use clap::Args;
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_host::large_recordings::{
     BySize, LargeRecording, READ_AT_ONCE, ROWS_OF_A_PART, split_by_size,
 };
@@ -14,6 +13,7 @@ use counterpoise_pipeline::recordings::controller_origin::other_export;
 use counterpoise_pipeline::recordings::read::{loop_of, read_table, recording_controller, without_demand};
 use counterpoise_pipeline::recordings::{Gaps, ReadRecording, ReplayLength, read_files, replay};
 use counterpoise_pipeline::results::{RecordingResult, ReplayResult};
+use counterpoise_pool::Pool;
 use counterpoise_project::{Project, Purpose};
 use counterpoise_report::wording::recordings::{
     describe_other_export, describe_played_back, describe_recordings_error, describe_replay,

@@ -11,9 +11,9 @@ use counterpoise_simulate::{
 use super::menu::{Demand, DemandShape, Limits, list_demands};
 use super::separation::{Expected, PossibleMachine, Separation, separation};
 use crate::library::EffectParameter;
-use crate::simulator_access::{Pool, map};
 use crate::tolerance::FIT_STEP;
 use crate::tolerance::experiment::{LEAST_FLOOR, OVERSHOOT, STEPS_PER_SAMPLE};
+use counterpoise_pool::{Pool, map};
 
 /// What is planned for.
 pub struct ExperimentRequest<'a> {

@@ -114,8 +114,9 @@ mod tests {
     use crate::localisation::trend::{Repetition, Trend};
     use crate::machine::RedundantSensors;
     use crate::recording::measured_signals::MeasuredSignals;
-    use crate::simulator_access::{Assessment, ChannelResidual, ControlSource, Serial};
+    use crate::simulator_access::{Assessment, ChannelResidual, ControlSource};
     use counterpoise_models::reference;
+    use counterpoise_pool::Serial;
 
     const MOTOR_RATE: RedundantSensors = RedundantSensors { motor_rate: true, hub_position: false };
     const NO_MORE: RedundantSensors = RedundantSensors { motor_rate: false, hub_position: false };

@@ -10,9 +10,10 @@ use crate::fitting::output_error::{FitSelection, Problem};
 use crate::fitting::score::{RecordingPart, assess, score};
 use crate::library::Effect;
 use crate::recording::noise::with_recorded_noise;
+use crate::simulator_access::SimulatorAccess;
 use crate::simulator_access::objective::{PreparedRecordings, RecordingReplays};
-use crate::simulator_access::{Pool, SimulatorAccess};
 use crate::tolerance::FITTED_SHARE;
+use counterpoise_pool::Pool;
 
 /// Effects that are fitted together, and the values of their parameters from which the fit starts.
 #[derive(Debug, Clone, Default)]

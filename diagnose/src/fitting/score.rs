@@ -3,8 +3,9 @@
 use counterpoise_models::Parameters;
 
 use crate::recording::series::{correlation_time, rms};
-use crate::simulator_access::{Assessment, Pool, SimulatorAccess, map};
+use crate::simulator_access::{Assessment, SimulatorAccess};
 use crate::tolerance::SCORE_FLOOR;
+use counterpoise_pool::{Pool, map};
 
 /// The fit of one channel over one part of one recording.
 #[derive(Debug, Clone, PartialEq)]

@@ -16,12 +16,13 @@ use crate::recording::series::correlation_time;
 use crate::recording::series::dot;
 use crate::selection::candidate::FittedCandidate;
 use crate::selection::searcher::Searcher;
-use crate::simulator_access::{Assessment, ChannelResidual, Span, StartShift, map};
+use crate::simulator_access::{Assessment, ChannelResidual, Span, StartShift};
 use crate::tolerance::selection::SAME_GRID_PLACE;
 use crate::tolerance::{
     KNOT_GAP_V, KNOT_ITERATIONS, KNOT_MOVE_GAIN, KNOT_MOVES, KNOT_PRICE, KNOT_ROUNDS, KNOT_SHARE,
     KNOT_SPACING_V, KNOT_STRETCH, KNOTS_AT_MOST,
 };
+use counterpoise_pool::map;
 
 impl Searcher<'_> {
     /// Returns a candidate with the knots of its curve where the recordings require them; unchanged if it has no curve.

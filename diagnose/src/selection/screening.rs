@@ -12,8 +12,9 @@ use crate::selection::perturbations::{Combination, Perturbation, apply_perturbat
 use crate::selection::signature::{
     EffectSignature, ScreeningContext, ScreeningDepth, is_close, measure_signature, weight_residuals,
 };
-use crate::simulator_access::{Assessment, Span, map_with_progress};
+use crate::simulator_access::{Assessment, Span};
 use crate::tolerance::selection::STARTS_VISITED;
+use counterpoise_pool::map_with_progress;
 
 /// Screens every effect of the library but those already in the model; returns signatures, best first.
 pub fn screen_effects(scene: &ScreeningContext, effects: &[&'static Effect]) -> Vec<EffectSignature> {

@@ -8,8 +8,9 @@ use crate::library::Effect;
 use crate::selection::candidate::{FittedCandidate, held_out_parts, whole_parts};
 use crate::selection::parameter_scan::repeats;
 use crate::selection::sizes::Sizes;
-use crate::simulator_access::{Assessment, Pool, SimulatorAccess, map};
+use crate::simulator_access::{Assessment, SimulatorAccess};
 use crate::tolerance::selection::{ROUNDED_ORDER_COST, WHOLE_ORDER};
+use counterpoise_pool::{Pool, map};
 
 /// What the search works on.
 pub struct Searcher<'a> {

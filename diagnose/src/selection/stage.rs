@@ -11,11 +11,12 @@ use crate::selection::parameter_scan::scan_backlash;
 use crate::selection::screening::screen_effects;
 use crate::selection::searcher::Searcher;
 use crate::selection::signature::{EffectSignature, ScreeningContext, ScreeningDepth, is_close};
-use crate::simulator_access::{Assessment, map_with_progress};
+use crate::simulator_access::Assessment;
 use crate::tolerance::{
     EFFECTS_AT_MOST, FINAL_REACH, FINALISTS, GAIN_NEEDED, JOINT_PARAMETERS, PAIRS, PROMISE_SHARE, RIVALS,
     SHORTLIST, THROWN_OFF,
 };
+use counterpoise_pool::map_with_progress;
 
 /// One stage: the candidates, best first, and the screening.
 #[derive(Debug, Clone)]

@@ -8,11 +8,12 @@ use crate::fitting::score::{RecordingPart, Score, score};
 use crate::selection::baseline::log_excess;
 use crate::selection::candidate::{FittedCandidate, whole_parts};
 use crate::selection::searcher::Searcher;
-use crate::simulator_access::{Assessment, map_with_progress};
+use crate::simulator_access::Assessment;
 use crate::tolerance::{
     AMBIGUOUS, FITTED_SHARE, GAIN_BEYOND_NULL, GAIN_NEEDED, JOINT_PARAMETERS, NULL_GAIN_MULTIPLE,
     SOLE_EVIDENCE_SHARE,
 };
+use counterpoise_pool::map_with_progress;
 
 /// A recording, predicted.
 struct Prediction {

@@ -8,17 +8,17 @@ mod tolerance_corners;
 
 use std::f64::consts::{SQRT_2, TAU};
 
-use counterpoise_diagnose::simulator_access::{Pool, Serial};
 use counterpoise_linalg::C64;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::Sensor;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, LinearPlant};
+use counterpoise_pool::{Pool, Serial};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::{Synthesis, WeightSource};
 use counterpoise_project::resolve::verify::StepSize;
 use counterpoise_synth::{
     Circumstances, DesignPlant, Error as SynthesisError, ExpectedMotion, FirstDesign, LimitKind, LimitLoops,
-    ParallelRun, RequiredMargins, Weight, first_design_on,
+    RequiredMargins, Weight, first_design_on,
 };
 use counterpoise_verify::certificate::elements::rest_impedances;
 use counterpoise_verify::{Figure, Limit, LoopFigure, Sine};
@@ -85,13 +85,11 @@ fn choose_weights_on(
     pool: &dyn Pool,
 ) -> Result<Chosen, PipelineError> {
     let asked = project.synth.clone().unwrap_or_default();
-    let run = |count: usize, part: &(dyn Fn(usize) + Sync)| pool.run(count, part);
-    let processors = ParallelRun { count: pool.processors(), run: &run };
     let stated_step = circumstances(project, &asked, modelled, reduced)?;
-    let with_usual_step = first_design_of(&stated_step, processors)?;
+    let with_usual_step = first_design_of(&stated_step, pool)?;
     let open_step = Circumstances { demand_step: 0.0, ..stated_step.clone() };
     let (first, step) = match is_limited_by_usual_step(project, &with_usual_step) {
-        true => with_open_step(&open_step, stated_step.demand_step, with_usual_step, processors)?,
+        true => with_open_step(&open_step, stated_step.demand_step, with_usual_step, pool)?,
         false => (with_usual_step, None),
     };
     let mut stated = asked.clone();
@@ -109,14 +107,11 @@ fn choose_weights_on(
 }
 
 /// Returns the first design, whose loop holds the friction at rest unless no loop does.
-fn first_design_of(
-    given: &Circumstances,
-    processors: ParallelRun<'_>,
-) -> Result<FirstDesign, SynthesisError> {
-    match first_design_on(given, processors) {
+fn first_design_of(given: &Circumstances, pool: &dyn Pool) -> Result<FirstDesign, SynthesisError> {
+    match first_design_on(given, pool) {
         Err(SynthesisError::Refused(_)) if given.others.len() > 1 => {
             let others = given.others.iter().take(1).cloned().collect();
-            first_design_on(&Circumstances { others, ..given.clone() }, processors)
+            first_design_on(&Circumstances { others, ..given.clone() }, pool)
         }
         found => found,
     }
@@ -134,9 +129,9 @@ fn with_open_step(
     open: &Circumstances,
     usual_step: f64,
     with_usual_step: FirstDesign,
-    processors: ParallelRun<'_>,
+    pool: &dyn Pool,
 ) -> Result<(FirstDesign, Option<f64>), PipelineError> {
-    let first = first_design_of(open, processors)?;
+    let first = first_design_of(open, pool)?;
     if first.bandwidth.bandwidth_rad_s <= with_usual_step.bandwidth.bandwidth_rad_s {
         return Ok((with_usual_step, None));
     }

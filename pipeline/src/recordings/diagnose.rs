@@ -4,7 +4,7 @@ use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::diagnosis::{Contradiction, Request};
 use counterpoise_diagnose::findings::localisation_chart::{LocalisationChart, build_chart};
 use counterpoise_diagnose::recording::gap_repair::repair_gaps;
-use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_pool::Pool;
 use counterpoise_project::Project;
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::ReplayLoop;

@@ -5,8 +5,8 @@ use counterpoise_diagnose::experiment::{ExperimentPlan, ExperimentRequest, Limit
 use counterpoise_diagnose::library::{
     Component, Effect, EffectKind, EffectName, EffectParameter, find_effects, list_effects,
 };
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::Parameters;
+use counterpoise_pool::Pool;
 use counterpoise_project::Project;
 use serde::Deserialize;
 

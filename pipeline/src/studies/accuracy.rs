@@ -1,6 +1,6 @@
 //! How exactly the simulator moves this plant: its error over the step, for every law of friction and for contact.
 
-use counterpoise_diagnose::simulator_access::{Pool, map};
+use counterpoise_pool::{Pool, map};
 use counterpoise_simulate::convergence::{Case, convergence_cases, study_convergence};
 use serde::Serialize;
 

@@ -8,7 +8,7 @@
 //! is worse than without adaptation, and on every quieter one.
 
 use counterpoise_controller::Controller;
-use counterpoise_diagnose::simulator_access::map_all;
+use counterpoise_pool::map_all;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{Adaptation, AdaptationMethod, AdaptationUse};
 use counterpoise_verify::Procedure;

@@ -5,11 +5,11 @@
 //! at the amplitude that this model itself gives.
 
 use counterpoise_controller::{Controller, ProportionalIntegral, SampledController};
-use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_linalg::C64;
 use counterpoise_lti::{StateSpace, response_at};
 use counterpoise_models::plant::{Angles, FrictionLinearisation, Plant};
 use counterpoise_models::{ControlledQuantity, FrictionLaw, OperatingPoint};
+use counterpoise_pool::{Pool, map};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::ensemble::SIDE_BY_SIDE;
 use counterpoise_simulate::fra::{

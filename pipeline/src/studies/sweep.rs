@@ -1,8 +1,8 @@
 //! The robustness campaign that the project asks for.
 
 use counterpoise_controller::Controller;
-use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_models::ControlledQuantity;
+use counterpoise_pool::{Pool, map};
 use counterpoise_verify::robust::{
     Campaign, Layout, Member, Ranked, Sample, Sense, Summary, Variation, Worst, configurations,
     one_at_a_time, rank_parameters, summarise_requirement, worst_case,

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_host::worker::Token;
 use counterpoise_pipeline::preview::{DesignPreview, PreviewCache, PreviewRequest, preview_design};
+use counterpoise_pool::Serial;
 use counterpoise_project::{Document, Project};
 
 use crate::command::DesignSlot;

@@ -2,13 +2,13 @@
 
 use std::sync::{Arc, Mutex};
 
-use counterpoise_diagnose::simulator_access::map;
 use counterpoise_host::progress::{CancellablePool, SharedProgress};
 use counterpoise_host::worker::{Token, Wake, Worker};
 use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::studies::fra::{Analyser, Map, On};
 use counterpoise_pipeline::studies::fra_plan::quick_plan;
 use counterpoise_pipeline::studies::sweep::{RequirementSpread, requirement_spreads};
+use counterpoise_pool::map;
 use counterpoise_report::wording::recordings::describe_map;
 use counterpoise_verify::VerifiedController;
 use counterpoise_verify::robust::{Campaign, Sample};
