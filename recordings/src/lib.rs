@@ -43,4 +43,5 @@ pub use remark::{Remark, Unread};
 pub use shaping::repeat_last;
 pub use signals::{ColumnName, Signals};
 pub use table::{Column, Table};
+pub use time_unit::{DoubtfulUnit, doubtful_unit};
 pub use unit::Unit;

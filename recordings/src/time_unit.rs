@@ -7,13 +7,13 @@ const UNITS: [(&str, f64); 5] = [("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9), ("min
 
 /// Steps of a time that are far from the sample period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct DoubtfulUnit {
+pub struct DoubtfulUnit {
     /// The unit in which they would match it; `None` if they match it in none.
-    pub(crate) meant: Option<&'static str>,
+    pub meant: Option<&'static str>,
 }
 
 /// Returns that the steps of a time, taken as seconds, are far from the sample period; `None` if they are near it.
-pub(crate) fn doubtful_unit(file_s: f64, project_s: f64) -> Option<DoubtfulUnit> {
+pub fn doubtful_unit(file_s: f64, project_s: f64) -> Option<DoubtfulUnit> {
     let is_within = |step_s: f64, factor: f64| step_s < factor * project_s && project_s < factor * step_s;
     if is_within(file_s, FAR_FROM_PERIOD) {
         return None;

@@ -5,6 +5,7 @@ use counterpoise_lti::{StateSpace, Timebase, append, series};
 
 use crate::cascade::with_position_loop;
 use crate::cause::Cause;
+use crate::finding::WeightRole;
 use crate::preflight::gain::Gain;
 use crate::tolerance::{SLOWEST_RAD_S, ZERO_GAIN};
 use crate::{
@@ -104,7 +105,7 @@ fn with_control_seen(
     let finding =
         DesignFinding::warning(channel.into(), Cause::FreeControlUnseen { moved_rad_s: SLOWEST_RAD_S });
     let control = Weight::ZeroPoleGain { zeros: rational.zeros, poles: rational.poles, gain: rational.gain };
-    let warning = finding.with_weight("control weight", &weights.control).at(rate);
+    let warning = finding.with_weight(WeightRole::Control, &weights.control).at(rate);
     Ok((FeedforwardWeights { control, ..weights.clone() }, Some(warning)))
 }
 

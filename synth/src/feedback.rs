@@ -16,6 +16,7 @@ use counterpoise_linalg::{C64, Mat, Riccati, care, eigenvalues};
 use counterpoise_lti::{StateSpace, Timebase};
 
 use crate::augmented_plant::Augmented;
+use crate::cause::DesignEquation;
 use crate::certificate::{Cost, Equation, mean_square, riccati};
 use crate::finding::Part;
 use crate::{DesignPlant, Error, FeedbackWeights, Reference};
@@ -137,13 +138,13 @@ impl Problem {
     fn regulator(&self) -> Result<Riccati, Error> {
         let (A, B, C) = (self.core.state(), self.core.input(), self.core.output());
         let solution = care(&A, &B, &(&C.t() * &C), &Mat::eye(1), None)?;
-        riccati("the regulator's equation", Part::Feedback, solution)
+        riccati(DesignEquation::Regulator, Part::Feedback, solution)
     }
 
     fn filter(&self, density: f64) -> Result<Riccati, Error> {
         let (V, W) = (Mat::eye(1).scale(density), &self.Gw * &self.Gw.t());
         let solution = care(&self.core.A.t(), &self.core.C.t(), &W, &V, None)?;
-        riccati("the filter's equation", Part::Feedback, solution)
+        riccati(DesignEquation::Filter, Part::Feedback, solution)
     }
 
     /// x_p' = A x_p + B u + L (y - C x_p), x_e' = A_e x_e + B_e (r - y), x_u' = A_u x_u + B_u v, u = C_u x_u + D_u v.

@@ -97,7 +97,7 @@ pub use adaptation::{Adaptive, Estimation, Recursive, RecursiveSettings, Windowe
 pub use alternatives::{Alternative, SynthesisMethod, alternative};
 pub use bandwidth::{Bandwidth, BandwidthLimit, LimitKind, Unknown};
 pub use best_loop::{BestLoop, BestLoopTask, best_loop};
-pub use cause::{Cause, HiddenFrom};
+pub use cause::{Cause, DesignEquation, HiddenFrom, ModeBlock, StatedDensity};
 pub use certificate::{Certified, Cost, Equation};
 pub use channel::DisturbanceChannel;
 pub use design::{Design, design};
@@ -106,7 +106,7 @@ pub use error::{Error, attempt};
 pub use feedback::{Feedback, feedback};
 pub use feedforward::{Feedforward, feedforward};
 pub use figures::{FigureSystems, Figures, figure_systems, figures};
-pub use finding::{DesignFinding, FindingSeverity, Part};
+pub use finding::{ConcernedWeight, DesignFinding, FindingSeverity, Part, WeightRole};
 pub use first_design::{
     Circumstances, ExpectedMotion, FirstDesign, LimitLoops, LoopJudgement, RequiredMargins, first_design,
     first_design_on,

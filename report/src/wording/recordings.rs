@@ -15,12 +15,13 @@ use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_pipeline::studies::fra::{Map, MapRemark, RecordedMap};
 use counterpoise_plot::number::short_number;
 
+use super::file_remarks::describe_file_remark;
 use super::learned::describe_beyond;
 
 /// Describes something found about the columns of a recording: its channel, and what is wrong or was done.
 pub fn describe_column_remark(remark: &ColumnRemark) -> String {
     match remark {
-        ColumnRemark::File(finding) => finding.to_string(),
+        ColumnRemark::File(finding) => describe_file_remark(finding),
         ColumnRemark::BeyondRange { channel, found } => {
             format!("{}: {}", channel.name(), describe_beyond_range(found, channel.unit()))
         }
@@ -135,7 +136,10 @@ pub fn describe_recordings_error(error: &PipelineError) -> String {
 
 /// Describes columns that were not used, to follow the description of what is missing; empty if there are none.
 fn describe_unused_columns(unused: &[UnusedColumn]) -> String {
-    unused.iter().map(|column| format!("; {}: {}", column.recording, column.remark)).collect()
+    unused
+        .iter()
+        .map(|column| format!("; {}: {}", column.recording, describe_file_remark(&column.remark)))
+        .collect()
 }
 
 /// Describes something to be reported about the recordings.

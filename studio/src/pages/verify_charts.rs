@@ -1,9 +1,7 @@
 //! The evidence of a verification as charts: time histories and responses over frequency.
 
 use counterpoise_report::wording::capitalise_first;
-use counterpoise_verify::{
-    Arrangement, Experiment, Figure, History, HistoryColumn, Model, Source, Verification,
-};
+use counterpoise_verify::{Arrangement, Experiment, History, HistoryColumn, Model, Source, Verification};
 use egui::Ui;
 
 use super::frequency_charts::{frequency_chart, magnitude_points, mark_margins};
@@ -29,7 +27,7 @@ struct ShownSignal<'a> {
 /// Shows the run behind the selected verdict: four of its signals under one cursor.
 pub fn show_histories(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Verification) {
     let experiment = limit_marks::selected_requirement(view, found)
-        .map_or(Experiment::Step, |requirement| experiment_of(requirement.figure));
+        .map_or(Experiment::Step, |requirement| requirement.figure.experiment());
     let tip = view.units.display_unit(found.controlled_quantity().tip_unit());
     let tip_name = capitalise_first(&found.controlled_quantity().tip_name());
     let controlled = found.controlled_quantity();
@@ -88,27 +86,6 @@ pub fn show_responses(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, fo
     for (cell, chart) in widgets::grid_cells(area, 4, 2).iter().zip(charts) {
         widgets::show_chart(ui, view, queue, *cell, &chart.with_group(FREQUENCY_GROUP));
     }
-}
-
-/// Returns the run from which a figure was read.
-fn experiment_of(figure: Figure) -> Experiment {
-    let key = figure.key();
-    let source = if key.contains("road") {
-        Source::Road
-    } else if key.contains("both") {
-        Source::Both
-    } else if key.contains("heave") {
-        Source::Heave
-    } else if key.contains("pitch") {
-        Source::Pitch
-    } else if key.contains("rest") {
-        return Experiment::Rest;
-    } else if key.contains("triangle") {
-        return Experiment::Triangle;
-    } else {
-        return Experiment::Step;
-    };
-    Experiment::Disturbance(source, Arrangement::Compensated)
 }
 
 fn experiment_name(experiment: Experiment) -> &'static str {

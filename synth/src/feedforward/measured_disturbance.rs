@@ -5,6 +5,7 @@ use counterpoise_lti::{StateSpace, Timebase};
 
 use super::{Problem, Regulator};
 use crate::Error;
+use crate::cause::DesignEquation;
 use crate::certificate::{Equation, mean_square, riccati};
 use crate::finding::Part;
 
@@ -25,7 +26,7 @@ impl Problem {
         let W = &system.B * &system.B.t();
         let V = Mat::eye(1).scale(density);
         let solved = care(&system.A.t(), &system.C.t(), &W, &V, None)?;
-        let solution = riccati("the equation of the disturbance's filter", part, solved)?;
+        let solution = riccati(DesignEquation::DisturbanceFilter, part, solved)?;
         let L = solution.F.t();
         let (open, entering) = self.uncontrolled();
         let shared = solution.X.block(0, 0, self.generator.order(), system.order());
