@@ -9,7 +9,7 @@ use counterpoise_synth::{Adaptive, Estimation, Recursive, RecursiveSettings, Win
 use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
 
-use super::drawing::{Curve, drawing, panel, time_axis};
+use super::drawing::{ClaimCurve, drawing, panel, time_axis};
 use super::identification::with_amplifier;
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::RETURNED;
@@ -215,10 +215,10 @@ fn interval_panel(name: &str, [nobody, mean, squares, truth]: [&[f64]; 4]) -> Pa
     let over =
         |values: &[f64]| values.iter().enumerate().map(|(k, v)| Point::new((k + 1) as f64, *v)).collect();
     let curves = vec![
-        Curve::points("not updated", over(nobody)),
-        Curve::points("mean of the control", over(mean)),
-        Curve::points("least squares", over(squares)),
-        Curve::reference("told the truth", over(truth)),
+        ClaimCurve::points("not updated", over(nobody)),
+        ClaimCurve::points("mean of the control", over(mean)),
+        ClaimCurve::points("least squares", over(squares)),
+        ClaimCurve::reference("told the truth", over(truth)),
     ];
     panel(Axis::linear(&format!("hub, {name}"), "mrad/s"), curves)
 }
@@ -255,7 +255,7 @@ pub fn imbalance_without_gravity(tested: &TestedDesign<'_>) -> Result<Claim, Pip
         let time = |k: usize| INTERVAL_S * (k + 1) as f64 / history.len() as f64;
         let every = history.len().div_ceil(1000).max(1);
         let points = (0..history.len()).step_by(every).map(|k| Point::new(time(k), history[k])).collect();
-        curves.push(Curve::line(format!("true {:.1} kg m", share * moment), points));
+        curves.push(ClaimCurve::line(format!("true {:.1} kg m", share * moment), points));
         let last = &history[history.len() / 2..];
         let estimate = last.iter().sum::<f64>() / last.len().max(1) as f64;
         worst = worst.max((estimate / (share * moment) - 1.0).abs());
@@ -284,7 +284,7 @@ pub fn imbalance_without_gravity(tested: &TestedDesign<'_>) -> Result<Claim, Pip
 }
 
 /// Returns the estimates over time, with the truth of each.
-fn estimates(curves: Vec<Curve>, moment: f64) -> Drawing {
+fn estimates(curves: Vec<ClaimCurve>, moment: f64) -> Drawing {
     let panel = panel(Axis::linear("estimate", "kg m"), curves);
     let truths = [0.37, 0.75, 1.0, 1.48].map(|share| share * moment);
     let panel = truths.into_iter().fold(panel, |panel, truth| panel.with_level(truth, "the truth"));

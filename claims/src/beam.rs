@@ -3,7 +3,7 @@
 use counterpoise_models::parameters::{Beam, BeamSection, SectionShape};
 use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Integration, Mesh, Support, Theory, modes};
 
-use super::drawing::{Curve, Style, drawing, panel};
+use super::drawing::{ClaimCurve, CurveStyle, drawing, panel};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -130,13 +130,13 @@ fn picture(
     for column in columns {
         let own = deviations(beam, Mesh::Equal(column.0), integration)?;
         let count = column.1.len();
-        curves.push(Curve::points(
+        curves.push(ClaimCurve::points(
             format!("{} elements", column.0),
             modes(own[..own.len().min(count)].to_vec()),
         ));
-        curves.push(Curve::new(
+        curves.push(ClaimCurve::new(
             format!("{} elements, thesis", column.0),
-            Style::Pair,
+            CurveStyle::Pair,
             modes(printed(column)),
         ));
     }

@@ -7,7 +7,7 @@ use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator};
 use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
 
-use super::drawing::{Curve, drawing, panel, time_axis};
+use super::drawing::{ClaimCurve, drawing, panel, time_axis};
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::STOPPED_RAD_S;
 use counterpoise_pipeline::PipelineError;
@@ -164,10 +164,10 @@ fn judged(tested: &TestedDesign<'_>, hub: &[f64]) -> f64 {
 }
 
 /// Returns the hub rate in mrad/s over time, of two seconds after the start.
-fn curve(tested: &TestedDesign<'_>, name: &str, hub: &[f64]) -> Curve {
+fn curve(tested: &TestedDesign<'_>, name: &str, hub: &[f64]) -> ClaimCurve {
     let period_s = tested.parameters().interface.sample_period_s;
     let (from, count) = (first(tested), (2.0 / period_s).round() as usize);
     let points =
         hub.iter().enumerate().skip(from).take(count).map(|(k, rate)| (k as f64 * period_s, 1e3 * rate));
-    Curve::line(name, points.map(Point::from).collect())
+    ClaimCurve::line(name, points.map(Point::from).collect())
 }

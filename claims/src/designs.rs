@@ -7,7 +7,7 @@ use counterpoise_verify::robust::figures_of;
 use counterpoise_verify::{Arrangement, Experiment, Figure, Model, Quantity, Source, StepFigure, Value};
 
 use super::drawing::{
-    Curve, drawing, frequency_axis, gain_db, hub_from, hub_panel, hub_rates, panel, time_axis,
+    ClaimCurve, drawing, frequency_axis, gain_db, hub_from, hub_panel, hub_rates, panel, time_axis,
 };
 use super::tested_design::{largest_db, rate_grid};
 use super::{Claim, Criterion, TestedDesign};
@@ -96,8 +96,8 @@ fn designs_on_two_models_figures(
     let mut panels = Vec::new();
     for (input, name) in [(1, "feedback"), (3, "heave"), (2, "pitch")] {
         let curves = vec![
-            Curve::line(names[0], gain_db(&linear[0], input, &drawn)?),
-            Curve::reference(names[1], gain_db(&linear[1], input, &drawn)?),
+            ClaimCurve::line(names[0], gain_db(&linear[0], input, &drawn)?),
+            ClaimCurve::reference(names[1], gain_db(&linear[1], input, &drawn)?),
         ];
         panels.push(panel(Axis::linear(name, "dB"), curves).with_instant(BAND_HZ[1], "compared to here"));
     }
@@ -111,13 +111,13 @@ fn designs_on_two_models_figures(
     let steps = [run(tested.controller(), Experiment::Step)?, run(other, Experiment::Step)?];
     let motions = [run(tested.controller(), moving)?, run(other, moving)?];
     let step = hub_panel(vec![
-        Curve::line(names[0], hub_rates(&steps[0])),
-        Curve::reference(names[1], hub_rates(&steps[1])),
+        ClaimCurve::line(names[0], hub_rates(&steps[0])),
+        ClaimCurve::reference(names[1], hub_rates(&steps[1])),
     ]);
     let from = tested.procedure.settle_s;
     let motion = hub_panel(vec![
-        Curve::line(names[0], hub_from(&motions[0], from)),
-        Curve::reference(names[1], hub_from(&motions[1], from)),
+        ClaimCurve::line(names[0], hub_from(&motions[0], from)),
+        ClaimCurve::reference(names[1], hub_from(&motions[1], from)),
     ]);
     Ok(vec![
         controllers,

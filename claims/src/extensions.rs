@@ -6,7 +6,7 @@ use counterpoise_verify::robust::Varied;
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Source};
 
-use super::drawing::{Curve, drawing, factor_axis, panel, points_of, time_axis};
+use super::drawing::{ClaimCurve, drawing, factor_axis, panel, points_of, time_axis};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -104,11 +104,11 @@ fn tip_motion_figures(free: &History, held: &History, predicted: &[f64], first: 
     let tip = &held.tip_rate_rad_s()[first..];
     let of = |values: &[f64]| points_of(at_s, values.get(first..).unwrap_or(&[]), 1e3);
     let stabilised = vec![
-        Curve::faint("without control", of(free.tip_rate_rad_s())),
-        Curve::line("with the whole controller", of(held.tip_rate_rad_s())),
+        ClaimCurve::faint("without control", of(free.tip_rate_rad_s())),
+        ClaimCurve::line("with the whole controller", of(held.tip_rate_rad_s())),
     ];
     let off = |name: &str, values: &[f64]| {
-        Curve::line(name, points_of(at_s, &less(tip, values.get(first..).unwrap_or(&[])), 1e3))
+        ClaimCurve::line(name, points_of(at_s, &less(tip, values.get(first..).unwrap_or(&[])), 1e3))
     };
     let errors = vec![off("tip less hub", held.hub_rate_rad_s()), off("tip less its prediction", predicted)];
     vec![
@@ -189,13 +189,13 @@ struct Cell {
 
 /// Overshoot and residual over inertia, a curve an out-of-balance.
 fn inertia_and_imbalance_apart_figure(rows: &[Vec<Cell>]) -> Drawing {
-    let of = |value: &dyn Fn(&Cell) -> f64| -> Vec<Curve> {
+    let of = |value: &dyn Fn(&Cell) -> f64| -> Vec<ClaimCurve> {
         let points = |row: &Vec<Cell>| {
             let inertia = [0.5, 1.0, 2.0].into_iter();
             inertia.zip(row).map(|(factor, cell)| Point::new(factor, value(cell))).collect()
         };
         let named = ["out-of-balance x0.5", "out-of-balance x1", "out-of-balance x1.5"].into_iter().zip(rows);
-        named.map(|(name, row)| Curve::points(name, points(row))).collect()
+        named.map(|(name, row)| ClaimCurve::points(name, points(row))).collect()
     };
     let panels = vec![
         panel(Axis::linear("overshoot", "%"), of(&|cell| cell.overshoot_percent)),

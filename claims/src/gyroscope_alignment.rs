@@ -8,7 +8,7 @@ use counterpoise_models::plant::Plant;
 use counterpoise_plot::{Axis, Point};
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator};
 
-use super::drawing::{Curve, drawing, panel, time_axis};
+use super::drawing::{ClaimCurve, drawing, panel, time_axis};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 
@@ -99,7 +99,7 @@ pub fn misaligned_gyroscopes(tested: &TestedDesign<'_>) -> Result<Claim, Pipelin
     let curve = |name: &str, rates: &[f64]| {
         let first = (DURATION_S.1 / period_s).round() as usize;
         let points = rates.iter().enumerate().skip(first).take((2.0 / period_s) as usize);
-        Curve::line(name, points.map(|(k, rate)| Point::new(k as f64 * period_s, 1e3 * rate)).collect())
+        ClaimCurve::line(name, points.map(|(k, rate)| Point::new(k as f64 * period_s, 1e3 * rate)).collect())
     };
     let curves = vec![
         curve("aligned", &aligned),

@@ -8,7 +8,7 @@ use counterpoise_models::plant::Plant;
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
-use super::drawing::{Curve, Style, drawing, panel};
+use super::drawing::{ClaimCurve, CurveStyle, drawing, panel};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -142,7 +142,7 @@ fn lobes(found: &Identification) -> Drawing {
         |column: usize| points.iter().step_by(every).map(|p| Point::new(1e3 * p[0], p[column])).collect();
     let panel = panel(
         Axis::linear("control", "V"),
-        vec![Curve::new("recorded", Style::Faint, of(1)), Curve::line("identified", of(2))],
+        vec![ClaimCurve::new("recorded", CurveStyle::Faint, of(1)), ClaimCurve::line("identified", of(2))],
     );
     let read = &found.lobes;
     let panel = panel.with_level(read.offset_v, format!("offset {:.2} V", read.offset_v));
@@ -229,17 +229,17 @@ fn curve(points: &[GainPoint], truth: &dyn Fn(f64) -> f64) -> Drawing {
         panel(
             Axis::linear("stalled current", "A"),
             vec![
-                Curve::reference("concealed map", map),
-                Curve::points("recovered", recovered),
-                Curve::faint("linear amplifier", linear),
+                ClaimCurve::reference("concealed map", map),
+                ClaimCurve::points("recovered", recovered),
+                ClaimCurve::faint("linear amplifier", linear),
             ],
         ),
         panel(
             Axis::linear("off the map", "%"),
             vec![
-                Curve::points("recovered", errors),
-                Curve::faint("95 % interval", limits(0)),
-                Curve::faint("95 % interval", limits(1)),
+                ClaimCurve::points("recovered", errors),
+                ClaimCurve::faint("95 % interval", limits(0)),
+                ClaimCurve::faint("95 % interval", limits(1)),
             ],
         )
         .with_level(0.0, ""),

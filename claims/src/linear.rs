@@ -6,7 +6,9 @@ use counterpoise_verify::{
     Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure, Verification,
 };
 
-use super::drawing::{Curve, drawing, frequency_axis, hub_panel, hub_rates, panel, points_of, time_axis};
+use super::drawing::{
+    ClaimCurve, drawing, frequency_axis, hub_panel, hub_rates, panel, points_of, time_axis,
+};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -68,11 +70,11 @@ fn margins_and_step_figures(tested: &TestedDesign<'_>) -> Vec<Drawing> {
     let curves = &found(tested).evidence.curves;
     let gain = panel(
         Axis::linear("loop gain", "dB"),
-        vec![Curve::line("loop, exported controller", decibels(&curves.frequency_hz, &curves.broken))],
+        vec![ClaimCurve::line("loop, exported controller", decibels(&curves.frequency_hz, &curves.broken))],
     );
     let phase = panel(
         Axis::degrees("phase"),
-        vec![Curve::line("loop, exported controller", degrees(&curves.frequency_hz, &curves.broken))],
+        vec![ClaimCurve::line("loop, exported controller", degrees(&curves.frequency_hz, &curves.broken))],
     );
     let crossings = &found(tested).evidence.margins;
     let hz = |rate: f64| rate / std::f64::consts::TAU;
@@ -86,9 +88,11 @@ fn margins_and_step_figures(tested: &TestedDesign<'_>) -> Vec<Drawing> {
     if let Some(step) = found(tested).history(Model::Linear, Experiment::Step) {
         let demand = points_of(step.time_s(), step.demand_rad_s(), 1e3);
         let height = 1e3 * tested.procedure.step.rate_rad_s;
-        let panel =
-            hub_panel(vec![Curve::line("hub rate", hub_rates(step)), Curve::reference("demand", demand)])
-                .with_level(1.13 * height, "overshoot of the thesis, 13 %");
+        let panel = hub_panel(vec![
+            ClaimCurve::line("hub rate", hub_rates(step)),
+            ClaimCurve::reference("demand", demand),
+        ])
+        .with_level(1.13 * height, "overshoot of the thesis, 13 %");
         all.push(drawing("Step of the demand, linear plant", time_axis(), vec![panel]));
     }
     all
@@ -218,14 +222,14 @@ const ARRANGED: [(Arrangement, &str); 2] =
 fn motions(tested: &TestedDesign<'_>, source: Source, name: &str) -> Drawing {
     let run =
         |arrangement| found(tested).history(Model::Linear, Experiment::Disturbance(source, arrangement));
-    let controlled: Vec<Curve> = ARRANGED
+    let controlled: Vec<ClaimCurve> = ARRANGED
         .iter()
         .filter_map(|(arrangement, name)| {
-            run(*arrangement).map(|history| Curve::line(*name, hub_rates(history)))
+            run(*arrangement).map(|history| ClaimCurve::line(*name, hub_rates(history)))
         })
         .collect();
-    let free =
-        run(Arrangement::Uncontrolled).map(|history| Curve::faint("without control", hub_rates(history)));
+    let free = run(Arrangement::Uncontrolled)
+        .map(|history| ClaimCurve::faint("without control", hub_rates(history)));
     let whole = free.into_iter().chain(controlled.clone()).collect();
     let panels = vec![hub_panel(whole), hub_panel(controlled)];
     drawing(format!("Hub rate under {name}, linear plant"), time_axis(), panels)
@@ -238,7 +242,7 @@ fn pitch_rejection_figures(tested: &TestedDesign<'_>) -> Vec<Drawing> {
         .filter(|point| (0.1..=20.0).contains(&point.0))
         .map(Point::from)
         .collect();
-    let factor = panel(Axis::logarithmic("factor", ""), vec![Curve::line("factor by feedback", within)])
+    let factor = panel(Axis::logarithmic("factor", ""), vec![ClaimCurve::line("factor by feedback", within)])
         .with_level(PITCH_FACTOR, "13 times, as the thesis says")
         .with_instant(tested.procedure.pitch.frequency_hz, "frequency of the procedure's pitch");
     vec![
@@ -282,7 +286,7 @@ fn heave_over_frequency(tested: &TestedDesign<'_>) -> Drawing {
     let curve = |(arrangement, name): &(Arrangement, &str)| {
         let values = rejection(tested, Source::Heave, *arrangement)?;
         let points = hz.iter().zip(values).map(|(hz, h)| Point::new(*hz, 20.0 * h.norm().log10()));
-        Some(Curve::line(*name, points.filter(|point| (0.1..=50.0).contains(&point.x)).collect()))
+        Some(ClaimCurve::line(*name, points.filter(|point| (0.1..=50.0).contains(&point.x)).collect()))
     };
     let panel = panel(Axis::linear("hub over heave", "dB"), ARRANGED.iter().filter_map(curve).collect())
         .with_instant(tested.procedure.heave.frequency_hz, "frequency of the procedure's heave");

@@ -8,7 +8,7 @@ use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};
 use counterpoise_verify::linear::ResponseCurve as Response;
 use counterpoise_verify::{Figure, LoopFigure};
 
-use super::drawing::{Curve, drawing, frequency_axis, panel};
+use super::drawing::{ClaimCurve, drawing, frequency_axis, panel};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 
@@ -81,8 +81,10 @@ fn charts(loop_gain: &Response) -> Vec<Drawing> {
         let angle = f64::from(k) * std::f64::consts::TAU / 120.0;
         (-1.0 + 0.5 * angle.cos(), 0.5 * angle.sin())
     });
-    let nyquist =
-        vec![Curve::line("loop", near), Curve::reference("Ms = 2", circle.map(Point::from).collect())];
+    let nyquist = vec![
+        ClaimCurve::line("loop", near),
+        ClaimCurve::reference("Ms = 2", circle.map(Point::from).collect()),
+    ];
     let db = |h: &C64| 20.0 * h.norm().log10();
     let mut before: Option<f64> = None;
     // without jumps of a whole turn, from between -360 and 0 degrees on
@@ -94,7 +96,7 @@ fn charts(loop_gain: &Response) -> Vec<Drawing> {
         unwrapped
     };
     let within = loop_gain.response.iter().filter(|h| db(h).abs() < NICHOLS_DB);
-    let nichols = vec![Curve::line("loop", within.map(|h| Point::new(phase(h), db(h))).collect())];
+    let nichols = vec![ClaimCurve::line("loop", within.map(|h| Point::new(phase(h), db(h))).collect())];
     vec![
         drawing(
             "Nyquist chart of the loop",
@@ -148,8 +150,8 @@ pub fn open_loop_analyser(tested: &TestedDesign<'_>) -> Result<Claim, PipelineEr
     let panels = vec![panel(
         Axis::linear("loop gain", "dB"),
         vec![
-            Curve::points("measured in closed loop", points(&gain)),
-            Curve::reference("linear loop", line(&gain)),
+            ClaimCurve::points("measured in closed loop", points(&gain)),
+            ClaimCurve::reference("linear loop", line(&gain)),
         ],
     )];
     Ok(Claim {

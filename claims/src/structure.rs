@@ -6,7 +6,7 @@ use counterpoise_models::plant::{Angles, Body, LinearPlant, Plant};
 use counterpoise_models::structure::{FeModel, NodeRows, Support, modes, pinned_modes};
 use counterpoise_reduce::{Method, Order, Residual, SecondOrder, balred, guyan, minimal, modal_truncation};
 
-use super::drawing::{Curve, drawing, frequency_axis, gain_db, panel, phase_deg};
+use super::drawing::{ClaimCurve, drawing, frequency_axis, gain_db, panel, phase_deg};
 use super::tested_design::{largest_db, rate_grid};
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::{KEPT_RESPONSE, UNSEEN_STATE};
@@ -159,9 +159,13 @@ fn reductions(full: &StateSpace, all: &[NamedReduction]) -> Result<Vec<Drawing>,
     let mut drawings = Vec::new();
     for (input, name) in INPUTS.iter().enumerate() {
         let mut curves =
-            vec![Curve::faint(format!("whole, order {}", full.order()), gain_db(full, input, &drawn)?)];
+            vec![ClaimCurve::faint(format!("whole, order {}", full.order()), gain_db(full, input, &drawn)?)];
         for NamedReduction { method, system } in all {
-            curves.push(Curve::new(*method, super::drawing::Style::Line, gain_db(system, input, &drawn)?));
+            curves.push(ClaimCurve::new(
+                *method,
+                super::drawing::CurveStyle::Line,
+                gain_db(system, input, &drawn)?,
+            ));
         }
         let panel =
             panel(Axis::linear("hub rate", "dB"), curves).with_instant(REDUCED_HZ[1], "judged to here");
@@ -292,13 +296,13 @@ fn compared(
     let drawn = rate_grid(DRAWN_HZ);
     let mut drawings = Vec::new();
     for (input, name) in INPUTS.iter().enumerate() {
-        let mut gains = vec![Curve::line("finite elements", gain_db(beam, input, &drawn)?)];
-        let mut phases = vec![Curve::line("finite elements", phase_deg(beam, input, &drawn)?)];
-        gains.push(Curve::reference("two inertias", gain_db(lumped, input, &drawn)?));
-        phases.push(Curve::reference("two inertias", phase_deg(lumped, input, &drawn)?));
+        let mut gains = vec![ClaimCurve::line("finite elements", gain_db(beam, input, &drawn)?)];
+        let mut phases = vec![ClaimCurve::line("finite elements", phase_deg(beam, input, &drawn)?)];
+        gains.push(ClaimCurve::reference("two inertias", gain_db(lumped, input, &drawn)?));
+        phases.push(ClaimCurve::reference("two inertias", phase_deg(lumped, input, &drawn)?));
         let also = others.iter().filter(|_| input == LinearPlant::HEAVE);
         for other in also {
-            gains.push(Curve::line(other.name, gain_db(&other.system, input, &drawn)?));
+            gains.push(ClaimCurve::line(other.name, gain_db(&other.system, input, &drawn)?));
         }
         let panels = vec![
             panel(Axis::linear("hub rate", "dB"), gains)
@@ -343,7 +347,7 @@ pub fn condensed_beam(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError>
     let off: Vec<f64> = (0..count).map(|k| 100.0 * (condensed[k] / full[k] - 1.0)).collect();
     let words: Vec<String> = off.iter().map(|v| format!("{v:+.3}")).collect();
     let points = off.iter().enumerate().map(|(k, v)| Point::new((k + 1) as f64, *v)).collect();
-    let panel = panel(Axis::linear("frequency off by", "%"), vec![Curve::points("condensed", points)])
+    let panel = panel(Axis::linear("frequency off by", "%"), vec![ClaimCurve::points("condensed", points)])
         .with_level(0.0, "");
     Ok(Claim {
         measured: format!(

@@ -8,7 +8,7 @@ use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};
 use counterpoise_simulate::{Scenario, Signal, Simulator};
 use counterpoise_verify::signals::rms;
 
-use super::drawing::{Curve, drawing, frequency_axis, panel, time_axis};
+use super::drawing::{ClaimCurve, drawing, frequency_axis, panel, time_axis};
 use super::imbalance::apply_configuration;
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::BADLY_REPRODUCED;
@@ -71,7 +71,7 @@ fn at_tone(map: &Map) -> Vec<f64> {
 
 fn mapped(title: &str, quantity: &str, map: &Map, full: f64, unit: &str) -> Drawing {
     let named = AMPLITUDES.iter().map(|share| format!("{:.3} {unit}", share * full));
-    let curves = named.zip(map).map(|(name, row)| Curve::points(name, row.clone())).collect();
+    let curves = named.zip(map).map(|(name, row)| ClaimCurve::points(name, row.clone())).collect();
     drawing(title, frequency_axis(), vec![panel(Axis::linear(quantity, "dB"), curves)])
 }
 
@@ -280,7 +280,7 @@ fn lobes(loops: &[NamedTriangle]) -> Drawing {
         let points = (last..run.control_v.len())
             .step_by(EVERY)
             .map(|k| (1e3 * run.hub_rate_rad_s[k], run.control_v[k]));
-        Curve::line(name.clone(), points.map(Point::from).collect())
+        ClaimCurve::line(name.clone(), points.map(Point::from).collect())
     };
     let panel = panel(Axis::linear("control", "V"), loops.iter().map(one).collect());
     drawing("Triangle: control against hub rate", Axis::linear("hub rate", "mrad/s"), vec![panel])
@@ -292,7 +292,7 @@ fn apart(loops: &[NamedTriangle]) -> Drawing {
     let one = |NamedTriangle { name, run }: &NamedTriangle| {
         let off = |k: usize| 1e3 * (run.control_v[k] - rig.control_v[k]);
         let half = run.control_v.len() / 2;
-        Curve::line(
+        ClaimCurve::line(
             name.clone(),
             (half..run.control_v.len()).map(|k| Point::new(k as f64 * rig.period_s, off(k))).collect(),
         )

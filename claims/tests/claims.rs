@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_claims::{Claim, ClaimOutcome, measure_claims};
-use counterpoise_host::workers::Processors;
+use counterpoise_host::workers::QuietPool;
 use counterpoise_pipeline::World;
 use counterpoise_plot::Content;
 use counterpoise_pool::Pool;
@@ -18,7 +18,7 @@ impl World for Example {
     }
 
     fn pool(&self) -> &dyn Pool {
-        &Processors
+        &QuietPool
     }
 }
 

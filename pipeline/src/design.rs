@@ -12,29 +12,29 @@ use counterpoise_verify::{Procedure, VerifiedController};
 use crate::certificates::{Certificate, certify_designs};
 use crate::design_views::{DesignViews, design_views};
 use crate::exchange::{VerifiedLoop, verified_loop};
-use crate::export::target_proofs::Operations;
+use crate::export::target_proofs::OperationCounts;
 use crate::export::{
-    Exported, LeftOut, PathForms, TargetCode, every_target, export_by, half_step_v, path_forms,
+    ExportedCode, LeftOut, PathForms, TargetCode, every_target, export_by, half_step_v, path_forms,
 };
 use crate::loop_view::{LoopView, loop_view};
-use crate::studies::adaptation_trials::{Trials, own_trials};
-use crate::studies::comparison::{Comparison, compare_designs};
+use crate::studies::adaptation_trials::{AdaptationTrials, own_trials};
+use crate::studies::comparison::{DesignComparison, compare_designs};
 use crate::wording::weights::describe_weights;
 use crate::{
-    Decided, DesignedAxis, FirstDesign, Modelled, PipelineError, ProjectIdentity, Reduced, Step, Synthesised,
-    TraverseCode, TwoAxisStudy, World, choose_and_tune, export_traverse, model, project_procedure, reduce,
-    run_observed, studies, study_two_axes, synthesise, verify_on,
+    DecidedProject, DesignedAxis, FirstDesign, PipelineError, PipelineStage, PlantModel, ProjectIdentity,
+    ReducedPlant, SynthesisedDesign, TraverseCode, TwoAxisStudy, World, choose_and_tune, export_traverse,
+    model, project_procedure, reduce, run_observed, studies, study_two_axes, synthesise, verify_on,
 };
 
 /// What each stage of the pipeline made, from the plant to the code.
 #[derive(Debug, Clone)]
-pub struct Stages {
+pub struct DesignStages {
     /// The plant.
-    pub modelled: Modelled,
+    pub modelled: PlantModel,
     /// The plant that the design took.
-    pub reduced: Reduced,
+    pub reduced: ReducedPlant,
     /// The design and its sampled controller.
-    pub synthesised: Synthesised,
+    pub synthesised: SynthesisedDesign,
     /// What the verification did to the mechanism.
     pub procedure: Procedure,
     /// The controller with its verdicts.
@@ -49,7 +49,7 @@ pub struct Stages {
     pub traverse: Option<Box<TraverseCode>>,
 }
 
-impl Stages {
+impl DesignStages {
     /// Returns the code that the project, or that of its traverse axis, asks for and cannot have.
     pub fn all_left_out(&self) -> impl Iterator<Item = &LeftOut> {
         self.left_out.iter().chain(self.traverse.iter().flat_map(|axis| &axis.left_out))
@@ -71,7 +71,7 @@ pub struct TargetStudy {
     /// The code in every language and every kind of numbers that exists.
     pub code: Vec<TargetCode>,
     /// Operations of a step.
-    pub operations: Operations,
+    pub operations: OperationCounts,
     /// How sensitive the coefficients of each path are.
     pub forms: Vec<PathForms>,
     /// The controller with its paths in every form.
@@ -80,11 +80,11 @@ pub struct TargetStudy {
 
 /// A whole design with everything that a report, a terminal or another program shows of it.
 #[derive(Debug, Clone)]
-pub struct Designed {
+pub struct CompletedDesign {
     /// Which project was designed.
     pub identity: ProjectIdentity,
     /// What each stage made.
-    pub stages: Stages,
+    pub stages: DesignStages,
     /// What each weight asks for, in words, one a line.
     pub weights: Vec<String>,
     /// Why the weights are what they are, if the project stated none and they were chosen here.
@@ -92,7 +92,7 @@ pub struct Designed {
     /// Residuals and costs that certify the design.
     pub certificates: Vec<Certificate>,
     /// The design beside other methods, a lower order, other states of balance and a plant with more modes.
-    pub comparison: Comparison,
+    pub comparison: DesignComparison,
     /// Frequency responses of plants, weights and controllers.
     pub views: DesignViews,
     /// The loop as Nyquist, Nichols and root-locus charts show it.
@@ -104,7 +104,7 @@ pub struct Designed {
     /// What the linear figures were measured on.
     pub verified_loop: VerifiedLoop,
     /// The trials of the project's adaptation; `None` if it has none.
-    pub adaptation: Option<Trials>,
+    pub adaptation: Option<AdaptationTrials>,
     /// Both axes verified together; `None` if the project has no traverse axis.
     pub two_axes: Option<TwoAxisStudy>,
 }
@@ -115,17 +115,17 @@ pub struct SynthesisStudy {
     /// Which project was designed.
     pub identity: ProjectIdentity,
     /// The plant.
-    pub modelled: Modelled,
+    pub modelled: PlantModel,
     /// The plant that the design took.
-    pub reduced: Reduced,
+    pub reduced: ReducedPlant,
     /// The design and its sampled controller.
-    pub synthesised: Synthesised,
+    pub synthesised: SynthesisedDesign,
     /// What each weight asks for, in words, one a line.
     pub weights: Vec<String>,
     /// Residuals and costs that certify the design.
     pub certificates: Vec<Certificate>,
     /// The design beside other methods, a lower order, other states of balance and a plant with more modes.
-    pub comparison: Comparison,
+    pub comparison: DesignComparison,
     /// Frequency responses of plants, weights and controllers.
     pub views: DesignViews,
 }
@@ -134,29 +134,31 @@ pub struct SynthesisStudy {
 ///
 /// # Errors
 /// [`PipelineError`]: what is missing in the project, what cannot be built, and every reason why there is no controller.
-/// A requirement that is not met is no error: it is a verdict in [`Stages::verified`].
-pub fn run_stages(project: &Project, world: &dyn World) -> Result<Stages, PipelineError> {
+/// A requirement that is not met is no error: it is a verdict in [`DesignStages::verified`].
+pub fn run_stages(project: &Project, world: &dyn World) -> Result<DesignStages, PipelineError> {
     let made = run_to_verification(project, world)?;
-    let stability = run_observed(world, Step::Verify, || made.certificate(project))?;
+    let stability = run_observed(world, PipelineStage::Verify, || made.certificate(project))?;
     made.exported(project, world, stability)
 }
 
 /// What the stages up to the verification made.
 struct VerifiedDesign {
-    modelled: Modelled,
-    reduced: Reduced,
-    synthesised: Synthesised,
+    modelled: PlantModel,
+    reduced: ReducedPlant,
+    synthesised: SynthesisedDesign,
     procedure: Procedure,
     verified: VerifiedController,
 }
 
 fn run_to_verification(project: &Project, world: &dyn World) -> Result<VerifiedDesign, PipelineError> {
-    let modelled = run_observed(world, Step::Model, || model(project))?;
-    let reduced = run_observed(world, Step::Reduce, || reduce(project, &modelled))?;
-    let synthesised = run_observed(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
+    let modelled = run_observed(world, PipelineStage::Model, || model(project))?;
+    let reduced = run_observed(world, PipelineStage::Reduce, || reduce(project, &modelled))?;
+    let synthesised =
+        run_observed(world, PipelineStage::Synthesise, || synthesise(project, &modelled, &reduced))?;
     let procedure = project_procedure(project, world)?;
-    let verified =
-        run_observed(world, Step::Verify, || verify_on(project, &modelled.plant, &synthesised, &procedure))?;
+    let verified = run_observed(world, PipelineStage::Verify, || {
+        verify_on(project, &modelled.plant, &synthesised, &procedure)
+    })?;
     Ok(VerifiedDesign { modelled, reduced, synthesised, procedure, verified })
 }
 
@@ -171,13 +173,13 @@ impl VerifiedDesign {
         project: &Project,
         world: &dyn World,
         stability: StabilityCertificate,
-    ) -> Result<Stages, PipelineError> {
+    ) -> Result<DesignStages, PipelineError> {
         let Self { modelled, reduced, synthesised, procedure, verified } = self;
-        let Exported { files, left_out } = run_observed(world, Step::Export, || {
+        let ExportedCode { files, left_out } = run_observed(world, PipelineStage::Export, || {
             export_by(project, &modelled, &verified, &procedure, world)
         })?;
         let traverse = export_traverse(project, world)?.map(Box::new);
-        Ok(Stages {
+        Ok(DesignStages {
             modelled,
             reduced,
             synthesised,
@@ -238,15 +240,15 @@ struct StudiedTargets {
 ///
 /// # Errors
 /// As [`run_stages`], and those of the comparison and of the runs in each kind of numbers.
-pub fn design(project: &Project, world: &dyn World) -> Result<Designed, PipelineError> {
-    let Decided { project, first, .. } = choose_and_tune(project, world)?;
+pub fn design(project: &Project, world: &dyn World) -> Result<CompletedDesign, PipelineError> {
+    let DecidedProject { project, first, .. } = choose_and_tune(project, world)?;
     let project = &project;
     let made = run_to_verification(project, world)?;
-    let studied = run_observed(world, Step::Verify, || made.studied(project, world.pool()))?;
+    let studied = run_observed(world, PipelineStage::Verify, || made.studied(project, world.pool()))?;
     let StudiedDesign { stability, targets } = studied;
     let stages = made.exported(project, world, stability)?;
     let comparison = compare_designs(project, &stages.modelled, &stages.synthesised)?;
-    Ok(Designed {
+    Ok(CompletedDesign {
         identity: ProjectIdentity::of(project, world),
         weights: project.synth.as_ref().map(describe_weights).unwrap_or_default(),
         certificates: certify_designs(&stages.synthesised, Some(stages.verified.verification())),
@@ -294,7 +296,7 @@ pub fn study_synthesis(project: &Project, world: &dyn World) -> Result<Synthesis
 /// Those of the realisations.
 fn study_targets(
     project: &Project,
-    stages: &Stages,
+    stages: &DesignStages,
     studied: StudiedTargets,
     world: &dyn World,
 ) -> Result<TargetStudy, PipelineError> {
@@ -302,7 +304,7 @@ fn study_targets(
     let programs = stages.verified.controller().programs();
     Ok(TargetStudy {
         code: every_target(project, &stages.verified, &compared, world)?,
-        operations: Operations {
+        operations: OperationCounts {
             multiplications: programs.step.multiplications(),
             additions: programs.step.additions(),
             states: programs.state_count(),

@@ -9,7 +9,7 @@ use counterpoise_verify::signals::spectrum::{
 };
 use counterpoise_verify::signals::{RoadDrive, iso_road};
 
-use counterpoise_project::resolve::platform::{Motion, MotionKind, RoadSource};
+use counterpoise_project::resolve::platform::{GeneratedMotion, MotionKind, RoadSource};
 
 /// Period of the samples of a drive over a road, s: a vehicle has little above 20 Hz.
 const ROAD_PERIOD_S: f64 = 0.005;
@@ -54,7 +54,10 @@ pub fn road_from_table(source: &RoadSource, table: &Table) -> Result<Road, Error
 ///
 /// # Errors
 /// Those of the generators.
-pub fn realise_motion(motion: &Motion, gravity_m_s2: f64) -> Result<Road, counterpoise_verify::Error> {
+pub fn realise_motion(
+    motion: &GeneratedMotion,
+    gravity_m_s2: f64,
+) -> Result<Road, counterpoise_verify::Error> {
     let how = motion.realisation;
     match &motion.kind {
         MotionKind::Spectrum { heave_psd, pitch_psd } => random_motion(heave_psd, pitch_psd, how),

@@ -12,10 +12,10 @@ use counterpoise_verify::{
     verify_two_axes,
 };
 
-use crate::export::{Exported, LeftOut, export_by};
+use crate::export::{ExportedCode, LeftOut, export_by};
 use crate::traverse_file::{FolderOfFile, check_axes, traverse_project};
 use crate::verify::platform_motion;
-use crate::{Modelled, PipelineError, ProjectIdentity, Synthesised, World};
+use crate::{PipelineError, PlantModel, ProjectIdentity, SynthesisedDesign, World};
 use crate::{choose_and_tune, model, project_procedure, reduce, synthesise, verify_on};
 
 /// The traverse axis of a project, designed and verified alone.
@@ -26,9 +26,9 @@ pub struct TraverseDesign {
     /// Which project that is.
     pub identity: ProjectIdentity,
     /// Its plant.
-    pub modelled: Modelled,
+    pub modelled: PlantModel,
     /// Its design.
-    pub synthesised: Synthesised,
+    pub synthesised: SynthesisedDesign,
     /// What was done to it alone.
     pub procedure: Procedure,
     /// Its controller, verified alone.
@@ -54,7 +54,7 @@ pub struct DesignedAxis<'a> {
     /// Its plant.
     pub plant: &'a Plant,
     /// Its design.
-    pub synthesised: &'a Synthesised,
+    pub synthesised: &'a SynthesisedDesign,
     /// What is done to it alone.
     pub procedure: &'a Procedure,
 }
@@ -107,7 +107,7 @@ pub fn export_traverse(project: &Project, world: &dyn World) -> Result<Option<Tr
     };
     let below = FolderOfFile::of(&axis.file, world);
     let TraverseDesign { project, modelled, verified, procedure, .. } = &design;
-    let Exported { files, left_out } = export_by(project, modelled, verified, procedure, &below)?;
+    let ExportedCode { files, left_out } = export_by(project, modelled, verified, procedure, &below)?;
     Ok(Some(TraverseCode { design, files, left_out }))
 }
 

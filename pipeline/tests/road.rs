@@ -2,14 +2,16 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_pipeline::road::{realise_motion, road_from_table};
-use counterpoise_project::{Attachments, Document, Motion, MotionKind, PlatformSource, Project, RoadSource};
+use counterpoise_project::{
+    Attachments, Document, GeneratedMotion, MotionKind, PlatformSource, Project, RoadSource,
+};
 use counterpoise_recordings::Table;
 use counterpoise_verify::Road;
 
 const RIG: &str = include_str!("../../project/tests/data/rig.toml");
 
 /// Returns the motion that keys of `[verify.road]` describe, and what it is over time.
-fn realised(keys: &str) -> (Motion, Road) {
+fn realised(keys: &str) -> (GeneratedMotion, Road) {
     let bare = Document::parse(RIG, "rig.toml").remove("verify.road").unwrap().text().to_owned();
     let document = Document::parse(&format!("{bare}\n[verify.road]\n{keys}\n"), "rig.toml");
     let project = Project::resolve(&document, &Attachments::none()).unwrap().project;

@@ -8,7 +8,7 @@ use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
 use crate::wording::capitalise_first;
-use crate::{Cell, Column, Headline, Origin, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, Report, ReportOrigin, Section, Table};
 
 /// What each column of the table is: name of the controlled quantity, a thousandth of its unit, unit of a gain from a reading to the control.
 macro_rules! heads {
@@ -198,7 +198,7 @@ pub fn markdown_table(table: &DesignTable, times_s: &[f64]) -> String {
 }
 
 /// Returns the page.
-pub fn comparison_report(table: &DesignTable, times_s: &[f64], origin: &Origin) -> Report {
+pub fn comparison_report(table: &DesignTable, times_s: &[f64], origin: &ReportOrigin) -> Report {
     let controlled = table.controlled;
     let mut heads = vec![Column::Text("design")];
     heads.extend(columns(controlled).map(Column::Number));
@@ -227,7 +227,7 @@ pub fn comparison_report(table: &DesignTable, times_s: &[f64], origin: &Origin) 
     let report = Report {
         title: format!("Designs of {}", table.name),
         subtitle: format!("tuned structures make least: {}", table.objective),
-        headline: Headline { tone: Tone::Neutral, text, detail: String::new() },
+        headline: Headline { tone: OutcomeTone::Neutral, text, detail: String::new() },
         tiles,
         verdicts: shown,
         glance: figure(table).into_iter().collect(),
@@ -282,17 +282,17 @@ fn best_row(table: &DesignTable) -> Option<&DesignRow> {
     rows.min_by(|a, b| a.0.total_cmp(&b.0)).map(|pair| pair.1)
 }
 
-fn tiles(row: &DesignRow, controlled: ControlledQuantity) -> Vec<Tile> {
+fn tiles(row: &DesignRow, controlled: ControlledQuantity) -> Vec<FigureTile> {
     let mut all = Vec::new();
     if let Some(run) = &row.nonlinear {
         let moved = run.motion.value.unwrap_or(run.sines.value);
         let (name, unit) =
             (format!("{} under the motion", controlled.name()), format!("{} RMS", controlled.milli_unit()));
-        all.push(Tile::plain(&name, short_number(1e3 * moved), &unit));
+        all.push(FigureTile::plain(&name, short_number(1e3 * moved), &unit));
     }
     if let Some(linear) = &row.linear {
-        all.push(Tile::plain("largest sensitivity", short_number(linear.max_sensitivity), ""));
-        all.push(Tile::plain("noise gain", short_number(linear.noise_gain), controlled.gain_unit()));
+        all.push(FigureTile::plain("largest sensitivity", short_number(linear.max_sensitivity), ""));
+        all.push(FigureTile::plain("noise gain", short_number(linear.noise_gain), controlled.gain_unit()));
     }
     all
 }

@@ -10,12 +10,13 @@ use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 use crate::learned::learned_section;
 use crate::localisation::localisation_section;
-use counterpoise_pipeline::Consequence;
+use counterpoise_pipeline::RedesignComparison;
 use counterpoise_pipeline::recordings::DiagnosedRecordings;
 use counterpoise_pipeline::recordings::tracks::{Track, TrackColumn};
 
 use crate::{
-    Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone, difference, residual,
+    Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table, difference,
+    residual,
 };
 
 /// Returns the report of a diagnosis; `consequence` is what the improved model means for the project's design.
@@ -24,7 +25,7 @@ pub fn diagnosis_report(
     command: &str,
     found: &DiagnosedRecordings,
     answer: &AnswerText,
-    consequence: Option<&Consequence>,
+    consequence: Option<&RedesignComparison>,
 ) -> Report {
     let tracks = &found.tracks;
     let mut sections = vec![fit_section(answer, tracks)];
@@ -55,9 +56,9 @@ fn headline(answer: &AnswerText) -> Headline {
         .collect();
     let sentence = capitalise_first(describe_verdict(answer.verdict).sentence);
     let tone = match answer.verdict {
-        DiagnosisVerdict::Consistent | DiagnosisVerdict::Named => Tone::Good,
-        DiagnosisVerdict::Ambiguous | DiagnosisVerdict::Incomplete => Tone::Neutral,
-        DiagnosisVerdict::Unknown => Tone::Bad,
+        DiagnosisVerdict::Consistent | DiagnosisVerdict::Named => OutcomeTone::Good,
+        DiagnosisVerdict::Ambiguous | DiagnosisVerdict::Incomplete => OutcomeTone::Neutral,
+        DiagnosisVerdict::Unknown => OutcomeTone::Bad,
     };
     let text = match answer.verdict {
         DiagnosisVerdict::Consistent | DiagnosisVerdict::Unknown => sentence,
@@ -69,17 +70,17 @@ fn headline(answer: &AnswerText) -> Headline {
     Headline { tone, text, detail }
 }
 
-fn tiles(answer: &AnswerText) -> Vec<Tile> {
+fn tiles(answer: &AnswerText) -> Vec<FigureTile> {
     let mut out = vec![
-        Tile::plain("error over floor, before", format!("{:.1}", answer.fit.largest_before()), "")
+        FigureTile::plain("error over floor, before", format!("{:.1}", answer.fit.largest_before()), "")
             .with_note("worst channel, all recordings"),
-        Tile::plain("error over floor, after", format!("{:.2}", answer.fit.largest_after()), "")
+        FigureTile::plain("error over floor, after", format!("{:.2}", answer.fit.largest_after()), "")
             .with_note("1 is perfect"),
-        Tile::plain("on held-out data", format!("{:.2}", answer.fit.largest_held_out()), "")
+        FigureTile::plain("on held-out data", format!("{:.2}", answer.fit.largest_held_out()), "")
             .with_note("worst channel"),
     ];
     if let Some(first) = answer.findings.first() {
-        let probability = Tile::plain("probability", format!("{:.0}", 100.0 * first.probability), "%");
+        let probability = FigureTile::plain("probability", format!("{:.0}", 100.0 * first.probability), "%");
         out.push(probability.with_note("of the first finding"));
     }
     out
@@ -164,7 +165,7 @@ fn tried_section(answer: &AnswerText) -> Section {
         let beside: Vec<String> =
             h.beside.iter().map(|b| format!("{} {}", b.component, name_in_words(b.effect.name()))).collect();
         let verdict =
-            if h.accepted { Cell::Verdict(Tone::Good, "accepted".to_owned()) } else { Cell::text("") };
+            if h.accepted { Cell::Verdict(OutcomeTone::Good, "accepted".to_owned()) } else { Cell::text("") };
         table.rows.push(vec![
             Cell::text(h.stage.to_string()),
             Cell::text(h.component.name()),

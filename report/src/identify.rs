@@ -4,7 +4,7 @@ use crate::wording::identification::{AmplifierText, IdentificationText};
 use counterpoise_diagnose::identification::{Estimate, FrictionPicture, GainPoint};
 use counterpoise_pipeline::recordings::AxisUnits;
 
-use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Band, Colour, Figure, Mark, Panel, Series};
 
@@ -58,7 +58,7 @@ fn headline(found: &IdentificationText, units: &AxisUnits) -> Headline {
         "From {:.1} s of sliding; the torque balance leaves {:.2} {} RMS.",
         found.sliding_s, found.residual_nm, units.torque
     );
-    Headline { tone: Tone::Neutral, text, detail }
+    Headline { tone: OutcomeTone::Neutral, text, detail }
 }
 
 /// Returns every estimate with its name and unit.
@@ -85,9 +85,9 @@ fn named(found: &IdentificationText, units: &AxisUnits) -> Vec<(&'static str, Es
     out
 }
 
-fn tiles(found: &IdentificationText, units: &AxisUnits) -> Vec<Tile> {
+fn tiles(found: &IdentificationText, units: &AxisUnits) -> Vec<FigureTile> {
     let tile = |(name, e, unit): (&str, Estimate, &str)| {
-        Tile::plain(name, short_number(e.value), unit)
+        FigureTile::plain(name, short_number(e.value), unit)
             .with_note(&format!("± {}", short_number(e.half_width())))
     };
     named(found, units).into_iter().filter(|(name, ..)| !name.contains("other")).take(4).map(tile).collect()

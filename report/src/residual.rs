@@ -8,7 +8,7 @@ use counterpoise_pipeline::recordings::residuals::{
 use counterpoise_verify::signals::welch::Spectra;
 
 use crate::tolerance::COHERENT;
-use crate::{Cell, Column, Section, Table, Tone};
+use crate::{Cell, Column, OutcomeTone, Section, Table};
 use counterpoise_pipeline::recordings::tracks::{Track, TrackColumn};
 use counterpoise_plot::thin::MOST_POINTS;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
@@ -181,7 +181,7 @@ fn row(tested: &TestedResidual, model: &str, test: &ResidualTest) -> Vec<Cell> {
             || Cell::text("\u{2013}"),
             |c| {
                 let size = format!("{:.1}", c.size());
-                if c.size() < 1.0 { Cell::Verdict(Tone::Good, size) } else { Cell::text(size) }
+                if c.size() < 1.0 { Cell::Verdict(OutcomeTone::Good, size) } else { Cell::text(size) }
             },
         )
     };

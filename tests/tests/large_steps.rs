@@ -3,7 +3,7 @@
 
 use counterpoise_lti::margins;
 use counterpoise_models::Plant;
-use counterpoise_pipeline::{Synthesised, model, reduce, synthesise, with_chosen_weights};
+use counterpoise_pipeline::{SynthesisedDesign, model, reduce, synthesise, with_chosen_weights};
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_simulate::{Initial, Scenario, Signal, Simulator};
 
@@ -86,7 +86,7 @@ fn machines() -> Vec<Machine> {
     all
 }
 
-fn designed(text: &str) -> (Project, Plant, Synthesised) {
+fn designed(text: &str) -> (Project, Plant, SynthesisedDesign) {
     let document = Document::parse(text, "project.toml");
     let parsed = Project::resolve_for(&document, &Attachments::none(), Purpose::Design);
     let project = parsed.unwrap_or_else(|errors| panic!("{text}: {errors:?}")).project;
@@ -102,7 +102,7 @@ struct Answer {
     left: f64,
 }
 
-fn answer(plant: &Plant, made: &Synthesised, (size, duration_s): (f64, f64), start: f64) -> Answer {
+fn answer(plant: &Plant, made: &SynthesisedDesign, (size, duration_s): (f64, f64), start: f64) -> Answer {
     let scenario = Scenario {
         demand_rad_s: Signal::Sum(vec![Signal::Constant(start), Signal::step(0.05, size)]),
         initial: Initial::Rest { hub_angle_rad: start },

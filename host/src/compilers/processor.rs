@@ -9,22 +9,22 @@ use counterpoise_export::board::{
 use counterpoise_export::host::{CODE_FOLDER, including_file};
 use counterpoise_export::{File, Numbers};
 use counterpoise_pipeline::export::TargetCode;
-use counterpoise_pipeline::export::target_proofs::{CoreCost, Costs};
+use counterpoise_pipeline::export::target_proofs::{CoreCost, StepCosts};
 use counterpoise_project::Language;
 
 use crate::files;
 
 /// Counts on every core; where a tool is missing or fails, says so.
-pub fn measure_costs(code: &[TargetCode]) -> Costs {
+pub fn measure_costs(code: &[TargetCode]) -> StepCosts {
     let missing: Vec<&str> = [COMPILER, SIZER, EMULATOR].into_iter().filter(|tool| !is_there(tool)).collect();
     if !missing.is_empty() {
         let what = format!("not counted: {} not found on this machine", missing.join(", "));
-        return Costs { counted: Vec::new(), remark: Some(what) };
+        return StepCosts { counted: Vec::new(), remark: Some(what) };
     }
     let folder = match files::scratch_folder() {
         Ok(folder) => folder,
         Err(error) => {
-            return Costs {
+            return StepCosts {
                 counted: Vec::new(),
                 remark: Some(format!("not counted: no temporary folder: {error}")),
             };
@@ -40,7 +40,7 @@ pub fn measure_costs(code: &[TargetCode]) -> Costs {
         }
     }
     let remark = (!failed.is_empty()).then(|| format!("the tools failed for {}", failed.join(", ")));
-    Costs { counted, remark }
+    StepCosts { counted, remark }
 }
 
 fn words(numbers: Numbers) -> &'static str {

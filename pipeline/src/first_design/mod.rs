@@ -14,7 +14,7 @@ use counterpoise_models::Sensor;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, LinearPlant};
 use counterpoise_pool::{Pool, Serial};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::synthesis::{Synthesis, WeightSource};
+use counterpoise_project::resolve::synthesis::{DesignRequest, WeightSource};
 use counterpoise_project::resolve::verify::StepSize;
 use counterpoise_synth::{
     Circumstances, DesignPlant, Error as SynthesisError, ExpectedMotion, FirstDesign, LimitKind, LimitLoops,
@@ -29,11 +29,11 @@ use crate::model::CONVERTER_RANGE_V;
 use crate::synth::{design_plant, sampling};
 use crate::tolerance::{ALLOWS_MORE, MARGINS_TO_SPARE};
 use crate::wording::design_findings::{describe_design_finding, describe_limit, describe_unknown};
-use crate::{Modelled, PipelineError, Reduced, model, reduce};
+use crate::{PipelineError, PlantModel, ReducedPlant, model, reduce};
 
 /// A project whose weights were chosen.
 #[derive(Debug, Clone)]
-pub struct Chosen {
+pub struct ChosenWeights {
     /// The project with the weights stated.
     pub project: Project,
     /// Why they are what they are.
@@ -44,7 +44,7 @@ pub struct Chosen {
 ///
 /// # Errors
 /// Those of the plant; [`PipelineError::NoController`] if no bandwidth keeps the margins.
-pub fn with_chosen_weights(project: &Project) -> Result<Option<Chosen>, PipelineError> {
+pub fn with_chosen_weights(project: &Project) -> Result<Option<ChosenWeights>, PipelineError> {
     with_chosen_weights_on(project, &Serial)
 }
 
@@ -52,7 +52,10 @@ pub fn with_chosen_weights(project: &Project) -> Result<Option<Chosen>, Pipeline
 ///
 /// # Errors
 /// As [`with_chosen_weights`].
-pub fn with_chosen_weights_on(project: &Project, pool: &dyn Pool) -> Result<Option<Chosen>, PipelineError> {
+pub fn with_chosen_weights_on(
+    project: &Project,
+    pool: &dyn Pool,
+) -> Result<Option<ChosenWeights>, PipelineError> {
     if !leaves_weights_open(project) {
         return Ok(None);
     }
@@ -72,18 +75,18 @@ pub fn leaves_weights_open(project: &Project) -> bool {
 /// As [`with_chosen_weights`].
 pub fn choose_weights(
     project: &Project,
-    modelled: &Modelled,
-    reduced: &Reduced,
-) -> Result<Chosen, PipelineError> {
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
+) -> Result<ChosenWeights, PipelineError> {
     choose_weights_on(project, modelled, reduced, &Serial)
 }
 
 fn choose_weights_on(
     project: &Project,
-    modelled: &Modelled,
-    reduced: &Reduced,
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
     pool: &dyn Pool,
-) -> Result<Chosen, PipelineError> {
+) -> Result<ChosenWeights, PipelineError> {
     let asked = project.synth.clone().unwrap_or_default();
     let stated_step = circumstances(project, &asked, modelled, reduced)?;
     let with_usual_step = first_design_of(&stated_step, pool)?;
@@ -103,7 +106,7 @@ fn choose_weights_on(
     if let (Some(verify), Some(step)) = (&mut project.verify, step) {
         (verify.procedure.step.rate_rad_s, verify.step_size) = (step, StepSize::Stated);
     }
-    Ok(Chosen { project, first })
+    Ok(ChosenWeights { project, first })
 }
 
 /// Returns the first design, whose loop holds the friction at rest unless no loop does.
@@ -153,9 +156,9 @@ fn round_down(number: f64) -> Option<f64> {
 
 fn circumstances(
     project: &Project,
-    asked: &Synthesis,
-    modelled: &Modelled,
-    reduced: &Reduced,
+    asked: &DesignRequest,
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
 ) -> Result<Circumstances, PipelineError> {
     let p = &modelled.parameters;
     let plant = design_plant(asked, modelled, reduced)?;
@@ -193,7 +196,7 @@ fn load_output(plant: &DesignPlant) -> usize {
 /// Returns the plant with gravity's gradient, and with dry friction at rest if there is any.
 fn plants_beside(
     project: &Project,
-    modelled: &Modelled,
+    modelled: &PlantModel,
     plant: &DesignPlant,
 ) -> Result<Vec<DesignPlant>, PipelineError> {
     let mut beside = vec![with_angles(project, modelled, plant)?];
@@ -209,14 +212,14 @@ fn plants_beside(
 /// instability act.
 pub(crate) fn with_angles(
     project: &Project,
-    modelled: &Modelled,
+    modelled: &PlantModel,
     plant: &DesignPlant,
 ) -> Result<DesignPlant, PipelineError> {
     with_angles_and_friction(modelled, plant, project.model.friction)
 }
 
 fn with_angles_and_friction(
-    modelled: &Modelled,
+    modelled: &PlantModel,
     plant: &DesignPlant,
     friction: FrictionLinearisation,
 ) -> Result<DesignPlant, PipelineError> {
@@ -263,7 +266,7 @@ fn margins(project: &Project) -> RequiredMargins {
 
 /// Returns a sine that the project expects as a spectrum of the same RMS up to twice its frequency; `None` if no sensor
 /// reads it or it does not move.
-fn motion(expected: &Sine, sensor: &Sensor, modelled: &Modelled) -> Option<ExpectedMotion> {
+fn motion(expected: &Sine, sensor: &Sensor, modelled: &PlantModel) -> Option<ExpectedMotion> {
     let (amplitude, period_s) = (expected.amplitude.abs(), modelled.parameters.interface.sample_period_s);
     if sensor.gain == 0.0 || amplitude == 0.0 || expected.frequency_hz <= 0.0 {
         return None;

@@ -11,7 +11,8 @@ use counterpoise_simulate::replay::ReplayLoop;
 
 use super::column_remarks::ColumnRemark;
 use super::read::{
-    Gaps, RecordingFile, control_for, read_files, recording_controller, unused_columns, without_demand,
+    GapTreatment, RecordingFile, control_for, read_files, recording_controller, unused_columns,
+    without_demand,
 };
 use super::residuals::{ResidualStudy, study_residuals};
 use super::tracks::{Track, replay_before_and_after};
@@ -49,7 +50,7 @@ pub fn diagnose(
     pool: &dyn Pool,
 ) -> Result<DiagnosedRecordings, PipelineError> {
     let controller = recording_controller(project)?;
-    let read = read_files(project, controller.as_ref(), files, Gaps::AsWritten)?;
+    let read = read_files(project, controller.as_ref(), files, GapTreatment::AsWritten)?;
     let control = control_for(project, controller.as_ref(), read.iter().map(|item| &item.recording));
     let contradiction = if read.iter().all(|item| item.keeps_samples) {
         Contradiction::PlayBack

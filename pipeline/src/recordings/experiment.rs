@@ -16,7 +16,7 @@ use crate::configuration::apply_configuration;
 
 /// What the JSON result of a diagnosis says of the machines that are left.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-pub struct Findings {
+pub struct DiagnosisFindings {
     /// The findings.
     pub findings: Vec<FoundEffect>,
     /// Everything that was tried.
@@ -90,7 +90,7 @@ const GRAVITY: f64 = 9.80665;
 /// are left, [`PipelineError::NoExperiment`] if no demand of the menu keeps the limits.
 pub fn plan_experiment(
     project: &Project,
-    findings: Option<&Findings>,
+    findings: Option<&DiagnosisFindings>,
     limits: Limits,
     pool: &dyn Pool,
 ) -> Result<ExperimentPlan, PipelineError> {
@@ -173,7 +173,7 @@ fn machine(plant: &Parameters, effects: &[ValuedEffect]) -> PossibleMachine {
     PossibleMachine { name: names.join(" and "), parameters, free }
 }
 
-impl Findings {
+impl DiagnosisFindings {
     /// Returns the machines that the findings leave possible: with what was found, and with each alternative in its place; with the library's
     /// best candidates if nothing was identified.
     fn machines(&self, plant: &Parameters) -> Vec<PossibleMachine> {

@@ -4,7 +4,7 @@ use counterpoise_synth::{DesignPlant, Figures, Requirements, Sampling, Specifica
 use counterpoise_synth::{attempt, design, discretise, figures};
 
 use crate::synth::{design_plant, sampling};
-use crate::{Modelled, PipelineError, Reduced};
+use crate::{PipelineError, PlantModel, ReducedPlant};
 use counterpoise_project::Project;
 
 /// Error against effort at one factor on the error weight.
@@ -29,8 +29,8 @@ pub fn usual_error_weight_factors() -> Vec<f64> {
 /// A project without weights, and those of the plant.
 pub fn trade_off_points(
     project: &Project,
-    modelled: &Modelled,
-    reduced: &Reduced,
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
     factors: &[f64],
     go_on: &dyn Fn() -> bool,
 ) -> Result<Option<Vec<EffortPoint>>, PipelineError> {

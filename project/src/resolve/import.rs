@@ -10,7 +10,7 @@ use counterpoise_models::structure::{Condensation, FeModel, Shapes};
 
 use super::structure::{assumed_ratio, masses};
 use crate::file::field::{Field, Limit};
-use crate::file::visit::{Choice, Count, Visit, choose};
+use crate::file::visit::{Count, NamedChoice, Visit, choose};
 
 /// The structure as matrices from elsewhere.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,12 +64,12 @@ pub enum MatrixFormat {
     Op4,
 }
 
-impl Choice for MatrixFormat {
+impl NamedChoice for MatrixFormat {
     const NAMES: &'static [(&'static str, Self)] =
         &[("matrix-market", Self::MatrixMarket), ("dmig", Self::Dmig), ("op4", Self::Op4)];
 }
 
-impl Choice for Shapes {
+impl NamedChoice for Shapes {
     const NAMES: &'static [(&'static str, Self)] = &[("modes", Self::Modes), ("balanced", Self::Balanced)];
 }
 

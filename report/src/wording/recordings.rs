@@ -12,7 +12,7 @@ use counterpoise_pipeline::recordings::column_remarks::BeyondRange;
 use counterpoise_pipeline::recordings::controller_origin::OtherExport;
 use counterpoise_pipeline::recordings::{ColumnRemark, ReplayedRecording, UnusedColumn};
 use counterpoise_pipeline::results::RecordingResult;
-use counterpoise_pipeline::studies::fra::{Map, MapRemark, RecordedMap};
+use counterpoise_pipeline::studies::fra::{MapRemark, RecordedMap, ResponseMap};
 use counterpoise_plot::number::short_number;
 
 use super::file_remarks::describe_file_remark;
@@ -62,7 +62,7 @@ fn without_demand(files: &[String], replayed: &str) -> Option<String> {
 }
 
 /// Returns the map of a recording, with what was found about its columns among its remarks.
-pub fn describe_recorded_map(found: RecordedMap) -> Map {
+pub fn describe_recorded_map(found: RecordedMap) -> ResponseMap {
     let RecordedMap { map, columns } = found;
     let mut map = describe_map(map);
     map.remarks.extend(columns.iter().map(describe_column_remark));
@@ -70,10 +70,10 @@ pub fn describe_recorded_map(found: RecordedMap) -> Map {
 }
 
 /// Returns a map with its remarks in sentences.
-pub fn describe_map(map: Map<MapRemark>) -> Map {
-    let Map { name, around, signals, recording, points, simulated_s, remarks } = map;
+pub fn describe_map(map: ResponseMap<MapRemark>) -> ResponseMap {
+    let ResponseMap { name, around, signals, recording, points, simulated_s, remarks } = map;
     let remarks = remarks.into_iter().map(describe_map_remark).collect();
-    Map { name, around, signals, recording, points, simulated_s, remarks }
+    ResponseMap { name, around, signals, recording, points, simulated_s, remarks }
 }
 
 fn describe_map_remark(remark: MapRemark) -> String {

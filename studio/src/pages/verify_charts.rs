@@ -7,7 +7,7 @@ use egui::Ui;
 use super::frequency_charts::{frequency_chart, magnitude_points, mark_margins};
 use super::limit_marks;
 use super::widgets;
-use crate::charts::chart::{Chart, Dash};
+use crate::charts::chart::{Chart, LineDash};
 use crate::command::Command;
 use crate::view::View;
 
@@ -65,14 +65,18 @@ pub fn show_responses(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, fo
     let curves = &found.evidence.curves;
     let of = |response| magnitude_points(view, &curves.frequency_hz, response);
     let c = view.theme.curves;
-    let mut loop_gain =
-        frequency_chart(view, "Loop gain", "modulus").with_curve("L", c[0], Dash::Solid, of(&curves.broken));
+    let mut loop_gain = frequency_chart(view, "Loop gain", "modulus").with_curve(
+        "L",
+        c[0],
+        LineDash::Solid,
+        of(&curves.broken),
+    );
     loop_gain.levels.push(view.units.display_gain(1.0));
     mark_margins(view, &found.evidence.margins, &mut loop_gain);
     loop_gain.range[1] = Some((view.units.display_gain(1e-4), view.units.display_gain(1e4)));
     let mut sensitivity = frequency_chart(view, "Sensitivity", "modulus");
     for (k, (one, name)) in curves.sensitivities.iter().zip(["S", "T"]).enumerate() {
-        sensitivity = sensitivity.with_curve(name, c[k], [Dash::Solid, Dash::Dashed][k % 2], of(one));
+        sensitivity = sensitivity.with_curve(name, c[k], [LineDash::Solid, LineDash::Dashed][k % 2], of(one));
     }
     limit_marks::mark_sensitivity_limit(view, found, &mut sensitivity);
     sensitivity.range[1] = Some((view.units.display_gain(1e-3), view.units.display_gain(4.0)));
@@ -117,11 +121,11 @@ fn hub_chart(view: &View, found: &Verification, experiment: Experiment) -> Chart
     {
         let points = history_points(h, HistoryColumn::HubRate, factor);
         let colour = view.theme.curves[1].gamma_multiply(0.7);
-        chart = chart.with_curve("feedback alone", colour, Dash::Solid, points);
+        chart = chart.with_curve("feedback alone", colour, LineDash::Solid, points);
     }
     for (model, label, colour, dash) in [
-        (Model::Nonlinear, "full plant", view.theme.curves[0], Dash::Solid),
-        (Model::Linear, "linear", view.theme.curves[2], Dash::Dashed),
+        (Model::Nonlinear, "full plant", view.theme.curves[0], LineDash::Solid),
+        (Model::Linear, "linear", view.theme.curves[2], LineDash::Dashed),
     ] {
         if let Some(h) = found.history(model, experiment) {
             chart = chart.with_curve(label, colour, dash, history_points(h, HistoryColumn::HubRate, factor));
@@ -141,7 +145,7 @@ fn history_chart(
     match found.history(Model::Nonlinear, experiment) {
         Some(h) => {
             let points = history_points(h, shown.column, shown.factor);
-            chart.with_curve("full plant", view.theme.curves[0], Dash::Solid, points)
+            chart.with_curve("full plant", view.theme.curves[0], LineDash::Solid, points)
         }
         None => chart,
     }
@@ -159,9 +163,9 @@ fn rejection_chart(view: &View, found: &Verification, source: Source) -> Chart {
     let mut chart = frequency_chart(view, title, &label);
     for one in curves.rejection.iter().filter(|r| r.source == source) {
         let (name, k, dash) = match one.arrangement {
-            Arrangement::Uncontrolled => ("none", 3, Dash::Dotted),
-            Arrangement::Feedback => ("feedback", 1, Dash::Dashed),
-            Arrangement::Compensated => ("with feedforward", 0, Dash::Solid),
+            Arrangement::Uncontrolled => ("none", 3, LineDash::Dotted),
+            Arrangement::Feedback => ("feedback", 1, LineDash::Dashed),
+            Arrangement::Compensated => ("with feedforward", 0, LineDash::Solid),
         };
         let point = |(f, h): (&f64, &counterpoise_linalg::C64)| {
             let rate = view.units.display_frequency(f * std::f64::consts::TAU);
