@@ -9,7 +9,7 @@ use counterpoise_synth::{Adaptive, Estimation, Recursive, RecursiveSettings, Win
 use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
 
-use super::drawing::{ClaimCurve, drawing, panel, time_axis};
+use super::drawing::{ClaimCurve, make_figure, make_panel, time_axis};
 use super::identification::with_amplifier;
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::RETURNED;
@@ -183,7 +183,7 @@ pub fn adapted_feedforward(tested: &TestedDesign<'_>) -> Result<Claim, PipelineE
         criteria,
         why: why(&lowest),
         drawings: vec![
-            drawing("RMS hub rate after each change of the out-of-balance", Axis::linear("interval of 20 s", ""), panels)
+            make_figure("RMS hub rate after each change of the out-of-balance", Axis::linear("interval of 20 s", ""), panels)
                 .with_caption("The out-of-balance is 1, 0.75, 0.37, 1.48 and 1 times the normal. Above the linear amplifier, below the measured one."),
         ],
     })
@@ -220,7 +220,7 @@ fn interval_panel(name: &str, [nobody, mean, squares, truth]: [&[f64]; 4]) -> Pa
         ClaimCurve::points("least squares", over(squares)),
         ClaimCurve::reference("told the truth", over(truth)),
     ];
-    panel(Axis::linear(&format!("hub, {name}"), "mrad/s"), curves)
+    make_panel(Axis::linear(&format!("hub, {name}"), "mrad/s"), curves)
 }
 
 fn why(lowest: &[f64]) -> String {
@@ -285,8 +285,8 @@ pub fn imbalance_without_gravity(tested: &TestedDesign<'_>) -> Result<Claim, Pip
 
 /// Returns the estimates over time, with the truth of each.
 fn estimates(curves: Vec<ClaimCurve>, moment: f64) -> Drawing {
-    let panel = panel(Axis::linear("estimate", "kg m"), curves);
+    let panel = make_panel(Axis::linear("estimate", "kg m"), curves);
     let truths = [0.37, 0.75, 1.0, 1.48].map(|share| share * moment);
     let panel = truths.into_iter().fold(panel, |panel, truth| panel.with_level(truth, "the truth"));
-    drawing("The out-of-balance estimated without gravity", time_axis(), vec![panel])
+    make_figure("The out-of-balance estimated without gravity", time_axis(), vec![panel])
 }

@@ -7,7 +7,7 @@ use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator};
 use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
 
-use super::drawing::{ClaimCurve, drawing, panel, time_axis};
+use super::drawing::{ClaimCurve, make_figure, make_panel, time_axis};
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::STOPPED_RAD_S;
 use counterpoise_pipeline::PipelineError;
@@ -116,10 +116,10 @@ pub fn schemes_of_the_appendix(tested: &TestedDesign<'_>) -> Result<Claim, Pipel
             ),
         ],
         why: String::new(),
-        drawings: vec![drawing(
+        drawings: vec![make_figure(
             "Hub rate by each scheme",
             time_axis(),
-            vec![panel(Axis::linear("hub rate", "mrad/s"), curves)],
+            vec![make_panel(Axis::linear("hub rate", "mrad/s"), curves)],
         )],
     })
 }

@@ -37,13 +37,13 @@ pub enum CurveStyle {
 const HEIGHTS: (f64, f64) = (190.0, 150.0);
 
 /// Returns a figure of panels over one x axis.
-pub fn drawing(title: impl AsRef<str>, x: Axis, panels: Vec<Panel>) -> Figure {
+pub fn make_figure(title: impl AsRef<str>, x: Axis, panels: Vec<Panel>) -> Figure {
     let height = if panels.len() > 2 { HEIGHTS.1 } else { HEIGHTS.0 };
     Figure::new(title.as_ref(), x, panels.into_iter().map(|panel| panel.with_height(height)).collect())
 }
 
 /// Returns a panel of curves.
-pub fn panel(y: Axis, curves: Vec<ClaimCurve>) -> Panel {
+pub fn make_panel(y: Axis, curves: Vec<ClaimCurve>) -> Panel {
     let (mut series, mut marks, mut at) = (Vec::new(), Vec::new(), 0);
     for curve in curves {
         let (colour, dash) = dress(curve.style, &mut at);
@@ -128,7 +128,7 @@ pub fn hub_from(history: &History, time_s: f64) -> Vec<Point> {
 
 /// Returns a panel of hub rates in mrad/s.
 pub fn hub_panel(curves: Vec<ClaimCurve>) -> Panel {
-    panel(Axis::linear("hub rate", "mrad/s"), curves)
+    make_panel(Axis::linear("hub rate", "mrad/s"), curves)
 }
 
 /// Returns the gain in dB over Hz of the frequency response of a system's first output over one input.

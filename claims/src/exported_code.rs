@@ -5,7 +5,7 @@ use counterpoise_export::{Numbers, Record};
 use counterpoise_lti::{Margins, margins};
 use counterpoise_verify::{Arrangement, Experiment, Source};
 
-use super::drawing::{ClaimCurve, drawing, panel};
+use super::drawing::{ClaimCurve, make_figure, make_panel};
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::SAME_LOOP_DB;
 use counterpoise_pipeline::PipelineError;
@@ -117,10 +117,12 @@ fn drawings(figures: &[TargetFigures]) -> Vec<Drawing> {
             |k: usize| if k < count { 1e6 * (record.controls_v[k] - double.controls_v[k]) } else { f64::NAN };
         apart.push(ClaimCurve::line(format!("{name} less {first}"), points(&record, &off)));
     }
-    let panels =
-        vec![panel(Axis::linear("control", "V"), controls), panel(Axis::linear("difference", "µV"), apart)];
+    let panels = vec![
+        make_panel(Axis::linear("control", "V"), controls),
+        make_panel(Axis::linear("difference", "µV"), apart),
+    ];
     vec![
-        drawing("The control in the loop that each form closes", Axis::linear("sample", ""), panels)
+        make_figure("The control in the loop that each form closes", Axis::linear("sample", ""), panels)
             .with_caption("Heave and pitch on the nonlinear plant. Friction and converters amplify a difference of one rounding; the plant moves alike."),
     ]
 }

@@ -6,7 +6,7 @@ use counterpoise_verify::robust::Varied;
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Source};
 
-use super::drawing::{ClaimCurve, drawing, factor_axis, panel, points_of, time_axis};
+use super::drawing::{ClaimCurve, factor_axis, make_figure, make_panel, points_of, time_axis};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -112,11 +112,15 @@ fn tip_motion_figures(free: &History, held: &History, predicted: &[f64], first: 
     };
     let errors = vec![off("tip less hub", held.hub_rate_rad_s()), off("tip less its prediction", predicted)];
     vec![
-        drawing("The tip's rate", time_axis(), vec![panel(Axis::linear("tip rate", "mrad/s"), stabilised)]),
-        drawing(
+        make_figure(
+            "The tip's rate",
+            time_axis(),
+            vec![make_panel(Axis::linear("tip rate", "mrad/s"), stabilised)],
+        ),
+        make_figure(
             "The tip's rate predicted from the hub's",
             time_axis(),
-            vec![panel(Axis::linear("difference", "mrad/s"), errors)],
+            vec![make_panel(Axis::linear("difference", "mrad/s"), errors)],
         ),
     ]
 }
@@ -198,10 +202,10 @@ fn inertia_and_imbalance_apart_figure(rows: &[Vec<Cell>]) -> Drawing {
         named.map(|(name, row)| ClaimCurve::points(name, points(row))).collect()
     };
     let panels = vec![
-        panel(Axis::linear("overshoot", "%"), of(&|cell| cell.overshoot_percent)),
-        panel(Axis::linear("RMS hub rate", "mrad/s"), of(&|cell| cell.residual_mrad_s)),
+        make_panel(Axis::linear("overshoot", "%"), of(&|cell| cell.overshoot_percent)),
+        make_panel(Axis::linear("RMS hub rate", "mrad/s"), of(&|cell| cell.residual_mrad_s)),
     ];
-    drawing("Inertia and out-of-balance varied apart", factor_axis("hub inertia"), panels)
+    make_figure("Inertia and out-of-balance varied apart", factor_axis("hub inertia"), panels)
 }
 
 fn spread(values: impl Iterator<Item = f64>) -> f64 {

@@ -8,7 +8,7 @@ use counterpoise_models::plant::Plant;
 use counterpoise_plot::{Axis, Point};
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator};
 
-use super::drawing::{ClaimCurve, drawing, panel, time_axis};
+use super::drawing::{ClaimCurve, make_figure, make_panel, time_axis};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 
@@ -116,10 +116,10 @@ pub fn misaligned_gyroscopes(tested: &TestedDesign<'_>) -> Result<Claim, Pipelin
         ),
         criteria: criteria(of_hub, of_platform, loop_),
         why: String::new(),
-        drawings: vec![drawing(
+        drawings: vec![make_figure(
             "Hub rate under pitch and roll",
             time_axis(),
-            vec![panel(Axis::linear("hub rate", "mrad/s"), curves)],
+            vec![make_panel(Axis::linear("hub rate", "mrad/s"), curves)],
         )],
     })
 }

@@ -6,7 +6,9 @@ use counterpoise_models::plant::OperatingPoint;
 use counterpoise_models::{Configuration, Parameters};
 use counterpoise_verify::{Arrangement, Experiment, Figure, Model, Quantity, Source, StepFigure};
 
-use super::drawing::{ClaimCurve, drawing, frequency_axis, gain_db, hub_from, hub_panel, panel, time_axis};
+use super::drawing::{
+    ClaimCurve, frequency_axis, gain_db, hub_from, hub_panel, make_figure, make_panel, time_axis,
+};
 use super::tested_design::{DrawnMechanism, largest_db, rate_grid};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::{PipelineError, run_stages};
@@ -165,7 +167,7 @@ fn other_imbalance_figures(
         }
         panels.push(hub_panel(curves));
     }
-    let heave = drawing("Heave and pitch in each configuration", time_axis(), panels)
+    let heave = make_figure("Heave and pitch in each configuration", time_axis(), panels)
         .with_caption("Above by feedback alone, below with the feedforwards of the normal configuration.");
     let mut all = tested.family_drawings("each configuration", members)?;
     all.truncate(1);
@@ -278,9 +280,9 @@ fn controllers(designs: &[DesignAt]) -> Result<Drawing, PipelineError> {
             let points = gain_db(&linear(controller)?, input, &drawn)?;
             curves.push(ClaimCurve::line(format!("out-of-balance x{factor}"), points));
         }
-        panels.push(panel(Axis::linear(name, "dB"), curves));
+        panels.push(make_panel(Axis::linear(name, "dB"), curves));
     }
-    Ok(drawing("Redesigned for each out-of-balance", frequency_axis(), panels)
+    Ok(make_figure("Redesigned for each out-of-balance", frequency_axis(), panels)
         .with_caption("Curves that cannot be distinguished lie on each other."))
 }
 
@@ -351,10 +353,10 @@ pub fn gravity_over_elevation(tested: &TestedDesign<'_>) -> Result<Claim, Pipeli
             ),
         ],
         why: String::new(),
-        drawings: vec![drawing(
+        drawings: vec![make_figure(
             "Drive that holds the weight",
             Axis::linear("elevation", "deg"),
-            vec![panel(Axis::linear("drive", "V"), curves)],
+            vec![make_panel(Axis::linear("drive", "V"), curves)],
         )],
     })
 }

@@ -7,7 +7,7 @@ use counterpoise_verify::{
 };
 
 use super::drawing::{
-    ClaimCurve, drawing, frequency_axis, hub_panel, hub_rates, panel, points_of, time_axis,
+    ClaimCurve, frequency_axis, hub_panel, hub_rates, make_figure, make_panel, points_of, time_axis,
 };
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
@@ -68,11 +68,11 @@ pub fn margins_and_step(tested: &TestedDesign<'_>) -> Result<Claim, PipelineErro
 
 fn margins_and_step_figures(tested: &TestedDesign<'_>) -> Vec<Drawing> {
     let curves = &found(tested).evidence.curves;
-    let gain = panel(
+    let gain = make_panel(
         Axis::linear("loop gain", "dB"),
         vec![ClaimCurve::line("loop, exported controller", decibels(&curves.frequency_hz, &curves.broken))],
     );
-    let phase = panel(
+    let phase = make_panel(
         Axis::degrees("phase"),
         vec![ClaimCurve::line("loop, exported controller", degrees(&curves.frequency_hz, &curves.broken))],
     );
@@ -84,7 +84,7 @@ fn margins_and_step_figures(tested: &TestedDesign<'_>) -> Vec<Drawing> {
     let phase = crossings.phase_margin().into_iter().fold(phase.with_level(-180.0, ""), |panel, margin| {
         panel.with_instant(hz(margin.rate_rad_s), format!("phase margin {:.0} deg", margin.deg))
     });
-    let mut all = vec![drawing("Loop broken at the plant's input", frequency_axis(), vec![gain, phase])];
+    let mut all = vec![make_figure("Loop broken at the plant's input", frequency_axis(), vec![gain, phase])];
     if let Some(step) = found(tested).history(Model::Linear, Experiment::Step) {
         let demand = points_of(step.time_s(), step.demand_rad_s(), 1e3);
         let height = 1e3 * tested.procedure.step.rate_rad_s;
@@ -93,7 +93,7 @@ fn margins_and_step_figures(tested: &TestedDesign<'_>) -> Vec<Drawing> {
             ClaimCurve::reference("demand", demand),
         ])
         .with_level(1.13 * height, "overshoot of the thesis, 13 %");
-        all.push(drawing("Step of the demand, linear plant", time_axis(), vec![panel]));
+        all.push(make_figure("Step of the demand, linear plant", time_axis(), vec![panel]));
     }
     all
 }
@@ -232,7 +232,7 @@ fn motions(tested: &TestedDesign<'_>, source: Source, name: &str) -> Drawing {
         .map(|history| ClaimCurve::faint("without control", hub_rates(history)));
     let whole = free.into_iter().chain(controlled.clone()).collect();
     let panels = vec![hub_panel(whole), hub_panel(controlled)];
-    drawing(format!("Hub rate under {name}, linear plant"), time_axis(), panels)
+    make_figure(format!("Hub rate under {name}, linear plant"), time_axis(), panels)
         .with_caption("The lower panel leaves out the mechanism without control.")
 }
 
@@ -242,12 +242,13 @@ fn pitch_rejection_figures(tested: &TestedDesign<'_>) -> Vec<Drawing> {
         .filter(|point| (0.1..=20.0).contains(&point.0))
         .map(Point::from)
         .collect();
-    let factor = panel(Axis::logarithmic("factor", ""), vec![ClaimCurve::line("factor by feedback", within)])
-        .with_level(PITCH_FACTOR, "13 times, as the thesis says")
-        .with_instant(tested.procedure.pitch.frequency_hz, "frequency of the procedure's pitch");
+    let factor =
+        make_panel(Axis::logarithmic("factor", ""), vec![ClaimCurve::line("factor by feedback", within)])
+            .with_level(PITCH_FACTOR, "13 times, as the thesis says")
+            .with_instant(tested.procedure.pitch.frequency_hz, "frequency of the procedure's pitch");
     vec![
         motions(tested, Source::Pitch, "pitch"),
-        drawing("By how much feedback reduces the hub rate under pitch", frequency_axis(), vec![factor]),
+        make_figure("By how much feedback reduces the hub rate under pitch", frequency_axis(), vec![factor]),
     ]
 }
 
@@ -288,7 +289,7 @@ fn heave_over_frequency(tested: &TestedDesign<'_>) -> Drawing {
         let points = hz.iter().zip(values).map(|(hz, h)| Point::new(*hz, 20.0 * h.norm().log10()));
         Some(ClaimCurve::line(*name, points.filter(|point| (0.1..=50.0).contains(&point.x)).collect()))
     };
-    let panel = panel(Axis::linear("hub over heave", "dB"), ARRANGED.iter().filter_map(curve).collect())
+    let panel = make_panel(Axis::linear("hub over heave", "dB"), ARRANGED.iter().filter_map(curve).collect())
         .with_instant(tested.procedure.heave.frequency_hz, "frequency of the procedure's heave");
-    drawing("Hub rate (rad/s) over heave (m/s²), linear plant", frequency_axis(), vec![panel])
+    make_figure("Hub rate (rad/s) over heave (m/s²), linear plant", frequency_axis(), vec![panel])
 }

@@ -8,7 +8,7 @@ use counterpoise_linalg::C64;
 use counterpoise_models::{FrictionLaw, Parameters};
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
-use super::drawing::{ClaimCurve, drawing, panel};
+use super::drawing::{ClaimCurve, make_figure, make_panel};
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::LEAST_LENGTH;
 use counterpoise_pipeline::PipelineError;
@@ -407,15 +407,15 @@ fn figures(found: &FrictionMeasurement) -> Vec<Drawing> {
     let numbers =
         Axis::linear("1 stiffness, 2 Coulomb, 3 viscous, 4 static, 5 Stribeck rate, 6 memory, 7 rise", "");
     vec![
-        drawing(
+        make_figure(
             "Distance from Dahl's law, over amplitude",
             Axis::logarithmic("pitch rate", "rad/s"),
-            vec![panel(Axis::linear("distance", "dB"), distances)],
+            vec![make_panel(Axis::linear("distance", "dB"), distances)],
         ),
-        drawing(
+        make_figure(
             "Uncertainty of each parameter",
             numbers,
-            vec![panel(Axis::logarithmic("standard deviation", "%"), uncertain)],
+            vec![make_panel(Axis::logarithmic("standard deviation", "%"), uncertain)],
         ),
     ]
 }

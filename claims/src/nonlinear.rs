@@ -5,7 +5,7 @@ use counterpoise_models::Parameters;
 use counterpoise_verify::robust::Varied;
 use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure};
 
-use super::drawing::{ClaimCurve, drawing, hub_from, hub_panel, hub_rates, time_axis};
+use super::drawing::{ClaimCurve, hub_from, hub_panel, hub_rates, make_figure, time_axis};
 use super::tested_design::{DrawnMechanism, NamedLevel, NonlinearBehaviour, plot_over_factor};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
@@ -141,8 +141,8 @@ fn friction_observer_figures(tested: &TestedDesign<'_>) -> Result<Vec<Drawing>, 
     ];
     motions.extend(linear(moving).map(|history| ClaimCurve::reference("linear", hub_from(history, from))));
     Ok(vec![
-        drawing("Step of the demand", time_axis(), vec![hub_panel(steps)]),
-        drawing("Heave and pitch, both feedforwards", time_axis(), vec![hub_panel(motions)]),
+        make_figure("Step of the demand", time_axis(), vec![hub_panel(steps)]),
+        make_figure("Heave and pitch, both feedforwards", time_axis(), vec![hub_panel(motions)]),
     ])
 }
 

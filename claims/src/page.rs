@@ -152,13 +152,13 @@ fn criterion(one: &Criterion) -> Vec<Cell> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drawing::{ClaimCurve, drawing, factor_axis, panel};
+    use crate::drawing::{ClaimCurve, factor_axis, make_figure, make_panel};
     use counterpoise_plot::{Axis, Mark, Point};
 
     fn claim(criterion: Criterion, why: &str) -> Claim {
         let points = vec![Point::new(0.5, 1.0), Point::new(1.0, 2.0)];
-        let panel = panel(Axis::linear("overshoot", "%"), vec![ClaimCurve::points("measured", points)]);
-        let figure = drawing("Overshoot", factor_axis("inertia"), vec![panel.with_level(13.0, "thesis")]);
+        let panel = make_panel(Axis::linear("overshoot", "%"), vec![ClaimCurve::points("measured", points)]);
+        let figure = make_figure("Overshoot", factor_axis("inertia"), vec![panel.with_level(13.0, "thesis")]);
         Claim {
             id: "C1",
             title: "elements",

@@ -11,7 +11,9 @@ use counterpoise_verify::{
     Arrangement, Figure, Model, Procedure, Quantity, Source, StepFigure, Value, nonlinear,
 };
 
-use super::drawing::{ClaimCurve, drawing, factor_axis, hub_from, hub_panel, hub_rates, panel, time_axis};
+use super::drawing::{
+    ClaimCurve, factor_axis, hub_from, hub_panel, hub_rates, make_figure, make_panel, time_axis,
+};
 use super::friction_identification::{IdentifiedFriction, identify_friction, with_observer};
 use counterpoise_pipeline::{DesignStages, PipelineError, World, run_stages, synthesise};
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -87,10 +89,10 @@ pub fn plot_over_factor(
     let residual = ClaimCurve::points("with the observer", over(&|b| 1e3 * b.residual_rad_s));
     let [others_over, others_left] = others;
     let with = |own: ClaimCurve, others: Vec<ClaimCurve>| std::iter::once(own).chain(others).collect();
-    let first = panel(Axis::linear("overshoot", "%"), with(overshoot, others_over));
+    let first = make_panel(Axis::linear("overshoot", "%"), with(overshoot, others_over));
     let first = says.iter().fold(first, |panel, level| panel.with_level(level.y, level.text));
-    let panels = vec![first, panel(Axis::linear("RMS hub rate", "mrad/s"), with(residual, others_left))];
-    drawing(format!("Overshoot and residual over {what}"), factor_axis(what), panels)
+    let panels = vec![first, make_panel(Axis::linear("RMS hub rate", "mrad/s"), with(residual, others_left))];
+    make_figure(format!("Overshoot and residual over {what}"), factor_axis(what), panels)
 }
 
 impl<'a> TestedDesign<'a> {
@@ -216,12 +218,12 @@ impl<'a> TestedDesign<'a> {
         }
         let height = 1e3 * self.procedure.step.rate_rad_s;
         Ok(vec![
-            drawing(
+            make_figure(
                 format!("Step of the demand, {name}"),
                 time_axis(),
                 vec![hub_panel(steps).with_level(height, "demand")],
             ),
-            drawing(
+            make_figure(
                 format!("Heave and pitch with all feedforwards, {name}"),
                 time_axis(),
                 vec![hub_panel(motions)],
@@ -240,7 +242,7 @@ impl<'a> TestedDesign<'a> {
         experiment: Experiment,
     ) -> Result<History, PipelineError> {
         let mut simulator = Simulator::new(&Plant::from_lumped(parameters)?)?;
-        Ok(nonlinear::history(&mut simulator, controller, &self.procedure, experiment)?)
+        Ok(nonlinear::run_history(&mut simulator, controller, &self.procedure, experiment)?)
     }
 }
 

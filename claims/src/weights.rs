@@ -2,11 +2,11 @@
 
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, feedback, margins, series, step};
-use counterpoise_synth::{Alternative, SynthesisMethod, Weight, alternative, attempt};
+use counterpoise_synth::{Alternative, SynthesisMethod, Weight, attempt, design_alternative};
 use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Source, StepFigure};
 
 use super::drawing::{
-    ClaimCurve, drawing, frequency_axis, gain_db, hub_panel, hub_rates, panel, points_of, time_axis,
+    ClaimCurve, frequency_axis, gain_db, hub_panel, hub_rates, make_figure, make_panel, points_of, time_axis,
 };
 use super::tested_design::rate_grid;
 use super::{Claim, Criterion, TestedDesign};
@@ -151,17 +151,19 @@ fn integral_action_figures(
         steps.into_iter().map(|curve| ClaimCurve { points: first_second(curve.points), ..curve }).collect();
     let over = |k: usize| family.iter().map(|one| Point::new(one.figures[0], one.figures[k])).collect();
     let own = figures(integral);
-    let overshoot =
-        panel(Axis::linear("overshoot", "%"), vec![ClaimCurve::points("without integral action", over(1))])
-            .with_level(own[1], "with integral action, no steady-state error");
-    let ms = panel(Axis::linear("Ms", ""), vec![ClaimCurve::points("without integral action", over(2))])
+    let overshoot = make_panel(
+        Axis::linear("overshoot", "%"),
+        vec![ClaimCurve::points("without integral action", over(1))],
+    )
+    .with_level(own[1], "with integral action, no steady-state error");
+    let ms = make_panel(Axis::linear("Ms", ""), vec![ClaimCurve::points("without integral action", over(2))])
         .with_level(own[2], "");
     let mut all = vec![
-        drawing("Step by both kinds of design, linear plant", time_axis(), vec![hub_panel(steps)])
+        make_figure("Step by both kinds of design, linear plant", time_axis(), vec![hub_panel(steps)])
             .with_caption(
                 "Drawn through: the design with integral action, and the high gain that leaves as little.",
             ),
-        drawing(
+        make_figure(
             "What a small steady-state error costs without integral action",
             Axis::logarithmic("steady-state error", "%"),
             vec![overshoot, ms],
@@ -190,7 +192,7 @@ fn disturbed(integral: &DesignStages, high: &DesignStages) -> Drawing {
         hub_panel(curves.into_iter().flatten().collect())
     };
     let panels = vec![panel(Arrangement::Feedback), panel(Arrangement::Compensated)];
-    drawing("Heave and pitch by both kinds of design, linear plant", time_axis(), panels)
+    make_figure("Heave and pitch by both kinds of design, linear plant", time_axis(), panels)
         .with_caption("Above by feedback alone, below with both feedforwards.")
 }
 
@@ -227,7 +229,7 @@ pub fn three_methods(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> 
         (SynthesisMethod::LqgLtr, "LQG/LTR"),
         (SynthesisMethod::HInfinity, "H-infinity"),
     ] {
-        match attempt(alternative(&design.plant, &design.specification.feedback, method))? {
+        match attempt(design_alternative(&design.plant, &design.specification.feedback, method))? {
             Ok(part) => {
                 let broken = broken(tested, &part)?;
                 let (text, judged) = judged_loop(name, &broken)?;
@@ -315,12 +317,12 @@ fn three_methods_figures(loops: &[MethodLoop]) -> Result<Vec<Drawing>, PipelineE
         steps.push(ClaimCurve::line(*name, points_of(&response.time_s, &y, 1.0)));
     }
     let panels = vec![
-        panel(Axis::linear("controller", "dB re V s/rad"), controllers),
-        panel(Axis::linear("loop gain", "dB"), gains).with_level(0.0, ""),
+        make_panel(Axis::linear("controller", "dB re V s/rad"), controllers),
+        make_panel(Axis::linear("loop gain", "dB"), gains).with_level(0.0, ""),
     ];
-    let step = panel(Axis::linear("measured rate over demand", ""), steps).with_level(1.0, "");
+    let step = make_panel(Axis::linear("measured rate over demand", ""), steps).with_level(1.0, "");
     Ok(vec![
-        drawing("Three methods, one plant, one pair of weights", frequency_axis(), panels),
-        drawing("Step by the three methods, continuous design plant", time_axis(), vec![step]),
+        make_figure("Three methods, one plant, one pair of weights", frequency_axis(), panels),
+        make_figure("Step by the three methods, continuous design plant", time_axis(), vec![step]),
     ])
 }

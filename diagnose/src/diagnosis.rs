@@ -101,14 +101,17 @@ pub fn diagnose(
     recordings: &[Recording],
     pool: &dyn Pool,
 ) -> Result<Diagnosis, Error> {
-    run(&Request { base, control: control.into(), contradiction: Contradiction::Ignore, recordings }, pool)
+    diagnose_request(
+        &Request { base, control: control.into(), contradiction: Contradiction::Ignore, recordings },
+        pool,
+    )
 }
 
 /// Carries out a request: [`diagnose`] with a choice of what happens if the recordings were made under another controller.
 ///
 /// # Errors
 /// As [`diagnose`].
-pub fn run(request: &Request, pool: &dyn Pool) -> Result<Diagnosis, Error> {
+pub fn diagnose_request(request: &Request, pool: &dyn Pool) -> Result<Diagnosis, Error> {
     let mut found = match SimilarityScale::of(request.base, request.recordings) {
         Some(scale) => {
             diagnose_scaled(scale, request.base, request.control.clone(), request.recordings, pool)?

@@ -224,7 +224,7 @@ fn experiments(procedure: &Procedure) -> Vec<Experiment> {
         Experiment::Step | Experiment::Triangle | Experiment::Rest => true,
         Experiment::Disturbance(_, arrangement) => *arrangement == Arrangement::Compensated,
     };
-    nonlinear::experiments(procedure).into_iter().filter(whole).collect()
+    nonlinear::list_experiments(procedure).into_iter().filter(whole).collect()
 }
 
 /// Runs experiments with a controller, each as a job.

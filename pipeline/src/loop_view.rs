@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use counterpoise_linalg::C64;
-use counterpoise_verify::linear::loop_shape::nichols;
+use counterpoise_verify::linear::loop_shape::nichols_points;
 use counterpoise_verify::linear::{
     Disk, LOCUS_CROSSOVERS, LoopShape, MarginKind, RootLocus, largest_sensitivity, loop_shape,
     margins_on_path,
@@ -95,7 +95,7 @@ pub fn loop_view(found: &Verification) -> Result<LoopView, PipelineError> {
 fn plane_curve(points: &[C64]) -> PlaneCurve {
     PlaneCurve {
         nyquist: points.iter().map(|point| [point.re, point.im]).collect(),
-        nichols: nichols(points),
+        nichols: nichols_points(points),
     }
 }
 

@@ -4,9 +4,9 @@ use counterpoise_diagnose::learning::reading::{ReadElement, read_elements};
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::friction::describing::sinusoidal_loop;
 use counterpoise_models::structure::refinement::{
-    COLUMNS, REFERENCE, Refinement, RefinementMesh, refinements,
+    COLUMNS, REFERENCE, Refinement, RefinementMesh, compare_refinements,
 };
-use counterpoise_models::structure::{Direction, FeModel, Integration, Modes, Support, modes};
+use counterpoise_models::structure::{Direction, FeModel, Integration, Modes, Support, undamped_modes};
 use counterpoise_models::{Beam, Friction, FrictionLaw};
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -161,7 +161,7 @@ pub fn view_plant(project: &Project, modelled: &PlantModel) -> Result<PlantViews
         };
         let supports = [(Support::Free, "free"), (Support::Pinned, "pinned"), (Support::Clamped, "clamped")];
         for (support, name) in supports {
-            out.modes.push(ModeSet { support: name, modes: shown(&fe, &modes(&fe, support)?) });
+            out.modes.push(ModeSet { support: name, modes: shown(&fe, &undamped_modes(&fe, support)?) });
         }
         out.elements = Some(fe);
     }
@@ -180,7 +180,7 @@ fn meshes(beam: &Beam) -> Result<MeshComparison, PipelineError> {
         .iter()
         .flat_map(|&elements| KINDS.map(|(integration, _)| RefinementMesh { integration, elements }));
     let asked: Vec<RefinementMesh> = COLUMNS.iter().copied().chain(finer).collect();
-    let found = refinements(beam, &asked)?;
+    let found = compare_refinements(beam, &asked)?;
     let named = |r: Refinement| MeshColumn {
         kind: KINDS.iter().find(|(kind, _)| *kind == r.integration).map_or("", |(_, name)| name),
         elements: r.elements,

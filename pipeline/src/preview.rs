@@ -346,7 +346,14 @@ impl Responses<'_> {
             for ArrangedLoop { arrangement, closed } in self.loops {
                 let motion = |time_s: f64| procedure.motion(source, time_s);
                 let plant = &self.sampled.plant;
-                motions.push(linear::disturbance(plant, closed, source, *arrangement, MOTION_S, motion)?);
+                motions.push(linear::simulate_disturbance(
+                    plant,
+                    closed,
+                    source,
+                    *arrangement,
+                    MOTION_S,
+                    motion,
+                )?);
             }
         }
         Ok(Half::Motions(motions))
@@ -367,7 +374,8 @@ impl Responses<'_> {
         margins.closed_loop_stable &= whole.pole_radius() < 1.0;
         let plant = &self.sampled.plant;
         let curves = Curves::with(plant, &self.sampled.response, self.loops)?;
-        let step = linear::step(plant, feedback, Step { duration_s: STEP_S, ..self.procedure().step })?;
+        let step =
+            linear::simulate_step(plant, feedback, Step { duration_s: STEP_S, ..self.procedure().step })?;
         Ok(Half::Loop(Box::new((margins, curves, step))))
     }
 }

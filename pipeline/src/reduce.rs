@@ -1,7 +1,7 @@
 //! The plant that the design takes: the linear plant, or a smaller one with its error.
 
 use counterpoise_lti::StateSpace;
-use counterpoise_reduce::{Method, Order, Residual, Warning, balred, minimal, modal_truncation};
+use counterpoise_reduce::{Method, Order, Residual, Warning, balred, minimal_realisation, modal_truncation};
 
 use crate::tolerance::KEPT_HANKEL_SHARE;
 use crate::tolerance::MINIMAL_TOLERANCE;
@@ -57,7 +57,7 @@ pub fn reduce(project: &Project, modelled: &PlantModel) -> Result<ReducedPlant, 
     match asked.method {
         ReductionMethod::None => Ok(plain(system.clone())),
         ReductionMethod::Minimal => {
-            let small = minimal(system, MINIMAL_TOLERANCE)?;
+            let small = minimal_realisation(system, MINIMAL_TOLERANCE)?;
             Ok(ReducedPlant { warnings: small.warnings, ..plain(small.system) })
         }
         ReductionMethod::Balanced => {

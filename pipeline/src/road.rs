@@ -5,7 +5,7 @@ use counterpoise_recordings::{Error, Signals, Table};
 use counterpoise_verify::Road;
 use counterpoise_verify::signals::filter::{LowPass, from_rest, low_pass};
 use counterpoise_verify::signals::spectrum::{
-    angle_tones, pitch_simulator, random_motion, sine_tones, tones,
+    angle_tones, pitch_simulator, random_motion, sine_tones, spectrum_tones,
 };
 use counterpoise_verify::signals::{RoadDrive, iso_road};
 
@@ -63,7 +63,7 @@ pub fn realise_motion(
         MotionKind::Spectrum { heave_psd, pitch_psd } => random_motion(heave_psd, pitch_psd, how),
         MotionKind::Simulator { offset_m, sines, pitch_psd } => {
             let mut angle = sine_tones(sines);
-            angle.extend(angle_tones(&tones(pitch_psd, how.seed, 0)?));
+            angle.extend(angle_tones(&spectrum_tones(pitch_psd, how.seed, 0)?));
             pitch_simulator(&angle, *offset_m, how)
         }
         MotionKind::IsoRoad { class, speed_m_s, vehicle } => {

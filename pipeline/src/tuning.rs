@@ -21,7 +21,7 @@ use counterpoise_simulate::Simulator;
 use counterpoise_synth::tuning::measure_loop;
 use counterpoise_synth::{
     BestLoop, DesignPlant, Disturbance, FixedStructure, LoopLimits, LoopMeasures, Sampling, Tuned,
-    TunedFeedback, TuningSubject, TuningTask, Weight, sampled_plant, tune,
+    TunedFeedback, TuningSubject, TuningTask, Weight, sampled_plant, tune_parameters,
 };
 use counterpoise_verify::signals::{WelchOptions, welch};
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, Source, nonlinear};
@@ -235,7 +235,7 @@ pub fn tune_feedback(
     let mut plants = ground.plants.clone();
     let checked = plants.len() + ground.mechanisms.len();
     let task = |plants: &[DesignPlant]| -> Result<Tuned, PipelineError> {
-        Ok(tune(&TuningTask {
+        Ok(tune_parameters(&TuningTask {
             subject,
             plants,
             held: &ground.held,
@@ -343,7 +343,7 @@ pub fn expected_disturbance(
     let experiment = Experiment::Disturbance(source, Arrangement::Compensated);
     let mut simulator = Simulator::new(&modelled.plant)?;
     let controller = &made.sampled.controller;
-    let history = nonlinear::history(&mut simulator, controller, &asked_procedure, experiment)?;
+    let history = nonlinear::run_history(&mut simulator, controller, &asked_procedure, experiment)?;
     let noise =
         reading_noise(&modelled.parameters.sensors.hub_gyro, modelled.parameters.interface.input_bits);
     let lines = output_lines(&history.from_time(asked_procedure.settle_s), &made, noise)?;

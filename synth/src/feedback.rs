@@ -59,7 +59,7 @@ struct Problem {
 /// # Errors
 /// [`Error`] for a plant or weights that do not make a problem. A problem without a solution is
 /// [`Error::Refused`].
-pub fn feedback(
+pub fn design_feedback(
     plant: &DesignPlant,
     weights: &FeedbackWeights,
     reference: Reference,
@@ -83,19 +83,19 @@ pub fn feedback(
     })
 }
 
-/// The observer's gain L of [`feedback`], which the weights on error and control do not change.
+/// The observer's gain L of [`design_feedback`], which the weights on error and control do not change.
 ///
 /// # Errors
-/// As [`feedback`].
+/// As [`design_feedback`].
 pub(crate) fn observer_gain(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Mat, Error> {
     Ok(problem(plant, weights)?.filter(weights.measurement_noise)?.F.t())
 }
 
-/// The controller of [`feedback`] from (demand, measured rate) to (control, weighted control) with a given observer's gain, and without
+/// The controller of [`design_feedback`] from (demand, measured rate) to (control, weighted control) with a given observer's gain, and without
 /// the certificates.
 ///
 /// # Errors
-/// As [`feedback`].
+/// As [`design_feedback`].
 pub(crate) fn controller_with_observer(
     plant: &DesignPlant,
     weights: &FeedbackWeights,

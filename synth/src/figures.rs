@@ -39,10 +39,10 @@ pub struct FigureSystems {
     pub controller: StateSpace,
 }
 
-/// Returns the systems on which [`figures`] measures a loop.
+/// Returns the systems on which [`sampled_loop_figures`] measures a loop.
 ///
 /// # Errors
-/// As [`figures`].
+/// As [`sampled_loop_figures`].
 pub fn figure_systems(
     plant: &DesignPlant,
     sampled: &Sampled,
@@ -64,7 +64,7 @@ pub(crate) const BAND_POINTS: usize = 24;
 ///
 /// # Errors
 /// [`Error`] where the plant is not one, or a decomposition fails.
-pub fn figures(
+pub fn sampled_loop_figures(
     plant: &DesignPlant,
     sampled: &Sampled,
     sampling: &Sampling,

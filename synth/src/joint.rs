@@ -6,7 +6,7 @@
 //!     z = (H_q e, v, combination),   u = H_r^-1 v     the feedback's weights, on every disturbance at once
 //! ```
 //!
-//! The states of the weights are computed inside the controller and known exactly, as in [`crate::feedback()`]: an
+//! The states of the weights are computed inside the controller and known exactly, as in [`crate::design_feedback()`]: an
 //! integrating error weight needs no far pole, an improper control weight no approximation. The regulator's equation is
 //! that of the feedback; the disturbances' share follows from a Sylvester equation; one filter estimates plant and
 //! disturbances from all sensors together, so each of them informs every part.

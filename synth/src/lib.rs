@@ -94,7 +94,7 @@ pub mod tuning;
 pub mod weight;
 
 pub use adaptation::{Adaptive, Estimation, Recursive, RecursiveSettings, WindowedMean};
-pub use alternatives::{Alternative, SynthesisMethod, alternative};
+pub use alternatives::{Alternative, SynthesisMethod, design_alternative};
 pub use bandwidth::{Bandwidth, BandwidthLimit, LimitKind, Unknown};
 pub use best_loop::{BestLoop, BestLoopTask, best_loop};
 pub use cause::{Cause, DesignEquation, HiddenFrom, ModeBlock, StatedDensity};
@@ -103,9 +103,9 @@ pub use channel::DisturbanceChannel;
 pub use design::{Design, design};
 pub use discretise::discretise;
 pub use error::{Error, attempt};
-pub use feedback::{Feedback, feedback};
-pub use feedforward::{Feedforward, feedforward};
-pub use figures::{FigureSystems, Figures, figure_systems, figures};
+pub use feedback::{Feedback, design_feedback};
+pub use feedforward::{Feedforward, design_feedforward};
+pub use figures::{FigureSystems, Figures, figure_systems, sampled_loop_figures};
 pub use finding::{ConcernedWeight, DesignFinding, FindingSeverity, Part, WeightRole};
 pub use first_design::{
     Circumstances, ExpectedMotion, FirstDesign, LimitLoops, LoopJudgement, RequiredMargins, first_design,
@@ -126,9 +126,9 @@ pub use refusal::Refusal;
 pub use requirements::{BandSpectrum, Requirements};
 pub use residual::{Weighed, error_at, stabilisation_error};
 pub use sampling::{Sampled, Sampling, SamplingMethod, check_sampled_loop, sampled_loop, sampled_plant};
-pub use schedule::{Conditions, Configuration, HeaveFeedforwardLaw, ScheduleEntry, schedule};
+pub use schedule::{Conditions, Configuration, HeaveFeedforwardLaw, ScheduleEntry, design_schedule};
 pub use scheduled_controller::discretise_schedule;
-pub use search::{Ended, SearchResult, SearchTask, SearchTrial, search, trade_off};
+pub use search::{Ended, SearchResult, SearchTask, SearchTrial, search_specification, trade_off};
 pub use specification::{
     Assembly, DisturbanceKnowledge, FeedbackWeights, FeedforwardBasis, FeedforwardWeights, Reference,
     Specification,
@@ -137,6 +137,6 @@ pub use table::{Fit, TablePoint, fit_table};
 pub use total_cost::{SourceCost, TotalCost, total_cost};
 pub use tuning::{
     Disturbance, LoopLimits, LoopMeasures, Tuned, TunedFeedback, TuningSubject, TuningTask,
-    measure_controller, tune,
+    measure_controller, tune_parameters,
 };
 pub use weight::Weight;

@@ -34,7 +34,7 @@ impl SampledController for Acting {
 }
 
 /// Returns every experiment of a procedure: step, rest and triangle with the whole controller, the disturbances in every arrangement.
-pub fn experiments(procedure: &Procedure) -> Vec<Experiment> {
+pub fn list_experiments(procedure: &Procedure) -> Vec<Experiment> {
     let mut all = vec![Experiment::Step, Experiment::Rest];
     all.extend(procedure.triangle.map(|_| Experiment::Triangle));
     for source in procedure.sources() {
@@ -48,7 +48,7 @@ pub fn experiments(procedure: &Procedure) -> Vec<Experiment> {
 ///
 /// # Errors
 /// [`Error::Simulate`], with the motion's divergence among its kinds, and those of the controller.
-pub fn history(
+pub fn run_history(
     simulator: &mut Simulator,
     controller: &Controller,
     procedure: &Procedure,
@@ -58,10 +58,10 @@ pub fn history(
     Ok(columns_of(run, simulator.plant(), procedure, experiment))
 }
 
-/// Runs one experiment as [`history`] does; returns everything that the simulator keeps.
+/// Runs one experiment as [`run_history`] does; returns everything that the simulator keeps.
 ///
 /// # Errors
-/// As [`history`].
+/// As [`run_history`].
 pub fn run(
     simulator: &mut Simulator,
     controller: &Controller,
@@ -82,7 +82,7 @@ pub fn run(
 /// Runs one experiment with anything that acts once a sample: the same controller in other numbers, or on a target.
 ///
 /// # Errors
-/// As [`history`].
+/// As [`run_history`].
 pub fn history_of(
     simulator: &mut Simulator,
     acting: &mut dyn SampledController,

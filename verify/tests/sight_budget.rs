@@ -158,7 +158,7 @@ fn noise_alone_has_the_mean_square_of_its_density() {
         for seed in 0..seeds {
             let asked = Procedure { seed: 100 + seed, ..still() };
             let history =
-                nonlinear::history(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
+                nonlinear::run_history(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
             let angles = SightAngles::of(&history, asked.settle_s).unwrap();
             let error = angles.error(0.02).values();
             squares.iter_mut().zip(error).for_each(|(sum, rad)| *sum += rad * rad / seeds as f64);
@@ -213,7 +213,7 @@ fn linear_marches_of_all_sources_add_up_to_the_simulated_motion() {
     let mut simulator = Simulator::new(&plant).unwrap();
     let acting = controller();
     let run = nonlinear::run(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
-    let history = nonlinear::history(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
+    let history = nonlinear::run_history(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
     let simulated = SightAngles::of(&history, asked.settle_s).unwrap();
     let bands = Bands::of(simulated.hub_rad.len(), 1e-3);
     let loops = Propagation::new(&plant, &acting, &asked, &bands).unwrap().unwrap();
@@ -238,7 +238,7 @@ fn steps_of_converters_are_noise_where_they_are_dithered() {
     let angles = |p: &Parameters| {
         let mut simulator = Simulator::new(&Plant::from_lumped(p).unwrap()).unwrap();
         let history =
-            nonlinear::history(&mut simulator, &controller(), &asked, sight_experiment(&asked)).unwrap();
+            nonlinear::run_history(&mut simulator, &controller(), &asked, sight_experiment(&asked)).unwrap();
         SightAngles::of(&history, asked.settle_s).unwrap()
     };
     let mut fine = quiet();

@@ -118,7 +118,7 @@ fn print(table: &DesignTable, times_s: &[f64]) {
         .enumerate()
         .map(|(k, row)| designs::design_cells(row, times_s.get(k).copied()))
         .collect();
-    for (line, name) in designs::columns(table.controlled).iter().enumerate() {
+    for (line, name) in designs::table_columns(table.controlled).iter().enumerate() {
         let cells: String = columns.iter().map(|cells| format!("{:>11}", cells[line])).collect();
         say!("{name:WIDEST_NAME$}{cells}");
     }

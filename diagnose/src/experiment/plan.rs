@@ -68,7 +68,7 @@ pub struct ExperimentPlan {
 }
 
 /// Returns the plan within the limits; it has no experiments if fewer than two machines keep them.
-pub fn plan(request: &ExperimentRequest, pool: &dyn Pool) -> ExperimentPlan {
+pub fn choose_experiment(request: &ExperimentRequest, pool: &dyn Pool) -> ExperimentPlan {
     let Some(first) = request.machines.first() else { return ExperimentPlan::default() };
     let demands = list_demands(&request.limits, first.parameters.interface.sample_period_s);
     let machines = request.that_keep_limits(&demands, pool);

@@ -6,7 +6,7 @@ use crate::findings::answer::{
 };
 use crate::findings::channel_fits::fits_by_channel;
 use crate::fitting::output_error::confidence_intervals;
-use crate::fitting::score::score;
+use crate::fitting::score::score_parts;
 use crate::library::{Component, Effect, EffectName, EffectParameter};
 use crate::localisation::error_hypotheses::COMPONENTS;
 use crate::localisation::error_map::{MapCell, rank_components};
@@ -278,7 +278,7 @@ impl VerdictEvidence<'_> {
                 before,
             };
         };
-        let held_out_before = score(&self.search.baseline.fitted, &accepted.held_out_parts);
+        let held_out_before = score_parts(&self.search.baseline.fitted, &accepted.held_out_parts);
         FitTable {
             before,
             after: fits_by_channel(&accepted.whole),

@@ -7,7 +7,7 @@ use counterpoise_simulate::replay::ReplayLoop;
 
 use crate::error::Error;
 use crate::fitting::output_error::{FitSelection, Problem};
-use crate::fitting::score::{RecordingPart, assess, score};
+use crate::fitting::score::{RecordingPart, assess_recordings, score_parts};
 use crate::library::Effect;
 use crate::recording::noise::with_recorded_noise;
 use crate::simulator_access::SimulatorAccess;
@@ -69,5 +69,5 @@ fn left(
         };
         problem.fit(&structure.start)?.parameters
     };
-    Some(score(&assess(simulator, pool, &parameters)?, &parts)?.distance())
+    Some(score_parts(&assess_recordings(simulator, pool, &parameters)?, &parts)?.distance())
 }

@@ -45,7 +45,7 @@ pub struct RecordingPart {
 }
 
 /// Assesses every recording, whole; returns `None` if the mechanism cannot be simulated.
-pub fn assess(
+pub fn assess_recordings(
     simulator: &dyn SimulatorAccess,
     pool: &dyn Pool,
     parameters: &Parameters,
@@ -54,7 +54,7 @@ pub fn assess(
     (judged.len() == simulator.count()).then(|| judged.into_iter().collect::<Option<Vec<_>>>()).flatten()
 }
 
-/// Assesses every recording like [`assess`], from the initial states of the assessments of a similar mechanism.
+/// Assesses every recording like [`assess_recordings`], from the initial states of the assessments of a similar mechanism.
 pub fn assess_near(
     simulator: &dyn SimulatorAccess,
     pool: &dyn Pool,
@@ -66,7 +66,7 @@ pub fn assess_near(
 }
 
 /// Returns the score over parts of assessed recordings; `None` if a residual is not finite.
-pub fn score(judged: &[Assessment], parts: &[RecordingPart]) -> Option<Score> {
+pub fn score_parts(judged: &[Assessment], parts: &[RecordingPart]) -> Option<Score> {
     let mut cells = Vec::new();
     for part in parts {
         let here = &judged[part.recording];

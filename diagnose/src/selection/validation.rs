@@ -4,7 +4,7 @@ use counterpoise_models::Parameters;
 
 use crate::fitting::null_gain::mean_null_gain;
 use crate::fitting::output_error::{Fit, FitSelection};
-use crate::fitting::score::{RecordingPart, Score, score};
+use crate::fitting::score::{RecordingPart, Score, score_parts};
 use crate::selection::baseline::log_excess;
 use crate::selection::candidate::{FittedCandidate, whole_parts};
 use crate::selection::searcher::Searcher;
@@ -56,8 +56,8 @@ impl Searcher<'_> {
         let own: Vec<usize> = (0..count).filter(|&r| predicted[r].from > 0.0).collect();
         let judged: Vec<Assessment> = predicted.into_iter().map(|prediction| prediction.assessment).collect();
         Some(FittedCandidate {
-            held_out: score(&judged, &parts)?,
-            held_out_before: score(plain, &parts)?,
+            held_out: score_parts(&judged, &parts)?,
+            held_out_before: score_parts(plain, &parts)?,
             held_out_parts: parts,
             needed: own,
             ..candidate
@@ -93,7 +93,7 @@ impl Searcher<'_> {
     fn leave_values_open(&self, candidate: &FittedCandidate, fit: &Fit, recordings: &[usize]) -> bool {
         let head = RecordingPart { recording: 0, from: 0.0, to: FITTED_SHARE };
         let score_of = |parameters: &Parameters, r: usize, near: Option<&Assessment>| {
-            score(&[self.simulator.assess_from(parameters, r, near?)?], &[head])
+            score_parts(&[self.simulator.assess_from(parameters, r, near?)?], &[head])
         };
         let loss = |&r: &usize| {
             let own = score_of(&candidate.fit.parameters, r, candidate.assessments.get(r))?;
@@ -125,6 +125,6 @@ impl Searcher<'_> {
 /// apart.
 fn predicts_less(predicted: &Assessment, candidate: &FittedCandidate, recording: usize) -> bool {
     let whole = RecordingPart { recording: 0, from: 0.0, to: 1.0 };
-    score(std::slice::from_ref(predicted), &[whole])
+    score_parts(std::slice::from_ref(predicted), &[whole])
         .is_some_and(|predicted| predicted.loss_against(&candidate.whole.of_recording(recording)) > AMBIGUOUS)
 }

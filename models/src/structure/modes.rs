@@ -47,7 +47,7 @@ pub struct Modes {
 /// # Errors
 /// [`Error::Parameter`] if an unknown has a negative mass, or fewer have any than there are rigid motions, [`Error::NoHubNode`] if a held structure has no node at the pivot, [`Error::NotFree`] if K resists a rigid
 /// motion that the support leaves free, [`Error::Linalg`] if M is not positive definite.
-pub fn modes(model: &FeModel, support: Support) -> Result<Modes, Error> {
+pub fn undamped_modes(model: &FeModel, support: Support) -> Result<Modes, Error> {
     let n = model.M.nrows();
     let held = held(model, support)?;
     let free: Vec<usize> = (0..n).filter(|i| !held.contains(i)).collect();

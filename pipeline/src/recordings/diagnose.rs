@@ -60,7 +60,7 @@ pub fn diagnose(
     let recordings: Vec<Recording> = read.iter().map(|item| item.recording.clone()).collect();
     let base = apply_configuration(project, &project.plant)?;
     let request = Request { base: &base, control, contradiction, recordings: &recordings };
-    let mut diagnosis = counterpoise_diagnose::diagnosis::run(&request, pool)
+    let mut diagnosis = counterpoise_diagnose::diagnosis::diagnose_request(&request, pool)
         .map_err(|cause| PipelineError::Diagnosis { cause, unused: unused_columns(&read) })?;
     let without_demand = without_demand(project, &read);
     let remarks = read.into_iter().map(|item| (item.file, item.remarks)).collect();

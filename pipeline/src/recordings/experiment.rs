@@ -1,7 +1,9 @@
 //! The next experiment of a project's machine: the machines that a diagnosis leaves possible, and the demand that separates them best.
 
 use counterpoise_diagnose::can_have;
-use counterpoise_diagnose::experiment::{ExperimentPlan, ExperimentRequest, Limits, PossibleMachine, plan};
+use counterpoise_diagnose::experiment::{
+    ExperimentPlan, ExperimentRequest, Limits, PossibleMachine, choose_experiment,
+};
 use counterpoise_diagnose::library::{
     Component, Effect, EffectKind, EffectName, EffectParameter, find_effects, list_effects,
 };
@@ -108,7 +110,7 @@ pub fn plan_experiment(
     }
     let start_angle_rad = project.model.operating_point.hub_angle_rad;
     let request = ExperimentRequest { machines: &machines, controller: &controller, start_angle_rad, limits };
-    let planned = plan(&request, pool);
+    let planned = choose_experiment(&request, pool);
     if planned.experiments.is_empty() {
         return Err(PipelineError::NoExperiment);
     }

@@ -8,8 +8,9 @@ use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::alternatives::generalised_plant;
 use counterpoise_synth::{
     Alternative, Design, DesignPlant, DisturbanceChannel, FeedbackWeights, Figures, JointOptimum, Reference,
-    Refusal, Sampled, ScheduleEntry, SourceCost, SynthesisMethod, Weighed, Weight, alternative, attempt,
-    check_sampled_loop, discretise, error_at, figure_systems, figures, total_cost,
+    Refusal, Sampled, ScheduleEntry, SourceCost, SynthesisMethod, Weighed, Weight, attempt,
+    check_sampled_loop, design_alternative, discretise, error_at, figure_systems, sampled_loop_figures,
+    total_cost,
 };
 use serde::Serialize;
 
@@ -298,7 +299,7 @@ fn measured_loop(made: &SynthesisedDesign, sampled: &Sampled) -> Result<Measured
 }
 
 fn loop_figures(made: &SynthesisedDesign, sampled: &Sampled) -> Result<LoopFigures, PipelineError> {
-    let found: Figures = figures(&made.design.plant, sampled, &made.sampling, BAND_RAD_S)?;
+    let found: Figures = sampled_loop_figures(&made.design.plant, sampled, &made.sampling, BAND_RAD_S)?;
     Ok(LoopFigures {
         gain_margin_db: found.gain_margin_db,
         phase_margin_deg: found.phase_margin_deg,
@@ -340,7 +341,7 @@ fn methods(asked: &DesignRequest, made: &SynthesisedDesign) -> Result<Vec<Method
     {
         let weights = FeedbackWeights { error: error.clone(), ..weights.clone() };
         for &method in all.iter().skip(usize::from(variant == 0)) {
-            let answer = attempt(alternative(&made.design.plant, &weights, method))?;
+            let answer = attempt(design_alternative(&made.design.plant, &weights, method))?;
             let problem = answer.as_ref().ok().map(|found| problem(made, &weights, found)).transpose()?;
             let row = method_row(made, method, answer)?;
             rows.push(MethodRow { problem, integral: integrates && variant == 0, ..row });

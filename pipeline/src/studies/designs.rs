@@ -397,7 +397,7 @@ impl RowBuilder<'_> {
     fn run(&self, controller: &Controller) -> Result<RunFigures, PipelineError> {
         let mut simulator = Simulator::new(&self.modelled.plant)?;
         let mut run = |experiment: Experiment| -> Result<[f64; 2], PipelineError> {
-            let history = nonlinear::history(&mut simulator, controller, &self.procedure, experiment)?;
+            let history = nonlinear::run_history(&mut simulator, controller, &self.procedure, experiment)?;
             let history = match experiment {
                 Experiment::Step => history,
                 _ => history.from_time(self.procedure.settle_s),

@@ -335,7 +335,7 @@ impl Analyser {
         let (input, output) = (recorded(input)?, recorded(Channel::HubRate)?);
         let mut points = Vec::with_capacity(frequencies_hz.len());
         for hz in frequencies_hz {
-            let found = fra::response(input, output, recording.sample_period_s, TAU * hz, usize::MAX)?;
+            let found = fra::cycle_response(input, output, recording.sample_period_s, TAU * hz, usize::MAX)?;
             let point = self.point_of(&found, found.input.harmonics[0].norm())?;
             points.push(ResponseMapPoint { settled: excited(&found, recording.sample_period_s), ..point });
         }

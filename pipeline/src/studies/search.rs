@@ -1,7 +1,8 @@
 //! From requirements to weights: the search, its trade-off curve, and the project with the weights that were found.
 
 use counterpoise_synth::{
-    Figures, Requirements, SearchResult, SearchTask, SearchTrial, figures, search as searched, trade_off,
+    Figures, Requirements, SearchResult, SearchTask, SearchTrial, sampled_loop_figures, search_specification,
+    trade_off,
 };
 
 use counterpoise_verify::VerifiedController;
@@ -63,7 +64,7 @@ pub fn search_weights(
         sampling: &sampling,
         most_trials: wanted.trials,
     };
-    let mut found = searched(&task, go_on)?;
+    let mut found = search_specification(&task, go_on)?;
     let mut curve = Vec::new();
     if !wanted.ms_limits.is_empty() {
         let from = SearchTask { start: &found.best.specification, ..task };
@@ -82,7 +83,7 @@ pub fn search_weights(
     let designed = counterpoise_synth::design(&plant, &found.best.specification)?;
     let sampled = counterpoise_synth::discretise(&designed, &sampling)?;
     let around_full = counterpoise_synth::check_sampled_loop(&full, sampled.controller, &sampling)?;
-    let of_all = figures(&full, &around_full, &sampling, wanted.requirements.band_rad_s)?;
+    let of_all = sampled_loop_figures(&full, &around_full, &sampling, wanted.requirements.band_rad_s)?;
     let rejection = wanted.requirements.share_left(&around_full.loop_gain, &full, &asked.specification)?;
     let on_full_plant = Figures { rejection, ..of_all };
     let missed_on_full_plant = wanted.requirements.total_shortfall(&on_full_plant);

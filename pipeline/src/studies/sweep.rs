@@ -4,7 +4,7 @@ use counterpoise_controller::Controller;
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pool::{Pool, map};
 use counterpoise_verify::robust::{
-    Campaign, Layout, Member, Ranked, Sample, Sense, Summary, Variation, Worst, configurations,
+    Campaign, Layout, Member, Ranked, Sample, Sense, Summary, Variation, Worst, compare_configurations,
     one_at_a_time, rank_parameters, summarise_requirement, worst_case,
 };
 use counterpoise_verify::structured::{RobustStability, Uncertainty};
@@ -172,7 +172,7 @@ pub fn vary_families(
     let (parameters, controller, procedure) =
         (&modelled.parameters, verified.controller(), project_procedure(project, world)?);
     let mut members = one_at_a_time(parameters, controller, &procedure, &figures, &asked.families)?;
-    members.extend(configurations(parameters, controller, &procedure, &figures)?);
+    members.extend(compare_configurations(parameters, controller, &procedure, &figures)?);
     Ok(members)
 }
 

@@ -1,7 +1,7 @@
 //! The trade-off between error and effort: the feedback as its error weight is raised and lowered.
 
-use counterpoise_synth::{DesignPlant, Figures, Requirements, Sampling, Specification};
-use counterpoise_synth::{attempt, design, discretise, figures};
+use counterpoise_synth::{DesignPlant, Figures, Requirements, Sampling, Specification, sampled_loop_figures};
+use counterpoise_synth::{attempt, design, discretise};
 
 use crate::synth::{design_plant, sampling};
 use crate::{PipelineError, PlantModel, ReducedPlant};
@@ -64,5 +64,5 @@ fn loop_figures(
 ) -> Result<Option<Figures>, PipelineError> {
     let Ok(designed) = attempt(design(plant, wanted))? else { return Ok(None) };
     let Ok(sampled) = attempt(discretise(&designed, sampling))? else { return Ok(None) };
-    Ok(Some(figures(plant, &sampled, sampling, band_rad_s)?))
+    Ok(Some(sampled_loop_figures(plant, &sampled, sampling, band_rad_s)?))
 }

@@ -12,7 +12,7 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_reduce::{ControllerReduction, Method as Truncation, Order, reduce_controller};
 use counterpoise_synth::{
     Alternative, Design, DesignFinding, DisturbanceChannel, Reference, Sampled, Sampling, ScheduleEntry,
-    SynthesisMethod, alternative, design, discretise, discretise_schedule,
+    SynthesisMethod, design, design_alternative, discretise, discretise_schedule,
 };
 
 use crate::synth::controller_blocks::{with_controller_blocks, with_reading_limits};
@@ -125,7 +125,7 @@ fn by_method(asked: &DesignRequest, design: &mut Design) -> Result<Option<Altern
         return Ok(None);
     }
     sees_the_error_alone(design, "method")?;
-    let made = alternative(&design.plant, &asked.specification.feedback, method)?;
+    let made = design_alternative(&design.plant, &asked.specification.feedback, method)?;
     design.substitute = Some(made.controller.clone());
     Ok(Some(made))
 }

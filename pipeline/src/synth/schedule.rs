@@ -1,7 +1,7 @@
 //! The schedule over out-of-balance: the plant in each state of balance, and what becomes of the three controllers.
 
 use counterpoise_models::plant::{Body, Plant};
-use counterpoise_synth::{Configuration, HeaveFeedforwardLaw, ScheduleEntry, schedule};
+use counterpoise_synth::{Configuration, HeaveFeedforwardLaw, ScheduleEntry, design_schedule};
 use serde::Serialize;
 
 use crate::model::of_rate;
@@ -49,7 +49,7 @@ pub fn schedule_entries(
 ) -> Result<Vec<ScheduleEntry>, PipelineError> {
     let nominal = configured(project, asked, "nominal", modelled)?;
     let others = other_configurations(project, asked, modelled, wanted)?;
-    Ok(schedule(&nominal, &others, &asked.specification)?)
+    Ok(design_schedule(&nominal, &others, &asked.specification)?)
 }
 
 /// Returns every state of balance besides the nominal one.

@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use counterpoise_linalg::{Sparse, sparse::ProgressObserver};
 use counterpoise_models::PointMass;
 use counterpoise_models::structure::fe::Fitted;
-use counterpoise_models::structure::import::{Dmig, Imported, NodeMap, dmig, matrix_market, op4};
+use counterpoise_models::structure::import::{Dmig, Imported, NodeMap, matrix_market, read_dmig, read_op4};
 use counterpoise_models::structure::{Condensation, FeModel, Shapes};
 
 use super::structure::{assumed_ratio, masses};
@@ -197,7 +197,7 @@ fn content(v: &mut dyn Visit, import: &ImportedStructure) -> Option<ImportedCont
     let matrices = match import.format {
         MatrixFormat::MatrixMarket => plain(v, import, &map, |text, _| matrix_market(text)),
         MatrixFormat::Op4 => plain(v, import, &map, |text, name| {
-            let all = op4(text)?;
+            let all = read_op4(text)?;
             let known: Vec<&str> = all.iter().map(|one| one.name.as_str()).collect();
             let at = the_one(&known, name)?;
             Ok(all[at].matrix.clone())
@@ -244,7 +244,7 @@ fn grids(v: &mut dyn Visit, import: &ImportedStructure) -> Option<Imported> {
             continue;
         }
         let inside = read(v, key, &from.file, |text| {
-            let all = dmig(text)?;
+            let all = read_dmig(text)?;
             let known: Vec<&str> = all.iter().map(|one| one.name.as_str()).collect();
             let at = the_one(&known, &from.name)?;
             Ok(all[at].clone())

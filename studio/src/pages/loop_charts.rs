@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use counterpoise_linalg::C64;
 use counterpoise_pipeline::preview::DesignPreview;
 use counterpoise_report::bode::{BodeCurve, ResponsePoint};
-use counterpoise_verify::linear::loop_shape::nichols;
+use counterpoise_verify::linear::loop_shape::nichols_points;
 use counterpoise_verify::linear::{
     Disk, LOCUS_CROSSOVERS, LoopCause, LoopEffect, LoopResponse, LoopShape, MarginKind, RootLocus,
     largest_sensitivity, margins_on_path,
@@ -131,7 +131,7 @@ fn named_margins(design: &DesignPreview) -> Vec<NamedMargin> {
 fn nichols_chart(view: &View, design: &DesignPreview, response: &[C64], largest: f64) -> Chart {
     let mut chart = Chart::new("Nichols", "phase of L, deg", "modulus of L, dB");
     for (slot, kept) in &view.kept {
-        let path = nichols(&kept.curves.broken.response);
+        let path = nichols_points(&kept.curves.broken.response);
         chart = chart.with_path(slot.name(), view.theme.kept_colour(*slot), LineDash::Dotted, path);
     }
     chart = chart
@@ -139,13 +139,13 @@ fn nichols_chart(view: &View, design: &DesignPreview, response: &[C64], largest:
             &outline_name(largest),
             view.theme.weak,
             LineDash::Dashed,
-            nichols(&Disk::of_sensitivity(largest).edge()),
+            nichols_points(&Disk::of_sensitivity(largest).edge()),
         )
-        .with_path("L", view.theme.curves[0], LineDash::Solid, nichols(response));
+        .with_path("L", view.theme.curves[0], LineDash::Solid, nichols_points(response));
     for NamedMargin { response, label } in named_margins(design) {
-        chart
-            .spots
-            .extend(nichols(&[response]).into_iter().map(|at| LabelledPoint { at, label: label.clone() }));
+        chart.spots.extend(
+            nichols_points(&[response]).into_iter().map(|at| LabelledPoint { at, label: label.clone() }),
+        );
     }
     chart.levels.push(0.0);
     chart.add_mark(-180.0, "");

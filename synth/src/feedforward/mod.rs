@@ -73,7 +73,7 @@ struct Regulator {
 /// # Errors
 /// [`Error`] for a plant or weights that do not make a problem (see [`crate::preflight()`]); a problem without a
 /// solution is [`Error::Refused`].
-pub fn feedforward(
+pub fn design_feedforward(
     plant: &DesignPlant,
     weights: &FeedforwardWeights,
     channel: DisturbanceChannel,

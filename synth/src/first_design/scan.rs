@@ -14,7 +14,7 @@ use crate::bandwidth::{BandwidthLimit, LimitKind, Unknown};
 use crate::cascade::with_position_loop;
 use crate::error::attempt;
 use crate::tolerance::{CAUTION, CEILING, CLOCK_SHARE, FAR_ABOVE_CEILING};
-use crate::{Error, FeedbackWeights, Reference, feedback};
+use crate::{Error, FeedbackWeights, Reference, design_feedback};
 use counterpoise_pool::Pool;
 
 /// A feedback to be tried.
@@ -354,7 +354,7 @@ impl<'a> Scan<'a> {
     /// The feedback of weights, with the position loop about it if the plant has one.
     fn controller(&self, weights: &FeedbackWeights, position_gain: Option<f64>) -> Result<StateSpace, Error> {
         let plant = &self.circumstances.plant;
-        let designed = feedback(plant.weighted_plant(), weights, Reference::Error)?;
+        let designed = design_feedback(plant.weighted_plant(), weights, Reference::Error)?;
         let cascade = with_position_loop(plant, &designed.controller, position_gain)?;
         Ok(cascade.unwrap_or(designed.controller))
     }

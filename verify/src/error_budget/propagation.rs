@@ -24,7 +24,9 @@ use crate::history::History;
 use crate::line_of_sight::SightAngles;
 use crate::linear::closed_loop::resolver_use;
 use crate::linear::noise::{NoiseEntry, NoiseResponse, noise_responses};
-use crate::linear::{Closed, SampledPlant, arrange_controller, disturbance, surge::acting_arrangement};
+use crate::linear::{
+    Closed, SampledPlant, arrange_controller, simulate_disturbance, surge::acting_arrangement,
+};
 use crate::sight_spectrum::{Bands, SightSpectrum};
 use crate::tolerance::SIGHT_POINTS_A_BAND;
 use crate::{Arrangement, Error, HeaveAndPitch, LineOfSight, Procedure, Source};
@@ -193,7 +195,7 @@ impl<'a> Propagation<'a> {
         };
         let closed = if source == ErrorSource::Surge { &self.closed_for_surge } else { &self.closed };
         let duration_s = self.procedure.duration_of(ran);
-        disturbance(&self.sampled, closed, ran, Arrangement::Compensated, duration_s, motion)
+        simulate_disturbance(&self.sampled, closed, ran, Arrangement::Compensated, duration_s, motion)
     }
 
     fn of_torques(&self, torques: &Torques) -> Result<History, Error> {
@@ -206,7 +208,14 @@ impl<'a> Propagation<'a> {
         };
         let duration_s = torques.motor_nm.len().saturating_sub(1) as f64 * period_s;
         let arrangement = Arrangement::Compensated;
-        disturbance(&self.torqued, &self.closed_for_torques, Source::Both, arrangement, duration_s, at)
+        simulate_disturbance(
+            &self.torqued,
+            &self.closed_for_torques,
+            Source::Both,
+            arrangement,
+            duration_s,
+            at,
+        )
     }
 
     fn of_noise(&self, noises: &[Noise]) -> Option<LinearContribution> {

@@ -29,7 +29,8 @@ pub fn add_surge(
     let motion =
         |time_s: f64| HeaveAndPitch { heave_m_s2: -tangent * road.surge_at(time_s), pitch_rate_rad_s: 0.0 };
     let duration_s = procedure.duration_of(Source::Road);
-    let surge = super::disturbance(plant, &acting.closed, Source::Road, arrangement, duration_s, motion)?;
+    let surge =
+        super::simulate_disturbance(plant, &acting.closed, Source::Road, arrangement, duration_s, motion)?;
     for column in
         [HistoryColumn::HubRate, HistoryColumn::TipRate, HistoryColumn::Current, HistoryColumn::Travel]
     {

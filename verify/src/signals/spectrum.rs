@@ -48,11 +48,11 @@ const PITCH_STREAM: u64 = 1;
 /// points [Hz, (rad/s)^2/Hz]. No points: no motion.
 ///
 /// # Errors
-/// As [`tones`], and for a duration or fade out of range.
+/// As [`spectrum_tones`], and for a duration or fade out of range.
 pub fn random_motion(heave: &[[f64; 2]], pitch: &[[f64; 2]], how: MotionRealisation) -> Result<Road, Error> {
     let samples = check(how)?;
     let series = |points: &[[f64; 2]], stream: u64| -> Result<Vec<f64>, Error> {
-        let tones = tones(points, how.seed, stream)?;
+        let tones = spectrum_tones(points, how.seed, stream)?;
         let at = |k: usize| {
             let t = k as f64 * PERIOD_S;
             window(t, how)[0] * sum(&tones, t)[0]
@@ -145,7 +145,7 @@ pub fn check_density(points: &[[f64; 2]]) -> Result<(), Error> {
 ///
 /// # Errors
 /// As [`check_density`].
-pub fn tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<MotionTone>, Error> {
+pub fn spectrum_tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<MotionTone>, Error> {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return Ok(Vec::new()) };
     check_density(points)?;
     let mut source = ChaCha8Rng::seed_from_u64(seed);
@@ -245,7 +245,7 @@ mod tests {
 
     #[test]
     fn the_variance_is_the_integral_of_the_density() {
-        let tones = tones(&POINTS, 3, 0).unwrap();
+        let tones = spectrum_tones(&POINTS, 3, 0).unwrap();
         let variance: f64 = tones.iter().map(|t| 0.5 * t.amplitude * t.amplitude).sum();
         assert!((variance / power_in_band(&POINTS, 0.0, 100.0) - 1.0).abs() < 1e-9);
         // 1/f from 1 to e has the integral 1
