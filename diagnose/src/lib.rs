@@ -33,7 +33,7 @@
 //! ```
 //!
 //! *Invariant*: nothing here knows a weight, a file, a thread or a clock; processors are handed in as a
-//! [`Pool`](simulator_access::Pool).
+//! [`Pool`](counterpoise_pool::Pool).
 
 pub mod recording;
 

@@ -217,7 +217,7 @@ pub fn write_file(path: &Path, content: &[u8]) -> io::Result<()> {
     write_on(&NativeDisk, path, content)
 }
 
-/// Writes on a disk as [`write()`] does.
+/// Writes on a disk as [`write_file`] does.
 ///
 /// # Errors
 /// Those of the file system; the old file is then as it was.

@@ -14,7 +14,7 @@
 //!
 //! *Invariant*: nothing here knows a requirement, a design, a file, a thread or a clock; noise comes from a seed.
 //!
-//! Modules in reading order: [`signal`], [`motion`], [`firing`], [`scenario`], [`mod@run`], [`two_axes`], [`ensemble`], [`sensing`], `noise`, `sampling_errors`, `drive_limits`, [`history`], [`recording`],
+//! Modules in reading order: [`signal`], [`motion`], [`firing`], [`scenario`], [`mod@run`], [`two_axes`], [`ensemble`], [`sensing`], `noise`, `sampling_errors`, `drive_limits`, [`history`],
 //! [`mod@replay`], [`fra`], [`convergence`], [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```

@@ -38,7 +38,7 @@
 //!     disturbances: vec![VectorEntry::new(1, 1.0)],
 //!     loop_recovery: 0.0,
 //! };
-//! let part = feedback(&plant, &weights, Reference::Error)?;
+//! let part = design_feedback(&plant, &weights, Reference::Error)?;
 //! assert!(part.closed_loop.iter().all(|pole| pole.re < 0.0));
 //! assert!(part.cost.relative_difference().is_some_and(|difference| difference < 1e-6));
 //! # Ok::<(), Error>(())
