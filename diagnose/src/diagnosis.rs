@@ -334,9 +334,9 @@ fn qualified(
     let (mut sound, mut told) = (Vec::new(), Vec::new());
     for recording in recordings {
         let repaired = repair_gaps(recording, ratio);
-        told.extend(repaired.repairs.into_iter().map(|(channel, repair)| RecordingRemark::Repaired {
+        told.extend(repaired.repairs.into_iter().map(|(part, repair)| RecordingRemark::Repaired {
             recording: recording.name.clone(),
-            channel,
+            part,
             repair,
         }));
         for mut part in repaired.parts {
@@ -382,10 +382,7 @@ fn shorten(recordings: &mut [Recording], most: usize, told: &mut Vec<RecordingRe
 }
 
 /// Removes a channel from a recording that can do without it; returns whether it was removed.
-fn left_out(recording: &mut Recording, channel: &str) -> bool {
-    match channel {
-        "motor_rate" => recording.remove(Channel::MotorRate).is_some(),
-        "hub_position" => recording.remove(Channel::HubPosition).is_some(),
-        _ => false,
-    }
+fn left_out(recording: &mut Recording, channel: Channel) -> bool {
+    let is_redundant = matches!(channel, Channel::MotorRate | Channel::HubPosition);
+    is_redundant && recording.remove(channel).is_some()
 }

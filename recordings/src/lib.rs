@@ -43,5 +43,5 @@ pub use remark::{Remark, Unread};
 pub use shaping::repeat_last;
 pub use signals::{ColumnName, Signals};
 pub use table::{Column, Table};
-pub use time_unit::{DoubtfulUnit, doubtful_unit};
+pub use time_unit::DoubtfulUnit;
 pub use unit::Unit;

@@ -1,6 +1,7 @@
 //! Remarks: what the reader of a recording should know although the recording can be used.
 
 use crate::Channel;
+use crate::time_unit::DoubtfulUnit;
 
 /// Why a column of a file was not read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -120,5 +121,7 @@ pub enum Remark {
         file_s: f64,
         /// Sample period of the project, s.
         project_s: f64,
+        /// Set if the steps are so far from the project's that the unit of the time is in doubt.
+        doubt: Option<DoubtfulUnit>,
     },
 }

@@ -111,7 +111,7 @@ impl<C: ColumnName> Signals<C> {
         }
     }
 
-    /// Shortens the signals to a number of samples.
+    /// Removes the samples after a number of them.
     pub fn truncate(&mut self, samples: usize) {
         self.samples = self.samples.min(samples);
     }

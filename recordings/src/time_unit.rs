@@ -13,7 +13,7 @@ pub struct DoubtfulUnit {
 }
 
 /// Returns that the steps of a time, taken as seconds, are far from the sample period; `None` if they are near it.
-pub fn doubtful_unit(file_s: f64, project_s: f64) -> Option<DoubtfulUnit> {
+pub(crate) fn doubtful_unit(file_s: f64, project_s: f64) -> Option<DoubtfulUnit> {
     let is_within = |step_s: f64, factor: f64| step_s < factor * project_s && project_s < factor * step_s;
     if is_within(file_s, FAR_FROM_PERIOD) {
         return None;

@@ -4,9 +4,7 @@
 
 use std::path::PathBuf;
 
-use counterpoise_recordings::{
-    Channel, DoubtfulUnit, Error, Mapping, Recording, Remark, Table, doubtful_unit,
-};
+use counterpoise_recordings::{Channel, DoubtfulUnit, Error, Mapping, Recording, Remark, Table};
 
 fn read(name: &str) -> Result<Table, Error> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/hostile").join(name);
@@ -303,6 +301,6 @@ fn text_in_another_encoding_is_refused_with_advice() {
 fn a_stated_unit_that_is_far_from_the_sample_period_is_asked_about() {
     let rows: String = (0..50).map(|k| format!("{k},{}\n", 0.1 * f64::from(k))).collect();
     let recording = recorded(&format!("time [s],control [V]\n{rows}"), Some(1e-3)).unwrap();
-    let Remark::Resampled { file_s, project_s } = recording.remarks[0] else { panic!("{recording:?}") };
-    assert_eq!(doubtful_unit(file_s, project_s), Some(DoubtfulUnit { meant: Some("ms") }));
+    let Remark::Resampled { doubt, .. } = recording.remarks[0] else { panic!("{recording:?}") };
+    assert_eq!(doubt, Some(DoubtfulUnit { meant: Some("ms") }));
 }

@@ -4,6 +4,7 @@ use crate::wording::answer::{AnswerText, FindingText, describe_verdict, unit_suf
 use crate::wording::{capitalise_first, name_in_words};
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_diagnose::findings::channel_fits::Channels;
+use counterpoise_recordings::Channel;
 
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
@@ -145,7 +146,7 @@ fn fit_section(answer: &AnswerText, tracks: &[Track]) -> Section {
             number(&answer.fit.held_out_after),
         ]);
     }
-    let figures = tracks.iter().filter(|t| t.channel == "control" || t.channel == "hub_rate");
+    let figures = tracks.iter().filter(|t| matches!(t.channel, Channel::Control | Channel::HubRate));
     Section::new("How the fit improved").listing(table).showing(figures.map(|t| comparison(t, "")))
 }
 
@@ -207,7 +208,7 @@ fn cannot_tell(answer: &AnswerText) -> Section {
 
 /// Returns the track whose residual was largest against the measurement.
 pub(super) fn worst_track(tracks: &[Track]) -> Option<&Track> {
-    let drawn = tracks.iter().filter(|t| t.channel == "control" || t.channel == "hub_rate");
+    let drawn = tracks.iter().filter(|t| matches!(t.channel, Channel::Control | Channel::HubRate));
     drawn.max_by(|a, b| a.relative_residual_power().total_cmp(&b.relative_residual_power()))
 }
 
@@ -236,10 +237,10 @@ pub(super) fn comparison(track: &Track, command: &str) -> Figure {
         ));
     }
     let panels = vec![
-        Panel::new(Axis::linear(track.channel, track.unit), signals).with_height(190.0),
-        Panel::new(Axis::linear("residual", track.unit), residuals).with_height(120.0),
+        Panel::new(Axis::linear(track.channel.name(), track.channel.unit()), signals).with_height(190.0),
+        Panel::new(Axis::linear("residual", track.channel.unit()), residuals).with_height(120.0),
     ];
-    let title = format!("{}: {}", track.recording, track.channel.replace('_', " "));
+    let title = format!("{}: {}", track.recording, track.channel.name().replace('_', " "));
     let figure = Figure::new(&title, Axis::linear("time", "s"), panels);
     Figure { command: command.to_owned(), ..figure }
 }

@@ -1,5 +1,6 @@
 //! The report of a replay: how each recording was followed, how well each channel fits, measured and simulated.
 
+use counterpoise_recordings::Channel;
 use std::collections::BTreeMap;
 
 use counterpoise_pipeline::recordings::ReplayedRecording;
@@ -130,7 +131,7 @@ fn section(recording: &RecordingResult, tracks: &[Track]) -> Section {
             Cell::text(format!("{:.4}", c.vaf)),
         ]);
     }
-    let figures = tracks.iter().filter(|t| t.channel == "control" || t.channel == "hub_rate");
+    let figures = tracks.iter().filter(|t| matches!(t.channel, Channel::Control | Channel::HubRate));
     let section = Section::new(name(&recording.file)).listing(table);
     let section = recording.remarks.iter().fold(section, |section, remark| section.saying(remark.as_str()));
     section.showing(figures.map(|track| comparison(track, "")))

@@ -220,7 +220,7 @@ fn column_of(channel: Channel) -> Option<ReadingColumn> {
 
 impl TrueColumns {
     /// Returns the columns up to one of them, without samples but with room for them.
-    pub(crate) fn up_to(last: TrueColumn, samples: usize) -> Self {
+    pub(crate) fn columns_to(last: TrueColumn, samples: usize) -> Self {
         Self { signals: Signals::with_room(samples.min(ROOM), last as usize + 1) }
     }
 

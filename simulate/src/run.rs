@@ -285,12 +285,7 @@ impl<'a> Lap<'a> {
             output: Converter::new(parameters.interface.output_bits, scenario.imperfections),
             queue: Vec::new(),
             readings: ReadingColumns::of_machine(parameters, samples as usize),
-            truth: match scenario.detail {
-                Detail::Everything => {
-                    TrueColumns::up_to(last_true_column(limited.as_ref()), samples as usize)
-                }
-                Detail::Recording => TrueColumns::default(),
-            },
+            truth: empty_truth(scenario.detail, limited.as_ref(), samples as usize),
             limited,
             range_a: None,
         })
@@ -475,9 +470,13 @@ impl<'a> Lap<'a> {
     }
 }
 
-/// Returns the last of the columns that a run knows: the limits of the drive, if they hold, or friction.
-fn last_true_column(limited: Option<&LimitedDrive>) -> TrueColumn {
-    if limited.is_some() { TrueColumn::HighestCurrent } else { TrueColumn::PivotFriction }
+/// Returns the columns of what will be true, without samples: those of the drive's limits are there if the drive has limits.
+fn empty_truth(detail: Detail, limited: Option<&LimitedDrive>, samples: usize) -> TrueColumns {
+    let last = if limited.is_some() { TrueColumn::HighestCurrent } else { TrueColumn::PivotFriction };
+    match detail {
+        Detail::Everything => TrueColumns::columns_to(last, samples),
+        Detail::Recording => TrueColumns::default(),
+    }
 }
 
 /// Returns the control under which the amplifier's voltage stays as it is, or that holds the weight if the current is no state.

@@ -59,11 +59,13 @@ fn with(fault: impl Fn(&mut Table)) -> Option<Told> {
     let repaired = repair_gaps(&record, ratio);
     let mut remarks: Vec<String> = record.remarks.iter().map(describe_file_remark).collect();
     remarks.extend(
-        repaired.repairs.iter().map(|(channel, repair)| format!("{channel}: {}", describe_repair(repair))),
+        repaired.repairs.iter().map(|(part, repair)| format!("{}: {}", part.name(), describe_repair(repair))),
     );
     for part in &repaired.parts {
         let here = check_signals(&part.name, &read_signals(part, FeedbackSignal::HubRate).unwrap(), ratio);
-        remarks.extend(here.into_iter().map(|r| format!("{}: {}", r.channel, describe_anomaly(&r.anomaly))));
+        remarks.extend(
+            here.into_iter().map(|r| format!("{}: {}", r.channel.name(), describe_anomaly(&r.anomaly))),
+        );
     }
     Some(Told { remarks, parts: repaired.parts, project })
 }

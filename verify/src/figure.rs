@@ -4,8 +4,8 @@ use std::fmt;
 
 use counterpoise_models::ControlledQuantity;
 
+use crate::Error;
 use crate::spelling::nearest_key;
-use crate::{Error, Experiment};
 
 /// Which plant a figure is measured on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -327,19 +327,6 @@ impl Figure {
             }
             Figure::Rest(figure) => words(&REST, figure).key.to_owned(),
             Figure::Sight(figure) => words(&SIGHT, figure).key.to_owned(),
-        }
-    }
-
-    /// Returns the run with the whole controller that shows the figure: that of its platform motion, or the step of the demand for a figure of
-    /// the loop or the line of sight.
-    pub fn experiment(&self) -> Experiment {
-        match *self {
-            Figure::Disturbance(_, source, ..) | Figure::Rejection { source, .. } => {
-                Experiment::Disturbance(source, Arrangement::Compensated)
-            }
-            Figure::Rest(_) => Experiment::Rest,
-            Figure::Triangle(..) => Experiment::Triangle,
-            Figure::Step(..) | Figure::Loop(_) | Figure::Sight(_) => Experiment::Step,
         }
     }
 

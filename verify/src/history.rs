@@ -3,7 +3,7 @@
 use counterpoise_recordings::{ColumnName, Signals};
 
 use crate::tolerance::SAME_INSTANT_S;
-use crate::{Arrangement, Model, Source};
+use crate::{Arrangement, Figure, Model, Source};
 
 /// What was done to the mechanism.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,6 +16,21 @@ pub enum Experiment {
     Disturbance(Source, Arrangement),
     /// Nothing, with the whole controller.
     Rest,
+}
+
+impl Experiment {
+    /// Returns the run with the whole controller that shows a figure: that of its platform motion, or the step of the demand for a figure of the
+    /// loop or the line of sight.
+    pub fn from_figure(figure: Figure) -> Self {
+        match figure {
+            Figure::Disturbance(_, source, ..) | Figure::Rejection { source, .. } => {
+                Self::Disturbance(source, Arrangement::Compensated)
+            }
+            Figure::Rest(_) => Self::Rest,
+            Figure::Triangle(..) => Self::Triangle,
+            Figure::Step(..) | Figure::Loop(_) | Figure::Sight(_) => Self::Step,
+        }
+    }
 }
 
 /// A signal of a [`History`]: a column of its array.

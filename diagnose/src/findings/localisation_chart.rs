@@ -5,6 +5,7 @@ use crate::library::Component;
 use crate::localisation::error_hypotheses::{COMPONENTS, Regime, regimes_of};
 use crate::localisation::error_map::{MapCell, rank_components};
 use crate::localisation::torque_balances::BalanceVisibility;
+use counterpoise_recordings::Channel;
 
 /// A row of the chart: a component, with its share under each regime.
 #[derive(Debug, Clone, PartialEq)]
@@ -152,14 +153,17 @@ mod tests {
             hub_position: sensors.hub_position.then(|| series(2e-5, &angle)),
         };
         let apart = |k: usize| -torque(k, angle(k)) / per_volt / CONTROL_FLOOR;
-        let mut channels =
-            vec![ChannelResidual { channel: "control", residual: series(1.0, &apart), floor: CONTROL_FLOOR }];
+        let mut channels = vec![ChannelResidual {
+            channel: Channel::Control,
+            residual: series(1.0, &apart),
+            floor: CONTROL_FLOOR,
+        }];
         let mut quiet = |channel, floor| {
             channels.push(ChannelResidual { channel, residual: series(1.0, &|_| 0.0), floor });
         };
-        quiet("hub_rate", 2e-4);
+        quiet(Channel::HubRate, 2e-4);
         if sensors.motor_rate {
-            quiet("motor_rate", 2e-2);
+            quiet(Channel::MotorRate, 2e-2);
         }
         let judged = Assessment {
             divergence: vec![0.0; channels.len()],

@@ -326,7 +326,7 @@ impl Problem<'_> {
             learned_element(e).is_some_and(|element| element.variable == RegimeVariable::Angle)
         };
         let measured = self.base.sensors.measured.is_position()
-            || near.channels.iter().any(|misfit| misfit.channel == Channel::HubPosition.name());
+            || near.channels.iter().any(|misfit| misfit.channel == Channel::HubPosition);
         !measured && self.effects.iter().any(|e| over_angle(e))
     }
 

@@ -1,6 +1,7 @@
 //! How well a mechanism explains the recordings, as numbers that can be compared.
 
 use counterpoise_models::Parameters;
+use counterpoise_recordings::Channel;
 
 use crate::recording::series::{correlation_time, rms};
 use crate::simulator_access::{Assessment, SimulatorAccess};
@@ -13,7 +14,7 @@ pub struct ScoreCell {
     /// Recording.
     pub recording: usize,
     /// Channel name.
-    pub channel: &'static str,
+    pub channel: Channel,
     /// RMS error in noise floors, reduced by what does not repeat between two runs of the same machine.
     pub excess: f64,
     /// RMS error in the channel's unit.

@@ -10,6 +10,7 @@ use crate::tolerance::localisation::{
 };
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
+use counterpoise_recordings::Channel;
 
 use crate::localisation::error_hypotheses::Quantity;
 use crate::localisation::ports::Port;
@@ -362,10 +363,10 @@ fn replayed(recording: &AssessedReplay) -> MeasuredSignals {
     let mut out = measured.clone();
     for misfit in &judged.channels {
         let column = match misfit.channel {
-            "control" if judged.source == ControlSource::ClosedLoop => Some(&mut out.control),
-            "hub_rate" => Some(&mut out.hub_rate),
-            "motor_rate" => out.motor_rate.as_mut(),
-            "hub_position" => out.hub_position.as_mut(),
+            Channel::Control if judged.source == ControlSource::ClosedLoop => Some(&mut out.control),
+            Channel::HubRate => Some(&mut out.hub_rate),
+            Channel::MotorRate => out.motor_rate.as_mut(),
+            Channel::HubPosition => out.hub_position.as_mut(),
             _ => None,
         };
         let pairs = column.into_iter().flatten().zip(&misfit.residual);
@@ -377,13 +378,13 @@ fn replayed(recording: &AssessedReplay) -> MeasuredSignals {
 /// Returns readings with noise of the size of each channel's floor and of the platform's sensors (a fixed sequence).
 fn noisy(p: &Parameters, replay: &MeasuredSignals, judged: &Assessment) -> MeasuredSignals {
     let floor =
-        |channel: &str| judged.channels.iter().find(|m| m.channel == channel).map_or(0.0, |m| m.floor);
+        |channel: Channel| judged.channels.iter().find(|m| m.channel == channel).map_or(0.0, |m| m.floor);
     let mut out = replay.clone();
     let columns = [
-        (Some(&mut out.control), floor("control")),
-        (Some(&mut out.hub_rate), floor("hub_rate")),
-        (out.motor_rate.as_mut(), floor("motor_rate")),
-        (out.hub_position.as_mut(), floor("hub_position")),
+        (Some(&mut out.control), floor(Channel::Control)),
+        (Some(&mut out.hub_rate), floor(Channel::HubRate)),
+        (out.motor_rate.as_mut(), floor(Channel::MotorRate)),
+        (out.hub_position.as_mut(), floor(Channel::HubPosition)),
         (Some(&mut out.platform_rate), p.sensors.platform_gyro.noise_rms),
         (Some(&mut out.platform_accel), p.sensors.platform_accelerometer.noise_rms),
     ];

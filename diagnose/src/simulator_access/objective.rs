@@ -180,7 +180,7 @@ impl<'a> RecordingReplays<'a> {
             let difference = |(s, r): (&f64, &f64)| if r.is_finite() { (r - s) / floor } else { 0.0 };
             let residual: Vec<f64> = simulated.iter().zip(recorded).map(difference).collect();
             let told = if shown == channel { floor } else { self.control_floor };
-            out.push(ChannelResidual { channel: channel.name(), residual, floor: told });
+            out.push(ChannelResidual { channel, residual, floor: told });
         }
         Some(out)
     }
@@ -242,9 +242,8 @@ impl<'a> RecordingReplays<'a> {
         let divergence = self.divergence(parameters, index, &quiet, ControlSource::ClosedLoop)?;
         let channels = self.channels(&quiet, index, length, ControlSource::ClosedLoop)?;
         // in any loop that controls a rate the angle drifts, which is no sign of hunting
-        let hunts = |(m, w): (&ChannelResidual, &f64)| {
-            *w > HUNTING_DIVERGENCE && m.channel != Channel::HubPosition.name()
-        };
+        let hunts =
+            |(m, w): (&ChannelResidual, &f64)| *w > HUNTING_DIVERGENCE && m.channel != Channel::HubPosition;
         if !channels.iter().zip(&divergence).any(hunts) {
             return Some(Assessment {
                 channels,

@@ -1,6 +1,6 @@
 //! Recordings read as a project maps their columns.
 
-use counterpoise_diagnose::recording::gap_repair::{Repair, repair_gaps};
+use counterpoise_diagnose::recording::gap_repair::{Repair, RepairedPart, repair_gaps};
 use counterpoise_diagnose::recording::sanity_checks::check_control;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
@@ -164,7 +164,7 @@ pub fn read_recording(
         GapTreatment::AsWritten => vec![(name.clone(), whole)],
         GapTreatment::Repaired => {
             let repaired = repair_gaps(&whole, project.plant.gearbox.ratio);
-            let done = |(channel, repair): (&'static str, Repair)| ColumnRemark::Repair { channel, repair };
+            let done = |(part, repair): (RepairedPart, Repair)| ColumnRemark::Repair { part, repair };
             remarks.extend(repaired.repairs.into_iter().map(done));
             repaired.parts.into_iter().map(|part| (part.name.clone(), part)).collect()
         }

@@ -11,10 +11,8 @@ use counterpoise_simulate::replay::{ChannelFit, Replay, ReplayLoop, replay};
 pub struct Track {
     /// Name of the recording, without folder and ending.
     pub recording: String,
-    /// Name of the channel.
-    pub channel: &'static str,
-    /// Unit.
-    pub unit: &'static str,
+    /// The channel.
+    pub channel: Channel,
     /// Sample period, s.
     pub period_s: f64,
     /// The samples of every run.
@@ -41,7 +39,7 @@ impl ColumnName for TrackColumn {
 impl Track {
     /// Returns the quantity that the loop controls, if this is the track of its reading.
     pub fn controlled_quantity(&self) -> ControlledQuantity {
-        ControlledQuantity::of_unit(self.unit)
+        ControlledQuantity::of_unit(self.channel.unit())
     }
 
     /// Returns the residual of a run, measured less simulated; none if there is no such run.
@@ -88,8 +86,7 @@ pub fn compare_channels(recording: &Recording, before: &Replay, after: Option<&R
         let columns = std::iter::once(recording.samples(channel)?).chain(simulated);
         Some(Track {
             recording: short_name(&recording.name),
-            channel: channel.name(),
-            unit: channel.unit(),
+            channel,
             period_s: recording.sample_period_s,
             signals: Signals::stack(columns),
         })

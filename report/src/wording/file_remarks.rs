@@ -1,6 +1,6 @@
 //! Remarks about the file of a recording, in sentences.
 
-use counterpoise_recordings::{DoubtfulUnit, Remark, doubtful_unit};
+use counterpoise_recordings::{DoubtfulUnit, Remark};
 
 /// Describes what the user of a recording should know about its file.
 pub fn describe_file_remark(remark: &Remark) -> String {
@@ -39,10 +39,10 @@ pub fn describe_file_remark(remark: &Remark) -> String {
         Remark::Further { columns } => {
             format!("{columns} further columns were not read or are not used")
         }
-        Remark::Resampled { file_s, project_s } => {
+        Remark::Resampled { file_s, project_s, doubt } => {
             let how = if file_s < project_s { "averaged" } else { "interpolated" };
             let done = format!("sampled every {file_s} s: {how} to the project's {project_s} s");
-            match doubtful_unit(*file_s, *project_s) {
+            match doubt {
                 Some(DoubtfulUnit { meant: Some(unit) }) => format!("{done}; is its time in {unit}?"),
                 Some(DoubtfulUnit { meant: None }) => format!("{done}; check the unit of its time"),
                 None => done,
@@ -66,7 +66,8 @@ mod tests {
         );
         let near = describe_file_remark(&Remark::NearlyNamed { column: column(), meant: "hub_position" });
         assert!(near.ends_with("name it so, or map hub_position to it in the project file"), "{near}");
-        let slow = describe_file_remark(&Remark::Resampled { file_s: 1.0, project_s: 1e-3 });
+        let doubt = Some(DoubtfulUnit { meant: Some("ms") });
+        let slow = describe_file_remark(&Remark::Resampled { file_s: 1.0, project_s: 1e-3, doubt });
         assert!(slow.ends_with("interpolated to the project's 0.001 s; is its time in ms?"), "{slow}");
     }
 }

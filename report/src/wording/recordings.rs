@@ -25,9 +25,11 @@ pub fn describe_column_remark(remark: &ColumnRemark) -> String {
         ColumnRemark::BeyondRange { channel, found } => {
             format!("{}: {}", channel.name(), describe_beyond_range(found, channel.unit()))
         }
-        ColumnRemark::Repair { channel, repair } => format!("{channel}: {}", describe_repair(repair)),
+        ColumnRemark::Repair { part, repair } => format!("{}: {}", part.name(), describe_repair(repair)),
         ColumnRemark::Controller(mismatch) => format!("control: {}", describe_control_mismatch(mismatch)),
-        ColumnRemark::Anomaly { channel, anomaly } => format!("{channel}: {}", describe_anomaly(anomaly)),
+        ColumnRemark::Anomaly { channel, anomaly } => {
+            format!("{}: {}", channel.name(), describe_anomaly(anomaly))
+        }
         ColumnRemark::RangeExceeded(beyond) => describe_beyond(beyond),
     }
 }
@@ -159,15 +161,20 @@ pub fn describe_remark(remark: &RecordingRemark) -> String {
             format!("{recording}: control: {}", describe_control_mismatch(mismatch))
         }
         RecordingRemark::Fault(fault) => describe_fault(fault),
-        RecordingRemark::Repaired { recording, channel, repair } => {
-            format!("{recording}: {channel}: {}", describe_repair(repair))
+        RecordingRemark::Repaired { recording, part, repair } => {
+            format!("{recording}: {}: {}", part.name(), describe_repair(repair))
         }
         RecordingRemark::Checked { remark, comparison } => {
             let end = match comparison {
                 Comparison::Compared => "",
                 Comparison::NotCompared => "; it is not compared",
             };
-            format!("{}: {}: {}{end}", remark.recording, remark.channel, describe_anomaly(&remark.anomaly))
+            format!(
+                "{}: {}: {}{end}",
+                remark.recording,
+                remark.channel.name(),
+                describe_anomaly(&remark.anomaly)
+            )
         }
         RecordingRemark::Shortened { recording, used_s, length_s, most_samples } => format!(
             "{recording}: the first {used_s:.4} s of {length_s:.4} s are used, for {most_samples} samples in all are what is replayed"

@@ -27,7 +27,7 @@ struct ShownSignal<'a> {
 /// Shows the run behind the selected verdict: four of its signals under one cursor.
 pub fn show_histories(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Verification) {
     let experiment = limit_marks::selected_requirement(view, found)
-        .map_or(Experiment::Step, |requirement| requirement.figure.experiment());
+        .map_or(Experiment::Step, |requirement| Experiment::from_figure(requirement.figure));
     let tip = view.units.display_unit(found.controlled_quantity().tip_unit());
     let tip_name = capitalise_first(&found.controlled_quantity().tip_name());
     let controlled = found.controlled_quantity();
