@@ -5,7 +5,6 @@ use crate::library::Component;
 use crate::localisation::error_hypotheses::{COMPONENTS, Regime, regimes_of};
 use crate::localisation::error_map::{MapCell, rank_components};
 use crate::localisation::torque_balances::BalanceVisibility;
-use counterpoise_recordings::Channel;
 
 /// A row of the chart: a component, with its share under each regime.
 #[derive(Debug, Clone, PartialEq)]
@@ -118,6 +117,7 @@ mod tests {
     use crate::simulator_access::{Assessment, ChannelResidual, ControlSource};
     use counterpoise_models::reference;
     use counterpoise_pool::Serial;
+    use counterpoise_recordings::Channel;
 
     const MOTOR_RATE: RedundantSensors = RedundantSensors { motor_rate: true, hub_position: false };
     const NO_MORE: RedundantSensors = RedundantSensors { motor_rate: false, hub_position: false };
