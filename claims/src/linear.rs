@@ -16,7 +16,7 @@ use counterpoise_plot::{Axis, Figure as Drawing, Point};
 /// By how much the thesis' feedback reduces the peak under pitch.
 const PITCH_FACTOR: f64 = 13.0;
 
-fn found<'a>(tested: &'a TestedDesign<'_>) -> &'a Verification {
+fn verification_of<'a>(tested: &'a TestedDesign<'_>) -> &'a Verification {
     tested.designed.verified.verification()
 }
 
@@ -67,7 +67,7 @@ pub fn margins_and_step(tested: &TestedDesign<'_>) -> Result<Claim, PipelineErro
 }
 
 fn margins_and_step_figures(tested: &TestedDesign<'_>) -> Vec<Drawing> {
-    let curves = &found(tested).evidence.curves;
+    let curves = &verification_of(tested).evidence.curves;
     let gain = make_panel(
         Axis::linear("loop gain", "dB"),
         vec![ClaimCurve::line("loop, exported controller", decibels(&curves.frequency_hz, &curves.broken))],
@@ -76,7 +76,7 @@ fn margins_and_step_figures(tested: &TestedDesign<'_>) -> Vec<Drawing> {
         Axis::degrees("phase"),
         vec![ClaimCurve::line("loop, exported controller", degrees(&curves.frequency_hz, &curves.broken))],
     );
-    let crossings = &found(tested).evidence.margins;
+    let crossings = &verification_of(tested).evidence.margins;
     let hz = |rate: f64| rate / std::f64::consts::TAU;
     let gain = crossings.gain_increase().into_iter().fold(gain.with_level(0.0, ""), |panel, margin| {
         panel.with_instant(hz(margin.rate_rad_s), format!("gain margin {:.1} dB", margin.db))
@@ -85,7 +85,7 @@ fn margins_and_step_figures(tested: &TestedDesign<'_>) -> Vec<Drawing> {
         panel.with_instant(hz(margin.rate_rad_s), format!("phase margin {:.0} deg", margin.deg))
     });
     let mut all = vec![make_figure("Loop broken at the plant's input", frequency_axis(), vec![gain, phase])];
-    if let Some(step) = found(tested).history(Model::Linear, Experiment::Step) {
+    if let Some(step) = verification_of(tested).history(Model::Linear, Experiment::Step) {
         let demand = points_of(step.time_s(), step.demand_rad_s(), 1e3);
         let height = 1e3 * tested.procedure.step.rate_rad_s;
         let panel = hub_panel(vec![
@@ -201,7 +201,7 @@ fn rejection<'a>(
     source: Source,
     arrangement: Arrangement,
 ) -> Option<&'a Vec<C64>> {
-    let all = &found(tested).evidence.curves.rejection;
+    let all = &verification_of(tested).evidence.curves.rejection;
     all.iter().find(|r| (r.source, r.arrangement) == (source, arrangement)).map(|r| &r.response)
 }
 
@@ -211,7 +211,7 @@ fn factors(tested: &TestedDesign<'_>) -> Vec<(f64, f64)> {
     let (Some(none), Some(feedback)) = (of(Arrangement::Uncontrolled), of(Arrangement::Feedback)) else {
         return Vec::new();
     };
-    let hz = &found(tested).evidence.curves.frequency_hz;
+    let hz = &verification_of(tested).evidence.curves.frequency_hz;
     hz.iter().zip(none.iter().zip(feedback)).map(|(hz, (n, f))| (*hz, n.norm() / f.norm())).collect()
 }
 
@@ -220,8 +220,9 @@ const ARRANGED: [(Arrangement, &str); 2] =
 
 /// Returns the time histories of a disturbance on the linear plant, with and without control.
 fn motions(tested: &TestedDesign<'_>, source: Source, name: &str) -> Drawing {
-    let run =
-        |arrangement| found(tested).history(Model::Linear, Experiment::Disturbance(source, arrangement));
+    let run = |arrangement| {
+        verification_of(tested).history(Model::Linear, Experiment::Disturbance(source, arrangement))
+    };
     let controlled: Vec<ClaimCurve> = ARRANGED
         .iter()
         .filter_map(|(arrangement, name)| {
@@ -283,7 +284,7 @@ pub fn heave_rejection(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError
 }
 
 fn heave_over_frequency(tested: &TestedDesign<'_>) -> Drawing {
-    let hz = &found(tested).evidence.curves.frequency_hz;
+    let hz = &verification_of(tested).evidence.curves.frequency_hz;
     let curve = |(arrangement, name): &(Arrangement, &str)| {
         let values = rejection(tested, Source::Heave, *arrangement)?;
         let points = hz.iter().zip(values).map(|(hz, h)| Point::new(*hz, 20.0 * h.norm().log10()));

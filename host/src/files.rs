@@ -304,7 +304,7 @@ pub fn write_set(files: &[FileToWrite<'_>]) -> Result<(), String> {
         };
         partials.push(write().map_err(|error| cannot(path, error))?);
     }
-    let _held = files.first().and_then(|file| held(&file.path));
+    let _held = files.first().and_then(|file| lock_folder(&file.path));
     for (FileToWrite { path, .. }, partial) in files.iter().zip(partials) {
         partial.persist(path).map_err(|error| cannot(path, error.error))?;
     }
@@ -313,7 +313,7 @@ pub fn write_set(files: &[FileToWrite<'_>]) -> Result<(), String> {
 
 /// Holds the folder of a file for as long as the value lives, so that of two programs that write a set at once, the files of one stand there in
 /// the end. `None` if folders cannot be held: their files may then be mixed.
-fn held(path: &Path) -> Option<fs::File> {
+fn lock_folder(path: &Path) -> Option<fs::File> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = fs::File::open(folder).ok()?;
     folder.lock().ok()?;

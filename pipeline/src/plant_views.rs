@@ -161,7 +161,8 @@ pub fn view_plant(project: &Project, modelled: &PlantModel) -> Result<PlantViews
         };
         let supports = [(Support::Free, "free"), (Support::Pinned, "pinned"), (Support::Clamped, "clamped")];
         for (support, name) in supports {
-            out.modes.push(ModeSet { support: name, modes: shown(&fe, &undamped_modes(&fe, support)?) });
+            out.modes
+                .push(ModeSet { support: name, modes: lowest_modes(&fe, &undamped_modes(&fe, support)?) });
         }
         out.elements = Some(fe);
     }
@@ -200,7 +201,7 @@ const TABLED: usize = 9;
 /// Elements of the meshes that grow finer.
 const FINER: [usize; 7] = [3, 5, 8, 12, 18, 28, 42];
 
-fn shown(fe: &FeModel, all: &Modes) -> Vec<PlantMode> {
+fn lowest_modes(fe: &FeModel, all: &Modes) -> Vec<PlantMode> {
     let masses = all.effective_mass(fe, Direction::Heave);
     let inertias = all.effective_mass(fe, Direction::Pitch);
     let count = all.flexible_rad_s().len().min(SHOWN);

@@ -219,7 +219,7 @@ mod tests {
     use crate::html_page;
     use counterpoise_diagnose::identification::{Balance, Lobes};
 
-    fn found() -> IdentificationText {
+    fn example_text() -> IdentificationText {
         let estimate = |value| Estimate::new(value, 0.5, 150.0);
         let turn = |k: i32| f64::from(k) * 0.01;
         IdentificationText {
@@ -253,7 +253,8 @@ mod tests {
             position: "rad",
             rate: counterpoise_models::ControlledQuantity::RATE,
         };
-        let page = html_page(&identification_report("rig", "counterpoise identify rig", &found(), &rotary));
+        let page =
+            html_page(&identification_report("rig", "counterpoise identify rig", &example_text(), &rotary));
         assert!(page.contains("Not as in the project: out-of-balance, Coulomb friction"), "headline");
         assert!(page.contains("control against hub rate") && page.contains("the control stays large"));
         assert!(!page.contains("NaN"));

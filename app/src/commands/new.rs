@@ -45,11 +45,11 @@ pub fn run(options: &NewOptions) -> CommandResult {
         ),
     };
     let path = create_project(&options.folder, &document).map_err(anyhow::Error::msg)?;
-    told(&path, &options.folder);
+    print_next_steps(&path, &options.folder);
     Ok(ExitStatus::SUCCESS)
 }
 
-fn told(path: &Path, folder: &Path) {
+fn print_next_steps(path: &Path, folder: &Path) {
     say!("wrote {}. Change its values to your own, and run", path.display());
     say!("    counterpoise check {}", folder.display());
     say!("    counterpoise design {0} -o {0}/out", folder.display());

@@ -192,7 +192,7 @@ mod tests {
         assert_eq!(chart.agreement, SearchAgreement::Agrees);
     }
 
-    fn found(component: Component, effect: EffectName) -> Finding {
+    fn finding_of(component: Component, effect: EffectName) -> Finding {
         Finding {
             effect,
             component,
@@ -209,7 +209,7 @@ mod tests {
         assert_eq!(best(&map), (Component::Motor, Regime::MotorAngle), "{map:?}");
         let sees = list_balances(MOTOR_RATE);
         let ringed = |component, effect| {
-            let chart = build_chart(&map, &sees, &[found(component, effect)]);
+            let chart = build_chart(&map, &sees, &[finding_of(component, effect)]);
             let cells: Vec<_> =
                 chart.rows.iter().flat_map(|row| row.found.iter().map(|r| (row.component, *r))).collect();
             (cells, chart.agreement)

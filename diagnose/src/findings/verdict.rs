@@ -299,7 +299,7 @@ impl VerdictEvidence<'_> {
                     stage,
                     effect: effect.effect,
                     component: effect.component,
-                    beside: beside(c),
+                    beside: other_effects(c),
                     values: newest_values(c),
                     power_left: c.held_out_power_share(),
                     log_likelihood_gain: c.held_out.gain_over(&c.held_out_before),
@@ -333,7 +333,7 @@ impl VerdictEvidence<'_> {
 }
 
 /// Returns the effects of a candidate but its newest.
-fn beside(candidate: &FittedCandidate) -> Vec<Name> {
+fn other_effects(candidate: &FittedCandidate) -> Vec<Name> {
     let effects = &candidate.fit.effects;
     let name = |e: &&'static Effect| Name { effect: e.effect, component: e.component };
     effects[..effects.len().saturating_sub(1)].iter().map(name).collect()

@@ -39,10 +39,10 @@ pub fn refit(
     let base = &with_recorded_noise(base, recordings);
     let prepared = PreparedRecordings::new(recordings, base);
     let simulator = RecordingReplays::new(base, &control.into(), &prepared)?;
-    Ok(structures.iter().map(|structure| left(&simulator, pool, base, structure)).collect())
+    Ok(structures.iter().map(|structure| refit_one(&simulator, pool, base, structure)).collect())
 }
 
-fn left(
+fn refit_one(
     simulator: &dyn SimulatorAccess,
     pool: &dyn Pool,
     base: &Parameters,

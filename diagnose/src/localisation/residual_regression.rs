@@ -250,7 +250,7 @@ impl<'a> ResidualRegression<'a> {
             for half in 0..2 {
                 let fitted = self.fitted(&parts, half, &left)?;
                 for (s, part) in self.segments.iter().zip(&parts).filter(|(s, _)| s.half != half) {
-                    sums[s.balance] += part.left(&fitted);
+                    sums[s.balance] += part.remaining_squares(&fitted);
                 }
             }
             left = (0..left.len()).map(|b| sums[b] / self.count(b).max(1) as f64).collect();
@@ -317,7 +317,7 @@ struct Normal {
 
 impl Normal {
     /// Returns the sum of squares that coefficients leave.
-    fn left(&self, x: &[f64]) -> f64 {
+    fn remaining_squares(&self, x: &[f64]) -> f64 {
         let column = Mat::col(x);
         let square = if x.is_empty() { 0.0 } else { (&column.t() * &(&self.gram * &column))[(0, 0)] };
         (self.power - 2.0 * dot(x, &self.right) + square).max(0.0)

@@ -281,7 +281,7 @@ impl Slopes {
     fn judged(&self, knots: &[usize]) -> f64 {
         let hats = self.hats(knots);
         let one = |(fitted, other): (&Half, &Half)| {
-            fitted.solved(&hats).map_or(f64::INFINITY, |change| other.left(&change))
+            fitted.solved(&hats).map_or(f64::INFINITY, |change| other.cost_after(&change))
         };
         let [first, second] = &self.halves;
         one((first, second)) + one((second, first))
@@ -366,7 +366,7 @@ impl Half {
     }
 
     /// Returns the cost after a change of the fine curve's fractions.
-    fn left(&self, change: &[f64]) -> f64 {
+    fn cost_after(&self, change: &[f64]) -> f64 {
         let curved: f64 = (0..change.len()).map(|k| change[k] * dot(self.normal.column(k), change)).sum();
         self.cost + 2.0 * dot(&self.gradient, change) + curved
     }

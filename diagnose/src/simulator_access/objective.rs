@@ -145,7 +145,7 @@ impl<'a> RecordingReplays<'a> {
     /// Returns the channel that is scored in a place of [`SCORED`], and its index there; `None` if nothing is scored. In a playback
     /// the control has no residual of its own; the hub rate takes its place, so that both ways of running a mechanism have the same
     /// number of channels. A hub that is made to follow its own recorded rate is no evidence: the control that it takes is.
-    fn shown(
+    fn scored_channel(
         &self,
         replay: &Replay,
         index: usize,
@@ -173,7 +173,7 @@ impl<'a> RecordingReplays<'a> {
     ) -> Option<Vec<ChannelResidual>> {
         let mut out = Vec::new();
         for (place, channel) in SCORED.into_iter().enumerate() {
-            let Some((shown, c)) = self.shown(replay, index, source, place) else { continue };
+            let Some((shown, c)) = self.scored_channel(replay, index, source, place) else { continue };
             let recorded = &self.prepared.whole[index].samples(shown)?[..length];
             let floor = self.floors[index][c];
             let simulated = replay.simulated.channel(shown);
@@ -200,7 +200,7 @@ impl<'a> RecordingReplays<'a> {
             self.with(parameters, &self.noisy[index], |r| r.replay_from(parameters, control, &quiet.start))?;
         let rounding = |channel| rounding_noise(self.base, channel);
         let size = |place: usize| {
-            let (shown, place) = self.shown(quiet, index, source, place)?;
+            let (shown, place) = self.scored_channel(quiet, index, source, place)?;
             let apart = apart(shown, &quiet.simulated, &shaken.simulated) / self.floors[index][place];
             let own =
                 if shown == Channel::Control { 1.0 } else { rounding(shown) / self.floors[index][place] };
@@ -380,7 +380,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
         let quiet =
             self.with(parameters, &self.whole[index], |r| r.replay_from(parameters, control, start))?;
         let one = |place: usize| -> Option<Vec<f64>> {
-            let (shown, c) = self.shown(&quiet, index, near.source, place)?;
+            let (shown, c) = self.scored_channel(&quiet, index, near.source, place)?;
             let floor = self.floors[index][c];
             let pairs = shaken.simulated.channel(shown).iter().zip(quiet.simulated.channel(shown));
             Some(pairs.map(|(a, b)| (a - b) / floor).collect())

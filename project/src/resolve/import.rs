@@ -208,7 +208,7 @@ fn content(v: &mut dyn Visit, import: &ImportedStructure) -> Option<ImportedCont
     match content.matrices.sparse(&content.map) {
         Ok(_) => Some(content),
         Err(error) => {
-            v.complain("node_map", &format!("does not fit the matrices: {}", said(&error)), None);
+            v.complain("node_map", &format!("does not fit the matrices: {}", describe_mistake(&error)), None);
             None
         }
     }
@@ -258,7 +258,7 @@ fn grids(v: &mut dyn Visit, import: &ImportedStructure) -> Option<Imported> {
     match Imported::from_dmig(&all, mass, named.get(2).map(String::as_str), stiffness) {
         Ok(made) => Some(made),
         Err(error) => {
-            v.complain("mass_matrix", &said(&error), None);
+            v.complain("mass_matrix", &describe_mistake(&error), None);
             None
         }
     }
@@ -285,7 +285,8 @@ fn read<T>(
     file: &str,
     parse: impl Fn(&str) -> Result<T, counterpoise_models::Error>,
 ) -> Option<T> {
-    let parsed = v.attached_text(file)?.and_then(|text| parse(&text).map_err(|error| said(&error)));
+    let parsed =
+        v.attached_text(file)?.and_then(|text| parse(&text).map_err(|error| describe_mistake(&error)));
     match parsed {
         Ok(value) => Some(value),
         Err(why) => {
@@ -296,7 +297,7 @@ fn read<T>(
 }
 
 /// Returns a mistake in a file, with its line where one is to blame.
-fn said(error: &counterpoise_models::Error) -> String {
+fn describe_mistake(error: &counterpoise_models::Error) -> String {
     match error {
         counterpoise_models::Error::Import { line: 0, what } => what.clone(),
         other => other.to_string(),

@@ -18,13 +18,13 @@ impl Document {
     /// The text is not TOML, the path leads nowhere, the value cannot be written, or it stands in a part.
     pub fn set(&self, path: &str, setting: &SettingValue) -> Result<Self, EditError> {
         self.refuse_part(path)?;
-        let (path, setting) = kept(self, path, setting);
+        let (path, setting) = keep_unit(self, path, setting);
         self.replace(&path, &setting)
     }
 }
 
 /// Returns path and value that put a new value into the place of an old one, so that its unit and its tolerance stay.
-fn kept(document: &Document, path: &str, setting: &SettingValue) -> (String, SettingValue) {
+fn keep_unit(document: &Document, path: &str, setting: &SettingValue) -> (String, SettingValue) {
     let Some(node) = document.node_at(path) else { return (path.to_owned(), setting.clone()) };
     let (path, node) = match (&node.value, setting) {
         (Value::Table(entries), SettingValue::Number(_) | SettingValue::Whole(_)) => {
