@@ -4,9 +4,9 @@ use anyhow::Result;
 
 /// Exit code of a command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Exit(pub u8);
+pub struct ExitStatus(pub u8);
 
-impl Exit {
+impl ExitStatus {
     /// All verdicts hold.
     pub const SUCCESS: Self = Self(0);
     /// Some verdicts fail.
@@ -16,9 +16,9 @@ impl Exit {
 }
 
 /// What a command returns.
-pub type Done = Result<Exit>;
+pub type CommandResult = Result<ExitStatus>;
 
 /// Returns 0 if all verdicts hold, 1 if some fail.
-pub fn verdict_code(verdicts: impl IntoIterator<Item = bool>) -> Exit {
-    if verdicts.into_iter().all(|holds| holds) { Exit::SUCCESS } else { Exit::VERDICTS_FAIL }
+pub fn verdict_code(verdicts: impl IntoIterator<Item = bool>) -> ExitStatus {
+    if verdicts.into_iter().all(|holds| holds) { ExitStatus::SUCCESS } else { ExitStatus::VERDICTS_FAIL }
 }

@@ -20,7 +20,7 @@ use clap::Parser;
 use commands::studio::StudioOptions;
 use counterpoise_host::interrupt::{self, INTERRUPTED, Interrupted};
 use counterpoise_host::terminal::print_message;
-use exit::{Done, Exit};
+use exit::{CommandResult, ExitStatus};
 
 /// Runs the command that the arguments name, the name of the program first. Returns the exit code: 0 all verdicts hold, 1 some fail, 2 bad
 /// input, 130 interrupted.
@@ -37,22 +37,23 @@ pub fn run_command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         // help and version are results, too
         Err(asked) if !asked.use_stderr() => {
             output::write_out(&asked.render().to_string());
-            return Exit::SUCCESS.0;
+            return ExitStatus::SUCCESS.0;
         }
         Err(wrong) => wrong.exit(),
     };
     let window = Command::Studio(StudioOptions::default());
-    let Exit(code) = run_command(arguments.command.as_ref().unwrap_or(&window)).unwrap_or_else(|error| {
-        print_message(&output::error_chain(&error));
-        let paths: Vec<PathBuf> = given.iter().map(PathBuf::from).collect();
-        examples::describe_missing_example(&paths).iter().for_each(|note| print_message(note));
-        if error.is::<Interrupted>() { Exit(INTERRUPTED) } else { Exit::BAD_INPUT }
-    });
+    let ExitStatus(code) =
+        run_command(arguments.command.as_ref().unwrap_or(&window)).unwrap_or_else(|error| {
+            print_message(&output::error_chain(&error));
+            let paths: Vec<PathBuf> = given.iter().map(PathBuf::from).collect();
+            examples::describe_missing_example(&paths).iter().for_each(|note| print_message(note));
+            if error.is::<Interrupted>() { ExitStatus(INTERRUPTED) } else { ExitStatus::BAD_INPUT }
+        });
     // Work that was asked to stop has handed over what it had; it is not the result that was asked for.
     if interrupt::is_stop_requested() { INTERRUPTED } else { code }
 }
 
-fn run_command(command: &Command) -> Done {
+fn run_command(command: &Command) -> CommandResult {
     match command {
         Command::New(options) => commands::new::run(options),
         Command::Check(options) => commands::check::run(options),

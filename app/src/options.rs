@@ -8,7 +8,7 @@ use counterpoise_pipeline::studies::assumptions::LoopSystems;
 
 /// Where a result goes.
 #[derive(Args, Clone)]
-pub struct Results {
+pub struct ResultOutput {
     /// Print the result as JSON (to standard output, or to FILE)
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
     pub json: Option<PathBuf>,
@@ -17,7 +17,7 @@ pub struct Results {
     pub quiet: bool,
 }
 
-impl Results {
+impl ResultOutput {
     /// Returns whether progress is printed.
     pub fn progress(&self) -> ProgressDisplay {
         if self.quiet { ProgressDisplay::Quiet } else { ProgressDisplay::Shown }
@@ -31,13 +31,13 @@ impl Results {
 
 /// Where a report and a result go.
 #[derive(Args, Clone)]
-pub struct Outputs {
+pub struct CommandOutputs {
     /// Write a report with pictures to this HTML file
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
     /// Where results go.
     #[command(flatten)]
-    pub results: Results,
+    pub results: ResultOutput,
 }
 
 /// Arguments of `diagnose`.
@@ -57,5 +57,5 @@ pub struct DiagnoseOptions {
     pub held_out: Vec<PathBuf>,
     /// Where report and results go.
     #[command(flatten)]
-    pub outputs: Outputs,
+    pub outputs: CommandOutputs,
 }

@@ -7,11 +7,11 @@ use anyhow::Result;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use crate::options::Results;
+use crate::options::ResultOutput;
 use counterpoise_host::files::state_folder;
 use counterpoise_host::journals::has_unsaved_edits;
 use counterpoise_host::json::json_text;
-use counterpoise_host::projects::{self, Loaded};
+use counterpoise_host::projects::{self, ProjectOnDisk};
 use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_host::terminal::escape_controls;
 use counterpoise_host::terminal::{error_causes, print_message};
@@ -62,7 +62,7 @@ pub fn format_figure(value: f64) -> String {
 }
 
 /// Prints a result as JSON where that was asked for; says whether it went to standard output.
-pub fn write_json<T: Serialize>(results: &Results, result: &T) -> Result<bool> {
+pub fn write_json<T: Serialize>(results: &ResultOutput, result: &T) -> Result<bool> {
     let Some(target) = &results.json else { return Ok(false) };
     let text = with_schema(json_text(result)?);
     if [Path::new("-"), Path::new("/dev/stdout")].contains(&target.as_path()) {
@@ -74,7 +74,7 @@ pub fn write_json<T: Serialize>(results: &Results, result: &T) -> Result<bool> {
 }
 
 /// Writes a list as [`write_json`] does; it stands under a key so that the result can state its schema.
-pub fn json_list<T: Serialize>(results: &Results, key: &'static str, list: &[T]) -> Result<bool> {
+pub fn json_list<T: Serialize>(results: &ResultOutput, key: &'static str, list: &[T]) -> Result<bool> {
     write_json(results, &Listed { key, list })
 }
 
@@ -102,7 +102,7 @@ fn with_schema(text: String) -> String {
 }
 
 /// Prints what is suspicious in a project file.
-pub fn print_warnings(loaded: &Loaded, progress: ProgressDisplay) {
+pub fn print_warnings(loaded: &ProjectOnDisk, progress: ProgressDisplay) {
     if progress == ProgressDisplay::Shown {
         if has_unsaved_edits(&state_folder(), &loaded.path) {
             let path = loaded.path.display();

@@ -1,12 +1,12 @@
 //! The report of the reference rig's design: complete, self-contained, small. It is left in the target folder for a person to look at.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_pipeline::export::target_proofs::Costs;
+use counterpoise_pipeline::export::target_proofs::StepCosts;
 use counterpoise_pipeline::results::DesignResult;
 use counterpoise_pipeline::{World, design};
 use counterpoise_project::Project;
 use counterpoise_report::design::DesignRun;
-use counterpoise_report::{Origin, html_page, of_design};
+use counterpoise_report::{ReportOrigin, html_page, of_design};
 
 /// The folder of the example.
 struct Example;
@@ -25,10 +25,10 @@ fn the_report_of_the_reference_rig_holds_every_part_and_stays_small() {
     let project = Project::parse(&text, "project.toml").unwrap().project;
     let designed = design(&project, &Example).unwrap();
     let run = DesignRun {
-        origin: &Origin::default(),
+        origin: &ReportOrigin::default(),
         times: &[],
         proofs: &[],
-        costs: &Costs::default(),
+        costs: &StepCosts::default(),
         first_design: None,
     };
     let page = html_page(&of_design(&designed, &DesignResult::from(&designed), &run));

@@ -9,7 +9,7 @@ use counterpoise_synth::{Adaptive, Estimation, Recursive, RecursiveSettings, Win
 use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
 
-use super::drawing::{Curve, drawing, panel, time_axis};
+use super::drawing::{ClaimCurve, make_figure, make_panel, time_axis};
 use super::identification::with_amplifier;
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::RETURNED;
@@ -126,7 +126,7 @@ fn intervals(
             None => &mut controller,
         };
         let run = Simulator::new(&Plant::from_lumped(&machine)?)?.run(acting, &heaving(tested, initial))?;
-        let rates = &run.truth.hub_rate_rad_s;
+        let rates = run.truth.hub_rate_rad_s();
         let first = ((1.0 - JUDGED) * rates.len() as f64) as usize;
         found.push(1e3 * rms(&rates[first..]));
         initial = Initial::State(Box::new(run.final_state));
@@ -183,7 +183,7 @@ pub fn adapted_feedforward(tested: &TestedDesign<'_>) -> Result<Claim, PipelineE
         criteria,
         why: why(&lowest),
         drawings: vec![
-            drawing("RMS hub rate after each change of the out-of-balance", Axis::linear("interval of 20 s", ""), panels)
+            make_figure("RMS hub rate after each change of the out-of-balance", Axis::linear("interval of 20 s", ""), panels)
                 .with_caption("The out-of-balance is 1, 0.75, 0.37, 1.48 and 1 times the normal. Above the linear amplifier, below the measured one."),
         ],
     })
@@ -215,12 +215,12 @@ fn interval_panel(name: &str, [nobody, mean, squares, truth]: [&[f64]; 4]) -> Pa
     let over =
         |values: &[f64]| values.iter().enumerate().map(|(k, v)| Point::new((k + 1) as f64, *v)).collect();
     let curves = vec![
-        Curve::points("not updated", over(nobody)),
-        Curve::points("mean of the control", over(mean)),
-        Curve::points("least squares", over(squares)),
-        Curve::reference("told the truth", over(truth)),
+        ClaimCurve::points("not updated", over(nobody)),
+        ClaimCurve::points("mean of the control", over(mean)),
+        ClaimCurve::points("least squares", over(squares)),
+        ClaimCurve::reference("told the truth", over(truth)),
     ];
-    panel(Axis::linear(&format!("hub, {name}"), "mrad/s"), curves)
+    make_panel(Axis::linear(&format!("hub, {name}"), "mrad/s"), curves)
 }
 
 fn why(lowest: &[f64]) -> String {
@@ -255,7 +255,7 @@ pub fn imbalance_without_gravity(tested: &TestedDesign<'_>) -> Result<Claim, Pip
         let time = |k: usize| INTERVAL_S * (k + 1) as f64 / history.len() as f64;
         let every = history.len().div_ceil(1000).max(1);
         let points = (0..history.len()).step_by(every).map(|k| Point::new(time(k), history[k])).collect();
-        curves.push(Curve::line(format!("true {:.1} kg m", share * moment), points));
+        curves.push(ClaimCurve::line(format!("true {:.1} kg m", share * moment), points));
         let last = &history[history.len() / 2..];
         let estimate = last.iter().sum::<f64>() / last.len().max(1) as f64;
         worst = worst.max((estimate / (share * moment) - 1.0).abs());
@@ -284,9 +284,9 @@ pub fn imbalance_without_gravity(tested: &TestedDesign<'_>) -> Result<Claim, Pip
 }
 
 /// Returns the estimates over time, with the truth of each.
-fn estimates(curves: Vec<Curve>, moment: f64) -> Drawing {
-    let panel = panel(Axis::linear("estimate", "kg m"), curves);
+fn estimates(curves: Vec<ClaimCurve>, moment: f64) -> Drawing {
+    let panel = make_panel(Axis::linear("estimate", "kg m"), curves);
     let truths = [0.37, 0.75, 1.0, 1.48].map(|share| share * moment);
     let panel = truths.into_iter().fold(panel, |panel, truth| panel.with_level(truth, "the truth"));
-    drawing("The out-of-balance estimated without gravity", time_axis(), vec![panel])
+    make_figure("The out-of-balance estimated without gravity", time_axis(), vec![panel])
 }

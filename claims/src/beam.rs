@@ -1,9 +1,11 @@
 //! Claims on the beam's finite elements: how few of them are enough.
 
 use counterpoise_models::parameters::{Beam, BeamSection, SectionShape};
-use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Integration, Mesh, Support, Theory, modes};
+use counterpoise_models::structure::{
+    FeModel, FeOptions, Fitted, Integration, Mesh, Support, Theory, undamped_modes,
+};
 
-use super::drawing::{Curve, Style, drawing, panel};
+use super::drawing::{ClaimCurve, CurveStyle, make_figure, make_panel};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -37,7 +39,7 @@ const PLACES: usize = 24;
 fn frequencies(beam: &Beam, mesh: Mesh, integration: Integration) -> Result<Vec<f64>, PipelineError> {
     let options = FeOptions { mesh, theory: Theory::BernoulliEuler, integration };
     let model = FeModel::beam(beam, &Fitted::default(), &options)?;
-    Ok(modes(&model, Support::Free)?.flexible_rad_s().to_vec())
+    Ok(undamped_modes(&model, Support::Free)?.flexible_rad_s().to_vec())
 }
 
 /// Deviations of a mesh from the fine one, %, mode by mode.
@@ -130,22 +132,22 @@ fn picture(
     for column in columns {
         let own = deviations(beam, Mesh::Equal(column.0), integration)?;
         let count = column.1.len();
-        curves.push(Curve::points(
+        curves.push(ClaimCurve::points(
             format!("{} elements", column.0),
             modes(own[..own.len().min(count)].to_vec()),
         ));
-        curves.push(Curve::new(
+        curves.push(ClaimCurve::new(
             format!("{} elements, thesis", column.0),
-            Style::Pair,
+            CurveStyle::Pair,
             modes(printed(column)),
         ));
     }
-    let panel = panel(Axis::linear("frequency off by", "%"), curves).with_level(0.0, "");
+    let panel = make_panel(Axis::linear("frequency off by", "%"), curves).with_level(0.0, "");
     let caption = format!(
         "Free-free frequencies against a model of {FINE} elements, modes in rising order. Dashed: table 6-1, whose beam is another one."
     );
     let title = format!("Table 6-1 on this beam: {name} elements of equal length");
-    Ok(drawing(title, Axis::linear("flexible mode", ""), vec![panel]).with_caption(&caption))
+    Ok(make_figure(title, Axis::linear("flexible mode", ""), vec![panel]).with_caption(&caption))
 }
 
 fn every_column(beam: &Beam, columns: &[Printed], integration: Integration) -> Result<String, PipelineError> {

@@ -7,7 +7,7 @@ use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator};
 use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
 
-use super::drawing::{Curve, drawing, panel, time_axis};
+use super::drawing::{ClaimCurve, make_figure, make_panel, time_axis};
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::STOPPED_RAD_S;
 use counterpoise_pipeline::PipelineError;
@@ -116,10 +116,10 @@ pub fn schemes_of_the_appendix(tested: &TestedDesign<'_>) -> Result<Claim, Pipel
             ),
         ],
         why: String::new(),
-        drawings: vec![drawing(
+        drawings: vec![make_figure(
             "Hub rate by each scheme",
             time_axis(),
-            vec![panel(Axis::linear("hub rate", "mrad/s"), curves)],
+            vec![make_panel(Axis::linear("hub rate", "mrad/s"), curves)],
         )],
     })
 }
@@ -152,7 +152,7 @@ fn moved(
     };
     let scenario = Scenario { platform, ..Scenario::at_rest(DURATION_S.0) };
     let run = Simulator::new(&Plant::from_lumped(tested.parameters())?)?.run(controller, &scenario)?;
-    Ok(run.truth.hub_rate_rad_s)
+    Ok(run.truth.hub_rate_rad_s().to_vec())
 }
 
 fn first(tested: &TestedDesign<'_>) -> usize {
@@ -164,10 +164,10 @@ fn judged(tested: &TestedDesign<'_>, hub: &[f64]) -> f64 {
 }
 
 /// Returns the hub rate in mrad/s over time, of two seconds after the start.
-fn curve(tested: &TestedDesign<'_>, name: &str, hub: &[f64]) -> Curve {
+fn curve(tested: &TestedDesign<'_>, name: &str, hub: &[f64]) -> ClaimCurve {
     let period_s = tested.parameters().interface.sample_period_s;
     let (from, count) = (first(tested), (2.0 / period_s).round() as usize);
     let points =
         hub.iter().enumerate().skip(from).take(count).map(|(k, rate)| (k as f64 * period_s, 1e3 * rate));
-    Curve::line(name, points.map(Point::from).collect())
+    ClaimCurve::line(name, points.map(Point::from).collect())
 }

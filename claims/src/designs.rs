@@ -7,7 +7,7 @@ use counterpoise_verify::robust::figures_of;
 use counterpoise_verify::{Arrangement, Experiment, Figure, Model, Quantity, Source, StepFigure, Value};
 
 use super::drawing::{
-    Curve, drawing, frequency_axis, gain_db, hub_from, hub_panel, hub_rates, panel, time_axis,
+    ClaimCurve, frequency_axis, gain_db, hub_from, hub_panel, hub_rates, make_figure, make_panel, time_axis,
 };
 use super::tested_design::{largest_db, rate_grid};
 use super::{Claim, Criterion, TestedDesign};
@@ -96,33 +96,37 @@ fn designs_on_two_models_figures(
     let mut panels = Vec::new();
     for (input, name) in [(1, "feedback"), (3, "heave"), (2, "pitch")] {
         let curves = vec![
-            Curve::line(names[0], gain_db(&linear[0], input, &drawn)?),
-            Curve::reference(names[1], gain_db(&linear[1], input, &drawn)?),
+            ClaimCurve::line(names[0], gain_db(&linear[0], input, &drawn)?),
+            ClaimCurve::reference(names[1], gain_db(&linear[1], input, &drawn)?),
         ];
-        panels.push(panel(Axis::linear(name, "dB"), curves).with_instant(BAND_HZ[1], "compared to here"));
+        panels
+            .push(make_panel(Axis::linear(name, "dB"), curves).with_instant(BAND_HZ[1], "compared to here"));
     }
-    let controllers =
-        drawing("The three controllers by both designs (V s/rad, V s²/m, V s/rad)", frequency_axis(), panels);
+    let controllers = make_figure(
+        "The three controllers by both designs (V s/rad, V s²/m, V s/rad)",
+        frequency_axis(),
+        panels,
+    );
     let mut simulator = counterpoise_simulate::Simulator::new(fine)?;
     let mut run = |controller: &Controller, experiment| {
-        counterpoise_verify::nonlinear::history(&mut simulator, controller, &tested.procedure, experiment)
+        counterpoise_verify::nonlinear::run_history(&mut simulator, controller, &tested.procedure, experiment)
     };
     let moving = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
     let steps = [run(tested.controller(), Experiment::Step)?, run(other, Experiment::Step)?];
     let motions = [run(tested.controller(), moving)?, run(other, moving)?];
     let step = hub_panel(vec![
-        Curve::line(names[0], hub_rates(&steps[0])),
-        Curve::reference(names[1], hub_rates(&steps[1])),
+        ClaimCurve::line(names[0], hub_rates(&steps[0])),
+        ClaimCurve::reference(names[1], hub_rates(&steps[1])),
     ]);
     let from = tested.procedure.settle_s;
     let motion = hub_panel(vec![
-        Curve::line(names[0], hub_from(&motions[0], from)),
-        Curve::reference(names[1], hub_from(&motions[1], from)),
+        ClaimCurve::line(names[0], hub_from(&motions[0], from)),
+        ClaimCurve::reference(names[1], hub_from(&motions[1], from)),
     ]);
     Ok(vec![
         controllers,
-        drawing("Step on the nonlinear finite-element plant", time_axis(), vec![step]),
-        drawing("Heave and pitch on the nonlinear finite-element plant", time_axis(), vec![motion]),
+        make_figure("Step on the nonlinear finite-element plant", time_axis(), vec![step]),
+        make_figure("Heave and pitch on the nonlinear finite-element plant", time_axis(), vec![motion]),
     ])
 }
 

@@ -9,18 +9,18 @@ use counterpoise_pipeline::PipelineError;
 
 /// A curve before its place in a panel decides its colour.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Curve {
+pub struct ClaimCurve {
     /// Its name in the legend.
     pub name: String,
     /// In the order in which they are joined.
     pub points: Vec<Point>,
     /// How it is drawn.
-    pub style: Style,
+    pub style: CurveStyle,
 }
 
 /// How a curve is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Style {
+pub enum CurveStyle {
     /// An unbroken line.
     Line,
     /// A dashed line: what the others are compared with.
@@ -37,17 +37,17 @@ pub enum Style {
 const HEIGHTS: (f64, f64) = (190.0, 150.0);
 
 /// Returns a figure of panels over one x axis.
-pub fn drawing(title: impl AsRef<str>, x: Axis, panels: Vec<Panel>) -> Figure {
+pub fn make_figure(title: impl AsRef<str>, x: Axis, panels: Vec<Panel>) -> Figure {
     let height = if panels.len() > 2 { HEIGHTS.1 } else { HEIGHTS.0 };
     Figure::new(title.as_ref(), x, panels.into_iter().map(|panel| panel.with_height(height)).collect())
 }
 
 /// Returns a panel of curves.
-pub fn panel(y: Axis, curves: Vec<Curve>) -> Panel {
+pub fn make_panel(y: Axis, curves: Vec<ClaimCurve>) -> Panel {
     let (mut series, mut marks, mut at) = (Vec::new(), Vec::new(), 0);
     for curve in curves {
         let (colour, dash) = dress(curve.style, &mut at);
-        if curve.style == Style::Points {
+        if curve.style == CurveStyle::Points {
             let ring = |point: &Point| Mark::Point { x: point.x, y: point.y, text: String::new(), colour };
             marks.extend(curve.points.iter().map(ring));
         }
@@ -57,14 +57,14 @@ pub fn panel(y: Axis, curves: Vec<Curve>) -> Panel {
 }
 
 /// Colours in turn, a pair in one colour.
-fn dress(style: Style, at: &mut usize) -> (Colour, Dash) {
+fn dress(style: CurveStyle, at: &mut usize) -> (Colour, Dash) {
     let of = |turn: usize| Colour::CYCLE[turn % Colour::CYCLE.len()];
     match style {
-        Style::Faint => (Colour::Muted, Dash::Solid),
-        Style::Pair => (of(at.saturating_sub(1)), Dash::Dashed),
-        Style::Line | Style::Reference | Style::Points => {
+        CurveStyle::Faint => (Colour::Muted, Dash::Solid),
+        CurveStyle::Pair => (of(at.saturating_sub(1)), Dash::Dashed),
+        CurveStyle::Line | CurveStyle::Reference | CurveStyle::Points => {
             *at += 1;
-            (of(*at - 1), if style == Style::Reference { Dash::Dashed } else { Dash::Solid })
+            (of(*at - 1), if style == CurveStyle::Reference { Dash::Dashed } else { Dash::Solid })
         }
     }
 }
@@ -84,30 +84,30 @@ pub fn factor_axis(quantity: &str) -> Axis {
     Axis::logarithmic(quantity, "times the normal")
 }
 
-impl Curve {
+impl ClaimCurve {
     /// Returns a curve of a style.
-    pub fn new(name: impl Into<String>, style: Style, points: Vec<Point>) -> Self {
+    pub fn new(name: impl Into<String>, style: CurveStyle, points: Vec<Point>) -> Self {
         Self { name: name.into(), points, style }
     }
 
     /// Returns an unbroken line.
     pub fn line(name: impl Into<String>, points: Vec<Point>) -> Self {
-        Self::new(name, Style::Line, points)
+        Self::new(name, CurveStyle::Line, points)
     }
 
     /// Returns a dashed line.
     pub fn reference(name: impl Into<String>, points: Vec<Point>) -> Self {
-        Self::new(name, Style::Reference, points)
+        Self::new(name, CurveStyle::Reference, points)
     }
 
     /// Returns marked points.
     pub fn points(name: impl Into<String>, points: Vec<Point>) -> Self {
-        Self::new(name, Style::Points, points)
+        Self::new(name, CurveStyle::Points, points)
     }
 
     /// Returns a line in the background.
     pub fn faint(name: impl Into<String>, points: Vec<Point>) -> Self {
-        Self::new(name, Style::Faint, points)
+        Self::new(name, CurveStyle::Faint, points)
     }
 }
 
@@ -127,8 +127,8 @@ pub fn hub_from(history: &History, time_s: f64) -> Vec<Point> {
 }
 
 /// Returns a panel of hub rates in mrad/s.
-pub fn hub_panel(curves: Vec<Curve>) -> Panel {
-    panel(Axis::linear("hub rate", "mrad/s"), curves)
+pub fn hub_panel(curves: Vec<ClaimCurve>) -> Panel {
+    make_panel(Axis::linear("hub rate", "mrad/s"), curves)
 }
 
 /// Returns the gain in dB over Hz of the frequency response of a system's first output over one input.

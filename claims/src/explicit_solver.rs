@@ -28,7 +28,7 @@ const ERROR: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339_200.0, 22.0 / 525.0, -1.0 / 40.0];
 
 /// An inertia that a sine of torque moves on a law of friction.
-pub struct Sliding {
+pub struct SlidingInertia {
     model: FrictionModel,
     inertia_kg_m2: f64,
     torque_nm: f64,
@@ -36,7 +36,7 @@ pub struct Sliding {
     size: [f64; 2],
 }
 
-impl Sliding {
+impl SlidingInertia {
     /// Returns a machine that is moved at `hz` to and fro with a rate of about `amplitude_rad_s`, friction included.
     ///
     /// # Errors
@@ -119,7 +119,7 @@ mod tests {
     /// Without friction the rate is A (1 - cos w t): after whole cycles nothing is left.
     #[test]
     fn without_friction_the_inertia_comes_back_to_rest() {
-        let sliding = Sliding {
+        let sliding = SlidingInertia {
             model: FrictionModel::new(&Friction::plain(FrictionLaw::None, 0.0)).unwrap(),
             inertia_kg_m2: 2.0,
             torque_nm: 3.0,

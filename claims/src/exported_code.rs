@@ -5,7 +5,7 @@ use counterpoise_export::{Numbers, Record};
 use counterpoise_lti::{Margins, margins};
 use counterpoise_verify::{Arrangement, Experiment, Source};
 
-use super::drawing::{Curve, drawing, panel};
+use super::drawing::{ClaimCurve, make_figure, make_panel};
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::SAME_LOOP_DB;
 use counterpoise_pipeline::PipelineError;
@@ -108,19 +108,21 @@ fn drawings(figures: &[TargetFigures]) -> Vec<Drawing> {
     let points = |record: &Record, of: &dyn Fn(usize) -> f64| -> Vec<Point> {
         (0..record.controls_v.len()).map(|k| Point::new(k as f64, of(k))).collect()
     };
-    let mut controls = vec![Curve::line(first, points(&double, &|k| double.controls_v[k]))];
+    let mut controls = vec![ClaimCurve::line(first, points(&double, &|k| double.controls_v[k]))];
     let mut apart = Vec::new();
     for (name, record) in all {
         let count = record.controls_v.len().min(double.controls_v.len());
-        controls.push(Curve::reference(name, points(&record, &|k| record.controls_v[k])));
+        controls.push(ClaimCurve::reference(name, points(&record, &|k| record.controls_v[k])));
         let off =
             |k: usize| if k < count { 1e6 * (record.controls_v[k] - double.controls_v[k]) } else { f64::NAN };
-        apart.push(Curve::line(format!("{name} less {first}"), points(&record, &off)));
+        apart.push(ClaimCurve::line(format!("{name} less {first}"), points(&record, &off)));
     }
-    let panels =
-        vec![panel(Axis::linear("control", "V"), controls), panel(Axis::linear("difference", "µV"), apart)];
+    let panels = vec![
+        make_panel(Axis::linear("control", "V"), controls),
+        make_panel(Axis::linear("difference", "µV"), apart),
+    ];
     vec![
-        drawing("The control in the loop that each form closes", Axis::linear("sample", ""), panels)
+        make_figure("The control in the loop that each form closes", Axis::linear("sample", ""), panels)
             .with_caption("Heave and pitch on the nonlinear plant. Friction and converters amplify a difference of one rounding; the plant moves alike."),
     ]
 }

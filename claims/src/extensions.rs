@@ -6,7 +6,7 @@ use counterpoise_verify::robust::Varied;
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Source};
 
-use super::drawing::{Curve, drawing, factor_axis, panel, points_of, time_axis};
+use super::drawing::{ClaimCurve, factor_axis, make_figure, make_panel, points_of, time_axis};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -104,19 +104,23 @@ fn tip_motion_figures(free: &History, held: &History, predicted: &[f64], first: 
     let tip = &held.tip_rate_rad_s()[first..];
     let of = |values: &[f64]| points_of(at_s, values.get(first..).unwrap_or(&[]), 1e3);
     let stabilised = vec![
-        Curve::faint("without control", of(free.tip_rate_rad_s())),
-        Curve::line("with the whole controller", of(held.tip_rate_rad_s())),
+        ClaimCurve::faint("without control", of(free.tip_rate_rad_s())),
+        ClaimCurve::line("with the whole controller", of(held.tip_rate_rad_s())),
     ];
     let off = |name: &str, values: &[f64]| {
-        Curve::line(name, points_of(at_s, &less(tip, values.get(first..).unwrap_or(&[])), 1e3))
+        ClaimCurve::line(name, points_of(at_s, &less(tip, values.get(first..).unwrap_or(&[])), 1e3))
     };
     let errors = vec![off("tip less hub", held.hub_rate_rad_s()), off("tip less its prediction", predicted)];
     vec![
-        drawing("The tip's rate", time_axis(), vec![panel(Axis::linear("tip rate", "mrad/s"), stabilised)]),
-        drawing(
+        make_figure(
+            "The tip's rate",
+            time_axis(),
+            vec![make_panel(Axis::linear("tip rate", "mrad/s"), stabilised)],
+        ),
+        make_figure(
             "The tip's rate predicted from the hub's",
             time_axis(),
-            vec![panel(Axis::linear("difference", "mrad/s"), errors)],
+            vec![make_panel(Axis::linear("difference", "mrad/s"), errors)],
         ),
     ]
 }
@@ -189,19 +193,19 @@ struct Cell {
 
 /// Overshoot and residual over inertia, a curve an out-of-balance.
 fn inertia_and_imbalance_apart_figure(rows: &[Vec<Cell>]) -> Drawing {
-    let of = |value: &dyn Fn(&Cell) -> f64| -> Vec<Curve> {
+    let of = |value: &dyn Fn(&Cell) -> f64| -> Vec<ClaimCurve> {
         let points = |row: &Vec<Cell>| {
             let inertia = [0.5, 1.0, 2.0].into_iter();
             inertia.zip(row).map(|(factor, cell)| Point::new(factor, value(cell))).collect()
         };
         let named = ["out-of-balance x0.5", "out-of-balance x1", "out-of-balance x1.5"].into_iter().zip(rows);
-        named.map(|(name, row)| Curve::points(name, points(row))).collect()
+        named.map(|(name, row)| ClaimCurve::points(name, points(row))).collect()
     };
     let panels = vec![
-        panel(Axis::linear("overshoot", "%"), of(&|cell| cell.overshoot_percent)),
-        panel(Axis::linear("RMS hub rate", "mrad/s"), of(&|cell| cell.residual_mrad_s)),
+        make_panel(Axis::linear("overshoot", "%"), of(&|cell| cell.overshoot_percent)),
+        make_panel(Axis::linear("RMS hub rate", "mrad/s"), of(&|cell| cell.residual_mrad_s)),
     ];
-    drawing("Inertia and out-of-balance varied apart", factor_axis("hub inertia"), panels)
+    make_figure("Inertia and out-of-balance varied apart", factor_axis("hub inertia"), panels)
 }
 
 fn spread(values: impl Iterator<Item = f64>) -> f64 {

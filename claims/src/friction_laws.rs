@@ -3,11 +3,11 @@
 use counterpoise_linalg::C64;
 use counterpoise_models::plant::Plant;
 use counterpoise_models::{FrictionLaw, Parameters};
-use counterpoise_simulate::fra::{Settings, Test, TestSine, disconnect_motor, measure};
+use counterpoise_simulate::fra::{Settings, Test, TestSine, disconnect_motor, measure_point};
 use counterpoise_simulate::{Scenario, Signal, Simulator};
 
-use super::drawing::{Curve, drawing, frequency_axis, panel};
-use super::explicit_solver::Sliding;
+use super::drawing::{ClaimCurve, frequency_axis, make_figure, make_panel};
+use super::explicit_solver::SlidingInertia;
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::LAWS_AGREE_DB;
 use counterpoise_pipeline::PipelineError;
@@ -109,7 +109,7 @@ fn map(parameters: &Parameters) -> Result<Map, PipelineError> {
     let settings = Settings { least_duration_s: 1.0, settled_below: 1e-3, ..Settings::default() };
     let one = |share: f64, hz: f64| -> Result<C64, PipelineError> {
         let at = TestSine { frequency_rad_s: std::f64::consts::TAU * hz, amplitude: share * PITCH_RAD_S };
-        Ok(measure(&plant, &mut Idle, Test::PlatformToHub, at, &settings)?.response.value)
+        Ok(measure_point(&plant, &mut Idle, Test::PlatformToHub, at, &settings)?.response.value)
     };
     SHARES.iter().map(|&share| FREQUENCIES_HZ.iter().map(|&hz| one(share, hz)).collect()).collect()
 }
@@ -247,24 +247,24 @@ fn friction_laws_over_amplitude_maps(
 
 fn friction_laws_over_amplitude_figures(rows: &[LawDistances], maps: &[LawMap]) -> Vec<Drawing> {
     let over = |values: &[f64]| SHARES.iter().copied().zip(values.iter().copied()).map(Point::from).collect();
-    let distance = rows.iter().map(|row| Curve::points(row.law, over(&row.db))).collect();
-    let distances = panel(Axis::linear("distance from the rig's map", "dB"), distance)
+    let distance = rows.iter().map(|row| ClaimCurve::points(row.law, over(&row.db))).collect();
+    let distances = make_panel(Axis::linear("distance from the rig's map", "dB"), distance)
         .with_level(LAWS_AGREE_DB, "agree below this");
     let x = Axis::logarithmic("pitch rate over the largest", "");
     let mut all =
-        vec![drawing("Distance of each friction law from the rig's, over amplitude", x, vec![distances])];
+        vec![make_figure("Distance of each friction law from the rig's, over amplitude", x, vec![distances])];
     for (k, share) in SHARES.iter().enumerate().filter(|(k, _)| [0, SHARES.len() - 1].contains(k)) {
-        let of = |what: &dyn Fn(&C64) -> f64| -> Vec<Curve> {
+        let of = |what: &dyn Fn(&C64) -> f64| -> Vec<ClaimCurve> {
             let points = |map: &Map| {
                 FREQUENCIES_HZ.iter().copied().zip(map[k].iter().map(what)).map(Point::from).collect()
             };
-            maps.iter().map(|one| Curve::points(one.law, points(&one.map))).collect()
+            maps.iter().map(|one| ClaimCurve::points(one.law, points(&one.map))).collect()
         };
         let panels = vec![
-            panel(Axis::linear("hub over platform", "dB"), of(&|h| 20.0 * h.norm().log10())),
-            panel(Axis::degrees("phase"), of(&|h| h.arg().to_degrees())),
+            make_panel(Axis::linear("hub over platform", "dB"), of(&|h| 20.0 * h.norm().log10())),
+            make_panel(Axis::degrees("phase"), of(&|h| h.arg().to_degrees())),
         ];
-        all.push(drawing(format!("Platform to hub at amplitude {share}"), frequency_axis(), panels));
+        all.push(make_figure(format!("Platform to hub at amplitude {share}"), frequency_axis(), panels));
     }
     all
 }
@@ -290,7 +290,8 @@ pub fn cost_of_friction_laws(tested: &TestedDesign<'_>) -> Result<Claim, Pipelin
     let mut own = [0; 3];
     let pitch = &tested.procedure.pitch;
     let steps = |law: &FrictionLaw| -> Result<usize, PipelineError> {
-        let sliding = Sliding::new(law.clone(), shared.inertia_kg_m2, pitch.frequency_hz, pitch.amplitude)?;
+        let sliding =
+            SlidingInertia::new(law.clone(), shared.inertia_kg_m2, pitch.frequency_hz, pitch.amplitude)?;
         Ok(sliding.evaluations(WORKED_S))
     };
     let mut explicit = [0; 3];
@@ -368,12 +369,17 @@ fn cost_of_friction_laws_figure(counts: [[usize; 3]; 2]) -> Drawing {
     let names = ["studio's integrator, closed loop", "explicit, order 5, one inertia"];
     let curve = |(name, count): (&str, [usize; 3])| {
         let points = (0..3).map(|k| Point::new((k + 1) as f64, count[k] as f64 / count[0] as f64)).collect();
-        Curve::points(name, points)
+        ClaimCurve::points(name, points)
     };
-    let thesis = Curve::reference("thesis", [(1.0, 1.0), (2.0, 1.5), (3.0, 3.0)].map(Point::from).to_vec());
+    let thesis =
+        ClaimCurve::reference("thesis", [(1.0, 1.0), (2.0, 1.5), (3.0, 3.0)].map(Point::from).to_vec());
     let curves = names.into_iter().zip(counts).map(curve).chain([thesis]).collect();
-    let panel = panel(Axis::linear("work over that with Dahl", ""), curves);
-    drawing("What a friction law costs", Axis::linear("1 Dahl, 2 reset integrator, 3 LuGre", ""), vec![panel])
+    let panel = make_panel(Axis::linear("work over that with Dahl", ""), curves);
+    make_figure(
+        "What a friction law costs",
+        Axis::linear("1 Dahl, 2 reset integrator, 3 LuGre", ""),
+        vec![panel],
+    )
 }
 
 /// Evaluations in ten seconds of the closed loop while the platform heaves and pitches.
@@ -472,12 +478,12 @@ fn fitted_criteria(a: &Fitted, b: &Fitted, dahl: f64) -> Vec<Criterion> {
 fn fitted_friction_laws_figure(truth: &Map, maps: [LawMap; 4]) -> Drawing {
     let one = |(k, LawMap { law, map }): (usize, LawMap)| {
         let points = SHARES.iter().copied().zip(distances(&map, truth)).map(Point::from).collect();
-        if k % 2 == 0 { Curve::reference(law, points) } else { Curve::points(law, points) }
+        if k % 2 == 0 { ClaimCurve::reference(law, points) } else { ClaimCurve::points(law, points) }
     };
     let curves = maps.into_iter().enumerate().map(one).collect();
-    let panel = panel(Axis::linear("distance from the rig's map", "dB"), curves);
+    let panel = make_panel(Axis::linear("distance from the rig's map", "dB"), curves);
     let x = Axis::logarithmic("pitch rate over the largest", "");
-    drawing("Two laws fitted to the Dahl-like rig's map", x, vec![panel])
+    make_figure("Two laws fitted to the Dahl-like rig's map", x, vec![panel])
 }
 
 /// Where a fit began and ended.

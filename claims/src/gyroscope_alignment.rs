@@ -8,7 +8,7 @@ use counterpoise_models::plant::Plant;
 use counterpoise_plot::{Axis, Point};
 use counterpoise_simulate::{PlatformMotion, Scenario, Signal, Simulator};
 
-use super::drawing::{Curve, drawing, panel, time_axis};
+use super::drawing::{ClaimCurve, make_figure, make_panel, time_axis};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 
@@ -60,7 +60,7 @@ fn moved(tested: &TestedDesign<'_>, hub_rad: f64, platform_rad: f64) -> Result<V
     let period_s = p.interface.sample_period_s;
     let mut controller = Misaligned { runner, hub_rad, platform_rad, period_s, sample: 0 };
     let run = Simulator::new(&Plant::from_lumped(p)?)?.run(&mut controller, &scenario)?;
-    Ok(run.truth.hub_rate_rad_s)
+    Ok(run.truth.hub_rate_rad_s().to_vec())
 }
 
 /// Returns what a misaligned run has more than the aligned one at the roll's frequency, over the roll rate.
@@ -99,7 +99,7 @@ pub fn misaligned_gyroscopes(tested: &TestedDesign<'_>) -> Result<Claim, Pipelin
     let curve = |name: &str, rates: &[f64]| {
         let first = (DURATION_S.1 / period_s).round() as usize;
         let points = rates.iter().enumerate().skip(first).take((2.0 / period_s) as usize);
-        Curve::line(name, points.map(|(k, rate)| Point::new(k as f64 * period_s, 1e3 * rate)).collect())
+        ClaimCurve::line(name, points.map(|(k, rate)| Point::new(k as f64 * period_s, 1e3 * rate)).collect())
     };
     let curves = vec![
         curve("aligned", &aligned),
@@ -116,10 +116,10 @@ pub fn misaligned_gyroscopes(tested: &TestedDesign<'_>) -> Result<Claim, Pipelin
         ),
         criteria: criteria(of_hub, of_platform, loop_),
         why: String::new(),
-        drawings: vec![drawing(
+        drawings: vec![make_figure(
             "Hub rate under pitch and roll",
             time_axis(),
-            vec![panel(Axis::linear("hub rate", "mrad/s"), curves)],
+            vec![make_panel(Axis::linear("hub rate", "mrad/s"), curves)],
         )],
     })
 }

@@ -8,7 +8,7 @@ use counterpoise_models::plant::Plant;
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
-use super::drawing::{Curve, Style, drawing, panel};
+use super::drawing::{ClaimCurve, CurveStyle, make_figure, make_panel};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -140,13 +140,13 @@ fn lobes(found: &Identification) -> Drawing {
     let every = points.len().div_ceil(DRAWN).max(1);
     let of =
         |column: usize| points.iter().step_by(every).map(|p| Point::new(1e3 * p[0], p[column])).collect();
-    let panel = panel(
+    let panel = make_panel(
         Axis::linear("control", "V"),
-        vec![Curve::new("recorded", Style::Faint, of(1)), Curve::line("identified", of(2))],
+        vec![ClaimCurve::new("recorded", CurveStyle::Faint, of(1)), ClaimCurve::line("identified", of(2))],
     );
     let read = &found.lobes;
     let panel = panel.with_level(read.offset_v, format!("offset {:.2} V", read.offset_v));
-    drawing("Control against hub rate: recorded and identified", Axis::linear("hub rate", "mrad/s"), vec![panel])
+    make_figure("Control against hub rate: recorded and identified", Axis::linear("hub rate", "mrad/s"), vec![panel])
         .with_caption(&format!(
             "Step at zero rate {:.3} V (Coulomb friction), slope of the lobes {:.2} V s/rad (viscous friction and back-EMF), width {:.3} V s²/rad (inertia).",
             read.step_v, read.slope_v_s_rad, read.width_v_s2_rad
@@ -226,23 +226,23 @@ fn curve(points: &[GainPoint], truth: &dyn Fn(f64) -> f64) -> Drawing {
         |side: usize| points.iter().map(|q| Point::new(q.input_v, off(q.ci95_a[side], q.input_v))).collect();
     let errors = points.iter().map(|q| Point::new(q.input_v, off(q.current_a, q.input_v))).collect();
     let panels = vec![
-        panel(
+        make_panel(
             Axis::linear("stalled current", "A"),
             vec![
-                Curve::reference("concealed map", map),
-                Curve::points("recovered", recovered),
-                Curve::faint("linear amplifier", linear),
+                ClaimCurve::reference("concealed map", map),
+                ClaimCurve::points("recovered", recovered),
+                ClaimCurve::faint("linear amplifier", linear),
             ],
         ),
-        panel(
+        make_panel(
             Axis::linear("off the map", "%"),
             vec![
-                Curve::points("recovered", errors),
-                Curve::faint("95 % interval", limits(0)),
-                Curve::faint("95 % interval", limits(1)),
+                ClaimCurve::points("recovered", errors),
+                ClaimCurve::faint("95 % interval", limits(0)),
+                ClaimCurve::faint("95 % interval", limits(1)),
             ],
         )
         .with_level(0.0, ""),
     ];
-    drawing("The amplifier's gain curve without a stall test", Axis::linear("input", "V"), panels)
+    make_figure("The amplifier's gain curve without a stall test", Axis::linear("input", "V"), panels)
 }

@@ -6,8 +6,10 @@ use counterpoise_models::plant::OperatingPoint;
 use counterpoise_models::{Configuration, Parameters};
 use counterpoise_verify::{Arrangement, Experiment, Figure, Model, Quantity, Source, StepFigure};
 
-use super::drawing::{Curve, drawing, frequency_axis, gain_db, hub_from, hub_panel, panel, time_axis};
-use super::tested_design::{Member, largest_db, rate_grid};
+use super::drawing::{
+    ClaimCurve, frequency_axis, gain_db, hub_from, hub_panel, make_figure, make_panel, time_axis,
+};
+use super::tested_design::{DrawnMechanism, largest_db, rate_grid};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::{PipelineError, run_stages};
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -34,8 +36,8 @@ pub(super) fn rms(source: Source, arrangement: Arrangement) -> Figure {
 /// Table 4-1's configurations with another out-of-balance, the balanced one apart.
 const CONFIGURATIONS: [&str; 3] = ["37 percent", "75 percent", "148 percent"];
 
-fn normal_member<'a>(tested: &'a TestedDesign<'_>) -> Member<'a> {
-    Member {
+fn normal_member<'a>(tested: &'a TestedDesign<'_>) -> DrawnMechanism<'a> {
+    DrawnMechanism {
         name: "normal".to_owned(),
         parameters: tested.parameters().clone(),
         controller: &tested.observed,
@@ -63,7 +65,7 @@ pub fn other_imbalance(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError
     let mut members = vec![normal_member(tested)];
     for name in CONFIGURATIONS {
         let Some(parameters) = apply_configuration(tested, name)? else { continue };
-        members.push(Member {
+        members.push(DrawnMechanism {
             name: name.to_owned(),
             parameters: parameters.clone(),
             controller: &tested.observed,
@@ -153,7 +155,7 @@ struct Redesigned {
 /// configuration.
 fn other_imbalance_figures(
     tested: &TestedDesign<'_>,
-    members: &[Member<'_>],
+    members: &[DrawnMechanism<'_>],
 ) -> Result<Vec<Drawing>, PipelineError> {
     let mut panels = Vec::new();
     for arrangement in [Arrangement::Feedback, Arrangement::Compensated] {
@@ -161,11 +163,11 @@ fn other_imbalance_figures(
         for member in members {
             let experiment = Experiment::Disturbance(Source::Both, arrangement);
             let history = tested.history(&member.parameters, member.controller, experiment)?;
-            curves.push(Curve::line(member.name.clone(), hub_from(&history, tested.procedure.settle_s)));
+            curves.push(ClaimCurve::line(member.name.clone(), hub_from(&history, tested.procedure.settle_s)));
         }
         panels.push(hub_panel(curves));
     }
-    let heave = drawing("Heave and pitch in each configuration", time_axis(), panels)
+    let heave = make_figure("Heave and pitch in each configuration", time_axis(), panels)
         .with_caption("Above by feedback alone, below with the feedforwards of the normal configuration.");
     let mut all = tested.family_drawings("each configuration", members)?;
     all.truncate(1);
@@ -276,11 +278,11 @@ fn controllers(designs: &[DesignAt]) -> Result<Drawing, PipelineError> {
         let mut curves = Vec::new();
         for DesignAt { factor, controller } in designs {
             let points = gain_db(&linear(controller)?, input, &drawn)?;
-            curves.push(Curve::line(format!("out-of-balance x{factor}"), points));
+            curves.push(ClaimCurve::line(format!("out-of-balance x{factor}"), points));
         }
-        panels.push(panel(Axis::linear(name, "dB"), curves));
+        panels.push(make_panel(Axis::linear(name, "dB"), curves));
     }
-    Ok(drawing("Redesigned for each out-of-balance", frequency_axis(), panels)
+    Ok(make_figure("Redesigned for each out-of-balance", frequency_axis(), panels)
         .with_caption("Curves that cannot be distinguished lie on each other."))
 }
 
@@ -319,8 +321,8 @@ pub fn gravity_over_elevation(tested: &TestedDesign<'_>) -> Result<Claim, Pipeli
     let words: Vec<String> =
         ELEVATIONS_DEG.iter().map(|deg| format!("{deg} deg {:.3} V", at(*deg))).collect();
     let curves = vec![
-        Curve::points("plant", ELEVATIONS_DEG.iter().map(|deg| Point::new(*deg, at(*deg))).collect()),
-        Curve::reference(
+        ClaimCurve::points("plant", ELEVATIONS_DEG.iter().map(|deg| Point::new(*deg, at(*deg))).collect()),
+        ClaimCurve::reference(
             "cosine law",
             (0..=60).map(|deg| Point::new(f64::from(deg), level * law(f64::from(deg)))).collect(),
         ),
@@ -351,10 +353,10 @@ pub fn gravity_over_elevation(tested: &TestedDesign<'_>) -> Result<Claim, Pipeli
             ),
         ],
         why: String::new(),
-        drawings: vec![drawing(
+        drawings: vec![make_figure(
             "Drive that holds the weight",
             Axis::linear("elevation", "deg"),
-            vec![panel(Axis::linear("drive", "V"), curves)],
+            vec![make_panel(Axis::linear("drive", "V"), curves)],
         )],
     })
 }

@@ -43,9 +43,9 @@ pub use tested_design::TestedDesign;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use counterpoise_diagnose::simulator_access::map_all;
 use counterpoise_pipeline::{PipelineError, World};
 use counterpoise_plot::Figure as Drawing;
+use counterpoise_pool::map_all;
 use counterpoise_project::Project;
 
 /// A row of the table.

@@ -6,7 +6,9 @@ use counterpoise_verify::{
     Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure, Verification,
 };
 
-use super::drawing::{Curve, drawing, frequency_axis, hub_panel, hub_rates, panel, points_of, time_axis};
+use super::drawing::{
+    ClaimCurve, frequency_axis, hub_panel, hub_rates, make_figure, make_panel, points_of, time_axis,
+};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -14,7 +16,7 @@ use counterpoise_plot::{Axis, Figure as Drawing, Point};
 /// By how much the thesis' feedback reduces the peak under pitch.
 const PITCH_FACTOR: f64 = 13.0;
 
-fn found<'a>(tested: &'a TestedDesign<'_>) -> &'a Verification {
+fn verification_of<'a>(tested: &'a TestedDesign<'_>) -> &'a Verification {
     tested.designed.verified.verification()
 }
 
@@ -65,16 +67,16 @@ pub fn margins_and_step(tested: &TestedDesign<'_>) -> Result<Claim, PipelineErro
 }
 
 fn margins_and_step_figures(tested: &TestedDesign<'_>) -> Vec<Drawing> {
-    let curves = &found(tested).evidence.curves;
-    let gain = panel(
+    let curves = &verification_of(tested).evidence.curves;
+    let gain = make_panel(
         Axis::linear("loop gain", "dB"),
-        vec![Curve::line("loop, exported controller", decibels(&curves.frequency_hz, &curves.broken))],
+        vec![ClaimCurve::line("loop, exported controller", decibels(&curves.frequency_hz, &curves.broken))],
     );
-    let phase = panel(
+    let phase = make_panel(
         Axis::degrees("phase"),
-        vec![Curve::line("loop, exported controller", degrees(&curves.frequency_hz, &curves.broken))],
+        vec![ClaimCurve::line("loop, exported controller", degrees(&curves.frequency_hz, &curves.broken))],
     );
-    let crossings = &found(tested).evidence.margins;
+    let crossings = &verification_of(tested).evidence.margins;
     let hz = |rate: f64| rate / std::f64::consts::TAU;
     let gain = crossings.gain_increase().into_iter().fold(gain.with_level(0.0, ""), |panel, margin| {
         panel.with_instant(hz(margin.rate_rad_s), format!("gain margin {:.1} dB", margin.db))
@@ -82,14 +84,16 @@ fn margins_and_step_figures(tested: &TestedDesign<'_>) -> Vec<Drawing> {
     let phase = crossings.phase_margin().into_iter().fold(phase.with_level(-180.0, ""), |panel, margin| {
         panel.with_instant(hz(margin.rate_rad_s), format!("phase margin {:.0} deg", margin.deg))
     });
-    let mut all = vec![drawing("Loop broken at the plant's input", frequency_axis(), vec![gain, phase])];
-    if let Some(step) = found(tested).history(Model::Linear, Experiment::Step) {
+    let mut all = vec![make_figure("Loop broken at the plant's input", frequency_axis(), vec![gain, phase])];
+    if let Some(step) = verification_of(tested).history(Model::Linear, Experiment::Step) {
         let demand = points_of(step.time_s(), step.demand_rad_s(), 1e3);
         let height = 1e3 * tested.procedure.step.rate_rad_s;
-        let panel =
-            hub_panel(vec![Curve::line("hub rate", hub_rates(step)), Curve::reference("demand", demand)])
-                .with_level(1.13 * height, "overshoot of the thesis, 13 %");
-        all.push(drawing("Step of the demand, linear plant", time_axis(), vec![panel]));
+        let panel = hub_panel(vec![
+            ClaimCurve::line("hub rate", hub_rates(step)),
+            ClaimCurve::reference("demand", demand),
+        ])
+        .with_level(1.13 * height, "overshoot of the thesis, 13 %");
+        all.push(make_figure("Step of the demand, linear plant", time_axis(), vec![panel]));
     }
     all
 }
@@ -197,7 +201,7 @@ fn rejection<'a>(
     source: Source,
     arrangement: Arrangement,
 ) -> Option<&'a Vec<C64>> {
-    let all = &found(tested).evidence.curves.rejection;
+    let all = &verification_of(tested).evidence.curves.rejection;
     all.iter().find(|r| (r.source, r.arrangement) == (source, arrangement)).map(|r| &r.response)
 }
 
@@ -207,7 +211,7 @@ fn factors(tested: &TestedDesign<'_>) -> Vec<(f64, f64)> {
     let (Some(none), Some(feedback)) = (of(Arrangement::Uncontrolled), of(Arrangement::Feedback)) else {
         return Vec::new();
     };
-    let hz = &found(tested).evidence.curves.frequency_hz;
+    let hz = &verification_of(tested).evidence.curves.frequency_hz;
     hz.iter().zip(none.iter().zip(feedback)).map(|(hz, (n, f))| (*hz, n.norm() / f.norm())).collect()
 }
 
@@ -216,19 +220,20 @@ const ARRANGED: [(Arrangement, &str); 2] =
 
 /// Returns the time histories of a disturbance on the linear plant, with and without control.
 fn motions(tested: &TestedDesign<'_>, source: Source, name: &str) -> Drawing {
-    let run =
-        |arrangement| found(tested).history(Model::Linear, Experiment::Disturbance(source, arrangement));
-    let controlled: Vec<Curve> = ARRANGED
+    let run = |arrangement| {
+        verification_of(tested).history(Model::Linear, Experiment::Disturbance(source, arrangement))
+    };
+    let controlled: Vec<ClaimCurve> = ARRANGED
         .iter()
         .filter_map(|(arrangement, name)| {
-            run(*arrangement).map(|history| Curve::line(*name, hub_rates(history)))
+            run(*arrangement).map(|history| ClaimCurve::line(*name, hub_rates(history)))
         })
         .collect();
-    let free =
-        run(Arrangement::Uncontrolled).map(|history| Curve::faint("without control", hub_rates(history)));
+    let free = run(Arrangement::Uncontrolled)
+        .map(|history| ClaimCurve::faint("without control", hub_rates(history)));
     let whole = free.into_iter().chain(controlled.clone()).collect();
     let panels = vec![hub_panel(whole), hub_panel(controlled)];
-    drawing(format!("Hub rate under {name}, linear plant"), time_axis(), panels)
+    make_figure(format!("Hub rate under {name}, linear plant"), time_axis(), panels)
         .with_caption("The lower panel leaves out the mechanism without control.")
 }
 
@@ -238,12 +243,13 @@ fn pitch_rejection_figures(tested: &TestedDesign<'_>) -> Vec<Drawing> {
         .filter(|point| (0.1..=20.0).contains(&point.0))
         .map(Point::from)
         .collect();
-    let factor = panel(Axis::logarithmic("factor", ""), vec![Curve::line("factor by feedback", within)])
-        .with_level(PITCH_FACTOR, "13 times, as the thesis says")
-        .with_instant(tested.procedure.pitch.frequency_hz, "frequency of the procedure's pitch");
+    let factor =
+        make_panel(Axis::logarithmic("factor", ""), vec![ClaimCurve::line("factor by feedback", within)])
+            .with_level(PITCH_FACTOR, "13 times, as the thesis says")
+            .with_instant(tested.procedure.pitch.frequency_hz, "frequency of the procedure's pitch");
     vec![
         motions(tested, Source::Pitch, "pitch"),
-        drawing("By how much feedback reduces the hub rate under pitch", frequency_axis(), vec![factor]),
+        make_figure("By how much feedback reduces the hub rate under pitch", frequency_axis(), vec![factor]),
     ]
 }
 
@@ -278,13 +284,13 @@ pub fn heave_rejection(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError
 }
 
 fn heave_over_frequency(tested: &TestedDesign<'_>) -> Drawing {
-    let hz = &found(tested).evidence.curves.frequency_hz;
+    let hz = &verification_of(tested).evidence.curves.frequency_hz;
     let curve = |(arrangement, name): &(Arrangement, &str)| {
         let values = rejection(tested, Source::Heave, *arrangement)?;
         let points = hz.iter().zip(values).map(|(hz, h)| Point::new(*hz, 20.0 * h.norm().log10()));
-        Some(Curve::line(*name, points.filter(|point| (0.1..=50.0).contains(&point.x)).collect()))
+        Some(ClaimCurve::line(*name, points.filter(|point| (0.1..=50.0).contains(&point.x)).collect()))
     };
-    let panel = panel(Axis::linear("hub over heave", "dB"), ARRANGED.iter().filter_map(curve).collect())
+    let panel = make_panel(Axis::linear("hub over heave", "dB"), ARRANGED.iter().filter_map(curve).collect())
         .with_instant(tested.procedure.heave.frequency_hz, "frequency of the procedure's heave");
-    drawing("Hub rate (rad/s) over heave (m/s²), linear plant", frequency_axis(), vec![panel])
+    make_figure("Hub rate (rad/s) over heave (m/s²), linear plant", frequency_axis(), vec![panel])
 }

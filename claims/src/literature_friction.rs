@@ -8,7 +8,7 @@ use counterpoise_linalg::C64;
 use counterpoise_models::{FrictionLaw, Parameters};
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
-use super::drawing::{Curve, drawing, panel};
+use super::drawing::{ClaimCurve, make_figure, make_panel};
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::LEAST_LENGTH;
 use counterpoise_pipeline::PipelineError;
@@ -394,28 +394,28 @@ fn figures(found: &FrictionMeasurement) -> Vec<Drawing> {
     let over =
         |values: &[f64]| RATES_RAD_S.iter().copied().zip(values.iter().copied()).map(Point::from).collect();
     let distances = vec![
-        Curve::points("Bliman and Sorine", over(&found.bliman_sorine)),
-        Curve::points("seven parameters", over(&found.seven_parameters)),
+        ClaimCurve::points("Bliman and Sorine", over(&found.bliman_sorine)),
+        ClaimCurve::points("seven parameters", over(&found.seven_parameters)),
     ];
     let numbered = |values: &[f64]| {
         values.iter().enumerate().map(|(k, v)| Point::new((k + 1) as f64, 100.0 * v)).collect()
     };
     let uncertain = vec![
-        Curve::points("seven parameters", numbered(&found.of_seven)),
-        Curve::points("Dahl's three", numbered(&found.of_dahl)),
+        ClaimCurve::points("seven parameters", numbered(&found.of_seven)),
+        ClaimCurve::points("Dahl's three", numbered(&found.of_dahl)),
     ];
     let numbers =
         Axis::linear("1 stiffness, 2 Coulomb, 3 viscous, 4 static, 5 Stribeck rate, 6 memory, 7 rise", "");
     vec![
-        drawing(
+        make_figure(
             "Distance from Dahl's law, over amplitude",
             Axis::logarithmic("pitch rate", "rad/s"),
-            vec![panel(Axis::linear("distance", "dB"), distances)],
+            vec![make_panel(Axis::linear("distance", "dB"), distances)],
         ),
-        drawing(
+        make_figure(
             "Uncertainty of each parameter",
             numbers,
-            vec![panel(Axis::logarithmic("standard deviation", "%"), uncertain)],
+            vec![make_panel(Axis::logarithmic("standard deviation", "%"), uncertain)],
         ),
     ]
 }

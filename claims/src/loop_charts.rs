@@ -4,11 +4,11 @@ use counterpoise_controller::Controller;
 use counterpoise_linalg::C64;
 use counterpoise_models::plant::Plant;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
-use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};
+use counterpoise_simulate::fra::{Settings, Test, TestSine, measure_point};
 use counterpoise_verify::linear::ResponseCurve as Response;
 use counterpoise_verify::{Figure, LoopFigure};
 
-use super::drawing::{Curve, drawing, frequency_axis, panel};
+use super::drawing::{ClaimCurve, frequency_axis, make_figure, make_panel};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 
@@ -81,8 +81,10 @@ fn charts(loop_gain: &Response) -> Vec<Drawing> {
         let angle = f64::from(k) * std::f64::consts::TAU / 120.0;
         (-1.0 + 0.5 * angle.cos(), 0.5 * angle.sin())
     });
-    let nyquist =
-        vec![Curve::line("loop", near), Curve::reference("Ms = 2", circle.map(Point::from).collect())];
+    let nyquist = vec![
+        ClaimCurve::line("loop", near),
+        ClaimCurve::reference("Ms = 2", circle.map(Point::from).collect()),
+    ];
     let db = |h: &C64| 20.0 * h.norm().log10();
     let mut before: Option<f64> = None;
     // without jumps of a whole turn, from between -360 and 0 degrees on
@@ -94,17 +96,17 @@ fn charts(loop_gain: &Response) -> Vec<Drawing> {
         unwrapped
     };
     let within = loop_gain.response.iter().filter(|h| db(h).abs() < NICHOLS_DB);
-    let nichols = vec![Curve::line("loop", within.map(|h| Point::new(phase(h), db(h))).collect())];
+    let nichols = vec![ClaimCurve::line("loop", within.map(|h| Point::new(phase(h), db(h))).collect())];
     vec![
-        drawing(
+        make_figure(
             "Nyquist chart of the loop",
             Axis::linear("real part", ""),
-            vec![panel(Axis::linear("imaginary part", ""), nyquist).with_instant(-1.0, "-1")],
+            vec![make_panel(Axis::linear("imaginary part", ""), nyquist).with_instant(-1.0, "-1")],
         ),
-        drawing(
+        make_figure(
             "Nichols chart of the loop",
             Axis::degrees("phase"),
-            vec![panel(Axis::linear("loop gain", "dB"), nichols).with_level(0.0, "")],
+            vec![make_panel(Axis::linear("loop gain", "dB"), nichols).with_level(0.0, "")],
         ),
     ]
 }
@@ -145,11 +147,11 @@ pub fn open_loop_analyser(tested: &TestedDesign<'_>) -> Result<Claim, PipelineEr
         both.filter(|point| (0.5..=20.0).contains(&point.0)).map(Point::from).collect()
     };
     let gain = |h: &C64| 20.0 * h.norm().log10();
-    let panels = vec![panel(
+    let panels = vec![make_panel(
         Axis::linear("loop gain", "dB"),
         vec![
-            Curve::points("measured in closed loop", points(&gain)),
-            Curve::reference("linear loop", line(&gain)),
+            ClaimCurve::points("measured in closed loop", points(&gain)),
+            ClaimCurve::reference("linear loop", line(&gain)),
         ],
     )];
     Ok(Claim {
@@ -163,7 +165,7 @@ pub fn open_loop_analyser(tested: &TestedDesign<'_>) -> Result<Claim, PipelineEr
         ),
         criteria: open_loop_criteria(db, deg),
         why: String::new(),
-        drawings: vec![drawing("Open loop measured in closed loop", frequency_axis(), panels)],
+        drawings: vec![make_figure("Open loop measured in closed loop", frequency_axis(), panels)],
     })
 }
 
@@ -193,7 +195,7 @@ fn open_loop(plant: &Plant, controller: &Controller) -> Result<Vec<C64>, Pipelin
     let one = |hz: &f64| -> Result<C64, PipelineError> {
         let at = TestSine { frequency_rad_s: std::f64::consts::TAU * hz, amplitude: DEMAND_RAD_S };
         let closed =
-            measure(plant, &mut controller.runner(), Test::ClosedLoop, at, &settings)?.response.value;
+            measure_point(plant, &mut controller.runner(), Test::ClosedLoop, at, &settings)?.response.value;
         Ok(closed / (C64::new(1.0, 0.0) - closed))
     };
     MEASURED_HZ.iter().map(one).collect()

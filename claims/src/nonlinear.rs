@@ -5,8 +5,8 @@ use counterpoise_models::Parameters;
 use counterpoise_verify::robust::Varied;
 use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure};
 
-use super::drawing::{Curve, drawing, hub_from, hub_panel, hub_rates, time_axis};
-use super::tested_design::{Behaviour, Member, NamedLevel, plot_over_factor};
+use super::drawing::{ClaimCurve, hub_from, hub_panel, hub_rates, make_figure, time_axis};
+use super::tested_design::{DrawnMechanism, NamedLevel, NonlinearBehaviour, plot_over_factor};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Figure as Drawing, Point};
@@ -27,7 +27,7 @@ fn family(
     tested: &TestedDesign<'_>,
     varied: Varied,
     factors: &[f64],
-) -> Result<Vec<Behaviour>, PipelineError> {
+) -> Result<Vec<NonlinearBehaviour>, PipelineError> {
     factors
         .iter()
         .map(|&factor| tested.behaviour(&change_parameter(tested, varied, factor)?, &tested.observed))
@@ -39,19 +39,19 @@ fn members<'a>(
     tested: &'a TestedDesign<'_>,
     varied: Varied,
     factors: &[f64],
-) -> Result<Vec<Member<'a>>, PipelineError> {
+) -> Result<Vec<DrawnMechanism<'a>>, PipelineError> {
     let one = |&factor: &f64| {
         let parameters = change_parameter(tested, varied, factor)?;
-        Ok(Member { name: format!("x{factor}"), parameters, controller: &tested.observed })
+        Ok(DrawnMechanism { name: format!("x{factor}"), parameters, controller: &tested.observed })
     };
     factors.iter().map(one).collect()
 }
 
-fn mrad(rates: &[Behaviour]) -> String {
+fn mrad(rates: &[NonlinearBehaviour]) -> String {
     rates.iter().map(|b| format!("{:.2}", 1e3 * b.residual_rad_s)).collect::<Vec<_>>().join(" / ")
 }
 
-fn overshoots(rates: &[Behaviour]) -> String {
+fn overshoots(rates: &[NonlinearBehaviour]) -> String {
     rates.iter().map(|b| format!("{:.1}", b.overshoot_percent)).collect::<Vec<_>>().join(" / ")
 }
 
@@ -123,23 +123,26 @@ fn friction_observer_figures(tested: &TestedDesign<'_>) -> Result<Vec<Drawing>, 
     let from = tested.procedure.settle_s;
     let short = |points: Vec<Point>| points.into_iter().filter(|point| point.x <= 0.8).collect();
     let mut steps = vec![
-        Curve::line("nonlinear, with observer", short(hub_rates(&run(&tested.observed, Experiment::Step)?))),
-        Curve::line(
+        ClaimCurve::line(
+            "nonlinear, with observer",
+            short(hub_rates(&run(&tested.observed, Experiment::Step)?)),
+        ),
+        ClaimCurve::line(
             "nonlinear, without observer",
             short(hub_rates(&run(tested.controller(), Experiment::Step)?)),
         ),
     ];
     steps.extend(
-        linear(Experiment::Step).map(|history| Curve::reference("linear", short(hub_rates(history)))),
+        linear(Experiment::Step).map(|history| ClaimCurve::reference("linear", short(hub_rates(history)))),
     );
     let mut motions = vec![
-        Curve::line("nonlinear, with observer", hub_from(&run(&tested.observed, moving)?, from)),
-        Curve::line("nonlinear, without observer", hub_from(&run(tested.controller(), moving)?, from)),
+        ClaimCurve::line("nonlinear, with observer", hub_from(&run(&tested.observed, moving)?, from)),
+        ClaimCurve::line("nonlinear, without observer", hub_from(&run(tested.controller(), moving)?, from)),
     ];
-    motions.extend(linear(moving).map(|history| Curve::reference("linear", hub_from(history, from))));
+    motions.extend(linear(moving).map(|history| ClaimCurve::reference("linear", hub_from(history, from))));
     Ok(vec![
-        drawing("Step of the demand", time_axis(), vec![hub_panel(steps)]),
-        drawing("Heave and pitch, both feedforwards", time_axis(), vec![hub_panel(motions)]),
+        make_figure("Step of the demand", time_axis(), vec![hub_panel(steps)]),
+        make_figure("Heave and pitch, both feedforwards", time_axis(), vec![hub_panel(motions)]),
     ])
 }
 
@@ -197,10 +200,14 @@ pub fn other_inertia(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> 
     })
 }
 
-fn inertia_criteria(found: &[Behaviour], doubled: &Behaviour, share: f64) -> Vec<Criterion> {
-    let above = |b: &Behaviour| b.overshoot_percent - found[1].overshoot_percent;
+fn inertia_criteria(
+    found: &[NonlinearBehaviour],
+    doubled: &NonlinearBehaviour,
+    share: f64,
+) -> Vec<Criterion> {
+    let above = |b: &NonlinearBehaviour| b.overshoot_percent - found[1].overshoot_percent;
     let whole = above(doubled);
-    let stays = |b: &Behaviour| (b.residual_rad_s / found[1].residual_rad_s - 1.0).abs();
+    let stays = |b: &NonlinearBehaviour| (b.residual_rad_s / found[1].residual_rad_s - 1.0).abs();
     vec![
         Criterion::with_range(
             "hub inertia doubled: overshoot above the normal, percentage points",
@@ -288,7 +295,7 @@ pub fn other_friction(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError>
         updated.push(tested.behaviour(&change_parameter(tested, Varied::Friction, factor)?, controller)?);
     }
     let nominal = found[1].residual_rad_s;
-    let over = |b: &Behaviour| b.residual_rad_s / nominal;
+    let over = |b: &NonlinearBehaviour| b.residual_rad_s / nominal;
     Ok(Claim {
         id: "C11",
         title: "friction",
@@ -327,23 +334,27 @@ pub fn other_friction(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError>
 fn other_friction_figures(
     tested: &TestedDesign<'_>,
     factors: &[f64],
-    found: &[Behaviour],
+    found: &[NonlinearBehaviour],
     controllers: &[Controller],
-    updated: &[Behaviour],
+    updated: &[NonlinearBehaviour],
 ) -> Result<Vec<Drawing>, PipelineError> {
-    let after = |of: &dyn Fn(&Behaviour) -> f64| {
+    let after = |of: &dyn Fn(&NonlinearBehaviour) -> f64| {
         [0.5, 2.0].into_iter().zip(updated.iter().map(of)).map(Point::from).collect()
     };
     let name = "observer identified anew";
     let others = [
-        vec![Curve::points(name, after(&|b| b.overshoot_percent))],
-        vec![Curve::points(name, after(&|b| 1e3 * b.residual_rad_s))],
+        vec![ClaimCurve::points(name, after(&|b| b.overshoot_percent))],
+        vec![ClaimCurve::points(name, after(&|b| 1e3 * b.residual_rad_s))],
     ];
     let figures = plot_over_factor("friction", factors, found, &[], others);
     let mut all = members(tested, Varied::Friction, factors)?;
     for (factor, controller) in [0.5, 2.0].into_iter().zip(controllers) {
         let parameters = change_parameter(tested, Varied::Friction, factor)?;
-        all.push(Member { name: format!("x{factor}, observer identified anew"), parameters, controller });
+        all.push(DrawnMechanism {
+            name: format!("x{factor}, observer identified anew"),
+            parameters,
+            controller,
+        });
     }
     let mut drawings = vec![figures];
     drawings.extend(tested.family_drawings("friction changed", &all)?);
@@ -357,8 +368,9 @@ fn other_friction_figures(
 pub fn other_backlash(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let factors = [0.5, 1.0, 2.0, 5.0];
     let found = family(tested, Varied::Backlash, &factors)?;
-    let apart =
-        |of: fn(&Behaviour) -> f64| found.iter().map(|b| (of(b) - of(&found[1])).abs()).fold(0.0, f64::max);
+    let apart = |of: fn(&NonlinearBehaviour) -> f64| {
+        found.iter().map(|b| (of(b) - of(&found[1])).abs()).fold(0.0, f64::max)
+    };
     let open = found.iter().map(|b| b.gear_open).fold(0.0, f64::max);
     Ok(Claim {
         id: "C12",

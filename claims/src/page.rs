@@ -4,11 +4,11 @@ use crate::{Agreement, Claim, ClaimOutcome, Criterion};
 
 use counterpoise_plot::Figure;
 use counterpoise_plot::number::short_number;
-use counterpoise_report::verification::Context;
-use counterpoise_report::{Cell, Column, Headline, Report, Section, Table, Tile, Tone};
+use counterpoise_report::verification::VerificationContext;
+use counterpoise_report::{Cell, Column, FigureTile, Headline, OutcomeTone, Report, Section, Table};
 
 /// Returns the report: the verdicts are the first screen. `again` is the command that measures one row again.
-pub fn claims_report(rows: &[Claim], context: Context, again: &dyn Fn(&str) -> String) -> Report {
+pub fn claims_report(rows: &[Claim], context: VerificationContext, again: &dyn Fn(&str) -> String) -> Report {
     let mut sections: Vec<Section> = rows.iter().map(|row| section(row, &again(row.id))).collect();
     sections.extend(context.more);
     Report {
@@ -38,9 +38,9 @@ fn headline(rows: &[Claim]) -> Headline {
     );
     let detail = if open == 0 { String::new() } else { format!("{open} are not measured by this command.") };
     let tone = match (fails, holds) {
-        (0, 0) => Tone::Neutral,
-        (0, _) => Tone::Good,
-        _ => Tone::Bad,
+        (0, 0) => OutcomeTone::Neutral,
+        (0, _) => OutcomeTone::Good,
+        _ => OutcomeTone::Bad,
     };
     Headline { tone, text, detail }
 }
@@ -50,19 +50,21 @@ fn verb(count: usize, plural: &str) -> String {
 }
 
 /// Tone, word, and what is said beside the measurement.
-fn outcome(finding: &ClaimOutcome) -> (Tone, &'static str, String) {
+fn outcome(finding: &ClaimOutcome) -> (OutcomeTone, &'static str, String) {
     match finding {
-        ClaimOutcome::Holds => (Tone::Good, "holds", String::new()),
-        ClaimOutcome::Fails => (Tone::Bad, "fails", String::new()),
-        ClaimOutcome::Differs { why } => (Tone::Neutral, "differs", format!("Why it differs: {why}.")),
-        ClaimOutcome::NotMeasured { why } => (Tone::Neutral, "not measured", format!("Not measured: {why}.")),
+        ClaimOutcome::Holds => (OutcomeTone::Good, "holds", String::new()),
+        ClaimOutcome::Fails => (OutcomeTone::Bad, "fails", String::new()),
+        ClaimOutcome::Differs { why } => (OutcomeTone::Neutral, "differs", format!("Why it differs: {why}.")),
+        ClaimOutcome::NotMeasured { why } => {
+            (OutcomeTone::Neutral, "not measured", format!("Not measured: {why}."))
+        }
     }
 }
 
-fn tile(claim: &Claim) -> Tile {
+fn tile(claim: &Claim) -> FigureTile {
     let (tone, word, _) = outcome(&claim.finding());
     let note = claim.title.to_owned();
-    Tile { label: claim.id.to_owned(), value: word.to_owned(), unit: String::new(), note, tone }
+    FigureTile { label: claim.id.to_owned(), value: word.to_owned(), unit: String::new(), note, tone }
 }
 
 /// Returns one row a claim.
@@ -133,9 +135,9 @@ fn criterion(one: &Criterion) -> Vec<Cell> {
         format!("; explained from {} to {}", short_number(low), short_number(high))
     });
     let (tone, word) = match one.agreement() {
-        Agreement::Agrees => (Tone::Good, "agrees"),
-        Agreement::Explained => (Tone::Neutral, "explained"),
-        Agreement::Disagrees => (Tone::Bad, "disagrees"),
+        Agreement::Agrees => (OutcomeTone::Good, "agrees"),
+        Agreement::Explained => (OutcomeTone::Neutral, "explained"),
+        Agreement::Disagrees => (OutcomeTone::Bad, "disagrees"),
     };
     vec![
         Cell::text(one.what.as_str()),
@@ -150,13 +152,13 @@ fn criterion(one: &Criterion) -> Vec<Cell> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::drawing::{Curve, drawing, factor_axis, panel};
+    use crate::drawing::{ClaimCurve, factor_axis, make_figure, make_panel};
     use counterpoise_plot::{Axis, Mark, Point};
 
     fn claim(criterion: Criterion, why: &str) -> Claim {
         let points = vec![Point::new(0.5, 1.0), Point::new(1.0, 2.0)];
-        let panel = panel(Axis::linear("overshoot", "%"), vec![Curve::points("measured", points)]);
-        let figure = drawing("Overshoot", factor_axis("inertia"), vec![panel.with_level(13.0, "thesis")]);
+        let panel = make_panel(Axis::linear("overshoot", "%"), vec![ClaimCurve::points("measured", points)]);
+        let figure = make_figure("Overshoot", factor_axis("inertia"), vec![panel.with_level(13.0, "thesis")]);
         Claim {
             id: "C1",
             title: "elements",
@@ -173,8 +175,9 @@ mod tests {
     fn every_row_is_on_the_first_screen_in_the_table_and_on_a_page_with_its_figure_and_command() {
         let of = |measured| Criterion::at_most("overshoot", "13 %", measured, 13.0, "the thesis' own figure");
         let rows = [claim(of(10.0), ""), claim(of(14.0).with_explained_range(13.0, 15.0), "of a reason")];
-        let page =
-            claims_report(&rows, Context::default(), &|id| format!("counterpoise claims RIG --only {id}"));
+        let page = claims_report(&rows, VerificationContext::default(), &|id| {
+            format!("counterpoise claims RIG --only {id}")
+        });
         assert_eq!((page.tiles.len(), page.verdicts.rows.len(), page.sections.len()), (2, 2, 2));
         assert_eq!(page.tiles[1].value, "differs");
         assert_eq!(claim(of(20.0), "of a reason").finding(), ClaimOutcome::Fails);

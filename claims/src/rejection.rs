@@ -8,7 +8,7 @@ use counterpoise_verify::robust::{Varied, figures_of};
 use counterpoise_verify::signals::{Spectra, WelchOptions, rms, welch};
 use counterpoise_verify::{Arrangement, Experiment, Figure, History, Model, Quantity, Source, Value};
 
-use super::drawing::{Curve, drawing, factor_axis, frequency_axis, panel, time_axis};
+use super::drawing::{ClaimCurve, factor_axis, frequency_axis, make_figure, make_panel, time_axis};
 use super::imbalance::apply_configuration;
 use super::nonlinear::change_parameter;
 use super::{Claim, Criterion, TestedDesign};
@@ -132,19 +132,19 @@ fn balanced_against_compensated_figures(runs: &[Run]) -> Vec<Drawing> {
     for plant in ["out of balance", "balanced"] {
         let those: Vec<&Run> = runs.iter().filter(|run| run.plant == plant).collect();
         let panels = vec![
-            panel(Axis::linear("|Pxy / Pxx|", "dB"), curves(&those, &Spectra::ratio_db)),
-            panel(Axis::linear("coherence", ""), curves(&those, &|spectra| spectra.coherence.clone())),
+            make_panel(Axis::linear("|Pxy / Pxx|", "dB"), curves(&those, &Spectra::ratio_db)),
+            make_panel(Axis::linear("coherence", ""), curves(&those, &|spectra| spectra.coherence.clone())),
         ];
         all.push(
-            drawing(format!("DRR from pitch rate to hub rate, {plant}"), frequency_axis(), panels)
+            make_figure(format!("DRR from pitch rate to hub rate, {plant}"), frequency_axis(), panels)
                 .with_caption("From time histories on the nonlinear plant, by averaged spectra. Where the coherence is low, heave and friction move the hub."),
         );
         let slow = |history: &History| {
             let points = super::drawing::hub_rates(history);
             points.into_iter().filter(|point| (5.0..10.0).contains(&point.x)).collect()
         };
-        let rates = those.iter().map(|run| Curve::line(run.control, slow(&run.history))).collect();
-        all.push(drawing(
+        let rates = those.iter().map(|run| ClaimCurve::line(run.control, slow(&run.history))).collect();
+        all.push(make_figure(
             format!("Hub rate on the road, {plant}"),
             time_axis(),
             vec![super::drawing::hub_panel(rates)],
@@ -153,13 +153,13 @@ fn balanced_against_compensated_figures(runs: &[Run]) -> Vec<Drawing> {
     all
 }
 
-fn curves(runs: &[&Run], of: &dyn Fn(&Spectra) -> Vec<f64>) -> Vec<Curve> {
+fn curves(runs: &[&Run], of: &dyn Fn(&Spectra) -> Vec<f64>) -> Vec<ClaimCurve> {
     let one = |run: &&Run| {
         let spectra = run.spectra.as_ref()?;
         let both = spectra.frequency_hz.iter().copied().zip(of(spectra));
         let points =
             both.filter(|point| (DRAWN_HZ.0..=DRAWN_HZ.1).contains(&point.0)).map(Point::from).collect();
-        Some(Curve::line(run.control, points))
+        Some(ClaimCurve::line(run.control, points))
     };
     runs.iter().filter_map(one).collect()
 }
@@ -258,11 +258,11 @@ fn band_criteria(hz: f64, [backlash, inertia, friction]: [&[f64]; 3]) -> [Criter
 
 fn drawn(what: &str, x: Axis, factors: &[f64], db: &[f64]) -> Drawing {
     let points = factors.iter().copied().zip(db.iter().copied()).map(Point::from).collect();
-    let panel = panel(
+    let panel = make_panel(
         Axis::linear("DRR in pitch", "dB"),
-        vec![Curve::points("with observer, a third of the pitch", points)],
+        vec![ClaimCurve::points("with observer, a third of the pitch", points)],
     );
-    drawing(format!("Rejection at small amplitude over {what}"), x, vec![panel])
+    make_figure(format!("Rejection at small amplitude over {what}"), x, vec![panel])
 }
 
 /// Factors of the hub's inertia: as it is, and with each of the configurations' added inertias (the thesis' dumb-bells).

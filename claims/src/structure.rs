@@ -3,10 +3,12 @@
 use counterpoise_lti::{StateSpace, poles};
 use counterpoise_models::Lumped;
 use counterpoise_models::plant::{Angles, Body, LinearPlant, Plant};
-use counterpoise_models::structure::{FeModel, NodeRows, Support, modes, pinned_modes};
-use counterpoise_reduce::{Method, Order, Residual, SecondOrder, balred, guyan, minimal, modal_truncation};
+use counterpoise_models::structure::{FeModel, NodeRows, Support, pinned_modes, undamped_modes};
+use counterpoise_reduce::{
+    Method, Order, Residual, SecondOrder, balred, guyan, minimal_realisation, modal_truncation,
+};
 
-use super::drawing::{Curve, drawing, frequency_axis, gain_db, panel, phase_deg};
+use super::drawing::{ClaimCurve, frequency_axis, gain_db, make_figure, make_panel, phase_deg};
 use super::tested_design::{largest_db, rate_grid};
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::{KEPT_RESPONSE, UNSEEN_STATE};
@@ -99,7 +101,7 @@ fn cut(system: &StateSpace) -> Result<f64, PipelineError> {
 pub fn reduced_order(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let full = beam_plant(tested, MODES)?.system;
     let rate = cut(&full)?;
-    let seen = minimal(&full, UNSEEN_STATE)?;
+    let seen = minimal_realisation(&full, UNSEEN_STATE)?;
     let by = |method, system| NamedReduction { method, system };
     let all = [
         by("modal truncation", modal_truncation(&full, rate, Residual::Drop)?.system),
@@ -159,13 +161,17 @@ fn reductions(full: &StateSpace, all: &[NamedReduction]) -> Result<Vec<Drawing>,
     let mut drawings = Vec::new();
     for (input, name) in INPUTS.iter().enumerate() {
         let mut curves =
-            vec![Curve::faint(format!("whole, order {}", full.order()), gain_db(full, input, &drawn)?)];
+            vec![ClaimCurve::faint(format!("whole, order {}", full.order()), gain_db(full, input, &drawn)?)];
         for NamedReduction { method, system } in all {
-            curves.push(Curve::new(*method, super::drawing::Style::Line, gain_db(system, input, &drawn)?));
+            curves.push(ClaimCurve::new(
+                *method,
+                super::drawing::CurveStyle::Line,
+                gain_db(system, input, &drawn)?,
+            ));
         }
         let panel =
-            panel(Axis::linear("hub rate", "dB"), curves).with_instant(REDUCED_HZ[1], "judged to here");
-        drawings.push(drawing(
+            make_panel(Axis::linear("hub rate", "dB"), curves).with_instant(REDUCED_HZ[1], "judged to here");
+        drawings.push(make_figure(
             format!("Reduced to order {ORDER}: hub rate for {name}"),
             frequency_axis(),
             vec![panel],
@@ -292,20 +298,20 @@ fn compared(
     let drawn = rate_grid(DRAWN_HZ);
     let mut drawings = Vec::new();
     for (input, name) in INPUTS.iter().enumerate() {
-        let mut gains = vec![Curve::line("finite elements", gain_db(beam, input, &drawn)?)];
-        let mut phases = vec![Curve::line("finite elements", phase_deg(beam, input, &drawn)?)];
-        gains.push(Curve::reference("two inertias", gain_db(lumped, input, &drawn)?));
-        phases.push(Curve::reference("two inertias", phase_deg(lumped, input, &drawn)?));
+        let mut gains = vec![ClaimCurve::line("finite elements", gain_db(beam, input, &drawn)?)];
+        let mut phases = vec![ClaimCurve::line("finite elements", phase_deg(beam, input, &drawn)?)];
+        gains.push(ClaimCurve::reference("two inertias", gain_db(lumped, input, &drawn)?));
+        phases.push(ClaimCurve::reference("two inertias", phase_deg(lumped, input, &drawn)?));
         let also = others.iter().filter(|_| input == LinearPlant::HEAVE);
         for other in also {
-            gains.push(Curve::line(other.name, gain_db(&other.system, input, &drawn)?));
+            gains.push(ClaimCurve::line(other.name, gain_db(&other.system, input, &drawn)?));
         }
         let panels = vec![
-            panel(Axis::linear("hub rate", "dB"), gains)
+            make_panel(Axis::linear("hub rate", "dB"), gains)
                 .with_instant(low_hz, "half the first mode, hub locked"),
-            panel(Axis::degrees("phase"), phases).with_instant(low_hz, ""),
+            make_panel(Axis::degrees("phase"), phases).with_instant(low_hz, ""),
         ];
-        drawings.push(drawing(format!("Hub rate for {name}, both plants"), frequency_axis(), panels));
+        drawings.push(make_figure(format!("Hub rate for {name}, both plants"), frequency_axis(), panels));
     }
     Ok(drawings)
 }
@@ -336,15 +342,17 @@ pub fn condensed_beam(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError>
     masters.sort_unstable();
     masters.dedup();
     let kept = condense(&fe, &masters)?;
-    let flexible =
-        |model: &FeModel| Ok::<_, PipelineError>(modes(model, Support::Free)?.flexible_rad_s().to_vec());
+    let flexible = |model: &FeModel| {
+        Ok::<_, PipelineError>(undamped_modes(model, Support::Free)?.flexible_rad_s().to_vec())
+    };
     let (full, condensed) = (flexible(&fe)?, flexible(&kept)?);
     let count = condensed.len().min(full.len()).min(8);
     let off: Vec<f64> = (0..count).map(|k| 100.0 * (condensed[k] / full[k] - 1.0)).collect();
     let words: Vec<String> = off.iter().map(|v| format!("{v:+.3}")).collect();
     let points = off.iter().enumerate().map(|(k, v)| Point::new((k + 1) as f64, *v)).collect();
-    let panel = panel(Axis::linear("frequency off by", "%"), vec![Curve::points("condensed", points)])
-        .with_level(0.0, "");
+    let panel =
+        make_panel(Axis::linear("frequency off by", "%"), vec![ClaimCurve::points("condensed", points)])
+            .with_level(0.0, "");
     Ok(Claim {
         measured: format!(
             "{n} degrees of freedom condensed to {}; flexible modes off in %: {}",
@@ -352,7 +360,7 @@ pub fn condensed_beam(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError>
             words.join(", ")
         ),
         criteria: condensation_criteria(&off),
-        drawings: vec![drawing(
+        drawings: vec![make_figure(
             "Flexible modes after Guyan's condensation",
             Axis::linear("flexible mode", ""),
             vec![panel],

@@ -4,11 +4,11 @@ use counterpoise_controller::Controller;
 use counterpoise_linalg::C64;
 use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
-use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};
+use counterpoise_simulate::fra::{Settings, Test, TestSine, measure_point};
 use counterpoise_simulate::{Scenario, Signal, Simulator};
 use counterpoise_verify::signals::rms;
 
-use super::drawing::{Curve, drawing, frequency_axis, panel, time_axis};
+use super::drawing::{ClaimCurve, frequency_axis, make_figure, make_panel, time_axis};
 use super::imbalance::apply_configuration;
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::BADLY_REPRODUCED;
@@ -49,7 +49,7 @@ fn map(
     let settings = Settings { least_duration_s: 1.0, ..Settings::default() };
     let one = |share: f64, hz: f64| -> Result<Point, PipelineError> {
         let at = TestSine { frequency_rad_s: std::f64::consts::TAU * hz, amplitude: share * amplitude };
-        let found = measure(plant, &mut controller.runner(), test, at, &settings)?;
+        let found = measure_point(plant, &mut controller.runner(), test, at, &settings)?;
         Ok(Point::new(hz, of(found.response.value)))
     };
     AMPLITUDES.iter().map(|&share| MAPPED_HZ.iter().map(|&hz| one(share, hz)).collect()).collect()
@@ -71,8 +71,8 @@ fn at_tone(map: &Map) -> Vec<f64> {
 
 fn mapped(title: &str, quantity: &str, map: &Map, full: f64, unit: &str) -> Drawing {
     let named = AMPLITUDES.iter().map(|share| format!("{:.3} {unit}", share * full));
-    let curves = named.zip(map).map(|(name, row)| Curve::points(name, row.clone())).collect();
-    drawing(title, frequency_axis(), vec![panel(Axis::linear(quantity, "dB"), curves)])
+    let curves = named.zip(map).map(|(name, row)| ClaimCurve::points(name, row.clone())).collect();
+    make_figure(title, frequency_axis(), vec![make_panel(Axis::linear(quantity, "dB"), curves)])
 }
 
 /// Returns row C18: the plant's response to the control depends on amplitude.
@@ -280,10 +280,10 @@ fn lobes(loops: &[NamedTriangle]) -> Drawing {
         let points = (last..run.control_v.len())
             .step_by(EVERY)
             .map(|k| (1e3 * run.hub_rate_rad_s[k], run.control_v[k]));
-        Curve::line(name.clone(), points.map(Point::from).collect())
+        ClaimCurve::line(name.clone(), points.map(Point::from).collect())
     };
-    let panel = panel(Axis::linear("control", "V"), loops.iter().map(one).collect());
-    drawing("Triangle: control against hub rate", Axis::linear("hub rate", "mrad/s"), vec![panel])
+    let panel = make_panel(Axis::linear("control", "V"), loops.iter().map(one).collect());
+    make_figure("Triangle: control against hub rate", Axis::linear("hub rate", "mrad/s"), vec![panel])
 }
 
 /// Returns how far each split's control is from the rig's.
@@ -292,14 +292,14 @@ fn apart(loops: &[NamedTriangle]) -> Drawing {
     let one = |NamedTriangle { name, run }: &NamedTriangle| {
         let off = |k: usize| 1e3 * (run.control_v[k] - rig.control_v[k]);
         let half = run.control_v.len() / 2;
-        Curve::line(
+        ClaimCurve::line(
             name.clone(),
             (half..run.control_v.len()).map(|k| Point::new(k as f64 * rig.period_s, off(k))).collect(),
         )
     };
-    let panel = panel(Axis::linear("change of the control", "mV"), loops[1..].iter().map(one).collect());
+    let panel = make_panel(Axis::linear("change of the control", "mV"), loops[1..].iter().map(one).collect());
     let title = format!("Triangle: what another split changes, against {}", loops[0].name);
-    drawing(title, time_axis(), vec![panel])
+    make_figure(title, time_axis(), vec![panel])
 }
 
 /// Every so many samples of a loop are drawn.
@@ -343,7 +343,7 @@ fn triangle(tested: &TestedDesign<'_>, parameters: &Parameters) -> Result<Triang
         .run(&mut tested.controller().runner(), &scenario)?;
     Ok(Triangle {
         period_s: run.sample_period_s,
-        hub_rate_rad_s: run.truth.hub_rate_rad_s,
-        control_v: run.readings.control_v,
+        hub_rate_rad_s: run.truth.hub_rate_rad_s().to_vec(),
+        control_v: run.readings.control_v().to_vec(),
     })
 }

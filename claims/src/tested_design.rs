@@ -11,9 +11,11 @@ use counterpoise_verify::{
     Arrangement, Figure, Model, Procedure, Quantity, Source, StepFigure, Value, nonlinear,
 };
 
-use super::drawing::{Curve, drawing, factor_axis, hub_from, hub_panel, hub_rates, panel, time_axis};
+use super::drawing::{
+    ClaimCurve, factor_axis, hub_from, hub_panel, hub_rates, make_figure, make_panel, time_axis,
+};
 use super::friction_identification::{IdentifiedFriction, identify_friction, with_observer};
-use counterpoise_pipeline::{PipelineError, Stages, World, run_stages, synthesise};
+use counterpoise_pipeline::{DesignStages, PipelineError, World, run_stages, synthesise};
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 use counterpoise_project::Project;
 
@@ -24,7 +26,7 @@ pub struct TestedDesign<'a> {
     /// Files beside it.
     pub world: &'a (dyn World + Sync),
     /// Its design.
-    pub designed: Stages,
+    pub designed: DesignStages,
     /// What is done to the mechanism.
     pub procedure: Procedure,
     /// The friction as it was identified from a recording.
@@ -37,7 +39,7 @@ pub struct TestedDesign<'a> {
 
 /// Figures of a step and of the platform in motion on the nonlinear plant.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Behaviour {
+pub struct NonlinearBehaviour {
     /// Step overshoot, %.
     pub overshoot_percent: f64,
     /// Step peak time, s.
@@ -51,7 +53,7 @@ pub struct Behaviour {
 }
 
 /// A mechanism and its controller, to be drawn beside others.
-pub struct Member<'a> {
+pub struct DrawnMechanism<'a> {
     /// Its name in the legend.
     pub name: String,
     /// The mechanism.
@@ -76,21 +78,21 @@ pub struct NamedLevel<'a> {
 pub fn plot_over_factor(
     what: &str,
     factors: &[f64],
-    found: &[Behaviour],
+    found: &[NonlinearBehaviour],
     says: &[NamedLevel<'_>],
-    others: [Vec<Curve>; 2],
+    others: [Vec<ClaimCurve>; 2],
 ) -> Drawing {
-    let over = |of: &dyn Fn(&Behaviour) -> f64| {
+    let over = |of: &dyn Fn(&NonlinearBehaviour) -> f64| {
         factors.iter().zip(found).map(|(x, b)| Point::new(*x, of(b))).collect()
     };
-    let overshoot = Curve::points("with the observer", over(&|b| b.overshoot_percent));
-    let residual = Curve::points("with the observer", over(&|b| 1e3 * b.residual_rad_s));
+    let overshoot = ClaimCurve::points("with the observer", over(&|b| b.overshoot_percent));
+    let residual = ClaimCurve::points("with the observer", over(&|b| 1e3 * b.residual_rad_s));
     let [others_over, others_left] = others;
-    let with = |own: Curve, others: Vec<Curve>| std::iter::once(own).chain(others).collect();
-    let first = panel(Axis::linear("overshoot", "%"), with(overshoot, others_over));
+    let with = |own: ClaimCurve, others: Vec<ClaimCurve>| std::iter::once(own).chain(others).collect();
+    let first = make_panel(Axis::linear("overshoot", "%"), with(overshoot, others_over));
     let first = says.iter().fold(first, |panel, level| panel.with_level(level.y, level.text));
-    let panels = vec![first, panel(Axis::linear("RMS hub rate", "mrad/s"), with(residual, others_left))];
-    drawing(format!("Overshoot and residual over {what}"), factor_axis(what), panels)
+    let panels = vec![first, make_panel(Axis::linear("RMS hub rate", "mrad/s"), with(residual, others_left))];
+    make_figure(format!("Overshoot and residual over {what}"), factor_axis(what), panels)
 }
 
 impl<'a> TestedDesign<'a> {
@@ -137,7 +139,7 @@ impl<'a> TestedDesign<'a> {
     ///
     /// # Errors
     /// Those of the pipeline.
-    pub fn redesign(&self, change: impl FnOnce(&mut Project)) -> Result<Stages, PipelineError> {
+    pub fn redesign(&self, change: impl FnOnce(&mut Project)) -> Result<DesignStages, PipelineError> {
         let mut project = self.project.clone();
         change(&mut project);
         run_stages(&project, self.world)
@@ -168,7 +170,7 @@ impl<'a> TestedDesign<'a> {
         &self,
         parameters: &Parameters,
         controller: &Controller,
-    ) -> Result<Behaviour, PipelineError> {
+    ) -> Result<NonlinearBehaviour, PipelineError> {
         let step = |figure| Figure::Step(Model::Nonlinear, figure);
         let under = |quantity| {
             Figure::Disturbance(Model::Nonlinear, Source::Both, Arrangement::Compensated, quantity)
@@ -181,7 +183,7 @@ impl<'a> TestedDesign<'a> {
             under(Quantity::GearOpen),
         ];
         let found = self.figures(parameters, controller, &wanted)?;
-        Ok(Behaviour {
+        Ok(NonlinearBehaviour {
             overshoot_percent: found[0],
             peak_time_s: found[1],
             steady_error_percent: found[2],
@@ -195,26 +197,33 @@ impl<'a> TestedDesign<'a> {
     ///
     /// # Errors
     /// Those of the simulator.
-    pub fn family_drawings(&self, name: &str, members: &[Member<'_>]) -> Result<Vec<Drawing>, PipelineError> {
+    pub fn family_drawings(
+        &self,
+        name: &str,
+        members: &[DrawnMechanism<'_>],
+    ) -> Result<Vec<Drawing>, PipelineError> {
         let moving = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
         let (mut steps, mut motions) = (Vec::new(), Vec::new());
         for member in members {
             let run = |experiment| self.history(&member.parameters, member.controller, experiment);
             let step = hub_rates(&run(Experiment::Step)?);
-            steps.push(Curve::line(
+            steps.push(ClaimCurve::line(
                 member.name.clone(),
                 step.into_iter().filter(|at| at.x <= DRAWN_S).collect(),
             ));
-            motions.push(Curve::line(member.name.clone(), hub_from(&run(moving)?, self.procedure.settle_s)));
+            motions.push(ClaimCurve::line(
+                member.name.clone(),
+                hub_from(&run(moving)?, self.procedure.settle_s),
+            ));
         }
         let height = 1e3 * self.procedure.step.rate_rad_s;
         Ok(vec![
-            drawing(
+            make_figure(
                 format!("Step of the demand, {name}"),
                 time_axis(),
                 vec![hub_panel(steps).with_level(height, "demand")],
             ),
-            drawing(
+            make_figure(
                 format!("Heave and pitch with all feedforwards, {name}"),
                 time_axis(),
                 vec![hub_panel(motions)],
@@ -233,7 +242,7 @@ impl<'a> TestedDesign<'a> {
         experiment: Experiment,
     ) -> Result<History, PipelineError> {
         let mut simulator = Simulator::new(&Plant::from_lumped(parameters)?)?;
-        Ok(nonlinear::history(&mut simulator, controller, &self.procedure, experiment)?)
+        Ok(nonlinear::run_history(&mut simulator, controller, &self.procedure, experiment)?)
     }
 }
 

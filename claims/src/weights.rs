@@ -2,16 +2,16 @@
 
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, feedback, margins, series, step};
-use counterpoise_synth::{Alternative, SynthesisMethod, Weight, alternative, attempt};
+use counterpoise_synth::{Alternative, SynthesisMethod, Weight, attempt, design_alternative};
 use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Source, StepFigure};
 
 use super::drawing::{
-    Curve, drawing, frequency_axis, gain_db, hub_panel, hub_rates, panel, points_of, time_axis,
+    ClaimCurve, frequency_axis, gain_db, hub_panel, hub_rates, make_figure, make_panel, points_of, time_axis,
 };
 use super::tested_design::rate_grid;
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::SMALL_ERROR_PERCENT;
-use counterpoise_pipeline::{PipelineError, Stages};
+use counterpoise_pipeline::{DesignStages, PipelineError};
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 /// K1 / a1 of the integrating design, and the corner of the error weight without integral action, s: where the integrating design's own
@@ -29,7 +29,7 @@ type Figures = [f64; 4];
 struct Lagging {
     gain: f64,
     figures: Figures,
-    designed: Stages,
+    designed: DesignStages,
 }
 
 /// Returns row C26: with and without integral action.
@@ -123,39 +123,47 @@ fn lagging(tested: &TestedDesign<'_>) -> Vec<Lagging> {
     GAINS.into_iter().map_while(one).collect()
 }
 
-fn integral_action_figures(integral: &Stages, family: &[Lagging], high: Option<&Lagging>) -> Vec<Drawing> {
-    let response = |designed: &Stages| {
+fn integral_action_figures(
+    integral: &DesignStages,
+    family: &[Lagging],
+    high: Option<&Lagging>,
+) -> Vec<Drawing> {
+    let response = |designed: &DesignStages| {
         let history = designed.verified.verification().history(Model::Linear, Experiment::Step)?;
         Some(hub_rates(history))
     };
-    let mut steps: Vec<Curve> =
-        response(integral).map(|points| Curve::line("with integral action", points)).into_iter().collect();
+    let mut steps: Vec<ClaimCurve> = response(integral)
+        .map(|points| ClaimCurve::line("with integral action", points))
+        .into_iter()
+        .collect();
     for one in family {
         let style = |points| {
             let name = format!("without, K7 x{}", one.gain);
             if high.is_some_and(|high| high.gain == one.gain) {
-                Curve::line(name, points)
+                ClaimCurve::line(name, points)
             } else {
-                Curve::reference(name, points)
+                ClaimCurve::reference(name, points)
             }
         };
         steps.extend(response(&one.designed).map(style));
     }
-    let steps: Vec<Curve> =
-        steps.into_iter().map(|curve| Curve { points: first_second(curve.points), ..curve }).collect();
+    let steps: Vec<ClaimCurve> =
+        steps.into_iter().map(|curve| ClaimCurve { points: first_second(curve.points), ..curve }).collect();
     let over = |k: usize| family.iter().map(|one| Point::new(one.figures[0], one.figures[k])).collect();
     let own = figures(integral);
-    let overshoot =
-        panel(Axis::linear("overshoot", "%"), vec![Curve::points("without integral action", over(1))])
-            .with_level(own[1], "with integral action, no steady-state error");
-    let ms = panel(Axis::linear("Ms", ""), vec![Curve::points("without integral action", over(2))])
+    let overshoot = make_panel(
+        Axis::linear("overshoot", "%"),
+        vec![ClaimCurve::points("without integral action", over(1))],
+    )
+    .with_level(own[1], "with integral action, no steady-state error");
+    let ms = make_panel(Axis::linear("Ms", ""), vec![ClaimCurve::points("without integral action", over(2))])
         .with_level(own[2], "");
     let mut all = vec![
-        drawing("Step by both kinds of design, linear plant", time_axis(), vec![hub_panel(steps)])
+        make_figure("Step by both kinds of design, linear plant", time_axis(), vec![hub_panel(steps)])
             .with_caption(
                 "Drawn through: the design with integral action, and the high gain that leaves as little.",
             ),
-        drawing(
+        make_figure(
             "What a small steady-state error costs without integral action",
             Axis::logarithmic("steady-state error", "%"),
             vec![overshoot, ms],
@@ -170,10 +178,10 @@ fn first_second(points: Vec<Point>) -> Vec<Point> {
 }
 
 /// Returns both designs under heave and pitch, with feedback alone: figures A5-7(b) and A5-8(b).
-fn disturbed(integral: &Stages, high: &Stages) -> Drawing {
-    let curve = |designed: &Stages, name: &str, experiment| {
+fn disturbed(integral: &DesignStages, high: &DesignStages) -> Drawing {
+    let curve = |designed: &DesignStages, name: &str, experiment| {
         let history = designed.verified.verification().history(Model::Linear, experiment)?;
-        Some(Curve::line(name, hub_rates(history)))
+        Some(ClaimCurve::line(name, hub_rates(history)))
     };
     let panel = |arrangement| {
         let experiment = Experiment::Disturbance(Source::Both, arrangement);
@@ -184,12 +192,12 @@ fn disturbed(integral: &Stages, high: &Stages) -> Drawing {
         hub_panel(curves.into_iter().flatten().collect())
     };
     let panels = vec![panel(Arrangement::Feedback), panel(Arrangement::Compensated)];
-    drawing("Heave and pitch by both kinds of design, linear plant", time_axis(), panels)
+    make_figure("Heave and pitch by both kinds of design, linear plant", time_axis(), panels)
         .with_caption("Above by feedback alone, below with both feedforwards.")
 }
 
 /// Returns the thesis' form of the feedback weights with another error weight.
-fn with_error(tested: &TestedDesign<'_>, error: Weight) -> Result<Stages, PipelineError> {
+fn with_error(tested: &TestedDesign<'_>, error: Weight) -> Result<DesignStages, PipelineError> {
     tested.redesign(|project| {
         project.verify.iter_mut().for_each(|verify| verify.road = None);
         if let Some(synthesis) = &mut project.synth {
@@ -199,7 +207,7 @@ fn with_error(tested: &TestedDesign<'_>, error: Weight) -> Result<Stages, Pipeli
     })
 }
 
-fn figures(designed: &Stages) -> Figures {
+fn figures(designed: &DesignStages) -> Figures {
     let wanted = [
         Figure::Step(Model::Linear, StepFigure::SteadyStateError),
         Figure::Step(Model::Linear, StepFigure::Overshoot),
@@ -221,7 +229,7 @@ pub fn three_methods(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> 
         (SynthesisMethod::LqgLtr, "LQG/LTR"),
         (SynthesisMethod::HInfinity, "H-infinity"),
     ] {
-        match attempt(alternative(&design.plant, &design.specification.feedback, method))? {
+        match attempt(design_alternative(&design.plant, &design.specification.feedback, method))? {
             Ok(part) => {
                 let broken = broken(tested, &part)?;
                 let (text, judged) = judged_loop(name, &broken)?;
@@ -301,20 +309,20 @@ fn three_methods_figures(loops: &[MethodLoop]) -> Result<Vec<Drawing>, PipelineE
     let drawn = rate_grid([0.05, 100.0]);
     let (mut controllers, mut gains, mut steps) = (Vec::new(), Vec::new(), Vec::new());
     for MethodLoop { name, controller, broken } in loops {
-        controllers.push(Curve::line(*name, gain_db(controller, 0, &drawn)?));
-        gains.push(Curve::line(*name, gain_db(broken, 0, &drawn)?));
+        controllers.push(ClaimCurve::line(*name, gain_db(controller, 0, &drawn)?));
+        gains.push(ClaimCurve::line(*name, gain_db(broken, 0, &drawn)?));
         let unity = StateSpace::gain(Mat::eye(1), broken.timebase)?;
         let response = step(&feedback(broken, &unity)?, 1.0, 1000)?;
         let y: Vec<f64> = (0..response.time_s.len()).map(|k| response.y[(k, 0)]).collect();
-        steps.push(Curve::line(*name, points_of(&response.time_s, &y, 1.0)));
+        steps.push(ClaimCurve::line(*name, points_of(&response.time_s, &y, 1.0)));
     }
     let panels = vec![
-        panel(Axis::linear("controller", "dB re V s/rad"), controllers),
-        panel(Axis::linear("loop gain", "dB"), gains).with_level(0.0, ""),
+        make_panel(Axis::linear("controller", "dB re V s/rad"), controllers),
+        make_panel(Axis::linear("loop gain", "dB"), gains).with_level(0.0, ""),
     ];
-    let step = panel(Axis::linear("measured rate over demand", ""), steps).with_level(1.0, "");
+    let step = make_panel(Axis::linear("measured rate over demand", ""), steps).with_level(1.0, "");
     Ok(vec![
-        drawing("Three methods, one plant, one pair of weights", frequency_axis(), panels),
-        drawing("Step by the three methods, continuous design plant", time_axis(), vec![step]),
+        make_figure("Three methods, one plant, one pair of weights", frequency_axis(), panels),
+        make_figure("Step by the three methods, continuous design plant", time_axis(), vec![step]),
     ])
 }

@@ -2,10 +2,10 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_claims::{Claim, ClaimOutcome, measure_claims};
-use counterpoise_diagnose::simulator_access::Pool;
-use counterpoise_host::workers::Processors;
+use counterpoise_host::workers::QuietPool;
 use counterpoise_pipeline::World;
 use counterpoise_plot::Content;
+use counterpoise_pool::Pool;
 use counterpoise_project::Project;
 
 struct Example;
@@ -18,7 +18,7 @@ impl World for Example {
     }
 
     fn pool(&self) -> &dyn Pool {
-        &Processors
+        &QuietPool
     }
 }
 

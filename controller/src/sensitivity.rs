@@ -42,7 +42,7 @@ const DECADES: f64 = 5.0;
 /// Returns a discrete system in the form asked for.
 ///
 /// # Errors
-/// As [`modal_form`]; [`Error::Lti`] if the Gramians of the stable part fail.
+/// As [`modal_form`]; [`Error::Realisation`] if the Gramians of the stable part fail.
 pub fn realise_form(system: &StateSpace, form: RealisationForm) -> Result<StateSpace, Error> {
     match form {
         RealisationForm::Modal => Ok(modal_form(system)?.system),
@@ -104,7 +104,7 @@ pub fn least_sensitive(candidates: &[RealisationCandidate]) -> Option<&Realisati
 /// Returns the sensitivity of a system as it is.
 ///
 /// # Errors
-/// [`Error::Lti`] if a response cannot be computed.
+/// [`Error::Realisation`] if a response cannot be computed.
 pub fn form_candidate(system: &StateSpace, form: RealisationForm) -> Result<RealisationCandidate, Error> {
     let rates = rates(system.timebase);
     let response = frequency_response(system, &rates)?;

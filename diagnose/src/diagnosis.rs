@@ -30,9 +30,10 @@ use crate::recording::sanity_checks::{check_control, check_signals};
 use crate::recording::unknown_heave::drop_unknown_heave;
 use crate::selection::searcher::Searcher;
 use crate::selection::sizes::Sizes;
+use crate::simulator_access::SimulatorAccess;
 use crate::simulator_access::objective::{PreparedRecordings, RecordingReplays};
-use crate::simulator_access::{Pool, SimulatorAccess, map};
 use crate::tolerance::{BIAS_SEEN_RAD_S, SAMPLES_AT_MOST, TEXTBOOK_SAMPLES_AT_MOST};
+use counterpoise_pool::{Pool, map};
 
 /// A diagnosis: the answer, and the machine that explains the recordings.
 #[derive(Debug, Clone)]
@@ -100,14 +101,17 @@ pub fn diagnose(
     recordings: &[Recording],
     pool: &dyn Pool,
 ) -> Result<Diagnosis, Error> {
-    run(&Request { base, control: control.into(), contradiction: Contradiction::Ignore, recordings }, pool)
+    diagnose_request(
+        &Request { base, control: control.into(), contradiction: Contradiction::Ignore, recordings },
+        pool,
+    )
 }
 
 /// Carries out a request: [`diagnose`] with a choice of what happens if the recordings were made under another controller.
 ///
 /// # Errors
 /// As [`diagnose`].
-pub fn run(request: &Request, pool: &dyn Pool) -> Result<Diagnosis, Error> {
+pub fn diagnose_request(request: &Request, pool: &dyn Pool) -> Result<Diagnosis, Error> {
     let mut found = match SimilarityScale::of(request.base, request.recordings) {
         Some(scale) => {
             diagnose_scaled(scale, request.base, request.control.clone(), request.recordings, pool)?
@@ -330,9 +334,9 @@ fn qualified(
     let (mut sound, mut told) = (Vec::new(), Vec::new());
     for recording in recordings {
         let repaired = repair_gaps(recording, ratio);
-        told.extend(repaired.repairs.into_iter().map(|(channel, repair)| RecordingRemark::Repaired {
+        told.extend(repaired.repairs.into_iter().map(|(part, repair)| RecordingRemark::Repaired {
             recording: recording.name.clone(),
-            channel,
+            part,
             repair,
         }));
         for mut part in repaired.parts {
@@ -378,10 +382,7 @@ fn shorten(recordings: &mut [Recording], most: usize, told: &mut Vec<RecordingRe
 }
 
 /// Removes a channel from a recording that can do without it; returns whether it was removed.
-fn left_out(recording: &mut Recording, channel: &str) -> bool {
-    match channel {
-        "motor_rate" => recording.remove(Channel::MotorRate).is_some(),
-        "hub_position" => recording.remove(Channel::HubPosition).is_some(),
-        _ => false,
-    }
+fn left_out(recording: &mut Recording, channel: Channel) -> bool {
+    let is_redundant = matches!(channel, Channel::MotorRate | Channel::HubPosition);
+    is_redundant && recording.remove(channel).is_some()
 }

@@ -22,7 +22,7 @@
 //!
 //! ```
 //! use counterpoise_diagnose::library::{Component, list_effects};
-//! use counterpoise_diagnose::simulator_access::Serial;
+//! use counterpoise_pool::Serial;
 //! use counterpoise_diagnose::{Error, diagnose};
 //! use counterpoise_models::reference;
 //! use counterpoise_simulate::replay::ReplayLoop;
@@ -33,7 +33,7 @@
 //! ```
 //!
 //! *Invariant*: nothing here knows a weight, a file, a thread or a clock; processors are handed in as a
-//! [`Pool`](simulator_access::Pool).
+//! [`Pool`](counterpoise_pool::Pool).
 
 pub mod recording;
 

@@ -7,9 +7,9 @@ use common::controller;
 use counterpoise_diagnose::fitting::output_error::{FitSelection, Problem};
 use counterpoise_diagnose::library::{Component, EffectName, find_effects};
 use counterpoise_diagnose::recording::instrument_faults::{FaultKind, find_instrument_faults};
-use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_diagnose::simulator_access::objective::{PreparedRecordings, RecordingReplays};
 use counterpoise_models::{Parameters, Plant, Sensor, reference};
+use counterpoise_pool::Serial;
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::ReplayLoop;
 use counterpoise_simulate::{

@@ -61,7 +61,7 @@ fn control_v(machine: &Parameters) -> Vec<f64> {
         detail: Detail::Recording,
         ..Scenario::at_rest(0.4)
     };
-    Simulator::new(&plant).unwrap().run(&mut controller, &scenario).unwrap().readings.control_v
+    Simulator::new(&plant).unwrap().run(&mut controller, &scenario).unwrap().readings.control_v().to_vec()
 }
 
 /// The torque that a volt of control makes at a joint at rest, N m/V.

@@ -4,17 +4,18 @@
 use crate::common;
 
 use common::controller;
-use counterpoise_diagnose::fitting::score::assess;
+use counterpoise_diagnose::fitting::score::assess_recordings;
 use counterpoise_diagnose::learning::reading::Form;
 use counterpoise_diagnose::learning::visited_ranges::Visited;
-use counterpoise_diagnose::learning::{LearnedModel, LearningTask, learn};
+use counterpoise_diagnose::learning::{LearnedModel, LearningTask, learn_functions};
 use counterpoise_diagnose::library::Component;
 use counterpoise_diagnose::selection::searcher::Searcher;
 use counterpoise_diagnose::selection::sizes::Sizes;
+use counterpoise_diagnose::simulator_access::SimulatorAccess;
 use counterpoise_diagnose::simulator_access::objective::{PreparedRecordings, RecordingReplays};
-use counterpoise_diagnose::simulator_access::{Serial, SimulatorAccess};
 use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 use counterpoise_models::{Parameters, Plant, reference};
+use counterpoise_pool::Serial;
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::ReplayLoop;
 use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
@@ -59,11 +60,11 @@ fn modelled(machine: &Parameters) -> Option<(LearnedModel, Parameters)> {
         seeds: Vec::new(),
         sizes: Sizes::TYPICAL,
     };
-    let before = assess(&simulator, &Serial, &base).unwrap();
+    let before = assess_recordings(&simulator, &Serial, &base).unwrap();
     let signals: Vec<_> = (0..recordings.len()).filter_map(|r| simulator.measured_signals(r)).collect();
     let visited = Visited::of(&base, &signals);
     let components = [Component::Pivot];
-    learn(&LearningTask {
+    learn_functions(&LearningTask {
         searcher: &searcher,
         base: &base,
         before: &before,

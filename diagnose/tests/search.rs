@@ -8,9 +8,11 @@ use counterpoise_diagnose::library::{Component, EffectName, list_effects};
 use counterpoise_diagnose::selection::searcher::Searcher;
 use counterpoise_diagnose::selection::sizes::Sizes;
 use counterpoise_diagnose::simulator_access::{
-    Assessment, ChannelResidual, ControlSource, Serial, SimulatorAccess, Span,
+    Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span,
 };
 use counterpoise_models::{Parameters, reference};
+use counterpoise_pool::Serial;
+use counterpoise_recordings::Channel;
 
 const SAMPLES: usize = 1500;
 const FLOOR: f64 = 0.01;
@@ -75,7 +77,7 @@ impl SimulatorAccess for Statics {
             difference / FLOOR + noise(index, k)
         };
         let residual = (0..samples).map(at).collect();
-        Some(vec![ChannelResidual { channel: "control", residual, floor: FLOOR }])
+        Some(vec![ChannelResidual { channel: Channel::Control, residual, floor: FLOOR }])
     }
 
     fn assess_from(&self, parameters: &Parameters, index: usize, _: &Assessment) -> Option<Assessment> {

@@ -59,7 +59,7 @@ pub use rounding::{Deviation, single_precision};
 pub use rust_crate::rust_crate;
 pub use source::ExportSource;
 pub use targets::{
-    FixedFigures, Jobs, Numbers, Record, TargetFigures, TargetRuns, Targets, compare_targets, fixed_form,
+    FixedFigures, Numbers, Record, TargetFigures, TargetRuns, Targets, compare_targets, fixed_form,
 };
 
 use counterpoise_controller::program::Operation;

@@ -1,9 +1,8 @@
 //! What smaller numbers cost: the controller in double, single and fixed point, side by side in the simulated loop.
 
-use std::sync::OnceLock;
-
 use counterpoise_controller::{Controller, READINGS, Readings, SampledController};
 use counterpoise_models::plant::Plant;
+use counterpoise_pool::{Pool, Serial, map_all};
 use counterpoise_simulate::Simulator;
 use counterpoise_verify::{Arrangement, Experiment, Procedure, VerifiedController, nonlinear};
 
@@ -86,7 +85,7 @@ pub fn compare_targets(
     procedure: &Procedure,
     allowed_v: f64,
 ) -> Result<Targets, counterpoise_verify::Error> {
-    let runs = TargetRuns::record(verified, plant, procedure, &one_by_one)?;
+    let runs = TargetRuns::record(verified, plant, procedure, &Serial)?;
     Ok(Targets::of(&runs, runs.single()?, runs.fixed_point_form(allowed_v)?))
 }
 
@@ -117,15 +116,8 @@ pub fn fixed_form(
     allowed_v: f64,
 ) -> Result<Result<Fixed, FixedError>, counterpoise_verify::Error> {
     let TargetRuns { controller, known, samples, .. } =
-        TargetRuns::record(verified, plant, procedure, &one_by_one)?;
+        TargetRuns::record(verified, plant, procedure, &Serial)?;
     Ok(plan_fixed_point(controller, &known, allowed_v, samples))
-}
-
-/// Does a number of jobs that know nothing of each other, on as many processors as there are, and returns when all are done.
-pub type Jobs<'a> = dyn Fn(usize, &(dyn Fn(usize) + Sync)) + Sync + 'a;
-
-fn one_by_one(count: usize, job: &(dyn Fn(usize) + Sync)) {
-    (0..count).for_each(job);
 }
 
 /// The runs of a controller in double, beside which other numbers are put. Each kind of numbers can be tried by itself.
@@ -133,7 +125,7 @@ pub struct TargetRuns<'a> {
     plant: &'a Plant,
     procedure: &'a Procedure,
     controller: &'a Controller,
-    jobs: &'a Jobs<'a>,
+    pool: &'a dyn Pool,
     runs: Vec<Run>,
     known: Ranges,
     /// Samples of the longest run.
@@ -148,7 +140,7 @@ struct Run {
 }
 
 impl<'a> TargetRuns<'a> {
-    /// Runs every experiment with the whole controller in double, the experiments as jobs.
+    /// Runs every experiment with the whole controller in double, the experiments as jobs of a pool.
     ///
     /// # Errors
     /// Those of the simulator.
@@ -156,15 +148,15 @@ impl<'a> TargetRuns<'a> {
         verified: &'a VerifiedController,
         plant: &'a Plant,
         procedure: &'a Procedure,
-        jobs: &'a Jobs<'a>,
+        pool: &'a dyn Pool,
     ) -> Result<Self, counterpoise_verify::Error> {
         let controller = verified.controller();
         let acting = || Box::new(controller.runner()) as Box<dyn SampledController>;
-        let runs = run_all(plant, procedure, &experiments(procedure), &acting, jobs)?;
+        let runs = run_all(plant, procedure, &experiments(procedure), &acting, pool)?;
         let readings: Vec<_> = runs.iter().map(|run| run.seen.readings.clone()).collect();
         let samples = readings.iter().map(Vec::len).max().unwrap_or(0);
         let known = Ranges::from_readings(controller, &readings, RANGE_MARGIN);
-        Ok(Self { plant, procedure, controller, jobs, runs, known, samples })
+        Ok(Self { plant, procedure, controller, pool, runs, known, samples })
     }
 
     /// Returns the figures in double.
@@ -218,7 +210,7 @@ impl<'a> TargetRuns<'a> {
     ) -> Result<TargetFigures, counterpoise_verify::Error> {
         let experiments: Vec<_> = self.runs.iter().map(|run| run.experiment).collect();
         let sampled = || acting() as Box<dyn SampledController>;
-        let found = run_all(self.plant, self.procedure, &experiments, &sampled, self.jobs)?;
+        let found = run_all(self.plant, self.procedure, &experiments, &sampled, self.pool)?;
         let in_double = self.runs.iter().map(|run| rms(&run.errors_rad_s));
         let experiments = found.iter().zip(in_double).map(|(run, known)| run.compared(known)).collect();
         let closed_loops = found.into_iter().map(|run| run.seen).collect();
@@ -232,7 +224,7 @@ fn experiments(procedure: &Procedure) -> Vec<Experiment> {
         Experiment::Step | Experiment::Triangle | Experiment::Rest => true,
         Experiment::Disturbance(_, arrangement) => *arrangement == Arrangement::Compensated,
     };
-    nonlinear::experiments(procedure).into_iter().filter(whole).collect()
+    nonlinear::list_experiments(procedure).into_iter().filter(whole).collect()
 }
 
 /// Runs experiments with a controller, each as a job.
@@ -241,13 +233,10 @@ fn run_all(
     procedure: &Procedure,
     experiments: &[Experiment],
     acting: &(dyn Fn() -> Box<dyn SampledController> + Sync),
-    jobs: &Jobs<'_>,
+    pool: &dyn Pool,
 ) -> Result<Vec<Run>, counterpoise_verify::Error> {
-    let found: Vec<OnceLock<_>> = experiments.iter().map(|_| OnceLock::new()).collect();
     let run = |k: usize| run(&mut Simulator::new(plant)?, acting(), procedure, experiments[k]);
-    jobs(experiments.len(), &|k| drop(found[k].set(run(k))));
-    // Jobs that were asked to stop leave some out.
-    found.into_iter().enumerate().map(|(k, one)| one.into_inner().unwrap_or_else(|| run(k))).collect()
+    map_all(pool, experiments.len(), run).into_iter().collect()
 }
 
 fn run(

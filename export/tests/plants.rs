@@ -97,10 +97,10 @@ fn simulated(machine: &Machine, parts: usize) -> Columns {
     let run = simulator.run(&mut Playback::new(&held.collect::<Vec<_>>()), &scenario).unwrap();
     let (r, t) = (&run.readings, &run.truth);
     let at = |k: usize| {
-        let readings = [r.hub_rate_rad_s[k], r.platform_rate_rad_s[k], r.platform_accel_m_s2[k]];
-        let relative = [r.motor_rate_rad_s[k], r.hub_position_rad[k]];
-        let truths = [t.hub_rate_rad_s[k], t.tip_rate_rad_s[k], t.current_a[k]];
-        let surge = [r.platform_surge_m_s2.get(k).copied().unwrap_or(0.0)];
+        let readings = [r.hub_rate_rad_s()[k], r.platform_rate_rad_s()[k], r.platform_accel_m_s2()[k]];
+        let relative = [r.motor_rate_rad_s()[k], r.hub_position_rad()[k]];
+        let truths = [t.hub_rate_rad_s()[k], t.tip_rate_rad_s()[k], t.current_a()[k]];
+        let surge = [r.platform_surge_m_s2().get(k).copied().unwrap_or(0.0)];
         let all = readings.iter().chain(&relative).chain(&truths).chain(&surge);
         let row: Vec<f64> = all.copied().collect();
         row.try_into().unwrap()

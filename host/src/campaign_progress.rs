@@ -13,7 +13,7 @@ const LARGE: usize = 100_000;
 const LINE_EVERY: f64 = 10.0;
 
 /// The pace of a campaign: what was found done counts as progress, and not as pace.
-pub struct Pace {
+pub struct CampaignPace {
     bar: ProgressBar,
     lines: bool,
     count: usize,
@@ -27,7 +27,7 @@ struct State {
     ran: usize,
 }
 
-impl Pace {
+impl CampaignPace {
     /// Returns the progress of a campaign of `count` samples, shown as a bar on a terminal and as a line now and then elsewhere.
     pub fn with_bar(count: usize) -> Result<Self> {
         let terminal = std::io::stderr().is_terminal();
@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn samples_of_an_earlier_run_say_nothing_of_the_pace() {
-        let pace = Pace::silent(100);
+        let pace = CampaignPace::silent(100);
         pace.count_kept(100);
         assert_eq!(pace.finish(), None);
         pace.count_run();

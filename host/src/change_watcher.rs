@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
 
-use crate::worker::Wake;
+use crate::worker::WakeWindow;
 
 /// Time between two looks: short enough that a change is shown before a user saves over it, long enough to cost nothing.
 const INTERVAL: Duration = Duration::from_secs(1);
@@ -41,7 +41,7 @@ pub struct ChangeWatcher {
 
 impl ChangeWatcher {
     /// Starts the thread; it watches nothing yet.
-    pub fn new(wake: Wake) -> Self {
+    pub fn new(wake: WakeWindow) -> Self {
         let shared = Arc::new(Shared::default());
         let own = Arc::clone(&shared);
         let thread = std::thread::spawn(move || watch(&own, &wake));
@@ -78,7 +78,7 @@ fn modification_times(paths: &[PathBuf]) -> Vec<Option<SystemTime>> {
     paths.iter().map(|path| std::fs::metadata(path).and_then(|m| m.modified()).ok()).collect()
 }
 
-fn watch(shared: &Shared, wake: &Wake) {
+fn watch(shared: &Shared, wake: &WakeWindow) {
     let mut state = shared.lock();
     while !state.has_ended {
         state = shared.end.wait_timeout(state, INTERVAL).unwrap_or_else(PoisonError::into_inner).0;

@@ -13,7 +13,7 @@ use crate::files::{self, FileToWrite};
 use crate::json::json_text;
 
 /// Makes the library of an FMI unit from its sources below a folder, by the unit's name; `None` if this machine cannot.
-pub type Library = fn(&Path, &str) -> Option<Vec<u8>>;
+pub type LibraryBuilder = fn(&Path, &str) -> Option<Vec<u8>>;
 
 /// A packed FMI unit.
 struct PackedUnit {
@@ -29,7 +29,7 @@ struct PackedUnit {
 pub fn write_code(
     folder: &Path,
     code: &[File],
-    library: Library,
+    library: LibraryBuilder,
     go_on: &dyn Fn() -> bool,
 ) -> Result<Option<Vec<PathBuf>>, String> {
     // The library of a unit is compiled from a copy of its sources, so that the set is complete before any old file is replaced.

@@ -5,11 +5,11 @@ use std::fs;
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_pipeline::World;
-use counterpoise_project::{Attachments, Document, Setting};
+use counterpoise_pool::Pool;
+use counterpoise_project::{Attachments, Document, SettingValue};
 
-use crate::workers::Processors;
+use crate::workers::QuietPool;
 
 /// The disk under a project: what can make one wait. Tests put a slow one here.
 pub trait Disk: Send + Sync {
@@ -41,9 +41,9 @@ pub trait Disk: Send + Sync {
 
 /// The disk of this machine.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Native;
+pub struct NativeDisk;
 
-impl Disk for Native {}
+impl Disk for NativeDisk {}
 
 /// Name of the project file in a project's folder.
 pub const PROJECT_FILE: &str = "project.toml";
@@ -136,7 +136,7 @@ fn regular(found: &fs::Metadata) -> io::Result<()> {
 
 /// Returns the files that a project names, from beside it; a missing one is told by the project's own errors.
 pub fn read_attachments(document: &Document, path: &Path) -> Attachments {
-    named(&Native, document, path)
+    named(&NativeDisk, document, path)
 }
 
 /// Reads what a document names; a part that was read can name further files.
@@ -175,7 +175,8 @@ pub fn create_project(folder: &Path, document: &Document) -> Result<PathBuf, Str
     fs::create_dir_all(folder).map_err(cannot)?;
     let whole = folder.canonicalize().map_err(cannot)?;
     let name = whole.file_name().and_then(|name| name.to_str()).unwrap_or("machine");
-    let named = document.set("plant.name", &Setting::Text(name.to_owned())).map_err(|e| e.to_string())?;
+    let named =
+        document.set("plant.name", &SettingValue::Text(name.to_owned())).map_err(|e| e.to_string())?;
     let path = whole.join(PROJECT_FILE);
     write_file(&path, named.text().as_bytes()).map_err(cannot)?;
     Ok(path)
@@ -213,10 +214,10 @@ pub fn is_recording(path: &Path) -> bool {
 /// # Errors
 /// Those of the file system, and that the place is taken by something else; the old file is then as it was.
 pub fn write_file(path: &Path, content: &[u8]) -> io::Result<()> {
-    write_on(&Native, path, content)
+    write_on(&NativeDisk, path, content)
 }
 
-/// Writes on a disk as [`write()`] does.
+/// Writes on a disk as [`write_file`] does.
 ///
 /// # Errors
 /// Those of the file system; the old file is then as it was.
@@ -303,7 +304,7 @@ pub fn write_set(files: &[FileToWrite<'_>]) -> Result<(), String> {
         };
         partials.push(write().map_err(|error| cannot(path, error))?);
     }
-    let _held = files.first().and_then(|file| held(&file.path));
+    let _held = files.first().and_then(|file| lock_folder(&file.path));
     for (FileToWrite { path, .. }, partial) in files.iter().zip(partials) {
         partial.persist(path).map_err(|error| cannot(path, error.error))?;
     }
@@ -312,7 +313,7 @@ pub fn write_set(files: &[FileToWrite<'_>]) -> Result<(), String> {
 
 /// Holds the folder of a file for as long as the value lives, so that of two programs that write a set at once, the files of one stand there in
 /// the end. `None` if folders cannot be held: their files may then be mixed.
-fn held(path: &Path) -> Option<fs::File> {
+fn lock_folder(path: &Path) -> Option<fs::File> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = fs::File::open(folder).ok()?;
     folder.lock().ok()?;
@@ -333,16 +334,16 @@ pub fn scratch_folder() -> io::Result<tempfile::TempDir> {
 
 /// What the pipeline needs from outside: the files beside the project.
 #[derive(Debug, Clone)]
-pub struct Folder(pub PathBuf);
+pub struct ProjectFolder(pub PathBuf);
 
-impl World for Folder {
+impl World for ProjectFolder {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         let told = |error| format!("cannot read {}: {error}", self.0.join(name).display());
         read_reference(&self.0, name).map_err(told)
     }
 
     fn pool(&self) -> &dyn Pool {
-        &Processors
+        &QuietPool
     }
 }
 

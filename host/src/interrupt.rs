@@ -12,7 +12,7 @@ pub const INTERRUPTED: u8 = 130;
 #[error("{0}")]
 pub struct Interrupted(pub String);
 
-/// Installs a handler: from here on, Ctrl-C ends the program with [`INTERRUPTED`], but while work is [watched](watch). Where no
+/// Installs a handler: from here on, Ctrl-C ends the program with [`INTERRUPTED`], but while work is [watched](watch_interrupts). Where no
 /// handler can be set, the system ends the program, as it would have.
 pub fn install_handler() {
     let handler = || {

@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use crate::files::{Disk, write_on};
 use crate::project_lock::ProjectLock;
-use crate::worker::Wake;
+use crate::worker::WakeWindow;
 
 /// What becomes of a journal that ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,7 +43,7 @@ pub type JournalThread = JoinHandle<()>;
 /// `wake` when an error appears or goes.
 pub fn spawn_journal_writer(
     disk: Arc<dyn Disk>,
-    wake: Wake,
+    wake: WakeWindow,
     messages: Receiver<JournalMessage>,
     error: Arc<Mutex<Option<String>>>,
 ) -> JournalThread {
@@ -63,7 +63,7 @@ struct Writer {
     /// What is not written yet; it starts with the header if there is no file.
     pending: String,
     syncer: Syncer,
-    wake: Wake,
+    wake: WakeWindow,
 }
 
 /// Waits for the disk, while more is written.
@@ -74,7 +74,7 @@ struct Syncer {
 }
 
 impl Syncer {
-    fn new(disk: Arc<dyn Disk>, wake: Wake) -> Self {
+    fn new(disk: Arc<dyn Disk>, wake: WakeWindow) -> Self {
         let (inbox, files) = channel::<(PathBuf, File)>();
         let error = Arc::new(Mutex::new(None));
         let shared_error = Arc::clone(&error);
@@ -110,7 +110,7 @@ impl Drop for Syncer {
 
 impl Writer {
     /// Returns a writer without a journal.
-    fn new(disk: Arc<dyn Disk>, wake: Wake) -> Self {
+    fn new(disk: Arc<dyn Disk>, wake: WakeWindow) -> Self {
         let syncer = Syncer::new(Arc::clone(&disk), Arc::clone(&wake));
         Self { disk, path: None, file: None, pending: String::new(), syncer, wake }
     }
@@ -183,7 +183,7 @@ impl Writer {
 }
 
 /// Replaces an error, and wakes the window if it is another one.
-fn replace_error(slot: &Mutex<Option<String>>, error: Option<String>, wake: &Wake) {
+fn replace_error(slot: &Mutex<Option<String>>, error: Option<String>, wake: &WakeWindow) {
     if let Ok(mut slot) = slot.lock()
         && *slot != error
     {

@@ -3,10 +3,10 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_pool::Pool;
 
 use crate::time_left::TimeLeft;
-use crate::worker::{Token, Wake};
+use crate::worker::{CancelToken, WakeWindow};
 
 /// How far a job is, in words that two threads share.
 #[derive(Debug, Clone, Default)]
@@ -44,11 +44,11 @@ impl SharedProgress {
 /// All processors; the work stops when its token says so.
 pub struct CancellablePool<'a> {
     /// Whether to stop.
-    pub token: &'a Token,
+    pub token: &'a CancelToken,
     /// Where it is said how far the work is.
     pub progress: &'a SharedProgress,
     /// Wakes the window.
-    pub wake: &'a Wake,
+    pub wake: &'a WakeWindow,
 }
 
 impl Pool for CancellablePool<'_> {

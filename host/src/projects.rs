@@ -4,22 +4,24 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::recordings::RecordingFile;
-use counterpoise_pipeline::{Decided, Step, TunedProject, World, choose_and_tune, with_recorded_design};
+use counterpoise_pipeline::{
+    DecidedProject, PipelineStage, TunedProject, World, choose_and_tune, with_recorded_design,
+};
+use counterpoise_pool::Pool;
 use counterpoise_project::diagnostic::first_findings;
 use counterpoise_project::resolve::synthesis_options::AdaptationUse;
-use counterpoise_project::{Assumption, Attachments, Diagnostic, Document, Parsed, Project, Purpose};
+use counterpoise_project::{Assumption, Attachments, Diagnostic, Document, ParsedProject, Project, Purpose};
 use counterpoise_synth::FirstDesign;
 
-use crate::files::{self, Disk, Native, PROJECT_FILE, RECORDING_ENDINGS, is_recording};
-use crate::stages::{ProgressDisplay, Stages};
-use crate::workers::Processors;
+use crate::files::{self, Disk, NativeDisk, PROJECT_FILE, RECORDING_ENDINGS, is_recording};
+use crate::stages::{ProgressDisplay, StagePrinter};
+use crate::workers::QuietPool;
 use counterpoise_pipeline::StageTime;
 
 /// A project as found on disk.
-pub struct Loaded {
+pub struct ProjectOnDisk {
     /// Path of the file.
     pub path: PathBuf,
     /// As written.
@@ -38,10 +40,10 @@ pub struct Loaded {
     pub assumptions: Vec<Assumption>,
 }
 
-impl Loaded {
+impl ProjectOnDisk {
     /// Returns the folder beside whose files the project stands.
-    pub fn folder(&self) -> files::Folder {
-        files::Folder(self.path.parent().unwrap_or(Path::new(".")).to_owned())
+    pub fn folder(&self) -> files::ProjectFolder {
+        files::ProjectFolder(self.path.parent().unwrap_or(Path::new(".")).to_owned())
     }
 }
 
@@ -55,7 +57,7 @@ pub struct BadProject {
     pub document: Document,
 }
 
-impl Loaded {
+impl ProjectOnDisk {
     /// Returns whether trials left an adaptation out that the project asks for.
     pub fn adaptation_is_left_out(&self) -> bool {
         let used = |project: &Project| {
@@ -79,7 +81,7 @@ fn rendered(errors: &[Diagnostic], document: &Document) -> String {
 }
 
 /// Reads a project file, or the project.toml of a folder, with the files that it names.
-pub fn load_project(path: &Path, purpose: Purpose) -> Result<Loaded> {
+pub fn load_project(path: &Path, purpose: Purpose) -> Result<ProjectOnDisk> {
     let path = project_file(path);
     let (document, attachments) = read_as_written(&path)?;
     load_document(path, document, &attachments, purpose)
@@ -99,20 +101,20 @@ pub fn load_document(
     document: Document,
     attachments: &Attachments,
     purpose: Purpose,
-) -> Result<Loaded> {
+) -> Result<ProjectOnDisk> {
     let resolved = Project::resolve_for(&document, attachments, purpose);
     let bad = |errors| BadProject { errors, document: document.clone() };
-    let Parsed { project, warnings, assumptions } = resolved.map_err(bad)?;
-    let folder = files::Folder(path.parent().unwrap_or(Path::new(".")).to_owned());
+    let ParsedProject { project, warnings, assumptions } = resolved.map_err(bad)?;
+    let folder = files::ProjectFolder(path.parent().unwrap_or(Path::new(".")).to_owned());
     let stated = project.clone();
-    let Decided { project, first: first_design, tuned } = if purpose.needs_weights() {
+    let DecidedProject { project, first: first_design, tuned } = if purpose.needs_weights() {
         choose_and_tune(&project, &folder)?
     } else {
         let decided =
             if purpose.reads_recordings() { with_recorded_design(&project, &folder)? } else { None };
-        Decided { project: decided.unwrap_or(project), first: None, tuned: None }
+        DecidedProject { project: decided.unwrap_or(project), first: None, tuned: None }
     };
-    Ok(Loaded { path, document, project, stated, first_design, tuned, warnings, assumptions })
+    Ok(ProjectOnDisk { path, document, project, stated, first_design, tuned, warnings, assumptions })
 }
 
 /// So many bytes of a file that cannot be read are kept to be quoted.
@@ -124,7 +126,7 @@ const QUOTED: usize = 1 << 20;
 /// A file that cannot be read or is not text.
 pub fn read_as_written(path: &Path) -> Result<(Document, Attachments)> {
     let bytes =
-        Native.read(path).with_context(|| format!("cannot read the project file {}", path.display()))?;
+        NativeDisk.read(path).with_context(|| format!("cannot read the project file {}", path.display()))?;
     let name = path.display().to_string();
     // What a message quotes of a file that is no text, or too large, stands at its beginning.
     let lossy = || Document::parse(&String::from_utf8_lossy(&bytes[..bytes.len().min(QUOTED)]), &name);
@@ -169,12 +171,12 @@ fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
 }
 
 /// Writes the project with an improved mechanism; everything else of the file stays as it is.
-pub fn save_improved(loaded: &Loaded, plant: &Parameters, path: &Path) -> Result<()> {
+pub fn save_improved(loaded: &ProjectOnDisk, plant: &Parameters, path: &Path) -> Result<()> {
     write_file(path, improved_document(loaded, plant)?.text().as_bytes())
 }
 
 /// Returns the project file with an improved mechanism; everything else of the file stays as it is.
-pub fn improved_document(loaded: &Loaded, plant: &Parameters) -> Result<Document> {
+pub fn improved_document(loaded: &ProjectOnDisk, plant: &Parameters) -> Result<Document> {
     let improved = Project { plant: plant.clone(), ..loaded.project.clone() };
     Ok(improved.update(&loaded.document, &loaded.project)?)
 }
@@ -187,14 +189,14 @@ pub fn write_file(path: &Path, content: &[u8]) -> Result<()> {
 /// What the pipeline needs from outside: the files beside the project, and a clock that measures its stages.
 pub struct ProjectWorld {
     folder: PathBuf,
-    stages: Stages,
+    stages: StagePrinter,
 }
 
 impl ProjectWorld {
     /// Returns the surroundings of a project.
-    pub fn of(loaded: &Loaded, progress: ProgressDisplay) -> Self {
+    pub fn of(loaded: &ProjectOnDisk, progress: ProgressDisplay) -> Self {
         let folder = loaded.path.parent().unwrap_or(Path::new(".")).to_owned();
-        Self { folder, stages: Stages::new(progress) }
+        Self { folder, stages: StagePrinter::new(progress) }
     }
 
     /// Returns what each step took; printed, too, unless quiet.
@@ -210,14 +212,14 @@ impl World for ProjectWorld {
     }
 
     fn pool(&self) -> &dyn Pool {
-        &Processors
+        &QuietPool
     }
 
-    fn begins(&self, step: Step) {
+    fn begins(&self, step: PipelineStage) {
         self.stages.begins(step.name());
     }
 
-    fn ends(&self, _step: Step) {
+    fn ends(&self, _step: PipelineStage) {
         self.stages.ends();
     }
 }

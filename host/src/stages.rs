@@ -15,12 +15,12 @@ pub enum ProgressDisplay {
 }
 
 /// The stages of a run, printed on the error stream as they end.
-pub struct Stages {
+pub struct StagePrinter {
     progress: ProgressDisplay,
     state: Mutex<(Instant, Vec<StageTime>)>,
 }
 
-impl Stages {
+impl StagePrinter {
     /// Starts the clock.
     pub fn new(progress: ProgressDisplay) -> Self {
         Self { progress, state: Mutex::new((Instant::now(), Vec::new())) }

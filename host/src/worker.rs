@@ -13,13 +13,13 @@ pub fn wait_between_looks() {
 }
 
 /// Wakes the window.
-pub type Wake = Arc<dyn Fn() + Send + Sync>;
+pub type WakeWindow = Arc<dyn Fn() + Send + Sync>;
 
 /// A flag that a job looks at.
 #[derive(Debug, Clone, Default)]
-pub struct Token(Arc<AtomicBool>);
+pub struct CancelToken(Arc<AtomicBool>);
 
-impl Token {
+impl CancelToken {
     /// Returns whether the job should end.
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
@@ -29,7 +29,7 @@ impl Token {
 struct State<I, O> {
     asked: Option<(u64, I)>,
     running: Option<u64>,
-    token: Token,
+    token: CancelToken,
     answer: Option<(u64, O)>,
     ended: bool,
 }
@@ -40,14 +40,15 @@ struct Shared<I, O> {
 }
 
 /// One thread that does one kind of work.
-pub struct Worker<I, O> {
+pub struct BackgroundWorker<I, O> {
     shared: Arc<Shared<I, O>>,
 }
 
-impl<I: Send + 'static, O: Send + 'static> Worker<I, O> {
+impl<I: Send + 'static, O: Send + 'static> BackgroundWorker<I, O> {
     /// Returns a worker; `wake` is called when an answer is there.
-    pub fn new(wake: Wake, mut work: impl FnMut(I, &Token) -> O + Send + 'static) -> Self {
-        let state = State { asked: None, running: None, token: Token::default(), answer: None, ended: false };
+    pub fn new(wake: WakeWindow, mut work: impl FnMut(I, &CancelToken) -> O + Send + 'static) -> Self {
+        let state =
+            State { asked: None, running: None, token: CancelToken::default(), answer: None, ended: false };
         let shared = Arc::new(Shared { state: Mutex::new(state), asked: Condvar::new() });
         let own = Arc::clone(&shared);
         std::thread::spawn(move || {
@@ -91,7 +92,7 @@ impl<I: Send + 'static, O: Send + 'static> Worker<I, O> {
     }
 }
 
-impl<I, O> Drop for Worker<I, O> {
+impl<I, O> Drop for BackgroundWorker<I, O> {
     fn drop(&mut self) {
         let mut state = self.shared.lock();
         state.ended = true;
@@ -105,7 +106,7 @@ impl<I, O> Shared<I, O> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn next(&self) -> Option<(u64, I, Token)> {
+    fn next(&self) -> Option<(u64, I, CancelToken)> {
         let mut state = self.lock();
         loop {
             if state.ended {
@@ -113,14 +114,14 @@ impl<I, O> Shared<I, O> {
             }
             if let Some((revision, input)) = state.asked.take() {
                 state.running = Some(revision);
-                state.token = Token::default();
+                state.token = CancelToken::default();
                 return Some((revision, input, state.token.clone()));
             }
             state = self.asked.wait(state).unwrap_or_else(PoisonError::into_inner);
         }
     }
 
-    fn answered(&self, revision: u64, output: O, token: &Token) {
+    fn answered(&self, revision: u64, output: O, token: &CancelToken) {
         let mut state = self.lock();
         state.running = None;
         if !token.is_cancelled() {
@@ -139,8 +140,8 @@ mod tests {
     fn the_latest_request_wins_and_a_cancelled_one_gives_no_answer() {
         let (go, gate) = channel::<()>();
         let (done, ended) = channel();
-        let wake: Wake = Arc::new(move || done.send(()).unwrap());
-        let worker = Worker::new(wake, move |input: u32, _: &Token| {
+        let wake: WakeWindow = Arc::new(move || done.send(()).unwrap());
+        let worker = BackgroundWorker::new(wake, move |input: u32, _: &CancelToken| {
             gate.recv().unwrap();
             input
         });

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Mutex;
 use std::time::Duration;
 
-use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_pool::Pool;
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
@@ -14,9 +14,9 @@ use crate::stages::ProgressDisplay;
 use crate::time_left::TimeLeft;
 
 /// All processors of this machine, without a word about how far the work is.
-pub struct Processors;
+pub struct QuietPool;
 
-impl Pool for Processors {
+impl Pool for QuietPool {
     fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
         (0..count).into_par_iter().for_each(job);
     }
@@ -72,7 +72,7 @@ pub fn start_thread(name: &str, stack_bytes: usize, work: impl FnOnce() + Send +
 }
 
 /// All processors of this machine, with a line that says how far the work is.
-pub struct Workers {
+pub struct ProgressPool {
     bar: Mutex<Line>,
 }
 
@@ -85,7 +85,7 @@ struct Line {
 /// Parts of the bar.
 const BAR_PARTS: u64 = 1000;
 
-impl Workers {
+impl ProgressPool {
     /// Returns workers that show their progress on a terminal, or do not.
     pub fn new(progress: ProgressDisplay) -> Self {
         let bar = match progress {
@@ -107,9 +107,9 @@ impl Workers {
     }
 }
 
-impl Pool for Workers {
+impl Pool for ProgressPool {
     fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
-        Processors.run(count, job);
+        QuietPool.run(count, job);
     }
 
     fn is_cancelled(&self) -> bool {
@@ -137,7 +137,7 @@ mod tests {
             assert_eq!(squares, (0..100).map(|k| k * k).collect::<Vec<u64>>());
         }
         assert_eq!(try_map(3..6, |k| Ok::<_, ()>(10 * k)), Ok(vec![30, 40, 50]));
-        assert_eq!(run_on(3, || Processors.processors()).unwrap(), 3);
+        assert_eq!(run_on(3, || QuietPool.processors()).unwrap(), 3);
     }
 
     #[test]

@@ -151,17 +151,17 @@ pub fn expm_integral(A: &Mat, B: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
     let balanced = balance_all(A)?;
     let worthwhile = balanced.A.norm_one() <= EXPM_BALANCE_GAIN * A.norm_one();
     if !worthwhile {
-        return held(&A.scale(h), &B.scale(h));
+        return hold_integral(&A.scale(h), &B.scale(h));
     }
     let d = &balanced.scale;
     let inner = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] * h / d[i]);
-    let (Phi, Gamma) = held(&balanced.A.scale(h), &inner)?;
+    let (Phi, Gamma) = hold_integral(&balanced.A.scale(h), &inner)?;
     let Phi = Mat::from_fn(Phi.nrows(), Phi.ncols(), |i, j| Phi[(i, j)] * d[i] / d[j]);
     Ok((checked(Phi)?, checked(Mat::from_fn(B.nrows(), B.ncols(), |i, j| Gamma[(i, j)] * d[i]))?))
 }
 
 /// `exp(A)` and the integral of `exp(A s) B` from 0 to 1.
-fn held(A: &Mat, B: &Mat) -> Result<(Mat, Mat), Error> {
+fn hold_integral(A: &Mat, B: &Mat) -> Result<(Mat, Mat), Error> {
     let (n, m) = B.shape();
     let (A, squarings) = halved(A);
     let B = B.scale((-squarings as f64).exp2());

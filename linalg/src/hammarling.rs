@@ -41,7 +41,7 @@ pub fn dlyap_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
 /// Wrong shapes, entries that are not finite, or [`Error::NotStable`] with the eigenvalue.
 pub fn lyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
     let form = Prepared::of(A, Kind::Continuous)?;
-    Ok((form.reached(B)?, form.seen(C)?))
+    Ok((form.reached(B)?, form.output_in_basis(C)?))
 }
 
 /// Returns the factors of both Gramians from one Schur form: `A P A' - P + B B' = 0` and `A' Q A - Q + C' C = 0`; as
@@ -51,7 +51,7 @@ pub fn lyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
 /// Wrong shapes, entries that are not finite, or [`Error::NotStable`] with the eigenvalue.
 pub fn dlyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
     let form = Prepared::of(A, Kind::Discrete)?;
-    Ok((form.reached(B)?, form.seen(C)?))
+    Ok((form.reached(B)?, form.output_in_basis(C)?))
 }
 
 /// Returns a square factor `L`, `P = L L'`, as [`lyap_factor`] but not triangular: enough for the trace of `C P C'`.
@@ -107,7 +107,7 @@ impl Prepared {
 
     /// A square factor of the solution of the equation with `A'` and `C' C`: its triangular form is `T'` with rows and
     /// columns in reverse.
-    fn seen(&self, C: &Mat) -> Result<Mat, Error> {
+    fn output_in_basis(&self, C: &Mat) -> Result<Mat, Error> {
         let n = self.scale.len();
         check_shape("C", C, C.nrows(), n)?;
         let scaled = Mat::from_fn(n, C.nrows(), |i, j| C[(j, i)] * self.scale[i]);

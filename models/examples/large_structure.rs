@@ -7,7 +7,7 @@
 #![allow(non_snake_case, clippy::print_stdout, clippy::print_stderr)]
 
 use counterpoise_models::structure::import::{Imported, NodeMap, matrix_market};
-use counterpoise_models::structure::{Condensation, Shapes, Support, modes};
+use counterpoise_models::structure::{Condensation, Shapes, Support, undamped_modes};
 use std::error::Error;
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         eprintln!("{left_out:?}");
     }
     let hertz = |support: Support| -> Result<String, Box<dyn Error>> {
-        let found = modes(&small, support)?;
+        let found = undamped_modes(&small, support)?;
         let list: Vec<String> = found.flexible_rad_s().iter().take(count).map(|w| format!("{w:?}")).collect();
         Ok(list.join(", "))
     };

@@ -3,7 +3,7 @@
 use counterpoise_synth::{Certified, Cost, DisturbanceChannel, Equation, Feedforward};
 use counterpoise_verify::Verification;
 
-use crate::Synthesised;
+use crate::SynthesisedDesign;
 use crate::tolerance::SAME_COST;
 use crate::tolerance::SOLVED_RESIDUAL;
 use crate::wording::design_findings::describe_part;
@@ -20,7 +20,7 @@ pub struct Certificate {
 }
 
 /// Returns every certificate of a design; with a verification, that of the loop on the full plant too.
-pub fn certify_designs(made: &Synthesised, verification: Option<&Verification>) -> Vec<Certificate> {
+pub fn certify_designs(made: &SynthesisedDesign, verification: Option<&Verification>) -> Vec<Certificate> {
     let design = &made.design;
     let mut all = Vec::new();
     if !made.has_fixed_structure() {

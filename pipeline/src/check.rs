@@ -1,10 +1,10 @@
 //! How a project file was read, and which values are assumed.
 
 use counterpoise_diagnose::learning::reading::{ReadElement, read_elements};
-use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_models::AxisKind;
+use counterpoise_pool::Serial;
 use counterpoise_project::{
-    Assumption, Diagnostic, Document, Parsed, Project, Purpose, SectionStatement, Tolerance,
+    Assumption, Diagnostic, Document, KeyTolerance, ParsedProject, Project, Purpose, SectionStatement,
 };
 use serde::Serialize;
 
@@ -12,7 +12,7 @@ use crate::exchange::VerifiedLoop;
 use crate::first_design::leaves_weights_open;
 use crate::studies::assumptions::{AssumptionEffect, LoopSystems, assumption_effects, with_those_of_design};
 use crate::studies::sweep::campaign_is_stated;
-use crate::{Modelled, PipelineError, choose_weights, model, reduce, synthesise};
+use crate::{PipelineError, PlantModel, choose_weights, model, reduce, synthesise};
 
 /// How a project file was read, and which values are assumed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -30,7 +30,7 @@ pub struct CheckResult {
     /// Every section with what the file states in it and with what is taken beside that, in the units of the keys.
     pub sections: Vec<SectionStatement>,
     /// Values with tolerances.
-    pub tolerances: Vec<Tolerance>,
+    pub tolerances: Vec<KeyTolerance>,
     /// What is assumed because the file does not state it.
     pub assumptions: Vec<Assumption>,
     /// How much the assumptions with a usual range matter, the largest effect first; empty without a design.
@@ -80,7 +80,7 @@ const PURPOSES: [Purpose; 10] = [
 ];
 
 /// Returns how a file was read and which values are assumed. The design is computed, if there is one, to rank the assumptions.
-pub fn check(document: &Document, parsed: &Parsed, systems: LoopSystems) -> CheckResult {
+pub fn check(document: &Document, parsed: &ParsedProject, systems: LoopSystems) -> CheckResult {
     let project = &parsed.project;
     let mut problems = Vec::new();
     let (plant, (assumptions, effects)) = match model(project) {
@@ -135,7 +135,7 @@ pub struct RankedAssumptions {
 /// There is no design, or its loop cannot be judged.
 pub fn rank_assumptions(
     project: &Project,
-    modelled: &Modelled,
+    modelled: &PlantModel,
     assumptions: &[Assumption],
     systems: LoopSystems,
 ) -> Result<RankedAssumptions, PipelineError> {
@@ -156,7 +156,7 @@ pub fn rank_assumptions(
     Ok(RankedAssumptions { assumptions, effects: found.effects, assumed_loop: found.assumed_loop })
 }
 
-fn overview(modelled: &Modelled) -> PlantOverview {
+fn overview(modelled: &PlantModel) -> PlantOverview {
     let body = modelled.plant.body();
     PlantOverview {
         is_sliding: modelled.parameters.axis == AxisKind::Linear,

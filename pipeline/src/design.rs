@@ -1,7 +1,7 @@
 //! A whole design: every stage from the project file to code, and everything that is stated about the result.
 
-use counterpoise_diagnose::simulator_access::{Pool, join};
 use counterpoise_export::{File, FormFigures, TargetRuns, Targets};
+use counterpoise_pool::{Pool, join};
 use counterpoise_project::Project;
 use counterpoise_verify::certificate::StabilityCertificate;
 use counterpoise_verify::spectral::{Spectral, spectral_rejections};
@@ -10,29 +10,29 @@ use counterpoise_verify::{Procedure, VerifiedController};
 use crate::certificates::{Certificate, certify_designs};
 use crate::design_views::{DesignViews, design_views};
 use crate::exchange::{VerifiedLoop, verified_loop};
-use crate::export::target_proofs::Operations;
+use crate::export::target_proofs::OperationCounts;
 use crate::export::{
-    Exported, LeftOut, PathForms, TargetCode, every_target, export_by, half_step_v, path_forms,
+    ExportedCode, LeftOut, PathForms, TargetCode, every_target, export_by, half_step_v, path_forms,
 };
 use crate::loop_view::{LoopView, loop_view};
-use crate::studies::adaptation_trials::{Trials, own_trials};
-use crate::studies::comparison::{Comparison, compare_designs};
+use crate::studies::adaptation_trials::{AdaptationTrials, own_trials};
+use crate::studies::comparison::{DesignComparison, compare_designs};
 use crate::wording::weights::describe_weights;
 use crate::{
-    Decided, DesignedAxis, FirstDesign, Modelled, PipelineError, ProjectIdentity, Reduced, Step, Synthesised,
-    TraverseCode, TwoAxisStudy, World, choose_and_tune, export_traverse, model, project_procedure, reduce,
-    run_observed, studies, study_two_axes, synthesise, verify_on,
+    DecidedProject, DesignedAxis, FirstDesign, PipelineError, PipelineStage, PlantModel, ProjectIdentity,
+    ReducedPlant, SynthesisedDesign, TraverseCode, TwoAxisStudy, World, choose_and_tune, export_traverse,
+    model, project_procedure, reduce, run_observed, studies, study_two_axes, synthesise, verify_on,
 };
 
 /// What each stage of the pipeline made, from the plant to the code.
 #[derive(Debug, Clone)]
-pub struct Stages {
+pub struct DesignStages {
     /// The plant.
-    pub modelled: Modelled,
+    pub modelled: PlantModel,
     /// The plant that the design took.
-    pub reduced: Reduced,
+    pub reduced: ReducedPlant,
     /// The design and its sampled controller.
-    pub synthesised: Synthesised,
+    pub synthesised: SynthesisedDesign,
     /// What the verification did to the mechanism.
     pub procedure: Procedure,
     /// The controller with its verdicts.
@@ -47,7 +47,7 @@ pub struct Stages {
     pub traverse: Option<Box<TraverseCode>>,
 }
 
-impl Stages {
+impl DesignStages {
     /// Returns the code that the project, or that of its traverse axis, asks for and cannot have.
     pub fn all_left_out(&self) -> impl Iterator<Item = &LeftOut> {
         self.left_out.iter().chain(self.traverse.iter().flat_map(|axis| &axis.left_out))
@@ -69,7 +69,7 @@ pub struct TargetStudy {
     /// The code in every language and every kind of numbers that exists.
     pub code: Vec<TargetCode>,
     /// Operations of a step.
-    pub operations: Operations,
+    pub operations: OperationCounts,
     /// How sensitive the coefficients of each path are.
     pub forms: Vec<PathForms>,
     /// The controller with its paths in every form.
@@ -78,11 +78,11 @@ pub struct TargetStudy {
 
 /// A whole design with everything that a report, a terminal or another program shows of it.
 #[derive(Debug, Clone)]
-pub struct Designed {
+pub struct CompletedDesign {
     /// Which project was designed.
     pub identity: ProjectIdentity,
     /// What each stage made.
-    pub stages: Stages,
+    pub stages: DesignStages,
     /// What each weight asks for, in words, one a line.
     pub weights: Vec<String>,
     /// Why the weights are what they are, if the project stated none and they were chosen here.
@@ -90,7 +90,7 @@ pub struct Designed {
     /// Residuals and costs that certify the design.
     pub certificates: Vec<Certificate>,
     /// The design beside other methods, a lower order, other states of balance and a plant with more modes.
-    pub comparison: Comparison,
+    pub comparison: DesignComparison,
     /// Frequency responses of plants, weights and controllers.
     pub views: DesignViews,
     /// The loop as Nyquist, Nichols and root-locus charts show it.
@@ -102,7 +102,7 @@ pub struct Designed {
     /// What the linear figures were measured on.
     pub verified_loop: VerifiedLoop,
     /// The trials of the project's adaptation; `None` if it has none.
-    pub adaptation: Option<Trials>,
+    pub adaptation: Option<AdaptationTrials>,
     /// Both axes verified together; `None` if the project has no traverse axis.
     pub two_axes: Option<TwoAxisStudy>,
 }
@@ -113,17 +113,17 @@ pub struct SynthesisStudy {
     /// Which project was designed.
     pub identity: ProjectIdentity,
     /// The plant.
-    pub modelled: Modelled,
+    pub modelled: PlantModel,
     /// The plant that the design took.
-    pub reduced: Reduced,
+    pub reduced: ReducedPlant,
     /// The design and its sampled controller.
-    pub synthesised: Synthesised,
+    pub synthesised: SynthesisedDesign,
     /// What each weight asks for, in words, one a line.
     pub weights: Vec<String>,
     /// Residuals and costs that certify the design.
     pub certificates: Vec<Certificate>,
     /// The design beside other methods, a lower order, other states of balance and a plant with more modes.
-    pub comparison: Comparison,
+    pub comparison: DesignComparison,
     /// Frequency responses of plants, weights and controllers.
     pub views: DesignViews,
 }
@@ -132,10 +132,10 @@ pub struct SynthesisStudy {
 ///
 /// # Errors
 /// [`PipelineError`]: what is missing in the project, what cannot be built, and every reason why there is no controller.
-/// A requirement that is not met is no error: it is a verdict in [`Stages::verified`].
-pub fn run_stages(project: &Project, world: &dyn World) -> Result<Stages, PipelineError> {
+/// A requirement that is not met is no error: it is a verdict in [`DesignStages::verified`].
+pub fn run_stages(project: &Project, world: &dyn World) -> Result<DesignStages, PipelineError> {
     let made = SampledDesign::of(project, world)?;
-    let (verified, stability) = run_observed(world, Step::Verify, || {
+    let (verified, stability) = run_observed(world, PipelineStage::Verify, || {
         join(world.pool(), || made.verified(project), || made.certificate(project))
     });
     made.exported(project, world, verified?, stability?)
@@ -143,17 +143,18 @@ pub fn run_stages(project: &Project, world: &dyn World) -> Result<Stages, Pipeli
 
 /// What the stages up to the sampled controller made, and what its verification will do to the mechanism.
 struct SampledDesign {
-    modelled: Modelled,
-    reduced: Reduced,
-    synthesised: Synthesised,
+    modelled: PlantModel,
+    reduced: ReducedPlant,
+    synthesised: SynthesisedDesign,
     procedure: Procedure,
 }
 
 impl SampledDesign {
     fn of(project: &Project, world: &dyn World) -> Result<Self, PipelineError> {
-        let modelled = run_observed(world, Step::Model, || model(project))?;
-        let reduced = run_observed(world, Step::Reduce, || reduce(project, &modelled))?;
-        let synthesised = run_observed(world, Step::Synthesise, || synthesise(project, &modelled, &reduced))?;
+        let modelled = run_observed(world, PipelineStage::Model, || model(project))?;
+        let reduced = run_observed(world, PipelineStage::Reduce, || reduce(project, &modelled))?;
+        let synthesised =
+            run_observed(world, PipelineStage::Synthesise, || synthesise(project, &modelled, &reduced))?;
         let procedure = project_procedure(project, world)?;
         Ok(Self { modelled, reduced, synthesised, procedure })
     }
@@ -190,8 +191,7 @@ impl SampledDesign {
         verified: &VerifiedController,
         pool: &dyn Pool,
     ) -> Result<StudiedTargets, PipelineError> {
-        let jobs = |count: usize, job: &(dyn Fn(usize) + Sync)| pool.run(count, job);
-        let runs = TargetRuns::record(verified, &self.modelled.plant, &self.procedure, &jobs)?;
+        let runs = TargetRuns::record(verified, &self.modelled.plant, &self.procedure, pool)?;
         let allowed_v = half_step_v(&self.modelled.plant);
         let (fixed, (single, by_form)) = join(
             pool,
@@ -208,13 +208,13 @@ impl SampledDesign {
         world: &dyn World,
         verified: VerifiedController,
         stability: StabilityCertificate,
-    ) -> Result<Stages, PipelineError> {
+    ) -> Result<DesignStages, PipelineError> {
         let Self { modelled, reduced, synthesised, procedure } = self;
-        let Exported { files, left_out } = run_observed(world, Step::Export, || {
+        let ExportedCode { files, left_out } = run_observed(world, PipelineStage::Export, || {
             export_by(project, &modelled, &verified, &procedure, world)
         })?;
         let traverse = export_traverse(project, world)?.map(Box::new);
-        Ok(Stages {
+        Ok(DesignStages {
             modelled,
             reduced,
             synthesised,
@@ -233,7 +233,7 @@ struct StudiedDesign {
     verified: VerifiedController,
     stability: StabilityCertificate,
     targets: StudiedTargets,
-    comparison: Comparison,
+    comparison: DesignComparison,
     loop_view: LoopView,
 }
 
@@ -247,14 +247,14 @@ struct StudiedTargets {
 ///
 /// # Errors
 /// As [`run_stages`], and those of the comparison and of the runs in each kind of numbers.
-pub fn design(project: &Project, world: &dyn World) -> Result<Designed, PipelineError> {
-    let Decided { project, first, .. } = choose_and_tune(project, world)?;
+pub fn design(project: &Project, world: &dyn World) -> Result<CompletedDesign, PipelineError> {
+    let DecidedProject { project, first, .. } = choose_and_tune(project, world)?;
     let project = &project;
     let made = SampledDesign::of(project, world)?;
-    let studied = run_observed(world, Step::Verify, || made.studied(project, world.pool()))?;
+    let studied = run_observed(world, PipelineStage::Verify, || made.studied(project, world.pool()))?;
     let StudiedDesign { verified, stability, targets, comparison, loop_view } = studied;
     let stages = made.exported(project, world, verified, stability)?;
-    Ok(Designed {
+    Ok(CompletedDesign {
         identity: ProjectIdentity::of(project, world),
         weights: project.synth.as_ref().map(describe_weights).unwrap_or_default(),
         certificates: certify_designs(&stages.synthesised, Some(stages.verified.verification())),
@@ -302,7 +302,7 @@ pub fn study_synthesis(project: &Project, world: &dyn World) -> Result<Synthesis
 /// Those of the realisations.
 fn study_targets(
     project: &Project,
-    stages: &Stages,
+    stages: &DesignStages,
     studied: StudiedTargets,
     world: &dyn World,
 ) -> Result<TargetStudy, PipelineError> {
@@ -310,7 +310,7 @@ fn study_targets(
     let programs = stages.verified.controller().programs();
     Ok(TargetStudy {
         code: every_target(project, &stages.verified, &compared, world)?,
-        operations: Operations {
+        operations: OperationCounts {
             multiplications: programs.step.multiplications(),
             additions: programs.step.additions(),
             states: programs.state_count(),

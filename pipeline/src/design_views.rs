@@ -6,7 +6,7 @@ use counterpoise_synth::{Design, DisturbanceChannel, ScheduleEntry, Specificatio
 use ndarray::Array2;
 
 use crate::frequencies::logarithmic_hz;
-use crate::{Modelled, PipelineError, Reduced, Synthesised};
+use crate::{PipelineError, PlantModel, ReducedPlant, SynthesisedDesign};
 
 /// A frequency response.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,9 +82,9 @@ impl Grid {
 /// # Errors
 /// A frequency response that does not exist.
 pub fn design_views(
-    modelled: &Modelled,
-    reduced: &Reduced,
-    made: &Synthesised,
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
+    made: &SynthesisedDesign,
 ) -> Result<DesignViews, PipelineError> {
     Ok(DesignViews {
         plants: plant_responses(modelled, reduced)?,
@@ -93,7 +93,10 @@ pub fn design_views(
     })
 }
 
-fn plant_responses(modelled: &Modelled, reduced: &Reduced) -> Result<Vec<PlantResponse>, PipelineError> {
+fn plant_responses(
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
+) -> Result<Vec<PlantResponse>, PipelineError> {
     let (full, small) = (&modelled.linear.system, &reduced.system);
     let inputs = [
         (LinearPlant::CONTROL, "control"),

@@ -2,10 +2,10 @@
 
 use counterpoise_models::base_motion::{BaseState, FeltMotion, Level, Mounting, motion_at_elevation_axis};
 use counterpoise_recordings::clock::{stack_columns, to_uniform_clock};
-use counterpoise_recordings::{Error, Table};
+use counterpoise_recordings::{Error, Signals, Table};
+use counterpoise_verify::Road;
 use counterpoise_verify::signals::filter::from_rest;
 use counterpoise_verify::signals::statistics::subtract_mean;
-use counterpoise_verify::{FurtherRoad, Road};
 
 use crate::road::{Stretch, stretch};
 use counterpoise_project::resolve::base_motion::{InertialUnit, UnitReading};
@@ -76,15 +76,17 @@ fn faded(source: &InertialUnit, table: &Table, period_s: f64, felt: &[FeltMotion
     let shaped = |of: fn(&FeltMotion) -> f64| {
         from_rest(&felt.iter().map(of).collect::<Vec<f64>>(), period_s, source.fade_s)
     };
+    // in the order of `RoadColumn`
+    let columns = [
+        shaped(|at| at.heave_m_s2),
+        shaped(|at| at.pitch_rate_rad_s),
+        shaped(|at| at.surge_m_s2),
+        shaped(|at| at.roll_rate_rad_s),
+        shaped(|at| at.yaw_rate_rad_s),
+    ];
     Road {
         name: table.name.clone(),
         sample_period_s: period_s,
-        heave_m_s2: shaped(|at| at.heave_m_s2),
-        pitch_rate_rad_s: shaped(|at| at.pitch_rate_rad_s),
-        further: Some(FurtherRoad {
-            surge_m_s2: shaped(|at| at.surge_m_s2),
-            roll_rate_rad_s: shaped(|at| at.roll_rate_rad_s),
-            yaw_rate_rad_s: shaped(|at| at.yaw_rate_rad_s),
-        }),
+        signals: Signals::stack(columns.iter().map(Vec::as_slice)),
     }
 }

@@ -56,23 +56,26 @@ pub mod two_axes;
 pub mod verify;
 pub mod wording;
 
-use counterpoise_diagnose::simulator_access::{Pool, Serial};
+use counterpoise_pool::{Pool, Serial};
 use counterpoise_synth::FirstDesign;
 
-pub use design::{Designed, Stages, SynthesisStudy, design, run_stages, study_synthesis};
+pub use design::{CompletedDesign, DesignStages, SynthesisStudy, design, run_stages, study_synthesis};
 pub use error::PipelineError;
-pub use export::{Exported, LeftOut, export};
-pub use first_design::{Chosen, FirstDesignResult, choose_weights, leaves_weights_open, with_chosen_weights};
+pub use export::{ExportedCode, LeftOut, export};
+pub use first_design::{
+    ChosenWeights, FirstDesignResult, choose_weights, leaves_weights_open, with_chosen_weights,
+};
 pub use identity::ProjectIdentity;
 pub use model::{
-    Modelled, cannot_hold, finite_elements, finite_elements_of, finite_elements_watched, model, model_watched,
+    PlantModel, cannot_hold, finite_elements, finite_elements_of, finite_elements_watched, model,
+    model_watched,
 };
-pub use recordings::redesign::{Consequence, verify_redesign};
-pub use reduce::{Reduced, reduce};
+pub use recordings::redesign::{RedesignComparison, verify_redesign};
+pub use reduce::{ReducedPlant, reduce};
 pub use studies::sweep::{prepare_campaign, robust_stability, vary_families};
-pub use synth::{DemandedRate, Synthesised, synthesise};
+pub use synth::{DemandedRate, SynthesisedDesign, synthesise};
 pub use traverse_file::{check_traverse, traverse_project};
-pub use tuning::{Decided, TunedProject, choose_and_tune, with_recorded_design, with_tuned_structure};
+pub use tuning::{DecidedProject, TunedProject, choose_and_tune, with_recorded_design, with_tuned_structure};
 pub use two_axes::{
     DesignedAxis, TraverseCode, TraverseDesign, TwoAxisStudy, design_traverse, export_traverse,
     study_two_axes,
@@ -93,15 +96,15 @@ pub trait World {
     }
 
     /// Called when a step begins.
-    fn begins(&self, _step: Step) {}
+    fn begins(&self, _step: PipelineStage) {}
 
     /// Called when it has ended.
-    fn ends(&self, _step: Step) {}
+    fn ends(&self, _step: PipelineStage) {}
 }
 
 /// The stages of the pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Step {
+pub enum PipelineStage {
     /// The plant is built and linearised.
     Model,
     /// Its order is reduced.
@@ -114,15 +117,15 @@ pub enum Step {
     Export,
 }
 
-impl Step {
+impl PipelineStage {
     /// Returns the name of the stage.
     pub fn name(self) -> &'static str {
         match self {
-            Step::Model => "model",
-            Step::Reduce => "reduce",
-            Step::Synthesise => "synthesise",
-            Step::Verify => "verify",
-            Step::Export => "export",
+            PipelineStage::Model => "model",
+            PipelineStage::Reduce => "reduce",
+            PipelineStage::Synthesise => "synthesise",
+            PipelineStage::Verify => "verify",
+            PipelineStage::Export => "export",
         }
     }
 }
@@ -137,7 +140,7 @@ pub struct StageTime {
 }
 
 /// Runs a stage between the two calls that announce its beginning and its end.
-pub fn run_observed<T>(world: &dyn World, step: Step, run: impl FnOnce() -> T) -> T {
+pub fn run_observed<T>(world: &dyn World, step: PipelineStage, run: impl FnOnce() -> T) -> T {
     world.begins(step);
     let made = run();
     world.ends(step);

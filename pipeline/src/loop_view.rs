@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use counterpoise_linalg::C64;
-use counterpoise_verify::linear::loop_shape::nichols;
+use counterpoise_verify::linear::loop_shape::nichols_points;
 use counterpoise_verify::linear::{
     Disk, LOCUS_CROSSOVERS, LoopShape, MarginKind, RootLocus, largest_sensitivity, loop_shape,
     margins_on_path,
@@ -13,15 +13,15 @@ use counterpoise_verify::{Requirement, Verification};
 use crate::PipelineError;
 
 /// Points of a chart, x and y; a point without numbers breaks the curve.
-pub type Points = Vec<[f64; 2]>;
+pub type ChartPoints = Vec<[f64; 2]>;
 
 /// A curve of the plane of L, as a Nyquist chart and as a Nichols chart show it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlaneCurve {
     /// Real and imaginary part.
-    pub nyquist: Points,
+    pub nyquist: ChartPoints,
     /// Phase in degrees, from -360 to 0, and modulus in dB.
-    pub nichols: Points,
+    pub nichols: ChartPoints,
 }
 
 /// A margin, at the point of L where it is read.
@@ -41,13 +41,13 @@ pub struct MarginPoint {
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocusView {
     /// One branch a pole.
-    pub branches: Vec<Points>,
+    pub branches: Vec<ChartPoints>,
     /// Poles of the open loop.
-    pub open_poles: Points,
+    pub open_poles: ChartPoints,
     /// Zeros of the open loop.
-    pub open_zeros: Points,
+    pub open_zeros: ChartPoints,
     /// Poles of the closed loop.
-    pub closed_poles: Points,
+    pub closed_poles: ChartPoints,
     /// Half the side of the square about the origin that shows the poles near the crossover, Hz.
     pub reach_hz: f64,
 }
@@ -95,7 +95,7 @@ pub fn loop_view(found: &Verification) -> Result<LoopView, PipelineError> {
 fn plane_curve(points: &[C64]) -> PlaneCurve {
     PlaneCurve {
         nyquist: points.iter().map(|point| [point.re, point.im]).collect(),
-        nichols: nichols(points),
+        nichols: nichols_points(points),
     }
 }
 
@@ -111,7 +111,7 @@ fn margin_points(found: &Verification) -> Vec<MarginPoint> {
 
 fn locus_view(found: &Verification, locus: &RootLocus) -> LocusView {
     let locus = locus.convert_to_continuous();
-    let places = |all: &[C64]| all.iter().map(|s| [s.re / TAU, s.im / TAU]).collect::<Points>();
+    let places = |all: &[C64]| all.iter().map(|s| [s.re / TAU, s.im / TAU]).collect::<ChartPoints>();
     let closed_poles = places(&locus.closed_poles);
     let crossover_hz = found.evidence.margins.phase.iter().map(|p| p.rate_rad_s / TAU).fold(0.0, f64::max);
     let farthest = closed_poles.iter().map(|at| at[0].hypot(at[1])).fold(0.0, f64::max);

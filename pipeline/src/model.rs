@@ -2,13 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use counterpoise_diagnose::simulator_access::{Pool, Serial};
 use counterpoise_linalg::sparse::StageProgress;
 use counterpoise_models::plant::{Angles, Equilibrium, FrictionLinearisation, LinearPlant, Plant};
 use counterpoise_models::structure::{
     Condensation, ConfiguredStructure, FeModel, Fitted, pinned_modes, reduce_to_lumped, with_derived_lumped,
 };
 use counterpoise_models::{Configuration, Parameters, PointMass};
+use counterpoise_pool::{Pool, Serial};
 
 use crate::PipelineError;
 use crate::configuration::{apply_configuration, named_configuration};
@@ -18,7 +18,7 @@ use counterpoise_project::resolve::model::StructureChoice;
 
 /// The plant, configured, with its linearisation.
 #[derive(Debug, Clone)]
-pub struct Modelled {
+pub struct PlantModel {
     /// Parameters with the configuration applied and the lumped structure derived if it is not given.
     pub parameters: Parameters,
     /// The nonlinear plant.
@@ -36,7 +36,7 @@ pub struct Modelled {
 ///
 /// # Errors
 /// A configuration that does not exist, and parameters that make no mechanism.
-pub fn model(project: &Project) -> Result<Modelled, PipelineError> {
+pub fn model(project: &Project) -> Result<PlantModel, PipelineError> {
     model_watched(project, &Serial)
 }
 
@@ -44,7 +44,7 @@ pub fn model(project: &Project) -> Result<Modelled, PipelineError> {
 ///
 /// # Errors
 /// As for [`model`].
-pub fn model_watched(project: &Project, pool: &dyn Pool) -> Result<Modelled, PipelineError> {
+pub fn model_watched(project: &Project, pool: &dyn Pool) -> Result<PlantModel, PipelineError> {
     let choice = &project.model;
     let (parameters, plant, elements) = match choice.structure {
         StructureChoice::Lumped => {
@@ -60,7 +60,7 @@ pub fn model_watched(project: &Project, pool: &dyn Pool) -> Result<Modelled, Pip
     let equilibrium = plant.equilibrium(&choice.operating_point);
     let linear = plant.linearise(&equilibrium, choice.friction, plant.angles())?;
     let rate = of_rate(&plant, &equilibrium, choice.friction)?;
-    Ok(Modelled { parameters, plant, linear, rate, elements })
+    Ok(PlantModel { parameters, plant, linear, rate, elements })
 }
 
 /// Returns the linear plant whose measured output is the rate of the measured position; `None` if a rate is measured.
@@ -78,7 +78,7 @@ pub(crate) fn of_rate(
 
 /// Returns why the motor alone cannot hold the plant where it stands, if it cannot: the drive that the weight takes is beyond what the
 /// control's limit allows. Friction is left out.
-pub fn cannot_hold(modelled: &Modelled) -> Option<PipelineError> {
+pub fn cannot_hold(modelled: &PlantModel) -> Option<PipelineError> {
     if let Some(beyond) = cannot_carry(modelled) {
         return Some(beyond);
     }
@@ -90,7 +90,7 @@ pub fn cannot_hold(modelled: &Modelled) -> Option<PipelineError> {
 }
 
 /// Why the drive cannot carry the weight at any control, if it cannot.
-pub(crate) fn cannot_carry(modelled: &Modelled) -> Option<PipelineError> {
+pub(crate) fn cannot_carry(modelled: &PlantModel) -> Option<PipelineError> {
     let (p, at) = (&modelled.parameters, &modelled.linear.equilibrium);
     let needed_nm = (p.gearbox.ratio * p.motor.torque_constant_nm_a * at.current_a).abs();
     let moment_kg_m = modelled.plant.body().out_of_balance_kg_m;

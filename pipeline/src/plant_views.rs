@@ -4,15 +4,15 @@ use counterpoise_diagnose::learning::reading::{ReadElement, read_elements};
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::friction::describing::sinusoidal_loop;
 use counterpoise_models::structure::refinement::{
-    COLUMNS, REFERENCE, Refinement, RefinementMesh, refinements,
+    COLUMNS, REFERENCE, Refinement, RefinementMesh, compare_refinements,
 };
-use counterpoise_models::structure::{Direction, FeModel, Integration, Modes, Support, modes};
+use counterpoise_models::structure::{Direction, FeModel, Integration, Modes, Support, undamped_modes};
 use counterpoise_models::{Beam, Friction, FrictionLaw};
 use serde::Serialize;
 use std::f64::consts::TAU;
 
 use crate::tolerance::NEGLIGIBLE_MASS_SHARE;
-use crate::{Modelled, PipelineError, finite_elements, finite_elements_of};
+use crate::{PipelineError, PlantModel, finite_elements, finite_elements_of};
 use counterpoise_project::Project;
 
 /// The modes, the friction, the free functions and the meshes of a plant as plain data.
@@ -24,7 +24,7 @@ pub struct PlantViews {
     #[serde(skip)]
     pub elements: Option<FeModel>,
     /// What few elements make of the beam; none without a beam.
-    pub meshes: Option<Meshes>,
+    pub meshes: Option<MeshComparison>,
     /// Friction at the motor and at the pivot, if there is any.
     pub frictions: Vec<FrictionView>,
     /// The free functions of the plant, with their bands and the recordings' coverage.
@@ -34,7 +34,7 @@ pub struct PlantViews {
 
 /// What few elements make of a beam, free at both ends, beside many: the columns of the thesis' table 6-1.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Meshes {
+pub struct MeshComparison {
     /// Elements of the model that is compared with.
     pub reference: usize,
     /// Its flexible frequencies, Hz.
@@ -69,12 +69,12 @@ pub struct ModeSet {
     /// `free`, `pinned` or `clamped` at the hub.
     pub support: &'static str,
     /// The flexible modes, rising.
-    pub modes: Vec<Mode>,
+    pub modes: Vec<PlantMode>,
 }
 
 /// A flexible mode.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Mode {
+pub struct PlantMode {
     /// Natural frequency, Hz.
     pub frequency_hz: f64,
     /// Effective mass in heave, kg.
@@ -149,7 +149,7 @@ const KEPT: usize = 5;
 ///
 /// # Errors
 /// Those of the structure and the friction laws.
-pub fn view_plant(project: &Project, modelled: &Modelled) -> Result<PlantViews, PipelineError> {
+pub fn view_plant(project: &Project, modelled: &PlantModel) -> Result<PlantViews, PipelineError> {
     let meshes = project.plant.beam.as_ref().map(meshes).transpose()?;
     let mut out =
         PlantViews { modes: Vec::new(), elements: None, meshes, frictions: Vec::new(), learned: Vec::new() };
@@ -161,7 +161,8 @@ pub fn view_plant(project: &Project, modelled: &Modelled) -> Result<PlantViews, 
         };
         let supports = [(Support::Free, "free"), (Support::Pinned, "pinned"), (Support::Clamped, "clamped")];
         for (support, name) in supports {
-            out.modes.push(ModeSet { support: name, modes: shown(&fe, &modes(&fe, support)?) });
+            out.modes
+                .push(ModeSet { support: name, modes: lowest_modes(&fe, &undamped_modes(&fe, support)?) });
         }
         out.elements = Some(fe);
     }
@@ -175,12 +176,12 @@ pub fn view_plant(project: &Project, modelled: &Modelled) -> Result<PlantViews, 
     Ok(out)
 }
 
-fn meshes(beam: &Beam) -> Result<Meshes, PipelineError> {
+fn meshes(beam: &Beam) -> Result<MeshComparison, PipelineError> {
     let finer = FINER
         .iter()
         .flat_map(|&elements| KINDS.map(|(integration, _)| RefinementMesh { integration, elements }));
     let asked: Vec<RefinementMesh> = COLUMNS.iter().copied().chain(finer).collect();
-    let found = refinements(beam, &asked)?;
+    let found = compare_refinements(beam, &asked)?;
     let named = |r: Refinement| MeshColumn {
         kind: KINDS.iter().find(|(kind, _)| *kind == r.integration).map_or("", |(_, name)| name),
         elements: r.elements,
@@ -189,7 +190,7 @@ fn meshes(beam: &Beam) -> Result<Meshes, PipelineError> {
     let mut columns: Vec<MeshColumn> = found.columns.into_iter().map(named).collect();
     let finer = columns.split_off(COLUMNS.len());
     let reference_hz = found.reference_rad_s.iter().take(TABLED).map(|w| w / TAU).collect();
-    Ok(Meshes { reference: REFERENCE, reference_hz, columns, finer })
+    Ok(MeshComparison { reference: REFERENCE, reference_hz, columns, finer })
 }
 
 /// Kinds of elements by name.
@@ -200,11 +201,11 @@ const TABLED: usize = 9;
 /// Elements of the meshes that grow finer.
 const FINER: [usize; 7] = [3, 5, 8, 12, 18, 28, 42];
 
-fn shown(fe: &FeModel, all: &Modes) -> Vec<Mode> {
+fn lowest_modes(fe: &FeModel, all: &Modes) -> Vec<PlantMode> {
     let masses = all.effective_mass(fe, Direction::Heave);
     let inertias = all.effective_mass(fe, Direction::Pitch);
     let count = all.flexible_rad_s().len().min(SHOWN);
-    let mode = |k: usize| Mode {
+    let mode = |k: usize| PlantMode {
         frequency_hz: all.flexible_rad_s()[k] / TAU,
         effective_mass_kg: above_rounding(masses[all.rigid + k], fe.mass_kg()),
         effective_inertia_kg_m2: above_rounding(inertias[all.rigid + k], fe.inertia_kg_m2()),

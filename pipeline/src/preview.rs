@@ -5,8 +5,8 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_lti::{Margins, StateSpace, margins};
+use counterpoise_pool::{Pool, map};
 use counterpoise_project::Project;
 use counterpoise_verify::linear::closed_loop::resolver_use;
 use counterpoise_verify::linear::frequency::grid_hz;
@@ -18,7 +18,7 @@ use counterpoise_verify::{ARRANGEMENTS, Arrangement, Experiment, History, Proced
 
 use crate::first_design::leaves_weights_open;
 use crate::{
-    Modelled, PipelineError, Reduced, Synthesised, choose_weights, model, reduce, synthesise,
+    PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, choose_weights, model, reduce, synthesise,
     with_chosen_weights,
 };
 
@@ -40,9 +40,9 @@ pub struct PreviewRequest {
 #[derive(Debug, Clone)]
 pub struct PlantPreview {
     /// The full plant.
-    pub modelled: Arc<Modelled>,
+    pub modelled: Arc<PlantModel>,
     /// The reduced plant.
-    pub reduced: Arc<Reduced>,
+    pub reduced: Arc<ReducedPlant>,
 }
 
 /// A design with its linear consequences.
@@ -51,11 +51,11 @@ pub struct DesignPreview {
     /// The project that the design was made from.
     pub project: Arc<Project>,
     /// The full plant.
-    pub modelled: Arc<Modelled>,
+    pub modelled: Arc<PlantModel>,
     /// The reduced plant that the synthesis used.
-    pub reduced: Arc<Reduced>,
+    pub reduced: Arc<ReducedPlant>,
     /// The controller.
-    pub synthesised: Synthesised,
+    pub synthesised: SynthesisedDesign,
     /// The loop broken at the plant's input, for negative feedback.
     pub broken: StateSpace,
     /// All margins of the feedback loop.
@@ -122,8 +122,8 @@ pub struct PreviewCache {
 struct CachedPlant {
     project: Arc<Project>,
     out_of_balance_kg_m: Option<f64>,
-    modelled: Arc<Modelled>,
-    reduced: Arc<Reduced>,
+    modelled: Arc<PlantModel>,
+    reduced: Arc<ReducedPlant>,
     sampled: Option<SampledViews>,
 }
 
@@ -209,7 +209,7 @@ impl CachedPlant {
 }
 
 impl SampledViews {
-    fn new(modelled: &Modelled, resolver: Resolver) -> Result<Self, PipelineError> {
+    fn new(modelled: &PlantModel, resolver: Resolver) -> Result<Self, PipelineError> {
         let plant = SampledPlant::new(&modelled.linear, &modelled.parameters, resolver)?;
         let response = PlantResponse::of(&plant, grid_hz(plant.sample_period_s))?;
         let uncontrolled = Closed::new(&plant, None, modelled.plant.body().out_of_balance_kg_m)?;
@@ -224,7 +224,7 @@ fn has_same_plant(a: &Arc<Project>, b: &Arc<Project>) -> bool {
 }
 
 /// Returns the full plant, at the first moment of mass that is tried if there is one.
-fn modelled_for(request: &PreviewRequest) -> Result<Modelled, PipelineError> {
+fn modelled_for(request: &PreviewRequest) -> Result<PlantModel, PipelineError> {
     let made = model(&request.project)?;
     let Some(moment) = request.out_of_balance_kg_m else { return Ok(made) };
     let mut tried = Project::clone(&request.project);
@@ -283,8 +283,8 @@ pub fn preview_design(
 /// Returns the loop in each arrangement of the controller; the feedback alone stands before the whole controller.
 fn close_loops(
     sampled: &SampledViews,
-    synthesised: &Synthesised,
-    modelled: &Modelled,
+    synthesised: &SynthesisedDesign,
+    modelled: &PlantModel,
 ) -> Result<Vec<ArrangedLoop>, PipelineError> {
     let (controller, moment) = (&synthesised.sampled.controller, modelled.plant.body().out_of_balance_kg_m);
     let uncontrolled = sampled.uncontrolled.clone();
@@ -346,7 +346,14 @@ impl Responses<'_> {
             for ArrangedLoop { arrangement, closed } in self.loops {
                 let motion = |time_s: f64| procedure.motion(source, time_s);
                 let plant = &self.sampled.plant;
-                motions.push(linear::disturbance(plant, closed, source, *arrangement, MOTION_S, motion)?);
+                motions.push(linear::simulate_disturbance(
+                    plant,
+                    closed,
+                    source,
+                    *arrangement,
+                    MOTION_S,
+                    motion,
+                )?);
             }
         }
         Ok(Half::Motions(motions))
@@ -367,7 +374,8 @@ impl Responses<'_> {
         margins.closed_loop_stable &= whole.pole_radius() < 1.0;
         let plant = &self.sampled.plant;
         let curves = Curves::with(plant, &self.sampled.response, self.loops)?;
-        let step = linear::step(plant, feedback, Step { duration_s: STEP_S, ..self.procedure().step })?;
+        let step =
+            linear::simulate_step(plant, feedback, Step { duration_s: STEP_S, ..self.procedure().step })?;
         Ok(Half::Loop(Box::new((margins, curves, step))))
     }
 }

@@ -1,17 +1,17 @@
 //! The plant that the design takes: the linear plant, or a smaller one with its error.
 
 use counterpoise_lti::StateSpace;
-use counterpoise_reduce::{Method, Order, Residual, Warning, balred, minimal, modal_truncation};
+use counterpoise_reduce::{Method, Order, Residual, Warning, balred, minimal_realisation, modal_truncation};
 
 use crate::tolerance::KEPT_HANKEL_SHARE;
 use crate::tolerance::MINIMAL_TOLERANCE;
-use crate::{Modelled, PipelineError};
+use crate::{PipelineError, PlantModel};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::design::ReductionMethod;
 
 /// The reduced plant; inputs and outputs are those of the linear plant.
 #[derive(Debug, Clone)]
-pub struct Reduced {
+pub struct ReducedPlant {
     /// The method.
     pub method: ReductionMethod,
     /// The system.
@@ -30,7 +30,7 @@ pub struct Reduced {
     pub warnings: Vec<Warning>,
 }
 
-impl Reduced {
+impl ReducedPlant {
     /// Returns the order of the plant before.
     pub fn order_before(&self) -> usize {
         self.before.order()
@@ -41,10 +41,10 @@ impl Reduced {
 ///
 /// # Errors
 /// A method that the chosen structure does not allow, an order that is missing, and those of the reduction.
-pub fn reduce(project: &Project, modelled: &Modelled) -> Result<Reduced, PipelineError> {
+pub fn reduce(project: &Project, modelled: &PlantModel) -> Result<ReducedPlant, PipelineError> {
     let system = &modelled.linear.system;
     let asked = project.reduce;
-    let plain = |system: StateSpace| Reduced {
+    let plain = |system: StateSpace| ReducedPlant {
         method: asked.method,
         before: modelled.linear.system.clone(),
         output_names: modelled.linear.output_names.clone(),
@@ -57,8 +57,8 @@ pub fn reduce(project: &Project, modelled: &Modelled) -> Result<Reduced, Pipelin
     match asked.method {
         ReductionMethod::None => Ok(plain(system.clone())),
         ReductionMethod::Minimal => {
-            let small = minimal(system, MINIMAL_TOLERANCE)?;
-            Ok(Reduced { warnings: small.warnings, ..plain(small.system) })
+            let small = minimal_realisation(system, MINIMAL_TOLERANCE)?;
+            Ok(ReducedPlant { warnings: small.warnings, ..plain(small.system) })
         }
         ReductionMethod::Balanced => {
             let order = asked.order.map_or(Order::Relative { share: KEPT_HANKEL_SHARE }, Order::States);
@@ -75,8 +75,11 @@ pub fn reduce(project: &Project, modelled: &Modelled) -> Result<Reduced, Pipelin
     }
 }
 
-fn ranked(reduction: counterpoise_reduce::Reduction, plain: impl Fn(StateSpace) -> Reduced) -> Reduced {
-    Reduced {
+fn ranked(
+    reduction: counterpoise_reduce::Reduction,
+    plain: impl Fn(StateSpace) -> ReducedPlant,
+) -> ReducedPlant {
+    ReducedPlant {
         ranked: reduction.hankel,
         bound: reduction.bound,
         error: Some((reduction.measured_error.value, reduction.measured_error.rate_rad_s)),

@@ -5,10 +5,10 @@ use counterpoise_lti::{StateSpace, hankel_values, poles, response};
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::parameters::Beam;
 use counterpoise_models::plant::LinearPlant;
-use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Modes, Profile, Support, modes};
+use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Modes, Profile, Support, undamped_modes};
 use counterpoise_models::{Friction, Parameters};
 
-use crate::{Modelled, Reduced};
+use crate::{PlantModel, ReducedPlant};
 
 /// Points of a frequency response.
 const POINTS: usize = 300;
@@ -40,7 +40,7 @@ pub struct ReductionComparison {
 }
 
 /// Compares a plant with its reduction. A response that cannot be computed is left empty.
-pub fn compare_reduction(modelled: &Modelled, reduced: &Reduced) -> ReductionComparison {
+pub fn compare_reduction(modelled: &PlantModel, reduced: &ReducedPlant) -> ReductionComparison {
     let (full, small) = (&modelled.linear.system, &reduced.system);
     let frequency = |k: usize| LOWEST_RAD_S * RANGE.powf(k as f64 / (POINTS - 1) as f64);
     let frequencies_rad_s: Vec<f64> = (0..POINTS).map(frequency).collect();
@@ -86,7 +86,7 @@ pub fn pinned_modes(beam: &Beam) -> Option<PinnedModes> {
     let options = FeOptions::default();
     let model = FeModel::beam(beam, &Fitted::default(), &options).ok()?;
     let nodes_m = options.mesh.nodes_m(&Profile::new(beam).ok()?, beam.pivot_m).ok()?;
-    Some(PinnedModes { nodes_m, modes: modes(&model, Support::Pinned).ok()? })
+    Some(PinnedModes { nodes_m, modes: undamped_modes(&model, Support::Pinned).ok()? })
 }
 
 /// Where friction acts.

@@ -37,15 +37,15 @@ pub use two_axes::{JointFigureResult, JointHistoryResult, JointResult, JointVerd
 use crate::certificates::Certificate;
 use crate::plant_views::FrictionView;
 use crate::studies::accuracy::Accuracy;
-use crate::studies::adaptation_trials::Trials;
-use crate::studies::comparison::Comparison;
+use crate::studies::adaptation_trials::AdaptationTrials;
+use crate::studies::comparison::DesignComparison;
 use crate::wording::acceptance::Traceable;
 use crate::wording::demanded_rate::describe_demanded_rate;
 use crate::wording::reduction::describe_reduction_warning;
-use crate::{Designed, Modelled, PipelineError, Reduced, Synthesised, TwoAxisStudy};
+use crate::{CompletedDesign, PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, TwoAxisStudy};
 
 /// A complex number as real and imaginary part.
-pub type Pair = [f64; 2];
+pub type ComplexPair = [f64; 2];
 
 /// The plant.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -59,7 +59,7 @@ pub struct ModelResult {
     /// What each state is.
     pub states: Vec<String>,
     /// Poles of the linear plant, rad/s.
-    pub poles_rad_s: Vec<Pair>,
+    pub poles_rad_s: Vec<ComplexPair>,
     /// Control that holds the mechanism at its operating point, V.
     pub holding_v: f64,
     /// First moment of mass about the pivot, kg m.
@@ -100,7 +100,7 @@ pub struct ReduceResult {
     /// A priori bound on the largest error.
     pub bound: Option<f64>,
     /// Largest error as measured, and its frequency in rad/s.
-    pub error: Option<Pair>,
+    pub error: Option<ComplexPair>,
     /// What a designer should know.
     pub warnings: Vec<String>,
     /// The plant before the reduction.
@@ -121,7 +121,7 @@ pub struct SynthResult {
     /// States of each path of the sampled controller.
     pub path_orders: BTreeMap<String, usize>,
     /// Poles of the closed sampled loop, in the z-plane.
-    pub closed_loop_poles: Vec<Pair>,
+    pub closed_loop_poles: Vec<ComplexPair>,
     /// Largest modulus of those poles.
     pub largest_pole_modulus: f64,
     /// Largest relative difference between a cost as predicted and as computed on the assembled loop.
@@ -212,7 +212,7 @@ pub struct VerifyResult {
     pub certificate: Option<CertificateResult>,
     /// Trials of the project's adaptation; absent if it has none or they were not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub adaptation_trials: Option<Trials>,
+    pub adaptation_trials: Option<AdaptationTrials>,
     /// How the line of sight is judged; absent if it was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sight_procedure: Option<SightProcedureResult>,
@@ -286,7 +286,7 @@ impl VerifyResult {
     }
 
     /// Returns the result with the trials of the adaptation: a method that they refuse does not pass.
-    pub fn with_adaptation(self, adaptation_trials: Option<Trials>) -> Self {
+    pub fn with_adaptation(self, adaptation_trials: Option<AdaptationTrials>) -> Self {
         let refused = adaptation_trials.as_ref().is_some_and(|tried| !tried.refused.is_empty());
         Self { passes: self.passes && !refused, adaptation_trials, ..self }
     }
@@ -321,7 +321,7 @@ pub struct DesignResult {
     /// Residuals, costs and poles that certify the design.
     pub certificates: Vec<DesignCertificateResult>,
     /// The design beside its alternatives.
-    pub beside: Comparison,
+    pub beside: DesignComparison,
     /// The controller in every kind of numbers.
     pub targets: TargetsResult,
     /// Names of the files of code.
@@ -395,9 +395,9 @@ impl ModelResult {
     /// Returns each real pole and the upper one of each pair, in order. What is no more than the rounding of the quickest pole lies at the
     /// origin.
     pub fn pole_figures(&self) -> Vec<PoleFigures> {
-        let size = |pole: &Pair| pole[0].hypot(pole[1]);
+        let size = |pole: &ComplexPair| pole[0].hypot(pole[1]);
         let rounding = ROUNDED_POLE * self.poles_rad_s.iter().map(size).fold(0.0, f64::max);
-        let figures = |pole: &Pair| match size(pole) {
+        let figures = |pole: &ComplexPair| match size(pole) {
             size if size <= rounding => PoleFigures { frequency_hz: 0.0, damping_ratio: 0.0 },
             size => {
                 PoleFigures { frequency_hz: size / std::f64::consts::TAU, damping_ratio: -pole[0] / size }
@@ -407,8 +407,8 @@ impl ModelResult {
     }
 }
 
-impl From<&Modelled> for ModelResult {
-    fn from(modelled: &Modelled) -> Self {
+impl From<&PlantModel> for ModelResult {
+    fn from(modelled: &PlantModel) -> Self {
         let linear = &modelled.linear;
         let states = linear.state_names.iter().map(String::as_str);
         Self {
@@ -432,8 +432,8 @@ impl From<&Modelled> for ModelResult {
     }
 }
 
-impl From<&Reduced> for ReduceResult {
-    fn from(reduced: &Reduced) -> Self {
+impl From<&ReducedPlant> for ReduceResult {
+    fn from(reduced: &ReducedPlant) -> Self {
         Self {
             schema: SCHEMA,
             plant_before: plant("linear plant", &reduced.before, &reduced.output_names),
@@ -448,8 +448,8 @@ impl From<&Reduced> for ReduceResult {
     }
 }
 
-impl From<&Synthesised> for SynthResult {
-    fn from(made: &Synthesised) -> Self {
+impl From<&SynthesisedDesign> for SynthResult {
+    fn from(made: &SynthesisedDesign) -> Self {
         let paths = &made.sampled.controller.parts().paths;
         let controlled = made.controlled;
         let controllers = controllers_of_design(&made.design, controlled);
@@ -550,8 +550,8 @@ impl DesignResult {
     }
 }
 
-impl From<&Designed> for DesignResult {
-    fn from(designed: &Designed) -> Self {
+impl From<&CompletedDesign> for DesignResult {
+    fn from(designed: &CompletedDesign) -> Self {
         let made = &designed.stages;
         Self {
             schema: SCHEMA,
@@ -623,7 +623,7 @@ fn plant_responses(system: &StateSpace, outputs: &[String]) -> Vec<ResponseResul
 }
 
 /// Returns the costs of every part that was designed in continuous and in sampled time.
-fn costs(made: &Synthesised) -> Vec<CostResult> {
+fn costs(made: &SynthesisedDesign) -> Vec<CostResult> {
     let design = &made.design;
     let feedforwards = [("heave", &design.heave), ("pitch", &design.pitch)].into_iter();
     let feedforwards = feedforwards.filter_map(|(name, part)| Some((name, part.as_ref()?.cost)));
@@ -669,6 +669,6 @@ fn controller_responses(controllers: &[StoredController], broken: &StateSpace) -
     all
 }
 
-fn pairs(values: &[counterpoise_linalg::C64]) -> Vec<Pair> {
+fn pairs(values: &[counterpoise_linalg::C64]) -> Vec<ComplexPair> {
     values.iter().map(|v| [v.re, v.im]).collect()
 }

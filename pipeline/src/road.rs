@@ -1,15 +1,15 @@
 //! The motion of the platform of a verification: prepared from a recording, or realised from numbers.
 
 use counterpoise_recordings::clock::{stack_columns, to_uniform_clock};
-use counterpoise_recordings::{Error, Table};
+use counterpoise_recordings::{Error, Signals, Table};
+use counterpoise_verify::Road;
 use counterpoise_verify::signals::filter::{LowPass, from_rest, low_pass};
 use counterpoise_verify::signals::spectrum::{
-    angle_tones, pitch_simulator, random_motion, sine_tones, tones,
+    angle_tones, pitch_simulator, random_motion, sine_tones, spectrum_tones,
 };
 use counterpoise_verify::signals::{RoadDrive, iso_road};
-use counterpoise_verify::{FurtherRoad, Road};
 
-use counterpoise_project::resolve::platform::{Motion, MotionKind, RoadSource};
+use counterpoise_project::resolve::platform::{GeneratedMotion, MotionKind, RoadSource};
 
 /// Period of the samples of a drive over a road, s: a vehicle has little above 20 Hz.
 const ROAD_PERIOD_S: f64 = 0.005;
@@ -37,12 +37,16 @@ pub fn road_from_table(source: &RoadSource, table: &Table) -> Result<Road, Error
     let shape = |signal: usize, scale: f64| {
         shaped(source, table, clocked.period_s, &clocked.signals.column(signal).to_vec(), scale)
     };
+    let mut columns = vec![shape(0, source.heave_scale)?, shape(1, source.pitch_scale)?];
+    if !source.surge.is_empty() {
+        let surge = shape(2, source.surge_scale)?;
+        let still = vec![0.0; surge.len()];
+        columns.extend([surge, still.clone(), still]);
+    }
     Ok(Road {
         name: table.name.clone(),
         sample_period_s: clocked.period_s,
-        heave_m_s2: shape(0, source.heave_scale)?,
-        pitch_rate_rad_s: shape(1, source.pitch_scale)?,
-        further: (!source.surge.is_empty()).then(|| shape(2, source.surge_scale)).transpose()?.map(surging),
+        signals: Signals::stack(columns.iter().map(Vec::as_slice)),
     })
 }
 
@@ -50,13 +54,16 @@ pub fn road_from_table(source: &RoadSource, table: &Table) -> Result<Road, Error
 ///
 /// # Errors
 /// Those of the generators.
-pub fn realise_motion(motion: &Motion, gravity_m_s2: f64) -> Result<Road, counterpoise_verify::Error> {
+pub fn realise_motion(
+    motion: &GeneratedMotion,
+    gravity_m_s2: f64,
+) -> Result<Road, counterpoise_verify::Error> {
     let how = motion.realisation;
     match &motion.kind {
         MotionKind::Spectrum { heave_psd, pitch_psd } => random_motion(heave_psd, pitch_psd, how),
         MotionKind::Simulator { offset_m, sines, pitch_psd } => {
             let mut angle = sine_tones(sines);
-            angle.extend(angle_tones(&tones(pitch_psd, how.seed, 0)?));
+            angle.extend(angle_tones(&spectrum_tones(pitch_psd, how.seed, 0)?));
             pitch_simulator(&angle, *offset_m, how)
         }
         MotionKind::IsoRoad { class, speed_m_s, vehicle } => {
@@ -73,12 +80,6 @@ pub fn realise_motion(motion: &Motion, gravity_m_s2: f64) -> Result<Road, counte
         MotionKind::Sea(sea) => sea.road(how, gravity_m_s2),
         MotionKind::SixAxes(motion) => motion.road(how, gravity_m_s2),
     }
-}
-
-/// Returns a motion that surges without roll and yaw.
-fn surging(surge_m_s2: Vec<f64>) -> FurtherRoad {
-    let still = vec![0.0; surge_m_s2.len()];
-    FurtherRoad { surge_m_s2, roll_rate_rad_s: still.clone(), yaw_rate_rad_s: still }
 }
 
 fn shaped(

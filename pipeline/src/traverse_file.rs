@@ -1,9 +1,9 @@
 //! The project of a traverse axis: read from the file that the project of its elevation axis names, and checked against that project.
 
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::{AxisKind, FeedbackSignal};
+use counterpoise_pool::Pool;
 use counterpoise_project::resolve::traverse::TraverseAxis;
-use counterpoise_project::{Attachments, Document, Parsed, Project, Purpose};
+use counterpoise_project::{Attachments, Document, ParsedProject, Project, Purpose};
 
 use crate::{PipelineError, World};
 
@@ -20,7 +20,7 @@ pub fn traverse_project(axis: &TraverseAxis, world: &dyn World) -> Result<Projec
     let bytes = world.read(&axis.file).map_err(problem)?;
     let document = Document::from_bytes(&bytes, &axis.file).map_err(in_words)?;
     let attachments = attachments(&document, &FolderOfFile::of(&axis.file, world));
-    let Parsed { project, .. } =
+    let ParsedProject { project, .. } =
         Project::resolve_for(&document, &attachments, Purpose::Verify).map_err(in_words)?;
     Ok(project)
 }

@@ -13,13 +13,15 @@ use counterpoise_models::plant::Plant;
 use counterpoise_models::{ControlledQuantity, Sensor};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
-use counterpoise_project::resolve::fixed_structure::{FurtherPlants, TunedWeights, Tuning, TuningObjective};
-use counterpoise_project::resolve::synthesis::Synthesis;
+use counterpoise_project::resolve::fixed_structure::{
+    FurtherPlants, TunedWeights, TuningObjective, TuningOptions,
+};
+use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_simulate::Simulator;
 use counterpoise_synth::tuning::measure_loop;
 use counterpoise_synth::{
     BestLoop, DesignPlant, Disturbance, FixedStructure, LoopLimits, LoopMeasures, Sampling, Tuned,
-    TunedFeedback, TuningSubject, TuningTask, Weight, sampled_plant, tune,
+    TunedFeedback, TuningSubject, TuningTask, Weight, sampled_plant, tune_parameters,
 };
 use counterpoise_verify::signals::{WelchOptions, welch};
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, Source, nonlinear};
@@ -34,8 +36,8 @@ use crate::synth::{design_plant, sampling};
 use crate::tolerance::{LINES_LEFT_OUT, SAME_LINE, STILL_RAD_S, TUNED_LIMIT_KEPT};
 use crate::traverse_file::check_traverse;
 use crate::{
-    FirstDesign, Modelled, PipelineError, Reduced, Synthesised, World, model, project_procedure, reduce,
-    synthesise,
+    FirstDesign, PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, World, model, project_procedure,
+    reduce, synthesise,
 };
 
 /// A project whose blocks or weights were tuned.
@@ -101,7 +103,7 @@ pub fn with_tuned_structure(
 
 /// A project with everything that its file leaves to the program: weights chosen, blocks or weights tuned, bands of an adaptation chosen.
 #[derive(Debug, Clone)]
-pub struct Decided {
+pub struct DecidedProject {
     /// The project, nothing left open.
     pub project: Project,
     /// Why the weights are what they are; `None` if the file states them.
@@ -129,7 +131,7 @@ pub fn with_recorded_design(project: &Project, world: &dyn World) -> Result<Opti
 ///
 /// # Errors
 /// As [`check_traverse`], [`with_chosen_weights_on`], [`with_tuned_structure`] and [`with_chosen_adaptation`].
-pub fn choose_and_tune(project: &Project, world: &dyn World) -> Result<Decided, PipelineError> {
+pub fn choose_and_tune(project: &Project, world: &dyn World) -> Result<DecidedProject, PipelineError> {
     check_traverse(project, world)?;
     let chosen = with_chosen_weights_on(project, world.pool())?;
     let (project, first) = match chosen {
@@ -139,11 +141,11 @@ pub fn choose_and_tune(project: &Project, world: &dyn World) -> Result<Decided, 
     let tuned = with_tuned_structure(&project, world)?;
     let project = tuned.as_ref().map_or(project, |tuned| tuned.project.clone());
     let adapted = with_chosen_adaptation(&project, world)?;
-    Ok(Decided { project: adapted.unwrap_or(project), first, tuned })
+    Ok(DecidedProject { project: adapted.unwrap_or(project), first, tuned })
 }
 
 /// Puts a tuned feedback in the place of the one that a synthesis states, with the digits that its project file gets.
-pub fn put_in_place(tuned: &TunedFeedback, synthesis: &mut Synthesis) {
+pub fn put_in_place(tuned: &TunedFeedback, synthesis: &mut DesignRequest) {
     match tuned {
         TunedFeedback::Structure(structure) => {
             let mut structure = structure.clone();
@@ -188,9 +190,9 @@ fn rounded_weight(weight: &Weight) -> Weight {
 /// As [`with_tuned_structure`].
 pub fn tuning_ground(
     project: &Project,
-    modelled: &Modelled,
-    reduced: &Reduced,
-    wanted: &Tuning,
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
+    wanted: &TuningOptions,
     world: &dyn World,
 ) -> Result<TuningGround, PipelineError> {
     let asked = project.synth.clone().unwrap_or_default();
@@ -228,12 +230,12 @@ const ROUNDS: usize = 5;
 pub fn tune_feedback(
     subject: TuningSubject<'_>,
     ground: &TuningGround,
-    wanted: &Tuning,
+    wanted: &TuningOptions,
 ) -> Result<(Tuned, usize), PipelineError> {
     let mut plants = ground.plants.clone();
     let checked = plants.len() + ground.mechanisms.len();
     let task = |plants: &[DesignPlant]| -> Result<Tuned, PipelineError> {
-        Ok(tune(&TuningTask {
+        Ok(tune_parameters(&TuningTask {
             subject,
             plants,
             held: &ground.held,
@@ -281,8 +283,8 @@ fn missed_on(
 
 fn of_schedule(
     project: &Project,
-    asked: &Synthesis,
-    modelled: &Modelled,
+    asked: &DesignRequest,
+    modelled: &PlantModel,
 ) -> Result<Vec<DesignPlant>, PipelineError> {
     let missing = PipelineError::Missing { section: "synth.schedule", needed_by: "synth.tune.plants" };
     let wanted = asked.options.schedule.as_ref().ok_or(missing)?;
@@ -295,8 +297,8 @@ const MECHANISMS: usize = 100;
 
 fn of_sweep(
     project: &Project,
-    asked: &Synthesis,
-    modelled: &Modelled,
+    asked: &DesignRequest,
+    modelled: &PlantModel,
 ) -> Result<Vec<DesignPlant>, PipelineError> {
     let missing = PipelineError::Missing { section: "sweep", needed_by: "synth.tune.plants" };
     let sweep = project.campaign().ok_or(missing)?;
@@ -312,7 +314,7 @@ fn of_sweep(
         let equilibrium = plant.equilibrium(&project.model.operating_point);
         let linear = plant.linearise(&equilibrium, project.model.friction, plant.angles())?;
         // A feedback of fixed structure is never a cascade, so no plant of the rate is needed.
-        let varied = Modelled { parameters, plant, linear, rate: None, elements: None };
+        let varied = PlantModel { parameters, plant, linear, rate: None, elements: None };
         let system = varied.linear.system.clone();
         let nominal = reduce(&Project { reduce: Default::default(), ..project.clone() }, &varied)?;
         plants.push(DesignPlant { system, ..design_plant(asked, &varied, &nominal)? });
@@ -327,8 +329,8 @@ fn of_sweep(
 /// Those of the H2 design and of the simulation.
 pub fn expected_disturbance(
     project: &Project,
-    modelled: &Modelled,
-    reduced: &Reduced,
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
     world: &dyn World,
 ) -> Result<Disturbance, PipelineError> {
     let mut with_h2 = project.clone();
@@ -341,7 +343,7 @@ pub fn expected_disturbance(
     let experiment = Experiment::Disturbance(source, Arrangement::Compensated);
     let mut simulator = Simulator::new(&modelled.plant)?;
     let controller = &made.sampled.controller;
-    let history = nonlinear::history(&mut simulator, controller, &asked_procedure, experiment)?;
+    let history = nonlinear::run_history(&mut simulator, controller, &asked_procedure, experiment)?;
     let noise =
         reading_noise(&modelled.parameters.sensors.hub_gyro, modelled.parameters.interface.input_bits);
     let lines = output_lines(&history.from_time(asked_procedure.settle_s), &made, noise)?;
@@ -377,7 +379,11 @@ const SEGMENTS: usize = 4;
 const LONGEST_SEGMENT: usize = 8192;
 
 /// Returns the spectrum of the hub rate, less that of the reading's noise, over |S|^2.
-fn output_lines(history: &History, made: &Synthesised, noise: f64) -> Result<Vec<[f64; 2]>, PipelineError> {
+fn output_lines(
+    history: &History,
+    made: &SynthesisedDesign,
+    noise: f64,
+) -> Result<Vec<[f64; 2]>, PipelineError> {
     let error: Vec<f64> =
         history.hub_rate_rad_s().iter().zip(history.demand_rad_s()).map(|(y, r)| y - r).collect();
     let period_s = made.sampling.period_s;

@@ -12,10 +12,10 @@ use counterpoise_verify::{
     verify_two_axes,
 };
 
-use crate::export::{Exported, LeftOut, export_by};
+use crate::export::{ExportedCode, LeftOut, export_by};
 use crate::traverse_file::{FolderOfFile, check_axes, traverse_project};
 use crate::verify::platform_motion;
-use crate::{Modelled, PipelineError, ProjectIdentity, Synthesised, World};
+use crate::{PipelineError, PlantModel, ProjectIdentity, SynthesisedDesign, World};
 use crate::{choose_and_tune, model, project_procedure, reduce, synthesise, verify_on};
 
 /// The traverse axis of a project, designed and verified alone.
@@ -26,9 +26,9 @@ pub struct TraverseDesign {
     /// Which project that is.
     pub identity: ProjectIdentity,
     /// Its plant.
-    pub modelled: Modelled,
+    pub modelled: PlantModel,
     /// Its design.
-    pub synthesised: Synthesised,
+    pub synthesised: SynthesisedDesign,
     /// What was done to it alone.
     pub procedure: Procedure,
     /// Its controller, verified alone.
@@ -54,7 +54,7 @@ pub struct DesignedAxis<'a> {
     /// Its plant.
     pub plant: &'a Plant,
     /// Its design.
-    pub synthesised: &'a Synthesised,
+    pub synthesised: &'a SynthesisedDesign,
     /// What is done to it alone.
     pub procedure: &'a Procedure,
 }
@@ -107,7 +107,7 @@ pub fn export_traverse(project: &Project, world: &dyn World) -> Result<Option<Tr
     };
     let below = FolderOfFile::of(&axis.file, world);
     let TraverseDesign { project, modelled, verified, procedure, .. } = &design;
-    let Exported { files, left_out } = export_by(project, modelled, verified, procedure, &below)?;
+    let ExportedCode { files, left_out } = export_by(project, modelled, verified, procedure, &below)?;
     Ok(Some(TraverseCode { design, files, left_out }))
 }
 
@@ -252,17 +252,17 @@ fn forward_alone(ring_rad: f64) -> Result<Option<PlatformSource>, PipelineError>
 
 fn felt_of(road: &Road) -> Vec<FeltMotion> {
     let of = |k: usize| {
-        let further = road.further.as_ref().map(|further| FeltMotion {
-            surge_m_s2: further.surge_m_s2[k],
-            roll_rate_rad_s: further.roll_rate_rad_s[k],
-            yaw_rate_rad_s: further.yaw_rate_rad_s[k],
+        let further = road.has_further_motion().then(|| FeltMotion {
+            surge_m_s2: road.surge_m_s2()[k],
+            roll_rate_rad_s: road.roll_rate_rad_s()[k],
+            yaw_rate_rad_s: road.yaw_rate_rad_s()[k],
             ..FeltMotion::default()
         });
         FeltMotion {
-            heave_m_s2: road.heave_m_s2[k],
-            pitch_rate_rad_s: road.pitch_rate_rad_s[k],
+            heave_m_s2: road.heave_m_s2()[k],
+            pitch_rate_rad_s: road.pitch_rate_rad_s()[k],
             ..further.unwrap_or_default()
         }
     };
-    (0..road.heave_m_s2.len()).map(of).collect()
+    (0..road.signals.len()).map(of).collect()
 }

@@ -7,7 +7,7 @@ use counterpoise_verify::{Procedure, Road, Verification, VerifiedController};
 use crate::budget::{Run, affordable};
 use crate::inertial_unit::inertial_unit;
 use crate::road::{realise_motion, road_from_table};
-use crate::{Modelled, PipelineError, Synthesised, World};
+use crate::{PipelineError, PlantModel, SynthesisedDesign, World};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::platform::PlatformSource;
 
@@ -17,8 +17,8 @@ use counterpoise_project::resolve::platform::PlatformSource;
 /// A road that cannot be read, and those of the verification.
 pub fn verify(
     project: &Project,
-    modelled: &Modelled,
-    synthesised: &Synthesised,
+    modelled: &PlantModel,
+    synthesised: &SynthesisedDesign,
     world: &dyn World,
 ) -> Result<VerifiedController, PipelineError> {
     verify_on(project, &modelled.plant, synthesised, &project_procedure(project, world)?)
@@ -31,7 +31,7 @@ pub fn verify(
 pub fn verify_on(
     project: &Project,
     plant: &Plant,
-    synthesised: &Synthesised,
+    synthesised: &SynthesisedDesign,
     procedure: &Procedure,
 ) -> Result<VerifiedController, PipelineError> {
     let asked = project.verify.as_ref().ok_or(MISSING)?;
@@ -48,8 +48,8 @@ pub type VerificationObserver<'a> = &'a mut dyn FnMut(&Verification) -> bool;
 /// As [`verify`].
 pub fn verify_watched(
     project: &Project,
-    modelled: &Modelled,
-    synthesised: &Synthesised,
+    modelled: &PlantModel,
+    synthesised: &SynthesisedDesign,
     world: &dyn World,
     observer: VerificationObserver<'_>,
 ) -> Result<Option<VerifiedController>, PipelineError> {
@@ -66,7 +66,7 @@ pub fn verify_watched(
 pub fn verify_linear_on(
     project: &Project,
     plant: &Plant,
-    synthesised: &Synthesised,
+    synthesised: &SynthesisedDesign,
     procedure: &Procedure,
 ) -> Result<Verification, PipelineError> {
     let asked = project.verify.as_ref().ok_or(MISSING)?;

@@ -1,7 +1,7 @@
 //! What a first design makes of a step of the demand that nobody stated, of a sensor's delay and of tolerances.
 
 use counterpoise_controller::Controller;
-use counterpoise_pipeline::first_design::Chosen;
+use counterpoise_pipeline::first_design::ChosenWeights;
 use counterpoise_pipeline::{model, reduce, synthesise, with_chosen_weights};
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_synth::{LimitKind, Unknown};
@@ -22,11 +22,11 @@ fn read(text: &str) -> (Document, Project) {
     (document, parsed.project)
 }
 
-fn chosen(text: &str) -> Chosen {
+fn chosen(text: &str) -> ChosenWeights {
     with_chosen_weights(&read(text).1).unwrap().unwrap()
 }
 
-fn step(chosen: &Chosen) -> f64 {
+fn step(chosen: &ChosenWeights) -> f64 {
     chosen.project.verify.as_ref().unwrap().procedure.step.rate_rad_s
 }
 
@@ -34,7 +34,7 @@ fn step(chosen: &Chosen) -> f64 {
 fn a_step_that_nobody_stated_limits_no_loop_and_one_that_is_stated_does() {
     let open = chosen(STAGE);
     let stated = chosen(&format!("{STAGE}verify.step.rate = 0.1\n"));
-    let bandwidth = |chosen: &Chosen| chosen.first.bandwidth.bandwidth_rad_s;
+    let bandwidth = |chosen: &ChosenWeights| chosen.first.bandwidth.bandwidth_rad_s;
     assert_eq!(stated.first.bandwidth.limited_by, [LimitKind::Control]);
     assert_eq!(step(&stated), 0.1);
     // 0.1 m within 1020 N on 40 kg leave sqrt(1020 / 40 / 0.1) = 16 rad/s

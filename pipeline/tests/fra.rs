@@ -1,11 +1,11 @@
 //! The analyser's map against two linear models, and the same instrument on a run of itself.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_diagnose::simulator_access::Serial;
-use counterpoise_pipeline::studies::fra::{Analyser, Around, On, Plan};
+use counterpoise_pipeline::studies::fra::{Analyser, LoopController, LoopUnderTest, MeasurementPlan};
 use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
 use counterpoise_pipeline::studies::fra_points::ResponseMapPoint;
 use counterpoise_pipeline::{model, with_chosen_weights};
+use counterpoise_pool::Serial;
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
 
@@ -17,22 +17,22 @@ fn db(h: [f64; 2]) -> f64 {
     20.0 * h[0].hypot(h[1]).log10()
 }
 
-fn mapped(around: Around, amplitudes: &[f64], frequencies_hz: &[f64]) -> Vec<ResponseMapPoint> {
+fn mapped(around: LoopUnderTest, amplitudes: &[f64], frequencies_hz: &[f64]) -> Vec<ResponseMapPoint> {
     let project = rig();
     let modelled = model(&project).unwrap();
-    let plan = Plan {
+    let plan = MeasurementPlan {
         around,
         amplitudes: amplitudes.to_vec(),
         frequencies_hz: frequencies_hz.to_vec(),
         offset_m: 0.0,
     };
-    let analyser = Analyser::new(&project, &modelled, &plan, On::Simulation).unwrap();
+    let analyser = Analyser::new(&project, &modelled, &plan, LoopController::Simulation).unwrap();
     analyser.compare(&analyser.measure(&plan, &Serial).unwrap(), &Serial).unwrap().points.iter().collect()
 }
 
 #[test]
 fn the_describing_function_explains_what_the_linear_model_does_not() {
-    for p in mapped(Around::Plant, &[0.5, 1.0], &[4.5, 9.5]) {
+    for p in mapped(LoopUnderTest::Plant, &[0.5, 1.0], &[4.5, 9.5]) {
         let described = (db(p.describing.unwrap()) - p.gain_db).abs();
         assert!(p.settled && described < 0.1, "{} V, {} Hz: {described} dB", p.amplitude, p.frequency_hz);
         assert!((db(p.linear) - p.gain_db).abs() > 5.0 * described, "{} V", p.amplitude);
@@ -54,13 +54,13 @@ fn a_linear_loop_of_position_is_measured_as_its_model_says() {
     let read = Project::resolve_for(&document, &Attachments::none(), Purpose::Design).unwrap();
     let project = with_chosen_weights(&read.project).unwrap().unwrap().project;
     let modelled = model(&project).unwrap();
-    let plan = Plan {
-        around: Around::Closed,
+    let plan = MeasurementPlan {
+        around: LoopUnderTest::Closed,
         amplitudes: vec![1e-4],
         frequencies_hz: vec![1.0, 3.0, 10.0],
         offset_m: 0.0,
     };
-    let analyser = Analyser::new(&project, &modelled, &plan, On::Simulation).unwrap();
+    let analyser = Analyser::new(&project, &modelled, &plan, LoopController::Simulation).unwrap();
     let points = analyser.compare(&analyser.measure(&plan, &Serial).unwrap(), &Serial).unwrap().points;
     for p in points.iter() {
         let off = (db(p.linear) - p.gain_db).abs();
@@ -97,11 +97,11 @@ fn designed(text: &str) -> Project {
     with_chosen_weights(&read.project).unwrap().unwrap().project
 }
 
-fn mapped_of(project: &Project, around: Around, frequencies_hz: &[f64]) -> Vec<ResponseMapPoint> {
+fn mapped_of(project: &Project, around: LoopUnderTest, frequencies_hz: &[f64]) -> Vec<ResponseMapPoint> {
     let modelled = model(project).unwrap();
     let amplitudes = vec![around.usual_amplitudes(project)[0]];
-    let plan = Plan { around, amplitudes, frequencies_hz: frequencies_hz.to_vec(), offset_m: 0.0 };
-    let analyser = Analyser::new(project, &modelled, &plan, On::Simulation).unwrap();
+    let plan = MeasurementPlan { around, amplitudes, frequencies_hz: frequencies_hz.to_vec(), offset_m: 0.0 };
+    let analyser = Analyser::new(project, &modelled, &plan, LoopController::Simulation).unwrap();
     analyser.compare(&analyser.measure(&plan, &Serial).unwrap(), &Serial).unwrap().points.iter().collect()
 }
 
@@ -109,7 +109,7 @@ fn mapped_of(project: &Project, around: Around, frequencies_hz: &[f64]) -> Vec<R
 fn a_mass_that_nothing_holds_does_not_drift_out_of_its_response() {
     let project = designed(FREE);
     let torque_per_v = 6.0 / 10.0;
-    for p in mapped_of(&project, Around::Plant, &[0.5, 2.0, 10.0]) {
+    for p in mapped_of(&project, LoopUnderTest::Plant, &[0.5, 2.0, 10.0]) {
         let rate = std::f64::consts::TAU * p.frequency_hz;
         let closed_form = 20.0 * (torque_per_v / (0.02 * rate * rate)).log10();
         let off = (p.gain_db - closed_form).abs();
@@ -121,7 +121,7 @@ fn a_mass_that_nothing_holds_does_not_drift_out_of_its_response() {
 #[test]
 fn a_loop_of_position_is_measured_where_the_machine_rests() {
     let project = designed(PENDULUM);
-    for p in mapped_of(&project, Around::Closed, &[0.5, 2.0]) {
+    for p in mapped_of(&project, LoopUnderTest::Closed, &[0.5, 2.0]) {
         let off = (db(p.linear) - p.gain_db).abs();
         assert!(off < 0.02, "{} Hz: {} dB, linear {} dB", p.frequency_hz, p.gain_db, db(p.linear));
         assert!((p.mean_rad_s + std::f64::consts::FRAC_PI_2).abs() < 1e-3, "{}", p.mean_rad_s);
@@ -131,10 +131,10 @@ fn a_loop_of_position_is_measured_where_the_machine_rests() {
 #[test]
 fn usual_points_suit_the_machine() {
     let mut project = designed(FREE);
-    assert_eq!(Around::usual_of(&project), Around::Closed);
-    assert_eq!(Around::usual_of(&rig()), Around::Disturbance);
+    assert_eq!(LoopUnderTest::usual_of(&project), LoopUnderTest::Closed);
+    assert_eq!(LoopUnderTest::usual_of(&rig()), LoopUnderTest::Disturbance);
     let step = project.verify.as_ref().unwrap().procedure.step.rate_rad_s;
-    let demanded = Around::Closed.usual_amplitudes(&project);
+    let demanded = LoopUnderTest::Closed.usual_amplitudes(&project);
     assert!((demanded[3] / step - 1.0).abs() < 1e-12, "{demanded:?}");
     project.plant.interface.sample_period_s = 0.05;
     let highest = usual_frequencies_hz(&project).into_iter().fold(0.0, f64::max);
@@ -146,8 +146,8 @@ fn a_map_has_arrays_of_frequency_and_amplitude_and_its_json_a_list_of_points() {
     let project = rig();
     let modelled = model(&project).unwrap();
     let (amplitudes, frequencies_hz) = (vec![0.5, 1.0], vec![4.5, 9.5, 12.0]);
-    let plan = Plan { around: Around::Plant, amplitudes, frequencies_hz, offset_m: 0.0 };
-    let analyser = Analyser::new(&project, &modelled, &plan, On::Simulation).unwrap();
+    let plan = MeasurementPlan { around: LoopUnderTest::Plant, amplitudes, frequencies_hz, offset_m: 0.0 };
+    let analyser = Analyser::new(&project, &modelled, &plan, LoopController::Simulation).unwrap();
     let map = analyser.compare(&analyser.measure(&plan, &Serial).unwrap(), &Serial).unwrap();
     assert_eq!(map.points.response.dim(), (3, 2));
     assert_eq!(map.points.amplitude.column(1).to_vec(), [1.0; 3]);
@@ -160,7 +160,7 @@ fn a_map_has_arrays_of_frequency_and_amplitude_and_its_json_a_list_of_points() {
 
 #[test]
 fn friction_carries_the_disconnected_mechanism_at_small_amplitudes() {
-    let points = mapped(Around::Disconnected, &[0.002, 0.5], &[1.0]);
+    let points = mapped(LoopUnderTest::Disconnected, &[0.002, 0.5], &[1.0]);
     assert!(points[0].gain_db > points[1].gain_db + 1.0, "{} {}", points[0].gain_db, points[1].gain_db);
 }
 
@@ -168,9 +168,13 @@ fn friction_carries_the_disconnected_mechanism_at_small_amplitudes() {
 fn a_recording_without_a_line_is_told_and_a_missing_channel_refused() {
     let project = rig();
     let modelled = model(&project).unwrap();
-    let plan =
-        Plan { around: Around::Plant, amplitudes: Vec::new(), frequencies_hz: Vec::new(), offset_m: 0.0 };
-    let analyser = Analyser::new(&project, &modelled, &plan, On::Recording).unwrap();
+    let plan = MeasurementPlan {
+        around: LoopUnderTest::Plant,
+        amplitudes: Vec::new(),
+        frequencies_hz: Vec::new(),
+        offset_m: 0.0,
+    };
+    let analyser = Analyser::new(&project, &modelled, &plan, LoopController::Recording).unwrap();
     let tone = |k: u32, hz: f64| (std::f64::consts::TAU * hz * f64::from(k) * 1e-3).sin();
     let tones = |gain: f64| (0..5000).map(|k| gain * tone(k, 5.0)).collect::<Vec<f64>>();
     let mut recording =

@@ -4,19 +4,22 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_pipeline::preview::{DesignPreview, PreviewCache, PreviewRequest, preview_design};
 use counterpoise_pipeline::with_chosen_weights;
-use counterpoise_project::resolve::synthesis::Synthesis;
+use counterpoise_pool::Serial;
+use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 
 /// Returns the starter's machine without weights, at a bandwidth that is found sooner than the highest one.
 fn without_weights() -> Project {
     let project = Project::parse(counterpoise_project::STARTER, "project.toml").unwrap().project;
-    Project { synth: Some(Synthesis { bandwidth_rad_s: Some(10.0), ..Synthesis::default() }), ..project }
+    Project {
+        synth: Some(DesignRequest { bandwidth_rad_s: Some(10.0), ..DesignRequest::default() }),
+        ..project
+    }
 }
 
-fn chosen(project: &Project) -> Option<Synthesis> {
+fn chosen(project: &Project) -> Option<DesignRequest> {
     with_chosen_weights(project).unwrap().unwrap().project.synth
 }
 

@@ -2,14 +2,16 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_pipeline::road::{realise_motion, road_from_table};
-use counterpoise_project::{Attachments, Document, Motion, MotionKind, PlatformSource, Project, RoadSource};
+use counterpoise_project::{
+    Attachments, Document, GeneratedMotion, MotionKind, PlatformSource, Project, RoadSource,
+};
 use counterpoise_recordings::Table;
 use counterpoise_verify::Road;
 
 const RIG: &str = include_str!("../../project/tests/data/rig.toml");
 
 /// Returns the motion that keys of `[verify.road]` describe, and what it is over time.
-fn realised(keys: &str) -> (Motion, Road) {
+fn realised(keys: &str) -> (GeneratedMotion, Road) {
     let bare = Document::parse(RIG, "rig.toml").remove("verify.road").unwrap().text().to_owned();
     let document = Document::parse(&format!("{bare}\n[verify.road]\n{keys}\n"), "rig.toml");
     let project = Project::resolve(&document, &Attachments::none()).unwrap().project;
@@ -30,10 +32,11 @@ fn every_kind_of_motion_is_realised_from_its_keys() {
     ] {
         let (motion, road) = realised(&keys);
         assert!(
-            (road.duration_s() - 30.0).abs() < 1e-9 && road.pitch_rate_rad_s.len() == road.heave_m_s2.len()
+            (road.duration_s() - 30.0).abs() < 1e-9
+                && road.pitch_rate_rad_s().len() == road.heave_m_s2().len()
         );
         let still = matches!(&motion.kind, MotionKind::Spectrum { pitch_psd, .. } if pitch_psd.is_empty());
-        assert_eq!(still, road.pitch_rate_rad_s.iter().all(|rate| *rate == 0.0));
+        assert_eq!(still, road.pitch_rate_rad_s().iter().all(|rate| *rate == 0.0));
     }
 }
 
@@ -42,14 +45,14 @@ fn bases_with_more_axes_than_heave_and_pitch_surge_and_roll() {
     let (_, road) = realised(
         "kind = \"six-axes\"\nsurge_sines = [[2.0, 0.5]]\nroll_psd = [[0.3, 0.01], [3.0, 0.01]]\ncoherence = 0.5\ntraverse_rate = 0.2",
     );
-    assert!(road.further.unwrap().surge_m_s2.iter().any(|surge| surge.abs() > 1.5));
+    assert!(road.surge_m_s2().iter().any(|surge| surge.abs() > 1.5));
     let sea = "kind = \"sea\"\nsignificant_height = 2.5\npeak_period = 8.8\nheading = \"135 deg\"\nlength = 100.0\nbeam = 14.0\n\
                draught = 4.5\nroll_period = 9.0\nship_speed = 7.0\npivot = [20.0, 0.0, 12.0]\nduration = 60.0";
     let (_, road) = realised(sea);
-    assert!(road.further.unwrap().roll_rate_rad_s.iter().any(|rate| rate.abs() > 0.005));
+    assert!(road.roll_rate_rad_s().iter().any(|rate| rate.abs() > 0.005));
     let vehicle = "kind = \"iso-8608\"\nclass = \"D\"\nspeed = 8.0\nbody_mass = 9000.0\nduration = 20.0";
-    assert!(realised(vehicle).1.further.is_none());
-    assert!(realised(&format!("{vehicle}\ntrack = 2.2\npivot_height = 1.0")).1.further.is_some());
+    assert!(realised(vehicle).1.surge_m_s2().is_empty());
+    assert!(realised(&format!("{vehicle}\ntrack = 2.2\npivot_height = 1.0")).1.has_further_motion());
 }
 
 #[test]
@@ -77,8 +80,8 @@ fn a_road_is_cut_filtered_scaled_and_centred() {
         fade_s: 1.0,
     };
     let made = road_from_table(&source, &table).unwrap();
-    assert_eq!((made.sample_period_s, made.heave_m_s2.len(), made.heave_m_s2[0]), (0.01, 1001, 0.0));
-    let at = |k: usize| (made.heave_m_s2[k], made.pitch_rate_rad_s[k]);
+    assert_eq!((made.sample_period_s, made.heave_m_s2().len(), made.heave_m_s2()[0]), (0.01, 1001, 0.0));
+    let at = |k: usize| (made.heave_m_s2()[k], made.pitch_rate_rad_s()[k]);
     let quarter = at(525);
     assert!((quarter.0 - 0.5).abs() < 2e-3 && (quarter.1 + 0.5).abs() < 2e-3, "{quarter:?}");
     let late = RoadSource { start_s: 15.0, ..source.clone() };

@@ -23,7 +23,7 @@ pub struct Assumption {
 
 /// How far the value of a key may lie from what is written: evenly distributed within the half-width.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Tolerance {
+pub struct KeyTolerance {
     /// Path of the key.
     pub key: String,
     /// The value that is written, in the unit of the key.
@@ -46,7 +46,7 @@ pub enum ToleranceKind {
     Absolute,
 }
 
-impl Tolerance {
+impl KeyTolerance {
     /// Returns the lowest and the highest value.
     pub fn range(&self) -> [f64; 2] {
         [self.value - self.half_width, self.value + self.half_width]

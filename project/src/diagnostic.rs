@@ -17,7 +17,7 @@ pub enum Severity {
 /// The kind of a finding, for machines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Problem {
+pub enum DiagnosticKind {
     /// The text is not TOML, or not text.
     Syntax,
     /// The file is of a format that this version does not read.
@@ -46,7 +46,7 @@ pub struct Diagnostic {
     /// How bad it is.
     pub severity: Severity,
     /// Its kind.
-    pub problem: Problem,
+    pub problem: DiagnosticKind,
     /// Name of the file.
     pub file: String,
     /// Line, from 1.
@@ -63,7 +63,7 @@ pub struct Diagnostic {
     pub hint: Option<String>,
 }
 
-impl Problem {
+impl DiagnosticKind {
     /// Returns the rank of a kind of finding: what must be put right first has the lowest. Wrong values come before keys that are not
     /// known, and these before what is missing, because a mistyped key is both; values that do not fit each other come last, because they often follow.
     fn rank(self) -> u8 {

@@ -23,20 +23,20 @@ pub mod starters;
 mod tolerance;
 pub mod unit;
 
-pub use assumption::{Assumption, Tolerance, ToleranceKind};
+pub use assumption::{Assumption, KeyTolerance, ToleranceKind};
 pub use diagnostic::{Diagnostic, Severity};
-pub use file::{Attachments, Document, FORMAT, Setting};
-pub use resolve::design::{Export, Language, Reduction, ReductionMethod};
-pub use resolve::fixed_structure::{FurtherPlants, TunedWeights, Tuning, TuningObjective};
+pub use file::{Attachments, Document, FORMAT, SettingValue};
+pub use resolve::design::{ExportRequest, Language, ReductionMethod, ReductionOptions};
+pub use resolve::fixed_structure::{FurtherPlants, TunedWeights, TuningObjective, TuningOptions};
 pub use resolve::import::{ImportedStructure, MatrixFormat};
-pub use resolve::model::{Modelling, StructureChoice};
-pub use resolve::platform::{Motion, MotionKind, PlatformSource, RoadSource};
+pub use resolve::model::{PlantSelection, StructureChoice};
+pub use resolve::platform::{GeneratedMotion, MotionKind, PlatformSource, RoadSource};
 pub use resolve::purpose::Purpose;
 pub use resolve::statements::{SectionStatement, ValueStatement};
-pub use resolve::sweep::Sweep;
-pub use resolve::synthesis::Synthesis;
-pub use resolve::verify::Verification;
-pub use resolve::{Parsed, Project};
+pub use resolve::sweep::RobustnessCampaign;
+pub use resolve::synthesis::DesignRequest;
+pub use resolve::verify::VerificationOptions;
+pub use resolve::{ParsedProject, Project};
 
 /// Text of a complete, commented project file to start a new one from: an out-of-balance cantilever on a moving
 /// platform, whose design holds every requirement that it states.

@@ -1,12 +1,14 @@
 //! Parts, tolerances, formats and assumptions of project files.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_project::{Attachments, Document, FORMAT, Parsed, Project, Setting, ToleranceKind};
+use counterpoise_project::{
+    Attachments, Document, FORMAT, ParsedProject, Project, SettingValue, ToleranceKind,
+};
 
 const GOOD: &str = include_str!("data/rig.toml");
 const MOTOR: &str = "[plant.motor]\ninertia = \"40 kg cm^2\"  # with the pinion\ntorque_constant = { value = 0.86, tolerance = 0.1 }\nresistance = 0.8\ninductance = \"4 mH\"\n";
 
-fn resolved(text: &str, files: &[(&str, &str)]) -> Result<Parsed, Vec<String>> {
+fn resolved(text: &str, files: &[(&str, &str)]) -> Result<ParsedProject, Vec<String>> {
     let document = Document::parse(text, "rig.toml");
     Project::resolve(&document, &given(files))
         .map_err(|errors| errors.iter().map(ToString::to_string).collect())
@@ -102,18 +104,18 @@ fn files_that_a_part_names_lie_beside_the_part() {
 fn what_stands_in_a_part_is_changed_there_alone() {
     let files = given(&[("motor.toml", MOTOR)]);
     let document = Document::parse(&without_motor("include = \"motor.toml\""), "rig.toml").with_parts(&files);
-    let told = document.set("plant.motor.inertia", &Setting::Number(1.0)).unwrap_err().to_string();
+    let told = document.set("plant.motor.inertia", &SettingValue::Number(1.0)).unwrap_err().to_string();
     assert_eq!(
         told,
         "\"plant.motor.inertia\" stands in the part \"motor.toml\", which other projects may share: change it in that file"
     );
     assert!(document.remove("plant.motor.inertia").is_err());
-    let own = document.set("plant.gearbox.backlash", &Setting::Number(1e-3)).unwrap();
+    let own = document.set("plant.gearbox.backlash", &SettingValue::Number(1e-3)).unwrap();
     assert!(own.text().contains("include = \"motor.toml\""));
     let changed = Project::resolve(&own, &files).unwrap().project;
     assert_eq!((changed.plant.gearbox.backlash_rad, changed.plant.motor.resistance_ohm), (1e-3, 0.8));
     assert_eq!(own.parts(), ["motor.toml"], "the parts stay in their places");
-    let added = own.set("plant.motor.platform_coupling", &Setting::Number(1.0)).unwrap();
+    let added = own.set("plant.motor.platform_coupling", &SettingValue::Number(1.0)).unwrap();
     assert_eq!(Project::resolve(&added, &files).unwrap().project.plant.motor.platform_coupling, 1.0);
 }
 

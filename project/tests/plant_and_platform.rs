@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_models::{AmplifierDynamics, SectionShape, StructuralDamping};
-use counterpoise_project::{Attachments, Document, PlatformSource, Project, Setting};
+use counterpoise_project::{Attachments, Document, PlatformSource, Project, SettingValue};
 
 const GOOD: &str = include_str!("data/rig.toml");
 
-fn with(changes: &[(&str, Setting)]) -> Document {
+fn with(changes: &[(&str, SettingValue)]) -> Document {
     let start = Document::parse(GOOD, "rig.toml");
     changes.iter().fold(start, |document, (path, setting)| document.set(path, setting).unwrap())
 }
@@ -22,8 +22,8 @@ fn again(project: &Project) -> Project {
     resolved(&Document::parse(&project.to_text(), "again.toml"))
 }
 
-fn text(value: &str) -> Setting {
-    Setting::Text(value.to_owned())
+fn text(value: &str) -> SettingValue {
+    SettingValue::Text(value.to_owned())
 }
 
 /// Returns what is said about a file.
@@ -92,7 +92,7 @@ fn an_ideal_current_source_survives_the_file() {
     assert_eq!(again(&project), project);
 }
 
-fn moving(changes: &[(&str, Setting)]) -> Document {
+fn moving(changes: &[(&str, SettingValue)]) -> Document {
     let bare = Document::parse(GOOD, "rig.toml").remove("verify.road").unwrap();
     let path = |key: &str| format!("verify.road.{key}");
     changes.iter().fold(bare, |document, (key, setting)| document.set(&path(key), setting).unwrap())
@@ -100,11 +100,11 @@ fn moving(changes: &[(&str, Setting)]) -> Document {
 
 #[test]
 fn every_kind_of_motion_survives_the_file() {
-    let psd = || Setting::Pairs(vec![[0.3, 0.02], [2.0, 0.1], [8.0, 1e-3]]);
+    let psd = || SettingValue::Pairs(vec![[0.3, 0.02], [2.0, 0.1], [8.0, 1e-3]]);
     let kinds = [
-        moving(&[("kind", text("spectrum")), ("heave_psd", psd()), ("seed", Setting::Whole(7))]),
-        moving(&[("kind", text("simulator")), ("offset", Setting::Number(1.2)), ("pitch_psd", psd())]),
-        moving(&[("kind", text("iso-8608")), ("class", text("D")), ("speed", Setting::Number(5.0))]),
+        moving(&[("kind", text("spectrum")), ("heave_psd", psd()), ("seed", SettingValue::Whole(7))]),
+        moving(&[("kind", text("simulator")), ("offset", SettingValue::Number(1.2)), ("pitch_psd", psd())]),
+        moving(&[("kind", text("iso-8608")), ("class", text("D")), ("speed", SettingValue::Number(5.0))]),
     ];
     for document in kinds {
         let project = resolved(&document);
@@ -124,14 +124,14 @@ fn motions_that_cannot_be_made_are_told_at_their_key() {
             "verify.road.kind = \"spectrum\": has nothing that moves: give a density or, for the simulator, sines"
         ]
     );
-    let falling = Setting::Pairs(vec![[2.0, 0.1], [1.0, 0.1]]);
+    let falling = SettingValue::Pairs(vec![[2.0, 0.1], [1.0, 0.1]]);
     let told = said(&moving(&[("kind", text("spectrum")), ("heave_psd", falling)]), &none);
     assert!(
         told[0].starts_with("verify.road.heave_psd") && told[0].contains("above the one before"),
         "{told:?}"
     );
-    let psd = Setting::Pairs(vec![[1.0, 0.1], [2.0, 0.1]]);
-    let long = [("kind", text("spectrum")), ("heave_psd", psd), ("fade", Setting::Number(20.0))];
+    let psd = SettingValue::Pairs(vec![[1.0, 0.1], [2.0, 0.1]]);
+    let long = [("kind", text("spectrum")), ("heave_psd", psd), ("fade", SettingValue::Number(20.0))];
     assert!(said(&moving(&long), &none)[0].contains("at most half the duration of 30 s"));
     let missing = said(&moving(&[("kind", text("spectrum")), ("heave_psd", text("road.csv"))]), &none);
     let told = "the file \"road.csv\" was not found in the folder of the project file";
@@ -143,7 +143,7 @@ fn imported() -> Document {
         ("plant.import.mass_matrix", text("m.mtx")),
         ("plant.import.stiffness_matrix", text("k.mtx")),
         ("plant.import.node_map", text("nodes.map")),
-        ("plant.import.modal_damping", Setting::Numbers(vec![0.01])),
+        ("plant.import.modal_damping", SettingValue::Numbers(vec![0.01])),
     ])
 }
 

@@ -9,7 +9,7 @@ use counterpoise_models::{
     MapPoint, Parameters, RegimeVariable, Ripple, Sensor, StribeckCurve, reference,
 };
 use counterpoise_project::resolve::controller::RecordingController;
-use counterpoise_project::{Document, PlatformSource, Project, Setting, StructureChoice};
+use counterpoise_project::{Document, PlatformSource, Project, SettingValue, StructureChoice};
 use counterpoise_recordings::{Channel, ChannelSource};
 use counterpoise_synth::Weight;
 use counterpoise_verify::{Figure, Limit, LoopFigure, Requirement};
@@ -211,9 +211,9 @@ fn every_weight_is_written_and_read() {
 #[test]
 fn a_value_is_set_and_nothing_else_is_touched() {
     let document = Document::parse(GOOD, "rig.toml");
-    let set = document.set("plant.gearbox.backlash", &Setting::Number(0.006)).unwrap();
+    let set = document.set("plant.gearbox.backlash", &SettingValue::Number(0.006)).unwrap();
     assert_eq!(set.text(), GOOD.replacen("backlash = 0.5e-3 ", "backlash = 0.006 ", 1));
-    let moved = set.set("plant.beam.mass[2].position", &Setting::Number(-0.5)).unwrap();
+    let moved = set.set("plant.beam.mass[2].position", &SettingValue::Number(-0.5)).unwrap();
     let changed: Vec<_> = moved.text().lines().zip(GOOD.lines()).filter(|(new, old)| new != old).collect();
     assert_eq!(changed.len(), 2);
     assert_eq!(changed[0].0, "position = -0.5");
@@ -224,12 +224,12 @@ fn a_value_is_set_and_nothing_else_is_touched() {
 #[test]
 fn new_sections_and_items_are_made() {
     let document = Document::parse(GOOD, "rig.toml");
-    let number = Setting::Number(0.16);
+    let number = SettingValue::Number(0.16);
     let cogging = document.set("plant.motor.cogging.amplitude", &number).unwrap();
     let read = |d: &Document| Project::parse(d.text(), "rig.toml").unwrap().project;
     assert_eq!(read(&cogging).plant.motor.cogging.amplitude, 0.16);
     let named =
-        document.set("plant.configuration[8].name", &Setting::Text("new \"one\"".to_owned())).unwrap();
+        document.set("plant.configuration[8].name", &SettingValue::Text("new \"one\"".to_owned())).unwrap();
     assert_eq!(read(&named).plant.configurations[8].name, "new \"one\"");
     let told = |path: &str| document.set(path, &number).unwrap_err().to_string();
     assert_eq!(
@@ -357,7 +357,7 @@ proptest! {
     fn noise_never_panics(text in "\\PC{0,200}") {
         let document = Document::parse(&text, "noise.toml");
         let _ = Project::parse(&text, "noise.toml");
-        let _ = document.set("plant.gearbox.backlash", &Setting::Number(1.0));
+        let _ = document.set("plant.gearbox.backlash", &SettingValue::Number(1.0));
         let _ = document.remove("plant.beam.mass[0]");
     }
 

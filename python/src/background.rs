@@ -6,10 +6,10 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_host::files;
-use counterpoise_host::workers::{Processors, start_thread};
-use counterpoise_pipeline::{Step, World};
+use counterpoise_host::workers::{QuietPool, start_thread};
+use counterpoise_pipeline::{PipelineStage, World};
+use counterpoise_pool::Pool;
 use pyo3::prelude::*;
 
 use crate::failures::exception;
@@ -40,19 +40,19 @@ impl World for BackgroundWorld {
     }
 
     fn pool(&self) -> &dyn Pool {
-        &Processors
+        &QuietPool
     }
 
-    fn begins(&self, step: Step) {
+    fn begins(&self, step: PipelineStage) {
         (self.tell)(step.name(), 0, 1);
     }
 
-    fn ends(&self, _step: Step) {}
+    fn ends(&self, _step: PipelineStage) {}
 }
 
 impl Pool for BackgroundWorld {
     fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
-        Processors.run(count, job);
+        QuietPool.run(count, job);
     }
 
     fn is_cancelled(&self) -> bool {

@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use counterpoise_host::code_files;
-use counterpoise_host::projects::{self, Loaded};
+use counterpoise_host::projects::{self, ProjectOnDisk};
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::recordings::diagnose::diagnose;
-use counterpoise_pipeline::recordings::read::{Gaps, loop_of, read_files, recording_controller};
+use counterpoise_pipeline::recordings::read::{GapTreatment, loop_of, read_files, recording_controller};
 use counterpoise_pipeline::recordings::replay::{ReplayLength, replay};
 use counterpoise_pipeline::results::{DesignResult, ModelResult, ReduceResult, ReplayResult, SynthResult};
 use counterpoise_pipeline::{self as pipeline, ProjectIdentity, design, run_stages, study_synthesis};
-use counterpoise_project::{Attachments, Document, Purpose, Setting};
+use counterpoise_project::{Attachments, Document, Purpose, SettingValue};
 use counterpoise_report::wording::answer::describe_diagnosed_recordings;
 use counterpoise_report::wording::recordings::{describe_recordings_error, describe_replay};
 use pyo3::prelude::*;
@@ -30,7 +30,7 @@ pub struct NativeProject {
 }
 
 impl NativeProject {
-    pub(crate) fn load_for(&self, purpose: Purpose) -> anyhow::Result<Loaded> {
+    pub(crate) fn load_for(&self, purpose: Purpose) -> anyhow::Result<ProjectOnDisk> {
         projects::load_document(self.path.clone(), self.document.clone(), &self.attachments, purpose)
     }
 
@@ -101,22 +101,22 @@ impl NativeProject {
 
     /// Returns the project with a number at a path of keys; comments, order, and the unit that was written stay.
     fn with_number(&self, key: &str, value: f64) -> PyResult<Self> {
-        self.with(key, &Setting::Number(value))
+        self.with(key, &SettingValue::Number(value))
     }
 
     /// Returns the project with a whole number at a path of keys.
     fn with_whole(&self, key: &str, value: i64) -> PyResult<Self> {
-        self.with(key, &Setting::Whole(value))
+        self.with(key, &SettingValue::Whole(value))
     }
 
     /// Returns the project with a text at a path of keys.
     fn with_text(&self, key: &str, value: String) -> PyResult<Self> {
-        self.with(key, &Setting::Text(value))
+        self.with(key, &SettingValue::Text(value))
     }
 
     /// Returns the project with a list of numbers at a path of keys.
     fn with_numbers(&self, key: &str, values: Vec<f64>) -> PyResult<Self> {
-        self.with(key, &Setting::Numbers(values))
+        self.with(key, &SettingValue::Numbers(values))
     }
 
     /// Returns the project without a key.
@@ -202,8 +202,8 @@ impl NativeProject {
             let files = projects::read_recordings(&recordings)?;
             let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
             let controller = recording_controller(&loaded.project).map_err(refused)?;
-            let read =
-                read_files(&loaded.project, controller.as_ref(), &files, Gaps::Repaired).map_err(refused)?;
+            let read = read_files(&loaded.project, controller.as_ref(), &files, GapTreatment::Repaired)
+                .map_err(refused)?;
             let control = loop_of(&loaded.project, controller.as_ref());
             let replayed =
                 replay(&loaded.project, &read, &control, ReplayLength::Automatic).map_err(refused)?;
@@ -234,7 +234,7 @@ impl NativeProject {
 }
 
 impl NativeProject {
-    fn with(&self, key: &str, setting: &Setting) -> PyResult<Self> {
+    fn with(&self, key: &str, setting: &SettingValue) -> PyResult<Self> {
         let set = self.document.set(key, setting);
         self.having(set.map_err(|error| CounterpoiseError::new_err(error.to_string()))?)
     }

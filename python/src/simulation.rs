@@ -97,35 +97,35 @@ pub fn simulate<'py>(
     columns(py, history)
 }
 
-/// The columns of a run as arrays. They are handed over, not copied.
+/// The columns of a run as arrays; columns that were not kept are left out.
 fn columns(py: Python<'_>, history: TimeHistory) -> PyResult<Bound<'_, PyDict>> {
-    let (readings, truth, dict) = (history.readings, history.truth, PyDict::new(py));
-    let count = readings.control_v.len();
-    let time_s = (0..count).map(|k| k as f64 * history.sample_period_s).collect();
+    let (readings, truth, dict) = (&history.readings, &history.truth, PyDict::new(py));
+    let count = readings.len();
+    let time_s = history.time_s();
     for (name, values) in [
-        ("time_s", time_s),
-        ("demand_rad_s", readings.demand_rad_s),
-        ("control_v", readings.control_v),
-        ("measured_hub_rate_rad_s", readings.hub_rate_rad_s),
-        ("measured_platform_rate_rad_s", readings.platform_rate_rad_s),
-        ("measured_platform_accel_m_s2", readings.platform_accel_m_s2),
-        ("measured_motor_rate_rad_s", readings.motor_rate_rad_s),
-        ("measured_hub_position_rad", readings.hub_position_rad),
-        ("hub_rate_rad_s", truth.hub_rate_rad_s),
-        ("tip_rate_rad_s", truth.tip_rate_rad_s),
-        ("motor_rate_rad_s", truth.motor_rate_rad_s),
-        ("hub_angle_rad", truth.hub_angle_rad),
-        ("platform_angle_rad", truth.platform_angle_rad),
-        ("platform_rate_rad_s", truth.platform_rate_rad_s),
-        ("heave_m_s2", truth.heave_m_s2),
-        ("current_a", truth.current_a),
-        ("wind_up_rad", truth.wind_up_rad),
-        ("mesh_torque_nm", truth.mesh_torque_nm),
-        ("motor_friction_nm", truth.motor_friction_nm),
-        ("pivot_friction_nm", truth.pivot_friction_nm),
+        ("time_s", time_s.as_slice()),
+        ("demand_rad_s", readings.demand_rad_s()),
+        ("control_v", readings.control_v()),
+        ("measured_hub_rate_rad_s", readings.hub_rate_rad_s()),
+        ("measured_platform_rate_rad_s", readings.platform_rate_rad_s()),
+        ("measured_platform_accel_m_s2", readings.platform_accel_m_s2()),
+        ("measured_motor_rate_rad_s", readings.motor_rate_rad_s()),
+        ("measured_hub_position_rad", readings.hub_position_rad()),
+        ("hub_rate_rad_s", truth.hub_rate_rad_s()),
+        ("tip_rate_rad_s", truth.tip_rate_rad_s()),
+        ("motor_rate_rad_s", truth.motor_rate_rad_s()),
+        ("hub_angle_rad", truth.hub_angle_rad()),
+        ("platform_angle_rad", truth.platform_angle_rad()),
+        ("platform_rate_rad_s", truth.platform_rate_rad_s()),
+        ("heave_m_s2", truth.heave_m_s2()),
+        ("current_a", truth.current_a()),
+        ("wind_up_rad", truth.wind_up_rad()),
+        ("mesh_torque_nm", truth.mesh_torque_nm()),
+        ("motor_friction_nm", truth.motor_friction_nm()),
+        ("pivot_friction_nm", truth.pivot_friction_nm()),
     ] {
         if values.len() == count {
-            dict.set_item(name, PyArray1::from_vec(py, values))?;
+            dict.set_item(name, PyArray1::from_slice(py, values))?;
         }
     }
     Ok(dict)

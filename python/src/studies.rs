@@ -5,15 +5,17 @@ use std::path::PathBuf;
 
 use anyhow::{Context, ensure};
 use counterpoise_diagnose::identification::apply_identified;
-use counterpoise_diagnose::simulator_access::{Pool, map_with_progress};
 use counterpoise_host::projects;
 use counterpoise_pipeline::recordings::identify;
 use counterpoise_pipeline::studies::adaptation::study_adaptation;
-use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan, map_recordings};
+use counterpoise_pipeline::studies::fra::{
+    Analyser, LoopController, LoopUnderTest, MeasurementPlan, ResponseMap, map_recordings,
+};
 use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult, campaign_is_stated, worst_cases};
 use counterpoise_pipeline::{
     self as pipeline, prepare_campaign, robust_stability, run_stages, vary_families,
 };
+use counterpoise_pool::{Pool, map_with_progress};
 use counterpoise_project::Purpose;
 use counterpoise_report::sweep::{SweepFigure, sweep_figures};
 use counterpoise_report::wording::identification::describe_identified_recordings;
@@ -57,7 +59,7 @@ impl Columns {
 /// A list of maps under a key, as the command line writes it.
 #[derive(Serialize)]
 struct Maps {
-    maps: Vec<Map>,
+    maps: Vec<ResponseMap>,
 }
 
 /// Runs the project's campaign: every requirement over all mechanisms with its worst case, and the samples.
@@ -115,17 +117,17 @@ pub fn frequency_response_map(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<String> {
     let around = match around {
-        "plant" => Around::Plant,
-        "closed" => Around::Closed,
-        "disturbance" => Around::Disturbance,
-        "disconnected" => Around::Disconnected,
+        "plant" => LoopUnderTest::Plant,
+        "closed" => LoopUnderTest::Closed,
+        "disturbance" => LoopUnderTest::Disturbance,
+        "disconnected" => LoopUnderTest::Disconnected,
         other => {
             return Err(CounterpoiseError::new_err(format!(
                 "\"{other}\" is no loop; there are plant, closed, disturbance, disconnected"
             )));
         }
     };
-    let plan = Plan { around, amplitudes, frequencies_hz, offset_m };
+    let plan = MeasurementPlan { around, amplitudes, frequencies_hz, offset_m };
     project.json(py, progress, move |project, world| {
         let positive = |values: &[f64]| {
             !values.is_empty() && values.iter().all(|value| value.is_finite() && *value > 0.0)
@@ -140,7 +142,7 @@ pub fn frequency_response_map(
             return Ok(Maps { maps: found.into_iter().map(describe_recorded_map).collect() });
         }
         ensure!(positive(&plan.amplitudes), "amplitudes must be positive numbers, at least one");
-        let analyser = Analyser::new(&loaded.project, &modelled, &plan, On::Simulation)?;
+        let analyser = Analyser::new(&loaded.project, &modelled, &plan, LoopController::Simulation)?;
         let measured = analyser.measure(&plan, world)?;
         ensure!(!world.is_cancelled(), "stopped");
         Ok(Maps { maps: vec![describe_map(analyser.compare(&measured, world)?)] })

@@ -1,5 +1,7 @@
 //! What can be wrong with a recording.
 
+use crate::Unread;
+
 /// The ways in which a recording can be refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -101,12 +103,14 @@ pub enum Error {
         file: String,
     },
     /// No column could be read.
-    #[error("{file}: there is no column of numbers: {first}")]
+    #[error("{file}: there is no column of numbers: column \"{column}\" was not read: {why}")]
     NothingRead {
         /// The file.
         file: String,
-        /// Why the first column was not read.
-        first: String,
+        /// The first column that was not read.
+        column: String,
+        /// Why.
+        why: Unread,
     },
     /// Two columns of one name.
     #[error("{file}: two columns are named \"{column}\": give every column a name of its own")]

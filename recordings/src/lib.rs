@@ -7,7 +7,7 @@
 //! *Invariant*: nothing here knows a model of the machine, a path or a file system: bytes are handed in.
 //!
 //! Modules in reading order: [`unit`] and [`channel`] (what is measured), [`table`] (columns as written, from the decoders in
-//! `decode`), [`mapping`] (which column is which channel, with `shaping`, `checks` and `time_unit`), [`clock`] (uniform time), [`recording`], [`error`], [`remark`].
+//! `decode`), [`mapping`] (which column is which channel, with `shaping`, `checks` and `time_unit`), [`clock`] (uniform time), [`signals`] (one array with named columns), [`recording`], [`error`], [`remark`].
 //!
 //! ```
 //! use counterpoise_recordings::{Channel, Mapping, Table};
@@ -28,6 +28,7 @@ pub mod mapping;
 pub mod recording;
 pub mod remark;
 mod shaping;
+pub mod signals;
 pub mod table;
 mod time_unit;
 mod tolerance;
@@ -40,5 +41,7 @@ pub use mapping::{ChannelSource, Mapping};
 pub use recording::Recording;
 pub use remark::{Remark, Unread};
 pub use shaping::repeat_last;
+pub use signals::{ColumnName, Signals};
 pub use table::{Column, Table};
+pub use time_unit::DoubtfulUnit;
 pub use unit::Unit;

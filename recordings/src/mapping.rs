@@ -1,5 +1,6 @@
 //! Which column of a file is which channel of the mechanism, and how its numbers become the channel's.
 
+use crate::time_unit::doubtful_unit;
 use ndarray::{Array1, Array2, ArrayViewMut1};
 
 use crate::checks::{check_time_unit, missing, nearly_named, without_infinities, without_outliers};
@@ -206,7 +207,11 @@ impl Mapping {
             recording.set(channel, samples);
         }
         recording.sample_period_s = project_s;
-        recording.remarks.push(Remark::Resampled { file_s, project_s });
+        recording.remarks.push(Remark::Resampled {
+            file_s,
+            project_s,
+            doubt: doubtful_unit(file_s, project_s),
+        });
         Ok(())
     }
 

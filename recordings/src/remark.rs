@@ -1,20 +1,19 @@
 //! Remarks: what the reader of a recording should know although the recording can be used.
 
-use std::fmt;
-
 use crate::Channel;
-use crate::time_unit::{DoubtfulUnit, doubtful_unit};
+use crate::time_unit::DoubtfulUnit;
 
 /// Why a column of a file was not read.
-#[derive(Debug, Clone, PartialEq, Eq)]
-#[non_exhaustive]
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Unread {
     /// It holds something else than real numbers.
+    #[error("it holds {holds}, not real numbers")]
     Type {
         /// What it holds, in the plural.
         holds: String,
     },
     /// It has another length than the columns that were read.
+    #[error("it has {length} values, the columns that were read {rows}")]
     Length {
         /// Its length.
         length: usize,
@@ -22,20 +21,25 @@ pub enum Unread {
         rows: usize,
     },
     /// It has more than two dimensions, or its dimensions do not match its values.
+    #[error("its shape is {}, but a column or a matrix of columns is needed", sizes(shape))]
     Shape {
         /// Its dimensions.
         shape: Vec<u64>,
     },
     /// Its values cannot be decoded.
+    #[error("it cannot be decoded: {why}")]
     Undecodable {
         /// What the reader says.
         why: String,
     },
 }
 
+fn sizes(shape: &[u64]) -> String {
+    shape.iter().map(u64::to_string).collect::<Vec<_>>().join(" x ")
+}
+
 /// Something that the user of a recording should know.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 pub enum Remark {
     /// The file has no time column, so the project's sample period was used.
     PeriodAssumed {
@@ -117,73 +121,7 @@ pub enum Remark {
         file_s: f64,
         /// Sample period of the project, s.
         project_s: f64,
+        /// Set if the steps are so far from the project's that the unit of the time is in doubt.
+        doubt: Option<DoubtfulUnit>,
     },
-}
-
-impl fmt::Display for Remark {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::PeriodAssumed { period_s } => {
-                write!(f, "no time column: the project's sample period of {period_s} s was taken")
-            }
-            Self::Repeated { rows, first_row } => write!(
-                f,
-                "{rows} rows repeat the row before them, the first in row {first_row}: they count once"
-            ),
-            Self::Uneven { jitter, period_s } => {
-                write!(f, "time steps vary by {:.2} %: interpolated every {period_s:.6} s", 100.0 * jitter)
-            }
-            Self::Gap { row, samples } => write!(f, "{samples} samples are missing after row {row}"),
-            Self::Missing { channel, samples, first_row } => {
-                write!(f, "{}: {samples} values are missing, the first in row {first_row}", channel.name())
-            }
-            Self::Unread { column, why } => write!(f, "column \"{column}\" was not read: {why}"),
-            Self::NearlyNamed { column, meant } => write!(
-                f,
-                "column \"{column}\" is not used: if it is {meant}, name it so, or map {meant} to it in the project file"
-            ),
-            Self::Infinite { channel, samples, first_row } => write!(
-                f,
-                "{}: {samples} values are infinite, the first in row {first_row}: they count as missing",
-                channel.name()
-            ),
-            Self::Outliers { channel, samples, first_row, value } => write!(
-                f,
-                "{}: {samples} reading{} far from those before and after, the first in row {first_row} ({value} {}): \
-                 {} as missing; check the recorder",
-                channel.name(),
-                if *samples == 1 { " is" } else { "s are" },
-                channel.unit(),
-                if *samples == 1 { "it counts" } else { "they count" }
-            ),
-            Self::Further { columns } => {
-                write!(f, "{columns} further columns were not read or are not used")
-            }
-            Self::Resampled { file_s, project_s } => {
-                let how = if file_s < project_s { "averaged" } else { "interpolated" };
-                write!(f, "sampled every {file_s} s: {how} to the project's {project_s} s")?;
-                match doubtful_unit(*file_s, *project_s) {
-                    Some(DoubtfulUnit { meant: Some(unit) }) => write!(f, "; is its time in {unit}?"),
-                    Some(DoubtfulUnit { meant: None }) => write!(f, "; check the unit of its time"),
-                    None => Ok(()),
-                }
-            }
-        }
-    }
-}
-
-impl fmt::Display for Unread {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Type { holds } => write!(f, "it holds {holds}, not real numbers"),
-            Self::Length { length, rows } => {
-                write!(f, "it has {length} values, the columns that were read {rows}")
-            }
-            Self::Shape { shape } => {
-                let sizes: Vec<String> = shape.iter().map(u64::to_string).collect();
-                write!(f, "its shape is {}, but a column or a matrix of columns is needed", sizes.join(" x "))
-            }
-            Self::Undecodable { why } => write!(f, "it cannot be decoded: {why}"),
-        }
-    }
 }

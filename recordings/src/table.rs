@@ -104,10 +104,16 @@ impl Table {
 
     /// Returns the error of a table without rows, which says what was left out.
     fn empty(&self) -> Error {
-        match self.remarks.first() {
-            None => Error::Empty { file: self.name.clone() },
-            Some(first) => Error::NothingRead { file: self.name.clone(), first: first.to_string() },
-        }
+        let unread = self.remarks.iter().find_map(|remark| match remark {
+            Remark::Unread { column, why } => Some((column.clone(), why.clone())),
+            _ => None,
+        });
+        let file = self.name.clone();
+        unread.map_or(Error::Empty { file: file.clone() }, |(column, why)| Error::NothingRead {
+            file,
+            column,
+            why,
+        })
     }
 
     /// Refuses a table without rows, with columns of different length, or with two columns of one name.

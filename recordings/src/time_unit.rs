@@ -7,9 +7,9 @@ const UNITS: [(&str, f64); 5] = [("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9), ("min
 
 /// Steps of a time that are far from the sample period.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct DoubtfulUnit {
+pub struct DoubtfulUnit {
     /// The unit in which they would match it; `None` if they match it in none.
-    pub(crate) meant: Option<&'static str>,
+    pub meant: Option<&'static str>,
 }
 
 /// Returns that the steps of a time, taken as seconds, are far from the sample period; `None` if they are near it.

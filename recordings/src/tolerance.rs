@@ -44,3 +44,6 @@ pub(crate) const MATCHES_PERIOD: f64 = 3.0;
 
 /// A window has at least this many sample periods: fewer have no second difference.
 pub(crate) const FEWEST_PERIODS: f64 = 2.0;
+
+/// Samples for which signals make room when the first is added: a run of a second at 1 kHz does not grow.
+pub(crate) const FIRST_ROOM: usize = 1024;

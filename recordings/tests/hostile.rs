@@ -4,7 +4,7 @@
 
 use std::path::PathBuf;
 
-use counterpoise_recordings::{Channel, Error, Mapping, Recording, Remark, Table};
+use counterpoise_recordings::{Channel, DoubtfulUnit, Error, Mapping, Recording, Remark, Table};
 
 fn read(name: &str) -> Result<Table, Error> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/hostile").join(name);
@@ -15,8 +15,14 @@ fn columns(table: &Table) -> Vec<&str> {
     table.columns.iter().map(|c| c.name.as_str()).collect()
 }
 
+/// The columns that were not read or not used, with the reason.
 fn said(remarks: &[Remark]) -> Vec<String> {
-    remarks.iter().map(ToString::to_string).collect()
+    let text = |remark: &Remark| match remark {
+        Remark::Unread { column, why } => format!("column \"{column}\" was not read: {why}"),
+        Remark::NearlyNamed { column, meant } => format!("column \"{column}\" is nearly {meant}"),
+        other => format!("{other:?}"),
+    };
+    remarks.iter().map(text).collect()
 }
 
 fn csv(text: &str) -> Table {
@@ -40,7 +46,7 @@ fn hdf5_says_what_it_does_not_read() {
         "column \"records\" was not read: it holds records of several fields, not real numbers",
         "column \"short\" was not read: it has 39 values, the columns that were read 40",
         "column \"texts\" was not read: it holds texts, not real numbers",
-        "column \"Hub_Position\" is not used: if it is hub_position, name it so, or map hub_position to it in the project file",
+        "column \"Hub_Position\" is nearly hub_position",
     ] {
         assert!(said.iter().any(|s| s == wanted), "{wanted} in {said:#?}");
     }
@@ -95,7 +101,7 @@ fn matlab_says_what_it_does_not_read() {
         ("cube", "40 x 2 x 2"),
         ("short", "39 values"),
         ("image", "30 x 70"),
-        ("hub-rate", "if it is hub_rate"),
+        ("hub-rate", "nearly hub_rate"),
     ] {
         let hit = |s: &String| s.starts_with(&format!("column \"{name}\"")) && s.contains(why);
         assert!(said.iter().any(hit), "{name} in {said:#?}");
@@ -118,7 +124,7 @@ fn parquet_reads_by_type_and_says_what_it_does_not_read() {
     for name in unread {
         assert!(said.iter().any(|s| s.starts_with(&format!("column \"{name}\" was not read"))), "{said:#?}");
     }
-    assert!(said.iter().any(|s| s.contains("if it is hub_position")), "{said:#?}");
+    assert!(said.iter().any(|s| s.contains("nearly hub_position")), "{said:#?}");
     assert_eq!(said.len(), unread.len() + 1, "{said:#?}");
 }
 
@@ -295,6 +301,6 @@ fn text_in_another_encoding_is_refused_with_advice() {
 fn a_stated_unit_that_is_far_from_the_sample_period_is_asked_about() {
     let rows: String = (0..50).map(|k| format!("{k},{}\n", 0.1 * f64::from(k))).collect();
     let recording = recorded(&format!("time [s],control [V]\n{rows}"), Some(1e-3)).unwrap();
-    let said = said(&recording.remarks);
-    assert!(said[0].ends_with("interpolated to the project's 0.001 s; is its time in ms?"), "{said:?}");
+    let Remark::Resampled { doubt, .. } = recording.remarks[0] else { panic!("{recording:?}") };
+    assert_eq!(doubt, Some(DoubtfulUnit { meant: Some("ms") }));
 }

@@ -3,7 +3,7 @@
 use crate::error::During;
 use crate::measure::error_norm;
 use crate::reduction::{bound, choose, count_above_rounding};
-use crate::split::split;
+use crate::split::split_stable;
 use crate::{Error, Method, Order, Reduction};
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::Mat;
@@ -133,7 +133,7 @@ fn residualise(g: &StateSpace, r: usize) -> Result<StateSpace, Error> {
 /// # Errors
 /// [`Error::Order`] where fewer states are asked for than must be kept, [`Error::Range`], [`Error::Matrix`].
 pub fn balred(g: &StateSpace, order: Order, method: Method) -> Result<Reduction, Error> {
-    let parts = split(g)?;
+    let parts = split_stable(g)?;
     let untouched = parts.second.order();
     let balanced = Balanced::of(&parts.first)?;
     let hankel = balanced.hankel().to_vec();

@@ -34,7 +34,7 @@ pub struct Minimal {
 ///
 /// # Errors
 /// [`Error::Range`] for a tolerance outside (0, 1), [`Error::Matrix`].
-pub fn minimal(g: &StateSpace, tolerance: f64) -> Result<Minimal, Error> {
+pub fn minimal_realisation(g: &StateSpace, tolerance: f64) -> Result<Minimal, Error> {
     if !(tolerance > 0.0 && tolerance < 1.0) {
         return Err(Error::Range { what: "tolerance", value: tolerance, allowed: "between 0 and 1" });
     }

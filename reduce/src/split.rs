@@ -35,7 +35,7 @@ impl Split {
 ///
 /// # Errors
 /// As [`split_by`].
-pub fn split(g: &StateSpace) -> Result<Split, Error> {
+pub fn split_stable(g: &StateSpace) -> Result<Split, Error> {
     let (scaled, _) = balance(g);
     let form = block_schur(&scaled.A)?;
     let (boundary, timebase) = (boundary(g.timebase), g.timebase);

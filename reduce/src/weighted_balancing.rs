@@ -2,7 +2,7 @@
 
 use crate::balanced_truncation::Balanced;
 use crate::reduction::choose;
-use crate::split::split;
+use crate::split::split_stable;
 use crate::tolerance::EXACT_NORM;
 use crate::{Error, Method, Order, Reduction, Warning};
 use counterpoise_linalg::{C64, Mat};
@@ -36,7 +36,7 @@ pub fn weighted_balred(
 ) -> Result<Reduction, Error> {
     needs_stable("the output weight", weights.output)?;
     needs_stable("the input weight", weights.input)?;
-    let parts = split(g)?;
+    let parts = split_stable(g)?;
     let (stable, _) = balance(&parts.first);
     let n = stable.order();
     let driven = ctrb_factor(&series(weights.input, &stable)?)?;

@@ -7,8 +7,8 @@ use counterpoise_lti::{
     parallel, poles, response_at, series,
 };
 use counterpoise_reduce::{
-    Balanced, Error, Method, Order, Residual, SecondOrder, Warning, balred, guyan, minimal, modal_basis,
-    modal_truncation, reduce_controller, split,
+    Balanced, Error, Method, Order, Residual, SecondOrder, Warning, balred, guyan, minimal_realisation,
+    modal_basis, modal_truncation, reduce_controller, split_stable,
 };
 
 fn zpk(zeros: &[C64], poles: &[C64], gain: f64) -> StateSpace {
@@ -56,7 +56,7 @@ fn the_order_can_be_asked_for_by_its_error() {
 
 #[test]
 fn both_projections_have_one_response_and_dc_matching_keeps_the_static_gain() {
-    let g = split(&servo()).unwrap().first;
+    let g = split_stable(&servo()).unwrap().first;
     let make = |method| balred(&g, Order::States(7), method).unwrap();
     let (a, b, c) = (make(Method::SquareRoot), make(Method::BalancingFree), make(Method::MatchDc));
     for rate in [0.0, 5.0, 9.0, 40.0] {
@@ -82,7 +82,7 @@ fn sampled_systems_are_reduced_likewise() {
 #[test]
 fn the_parts_of_a_split_add_up() {
     let g = servo();
-    let parts = split(&g).unwrap();
+    let parts = split_stable(&g).unwrap();
     assert!(is_stable(&parts.first).unwrap() && parts.second.order() == 2);
     for rate in [0.3, 9.0, 71.0] {
         let (x, y) = (
@@ -125,16 +125,16 @@ fn a_minimal_realisation_has_the_known_order_and_shows_its_gap() {
     // g - g + h: twice 18 states that cancel and two that stay; and a hidden block in series.
     let h = zpk(&[re(-3.0)], &[re(-1.0), re(-2.0)], 1.0);
     let twice = parallel(&h, &parallel(&h, &h).unwrap()).unwrap();
-    let found = minimal(&twice, 1e-11).unwrap();
+    let found = minimal_realisation(&twice, 1e-11).unwrap();
     assert_eq!((found.system.order(), found.unreachable), (2, 4));
     assert!(found.smallest_kept > 1e6 * found.largest_dropped && found.warnings.is_empty());
     let cancelled = series(&zpk(&[re(-5.0)], &[re(-1.0)], 1.0), &zpk(&[], &[re(-5.0)], 2.0)).unwrap();
-    let found = minimal(&cancelled, 1e-11).unwrap();
+    let found = minimal_realisation(&cancelled, 1e-11).unwrap();
     assert_eq!(found.system.order(), 1);
     let (a, b) =
         (response_at(&cancelled, 0.8).unwrap()[(0, 0)], response_at(&found.system, 0.8).unwrap()[(0, 0)]);
     assert!((a - b).norm() < 1e-14);
-    assert_eq!(minimal(&g, 1e-11).unwrap().system.order(), g.order());
+    assert_eq!(minimal_realisation(&g, 1e-11).unwrap().system.order(), g.order());
 }
 
 #[test]
@@ -154,12 +154,12 @@ fn more_states_than_rounding_leaves_are_refused_with_the_number_there_is() {
 fn an_order_in_doubt_is_said_to_be_in_doubt() {
     // A pole beside a zero: with 1e-9 between them the cut is clear, with 1e-2 a coarse tolerance cuts in a small gap.
     let near = |distance: f64| zpk(&[re(-5.0)], &[re(-1.0), re(-5.0 - distance)], 2.0);
-    let clear = minimal(&near(1e-9), 1e-7).unwrap();
+    let clear = minimal_realisation(&near(1e-9), 1e-7).unwrap();
     assert!(clear.system.order() == 1 && clear.warnings.is_empty(), "{clear:?}");
-    let doubtful = minimal(&near(1e-2), 1e-2).unwrap();
+    let doubtful = minimal_realisation(&near(1e-2), 1e-2).unwrap();
     assert_eq!(doubtful.system.order(), 1);
     assert!(matches!(doubtful.warnings[..], [Warning::SmallGap { .. }]), "{doubtful:?}");
-    assert_eq!(minimal(&near(1e-2), 1e-7).unwrap().system.order(), 2);
+    assert_eq!(minimal_realisation(&near(1e-2), 1e-7).unwrap().system.order(), 2);
 }
 
 #[test]

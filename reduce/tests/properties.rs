@@ -7,7 +7,7 @@ use counterpoise_lti::{
     StateSpace, Timebase, append, feedback, hankel_values, hinfnorm, is_stable, parallel, poles, response_at,
     series,
 };
-use counterpoise_reduce::{Method, Order, Warning, balred, minimal, reduce_controller};
+use counterpoise_reduce::{Method, Order, Warning, balred, minimal_realisation, reduce_controller};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -114,7 +114,7 @@ proptest! {
         undriven.B = Mat::zeros(undriven.order(), 2);
         unseen.C = Mat::zeros(2, unseen.order());
         let both = parallel(&g, &parallel(&undriven, &unseen).unwrap()).unwrap();
-        let found = minimal(&both, 1e-11).unwrap();
+        let found = minimal_realisation(&both, 1e-11).unwrap();
         let clear = found.warnings.is_empty();
         prop_assert!(!clear || found.system.order() == g.order(), "{found:?}");
         prop_assert!(apart(&g, &found.system) < 1e-8 * (1.0 + g.B.norm_fro() * g.C.norm_fro()));

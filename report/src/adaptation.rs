@@ -2,18 +2,18 @@
 
 use counterpoise_models::ControlledQuantity;
 use counterpoise_models::parameters::AxisKind;
-use counterpoise_pipeline::studies::adapt::{AdaptRun, AdaptedIntervals, Trace};
+use counterpoise_pipeline::studies::adapt::{AdaptRun, AdaptationTrace, AdaptedIntervals};
 
 use counterpoise_pipeline::studies::adaptation_trials::{
-    Bands, Load, METHODS, Motion, Refusal, TrialRow, Trials,
+    AdaptationTrials, HoldBands, METHODS, MethodRefusal, TrialLoad, TrialMotion, TrialRow,
 };
 
-use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis as PlotAxis, Colour, Figure, Panel, Series};
 
 /// Returns the trials of the methods in lines, for a terminal.
-pub fn trial_lines(tried: &Trials) -> Vec<String> {
+pub fn trial_lines(tried: &AdaptationTrials) -> Vec<String> {
     let mut lines = vec![format!(
         "trials on motions that no window fits ({} in {} RMS):",
         rate_of(&tried.rows).name(),
@@ -48,7 +48,7 @@ pub fn trial_lines(tried: &Trials) -> Vec<String> {
 }
 
 /// Returns the trials of a project's own method as a section of a report.
-pub fn trial_section(tried: &Trials) -> Section {
+pub fn trial_section(tried: &AdaptationTrials) -> Section {
     let columns = [
         Column::Text("motion"),
         Column::Text("load"),
@@ -85,8 +85,8 @@ pub const EXPORTED_BY_BANDS: &str =
     "state `dead_band` or `hold_band` in [synth.adaptation] to export it with those";
 
 /// Returns where recursive least squares act, or why the exported controller does not adapt; `None` for other methods.
-pub fn describe_action(tried: &Trials) -> Option<String> {
-    let Bands { dead_band_m_s2, hold_band, is_exported } = tried.bands?;
+pub fn describe_action(tried: &AdaptationTrials) -> Option<String> {
+    let HoldBands { dead_band_m_s2, hold_band, is_exported } = tried.bands?;
     if !is_exported {
         return Some(describe_left_out(&tried.rows));
     }
@@ -131,7 +131,7 @@ fn trial(row: &TrialRow) -> String {
 }
 
 /// Returns the reason why a method is refused.
-pub fn describe_refusal(refused: &Refusal) -> String {
+pub fn describe_refusal(refused: &MethodRefusal) -> String {
     let TrialRow { rate, method, without_rad_s, with_rad_s, .. } = refused.worst;
     format!(
         "REFUSED: {method} makes the {} worse than no adaptation does, {:.2} times {}: {:.3} against {:.3} {} RMS",
@@ -144,20 +144,20 @@ pub fn describe_refusal(refused: &Refusal) -> String {
     )
 }
 
-fn motion(motion: Motion) -> &'static str {
+fn motion(motion: TrialMotion) -> &'static str {
     match motion {
-        Motion::Sines => "sines",
-        Motion::Road => "road",
-        Motion::Multisine => "multisine",
+        TrialMotion::Sines => "sines",
+        TrialMotion::Road => "road",
+        TrialMotion::Multisine => "multisine",
     }
 }
 
-fn load(load: Load) -> &'static str {
+fn load(load: TrialLoad) -> &'static str {
     match load {
-        Load::Nominal => "load as designed",
-        Load::WrongStart => "estimate 30 % low",
-        Load::Sudden => "30 % more, sudden",
-        Load::Slow => "30 % more, slow",
+        TrialLoad::Nominal => "load as designed",
+        TrialLoad::WrongStart => "estimate 30 % low",
+        TrialLoad::Sudden => "30 % more, sudden",
+        TrialLoad::Slow => "30 % more, slow",
     }
 }
 
@@ -168,7 +168,7 @@ pub fn adaptation_report(
     runs: &[AdaptRun],
     adapted: AdaptedIntervals,
 ) -> Report {
-    let tone = if adapted.returned == adapted.intervals { Tone::Good } else { Tone::Bad };
+    let tone = if adapted.returned == adapted.intervals { OutcomeTone::Good } else { OutcomeTone::Bad };
     let text = format!(
         "{} of {} adapted intervals come back to within 10 % of run (a)",
         adapted.returned, adapted.intervals
@@ -184,8 +184,12 @@ pub fn adaptation_report(
             .to_owned(),
         headline: Headline { tone, text, detail },
         tiles: vec![
-            Tile::plain("worst adapted interval", short_number(adapted.largest_over_default), "of run (a)"),
-            Tile::plain(
+            FigureTile::plain(
+                "worst adapted interval",
+                short_number(adapted.largest_over_default),
+                "of run (a)",
+            ),
+            FigureTile::plain(
                 "largest error of the estimate",
                 short_number(adapted.largest_estimate_error_kg_m),
                 rate.axis.unit("kg m"),
@@ -240,8 +244,8 @@ fn table(runs: &[AdaptRun]) -> Table {
     for (run, i) in runs.iter().flat_map(|run| run.intervals.iter().map(move |i| (run, i))) {
         let verdict = match (i.adapted, i.has_returned()) {
             (false, _) => Cell::text(""),
-            (true, true) => Cell::Verdict(Tone::Good, "holds".to_owned()),
-            (true, false) => Cell::Verdict(Tone::Bad, "fails".to_owned()),
+            (true, true) => Cell::Verdict(OutcomeTone::Good, "holds".to_owned()),
+            (true, false) => Cell::Verdict(OutcomeTone::Bad, "fails".to_owned()),
         };
         table.rows.push(vec![
             Cell::text(format!("({})", run.letter)),
@@ -258,7 +262,7 @@ fn table(runs: &[AdaptRun]) -> Table {
 }
 
 fn section(run: &AdaptRun, command: &str) -> Section {
-    let Trace { time_s, out_of_balance_kg_m, used_kg_m, control_v, hub_rate_rad_s } = &run.trace;
+    let AdaptationTrace { time_s, out_of_balance_kg_m, used_kg_m, control_v, hub_rate_rad_s } = &run.trace;
     let over = |values: &[f64], scale: f64| {
         time_s.iter().zip(values).map(|(t, value)| (*t, scale * value)).collect::<Vec<_>>()
     };
@@ -289,7 +293,7 @@ fn section(run: &AdaptRun, command: &str) -> Section {
 mod tests {
     use super::*;
 
-    fn row(motion: Motion, load: Load, [without, with, told]: [f64; 3]) -> TrialRow {
+    fn row(motion: TrialMotion, load: TrialLoad, [without, with, told]: [f64; 3]) -> TrialRow {
         TrialRow {
             rate: ControlledQuantity::RATE,
             method: "recursive",
@@ -305,8 +309,8 @@ mod tests {
     #[test]
     fn what_is_left_out_says_by_how_much_it_is_worse_and_what_there_was_to_gain() {
         let rows = [
-            row(Motion::Sines, Load::Nominal, [2.0, 2.1, 2.0]),
-            row(Motion::Road, Load::Sudden, [4.0, 4.04, 3.2]),
+            row(TrialMotion::Sines, TrialLoad::Nominal, [2.0, 2.1, 2.0]),
+            row(TrialMotion::Road, TrialLoad::Sudden, [4.0, 4.04, 3.2]),
         ];
         let text = describe_left_out(&rows);
         assert!(
@@ -317,10 +321,10 @@ mod tests {
         );
         assert!(text.contains("adds is 25 %, on road (30 % more, sudden)"), "{text}");
         // a motion that diverges with every controller adds no number
-        let diverged = row(Motion::Multisine, Load::Slow, [f64::INFINITY; 3]);
+        let diverged = row(TrialMotion::Multisine, TrialLoad::Slow, [f64::INFINITY; 3]);
         let text = describe_left_out(&[rows[1], diverged]);
         assert!(text.contains("adds is 25 %, on road"), "{text}");
-        let still = describe_left_out(&[row(Motion::Road, Load::Nominal, [2.0, 2.0, 2.0])]);
+        let still = describe_left_out(&[row(TrialMotion::Road, TrialLoad::Nominal, [2.0, 2.0, 2.0])]);
         assert!(
             still.contains("no trial with the usual bands is worse")
                 && still.contains("no load of the trials adds"),

@@ -1,16 +1,16 @@
 //! What to change where a requirement fails, in words.
 
-use counterpoise_pipeline::studies::advice::{Advice, Change, Sensitivity};
+use counterpoise_pipeline::studies::advice::{TriedChange, WeightAdvice, WeightSensitivity};
 use counterpoise_plot::number::short_number;
 
 use crate::{Cell, Column, Section, Table};
 
 /// Returns the advice for each failing requirement in a line.
-pub fn advice_lines(all: &[Advice]) -> Vec<String> {
+pub fn advice_lines(all: &[WeightAdvice]) -> Vec<String> {
     all.iter().map(line).collect()
 }
 
-fn line(advice: &Advice) -> String {
+fn line(advice: &WeightAdvice) -> String {
     let (name, unit) = (advice.name(), advice.unit());
     let Some(change) = &advice.change else {
         return format!("{name}: no single weight of the design moves it");
@@ -23,13 +23,13 @@ fn line(advice: &Advice) -> String {
     }
 }
 
-fn words(change: &Change) -> String {
+fn words(change: &TriedChange) -> String {
     let percent = 100.0 * (change.factor - 1.0).abs();
     let verb = if change.factor > 1.0 { "raise" } else { "lower" };
     format!("{verb} `{}` by {percent:.0} %", change.key)
 }
 
-fn margin(change: &Change) -> String {
+fn margin(change: &TriedChange) -> String {
     let size = short_number(change.gain_margin_db.abs());
     if change.gain_margin_db < 0.0 {
         format!("costs {size} dB of gain margin")
@@ -39,7 +39,7 @@ fn margin(change: &Change) -> String {
 }
 
 /// Returns the section of a report; `None` if nothing fails.
-pub fn advice_section(all: &[Advice]) -> Option<Section> {
+pub fn advice_section(all: &[WeightAdvice]) -> Option<Section> {
     if all.is_empty() {
         return None;
     }
@@ -57,7 +57,7 @@ pub fn advice_section(all: &[Advice]) -> Option<Section> {
     ];
     let mut table = Table::new("Sensitivities", &columns);
     for advice in all {
-        for Sensitivity { key, per_factor_e: slope, .. } in &advice.sensitivities {
+        for WeightSensitivity { key, per_factor_e: slope, .. } in &advice.sensitivities {
             let name = advice.name();
             table.rows.push(vec![Cell::text(name), Cell::text(*key), Cell::number(*slope)]);
         }

@@ -4,11 +4,11 @@
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::design_views::{ControllerFamily, FrequencyResponse};
 use counterpoise_pipeline::studies::comparison::{
-    Comparison, LoopFigures, LoweredRow, MethodRow, MotionRow, Spillover,
+    DesignComparison, LoopFigures, LoweredRow, MethodRow, MotionRow, Spillover,
 };
 use counterpoise_pipeline::synth::schedule::BalanceRow;
 
-use crate::bode::{BodeCurve, Phase, bode_figure, response_curve};
+use crate::bode::{BodeCurve, PhasePanel, bode_figure, response_curve};
 use crate::designs::noise_gain_column;
 use crate::{Cell, Column, Section, Table};
 use counterpoise_plot::number::short_number;
@@ -16,7 +16,7 @@ use counterpoise_plot::{Colour, Dash, Figure};
 
 /// Returns the sections; none for what a project does not ask for.
 pub fn alternatives_sections(
-    found: &Comparison,
+    found: &DesignComparison,
     families: &[ControllerFamily],
     controlled: ControlledQuantity,
 ) -> Vec<Section> {
@@ -146,7 +146,7 @@ fn family(family: &ControllerFamily) -> Figure {
     };
     let curves: Vec<BodeCurve> = family.curves.iter().enumerate().map(one).collect();
     let title = format!("{} over the out-of-balance", family.name);
-    bode_figure(&title, family.unit, &curves, Phase::Hidden, Vec::new())
+    bode_figure(&title, family.unit, &curves, PhasePanel::Hidden, Vec::new())
 }
 
 fn changes(rows: &[BalanceRow], controlled: ControlledQuantity) -> Table {

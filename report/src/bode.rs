@@ -37,7 +37,7 @@ pub struct BodeCurve {
 
 /// Whether the phase is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Phase {
+pub enum PhasePanel {
     /// In a panel of its own under the magnitude.
     Shown,
     /// Not at all.
@@ -90,7 +90,13 @@ impl BodeCurve {
 }
 
 /// Returns a Bode diagram. `unit` is that of the magnitude's reference, for example `V s/rad`; `marks` stand in the magnitude panel.
-pub fn bode_figure(title: &str, unit: &str, curves: &[BodeCurve], phase: Phase, marks: Vec<Mark>) -> Figure {
+pub fn bode_figure(
+    title: &str,
+    unit: &str,
+    curves: &[BodeCurve],
+    phase: PhasePanel,
+    marks: Vec<Mark>,
+) -> Figure {
     let label = if unit.is_empty() { "dB".to_owned() } else { format!("dB re {unit}") };
     let magnitudes: Vec<Series> = curves.iter().map(|curve| curve.series(curve.magnitude_db())).collect();
     let levels = || magnitudes.iter().flat_map(|s| s.points.column(1).to_vec()).filter(|y| y.is_finite());
@@ -99,7 +105,7 @@ pub fn bode_figure(title: &str, unit: &str, curves: &[BodeCurve], phase: Phase, 
     let [from, to] = window_db(highest, &marks);
     let axis = if highest - lowest > DEPTH_DB { axis.with_range(from, to) } else { axis };
     let mut panels = vec![Panel::new(axis, magnitudes).with_marks(marks)];
-    if phase == Phase::Shown {
+    if phase == PhasePanel::Shown {
         let phases = curves.iter().map(|curve| curve.series(curve.phase_deg())).collect();
         panels.push(Panel::new(Axis::degrees("phase"), phases).with_height(140.0));
     }

@@ -3,7 +3,7 @@
 use counterpoise_pipeline::check::{CheckResult, PlantOverview};
 use counterpoise_pipeline::studies::assumptions::{AssumptionEffect, EffectAt};
 use counterpoise_project::diagnostic::MOST_SHOWN;
-use counterpoise_project::{Assumption, SectionStatement, Tolerance, ValueStatement};
+use counterpoise_project::{Assumption, KeyTolerance, SectionStatement, ValueStatement};
 
 use crate::page::{Cell, Column, Section, Table};
 use crate::tolerance::NO_EFFECT;
@@ -145,7 +145,7 @@ fn value(value: &ValueStatement) -> String {
     format!("{} {shown}", value.key.replace('_', " "))
 }
 
-fn tolerance(tolerance: &Tolerance) -> String {
+fn tolerance(tolerance: &KeyTolerance) -> String {
     let [low, high] = tolerance.range();
     format!("  {}: {} to {}", tolerance.key, short(low), with_unit(high, tolerance.unit))
 }

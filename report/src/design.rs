@@ -3,19 +3,19 @@
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::certificates::Certificate;
 use counterpoise_pipeline::design_views::{PlantResponse, WeightResponses};
-use counterpoise_pipeline::export::target_proofs::{Costs, Proof};
+use counterpoise_pipeline::export::target_proofs::{CompiledCodeTest, StepCosts};
 use counterpoise_pipeline::results::{DesignResult, SynthResult};
 use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
-use counterpoise_pipeline::{Designed, FirstDesignResult, Reduced, StageTime, SynthesisStudy};
+use counterpoise_pipeline::{CompletedDesign, FirstDesignResult, ReducedPlant, StageTime, SynthesisStudy};
 
 use crate::adaptation::trial_section;
-use crate::bode::{BodeCurve, Phase, bode_figure, response_curve};
+use crate::bode::{BodeCurve, PhasePanel, bode_figure, response_curve};
 use crate::evidence::PLANT;
-use crate::page::Origin;
+use crate::page::ReportOrigin;
 use crate::targets::{self, TargetEvidence};
-use crate::verification::{Context, of_verification};
+use crate::verification::{VerificationContext, of_verification};
 use crate::wording::capitalise_first;
-use crate::{Cell, Column, Headline, Report, Section, Table, Tile, Tone, alternatives};
+use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, Report, Section, Table, alternatives};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Colour, Figure};
 
@@ -23,19 +23,19 @@ use counterpoise_plot::{Colour, Figure};
 #[derive(Debug, Clone, Copy)]
 pub struct DesignRun<'a> {
     /// Where the report comes from.
-    pub origin: &'a Origin,
+    pub origin: &'a ReportOrigin,
     /// What each stage took.
     pub times: &'a [StageTime],
     /// The compiled code, compared with its model.
-    pub proofs: &'a [Proof],
+    pub proofs: &'a [CompiledCodeTest],
     /// Instructions and memory of a step.
-    pub costs: &'a Costs,
+    pub costs: &'a StepCosts,
     /// Why the weights are what they are, if they were chosen.
     pub first_design: Option<&'a FirstDesignResult>,
 }
 
 /// Returns the report of a design.
-pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>) -> Report {
+pub fn of_design(designed: &CompletedDesign, result: &DesignResult, run: &DesignRun<'_>) -> Report {
     let stages = &designed.stages;
     let mut more = vec![
         crate::certificate::certificate_section(&stages.stability, &[]),
@@ -63,7 +63,7 @@ pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>
     if !run.times.is_empty() {
         more.push(times_section(run.times));
     }
-    let context = Context {
+    let context = VerificationContext {
         title: designed.identity.name.clone(),
         subtitle: "From the project file to a verified controller".to_owned(),
         loop_view: Some(designed.loop_view.clone()),
@@ -77,19 +77,19 @@ pub fn of_design(designed: &Designed, result: &DesignResult, run: &DesignRun<'_>
 }
 
 /// Returns the report of a synthesis: the weights, and the design beside its alternatives.
-pub fn of_synthesis(study: &SynthesisStudy, result: &SynthResult, origin: &Origin) -> Report {
+pub fn of_synthesis(study: &SynthesisStudy, result: &SynthResult, origin: &ReportOrigin) -> Report {
     let mut sections = alternatives::alternatives_sections(
         &study.comparison,
         &study.views.families,
         study.synthesised.controlled,
     );
     sections.push(weight_section(&study.weights, &study.views.weights));
-    let tile = |(name, order): (&String, &usize)| Tile::plain(name, order.to_string(), "states");
+    let tile = |(name, order): (&String, &usize)| FigureTile::plain(name, order.to_string(), "states");
     let report = Report {
         title: study.identity.name.clone(),
         subtitle: "The design, and its alternatives".to_owned(),
         headline: Headline {
-            tone: Tone::Neutral,
+            tone: OutcomeTone::Neutral,
             text: format!(
                 "The sampled loop is stable: largest pole modulus {:.6}",
                 result.largest_pole_modulus
@@ -105,14 +105,18 @@ pub fn of_synthesis(study: &SynthesisStudy, result: &SynthResult, origin: &Origi
     report.with_command(&origin.command)
 }
 
-fn reduction_section(plants: &[PlantResponse], reduced: &Reduced, controlled: ControlledQuantity) -> Section {
+fn reduction_section(
+    plants: &[PlantResponse],
+    reduced: &ReducedPlant,
+    controlled: ControlledQuantity,
+) -> Section {
     let hub = capitalise_first(controlled.motion().name());
     let figure = |plant: &PlantResponse| {
         let curves = [
             response_curve(&plant.full, Colour::Muted),
             response_curve(&plant.reduced, Colour::First).with_dashes(),
         ];
-        bode_figure(&format!("{hub} for {}", plant.input), "", &curves, Phase::Shown, Vec::new())
+        bode_figure(&format!("{hub} for {}", plant.input), "", &curves, PhasePanel::Shown, Vec::new())
     };
     let mut section = Section::new("Plant and design plant")
         .saying(reduction_words(reduced))
@@ -121,7 +125,7 @@ fn reduction_section(plants: &[PlantResponse], reduced: &Reduced, controlled: Co
     section
 }
 
-fn reduction_words(reduced: &Reduced) -> String {
+fn reduction_words(reduced: &ReducedPlant) -> String {
     let (before, after) = (reduced.order_before(), reduced.system.order());
     if before == after {
         return format!("The design took the plant as it is, order {before}.");
@@ -146,7 +150,7 @@ fn weight_figure(part: &WeightResponses) -> Figure {
         .zip(Colour::CYCLE)
         .map(|(response, colour)| response_curve(response, colour))
         .collect();
-    bode_figure(&format!("{}: weights", part.part), "", &curves, Phase::Hidden, Vec::new())
+    bode_figure(&format!("{}: weights", part.part), "", &curves, PhasePanel::Hidden, Vec::new())
 }
 
 fn certificate_section(certificates: &[Certificate], result: &SynthResult) -> Section {
@@ -162,9 +166,9 @@ fn certificate_section(certificates: &[Certificate], result: &SynthResult) -> Se
 
 fn certificate_row(certificate: &Certificate) -> Vec<Cell> {
     let verdict = if certificate.holds {
-        Cell::Verdict(Tone::Good, "good".to_owned())
+        Cell::Verdict(OutcomeTone::Good, "good".to_owned())
     } else {
-        Cell::Verdict(Tone::Bad, "outside its limit".to_owned())
+        Cell::Verdict(OutcomeTone::Bad, "outside its limit".to_owned())
     };
     vec![Cell::text(certificate.name.as_str()), Cell::number(certificate.value), verdict]
 }

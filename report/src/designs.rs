@@ -8,7 +8,7 @@ use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
 use crate::wording::capitalise_first;
-use crate::{Cell, Column, Headline, Origin, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, Report, ReportOrigin, Section, Table};
 
 /// What each column of the table is: name of the controlled quantity, a thousandth of its unit, unit of a gain from a reading to the control.
 macro_rules! heads {
@@ -37,7 +37,7 @@ macro_rules! heads {
 }
 
 /// Returns what each column of the table is, in a loop of a quantity.
-pub fn columns(controlled: ControlledQuantity) -> [&'static str; 18] {
+pub fn table_columns(controlled: ControlledQuantity) -> [&'static str; 18] {
     match (controlled.kind, controlled.axis) {
         (QuantityKind::Rate, Travel::Rotary) => heads!("hub rate", "mrad/s", "V s/rad"),
         (QuantityKind::Rate, Travel::Linear) => heads!("slide speed", "mm/s", "V s/m"),
@@ -51,11 +51,11 @@ pub fn columns(controlled: ControlledQuantity) -> [&'static str; 18] {
 
 /// Returns what the column of the noise gain is.
 pub fn noise_gain_column(controlled: ControlledQuantity) -> &'static str {
-    columns(controlled)[7]
+    table_columns(controlled)[7]
 }
 
 /// Returns what the columns mean, for a reader of the table.
-pub fn legend(controlled: ControlledQuantity) -> [String; 4] {
+pub fn column_legend(controlled: ControlledQuantity) -> [String; 4] {
     let (name, short) = (controlled.name(), controlled.short_name());
     [
         "Order: states of the feedback. Decay: the slowest pole of the closed loop. Margins, noise gain (RMS control for readings with noise of unit RMS), largest KS and |S| are those of the \
@@ -176,7 +176,7 @@ pub fn design_remarks(row: &DesignRow, controlled: ControlledQuantity) -> Vec<St
 
 /// Returns the table in Markdown, with its legend.
 pub fn markdown_table(table: &DesignTable, times_s: &[f64]) -> String {
-    let columns = columns(table.controlled);
+    let columns = table_columns(table.controlled);
     let mut text = format!("| design | {} |\n", columns.join(" | "));
     text += &format!("|---|{}\n", "---|".repeat(columns.len()));
     for (k, row) in table.rows.iter().enumerate() {
@@ -191,17 +191,17 @@ pub fn markdown_table(table: &DesignTable, times_s: &[f64]) -> String {
         }
     }
     text.push('\n');
-    for line in legend(table.controlled) {
+    for line in column_legend(table.controlled) {
         text += &format!("{line}\n");
     }
     text
 }
 
 /// Returns the page.
-pub fn comparison_report(table: &DesignTable, times_s: &[f64], origin: &Origin) -> Report {
+pub fn comparison_report(table: &DesignTable, times_s: &[f64], origin: &ReportOrigin) -> Report {
     let controlled = table.controlled;
     let mut heads = vec![Column::Text("design")];
-    heads.extend(columns(controlled).map(Column::Number));
+    heads.extend(table_columns(controlled).map(Column::Number));
     let mut shown = Table::new("Designs", &heads);
     for (k, row) in table.rows.iter().enumerate() {
         let mut line = vec![Cell::text(row.name.clone())];
@@ -215,8 +215,9 @@ pub fn comparison_report(table: &DesignTable, times_s: &[f64], origin: &Origin) 
             details = details.saying(format!("{}: {}.", row.name, remarks.join("; ")));
         }
     }
-    let legend =
-        legend(controlled).into_iter().fold(Section::new("Columns"), |section, line| section.saying(line));
+    let legend = column_legend(controlled)
+        .into_iter()
+        .fold(Section::new("Columns"), |section, line| section.saying(line));
     let best = best_row(table);
     let text = match best {
         Some(row) => format!("Least {} under {}: {}", controlled.name(), table.motion, row.name),
@@ -227,7 +228,7 @@ pub fn comparison_report(table: &DesignTable, times_s: &[f64], origin: &Origin) 
     let report = Report {
         title: format!("Designs of {}", table.name),
         subtitle: format!("tuned structures make least: {}", table.objective),
-        headline: Headline { tone: Tone::Neutral, text, detail: String::new() },
+        headline: Headline { tone: OutcomeTone::Neutral, text, detail: String::new() },
         tiles,
         verdicts: shown,
         glance: figure(table).into_iter().collect(),
@@ -282,17 +283,17 @@ fn best_row(table: &DesignTable) -> Option<&DesignRow> {
     rows.min_by(|a, b| a.0.total_cmp(&b.0)).map(|pair| pair.1)
 }
 
-fn tiles(row: &DesignRow, controlled: ControlledQuantity) -> Vec<Tile> {
+fn tiles(row: &DesignRow, controlled: ControlledQuantity) -> Vec<FigureTile> {
     let mut all = Vec::new();
     if let Some(run) = &row.nonlinear {
         let moved = run.motion.value.unwrap_or(run.sines.value);
         let (name, unit) =
             (format!("{} under the motion", controlled.name()), format!("{} RMS", controlled.milli_unit()));
-        all.push(Tile::plain(&name, short_number(1e3 * moved), &unit));
+        all.push(FigureTile::plain(&name, short_number(1e3 * moved), &unit));
     }
     if let Some(linear) = &row.linear {
-        all.push(Tile::plain("largest sensitivity", short_number(linear.max_sensitivity), ""));
-        all.push(Tile::plain("noise gain", short_number(linear.noise_gain), controlled.gain_unit()));
+        all.push(FigureTile::plain("largest sensitivity", short_number(linear.max_sensitivity), ""));
+        all.push(FigureTile::plain("noise gain", short_number(linear.noise_gain), controlled.gain_unit()));
     }
     all
 }
@@ -308,12 +309,12 @@ mod tests {
             for axis in [Travel::Rotary, Travel::Linear] {
                 let controlled = ControlledQuantity { kind, axis, ..ControlledQuantity::RATE };
                 let (milli, gain) = (controlled.milli_unit(), controlled.gain_unit());
-                let own = columns(controlled);
+                let own = table_columns(controlled);
                 assert_eq!(own[7], format!("noise gain [{gain}]"));
                 assert_eq!(own[8], format!("largest KS [{gain}]"));
                 assert_eq!(own[11], format!("residual {} [{milli}]", controlled.name()));
                 assert!(own[12..16].iter().all(|name| name.ends_with(&format!("[{milli}]"))), "{own:?}");
-                assert!(legend(controlled)[2].contains(controlled.name()));
+                assert!(column_legend(controlled)[2].contains(controlled.name()));
             }
         }
     }

@@ -4,18 +4,20 @@ use crate::wording::answer::{AnswerText, FindingText, describe_verdict, unit_suf
 use crate::wording::{capitalise_first, name_in_words};
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_diagnose::findings::channel_fits::Channels;
+use counterpoise_recordings::Channel;
 
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 use crate::learned::learned_section;
 use crate::localisation::localisation_section;
-use counterpoise_pipeline::Consequence;
+use counterpoise_pipeline::RedesignComparison;
 use counterpoise_pipeline::recordings::DiagnosedRecordings;
 use counterpoise_pipeline::recordings::tracks::{Track, TrackColumn};
 
 use crate::{
-    Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone, difference, residual,
+    Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table, difference,
+    residual,
 };
 
 /// Returns the report of a diagnosis; `consequence` is what the improved model means for the project's design.
@@ -24,7 +26,7 @@ pub fn diagnosis_report(
     command: &str,
     found: &DiagnosedRecordings,
     answer: &AnswerText,
-    consequence: Option<&Consequence>,
+    consequence: Option<&RedesignComparison>,
 ) -> Report {
     let tracks = &found.tracks;
     let mut sections = vec![fit_section(answer, tracks)];
@@ -55,9 +57,9 @@ fn headline(answer: &AnswerText) -> Headline {
         .collect();
     let sentence = capitalise_first(describe_verdict(answer.verdict).sentence);
     let tone = match answer.verdict {
-        DiagnosisVerdict::Consistent | DiagnosisVerdict::Named => Tone::Good,
-        DiagnosisVerdict::Ambiguous | DiagnosisVerdict::Incomplete => Tone::Neutral,
-        DiagnosisVerdict::Unknown => Tone::Bad,
+        DiagnosisVerdict::Consistent | DiagnosisVerdict::Named => OutcomeTone::Good,
+        DiagnosisVerdict::Ambiguous | DiagnosisVerdict::Incomplete => OutcomeTone::Neutral,
+        DiagnosisVerdict::Unknown => OutcomeTone::Bad,
     };
     let text = match answer.verdict {
         DiagnosisVerdict::Consistent | DiagnosisVerdict::Unknown => sentence,
@@ -69,17 +71,17 @@ fn headline(answer: &AnswerText) -> Headline {
     Headline { tone, text, detail }
 }
 
-fn tiles(answer: &AnswerText) -> Vec<Tile> {
+fn tiles(answer: &AnswerText) -> Vec<FigureTile> {
     let mut out = vec![
-        Tile::plain("error over floor, before", format!("{:.1}", answer.fit.largest_before()), "")
+        FigureTile::plain("error over floor, before", format!("{:.1}", answer.fit.largest_before()), "")
             .with_note("worst channel, all recordings"),
-        Tile::plain("error over floor, after", format!("{:.2}", answer.fit.largest_after()), "")
+        FigureTile::plain("error over floor, after", format!("{:.2}", answer.fit.largest_after()), "")
             .with_note("1 is perfect"),
-        Tile::plain("on held-out data", format!("{:.2}", answer.fit.largest_held_out()), "")
+        FigureTile::plain("on held-out data", format!("{:.2}", answer.fit.largest_held_out()), "")
             .with_note("worst channel"),
     ];
     if let Some(first) = answer.findings.first() {
-        let probability = Tile::plain("probability", format!("{:.0}", 100.0 * first.probability), "%");
+        let probability = FigureTile::plain("probability", format!("{:.0}", 100.0 * first.probability), "%");
         out.push(probability.with_note("of the first finding"));
     }
     out
@@ -144,7 +146,7 @@ fn fit_section(answer: &AnswerText, tracks: &[Track]) -> Section {
             number(&answer.fit.held_out_after),
         ]);
     }
-    let figures = tracks.iter().filter(|t| t.channel == "control" || t.channel == "hub_rate");
+    let figures = tracks.iter().filter(|t| matches!(t.channel, Channel::Control | Channel::HubRate));
     Section::new("How the fit improved").listing(table).showing(figures.map(|t| comparison(t, "")))
 }
 
@@ -164,7 +166,7 @@ fn tried_section(answer: &AnswerText) -> Section {
         let beside: Vec<String> =
             h.beside.iter().map(|b| format!("{} {}", b.component, name_in_words(b.effect.name()))).collect();
         let verdict =
-            if h.accepted { Cell::Verdict(Tone::Good, "accepted".to_owned()) } else { Cell::text("") };
+            if h.accepted { Cell::Verdict(OutcomeTone::Good, "accepted".to_owned()) } else { Cell::text("") };
         table.rows.push(vec![
             Cell::text(h.stage.to_string()),
             Cell::text(h.component.name()),
@@ -204,41 +206,41 @@ fn cannot_tell(answer: &AnswerText) -> Section {
     remarks.fold(section, |section, remark| section.saying(remark.clone()))
 }
 
-/// Returns the track whose error was largest against the measurement.
+/// Returns the track whose residual was largest against the measurement.
 pub(super) fn worst_track(tracks: &[Track]) -> Option<&Track> {
-    let drawn = tracks.iter().filter(|t| t.channel == "control" || t.channel == "hub_rate");
+    let drawn = tracks.iter().filter(|t| matches!(t.channel, Channel::Control | Channel::HubRate));
     drawn.max_by(|a, b| a.relative_residual_power().total_cmp(&b.relative_residual_power()))
 }
 
-/// Measured and simulated above, the errors below.
+/// Measured and simulated above, the residuals below.
 pub(super) fn comparison(track: &Track, command: &str) -> Figure {
     let points = |series: &[f64]| -> Vec<(f64, f64)> {
         series.iter().enumerate().map(|(k, v)| (k as f64 * track.period_s, *v)).collect()
     };
-    let name = if track.column(TrackColumn::After).is_empty() { "model" } else { "model as it was" };
+    let name = if track.signals.column(TrackColumn::After).is_empty() { "model" } else { "model as it was" };
     let mut signals = vec![
-        Series::solid_line("measured", Colour::Muted, points(track.column(TrackColumn::Measured))),
-        Series::solid_line(name, Colour::Second, points(track.column(TrackColumn::Before))),
+        Series::solid_line("measured", Colour::Muted, points(track.signals.column(TrackColumn::Measured))),
+        Series::solid_line(name, Colour::Second, points(track.signals.column(TrackColumn::Before))),
     ];
-    let mut errors =
-        vec![Series::solid_line(name, Colour::Second, points(&track.error(TrackColumn::Before)))];
-    if !track.column(TrackColumn::After).is_empty() {
+    let mut residuals =
+        vec![Series::solid_line(name, Colour::Second, points(&track.residual(TrackColumn::Before)))];
+    if !track.signals.column(TrackColumn::After).is_empty() {
         signals.push(Series::solid_line(
             "improved model",
             Colour::First,
-            points(track.column(TrackColumn::After)),
+            points(track.signals.column(TrackColumn::After)),
         ));
-        errors.push(Series::solid_line(
+        residuals.push(Series::solid_line(
             "improved model",
             Colour::First,
-            points(&track.error(TrackColumn::After)),
+            points(&track.residual(TrackColumn::After)),
         ));
     }
     let panels = vec![
-        Panel::new(Axis::linear(track.channel, track.unit), signals).with_height(190.0),
-        Panel::new(Axis::linear("error", track.unit), errors).with_height(120.0),
+        Panel::new(Axis::linear(track.channel.name(), track.channel.unit()), signals).with_height(190.0),
+        Panel::new(Axis::linear("residual", track.channel.unit()), residuals).with_height(120.0),
     ];
-    let title = format!("{}: {}", track.recording, track.channel.replace('_', " "));
+    let title = format!("{}: {}", track.recording, track.channel.name().replace('_', " "));
     let figure = Figure::new(&title, Axis::linear("time", "s"), panels);
     Figure { command: command.to_owned(), ..figure }
 }

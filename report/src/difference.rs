@@ -1,12 +1,12 @@
 //! Two verifications side by side, as a section.
 
-use counterpoise_pipeline::Consequence;
+use counterpoise_pipeline::RedesignComparison;
 use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_verify::Verification;
 use counterpoise_verify::difference::FigureChange;
 
 use crate::tolerance::{LEAST_SHOWN_CHANGE, LEAST_SHOWN_DIFFERENCE, SAME_FIGURE};
-use crate::{Cell, Column, Section, Table, Tone};
+use crate::{Cell, Column, OutcomeTone, Section, Table};
 
 /// Returns every figure that changed, those whose verdict turned first.
 pub fn changes_section(before: &str, changes: &[FigureChange]) -> Section {
@@ -43,7 +43,7 @@ pub fn summarise_changes(before: &str, changes: &[FigureChange]) -> String {
 }
 
 /// Returns what an improved model means for the controller that was designed on the one before.
-pub fn consequence_section(found: &Consequence) -> Section {
+pub fn consequence_section(found: &RedesignComparison) -> Section {
     let counted = |v: &Verification| {
         let (hold, fail, _) = v.counts();
         format!("{hold} requirements hold, {fail} fail")
@@ -68,13 +68,13 @@ pub fn has_changed(change: &FigureChange) -> bool {
 }
 
 /// Returns the verdict's way, in words.
-pub fn classify_change(change: &FigureChange) -> (Tone, &'static str) {
+pub fn classify_change(change: &FigureChange) -> (OutcomeTone, &'static str) {
     match (change.held, change.holds) {
-        (Some(true), Some(false)) => (Tone::Bad, "no longer holds"),
-        (Some(false), Some(true)) => (Tone::Good, "now holds"),
-        (_, Some(true)) => (Tone::Good, "holds"),
-        (_, Some(false)) => (Tone::Bad, "fails"),
-        _ => (Tone::Neutral, ""),
+        (Some(true), Some(false)) => (OutcomeTone::Bad, "no longer holds"),
+        (Some(false), Some(true)) => (OutcomeTone::Good, "now holds"),
+        (_, Some(true)) => (OutcomeTone::Good, "holds"),
+        (_, Some(false)) => (OutcomeTone::Bad, "fails"),
+        _ => (OutcomeTone::Neutral, ""),
     }
 }
 

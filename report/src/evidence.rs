@@ -7,7 +7,7 @@ use counterpoise_verify::{
     Arrangement, Experiment, History, HistoryColumn, Model, Source, Value, Verification,
 };
 
-use crate::bode::{BodeCurve, Phase, ResponsePoint, bode_figure};
+use crate::bode::{BodeCurve, PhasePanel, ResponsePoint, bode_figure};
 use crate::triangle;
 use crate::wording::capitalise_first;
 use crate::{Cell, Column, Section, Table};
@@ -58,7 +58,7 @@ fn loop_section(found: &Verification) -> Section {
     let curves = &found.evidence.curves;
     let broken = bode_curves(found, std::slice::from_ref(&curves.broken));
     let mut figure =
-        bode_figure("Loop broken at the plant's input", "", &broken, Phase::Shown, gain_marks(found));
+        bode_figure("Loop broken at the plant's input", "", &broken, PhasePanel::Shown, gain_marks(found));
     if let Some(phase) = figure.panels_mut().get_mut(1) {
         phase.marks = phase_marks(found);
     }
@@ -78,7 +78,7 @@ fn loop_section(found: &Verification) -> Section {
         "Sensitivity and complementary sensitivity",
         "",
         &sensitivities,
-        Phase::Hidden,
+        PhasePanel::Hidden,
         vec![peak],
     );
     Section::new("Loop and margins")
@@ -190,7 +190,7 @@ fn step_column(
 ) -> Option<Figure> {
     steps(found).next()?;
     let series = steps(found).map(|(history, name, colour, dash)| {
-        let points = paired(history.time_s(), history.column(column));
+        let points = paired(history.time_s(), history.signals.column(column));
         Series::new(name, colour, dash, points)
     });
     let panel = Panel::new(Axis::linear(label, unit), series.collect()).with_height(220.0);
@@ -243,7 +243,7 @@ fn rejection_section(found: &Verification) -> Section {
                 rejection_curve(found, source, *arrangement, name, *colour)
             })
             .collect();
-        bode_figure(title, unit, &curves, Phase::Hidden, marks)
+        bode_figure(title, unit, &curves, PhasePanel::Hidden, marks)
     };
     let unity = vec![Mark::Level { y: 0.0, text: String::new() }];
     let (name, unit) = (found.controlled_quantity().name(), found.controlled_quantity().unit());
@@ -295,7 +295,7 @@ fn controller_section(found: &Verification) -> Section {
             &capitalise_first(&curve.name),
             unit,
             &[BodeCurve::new("", Colour::First, points)],
-            Phase::Shown,
+            PhasePanel::Shown,
             Vec::new(),
         )
     });
@@ -312,7 +312,13 @@ fn plant_section(found: &Verification) -> Section {
     let figures = curves.plant.iter().zip(units).map(|(curve, unit)| {
         let points = curve_points(&curves.frequency_hz, curve);
         let title = format!("{hub} for {}", curve.name);
-        bode_figure(&title, &unit, &[BodeCurve::new("", Colour::First, points)], Phase::Shown, Vec::new())
+        bode_figure(
+            &title,
+            &unit,
+            &[BodeCurve::new("", Colour::First, points)],
+            PhasePanel::Shown,
+            Vec::new(),
+        )
     });
     Section::new(PLANT).saying("The linear plant that was verified, without sensors.").showing(figures)
 }

@@ -1,17 +1,19 @@
 //! The report of the frequency response analyser: gain and phase over frequency for every amplitude, beside the linear models.
 
-use counterpoise_pipeline::studies::fra::{Around, Map};
+use counterpoise_pipeline::studies::fra::{LoopUnderTest, ResponseMap};
 use counterpoise_pipeline::studies::fra_points::ResponseMapPoint;
-use counterpoise_pipeline::studies::fra_summary::{AmplitudePoints, MapTotals, MeasuringPace, Sticking};
+use counterpoise_pipeline::studies::fra_summary::{
+    AmplitudePoints, MapTotals, MeasuringPace, StickingAmplitude,
+};
 
-use crate::bode::{BodeCurve, Phase, ResponsePoint, bode_figure};
+use crate::bode::{BodeCurve, PhasePanel, ResponsePoint, bode_figure};
 use crate::wording::capitalise_first;
-use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Series};
 
 /// Returns the report of one or more maps of one machine, with their numbers together, and of how fast they were measured.
-pub fn fra_report(maps: &[Map], totals: MapTotals, speed: &[MeasuringPace], command: &str) -> Report {
+pub fn fra_report(maps: &[ResponseMap], totals: MapTotals, speed: &[MeasuringPace], command: &str) -> Report {
     let first = maps.first();
     let name = first.map_or("", |map| map.name.as_str());
     Report {
@@ -29,7 +31,7 @@ pub fn fra_report(maps: &[Map], totals: MapTotals, speed: &[MeasuringPace], comm
     }
 }
 
-fn headline(maps: &[Map], totals: MapTotals) -> Headline {
+fn headline(maps: &[ResponseMap], totals: MapTotals) -> Headline {
     let MapTotals { points: count, unsettled, .. } = totals;
     let text = match unsettled {
         0 => format!("{count} points measured, every one settled"),
@@ -38,25 +40,25 @@ fn headline(maps: &[Map], totals: MapTotals) -> Headline {
     let spread = maps.first().map_or(0.0, |map| map.widest_spread_db());
     let detail =
         format!("At one frequency the gain changes with the amplitude by up to {} dB.", short_number(spread));
-    Headline { tone: if unsettled == 0 { Tone::Neutral } else { Tone::Bad }, text, detail }
+    Headline { tone: if unsettled == 0 { OutcomeTone::Neutral } else { OutcomeTone::Bad }, text, detail }
 }
 
 /// Describes what a map relates and what surrounds the measurement, for example "demand to hub rate, with the controller".
-pub fn map_title(map: &Map) -> String {
+pub fn map_title(map: &ResponseMap) -> String {
     let surroundings = match map.around {
-        Around::Plant => "without controller",
-        Around::Closed | Around::Disturbance => "with the controller",
-        Around::Disconnected => "balanced, the motor disconnected",
+        LoopUnderTest::Plant => "without controller",
+        LoopUnderTest::Closed | LoopUnderTest::Disturbance => "with the controller",
+        LoopUnderTest::Disconnected => "balanced, the motor disconnected",
     };
     format!("{} to {}, {surroundings}", map.signals.input, map.signals.output)
 }
 
 /// Returns a sentence for each amplitude at which the joint sticks, with the next amplitude of the map that moves it at all of those frequencies.
-pub fn sticking_lines(map: &Map) -> Vec<String> {
+pub fn sticking_lines(map: &ResponseMap) -> Vec<String> {
     map.sticking_amplitudes().iter().map(|sticking| sticking_line(map, sticking)).collect()
 }
 
-fn sticking_line(map: &Map, sticking: &Sticking) -> String {
+fn sticking_line(map: &ResponseMap, sticking: &StickingAmplitude) -> String {
     let unit = &map.signals.input_unit;
     let next = match sticking.moved_by {
         Some(size) => format!("{} {unit} moves it", short_number(size)),
@@ -76,7 +78,7 @@ fn sticking_line(map: &Map, sticking: &Sticking) -> String {
     format!("the joint sticks at {size} {unit}, at {place}, and the {output} does not respond; {next}")
 }
 
-fn label(map: &Map, amplitude: f64) -> String {
+fn label(map: &ResponseMap, amplitude: f64) -> String {
     if amplitude.is_nan() {
         "recorded".to_owned()
     } else {
@@ -95,7 +97,7 @@ fn curve(
 }
 
 /// Returns all amplitudes in one diagram, the linear model dashed.
-fn overview(map: &Map, command: &str) -> Figure {
+fn overview(map: &ResponseMap, command: &str) -> Figure {
     let families = map.points_by_amplitude();
     let mut curves: Vec<BodeCurve> = families
         .iter()
@@ -111,14 +113,14 @@ fn overview(map: &Map, command: &str) -> Figure {
         "Measured at every amplitude",
         &map.signals.gain_unit(),
         &curves,
-        Phase::Shown,
+        PhasePanel::Shown,
         Vec::new(),
     );
     let figure = figure.with_caption("Dashed: the linear model without dry friction, sampled exactly.");
     Figure { command: command.to_owned(), ..figure }
 }
 
-fn sections(map: &Map, command: &str) -> Vec<Section> {
+fn sections(map: &ResponseMap, command: &str) -> Vec<Section> {
     let title = map.recording.clone().unwrap_or_else(|| "Describing functions".to_owned());
     let mut beside = Section::new(&title)
         .saying(
@@ -162,7 +164,7 @@ fn pace(totals: MapTotals, speed: &[MeasuringPace]) -> Option<Section> {
     (!speed.is_empty()).then(|| Section::new("How fast it was measured").saying(alone).listing(table))
 }
 
-fn beside_models(map: &Map, family: &AmplitudePoints, colour: Colour) -> Figure {
+fn beside_models(map: &ResponseMap, family: &AmplitudePoints, colour: Colour) -> Figure {
     let (name, points) = (label(map, family.amplitude), &family.points);
     let mut described = curve("describing function", Colour::Second, points, |p| p.describing);
     described.dash = Dash::Dotted;
@@ -175,10 +177,10 @@ fn beside_models(map: &Map, family: &AmplitudePoints, colour: Colour) -> Figure 
         curve("linear", Colour::Muted, points, |p| Some(p.linear)).with_dashes(),
     ];
     let kept: Vec<BodeCurve> = curves.into_iter().filter(|c| !c.points.is_empty()).collect();
-    bode_figure(&name, &map.signals.gain_unit(), &kept, Phase::Shown, Vec::new())
+    bode_figure(&name, &map.signals.gain_unit(), &kept, PhasePanel::Shown, Vec::new())
 }
 
-fn harmonics(map: &Map, command: &str) -> Figure {
+fn harmonics(map: &ResponseMap, command: &str) -> Figure {
     let of = |y: fn(&ResponseMapPoint) -> f64| -> Vec<Series> {
         let families = map.points_by_amplitude();
         let series =
@@ -200,21 +202,21 @@ fn harmonics(map: &Map, command: &str) -> Figure {
     Figure { command: command.to_owned(), ..figure }
 }
 
-fn tiles(map: &Map) -> Vec<Tile> {
+fn tiles(map: &ResponseMap) -> Vec<FigureTile> {
     let relative = map.signals.gain_unit();
     let unit = if relative.is_empty() { "dB".to_owned() } else { format!("dB re {relative}") };
     vec![
-        Tile::plain("points", map.points.len().to_string(), ""),
-        Tile::plain("largest gain", short_number(map.largest_gain_db()), &unit),
-        Tile::plain("spread over amplitudes", short_number(map.widest_spread_db()), "dB")
+        FigureTile::plain("points", map.points.len().to_string(), ""),
+        FigureTile::plain("largest gain", short_number(map.largest_gain_db()), &unit),
+        FigureTile::plain("spread over amplitudes", short_number(map.widest_spread_db()), "dB")
             .with_note("0 on a linear machine"),
-        Tile::plain("largest harmonics", short_number(100.0 * map.largest_distortion()), "%")
+        FigureTile::plain("largest harmonics", short_number(100.0 * map.largest_distortion()), "%")
             .with_note("of the fundamental"),
     ]
 }
 
 /// Returns one row an amplitude: where the gain is largest, and how far the models are from the measurement.
-fn extremes(map: &Map) -> Table {
+fn extremes(map: &ResponseMap) -> Table {
     let columns = [
         Column::Text("amplitude"),
         Column::Number("largest gain [dB]"),
@@ -239,7 +241,7 @@ fn extremes(map: &Map) -> Table {
     table
 }
 
-fn points_table(map: &Map) -> Table {
+fn points_table(map: &ResponseMap) -> Table {
     let columns = [
         Column::Number("amplitude"),
         Column::Number("frequency [Hz]"),

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::style::PAGE_CSS;
-use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table};
 use counterpoise_plot::svg::{self, escape_xml};
 use counterpoise_plot::{Figure, Theme, css};
 
@@ -89,7 +89,7 @@ impl Page {
         self.put("</div></div>\n");
     }
 
-    fn tile(&mut self, tile: &Tile) {
+    fn tile(&mut self, tile: &FigureTile) {
         let (class, _) = class_and_sign(tile.tone);
         self.form(format_args!(
             "<div class=\"tile {class}\"><span class=\"label\">{}</span><span class=\"value\">{}<small> {}</small></span><span class=\"soft\">{}</span></div>\n",
@@ -213,11 +213,11 @@ fn class_and_name(column: Column) -> (&'static str, &'static str) {
 }
 
 /// Returns the class of a tone and the sign that says the same without colour.
-fn class_and_sign(tone: Tone) -> (&'static str, &'static str) {
+fn class_and_sign(tone: OutcomeTone) -> (&'static str, &'static str) {
     match tone {
-        Tone::Good => ("good", "\u{2713}"),
-        Tone::Bad => ("bad", "\u{2717}"),
-        Tone::Neutral => ("none", "\u{2013}\u{2060}"),
+        OutcomeTone::Good => ("good", "\u{2713}"),
+        OutcomeTone::Bad => ("bad", "\u{2717}"),
+        OutcomeTone::Neutral => ("none", "\u{2013}\u{2060}"),
     }
 }
 
@@ -234,11 +234,17 @@ mod tests {
             vec![Panel::new(Axis::linear("rate", "rad/s"), vec![series])],
         );
         let mut verdicts = Table::new("Verdicts", &[Column::Text("requirement"), Column::Text("verdict")]);
-        verdicts.rows.push(vec![Cell::text("a < b"), Cell::Verdict(Tone::Bad, "fails by 3".to_owned())]);
+        verdicts
+            .rows
+            .push(vec![Cell::text("a < b"), Cell::Verdict(OutcomeTone::Bad, "fails by 3".to_owned())]);
         Report {
             title: "rig <one>".to_owned(),
             subtitle: String::new(),
-            headline: Headline { tone: Tone::Bad, text: "1 of 1 fails".to_owned(), detail: String::new() },
+            headline: Headline {
+                tone: OutcomeTone::Bad,
+                text: "1 of 1 fails".to_owned(),
+                detail: String::new(),
+            },
             tiles: vec![],
             verdicts,
             glance: vec![figure.clone()],

@@ -4,7 +4,7 @@ use crate::wording::identification::{AmplifierText, IdentificationText};
 use counterpoise_diagnose::identification::{Estimate, FrictionPicture, GainPoint};
 use counterpoise_pipeline::recordings::AxisUnits;
 
-use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Band, Colour, Figure, Mark, Panel, Series};
 
@@ -58,7 +58,7 @@ fn headline(found: &IdentificationText, units: &AxisUnits) -> Headline {
         "From {:.1} s of sliding; the torque balance leaves {:.2} {} RMS.",
         found.sliding_s, found.residual_nm, units.torque
     );
-    Headline { tone: Tone::Neutral, text, detail }
+    Headline { tone: OutcomeTone::Neutral, text, detail }
 }
 
 /// Returns every estimate with its name and unit.
@@ -85,9 +85,9 @@ fn named(found: &IdentificationText, units: &AxisUnits) -> Vec<(&'static str, Es
     out
 }
 
-fn tiles(found: &IdentificationText, units: &AxisUnits) -> Vec<Tile> {
+fn tiles(found: &IdentificationText, units: &AxisUnits) -> Vec<FigureTile> {
     let tile = |(name, e, unit): (&str, Estimate, &str)| {
-        Tile::plain(name, short_number(e.value), unit)
+        FigureTile::plain(name, short_number(e.value), unit)
             .with_note(&format!("± {}", short_number(e.half_width())))
     };
     named(found, units).into_iter().filter(|(name, ..)| !name.contains("other")).take(4).map(tile).collect()
@@ -219,7 +219,7 @@ mod tests {
     use crate::html_page;
     use counterpoise_diagnose::identification::{Balance, Lobes};
 
-    fn found() -> IdentificationText {
+    fn example_text() -> IdentificationText {
         let estimate = |value| Estimate::new(value, 0.5, 150.0);
         let turn = |k: i32| f64::from(k) * 0.01;
         IdentificationText {
@@ -253,7 +253,8 @@ mod tests {
             position: "rad",
             rate: counterpoise_models::ControlledQuantity::RATE,
         };
-        let page = html_page(&identification_report("rig", "counterpoise identify rig", &found(), &rotary));
+        let page =
+            html_page(&identification_report("rig", "counterpoise identify rig", &example_text(), &rotary));
         assert!(page.contains("Not as in the project: out-of-balance, Coulomb friction"), "headline");
         assert!(page.contains("control against hub rate") && page.contains("the control stays large"));
         assert!(!page.contains("NaN"));

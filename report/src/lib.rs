@@ -52,5 +52,7 @@ pub mod wording;
 
 pub use design::{of_design, of_synthesis};
 pub use html::html_page;
-pub use page::{Cell, Column, Headline, Origin, ProvenanceEntry, Report, Section, Table, Tile, Tone};
-pub use verification::{Context, of_verification};
+pub use page::{
+    Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportOrigin, Section, Table,
+};
+pub use verification::{VerificationContext, of_verification};

@@ -2,7 +2,7 @@
 
 use counterpoise_controller::READING_NAMES;
 use counterpoise_models::ControlledQuantity;
-use counterpoise_pipeline::loop_view::{LocusView, LoopView, MarginPoint, Points};
+use counterpoise_pipeline::loop_view::{ChartPoints, LocusView, LoopView, MarginPoint};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 use counterpoise_verify::Verification;
@@ -10,7 +10,7 @@ use counterpoise_verify::linear::MarginKind;
 use counterpoise_verify::linear::{LoopCause, LoopEffect, LoopResponse};
 
 use crate::Section;
-use crate::bode::{BodeCurve, Phase, ResponsePoint, bode_figure};
+use crate::bode::{BodeCurve, PhasePanel, ResponsePoint, bode_figure};
 use crate::wording::capitalise_first;
 
 /// Ends of the Nichols chart's modulus, dB: beyond them nothing is near the critical point.
@@ -37,7 +37,7 @@ pub fn charts_section(found: &Verification, view: &LoopView) -> Section {
         .showing(response_charts(found))
 }
 
-fn pairs(points: &Points) -> impl Iterator<Item = (f64, f64)> + '_ {
+fn pairs(points: &ChartPoints) -> impl Iterator<Item = (f64, f64)> + '_ {
     points.iter().map(|[x, y]| (*x, *y))
 }
 
@@ -46,7 +46,7 @@ fn outline_name(largest: f64) -> String {
 }
 
 /// Margins as rings at the points of a chart.
-fn margin_marks(view: &LoopView, of: fn(&MarginPoint) -> &Points) -> Vec<Mark> {
+fn margin_marks(view: &LoopView, of: fn(&MarginPoint) -> &ChartPoints) -> Vec<Mark> {
     let marks = view.margins.iter().flat_map(|margin| {
         let (name, unit, colour) = match margin.kind {
             MarginKind::Gain => ("gain margin", "dB", Colour::Second),
@@ -115,7 +115,7 @@ fn locus_chart(locus: &LocusView) -> Figure {
         .branches
         .iter()
         .map(|branch| Series::solid_line("poles over the gain", Colour::First, pairs(branch)));
-    let crosses = |places: &Points, name: &str, colour: Colour| -> Vec<Mark> {
+    let crosses = |places: &ChartPoints, name: &str, colour: Colour| -> Vec<Mark> {
         pairs(places).map(|(x, y)| Mark::Cross { x, y, text: name.to_owned(), colour }).collect()
     };
     let mut marks = crosses(&locus.open_poles, "poles of the open loop", Colour::Muted);
@@ -153,7 +153,7 @@ fn response_charts(found: &Verification) -> Vec<Figure> {
                 )
             })
             .collect();
-        (!drawn.is_empty()).then(|| bode_figure(title, unit, &drawn, Phase::Hidden, Vec::new()))
+        (!drawn.is_empty()).then(|| bode_figure(title, unit, &drawn, PhasePanel::Hidden, Vec::new()))
     };
     let of =
         |cause: LoopCause, effect: LoopEffect| move |r: &LoopResponse| (r.cause, r.effect) == (cause, effect);

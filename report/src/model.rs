@@ -1,12 +1,12 @@
 //! The report of a plant: its numbers, poles, the modes of its structure, and its friction.
 
-use counterpoise_pipeline::plant_views::{FrictionLoop, FrictionView, Meshes, ModeSet, PlantViews};
+use counterpoise_pipeline::plant_views::{FrictionLoop, FrictionView, MeshComparison, ModeSet, PlantViews};
 use counterpoise_pipeline::results::ModelResult;
 use counterpoise_pipeline::studies::accuracy::Accuracy;
 
 use crate::check::assumptions_section;
 use crate::learned::elements_section;
-use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
@@ -35,7 +35,7 @@ pub fn model_report(
         title: format!("Plant of {}", result.name),
         subtitle: "operating point, poles, modes of the structure, friction".to_owned(),
         headline: Headline {
-            tone: Tone::Neutral,
+            tone: OutcomeTone::Neutral,
             text: format!("Linear plant of order {}", result.order),
             detail: format!(
                 "Out-of-balance {} kg m, held by {} V.",
@@ -54,13 +54,13 @@ pub fn model_report(
     }
 }
 
-fn tiles(result: &ModelResult, views: &PlantViews) -> Vec<Tile> {
-    let tile = |label: String, value: f64, unit: &str| Tile {
+fn tiles(result: &ModelResult, views: &PlantViews) -> Vec<FigureTile> {
+    let tile = |label: String, value: f64, unit: &str| FigureTile {
         label,
         value: short_number(value),
         unit: unit.to_owned(),
         note: String::new(),
-        tone: Tone::Neutral,
+        tone: OutcomeTone::Neutral,
     };
     let mut out = vec![
         tile("out-of-balance".to_owned(), result.out_of_balance_kg_m, "kg m"),
@@ -124,7 +124,7 @@ fn shapes(set: &ModeSet, command: &str) -> Figure {
     Figure { command: command.to_owned(), ..figure }
 }
 
-fn meshes_section(meshes: &Meshes, command: &str) -> Section {
+fn meshes_section(meshes: &MeshComparison, command: &str) -> Section {
     let mut columns = vec![Column::Text("elements")];
     columns.extend(MODE_HEADS.iter().take(meshes.reference_hz.len()).map(|head| Column::Number(head)));
     let mut table = Table::new("Frequencies over the reference's, free at both ends", &columns);
@@ -154,7 +154,7 @@ const MODE_HEADS: [&str; 9] =
 /// Modes whose errors are drawn.
 const DRAWN: usize = 3;
 
-fn convergence(meshes: &Meshes, command: &str) -> Figure {
+fn convergence(meshes: &MeshComparison, command: &str) -> Figure {
     let curve = |kind: &str, mode: usize| -> Vec<(f64, f64)> {
         let all = meshes.finer.iter().filter(|c| c.kind == kind);
         all.filter_map(|c| Some((c.elements as f64, 100.0 * c.relative_error(mode)?))).collect()

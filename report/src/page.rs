@@ -13,7 +13,7 @@ pub struct Report {
     /// The answer, before anything else.
     pub headline: Headline,
     /// The few numbers that a reader wants first.
-    pub tiles: Vec<Tile>,
+    pub tiles: Vec<FigureTile>,
     /// Tables of the first screen: the verdicts.
     pub verdicts: Table,
     /// Figures of the first screen, beside the verdicts.
@@ -42,7 +42,7 @@ impl ProvenanceEntry {
 
 /// Where a report comes from.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Origin {
+pub struct ReportOrigin {
     /// Path of the project file; empty for none.
     pub project: String,
     /// The command line that makes the report again.
@@ -53,7 +53,7 @@ pub struct Origin {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Headline {
     /// Good, bad, or neither.
-    pub tone: Tone,
+    pub tone: OutcomeTone,
     /// For example "All 12 requirements hold".
     pub text: String,
     /// What else has to be said in the same breath; may be empty.
@@ -62,7 +62,7 @@ pub struct Headline {
 
 /// A number with its name.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Tile {
+pub struct FigureTile {
     /// What it is.
     pub label: String,
     /// Its value, already formatted.
@@ -72,12 +72,12 @@ pub struct Tile {
     /// A remark under it, for example its limit; may be empty.
     pub note: String,
     /// Good, bad, or neither.
-    pub tone: Tone,
+    pub tone: OutcomeTone,
 }
 
 /// How something turned out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Tone {
+pub enum OutcomeTone {
     /// It holds.
     Good,
     /// It fails.
@@ -125,12 +125,12 @@ pub enum Cell {
     /// Words or an already formatted number.
     Text(String),
     /// A verdict in words with its sign and colour.
-    Verdict(Tone, String),
+    Verdict(OutcomeTone, String),
     /// A bar from 0 to 1 with its text: how much room there is.
-    Room(Tone, f64, String),
+    Room(OutcomeTone, f64, String),
 }
 
-impl Origin {
+impl ReportOrigin {
     /// Returns version, project file, project hash and command as pairs of name and value.
     pub fn provenance(&self, identity: &ProjectIdentity) -> Vec<ProvenanceEntry> {
         let mut all = vec![ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION"))];
@@ -153,11 +153,11 @@ impl Report {
     }
 }
 
-impl Tile {
+impl FigureTile {
     /// Returns a number that is neither good nor bad, without a remark.
     pub fn plain(label: &str, value: String, unit: &str) -> Self {
         let (label, unit) = (label.to_owned(), unit.to_owned());
-        Self { label, value, unit, note: String::new(), tone: Tone::Neutral }
+        Self { label, value, unit, note: String::new(), tone: OutcomeTone::Neutral }
     }
 
     /// Returns the tile with a remark under it.

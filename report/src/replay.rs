@@ -1,5 +1,6 @@
 //! The report of a replay: how each recording was followed, how well each channel fits, measured and simulated.
 
+use counterpoise_recordings::Channel;
 use std::collections::BTreeMap;
 
 use counterpoise_pipeline::recordings::ReplayedRecording;
@@ -10,7 +11,7 @@ use counterpoise_pipeline::recordings::tracks::Track;
 use crate::diagnosis::{comparison, worst_track};
 use crate::tolerance::FITS_FLOORS;
 use crate::wording::recordings::describe_replay_mode;
-use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table};
 
 /// Returns the report of replayed recordings and their result.
 pub fn replay_report(
@@ -57,14 +58,15 @@ fn name(file: &str) -> &str {
 
 fn headline(result: &ReplayResult) -> Headline {
     let (tone, text) = match worst(result) {
-        None => (Tone::Neutral, "No recorded channel can be compared with the model".to_owned()),
-        Some((ratio, ..)) if ratio <= FITS_FLOORS => {
-            (Tone::Good, format!("The model fits every channel to within {FITS_FLOORS} times its floor"))
-        }
+        None => (OutcomeTone::Neutral, "No recorded channel can be compared with the model".to_owned()),
+        Some((ratio, ..)) if ratio <= FITS_FLOORS => (
+            OutcomeTone::Good,
+            format!("The model fits every channel to within {FITS_FLOORS} times its floor"),
+        ),
         Some((ratio, channel, recording)) => {
             let channel = channel.replace('_', " ");
             (
-                Tone::Bad,
+                OutcomeTone::Bad,
                 format!("The model does not fit: {channel} of {recording} is off by {ratio:.1} floors"),
             )
         }
@@ -78,15 +80,15 @@ const WAYS: &str = "A machine that hunts cannot be followed from start to end, n
      of a gyroscope part. There the model starts anew from a state fitted to the first half of each window, under the recorded control, and \
      the control stands beside the one that the recorded controller makes of the recorded measurements.";
 
-fn tiles(result: &ReplayResult) -> Vec<Tile> {
+fn tiles(result: &ReplayResult) -> Vec<FigureTile> {
     let count = result.recordings.len();
     let over = result.recordings.iter().filter(|r| r.window_s.is_some()).count();
     let mut out = Vec::new();
     if let Some((ratio, channel, recording)) = worst(result) {
-        let tile = Tile::plain("largest error over floor", format!("{ratio:.2}"), "");
+        let tile = FigureTile::plain("largest error over floor", format!("{ratio:.2}"), "");
         out.push(tile.with_note(&format!("{}, {recording}", channel.replace('_', " "))));
     }
-    let tile = Tile::plain("recordings", count.to_string(), "");
+    let tile = FigureTile::plain("recordings", count.to_string(), "");
     out.push(tile.with_note(&format!("{} from start to end, {over} over windows", count - over)));
     out
 }
@@ -129,7 +131,7 @@ fn section(recording: &RecordingResult, tracks: &[Track]) -> Section {
             Cell::text(format!("{:.4}", c.vaf)),
         ]);
     }
-    let figures = tracks.iter().filter(|t| t.channel == "control" || t.channel == "hub_rate");
+    let figures = tracks.iter().filter(|t| matches!(t.channel, Channel::Control | Channel::HubRate));
     let section = Section::new(name(&recording.file)).listing(table);
     let section = recording.remarks.iter().fold(section, |section, remark| section.saying(remark.as_str()));
     section.showing(figures.map(|track| comparison(track, "")))

@@ -5,10 +5,11 @@ use counterpoise_models::{ControlledQuantity, QuantityKind};
 use counterpoise_pipeline::recordings::residuals::{
     ControlResponse, ResidualSpectra, ResidualStudy, TestedResidual,
 };
+use counterpoise_recordings::Channel;
 use counterpoise_verify::signals::welch::Spectra;
 
 use crate::tolerance::COHERENT;
-use crate::{Cell, Column, Section, Table, Tone};
+use crate::{Cell, Column, OutcomeTone, Section, Table};
 use counterpoise_pipeline::recordings::tracks::{Track, TrackColumn};
 use counterpoise_plot::thin::MOST_POINTS;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
@@ -19,7 +20,7 @@ const DRAWN: usize = 4;
 /// Returns every section on what the models leave unexplained.
 pub fn residual_sections(tracks: &[Track], study: &ResidualStudy) -> Vec<Section> {
     let mut out = Vec::new();
-    let reading = tracks.iter().find(|t| t.channel == "hub_rate");
+    let reading = tracks.iter().find(|t| t.channel == Channel::HubRate);
     let controlled = reading.map_or(ControlledQuantity::RATE, |track| track.controlled_quantity());
     let loops: Vec<Figure> =
         recordings(tracks).into_iter().filter_map(|r| loop_figure(tracks, r)).take(DRAWN).collect();
@@ -68,7 +69,7 @@ fn recordings(tracks: &[Track]) -> Vec<&str> {
     names
 }
 
-fn track<'a>(tracks: &'a [Track], recording: &str, channel: &str) -> Option<&'a Track> {
+fn track<'a>(tracks: &'a [Track], recording: &str, channel: Channel) -> Option<&'a Track> {
     tracks.iter().find(|t| t.recording == recording && t.channel == channel)
 }
 
@@ -82,16 +83,20 @@ const RUNS: [Run; 3] = [
 ];
 
 fn loop_figure(tracks: &[Track], recording: &str) -> Option<Figure> {
-    let (control, rate) = (track(tracks, recording, "control")?, track(tracks, recording, "hub_rate")?);
-    let series = RUNS.iter().filter(|(.., run)| !rate.column(*run).is_empty()).map(|(name, colour, run)| {
-        let step = rate.column(*run).len().div_ceil(MOST_POINTS).max(1);
-        let pairs = rate.column(*run).iter().copied().zip(control.column(*run).iter().copied());
-        Series::solid_line(name, *colour, pairs.step_by(step))
-    });
-    let panel = Panel::new(Axis::linear("control", control.unit), series.collect()).with_height(300.0);
+    let (control, rate) =
+        (track(tracks, recording, Channel::Control)?, track(tracks, recording, Channel::HubRate)?);
+    let series =
+        RUNS.iter().filter(|(.., run)| !rate.signals.column(*run).is_empty()).map(|(name, colour, run)| {
+            let step = rate.signals.column(*run).len().div_ceil(MOST_POINTS).max(1);
+            let pairs =
+                rate.signals.column(*run).iter().copied().zip(control.signals.column(*run).iter().copied());
+            Series::solid_line(name, *colour, pairs.step_by(step))
+        });
+    let panel =
+        Panel::new(Axis::linear("control", control.channel.unit()), series.collect()).with_height(300.0);
     let name = rate.controlled_quantity().name();
     let title = format!("{recording}: control against {name}");
-    Some(Figure::new(&title, Axis::linear(name, rate.unit), vec![panel]))
+    Some(Figure::new(&title, Axis::linear(name, rate.channel.unit()), vec![panel]))
 }
 
 fn response(found: &ControlResponse, controlled: ControlledQuantity) -> Option<Figure> {
@@ -135,10 +140,10 @@ fn spectrum(found: &ResidualSpectra) -> Figure {
         line("error of the model as it was", Colour::Second, found.before.as_ref()),
         line("error of the improved model", Colour::First, found.after.as_ref()),
     ];
-    let unit = format!("{}/\u{221A}Hz", found.unit);
+    let unit = format!("{}/\u{221A}Hz", found.channel.unit());
     let series = series.into_iter().flatten().collect();
     let panel = Panel::new(Axis::logarithmic("density", &unit), series).with_height(220.0);
-    let title = format!("{}: {}", found.recording, found.channel.replace('_', " "));
+    let title = format!("{}: {}", found.recording, found.channel.name().replace('_', " "));
     Figure::new(&title, Axis::logarithmic("frequency", "Hz"), vec![panel])
 }
 
@@ -163,7 +168,7 @@ fn tests(all: &[TestedResidual]) -> Section {
         for TestOfModel { name, test } in &found {
             table.rows.extend(test.map(|test| row(tested, name, test)));
         }
-        if tested.channel == "control" || tested.channel == "hub_rate" {
+        if matches!(tested.channel, Channel::Control | Channel::HubRate) {
             figures.extend(autocorrelation(tested, &found));
         }
     }
@@ -173,23 +178,23 @@ fn tests(all: &[TestedResidual]) -> Section {
 
 fn row(tested: &TestedResidual, model: &str, test: &ResidualTest) -> Vec<Cell> {
     let share = Cell::text(format!("{:.0} %", 100.0 * test.outside));
-    let of = |name: &str| {
-        let found = test.cross.iter().find(|c| c.with == name && tested.channel != name);
+    let of = |channel: Channel| {
+        let found = test.cross.iter().find(|c| c.with == channel && tested.channel != channel);
         found.map_or_else(
             || Cell::text("\u{2013}"),
             |c| {
                 let size = format!("{:.1}", c.size());
-                if c.size() < 1.0 { Cell::Verdict(Tone::Good, size) } else { Cell::text(size) }
+                if c.size() < 1.0 { Cell::Verdict(OutcomeTone::Good, size) } else { Cell::text(size) }
             },
         )
     };
     vec![
         Cell::text(&tested.recording),
-        Cell::text(tested.channel.replace('_', " ")),
+        Cell::text(tested.channel.name().replace('_', " ")),
         Cell::text(model),
         share,
-        of("control"),
-        of("hub_rate"),
+        of(Channel::Control),
+        of(Channel::HubRate),
     ]
 }
 
@@ -215,6 +220,6 @@ fn autocorrelation(tested: &TestedResidual, found: &[TestOfModel<'_>; 2]) -> Opt
     let panel = Panel::new(Axis::linear("autocorrelation", "").with_range(-1.0, 1.0), series)
         .with_height(150.0)
         .with_marks(marks.to_vec());
-    let title = format!("{}: residual of {}", tested.recording, tested.channel.replace('_', " "));
+    let title = format!("{}: residual of {}", tested.recording, tested.channel.name().replace('_', " "));
     Some(Figure::new(&title, Axis::linear("lag", "ms"), vec![panel]))
 }

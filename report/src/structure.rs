@@ -3,7 +3,7 @@
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_pipeline::recordings::measured_modes::StructureAnswer;
 
-use crate::{Cell, Column, Headline, ProvenanceEntry, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table};
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 /// Hypotheses whose errors are drawn.
@@ -15,7 +15,11 @@ pub fn structure_report(machine: &str, command: &str, answer: &StructureAnswer) 
         title: format!("Structure of {machine}"),
         subtitle: "natural frequencies, measured and modelled".to_owned(),
         headline: Headline {
-            tone: if answer.verdict == DiagnosisVerdict::Unknown { Tone::Bad } else { Tone::Neutral },
+            tone: if answer.verdict == DiagnosisVerdict::Unknown {
+                OutcomeTone::Bad
+            } else {
+                OutcomeTone::Neutral
+            },
             text: answer.explanation.clone(),
             detail: answer
                 .alternatives
@@ -36,8 +40,8 @@ pub fn structure_report(machine: &str, command: &str, answer: &StructureAnswer) 
 
 const EXPLAINED: &str = "Each was fitted to all modes but one and judged on that one, mode after mode; the last column is the RMS of those errors.";
 
-fn tile(tried: &counterpoise_pipeline::recordings::structure_hypotheses::TriedStructure) -> Tile {
-    Tile::plain(&tried.what, format!("{:.2}", tried.left_out_percent), "%")
+fn tile(tried: &counterpoise_pipeline::recordings::structure_hypotheses::TriedStructure) -> FigureTile {
+    FigureTile::plain(&tried.what, format!("{:.2}", tried.left_out_percent), "%")
         .with_note("RMS error of held-out modes")
 }
 

@@ -10,7 +10,7 @@ use counterpoise_verify::{
 
 use crate::evidence::{disturbance_figure, step_figure};
 use crate::wording::capitalise_first;
-use crate::{Cell, Column, Headline, Section, Table, Tile, Tone};
+use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, Section, Table};
 use counterpoise_plot::number::short_number;
 
 /// Returns the answer.
@@ -26,12 +26,12 @@ pub fn summarise_verdicts(found: &Verification) -> Headline {
         _ => String::new(),
     };
     let (tone, text) = match (all, fails) {
-        _ if !stable => (Tone::Bad, "The design does not work".to_owned()),
-        (0, _) => (Tone::Neutral, "Nothing was required".to_owned()),
-        (_, 0) if open == 0 => (Tone::Good, format!("All {all} requirements hold")),
-        (_, 0) => (Tone::Neutral, format!("{holds} of {all} requirements hold")),
+        _ if !stable => (OutcomeTone::Bad, "The design does not work".to_owned()),
+        (0, _) => (OutcomeTone::Neutral, "Nothing was required".to_owned()),
+        (_, 0) if open == 0 => (OutcomeTone::Good, format!("All {all} requirements hold")),
+        (_, 0) => (OutcomeTone::Neutral, format!("{holds} of {all} requirements hold")),
         _ => (
-            Tone::Bad,
+            OutcomeTone::Bad,
             format!("{fails} of {all} requirements {}", if fails == 1 { "fails" } else { "fail" }),
         ),
     };
@@ -96,17 +96,19 @@ fn verdict_row(found: &Verification, requirement: &Requirement, verdict: &Verdic
     let (measured, room, verdict) = match verdict {
         Verdict::Holds { value, margin, .. } => (
             short_number(*value),
-            Cell::Room(Tone::Good, part, short_number(*margin)),
-            Cell::Verdict(Tone::Good, "holds".to_owned()),
+            Cell::Room(OutcomeTone::Good, part, short_number(*margin)),
+            Cell::Verdict(OutcomeTone::Good, "holds".to_owned()),
         ),
         Verdict::Fails { value, by, .. } => (
             short_number(*value),
-            Cell::Room(Tone::Bad, part, short_number(-by)),
-            Cell::Verdict(Tone::Bad, "fails".to_owned()),
+            Cell::Room(OutcomeTone::Bad, part, short_number(-by)),
+            Cell::Verdict(OutcomeTone::Bad, "fails".to_owned()),
         ),
-        Verdict::NotApplicable { why } => {
-            ("\u{2013}".to_owned(), Cell::text(""), Cell::Verdict(Tone::Neutral, describe_unmeasured(why)))
-        }
+        Verdict::NotApplicable { why } => (
+            "\u{2013}".to_owned(),
+            Cell::text(""),
+            Cell::Verdict(OutcomeTone::Neutral, describe_unmeasured(why)),
+        ),
     };
     let basis = Cell::text(found.acceptance(&requirement.figure).basis);
     vec![Cell::text(name), basis, Cell::text(measured), Cell::text(sign_of(requirement.limit)), room, verdict]
@@ -142,7 +144,7 @@ pub fn traceability_section(found: &Verification) -> Option<Section> {
 }
 
 /// Returns the numbers that a reader wants first.
-pub fn summary_tiles(found: &Verification) -> Vec<Tile> {
+pub fn summary_tiles(found: &Verification) -> Vec<FigureTile> {
     let model = nonlinear_if_run(found);
     let hub = |source| Figure::Disturbance(model, source, Arrangement::Compensated, Quantity::HubRms);
     let drr = |source| Figure::Disturbance(model, source, Arrangement::Compensated, Quantity::Rejection);
@@ -164,10 +166,10 @@ pub fn nonlinear_if_run(found: &Verification) -> Model {
     if found.history(Model::Nonlinear, Experiment::Step).is_some() { Model::Nonlinear } else { Model::Linear }
 }
 
-fn tile(found: &Verification, label: &str, figure: Figure) -> Option<Tile> {
+fn tile(found: &Verification, label: &str, figure: Figure) -> Option<FigureTile> {
     let value = found.value(figure)?;
     let judged = found.verdicts.iter().find(|(requirement, _)| requirement.figure == figure);
-    let tone = judged.map_or(Tone::Neutral, |(_, verdict)| tone_of(verdict));
+    let tone = judged.map_or(OutcomeTone::Neutral, |(_, verdict)| tone_of(verdict));
     let controlled = found.controlled_quantity();
     let unit = figure.unit(controlled);
     let (scale, unit) = if unit == controlled.unit() { (1e3, controlled.milli_unit()) } else { (1.0, unit) };
@@ -185,7 +187,13 @@ fn tile(found: &Verification, label: &str, figure: Figure) -> Option<Tile> {
         (Some(limit), None) => limit,
         (None, kind) => kind.unwrap_or_else(|| kind_of.to_owned()),
     };
-    Some(Tile { label: label.to_owned(), value: short_number(value), unit: unit.to_owned(), note, tone })
+    Some(FigureTile {
+        label: label.to_owned(),
+        value: short_number(value),
+        unit: unit.to_owned(),
+        note,
+        tone,
+    })
 }
 
 /// At which amplitude a rejection ratio holds, with the linear one beside the nonlinear one; `None` for any other figure.
@@ -228,11 +236,11 @@ fn scaled(limit: Limit, scale: f64) -> Limit {
     }
 }
 
-fn tone_of(verdict: &Verdict) -> Tone {
+fn tone_of(verdict: &Verdict) -> OutcomeTone {
     match verdict {
-        Verdict::Holds { .. } => Tone::Good,
-        Verdict::Fails { .. } => Tone::Bad,
-        Verdict::NotApplicable { .. } => Tone::Neutral,
+        Verdict::Holds { .. } => OutcomeTone::Good,
+        Verdict::Fails { .. } => OutcomeTone::Bad,
+        Verdict::NotApplicable { .. } => OutcomeTone::Neutral,
     }
 }
 

@@ -7,8 +7,8 @@ use counterpoise_verify::{Limit, Requirement, Value, Verification};
 
 use serde::Serialize;
 
-use crate::verification::Context;
-use crate::{Cell, Column, Headline, Report, Section, Table, Tone, robust, summary};
+use crate::verification::VerificationContext;
+use crate::{Cell, Column, Headline, OutcomeTone, Report, Section, Table, robust, summary};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
@@ -17,10 +17,10 @@ pub fn campaign_report(
     nominal: &Verification,
     found: &CampaignResult,
     project: &str,
-    context: Context,
+    context: VerificationContext,
 ) -> Report {
     let (good, all) = (found.passing, found.samples());
-    let tone = if good == all { Tone::Good } else { Tone::Bad };
+    let tone = if good == all { OutcomeTone::Good } else { OutcomeTone::Bad };
     let text = format!("{good} of {all} mechanisms meet every requirement");
     let detail = format!(
         "The nominal design: {}.{}",
@@ -175,8 +175,8 @@ fn worst(found: &CampaignResult, project: &str) -> Section {
         let Some(worst) = worst else { continue };
         let limit = found.requirements[k].limit;
         let verdict = match limit.distance_to_limit(worst.value) {
-            room if room >= 0.0 => Cell::Verdict(Tone::Good, "holds".to_owned()),
-            room => Cell::Verdict(Tone::Bad, format!("fails by {}", short_number(-room))),
+            room if room >= 0.0 => Cell::Verdict(OutcomeTone::Good, "holds".to_owned()),
+            room => Cell::Verdict(OutcomeTone::Bad, format!("fails by {}", short_number(-room))),
         };
         let both = found.variations.iter().zip(&worst.factors);
         let words: Vec<String> = both
@@ -225,7 +225,7 @@ fn shares(found: &CampaignResult) -> Table {
     let mut table = Table::new("Requirements over the campaign", &columns);
     for k in 0..found.requirements.len() {
         let over = &found.summaries[k];
-        let tone = if over.share >= 1.0 { Tone::Good } else { Tone::Bad };
+        let tone = if over.share >= 1.0 { OutcomeTone::Good } else { OutcomeTone::Bad };
         let sign = bound(found.requirements[k].limit);
         table.rows.push(vec![
             Cell::text(format!("{} {sign}", name(found, k))),
@@ -305,8 +305,8 @@ fn member_summary(found: &CampaignResult) -> Table {
             .map(|(requirement, (value, _))| failure(found, requirement, *value))
             .collect();
         let verdict = match failed.len() {
-            0 => Cell::Verdict(Tone::Good, format!("all {all} hold")),
-            some => Cell::Verdict(Tone::Bad, format!("{some} of {all} fail")),
+            0 => Cell::Verdict(OutcomeTone::Good, format!("all {all} hold")),
+            some => Cell::Verdict(OutcomeTone::Bad, format!("{some} of {all} fail")),
         };
         table.rows.push(vec![Cell::text(member.name.clone()), verdict, Cell::text(failed.join("; "))]);
     }
@@ -349,9 +349,9 @@ fn member_table(found: &CampaignResult) -> Table {
         for (k, (requirement, value)) in found.requirements.iter().zip(&member.values).enumerate() {
             let (number, room) = judged(requirement, value);
             let (tone, word) = match room {
-                r if r.is_nan() => (Tone::Neutral, "not applicable".to_owned()),
-                r if r >= 0.0 => (Tone::Good, "holds".to_owned()),
-                r => (Tone::Bad, format!("fails by {}", short_number(-r))),
+                r if r.is_nan() => (OutcomeTone::Neutral, "not applicable".to_owned()),
+                r if r >= 0.0 => (OutcomeTone::Good, "holds".to_owned()),
+                r => (OutcomeTone::Bad, format!("fails by {}", short_number(-r))),
             };
             table.rows.push(vec![
                 Cell::text(member.name.clone()),

@@ -5,7 +5,9 @@ use counterpoise_export::{FormFigures, Numbers, TargetFigures, Targets};
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::design::TargetStudy;
 use counterpoise_pipeline::export::PathForms;
-use counterpoise_pipeline::export::target_proofs::{Answered, CoreCost, Costs, Operations, Proof};
+use counterpoise_pipeline::export::target_proofs::{
+    CodeAgreement, CompiledCodeTest, CoreCost, OperationCounts, StepCosts,
+};
 use counterpoise_verify::{Experiment, Source};
 
 use crate::wording::capitalise_first;
@@ -17,9 +19,9 @@ pub struct TargetEvidence<'a> {
     /// The controller in every kind of numbers.
     pub study: &'a TargetStudy,
     /// The compiled code, compared with its model.
-    pub proofs: &'a [Proof],
+    pub proofs: &'a [CompiledCodeTest],
     /// Instructions and memory.
-    pub costs: &'a Costs,
+    pub costs: &'a StepCosts,
     /// What the loop controls.
     pub controlled: ControlledQuantity,
 }
@@ -54,8 +56,8 @@ const ROUNDING: &str = "Predicted: what every operation rounds is carried on by 
                         of a run goes the same way, with every number at the end of its range and the limiter inactive; a bound \
                         where the step is linear, a measure where an estimator or a friction observer bends it.";
 
-fn work(operations: Operations) -> String {
-    let Operations { multiplications, additions, states } = operations;
+fn work(operations: OperationCounts) -> String {
+    let OperationCounts { multiplications, additions, states } = operations;
     let needed = operations.instructions_by_hand();
     format!(
         "One step takes {multiplications} multiplications and {additions} additions on {states} states, without a loop; only \
@@ -84,12 +86,14 @@ fn loops(evidence: &TargetEvidence<'_>) -> Table {
 }
 
 /// Returns each code with the figures of its numbers.
-fn codes<'a>(evidence: &TargetEvidence<'a>) -> Vec<(&'a TargetFigures, &'a Proof)> {
-    let figures = |proof: &Proof| evidence.study.compared.figures.iter().find(|f| f.numbers == proof.numbers);
+fn codes<'a>(evidence: &TargetEvidence<'a>) -> Vec<(&'a TargetFigures, &'a CompiledCodeTest)> {
+    let figures = |proof: &CompiledCodeTest| {
+        evidence.study.compared.figures.iter().find(|f| f.numbers == proof.numbers)
+    };
     evidence.proofs.iter().filter_map(|proof| Some((figures(proof)?, proof))).collect()
 }
 
-fn code_name(proof: &Proof) -> &'static str {
+fn code_name(proof: &CompiledCodeTest) -> &'static str {
     match (proof.rust, proof.numbers) {
         (false, Numbers::Double) => "C, double",
         (false, Numbers::Single) => "C, single",
@@ -109,7 +113,7 @@ fn caption(controlled: ControlledQuantity) -> String {
     format!("{name} error RMS{unit} of the closed loop with the exported code, nonlinear plant")
 }
 
-fn code_unit(proof: &Proof, controlled: ControlledQuantity) -> &'static str {
+fn code_unit(proof: &CompiledCodeTest, controlled: ControlledQuantity) -> &'static str {
     if controlled != ControlledQuantity::RATE {
         return code_name(proof);
     }
@@ -130,9 +134,9 @@ fn loop_row(evidence: &TargetEvidence<'_>, i: usize) -> Vec<Cell> {
             cells.push(Cell::text(experiment(each.experiment)));
         }
         cells.push(match proof.answered {
-            Answered::Alike { .. } => Cell::text(format!("{:.4e}", each.error_rms_rad_s)),
-            Answered::Otherwise { .. } => Cell::text("differs"),
-            Answered::NotRun(_) => Cell::text("not run"),
+            CodeAgreement::Alike { .. } => Cell::text(format!("{:.4e}", each.error_rms_rad_s)),
+            CodeAgreement::Otherwise { .. } => Cell::text("differs"),
+            CodeAgreement::NotRun(_) => Cell::text("not run"),
         });
         if !proof.rust && figures.numbers != Numbers::Double {
             // Less than 0.0005 dB either way prints as 0, without a sign.
@@ -147,17 +151,18 @@ fn loop_row(evidence: &TargetEvidence<'_>, i: usize) -> Vec<Cell> {
     cells
 }
 
-fn proof_table(proofs: &[Proof]) -> Table {
+fn proof_table(proofs: &[CompiledCodeTest]) -> Table {
     let columns =
         [Column::Text("code"), Column::Text("compiled and run on this machine, compared with its model")];
     let mut table =
         Table::new("Compiled code compared with its model, for all readings of its closed loops", &columns);
-    let said = |answered: &Answered| match answered {
-        Answered::Alike { samples } => format!("{samples} samples equal to the last bit"),
-        Answered::Otherwise { samples, wrong } => format!("{wrong} of {samples} samples DIFFER"),
-        Answered::NotRun(why) => format!("not run: {why}"),
+    let said = |answered: &CodeAgreement| match answered {
+        CodeAgreement::Alike { samples } => format!("{samples} samples equal to the last bit"),
+        CodeAgreement::Otherwise { samples, wrong } => format!("{wrong} of {samples} samples DIFFER"),
+        CodeAgreement::NotRun(why) => format!("not run: {why}"),
     };
-    let row = |proof: &Proof| vec![Cell::text(code_name(proof)), Cell::text(said(&proof.answered))];
+    let row =
+        |proof: &CompiledCodeTest| vec![Cell::text(code_name(proof)), Cell::text(said(&proof.answered))];
     table.rows = proofs.iter().map(row).collect();
     table
 }
@@ -244,7 +249,7 @@ fn deviation_row(figures: &TargetFigures) -> Vec<Cell> {
     ]
 }
 
-fn cost_table(costs: &Costs) -> Table {
+fn cost_table(costs: &StepCosts) -> Table {
     let columns = [
         Column::Text("core"),
         Column::Text("numbers"),

@@ -1,11 +1,11 @@
 //! The answer of a search for weights: rejection against sensitivity and effort, point by point.
 
 use counterpoise_pipeline::ProjectIdentity;
-use counterpoise_pipeline::studies::search::{Searched, TradeOffPoint};
+use counterpoise_pipeline::studies::search::{SearchAnswer, TradeOffPoint};
 use counterpoise_synth::Figures;
 
 use crate::design::weight_section;
-use crate::{Cell, Column, Headline, Origin, Report, Section, Table, Tile, Tone};
+use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, Report, ReportOrigin, Section, Table};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
@@ -27,15 +27,15 @@ pub struct VerifiedPoint {
 /// Returns the report of a search for weights; `points` are the verdicts on the answer and on the points of its curve.
 pub fn trade_off_report(
     identity: &ProjectIdentity,
-    found: &Searched,
+    found: &SearchAnswer,
     points: &[VerifiedPoint],
-    origin: &Origin,
+    origin: &ReportOrigin,
 ) -> Report {
     let best = &found.found.best;
     let holds = best.missed == 0.0 && found.missed_on_full_plant == 0.0;
     let (tone, text) = match holds {
-        true => (Tone::Good, "The requirements on the loop hold"),
-        false => (Tone::Bad, "Requirements on the loop are missed"),
+        true => (OutcomeTone::Good, "The requirements on the loop hold"),
+        false => (OutcomeTone::Bad, "Requirements on the loop are missed"),
     };
     let detail = format!("{} designs were tried for the answer.", found.found.trials);
     let mut trade_off = Section::new("Trade-off")
@@ -71,9 +71,9 @@ fn verified_table(points: &[VerifiedPoint]) -> Table {
             .max_sensitivity_limit
             .map_or("the answer".to_owned(), |limit| format!("Ms at most {limit}"));
         let verdict = if point.holds {
-            Cell::Verdict(Tone::Good, "holds".to_owned())
+            Cell::Verdict(OutcomeTone::Good, "holds".to_owned())
         } else {
-            Cell::Verdict(Tone::Bad, "fails".to_owned())
+            Cell::Verdict(OutcomeTone::Bad, "fails".to_owned())
         };
         table.rows.push(vec![
             Cell::text(name),
@@ -87,12 +87,12 @@ fn verified_table(points: &[VerifiedPoint]) -> Table {
     table
 }
 
-fn tiles(f: &Figures) -> Vec<Tile> {
+fn tiles(f: &Figures) -> Vec<FigureTile> {
     vec![
-        Tile::plain("rejection |S|", short_number(f.rejection), ""),
-        Tile::plain("largest sensitivity", short_number(f.ms), ""),
-        Tile::plain("gain margin", short_number(f.gain_margin_db), "dB"),
-        Tile::plain("noise gain", short_number(f.noise_gain), "V s/rad"),
+        FigureTile::plain("rejection |S|", short_number(f.rejection), ""),
+        FigureTile::plain("largest sensitivity", short_number(f.ms), ""),
+        FigureTile::plain("gain margin", short_number(f.gain_margin_db), "dB"),
+        FigureTile::plain("noise gain", short_number(f.noise_gain), "V s/rad"),
     ]
 }
 
@@ -150,8 +150,8 @@ fn points_table(curve: &[TradeOffPoint]) -> Table {
         .map(Cell::number)
         .collect();
         cells.push(match found.best.missed == 0.0 {
-            true => Cell::Verdict(Tone::Good, "hold".to_owned()),
-            false => Cell::Verdict(Tone::Bad, "are missed".to_owned()),
+            true => Cell::Verdict(OutcomeTone::Good, "hold".to_owned()),
+            false => Cell::Verdict(OutcomeTone::Bad, "are missed".to_owned()),
         });
         table.rows.push(cells);
     }

@@ -50,7 +50,7 @@ fn over_time(runs: &[Run<'_>], first: &History, controlled: ControlledQuantity) 
             history
                 .time_s()
                 .iter()
-                .zip(history.column(column))
+                .zip(history.signals.column(column))
                 .map(|(time, value)| Point::new(*time, *value))
                 .collect()
         };

@@ -8,7 +8,7 @@ use crate::{ProvenanceEntry, Report, Section, error_budget, evidence, loop_chart
 
 /// What a verification does not know about itself.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Context {
+pub struct VerificationContext {
     /// The machine's name.
     pub title: String,
     /// One line under it.
@@ -23,7 +23,7 @@ pub struct Context {
 
 /// Returns the report: the verdicts on the first screen, then the evidence, then what `context` adds. `on_road` are the rejection ratios
 /// from the time histories on the road.
-pub fn of_verification(found: &Verification, on_road: &[Spectral], context: Context) -> Report {
+pub fn of_verification(found: &Verification, on_road: &[Spectral], context: VerificationContext) -> Report {
     let mut sections = evidence::evidence_sections(found);
     if let Some(view) = &context.loop_view {
         sections.insert(1, loop_charts::charts_section(found, view));

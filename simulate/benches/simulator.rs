@@ -10,7 +10,7 @@ mod two_mass;
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::plant::{Body, BodyMode};
 use counterpoise_models::{FrictionLaw, OperatingPoint, Plant, reference};
-use counterpoise_simulate::fra::{Settings, Test, TestSine, measure};
+use counterpoise_simulate::fra::{Settings, Test, TestSine, measure_point};
 use counterpoise_simulate::{
     Detail, EnsembleRun, Imperfections, PlatformMotion, Scenario, Signal, Simulator, run_ensemble,
 };
@@ -100,8 +100,9 @@ fn rig(criterion: &mut Criterion) {
     criterion.bench_function("frequency response, one point", |bencher| {
         let at = TestSine { frequency_rad_s: 6.0, amplitude: 0.05 };
         let settings = Settings::default();
-        bencher
-            .iter(|| measure(&plant, &mut controller.clone(), Test::PlatformToHub, at, &settings).unwrap());
+        bencher.iter(|| {
+            measure_point(&plant, &mut controller.clone(), Test::PlatformToHub, at, &settings).unwrap()
+        });
     });
 }
 

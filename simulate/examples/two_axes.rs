@@ -113,7 +113,7 @@ fn run(elevation: &Plant, traverse: &Plant, base: BaseMotion) -> Result<(), Box<
     let mut out = std::io::stdout().lock();
     for k in 0..found.elevation_rad.len() {
         let (above, below) =
-            (found.elevation.truth.hub_rate_rad_s[k], found.traverse.truth.hub_rate_rad_s[k]);
+            (found.elevation.truth.hub_rate_rad_s()[k], found.traverse.truth.hub_rate_rad_s()[k]);
         writeln!(out, "{} {above:e} {below:e} {:e}", k as f64 * 1e-3, found.elevation_rad[k])?;
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! The limits of a drive from sample to sample: the slew of its control, and the heat that folds its current back.
 
-use counterpoise_models::{Amplifier, DriveHeat, DriveLimits, Motor, Parameters, hot};
+use counterpoise_models::{Amplifier, DriveHeat, DriveLimits, Motor, Parameters, resistance_factor};
 
 /// A drive whose limits hold.
 #[derive(Debug, Clone)]
@@ -72,7 +72,7 @@ impl LimitedDrive {
         self.heat.overload_a2 = mean + keep * (self.heat.overload_a2 - mean);
         let Some(heat) = self.limits.heat else { return };
         let slopes = |[winding, housing]: [f64; 2]| {
-            let loss = self.motor.resistance_ohm * hot(winding) * mean;
+            let loss = self.motor.resistance_ohm * resistance_factor(winding) * mean;
             let passed = (winding - housing) / heat.winding_k_w;
             let left = (housing - heat.ambient_k) / heat.housing_k_w;
             [

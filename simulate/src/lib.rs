@@ -14,7 +14,7 @@
 //!
 //! *Invariant*: nothing here knows a requirement, a design, a file, a thread or a clock; noise comes from a seed.
 //!
-//! Modules in reading order: [`signal`], [`motion`], [`firing`], [`scenario`], [`mod@run`], [`two_axes`], [`ensemble`], [`sensing`], `noise`, `sampling_errors`, `drive_limits`, [`history`], [`recording`],
+//! Modules in reading order: [`signal`], [`motion`], [`firing`], [`scenario`], [`mod@run`], [`two_axes`], [`ensemble`], [`sensing`], `noise`, `sampling_errors`, `drive_limits`, [`history`],
 //! [`mod@replay`], [`fra`], [`convergence`], [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
@@ -28,7 +28,7 @@
 //! };
 //! let scenario = Scenario { demand_rad_s: Signal::step(0.1, 0.05), ..Scenario::at_rest(2.0) };
 //! let history = run(&plant, &mut controller, &scenario)?;
-//! assert!((history.truth.hub_rate_rad_s[1999] - 0.05).abs() < 1e-3);
+//! assert!((history.truth.hub_rate_rad_s()[1999] - 0.05).abs() < 1e-3);
 //! # Ok::<(), counterpoise_simulate::Error>(())
 //! ```
 #![allow(non_snake_case)]
@@ -58,7 +58,7 @@ pub use engine::state::{Effort, PlantState};
 pub use ensemble::{EnsembleRun, Registers, RunObserver, run_ensemble, run_ensemble_in};
 pub use error::Error;
 pub use firing::Firing;
-pub use history::{ReadingColumns, TimeHistory, TrueColumns};
+pub use history::{ReadingColumn, ReadingColumns, TimeHistory, TrueColumn, TrueColumns};
 pub use motion::{FurtherMotion, PlatformMotion};
 pub use replay::{ChannelFit, Playback, Replay, ReplayLoop, Replayer, replay};
 pub use run::{Simulator, run, state_at_rest};

@@ -6,7 +6,7 @@ use crate::engine::ports::{Bonds, FrictionState, PlatformPoint};
 use crate::engine::present::Sample;
 use crate::engine::state::PlantState;
 use crate::engine::stepper::Stepper;
-use crate::history::{ReadingColumns, TimeHistory, TrueColumns};
+use crate::history::{ReadingColumns, TimeHistory, TrueColumn, TrueColumns};
 use crate::motion::{MotionSample, Track};
 use crate::sampling_errors::{ErrantClock, SampleError, Step};
 use crate::scenario::{Detail, Initial, Scenario};
@@ -261,6 +261,7 @@ impl<'a> Lap<'a> {
         stepper.limit_current(None);
         sensing.settle(&motion, stepper.outputs()[HUB_ANGLE]);
         let before = holding_control(plant, &state.core);
+        let limited = LimitedDrive::new(parameters, before);
         let clock = match scenario.imperfections {
             Imperfections::NoiseAndQuantisation { seed } => {
                 ErrantClock::new(parameters.interface.clock, period_s, seed)
@@ -283,9 +284,9 @@ impl<'a> Lap<'a> {
             sensing,
             output: Converter::new(parameters.interface.output_bits, scenario.imperfections),
             queue: Vec::new(),
-            readings: ReadingColumns::with_capacity(samples as usize),
-            truth: TrueColumns::default(),
-            limited: LimitedDrive::new(parameters, before),
+            readings: ReadingColumns::of_machine(parameters, samples as usize),
+            truth: empty_truth(scenario.detail, limited.as_ref(), samples as usize),
+            limited,
             range_a: None,
         })
     }
@@ -342,8 +343,8 @@ impl<'a> Lap<'a> {
 
     /// Logs the dry friction torques at motor and pivot, N m.
     pub fn log_friction(&mut self, [motor_nm, pivot_nm]: [f64; 2]) {
-        self.truth.motor_friction_nm.push(motor_nm);
-        self.truth.pivot_friction_nm.push(pivot_nm);
+        self.truth.signals.set_newest(TrueColumn::MotorFriction, motor_nm);
+        self.truth.signals.set_newest(TrueColumn::PivotFriction, pivot_nm);
     }
 
     /// Moves the sensors and the platform over a sample, at whose end the hub stands at an angle.
@@ -379,9 +380,12 @@ impl<'a> Lap<'a> {
         let Some(drive) = &mut self.limited else { return control_v };
         self.range_a = drive.range_a(motor_rate);
         if self.scenario.detail == Detail::Everything {
-            self.truth.winding_k.push(drive.heat().winding_k);
-            self.truth.overload_a2.push(drive.heat().overload_a2);
-            self.truth.current_range_a.push(self.range_a.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]));
+            let [lowest_a, highest_a] = self.range_a.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
+            let columns = &mut self.truth.signals;
+            columns.set_newest(TrueColumn::Winding, drive.heat().winding_k);
+            columns.set_newest(TrueColumn::Overload, drive.heat().overload_a2);
+            columns.set_newest(TrueColumn::LowestCurrent, lowest_a);
+            columns.set_newest(TrueColumn::HighestCurrent, highest_a);
         }
         drive.slew(control_v)
     }
@@ -419,18 +423,18 @@ impl<'a> Lap<'a> {
     }
 
     fn log_readings(&mut self, readings: &Readings, request: f64, control: f64) {
-        let columns = &mut self.readings;
-        columns.demand_rad_s.push(readings.demand_rad_s);
-        columns.control_request_v.push(request);
-        columns.control_v.push(control);
-        columns.hub_rate_rad_s.push(readings.hub_rate_rad_s);
-        columns.platform_rate_rad_s.push(readings.platform_rate_rad_s);
-        columns.platform_accel_m_s2.push(readings.platform_accel_m_s2);
-        columns.motor_rate_rad_s.push(readings.motor_rate_rad_s);
-        columns.hub_position_rad.push(readings.hub_position_rad);
-        if self.plant.parameters().sensors.surge_accelerometer.is_some() {
-            columns.platform_surge_m_s2.push(readings.platform_surge_m_s2);
-        }
+        // in the order of `ReadingColumn`
+        self.readings.signals.push([
+            readings.demand_rad_s,
+            request,
+            control,
+            readings.hub_rate_rad_s,
+            readings.platform_rate_rad_s,
+            readings.platform_accel_m_s2,
+            readings.motor_rate_rad_s,
+            readings.hub_position_rad,
+            readings.platform_surge_m_s2,
+        ]);
     }
 
     fn log_truth(&mut self, platform: &PlatformPoint, motor_rate: f64, shown: &Shown) {
@@ -440,26 +444,38 @@ impl<'a> Lap<'a> {
         let wind_up = if lever.is_some() { 0.0 } else { wind_up };
         let current = current + self.plant.direct_current_a(self.drive_v, platform.rate);
         let [voltage, tip_rate] = shown.voltage_and_tip;
-        let columns = &mut self.truth;
-        columns.hub_rate_rad_s.push(hub_rate);
-        columns.tip_rate_rad_s.push(tip_rate);
-        columns.motor_rate_rad_s.push(motor_rate);
-        columns.hub_angle_rad.push(hub_angle);
-        columns.platform_angle_rad.push(platform.angle);
-        columns.platform_rate_rad_s.push(platform.rate);
-        columns.heave_m_s2.push(platform.heave);
-        columns.current_a.push(current);
-        columns.voltage_v.push(voltage);
-        columns.wind_up_rad.push(wind_up);
-        columns.mesh_torque_nm.push(if self.plant.is_rigid() {
+        let mesh_torque_nm = if self.plant.is_rigid() {
             lever.unwrap_or(self.plant.parameters().gearbox.ratio)
                 * self.plant.parameters().motor.torque_constant_nm_a
                 * current
         } else {
             self.plant.mesh_torque_nm(wind_up, hub_rate, motor_rate, platform.rate)
-        });
+        };
         let touching = self.plant.mesh(wind_up).0 == Mesh::Touching;
-        columns.contact.push(if touching { wind_up.signum() as i8 } else { 0 });
+        // in the order of `TrueColumn`; friction and the drive's limits follow as soon as they are known
+        self.truth.signals.push([
+            hub_rate,
+            tip_rate,
+            motor_rate,
+            hub_angle,
+            platform.angle,
+            platform.rate,
+            platform.heave,
+            current,
+            voltage,
+            wind_up,
+            mesh_torque_nm,
+            if touching { wind_up.signum() } else { 0.0 },
+        ]);
+    }
+}
+
+/// Returns the columns of what will be true, without samples: those of the drive's limits are there if the drive has limits.
+fn empty_truth(detail: Detail, limited: Option<&LimitedDrive>, samples: usize) -> TrueColumns {
+    let last = if limited.is_some() { TrueColumn::HighestCurrent } else { TrueColumn::PivotFriction };
+    match detail {
+        Detail::Everything => TrueColumns::columns_to(last, samples),
+        Detail::Recording => TrueColumns::default(),
     }
 }
 

@@ -99,7 +99,7 @@ struct HeldReading {
 
 impl HeldReading {
     /// Returns what the controller sees of the reading that the sensor would give at this sample.
-    fn seen(&mut self, reading: f64) -> f64 {
+    fn hold_reading(&mut self, reading: f64) -> f64 {
         if self.sample.is_multiple_of(self.every) {
             self.reading = reading;
         }
@@ -149,7 +149,7 @@ impl Chain {
         } else {
             self.converter.convert(delayed * scale) / scale
         };
-        self.held.as_mut().map_or(reading, |held| held.seen(reading))
+        self.held.as_mut().map_or(reading, |held| held.hold_reading(reading))
     }
 
     fn delayed(&mut self, value: f64) -> f64 {

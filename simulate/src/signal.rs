@@ -79,7 +79,7 @@ impl Signal {
             }
             Self::Triangle { amplitude, period_s } => amplitude * triangle(time_s / period_s),
             Self::Samples { period_s, values } => smooth(values, time_s / period_s),
-            Self::Held { period_s, values } => held(values, time_s / period_s),
+            Self::Held { period_s, values } => hold_value(values, time_s / period_s),
             Self::Sum(parts) => parts.iter().map(|part| part.at(time_s)).sum(),
         }
     }
@@ -137,7 +137,7 @@ fn triangle(turns: f64) -> f64 {
     1.0 - 4.0 * (part - 0.5).abs()
 }
 
-fn held(values: &[f64], position: f64) -> f64 {
+fn hold_value(values: &[f64], position: f64) -> f64 {
     // a time that is a whole number of samples but for rounding belongs to the later sample
     let index = (position * (1.0 + f64::EPSILON * TAU) + HELD_ROUNDING).max(0.0) as usize;
     values.get(index).or(values.last()).copied().unwrap_or(0.0)

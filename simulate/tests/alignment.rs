@@ -64,11 +64,11 @@ fn a_misaligned_gyroscope_reads_rates_about_the_axes_of_what_carries_it() {
         0.04 * (roll * cos + yaw * sin) - 0.025 * (yaw * cos - roll * sin)
     };
     let truth = &found.truth;
-    let hub = |k: usize, t: f64| truth.hub_rate_rad_s[k] + about(t, truth.hub_angle_rad[k]);
-    let base = |k: usize, t: f64| truth.platform_rate_rad_s[k] + about(t, truth.platform_angle_rad[k]);
-    assert!(truth.hub_angle_rad.iter().any(|angle| angle.abs() > 0.02), "the hub moves");
+    let hub = |k: usize, t: f64| truth.hub_rate_rad_s()[k] + about(t, truth.hub_angle_rad()[k]);
+    let base = |k: usize, t: f64| truth.platform_rate_rad_s()[k] + about(t, truth.platform_angle_rad()[k]);
+    assert!(truth.hub_angle_rad().iter().any(|angle| angle.abs() > 0.02), "the hub moves");
     let worst =
-        [worst(&found.readings.hub_rate_rad_s, hub), worst(&found.readings.platform_rate_rad_s, base)];
+        [worst(found.readings.hub_rate_rad_s(), hub), worst(found.readings.platform_rate_rad_s(), base)];
     // the hub's own rate, which the reading has without misalignment too, is integrated to 1e-7 rad/s
     assert!(worst[0] < 2e-7 && worst[1] < 1e-12, "{worst:?}");
 }
@@ -84,27 +84,28 @@ fn a_tilted_accelerometer_reads_other_shares_of_heave_surge_and_gravity() {
     let found = run(&p);
     let (sin, cos) = 0.06_f64.sin_cos();
     let upward = |_: usize, t: f64| heave(t) * cos - surge(t) * sin + g * (cos - 1.0);
-    assert!(worst(&found.readings.platform_accel_m_s2, upward) < 1e-9);
+    assert!(worst(found.readings.platform_accel_m_s2(), upward) < 1e-9);
     let (sin, cos) = (-0.03_f64).sin_cos();
     let forward = |_: usize, t: f64| surge(t) * cos + (heave(t) + g) * sin;
-    assert!(worst(&found.readings.platform_surge_m_s2, forward) < 1e-9);
+    assert!(worst(found.readings.platform_surge_m_s2(), forward) < 1e-9);
 
     (p.sensors.accelerometer_axis, p.sensors.surge_accelerometer) = (AccelerometerAxis::Elevated, None);
     let found = run(&p);
     let normal = |k: usize, t: f64| {
-        let angle = found.truth.hub_angle_rad[k];
+        let angle = found.truth.hub_angle_rad()[k];
         let (sin, cos) = (angle + 0.06).sin_cos();
         heave(t) * cos - surge(t) * sin + g * (cos - angle.cos())
     };
-    assert!(worst(&found.readings.platform_accel_m_s2, normal) < 1e-9);
+    assert!(worst(found.readings.platform_accel_m_s2(), normal) < 1e-9);
 }
 
 #[test]
 fn a_slower_sensor_gives_its_last_reading_again() {
     let mut p = rig();
     p.sensors.platform_gyro.own_period_s = 5e-3;
-    let found = run(&p).readings.platform_rate_rad_s;
-    let each = run(&rig()).readings.platform_rate_rad_s;
+    let found = run(&p).readings;
+    let each = run(&rig()).readings;
+    let (found, each) = (found.platform_rate_rad_s(), each.platform_rate_rad_s());
     assert!((0..SAMPLES).all(|k| found[k] == each[k - k % 5]));
     assert_eq!(p.sensors.platform_gyro.mean_delay(1e-3).samples, 2);
 }

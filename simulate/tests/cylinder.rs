@@ -40,7 +40,7 @@ fn a_valve_that_is_fully_open_moves_the_load_as_the_orifice_equation_says() {
     for (control, overlap) in [(10.0_f64, 0.0), (-10.0, 0.05), (25.0, 0.05)] {
         p.cylinder.as_mut().unwrap().overlap_l_s = overlap;
         let history = run(&p, 0.0, &[control; 1500]);
-        let rate = history.truth.hub_rate_rad_s.last().unwrap().abs();
+        let rate = history.truth.hub_rate_rad_s().last().unwrap().abs();
         // A r w + C p = (o - o_0) sqrt(1 - p/p_s) with p = b w/(A r)
         let pressure = viscous * rate / (2500.0 * 0.5);
         let passes = (0.9 - overlap) * (1.0 - pressure / 20.0).sqrt();
@@ -59,7 +59,7 @@ fn what_flows_in_is_displaced_compressed_or_leaks() {
     let controls: Vec<f64> = (0..2000).map(|k| 6.0 * (1.57 * k as f64 * period).sin()).collect();
     let history = run(&p, 0.1, &controls);
     let (truth, cylinder) = (&history.truth, p.cylinder.as_ref().unwrap());
-    let n = truth.current_a.len();
+    let n = truth.current_a().len();
     // Simpson's rule over the samples, in which nothing jumps but the control, which the spool smooths
     let integral = |f: &dyn Fn(usize) -> f64| {
         let weight = |k: usize| {
@@ -73,16 +73,16 @@ fn what_flows_in_is_displaced_compressed_or_leaks() {
         };
         (0..n - 1).map(|k| weight(k) * f(k)).sum::<f64>() * period / 3.0
     };
-    let inflow = integral(&|k| cylinder.flow_l_s(truth.voltage_v[k], truth.current_a[k]));
-    let passed = integral(&|k| cylinder.flow_l_s(truth.voltage_v[k], truth.current_a[k]).abs());
-    let leaked = integral(&|k| 0.004 * truth.current_a[k]);
-    let travel = |k: usize| cylinder.lever.at(truth.hub_angle_rad[k]).travel_m;
+    let inflow = integral(&|k| cylinder.flow_l_s(truth.voltage_v()[k], truth.current_a()[k]));
+    let passed = integral(&|k| cylinder.flow_l_s(truth.voltage_v()[k], truth.current_a()[k]).abs());
+    let leaked = integral(&|k| 0.004 * truth.current_a()[k]);
+    let travel = |k: usize| cylinder.lever.at(truth.hub_angle_rad()[k]).travel_m;
     let displaced = 2.5 * (travel(n - 2) - travel(0));
-    let compressed = p.motor.inductance_h * (truth.current_a[n - 2] - truth.current_a[0]);
+    let compressed = p.motor.inductance_h * (truth.current_a()[n - 2] - truth.current_a()[0]);
     let lost = inflow - displaced - compressed - leaked;
     assert!(lost.abs() < 1e-5 * passed, "{inflow} {displaced} {compressed} {leaked}: {lost}");
     assert!(displaced.abs() > 0.02 && leaked > 1e-4, "{displaced} {leaked}");
-    let arms = [0, n / 3, n - 2].map(|k| cylinder.lever.at(truth.hub_angle_rad[k]).arm_m);
+    let arms = [0, n / 3, n - 2].map(|k| cylinder.lever.at(truth.hub_angle_rad()[k]).arm_m);
     assert!((arms[0] / arms[1] - 1.0).abs() > 0.02, "{arms:?}");
 }
 
@@ -133,11 +133,11 @@ fn the_simulator_solves_the_definition_of_the_plant() {
     let second = marched(&plant, &scenario_start.core, &controls, period);
     let truth = &history.truth;
     let largest = |of: &dyn Fn(usize) -> f64| (0..800).map(|k| of(k).abs()).fold(0.0, f64::max);
-    let rate_off = largest(&|k| truth.hub_rate_rad_s[k] - second[k][state::RATE]);
-    let pressure_off = largest(&|k| truth.current_a[k] - second[k][state::CURRENT]);
-    let opening_off = largest(&|k| truth.voltage_v[k] - second[k][state::VOLTAGE]);
-    let rate = largest(&|k| truth.hub_rate_rad_s[k]);
-    let pressure = largest(&|k| truth.current_a[k]);
+    let rate_off = largest(&|k| truth.hub_rate_rad_s()[k] - second[k][state::RATE]);
+    let pressure_off = largest(&|k| truth.current_a()[k] - second[k][state::CURRENT]);
+    let opening_off = largest(&|k| truth.voltage_v()[k] - second[k][state::VOLTAGE]);
+    let rate = largest(&|k| truth.hub_rate_rad_s()[k]);
+    let pressure = largest(&|k| truth.current_a()[k]);
     assert!(
         rate_off < 2e-4 * rate && pressure_off < 2e-4 * pressure,
         "{rate_off} of {rate}, {pressure_off} of {pressure}"
@@ -161,7 +161,7 @@ fn a_mass_at_rest_stays_where_the_valve_passes_what_leaks() {
         let pressure = 1200.0 * 9.80665 * angle.cos() / (2500.0 * arm);
         assert!((at.current_a / pressure - 1.0).abs() < 1e-12, "{} {pressure}", at.current_a);
         let history = run(&p, angle, &vec![at.control_v; 300]);
-        let moved = history.truth.hub_angle_rad.iter().fold(0.0_f64, |most, a| most.max((a - angle).abs()));
+        let moved = history.truth.hub_angle_rad().iter().fold(0.0_f64, |most, a| most.max((a - angle).abs()));
         assert!(moved < 2e-5, "{angle}: {moved}");
     }
 }

@@ -224,7 +224,7 @@ fn a_watched_variant_ends_where_it_would_alone() {
             scenario: &run.2,
             watch: Some(RunObserver {
                 every: 10,
-                goes_on: Box::new(move |seen| seen.control_v.len() < 20 * (k + 1)),
+                goes_on: Box::new(move |seen| seen.control_v().len() < 20 * (k + 1)),
             }),
         })
         .collect();

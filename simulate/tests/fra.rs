@@ -28,7 +28,7 @@ fn without_dry_friction() -> Parameters {
 
 fn measured(rig: &Parameters, test: Test, frequency: f64, amplitude: f64) -> Measurement {
     let plant = Plant::from_lumped(rig).unwrap();
-    fra::measure(
+    fra::measure_point(
         &plant,
         &mut controller(),
         test,

@@ -67,7 +67,7 @@ fn jitter_reads_a_moving_platform_at_other_instants() {
     let scenario = moving(4.0);
     let steady = history(|_| (), &scenario);
     let jittered = history(|p| p.interface.clock.jitter_s = jitter_s, &scenario);
-    let found = difference(&jittered.readings.platform_rate_rad_s, &steady.readings.platform_rate_rad_s);
+    let found = difference(jittered.readings.platform_rate_rad_s(), steady.readings.platform_rate_rad_s());
     // the slope of 0.2 rad/s at 1 Hz, times the jitter; quantisation adds a fifth of a milliradian over ten thousand
     let expected = 0.2 * std::f64::consts::TAU * jitter_s / 2f64.sqrt();
     assert!((found / expected - 1.0).abs() < 0.25, "{found} {expected}");
@@ -81,7 +81,7 @@ fn missed_samples_leave_the_control_as_it_is() {
     let history = run(&Plant::from_lumped(&rig).unwrap(), &mut counting, &moving(4.0)).unwrap();
     let share = 1.0 - counting.steps as f64 / 4000.0;
     assert!((share - 0.1).abs() < 0.02, "{share}");
-    let repeated = history.readings.hub_rate_rad_s.windows(2).filter(|w| w[0] == w[1]).count();
+    let repeated = history.readings.hub_rate_rad_s().windows(2).filter(|w| w[0] == w[1]).count();
     assert!(repeated >= 4000 - counting.steps);
 }
 
@@ -110,7 +110,7 @@ fn missing_codes_widen_their_neighbours() {
     let codes = |history: &TimeHistory| {
         let mut all: Vec<i64> = history
             .readings
-            .platform_rate_rad_s
+            .platform_rate_rad_s()
             .iter()
             .map(|v| (v * 10.0 / (20.0 / 4096.0)).round() as i64)
             .collect();
@@ -138,13 +138,13 @@ fn a_gyroscope_drifts_and_an_ideal_world_changes_nothing() {
     assert_eq!(ideal.readings, same.readings);
     let walk = Drift { angle_random_walk: 2e-5, ..Drift::NONE };
     let drifting = history(|p| p.sensors.platform_gyro.drift = walk, &scenario);
-    let found = difference(&drifting.readings.platform_rate_rad_s, &ideal.readings.platform_rate_rad_s);
+    let found = difference(drifting.readings.platform_rate_rad_s(), ideal.readings.platform_rate_rad_s());
     assert!((found / (2e-5 / 1e-3f64.sqrt()) - 1.0).abs() < 0.1, "{found}");
     let biased = Drift { rate_random_walk: 1e-3, ..Drift::NONE };
     let drifting = history(|p| p.sensors.hub_gyro.drift = biased, &scenario);
     let last = |h: &TimeHistory| {
-        let from = h.truth.hub_rate_rad_s.len() - 500;
-        h.truth.hub_rate_rad_s[from..].iter().sum::<f64>() / 500.0
+        let from = h.truth.hub_rate_rad_s().len() - 500;
+        h.truth.hub_rate_rad_s()[from..].iter().sum::<f64>() / 500.0
     };
     assert!((last(&drifting) - last(&ideal)).abs() > 2e-4, "the loop follows its drifting gyroscope");
 }

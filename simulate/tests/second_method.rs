@@ -188,7 +188,7 @@ fn every_friction_agrees_with_small_runge_kutta_steps() {
         let substeps = if name.starts_with("reset") { 200 } else { 40 };
         let expected = runge_kutta(&plant, &scenario, substeps);
         let found = simulated(&plant, &scenario, TOLERANCE);
-        let error = error(&found.truth.hub_rate_rad_s, &expected);
+        let error = error(found.truth.hub_rate_rad_s(), &expected);
         println!("{name}: {error:.1e} {:?}", found.effort);
         assert!(error < allowed, "{name}: {error:e}");
     }
@@ -201,9 +201,9 @@ fn contact_agrees_with_very_small_runge_kutta_steps() {
     let plant = machine(|rig| rig.lumped.as_mut().unwrap().out_of_balance_kg_m = 2.0);
     let scenario = shaken(1.0);
     let found = simulated(&plant, &scenario, TOLERANCE).truth;
-    assert!(found.contact.windows(2).filter(|w| w[0] != w[1]).count() > 10);
-    let coarse = error(&found.hub_rate_rad_s, &runge_kutta(&plant, &scenario, 50));
-    let fine = error(&found.hub_rate_rad_s, &runge_kutta(&plant, &scenario, 400));
+    assert!(found.contact().windows(2).filter(|w| w[0] != w[1]).count() > 10);
+    let coarse = error(found.hub_rate_rad_s(), &runge_kutta(&plant, &scenario, 50));
+    let fine = error(found.hub_rate_rad_s(), &runge_kutta(&plant, &scenario, 400));
     println!("contact: {coarse:.1e} against 50, {fine:.1e} against 400 steps a sample");
     assert!(fine < 1e-4 && fine < coarse);
 }
@@ -267,15 +267,16 @@ fn energy_balances_of(plant: &Plant) {
     let scenario = Scenario { demand_rad_s: Signal::sine(0.1, 6.0), ..Scenario::at_rest(2.0) };
     let mut controller = ProportionalIntegral { bias_v: 0.0, ..controller() };
     let truth = Simulator::new(plant).unwrap().run(&mut controller, &scenario).unwrap().truth;
-    let last = truth.hub_rate_rad_s.len() - 1;
+    let last = truth.hub_rate_rad_s().len() - 1;
     let (mut twist, mut worked, mut supplied) = (0.0, 0.0, 0.0);
     let power = |k: usize| {
-        let (motor, hub, tip) = (truth.motor_rate_rad_s[k], truth.hub_rate_rad_s[k], truth.tip_rate_rad_s[k]);
-        let shaft = rig.motor.torque_constant_nm_a * truth.current_a[k] * motor;
-        let gear = if truth.contact[k] == 0 { 0.0 } else { motor / rig.gearbox.ratio - hub };
-        let lost = truth.motor_friction_nm[k] * motor
+        let (motor, hub, tip) =
+            (truth.motor_rate_rad_s()[k], truth.hub_rate_rad_s()[k], truth.tip_rate_rad_s()[k]);
+        let shaft = rig.motor.torque_constant_nm_a * truth.current_a()[k] * motor;
+        let gear = if truth.contact()[k] == 0.0 { 0.0 } else { motor / rig.gearbox.ratio - hub };
+        let lost = truth.motor_friction_nm()[k] * motor
             + rig.motor_friction.viscous_nm_s_rad * motor * motor
-            + truth.pivot_friction_nm[k] * hub
+            + truth.pivot_friction_nm()[k] * hub
             + rig.pivot_friction.viscous_nm_s_rad * hub * hub
             + rig.gearbox.damping_nm_s_rad * gear * gear
             + lumped.damping_nm_s_rad * (hub - tip).powi(2);
@@ -285,14 +286,14 @@ fn energy_balances_of(plant: &Plant) {
         let (here, there) = (power(k), power(k + 1));
         worked += 0.5e-3 * (here.0 + there.0);
         supplied += 0.5e-3 * (here.1 + there.1);
-        let slip = |k: usize| truth.hub_rate_rad_s[k] - truth.tip_rate_rad_s[k];
+        let slip = |k: usize| truth.hub_rate_rad_s()[k] - truth.tip_rate_rad_s()[k];
         twist += 0.5e-3 * (slip(k) + slip(k + 1));
     }
-    let gap = (truth.wind_up_rad[last].abs() - 0.5 * rig.gearbox.backlash_rad).max(0.0);
+    let gap = (truth.wind_up_rad()[last].abs() - 0.5 * rig.gearbox.backlash_rad).max(0.0);
     let stored = 0.5
-        * (rig.motor.inertia_kg_m2 * truth.motor_rate_rad_s[last].powi(2)
-            + lumped.hub_inertia_kg_m2 * truth.hub_rate_rad_s[last].powi(2)
-            + lumped.beam_inertia_kg_m2 * truth.tip_rate_rad_s[last].powi(2)
+        * (rig.motor.inertia_kg_m2 * truth.motor_rate_rad_s()[last].powi(2)
+            + lumped.hub_inertia_kg_m2 * truth.hub_rate_rad_s()[last].powi(2)
+            + lumped.beam_inertia_kg_m2 * truth.tip_rate_rad_s()[last].powi(2)
             + rig.gearbox.stiffness_nm_rad * gap * gap
             + lumped.stiffness_nm_rad * twist * twist);
     println!("stored {stored:.6} J, worked {worked:.6} J of {supplied:.3} J supplied");
@@ -329,11 +330,11 @@ fn a_plant_of_many_modes_rests_and_moves() {
     let controller = ProportionalIntegral { bias_v: held, ..controller() };
     let still =
         Simulator::new(&plant).unwrap().run(&mut controller.clone(), &Scenario::at_rest(0.5)).unwrap();
-    assert!(still.truth.hub_rate_rad_s.iter().all(|w| w.abs() < 1e-9));
+    assert!(still.truth.hub_rate_rad_s().iter().all(|w| w.abs() < 1e-9));
     let scenario = shaken(0.5);
     let found = simulated(&plant, &scenario, TOLERANCE);
     let expected = runge_kutta(&plant, &scenario, 200);
-    let error = error(&found.truth.hub_rate_rad_s, &expected);
+    let error = error(found.truth.hub_rate_rad_s(), &expected);
     assert!(error < 1e-5, "{error:e}");
 }
 
@@ -355,18 +356,18 @@ fn coulomb_friction_holds_an_imbalance_without_creep_and_slides_at_its_level() {
             .unwrap();
         // the stick may swing within its own deflection of a microradian, but it goes nowhere in ten seconds
         let mean = |range: std::ops::Range<usize>| {
-            let part = &still.truth.hub_angle_rad[range];
+            let part = &still.truth.hub_angle_rad()[range];
             part.iter().sum::<f64>() / part.len() as f64
         };
         let drift = mean(8000..10_000) - mean(2000..4000);
         assert!(drift.abs() < 1e-6, "{drift:e}");
-        assert!(still.truth.hub_angle_rad.iter().all(|angle| angle.abs() < 1e-5));
+        assert!(still.truth.hub_angle_rad().iter().all(|angle| angle.abs() < 1e-5));
         let moving = Simulator::new(&plant)
             .unwrap()
             .run(&mut Playback::new(&[held + 0.9]), &Scenario::at_rest(1.0))
             .unwrap();
-        assert!(moving.truth.hub_rate_rad_s[999] > 0.01);
-        assert!((moving.truth.pivot_friction_nm[999] - 117.0).abs() < 1e-6);
-        assert!((moving.truth.motor_friction_nm[999] - 0.065).abs() < 1e-9);
+        assert!(moving.truth.hub_rate_rad_s()[999] > 0.01);
+        assert!((moving.truth.pivot_friction_nm()[999] - 117.0).abs() < 1e-6);
+        assert!((moving.truth.motor_friction_nm()[999] - 0.065).abs() < 1e-9);
     }
 }

@@ -56,7 +56,7 @@ fn breakaway_and_arrest_are_at_their_exact_instants() {
     };
     let mut worst = 0.0_f64;
     let mut moving = 0;
-    for (k, found) in history.truth.hub_rate_rad_s.iter().enumerate() {
+    for (k, found) in history.truth.hub_rate_rad_s().iter().enumerate() {
         let t = k as f64 * 1e-3;
         let expected = if t < leave { 0.0 } else { rate(t).min(0.0) };
         if t > leave && rate(t) >= 0.0 {
@@ -89,7 +89,8 @@ fn coulomb_friction_takes_its_constant_share_of_every_swing() {
         start.core[free] = 0.0;
     }
     let scenario = Scenario { initial: Initial::State(Box::new(start)), ..Scenario::at_rest(12.0) };
-    let angle = run(&plant, &[0.0], &scenario).truth.hub_angle_rad;
+    let found = run(&plant, &[0.0], &scenario);
+    let angle = found.truth.hub_angle_rad();
     let from_centre = |k: usize| angle[k] - 0.09;
     let turns: Vec<f64> = (1..angle.len() - 1)
         .filter(|&k| (angle[k] - angle[k - 1]) * (angle[k + 1] - angle[k]) < 0.0)
@@ -178,7 +179,8 @@ fn every_law_holds_a_constant_torque_at_motor_and_pivot_in_any_split() {
         for at_motor in [0.0, 0.3, 0.5, 0.9, 1.0] {
             let plant = split(|level, deflection| laws(level, deflection)[index].1.clone(), ratio, at_motor);
             let held = plant.equilibrium(&OperatingPoint::default()).control_v;
-            let angle = run(&plant, &[held + 0.1], &Scenario::at_rest(12.0)).truth.hub_angle_rad;
+            let found = run(&plant, &[held + 0.1], &Scenario::at_rest(12.0));
+            let angle = found.truth.hub_angle_rad();
             let mean =
                 |range: std::ops::Range<usize>| angle[range.clone()].iter().sum::<f64>() / range.len() as f64;
             let drift = (mean(11_000..12_000) - mean(8000..9000)).abs() / 3.0;
@@ -211,10 +213,11 @@ fn every_law_dissipates() {
             let worked = |torque: &[f64], rate: &dyn Fn(usize) -> f64| -> f64 {
                 (2000..4000).map(|k| 1e-3 * torque[k] * rate(k)).sum()
             };
-            let motor = worked(&truth.motor_friction_nm, &|k| truth.motor_rate_rad_s[k]);
-            let pivot =
-                worked(&truth.pivot_friction_nm, &|k| truth.hub_rate_rad_s[k] - truth.platform_rate_rad_s[k]);
-            let travelled: f64 = (2000..4000).map(|k| 1e-3 * truth.platform_rate_rad_s[k].abs()).sum();
+            let motor = worked(truth.motor_friction_nm(), &|k| truth.motor_rate_rad_s()[k]);
+            let pivot = worked(truth.pivot_friction_nm(), &|k| {
+                truth.hub_rate_rad_s()[k] - truth.platform_rate_rad_s()[k]
+            });
+            let travelled: f64 = (2000..4000).map(|k| 1e-3 * truth.platform_rate_rad_s()[k].abs()).sum();
             let scale = 117.0 * travelled;
             assert!(motor > -1e-3 * scale && pivot > -1e-3 * scale, "{name} {at_motor}: {motor} {pivot}");
             assert!(motor + pivot > 0.1 * scale, "{name} {at_motor}: {motor} {pivot} of {scale}");
@@ -232,10 +235,10 @@ fn joints_at_rest_ride_with_the_platform() {
     let truth = &history.truth;
     assert_eq!(history.effort.changes, 0);
     for k in 0..3000 {
-        assert!((truth.hub_rate_rad_s[k] - truth.platform_rate_rad_s[k]).abs() < 1e-12);
-        assert!(truth.motor_rate_rad_s[k].abs() < 1e-9);
+        assert!((truth.hub_rate_rad_s()[k] - truth.platform_rate_rad_s()[k]).abs() < 1e-12);
+        assert!(truth.motor_rate_rad_s()[k].abs() < 1e-9);
     }
-    let moved = truth.pivot_friction_nm.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
+    let moved = truth.pivot_friction_nm().iter().fold(0.0_f64, |a, b| a.max(b.abs()));
     assert!(moved > 1.0 && moved < 58.5, "{moved}");
 }
 
@@ -246,7 +249,7 @@ fn true_stick_is_the_limit_of_stiff_presliding() {
         let plant = split(|level, _| law(level), 1.0, 0.5);
         let held = plant.equilibrium(&OperatingPoint::default()).control_v;
         let volts: Vec<f64> = (0..3000).map(|k| held + 0.6 * (0.006 * f64::from(k)).sin()).collect();
-        run(&plant, &volts, &Scenario::at_rest(3.0)).truth.hub_rate_rad_s
+        run(&plant, &volts, &Scenario::at_rest(3.0)).truth.hub_rate_rad_s().to_vec()
     };
     let stuck = motion(&|coulomb_nm| FrictionLaw::Coulomb { coulomb_nm });
     let distance = |stiffness: f64| {
@@ -281,7 +284,8 @@ fn a_breakaway_between_the_ends_of_a_step_is_found() {
         *rig = one_mass(inertia, FrictionLaw::Coulomb { coulomb_nm: level }, ratio);
         rig.interface.sample_period_s = period;
     });
-    let rates = run(&plant, &[0.0], &pushed(push / 100.0, frequency, 0.8)).truth.hub_rate_rad_s;
+    let pushed = run(&plant, &[0.0], &pushed(push / 100.0, frequency, 0.8));
+    let rates = pushed.truth.hub_rate_rad_s();
     let leave = (ratio * level / push).asin() / frequency;
     for (k, found) in rates.iter().enumerate() {
         let t = k as f64 * period;
@@ -310,7 +314,7 @@ fn a_torque_pulse_shorter_than_a_sample_breaks_away() {
         let scenario = Scenario { initial: Initial::State(Box::new(start)), ..Scenario::at_rest(0.2) };
         let history = run(&plant, &[0.0], &scenario);
         let samples = (0.18 / period).round() as usize;
-        (history.truth.hub_angle_rad[samples], history.truth.mesh_torque_nm.clone())
+        (history.truth.hub_angle_rad()[samples], history.truth.mesh_torque_nm().to_vec())
     };
     let (long, torque) = hub(20e-3);
     let (short, all) = hub(2e-3);
@@ -343,7 +347,7 @@ fn stick_slip(plant: &Plant) -> [f64; 4] {
     start.core[state::MOTOR] = 0.1;
     let scenario = Scenario { initial: Initial::State(Box::new(start)), ..Scenario::at_rest(80.0) };
     let truth = run(plant, &[0.0], &scenario).truth;
-    let torque: Vec<f64> = truth.wind_up_rad.iter().map(|w| 2.0 * w).collect();
+    let torque: Vec<f64> = truth.wind_up_rad().iter().map(|w| 2.0 * w).collect();
     let settled = 40_000;
     // instants at which the spring's torque rises through 1, between samples by the straight line
     let rises: Vec<f64> = (settled..torque.len() - 1)
@@ -353,7 +357,7 @@ fn stick_slip(plant: &Plant) -> [f64; 4] {
     let cycles = (rises.len() - 1) as f64;
     let least = torque[settled..].iter().fold(f64::INFINITY, |a, b| a.min(*b));
     let most = torque[settled..].iter().fold(0.0_f64, |a, b| a.max(*b));
-    let fastest = truth.hub_rate_rad_s[settled..].iter().fold(0.0_f64, |a, b| a.max(*b));
+    let fastest = truth.hub_rate_rad_s()[settled..].iter().fold(0.0_f64, |a, b| a.max(*b));
     [(rises[rises.len() - 1] - rises[0]) / cycles, least, most, fastest]
 }
 
@@ -444,7 +448,8 @@ fn holds_last_ten_thousand_seconds() {
         rig.interface.sample_period_s = 0.04;
         let plant = Plant::from_lumped(&rig).unwrap();
         let held = plant.equilibrium(&OperatingPoint::default()).control_v;
-        let angle = run(&plant, &[held + 0.1], &Scenario::at_rest(1e4)).truth.hub_angle_rad;
+        let found = run(&plant, &[held + 0.1], &Scenario::at_rest(1e4));
+        let angle = found.truth.hub_angle_rad();
         let drift = (angle[angle.len() - 1] - angle[angle.len() / 10]).abs();
         println!("{name}: {drift:.1e} rad in 9000 s, deflected by {:.1e} rad", angle[angle.len() - 1]);
         let deflected = angle[angle.len() - 1].abs();

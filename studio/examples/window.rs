@@ -1,7 +1,7 @@
 //! The window alone, without the command line: `cargo run --release -p counterpoise-studio --example window -- PROJECT [SCRIPT] [SIZE]
 //! [FRAME-LOG]`. With NO_WINDOW in the environment the script is carried out and nothing is shown.
 
-use counterpoise_studio::native_window::{Error, Options, Surface, run};
+use counterpoise_studio::native_window::{DisplaySurface, Error, StartOptions, run};
 
 fn main() -> Result<(), Error> {
     let mut arguments = std::env::args_os().skip(1).map(std::path::PathBuf::from);
@@ -13,6 +13,6 @@ fn main() -> Result<(), Error> {
     });
     let frame_log = arguments.next();
     let unseen = std::env::var_os("NO_WINDOW").is_some();
-    let surface = if unseen { Surface::Headless } else { Surface::Window };
-    run(Options { project, script, frame_log, size, surface, ..Options::default() })
+    let surface = if unseen { DisplaySurface::Headless } else { DisplaySurface::Window };
+    run(StartOptions { project, script, frame_log, size, surface, ..StartOptions::default() })
 }

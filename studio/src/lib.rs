@@ -4,9 +4,9 @@
 //! command line writes: both run the same pipeline.
 //!
 //! Three states are kept apart. The *project* ([`editing::session::Session`]) is text with revisions; every edit is a
-//! [`command::Command`], which is written to a [`journal`](editing::journal), undone and redone. *Results* ([`results::Results`])
+//! [`command::Command`], which is written to a [`journal`](editing::journal), undone and redone. *Results* ([`results::ComputedResults`])
 //! bear the revision that they came from. The *view* ([`view::View`]) is never undone. Work is done by
-//! [`Worker`](counterpoise_host::worker::Worker)s; no frame waits for one.
+//! [`BackgroundWorker`](counterpoise_host::worker::BackgroundWorker)s; no frame waits for one.
 //!
 //! *Invariant*: no equation of the field stands here, and nothing can be done here that the command line cannot do.
 //!

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use counterpoise_host::compilers::unit_library;
-use counterpoise_studio::native_window::{self, Options, Surface};
+use counterpoise_studio::native_window::{self, DisplaySurface, StartOptions};
 
 /// The desktop studio: weights are dragged on plots, and every consequence is shown at once
 #[derive(Parser)]
@@ -30,13 +30,13 @@ struct Arguments {
 fn main() -> ExitCode {
     counterpoise_host::terminal::quiet_decoders();
     let arguments = Arguments::parse();
-    let options = Options {
+    let options = StartOptions {
         project: arguments.project,
         script: arguments.script,
         frame_log: arguments.frame_log,
         size: arguments.size,
         state: None,
-        surface: if arguments.no_window { Surface::Headless } else { Surface::Window },
+        surface: if arguments.no_window { DisplaySurface::Headless } else { DisplaySurface::Window },
         library: Some(unit_library::compile_library),
     };
     match native_window::run(options) {

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use counterpoise_host::code_files::Library;
+use counterpoise_host::code_files::LibraryBuilder;
 use counterpoise_host::files;
 
 use crate::command::Command;
@@ -27,7 +27,7 @@ enum UnsavedWork {
 
 /// Where the studio is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Surface {
+pub enum DisplaySurface {
     /// In a window.
     #[default]
     Window,
@@ -37,7 +37,7 @@ pub enum Surface {
 
 /// How the studio is started.
 #[derive(Debug, Clone, Default)]
-pub struct Options {
+pub struct StartOptions {
     /// The project to open.
     pub project: Option<PathBuf>,
     /// A script of commands, one JSON value a line.
@@ -49,9 +49,9 @@ pub struct Options {
     /// The folder with the studio's own files; `None` for the usual one.
     pub state: Option<PathBuf>,
     /// Where the studio is shown.
-    pub surface: Surface,
+    pub surface: DisplaySurface,
     /// Builds the libraries of FMI units; without it none are built.
-    pub library: Option<Library>,
+    pub library: Option<LibraryBuilder>,
 }
 
 /// Why the studio could not be run.
@@ -84,9 +84,9 @@ const SCRIPT_INTERVAL: Duration = Duration::from_millis(2);
 ///
 /// # Errors
 /// Returns an error if the script cannot be read or no window can be opened.
-pub fn run(options: Options) -> Result<(), Error> {
+pub fn run(options: StartOptions) -> Result<(), Error> {
     let script = options.script.as_deref().map(read_script).transpose()?.unwrap_or_default();
-    if options.surface == Surface::Headless {
+    if options.surface == DisplaySurface::Headless {
         run_headless(&options, script);
         return Ok(());
     }
@@ -112,7 +112,7 @@ fn reason(error: &str) -> String {
     text.trim_end_matches('.').to_owned()
 }
 
-fn run_headless(options: &Options, script: Vec<Command>) {
+fn run_headless(options: &StartOptions, script: Vec<Command>) {
     let state = options.state.clone().unwrap_or_else(files::state_folder);
     let mut offscreen = OffscreenStudio::new(&state, options.size.unwrap_or(SIZE));
     prepare(&mut offscreen.studio, options);
@@ -120,7 +120,7 @@ fn run_headless(options: &Options, script: Vec<Command>) {
     offscreen.studio.close();
 }
 
-fn prepare(studio: &mut Studio, options: &Options) {
+fn prepare(studio: &mut Studio, options: &StartOptions) {
     if let Some(library) = options.library {
         studio.library = library;
     }
@@ -151,7 +151,7 @@ struct NativeWindow {
 }
 
 impl NativeWindow {
-    fn new(ctx: &egui::Context, options: &Options, script: Vec<Command>) -> Self {
+    fn new(ctx: &egui::Context, options: &StartOptions, script: Vec<Command>) -> Self {
         let waking = ctx.clone();
         let wake = Arc::new(move || waking.request_repaint());
         let state = options.state.clone().unwrap_or_else(files::state_folder);

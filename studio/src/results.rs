@@ -15,7 +15,7 @@ use crate::versioned_results::{Freshness, Versioned};
 
 /// Everything that was computed.
 #[derive(Debug, Clone, Default)]
-pub struct Results {
+pub struct ComputedResults {
     /// The last design that succeeded.
     pub design: Option<Versioned<Arc<DesignPreview>>>,
     /// Time that this design took.
@@ -61,7 +61,7 @@ pub enum VerificationState {
     Stale,
 }
 
-impl Results {
+impl ComputedResults {
     /// Returns why the project as it stands has no design.
     pub fn design_errors(&self, revision: u64) -> Option<&[String]> {
         self.design_failure.as_ref().filter(|of| of.revision == revision).map(|of| of.value.as_slice())

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::command::{DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
 use crate::theme::{DARK, LIGHT};
-use crate::units::Units;
+use crate::units::DisplayUnits;
 use crate::view::{ControllerPart, View};
 
 /// Smallest and largest zoom that is restored: beyond, the window could not be used to change it back.
@@ -37,7 +37,7 @@ pub struct UserSettings {
     /// The theme.
     pub theme: ThemeChoice,
     /// The units.
-    pub units: Units,
+    pub units: DisplayUnits,
     /// The zoom; `None` for 1.
     pub zoom: Option<f32>,
     /// The size of the window, points; `None` before the first window.

@@ -40,7 +40,7 @@ pub enum AngleUnit {
 
 /// The units that the user has chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub struct Units {
+pub struct DisplayUnits {
     /// Frequencies.
     pub frequency: FrequencyUnit,
     /// Gains.
@@ -58,7 +58,7 @@ pub struct DisplayUnit {
     pub factor: f64,
 }
 
-impl Units {
+impl DisplayUnits {
     /// Changes between Hz and rad/s.
     pub fn toggle_frequency(&mut self) {
         self.frequency = match self.frequency {

@@ -11,7 +11,7 @@ use crate::browser::Browser;
 use crate::charts::chart::Chart;
 use crate::command::{Command, DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
 use crate::theme::{DARK, LIGHT, Theme};
-use crate::units::Units;
+use crate::units::DisplayUnits;
 
 /// The part of the controller whose weights are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -27,7 +27,7 @@ pub enum ControllerPart {
 
 /// A message at the foot of the window.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Notice {
+pub struct StatusNotice {
     /// The message.
     pub text: String,
     /// Its kind.
@@ -77,7 +77,7 @@ pub struct View {
     /// Colours.
     pub theme: Theme,
     /// Units.
-    pub units: Units,
+    pub units: DisplayUnits,
     /// The tab of the page Design.
     pub design_tab: DesignTab,
     /// The tab of the page Verify.
@@ -99,7 +99,7 @@ pub struct View {
     /// Whether a widget had the keyboard focus at the end of the last frame: Esc then belongs to it.
     pub had_keyboard_focus: bool,
     /// The message at the foot of the window.
-    pub notice: Option<Notice>,
+    pub notice: Option<StatusNotice>,
     /// The command palette, while it is open.
     pub palette: Option<PaletteState>,
     /// The question about unsaved edits, while it is asked.
@@ -131,7 +131,7 @@ impl Default for View {
         Self {
             page: Page::Design,
             theme: DARK,
-            units: Units::default(),
+            units: DisplayUnits::default(),
             design_tab: DesignTab::Consequences,
             verification_tab: VerificationTab::Histories,
             diagnosis_tab: DiagnosisTab::Signals,
@@ -186,11 +186,11 @@ impl View {
 
     /// Shows a message at the foot of the window.
     pub fn show_message(&mut self, text: impl Into<String>) {
-        self.notice = Some(Notice { text: text.into(), severity: NoticeKind::Info });
+        self.notice = Some(StatusNotice { text: text.into(), severity: NoticeKind::Info });
     }
 
     /// Shows what went wrong at the foot of the window.
     pub fn show_error(&mut self, text: impl Into<String>) {
-        self.notice = Some(Notice { text: text.into(), severity: NoticeKind::Error });
+        self.notice = Some(StatusNotice { text: text.into(), severity: NoticeKind::Error });
     }
 }

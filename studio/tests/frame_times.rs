@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use common::whole_rig;
 use counterpoise_pipeline::preview::{PreviewCache, PreviewRequest};
 use counterpoise_project::{Attachments, Project};
-use counterpoise_studio::charts::chart::{Chart, Curve, Dash};
+use counterpoise_studio::charts::chart::{Chart, ChartCurve, LineDash};
 use counterpoise_studio::charts::chart_view::{ChartStyle, show_chart};
 use counterpoise_studio::charts::curve_points::CurvePoints;
 use counterpoise_studio::charts::min_max_pyramid::MinMaxPyramid;
@@ -39,7 +39,8 @@ fn every_revision_of_a_drag_is_designed() {
     let mut session = Session::new(TEXT, "project.toml", Attachments::none());
     let mut cache = PreviewCache::default();
     let mut took: Vec<f64> = Vec::new();
-    let workers = counterpoise_host::workers::Workers::new(counterpoise_host::stages::ProgressDisplay::Quiet);
+    let workers =
+        counterpoise_host::workers::ProgressPool::new(counterpoise_host::stages::ProgressDisplay::Quiet);
     for k in 0..60 {
         session.apply(&gain(4 * k)).unwrap();
         let project: Arc<Project> = Arc::clone(session.project().unwrap());
@@ -131,11 +132,11 @@ fn long_recordings_are_panned_and_zoomed() {
 fn stacked(ui: &mut egui::Ui, channels: &[Arc<MinMaxPyramid>]) {
     for (k, pyramid) in channels.iter().enumerate() {
         let mut chart = Chart::new(&format!("channel {k}"), "time, s", "value").with_group("recording");
-        chart = chart.with_any_curve(Curve {
+        chart = chart.with_any_curve(ChartCurve {
             name: "measured".to_owned(),
             points: CurvePoints::Many(Arc::clone(pyramid), 1.0),
             colour: DARK.curves[k % 4],
-            dash: Dash::Solid,
+            dash: LineDash::Solid,
         });
         let style = ChartStyle { theme: &DARK, scope: "" };
         show_chart(ui, &chart, style, egui::vec2(1260.0, 96.0));

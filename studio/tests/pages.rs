@@ -6,7 +6,7 @@ use crate::common;
 use std::sync::Arc;
 
 use common::{filed, rig, settle, studio, whole_rig};
-use counterpoise_host::files::{Folder, Native, read_project};
+use counterpoise_host::files::{NativeDisk, ProjectFolder, read_project};
 use counterpoise_pipeline as pipeline;
 use counterpoise_studio::command::{Command, DesignSlot, Page};
 use counterpoise_studio::main_window;
@@ -53,9 +53,9 @@ fn a_design_made_in_the_window_exports_the_bytes_of_the_command_line() {
     settle(&mut window);
     window.run(&Command::Save);
     filed(&mut window);
-    let (text, _) = read_project(&Native, &folder.join("project.toml")).unwrap();
+    let (text, _) = read_project(&NativeDisk, &folder.join("project.toml")).unwrap();
     let project = counterpoise_project::Project::parse(&text, "project.toml").unwrap().project;
-    let made = pipeline::run_stages(&project, &Folder(folder.clone())).unwrap();
+    let made = pipeline::run_stages(&project, &ProjectFolder(folder.clone())).unwrap();
     for file in &made.files {
         let written = std::fs::read_to_string(folder.join("out").join(&file.name)).unwrap();
         assert_eq!(written, file.text, "{}", file.name);

@@ -8,11 +8,11 @@ use std::sync::Arc;
 
 use common::{settle, studio};
 use counterpoise_controller::{Readings, SampledController};
-use counterpoise_host::worker::Token;
+use counterpoise_host::worker::CancelToken;
 use counterpoise_host::{files, projects};
 use counterpoise_pipeline::model;
 use counterpoise_pipeline::recordings::read::{loop_of, recording_controller};
-use counterpoise_pipeline::recordings::{Gaps, ReplayLength, diagnose, read_files, replay};
+use counterpoise_pipeline::recordings::{GapTreatment, ReplayLength, diagnose, read_files, replay};
 use counterpoise_project::{Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_report::wording::answer::describe_diagnosed_recordings;
@@ -40,12 +40,12 @@ fn both_ways(folder: &Path, paths: Vec<PathBuf>) -> [String; 2] {
     let controller = recording_controller(&project).unwrap();
     let controller = controller.as_ref();
     let files = projects::read_recordings(&paths).unwrap();
-    let read = read_files(&project, controller, &files, Gaps::Repaired).unwrap();
+    let read = read_files(&project, controller, &files, GapTreatment::Repaired).unwrap();
     let expected = replay(&project, &read, &loop_of(&project, controller), ReplayLength::Automatic).unwrap();
     let expected: Vec<_> = expected.iter().map(describe_replay).collect();
     let project = Arc::new(project);
     let ask = ReplayRequest { project, folder: folder.to_owned(), paths, improved: None };
-    let seen = replay_files(&ask, &Token::default()).unwrap().views;
+    let seen = replay_files(&ask, &CancelToken::default()).unwrap().views;
     let found: Vec<_> = seen.iter().map(|one| one.fit.clone().unwrap()).collect();
     assert!(!found.is_empty());
     [json(&found), json(&expected)]
@@ -104,7 +104,7 @@ fn recorded(project: &Project) -> String {
     };
     let mut control = Sines { amplitude_v: 0.5, sample: 0.0, period_s };
     let history = Simulator::new(&plant).unwrap().run(&mut control, &scenario).unwrap();
-    excerpt(&history.readings.recording("run", period_s), history.readings.control_v.len())
+    excerpt(&history.readings.recording("run", period_s), history.readings.control_v().len())
 }
 
 /// Every other example, on a recording that its own machine made.
@@ -132,7 +132,7 @@ fn a_recording_without_the_demand_does_not_change_how_the_others_are_replayed() 
     let scratch = files::scratch_folder().unwrap();
     let project = projects::load_project(&folder, Purpose::Replay).unwrap().project;
     let file = projects::read_recordings(&[folder.join("triangle.parquet")]).unwrap();
-    let mut whole = read_files(&project, None, &file, Gaps::AsWritten).unwrap().remove(0).recording;
+    let mut whole = read_files(&project, None, &file, GapTreatment::AsWritten).unwrap().remove(0).recording;
     let written = |name: &str, recording: &Recording| {
         let path = scratch.path().join(name);
         files::write_file(&path, excerpt(recording, 1500).as_bytes()).unwrap();
@@ -172,15 +172,15 @@ fn a_replay_in_the_studio_says_if_another_project_exported_the_controller() {
     let project = projects::load_project(&folder, Purpose::Model).unwrap().project;
     let source = example("left-out-friction").join("triangle.parquet");
     let file = projects::read_recordings(&[source]).unwrap();
-    let recorded = read_files(&project, None, &file, Gaps::AsWritten).unwrap();
+    let recorded = read_files(&project, None, &file, GapTreatment::AsWritten).unwrap();
     files::write_file(&folder.join("start.csv"), excerpt(&recorded[0].recording, 1500).as_bytes()).unwrap();
     let paths = vec![folder.join("start.csv")];
     let ask =
         ReplayRequest { project: Arc::new(project.clone()), folder: folder.clone(), paths, improved: None };
-    let views = replay_files(&ask, &Token::default()).unwrap().views;
+    let views = replay_files(&ask, &CancelToken::default()).unwrap().views;
     let other = counterpoise_pipeline::recordings::controller_origin::other_export(
         &project,
-        &files::Folder(folder.clone()),
+        &files::ProjectFolder(folder.clone()),
     );
     let note = counterpoise_report::wording::recordings::describe_other_export(&other.unwrap());
     assert!(note.contains("0123"), "{note}");
@@ -210,12 +210,13 @@ fn a_diagnosis_in_the_studio_is_the_diagnosis_of_the_command_line() {
     let source = example("left-out-friction");
     let project = projects::load_project(&source, Purpose::Model).unwrap().project;
     let files = projects::read_recordings(&[source.join("triangle.parquet")]).unwrap();
-    let whole = read_files(&project, None, &files, Gaps::AsWritten).unwrap();
+    let whole = read_files(&project, None, &files, GapTreatment::AsWritten).unwrap();
     files::write_file(&folder.join("project.toml"), &std::fs::read(source.join("project.toml")).unwrap())
         .unwrap();
     files::write_file(&folder.join("start.csv"), excerpt(&whole[0].recording, 1500).as_bytes()).unwrap();
     let paths = vec![folder.join("start.csv")];
-    let workers = counterpoise_host::workers::Workers::new(counterpoise_host::stages::ProgressDisplay::Quiet);
+    let workers =
+        counterpoise_host::workers::ProgressPool::new(counterpoise_host::stages::ProgressDisplay::Quiet);
     let expected = diagnose(&project, &projects::read_recordings(&paths).unwrap(), &workers).unwrap();
     let mut window = studio(&folder);
     settle(&mut window);

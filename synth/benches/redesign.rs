@@ -8,7 +8,7 @@ use common::{rig, weights};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, append};
 use counterpoise_synth::{
-    DesignPlant, Sampling, SamplingMethod, design, discretise, figures, stabilisation_error,
+    DesignPlant, Sampling, SamplingMethod, design, discretise, sampled_loop_figures, stabilisation_error,
 };
 use criterion::{Criterion, criterion_group, criterion_main};
 
@@ -47,7 +47,7 @@ fn redesign(plant: &DesignPlant, method: SamplingMethod) -> f64 {
     let design = design(plant, &weights()).unwrap();
     let sampling = Sampling { method, ..Sampling::new(1e-3, 10.0) };
     let sampled = discretise(&design, &sampling).unwrap();
-    let found = figures(plant, &sampled, &sampling, [1.26, 12.6]).unwrap();
+    let found = sampled_loop_figures(plant, &sampled, &sampling, [1.26, 12.6]).unwrap();
     let errors =
         [counterpoise_synth::DisturbanceChannel::Heave, counterpoise_synth::DisturbanceChannel::Pitch]
             .map(|channel| stabilisation_error(plant, &design, channel, 1.0).unwrap());

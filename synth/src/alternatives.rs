@@ -9,14 +9,14 @@ use counterpoise_lti::{StateSpace, Timebase, append, series};
 use crate::error_feedback::from_demand_and_reading;
 use crate::tolerance::{ALTERNATIVE_BOUND, SLOWEST_RAD_S};
 use crate::{
-    DesignPlant, Error, FeedbackWeights, Generalised, Reference, StateOrigin, Weight, feedback, h2syn,
+    DesignPlant, Error, FeedbackWeights, Generalised, Reference, StateOrigin, Weight, design_feedback, h2syn,
     hinfsyn, lqg_ltr,
 };
 
 /// Which method made a controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SynthesisMethod {
-    /// The structured H2 design of [`feedback()`].
+    /// The structured H2 design of [`design_feedback()`].
     ThreePart,
     /// Textbook H2 on the generalised plant, observer and weights in one: [`h2syn()`].
     JointH2,
@@ -43,14 +43,14 @@ pub struct Alternative {
 ///
 /// # Errors
 /// [`Error`] for weights without realisation; without solution [`Error::Refused`].
-pub fn alternative(
+pub fn design_alternative(
     plant: &DesignPlant,
     weights: &FeedbackWeights,
     method: SynthesisMethod,
 ) -> Result<Alternative, Error> {
     match method {
         SynthesisMethod::ThreePart => {
-            let part = feedback(plant, weights, Reference::Error)?;
+            let part = design_feedback(plant, weights, Reference::Error)?;
             let norm = part.cost.achieved.map(f64::sqrt);
             let controller = part.controller.select(&[0], &[0, 1]);
             Ok(Alternative { method, controller, norm, on_generalised: None })

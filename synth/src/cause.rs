@@ -1,6 +1,6 @@
 //! What can be wrong with a design's problem, with its numbers.
 
-use counterpoise_linalg::C64;
+use counterpoise_linalg::{C64, Reason};
 
 use crate::bandwidth::BandwidthLimit;
 
@@ -67,7 +67,7 @@ pub enum Cause {
     /// A spectral density that is not positive where it must be.
     Density {
         /// Which.
-        what: &'static str,
+        of: StatedDensity,
         /// Its value.
         value: f64,
     },
@@ -133,14 +133,14 @@ pub enum Cause {
         /// What does not meet it.
         from: HiddenFrom,
         /// The block that it lives in.
-        block: String,
+        block: ModeBlock,
     },
     /// A matrix equation without a stabilising solution.
     Equation {
         /// Which equation.
-        what: &'static str,
+        equation: DesignEquation,
         /// Why.
-        reason: String,
+        reason: Reason,
     },
     /// A control without weight: D12 lacks full column rank.
     ControlUnweighed {
@@ -174,6 +174,47 @@ pub enum Cause {
         /// Sample period, s.
         period_s: f64,
     },
+}
+
+/// A spectral density that a designer states.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StatedDensity {
+    /// Of the noise of the measured signal.
+    MeasurementNoise,
+    /// Of the fictitious noise of loop recovery.
+    LoopRecovery,
+    /// Of a disturbance.
+    Disturbance,
+    /// Of the noise of the sensor that measures a disturbance.
+    DisturbanceSensorNoise,
+}
+
+/// A matrix equation that a design solves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DesignEquation {
+    /// The Riccati equation of the regulator.
+    Regulator,
+    /// That of the filter.
+    Filter,
+    /// That of the regulator in sampled time.
+    SampledRegulator,
+    /// That of the filter in sampled time.
+    SampledFilter,
+    /// That of the filter which sees the sensors of several disturbances together.
+    JointFilter,
+    /// That of the filter of a measured disturbance.
+    DisturbanceFilter,
+}
+
+/// The block of a generalised plant in which a mode lives.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ModeBlock {
+    /// A block that has a name.
+    Named(String),
+    /// Without names: the state with most of the mode, from 1.
+    State(usize),
+    /// The plant has no states.
+    Plant,
 }
 
 /// What does not meet a mode.

@@ -5,7 +5,7 @@ use counterpoise_linalg::C64;
 use counterpoise_lti::{StateSpace, h2norm};
 
 use crate::Error;
-use crate::cause::Cause;
+use crate::cause::{Cause, DesignEquation};
 use crate::finding::{DesignFinding, Part};
 
 /// How well a Riccati equation was solved.
@@ -56,15 +56,15 @@ impl From<linalg::Riccati> for Equation {
 
 /// Returns the solution of a Riccati equation, or refuses with the finding that says why there is none.
 pub(crate) fn riccati(
-    what: &'static str,
+    equation: DesignEquation,
     part: Part,
     outcome: linalg::Outcome<linalg::Riccati>,
 ) -> Result<linalg::Riccati, Error> {
     match outcome {
         linalg::Outcome::Solved(solution) => Ok(solution),
         linalg::Outcome::Infeasible(reason) => {
-            let finding = DesignFinding::refusal(part, Cause::Equation { what, reason: reason.to_string() });
             let rate = mode_of(&reason).map(|mode| mode.norm());
+            let finding = DesignFinding::refusal(part, Cause::Equation { equation, reason });
             Err(Error::refusal(vec![match rate {
                 Some(rate) => finding.at(rate),
                 None => finding,

@@ -5,11 +5,13 @@ use counterpoise_lti::{StateSpace, Timebase, append, series};
 
 use crate::cascade::with_position_loop;
 use crate::cause::Cause;
+use crate::finding::WeightRole;
 use crate::preflight::gain::Gain;
 use crate::tolerance::{SLOWEST_RAD_S, ZERO_GAIN};
 use crate::{
     Assembly, DesignFinding, DesignPlant, DisturbanceChannel, Error, Feedback, Feedforward, FeedforwardBasis,
-    FeedforwardWeights, JointOptimum, Specification, Weight, feedback, feedforward, joint_optimum, preflight,
+    FeedforwardWeights, JointOptimum, Specification, Weight, design_feedback, design_feedforward,
+    joint_optimum, preflight,
 };
 
 /// A designed controller, continuous, with its certificates.
@@ -39,7 +41,7 @@ pub struct Design {
 /// The weights are those of the rate loop if the plant has one ([`DesignPlant::rate_loop`]); the position loop is then put around its
 /// feedback.
 ///
-/// The steps: [`preflight()`] (refusals end here, before any equation is solved), [`feedback()`], [`feedforward()`] for
+/// The steps: [`preflight()`] (refusals end here, before any equation is solved), [`design_feedback()`], [`design_feedforward()`] for
 /// heave and pitch. The three are independent of each other: each source of disturbance has its own weights.
 ///
 /// # Errors
@@ -51,7 +53,7 @@ pub fn design(plant: &DesignPlant, specification: &Specification) -> Result<Desi
     if findings.iter().any(DesignFinding::is_refusal) {
         return Err(Error::refusal(findings));
     }
-    let feedback = feedback(plant, &specification.feedback, specification.reference)?;
+    let feedback = design_feedback(plant, &specification.feedback, specification.reference)?;
     let substitute = with_position_loop(whole, &feedback.controller, specification.position_gain)?;
     let (mut parts, mut warnings, mut solvable) = ([None, None], findings, specification.clone());
     for (part, channel) in parts.iter_mut().zip([DisturbanceChannel::Heave, DisturbanceChannel::Pitch]) {
@@ -60,12 +62,12 @@ pub fn design(plant: &DesignPlant, specification: &Specification) -> Result<Desi
             continue;
         }
         *part = Some(match weights.basis {
-            FeedforwardBasis::OpenLoop => feedforward(plant, weights, channel)?,
+            FeedforwardBasis::OpenLoop => design_feedforward(plant, weights, channel)?,
             FeedforwardBasis::ClosedLoop => {
                 let closed = with_feedback(plant, &feedback)?;
                 let (seen, warning) = with_control_seen(&closed, weights, channel)?;
                 warnings.extend(warning);
-                let solved = feedforward(&closed, &seen, channel)?;
+                let solved = design_feedforward(&closed, &seen, channel)?;
                 solvable.set_feedforward(channel, seen);
                 solved
             }
@@ -104,7 +106,7 @@ fn with_control_seen(
     let finding =
         DesignFinding::warning(channel.into(), Cause::FreeControlUnseen { moved_rad_s: SLOWEST_RAD_S });
     let control = Weight::ZeroPoleGain { zeros: rational.zeros, poles: rational.poles, gain: rational.gain };
-    let warning = finding.with_weight("control weight", &weights.control).at(rate);
+    let warning = finding.with_weight(WeightRole::Control, &weights.control).at(rate);
     Ok((FeedforwardWeights { control, ..weights.clone() }, Some(warning)))
 }
 

@@ -13,7 +13,7 @@ use crate::{Assembly, Design, DisturbanceChannel, Error, Reference};
 
 /// Returns the design as a sampled controller.
 ///
-/// Each path is discretised or designed anew ([`SamplingMethod`]), brought to the form asked for ([`Form`]: by default the one whose coefficients may be rounded) and
+/// Each path is discretised or designed anew ([`SamplingMethod`]), brought to the form asked for ([`RealisationForm`](counterpoise_controller::sensitivity::RealisationForm): by default the one whose coefficients may be rounded) and
 /// given an anti-windup gain. What comes out is checked: the loop of the *discrete* controller around the plant with its
 /// sensor under a zero-order hold must be stable.
 ///

@@ -16,6 +16,7 @@ use counterpoise_linalg::{C64, Mat, Riccati, care, eigenvalues};
 use counterpoise_lti::{StateSpace, Timebase};
 
 use crate::augmented_plant::Augmented;
+use crate::cause::DesignEquation;
 use crate::certificate::{Cost, Equation, mean_square, riccati};
 use crate::finding::Part;
 use crate::{DesignPlant, Error, FeedbackWeights, Reference};
@@ -58,7 +59,7 @@ struct Problem {
 /// # Errors
 /// [`Error`] for a plant or weights that do not make a problem. A problem without a solution is
 /// [`Error::Refused`].
-pub fn feedback(
+pub fn design_feedback(
     plant: &DesignPlant,
     weights: &FeedbackWeights,
     reference: Reference,
@@ -82,19 +83,19 @@ pub fn feedback(
     })
 }
 
-/// The observer's gain L of [`feedback`], which the weights on error and control do not change.
+/// The observer's gain L of [`design_feedback`], which the weights on error and control do not change.
 ///
 /// # Errors
-/// As [`feedback`].
+/// As [`design_feedback`].
 pub(crate) fn observer_gain(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Mat, Error> {
     Ok(problem(plant, weights)?.filter(weights.measurement_noise)?.F.t())
 }
 
-/// The controller of [`feedback`] from (demand, measured rate) to (control, weighted control) with a given observer's gain, and without
+/// The controller of [`design_feedback`] from (demand, measured rate) to (control, weighted control) with a given observer's gain, and without
 /// the certificates.
 ///
 /// # Errors
-/// As [`feedback`].
+/// As [`design_feedback`].
 pub(crate) fn controller_with_observer(
     plant: &DesignPlant,
     weights: &FeedbackWeights,
@@ -137,13 +138,13 @@ impl Problem {
     fn regulator(&self) -> Result<Riccati, Error> {
         let (A, B, C) = (self.core.state(), self.core.input(), self.core.output());
         let solution = care(&A, &B, &(&C.t() * &C), &Mat::eye(1), None)?;
-        riccati("the regulator's equation", Part::Feedback, solution)
+        riccati(DesignEquation::Regulator, Part::Feedback, solution)
     }
 
     fn filter(&self, density: f64) -> Result<Riccati, Error> {
         let (V, W) = (Mat::eye(1).scale(density), &self.Gw * &self.Gw.t());
         let solution = care(&self.core.A.t(), &self.core.C.t(), &W, &V, None)?;
-        riccati("the filter's equation", Part::Feedback, solution)
+        riccati(DesignEquation::Filter, Part::Feedback, solution)
     }
 
     /// x_p' = A x_p + B u + L (y - C x_p), x_e' = A_e x_e + B_e (r - y), x_u' = A_u x_u + B_u v, u = C_u x_u + D_u v.

@@ -39,10 +39,10 @@ pub struct FigureSystems {
     pub controller: StateSpace,
 }
 
-/// Returns the systems on which [`figures`] measures a loop.
+/// Returns the systems on which [`sampled_loop_figures`] measures a loop.
 ///
 /// # Errors
-/// As [`figures`].
+/// As [`sampled_loop_figures`].
 pub fn figure_systems(
     plant: &DesignPlant,
     sampled: &Sampled,
@@ -50,7 +50,7 @@ pub fn figure_systems(
 ) -> Result<FigureSystems, Error> {
     Ok(FigureSystems {
         broken: sampled.loop_gain.clone(),
-        plant: held(plant, sampling)?,
+        plant: hold_system(plant, sampling)?,
         controller: controller(sampled, sampling)?,
     })
 }
@@ -64,7 +64,7 @@ pub(crate) const BAND_POINTS: usize = 24;
 ///
 /// # Errors
 /// [`Error`] where the plant is not one, or a decomposition fails.
-pub fn figures(
+pub fn sampled_loop_figures(
     plant: &DesignPlant,
     sampled: &Sampled,
     sampling: &Sampling,
@@ -86,7 +86,7 @@ pub fn figures(
 }
 
 /// Measured and true rate from the held control.
-fn held(plant: &DesignPlant, sampling: &Sampling) -> Result<StateSpace, Error> {
+fn hold_system(plant: &DesignPlant, sampling: &Sampling) -> Result<StateSpace, Error> {
     let undelayed = DesignPlant { pade_order: 0, ..plant.clone() };
     let seen = undelayed.measured_plant()?.select(&[0, 1 + plant.rate], &[plant.control]);
     Ok(c2d(&seen, sampling.period_s, Discretisation::ZeroOrderHold)?)
@@ -124,7 +124,7 @@ pub(crate) fn reachable_states(A: &Mat, mut from: Vec<usize>) -> Vec<usize> {
 
 /// Peak of the true rate and of the control after a unit step of the demand.
 fn step(plant: &DesignPlant, sampled: &Sampled, sampling: &Sampling) -> Result<(f64, f64), Error> {
-    let (P, K) = (held(plant, sampling)?, controller(sampled, sampling)?);
+    let (P, K) = (hold_system(plant, sampling)?, controller(sampled, sampling)?);
     let (mut x, mut q) = (Mat::zeros(P.order(), 1), Mat::zeros(K.order(), 1));
     let (mut peak, mut largest) = (0.0_f64, 0.0_f64);
     for _ in 0..(STEP_S / sampling.period_s).ceil() as usize {
@@ -139,7 +139,7 @@ fn step(plant: &DesignPlant, sampled: &Sampled, sampling: &Sampling) -> Result<(
 }
 
 fn noise_gain(plant: &DesignPlant, sampled: &Sampled, sampling: &Sampling) -> Result<f64, Error> {
-    let seen = held(plant, sampling)?.select(&[0], &[0]);
+    let seen = hold_system(plant, sampling)?.select(&[0], &[0]);
     let K = controller(sampled, sampling)?.select(&[0], &[1]);
     Ok(h2norm(&counterpoise_lti::feedback(&K, &seen.negate())?)?)
 }

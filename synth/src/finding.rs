@@ -38,6 +38,26 @@ impl From<DisturbanceChannel> for Part {
     }
 }
 
+/// What a weight weighs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WeightRole {
+    /// The error.
+    Error,
+    /// The control.
+    Control,
+    /// Nothing: it generates the spectrum of a disturbance.
+    Generator,
+}
+
+/// A weight that a finding concerns.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ConcernedWeight {
+    /// What it weighs.
+    pub role: WeightRole,
+    /// Its formula in s.
+    pub formula: String,
+}
+
 /// One thing that stands in a design's way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignFinding {
@@ -45,8 +65,8 @@ pub struct DesignFinding {
     pub severity: FindingSeverity,
     /// Which part is concerned.
     pub part: Part,
-    /// The weight that is concerned, as role and formula.
-    pub weight: Option<String>,
+    /// The weight that is concerned.
+    pub weight: Option<ConcernedWeight>,
     /// The frequency that is concerned, rad/s; infinite for "at high frequency".
     pub rate_rad_s: Option<f64>,
     /// What is wrong.
@@ -65,8 +85,8 @@ impl DesignFinding {
     }
 
     /// Returns the finding with the weight named.
-    pub fn with_weight(self, role: &str, weight: &impl fmt::Display) -> Self {
-        Self { weight: Some(format!("{role} {weight}")), ..self }
+    pub fn with_weight(self, role: WeightRole, weight: &impl fmt::Display) -> Self {
+        Self { weight: Some(ConcernedWeight { role, formula: weight.to_string() }), ..self }
     }
 
     /// Returns the finding with the frequency named.

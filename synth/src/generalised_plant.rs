@@ -6,6 +6,7 @@ use counterpoise_lti::{NamedSystem, StateSpace, Timebase, connect, lft};
 
 use crate::Error;
 use crate::cause::Cause;
+use crate::cause::ModeBlock;
 use crate::finding::{DesignFinding, Part};
 use crate::tolerance::{FULL_RANK, SAME_SHARE};
 
@@ -80,22 +81,22 @@ pub(crate) struct Blocks {
 }
 
 impl Blocks {
-    /// Returns the name of the block with most of a direction, of which the moduli are given, an entry a state; without names the
+    /// Returns the block with most of a direction, of which the moduli are given, an entry a state; without names the
     /// state with most of it.
-    pub fn block_of(&self, moduli: &[f64]) -> String {
-        let mut shares: Vec<(f64, String)> = Vec::new();
+    pub fn block_of(&self, moduli: &[f64]) -> ModeBlock {
+        let mut shares: Vec<(f64, ModeBlock)> = Vec::new();
         let mut from = 0;
         for origin in &self.origins {
             let share: f64 = moduli.iter().skip(from).take(origin.states).map(|x| x * x).sum();
-            shares.push((share, origin.block.clone()));
+            shares.push((share, ModeBlock::Named(origin.block.clone())));
             from += origin.states;
         }
         let unnamed = moduli.iter().enumerate().skip(from);
-        shares.extend(unnamed.map(|(k, x)| (x * x, format!("state {}", k + 1))));
+        shares.extend(unnamed.map(|(k, x)| (x * x, ModeBlock::State(k + 1))));
         // Of equal shares, a block that is there twice say, the first.
         let largest = shares.iter().map(|share| share.0).fold(0.0, f64::max);
         let most = shares.into_iter().find(|share| share.0 >= largest * (1.0 - SAME_SHARE));
-        most.map_or_else(|| "the plant".to_owned(), |share| share.1)
+        most.map_or(ModeBlock::Plant, |share| share.1)
     }
 
     /// Returns a controller whose states estimate the scaled states, with states that estimate the plant's own: exact.

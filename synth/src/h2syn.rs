@@ -5,10 +5,11 @@ use counterpoise_lti::{StateSpace, Timebase, h2norm};
 
 use crate::Error;
 use crate::cause::Cause;
+use crate::cause::DesignEquation;
 use crate::certificate::Equation;
 use crate::finding::{DesignFinding, Part};
 use crate::generalised_plant::{Blocks, Generalised, absorb_direct_path};
-use crate::origin::{Of, require_solution};
+use crate::origin::require_solution;
 
 /// An H2 controller with its certificates.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,8 +56,8 @@ pub fn h2syn(plant: &Generalised) -> Result<H2, Error> {
     let (SX, SY) = (&P.C1.t() * &P.D12, &P.B1 * &P.D21.t());
     let X = care(&P.A, &P.B2, &(&P.C1.t() * &P.C1), &R, Some(&SX))?;
     let Y = care(&P.A.t(), &P.C2.t(), &(&P.B1 * &P.B1.t()), &V, Some(&SY))?;
-    let X = require_solution(&P, Of::Regulator, X)?;
-    let Y = require_solution(&P, Of::Filter, Y)?;
+    let X = require_solution(&P, DesignEquation::Regulator, X)?;
+    let Y = require_solution(&P, DesignEquation::Filter, Y)?;
     let (F, L) = (X.F.clone(), Y.F.t());
     let square = (&P.B1.t() * &(&X.X * &P.B1)).trace() + (&R * &(&F * &(&Y.X * &F.t()))).trace();
     let controller = absorb_direct_path(P.convert_to_plant_states(observer(&P, &F, &L)?), &P.D22)?;

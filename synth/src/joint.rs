@@ -6,7 +6,7 @@
 //!     z = (H_q e, v, combination),   u = H_r^-1 v     the feedback's weights, on every disturbance at once
 //! ```
 //!
-//! The states of the weights are computed inside the controller and known exactly, as in [`crate::feedback()`]: an
+//! The states of the weights are computed inside the controller and known exactly, as in [`crate::design_feedback()`]: an
 //! integrating error weight needs no far pole, an improper control weight no approximation. The regulator's equation is
 //! that of the feedback; the disturbances' share follows from a Sylvester equation; one filter estimates plant and
 //! disturbances from all sensors together, so each of them informs every part.
@@ -16,6 +16,7 @@ use counterpoise_linalg::{C64, Mat, care, eigenvalues, sylvester};
 use counterpoise_lti::{StateSpace, Timebase};
 
 use crate::augmented_plant::Augmented;
+use crate::cause::DesignEquation;
 use crate::certificate::{Cost, Equation, mean_square, riccati};
 use crate::feedforward::with_derivatives;
 use crate::finding::Part;
@@ -72,7 +73,7 @@ pub fn joint_optimum(plant: &DesignPlant, specification: &Specification) -> Resu
     let (n, f) = (problem.core.A.nrows(), problem.motions());
     let (A, B, C) = (problem.core.state(), problem.core.input(), problem.core.output());
     let solved = care(&A, &B, &(&C.t() * &C), &Mat::eye(1), None)?;
-    let regulator = riccati("the regulator's equation", Part::Feedback, solved)?;
+    let regulator = riccati(DesignEquation::Regulator, Part::Feedback, solved)?;
     let entering = problem.entering();
     let settled = (&A - &(&B * &regulator.F)).t();
     let of_motions = problem.A.block(n, n, f, f);
@@ -81,7 +82,7 @@ pub fn joint_optimum(plant: &DesignPlant, specification: &Specification) -> Resu
     let V = Mat::diag(&problem.noises);
     let W = &problem.G * &problem.G.t();
     let solved = care(&problem.A.t(), &problem.C.t(), &W, &V, None)?;
-    let filter = riccati("the equation of the joint filter", Part::Feedback, solved)?;
+    let filter = riccati(DesignEquation::JointFilter, Part::Feedback, solved)?;
     let (F, L) = (regulator.F.hstack(&(&B.t() * &X_f)), filter.F.t());
     let controller = problem.controller(&F, &L)?;
     let closed = problem.closed(&controller, &vec![1.0; problem.noises.len()])?;

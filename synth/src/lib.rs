@@ -12,7 +12,7 @@
 //! - whether it can be had: [`preflight`](mod@preflight), [`finding`], [`cause`], [`refusal`], [`error`];
 //! - the design: [`feedback`](mod@feedback), [`error_feedback`] (one that sees the error alone), [`cascade`], [`feedforward`](mod@feedforward), [`design`](mod@design), [`certificate`],
 //!   [`joint`] optimum of all parts, [`residual`], [`total_cost`](mod@total_cost);
-//! - [`first_design`](mod@first_design): weights chosen for the highest [`bandwidth`] that the loop allows, on the processors at hand ([`parallel_run`]);
+//! - [`first_design`](mod@first_design): weights chosen for the highest [`bandwidth`] that the loop allows, on the processors at hand;
 //! - in sampled time: [`sampling`], [`discretise`](mod@discretise), [`ramp`];
 //! - around it: [`schedule`](mod@schedule) over out-of-balance with its [`scheduled_controller`], [`figures`](mod@figures),
 //!   [`requirements`] and [`search`](mod@search) from requirements to weights, [`observer`] of friction, [`adaptation`];
@@ -38,7 +38,7 @@
 //!     disturbances: vec![VectorEntry::new(1, 1.0)],
 //!     loop_recovery: 0.0,
 //! };
-//! let part = feedback(&plant, &weights, Reference::Error)?;
+//! let part = design_feedback(&plant, &weights, Reference::Error)?;
 //! assert!(part.closed_loop.iter().all(|pole| pole.re < 0.0));
 //! assert!(part.cost.relative_difference().is_some_and(|difference| difference < 1e-6));
 //! # Ok::<(), Error>(())
@@ -73,7 +73,6 @@ pub mod lqg;
 mod normal_form;
 pub mod observer;
 mod origin;
-pub mod parallel_run;
 pub mod plant;
 pub mod preflight;
 pub mod ramp;
@@ -95,19 +94,19 @@ pub mod tuning;
 pub mod weight;
 
 pub use adaptation::{Adaptive, Estimation, Recursive, RecursiveSettings, WindowedMean};
-pub use alternatives::{Alternative, SynthesisMethod, alternative};
+pub use alternatives::{Alternative, SynthesisMethod, design_alternative};
 pub use bandwidth::{Bandwidth, BandwidthLimit, LimitKind, Unknown};
 pub use best_loop::{BestLoop, BestLoopTask, best_loop};
-pub use cause::{Cause, HiddenFrom};
+pub use cause::{Cause, DesignEquation, HiddenFrom, ModeBlock, StatedDensity};
 pub use certificate::{Certified, Cost, Equation};
 pub use channel::DisturbanceChannel;
 pub use design::{Design, design};
 pub use discretise::discretise;
 pub use error::{Error, attempt};
-pub use feedback::{Feedback, feedback};
-pub use feedforward::{Feedforward, feedforward};
-pub use figures::{FigureSystems, Figures, figure_systems, figures};
-pub use finding::{DesignFinding, FindingSeverity, Part};
+pub use feedback::{Feedback, design_feedback};
+pub use feedforward::{Feedforward, design_feedforward};
+pub use figures::{FigureSystems, Figures, figure_systems, sampled_loop_figures};
+pub use finding::{ConcernedWeight, DesignFinding, FindingSeverity, Part, WeightRole};
 pub use first_design::{
     Circumstances, ControlLimit, ExpectedMotion, FirstDesign, LimitLoops, LoopJudgement, RequiredMargins,
     first_design, first_design_on,
@@ -119,7 +118,6 @@ pub use hinfsyn::{HInfinity, hinfsyn};
 pub use joint::{JointOptimum, joint_optimum};
 pub use lqg::{Gain, Recovered, kalman, lqg_ltr, lqr, observer_controller};
 pub use observer::{Drive, Drives, FrictionSide, ObservedFriction, friction_observers};
-pub use parallel_run::ParallelRun;
 pub use plant::{DesignPlant, LateReading, RateLoop};
 pub use preflight::preflight;
 pub use ramp::control_of_ramp;
@@ -128,9 +126,9 @@ pub use refusal::Refusal;
 pub use requirements::{BandSpectrum, Requirements};
 pub use residual::{Weighed, error_at, stabilisation_error};
 pub use sampling::{Sampled, Sampling, SamplingMethod, check_sampled_loop, sampled_loop, sampled_plant};
-pub use schedule::{Conditions, Configuration, HeaveFeedforwardLaw, ScheduleEntry, schedule};
+pub use schedule::{Conditions, Configuration, HeaveFeedforwardLaw, ScheduleEntry, design_schedule};
 pub use scheduled_controller::discretise_schedule;
-pub use search::{Ended, SearchResult, SearchTask, SearchTrial, search, trade_off};
+pub use search::{Ended, SearchResult, SearchTask, SearchTrial, search_specification, trade_off};
 pub use specification::{
     Assembly, DisturbanceKnowledge, FeedbackWeights, FeedforwardBasis, FeedforwardWeights, Reference,
     Specification,
@@ -139,6 +137,6 @@ pub use table::{Fit, TablePoint, fit_table};
 pub use total_cost::{SourceCost, TotalCost, total_cost};
 pub use tuning::{
     Disturbance, LoopLimits, LoopMeasures, Tuned, TunedFeedback, TuningSubject, TuningTask,
-    measure_controller, tune,
+    measure_controller, tune_parameters,
 };
 pub use weight::Weight;

@@ -4,6 +4,7 @@ use counterpoise_linalg::{C64, Mat, Riccati, care, dare};
 use counterpoise_lti::{StateSpace, Timebase, series};
 
 use crate::Error;
+use crate::cause::DesignEquation;
 use crate::certificate::{Equation, riccati};
 use crate::finding::Part;
 
@@ -33,7 +34,7 @@ pub fn lqr(g: &StateSpace, Q: &Mat, R: &Mat, N: Option<&Mat>) -> Result<Gain, Er
         Timebase::Continuous => care(&g.A, &g.B, Q, R, N)?,
         Timebase::Discrete { .. } => dare(&g.A, &g.B, Q, R, N)?,
     };
-    named("the regulator's equation", solved, |F| F)
+    named(DesignEquation::Regulator, solved, |F| F)
 }
 
 /// Returns the observer of x' = A x + w, y = C x + v with covariances W of w and V of v; in discrete time the gain of the
@@ -47,15 +48,15 @@ pub fn kalman(g: &StateSpace, W: &Mat, V: &Mat) -> Result<Gain, Error> {
         Timebase::Continuous => care(&A, &C, W, V, None)?,
         Timebase::Discrete { .. } => dare(&A, &C, W, V, None)?,
     };
-    named("the filter's equation", solved, |F| F.t())
+    named(DesignEquation::Filter, solved, |F| F.t())
 }
 
 fn named(
-    what: &'static str,
+    equation: DesignEquation,
     solved: counterpoise_linalg::Outcome<Riccati>,
     shape: impl Fn(Mat) -> Mat,
 ) -> Result<Gain, Error> {
-    let solution = riccati(what, Part::Generalised, solved)?;
+    let solution = riccati(equation, Part::Generalised, solved)?;
     Ok(Gain { gain: shape(solution.F.clone()), X: solution.X.clone(), equation: solution.into() })
 }
 

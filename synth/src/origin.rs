@@ -4,57 +4,39 @@ use counterpoise_linalg as linalg;
 use counterpoise_linalg::{C64, CMat, Mat, Reason, csvd};
 
 use crate::Error;
-use crate::cause::{Cause, HiddenFrom};
+use crate::cause::{Cause, DesignEquation, HiddenFrom};
 use crate::finding::{DesignFinding, Part};
 use crate::generalised_plant::Blocks;
-
-/// Which of the two equations of an output-feedback design.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Of {
-    /// The state feedback's.
-    Regulator,
-    /// The observer's.
-    Filter,
-}
-
-impl Of {
-    fn text(self) -> &'static str {
-        match self {
-            Of::Regulator => "the regulator's equation",
-            Of::Filter => "the filter's equation",
-        }
-    }
-}
 
 /// The solution of one of the two equations, or the finding with the mode that is in the way and the block it lives in.
 pub(crate) fn require_solution(
     P: &Blocks,
-    of: Of,
+    equation: DesignEquation,
     outcome: linalg::Outcome<linalg::Riccati>,
 ) -> Result<linalg::Riccati, Error> {
     let reason = match outcome {
         linalg::Outcome::Solved(solution) => return Ok(solution),
         linalg::Outcome::Infeasible(reason) => reason,
     };
+    let side = |regulator, filter| if equation == DesignEquation::Regulator { regulator } else { filter };
     let (cause, rate) = match reason {
         Reason::Uncontrollable { mode, distance } => {
-            let from = if of == Of::Regulator { HiddenFrom::Control } else { HiddenFrom::Measurement };
+            let from = side(HiddenFrom::Control, HiddenFrom::Measurement);
             (hidden(P, mode, distance, from)?, Some(mode.norm()))
         }
         Reason::Unobservable { mode, distance } => {
-            let from = if of == Of::Regulator { HiddenFrom::Cost } else { HiddenFrom::Noise };
-            (hidden(P, mode, distance, from)?, Some(mode.norm()))
+            (hidden(P, mode, distance, side(HiddenFrom::Cost, HiddenFrom::Noise))?, Some(mode.norm()))
         }
-        Reason::OnBoundary { eigenvalue, .. } => (unsolved(of, &reason), Some(eigenvalue.norm())),
-        Reason::Inaccurate { hardest, .. } => (unsolved(of, &reason), hardest.map(|(mode, _)| mode.norm())),
-        Reason::NoGraph | Reason::SingularWeight { .. } => (unsolved(of, &reason), None),
+        Reason::OnBoundary { eigenvalue, .. } => {
+            (Cause::Equation { equation, reason }, Some(eigenvalue.norm()))
+        }
+        Reason::Inaccurate { hardest, .. } => {
+            (Cause::Equation { equation, reason }, hardest.map(|(mode, _)| mode.norm()))
+        }
+        Reason::NoGraph | Reason::SingularWeight { .. } => (Cause::Equation { equation, reason }, None),
     };
     let finding = DesignFinding { rate_rad_s: rate, ..DesignFinding::refusal(Part::Generalised, cause) };
     Err(Error::refusal(vec![finding]))
-}
-
-fn unsolved(of: Of, reason: &Reason) -> Cause {
-    Cause::Equation { what: of.text(), reason: reason.to_string() }
 }
 
 fn hidden(P: &Blocks, mode: C64, distance: f64, from: HiddenFrom) -> Result<Cause, Error> {

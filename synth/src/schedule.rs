@@ -106,7 +106,7 @@ pub struct ScheduleEntry {
 ///
 /// # Errors
 /// [`Error`] for plants that do not match the nominal one; [`Error::Refused`] for a configuration without solution.
-pub fn schedule(
+pub fn design_schedule(
     nominal: &Configuration,
     others: &[Configuration],
     specification: &Specification,

@@ -2,7 +2,7 @@
 //! they go towards rejection.
 
 use crate::error::attempt;
-use crate::figures::{BAND_POINTS, Figures, figures, rejection};
+use crate::figures::{BAND_POINTS, Figures, rejection, sampled_loop_figures};
 use crate::tolerance::LEAST_GAIN;
 use crate::{
     DesignPlant, Error, Reference, Requirements, Sampling, Specification, Weight, design, discretise,
@@ -73,7 +73,7 @@ const KNOBS: usize = 4;
 ///
 /// # Errors
 /// [`Error`] for a plant or sampling that is none. If not even the start can be designed: [`Error::Refused`].
-pub fn search(
+pub fn search_specification(
     task: &SearchTask<'_>,
     go_on: &mut dyn FnMut(&SearchTrial) -> bool,
 ) -> Result<SearchResult, Error> {
@@ -116,7 +116,7 @@ pub fn search(
 /// misses. `go_on` is asked before each trial; once it says no, every search ends with its first.
 ///
 /// # Errors
-/// As [`search`].
+/// As [`search_specification`].
 pub fn trade_off(
     task: &SearchTask<'_>,
     ms_limits: &[f64],
@@ -128,7 +128,8 @@ pub fn trade_off(
         let before = curve.last().map(|found| found.best.specification.clone());
         let mut best: Option<SearchResult> = None;
         for from in before.iter().chain([task.start]) {
-            let found = search(&SearchTask { start: from, requirements: &limited, ..*task }, go_on)?;
+            let found =
+                search_specification(&SearchTask { start: from, requirements: &limited, ..*task }, go_on)?;
             if best.as_ref().is_none_or(|other| merit(&found.best) < merit(&other.best)) {
                 best = Some(found);
             }
@@ -191,7 +192,7 @@ impl Problem<'_> {
         let designed = design(self.plant, &specification)?;
         let sampled = discretise(&designed, self.sampling)?;
         let band = self.requirements.band_rad_s;
-        let of_all = figures(self.plant, &sampled, self.sampling, band)?;
+        let of_all = sampled_loop_figures(self.plant, &sampled, self.sampling, band)?;
         let figures = Figures { rejection: rejection(&sampled.loop_gain, band, &self.powers)?, ..of_all };
         let missed = self.requirements.total_shortfall(&figures);
         Ok(SearchTrial { specification, figures, missed })

@@ -5,6 +5,7 @@ use counterpoise_linalg::{Mat, Riccati, dare, dlyap, eigenvalues};
 use counterpoise_lti::StateSpace;
 
 use crate::Error;
+use crate::cause::DesignEquation;
 use crate::certificate::riccati;
 use crate::finding::Part;
 
@@ -132,7 +133,7 @@ impl Stage {
     pub fn regulator(&self, part: Part) -> Result<Riccati, Error> {
         let (Q, R, S) = self.costs();
         let solved = dare(&self.A, &self.B, &Q, &R, Some(&S))?;
-        riccati("the regulator's equation in sampled time", part, solved)
+        riccati(DesignEquation::SampledRegulator, part, solved)
     }
 
     /// Returns the mean cost of a period that the equations predict: under q = -F x of what is known, which innovations drive
@@ -194,7 +195,7 @@ pub(crate) fn stationary(A: &Mat, W: &Mat) -> Result<Option<Mat>, Error> {
 pub(crate) fn filter(A: &Mat, noise: &SampledNoise, part: Part) -> Result<Riccati, Error> {
     let V = Mat::eye(1).scale(noise.measurement);
     let solved: linalg::Outcome<Riccati> = dare(&A.t(), &noise.reading.t(), &noise.process, &V, None)?;
-    riccati("the filter's equation in sampled time", part, solved)
+    riccati(DesignEquation::SampledFilter, part, solved)
 }
 
 /// Y - Y C' (C Y C' + V)^-1 C Y, the gain Y C' (C Y C' + V)^-1 and C Y C' + V.

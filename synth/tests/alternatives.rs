@@ -7,7 +7,8 @@ use common::{rig, thesis_weights};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase, h2norm, hinfnorm, poles, response::response_at, series};
 use counterpoise_synth::{
-    Alternative, Gain, SynthesisMethod, alternative, alternatives::generalised_plant, kalman, lqg_ltr, lqr,
+    Alternative, Gain, SynthesisMethod, alternatives::generalised_plant, design_alternative, kalman, lqg_ltr,
+    lqr,
 };
 
 fn double_integrator(timebase: Timebase) -> StateSpace {
@@ -76,7 +77,7 @@ fn recovery_brings_the_loop_to_its_target() {
 #[test]
 fn the_joint_textbook_design_is_the_three_part_one() {
     let (plant, weights) = (rig(), thesis_weights().feedback);
-    let made = |method| alternative(&plant, &weights, method).unwrap();
+    let made = |method| design_alternative(&plant, &weights, method).unwrap();
     let (three, joint) = (made(SynthesisMethod::ThreePart), made(SynthesisMethod::JointH2));
     for rate in [0.5, 5.0, 30.0, 200.0, 1000.0] {
         let [a, b] =
@@ -102,7 +103,7 @@ fn every_method_makes_a_stable_loop_and_each_is_best_in_its_own_norm() {
         SynthesisMethod::HInfinity,
     ];
     for method in methods {
-        let part = alternative(&plant, &weights, method).unwrap();
+        let part = design_alternative(&plant, &weights, method).unwrap();
         let K = part.controller.select(&[0], &[0]);
         let open = series(&K, &seen).unwrap();
         let one = StateSpace::gain(Mat::eye(1), Timebase::Continuous).unwrap();

@@ -5,7 +5,7 @@
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{NamedSystem, SignalTerm, StateSpace, Timebase, poles, series};
 use counterpoise_synth::{
-    Cause, Error, Generalised, HiddenFrom, NamedBlock, Ports, StateOrigin, h2syn, hinfsyn,
+    Cause, Error, Generalised, HiddenFrom, ModeBlock, NamedBlock, Ports, StateOrigin, h2syn, hinfsyn,
 };
 
 const CONTINUOUS: Timebase = Timebase::Continuous;
@@ -77,7 +77,7 @@ fn blocks_stacked_with_a_plant_each_are_refused_with_the_mode_that_is_there_thri
     for found in [causes(&h2syn(&plant).err().unwrap()), causes(&hinfsyn(&plant, 1e-3).err().unwrap())] {
         assert!(
             found.iter().any(
-                |cause| matches!(cause, Cause::ModeHidden { mode, from: HiddenFrom::Control, block, .. }
+                |cause| matches!(cause, Cause::ModeHidden { mode, from: HiddenFrom::Control, block: ModeBlock::Named(block), .. }
                 if (mode - 2.0).norm() < 1e-6 && block.starts_with("copy"))
             ),
             "{found:?}"

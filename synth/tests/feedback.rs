@@ -4,7 +4,7 @@
 use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase, poles, response::response_at};
-use counterpoise_synth::{DesignPlant, Feedback, FeedbackWeights, Reference, Weight, feedback};
+use counterpoise_synth::{DesignPlant, Feedback, FeedbackWeights, Reference, Weight, design_feedback};
 
 fn system(A: &[&[f64]], B: &[&[f64]], C: &[&[f64]]) -> StateSpace {
     let (A, B, C) = (Mat::from_rows(A), Mat::from_rows(B), Mat::from_rows(C));
@@ -59,7 +59,7 @@ fn the_scalar_problem_has_its_closed_form() {
             disturbances: vec![VectorEntry::new(1, 1.0)],
             loop_recovery: 0.0,
         };
-        let part = feedback(&plant, &weights, Reference::Error).unwrap();
+        let part = design_feedback(&plant, &weights, Reference::Error).unwrap();
         for cost in [part.cost.predicted, part.cost.achieved] {
             assert!((cost.unwrap() / expected - 1.0).abs() < 1e-11, "a = {a}: {cost:?}, not {expected}");
         }
@@ -93,7 +93,7 @@ fn doyle_s_gain_margins_are_as_printed() {
             disturbances: vec![VectorEntry::new(1, q)],
             loop_recovery: 0.0,
         };
-        let part = feedback(&plant, &weights, Reference::Error).unwrap();
+        let part = design_feedback(&plant, &weights, Reference::Error).unwrap();
         let d = 2.0 + (4.0 + q).sqrt();
         assert!((part.F[(0, 0)] - d).abs() < 1e-9 * d && (part.L[(0, 0)] - d).abs() < 1e-9 * d);
         let edges = [(low, true), (high, false)];
@@ -129,7 +129,7 @@ fn predicted_cost_is_the_achieved_one_with_every_kind_of_weight() {
     for error in &errors {
         for control in &controls {
             let weights = FeedbackWeights { error: error.clone(), control: control.clone(), ..weights() };
-            let part = feedback(&servo(), &weights, Reference::Error).unwrap();
+            let part = design_feedback(&servo(), &weights, Reference::Error).unwrap();
             let difference = part.cost.relative_difference().unwrap();
             assert!(difference < 1e-8, "{error}, {control}: {:?}", part.cost);
             assert!(part.regulator.relative_residual < 1e-10 && part.filter.relative_residual < 1e-10);
@@ -140,7 +140,7 @@ fn predicted_cost_is_the_achieved_one_with_every_kind_of_weight() {
 
 #[test]
 fn the_closed_loop_has_the_regulator_s_and_the_filter_s_poles() {
-    let part = feedback(&servo(), &weights(), Reference::Error).unwrap();
+    let part = design_feedback(&servo(), &weights(), Reference::Error).unwrap();
     let expected: Vec<C64> = [part.regulator.spectrum.clone(), part.filter.spectrum.clone()].concat();
     assert_eq!(part.closed_loop.len(), expected.len());
     for pole in &part.closed_loop {
@@ -152,7 +152,7 @@ fn the_closed_loop_has_the_regulator_s_and_the_filter_s_poles() {
 #[test]
 fn the_weighted_control_is_the_weight_times_the_control_that_the_controller_gives() {
     let weights = weights();
-    let part = feedback(&servo(), &weights, Reference::Error).unwrap();
+    let part = design_feedback(&servo(), &weights, Reference::Error).unwrap();
     for rate in [0.5, 20.0, 300.0] {
         let K = response_at(&part.controller, rate).unwrap();
         let (u, v) = (K[(0, 1)], K[(1, 1)]);
@@ -165,7 +165,7 @@ fn the_weighted_control_is_the_weight_times_the_control_that_the_controller_give
 #[test]
 fn the_cost_is_the_integral_of_the_weighted_spectra() {
     let (plant, weights) = (servo(), weights());
-    let part = feedback(&plant, &weights, Reference::Error).unwrap();
+    let part = design_feedback(&plant, &weights, Reference::Error).unwrap();
     let seen = plant.measured_plant().unwrap().select(&[0], &[0, 1]);
     let K = part.controller.select(&[0], &[1]);
     let spectrum = |rate: f64| {
@@ -192,7 +192,7 @@ fn the_cost_is_the_integral_of_the_weighted_spectra() {
 fn integral_action_leaves_no_steady_error_even_when_the_plant_is_not_as_modelled() {
     let (plant, weights) = (servo(), weights());
     for reference in [Reference::Error, Reference::WeightOnly] {
-        let part = feedback(&plant, &weights, reference).unwrap();
+        let part = design_feedback(&plant, &weights, reference).unwrap();
         let seen = plant.measured_plant().unwrap().select(&[0], &[0]).scale_io(&[1.2], &[1.0]).unwrap();
         let K = part.controller.select(&[0], &[0, 1]);
         let (G, K) = (response_at(&seen, 1e-6).unwrap()[(0, 0)], response_at(&K, 1e-6).unwrap());

@@ -5,7 +5,7 @@ use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase, poles, response::response_at};
 use counterpoise_synth::{
     DesignPlant, DisturbanceChannel, DisturbanceKnowledge, FeedforwardBasis, FeedforwardWeights, Weight,
-    feedforward,
+    design_feedforward,
 };
 use rustfft::num_complex::Complex;
 
@@ -115,7 +115,7 @@ fn wiener_hopf(
 #[test]
 fn the_module_is_the_wiener_hopf_solution() {
     let (plant, weights) = (plant(1.0), weights(DisturbanceKnowledge::Exact));
-    let part = feedforward(&plant, &weights, DisturbanceChannel::Heave).unwrap();
+    let part = design_feedforward(&plant, &weights, DisturbanceChannel::Heave).unwrap();
     let c = 20.0;
     let rates = circle(1 << 14, c);
     let expected = wiener_hopf(&plant, &weights, &rates, c);
@@ -137,7 +137,7 @@ fn predicted_cost_is_the_achieved_one() {
     for knowledge in [DisturbanceKnowledge::Exact, DisturbanceKnowledge::Measured { noise: 1e-3 }] {
         let mut plant = plant(1.0);
         plant.heave_sensor = Some(sensor.realise().unwrap());
-        let part = feedforward(&plant, &weights(knowledge), DisturbanceChannel::Heave).unwrap();
+        let part = design_feedforward(&plant, &weights(knowledge), DisturbanceChannel::Heave).unwrap();
         assert!(part.cost.relative_difference().unwrap() < 1e-9, "{knowledge:?}: {:?}", part.cost);
         assert!(part.sylvester_residual < 1e-12);
         assert!(poles(&part.module).unwrap().iter().all(|pole| pole.re < 0.0));
@@ -147,7 +147,7 @@ fn predicted_cost_is_the_achieved_one() {
 #[test]
 fn less_noise_costs_less_and_exact_knowledge_least() {
     let cost = |knowledge| {
-        let part = feedforward(&plant(1.0), &weights(knowledge), DisturbanceChannel::Heave).unwrap();
+        let part = design_feedforward(&plant(1.0), &weights(knowledge), DisturbanceChannel::Heave).unwrap();
         part.cost.predicted.unwrap()
     };
     let exact = cost(DisturbanceKnowledge::Exact);
@@ -173,14 +173,14 @@ fn pitch_uses_the_derivative_through_a_smooth_generator() {
         control: free,
         ..weights(DisturbanceKnowledge::Measured { noise: 1e-4 })
     };
-    let part = feedforward(&plant(1.0), &weights, DisturbanceChannel::Pitch).unwrap();
+    let part = design_feedforward(&plant(1.0), &weights, DisturbanceChannel::Pitch).unwrap();
     assert!(part.cost.relative_difference().unwrap() < 1e-9, "{:?}", part.cost);
     // Steady control is free, so drag is cancelled, but for what filter and generator make of a signal that lasts.
     let at = |input: usize| response_at(&plant(1.0).system, 0.0).unwrap()[(0, input)].re;
     let perfect = -at(2) / at(0);
     assert!((part.dc_gain / perfect - 1.0).abs() < 0.02, "{} and {perfect}", part.dc_gain);
     let exact = FeedforwardWeights { knowledge: DisturbanceKnowledge::Exact, ..weights };
-    let part = feedforward(&plant(1.0), &exact, DisturbanceChannel::Pitch).unwrap();
+    let part = design_feedforward(&plant(1.0), &exact, DisturbanceChannel::Pitch).unwrap();
     assert!(part.cost.relative_difference().unwrap() < 1e-9, "{:?}", part.cost);
     assert!((part.dc_gain / perfect - 1.0).abs() < 2e-3, "{} and {perfect}", part.dc_gain);
 }
@@ -193,7 +193,7 @@ fn steady_heave_is_held_exactly_as_the_control_weight_goes_to_zero() {
     for gain in [1.0, 1e-1, 1e-2, 1e-3, 1e-4] {
         let control = Weight::Quadratic { gain, second_s2: 1e-3, first_s: 4e-2 };
         let weights = FeedforwardWeights { control, ..weights(DisturbanceKnowledge::Exact) };
-        let part = feedforward(&plant(1.0), &weights, DisturbanceChannel::Heave).unwrap();
+        let part = design_feedforward(&plant(1.0), &weights, DisturbanceChannel::Heave).unwrap();
         let difference = (part.dc_gain / perfect - 1.0).abs();
         assert!(difference < last, "{gain}: {difference} after {last}");
         last = difference;
@@ -204,7 +204,8 @@ fn steady_heave_is_held_exactly_as_the_control_weight_goes_to_zero() {
 #[test]
 fn the_module_is_linear_in_the_out_of_balance() {
     for knowledge in [DisturbanceKnowledge::Exact, DisturbanceKnowledge::Measured { noise: 1e-3 }] {
-        let part = |m: f64| feedforward(&plant(m), &weights(knowledge), DisturbanceChannel::Heave).unwrap();
+        let part =
+            |m: f64| design_feedforward(&plant(m), &weights(knowledge), DisturbanceChannel::Heave).unwrap();
         let (one, half) = (part(1.0), part(0.37));
         for rate in [0.0, 1.0, 10.0, 100.0] {
             let (a, b) = (

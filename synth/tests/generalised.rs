@@ -3,7 +3,9 @@
 
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase, append, h2norm, hinfnorm, series};
-use counterpoise_synth::{Cause, Error, Generalised, H2, HInfinity, HiddenFrom, Weight, h2syn, hinfsyn};
+use counterpoise_synth::{
+    Cause, Error, Generalised, H2, HInfinity, HiddenFrom, ModeBlock, Weight, h2syn, hinfsyn,
+};
 
 fn rows(rows: &[&[f64]]) -> Mat {
     Mat::from_rows(rows)
@@ -194,7 +196,7 @@ fn broken_conditions_are_named() {
     let outcome = h2syn(&unreachable).unwrap_err();
     let is_hidden = |error: &Error| match &error.findings()[0].cause {
         Cause::ModeHidden { mode, from: HiddenFrom::Control, block, .. } => {
-            (mode - 1.0).norm() < 1e-6 && block == "state 1"
+            (mode - 1.0).norm() < 1e-6 && *block == ModeBlock::State(1)
         }
         _ => false,
     };

@@ -5,8 +5,8 @@ use crate::common;
 
 use common::{rig, weights};
 use counterpoise_synth::{
-    Assembly, DisturbanceKnowledge, FeedforwardWeights, Sampling, Specification, design, discretise,
-    feedback, joint_optimum,
+    Assembly, DisturbanceKnowledge, FeedforwardWeights, Sampling, Specification, design, design_feedback,
+    discretise, joint_optimum,
 };
 
 /// Predicted and achieved cost agree, the loop is stable, and no gain of a part lowers the cost.
@@ -26,7 +26,7 @@ fn the_joint_optimum_is_certified() {
 fn without_motions_it_is_the_feedback() {
     let specification = Specification { heave: None, pitch: None, ..weights() };
     let joint = joint_optimum(&rig(), &specification).unwrap();
-    let alone = feedback(&rig(), &specification.feedback, specification.reference).unwrap();
+    let alone = design_feedback(&rig(), &specification.feedback, specification.reference).unwrap();
     let (a, b) = (joint.cost.achieved.unwrap(), alone.cost.achieved.unwrap());
     assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
     assert!((&joint.controller.A - &alone.controller.A).norm_fro() < 1e-9 * alone.controller.A.norm_fro());

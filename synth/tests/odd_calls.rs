@@ -118,11 +118,13 @@ fn from_plants(seed: u64, rig: &DesignPlant) -> Vec<&'static str> {
     let calls: Vec<Call> = vec![
         // Its answer is a list of refusals, which quote the numbers that they refuse.
         ("preflight", Box::new(|| drop(preflight(&plant, &weights)))),
-        ("feedback", Box::new(|| judge(feedback(&plant, &weights.feedback, weights.reference)))),
+        ("feedback", Box::new(|| judge(design_feedback(&plant, &weights.feedback, weights.reference)))),
         (
             "feedforward",
             Box::new(|| {
-                judge(weights.heave.as_ref().map(|w| feedforward(&plant, w, DisturbanceChannel::Heave)))
+                judge(
+                    weights.heave.as_ref().map(|w| design_feedforward(&plant, w, DisturbanceChannel::Heave)),
+                )
             }),
         ),
         ("design", Box::new(|| judge(design(&plant, &weights).map(|made| discretise(&made, &sampling))))),

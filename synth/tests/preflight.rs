@@ -8,7 +8,7 @@ use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_synth::{
     Cause, DesignFinding, DesignPlant, DisturbanceKnowledge, FindingSeverity, Part, Reference, Specification,
-    Weight, design, preflight,
+    StatedDensity, Weight, WeightRole, design, preflight,
 };
 
 fn pair(re: f64, im: f64) -> Vec<C64> {
@@ -47,7 +47,7 @@ fn an_integrating_weight_on_a_plant_with_a_zero_at_the_origin() {
     let refused = refusals(&washed_out(), |_| ());
     assert!(matches!(refused[0].cause, Cause::PlantZeroAtErrorPole { .. }));
     assert_eq!((refused[0].part, refused[0].rate_rad_s), (Part::Feedback, Some(0.0)));
-    assert!(refused[0].weight.as_ref().unwrap().starts_with("error weight"));
+    assert!(refused[0].weight.as_ref().unwrap().role == WeightRole::Error);
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn weights_that_are_void_or_not_numbers() {
 fn noises_that_are_none() {
     for noise in [0.0, -1.0, f64::NAN] {
         let refused = refusals(&rig(), |s| s.feedback.measurement_noise = noise);
-        assert!(matches!(refused[0].cause, Cause::Density { what: "the measurement noise", .. }));
+        assert!(matches!(refused[0].cause, Cause::Density { of: StatedDensity::MeasurementNoise, .. }));
     }
     let refused = refusals(&rig(), |s| {
         s.heave.as_mut().unwrap().knowledge = DisturbanceKnowledge::Measured { noise: 0.0 }
@@ -259,7 +259,8 @@ fn warnings_do_not_stand_in_the_way() {
 fn a_finding_names_the_weight_and_the_frequency() {
     let refused =
         refusals(&washed_out(), |s| s.feedback.error = Weight::Integral { gain: 200.0, time_s: 1.0 });
-    assert_eq!(refused[0].weight.as_deref(), Some("error weight 200 / (1 s)"));
+    let weight = refused[0].weight.as_ref().unwrap();
+    assert_eq!((weight.role, weight.formula.as_str()), (WeightRole::Error, "200 / (1 s)"));
     assert_eq!((refused[0].part, refused[0].rate_rad_s), (Part::Feedback, Some(0.0)));
 }
 

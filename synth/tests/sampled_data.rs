@@ -116,7 +116,7 @@ fn at_a_coarse_period_the_design_holds_where_conversion_does_not() {
         let design = feedback_alone(period_s);
         let sampling = sampling(period_s, 0, method);
         let solved = discretise(&design, &sampling).ok();
-        solved.map(|made| figures(&design.plant, &made, &sampling, [1.26, 12.6]).unwrap())
+        solved.map(|made| sampled_loop_figures(&design.plant, &made, &sampling, [1.26, 12.6]).unwrap())
     };
     let fine = [SamplingMethod::TUSTIN, SamplingMethod::SampledData].map(|method| of(1e-3, method).unwrap());
     println!("{fine:?}");

@@ -8,7 +8,7 @@ use counterpoise_lti::response::response_at;
 use counterpoise_models::reference;
 use counterpoise_synth::{
     Configuration, Design, DisturbanceChannel, HeaveFeedforwardLaw, Sampling, ScheduleEntry, design,
-    discretise_schedule, schedule, stabilisation_error,
+    design_schedule, discretise_schedule, stabilisation_error,
 };
 
 fn nominal() -> Configuration {
@@ -36,7 +36,7 @@ fn same_inertia(factor: f64) -> Configuration {
 }
 
 fn entries(others: &[Configuration]) -> Vec<ScheduleEntry> {
-    schedule(&nominal(), others, &weights()).unwrap()
+    design_schedule(&nominal(), others, &weights()).unwrap()
 }
 
 fn base() -> Design {

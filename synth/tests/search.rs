@@ -9,14 +9,14 @@ use counterpoise_lti::{StateSpace, Timebase};
 use common::{rig, thesis_weights, weights};
 use counterpoise_synth::{
     BandSpectrum, Design, DisturbanceChannel, Ended, Error, Requirements, Sampling, SearchResult, SearchTask,
-    Specification, Weight, design, search, stabilisation_error, trade_off,
+    Specification, Weight, design, search_specification, stabilisation_error, trade_off,
 };
 
 fn found(start: &Specification, requirements: &Requirements, most: usize) -> SearchResult {
     let sampling = Sampling::new(1e-3, 10.0);
     let plant = rig();
     let task = SearchTask { plant: &plant, start, requirements, sampling: &sampling, most_trials: most };
-    search(&task, &mut |_| true).unwrap()
+    search_specification(&task, &mut |_| true).unwrap()
 }
 
 #[test]
@@ -57,7 +57,7 @@ fn a_search_can_be_stopped_and_is_bounded() {
         sampling: &sampling,
         most_trials: 1000,
     };
-    let stopped = search(&task, &mut go_on).unwrap();
+    let stopped = search_specification(&task, &mut go_on).unwrap();
     assert_eq!((stopped.ended, stopped.trials), (Ended::Stopped, 5));
     assert_eq!(found(&weights(), &requirements, 9).ended, Ended::OutOfTrials);
 }
@@ -112,7 +112,7 @@ fn rejection_of_the_expected_motion_is_the_share_of_its_rate_that_is_left() {
         sampling: &sampling,
         most_trials: 1,
     };
-    let none = search(&task, &mut |_| true);
+    let none = search_specification(&task, &mut |_| true);
     assert!(matches!(none, Err(Error::System { what: "search by the expected motion", .. })), "{none:?}");
 }
 

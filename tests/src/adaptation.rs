@@ -1,8 +1,10 @@
 //! Random mechanisms with the default adaptation: its trials, each against the same controller without it.
 
-use counterpoise_pipeline::studies::adaptation_trials::{Bands, Load, Motion, TrialRow, own_trials};
+use counterpoise_pipeline::studies::adaptation_trials::{
+    HoldBands, TrialLoad, TrialMotion, TrialRow, own_trials,
+};
 use counterpoise_pipeline::{model, project_procedure, reduce, synthesise};
-use counterpoise_project::{Attachments, Document, Project, Setting};
+use counterpoise_project::{Attachments, Document, Project, SettingValue};
 
 use crate::sealed::Dice;
 use crate::workspace::root;
@@ -20,7 +22,7 @@ pub struct Case {
     /// What was drawn, in words.
     pub drawn: String,
     /// Where the default acts; `None` if it is none.
-    pub bands: Option<Bands>,
+    pub bands: Option<HoldBands>,
     pub rows: Vec<TrialRow>,
     pub is_refused: bool,
 }
@@ -38,8 +40,9 @@ impl Case {
 
     /// Returns the least share removed of what a changed load adds on road and multisine; `None` if it adds too little to tell.
     pub fn least_removed(&self) -> Option<f64> {
-        let changed =
-            |row: &&TrialRow| matches!(row.load, Load::Sudden | Load::Slow) && row.motion != Motion::Sines;
+        let changed = |row: &&TrialRow| {
+            matches!(row.load, TrialLoad::Sudden | TrialLoad::Slow) && row.motion != TrialMotion::Sines
+        };
         self.rows.iter().filter(changed).filter_map(TrialRow::removed_share).min_by(f64::total_cmp)
     }
 
@@ -101,16 +104,16 @@ fn drawn(document: Document, seed: u64) -> Option<(Document, String)> {
         document = document.remove(section).unwrap_or(document);
     }
     for (key, value) in values {
-        document = document.set(key, &Setting::Number(value)).ok()?;
+        document = document.set(key, &SettingValue::Number(value)).ok()?;
     }
     if !has_gravity {
         words.push("no gravity".to_owned());
-        document = document.set("plant.gravity", &Setting::Number(0.0)).ok()?;
+        document = document.set("plant.gravity", &SettingValue::Number(0.0)).ok()?;
     }
     if observes {
         words.push("observer".to_owned());
-        document = document.set("synth.observer.share", &Setting::Number(0.9)).ok()?;
+        document = document.set("synth.observer.share", &SettingValue::Number(0.9)).ok()?;
     }
-    document = document.set("synth.adaptation.method", &Setting::Text("recursive".to_owned())).ok()?;
+    document = document.set("synth.adaptation.method", &SettingValue::Text("recursive".to_owned())).ok()?;
     Some((document, words.join(", ")))
 }

@@ -10,8 +10,8 @@ use counterpoise_pipeline::studies::certificate::certify_controller;
 use counterpoise_pipeline::{model, reduce, synthesise};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{
-    Adaptation, AdaptationMethod, AdaptationUse, FrictionModel, ObserverOptions, ScheduleLaw,
-    ScheduleOptions, Trial,
+    AdaptationMethod, AdaptationOptions, AdaptationRuns, AdaptationUse, FrictionModel, ObserverOptions,
+    ScheduleLaw, ScheduleOptions,
 };
 use counterpoise_synth::{Drives, Weight};
 use counterpoise_verify::Procedure;
@@ -204,11 +204,11 @@ fn schedule(law: ScheduleLaw) -> ScheduleOptions {
     ScheduleOptions { configurations: Vec::new(), factors: vec![0.5, 1.4], law }
 }
 
-fn adaptation(which: usize) -> Adaptation {
+fn adaptation(which: usize) -> AdaptationOptions {
     let method =
         [AdaptationMethod::Gradient, AdaptationMethod::WindowedMean, AdaptationMethod::Recursive][which];
-    let trial = Trial { duration_s: 20.0, changes: vec![1.0], amplifier_curve: Vec::new() };
-    Adaptation {
+    let trial = AdaptationRuns { duration_s: 20.0, changes: vec![1.0], amplifier_curve: Vec::new() };
+    AdaptationOptions {
         method,
         window_s: 2.0,
         memory_s: 2.0,

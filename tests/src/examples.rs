@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock};
 
-use counterpoise_pipeline::{Modelled, Synthesised, model, reduce, synthesise, verify};
+use counterpoise_pipeline::{PlantModel, SynthesisedDesign, model, reduce, synthesise, verify};
 use counterpoise_project::{Attachments, Diagnostic, Document, Project, Purpose};
 use counterpoise_verify::VerifiedController;
 
@@ -96,9 +96,9 @@ pub struct Designed {
     /// The project, with everything decided that its file leaves to the program.
     pub project: Project,
     /// The plant.
-    pub modelled: Modelled,
+    pub modelled: PlantModel,
     /// The design and its sampled controller.
-    pub made: Synthesised,
+    pub made: SynthesisedDesign,
 }
 
 /// What this program has computed of each example; several suites ask for it, and the first one computes it.

@@ -7,12 +7,12 @@ use std::path::Path;
 use counterpoise_controller::Controller;
 use counterpoise_diagnose::diagnose;
 use counterpoise_diagnose::findings::answer::{Answer, DiagnosisVerdict};
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::recordings::read::recording_controller;
 use counterpoise_pipeline::{ProjectIdentity, model, reduce, synthesise};
-use counterpoise_project::{Attachments, Document, Project, Setting};
+use counterpoise_pool::Pool;
+use counterpoise_project::{Attachments, Document, Project, SettingValue};
 use counterpoise_simulate::replay::{RecordedController, ReplayLoop};
 
 use crate::sealed::row::{offers, recordings};
@@ -53,7 +53,7 @@ pub fn document(out_of_balance_kg_m: Option<f64>) -> Document {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/reference-rig/project.toml");
     let document = Document::from_bytes(&fs::read(file).unwrap(), "project.toml").unwrap();
     match out_of_balance_kg_m {
-        Some(value) => document.set("plant.lumped.out_of_balance", &Setting::Number(value)).unwrap(),
+        Some(value) => document.set("plant.lumped.out_of_balance", &SettingValue::Number(value)).unwrap(),
         None => document,
     }
 }
@@ -73,8 +73,8 @@ pub fn controller_file(project: &Project, controller: &Controller) -> String {
 /// Returns the controller of the recordings, read from its file by a project that names it.
 pub fn from_file(document: &Document, text: &str) -> RecordedController {
     let named = document
-        .set("recording_controller.kind", &Setting::Text("exported".to_owned()))
-        .and_then(|it| it.set("recording_controller.file", &Setting::Text("controller.json".to_owned())))
+        .set("recording_controller.kind", &SettingValue::Text("exported".to_owned()))
+        .and_then(|it| it.set("recording_controller.file", &SettingValue::Text("controller.json".to_owned())))
         .unwrap();
     let files = Attachments::none().with("controller.json", text.as_bytes().to_vec());
     let project = Project::resolve(&named, &files).unwrap().project;

@@ -7,8 +7,8 @@
 
 use std::path::PathBuf;
 
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_pipeline::World;
+use counterpoise_pool::Pool;
 use counterpoise_project::Project;
 
 pub mod adaptation;

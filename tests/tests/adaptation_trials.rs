@@ -6,9 +6,11 @@ use std::path::PathBuf;
 
 use counterpoise_pipeline::exchange::verified_loop;
 use counterpoise_pipeline::results::VerifyResult;
-use counterpoise_pipeline::studies::adaptation_trials::{Load, Motion, Trials, own_trials};
+use counterpoise_pipeline::studies::adaptation_trials::{
+    AdaptationTrials, TrialLoad, TrialMotion, own_trials,
+};
 use counterpoise_pipeline::{model, project_procedure, reduce, synthesise, verify};
-use counterpoise_project::{Attachments, Document, Project, Setting};
+use counterpoise_project::{Attachments, Document, Project, SettingValue};
 use counterpoise_tests::adaptation::trial;
 use counterpoise_tests::workspace::root;
 use counterpoise_tests::{Beside, decide_choices};
@@ -23,13 +25,13 @@ fn folder() -> PathBuf {
 /// The reference rig with a friction observer and a method of adaptation.
 fn adapting(method: &str) -> Project {
     let document = Document::from_bytes(&fs::read(folder().join("project.toml")).unwrap(), "p").unwrap();
-    let set = |document: Document, key: &str, value: Setting| document.set(key, &value).unwrap();
-    let document = set(document, "synth.observer.share", Setting::Number(0.9));
-    let document = set(document, "synth.adaptation.method", Setting::Text(method.to_owned()));
+    let set = |document: Document, key: &str, value: SettingValue| document.set(key, &value).unwrap();
+    let document = set(document, "synth.observer.share", SettingValue::Number(0.9));
+    let document = set(document, "synth.adaptation.method", SettingValue::Text(method.to_owned()));
     Project::resolve(&document, &Attachments::none()).unwrap().project
 }
 
-fn trials(project: &Project) -> (Trials, VerifyResult) {
+fn trials(project: &Project) -> (AdaptationTrials, VerifyResult) {
     let modelled = model(project).unwrap();
     let made = synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap();
     let beside = Beside(folder());
@@ -49,7 +51,7 @@ fn the_default_is_nowhere_worse_than_none_and_removes_what_a_changed_load_adds()
     assert!(tried.refused.is_empty() && result.adaptation_trials.is_some());
     for row in &tried.rows {
         assert!(row.with_rad_s <= row.without_rad_s, "{row:?}");
-        if matches!(row.load, Load::Sudden | Load::Slow) && row.motion != Motion::Sines {
+        if matches!(row.load, TrialLoad::Sudden | TrialLoad::Slow) && row.motion != TrialMotion::Sines {
             assert!(row.removed_share().unwrap() >= REMOVED, "{row:?}");
         }
     }
@@ -69,7 +71,7 @@ fn the_default_stands_still_where_friction_decides() {
         let case = trial(seed, 0).unwrap();
         assert_eq!(case.bands.is_some(), acts, "{case:?}");
         assert!(case.is_never_worse() && case.removes_enough() && !case.is_refused, "{case:?}");
-        let on_road = case.rows.iter().filter(|row| row.motion == Motion::Road);
+        let on_road = case.rows.iter().filter(|row| row.motion == TrialMotion::Road);
         for row in on_road {
             assert_eq!(row.with_rad_s.to_bits(), row.without_rad_s.to_bits(), "{row:?}");
         }
@@ -93,9 +95,9 @@ fn adapting_by_default((name, observes): (&str, bool)) -> (Project, Beside) {
     for section in ["synth.adaptation", "synth.schedule", "synth.observer"] {
         document = document.remove(section).unwrap_or(document);
     }
-    document = document.set("synth.adaptation.method", &Setting::Text("recursive".to_owned())).unwrap();
+    document = document.set("synth.adaptation.method", &SettingValue::Text("recursive".to_owned())).unwrap();
     if observes {
-        document = document.set("synth.observer.share", &Setting::Number(0.9)).unwrap();
+        document = document.set("synth.observer.share", &SettingValue::Number(0.9)).unwrap();
     }
     let beside = Beside(file.parent().unwrap().to_owned());
     let project = Project::resolve(&document, &Attachments::none()).unwrap().project;
@@ -124,7 +126,8 @@ fn the_default_is_nowhere_worse_than_none_on_every_project_or_is_refused_there()
             let removed = row.removed_share();
             let named = format!("{case:?} {:?} {:?}", row.motion, row.load);
             println!("{named}: none {without:.3}, adapted {with:.3}, told {told:.3}, removed {removed:.2?}");
-            let changed = matches!(row.load, Load::Sudden | Load::Slow) && row.motion != Motion::Sines;
+            let changed =
+                matches!(row.load, TrialLoad::Sudden | TrialLoad::Slow) && row.motion != TrialMotion::Sines;
             // a tenth of a percent is what two runs with other noise differ by
             let worse = row.ratio() > 1.001;
             let too_little = changed && removed.is_some_and(|share| share < REMOVED);

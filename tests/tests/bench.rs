@@ -3,9 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_pipeline::studies::adapt::{AdaptRun, adapt};
-use counterpoise_pipeline::studies::comparison::{Comparison, compare_designs};
+use counterpoise_pipeline::studies::comparison::{DesignComparison, compare_designs};
 use counterpoise_pipeline::wording::design_findings::describe_design_finding;
-use counterpoise_pipeline::{PipelineError, Synthesised, model, reduce, synthesise};
+use counterpoise_pipeline::{PipelineError, SynthesisedDesign, model, reduce, synthesise};
 use counterpoise_project::Project;
 
 fn text(example: &str) -> String {
@@ -20,12 +20,12 @@ fn project(text: &str) -> Project {
     }
 }
 
-fn made(project: &Project) -> Result<Synthesised, PipelineError> {
+fn made(project: &Project) -> Result<SynthesisedDesign, PipelineError> {
     let modelled = model(project).unwrap();
     synthesise(project, &modelled, &reduce(project, &modelled).unwrap())
 }
 
-fn compare(project: &Project) -> Comparison {
+fn compare(project: &Project) -> DesignComparison {
     let modelled = model(project).unwrap();
     let reduced = reduce(project, &modelled).unwrap();
     let made = synthesise(project, &modelled, &reduced).unwrap();

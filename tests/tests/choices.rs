@@ -2,8 +2,8 @@
 //! tables, laws of the friction observer, reduced plants.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_pipeline::studies::comparison::{Comparison, compare_designs};
-use counterpoise_pipeline::{Modelled, Synthesised, World, model, reduce, synthesise, verify};
+use counterpoise_pipeline::studies::comparison::{DesignComparison, compare_designs};
+use counterpoise_pipeline::{PlantModel, SynthesisedDesign, World, model, reduce, synthesise, verify};
 use counterpoise_project::Project;
 use counterpoise_verify::{Figure, Verification};
 
@@ -34,7 +34,7 @@ fn project(text: &str) -> Project {
     }
 }
 
-fn made(project: &Project) -> (Modelled, Synthesised) {
+fn made(project: &Project) -> (PlantModel, SynthesisedDesign) {
     let modelled = model(project).unwrap();
     let reduced = reduce(project, &modelled).unwrap();
     let made = synthesise(project, &modelled, &reduced).unwrap_or_else(|error| panic!("{error}"));
@@ -52,7 +52,7 @@ fn value(found: &Verification, key: &str) -> f64 {
     found.value(figure).unwrap()
 }
 
-fn compare(project: &Project) -> Comparison {
+fn compare(project: &Project) -> DesignComparison {
     let modelled = model(project).unwrap();
     let reduced = reduce(project, &modelled).unwrap();
     let made = synthesise(project, &modelled, &reduced).unwrap();

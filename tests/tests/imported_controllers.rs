@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use counterpoise_lti::response_at;
 use counterpoise_pipeline::exchange::SystemResult;
-use counterpoise_pipeline::{PipelineError, Stages, run_stages};
+use counterpoise_pipeline::{DesignStages, PipelineError, run_stages};
 use counterpoise_project::{Document, Project};
 use counterpoise_tests::Beside;
 use counterpoise_tests::examples::attachments;
@@ -18,7 +18,7 @@ fn folder() -> PathBuf {
 const BLOCKS: &str = "[[synth.block]]\nkind = \"pi\"\ngain = 90.0\ncorner = 6.0\n[[synth.block]]\nkind = \"notch\"\nfrequency = 180.0\n\
                       damping = 0.5\ndepth = 0.2\n[[synth.block]]\nkind = \"low-pass\"\nfrequency = 300.0\n";
 
-fn stages(sections: &str, controller: Option<&str>) -> Result<Stages, PipelineError> {
+fn stages(sections: &str, controller: Option<&str>) -> Result<DesignStages, PipelineError> {
     let text = std::fs::read_to_string(folder().join("project.toml")).unwrap();
     let document = Document::parse(&format!("{text}\n{sections}"), "project.toml");
     let beside = attachments(&document, &folder());
@@ -45,7 +45,7 @@ fn a_sampled_controller_runs_as_it_was_given_and_is_judged_like_an_own_one() {
         );
         assert!((a - b).norm() < 1e-10 * a.norm(), "{rate}: {a} {b}");
     }
-    let figures = |stages: &Stages| stages.verified.verification().verdicts.clone();
+    let figures = |stages: &DesignStages| stages.verified.verification().verdicts.clone();
     for ((requirement, a), (_, b)) in figures(&own).iter().zip(&figures(&imported)) {
         assert_eq!(
             std::mem::discriminant(a),

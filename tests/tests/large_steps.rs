@@ -3,7 +3,7 @@
 
 use counterpoise_lti::margins;
 use counterpoise_models::Plant;
-use counterpoise_pipeline::{Synthesised, model, reduce, synthesise, with_chosen_weights};
+use counterpoise_pipeline::{SynthesisedDesign, model, reduce, synthesise, with_chosen_weights};
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_simulate::{Initial, Scenario, Signal, Simulator};
 
@@ -86,7 +86,7 @@ fn machines() -> Vec<Machine> {
     all
 }
 
-fn designed(text: &str) -> (Project, Plant, Synthesised) {
+fn designed(text: &str) -> (Project, Plant, SynthesisedDesign) {
     let document = Document::parse(text, "project.toml");
     let parsed = Project::resolve_for(&document, &Attachments::none(), Purpose::Design);
     let project = parsed.unwrap_or_else(|errors| panic!("{text}: {errors:?}")).project;
@@ -102,7 +102,7 @@ struct Answer {
     left: f64,
 }
 
-fn answer(plant: &Plant, made: &Synthesised, (size, duration_s): (f64, f64), start: f64) -> Answer {
+fn answer(plant: &Plant, made: &SynthesisedDesign, (size, duration_s): (f64, f64), start: f64) -> Answer {
     let scenario = Scenario {
         demand_rad_s: Signal::Sum(vec![Signal::Constant(start), Signal::step(0.05, size)]),
         initial: Initial::Rest { hub_angle_rad: start },
@@ -110,7 +110,7 @@ fn answer(plant: &Plant, made: &Synthesised, (size, duration_s): (f64, f64), sta
     };
     let run = Simulator::new(plant).unwrap().run(&mut made.sampled.controller.runner(), &scenario).unwrap();
     let reached = |y: &f64| (y - start) / size - 1.0;
-    let errors: Vec<f64> = run.readings.hub_rate_rad_s.iter().map(reached).collect();
+    let errors: Vec<f64> = run.readings.hub_rate_rad_s().iter().map(reached).collect();
     let last = &errors[errors.len() * 9 / 10..];
     Answer {
         overshoot: errors.iter().copied().fold(f64::NEG_INFINITY, f64::max),
@@ -165,7 +165,7 @@ fn a_stated_limit_is_kept_and_a_start_elsewhere_is_no_step() {
         let scenario = Scenario { demand_rad_s: Signal::step(0.05, 1.0), ..Scenario::at_rest(8.0) };
         let run =
             Simulator::new(&plant).unwrap().run(&mut made.sampled.controller.runner(), &scenario).unwrap();
-        let fastest = run.truth.hub_rate_rad_s.iter().map(|w| w.abs()).fold(0.0, f64::max);
+        let fastest = run.truth.hub_rate_rad_s().iter().map(|w| w.abs()).fold(0.0, f64::max);
         assert!(fastest <= 0.2 * more && fastest >= 0.19, "{kind}: {fastest}");
     }
     let free = format!(
@@ -178,6 +178,6 @@ fn a_stated_limit_is_kept_and_a_start_elsewhere_is_no_step() {
         ..Scenario::at_rest(1.0)
     };
     let run = Simulator::new(&plant).unwrap().run(&mut made.sampled.controller.runner(), &still).unwrap();
-    let fastest = run.truth.hub_rate_rad_s.iter().map(|w| w.abs()).fold(0.0, f64::max);
+    let fastest = run.truth.hub_rate_rad_s().iter().map(|w| w.abs()).fold(0.0, f64::max);
     assert!(fastest < 1e-3, "{fastest}");
 }

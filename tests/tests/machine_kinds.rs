@@ -10,14 +10,14 @@ use counterpoise_models::{ControlledQuantity, Plant};
 use counterpoise_pipeline::exchange::verified_loop;
 use counterpoise_pipeline::results::{SynthResult, VerifyResult};
 use counterpoise_pipeline::{
-    Modelled, PipelineError, Synthesised, World, export, model, reduce, synthesise, verify,
+    PipelineError, PlantModel, SynthesisedDesign, World, export, model, reduce, synthesise, verify,
     with_chosen_weights,
 };
 use counterpoise_project::resolve::design::Language;
-use counterpoise_project::starters::Kind;
-use counterpoise_project::{Attachments, Document, Parsed, Project, Purpose};
+use counterpoise_project::starters::StarterKind;
+use counterpoise_project::{Attachments, Document, ParsedProject, Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_report::{Context, html_page, of_verification};
+use counterpoise_report::{VerificationContext, html_page, of_verification};
 use counterpoise_simulate::replay::{ChannelFit, RecordedController, ReplayLoop, Replayer};
 use counterpoise_simulate::signal::{Signal, Sine};
 use counterpoise_simulate::{Detail, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
@@ -47,7 +47,7 @@ impl Machine {
         Self { name, document, attachments }
     }
 
-    fn starter(kind: Kind) -> Self {
+    fn starter(kind: StarterKind) -> Self {
         let document = Document::parse(kind.text(), "project.toml");
         Self { name: format!("starter {}", kind.name()), document, attachments: Attachments::none() }
     }
@@ -57,7 +57,7 @@ impl Machine {
         Self { name: name.to_owned(), document, attachments: Attachments::none() }
     }
 
-    fn resolved(&self, document: &Document) -> Result<Parsed, Vec<String>> {
+    fn resolved(&self, document: &Document) -> Result<ParsedProject, Vec<String>> {
         Project::resolve_for(document, &self.attachments, Purpose::Design)
             .map_err(|errors| errors.iter().map(ToString::to_string).collect())
     }
@@ -162,7 +162,7 @@ const OTHERS: [(&str, &str); 8] = [
 
 /// One machine of each kind: the four examples, every file that `new --like` writes, and the others.
 fn kinds() -> Vec<Machine> {
-    let known = EXAMPLES.into_iter().map(example).chain(Kind::ALL.into_iter().map(Machine::starter));
+    let known = EXAMPLES.into_iter().map(example).chain(StarterKind::ALL.into_iter().map(Machine::starter));
     known.chain(OTHERS.map(Machine::written)).collect()
 }
 
@@ -218,7 +218,7 @@ fn answer(machine: &Machine, path: &str) -> Result<Option<Project>, String> {
     }
 }
 
-fn designed(project: &Project) -> Result<(Project, Synthesised), PipelineError> {
+fn designed(project: &Project) -> Result<(Project, SynthesisedDesign), PipelineError> {
     let chosen = with_chosen_weights(project)?;
     let project = chosen.map_or_else(|| project.clone(), |chosen| chosen.project);
     let modelled = model(&project)?;
@@ -230,8 +230,8 @@ fn designed(project: &Project) -> Result<(Project, Synthesised), PipelineError> 
 struct DesignedKind {
     name: String,
     project: Project,
-    modelled: Modelled,
-    made: Synthesised,
+    modelled: PlantModel,
+    made: SynthesisedDesign,
     verified: OnceLock<VerifiedController>,
 }
 
@@ -269,7 +269,7 @@ impl Random {
 #[test]
 fn a_file_without_any_one_key_is_read_or_asks_for_it_in_one_sentence() {
     let (mut wrong, mut count) = (Vec::new(), 0);
-    for machine in examples().iter().chain(&Kind::ALL.map(Machine::starter)) {
+    for machine in examples().iter().chain(&StarterKind::ALL.map(Machine::starter)) {
         for path in paths(machine) {
             count += 1;
             wrong.extend(answer(machine, &path).err());
@@ -334,7 +334,7 @@ fn the_examples_of_the_kinds_have_fifteen_lines_and_the_starters_twenty_five() {
         let lines = machine.document.text().lines().count();
         assert!(lines <= 15, "{}: {lines} lines", machine.name);
     }
-    for kind in Kind::ALL {
+    for kind in StarterKind::ALL {
         assert!(kind.text().lines().count() <= 25, "{}", kind.name());
     }
 }
@@ -445,7 +445,7 @@ fn results_and_report_name_what_the_loop_controls() {
         let results = [
             serde_json::to_string(&VerifyResult::new(found, measured_on)).unwrap(),
             serde_json::to_string(&SynthResult::from(&machine.made)).unwrap(),
-            html_page(&of_verification(found, &[], Context::default())),
+            html_page(&of_verification(found, &[], VerificationContext::default())),
         ];
         let is_rate = controlled == ControlledQuantity::RATE;
         for (kind, text) in ["verify", "synth", "report"].into_iter().zip(&results) {

@@ -5,11 +5,11 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use counterpoise_linalg::Mat;
-use counterpoise_models::structure::{FeModel, Support, modes};
+use counterpoise_models::structure::{FeModel, Support, undamped_modes};
 use counterpoise_pipeline::{
-    Synthesised, finite_elements, model, project_procedure, reduce, synthesise, verify_on,
+    SynthesisedDesign, finite_elements, model, project_procedure, reduce, synthesise, verify_on,
 };
-use counterpoise_project::{Attachments, Document, Project, Setting, StructureChoice};
+use counterpoise_project::{Attachments, Document, Project, SettingValue, StructureChoice};
 use counterpoise_tests::Beside;
 use counterpoise_verify::{Figure, Verification};
 
@@ -36,7 +36,7 @@ fn resolved(document: &Document, example: &str, files: &[(&str, String)]) -> Pro
     }
 }
 
-fn designed(project: &Project) -> Synthesised {
+fn designed(project: &Project) -> SynthesisedDesign {
     let modelled = model(project).unwrap();
     synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap()
 }
@@ -44,7 +44,7 @@ fn designed(project: &Project) -> Synthesised {
 /// A controller verified on the plant of another structure.
 fn verified(
     project: &Project,
-    made: &Synthesised,
+    made: &SynthesisedDesign,
     structure: StructureChoice,
     example: &str,
 ) -> Verification {
@@ -127,7 +127,7 @@ fn the_nonlinear_plant_without_its_nonlinearities_is_the_linear_one() {
 }
 
 fn frequencies(fe: &FeModel, support: Support) -> Vec<f64> {
-    modes(fe, support).unwrap().flexible_rad_s()[..4].to_vec()
+    undamped_modes(fe, support).unwrap().flexible_rad_s()[..4].to_vec()
 }
 
 #[test]
@@ -207,7 +207,7 @@ fn matrices_in_nastrans_formats_make_the_same_plant() {
     let grid = |i: usize| (rows[i].grid as usize, rows[i].component);
     let expected = model(&market).unwrap().plant.body().clone();
     let both = |format: &str| {
-        let text = |key: &str, value: &str| (key.to_owned(), Setting::Text(value.to_owned()));
+        let text = |key: &str, value: &str| (key.to_owned(), SettingValue::Text(value.to_owned()));
         let settings = [
             text("plant.import.format", format),
             text("plant.import.mass_matrix", "all.dat"),
@@ -239,7 +239,7 @@ fn a_damping_matrix_takes_the_place_of_ratios() {
     let mut text = format!("%%MatrixMarket matrix array real general\n{} {}\n", K.nrows(), K.ncols());
     K.as_slice().iter().for_each(|k| writeln!(text, "{:e}", 1e-5 * k).unwrap());
     let damped = document("imported-structure")
-        .set("plant.import.damping_matrix", &Setting::Text("damping.mtx".to_owned()))
+        .set("plant.import.damping_matrix", &SettingValue::Text("damping.mtx".to_owned()))
         .unwrap();
     let project = resolved(&damped, "imported-structure", &[("damping.mtx", text)]);
     for mode in &model(&project).unwrap().plant.body().modes {
@@ -248,7 +248,7 @@ fn a_damping_matrix_takes_the_place_of_ratios() {
 }
 
 /// The reference rig on another platform.
-fn on_platform(settings: &[(&str, Setting)]) -> Verification {
+fn on_platform(settings: &[(&str, SettingValue)]) -> Verification {
     let bare = document("reference-rig").remove("verify.road").unwrap();
     let moved =
         settings.iter().fold(bare, |d, (key, value)| d.set(&format!("verify.road.{key}"), value).unwrap());
@@ -275,11 +275,11 @@ fn rms(x: &[f64]) -> f64 {
 fn the_platform_moves_by_a_spectrum() {
     let settings = |seed| {
         vec![
-            ("kind", Setting::Text("spectrum".to_owned())),
-            ("heave_psd", Setting::Text("heave.csv".to_owned())),
-            ("pitch_psd", Setting::Pairs(vec![[0.2, 2e-3], [1.0, 6e-3], [5.0, 1e-4]])),
-            ("duration", Setting::Number(20.0)),
-            ("seed", Setting::Whole(seed)),
+            ("kind", SettingValue::Text("spectrum".to_owned())),
+            ("heave_psd", SettingValue::Text("heave.csv".to_owned())),
+            ("pitch_psd", SettingValue::Pairs(vec![[0.2, 2e-3], [1.0, 6e-3], [5.0, 1e-4]])),
+            ("duration", SettingValue::Number(20.0)),
+            ("seed", SettingValue::Whole(seed)),
         ]
     };
     let found = on_platform(&settings(3));
@@ -296,10 +296,10 @@ fn the_platform_moves_by_a_spectrum() {
 #[test]
 fn a_platform_simulator_heaves_with_its_pitch_acceleration() {
     let found = on_platform(&[
-        ("kind", Setting::Text("simulator".to_owned())),
-        ("offset", Setting::Number(1.2)),
-        ("sines", Setting::Pairs(vec![[0.03, 0.5], [0.012, 1.1]])),
-        ("duration", Setting::Number(12.0)),
+        ("kind", SettingValue::Text("simulator".to_owned())),
+        ("offset", SettingValue::Number(1.2)),
+        ("sines", SettingValue::Pairs(vec![[0.03, 0.5], [0.012, 1.1]])),
+        ("duration", SettingValue::Number(12.0)),
     ]);
     let (time, heave, pitch) = road(&found);
     for k in (1..pitch.len() - 1).step_by(7) {
@@ -312,9 +312,9 @@ fn a_platform_simulator_heaves_with_its_pitch_acceleration() {
 #[test]
 fn a_road_of_iso_8608_stands_in_the_project_file() {
     let found = on_platform(&[
-        ("kind", Setting::Text("iso-8608".to_owned())),
-        ("class", Setting::Text("C".to_owned())),
-        ("speed", Setting::Number(8.0)),
+        ("kind", SettingValue::Text("iso-8608".to_owned())),
+        ("class", SettingValue::Text("C".to_owned())),
+        ("speed", SettingValue::Number(8.0)),
     ]);
     assert!(value(&found, "nonlinear_road_compensated_hub_rms_rad_s") > 1e-4);
 }
@@ -322,7 +322,7 @@ fn a_road_of_iso_8608_stands_in_the_project_file() {
 #[test]
 fn an_ideal_current_source_leaves_the_damping_by_back_emf_out() {
     let ideal = document("reference-rig")
-        .set("plant.amplifier.dynamics", &Setting::Text("ideal-current".to_owned()))
+        .set("plant.amplifier.dynamics", &SettingValue::Text("ideal-current".to_owned()))
         .unwrap();
     let simple = resolved(&ideal, "reference-rig", &[]);
     // J w' = -(F_p + N^2 F_m [+ N^2 K_t K_e / (R + K_v K_ifb)]) w, J with the motor's inertia as the hub feels it

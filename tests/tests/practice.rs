@@ -9,7 +9,7 @@ use counterpoise_diagnose::diagnose;
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_models::Plant;
 use counterpoise_project::resolve::controller::RecordingController;
-use counterpoise_project::{Attachments, Document, Project, Setting};
+use counterpoise_project::{Attachments, Document, Project, SettingValue};
 use counterpoise_recordings::{Channel, Recording, Table};
 use counterpoise_simulate::replay::{Replay, ReplayLoop, Replayer, replay};
 use counterpoise_simulate::{Imperfections, Scenario, Signal, run};
@@ -114,22 +114,22 @@ fn left_out_friction_is_named_sized_and_its_improved_model_fits_what_it_has_not_
 }
 
 /// What a machine has more than its project says, entered by hand: keys of the project file and their values.
-fn truth(machine: &str) -> Vec<(&'static str, Setting)> {
-    let number = |key, value| (key, Setting::Number(value));
+fn truth(machine: &str) -> Vec<(&'static str, SettingValue)> {
+    let number = |key, value| (key, SettingValue::Number(value));
     match machine {
         "p01" => vec![
             number("plant.friction.pivot.static_ratio", 1.55),
             number("plant.friction.pivot.stribeck_rate", 0.012),
         ],
         "p02" => vec![number("plant.gearbox.backlash", 6e-3)],
-        "p03" => vec![("plant.amplifier.map", Setting::Pairs(GAIN_CURVE.to_vec()))],
+        "p03" => vec![("plant.amplifier.map", SettingValue::Pairs(GAIN_CURVE.to_vec()))],
         "p04" => vec![number("plant.lumped.out_of_balance", 186.0)],
         "p05" => vec![
             number("plant.motor.cogging.amplitude", 0.16),
             number("plant.motor.cogging.order", 6.0),
             number("plant.motor.cogging.phase", 0.7),
         ],
-        "p06" => vec![("plant.interface.output_delay_samples", Setting::Whole(6))],
+        "p06" => vec![("plant.interface.output_delay_samples", SettingValue::Whole(6))],
         "p07" => vec![
             number("plant.lumped.position_stiffness", 900.0),
             number("plant.lumped.position_stiffness_centre", -0.04),
@@ -265,7 +265,7 @@ fn a_machine_that_hunts_does_not_repeat_itself() {
             imperfections: Imperfections::NoiseAndQuantisation { seed },
             ..Scenario::at_rest(steps.sample_period_s * steps.len() as f64)
         };
-        run(&plant, &mut controller.clone(), &scenario).unwrap().truth.hub_rate_rad_s
+        run(&plant, &mut controller.clone(), &scenario).unwrap().truth.hub_rate_rad_s().to_vec()
     };
     let (one, other) = (run(1), run(2));
     let apart = one.iter().zip(&other).map(|(a, b)| (a - b).powi(2)).sum::<f64>() / one.len() as f64;

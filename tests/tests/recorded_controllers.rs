@@ -9,16 +9,16 @@ use std::path::{Path, PathBuf};
 use counterpoise_controller::{Controller, SampledController};
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_diagnose::recording::remarks::RecordingRemark;
-use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_export::Ranges;
 use counterpoise_export::fixed_point::{Fixed, FixedError, FixedRunner, plan_fixed_point};
 use counterpoise_export::targets::RANGE_MARGIN;
 use counterpoise_models::Plant;
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
-use counterpoise_pipeline::recordings::{self, ColumnRemark, Gaps, RecordingFile, ReplayLength};
+use counterpoise_pipeline::recordings::{self, ColumnRemark, GapTreatment, RecordingFile, ReplayLength};
 use counterpoise_pipeline::{model, reduce, synthesise};
+use counterpoise_pool::Serial;
 use counterpoise_project::resolve::controller::RecordingController;
-use counterpoise_project::{Attachments, Document, Project, Setting};
+use counterpoise_project::{Attachments, Document, Project, SettingValue};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::{
     RecordedController, ReplayLoop, ReplayMode, Replayer, control_fit, reading_floor,
@@ -166,7 +166,7 @@ fn a_file_that_is_no_controller_of_the_recordings_is_refused_with_what_is_wrong(
     let (_, controller) = exported(&project);
     let document = document(None);
     let named = |hash: &str| {
-        let text = |value: &str| Setting::Text(value.to_owned());
+        let text = |value: &str| SettingValue::Text(value.to_owned());
         let set = |it: Document, key: &str, value: &str| it.set(key, &text(value)).unwrap();
         let it = set(document.clone(), "recording_controller.kind", "exported");
         set(set(it, "recording_controller.file", "controller.json"), "recording_controller.hash", hash)
@@ -207,7 +207,7 @@ fn a_recording_under_another_controller_is_played_back_and_diagnosed() {
     let bytes = fs::read(folder.join("triangle.parquet")).unwrap();
     let files = [RecordingFile { name: "triangle.parquet".to_owned(), bytes }];
     let controller = recording_controller(&project).unwrap();
-    let read = recordings::read_files(&project, controller.as_ref(), &files, Gaps::Repaired).unwrap();
+    let read = recordings::read_files(&project, controller.as_ref(), &files, GapTreatment::Repaired).unwrap();
     let control = control_for(&project, controller.as_ref(), read.iter().map(|item| &item.recording));
     assert!(matches!(control, ReplayLoop::Closed(_)));
     let replayed = recordings::replay(&project, &read, &control, ReplayLength::Automatic).unwrap();

@@ -13,6 +13,7 @@ use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::Recording;
 use counterpoise_recordings::{Column, Table};
+use counterpoise_report::wording::file_remarks::describe_file_remark;
 use counterpoise_report::wording::recordings::{describe_anomaly, describe_repair};
 use counterpoise_simulate::replay::{ReplayLoop, replay};
 
@@ -56,13 +57,15 @@ fn with(fault: impl Fn(&mut Table)) -> Option<Told> {
     let record = project.recording.apply(&table).unwrap();
     let ratio = project.plant.gearbox.ratio;
     let repaired = repair_gaps(&record, ratio);
-    let mut remarks: Vec<String> = record.remarks.iter().map(ToString::to_string).collect();
+    let mut remarks: Vec<String> = record.remarks.iter().map(describe_file_remark).collect();
     remarks.extend(
-        repaired.repairs.iter().map(|(channel, repair)| format!("{channel}: {}", describe_repair(repair))),
+        repaired.repairs.iter().map(|(part, repair)| format!("{}: {}", part.name(), describe_repair(repair))),
     );
     for part in &repaired.parts {
         let here = check_signals(&part.name, &read_signals(part, FeedbackSignal::HubRate).unwrap(), ratio);
-        remarks.extend(here.into_iter().map(|r| format!("{}: {}", r.channel, describe_anomaly(&r.anomaly))));
+        remarks.extend(
+            here.into_iter().map(|r| format!("{}: {}", r.channel.name(), describe_anomaly(&r.anomaly))),
+        );
     }
     Some(Told { remarks, parts: repaired.parts, project })
 }

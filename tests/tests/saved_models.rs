@@ -7,11 +7,11 @@
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_diagnose::findings::answer::{Answer, DiagnosisVerdict};
 use counterpoise_diagnose::library::EffectName;
-use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_diagnose::{Diagnosis, diagnose};
 use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, Parameters, Plant, RegimeVariable};
 use counterpoise_pipeline::recordings::ReadRecording;
 use counterpoise_pipeline::recordings::replay::{ReplayLength, replay_one};
+use counterpoise_pool::Serial;
 use counterpoise_project::{Attachments, Document, Project};
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::ReplayLoop;

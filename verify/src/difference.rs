@@ -54,13 +54,13 @@ pub fn figure_changes(before: &Verification, after: &Verification) -> Vec<Figure
         controlled: after.controlled_quantity(),
         before: before.value(figure),
         after: after.value(figure),
-        held: held(before, figure),
-        holds: held(after, figure),
+        held: verdict_holds(before, figure),
+        holds: verdict_holds(after, figure),
     };
     figures.into_iter().map(change).collect()
 }
 
-fn held(found: &Verification, figure: Figure) -> Option<bool> {
+fn verdict_holds(found: &Verification, figure: Figure) -> Option<bool> {
     let judged = found.verdicts.iter().filter(|(requirement, _)| requirement.figure == figure);
     judged
         .filter_map(|(_, verdict)| match verdict {

@@ -330,6 +330,15 @@ impl Figure {
         }
     }
 
+    /// Returns whether the figure is read from responses over frequency: a margin, a sensitivity or a rejection at a frequency.
+    pub fn is_over_frequency(&self) -> bool {
+        match self {
+            Figure::Loop(figure) => !matches!(figure, LoopFigure::PoleRadius | LoopFigure::Crossover),
+            Figure::Rejection { .. } => true,
+            _ => false,
+        }
+    }
+
     /// Returns the figure's name in the project file and in the results of a loop: [`Figure::key`] with the quantity that the loop controls and
     /// its unit, for example `nonlinear_road_feedback_torque_rms_nm`.
     pub fn key_in(&self, controlled: ControlledQuantity) -> String {

@@ -1,9 +1,9 @@
 //! Time histories: arrays of signals over time.
 
-use ndarray::{Array2, ArrayView2, ShapeBuilder as _, s};
+use counterpoise_recordings::{ColumnName, Signals};
 
 use crate::tolerance::SAME_INSTANT_S;
-use crate::{Arrangement, Model, Source};
+use crate::{Arrangement, Figure, Model, Source};
 
 /// What was done to the mechanism.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,6 +16,21 @@ pub enum Experiment {
     Disturbance(Source, Arrangement),
     /// Nothing, with the whole controller.
     Rest,
+}
+
+impl Experiment {
+    /// Returns the run with the whole controller that shows a figure: that of its platform motion, or the step of the demand for a figure of the
+    /// loop or the line of sight.
+    pub fn from_figure(figure: Figure) -> Self {
+        match figure {
+            Figure::Disturbance(_, source, ..) | Figure::Rejection { source, .. } => {
+                Self::Disturbance(source, Arrangement::Compensated)
+            }
+            Figure::Rest(_) => Self::Rest,
+            Figure::Triangle(..) => Self::Triangle,
+            Figure::Step(..) | Figure::Loop(_) | Figure::Sight(_) => Self::Step,
+        }
+    }
 }
 
 /// A signal of a [`History`]: a column of its array.
@@ -43,6 +58,12 @@ pub enum HistoryColumn {
     Contact,
 }
 
+impl ColumnName for HistoryColumn {
+    fn index(self) -> usize {
+        self as usize
+    }
+}
+
 /// What happened: an array time x signal, with a named column for each signal.
 ///
 /// A loop of a position, a torque or a current has that quantity in the columns of demand and hub rate, in its unit.
@@ -52,8 +73,8 @@ pub struct History {
     pub model: Model,
     /// What was done.
     pub experiment: Experiment,
-    /// Time x signal in the order of [`HistoryColumn`], each column contiguous in memory.
-    signals: Array2<f64>,
+    /// The signals; those of the linear plant end before [`HistoryColumn::Contact`].
+    pub signals: Signals<HistoryColumn>,
 }
 
 impl History {
@@ -63,38 +84,18 @@ impl History {
             Model::Linear => HistoryColumn::Contact as usize,
             Model::Nonlinear => HistoryColumn::Contact as usize + 1,
         };
-        Self { model, experiment, signals: Array2::zeros((samples, columns).f()) }
+        Self { model, experiment, signals: Signals::zeros(samples, columns) }
     }
 
     /// Returns the history with the samples of a column, which it must have.
     pub(crate) fn with(mut self, column: HistoryColumn, samples: impl IntoIterator<Item = f64>) -> Self {
-        self.column_mut(column).iter_mut().zip(samples).for_each(|(value, sample)| *value = sample);
+        self.signals.column_mut(column).iter_mut().zip(samples).for_each(|(value, sample)| *value = sample);
         self
-    }
-
-    /// Returns the signals, time x column in the order of [`HistoryColumn`]; a history of the linear plant ends before
-    /// [`HistoryColumn::Contact`].
-    pub fn signals(&self) -> ArrayView2<'_, f64> {
-        self.signals.view()
-    }
-
-    /// Returns the samples of a column; none if the history has no such column.
-    pub fn column(&self, column: HistoryColumn) -> &[f64] {
-        let has_column = (column as usize) < self.signals.ncols();
-        has_column.then(|| self.signals.column(column as usize).to_slice()).flatten().unwrap_or_default()
-    }
-
-    /// Returns the samples of a column, to be changed; none if the history has no such column.
-    pub(crate) fn column_mut(&mut self, column: HistoryColumn) -> &mut [f64] {
-        if column as usize >= self.signals.ncols() {
-            return &mut [];
-        }
-        self.signals.column_mut(column as usize).into_slice().unwrap_or_default()
     }
 
     /// Returns the number of samples.
     pub fn len(&self) -> usize {
-        self.signals.nrows()
+        self.signals.len()
     }
 
     /// Returns whether the history has no sample.
@@ -104,52 +105,52 @@ impl History {
 
     /// Returns the time, s.
     pub fn time_s(&self) -> &[f64] {
-        self.column(HistoryColumn::Time)
+        self.signals.column(HistoryColumn::Time)
     }
 
     /// Returns the demanded hub rate, rad/s.
     pub fn demand_rad_s(&self) -> &[f64] {
-        self.column(HistoryColumn::Demand)
+        self.signals.column(HistoryColumn::Demand)
     }
 
     /// Returns the heave, m/s^2.
     pub fn heave_m_s2(&self) -> &[f64] {
-        self.column(HistoryColumn::Heave)
+        self.signals.column(HistoryColumn::Heave)
     }
 
     /// Returns the platform's pitch rate, rad/s.
     pub fn pitch_rate_rad_s(&self) -> &[f64] {
-        self.column(HistoryColumn::PitchRate)
+        self.signals.column(HistoryColumn::PitchRate)
     }
 
     /// Returns the hub rate, inertial, rad/s.
     pub fn hub_rate_rad_s(&self) -> &[f64] {
-        self.column(HistoryColumn::HubRate)
+        self.signals.column(HistoryColumn::HubRate)
     }
 
     /// Returns the tip rate, inertial, rad/s.
     pub fn tip_rate_rad_s(&self) -> &[f64] {
-        self.column(HistoryColumn::TipRate)
+        self.signals.column(HistoryColumn::TipRate)
     }
 
     /// Returns the control with the voltage that holds the out-of-balance, V.
     pub fn control_v(&self) -> &[f64] {
-        self.column(HistoryColumn::Control)
+        self.signals.column(HistoryColumn::Control)
     }
 
     /// Returns the motor current, A; about its value at rest on the linear plant.
     pub fn current_a(&self) -> &[f64] {
-        self.column(HistoryColumn::Current)
+        self.signals.column(HistoryColumn::Current)
     }
 
     /// Returns the hub angle relative to the platform from its start, rad.
     pub fn travel_rad(&self) -> &[f64] {
-        self.column(HistoryColumn::Travel)
+        self.signals.column(HistoryColumn::Travel)
     }
 
     /// Returns whether the gear teeth touch, 1 or 0; nothing on the linear plant.
     pub fn contact(&self) -> &[f64] {
-        self.column(HistoryColumn::Contact)
+        self.signals.column(HistoryColumn::Contact)
     }
 
     /// Returns the demanded less the actual hub rate, rad/s.
@@ -176,13 +177,10 @@ impl History {
 
     /// Returns the history from a time on, its clock and its travel starting there.
     pub fn from_time(self, time_s: f64) -> Self {
-        let first = self.index_at(time_s - SAME_INSTANT_S);
-        let later = self.signals.slice(s![first.., ..]);
-        let mut signals = Array2::zeros(later.raw_dim().f());
-        signals.assign(&later);
-        let mut rest = Self { signals, ..self };
+        let mut rest =
+            Self { signals: self.signals.from_sample(self.index_at(time_s - SAME_INSTANT_S)), ..self };
         for column in [HistoryColumn::Time, HistoryColumn::Travel] {
-            let samples = rest.column_mut(column);
+            let samples = rest.signals.column_mut(column);
             let start = samples.first().copied().unwrap_or(0.0);
             samples.iter_mut().for_each(|value| *value -= start);
         }

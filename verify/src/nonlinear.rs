@@ -34,7 +34,7 @@ impl SampledController for Acting {
 }
 
 /// Returns every experiment of a procedure: step, rest and triangle with the whole controller, the disturbances in every arrangement.
-pub fn experiments(procedure: &Procedure) -> Vec<Experiment> {
+pub fn list_experiments(procedure: &Procedure) -> Vec<Experiment> {
     let mut all = vec![Experiment::Step, Experiment::Rest];
     all.extend(procedure.triangle.map(|_| Experiment::Triangle));
     for source in procedure.sources() {
@@ -48,7 +48,7 @@ pub fn experiments(procedure: &Procedure) -> Vec<Experiment> {
 ///
 /// # Errors
 /// [`Error::Simulate`], with the motion's divergence among its kinds, and those of the controller.
-pub fn history(
+pub fn run_history(
     simulator: &mut Simulator,
     controller: &Controller,
     procedure: &Procedure,
@@ -58,10 +58,10 @@ pub fn history(
     Ok(columns_of(run, simulator.plant(), procedure, experiment))
 }
 
-/// Runs one experiment as [`history`] does; returns everything that the simulator keeps.
+/// Runs one experiment as [`run_history`] does; returns everything that the simulator keeps.
 ///
 /// # Errors
-/// As [`history`].
+/// As [`run_history`].
 pub fn run(
     simulator: &mut Simulator,
     controller: &Controller,
@@ -82,7 +82,7 @@ pub fn run(
 /// Runs one experiment with anything that acts once a sample: the same controller in other numbers, or on a target.
 ///
 /// # Errors
-/// As [`history`].
+/// As [`run_history`].
 pub fn history_of(
     simulator: &mut Simulator,
     acting: &mut dyn SampledController,
@@ -116,7 +116,7 @@ pub(crate) fn columns_of(
     procedure: &Procedure,
     experiment: Experiment,
 ) -> History {
-    let history = columns(run, experiment, &Start::of(plant, procedure));
+    let history = columns(&run, experiment, &Start::of(plant, procedure));
     if experiment == Experiment::Step { history.from_time(procedure.settle_s) } else { history }
 }
 
@@ -175,17 +175,17 @@ fn moving(procedure: &Procedure, source: Source, still: PlatformMotion) -> Platf
         (Source::Road, Some(road)) => {
             let samples =
                 |values: &[f64]| Signal::Samples { period_s: road.sample_period_s, values: values.to_vec() };
-            (samples(&road.heave_m_s2), samples(&road.pitch_rate_rad_s))
+            (samples(road.heave_m_s2()), samples(road.pitch_rate_rad_s()))
         }
     };
     let road = procedure.road.as_ref().filter(|_| source == Source::Road);
-    let further = road.and_then(|road| Some((road.sample_period_s, road.further.as_ref()?)));
-    let further = further.map(|(period_s, further)| {
-        let samples = |values: &[f64]| Signal::Samples { period_s, values: values.to_vec() };
+    let further = road.filter(|road| road.has_further_motion()).map(|road| {
+        let samples =
+            |values: &[f64]| Signal::Samples { period_s: road.sample_period_s, values: values.to_vec() };
         FurtherMotion {
-            surge_m_s2: samples(&further.surge_m_s2),
-            roll_rate_rad_s: samples(&further.roll_rate_rad_s),
-            yaw_rate_rad_s: samples(&further.yaw_rate_rad_s),
+            surge_m_s2: samples(road.surge_m_s2()),
+            roll_rate_rad_s: samples(road.roll_rate_rad_s()),
+            yaw_rate_rad_s: samples(road.yaw_rate_rad_s()),
         }
     });
     PlatformMotion { heave_m_s2, pitch_rate_rad_s, further, ..still }
@@ -214,24 +214,23 @@ impl Start {
     }
 }
 
-fn columns(run: TimeHistory, experiment: Experiment, from: &Start) -> History {
-    let relative = |k: usize| run.truth.hub_angle_rad[k] - run.truth.platform_angle_rad[k];
+fn columns(run: &TimeHistory, experiment: Experiment, from: &Start) -> History {
+    let relative = |k: usize| run.truth.hub_angle_rad()[k] - run.truth.platform_angle_rad()[k];
     let travel_rad: Vec<f64> = (0..run.len()).map(|k| relative(k) - relative(0)).collect();
     let period_s = run.sample_period_s;
     let time_s = run.time_s();
-    let truth = run.truth;
-    let (mut demand, mut hub, mut tip) =
-        (run.readings.demand_rad_s, truth.hub_rate_rad_s, truth.tip_rate_rad_s);
-    if let Some(reading) = from.reading {
-        demand.iter_mut().for_each(|value| *value -= reading);
-    }
-    let about_start =
-        |values: &[f64]| values.iter().map(|value| value - from.reading.unwrap_or(0.0)).collect();
-    match from.measured {
-        FeedbackSignal::Torque => hub = about_start(&truth.mesh_torque_nm),
-        FeedbackSignal::Current => hub = about_start(&truth.current_a),
-        _ => {}
-    }
+    let truth = &run.truth;
+    let about_start = |values: &[f64]| -> Vec<f64> {
+        from.reading
+            .map_or_else(|| values.to_vec(), |reading| values.iter().map(|value| value - reading).collect())
+    };
+    let demand = about_start(run.readings.demand_rad_s());
+    let mut hub = match from.measured {
+        FeedbackSignal::Torque => about_start(truth.mesh_torque_nm()),
+        FeedbackSignal::Current => about_start(truth.current_a()),
+        _ => truth.hub_rate_rad_s().to_vec(),
+    };
+    let mut tip = truth.tip_rate_rad_s().to_vec();
     if from.measured.is_position() {
         let beyond = tip.iter().zip(&hub).map(|(tip, hub)| tip - hub);
         let bent = integrate(beyond, period_s);
@@ -241,12 +240,12 @@ fn columns(run: TimeHistory, experiment: Experiment, from: &Start) -> History {
     History::zeros(Model::Nonlinear, experiment, time_s.len())
         .with(HistoryColumn::Time, time_s)
         .with(HistoryColumn::Demand, demand)
-        .with(HistoryColumn::Heave, truth.heave_m_s2)
-        .with(HistoryColumn::PitchRate, truth.platform_rate_rad_s)
+        .with(HistoryColumn::Heave, truth.heave_m_s2().iter().copied())
+        .with(HistoryColumn::PitchRate, truth.platform_rate_rad_s().iter().copied())
         .with(HistoryColumn::HubRate, hub)
         .with(HistoryColumn::TipRate, tip)
-        .with(HistoryColumn::Control, run.readings.control_v)
-        .with(HistoryColumn::Current, truth.current_a)
+        .with(HistoryColumn::Control, run.readings.control_v().iter().copied())
+        .with(HistoryColumn::Current, truth.current_a().iter().copied())
         .with(HistoryColumn::Travel, travel_rad)
-        .with(HistoryColumn::Contact, truth.contact.iter().map(|flank| f64::from(flank.abs())))
+        .with(HistoryColumn::Contact, truth.contact().iter().map(|flank| flank.abs()))
 }

@@ -1,9 +1,10 @@
 //! What a verification does to the mechanism: the step, the platform's motion, the frequencies that are looked at.
 
 use counterpoise_models::plant::{FrictionLinearisation, OperatingPoint};
+use counterpoise_recordings::{ColumnName, Signals};
 use counterpoise_simulate::Signal;
 
-use crate::signals::{check_finite, check_length};
+use crate::signals::check_finite;
 use crate::{Error, LineOfSight, Source};
 
 /// Everything that a verification does.
@@ -64,6 +65,33 @@ pub struct Sine {
     pub frequency_hz: f64,
 }
 
+/// A column of the signals of a [`Road`]. A motion of heave and pitch alone ends before [`RoadColumn::Surge`]; the others are in axes that do not
+/// turn about the elevation axis ([`counterpoise_models::base_motion`] defines them).
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RoadColumn {
+    /// Heave at the pivot, m/s^2, gravity removed.
+    Heave,
+    /// Pitch rate, rad/s.
+    PitchRate,
+    /// Surge: forward acceleration of the pivot, m/s^2.
+    Surge,
+    /// Rate about the forward axis, rad/s.
+    RollRate,
+    /// Rate about the upward axis, rad/s.
+    YawRate,
+}
+
+impl RoadColumn {
+    /// The columns beside heave and pitch.
+    pub const FURTHER: [Self; 3] = [Self::Surge, Self::RollRate, Self::YawRate];
+}
+
+impl ColumnName for RoadColumn {
+    fn index(self) -> usize {
+        self as usize
+    }
+}
+
 /// Platform motion in samples of one period, straight lines between.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Road {
@@ -71,24 +99,8 @@ pub struct Road {
     pub name: String,
     /// Sample period, s.
     pub sample_period_s: f64,
-    /// Heave at the pivot, m/s^2, gravity removed.
-    pub heave_m_s2: Vec<f64>,
-    /// Pitch rate, rad/s.
-    pub pitch_rate_rad_s: Vec<f64>,
-    /// What the platform does beside heave and pitch; `None` if nothing.
-    pub further: Option<FurtherRoad>,
-}
-
-/// Platform motion beside heave and pitch, in samples as long as those of its [`Road`], in axes that do not turn about the elevation axis
-/// ([`counterpoise_models::base_motion`] defines them).
-#[derive(Debug, Clone, PartialEq)]
-pub struct FurtherRoad {
-    /// Surge: forward acceleration of the pivot, m/s^2.
-    pub surge_m_s2: Vec<f64>,
-    /// Rate about the forward axis, rad/s.
-    pub roll_rate_rad_s: Vec<f64>,
-    /// Rate about the upward axis, rad/s.
-    pub yaw_rate_rad_s: Vec<f64>,
+    /// The samples.
+    pub signals: Signals<RoadColumn>,
 }
 
 impl Default for Procedure {
@@ -137,13 +149,42 @@ pub struct HeaveAndPitch {
 impl Road {
     /// Returns the duration, s.
     pub fn duration_s(&self) -> f64 {
-        self.heave_m_s2.len().saturating_sub(1) as f64 * self.sample_period_s
+        self.signals.len().saturating_sub(1) as f64 * self.sample_period_s
+    }
+
+    /// Returns the heave at the pivot, m/s^2, gravity removed.
+    pub fn heave_m_s2(&self) -> &[f64] {
+        self.signals.column(RoadColumn::Heave)
+    }
+
+    /// Returns the pitch rate, rad/s.
+    pub fn pitch_rate_rad_s(&self) -> &[f64] {
+        self.signals.column(RoadColumn::PitchRate)
+    }
+
+    /// Returns the surge, m/s^2; no sample if the platform does nothing but heave and pitch.
+    pub fn surge_m_s2(&self) -> &[f64] {
+        self.signals.column(RoadColumn::Surge)
+    }
+
+    /// Returns the rate about the forward axis, rad/s; no sample if the platform does nothing but heave and pitch.
+    pub fn roll_rate_rad_s(&self) -> &[f64] {
+        self.signals.column(RoadColumn::RollRate)
+    }
+
+    /// Returns the rate about the upward axis, rad/s; no sample if the platform does nothing but heave and pitch.
+    pub fn yaw_rate_rad_s(&self) -> &[f64] {
+        self.signals.column(RoadColumn::YawRate)
+    }
+
+    /// Returns whether the platform surges, rolls and yaws too.
+    pub fn has_further_motion(&self) -> bool {
+        self.signals.has(RoadColumn::YawRate)
     }
 
     /// Returns the surge at a time, m/s^2; 0 outside the record and if there is none.
     pub fn surge_at(&self, time_s: f64) -> f64 {
-        let surge = self.further.as_ref().map(|further| &further.surge_m_s2);
-        surge.map_or(0.0, |surge| between(surge, time_s / self.sample_period_s))
+        self.interpolate(self.surge_m_s2(), time_s)
     }
 
     /// The value of a column of the road at a time; 0 outside the record.
@@ -154,8 +195,8 @@ impl Road {
     /// Returns the heave and pitch rate at a time; 0 outside the record.
     pub fn at(&self, time_s: f64) -> HeaveAndPitch {
         HeaveAndPitch {
-            heave_m_s2: between(&self.heave_m_s2, time_s / self.sample_period_s),
-            pitch_rate_rad_s: between(&self.pitch_rate_rad_s, time_s / self.sample_period_s),
+            heave_m_s2: self.interpolate(self.heave_m_s2(), time_s),
+            pitch_rate_rad_s: self.interpolate(self.pitch_rate_rad_s(), time_s),
         }
     }
 }
@@ -222,18 +263,14 @@ impl Procedure {
     }
 
     fn check_road(&self, road: &Road) -> Result<(), Error> {
-        check_length("pitch rate of the road", road.pitch_rate_rad_s.len(), road.heave_m_s2.len())?;
-        check_finite("heave of the road", &road.heave_m_s2)?;
-        check_finite("pitch rate of the road", &road.pitch_rate_rad_s)?;
-        if let Some(further) = &road.further {
-            for (what, samples) in [
-                ("surge of the road", &further.surge_m_s2),
-                ("roll rate of the road", &further.roll_rate_rad_s),
-                ("yaw rate of the road", &further.yaw_rate_rad_s),
-            ] {
-                check_length(what, samples.len(), road.heave_m_s2.len())?;
-                check_finite(what, samples)?;
-            }
+        for (what, column) in [
+            ("heave of the road", RoadColumn::Heave),
+            ("pitch rate of the road", RoadColumn::PitchRate),
+            ("surge of the road", RoadColumn::Surge),
+            ("roll rate of the road", RoadColumn::RollRate),
+            ("yaw rate of the road", RoadColumn::YawRate),
+        ] {
+            check_finite(what, road.signals.column(column))?;
         }
         if !(road.sample_period_s > 0.0 && road.sample_period_s.is_finite()) {
             return Err(Error::Range {
@@ -268,11 +305,9 @@ mod tests {
         let road = Road {
             name: String::new(),
             sample_period_s: 0.01,
-            heave_m_s2: vec![0.0; 500],
-            pitch_rate_rad_s: vec![0.0; 499],
-            further: None,
+            signals: Signals::stack([&[0.0; 500][..], &[0.0; 499]]),
         };
-        assert!(matches!(Procedure { road: Some(road), ..good }.check(), Err(Error::Length { .. })));
+        assert!(matches!(Procedure { road: Some(road), ..good }.check(), Err(Error::NotFinite { .. })));
     }
 
     #[test]
@@ -280,9 +315,7 @@ mod tests {
         let road = Road {
             name: String::new(),
             sample_period_s: 0.5,
-            heave_m_s2: vec![0.0, 1.0, 3.0],
-            pitch_rate_rad_s: vec![1.0; 3],
-            further: None,
+            signals: Signals::stack([&[0.0, 1.0, 3.0][..], &[1.0; 3]]),
         };
         let at = |time_s: f64| (road.at(time_s).heave_m_s2, road.at(time_s).pitch_rate_rad_s);
         assert_eq!(at(0.75), (2.0, 1.0));

@@ -116,7 +116,7 @@ pub const CYCLE_BAND: f64 = 0.25;
 
 // ---- spectral ----
 
-/// Longest segment, samples; shorter where the record would give fewer than [`SEGMENTS`].
+/// Longest segment, samples; shorter where the record would give fewer than [`FEWEST_SEGMENTS`].
 /// At 1 kHz a resolution of 0.25 Hz, finer than any crossover needs.
 pub const LONGEST_SEGMENT: usize = 4096;
 

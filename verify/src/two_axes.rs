@@ -368,23 +368,23 @@ impl Run<'_> {
             TraverseGyroscope::Ring => self.machine.coupling.body.included_at.cos,
             TraverseGyroscope::ElevatedMass => 1.0,
         };
-        let above = difference(&elevation.truth.hub_rate_rad_s, &elevation.readings.demand_rad_s);
-        let below = difference(&traverse.truth.hub_rate_rad_s, &traverse.readings.demand_rad_s);
+        let above = difference(elevation.truth.hub_rate_rad_s(), elevation.readings.demand_rad_s());
+        let below = difference(traverse.truth.hub_rate_rad_s(), traverse.readings.demand_rad_s());
         let cross: Vec<f64> = below.iter().map(|rate| to_sight * rate).collect();
         Ok(self.errors(&above, &below, &cross))
     }
 
     fn errors_of(&self, history: &TwoAxisHistory) -> Errors {
         let TwoAxisHistory { elevation, traverse, .. } = history;
-        let above = difference(&elevation.truth.hub_rate_rad_s, &elevation.readings.demand_rad_s);
-        let (demand, cross) = (&traverse.readings.demand_rad_s, &history.cross_elevation_rate_rad_s);
+        let above = difference(elevation.truth.hub_rate_rad_s(), elevation.readings.demand_rad_s());
+        let (demand, cross) = (traverse.readings.demand_rad_s(), &history.cross_elevation_rate_rad_s);
         match self.machine.coupling.gyroscope {
             TraverseGyroscope::ElevatedMass => {
                 let below = difference(cross, demand);
                 self.errors(&above, &below, &below)
             }
             TraverseGyroscope::Ring => {
-                let below = difference(&traverse.truth.hub_rate_rad_s, demand);
+                let below = difference(traverse.truth.hub_rate_rad_s(), demand);
                 let turned =
                     demand.iter().zip(&history.elevation_rad).map(|(rate, angle)| rate * angle.cos());
                 let wanted: Vec<f64> = turned.collect();

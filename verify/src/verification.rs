@@ -12,7 +12,7 @@ use crate::error_budget::{ErrorBudget, error_budget};
 use crate::history::{Experiment, History};
 use crate::line_of_sight;
 use crate::linear::closed_loop::is_feedforward;
-use crate::linear::frequency::rejections;
+use crate::linear::frequency::compute_rejections;
 use crate::linear::{self, ArrangedLoop, Closed, Curves, SampledPlant, arrange_controller};
 use crate::measure::{MeasuredFigure, Value, history_figures, infinite_figures, loop_figures};
 use crate::tolerance::WORSE_FEEDFORWARD;
@@ -262,9 +262,9 @@ fn nonlinear_part(
     go_on: &mut dyn FnMut(&mut Verification) -> bool,
 ) -> Result<bool, Error> {
     let mut simulator = Simulator::new(plant)?;
-    for experiment in nonlinear::experiments(procedure) {
+    for experiment in nonlinear::list_experiments(procedure) {
         let known = same_run(controller, experiment, &found.evidence.histories);
-        let run = || nonlinear::history(&mut simulator, controller, procedure, experiment);
+        let run = || nonlinear::run_history(&mut simulator, controller, procedure, experiment);
         match known.map_or_else(run, Ok) {
             Ok(history) => {
                 found.figures.extend(history_figures(&history, procedure.settle_s));
@@ -443,7 +443,7 @@ pub(crate) fn rejection_figures(
 ) -> Result<Vec<MeasuredFigure>, Error> {
     let mut figures = Vec::new();
     let stable = arrangement == Arrangement::Uncontrolled || closed.pole_radius() < 1.0;
-    for rejection in rejections(sampled, closed, arrangement, frequencies)? {
+    for rejection in compute_rejections(sampled, closed, arrangement, frequencies)? {
         for (frequency_hz, h) in frequencies.iter().zip(&rejection.response) {
             let figure =
                 Figure::Rejection { source: rejection.source, arrangement, frequency_hz: *frequency_hz };
@@ -491,12 +491,12 @@ pub(crate) fn linear_history(
         Experiment::Disturbance(source, arrangement) => {
             let motion = |time_s: f64| procedure.motion(source, time_s);
             let duration_s = procedure.duration_of(source);
-            linear::disturbance(sampled, closed, source, arrangement, duration_s, motion)?
+            linear::simulate_disturbance(sampled, closed, source, arrangement, duration_s, motion)?
         }
-        Experiment::Step | Experiment::Rest => linear::step(sampled, closed, procedure.step)?,
+        Experiment::Step | Experiment::Rest => linear::simulate_step(sampled, closed, procedure.step)?,
         Experiment::Triangle => {
             let Some(triangle) = procedure.triangle else { return Ok(None) };
-            linear::triangle(sampled, closed, triangle, procedure.duration_s)?
+            linear::simulate_triangle(sampled, closed, triangle, procedure.duration_s)?
         }
     };
     Ok(Some(history))

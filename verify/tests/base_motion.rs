@@ -7,11 +7,12 @@ use counterpoise_controller::signal::HUB_POSITION;
 use counterpoise_controller::{Controller, Projection};
 use counterpoise_models::plant::{OperatingPoint, Plant};
 use counterpoise_models::{AccelerometerAxis, Friction, FrictionLaw, Parameters};
+use counterpoise_recordings::Signals;
 use counterpoise_verify::line_of_sight::SightAngles;
 use counterpoise_verify::robust::figures_of;
 use counterpoise_verify::{
-    Arrangement, Coincidence, ErrorSource, Figure, FurtherRoad, Limit, LineOfSight, Model, Optics, Procedure,
-    Quantity, Requirement, Road, SightFigure, Source, Unmeasured, Value, Verdict, verify,
+    Arrangement, Coincidence, ErrorSource, Figure, Limit, LineOfSight, Model, Optics, Procedure, Quantity,
+    Requirement, Road, SightFigure, Source, Unmeasured, Value, Verdict, verify,
 };
 use support::{controller, rig};
 
@@ -22,16 +23,18 @@ fn road() -> Road {
     let sine = |amplitude: f64, hz: f64| -> Vec<f64> {
         (0..1201).map(|k| amplitude * (std::f64::consts::TAU * hz * f64::from(k) * 0.005).sin()).collect()
     };
-    let still = vec![0.0; 1201];
-    let further =
-        FurtherRoad { surge_m_s2: sine(2.0, 1.0), roll_rate_rad_s: still.clone(), yaw_rate_rad_s: still };
+    let still = [0.0; 1201];
+    let (heave, pitch, surge) = (sine(0.5, 1.5), sine(0.005, 0.7), sine(2.0, 1.0));
     Road {
         name: "tones".to_owned(),
         sample_period_s: 0.005,
-        heave_m_s2: sine(0.5, 1.5),
-        pitch_rate_rad_s: sine(0.005, 0.7),
-        further: Some(further),
+        signals: Signals::stack([&heave[..], &pitch, &surge, &still, &still]),
     }
+}
+
+/// The road without its surge.
+fn without_surge(road: Road) -> Road {
+    Road { signals: Signals::stack([road.heave_m_s2(), road.pitch_rate_rad_s()]), ..road }
 }
 
 fn procedure(road: Road) -> Procedure {
@@ -81,7 +84,7 @@ fn the_linear_loop_meets_surge_as_the_nonlinear_one_does() {
 
 #[test]
 fn an_elevated_accelerometer_takes_surge_out() {
-    let still = Road { further: None, ..road() };
+    let still = without_surge(road());
     let of = |axis, road: &Road| hub_rms(axis, Model::Nonlinear, road.clone());
     let none = of(AccelerometerAxis::Vertical, &still);
     let (upright, elevated) =
@@ -110,7 +113,7 @@ fn projected(model: Model, elevation_rad: f64, road: Road) -> f64 {
 
 #[test]
 fn two_accelerometers_projected_by_the_hubs_angle_take_surge_out_at_every_elevation() {
-    let still = Road { further: None, ..road() };
+    let still = without_surge(road());
     for elevation_rad in [0.0, 5.0_f64.to_radians(), 15.0_f64.to_radians(), 40.0_f64.to_radians()] {
         let none = projected(Model::Nonlinear, elevation_rad, still.clone());
         let with = projected(Model::Nonlinear, elevation_rad, road());

@@ -5,10 +5,11 @@ use crate::support;
 
 use counterpoise_lti::Response;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, OperatingPoint};
-use counterpoise_verify::linear::frequency::{Curves, rejections};
+use counterpoise_verify::linear::frequency::{Curves, compute_rejections};
 use counterpoise_verify::linear::plant::Resolver;
 use counterpoise_verify::linear::{
-    ArrangedLoop, Closed, LoopCause, LoopEffect, SampledPlant, arrange_controller, disturbance, step,
+    ArrangedLoop, Closed, LoopCause, LoopEffect, SampledPlant, arrange_controller, simulate_disturbance,
+    simulate_step,
 };
 use counterpoise_verify::signals::step_figures;
 use counterpoise_verify::{Arrangement, HeaveAndPitch, Sine, Source, Step};
@@ -44,13 +45,13 @@ fn the_rejection_ratio_is_what_a_time_history_shows() {
     let sine = Sine { amplitude: 1.0, frequency_hz: 2.0 };
     for arrangement in ALL {
         let closed = closed(&plant, arrangement);
-        let expected = rejections(&plant, &closed, arrangement, &[2.0]).unwrap();
+        let expected = compute_rejections(&plant, &closed, arrangement, &[2.0]).unwrap();
         for (source, ratio) in [(Source::Heave, &expected[0]), (Source::Pitch, &expected[1])] {
             let motion = |t: f64| match source {
                 Source::Heave => HeaveAndPitch { heave_m_s2: sine.at(t), pitch_rate_rad_s: 0.0 },
                 _ => HeaveAndPitch { heave_m_s2: 0.0, pitch_rate_rad_s: sine.at(t) },
             };
-            let run = disturbance(&plant, &closed, source, arrangement, 40.0, motion).unwrap();
+            let run = simulate_disturbance(&plant, &closed, source, arrangement, 40.0, motion).unwrap();
             let driven = run.motion(source);
             let found = tone(run.hub_rate_rad_s(), 2.0, 1e-3, 8.0) / tone(driven, 2.0, 1e-3, 8.0);
             let error = (found - ratio.response[0]).norm() / ratio.response[0].norm();
@@ -64,7 +65,7 @@ fn the_loop_is_stable_and_follows_a_step_without_error() {
     let plant = sampled();
     let closed = closed(&plant, Arrangement::Compensated);
     assert!(closed.pole_radius() < 1.0, "{}", closed.pole_radius());
-    let run = step(&plant, &closed, Step { rate_rad_s: 0.1, duration_s: 5.0 }).unwrap();
+    let run = simulate_step(&plant, &closed, Step { rate_rad_s: 0.1, duration_s: 5.0 }).unwrap();
     let figures = step_figures(run.time_s(), run.hub_rate_rad_s(), 0.1).unwrap();
     assert!(figures.steady_state_error_percent < 1e-3, "{figures:?}");
     assert!(

@@ -4,7 +4,7 @@
 use crate::support;
 
 use counterpoise_verify::robust::{
-    Campaign, Distribution, Family, Layout, PointLayout, Sense, Variation, Varied, configurations,
+    Campaign, Distribution, Family, Layout, PointLayout, Sense, Variation, Varied, compare_configurations,
     figures_of, merge_shards, one_at_a_time, rank_parameters, summarise_requirement, worst_case,
 };
 use counterpoise_verify::{Figure, Limit, Procedure, Requirement, Value, verify};
@@ -92,7 +92,7 @@ fn families_and_configurations_are_measured() {
     let members = one_at_a_time(&rig(), &controller(), &short(), &figures, &families).unwrap();
     assert_eq!(members.len(), 3);
     assert_eq!(members[1].values, figures_of(&plant(), &controller(), &short(), &figures).unwrap());
-    let loaded = configurations(&rig(), &controller(), &short(), &figures).unwrap();
+    let loaded = compare_configurations(&rig(), &controller(), &short(), &figures).unwrap();
     assert_eq!(loaded.len(), rig().configurations.len());
     assert!(loaded.iter().all(|member| matches!(member.values[0], Value::Is(margin) if margin > 0.0)));
 }

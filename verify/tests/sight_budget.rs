@@ -5,14 +5,14 @@ use crate::support;
 
 use counterpoise_models::plant::{OperatingPoint, Plant};
 use counterpoise_models::{Drift, Friction, FrictionLaw, Parameters, Ripple};
+use counterpoise_recordings::Signals;
 use counterpoise_simulate::Simulator;
 use counterpoise_verify::error_budget::propagation::Propagation;
 use counterpoise_verify::line_of_sight::{SightAngles, sight_experiment};
 use counterpoise_verify::sight_spectrum::Bands;
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{
-    Contribution, ErrorBudget, ErrorSource, FurtherRoad, LineOfSight, Procedure, Road, error_budget,
-    nonlinear,
+    Contribution, ErrorBudget, ErrorSource, LineOfSight, Procedure, Road, RoadColumn, error_budget, nonlinear,
 };
 use support::{controller, rig};
 
@@ -23,17 +23,12 @@ fn road() -> Road {
     let sine = |amplitude: f64, hz: f64| -> Vec<f64> {
         (0..1201).map(|k| amplitude * (std::f64::consts::TAU * hz * f64::from(k) * PERIOD_S).sin()).collect()
     };
-    let further = FurtherRoad {
-        surge_m_s2: sine(2.0, 1.0),
-        roll_rate_rad_s: sine(0.4, 1.3),
-        yaw_rate_rad_s: sine(0.3, 0.9),
-    };
+    let (heave, pitch) = (sine(0.5, 1.5), sine(0.02, 0.7));
+    let (surge, roll, yaw) = (sine(2.0, 1.0), sine(0.4, 1.3), sine(0.3, 0.9));
     Road {
         name: "tones".to_owned(),
         sample_period_s: PERIOD_S,
-        heave_m_s2: sine(0.5, 1.5),
-        pitch_rate_rad_s: sine(0.02, 0.7),
-        further: Some(further),
+        signals: Signals::stack([&heave[..], &pitch, &surge, &roll, &yaw]),
     }
 }
 
@@ -50,7 +45,7 @@ fn procedure() -> Procedure {
 /// The procedure on a base that stands still.
 fn still() -> Procedure {
     let quiet = vec![0.0; 1201];
-    let road = Road { heave_m_s2: quiet.clone(), pitch_rate_rad_s: quiet.clone(), further: None, ..road() };
+    let road = Road { signals: Signals::stack([&quiet[..], &quiet]), ..road() };
     Procedure { road: Some(road), ..procedure() }
 }
 
@@ -163,7 +158,7 @@ fn noise_alone_has_the_mean_square_of_its_density() {
         for seed in 0..seeds {
             let asked = Procedure { seed: 100 + seed, ..still() };
             let history =
-                nonlinear::history(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
+                nonlinear::run_history(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
             let angles = SightAngles::of(&history, asked.settle_s).unwrap();
             let error = angles.error(0.02).values();
             squares.iter_mut().zip(error).for_each(|(sum, rad)| *sum += rad * rad / seeds as f64);
@@ -211,18 +206,14 @@ fn linear_marches_of_all_sources_add_up_to_the_simulated_motion() {
     }
     (p.interface.input_bits, p.interface.output_bits) = (40, 40);
     // no roll: its torque and that of yaw are marched one by one, without their product
-    let asked = Procedure {
-        road: Some(Road {
-            further: Some(FurtherRoad { roll_rate_rad_s: vec![0.0; 1201], ..road().further.unwrap() }),
-            ..road()
-        }),
-        ..procedure()
-    };
+    let mut level = road();
+    level.signals.column_mut(RoadColumn::RollRate).fill(0.0);
+    let asked = Procedure { road: Some(level), ..procedure() };
     let plant = Plant::from_lumped(&p).unwrap();
     let mut simulator = Simulator::new(&plant).unwrap();
     let acting = controller();
     let run = nonlinear::run(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
-    let history = nonlinear::history(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
+    let history = nonlinear::run_history(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
     let simulated = SightAngles::of(&history, asked.settle_s).unwrap();
     let bands = Bands::of(simulated.hub_rad.len(), 1e-3);
     let loops = Propagation::new(&plant, &acting, &asked, &bands).unwrap().unwrap();
@@ -247,7 +238,7 @@ fn steps_of_converters_are_noise_where_they_are_dithered() {
     let angles = |p: &Parameters| {
         let mut simulator = Simulator::new(&Plant::from_lumped(p).unwrap()).unwrap();
         let history =
-            nonlinear::history(&mut simulator, &controller(), &asked, sight_experiment(&asked)).unwrap();
+            nonlinear::run_history(&mut simulator, &controller(), &asked, sight_experiment(&asked)).unwrap();
         SightAngles::of(&history, asked.settle_s).unwrap()
     };
     let mut fine = quiet();

@@ -4,6 +4,7 @@
 use crate::support;
 
 use counterpoise_controller::Controller;
+use counterpoise_recordings::Signals;
 use counterpoise_verify::{
     Arrangement, Coincidence, Experiment, Figure, Limit, LineOfSight, LoopFigure, Model, Optics, Procedure,
     Quantity, Requirement, Road, Source, StepFigure, Triangle, Unmeasured, Verdict, verify, verify_linear,
@@ -71,11 +72,11 @@ const TRIANGLE: Triangle = Triangle { rate_rad_s: 0.15, period_s: 2.0 };
 
 /// A road of two seconds: heave and pitch of one tone each.
 fn road() -> Road {
-    let sine = |amplitude: f64, hz: f64| {
+    let sine = |amplitude: f64, hz: f64| -> Vec<f64> {
         (0..400).map(|k| amplitude * (std::f64::consts::TAU * hz * f64::from(k) * 0.005).sin()).collect()
     };
-    let (heave_m_s2, pitch_rate_rad_s) = (sine(1.0, 1.5), sine(0.1, 1.0));
-    Road { name: "tones".to_owned(), sample_period_s: 0.005, heave_m_s2, pitch_rate_rad_s, further: None }
+    let (heave, pitch) = (sine(1.0, 1.5), sine(0.1, 1.0));
+    Road { name: "tones".to_owned(), sample_period_s: 0.005, signals: Signals::stack([&heave[..], &pitch]) }
 }
 
 /// Every figure that a project file can name holds where the limit leaves room, by that room, and fails where it does not, by as much;

@@ -1,6 +1,6 @@
 //! `counterpoise adapt`: the adaptation put to the test in the nonlinear closed loop.
 
-use counterpoise_pipeline::studies::adapt::{AdaptRun, AdaptedIntervals, Interval};
+use counterpoise_pipeline::studies::adapt::{AdaptRun, AdaptationInterval, AdaptedIntervals};
 use counterpoise_pipeline::studies::adaptation::study_adaptation;
 use counterpoise_project::Purpose;
 use counterpoise_project::resolve::synthesis_options::AdaptationUse;
@@ -11,8 +11,8 @@ use clap::Args;
 use counterpoise_report::adaptation::{self, adaptation_report};
 use counterpoise_report::html_page;
 
-use crate::exit::{Done, verdict_code};
-use crate::options::Outputs;
+use crate::exit::{CommandResult, verdict_code};
+use crate::options::CommandOutputs;
 use crate::output::{self, say};
 use counterpoise_host::projects::{self, ProjectWorld};
 
@@ -23,11 +23,11 @@ pub struct AdaptOptions {
     pub project: PathBuf,
     /// Where report and results go.
     #[command(flatten)]
-    pub outputs: Outputs,
+    pub outputs: CommandOutputs,
 }
 
 /// Runs the command.
-pub fn run(options: &AdaptOptions) -> Done {
+pub fn run(options: &AdaptOptions) -> CommandResult {
     let loaded = projects::load_project(&options.project, Purpose::Verify)?;
     output::print_warnings(&loaded, options.outputs.results.progress());
     let world = ProjectWorld::of(&loaded, options.outputs.results.progress());
@@ -54,7 +54,9 @@ pub fn run(options: &AdaptOptions) -> Done {
     let own = loaded.project.synth.as_ref().and_then(|synth| synth.options.adaptation.as_ref());
     let refused =
         own.is_some_and(|own| own.use_in_code == AdaptationUse::Exported && tried.refuses(own.method));
-    Ok(verdict_code(runs.iter().flat_map(|run| &run.intervals).map(Interval::has_returned).chain([!refused])))
+    Ok(verdict_code(
+        runs.iter().flat_map(|run| &run.intervals).map(AdaptationInterval::has_returned).chain([!refused]),
+    ))
 }
 
 fn print(runs: &[AdaptRun]) {

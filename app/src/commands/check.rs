@@ -10,8 +10,8 @@ use counterpoise_report::check::check_lines;
 use serde::Serialize;
 use std::path::PathBuf;
 
-use crate::exit::{Done, Exit};
-use crate::options::Results;
+use crate::exit::{CommandResult, ExitStatus};
+use crate::options::ResultOutput;
 use crate::output::{self, say};
 
 /// Arguments of `check`.
@@ -24,7 +24,7 @@ pub struct CheckOptions {
     pub migrate: bool,
     /// Where results go.
     #[command(flatten)]
-    pub results: Results,
+    pub results: ResultOutput,
 }
 
 /// The errors of a file, as JSON.
@@ -35,7 +35,7 @@ struct Refused<'a> {
 }
 
 /// Runs the command.
-pub fn run(options: &CheckOptions) -> Done {
+pub fn run(options: &CheckOptions) -> CommandResult {
     let path = project_file(&options.project);
     let (document, attachments) = projects::read_as_written(&path)?;
     if options.migrate {
@@ -47,12 +47,12 @@ pub fn run(options: &CheckOptions) -> Done {
             if !output::write_json(&options.results, &found)? {
                 check_lines(&found).iter().for_each(|line| say!("{line}"));
             }
-            Ok(Exit::SUCCESS)
+            Ok(ExitStatus::SUCCESS)
         }
         Err(errors) => {
             let refused = Refused { file: document.name(), errors: &errors };
             if output::write_json(&options.results, &refused)? {
-                return Ok(Exit::BAD_INPUT);
+                return Ok(ExitStatus::BAD_INPUT);
             }
             Err(BadProject { errors, document }.into())
         }
@@ -60,13 +60,13 @@ pub fn run(options: &CheckOptions) -> Done {
 }
 
 /// Sets the format of a file and of its parts, after all of them have been read.
-fn migrate(document: &Document, attachments: &Attachments) -> Done {
+fn migrate(document: &Document, attachments: &Attachments) -> CommandResult {
     if let Err(errors) = Project::resolve(document, attachments) {
         return Err(BadProject { errors, document: document.clone() }.into());
     }
     if document.format() == Some(FORMAT) {
         say!("{} is of format {FORMAT} already", document.name());
-        return Ok(Exit::SUCCESS);
+        return Ok(ExitStatus::SUCCESS);
     }
     let migrated = document.migrate().context("the file cannot be migrated")?;
     let (before, after) = (Project::resolve(document, attachments), Project::resolve(&migrated, attachments));
@@ -76,5 +76,5 @@ fn migrate(document: &Document, attachments: &Attachments) -> Done {
     }
     projects::write_file(std::path::Path::new(document.name()), migrated.text().as_bytes())?;
     say!("{} is of format {FORMAT} now", document.name());
-    Ok(Exit::SUCCESS)
+    Ok(ExitStatus::SUCCESS)
 }

@@ -10,12 +10,12 @@ use counterpoise_claims::page;
 use counterpoise_claims::{Agreement, Claim, ClaimOutcome, Criterion, claim_ids, measure_claims};
 use counterpoise_pipeline::{ProjectIdentity, run_stages};
 use counterpoise_project::Purpose;
-use counterpoise_report::{Context, Origin, evidence, html_page};
+use counterpoise_report::{ReportOrigin, VerificationContext, evidence, html_page};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::examples::write_example;
-use crate::exit::{Done, verdict_code};
-use crate::options::Results;
+use crate::exit::{CommandResult, verdict_code};
+use crate::options::ResultOutput;
 use crate::output;
 use counterpoise_host::files::scratch_folder;
 use counterpoise_host::projects::{self, ProjectWorld};
@@ -34,7 +34,7 @@ pub struct ClaimsOptions {
     pub report: Option<PathBuf>,
     /// Where results go.
     #[command(flatten)]
-    pub results: Results,
+    pub results: ResultOutput,
 }
 
 /// A row, for another program.
@@ -65,7 +65,7 @@ struct CriterionRow<'a> {
 }
 
 /// Runs the command.
-pub fn run(options: &ClaimsOptions) -> Done {
+pub fn run(options: &ClaimsOptions) -> CommandResult {
     let wanted = wanted(&options.only)?;
     let scratch = scratch_folder()?;
     let project = project_of(options, scratch.path())?;
@@ -93,8 +93,8 @@ pub fn run(options: &ClaimsOptions) -> Done {
     more.iter_mut()
         .flat_map(|section| &mut section.figures)
         .for_each(|figure| figure.command.clone_from(&verified));
-    let origin = Origin { project: String::new(), command: command.clone() };
-    let context = Context {
+    let origin = ReportOrigin { project: String::new(), command: command.clone() };
+    let context = VerificationContext {
         loop_view: None,
         title,
         subtitle: "measured, nothing tuned for a row; after the rows, the evidence of the design that they put to the test".to_owned(),

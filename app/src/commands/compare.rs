@@ -3,16 +3,16 @@
 use anyhow::{Context as _, Result, bail};
 use clap::Args;
 use counterpoise_host::projects::{self, ProjectWorld};
-use counterpoise_pipeline::Step;
+use counterpoise_pipeline::PipelineStage;
 use counterpoise_pipeline::studies::designs::{ComparisonRequest, DesignTable, design_table};
 use counterpoise_project::Purpose;
-use counterpoise_report::{Origin, designs, html_page};
+use counterpoise_report::{ReportOrigin, designs, html_page};
 use counterpoise_synth::LoopLimits;
 use serde::Serialize;
 use std::path::PathBuf;
 
-use crate::exit::{Done, Exit};
-use crate::options::Results;
+use crate::exit::{CommandResult, ExitStatus};
+use crate::options::ResultOutput;
 use crate::output::{self, say};
 
 /// Arguments of `compare`.
@@ -31,7 +31,7 @@ pub struct CompareOptions {
     pub report: Option<PathBuf>,
     /// Where results go.
     #[command(flatten)]
-    pub results: Results,
+    pub results: ResultOutput,
 }
 
 /// The table with the time of each design, for another program.
@@ -44,18 +44,18 @@ struct Timed<'a> {
 }
 
 /// Runs the command.
-pub fn run(options: &CompareOptions) -> Done {
+pub fn run(options: &CompareOptions) -> CommandResult {
     let further = options.limits.iter().map(|text| limits(text)).collect::<Result<_>>()?;
     let loaded = projects::load_project(&options.project, Purpose::Compare)?;
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
     let table = design_table(&loaded.project, &ComparisonRequest { further }, &world)?;
     let times = world.times();
-    let designs = times.iter().filter(|time| time.name == Step::Synthesise.name());
+    let designs = times.iter().filter(|time| time.name == PipelineStage::Synthesise.name());
     let times_s: Vec<f64> = designs.map(|time| 1e-3 * time.milliseconds).collect();
     let project = loaded.path.display().to_string();
     let asked: String = options.limits.iter().map(|limits| format!(" --limits {limits}")).collect();
-    let origin = Origin { command: format!("counterpoise compare {project}{asked}"), project };
+    let origin = ReportOrigin { command: format!("counterpoise compare {project}{asked}"), project };
     if let Some(path) = &options.markdown {
         let text = format!("`{}`\n\n{}", origin.command, designs::markdown_table(&table, &times_s));
         projects::write_file(path, text.as_bytes())?;
@@ -71,7 +71,7 @@ pub fn run(options: &CompareOptions) -> Done {
         options.markdown.iter().for_each(|path| say!("table   {}", path.display()));
         options.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
-    Ok(Exit::SUCCESS)
+    Ok(ExitStatus::SUCCESS)
 }
 
 /// Reads MS,MT,NOISE,KS.
@@ -118,7 +118,7 @@ fn print(table: &DesignTable, times_s: &[f64]) {
         .enumerate()
         .map(|(k, row)| designs::design_cells(row, times_s.get(k).copied()))
         .collect();
-    for (line, name) in designs::columns(table.controlled).iter().enumerate() {
+    for (line, name) in designs::table_columns(table.controlled).iter().enumerate() {
         let cells: String = columns.iter().map(|cells| format!("{:>11}", cells[line])).collect();
         say!("{name:WIDEST_NAME$}{cells}");
     }

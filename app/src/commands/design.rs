@@ -4,31 +4,31 @@ use std::path::PathBuf;
 
 use crate::output::say;
 use clap::Args;
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_export::File;
 use counterpoise_host::code_files;
 use counterpoise_host::compilers::{processor, proofs};
 use counterpoise_host::terminal::print_message;
 use counterpoise_pipeline::exchange::ControllerResult;
-use counterpoise_pipeline::export::target_proofs::{Answered, Costs, Proof};
+use counterpoise_pipeline::export::target_proofs::{CodeAgreement, CompiledCodeTest, StepCosts};
 use counterpoise_pipeline::results::{DesignResult, ResultContents};
-use counterpoise_pipeline::studies::advice::Kept;
+use counterpoise_pipeline::studies::advice::KeptDesigns;
 use counterpoise_pipeline::wording::acceptance::Traceable;
 use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
-use counterpoise_pipeline::{FirstDesignResult, Stages, TwoAxisStudy, World, design};
+use counterpoise_pipeline::{DesignStages, FirstDesignResult, TwoAxisStudy, World, design};
+use counterpoise_pool::Pool;
 use counterpoise_project::Purpose;
 use counterpoise_report::adaptation::{describe_action, describe_refusal};
 use counterpoise_report::certificate;
 use counterpoise_report::design::DesignRun;
-use counterpoise_report::{Origin, html_page, of_design, two_axes};
+use counterpoise_report::{ReportOrigin, html_page, of_design, two_axes};
 use counterpoise_verify::{Verdict, Verification};
 use serde::Serialize;
 
 use super::{export, first_design};
-use crate::exit::{Done, verdict_code};
-use crate::options::Results;
+use crate::exit::{CommandResult, verdict_code};
+use crate::options::ResultOutput;
 use crate::output;
-use counterpoise_host::projects::{self, Loaded, ProjectWorld};
+use counterpoise_host::projects::{self, ProjectOnDisk, ProjectWorld};
 
 /// Arguments of `design`.
 #[derive(Args)]
@@ -43,7 +43,7 @@ pub struct DesignOptions {
     pub histories: bool,
     /// Where results go.
     #[command(flatten)]
-    pub results: Results,
+    pub results: ResultOutput,
 }
 
 /// The results for another program, and why the weights are what they are if they were chosen.
@@ -56,7 +56,7 @@ struct Whole<'a> {
 }
 
 /// Runs the command.
-pub fn run(options: &DesignOptions) -> Done {
+pub fn run(options: &DesignOptions) -> CommandResult {
     let loaded = projects::load_project(&options.project, Purpose::Design)?;
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
@@ -69,7 +69,7 @@ pub fn run(options: &DesignOptions) -> Done {
     let compiled = compiled(&proofs, &costs);
     let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
     let run = DesignRun {
-        origin: &Origin {
+        origin: &ReportOrigin {
             project: loaded.path.display().to_string(),
             command: format!("counterpoise design {}", options.project.display()),
         },
@@ -104,24 +104,24 @@ pub fn run(options: &DesignOptions) -> Done {
 /// Returns the results of a design, with the histories if they are asked for.
 fn results_of(
     options: &DesignOptions,
-    loaded: &Loaded,
-    designed: &counterpoise_pipeline::Designed,
+    loaded: &ProjectOnDisk,
+    designed: &counterpoise_pipeline::CompletedDesign,
     pool: &dyn Pool,
 ) -> anyhow::Result<DesignResult> {
     let contents = ResultContents {
         assumptions: &loaded.assumptions,
         systems: options.results.loop_systems(),
-        kept: if options.histories { Kept::Histories } else { Kept::Systems },
+        kept: if options.histories { KeptDesigns::Histories } else { KeptDesigns::Systems },
     };
     Ok(DesignResult::complete(&loaded.project, designed, &contents, pool)?)
 }
 
-fn print_two_axes(designed: &counterpoise_pipeline::Designed) {
+fn print_two_axes(designed: &counterpoise_pipeline::CompletedDesign) {
     let both = designed.two_axes.iter().flat_map(two_axes::two_axes_lines);
     both.for_each(|line| say!("two axes: {line}"));
 }
 
-fn print_adaptation(designed: &counterpoise_pipeline::Designed) {
+fn print_adaptation(designed: &counterpoise_pipeline::CompletedDesign) {
     let action = designed.adaptation.iter().filter_map(describe_action);
     action.for_each(|action| print_message(&format!("adaptation: {action}")));
 }
@@ -135,21 +135,21 @@ struct CompiledCode {
 }
 
 /// Returns what is to be said of code that was compiled and run, or could not be.
-fn compiled(proofs: &[Proof], costs: &Costs) -> CompiledCode {
+fn compiled(proofs: &[CompiledCodeTest], costs: &StepCosts) -> CompiledCode {
     let mut code = CompiledCode { differing: 0, said: Vec::new() };
     for proof in proofs {
         let language = if proof.rust { "Rust" } else { "C" };
         let numbers = format!("{:?}", proof.numbers).to_lowercase();
         match &proof.answered {
-            Answered::Alike { .. } => {}
-            Answered::Otherwise { samples, wrong } => {
+            CodeAgreement::Alike { .. } => {}
+            CodeAgreement::Otherwise { samples, wrong } => {
                 code.differing += 1;
                 code.said.push(format!(
                     "  FAILS  compiled {language} in {numbers} numbers: {wrong} of {samples} samples differ from its model; \
                      use another compiler, or report this with the compiler's version"
                 ));
             }
-            Answered::NotRun(why) => code.said.push(format!(
+            CodeAgreement::NotRun(why) => code.said.push(format!(
                 "note: the {language} in {numbers} numbers was not compared with its model: {why}"
             )),
         }
@@ -158,7 +158,7 @@ fn compiled(proofs: &[Proof], costs: &Costs) -> CompiledCode {
     code
 }
 
-fn print(options: &DesignOptions, made: &Stages) {
+fn print(options: &DesignOptions, made: &DesignStages) {
     print_verdicts(made.verified.verification());
     certificate::certificate_lines(&made.stability).iter().for_each(|line| say!("stability: {line}"));
     say!();

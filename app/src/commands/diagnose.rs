@@ -7,10 +7,10 @@ use counterpoise_diagnose::findings::channel_fits::Channels;
 use counterpoise_pipeline::configuration::apply_configuration;
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
 use counterpoise_pipeline::recordings::replay::{ReplayLength, replay_one};
-use counterpoise_pipeline::recordings::{Gaps, RecordingFile, diagnose, read_files, replay_held_out};
+use counterpoise_pipeline::recordings::{GapTreatment, RecordingFile, diagnose, read_files, replay_held_out};
 use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_pipeline::wording::figures::describe_figure;
-use counterpoise_pipeline::{Consequence, verify_redesign};
+use counterpoise_pipeline::{RedesignComparison, verify_redesign};
 use counterpoise_project::Purpose;
 use counterpoise_report::wording::answer::{
     AnswerText, FindingText, component_list, describe_diagnosed_recordings, describe_verdict, unit_suffix,
@@ -21,16 +21,16 @@ use counterpoise_report::wording::recordings::{describe_recordings_error, descri
 use counterpoise_report::{diagnosis, difference, html_page};
 use counterpoise_verify::Verification;
 
-use crate::exit::{Done, Exit};
+use crate::exit::{CommandResult, ExitStatus};
 use crate::options::DiagnoseOptions;
 use crate::output;
 use counterpoise_host::interrupt;
-use counterpoise_host::projects::{self, Loaded, ProjectWorld};
+use counterpoise_host::projects::{self, ProjectOnDisk, ProjectWorld};
 use counterpoise_host::stages::ProgressDisplay;
-use counterpoise_host::workers::Workers;
+use counterpoise_host::workers::ProgressPool;
 
 /// Runs the command.
-pub fn run(options: &DiagnoseOptions) -> Done {
+pub fn run(options: &DiagnoseOptions) -> CommandResult {
     let loaded = projects::load_project(&options.project, Purpose::Diagnose)?;
     output::print_warnings(&loaded, options.outputs.results.progress());
     if options.recordings.is_empty() {
@@ -38,7 +38,7 @@ pub fn run(options: &DiagnoseOptions) -> Done {
     }
     super::replay::tell_other_export(&loaded);
     let files = projects::read_recordings(&options.recordings)?;
-    let workers = Workers::new(options.outputs.results.progress());
+    let workers = ProgressPool::new(options.outputs.results.progress());
     let watch = interrupt::watch_interrupts();
     let diagnosed = diagnose(&loaded.project, &files, &workers);
     drop(watch);
@@ -70,18 +70,19 @@ pub fn run(options: &DiagnoseOptions) -> Done {
         print_held_out(&answer.held_out_recordings);
         consequence.iter().for_each(print_consequence);
     }
-    Ok(Exit::SUCCESS)
+    Ok(ExitStatus::SUCCESS)
 }
 
 /// Replays the recordings on the improved mechanism as `counterpoise replay` does of the project that was saved.
 fn confirm(
-    loaded: &Loaded,
+    loaded: &ProjectOnDisk,
     files: &[RecordingFile],
     found: &Diagnosis,
 ) -> anyhow::Result<Vec<RecordingResult>> {
     let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
     let controller = recording_controller(&loaded.project).map_err(refused)?;
-    let read = read_files(&loaded.project, controller.as_ref(), files, Gaps::Repaired).map_err(refused)?;
+    let read =
+        read_files(&loaded.project, controller.as_ref(), files, GapTreatment::Repaired).map_err(refused)?;
     let control = control_for(&loaded.project, controller.as_ref(), read.iter().map(|item| &item.recording));
     let improved = apply_configuration(&loaded.project, &found.improved).map_err(refused)?;
     let one = |item| replay_one(&improved, item, &control, ReplayLength::Automatic).map_err(refused);
@@ -131,17 +132,17 @@ fn print_held_out(recordings: &[HeldOutText]) {
 /// Returns what the improved model means for the project's design; `None` if nothing was found or the project has no
 /// design.
 fn redesign(
-    loaded: &Loaded,
+    loaded: &ProjectOnDisk,
     found: &Diagnosis,
     progress: ProgressDisplay,
-) -> anyhow::Result<Option<Consequence>> {
+) -> anyhow::Result<Option<RedesignComparison>> {
     if found.improved == loaded.project.plant {
         return Ok(None);
     }
     Ok(verify_redesign(&loaded.project, &found.improved, &ProjectWorld::of(loaded, progress))?)
 }
 
-fn print_consequence(found: &Consequence) {
+fn print_consequence(found: &RedesignComparison) {
     say!("the project's design on the improved model:");
     for change in found.changes.iter().filter(|change| change.has_changed_verdict()) {
         let (_, word) = difference::classify_change(change);

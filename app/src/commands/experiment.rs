@@ -5,15 +5,15 @@ use std::path::PathBuf;
 use anyhow::{Context, Error};
 use clap::Args;
 use counterpoise_diagnose::experiment::Limits;
-use counterpoise_host::workers::Workers;
+use counterpoise_host::workers::ProgressPool;
 use counterpoise_host::{files, projects};
-use counterpoise_pipeline::recordings::experiment::{Findings, plan_experiment};
+use counterpoise_pipeline::recordings::experiment::{DiagnosisFindings, plan_experiment};
 use counterpoise_project::Purpose;
 use counterpoise_report::wording::experiment::{ExperimentPlanText, describe_plan};
 use counterpoise_report::wording::recordings::describe_recordings_error;
 
-use crate::exit::{Done, Exit};
-use crate::options::Results;
+use crate::exit::{CommandResult, ExitStatus};
+use crate::options::ResultOutput;
 use crate::output::{self, say};
 
 /// Arguments of `experiment`.
@@ -40,7 +40,7 @@ pub struct ExperimentOptions {
     pub output: PathBuf,
     /// Where results go.
     #[command(flatten)]
-    pub results: Results,
+    pub results: ResultOutput,
 }
 
 /// Returns a finite number above 0.
@@ -63,10 +63,10 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 /// Runs the command.
-pub fn run(options: &ExperimentOptions) -> Done {
+pub fn run(options: &ExperimentOptions) -> CommandResult {
     let loaded = projects::load_project(&options.project, Purpose::Experiment)?;
     output::print_warnings(&loaded, options.results.progress());
-    let findings = options.findings.as_ref().map(|path| -> anyhow::Result<Findings> {
+    let findings = options.findings.as_ref().map(|path| -> anyhow::Result<DiagnosisFindings> {
         let bytes = files::read_file(path).with_context(|| format!("cannot read {}", path.display()))?;
         serde_json::from_slice(&bytes).with_context(|| {
             format!("{} is not the JSON result of a diagnosis: write it with `counterpoise diagnose PROJECT RECORDINGS --json=FILE`", path.display())
@@ -79,7 +79,7 @@ pub fn run(options: &ExperimentOptions) -> Done {
         current_a: options.current.unwrap_or(f64::INFINITY),
         duration_s: options.duration,
     };
-    let workers = Workers::new(options.results.progress());
+    let workers = ProgressPool::new(options.results.progress());
     let planned = plan_experiment(&loaded.project, findings.as_ref(), limits, &workers);
     workers.finish();
     let planned = planned.map_err(|error| Error::msg(describe_recordings_error(&error)))?;
@@ -91,7 +91,7 @@ pub fn run(options: &ExperimentOptions) -> Done {
     if !output::write_json(&options.results, &text)? {
         print(&text, options);
     }
-    Ok(Exit::SUCCESS)
+    Ok(ExitStatus::SUCCESS)
 }
 
 /// Returns the demand as a CSV recording.

@@ -12,8 +12,8 @@ use counterpoise_pipeline::{self as pipeline, TraverseCode};
 use counterpoise_project::Purpose;
 use serde::Serialize;
 
-use crate::exit::{Done, verdict_code};
-use crate::options::Results;
+use crate::exit::{CommandResult, verdict_code};
+use crate::options::ResultOutput;
 use crate::output;
 use counterpoise_host::projects::{self, ProjectWorld};
 
@@ -30,11 +30,11 @@ pub struct ExportOptions {
     pub check: Vec<PathBuf>,
     /// Where results go.
     #[command(flatten)]
-    pub results: Results,
+    pub results: ResultOutput,
 }
 
 /// Writes the code, or checks files.
-pub fn run(options: &ExportOptions) -> Done {
+pub fn run(options: &ExportOptions) -> CommandResult {
     let loaded = projects::load_project(&options.project, Purpose::Export)?;
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
@@ -84,7 +84,7 @@ struct CheckedCode {
     says: String,
 }
 
-fn checked(options: &ExportOptions, code: &[File]) -> Done {
+fn checked(options: &ExportOptions, code: &[File]) -> CommandResult {
     let outcomes: Vec<CheckedCode> = options.check.iter().map(|path| outcome(path, code)).collect();
     if !output::json_list(&options.results, "files", &outcomes)? {
         outcomes.iter().for_each(|outcome| say!("{}: {}", outcome.file, outcome.says));

@@ -1,6 +1,6 @@
 //! What is printed of weights that were chosen.
 
-use counterpoise_host::projects::Loaded;
+use counterpoise_host::projects::ProjectOnDisk;
 use counterpoise_pipeline::FirstDesignResult;
 use counterpoise_pipeline::first_design::{LimitRow, falls_short};
 
@@ -11,7 +11,7 @@ use counterpoise_plot::number::short_number;
 use counterpoise_report::first_design::describe_limitation;
 
 /// Prints the bandwidth of the chosen weights with what limits it; nothing if the file states its weights.
-pub fn print_first_design(loaded: &Loaded) {
+pub fn print_first_design(loaded: &ProjectOnDisk) {
     let Some(first) = &loaded.first_design else { return };
     let result = FirstDesignResult::from(first);
     say!(
@@ -44,7 +44,7 @@ pub fn print_first_design(loaded: &Loaded) {
 }
 
 /// Prints which step of the demand the design counts or is verified by, and where it is stated.
-fn print_step(loaded: &Loaded, first: &FirstDesign) {
+fn print_step(loaded: &ProjectOnDisk, first: &FirstDesign) {
     let Some(verify) = &loaded.project.verify else { return };
     let (unit, step) = (loaded.project.controlled_unit(), short_number(verify.procedure.step.rate_rad_s));
     if first.bandwidth.unknown.contains(&Unknown::Demand) {

@@ -6,7 +6,9 @@ use anyhow::{Context as _, Result, bail};
 use clap::{Args, ValueEnum};
 use counterpoise_pipeline as pipeline;
 use counterpoise_pipeline::frequencies::logarithmic_hz;
-use counterpoise_pipeline::studies::fra::{Analyser, Around, Map, On, Plan, map_recordings};
+use counterpoise_pipeline::studies::fra::{
+    Analyser, LoopController, LoopUnderTest, MeasurementPlan, ResponseMap, map_recordings,
+};
 use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
 use counterpoise_pipeline::studies::fra_summary::{MapTotals, MeasuringPace};
 use counterpoise_project::{Project, Purpose, StructureChoice};
@@ -16,14 +18,14 @@ use counterpoise_report::wording::recordings::{describe_map, describe_recorded_m
 use counterpoise_simulate::fra::Measurement;
 use ndarray::Array2;
 
-use crate::exit::{Done, Exit};
-use crate::options::Outputs;
+use crate::exit::{CommandResult, ExitStatus};
+use crate::options::CommandOutputs;
 use crate::output::{self, say};
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_host::clock::Moment;
-use counterpoise_host::projects::{self, Loaded};
+use counterpoise_host::projects::{self, ProjectOnDisk};
 use counterpoise_host::stages::ProgressDisplay;
-use counterpoise_host::workers::{Processors, Workers, run_on};
+use counterpoise_host::workers::{ProgressPool, QuietPool, run_on};
+use counterpoise_pool::Pool;
 
 /// Arguments of `fra`.
 #[derive(Args)]
@@ -53,7 +55,7 @@ pub struct FraOptions {
     pub scaling: bool,
     /// Where report and results go.
     #[command(flatten)]
-    pub outputs: Outputs,
+    pub outputs: CommandOutputs,
 }
 
 /// The plants by name; the linear one is compared with every map.
@@ -80,7 +82,7 @@ pub enum LoopName {
     Disconnected,
 }
 
-impl From<LoopName> for Around {
+impl From<LoopName> for LoopUnderTest {
     fn from(name: LoopName) -> Self {
         match name {
             LoopName::Plant => Self::Plant,
@@ -95,10 +97,10 @@ impl From<LoopName> for Around {
 const MOST_FREQUENCIES: usize = 10_000;
 
 /// Runs the command.
-pub fn run(options: &FraOptions) -> Done {
+pub fn run(options: &FraOptions) -> CommandResult {
     let mut loaded = projects::load_project(&options.project, Purpose::Model)?;
-    let around = options.around.map_or_else(|| Around::usual_of(&loaded.project), Around::from);
-    let has_controller = matches!(around, Around::Closed | Around::Disturbance);
+    let around = options.around.map_or_else(|| LoopUnderTest::usual_of(&loaded.project), LoopUnderTest::from);
+    let has_controller = matches!(around, LoopUnderTest::Closed | LoopUnderTest::Disturbance);
     if has_controller && options.recording.is_empty() && pipeline::leaves_weights_open(&loaded.project) {
         loaded = projects::load_project(&options.project, Purpose::Synth)?;
     }
@@ -126,12 +128,12 @@ pub fn run(options: &FraOptions) -> Done {
         maps.iter().for_each(print);
         tell_speed(&maps, &speed);
     }
-    Ok(Exit::SUCCESS)
+    Ok(ExitStatus::SUCCESS)
 }
 
 /// Refuses a response to the platform's motion if the machine has no gyroscope on the platform, against whose reading it is measured.
-fn check_platform_is_measured(loaded: &Loaded, around: Around) -> Result<()> {
-    let is_to_platform = matches!(around, Around::Disturbance | Around::Disconnected);
+fn check_platform_is_measured(loaded: &ProjectOnDisk, around: LoopUnderTest) -> Result<()> {
+    let is_to_platform = matches!(around, LoopUnderTest::Disturbance | LoopUnderTest::Disconnected);
     if is_to_platform && !loaded.project.plant.sensors.platform_gyro.is_fitted() {
         bail!(
             "the response to the platform's motion is measured against the gyroscope on the platform, and {} has none: add \
@@ -144,10 +146,14 @@ fn check_platform_is_measured(loaded: &Loaded, around: Around) -> Result<()> {
 
 /// Returns the map of the simulated mechanism, and how fast it was: on all threads, then, where that was asked for,
 /// on fewer.
-fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<Map>, Vec<MeasuringPace>)> {
+fn simulated(
+    loaded: &ProjectOnDisk,
+    plan: &MeasurementPlan,
+    options: &FraOptions,
+) -> Result<(Vec<ResponseMap>, Vec<MeasuringPace>)> {
     let modelled = pipeline::model(&loaded.project)?;
     let project = &loaded.project;
-    let analyser = Analyser::new(project, &modelled, plan, On::Simulation)?;
+    let analyser = Analyser::new(project, &modelled, plan, LoopController::Simulation)?;
     let analyser = match options.plant {
         PlantName::Project => analyser,
         PlantName::Lumped => analyser.with_structure(project, StructureChoice::Lumped, plan)?,
@@ -157,29 +163,34 @@ fn simulated(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<(Vec<
             analyser.with_structure(project, structure, plan)?
         }
     };
-    let workers = Workers::new(options.outputs.results.progress());
+    let workers = ProgressPool::new(options.outputs.results.progress());
     let start = Moment::now();
     let measured = analyser.measure(plan, &workers);
     let seconds = start.elapsed().as_secs_f64();
     workers.finish();
     let measured = measured?;
-    let mut speed = vec![MeasuringPace { threads: Processors.processors(), seconds }];
+    let mut speed = vec![MeasuringPace { threads: QuietPool.processors(), seconds }];
     if options.scaling {
         speed = scaling(&analyser, plan, &measured)?;
     }
-    let map = analyser.compare(&measured, &Workers::new(ProgressDisplay::Quiet))?;
+    let map = analyser.compare(&measured, &ProgressPool::new(ProgressDisplay::Quiet))?;
     Ok((vec![describe_map(map)], speed))
 }
 
 /// Returns the time of the same map on 1, 2, 4 ... threads and on all of them; it must be the same map to the
 /// last bit.
-fn scaling(analyser: &Analyser, plan: &Plan, expected: &Array2<Measurement>) -> Result<Vec<MeasuringPace>> {
-    let all = Processors.processors();
+fn scaling(
+    analyser: &Analyser,
+    plan: &MeasurementPlan,
+    expected: &Array2<Measurement>,
+) -> Result<Vec<MeasuringPace>> {
+    let all = QuietPool.processors();
     let doubling = std::iter::successors(Some(1), |n| Some(2 * n)).take_while(|n| *n < all);
     let mut paces = Vec::new();
     for threads in doubling.chain([all]) {
         let start = Moment::now();
-        let measured = run_on(threads, || analyser.measure(plan, &Workers::new(ProgressDisplay::Quiet)))??;
+        let measured =
+            run_on(threads, || analyser.measure(plan, &ProgressPool::new(ProgressDisplay::Quiet)))??;
         paces.push(MeasuringPace { threads, seconds: start.elapsed().as_secs_f64() });
         if measured != *expected {
             bail!("the map on {threads} threads is not the one on {all}: a defect of this program");
@@ -189,7 +200,7 @@ fn scaling(analyser: &Analyser, plan: &Plan, expected: &Array2<Measurement>) -> 
 }
 
 /// How fast a map was, and how its time falls with the threads.
-fn tell_speed(maps: &[Map], speed: &[MeasuringPace]) {
+fn tell_speed(maps: &[ResponseMap], speed: &[MeasuringPace]) {
     let MapTotals { points, simulated_s, .. } = MapTotals::of(maps);
     for pace in speed {
         let gained = match (speed, pace.speed_up(speed)) {
@@ -206,14 +217,18 @@ fn tell_speed(maps: &[Map], speed: &[MeasuringPace]) {
     }
 }
 
-fn recorded(loaded: &Loaded, plan: &Plan, options: &FraOptions) -> Result<Vec<Map>> {
+fn recorded(
+    loaded: &ProjectOnDisk,
+    plan: &MeasurementPlan,
+    options: &FraOptions,
+) -> Result<Vec<ResponseMap>> {
     let modelled = pipeline::model(&loaded.project)?;
     let files = projects::read_recordings(&options.recording)?;
     let found = map_recordings(&loaded.project, &modelled, plan, &files)?;
     Ok(found.into_iter().map(describe_recorded_map).collect())
 }
 
-fn plan(options: &FraOptions, project: &Project, around: Around) -> Result<Plan> {
+fn plan(options: &FraOptions, project: &Project, around: LoopUnderTest) -> Result<MeasurementPlan> {
     let usual = || around.usual_amplitudes(project).to_vec();
     let amplitudes = if options.amplitudes.is_empty() { usual() } else { options.amplitudes.clone() };
     if let Some(bad) = amplitudes.iter().find(|size| !(**size > 0.0 && size.is_finite())) {
@@ -234,7 +249,7 @@ fn plan(options: &FraOptions, project: &Project, around: Around) -> Result<Plan>
             2.0 * half_rate_hz
         );
     }
-    Ok(Plan { around, amplitudes, frequencies_hz, offset_m: options.offset })
+    Ok(MeasurementPlan { around, amplitudes, frequencies_hz, offset_m: options.offset })
 }
 
 /// `1,2,5` or `0.3:30:25`.
@@ -256,7 +271,7 @@ fn frequencies(text: &str) -> Result<Vec<f64>> {
     }
 }
 
-fn print(map: &Map) {
+fn print(map: &ResponseMap) {
     let from = map.recording.as_deref().unwrap_or("simulated");
     say!("{}: {} ({from})", map.name, map_title(map));
     say!(

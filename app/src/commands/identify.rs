@@ -14,8 +14,8 @@ use counterpoise_report::wording::identification::{
 };
 use counterpoise_report::wording::recordings::describe_recordings_error;
 
-use crate::exit::{Done, Exit};
-use crate::options::Outputs;
+use crate::exit::{CommandResult, ExitStatus};
+use crate::options::CommandOutputs;
 use crate::output;
 use counterpoise_host::projects;
 
@@ -35,11 +35,11 @@ pub struct IdentifyOptions {
     pub save: Option<PathBuf>,
     /// Where report and results go.
     #[command(flatten)]
-    pub outputs: Outputs,
+    pub outputs: CommandOutputs,
 }
 
 /// Runs the command.
-pub fn run(options: &IdentifyOptions) -> Done {
+pub fn run(options: &IdentifyOptions) -> CommandResult {
     let loaded = projects::load_project(&options.project, Purpose::Model)?;
     output::print_warnings(&loaded, options.outputs.results.progress());
     let (first, second) =
@@ -67,7 +67,7 @@ pub fn run(options: &IdentifyOptions) -> Done {
     if !output::write_json(&options.outputs.results, &found)? {
         print(&found, &identified.units);
     }
-    Ok(Exit::SUCCESS)
+    Ok(ExitStatus::SUCCESS)
 }
 
 fn print(found: &IdentificationText, units: &AxisUnits) {

@@ -3,7 +3,7 @@
 use clap::Args;
 use counterpoise_pipeline::check::rank_assumptions;
 use counterpoise_pipeline::exchange::StructureResult;
-use counterpoise_pipeline::plant_views::{MeshColumn, Meshes, ModeSet, view_plant};
+use counterpoise_pipeline::plant_views::{MeshColumn, MeshComparison, ModeSet, view_plant};
 use counterpoise_pipeline::results::ModelResult;
 use counterpoise_pipeline::studies::accuracy::simulation_accuracy;
 use counterpoise_pipeline::{self as pipeline, PipelineError};
@@ -13,12 +13,12 @@ use counterpoise_report::html_page;
 use counterpoise_report::model::model_report;
 use std::path::PathBuf;
 
-use crate::exit::{Done, Exit};
-use crate::options::Results;
+use crate::exit::{CommandResult, ExitStatus};
+use crate::options::ResultOutput;
 use crate::output::{self, say};
 use counterpoise_host::interrupt;
 use counterpoise_host::projects;
-use counterpoise_host::workers::Workers;
+use counterpoise_host::workers::ProgressPool;
 
 /// Arguments of `model`.
 #[derive(Args)]
@@ -30,14 +30,14 @@ pub struct ModelOptions {
     pub report: Option<PathBuf>,
     /// Where results go.
     #[command(flatten)]
-    pub results: Results,
+    pub results: ResultOutput,
 }
 
 /// Runs the command.
-pub fn run(options: &ModelOptions) -> Done {
+pub fn run(options: &ModelOptions) -> CommandResult {
     let loaded = projects::load_project(&options.project, Purpose::Model)?;
     output::print_warnings(&loaded, options.results.progress());
-    let watched = Workers::new(options.results.progress());
+    let watched = ProgressPool::new(options.results.progress());
     let watch = interrupt::watch_interrupts();
     let modelled = pipeline::model_watched(&loaded.project, &watched);
     drop(watch);
@@ -59,7 +59,7 @@ pub fn run(options: &ModelOptions) -> Done {
     result.frictions.clone_from(&views.frictions);
     if let Some(path) = &options.report {
         let command = format!("counterpoise model {} --report {}", options.project.display(), path.display());
-        let workers = Workers::new(options.results.progress());
+        let workers = ProgressPool::new(options.results.progress());
         let accuracy = simulation_accuracy(&modelled, &workers);
         workers.finish();
         result.accuracy = accuracy?;
@@ -82,7 +82,7 @@ pub fn run(options: &ModelOptions) -> Done {
         modes(&views.modes);
         views.meshes.iter().for_each(meshes);
     }
-    Ok(Exit::SUCCESS)
+    Ok(ExitStatus::SUCCESS)
 }
 
 fn print(result: &ModelResult, unheld: Option<&PipelineError>) {
@@ -134,7 +134,7 @@ fn modes(sets: &[ModeSet]) {
     }
 }
 
-fn meshes(meshes: &Meshes) {
+fn meshes(meshes: &MeshComparison) {
     say!("frequencies over those of {} elements, free at both ends:", meshes.reference);
     let head = |c: &MeshColumn| format!("{:>11}", format!("{} {}", c.elements, c.kind));
     say!("{:>5} {:>10}{}", "mode", "Hz", meshes.columns.iter().map(head).collect::<String>());

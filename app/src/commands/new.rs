@@ -3,13 +3,13 @@
 use anyhow::{Result, bail};
 use clap::Args;
 use counterpoise_host::files::{PROJECT_FILE, create_project};
-use counterpoise_project::starters::{Kind, Question, with_answer};
+use counterpoise_project::starters::{StarterKind, StarterQuestion, with_answer};
 use counterpoise_project::{Document, STARTER};
 use std::io::{BufRead, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 
 use crate::examples::write_example;
-use crate::exit::{Done, Exit};
+use crate::exit::{CommandResult, ExitStatus};
 use crate::output::{say, write_out};
 
 /// Arguments of `new`.
@@ -29,11 +29,11 @@ pub struct NewOptions {
 }
 
 /// Writes the project file; never over another.
-pub fn run(options: &NewOptions) -> Done {
+pub fn run(options: &NewOptions) -> CommandResult {
     if let Some(name) = &options.example {
         let written = write_example(name, &options.folder)?;
         written.iter().for_each(|path| say!("wrote {}", path.display()));
-        return Ok(Exit::SUCCESS);
+        return Ok(ExitStatus::SUCCESS);
     }
     let document = match (options.full, &options.like) {
         (true, _) => Document::parse(STARTER, PROJECT_FILE),
@@ -45,22 +45,22 @@ pub fn run(options: &NewOptions) -> Done {
         ),
     };
     let path = create_project(&options.folder, &document).map_err(anyhow::Error::msg)?;
-    told(&path, &options.folder);
-    Ok(Exit::SUCCESS)
+    print_next_steps(&path, &options.folder);
+    Ok(ExitStatus::SUCCESS)
 }
 
-fn told(path: &Path, folder: &Path) {
+fn print_next_steps(path: &Path, folder: &Path) {
     say!("wrote {}. Change its values to your own, and run", path.display());
     say!("    counterpoise check {}", folder.display());
     say!("    counterpoise design {0} -o {0}/out", folder.display());
 }
 
 fn names() -> String {
-    Kind::ALL.map(Kind::name).join("|")
+    StarterKind::ALL.map(StarterKind::name).join("|")
 }
 
-fn kind(name: &str) -> Result<Kind> {
-    match Kind::from_name(name) {
+fn kind(name: &str) -> Result<StarterKind> {
+    match StarterKind::from_name(name) {
         Some(kind) => Ok(kind),
         None => bail!("there is no kind of machine \"{name}\"; known are {}", names()),
     }
@@ -99,7 +99,7 @@ fn asked(input: &mut dyn BufRead) -> Result<Document> {
 fn answer(
     input: &mut dyn BufRead,
     document: Document,
-    question: &Question,
+    question: &StarterQuestion,
     refused: &mut usize,
 ) -> Result<Document> {
     loop {

@@ -2,18 +2,18 @@
 
 use anyhow::Error;
 use clap::Args;
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_host::large_recordings::{
     BySize, LargeRecording, READ_AT_ONCE, ROWS_OF_A_PART, split_by_size,
 };
-use counterpoise_host::projects::{self, Loaded};
+use counterpoise_host::projects::{self, ProjectOnDisk};
 use counterpoise_host::terminal::print_message;
-use counterpoise_host::workers::{Processors, try_map_stream};
+use counterpoise_host::workers::{QuietPool, try_map_stream};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::recordings::controller_origin::other_export;
 use counterpoise_pipeline::recordings::read::{loop_of, read_table, recording_controller, without_demand};
-use counterpoise_pipeline::recordings::{Gaps, ReadRecording, ReplayLength, read_files, replay};
+use counterpoise_pipeline::recordings::{GapTreatment, ReadRecording, ReplayLength, read_files, replay};
 use counterpoise_pipeline::results::{RecordingResult, ReplayResult};
+use counterpoise_pool::Pool;
 use counterpoise_project::{Project, Purpose};
 use counterpoise_report::wording::recordings::{
     describe_other_export, describe_played_back, describe_recordings_error, describe_replay,
@@ -23,8 +23,8 @@ use counterpoise_simulate::replay::RecordedController;
 use indicatif::ProgressBar;
 use std::path::{Path, PathBuf};
 
-use crate::exit::{Done, Exit};
-use crate::options::Outputs;
+use crate::exit::{CommandResult, ExitStatus};
+use crate::options::CommandOutputs;
 use crate::output::{self, say};
 
 /// Arguments of `replay`.
@@ -44,7 +44,7 @@ pub struct ReplayOptions {
     pub windows: ReplayLength,
     /// Where report and results go.
     #[command(flatten)]
-    pub outputs: Outputs,
+    pub outputs: CommandOutputs,
 }
 
 /// `auto`, `none` or a length in seconds.
@@ -60,7 +60,7 @@ fn windows(text: &str) -> Result<ReplayLength, String> {
 }
 
 /// Runs the command.
-pub fn run(options: &ReplayOptions) -> Done {
+pub fn run(options: &ReplayOptions) -> CommandResult {
     let open = options.open_loop || matches!(options.windows, ReplayLength::Windows { .. });
     let loaded =
         projects::load_project(&options.project, if open { Purpose::Model } else { Purpose::Replay })?;
@@ -72,7 +72,7 @@ pub fn run(options: &ReplayOptions) -> Done {
     let files = if whole.is_empty() { Vec::new() } else { projects::read_recordings(&whole)? };
     let controller = recording_controller(&loaded.project).map_err(refused)?;
     let controller = controller.as_ref();
-    let read = read_files(&loaded.project, controller, &files, Gaps::Repaired).map_err(refused)?;
+    let read = read_files(&loaded.project, controller, &files, GapTreatment::Repaired).map_err(refused)?;
     if !options.open_loop {
         tell_missing_demand(&loaded.project, &read);
     }
@@ -91,7 +91,7 @@ pub fn run(options: &ReplayOptions) -> Done {
     if !output::write_json(&options.outputs.results, &result)? {
         print(&result);
     }
-    Ok(Exit::SUCCESS)
+    Ok(ExitStatus::SUCCESS)
 }
 
 /// Most parts in memory at once, a hundred megabytes each.
@@ -121,13 +121,13 @@ fn replay_in_parts(
         Ok(replayed.iter().map(describe_replay).collect())
     };
     // While one processor reads the next part, the others replay those before it.
-    let processors = Processors.processors().min(PARTS_AT_ONCE);
+    let processors = QuietPool.processors().min(PARTS_AT_ONCE);
     let done = try_map_stream(processors, parts, |table| one(table?))?;
     Ok(done.into_iter().flatten().collect())
 }
 
 /// Says so if the controller of the recordings was exported from another state of the project.
-pub(super) fn tell_other_export(loaded: &Loaded) {
+pub(super) fn tell_other_export(loaded: &ProjectOnDisk) {
     if let Some(other) = other_export(&loaded.project, &loaded.folder()) {
         print_message(&format!("note: {}", describe_other_export(&other)));
     }

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use crate::output::say;
 use clap::Args;
 use counterpoise_pipeline::results::ReduceResult;
-use counterpoise_pipeline::{self as pipeline, Modelled, Reduced};
+use counterpoise_pipeline::{self as pipeline, PlantModel, ReducedPlant};
 use counterpoise_project::Purpose;
 
-use crate::exit::{Done, Exit};
-use crate::options::Results;
+use crate::exit::{CommandResult, ExitStatus};
+use crate::options::ResultOutput;
 use crate::output;
-use counterpoise_host::projects::{self, Loaded};
+use counterpoise_host::projects::{self, ProjectOnDisk};
 
 /// Arguments of a single stage.
 #[derive(Args)]
@@ -20,11 +20,11 @@ pub struct StageOptions {
     pub project: PathBuf,
     /// Where results go.
     #[command(flatten)]
-    pub results: Results,
+    pub results: ResultOutput,
 }
 
 /// Runs `counterpoise reduce`.
-pub fn reduce(options: &StageOptions) -> Done {
+pub fn reduce(options: &StageOptions) -> CommandResult {
     let loaded = loaded(options, Purpose::Reduce)?;
     let (_, reduced) = to_reduced(&loaded)?;
     let result = ReduceResult::from(&reduced);
@@ -42,17 +42,17 @@ pub fn reduce(options: &StageOptions) -> Done {
     verdict_ok()
 }
 
-fn verdict_ok() -> Done {
-    Ok(Exit::SUCCESS)
+fn verdict_ok() -> CommandResult {
+    Ok(ExitStatus::SUCCESS)
 }
 
-fn loaded(options: &StageOptions, purpose: Purpose) -> anyhow::Result<Loaded> {
+fn loaded(options: &StageOptions, purpose: Purpose) -> anyhow::Result<ProjectOnDisk> {
     let loaded = projects::load_project(&options.project, purpose)?;
     output::print_warnings(&loaded, options.results.progress());
     Ok(loaded)
 }
 
-fn to_reduced(loaded: &Loaded) -> anyhow::Result<(Modelled, Reduced)> {
+fn to_reduced(loaded: &ProjectOnDisk) -> anyhow::Result<(PlantModel, ReducedPlant)> {
     let modelled = pipeline::model(&loaded.project)?;
     let reduced = pipeline::reduce(&loaded.project, &modelled)?;
     Ok((modelled, reduced))

@@ -8,13 +8,13 @@ use counterpoise_report::structure::structure_report;
 use counterpoise_report::wording::answer::describe_verdict;
 use counterpoise_report::wording::structure::describe_support;
 
-use crate::exit::{Done, Exit};
+use crate::exit::{CommandResult, ExitStatus};
 use crate::options::DiagnoseOptions;
 use crate::output::{self, say};
-use counterpoise_host::projects::{self, Loaded};
+use counterpoise_host::projects::{self, ProjectOnDisk};
 
 /// Runs the command on a project with measured modes.
-pub fn run(loaded: &Loaded, options: &DiagnoseOptions) -> Done {
+pub fn run(loaded: &ProjectOnDisk, options: &DiagnoseOptions) -> CommandResult {
     let Some(measured) = &loaded.project.measured else {
         bail!(
             "no recording to diagnose, and {} has no [measured] section: name recordings, or give the natural frequencies of the \
@@ -40,7 +40,7 @@ pub fn run(loaded: &Loaded, options: &DiagnoseOptions) -> Done {
         );
         print(&found.answer);
     }
-    Ok(Exit::SUCCESS)
+    Ok(ExitStatus::SUCCESS)
 }
 
 fn print(answer: &StructureAnswer) {

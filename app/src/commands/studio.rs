@@ -7,7 +7,7 @@ use clap::Args;
 
 use counterpoise_host::programs::run_program;
 
-use crate::exit::{Done, Exit};
+use crate::exit::{CommandResult, ExitStatus};
 
 /// Arguments of `studio`, handed to the studio's own program as they are.
 #[derive(Args, Default)]
@@ -22,11 +22,11 @@ pub struct StudioOptions {
 const PROGRAM: &str = "counterpoise-studio";
 
 /// Runs the command: starts the studio with the same arguments and returns its exit code.
-pub fn run(options: &StudioOptions) -> Done {
+pub fn run(options: &StudioOptions) -> CommandResult {
     let program = beside_this_program()?;
     let code = run_program(&program, &options.arguments)
         .with_context(|| format!("cannot start {}", program.display()))?;
-    Ok(Exit(u8::try_from(code).unwrap_or(1)))
+    Ok(ExitStatus(u8::try_from(code).unwrap_or(1)))
 }
 
 /// Returns the path of the studio's program.

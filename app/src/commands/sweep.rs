@@ -5,22 +5,22 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use counterpoise_host::terminal::print_message;
 use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult, campaign_is_stated, worst_cases};
-use counterpoise_pipeline::{self as pipeline, ProjectIdentity, Stages};
+use counterpoise_pipeline::{self as pipeline, DesignStages, ProjectIdentity};
 use counterpoise_project::Purpose;
 use counterpoise_report::sweep::SweepFigure;
-use counterpoise_report::{Context as PageContext, ProvenanceEntry, html_page, robust, sweep};
+use counterpoise_report::{ProvenanceEntry, VerificationContext, html_page, robust, sweep};
 use counterpoise_verify::robust::{Campaign, Member, Sample, merge_shards};
 use counterpoise_verify::structured::RobustStability;
 use std::path::Path;
 
-use crate::exit::{Done, Exit, verdict_code};
-use crate::options::Results;
+use crate::exit::{CommandResult, ExitStatus, verdict_code};
+use crate::options::ResultOutput;
 use crate::output;
-use counterpoise_host::campaign_progress::Pace;
+use counterpoise_host::campaign_progress::CampaignPace;
 use counterpoise_host::interrupt::Interrupted;
 use counterpoise_host::projects::{self, ProjectWorld};
 use counterpoise_host::stages::ProgressDisplay;
-use counterpoise_host::workers::{Workers, try_map};
+use counterpoise_host::workers::{ProgressPool, try_map};
 use counterpoise_host::{interrupt, shards};
 
 /// Arguments of `sweep`.
@@ -45,7 +45,7 @@ pub struct SweepOptions {
     pub factors: Vec<String>,
     /// Where results go.
     #[command(flatten)]
-    pub results: Results,
+    pub results: ResultOutput,
 }
 
 /// Samples in a shard where nobody says how many shards there are.
@@ -53,7 +53,7 @@ const SHARD: usize = 50;
 
 /// A campaign with its name: only files of the same name belong together.
 struct Named {
-    designed: Stages,
+    designed: DesignStages,
     campaign: Campaign,
     name: String,
     families: Vec<Member>,
@@ -63,7 +63,7 @@ struct Named {
 }
 
 /// Runs the command.
-pub fn run(options: &SweepOptions) -> Done {
+pub fn run(options: &SweepOptions) -> CommandResult {
     let named = prepare(options)?;
     if let Some(index) = options.sample {
         return one_sample(&named, index, &options.factors, &options.results);
@@ -73,7 +73,7 @@ pub fn run(options: &SweepOptions) -> Done {
         let pace = pace(options, named.campaign.shard(shard.index, shard.count)?.len())?;
         run_shard(&named, &options.output, shard, &pace)?;
         print_cost(options, pace.finish());
-        return Ok(Exit::SUCCESS);
+        return Ok(ExitStatus::SUCCESS);
     }
     let cost = if options.merge { None } else { run_all(&named, options)? };
     let code = finish(&named, options)?;
@@ -81,8 +81,8 @@ pub fn run(options: &SweepOptions) -> Done {
     Ok(code)
 }
 
-fn pace(options: &SweepOptions, count: usize) -> Result<Pace> {
-    if options.results.quiet { Ok(Pace::silent(count)) } else { Pace::with_bar(count) }
+fn pace(options: &SweepOptions, count: usize) -> Result<CampaignPace> {
+    if options.results.quiet { Ok(CampaignPace::silent(count)) } else { CampaignPace::with_bar(count) }
 }
 
 /// Prints what a large campaign would cost on the error stream, apart from the results.
@@ -136,7 +136,7 @@ fn shard_of(text: &str) -> Result<Shard> {
 }
 
 /// Runs a shard unless its file is there and whole.
-fn run_shard(named: &Named, folder: &Path, shard: Shard, pace: &Pace) -> Result<()> {
+fn run_shard(named: &Named, folder: &Path, shard: Shard, pace: &CampaignPace) -> Result<()> {
     let range = named.campaign.shard(shard.index, shard.count)?;
     let path = shards::shard_path(folder, shard.index, shard.count);
     if path.exists() {
@@ -175,7 +175,7 @@ fn run_all(named: &Named, options: &SweepOptions) -> Result<Option<String>> {
 }
 
 /// Merges, writes the samples and the report, and prints the summary.
-fn finish(named: &Named, options: &SweepOptions) -> Done {
+fn finish(named: &Named, options: &SweepOptions) -> CommandResult {
     let mut parts = Vec::new();
     for path in shards::shard_files(&options.output)? {
         parts.push(shards::read_shard(&path, &named.campaign, &named.name)?);
@@ -188,7 +188,7 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     )?;
     shards::write_shard(&options.output.join("samples.parquet"), &named.campaign, &named.name, &samples)?;
     let others = BesideSamples {
-        worst: worst_cases(&named.campaign, &samples, &Workers::new(ProgressDisplay::Quiet))?,
+        worst: worst_cases(&named.campaign, &samples, &ProgressPool::new(ProgressDisplay::Quiet))?,
         families: named.families.clone(),
         stability: named.stability.clone(),
     };
@@ -197,7 +197,7 @@ fn finish(named: &Named, options: &SweepOptions) -> Done {
     let project = options.project.display().to_string();
     let subtitle = format!("{} mechanisms that differ from the one that was designed for", samples.len());
     let command = format!("counterpoise sweep {project} -o {}", options.output.display());
-    let context = PageContext {
+    let context = VerificationContext {
         loop_view: None,
         title: named.identity.name.clone(),
         subtitle,
@@ -267,7 +267,7 @@ struct One {
     figures: Vec<(String, f64)>,
 }
 
-fn one_sample(named: &Named, index: usize, changed: &[String], results: &Results) -> Done {
+fn one_sample(named: &Named, index: usize, changed: &[String], results: &ResultOutput) -> CommandResult {
     if index >= named.campaign.len() {
         bail!("the campaign has {} samples: the last is {}", named.campaign.len(), named.campaign.len() - 1);
     }

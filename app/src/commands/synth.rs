@@ -2,12 +2,15 @@
 
 use clap::Args;
 use counterpoise_pipeline::results::SynthResult;
-use counterpoise_pipeline::studies::comparison::{Comparison, LoopFigures, MethodRow};
-use counterpoise_pipeline::studies::search::{Judged, Searched, TradeOffPoint, search_weights, verify_found};
+use counterpoise_pipeline::studies::comparison::{DesignComparison, LoopFigures, MethodRow};
+use counterpoise_pipeline::studies::search::{
+    JudgedWeights, SearchAnswer, TradeOffPoint, search_weights, verify_found,
+};
 use counterpoise_pipeline::tuning::TuningResult;
 use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_pipeline::{
-    self as pipeline, FirstDesignResult, Modelled, ProjectIdentity, Reduced, SynthesisStudy, study_synthesis,
+    self as pipeline, FirstDesignResult, PlantModel, ProjectIdentity, ReducedPlant, SynthesisStudy,
+    study_synthesis,
 };
 use counterpoise_project::{Project, Purpose};
 use counterpoise_synth::{Ended, Figures, SearchTrial};
@@ -15,15 +18,15 @@ use counterpoise_verify::Verdict;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-use crate::exit::{Done, Exit, verdict_code};
-use crate::options::Outputs;
+use crate::exit::{CommandResult, ExitStatus, verdict_code};
+use crate::options::CommandOutputs;
 use crate::output::{self, say};
 use counterpoise_host::interrupt;
-use counterpoise_host::projects::{self, Loaded, ProjectWorld};
+use counterpoise_host::projects::{self, ProjectOnDisk, ProjectWorld};
 use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_plot::number::short_number;
 use counterpoise_report::trade_off::VerifiedPoint;
-use counterpoise_report::{Origin, html_page, of_synthesis, trade_off};
+use counterpoise_report::{ReportOrigin, html_page, of_synthesis, trade_off};
 
 /// Arguments of `synth`.
 #[derive(Args)]
@@ -38,7 +41,7 @@ pub struct SynthOptions {
     pub save: Option<PathBuf>,
     /// Where report and results go.
     #[command(flatten)]
-    pub outputs: Outputs,
+    pub outputs: CommandOutputs,
 }
 
 /// The design and its comparison with alternatives, for another program.
@@ -46,7 +49,7 @@ pub struct SynthOptions {
 struct Whole<'a> {
     #[serde(flatten)]
     synth: &'a SynthResult,
-    beside: &'a Comparison,
+    beside: &'a DesignComparison,
     #[serde(skip_serializing_if = "Option::is_none")]
     first_design: Option<FirstDesignResult>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -54,7 +57,7 @@ struct Whole<'a> {
 }
 
 /// Runs the command.
-pub fn run(options: &SynthOptions) -> Done {
+pub fn run(options: &SynthOptions) -> CommandResult {
     let loaded = projects::load_project(&options.project, Purpose::Synth)?;
     output::print_warnings(&loaded, options.outputs.results.progress());
     if options.search {
@@ -84,18 +87,18 @@ pub fn run(options: &SynthOptions) -> Done {
         options.save.iter().for_each(|path| say!("project {}", path.display()));
         options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
-    Ok(Exit::SUCCESS)
+    Ok(ExitStatus::SUCCESS)
 }
 
 /// Writes the file with the weights of a project; everything else of it stays as it is.
-fn save(loaded: &Loaded, project: &Project, path: &Path) -> anyhow::Result<()> {
+fn save(loaded: &ProjectOnDisk, project: &Project, path: &Path) -> anyhow::Result<()> {
     let document = project.update(&loaded.document, &loaded.stated)?;
     projects::write_file(path, document.text().as_bytes())
 }
 
-fn origin(loaded: &Loaded, option: &str) -> Origin {
+fn origin(loaded: &ProjectOnDisk, option: &str) -> ReportOrigin {
     let project = loaded.path.display().to_string();
-    Origin { command: format!("counterpoise synth {project}{option}"), project }
+    ReportOrigin { command: format!("counterpoise synth {project}{option}"), project }
 }
 
 fn print_design(result: &SynthResult) {
@@ -164,7 +167,7 @@ fn print_motions(study: &SynthesisStudy) {
     }
 }
 
-fn print_total_cost(beside: &Comparison) {
+fn print_total_cost(beside: &DesignComparison) {
     let Some(cost) = &beside.total_cost else { return };
     say!();
     say!(
@@ -279,7 +282,12 @@ struct CurvePoint {
     missed: f64,
 }
 
-fn report_search(options: &SynthOptions, loaded: &Loaded, modelled: &Modelled, reduced: &Reduced) -> Done {
+fn report_search(
+    options: &SynthOptions,
+    loaded: &ProjectOnDisk,
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
+) -> CommandResult {
     let _watch = interrupt::watch_interrupts();
     let mut found = search_weights(&loaded.project, modelled, reduced, &mut |_: &SearchTrial| {
         !interrupt::is_stop_requested()
@@ -289,7 +297,7 @@ fn report_search(options: &SynthOptions, loaded: &Loaded, modelled: &Modelled, r
         Some(_) => verify_found(&found, modelled, reduced, &world, &mut || !interrupt::is_stop_requested())?,
         None => Vec::new(),
     };
-    let chosen = judged.iter().position(Judged::holds);
+    let chosen = judged.iter().position(JudgedWeights::holds);
     if let Some(point) = chosen.and_then(|k| judged.get(k)) {
         found.project = point.project.clone();
     }
@@ -315,7 +323,7 @@ fn report_search(options: &SynthOptions, loaded: &Loaded, modelled: &Modelled, r
     Ok(verdict_code([holds]))
 }
 
-fn verified_point(point: &Judged) -> VerifiedPoint {
+fn verified_point(point: &JudgedWeights) -> VerifiedPoint {
     let found = point.verified.verification();
     let (holds, fails, open) = found.counts();
     let failing = found.verdicts.iter().filter_map(|(requirement, verdict)| match verdict {
@@ -353,7 +361,7 @@ fn print_verified(points: &[VerifiedPoint], chosen: Option<usize>) {
     }
 }
 
-fn search_result(found: &Searched, verified: Vec<VerifiedPoint>) -> SearchResult {
+fn search_result(found: &SearchAnswer, verified: Vec<VerifiedPoint>) -> SearchResult {
     let point = |TradeOffPoint { ms_limit, found }: &TradeOffPoint| CurvePoint {
         max_sensitivity_limit: *ms_limit,
         max_sensitivity: found.best.figures.ms,
@@ -372,7 +380,7 @@ fn search_result(found: &Searched, verified: Vec<VerifiedPoint>) -> SearchResult
     }
 }
 
-fn print_search(found: &Searched, result: &SearchResult, gain_unit: &str) {
+fn print_search(found: &SearchAnswer, result: &SearchResult, gain_unit: &str) {
     let ended = match found.found.ended {
         Ended::Settled => "no step improves any more",
         Ended::OutOfTrials => "as many as [synth.search] allows for one answer",

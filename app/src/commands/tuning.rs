@@ -1,6 +1,6 @@
 //! What is printed of a feedback that was tuned.
 
-use counterpoise_host::projects::Loaded;
+use counterpoise_host::projects::ProjectOnDisk;
 use counterpoise_pipeline::tuning::TuningResult;
 use counterpoise_plot::number::short_number;
 use counterpoise_report::designs::{block_words, weight_words};
@@ -8,7 +8,7 @@ use counterpoise_report::designs::{block_words, weight_words};
 use crate::output::say;
 
 /// Prints the tuned blocks or weights with their figures; nothing if the project has nothing to tune.
-pub fn print_tuning(loaded: &Loaded) {
+pub fn print_tuning(loaded: &ProjectOnDisk) {
     let Some(found) = &loaded.tuned else { return };
     let controlled = loaded.project.plant.controlled_quantity();
     let result = TuningResult::of(found, controlled);

@@ -7,8 +7,8 @@ use clap::{Args, ValueEnum};
 use counterpoise_pipeline::exchange::{ErrorBudgetResult, VerifiedLoop, error_budget_result, verified_loop};
 use counterpoise_pipeline::loop_view::{LoopView, loop_view};
 use counterpoise_pipeline::results::{AdviceResult, RobustnessResult, TwoAxesResult, VerifyResult};
-use counterpoise_pipeline::studies::adaptation_trials::Trials;
-use counterpoise_pipeline::studies::advice::{Advice, Kept};
+use counterpoise_pipeline::studies::adaptation_trials::AdaptationTrials;
+use counterpoise_pipeline::studies::advice::{KeptDesigns, WeightAdvice};
 use counterpoise_pipeline::studies::certificate::RegimeRobustness;
 use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_pipeline::{self as pipeline, DesignedAxis, ProjectIdentity, TwoAxisStudy, studies};
@@ -16,8 +16,8 @@ use counterpoise_project::{Project, Purpose, StructureChoice};
 use counterpoise_report::adaptation::{describe_action, describe_refusal, trial_section};
 use counterpoise_report::summary::worse_feedforwards;
 use counterpoise_report::{
-    Context, Origin, advice, certificate, difference, error_budget, html_page, of_verification, robust,
-    two_axes,
+    ReportOrigin, VerificationContext, advice, certificate, difference, error_budget, html_page,
+    of_verification, robust, two_axes,
 };
 use counterpoise_verify::certificate::{CaseCertificate, StabilityCertificate};
 use counterpoise_verify::difference::{FigureChange, figure_changes};
@@ -27,8 +27,8 @@ use counterpoise_verify::structured::{Joints, RobustStability};
 use counterpoise_verify::{Procedure, Triangle, Verification};
 
 use super::design::print_verdicts;
-use crate::exit::{Done, verdict_code};
-use crate::options::Results;
+use crate::exit::{CommandResult, verdict_code};
+use crate::options::ResultOutput;
 use crate::output::{self, say};
 use counterpoise_host::projects::{self, ProjectWorld};
 
@@ -60,7 +60,7 @@ pub struct VerifyOptions {
     pub histories: bool,
     /// Where results go.
     #[command(flatten)]
-    pub results: Results,
+    pub results: ResultOutput,
 }
 
 /// On what a controller is verified.
@@ -80,7 +80,7 @@ pub enum PlantChoice {
 const DRIVE_S: (f64, f64, f64) = (30.0, 0.005, 1.0);
 
 /// Runs the command.
-pub fn run(options: &VerifyOptions) -> Done {
+pub fn run(options: &VerifyOptions) -> CommandResult {
     let study = verified(options, &options.project)?;
     let before = options.against.as_ref().map(|path| verified(options, path)).transpose()?;
     let changed = before.as_ref().map(|before| figure_changes(&before.found, &study.found));
@@ -169,11 +169,11 @@ struct VerificationStudy {
     /// The linear worst case in the other regimes and cases.
     regimes: Vec<RegimeRobustness>,
     /// What to change where a requirement fails.
-    advice: Vec<Advice>,
+    advice: Vec<WeightAdvice>,
     /// What the error of the line of sight is made of, with the angles of its runs if time histories were asked for.
     budget: Option<ErrorBudgetResult>,
     /// Trials of the project's adaptation; `None` if it has none, or on the linear plant alone.
-    adaptation: Option<Trials>,
+    adaptation: Option<AdaptationTrials>,
     /// The traverse axis and both axes together; `None` if the project has none, or on the linear plant alone.
     two_axes: Option<TwoAxisStudy>,
 }
@@ -217,7 +217,7 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
     regimes.drain(..regimes.len().min(1));
     let trials = || studies::adaptation_trials::own_trials(project, &on, &made, &procedure);
     let adaptation = if linear { None } else { trials()? };
-    let kept = if options.histories { Kept::Histories } else { Kept::Systems };
+    let kept = if options.histories { KeptDesigns::Histories } else { KeptDesigns::Systems };
     let advice = studies::advice::advise_changes(project, &modelled, &reduced, &procedure, &found, kept)?;
     let budget = error_budget_result(&found, &plant, controller, kept)?;
     let axis = DesignedAxis { project, plant: &plant, synthesised: &made, procedure: &procedure };
@@ -289,11 +289,11 @@ fn command(options: &VerifyOptions) -> String {
 }
 
 fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[FigureChange]>) -> String {
-    let origin = Origin { project: String::new(), command: command(options) };
+    let origin = ReportOrigin { project: String::new(), command: command(options) };
     let advised = advice::advice_section(&study.advice);
     let certified =
         study.certificate.iter().map(|found| certificate::certificate_section(found, &study.regimes));
-    let context = Context {
+    let context = VerificationContext {
         title: study.identity.name.clone(),
         subtitle: "Verification of the controller as it is exported".to_owned(),
         loop_view: Some(study.loop_view.clone()),

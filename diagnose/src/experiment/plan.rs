@@ -11,9 +11,9 @@ use counterpoise_simulate::{
 use super::menu::{Demand, DemandShape, Limits, list_demands};
 use super::separation::{Expected, PossibleMachine, Separation, separation};
 use crate::library::EffectParameter;
-use crate::simulator_access::{Pool, map};
 use crate::tolerance::FIT_STEP;
 use crate::tolerance::experiment::{LEAST_FLOOR, OVERSHOOT, STEPS_PER_SAMPLE};
+use counterpoise_pool::{Pool, map};
 
 /// What is planned for.
 pub struct ExperimentRequest<'a> {
@@ -68,7 +68,7 @@ pub struct ExperimentPlan {
 }
 
 /// Returns the plan within the limits; it has no experiments if fewer than two machines keep them.
-pub fn plan(request: &ExperimentRequest, pool: &dyn Pool) -> ExperimentPlan {
+pub fn choose_experiment(request: &ExperimentRequest, pool: &dyn Pool) -> ExperimentPlan {
     let Some(first) = request.machines.first() else { return ExperimentPlan::default() };
     let demands = list_demands(&request.limits, first.parameters.interface.sample_period_s);
     let machines = request.that_keep_limits(&demands, pool);
@@ -169,9 +169,9 @@ impl ExperimentRequest<'_> {
         let peak =
             |series: &[f64], from: f64| series.iter().fold(0.0, |most: f64, v| most.max((v - from).abs()));
         Reached {
-            angle_rad: peak(&history.truth.hub_angle_rad, self.start_angle_rad),
-            rate_rad_s: peak(&history.truth.hub_rate_rad_s, 0.0),
-            current_a: peak(&history.truth.current_a, 0.0),
+            angle_rad: peak(history.truth.hub_angle_rad(), self.start_angle_rad),
+            rate_rad_s: peak(history.truth.hub_rate_rad_s(), 0.0),
+            current_a: peak(history.truth.current_a(), 0.0),
         }
     }
 

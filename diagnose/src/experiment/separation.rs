@@ -41,7 +41,7 @@ pub(super) struct Expected {
 /// Returns how well two machines are separated: half the squared distance of what they record, over the noise, after the one that is not
 /// true was fitted to the other (Hunter, Reiner 1965; Atkinson, Fedorov 1975: T-optimality, linearised).
 pub(super) fn separation(indices: [usize; 2], first: &Expected, second: &Expected) -> Separation {
-    let log_likelihood_ratio = left(first, second).min(left(second, first));
+    let log_likelihood_ratio = expected_ratio(first, second).min(expected_ratio(second, first));
     Separation {
         first: indices[0],
         second: indices[1],
@@ -51,7 +51,7 @@ pub(super) fn separation(indices: [usize; 2], first: &Expected, second: &Expecte
 }
 
 /// Returns the expected log-likelihood ratio if one machine is true and the rival is fitted to it.
-fn left(truth: &Expected, rival: &Expected) -> f64 {
+fn expected_ratio(truth: &Expected, rival: &Expected) -> f64 {
     let difference: Vec<f64> = truth.signals.iter().zip(&rival.signals).map(|(t, r)| t - r).collect();
     let all = dot(&difference, &difference);
     let count = rival.slopes.len();
@@ -99,8 +99,8 @@ mod tests {
         let truth = Expected { signals: signals(&|t| 3.0 * t), slopes: Vec::new() };
         let line = Expected { signals: signals(&|_| 0.0), slopes: vec![signals(&|t| t)] };
         let wave = Expected { signals: signals(&|_| 0.0), slopes: vec![signals(&|t| t.sin())] };
-        assert!(left(&truth, &line) < 1e-3);
-        assert!(left(&truth, &wave) > 1e3);
+        assert!(expected_ratio(&truth, &line) < 1e-3);
+        assert!(expected_ratio(&truth, &wave) > 1e3);
         assert_eq!(separation([0, 1], &truth, &line).probability, 0.0);
     }
 

@@ -34,7 +34,7 @@ pub(crate) fn largest_ratio(channels: &Channels) -> f64 {
 pub(crate) fn fits_by_channel(score: &Score) -> Channels {
     let mut sums: BTreeMap<&'static str, (f64, f64, f64)> = BTreeMap::new();
     for cell in &score.cells {
-        let sum = sums.entry(cell.channel).or_default();
+        let sum = sums.entry(cell.channel.name()).or_default();
         *sum = (sum.0 + cell.rms_error.powi(2), sum.1 + cell.floor.powi(2), sum.2 + 1.0);
     }
     let fit = |(e, f, n): (f64, f64, f64)| PooledFit { rms_error: (e / n).sqrt(), floor: (f / n).sqrt() };

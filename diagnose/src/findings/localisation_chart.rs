@@ -114,8 +114,10 @@ mod tests {
     use crate::localisation::trend::{Repetition, Trend};
     use crate::machine::RedundantSensors;
     use crate::recording::measured_signals::MeasuredSignals;
-    use crate::simulator_access::{Assessment, ChannelResidual, ControlSource, Serial};
+    use crate::simulator_access::{Assessment, ChannelResidual, ControlSource};
     use counterpoise_models::reference;
+    use counterpoise_pool::Serial;
+    use counterpoise_recordings::Channel;
 
     const MOTOR_RATE: RedundantSensors = RedundantSensors { motor_rate: true, hub_position: false };
     const NO_MORE: RedundantSensors = RedundantSensors { motor_rate: false, hub_position: false };
@@ -151,14 +153,17 @@ mod tests {
             hub_position: sensors.hub_position.then(|| series(2e-5, &angle)),
         };
         let apart = |k: usize| -torque(k, angle(k)) / per_volt / CONTROL_FLOOR;
-        let mut channels =
-            vec![ChannelResidual { channel: "control", residual: series(1.0, &apart), floor: CONTROL_FLOOR }];
+        let mut channels = vec![ChannelResidual {
+            channel: Channel::Control,
+            residual: series(1.0, &apart),
+            floor: CONTROL_FLOOR,
+        }];
         let mut quiet = |channel, floor| {
             channels.push(ChannelResidual { channel, residual: series(1.0, &|_| 0.0), floor });
         };
-        quiet("hub_rate", 2e-4);
+        quiet(Channel::HubRate, 2e-4);
         if sensors.motor_rate {
-            quiet("motor_rate", 2e-2);
+            quiet(Channel::MotorRate, 2e-2);
         }
         let judged = Assessment {
             divergence: vec![0.0; channels.len()],
@@ -187,7 +192,7 @@ mod tests {
         assert_eq!(chart.agreement, SearchAgreement::Agrees);
     }
 
-    fn found(component: Component, effect: EffectName) -> Finding {
+    fn finding_of(component: Component, effect: EffectName) -> Finding {
         Finding {
             effect,
             component,
@@ -204,7 +209,7 @@ mod tests {
         assert_eq!(best(&map), (Component::Motor, Regime::MotorAngle), "{map:?}");
         let sees = list_balances(MOTOR_RATE);
         let ringed = |component, effect| {
-            let chart = build_chart(&map, &sees, &[found(component, effect)]);
+            let chart = build_chart(&map, &sees, &[finding_of(component, effect)]);
             let cells: Vec<_> =
                 chart.rows.iter().flat_map(|row| row.found.iter().map(|r| (row.component, *r))).collect();
             (cells, chart.agreement)

@@ -300,7 +300,7 @@ mod tests {
             ..Scenario::at_rest(1.0)
         };
         let run = Simulator::new(&plant).unwrap().run(&mut controller, &scenario).unwrap();
-        (run.readings.hub_rate_rad_s, run.readings.control_v)
+        (run.readings.hub_rate_rad_s().to_vec(), run.readings.control_v().to_vec())
     }
 
     #[test]
@@ -342,7 +342,13 @@ mod tests {
         let control: Vec<f64> = (0..1000).map(|k| held + (0.03 * f64::from(k)).sin()).collect();
         let scenario = Scenario { detail: Detail::Recording, ..Scenario::at_rest(1.0) };
         let mut played = counterpoise_simulate::replay::Playback::new(&control);
-        Simulator::new(&plant).unwrap().run(&mut played, &scenario).unwrap().readings.hub_rate_rad_s
+        Simulator::new(&plant)
+            .unwrap()
+            .run(&mut played, &scenario)
+            .unwrap()
+            .readings
+            .hub_rate_rad_s()
+            .to_vec()
     }
 
     #[test]

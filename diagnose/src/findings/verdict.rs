@@ -6,7 +6,7 @@ use crate::findings::answer::{
 };
 use crate::findings::channel_fits::fits_by_channel;
 use crate::fitting::output_error::confidence_intervals;
-use crate::fitting::score::score;
+use crate::fitting::score::score_parts;
 use crate::library::{Component, Effect, EffectName, EffectParameter};
 use crate::localisation::error_hypotheses::COMPONENTS;
 use crate::localisation::error_map::{MapCell, rank_components};
@@ -278,7 +278,7 @@ impl VerdictEvidence<'_> {
                 before,
             };
         };
-        let held_out_before = score(&self.search.baseline.fitted, &accepted.held_out_parts);
+        let held_out_before = score_parts(&self.search.baseline.fitted, &accepted.held_out_parts);
         FitTable {
             before,
             after: fits_by_channel(&accepted.whole),
@@ -299,7 +299,7 @@ impl VerdictEvidence<'_> {
                     stage,
                     effect: effect.effect,
                     component: effect.component,
-                    beside: beside(c),
+                    beside: other_effects(c),
                     values: newest_values(c),
                     power_left: c.held_out_power_share(),
                     log_likelihood_gain: c.held_out.gain_over(&c.held_out_before),
@@ -333,7 +333,7 @@ impl VerdictEvidence<'_> {
 }
 
 /// Returns the effects of a candidate but its newest.
-fn beside(candidate: &FittedCandidate) -> Vec<Name> {
+fn other_effects(candidate: &FittedCandidate) -> Vec<Name> {
     let effects = &candidate.fit.effects;
     let name = |e: &&'static Effect| Name { effect: e.effect, component: e.component };
     effects[..effects.len().saturating_sub(1)].iter().map(name).collect()

@@ -8,8 +8,9 @@ use counterpoise_simulate::replay::ReplayLoop;
 use crate::fitting::output_error::{FitSelection, Problem};
 use crate::recording::noise::with_recorded_noise;
 use crate::simulator_access::objective::{PreparedRecordings, RecordingReplays};
-use crate::simulator_access::{Assessment, ControlSource, Serial};
+use crate::simulator_access::{Assessment, ControlSource};
 use crate::tolerance::SEARCH_ITERATIONS;
+use counterpoise_pool::Serial;
 
 /// Returns the initial state of a recording that leaves the smallest residual over all of it, sought from one nearby; `None` if the recording
 /// cannot be replayed, or if the loop hunts so that a replay in closed loop does not repeat.

@@ -11,9 +11,10 @@ use counterpoise_models::Parameters;
 use crate::fitting::output_error::{Fit, from_variable, to_variable};
 use crate::library::{EffectParameter, ParameterMapping};
 use crate::recording::series::dot;
-use crate::simulator_access::{Assessment, Pool, SimulatorAccess, Span, map};
+use crate::simulator_access::{Assessment, SimulatorAccess, Span};
 use crate::tolerance::fitting::GRAM_RIDGE;
 use crate::tolerance::{FIT_STEP, NULL_REALISATIONS};
+use counterpoise_pool::{Pool, map};
 
 /// The inner products of one recording: of the columns with each other, and with each realisation of the noise.
 struct NoiseProjection {

@@ -11,13 +11,14 @@ use crate::fitting::normal_equations::{LinearisedCost, damped_step, long_run, st
 use crate::library::{Effect, EffectParameter, ParameterMapping, learned_element};
 use crate::recording::series::dot;
 use crate::simulator_access::{
-    Assessment, ChannelResidual, MechanismVariant, Pool, SimulatorAccess, Span, StartShift, map,
+    Assessment, ChannelResidual, MechanismVariant, SimulatorAccess, Span, StartShift,
 };
 use crate::tolerance::fitting::LEAST_DAMPING;
 use crate::tolerance::{
     FIT_ITERATIONS, FIT_STEP, FIT_TOLERANCE, FITTED_SHARE, RESTART_WORTH, RESTARTS, SEARCH_ITERATIONS,
     STARTS_KEPT, STRETCH, STRETCHES_TOGETHER, SYSTEMATIC, TRIAL_ITERATIONS, TRIAL_RESTARTS,
 };
+use counterpoise_pool::{Pool, map};
 
 /// Place of the hub angle among the freedoms of an initial state, as [`start_has`] lists them.
 const START_ANGLE: usize = 0;
@@ -325,7 +326,7 @@ impl Problem<'_> {
             learned_element(e).is_some_and(|element| element.variable == RegimeVariable::Angle)
         };
         let measured = self.base.sensors.measured.is_position()
-            || near.channels.iter().any(|misfit| misfit.channel == Channel::HubPosition.name());
+            || near.channels.iter().any(|misfit| misfit.channel == Channel::HubPosition);
         !measured && self.effects.iter().any(|e| over_angle(e))
     }
 

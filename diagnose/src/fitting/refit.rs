@@ -7,12 +7,13 @@ use counterpoise_simulate::replay::ReplayLoop;
 
 use crate::error::Error;
 use crate::fitting::output_error::{FitSelection, Problem};
-use crate::fitting::score::{RecordingPart, assess, score};
+use crate::fitting::score::{RecordingPart, assess_recordings, score_parts};
 use crate::library::Effect;
 use crate::recording::noise::with_recorded_noise;
+use crate::simulator_access::SimulatorAccess;
 use crate::simulator_access::objective::{PreparedRecordings, RecordingReplays};
-use crate::simulator_access::{Pool, SimulatorAccess};
 use crate::tolerance::FITTED_SHARE;
+use counterpoise_pool::Pool;
 
 /// Effects that are fitted together, and the values of their parameters from which the fit starts.
 #[derive(Debug, Clone, Default)]
@@ -38,10 +39,10 @@ pub fn refit(
     let base = &with_recorded_noise(base, recordings);
     let prepared = PreparedRecordings::new(recordings, base);
     let simulator = RecordingReplays::new(base, &control.into(), &prepared)?;
-    Ok(structures.iter().map(|structure| left(&simulator, pool, base, structure)).collect())
+    Ok(structures.iter().map(|structure| refit_one(&simulator, pool, base, structure)).collect())
 }
 
-fn left(
+fn refit_one(
     simulator: &dyn SimulatorAccess,
     pool: &dyn Pool,
     base: &Parameters,
@@ -68,5 +69,5 @@ fn left(
         };
         problem.fit(&structure.start)?.parameters
     };
-    Some(score(&assess(simulator, pool, &parameters)?, &parts)?.distance())
+    Some(score_parts(&assess_recordings(simulator, pool, &parameters)?, &parts)?.distance())
 }

@@ -6,6 +6,7 @@
 
 use crate::recording::series::rms;
 use crate::tolerance::fitting::{BAND_95, WHITENESS_LAGS};
+use counterpoise_recordings::Channel;
 
 /// The correlations of one residual.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +25,7 @@ pub struct ResidualTest {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrossCorrelation {
     /// The signal.
-    pub with: &'static str,
+    pub with: Channel,
     /// Its largest value over the lags, with its sign.
     pub largest: f64,
     /// Lag of the residual behind the signal there, samples.
@@ -42,16 +43,16 @@ impl CrossCorrelation {
 
 /// A signal that drives the machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NamedSignal<'a> {
-    /// What it is called.
-    pub name: &'static str,
+pub struct MeasuredSignal<'a> {
+    /// Its channel.
+    pub channel: Channel,
     /// Its values, one a sample of the residual.
     pub values: &'a [f64],
 }
 
 /// Tests a residual against itself and against signals of its length; returns `None` if it is too short for the lags, constant, or
 /// not finite.
-pub fn test_residual(residual: &[f64], signals: &[NamedSignal<'_>]) -> Option<ResidualTest> {
+pub fn test_residual(residual: &[f64], signals: &[MeasuredSignal<'_>]) -> Option<ResidualTest> {
     let residual = standard(residual).filter(|r| r.len() > 4 * WHITENESS_LAGS)?;
     let own = correlations(&residual, &residual);
     let band = BAND_95 / (residual.len() as f64).sqrt();
@@ -60,8 +61,8 @@ pub fn test_residual(residual: &[f64], signals: &[NamedSignal<'_>]) -> Option<Re
     Some(ResidualTest { autocorrelation: own, band, outside, cross })
 }
 
-fn cross(residual: &[f64], own: &[f64], signal: &NamedSignal<'_>) -> Option<CrossCorrelation> {
-    let with = signal.name;
+fn cross(residual: &[f64], own: &[f64], signal: &MeasuredSignal<'_>) -> Option<CrossCorrelation> {
+    let with = signal.channel;
     let signal = standard(signal.values).filter(|s| s.len() == residual.len())?;
     let theirs = correlations(&signal, &signal);
     let memory = 1.0 + 2.0 * own[1..].iter().zip(&theirs[1..]).map(|(a, b)| a * b).sum::<f64>();
@@ -103,11 +104,14 @@ mod tests {
     #[test]
     fn white_noise_passes_and_what_follows_a_signal_does_not() {
         let (white, signal) = (noise(4000, 1), noise(4000, 2));
-        let found = test_residual(&white, &[NamedSignal { name: "signal", values: &signal }]).unwrap();
+        let found = test_residual(&white, &[MeasuredSignal { channel: Channel::MotorRate, values: &signal }])
+            .unwrap();
         assert!(found.outside < 0.15, "{}", found.outside);
         assert!(found.cross[0].size() < 2.0, "{:?}", found.cross);
         let follows: Vec<f64> = (0..4000).map(|k| white[k] + 0.3 * signal[k.saturating_sub(7)]).collect();
-        let found = test_residual(&follows, &[NamedSignal { name: "signal", values: &signal }]).unwrap();
+        let found =
+            test_residual(&follows, &[MeasuredSignal { channel: Channel::MotorRate, values: &signal }])
+                .unwrap();
         assert!(found.cross[0].size() > 5.0 && found.cross[0].lag == 7, "{:?}", found.cross);
     }
 
@@ -121,7 +125,9 @@ mod tests {
             };
             noise(8000, seed).into_iter().map(step).collect::<Vec<f64>>()
         };
-        let found = test_residual(&slow(3), &[NamedSignal { name: "signal", values: &slow(4) }]).unwrap();
+        let found =
+            test_residual(&slow(3), &[MeasuredSignal { channel: Channel::MotorRate, values: &slow(4) }])
+                .unwrap();
         assert!(found.outside > 0.15 && found.cross[0].size() < 2.0, "{:?}", found.cross);
     }
 

@@ -1,10 +1,12 @@
 //! How well a mechanism explains the recordings, as numbers that can be compared.
 
 use counterpoise_models::Parameters;
+use counterpoise_recordings::Channel;
 
 use crate::recording::series::{correlation_time, rms};
-use crate::simulator_access::{Assessment, Pool, SimulatorAccess, map};
+use crate::simulator_access::{Assessment, SimulatorAccess};
 use crate::tolerance::SCORE_FLOOR;
+use counterpoise_pool::{Pool, map};
 
 /// The fit of one channel over one part of one recording.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,7 +14,7 @@ pub struct ScoreCell {
     /// Recording.
     pub recording: usize,
     /// Channel name.
-    pub channel: &'static str,
+    pub channel: Channel,
     /// RMS error in noise floors, reduced by what does not repeat between two runs of the same machine.
     pub excess: f64,
     /// RMS error in the channel's unit.
@@ -44,7 +46,7 @@ pub struct RecordingPart {
 }
 
 /// Assesses every recording, whole; returns `None` if the mechanism cannot be simulated.
-pub fn assess(
+pub fn assess_recordings(
     simulator: &dyn SimulatorAccess,
     pool: &dyn Pool,
     parameters: &Parameters,
@@ -53,7 +55,7 @@ pub fn assess(
     (judged.len() == simulator.count()).then(|| judged.into_iter().collect::<Option<Vec<_>>>()).flatten()
 }
 
-/// Assesses every recording like [`assess`], from the initial states of the assessments of a similar mechanism.
+/// Assesses every recording like [`assess_recordings`], from the initial states of the assessments of a similar mechanism.
 pub fn assess_near(
     simulator: &dyn SimulatorAccess,
     pool: &dyn Pool,
@@ -65,7 +67,7 @@ pub fn assess_near(
 }
 
 /// Returns the score over parts of assessed recordings; `None` if a residual is not finite.
-pub fn score(judged: &[Assessment], parts: &[RecordingPart]) -> Option<Score> {
+pub fn score_parts(judged: &[Assessment], parts: &[RecordingPart]) -> Option<Score> {
     let mut cells = Vec::new();
     for part in parts {
         let here = &judged[part.recording];

@@ -13,7 +13,7 @@ use crate::tolerance::identification::{BREAKAWAY_DEVIATION_S, LEAST_REVERSALS};
 /// Returns the Coulomb level plus the mean excess of friction after a reversal, through a shorter low-pass; `None` if there are too
 /// few reversals. The excess is the highest friction from the reversal to the end of presliding, less the highest in as long a
 /// stretch of sliding that follows, so that noise cancels. `before` is the project's value.
-pub fn breakaway(
+pub fn identify_breakaway(
     p: &Parameters,
     states: &[&[Recording]],
     problem: &Problem,

@@ -85,7 +85,7 @@ fn round(p: &Parameters, states: &[&[Recording]], before: &Before) -> Result<Ide
         balances: (0..states.len()).map(balance).collect(),
         coulomb_nm: estimate(layout.coulomb(), before.coulomb),
         viscous_nm_s_rad: estimate(layout.viscous(), before.viscous),
-        breakaway_nm: breakaway::breakaway(p, states, problem, fit, before.breakaway)?,
+        breakaway_nm: breakaway::identify_breakaway(p, states, problem, fit, before.breakaway)?,
         lobes: lobes(p, problem, &fit.value),
         loops: loops(p, problem, &fit.value),
         residual_nm: fit.residual_rms,

@@ -154,7 +154,7 @@ impl Maker<'_> {
         let platform = c.platform.iter().map(|w| p.motor.platform_coupling * w);
         let rotor: Vec<f64> = motor.iter().zip(platform).map(|(m, w)| m + w).collect();
         let rotor = kernel.slope(&rotor);
-        let known = kernel.smooth(&self.known(chain, c));
+        let known = kernel.smooth(&self.known_torque(chain, c));
         let inertia = ratio * p.motor.inertia_kg_m2;
         (0..current.len()).map(|k| current[k] - inertia * rotor[k] - known[k]).collect()
     }
@@ -195,7 +195,7 @@ impl Maker<'_> {
     }
 
     /// Torque of what is taken as known: the first moment above the axis, the spring to the platform.
-    fn known(&self, chain: &Chain, c: &Channels) -> Vec<f64> {
+    fn known_torque(&self, chain: &Chain, c: &Channels) -> Vec<f64> {
         let Some(l) = self.p.lumped.as_ref() else { return vec![0.0; c.control.len()] };
         let upright = self.load(chain, c, sine);
         let spring = |x: &f64| l.position_stiffness_nm_rad * (x - l.position_stiffness_centre_rad);

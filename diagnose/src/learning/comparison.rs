@@ -4,7 +4,7 @@
 //! predicts better than a curve without a name does, or as well with fewer parameters.
 
 use crate::fitting::output_error::{FitSelection, confidence_intervals, parameters_of};
-use crate::fitting::score::score;
+use crate::fitting::score::score_parts;
 use crate::learning::learner::LearningTask;
 use crate::library::{Component, Effect, EffectKind, EffectParameter, ParameterMapping, gain_curve_inputs};
 use crate::selection::candidate::FittedCandidate;
@@ -101,7 +101,7 @@ impl LearningTask<'_> {
         let fit = searcher.fit(effects, &named.fit.values, &selection, &named.assessments)?;
         let judged: Vec<Assessment> =
             (0..self.before.len()).map(|r| self.assessment(&fit, r)).collect::<Option<_>>()?;
-        let library = score(&judged, &candidate.held_out_parts)?;
+        let library = score_parts(&judged, &candidate.held_out_parts)?;
         Some(Comparison {
             ahead_nats: -candidate.held_out.loss_against(&library),
             function_parameters: self.effective_parameters(&function.learned),

@@ -8,7 +8,7 @@ use crate::findings::channel_fits::{Channels, fits_by_channel};
 use crate::fitting::output_error::{
     Fit, FitSelection, Preference, Problem, confidence_intervals, parameters_of,
 };
-use crate::fitting::score::{RecordingPart, Score, score};
+use crate::fitting::score::{RecordingPart, Score, score_parts};
 use crate::learning::held_out::{HeldOut, flat_preferences, preferences};
 use crate::learning::reading::{CurveReading, read_curve};
 use crate::learning::templates::{Template, TemplateContext, is_at};
@@ -110,7 +110,7 @@ struct Smoothness {
 }
 
 /// Fits free functions; returns the model and the mechanism with them, or `None` if none explains enough.
-pub fn learn(task: &LearningTask) -> Option<(LearnedModel, Parameters)> {
+pub fn learn_functions(task: &LearningTask) -> Option<(LearnedModel, Parameters)> {
     task.with_more(None)?.model(task)
 }
 
@@ -372,9 +372,9 @@ impl LearningTask<'_> {
         let all = 0..self.before.len();
         let judged: Vec<Assessment> = all.map(|r| self.assessment(&fit, r)).collect::<Option<_>>()?;
         Some(FittedCandidate {
-            whole: score(&judged, &whole_parts(judged.len()))?,
-            held_out: score(&judged, &parts)?,
-            held_out_before: score(self.before, &parts)?,
+            whole: score_parts(&judged, &whole_parts(judged.len()))?,
+            held_out: score_parts(&judged, &parts)?,
+            held_out_before: score_parts(self.before, &parts)?,
             held_out_parts: parts,
             assessments: judged.iter().map(Assessment::without_residuals).collect(),
             needed: Vec::new(),

@@ -6,7 +6,7 @@
 use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, Parameters, RegimeVariable};
 
 use crate::fitting::output_error::FitSelection;
-use crate::fitting::score::score;
+use crate::fitting::score::score_parts;
 use crate::learning::learner::{FittedFunctions, LearningTask};
 use crate::learning::reading::{CurveReading, Form, read_curve};
 use crate::library::{Component, Effect, EffectName, find_effects, learned_element};
@@ -118,13 +118,13 @@ impl LearningTask<'_> {
         let fit = searcher.fit(effects, &start, &selection, &curve.assessments)?;
         let judged: Option<Vec<_>> = (0..self.before.len()).map(|r| self.assessment(&fit, r)).collect();
         let judged = judged?;
-        let held_out = score(&judged, &curve.held_out_parts)?;
+        let held_out = score_parts(&judged, &curve.held_out_parts)?;
         let spared = self.effective_parameters(&functions.learned) - form.start.len() as f64;
         let allowed = AMBIGUOUS.max(0.5 * PARAMETER_PRICE * spared);
         if held_out.loss_against(&curve.held_out) > allowed {
             return None;
         }
-        let before = score(self.before, &curve.held_out_parts)?;
+        let before = score_parts(self.before, &curve.held_out_parts)?;
         let built = searcher.build_candidate(fit, &judged, &selection.recordings, self.before)?;
         let parts = curve.held_out_parts.clone();
         let built = FittedCandidate { held_out, held_out_before: before, held_out_parts: parts, ..built };

@@ -15,4 +15,4 @@ pub mod visited_ranges;
 
 pub(crate) use templates::is_at;
 
-pub use learner::{LearnedModel, LearnedPart, LearningTask, learn};
+pub use learner::{LearnedModel, LearnedPart, LearningTask, learn_functions};

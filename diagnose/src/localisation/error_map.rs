@@ -17,8 +17,8 @@ use crate::localisation::free_functions::{
 use crate::localisation::residual_regression::{AssessedReplay, ErrorTerm, ResidualRegression, Series};
 use crate::localisation::torque_balances::BalanceVisibility;
 use crate::localisation::trend::{Repetition, Trend};
-use crate::simulator_access::{Pool, map};
 use crate::tolerance::{AMBIGUOUS, GAIN_NEEDED};
+use counterpoise_pool::{Pool, map};
 
 /// What an error at one component would explain that is a free function of one regime variable.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,6 +10,7 @@ use crate::tolerance::localisation::{
 };
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
+use counterpoise_recordings::Channel;
 
 use crate::localisation::error_hypotheses::Quantity;
 use crate::localisation::ports::Port;
@@ -249,7 +250,7 @@ impl<'a> ResidualRegression<'a> {
             for half in 0..2 {
                 let fitted = self.fitted(&parts, half, &left)?;
                 for (s, part) in self.segments.iter().zip(&parts).filter(|(s, _)| s.half != half) {
-                    sums[s.balance] += part.left(&fitted);
+                    sums[s.balance] += part.remaining_squares(&fitted);
                 }
             }
             left = (0..left.len()).map(|b| sums[b] / self.count(b).max(1) as f64).collect();
@@ -316,7 +317,7 @@ struct Normal {
 
 impl Normal {
     /// Returns the sum of squares that coefficients leave.
-    fn left(&self, x: &[f64]) -> f64 {
+    fn remaining_squares(&self, x: &[f64]) -> f64 {
         let column = Mat::col(x);
         let square = if x.is_empty() { 0.0 } else { (&column.t() * &(&self.gram * &column))[(0, 0)] };
         (self.power - 2.0 * dot(x, &self.right) + square).max(0.0)
@@ -356,20 +357,20 @@ fn departed(
     [of(recorded), of(&noisy)]
 }
 
-/// Returns the readings of the replay: the recorded ones plus the residuals. A control that was played back is the recorded one.
+/// Returns the readings of the replay: the recorded ones less the residuals. A control that was played back is the recorded one.
 fn replayed(recording: &AssessedReplay) -> MeasuredSignals {
     let AssessedReplay { measured, assessment: judged } = recording;
     let mut out = measured.clone();
     for misfit in &judged.channels {
         let column = match misfit.channel {
-            "control" if judged.source == ControlSource::ClosedLoop => Some(&mut out.control),
-            "hub_rate" => Some(&mut out.hub_rate),
-            "motor_rate" => out.motor_rate.as_mut(),
-            "hub_position" => out.hub_position.as_mut(),
+            Channel::Control if judged.source == ControlSource::ClosedLoop => Some(&mut out.control),
+            Channel::HubRate => Some(&mut out.hub_rate),
+            Channel::MotorRate => out.motor_rate.as_mut(),
+            Channel::HubPosition => out.hub_position.as_mut(),
             _ => None,
         };
         let pairs = column.into_iter().flatten().zip(&misfit.residual);
-        pairs.for_each(|(value, residual)| *value += residual * misfit.floor);
+        pairs.for_each(|(value, residual)| *value -= residual * misfit.floor);
     }
     out
 }
@@ -377,13 +378,13 @@ fn replayed(recording: &AssessedReplay) -> MeasuredSignals {
 /// Returns readings with noise of the size of each channel's floor and of the platform's sensors (a fixed sequence).
 fn noisy(p: &Parameters, replay: &MeasuredSignals, judged: &Assessment) -> MeasuredSignals {
     let floor =
-        |channel: &str| judged.channels.iter().find(|m| m.channel == channel).map_or(0.0, |m| m.floor);
+        |channel: Channel| judged.channels.iter().find(|m| m.channel == channel).map_or(0.0, |m| m.floor);
     let mut out = replay.clone();
     let columns = [
-        (Some(&mut out.control), floor("control")),
-        (Some(&mut out.hub_rate), floor("hub_rate")),
-        (out.motor_rate.as_mut(), floor("motor_rate")),
-        (out.hub_position.as_mut(), floor("hub_position")),
+        (Some(&mut out.control), floor(Channel::Control)),
+        (Some(&mut out.hub_rate), floor(Channel::HubRate)),
+        (out.motor_rate.as_mut(), floor(Channel::MotorRate)),
+        (out.hub_position.as_mut(), floor(Channel::HubPosition)),
         (Some(&mut out.platform_rate), p.sensors.platform_gyro.noise_rms),
         (Some(&mut out.platform_accel), p.sensors.platform_accelerometer.noise_rms),
     ];

@@ -43,13 +43,32 @@ pub enum Repair {
     },
 }
 
+/// What was repaired.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RepairedPart {
+    /// The clock: the recording as a whole.
+    Time,
+    /// A channel.
+    Channel(Channel),
+}
+
+impl RepairedPart {
+    /// Returns the name of the column that was repaired.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Time => "time",
+            Self::Channel(channel) => channel.name(),
+        }
+    }
+}
+
 /// A recording without gaps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RepairedRecording {
     /// The parts that can be replayed: the recording itself if it is whole, none if nothing is left.
     pub parts: Vec<Recording>,
-    /// What was done, each with its channel.
-    pub repairs: Vec<(&'static str, Repair)>,
+    /// What was done, each with what was repaired.
+    pub repairs: Vec<(RepairedPart, Repair)>,
 }
 
 /// Repairs a recording; `ratio` is the gear's, motor turns per hub turn.
@@ -59,7 +78,9 @@ pub fn repair_gaps(recording: &Recording, ratio: f64) -> RepairedRecording {
     let moving = motions(recording, ratio);
     for (channel, other) in COMPARED.into_iter().zip(moving) {
         if let (Some(series), Some(other)) = (whole.samples_mut(channel), other) {
-            repairs.extend(remove_stuck_readings(series, &other).map(|repair| (channel.name(), repair)));
+            repairs.extend(
+                remove_stuck_readings(series, &other).map(|repair| (RepairedPart::Channel(channel), repair)),
+            );
         }
     }
     let length = whole.len();
@@ -68,13 +89,15 @@ pub fn repair_gaps(recording: &Recording, ratio: f64) -> RepairedRecording {
         let Some(series) = whole.samples_mut(channel) else { continue };
         if series.iter().all(|v| !v.is_finite()) {
             whole.remove(channel);
-            repairs.push((channel.name(), Repair::NoSamples));
+            repairs.push((RepairedPart::Channel(channel), Repair::NoSamples));
             continue;
         }
-        repairs.extend(fill_short_gaps(series, &mut broken).map(|repair| (channel.name(), repair)));
+        repairs.extend(
+            fill_short_gaps(series, &mut broken).map(|repair| (RepairedPart::Channel(channel), repair)),
+        );
     }
     let (parts, repair) = split_at_gaps(&whole, &broken);
-    repairs.extend(repair.map(|repair| ("time", repair)));
+    repairs.extend(repair.map(|repair| (RepairedPart::Time, repair)));
     RepairedRecording { parts, repairs }
 }
 
@@ -203,7 +226,7 @@ mod tests {
         assert_eq!(lengths, [2000, 3500]);
         assert_eq!(repaired.parts[1].name, "triangle (part 2)");
         let gap = Repair::Split { gaps: 1, missing_s: 0.5, first_s: 2.0, parts: 2 };
-        assert_eq!(repaired.repairs[0], ("time", gap));
+        assert_eq!(repaired.repairs[0], (RepairedPart::Time, gap));
     }
 
     #[test]
@@ -217,7 +240,7 @@ mod tests {
             - recording().samples(Channel::Control).unwrap()[102];
         assert!(straight.abs() < 1e-4);
         assert!(part.samples(Channel::MotorRate).unwrap()[3150].is_nan());
-        let told: Vec<&str> = repaired.repairs.iter().map(|(channel, _)| *channel).collect();
+        let told: Vec<&str> = repaired.repairs.iter().map(|(part, _)| part.name()).collect();
         assert_eq!(told, ["motor_rate", "control"]);
     }
 

@@ -1,6 +1,6 @@
 //! What is to be reported about the recordings themselves.
 
-use crate::recording::gap_repair::Repair;
+use crate::recording::gap_repair::{Repair, RepairedPart};
 use crate::recording::instrument_faults::InstrumentFault;
 use crate::recording::sanity_checks::{ControlMismatch, SanityRemark};
 
@@ -41,12 +41,12 @@ pub enum RecordingRemark {
     },
     /// A fault of a sensor or of the recorder.
     Fault(InstrumentFault),
-    /// A channel was repaired.
+    /// A channel, or the clock, was repaired.
     Repaired {
         /// Name of the recording.
         recording: String,
-        /// Channel; `time` for the recording as a whole.
-        channel: &'static str,
+        /// What was repaired.
+        part: RepairedPart,
         /// What was done.
         repair: Repair,
     },

@@ -4,7 +4,7 @@
 //! hub's rate on the platform (gyroscopes, tachometer over the ratio, the resolver's derivative) against each other.
 
 use counterpoise_models::Parameters;
-use counterpoise_recordings::Recording;
+use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::{ReplayLoop, control_fit};
 
 use crate::recording::measured_signals::MeasuredSignals;
@@ -125,8 +125,8 @@ impl Anomaly {
 pub struct SanityRemark {
     /// Name of the recording.
     pub recording: String,
-    /// Channel.
-    pub channel: &'static str,
+    /// The channel.
+    pub channel: Channel,
     /// What was seen.
     pub anomaly: Anomaly,
 }
@@ -145,16 +145,16 @@ pub fn check_signals(name: &str, measured: &MeasuredSignals, ratio: f64) -> Vec<
     let pairs = redundant(measured, ratio);
     let slopes: Vec<Slope> = pairs.iter().map(|(_, gyros, other)| regression(gyros, other)).collect();
     if let Some(anomaly) = all_against_the_gyros(&slopes) {
-        note("hub_rate", anomaly);
+        note(Channel::HubRate, anomaly);
         return remarks;
     }
     for ((channel, gyros, other), Slope { slope, coherence }) in pairs.iter().zip(slopes) {
         if let Some(meaning) = meaning(slope, coherence) {
-            note(channel, Anomaly::Disagrees { ratio: slope, meaning });
+            note(*channel, Anomaly::Disagrees { ratio: slope, meaning });
         } else if let Some(anomaly) =
             drifting(gyros, other, measured.period_s).or_else(|| shifted(gyros, other, measured.period_s))
         {
-            note(channel, anomaly);
+            note(*channel, anomaly);
         }
     }
     remarks
@@ -231,15 +231,15 @@ fn offset(reference: &[f64], rate: &[f64], period_s: f64) -> Option<(f64, bool)>
     Some((lag as f64 * period_s, inside && least < OFFSET_REMAINDER * apart(0)))
 }
 
-fn channels(m: &MeasuredSignals) -> Vec<(&'static str, &[f64])> {
-    let mut out: Vec<(&'static str, &[f64])> = vec![
-        ("control", &m.control),
-        ("hub_rate", &m.hub_rate),
-        ("platform_rate", &m.platform_rate),
-        ("platform_accel", &m.platform_accel),
+fn channels(m: &MeasuredSignals) -> Vec<(Channel, &[f64])> {
+    let mut out: Vec<(Channel, &[f64])> = vec![
+        (Channel::Control, &m.control),
+        (Channel::HubRate, &m.hub_rate),
+        (Channel::PlatformRate, &m.platform_rate),
+        (Channel::PlatformAccel, &m.platform_accel),
     ];
-    out.extend(m.motor_rate.as_deref().map(|series| ("motor_rate", series)));
-    out.extend(m.hub_position.as_deref().map(|series| ("hub_position", series)));
+    out.extend(m.motor_rate.as_deref().map(|series| (Channel::MotorRate, series)));
+    out.extend(m.hub_position.as_deref().map(|series| (Channel::HubPosition, series)));
     out
 }
 
@@ -307,7 +307,7 @@ fn step(series: &[f64]) -> f64 {
 }
 
 /// Returns each redundant channel's rate of the hub on the platform beside that of the gyroscopes, smoothed alike.
-fn redundant(m: &MeasuredSignals, ratio: f64) -> Vec<(&'static str, Vec<f64>, Vec<f64>)> {
+fn redundant(m: &MeasuredSignals, ratio: f64) -> Vec<(Channel, Vec<f64>, Vec<f64>)> {
     let relative = m.relative_rate();
     let half = (0.02 / m.period_s).round() as usize;
     let smooth = |series: &[f64]| centred(&moving(series, half));
@@ -315,12 +315,12 @@ fn redundant(m: &MeasuredSignals, ratio: f64) -> Vec<(&'static str, Vec<f64>, Ve
     let mut out = Vec::new();
     if let Some(motor) = &m.motor_rate {
         let geared: Vec<f64> = motor.iter().map(|w| w / ratio).collect();
-        out.push(("motor_rate", reference.clone(), smooth(&geared)));
+        out.push((Channel::MotorRate, reference.clone(), smooth(&geared)));
     }
     if let Some(position) = &m.hub_position {
         let rate: Vec<f64> =
             (0..position.len()).map(|k| slope_at(position, k, half.max(1)) / m.period_s).collect();
-        out.push(("hub_position", reference, centred(&rate)));
+        out.push((Channel::HubPosition, reference, centred(&rate)));
     }
     out
 }
@@ -435,7 +435,7 @@ mod tests {
         let remark = &check_signals("r", &gap, 200.0)[0];
         assert_eq!(
             (remark.channel, remark.anomaly),
-            ("hub_rate", Anomaly::Missing { missing: 1, samples: 5000 })
+            (Channel::HubRate, Anomaly::Missing { missing: 1, samples: 5000 })
         );
     }
 
@@ -453,7 +453,7 @@ mod tests {
         let remark = &check_signals("r", &slow, 200.0)[0];
         let is_slow =
             matches!(remark.anomaly, Anomaly::ClockDrift { slow, .. } if (slow - 0.01).abs() < 5e-4);
-        assert!(remark.channel == "motor_rate" && is_slow, "{remark:?}");
+        assert!(remark.channel == Channel::MotorRate && is_slow, "{remark:?}");
         let mut holes = machine();
         if let Some(motor) = holes.motor_rate.as_mut() {
             motor[1000..2500].fill(f64::NAN);
@@ -466,7 +466,7 @@ mod tests {
         let mut swapped = machine();
         swapped.hub_rate.iter_mut().for_each(|w| *w = -*w);
         let remarks = check_signals("r", &swapped, 200.0);
-        assert_eq!((remarks.len(), remarks[0].channel), (1, "hub_rate"));
+        assert_eq!((remarks.len(), remarks[0].channel), (1, Channel::HubRate));
         let swapped =
             matches!(remarks[0].anomaly, Anomaly::GyroscopesDisagree { meaning: Meaning::SignSwapped, .. });
         assert!(swapped, "{remarks:?}");

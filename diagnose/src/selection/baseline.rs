@@ -5,7 +5,7 @@
 //! together with its parameters; if those of the model as it is were not, every effect would gain what the initial states give.
 
 use crate::fitting::output_error::FitSelection;
-use crate::fitting::score::{Score, assess, score};
+use crate::fitting::score::{Score, assess_recordings, score_parts};
 use crate::selection::candidate::whole_parts;
 use crate::selection::searcher::Searcher;
 use crate::simulator_access::Assessment;
@@ -25,7 +25,7 @@ pub struct Baseline {
 impl Searcher<'_> {
     /// Assesses the model as it is; returns `None` if it cannot be simulated.
     pub(crate) fn fit_baseline(&self) -> Option<Baseline> {
-        let sought = assess(self.simulator, self.pool, self.base)?;
+        let sought = assess_recordings(self.simulator, self.pool, self.base)?;
         let selection =
             FitSelection { iterations: SEARCH_ITERATIONS, ..FitSelection::all(self.simulator.count()) };
         let fit = self.fit(Vec::new(), &[], &selection, &sought);
@@ -34,7 +34,7 @@ impl Searcher<'_> {
             if log_excess(&now) < log_excess(was) { now } else { was.clone() }
         };
         let fitted = again.map_or_else(|| sought.clone(), |a| sought.iter().zip(a).map(better).collect());
-        let score = score(&fitted, &whole_parts(self.simulator.count()))?;
+        let score = score_parts(&fitted, &whole_parts(self.simulator.count()))?;
         Some(Baseline { sought, fitted, score })
     }
 }

@@ -16,12 +16,13 @@ use crate::recording::series::correlation_time;
 use crate::recording::series::dot;
 use crate::selection::candidate::FittedCandidate;
 use crate::selection::searcher::Searcher;
-use crate::simulator_access::{Assessment, ChannelResidual, Span, StartShift, map};
+use crate::simulator_access::{Assessment, ChannelResidual, Span, StartShift};
 use crate::tolerance::selection::SAME_GRID_PLACE;
 use crate::tolerance::{
     KNOT_GAP_V, KNOT_ITERATIONS, KNOT_MOVE_GAIN, KNOT_MOVES, KNOT_PRICE, KNOT_ROUNDS, KNOT_SHARE,
     KNOT_SPACING_V, KNOT_STRETCH, KNOTS_AT_MOST,
 };
+use counterpoise_pool::map;
 
 impl Searcher<'_> {
     /// Returns a candidate with the knots of its curve where the recordings require them; unchanged if it has no curve.
@@ -280,7 +281,7 @@ impl Slopes {
     fn judged(&self, knots: &[usize]) -> f64 {
         let hats = self.hats(knots);
         let one = |(fitted, other): (&Half, &Half)| {
-            fitted.solved(&hats).map_or(f64::INFINITY, |change| other.left(&change))
+            fitted.solved(&hats).map_or(f64::INFINITY, |change| other.cost_after(&change))
         };
         let [first, second] = &self.halves;
         one((first, second)) + one((second, first))
@@ -365,7 +366,7 @@ impl Half {
     }
 
     /// Returns the cost after a change of the fine curve's fractions.
-    fn left(&self, change: &[f64]) -> f64 {
+    fn cost_after(&self, change: &[f64]) -> f64 {
         let curved: f64 = (0..change.len()).map(|k| change[k] * dot(self.normal.column(k), change)).sum();
         self.cost + 2.0 * dot(&self.gradient, change) + curved
     }

@@ -7,8 +7,8 @@ use crate::selection::outcome::SearchOutcome;
 use crate::selection::screening::screen_effects;
 use crate::selection::searcher::Searcher;
 use crate::selection::signature::{EffectSignature, ScreeningContext, ScreeningDepth};
-use crate::simulator_access::map;
 use crate::tolerance::{MERGES, SEARCH_ITERATIONS};
+use counterpoise_pool::map;
 
 impl Searcher<'_> {
     /// Returns a candidate with one effect in place of two of the same component, if it explains as much: another out-of-balance in

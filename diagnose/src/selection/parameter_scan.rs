@@ -14,8 +14,9 @@ use crate::selection::perturbations::{Perturbation, perturbation_towards, ripple
 use crate::selection::signature::{
     EffectSignature, ScreeningContext, is_close, measure_signature, weight_residuals,
 };
-use crate::simulator_access::{Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span, map};
+use crate::simulator_access::{Assessment, ChannelResidual, ControlSource, SimulatorAccess, Span};
 use crate::tolerance::{PERIOD_SEEN, PERIODS_SAMPLED};
+use counterpoise_pool::map;
 
 /// Scans the value of an effect's only parameter on the first part of the most active recording, played back, because a playback
 /// repeats even if the loop hunts; returns the perturbation towards the best value.

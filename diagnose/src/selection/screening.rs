@@ -5,15 +5,16 @@
 //! and the coefficients of the combination are where its fit starts.
 
 use crate::fitting::output_error::from_variable;
-use crate::fitting::score::{RecordingPart, score};
+use crate::fitting::score::{RecordingPart, score_parts};
 use crate::library::Effect;
 use crate::selection::parameter_scan::{scan_parameter, scan_ripple_orders};
 use crate::selection::perturbations::{Combination, Perturbation, apply_perturbation, perturbations_of};
 use crate::selection::signature::{
     EffectSignature, ScreeningContext, ScreeningDepth, is_close, measure_signature, weight_residuals,
 };
-use crate::simulator_access::{Assessment, Span, map_with_progress};
+use crate::simulator_access::{Assessment, Span};
 use crate::tolerance::selection::STARTS_VISITED;
+use counterpoise_pool::map_with_progress;
 
 /// Screens every effect of the library but those already in the model; returns signatures, best first.
 pub fn screen_effects(scene: &ScreeningContext, effects: &[&'static Effect]) -> Vec<EffectSignature> {
@@ -127,5 +128,5 @@ fn farthest_first(judged: &[Assessment]) -> Vec<usize> {
 fn distance(judged: &[Assessment]) -> Option<f64> {
     let part = |r| RecordingPart { recording: r, from: 0.0, to: 1.0 };
     let parts: Vec<RecordingPart> = (0..judged.len()).map(part).collect();
-    score(judged, &parts).map(|score| score.distance())
+    score_parts(judged, &parts).map(|score| score.distance())
 }

@@ -3,13 +3,14 @@
 use counterpoise_models::Parameters;
 
 use crate::fitting::output_error::{Fit, FitSelection, Problem};
-use crate::fitting::score::{Score, assess, score};
+use crate::fitting::score::{Score, assess_recordings, score_parts};
 use crate::library::Effect;
 use crate::selection::candidate::{FittedCandidate, held_out_parts, whole_parts};
 use crate::selection::parameter_scan::repeats;
 use crate::selection::sizes::Sizes;
-use crate::simulator_access::{Assessment, Pool, SimulatorAccess, map};
+use crate::simulator_access::{Assessment, SimulatorAccess};
 use crate::tolerance::selection::{ROUNDED_ORDER_COST, WHOLE_ORDER};
+use counterpoise_pool::{Pool, map};
 
 /// What the search works on.
 pub struct Searcher<'a> {
@@ -74,9 +75,9 @@ impl Searcher<'_> {
         }
         let parts = held_out_parts(self.simulator.count(), fitted);
         Some(FittedCandidate {
-            whole: score(judged, &whole_parts(self.simulator.count()))?,
-            held_out: score(judged, &parts)?,
-            held_out_before: score(before, &parts)?,
+            whole: score_parts(judged, &whole_parts(self.simulator.count()))?,
+            held_out: score_parts(judged, &parts)?,
+            held_out_before: score_parts(before, &parts)?,
             held_out_parts: parts,
             assessments: judged.iter().map(Assessment::without_residuals).collect(),
             needed: Vec::new(),
@@ -130,13 +131,16 @@ impl Searcher<'_> {
             return None;
         }
         let judged = self.assess_model(&fit.parameters, &|r| fit.assessment(r))?;
-        let whole = score(&judged, &whole_parts(judged.len()))?;
+        let whole = score_parts(&judged, &whole_parts(judged.len()))?;
         let assessments = judged.iter().map(Assessment::without_residuals).collect();
         Some(FittedCandidate { fit, whole, assessments, ..candidate.clone() })
     }
 
     pub(crate) fn score_model(&self, parameters: &Parameters) -> Option<Score> {
-        score(&assess(self.simulator, self.pool, parameters)?, &whole_parts(self.simulator.count()))
+        score_parts(
+            &assess_recordings(self.simulator, self.pool, parameters)?,
+            &whole_parts(self.simulator.count()),
+        )
     }
 }
 

@@ -14,9 +14,10 @@ use crate::selection::perturbations::{
     Perturbation, apply_perturbation, first_change, start_values, step_limits,
 };
 use crate::selection::sizes::Sizes;
-use crate::simulator_access::{Assessment, ChannelResidual, Pool, SimulatorAccess, Span};
+use crate::simulator_access::{Assessment, ChannelResidual, SimulatorAccess, Span};
 use crate::tolerance::EXPLAINED;
 use crate::tolerance::fitting::GRAM_RIDGE;
+use counterpoise_pool::Pool;
 
 /// The signature of an effect: what it explains of the residual, and where its fit should start.
 #[derive(Debug, Clone)]

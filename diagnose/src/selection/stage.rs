@@ -1,7 +1,7 @@
 //! One stage of the search: every effect screened on top of a model, the best fitted, the best of those fitted again.
 
 use crate::fitting::output_error::FitSelection;
-use crate::fitting::score::assess;
+use crate::fitting::score::assess_recordings;
 use crate::library::Effect;
 use crate::selection::baseline::{Baseline, log_excess};
 use crate::selection::candidate::{FittedCandidate, rank_candidates};
@@ -11,11 +11,12 @@ use crate::selection::parameter_scan::scan_backlash;
 use crate::selection::screening::screen_effects;
 use crate::selection::searcher::Searcher;
 use crate::selection::signature::{EffectSignature, ScreeningContext, ScreeningDepth, is_close};
-use crate::simulator_access::{Assessment, map_with_progress};
+use crate::simulator_access::Assessment;
 use crate::tolerance::{
     EFFECTS_AT_MOST, FINAL_REACH, FINALISTS, GAIN_NEEDED, JOINT_PARAMETERS, PAIRS, PROMISE_SHARE, RIVALS,
     SHORTLIST, THROWN_OFF,
 };
+use counterpoise_pool::map_with_progress;
 
 /// One stage: the candidates, best first, and the screening.
 #[derive(Debug, Clone)]
@@ -97,7 +98,7 @@ impl Searcher<'_> {
     /// Runs a stage on top of a model.
     pub(crate) fn run_stage(&self, present: &FittedCandidate, breadth: StageBreadth) -> Stage {
         let judged = self.assess_model(&present.fit.parameters, &|r| present.assessments.get(r));
-        match judged.or_else(|| assess(self.simulator, self.pool, &present.fit.parameters)) {
+        match judged.or_else(|| assess_recordings(self.simulator, self.pool, &present.fit.parameters)) {
             Some(judged) => {
                 let against = Standing { screened_from: &judged, judged_against: &judged };
                 self.screen_and_fit(Some(present), against, breadth)

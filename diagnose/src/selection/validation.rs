@@ -4,15 +4,16 @@ use counterpoise_models::Parameters;
 
 use crate::fitting::null_gain::mean_null_gain;
 use crate::fitting::output_error::{Fit, FitSelection};
-use crate::fitting::score::{RecordingPart, Score, score};
+use crate::fitting::score::{RecordingPart, Score, score_parts};
 use crate::selection::baseline::log_excess;
 use crate::selection::candidate::{FittedCandidate, whole_parts};
 use crate::selection::searcher::Searcher;
-use crate::simulator_access::{Assessment, map_with_progress};
+use crate::simulator_access::Assessment;
 use crate::tolerance::{
     AMBIGUOUS, FITTED_SHARE, GAIN_BEYOND_NULL, GAIN_NEEDED, JOINT_PARAMETERS, NULL_GAIN_MULTIPLE,
     SOLE_EVIDENCE_SHARE,
 };
+use counterpoise_pool::map_with_progress;
 
 /// A recording, predicted.
 struct Prediction {
@@ -55,8 +56,8 @@ impl Searcher<'_> {
         let own: Vec<usize> = (0..count).filter(|&r| predicted[r].from > 0.0).collect();
         let judged: Vec<Assessment> = predicted.into_iter().map(|prediction| prediction.assessment).collect();
         Some(FittedCandidate {
-            held_out: score(&judged, &parts)?,
-            held_out_before: score(plain, &parts)?,
+            held_out: score_parts(&judged, &parts)?,
+            held_out_before: score_parts(plain, &parts)?,
             held_out_parts: parts,
             needed: own,
             ..candidate
@@ -92,7 +93,7 @@ impl Searcher<'_> {
     fn leave_values_open(&self, candidate: &FittedCandidate, fit: &Fit, recordings: &[usize]) -> bool {
         let head = RecordingPart { recording: 0, from: 0.0, to: FITTED_SHARE };
         let score_of = |parameters: &Parameters, r: usize, near: Option<&Assessment>| {
-            score(&[self.simulator.assess_from(parameters, r, near?)?], &[head])
+            score_parts(&[self.simulator.assess_from(parameters, r, near?)?], &[head])
         };
         let loss = |&r: &usize| {
             let own = score_of(&candidate.fit.parameters, r, candidate.assessments.get(r))?;
@@ -124,6 +125,6 @@ impl Searcher<'_> {
 /// apart.
 fn predicts_less(predicted: &Assessment, candidate: &FittedCandidate, recording: usize) -> bool {
     let whole = RecordingPart { recording: 0, from: 0.0, to: 1.0 };
-    score(std::slice::from_ref(predicted), &[whole])
+    score_parts(std::slice::from_ref(predicted), &[whole])
         .is_some_and(|predicted| predicted.loss_against(&candidate.whole.of_recording(recording)) > AMBIGUOUS)
 }

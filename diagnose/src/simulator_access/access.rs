@@ -2,6 +2,7 @@
 
 use crate::tolerance::fitting::DIVERGENCE_DOUBT;
 use counterpoise_models::Parameters;
+use counterpoise_recordings::Channel;
 use counterpoise_simulate::PlantState;
 use counterpoise_simulate::replay::START_FREEDOMS;
 
@@ -14,9 +15,9 @@ pub type StartShift = [f64; START_FREEDOMS];
 /// The residual of one channel of one recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChannelResidual {
-    /// Channel name.
-    pub channel: &'static str,
-    /// (simulated - measured) / noise floor, sample by sample.
+    /// The channel.
+    pub channel: Channel,
+    /// (measured - simulated) / noise floor, sample by sample.
     pub residual: Vec<f64>,
     /// Noise floor in the channel's unit: the RMS of the residual of a perfect model (noise, quantisation, what the platform's
     /// sensors add).

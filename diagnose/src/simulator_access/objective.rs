@@ -145,7 +145,7 @@ impl<'a> RecordingReplays<'a> {
     /// Returns the channel that is scored in a place of [`SCORED`], and its index there; `None` if nothing is scored. In a playback
     /// the control has no residual of its own; the hub rate takes its place, so that both ways of running a mechanism have the same
     /// number of channels. A hub that is made to follow its own recorded rate is no evidence: the control that it takes is.
-    fn shown(
+    fn scored_channel(
         &self,
         replay: &Replay,
         index: usize,
@@ -173,14 +173,14 @@ impl<'a> RecordingReplays<'a> {
     ) -> Option<Vec<ChannelResidual>> {
         let mut out = Vec::new();
         for (place, channel) in SCORED.into_iter().enumerate() {
-            let Some((shown, c)) = self.shown(replay, index, source, place) else { continue };
+            let Some((shown, c)) = self.scored_channel(replay, index, source, place) else { continue };
             let recorded = &self.prepared.whole[index].samples(shown)?[..length];
             let floor = self.floors[index][c];
             let simulated = replay.simulated.channel(shown);
-            let difference = |(s, r): (&f64, &f64)| if r.is_finite() { (s - r) / floor } else { 0.0 };
+            let difference = |(s, r): (&f64, &f64)| if r.is_finite() { (r - s) / floor } else { 0.0 };
             let residual: Vec<f64> = simulated.iter().zip(recorded).map(difference).collect();
             let told = if shown == channel { floor } else { self.control_floor };
-            out.push(ChannelResidual { channel: channel.name(), residual, floor: told });
+            out.push(ChannelResidual { channel, residual, floor: told });
         }
         Some(out)
     }
@@ -200,7 +200,7 @@ impl<'a> RecordingReplays<'a> {
             self.with(parameters, &self.noisy[index], |r| r.replay_from(parameters, control, &quiet.start))?;
         let rounding = |channel| rounding_noise(self.base, channel);
         let size = |place: usize| {
-            let (shown, place) = self.shown(quiet, index, source, place)?;
+            let (shown, place) = self.scored_channel(quiet, index, source, place)?;
             let apart = apart(shown, &quiet.simulated, &shaken.simulated) / self.floors[index][place];
             let own =
                 if shown == Channel::Control { 1.0 } else { rounding(shown) / self.floors[index][place] };
@@ -242,9 +242,8 @@ impl<'a> RecordingReplays<'a> {
         let divergence = self.divergence(parameters, index, &quiet, ControlSource::ClosedLoop)?;
         let channels = self.channels(&quiet, index, length, ControlSource::ClosedLoop)?;
         // in any loop that controls a rate the angle drifts, which is no sign of hunting
-        let hunts = |(m, w): (&ChannelResidual, &f64)| {
-            *w > HUNTING_DIVERGENCE && m.channel != Channel::HubPosition.name()
-        };
+        let hunts =
+            |(m, w): (&ChannelResidual, &f64)| *w > HUNTING_DIVERGENCE && m.channel != Channel::HubPosition;
         if !channels.iter().zip(&divergence).any(hunts) {
             return Some(Assessment {
                 channels,
@@ -381,7 +380,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
         let quiet =
             self.with(parameters, &self.whole[index], |r| r.replay_from(parameters, control, start))?;
         let one = |place: usize| -> Option<Vec<f64>> {
-            let (shown, c) = self.shown(&quiet, index, near.source, place)?;
+            let (shown, c) = self.scored_channel(&quiet, index, near.source, place)?;
             let floor = self.floors[index][c];
             let pairs = shaken.simulated.channel(shown).iter().zip(quiet.simulated.channel(shown));
             Some(pairs.map(|(a, b)| (a - b) / floor).collect())

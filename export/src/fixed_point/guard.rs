@@ -12,7 +12,7 @@ use counterpoise_controller::signal::{DEMAND, HUB_RATE};
 use counterpoise_controller::{GuardSettings, READINGS, SensorUse, Status};
 
 use crate::fixed_point::format::to_integer;
-use crate::fixed_point::{FULL, Fixed, narrow};
+use crate::fixed_point::{FULL, Fixed, round_and_limit};
 
 /// Fraction bits of the share of the other sensors.
 pub(crate) const SHARE_BITS: u32 = 30;
@@ -104,7 +104,7 @@ impl FixedGuard {
                 return 0;
             }
             let taken = self.reading(i, readings[i]);
-            if i == DEMAND || i == HUB_RATE { taken } else { narrow(self.share * taken, SHARE_BITS) }
+            if i == DEMAND || i == HUB_RATE { taken } else { round_and_limit(self.share * taken, SHARE_BITS) }
         })
     }
 

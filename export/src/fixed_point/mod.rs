@@ -132,7 +132,7 @@ impl FixedProgram {
 }
 
 /// Returns floor(value / 2^shift + 1/2), kept within +/- [`FULL`].
-pub fn narrow(value: i64, shift: u32) -> i64 {
+pub fn round_and_limit(value: i64, shift: u32) -> i64 {
     let half = if shift > 0 { 1_i64 << (shift - 1) } else { 0 };
     ((value + half) >> shift).clamp(-FULL, FULL)
 }

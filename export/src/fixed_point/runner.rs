@@ -6,7 +6,7 @@ use counterpoise_controller::{GuardSettings, READINGS, Readings, SampledControll
 use crate::Adjustable;
 use crate::fixed_point::format::{to_integer, unit};
 use crate::fixed_point::guard::FixedGuard;
-use crate::fixed_point::{Fixed, FixedOperation, FixedProgram, narrow};
+use crate::fixed_point::{Fixed, FixedOperation, FixedProgram, round_and_limit};
 
 /// A fixed-point controller that runs.
 #[derive(Debug, Clone)]
@@ -115,11 +115,13 @@ impl FixedRunner {
         match operation {
             FixedOperation::Sum { into, constant, terms, shift } => {
                 let sum = terms.iter().fold(*constant, |sum, term| sum + term.factor * read(&term.of));
-                (*into, narrow(sum, *shift))
+                (*into, round_and_limit(sum, *shift))
             }
-            FixedOperation::Product { into, a, b, shift } => (*into, narrow(read(a) * read(b), *shift)),
+            FixedOperation::Product { into, a, b, shift } => {
+                (*into, round_and_limit(read(a) * read(b), *shift))
+            }
             FixedOperation::Quotient { into, above, below, left, shift } => {
-                (*into, narrow((read(above) * (1_i64 << left)) / read(below), *shift))
+                (*into, round_and_limit((read(above) * (1_i64 << left)) / read(below), *shift))
             }
             FixedOperation::Magnitude { into, of } => (*into, read(of).abs()),
             FixedOperation::Clamp { into, of, low, high } => (*into, read(of).clamp(*low, *high)),

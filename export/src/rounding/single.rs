@@ -38,7 +38,7 @@ impl Arithmetic for Single<'_> {
     fn worst(&self) -> Vec<f64> {
         let operations = self.controller.programs().step.operations();
         let own = operations.map(|operation| UNIT * (self.magnitudes(operation) + self.stored(operation)));
-        let mut worst: Vec<f64> = own.zip(self.left()).map(|(own, left)| own + left).collect();
+        let mut worst: Vec<f64> = own.zip(self.setting_errors()).map(|(own, left)| own + left).collect();
         worst.extend(
             (0..self.controller.parts().reading_count()).map(|i| UNIT * self.ranges.of(Slot::Input(i))),
         );
@@ -86,7 +86,7 @@ impl RunVisitor<RunState<Runner<Stored>>> for StoredCoefficients<'_> {
 
 impl Single<'_> {
     /// Returns the error of each operation that comes from what a setting left wrong.
-    fn left(&self) -> Vec<f64> {
+    fn setting_errors(&self) -> Vec<f64> {
         let error = |slot: &Slot| match is_kept(self.controller, *slot) {
             true => KEPT_ROUNDINGS * UNIT * self.ranges.of(*slot),
             false => 0.0,

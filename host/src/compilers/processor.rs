@@ -9,22 +9,22 @@ use counterpoise_export::board::{
 use counterpoise_export::host::{CODE_FOLDER, including_file};
 use counterpoise_export::{File, Numbers};
 use counterpoise_pipeline::export::TargetCode;
-use counterpoise_pipeline::export::target_proofs::{CoreCost, Costs};
+use counterpoise_pipeline::export::target_proofs::{CoreCost, StepCosts};
 use counterpoise_project::Language;
 
 use crate::files;
 
 /// Counts on every core; where a tool is missing or fails, says so.
-pub fn measure_costs(code: &[TargetCode]) -> Costs {
+pub fn measure_costs(code: &[TargetCode]) -> StepCosts {
     let missing: Vec<&str> = [COMPILER, SIZER, EMULATOR].into_iter().filter(|tool| !is_there(tool)).collect();
     if !missing.is_empty() {
         let what = format!("not counted: {} not found on this machine", missing.join(", "));
-        return Costs { counted: Vec::new(), remark: Some(what) };
+        return StepCosts { counted: Vec::new(), remark: Some(what) };
     }
     let folder = match files::scratch_folder() {
         Ok(folder) => folder,
         Err(error) => {
-            return Costs {
+            return StepCosts {
                 counted: Vec::new(),
                 remark: Some(format!("not counted: no temporary folder: {error}")),
             };
@@ -40,7 +40,7 @@ pub fn measure_costs(code: &[TargetCode]) -> Costs {
         }
     }
     let remark = (!failed.is_empty()).then(|| format!("the tools failed for {}", failed.join(", ")));
-    Costs { counted, remark }
+    StepCosts { counted, remark }
 }
 
 fn words(numbers: Numbers) -> &'static str {
@@ -66,13 +66,16 @@ fn count(core: &TargetCore, folder: &Path, code: &TargetCode) -> Option<CodeCost
     write(&folder, &counting_code(&code.name, code.numbers))?;
     let included = ["", "_self_test"].map(|end| format!("{CODE_FOLDER}/{}{end}.c", code.name));
     write(&folder, &[including_file(CONTROLLER, &included[0]), including_file(SELF_TEST, &included[1])])?;
-    said(Command::new(COMPILER).args(core.flags).args(COMPILE).args([CONTROLLER, SELF_TEST]), &folder)?;
+    command_output(
+        Command::new(COMPILER).args(core.flags).args(COMPILE).args([CONTROLLER, SELF_TEST]),
+        &folder,
+    )?;
     let objects = [CONTROLLER, SELF_TEST].map(|source| source.replace(".c", ".o"));
     let mut linker = Command::new(COMPILER);
     linker.args(core.flags).args(LINK).args(["startup.c", "count.c"]).args(&objects);
-    said(linker.args(["-lm", "-o", "firmware.elf"]), &folder)?;
-    let counted = said(Command::new(EMULATOR).args(emulator_command(core)), &folder)?;
-    let sizes = said(Command::new(SIZER).arg(&objects[0]), &folder)?;
+    command_output(linker.args(["-lm", "-o", "firmware.elf"]), &folder)?;
+    let counted = command_output(Command::new(EMULATOR).args(emulator_command(core)), &folder)?;
+    let sizes = command_output(Command::new(SIZER).arg(&objects[0]), &folder)?;
     let usage = std::fs::read_to_string(folder.join(CONTROLLER.replace(".c", ".su"))).ok()?;
     CodeCost::read(&counted, &sizes, &usage)
 }
@@ -83,7 +86,7 @@ fn write(folder: &Path, files: &[File]) -> Option<()> {
 }
 
 /// Returns the standard output of a command that succeeded in a folder.
-fn said(command: &mut Command, folder: &Path) -> Option<String> {
+fn command_output(command: &mut Command, folder: &Path) -> Option<String> {
     let output = command.current_dir(folder).output().ok()?;
     output.status.success().then(|| String::from_utf8_lossy(&output.stdout).into_owned())
 }

@@ -9,13 +9,13 @@ use counterpoise_export::host::{
 };
 use counterpoise_export::{File, Fixed, Numbers, TargetFigures, Targets};
 use counterpoise_pipeline::export::TargetCode;
-use counterpoise_pipeline::export::target_proofs::{Answered, Proof};
+use counterpoise_pipeline::export::target_proofs::{CodeAgreement, CompiledCodeTest};
 use counterpoise_project::Language;
 
 use crate::files;
 
 /// Compiles each code and replays the closed loops through it.
-pub fn prove_code(code: &[TargetCode], compared: &Targets) -> Vec<Proof> {
+pub fn prove_code(code: &[TargetCode], compared: &Targets) -> Vec<CompiledCodeTest> {
     let folder = files::scratch_folder();
     let prove = |each: &TargetCode| {
         let answered = match &folder {
@@ -23,28 +23,28 @@ pub fn prove_code(code: &[TargetCode], compared: &Targets) -> Vec<Proof> {
                 let place = folder.path().join(format!("{:?}-{:?}", each.language, each.numbers));
                 answered(each, compared, &place)
             }
-            Err(error) => Answered::NotRun(format!("no temporary folder: {error}")),
+            Err(error) => CodeAgreement::NotRun(format!("no temporary folder: {error}")),
         };
-        Proof { rust: each.language == Language::Rust, numbers: each.numbers, answered }
+        CompiledCodeTest { rust: each.language == Language::Rust, numbers: each.numbers, answered }
     };
     code.iter().map(prove).collect()
 }
 
-fn answered(code: &TargetCode, compared: &Targets, folder: &Path) -> Answered {
+fn answered(code: &TargetCode, compared: &Targets, folder: &Path) -> CodeAgreement {
     let compiler = if code.language == Language::Rust { RUST_COMPILER } else { C_COMPILER };
     if Command::new(compiler).arg("--version").output().is_err() {
-        return Answered::NotRun(format!("{compiler} not found on this machine"));
+        return CodeAgreement::NotRun(format!("{compiler} not found on this machine"));
     }
     let figures = compared.figures.iter().find(|figures| figures.numbers == code.numbers);
     let fixed = if code.numbers == Numbers::Fixed { compared.fixed.as_ref().ok() } else { None };
-    let Some(figures) = figures else { return Answered::NotRun("no run to compare it with".to_owned()) };
+    let Some(figures) = figures else { return CodeAgreement::NotRun("no run to compare it with".to_owned()) };
     if let Err(why) = build(code, folder) {
-        return Answered::NotRun(format!("{compiler} failed: {why}"));
+        return CodeAgreement::NotRun(format!("{compiler} failed: {why}"));
     }
     match replayed(figures, fixed, folder) {
-        Some((samples, 0)) => Answered::Alike { samples },
-        Some((samples, wrong)) => Answered::Otherwise { samples, wrong },
-        None => Answered::NotRun("the compiled program did not run to its end".to_owned()),
+        Some((samples, 0)) => CodeAgreement::Alike { samples },
+        Some((samples, wrong)) => CodeAgreement::Otherwise { samples, wrong },
+        None => CodeAgreement::NotRun("the compiled program did not run to its end".to_owned()),
     }
 }
 

@@ -75,14 +75,14 @@ impl Default for DriveLimits {
 impl MotorHeat {
     /// Returns the current that holds the winding at its limit for ever, A: R(limit) i^2 (R_w + R_h) = limit - ambience.
     pub fn lasting_current_a(&self, resistance_ohm: f64) -> f64 {
-        let resistance = resistance_ohm * hot(self.limit_k);
+        let resistance = resistance_ohm * resistance_factor(self.limit_k);
         let rise = (self.limit_k - self.ambient_k).max(0.0);
         (rise / (resistance * (self.winding_k_w + self.housing_k_w))).sqrt()
     }
 }
 
 /// Returns the factor of a resistance at a temperature.
-pub fn hot(temperature_k: f64) -> f64 {
+pub fn resistance_factor(temperature_k: f64) -> f64 {
     1.0 + COPPER_PER_K * (temperature_k - RESISTANCE_AT_K)
 }
 

@@ -21,7 +21,7 @@ pub use controlled_quantity::{ControlledQuantity, DriveQuantity, QuantityKind};
 pub use cylinder::Cylinder;
 pub use drive::{Amplifier, AmplifierDynamics, Gearbox, IDEAL_LAG_S, MapPoint, Motor, Transmission};
 pub use drive_limits::{
-    COPPER_PER_K, DriveHeat, DriveLimits, FOLD_K, FOLD_SHARE, MotorHeat, RESISTANCE_AT_K, hot,
+    COPPER_PER_K, DriveHeat, DriveLimits, FOLD_K, FOLD_SHARE, MotorHeat, RESISTANCE_AT_K, resistance_factor,
 };
 pub use free_functions::{Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 pub use friction::{Friction, FrictionLaw, StribeckCurve};

@@ -224,8 +224,8 @@ impl Plant {
         }
         let motor_amplitude = hub_amplitude_rad * self.parameters.gearbox.ratio;
         Ok((
-            impedance(&self.parameters.motor_friction, motor_amplitude, frequency_rad_s)?,
-            impedance(&self.parameters.pivot_friction, hub_amplitude_rad, frequency_rad_s)?,
+            friction_impedance(&self.parameters.motor_friction, motor_amplitude, frequency_rad_s)?,
+            friction_impedance(&self.parameters.pivot_friction, hub_amplitude_rad, frequency_rad_s)?,
         ))
     }
 
@@ -378,7 +378,7 @@ pub(super) fn unit(n: usize, k: usize) -> Vec<f64> {
 }
 
 /// Returns the describing function of the dry part as a stiffness and a damping: F = k x + c x' for x = A sin(w t).
-pub fn impedance(friction: &Friction, amplitude: f64, frequency: f64) -> Result<Impedance, Error> {
+pub fn friction_impedance(friction: &Friction, amplitude: f64, frequency: f64) -> Result<Impedance, Error> {
     let dry = Friction {
         viscous_nm_s_rad: 0.0,
         viscous_asymmetry: 0.0,

@@ -32,7 +32,7 @@ pub use self::free_functions::{
 };
 pub use self::hose::Hose;
 pub use self::impedance::Impedance;
-pub use self::linear::{Angles, FrictionLinearisation, LinearPlant, OutputRow, impedance};
+pub use self::linear::{Angles, FrictionLinearisation, LinearPlant, OutputRow, friction_impedance};
 
 use crate::Error;
 use crate::friction::FrictionModel;

@@ -1,8 +1,8 @@
 //! The structure of a mechanism in one of its configurations.
 
-use super::damping::{modal_with_stiffness, rayleigh, rayleigh_coefficients};
+use super::damping::{modal_with_stiffness, rayleigh_coefficients, rayleigh_damping};
 use super::fe::{FeModel, FeOptions, Fitted};
-use super::modes::{Support, modes};
+use super::modes::{Support, undamped_modes};
 use super::reduction::{PinnedStructure, pinned_modes, reduce_to_lumped};
 use crate::Error;
 use crate::parameters::{Beam, Configuration, Parameters, StructuralDamping};
@@ -40,17 +40,17 @@ impl ConfiguredStructure {
     /// Returns its finite-element model, with a damping matrix if its damping is not modal with the last ratio for all above.
     ///
     /// # Errors
-    /// As for [`FeModel::beam`], [`rayleigh_coefficients`] and [`modes`].
+    /// As for [`FeModel::beam`], [`rayleigh_coefficients`] and [`undamped_modes`].
     pub fn fe(&self, options: &FeOptions) -> Result<FeModel, Error> {
         let mut model = FeModel::beam(&self.beam, &self.fitted, options)?;
         model.C = match self.beam.damping {
             StructuralDamping::Modal => None,
             StructuralDamping::ModalWithStiffness => {
-                let pinned = modes(&model, Support::Pinned)?;
+                let pinned = undamped_modes(&model, Support::Pinned)?;
                 Some(modal_with_stiffness(&model, &pinned, &self.beam.modal_damping))
             }
             StructuralDamping::Rayleigh { first, second } => {
-                Some(rayleigh(&model, rayleigh_coefficients(first.into(), second.into())?))
+                Some(rayleigh_damping(&model, rayleigh_coefficients(first.into(), second.into())?))
             }
         };
         Ok(model)

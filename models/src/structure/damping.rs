@@ -51,13 +51,13 @@ pub fn rayleigh_coefficients(first: DampedFrequency, second: DampedFrequency) ->
 }
 
 /// Returns C = a_0 M + a_1 K, n x n: (5-11).
-pub fn rayleigh(model: &FeModel, factors: Rayleigh) -> Mat {
+pub fn rayleigh_damping(model: &FeModel, factors: Rayleigh) -> Mat {
     &model.M.scale(factors.mass_factor) + &model.K.scale(factors.stiffness_factor)
 }
 
 /// Returns C = sum 2 zeta_k w_k (M phi_k) (M phi_k)' over the flexible modes k = 1 .. `ratios.len()`, n x n: (5-13). Modes beyond
 /// have no damping.
-pub fn modal(model: &FeModel, modes: &Modes, ratios: &[f64]) -> Mat {
+pub fn modal_damping(model: &FeModel, modes: &Modes, ratios: &[f64]) -> Mat {
     let mut C = Mat::zeros(model.M.nrows(), model.M.nrows());
     for (k, (&frequency, &ratio)) in modes.flexible_rad_s().iter().zip(ratios).enumerate() {
         let carried = &model.M * &Mat::col(modes.flexible_shape(k));
@@ -78,7 +78,7 @@ pub fn modal_with_stiffness(model: &FeModel, modes: &Modes, ratios: &[f64]) -> M
     let stiffness_factor = 2.0 * ratios[last - 1] / frequencies[last - 1];
     let left = |k: usize| ratios[k] - 0.5 * stiffness_factor * frequencies[k];
     let rest: Vec<f64> = (0..last - 1).map(left).collect();
-    &model.K.scale(stiffness_factor) + &modal(model, modes, &rest)
+    &model.K.scale(stiffness_factor) + &modal_damping(model, modes, &rest)
 }
 
 /// Returns A of x' = A x + [M^-1; 0] p, x = [q'; q]: [-M^-1 C, -M^-1 K; I, 0], 2n x 2n; (5-16) with the sign of M^-1 C that the

@@ -98,8 +98,8 @@ fn power_law_element(profile: &Profile, from_m: f64, to_m: f64) -> Result<Elemen
     let line_mass = profile.density_kg_m3() * near.area_m2;
     let rigidity = profile.youngs_modulus_pa() * near.second_moment_m4;
     Ok(Element {
-        mass: power_law::mass(line_mass, length, &area),
-        stiffness: power_law::stiffness(rigidity, length, &second.ok_or_else(refused)?),
+        mass: power_law::element_mass(line_mass, length, &area),
+        stiffness: power_law::element_stiffness(rigidity, length, &second.ok_or_else(refused)?),
         shape: ElementShape::hermite(from_m, to_m),
     })
 }

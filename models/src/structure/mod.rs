@@ -39,7 +39,7 @@ pub use element::{Integration, Theory};
 pub use fe::{FeModel, FeOptions, Fitted, NodeRows, Truncation};
 pub use large::{Condensation, Shapes};
 pub use mesh::Mesh;
-pub use modes::{Direction, Modes, Support, modes};
+pub use modes::{Direction, Modes, Support, undamped_modes};
 pub use profile::Profile;
 pub use reduction::{
     LockedMode, LockedStructure, PinnedStructure, locked_modes, pinned_modes, reduce_to_lumped,

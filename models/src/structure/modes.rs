@@ -47,9 +47,9 @@ pub struct Modes {
 /// # Errors
 /// [`Error::Parameter`] if an unknown has a negative mass, or fewer have any than there are rigid motions, [`Error::NoHubNode`] if a held structure has no node at the pivot, [`Error::NotFree`] if K resists a rigid
 /// motion that the support leaves free, [`Error::Linalg`] if M is not positive definite.
-pub fn modes(model: &FeModel, support: Support) -> Result<Modes, Error> {
+pub fn undamped_modes(model: &FeModel, support: Support) -> Result<Modes, Error> {
     let n = model.M.nrows();
-    let held = held(model, support)?;
+    let held = restrained_unknowns(model, support)?;
     let free: Vec<usize> = (0..n).filter(|i| !held.contains(i)).collect();
     masses(model, &free, support)?;
     let rigid = rigid_modes(model, support)?;
@@ -141,7 +141,7 @@ fn masses(model: &FeModel, free: &[usize], support: Support) -> Result<(), Error
     Ok(())
 }
 
-fn held(model: &FeModel, support: Support) -> Result<Vec<usize>, Error> {
+fn restrained_unknowns(model: &FeModel, support: Support) -> Result<Vec<usize>, Error> {
     match support {
         Support::Free => Ok(Vec::new()),
         Support::Pinned => model.hub.map(|h| vec![h.deflection]).ok_or(Error::NoHubNode),

@@ -37,7 +37,7 @@ impl PowerLaw {
 }
 
 /// Returns the mass matrix, (5-17) corrected; `line_mass` is rho A_0, kg/m.
-pub fn mass(line_mass: f64, length: f64, law: &PowerLaw) -> Matrix4<f64> {
+pub fn element_mass(line_mass: f64, length: f64, law: &PowerLaw) -> Matrix4<f64> {
     let m =
         |uniform: f64, polynomial: &[f64]| line_mass * length * (uniform / 420.0 + law.moment(polynomial));
     let l = length;
@@ -55,7 +55,7 @@ pub fn mass(line_mass: f64, length: f64, law: &PowerLaw) -> Matrix4<f64> {
 }
 
 /// Returns the stiffness matrix, (5-18) in the sign convention of (5-5); `rigidity` is E I_0, N m^2.
-pub fn stiffness(rigidity: f64, length: f64, law: &PowerLaw) -> Matrix4<f64> {
+pub fn element_stiffness(rigidity: f64, length: f64, law: &PowerLaw) -> Matrix4<f64> {
     let l = length;
     let k = |factor: f64, many: f64, polynomial: &[f64]| {
         factor * rigidity * (1.0 + many * law.moment(polynomial))

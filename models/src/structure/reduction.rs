@@ -1,7 +1,7 @@
 //! From finite elements to what the plant needs: a few modes, or two inertias.
 
 use super::fe::FeModel;
-use super::modes::{Direction, Modes, Support, modes};
+use super::modes::{Direction, Modes, Support, undamped_modes};
 use crate::Error;
 use crate::parameters::Lumped;
 use crate::plant::{Body, BodyMode};
@@ -61,9 +61,9 @@ pub struct LockedMode {
 /// phi' C phi / (2 w) instead.
 ///
 /// # Errors
-/// As for [`modes`] with the hub pinned.
+/// As for [`undamped_modes`] with the hub pinned.
 pub fn pinned_modes(model: &FeModel, damping_ratios: &[f64], count: usize) -> Result<PinnedStructure, Error> {
-    let all = modes(model, Support::Pinned)?;
+    let all = undamped_modes(model, Support::Pinned)?;
     let hub = model.hub.ok_or(Error::NoHubNode)?;
     let shares = all.participation(model, Direction::Heave);
     let frequencies = all.flexible_rad_s();
@@ -93,9 +93,9 @@ pub fn pinned_modes(model: &FeModel, damping_ratios: &[f64], count: usize) -> Re
 /// Returns the first `count` modes (or all there are) of the structure with its hub locked.
 ///
 /// # Errors
-/// As for [`modes`] with the hub clamped.
+/// As for [`undamped_modes`] with the hub clamped.
 pub fn locked_modes(model: &FeModel, count: usize) -> Result<LockedStructure, Error> {
-    let all = modes(model, Support::Clamped)?;
+    let all = undamped_modes(model, Support::Clamped)?;
     let shares = all.participation(model, Direction::Heave);
     let couplings = all.participation(model, Direction::Pitch);
     let mode = |k: usize| LockedMode {
@@ -121,8 +121,8 @@ pub fn locked_modes(model: &FeModel, count: usize) -> Result<LockedStructure, Er
 /// # Errors
 /// As for [`pinned_modes`] and [`locked_modes`].
 pub fn reduce_to_lumped(model: &FeModel, damping_ratios: &[f64]) -> Result<Lumped, Error> {
-    let pinned = modes(model, Support::Pinned)?;
-    let locked = modes(model, Support::Clamped)?;
+    let pinned = undamped_modes(model, Support::Pinned)?;
+    let locked = undamped_modes(model, Support::Clamped)?;
     let (wp, wc) = (pinned.flexible_rad_s()[0], locked.flexible_rad_s()[0]);
     let inertia = model.inertia_kg_m2();
     let hub = inertia * (wc / wp).powi(2);

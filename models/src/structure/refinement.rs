@@ -3,7 +3,7 @@
 use super::element::{Integration, Theory};
 use super::fe::{FeModel, FeOptions, Fitted};
 use super::mesh::Mesh;
-use super::modes::{Support, modes};
+use super::modes::{Support, undamped_modes};
 use crate::Error;
 use crate::parameters::Beam;
 
@@ -53,8 +53,8 @@ pub struct Refinements {
 /// Returns the free-free flexible frequencies of the bare beam with several meshes, over those of its reference model.
 ///
 /// # Errors
-/// As for [`FeModel::beam`] and [`modes`].
-pub fn refinements(beam: &Beam, columns: &[RefinementMesh]) -> Result<Refinements, Error> {
+/// As for [`FeModel::beam`] and [`undamped_modes`].
+pub fn compare_refinements(beam: &Beam, columns: &[RefinementMesh]) -> Result<Refinements, Error> {
     let reference = frequencies(beam, Integration::Quadrature, REFERENCE)?;
     let column = |&RefinementMesh { integration, elements }: &RefinementMesh| {
         let found = frequencies(beam, integration, elements)?;
@@ -68,5 +68,5 @@ pub fn refinements(beam: &Beam, columns: &[RefinementMesh]) -> Result<Refinement
 fn frequencies(beam: &Beam, integration: Integration, elements: usize) -> Result<Vec<f64>, Error> {
     let options = FeOptions { mesh: Mesh::Sections(elements), theory: Theory::BernoulliEuler, integration };
     let model = FeModel::beam(beam, &Fitted::default(), &options)?;
-    Ok(modes(&model, Support::Free)?.flexible_rad_s().to_vec())
+    Ok(undamped_modes(&model, Support::Free)?.flexible_rad_s().to_vec())
 }

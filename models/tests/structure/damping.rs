@@ -1,14 +1,14 @@
 use super::{assert_close, options, uniform};
 use counterpoise_linalg::{Mat, eigenvalues};
 use counterpoise_models::structure::damping::{
-    modal, modal_with_stiffness, rayleigh, rayleigh_coefficients, state_matrix,
+    modal_damping, modal_with_stiffness, rayleigh_coefficients, rayleigh_damping, state_matrix,
 };
-use counterpoise_models::structure::{FeModel, Fitted, Integration, Mesh, Modes, Support, modes};
+use counterpoise_models::structure::{FeModel, Fitted, Integration, Mesh, Modes, Support, undamped_modes};
 
 fn model() -> (FeModel, Modes) {
     let options = options(Mesh::Equal(4), Integration::Quadrature);
     let model = FeModel::beam(&uniform(), &Fitted::default(), &options).unwrap();
-    let modes = modes(&model, Support::Clamped).unwrap();
+    let modes = undamped_modes(&model, Support::Clamped).unwrap();
     (model, modes)
 }
 
@@ -23,7 +23,7 @@ fn rayleigh_damping_hits_its_two_modes() {
     let (model, modes) = model();
     let w = modes.flexible_rad_s();
     let factors = rayleigh_coefficients([w[0], 0.01].into(), [w[2], 0.03].into()).unwrap();
-    let found = ratios(&rayleigh(&model, factors), &modes);
+    let found = ratios(&rayleigh_damping(&model, factors), &modes);
     assert_close(found[0], 0.01, 1e-10);
     assert_close(found[2], 0.03, 1e-10);
     assert_close(found[1], 0.5 * (factors.mass_factor / w[1] + factors.stiffness_factor * w[1]), 1e-10);
@@ -33,7 +33,7 @@ fn rayleigh_damping_hits_its_two_modes() {
 #[test]
 fn modal_damping_hits_each_mode_and_none_beyond() {
     let (model, modes) = model();
-    let found = ratios(&modal(&model, &modes, &[0.01, 0.02, 0.03]), &modes);
+    let found = ratios(&modal_damping(&model, &modes, &[0.01, 0.02, 0.03]), &modes);
     let expected = [0.01, 0.02, 0.03, 0.0, 0.0];
     found.iter().zip(expected).for_each(|(f, e)| assert_close(*f, e, 1e-10));
 }
@@ -51,7 +51,7 @@ fn the_stiffness_part_is_not_counted_twice() {
 fn the_first_order_form_has_the_damped_poles() {
     let (model, modes) = model();
     let free: Vec<usize> = (2..10).collect();
-    let C = modal(&model, &modes, &[0.01; 8]);
+    let C = modal_damping(&model, &modes, &[0.01; 8]);
     let part = |A: &Mat| A.select(&free, &free);
     let A = state_matrix(&part(&model.M), &part(&C), &part(&model.K)).unwrap();
     let mut poles = eigenvalues(&A).unwrap();

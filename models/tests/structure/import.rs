@@ -1,8 +1,10 @@
 use super::{assert_all, assert_close, options, uniform};
 use counterpoise_linalg::{Mat, Sparse};
 use counterpoise_models::Error;
-use counterpoise_models::structure::import::{Dof, Imported, NodeMap, dmig, matrix_market, op4};
-use counterpoise_models::structure::{FeModel, Fitted, Integration, Mesh, Support, modes, reduce_to_lumped};
+use counterpoise_models::structure::import::{Dof, Imported, NodeMap, matrix_market, read_dmig, read_op4};
+use counterpoise_models::structure::{
+    FeModel, Fitted, Integration, Mesh, Support, reduce_to_lumped, undamped_modes,
+};
 use std::fmt::Write;
 
 const ELEMENTS: usize = 6;
@@ -36,7 +38,7 @@ fn mapped(A: &Mat, map: &NodeMap) -> Mat {
 fn assert_same(imported: &Imported, map: &NodeMap) {
     let (found, expected) = (imported.structure(map).unwrap(), model());
     for support in [Support::Free, Support::Pinned, Support::Clamped] {
-        let of = |model: &FeModel| modes(model, support).unwrap().flexible_rad_s()[..5].to_vec();
+        let of = |model: &FeModel| undamped_modes(model, support).unwrap().flexible_rad_s()[..5].to_vec();
         assert_all(&of(&found), &of(&expected), 1e-7);
     }
     assert_close(found.inertia_kg_m2(), expected.inertia_kg_m2(), 1e-8);
@@ -119,7 +121,7 @@ fn dmig_gives_the_same_structure() {
         large_fields("KAAX", &mapped(&model().K, &map), &map),
         large_fields("MAAX", &mapped(&model().M, &map), &map)
     );
-    let imported = Imported::from_dmig(&dmig(&text).unwrap(), "maax", None, "KAAX").unwrap();
+    let imported = Imported::from_dmig(&read_dmig(&text).unwrap(), "maax", None, "KAAX").unwrap();
     assert_same(&imported, &map);
 }
 
@@ -147,11 +149,11 @@ DMIG*               KAAX               1               5
     let expected =
         vec![(dof(1, 3), dof(1, 3), 1.5e6), (dof(1, 3), dof(1, 5), -2.25e-4), (dof(2, 3), dof(1, 5), 7.0)];
     for text in [small, large, free] {
-        let found = dmig(text).unwrap();
+        let found = read_dmig(text).unwrap();
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].entries, expected, "{text}");
     }
-    let matrix = dmig(free).unwrap()[0].matrix(&[dof(1, 3), dof(1, 5), dof(2, 3)]).unwrap().to_dense();
+    let matrix = read_dmig(free).unwrap()[0].matrix(&[dof(1, 3), dof(1, 5), dof(2, 3)]).unwrap().to_dense();
     assert_eq!(matrix, Mat::from_rows(&[[1.5e6, -2.25e-4, 0.0], [-2.25e-4, 0.0, 7.0], [0.0, 7.0, 0.0]]));
 }
 
@@ -164,7 +166,7 @@ fn dmig_names_the_line_that_is_wrong() {
         ("DMIG,K,0,9,1,0\n", 1),
     ];
     for (text, expected) in cases {
-        assert!(matches!(dmig(text), Err(Error::Import { line, .. }) if line == expected), "{text}");
+        assert!(matches!(read_dmig(text), Err(Error::Import { line, .. }) if line == expected), "{text}");
     }
     assert!(Imported::from_dmig(&[], "M", None, "K").is_err());
 }
@@ -243,11 +245,11 @@ fn op4_reads_dense_sparse_and_bigmat() {
         [-1.25e-6, 0.0, 0.0, 1e8],
     ]);
     for text in [OP4_DENSE, OP4_BIGMAT, OP4_SPARSE] {
-        let found = op4(text).unwrap();
+        let found = read_op4(text).unwrap();
         assert_eq!(found[0].name, "KGG");
         assert_close((&found[0].matrix.to_dense() - &expected).norm_max(), 0.0, 1e-21);
     }
-    let second = &op4(OP4_DENSE).unwrap()[1];
+    let second = &read_op4(OP4_DENSE).unwrap()[1];
     assert_eq!(
         (second.name.as_str(), second.matrix.to_dense()),
         ("MGG", Mat::from_rows(&[[0.0, 0.5], [0.0, -2.0]]))
@@ -264,9 +266,9 @@ fn op4_names_the_line_that_is_wrong() {
     ];
     for (text, expected) in cases {
         assert!(
-            matches!(op4(&text), Err(Error::Import { line, .. }) if line == expected),
+            matches!(read_op4(&text), Err(Error::Import { line, .. }) if line == expected),
             "{expected}: {:?}",
-            op4(&text)
+            read_op4(&text)
         );
     }
 }
@@ -299,7 +301,7 @@ fn rotations_without_mass_follow_statically() {
     let nodes = n / 2;
     let share = |i: usize| if i == 0 || i == nodes - 1 { 0.5 } else { 1.0 } / (nodes - 1) as f64;
     sparse.M = Mat::from_fn(n, n, |i, j| if i == j && i % 2 == 0 { share(i / 2) } else { 0.0 });
-    let found = modes(&sparse, Support::Clamped).unwrap();
+    let found = undamped_modes(&sparse, Support::Clamped).unwrap();
     assert_eq!(found.frequencies_rad_s.len(), nodes - 1);
     let translations: Vec<usize> = (0..n).filter(|i| i % 2 == 0 && *i != 6).collect();
     let rotations: Vec<usize> = (0..n).filter(|i| i % 2 == 1 && *i != 7).collect();
@@ -311,7 +313,7 @@ fn rotations_without_mass_follow_statically() {
     let (values, _) = counterpoise_linalg::sym_gen_eigen(&condensed.symmetric_part(), &mass).unwrap();
     let expected: Vec<f64> = values.iter().map(|v| v.sqrt()).collect();
     assert_all(&found.frequencies_rad_s, &expected, 1e-9);
-    assert_eq!(modes(&sparse, Support::Pinned).unwrap().rigid, 1);
+    assert_eq!(undamped_modes(&sparse, Support::Pinned).unwrap().rigid, 1);
 }
 
 #[test]
@@ -338,8 +340,8 @@ fn spoilt_texts_are_refused_and_nothing_else() {
             }
         }
         let text = String::from_utf8(bytes).unwrap();
-        let _ = (NodeMap::parse(&text).is_ok(), matrix_market(&text).is_ok(), op4(&text).is_ok());
-        let _ = dmig(&text).is_ok_and(|all| Imported::from_dmig(&all, "K", None, "K").is_ok());
+        let _ = (NodeMap::parse(&text).is_ok(), matrix_market(&text).is_ok(), read_op4(&text).is_ok());
+        let _ = read_dmig(&text).is_ok_and(|all| Imported::from_dmig(&all, "K", None, "K").is_ok());
     }
 }
 

@@ -2,7 +2,7 @@ use super::{assert_all, assert_close, options, uniform};
 use counterpoise_linalg::{Mat, Sparse};
 use counterpoise_models::structure::{
     Condensation, Direction, FeModel, Fitted, Integration, Mesh, NodeRows, Shapes, SparseStructure, Support,
-    modes, pinned_modes,
+    pinned_modes, undamped_modes,
 };
 use counterpoise_models::{Error, PointMass};
 use std::ops::ControlFlow;
@@ -43,7 +43,8 @@ fn a_condensed_structure_has_the_modes_and_the_flexibility_of_the_whole() {
         .unwrap();
     assert!(small.M.nrows() < 60 && stages.len() > 4);
     for (support, count) in [(Support::Free, 6), (Support::Pinned, 8), (Support::Clamped, 6)] {
-        let (exact, found) = (modes(&whole, support).unwrap(), modes(&small, support).unwrap());
+        let (exact, found) =
+            (undamped_modes(&whole, support).unwrap(), undamped_modes(&small, support).unwrap());
         assert_all(&found.flexible_rad_s()[..count], &exact.flexible_rad_s()[..count], 1e-7);
         for direction in [Direction::Heave, Direction::Pitch] {
             let (a, b) = (exact.effective_mass(&whole, direction), found.effective_mass(&small, direction));
@@ -88,7 +89,7 @@ fn a_structure_that_moves_otherwise_is_refused() {
 fn a_mode_that_is_repeated_often_is_found_as_often() {
     const COPIES: usize = 20;
     let (mut whole, mut sparse) = structures(32);
-    let lowest = modes(&whole, Support::Pinned).unwrap().flexible_rad_s()[1];
+    let lowest = undamped_modes(&whole, Support::Pinned).unwrap().flexible_rad_s()[1];
     let n = whole.M.nrows();
     let grown = |A: &Mat, corner: f64| {
         let mut out = Mat::zeros(n + COPIES, n + COPIES);
@@ -104,7 +105,8 @@ fn a_mode_that_is_repeated_often_is_found_as_often() {
     }
     let small = sparse.condense(&Condensation::modes(6), &mut |_| ControlFlow::Continue(())).unwrap();
     for (support, count) in [(Support::Free, 6), (Support::Pinned, 12), (Support::Clamped, 6)] {
-        let (exact, found) = (modes(&whole, support).unwrap(), modes(&small, support).unwrap());
+        let (exact, found) =
+            (undamped_modes(&whole, support).unwrap(), undamped_modes(&small, support).unwrap());
         assert_all(&found.flexible_rad_s()[..count], &exact.flexible_rad_s()[..count], 1e-7);
     }
 }

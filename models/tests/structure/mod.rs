@@ -12,7 +12,9 @@ mod tapered;
 mod timoshenko;
 mod uniform;
 
-use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Integration, Mesh, Support, Theory, modes};
+use counterpoise_models::structure::{
+    FeModel, FeOptions, Fitted, Integration, Mesh, Support, Theory, undamped_modes,
+};
 use counterpoise_models::{Beam, BeamSection, PointMass, SectionShape, StructuralDamping};
 
 /// A beam of unit modulus and density along 0 .. 1, pivot at 0.
@@ -50,7 +52,7 @@ pub(crate) fn options(mesh: Mesh, integration: Integration) -> FeOptions {
 /// Flexible frequencies of a beam.
 pub(crate) fn frequencies(beam: &Beam, fitted: &Fitted, options: &FeOptions, support: Support) -> Vec<f64> {
     let model = FeModel::beam(beam, fitted, options).unwrap();
-    modes(&model, support).unwrap().flexible_rad_s().to_vec()
+    undamped_modes(&model, support).unwrap().flexible_rad_s().to_vec()
 }
 
 pub(crate) fn mass(position_m: f64, mass_kg: f64, inertia_kg_m2: f64) -> PointMass {

@@ -2,7 +2,7 @@
 
 use super::{assert_close, options, unit_beam};
 use counterpoise_models::structure::element::ElementShape;
-use counterpoise_models::structure::power_law::{PowerLaw, mass, stiffness};
+use counterpoise_models::structure::power_law::{PowerLaw, element_mass, element_stiffness};
 use counterpoise_models::structure::{FeModel, Fitted, Integration, Mesh};
 use counterpoise_models::{Error, SectionShape};
 
@@ -35,7 +35,7 @@ fn closed_forms_equal_quadrature() {
         let law = PowerLaw { excess, exponent };
         let length = 0.7 + 0.3 * k as f64;
         let shape = ElementShape::hermite(0.0, length);
-        let (m, s) = (mass(3.0, length, &law), stiffness(5.0, length, &law));
+        let (m, s) = (element_mass(3.0, length, &law), element_stiffness(5.0, length, &law));
         let mass_scale = m[(0, 0)];
         for i in 0..4 {
             for j in 0..4 {
@@ -61,7 +61,7 @@ fn closed_forms_equal_quadrature() {
 #[test]
 fn rigid_motions_are_free_and_the_mass_is_the_laws() {
     let law = PowerLaw { excess: -0.4, exponent: 1.3 };
-    let (m, s) = (mass(3.0, 0.9, &law), stiffness(5.0, 0.9, &law));
+    let (m, s) = (element_mass(3.0, 0.9, &law), element_stiffness(5.0, 0.9, &law));
     for rigid in [[1.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.9, 1.0]] {
         for row in s.row_iter() {
             assert_close(row.iter().zip(rigid).map(|(a, b)| a * b).sum(), 0.0, 1e-12 * s[(0, 0)]);
@@ -81,8 +81,8 @@ fn rigid_motions_are_free_and_the_mass_is_the_laws() {
 fn a_uniform_element_is_the_thesis_uniform_element() {
     let law = PowerLaw { excess: 0.0, exponent: 1.0 };
     let l = 0.6;
-    let m = mass(420.0 / l, l, &law);
-    let s = stiffness(l * l * l, l, &law);
+    let m = element_mass(420.0 / l, l, &law);
+    let s = element_stiffness(l * l * l, l, &law);
     let expected_mass = [[156.0, 22.0 * l, 54.0, -13.0 * l], [22.0 * l, 4.0 * l * l, 13.0 * l, -3.0 * l * l]];
     let expected_stiffness = [[12.0, 6.0 * l, -12.0, 6.0 * l], [6.0 * l, 4.0 * l * l, -6.0 * l, 2.0 * l * l]];
     for i in 0..2 {

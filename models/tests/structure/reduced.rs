@@ -2,7 +2,7 @@ use super::{assert_close, options, uniform};
 use counterpoise_linalg::{Mat, solve, sym_gen_eigen};
 use counterpoise_models::plant::Body;
 use counterpoise_models::structure::{
-    FeModel, Fitted, Integration, Mesh, Support, locked_modes, modes, pinned_modes, reduce_to_lumped,
+    FeModel, Fitted, Integration, Mesh, Support, locked_modes, pinned_modes, reduce_to_lumped, undamped_modes,
 };
 
 fn model() -> FeModel {
@@ -56,7 +56,7 @@ fn the_locked_form_has_the_pinned_frequencies() {
         K[(k + 1, k + 1)] = mode.frequency_rad_s.powi(2);
     }
     let (values, _) = sym_gen_eigen(&K, &M).unwrap();
-    let expected = modes(&model, Support::Pinned).unwrap();
+    let expected = undamped_modes(&model, Support::Pinned).unwrap();
     for k in 0..6 {
         assert_close(values[k + 1].sqrt() / expected.flexible_rad_s()[k], 1.0, 1e-8);
     }
@@ -80,11 +80,11 @@ fn the_lumped_form_keeps_inertia_moment_and_both_frequencies() {
     assert_close(two.hub_inertia_kg_m2 + two.beam_inertia_kg_m2, model.inertia_kg_m2(), 1e-12);
     assert_close(two.out_of_balance_kg_m, model.first_moment_kg_m(), 1e-12);
     let locked = (two.stiffness_nm_rad / two.beam_inertia_kg_m2).sqrt();
-    assert_close(locked / modes(&model, Support::Clamped).unwrap().flexible_rad_s()[0], 1.0, 1e-12);
+    assert_close(locked / undamped_modes(&model, Support::Clamped).unwrap().flexible_rad_s()[0], 1.0, 1e-12);
     let body = Body::from_lumped(&two);
     assert_close(body.modes[0].damping_ratio, 0.02, 1e-12);
     assert_close(
-        body.modes[0].frequency_rad_s / modes(&model, Support::Pinned).unwrap().flexible_rad_s()[0],
+        body.modes[0].frequency_rad_s / undamped_modes(&model, Support::Pinned).unwrap().flexible_rad_s()[0],
         1.0,
         1e-12,
     );
@@ -105,7 +105,7 @@ fn a_structure_of_negative_or_no_mass_is_refused() {
         let mut model = model();
         model.M = model.M.scale(scale);
         for support in [Support::Free, Support::Pinned] {
-            let refused = modes(&model, support).unwrap_err().to_string();
+            let refused = undamped_modes(&model, support).unwrap_err().to_string();
             assert!(refused.contains("mass"), "{scale}: {refused}");
         }
     }

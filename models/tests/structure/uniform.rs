@@ -1,5 +1,7 @@
 use super::{assert_all, assert_close, frequencies, mass, options, uniform};
-use counterpoise_models::structure::{Direction, FeModel, Fitted, Integration, Mesh, Support, modes};
+use counterpoise_models::structure::{
+    Direction, FeModel, Fitted, Integration, Mesh, Support, undamped_modes,
+};
 
 const CLAMPED: [f64; 5] = [1.87510406871, 4.69409113297, 7.85475743824, 10.9955407349, 14.137168391];
 const FREE: [f64; 5] = [4.73004074486, 7.8532046241, 10.995607838, 14.1371654913, 17.2787596574];
@@ -111,7 +113,7 @@ fn modes_are_orthonormal_and_effective_masses_add_up() {
     let options = options(Mesh::Equal(12), Integration::Quadrature);
     let model = FeModel::beam(&uniform(), &Fitted::default(), &options).unwrap();
     for support in [Support::Free, Support::Pinned, Support::Clamped] {
-        let found = modes(&model, support).unwrap();
+        let found = undamped_modes(&model, support).unwrap();
         let gram = &found.shapes.t() * &(&model.M * &found.shapes);
         let off = (&gram - &counterpoise_linalg::Mat::eye(gram.nrows())).norm_max();
         assert_close(off, 0.0, 1e-9);
@@ -142,7 +144,7 @@ fn what_has_no_hub_node_cannot_be_pinned() {
     beam.pivot_m = 0.3;
     let options = options(Mesh::Equal(4), Integration::Quadrature);
     let model = FeModel::beam(&beam, &Fitted::default(), &options).unwrap();
-    assert_eq!(modes(&model, Support::Pinned), Err(counterpoise_models::Error::NoHubNode));
+    assert_eq!(undamped_modes(&model, Support::Pinned), Err(counterpoise_models::Error::NoHubNode));
     let pivoted = super::options(Mesh::Pivoted(4), Integration::Quadrature);
     assert!(FeModel::beam(&beam, &Fitted::default(), &pivoted).unwrap().hub.is_some());
 }

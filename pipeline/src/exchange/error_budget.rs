@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::verification_data::history_name;
 use crate::PipelineError;
-use crate::studies::advice::Kept;
+use crate::studies::advice::KeptDesigns;
 
 /// Values of the line of sight: at the hub and at the tip, over the whole run and within an exposure.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -242,12 +242,12 @@ pub fn error_budget_result(
     found: &Verification,
     plant: &Plant,
     controller: &Controller,
-    kept: Kept,
+    kept: KeptDesigns,
 ) -> Result<Option<ErrorBudgetResult>, PipelineError> {
     let Some(budget) = found.error_budget.as_ref().map(ErrorBudgetResult::from) else { return Ok(None) };
     Ok(Some(match kept {
-        Kept::Histories => budget.with_angles(plant, controller, &found.evidence.procedure)?,
-        Kept::Systems => budget,
+        KeptDesigns::Histories => budget.with_angles(plant, controller, &found.evidence.procedure)?,
+        KeptDesigns::Systems => budget,
     }))
 }
 

@@ -6,7 +6,7 @@ use counterpoise_models::parameters::{BeamSection, SectionShape};
 use counterpoise_models::structure::FeModel;
 use serde::Serialize;
 
-use crate::plant_views::{Meshes, ModeSet, PlantViews};
+use crate::plant_views::{MeshComparison, ModeSet, PlantViews};
 
 /// The structure of a plant.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -18,7 +18,7 @@ pub struct StructureResult {
     pub elements: Option<ElementsResult>,
     /// What few elements make of the bare beam; absent without a beam.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub meshes: Option<Meshes>,
+    pub meshes: Option<MeshComparison>,
     /// The bare beam of which those meshes are made.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub beam: Option<BeamResult>,
@@ -110,7 +110,7 @@ impl StructureResult {
 
 impl SupportedModesResult {
     fn of(set: &ModeSet) -> Self {
-        let mode = |mode: &crate::plant_views::Mode| ModeResult {
+        let mode = |mode: &crate::plant_views::PlantMode| ModeResult {
             frequency_hz: mode.frequency_hz,
             effective_mass_kg: mode.effective_mass_kg,
             effective_inertia_kg_m2: mode.effective_inertia_kg_m2,

@@ -10,7 +10,7 @@ use super::SystemResult;
 use super::verification_data::history_name;
 use crate::design::TargetStudy;
 use crate::export::PathForms;
-use crate::export::target_proofs::{Answered, CoreCost, Costs, Proof};
+use crate::export::target_proofs::{CodeAgreement, CompiledCodeTest, CoreCost, StepCosts};
 use counterpoise_verify::Model;
 
 /// The controller in every kind of numbers.
@@ -178,7 +178,7 @@ impl TargetsResult {
     }
 
     /// Adds what compilers and emulators answered.
-    pub fn with_answers(self, proofs: &[Proof], costs: &Costs) -> Self {
+    pub fn with_answers(self, proofs: &[CompiledCodeTest], costs: &StepCosts) -> Self {
         let compiled = proofs.iter().map(CompiledResult::from).collect();
         Self { compiled, cores: costs.counted.iter().map(CoreResult::from).collect(), ..self }
     }
@@ -223,12 +223,12 @@ fn path_forms(each: &PathForms) -> impl Iterator<Item = PathFormResult> {
     })
 }
 
-impl From<&Proof> for CompiledResult {
-    fn from(proof: &Proof) -> Self {
+impl From<&CompiledCodeTest> for CompiledResult {
+    fn from(proof: &CompiledCodeTest) -> Self {
         let (samples, wrong, why) = match &proof.answered {
-            Answered::Alike { samples } => (Some(*samples), Some(0), None),
-            Answered::Otherwise { samples, wrong } => (Some(*samples), Some(*wrong), None),
-            Answered::NotRun(why) => (None, None, Some(why.clone())),
+            CodeAgreement::Alike { samples } => (Some(*samples), Some(0), None),
+            CodeAgreement::Otherwise { samples, wrong } => (Some(*samples), Some(*wrong), None),
+            CodeAgreement::NotRun(why) => (None, None, Some(why.clone())),
         };
         let language = if proof.rust { "rust" } else { "c" };
         Self { language, numbers: key(proof.numbers), samples, wrong, why }

@@ -3,7 +3,7 @@
 use counterpoise_verify::{Procedure, Verification, VerifiedController, verify_linear};
 
 use crate::wording::feedback_alone::{describe_feedback_alone, describe_uncertified};
-use crate::{Modelled, PipelineError};
+use crate::{PipelineError, PlantModel};
 use counterpoise_project::Project;
 
 /// Returns the lines of the header: whether the degraded loop is stable, its loop figures, and the verdict on each linear
@@ -11,7 +11,7 @@ use counterpoise_project::Project;
 /// A loop that cannot be verified says so instead.
 pub(super) fn certificate(
     project: &Project,
-    modelled: &Modelled,
+    modelled: &PlantModel,
     verified: &VerifiedController,
     procedure: &Procedure,
 ) -> Vec<String> {
@@ -23,7 +23,7 @@ pub(super) fn certificate(
 
 fn degraded(
     project: &Project,
-    modelled: &Modelled,
+    modelled: &PlantModel,
     verified: &VerifiedController,
     procedure: &Procedure,
 ) -> Result<Verification, PipelineError> {

@@ -20,7 +20,7 @@ use sha2::{Digest, Sha256};
 use crate::traverse_file::{FolderOfFile, traverse_project};
 use crate::wording::acceptance::Traceable;
 use crate::wording::weights::describe_weights;
-use crate::{Modelled, PipelineError, World};
+use crate::{PipelineError, PlantModel, World};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::resolve::design::Language;
@@ -28,7 +28,7 @@ use counterpoise_project::resolve::platform::PlatformSource;
 
 /// The code that was made, and what the project asks for and cannot have.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Exported {
+pub struct ExportedCode {
     /// Files of code.
     pub files: Vec<File>,
     /// What was left out.
@@ -50,7 +50,7 @@ impl std::fmt::Display for LeftOut {
     }
 }
 
-impl Exported {
+impl ExportedCode {
     /// Takes what was made, or notes why there is nothing.
     fn add<E: std::fmt::Display>(&mut self, what: &str, made: Result<Vec<File>, E>) {
         match made {
@@ -70,10 +70,10 @@ impl Exported {
 /// A file that the verification's experiments need, and those of the simulator.
 pub fn export(
     project: &Project,
-    modelled: &Modelled,
+    modelled: &PlantModel,
     verified: &VerifiedController,
     world: &dyn World,
-) -> Result<Exported, PipelineError> {
+) -> Result<ExportedCode, PipelineError> {
     export_by(project, modelled, verified, &crate::project_procedure(project, world)?, world)
 }
 
@@ -83,15 +83,15 @@ pub fn export(
 /// Those of the simulator.
 pub fn export_by(
     project: &Project,
-    modelled: &Modelled,
+    modelled: &PlantModel,
     verified: &VerifiedController,
     procedure: &Procedure,
     world: &dyn World,
-) -> Result<Exported, PipelineError> {
+) -> Result<ExportedCode, PipelineError> {
     let feedback_alone = feedback_alone::certificate(project, modelled, verified, procedure);
     let origin = Provenance { feedback_alone, ..provenance(project, verified, world) };
     let options = &project.export.options;
-    let mut made = Exported::default();
+    let mut made = ExportedCode::default();
     for language in &project.export.languages {
         match language {
             Language::C99 => made.add("C99", c99(verified, &origin, options)),
@@ -118,7 +118,7 @@ pub fn export_by(
 /// # Errors
 /// Those of the simulator.
 pub fn run_targets(
-    modelled: &Modelled,
+    modelled: &PlantModel,
     verified: &VerifiedController,
     procedure: &Procedure,
 ) -> Result<Targets, PipelineError> {
@@ -217,7 +217,7 @@ const FINEST_CONVERTER_BITS: u32 = 16;
 
 /// The units of the controller and of the plant that it was verified on.
 fn units(
-    made: &mut Exported,
+    made: &mut ExportedCode,
     plant: &Plant,
     verified: &VerifiedController,
     origin: &Provenance,

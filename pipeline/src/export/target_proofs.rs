@@ -16,7 +16,7 @@ pub struct CoreCost {
 
 /// What was counted, and what was not.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Costs {
+pub struct StepCosts {
     /// Each core with each kind of numbers.
     pub counted: Vec<CoreCost>,
     /// Why something is missing.
@@ -25,7 +25,7 @@ pub struct Costs {
 
 /// Operations of a step, for a reader who has no board.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Operations {
+pub struct OperationCounts {
     /// Multiplications.
     pub multiplications: usize,
     /// Additions.
@@ -34,7 +34,7 @@ pub struct Operations {
     pub states: usize,
 }
 
-impl Operations {
+impl OperationCounts {
     /// Returns about how many instructions a step in single precision needs: a product and the load of its coefficient, a sum, a load and a
     /// store of each state.
     pub fn instructions_by_hand(self) -> usize {
@@ -44,7 +44,7 @@ impl Operations {
 
 /// Whether compiled code answers as its model does.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Answered {
+pub enum CodeAgreement {
     /// To the last bit, in every sample.
     Alike {
         /// Samples compared.
@@ -63,11 +63,11 @@ pub enum Answered {
 
 /// Code that was compiled and run on this machine.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Proof {
+pub struct CompiledCodeTest {
     /// Rust, else C.
     pub rust: bool,
     /// Its numbers.
     pub numbers: Numbers,
     /// What it answered.
-    pub answered: Answered,
+    pub answered: CodeAgreement,
 }

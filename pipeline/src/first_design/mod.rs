@@ -8,17 +8,17 @@ mod tolerance_corners;
 
 use std::f64::consts::{SQRT_2, TAU};
 
-use counterpoise_diagnose::simulator_access::{Pool, Serial};
 use counterpoise_linalg::C64;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::Sensor;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, LinearPlant};
+use counterpoise_pool::{Pool, Serial};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::synthesis::{Synthesis, WeightSource};
+use counterpoise_project::resolve::synthesis::{DesignRequest, WeightSource};
 use counterpoise_project::resolve::verify::StepSize;
 use counterpoise_synth::{
     Circumstances, ControlLimit, DesignPlant, Error as SynthesisError, ExpectedMotion, FirstDesign,
-    LimitKind, LimitLoops, ParallelRun, RequiredMargins, Weight, first_design_on,
+    LimitKind, LimitLoops, RequiredMargins, Weight, first_design_on,
 };
 use counterpoise_verify::certificate::elements::rest_impedances;
 use counterpoise_verify::{Figure, Limit, LoopFigure, Sine};
@@ -29,11 +29,11 @@ use crate::model::CONVERTER_RANGE_V;
 use crate::synth::{design_plant, sampling};
 use crate::tolerance::{ALLOWS_MORE, MARGINS_TO_SPARE};
 use crate::wording::design_findings::{describe_design_finding, describe_limit, describe_unknown};
-use crate::{Modelled, PipelineError, Reduced, model, reduce};
+use crate::{PipelineError, PlantModel, ReducedPlant, model, reduce};
 
 /// A project whose weights were chosen.
 #[derive(Debug, Clone)]
-pub struct Chosen {
+pub struct ChosenWeights {
     /// The project with the weights stated.
     pub project: Project,
     /// Why they are what they are.
@@ -44,7 +44,7 @@ pub struct Chosen {
 ///
 /// # Errors
 /// Those of the plant; [`PipelineError::NoController`] if no bandwidth keeps the margins.
-pub fn with_chosen_weights(project: &Project) -> Result<Option<Chosen>, PipelineError> {
+pub fn with_chosen_weights(project: &Project) -> Result<Option<ChosenWeights>, PipelineError> {
     with_chosen_weights_on(project, &Serial)
 }
 
@@ -52,7 +52,10 @@ pub fn with_chosen_weights(project: &Project) -> Result<Option<Chosen>, Pipeline
 ///
 /// # Errors
 /// As [`with_chosen_weights`].
-pub fn with_chosen_weights_on(project: &Project, pool: &dyn Pool) -> Result<Option<Chosen>, PipelineError> {
+pub fn with_chosen_weights_on(
+    project: &Project,
+    pool: &dyn Pool,
+) -> Result<Option<ChosenWeights>, PipelineError> {
     if !leaves_weights_open(project) {
         return Ok(None);
     }
@@ -72,26 +75,24 @@ pub fn leaves_weights_open(project: &Project) -> bool {
 /// As [`with_chosen_weights`].
 pub fn choose_weights(
     project: &Project,
-    modelled: &Modelled,
-    reduced: &Reduced,
-) -> Result<Chosen, PipelineError> {
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
+) -> Result<ChosenWeights, PipelineError> {
     choose_weights_on(project, modelled, reduced, &Serial)
 }
 
 fn choose_weights_on(
     project: &Project,
-    modelled: &Modelled,
-    reduced: &Reduced,
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
     pool: &dyn Pool,
-) -> Result<Chosen, PipelineError> {
+) -> Result<ChosenWeights, PipelineError> {
     let asked = project.synth.clone().unwrap_or_default();
-    let run = |count: usize, part: &(dyn Fn(usize) + Sync)| pool.run(count, part);
-    let processors = ParallelRun { count: pool.processors(), run: &run };
     let stated_step = circumstances(project, &asked, modelled, reduced)?;
-    let with_usual_step = first_design_of(&stated_step, processors)?;
+    let with_usual_step = first_design_of(&stated_step, pool)?;
     let open_step = Circumstances { demand_step: 0.0, ..stated_step.clone() };
     let (first, step) = match is_limited_by_usual_step(project, &with_usual_step) {
-        true => with_open_step(&open_step, stated_step.demand_step, with_usual_step, processors)?,
+        true => with_open_step(&open_step, stated_step.demand_step, with_usual_step, pool)?,
         false => (with_usual_step, None),
     };
     let mut stated = asked.clone();
@@ -105,18 +106,15 @@ fn choose_weights_on(
     if let (Some(verify), Some(step)) = (&mut project.verify, step) {
         (verify.procedure.step.rate_rad_s, verify.step_size) = (step, StepSize::Stated);
     }
-    Ok(Chosen { project, first })
+    Ok(ChosenWeights { project, first })
 }
 
 /// Returns the first design, whose loop holds the friction at rest unless no loop does.
-fn first_design_of(
-    given: &Circumstances,
-    processors: ParallelRun<'_>,
-) -> Result<FirstDesign, SynthesisError> {
-    match first_design_on(given, processors) {
+fn first_design_of(given: &Circumstances, pool: &dyn Pool) -> Result<FirstDesign, SynthesisError> {
+    match first_design_on(given, pool) {
         Err(SynthesisError::Refused(_)) if given.others.len() > 1 => {
             let others = given.others.iter().take(1).cloned().collect();
-            first_design_on(&Circumstances { others, ..given.clone() }, processors)
+            first_design_on(&Circumstances { others, ..given.clone() }, pool)
         }
         found => found,
     }
@@ -134,9 +132,9 @@ fn with_open_step(
     open: &Circumstances,
     usual_step: f64,
     with_usual_step: FirstDesign,
-    processors: ParallelRun<'_>,
+    pool: &dyn Pool,
 ) -> Result<(FirstDesign, Option<f64>), PipelineError> {
-    let first = first_design_of(open, processors)?;
+    let first = first_design_of(open, pool)?;
     if first.bandwidth.bandwidth_rad_s <= with_usual_step.bandwidth.bandwidth_rad_s {
         return Ok((with_usual_step, None));
     }
@@ -158,9 +156,9 @@ fn round_down(number: f64) -> Option<f64> {
 
 fn circumstances(
     project: &Project,
-    asked: &Synthesis,
-    modelled: &Modelled,
-    reduced: &Reduced,
+    asked: &DesignRequest,
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
 ) -> Result<Circumstances, PipelineError> {
     let p = &modelled.parameters;
     let plant = design_plant(asked, modelled, reduced)?;
@@ -202,7 +200,7 @@ fn load_output(plant: &DesignPlant) -> usize {
 /// Returns the plant with gravity's gradient, and with dry friction at rest if there is any.
 fn plants_beside(
     project: &Project,
-    modelled: &Modelled,
+    modelled: &PlantModel,
     plant: &DesignPlant,
 ) -> Result<Vec<DesignPlant>, PipelineError> {
     let mut beside = vec![with_angles(project, modelled, plant)?];
@@ -218,14 +216,14 @@ fn plants_beside(
 /// instability act.
 pub(crate) fn with_angles(
     project: &Project,
-    modelled: &Modelled,
+    modelled: &PlantModel,
     plant: &DesignPlant,
 ) -> Result<DesignPlant, PipelineError> {
     with_angles_and_friction(modelled, plant, project.model.friction)
 }
 
 fn with_angles_and_friction(
-    modelled: &Modelled,
+    modelled: &PlantModel,
     plant: &DesignPlant,
     friction: FrictionLinearisation,
 ) -> Result<DesignPlant, PipelineError> {
@@ -272,7 +270,7 @@ fn margins(project: &Project) -> RequiredMargins {
 
 /// Returns a sine that the project expects as a spectrum of the same RMS up to twice its frequency; `None` if no sensor
 /// reads it or it does not move.
-fn motion(expected: &Sine, sensor: &Sensor, modelled: &Modelled) -> Option<ExpectedMotion> {
+fn motion(expected: &Sine, sensor: &Sensor, modelled: &PlantModel) -> Option<ExpectedMotion> {
     let (amplitude, period_s) = (expected.amplitude.abs(), modelled.parameters.interface.sample_period_s);
     if sensor.gain == 0.0 || amplitude == 0.0 || expected.frequency_hz <= 0.0 {
         return None;

@@ -9,13 +9,13 @@ use std::f64::consts::TAU;
 
 use counterpoise_lti::frequency_response;
 use counterpoise_project::Project;
-use counterpoise_project::resolve::synthesis::Synthesis;
+use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_synth::DesignPlant;
 use counterpoise_verify::robust::{Distribution, Varied};
 
 use super::with_angles;
 use crate::synth::design_plant;
-use crate::{PipelineError, Reduced, model};
+use crate::{PipelineError, ReducedPlant, model};
 
 /// Share of the sample rate at which the gains of plants within tolerances are compared: the highest bandwidth of a first design.
 const SHARE_OF_CLOCK: f64 = 0.05;
@@ -39,8 +39,8 @@ struct Ends {
 /// Those of the frequency response.
 pub(super) fn plants_within_tolerances(
     project: &Project,
-    asked: &Synthesis,
-    reduced: &Reduced,
+    asked: &DesignRequest,
+    reduced: &ReducedPlant,
 ) -> Result<Vec<DesignPlant>, PipelineError> {
     let rate_rad_s = SHARE_OF_CLOCK * TAU / project.plant.interface.sample_period_s;
     let gain = |plant: &DesignPlant| -> Result<f64, PipelineError> {
@@ -94,8 +94,8 @@ fn corners(values: usize) -> Vec<Vec<bool>> {
 /// The plant of the design with some parameters scaled; `None` if there is none.
 fn scaled_plant(
     project: &Project,
-    asked: &Synthesis,
-    reduced: &Reduced,
+    asked: &DesignRequest,
+    reduced: &ReducedPlant,
     scaled: &[ScaledParameter],
 ) -> Option<DesignPlant> {
     let mut changed = project.clone();

@@ -1,7 +1,7 @@
 //! What was found about the columns of a recording while it was read.
 
 use counterpoise_diagnose::learning::visited_ranges::RangeExceedance;
-use counterpoise_diagnose::recording::gap_repair::Repair;
+use counterpoise_diagnose::recording::gap_repair::{Repair, RepairedPart};
 use counterpoise_diagnose::recording::sanity_checks::{Anomaly, ControlMismatch};
 use counterpoise_recordings::{Channel, Remark};
 
@@ -19,8 +19,8 @@ pub enum ColumnRemark {
     },
     /// Repaired.
     Repair {
-        /// The channel.
-        channel: &'static str,
+        /// What was repaired.
+        part: RepairedPart,
         /// What was done.
         repair: Repair,
     },
@@ -29,7 +29,7 @@ pub enum ColumnRemark {
     /// A channel looks wrong whatever the mechanism is.
     Anomaly {
         /// The channel.
-        channel: &'static str,
+        channel: Channel,
         /// What is wrong.
         anomaly: Anomaly,
     },

@@ -15,13 +15,13 @@ pub(super) fn remove_impossible(
 ) -> Vec<(Channel, BeyondRange)> {
     let with_limit = Channel::ALL.into_iter().filter_map(|channel| Some((channel, limit(plant, channel)?)));
     let one = |(channel, limit): (Channel, f64)| {
-        let found = beyond(recording.samples_mut(channel)?, limit)?;
+        let found = remove_values_beyond(recording.samples_mut(channel)?, limit)?;
         Some((channel, found))
     };
     with_limit.filter_map(one).collect()
 }
 
-fn beyond(values: &mut [f64], limit: f64) -> Option<BeyondRange> {
+fn remove_values_beyond(values: &mut [f64], limit: f64) -> Option<BeyondRange> {
     let is_beyond = |value: &f64| value.abs() > (1.0 + CONVERTER_RANGE_MARGIN) * limit;
     let first = values.iter().position(is_beyond)?;
     let samples = values.iter().filter(|value| is_beyond(value)).count();

@@ -4,14 +4,15 @@ use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::diagnosis::{Contradiction, Request};
 use counterpoise_diagnose::findings::localisation_chart::{LocalisationChart, build_chart};
 use counterpoise_diagnose::recording::gap_repair::repair_gaps;
-use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_pool::Pool;
 use counterpoise_project::Project;
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::ReplayLoop;
 
 use super::column_remarks::ColumnRemark;
 use super::read::{
-    Gaps, RecordingFile, control_for, read_files, recording_controller, unused_columns, without_demand,
+    GapTreatment, RecordingFile, control_for, read_files, recording_controller, unused_columns,
+    without_demand,
 };
 use super::residuals::{ResidualStudy, study_residuals};
 use super::tracks::{Track, replay_before_and_after};
@@ -49,7 +50,7 @@ pub fn diagnose(
     pool: &dyn Pool,
 ) -> Result<DiagnosedRecordings, PipelineError> {
     let controller = recording_controller(project)?;
-    let read = read_files(project, controller.as_ref(), files, Gaps::AsWritten)?;
+    let read = read_files(project, controller.as_ref(), files, GapTreatment::AsWritten)?;
     let control = control_for(project, controller.as_ref(), read.iter().map(|item| &item.recording));
     let contradiction = if read.iter().all(|item| item.keeps_samples) {
         Contradiction::PlayBack
@@ -59,7 +60,7 @@ pub fn diagnose(
     let recordings: Vec<Recording> = read.iter().map(|item| item.recording.clone()).collect();
     let base = apply_configuration(project, &project.plant)?;
     let request = Request { base: &base, control, contradiction, recordings: &recordings };
-    let mut diagnosis = counterpoise_diagnose::diagnosis::run(&request, pool)
+    let mut diagnosis = counterpoise_diagnose::diagnosis::diagnose_request(&request, pool)
         .map_err(|cause| PipelineError::Diagnosis { cause, unused: unused_columns(&read) })?;
     let without_demand = without_demand(project, &read);
     let remarks = read.into_iter().map(|item| (item.file, item.remarks)).collect();

@@ -1,12 +1,14 @@
 //! The next experiment of a project's machine: the machines that a diagnosis leaves possible, and the demand that separates them best.
 
 use counterpoise_diagnose::can_have;
-use counterpoise_diagnose::experiment::{ExperimentPlan, ExperimentRequest, Limits, PossibleMachine, plan};
+use counterpoise_diagnose::experiment::{
+    ExperimentPlan, ExperimentRequest, Limits, PossibleMachine, choose_experiment,
+};
 use counterpoise_diagnose::library::{
     Component, Effect, EffectKind, EffectName, EffectParameter, find_effects, list_effects,
 };
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_models::Parameters;
+use counterpoise_pool::Pool;
 use counterpoise_project::Project;
 use serde::Deserialize;
 
@@ -16,7 +18,7 @@ use crate::configuration::apply_configuration;
 
 /// What the JSON result of a diagnosis says of the machines that are left.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-pub struct Findings {
+pub struct DiagnosisFindings {
     /// The findings.
     pub findings: Vec<FoundEffect>,
     /// Everything that was tried.
@@ -90,7 +92,7 @@ const GRAVITY: f64 = 9.80665;
 /// are left, [`PipelineError::NoExperiment`] if no demand of the menu keeps the limits.
 pub fn plan_experiment(
     project: &Project,
-    findings: Option<&Findings>,
+    findings: Option<&DiagnosisFindings>,
     limits: Limits,
     pool: &dyn Pool,
 ) -> Result<ExperimentPlan, PipelineError> {
@@ -108,7 +110,7 @@ pub fn plan_experiment(
     }
     let start_angle_rad = project.model.operating_point.hub_angle_rad;
     let request = ExperimentRequest { machines: &machines, controller: &controller, start_angle_rad, limits };
-    let planned = plan(&request, pool);
+    let planned = choose_experiment(&request, pool);
     if planned.experiments.is_empty() {
         return Err(PipelineError::NoExperiment);
     }
@@ -173,7 +175,7 @@ fn machine(plant: &Parameters, effects: &[ValuedEffect]) -> PossibleMachine {
     PossibleMachine { name: names.join(" and "), parameters, free }
 }
 
-impl Findings {
+impl DiagnosisFindings {
     /// Returns the machines that the findings leave possible: with what was found, and with each alternative in its place; with the library's
     /// best candidates if nothing was identified.
     fn machines(&self, plant: &Parameters) -> Vec<PossibleMachine> {

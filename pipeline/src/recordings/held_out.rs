@@ -7,7 +7,7 @@ use counterpoise_project::Project;
 use counterpoise_simulate::replay::{ChannelFit, ReplayMode};
 
 use super::column_remarks::ColumnRemark;
-use super::read::{Gaps, RecordingFile, control_for, read_files, recording_controller};
+use super::read::{GapTreatment, RecordingFile, control_for, read_files, recording_controller};
 use super::replay::{ReplayLength, replay_one};
 use crate::PipelineError;
 use crate::configuration::apply_configuration;
@@ -113,7 +113,7 @@ fn compared(before: &[ChannelFit], after: &[ChannelFit]) -> Vec<HeldOutFit> {
 /// Replays files that no diagnosis was given, on the project's mechanism and on an improved one, both in the project's configuration.
 ///
 /// # Errors
-/// As [`read`] and [`replay_one`].
+/// As [`read_files`](super::read::read_files) and [`replay_one`].
 pub fn replay_held_out(
     project: &Project,
     improved: &Parameters,
@@ -122,7 +122,7 @@ pub fn replay_held_out(
     let plant = apply_configuration(project, &project.plant)?;
     let improved = apply_configuration(project, improved)?;
     let controller = recording_controller(project)?;
-    let read = read_files(project, controller.as_ref(), files, Gaps::Repaired)?;
+    let read = read_files(project, controller.as_ref(), files, GapTreatment::Repaired)?;
     let control = control_for(project, controller.as_ref(), read.iter().map(|item| &item.recording));
     let one = |item| {
         let after = replay_one(&improved, item, &control, ReplayLength::Automatic)?;

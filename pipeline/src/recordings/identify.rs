@@ -8,7 +8,7 @@ use counterpoise_project::Project;
 use counterpoise_recordings::Recording;
 
 use super::column_remarks::ColumnRemark;
-use super::read::{Gaps, RecordingFile, read_files, recording_controller, unused_columns};
+use super::read::{GapTreatment, RecordingFile, read_files, recording_controller, unused_columns};
 use crate::PipelineError;
 
 /// What was identified, with what was found on reading each recording.
@@ -68,7 +68,7 @@ pub fn identify(
     let (mut recordings, mut remarks, mut unused) = (Vec::new(), Vec::new(), Vec::new());
     for files in states.iter().filter(|files| !files.is_empty()) {
         let mut of_state = Vec::new();
-        for item in read_files(project, controller.as_ref(), files, Gaps::Repaired)? {
+        for item in read_files(project, controller.as_ref(), files, GapTreatment::Repaired)? {
             unused.extend(unused_columns([&item]));
             let stem = Path::new(&item.file).file_stem().map(|s| s.to_string_lossy().into_owned());
             of_state.push(item.recording.with_name(stem.unwrap_or_else(|| item.file.clone())));

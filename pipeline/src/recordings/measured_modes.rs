@@ -4,7 +4,7 @@
 //! one and judged on that one, mode after mode: the error that counts is that of the held-out frequencies.
 
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
-use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Mesh, Theory, modes};
+use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Mesh, Theory, undamped_modes};
 use counterpoise_models::{Beam, PointMass};
 use serde::Serialize;
 
@@ -191,7 +191,7 @@ impl StructureTrials<'_> {
                 FeModel::beam(beam, &Fitted { masses: vec![point], ..Fitted::default() }, options)?
             }
         };
-        let all = modes(&fe, self.measured.support)?;
+        let all = undamped_modes(&fe, self.measured.support)?;
         let wanted = self.measured.modes_hz.len();
         let known = all.flexible_rad_s();
         if known.len() < wanted {

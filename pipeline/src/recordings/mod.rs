@@ -29,5 +29,5 @@ pub use column_remarks::{ColumnRemark, UnusedColumn};
 pub use diagnose::{DiagnosedRecordings, diagnose};
 pub use held_out::{HeldOutRecording, replay_held_out};
 pub use identify::{AxisUnits, identify};
-pub use read::{Gaps, ReadRecording, RecordingFile, read_files};
+pub use read::{GapTreatment, ReadRecording, RecordingFile, read_files};
 pub use replay::{ReplayLength, ReplayedRecording, replay};

@@ -1,6 +1,6 @@
 //! Recordings read as a project maps their columns.
 
-use counterpoise_diagnose::recording::gap_repair::{Repair, repair_gaps};
+use counterpoise_diagnose::recording::gap_repair::{Repair, RepairedPart, repair_gaps};
 use counterpoise_diagnose::recording::sanity_checks::check_control;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
@@ -47,7 +47,7 @@ pub(super) fn unused_columns<'a>(read: impl IntoIterator<Item = &'a ReadRecordin
 
 /// What happens to gaps and stuck sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Gaps {
+pub enum GapTreatment {
     /// Short gaps are filled; a long one splits the recording; a channel whose sensor is stuck loses those samples.
     Repaired,
     /// They stay as they were written.
@@ -65,7 +65,7 @@ pub fn read_files(
     project: &Project,
     controller: Option<&RecordedController>,
     files: &[RecordingFile],
-    gaps: Gaps,
+    gaps: GapTreatment,
 ) -> Result<Vec<ReadRecording>, PipelineError> {
     let mut all = Vec::new();
     for file in files {
@@ -111,7 +111,7 @@ pub fn read_table(
 ) -> Result<Vec<ReadRecording>, PipelineError> {
     let mut all = Vec::new();
     for recording in mapping(project).recordings(table).map_err(PipelineError::UnreadableRecording)? {
-        all.extend(read_recording(project, controller, recording, Gaps::Repaired)?);
+        all.extend(read_recording(project, controller, recording, GapTreatment::Repaired)?);
     }
     Ok(all)
 }
@@ -153,7 +153,7 @@ pub fn read_recording(
     project: &Project,
     controller: Option<&RecordedController>,
     mut whole: Recording,
-    gaps: Gaps,
+    gaps: GapTreatment,
 ) -> Result<Vec<ReadRecording>, PipelineError> {
     let keeps_samples = project.recording.keeps_samples(&whole);
     let name = whole.name.clone();
@@ -161,10 +161,10 @@ pub fn read_recording(
     let beyond = remove_impossible(&project.plant, &mut whole);
     remarks.extend(beyond.into_iter().map(|(channel, found)| ColumnRemark::BeyondRange { channel, found }));
     let parts = match gaps {
-        Gaps::AsWritten => vec![(name.clone(), whole)],
-        Gaps::Repaired => {
+        GapTreatment::AsWritten => vec![(name.clone(), whole)],
+        GapTreatment::Repaired => {
             let repaired = repair_gaps(&whole, project.plant.gearbox.ratio);
-            let done = |(channel, repair): (&'static str, Repair)| ColumnRemark::Repair { channel, repair };
+            let done = |(part, repair): (RepairedPart, Repair)| ColumnRemark::Repair { part, repair };
             remarks.extend(repaired.repairs.into_iter().map(done));
             repaired.parts.into_iter().map(|part| (part.name.clone(), part)).collect()
         }

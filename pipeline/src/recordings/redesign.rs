@@ -9,7 +9,7 @@ use counterpoise_project::Project;
 
 /// The project's design, verified before and after its model was improved.
 #[derive(Debug, Clone)]
-pub struct Consequence {
+pub struct RedesignComparison {
     /// The controller designed on the model as it was, verified on that.
     pub before: Verification,
     /// The same controller on the improved model.
@@ -28,7 +28,7 @@ pub fn verify_redesign(
     project: &Project,
     improved: &Parameters,
     world: &dyn World,
-) -> Result<Option<Consequence>, PipelineError> {
+) -> Result<Option<RedesignComparison>, PipelineError> {
     if project.synth.is_none() || project.verify.is_none() {
         return Ok(None);
     }
@@ -41,7 +41,7 @@ pub fn verify_redesign(
     let redesigned = anew.and_then(|made| verify_on(&better, &truer.plant, &made, &procedure));
     let before = verify_on(project, &modelled.plant, &made, &procedure)?.into_parts().1;
     let kept = verify_on(project, &truer.plant, &made, &procedure)?.into_parts().1;
-    Ok(Some(Consequence {
+    Ok(Some(RedesignComparison {
         changes: figure_changes(&before, &kept),
         redesigned: redesigned.ok().map(|verified| verified.into_parts().1),
         before,

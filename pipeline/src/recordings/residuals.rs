@@ -1,6 +1,7 @@
 //! What a model leaves unexplained in recordings: spectra and tests of the residuals, and responses measured and simulated.
 
-use counterpoise_diagnose::fitting::residual_tests::{NamedSignal, ResidualTest, test_residual};
+use counterpoise_diagnose::fitting::residual_tests::{MeasuredSignal, ResidualTest, test_residual};
+use counterpoise_recordings::Channel;
 use counterpoise_verify::signals::welch::{Spectra, WelchOptions, welch};
 
 use super::tracks::{Track, TrackColumn};
@@ -27,10 +28,8 @@ pub struct ResidualStudy {
 pub struct ResidualSpectra {
     /// Name of the recording.
     pub recording: String,
-    /// Name of the channel.
-    pub channel: &'static str,
-    /// Unit of the channel.
-    pub unit: &'static str,
+    /// The channel.
+    pub channel: Channel,
     /// As measured.
     pub measured: Spectra,
     /// Residual of the model as it was; `None` if the recording is too short.
@@ -57,8 +56,8 @@ pub struct ControlResponse {
 pub struct TestedResidual {
     /// Name of the recording.
     pub recording: String,
-    /// Name of the channel.
-    pub channel: &'static str,
+    /// The channel.
+    pub channel: Channel,
     /// Sample period, s.
     pub period_s: f64,
     /// Of the model as it was; `None` if the residual is too short to be tested.
@@ -78,7 +77,7 @@ pub fn study_residuals(tracks: &[Track]) -> ResidualStudy {
     }
 }
 
-fn find<'a>(tracks: &'a [Track], recording: &str, channel: &str) -> Option<&'a Track> {
+fn find<'a>(tracks: &'a [Track], recording: &str, channel: Channel) -> Option<&'a Track> {
     tracks.iter().find(|t| t.recording == recording && t.channel == channel)
 }
 
@@ -89,18 +88,17 @@ fn averaged(x: &[f64], y: &[f64], period_s: f64) -> Option<Spectra> {
 }
 
 fn spectra(track: &Track) -> Option<ResidualSpectra> {
-    if track.channel != "control" && track.channel != "hub_rate" {
+    if !matches!(track.channel, Channel::Control | Channel::HubRate) {
         return None;
     }
     let own = |signal: &[f64]| averaged(signal, signal, track.period_s);
-    let of_residual = |run| own(&track.error(run));
+    let of_residual = |run| own(&track.residual(run));
     Some(ResidualSpectra {
         recording: track.recording.clone(),
         channel: track.channel,
-        unit: track.unit,
-        measured: own(track.column(TrackColumn::Measured))?,
+        measured: own(track.signals.column(TrackColumn::Measured))?,
         before: of_residual(TrackColumn::Before),
-        after: if track.column(TrackColumn::After).is_empty() {
+        after: if track.signals.column(TrackColumn::After).is_empty() {
             None
         } else {
             of_residual(TrackColumn::After)
@@ -109,23 +107,24 @@ fn spectra(track: &Track) -> Option<ResidualSpectra> {
 }
 
 fn response(tracks: &[Track], recording: &str) -> Option<ControlResponse> {
-    let (control, rate) = (find(tracks, recording, "control")?, find(tracks, recording, "hub_rate")?);
-    let of = |run| averaged(control.column(run), rate.column(run), rate.period_s);
+    let (control, rate) =
+        (find(tracks, recording, Channel::Control)?, find(tracks, recording, Channel::HubRate)?);
+    let of = |run| averaged(control.signals.column(run), rate.signals.column(run), rate.period_s);
     Some(ControlResponse {
         recording: recording.to_owned(),
         measured: of(TrackColumn::Measured)?,
         before: of(TrackColumn::Before),
-        after: if rate.column(TrackColumn::After).is_empty() { None } else { of(TrackColumn::After) },
+        after: if rate.signals.column(TrackColumn::After).is_empty() { None } else { of(TrackColumn::After) },
     })
 }
 
 fn tested(tracks: &[Track], track: &Track) -> TestedResidual {
-    let signals = ["control", "hub_rate"].map(|name| {
-        find(tracks, &track.recording, name)
-            .map(|t| NamedSignal { name, values: t.column(TrackColumn::Measured) })
+    let signals = [Channel::Control, Channel::HubRate].map(|channel| {
+        find(tracks, &track.recording, channel)
+            .map(|t| MeasuredSignal { channel, values: t.signals.column(TrackColumn::Measured) })
     });
-    let signals: Vec<NamedSignal<'_>> = signals.into_iter().flatten().collect();
-    let test = |run| test_residual(&track.error(run), &signals);
+    let signals: Vec<MeasuredSignal<'_>> = signals.into_iter().flatten().collect();
+    let test = |run| test_residual(&track.residual(run), &signals);
     TestedResidual {
         recording: track.recording.clone(),
         channel: track.channel,

@@ -3,24 +3,20 @@
 use std::path::Path;
 
 use counterpoise_models::{ControlledQuantity, Parameters};
-use counterpoise_recordings::clock::stack_columns;
-use counterpoise_recordings::{Channel, Recording};
+use counterpoise_recordings::{Channel, ColumnName, Recording, Signals};
 use counterpoise_simulate::replay::{ChannelFit, Replay, ReplayLoop, replay};
-use ndarray::{Array2, ArrayView1, ArrayView2};
 
 /// One channel of one recording, measured and simulated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Track {
     /// Name of the recording, without folder and ending.
     pub recording: String,
-    /// Name of the channel.
-    pub channel: &'static str,
-    /// Unit.
-    pub unit: &'static str,
+    /// The channel.
+    pub channel: Channel,
     /// Sample period, s.
     pub period_s: f64,
-    /// Time x run in the order of [`TrackColumn`], each column contiguous in memory.
-    signals: Array2<f64>,
+    /// The samples of every run.
+    pub signals: Signals<TrackColumn>,
 }
 
 /// A run of a [`Track`]: a column of its array.
@@ -34,32 +30,28 @@ pub enum TrackColumn {
     After,
 }
 
+impl ColumnName for TrackColumn {
+    fn index(self) -> usize {
+        self as usize
+    }
+}
+
 impl Track {
-    /// Returns the signals, time x run in the order of [`TrackColumn`].
-    pub fn signals(&self) -> ArrayView2<'_, f64> {
-        self.signals.view()
-    }
-
-    /// Returns the samples of a run; none if there is no such run.
-    pub fn column(&self, column: TrackColumn) -> &[f64] {
-        let has_column = (column as usize) < self.signals.ncols();
-        has_column.then(|| self.signals.column(column as usize).to_slice()).flatten().unwrap_or_default()
-    }
-
     /// Returns the quantity that the loop controls, if this is the track of its reading.
     pub fn controlled_quantity(&self) -> ControlledQuantity {
-        ControlledQuantity::of_unit(self.unit)
+        ControlledQuantity::of_unit(self.channel.unit())
     }
 
-    /// Returns simulated less measured samples; none if there is no such run.
-    pub fn error(&self, simulated: TrackColumn) -> Vec<f64> {
-        let both = self.column(simulated).iter().zip(self.column(TrackColumn::Measured));
-        both.map(|(simulated, measured)| simulated - measured).collect()
+    /// Returns the residual of a run, measured less simulated; none if there is no such run.
+    pub fn residual(&self, simulated: TrackColumn) -> Vec<f64> {
+        let both = self.signals.column(simulated).iter().zip(self.signals.column(TrackColumn::Measured));
+        both.map(|(simulated, measured)| measured - simulated).collect()
     }
 
     /// Returns the power of the residual of the model as it was, relative to that of what was measured.
     pub fn relative_residual_power(&self) -> f64 {
-        let (measured, before) = (self.column(TrackColumn::Measured), self.column(TrackColumn::Before));
+        let (measured, before) =
+            (self.signals.column(TrackColumn::Measured), self.signals.column(TrackColumn::Before));
         let sum: f64 = measured.iter().zip(before).map(|(m, b)| (m - b).powi(2)).sum();
         let power: f64 = measured.iter().map(|m| m * m).sum();
         sum / power.max(f64::MIN_POSITIVE)
@@ -94,10 +86,9 @@ pub fn compare_channels(recording: &Recording, before: &Replay, after: Option<&R
         let columns = std::iter::once(recording.samples(channel)?).chain(simulated);
         Some(Track {
             recording: short_name(&recording.name),
-            channel: channel.name(),
-            unit: channel.unit(),
+            channel,
             period_s: recording.sample_period_s,
-            signals: stack_columns(columns.map(ArrayView1::from)),
+            signals: Signals::stack(columns),
         })
     };
     COMPARED.into_iter().filter_map(track).collect()
@@ -108,7 +99,7 @@ pub fn compare_channels(recording: &Recording, before: &Replay, after: Option<&R
 pub struct SimulatedChannel {
     /// The simulated samples.
     pub signal: Vec<f64>,
-    /// The residual, simulated less measured.
+    /// The residual, measured less simulated.
     pub residual: Vec<f64>,
     /// RMS of the residual over the noise floor of the project's model; `None` if that does not simulate the channel.
     pub residual_over_floor: Option<f64>,
@@ -128,7 +119,7 @@ pub fn simulate_channel(
         let own = fit(replay)?;
         let signal = replay.simulated.channel(channel).to_vec();
         let residual =
-            signal.iter().zip(measured).map(|(simulated, measured)| simulated - measured).collect();
+            signal.iter().zip(measured).map(|(simulated, measured)| measured - simulated).collect();
         let residual_over_floor = floor.map(|floor| ChannelFit { floor, ..own }.residual_over_floor());
         Some(SimulatedChannel { signal, residual, residual_over_floor })
     })

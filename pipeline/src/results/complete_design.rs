@@ -1,13 +1,13 @@
 //! The complete result of a design: with both axes together, the error budget, and what the assumptions matter.
 
-use counterpoise_diagnose::simulator_access::Pool;
+use counterpoise_pool::Pool;
 use counterpoise_project::{Assumption, Project};
 
 use super::{DesignResult, TwoAxesResult};
 use crate::exchange::error_budget_result;
-use crate::studies::advice::Kept;
+use crate::studies::advice::KeptDesigns;
 use crate::studies::assumptions::{LoopSystems, effects_on_design, with_those_of_design};
-use crate::{Designed, PipelineError};
+use crate::{CompletedDesign, PipelineError};
 
 /// What a complete result is made of beside the design.
 #[derive(Debug, Clone, Copy)]
@@ -17,7 +17,7 @@ pub struct ResultContents<'a> {
     /// Whether the systems are included from which the effects of the assumptions can be recomputed.
     pub systems: LoopSystems,
     /// Whether the time histories are kept, those of the error budget's runs among them.
-    pub kept: Kept,
+    pub kept: KeptDesigns,
 }
 
 impl DesignResult {
@@ -28,7 +28,7 @@ impl DesignResult {
     /// Those of the traverse axis' linear loop, and those of the simulator if the histories are kept.
     pub fn complete(
         project: &Project,
-        designed: &Designed,
+        designed: &CompletedDesign,
         contents: &ResultContents<'_>,
         pool: &dyn Pool,
     ) -> Result<Self, PipelineError> {
@@ -37,12 +37,12 @@ impl DesignResult {
         let both = designed.two_axes.as_ref().map(TwoAxesResult::new).transpose()?;
         result.verify = result.verify.with_two_axes(both);
         match contents.kept {
-            Kept::Histories => {
+            KeptDesigns::Histories => {
                 let (verified, plant) = (&stages.verified, &stages.modelled.plant);
                 let (found, controller) = (verified.verification(), verified.controller());
                 result.verify.error_budget = error_budget_result(found, plant, controller, contents.kept)?;
             }
-            Kept::Systems => result.leave_histories_out(),
+            KeptDesigns::Systems => result.leave_histories_out(),
         }
         let ranked = effects_on_design(project, stages, contents.assumptions, contents.systems, pool);
         result.model.assumptions = with_those_of_design(contents.assumptions, &stages.synthesised);

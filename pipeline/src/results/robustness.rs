@@ -10,7 +10,7 @@ use counterpoise_verify::structured::{
 use serde::Serialize;
 
 use crate::exchange::{HistoryResult, PulledLoopResult, SystemResult};
-use crate::studies::advice::{Advice, Sensitivity, TriedDesign};
+use crate::studies::advice::{TriedDesign, WeightAdvice, WeightSensitivity};
 use crate::studies::certificate::RegimeRobustness;
 
 /// Bounds of how far all stated ranges may be widened together in a case and a regime of friction.
@@ -261,8 +261,8 @@ impl From<&TriedDesign> for TriedResult {
     }
 }
 
-impl From<&Advice> for AdviceResult {
-    fn from(advice: &Advice) -> Self {
+impl From<&WeightAdvice> for AdviceResult {
+    fn from(advice: &WeightAdvice) -> Self {
         let change = advice.change.as_ref().map(|change| ChangeResult {
             weight: change.key,
             factor: change.factor,
@@ -271,7 +271,7 @@ impl From<&Advice> for AdviceResult {
             holds: change.holds,
             tried: (&change.tried).into(),
         });
-        let sensitivity = |one: &Sensitivity| SensitivityResult {
+        let sensitivity = |one: &WeightSensitivity| SensitivityResult {
             weight: one.key,
             per_factor_e: one.per_factor_e,
             tried: (&one.tried).into(),

@@ -106,12 +106,12 @@ impl From<&JointRun> for JointHistoryResult {
             experiment: run.experiment.key(),
             sample_period_s: history.elevation.sample_period_s,
             passes_per_sample: history.passes_per_sample,
-            elevation_rate_rad_s: history.elevation.truth.hub_rate_rad_s.clone(),
-            ring_rate_rad_s: history.traverse.truth.hub_rate_rad_s.clone(),
+            elevation_rate_rad_s: history.elevation.truth.hub_rate_rad_s().to_vec(),
+            ring_rate_rad_s: history.traverse.truth.hub_rate_rad_s().to_vec(),
             cross_elevation_rate_rad_s: history.cross_elevation_rate_rad_s.clone(),
             elevation_rad: history.elevation_rad.clone(),
-            elevation_control_v: history.elevation.readings.control_v.clone(),
-            traverse_control_v: history.traverse.readings.control_v.clone(),
+            elevation_control_v: history.elevation.readings.control_v().to_vec(),
+            traverse_control_v: history.traverse.readings.control_v().to_vec(),
         }
     }
 }

@@ -1,10 +1,10 @@
 //! How exactly the simulator moves this plant: its error over the step, for every law of friction and for contact.
 
-use counterpoise_diagnose::simulator_access::{Pool, map};
+use counterpoise_pool::{Pool, map};
 use counterpoise_simulate::convergence::{Case, convergence_cases, study_convergence};
 use serde::Serialize;
 
-use crate::{Modelled, PipelineError};
+use crate::{PipelineError, PlantModel};
 
 /// Lengths of steps that are looked at: eight sample periods and its halves.
 const LENGTHS: usize = 7;
@@ -33,7 +33,7 @@ pub struct Accuracy {
 ///
 /// # Errors
 /// A plant that a law does not fit, or that cannot be simulated.
-pub fn simulation_accuracy(modelled: &Modelled, pool: &dyn Pool) -> Result<Vec<Accuracy>, PipelineError> {
+pub fn simulation_accuracy(modelled: &PlantModel, pool: &dyn Pool) -> Result<Vec<Accuracy>, PipelineError> {
     let all = convergence_cases(&modelled.plant)?;
     let found = map(pool, all.len(), |k| one(&all[k]));
     found.into_iter().collect()

@@ -21,10 +21,10 @@ use crate::synth::controller_blocks::{dead_band_m_s2, drive_curve, inertia_v_s2_
 use crate::synth::schedule::scale_imbalance;
 use crate::synth::torque_per_volt;
 use crate::tolerance::{ADAPTED_FROM_SHARE, RETURNED, SMALL_KG_M};
-use crate::{Modelled, PipelineError, Synthesised};
+use crate::{PipelineError, PlantModel, SynthesisedDesign};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{
-    Adaptation, AdaptationMethod, AdaptationUse, Compensation, ObserverOptions,
+    AdaptationMethod, AdaptationOptions, AdaptationUse, Compensation, ObserverOptions,
 };
 
 /// A run.
@@ -37,15 +37,15 @@ pub struct AdaptRun {
     /// Whether the controller follows the estimate.
     pub adapts: bool,
     /// The parts of the run between changes.
-    pub intervals: Vec<Interval>,
+    pub intervals: Vec<AdaptationInterval>,
     /// The run over time.
     #[serde(skip)]
-    pub trace: Trace,
+    pub trace: AdaptationTrace,
 }
 
 /// A run over time, every so many samples.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Trace {
+pub struct AdaptationTrace {
     /// Time, s.
     pub time_s: Vec<f64>,
     /// True out-of-balance, kg m.
@@ -60,7 +60,7 @@ pub struct Trace {
 
 /// A part of a run between changes. On an axis that slides its keys have that axis' units: `slide_rms_m_s` and `used_kg`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Interval {
+pub struct AdaptationInterval {
     /// The rate of the axis.
     pub rate: ControlledQuantity,
     /// Start and end, s.
@@ -79,7 +79,7 @@ pub struct Interval {
     pub adapted: bool,
 }
 
-impl Serialize for Interval {
+impl Serialize for AdaptationInterval {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(7))?;
         let of_balance = |stem: &str| format!("{stem}_{}", self.rate.axis.unit("kg m").replace(' ', "_"));
@@ -94,7 +94,7 @@ impl Serialize for Interval {
     }
 }
 
-impl Interval {
+impl AdaptationInterval {
     /// Returns whether the hub rate came back, where the adaptation was to bring it back.
     pub fn has_returned(&self) -> bool {
         !self.adapted || self.over_default <= RETURNED
@@ -160,10 +160,10 @@ enum Amplifier {
 
 /// The mechanism and its controller, as every run needs them.
 struct Stage<'a> {
-    adaptation: &'a Adaptation,
+    adaptation: &'a AdaptationOptions,
     observer: Option<&'a ObserverOptions>,
     controller: &'a Controller,
-    modelled: &'a Modelled,
+    modelled: &'a PlantModel,
     procedure: &'a Procedure,
     undo: Compensation,
 }
@@ -174,8 +174,8 @@ struct Stage<'a> {
 /// A project without adaptation, and those of the plant and the simulator.
 pub fn adapt(
     project: &Project,
-    modelled: &Modelled,
-    made: &Synthesised,
+    modelled: &PlantModel,
+    made: &SynthesisedDesign,
 ) -> Result<Vec<AdaptRun>, PipelineError> {
     let missing = |section| PipelineError::Missing { section, needed_by: "`adapt`" };
     let asked = project.synth.as_ref().ok_or(missing("synth"))?;
@@ -198,7 +198,7 @@ pub fn adapt(
     Ok(runs)
 }
 
-fn plans(adaptation: &Adaptation) -> Vec<Plan> {
+fn plans(adaptation: &AdaptationOptions) -> Vec<Plan> {
     let changes = &adaptation.trial.changes;
     let first = changes.iter().copied().find(|factor| *factor != 1.0).unwrap_or(1.0);
     let share = |k: usize| k as f64 / changes.len() as f64;
@@ -261,9 +261,9 @@ impl SampledController for Noted {
     }
 }
 
-impl Trace {
+impl AdaptationTrace {
     fn extend(&mut self, from_s: f64, out_of_balance_kg_m: f64, history: &TimeHistory, used_kg_m: &[f64]) {
-        let (rate, control) = (&history.truth.hub_rate_rad_s, &history.readings.control_request_v);
+        let (rate, control) = (history.truth.hub_rate_rad_s(), history.readings.control_request_v());
         let count = rate.len().min(used_kg_m.len()).min(control.len());
         for k in (0..count).step_by(EVERY) {
             self.time_s.push(from_s + k as f64 * history.sample_period_s);
@@ -311,7 +311,7 @@ impl Stage<'_> {
         let place = states.iter().find(|group| group.name == "out_of_balance_kg_m").map(|group| group.first);
         let source = OutOfBalanceSource { state: place, design_kg_m: moment };
         let mut noted = Noted { acting: self.acting(plan)?, source, used_kg_m: Vec::new() };
-        let (mut intervals, mut trace) = (Vec::new(), Trace::default());
+        let (mut intervals, mut trace) = (Vec::new(), AdaptationTrace::default());
         for (k, &(start, factor)) in plan.parts.iter().enumerate() {
             let end = plan.parts.get(k + 1).map_or(1.0, |part| part.0);
             let history =
@@ -320,7 +320,7 @@ impl Stage<'_> {
             trace.extend(from_s, factor * moment, &history, &std::mem::take(&mut noted.used_kg_m));
             let is_exported = self.adaptation.use_in_code == AdaptationUse::Exported;
             let late = is_exported && plan.from.is_some_and(|from| from <= start + ADAPTED_FROM_SHARE);
-            intervals.push(Interval {
+            intervals.push(AdaptationInterval {
                 rate: self.modelled.parameters.controlled_quantity().rate(),
                 from_to_s: [start, end].map(|share| share * self.adaptation.trial.duration_s),
                 factor,
@@ -330,7 +330,7 @@ impl Stage<'_> {
                 over_default: 1.0,
                 adapted: late,
             });
-            angle = history.truth.platform_angle_rad.last().copied().unwrap_or(angle);
+            angle = history.truth.platform_angle_rad().last().copied().unwrap_or(angle);
             state = Some(history.final_state);
         }
         let adapts = plan.from.is_some();
@@ -482,7 +482,7 @@ impl Stage<'_> {
 
 /// Returns the RMS of the true hub rate in the later part of a run.
 fn settled_rms(history: &TimeHistory) -> f64 {
-    let all = &history.truth.hub_rate_rad_s;
+    let all = history.truth.hub_rate_rad_s();
     let late = &all[(SETTLE * all.len() as f64) as usize..];
     (late.iter().map(|rate| rate * rate).sum::<f64>() / late.len().max(1) as f64).sqrt()
 }

@@ -4,7 +4,7 @@ use counterpoise_project::Project;
 use serde::Serialize;
 
 use crate::studies::adapt::{AdaptRun, adapt};
-use crate::studies::adaptation_trials::{Trials, run_trials};
+use crate::studies::adaptation_trials::{AdaptationTrials, run_trials};
 use crate::{PipelineError, World, model, project_procedure, reduce, synthesise};
 
 /// The adaptation put to the test.
@@ -13,7 +13,7 @@ pub struct AdaptResult {
     /// The runs (a) to (h).
     pub runs: Vec<AdaptRun>,
     /// Trials of every method, and the methods that are refused.
-    pub trials: Trials,
+    pub trials: AdaptationTrials,
 }
 
 /// Designs the project's controller and puts its adaptation to the test. The histories of the trials are not kept.
@@ -25,5 +25,5 @@ pub fn study_adaptation(project: &Project, world: &dyn World) -> Result<AdaptRes
     let made = synthesise(project, &modelled, &reduce(project, &modelled)?)?;
     let runs = adapt(project, &modelled, &made)?;
     let tried = run_trials(project, &modelled, &made, &project_procedure(project, world)?)?;
-    Ok(AdaptResult { runs, trials: Trials { histories: Vec::new(), ..tried } })
+    Ok(AdaptResult { runs, trials: AdaptationTrials { histories: Vec::new(), ..tried } })
 }

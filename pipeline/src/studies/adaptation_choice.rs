@@ -8,19 +8,19 @@
 //! is worse than without adaptation, and on every quieter one.
 
 use counterpoise_controller::Controller;
-use counterpoise_diagnose::simulator_access::map_all;
+use counterpoise_pool::map_all;
 use counterpoise_project::Project;
-use counterpoise_project::resolve::synthesis_options::{Adaptation, AdaptationMethod, AdaptationUse};
+use counterpoise_project::resolve::synthesis_options::{AdaptationMethod, AdaptationOptions, AdaptationUse};
 use counterpoise_verify::Procedure;
 
 use super::adaptation_trials::{
-    Acts, LOADS, Load, MOTIONS, Motion, RECURSIVE, Stage, TrialRow, TrialRun, adaptation_options,
+    Acts, LOADS, MOTIONS, RECURSIVE, Stage, TrialLoad, TrialMotion, TrialRow, TrialRun, adaptation_options,
     rms_or_infinite, set_spreads,
 };
 use crate::synth::controller_blocks::HOLD_BAND;
 use crate::tolerance::LEAST_DEAD_BAND_M_S2;
 use crate::tolerance::{BELOW_TRIED, DEAD_BAND_MARGIN, LEAST_REMOVED, NEVER_WORSE};
-use crate::{Modelled, PipelineError, World, model, project_procedure, reduce, synthesise};
+use crate::{PipelineError, PlantModel, World, model, project_procedure, reduce, synthesise};
 
 /// Hold bands that are tried, the usual one first. A wider one covers more of what friction does to the estimate, and leaves more of a changed load.
 const HOLD_BANDS: [f64; 3] = [HOLD_BAND, 1.375 * HOLD_BAND, 1.75 * HOLD_BAND];
@@ -50,14 +50,14 @@ pub fn with_chosen_adaptation(
     let found = search.best()?;
     let chosen = match found {
         Some(bands) => bands.of(adaptation),
-        None => Adaptation { use_in_code: AdaptationUse::LeftOut, ..adaptation.clone() },
+        None => AdaptationOptions { use_in_code: AdaptationUse::LeftOut, ..adaptation.clone() },
     };
     let mut synth = project.synth.clone().unwrap_or_default();
     synth.options.adaptation = Some(chosen);
     Ok(Some(Project { synth: Some(synth), ..project.clone() }))
 }
 
-fn is_open(adaptation: &Adaptation) -> bool {
+fn is_open(adaptation: &AdaptationOptions) -> bool {
     let states_none = adaptation.dead_band_m_s2.is_none() && adaptation.hold_band.is_none();
     let is_exported = adaptation.use_in_code == AdaptationUse::Exported;
     adaptation.method == AdaptationMethod::Recursive && states_none && is_exported
@@ -71,8 +71,8 @@ struct Candidate {
 }
 
 impl Candidate {
-    fn of(self, adaptation: &Adaptation) -> Adaptation {
-        Adaptation {
+    fn of(self, adaptation: &AdaptationOptions) -> AdaptationOptions {
+        AdaptationOptions {
             dead_band_m_s2: Some(self.dead_band_m_s2),
             hold_band: Some(self.hold_band),
             ..adaptation.clone()
@@ -90,7 +90,7 @@ struct Merit {
 }
 
 /// Returns whether a controller that knows the load is nowhere worse than one that does not.
-fn is_helped(motion: Motion, base: &[TrialRow]) -> bool {
+fn is_helped(motion: TrialMotion, base: &[TrialRow]) -> bool {
     let mut same = base.iter().filter(|row| row.motion == motion);
     same.all(|row| row.told_rad_s <= row.without_rad_s * (1.0 + NEVER_WORSE))
 }
@@ -98,15 +98,15 @@ fn is_helped(motion: Motion, base: &[TrialRow]) -> bool {
 /// A run to be made.
 #[derive(Debug, Clone, Copy)]
 struct Job {
-    motion: Motion,
-    load: Load,
+    motion: TrialMotion,
+    load: TrialLoad,
     acts: Acts,
 }
 
 struct Search<'a> {
     project: &'a Project,
-    adaptation: &'a Adaptation,
-    modelled: &'a Modelled,
+    adaptation: &'a AdaptationOptions,
+    modelled: &'a PlantModel,
     controller: &'a Controller,
     procedure: &'a Procedure,
     world: &'a dyn World,
@@ -154,7 +154,7 @@ impl Search<'_> {
                 MOTIONS.into_iter().zip(levels).filter(|(_, level)| **level > candidate.dead_band_m_s2);
             let rows =
                 self.adapted(candidate, &acting.map(|(motion, _)| motion).collect::<Vec<_>>(), base)?;
-            let is_worse = |motion: Motion| {
+            let is_worse = |motion: TrialMotion| {
                 rows.iter().any(|row| row.motion == motion && row.ratio() > 1.0 + NEVER_WORSE)
             };
             let worse = MOTIONS.into_iter().zip(levels).filter(|(motion, _)| is_worse(*motion));
@@ -196,7 +196,7 @@ impl Search<'_> {
     /// Returns how lively the estimator finds each motion, m/s^2.
     fn levels(&self) -> Result<[f64; 3], PipelineError> {
         let listens = Candidate { dead_band_m_s2: LEAST_DEAD_BAND_M_S2, hold_band: NEVER_FOLLOWED };
-        let jobs = MOTIONS.map(|motion| Job { motion, load: Load::Nominal, acts: ADAPTS });
+        let jobs = MOTIONS.map(|motion| Job { motion, load: TrialLoad::Nominal, acts: ADAPTS });
         let runs = self.runs(&listens.of(self.adaptation), &jobs)?;
         // a run that diverged shows no level, and no band makes the motion a quiet one
         let level =
@@ -208,7 +208,7 @@ impl Search<'_> {
     fn adapted(
         &self,
         candidate: Candidate,
-        acting: &[Motion],
+        acting: &[TrialMotion],
         base: &[TrialRow],
     ) -> Result<Vec<TrialRow>, PipelineError> {
         let mut rows = base.to_vec();
@@ -224,7 +224,7 @@ impl Search<'_> {
     }
 
     /// Makes runs side by side.
-    fn runs(&self, adaptation: &Adaptation, jobs: &[Job]) -> Result<Vec<TrialRun>, PipelineError> {
+    fn runs(&self, adaptation: &AdaptationOptions, jobs: &[Job]) -> Result<Vec<TrialRun>, PipelineError> {
         let Self { project, modelled, controller, procedure, .. } = *self;
         let stage = Stage { project, adaptation, modelled, controller, procedure };
         let one = |job: &Job| stage.run(&stage.platform(job.motion)?, job.load, job.acts);

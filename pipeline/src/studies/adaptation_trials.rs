@@ -4,21 +4,21 @@
 mod excitation;
 mod stage;
 
-pub use excitation::{Load, Motion};
+pub use excitation::{TrialLoad, TrialMotion};
 
 pub(super) use excitation::{LOADS, MOTIONS};
 pub(super) use stage::{Acts, Stage, TrialRun};
 
 use counterpoise_models::ControlledQuantity;
 use counterpoise_project::Project;
-use counterpoise_project::resolve::synthesis_options::{Adaptation, AdaptationMethod, AdaptationUse};
+use counterpoise_project::resolve::synthesis_options::{AdaptationMethod, AdaptationOptions, AdaptationUse};
 use counterpoise_verify::Procedure;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use crate::synth::controller_blocks::{dead_band_m_s2, hold_band};
 use crate::tolerance::{LEAST_ADDED, LEAST_ADDED_OVER_HYSTERESIS, REFUSED_ABOVE};
-use crate::{Modelled, PipelineError, Synthesised};
+use crate::{PipelineError, PlantModel, SynthesisedDesign};
 
 /// One trial of one method: RMS of the hub rate once the load has settled. Its keys end in the unit of the axis: `with_m_s` on one that slides.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,9 +28,9 @@ pub struct TrialRow {
     /// The method's key.
     pub method: &'static str,
     /// The motion.
-    pub motion: Motion,
+    pub motion: TrialMotion,
     /// The load.
-    pub load: Load,
+    pub load: TrialLoad,
     /// Without adaptation, rad/s.
     pub without_rad_s: f64,
     /// With adaptation, rad/s.
@@ -44,7 +44,7 @@ pub struct TrialRow {
 
 /// Where the estimate of recursive least squares is followed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Bands {
+pub struct HoldBands {
     /// RMS of the platform's acceleration below which the estimate is not changed, m/s^2.
     pub dead_band_m_s2: f64,
     /// Share of the design's out-of-balance within which it is not followed.
@@ -55,14 +55,14 @@ pub struct Bands {
 
 /// Trials of all methods.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Trials {
+pub struct AdaptationTrials {
     /// Rows: trial by trial, the methods in each.
     pub rows: Vec<TrialRow>,
     /// Methods that are refused for this project, with the reason.
-    pub refused: Vec<Refusal>,
+    pub refused: Vec<MethodRefusal>,
     /// Where recursive least squares act; absent for other methods.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub bands: Option<Bands>,
+    pub bands: Option<HoldBands>,
     /// The hub's rate once the load has settled, of every run.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub histories: Vec<TrialHistory>,
@@ -74,9 +74,9 @@ pub struct TrialHistory {
     /// The rate, whose name and unit the samples have.
     pub rate: ControlledQuantity,
     /// The motion.
-    pub motion: Motion,
+    pub motion: TrialMotion,
     /// The load.
-    pub load: Load,
+    pub load: TrialLoad,
     /// `none`, `told`, or the method's key.
     pub acts: &'static str,
     /// Sample time, s.
@@ -99,7 +99,7 @@ impl Serialize for TrialHistory {
 
 /// Why a method is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Refusal {
+pub struct MethodRefusal {
     /// The trial in which it does worst.
     pub worst: TrialRow,
     /// Hub rate with adaptation over that without, in that trial.
@@ -159,7 +159,7 @@ impl TrialRow {
     }
 }
 
-impl Trials {
+impl AdaptationTrials {
     /// Returns whether a method is refused.
     pub fn refuses(&self, method: AdaptationMethod) -> bool {
         let name = METHODS.iter().find(|row| row.method == method).map_or("", |row| row.key);
@@ -173,10 +173,10 @@ impl Trials {
 /// A project without adaptation, and those of the plant and the simulator.
 pub fn run_trials(
     project: &Project,
-    modelled: &Modelled,
-    made: &Synthesised,
+    modelled: &PlantModel,
+    made: &SynthesisedDesign,
     procedure: &Procedure,
-) -> Result<Trials, PipelineError> {
+) -> Result<AdaptationTrials, PipelineError> {
     let missing =
         PipelineError::Missing { section: "synth.adaptation", needed_by: "the trials of adaptation" };
     let adaptation = adaptation_options(project).ok_or(missing)?;
@@ -195,10 +195,10 @@ pub fn run_trials(
 /// Those of the plant and the simulator.
 pub fn own_trials(
     project: &Project,
-    modelled: &Modelled,
-    made: &Synthesised,
+    modelled: &PlantModel,
+    made: &SynthesisedDesign,
     procedure: &Procedure,
-) -> Result<Option<Trials>, PipelineError> {
+) -> Result<Option<AdaptationTrials>, PipelineError> {
     let Some(adaptation) = adaptation_options(project) else { return Ok(None) };
     let stage = Stage { project, adaptation, modelled, controller: &made.sampled.controller, procedure };
     let own: Vec<_> = METHODS.into_iter().filter(|one| one.method == adaptation.method).collect();
@@ -210,11 +210,11 @@ pub fn own_trials(
     Ok(Some(found))
 }
 
-pub(super) fn adaptation_options(project: &Project) -> Option<&Adaptation> {
+pub(super) fn adaptation_options(project: &Project) -> Option<&AdaptationOptions> {
     project.synth.as_ref().and_then(|asked| asked.options.adaptation.as_ref())
 }
 
-fn tried(stage: &Stage, methods: &[KeyedMethod]) -> Result<Trials, PipelineError> {
+fn tried(stage: &Stage, methods: &[KeyedMethod]) -> Result<AdaptationTrials, PipelineError> {
     let (mut rows, mut histories) = (Vec::new(), Vec::new());
     let sample_time_s = stage.modelled.parameters.interface.sample_period_s;
     let rate = stage.modelled.parameters.controlled_quantity().rate();
@@ -256,7 +256,7 @@ fn tried(stage: &Stage, methods: &[KeyedMethod]) -> Result<Trials, PipelineError
     let refused = methods.iter().filter_map(|one| refusal(one.key, &rows)).collect();
     let squares = methods.iter().any(|one| one.method == AdaptationMethod::Recursive);
     let bands = squares.then(|| bands(stage));
-    Ok(Trials { rows, refused, bands, histories })
+    Ok(AdaptationTrials { rows, refused, bands, histories })
 }
 
 /// Sets what the hub rate without adaptation differs by after a sudden and after a slow change, motion by motion.
@@ -266,7 +266,7 @@ pub(super) fn set_spreads(rows: &mut [TrialRow]) {
             let found = rows.iter().find(|row| row.motion == motion && row.load == load);
             found.map(|row| row.without_rad_s).filter(|rate| rate.is_finite())
         };
-        let [sudden, slow] = [Load::Sudden, Load::Slow].map(after);
+        let [sudden, slow] = [TrialLoad::Sudden, TrialLoad::Slow].map(after);
         let spread_rad_s = sudden.zip(slow).map_or(0.0, |(sudden, slow)| (sudden - slow).abs());
         let same = rows.iter_mut().filter(|row| row.motion == motion);
         same.for_each(|row| row.spread_rad_s = spread_rad_s);
@@ -279,17 +279,17 @@ pub(super) fn rms_or_infinite(rates: &[f64]) -> f64 {
 }
 
 /// Returns the trial in which a method does worst, if that is reason enough to refuse it.
-fn refusal(method: &'static str, rows: &[TrialRow]) -> Option<Refusal> {
+fn refusal(method: &'static str, rows: &[TrialRow]) -> Option<MethodRefusal> {
     let own = rows.iter().filter(|row| row.method == method);
     let worst = *own.max_by(|a, b| a.ratio().total_cmp(&b.ratio()))?;
-    (worst.ratio() > REFUSED_ABOVE).then(|| Refusal { worst, ratio: worst.ratio() })
+    (worst.ratio() > REFUSED_ABOVE).then(|| MethodRefusal { worst, ratio: worst.ratio() })
 }
 
 /// Returns where recursive least squares act.
-fn bands(stage: &Stage) -> Bands {
+fn bands(stage: &Stage) -> HoldBands {
     let observer = stage.project.synth.as_ref().and_then(|asked| asked.options.observer.as_ref());
-    let adaptation = Adaptation { method: AdaptationMethod::Recursive, ..stage.adaptation.clone() };
-    Bands {
+    let adaptation = AdaptationOptions { method: AdaptationMethod::Recursive, ..stage.adaptation.clone() };
+    HoldBands {
         dead_band_m_s2: dead_band_m_s2(&adaptation, stage.modelled, observer),
         hold_band: hold_band(&adaptation),
         is_exported: adaptation.use_in_code == AdaptationUse::Exported,

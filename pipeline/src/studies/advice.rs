@@ -13,11 +13,11 @@ use counterpoise_verify::robust::{figures_of, history_of};
 use counterpoise_verify::{Figure, LoopFigure, Procedure, Requirement, Value, Verdict, Verification};
 
 use crate::exchange::{HistoryResult, SystemResult, controllers_of};
-use crate::{Modelled, PipelineError, Reduced, synthesise};
+use crate::{PipelineError, PlantModel, ReducedPlant, synthesise};
 
 /// A change of one weight.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Advice {
+pub struct WeightAdvice {
     /// The requirement that fails.
     pub requirement: Requirement,
     /// What the loop controls, whose name and unit the figure has.
@@ -25,12 +25,12 @@ pub struct Advice {
     /// Its figure as it is.
     pub value: f64,
     /// The sensitivity to each weight.
-    pub sensitivities: Vec<Sensitivity>,
+    pub sensitivities: Vec<WeightSensitivity>,
     /// The best change that was tried; `None` if no weight moves the figure.
-    pub change: Option<Change>,
+    pub change: Option<TriedChange>,
 }
 
-impl Advice {
+impl WeightAdvice {
     /// Returns the figure of the requirement in words.
     pub fn name(&self) -> String {
         describe_figure(self.requirement.figure, self.controlled)
@@ -44,7 +44,7 @@ impl Advice {
 
 /// The sensitivity of a figure to a weight.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sensitivity {
+pub struct WeightSensitivity {
     /// The weight's key in the project file.
     pub key: &'static str,
     /// Change of the figure for a weight that is e times as large.
@@ -68,7 +68,7 @@ pub struct TriedDesign {
 
 /// What is kept of the designs that are tried.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kept {
+pub enum KeptDesigns {
     /// Their linear systems.
     Systems,
     /// Their time histories as well: a run more for each.
@@ -77,7 +77,7 @@ pub enum Kept {
 
 /// A change of a weight that was tried.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Change {
+pub struct TriedChange {
     /// The weight's key in the project file.
     pub key: &'static str,
     /// By what it is multiplied.
@@ -114,12 +114,12 @@ const TRIED: usize = 3;
 /// Those of the plant and the verification; a change that admits no controller is left out.
 pub fn advise_changes(
     project: &Project,
-    modelled: &Modelled,
-    reduced: &Reduced,
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
     procedure: &Procedure,
     found: &Verification,
-    kept: Kept,
-) -> Result<Vec<Advice>, PipelineError> {
+    kept: KeptDesigns,
+) -> Result<Vec<WeightAdvice>, PipelineError> {
     let Some(asked) = project.synth.as_ref() else { return Ok(Vec::new()) };
     let trials = WeightTrials { project, modelled, reduced, procedure, kept };
     let parameters = weight_parameters(&asked.specification);
@@ -165,10 +165,10 @@ struct WeightChange<'a> {
 
 struct WeightTrials<'a> {
     project: &'a Project,
-    modelled: &'a Modelled,
-    reduced: &'a Reduced,
+    modelled: &'a PlantModel,
+    reduced: &'a ReducedPlant,
     procedure: &'a Procedure,
-    kept: Kept,
+    kept: KeptDesigns,
 }
 
 impl WeightTrials<'_> {
@@ -177,12 +177,12 @@ impl WeightTrials<'_> {
         requirement: &Requirement,
         value: f64,
         parameters: &[WeightParameter],
-    ) -> Result<Advice, PipelineError> {
+    ) -> Result<WeightAdvice, PipelineError> {
         let figures = [requirement.figure, Figure::Loop(LoopFigure::GainMargin)];
         let designed = self.designed(None)?;
         let before = designed.map(|controller| self.measured(&figures, &controller)).transpose()?;
         let Some(before) = before.flatten() else {
-            return Ok(Advice {
+            return Ok(WeightAdvice {
                 requirement: requirement.clone(),
                 controlled: self.project.plant.controlled_quantity(),
                 value,
@@ -197,22 +197,23 @@ impl WeightTrials<'_> {
                 continue;
             };
             let slope = (after[0] - before[0]) / STEP.ln();
-            sensitivities.push(Sensitivity { key: parameter.key, per_factor_e: slope, tried });
+            sensitivities.push(WeightSensitivity { key: parameter.key, per_factor_e: slope, tried });
             let needed = BEYOND * (requirement.limit.value() - before[0]) / slope;
             if needed.is_finite() {
                 candidates.push((parameter, needed.clamp(-WIDEST.ln(), WIDEST.ln()).exp(), needed.abs()));
             }
         }
         candidates.sort_by(|a, b| a.2.total_cmp(&b.2));
-        let mut best: Option<Change> = None;
+        let mut best: Option<TriedChange> = None;
         for (parameter, factor, _) in candidates.into_iter().take(TRIED) {
             let Some((after, tried)) = self.tried(&figures, &WeightChange { parameter, factor })? else {
                 continue;
             };
             let holds = requirement.limit.distance_to_limit(after[0]) >= 0.0;
             let gain_margin_db = after[1] - before[1];
-            let change = Change { key: parameter.key, factor, value: after[0], gain_margin_db, holds, tried };
-            let better = |old: &Change| {
+            let change =
+                TriedChange { key: parameter.key, factor, value: after[0], gain_margin_db, holds, tried };
+            let better = |old: &TriedChange| {
                 (change.holds, requirement.limit.distance_to_limit(after[0]).min(0.0))
                     > (old.holds, requirement.limit.distance_to_limit(old.value).min(0.0))
             };
@@ -221,7 +222,7 @@ impl WeightTrials<'_> {
             }
         }
         let controlled = self.project.plant.controlled_quantity();
-        Ok(Advice { requirement: requirement.clone(), controlled, value, sensitivities, change: best })
+        Ok(WeightAdvice { requirement: requirement.clone(), controlled, value, sensitivities, change: best })
     }
 
     /// Returns the controller of the design with a weight changed; `None` if there is none.
@@ -248,8 +249,8 @@ impl WeightTrials<'_> {
         let Some(values) = self.measured(figures, &controller)? else { return Ok(None) };
         let (plant, procedure) = (&self.modelled.plant, self.procedure);
         let history = match self.kept {
-            Kept::Systems => None,
-            Kept::Histories => history_of(plant, &controller, procedure, &figures[0])?,
+            KeptDesigns::Systems => None,
+            KeptDesigns::Histories => history_of(plant, &controller, procedure, &figures[0])?,
         };
         let tried = TriedDesign {
             factor: change.factor,

@@ -1,15 +1,15 @@
 //! How much each assumption of a project matters: the design as it stands, on plants in which one assumed value is wrong by its
 //! usual range.
 
-use counterpoise_diagnose::simulator_access::{Pool, map_all};
 use counterpoise_models::plant::Plant;
+use counterpoise_pool::{Pool, map_all};
 use counterpoise_project::{Assumption, Project};
 use counterpoise_verify::{Arrangement, Figure, LoopFigure, Procedure, Source, frequency_figures};
 use serde::Serialize;
 
 use crate::exchange::{VerifiedLoop, plants_of, verified_loop};
 use crate::wording::demanded_rate::assumption_of_demanded_rate;
-use crate::{Modelled, PipelineError, Stages, Synthesised, model};
+use crate::{DesignStages, PipelineError, PlantModel, SynthesisedDesign, model};
 
 /// Frequency at which the residual of heave and pitch is compared, Hz: within the band that feedback and feedforward reject.
 const RESIDUAL_HZ: f64 = 1.0;
@@ -86,8 +86,8 @@ struct LoopFigures {
 /// Those of the linear verification at the assumed values. A value at which no plant can be built counts as unstable.
 pub fn assumption_effects(
     project: &Project,
-    modelled: &Modelled,
-    synthesised: &Synthesised,
+    modelled: &PlantModel,
+    synthesised: &SynthesisedDesign,
     assumptions: &[Assumption],
     systems: LoopSystems,
     pool: &dyn Pool,
@@ -107,7 +107,7 @@ pub fn assumption_effects(
             let changed = project.with_number(&assumption.key, value)?;
             let made = model(&changed).ok();
             let varied = made.as_ref().and_then(|made| figures(&made.plant, synthesised, &procedure).ok());
-            let plants = |made: Modelled| plants_of(&made.plant, controller, &procedure).ok();
+            let plants = |made: PlantModel| plants_of(&made.plant, controller, &procedure).ok();
             let measured_on = made.filter(|_| is_included).and_then(plants);
             Some(EffectAt { measured_on, ..compared(value, varied, nominal) })
         };
@@ -125,7 +125,7 @@ pub fn assumption_effects(
 }
 
 /// Returns what a file leaves open, and what its design assumes beside.
-pub fn with_those_of_design(assumptions: &[Assumption], synthesised: &Synthesised) -> Vec<Assumption> {
+pub fn with_those_of_design(assumptions: &[Assumption], synthesised: &SynthesisedDesign) -> Vec<Assumption> {
     let of_design = synthesised.demanded_rate.as_ref().and_then(assumption_of_demanded_rate);
     assumptions.iter().cloned().chain(of_design).collect()
 }
@@ -133,7 +133,7 @@ pub fn with_those_of_design(assumptions: &[Assumption], synthesised: &Synthesise
 /// Returns the effect of each assumption on a whole design, as [`assumption_effects`]; none if the linear loop cannot be judged.
 pub fn effects_on_design(
     project: &Project,
-    stages: &Stages,
+    stages: &DesignStages,
     assumptions: &[Assumption],
     systems: LoopSystems,
     pool: &dyn Pool,
@@ -144,7 +144,7 @@ pub fn effects_on_design(
 
 fn figures(
     plant: &Plant,
-    synthesised: &Synthesised,
+    synthesised: &SynthesisedDesign,
     procedure: &Procedure,
 ) -> Result<LoopFigures, PipelineError> {
     let found = frequency_figures(plant, &synthesised.sampled.controller, procedure)?;

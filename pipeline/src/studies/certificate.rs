@@ -7,7 +7,7 @@ use counterpoise_verify::certificate::{CertifiedCase, StabilityCertificate, cert
 use counterpoise_verify::structured::{Joints, RobustStability, Uncertainty, robust_stability_in};
 
 use crate::synth::schedule::with_factor;
-use crate::{Modelled, PipelineError, Synthesised, model};
+use crate::{PipelineError, PlantModel, SynthesisedDesign, model};
 
 /// How far the ranges of the sweep may be widened in one case and one regime of friction.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,8 +27,8 @@ pub struct RegimeRobustness {
 /// A configuration that does not exist, and parameters that make no mechanism.
 pub fn certified_cases(
     project: &Project,
-    modelled: &Modelled,
-    synthesised: &Synthesised,
+    modelled: &PlantModel,
+    synthesised: &SynthesisedDesign,
 ) -> Result<Vec<CertifiedCase>, PipelineError> {
     let design = synthesised.sampled.controller.parts().design_out_of_balance_kg_m;
     let mut all = vec![CertifiedCase {
@@ -38,7 +38,7 @@ pub fn certified_cases(
     }];
     let schedule = project.synth.as_ref().and_then(|asked| asked.options.schedule.as_ref());
     let Some(schedule) = schedule else { return Ok(all) };
-    let case = |name: String, modelled: Modelled| {
+    let case = |name: String, modelled: PlantModel| {
         let out_of_balance_kg_m = modelled.plant.body().out_of_balance_kg_m;
         CertifiedCase { name, plant: modelled.plant, out_of_balance_kg_m }
     };
@@ -60,8 +60,8 @@ pub fn certified_cases(
 /// As [`certified_cases`], and those of the loop and the simulator.
 pub fn certify_controller(
     project: &Project,
-    modelled: &Modelled,
-    synthesised: &Synthesised,
+    modelled: &PlantModel,
+    synthesised: &SynthesisedDesign,
     procedure: &Procedure,
 ) -> Result<StabilityCertificate, PipelineError> {
     let cases = certified_cases(project, modelled, synthesised)?;
@@ -75,8 +75,8 @@ pub fn certify_controller(
 /// As [`certified_cases`], and those of the linear loop.
 pub fn robust_regimes(
     project: &Project,
-    modelled: &Modelled,
-    synthesised: &Synthesised,
+    modelled: &PlantModel,
+    synthesised: &SynthesisedDesign,
     procedure: &Procedure,
 ) -> Result<Vec<RegimeRobustness>, PipelineError> {
     let Some(asked) = project.campaign() else { return Ok(Vec::new()) };

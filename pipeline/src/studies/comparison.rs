@@ -8,8 +8,9 @@ use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::alternatives::generalised_plant;
 use counterpoise_synth::{
     Alternative, Design, DesignPlant, DisturbanceChannel, FeedbackWeights, Figures, JointOptimum, Reference,
-    Refusal, Sampled, ScheduleEntry, SourceCost, SynthesisMethod, Weighed, Weight, alternative, attempt,
-    check_sampled_loop, discretise, error_at, figure_systems, figures, total_cost,
+    Refusal, Sampled, ScheduleEntry, SourceCost, SynthesisMethod, Weighed, Weight, attempt,
+    check_sampled_loop, design_alternative, discretise, error_at, figure_systems, sampled_loop_figures,
+    total_cost,
 };
 use serde::Serialize;
 
@@ -20,14 +21,14 @@ use crate::synth::design_plant;
 use crate::synth::schedule::{BalanceRow, balance_rows};
 use crate::tolerance::DRIFTING_POLE;
 use crate::wording::design_findings::{describe_design_findings, describe_part};
-use crate::{Modelled, PipelineError, Synthesised, finite_elements_of, model};
+use crate::{PipelineError, PlantModel, SynthesisedDesign, finite_elements_of, model};
 use counterpoise_project::Project;
-use counterpoise_project::file::Choice;
-use counterpoise_project::resolve::synthesis::Synthesis;
+use counterpoise_project::file::NamedChoice;
+use counterpoise_project::resolve::synthesis::DesignRequest;
 
 /// A design compared with its alternatives.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Comparison {
+pub struct DesignComparison {
     /// The feedback as built, and further methods.
     pub methods: Vec<MethodRow>,
     /// What a lower order of the feedback costs.
@@ -200,12 +201,12 @@ const MODES: usize = 60;
 /// Those of the plant and the design.
 pub fn compare_designs(
     project: &Project,
-    modelled: &Modelled,
-    made: &Synthesised,
-) -> Result<Comparison, PipelineError> {
+    modelled: &PlantModel,
+    made: &SynthesisedDesign,
+) -> Result<DesignComparison, PipelineError> {
     let missing = PipelineError::Missing { section: "synth", needed_by: "the design" };
     let asked = project.synth.as_ref().ok_or(missing)?;
-    Ok(Comparison {
+    Ok(DesignComparison {
         methods: methods(asked, made)?,
         lowered: lowered(made)?,
         motions: motions(&made.design)?,
@@ -235,7 +236,7 @@ fn balance_basis(
     entries.iter().map(basis).collect()
 }
 
-fn cost_of(made: &Synthesised) -> Result<Option<TotalCostResult>, PipelineError> {
+fn cost_of(made: &SynthesisedDesign) -> Result<Option<TotalCostResult>, PipelineError> {
     if made.design.substitute.is_some() {
         return Ok(None);
     }
@@ -276,7 +277,7 @@ struct MeasuredLoop {
     systems: Vec<SystemResult>,
 }
 
-fn measured_loop(made: &Synthesised, sampled: &Sampled) -> Result<MeasuredLoop, PipelineError> {
+fn measured_loop(made: &SynthesisedDesign, sampled: &Sampled) -> Result<MeasuredLoop, PipelineError> {
     let on = figure_systems(&made.design.plant, sampled, &made.sampling)?;
     let systems = vec![
         SystemResult::new("loop", &on.broken, &["control_v"], &["returned_control_v"]),
@@ -297,8 +298,8 @@ fn measured_loop(made: &Synthesised, sampled: &Sampled) -> Result<MeasuredLoop, 
     Ok(MeasuredLoop { figures: loop_figures(made, sampled)?, systems })
 }
 
-fn loop_figures(made: &Synthesised, sampled: &Sampled) -> Result<LoopFigures, PipelineError> {
-    let found: Figures = figures(&made.design.plant, sampled, &made.sampling, BAND_RAD_S)?;
+fn loop_figures(made: &SynthesisedDesign, sampled: &Sampled) -> Result<LoopFigures, PipelineError> {
+    let found: Figures = sampled_loop_figures(&made.design.plant, sampled, &made.sampling, BAND_RAD_S)?;
     Ok(LoopFigures {
         gain_margin_db: found.gain_margin_db,
         phase_margin_deg: found.phase_margin_deg,
@@ -312,7 +313,7 @@ fn loop_figures(made: &Synthesised, sampled: &Sampled) -> Result<LoopFigures, Pi
 
 /// Returns the figures of the design with another feedback.
 fn with_feedback(
-    made: &Synthesised,
+    made: &SynthesisedDesign,
     controller: &StateSpace,
 ) -> Result<Result<MeasuredLoop, String>, PipelineError> {
     let mut design =
@@ -326,7 +327,7 @@ fn with_feedback(
 
 /// Returns the feedback as built; with alternatives, each of them with the error weight and with that without integral
 /// action.
-fn methods(asked: &Synthesis, made: &Synthesised) -> Result<Vec<MethodRow>, PipelineError> {
+fn methods(asked: &DesignRequest, made: &SynthesisedDesign) -> Result<Vec<MethodRow>, PipelineError> {
     let mut rows = vec![as_built(asked, made)?];
     if asked.options.alternatives.is_empty() {
         return Ok(rows);
@@ -340,7 +341,7 @@ fn methods(asked: &Synthesis, made: &Synthesised) -> Result<Vec<MethodRow>, Pipe
     {
         let weights = FeedbackWeights { error: error.clone(), ..weights.clone() };
         for &method in all.iter().skip(usize::from(variant == 0)) {
-            let answer = attempt(alternative(&made.design.plant, &weights, method))?;
+            let answer = attempt(design_alternative(&made.design.plant, &weights, method))?;
             let problem = answer.as_ref().ok().map(|found| problem(made, &weights, found)).transpose()?;
             let row = method_row(made, method, answer)?;
             rows.push(MethodRow { problem, integral: integrates && variant == 0, ..row });
@@ -349,7 +350,7 @@ fn methods(asked: &Synthesis, made: &Synthesised) -> Result<Vec<MethodRow>, Pipe
     Ok(rows)
 }
 
-fn as_built(asked: &Synthesis, made: &Synthesised) -> Result<MethodRow, PipelineError> {
+fn as_built(asked: &DesignRequest, made: &SynthesisedDesign) -> Result<MethodRow, PipelineError> {
     let norm = match &made.other {
         Some(other) => other.norm,
         // the cost that was solved for is that of the feedback before its order was lowered
@@ -387,7 +388,7 @@ fn as_built(asked: &Synthesis, made: &Synthesised) -> Result<MethodRow, Pipeline
 
 /// Returns the row of an alternative, but for what it solved and whether it integrates.
 fn method_row(
-    made: &Synthesised,
+    made: &SynthesisedDesign,
     method: SynthesisMethod,
     answer: Result<Alternative, Refusal>,
 ) -> Result<MethodRow, PipelineError> {
@@ -415,7 +416,7 @@ fn method_row(
 
 /// Returns what an alternative solved.
 fn problem(
-    made: &Synthesised,
+    made: &SynthesisedDesign,
     weights: &FeedbackWeights,
     found: &Alternative,
 ) -> Result<MethodProblem, PipelineError> {
@@ -436,7 +437,7 @@ fn problem(
 
 /// Returns what a three-part feedback solved.
 fn three_part(
-    made: &Synthesised,
+    made: &SynthesisedDesign,
     weights: &FeedbackWeights,
     feedback: &StateSpace,
 ) -> Result<MethodProblem, PipelineError> {
@@ -474,7 +475,7 @@ fn without_integral(weight: &Weight) -> Weight {
     Weight::ZeroPoleGain { zeros: rational.zeros, poles, gain: rational.gain }
 }
 
-fn lowered(made: &Synthesised) -> Result<Option<LoweredRow>, PipelineError> {
+fn lowered(made: &SynthesisedDesign) -> Result<Option<LoweredRow>, PipelineError> {
     let Some(lowered) = &made.lowered else { return Ok(None) };
     let after = made.design.feedback_controller();
     let (Ok(before), Ok(now)) = (with_feedback(made, &lowered.before)?, with_feedback(made, &after)?) else {
@@ -517,9 +518,9 @@ fn motions(design: &Design) -> Result<Vec<MotionRow>, PipelineError> {
 /// `None` if the project has no beam.
 fn spillover(
     project: &Project,
-    asked: &Synthesis,
-    modelled: &Modelled,
-    made: &Synthesised,
+    asked: &DesignRequest,
+    modelled: &PlantModel,
+    made: &SynthesisedDesign,
 ) -> Result<Option<Spillover>, PipelineError> {
     let Some(structure) = finite_elements_of(project) else { return Ok(None) };
     let mut full = project.clone();

@@ -26,7 +26,7 @@ pub struct CostBasis {
     /// Spectral density of the noise of the measured rate, (rad/s)^2 s.
     pub measurement_noise: f64,
     /// White disturbances that no sensor announces, with that of the loop recovery on the control.
-    pub disturbances: Vec<Density>,
+    pub disturbances: Vec<WhiteDisturbance>,
     /// Further true outputs with a constant weight, summed into one signal.
     pub combination: Vec<WeighedOutput>,
     /// Part of the feedback's error weight that passes everything at once, and so sees no noise.
@@ -37,7 +37,7 @@ pub struct CostBasis {
 
 /// A white disturbance.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Density {
+pub struct WhiteDisturbance {
     /// Input of the plant.
     pub input: usize,
     /// Spectral density, unit^2 s.
@@ -102,9 +102,11 @@ fn basis(
 ) -> Result<CostBasis, PipelineError> {
     let (plant, asked) = (&design.plant, &design.specification);
     let weights = &asked.feedback;
-    let recovery = Density { input: plant.control, density: weights.loop_recovery };
-    let others =
-        weights.disturbances.iter().map(|entry| Density { input: entry.index, density: entry.value });
+    let recovery = WhiteDisturbance { input: plant.control, density: weights.loop_recovery };
+    let others = weights
+        .disturbances
+        .iter()
+        .map(|entry| WhiteDisturbance { input: entry.index, density: entry.value });
     let weighed = |entry: &VectorEntry| WeighedOutput { output: entry.index, weight: entry.value };
     let mirrored = weights.error.realise().map_err(PipelineError::from)?;
     Ok(CostBasis {

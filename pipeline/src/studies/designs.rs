@@ -4,8 +4,8 @@
 use counterpoise_controller::Controller;
 use counterpoise_models::ControlledQuantity;
 use counterpoise_project::Project;
-use counterpoise_project::resolve::fixed_structure::{Tuning, TuningObjective};
-use counterpoise_project::resolve::synthesis::Synthesis;
+use counterpoise_project::resolve::fixed_structure::{TuningObjective, TuningOptions};
+use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_simulate::Simulator;
 use counterpoise_synth::{
     Assembly, BestLoopTask, Block, BlockKind, Disturbance, FixedStructure, LoopLimits, LoopMeasures,
@@ -21,8 +21,8 @@ use crate::tuning::{
     tune_feedback, tuning_ground, weights_result,
 };
 use crate::{
-    Modelled, PipelineError, ProjectIdentity, Reduced, Step, Synthesised, World, model, reduce, run_observed,
-    synthesise,
+    PipelineError, PipelineStage, PlantModel, ProjectIdentity, ReducedPlant, SynthesisedDesign, World, model,
+    reduce, run_observed, synthesise,
 };
 
 /// Every design of a project in one table.
@@ -207,11 +207,11 @@ pub fn design_table(
     for limits in limits {
         for (name, structure) in structures() {
             let subject = TuningSubject::Structure(&structure);
-            rows.push(builder.tuned(name, subject, &Tuning { limits, ..wanted.clone() }));
+            rows.push(builder.tuned(name, subject, &TuningOptions { limits, ..wanted.clone() }));
         }
         rows.extend(weights.iter().map(|from| {
             let subject = TuningSubject::Weights(from);
-            builder.tuned(TUNED_WEIGHTS, subject, &Tuning { limits, ..wanted.clone() })
+            builder.tuned(TUNED_WEIGHTS, subject, &TuningOptions { limits, ..wanted.clone() })
         }));
         rows.push(builder.best(limits, &wanted));
     }
@@ -237,7 +237,7 @@ const TUNED_WEIGHTS: &str = "H2, weights tuned";
 
 /// Returns the specification from which weights are tuned: the project's, its parts put together by
 /// `simple-add`.
-fn three_part(asked: &Synthesis) -> Specification {
+fn three_part(asked: &DesignRequest) -> Specification {
     let mut specification = asked.specification.clone();
     if specification.assembly == Assembly::Joint {
         specification.assembly = Assembly::SimpleAdd;
@@ -246,7 +246,7 @@ fn three_part(asked: &Synthesis) -> Specification {
     specification
 }
 
-fn own_name(asked: &Synthesis) -> String {
+fn own_name(asked: &DesignRequest) -> String {
     match (asked.options.fixed_feedback_name(), asked.specification.assembly, asked.options.method) {
         (Some(name), ..) => format!("own: {name}"),
         (_, Assembly::Joint, _) => "own: joint optimum".to_owned(),
@@ -259,7 +259,7 @@ fn own_name(asked: &Synthesis) -> String {
 
 /// Returns the equal limits of a tuned structure: the figures that the own controller reaches. Its decay is among them, because a slow
 /// pole costs little under a motion and shows in every step.
-fn limits_of(own: &LoopMeasuresResult, wanted: &Tuning) -> LoopLimits {
+fn limits_of(own: &LoopMeasuresResult, wanted: &TuningOptions) -> LoopLimits {
     LoopLimits {
         max_sensitivity: own.max_sensitivity,
         max_complementary: own.max_complementary,
@@ -272,7 +272,7 @@ fn limits_of(own: &LoopMeasuresResult, wanted: &Tuning) -> LoopLimits {
 }
 
 /// Returns the methods that the project did not choose: the three-part H2 design, and the joint optimum.
-fn variants(asked: &Synthesis) -> Vec<(&'static str, Synthesis)> {
+fn variants(asked: &DesignRequest) -> Vec<(&'static str, DesignRequest)> {
     let mut plain = asked.clone();
     plain.options.remove_fixed_feedback();
     plain.options.tuning = None;
@@ -297,8 +297,8 @@ fn variants(asked: &Synthesis) -> Vec<(&'static str, Synthesis)> {
 /// What every row is made with.
 struct RowBuilder<'a> {
     project: &'a Project,
-    modelled: &'a Modelled,
-    reduced: &'a Reduced,
+    modelled: &'a PlantModel,
+    reduced: &'a ReducedPlant,
     ground: &'a TuningGround,
     world: &'a dyn World,
     procedure: Procedure,
@@ -306,19 +306,20 @@ struct RowBuilder<'a> {
 
 impl RowBuilder<'_> {
     fn row(&self, name: &str, project: &Project) -> Result<DesignRow, PipelineError> {
-        let made =
-            run_observed(self.world, Step::Synthesise, || synthesise(project, self.modelled, self.reduced))?;
+        let made = run_observed(self.world, PipelineStage::Synthesise, || {
+            synthesise(project, self.modelled, self.reduced)
+        })?;
         self.judged(name, &made)
     }
 
     /// Returns the row of a synthesis in place of the project's, or the reason why there is none.
-    fn attempted(&self, name: &str, synthesis: Synthesis) -> DesignRow {
+    fn attempted(&self, name: &str, synthesis: DesignRequest) -> DesignRow {
         let project = Project { synth: Some(synthesis), ..self.project.clone() };
         self.row(name, &project).unwrap_or_else(|why| blank_row(name, Some(why.to_string())))
     }
 
-    fn tuned(&self, name: &str, subject: TuningSubject<'_>, wanted: &Tuning) -> DesignRow {
-        let made = run_observed(self.world, Step::Synthesise, || {
+    fn tuned(&self, name: &str, subject: TuningSubject<'_>, wanted: &TuningOptions) -> DesignRow {
+        let made = run_observed(self.world, PipelineStage::Synthesise, || {
             let (tuned, _) = tune_feedback(subject, self.ground, wanted)?;
             let mut synthesis = self.project.synth.clone().unwrap_or_default();
             synthesis.options.remove_fixed_feedback();
@@ -342,7 +343,7 @@ impl RowBuilder<'_> {
     }
 
     /// Returns the row of the best that a linear feedback can do: no controller, and no simulation.
-    fn best(&self, limits: LoopLimits, wanted: &Tuning) -> DesignRow {
+    fn best(&self, limits: LoopLimits, wanted: &TuningOptions) -> DesignRow {
         let ground = self.ground;
         let task = BestLoopTask {
             plant: &ground.plants[0],
@@ -351,7 +352,7 @@ impl RowBuilder<'_> {
             limits,
         };
         let name = "best linear feedback";
-        let row = match run_observed(self.world, Step::Synthesise, || best_loop(&task)) {
+        let row = match run_observed(self.world, PipelineStage::Synthesise, || best_loop(&task)) {
             Err(why) => blank_row(name, Some(why.to_string())),
             Ok(found) => {
                 let is_band = ground.objective == TuningObjective::Band && wanted.band_rad_s == BAND_RAD_S;
@@ -371,7 +372,7 @@ impl RowBuilder<'_> {
     }
 
     /// Returns the figures of a design on the linear plant and in the nonlinear closed loop.
-    fn judged(&self, name: &str, made: &Synthesised) -> Result<DesignRow, PipelineError> {
+    fn judged(&self, name: &str, made: &SynthesisedDesign) -> Result<DesignRow, PipelineError> {
         let controller = &made.sampled.controller;
         let on = |disturbance: &Disturbance| -> Result<LoopMeasures, PipelineError> {
             let plant = &self.ground.plants[0];
@@ -379,7 +380,7 @@ impl RowBuilder<'_> {
         };
         let linear = on(&self.ground.disturbance)?;
         let rejection = on(&Disturbance::of_band(BAND_RAD_S))?.residual_rad_s;
-        let nonlinear = run_observed(self.world, Step::Verify, || self.run(controller))?;
+        let nonlinear = run_observed(self.world, PipelineStage::Verify, || self.run(controller))?;
         let order = match &made.design.joint {
             Some(joint) => joint.controller.order(),
             None => made.design.feedback_controller().order(),
@@ -396,7 +397,7 @@ impl RowBuilder<'_> {
     fn run(&self, controller: &Controller) -> Result<RunFigures, PipelineError> {
         let mut simulator = Simulator::new(&self.modelled.plant)?;
         let mut run = |experiment: Experiment| -> Result<[f64; 2], PipelineError> {
-            let history = nonlinear::history(&mut simulator, controller, &self.procedure, experiment)?;
+            let history = nonlinear::run_history(&mut simulator, controller, &self.procedure, experiment)?;
             let history = match experiment {
                 Experiment::Step => history,
                 _ => history.from_time(self.procedure.settle_s),

@@ -5,11 +5,11 @@
 //! at the amplitude that this model itself gives.
 
 use counterpoise_controller::{Controller, ProportionalIntegral, SampledController};
-use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_linalg::C64;
 use counterpoise_lti::{StateSpace, response_at};
 use counterpoise_models::plant::{Angles, FrictionLinearisation, Plant};
 use counterpoise_models::{ControlledQuantity, FrictionLaw, OperatingPoint};
+use counterpoise_pool::{Pool, map};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::ensemble::SIDE_BY_SIDE;
 use counterpoise_simulate::fra::{
@@ -24,16 +24,16 @@ use std::f64::consts::TAU;
 
 use super::fra_points::{MapPoints, ResponseMapPoint, gain_db, pair, phase_deg};
 use crate::recordings::ColumnRemark;
-use crate::recordings::read::{Gaps, ReadRecording, RecordingFile, read_files, recording_controller};
+use crate::recordings::read::{GapTreatment, ReadRecording, RecordingFile, read_files, recording_controller};
 use crate::tolerance::{EXCITED_ABOVE_NOISE, LEAST_SWING_RAD, MOST_SWING_TRIALS, SELF_CONSISTENT_SWING};
-use crate::{Modelled, PipelineError, cannot_hold, model, reduce, synthesise};
+use crate::{PipelineError, PlantModel, cannot_hold, model, reduce, synthesise};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::model::StructureChoice;
 
 /// What is excited, and what is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Around {
+pub enum LoopUnderTest {
     /// From the control to the hub gyroscope, a constant control holding the weight.
     Plant,
     /// From the demand to the hub gyroscope, with the controller.
@@ -46,9 +46,9 @@ pub enum Around {
 
 /// The points of a map.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Plan {
+pub struct MeasurementPlan {
     /// What is excited.
-    pub around: Around,
+    pub around: LoopUnderTest,
     /// Amplitudes: V for the plant, in the demand's unit for the closed loop, rad/s otherwise.
     pub amplitudes: Vec<f64>,
     /// Frequencies, Hz.
@@ -95,11 +95,11 @@ impl MapSignals {
 
 /// A measured map. Its remarks are typed as it is measured, and sentences as it is presented.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Map<Remark = String> {
+pub struct ResponseMap<Remark = String> {
     /// Name of the machine.
     pub name: String,
     /// What was excited and measured.
-    pub around: Around,
+    pub around: LoopUnderTest,
     /// The signals that it relates, and their units.
     pub signals: MapSignals,
     /// Name of the recording, where the instrument ran on one.
@@ -116,7 +116,7 @@ pub struct Map<Remark = String> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedMap {
     /// The map.
-    pub map: Map<MapRemark>,
+    pub map: ResponseMap<MapRemark>,
     /// What was found about the columns.
     pub columns: Vec<ColumnRemark>,
 }
@@ -127,20 +127,20 @@ pub struct RecordedMap {
 /// Those of [`Analyser::new`] and [`Analyser::measure_recording`], and a file that cannot be read as the project maps its columns.
 pub fn map_recordings(
     project: &Project,
-    modelled: &Modelled,
-    plan: &Plan,
+    modelled: &PlantModel,
+    plan: &MeasurementPlan,
     files: &[RecordingFile],
 ) -> Result<Vec<RecordedMap>, PipelineError> {
-    let analyser = Analyser::new(project, modelled, plan, On::Recording)?;
+    let analyser = Analyser::new(project, modelled, plan, LoopController::Recording)?;
     let controller = recording_controller(project)?;
     let one = |item: ReadRecording| {
         let map = analyser.measure_recording(&item.recording, &plan.frequencies_hz)?;
-        Ok(RecordedMap { map: Map { recording: Some(item.file), ..map }, columns: item.remarks })
+        Ok(RecordedMap { map: ResponseMap { recording: Some(item.file), ..map }, columns: item.remarks })
     };
-    read_files(project, controller.as_ref(), files, Gaps::Repaired)?.into_iter().map(one).collect()
+    read_files(project, controller.as_ref(), files, GapTreatment::Repaired)?.into_iter().map(one).collect()
 }
 
-impl Around {
+impl LoopUnderTest {
     /// Returns what is excited and what is measured in a loop of a quantity.
     fn signals(self, controlled: ControlledQuantity) -> MapSignals {
         let (input, input_unit) = match self {
@@ -177,7 +177,7 @@ pub struct Analyser {
     plant: Plant,
     acting: Acting,
     point: OperatingPoint,
-    around: Around,
+    around: LoopUnderTest,
     offset_m: f64,
     name: String,
     remarks: Vec<MapRemark>,
@@ -189,18 +189,27 @@ impl Analyser {
     ///
     /// # Errors
     /// A loop that is to be closed by a project without a controller, and those of model and design.
-    pub fn new(project: &Project, modelled: &Modelled, plan: &Plan, on: On) -> Result<Self, PipelineError> {
-        if let (Around::Plant, On::Simulation, Some(why)) = (plan.around, on, cannot_hold(modelled)) {
+    pub fn new(
+        project: &Project,
+        modelled: &PlantModel,
+        plan: &MeasurementPlan,
+        on: LoopController,
+    ) -> Result<Self, PipelineError> {
+        if let (LoopUnderTest::Plant, LoopController::Simulation, Some(why)) =
+            (plan.around, on, cannot_hold(modelled))
+        {
             return Err(why);
         }
         let mut remarks = Vec::new();
         let plant = match plan.around {
-            Around::Disconnected => disconnected(project, modelled, &mut remarks)?,
+            LoopUnderTest::Disconnected => disconnected(project, modelled, &mut remarks)?,
             _ => modelled.plant.clone(),
         };
         let acting = match plan.around {
-            Around::Plant | Around::Disconnected => Acting::Absent,
-            Around::Closed | Around::Disturbance => acting(project, modelled, on, &mut remarks)?,
+            LoopUnderTest::Plant | LoopUnderTest::Disconnected => Acting::Absent,
+            LoopUnderTest::Closed | LoopUnderTest::Disturbance => {
+                acting(project, modelled, on, &mut remarks)?
+            }
         };
         Ok(Self {
             plant,
@@ -221,13 +230,13 @@ impl Analyser {
         self,
         project: &Project,
         structure: StructureChoice,
-        plan: &Plan,
+        plan: &MeasurementPlan,
     ) -> Result<Self, PipelineError> {
         let mut other = project.clone();
         other.model.structure = structure;
         let modelled = model(&other)?;
         let plant = match plan.around {
-            Around::Disconnected => disconnected(&other, &modelled, &mut Vec::new())?,
+            LoopUnderTest::Disconnected => disconnected(&other, &modelled, &mut Vec::new())?,
             _ => modelled.plant,
         };
         Ok(Self { plant, ..self })
@@ -237,7 +246,11 @@ impl Analyser {
     ///
     /// # Errors
     /// The first point that cannot be measured.
-    pub fn measure(&self, plan: &Plan, pool: &dyn Pool) -> Result<Array2<Measurement>, PipelineError> {
+    pub fn measure(
+        &self,
+        plan: &MeasurementPlan,
+        pool: &dyn Pool,
+    ) -> Result<Array2<Measurement>, PipelineError> {
         let count = plan.amplitudes.len() * plan.frequencies_hz.len();
         let settings = Settings {
             hub_angle_rad: self.point.hub_angle_rad,
@@ -280,7 +293,7 @@ impl Analyser {
         &self,
         measured: &Array2<Measurement>,
         pool: &dyn Pool,
-    ) -> Result<Map<MapRemark>, PipelineError> {
+    ) -> Result<ResponseMap<MapRemark>, PipelineError> {
         let frequencies = measured.nrows();
         let points = map(pool, measured.len(), |k| {
             let one = &measured[(k % frequencies, k / frequencies)];
@@ -288,7 +301,7 @@ impl Analyser {
             Ok(ResponseMapPoint { last_change: Some(one.last_change), settled: one.settled, ..point })
         });
         let points: Vec<ResponseMapPoint> = points.into_iter().collect::<Result<_, PipelineError>>()?;
-        Ok(Map {
+        Ok(ResponseMap {
             name: self.name.clone(),
             around: self.around,
             signals: self.around.signals(self.plant.parameters().controlled_quantity()),
@@ -308,11 +321,11 @@ impl Analyser {
         &self,
         recording: &Recording,
         frequencies_hz: &[f64],
-    ) -> Result<Map<MapRemark>, PipelineError> {
+    ) -> Result<ResponseMap<MapRemark>, PipelineError> {
         let input = match self.around {
-            Around::Plant => Channel::Control,
-            Around::Closed => Channel::Demand,
-            Around::Disturbance | Around::Disconnected => Channel::PlatformRate,
+            LoopUnderTest::Plant => Channel::Control,
+            LoopUnderTest::Closed => Channel::Demand,
+            LoopUnderTest::Disturbance | LoopUnderTest::Disconnected => Channel::PlatformRate,
         };
         let recorded = |channel: Channel| {
             let (name, channel_name) = (recording.name.clone(), channel.name());
@@ -322,11 +335,11 @@ impl Analyser {
         let (input, output) = (recorded(input)?, recorded(Channel::HubRate)?);
         let mut points = Vec::with_capacity(frequencies_hz.len());
         for hz in frequencies_hz {
-            let found = fra::response(input, output, recording.sample_period_s, TAU * hz, usize::MAX)?;
+            let found = fra::cycle_response(input, output, recording.sample_period_s, TAU * hz, usize::MAX)?;
             let point = self.point_of(&found, found.input.harmonics[0].norm())?;
             points.push(ResponseMapPoint { settled: excited(&found, recording.sample_period_s), ..point });
         }
-        Ok(Map {
+        Ok(ResponseMap {
             name: self.name.clone(),
             around: self.around,
             signals: self.around.signals(self.plant.parameters().controlled_quantity()),
@@ -416,12 +429,12 @@ impl Analyser {
             |tones: &[C64]| gains.iter().zip(&tones[FIRST_READING..]).map(|(k, r)| k * r).sum::<C64>();
         let closed = C64::new(1.0, 0.0) - through(&control);
         Ok(match self.around {
-            Around::Plant => Expected { response: control[HUB_GYRO], relative: control[HUB] },
-            Around::Closed => {
+            LoopUnderTest::Plant => Expected { response: control[HUB_GYRO], relative: control[HUB] },
+            LoopUnderTest::Closed => {
                 let u = gains[0] / closed;
                 Expected { response: control[HUB_GYRO] * u, relative: control[HUB] * u }
             }
-            Around::Disturbance | Around::Disconnected => {
+            LoopUnderTest::Disturbance | LoopUnderTest::Disconnected => {
                 let share = C64::new(0.0, rate * self.offset_m);
                 let tone: Vec<C64> = pitch.iter().zip(&heave).map(|(p, h)| p + h * share).collect();
                 let u = through(&tone) / closed;
@@ -453,7 +466,7 @@ impl Analyser {
 
 /// What the controller in the loop is taken from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum On {
+pub enum LoopController {
     /// The simulated mechanism: the designed controller.
     Simulation,
     /// A recording: the controller that was in its loop.
@@ -498,12 +511,12 @@ impl SampledController for Nothing {
 
 fn acting(
     project: &Project,
-    modelled: &Modelled,
-    on: On,
+    modelled: &PlantModel,
+    on: LoopController,
     remarks: &mut Vec<MapRemark>,
 ) -> Result<Acting, PipelineError> {
     let recorded = project.recording_controller.as_ref().and_then(|c| c.as_proportional_integral());
-    if let Some(pi) = recorded.filter(|_| on == On::Recording || project.synth.is_none()) {
+    if let Some(pi) = recorded.filter(|_| on == LoopController::Recording || project.synth.is_none()) {
         remarks.push(MapRemark::RecordingController);
         return Ok(Acting::Recorded(pi.clone()));
     }
@@ -518,7 +531,7 @@ fn acting(
 /// Returns the plant without a motor, balanced: nothing would hold a weight.
 fn disconnected(
     project: &Project,
-    modelled: &Modelled,
+    modelled: &PlantModel,
     remarks: &mut Vec<MapRemark>,
 ) -> Result<Plant, PipelineError> {
     let mut parameters = modelled.parameters.clone();

@@ -2,7 +2,7 @@
 
 use counterpoise_project::Project;
 
-use super::fra::{Around, Plan};
+use super::fra::{LoopUnderTest, MeasurementPlan};
 use crate::frequencies::logarithmic_hz;
 use crate::model::CONVERTER_RANGE_V;
 
@@ -32,18 +32,18 @@ pub fn usual_frequencies_hz(project: &Project) -> Vec<f64> {
 
 /// Returns the plan of a map that is measured while a designer waits: from the platform's motion to the hub, with fewer amplitudes and
 /// frequencies than the usual map.
-pub fn quick_plan() -> Plan {
+pub fn quick_plan() -> MeasurementPlan {
     let [low, high] = USUAL_FREQUENCIES_HZ;
     let frequency = |k: usize| low * (high / low).powf(k as f64 / (QUICK_FREQUENCIES - 1) as f64);
-    Plan {
-        around: Around::Disturbance,
+    MeasurementPlan {
+        around: LoopUnderTest::Disturbance,
         amplitudes: QUICK_AMPLITUDES_RAD_S.to_vec(),
         frequencies_hz: (0..QUICK_FREQUENCIES).map(frequency).collect(),
         offset_m: 0.0,
     }
 }
 
-impl Around {
+impl LoopUnderTest {
     /// Returns what a map of a project's machine relates unless something else is asked for: the hub to the platform's motion if a
     /// gyroscope on the platform reads that, otherwise to the demand.
     pub fn usual_of(project: &Project) -> Self {

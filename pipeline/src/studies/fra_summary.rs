@@ -1,6 +1,6 @@
 //! What a measured map shows as a whole: the points of each amplitude, how far the linear models are off, and where the joint sticks.
 
-use super::fra::Map;
+use super::fra::ResponseMap;
 use super::fra_points::{ResponseMapPoint, gain_db};
 use counterpoise_linalg::C64;
 use ndarray::ArrayView1;
@@ -16,7 +16,7 @@ pub struct AmplitudePoints {
 
 /// An amplitude at which nothing moves at some frequencies.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sticking {
+pub struct StickingAmplitude {
     /// The amplitude, in the input's unit.
     pub amplitude: f64,
     /// The frequencies, rising, Hz; never empty.
@@ -60,7 +60,7 @@ impl AmplitudePoints {
     }
 
     /// Returns the amplitude with the frequencies at which nothing moves; `None` if the joint moves at all of them.
-    fn sticking(&self, all: &[AmplitudePoints]) -> Option<Sticking> {
+    fn sticking(&self, all: &[AmplitudePoints]) -> Option<StickingAmplitude> {
         let frequencies_hz: Vec<f64> =
             self.points.iter().filter(|p| p.sticks()).map(|p| p.frequency_hz).collect();
         let moves = |other: &&AmplitudePoints| {
@@ -68,7 +68,7 @@ impl AmplitudePoints {
             other.amplitude > self.amplitude && other.points.iter().all(moving)
         };
         let moved_by = all.iter().filter(moves).map(|other| other.amplitude).min_by(f64::total_cmp);
-        (!frequencies_hz.is_empty()).then_some(Sticking {
+        (!frequencies_hz.is_empty()).then_some(StickingAmplitude {
             amplitude: self.amplitude,
             frequencies_hz,
             moved_by,
@@ -76,7 +76,7 @@ impl AmplitudePoints {
     }
 }
 
-impl<Remark> Map<Remark> {
+impl<Remark> ResponseMap<Remark> {
     /// Returns the points of each amplitude, in the order of the map; those of a recording together.
     pub fn points_by_amplitude(&self) -> Vec<AmplitudePoints> {
         let of_amplitude = |k: usize| {
@@ -113,7 +113,7 @@ impl<Remark> Map<Remark> {
     }
 
     /// Returns the amplitudes at which the joint sticks at some frequency.
-    pub fn sticking_amplitudes(&self) -> Vec<Sticking> {
+    pub fn sticking_amplitudes(&self) -> Vec<StickingAmplitude> {
         let all = self.points_by_amplitude();
         all.iter().filter_map(|group| group.sticking(&all)).collect()
     }
@@ -153,7 +153,7 @@ pub struct MapTotals {
 
 impl MapTotals {
     /// Returns the numbers of maps together.
-    pub fn of<Remark>(maps: &[Map<Remark>]) -> Self {
+    pub fn of<Remark>(maps: &[ResponseMap<Remark>]) -> Self {
         Self {
             points: maps.iter().map(|map| map.points.len()).sum(),
             unsettled: maps.iter().map(|map| map.unsettled_count()).sum(),

@@ -1,7 +1,8 @@
 //! From requirements to weights: the search, its trade-off curve, and the project with the weights that were found.
 
 use counterpoise_synth::{
-    Figures, Requirements, SearchResult, SearchTask, SearchTrial, figures, search as searched, trade_off,
+    Figures, Requirements, SearchResult, SearchTask, SearchTrial, sampled_loop_figures, search_specification,
+    trade_off,
 };
 
 use counterpoise_verify::VerifiedController;
@@ -9,7 +10,7 @@ use counterpoise_verify::VerifiedController;
 use crate::design_views::{WeightResponses, weight_responses};
 use crate::synth::{design_plant, sampling};
 use crate::wording::weights::describe_weights;
-use crate::{Modelled, PipelineError, Reduced, World, synthesise, verify};
+use crate::{PipelineError, PlantModel, ReducedPlant, World, synthesise, verify};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::WeightSearch;
 
@@ -24,7 +25,7 @@ pub struct TradeOffPoint {
 
 /// The answer of a search.
 #[derive(Debug, Clone)]
-pub struct Searched {
+pub struct SearchAnswer {
     /// What was found.
     pub found: SearchResult,
     /// The trade-off between rejection and sensitivity, in the order of the project's limits.
@@ -47,10 +48,10 @@ pub struct Searched {
 /// A project without requirements, and those of the plant and the design.
 pub fn search_weights(
     project: &Project,
-    modelled: &Modelled,
-    reduced: &Reduced,
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
     go_on: &mut dyn FnMut(&SearchTrial) -> bool,
-) -> Result<Searched, PipelineError> {
+) -> Result<SearchAnswer, PipelineError> {
     let missing = |section| PipelineError::Missing { section, needed_by: "the search for weights" };
     let asked = project.synth.as_ref().ok_or(missing("synth"))?;
     let wanted: &WeightSearch = asked.options.search.as_ref().ok_or(missing("synth.search"))?;
@@ -63,7 +64,7 @@ pub fn search_weights(
         sampling: &sampling,
         most_trials: wanted.trials,
     };
-    let mut found = searched(&task, go_on)?;
+    let mut found = search_specification(&task, go_on)?;
     let mut curve = Vec::new();
     if !wanted.ms_limits.is_empty() {
         let from = SearchTask { start: &found.best.specification, ..task };
@@ -82,13 +83,13 @@ pub fn search_weights(
     let designed = counterpoise_synth::design(&plant, &found.best.specification)?;
     let sampled = counterpoise_synth::discretise(&designed, &sampling)?;
     let around_full = counterpoise_synth::check_sampled_loop(&full, sampled.controller, &sampling)?;
-    let of_all = figures(&full, &around_full, &sampling, wanted.requirements.band_rad_s)?;
+    let of_all = sampled_loop_figures(&full, &around_full, &sampling, wanted.requirements.band_rad_s)?;
     let rejection = wanted.requirements.share_left(&around_full.loop_gain, &full, &asked.specification)?;
     let on_full_plant = Figures { rejection, ..of_all };
     let missed_on_full_plant = wanted.requirements.total_shortfall(&on_full_plant);
     let weights = project.synth.as_ref().map(describe_weights).unwrap_or_default();
     let weight_responses = weight_responses(&found.best.specification);
-    Ok(Searched { found, curve, on_full_plant, missed_on_full_plant, project, weights, weight_responses })
+    Ok(SearchAnswer { found, curve, on_full_plant, missed_on_full_plant, project, weights, weight_responses })
 }
 
 /// Returns the trial of the curve that keeps the requirements and rejects more than the answer, if there is one: its
@@ -105,7 +106,7 @@ fn better_point(curve: &[TradeOffPoint], found: &SearchResult, wanted: &Requirem
 
 /// Weights that were found, with the project's own verdicts on them: on the full nonlinear plant.
 #[derive(Debug, Clone)]
-pub struct Judged {
+pub struct JudgedWeights {
     /// The limit of Ms under which they were found; none for the answer itself.
     pub ms_limit: Option<f64>,
     /// What was found.
@@ -116,7 +117,7 @@ pub struct Judged {
     pub project: Project,
 }
 
-impl Judged {
+impl JudgedWeights {
     /// Returns whether the searched requirements and every verdict hold.
     pub fn holds(&self) -> bool {
         self.found.best.missed == 0.0 && self.verified.verification().passes()
@@ -129,12 +130,12 @@ impl Judged {
 /// # Errors
 /// A project without `[verify]`, and those of the design and the verification.
 pub fn verify_found(
-    searched: &Searched,
-    modelled: &Modelled,
-    reduced: &Reduced,
+    searched: &SearchAnswer,
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
     world: &dyn World,
     go_on: &mut dyn FnMut() -> bool,
-) -> Result<Vec<Judged>, PipelineError> {
+) -> Result<Vec<JudgedWeights>, PipelineError> {
     let mut points: Vec<(Option<f64>, &SearchResult)> =
         searched.curve.iter().map(|point| (Some(point.ms_limit), &point.found)).collect();
     points.sort_by(|a, b| a.1.best.figures.rejection.total_cmp(&b.1.best.figures.rejection));
@@ -149,7 +150,7 @@ pub fn verify_found(
         }
         let made = synthesise(&project, modelled, reduced)?;
         let verified = verify(&project, modelled, &made, world)?;
-        all.push(Judged { ms_limit, found: found.clone(), verified, project });
+        all.push(JudgedWeights { ms_limit, found: found.clone(), verified, project });
     }
     Ok(all)
 }

@@ -1,10 +1,10 @@
 //! The robustness campaign that the project asks for.
 
 use counterpoise_controller::Controller;
-use counterpoise_diagnose::simulator_access::{Pool, map};
 use counterpoise_models::ControlledQuantity;
+use counterpoise_pool::{Pool, map};
 use counterpoise_verify::robust::{
-    Campaign, Layout, Member, Ranked, Sample, Sense, Summary, Variation, Worst, configurations,
+    Campaign, Layout, Member, Ranked, Sample, Sense, Summary, Variation, Worst, compare_configurations,
     one_at_a_time, rank_parameters, summarise_requirement, worst_case,
 };
 use counterpoise_verify::structured::{RobustStability, Uncertainty};
@@ -12,7 +12,7 @@ use counterpoise_verify::{Figure, Limit, LoopFigure, Requirement, VerifiedContro
 use ndarray::Array2;
 
 use crate::tolerance::DRIFTING_POLE;
-use crate::{Modelled, PipelineError, World, project_procedure};
+use crate::{PipelineError, PlantModel, World, project_procedure};
 use counterpoise_project::Project;
 
 /// A campaign that was run, with everything that a report, a terminal or another program shows of it.
@@ -139,7 +139,7 @@ const USUAL: &str = "usual, because the project states no requirement";
 /// A section that is missing, a recorded road that cannot be read, variations that make no mechanism.
 pub fn prepare_campaign(
     project: &Project,
-    modelled: &Modelled,
+    modelled: &PlantModel,
     verified: &VerifiedController,
     world: &dyn World,
 ) -> Result<Campaign, PipelineError> {
@@ -162,7 +162,7 @@ pub fn prepare_campaign(
 /// As [`prepare_campaign`].
 pub fn vary_families(
     project: &Project,
-    modelled: &Modelled,
+    modelled: &PlantModel,
     verified: &VerifiedController,
     world: &dyn World,
 ) -> Result<Vec<Member>, PipelineError> {
@@ -172,7 +172,7 @@ pub fn vary_families(
     let (parameters, controller, procedure) =
         (&modelled.parameters, verified.controller(), project_procedure(project, world)?);
     let mut members = one_at_a_time(parameters, controller, &procedure, &figures, &asked.families)?;
-    members.extend(configurations(parameters, controller, &procedure, &figures)?);
+    members.extend(compare_configurations(parameters, controller, &procedure, &figures)?);
     Ok(members)
 }
 
@@ -183,7 +183,7 @@ pub fn vary_families(
 /// As [`prepare_campaign`], and those of the linear loop.
 pub fn robust_stability(
     project: &Project,
-    modelled: &Modelled,
+    modelled: &PlantModel,
     controller: &Controller,
     world: &dyn World,
 ) -> Result<Option<RobustStability>, PipelineError> {

@@ -1,10 +1,10 @@
 //! The trade-off between error and effort: the feedback as its error weight is raised and lowered.
 
-use counterpoise_synth::{DesignPlant, Figures, Requirements, Sampling, Specification};
-use counterpoise_synth::{attempt, design, discretise, figures};
+use counterpoise_synth::{DesignPlant, Figures, Requirements, Sampling, Specification, sampled_loop_figures};
+use counterpoise_synth::{attempt, design, discretise};
 
 use crate::synth::{design_plant, sampling};
-use crate::{Modelled, PipelineError, Reduced};
+use crate::{PipelineError, PlantModel, ReducedPlant};
 use counterpoise_project::Project;
 
 /// Error against effort at one factor on the error weight.
@@ -29,8 +29,8 @@ pub fn usual_error_weight_factors() -> Vec<f64> {
 /// A project without weights, and those of the plant.
 pub fn trade_off_points(
     project: &Project,
-    modelled: &Modelled,
-    reduced: &Reduced,
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
     factors: &[f64],
     go_on: &dyn Fn() -> bool,
 ) -> Result<Option<Vec<EffortPoint>>, PipelineError> {
@@ -64,5 +64,5 @@ fn loop_figures(
 ) -> Result<Option<Figures>, PipelineError> {
     let Ok(designed) = attempt(design(plant, wanted))? else { return Ok(None) };
     let Ok(sampled) = attempt(discretise(&designed, sampling))? else { return Ok(None) };
-    Ok(Some(figures(plant, &sampled, sampling, band_rad_s)?))
+    Ok(Some(sampled_loop_figures(plant, &sampled, sampling, band_rad_s)?))
 }

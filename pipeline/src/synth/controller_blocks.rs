@@ -18,10 +18,10 @@ use crate::tolerance::{
     BEYOND_FULL_SCALE, LEAST_DEAD_BAND_M_S2, LEAST_SLOPE, LEAST_TORQUE_OVER_FRICTION,
     LEAST_TORQUE_WITHOUT_GRAVITY, LEAST_UNOBSERVED, SHORTEST_STRETCH_SHARE, SMALL_KG_M,
 };
-use crate::{Modelled, PipelineError};
-use counterpoise_project::resolve::synthesis::Synthesis;
+use crate::{PipelineError, PlantModel};
+use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_project::resolve::synthesis_options::{
-    Adaptation, AdaptationMethod, AdaptationUse, Compensation, FrictionModel, ObserverOptions,
+    AdaptationMethod, AdaptationOptions, AdaptationUse, Compensation, FrictionModel, ObserverOptions,
 };
 
 /// Standard deviation with which parameters other than the imbalance start, V or V s/rad.
@@ -39,8 +39,8 @@ pub(crate) const HOLD_BAND: f64 = 0.04;
 /// Those of the controller.
 pub(crate) fn with_controller_blocks(
     sampled: Sampled,
-    asked: &Synthesis,
-    modelled: &Modelled,
+    asked: &DesignRequest,
+    modelled: &PlantModel,
     plant: &DesignPlant,
     sampling: &Sampling,
 ) -> Result<Sampled, PipelineError> {
@@ -80,7 +80,7 @@ pub(crate) fn with_controller_blocks(
 /// Returns the projection of heave and surge across the beam, where the machine has both accelerometers and the design a feedforward of
 /// heave. The angle is that of the resolver, or of the loop's own sensor; without either it stays that of the design. With a gyroscope on
 /// the platform its pitch angle is added, so that the angle is inertial.
-fn projection(asked: &Synthesis, modelled: &Modelled) -> Option<Projection> {
+fn projection(asked: &DesignRequest, modelled: &PlantModel) -> Option<Projection> {
     let sensors = &modelled.parameters.sensors;
     sensors.surge_accelerometer.as_ref()?;
     asked.specification.heave.as_ref()?;
@@ -99,7 +99,7 @@ fn projection(asked: &Synthesis, modelled: &Modelled) -> Option<Projection> {
 
 /// Returns what takes the known gain and bias of each sensor out of its reading, where the project asks for
 /// it.
-fn corrections(asked: &Synthesis, sensors: &Sensors) -> Vec<Correction> {
+fn corrections(asked: &DesignRequest, sensors: &Sensors) -> Vec<Correction> {
     if asked.options.sensor_errors == Compensation::Absent {
         return Vec::new();
     }
@@ -151,7 +151,7 @@ fn reading_limits(sensors: &Sensors, usual: [f64; READINGS]) -> [f64; READINGS] 
     })
 }
 
-fn prefilter(asked: &Synthesis, sampling: &Sampling) -> Result<Option<StateSpace>, PipelineError> {
+fn prefilter(asked: &DesignRequest, sampling: &Sampling) -> Result<Option<StateSpace>, PipelineError> {
     let Some(weight) = &asked.options.prefilter else { return Ok(None) };
     Ok(Some(c2d(&weight.realise()?, sampling.period_s, sampling.method.conversion())?))
 }
@@ -171,8 +171,8 @@ fn observers(asked: &ObserverOptions, p: &Parameters) -> Result<Vec<FrictionObse
 
 /// Returns the estimator of the out-of-balance.
 pub(crate) fn estimator(
-    adaptation: &Adaptation,
-    modelled: &Modelled,
+    adaptation: &AdaptationOptions,
+    modelled: &PlantModel,
     observer: Option<&ObserverOptions>,
 ) -> Estimator {
     let p = &modelled.parameters;
@@ -195,14 +195,18 @@ pub(crate) fn estimator(
 }
 
 /// Returns the share of the design's out-of-balance within which the estimate is not followed, as stated or the usual one; 0 for a method that has none.
-pub(crate) fn hold_band(adaptation: &Adaptation) -> f64 {
+pub(crate) fn hold_band(adaptation: &AdaptationOptions) -> f64 {
     match adaptation.method {
         AdaptationMethod::Recursive => adaptation.hold_band.unwrap_or(HOLD_BAND),
         AdaptationMethod::Gradient | AdaptationMethod::WindowedMean => 0.0,
     }
 }
 
-fn learning(adaptation: &Adaptation, modelled: &Modelled, observer: Option<&ObserverOptions>) -> Learning {
+fn learning(
+    adaptation: &AdaptationOptions,
+    modelled: &PlantModel,
+    observer: Option<&ObserverOptions>,
+) -> Learning {
     let p = &modelled.parameters;
     let volts = 1.0 / torque_per_volt(p);
     let moment = modelled.plant.body().out_of_balance_kg_m.abs().max(SMALL_KG_M);
@@ -238,8 +242,8 @@ fn dry_nm(p: &Parameters) -> f64 {
 /// Returns the RMS of the platform's acceleration below which the estimate stands still: as the project states it, or where the torque of the
 /// out-of-balance is so small against dry friction that knowing it better does not lower the hub rate.
 pub(crate) fn dead_band_m_s2(
-    adaptation: &Adaptation,
-    modelled: &Modelled,
+    adaptation: &AdaptationOptions,
+    modelled: &PlantModel,
     observer: Option<&ObserverOptions>,
 ) -> f64 {
     let p = &modelled.parameters;
@@ -257,7 +261,7 @@ pub(crate) fn dead_band_m_s2(
 
 /// Returns volts that accelerate the hub with its structure, and the motor on the platform, by 1 rad/s^2 of
 /// the hub.
-pub(crate) fn inertia_v_s2_rad(modelled: &Modelled) -> [f64; 2] {
+pub(crate) fn inertia_v_s2_rad(modelled: &PlantModel) -> [f64; 2] {
     let p = &modelled.parameters;
     let volts = 1.0 / torque_per_volt(p);
     [modelled.plant.body().inertia_kg_m2 * volts, p.motor.inertia_kg_m2 * p.gearbox.ratio.powi(2) * volts]

@@ -8,12 +8,12 @@
 use counterpoise_controller::{DemandLimit, Parts};
 use counterpoise_lti::margins;
 use counterpoise_models::{AmplifierDynamics, AxisKind};
-use counterpoise_project::resolve::synthesis::{LoopKind, Synthesis};
+use counterpoise_project::resolve::synthesis::{DesignRequest, LoopKind};
 use counterpoise_synth::{Design, Sampled, Sampling, control_of_ramp};
 
 use super::torque_per_volt;
 use crate::tolerance::LEAST_LEFT;
-use crate::{Modelled, PipelineError};
+use crate::{PipelineError, PlantModel};
 
 /// Share of the available control and of the no-load rate that a ramp takes: the other half is for disturbances, and for a machine
 /// that is not quite the model.
@@ -49,8 +49,8 @@ pub enum RateOrigin {
 /// # Errors
 /// Those of the linear loop.
 pub(crate) fn demanded_rate(
-    asked: &Synthesis,
-    modelled: &Modelled,
+    asked: &DesignRequest,
+    modelled: &PlantModel,
     design: &Design,
     sampled: &Sampled,
     sampling: &Sampling,
@@ -81,7 +81,7 @@ pub(crate) fn demanded_rate(
 }
 
 /// Returns the control that weight, wherever the machine stands, and dry friction leave, V.
-fn left_v(modelled: &Modelled, limit_v: f64) -> f64 {
+fn left_v(modelled: &PlantModel, limit_v: f64) -> f64 {
     let p = &modelled.parameters;
     let volts_per_nm = 1.0 / torque_per_volt(p);
     let weight_nm = modelled.plant.body().out_of_balance_kg_m * p.gravity_m_s2;
@@ -91,7 +91,7 @@ fn left_v(modelled: &Modelled, limit_v: f64) -> f64 {
 }
 
 /// Returns the rate at which the back-EMF takes the whole voltage of the drive; infinite for a drive that has none.
-fn no_load_rate(modelled: &Modelled) -> f64 {
+fn no_load_rate(modelled: &PlantModel) -> f64 {
     let p = &modelled.parameters;
     match p.amplifier.dynamics {
         AmplifierDynamics::Modelled => {
@@ -107,7 +107,7 @@ fn no_load_rate(modelled: &Modelled) -> f64 {
 /// Those of the controller.
 pub(crate) fn with_demand_limit(
     sampled: Sampled,
-    asked: &Synthesis,
+    asked: &DesignRequest,
     limit: Option<DemandedRate>,
 ) -> Result<Sampled, PipelineError> {
     let Some(DemandedRate { rate, .. }) = limit else { return Ok(sampled) };

@@ -8,15 +8,15 @@ use counterpoise_synth::cascade::difference_lag;
 use counterpoise_synth::{DesignPlant, LateReading, RateLoop, Sampling};
 
 use crate::model::{CONVERTER_RANGE_V, cannot_carry};
-use crate::{Modelled, PipelineError, Reduced};
-use counterpoise_project::resolve::synthesis::{LoopKind, Synthesis};
+use crate::{PipelineError, PlantModel, ReducedPlant};
+use counterpoise_project::resolve::synthesis::{DesignRequest, LoopKind};
 use counterpoise_project::resolve::synthesis_options::Compensation;
 
 /// Returns the plant as the design sees it: the reduced plant, the sensors, the loop's delay.
 pub fn design_plant(
-    asked: &Synthesis,
-    modelled: &Modelled,
-    reduced: &Reduced,
+    asked: &DesignRequest,
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
 ) -> Result<DesignPlant, PipelineError> {
     let sensors = design_sensors(asked, &modelled.parameters.sensors);
     let delays = SensorDelays {
@@ -47,8 +47,8 @@ pub fn design_plant(
 /// Returns the inner loop of a cascade: its sensor is that of the position, with the lag of the difference of two
 /// readings.
 fn rate_loop(
-    asked: &Synthesis,
-    modelled: &Modelled,
+    asked: &DesignRequest,
+    modelled: &PlantModel,
     plant: &DesignPlant,
 ) -> Result<Option<RateLoop>, PipelineError> {
     let (LoopKind::Cascade, Some(linear)) = (asked.loop_kind, &modelled.rate) else { return Ok(None) };
@@ -128,7 +128,7 @@ pub(crate) fn attach_sensors(
 }
 
 /// Returns the sensors as the design takes them: where the controller undoes their errors, without.
-pub(crate) fn design_sensors(asked: &Synthesis, sensors: &Sensors) -> Sensors {
+pub(crate) fn design_sensors(asked: &DesignRequest, sensors: &Sensors) -> Sensors {
     let mut sensors = sensors.clone();
     if asked.options.sensor_errors == Compensation::Applied {
         let all = [&mut sensors.hub_gyro, &mut sensors.platform_gyro, &mut sensors.platform_accelerometer];
@@ -137,7 +137,7 @@ pub(crate) fn design_sensors(asked: &Synthesis, sensors: &Sensors) -> Sensors {
     sensors
 }
 
-pub(crate) fn sampling(asked: &Synthesis, modelled: &Modelled) -> Result<Sampling, PipelineError> {
+pub(crate) fn sampling(asked: &DesignRequest, modelled: &PlantModel) -> Result<Sampling, PipelineError> {
     if let Some(beyond) = cannot_carry(modelled) {
         return Err(beyond);
     }

@@ -12,15 +12,15 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_reduce::{ControllerReduction, Method as Truncation, Order, reduce_controller};
 use counterpoise_synth::{
     Alternative, Design, DesignFinding, DisturbanceChannel, Reference, Sampled, Sampling, ScheduleEntry,
-    SynthesisMethod, alternative, design, discretise, discretise_schedule,
+    SynthesisMethod, design, design_alternative, discretise, discretise_schedule,
 };
 
 use crate::synth::controller_blocks::{with_controller_blocks, with_reading_limits};
 use crate::tolerance::SAME_CONTROLLER;
-use crate::{Modelled, PipelineError, Reduced};
+use crate::{PipelineError, PlantModel, ReducedPlant};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::imported_controller::ImportedController;
-use counterpoise_project::resolve::synthesis::Synthesis;
+use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_synth::error_feedback::from_demand_and_reading;
 
 pub use demanded_rate::DemandedRate;
@@ -30,7 +30,7 @@ pub(crate) use design_plant::{sampling, torque_per_volt};
 
 /// A design with the controller that runs.
 #[derive(Debug, Clone)]
-pub struct Synthesised {
+pub struct SynthesisedDesign {
     /// The continuous design with its certificates.
     pub design: Design,
     /// The sampled controller and its loop.
@@ -42,7 +42,7 @@ pub struct Synthesised {
     /// The other method that made the feedback, where the project names one.
     pub other: Option<Alternative>,
     /// What was left out of the feedback to reach its order, where the project asks for one.
-    pub lowered: Option<Lowered>,
+    pub lowered: Option<LowerOrderFeedback>,
     /// The designs over out-of-balance, nominal first; empty without schedule.
     pub balance: Vec<ScheduleEntry>,
     /// The largest rate that a loop of position demands; `None` for a loop of rate, or without a limit.
@@ -53,7 +53,7 @@ pub struct Synthesised {
     pub output_names: Vec<String>,
 }
 
-impl Synthesised {
+impl SynthesisedDesign {
     /// Returns whether the feedback is one of fixed structure: no equation was solved for it.
     pub fn has_fixed_structure(&self) -> bool {
         self.design.substitute.is_some() && self.other.is_none() && self.lowered.is_none()
@@ -62,7 +62,7 @@ impl Synthesised {
 
 /// A feedback of lower order, and the one before it.
 #[derive(Debug, Clone)]
-pub struct Lowered {
+pub struct LowerOrderFeedback {
     /// The feedback before.
     pub before: StateSpace,
     /// The reduction from the error, and what it does to the loop.
@@ -75,9 +75,9 @@ pub struct Lowered {
 /// [`PipelineError::NoController`] with every reason, and those of the plant and the design.
 pub fn synthesise(
     project: &Project,
-    modelled: &Modelled,
-    reduced: &Reduced,
-) -> Result<Synthesised, PipelineError> {
+    modelled: &PlantModel,
+    reduced: &ReducedPlant,
+) -> Result<SynthesisedDesign, PipelineError> {
     let asked =
         project.synth.as_ref().ok_or(PipelineError::Missing { section: "synth", needed_by: "the design" })?;
     let plant = design_plant(asked, modelled, reduced)?;
@@ -104,7 +104,7 @@ pub fn synthesise(
     let demanded_rate = demanded_rate(asked, modelled, &design, &sampled, &sampling)?;
     let sampled = with_demand_limit(sampled, asked, demanded_rate)?;
     let warnings = design.warnings.clone();
-    Ok(Synthesised {
+    Ok(SynthesisedDesign {
         design,
         sampled,
         warnings,
@@ -119,19 +119,19 @@ pub fn synthesise(
 }
 
 /// Puts the feedback of another method in place of the three-part one, where the project names one.
-fn by_method(asked: &Synthesis, design: &mut Design) -> Result<Option<Alternative>, PipelineError> {
+fn by_method(asked: &DesignRequest, design: &mut Design) -> Result<Option<Alternative>, PipelineError> {
     let method = asked.options.method;
     if method == SynthesisMethod::ThreePart {
         return Ok(None);
     }
     sees_the_error_alone(design, "method")?;
-    let made = alternative(&design.plant, &asked.specification.feedback, method)?;
+    let made = design_alternative(&design.plant, &asked.specification.feedback, method)?;
     design.substitute = Some(made.controller.clone());
     Ok(Some(made))
 }
 
 /// Puts the feedback of fixed structure, or the one that was made elsewhere, in place of the three-part one, where the project has one.
-fn by_structure(asked: &Synthesis, design: &mut Design) -> Result<(), PipelineError> {
+fn by_structure(asked: &DesignRequest, design: &mut Design) -> Result<(), PipelineError> {
     let structure = &asked.options.structure;
     if let Some(imported) = &asked.options.imported {
         sees_the_error_alone(design, "controller")?;
@@ -150,7 +150,7 @@ fn by_structure(asked: &Synthesis, design: &mut Design) -> Result<(), PipelineEr
 }
 
 /// Returns why a sampled loop is refused, which names the file if the feedback was made elsewhere.
-fn named_controller(asked: &Synthesis, error: counterpoise_synth::Error) -> PipelineError {
+fn named_controller(asked: &DesignRequest, error: counterpoise_synth::Error) -> PipelineError {
     match (PipelineError::from(error), &asked.options.imported) {
         (PipelineError::NoController(findings), Some(imported)) => {
             PipelineError::ControllerUnstable { file: imported.file.clone(), findings }
@@ -190,14 +190,14 @@ fn has_same_response(one: &StateSpace, other: &StateSpace, period_s: f64) -> Res
 }
 
 /// Puts a feedback of lower order in place of the design's, by frequency-weighted balancing that keeps the loop.
-fn lower(design: &mut Design, order: usize) -> Result<Lowered, PipelineError> {
+fn lower(design: &mut Design, order: usize) -> Result<LowerOrderFeedback, PipelineError> {
     sees_the_error_alone(design, "controller_order")?;
     let before = design.feedback_controller();
     let seen = design.plant.measured_plant()?.select(&[0], &[design.plant.control]);
     let from_error = before.select(&[0], &[0]);
     let reduction = reduce_controller(&seen, &from_error, Order::States(order), Truncation::MatchDc)?;
     design.substitute = Some(from_demand_and_reading(&reduction.reduction.system)?);
-    Ok(Lowered { before, reduction })
+    Ok(LowerOrderFeedback { before, reduction })
 }
 
 fn sees_the_error_alone(design: &Design, key: &'static str) -> Result<(), PipelineError> {

@@ -1,15 +1,15 @@
 //! The schedule over out-of-balance: the plant in each state of balance, and what becomes of the three controllers.
 
 use counterpoise_models::plant::{Body, Plant};
-use counterpoise_synth::{Configuration, HeaveFeedforwardLaw, ScheduleEntry, schedule};
+use counterpoise_synth::{Configuration, HeaveFeedforwardLaw, ScheduleEntry, design_schedule};
 use serde::Serialize;
 
 use crate::model::of_rate;
 use crate::synth::design_plant::design_plant;
 use crate::wording::schedule::{describe_conditions, describe_law};
-use crate::{Modelled, PipelineError, model, reduce};
+use crate::{PipelineError, PlantModel, model, reduce};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::synthesis::Synthesis;
+use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_project::resolve::synthesis_options::{ScheduleLaw, ScheduleOptions};
 
 /// A state of balance with what becomes of the controllers there.
@@ -43,13 +43,13 @@ pub struct BalanceRow {
 /// A configuration that does not exist, and those of the plant and the design.
 pub fn schedule_entries(
     project: &Project,
-    asked: &Synthesis,
-    modelled: &Modelled,
+    asked: &DesignRequest,
+    modelled: &PlantModel,
     wanted: &ScheduleOptions,
 ) -> Result<Vec<ScheduleEntry>, PipelineError> {
     let nominal = configured(project, asked, "nominal", modelled)?;
     let others = other_configurations(project, asked, modelled, wanted)?;
-    Ok(schedule(&nominal, &others, &asked.specification)?)
+    Ok(design_schedule(&nominal, &others, &asked.specification)?)
 }
 
 /// Returns every state of balance besides the nominal one.
@@ -58,8 +58,8 @@ pub fn schedule_entries(
 /// As [`schedule_entries`].
 pub(crate) fn other_configurations(
     project: &Project,
-    asked: &Synthesis,
-    modelled: &Modelled,
+    asked: &DesignRequest,
+    modelled: &PlantModel,
     wanted: &ScheduleOptions,
 ) -> Result<Vec<Configuration>, PipelineError> {
     let mut others = Vec::new();
@@ -78,9 +78,9 @@ pub(crate) fn other_configurations(
 
 fn configured(
     project: &Project,
-    asked: &Synthesis,
+    asked: &DesignRequest,
     name: &str,
-    modelled: &Modelled,
+    modelled: &PlantModel,
 ) -> Result<Configuration, PipelineError> {
     let reduced = reduce(project, modelled)?;
     Ok(Configuration {
@@ -94,13 +94,17 @@ fn configured(
 ///
 /// # Errors
 /// Those of the plant.
-pub fn with_factor(project: &Project, modelled: &Modelled, factor: f64) -> Result<Modelled, PipelineError> {
+pub fn with_factor(
+    project: &Project,
+    modelled: &PlantModel,
+    factor: f64,
+) -> Result<PlantModel, PipelineError> {
     let plant = scale_imbalance(&modelled.plant, factor)?;
     let equilibrium = plant.equilibrium(&project.model.operating_point);
     let linear = plant.linearise(&equilibrium, project.model.friction, plant.angles())?;
     let rate = of_rate(&plant, &equilibrium, project.model.friction)?;
     let (parameters, elements) = (modelled.parameters.clone(), modelled.elements.clone());
-    Ok(Modelled { plant, linear, rate, parameters, elements })
+    Ok(PlantModel { plant, linear, rate, parameters, elements })
 }
 
 /// Returns the plant with its out-of-balance times a factor.

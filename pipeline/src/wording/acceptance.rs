@@ -14,7 +14,7 @@ use counterpoise_verify::{
 
 /// How a requirement on a figure is judged, in words.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Acceptance {
+pub struct AcceptanceText {
     /// Whether the figure is linear, or nonlinear at which amplitude, for example `nonlinear at heave 2 m/s^2, 1.5 Hz`.
     pub basis: String,
     /// The run of the verification that gives the figure.
@@ -26,13 +26,13 @@ pub struct Acceptance {
 /// A result whose requirements can be traced to runs and to tests.
 pub trait Traceable {
     /// Returns how a requirement on a figure is judged, and the test on the machine that would show whether it holds.
-    fn acceptance(&self, figure: &Figure) -> Acceptance;
+    fn acceptance(&self, figure: &Figure) -> AcceptanceText;
 }
 
 impl Traceable for Verification {
-    fn acceptance(&self, figure: &Figure) -> Acceptance {
+    fn acceptance(&self, figure: &Figure) -> AcceptanceText {
         let of = Judged { procedure: &self.evidence.procedure, controlled: self.controlled_quantity() };
-        Acceptance {
+        AcceptanceText {
             basis: basis(figure, &of),
             judged_by: judged_by(figure, &of),
             test: acceptance_test(figure, &of),
@@ -86,7 +86,7 @@ fn size(source: Source, procedure: &Procedure) -> String {
         Source::Both => format!("{heave}, and {pitch}"),
         Source::Road => match &procedure.road {
             Some(road) => {
-                let (heave, pitch) = (rms(&road.heave_m_s2), rms(&road.pitch_rate_rad_s));
+                let (heave, pitch) = (rms(road.heave_m_s2()), rms(road.pitch_rate_rad_s()));
                 format!("the road \"{}\", RMS heave {heave:.3} m/s^2 and pitch {pitch:.4} rad/s", road.name)
             }
             None => "the road".to_owned(),

@@ -1,11 +1,14 @@
 //! What stands in a design's way, in words that a designer can act on: which weight, at which frequency, and what to do.
 
 use counterpoise_linalg::C64;
-use counterpoise_synth::{BandwidthLimit, Cause, DesignFinding, HiddenFrom, LimitKind, Part, Unknown};
+use counterpoise_synth::{
+    BandwidthLimit, Cause, ConcernedWeight, DesignEquation, DesignFinding, HiddenFrom, LimitKind, ModeBlock,
+    Part, StatedDensity, Unknown, WeightRole,
+};
 
 /// Describes a finding in one line: the part, the weight and the frequency that are concerned, what is wrong, and what to do.
 pub fn describe_design_finding(finding: &DesignFinding) -> String {
-    let weight = finding.weight.as_ref().map_or(String::new(), |weight| format!(", {weight}"));
+    let weight = finding.weight.as_ref().map_or(String::new(), describe_weight);
     let at = match finding.rate_rad_s {
         Some(rate) if rate.is_infinite() => ", at high frequency".to_owned(),
         Some(0.0) => ", at zero frequency".to_owned(),
@@ -79,7 +82,9 @@ pub fn describe_cause(cause: &Cause) -> String {
         Cause::KnowledgeIncomplete { order, known } => format!(
             "exact knowledge is assumed of {order} states of the disturbance, but {known} signals act on the plant"
         ),
-        Cause::Density { what, value } => format!("the spectral density of {what} is {value}"),
+        Cause::Density { of, value } => {
+            format!("the spectral density of {} is {value}", describe_density(*of))
+        }
         Cause::NothingDisturbs => {
             "nothing disturbs the loop, so the observer ignores the measurement".to_owned()
         }
@@ -115,7 +120,9 @@ fn describe_cause_in_plant(cause: &Cause) -> String {
         Cause::ModeHidden { mode, distance, from, block } => {
             format!("{} (relative distance {distance:.1e})", describe_hidden(*from, *mode, block))
         }
-        Cause::Equation { what, reason } => format!("{what} has no stabilising solution: {reason}"),
+        Cause::Equation { equation, reason } => {
+            format!("{} has no stabilising solution: {reason}", describe_equation(*equation))
+        }
         Cause::ControlUnweighed { control } => {
             format!("control {control} has no weight of its own (D12 lacks full column rank)")
         }
@@ -138,7 +145,41 @@ fn describe_cause_in_plant(cause: &Cause) -> String {
     }
 }
 
-fn describe_hidden(from: HiddenFrom, mode: C64, block: &str) -> String {
+fn describe_weight(weight: &ConcernedWeight) -> String {
+    let role = match weight.role {
+        WeightRole::Error => "error weight",
+        WeightRole::Control => "control weight",
+        WeightRole::Generator => "generator",
+    };
+    format!(", {role} {}", weight.formula)
+}
+
+fn describe_density(of: StatedDensity) -> &'static str {
+    match of {
+        StatedDensity::MeasurementNoise => "the measurement noise",
+        StatedDensity::LoopRecovery => "the loop recovery",
+        StatedDensity::Disturbance => "a disturbance",
+        StatedDensity::DisturbanceSensorNoise => "the disturbance sensor's noise",
+    }
+}
+
+fn describe_equation(equation: DesignEquation) -> &'static str {
+    match equation {
+        DesignEquation::Regulator => "the regulator's equation",
+        DesignEquation::Filter => "the filter's equation",
+        DesignEquation::SampledRegulator => "the regulator's equation in sampled time",
+        DesignEquation::SampledFilter => "the filter's equation in sampled time",
+        DesignEquation::JointFilter => "the equation of the joint filter",
+        DesignEquation::DisturbanceFilter => "the equation of the disturbance's filter",
+    }
+}
+
+fn describe_hidden(from: HiddenFrom, mode: C64, block: &ModeBlock) -> String {
+    let block = match block {
+        ModeBlock::Named(name) => name.clone(),
+        ModeBlock::State(number) => format!("state {number}"),
+        ModeBlock::Plant => "the plant".to_owned(),
+    };
     let at = if mode.im == 0.0 {
         format!("the mode {:.6} of {block}", mode.re)
     } else {
@@ -299,7 +340,7 @@ mod tests {
         let weight = Weight::Integral { gain: 200.0, time_s: 1.0 };
         let finding =
             DesignFinding::refusal(Part::Feedback, Cause::PlantZeroAtErrorPole { relative_gain: 0.0 });
-        let text = describe_design_finding(&finding.with_weight("error weight", &weight).at(0.0));
+        let text = describe_design_finding(&finding.with_weight(WeightRole::Error, &weight).at(0.0));
         let start = "feedback, error weight 200 / (1 s), at zero frequency: the error weight is infinite";
         assert!(text.starts_with(start), "{text}");
         assert!(text.contains("use K / (a s + 1)"), "{text}");
@@ -307,7 +348,7 @@ mod tests {
 
     #[test]
     fn a_mode_that_nothing_reaches_is_named_with_its_block() {
-        let (mode, block) = (C64::new(1.0, 0.0), "state 1".to_owned());
+        let (mode, block) = (C64::new(1.0, 0.0), ModeBlock::State(1));
         let cause = Cause::ModeHidden { mode, distance: 1e-12, from: HiddenFrom::Control, block };
         let text = describe_cause(&cause);
         assert!(

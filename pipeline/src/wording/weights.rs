@@ -2,14 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use counterpoise_project::resolve::synthesis::Synthesis;
+use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_synth::Weight;
 use counterpoise_synth::weight::shape::{HighFrequency, LowFrequency, Transition, WeightShape};
 
 use crate::tuning::block_results;
 
 /// Returns what each weight asks for, in words, one a line; of a feedback of fixed structure its blocks.
-pub fn describe_weights(synth: &Synthesis) -> Vec<String> {
+pub fn describe_weights(synth: &DesignRequest) -> Vec<String> {
     let s = &synth.specification;
     let blocks = block_results(&synth.options.structure);
     let mut lines: Vec<String> = blocks.iter().map(|block| format!("feedback: {block}")).collect();

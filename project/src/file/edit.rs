@@ -2,7 +2,7 @@
 
 use toml_edit::{DocumentMut, Item, Table, TableLike, Value};
 
-use super::setting::Setting;
+use super::setting::SettingValue;
 
 /// Why a value could not be set.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -81,7 +81,7 @@ fn steps(path: &str) -> Result<Vec<Step<'_>>, EditError> {
 }
 
 /// Returns the text with the value at the path set; tables on the way are made.
-pub(crate) fn set(text: &str, path: &str, setting: &Setting) -> Result<String, EditError> {
+pub(crate) fn set(text: &str, path: &str, setting: &SettingValue) -> Result<String, EditError> {
     let mut document = open(text)?;
     let value = setting
         .to_toml()
@@ -99,7 +99,7 @@ pub(crate) fn set(text: &str, path: &str, setting: &Setting) -> Result<String, E
 }
 
 /// Returns the text with a key of the outermost table set; a new key stands before all others.
-pub(crate) fn set_first(text: &str, key: &str, setting: &Setting) -> Result<String, EditError> {
+pub(crate) fn set_first(text: &str, key: &str, setting: &SettingValue) -> Result<String, EditError> {
     let document = open(text)?;
     if document.contains_key(key) {
         return set(text, key, setting);
@@ -230,7 +230,7 @@ mod tests {
 
     #[test]
     fn an_item_of_a_list_is_set_and_the_rest_of_the_file_stays() {
-        let set = |path: &str| set(TEXT, path, &Setting::Number(0.15));
+        let set = |path: &str| set(TEXT, path, &SettingValue::Number(0.15));
         let done = set("beam.section[0].outer[1]").unwrap();
         assert_eq!(done, TEXT.replace("0.2,  0.1]", "0.2,  0.15]"));
         assert_eq!(set("beam.section[1].outer[0]").unwrap(), TEXT.replace("outer = [0.1]", "outer = [0.15]"));

@@ -1,7 +1,7 @@
 //! Lists the fields of resolved sections in canonical order, with path, value and comment.
 
 use super::field::{Fallback, Field, Form, TableField};
-use super::setting::Setting;
+use super::setting::SettingValue;
 use super::visit::{Count, Presence, Visit};
 
 /// One line of the canonical file.
@@ -15,7 +15,7 @@ pub(crate) enum Line {
     Value {
         path: String,
         key: String,
-        setting: Setting,
+        setting: SettingValue,
         unit: &'static str,
         meaning: &'static str,
         usual: bool,
@@ -73,7 +73,7 @@ pub(crate) struct Lister {
 }
 
 impl Lister {
-    fn value(&mut self, field: &Field, setting: Setting) {
+    fn value(&mut self, field: &Field, setting: SettingValue) {
         let &Field { key, unit, meaning, .. } = field;
         self.lines.push(Line::Value {
             path: self.paths.of(key),
@@ -88,15 +88,15 @@ impl Lister {
 }
 
 /// Returns whether a value is what the absence of its key means, so that it need not be written.
-fn is_usual(field: &Field, setting: &Setting) -> bool {
+fn is_usual(field: &Field, setting: &SettingValue) -> bool {
     let is_default = match (setting, &field.default) {
-        (Setting::Number(value), Fallback::Number(default)) if default == value => true,
-        (Setting::Number(value), _) => !value.is_finite(),
-        (Setting::Whole(value), Fallback::Number(default)) => *default == *value as f64,
-        (Setting::Text(value), Fallback::Text(default)) => default == value,
-        (Setting::Numbers(values), default) => *default != Fallback::Required && values.is_empty(),
-        (Setting::Texts(values), default) => *default != Fallback::Required && values.is_empty(),
-        (Setting::Pairs(values), default) => *default != Fallback::Required && values.is_empty(),
+        (SettingValue::Number(value), Fallback::Number(default)) if default == value => true,
+        (SettingValue::Number(value), _) => !value.is_finite(),
+        (SettingValue::Whole(value), Fallback::Number(default)) => *default == *value as f64,
+        (SettingValue::Text(value), Fallback::Text(default)) => default == value,
+        (SettingValue::Numbers(values), default) => *default != Fallback::Required && values.is_empty(),
+        (SettingValue::Texts(values), default) => *default != Fallback::Required && values.is_empty(),
+        (SettingValue::Pairs(values), default) => *default != Fallback::Required && values.is_empty(),
         _ => false,
     };
     is_default && !(field.shown && setting.is_finite())
@@ -104,31 +104,31 @@ fn is_usual(field: &Field, setting: &Setting) -> bool {
 
 impl Visit for Lister {
     fn number(&mut self, field: &Field, value: &mut f64) {
-        self.value(field, Setting::Number(*value));
+        self.value(field, SettingValue::Number(*value));
     }
 
     fn whole(&mut self, field: &Field, value: &mut u32) {
-        self.value(field, Setting::Whole(i64::from(*value)));
+        self.value(field, SettingValue::Whole(i64::from(*value)));
     }
 
     fn text(&mut self, field: &Field, value: &mut String) {
-        self.value(field, Setting::Text(value.clone()));
+        self.value(field, SettingValue::Text(value.clone()));
     }
 
     fn choice(&mut self, field: &Field, _allowed: &[&'static str], value: &mut &'static str) {
-        self.value(field, Setting::Text((*value).to_owned()));
+        self.value(field, SettingValue::Text((*value).to_owned()));
     }
 
     fn numbers(&mut self, field: &Field, _count: Count, value: &mut Vec<f64>) {
-        self.value(field, Setting::Numbers(value.clone()));
+        self.value(field, SettingValue::Numbers(value.clone()));
     }
 
     fn texts(&mut self, field: &Field, value: &mut Vec<String>) {
-        self.value(field, Setting::Texts(value.clone()));
+        self.value(field, SettingValue::Texts(value.clone()));
     }
 
     fn pairs(&mut self, field: &Field, value: &mut Vec<[f64; 2]>) {
-        self.value(field, Setting::Pairs(value.clone()));
+        self.value(field, SettingValue::Pairs(value.clone()));
     }
 
     fn enter(&mut self, table: &TableField, presence: Presence) -> bool {

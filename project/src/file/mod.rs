@@ -16,10 +16,10 @@ pub(crate) mod writer;
 
 pub use attachments::Attachments;
 pub use edit::EditError;
-pub use setting::Setting;
-pub use visit::Choice;
+pub use setting::SettingValue;
+pub use visit::NamedChoice;
 
-use crate::diagnostic::{Diagnostic, Problem, Severity};
+use crate::diagnostic::{Diagnostic, DiagnosticKind, Severity};
 use attachments::LARGEST_TEXT;
 use source::{Remark, Source};
 use tree::{Entry, Lookup, Node, Start, Value};
@@ -68,8 +68,8 @@ impl Document {
         let source = Source::new(name, text);
         let (entries, errors) = tree::parse(text, Start(0));
         let finding = |e: &tree::SyntaxError| {
-            let remark =
-                Remark::new(Problem::Syntax, "", e.message.clone()).hint(syntax_hint(text, e.span.start));
+            let remark = Remark::new(DiagnosticKind::Syntax, "", e.message.clone())
+                .hint(syntax_hint(text, e.span.start));
             source.diagnostic(Severity::Error, e.span.start, remark)
         };
         let syntax = errors.iter().map(finding).collect();
@@ -90,7 +90,7 @@ impl Document {
             return Err(vec![Source::new(name, "").diagnostic(
                 Severity::Error,
                 0,
-                Remark::new(Problem::Syntax, "", allowed),
+                Remark::new(DiagnosticKind::Syntax, "", allowed),
             )]);
         }
         std::str::from_utf8(bytes).map(|text| Self::parse(text, name)).map_err(|error| {
@@ -98,8 +98,8 @@ impl Document {
             let source = Source::new(name, &String::from_utf8_lossy(&bytes[..good]));
             let byte = bytes.get(good).copied().unwrap_or_default();
             let allowed = format!("byte 0x{byte:02x} is not UTF-8 text");
-            let remark =
-                Remark::new(Problem::Syntax, "", allowed).hint(Some("save the file as UTF-8".to_owned()));
+            let remark = Remark::new(DiagnosticKind::Syntax, "", allowed)
+                .hint(Some("save the file as UTF-8".to_owned()));
             vec![source.diagnostic(Severity::Error, good, remark)]
         })
     }
@@ -188,7 +188,7 @@ impl Document {
     ///
     /// # Errors
     /// As for [`Document::set`].
-    pub fn replace(&self, path: &str, setting: &Setting) -> Result<Self, EditError> {
+    pub fn replace(&self, path: &str, setting: &SettingValue) -> Result<Self, EditError> {
         self.refuse_part(path)?;
         edit::set(self.text(), path, setting).map(|text| self.reread(&text))
     }
@@ -248,7 +248,7 @@ impl Document {
     /// # Errors
     /// The text is not TOML.
     pub fn migrate(&self) -> Result<Self, EditError> {
-        let set = edit::set_first(self.text(), "format", &Setting::Whole(i64::from(FORMAT)))?;
+        let set = edit::set_first(self.text(), "format", &SettingValue::Whole(i64::from(FORMAT)))?;
         Ok(self.reread(&set))
     }
 }

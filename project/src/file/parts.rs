@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::attachments::Attachments;
 use super::source::{Remark, Source};
 use super::tree::{self, Entry, Node, Start, Value};
-use crate::diagnostic::{Diagnostic, Problem, Severity};
+use crate::diagnostic::{Diagnostic, DiagnosticKind, Severity};
 
 /// The key that names parts.
 pub(crate) const INCLUDE: &str = "include";
@@ -85,7 +85,7 @@ impl Place {
 }
 
 impl Assembly<'_> {
-    fn refuse(&mut self, at: usize, path: &str, problem: Problem, what: String) {
+    fn refuse(&mut self, at: usize, path: &str, problem: DiagnosticKind, what: String) {
         if self.findings.len() < MOST_FINDINGS {
             let remark = Remark::new(problem, path, what);
             self.findings.push(self.source.diagnostic(Severity::Error, at, remark));
@@ -135,7 +135,7 @@ impl Assembly<'_> {
                     let what =
                         format!("must be the name of a file, or a list of names, not {}", other.kind());
                     let path = place.inside(INCLUDE).path;
-                    self.refuse(item.span.start, &path, Problem::WrongType, what);
+                    self.refuse(item.span.start, &path, DiagnosticKind::WrongType, what);
                 }
             }
         }
@@ -149,7 +149,7 @@ impl Assembly<'_> {
         if self.count > MOST_PARTS {
             if self.count == MOST_PARTS + 1 {
                 let what = format!("a project may include at most {MOST_PARTS} parts");
-                self.refuse(at, &path, Problem::OutOfRange, what);
+                self.refuse(at, &path, DiagnosticKind::OutOfRange, what);
             }
             return Vec::new();
         }
@@ -157,21 +157,21 @@ impl Assembly<'_> {
             let what = format!(
                 "the name of a part must be relative to the file that includes it, with / between folders, not {name:?}"
             );
-            self.refuse(at, &path, Problem::OutOfRange, what);
+            self.refuse(at, &path, DiagnosticKind::OutOfRange, what);
             return Vec::new();
         };
         if place.chain.contains(&file) || place.chain.len() > DEEPEST {
             let what = format!("the file \"{file}\" includes itself: {}", place.chain.join(" includes "));
             let deep = format!("parts may include parts at most {DEEPEST} deep");
             let what = if place.chain.contains(&file) { what } else { deep };
-            self.refuse(at, &path, Problem::Conflict, what);
+            self.refuse(at, &path, DiagnosticKind::Conflict, what);
             return Vec::new();
         }
         self.wanted.insert(file.clone());
         let text = match self.given.text(&file) {
             Ok(text) => text,
             Err(why) => {
-                self.refuse(at, &path, Problem::UnknownName, why);
+                self.refuse(at, &path, DiagnosticKind::UnknownName, why);
                 return Vec::new();
             }
         };
@@ -185,12 +185,12 @@ impl Assembly<'_> {
         let start = self.source.add_part(file, text);
         let (mut entries, errors) = tree::parse(text, Start(start));
         for error in errors {
-            self.refuse(error.span.start, "", Problem::Syntax, error.message);
+            self.refuse(error.span.start, "", DiagnosticKind::Syntax, error.message);
         }
         if let Some(format) = entries.iter().find(|e| e.key == "format")
             && let Some(what) = super::format_is_newer(&format.node)
         {
-            self.refuse(format.node.span.start, "format", Problem::Format, what);
+            self.refuse(format.node.span.start, "format", DiagnosticKind::Format, what);
         }
         // A part's format says how the part is written; it is no key of the table that includes it.
         entries.retain(|e| e.key != "format");
@@ -216,11 +216,11 @@ impl Assembly<'_> {
                     own[index].node.value = Value::Table(both);
                 }
                 _ => {
-                    let remark = Remark::new(Problem::Conflict, "", "");
+                    let remark = Remark::new(DiagnosticKind::Conflict, "", "");
                     let other = self.source.diagnostic(Severity::Error, here, remark);
                     let what =
                         format!("is given here and in {}:{}: remove one of the two", other.file, other.line);
-                    self.refuse(entry.key_span.start, &inside.path, Problem::Duplicate, what);
+                    self.refuse(entry.key_span.start, &inside.path, DiagnosticKind::Duplicate, what);
                 }
             }
         }

@@ -2,7 +2,7 @@
 
 /// A value of a key.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Setting {
+pub enum SettingValue {
     /// A number.
     Number(f64),
     /// A whole number.
@@ -16,7 +16,7 @@ pub enum Setting {
     /// A list of pairs of numbers.
     Pairs(Vec<[f64; 2]>),
     /// A list of values of any kind.
-    List(Vec<Setting>),
+    List(Vec<SettingValue>),
 }
 
 /// Below this size, and from the next on, a number is written with an exponent.
@@ -42,7 +42,7 @@ fn list<T>(items: &[T], spell: impl Fn(&T) -> String) -> String {
     format!("[{}]", items.iter().map(spell).collect::<Vec<_>>().join(", "))
 }
 
-impl Setting {
+impl SettingValue {
     /// Returns the value as the file spells it.
     pub fn as_written(&self) -> String {
         match self {

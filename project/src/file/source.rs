@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use crate::diagnostic::{Diagnostic, Problem, Severity, escape_control};
+use crate::diagnostic::{Diagnostic, DiagnosticKind, Severity, escape_control};
 
 /// A text with its name, and the parts that it includes.
 #[derive(Debug, Clone)]
@@ -27,7 +27,7 @@ struct Text {
 
 /// What is said about a place of the text.
 pub(crate) struct Remark {
-    pub problem: Problem,
+    pub problem: DiagnosticKind,
     pub path: String,
     pub found: Option<String>,
     pub allowed: String,
@@ -130,7 +130,7 @@ impl Source {
 }
 
 impl Remark {
-    pub fn new(problem: Problem, path: &str, allowed: impl Into<String>) -> Self {
+    pub fn new(problem: DiagnosticKind, path: &str, allowed: impl Into<String>) -> Self {
         Self { problem, path: path.to_owned(), found: None, allowed: allowed.into(), hint: None }
     }
 

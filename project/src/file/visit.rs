@@ -67,7 +67,7 @@ pub(crate) trait Visit {
 }
 
 /// An enumeration whose values a project file spells by names.
-pub trait Choice: Copy + PartialEq + 'static {
+pub trait NamedChoice: Copy + PartialEq + 'static {
     /// Every value with the name that a project file spells it by.
     const NAMES: &'static [(&'static str, Self)];
 
@@ -78,7 +78,7 @@ pub trait Choice: Copy + PartialEq + 'static {
 }
 
 /// A key with one of a list of names.
-pub(crate) fn choose<T: Choice>(v: &mut dyn Visit, field: &Field, value: &mut T) {
+pub(crate) fn choose<T: NamedChoice>(v: &mut dyn Visit, field: &Field, value: &mut T) {
     let allowed: Vec<&'static str> = T::NAMES.iter().map(|(name, _)| *name).collect();
     let mut name = value.name();
     v.choice(field, &allowed, &mut name);

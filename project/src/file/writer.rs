@@ -2,7 +2,7 @@
 
 use super::field::Form;
 use super::lister::Line;
-use super::setting::Setting;
+use super::setting::SettingValue;
 
 /// Column at which the comments stand, where the values leave room.
 const COMMENT_COLUMN: usize = 34;
@@ -35,7 +35,7 @@ pub(crate) fn canonical(lines: &[Line]) -> String {
 }
 
 /// Returns a value as the file spells it, with its tolerance.
-pub(crate) fn as_written(setting: &Setting, tolerance: &Option<String>) -> String {
+pub(crate) fn as_written(setting: &SettingValue, tolerance: &Option<String>) -> String {
     match tolerance {
         None => setting.as_written(),
         Some(tolerance) => format!("{{ value = {}, tolerance = {tolerance} }}", setting.as_written()),

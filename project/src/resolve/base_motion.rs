@@ -4,7 +4,7 @@ use counterpoise_models::base_motion::Traverse;
 use counterpoise_verify::signals::six_axes::SixAxes;
 
 use crate::file::field::{Field, Limit};
-use crate::file::visit::{Choice, Count, Visit, choose, maybe_number};
+use crate::file::visit::{Count, NamedChoice, Visit, choose, maybe_number};
 
 /// A recording of an inertial measurement unit on the base.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +42,7 @@ pub enum UnitReading {
     Acceleration,
 }
 
-impl Choice for UnitReading {
+impl NamedChoice for UnitReading {
     const NAMES: &'static [(&'static str, Self)] =
         &[("specific-force", Self::SpecificForce), ("acceleration", Self::Acceleration)];
 }

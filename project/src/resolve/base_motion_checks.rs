@@ -4,7 +4,7 @@ use counterpoise_models::{AccelerometerAxis, AxisKind, Sensor};
 
 use super::findings::Findings;
 use super::{Project, platform::PlatformSource};
-use crate::diagnostic::{Problem, Severity};
+use crate::diagnostic::{DiagnosticKind, Severity};
 use crate::file::source::Remark;
 use crate::tolerance::LEAST_SHARE_OF_HEAVE;
 
@@ -19,8 +19,10 @@ pub(super) fn check_elevated(findings: &mut Findings<'_>, project: &Project) {
         return;
     }
     let mut complain = |path: &str, found: String, allowed: &str| {
-        findings
-            .add(Severity::Error, Remark::new(Problem::Conflict, path, allowed.to_owned()).with_value(found));
+        findings.add(
+            Severity::Error,
+            Remark::new(DiagnosticKind::Conflict, path, allowed.to_owned()).with_value(found),
+        );
     };
     if project.plant.axis == AxisKind::Linear {
         let allowed = "must be \"vertical\" where plant.axis is \"linear\": a slide has no elevation";
@@ -44,7 +46,7 @@ pub(super) fn check_projection(findings: &mut Findings<'_>, project: &Project) {
     let Some(surge) = &sensors.surge_accelerometer else { return };
     let section = "plant.sensors.surge_accelerometer";
     let mut say = |severity: Severity, path: &str, allowed: &str| {
-        findings.add(severity, Remark::new(Problem::Conflict, path, allowed.to_owned()));
+        findings.add(severity, Remark::new(DiagnosticKind::Conflict, path, allowed.to_owned()));
     };
     if project.plant.axis == AxisKind::Linear {
         return say(
@@ -94,7 +96,7 @@ pub(super) fn slide(findings: &mut Findings<'_>, project: &Project) {
     let Some(PlatformSource::Recording(source)) = road else { return };
     if project.plant.axis == AxisKind::Linear && !source.surge.is_empty() {
         let allowed = "has no effect: a linear axis feels the acceleration along it, which is `heave` here";
-        let remark = Remark::new(Problem::Conflict, "verify.road.surge", allowed.to_owned());
+        let remark = Remark::new(DiagnosticKind::Conflict, "verify.road.surge", allowed.to_owned());
         findings.add(Severity::Warning, remark.with_value(format!("\"{}\"", source.surge)));
     }
 }

@@ -3,7 +3,7 @@
 use counterpoise_models::{Beam, Parameters, SectionShape};
 
 use super::findings::{Findings, duplicates};
-use crate::diagnostic::{Problem, Severity};
+use crate::diagnostic::{DiagnosticKind, Severity};
 use crate::file::source::Remark;
 use crate::tolerance::{ADJOINING_SHARE, BEAM_AGREEMENT, BEAM_OVERHANG};
 
@@ -14,7 +14,7 @@ pub(super) fn sections(findings: &mut Findings<'_>, beam: &Beam) {
     for (index, section) in beam.sections.iter().enumerate() {
         if section.to_m <= section.from_m {
             let allowed = format!("must lie beyond the section's near end {} m", section.from_m);
-            let remark = Remark::new(Problem::Conflict, &format!("{LIST}[{index}].to"), allowed);
+            let remark = Remark::new(DiagnosticKind::Conflict, &format!("{LIST}[{index}].to"), allowed);
             findings.add(Severity::Error, remark.with_value(section.to_m.to_string()));
         }
         hollow(findings, &format!("{LIST}[{index}].inner_diameter"), &section.shape);
@@ -29,7 +29,8 @@ pub(super) fn sections(findings: &mut Findings<'_>, beam: &Beam) {
                 two[0].name,
                 two[0].to_m
             );
-            let remark = Remark::new(Problem::Conflict, &format!("{LIST}[{}].from", index + 1), allowed);
+            let remark =
+                Remark::new(DiagnosticKind::Conflict, &format!("{LIST}[{}].from", index + 1), allowed);
             findings.add(Severity::Error, remark.with_value(two[1].from_m.to_string()));
         }
     }
@@ -42,7 +43,8 @@ fn pivot(findings: &mut Findings<'_>, beam: &Beam) {
         let allowed = format!("must lie on the beam, between {} and {} m", first.from_m, last.to_m);
         findings.add(
             Severity::Error,
-            Remark::new(Problem::Conflict, "plant.beam.pivot", allowed).with_value(beam.pivot_m.to_string()),
+            Remark::new(DiagnosticKind::Conflict, "plant.beam.pivot", allowed)
+                .with_value(beam.pivot_m.to_string()),
         );
     }
 }
@@ -58,7 +60,7 @@ fn hollow(findings: &mut Findings<'_>, path: &str, shape: &SectionShape) {
         let allowed = format!("must be below the outer diameter {outer_diameter_m:?} m at both ends");
         findings.add(
             Severity::Error,
-            Remark::new(Problem::Conflict, path, allowed).with_value(format!("{inner_diameter_m:?}")),
+            Remark::new(DiagnosticKind::Conflict, path, allowed).with_value(format!("{inner_diameter_m:?}")),
         );
     }
 }
@@ -82,7 +84,7 @@ pub(super) fn masses(findings: &mut Findings<'_>, beam: &Beam) {
                 "mass \"{}\" is not on the beam, which reaches from {} to {} m",
                 mass.name, first.from_m, last.to_m
             );
-            let remark = Remark::new(Problem::Conflict, &format!("{LIST}[{index}].position"), allowed);
+            let remark = Remark::new(DiagnosticKind::Conflict, &format!("{LIST}[{index}].position"), allowed);
             findings.add(Severity::Error, remark.with_value(mass.position_m.to_string()));
         }
     }
@@ -97,7 +99,7 @@ pub(super) fn agreement(findings: &mut Findings<'_>, plant: &Parameters) {
         let scale = of_beam.abs().max(value.abs());
         if (value - of_beam).abs() > BEAM_AGREEMENT * scale {
             let allowed = format!("{what} {value:.2} {unit}, but the beam's is {of_beam:.2} {unit}");
-            findings.add(Severity::Warning, Remark::new(Problem::Conflict, path, allowed));
+            findings.add(Severity::Warning, Remark::new(DiagnosticKind::Conflict, path, allowed));
         }
     };
     compare("plant.lumped.hub_inertia", total, inertia, "hub and beam inertia together are", "kg m^2");

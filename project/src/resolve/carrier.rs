@@ -6,11 +6,11 @@ use counterpoise_verify::signals::{Sides, Vehicle};
 
 use super::base_motion::{three, traverse};
 use crate::file::field::{Field, Limit};
-use crate::file::visit::{Choice, Visit, choose, maybe_number};
+use crate::file::visit::{NamedChoice, Visit, choose, maybe_number};
 
 const ABOVE_0: Limit = Limit::Above(0.0);
 
-impl Choice for WaveShape {
+impl NamedChoice for WaveShape {
     const NAMES: &'static [(&'static str, Self)] =
         &[("pierson-moskowitz", Self::PiersonMoskowitz), ("jonswap", Self::Jonswap)];
 }

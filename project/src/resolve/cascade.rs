@@ -4,11 +4,11 @@ use counterpoise_lti::Discretisation;
 use counterpoise_models::{AxisKind, FeedbackSignal};
 use counterpoise_synth::{Assembly, FeedforwardBasis, SamplingMethod, SynthesisMethod};
 
-use super::synthesis::{LoopKind, Synthesis};
+use super::synthesis::{DesignRequest, LoopKind};
 use crate::file::field::{Field, Limit};
-use crate::file::visit::{Choice, Visit, choose, maybe_number};
+use crate::file::visit::{NamedChoice, Visit, choose, maybe_number};
 
-impl Choice for LoopKind {
+impl NamedChoice for LoopKind {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("rate", Self::Rate),
         ("position", Self::Position),
@@ -30,7 +30,7 @@ const GAIN: Field = Field::new(
 .limit(Limit::Above(0.0));
 
 /// Reads or lists what the loop controls.
-pub(super) fn loop_kind(v: &mut dyn Visit, synth: &mut Synthesis, measured: FeedbackSignal) {
+pub(super) fn loop_kind(v: &mut dyn Visit, synth: &mut DesignRequest, measured: FeedbackSignal) {
     let usual = usual_kind(measured);
     if synth.loop_kind != LoopKind::Cascade {
         synth.loop_kind = usual;
@@ -81,7 +81,7 @@ const RATE_LIMIT: Field = Field::new(
 .limit(Limit::AtLeast(0.0));
 
 /// Reads or lists the largest rate that a loop of position demands.
-pub(super) fn rate_limit(v: &mut dyn Visit, synth: &mut Synthesis, axis: AxisKind) {
+pub(super) fn rate_limit(v: &mut dyn Visit, synth: &mut DesignRequest, axis: AxisKind) {
     if !matches!(synth.loop_kind, LoopKind::Position | LoopKind::Cascade) {
         synth.rate_limit = None;
         return;
@@ -104,7 +104,7 @@ pub(super) fn with_stated_weights(v: &mut dyn Visit, kind: LoopKind, position_ga
 
 /// Complains of what a cascade cannot be together with: the position loop is put around the three-part feedback and converted with
 /// it, so that the rate is exactly a difference of readings.
-pub(super) fn problem_exists(v: &mut dyn Visit, synth: &Synthesis) {
+pub(super) fn problem_exists(v: &mut dyn Visit, synth: &DesignRequest) {
     if synth.loop_kind != LoopKind::Cascade {
         return;
     }

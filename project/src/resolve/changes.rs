@@ -1,7 +1,7 @@
 //! From one project to another by the fewest changes of the file.
 
 use crate::file::lister::Line;
-use crate::file::{Document, EditError, Setting};
+use crate::file::{Document, EditError, SettingValue};
 
 /// Returns the file with what differs between two listings set or removed.
 pub(crate) fn apply(document: &Document, before: &[Line], after: &[Line]) -> Result<Document, EditError> {
@@ -12,14 +12,14 @@ pub(crate) fn apply(document: &Document, before: &[Line], after: &[Line]) -> Res
     let old = values(before);
     for (path, setting, usual) in values(after) {
         let known = old.iter().find(|(p, ..)| *p == path);
-        let absent = |value: &Setting| !value.is_finite() && !setting.is_finite();
+        let absent = |value: &SettingValue| !value.is_finite() && !setting.is_finite();
         // An absent key whose default follows another value must be written once it no longer does.
         let still = |was_usual: bool| usual == was_usual || document.has(path);
         let same = known.map_or(usual, |(_, value, was)| (*value == setting && still(*was)) || absent(value));
         if !same {
             // An empty list of numbers is what an absent key means: some keys allow no empty list.
             let is_absent = !setting.is_finite()
-                || usual && matches!(setting, Setting::Numbers(numbers) if numbers.is_empty());
+                || usual && matches!(setting, SettingValue::Numbers(numbers) if numbers.is_empty());
             out = if is_absent { out.remove(path)? } else { out.set(path, setting)? };
         }
     }
@@ -48,7 +48,7 @@ fn path(line: &Line) -> Option<&str> {
     }
 }
 
-fn values(lines: &[Line]) -> Vec<(&str, &Setting, bool)> {
+fn values(lines: &[Line]) -> Vec<(&str, &SettingValue, bool)> {
     let value = |line| match line {
         &Line::Value { ref path, ref setting, usual, .. } => Some((path.as_str(), setting, usual)),
         _ => None,

@@ -13,10 +13,10 @@ use super::model::StructureChoice;
 use super::sensor::IDEAL_SCALE;
 use super::synthesis::LoopKind;
 use super::{Project, base_motion_checks, beam_checks, cylinder, effort_checks, loop_sensor};
-use crate::diagnostic::{Diagnostic, Problem, Severity, did_you_mean};
+use crate::diagnostic::{Diagnostic, DiagnosticKind, Severity, did_you_mean};
 use crate::file::Document;
 use crate::file::source::Remark;
-use crate::file::visit::Choice;
+use crate::file::visit::NamedChoice;
 use crate::tolerance::{MOST_SENSOR_DELAY_SAMPLES, ROUNDED_PERIOD, SAME_SAMPLE_PERIOD};
 
 /// Keys and sections that describe the structure.
@@ -29,7 +29,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     let described = DESCRIPTIONS.iter().any(|path| document.has(path));
     if document.has("plant") && !described && !is_without_structure(project) {
         let remark = Remark::new(
-            Problem::Missing,
+            DiagnosticKind::Missing,
             "plant",
             "the structure is missing: the smallest is `inertia` (`mass` if the axis is linear); or give [plant.lumped], [plant.beam] or [plant.import]",
         );
@@ -82,7 +82,7 @@ fn rotor(findings: &mut Findings<'_>, plant: &Parameters) {
         let allowed =
             "must be stated and above 0 where the transmission has a stiffness: the rotor moves by itself";
         let hint = "if it is not known, leave the stiffness out: rotor and load are then one body";
-        let remark = Remark::new(Problem::Missing, "plant.motor.inertia", allowed);
+        let remark = Remark::new(DiagnosticKind::Missing, "plant.motor.inertia", allowed);
         findings.add(Severity::Error, remark.hint(Some(hint.to_owned())));
     }
 }
@@ -99,7 +99,7 @@ fn structure(findings: &mut Findings<'_>, project: &Project) {
         let found = format!("\"{}\"", project.model.structure.name());
         findings.add(
             Severity::Error,
-            Remark::new(Problem::Missing, "model.structure", allowed).with_value(found),
+            Remark::new(DiagnosticKind::Missing, "model.structure", allowed).with_value(found),
         );
     }
 }
@@ -135,12 +135,12 @@ fn configurations(findings: &mut Findings<'_>, project: &Project) {
                     }
                     known => format!("the beam has no such mass; it has {}", quoted(known)),
                 };
-                let remark = Remark::new(Problem::UnknownName, &path, allowed).with_value(found);
+                let remark = Remark::new(DiagnosticKind::UnknownName, &path, allowed).with_value(found);
                 findings.add(Severity::Error, remark.hint(did_you_mean(name, known.iter().copied())));
             } else if configuration.masses[..place].contains(name) {
                 findings.add(
                     Severity::Error,
-                    Remark::new(Problem::Duplicate, &path, "a mass can be fitted only once")
+                    Remark::new(DiagnosticKind::Duplicate, &path, "a mass can be fitted only once")
                         .with_value(found),
                 );
             }
@@ -154,7 +154,7 @@ fn configuration(findings: &mut Findings<'_>, project: &Project) {
     let known: Vec<&str> = project.plant.configurations.iter().map(|c| c.name.as_str()).collect();
     if !known.contains(&name.as_str()) {
         let allowed = format!("there is no such configuration; known are {}", quoted(&known));
-        let remark = Remark::new(Problem::UnknownName, "model.configuration", allowed)
+        let remark = Remark::new(DiagnosticKind::UnknownName, "model.configuration", allowed)
             .with_value(format!("\"{name}\""));
         findings.add(Severity::Error, remark.hint(did_you_mean(name, known.iter().copied())));
     }
@@ -169,7 +169,7 @@ fn tolerances(findings: &mut Findings<'_>, project: &Project) {
             let why =
                 if tolerance.value == 0.0 { "the value is 0" } else { "campaigns do not vary this key" };
             let allowed = format!("the tolerance has no effect: {why}; they vary {}", keys.join(", "));
-            findings.add(Severity::Warning, Remark::new(Problem::Conflict, &tolerance.key, allowed));
+            findings.add(Severity::Warning, Remark::new(DiagnosticKind::Conflict, &tolerance.key, allowed));
         }
     }
 }
@@ -190,7 +190,7 @@ fn map(findings: &mut Findings<'_>, plant: &Parameters) {
         let allowed = format!(
             "points must have a voltage above 0 and up to the input limit {limit} V, and a current above 0"
         );
-        let remark = Remark::new(Problem::Conflict, "plant.amplifier.map", allowed);
+        let remark = Remark::new(DiagnosticKind::Conflict, "plant.amplifier.map", allowed);
         findings.add(Severity::Error, remark.with_value(format!("[{}, {}]", point.input_v, point.current_a)));
     }
 }
@@ -198,7 +198,8 @@ fn map(findings: &mut Findings<'_>, plant: &Parameters) {
 fn coupling(findings: &mut Findings<'_>, plant: &Parameters) {
     let value = plant.motor.platform_coupling;
     if value.abs() < 1.0 && value != 0.0 {
-        let remark = Remark::new(Problem::OutOfRange, "plant.motor.platform_coupling", "must be -1, 0 or 1");
+        let remark =
+            Remark::new(DiagnosticKind::OutOfRange, "plant.motor.platform_coupling", "must be -1, 0 or 1");
         findings.add(Severity::Error, remark.with_value(value.to_string()));
     }
 }
@@ -221,7 +222,7 @@ fn compliance(findings: &mut Findings<'_>, plant: &Parameters) {
         let allowed = format!(
             "acts through a transmission that gives: state {section}stiffness as well; if none is known, leave the backlash out, and the transmission is rigid"
         );
-        let remark = Remark::new(Problem::Conflict, path, allowed).with_value(value.to_string());
+        let remark = Remark::new(DiagnosticKind::Conflict, path, allowed).with_value(value.to_string());
         findings.add(Severity::Error, remark);
     }
 }
@@ -232,8 +233,10 @@ fn cascade(findings: &mut Findings<'_>, project: &Project) {
     if is_cascade && project.reduce.method != ReductionMethod::None {
         let allowed = "must be \"none\" where synth.loop is \"cascade\": its rate loop is designed on the plant as it is";
         let found = format!("\"{}\"", project.reduce.method.name());
-        findings
-            .add(Severity::Error, Remark::new(Problem::Conflict, "reduce.method", allowed).with_value(found));
+        findings.add(
+            Severity::Error,
+            Remark::new(DiagnosticKind::Conflict, "reduce.method", allowed).with_value(found),
+        );
     }
 }
 
@@ -256,7 +259,7 @@ fn feedforwards(findings: &mut Findings<'_>, project: &Project) {
         sections(|(_, part, ..)| format!("[synth.{part}]")),
         sections(|(.., sensor)| format!("[plant.sensors.{sensor}]")),
     );
-    findings.add(Severity::Error, Remark::new(Problem::Missing, &format!("synth.{first}"), allowed));
+    findings.add(Severity::Error, Remark::new(DiagnosticKind::Missing, &format!("synth.{first}"), allowed));
 }
 
 /// Returns the sensors by their names in the file.
@@ -290,7 +293,7 @@ fn own_periods(findings: &mut Findings<'_>, plant: &Parameters) {
             "must be a whole multiple of plant.interface.sample_period, {period} s, up to {MOST_SENSOR_DELAY_SAMPLES} of it, or 0 for a reading each sample"
         );
         let path = format!("plant.sensors.{name}.sample_period");
-        let remark = Remark::new(Problem::OutOfRange, &path, allowed);
+        let remark = Remark::new(DiagnosticKind::OutOfRange, &path, allowed);
         findings.add(Severity::Error, remark.with_value(own_s.to_string()));
     }
 }
@@ -303,7 +306,8 @@ fn delays(findings: &mut Findings<'_>, plant: &Parameters) {
         if period > 0.0 && delay_s > MOST_SENSOR_DELAY_SAMPLES * period {
             let most = MOST_SENSOR_DELAY_SAMPLES * period;
             let allowed = format!("must be at most {MOST_SENSOR_DELAY_SAMPLES} sample periods, {most} s");
-            let remark = Remark::new(Problem::OutOfRange, &format!("plant.sensors.{name}.delay"), allowed);
+            let remark =
+                Remark::new(DiagnosticKind::OutOfRange, &format!("plant.sensors.{name}.delay"), allowed);
             findings.add(Severity::Error, remark.with_value(delay_s.to_string()));
         }
     }
@@ -325,7 +329,8 @@ fn coarse_readings(findings: &mut Findings<'_>, plant: &Parameters) {
                 "is not stated, and {bits} bits over +/- 10 V at 0.001 V per unit read in steps of {step:.2}: state the sensor's voltage per unit, or leave out \
                  plant.interface.input_bits"
             );
-            let remark = Remark::new(Problem::Missing, &format!("plant.sensors.{name}.scale"), allowed);
+            let remark =
+                Remark::new(DiagnosticKind::Missing, &format!("plant.sensors.{name}.scale"), allowed);
             findings.add(Severity::Warning, remark);
         }
     }
@@ -376,7 +381,7 @@ fn runs_at_the_period(
         let allowed = format!(
             "must be {wanted} the sample period of plant.interface, {period} s; this one has {own_s} s"
         );
-        let remark = Remark::new(Problem::OutOfRange, file.path, allowed);
+        let remark = Remark::new(DiagnosticKind::OutOfRange, file.path, allowed);
         findings.add(Severity::Error, remark.with_value(format!("\"{}\"", file.name)));
     }
 }
@@ -389,7 +394,7 @@ fn without_effect(findings: &mut Findings<'_>, plant: &Parameters) {
     let given = drive.iter().filter_map(|(name, sensor)| sensor.as_ref().map(|sensor| (*name, sensor)));
     let mut warn = |path: String, value: f64, why: &str| {
         let allowed = format!("has no effect: {why}");
-        let remark = Remark::new(Problem::Conflict, &path, allowed).with_value(value.to_string());
+        let remark = Remark::new(DiagnosticKind::Conflict, &path, allowed).with_value(value.to_string());
         findings.add(Severity::Warning, remark);
     };
     for (name, sensor) in given.clone().filter(|(_, sensor)| sensor.natural_frequency_rad_s.is_finite()) {
@@ -423,7 +428,7 @@ fn units(findings: &mut Findings<'_>, mapping: &Mapping, of_machine: ChannelUnit
             let allowed = format!(
                 "must be a unit like {wanted}, unless `slope_over` or `slope_lag` says that its slope is meant"
             );
-            let remark = Remark::new(Problem::OutOfRange, &path, allowed);
+            let remark = Remark::new(DiagnosticKind::OutOfRange, &path, allowed);
             findings.add(Severity::Error, remark.with_value(format!("\"{written}\"")));
         }
     }

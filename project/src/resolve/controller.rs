@@ -7,7 +7,7 @@ use counterpoise_controller::{PositionController, PositionSource, ProportionalIn
 use super::controller_file::{ControllerContent, parse};
 
 use crate::file::field::{Field, Limit};
-use crate::file::visit::{Choice, Visit, choose};
+use crate::file::visit::{NamedChoice, Visit, choose};
 use crate::tolerance::MOST_RATE_SAMPLES;
 
 /// The controller that was in the loop when recordings were made.
@@ -53,7 +53,7 @@ enum Kind {
     Exported,
 }
 
-impl Choice for Kind {
+impl NamedChoice for Kind {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("pi", Self::ProportionalIntegral),
         ("position", Self::Position),

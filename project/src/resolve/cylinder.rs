@@ -8,7 +8,7 @@ use counterpoise_models::{
 use super::digits::round_to_digits;
 use super::findings::Findings;
 use super::{Project, drive};
-use crate::diagnostic::{Problem, Severity};
+use crate::diagnostic::{DiagnosticKind, Severity};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
 use crate::file::source::Remark;
 use crate::file::visit::{Presence, Visit, maybe_number, optional};
@@ -238,7 +238,7 @@ pub(super) fn fitting(findings: &mut Findings<'_>, project: &Project) {
     let plant = &project.plant;
     let Some(cylinder) = &plant.cylinder else { return };
     let mut complain = |path: &str, allowed: String, hint: &str| {
-        let remark = Remark::new(Problem::Conflict, path, allowed);
+        let remark = Remark::new(DiagnosticKind::Conflict, path, allowed);
         findings.add(Severity::Error, remark.hint(Some(hint.to_owned())));
     };
     if let Lever::Linkage(pins) = &cylinder.lever {

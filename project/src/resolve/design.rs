@@ -13,17 +13,17 @@ use counterpoise_synth::{
 };
 
 use super::cascade;
-use super::fixed_structure::{TunedWeights, Tuning};
+use super::fixed_structure::{TunedWeights, TuningOptions};
 use super::model::count;
-use super::synthesis::{Synthesis, WeightSource, blank_feedback, blank_feedforward};
+use super::synthesis::{DesignRequest, WeightSource, blank_feedback, blank_feedforward};
 use super::synthesis_options::{self, SynthesisOptions};
 use super::weight::weight;
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Choice, Visit, choose, maybe_number, optional, table};
+use crate::file::visit::{NamedChoice, Visit, choose, maybe_number, optional, table};
 
 /// How the plant is reduced before the design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Reduction {
+pub struct ReductionOptions {
     /// Method.
     pub method: ReductionMethod,
     /// States that are kept; `None` leaves the choice to the method.
@@ -47,7 +47,7 @@ pub enum ReductionMethod {
 
 /// What code is generated.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Export {
+pub struct ExportRequest {
     /// Languages.
     pub languages: Vec<Language>,
     /// Name and precision.
@@ -67,7 +67,7 @@ pub enum Language {
     Fmi,
 }
 
-impl Choice for ReductionMethod {
+impl NamedChoice for ReductionMethod {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("none", Self::None),
         ("minimal", Self::Minimal),
@@ -77,26 +77,26 @@ impl Choice for ReductionMethod {
     ];
 }
 
-impl Choice for Assembly {
+impl NamedChoice for Assembly {
     const NAMES: &'static [(&'static str, Self)] =
         &[("simple-add", Self::SimpleAdd), ("grimble", Self::Grimble), ("joint", Self::Joint)];
 }
 
-impl Choice for Reference {
+impl NamedChoice for Reference {
     const NAMES: &'static [(&'static str, Self)] =
         &[("error", Self::Error), ("weight-only", Self::WeightOnly)];
 }
 
-impl Choice for Language {
+impl NamedChoice for Language {
     const NAMES: &'static [(&'static str, Self)] =
         &[("c99", Self::C99), ("rust", Self::Rust), ("fixed", Self::Fixed), ("fmi", Self::Fmi)];
 }
 
-impl Choice for Precision {
+impl NamedChoice for Precision {
     const NAMES: &'static [(&'static str, Self)] = &[("double", Self::Double), ("single", Self::Single)];
 }
 
-impl Choice for RealisationForm {
+impl NamedChoice for RealisationForm {
     const NAMES: &'static [(&'static str, Self)] =
         &[("least-sensitive", Self::LeastSensitive), ("modal", Self::Modal), ("balanced", Self::Balanced)];
 }
@@ -111,7 +111,7 @@ enum SamplingName {
     SampledData,
 }
 
-impl Choice for SamplingName {
+impl NamedChoice for SamplingName {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("tustin", Self::Tustin),
         ("zero-order-hold", Self::ZeroOrderHold),
@@ -128,26 +128,26 @@ enum Known {
     Measured,
 }
 
-impl Choice for Known {
+impl NamedChoice for Known {
     const NAMES: &'static [(&'static str, Self)] = &[("exact", Self::Exact), ("measured", Self::Measured)];
 }
 
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 
-impl Default for Reduction {
+impl Default for ReductionOptions {
     fn default() -> Self {
         Self { method: ReductionMethod::None, order: None }
     }
 }
 
-impl Default for Export {
+impl Default for ExportRequest {
     fn default() -> Self {
         Self { languages: vec![Language::C99], options: CodeOptions::double("controller") }
     }
 }
 
 /// Reads or lists the reduction.
-pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut Reduction) {
+pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut ReductionOptions) {
     choose(
         v,
         &Field::new("method", "how the plant is reduced").or_text("none").show_default(),
@@ -165,7 +165,7 @@ pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut Reduction) {
 }
 
 /// Reads or lists the design of a loop whose sensor measures a rate or a position.
-pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: FeedbackSignal, axis: AxisKind) {
+pub(crate) fn synth(v: &mut dyn Visit, synth: &mut DesignRequest, measured: FeedbackSignal, axis: AxisKind) {
     cascade::loop_kind(v, synth, measured);
     cascade::rate_limit(v, synth, axis);
     assembly_and_form(v, synth);
@@ -192,7 +192,7 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut Synthesis, measured: Feedback
 }
 
 /// Reads or lists how the controller is put together, sampled and run.
-fn assembly_and_form(v: &mut dyn Visit, synth: &mut Synthesis) {
+fn assembly_and_form(v: &mut dyn Visit, synth: &mut DesignRequest) {
     let asked = "bandwidth that chosen weights aim at (highest frequency at which the loop's gain is 1); only without \
                  `[synth.feedback]`, which states weights";
     let bandwidth = Field::new("bandwidth", asked).unit("rad/s").limit(Limit::Above(0.0));
@@ -232,7 +232,7 @@ fn assembly_and_form(v: &mut dyn Visit, synth: &mut Synthesis) {
 }
 
 /// Reads or lists the weights of feedback and feedforward.
-fn weights(v: &mut dyn Visit, synth: &mut Synthesis) {
+fn weights(v: &mut dyn Visit, synth: &mut DesignRequest) {
     let specification = &mut synth.specification;
     let mut stated = (synth.weights == WeightSource::Stated).then(|| specification.feedback.clone());
     let section = "weights of the feedback; without them, weights are chosen for the highest bandwidth";
@@ -256,7 +256,7 @@ fn weights(v: &mut dyn Visit, synth: &mut Synthesis) {
 }
 
 /// Complains if weights are to be tuned of a feedback that has none, and if there is nothing to tune.
-fn weights_can_be_tuned(v: &mut dyn Visit, synth: &Synthesis, tuning: &Tuning) {
+fn weights_can_be_tuned(v: &mut dyn Visit, synth: &DesignRequest, tuning: &TuningOptions) {
     let specification = &synth.specification;
     let problem = match tuning.weights {
         TunedWeights::Stated => "needs blocks, whose parameters it tunes, or weights = \"tune\"",
@@ -280,7 +280,7 @@ fn weights_can_be_tuned(v: &mut dyn Visit, synth: &Synthesis, tuning: &Tuning) {
 
 /// Complains where a feedback of fixed structure, or one that was made elsewhere, is asked for together with what makes or changes
 /// another feedback.
-fn fixed_feedback_stands_alone(v: &mut dyn Visit, synth: &Synthesis) {
+fn fixed_feedback_stands_alone(v: &mut dyn Visit, synth: &DesignRequest) {
     let (options, specification) = (&synth.options, &synth.specification);
     let (section, remedy) = match (&options.imported, options.structure.blocks.is_empty()) {
         (Some(_), true) => ("[synth.controller]", "remove [synth.controller], or change this key"),
@@ -326,7 +326,7 @@ fn fixed_feedback_stands_alone(v: &mut dyn Visit, synth: &Synthesis) {
 }
 
 /// Complains of what a feedback that was made elsewhere cannot be together with.
-fn imported_can_run(v: &mut dyn Visit, synth: &Synthesis) {
+fn imported_can_run(v: &mut dyn Visit, synth: &DesignRequest) {
     let Some(imported) = &synth.options.imported else { return };
     if synth.options.tuning.is_some() {
         let problem = "must be absent where [synth.controller] makes the feedback: nothing of it is open";
@@ -344,7 +344,7 @@ fn imported_can_run(v: &mut dyn Visit, synth: &Synthesis) {
 }
 
 /// Complains where a joint design is asked for together with what takes feedback or feedforward apart.
-fn joint_problem_exists(v: &mut dyn Visit, synth: &Synthesis) {
+fn joint_problem_exists(v: &mut dyn Visit, synth: &DesignRequest) {
     let options = &synth.options;
     let apart = [
         (options.method != counterpoise_synth::SynthesisMethod::ThreePart, "`method`"),
@@ -480,11 +480,11 @@ enum Weighed {
     Tip,
 }
 
-impl Choice for Weighed {
+impl NamedChoice for Weighed {
     const NAMES: &'static [(&'static str, Self)] = &[("hub", Self::Hub), ("tip", Self::Tip)];
 }
 
-impl Choice for FeedforwardBasis {
+impl NamedChoice for FeedforwardBasis {
     const NAMES: &'static [(&'static str, Self)] =
         &[("open-loop", Self::OpenLoop), ("closed-loop", Self::ClosedLoop)];
 }
@@ -542,7 +542,7 @@ fn feedforward(v: &mut dyn Visit, part: &mut FeedforwardWeights, noise_unit: &'s
 }
 
 /// Reads or lists what code is generated.
-pub(crate) fn export(v: &mut dyn Visit, export: &mut Export) {
+pub(crate) fn export(v: &mut dyn Visit, export: &mut ExportRequest) {
     let name = Field::new("name", "prefix of every name of the code").or_text("controller").show_default();
     v.text(&name, &mut export.options.name);
     if let Some(problem) = identifier(&export.options.name) {
@@ -566,7 +566,7 @@ fn languages(v: &mut dyn Visit, languages: &mut Vec<Language>) {
     }
     *languages = names.iter().filter_map(known).collect();
     if languages.is_empty() {
-        *languages = Export::default().languages;
+        *languages = ExportRequest::default().languages;
     }
 }
 

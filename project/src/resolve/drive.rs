@@ -6,7 +6,7 @@
 use counterpoise_models::{Amplifier, AmplifierDynamics, MapPoint, Motor, Parameters, Ripple};
 
 use crate::file::field::{Field, Limit, TableField, UnitHint, UsualRange};
-use crate::file::visit::{Choice, Presence, Visit, choose};
+use crate::file::visit::{NamedChoice, Presence, Visit, choose};
 use crate::tolerance::WHOLE_DELAY;
 
 use super::digits::round_to_digits;
@@ -36,7 +36,7 @@ enum Takes {
     Voltage,
 }
 
-impl Choice for Takes {
+impl NamedChoice for Takes {
     const NAMES: &'static [(&'static str, Self)] =
         &[("torque", Self::Torque), ("current", Self::Current), ("voltage", Self::Voltage)];
 }
@@ -275,7 +275,7 @@ fn amplifier(v: &mut dyn Visit, amplifier: &mut Amplifier) {
     map(v, &mut amplifier.map);
 }
 
-impl Choice for AmplifierDynamics {
+impl NamedChoice for AmplifierDynamics {
     const NAMES: &'static [(&'static str, Self)] =
         &[("modelled", Self::Modelled), ("ideal-current", Self::IdealCurrent)];
 }

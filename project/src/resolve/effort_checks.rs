@@ -5,7 +5,7 @@ use counterpoise_models::{FeedbackSignal, Parameters};
 
 use super::Project;
 use super::findings::Findings;
-use crate::diagnostic::{Problem, Severity};
+use crate::diagnostic::{DiagnosticKind, Severity};
 use crate::file::source::Remark;
 
 /// Checks a loop whose sensor measures a torque, a force or a current.
@@ -87,6 +87,6 @@ fn without_rate(findings: &mut Findings<'_>, project: &Project) {
 }
 
 fn add(findings: &mut Findings<'_>, key: &str, problem: &str, hint: &str) {
-    let remark = Remark::new(Problem::Conflict, key, problem).hint(Some(hint.to_owned()));
+    let remark = Remark::new(DiagnosticKind::Conflict, key, problem).hint(Some(hint.to_owned()));
     findings.add(Severity::Error, remark);
 }

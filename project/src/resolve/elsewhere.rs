@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use super::{Project, file};
-use crate::diagnostic::{Diagnostic, Problem};
+use crate::diagnostic::{Diagnostic, DiagnosticKind};
 use crate::file::guide::{Guide, Places, SOME_WALKS};
 
 /// Most sections that a hint names: a key of more places means something else in each.
@@ -11,7 +11,7 @@ const MOST_PLACES: usize = 3;
 
 /// Adds to each unknown key without a hint the sections that have a key, or are a section, of that name.
 pub(super) fn hint_at_sections(findings: &mut [Diagnostic]) {
-    let unknown = |d: &&mut Diagnostic| d.problem == Problem::UnknownKey && d.hint.is_none();
+    let unknown = |d: &&mut Diagnostic| d.problem == DiagnosticKind::UnknownKey && d.hint.is_none();
     for finding in findings.iter_mut().filter(unknown) {
         let (own, name) = finding.path.rsplit_once('.').unwrap_or(("", &finding.path));
         finding.hint = words(&without_numbers(own), name, &guide().places_of(name));

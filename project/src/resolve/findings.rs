@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnostic::{Diagnostic, Problem, Severity};
+use crate::diagnostic::{Diagnostic, DiagnosticKind, Severity};
 use crate::file::Document;
 use crate::file::source::Remark;
 
@@ -42,7 +42,7 @@ pub(super) fn duplicates<'n>(findings: &mut Findings<'_>, list: &str, names: imp
     for (index, name) in names.enumerate().filter(|(_, name)| !name.is_empty()) {
         if let Some(first) = seen.get(name) {
             let allowed = format!("the name is taken by {list}[{first}]; names must differ");
-            let remark = Remark::new(Problem::Duplicate, &format!("{list}[{index}].name"), allowed);
+            let remark = Remark::new(DiagnosticKind::Duplicate, &format!("{list}[{index}].name"), allowed);
             findings.add(Severity::Error, remark.with_value(format!("\"{name}\"")));
         }
         seen.entry(name).or_insert(index);

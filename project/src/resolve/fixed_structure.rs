@@ -4,11 +4,11 @@ use counterpoise_synth::{Block, BlockKind, BlockParameter, LoopLimits, Parameter
 
 use super::model::count;
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Choice, Count, Visit, choose, list, maybe_number, pair};
+use crate::file::visit::{Count, NamedChoice, Visit, choose, list, maybe_number, pair};
 
 /// What the open parameters of a structure, or the weights, are tuned for.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Tuning {
+pub struct TuningOptions {
     /// Whether the weights of the H2 feedback are tuned.
     pub weights: TunedWeights,
     /// What is made least.
@@ -54,7 +54,7 @@ pub enum FurtherPlants {
     Sweep,
 }
 
-impl Choice for BlockKind {
+impl NamedChoice for BlockKind {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("gain", Self::Gain),
         ("pi", Self::ProportionalIntegral),
@@ -68,16 +68,16 @@ impl Choice for BlockKind {
     ];
 }
 
-impl Choice for TunedWeights {
+impl NamedChoice for TunedWeights {
     const NAMES: &'static [(&'static str, Self)] =
         &[("stated", Self::Stated), ("tune", Self::ToTune), ("tuned", Self::Tuned)];
 }
 
-impl Choice for TuningObjective {
+impl NamedChoice for TuningObjective {
     const NAMES: &'static [(&'static str, Self)] = &[("motion", Self::Motion), ("band", Self::Band)];
 }
 
-impl Choice for FurtherPlants {
+impl NamedChoice for FurtherPlants {
     const NAMES: &'static [(&'static str, Self)] = &[("schedule", Self::Schedule), ("sweep", Self::Sweep)];
 }
 
@@ -86,7 +86,7 @@ const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 const KIND: Field =
     Field::new("kind", "kind of the block; the signal passes the blocks in their order in the file");
 
-impl Default for Tuning {
+impl Default for TuningOptions {
     fn default() -> Self {
         // Ms 1.4 keeps 41 degrees and a gain factor of 3.5 (Astrom and Murray, Feedback Systems, section 12.2).
         let limits = LoopLimits { max_sensitivity: 1.4, max_complementary: 1.4, ..LoopLimits::default() };
@@ -176,7 +176,7 @@ fn fields(name: ParameterName) -> (Field, Field) {
 }
 
 /// Reads or lists what the open parameters are tuned for.
-pub(crate) fn tuning(v: &mut dyn Visit, tuning: &mut Tuning) {
+pub(crate) fn tuning(v: &mut dyn Visit, tuning: &mut TuningOptions) {
     let which = "weights of an H2 feedback: as [synth.feedback] states them, to be tuned from there under the limits, or written by a tuning";
     choose(v, &Field::new("weights", which).or_text("stated"), &mut tuning.weights);
     let meaning = "what is made least: the hub rate that the project's motion, friction and noise leave, or the RMS of the sensitivity over `band`";

@@ -1,6 +1,6 @@
 //! The format that a file states, and what makes a file unreadable as a whole.
 
-use crate::diagnostic::{self, Diagnostic, Problem, Severity};
+use crate::diagnostic::{self, Diagnostic, DiagnosticKind, Severity};
 use crate::file::source::Remark;
 use crate::file::{Document, FORMAT, format_is_newer};
 
@@ -16,7 +16,9 @@ pub(super) enum News {
 /// Returns the errors for which nothing else of a file is judged: a newer format, and parts that are not in their places.
 pub(super) fn unreadable(document: &Document) -> Result<(), Vec<Diagnostic>> {
     if let Some(why) = document.node_at("format").and_then(format_is_newer) {
-        return Err(vec![document.finding(Severity::Error, Remark::new(Problem::Format, "format", why))]);
+        return Err(vec![
+            document.finding(Severity::Error, Remark::new(DiagnosticKind::Format, "format", why)),
+        ]);
     }
     if document.inclusion.is_empty() {
         return Ok(());
@@ -30,7 +32,7 @@ pub(super) fn unreadable(document: &Document) -> Result<(), Vec<Diagnostic>> {
 pub(super) fn judge_format(document: &Document, format: u32, news: News) -> Option<Diagnostic> {
     if format == 0 && document.format() == Some(0) {
         let allowed = format!("formats are counted from 1; this version writes format {FORMAT}");
-        let remark = Remark::new(Problem::Format, "format", allowed).with_value("0");
+        let remark = Remark::new(DiagnosticKind::Format, "format", allowed).with_value("0");
         return Some(document.finding(Severity::Error, remark));
     }
     let is_older = document.format().is_some_and(|format| format < FORMAT);
@@ -40,7 +42,7 @@ pub(super) fn judge_format(document: &Document, format: u32, news: News) -> Opti
              Counterpoise cannot read it"
         );
         let hint = "`counterpoise check --migrate` sets the format".to_owned();
-        let remark = Remark::new(Problem::Format, "format", allowed).with_value(format.to_string()).hint(Some(hint));
+        let remark = Remark::new(DiagnosticKind::Format, "format", allowed).with_value(format.to_string()).hint(Some(hint));
         document.finding(Severity::Warning, remark)
     })
 }

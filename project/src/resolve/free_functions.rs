@@ -6,14 +6,14 @@ use counterpoise_models::{
 
 use super::axis_words::Words;
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Choice, Count, Visit, choose, list};
+use crate::file::visit::{Count, NamedChoice, Visit, choose, list};
 
-impl Choice for LearnedPlace {
+impl NamedChoice for LearnedPlace {
     const NAMES: &'static [(&'static str, Self)] =
         &[("pivot", Self::Pivot), ("motor", Self::Motor), ("gearbox", Self::Gearbox)];
 }
 
-impl Choice for LearnedQuantity {
+impl NamedChoice for LearnedQuantity {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("torque", Self::Torque),
         ("friction", Self::FrictionLevel),
@@ -23,7 +23,7 @@ impl Choice for LearnedQuantity {
     ];
 }
 
-impl Choice for RegimeVariable {
+impl NamedChoice for RegimeVariable {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("angle", Self::Angle),
         ("turn", Self::Turn),
@@ -34,7 +34,7 @@ impl Choice for RegimeVariable {
     ];
 }
 
-impl Choice for Interpolation {
+impl NamedChoice for Interpolation {
     const NAMES: &'static [(&'static str, Self)] = &[("cubic", Self::Cubic), ("linear", Self::Linear)];
 }
 

@@ -4,7 +4,7 @@ use counterpoise_models::friction::ranges;
 use counterpoise_models::{Friction, FrictionLaw, Ripple, StribeckCurve};
 
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Choice, Count, Presence, Visit, choose};
+use crate::file::visit::{Count, NamedChoice, Presence, Visit, choose};
 
 /// The name of a law.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,7 +20,7 @@ enum Law {
     Bristle,
 }
 
-impl Choice for Law {
+impl NamedChoice for Law {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("none", Self::None),
         ("dahl", Self::Dahl),
@@ -44,7 +44,7 @@ enum Curve {
     Polynomial,
 }
 
-impl Choice for Curve {
+impl NamedChoice for Curve {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("tustin", Self::Tustin),
         ("gaussian", Self::Gaussian),

@@ -5,12 +5,12 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use counterpoise_linalg::{Sparse, sparse::ProgressObserver};
 use counterpoise_models::PointMass;
 use counterpoise_models::structure::fe::Fitted;
-use counterpoise_models::structure::import::{Dmig, Imported, NodeMap, dmig, matrix_market, op4};
+use counterpoise_models::structure::import::{Dmig, Imported, NodeMap, matrix_market, read_dmig, read_op4};
 use counterpoise_models::structure::{Condensation, FeModel, Shapes};
 
 use super::structure::{assumed_ratio, masses};
 use crate::file::field::{Field, Limit};
-use crate::file::visit::{Choice, Count, Visit, choose};
+use crate::file::visit::{Count, NamedChoice, Visit, choose};
 
 /// The structure as matrices from elsewhere.
 #[derive(Debug, Clone, PartialEq)]
@@ -64,12 +64,12 @@ pub enum MatrixFormat {
     Op4,
 }
 
-impl Choice for MatrixFormat {
+impl NamedChoice for MatrixFormat {
     const NAMES: &'static [(&'static str, Self)] =
         &[("matrix-market", Self::MatrixMarket), ("dmig", Self::Dmig), ("op4", Self::Op4)];
 }
 
-impl Choice for Shapes {
+impl NamedChoice for Shapes {
     const NAMES: &'static [(&'static str, Self)] = &[("modes", Self::Modes), ("balanced", Self::Balanced)];
 }
 
@@ -197,7 +197,7 @@ fn content(v: &mut dyn Visit, import: &ImportedStructure) -> Option<ImportedCont
     let matrices = match import.format {
         MatrixFormat::MatrixMarket => plain(v, import, &map, |text, _| matrix_market(text)),
         MatrixFormat::Op4 => plain(v, import, &map, |text, name| {
-            let all = op4(text)?;
+            let all = read_op4(text)?;
             let known: Vec<&str> = all.iter().map(|one| one.name.as_str()).collect();
             let at = the_one(&known, name)?;
             Ok(all[at].matrix.clone())
@@ -208,7 +208,7 @@ fn content(v: &mut dyn Visit, import: &ImportedStructure) -> Option<ImportedCont
     match content.matrices.sparse(&content.map) {
         Ok(_) => Some(content),
         Err(error) => {
-            v.complain("node_map", &format!("does not fit the matrices: {}", said(&error)), None);
+            v.complain("node_map", &format!("does not fit the matrices: {}", describe_mistake(&error)), None);
             None
         }
     }
@@ -244,7 +244,7 @@ fn grids(v: &mut dyn Visit, import: &ImportedStructure) -> Option<Imported> {
             continue;
         }
         let inside = read(v, key, &from.file, |text| {
-            let all = dmig(text)?;
+            let all = read_dmig(text)?;
             let known: Vec<&str> = all.iter().map(|one| one.name.as_str()).collect();
             let at = the_one(&known, &from.name)?;
             Ok(all[at].clone())
@@ -258,7 +258,7 @@ fn grids(v: &mut dyn Visit, import: &ImportedStructure) -> Option<Imported> {
     match Imported::from_dmig(&all, mass, named.get(2).map(String::as_str), stiffness) {
         Ok(made) => Some(made),
         Err(error) => {
-            v.complain("mass_matrix", &said(&error), None);
+            v.complain("mass_matrix", &describe_mistake(&error), None);
             None
         }
     }
@@ -285,7 +285,8 @@ fn read<T>(
     file: &str,
     parse: impl Fn(&str) -> Result<T, counterpoise_models::Error>,
 ) -> Option<T> {
-    let parsed = v.attached_text(file)?.and_then(|text| parse(&text).map_err(|error| said(&error)));
+    let parsed =
+        v.attached_text(file)?.and_then(|text| parse(&text).map_err(|error| describe_mistake(&error)));
     match parsed {
         Ok(value) => Some(value),
         Err(why) => {
@@ -296,7 +297,7 @@ fn read<T>(
 }
 
 /// Returns a mistake in a file, with its line where one is to blame.
-fn said(error: &counterpoise_models::Error) -> String {
+fn describe_mistake(error: &counterpoise_models::Error) -> String {
     match error {
         counterpoise_models::Error::Import { line: 0, what } => what.clone(),
         other => other.to_string(),

@@ -6,7 +6,7 @@ use counterpoise_models::loads::{EndStops, Equilibrator, Recoil};
 use counterpoise_models::{AxisKind, DriveLimits, MotorHeat, Parameters};
 
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Choice, Count, Presence, Visit, choose, optional};
+use crate::file::visit::{Count, NamedChoice, Presence, Visit, choose, optional};
 
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 const ABOVE_0: Limit = Limit::Above(0.0);
@@ -15,7 +15,7 @@ const ROOM_K: f64 = 293.15;
 /// Polytropic exponent of strokes that are neither fast nor slow; between 1 (isothermal) and 1.4 (adiabatic).
 const EXPONENT: f64 = 1.2;
 
-impl Choice for Action {
+impl NamedChoice for Action {
     const NAMES: &'static [(&'static str, Self)] = &[("pull", Self::Pull), ("push", Self::Push)];
 }
 
@@ -26,7 +26,7 @@ enum Kind {
     Gas,
 }
 
-impl Choice for Kind {
+impl NamedChoice for Kind {
     const NAMES: &'static [(&'static str, Self)] = &[("spring", Self::Spring), ("gas", Self::Gas)];
 }
 

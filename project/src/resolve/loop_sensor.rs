@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 
 use super::sensor::{IDEAL_SCALE, gyroscope, sensor};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
-use crate::file::visit::{Choice, Presence, Visit, choose};
+use crate::file::visit::{NamedChoice, Presence, Visit, choose};
 
 /// A loop's sensor of which nothing is written: ideal, with a range beyond every motion.
 pub(super) const UNKNOWN: Sensor = Sensor { scale_v_unit: IDEAL_SCALE, ..Sensor::IDEAL };
@@ -38,7 +38,7 @@ enum Place {
     Motor,
 }
 
-impl Choice for Place {
+impl NamedChoice for Place {
     const NAMES: &'static [(&'static str, Self)] = &[("load", Self::Load), ("motor", Self::Motor)];
 }
 

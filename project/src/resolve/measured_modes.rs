@@ -3,7 +3,7 @@
 use counterpoise_models::structure::Support;
 
 use crate::file::field::{Field, Limit};
-use crate::file::visit::{Choice, Count, Visit, choose};
+use crate::file::visit::{Count, NamedChoice, Visit, choose};
 
 /// Natural frequencies measured on the real structure.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,7 +14,7 @@ pub struct MeasuredModes {
     pub support: Support,
 }
 
-impl Choice for Support {
+impl NamedChoice for Support {
     const NAMES: &'static [(&'static str, Self)] =
         &[("free", Self::Free), ("pinned", Self::Pinned), ("clamped", Self::Clamped)];
 }

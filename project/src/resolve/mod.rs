@@ -49,8 +49,8 @@ use std::collections::BTreeMap;
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Mapping;
 
-use crate::assumption::{Assumption, Tolerance};
-use crate::diagnostic::{self, Diagnostic, Problem, Severity};
+use crate::assumption::{Assumption, KeyTolerance};
+use crate::diagnostic::{self, Diagnostic, DiagnosticKind, Severity};
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::guide::{Guide, WALKS};
 use crate::file::lister::{Line, Lister};
@@ -59,13 +59,13 @@ use crate::file::setter::Setter;
 use crate::file::visit::{Presence, Visit, optional, table};
 use crate::file::{Attachments, Document, EditError, FORMAT, writer};
 use controller::RecordingController;
-use design::{Export, Reduction};
+use design::{ExportRequest, ReductionOptions};
 use format::News;
-use model::Modelling;
+use model::PlantSelection;
 use purpose::Purpose;
-use sweep::Sweep;
-use synthesis::{Synthesis, blank_synthesis};
-use verify::Verification;
+use sweep::RobustnessCampaign;
+use synthesis::{DesignRequest, blank_synthesis};
+use verify::VerificationOptions;
 
 /// A project with every value resolved.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,19 +75,19 @@ pub struct Project {
     /// The structure as matrices from elsewhere, if there is one.
     pub import: Option<import::ImportedStructure>,
     /// Which description of the mechanism is taken, and where it stands.
-    pub model: Modelling,
+    pub model: PlantSelection,
     /// How the plant is reduced before the design.
-    pub reduce: Reduction,
+    pub reduce: ReductionOptions,
     /// What is asked of the design.
-    pub synth: Option<Synthesis>,
+    pub synth: Option<DesignRequest>,
     /// What is done to the loop, and the limits of its figures.
-    pub verify: Option<Verification>,
+    pub verify: Option<VerificationOptions>,
     /// The traverse axis under this elevation axis, if there is one.
     pub traverse: Option<traverse::TraverseAxis>,
     /// How robustness is tried.
-    pub sweep: Option<Sweep>,
+    pub sweep: Option<RobustnessCampaign>,
     /// What code is generated.
-    pub export: Export,
+    pub export: ExportRequest,
     /// The controller that was in the loop when recordings were made.
     pub recording_controller: Option<RecordingController>,
     /// How the columns of recordings become channels.
@@ -95,12 +95,12 @@ pub struct Project {
     /// Natural frequencies measured on the real structure.
     pub measured: Option<measured_modes::MeasuredModes>,
     /// Values that are known within tolerances.
-    pub tolerances: Vec<Tolerance>,
+    pub tolerances: Vec<KeyTolerance>,
 }
 
 /// A project and what is suspicious in its file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Parsed {
+pub struct ParsedProject {
     /// The project.
     pub project: Project,
     /// What is allowed but likely to be a mistake.
@@ -114,7 +114,7 @@ impl Project {
     ///
     /// # Errors
     /// Every error of the file, in order of place.
-    pub fn parse(text: &str, name: &str) -> Result<Parsed, Vec<Diagnostic>> {
+    pub fn parse(text: &str, name: &str) -> Result<ParsedProject, Vec<Diagnostic>> {
         Self::resolve(&Document::parse(text, name), &Attachments::none())
     }
 
@@ -122,7 +122,7 @@ impl Project {
     ///
     /// # Errors
     /// Every error of the file, in order of place.
-    pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Parsed, Vec<Diagnostic>> {
+    pub fn from_bytes(bytes: &[u8], name: &str) -> Result<ParsedProject, Vec<Diagnostic>> {
         Self::resolve(&Document::from_bytes(bytes, name)?, &Attachments::none())
     }
 
@@ -131,7 +131,7 @@ impl Project {
     /// # Errors
     /// Every error of the file, the most important first. A file of a newer format has that error alone, and so have parts that
     /// cannot be put in their places.
-    pub fn resolve(document: &Document, attachments: &Attachments) -> Result<Parsed, Vec<Diagnostic>> {
+    pub fn resolve(document: &Document, attachments: &Attachments) -> Result<ParsedProject, Vec<Diagnostic>> {
         let document = &document.with_parts(attachments);
         format::unreadable(document)?;
         let mut project = Self::blank();
@@ -146,7 +146,8 @@ impl Project {
         findings.extend(checks::all(document, &project));
         if !document.has("plant") {
             // everything that refers to the machine follows from its absence
-            findings.retain(|finding| finding.path == "plant" || finding.problem == Problem::UnknownKey);
+            findings
+                .retain(|finding| finding.path == "plant" || finding.problem == DiagnosticKind::UnknownKey);
         }
         if !document.syntax.is_empty() {
             findings.retain(|finding| stands_alone(document, finding));
@@ -156,7 +157,7 @@ impl Project {
         elsewhere::hint_at_sections(&mut findings);
         let (errors, warnings): (Vec<_>, Vec<_>) =
             findings.into_iter().partition(|d| d.severity == Severity::Error);
-        if errors.is_empty() { Ok(Parsed { project, warnings, assumptions }) } else { Err(errors) }
+        if errors.is_empty() { Ok(ParsedProject { project, warnings, assumptions }) } else { Err(errors) }
     }
 
     /// Resolves a file for a purpose: the sections that it needs must be there.
@@ -167,7 +168,7 @@ impl Project {
         document: &Document,
         attachments: &Attachments,
         purpose: Purpose,
-    ) -> Result<Parsed, Vec<Diagnostic>> {
+    ) -> Result<ParsedProject, Vec<Diagnostic>> {
         let document = &document.with_parts(attachments);
         let mut parsed = Self::resolve(document, attachments)?;
         let missing = parsed.project.missing_for(document, purpose);
@@ -234,13 +235,13 @@ impl Project {
         Self {
             plant: plant::blank(),
             import: None,
-            model: Modelling::default(),
-            reduce: Reduction::default(),
+            model: PlantSelection::default(),
+            reduce: ReductionOptions::default(),
             synth: None,
             verify: None,
             traverse: None,
             sweep: None,
-            export: Export::default(),
+            export: ExportRequest::default(),
             recording_controller: None,
             recording: Mapping::default(),
             measured: None,
@@ -355,7 +356,7 @@ fn recordings(v: &mut dyn Visit, project: &mut Project) {
 /// Returns whether a finding holds even though the syntax is broken elsewhere.
 fn stands_alone(document: &Document, finding: &Diagnostic) -> bool {
     let elsewhere = document.syntax.iter().all(|s| s.line != finding.line);
-    elsewhere && matches!(finding.problem, Problem::OutOfRange | Problem::NotFinite)
+    elsewhere && matches!(finding.problem, DiagnosticKind::OutOfRange | DiagnosticKind::NotFinite)
 }
 
 /// Returns the units of the keys of a file's quantities, by the bytes at which the quantities stand.

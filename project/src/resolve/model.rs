@@ -4,11 +4,11 @@ use counterpoise_models::plant::{FrictionLinearisation, OperatingPoint};
 use counterpoise_models::structure::{FeOptions, Integration, Mesh, Theory};
 
 use crate::file::field::{Field, Limit};
-use crate::file::visit::{Choice, Visit, choose};
+use crate::file::visit::{NamedChoice, Visit, choose};
 
 /// Which plant is meant.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Modelling {
+pub struct PlantSelection {
     /// The description of the structure that is taken.
     pub structure: StructureChoice,
     /// Flexible modes that are kept where the structure is the beam.
@@ -34,17 +34,17 @@ pub enum StructureChoice {
     Import,
 }
 
-impl Choice for StructureChoice {
+impl NamedChoice for StructureChoice {
     const NAMES: &'static [(&'static str, Self)] =
         &[("lumped", Self::Lumped), ("beam", Self::Beam), ("import", Self::Import)];
 }
 
-impl Choice for Theory {
+impl NamedChoice for Theory {
     const NAMES: &'static [(&'static str, Self)] =
         &[("bernoulli-euler", Self::BernoulliEuler), ("timoshenko", Self::Timoshenko)];
 }
 
-impl Choice for Integration {
+impl NamedChoice for Integration {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("quadrature", Self::Quadrature),
         ("power-law", Self::PowerLaw),
@@ -59,7 +59,7 @@ enum Dry {
     DescribingFunction,
 }
 
-impl Choice for Dry {
+impl NamedChoice for Dry {
     const NAMES: &'static [(&'static str, Self)] =
         &[("viscous", Self::Viscous), ("describing-function", Self::DescribingFunction)];
 }
@@ -69,7 +69,7 @@ const ELEMENTS: u32 = 24;
 /// Flexible modes where the file does not say.
 const MODES: u32 = 3;
 
-impl Default for Modelling {
+impl Default for PlantSelection {
     /// Returns the lumped plant, level, nothing fitted, dry friction left out of linear plants.
     fn default() -> Self {
         Self {
@@ -84,7 +84,7 @@ impl Default for Modelling {
 }
 
 /// Reads or lists the choice of plant.
-pub(crate) fn model(v: &mut dyn Visit, model: &mut Modelling) {
+pub(crate) fn model(v: &mut dyn Visit, model: &mut PlantSelection) {
     choose(
         v,
         &Field::new("structure", "the description of the structure that is used").or_text("lumped"),

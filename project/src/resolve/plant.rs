@@ -12,7 +12,7 @@ use super::sensor::{accelerometer, gyroscope, sensor};
 use super::structure::{beam, blank_beam, blank_configuration, blank_lumped, configuration, lumped_inertias};
 use super::{cylinder, drive, loads, loop_sensor, transmission};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
-use crate::file::visit::{Choice, Presence, Visit, choose, list, maybe_number, optional, table};
+use crate::file::visit::{NamedChoice, Presence, Visit, choose, list, maybe_number, optional, table};
 use crate::tolerance::{MOST_CONTROL_DELAY_SAMPLES, MOST_CONVERTER_BITS, MOST_ERRANT};
 
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
@@ -153,12 +153,12 @@ fn turning_of_motor(plant: &Parameters) -> AxisKind {
     }
 }
 
-impl Choice for AccelerometerAxis {
+impl NamedChoice for AccelerometerAxis {
     const NAMES: &'static [(&'static str, Self)] =
         &[("vertical", Self::Vertical), ("elevated", Self::Elevated)];
 }
 
-impl Choice for AxisKind {
+impl NamedChoice for AxisKind {
     const NAMES: &'static [(&'static str, Self)] = &[("rotary", Self::Rotary), ("linear", Self::Linear)];
 }
 

@@ -13,7 +13,7 @@ use super::base_motion::{self, InertialUnit};
 use super::carrier;
 use super::seed::seed;
 use crate::file::field::{Field, Limit};
-use crate::file::visit::{Choice, Visit, choose, maybe_number};
+use crate::file::visit::{NamedChoice, Visit, choose, maybe_number};
 
 /// Where the platform's motion comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +21,7 @@ pub enum PlatformSource {
     /// A recording of a platform in motion.
     Recording(RoadSource),
     /// A motion made from numbers.
-    Made(Motion),
+    Made(GeneratedMotion),
     /// A recording of an inertial measurement unit.
     InertialUnit(InertialUnit),
 }
@@ -66,7 +66,7 @@ pub struct RoadSource {
 
 /// A motion made from numbers, the same for the same seed.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Motion {
+pub struct GeneratedMotion {
     /// What it is made from.
     pub kind: MotionKind,
     /// Duration, fades and seed.
@@ -119,7 +119,7 @@ enum Kind {
     InertialUnit,
 }
 
-impl Choice for Kind {
+impl NamedChoice for Kind {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("recording", Self::Recording),
         ("spectrum", Self::Spectrum),
@@ -131,7 +131,7 @@ impl Choice for Kind {
     ];
 }
 
-impl Choice for RoadClass {
+impl NamedChoice for RoadClass {
     const NAMES: &'static [(&'static str, Self)] =
         &[("A", Self::A), ("B", Self::B), ("C", Self::C), ("D", Self::D), ("E", Self::E)];
 }
@@ -141,7 +141,7 @@ const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 /// Duration where the file does not say, s.
 const DURATION_S: f64 = 30.0;
 
-impl Motion {
+impl GeneratedMotion {
     /// Checks whether the motion can be realised.
     ///
     /// # Errors
@@ -202,7 +202,7 @@ fn blank_of(kind: Kind) -> PlatformSource {
     let empty = Vec::new;
     let made = |kind| {
         let realisation = MotionRealisation { duration_s: DURATION_S, fade_s: 1.0, seed: 1 };
-        PlatformSource::Made(Motion { kind, realisation })
+        PlatformSource::Made(GeneratedMotion { kind, realisation })
     };
     match kind {
         Kind::Recording => blank(),
@@ -301,7 +301,7 @@ fn recording(v: &mut dyn Visit, road: &mut RoadSource) {
     );
 }
 
-fn made(v: &mut dyn Visit, motion: &mut Motion) {
+fn made(v: &mut dyn Visit, motion: &mut GeneratedMotion) {
     match &mut motion.kind {
         MotionKind::Spectrum { heave_psd, pitch_psd } => {
             let heave = "points of the heave's spectral density, or the name of a CSV file";
@@ -353,7 +353,7 @@ fn density_of_pitch(v: &mut dyn Visit, pitch_psd: &mut Vec<[f64; 2]>) {
 }
 
 /// Says what the generators would refuse, at the key that is to blame.
-fn judge(v: &mut dyn Visit, motion: &Motion) {
+fn judge(v: &mut dyn Visit, motion: &GeneratedMotion) {
     let (key, nothing) = match &motion.kind {
         MotionKind::Spectrum { heave_psd, pitch_psd } => {
             let key = if heave_psd.is_empty() { "pitch_psd" } else { "heave_psd" };

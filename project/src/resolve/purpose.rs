@@ -1,7 +1,7 @@
 //! What a project file is read for, and the sections that must then be there.
 
 use super::Project;
-use crate::diagnostic::{Diagnostic, Problem, Severity};
+use crate::diagnostic::{Diagnostic, DiagnosticKind, Severity};
 use crate::file::Document;
 use crate::file::source::Remark;
 
@@ -88,7 +88,8 @@ impl Project {
         let remark = |section: &&str| {
             let allowed = format!("section [{section}] is missing; `{}` needs it", purpose.name());
             let hint = (*section == "recording_controller").then(|| RECORDED_UNDER.to_owned());
-            document.finding(Severity::Error, Remark::new(Problem::Missing, section, allowed).hint(hint))
+            document
+                .finding(Severity::Error, Remark::new(DiagnosticKind::Missing, section, allowed).hint(hint))
         };
         absent.map(remark).collect()
     }

@@ -5,7 +5,7 @@ use counterpoise_models::{
 };
 
 use crate::file::field::{Field, Limit, TableField, UsualRange};
-use crate::file::visit::{Choice, Count, Visit, choose, list, pair};
+use crate::file::visit::{Count, NamedChoice, Visit, choose, list, pair};
 
 const YOUNGS_MODULUS: Field =
     Field::new("youngs_modulus", "Young's modulus").unit("Pa").limit(Limit::Above(0.0));
@@ -142,7 +142,7 @@ enum Law {
     Rayleigh,
 }
 
-impl Choice for Law {
+impl NamedChoice for Law {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("modal", Self::Modal),
         ("modal-stiffness", Self::ModalWithStiffness),
@@ -150,7 +150,7 @@ impl Choice for Law {
     ];
 }
 
-impl Choice for Shape {
+impl NamedChoice for Shape {
     const NAMES: &'static [(&'static str, Self)] =
         &[("tube", Self::Tube), ("rectangle", Self::Rectangle), ("given", Self::Given)];
 }

@@ -3,14 +3,14 @@
 use counterpoise_verify::robust::{Distribution, Family, PointLayout, Variation, Varied, varied_parameters};
 
 use super::Project;
-use crate::assumption::Tolerance;
+use crate::assumption::KeyTolerance;
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Choice, Count, Visit, choose, list};
+use crate::file::visit::{Count, NamedChoice, Visit, choose, list};
 use crate::tolerance::MOST_CAMPAIGN_SAMPLES;
 
 /// A robustness campaign.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sweep {
+pub struct RobustnessCampaign {
     /// Mechanisms of the Monte Carlo campaign.
     pub samples: usize,
     /// Its seed.
@@ -27,7 +27,7 @@ pub struct Sweep {
     pub output_error: f64,
 }
 
-impl Choice for Varied {
+impl NamedChoice for Varied {
     const NAMES: &'static [(&'static str, Self)] = &NAMES;
 }
 
@@ -50,12 +50,12 @@ enum Shape {
     Normal,
 }
 
-impl Choice for Shape {
+impl NamedChoice for Shape {
     const NAMES: &'static [(&'static str, Self)] =
         &[("uniform", Self::Uniform), ("log-uniform", Self::LogUniform), ("normal", Self::Normal)];
 }
 
-impl Choice for PointLayout {
+impl NamedChoice for PointLayout {
     const NAMES: &'static [(&'static str, Self)] =
         &[("latin-hypercube", Self::LatinHypercube), ("sobol", Self::Sobol)];
 }
@@ -129,7 +129,7 @@ pub(crate) fn keys_with_tolerances() -> impl Iterator<Item = &'static str> {
 impl Project {
     /// Returns the robustness campaign: the variations of the section `sweep`, and one for each tolerance whose parameter that
     /// section does not vary. `None` if there is neither.
-    pub fn campaign(&self) -> Option<Sweep> {
+    pub fn campaign(&self) -> Option<RobustnessCampaign> {
         let variations = self.variations_within_tolerances();
         let mut campaign = match (&self.sweep, variations.is_empty()) {
             (Some(sweep), _) => sweep.clone(),
@@ -151,7 +151,7 @@ impl Project {
 }
 
 /// Returns the variation that a tolerance means.
-fn variation_within(tolerance: &Tolerance) -> Option<Variation> {
+fn variation_within(tolerance: &KeyTolerance) -> Option<Variation> {
     let (_, parameter) = TOLERANCES.iter().find(|(key, _)| *key == tolerance.key)?;
     let relative = (tolerance.value != 0.0).then(|| tolerance.half_width / tolerance.value.abs())?;
     let (low, high) = ((1.0 - relative).max(0.0), 1.0 + relative);
@@ -159,8 +159,8 @@ fn variation_within(tolerance: &Tolerance) -> Option<Variation> {
 }
 
 /// Returns a campaign of which nothing is written.
-pub(crate) fn blank() -> Sweep {
-    Sweep {
+pub(crate) fn blank() -> RobustnessCampaign {
+    RobustnessCampaign {
         samples: 200,
         seed: 1,
         layout: PointLayout::LatinHypercube,
@@ -172,7 +172,7 @@ pub(crate) fn blank() -> Sweep {
 }
 
 /// Reads or lists a campaign.
-pub(crate) fn sweep(v: &mut dyn Visit, sweep: &mut Sweep) {
+pub(crate) fn sweep(v: &mut dyn Visit, sweep: &mut RobustnessCampaign) {
     let samples = Field::new("samples", "number of mechanisms in which all parameters vary together")
         .limit(Limit::Between(1.0, MOST_CAMPAIGN_SAMPLES));
     super::model::count(v, &samples.or(200.0).show_default(), &mut sweep.samples);

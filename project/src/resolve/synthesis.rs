@@ -11,7 +11,7 @@ use super::weight::blank_weight;
 
 /// What is asked of a design.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Synthesis {
+pub struct DesignRequest {
     /// Weights and assembly. Inputs and outputs are numbered as those of [`LinearPlant`](counterpoise_models::plant::LinearPlant).
     pub specification: Specification,
     /// Whether the file states the feedback's weights.
@@ -62,7 +62,7 @@ pub enum WeightSource {
     Stated,
 }
 
-impl Default for Synthesis {
+impl Default for DesignRequest {
     /// Returns a design of which nothing is stated.
     fn default() -> Self {
         blank_synthesis()
@@ -70,13 +70,13 @@ impl Default for Synthesis {
 }
 
 /// Returns a design still to be read.
-pub(crate) fn blank_synthesis() -> Synthesis {
+pub(crate) fn blank_synthesis() -> DesignRequest {
     let unit = Weight::Constant { gain: 1.0 };
     // what stands here until weights are chosen equals itself, so that projects without weights can be compared
     let feedback =
         FeedbackWeights { error: unit.clone(), control: unit, measurement_noise: 0.0, ..blank_feedback() };
     let (assembly, reference) = (Assembly::default(), Reference::default());
-    Synthesis {
+    DesignRequest {
         specification: Specification {
             feedback,
             heave: None,

@@ -4,13 +4,13 @@
 use counterpoise_models::Friction;
 use counterpoise_synth::{BandSpectrum, Drives, FixedStructure, Requirements, SynthesisMethod, Weight};
 
-use super::fixed_structure::{Tuning, blocks, tuning};
+use super::fixed_structure::{TuningOptions, blocks, tuning};
 use super::friction::{blank_identified, identified_friction};
 use super::imported_controller::{ImportedController, imported_controller};
 use super::model::count;
 use super::weight::{blank_weight, weight};
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Choice, Count, Visit, choose, maybe_number, optional, pair, table};
+use crate::file::visit::{Count, NamedChoice, Visit, choose, maybe_number, optional, pair, table};
 
 /// Options of a design besides the weights of its three parts.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +32,7 @@ pub struct SynthesisOptions {
     /// Designs over out-of-balance.
     pub schedule: Option<ScheduleOptions>,
     /// Estimation of the out-of-balance while the machine runs.
-    pub adaptation: Option<Adaptation>,
+    pub adaptation: Option<AdaptationOptions>,
     /// Requirements from which weights are searched.
     pub search: Option<WeightSearch>,
     /// Blocks of the feedback in place of the H2 feedback; none without a fixed structure.
@@ -40,7 +40,7 @@ pub struct SynthesisOptions {
     /// A feedback that was made elsewhere, in place of the H2 feedback.
     pub imported: Option<ImportedController>,
     /// What the open parameters of the blocks are tuned for.
-    pub tuning: Option<Tuning>,
+    pub tuning: Option<TuningOptions>,
 }
 
 impl SynthesisOptions {
@@ -118,7 +118,7 @@ pub enum ScheduleLaw {
 
 /// How the out-of-balance is estimated from the control.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Adaptation {
+pub struct AdaptationOptions {
     /// Method.
     pub method: AdaptationMethod,
     /// Window of the mean, s.
@@ -138,7 +138,7 @@ pub struct Adaptation {
     /// Largest change of the estimate, kg m/s.
     pub rate_limit_kg_m_s: f64,
     /// The runs in which it is tried.
-    pub trial: Trial,
+    pub trial: AdaptationRuns,
     /// Whether the exported controller adapts.
     pub use_in_code: AdaptationUse,
 }
@@ -165,7 +165,7 @@ pub enum AdaptationMethod {
 
 /// The runs in which the adaptation is tried.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Trial {
+pub struct AdaptationRuns {
     /// Length of a run, s.
     pub duration_s: f64,
     /// Factors on the out-of-balance, one for each equal part of the run.
@@ -185,7 +185,7 @@ pub struct WeightSearch {
     pub ms_limits: Vec<f64>,
 }
 
-impl Choice for SynthesisMethod {
+impl NamedChoice for SynthesisMethod {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("three-part", Self::ThreePart),
         ("joint-h2", Self::JointH2),
@@ -194,29 +194,29 @@ impl Choice for SynthesisMethod {
     ];
 }
 
-impl Choice for BandSpectrum {
+impl NamedChoice for BandSpectrum {
     const NAMES: &'static [(&'static str, Self)] = &[("flat", Self::Flat), ("expected", Self::Expected)];
 }
 
-impl Choice for Drives {
+impl NamedChoice for Drives {
     const NAMES: &'static [(&'static str, Self)] =
         &[("measured-rate", Self::MeasuredRate), ("demand", Self::Demand)];
 }
 
-impl Choice for FrictionModel {
+impl NamedChoice for FrictionModel {
     const NAMES: &'static [(&'static str, Self)] = &[("dahl", Self::Dahl), ("plant", Self::OwnLaw)];
 }
 
-impl Choice for Compensation {
+impl NamedChoice for Compensation {
     const NAMES: &'static [(&'static str, Self)] = &[("leave", Self::Absent), ("undo", Self::Applied)];
 }
 
-impl Choice for ScheduleLaw {
+impl NamedChoice for ScheduleLaw {
     const NAMES: &'static [(&'static str, Self)] =
         &[("auto", Self::Auto), ("gain", Self::Gain), ("redesign", Self::Redesign)];
 }
 
-impl Choice for AdaptationMethod {
+impl NamedChoice for AdaptationMethod {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("gradient", Self::Gradient),
         ("windowed-mean", Self::WindowedMean),
@@ -283,7 +283,7 @@ pub(crate) fn tables(v: &mut dyn Visit, options: &mut SynthesisOptions) {
     optional(v, &section, &mut options.imported, ImportedController::default(), imported_controller);
     let section =
         TableField::optional("tune", "what the open parameters of the blocks, or the weights, are tuned for");
-    optional(v, &section, &mut options.tuning, Tuning::default(), tuning);
+    optional(v, &section, &mut options.tuning, TuningOptions::default(), tuning);
 }
 
 fn methods(v: &mut dyn Visit, methods: &mut Vec<SynthesisMethod>) {
@@ -358,8 +358,8 @@ fn schedule(v: &mut dyn Visit, schedule: &mut ScheduleOptions) {
     }
 }
 
-fn blank_adaptation() -> Adaptation {
-    Adaptation {
+fn blank_adaptation() -> AdaptationOptions {
+    AdaptationOptions {
         method: AdaptationMethod::Recursive,
         window_s: 1.0,
         // With 2 s the noise of the estimate raises the hub rate by 4 % on a road; with 8 s by 1 %, and a change of 30 % is still
@@ -371,12 +371,16 @@ fn blank_adaptation() -> Adaptation {
         step: 0.002,
         half_rate_rad_s: 5e-3,
         rate_limit_kg_m_s: 400.0,
-        trial: Trial { duration_s: 40.0, changes: vec![1.0, 0.5, 1.25, 0.75], amplifier_curve: Vec::new() },
+        trial: AdaptationRuns {
+            duration_s: 40.0,
+            changes: vec![1.0, 0.5, 1.25, 0.75],
+            amplifier_curve: Vec::new(),
+        },
         use_in_code: AdaptationUse::Exported,
     }
 }
 
-fn adaptation(v: &mut dyn Visit, a: &mut Adaptation) {
+fn adaptation(v: &mut dyn Visit, a: &mut AdaptationOptions) {
     let usual = blank_adaptation();
     let method = "method of the estimator, which is part of the exported code";
     choose(v, &Field::new("method", method).or_text("recursive").show_default(), &mut a.method);
@@ -416,7 +420,7 @@ fn adaptation(v: &mut dyn Visit, a: &mut Adaptation) {
     table(v, &TableField::optional("trial", "the runs of `adapt`"), &mut a.trial, trial);
 }
 
-fn trial(v: &mut dyn Visit, trial: &mut Trial) {
+fn trial(v: &mut dyn Visit, trial: &mut AdaptationRuns) {
     let usual = blank_adaptation().trial;
     let duration = Field::new("duration", "length of a run of `adapt`").unit("s").limit(ABOVE_0);
     v.number(&duration.or(usual.duration_s), &mut trial.duration_s);

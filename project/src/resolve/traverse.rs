@@ -5,7 +5,7 @@ use counterpoise_verify::{JointFigure, JointRequirement, Limit as Bound};
 
 use crate::diagnostic::nearest;
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Choice, Visit, choose, list, maybe_number};
+use crate::file::visit::{NamedChoice, Visit, choose, list, maybe_number};
 
 /// The traverse axis under the elevation axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,7 +47,7 @@ enum Place {
     ElevatedMass,
 }
 
-impl Choice for Place {
+impl NamedChoice for Place {
     const NAMES: &'static [(&'static str, Self)] =
         &[("ring", Self::Ring), ("elevated-mass", Self::ElevatedMass)];
 }

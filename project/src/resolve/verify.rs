@@ -5,7 +5,7 @@ use counterpoise_verify::{
     Coincidence, Figure, Limit as Bound, LineOfSight, Optics, Procedure, Requirement, Sine, Step, Triangle,
 };
 
-use super::model::Modelling;
+use super::model::PlantSelection;
 use super::platform::{self, PlatformSource};
 use super::seed::seed;
 use crate::diagnostic::nearest;
@@ -15,7 +15,7 @@ use crate::tolerance::MOST_UNSTATED_SAMPLES;
 
 /// What a verification does and asks.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Verification {
+pub struct VerificationOptions {
     /// What is done; operating point and friction are those of the model, and the road is still to be read.
     pub procedure: Procedure,
     /// Where the size of the step of the demand comes from.
@@ -51,8 +51,8 @@ fn usual_procedure(sample_period_s: f64) -> Procedure {
 }
 
 /// Returns a verification of which nothing is written: the usual procedure without requirements.
-pub(crate) fn blank(sample_period_s: f64) -> Verification {
-    Verification {
+pub(crate) fn blank(sample_period_s: f64) -> VerificationOptions {
+    VerificationOptions {
         procedure: usual_procedure(sample_period_s),
         step_size: StepSize::Usual,
         road: None,
@@ -61,7 +61,7 @@ pub(crate) fn blank(sample_period_s: f64) -> Verification {
 }
 
 /// Returns what is verified where a file has no section for it: the usual procedure where the model stands.
-pub(crate) fn usual(model: &Modelling, sample_period_s: f64) -> Verification {
+pub(crate) fn usual(model: &PlantSelection, sample_period_s: f64) -> VerificationOptions {
     let mut verification = blank(sample_period_s);
     verification.procedure.operating_point = model.operating_point;
     verification.procedure.friction = model.friction;
@@ -71,7 +71,7 @@ pub(crate) fn usual(model: &Modelling, sample_period_s: f64) -> Verification {
 /// Reads or lists the verification of a loop.
 pub(crate) fn verify(
     v: &mut dyn Visit,
-    verification: &mut Verification,
+    verification: &mut VerificationOptions,
     controlled: ControlledQuantity,
     sample_period_s: f64,
 ) {

@@ -6,7 +6,7 @@ use counterpoise_synth::Weight;
 use super::digits::round_to_digits;
 use super::model::count;
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Choice, Visit, choose, list};
+use crate::file::visit::{NamedChoice, Visit, choose, list};
 use crate::tolerance::FITTED_WEIGHT_DB;
 
 /// The name of a form.
@@ -27,7 +27,7 @@ enum Form {
     Table,
 }
 
-impl Choice for Form {
+impl NamedChoice for Form {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("constant", Self::Constant),
         ("integral", Self::Integral),

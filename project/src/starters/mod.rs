@@ -1,12 +1,12 @@
 //! Project files to start from: seven kinds of machine, each by the few values that a data sheet states, and the questions that fill
 //! them in.
 
-use crate::file::{Attachments, Document, EditError, Setting};
+use crate::file::{Attachments, Document, EditError, SettingValue};
 use crate::resolve::Project;
 
 /// A kind of machine to start from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum StarterKind {
     /// A stabilised sight.
     Sight,
     /// A gun in elevation.
@@ -25,26 +25,26 @@ pub enum Kind {
 
 /// A question about one value of a starting file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Question {
+pub struct StarterQuestion {
     /// Path of the key that the answer fills in.
     pub path: &'static str,
     /// The question, with its mark.
     pub text: &'static str,
 }
 
-const fn ask(path: &'static str, text: &'static str) -> Question {
-    Question { path, text }
+const fn ask(path: &'static str, text: &'static str) -> StarterQuestion {
+    StarterQuestion { path, text }
 }
 
-const PERIOD: Question =
+const PERIOD: StarterQuestion =
     ask("plant.interface.sample_period", "How often does the controller run (sample period)?");
-const TORQUE: Question = ask("plant.drive.limit", "What is the largest torque of the motor?");
-const NOISE: Question = ask("plant.sensors.hub_gyro.noise", "What is the RMS noise of the gyroscope?");
+const TORQUE: StarterQuestion = ask("plant.drive.limit", "What is the largest torque of the motor?");
+const NOISE: StarterQuestion = ask("plant.sensors.hub_gyro.noise", "What is the RMS noise of the gyroscope?");
 
 /// Each kind with its name, its file, and its questions after that for the kind.
-const KINDS: [(Kind, &str, &str, [Question; 4]); 7] = [
+const KINDS: [(StarterKind, &str, &str, [StarterQuestion; 4]); 7] = [
     (
-        Kind::Sight,
+        StarterKind::Sight,
         "sight",
         include_str!("sight.toml"),
         [
@@ -55,7 +55,7 @@ const KINDS: [(Kind, &str, &str, [Question; 4]); 7] = [
         ],
     ),
     (
-        Kind::Gun,
+        StarterKind::Gun,
         "gun",
         include_str!("gun.toml"),
         [
@@ -66,7 +66,7 @@ const KINDS: [(Kind, &str, &str, [Question; 4]); 7] = [
         ],
     ),
     (
-        Kind::Antenna,
+        StarterKind::Antenna,
         "antenna",
         include_str!("antenna.toml"),
         [
@@ -77,7 +77,7 @@ const KINDS: [(Kind, &str, &str, [Question; 4]); 7] = [
         ],
     ),
     (
-        Kind::RobotJoint,
+        StarterKind::RobotJoint,
         "robot-joint",
         include_str!("robot-joint.toml"),
         [
@@ -91,13 +91,13 @@ const KINDS: [(Kind, &str, &str, [Question; 4]); 7] = [
         ],
     ),
     (
-        Kind::Gimbal,
+        StarterKind::Gimbal,
         "gimbal",
         include_str!("gimbal.toml"),
         [ask("plant.inertia", "What is the moment of inertia of camera and frame?"), TORQUE, NOISE, PERIOD],
     ),
     (
-        Kind::LinearAxis,
+        StarterKind::LinearAxis,
         "linear-axis",
         include_str!("linear-axis.toml"),
         [
@@ -108,7 +108,7 @@ const KINDS: [(Kind, &str, &str, [Question; 4]); 7] = [
         ],
     ),
     (
-        Kind::Pendulum,
+        StarterKind::Pendulum,
         "pendulum",
         include_str!("pendulum.toml"),
         [
@@ -120,7 +120,7 @@ const KINDS: [(Kind, &str, &str, [Question; 4]); 7] = [
     ),
 ];
 
-impl Kind {
+impl StarterKind {
     /// Every kind.
     pub const ALL: [Self; 7] = [
         Self::Sight,
@@ -132,7 +132,7 @@ impl Kind {
         Self::Pendulum,
     ];
 
-    fn row(self) -> &'static (Kind, &'static str, &'static str, [Question; 4]) {
+    fn row(self) -> &'static (StarterKind, &'static str, &'static str, [StarterQuestion; 4]) {
         KINDS.iter().find(|row| row.0 == self).unwrap_or(&KINDS[0])
     }
 
@@ -152,7 +152,7 @@ impl Kind {
     }
 
     /// Returns the questions whose answers turn the starter into a file of the user's own machine.
-    pub fn questions(self) -> &'static [Question; 4] {
+    pub fn questions(self) -> &'static [StarterQuestion; 4] {
         &self.row().3
     }
 }
@@ -163,7 +163,7 @@ impl Kind {
 /// What is wrong with the answer, in words.
 pub fn with_answer(document: &Document, path: &str, answer: &str) -> Result<Document, String> {
     let answer = answer.trim();
-    let setting = answer.parse().map_or_else(|_| Setting::Text(answer.to_owned()), Setting::Number);
+    let setting = answer.parse().map_or_else(|_| SettingValue::Text(answer.to_owned()), SettingValue::Number);
     let filled = document.replace(path, &setting).map_err(|error: EditError| error.to_string())?;
     match Project::resolve(&filled, &Attachments::none()) {
         Ok(_) => Ok(filled),

@@ -19,5 +19,5 @@ mod scale;
 pub mod table;
 
 pub use dimension::Dimension;
-pub use parser::{Reading, Unit, UnitError};
+pub use parser::{MassOrForce, Unit, UnitError};
 pub use quantity::{QuantityError, read_quantity, rewrite_quantity};

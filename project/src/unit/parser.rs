@@ -3,7 +3,7 @@
 use std::str::Chars;
 
 use super::dimension::Dimension;
-use super::table::{Meaning, PREFIXES, Prefixes, UNITS};
+use super::table::{PREFIXES, PrefixRule, UNITS, UnitMeaning};
 use crate::diagnostic::nearest;
 
 /// A unit: `factor` times ten to the power `exponent`, in SI units.
@@ -19,7 +19,7 @@ pub struct Unit {
 
 /// What `kg`, `lb`, `oz` and `g` stand for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Reading {
+pub enum MassOrForce {
     /// Masses.
     Mass,
     /// The weights of these masses, and the acceleration of gravity.
@@ -83,7 +83,7 @@ impl Unit {
     ///
     /// # Errors
     /// [`UnitError`].
-    pub fn parse(written: &str, reading: Reading) -> Result<Self, UnitError> {
+    pub fn parse(written: &str, reading: MassOrForce) -> Result<Self, UnitError> {
         if written.chars().count() > LONGEST {
             return Err(UnitError::TooLong);
         }
@@ -105,25 +105,25 @@ impl Unit {
         }
     }
 
-    fn of(meaning: Meaning, prefix: i32) -> Self {
-        let Meaning { factor, exponent, dimension } = meaning;
+    fn of(meaning: UnitMeaning, prefix: i32) -> Self {
+        let UnitMeaning { factor, exponent, dimension } = meaning;
         Self { factor, exponent: exponent + prefix, dimension }
     }
 
     /// Returns the unit of a name, with or without prefix.
-    fn named(name: &str, reading: Reading) -> Option<Self> {
+    fn named(name: &str, reading: MassOrForce) -> Option<Self> {
         let exact = UNITS.iter().find(|unit| unit.name == name).map(|unit| (unit, 0));
         let prefixed = || {
             PREFIXES.iter().find_map(|(prefix, power)| {
                 let rest = name.strip_prefix(prefix)?;
                 let takes =
-                    |unit: &&super::table::Named| unit.prefixes == Prefixes::Taken && unit.name == rest;
+                    |unit: &&super::table::NamedUnit| unit.prefixes == PrefixRule::Taken && unit.name == rest;
                 UNITS.iter().find(takes).map(|unit| (unit, *power))
             })
         };
         let (unit, prefix) = exact.or_else(prefixed)?;
         let meaning = match (reading, unit.weight) {
-            (Reading::Weight, Some(weight)) => weight,
+            (MassOrForce::Weight, Some(weight)) => weight,
             _ => unit.meaning,
         };
         Some(Self::of(meaning, prefix))
@@ -134,7 +134,7 @@ impl Unit {
 struct Parser<'a> {
     written: &'a str,
     rest: Chars<'a>,
-    reading: Reading,
+    reading: MassOrForce,
     factors: usize,
 }
 

@@ -1,7 +1,7 @@
 //! A number with its unit, as a text: read into the unit of a key, and written back in the unit that the user chose.
 
 use super::dimension::Dimension;
-use super::parser::{Reading, Unit, UnitError};
+use super::parser::{MassOrForce, Unit, UnitError};
 use super::scale::{Decimal, Scale, linear, plain};
 
 /// Why a text is no quantity of a wanted unit.
@@ -87,7 +87,7 @@ fn measured(wanted: &str) -> String {
         return "a number without unit".to_owned();
     }
     let name =
-        Unit::parse(wanted, Reading::Mass).map_or_else(|_| String::new(), |unit| unit.dimension.name());
+        Unit::parse(wanted, MassOrForce::Mass).map_or_else(|_| String::new(), |unit| unit.dimension.name());
     format!("{name}, in a unit like {wanted}")
 }
 
@@ -189,19 +189,19 @@ fn exponent(rest: &str) -> (i64, &str) {
 
 /// Returns the factor from the written unit to the wanted one.
 fn scale(parts: &Parts<'_>, text: &str, wanted: &str) -> Result<Scale, QuantityError> {
-    let target = Unit::parse(wanted, Reading::Mass).unwrap_or(Unit::ONE);
+    let target = Unit::parse(wanted, MassOrForce::Mass).unwrap_or(Unit::ONE);
     let refused = |why| QuantityError::Unit { wanted: wanted.to_owned(), why };
     if parts.unit.is_empty() && target.dimension != Dimension::default() {
         return Err(QuantityError::NoUnit { wanted: wanted.to_owned() });
     }
-    let unit = Unit::parse(parts.unit, Reading::Mass).map_err(refused)?;
+    let unit = Unit::parse(parts.unit, MassOrForce::Mass).map_err(refused)?;
     if is_per_minute(parts.unit) && target.dimension.without_angles().1 != unit.dimension.without_angles().1 {
         return Err(mismatch(text, wanted, &unit.dimension.name(), unit.dimension));
     }
     if let Some(scale) = linear(&unit, &target) {
         return Ok(scale);
     }
-    let weight = Unit::parse(parts.unit, Reading::Weight).map_err(refused)?;
+    let weight = Unit::parse(parts.unit, MassOrForce::Weight).map_err(refused)?;
     if let Some(scale) = linear(&weight, &target) {
         return Ok(scale);
     }
@@ -219,9 +219,9 @@ fn is_per_minute(unit: &str) -> bool {
 /// Returns the factor to a number of steps, or to a length, of a turn, whether the turn is written or not; bits count steps.
 fn of_a_turn(unit: &Unit, target: &Unit) -> Option<Scale> {
     let is_one_of = |one: &Unit, names: [&str; 2]| {
-        names
-            .iter()
-            .any(|name| Unit::parse(name, Reading::Mass).is_ok_and(|named| named.dimension == one.dimension))
+        names.iter().any(|name| {
+            Unit::parse(name, MassOrForce::Mass).is_ok_and(|named| named.dimension == one.dimension)
+        })
     };
     let (counts, bits) = (["count", "count/rev"], ["bit", "bit/rev"]);
     if is_one_of(target, counts) && is_one_of(unit, bits) {
@@ -235,7 +235,7 @@ fn of_a_turn(unit: &Unit, target: &Unit) -> Option<Scale> {
 }
 
 fn mismatch(text: &str, wanted: &str, found: &str, dimension: Dimension) -> QuantityError {
-    let target = Unit::parse(wanted, Reading::Mass).unwrap_or(Unit::ONE).dimension;
+    let target = Unit::parse(wanted, MassOrForce::Mass).unwrap_or(Unit::ONE).dimension;
     let frequency = Dimension([0, 0, -1, 0, 0, 0, 1, 0, 0, 0]);
     let time = Dimension([0, 0, 1, 0, 0, 0, 0, 0, 0, 0]);
     let (length, area) =

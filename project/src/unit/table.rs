@@ -6,21 +6,21 @@ use super::dimension::{BASES, Dimension};
 
 /// A unit with a name of its own: `factor` times ten to the power `exponent`, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Named {
+pub struct NamedUnit {
     /// The name, as it is written.
     pub name: &'static str,
     /// What it means.
-    pub meaning: Meaning,
+    pub meaning: UnitMeaning,
     /// Whether it takes prefixes such as `m` and `k`.
-    pub prefixes: Prefixes,
+    pub prefixes: PrefixRule,
     /// What else the name can mean: `kg`, `lb` and `oz` are also used for the weight of that mass, and `g` for the acceleration of
     /// gravity.
-    pub weight: Option<Meaning>,
+    pub weight: Option<UnitMeaning>,
 }
 
 /// Size and dimension of a unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Meaning {
+pub struct UnitMeaning {
     /// Factor of the size in SI units.
     pub factor: f64,
     /// Power of ten of the size in SI units.
@@ -31,7 +31,7 @@ pub struct Meaning {
 
 /// Whether a unit takes prefixes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Prefixes {
+pub enum PrefixRule {
     /// It does.
     Taken,
     /// It does not.
@@ -58,20 +58,20 @@ const fn base(m: i32, kg: i32, s: i32, a: i32) -> [i32; BASES] {
     [m, kg, s, a, 0, 0, 0, 0, 0, 0]
 }
 
-const fn unit(name: &'static str, factor: f64, exponent: i32, dimension: [i32; BASES]) -> Named {
-    let meaning = Meaning { factor, exponent, dimension: Dimension(dimension) };
-    Named { name, meaning, prefixes: Prefixes::None, weight: None }
+const fn unit(name: &'static str, factor: f64, exponent: i32, dimension: [i32; BASES]) -> NamedUnit {
+    let meaning = UnitMeaning { factor, exponent, dimension: Dimension(dimension) };
+    NamedUnit { name, meaning, prefixes: PrefixRule::None, weight: None }
 }
 
 /// Returns a coherent SI unit, which takes prefixes.
-const fn si(name: &'static str, dimension: [i32; BASES]) -> Named {
-    Named { prefixes: Prefixes::Taken, ..unit(name, 1.0, 0, dimension) }
+const fn si(name: &'static str, dimension: [i32; BASES]) -> NamedUnit {
+    NamedUnit { prefixes: PrefixRule::Taken, ..unit(name, 1.0, 0, dimension) }
 }
 
 /// Returns a unit of mass, whose name also stands for the weight of that mass under standard gravity.
-const fn mass(name: &'static str, factor: f64, exponent: i32) -> Named {
-    let weight = Meaning { factor: factor * STANDARD_GRAVITY, exponent, dimension: Dimension(FORCE) };
-    Named { weight: Some(weight), ..unit(name, factor, exponent, base(0, 1, 0, 0)) }
+const fn mass(name: &'static str, factor: f64, exponent: i32) -> NamedUnit {
+    let weight = UnitMeaning { factor: factor * STANDARD_GRAVITY, exponent, dimension: Dimension(FORCE) };
+    NamedUnit { weight: Some(weight), ..unit(name, factor, exponent, base(0, 1, 0, 0)) }
 }
 
 const FORCE: [i32; BASES] = base(1, 1, -2, 0);
@@ -89,7 +89,7 @@ const POUND: (f64, i32) = (45_359_237.0, -8);
 const OUNCE: (f64, i32) = (28_349_523_125.0, -12);
 
 /// Every unit. Definitions are those of the SI brochure (9th edition) and of NIST Special Publication 811.
-pub const UNITS: &[Named] = &[
+pub const UNITS: &[NamedUnit] = &[
     unit("1", 1.0, 0, base(0, 0, 0, 0)),
     unit("%", 1.0, -2, base(0, 0, 0, 0)),
     unit("percent", 1.0, -2, base(0, 0, 0, 0)),
@@ -106,9 +106,9 @@ pub const UNITS: &[Named] = &[
     unit("foot", 3048.0, -4, base(1, 0, 0, 0)),
     unit("feet", 3048.0, -4, base(1, 0, 0, 0)),
     unit("cc", 1.0, -6, base(3, 0, 0, 0)),
-    Named {
-        prefixes: Prefixes::Taken,
-        weight: Some(Meaning {
+    NamedUnit {
+        prefixes: PrefixRule::Taken,
+        weight: Some(UnitMeaning {
             factor: STANDARD_GRAVITY,
             exponent: 0,
             dimension: Dimension(base(1, 0, -2, 0)),
@@ -145,8 +145,8 @@ pub const UNITS: &[Named] = &[
     unit("r", 2.0 * PI, 0, ANGLE),
     unit("turn", 2.0 * PI, 0, ANGLE),
     unit("turns", 2.0 * PI, 0, ANGLE),
-    Named { prefixes: Prefixes::Taken, ..unit("rpm", PI / 30.0, 0, [0, 0, -1, 0, 0, 1, 0, 0, 0, 0]) },
-    Named { prefixes: Prefixes::Taken, ..unit("RPM", PI / 30.0, 0, [0, 0, -1, 0, 0, 1, 0, 0, 0, 0]) },
+    NamedUnit { prefixes: PrefixRule::Taken, ..unit("rpm", PI / 30.0, 0, [0, 0, -1, 0, 0, 1, 0, 0, 0, 0]) },
+    NamedUnit { prefixes: PrefixRule::Taken, ..unit("RPM", PI / 30.0, 0, [0, 0, -1, 0, 0, 1, 0, 0, 0, 0]) },
     unit("rps", 2.0 * PI, 0, [0, 0, -1, 0, 0, 1, 0, 0, 0, 0]),
     unit("dps", PI / 180.0, 0, [0, 0, -1, 0, 0, 1, 0, 0, 0, 0]),
     si("Hz", CYCLES),
@@ -197,7 +197,7 @@ pub const UNITS: &[Named] = &[
     unit("dB", 1.0, 0, DECIBEL),
 ];
 
-impl Named {
+impl NamedUnit {
     const fn times_ten(mut self, power: i32) -> Self {
         self.meaning.exponent += power;
         self

@@ -61,11 +61,11 @@ pub fn is_text(first: &[u8]) -> bool {
 /// Returns what is wrong with the file; [`Error::UnknownFormat`] for a file of another format.
 pub fn read_arrays(bytes: &[u8], name: &str) -> Result<(Vec<NamedArray>, Vec<Remark>), Error> {
     let unknown = || Err(Error::UnknownFormat { file: name.to_owned() });
-    found(bytes, name).unwrap_or_else(unknown).map(|found| (found.arrays, found.remarks))
+    decode_arrays(bytes, name).unwrap_or_else(unknown).map(|found| (found.arrays, found.remarks))
 }
 
 /// Returns what a file of arrays holds; `None` for a file of another format.
-fn found(bytes: &[u8], file: &str) -> Option<Result<DecodedArrays, Error>> {
+fn decode_arrays(bytes: &[u8], file: &str) -> Option<Result<DecodedArrays, Error>> {
     if bytes.starts_with(MATLAB) {
         Some(matlab::read(bytes, file))
     } else if bytes.starts_with(MATLAB_7_3) {
@@ -84,7 +84,7 @@ fn found(bytes: &[u8], file: &str) -> Option<Result<DecodedArrays, Error>> {
 /// Returns the columns of a file, whose format is recognised by its first bytes: Parquet, MATLAB version 5 or 7.3, HDF5, NumPy,
 /// else CSV.
 pub(crate) fn decode(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
-    if let Some(found) = found(bytes, file) {
+    if let Some(found) = decode_arrays(bytes, file) {
         Ok(found?.columns())
     } else if bytes.starts_with(PARQUET) {
         parquet::read(bytes, file)

@@ -12,21 +12,24 @@ use counterpoise_pipeline::recordings::column_remarks::BeyondRange;
 use counterpoise_pipeline::recordings::controller_origin::OtherExport;
 use counterpoise_pipeline::recordings::{ColumnRemark, ReplayedRecording, UnusedColumn};
 use counterpoise_pipeline::results::RecordingResult;
-use counterpoise_pipeline::studies::fra::{Map, MapRemark, RecordedMap};
+use counterpoise_pipeline::studies::fra::{MapRemark, RecordedMap, ResponseMap};
 use counterpoise_plot::number::short_number;
 
+use super::file_remarks::describe_file_remark;
 use super::learned::describe_beyond;
 
 /// Describes something found about the columns of a recording: its channel, and what is wrong or was done.
 pub fn describe_column_remark(remark: &ColumnRemark) -> String {
     match remark {
-        ColumnRemark::File(finding) => finding.to_string(),
+        ColumnRemark::File(finding) => describe_file_remark(finding),
         ColumnRemark::BeyondRange { channel, found } => {
             format!("{}: {}", channel.name(), describe_beyond_range(found, channel.unit()))
         }
-        ColumnRemark::Repair { channel, repair } => format!("{channel}: {}", describe_repair(repair)),
+        ColumnRemark::Repair { part, repair } => format!("{}: {}", part.name(), describe_repair(repair)),
         ColumnRemark::Controller(mismatch) => format!("control: {}", describe_control_mismatch(mismatch)),
-        ColumnRemark::Anomaly { channel, anomaly } => format!("{channel}: {}", describe_anomaly(anomaly)),
+        ColumnRemark::Anomaly { channel, anomaly } => {
+            format!("{}: {}", channel.name(), describe_anomaly(anomaly))
+        }
         ColumnRemark::RangeExceeded(beyond) => describe_beyond(beyond),
     }
 }
@@ -61,7 +64,7 @@ fn without_demand(files: &[String], replayed: &str) -> Option<String> {
 }
 
 /// Returns the map of a recording, with what was found about its columns among its remarks.
-pub fn describe_recorded_map(found: RecordedMap) -> Map {
+pub fn describe_recorded_map(found: RecordedMap) -> ResponseMap {
     let RecordedMap { map, columns } = found;
     let mut map = describe_map(map);
     map.remarks.extend(columns.iter().map(describe_column_remark));
@@ -69,10 +72,10 @@ pub fn describe_recorded_map(found: RecordedMap) -> Map {
 }
 
 /// Returns a map with its remarks in sentences.
-pub fn describe_map(map: Map<MapRemark>) -> Map {
-    let Map { name, around, signals, recording, points, simulated_s, remarks } = map;
+pub fn describe_map(map: ResponseMap<MapRemark>) -> ResponseMap {
+    let ResponseMap { name, around, signals, recording, points, simulated_s, remarks } = map;
     let remarks = remarks.into_iter().map(describe_map_remark).collect();
-    Map { name, around, signals, recording, points, simulated_s, remarks }
+    ResponseMap { name, around, signals, recording, points, simulated_s, remarks }
 }
 
 fn describe_map_remark(remark: MapRemark) -> String {
@@ -135,7 +138,10 @@ pub fn describe_recordings_error(error: &PipelineError) -> String {
 
 /// Describes columns that were not used, to follow the description of what is missing; empty if there are none.
 fn describe_unused_columns(unused: &[UnusedColumn]) -> String {
-    unused.iter().map(|column| format!("; {}: {}", column.recording, column.remark)).collect()
+    unused
+        .iter()
+        .map(|column| format!("; {}: {}", column.recording, describe_file_remark(&column.remark)))
+        .collect()
 }
 
 /// Describes something to be reported about the recordings.
@@ -155,15 +161,20 @@ pub fn describe_remark(remark: &RecordingRemark) -> String {
             format!("{recording}: control: {}", describe_control_mismatch(mismatch))
         }
         RecordingRemark::Fault(fault) => describe_fault(fault),
-        RecordingRemark::Repaired { recording, channel, repair } => {
-            format!("{recording}: {channel}: {}", describe_repair(repair))
+        RecordingRemark::Repaired { recording, part, repair } => {
+            format!("{recording}: {}: {}", part.name(), describe_repair(repair))
         }
         RecordingRemark::Checked { remark, comparison } => {
             let end = match comparison {
                 Comparison::Compared => "",
                 Comparison::NotCompared => "; it is not compared",
             };
-            format!("{}: {}: {}{end}", remark.recording, remark.channel, describe_anomaly(&remark.anomaly))
+            format!(
+                "{}: {}: {}{end}",
+                remark.recording,
+                remark.channel.name(),
+                describe_anomaly(&remark.anomaly)
+            )
         }
         RecordingRemark::Shortened { recording, used_s, length_s, most_samples } => format!(
             "{recording}: the first {used_s:.4} s of {length_s:.4} s are used, for {most_samples} samples in all are what is replayed"

@@ -132,5 +132,5 @@ fn rates(plant: &Plant, control: f64, every: usize, tolerance: f64) -> Result<Ve
     };
     let history =
         Simulator::with_tolerance(plant, tolerance)?.run(&mut Playback::new(&[control]), &scenario)?;
-    Ok(history.truth.hub_rate_rad_s.iter().step_by(every).skip(1).copied().collect())
+    Ok(history.truth.hub_rate_rad_s().iter().step_by(every).skip(1).copied().collect())
 }

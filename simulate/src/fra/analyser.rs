@@ -59,7 +59,11 @@ impl MeasuredResponse {
 ///
 /// # Errors
 /// A frequency that is not between 0 and the Nyquist frequency, fewer samples than unknowns.
-pub fn spectrum(samples: &[f64], period_s: f64, frequency_rad_s: f64) -> Result<HarmonicSpectrum, Error> {
+pub fn harmonic_spectrum(
+    samples: &[f64],
+    period_s: f64,
+    frequency_rad_s: f64,
+) -> Result<HarmonicSpectrum, Error> {
     Harmonics::new(samples.len(), period_s, frequency_rad_s)?.spectrum(samples)
 }
 
@@ -100,7 +104,7 @@ impl Harmonics {
         self.rows.len() / self.unknowns()
     }
 
-    /// Returns the spectrum of the samples of a window; see [`spectrum`].
+    /// Returns the spectrum of the samples of a window; see [`harmonic_spectrum`].
     ///
     /// # Errors
     /// Fewer samples than unknowns, and a window in which they cannot be told apart.
@@ -147,8 +151,8 @@ impl Harmonics {
 /// `most_cycles`.
 ///
 /// # Errors
-/// As [`spectrum`]; less than one cycle; an input without a fundamental.
-pub fn response(
+/// As [`harmonic_spectrum`]; less than one cycle; an input without a fundamental.
+pub fn cycle_response(
     input: &[f64],
     output: &[f64],
     period_s: f64,
@@ -172,7 +176,7 @@ impl Analyser {
     /// Returns the analyser over the last whole cycles of signals of a length, at most `most_cycles`.
     ///
     /// # Errors
-    /// As [`response`].
+    /// As [`cycle_response`].
     pub fn new(
         length: usize,
         period_s: f64,
@@ -252,7 +256,7 @@ mod tests {
             .map(|k| f64::from(k) * 1e-3)
             .map(|t| 5.0 + 2.0 * (w * t + 0.3).cos() + 0.1 * (3.0 * w * t).sin())
             .collect();
-        let found = spectrum(&y, 1e-3, w).unwrap();
+        let found = harmonic_spectrum(&y, 1e-3, w).unwrap();
         assert!((found.mean - 5.0).abs() < 1e-10);
         assert!((found.harmonics[0] - C64::from_polar(2.0, 0.3)).norm() < 1e-10);
         assert!((found.harmonics[2] - C64::new(0.0, -0.1)).norm() < 1e-10);
@@ -265,7 +269,7 @@ mod tests {
         let sample = |f: &dyn Fn(f64) -> f64| (0..3000).map(|k| f(f64::from(k) * 1e-3)).collect::<Vec<f64>>();
         let input = sample(&|t| 0.5 * (w * t).sin());
         let output = sample(&|t| 7.0 + 1.5 * (w * t - 0.8).sin());
-        let found = response(&input, &output, 1e-3, w, 100).unwrap();
+        let found = cycle_response(&input, &output, 1e-3, w, 100).unwrap();
         assert!((found.value - C64::from_polar(3.0, -0.8)).norm() < 1e-9);
         assert_eq!(found.cycles, 5);
     }
@@ -281,6 +285,6 @@ mod tests {
         assert!((found.harmonics[0] - C64::from_polar(2.0, 0.3)).norm() < 1e-10);
         // a window without gaps does not remember those of the one before
         let whole: Vec<f64> = (0..1000).map(exact).collect();
-        assert_eq!(harmonics.spectrum(&whole).unwrap(), spectrum(&whole, 1e-3, w).unwrap());
+        assert_eq!(harmonics.spectrum(&whole).unwrap(), harmonic_spectrum(&whole, 1e-3, w).unwrap());
     }
 }

@@ -1,8 +1,8 @@
 //! The frequency response analyser, on the nonlinear simulation and on recordings.
 //!
 //! A sine of one frequency and amplitude is put in, the motion is let settle, and input and output are compared at the
-//! fundamental over whole cycles, as a bench instrument does; mean and harmonics are returned as well. [`measure`] does
-//! one point: a map of amplitudes and frequencies is as many independent calls. [`analyser::response`] does the same
+//! fundamental over whole cycles, as a bench instrument does; mean and harmonics are returned as well. [`measure_point`] does
+//! one point: a map of amplitudes and frequencies is as many independent calls. [`analyser::cycle_response`] does the same
 //! on the columns of a recording.
 //!
 //! Sampled columns are compared: the response from the control or the demand includes the converter's hold, that
@@ -10,7 +10,7 @@
 
 pub mod analyser;
 
-pub use analyser::{HarmonicSpectrum, MeasuredResponse, response, spectrum};
+pub use analyser::{HarmonicSpectrum, MeasuredResponse, cycle_response, harmonic_spectrum};
 
 use crate::ensemble::{EnsembleRun, RunObserver, run_ensemble};
 use crate::fra::analyser::Analyser;
@@ -97,7 +97,7 @@ pub struct Measurement {
 /// # Errors
 /// An amplitude or frequency that is not positive, a frequency above the Nyquist frequency, and what
 /// [`crate::run()`] refuses.
-pub fn measure(
+pub fn measure_point(
     plant: &Plant,
     controller: &mut dyn SampledController,
     test: Test,
@@ -121,7 +121,7 @@ pub struct PlannedPoint<'a> {
 /// length take the least time.
 ///
 /// # Errors
-/// Point by point, as [`measure`].
+/// Point by point, as [`measure_point`].
 pub fn measure_each(
     plant: &Plant,
     test: Test,
@@ -217,7 +217,7 @@ struct Settling<'a> {
 
 impl Settling<'_> {
     fn goes_on(&mut self, readings: &ReadingColumns) -> bool {
-        let windows = readings.control_v.len() / self.window.samples;
+        let windows = readings.control_v().len() / self.window.samples;
         let found = self.window.response(self.test, readings, windows - 1).ok();
         let change = match (&found, &self.last) {
             (Some(now), Some(before)) if windows >= 3 => (now.value - before.value).norm() / now.value.norm(),
@@ -280,12 +280,12 @@ impl Window {
         index: usize,
     ) -> Result<MeasuredResponse, Error> {
         let input = match test {
-            Test::Plant => &columns.control_v,
-            Test::ClosedLoop => &columns.demand_rad_s,
-            Test::PlatformToHub => &columns.platform_rate_rad_s,
+            Test::Plant => &columns.control_v(),
+            Test::ClosedLoop => &columns.demand_rad_s(),
+            Test::PlatformToHub => &columns.platform_rate_rad_s(),
         };
         let range = index * self.samples..(index + 1) * self.samples;
-        self.analyser.response(&input[range.clone()], &columns.hub_rate_rad_s[range])
+        self.analyser.response(&input[range.clone()], &columns.hub_rate_rad_s()[range])
     }
 }
 

@@ -384,7 +384,7 @@ impl<S: Simd> Span<'_, S> {
         state: &mut LaneState,
         core: &[Lanes],
     ) {
-        let shown = self.shown(tried, state);
+        let shown = self.lane_readings(tried, state);
         for (place, value) in state.core.iter_mut().zip(core) {
             accepted.keep(place, Lane::new(self.simd, *value));
         }
@@ -409,7 +409,7 @@ impl<S: Simd> Span<'_, S> {
 
     /// Returns what the loop's sensor shows at the end of the step, and its derivative.
     #[inline(always)]
-    fn shown(&self, tried: &Tried<S>, state: &LaneState) -> [Lane<S>; 2] {
+    fn lane_readings(&self, tried: &Tried<S>, state: &LaneState) -> [Lane<S>; 2] {
         let mut felt = [self.splat(0.0); STAGES + 1];
         for (k, felt) in felt.iter_mut().enumerate() {
             *felt = self.ports.sensor_reading(&tried.outputs[k], &self.platform[k]);

@@ -120,14 +120,14 @@ struct ReadyVariant<'a> {
 pub struct ChannelFit {
     /// Which one.
     pub channel: Channel,
-    /// RMS of the residual, simulated - recorded, in the channel's unit.
+    /// RMS of the residual, recorded - simulated, in the channel's unit.
     pub rms_error: f64,
     /// Noise floor: RMS of the residual of a perfect model, from noise and quantisation of the project's sensors, in the channel's unit.
     pub floor: f64,
     /// RMS of the white noise in the recording itself, from its third differences: a check on the floor. An
     /// overestimate if the channel moves fast.
     pub white_noise: f64,
-    /// Variance accounted for, percent: 100 (1 - var(error) / var(recorded)).
+    /// Variance accounted for, percent: 100 (1 - var(residual) / var(recorded)).
     pub vaf: f64,
 }
 
@@ -423,11 +423,11 @@ impl<'a> Replayer<'a> {
         }
     }
 
-    /// Returns the mean difference of the hub position over the whole recording: a rate loop does not know its angle, and the
+    /// Returns by how much the simulated hub position exceeds the recorded one on the average of the whole recording: a rate loop does not know its angle, and the
     /// first moments do not fix it better than the resolver's noise.
     fn position_offset(&self, history: &TimeHistory) -> Option<f64> {
         let recorded = self.recording.samples(Channel::HubPosition)?;
-        let differences = history.readings.hub_position_rad.iter().zip(recorded).map(|(s, r)| s - r);
+        let differences = history.readings.hub_position_rad().iter().zip(recorded).map(|(s, r)| s - r);
         let (sum, count) =
             differences.filter(|d| d.is_finite()).fold((0.0, 0.0), |(s, c), d| (s + d, c + 1.0));
         (count > 0.0).then(|| sum / count)
@@ -541,12 +541,12 @@ fn fit(channel: Channel, simulated: &[f64], recorded: &[f64], floor: f64) -> Opt
         return None;
     }
     let mean = |f: &dyn Fn(f64, f64) -> f64| pairs().map(|(s, r)| f(*s, *r)).sum::<f64>() / count;
-    let (error, level) = (mean(&|s, r| s - r), mean(&|_, r| r));
+    let (residual, level) = (mean(&|s, r| r - s), mean(&|_, r| r));
     let variance = mean(&|_, r| (r - level).powi(2));
-    let scatter = mean(&|s, r| (s - r - error).powi(2));
+    let scatter = mean(&|s, r| (r - s - residual).powi(2));
     Some(ChannelFit {
         channel,
-        rms_error: mean(&|s, r| (s - r).powi(2)).sqrt(),
+        rms_error: mean(&|s, r| (r - s).powi(2)).sqrt(),
         floor,
         white_noise: white_noise(recorded),
         vaf: if variance > 0.0 { 100.0 * (1.0 - scatter / variance) } else { 0.0 },

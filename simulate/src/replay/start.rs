@@ -364,7 +364,7 @@ impl<'a, 'b> Fit<'a, 'b> {
         for &(channel, floor) in &self.channels {
             let recorded = self.replayer.recording().samples(channel).unwrap_or(&[]);
             let pairs = history.readings.channel(channel).iter().zip(recorded);
-            residuals.extend(pairs.map(|(s, r)| if r.is_finite() { (s - r) / floor } else { 0.0 }));
+            residuals.extend(pairs.map(|(s, r)| if r.is_finite() { (r - s) / floor } else { 0.0 }));
         }
         residuals.extend(self.imbalance(u));
         residuals.extend((0..UNKNOWNS).map(|k| (u[k] - self.anchor[k]) / (FAR * self.steps[k])));

@@ -264,7 +264,7 @@ impl<'a, 'b> Windows<'a, 'b> {
         for &(channel, floor) in &self.channels {
             let recorded = self.replayer.recording.samples(channel).unwrap_or(&[]);
             let pairs = history.readings.channel(channel).iter().zip(&recorded[from..]);
-            out.extend(pairs.map(|(s, r)| if r.is_finite() { (s - r) / floor } else { 0.0 }));
+            out.extend(pairs.map(|(s, r)| if r.is_finite() { (r - s) / floor } else { 0.0 }));
         }
         out.extend(by.iter().zip(&self.spread).map(|(b, s)| b / s));
         Ok(out)

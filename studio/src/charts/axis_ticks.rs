@@ -4,7 +4,7 @@ use crate::tolerance::{LARGEST_EXPONENT, WHOLE_DECADE};
 use counterpoise_plot::ticks;
 use egui_plot::{GridInput, GridMark};
 
-use super::chart::Scale;
+use super::chart::AxisScale;
 use crate::number_format::format_short;
 
 /// Distance of the numbers on an x axis, points: a number of five digits and a gap.
@@ -13,10 +13,10 @@ pub const X_DISTANCE: f32 = 58.0;
 pub const Y_DISTANCE: f32 = 34.0;
 
 /// Returns the ticks of an axis that has room for some numbers.
-pub fn axis_ticks(scale: Scale, input: GridInput, number_count: f32) -> Vec<GridMark> {
+pub fn axis_ticks(scale: AxisScale, input: GridInput, number_count: f32) -> Vec<GridMark> {
     match scale {
-        Scale::Linear => linear_ticks(input, f64::from(number_count.max(2.0))),
-        Scale::Log => decade_ticks(input, f64::from(number_count.max(2.0))),
+        AxisScale::Linear => linear_ticks(input, f64::from(number_count.max(2.0))),
+        AxisScale::Log => decade_ticks(input, f64::from(number_count.max(2.0))),
     }
 }
 

@@ -6,7 +6,7 @@ use super::curve_points::CurvePoints;
 
 /// A curve.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Curve {
+pub struct ChartCurve {
     /// Its name; a curve without one is not in the legend.
     pub name: String,
     /// Its points, in the units of the axes.
@@ -14,12 +14,12 @@ pub struct Curve {
     /// Its colour.
     pub colour: Color32,
     /// How it is stroked.
-    pub dash: Dash,
+    pub dash: LineDash,
 }
 
 /// How a curve is stroked, so that it can be read without colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Dash {
+pub enum LineDash {
     /// Unbroken.
     Solid,
     /// Dashes.
@@ -30,7 +30,7 @@ pub enum Dash {
 
 /// The scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Scale {
+pub enum AxisScale {
     /// Linear.
     Linear,
     /// Logarithmic.
@@ -82,9 +82,9 @@ pub struct Chart {
     /// The labels of the axes, with units.
     pub labels: [String; 2],
     /// The scales of the axes.
-    pub scales: [Scale; 2],
+    pub scales: [AxisScale; 2],
     /// The curves.
-    pub curves: Vec<Curve>,
+    pub curves: Vec<ChartCurve>,
     /// Vertical lines with labels.
     pub marks: Vec<VerticalMark>,
     /// Points with labels.
@@ -103,7 +103,7 @@ impl Chart {
         Self {
             title: title.to_owned(),
             labels: [x_label.to_owned(), y_label.to_owned()],
-            scales: [Scale::Linear; 2],
+            scales: [AxisScale::Linear; 2],
             curves: Vec::new(),
             marks: Vec::new(),
             spots: Vec::new(),
@@ -115,19 +115,29 @@ impl Chart {
 
     /// Adds a curve of a few thousand points at most.
     #[must_use]
-    pub fn with_curve(self, name: &str, colour: Color32, dash: Dash, points: Vec<[f64; 2]>) -> Self {
-        self.with_any_curve(Curve { name: name.to_owned(), points: CurvePoints::Few(points), colour, dash })
+    pub fn with_curve(self, name: &str, colour: Color32, dash: LineDash, points: Vec<[f64; 2]>) -> Self {
+        self.with_any_curve(ChartCurve {
+            name: name.to_owned(),
+            points: CurvePoints::Few(points),
+            colour,
+            dash,
+        })
     }
 
     /// Adds a path that may turn back, such as a curve in the complex plane; a point without numbers breaks it.
     #[must_use]
-    pub fn with_path(self, name: &str, colour: Color32, dash: Dash, points: Vec<[f64; 2]>) -> Self {
-        self.with_any_curve(Curve { name: name.to_owned(), points: CurvePoints::Path(points), colour, dash })
+    pub fn with_path(self, name: &str, colour: Color32, dash: LineDash, points: Vec<[f64; 2]>) -> Self {
+        self.with_any_curve(ChartCurve {
+            name: name.to_owned(),
+            points: CurvePoints::Path(points),
+            colour,
+            dash,
+        })
     }
 
     /// Adds a curve of any length.
     #[must_use]
-    pub fn with_any_curve(mut self, curve: Curve) -> Self {
+    pub fn with_any_curve(mut self, curve: ChartCurve) -> Self {
         self.curves.push(curve);
         self
     }
@@ -147,16 +157,16 @@ impl Chart {
     /// Returns a value in plot coordinates: a logarithmic axis is in decades.
     pub fn plot_coordinate(&self, axis: PlotAxis, value: f64) -> f64 {
         match self.scales[axis.index()] {
-            Scale::Log => value.max(f64::MIN_POSITIVE).log10(),
-            Scale::Linear => value,
+            AxisScale::Log => value.max(f64::MIN_POSITIVE).log10(),
+            AxisScale::Linear => value,
         }
     }
 
     /// Returns the value at a plot coordinate.
     pub fn value_at(&self, axis: PlotAxis, coordinate: f64) -> f64 {
         match self.scales[axis.index()] {
-            Scale::Log => 10f64.powf(coordinate),
-            Scale::Linear => coordinate,
+            AxisScale::Log => 10f64.powf(coordinate),
+            AxisScale::Linear => coordinate,
         }
     }
 

@@ -1,11 +1,11 @@
 //! A chart as a picture of its own, on white, drawn by the same crate as the figures of reports.
 
 use counterpoise_plot::{
-    Axis, Bitmap, Colour, Dash as Dashes, Figure, Mark, Panel, PlotError, Series, Theme, bitmap, png, svg,
+    Axis, Bitmap, Colour, Dash, Figure, Mark, Panel, PlotError, Series, Theme, bitmap, png, svg,
 };
 use egui::Color32;
 
-use super::chart::{Chart, Curve, Dash, PlotAxis, Scale};
+use super::chart::{AxisScale, Chart, ChartCurve, LineDash, PlotAxis};
 use crate::theme::{DARK, LIGHT};
 
 /// Height of the plotting area, pixels.
@@ -50,11 +50,11 @@ pub fn chart_to_figure(chart: &Chart) -> Figure {
     Figure::new(&chart.title, axis(chart, PlotAxis::X), vec![panel])
 }
 
-fn series(curve: &Curve) -> Series {
+fn series(curve: &ChartCurve) -> Series {
     let dash = match curve.dash {
-        Dash::Solid => Dashes::Solid,
-        Dash::Dashed => Dashes::Dashed,
-        Dash::Dotted => Dashes::Dotted,
+        LineDash::Solid => Dash::Solid,
+        LineDash::Dashed => Dash::Dashed,
+        LineDash::Dotted => Dash::Dotted,
     };
     let points = curve.points.all().iter().map(|p| (p[0], p[1])).collect::<Vec<_>>();
     Series::new(&curve.name, colour(curve.colour), dash, points)
@@ -69,8 +69,8 @@ fn colour(of: Color32) -> Colour {
 fn axis(chart: &Chart, axis: PlotAxis) -> Axis {
     let label = chart.labels[axis.index()].as_str();
     let drawn = match chart.scales[axis.index()] {
-        Scale::Linear => Axis::linear(label, ""),
-        Scale::Log => Axis::logarithmic(label, ""),
+        AxisScale::Linear => Axis::linear(label, ""),
+        AxisScale::Log => Axis::logarithmic(label, ""),
     };
     Axis { range: chart.range[axis.index()], ..drawn }
 }
@@ -83,9 +83,9 @@ mod tests {
     fn a_chart_is_drawn_with_its_labels_curves_and_marks() {
         let points: Vec<[f64; 2]> = (1..500).map(|k| [f64::from(k), f64::from(k).recip()]).collect();
         let mut chart = Chart::new("Loop <gain>", "frequency, Hz", "modulus, dB")
-            .with_curve("L", DARK.curves[0], Dash::Solid, points.clone())
-            .with_curve("kept", DARK.weak, Dash::Dotted, points);
-        chart.scales = [Scale::Log; 2];
+            .with_curve("L", DARK.curves[0], LineDash::Solid, points.clone())
+            .with_curve("kept", DARK.weak, LineDash::Dotted, points);
+        chart.scales = [AxisScale::Log; 2];
         chart.add_mark(10.0, "first mode");
         chart.spots.push(super::super::chart::LabelledPoint { at: [100.0, 0.01], label: "peak".to_owned() });
         let text = chart_svg(&chart);

@@ -4,7 +4,7 @@ use egui::{Color32, Ui, Vec2};
 use egui_plot::{AxisHints, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotTransform};
 
 use super::axis_ticks::{X_DISTANCE, Y_DISTANCE, axis_ticks, format_decade_tick, format_linear_tick};
-use super::chart::{Chart, Curve, Dash, PlotAxis, Scale};
+use super::chart::{AxisScale, Chart, ChartCurve, LineDash, PlotAxis};
 use super::line_simplification::simplify_line;
 use super::plot_limits::PlotLimits;
 use crate::number_format::format_short;
@@ -107,13 +107,13 @@ fn show_heading(ui: &mut Ui, chart: &Chart, theme: &Theme, limits: &PlotLimits) 
 
 /// A curve with its text in the legend.
 struct LegendEntry<'a> {
-    curve: &'a Curve,
+    curve: &'a ChartCurve,
     text: String,
 }
 
 /// Returns the named curves with their names, and with their values at the cursor if there is one.
 fn legend_entries(chart: &Chart, cursor: Option<f64>) -> Vec<LegendEntry<'_>> {
-    let text = |curve: &Curve| match cursor.and_then(|x| curve.points.value_at(x)) {
+    let text = |curve: &ChartCurve| match cursor.and_then(|x| curve.points.value_at(x)) {
         Some(value) => format!("{} {}", curve.name, format_short(value)),
         None => curve.name.clone(),
     };
@@ -133,16 +133,16 @@ fn show_legend<'a>(ui: &mut Ui, entries: impl Iterator<Item = &'a LegendEntry<'a
     }
 }
 
-fn draw_swatch(ui: &mut Ui, curve: &Curve) {
+fn draw_swatch(ui: &mut Ui, curve: &ChartCurve) {
     let (rect, _) = ui.allocate_exact_size(Vec2::new(16.0, 10.0), egui::Sense::hover());
     let line = [rect.left_center(), rect.right_center()];
     let stroke = egui::Stroke::new(2.0, curve.colour);
     match curve.dash {
-        Dash::Solid => {
+        LineDash::Solid => {
             ui.painter().line_segment(line, stroke);
         }
-        Dash::Dashed => ui.painter().extend(egui::Shape::dashed_line(&line, stroke, 5.0, 3.0)),
-        Dash::Dotted => ui.painter().extend(egui::Shape::dotted_line(&line, curve.colour, 4.0, 1.2)),
+        LineDash::Dashed => ui.painter().extend(egui::Shape::dashed_line(&line, stroke, 5.0, 3.0)),
+        LineDash::Dotted => ui.painter().extend(egui::Shape::dotted_line(&line, curve.colour, 4.0, 1.2)),
     }
 }
 
@@ -207,8 +207,8 @@ fn show_plot(
 fn axis_hints<'a>(chart: &Chart, axis: PlotAxis, theme: &Theme) -> AxisHints<'a> {
     let hints = if axis == PlotAxis::X { AxisHints::new_x() } else { AxisHints::new_y() };
     let format_tick = match chart.scales[axis.index()] {
-        Scale::Linear => format_linear_tick,
-        Scale::Log => format_decade_tick,
+        AxisScale::Linear => format_linear_tick,
+        AxisScale::Log => format_decade_tick,
     };
     hints
         .label(egui::RichText::new(&chart.labels[axis.index()]).small().color(theme.weak))
@@ -248,16 +248,16 @@ fn draw_chart<'a>(plot: &mut egui_plot::PlotUi<'a>, chart: &'a Chart, theme: &Th
 
 fn draw_line<'a>(
     plot: &mut egui_plot::PlotUi<'a>,
-    curve: &'a Curve,
+    curve: &'a ChartCurve,
     mut points: Vec<[f64; 2]>,
     pixels_per_unit: [f64; 2],
 ) {
     let style = match curve.dash {
-        Dash::Solid => LineStyle::Solid,
-        Dash::Dashed => LineStyle::dashed_dense(),
-        Dash::Dotted => LineStyle::dotted_dense(),
+        LineDash::Solid => LineStyle::Solid,
+        LineDash::Dashed => LineStyle::dashed_dense(),
+        LineDash::Dotted => LineStyle::dotted_dense(),
     };
-    if curve.dash != Dash::Solid && pixels_per_unit.iter().all(|v| v.is_finite()) {
+    if curve.dash != LineDash::Solid && pixels_per_unit.iter().all(|v| v.is_finite()) {
         points = simplify_line(&points, pixels_per_unit);
     }
     let line = Line::new(&curve.name, PlotPoints::from(points));

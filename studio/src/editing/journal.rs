@@ -12,7 +12,7 @@ use counterpoise_host::files::Disk;
 use counterpoise_host::journal_writer::{JournalEnding, JournalMessage, JournalThread, spawn_journal_writer};
 use counterpoise_host::journals::journal_lines;
 use counterpoise_host::project_lock::ProjectLock;
-use counterpoise_host::worker::Wake;
+use counterpoise_host::worker::WakeWindow;
 use serde::{Deserialize, Serialize};
 
 use crate::command::Command;
@@ -44,9 +44,9 @@ pub struct Journal {
 
 /// Waits on another thread until everything that was appended so far is on disk.
 #[derive(Clone)]
-pub struct Flush(Sender<JournalMessage>);
+pub struct JournalFlush(Sender<JournalMessage>);
 
-impl Flush {
+impl JournalFlush {
     /// Waits.
     pub fn wait(&self) {
         let (done, answer) = channel();
@@ -59,7 +59,7 @@ impl Flush {
 impl Journal {
     /// Starts the journal's thread; there is no file before [`Journal::begin`].
     /// `wake` is called when an error appears or goes.
-    pub fn new(disk: Arc<dyn Disk>, wake: Wake) -> Self {
+    pub fn new(disk: Arc<dyn Disk>, wake: WakeWindow) -> Self {
         let (inbox, messages) = channel();
         let error = Arc::new(Mutex::new(None));
         let thread = spawn_journal_writer(disk, wake, messages, Arc::clone(&error));
@@ -88,8 +88,8 @@ impl Journal {
     }
 
     /// Returns what waits for the disk on another thread.
-    pub fn flush(&self) -> Flush {
-        Flush(self.inbox.clone())
+    pub fn flush(&self) -> JournalFlush {
+        JournalFlush(self.inbox.clone())
     }
 
     /// Returns why the journal cannot be written, or `None` if it can.
@@ -129,7 +129,7 @@ pub fn recover_journal(path: &Path) -> Option<RecoveredJournal> {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
-    use counterpoise_host::files::Native;
+    use counterpoise_host::files::NativeDisk;
     use counterpoise_host::journals::journal_path;
     use std::fs;
     use std::io::Write;
@@ -139,7 +139,7 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("counterpoise-journal-{}", std::process::id()));
         let path = journal_path(&folder, Path::new("rig.toml"));
         let header = JournalHeader { project: "rig.toml".into(), text: "[plant]\n".to_owned() };
-        let journal = Journal::new(Arc::new(Native), Arc::new(|| {}));
+        let journal = Journal::new(Arc::new(NativeDisk), Arc::new(|| {}));
         journal.begin(&path, &header, &[]);
         journal.append(&Command::Undo);
         journal.append(&Command::SetText { path: "plant.name".to_owned(), value: "x".to_owned() });
@@ -148,7 +148,7 @@ mod tests {
         let found = recover_journal(&path).unwrap();
         assert_eq!(found.header, header);
         assert_eq!(found.commands.len(), 2);
-        let journal = Journal::new(Arc::new(Native), Arc::new(|| {}));
+        let journal = Journal::new(Arc::new(NativeDisk), Arc::new(|| {}));
         journal.begin(&path, &header, &found.commands);
         journal.flush().wait();
         assert_eq!(recover_journal(&path).unwrap(), found);

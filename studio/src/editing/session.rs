@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use counterpoise_project::file::EditError;
-use counterpoise_project::{Assumption, Attachments, Diagnostic, Document, Project, Setting};
+use counterpoise_project::{Assumption, Attachments, Diagnostic, Document, Project, SettingValue};
 
 use crate::command::Command;
 
@@ -131,9 +131,11 @@ impl Session {
     pub fn apply(&mut self, command: &Command) -> Result<(), EditError> {
         let gesture = if let Command::Set { gesture, .. } = command { *gesture } else { None };
         let changed = match command {
-            Command::Set { path, value, .. } => self.document.set(path, &Setting::Number(*value))?,
-            Command::SetWhole { path, value } => self.document.set(path, &Setting::Whole(*value))?,
-            Command::SetText { path, value } => self.document.set(path, &Setting::Text(value.clone()))?,
+            Command::Set { path, value, .. } => self.document.set(path, &SettingValue::Number(*value))?,
+            Command::SetWhole { path, value } => self.document.set(path, &SettingValue::Whole(*value))?,
+            Command::SetText { path, value } => {
+                self.document.set(path, &SettingValue::Text(value.clone()))?
+            }
             Command::Remove { path } => self.document.remove(path)?,
             Command::Replace { text } => self.document.reread(text),
             Command::Undo => {

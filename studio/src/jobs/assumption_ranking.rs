@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use counterpoise_pipeline::Modelled;
+use counterpoise_pipeline::PlantModel;
 use counterpoise_pipeline::check::{RankedAssumptions, rank_assumptions};
 use counterpoise_pipeline::studies::assumptions::LoopSystems;
 use counterpoise_project::{Assumption, Project};
@@ -13,7 +13,7 @@ pub struct RankingRequest {
     /// The project.
     pub project: Arc<Project>,
     /// Its plant.
-    pub modelled: Arc<Modelled>,
+    pub modelled: Arc<PlantModel>,
     /// What its file leaves open.
     pub assumptions: Vec<Assumption>,
 }

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use counterpoise_host::code_files::{Library, write_code};
-use counterpoise_host::worker::Token;
+use counterpoise_host::code_files::{LibraryBuilder, write_code};
+use counterpoise_host::worker::CancelToken;
 use counterpoise_pipeline as pipeline;
 use counterpoise_verify::VerifiedController;
 
@@ -20,7 +20,7 @@ pub struct ExportRequest {
     /// The folder for the code.
     pub output: PathBuf,
     /// Builds the libraries of FMI units.
-    pub library: Library,
+    pub library: LibraryBuilder,
 }
 
 /// What an export wrote, and what it left out.
@@ -36,7 +36,7 @@ pub struct WrittenCode {
 ///
 /// # Errors
 /// Returns why the code could not be made or written.
-pub fn export_code(request: &ExportRequest, token: &Token) -> Result<Option<WrittenCode>, String> {
+pub fn export_code(request: &ExportRequest, token: &CancelToken) -> Result<Option<WrittenCode>, String> {
     let VerificationRequest { design, folder } = &request.design;
     let made = pipeline::export(&design.project, &design.modelled, &request.verified, folder)
         .map_err(|error| error.to_string())?;

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use std::time::SystemTime;
 
 use counterpoise_host::files::{self, Disk, PROJECT_FILE};
-use counterpoise_project::starters::Kind;
+use counterpoise_project::starters::StarterKind;
 use counterpoise_project::{Attachments, Document, STARTER};
 
 use crate::command::Command;
-use crate::editing::journal::{self, Flush};
+use crate::editing::journal::{self, JournalFlush};
 use crate::editing::session::{Session, file_name};
 use crate::settings::ProjectSettings;
 use counterpoise_host::file_check::{modification_time, recordings_beside};
@@ -34,7 +34,7 @@ pub enum FileJob {
         /// The folder.
         folder: PathBuf,
         /// The kind of machine; `None` for a complete file.
-        like: Option<Kind>,
+        like: Option<StarterKind>,
     },
     /// Writes a project to its file.
     Save {
@@ -158,7 +158,7 @@ pub struct ProjectStore {
     /// The folder with the studio's own files.
     pub state: PathBuf,
     /// Waits until the last journal has ended, before a lock is acquired and a journal is read.
-    pub flush: Flush,
+    pub flush: JournalFlush,
 }
 
 /// Edits that were recovered from a journal.
@@ -191,9 +191,11 @@ impl ProjectStore {
         }
     }
 
-    fn create(&self, folder: &Path, like: Option<Kind>) -> Result<Box<LoadedProject>, String> {
-        let path =
-            files::create_project(folder, &Document::parse(like.map_or(STARTER, Kind::text), PROJECT_FILE))?;
+    fn create(&self, folder: &Path, like: Option<StarterKind>) -> Result<Box<LoadedProject>, String> {
+        let path = files::create_project(
+            folder,
+            &Document::parse(like.map_or(STARTER, StarterKind::text), PROJECT_FILE),
+        )?;
         let mut loaded = self.load(&path)?;
         loaded.origin = ProjectOrigin::Created;
         Ok(loaded)

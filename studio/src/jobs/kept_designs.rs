@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use counterpoise_diagnose::simulator_access::Serial;
-use counterpoise_host::worker::Token;
+use counterpoise_host::worker::CancelToken;
 use counterpoise_pipeline::preview::{DesignPreview, PreviewCache, PreviewRequest, preview_design};
+use counterpoise_pool::Serial;
 use counterpoise_project::{Document, Project};
 
 use crate::command::DesignSlot;
@@ -30,7 +30,7 @@ pub struct RestoredDesign {
 }
 
 /// Computes kept designs; one that cannot be computed any more is left out.
-pub fn restore_kept_designs(request: KeptRequest, token: &Token) -> Vec<RestoredDesign> {
+pub fn restore_kept_designs(request: KeptRequest, token: &CancelToken) -> Vec<RestoredDesign> {
     let mut cache = PreviewCache::default();
     let mut restore = |(slot, text): &(DesignSlot, String)| {
         if token.is_cancelled() {

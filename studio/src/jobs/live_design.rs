@@ -3,10 +3,10 @@
 use counterpoise_host::clock::Moment;
 use std::time::Duration;
 
-use counterpoise_diagnose::simulator_access::Pool;
 use counterpoise_pipeline::preview::{
     DesignPreview, PlantPreview, PreviewCache, PreviewRequest, preview_design, preview_plant,
 };
+use counterpoise_pool::Pool;
 
 use super::error_lines::{ErrorLines, error_lines};
 

@@ -2,13 +2,13 @@
 
 use std::sync::{Arc, Mutex};
 
-use counterpoise_diagnose::simulator_access::map;
 use counterpoise_host::progress::{CancellablePool, SharedProgress};
-use counterpoise_host::worker::{Token, Wake, Worker};
+use counterpoise_host::worker::{BackgroundWorker, CancelToken, WakeWindow};
 use counterpoise_pipeline as pipeline;
-use counterpoise_pipeline::studies::fra::{Analyser, Map, On};
+use counterpoise_pipeline::studies::fra::{Analyser, LoopController, ResponseMap};
 use counterpoise_pipeline::studies::fra_plan::quick_plan;
 use counterpoise_pipeline::studies::sweep::{RequirementSpread, requirement_spreads};
+use counterpoise_pool::map;
 use counterpoise_report::wording::recordings::describe_map;
 use counterpoise_verify::VerifiedController;
 use counterpoise_verify::robust::{Campaign, Sample};
@@ -21,7 +21,7 @@ use crate::versioned_results::Versioned;
 #[derive(Debug, Clone, Default)]
 pub struct Measurements {
     /// The analyser's map, or why there is none.
-    pub map: Option<Versioned<Result<Box<Map>, ErrorLines>>>,
+    pub map: Option<Versioned<Result<Box<ResponseMap>, ErrorLines>>>,
     /// The campaign, or why there is none.
     pub campaign: Option<Versioned<Result<CampaignView, ErrorLines>>>,
 }
@@ -39,7 +39,7 @@ pub enum MeasurementRequest {
 #[derive(Debug, Clone)]
 pub enum MeasurementResult {
     /// The map.
-    Map(Result<Box<Map>, ErrorLines>),
+    Map(Result<Box<ResponseMap>, ErrorLines>),
     /// The campaign.
     Campaign(Result<CampaignView, ErrorLines>),
 }
@@ -59,19 +59,19 @@ pub struct CampaignView {
 pub type PartialCampaign = Arc<Mutex<Option<CampaignView>>>;
 
 /// Measures.
-pub type MeasurementWorker = Worker<MeasurementRequest, MeasurementResult>;
+pub type MeasurementWorker = BackgroundWorker<MeasurementRequest, MeasurementResult>;
 
 /// Mechanisms between two partial results of a campaign.
 const PARTIAL_INTERVAL: usize = 10;
 
 /// Returns a worker that measures, says its progress, and leaves what a campaign has found so far in `partial`.
 pub fn measurement_worker(
-    wake: &Wake,
+    wake: &WakeWindow,
     progress: &SharedProgress,
     partial: &PartialCampaign,
 ) -> MeasurementWorker {
     let (progress, own_wake, partial) = (progress.clone(), Arc::clone(wake), Arc::clone(partial));
-    Worker::new(Arc::clone(wake), move |request: MeasurementRequest, token: &Token| {
+    BackgroundWorker::new(Arc::clone(wake), move |request: MeasurementRequest, token: &CancelToken| {
         let watch = CancellablePool { token, progress: &progress, wake: &own_wake };
         watch.progress.say(String::new());
         match &request {
@@ -85,9 +85,12 @@ pub fn measurement_worker(
     })
 }
 
-fn measure_map(of: &VerificationRequest, watch: &CancellablePool) -> Result<Map, pipeline::PipelineError> {
+fn measure_map(
+    of: &VerificationRequest,
+    watch: &CancellablePool,
+) -> Result<ResponseMap, pipeline::PipelineError> {
     let plan = quick_plan();
-    let analyser = Analyser::new(&of.design.project, &of.design.modelled, &plan, On::Simulation)?;
+    let analyser = Analyser::new(&of.design.project, &of.design.modelled, &plan, LoopController::Simulation)?;
     let map = analyser.compare(&analyser.measure(&plan, watch)?, watch)?;
     Ok(describe_map(map))
 }

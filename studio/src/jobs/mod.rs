@@ -25,7 +25,7 @@ use std::sync::Arc;
 use counterpoise_host::change_watcher::ChangeWatcher;
 use counterpoise_host::file_check::{FileCheck, FileCheckResult, check_file};
 use counterpoise_host::progress::{CancellablePool, SharedProgress};
-use counterpoise_host::worker::{Token, Wake, Worker};
+use counterpoise_host::worker::{BackgroundWorker, CancelToken, WakeWindow};
 use counterpoise_models::Parameters;
 use counterpoise_models::parameters::Beam;
 use counterpoise_pipeline::check::RankedAssumptions;
@@ -55,9 +55,9 @@ use verification::{
 };
 
 /// The workers, and what the recordings' workers have found.
-pub struct Jobs {
+pub struct BackgroundJobs {
     /// Makes the design that follows a dragged weight.
-    pub design: Worker<PreviewRequest, Result<TimedPreview, ErrorLines>>,
+    pub design: BackgroundWorker<PreviewRequest, Result<TimedPreview, ErrorLines>>,
     /// Verifies.
     pub verify: VerificationWorker,
     /// Computes error against effort.
@@ -67,33 +67,33 @@ pub struct Jobs {
     /// Measures.
     pub measure: MeasurementWorker,
     /// Exports.
-    pub export: Worker<ExportRequest, Result<Option<WrittenCode>, String>>,
+    pub export: BackgroundWorker<ExportRequest, Result<Option<WrittenCode>, String>>,
     /// Writes reports.
-    pub report: Worker<ReportRequest, Result<PathBuf, String>>,
+    pub report: BackgroundWorker<ReportRequest, Result<PathBuf, String>>,
     /// Computes the kept designs of a project that was opened.
-    pub restore: Worker<KeptRequest, Vec<RestoredDesign>>,
+    pub restore: BackgroundWorker<KeptRequest, Vec<RestoredDesign>>,
     /// Writes settings.
-    pub settings: Worker<Vec<SettingsFile>, ()>,
+    pub settings: BackgroundWorker<Vec<SettingsFile>, ()>,
     /// Diagnoses.
     pub diagnose: DiagnosisWorker,
     /// Replays recordings on the model.
-    pub replay: Worker<ReplayRequest, Option<ReplayedFiles>>,
+    pub replay: BackgroundWorker<ReplayRequest, Option<ReplayedFiles>>,
     /// Lists folders.
-    pub list: Worker<ListingRequest, FolderListing>,
+    pub list: BackgroundWorker<ListingRequest, FolderListing>,
     /// Reads and writes projects.
-    pub file: Worker<FileJob, FileJobResult>,
+    pub file: BackgroundWorker<FileJob, FileJobResult>,
     /// Checks whether another program wrote the project file.
-    pub file_check: Worker<FileCheck, FileCheckResult>,
+    pub file_check: BackgroundWorker<FileCheck, FileCheckResult>,
     /// Sees changes of files while the window rests.
     pub watcher: ChangeWatcher,
     /// Compares a plant with its reduction.
-    pub reduction: Worker<PlantPreview, ReductionPicture>,
+    pub reduction: BackgroundWorker<PlantPreview, ReductionPicture>,
     /// Ranks what the project file leaves open.
-    pub ranking: Worker<RankingRequest, RankedAssumptions>,
+    pub ranking: BackgroundWorker<RankingRequest, RankedAssumptions>,
     /// Computes the modes of a beam.
-    pub beam_modes: Worker<Beam, BeamModes>,
+    pub beam_modes: BackgroundWorker<Beam, BeamModes>,
     /// Writes a plot for the clipboard.
-    pub copy: Worker<CopyRequest, CopiedPlot>,
+    pub copy: BackgroundWorker<CopyRequest, CopiedPlot>,
     /// Recordings in the project's folder, to offer.
     pub nearby_recordings: Vec<PathBuf>,
     /// The recordings to diagnose.
@@ -121,9 +121,9 @@ pub enum DiagnosisNews {
     Ended,
 }
 
-impl Jobs {
+impl BackgroundJobs {
     /// Starts the workers; they wait for work.
-    pub fn new(wake: &Wake, store: ProjectStore) -> Self {
+    pub fn new(wake: &WakeWindow, store: ProjectStore) -> Self {
         let disk = Arc::clone(&store.disk);
         let (diagnosis_progress, measurement_progress) =
             (SharedProgress::default(), SharedProgress::default());
@@ -134,34 +134,38 @@ impl Jobs {
             effort: trade_off_worker(wake),
             loop_shape: loop_shape_worker(wake),
             measure: measurement_worker(wake, &measurement_progress, &partial_campaign),
-            export: Worker::new(Arc::clone(wake), |request: ExportRequest, token: &Token| {
+            export: BackgroundWorker::new(Arc::clone(wake), |request: ExportRequest, token: &CancelToken| {
                 export_code(&request, token)
             }),
-            report: Worker::new(Arc::clone(wake), |request: ReportRequest, _: &Token| write_report(&request)),
-            restore: Worker::new(Arc::clone(wake), |request: KeptRequest, token: &Token| {
+            report: BackgroundWorker::new(Arc::clone(wake), |request: ReportRequest, _: &CancelToken| {
+                write_report(&request)
+            }),
+            restore: BackgroundWorker::new(Arc::clone(wake), |request: KeptRequest, token: &CancelToken| {
                 restore_kept_designs(request, token)
             }),
-            settings: Worker::new(Arc::clone(wake), |files: Vec<SettingsFile>, _: &Token| {
+            settings: BackgroundWorker::new(Arc::clone(wake), |files: Vec<SettingsFile>, _: &CancelToken| {
                 write_settings(&files);
             }),
             diagnose: diagnosis_worker(wake, &diagnosis_progress),
-            replay: Worker::new(Arc::clone(wake), |request: ReplayRequest, token: &Token| {
+            replay: BackgroundWorker::new(Arc::clone(wake), |request: ReplayRequest, token: &CancelToken| {
                 replay_files(&request, token)
             }),
-            list: Worker::new(Arc::clone(wake), |request: ListingRequest, _: &Token| list_folder(request)),
-            file: Worker::new(Arc::clone(wake), move |job, _: &Token| store.run(job)),
-            file_check: Worker::new(Arc::clone(wake), move |check, _: &Token| {
+            list: BackgroundWorker::new(Arc::clone(wake), |request: ListingRequest, _: &CancelToken| {
+                list_folder(request)
+            }),
+            file: BackgroundWorker::new(Arc::clone(wake), move |job, _: &CancelToken| store.run(job)),
+            file_check: BackgroundWorker::new(Arc::clone(wake), move |check, _: &CancelToken| {
                 check_file(check, disk.as_ref())
             }),
             watcher: ChangeWatcher::new(Arc::clone(wake)),
-            reduction: Worker::new(Arc::clone(wake), |plant: PlantPreview, _: &Token| {
+            reduction: BackgroundWorker::new(Arc::clone(wake), |plant: PlantPreview, _: &CancelToken| {
                 ReductionPicture::new(&plant)
             }),
-            ranking: Worker::new(Arc::clone(wake), |request: RankingRequest, _: &Token| {
+            ranking: BackgroundWorker::new(Arc::clone(wake), |request: RankingRequest, _: &CancelToken| {
                 answer_ranking(request)
             }),
-            beam_modes: Worker::new(Arc::clone(wake), |beam, _: &Token| BeamModes::new(beam)),
-            copy: Worker::new(Arc::clone(wake), |request, _: &Token| copy_plot(request)),
+            beam_modes: BackgroundWorker::new(Arc::clone(wake), |beam, _: &CancelToken| BeamModes::new(beam)),
+            copy: BackgroundWorker::new(Arc::clone(wake), |request, _: &CancelToken| copy_plot(request)),
             nearby_recordings: Vec::new(),
             recordings: Vec::new(),
             recording_views: None,
@@ -253,10 +257,10 @@ impl Jobs {
     }
 }
 
-fn design_worker(wake: &Wake) -> Worker<PreviewRequest, Result<TimedPreview, ErrorLines>> {
+fn design_worker(wake: &WakeWindow) -> BackgroundWorker<PreviewRequest, Result<TimedPreview, ErrorLines>> {
     let (mut cache, own_wake, progress) =
         (PreviewCache::default(), Arc::clone(wake), SharedProgress::default());
-    Worker::new(Arc::clone(wake), move |request: PreviewRequest, token: &Token| {
+    BackgroundWorker::new(Arc::clone(wake), move |request: PreviewRequest, token: &CancelToken| {
         let pool = CancellablePool { token, progress: &progress, wake: &own_wake };
         preview_timed(&request, &mut cache, &pool)
     })

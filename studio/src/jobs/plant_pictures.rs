@@ -7,13 +7,13 @@ use counterpoise_pipeline::preview::PlantPreview;
 use counterpoise_pipeline::reduction_views::{
     PinnedModes, ReductionComparison, compare_reduction, pinned_modes,
 };
-use counterpoise_pipeline::{Modelled, Reduced};
+use counterpoise_pipeline::{PlantModel, ReducedPlant};
 
 /// The full plant of a design beside its reduction.
 #[derive(Debug, Clone)]
 pub struct ReductionPicture {
-    modelled: Arc<Modelled>,
-    reduced: Arc<Reduced>,
+    modelled: Arc<PlantModel>,
+    reduced: Arc<ReducedPlant>,
     /// The comparison.
     pub comparison: ReductionComparison,
 }

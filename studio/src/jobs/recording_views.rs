@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use counterpoise_host::files::{self, Folder, recording_files};
-use counterpoise_host::worker::Token;
+use counterpoise_host::files::{self, ProjectFolder, recording_files};
+use counterpoise_host::worker::CancelToken;
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::recordings::controller_origin::other_export;
 use counterpoise_pipeline::recordings::read::{
@@ -13,7 +13,7 @@ use counterpoise_pipeline::recordings::read::{
 use counterpoise_pipeline::recordings::replay::replay_one;
 use counterpoise_pipeline::recordings::tracks::{SimulatedChannel, simulate_channel};
 use counterpoise_pipeline::recordings::{
-    Gaps, ReadRecording, RecordingFile, ReplayLength, ReplayedRecording, replay,
+    GapTreatment, ReadRecording, RecordingFile, ReplayLength, ReplayedRecording, replay,
 };
 use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_pipeline::{PipelineError, with_recorded_design};
@@ -96,18 +96,18 @@ pub struct ChannelView {
 pub struct SimulatedView {
     /// The simulated samples.
     pub signal: Arc<MinMaxPyramid>,
-    /// The residual, simulated minus measured.
+    /// The residual, measured minus simulated.
     pub residual: Arc<MinMaxPyramid>,
     /// RMS of the residual over the noise floor of the project's model, if that simulates the channel.
     pub residual_over_floor: Option<f64>,
 }
 
 /// Returns the recordings with their replays, or `None` if the job was cancelled.
-pub fn replay_files(request: &ReplayRequest, token: &Token) -> Option<ReplayedFiles> {
+pub fn replay_files(request: &ReplayRequest, token: &CancelToken) -> Option<ReplayedFiles> {
     let (files, mut views) = (recording_files(&request.paths), Vec::new());
-    let decided = with_recorded_design(&request.project, &Folder(request.folder.clone()));
+    let decided = with_recorded_design(&request.project, &ProjectFolder(request.folder.clone()));
     let controller = decided.and_then(|own| recording_controller(own.as_ref().unwrap_or(&request.project)));
-    let note = other_export(&request.project, &Folder(request.folder.clone()));
+    let note = other_export(&request.project, &ProjectFolder(request.folder.clone()));
     let note = note.as_ref().map(describe_other_export);
     for path in &files {
         match read_table(request, path) {
@@ -192,7 +192,7 @@ fn recording_views(
         Ok(controller) => controller.as_ref(),
         Err(error) => return refused(error),
     };
-    match read_recording(project, controller, recording, Gaps::Repaired) {
+    match read_recording(project, controller, recording, GapTreatment::Repaired) {
         Ok(parts) => {
             parts.iter().map(|part| replayed_view(request, controller, part, blank.clone())).collect()
         }

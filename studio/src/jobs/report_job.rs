@@ -4,14 +4,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use counterpoise_host::compilers::{processor, proofs};
-use counterpoise_host::files::{self, Folder};
+use counterpoise_host::files::{self, ProjectFolder};
 use counterpoise_pipeline::results::{DesignResult, ResultContents};
-use counterpoise_pipeline::studies::advice::Kept;
+use counterpoise_pipeline::studies::advice::KeptDesigns;
 use counterpoise_pipeline::studies::assumptions::LoopSystems;
-use counterpoise_pipeline::{FirstDesignResult, design};
+use counterpoise_pipeline::{FirstDesignResult, World, design};
 use counterpoise_project::{Assumption, Project};
 use counterpoise_report::design::DesignRun;
-use counterpoise_report::{Origin, html_page, of_design};
+use counterpoise_report::{ReportOrigin, html_page, of_design};
 
 use super::error_lines::error_lines;
 
@@ -23,7 +23,7 @@ pub struct ReportRequest {
     /// The values that the project does not state.
     pub assumptions: Vec<Assumption>,
     /// The folder with the project's files.
-    pub folder: Folder,
+    pub folder: ProjectFolder,
     /// The project file, which the report names.
     pub project_path: PathBuf,
     /// The file for the report.
@@ -40,14 +40,14 @@ pub fn write_report(request: &ReportRequest) -> Result<PathBuf, String> {
     let contents = ResultContents {
         assumptions: &request.assumptions,
         systems: LoopSystems::LeftOut,
-        kept: Kept::Systems,
+        kept: KeptDesigns::Systems,
     };
     let result = DesignResult::complete(&request.project, &designed, &contents, request.folder.pool())
         .map_err(|error| error_lines(&error).join("; "))?;
     let (code, project) = (&designed.targets.code, request.project_path.display().to_string());
     let first_design = designed.first_design.as_ref().map(FirstDesignResult::from);
     let run = DesignRun {
-        origin: &Origin { command: format!("counterpoise design {project}"), project },
+        origin: &ReportOrigin { command: format!("counterpoise design {project}"), project },
         times: &[],
         proofs: &proofs::prove_code(code, &designed.targets.compared),
         costs: &processor::measure_costs(code),

@@ -4,8 +4,8 @@ use counterpoise_host::clock::Moment;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use counterpoise_host::files::Folder;
-use counterpoise_host::worker::{Token, Wake, Worker};
+use counterpoise_host::files::ProjectFolder;
+use counterpoise_host::worker::{BackgroundWorker, CancelToken, WakeWindow};
 use counterpoise_pipeline::preview::DesignPreview;
 use counterpoise_pipeline::studies::trade_off::{EffortPoint, trade_off_points, usual_error_weight_factors};
 use counterpoise_pipeline::{self as pipeline, World};
@@ -21,7 +21,7 @@ pub struct VerificationRequest {
     /// The design.
     pub design: Arc<DesignPreview>,
     /// The folder with the project's files.
-    pub folder: Folder,
+    pub folder: ProjectFolder,
 }
 
 /// What a running verification has found so far.
@@ -29,47 +29,51 @@ pub type PartialVerification = Arc<Mutex<Option<Versioned<Arc<Verification>>>>>;
 
 /// Verifies; the answer is `None` if the job was cancelled.
 pub type VerificationWorker =
-    Worker<Versioned<VerificationRequest>, Result<Option<VerifiedController>, ErrorLines>>;
+    BackgroundWorker<Versioned<VerificationRequest>, Result<Option<VerifiedController>, ErrorLines>>;
 
 /// Computes error against effort around a design; the answer is `None` if the job was cancelled or there is no such curve.
-pub type TradeOffWorker = Worker<Arc<DesignPreview>, Option<Vec<EffortPoint>>>;
+pub type TradeOffWorker = BackgroundWorker<Arc<DesignPreview>, Option<Vec<EffortPoint>>>;
 
 /// Computes the loop of a design as charts of the plane show it; the answer is `None` if there is none.
-pub type LoopShapeWorker = Worker<Arc<DesignPreview>, Option<LoopShape>>;
+pub type LoopShapeWorker = BackgroundWorker<Arc<DesignPreview>, Option<LoopShape>>;
 
 /// Shortest time between two partial results: more would cost frames and show nothing new.
 const PARTIAL_INTERVAL: Duration = Duration::from_millis(60);
 
 /// Returns a worker that verifies, and leaves what it has found so far in `partial`.
-pub fn verification_worker(wake: &Wake, partial: &PartialVerification) -> VerificationWorker {
+pub fn verification_worker(wake: &WakeWindow, partial: &PartialVerification) -> VerificationWorker {
     let (partial, partial_wake) = (Arc::clone(partial), Arc::clone(wake));
-    Worker::new(Arc::clone(wake), move |request: Versioned<VerificationRequest>, token: &Token| {
-        let (design, mut last_partial) = (&request.value.design, None::<Moment>);
-        let mut observer = |found: &Verification| {
-            if last_partial.is_none_or(|at| at.elapsed() > PARTIAL_INTERVAL) {
-                if let Ok(mut slot) = partial.lock() {
-                    *slot = Some(Versioned { revision: request.revision, value: Arc::new(found.clone()) });
+    BackgroundWorker::new(
+        Arc::clone(wake),
+        move |request: Versioned<VerificationRequest>, token: &CancelToken| {
+            let (design, mut last_partial) = (&request.value.design, None::<Moment>);
+            let mut observer = |found: &Verification| {
+                if last_partial.is_none_or(|at| at.elapsed() > PARTIAL_INTERVAL) {
+                    if let Ok(mut slot) = partial.lock() {
+                        *slot =
+                            Some(Versioned { revision: request.revision, value: Arc::new(found.clone()) });
+                    }
+                    last_partial = Some(Moment::now());
+                    partial_wake();
                 }
-                last_partial = Some(Moment::now());
-                partial_wake();
-            }
-            !token.is_cancelled()
-        };
-        let folder: &dyn World = &request.value.folder;
-        let found = pipeline::verify_watched(
-            &design.project,
-            &design.modelled,
-            &design.synthesised,
-            folder,
-            &mut observer,
-        );
-        found.map_err(|error| error_lines(&error))
-    })
+                !token.is_cancelled()
+            };
+            let folder: &dyn World = &request.value.folder;
+            let found = pipeline::verify_watched(
+                &design.project,
+                &design.modelled,
+                &design.synthesised,
+                folder,
+                &mut observer,
+            );
+            found.map_err(|error| error_lines(&error))
+        },
+    )
 }
 
 /// Returns a worker that computes error against effort.
-pub fn trade_off_worker(wake: &Wake) -> TradeOffWorker {
-    Worker::new(Arc::clone(wake), |design: Arc<DesignPreview>, token: &Token| {
+pub fn trade_off_worker(wake: &WakeWindow) -> TradeOffWorker {
+    BackgroundWorker::new(Arc::clone(wake), |design: Arc<DesignPreview>, token: &CancelToken| {
         let go_on = || !token.is_cancelled();
         let factors = usual_error_weight_factors();
         trade_off_points(&design.project, &design.modelled, &design.reduced, &factors, &go_on).ok()?
@@ -77,8 +81,8 @@ pub fn trade_off_worker(wake: &Wake) -> TradeOffWorker {
 }
 
 /// Returns a worker that computes path and root locus of the loop.
-pub fn loop_shape_worker(wake: &Wake) -> LoopShapeWorker {
-    Worker::new(Arc::clone(wake), |design: Arc<DesignPreview>, _: &Token| {
+pub fn loop_shape_worker(wake: &WakeWindow) -> LoopShapeWorker {
+    BackgroundWorker::new(Arc::clone(wake), |design: Arc<DesignPreview>, _: &CancelToken| {
         let sample_period_s = design.modelled.parameters.interface.sample_period_s;
         loop_shape(&design.broken, &design.curves, sample_period_s).ok()
     })

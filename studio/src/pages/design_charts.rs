@@ -5,7 +5,7 @@ use counterpoise_pipeline::studies::trade_off::EffortPoint;
 use counterpoise_verify::{Arrangement, History, Source};
 
 use super::frequency_charts::{frequency_chart, magnitude_points, mark_margins};
-use crate::charts::chart::{Chart, Dash, LabelledPoint, Scale};
+use crate::charts::chart::{AxisScale, Chart, LabelledPoint, LineDash};
 use crate::versioned_results::Versioned;
 use crate::view::View;
 
@@ -17,7 +17,7 @@ fn with_kept_designs(
 ) -> Chart {
     for (slot, kept) in &view.kept {
         let colour = view.theme.kept_colour(*slot);
-        chart = chart.with_curve(slot.name(), colour, Dash::Dotted, points(kept));
+        chart = chart.with_curve(slot.name(), colour, LineDash::Dotted, points(kept));
     }
     chart
 }
@@ -26,7 +26,7 @@ fn with_kept_designs(
 pub fn loop_chart(view: &View, design: &DesignPreview) -> Chart {
     let of = |d: &DesignPreview| magnitude_points(view, &d.curves.frequency_hz, &d.curves.broken);
     let mut chart = with_kept_designs(view, frequency_chart(view, "Loop gain", "modulus"), of);
-    chart = chart.with_curve("L", view.theme.curves[0], Dash::Solid, of(design));
+    chart = chart.with_curve("L", view.theme.curves[0], LineDash::Solid, of(design));
     chart.levels.push(view.units.display_gain(1.0));
     mark_margins(view, &design.margins, &mut chart);
     chart.range[1] = Some((view.units.display_gain(1e-4), view.units.display_gain(1e4)));
@@ -39,8 +39,8 @@ pub fn sensitivity_chart(view: &View, design: &DesignPreview) -> Chart {
         move |d: &DesignPreview| magnitude_points(view, &d.curves.frequency_hz, &d.curves.sensitivities[k])
     };
     let mut chart = with_kept_designs(view, frequency_chart(view, "Sensitivity", "modulus"), of(0));
-    chart = chart.with_curve("S", view.theme.curves[0], Dash::Solid, of(0)(design));
-    chart = chart.with_curve("T", view.theme.curves[1], Dash::Dashed, of(1)(design));
+    chart = chart.with_curve("S", view.theme.curves[0], LineDash::Solid, of(0)(design));
+    chart = chart.with_curve("T", view.theme.curves[1], LineDash::Dashed, of(1)(design));
     chart.levels.push(view.units.display_gain(design.margins.ms.value));
     chart.range[1] = Some((view.units.display_gain(1e-3), view.units.display_gain(4.0)));
     chart
@@ -63,9 +63,9 @@ pub fn step_chart(view: &View, design: &DesignPreview) -> Chart {
     let of = |d: &DesignPreview| controlled_points(view, d, d.step.time_s(), d.step.hub_rate_rad_s());
     let mut chart = with_kept_designs(view, controlled_chart(view, design, "Step of the demand"), of);
     let demand = controlled_points(view, design, design.step.time_s(), design.step.demand_rad_s());
-    chart = chart.with_curve("demand", view.theme.weak, Dash::Dashed, demand);
+    chart = chart.with_curve("demand", view.theme.weak, LineDash::Dashed, demand);
     chart.group = None;
-    chart.with_curve("hub", view.theme.curves[0], Dash::Solid, of(design))
+    chart.with_curve("hub", view.theme.curves[0], LineDash::Solid, of(design))
 }
 
 /// Returns the control about the value that holds the weight of the mechanism.
@@ -78,9 +78,9 @@ pub fn control_chart(view: &View, design: &DesignPreview) -> Chart {
     let c = &view.theme.curves;
     Chart::new("Control effort", "time, s", "about the holding value, V")
         .with_group("design")
-        .with_curve("heave", c[1], Dash::Dashed, of(Source::Heave))
-        .with_curve("pitch", c[2], Dash::Dotted, of(Source::Pitch))
-        .with_curve("step", c[0], Dash::Solid, about(&design.step))
+        .with_curve("heave", c[1], LineDash::Dashed, of(Source::Heave))
+        .with_curve("pitch", c[2], LineDash::Dotted, of(Source::Pitch))
+        .with_curve("step", c[0], LineDash::Solid, about(&design.step))
 }
 
 /// Space around the trade-off, as a factor on its limits.
@@ -90,7 +90,7 @@ const EFFORT_MARGIN: f64 = 1.25;
 pub fn effort_chart(view: &View, effort: Option<&Versioned<Vec<EffortPoint>>>) -> Chart {
     let mut chart =
         Chart::new("Error against effort", "control for unit noise, V s/rad", "residual disturbance");
-    chart.scales = [Scale::Log; 2];
+    chart.scales = [AxisScale::Log; 2];
     let points = effort.map_or(&[][..], |of| &of.value[..]);
     let at = |p: &EffortPoint| [p.figures.noise_gain, p.figures.rejection];
     let mut line: Vec<[f64; 2]> = points.iter().map(at).collect();
@@ -103,7 +103,7 @@ pub fn effort_chart(view: &View, effort: Option<&Versioned<Vec<EffortPoint>>>) -
         let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(v), b.max(v)));
         chart.range[axis] = (low < high).then_some((low / EFFORT_MARGIN, high * EFFORT_MARGIN));
     }
-    chart.with_curve("over the error weight", view.theme.curves[0], Dash::Solid, line)
+    chart.with_curve("over the error weight", view.theme.curves[0], LineDash::Solid, line)
 }
 
 /// Returns the response to motion of the platform, with and without the feedforward.
@@ -117,10 +117,10 @@ pub fn motion_chart(view: &View, design: &DesignPreview, source: Source) -> Char
     };
     let chart = with_kept_designs(view, controlled_chart(view, design, title), of(Arrangement::Compensated));
     let c = &view.theme.curves;
-    chart.with_curve("feedback alone", c[1], Dash::Dashed, of(Arrangement::Feedback)(design)).with_curve(
+    chart.with_curve("feedback alone", c[1], LineDash::Dashed, of(Arrangement::Feedback)(design)).with_curve(
         "with feedforward",
         c[0],
-        Dash::Solid,
+        LineDash::Solid,
         of(Arrangement::Compensated)(design),
     )
 }

@@ -5,7 +5,7 @@ use egui::{RichText, Ui};
 use super::recording_charts::{residual_chart, signal_chart};
 use super::{findings, recording_mapping, widgets};
 use crate::command::{BrowsePurpose, Command, DiagnosisTab};
-use crate::jobs::Jobs;
+use crate::jobs::BackgroundJobs;
 use crate::jobs::recording_views::{ChannelView, RecordingView};
 use crate::studio::Studio;
 use crate::theme::space;
@@ -66,7 +66,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     }
 }
 
-fn show_tabs(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, jobs: &Jobs) {
+fn show_tabs(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, jobs: &BackgroundJobs) {
     ui.horizontal(|ui| {
         for tab in DiagnosisTab::ALL {
             if ui.selectable_label(view.diagnosis_tab == tab, tab.name()).clicked() {
@@ -82,7 +82,7 @@ fn show_tabs(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, jobs: &Jobs) {
 }
 
 /// Shows the recordings, and what can be done with them.
-fn show_recordings(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, jobs: &Jobs) {
+fn show_recordings(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, jobs: &BackgroundJobs) {
     let theme = view.theme;
     widgets::show_heading(ui, "Recordings");
     let views = jobs.recording_views.as_ref().map(|of| of.value.as_slice()).unwrap_or_default();
@@ -121,7 +121,7 @@ fn show_recordings(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, jobs:
 }
 
 /// Shows ways to add recordings beside dropping them.
-fn show_add_buttons(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, jobs: &Jobs) {
+fn show_add_buttons(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, jobs: &BackgroundJobs) {
     if jobs.recordings.is_empty() {
         ui.label(RichText::new("Drop files or a folder onto the window, or").small().color(view.theme.weak));
     }
@@ -154,7 +154,7 @@ const MOST_REMARKS: usize = 4;
 const TWO_COLUMNS_FROM: usize = 5;
 
 /// Shows the channels of the selected recording under one cursor.
-fn show_channels(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, jobs: &Jobs) {
+fn show_channels(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, jobs: &BackgroundJobs) {
     let theme = view.theme;
     let Some(recording) = selected_recording(view, jobs.recording_views.as_ref()) else {
         let text = "the recordings are read and replayed on the model";

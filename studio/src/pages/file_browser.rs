@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use counterpoise_project::starters::Kind;
+use counterpoise_project::starters::StarterKind;
 use egui::text::{CCursor, CCursorRange};
 use egui::{Key, Modifiers, RichText, Ui};
 
@@ -270,7 +270,7 @@ fn new_of_a_kind(ui: &mut Ui, folder: Option<&PathBuf>) -> Option<Command> {
     let mut chosen = None;
     ui.add_enabled_ui(folder.is_some(), |ui| {
         ui.menu_button("New, like ...", |ui| {
-            for kind in Kind::ALL {
+            for kind in StarterKind::ALL {
                 if ui.button(kind.name()).clicked() {
                     chosen = Some(kind.name().to_owned());
                     ui.close();

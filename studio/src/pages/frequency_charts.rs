@@ -5,18 +5,18 @@ use std::f64::consts::TAU;
 use counterpoise_lti::Margins;
 use counterpoise_verify::linear::ResponseCurve as Response;
 
-use crate::charts::chart::{Chart, Scale};
+use crate::charts::chart::{AxisScale, Chart};
 use crate::units::GainUnit;
 use crate::view::View;
 
 /// Returns an empty chart over frequency, its gains in the chosen unit.
 pub fn frequency_chart(view: &View, title: &str, label: &str) -> Chart {
     let (unit, scale) = match view.units.gain {
-        GainUnit::Decibel => (", dB", Scale::Linear),
-        GainUnit::Absolute => ("", Scale::Log),
+        GainUnit::Decibel => (", dB", AxisScale::Linear),
+        GainUnit::Absolute => ("", AxisScale::Log),
     };
     let mut chart = Chart::new(title, view.units.frequency_label(), &format!("{label}{unit}"));
-    chart.scales = [Scale::Log, scale];
+    chart.scales = [AxisScale::Log, scale];
     chart
 }
 

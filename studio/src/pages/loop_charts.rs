@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use counterpoise_linalg::C64;
 use counterpoise_pipeline::preview::DesignPreview;
 use counterpoise_report::bode::{BodeCurve, ResponsePoint};
-use counterpoise_verify::linear::loop_shape::nichols;
+use counterpoise_verify::linear::loop_shape::nichols_points;
 use counterpoise_verify::linear::{
     Disk, LOCUS_CROSSOVERS, LoopCause, LoopEffect, LoopResponse, LoopShape, MarginKind, RootLocus,
     largest_sensitivity, margins_on_path,
@@ -17,7 +17,7 @@ use egui::{Rect, Ui};
 use super::design_charts::{loop_chart, sensitivity_chart};
 use super::frequency_charts::frequency_chart;
 use super::widgets;
-use crate::charts::chart::{Chart, Dash, LabelledPoint, Scale};
+use crate::charts::chart::{AxisScale, Chart, LabelledPoint, LineDash};
 use crate::command::Command;
 use crate::number_format::format_short;
 use crate::view::View;
@@ -98,11 +98,11 @@ fn phase_chart(view: &View, design: &DesignPreview) -> Chart {
         phase.map(|at| [view.units.display_frequency(at.x * TAU), at.y]).collect::<Vec<_>>()
     };
     let mut chart = Chart::new("Loop phase", view.units.frequency_label(), "phase, deg");
-    chart.scales = [Scale::Log, Scale::Linear];
+    chart.scales = [AxisScale::Log, AxisScale::Linear];
     for (slot, kept) in &view.kept {
-        chart = chart.with_curve(slot.name(), view.theme.kept_colour(*slot), Dash::Dotted, of(kept));
+        chart = chart.with_curve(slot.name(), view.theme.kept_colour(*slot), LineDash::Dotted, of(kept));
     }
-    chart = chart.with_curve("L", view.theme.curves[0], Dash::Solid, of(design));
+    chart = chart.with_curve("L", view.theme.curves[0], LineDash::Solid, of(design));
     chart.levels.push(-180.0);
     if let Some(margin) = design.margins.phase_margin() {
         let x = view.units.display_frequency(margin.rate_rad_s);
@@ -131,21 +131,21 @@ fn named_margins(design: &DesignPreview) -> Vec<NamedMargin> {
 fn nichols_chart(view: &View, design: &DesignPreview, response: &[C64], largest: f64) -> Chart {
     let mut chart = Chart::new("Nichols", "phase of L, deg", "modulus of L, dB");
     for (slot, kept) in &view.kept {
-        let path = nichols(&kept.curves.broken.response);
-        chart = chart.with_path(slot.name(), view.theme.kept_colour(*slot), Dash::Dotted, path);
+        let path = nichols_points(&kept.curves.broken.response);
+        chart = chart.with_path(slot.name(), view.theme.kept_colour(*slot), LineDash::Dotted, path);
     }
     chart = chart
         .with_path(
             &outline_name(largest),
             view.theme.weak,
-            Dash::Dashed,
-            nichols(&Disk::of_sensitivity(largest).edge()),
+            LineDash::Dashed,
+            nichols_points(&Disk::of_sensitivity(largest).edge()),
         )
-        .with_path("L", view.theme.curves[0], Dash::Solid, nichols(response));
+        .with_path("L", view.theme.curves[0], LineDash::Solid, nichols_points(response));
     for NamedMargin { response, label } in named_margins(design) {
-        chart
-            .spots
-            .extend(nichols(&[response]).into_iter().map(|at| LabelledPoint { at, label: label.clone() }));
+        chart.spots.extend(
+            nichols_points(&[response]).into_iter().map(|at| LabelledPoint { at, label: label.clone() }),
+        );
     }
     chart.levels.push(0.0);
     chart.add_mark(-180.0, "");
@@ -166,19 +166,19 @@ fn nyquist_chart(view: &View, design: &DesignPreview, response: &[C64], largest:
     let mut chart = Chart::new("Nyquist", "real part of L", "imaginary part of L");
     for (slot, kept) in &view.kept {
         let path = plane(&kept.curves.broken.response);
-        chart = chart.with_path(slot.name(), theme.kept_colour(*slot), Dash::Dotted, path);
+        chart = chart.with_path(slot.name(), theme.kept_colour(*slot), LineDash::Dotted, path);
     }
     let unit = Disk { centre: 0.0, radius: 1.0 };
-    chart = chart.with_path("", theme.weak, Dash::Dotted, plane(&unit.edge())).with_path(
+    chart = chart.with_path("", theme.weak, LineDash::Dotted, plane(&unit.edge())).with_path(
         &outline_name(largest),
         theme.weak,
-        Dash::Dashed,
+        LineDash::Dashed,
         plane(&Disk::of_sensitivity(largest).edge()),
     );
     if let Some(disk) = Disk::of_disk_margin(design.margins.disk.alpha) {
-        chart = chart.with_path("disk margin", theme.curves[3], Dash::Dashed, plane(&disk.edge()));
+        chart = chart.with_path("disk margin", theme.curves[3], LineDash::Dashed, plane(&disk.edge()));
     }
-    chart = chart.with_path("L", theme.curves[0], Dash::Solid, plane(response));
+    chart = chart.with_path("L", theme.curves[0], LineDash::Solid, plane(response));
     for NamedMargin { response, label } in named_margins(design) {
         chart.spots.push(LabelledPoint { at: [response.re, response.im], label });
     }
@@ -200,24 +200,24 @@ fn locus_chart(view: &View, locus: Option<&RootLocus>, crossover_hz: f64) -> Cha
     let place = |s: &C64| [shown(s.re), shown(s.im)];
     for branch in &locus.branches {
         let path = branch.iter().map(&place).collect();
-        chart = chart.with_path("", view.theme.curves[0], Dash::Solid, path);
+        chart = chart.with_path("", view.theme.curves[0], LineDash::Solid, path);
     }
     let reached = |at: &[f64; 2]| at.iter().all(|part| part.abs() < 4.0 * reach);
     let size = 0.035 * reach;
     for pole in locus.closed_poles.iter().map(&place).filter(reached) {
-        chart = chart.with_path("", view.theme.curves[1], Dash::Solid, cross(pole, size));
+        chart = chart.with_path("", view.theme.curves[1], LineDash::Solid, cross(pole, size));
     }
     for pole in locus.open_poles.iter().map(&place).filter(reached) {
-        chart = chart.with_path("", view.theme.weak, Dash::Solid, cross(pole, size));
+        chart = chart.with_path("", view.theme.weak, LineDash::Solid, cross(pole, size));
     }
     for zero in locus.open_zeros.iter().map(&place).filter(reached) {
         let ring = Disk { centre: 0.0, radius: size }.edge();
         let path = ring.iter().map(|corner| [zero[0] + corner.re, zero[1] + corner.im]).collect();
-        chart = chart.with_path("", view.theme.curves[2], Dash::Solid, path);
+        chart = chart.with_path("", view.theme.curves[2], LineDash::Solid, path);
     }
     let legend = [("poles", 1), ("zeros", 2), ("over the gain", 0)];
     for (name, k) in legend {
-        chart = chart.with_path(name, view.theme.curves[k], Dash::Solid, Vec::new());
+        chart = chart.with_path(name, view.theme.curves[k], LineDash::Solid, Vec::new());
     }
     chart
 }
@@ -247,13 +247,13 @@ fn response_chart(view: &View, design: &DesignPreview, title: &str, wanted: &[Lo
     for (slot, kept) in &view.kept {
         for response in kept.curves.loop_responses.iter().filter(is_wanted).take(1) {
             let colour = view.theme.kept_colour(*slot);
-            chart = chart.with_curve(slot.name(), colour, Dash::Dotted, moduli(view, kept, response));
+            chart = chart.with_curve(slot.name(), colour, LineDash::Dotted, moduli(view, kept, response));
         }
     }
     let found = design.curves.loop_responses.iter().filter(is_wanted).zip(view.theme.curves.iter().cycle());
     for (response, colour) in found {
         let points = moduli(view, design, response);
-        chart = chart.with_curve(cause_name(response.cause), *colour, Dash::Solid, points);
+        chart = chart.with_curve(cause_name(response.cause), *colour, LineDash::Solid, points);
     }
     chart
 }

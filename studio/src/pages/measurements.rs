@@ -1,7 +1,7 @@
 //! The longer measurements of the page Verify: the analyser's map, and the requirements over many mechanisms.
 
 use crate::tolerance::HELD_BY_ALL_SHARE;
-use counterpoise_pipeline::studies::fra::Map;
+use counterpoise_pipeline::studies::fra::ResponseMap;
 use counterpoise_pipeline::studies::sweep::{RequirementSpread, StrongestParameter};
 use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_verify::Limit;
@@ -11,7 +11,7 @@ use ndarray::ArrayView1;
 
 use super::frequency_charts::frequency_chart;
 use super::widgets;
-use crate::charts::chart::{Chart, Dash};
+use crate::charts::chart::{Chart, LineDash};
 use crate::command::Command;
 use crate::jobs::measurements::{CampaignView, Measurements};
 use crate::number_format::format_short;
@@ -93,7 +93,7 @@ pub fn show_map(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, shown: &
     }
 }
 
-fn map_chart(view: &View, map: &Map) -> Chart {
+fn map_chart(view: &View, map: &ResponseMap) -> Chart {
     let theme = &view.theme;
     let mut chart = frequency_chart(view, "Platform rate to hub rate, as an analyser measures it", "modulus");
     let rates = map.points.frequency_rad_s();
@@ -103,14 +103,14 @@ fn map_chart(view: &View, map: &Map) -> Chart {
     };
     if map.points.amplitudes() > 0 {
         let linear = displayed(map.points.linear_modulus().view());
-        chart = chart.with_curve("linear", theme.weak, Dash::Dashed, linear);
+        chart = chart.with_curve("linear", theme.weak, LineDash::Dashed, linear);
     }
     for (k, measured) in map.points.modulus().columns().into_iter().enumerate() {
         let amplitude = map.points.amplitude.column(k).first().copied().unwrap_or(f64::NAN);
         let amplitude = format_short(view.units.angle_factor() * amplitude);
         let name = format!("{amplitude} {}", view.units.angular_rate_unit());
         let colour = theme.curves[k % theme.curves.len()];
-        chart = chart.with_curve(&name, colour, Dash::Solid, displayed(measured));
+        chart = chart.with_curve(&name, colour, LineDash::Solid, displayed(measured));
     }
     chart
 }
@@ -208,5 +208,5 @@ fn distribution_chart(view: &View, row: &RequirementSpread) -> Chart {
     let label = format!("{}, {}", describe_figure(row.requirement.figure, row.controlled), unit.name);
     let mut chart = Chart::new("Share of mechanisms below a value", label.trim_end_matches(", "), "share, %");
     chart.add_mark(unit.factor * row.requirement.limit.value(), "limit");
-    chart.with_curve("", view.theme.curves[0], Dash::Solid, points)
+    chart.with_curve("", view.theme.curves[0], LineDash::Solid, points)
 }

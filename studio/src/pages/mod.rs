@@ -3,8 +3,8 @@
 //! Each page is one function `show(studio, ui, queue)`: it draws what the studio knows and pushes commands; it changes nothing of the
 //! project itself. How a page is written:
 //!
-//! 1. Take the design by [`Results::design_at`](crate::results::Results::design_at), a verification by
-//!    [`Results::verification`](crate::results::Results::verification); show a stale one dimmed.
+//! 1. Take the design by [`ComputedResults::design_at`](crate::results::ComputedResults::design_at), a verification by
+//!    [`ComputedResults::verification`](crate::results::ComputedResults::verification); show a stale one dimmed.
 //! 2. Draw plots as [`Chart`](crate::charts::chart::Chart)s through [`widgets::show_chart`], which makes them copyable, in cells of
 //!    [`widgets::grid_cells`].
 //! 3. Show numbers of the project by [`widgets::number_field`]: unit, range and meaning come from the project file's reference.

@@ -11,7 +11,7 @@ use egui::{Rect, RichText, Ui, vec2};
 
 use super::frequency_charts::{frequency_chart, magnitude_points};
 use super::{beam_drawing, number_groups, schematic, widgets};
-use crate::charts::chart::{Chart, Dash};
+use crate::charts::chart::{Chart, LineDash};
 use crate::command::Command;
 use crate::jobs::plant_pictures::BeamModes;
 use crate::number_format::format_short;
@@ -215,7 +215,7 @@ fn show_mechanism(ui: &mut Ui, view: &mut View, plant: &Parameters, modes: Optio
 }
 
 const RESPONSE_NAMES: [&str; 3] = ["per V", "per m/s\u{b2} of heave", "per rad/s of pitch"];
-const RESPONSE_DASHES: [Dash; 3] = [Dash::Solid, Dash::Dashed, Dash::Dotted];
+const RESPONSE_DASHES: [LineDash; 3] = [LineDash::Solid, LineDash::Dashed, LineDash::Dotted];
 
 fn response_title(hub: ControlledQuantity) -> String {
     format!("Plant: {}", hub.name())
@@ -255,14 +255,14 @@ fn learned_charts(view: &View, function: &LearnedFunctionText) -> [Chart; 2] {
     let colour = view.theme.curves[0];
     let title = format!("Free function: {} at the {}", function.quantity, function.place);
     let curve = Chart::new(&title, &along, &format!("{}, {unit}", function.quantity))
-        .with_curve("fitted", colour, Dash::Solid, of(&|k| function.values[k]))
-        .with_curve("95 % band", colour, Dash::Dotted, of(&|k| band[k][0]))
-        .with_curve("95 % band, upper", colour, Dash::Dotted, of(&|k| band[k][1]));
+        .with_curve("fitted", colour, LineDash::Solid, of(&|k| function.values[k]))
+        .with_curve("95 % band", colour, LineDash::Dotted, of(&|k| band[k][0]))
+        .with_curve("95 % band, upper", colour, LineDash::Dotted, of(&|k| band[k][1]));
     let share = |k: usize| function.coverage.get(k).copied().unwrap_or(0.0);
     let coverage = Chart::new("Coverage by the recordings", &along, "share of samples, 1").with_curve(
         "recorded",
         view.theme.curves[1],
-        Dash::Solid,
+        LineDash::Solid,
         of(&share),
     );
     [curve, coverage]
@@ -276,8 +276,8 @@ fn friction_chart(view: &View, plant: &Parameters) -> Chart {
     let torque = format!("torque, {}", plant.axis.unit("N m"));
     let mut chart = Chart::new("Friction at the hub", &label, &torque);
     let places = [
-        ("pivot", FrictionPlace::Pivot, Dash::Solid),
-        ("motor, through the gear", FrictionPlace::Motor, Dash::Dashed),
+        ("pivot", FrictionPlace::Pivot, LineDash::Solid),
+        ("motor, through the gear", FrictionPlace::Motor, LineDash::Dashed),
     ];
     for (k, (name, place, dash)) in places.into_iter().enumerate() {
         let rates = (-200..=200).map(|j| f64::from(j) * 1e-3);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use counterpoise_recordings::Channel;
 
-use crate::charts::chart::{Chart, Curve, Dash};
+use crate::charts::chart::{Chart, ChartCurve, LineDash};
 use crate::charts::curve_points::CurvePoints;
 use crate::charts::min_max_pyramid::MinMaxPyramid;
 use crate::jobs::recording_views::ChannelView;
@@ -32,9 +32,9 @@ fn long_curve(
     colour: usize,
     points: &Arc<MinMaxPyramid>,
     unit: &DisplayUnit,
-) -> Curve {
+) -> ChartCurve {
     let points = CurvePoints::Many(Arc::clone(points), unit.factor);
-    Curve { name: name.to_owned(), points, colour: view.theme.curves[colour], dash: Dash::Solid }
+    ChartCurve { name: name.to_owned(), points, colour: view.theme.curves[colour], dash: LineDash::Solid }
 }
 
 /// Returns a channel as measured, as the model simulates it, and as the diagnosed model does.

@@ -9,7 +9,7 @@ use egui::{RichText, Ui};
 
 use super::frequency_charts::frequency_chart;
 use super::widgets;
-use crate::charts::chart::{Chart, Dash, LabelledPoint, Scale};
+use crate::charts::chart::{AxisScale, Chart, LabelledPoint, LineDash};
 use crate::command::Command;
 use crate::number_format::format_short;
 use crate::studio::Studio;
@@ -202,12 +202,12 @@ fn hankel_chart(view: &View, plant: &PlantPreview, comparison: &ReductionCompari
         "Hankel values: click the order to keep"
     };
     let mut chart = Chart::new(title, "state", "value");
-    chart.scales[1] = Scale::Log;
+    chart.scales[1] = AxisScale::Log;
     let values = comparison.hankel.iter().enumerate();
     let points: Vec<[f64; 2]> = values.map(|(k, v)| [(k + 1) as f64, v.max(SMALLEST_VALUE)]).collect();
     chart.spots = points.iter().map(|p| LabelledPoint { at: *p, label: String::new() }).collect();
     chart.range[0] = Some((0.5, points.len().max(1) as f64 + 0.5));
-    chart = chart.with_curve("", view.theme.curves[0], Dash::Solid, points);
+    chart = chart.with_curve("", view.theme.curves[0], LineDash::Solid, points);
     chart.add_mark(plant.reduced.system.order() as f64 + 0.5, "kept to here");
     chart
 }
@@ -225,8 +225,8 @@ fn response_chart(
     title: &str,
 ) -> Chart {
     frequency_chart(view, title, "modulus")
-        .with_curve("full", view.theme.curves[1], Dash::Dashed, curve_points(view, comparison, full))
-        .with_curve("reduced", view.theme.curves[0], Dash::Solid, curve_points(view, comparison, reduced))
+        .with_curve("full", view.theme.curves[1], LineDash::Dashed, curve_points(view, comparison, full))
+        .with_curve("reduced", view.theme.curves[0], LineDash::Solid, curve_points(view, comparison, reduced))
         .with_group("reduction")
 }
 
@@ -241,5 +241,5 @@ fn error_chart(view: &View, plant: &PlantPreview, comparison: &ReductionComparis
         chart.levels.push(view.units.display_gain(bound));
     }
     let points = curve_points(view, comparison, &comparison.error);
-    chart.with_curve("error", view.theme.curves[3], Dash::Solid, points).with_group("reduction")
+    chart.with_curve("error", view.theme.curves[3], LineDash::Solid, points).with_group("reduction")
 }

@@ -204,7 +204,5 @@ fn draw_verdict_sign(ui: &Ui, at: egui::Pos2, verdict: &Verdict, colour: egui::C
 
 /// Returns the tab that shows what a figure is read from.
 fn evidence_tab(figure: Figure) -> VerificationTab {
-    let key = figure.key();
-    let is_over_frequency = ["margin", "sensitivity", "drr_db at"].iter().any(|word| key.contains(word));
-    if is_over_frequency { VerificationTab::Rejection } else { VerificationTab::Histories }
+    if figure.is_over_frequency() { VerificationTab::Rejection } else { VerificationTab::Histories }
 }

@@ -1,15 +1,13 @@
 //! The evidence of a verification as charts: time histories and responses over frequency.
 
 use counterpoise_report::wording::capitalise_first;
-use counterpoise_verify::{
-    Arrangement, Experiment, Figure, History, HistoryColumn, Model, Source, Verification,
-};
+use counterpoise_verify::{Arrangement, Experiment, History, HistoryColumn, Model, Source, Verification};
 use egui::Ui;
 
 use super::frequency_charts::{frequency_chart, magnitude_points, mark_margins};
 use super::limit_marks;
 use super::widgets;
-use crate::charts::chart::{Chart, Dash};
+use crate::charts::chart::{Chart, LineDash};
 use crate::command::Command;
 use crate::view::View;
 
@@ -29,7 +27,7 @@ struct ShownSignal<'a> {
 /// Shows the run behind the selected verdict: four of its signals under one cursor.
 pub fn show_histories(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Verification) {
     let experiment = limit_marks::selected_requirement(view, found)
-        .map_or(Experiment::Step, |requirement| experiment_of(requirement.figure));
+        .map_or(Experiment::Step, |requirement| Experiment::from_figure(requirement.figure));
     let tip = view.units.display_unit(found.controlled_quantity().tip_unit());
     let tip_name = capitalise_first(&found.controlled_quantity().tip_name());
     let controlled = found.controlled_quantity();
@@ -67,14 +65,18 @@ pub fn show_responses(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, fo
     let curves = &found.evidence.curves;
     let of = |response| magnitude_points(view, &curves.frequency_hz, response);
     let c = view.theme.curves;
-    let mut loop_gain =
-        frequency_chart(view, "Loop gain", "modulus").with_curve("L", c[0], Dash::Solid, of(&curves.broken));
+    let mut loop_gain = frequency_chart(view, "Loop gain", "modulus").with_curve(
+        "L",
+        c[0],
+        LineDash::Solid,
+        of(&curves.broken),
+    );
     loop_gain.levels.push(view.units.display_gain(1.0));
     mark_margins(view, &found.evidence.margins, &mut loop_gain);
     loop_gain.range[1] = Some((view.units.display_gain(1e-4), view.units.display_gain(1e4)));
     let mut sensitivity = frequency_chart(view, "Sensitivity", "modulus");
     for (k, (one, name)) in curves.sensitivities.iter().zip(["S", "T"]).enumerate() {
-        sensitivity = sensitivity.with_curve(name, c[k], [Dash::Solid, Dash::Dashed][k % 2], of(one));
+        sensitivity = sensitivity.with_curve(name, c[k], [LineDash::Solid, LineDash::Dashed][k % 2], of(one));
     }
     limit_marks::mark_sensitivity_limit(view, found, &mut sensitivity);
     sensitivity.range[1] = Some((view.units.display_gain(1e-3), view.units.display_gain(4.0)));
@@ -90,27 +92,6 @@ pub fn show_responses(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, fo
     }
 }
 
-/// Returns the run from which a figure was read.
-fn experiment_of(figure: Figure) -> Experiment {
-    let key = figure.key();
-    let source = if key.contains("road") {
-        Source::Road
-    } else if key.contains("both") {
-        Source::Both
-    } else if key.contains("heave") {
-        Source::Heave
-    } else if key.contains("pitch") {
-        Source::Pitch
-    } else if key.contains("rest") {
-        return Experiment::Rest;
-    } else if key.contains("triangle") {
-        return Experiment::Triangle;
-    } else {
-        return Experiment::Step;
-    };
-    Experiment::Disturbance(source, Arrangement::Compensated)
-}
-
 fn experiment_name(experiment: Experiment) -> &'static str {
     match experiment {
         Experiment::Step => "Step of the demand",
@@ -124,7 +105,7 @@ fn experiment_name(experiment: Experiment) -> &'static str {
 }
 
 fn history_points(history: &History, column: HistoryColumn, factor: f64) -> Vec<[f64; 2]> {
-    history.time_s().iter().zip(history.column(column)).map(|(t, v)| [*t, factor * v]).collect()
+    history.time_s().iter().zip(history.signals.column(column)).map(|(t, v)| [*t, factor * v]).collect()
 }
 
 fn hub_chart(view: &View, found: &Verification, experiment: Experiment) -> Chart {
@@ -140,11 +121,11 @@ fn hub_chart(view: &View, found: &Verification, experiment: Experiment) -> Chart
     {
         let points = history_points(h, HistoryColumn::HubRate, factor);
         let colour = view.theme.curves[1].gamma_multiply(0.7);
-        chart = chart.with_curve("feedback alone", colour, Dash::Solid, points);
+        chart = chart.with_curve("feedback alone", colour, LineDash::Solid, points);
     }
     for (model, label, colour, dash) in [
-        (Model::Nonlinear, "full plant", view.theme.curves[0], Dash::Solid),
-        (Model::Linear, "linear", view.theme.curves[2], Dash::Dashed),
+        (Model::Nonlinear, "full plant", view.theme.curves[0], LineDash::Solid),
+        (Model::Linear, "linear", view.theme.curves[2], LineDash::Dashed),
     ] {
         if let Some(h) = found.history(model, experiment) {
             chart = chart.with_curve(label, colour, dash, history_points(h, HistoryColumn::HubRate, factor));
@@ -164,7 +145,7 @@ fn history_chart(
     match found.history(Model::Nonlinear, experiment) {
         Some(h) => {
             let points = history_points(h, shown.column, shown.factor);
-            chart.with_curve("full plant", view.theme.curves[0], Dash::Solid, points)
+            chart.with_curve("full plant", view.theme.curves[0], LineDash::Solid, points)
         }
         None => chart,
     }
@@ -182,9 +163,9 @@ fn rejection_chart(view: &View, found: &Verification, source: Source) -> Chart {
     let mut chart = frequency_chart(view, title, &label);
     for one in curves.rejection.iter().filter(|r| r.source == source) {
         let (name, k, dash) = match one.arrangement {
-            Arrangement::Uncontrolled => ("none", 3, Dash::Dotted),
-            Arrangement::Feedback => ("feedback", 1, Dash::Dashed),
-            Arrangement::Compensated => ("with feedforward", 0, Dash::Solid),
+            Arrangement::Uncontrolled => ("none", 3, LineDash::Dotted),
+            Arrangement::Feedback => ("feedback", 1, LineDash::Dashed),
+            Arrangement::Compensated => ("with feedforward", 0, LineDash::Solid),
         };
         let point = |(f, h): (&f64, &counterpoise_linalg::C64)| {
             let rate = view.units.display_frequency(f * std::f64::consts::TAU);

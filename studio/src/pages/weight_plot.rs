@@ -7,7 +7,7 @@ use egui::{Color32, Ui};
 
 use super::frequency_charts::frequency_chart;
 use super::widgets;
-use crate::charts::chart::{Chart, Dash, PlotAxis};
+use crate::charts::chart::{Chart, LineDash, PlotAxis};
 use crate::charts::chart_view::ChartResponse;
 use crate::command::Command;
 use crate::editing::weight_handles::{self, HandlePosition, WeightHandle, WeightNumber};
@@ -25,7 +25,7 @@ pub struct PlottedWeight<'a> {
     /// The colour of its curve.
     pub colour: Color32,
     /// The stroke of its curve.
-    pub dash: Dash,
+    pub dash: LineDash,
 }
 
 /// Returns the weights of a part of the controller; empty if the project does not have this part.
@@ -41,7 +41,7 @@ pub fn plotted_weights<'a>(
         name,
         weight,
         colour: theme.curves[k],
-        dash: [Dash::Solid, Dash::Dashed, Dash::Dotted][k],
+        dash: [LineDash::Solid, LineDash::Dashed, LineDash::Dotted][k],
     };
     let feedforward = |section: &'static str, w: &'a Option<FeedforwardWeights>| match w {
         Some(w) => vec![

@@ -2,7 +2,7 @@
 
 use super::Studio;
 use crate::command::Command;
-use crate::results::Results;
+use crate::results::ComputedResults;
 use crate::view::CloseTarget;
 use counterpoise_host::journal_writer::JournalEnding;
 use counterpoise_host::worker::wait_between_looks;
@@ -27,7 +27,7 @@ impl Studio {
             let natural = if is_changed { JournalEnding::Keep } else { JournalEnding::Remove };
             self.journal.end(ending.unwrap_or(natural), opened.lock);
         }
-        (self.results, self.requested_design, self.verify_at) = (Results::default(), None, None);
+        (self.results, self.requested_design, self.verify_at) = (ComputedResults::default(), None, None);
         (self.view.output_folder, self.view.browser, self.view.close_question) = (None, None, None);
         self.view.shows_difference = false;
     }

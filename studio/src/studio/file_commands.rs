@@ -7,7 +7,7 @@ use std::path::Path;
 
 use counterpoise_host::files::project_file;
 use counterpoise_project::PlatformSource;
-use counterpoise_project::starters::Kind;
+use counterpoise_project::starters::StarterKind;
 
 use super::{OpenProject, Studio, WindowClosing};
 use crate::browser::Browser;
@@ -121,7 +121,7 @@ impl Studio {
         Ok(match command {
             Command::Open { path } => FileJob::Open { path: path.clone() },
             Command::New { folder, like } => {
-                let like = like.as_deref().and_then(Kind::from_name);
+                let like = like.as_deref().and_then(StarterKind::from_name);
                 FileJob::Create { folder: folder.clone(), like }
             }
             Command::Reload => FileJob::Reread { path: open.ok_or(None)?.path.clone() },

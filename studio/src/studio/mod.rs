@@ -16,18 +16,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::SystemTime;
 
-use counterpoise_host::code_files::Library;
-use counterpoise_host::files::{Disk, Native};
-use counterpoise_host::worker::Wake;
+use counterpoise_host::code_files::LibraryBuilder;
+use counterpoise_host::files::{Disk, NativeDisk};
+use counterpoise_host::worker::WakeWindow;
 
 use crate::command::Command;
 use crate::editing::journal::Journal;
 use crate::editing::session::Session;
 use crate::file_queue::FileQueue;
-use crate::jobs::Jobs;
+use crate::jobs::BackgroundJobs;
 use crate::jobs::file_jobs::{DiskText, ProjectStore};
 use crate::jobs::plot_copy::{ClipboardContent, CopyFormat};
-use crate::results::Results;
+use crate::results::ComputedResults;
 use crate::settings::{ProjectSettings, UserSettings};
 use crate::view::{View, ViewCommand};
 use counterpoise_host::project_lock::ProjectLock;
@@ -74,18 +74,18 @@ pub struct Studio {
     /// What is remembered for the user.
     pub user_settings: UserSettings,
     /// What was computed.
-    pub results: Results,
+    pub results: ComputedResults,
     /// The commands that concern files and are not done yet.
     pub file_queue: FileQueue,
     /// Why edits are not kept against a crash; `None` if they are.
     pub journal_error: Option<String>,
     /// Builds the libraries of FMI units; without it none are built.
-    pub library: Library,
+    pub library: LibraryBuilder,
     /// Why a project could not be opened.
     pub open_error: Option<String>,
     /// How far the window's closing is.
     pub window_closing: WindowClosing,
-    pub(crate) jobs: Jobs,
+    pub(crate) jobs: BackgroundJobs,
     pub(crate) journal: Journal,
     pub(crate) recent_files: RecentFiles,
     /// Content that the window has to put into the clipboard.
@@ -101,12 +101,12 @@ pub struct Studio {
 
 impl Studio {
     /// Starts a studio that keeps its own files in `state` and calls `wake` when an answer has come.
-    pub fn new(state: &Path, wake: Wake) -> Self {
-        Self::with_disk(state, wake, Arc::new(Native))
+    pub fn new(state: &Path, wake: WakeWindow) -> Self {
+        Self::with_disk(state, wake, Arc::new(NativeDisk))
     }
 
     /// Starts a studio on a disk.
-    pub fn with_disk(state: &Path, wake: Wake, disk: Arc<dyn Disk>) -> Self {
+    pub fn with_disk(state: &Path, wake: WakeWindow, disk: Arc<dyn Disk>) -> Self {
         let journal = Journal::new(Arc::clone(&disk), Arc::clone(&wake));
         let store = ProjectStore { disk: Arc::clone(&disk), state: state.to_owned(), flush: journal.flush() };
         let user_settings = UserSettings::load(state);
@@ -118,13 +118,13 @@ impl Studio {
             view,
             stored_settings: (user_settings.clone(), None),
             user_settings,
-            results: Results::default(),
+            results: ComputedResults::default(),
             file_queue: FileQueue::default(),
             journal_error: None,
             library: |_, _| None,
             open_error: None,
             window_closing: WindowClosing::No,
-            jobs: Jobs::new(&wake, store),
+            jobs: BackgroundJobs::new(&wake, store),
             journal,
             recent_files: RecentFiles::new(state, disk),
             clipboard: None,
@@ -201,7 +201,7 @@ impl Studio {
     }
 
     /// Returns the workers, and what the recordings' workers have found.
-    pub fn jobs(&self) -> &Jobs {
+    pub fn jobs(&self) -> &BackgroundJobs {
         &self.jobs
     }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use counterpoise_host::files::Folder;
+use counterpoise_host::files::ProjectFolder;
 use counterpoise_project::Project;
 use counterpoise_verify::VerifiedController;
 
@@ -29,7 +29,7 @@ struct VerifiedNow {
 impl Studio {
     fn verification_request(&self) -> Option<Versioned<VerificationRequest>> {
         let (opened, of) = (self.opened.as_ref()?, self.results.design.as_ref()?);
-        let folder = Folder(opened.path.parent().unwrap_or(Path::new(".")).to_owned());
+        let folder = ProjectFolder(opened.path.parent().unwrap_or(Path::new(".")).to_owned());
         let value = VerificationRequest { design: Arc::clone(&of.value), folder };
         Some(Versioned { revision: of.revision, value })
     }
@@ -79,7 +79,7 @@ impl Studio {
             return self.view.show_error("the report was not written: the project file has errors");
         };
         let Some(project) = opened.session.project().cloned() else { return };
-        let folder = Folder(opened.path.parent().unwrap_or(Path::new(".")).to_owned());
+        let folder = ProjectFolder(opened.path.parent().unwrap_or(Path::new(".")).to_owned());
         if let Some(folder) = path.parent() {
             self.recent_files.add(RecentList::Folders, folder);
         }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::fixed_structure::{Block, BlockKind, FixedStructure};
 use crate::rational::Rational;
-use crate::tuning::{TuningTask, tune};
+use crate::tuning::{TuningTask, tune_parameters};
 
 /// A servo with drag and a lag of the drive.
 fn servo() -> DesignPlant {
@@ -32,7 +32,7 @@ fn no_tuned_controller_is_better_than_the_best_feedback_and_its_dual_closes_the_
     let kinds = [BlockKind::ProportionalIntegral, BlockKind::Lead, BlockKind::LowPass];
     let structure = FixedStructure { blocks: kinds.into_iter().map(Block::open).collect() };
     let plants = [plant.clone()];
-    let tuned = tune(&TuningTask {
+    let tuned = tune_parameters(&TuningTask {
         subject: crate::TuningSubject::Structure(&structure),
         plants: &plants,
         held: &[],

@@ -5,6 +5,7 @@ use counterpoise_lti::{StateSpace, Timebase};
 
 use super::{Problem, Regulator};
 use crate::Error;
+use crate::cause::DesignEquation;
 use crate::certificate::{Equation, mean_square, riccati};
 use crate::finding::Part;
 
@@ -21,11 +22,11 @@ pub(super) struct Filter {
 impl Problem {
     /// The Kalman filter of \[x_d; x_s\], extended by Sylvester to the plant that the disturbance drives.
     pub(super) fn filter(&self, density: f64, part: Part) -> Result<Filter, Error> {
-        let system = self.seen()?;
+        let system = self.sensor_system()?;
         let W = &system.B * &system.B.t();
         let V = Mat::eye(1).scale(density);
         let solved = care(&system.A.t(), &system.C.t(), &W, &V, None)?;
-        let solution = riccati("the equation of the disturbance's filter", part, solved)?;
+        let solution = riccati(DesignEquation::DisturbanceFilter, part, solved)?;
         let L = solution.F.t();
         let (open, entering) = self.uncontrolled();
         let shared = solution.X.block(0, 0, self.generator.order(), system.order());
@@ -39,7 +40,7 @@ impl Problem {
     }
 
     /// Generator and sensor: from w to the measured disturbance, states \[x_d; x_s\].
-    fn seen(&self) -> Result<StateSpace, Error> {
+    fn sensor_system(&self) -> Result<StateSpace, Error> {
         let first = self.generator.select(&[0], &[0]);
         match &self.sensor {
             Some(sensor) => Ok(counterpoise_lti::series(&first, sensor)?),

@@ -16,6 +16,7 @@ use counterpoise_linalg::{Mat, Riccati, care, inverse, lyap, sylvester};
 use counterpoise_lti::{StateSpace, Timebase};
 
 use crate::augmented_plant::Augmented;
+use crate::cause::DesignEquation;
 use crate::certificate::{Cost, Equation, mean_square, riccati};
 use crate::finding::Part;
 use crate::{DesignPlant, DisturbanceChannel, DisturbanceKnowledge, Error, FeedforwardWeights};
@@ -72,7 +73,7 @@ struct Regulator {
 /// # Errors
 /// [`Error`] for a plant or weights that do not make a problem (see [`crate::preflight()`]); a problem without a
 /// solution is [`Error::Refused`].
-pub fn feedforward(
+pub fn design_feedforward(
     plant: &DesignPlant,
     weights: &FeedforwardWeights,
     channel: DisturbanceChannel,
@@ -183,7 +184,7 @@ impl Problem {
     fn regulator(&self, part: Part) -> Result<Regulator, Error> {
         let (A, B, C) = (self.core.state(), self.core.input(), self.core.output());
         let solved = care(&A, &B, &(&C.t() * &C), &Mat::eye(1), None)?;
-        let riccati = riccati("the regulator's equation", part, solved)?;
+        let riccati = riccati(DesignEquation::Regulator, part, solved)?;
         let closed = (&A - &(&B * &riccati.F)).t();
         let driven = &riccati.X * &self.ECd;
         let X_d = sylvester(&closed, &self.generator.A, &-&driven)?;

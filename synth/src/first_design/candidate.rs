@@ -121,7 +121,7 @@ impl PlantGain {
     }
 
     /// The modulus around a frequency, as a geometric mean.
-    fn around(&self, rate_rad_s: f64) -> f64 {
+    fn mean_modulus(&self, rate_rad_s: f64) -> f64 {
         let step = SPREAD.powf(1.0 / f64::from(POINTS));
         let points = (-POINTS..=POINTS).map(|k| {
             let value = self.response.at(rate_rad_s * step.powi(k));
@@ -132,7 +132,7 @@ impl PlantGain {
 
     /// How fast the modulus falls with frequency, as a power between 0 and 3.
     fn slope(&self, rate_rad_s: f64) -> f64 {
-        let (below, above) = (self.around(rate_rad_s / 2.0), self.around(rate_rad_s * 2.0));
+        let (below, above) = (self.mean_modulus(rate_rad_s / 2.0), self.mean_modulus(rate_rad_s * 2.0));
         ((below / above).ln() / 4f64.ln()).clamp(0.0, 3.0)
     }
 }
@@ -149,7 +149,7 @@ pub(super) fn weights(
         (cost, Some(load)) => vec![VectorEntry::new(load.output, round_weight(cost / load.gain))],
         (_, None) => return None,
     };
-    let level = gain.around(aim_rad_s);
+    let level = gain.mean_modulus(aim_rad_s);
     if !(level > 0.0 && level.is_finite()) {
         return None;
     }

@@ -17,7 +17,8 @@ use super::scan::{Candidate, FurtherShapes, PER_DECADE, Scan, Tried};
 use super::{Circumstances, LimitLoops};
 use crate::bandwidth::{Bandwidth, LimitKind, Unknown};
 use crate::tolerance::HIGHER_BANDWIDTH;
-use crate::{DesignPlant, Error, ParallelRun, Sampling};
+use crate::{DesignPlant, Error, Sampling};
+use counterpoise_pool::Pool;
 
 /// Aims in a row without a loop at which the climb ends.
 const MISSES: usize = 2;
@@ -124,14 +125,14 @@ fn search_in_parallel(
     kinds: &[LimitKind],
 ) -> Result<(Highest, Causes), Error> {
     let given = Given::of(scan);
-    let processors = scan.processors;
+    let pool = scan.pool;
     let (limits, structure, lags) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
     let searched = Mutex::new(scan);
     let climb_limits = || match searched.lock() {
         Ok(mut scan) => climb_all(&mut scan, found.aim_rad_s, kinds),
         Err(poisoned) => climb_all(&mut poisoned.into_inner(), found.aim_rad_s, kinds),
     };
-    (processors.run)(3, &|part| match part {
+    pool.run(3, &|part| match part {
         0 => drop(limits.set(climb_limits())),
         1 => drop(structure.set(given.without_modes(found))),
         _ => drop(lags.set(given.without_lags(found))),
@@ -147,13 +148,13 @@ struct Given<'a> {
     circumstances: &'a Circumstances,
     unknown: Vec<Unknown>,
     further_shapes: FurtherShapes,
-    processors: ParallelRun<'a>,
+    pool: &'a dyn Pool,
 }
 
 impl<'a> Given<'a> {
     fn of(scan: &Scan<'a>) -> Self {
-        let Scan { circumstances, further_shapes, processors, .. } = *scan;
-        Self { circumstances, unknown: scan.unknown.clone(), further_shapes, processors }
+        let Scan { circumstances, further_shapes, pool, .. } = *scan;
+        Self { circumstances, unknown: scan.unknown.clone(), further_shapes, pool }
     }
 
     /// The bandwidth with a much stiffer structure; `None` if it is no higher or there is no mode to stiffen.
@@ -172,7 +173,7 @@ impl<'a> Given<'a> {
 
     /// The highest bandwidth above an answer in other circumstances, where the same is known as in the given ones.
     fn above(&self, other: &Circumstances, found: &Tried) -> Result<Option<HigherLoop>, Error> {
-        let mut lifted = Scan::new(other, self.processors)?;
+        let mut lifted = Scan::new(other, self.pool)?;
         lifted.unknown.clone_from(&self.unknown);
         lifted.further_shapes = self.further_shapes;
         lifted.judge_up_to(1);

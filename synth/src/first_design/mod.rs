@@ -35,7 +35,8 @@ use counterpoise_lti::StateSpace;
 use crate::bandwidth::Bandwidth;
 use crate::cause::Cause;
 use crate::finding::{DesignFinding, Part};
-use crate::{DesignPlant, Error, ParallelRun, Sampling, Specification};
+use crate::{DesignPlant, Error, Sampling, Specification};
+use counterpoise_pool::{Pool, Serial};
 use scan::Scan;
 
 /// Where the limit of a control comes from.
@@ -119,18 +120,15 @@ pub struct LimitLoops {
 /// # Errors
 /// [`Error`] for a plant or sampling that is none; [`Error::Refused`] if no bandwidth keeps the margins.
 pub fn first_design(circumstances: &Circumstances) -> Result<FirstDesign, Error> {
-    first_design_on(circumstances, ParallelRun::SERIAL)
+    first_design_on(circumstances, &Serial)
 }
 
 /// Chooses the weights of a loop, with candidates judged side by side on the processors at hand; the result is that of [`first_design`].
 ///
 /// # Errors
 /// As [`first_design`].
-pub fn first_design_on(
-    circumstances: &Circumstances,
-    processors: ParallelRun<'_>,
-) -> Result<FirstDesign, Error> {
-    let mut scan = Scan::new(circumstances, processors)?;
+pub fn first_design_on(circumstances: &Circumstances, pool: &dyn Pool) -> Result<FirstDesign, Error> {
+    let mut scan = Scan::new(circumstances, pool)?;
     scan.run()?;
     let Some(found) = scan.best_design() else {
         let finding = DesignFinding::refusal(Part::Feedback, Cause::NoBandwidth { limits: scan.summary() });

@@ -14,7 +14,8 @@ use crate::bandwidth::{BandwidthLimit, LimitKind, Unknown};
 use crate::cascade::with_position_loop;
 use crate::error::attempt;
 use crate::tolerance::{CAUTION, CEILING, CLOCK_SHARE, FAR_ABOVE_CEILING};
-use crate::{Error, FeedbackWeights, ParallelRun, Reference, feedback};
+use crate::{Error, FeedbackWeights, Reference, design_feedback};
+use counterpoise_pool::Pool;
 
 /// A feedback to be tried.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,7 +87,7 @@ pub(super) struct Scan<'a> {
     pub further_shapes: FurtherShapes,
     /// A candidate that misses so many limits already is judged no further.
     most_missed: usize,
-    pub processors: ParallelRun<'a>,
+    pub pool: &'a dyn Pool,
     /// Every feedback that was designed, by the bits of its aim and its shape; `None` if there is none, its loop is not stable or, where one
     /// miss is too many, its sensitivity is seen to be too large.
     attempts: BTreeMap<(u64, usize), Option<Tried>>,
@@ -99,7 +100,7 @@ impl<'a> Scan<'a> {
     ///
     /// # Errors
     /// Those of the plant.
-    pub fn new(circumstances: &'a Circumstances, processors: ParallelRun<'a>) -> Result<Self, Error> {
+    pub fn new(circumstances: &'a Circumstances, pool: &'a dyn Pool) -> Result<Self, Error> {
         let modes = light_modes(&circumstances.plant)?;
         let neighbours = shifted_modes(&circumstances.plant, &modes)?;
         let gain = PlantGain::of(circumstances, modes.iter().map(|mode| mode.norm()).collect())?;
@@ -116,7 +117,7 @@ impl<'a> Scan<'a> {
             best: None,
             further_shapes: FurtherShapes::default(),
             most_missed,
-            processors,
+            pool,
             attempts,
             ahead: BTreeMap::new(),
         })
@@ -257,15 +258,13 @@ impl<'a> Scan<'a> {
             self.attempts.contains_key(&key) || self.ahead.contains_key(&key)
         };
         let mut upcoming = upcoming.peekable();
-        if self.processors.count < 2 || upcoming.peek().is_none_or(is_known) {
+        if self.pool.processors() < 2 || upcoming.peek().is_none_or(is_known) {
             return;
         }
         let next: Vec<Candidate> =
-            upcoming.filter(|next| !is_known(next)).take(self.processors.count).collect();
+            upcoming.filter(|next| !is_known(next)).take(self.pool.processors()).collect();
         let found: Vec<OnceLock<_>> = next.iter().map(|_| OnceLock::new()).collect();
-        (self.processors.run)(next.len(), &|k| {
-            drop(found[k].set(self.judged(next[k].aim_rad_s, next[k].shape)))
-        });
+        self.pool.run(next.len(), &|k| drop(found[k].set(self.judged(next[k].aim_rad_s, next[k].shape))));
         let keys = next.into_iter().map(|candidate| candidate.key());
         let judged = keys.zip(found).filter_map(|(key, one)| Some((key, one.into_inner()?)));
         self.ahead.extend(judged);
@@ -355,7 +354,7 @@ impl<'a> Scan<'a> {
     /// The feedback of weights, with the position loop about it if the plant has one.
     fn controller(&self, weights: &FeedbackWeights, position_gain: Option<f64>) -> Result<StateSpace, Error> {
         let plant = &self.circumstances.plant;
-        let designed = feedback(plant.weighted_plant(), weights, Reference::Error)?;
+        let designed = design_feedback(plant.weighted_plant(), weights, Reference::Error)?;
         let cascade = with_position_loop(plant, &designed.controller, position_gain)?;
         Ok(cascade.unwrap_or(designed.controller))
     }

@@ -6,6 +6,8 @@ use counterpoise_lti::{StateSpace, poles};
 use super::gain::Gain;
 use super::{against_plant, axis_roots, not_stable, weight_forms, well_formed};
 use crate::cause::Cause;
+use crate::cause::StatedDensity;
+use crate::finding::WeightRole;
 use crate::finding::{DesignFinding, Part};
 use crate::{
     Assembly, DesignPlant, DisturbanceChannel, DisturbanceKnowledge, Error, FeedforwardBasis, Specification,
@@ -52,10 +54,10 @@ fn generator(
     knowledge: DisturbanceKnowledge,
 ) -> Vec<DesignFinding> {
     let rational = weight.rational();
-    let mut findings = well_formed(part, "generator", weight);
+    let mut findings = well_formed(part, WeightRole::Generator, weight);
     let relative_degree = rational.relative_degree();
     let mut refuse = |cause, rate: f64| {
-        findings.push(DesignFinding::refusal(part, cause).with_weight("generator", weight).at(rate))
+        findings.push(DesignFinding::refusal(part, cause).with_weight(WeightRole::Generator, weight).at(rate))
     };
     if relative_degree <= 0 {
         refuse(Cause::GeneratorNotProper, f64::INFINITY);
@@ -69,7 +71,7 @@ fn generator(
     if knowledge == DisturbanceKnowledge::Exact && order != inputs {
         findings.push(
             DesignFinding::refusal(part, Cause::KnowledgeIncomplete { order, known: inputs })
-                .with_weight("generator", weight),
+                .with_weight(WeightRole::Generator, weight),
         );
     }
     if let DisturbanceKnowledge::Measured { noise } = knowledge
@@ -77,7 +79,7 @@ fn generator(
     {
         findings.push(DesignFinding::refusal(
             part,
-            Cause::Density { what: "the disturbance sensor's noise", value: noise },
+            Cause::Density { of: StatedDensity::DisturbanceSensorNoise, value: noise },
         ));
     }
     findings
@@ -91,5 +93,5 @@ fn bounded(part: Part, system: &StateSpace, error: &Weight) -> Result<Vec<Design
         return Ok(vec![refuse(pole)]);
     }
     let pole = axis_roots(&error.rational().poles).first().map(|&rate| C64::new(0.0, rate));
-    Ok(pole.map(|pole| refuse(pole).with_weight("error weight", error)).into_iter().collect())
+    Ok(pole.map(|pole| refuse(pole).with_weight(WeightRole::Error, error)).into_iter().collect())
 }

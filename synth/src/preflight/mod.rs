@@ -12,6 +12,8 @@ use counterpoise_lti::scaling::balance;
 use counterpoise_lti::{StateSpace, Timebase, poles, zeros};
 
 use crate::cause::Cause;
+use crate::cause::StatedDensity;
+use crate::finding::WeightRole;
 use crate::finding::{DesignFinding, Part};
 use crate::tolerance::{CONJUGATE, DELAY_PHASE, ON_AXIS, OUT_OF_REACH, VANISHES, ZERO_GAIN};
 use crate::{DesignPlant, DisturbanceChannel, Error, FeedbackWeights, Reference, Specification, Weight};
@@ -68,7 +70,7 @@ fn check_feedback(
     findings.extend(densities(weights));
     if reference == Reference::WeightOnly && weights.error.rational().poles.is_empty() {
         let finding = DesignFinding::refusal(part, Cause::ReferenceWithoutStates);
-        findings.push(finding.with_weight("error weight", &weights.error));
+        findings.push(finding.with_weight(WeightRole::Error, &weights.error));
     }
     if findings.iter().any(DesignFinding::is_refusal) {
         return Ok(findings);
@@ -86,24 +88,24 @@ fn check_feedback(
 /// What can be said of a pair of weights alone.
 fn weight_forms(part: Part, error: &Weight, control: &Weight) -> Vec<DesignFinding> {
     let mut findings = Vec::new();
-    for (role, weight) in [("error weight", error), ("control weight", control)] {
+    for (role, weight) in [(WeightRole::Error, error), (WeightRole::Control, control)] {
         findings.extend(well_formed(part, role, weight));
     }
     let excess = -error.rational().relative_degree();
     if excess > 0 {
         let finding = DesignFinding::refusal(part, Cause::ErrorWeightImproper { excess });
-        findings.push(finding.with_weight("error weight", error).at(f64::INFINITY));
+        findings.push(finding.with_weight(WeightRole::Error, error).at(f64::INFINITY));
     }
     let excess = control.rational().relative_degree();
     if excess > 0 {
         let finding = DesignFinding::refusal(part, Cause::ControlWeightVanishes { excess });
-        findings.push(finding.with_weight("control weight", control).at(f64::INFINITY));
+        findings.push(finding.with_weight(WeightRole::Control, control).at(f64::INFINITY));
     }
     for rate in axis_roots(&error.rational().poles) {
         if axis_roots(&control.rational().poles).contains(&rate) {
             findings.push(
                 DesignFinding::refusal(part, Cause::WeightsBothInfinite)
-                    .with_weight("control weight", control)
+                    .with_weight(WeightRole::Control, control)
                     .at(rate),
             );
         }
@@ -111,7 +113,7 @@ fn weight_forms(part: Part, error: &Weight, control: &Weight) -> Vec<DesignFindi
     findings
 }
 
-fn well_formed(part: Part, role: &str, weight: &Weight) -> Vec<DesignFinding> {
+fn well_formed(part: Part, role: WeightRole, weight: &Weight) -> Vec<DesignFinding> {
     let rational = weight.rational();
     if !rational.is_finite() {
         return vec![DesignFinding::refusal(part, Cause::WeightVoid).with_weight(role, weight)];
@@ -133,19 +135,18 @@ fn well_formed(part: Part, role: &str, weight: &Weight) -> Vec<DesignFinding> {
 
 fn densities(weights: &FeedbackWeights) -> Vec<DesignFinding> {
     let mut findings = Vec::new();
-    let mut refuse = |what, value: f64| {
-        findings.push(DesignFinding::refusal(Part::Feedback, Cause::Density { what, value }))
-    };
+    let mut refuse =
+        |of, value: f64| findings.push(DesignFinding::refusal(Part::Feedback, Cause::Density { of, value }));
     let noise = weights.measurement_noise;
     if !(noise > 0.0 && noise.is_finite()) {
-        refuse("the measurement noise", noise);
+        refuse(StatedDensity::MeasurementNoise, noise);
     }
     let positive = |value: f64| value >= 0.0 && value.is_finite();
     if !positive(weights.loop_recovery) {
-        refuse("the loop recovery", weights.loop_recovery);
+        refuse(StatedDensity::LoopRecovery, weights.loop_recovery);
     }
     for disturbance in weights.disturbances.iter().filter(|one| !positive(one.value)) {
-        refuse("a disturbance", disturbance.value);
+        refuse(StatedDensity::Disturbance, disturbance.value);
     }
     if weights.loop_recovery == 0.0 && weights.disturbances.iter().all(|one| one.value == 0.0) {
         findings.push(DesignFinding::warning(Part::Feedback, Cause::NothingDisturbs));
@@ -165,14 +166,14 @@ fn against_plant(
         let relative_gain = gain.relative(rate)?;
         if relative_gain < ZERO_GAIN {
             let finding = DesignFinding::refusal(part, Cause::PlantZeroAtErrorPole { relative_gain });
-            findings.push(finding.with_weight("error weight", error).at(rate));
+            findings.push(finding.with_weight(WeightRole::Error, error).at(rate));
         }
     }
     for rate in axis_roots(&control.rational().zeros) {
         let seen = gain.relative(rate)? >= ZERO_GAIN && error.magnitude(rate) != 0.0;
         if !seen {
             let finding = DesignFinding::refusal(part, Cause::ControlFreeUnseen);
-            findings.push(finding.with_weight("control weight", control).at(rate));
+            findings.push(finding.with_weight(WeightRole::Control, control).at(rate));
         }
     }
     Ok(findings)
@@ -226,7 +227,7 @@ fn limits(plant: &DesignPlant, weights: &FeedbackWeights, gain: &Gain) -> Result
     let mut findings = Vec::new();
     let mut warn = |cause| {
         let finding = DesignFinding::warning(Part::Feedback, cause).at(crossover_rad_s);
-        findings.push(finding.with_weight("error weight", &weights.error));
+        findings.push(finding.with_weight(WeightRole::Error, &weights.error));
     };
     if plant.delay_s * crossover_rad_s > DELAY_PHASE {
         warn(Cause::DelayLimits { delay_s: plant.delay_s, crossover_rad_s });

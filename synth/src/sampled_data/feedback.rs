@@ -24,7 +24,7 @@ use crate::{Design, DesignPlant, Error, FeedbackWeights, Reference, Sampling};
 /// Regulator and filter are discrete Riccati equations; the control uses the reading of its own instant.
 ///
 /// # Errors
-/// As [`crate::feedback()`]; a problem without solution is [`Error::Refused`].
+/// As [`crate::design_feedback()`]; a problem without solution is [`Error::Refused`].
 pub(crate) fn feedback(design: &Design, sampling: &Sampling) -> Result<Drafted, Error> {
     let weights = &design.specification.feedback;
     let held = Held::feedback(&design.plant, weights, sampling)?;

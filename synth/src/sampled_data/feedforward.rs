@@ -27,7 +27,7 @@ use crate::{
 /// feedback runs in the plant.
 ///
 /// # Errors
-/// As [`crate::feedforward()`], and for exact knowledge of derivatives, which no sensor reads.
+/// As [`crate::design_feedforward()`], and for exact knowledge of derivatives, which no sensor reads.
 pub(crate) fn feedforward(
     design: &Design,
     channel: DisturbanceChannel,

@@ -1,4 +1,4 @@
-//! The three-part design in sampled time: what [`crate::feedback()`] and [`crate::feedforward()`] do for signals that flow,
+//! The three-part design in sampled time: what [`crate::design_feedback()`] and [`crate::design_feedforward()`] do for signals that flow,
 //! done for a control that is held over each period and readings that are taken once in it.
 //!
 //! The plant, its sensors and its disturbances stay continuous: their cost is that of the whole period, between the

@@ -122,7 +122,7 @@ impl Tuned {
 /// # Errors
 /// [`Error::System`] for a structure without open parameters, without plant, a disturbance without power, or a conversion other than
 /// the bilinear map; [`Error::System`] if no start gives a stable loop.
-pub fn tune(task: &TuningTask<'_>) -> Result<Tuned, Error> {
+pub fn tune_parameters(task: &TuningTask<'_>) -> Result<Tuned, Error> {
     let mut search = Search::new(task)?;
     search.descend_from_starts()?;
     search.descend_near_best()?;

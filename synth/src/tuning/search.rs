@@ -33,7 +33,7 @@ impl<'a> Search<'a> {
     /// Sets up the problem of a task.
     ///
     /// # Errors
-    /// As [`super::tune`].
+    /// As [`super::tune_parameters`].
     pub fn new(task: &'a TuningTask<'a>) -> Result<Self, Error> {
         let problem = Problem::new(task)?;
         Ok(Self { task, problem, best: None, starts_rad_s: Vec::new(), evaluations: 0 })

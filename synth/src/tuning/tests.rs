@@ -97,7 +97,7 @@ fn a_tuned_loop_keeps_its_limits_by_figures_of_another_path_and_beats_a_long_ran
         starts: 6,
         seed: 1,
     };
-    let tuned = tune(&task).unwrap();
+    let tuned = tune_parameters(&task).unwrap();
     assert_eq!(tuned.missed, 0.0, "{:?}", tuned.measures);
     assert!(tuned.measures[0].max_sensitivity < 1.4 * 1.0002);
     let problem = Problem::new(&task).unwrap();
@@ -138,9 +138,9 @@ fn one_controller_for_two_plants_keeps_the_limits_on_both() {
         starts: 5,
         seed: 1,
     };
-    let both = tune(&task(&plants[..])).unwrap();
+    let both = tune_parameters(&task(&plants[..])).unwrap();
     assert_eq!((both.missed, both.measures.len()), (0.0, 2));
-    let first = tune(&task(&plants[..1])).unwrap();
+    let first = tune_parameters(&task(&plants[..1])).unwrap();
     assert!(first.residual_rad_s() < both.residual_rad_s(), "one plant alone allows more");
 }
 
@@ -165,7 +165,7 @@ fn a_loop_holds_a_pendulum_that_the_plant_without_its_angle_does_not_show() {
         seed: 1,
     };
     let pendulum = [held];
-    let tuned = tune(&task(&pendulum[..])).unwrap();
+    let tuned = tune_parameters(&task(&pendulum[..])).unwrap();
     let problem_of_pendulum = task(&pendulum[..]);
     let problem = Problem::new(&problem_of_pendulum).unwrap();
     let values: Vec<f64> = tuned.structure().values().unwrap().concat().into_iter().map(f64::ln).collect();
@@ -190,12 +190,12 @@ fn fixed_parameters_stay_and_ranges_hold() {
         starts: 3,
         seed: 1,
     };
-    let values = tune(&task).unwrap().structure().values().unwrap();
+    let values = tune_parameters(&task).unwrap().structure().values().unwrap();
     assert_eq!(values[1][0], 150.0);
     assert!((1.0 - 1e-12..=2.0 + 1e-12).contains(&values[0][1]), "{values:?}");
-    let all_fixed = tune(&task).unwrap().structure();
+    let all_fixed = tune_parameters(&task).unwrap().structure();
     let nothing_open = TuningTask { subject: TuningSubject::Structure(&all_fixed), ..task };
-    assert!(matches!(tune(&nothing_open), Err(Error::System { .. })));
+    assert!(matches!(tune_parameters(&nothing_open), Err(Error::System { .. })));
 }
 
 /// H2 weights for the servo: an integrating error weight, and white torque at the control.
@@ -237,7 +237,7 @@ fn tuned_weights_leave_less_than_a_tuned_pi_under_the_same_limits() {
             starts: 8,
             seed: 1,
         };
-        tune(&task).unwrap()
+        tune_parameters(&task).unwrap()
     };
     let pi = tuned(TuningSubject::Structure(&structure));
     let h2 = tuned(TuningSubject::Weights(&specification));
@@ -271,6 +271,6 @@ fn weights_that_have_no_problem_of_their_own_are_refused() {
             starts: 1,
             seed: 1,
         };
-        assert!(matches!(tune(&task), Err(Error::System { .. })));
+        assert!(matches!(tune_parameters(&task), Err(Error::System { .. })));
     }
 }

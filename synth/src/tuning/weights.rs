@@ -78,7 +78,7 @@ struct KeptSystem {
 }
 
 /// The system that a list keeps for a point, or the one that is computed and kept now.
-fn kept(
+fn cached_system(
     list: &RefCell<Vec<KeptSystem>>,
     at: &[f64],
     compute: impl FnOnce() -> Result<StateSpace, Error>,
@@ -232,13 +232,13 @@ impl Family for Weights<'_> {
     }
 
     fn sampled_feedback(&self, at: &[f64]) -> Result<StateSpace, Error> {
-        kept(&self.designs, at, || self.designed(at))
+        cached_system(&self.designs, at, || self.designed(at))
     }
 
     fn unchecked_feedback(&self, at: &[f64]) -> Result<StateSpace, Error> {
         match self.sampling.method {
             SamplingMethod::Emulation(conversion) if self.plant.rate_loop.is_none() => {
-                kept(&self.plain, at, || self.plain(at, conversion))
+                cached_system(&self.plain, at, || self.plain(at, conversion))
             }
             _ => self.sampled_feedback(at),
         }

@@ -15,7 +15,9 @@ use counterpoise_linalg::{
 use counterpoise_lti::{Descriptor, Discretisation, StateSpace, Timebase};
 use counterpoise_pipeline::wording::design_findings::describe_synthesis_error;
 use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
-use counterpoise_reduce::{LargeStructure, Method, Order, balred, balred_large, error_at, minimal};
+use counterpoise_reduce::{
+    LargeStructure, Method, Order, balred, balred_large, error_at, minimal_realisation,
+};
 use counterpoise_synth::{Error as SynthesisError, Generalised, HInfinity, hinfsyn};
 use serde_json::{Map, Value, json};
 
@@ -207,7 +209,7 @@ fn sampled(problem: &Value) -> Answer {
 }
 
 fn minimal_part(problem: &Value) -> Answer {
-    let found = text(minimal(&system(problem)?, number(problem, "tolerance", 1e-11)))?;
+    let found = text(minimal_realisation(&system(problem)?, number(problem, "tolerance", 1e-11)))?;
     let mut answer = whole_system(&found.system);
     answer["kept"] = json!(found.smallest_kept);
     answer["dropped"] = json!(found.largest_dropped);

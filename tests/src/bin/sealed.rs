@@ -10,8 +10,9 @@
 use std::io::Write;
 use std::sync::Mutex;
 
-use counterpoise_diagnose::{diagnose, simulator_access::Serial};
+use counterpoise_diagnose::diagnose;
 use counterpoise_models::reference;
+use counterpoise_pool::Serial;
 use counterpoise_tests::sealed::oracle::compare_fits;
 use counterpoise_tests::sealed::row::{recordings, score};
 use counterpoise_tests::sealed::truth::{ALL, conceal, machine};

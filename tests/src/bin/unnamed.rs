@@ -5,10 +5,11 @@
 
 use std::sync::Mutex;
 
+use counterpoise_diagnose::diagnose;
 use counterpoise_diagnose::findings::answer::{Answer, DiagnosisVerdict};
 use counterpoise_diagnose::findings::channel_fits::Channels;
-use counterpoise_diagnose::{diagnose, simulator_access::Serial};
 use counterpoise_models::reference;
+use counterpoise_pool::Serial;
 use counterpoise_report::wording::learned::describe_learned;
 use counterpoise_tests::sealed::controller;
 use counterpoise_tests::sealed::row::recording_of;

@@ -3,9 +3,9 @@
 
 use counterpoise_diagnose::findings::answer::Answer;
 use counterpoise_diagnose::library::{Component, Effect, EffectName, find_effects};
-use counterpoise_diagnose::simulator_access::Serial;
 use counterpoise_diagnose::{Error, Structure, refit};
 use counterpoise_models::Parameters;
+use counterpoise_pool::Serial;
 
 use super::row::recordings;
 use super::{Case, Family, controller};

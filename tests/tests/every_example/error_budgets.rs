@@ -19,11 +19,7 @@ const SETTLE_S: f64 = 0.2;
 fn cut(road: &Road) -> Road {
     let kept = (RUN_S / road.sample_period_s).ceil() as usize + 1;
     let mut road = road.clone();
-    let further = road.further.iter_mut().flat_map(|further| {
-        [&mut further.surge_m_s2, &mut further.roll_rate_rad_s, &mut further.yaw_rate_rad_s]
-    });
-    let columns = further.chain([&mut road.heave_m_s2, &mut road.pitch_rate_rad_s]);
-    columns.for_each(|column| column.truncate(kept));
+    road.signals.truncate(kept);
     road
 }
 

@@ -128,7 +128,7 @@ fn single_and_fixed_move_the_rig_nearly_as_the_reference_does() {
     assert!(single_worst <= single.worst_v && fixed_worst <= fixed.deviation.worst_v);
     assert!(single_worst < half_step && single.rms_v < 0.1 * half_step);
     let rms = |run: &TimeHistory| {
-        let rates = &run.truth.hub_rate_rad_s[1000..];
+        let rates = &run.truth.hub_rate_rad_s()[1000..];
         let error = |rate: &f64| (rate - 0.1).powi(2);
         (rates.iter().map(error).sum::<f64>() / rates.len() as f64).sqrt()
     };
@@ -146,12 +146,12 @@ fn readings(run: &TimeHistory) -> Vec<[f64; READINGS]> {
     let r = &run.readings;
     let at = |k: usize| {
         [
-            r.demand_rad_s[k],
-            r.hub_rate_rad_s[k],
-            r.platform_rate_rad_s[k],
-            r.platform_accel_m_s2[k],
-            r.motor_rate_rad_s[k],
-            r.hub_position_rad[k],
+            r.demand_rad_s()[k],
+            r.hub_rate_rad_s()[k],
+            r.platform_rate_rad_s()[k],
+            r.platform_accel_m_s2()[k],
+            r.motor_rate_rad_s()[k],
+            r.hub_position_rad()[k],
             0.0,
         ]
     };

@@ -120,12 +120,12 @@ fn design(path: &Path) -> Option<Design> {
 pub fn readings(run: &TimeHistory) -> Vec<[f64; READINGS]> {
     let r = &run.readings;
     let columns = [
-        &r.demand_rad_s,
-        &r.hub_rate_rad_s,
-        &r.platform_rate_rad_s,
-        &r.platform_accel_m_s2,
-        &r.motor_rate_rad_s,
-        &r.hub_position_rad,
+        &r.demand_rad_s(),
+        &r.hub_rate_rad_s(),
+        &r.platform_rate_rad_s(),
+        &r.platform_accel_m_s2(),
+        &r.motor_rate_rad_s(),
+        &r.hub_position_rad(),
     ];
     let row = |k: usize| std::array::from_fn(|i| columns.get(i).map_or(0.0, |column| column[k]));
     (0..run.len()).map(row).collect()
@@ -210,11 +210,11 @@ impl<'a> Example<'a> {
         let mut faulty = Faulty { inner, limit_v, channel, kind, samples, now: 0, held: 0.0 };
         let found = self.drive(&mut faulty);
         let off = |k: &usize| {
-            let (a, b) = (found.truth.hub_rate_rad_s[*k], undisturbed.truth.hub_rate_rad_s[*k]);
+            let (a, b) = (found.truth.hub_rate_rad_s()[*k], undisturbed.truth.hub_rate_rad_s()[*k]);
             (a - b).abs() >= RECOVERED_RAD_S || a.is_nan()
         };
         let last = (begins + length..found.len()).rfind(off);
-        let angles = found.truth.hub_angle_rad.iter().zip(&undisturbed.truth.hub_angle_rad);
+        let angles = found.truth.hub_angle_rad().iter().zip(undisturbed.truth.hub_angle_rad());
         let distance_rad = angles.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
         After { recovery_s: last.map_or(0.0, |k| (k - begins - length) as f64 * period_s), distance_rad }
     }

@@ -11,9 +11,9 @@ use counterpoise_export::{CodeOptions, File};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_models::plant::{OperatingPoint, Plant};
-use counterpoise_pipeline::{Modelled, World, export, model, reduce, synthesise, verify};
+use counterpoise_pipeline::{PlantModel, World, export, model, reduce, synthesise, verify};
 use counterpoise_project::resolve::controller::RecordingController;
-use counterpoise_project::{Attachments, Document, Project, Setting};
+use counterpoise_project::{Attachments, Document, Project, SettingValue};
 use counterpoise_simulate::signal::Sine;
 use counterpoise_simulate::{Firing, PlatformMotion, Scenario, Signal, Simulator, TimeHistory};
 use counterpoise_tests::examples;
@@ -43,8 +43,8 @@ fn csv(run: &TimeHistory) -> String {
     let mut text = "time,demand,heave,pitch_rate,control,hub_rate\n".to_owned();
     let (r, t) = (&run.readings, &run.truth);
     for (k, time) in run.time_s().iter().enumerate() {
-        let (demand, heave, pitch) = (r.demand_rad_s[k], t.heave_m_s2[k], t.platform_rate_rad_s[k]);
-        let (control, rate) = (r.control_request_v[k], t.hub_rate_rad_s[k]);
+        let (demand, heave, pitch) = (r.demand_rad_s()[k], t.heave_m_s2()[k], t.platform_rate_rad_s()[k]);
+        let (control, rate) = (r.control_request_v()[k], t.hub_rate_rad_s()[k]);
         writeln!(text, "{time:?},{demand:?},{heave:?},{pitch:?},{control:?},{rate:?}").unwrap();
     }
     text
@@ -129,7 +129,7 @@ fn a_plant_without_a_unit_leaves_the_rest_of_the_code_there() {
     assert!(whole.left_out.is_empty());
     let mut parameters = modelled.plant.parameters().clone();
     parameters.interface.output_delay_samples = 20_000;
-    let late = Modelled { plant: Plant::from_lumped(&parameters).unwrap(), ..modelled };
+    let late = PlantModel { plant: Plant::from_lumped(&parameters).unwrap(), ..modelled };
     let rest = export(&project, &late, &verified, &Nothing).unwrap();
     let units = |files: &[File], name: &str| files.iter().filter(|file| file.name.contains(name)).count();
     assert_eq!((units(&whole.files, "_plant/"), units(&rest.files, "_plant/")), (5, 0));
@@ -140,8 +140,8 @@ fn a_plant_without_a_unit_leaves_the_rest_of_the_code_there() {
 }
 
 /// Keys of the practice machines' project files with what each machine truly has, beside its plain model.
-fn practice() -> Vec<(&'static str, Vec<(&'static str, Setting)>)> {
-    let number = |key, value| (key, Setting::Number(value));
+fn practice() -> Vec<(&'static str, Vec<(&'static str, SettingValue)>)> {
+    let number = |key, value| (key, SettingValue::Number(value));
     let curve = [[0.22, 0.48], [0.51, 0.96], [0.8, 1.86], [1.04, 2.79], [2.0, 6.0]];
     vec![
         (
@@ -152,13 +152,13 @@ fn practice() -> Vec<(&'static str, Vec<(&'static str, Setting)>)> {
             ],
         ),
         ("p02", vec![number("plant.gearbox.backlash", 6e-3)]),
-        ("p03", vec![("plant.amplifier.map", Setting::Pairs(curve.to_vec()))]),
+        ("p03", vec![("plant.amplifier.map", SettingValue::Pairs(curve.to_vec()))]),
         ("p04", vec![number("plant.lumped.out_of_balance", 186.0)]),
         (
             "p05",
             vec![number("plant.motor.cogging.amplitude", 0.16), number("plant.motor.cogging.order", 6.0)],
         ),
-        ("p06", vec![("plant.interface.output_delay_samples", Setting::Whole(6))]),
+        ("p06", vec![("plant.interface.output_delay_samples", SettingValue::Whole(6))]),
         (
             "p07",
             vec![

@@ -136,7 +136,7 @@ impl Example {
         assert_eq!(flags & (ALONE | REFUSED), application.inner.expected(), "channel {channel}: {flags:x}");
         let handed_over = sticks + (1.0 / period_s) as usize;
         let off = |k: &usize| {
-            let (a, b) = (found.truth.hub_rate_rad_s[*k], alone.truth.hub_rate_rad_s[*k]);
+            let (a, b) = (found.truth.hub_rate_rad_s()[*k], alone.truth.hub_rate_rad_s()[*k]);
             (a - b).abs() >= SETTLED_RAD_S || a.is_nan()
         };
         let last = (handed_over..found.len()).rfind(off);

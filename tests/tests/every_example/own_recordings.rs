@@ -11,8 +11,8 @@ use counterpoise_export::fixed_point::{FixedRunner, plan_fixed_point};
 use counterpoise_export::targets::RANGE_MARGIN;
 use counterpoise_models::Plant;
 use counterpoise_pipeline::recordings::read::{control_for, read_recording, recording_controller};
-use counterpoise_pipeline::recordings::{Gaps, ReplayLength, ReplayedRecording, replay};
-use counterpoise_project::{Attachments, Document, Project, Purpose, Setting, StructureChoice};
+use counterpoise_pipeline::recordings::{GapTreatment, ReplayLength, ReplayedRecording, replay};
+use counterpoise_project::{Attachments, Document, Project, Purpose, SettingValue, StructureChoice};
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::signal::{Signal, Sine};
 use counterpoise_simulate::{Detail, Firing, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
@@ -81,7 +81,7 @@ fn record(designed: &Designed, plant: &Plant, controller: &mut dyn SampledContro
 
 /// The project of an example that says that its recordings were made under the controller of a file.
 fn replaying(path: &Path, designed: &Designed, plant: &Plant) -> Project {
-    let text = |value: &str| Setting::Text(value.to_owned());
+    let text = |value: &str| SettingValue::Text(value.to_owned());
     let name = path.file_name().unwrap().to_str().unwrap();
     let document = Document::from_bytes(&std::fs::read(path).unwrap(), name).unwrap();
     let document = document
@@ -104,7 +104,7 @@ fn replaying(path: &Path, designed: &Designed, plant: &Plant) -> Project {
 
 fn replayed(project: &Project, recording: Recording) -> ReplayedRecording {
     let controller = recording_controller(project).unwrap();
-    let read = read_recording(project, controller.as_ref(), recording, Gaps::Repaired).unwrap();
+    let read = read_recording(project, controller.as_ref(), recording, GapTreatment::Repaired).unwrap();
     let control = control_for(project, controller.as_ref(), read.iter().map(|item| &item.recording));
     assert!(read.iter().all(|item| !item.has_other_controller()), "{:?}", read[0].remarks);
     replay(project, &read, &control, ReplayLength::Automatic).unwrap().remove(0)

@@ -4,7 +4,7 @@
 use std::path::Path;
 use std::sync::Mutex;
 
-use counterpoise_pipeline::Synthesised;
+use counterpoise_pipeline::SynthesisedDesign;
 use counterpoise_project::Purpose;
 use counterpoise_synth::{Certified, Sampling, SamplingMethod, discretise};
 use counterpoise_tests::examples;
@@ -14,7 +14,7 @@ use counterpoise_verify::Verdict;
 const COST: f64 = 1e-6;
 
 /// What is wrong with the costs of the same design made again in sampled time.
-fn in_sampled_time(made: &Synthesised) -> Option<String> {
+fn in_sampled_time(made: &SynthesisedDesign) -> Option<String> {
     let sampling = Sampling { method: SamplingMethod::SampledData, ..made.sampling.clone() };
     match discretise(&made.design, &sampling) {
         Err(why) => Some(format!("{why:?}")),

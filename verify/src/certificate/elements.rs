@@ -6,7 +6,7 @@ use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase, lft, poles, series};
 use counterpoise_models::Parameters;
 use counterpoise_models::friction::FrictionModel;
-use counterpoise_models::plant::{Angles, FrictionLinearisation, Impedance, Plant, impedance};
+use counterpoise_models::plant::{Angles, FrictionLinearisation, Impedance, Plant, friction_impedance};
 
 use super::CertifiedCase;
 use super::floor::Subject;
@@ -132,8 +132,8 @@ impl Elements {
             observer_gain(observer, felt, frequency, period_s)
         };
         Ok(Self {
-            motor: impedance(&parameters.motor_friction, motor_rad, frequency)?,
-            pivot: impedance(&parameters.pivot_friction, hub_rad, frequency)?,
+            motor: friction_impedance(&parameters.motor_friction, motor_rad, frequency)?,
+            pivot: friction_impedance(&parameters.pivot_friction, hub_rad, frequency)?,
             mesh_share: 1.0,
             observers: subject.controller.parts().observers.iter().map(gain).collect::<Result<_, Error>>()?,
         })

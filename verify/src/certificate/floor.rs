@@ -53,13 +53,13 @@ impl Subject<'_> {
     pub(crate) fn motion(&self, truth: &TrueColumns, first: usize) -> Vec<f64> {
         let from = |column: &[f64]| column[first.min(column.len())..].to_vec();
         match self.controlled_quantity().kind {
-            QuantityKind::Rate => from(&truth.hub_rate_rad_s),
+            QuantityKind::Rate => from(truth.hub_rate_rad_s()),
             QuantityKind::Position => {
-                let pairs = truth.hub_angle_rad.iter().zip(&truth.platform_angle_rad).skip(first);
+                let pairs = truth.hub_angle_rad().iter().zip(truth.platform_angle_rad()).skip(first);
                 about_line(&pairs.map(|(hub, base)| hub - base).collect::<Vec<f64>>())
             }
-            QuantityKind::Effort => from(&truth.mesh_torque_nm),
-            QuantityKind::Current => from(&truth.current_a),
+            QuantityKind::Effort => from(truth.mesh_torque_nm()),
+            QuantityKind::Current => from(truth.current_a()),
         }
     }
 
@@ -67,7 +67,7 @@ impl Subject<'_> {
     /// current that the loop controls.
     pub(crate) fn settling_rms(&self, truth: &TrueColumns) -> f64 {
         match self.controlled_quantity().kind {
-            QuantityKind::Rate | QuantityKind::Position => rms(&subtract_mean(&truth.hub_rate_rad_s)),
+            QuantityKind::Rate | QuantityKind::Position => rms(&subtract_mean(truth.hub_rate_rad_s())),
             QuantityKind::Effort | QuantityKind::Current => rms(&subtract_mean(&self.motion(truth, 0))),
         }
     }

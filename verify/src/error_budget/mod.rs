@@ -16,6 +16,7 @@ pub mod sources;
 
 use counterpoise_controller::Controller;
 use counterpoise_models::{FeedbackSignal, Plant};
+use counterpoise_recordings::Signals;
 use counterpoise_simulate::{Simulator, TimeHistory};
 
 use crate::line_of_sight::{SightAngles, sight_experiment};
@@ -340,8 +341,8 @@ impl Runs<'_> {
         let mut from = self.whole();
         switch_off(source, &mut from);
         let moved = |procedure: &Procedure| match &procedure.road {
-            Some(road) => (road.heave_m_s2.clone(), road.pitch_rate_rad_s.clone(), road.further.clone()),
-            None => (vec![procedure.heave.amplitude], vec![procedure.pitch.amplitude], None),
+            Some(road) => road.signals.clone(),
+            None => Signals::stack([&[procedure.heave.amplitude][..], &[procedure.pitch.amplitude]]),
         };
         from.parameters != *self.plant.parameters()
             || from.body != *self.plant.body()

@@ -24,7 +24,9 @@ use crate::history::History;
 use crate::line_of_sight::SightAngles;
 use crate::linear::closed_loop::resolver_use;
 use crate::linear::noise::{NoiseEntry, NoiseResponse, noise_responses};
-use crate::linear::{Closed, SampledPlant, arrange_controller, disturbance, surge::acting_arrangement};
+use crate::linear::{
+    Closed, SampledPlant, arrange_controller, simulate_disturbance, surge::acting_arrangement,
+};
 use crate::sight_spectrum::{Bands, SightSpectrum};
 use crate::tolerance::SIGHT_POINTS_A_BAND;
 use crate::{Arrangement, Error, HeaveAndPitch, LineOfSight, Procedure, Source};
@@ -193,7 +195,7 @@ impl<'a> Propagation<'a> {
         };
         let closed = if source == ErrorSource::Surge { &self.closed_for_surge } else { &self.closed };
         let duration_s = self.procedure.duration_of(ran);
-        disturbance(&self.sampled, closed, ran, Arrangement::Compensated, duration_s, motion)
+        simulate_disturbance(&self.sampled, closed, ran, Arrangement::Compensated, duration_s, motion)
     }
 
     fn of_torques(&self, torques: &Torques) -> Result<History, Error> {
@@ -206,7 +208,14 @@ impl<'a> Propagation<'a> {
         };
         let duration_s = torques.motor_nm.len().saturating_sub(1) as f64 * period_s;
         let arrangement = Arrangement::Compensated;
-        disturbance(&self.torqued, &self.closed_for_torques, Source::Both, arrangement, duration_s, at)
+        simulate_disturbance(
+            &self.torqued,
+            &self.closed_for_torques,
+            Source::Both,
+            arrangement,
+            duration_s,
+            at,
+        )
     }
 
     fn of_noise(&self, noises: &[Noise]) -> Option<LinearContribution> {
@@ -244,15 +253,15 @@ impl<'a> Propagation<'a> {
     }
 
     fn gyroscopic_torques(&self, source: ErrorSource, whole: &TimeHistory) -> Torques {
-        let further = self.procedure.road.as_ref().and_then(|road| Some((road, road.further.as_ref()?)));
+        let road = self.procedure.road.as_ref().filter(|road| road.has_further_motion());
         let hub = |k: usize| {
-            let Some((road, further)) = further else { return 0.0 };
+            let Some(road) = road else { return 0.0 };
             let at = |values: &[f64]| road.interpolate(values, k as f64 * whole.sample_period_s);
             let rates = match source {
-                ErrorSource::Roll => [at(&further.roll_rate_rad_s), 0.0],
-                _ => [0.0, at(&further.yaw_rate_rad_s)],
+                ErrorSource::Roll => [at(road.roll_rate_rad_s()), 0.0],
+                _ => [0.0, at(road.yaw_rate_rad_s())],
             };
-            self.plant.gyroscopic_torque_nm(SinCos::of(whole.truth.hub_angle_rad[k]), rates)
+            self.plant.gyroscopic_torque_nm(SinCos::of(whole.truth.hub_angle_rad()[k]), rates)
         };
         Torques { motor_nm: vec![0.0; whole.len()], hub_nm: (0..whole.len()).map(hub).collect() }
     }
@@ -265,10 +274,11 @@ impl<'a> Propagation<'a> {
             if gearbox.is_rigid() {
                 return 0.0;
             }
-            let rate = truth.motor_rate_rad_s[k] / gearbox.ratio + truth.platform_rate_rad_s[k]
-                - truth.hub_rate_rad_s[k];
-            let touching = gearbox.stiffness_nm_rad * truth.wind_up_rad[k] + gearbox.damping_nm_s_rad * rate;
-            truth.mesh_torque_nm[k] - touching
+            let rate = truth.motor_rate_rad_s()[k] / gearbox.ratio + truth.platform_rate_rad_s()[k]
+                - truth.hub_rate_rad_s()[k];
+            let touching =
+                gearbox.stiffness_nm_rad * truth.wind_up_rad()[k] + gearbox.damping_nm_s_rad * rate;
+            truth.mesh_torque_nm()[k] - touching
         };
         let hub_nm: Vec<f64> = (0..whole.len()).map(missing).collect();
         Torques { motor_nm: hub_nm.iter().map(|torque| -torque / gearbox.ratio).collect(), hub_nm }
@@ -279,11 +289,11 @@ impl<'a> Propagation<'a> {
         let truth = &whole.truth;
         let hub = |k: usize| {
             let loads = &self.plant.parameters().loads;
-            let (_, cos) = self.plant.tilt(truth.hub_angle_rad[k]);
+            let (_, cos) = self.plant.tilt(truth.hub_angle_rad()[k]);
             let at = LoadPoint {
                 time_s: k as f64 * whole.sample_period_s,
-                hub_rate_rad_s: truth.hub_rate_rad_s[k],
-                load_m_s2: (self.plant.parameters().gravity_m_s2 + truth.heave_m_s2[k]) * cos,
+                hub_rate_rad_s: truth.hub_rate_rad_s()[k],
+                load_m_s2: (self.plant.parameters().gravity_m_s2 + truth.heave_m_s2()[k]) * cos,
                 ..LoadPoint::default()
             };
             loads.recoil.as_ref().map_or(0.0, |recoil| recoil.torque_nm(&at))
@@ -294,12 +304,12 @@ impl<'a> Propagation<'a> {
     fn ripple_torques(&self, whole: &TimeHistory) -> Torques {
         let (truth, p) = (&whole.truth, self.plant.parameters());
         let rippled = |k: usize| {
-            let relative = truth.hub_angle_rad[k] - truth.platform_angle_rad[k];
-            let angle = p.gearbox.ratio * (truth.wind_up_rad[k] + relative);
+            let relative = truth.hub_angle_rad()[k] - truth.platform_angle_rad()[k];
+            let angle = p.gearbox.ratio * (truth.wind_up_rad()[k] + relative);
             let error =
-                self.plant.kinematic_error_nm(truth.mesh_torque_nm[k], angle, truth.motor_rate_rad_s[k]);
+                self.plant.kinematic_error_nm(truth.mesh_torque_nm()[k], angle, truth.motor_rate_rad_s()[k]);
             let of = |ripple: &Ripple| ripple.at(angle);
-            let torque = p.motor.torque_constant_nm_a * truth.current_a[k];
+            let torque = p.motor.torque_constant_nm_a * truth.current_a()[k];
             let motor = of(&p.motor.cogging) + torque * of(&p.motor.torque_ripple) + error.motor_nm;
             [motor, of(&p.gearbox.mesh_ripple) + error.hub_nm]
         };
@@ -322,8 +332,8 @@ impl Torques {
     fn of_friction(run: &TimeHistory) -> Self {
         let negative = |torques: &[f64]| torques.iter().map(|torque| -torque).collect();
         Self {
-            motor_nm: negative(&run.truth.motor_friction_nm),
-            hub_nm: negative(&run.truth.pivot_friction_nm),
+            motor_nm: negative(run.truth.motor_friction_nm()),
+            hub_nm: negative(run.truth.pivot_friction_nm()),
         }
     }
 }

@@ -3,7 +3,7 @@
 use counterpoise_models::plant::Body;
 use counterpoise_models::{Clock, Drift, Friction, FrictionLaw, Parameters, Ripple, Sensor};
 
-use crate::{FurtherRoad, Procedure};
+use crate::{Procedure, RoadColumn};
 
 /// A source of the line of sight's error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -164,12 +164,13 @@ fn still(source: ErrorSource, procedure: &mut Procedure) {
         }
         return;
     };
-    match (source, &mut road.further) {
-        (ErrorSource::Heave, _) => road.heave_m_s2.fill(0.0),
-        (ErrorSource::Pitch, _) => road.pitch_rate_rad_s.fill(0.0),
-        (ErrorSource::Surge, Some(FurtherRoad { surge_m_s2, .. })) => surge_m_s2.fill(0.0),
-        (ErrorSource::Roll, Some(FurtherRoad { roll_rate_rad_s, .. })) => roll_rate_rad_s.fill(0.0),
-        (ErrorSource::Yaw, Some(FurtherRoad { yaw_rate_rad_s, .. })) => yaw_rate_rad_s.fill(0.0),
-        _ => {}
-    }
+    let column = match source {
+        ErrorSource::Heave => RoadColumn::Heave,
+        ErrorSource::Pitch => RoadColumn::PitchRate,
+        ErrorSource::Surge => RoadColumn::Surge,
+        ErrorSource::Roll => RoadColumn::RollRate,
+        ErrorSource::Yaw => RoadColumn::YawRate,
+        _ => return,
+    };
+    road.signals.column_mut(column).fill(0.0);
 }

@@ -135,7 +135,7 @@ fn controller_curves(response: &[CMat]) -> Vec<ResponseCurve> {
 ///
 /// # Errors
 /// A response that does not exist because of a pole.
-pub fn rejections(
+pub fn compute_rejections(
     plant: &SampledPlant,
     closed: &Closed,
     arrangement: Arrangement,
@@ -183,14 +183,14 @@ fn control_tone(plant: &SampledPlant, K: &CMat, P: &CMat, R: &[C64]) -> C64 {
 /// Returns the rejection ratios in dB at some frequencies.
 ///
 /// # Errors
-/// As [`rejections`].
+/// As [`compute_rejections`].
 pub fn rejection_db(
     plant: &SampledPlant,
     closed: &Closed,
     source: Source,
     frequency_hz: &[f64],
 ) -> Result<Vec<f64>, Error> {
-    let both = rejections(plant, closed, Arrangement::Compensated, frequency_hz)?;
+    let both = compute_rejections(plant, closed, Arrangement::Compensated, frequency_hz)?;
     let one = both.iter().filter(|rejection| rejection.source == source);
     Ok(one.flat_map(|rejection| rejection.response.iter().map(|h| 20.0 * h.norm().log10())).collect())
 }

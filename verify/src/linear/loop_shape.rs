@@ -129,7 +129,7 @@ fn chordal(a: C64, b: C64) -> f64 {
 }
 
 /// Returns points of the plane of L in a Nichols chart, phase in degrees from -360 up to 0 and modulus in dB, broken where the phase passes from 0 to -360 degrees.
-pub fn nichols(response: &[C64]) -> Vec<[f64; 2]> {
+pub fn nichols_points(response: &[C64]) -> Vec<[f64; 2]> {
     let mut points: Vec<[f64; 2]> = Vec::with_capacity(response.len());
     for L in response {
         let deg = L.arg().to_degrees();
@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn the_phase_of_a_nichols_chart_breaks_where_it_passes_zero() {
         let turning: Vec<C64> = (0..8).map(|k| C64::from_polar(2.0, 0.3 - 0.2 * f64::from(k))).collect();
-        let points = nichols(&turning);
+        let points = nichols_points(&turning);
         assert_eq!(points.iter().filter(|p| p[0].is_nan()).count(), 1);
         assert!(points.iter().all(|p| p[0].is_nan() || (-360.0..=0.0).contains(&p[0])));
     }

@@ -25,4 +25,4 @@ pub use loop_shape::{
 pub use plant::SampledPlant;
 pub use plant_response::PlantResponse;
 pub use root_locus::{ContinuousLocus, LOCUS_CROSSOVERS, RootLocus, root_locus};
-pub use time::{disturbance, step, triangle};
+pub use time::{simulate_disturbance, simulate_step, simulate_triangle};

@@ -20,7 +20,8 @@ pub fn add_surge(
 ) -> Result<(), Error> {
     let Experiment::Disturbance(Source::Road, arrangement) = history.experiment else { return Ok(()) };
     let tangent = plant.hub_angle_rad.tan();
-    let Some(road) = procedure.road.as_ref().filter(|road| road.further.is_some() && tangent != 0.0) else {
+    let Some(road) = procedure.road.as_ref().filter(|road| road.has_further_motion() && tangent != 0.0)
+    else {
         return Ok(());
     };
     let acting = acting_arrangement(plant, arrangement);
@@ -28,15 +29,16 @@ pub fn add_surge(
     let motion =
         |time_s: f64| HeaveAndPitch { heave_m_s2: -tangent * road.surge_at(time_s), pitch_rate_rad_s: 0.0 };
     let duration_s = procedure.duration_of(Source::Road);
-    let surge = super::disturbance(plant, &acting.closed, Source::Road, arrangement, duration_s, motion)?;
+    let surge =
+        super::simulate_disturbance(plant, &acting.closed, Source::Road, arrangement, duration_s, motion)?;
     for column in
         [HistoryColumn::HubRate, HistoryColumn::TipRate, HistoryColumn::Current, HistoryColumn::Travel]
     {
-        let added = surge.column(column);
-        history.column_mut(column).iter_mut().zip(added).for_each(|(value, more)| *value += more);
+        let added = surge.signals.column(column);
+        history.signals.column_mut(column).iter_mut().zip(added).for_each(|(value, more)| *value += more);
     }
     let added = surge.control_v().iter().map(|v| v - plant.holding_v);
-    let control_v = history.column_mut(HistoryColumn::Control);
+    let control_v = history.signals.column_mut(HistoryColumn::Control);
     control_v.iter_mut().zip(added).for_each(|(value, more)| *value += more);
     Ok(())
 }

@@ -13,7 +13,7 @@ use crate::{Arrangement, Error, HeaveAndPitch, Model, Source};
 ///
 /// # Errors
 /// Those of the simulation.
-pub fn step(plant: &SampledPlant, closed: &Closed, step: Step) -> Result<History, Error> {
+pub fn simulate_step(plant: &SampledPlant, closed: &Closed, step: Step) -> Result<History, Error> {
     run(plant, closed, Experiment::Step, step.duration_s, |_| LoopInputs::demand(step.rate_rad_s))
 }
 
@@ -21,7 +21,7 @@ pub fn step(plant: &SampledPlant, closed: &Closed, step: Step) -> Result<History
 ///
 /// # Errors
 /// Those of the simulation.
-pub fn triangle(
+pub fn simulate_triangle(
     plant: &SampledPlant,
     closed: &Closed,
     triangle: Triangle,
@@ -35,7 +35,7 @@ pub fn triangle(
 ///
 /// # Errors
 /// Those of the simulation.
-pub fn disturbance(
+pub fn simulate_disturbance(
     plant: &SampledPlant,
     closed: &Closed,
     source: Source,

@@ -54,7 +54,7 @@ pub fn one_at_a_time(
 ///
 /// # Errors
 /// As [`figures_of`], and configurations that fit masses which are not there.
-pub fn configurations(
+pub fn compare_configurations(
     nominal: &Parameters,
     controller: &Controller,
     procedure: &Procedure,

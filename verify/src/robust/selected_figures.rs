@@ -60,7 +60,7 @@ pub fn history_of(
         Need::Margins | Need::Tone(..) => Ok(None),
         Need::Linear(experiment) => Linear::new(plant, controller, procedure)?.history(experiment, procedure),
         Need::Simulated(experiment) => {
-            match nonlinear::history(&mut Simulator::new(plant)?, controller, procedure, experiment) {
+            match nonlinear::run_history(&mut Simulator::new(plant)?, controller, procedure, experiment) {
                 Err(Error::Simulate(counterpoise_simulate::Error::Diverged { .. })) => Ok(None),
                 other => other.map(Some),
             }
@@ -112,7 +112,7 @@ fn simulated(
     procedure: &Procedure,
     experiment: Experiment,
 ) -> Result<Vec<MeasuredFigure>, Error> {
-    match nonlinear::history(simulator, controller, procedure, experiment) {
+    match nonlinear::run_history(simulator, controller, procedure, experiment) {
         Ok(history) => {
             let mut figures = history_figures(&history, procedure.settle_s);
             figures.extend(line_of_sight::figures(&history, procedure, simulator.plant().into()));

@@ -7,6 +7,7 @@
 use std::f64::consts::TAU;
 
 use counterpoise_models::base_motion::{Level, Traverse, from_inertial, motion_at_elevation_axis};
+use counterpoise_recordings::Signals;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -14,8 +15,7 @@ use super::spectrum::{
     MotionRealisation, MotionTone, PERIOD_S, SINES, check, check_density, frequency, power_in_band,
     range_error, sine_tones, sum, window,
 };
-use crate::procedure::FurtherRoad;
-use crate::{Error, Road};
+use crate::{Error, Road, RoadColumn};
 
 /// Motion of one axis, m/s^2 or rad/s.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -64,17 +64,17 @@ pub(super) fn felt_road(name: String, series: &BaseSeries, traverse: Traverse, g
     let rates: Vec<[f64; 3]> = series.rows.iter().map(|row| [row[3], -row[4], row[5]]).collect();
     let base = from_inertial(&accelerations, &rates, series.period_s, gravity_m_s2);
     let felt = motion_at_elevation_axis(&base, series.period_s, traverse, gravity_m_s2, Level::Known);
-    Road {
-        name,
-        sample_period_s: series.period_s,
-        heave_m_s2: felt.iter().map(|at| at.heave_m_s2).collect(),
-        pitch_rate_rad_s: felt.iter().map(|at| at.pitch_rate_rad_s).collect(),
-        further: Some(FurtherRoad {
-            surge_m_s2: felt.iter().map(|at| at.surge_m_s2).collect(),
-            roll_rate_rad_s: felt.iter().map(|at| at.roll_rate_rad_s).collect(),
-            yaw_rate_rad_s: felt.iter().map(|at| at.yaw_rate_rad_s).collect(),
-        }),
+    let mut signals = Signals::with_room(felt.len(), RoadColumn::YawRate as usize + 1);
+    for at in &felt {
+        signals.push([
+            at.heave_m_s2,
+            at.pitch_rate_rad_s,
+            at.surge_m_s2,
+            at.roll_rate_rad_s,
+            at.yaw_rate_rad_s,
+        ]);
     }
+    Road { name, sample_period_s: series.period_s, signals }
 }
 
 /// Names of the axes of [`SixAxes`], in their order.
@@ -201,13 +201,13 @@ mod tests {
     fn heave_and_surge_are_as_coherent_as_is_asked() {
         for (coherence, low, high) in [(0.0, -0.2, 0.2), (0.49, 0.5, 0.9), (1.0, 0.9999, 1.0001)] {
             let road = axes(coherence).road(HOW, 9.81).unwrap();
-            let surge = road.further.unwrap().surge_m_s2;
+            let surge = road.surge_m_s2();
             let both: f64 =
-                road.heave_m_s2.iter().zip(&surge).map(|(a, b)| a * b).sum::<f64>() / surge.len() as f64;
-            let correlation = both / (rms(&road.heave_m_s2) * rms(&surge));
+                road.heave_m_s2().iter().zip(surge).map(|(a, b)| a * b).sum::<f64>() / surge.len() as f64;
+            let correlation = both / (rms(road.heave_m_s2()) * rms(surge));
             assert!((low..=high).contains(&correlation), "{coherence}: {correlation}");
             let variance = power_in_band(&POINTS, 0.0, 100.0);
-            assert!((rms(&surge).powi(2) / variance - 1.0).abs() < 0.25, "{}", rms(&surge));
+            assert!((rms(surge).powi(2) / variance - 1.0).abs() < 0.25, "{}", rms(surge));
         }
     }
 
@@ -217,9 +217,9 @@ mod tests {
         axes[3].sines = vec![[0.2, 0.5]];
         let motion = SixAxes { axes, coherence: 0.0, traverse: Traverse::default() };
         let road = motion.road(HOW, 9.81).unwrap();
-        assert!(rms(&road.pitch_rate_rad_s) == 0.0 && rms(&road.heave_m_s2) > 0.01);
-        assert!(road.heave_m_s2.iter().all(|heave| *heave <= 1e-9), "a tilted base feels less of gravity");
-        assert!(rms(&road.further.unwrap().roll_rate_rad_s) > 0.1);
+        assert!(rms(road.pitch_rate_rad_s()) == 0.0 && rms(road.heave_m_s2()) > 0.01);
+        assert!(road.heave_m_s2().iter().all(|heave| *heave <= 1e-9), "a tilted base feels less of gravity");
+        assert!(rms(road.roll_rate_rad_s()) > 0.1);
     }
 
     #[test]

@@ -6,6 +6,7 @@
 
 use std::f64::consts::TAU;
 
+use counterpoise_recordings::Signals;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -47,11 +48,11 @@ const PITCH_STREAM: u64 = 1;
 /// points [Hz, (rad/s)^2/Hz]. No points: no motion.
 ///
 /// # Errors
-/// As [`tones`], and for a duration or fade out of range.
+/// As [`spectrum_tones`], and for a duration or fade out of range.
 pub fn random_motion(heave: &[[f64; 2]], pitch: &[[f64; 2]], how: MotionRealisation) -> Result<Road, Error> {
     let samples = check(how)?;
     let series = |points: &[[f64; 2]], stream: u64| -> Result<Vec<f64>, Error> {
-        let tones = tones(points, how.seed, stream)?;
+        let tones = spectrum_tones(points, how.seed, stream)?;
         let at = |k: usize| {
             let t = k as f64 * PERIOD_S;
             window(t, how)[0] * sum(&tones, t)[0]
@@ -61,9 +62,7 @@ pub fn random_motion(heave: &[[f64; 2]], pitch: &[[f64; 2]], how: MotionRealisat
     Ok(Road {
         name: format!("motion of a given spectrum, seed {}", how.seed),
         sample_period_s: PERIOD_S,
-        heave_m_s2: series(heave, 0)?,
-        pitch_rate_rad_s: series(pitch, PITCH_STREAM)?,
-        further: None,
+        signals: Signals::stack([&series(heave, 0)?[..], &series(pitch, PITCH_STREAM)?]),
     })
 }
 
@@ -86,9 +85,13 @@ pub fn pitch_simulator(angle: &[MotionTone], offset_m: f64, how: MotionRealisati
         let rate = w[1] * x[0] + w[0] * x[1];
         (offset_m * (w[2] * x[0] + 2.0 * w[1] * x[1] + w[0] * x[2]), rate)
     };
-    let (heave_m_s2, pitch_rate_rad_s) = (0..samples).map(at).unzip();
+    let (heave_m_s2, pitch_rate_rad_s): (Vec<f64>, Vec<f64>) = (0..samples).map(at).unzip();
     let name = format!("platform motion simulator, pivot {offset_m} m in front of its axis");
-    Ok(Road { name, sample_period_s: PERIOD_S, heave_m_s2, pitch_rate_rad_s, further: None })
+    Ok(Road {
+        name,
+        sample_period_s: PERIOD_S,
+        signals: Signals::stack([&heave_m_s2[..], &pitch_rate_rad_s]),
+    })
 }
 
 /// Checks what a motion simulator is given, without realising it: the sines of its pitch angle and its pivot's distance from the axis, m.
@@ -142,7 +145,7 @@ pub fn check_density(points: &[[f64; 2]]) -> Result<(), Error> {
 ///
 /// # Errors
 /// As [`check_density`].
-pub fn tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<MotionTone>, Error> {
+pub fn spectrum_tones(points: &[[f64; 2]], seed: u64, stream: u64) -> Result<Vec<MotionTone>, Error> {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return Ok(Vec::new()) };
     check_density(points)?;
     let mut source = ChaCha8Rng::seed_from_u64(seed);
@@ -242,22 +245,22 @@ mod tests {
 
     #[test]
     fn the_variance_is_the_integral_of_the_density() {
-        let tones = tones(&POINTS, 3, 0).unwrap();
+        let tones = spectrum_tones(&POINTS, 3, 0).unwrap();
         let variance: f64 = tones.iter().map(|t| 0.5 * t.amplitude * t.amplitude).sum();
         assert!((variance / power_in_band(&POINTS, 0.0, 100.0) - 1.0).abs() < 1e-9);
         // 1/f from 1 to e has the integral 1
         let e = std::f64::consts::E;
         assert!((power_in_band(&[[1.0, 1.0], [e, 1.0 / e]], 0.0, 9.0) - 1.0).abs() < 1e-12);
         let made = random_motion(&POINTS, &[], HOW).unwrap();
-        assert!((rms(&made.heave_m_s2).powi(2) / variance - 1.0).abs() < 0.1);
-        assert!(made.pitch_rate_rad_s.iter().all(|p| *p == 0.0));
+        assert!((rms(made.heave_m_s2()).powi(2) / variance - 1.0).abs() < 0.1);
+        assert!(made.pitch_rate_rad_s().iter().all(|p| *p == 0.0));
     }
 
     #[test]
     fn the_estimated_spectrum_is_the_given_one() {
         let made = random_motion(&POINTS, &[], HOW).unwrap();
         let options = WelchOptions { segment: 8192, confidence: 0.95 };
-        let found = welch(&made.heave_m_s2, &made.heave_m_s2, made.sample_period_s, options).unwrap();
+        let found = welch(made.heave_m_s2(), made.heave_m_s2(), made.sample_period_s, options).unwrap();
         for (low, high) in [(0.5, 1.0), (1.0, 2.0), (2.0, 4.0), (4.0, 8.0)] {
             let step = found.frequency_hz[1] - found.frequency_hz[0];
             let inside = |hz: f64| hz >= low && hz < high;
@@ -273,14 +276,14 @@ mod tests {
         let angle = [MotionTone { rate_rad_s: 9.0, amplitude: 0.03, phase_rad: 0.4 }];
         let how = MotionRealisation { duration_s: 6.0, fade_s: 1.0, seed: 1 };
         let made = pitch_simulator(&angle, 1.7, how).unwrap();
-        let rate = &made.pitch_rate_rad_s;
+        let rate = &made.pitch_rate_rad_s();
         // where the fade begins or ends its third derivative jumps, which a difference quotient sees
         let jumps = [1.0, 5.0].map(|t: f64| (t / PERIOD_S).round() as usize);
         for k in (1..rate.len() - 1).filter(|k| !jumps.contains(k)) {
             let slope = (rate[k + 1] - rate[k - 1]) / (2.0 * PERIOD_S);
-            assert!((made.heave_m_s2[k] - 1.7 * slope).abs() < 2e-4, "{k}");
+            assert!((made.heave_m_s2()[k] - 1.7 * slope).abs() < 2e-4, "{k}");
         }
-        assert_eq!((rate[0], made.heave_m_s2[0]), (0.0, 0.0));
+        assert_eq!((rate[0], made.heave_m_s2()[0]), (0.0, 0.0));
         let turned: f64 = rate.iter().map(|r| r * PERIOD_S).sum();
         assert!(turned.abs() < 1e-6, "it comes back to where it was: {turned}");
     }
@@ -291,8 +294,8 @@ mod tests {
             random_motion(&POINTS, &POINTS, MotionRealisation { seed, duration_s: 5.0, ..HOW }).unwrap()
         };
         assert_eq!(made(1), made(1));
-        assert_ne!(made(1).heave_m_s2, made(2).heave_m_s2);
-        assert_ne!(made(1).heave_m_s2, made(1).pitch_rate_rad_s);
+        assert_ne!(made(1).heave_m_s2(), made(2).heave_m_s2());
+        assert_ne!(made(1).heave_m_s2(), made(1).pitch_rate_rad_s());
         for bad in [
             vec![[1.0, 1.0]],
             vec![[2.0, 1.0], [1.0, 1.0]],

@@ -309,7 +309,7 @@ mod tests {
     use super::*;
     use crate::linear::plant::Resolver;
     use crate::robust::{Distribution, Varied, varied_parameters};
-    use crate::structured::places::places;
+    use crate::structured::places::parameter_places;
     use counterpoise_models::plant::{Angles, FrictionLinearisation};
 
     /// Hub gyroscope's reading over the control of the mechanism with the given factor, straight from its linearisation.
@@ -329,7 +329,7 @@ mod tests {
         let linear = body.linearise(&at, FrictionLinearisation::Viscous, Angles::Drop).unwrap();
         let slope = linear.system.B[(state::CURRENT, 0)] + linear.system.B[(state::VOLTAGE, 0)];
         let base = base(&body, slope, Resolver::Unread, [0.0; 2]);
-        let channels: Vec<UncertainChannel> = places(varied)
+        let channels: Vec<UncertainChannel> = parameter_places(varied)
             .iter()
             .flat_map(|place| channels_of(*place, &body, &base, &LinearisedDryFriction::default()))
             .map(|channel| UncertainChannel { channel, factor })

@@ -41,7 +41,7 @@ pub enum Place {
 }
 
 /// Returns the places of a parameter; `None` if it does not enter the loop.
-pub fn places(varied: Varied) -> &'static [Place] {
+pub fn parameter_places(varied: Varied) -> &'static [Place] {
     match varied {
         Varied::HubInertia => &[Place::HubInertia],
         Varied::BeamInertia => &[Place::BeamInertia],
@@ -95,7 +95,7 @@ pub enum Joints {
 
 /// Returns the presliding stiffness at motor and pivot, N m/rad: 0 for a law that creeps, that of a joint that is all but stuck for
 /// one that truly sticks.
-pub fn presliding(parameters: &Parameters) -> [f64; 2] {
+pub fn presliding_stiffness(parameters: &Parameters) -> [f64; 2] {
     let inertia = parameters.lumped.as_ref().map_or(0.0, |l| l.inertia_kg_m2());
     let (gear, ratio) = (joint_stiffness(parameters, inertia), parameters.gearbox.ratio);
     let joints = [(&parameters.motor_friction, gear / (ratio * ratio)), (&parameters.pivot_friction, gear)];

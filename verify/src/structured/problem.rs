@@ -7,7 +7,9 @@ use counterpoise_models::parameters::Parameters;
 use super::closing::{ClosedWith, GainErrors, close_perturbed_loop, outermost_pole};
 use super::factor::{Factor, Reach};
 use super::loops::{Uncertain, UncertainLoop};
-use super::places::{Joints, LinearisedDryFriction, Place, dry_as_viscous, places, presliding, without_dry};
+use super::places::{
+    Joints, LinearisedDryFriction, Place, dry_as_viscous, parameter_places, presliding_stiffness, without_dry,
+};
 use super::{Perturbation, PerturbationBlock, UpperBound, lower_bound, upper_bound, vertex_bound};
 use crate::robust::{Variation, Varied};
 use crate::tolerance::{
@@ -105,7 +107,7 @@ impl Scanned {
 }
 
 fn is_dry(varied: Varied) -> bool {
-    places(varied).iter().any(|place| matches!(place, Place::MotorDry | Place::PivotDry))
+    parameter_places(varied).iter().any(|place| matches!(place, Place::MotorDry | Place::PivotDry))
 }
 
 /// A direction of perturbation: where in its range each entering parameter is, and the phases of the errors of gain.
@@ -143,7 +145,10 @@ impl<'a> Problem<'a> {
             |one: &Variation| StatedRange { varied: one.parameter, factor: Factor::of(one.distribution) };
         let all: Vec<StatedRange> = uncertainty.variations.iter().map(range).collect();
         let moves = |one: &&StatedRange| one.factor.a != one.factor.b;
-        let of = |one: &StatedRange| Uncertain { factor: one.factor, places: places(one.varied).to_vec() };
+        let of = |one: &StatedRange| Uncertain {
+            factor: one.factor,
+            places: parameter_places(one.varied).to_vec(),
+        };
         let mut problem = Self {
             parameters,
             controller,
@@ -188,7 +193,7 @@ impl<'a> Problem<'a> {
         for (StatedRange { varied, factor }, delta) in self.entering.iter().zip(deltas) {
             let by = factor.at(scale * delta);
             if is_dry(*varied) {
-                let here = |place| if places(*varied).contains(&place) { by } else { 1.0 };
+                let here = |place| if parameter_places(*varied).contains(&place) { by } else { 1.0 };
                 dry = [dry[0] * here(Place::MotorDry), dry[1] * here(Place::PivotDry)];
             } else {
                 varied.scale(&mut parameters, by)?;
@@ -196,7 +201,7 @@ impl<'a> Problem<'a> {
         }
         let springs = match self.joints {
             Joints::Sliding | Joints::Frictionless => [0.0; 2],
-            Joints::AtRest => presliding(&parameters),
+            Joints::AtRest => presliding_stiffness(&parameters),
         };
         Ok((without_dry(&parameters, dry), LinearisedDryFriction { viscous: dry, springs }))
     }

@@ -82,7 +82,7 @@ impl<'a> Search<'a> {
     }
 
     /// M_c(x q); `None` if I - M_rr x Q is singular.
-    fn seen(&self, q: &[f64], x: f64) -> Option<CMat> {
+    fn vertex_response(&self, q: &[f64], x: f64) -> Option<CMat> {
         let (r, c) = (&self.real, &self.complex);
         if r.is_empty() {
             return Some(self.M.select(c, c));
@@ -98,7 +98,7 @@ impl<'a> Search<'a> {
 
     /// The largest spectral radius over the phases, with the phases that make the eigenvalue real and positive.
     fn radius(&self, q: &[f64], x: f64, nearness: f64) -> Option<(f64, Vec<C64>)> {
-        let S = self.seen(q, x)?;
+        let S = self.vertex_response(q, x)?;
         if S.nrows() == 1 {
             let value = S[(0, 0)];
             return Some((value.norm(), vec![(value / value.norm()).conj()]));

@@ -62,7 +62,7 @@ fn expected_lead(base: &Parameters, column: Column) -> f64 {
 
 /// Returns how late motor and resolver are if that cannot be the gyroscopes' own lag: late against them, or different from each
 /// other. The motor's gear twists, so that it leads or lags a little if the platform moves; then a larger offset is required.
-fn told(base: &Parameters, r: &Recording) -> Vec<(Column, Lateness)> {
+fn detect_lateness(base: &Parameters, r: &Recording) -> Vec<(Column, Lateness)> {
     let of = |column| {
         estimate_lateness(base, r, column)
             .filter(|lateness| lateness.doubt_s < MOST_OFFSET_DOUBT * SMALLEST_OFFSET_S)
@@ -96,7 +96,7 @@ pub(super) fn estimate_offsets(
     base: &Parameters,
     recordings: &[Recording],
 ) -> Vec<(usize, Column, Lateness)> {
-    let seen: Vec<Vec<(Column, Lateness)>> = recordings.iter().map(|r| told(base, r)).collect();
+    let seen: Vec<Vec<(Column, Lateness)>> = recordings.iter().map(|r| detect_lateness(base, r)).collect();
     let mut out = Vec::new();
     for column in [Column::MotorRate, Column::HubPosition] {
         let of = |r: usize| seen[r].iter().find(|(c, _)| *c == column).map(|(_, lateness)| *lateness);

@@ -37,7 +37,7 @@ pub(super) fn find_faults(
     // a sensor that is stated to be slower than the controller holds its readings as it should
     let stated = column.sensor(base).map_or(1, |one| one.samples_between_readings(period_s));
     let is_stated = |fault: &ColumnFault| fault.kind == FaultKind::Held { samples: stated };
-    match held(&runs).filter(|_| sensor) {
+    match detect_repeated_readings(&runs).filter(|_| sensor) {
         Some(fault) if is_stated(&fault) => return Vec::new(),
         Some(fault) => return vec![fault],
         None => {}
@@ -62,7 +62,7 @@ fn runs(series: &[f64]) -> Vec<Run> {
 }
 
 /// Detects readings that change only every so many samples: the first of each run is a reading, the others are not.
-fn held(runs: &[Run]) -> Option<ColumnFault> {
+fn detect_repeated_readings(runs: &[Run]) -> Option<ColumnFault> {
     let inner = runs.get(1..runs.len().saturating_sub(1)).filter(|inner| inner.len() >= FEWEST_RUNS)?;
     let mut lengths: Vec<usize> = inner.iter().map(|run| run.length).collect();
     lengths.sort_unstable();
@@ -165,7 +165,7 @@ mod tests {
         (0..count).map(one).collect()
     }
 
-    fn told(series: &[f64]) -> Vec<FaultKind> {
+    fn detect_kinds(series: &[f64]) -> Vec<FaultKind> {
         let rig = reference::rig();
         find_faults(Column::HubRate, series, &rig, 1e-3).iter().map(|s| s.kind.clone()).collect()
     }
@@ -188,8 +188,8 @@ mod tests {
 
     #[test]
     fn a_sound_reading_and_one_at_rest_have_nothing_wrong() {
-        assert!(told(&reading(5000)).is_empty());
-        assert!(told(&[0.0; 5000]).is_empty());
+        assert!(detect_kinds(&reading(5000)).is_empty());
+        assert!(detect_kinds(&[0.0; 5000]).is_empty());
     }
 
     #[test]
@@ -197,12 +197,12 @@ mod tests {
         let mut stuck = reading(5000);
         let value = stuck[4000];
         stuck[4000..].fill(value);
-        assert!(matches!(told(&stuck)[..], [FaultKind::Stuck { .. }]));
+        assert!(matches!(detect_kinds(&stuck)[..], [FaultKind::Stuck { .. }]));
         let clipped: Vec<f64> = reading(5000).iter().map(|v| v.clamp(-0.06, 0.06)).collect();
-        assert!(matches!(told(&clipped)[..], [FaultKind::Clipped { .. }]));
+        assert!(matches!(detect_kinds(&clipped)[..], [FaultKind::Clipped { .. }]));
         let sound = reading(5000);
         let held: Vec<f64> = (0..5000).map(|k| sound[k / 10 * 10]).collect();
-        assert!(matches!(told(&held)[..], [FaultKind::Held { .. }]));
+        assert!(matches!(detect_kinds(&held)[..], [FaultKind::Held { .. }]));
         let coarse: Vec<f64> = sound.iter().map(|v| (v / 4e-4).round() * 4e-4).collect();
         let rig = reference::rig();
         assert!(find_coarse_converter(Column::HubRate, &coarse, &rig).is_some());

@@ -44,7 +44,7 @@ impl Dmig {
 /// # Errors
 /// [`Error::Import`] with the line: a complex or rectangular matrix, an entry before its header, a field that cannot be
 /// read.
-pub fn dmig(text: &str) -> Result<Vec<Dmig>, Error> {
+pub fn read_dmig(text: &str) -> Result<Vec<Dmig>, Error> {
     let mut out: Vec<Dmig> = Vec::new();
     for card in cards(text) {
         let fields: Vec<&str> = card.fields.iter().map(String::as_str).collect();

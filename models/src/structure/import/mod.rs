@@ -1,7 +1,7 @@
 //! Structures from elsewhere: M, C and K as text, and which row belongs to which node.
 //!
 //! Readers take text and give matrices; nothing here opens a file. Matrix Market ([`matrix_market()`]) and OP4
-//! ([`op4()`]) hold plain matrices, whose rows the node map names; DMIG ([`dmig()`]) names its own.
+//! ([`read_op4()`]) hold plain matrices, whose rows the node map names; DMIG ([`read_dmig()`]) names its own.
 //! [`Imported::structure`] makes the [`FeModel`] that modal analysis and the plant take.
 
 pub mod dmig;
@@ -10,10 +10,10 @@ pub mod node_map;
 pub mod op4;
 mod text;
 
-pub use dmig::{Dmig, dmig};
+pub use dmig::{Dmig, read_dmig};
 pub use matrix_market::matrix_market;
 pub use node_map::{Dof, NodeMap};
-pub use op4::{Op4, op4};
+pub use op4::{Op4, read_op4};
 
 use super::fe::{FeModel, Fitted, NodeRows};
 use super::large::{Condensation, Shapes};

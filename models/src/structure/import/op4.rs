@@ -21,7 +21,7 @@ pub struct Op4 {
 ///
 /// # Errors
 /// [`Error::Import`] with the line: a complex matrix, an index outside, a number that cannot be read.
-pub fn op4(text: &str) -> Result<Vec<Op4>, Error> {
+pub fn read_op4(text: &str) -> Result<Vec<Op4>, Error> {
     let mut lines =
         text.lines().enumerate().map(|(i, line)| (i + 1, line)).filter(|(_, l)| !l.trim().is_empty());
     let mut out = Vec::new();

@@ -11,7 +11,7 @@ use crate::PipelineError;
 /// How the platform moves in a trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Motion {
+pub enum TrialMotion {
     /// Heave and pitch of the verification, at frequencies of which no window holds whole periods.
     Sines,
     /// The project's road; one of ISO 8608, class C at 8 m/s, without it.
@@ -23,7 +23,7 @@ pub enum Motion {
 /// What the load does, and what the estimate starts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Load {
+pub enum TrialLoad {
     /// The design's load, from the right value.
     Nominal,
     /// The design's load, from a value 30 % too low.
@@ -35,9 +35,10 @@ pub enum Load {
 }
 
 /// Every motion of the platform that is tried.
-pub(crate) const MOTIONS: [Motion; 3] = [Motion::Sines, Motion::Road, Motion::Multisine];
+pub(crate) const MOTIONS: [TrialMotion; 3] = [TrialMotion::Sines, TrialMotion::Road, TrialMotion::Multisine];
 /// Every load that is tried.
-pub(crate) const LOADS: [Load; 4] = [Load::Nominal, Load::WrongStart, Load::Sudden, Load::Slow];
+pub(crate) const LOADS: [TrialLoad; 4] =
+    [TrialLoad::Nominal, TrialLoad::WrongStart, TrialLoad::Sudden, TrialLoad::Slow];
 /// Change of the load, and error of a wrong starting value.
 pub(super) const CHANGE: f64 = 0.3;
 /// Length of a trial, s; its times are no whole number of any period.
@@ -60,17 +61,17 @@ const DETUNED: [f64; 2] = [0.887, 1.137];
 pub(super) fn platform_motion(
     procedure: &Procedure,
     gravity_m_s2: f64,
-    motion: Motion,
+    motion: TrialMotion,
 ) -> Result<PlatformMotion, PipelineError> {
     let sine = |sine: &counterpoise_verify::Sine, by: f64| {
         Signal::sine(sine.amplitude, by * std::f64::consts::TAU * sine.frequency_hz)
     };
     let (heave_m_s2, pitch_rate_rad_s) = match motion {
-        Motion::Sines => (sine(&procedure.heave, DETUNED[0]), sine(&procedure.pitch, DETUNED[1])),
-        Motion::Multisine => {
+        TrialMotion::Sines => (sine(&procedure.heave, DETUNED[0]), sine(&procedure.pitch, DETUNED[1])),
+        TrialMotion::Multisine => {
             (multisine(procedure.heave.amplitude, 0.31), multisine(procedure.pitch.amplitude, 0.37))
         }
-        Motion::Road => return road(procedure, gravity_m_s2),
+        TrialMotion::Road => return road(procedure, gravity_m_s2),
     };
     Ok(PlatformMotion { heave_m_s2, pitch_rate_rad_s, ..PlatformMotion::STILL })
 }
@@ -93,12 +94,12 @@ fn road(procedure: &Procedure, gravity_m_s2: f64) -> Result<PlatformMotion, Pipe
         values: values.iter().copied().cycle().take(count).collect(),
     };
     Ok(PlatformMotion {
-        heave_m_s2: again(&road.heave_m_s2),
-        pitch_rate_rad_s: again(&road.pitch_rate_rad_s),
-        further: road.further.as_ref().map(|further| FurtherMotion {
-            surge_m_s2: again(&further.surge_m_s2),
-            roll_rate_rad_s: again(&further.roll_rate_rad_s),
-            yaw_rate_rad_s: again(&further.yaw_rate_rad_s),
+        heave_m_s2: again(road.heave_m_s2()),
+        pitch_rate_rad_s: again(road.pitch_rate_rad_s()),
+        further: road.has_further_motion().then(|| FurtherMotion {
+            surge_m_s2: again(road.surge_m_s2()),
+            roll_rate_rad_s: again(road.roll_rate_rad_s()),
+            yaw_rate_rad_s: again(road.yaw_rate_rad_s()),
         }),
         ..PlatformMotion::STILL
     })
@@ -124,12 +125,12 @@ pub(super) struct Part {
 }
 
 /// Returns the parts of a run.
-pub(super) fn load_parts(load: Load) -> Vec<Part> {
+pub(super) fn load_parts(load: TrialLoad) -> Vec<Part> {
     let part = |from_s, to_s, factor| Part { from_s, to_s, factor };
     match load {
-        Load::Nominal | Load::WrongStart => vec![part(0.0, LENGTH_S, 1.0)],
-        Load::Sudden => vec![part(0.0, CHANGE_S, 1.0), part(CHANGE_S, LENGTH_S, 1.0 + CHANGE)],
-        Load::Slow => {
+        TrialLoad::Nominal | TrialLoad::WrongStart => vec![part(0.0, LENGTH_S, 1.0)],
+        TrialLoad::Sudden => vec![part(0.0, CHANGE_S, 1.0), part(CHANGE_S, LENGTH_S, 1.0 + CHANGE)],
+        TrialLoad::Slow => {
             let step_s = (SETTLED_S - CHANGE_S) / SLOW_STEPS as f64;
             let at = |k: usize| CHANGE_S + step_s * k as f64;
             let changed = |k: usize| {

@@ -2,14 +2,16 @@
 
 use counterpoise_controller::{Controller, Readings, Runner, SampledController};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::synthesis_options::{Adaptation, AdaptationMethod};
+use counterpoise_project::resolve::synthesis_options::{AdaptationMethod, AdaptationOptions};
 use counterpoise_simulate::{Imperfections, Initial, PlantState, PlatformMotion, Scenario, Simulator};
 use counterpoise_verify::Procedure;
 
-use super::excitation::{CHANGE, Load, MEASURED_S, Motion, load_parts, motion_from, platform_motion};
+use super::excitation::{
+    CHANGE, MEASURED_S, TrialLoad, TrialMotion, load_parts, motion_from, platform_motion,
+};
 use crate::synth::controller_blocks::estimator;
 use crate::synth::schedule::scale_imbalance;
-use crate::{Modelled, PipelineError};
+use crate::{PipelineError, PlantModel};
 
 /// What acts in a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,8 +23,8 @@ pub(crate) enum Acts {
 
 pub(crate) struct Stage<'a> {
     pub project: &'a Project,
-    pub adaptation: &'a Adaptation,
-    pub modelled: &'a Modelled,
+    pub adaptation: &'a AdaptationOptions,
+    pub modelled: &'a PlantModel,
     pub controller: &'a Controller,
     pub procedure: &'a Procedure,
 }
@@ -62,12 +64,12 @@ impl Stage<'_> {
     pub(crate) fn run(
         &self,
         platform: &PlatformMotion,
-        load: Load,
+        load: TrialLoad,
         acts: Acts,
     ) -> Result<TrialRun, PipelineError> {
         let mut watched = self.watched(acts)?;
         let design = self.modelled.plant.body().out_of_balance_kg_m;
-        if load == Load::WrongStart && acts != Acts::Told {
+        if load == TrialLoad::WrongStart && acts != Acts::Told {
             watched.runner.set_out_of_balance((1.0 - CHANGE) * design);
         }
         let mut state: Option<PlantState> = None;
@@ -89,8 +91,8 @@ impl Stage<'_> {
                 Err(counterpoise_simulate::Error::Diverged { .. }) => return Ok(TrialRun::default()),
                 other => other?,
             };
-            rates.extend(run.truth.hub_rate_rad_s);
-            angle = run.truth.platform_angle_rad.last().copied().unwrap_or(angle);
+            rates.extend(run.truth.hub_rate_rad_s());
+            angle = run.truth.platform_angle_rad().last().copied().unwrap_or(angle);
             state = Some(run.final_state);
         }
         let period_s = self.modelled.parameters.interface.sample_period_s;
@@ -102,7 +104,7 @@ impl Stage<'_> {
     fn watched(&self, acts: Acts) -> Result<MonitoredController, PipelineError> {
         let own = match acts {
             Acts::Adapts(method) => {
-                let adaptation = Adaptation { method, ..self.adaptation.clone() };
+                let adaptation = AdaptationOptions { method, ..self.adaptation.clone() };
                 let synth = self.project.synth.as_ref();
                 let observer = synth.and_then(|asked| asked.options.observer.as_ref());
                 Some(estimator(&adaptation, self.modelled, observer))
@@ -117,7 +119,7 @@ impl Stage<'_> {
     }
 
     /// Returns a motion of the platform for the whole trial.
-    pub(crate) fn platform(&self, motion: Motion) -> Result<PlatformMotion, PipelineError> {
+    pub(crate) fn platform(&self, motion: TrialMotion) -> Result<PlatformMotion, PipelineError> {
         platform_motion(self.procedure, self.modelled.parameters.gravity_m_s2, motion)
     }
 }

@@ -1,7 +1,7 @@
 //! What the reader does with each key: look it up, judge it, fill the field.
 
 use super::{Frame, List, NOTHING, Reader};
-use crate::diagnostic::{Problem, did_you_mean, is_control};
+use crate::diagnostic::{DiagnosticKind, did_you_mean, is_control};
 use crate::file::field::{Fallback, Field, Need, TableField};
 use crate::file::source::Remark;
 use crate::file::tree::{self, Entry, Lookup, Node, Value};
@@ -42,14 +42,16 @@ impl<'a> Visit for Reader<'a> {
             Value::Whole(whole) if field.limit.holds(*whole as f64) && u32::try_from(*whole).is_ok() => {
                 *value = *whole as u32
             }
-            Value::Whole(_) => self.refuse(&path, node, Problem::OutOfRange, field.limit.words(field.unit)),
-            Value::Number(_) => self.refuse(&path, node, Problem::WrongType, NOT_WHOLE.to_owned()),
+            Value::Whole(_) => {
+                self.refuse(&path, node, DiagnosticKind::OutOfRange, field.limit.words(field.unit))
+            }
+            Value::Number(_) => self.refuse(&path, node, DiagnosticKind::WrongType, NOT_WHOLE.to_owned()),
             Value::Text(_) if !field.unit.is_empty() => {
                 let Some(number) = self.number_at(&path, node, field) else { return };
                 if number.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&number) {
                     *value = number as u32;
                 } else {
-                    self.refuse(&path, node, Problem::WrongType, NOT_WHOLE.to_owned());
+                    self.refuse(&path, node, DiagnosticKind::WrongType, NOT_WHOLE.to_owned());
                 }
             }
             _ => self.wrong_type(&path, node, "a whole number"),
@@ -65,10 +67,10 @@ impl<'a> Visit for Reader<'a> {
         let path = self.path(field.key);
         match &node.value {
             Value::Text(text) if text.trim().is_empty() && field.default == Fallback::Required => {
-                self.refuse(&path, node, Problem::OutOfRange, "must not be empty".to_owned());
+                self.refuse(&path, node, DiagnosticKind::OutOfRange, "must not be empty".to_owned());
             }
             Value::Text(text) => match text_problem(text) {
-                Some(problem) => self.refuse(&path, node, Problem::OutOfRange, problem),
+                Some(problem) => self.refuse(&path, node, DiagnosticKind::OutOfRange, problem),
                 None => text.clone_into(value),
             },
             _ => self.wrong_type(&path, node, "a text in quotes"),
@@ -96,7 +98,7 @@ impl<'a> Visit for Reader<'a> {
             *value = name;
             return;
         }
-        let remark = Remark::new(Problem::OutOfRange, &path, format!("must be {one_of}"))
+        let remark = Remark::new(DiagnosticKind::OutOfRange, &path, format!("must be {one_of}"))
             .with_value(self.source.quote(&node.span));
         self.report(node.span.start, remark.hint(did_you_mean(text, allowed.iter().copied())));
         self.silence();
@@ -114,12 +116,17 @@ impl<'a> Visit for Reader<'a> {
                 self.refuse(
                     &path,
                     node,
-                    Problem::OutOfRange,
+                    DiagnosticKind::OutOfRange,
                     format!("must hold {n} numbers, not {}", items.len()),
                 );
             }
             Count::AtLeastOne if items.is_empty() => {
-                self.refuse(&path, node, Problem::OutOfRange, "must hold at least one number".to_owned());
+                self.refuse(
+                    &path,
+                    node,
+                    DiagnosticKind::OutOfRange,
+                    "must hold at least one number".to_owned(),
+                );
             }
             _ => {
                 *value = items
@@ -139,7 +146,9 @@ impl<'a> Visit for Reader<'a> {
         for (i, item) in items.iter().enumerate() {
             match &item.value {
                 Value::Text(text) => match text_problem(text) {
-                    Some(problem) => self.refuse(&format!("{path}[{i}]"), item, Problem::OutOfRange, problem),
+                    Some(problem) => {
+                        self.refuse(&format!("{path}[{i}]"), item, DiagnosticKind::OutOfRange, problem)
+                    }
                     None => value.push(text.clone()),
                 },
                 _ => self.wrong_type(&format!("{path}[{i}]"), item, "a text in quotes"),
@@ -258,8 +267,8 @@ impl<'a> Visit for Reader<'a> {
             .unwrap_or_else(|| path.clone());
         let told = self.findings.iter().any(|f| f.path == path || f.path.starts_with(&item));
         if !told {
-            let remark =
-                Remark::new(Problem::OutOfRange, &path, allowed).with_value(self.source.quote(&node.span));
+            let remark = Remark::new(DiagnosticKind::OutOfRange, &path, allowed)
+                .with_value(self.source.quote(&node.span));
             self.report(node.span.start, remark.hint(hint));
         }
     }

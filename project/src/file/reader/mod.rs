@@ -11,8 +11,8 @@ use super::field::{Fallback, Field};
 use super::source::{Remark, Source};
 use super::tree::{Entry, Node, Value};
 use super::visit::Visit;
-use crate::assumption::{Assumption, Tolerance};
-use crate::diagnostic::{Diagnostic, Problem, Severity, nearest};
+use crate::assumption::{Assumption, KeyTolerance};
+use crate::diagnostic::{Diagnostic, DiagnosticKind, Severity, nearest};
 
 /// A walk over the tree of a file.
 pub(crate) struct Reader<'a> {
@@ -24,7 +24,7 @@ pub(crate) struct Reader<'a> {
     /// Defaults that stand in for physical quantities.
     pub assumptions: Vec<Assumption>,
     /// Values that have tolerances.
-    pub tolerances: Vec<Tolerance>,
+    pub tolerances: Vec<KeyTolerance>,
     /// Units of the keys of quantities, by the bytes at which the quantities stand.
     pub units: BTreeMap<usize, &'static str>,
 }
@@ -115,7 +115,7 @@ impl<'a> Reader<'a> {
         let finding = self.source.diagnostic(
             Severity::Error,
             frame.start,
-            Remark::new(Problem::Missing, &path, allowed),
+            Remark::new(DiagnosticKind::Missing, &path, allowed),
         );
         frame.missing.push((key.to_owned(), finding));
     }
@@ -162,7 +162,7 @@ impl<'a> Reader<'a> {
         entry.map(|e| &e.node)
     }
 
-    fn refuse(&mut self, path: &str, node: &Node, problem: Problem, allowed: String) {
+    fn refuse(&mut self, path: &str, node: &Node, problem: DiagnosticKind, allowed: String) {
         let found = self.source.quote(&node.span);
         let remark = Remark::new(problem, path, allowed).with_value(found);
         self.report(node.span.start, remark);
@@ -172,8 +172,8 @@ impl<'a> Reader<'a> {
         let is = node.value.kind();
         let found =
             if matches!(node.value, Value::Table(_)) { is.to_owned() } else { self.source.quote(&node.span) };
-        let remark =
-            Remark::new(Problem::WrongType, path, format!("must be {wanted}, not {is}")).with_value(found);
+        let remark = Remark::new(DiagnosticKind::WrongType, path, format!("must be {wanted}, not {is}"))
+            .with_value(found);
         self.report(node.span.start, remark);
     }
 
@@ -189,7 +189,12 @@ impl<'a> Reader<'a> {
     fn pair_at(&mut self, path: &str, node: &'a Node, field: &Field) -> Option<[f64; 2]> {
         let items = self.items(path, node, "a pair of numbers, as in [0.5, 1.5]")?;
         let [first, second] = items else {
-            self.refuse(path, node, Problem::OutOfRange, format!("must hold 2 numbers, not {}", items.len()));
+            self.refuse(
+                path,
+                node,
+                DiagnosticKind::OutOfRange,
+                format!("must hold 2 numbers, not {}", items.len()),
+            );
             return None;
         };
         Some([self.number_at(path, first, field)?, self.number_at(path, second, &field.item(1))?])
@@ -199,7 +204,7 @@ impl<'a> Reader<'a> {
         match self.attachments.pairs(name) {
             Ok(pairs) => Some(pairs),
             Err(why) => {
-                self.refuse(path, node, Problem::UnknownName, why);
+                self.refuse(path, node, DiagnosticKind::UnknownName, why);
                 None
             }
         }
@@ -217,7 +222,7 @@ impl<'a> Reader<'a> {
         let allowed = format!("there is no such {what}{known}");
         let hint = near.as_ref().map(|name| format!("did you mean \"{name}\"?"));
         frame.missing.retain(|(key, _)| near.as_ref() != Some(key));
-        self.report(entry.key_span.start, Remark::new(Problem::UnknownKey, &path, allowed).hint(hint));
+        self.report(entry.key_span.start, Remark::new(DiagnosticKind::UnknownKey, &path, allowed).hint(hint));
     }
 }
 

@@ -1,8 +1,8 @@
 //! How the reader takes numbers: bare, with a unit, or with a tolerance; and what it notes of them.
 
 use super::Reader;
-use crate::assumption::{Assumption, Tolerance, ToleranceKind};
-use crate::diagnostic::Problem;
+use crate::assumption::{Assumption, KeyTolerance, ToleranceKind};
+use crate::diagnostic::DiagnosticKind;
 use crate::file::field::{Assumed, Fallback, Field, Limit, UnitHint, UsualRange};
 use crate::file::source::Remark;
 use crate::file::tree::{Entry, Node, Value};
@@ -30,7 +30,7 @@ impl<'a> Reader<'a> {
         for entry in entries.iter().filter(|entry| !["value", "tolerance"].contains(&entry.key.as_str())) {
             let path = format!("{path}.{}", entry.key);
             let allowed = "there is no such key; known here: value, tolerance";
-            self.report(entry.key_span.start, Remark::new(Problem::UnknownKey, &path, allowed));
+            self.report(entry.key_span.start, Remark::new(DiagnosticKind::UnknownKey, &path, allowed));
         }
         let Some(entry) = entries.iter().find(|entry| entry.key == "tolerance") else { return };
         let (path_of_it, node) = (format!("{path}.tolerance"), &entry.node);
@@ -43,10 +43,16 @@ impl<'a> Reader<'a> {
             let u = if field.unit.is_empty() { String::new() } else { format!(" {}", field.unit) };
             let what =
                 format!("reaches from {low} to {high}{u}, but {path} {}", field.limit.words(field.unit));
-            self.refuse(&path_of_it, node, Problem::Conflict, what);
+            self.refuse(&path_of_it, node, DiagnosticKind::Conflict, what);
             return;
         }
-        self.tolerances.push(Tolerance { key: path.to_owned(), value, half_width, unit: field.unit, kind });
+        self.tolerances.push(KeyTolerance {
+            key: path.to_owned(),
+            value,
+            half_width,
+            unit: field.unit,
+            kind,
+        });
     }
 
     /// Returns the half-width of a tolerance: relative if it is a pure number, else in the unit of the value.
@@ -74,20 +80,25 @@ impl<'a> Reader<'a> {
                 match absolute {
                     Ok(absolute) => (absolute, ToleranceKind::Absolute),
                     Err(error) => {
-                        self.refuse(path, node, Problem::WrongType, told(&error));
+                        self.refuse(path, node, DiagnosticKind::WrongType, told(&error));
                         return None;
                     }
                 }
             }
             (Err(error), _) => {
-                self.refuse(path, node, Problem::WrongType, error.to_string());
+                self.refuse(path, node, DiagnosticKind::WrongType, error.to_string());
                 return None;
             }
         };
         if half_width.is_finite() && half_width >= 0.0 {
             return Some((half_width, kind));
         }
-        self.refuse(path, node, Problem::OutOfRange, "must be a finite number that is at least 0".to_owned());
+        self.refuse(
+            path,
+            node,
+            DiagnosticKind::OutOfRange,
+            "must be a finite number that is at least 0".to_owned(),
+        );
         None
     }
 
@@ -108,7 +119,7 @@ impl<'a> Reader<'a> {
             } else {
                 format!("; it {}", field.limit.words(field.unit))
             };
-            self.refuse(path, node, Problem::NotFinite, format!("must be a finite number{range}"));
+            self.refuse(path, node, DiagnosticKind::NotFinite, format!("must be a finite number{range}"));
             return None;
         }
         if value != 0.0 && !NUMBER_SIZES.contains(&value.abs()) {
@@ -117,11 +128,11 @@ impl<'a> Reader<'a> {
                 NUMBER_SIZES.start(),
                 NUMBER_SIZES.end()
             );
-            self.refuse(path, node, Problem::OutOfRange, allowed);
+            self.refuse(path, node, DiagnosticKind::OutOfRange, allowed);
             return None;
         }
         if !field.limit.holds(value) {
-            self.refuse(path, node, Problem::OutOfRange, field.limit.words(field.unit));
+            self.refuse(path, node, DiagnosticKind::OutOfRange, field.limit.words(field.unit));
             return None;
         }
         Some(value)
@@ -133,7 +144,7 @@ impl<'a> Reader<'a> {
         match read_quantity(text, field.unit) {
             Ok(value) => Some(value),
             Err(error) => {
-                let remark = Remark::new(Problem::WrongType, path, error.to_string())
+                let remark = Remark::new(DiagnosticKind::WrongType, path, error.to_string())
                     .with_value(self.source.quote(&node.span))
                     .hint(meant_by_unit(text, field).or_else(|| error.hint()));
                 self.report(node.span.start, remark);

@@ -1,4 +1,14 @@
 //! Many independent jobs at once, on processors that the caller hands in.
+//!
+//! In come a [`Pool`] and a job with a number; out come the results in order. Results do not depend on how many processors there are.
+//!
+//! *Invariant*: nothing here starts a thread or knows what a job does. [`Serial`] is the calling thread; whoever owns processors hands in
+//! another pool.
+//!
+//! ```
+//! use counterpoise_pool::{Serial, map};
+//! assert_eq!(map(&Serial, 3, |k| 10 * k), [0, 10, 20]);
+//! ```
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
