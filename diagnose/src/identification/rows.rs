@@ -327,6 +327,58 @@ fn noise_variance(series: &[f64]) -> f64 {
     squares.sum::<f64>() / 6.0 / series.len().saturating_sub(2).max(1) as f64
 }
 
+/// What control and sensors have shown.
+struct Shown<'a> {
+    control: &'a [f64],
+    reading: &'a [f64],
+    platform: &'a [f64],
+}
+
+/// Rates of the hub on the platform and, where a sensor shows it, of the motor.
+struct JointRates {
+    relative: Vec<f64>,
+    motor: Option<Vec<f64>>,
+}
+
+/// Returns the rates from the reading of the loop's sensor and that of the motor's tachometer; `None` if the loop's sensor shows no motion and the
+/// motor has no tachometer.
+fn joint_rates(
+    shown: &Shown<'_>,
+    tachometer: Option<Vec<f64>>,
+    chain: &Chain,
+    p: &Parameters,
+) -> Option<JointRates> {
+    let Shown { control, reading, platform } = *shown;
+    let period_s = chain.period_s();
+    let with_tachometer = |relative| JointRates { relative, motor: tachometer.clone() };
+    let on_the_motor = |at_output: Vec<f64>| {
+        let motor: Vec<f64> = at_output.iter().map(|rate| p.gearbox.ratio * rate).collect();
+        let relative = match p.gearbox.is_rigid() {
+            true => at_output,
+            false => behind_the_gear(&motor, &chain.passed_torque(control, &motor, platform), period_s, p),
+        };
+        JointRates { relative, motor: Some(motor) }
+    };
+    Some(match p.sensors.measured {
+        FeedbackSignal::HubRate => {
+            with_tachometer(reading.iter().zip(platform).map(|(hub, base)| hub - base).collect())
+        }
+        FeedbackSignal::RelativeRate => with_tachometer(reading.to_vec()),
+        FeedbackSignal::HubPosition => with_tachometer(derivative(reading, period_s)),
+        FeedbackSignal::MotorRate => on_the_motor(reading.to_vec()),
+        FeedbackSignal::MotorPosition => on_the_motor(derivative(reading, period_s)),
+        // A torque and a current show no motion; the motor's tachometer does, and a torque how far the load stays behind.
+        FeedbackSignal::Torque => {
+            let motor = tachometer.as_ref()?;
+            with_tachometer(behind_the_gear(motor, reading, period_s, p))
+        }
+        FeedbackSignal::Current => {
+            let motor = tachometer.as_ref()?;
+            with_tachometer(motor.iter().map(|rate| rate / p.gearbox.ratio).collect())
+        }
+    })
+}
+
 fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Error> {
     let controlled = p.controlled_quantity();
     let missing = |channel| Error::NotIdentifiable { controlled, recording: r.name.clone(), channel };
@@ -355,35 +407,11 @@ fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Er
         heave.iter_mut().zip(pitching).for_each(|(reading, a)| *reading -= arm * a);
     }
     let tachometer = r.samples(Channel::MotorRate).zip(p.sensors.motor_tachometer.as_ref());
-    let mut motor =
+    let tachometer =
         tachometer.map(|(column, sensor)| chain.as_gyro(&chain.reading_of(sensor, &filled(column))));
-    let relative: Vec<f64> = match p.sensors.measured {
-        FeedbackSignal::HubRate => reading.iter().zip(&platform).map(|(h, p)| h - p).collect(),
-        FeedbackSignal::RelativeRate => reading.clone(),
-        FeedbackSignal::HubPosition => derivative(&reading, period_s),
-        FeedbackSignal::MotorRate | FeedbackSignal::MotorPosition => {
-            let at_output = match p.sensors.measured {
-                FeedbackSignal::MotorRate => reading.clone(),
-                _ => derivative(&reading, period_s),
-            };
-            let on_shaft: Vec<f64> = at_output.iter().map(|rate| p.gearbox.ratio * rate).collect();
-            let passed = (!p.gearbox.is_rigid()).then(|| chain.passed_torque(&control, &on_shaft, &platform));
-            motor = Some(on_shaft);
-            match passed {
-                Some(torque) => behind_the_gear(motor.as_deref().unwrap_or_default(), &torque, period_s, p),
-                None => at_output,
-            }
-        }
-        // A torque and a current show no motion; the motor's tachometer does, and a torque how far the load stays behind.
-        FeedbackSignal::Torque => {
-            let motor = motor.as_ref().ok_or_else(|| missing("motor_rate"))?;
-            behind_the_gear(motor, &reading, period_s, p)
-        }
-        FeedbackSignal::Current => {
-            let motor = motor.as_ref().ok_or_else(|| missing("motor_rate"))?;
-            motor.iter().map(|rate| rate / p.gearbox.ratio).collect()
-        }
-    };
+    let shown = Shown { control: &control, reading: &reading, platform: &platform };
+    let JointRates { relative, motor } =
+        joint_rates(&shown, tachometer, chain, p).ok_or_else(|| missing("motor_rate"))?;
     let measured = p.sensors.measured;
     let hub = match measured {
         FeedbackSignal::HubRate => reading.clone(),

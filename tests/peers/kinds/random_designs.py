@@ -7,7 +7,7 @@ A machine is drawn over seven decades of inertia: rotary or sliding; one inertia
 cable, harmonic drive or ball screw; a drive that takes a torque, a current or a voltage; with and without friction; encoder, resolver, tachometer or
 gyroscope, on the load or the motor; loop of rate, of position or a cascade.
 
-delays: readings are 1 to 20 samples late or held for 2 to 8, the drive by up to 2.5, the control by up to 3. Margins and largest sensitivity that the first
+delays: readings are 0.3 to 20 samples late or held for 2 to 8, the drive by up to 2.5, the control by up to 3. Margins and largest sensitivity that the first
 design states must be those of the verified linear loop, within 0.1 dB, half a degree and 2 %, and the loop must be stable in every regime.
 
 tolerances: inertias, stiffnesses, torque constant and resistance are known to 10 to 40 %. `sweep` varies them and searches the worst case: 99 % of 200 mechanisms must
@@ -94,7 +94,7 @@ def machine(seed):
 def with_delays(seed, text):
     r = random.Random(1000 + seed)
     period = float(re.search(r'sample_period = ([\d.e+-]+)', text).group(1))
-    late = f'delay = {r.choice([1, 2, 5, 10, 20]) * period:.6g}'
+    late = f'delay = {r.choice([0.3, 0.5, 1, 1.4, 2, 5.7, 10, 20]) * period:.6g}'
     held = f'sample_period = {r.choice([2, 4, 8]) * period:.6g}'
     text = re.sub(r'(sensors\.\w+ = \{ )', lambda found: found.group(1) + r.choice([late, held]) + ', ', text)
     if 'kind = "current"' in text and r.random() < 0.5:
