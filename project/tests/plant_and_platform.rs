@@ -32,6 +32,47 @@ fn said(document: &Document, files: &Attachments) -> Vec<String> {
     errors.iter().map(|error| error.to_string().split_once("error: ").unwrap().1.to_owned()).collect()
 }
 
+/// What a data sheet says of a sensor on the motor is said of the motor's shaft; the loop has its readings divided by the ratio.
+#[test]
+fn a_sensor_on_the_motor_is_in_the_terms_of_its_shaft() {
+    let rpm = std::f64::consts::TAU / 60.0;
+    let file = |load: &str, sensor: &str| {
+        format!(
+            "format = 2\n[plant]\n{load}\nmotor = {{ inertia = 3e-4 }}\ndrive = {{ limit = 2.0 }}\n\
+             sensors.{sensor}\ninterface = {{ sample_period = 1e-3 }}\n"
+        )
+    };
+    let turning = "inertia = 2.0\ngearbox = { ratio = 120.0 }";
+    let sliding = "axis = \"linear\"\nmass = 30.0\nball_screw = { lead = \"10 mm\" }";
+    let radian_m = std::f64::consts::TAU / 0.01;
+    for (load, ratio) in [(turning, 120.0), (sliding, radian_m)] {
+        let sensor =
+            "tachometer = { place = \"motor\", noise = \"2 rpm\", bias = \"0.5 rpm\", scale = 0.05 }";
+        let project = resolved(&Document::parse(&file(load, sensor), "sensor.toml"));
+        let found = &project.plant.sensors.hub_gyro;
+        for (value, expected) in [
+            (found.noise_rms, 2.0 * rpm / ratio),
+            (found.bias, 0.5 * rpm / ratio),
+            (found.scale_v_unit, 0.05 * ratio),
+        ] {
+            assert!((value / expected - 1.0).abs() < 1e-9, "{load}: {value}, not {expected}");
+        }
+        assert_eq!(again(&project).plant, project.plant, "{load}:\n{}", project.to_text());
+        assert_eq!(again(&again(&project)).plant, project.plant, "{load}");
+        let sensor = "resolver = { place = \"motor\", noise = \"1 mrad\" }";
+        let resolver = resolved(&Document::parse(&file(load, sensor), "sensor.toml")).plant.sensors.hub_gyro;
+        assert!((resolver.noise_rms * ratio / 1e-3 - 1.0).abs() < 1e-9, "{load}: {}", resolver.noise_rms);
+        // the motor's own tachometer beside a sensor of the load
+        let sensor = "motor_tachometer = { noise = \"3 rpm\" }";
+        let beside =
+            resolved(&Document::parse(&file(load, sensor), "sensor.toml")).plant.sensors.motor_tachometer;
+        assert!((beside.unwrap().noise_rms / (3.0 * rpm) - 1.0).abs() < 1e-9, "{load}");
+    }
+    let on_the_load = "tachometer = { noise = \"2 rpm\" }";
+    let project = resolved(&Document::parse(&file(turning, on_the_load), "sensor.toml"));
+    assert!((project.plant.sensors.hub_gyro.noise_rms / (2.0 * rpm) - 1.0).abs() < 1e-9);
+}
+
 /// A drive that takes a torque has its limit in N m whatever the motor's torque constant, and one that takes a current in A.
 #[test]
 fn a_limit_of_torque_is_one_whatever_the_torque_constant() {

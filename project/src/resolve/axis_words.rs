@@ -1,6 +1,6 @@
 //! The words and units of a linear axis: a walk whose fields have a mass for an inertia, N for N m and m for rad.
 
-use counterpoise_models::AxisKind;
+use counterpoise_models::{AxisKind, Parameters, Transmission};
 
 use crate::file::field::{Assumed, Field, TableField};
 use crate::file::visit::{Count, Presence, Visit};
@@ -87,6 +87,15 @@ impl<'a> Words<'a> {
     fn key(&self, key: &str) -> String {
         let known = KEYS.iter().find(|(turning, _)| *turning == key && self.axis == AxisKind::Linear);
         known.map_or_else(|| key.to_owned(), |(_, sliding)| (*sliding).to_owned())
+    }
+}
+
+/// Returns whether what drives turns or slides: a motor without a transmission has the hub's units, and the piston of a cylinder slides.
+pub(super) fn turning_of_motor(plant: &Parameters) -> AxisKind {
+    match (plant.cylinder.is_some(), plant.gearbox.kind) {
+        (true, _) => AxisKind::Linear,
+        (false, Transmission::Direct) => plant.axis,
+        (false, _) => AxisKind::Rotary,
     }
 }
 

@@ -2,9 +2,11 @@
 //!
 //! Without any, the loop has an ideal rate gyroscope.
 
-use counterpoise_models::{AxisKind, FeedbackSignal, Parameters, Sensor, Sensors};
+use counterpoise_models::{AxisKind, Drift, FeedbackSignal, Parameters, Sensor, Sensors};
 use std::f64::consts::TAU;
 
+use super::axis_words::{Words, turning_of_motor};
+use super::digits::shortest_that_gives;
 use super::sensor::{IDEAL_SCALE, gyroscope, sensor};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
 use crate::file::visit::{NamedChoice, Presence, Visit, choose};
@@ -44,32 +46,32 @@ impl NamedChoice for Place {
 
 const PLACE: Field = Field::new(
     "place",
-    "where it sits: on the load, or on the motor's shaft, whose readings are divided by the ratio",
+    "where it sits: on the load, or on the motor's shaft, in whose terms noise, bias and scale then are; the controller divides its readings by the ratio",
 )
 .or_text("load");
 
 /// Reads or lists the loop's sensor.
 pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
-    let measured = plant.sensors.measured;
+    let (axis, measured) = (plant.axis, plant.sensors.measured);
     let digital = plant.sensors.hub_gyro.resolution > 0.0;
     let mut found = 0;
     let gyro = TableField::optional("hub_gyro", "inertial rate of the hub");
-    if v.enter(
+    if Words::of(axis, v).enter(
         &gyro,
         Presence::from(measured == FeedbackSignal::HubRate && plant.sensors.hub_gyro != UNKNOWN),
     ) {
-        gyroscope(v, &mut plant.sensors.hub_gyro);
+        gyroscope(&mut Words::of(axis, v), &mut plant.sensors.hub_gyro);
         found += measures(plant, FeedbackSignal::HubRate, found);
         v.leave();
     }
     let rate = matches!(measured, FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate);
-    if v.enter(
+    if Words::of(axis, v).enter(
         &TableField::optional("tachometer", "rate relative to the platform, which the loop controls"),
         Presence::from(rate),
     ) {
         let mut place = if measured == FeedbackSignal::MotorRate { Place::Motor } else { Place::Load };
         choose(v, &PLACE, &mut place);
-        sensor(v, &mut plant.sensors.hub_gyro, "rad/s");
+        placed_sensor(v, plant, place, "rad/s");
         let rates = [FeedbackSignal::RelativeRate, FeedbackSignal::MotorRate];
         found += measures(plant, rates[usize::from(place == Place::Motor)], found);
         v.leave();
@@ -79,7 +81,7 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
         ("encoder", "angle relative to the platform in counts, which the loop controls", position && digital),
         ("resolver", "angle relative to the platform, which the loop controls", position && !digital),
     ] {
-        if !v.enter(&TableField::optional(key, meaning), Presence::from(there)) {
+        if !Words::of(axis, v).enter(&TableField::optional(key, meaning), Presence::from(there)) {
             continue;
         }
         let mut place = if measured == FeedbackSignal::MotorPosition { Place::Motor } else { Place::Load };
@@ -93,19 +95,51 @@ pub(super) fn loop_sensor(v: &mut dyn Visit, plant: &mut Parameters) {
         if key == "encoder" {
             resolution(v, plant, place);
         }
-        sensor(v, &mut plant.sensors.hub_gyro, "rad");
+        placed_sensor(v, plant, place, "rad");
         let positions = [FeedbackSignal::HubPosition, FeedbackSignal::MotorPosition];
         found += measures(plant, positions[usize::from(place == Place::Motor)], found);
         v.leave();
     }
-    found += efforts(v, plant, found);
-    not_alone(v);
+    found += efforts(&mut Words::of(axis, v), plant, found);
+    not_alone(&mut Words::of(axis, v));
     if found > 1 {
         v.complain(
             "",
             "must have one sensor of the loop: hub_gyro, tachometer, encoder, resolver, torque or current",
             Some("remove all of these but one; other sensors of the machine are motor_tachometer, hub_resolver and those of the platform".to_owned()),
         );
+    }
+}
+
+/// Reads or lists a sensor in the terms of what it sits on.
+fn placed_sensor(v: &mut dyn Visit, plant: &mut Parameters, place: Place, unit: &'static str) {
+    let (axis, ratio) = (plant.axis, plant.gearbox.ratio);
+    if place == Place::Load || ratio == 1.0 {
+        return sensor(&mut Words::of(axis, v), &mut plant.sensors.hub_gyro, unit);
+    }
+    let at_load = &plant.sensors.hub_gyro;
+    let of_shaft = |value: f64| shortest_that_gives(value, value * ratio, |own| own / ratio);
+    let mut own = in_terms_of(at_load, of_shaft);
+    let scale_v_unit = at_load.scale_v_unit;
+    own.scale_v_unit = shortest_that_gives(scale_v_unit, scale_v_unit / ratio, |own| own * ratio);
+    sensor(&mut Words::of(turning_of_motor(plant), v), &mut own, unit);
+    let scale_v_unit = own.scale_v_unit * ratio;
+    plant.sensors.hub_gyro = Sensor { scale_v_unit, ..in_terms_of(&own, |value| value / ratio) };
+}
+
+/// Returns a sensor with everything that is in the unit of its reading in other terms.
+fn in_terms_of(sensor: &Sensor, terms: impl Fn(f64) -> f64) -> Sensor {
+    let drift = Drift {
+        angle_random_walk: terms(sensor.drift.angle_random_walk),
+        bias_instability: terms(sensor.drift.bias_instability),
+        rate_random_walk: terms(sensor.drift.rate_random_walk),
+    };
+    Sensor {
+        noise_rms: terms(sensor.noise_rms),
+        bias: terms(sensor.bias),
+        g_sensitivity: terms(sensor.g_sensitivity),
+        drift,
+        ..sensor.clone()
     }
 }
 

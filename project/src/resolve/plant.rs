@@ -5,7 +5,7 @@ use counterpoise_models::{
     Interface, Loads, Lumped, Motor, Parameters, Ripple, Sensor, Sensors, Transmission,
 };
 
-use super::axis_words::Words;
+use super::axis_words::{Words, turning_of_motor};
 use super::free_functions::learned_functions;
 use super::friction::{friction, ripple};
 use super::sensor::{accelerometer, gyroscope, sensor};
@@ -105,7 +105,7 @@ pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
     loads::drive_limits(&mut Words::of(rotor, v), plant);
     frictions(v, plant);
     loads::loads(&mut Words::of(axis, v), plant);
-    sensors(&mut Words::of(axis, v), plant);
+    sensors(v, plant);
     drive::without_its_delay(plant);
     table(
         v,
@@ -142,15 +142,6 @@ fn motor_and_drive(v: &mut dyn Visit, plant: &mut Parameters) {
     let rotor = if is_turning { AxisKind::Rotary } else { turning_of_motor(plant) };
     motor_section(&mut Words::of(rotor, v), &mut plant.motor);
     drive::drive(&mut Words::of(rotor, v), plant);
-}
-
-/// Returns whether what drives turns or slides: a motor without a transmission has the hub's units, and the piston of a cylinder slides.
-fn turning_of_motor(plant: &Parameters) -> AxisKind {
-    match (plant.cylinder.is_some(), plant.gearbox.kind) {
-        (true, _) => AxisKind::Linear,
-        (false, Transmission::Direct) => plant.axis,
-        (false, _) => AxisKind::Rotary,
-    }
 }
 
 impl NamedChoice for AccelerometerAxis {
@@ -288,8 +279,24 @@ fn sensors(v: &mut dyn Visit, plant: &mut Parameters) {
         return;
     }
     loop_sensor::loop_sensor(v, plant);
-    let rotor = turning_of_motor(plant);
+    let (axis, rotor) = (plant.axis, turning_of_motor(plant));
     let sensors = &mut plant.sensors;
+    sensors_of_base(&mut Words::of(axis, v), sensors);
+    let tachometer = TableField::optional("motor_tachometer", "rate of the motor on the platform");
+    let of_motor = |v: &mut dyn Visit, s: &mut Sensor| sensor(&mut Words::of(rotor, v), s, "rad/s");
+    optional(v, &tachometer, &mut sensors.motor_tachometer, Sensor::IDEAL, of_motor);
+    let v = &mut Words::of(axis, v);
+    let resolver = TableField::optional("hub_resolver", "angle of the hub on the platform");
+    optional(v, &resolver, &mut sensors.hub_resolver, Sensor::IDEAL, |v, s| sensor(v, s, "rad"));
+    let surge =
+        "surge, gravity removed: the controller projects heave and surge across the beam by the hub's angle";
+    let surge = TableField::optional("surge_accelerometer", surge);
+    optional(v, &surge, &mut sensors.surge_accelerometer, Sensor::IDEAL, accelerometer);
+    v.leave();
+}
+
+/// Reads or lists the gyroscope of the platform and the accelerometer of its heave.
+fn sensors_of_base(v: &mut dyn Visit, sensors: &mut Sensors) {
     let gyro = TableField::optional("platform_gyro", "rate of the platform");
     fitted(v, &gyro, &mut sensors.platform_gyro, gyroscope);
     let section = TableField::optional("platform_accelerometer", "heave, gravity removed");
@@ -308,16 +315,6 @@ fn sensors(v: &mut dyn Visit, plant: &mut Parameters) {
     } else {
         sensors.platform_accelerometer = Sensor::ABSENT;
     }
-    let tachometer = TableField::optional("motor_tachometer", "rate of the motor on the platform");
-    let of_motor = |v: &mut dyn Visit, s: &mut Sensor| sensor(&mut Words::of(rotor, v), s, "rad/s");
-    optional(v, &tachometer, &mut sensors.motor_tachometer, Sensor::IDEAL, of_motor);
-    let resolver = TableField::optional("hub_resolver", "angle of the hub on the platform");
-    optional(v, &resolver, &mut sensors.hub_resolver, Sensor::IDEAL, |v, s| sensor(v, s, "rad"));
-    let surge =
-        "surge, gravity removed: the controller projects heave and surge across the beam by the hub's angle";
-    let surge = TableField::optional("surge_accelerometer", surge);
-    optional(v, &surge, &mut sensors.surge_accelerometer, Sensor::IDEAL, accelerometer);
-    v.leave();
 }
 
 /// A sensor whose absence means that none is fitted.
