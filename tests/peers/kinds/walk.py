@@ -323,6 +323,8 @@ class Walk:
         machine = Machine(sheet, chain)
         if counts:
             resolution = 2 * math.pi / counts / (machine.ratio if machine.of_motor else 1.0)
+        if machine.of_motor:
+            noise /= machine.ratio
         if not resolution and not noise:
             noise = 1e-3 * step
         code = controller(self.folder / "out")
