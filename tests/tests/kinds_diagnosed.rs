@@ -84,7 +84,7 @@ const KINDS: [Kind; 22] = [
             plant.motor = { inertia = 2e-3, torque_constant = 0.3 }
             plant.drive = { kind = \"current\", limit = 12.0, bandwidth = \"300 Hz\" }
             plant.friction.pivot = { model = \"dahl\", coulomb = 4.0, rest_stiffness = 2e4, viscous = 2.0 }
-            plant.sensors.tachometer = { place = \"motor\", noise = \"0.1 deg/s\" }
+            plant.sensors.tachometer = { place = \"motor\", noise = \"3 deg/s\" }
             plant.interface = { sample_period = 1e-3, output_bits = 16 }",
         conceals: |p| p.pivot_friction.law.scale_coulomb(1.5),
         // a hysteresis of 2 N m over the angle beside a friction of 4 N m is a friction of 6 N m: the recordings cannot tell
