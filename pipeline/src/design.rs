@@ -136,9 +136,9 @@ pub struct SynthesisStudy {
 pub fn run_stages(project: &Project, world: &dyn World) -> Result<DesignStages, PipelineError> {
     let made = SampledDesign::of(project, world)?;
     let (verified, stability) = run_observed(world, PipelineStage::Verify, || {
-        join(world.pool(), || made.verified(project), || made.certificate(project))
+        join(world.pool(), || made.verify(project), || made.certify(project))
     });
-    made.exported(project, world, verified?, stability?)
+    made.export(project, world, verified?, stability?)
 }
 
 /// What the stages up to the sampled controller made, and what its verification will do to the mechanism.
@@ -159,26 +159,26 @@ impl SampledDesign {
         Ok(Self { modelled, reduced, synthesised, procedure })
     }
 
-    fn verified(&self, project: &Project) -> Result<VerifiedController, PipelineError> {
+    fn verify(&self, project: &Project) -> Result<VerifiedController, PipelineError> {
         verify_on(project, &self.modelled.plant, &self.synthesised, &self.procedure)
     }
 
-    fn certificate(&self, project: &Project) -> Result<StabilityCertificate, PipelineError> {
+    fn certify(&self, project: &Project) -> Result<StabilityCertificate, PipelineError> {
         studies::certificate::certify_controller(project, &self.modelled, &self.synthesised, &self.procedure)
     }
 
     /// Verifies and certifies the controller, runs it in every kind of numbers and compares it with other designs, side by side on the
     /// processors at hand.
-    fn studied(&self, project: &Project, pool: &dyn Pool) -> Result<StudiedDesign, PipelineError> {
+    fn study(&self, project: &Project, pool: &dyn Pool) -> Result<StudiedDesign, PipelineError> {
         let verified = || {
-            let verified = self.verified(project)?;
+            let verified = self.verify(project)?;
             let (targets, loop_view) =
-                join(pool, || self.studied_targets(&verified, pool), || loop_view(verified.verification()));
+                join(pool, || self.study_target_runs(&verified, pool), || loop_view(verified.verification()));
             Ok::<_, PipelineError>((targets?, loop_view?, verified))
         };
         let beside = || {
             let compare = || compare_designs(project, &self.modelled, &self.synthesised);
-            join(pool, || self.certificate(project), compare)
+            join(pool, || self.certify(project), compare)
         };
         let (verified, (stability, comparison)) = join(pool, verified, beside);
         let (targets, loop_view, verified) = verified?;
@@ -186,7 +186,7 @@ impl SampledDesign {
     }
 
     /// Runs the controller in every kind of numbers.
-    fn studied_targets(
+    fn study_target_runs(
         &self,
         verified: &VerifiedController,
         pool: &dyn Pool,
@@ -202,7 +202,7 @@ impl SampledDesign {
     }
 
     /// Writes the code.
-    fn exported(
+    fn export(
         self,
         project: &Project,
         world: &dyn World,
@@ -251,9 +251,9 @@ pub fn design(project: &Project, world: &dyn World) -> Result<CompletedDesign, P
     let DecidedProject { project, first, .. } = choose_and_tune(project, world)?;
     let project = &project;
     let made = SampledDesign::of(project, world)?;
-    let studied = run_observed(world, PipelineStage::Verify, || made.studied(project, world.pool()))?;
+    let studied = run_observed(world, PipelineStage::Verify, || made.study(project, world.pool()))?;
     let StudiedDesign { verified, stability, targets, comparison, loop_view } = studied;
-    let stages = made.exported(project, world, verified, stability)?;
+    let stages = made.export(project, world, verified, stability)?;
     Ok(CompletedDesign {
         identity: ProjectIdentity::of(project, world),
         weights: project.synth.as_ref().map(describe_weights).unwrap_or_default(),

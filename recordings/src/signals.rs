@@ -116,10 +116,10 @@ impl<C: ColumnName> Signals<C> {
         self.samples = self.samples.min(samples);
     }
 
-    /// Returns the signals from a sample on.
+    /// Returns the signals from a sample on; none from beyond the last.
     #[must_use]
     pub fn from_sample(&self, first: usize) -> Self {
-        let later = self.values.slice(s![first..self.samples, ..]);
+        let later = self.values.slice(s![first.min(self.samples)..self.samples, ..]);
         let mut values = Array2::zeros(later.raw_dim().f());
         values.assign(&later);
         Self { samples: values.nrows(), values, names: PhantomData }

@@ -186,7 +186,7 @@ impl ReadingColumns {
         column_of(channel).map_or(&[], |column| self.signals.column(column))
     }
 
-    /// Returns the samples of a channel, to be changed; there are none where [`Self::channel`] has none.
+    /// Returns the samples of a channel, to be changed; an empty slice for a channel that no simulated instrument reads.
     pub(crate) fn channel_mut(&mut self, channel: Channel) -> &mut [f64] {
         column_of(channel).map_or(&mut [], |column| self.signals.column_mut(column))
     }

@@ -147,13 +147,11 @@ impl Maker<'_> {
     fn torque(&self, chain: &Chain, kernel: &Kernel, c: &Channels, motor: &[f64]) -> Vec<f64> {
         let p = self.p;
         let ratio = p.gearbox.ratio;
-        let drive = self.drive_v(c);
-        let (driven, braked) = (chain.current_of_drive(&drive), chain.current_of_rate(motor));
+        let driven = chain.current_of_drive(&chain.drive_of_control(&c.control));
+        let braked = chain.current_of_rate(motor);
         let gain = ratio * p.motor.torque_constant_nm_a;
         let current = kernel.smooth(&sum(&driven, &braked, gain));
-        let platform = c.platform.iter().map(|w| p.motor.platform_coupling * w);
-        let rotor: Vec<f64> = motor.iter().zip(platform).map(|(m, w)| m + w).collect();
-        let rotor = kernel.slope(&rotor);
+        let rotor = kernel.slope(&chain.rotor_rate(motor, &c.platform));
         let known = kernel.smooth(&self.known_torque(chain, c));
         let inertia = ratio * p.motor.inertia_kg_m2;
         (0..current.len()).map(|k| current[k] - inertia * rotor[k] - known[k]).collect()
@@ -167,15 +165,10 @@ impl Maker<'_> {
         [square * back, square * p.motor.inertia_kg_m2]
     }
 
-    /// The voltage that the amplifier's map makes of the control.
-    fn drive_v(&self, c: &Channels) -> Vec<f64> {
-        c.control.iter().map(|u| self.p.amplifier.drive_v(*u, &self.p.motor)).collect()
-    }
-
     /// The motor's rate where no sensor shows it: the joint's, and the twist of the gear under the control's torque.
     fn motor_behind_gear(&self, chain: &Chain, c: &Channels) -> Vec<f64> {
         let (direction, _) = self.directions(&c.relative, chain.period_s());
-        chain.motor_rate(&self.drive_v(c), &c.relative, &direction)
+        chain.motor_rate(&chain.drive_of_control(&c.control), &c.relative, &direction)
     }
 
     /// The rate that viscous friction acts on: the motor's and the hub's, each by its part of it.
@@ -327,8 +320,8 @@ fn noise_variance(series: &[f64]) -> f64 {
     squares.sum::<f64>() / 6.0 / series.len().saturating_sub(2).max(1) as f64
 }
 
-/// What control and sensors have shown.
-struct Shown<'a> {
+/// Control, reading of the loop's sensor and rate of the platform.
+struct LoopSignals<'a> {
     control: &'a [f64],
     reading: &'a [f64],
     platform: &'a [f64],
@@ -343,12 +336,12 @@ struct JointRates {
 /// Returns the rates from the reading of the loop's sensor and that of the motor's tachometer; `None` if the loop's sensor shows no motion and the
 /// motor has no tachometer.
 fn joint_rates(
-    shown: &Shown<'_>,
+    signals: &LoopSignals<'_>,
     tachometer: Option<Vec<f64>>,
     chain: &Chain,
     p: &Parameters,
 ) -> Option<JointRates> {
-    let Shown { control, reading, platform } = *shown;
+    let LoopSignals { control, reading, platform } = *signals;
     let period_s = chain.period_s();
     let with_tachometer = |relative| JointRates { relative, motor: tachometer.clone() };
     let on_the_motor = |at_output: Vec<f64>| {
@@ -409,9 +402,9 @@ fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Er
     let tachometer = r.samples(Channel::MotorRate).zip(p.sensors.motor_tachometer.as_ref());
     let tachometer =
         tachometer.map(|(column, sensor)| chain.as_gyro(&chain.reading_of(sensor, &filled(column))));
-    let shown = Shown { control: &control, reading: &reading, platform: &platform };
+    let signals = LoopSignals { control: &control, reading: &reading, platform: &platform };
     let JointRates { relative, motor } =
-        joint_rates(&shown, tachometer, chain, p).ok_or_else(|| missing("motor_rate"))?;
+        joint_rates(&signals, tachometer, chain, p).ok_or_else(|| missing("motor_rate"))?;
     let measured = p.sensors.measured;
     let hub = match measured {
         FeedbackSignal::HubRate => reading.clone(),

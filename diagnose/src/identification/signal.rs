@@ -135,16 +135,16 @@ impl Filter {
 
     fn run(&self, input: &[f64], between: Between) -> Vec<f64> {
         let mut x = self.start.scale(input.first().copied().unwrap_or(0.0));
-        let mut shown_before = self.shown(&x);
+        let mut shown_before = self.output_of(&x);
         let mut out = Vec::with_capacity(input.len());
         for (k, u) in input.iter().enumerate() {
             let (before, shown) = match between {
-                Between::Straight => (*u, self.shown(&x)),
+                Between::Straight => (*u, self.output_of(&x)),
                 Between::Held => {
-                    let after = self.shown(&self.after_half(&self.half_mean, &x, *u));
+                    let after = self.output_of(&self.apply_half_period(&self.half_mean, &x, *u));
                     let shown = 0.5 * (shown_before + after);
-                    let middle = self.after_half(&self.half, &x, *u);
-                    shown_before = self.shown(&self.after_half(&self.half_mean, &middle, *u));
+                    let middle = self.apply_half_period(&self.half, &x, *u);
+                    shown_before = self.output_of(&self.apply_half_period(&self.half_mean, &middle, *u));
                     (input[k.saturating_sub(1)], shown)
                 }
             };
@@ -156,12 +156,13 @@ impl Filter {
         out
     }
 
-    fn shown(&self, x: &Mat) -> f64 {
+    /// Returns the output of a state, without what the input adds to it.
+    fn output_of(&self, x: &Mat) -> f64 {
         self.output.iter().enumerate().map(|(i, c)| c * x[(i, 0)]).sum()
     }
 
     /// Returns what a map of half a period makes of a state and a held input.
-    fn after_half(&self, map: &Mat, x: &Mat, u: f64) -> Mat {
+    fn apply_half_period(&self, map: &Mat, x: &Mat, u: f64) -> Mat {
         let n = x.nrows();
         let of = |i: usize| (0..n).map(|j| map[(i, j)] * x[(j, 0)]).sum::<f64>() + map[(i, n)] * u;
         Mat::from_fn(n, 1, |i, _| of(i))
@@ -278,13 +279,13 @@ pub struct Chain<'a> {
 impl<'a> Chain<'a> {
     /// Returns the chain of a mechanism at a sample period, s.
     pub fn new(p: &'a Parameters, period_s: f64) -> Self {
-        let late = lateness(&p.sensors.hub_gyro, period_s);
+        let late = p.sensors.hub_gyro.mean_delay_samples(period_s);
         Self { p, period_s, delay: p.interface.output_delay_samples, late }
     }
 
     /// Returns what a sensor has shown without its scale and bias, as late as the loop's own sensor shows it.
     pub fn reading_of(&self, sensor: &Sensor, series: &[f64]) -> Vec<f64> {
-        let moved = shifted(series, self.late - lateness(sensor, self.period_s));
+        let moved = shift_later(series, self.late - sensor.mean_delay_samples(self.period_s));
         if !sensor.is_fitted() {
             return moved;
         }
@@ -298,7 +299,7 @@ impl<'a> Chain<'a> {
 
     /// Returns a signal that is not late as late as the loop's sensor shows it.
     pub fn as_late(&self, series: &[f64]) -> Vec<f64> {
-        shifted(series, self.late)
+        shift_later(series, self.late)
     }
 
     /// Returns a signal that is as late as the loop's sensor with that sensor's lag too: w^2 / (s^2 + 2 z w s + w^2).
@@ -345,7 +346,7 @@ impl<'a> Chain<'a> {
         };
         let filter = Filter::new(&system, self.period_s);
         let made = filter.map_or_else(|| vec![0.0; late.len()], |filter| filter.run(&late, Between::Held));
-        shifted(&made, self.late.fract())
+        shift_later(&made, self.late.fract())
     }
 
     /// The drive as the amplifier gets it, held back by the controller, as late as the loop's sensor shows it, in whole samples.
@@ -386,7 +387,7 @@ impl<'a> Chain<'a> {
         let (Some(driven), Some(turned), Some(braked)) = (driven, turned, braked) else {
             return joint_rate.iter().map(|w| ratio * w).collect();
         };
-        let forced = shifted(&driven.run(&self.late(drive_v), Between::Held), self.late.fract());
+        let forced = shift_later(&driven.run(&self.late(drive_v), Between::Held), self.late.fract());
         let dry = braked.run(direction, Between::Held);
         let forced: Vec<f64> = forced.iter().zip(&dry).map(|(a, b)| a + b).collect();
         let led = turned.run(joint_rate, Between::Straight);
@@ -413,6 +414,17 @@ impl<'a> Chain<'a> {
         A
     }
 
+    /// Returns the voltage that the amplifier's map makes of the control, V.
+    pub fn drive_of_control(&self, control_v: &[f64]) -> Vec<f64> {
+        control_v.iter().map(|u| self.p.amplifier.drive_v(*u, &self.p.motor)).collect()
+    }
+
+    /// Returns the rate that the rotor's inertia feels, w_m + s w_p, rad/s.
+    pub fn rotor_rate(&self, motor: &[f64], platform: &[f64]) -> Vec<f64> {
+        let coupling = self.p.motor.platform_coupling;
+        motor.iter().zip(platform).map(|(motor, base)| motor + coupling * base).collect()
+    }
+
     /// Returns the torque that the transmission passes to the hub, N m, from the control (V) and the rates of motor and platform (rad/s) as
     /// the loop's sensor shows them:
     ///
@@ -421,11 +433,9 @@ impl<'a> Chain<'a> {
     /// ```
     pub fn passed_torque(&self, control_v: &[f64], motor: &[f64], platform: &[f64]) -> Vec<f64> {
         let (p, friction) = (self.p, &self.p.motor_friction);
-        let drive: Vec<f64> = control_v.iter().map(|u| p.amplifier.drive_v(*u, &p.motor)).collect();
-        let (driven, braked) = (self.current_of_drive(&drive), self.current_of_rate(motor));
-        let rotor: Vec<f64> =
-            motor.iter().zip(platform).map(|(m, w)| m + p.motor.platform_coupling * w).collect();
-        let accelerations = derivative(&rotor, self.period_s);
+        let driven = self.current_of_drive(&self.drive_of_control(control_v));
+        let braked = self.current_of_rate(motor);
+        let accelerations = derivative(&self.rotor_rate(motor, platform), self.period_s);
         let (dry_nm, viscous) = (friction.coulomb_nm(), friction.viscous_nm_s_rad);
         let at = |k: usize| {
             let made = p.motor.torque_constant_nm_a * (driven[k] + braked[k]);
@@ -455,13 +465,8 @@ impl<'a> Chain<'a> {
     }
 }
 
-/// Samples by which the readings of a sensor are late, on the average.
-fn lateness(sensor: &Sensor, period_s: f64) -> f64 {
-    sensor.delay_s / period_s + sensor.mean_hold_samples(period_s)
-}
-
 /// Returns a series so many samples later; its ends are held beyond the ends.
-fn shifted(series: &[f64], samples: f64) -> Vec<f64> {
+fn shift_later(series: &[f64], samples: f64) -> Vec<f64> {
     if samples.abs() < ON_SAMPLE {
         return series.to_vec();
     }

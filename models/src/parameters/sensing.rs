@@ -231,11 +231,14 @@ pub struct ReadingDelay {
 }
 
 impl ReadingDelay {
+    /// No delay.
+    pub const NONE: Self = Self { samples: 0, rest_s: 0.0 };
+
     /// Returns the rest as a system in continuous time: a Padé approximation of order [`REST_ORDER`].
     ///
     /// # Errors
     /// That of the approximation, for a rest that is no number.
-    pub fn rest(&self) -> Result<StateSpace, counterpoise_lti::Error> {
+    pub fn dynamics_of_rest(&self) -> Result<StateSpace, counterpoise_lti::Error> {
         pade(self.rest_s, if self.rest_s > 0.0 { REST_ORDER } else { 0 })
     }
 }
@@ -276,9 +279,14 @@ impl Sensor {
         0.5 * (self.samples_between_readings(sample_period_s) - 1) as f64
     }
 
-    /// Returns the mean delay of its reading, as the linear loop takes it: its own, and that of readings that are held.
+    /// Returns by how many samples its readings are late on the average: its own delay, and that of readings that are held.
+    pub fn mean_delay_samples(&self, sample_period_s: f64) -> f64 {
+        self.delay_s / sample_period_s + self.mean_hold_samples(sample_period_s)
+    }
+
+    /// Returns that delay as the linear loop takes it.
     pub fn mean_delay(&self, sample_period_s: f64) -> ReadingDelay {
-        let all = (self.delay_s / sample_period_s + self.mean_hold_samples(sample_period_s)).max(0.0);
+        let all = self.mean_delay_samples(sample_period_s).max(0.0);
         let whole = (all + NEGLIGIBLE_REST).floor();
         let rest = (all - whole).max(0.0);
         let rest_s = if rest < NEGLIGIBLE_REST { 0.0 } else { rest * sample_period_s };

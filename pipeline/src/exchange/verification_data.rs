@@ -2,7 +2,6 @@
 
 use counterpoise_controller::{COMMON_READINGS, Controller, READING_NAMES};
 use counterpoise_models::ControlledQuantity;
-use counterpoise_models::parameters::{Parameters, Sensor};
 use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_verify::linear::SampledPlant;
 use counterpoise_verify::linear::closed_loop::{Closed, arrange_controller, resolver_use};
@@ -84,7 +83,7 @@ pub fn verified_loop(
     let sampled = SampledPlant::new(&linear, plant.parameters(), resolver_use(controller))?;
     let mut systems = plants(&sampled);
     systems.extend(controllers(plant, &sampled, controller)?);
-    Ok(verified_on(plant, &linear, procedure, systems))
+    Ok(verified_on(plant, &linear, procedure, &sampled, systems))
 }
 
 /// Returns what [`verified_loop`] does without the controllers and the loop: for one of several plants under a controller.
@@ -98,7 +97,7 @@ pub fn plants_of(
 ) -> Result<VerifiedLoop, PipelineError> {
     let linear = linear_plant(plant, procedure)?;
     let sampled = SampledPlant::new(&linear, plant.parameters(), resolver_use(controller))?;
-    Ok(verified_on(plant, &linear, procedure, plants(&sampled)))
+    Ok(verified_on(plant, &linear, procedure, &sampled, plants(&sampled)))
 }
 
 /// Returns the controllers and the loop of [`verified_loop`]: for one of several controllers of a plant.
@@ -121,13 +120,14 @@ fn verified_on(
     plant: &Plant,
     linear: &LinearPlant,
     procedure: &Procedure,
+    sampled: &SampledPlant,
     systems: Vec<SystemResult>,
 ) -> VerifiedLoop {
     let controlled = plant.parameters().controlled_quantity();
     VerifiedLoop {
         systems: systems.into_iter().map(|system| system.of_loop(controlled)).collect(),
         control_delay_samples: plant.parameters().interface.output_delay_samples,
-        reading_delays_samples: delays(plant.parameters()),
+        reading_delays_samples: sampled.reading_delays_samples(),
         holding_v: linear.equilibrium.control_v,
         out_of_balance_kg_m: plant.body().out_of_balance_kg_m,
         balance: BalanceResult::of(plant, linear),
@@ -184,22 +184,6 @@ fn plants(sampled: &SampledPlant) -> Vec<SystemResult> {
             &["demand_rad_s", "heave_m_s2", "pitch_rate_rad_s", "control_v"],
             &discrete,
         ),
-    ]
-}
-
-/// Whole samples by which each reading is late.
-fn delays(parameters: &Parameters) -> Vec<usize> {
-    let sensors = &parameters.sensors;
-    let whole = |sensor: Option<&Sensor>| {
-        sensor.map_or(0, |s| s.mean_delay(parameters.interface.sample_period_s).samples)
-    };
-    vec![
-        0,
-        whole(Some(&sensors.hub_gyro)),
-        whole(Some(&sensors.platform_gyro)),
-        whole(Some(&sensors.platform_accelerometer)),
-        whole(sensors.motor_tachometer.as_ref()),
-        whole(sensors.hub_resolver.as_ref()),
     ]
 }
 

@@ -93,7 +93,7 @@ impl SensorDelays {
         if delay.samples == 0 && delay.rest_s == 0.0 {
             return Ok(None);
         }
-        let dynamics = series(&sensor.dynamics()?, &delay.rest()?)?;
+        let dynamics = series(&sensor.dynamics()?, &delay.dynamics_of_rest()?)?;
         Ok(Some(LateReading { dynamics, delay_s: delay.samples as f64 * self.period_s }))
     }
 

@@ -9,7 +9,7 @@ use crate::file::field::{Field, Limit, TableField, UnitHint, UsualRange};
 use crate::file::visit::{NamedChoice, Presence, Visit, choose};
 use crate::tolerance::WHOLE_DELAY;
 
-use super::digits::round_to_digits;
+use super::digits::shortest_that_gives;
 
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 const ABOVE_0: Limit = Limit::Above(0.0);
@@ -179,7 +179,7 @@ fn keys(v: &mut dyn Visit, plant: &Parameters, takes: Takes) -> Stated {
 /// Returns the largest torque of the motor, N m: that of the largest current.
 fn torque_limit_nm(plant: &Parameters) -> f64 {
     let (limit_a, constant) = (plant.amplifier.current_limit_a, plant.motor.torque_constant_nm_a);
-    if constant == 1.0 { limit_a } else { round_to_digits(limit_a * constant) }
+    shortest_that_gives(limit_a, limit_a * constant, |limit_nm| limit_nm / constant)
 }
 
 /// Makes the amplifier of what is stated.

@@ -106,7 +106,7 @@ impl Deconvolved {
         if !sensor.is_fitted() {
             return None;
         }
-        let late = sensor.delay_s / period_s + sensor.mean_hold_samples(period_s);
+        let late = sensor.mean_delay_samples(period_s);
         let advanced = advanced(self.input.as_deref()?, late);
         Some(advanced.into_iter().map(|value| (value - sensor.bias) / sensor.gain).collect())
     }

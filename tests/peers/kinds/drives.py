@@ -112,7 +112,7 @@ def expected(case, rate_rad_s):
 
 
 def found(program, text, folder):
-    """The plant of the program: the response of its first output, and whether it is a rate."""
+    """The response of the program's plant to the control, from its first output, as a rate."""
     path = folder / "project.toml"
     path.write_text(text)
     run = subprocess.run([program, "model", str(path), "--json", "-q"], capture_output=True, text=True)

@@ -168,7 +168,7 @@ fn rejection_of(
 /// What a tone of the platform puts into the readings, without control.
 fn reading_tones(plant: &SampledPlant, continuous: &CMat, input: usize, rate: f64) -> Vec<C64> {
     let delays = &plant.delays.readings;
-    let late = |i: usize| C64::from_polar(1.0, -rate * plant.sample_period_s * delays[i] as f64);
+    let late = |i: usize| C64::from_polar(1.0, -rate * plant.sample_period_s * delays[i].samples as f64);
     let sensed = (1..delays.len()).map(|i| continuous[(port::CURRENT + i, input)] * late(i));
     std::iter::once(C64::new(0.0, 0.0)).chain(sensed).collect()
 }

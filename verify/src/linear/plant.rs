@@ -55,8 +55,7 @@ pub struct SampledPlant {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Delays {
     pub(crate) control: usize,
-    pub(crate) readings: [usize; READINGS],
-    rests: [ReadingDelay; READINGS],
+    pub(crate) readings: [ReadingDelay; READINGS],
 }
 
 /// Inputs and outputs of the sampled system.
@@ -112,6 +111,11 @@ impl SampledPlant {
         resolver: Resolver,
     ) -> Result<Self, Error> {
         Self::driven(&plant.with_torque_inputs()?, parameters, resolver, Drivers::Torques)
+    }
+
+    /// Returns by how many whole samples each reading is late; the rest of a delay is part of the continuous system.
+    pub fn reading_delays_samples(&self) -> Vec<usize> {
+        self.delays.readings.iter().map(|delay| delay.samples).collect()
     }
 
     fn driven(
@@ -259,37 +263,36 @@ impl Delays {
     fn of(parameters: &Parameters) -> Self {
         let period_s = parameters.interface.sample_period_s;
         let sensors = &parameters.sensors;
-        let none = ReadingDelay { samples: 0, rest_s: 0.0 };
-        let fitted = |sensor: Option<&Sensor>| sensor.map_or(none, |sensor| sensor.mean_delay(period_s));
-        let rests = [
-            none,
+        let fitted =
+            |sensor: Option<&Sensor>| sensor.map_or(ReadingDelay::NONE, |sensor| sensor.mean_delay(period_s));
+        let readings = [
+            ReadingDelay::NONE,
             fitted(Some(&sensors.hub_gyro)),
             fitted(Some(&sensors.platform_gyro)),
             fitted(Some(&sensors.platform_accelerometer)),
             fitted(sensors.motor_tachometer.as_ref()),
             fitted(sensors.hub_resolver.as_ref()),
         ];
-        let readings = rests.map(|delay| delay.samples);
-        Self { control: parameters.interface.output_delay_samples, readings, rests }
+        Self { control: parameters.interface.output_delay_samples, readings }
     }
 
     /// Adds the rests of the delays to the readings of the continuous system, whose last outputs they are; the demand is none of them.
     fn apply_rests(&self, continuous: StateSpace) -> Result<StateSpace, Error> {
-        let sensed = &self.rests[1..];
+        let sensed = &self.readings[1..];
         if sensed.iter().all(|delay| delay.rest_s == 0.0) {
             return Ok(continuous);
         }
         let others = continuous.outputs() - sensed.len();
         let mut after = StateSpace::gain(Mat::eye(others), Timebase::Continuous)?;
         for delay in sensed {
-            after = append(&after, &delay.rest()?)?;
+            after = append(&after, &delay.dynamics_of_rest()?)?;
         }
         Ok(series(&continuous, &after)?)
     }
 
     /// Refuses delays that would fill the memory: the loop's matrices are dense, with a state for each sample of delay.
     fn check(&self) -> Result<(), Error> {
-        let all = self.readings.iter().fold(self.control, |sum, samples| sum.saturating_add(*samples));
+        let all = self.readings.iter().fold(self.control, |sum, delay| sum.saturating_add(delay.samples));
         if all <= MOST_DELAY_STATES {
             return Ok(());
         }
@@ -313,8 +316,8 @@ impl Delays {
         };
         let before = append(&StateSpace::gain(Mat::eye(3), discrete)?, &line(self.control)?)?;
         let mut after = StateSpace::gain(Mat::eye(port::FIRST_READING), discrete)?;
-        for samples in self.readings {
-            after = append(&after, &line(samples)?)?;
+        for delay in self.readings {
+            after = append(&after, &line(delay.samples)?)?;
         }
         let mut delayed = series(&series(&before, g)?, &after)?;
         if self.control > 0 {

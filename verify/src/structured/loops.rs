@@ -166,7 +166,7 @@ impl UncertainLoop {
             sampled,
             controller,
             control_delay_samples: self.plant.delays.control,
-            reading_delays_samples: self.plant.delays.readings[..COMMON_READINGS].to_vec(),
+            reading_delays_samples: self.plant.reading_delays_samples(),
             errors: self.errors,
             controlled: self.plant.controlled,
         }
@@ -189,7 +189,7 @@ impl UncertainLoop {
         let held = Taylor::hold(period_s, interval) * Taylor::late(control_s, interval);
         let read = |j: usize| {
             FED_BACK.iter().enumerate().fold(none, |sum, (row, &i)| {
-                let late = Taylor::late(period_s * self.plant.delays.readings[i] as f64, interval);
+                let late = Taylor::late(period_s * self.plant.delays.readings[i].samples as f64, interval);
                 sum + K[0][i] * G[m + row][j] * late
             })
         };
@@ -218,7 +218,7 @@ impl UncertainLoop {
         let KP: C64 = (0..COMMON_READINGS).map(|i| K[(0, i)] * P[(i, 0)]).sum();
         let open = C64::new(1.0, 0.0) / (C64::new(1.0, 0.0) - KP);
         let late = |i: usize| {
-            let samples = self.plant.delays.readings[i] as f64;
+            let samples = self.plant.delays.readings[i].samples as f64;
             C64::from_polar(1.0, -rate * self.plant.sample_period_s * samples)
         };
         // the tone of reading i for input j of the continuous plant
