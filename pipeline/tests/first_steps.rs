@@ -129,3 +129,44 @@ fn a_first_design_holds_for_the_tolerances_of_its_file() {
     assert!(worst(&synthesis(&held.project)) < 2.01, "{}", worst(&synthesis(&held.project)));
     assert!(worst(&synthesis(&exact.project)) > 2.5, "the same machine without tolerances");
 }
+
+/// A load on a belt, driven by a motor of its own inertia, with an encoder on the load.
+const BELT: &str = "format = 2
+plant.inertia = 1.0
+plant.motor = { inertia = 0.02 }
+plant.drive = { kind = \"torque\", limit = \"50 N m\" }
+plant.sensors.encoder = { counts = \"20 bit\" }
+plant.interface = { sample_period = \"1 ms\", output_delay_samples = 1 }
+verify.step.rate = 0.01
+";
+
+#[test]
+fn what_is_not_known_is_taken_at_the_worst_that_is_usual() {
+    let bandwidth = |text: &str| chosen(text).first.bandwidth.bandwidth_rad_s;
+    let belt = |keys: &str| format!("{BELT}plant.belt = {{ ratio = 10.0{keys} }}\n");
+    let open = chosen(&belt(""));
+    let reached = open.first.bandwidth.bandwidth_rad_s;
+    assert!(open.first.bandwidth.limits.iter().any(|limit| limit.kind == LimitKind::UsualRanges));
+    // a belt at 5 Hz with the motor held is the softest that is usual
+    let soft = (std::f64::consts::TAU * 5.0_f64).powi(2);
+    for stiffer in [1.0, 4.0, 100.0] {
+        let stated = bandwidth(&belt(&format!(", stiffness = {}", stiffer * soft)));
+        // weights that are chosen with the stiffness known may be slower by a quarter
+        assert!(
+            reached < 1.25 * stated,
+            "{stiffer}: {reached} rad/s, {stated} rad/s with the stiffness stated"
+        );
+    }
+    // the design holds that belt with the sensitivity of its margins
+    assert!(open.first.judgement.share_within_usual_ranges <= 1.0);
+    assert!(open.first.judgement.share_within_usual_ranges > 0.5);
+    // a gyroscope without noise is taken as a micromechanical one, 0.01 degrees a second per root of a hertz
+    let heavy = turret("20.0", "0.5", "1e-3");
+    let noise_rms = 1.7e-4 * (0.5_f64 / 1e-3).sqrt();
+    let open = chosen(&heavy.replace("noise = 1e-3, ", "")).first;
+    let stated = |noise: f64| chosen(&heavy.replace("1e-3, natural", &format!("{noise}, natural"))).first;
+    assert!(open.bandwidth.unknown.contains(&Unknown::Noise));
+    assert_eq!(open.bandwidth.limited_by, [LimitKind::Noise]);
+    assert!(open.bandwidth.bandwidth_rad_s < 1.03 * stated(noise_rms).bandwidth.bandwidth_rad_s);
+    assert!(open.bandwidth.bandwidth_rad_s < stated(0.1 * noise_rms).bandwidth.bandwidth_rad_s);
+}

@@ -2,6 +2,9 @@
 
 use serde::Serialize;
 
+/// Latest reading that is usual for a sensor whose delay is not stated, s: digital sensors filter and transmit for up to two milliseconds.
+pub const LATEST_USUAL_READING_S: f64 = 2e-3;
+
 /// A value that the file does not have and that a default stands in for.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Assumption {

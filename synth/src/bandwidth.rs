@@ -19,6 +19,8 @@ pub enum LimitKind {
     AtRest,
     /// Values of the machine that are known within tolerances.
     Tolerances,
+    /// Values that are not stated, over their usual ranges.
+    UsualRanges,
     /// What was asked for.
     Asked,
 }

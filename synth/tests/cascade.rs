@@ -7,7 +7,7 @@ use counterpoise_lti::{Discretisation, StateSpace, Timebase, c2d, margins};
 use counterpoise_synth::cascade::difference_lag;
 use counterpoise_synth::{
     Assembly, Circumstances, ControlLimit, DesignPlant, FeedbackWeights, RateLoop, Reference,
-    RequiredMargins, Sampling, Specification, Weight, design, discretise, first_design,
+    RequiredMargins, Sampling, Specification, UsualReading, Weight, design, discretise, first_design,
 };
 
 const PERIOD_S: f64 = 1e-3;
@@ -95,6 +95,8 @@ fn a_first_design_chooses_both_loops_and_the_whole_keeps_the_margins() {
         plant: machine(),
         others: Vec::new(),
         within_tolerances: Vec::new(),
+        within_usual_ranges: Vec::new(),
+        usual_reading: UsualReading::default(),
         load_output: None,
         sampling: sampling.clone(),
         control_limit: ControlLimit::OfDrive,

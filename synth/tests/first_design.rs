@@ -9,7 +9,7 @@ use counterpoise_lti::{StateSpace, Timebase, margins};
 use counterpoise_models::reference;
 use counterpoise_synth::{
     Cause, Circumstances, ControlLimit, Design, DesignPlant, Error, FirstDesign, LimitKind, RequiredMargins,
-    Sampling, Unknown, design, discretise, first_design,
+    Sampling, Unknown, UsualReading, design, discretise, first_design,
 };
 
 const CEILING: f64 = std::f64::consts::TAU / 20.0;
@@ -20,6 +20,8 @@ fn circumstances(plant: DesignPlant, sampling: Sampling) -> Circumstances {
         load_output: None,
         others: Vec::new(),
         within_tolerances: Vec::new(),
+        within_usual_ranges: Vec::new(),
+        usual_reading: UsualReading::default(),
         sampling,
         control_limit: ControlLimit::OfDrive,
         noise_rms: 0.0,

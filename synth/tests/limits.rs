@@ -7,7 +7,7 @@ use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_synth::{
     Bandwidth, BandwidthLimit, Circumstances, ControlLimit, DesignPlant, LimitKind, RequiredMargins,
-    Sampling, first_design,
+    Sampling, UsualReading, first_design,
 };
 
 /// Two inertias on a spring with a gyroscope, and everything else that can limit their loop.
@@ -51,6 +51,8 @@ impl Machine {
             plant,
             others: Vec::new(),
             within_tolerances: Vec::new(),
+            within_usual_ranges: Vec::new(),
+            usual_reading: UsualReading::default(),
             load_output: None,
             sampling: Sampling { delay_samples, ..Sampling::new(self.period_s, 10.0) },
             control_limit: ControlLimit::OfDrive,
@@ -82,7 +84,7 @@ impl Machine {
             LimitKind::Noise => other.noise /= 8.0,
             LimitKind::Quantisation => other.reading_step /= 8.0,
             LimitKind::Control => other.demand_step /= 8.0,
-            LimitKind::AtRest | LimitKind::Tolerances | LimitKind::Asked => {}
+            LimitKind::AtRest | LimitKind::Tolerances | LimitKind::UsualRanges | LimitKind::Asked => {}
         }
         other
     }

@@ -5,6 +5,7 @@
 //! weights: written into the project file, they can be edited from there.
 
 mod tolerance_corners;
+mod usual_ranges;
 
 use std::f64::consts::{SQRT_2, TAU};
 
@@ -25,11 +26,11 @@ use counterpoise_verify::{Figure, Limit, LoopFigure, Sine};
 use serde::Serialize;
 
 use crate::exchange::SystemResult;
-use crate::model::CONVERTER_RANGE_V;
 use crate::synth::{design_plant, sampling};
 use crate::tolerance::{ALLOWS_MORE, MARGINS_TO_SPARE};
 use crate::wording::design_findings::{describe_design_finding, describe_limit, describe_unknown};
 use crate::{PipelineError, PlantModel, ReducedPlant, model, reduce};
+use usual_ranges::OpenValues;
 
 /// A project whose weights were chosen.
 #[derive(Debug, Clone)]
@@ -109,9 +110,12 @@ fn choose_weights_on(
     Ok(ChosenWeights { project, first })
 }
 
-/// Returns the first design, whose loop holds the friction at rest unless no loop does.
+/// Returns the first design, whose loop holds what the file leaves open over its usual range, and the friction at rest, unless no loop does.
 fn first_design_of(given: &Circumstances, pool: &dyn Pool) -> Result<FirstDesign, SynthesisError> {
     match first_design_on(given, pool) {
+        Err(SynthesisError::Refused(_)) if !given.within_usual_ranges.is_empty() => {
+            first_design_of(&Circumstances { within_usual_ranges: Vec::new(), ..given.clone() }, pool)
+        }
         Err(SynthesisError::Refused(_)) if given.others.len() > 1 => {
             let others = given.others.iter().take(1).cloned().collect();
             first_design_on(&Circumstances { others, ..given.clone() }, pool)
@@ -162,6 +166,7 @@ fn circumstances(
 ) -> Result<Circumstances, PipelineError> {
     let p = &modelled.parameters;
     let plant = design_plant(asked, modelled, reduced)?;
+    let open = OpenValues::of(project);
     let reading = &p.sensors.hub_gyro;
     let motions = project.verify.as_ref().map(|asked| &asked.procedure);
     // A feedforward acts on the load's rate, which a loop of torque or current does not hold.
@@ -169,6 +174,8 @@ fn circumstances(
     Ok(Circumstances {
         others: plants_beside(project, modelled, &plant)?,
         within_tolerances: tolerance_corners::plants_within_tolerances(project, asked, reduced)?,
+        within_usual_ranges: open.plants(project, asked, modelled, reduced)?,
+        usual_reading: open.usual_reading(p),
         load_output: Some(load_output(&plant)),
         sampling: sampling(asked, modelled)?,
         control_limit: match p.amplifier.has_limit() {
@@ -176,7 +183,7 @@ fn circumstances(
             false => ControlLimit::OfConverter,
         },
         noise_rms: reading.noise_rms,
-        reading_step: converter_step(reading, p.interface.input_bits),
+        reading_step: open.known_step(p),
         holding_v: modelled.linear.equilibrium.control_v,
         demand_step: motions.map_or(0.0, |procedure| procedure.step.rate_rad_s),
         margins: margins(project),
@@ -233,17 +240,6 @@ fn with_angles_and_friction(
     };
     let whole = modelled.plant.linearise(&modelled.linear.equilibrium, friction, angles)?;
     Ok(DesignPlant { system: whole.system, rate: whole.measured, ..plant.clone() })
-}
-
-/// Step of a reading behind a converter over +/- 10 V, in the measured unit; 0 if the converter is ideal.
-fn converter_step(sensor: &Sensor, bits: u32) -> f64 {
-    if sensor.resolution > 0.0 {
-        return sensor.resolution;
-    }
-    if bits == 0 || sensor.scale_v_unit == 0.0 {
-        return 0.0;
-    }
-    2.0 * CONVERTER_RANGE_V / 2f64.powi(bits as i32) / sensor.scale_v_unit.abs()
 }
 
 /// Returns the usual margins, or those that the project requires if they are larger, with [`MARGINS_TO_SPARE`] to spare.

@@ -216,6 +216,7 @@ pub fn describe_limit(kind: LimitKind) -> &'static str {
         LimitKind::Control => "control limit",
         LimitKind::AtRest => "friction at rest, gravity",
         LimitKind::Tolerances => "tolerances of the file",
+        LimitKind::UsualRanges => "usual ranges of what the file leaves open",
         LimitKind::Asked => "what is asked for",
     }
 }

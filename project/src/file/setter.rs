@@ -1,6 +1,6 @@
 //! Sets one number of a resolved project by its path.
 
-use super::field::{Field, TableField};
+use super::field::{Fallback, Field, TableField};
 use super::lister::Paths;
 use super::visit::{Count, Presence, Visit};
 
@@ -12,18 +12,29 @@ pub(crate) struct Setter<'p> {
     paths: Paths,
     /// Whether the number was met.
     pub is_set: bool,
+    /// Path of the damping of what was rigid before its stiffness was set: it gets the damping of a compliance of which nothing is known.
+    undamped: Option<String>,
 }
 
 impl<'p> Setter<'p> {
     pub fn new(path: &'p str, value: f64) -> Self {
-        Self { path, value, paths: Paths::default(), is_set: false }
+        Self { path, value, paths: Paths::default(), is_set: false, undamped: None }
     }
 }
 
 impl Visit for Setter<'_> {
     fn number(&mut self, field: &Field, value: &mut f64) {
-        if self.paths.of(field.key) == self.path {
+        let path = self.paths.of(field.key);
+        if path == self.path {
+            let was_rigid = value.is_infinite() && self.value.is_finite();
+            let section = path.strip_suffix("stiffness").filter(|_| was_rigid);
+            self.undamped = section.map(|section| format!("{section}damping"));
             (*value, self.is_set) = (self.value, true);
+        } else if *value == 0.0
+            && self.undamped.as_ref() == Some(&path)
+            && let Fallback::Number(usual) = field.default
+        {
+            *value = usual;
         }
     }
 

@@ -191,6 +191,12 @@ impl Project {
         writer::canonical(&self.lines())
     }
 
+    /// Returns the assumptions of the canonical text: the defaults that stand in for physical quantities, with their usual ranges. A value
+    /// that is written as its default is among them; none are returned for a project that refers to other files.
+    pub fn assumptions(&self) -> Vec<Assumption> {
+        Self::parse(&self.to_text(), "project.toml").map_or_else(|_| Vec::new(), |parsed| parsed.assumptions)
+    }
+
     /// Returns the file with every value that differs between two projects set, and everything else of it left
     /// as it is.
     ///

@@ -2,6 +2,7 @@
 
 use counterpoise_models::{Drift, Sensor};
 
+use crate::assumption::LATEST_USUAL_READING_S;
 use crate::file::field::{Field, Limit, UsualRange};
 use crate::file::visit::Visit;
 use crate::tolerance::MOST_TILT_RAD;
@@ -51,7 +52,7 @@ pub(super) fn sensor(v: &mut dyn Visit, sensor: &mut Sensor, unit: &'static str)
         &Field::new("delay", "delay of the reading").unit("s").limit(AT_LEAST_0).or(0.0).with_assumption(
             "none, as in an ideal sensor",
             "what is left out is ideal; digital sensors are usually up to 2 ms late",
-            UsualRange::Values(0.0, 2e-3),
+            UsualRange::Values(0.0, LATEST_USUAL_READING_S),
         ),
         &mut sensor.delay_s,
     );

@@ -4,6 +4,7 @@ use counterpoise_models::{
     Beam, BeamSection, Configuration, Link, Lumped, PointMass, SectionShape, StructuralDamping,
 };
 
+use super::transmission::assumed_rigid;
 use crate::file::field::{Field, Limit, TableField, UsualRange};
 use crate::file::visit::{Count, NamedChoice, Visit, choose, list, pair};
 
@@ -74,8 +75,10 @@ const BEAM_INERTIA: Field = Field::new("beam_inertia", "inertia of the beam; 0 i
 const STIFFNESS: Field = Field::new("stiffness", "hub to beam; rigid if absent")
     .unit("N m/rad")
     .limit(Limit::Above(0.0))
-    .or(f64::INFINITY)
-    .with_assumption("rigid", "what is left out is ideal", UsualRange::Unknown);
+    .or(f64::INFINITY);
+/// Lowest usual frequency of a beam on its hub while the hub is held, Hz: a first design must hold a beam as soft as this if the file does not state how stiff
+/// it is. The beam of the reference rig swings at 17 Hz.
+const SOFT_BEAM_HZ: f64 = 10.0;
 const DAMPING: Field = Field::new("damping", "hub to beam; damping ratio 0.01 if absent")
     .unit("N m s/rad")
     .limit(Limit::AtLeast(0.0));
@@ -305,7 +308,8 @@ fn mass(v: &mut dyn Visit, mass: &mut PointMass) {
 pub(crate) fn lumped_inertias(v: &mut dyn Visit, lumped: &mut Lumped) {
     v.number(&HUB_INERTIA, &mut lumped.hub_inertia_kg_m2);
     v.number(&BEAM_INERTIA, &mut lumped.beam_inertia_kg_m2);
-    v.number(&STIFFNESS, &mut lumped.stiffness_nm_rad);
+    let stiffness = assumed_rigid(STIFFNESS, SOFT_BEAM_HZ, lumped.beam_inertia_kg_m2);
+    v.number(&stiffness, &mut lumped.stiffness_nm_rad);
     v.number(&as_usual(DAMPING.or(usual_damping(lumped))), &mut lumped.damping_nm_s_rad);
     v.number(&OUT_OF_BALANCE, &mut lumped.out_of_balance_kg_m);
     v.number(&VERTICAL_OFFSET, &mut lumped.vertical_offset_kg_m);

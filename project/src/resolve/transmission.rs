@@ -17,8 +17,13 @@ const LOBES: f64 = 2.0;
 const STIFFNESS: Field = Field::new("stiffness", "at the output; rigid if absent")
     .unit("N m/rad")
     .limit(ABOVE_0)
-    .or(f64::INFINITY)
-    .with_assumption("rigid", "what is left out is ideal", UsualRange::Unknown);
+    .or(f64::INFINITY);
+/// Lowest usual frequency at which a load swings on its transmission while the motor is held, Hz. A first design must hold the load on a transmission
+/// that is as soft as this if the file does not state how stiff it is. Belts and cables stretch, the teeth of gears and harmonic drives bend, a ball
+/// screw's nut and bearings are preloaded. The reference rig has 13 Hz on its gearbox, the belt antenna 7 Hz.
+const SOFT_BELT_HZ: f64 = 5.0;
+const SOFT_GEAR_HZ: f64 = 10.0;
+const SOFT_SCREW_HZ: f64 = 20.0;
 const BACKLASH: Field =
     Field::new("backlash", "total gap at the output").unit("rad").limit(AT_LEAST_0).or(0.0);
 const EFFICIENCY: Field =
@@ -41,7 +46,7 @@ pub(super) fn gearbox_section(v: &mut dyn Visit, plant: &mut Parameters) {
     }
     begin(gearbox, Transmission::Gearbox);
     v.number(&RATIO, &mut gearbox.ratio);
-    v.number(&STIFFNESS, &mut gearbox.stiffness_nm_rad);
+    v.number(&stiffness(Transmission::Gearbox, load), &mut gearbox.stiffness_nm_rad);
     let damping = Field::new("damping", "at the output, only while the teeth touch").unit("N m s/rad");
     let damping = as_usual(damping.limit(AT_LEAST_0), gearbox.stiffness_nm_rad, load);
     v.number(&damping, &mut gearbox.damping_nm_s_rad);
@@ -101,10 +106,10 @@ fn keys(v: &mut dyn Visit, plant: &mut Parameters) {
     } else {
         v.number(&RATIO, &mut plant.gearbox.ratio);
     }
-    v.number(&STIFFNESS, &mut plant.gearbox.stiffness_nm_rad);
     let damping = Field::new("damping", "at the output").unit("N m s/rad").limit(AT_LEAST_0);
     let load = plant.lumped.as_ref().map_or(0.0, |l| l.inertia_kg_m2());
     let gearbox = &mut plant.gearbox;
+    v.number(&stiffness(gearbox.kind, load), &mut gearbox.stiffness_nm_rad);
     let damping = as_usual(damping, gearbox.stiffness_nm_rad, load);
     v.number(&damping, &mut gearbox.damping_nm_s_rad);
     match gearbox.kind {
@@ -133,6 +138,27 @@ fn harmonic(v: &mut dyn Visit, gearbox: &mut Gearbox) {
     v.number(&error.unit("rad").or(0.0), &mut amplitude);
     gearbox.kinematic_error =
         if amplitude == 0.0 { Ripple::NONE } else { Ripple { amplitude, order: LOBES, phase_rad: 0.0 } };
+}
+
+/// Returns the key of a transmission's stiffness: rigid if it is absent, and usually no softer than what lets the load swing at the lowest usual frequency of
+/// such transmissions.
+fn stiffness(kind: Transmission, load_kg_m2: f64) -> Field {
+    let softest_hz = match kind {
+        Transmission::Belt | Transmission::Cable => SOFT_BELT_HZ,
+        Transmission::BallScrew { .. } => SOFT_SCREW_HZ,
+        _ => SOFT_GEAR_HZ,
+    };
+    assumed_rigid(STIFFNESS, softest_hz, load_kg_m2)
+}
+
+/// Returns the key of a stiffness that is rigid if absent, and usually lets what it carries swing at no less than a frequency.
+pub(super) fn assumed_rigid(stiffness: Field, softest_hz: f64, carried_kg_m2: f64) -> Field {
+    let softest = (TAU * softest_hz).powi(2) * carried_kg_m2;
+    let usual = match softest > 0.0 && softest.is_finite() {
+        true => UsualRange::Values(softest, f64::INFINITY),
+        false => UsualRange::Unknown,
+    };
+    stiffness.with_assumption("rigid", "what is left out is ideal", usual)
 }
 
 /// Returns the key of a compliance's damping, at a damping ratio of 0.01 of the load on it, the motor held, if it is absent; 0 if the

@@ -9,7 +9,7 @@ use counterpoise_lti::{
 };
 
 use super::Circumstances;
-use super::neighbours::light_modes;
+use super::neighbours::{light_modes, shifted_modes};
 use crate::sampling::sampled_plant;
 use crate::tolerance::{CEILING, DRIFTING_POLE, NEIGHBOUR_MS, NOISE_SHARE, SEEN_ABOVE};
 use crate::{DesignPlant, Error, Sampling};
@@ -55,6 +55,9 @@ pub struct LoopJudgement {
     /// Largest sensitivity with values at the ends of their tolerances, 0 without any; infinite if the loop is not stable at
     /// one of them.
     pub sensitivity_within_tolerances: f64,
+    /// Largest sensitivity over what is not stated at the ends of its usual range, as a share of what is allowed there; 0 if nothing of that kind is
+    /// open.
+    pub share_within_usual_ranges: f64,
     /// RMS control that the noise of the readings costs, V.
     pub noise_v: f64,
     /// RMS control that their quantisation costs, V.
@@ -81,6 +84,14 @@ pub(super) struct Judge<'a> {
     neighbours: Vec<Neighbour>,
     others: Vec<StateSpace>,
     within_tolerances: Vec<StateSpace>,
+    within_usual_ranges: Vec<UsualPlant>,
+}
+
+/// A plant at an end of what is usual, under the hold.
+struct UsualPlant {
+    held: StateSpace,
+    /// Largest sensitivity that the loop may have with it.
+    max_sensitivity: f64,
 }
 
 impl<'a> Judge<'a> {
@@ -105,7 +116,18 @@ impl<'a> Judge<'a> {
         });
         let neighbours = neighbours.collect();
         let within_tolerances = all(&circumstances.within_tolerances)?;
-        Ok(Self { circumstances, sampling: sampling.clone(), held, neighbours, others, within_tolerances })
+        let mut within_usual_ranges = Vec::new();
+        for plant in &circumstances.within_usual_ranges {
+            let held = sampled_plant(plant, sampling)?;
+            let max_sensitivity = circumstances.margins.max_sensitivity;
+            within_usual_ranges.push(UsualPlant { held, max_sensitivity });
+            for shifted in shifted_modes(plant, &light_modes(plant)?)? {
+                let held = sampled_plant(&shifted, sampling)?;
+                within_usual_ranges.push(UsualPlant { held, max_sensitivity: NEIGHBOUR_MS });
+            }
+        }
+        let sampling = sampling.clone();
+        Ok(Self { circumstances, sampling, held, neighbours, others, within_tolerances, within_usual_ranges })
     }
 
     /// Judges a continuous controller from (demand, reading) to the control; `None` if its sampled loop is not stable or never reaches a gain of 1.
@@ -118,7 +140,8 @@ impl<'a> Judge<'a> {
         controller: &StateSpace,
         is_out: impl Fn(&LoopJudgement) -> bool,
     ) -> Result<Option<LoopJudgement>, Error> {
-        let Circumstances { noise_rms, reading_step, demand_step, .. } = self.circumstances;
+        let Circumstances { demand_step, .. } = self.circumstances;
+        let [noise_rms, reading_step] = self.circumstances.reading();
         let sampling = &self.sampling;
         let both = sampled_controller(controller, sampling)?;
         let K = both.select(&[0], &[1]);
@@ -141,6 +164,7 @@ impl<'a> Judge<'a> {
             shifted_sensitivity: nominal.ms.value,
             sensitivity_of_others: nominal.ms.value,
             sensitivity_within_tolerances: 0.0,
+            share_within_usual_ranges: 0.0,
             noise_v: gain * noise_rms,
             quantisation_v: gain * reading_step / 12f64.sqrt(),
             step_v: demand_step.abs() * step_gain,
@@ -152,6 +176,7 @@ impl<'a> Judge<'a> {
         found.sensitivity_of_others = self.sensitivity_of_others(&K, found.max_sensitivity)?;
         found.sensitivity_within_tolerances = self.sensitivity_within_tolerances(&K, &found)?;
         found.shifted_sensitivity = self.shifted_sensitivity(&K, &found)?;
+        found.share_within_usual_ranges = self.share_over_usual_ranges(&K, &found)?;
         Ok(Some(found))
     }
 
@@ -204,9 +229,21 @@ impl<'a> Judge<'a> {
             if worst > NEIGHBOUR_MS {
                 break;
             }
-            let rates = about(nominal.bandwidth_rad_s).chain(about(nominal.sensitivity_peak_rad_s));
-            let rates = rates.filter(|rate| *rate > 0.0);
-            worst = worst.max(sensitivity_beside(plant, K, rates, held_loop)?);
+            worst = worst.max(sensitivity_beside(plant, K, rates_about(nominal), held_loop)?);
+        }
+        Ok(worst)
+    }
+
+    /// The largest sensitivity over the plants at the ends of what is usual, over what is allowed with each; above 1, that of the first plant that
+    /// exceeds it.
+    fn share_over_usual_ranges(&self, K: &StateSpace, nominal: &LoopJudgement) -> Result<f64, Error> {
+        let mut worst = 0.0_f64;
+        for UsualPlant { held, max_sensitivity } in &self.within_usual_ranges {
+            if worst > 1.0 {
+                break;
+            }
+            let found = sensitivity_beside(held, K, rates_about(nominal), held_loop)?;
+            worst = worst.max(found / max_sensitivity);
         }
         Ok(worst)
     }
@@ -260,6 +297,11 @@ impl LoopJudgement {
     /// Whether the loop bears values at the ends of their tolerances.
     pub(super) fn bears_tolerances(&self) -> bool {
         self.sensitivity_within_tolerances <= NEIGHBOUR_MS
+    }
+
+    /// Whether the loop bears what is not stated at the ends of its usual range.
+    pub(super) fn bears_usual_ranges(&self) -> bool {
+        self.share_within_usual_ranges <= 1.0
     }
 
     /// Whether noise leaves the control's range to its work.
@@ -336,6 +378,12 @@ fn sensitivity_beside(
         Some(loop_gain) => Ok(candidate_sensitivity(&loop_gain)?.value),
         None => Ok(f64::INFINITY),
     }
+}
+
+/// Returns the frequencies about the bandwidth and the peak of the sensitivity of a loop, rad/s, where that with another plant is likely to be large.
+fn rates_about(nominal: &LoopJudgement) -> impl Iterator<Item = f64> {
+    let rates = about(nominal.bandwidth_rad_s).chain(about(nominal.sensitivity_peak_rad_s));
+    rates.filter(|rate| *rate > 0.0)
 }
 
 /// The largest sensitivity at some frequencies; those above half the sample rate and on a pole are left out.

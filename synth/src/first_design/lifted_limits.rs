@@ -187,8 +187,8 @@ fn with_plants(
     given: &Circumstances,
     change: impl Fn(&DesignPlant) -> Result<DesignPlant, Error>,
 ) -> Result<Circumstances, Error> {
-    let others = given.others.iter().map(&change).collect::<Result<_, _>>()?;
-    Ok(Circumstances { plant: change(&given.plant)?, others, ..given.clone() })
+    let all = |plants: &[DesignPlant]| plants.iter().map(&change).collect::<Result<Vec<_>, _>>();
+    Ok(Circumstances { plant: change(&given.plant)?, others: all(&given.others)?, ..given.clone() })
 }
 
 /// The plant without the delay and the lag of its sensor; the lag of a cascade's difference quotient belongs to the sampling and stays.

@@ -48,6 +48,15 @@ pub enum ControlLimit {
     OfConverter,
 }
 
+/// What a reading usually has at worst if nothing is known of it; 0 if nothing is usual.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct UsualReading {
+    /// RMS noise, in the unit of the measured signal.
+    pub noise_rms: f64,
+    /// Step, in the unit of the measured signal.
+    pub step: f64,
+}
+
 /// What is known of a loop beyond its linear plant. Numbers of 0 are not known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Circumstances {
@@ -58,6 +67,11 @@ pub struct Circumstances {
     pub others: Vec<DesignPlant>,
     /// The same machine with values at the ends of their tolerances, which the loop must hold with the margin that shifted modes keep.
     pub within_tolerances: Vec<DesignPlant>,
+    /// The same machine with what is not stated, and sets its modes or its lags, at the ends of its usual range, which the loop must hold with the
+    /// largest sensitivity of its margins.
+    pub within_usual_ranges: Vec<DesignPlant>,
+    /// Noise and step of the readings that are usual, which count if neither is known.
+    pub usual_reading: UsualReading,
     /// The output of the plant (of its inner loop, if it has one) that is the load's motion, where a sensor measures something else; `None` if
     /// nothing but the measured signal is known.
     pub load_output: Option<usize>,
@@ -83,6 +97,21 @@ pub struct Circumstances {
     pub heave: Option<ExpectedMotion>,
     /// The pitch that is expected and measured.
     pub pitch: Option<ExpectedMotion>,
+}
+
+impl Circumstances {
+    /// Returns whether noise or step of the readings is known.
+    fn is_reading_known(&self) -> bool {
+        self.noise_rms > 0.0 || self.reading_step > 0.0
+    }
+
+    /// Returns RMS noise and step of a reading: those that are known, or else those that are usual.
+    fn reading(&self) -> [f64; 2] {
+        match self.is_reading_known() {
+            true => [self.noise_rms, self.reading_step],
+            false => [self.usual_reading.noise_rms, self.usual_reading.step],
+        }
+    }
 }
 
 /// Weights that were chosen, and why the loop is no quicker.

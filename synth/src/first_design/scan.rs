@@ -134,7 +134,8 @@ impl<'a> Scan<'a> {
         CEILING * self.circumstances.sampling.rate_rad_s() * caution
     }
 
-    /// Tries aims from above the ceiling downwards until one keeps everything, and then closes in on the highest.
+    /// Tries aims from above the ceiling downwards until none can have a higher bandwidth than one that keeps everything, and closes in on the highest.
+    /// A shape that attenuates modes may keep everything at an aim far above its bandwidth, and be slower than what a lower aim gives.
     ///
     /// # Errors
     /// Those of the design.
@@ -142,15 +143,17 @@ impl<'a> Scan<'a> {
         let highest = self.highest_aim();
         let descent = self.descent(highest);
         for (at, &Candidate { aim_rad_s: aim, shape }) in descent.iter().enumerate() {
+            if aim <= self.reached() {
+                break;
+            }
             self.look_ahead(descent[at..].iter().copied());
             let Some(tried) = self.attempt(aim, shape)? else { continue };
-            let keeps = self.keeps_all(&tried.judgement);
             self.tried.push(tried.clone());
-            if keeps {
+            let is_promising = tried.judgement.bandwidth_rad_s * step_of_aims() > self.reached();
+            if is_promising && self.keeps_all(&tried.judgement) {
                 let above =
                     descent[..at].iter().rev().map(|tried| tried.aim_rad_s).find(|other| *other != aim);
-                self.best = Some(self.close_in(tried, above)?);
-                break;
+                self.take_if_higher(tried, above)?;
             }
         }
         if self.is_free_of_clock() {
@@ -218,10 +221,16 @@ impl<'a> Scan<'a> {
         // Between two aims the bandwidth rises no more than the aim.
         let is_promising = found.judgement.bandwidth_rad_s * step_of_aims() > self.reached();
         if is_promising && self.keeps_all(&found.judgement) {
-            let closer = self.close_in(found, Some(aim_rad_s * step_of_aims()))?;
-            if closer.judgement.bandwidth_rad_s > self.reached() {
-                self.best = Some(closer);
-            }
+            self.take_if_higher(found, Some(aim_rad_s * step_of_aims()))?;
+        }
+        Ok(())
+    }
+
+    /// Closes in on the aim above a feedback that keeps everything, and takes the result if its bandwidth is higher than the answer's.
+    fn take_if_higher(&mut self, found: Tried, above: Option<f64>) -> Result<(), Error> {
+        let closer = self.close_in(found, above)?;
+        if closer.judgement.bandwidth_rad_s > self.reached() {
+            self.best = Some(closer);
         }
         Ok(())
     }
@@ -391,6 +400,7 @@ impl<'a> Scan<'a> {
             LimitKind::Control => found.bears_step(limit_v - given.holding_v.abs()),
             LimitKind::AtRest => found.holds_others(),
             LimitKind::Tolerances => found.bears_tolerances(),
+            LimitKind::UsualRanges => found.bears_usual_ranges(),
             LimitKind::Asked => found.bandwidth_rad_s <= given.asked_rad_s.unwrap_or(f64::INFINITY),
         }
     }
@@ -449,8 +459,9 @@ impl<'a> Scan<'a> {
         let limit = |kind| BandwidthLimit { kind, bandwidth_rad_s: self.highest(kind), lifted_rad_s: None };
         let mut limits: Vec<BandwidthLimit> = KINDS.into_iter().chain(asked).map(limit).collect();
         // Of a machine without friction whose weight does not matter there is nothing to say.
-        // Nor of one whose file has no tolerances.
-        let may_be_silent = |kind| matches!(kind, LimitKind::AtRest | LimitKind::Tolerances);
+        // Nor of one whose file has no tolerances, or leaves nothing open that sets a mode.
+        let may_be_silent =
+            |kind| matches!(kind, LimitKind::AtRest | LimitKind::Tolerances | LimitKind::UsualRanges);
         limits.retain(|limit| !may_be_silent(limit.kind) || limit.bandwidth_rad_s.is_finite());
         limits.sort_by(|a, b| a.bandwidth_rad_s.total_cmp(&b.bandwidth_rad_s));
         limits
@@ -458,7 +469,7 @@ impl<'a> Scan<'a> {
 }
 
 /// The limits of every loop.
-const KINDS: [LimitKind; 8] = [
+const KINDS: [LimitKind; 9] = [
     LimitKind::SampleRate,
     LimitKind::Margins,
     LimitKind::Resonance,
@@ -467,6 +478,7 @@ const KINDS: [LimitKind; 8] = [
     LimitKind::Control,
     LimitKind::AtRest,
     LimitKind::Tolerances,
+    LimitKind::UsualRanges,
 ];
 
 fn unknown(given: &Circumstances, modes: &[f64]) -> Vec<Unknown> {
@@ -474,7 +486,7 @@ fn unknown(given: &Circumstances, modes: &[f64]) -> Vec<Unknown> {
         || given.plant.late_reading.is_some();
     let all = [
         (Unknown::Structure, modes.is_empty()),
-        (Unknown::Noise, given.noise_rms == 0.0 && given.reading_step == 0.0),
+        (Unknown::Noise, !given.is_reading_known()),
         (Unknown::Sensor, !sensor_lags),
         (
             Unknown::Delay,

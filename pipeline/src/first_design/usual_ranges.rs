@@ -1,0 +1,150 @@
+//! What a project file leaves open, at the worst that is usual, for a first design to hold.
+//!
+//! A transmission whose stiffness is not stated is rigid in model and simulator, a sensor has neither noise nor lag, and a target takes no time. A loop that is
+//! as quick as they allow may be unstable, or drown in noise, on the machine. So the loop must hold the machine with the softest transmission, the latest sensor
+//! and the latest control that are usual, and its control must bear the noise and the steps of a usual sensor. Other ranges are covered otherwise: damping by
+//! the modes that are taken as half as damped, the ten percent of a back-EMF by the margins; what is known within decades, such as the torque at full control,
+//! by the ceiling of the bandwidth.
+
+use counterpoise_lti::{pade, series};
+use counterpoise_models::{AxisKind, FeedbackSignal, Parameters};
+use counterpoise_project::resolve::synthesis::DesignRequest;
+use counterpoise_project::{Assumption, LATEST_USUAL_READING_S, Project};
+use counterpoise_synth::{DesignPlant, LateReading, UsualReading};
+
+use super::with_angles;
+use crate::model::CONVERTER_RANGE_V;
+use crate::synth::design_plant;
+use crate::{PipelineError, PlantModel, ReducedPlant, model};
+
+/// Last parts of the keys whose values set modes.
+const MODES: [&str; 2] = ["stiffness", "bulk_modulus"];
+/// Last parts of the keys that state the step of a reading, and whether a low number means a large step.
+const STEPS: [(&str, bool); 2] = [("counts", true), ("resolution", false)];
+/// Noise density of a gyroscope of which nothing is known, rad/s over the root of a hertz: 0.01 degrees a second, as the data sheets of most
+/// micromechanical gyroscopes state it. Fibre-optic and ring laser gyroscopes are a hundred times quieter.
+const GYROSCOPE_NOISE: f64 = 1.7e-4;
+/// Latest reading that is usual for an encoder, s: its counter is read at once, or sent by a serial link within a tenth of a millisecond.
+const LATEST_USUAL_COUNT_S: f64 = 1e-4;
+/// Order of the approximation of a delay that is usual: its phase is right to 1e-5 rad up to the inverse of the delay.
+const DELAY_ORDER: usize = 3;
+/// Bits of a converter beyond which its steps are ideal, and say nothing of the real one.
+const IDEAL_BITS: u32 = 48;
+
+/// What a project leaves open.
+pub(super) struct OpenValues {
+    assumptions: Vec<Assumption>,
+}
+
+impl OpenValues {
+    /// Lists what a project leaves open.
+    pub fn of(project: &Project) -> Self {
+        Self { assumptions: project.assumptions() }
+    }
+
+    /// Returns the plants at the ends of the usual ranges of what is left open. A plant that cannot be built is left out.
+    ///
+    /// # Errors
+    /// Those of the plant as it is modelled.
+    pub fn plants(
+        &self,
+        project: &Project,
+        asked: &DesignRequest,
+        modelled: &PlantModel,
+        reduced: &ReducedPlant,
+    ) -> Result<Vec<DesignPlant>, PipelineError> {
+        let nominal = with_angles(project, modelled, &design_plant(asked, modelled, reduced)?)?;
+        let of_modes = self.assumptions.iter().filter(|assumption| MODES.contains(&last_part(assumption)));
+        let ends = of_modes.flat_map(|assumption| {
+            let ends = assumption.usual.into_iter().flatten();
+            ends.filter(|end| end.is_finite() && *end != assumption.value).map(|end| (&assumption.key, end))
+        });
+        let mut plants: Vec<DesignPlant> =
+            ends.filter_map(|(key, value)| plant_with(project, asked, reduced, key, value)).collect();
+        plants.retain(|plant| *plant != nominal);
+        let delay_s = usual_delay_s(&project.plant);
+        if delay_s > 0.0 {
+            let late = plants.iter().chain([&nominal]).map(|plant| delayed(plant, &project.plant, delay_s));
+            let late = late.collect::<Result<Vec<_>, _>>()?;
+            plants.extend(late);
+        }
+        Ok(plants)
+    }
+
+    /// Returns the step of a reading that is known, in the measured unit; 0 if none is.
+    pub fn known_step(&self, plant: &Parameters) -> f64 {
+        let sensor = &plant.sensors.hub_gyro;
+        if sensor.resolution > 0.0 {
+            return if self.usual_step(plant) > 0.0 { 0.0 } else { sensor.resolution };
+        }
+        let bits = plant.interface.input_bits;
+        if bits == 0 || bits >= IDEAL_BITS || sensor.scale_v_unit == 0.0 {
+            return 0.0;
+        }
+        2.0 * CONVERTER_RANGE_V / 2f64.powi(bits as i32) / sensor.scale_v_unit.abs()
+    }
+
+    /// Returns noise and step that are usual for the sensor of the loop where the file states neither.
+    pub fn usual_reading(&self, plant: &Parameters) -> UsualReading {
+        let is_gyroscope =
+            plant.sensors.measured == FeedbackSignal::HubRate && plant.axis == AxisKind::Rotary;
+        let nyquist_hz = 0.5 / plant.interface.sample_period_s;
+        let noise_rms = if is_gyroscope { GYROSCOPE_NOISE * nyquist_hz.sqrt() } else { 0.0 };
+        UsualReading { noise_rms, step: self.usual_step(plant) }
+    }
+
+    /// The largest usual step of a digital sensor whose resolution is not stated, in the measured unit; 0 if it is stated.
+    fn usual_step(&self, plant: &Parameters) -> f64 {
+        let step = |assumption: &Assumption| {
+            let [low, high] = assumption.usual?;
+            let (_, falls) = STEPS.into_iter().find(|(key, _)| *key == last_part(assumption))?;
+            // The resolution is the step of the load: what is assumed over what is usual.
+            let resolution = plant.sensors.hub_gyro.resolution;
+            Some(if falls { resolution * assumption.value / low } else { high })
+        };
+        self.assumptions.iter().filter_map(step).fold(0.0, f64::max)
+    }
+}
+
+/// The delay that is usual where none is known, s: of the sensor if it has no lag, and a sample of the control.
+fn usual_delay_s(plant: &Parameters) -> f64 {
+    let reading = &plant.sensors.hub_gyro;
+    let knows_lag = reading.natural_frequency_rad_s.is_finite() || reading.delay_s > 0.0;
+    let usual_s = if reading.resolution > 0.0 { LATEST_USUAL_COUNT_S } else { LATEST_USUAL_READING_S };
+    let of_reading = if knows_lag { 0.0 } else { usual_s };
+    let of_control = match plant.interface.output_delay_samples {
+        0 => plant.interface.sample_period_s,
+        _ => 0.0,
+    };
+    of_reading + of_control
+}
+
+fn last_part(assumption: &Assumption) -> &str {
+    let key = assumption.key.as_str();
+    key.rsplit('.').next().unwrap_or(key)
+}
+
+/// Returns a plant whose readings come later.
+fn delayed(plant: &DesignPlant, machine: &Parameters, delay_s: f64) -> Result<DesignPlant, PipelineError> {
+    let known = plant.late_reading.clone();
+    let (dynamics, known_s) = match known {
+        Some(reading) => (reading.dynamics, reading.delay_s),
+        None => (machine.sensors.hub_gyro.dynamics()?, 0.0),
+    };
+    let dynamics = series(&dynamics, &pade(delay_s, DELAY_ORDER)?)?;
+    Ok(DesignPlant { late_reading: Some(LateReading { dynamics, delay_s: known_s }), ..plant.clone() })
+}
+
+/// Returns the plant of the design with a value of the file changed; `None` if there is none.
+fn plant_with(
+    project: &Project,
+    asked: &DesignRequest,
+    reduced: &ReducedPlant,
+    key: &str,
+    value: f64,
+) -> Option<DesignPlant> {
+    let changed = project.with_number(key, value)?;
+    let made = model(&changed).ok()?;
+    let plant = design_plant(asked, &made, reduced).ok()?;
+    with_angles(&changed, &made, &plant).ok()
+}

@@ -1,0 +1,249 @@
+"""What is not known lowers the bandwidth of a first design, never raises it.
+
+Files: every key and every section of the smallest files is left out in turn, and the file is designed again without its weights. The bandwidth of the
+program's own result must not rise by more than the search resolves, unless the file then describes another machine (another signal is measured, another
+quantity is driven, mass or friction is gone), or asks for less, or stated something worse than is usual. Those keys are listed with the reason, and
+their rises are printed as well.
+
+Machines: random machines whose stated values lie within what is usual, at clocks of 100 Hz to 10 kHz. Each of the stated facts is left out, alone and
+all together.
+
+    python3 tests/peers/kinds/left_out.py target/release/counterpoise [MACHINES [FIRST]]
+
+Needs nothing but Python 3.11.
+"""
+
+import copy
+import json
+import math
+import pathlib
+import random
+import subprocess
+import sys
+import tempfile
+import tomllib
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+EXAMPLES = ["belt-antenna", "ball-screw", "direct-gimbal", "servo-pendulum", "crane-cylinder"]
+KINDS = ["sight", "gun", "antenna", "robot-joint", "gimbal", "linear-axis", "pendulum"]
+# A bandwidth that differs by less is the same: the search climbs in steps.
+STEP = 1.03
+
+# Weights that are chosen with a value known may be slower by a quarter than others would be: the search among them is coarse.
+COARSE = 1.25
+# Share of the facts of random machines whose absence may raise the bandwidth by more than that.
+SHARE = 0.02
+
+# Keys without which the file describes another machine, by the last parts of their path, with the reason.
+OTHER_MACHINES = {
+    "sensors": "another signal is measured",
+    "encoder": "another signal is measured",
+    "gyroscope": "another signal is measured",
+    "tachometer": "another signal is measured",
+    "resolver": "another signal is measured",
+    "place": "the sensor sits elsewhere",
+    "loop": "another loop is closed",
+    "drive": "another quantity is driven",
+    "kind": "another quantity is driven",
+    "inertia": "less inertia",
+    "mass": "less mass",
+    "beam_inertia": "less inertia",
+    "hub_inertia": "less inertia",
+    "gearbox": "the motor sits on the load",
+    "belt": "the motor sits on the load",
+    "ball_screw": "the motor sits on the load",
+    "harmonic_drive": "the motor sits on the load",
+    "cable": "the motor sits on the load",
+    "ratio": "the motor sits on the load",
+    "friction": "no friction",
+    "viscous": "no friction",
+    "coulomb": "no friction",
+    "motor": "another motor",
+    "pivot": "no friction",
+    "out_of_balance": "no gravity torque",
+    "vertical_offset": "no gravity torque",
+    "position_stiffness": "no spring",
+    "chain": "less inertia",
+    "backlash": "no gap",
+    "structure": "another structure",
+    "verify": "the requirements are gone",
+    "requirement": "the requirements are gone",
+    "requirements": "the requirements are gone",
+    "bandwidth": "the bandwidth that is asked for is gone",
+    "synth": "what is asked for is gone",
+    "step": "no step is asked for",
+    "rate": "no step is asked for",
+    "limit": "the stated drive is weaker than is usual",
+    "natural_frequency": "the stated sensor is slower than is usual",
+    "hub_gyro": "the stated sensor is slower than is usual",
+    "torque_constant": "another motor",
+}
+
+
+def paths(table, before=()):
+    """Yields the path of every key and section."""
+    for key, value in table.items():
+        path = (*before, key)
+        yield path
+        if isinstance(value, dict):
+            yield from paths(value, path)
+        elif isinstance(value, list):
+            for k, item in enumerate(value):
+                if isinstance(item, dict):
+                    yield from paths(item, (*path, k))
+
+
+def without(table, path):
+    changed = copy.deepcopy(table)
+    at = changed
+    for part in path[:-1]:
+        at = at[part]
+    del at[path[-1]]
+    return changed
+
+
+def text(value):
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f'"{k}" = {text(v)}' for k, v in value.items()) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(text(v) for v in value) + "]"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return json.dumps(value) if isinstance(value, str) else repr(value)
+
+
+def write(table):
+    return "".join(f"{key} = {text(value)}\n" for key, value in table.items())
+
+
+def bandwidth(program, table):
+    """Returns the bandwidth in rad/s, or why there is none."""
+    with tempfile.TemporaryDirectory() as folder:
+        (pathlib.Path(folder) / "project.toml").write_text(write(table))
+        run = subprocess.run(
+            [program, "synth", folder, "--json"], capture_output=True, text=True, check=False
+        )
+    if run.returncode != 0:
+        return None, run.stderr.strip().split("\n")[0]
+    result = json.loads(run.stdout)
+    first = find(result, "bandwidth_rad_s")
+    return first, None
+
+
+def find(value, key):
+    if isinstance(value, dict):
+        if isinstance(value.get(key), (int, float)):
+            return value[key]
+        value = list(value.values())
+    if isinstance(value, list):
+        for item in value:
+            found = find(item, key)
+            if found is not None:
+                return found
+    return None
+
+
+def files(program):
+    for name in EXAMPLES:
+        yield name, tomllib.loads((ROOT / "examples" / name / "project.toml").read_text())
+    with tempfile.TemporaryDirectory() as folder:
+        for kind in KINDS:
+            at = pathlib.Path(folder) / kind
+            subprocess.run([program, "new", str(at), "--like", kind], check=True, capture_output=True)
+            yield kind, tomllib.loads((at / "project.toml").read_text())
+
+
+# Lowest usual frequency of a load on its transmission, Hz.
+SOFT_HZ = {"belt": 5.0, "cable": 5.0, "gearbox": 10.0, "harmonic_drive": 10.0}
+
+
+def random_machine(seed):
+    """Returns a machine within what is usual, and the paths of the facts that may be left out."""
+    draw = random.Random(seed)
+    spread = lambda low, high: math.exp(draw.uniform(math.log(low), math.log(high)))
+    inertia, period = spread(1e-3, 1e3), spread(1e-4, 1e-2)
+    plant = {"inertia": inertia, "interface": {"sample_period": period}}
+    facts = []
+    # A drive as strong as is usual: what is missing is then no stronger.
+    plant["drive"] = {"kind": "torque", "limit": 1000.0 * inertia}
+    kind = draw.choice([None, *SOFT_HZ])
+    if kind is not None:
+        ratio = spread(2.0, 100.0) if kind != "harmonic_drive" else spread(30.0, 160.0)
+        stiffness = inertia * (2 * math.pi * SOFT_HZ[kind] * spread(1.0, 10.0)) ** 2
+        plant[kind] = {"ratio": ratio, "stiffness": stiffness}
+        plant["motor"] = {"inertia": inertia / ratio**2 * spread(0.05, 2.0)}
+        plant["drive"]["limit"] /= ratio
+        facts.append(("plant", kind, "stiffness"))
+    sensor = {}
+    signal = draw.choice(["hub_gyro", "encoder"])
+    if draw.random() < 0.6:
+        sensor["delay"] = draw.uniform(0.0, 2e-3 if signal == "hub_gyro" else 1e-4)
+        facts.append(("plant", "sensors", "SENSOR", "delay"))
+    if signal == "encoder":
+        sensor["counts"] = int(spread(1e4, 1e7))
+    else:
+        sensor["noise"] = spread(1e-6, 1e-4)
+    facts.append(("plant", "sensors", "SENSOR", "counts" if signal == "encoder" else "noise"))
+    if draw.random() < 0.5:
+        plant["interface"]["output_delay_samples"] = 1
+        facts.append(("plant", "interface", "output_delay_samples"))
+    plant["sensors"] = {signal: sensor}
+    facts = [tuple(signal if part == "SENSOR" else part for part in path) for path in facts]
+    table = {"format": 2, "verify": {"step": {"rate": spread(1e-3, 1e-2)}}, "plant": plant}
+    return table, facts
+
+
+def machines(program, count, first):
+    """Returns how many facts were left out and how many of them raised the bandwidth of a random machine."""
+    tried, rises = 0, 0
+    for seed in range(first, first + count):
+        table, facts = random_machine(seed)
+        stated, why = bandwidth(program, table)
+        if stated is None:
+            print(f"machine {seed}: {why}")
+            continue
+        everything = table
+        for path in facts:
+            everything = without(everything, path)
+        for path, open_table in [*((path, without(table, path)) for path in facts), (("all",), everything)]:
+            open_, why = bandwidth(program, open_table)
+            tried += 1
+            if open_ is not None and open_ > COARSE * stated:
+                rises += 1
+                print(f"machine {seed} without {'.'.join(path)}: {stated:.4g} to {open_:.4g} rad/s: A RISE")
+                print(write(table))
+            elif open_ is None:
+                print(f"machine {seed} without {'.'.join(path)}: {why}")
+    return tried, rises
+
+
+def main():
+    program = str(pathlib.Path(sys.argv[1]).resolve())
+    numbers = [int(number) for number in sys.argv[2:4]]
+    count, first = [*numbers, *[60, 0][len(numbers) :]]
+    rises, others, tried = 0, 0, 0
+    for name, table in files(program):
+        table.pop("synth", None)
+        stated, why = bandwidth(program, table)
+        print(f"{name}: {stated if stated is None else round(stated, 3)} rad/s {why or ''}")
+        if stated is None:
+            continue
+        for path in paths(table):
+            open_, why = bandwidth(program, without(table, path))
+            tried += 1
+            if open_ is None or open_ <= STEP * stated:
+                continue
+            named = ".".join(str(part) for part in path)
+            reasons = [OTHER_MACHINES[part] for part in path[-1:] if part in OTHER_MACHINES]
+            others += bool(reasons)
+            rises += not reasons
+            mark = reasons[0] if reasons else "A RISE"
+            print(f"  without {named}: {open_:.3f} rad/s, {open_ / stated:.2f} times: {mark}")
+    print(f"{tried} keys left out, {others} of them make another machine that is quicker, {rises} rises")
+    left, higher = machines(program, count, first)
+    print(f"{count} random machines: {left} facts left out, {higher} rises")
+    sys.exit(rises > 0 or higher > SHARE * left)
+
+
+if __name__ == "__main__":
+    main()
