@@ -41,7 +41,7 @@ pub fn dlyap_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
 /// Wrong shapes, entries that are not finite, or [`Error::NotStable`] with the eigenvalue.
 pub fn lyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
     let form = Prepared::of(A, Kind::Continuous)?;
-    Ok((form.reached(B)?, form.output_in_basis(C)?))
+    Ok((form.gramian_factor(B)?, form.output_in_basis(C)?))
 }
 
 /// Returns the factors of both Gramians from one Schur form: `A P A' - P + B B' = 0` and `A' Q A - Q + C' C = 0`; as
@@ -51,7 +51,7 @@ pub fn lyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
 /// Wrong shapes, entries that are not finite, or [`Error::NotStable`] with the eigenvalue.
 pub fn dlyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
     let form = Prepared::of(A, Kind::Discrete)?;
-    Ok((form.reached(B)?, form.output_in_basis(C)?))
+    Ok((form.gramian_factor(B)?, form.output_in_basis(C)?))
 }
 
 /// Returns a square factor `L`, `P = L L'`, as [`lyap_factor`] but not triangular: enough for the trace of `C P C'`.
@@ -59,7 +59,7 @@ pub fn dlyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
 /// # Errors
 /// As for [`lyap_factor`].
 pub fn lyap_square_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
-    Prepared::of(A, Kind::Continuous)?.reached(B)
+    Prepared::of(A, Kind::Continuous)?.gramian_factor(B)
 }
 
 /// Returns a square factor `L`, `P = L L'`, as [`dlyap_factor`] but not triangular.
@@ -67,11 +67,11 @@ pub fn lyap_square_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
 /// # Errors
 /// As for [`dlyap_factor`].
 pub fn dlyap_square_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
-    Prepared::of(A, Kind::Discrete)?.reached(B)
+    Prepared::of(A, Kind::Discrete)?.gramian_factor(B)
 }
 
 fn factor(A: &Mat, B: &Mat, kind: Kind) -> Result<Mat, Error> {
-    let square = Prepared::of(A, kind)?.reached(B)?;
+    let square = Prepared::of(A, kind)?.gramian_factor(B)?;
     Ok(qr_r(&square.t())?.t())
 }
 
@@ -98,7 +98,7 @@ impl Prepared {
     }
 
     /// A square factor of the solution of the equation with `A` and `B B'`.
-    fn reached(&self, B: &Mat) -> Result<Mat, Error> {
+    fn gramian_factor(&self, B: &Mat) -> Result<Mat, Error> {
         check_shape("B", B, self.scale.len(), B.ncols())?;
         let scaled = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] / self.scale[i]);
         let inner = inner(&self.form.T, &narrow(&(self.form.U.t() * &scaled))?, self.kind)?;

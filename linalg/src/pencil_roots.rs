@@ -26,7 +26,7 @@ pub fn pencil_roots(M: &Mat, E: &[f64], starts: &[C64]) -> Result<Option<Vec<C64
     check_square("M", M)?;
     check_shape("E", &Mat::col(E), M.nrows(), 1)?;
     if let Some(roots) = simple_roots(M, E, starts) {
-        return Ok(Some(paired(roots)));
+        return Ok(Some(pair_conjugates(roots)));
     }
     Ok(simultaneous_roots(M, E, starts))
 }
@@ -62,7 +62,7 @@ fn iterate(M: &Mat, E: &[f64], mut roots: Vec<LongComplex>) -> Option<Vec<C64>> 
             settled[k] = step.size() <= PENCIL_CONVERGED * roots[k].size();
         }
         if settled.iter().all(|s| *s) {
-            return Some(paired(roots.into_iter().map(LongComplex::round).collect()));
+            return Some(pair_conjugates(roots.into_iter().map(LongComplex::round).collect()));
         }
     }
     None
@@ -199,7 +199,7 @@ fn trace(rows: &mut [Vec<LongComplex>], E: &[f64]) -> Option<LongComplex> {
 }
 
 /// The roots of a real pencil: nearly real ones made real, the others in exact conjugate pairs.
-fn paired(mut roots: Vec<C64>) -> Vec<C64> {
+fn pair_conjugates(mut roots: Vec<C64>) -> Vec<C64> {
     roots.iter_mut().filter(|root| root.im.abs() <= PENCIL_REAL * root.norm()).for_each(|root| root.im = 0.0);
     let mut out: Vec<C64> = roots.iter().copied().filter(|root| root.im == 0.0).collect();
     let mut upper: Vec<C64> = roots.iter().copied().filter(|root| root.im > 0.0).collect();

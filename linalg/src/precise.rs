@@ -20,7 +20,7 @@ pub(crate) struct Long {
 
 impl Long {
     #[inline(always)]
-    fn normalised(high: f64, low: f64) -> Self {
+    fn from_parts(high: f64, low: f64) -> Self {
         let sum = high + low;
         Self { high: sum, low: low - (sum - high) }
     }
@@ -33,7 +33,7 @@ impl Long {
         let sum = self.high + product;
         let back = sum - self.high;
         let error = (self.high - (sum - back)) + (product - back);
-        Self::normalised(sum, error + (self.low + lost))
+        Self::from_parts(sum, error + (self.low + lost))
     }
 }
 

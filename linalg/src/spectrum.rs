@@ -136,7 +136,7 @@ impl Spectrum {
         let n = self.form.T.nrows();
         let triangle = Triangle::of(&self.form.T, mode, EPS * self.size);
         let y = triangle.solve_left(vec![C64::new(1.0, 0.0); n]);
-        self.outward(&triangle.solve_left(triangle.combined(&y)))
+        self.outward(&triangle.solve_left(triangle.combine_row(&y)))
     }
 
     /// `v` with `B v = mode v` for the balanced matrix, its largest entry about 1.
@@ -224,7 +224,7 @@ impl Triangle {
         Self { columns, steps }
     }
 
-    /// `y` with `y' (T - mode I) = b'` for the right-hand side `b` after [`Triangle::combined`], its largest entry 1.
+    /// `y` with `y' (T - mode I) = b'` for the right-hand side `b` after [`Triangle::combine_row`], its largest entry 1.
     fn solve_left(&self, b: Vec<C64>) -> Vec<C64> {
         let mut y: Vec<C64> = Vec::with_capacity(b.len());
         let mut scale = 1.0;
@@ -264,7 +264,7 @@ impl Triangle {
     }
 
     /// The column operations applied to a row.
-    fn combined(&self, b: &[C64]) -> Vec<C64> {
+    fn combine_row(&self, b: &[C64]) -> Vec<C64> {
         let mut b = b.to_vec();
         for k in (1..b.len()).rev() {
             let (swap, factor) = self.steps[k];

@@ -96,7 +96,7 @@ impl Data {
     }
 
     /// The equations with a matrix E, roots of pencils, and what takes lists.
-    fn generalised(&self) -> Vec<Call<'_>> {
+    fn generalised_calls(&self) -> Vec<Call<'_>> {
         let Self { A, B, C, Q, R, S } = self;
         let weights = |S| CostWeights { Q, R, S };
         let scales = C.diagonal();
@@ -166,7 +166,7 @@ fn sparse_calls(A: &Mat, Q: &Mat) -> Result<(), Error> {
 /// Calls every routine; the names of those that panic.
 fn call_all(seed: u64) -> Vec<&'static str> {
     let data = Data::of(seed);
-    let calls = data.equations().into_iter().chain(data.generalised()).chain(data.decompositions());
+    let calls = data.equations().into_iter().chain(data.generalised_calls()).chain(data.decompositions());
     panicking(&calls.collect::<Vec<Call>>())
 }
 

@@ -124,10 +124,10 @@ pub(super) fn decide(
             let boundary = if kind == Kind::Continuous { 0.0 } else { 1.0 };
             let stability = boundary + reaches.fold(f64::NEG_INFINITY, f64::max);
             let reason = Reason::Inaccurate { residual, stability, hardest: None };
-            Outcome::Infeasible(explained(Refusal { reason, ..refusal }, modes))
+            Outcome::Infeasible(explain_refusal(Refusal { reason, ..refusal }, modes))
         }
         Some(found) => accept(found, modes, 0.0),
-        None => Outcome::Infeasible(explained(refusal, modes)),
+        None => Outcome::Infeasible(explain_refusal(refusal, modes)),
     }
 }
 
@@ -153,7 +153,7 @@ fn accept(found: Certified, modes: &Modes, limit: f64) -> Outcome<Certified> {
 }
 
 /// The mode behind a refusal, if one can be named.
-fn explained(refusal: Refusal, modes: &Modes) -> Reason {
+fn explain_refusal(refusal: Refusal, modes: &Modes) -> Reason {
     if let Some(reason) = reason::diagnose(modes, refusal.nearest) {
         return reason;
     }

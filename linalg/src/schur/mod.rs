@@ -32,7 +32,7 @@ pub fn schur(A: &Mat) -> Result<Schur, Error> {
     keep_freed_blocks(A.nrows());
     match independent(A) {
         groups if groups.len() > 1 => group_by_group(A, &groups),
-        _ => connected(A),
+        _ => connected_form(A),
     }
 }
 
@@ -42,7 +42,7 @@ fn group_by_group(A: &Mat, groups: &[Vec<usize>]) -> Result<Schur, Error> {
     let (mut T, mut U) = (Mat::zeros(n, n), Mat::zeros(n, n));
     let mut top = 0;
     for group in groups {
-        let form = connected(&A.select(group, group))?;
+        let form = connected_form(&A.select(group, group))?;
         T.set_block(top, top, &form.T);
         for j in 0..group.len() {
             group.iter().enumerate().for_each(|(i, &state)| U[(state, top + j)] = form.U[(i, j)]);
@@ -76,7 +76,7 @@ fn independent(A: &Mat) -> Vec<Vec<usize>> {
 }
 
 /// The form of a matrix that is not taken apart.
-fn connected(A: &Mat) -> Result<Schur, Error> {
+fn connected_form(A: &Mat) -> Result<Schur, Error> {
     let (mut T, mut U) = hessenberg(A)?;
     if A.nrows() > 0 {
         francis::francis(&mut T, &mut U, 0, A.nrows() - 1)?;

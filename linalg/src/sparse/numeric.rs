@@ -101,7 +101,7 @@ pub(super) fn factorise<T: Number>(
     let (mut pivots, mut done, mut told) = (Vec::with_capacity(n), 0.0, 0);
     for s in 0..analysis.blocks() {
         let Panel { rows, cols } = analysis.panel(s);
-        let mut panel = run.assembled(s, terms)?;
+        let mut panel = run.assemble_panel(s, terms)?;
         eliminate(&mut panel, rows, 0..cols, &mut run.scaled);
         let found = (0..cols).map(|j| panel[j * rows + j]);
         pivots.extend(found);
@@ -145,7 +145,7 @@ struct Elimination<'a, T> {
 
 impl<T: Number> Elimination<'_, T> {
     /// The panel of a block: what was subtracted from it, and the entries of the matrix.
-    fn assembled(&mut self, s: usize, terms: &[Term<T>]) -> Result<Vec<T>, Error> {
+    fn assemble_panel(&mut self, s: usize, terms: &[Term<T>]) -> Result<Vec<T>, Error> {
         let analysis = self.analysis;
         self.allocate(s)?;
         let mut panel = std::mem::take(&mut self.panels[s]);
