@@ -36,7 +36,7 @@ impl<const N: usize> Lane<N> {
     }
 
     #[inline(always)]
-    fn negated(&self) -> Self {
+    fn negative(&self) -> Self {
         Self { re: self.re.map(|v| -v), im: self.im.map(|v| -v) }
     }
 
@@ -148,7 +148,7 @@ impl<'a, const N: usize> Sweep<'a, N> {
             }
         }
         // Where both are zero the pivot is zero and the answer not finite: s is a pole.
-        let factor = Lane::quotient(&small, &large).negated();
+        let factor = Lane::quotient(&small, &large).negative();
         self.solve(k, &large, &swap, unknowns);
         self.columns(k, &factor, &swap, unknowns);
     }
@@ -163,7 +163,7 @@ impl<'a, const N: usize> Sweep<'a, N> {
                 let (kept, _) = choose(self.C[(i, k - 1)], &self.out[i], swap);
                 self.answer[j * self.p + i].add_product(&kept, &x);
             }
-            *unknown = x.negated();
+            *unknown = x.negative();
         }
     }
 

@@ -107,7 +107,7 @@ pub fn zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
     }
     match precise_zeros(&scaled, &entrywise)? {
         Some(zeros) => Ok(zeros),
-        None => Ok(agreed(orthogonal, entrywise)),
+        None => Ok(agreed_zeros(orthogonal, entrywise)),
     }
 }
 
@@ -119,11 +119,11 @@ pub fn zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
 pub(crate) fn uncorrected_zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
     let scaled = unit_gains(&balance(g).0);
     let entrywise = entrywise_zeros(&scaled)?;
-    Ok(agreed(orthogonal_zeros(scaled), entrywise))
+    Ok(agreed_zeros(orthogonal_zeros(scaled), entrywise))
 }
 
 /// Returns the zeros by orthogonal transformations if both methods agree; otherwise those by eliminations.
-fn agreed(orthogonal: Result<Vec<C64>, Error>, entrywise: Vec<C64>) -> Vec<C64> {
+fn agreed_zeros(orthogonal: Result<Vec<C64>, Error>, entrywise: Vec<C64>) -> Vec<C64> {
     match orthogonal {
         Ok(zeros) if is_same(&zeros, &entrywise, SAME_ROOT) => zeros,
         _ => entrywise,

@@ -50,14 +50,14 @@ impl Scan {
             let rates: Vec<f64> = scan.points.iter().map(|point| point.rate).collect();
             scan.points = scan.evaluate(&rates);
         }
-        scan.completed(g, &zeros)
+        scan.complete_grid(g, &zeros)
     }
 
     /// Resolves the loop's response on a grid that starts from zeros without the correction in 32 digits, and is close along the negative axis
     /// only about a gain of one.
     pub fn of_candidate(g: &StateSpace) -> Result<Self, Error> {
         let zeros = uncorrected_zeros(g)?;
-        Self::on_starting_grid(g, &zeros, CANDIDATE_GAINS)?.completed(g, &zeros)
+        Self::on_starting_grid(g, &zeros, CANDIDATE_GAINS)?.complete_grid(g, &zeros)
     }
 
     fn on_starting_grid(g: &StateSpace, zeros: &[C64], close_gains: Range<f64>) -> Result<Self, Error> {
@@ -78,7 +78,7 @@ impl Scan {
     }
 
     /// Refines the grid and extends it beyond its ends.
-    fn completed(mut self, g: &StateSpace, zeros: &[C64]) -> Result<Self, Error> {
+    fn complete_grid(mut self, g: &StateSpace, zeros: &[C64]) -> Result<Self, Error> {
         self.refine();
         self.extend(g, zeros)?;
         Ok(self)
