@@ -30,7 +30,7 @@ impl Dahl {
 
     /// Returns the torque after a displacement with the level of rest: the rate-independent form of [`Dahl::advance`].
     pub fn torque_after(&self, displacement_rad: f64, level: f64, torque_nm: f64) -> f64 {
-        let constant = Self { level: self.level.frozen(), ..*self };
+        let constant = Self { level: self.level.level_at_rest(), ..*self };
         constant.advance(displacement_rad, 1.0, level, torque_nm)
     }
 

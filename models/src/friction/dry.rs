@@ -128,7 +128,7 @@ impl<R: Real> DryFriction<R> {
     /// Returns the torque, N m, as [`FrictionModel::dry_torque`] does.
     #[inline(always)]
     pub fn torque(&self, rate_rad_s: R, state: R) -> R {
-        let level = self.directed(rate_rad_s);
+        let level = self.direction_factor(rate_rad_s);
         match &self.law {
             SmoothLaw::None => state.constant(0.0),
             SmoothLaw::Dahl(_) | SmoothLaw::Walrath(_) => state,
@@ -140,7 +140,7 @@ impl<R: Real> DryFriction<R> {
     /// Returns the state after a time at constant rate, as [`FrictionModel::advance`] does.
     #[inline(always)]
     pub fn advance(&self, rate_rad_s: R, time_s: R, state: R) -> R {
-        let level = self.directed(rate_rad_s);
+        let level = self.direction_factor(rate_rad_s);
         match &self.law {
             SmoothLaw::None => state,
             SmoothLaw::Dahl(law) => law.advance(rate_rad_s, time_s, level, state),
@@ -151,7 +151,7 @@ impl<R: Real> DryFriction<R> {
     }
 
     #[inline(always)]
-    fn directed(&self, rate_rad_s: R) -> R {
+    fn direction_factor(&self, rate_rad_s: R) -> R {
         rate_rad_s.constant(1.0) + self.asymmetry * rate_rad_s.signum()
     }
 }

@@ -31,7 +31,7 @@ impl Mesh {
                 Ok(split(if *n + 1 < stations.len() { &ends } else { &stations }, positive(*n)?))
             }
             Self::Pivoted(n) => Ok(split(&with_pivot(profile.stations_m(), pivot_m), positive(*n)?)),
-            Self::Nodes(nodes) => given(nodes, ends),
+            Self::Nodes(nodes) => check_nodes(nodes, ends),
         }
     }
 }
@@ -62,7 +62,7 @@ fn split(stations: &[f64], elements: usize) -> Vec<f64> {
     (0..parts.len()).flat_map(inside).chain([stations[stations.len() - 1]]).collect()
 }
 
-fn given(nodes: &[f64], [start, end]: [f64; 2]) -> Result<Vec<f64>, Error> {
+fn check_nodes(nodes: &[f64], [start, end]: [f64; 2]) -> Result<Vec<f64>, Error> {
     let rising = nodes.len() > 1 && nodes.windows(2).all(|w| w[0] < w[1]);
     let spans = rising && nodes[0] == start && nodes[nodes.len() - 1] == end;
     let refused = Error::Parameter {

@@ -5,7 +5,7 @@ use counterpoise_models::friction::describing::sinusoidal_loop;
 use counterpoise_models::friction::{FrictionConditions, FrictionModel};
 use counterpoise_models::{Error, Friction, FrictionLaw, Ripple, StribeckCurve};
 
-fn curved(curve: StribeckCurve) -> FrictionModel {
+fn stribeck_model(curve: StribeckCurve) -> FrictionModel {
     model(FrictionLaw::Stribeck { coulomb_nm: 1.0, curve }, 1.5, 1e-3)
 }
 
@@ -14,11 +14,11 @@ fn every_law() -> Vec<(&'static str, FrictionModel)> {
     vec![
         ("coulomb", model(FrictionLaw::Coulomb { coulomb_nm: 1.0 }, 1.0, 1.0)),
         ("stiction", model(FrictionLaw::Coulomb { coulomb_nm: 1.0 }, 1.5, 1.0)),
-        ("tustin", curved(StribeckCurve::Tustin)),
-        ("exponential", curved(StribeckCurve::Exponential { exponent: 0.7 })),
-        ("gaussian", curved(StribeckCurve::Gaussian)),
-        ("lorentzian", curved(StribeckCurve::Lorentzian)),
-        ("polynomial", curved(StribeckCurve::Polynomial { coefficients: [0.0, -1.5, 1.0] })),
+        ("tustin", stribeck_model(StribeckCurve::Tustin)),
+        ("exponential", stribeck_model(StribeckCurve::Exponential { exponent: 0.7 })),
+        ("gaussian", stribeck_model(StribeckCurve::Gaussian)),
+        ("lorentzian", stribeck_model(StribeckCurve::Lorentzian)),
+        ("polynomial", stribeck_model(StribeckCurve::Polynomial { coefficients: [0.0, -1.5, 1.0] })),
         ("karnopp", model(FrictionLaw::Karnopp { coulomb_nm: 1.0, stick_rate_rad_s: 1e-5 }, 1.5, 1.0)),
         ("dahl", dahl(1.0, 1e4, 1.0)),
         ("dahl, exponent 2", dahl(1.0, 1e4, 2.0)),
