@@ -130,11 +130,11 @@ impl Mapping {
         }
         let mut remarks = table.remarks.clone();
         remarks.extend(nearly_named(table, |name| self.names_column(name), &channels, time_s.as_ref()));
-        let mut remarks = counted(remarks);
+        let mut remarks = limit_remarks(remarks);
         remarks.extend(odd);
         let signals = stack_columns(signals.iter().map(|values| values.view()));
         let Uniform { period_s, start_s, mut signals, remarks: of_clock } =
-            self.clocked(table, time_s, signals)?;
+            self.put_on_clock(table, time_s, signals)?;
         remarks.extend(of_clock);
         let columns = channels.iter().zip(signals.columns());
         remarks.extend(columns.filter_map(|(channel, values)| missing(*channel, values)));
@@ -160,7 +160,7 @@ impl Mapping {
     }
 
     /// Returns the signals on a uniform clock: the file's, or the given sample period if the file has no time.
-    fn clocked(
+    fn put_on_clock(
         &self,
         table: &Table,
         time_s: Option<Array1<f64>>,
@@ -230,11 +230,11 @@ impl Mapping {
         let wanted = Wanted { channel: channel.name(), unit: self.units.of(channel), usual: channel.unit() };
         match self.source_of(from) {
             Some(source) => {
-                let values = converted(table, source, &wanted)?;
+                let values = convert_column(table, source, &wanted)?;
                 on_file_clock(table, source, values, time_s).map(Some)
             }
             None if table.find(from.name()).is_some() => {
-                converted(table, &ChannelSource::from_column(from.name()), &wanted).map(Some)
+                convert_column(table, &ChannelSource::from_column(from.name()), &wanted).map(Some)
             }
             None => Ok(None),
         }
@@ -257,7 +257,7 @@ impl Mapping {
         let column = TIME_NAMES.into_iter().find(|name| table.find(name).is_some());
         let by_name = column.map(ChannelSource::from_column);
         let Some(source) = self.time.as_ref().or(by_name.as_ref()) else { return Ok(None) };
-        let time_s = converted(table, source, &Wanted::TIME)?;
+        let time_s = convert_column(table, source, &Wanted::TIME)?;
         let has_unit = source.unit.is_some() || table.column(&source.column)?.unit.is_some();
         if let Some(project_s) = self.sample_period_s.filter(|_| !has_unit && source.scale == 1.0) {
             check_time_unit(&table.name, &time_s, project_s)?;
@@ -267,7 +267,7 @@ impl Mapping {
 }
 
 /// Returns the first remarks about columns, and how many others there are.
-fn counted(mut remarks: Vec<Remark>) -> Vec<Remark> {
+fn limit_remarks(mut remarks: Vec<Remark>) -> Vec<Remark> {
     let further = remarks.len().saturating_sub(MOST_REMARKS);
     if further > 0 {
         // Columns with nearly the name of a channel come first: they are the likeliest to be missed.
@@ -293,7 +293,7 @@ impl Wanted {
 }
 
 /// Returns a column in a channel's unit. A column without a unit, or in counts, is taken to be in the channel's.
-fn converted(table: &Table, source: &ChannelSource, wanted: &Wanted) -> Result<Array1<f64>, Error> {
+fn convert_column(table: &Table, source: &ChannelSource, wanted: &Wanted) -> Result<Array1<f64>, Error> {
     let column = table.column(&source.column)?;
     let of_column = source.unit_of_column(wanted.unit);
     let target = Unit::parse(of_column).unwrap_or(Unit::ONE);
@@ -324,6 +324,6 @@ fn on_file_clock(
     time_s: Option<&Array1<f64>>,
 ) -> Result<Array1<f64>, Error> {
     let (Some(clock), Some(time_s)) = (&source.clock, time_s) else { return Ok(values) };
-    let own_s = converted(table, &ChannelSource::from_column(clock), &Wanted::TIME)?;
+    let own_s = convert_column(table, &ChannelSource::from_column(clock), &Wanted::TIME)?;
     Ok(interpolate_on_clock(values.view(), own_s.view(), time_s.view()))
 }

@@ -18,7 +18,7 @@ fn read(text: &str) -> Table {
     Table::read(text.as_bytes(), "run.csv").unwrap()
 }
 
-fn refused(text: &str) -> String {
+fn refusal_text(text: &str) -> String {
     let table = Table::read(text.as_bytes(), "run.csv");
     table.and_then(|t| Mapping::default().apply(&t).map(|_| t)).unwrap_err().to_string()
 }
@@ -110,7 +110,7 @@ fn damaged_csv_names_row_column_and_value() {
         ),
     ];
     for (text, wanted) in table {
-        let said = refused(text);
+        let said = refusal_text(text);
         assert!(said.starts_with(wanted), "{text:?}: {said}");
     }
 }
@@ -328,7 +328,7 @@ fn rows_written_twice_count_once_and_a_time_that_stands_still_with_other_values_
     assert_eq!(record.remarks, [Remark::Repeated { rows: 1, first_row: 3 }]);
     assert_eq!(channel(&record, Channel::HubRate), [1.0, 2.0, 3.0, 4.0]);
     assert_eq!(record.sample_period_s, 1e-3);
-    let said = refused(&format!("{head}0.000,1,4\n0.001,2,5\n0.001,2.5,5\n0.002,3,6\n"));
+    let said = refusal_text(&format!("{head}0.000,1,4\n0.001,2,5\n0.001,2.5,5\n0.002,3,6\n"));
     assert!(said.contains("time does not grow: row 3"), "{said}");
 }
 
@@ -338,7 +338,7 @@ fn a_column_of_texts_is_left_out_and_said() {
     assert_eq!(table.columns.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), ["time", "hub_rate"]);
     let Remark::Unread { column, why } = &table.remarks[0] else { panic!("{table:?}") };
     assert_eq!((column.as_str(), why.to_string().as_str()), ("state", "it holds texts, not real numbers"));
-    assert!(refused("time [s],state\n0,idle\n0.1,3\n").contains("\"idle\" is not a number"));
+    assert!(refusal_text("time [s],state\n0,idle\n0.1,3\n").contains("\"idle\" is not a number"));
 }
 
 #[test]

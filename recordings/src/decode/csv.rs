@@ -50,7 +50,7 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
         }
         row(&record.map_err(unreadable)?, delimiter, &mut columns, file)?;
     }
-    Kept::of(headings).decoded(columns, file)
+    Kept::of(headings).decode_part(columns, file)
 }
 
 /// The columns of a file, which may be read in parts.
@@ -74,7 +74,7 @@ impl Kept {
     ///
     /// # Errors
     /// [`Error::Cell`] if a column of numbers has a cell that is none, in this part or an earlier one.
-    fn decoded(&mut self, columns: Vec<Cells>, file: &str) -> Result<Decoded, Error> {
+    fn decode_part(&mut self, columns: Vec<Cells>, file: &str) -> Result<Decoded, Error> {
         let mut found = Decoded::default();
         for (k, mut cells) in columns.into_iter().enumerate() {
             cells.follow(&self.held[k]);
@@ -259,7 +259,7 @@ impl<R: std::io::BufRead> CsvParts<R> {
         }
         let name = format!("{}, rows {} to {}", self.name, self.read + 1, self.read + count);
         self.read += count;
-        let Decoded { columns, remarks } = self.columns.decoded(columns, &self.name)?;
+        let Decoded { columns, remarks } = self.columns.decode_part(columns, &self.name)?;
         Table { name, columns, remarks }.into_checked().map(Some)
     }
 }

@@ -53,7 +53,7 @@ fn columns(
         }
         budget.take(name, rows)?;
         let values = column(reader, index, description.max_def_level(), what, &mut origin);
-        let values = values.map_err(|error| damaged(file, name, &error))?;
+        let values = values.map_err(|error| damaged_column(file, name, &error))?;
         let named = Column::from_heading(name, values);
         let unit = named.unit.or_else(|| what.unit().map(str::to_owned));
         decoded.columns.push(Column { unit, ..named });
@@ -62,7 +62,7 @@ fn columns(
 }
 
 /// Returns the error of a column that cannot be decoded.
-fn damaged(file: &str, column: &str, error: &ParquetError) -> Error {
+fn damaged_column(file: &str, column: &str, error: &ParquetError) -> Error {
     let (file, why) = (file.to_owned(), error.to_string());
     match why.contains("CRC") {
         true => Error::Checksum { file, column: column.to_owned(), why },
