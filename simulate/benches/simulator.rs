@@ -138,7 +138,7 @@ fn ensemble(criterion: &mut Criterion) {
     for (name, stiffness, noise) in
         [("friction", 0.0, None), ("friction, noise", 0.0, Some(3)), ("linear part", 0.02, None)]
     {
-        let plants: Vec<Plant> = (0..8).map(|k| varied(f64::from(k), stiffness)).collect();
+        let plants: Vec<Plant> = (0..8).map(|k| varied_rig(f64::from(k), stiffness)).collect();
         let scenarios: Vec<Scenario> = (0..8).map(|k| road(noise.map(|seed| seed + k))).collect();
         let mut simulators: Vec<Simulator> =
             plants.iter().map(|plant| Simulator::new(plant).unwrap()).collect();
@@ -172,7 +172,7 @@ fn ensemble(criterion: &mut Criterion) {
 }
 
 /// The rig with friction that differs by variant, and with a stiffness that does so by a share.
-fn varied(number: f64, stiffness: f64) -> Plant {
+fn varied_rig(number: f64, stiffness: f64) -> Plant {
     let mut rig = reference::rig();
     if let FrictionLaw::Dahl { coulomb_nm, .. } = &mut rig.pivot_friction.law {
         *coulomb_nm *= 1.0 + 0.02 * number;

@@ -327,10 +327,10 @@ impl<'a> Lap<'a> {
         if self.scenario.detail == Detail::Everything {
             self.log_truth(&platform, motor_rate, shown);
         }
-        let control = self.delayed(given.control_v);
+        let control = self.delay_control(given.control_v);
         let before = std::mem::replace(&mut self.before_v, control);
         let control = if error.step == Step::Late { before } else { control };
-        let control = self.limited(control, motor_rate);
+        let control = self.limit_control(control, motor_rate);
         let parameters = self.plant.parameters();
         self.drive_v = parameters.amplifier.drive_v(control, &parameters.motor);
         self.drive_v
@@ -376,7 +376,7 @@ impl<'a> Lap<'a> {
     }
 
     /// Returns the control that the limits of the drive leave at a rate of the motor, and keeps the current that they leave over the sample.
-    fn limited(&mut self, control_v: f64, motor_rate: f64) -> f64 {
+    fn limit_control(&mut self, control_v: f64, motor_rate: f64) -> f64 {
         let Some(drive) = &mut self.limited else { return control_v };
         self.range_a = drive.range_a(motor_rate);
         if self.scenario.detail == Detail::Everything {
@@ -412,7 +412,7 @@ impl<'a> Lap<'a> {
         drive.advance([before_a, after_a]);
     }
 
-    fn delayed(&mut self, control: f64) -> f64 {
+    fn delay_control(&mut self, control: f64) -> f64 {
         let delay = self.plant.parameters().interface.output_delay_samples;
         if delay == 0 {
             return control;

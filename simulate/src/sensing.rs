@@ -140,7 +140,7 @@ impl Chain {
         let value = sensor.gain * truth + sensor.bias + sensor.g_sensitivity * heave;
         let (scale, spread, resolution) = (sensor.scale_v_unit, sensor.noise_rms, sensor.resolution);
         let value = self.at_offset(value, at.offset);
-        let mut delayed = self.delayed(value) + spread * at.noise;
+        let mut delayed = self.delay_value(value) + spread * at.noise;
         if let Some(drift) = &mut self.drift {
             delayed += drift.next();
         }
@@ -152,7 +152,7 @@ impl Chain {
         self.held.as_mut().map_or(reading, |held| held.hold_reading(reading))
     }
 
-    fn delayed(&mut self, value: f64) -> f64 {
+    fn delay_value(&mut self, value: f64) -> f64 {
         if self.delay_samples == 0.0 {
             return value;
         }

@@ -251,7 +251,7 @@ impl<'a> Second<'a> {
             Memory::Slides(direction) => {
                 [i32::from(rate * direction < -SECOND_RATE_ROUNDING), i32::from(self.in_band(joint, rate))]
             }
-            Memory::Rests => [self.broken(joint, now, y, time_s), 0],
+            Memory::Rests => [self.breakaway_sign(joint, now, y, time_s), 0],
             Memory::Bonds(bonds, from) => {
                 let travel = self.angle(joint, y, time_s) - from;
                 let limit = match model.law() {
@@ -265,7 +265,7 @@ impl<'a> Second<'a> {
     }
 
     /// Returns the sign of the torque that a joint at rest cannot hold; 0 if it holds.
-    fn broken(&self, joint: usize, now: &Now, y: &[f64], time_s: f64) -> i32 {
+    fn breakaway_sign(&self, joint: usize, now: &Now, y: &[f64], time_s: f64) -> i32 {
         let mut slope = self.free(y, time_s);
         if joint == 1 {
             let torque = match &now.memory[0] {
@@ -330,7 +330,7 @@ impl<'a> Second<'a> {
 
     /// Lets a joint at rest slide if it cannot hold.
     fn leave(&self, now: &mut Now, joint: usize, time_s: f64) {
-        match self.broken(joint, now, &now.y, time_s) {
+        match self.breakaway_sign(joint, now, &now.y, time_s) {
             0 => {}
             direction => now.memory[joint] = Memory::Slides(f64::from(direction)),
         }

@@ -406,7 +406,7 @@ mod tests {
     use counterpoise_models::reference;
 
     /// Returns the state after a few samples with every step of one level.
-    fn moved(finest: usize, volts: f64) -> Vec<f64> {
+    fn state_after(finest: usize, volts: f64) -> Vec<f64> {
         let plant = Plant::from_lumped(&reference::rig()).unwrap();
         let start = Simulator::new(&plant).unwrap().rest(0.01, 0.0, 0.0);
         let mut stepper = Stepper::new(&plant, 1e-3, if finest == 0 { 1e9 } else { 1e-30 }).unwrap();
@@ -424,9 +424,9 @@ mod tests {
 
     #[test]
     fn the_deepest_steps_go_where_whole_samples_go() {
-        let whole = moved(0, 5.0);
+        let whole = state_after(0, 5.0);
         for level in [4, 8, 9, 12, 14] {
-            let found = moved(level, 5.0);
+            let found = state_after(level, 5.0);
             for (a, b) in found.iter().zip(&whole) {
                 assert!((a - b).abs() < 1e-7 * (1.0 + b.abs()), "{level}: {found:?} {whole:?}");
             }

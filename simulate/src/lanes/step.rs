@@ -99,7 +99,7 @@ impl pulp::WithSimd for LaneStep<'_> {
         let guess = span.guess(state, work, outputs[HUB_ANGLE], &at_start);
         let motion = motion.at_angles(load_registers(simd, &state.travelled));
         let begin = Begin { outputs, motion, contraction: Lane::new(simd, state.contraction) };
-        let tried = span.iterated(&fixed, &begin, guess);
+        let tried = span.iterate_ports(&fixed, &begin, guess);
         setup.table.add_ports(simd, &tried.values, &mut work.end);
         let middle = setup.table.middle_outputs(simd, fixed[STAGES], &tried.values);
         let end = setup.table.see(simd, &work.end);
@@ -258,7 +258,7 @@ impl<S: Simd> Span<'_, S> {
 
     /// Iterates on the ports until every lane has converged, or for as long as a step of one mechanism does.
     #[inline(always)]
-    fn iterated(
+    fn iterate_ports(
         &self,
         fixed: &[[Lane<S>; OUTPUTS]; STAGES + 1],
         begin: &Begin<S>,
