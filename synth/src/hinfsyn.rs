@@ -62,7 +62,7 @@ pub fn hinfsyn(plant: &Generalised, tolerance: f64) -> Result<HInfinity, Error> 
         return Err(Error::refusal(findings));
     }
     search.narrow(tolerance)?;
-    search.verified()
+    search.verified_solution()
 }
 
 /// The mode in the way where no bound is kept: as the bound grows the equations become those of H2, which name it.
@@ -131,7 +131,7 @@ impl Search<'_> {
     }
 
     /// The controller at the upper end, or at the first bound above it whose loop keeps it.
-    fn verified(mut self) -> Result<HInfinity, Error> {
+    fn verified_solution(mut self) -> Result<HInfinity, Error> {
         let mut bound = self.high.map_or(self.low.bound, |high| high.bound);
         let mut raise = HINF_FIRST_RAISE;
         while self.high.is_some() && self.trials < 2 * HINF_TRIALS {

@@ -41,7 +41,7 @@ fn by_name() -> Generalised {
 }
 
 /// The same written as other tools stack it: each row with a plant of its own.
-fn stacked() -> StateSpace {
+fn stacked_system() -> StateSpace {
     let g = || first_order(2.0, 1.0);
     let rows = [series(&g(), &first_order(-0.1, 3.0)), series(&g(), &first_order(-40.0, 10.0)), Ok(g())];
     let all = rows.into_iter().map(Result::unwrap).reduce(|a, b| counterpoise_lti::append(&a, &b).unwrap());
@@ -73,7 +73,7 @@ fn blocks_connected_by_name_share_their_plant() {
 fn blocks_stacked_with_a_plant_each_are_refused_with_the_mode_that_is_there_thrice() {
     let copies = ["copy 1", "slow weight", "copy 2", "fast weight", "copy 3"];
     let origins = copies.map(|name| StateOrigin::new(name, 1)).to_vec();
-    let plant = Generalised::new(stacked(), 1, 1).unwrap().of_blocks(origins).unwrap();
+    let plant = Generalised::new(stacked_system(), 1, 1).unwrap().of_blocks(origins).unwrap();
     for found in [causes(&h2syn(&plant).err().unwrap()), causes(&hinfsyn(&plant, 1e-3).err().unwrap())] {
         assert!(
             found.iter().any(

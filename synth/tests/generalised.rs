@@ -11,7 +11,7 @@ fn rows(rows: &[&[f64]]) -> Mat {
     Mat::from_rows(rows)
 }
 
-fn generalised(blocks: [&Mat; 4], controls: usize, measurements: usize) -> Generalised {
+fn generalised_plant(blocks: [&Mat; 4], controls: usize, measurements: usize) -> Generalised {
     let [A, B, C, D] = blocks.map(Clone::clone);
     let system = StateSpace::new(A, B, C, D, Timebase::Continuous).unwrap();
     Generalised::new(system, controls, measurements).unwrap()
@@ -31,7 +31,7 @@ fn near(found: f64, expected: f64, tolerance: f64) {
 
 #[test]
 fn the_cross_terms_of_octave_s_example() {
-    let plant = generalised(
+    let plant = generalised_plant(
         [
             &rows(&[&[-1.0]]),
             &rows(&[&[1.0, 1.0]]),
@@ -51,7 +51,7 @@ fn the_cross_terms_of_octave_s_example() {
 fn the_scalar_problem_has_its_closed_form() {
     for (a, expected) in [(-1.0, 1.708203932499_f64), (0.0, 4.0), (1.0, 11.708203932499)] {
         let (q, r, v) = (2.0, 1.0, 0.5);
-        let plant = generalised(
+        let plant = generalised_plant(
             [
                 &rows(&[&[a]]),
                 &rows(&[&[1.0, 0.0, 1.0]]),
@@ -74,7 +74,7 @@ fn compleib(A: &Mat, inputs: (&Mat, &Mat), (C1, D12, C): (&Mat, &Mat, &Mat), s: 
     let D21 = Mat::zeros(y, w).hstack(&Mat::eye(y).scale(s));
     let D = Mat::from_blocks(&[&[&Mat::zeros(C1.nrows(), w + y), D12], &[&D21, &Mat::zeros(y, u)]]);
     let B = Mat::from_blocks(&[&[B1, &Mat::zeros(n, y), B]]);
-    generalised([A, &B, &C1.vstack(C), &D], u, y)
+    generalised_plant([A, &B, &C1.vstack(C), &D], u, y)
 }
 
 #[test]
@@ -159,7 +159,7 @@ fn each_design_is_the_best_in_its_own_norm() {
     let B = rows(&[&[0.0, 0.0, 0.0], &[1.0, 0.0, 1.0]]);
     let C = rows(&[&[1.0, 0.0], &[0.0, 0.0], &[1.0, 0.0]]);
     let D = rows(&[&[0.0, 0.0, 0.0], &[0.0, 0.0, 0.3], &[0.0, 0.2, 0.0]]);
-    let plant = generalised([&A, &B, &C, &D], 1, 1);
+    let plant = generalised_plant([&A, &B, &C, &D], 1, 1);
     let (two, infinity) = (h2(&plant), hinf(&plant, 1e-3));
     let loops = [&two.controller, &infinity.controller].map(|K| plant.close(K).unwrap());
     let [first, second] = loops.map(|g| (h2norm(&g).unwrap(), hinfnorm(&g, 1e-9).unwrap().value));
@@ -175,7 +175,7 @@ fn a_direct_path_from_control_to_measurement_is_taken_into_the_controller() {
     let C = rows(&[&[1.0, 0.0], &[0.0, 0.0], &[1.0, 0.0]]);
     let with = |direct: f64| {
         let D = rows(&[&[0.0, 0.0, 0.0], &[0.0, 0.0, 1.0], &[0.0, 1.0, direct]]);
-        generalised([&A, &B, &C, &D], 1, 1)
+        generalised_plant([&A, &B, &C, &D], 1, 1)
     };
     let (without, direct) = (h2(&with(0.0)), h2(&with(0.7)));
     near(direct.achieved_norm, without.achieved_norm, 1e-10);
@@ -187,12 +187,13 @@ fn broken_conditions_are_named() {
     let A = rows(&[&[-1.0]]);
     let (B, C) = (rows(&[&[1.0, 0.0, 1.0]]), rows(&[&[1.0], &[0.0], &[1.0]]));
     let D = |d12: f64, d21: f64, d11: f64| rows(&[&[d11, 0.0, 0.0], &[0.0, 0.0, d12], &[0.0, d21, 0.0]]);
-    let cause = |D: &Mat| h2syn(&generalised([&A, &B, &C, D], 1, 1)).unwrap_err().findings()[0].cause.clone();
+    let cause =
+        |D: &Mat| h2syn(&generalised_plant([&A, &B, &C, D], 1, 1)).unwrap_err().findings()[0].cause.clone();
     assert_eq!(cause(&D(0.0, 1.0, 0.0)), Cause::ControlUnweighed { control: 1 });
     assert_eq!(cause(&D(1.0, 0.0, 0.0)), Cause::MeasurementNoiseless { measurement: 1 });
     assert_eq!(cause(&D(1.0, 1.0, 0.5)), Cause::NoiseReachesCost { gain: 0.5 });
     let unreachable =
-        generalised([&rows(&[&[1.0]]), &rows(&[&[1.0, 0.0, 0.0]]), &C, &D(1.0, 1.0, 0.0)], 1, 1);
+        generalised_plant([&rows(&[&[1.0]]), &rows(&[&[1.0, 0.0, 0.0]]), &C, &D(1.0, 1.0, 0.0)], 1, 1);
     let outcome = h2syn(&unreachable).unwrap_err();
     let is_hidden = |error: &Error| match &error.findings()[0].cause {
         Cause::ModeHidden { mode, from: HiddenFrom::Control, block, .. } => {

@@ -67,7 +67,7 @@ impl Machine {
     }
 
     /// The machine with one limit relaxed as an engineer would.
-    fn relaxed(&self, kind: LimitKind) -> Self {
+    fn relax_limit(&self, kind: LimitKind) -> Self {
         let mut other = *self;
         match kind {
             LimitKind::SampleRate => {
@@ -147,7 +147,7 @@ fn relaxing_the_limit_that_is_named_raises_the_bandwidth() {
         *named.entry(format!("{:?}", found.limited_by)).or_insert(0) += 1;
         let is_checked = |limit: &&BandwidthLimit| asked.is_some() || found.limited_by == [limit.kind];
         for limit in found.limits.iter().filter(is_checked) {
-            let relaxed = machine.relaxed(limit.kind).bandwidth().map_or(0.0, |b| b.bandwidth_rad_s);
+            let relaxed = machine.relax_limit(limit.kind).bandwidth().map_or(0.0, |b| b.bandwidth_rad_s);
             let rise = relaxed / found.bandwidth_rad_s;
             if limit.lifted_rad_s.is_none() {
                 unnamed += 1;

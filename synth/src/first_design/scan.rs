@@ -162,7 +162,7 @@ impl<'a> Scan<'a> {
 
     /// Whether the answer is far below what the clock allows.
     fn is_free_of_clock(&self) -> bool {
-        self.best.is_some() && self.reached() < CLOCK_SHARE * self.sample_ceiling()
+        self.best.is_some() && self.best_bandwidth() < CLOCK_SHARE * self.sample_ceiling()
     }
 
     /// Tries the shapes that attenuate modes and leave more phase, from the highest aim at which 3 or 4 lacks nothing but phase down to the
@@ -197,7 +197,7 @@ impl<'a> Scan<'a> {
         upcoming: impl Fn(f64) -> Vec<Candidate>,
     ) -> Result<(), Error> {
         let mut aim = highest_rad_s;
-        while aim > self.reached().max(lowest_rad_s) {
+        while aim > self.best_bandwidth().max(lowest_rad_s) {
             self.look_ahead(upcoming(aim).into_iter());
             for shape in shapes.clone() {
                 self.improve(aim, shape)?;
@@ -216,10 +216,10 @@ impl<'a> Scan<'a> {
     fn improve(&mut self, aim_rad_s: f64, shape: usize) -> Result<(), Error> {
         let Some(found) = self.attempt_if_worthwhile(aim_rad_s, shape)? else { return Ok(()) };
         // Between two aims the bandwidth rises no more than the aim.
-        let is_promising = found.judgement.bandwidth_rad_s * step_of_aims() > self.reached();
+        let is_promising = found.judgement.bandwidth_rad_s * step_of_aims() > self.best_bandwidth();
         if is_promising && self.keeps_all(&found.judgement) {
             let closer = self.close_in(found, Some(aim_rad_s * step_of_aims()))?;
-            if closer.judgement.bandwidth_rad_s > self.reached() {
+            if closer.judgement.bandwidth_rad_s > self.best_bandwidth() {
                 self.best = Some(closer);
             }
         }
@@ -227,7 +227,7 @@ impl<'a> Scan<'a> {
     }
 
     /// The bandwidth of the best feedback so far, rad/s; 0 if there is none.
-    fn reached(&self) -> f64 {
+    fn best_bandwidth(&self) -> f64 {
         self.best.as_ref().map_or(0.0, |best| best.judgement.bandwidth_rad_s)
     }
 
@@ -264,7 +264,7 @@ impl<'a> Scan<'a> {
         let next: Vec<Candidate> =
             upcoming.filter(|next| !is_known(next)).take(self.pool.processors()).collect();
         let found: Vec<OnceLock<_>> = next.iter().map(|_| OnceLock::new()).collect();
-        self.pool.run(next.len(), &|k| drop(found[k].set(self.judged(next[k].aim_rad_s, next[k].shape))));
+        self.pool.run(next.len(), &|k| drop(found[k].set(self.judge_aim(next[k].aim_rad_s, next[k].shape))));
         let keys = next.into_iter().map(|candidate| candidate.key());
         let judged = keys.zip(found).filter_map(|(key, one)| Some((key, one.into_inner()?)));
         self.ahead.extend(judged);
@@ -329,13 +329,13 @@ impl<'a> Scan<'a> {
         }
         let found = match self.ahead.remove(&key) {
             Some(judged) => judged?,
-            None => self.judged(aim_rad_s, shape)?,
+            None => self.judge_aim(aim_rad_s, shape)?,
         };
         self.attempts.insert(key, found.clone());
         Ok(found)
     }
 
-    fn judged(&self, aim_rad_s: f64, shape: usize) -> Result<Option<Tried>, Error> {
+    fn judge_aim(&self, aim_rad_s: f64, shape: usize) -> Result<Option<Tried>, Error> {
         let weights = SHAPES.get(shape).and_then(|s| weights(self.circumstances, &self.gain, aim_rad_s, *s));
         let Some(weights) = weights else { return Ok(None) };
         let position_gain = position_gain(self.circumstances, aim_rad_s);

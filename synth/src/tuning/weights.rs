@@ -188,7 +188,7 @@ impl<'a> Weights<'a> {
         Ok(c2d(&controller, self.sampling.period_s, conversion)?)
     }
 
-    fn designed(&self, at: &[f64]) -> Result<StateSpace, Error> {
+    fn design_feedback(&self, at: &[f64]) -> Result<StateSpace, Error> {
         let specification = Specification {
             feedback: self.weights(at),
             heave: None,
@@ -232,7 +232,7 @@ impl Family for Weights<'_> {
     }
 
     fn sampled_feedback(&self, at: &[f64]) -> Result<StateSpace, Error> {
-        cached_system(&self.designs, at, || self.designed(at))
+        cached_system(&self.designs, at, || self.design_feedback(at))
     }
 
     fn unchecked_feedback(&self, at: &[f64]) -> Result<StateSpace, Error> {

@@ -157,9 +157,9 @@ impl Weight {
     pub fn realise(&self) -> Result<StateSpace, Error> {
         let mirrored = self.rational().mirror_to_left();
         if mirrored.relative_degree() < 0 {
-            return Err(self.refused("it rises without bound at high frequency: no proper realisation"));
+            return Err(self.weight_error("it rises without bound at high frequency: no proper realisation"));
         }
-        self.realised(&mirrored)
+        self.realise_rational(&mirrored)
     }
 
     /// Returns a system with the modulus 1/|W(jw)| and the zeros of W as its poles: what a control weight becomes.
@@ -173,19 +173,19 @@ impl Weight {
     pub fn realise_inverse(&self) -> Result<StateSpace, Error> {
         let inverse = self.rational().mirror_to_left().inverse();
         if inverse.relative_degree() < 0 {
-            return Err(self.refused("it vanishes at high frequency, where control would be free"));
+            return Err(self.weight_error("it vanishes at high frequency, where control would be free"));
         }
-        self.realised(&inverse)
+        self.realise_rational(&inverse)
     }
 
-    fn realised(&self, rational: &Rational) -> Result<StateSpace, Error> {
+    fn realise_rational(&self, rational: &Rational) -> Result<StateSpace, Error> {
         if !rational.is_finite() {
-            return Err(self.refused("it is zero, or one of its numbers is not finite"));
+            return Err(self.weight_error("it is zero, or one of its numbers is not finite"));
         }
         rational.realise()
     }
 
-    fn refused(&self, problem: &'static str) -> Error {
+    fn weight_error(&self, problem: &'static str) -> Error {
         Error::Weight { weight: self.to_string(), problem }
     }
 }
