@@ -267,7 +267,11 @@ struct JointKind {
 }
 
 /// The terms that what is known allows, up to a criterion.
-fn allowed(known: &[FrictionKnowledge], most: StabilityCriterion, reference_rad_s: f64) -> Vec<JointKind> {
+fn allowed_terms(
+    known: &[FrictionKnowledge],
+    most: StabilityCriterion,
+    reference_rad_s: f64,
+) -> Vec<JointKind> {
     let mut all = Vec::new();
     for (joint, known) in known.iter().enumerate() {
         all.push(JointKind { joint, kind: TermKind::Constant });
@@ -351,7 +355,7 @@ pub fn search_multiplier(
     let (peak, most_size) =
         sizes.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map(|(k, s)| (k, *s))?;
     let reference_rad_s = rates[peak].max(MULTIPLIER_START);
-    let kinds = allowed(known, most, reference_rad_s);
+    let kinds = allowed_terms(known, most, reference_rad_s);
     let joints = known.len();
     let one = |&JointKind { joint, kind }: &JointKind| Multiplier {
         terms: vec![MultiplierTerm { joint, kind, weight: 1.0 }],

@@ -198,7 +198,7 @@ impl<'a> Scaled<'a> {
             if !adds_terms(&self.known, most) {
                 continue;
             }
-            let (tried, failed) = self.searched(most, range);
+            let (tried, failed) = self.search_grids(most, range);
             if let Some((multiplier, ProofOutcome::Holds { least, rate_rad_s, intervals })) = tried {
                 found.criterion = multiplier.criterion();
                 (found.least, found.frequency_hz, found.intervals) = (least, hertz(rate_rad_s), intervals);
@@ -214,7 +214,7 @@ impl<'a> Scaled<'a> {
 
     /// Searches a multiplier on a grid, to which the rate at which it failed is added, until it holds or none can; and that rate. What none can
     /// hold at every fourth point of the grid, none can at all of them.
-    fn searched(
+    fn search_grids(
         &self,
         most: StabilityCriterion,
         range: [f64; 2],

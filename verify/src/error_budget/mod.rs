@@ -251,7 +251,9 @@ impl Runs<'_> {
             let back = [&backwards[n - 1 - k], &backwards[n - k]];
             contributions.push(Contribution {
                 source: *source,
-                share_rad2: std::array::from_fn(|j| 0.5 * (grown(j, on) + grown(j, back))),
+                share_rad2: std::array::from_fn(|j| {
+                    0.5 * (mean_square_growth(j, on) + mean_square_growth(j, back))
+                }),
                 alone_rad: self.alone(*source, &bands)?.rad,
                 share: mean_growth(on, back),
                 linear: linear.as_ref().map(|loops| loops.of(*source, &whole)).transpose()?.flatten(),
@@ -351,7 +353,7 @@ impl Runs<'_> {
 }
 
 /// What a mean square grows by between two runs.
-fn grown(j: usize, [before, after]: [&RunError; 2]) -> f64 {
+fn mean_square_growth(j: usize, [before, after]: [&RunError; 2]) -> f64 {
     after.rad[j].powi(2) - before.rad[j].powi(2)
 }
 

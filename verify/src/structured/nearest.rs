@@ -25,17 +25,17 @@ impl Search<'_, '_> {
         let mut best = None;
         for at in ordered.into_iter().take(NEAREST_CANDIDATES) {
             let Some(lower) = &at.lower else { continue };
-            best = nearer(best, self.improved(self.candidate(lower, at.hz), 1.0 / lower.beta)?);
+            best = nearer(best, self.improve_candidate(self.candidate(lower, at.hz), 1.0 / lower.beta)?);
         }
         if self.0.errors == [0.0; 2] {
             let peak = scanned.iter().map(|at| at.upper.beta).fold(0.0, f64::max);
-            best = nearer(best, self.ascended(1.0 / peak)?);
+            best = nearer(best, self.ascend_parameters(1.0 / peak)?);
         }
         Ok(best)
     }
 
     /// Without complex errors: the parameters' ends that bring a pole furthest out, one parameter at a time.
-    fn ascended(&self, scale: f64) -> Result<Option<Destabilising>, Error> {
+    fn ascend_parameters(&self, scale: f64) -> Result<Option<Destabilising>, Error> {
         let count = self.0.entering.len();
         let mut candidate = Direction::none(count);
         let mut best = 0.0;
@@ -49,7 +49,7 @@ impl Search<'_, '_> {
                 }
             }
         }
-        self.improved(candidate, scale * 1.2)
+        self.improve_candidate(candidate, scale * 1.2)
     }
 
     fn candidate(&self, lower: &Perturbation, hz: f64) -> Direction {
@@ -62,7 +62,7 @@ impl Search<'_, '_> {
     }
 
     /// The least scale at which the candidate destabilises, each parameter also tried at the ends of its range.
-    fn improved(&self, mut candidate: Direction, near: f64) -> Result<Option<Destabilising>, Error> {
+    fn improve_candidate(&self, mut candidate: Direction, near: f64) -> Result<Option<Destabilising>, Error> {
         let Some(mut scale) = self.limit(&candidate, near)? else { return Ok(None) };
         for k in 0..candidate.deltas.len() {
             for end in [-1.0, 1.0] {
