@@ -63,7 +63,7 @@ pub(crate) fn explain(searcher: &Searcher, evidence: VerdictEvidence) -> Explana
     let answer = evidence.answer();
     match learned {
         Some((model, improved)) => Explanation { answer: answer.with_learned(model), improved },
-        None => Explanation { answer: doubted(answer, even), improved },
+        None => Explanation { answer: lower_confidence(answer, even), improved },
     }
 }
 
@@ -130,7 +130,7 @@ impl Rest {
 }
 
 /// Returns an answer whose names are as probable as the comparison with a free function allows.
-fn doubted(mut answer: Answer, even: Option<Comparison>) -> Answer {
+fn lower_confidence(mut answer: Answer, even: Option<Comparison>) -> Answer {
     let Some(comparison) = even else { return answer };
     let share = 1.0 / (1.0 + (RIVAL_DECAY * comparison.ahead_nats.min(0.0)).exp());
     for finding in &mut answer.findings {

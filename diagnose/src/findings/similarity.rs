@@ -101,7 +101,7 @@ impl SimilarityScale {
         p.motor.torque_ripple = ripple(&p.motor.torque_ripple, 1.0, c);
         p.motor_friction = p.motor_friction.similar(Similarity { torque: s / c, angle: c });
         p.pivot_friction = p.pivot_friction.similar(Similarity { torque: s, angle: 1.0 });
-        p.learned.iter_mut().for_each(|element| self.learned(element));
+        p.learned.iter_mut().for_each(|element| self.scale_element(element));
         set_loads(&mut p.loads, s);
         set_reading(&mut p.sensors.hub_gyro, self.reading(p.sensors.measured));
         if let Some(tachometer) = &mut p.sensors.motor_tachometer {
@@ -117,7 +117,7 @@ impl SimilarityScale {
     }
 
     /// Scales a free function: its values if they are torques, and its points if they are torques, or angles or rates of the motor.
-    fn learned(self, element: &mut LearnedElement) {
+    fn scale_element(self, element: &mut LearnedElement) {
         let at_motor = element.place == LearnedPlace::Motor;
         let torque = if at_motor { self.torque / self.ratio } else { self.torque };
         let turns = if at_motor { self.ratio } else { 1.0 };
@@ -188,7 +188,7 @@ impl SimilarityScale {
         }
         if let Some(learned) = &mut answer.learned {
             for part in &mut learned.parts {
-                self.inverse().learned(&mut part.element);
+                self.inverse().scale_element(&mut part.element);
                 part.reading = read_curve(&part.element);
             }
             let tables = [&mut learned.after, &mut learned.held_out_before, &mut learned.held_out_after];

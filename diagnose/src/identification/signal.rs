@@ -151,7 +151,7 @@ impl Filter {
             out.push(shown + self.direct * 0.5 * (before + u));
             let next = input.get(k + 1).copied().unwrap_or(*u);
             let rise = if between == Between::Held { 0.0 } else { next - u };
-            x = self.advanced(&x, *u, rise);
+            x = self.next_state(&x, *u, rise);
         }
         out
     }
@@ -168,7 +168,7 @@ impl Filter {
         Mat::from_fn(n, 1, |i, _| of(i))
     }
 
-    fn advanced(&self, x: &Mat, u: f64, rise: f64) -> Mat {
+    fn next_state(&self, x: &Mat, u: f64, rise: f64) -> Mat {
         let n = x.nrows();
         let mut out = Mat::zeros(n, 1);
         for i in 0..n {

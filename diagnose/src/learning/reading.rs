@@ -193,7 +193,7 @@ impl Curve {
         let mut best: Option<FittedForm> = None;
         for _ in 0..if grids.is_empty() { 1 } else { 3 } {
             for inner in points_of(&grids) {
-                let found = self.fitted(form, inner);
+                let found = self.fit_form(form, inner);
                 best = match (best, found) {
                     (Some(old), Some(new)) if old.misfit <= new.misfit => Some(old),
                     (old, new) => new.or(old),
@@ -244,7 +244,7 @@ impl Curve {
         }
     }
 
-    fn fitted(&self, form: Form, inner: Vec<f64>) -> Option<FittedForm> {
+    fn fit_form(&self, form: Form, inner: Vec<f64>) -> Option<FittedForm> {
         let rows: Vec<Vec<f64>> = self.x.iter().map(|x| self.row(form, &inner, *x)).collect();
         let count = rows[0].len();
         let sum = |of: &dyn Fn(usize) -> f64| (0..self.x.len()).map(|k| self.weight[k] * of(k)).sum::<f64>();
@@ -271,7 +271,7 @@ impl Curve {
         let worse = |by: f64| {
             let mut inner = best.inner.clone();
             inner[place] += by;
-            self.fitted(best.form, inner).is_none_or(|fit| fit.misfit > allowed)
+            self.fit_form(best.form, inner).is_none_or(|fit| fit.misfit > allowed)
         };
         let mut half = 1e-4 * (range[1] - range[0]);
         while half < range[1] - range[0] && !(worse(half) || best.inner[place] > half && worse(-half)) {

@@ -92,7 +92,7 @@ pub(crate) fn classify_function(function: &[f64], variable: &[f64], unit: &'stat
     let [low, high] = range(variable)?;
     let simple_trend = |form| Trend::Simple { form, extent: Some(Extent { low, high, unit }) };
     let mean = function.iter().sum::<f64>() / function.len().max(1) as f64;
-    if rms(&centred(function)) < CONSTANT_TREND * mean.abs() {
+    if rms(&remove_mean(function)) < CONSTANT_TREND * mean.abs() {
         return Some(simple_trend(Form::Constant));
     }
     let [straight, odd, even] = simple(function, variable);
@@ -185,7 +185,7 @@ fn simple(residual: &[f64], variable: &[f64]) -> [f64; 3] {
 
 /// Returns the share of the variance that two regressors and a constant explain.
 fn share(residual: &[f64], a: &[f64], b: &[f64]) -> f64 {
-    let [r, a, b] = [residual, a, b].map(centred);
+    let [r, a, b] = [residual, a, b].map(remove_mean);
     let (aa, bb, ab) = (dot(&a, &a), dot(&b, &b), dot(&a, &b));
     let (ar, br, total) = (dot(&a, &r), dot(&b, &r), dot(&r, &r).max(f64::MIN_POSITIVE));
     let determinant = aa * bb - ab * ab;
@@ -196,7 +196,7 @@ fn share(residual: &[f64], a: &[f64], b: &[f64]) -> f64 {
     }
 }
 
-fn centred(series: &[f64]) -> Vec<f64> {
+fn remove_mean(series: &[f64]) -> Vec<f64> {
     let mean = series.iter().sum::<f64>() / series.len().max(1) as f64;
     series.iter().map(|v| v - mean).collect()
 }

@@ -228,7 +228,7 @@ impl<'a> RecordingReplays<'a> {
     }
 
     /// Assesses a closed-loop run; if it does not repeat, assesses the playback in its place.
-    fn judged(
+    fn assess_run(
         &self,
         parameters: &Parameters,
         index: usize,
@@ -237,7 +237,7 @@ impl<'a> RecordingReplays<'a> {
     ) -> Option<Assessment> {
         let length = self.prepared.whole[index].len();
         if self.control == ReplayLoop::Open {
-            return self.played(parameters, index, quiet);
+            return self.assess_playback(parameters, index, quiet);
         }
         let divergence = self.divergence(parameters, index, &quiet, ControlSource::ClosedLoop)?;
         let channels = self.channels(&quiet, index, length, ControlSource::ClosedLoop)?;
@@ -252,11 +252,11 @@ impl<'a> RecordingReplays<'a> {
                 source: ControlSource::ClosedLoop,
             });
         }
-        self.played(parameters, index, playback()?)
+        self.assess_playback(parameters, index, playback()?)
     }
 
     /// Assesses a run under the recorded control.
-    fn played(&self, parameters: &Parameters, index: usize, played: Replay) -> Option<Assessment> {
+    fn assess_playback(&self, parameters: &Parameters, index: usize, played: Replay) -> Option<Assessment> {
         let length = self.prepared.whole[index].len();
         let channels = self.channels(&played, index, length, ControlSource::Playback)?;
         let divergence = self.divergence(parameters, index, &played, ControlSource::Playback)?;
@@ -393,7 +393,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
         let run = |control: &ReplayLoop| {
             self.with(parameters, ready, |r| r.replay_from(parameters, control, start))
         };
-        self.judged(parameters, index, run(&self.control)?, || run(&ReplayLoop::Open))
+        self.assess_run(parameters, index, run(&self.control)?, || run(&ReplayLoop::Open))
     }
 
     fn assess_near(&self, parameters: &Parameters, index: usize, near: &Assessment) -> Option<Assessment> {
@@ -402,7 +402,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
         let run = |control: &ReplayLoop| {
             self.with(parameters, ready, |r| r.replay_near(parameters, control, start))
         };
-        self.judged(parameters, index, run(&self.control)?, || run(&ReplayLoop::Open))
+        self.assess_run(parameters, index, run(&self.control)?, || run(&ReplayLoop::Open))
     }
 
     fn assess(&self, parameters: &Parameters, index: usize) -> Option<Assessment> {
@@ -410,7 +410,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
             let run = |control: &ReplayLoop| {
                 self.with(parameters, &self.whole[index], |r| r.replay(parameters, control))
             };
-            self.judged(parameters, index, run(&self.control)?, || run(&ReplayLoop::Open))
+            self.assess_run(parameters, index, run(&self.control)?, || run(&ReplayLoop::Open))
         };
         if parameters == self.base { self.standing[index].get_or_init(judged).clone() } else { judged() }
     }

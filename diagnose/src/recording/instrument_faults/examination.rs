@@ -114,12 +114,12 @@ impl ExaminedRecordings {
         }
         match column {
             Column::Control => {
-                remade(recording, control, base);
+                recompute_controls(recording, control, base);
             }
             Column::PlatformRate | Column::PlatformAccel
                 if deviation(series) < PLATFORM_REST_MULTIPLE * measure_white_noise(series) =>
             {
-                filled(series);
+                fill_missing(series);
             }
             _ => {}
         }
@@ -143,13 +143,13 @@ impl ExaminedRecordings {
         }
         let Some(series) = column.of_mut(recording) else { return Treatment::UsedAsItIs };
         useless.iter().for_each(|k| series[*k] = f64::NAN);
-        if column == Column::Control && remade(recording, control, base) {
+        if column == Column::Control && recompute_controls(recording, control, base) {
             return Treatment::ControlRecomputed;
         }
         match (kind, column) {
             (FaultKind::Held { .. }, Column::PlatformRate | Column::PlatformAccel) => {
                 if let Some(series) = column.of_mut(recording) {
-                    filled(series);
+                    fill_missing(series);
                 }
                 Treatment::Interpolated
             }
@@ -293,7 +293,7 @@ fn whole(samples: f64) -> f64 {
 }
 
 /// Interpolates what is missing by straight lines, with the nearest reading at the ends.
-fn filled(series: &mut [f64]) {
+fn fill_missing(series: &mut [f64]) {
     let known: Vec<usize> = (0..series.len()).filter(|k| series[*k].is_finite()).collect();
     let (Some(&first), Some(&last)) = (known.first(), known.last()) else { return };
     let (start, end) = (series[first], series[last]);
@@ -308,7 +308,7 @@ fn filled(series: &mut [f64]) {
 }
 
 /// Replaces missing controls by the controller's own output if it agrees with the others; returns whether it did.
-fn remade(recording: &mut Recording, control: &ReplayLoop, base: &Parameters) -> bool {
+fn recompute_controls(recording: &mut Recording, control: &ReplayLoop, base: &Parameters) -> bool {
     let Some(controller) = identities::proportional_integral(control) else { return false };
     let channels = [Channel::Demand, Channel::HubRate, Channel::Control];
     let [Some(demand), Some(hub), Some(u)] = channels.map(|channel| recording.samples(channel)) else {

@@ -59,14 +59,19 @@ pub(super) fn find_mistake(
     }
     let whole = |found: &FoundMistake| {
         let cured: Vec<Recording> = correct_mistake(recordings, found);
-        found.recordings.iter().map(|r| broken(&list_identities(base, control, &cured[*r]))).sum::<f64>()
+        found
+            .recordings
+            .iter()
+            .map(|r| total_violation(&list_identities(base, control, &cured[*r])))
+            .sum::<f64>()
     };
     let heard = |found: &FoundMistake| {
         let after = correct_mistake(recordings, found);
         let exact = |r: &usize| list_identities(base, control, &after[*r]).iter().all(|i| is_exact(i, base));
         !needs_exactness(found) || found.recordings.iter().all(exact)
     };
-    let scales = Column::ALL.into_iter().filter_map(|column| scaled(&table, column, &bad)).filter(heard);
+    let scales =
+        Column::ALL.into_iter().filter_map(|column| find_scale_mistake(&table, column, &bad)).filter(heard);
     let exchanges = pairs(&recordings[bad[0]]).into_iter().filter_map(|(one, other)| {
         let all = (0..recordings.len()).collect();
         let found =
@@ -94,7 +99,7 @@ pub(super) fn find_mistake(
 /// Returns whether an exchange makes the identities of a recording hold that did not, or makes them computable at all.
 fn is_better(before: &[Identity], after: &[Identity]) -> bool {
     let holding = after.iter().all(|i| i.broken < EXCHANGE_REMAINDER.1);
-    let mended = !holds(before) && broken(after) < EXCHANGE_REMAINDER.0 * broken(before);
+    let mended = !holds(before) && total_violation(after) < EXCHANGE_REMAINDER.0 * total_violation(before);
     holding && (after.len() > before.len() || (after.len() == before.len() && mended))
 }
 
@@ -118,7 +123,7 @@ pub(super) fn correct_mistake(recordings: &[Recording], found: &FoundMistake) ->
     out
 }
 
-fn broken(identities: &[Identity]) -> f64 {
+fn total_violation(identities: &[Identity]) -> f64 {
     identities.iter().map(|i| i.broken.min(BROKEN_IDENTITY_AT_MOST)).sum()
 }
 
@@ -181,7 +186,7 @@ fn own_gain(table: &[Vec<Identity>]) -> bool {
 }
 
 /// Returns the factor of one column that explains every recording in which something is wrong.
-fn scaled(table: &[Vec<Identity>], column: Column, bad: &[usize]) -> Option<FoundMistake> {
+fn find_scale_mistake(table: &[Vec<Identity>], column: Column, bad: &[usize]) -> Option<FoundMistake> {
     let origin = FactorOrigin::Written(column);
     let mut gains = Vec::new();
     for &r in bad {

@@ -43,9 +43,9 @@ pub(super) fn find_faults(
         None => {}
     }
     let own = column.converter_limit(base).map_or(f64::INFINITY, |limit| CONVERTER_LIMIT_SHARE * limit);
-    let flat = clipped(series, &runs, own).filter(|_| column != Column::Demand);
+    let flat = detect_clipping(series, &runs, own).filter(|_| column != Column::Demand);
     let still = match &flat {
-        None if column != Column::Demand => stuck(&runs, own, period_s),
+        None if column != Column::Demand => detect_stuck_readings(&runs, own, period_s),
         _ => None,
     };
     flat.into_iter().chain(still).collect()
@@ -78,7 +78,7 @@ fn detect_repeated_readings(runs: &[Run]) -> Option<ColumnFault> {
 }
 
 /// Detects long standstills of readings that otherwise never stand still.
-fn stuck(runs: &[Run], own_limit: f64, period_s: f64) -> Option<ColumnFault> {
+fn detect_stuck_readings(runs: &[Run], own_limit: f64, period_s: f64) -> Option<ColumnFault> {
     let short = || runs.iter().filter(|run| run.length < STUCK_READINGS);
     let pairs: usize = short().map(|run| run.length).sum();
     let equal: usize = short().map(|run| run.length - 1).sum();
@@ -96,7 +96,7 @@ fn stuck(runs: &[Run], own_limit: f64, period_s: f64) -> Option<ColumnFault> {
 }
 
 /// Detects repeated flat tops at an extreme: a limit that is not the converter's.
-fn clipped(series: &[f64], runs: &[Run], own_limit: f64) -> Option<ColumnFault> {
+fn detect_clipping(series: &[f64], runs: &[Run], own_limit: f64) -> Option<ColumnFault> {
     let there = || series.iter().copied().filter(|v| v.is_finite());
     let (low, high) = there().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     if high - low < FLAT_TOP_STEPS * step(series) {
