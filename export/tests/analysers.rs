@@ -19,7 +19,7 @@ use support::{Random, complete, folder, is_there, provenance, run, typical, writ
 const DEVIATIONS: [&str; 2] = ["misra-c2012-2.5", "misra-c2012-8.7"];
 
 /// Returns a folder for each kind of generated C.
-fn generated(test: &str) -> Vec<PathBuf> {
+fn generate_folders(test: &str) -> Vec<PathBuf> {
     let controller = typical();
     let mut random = Random(3);
     let history: Vec<[f64; READINGS]> =
@@ -43,9 +43,9 @@ fn generated(test: &str) -> Vec<PathBuf> {
 #[test]
 fn clangs_analyser_is_silent() {
     if !is_there("clang") {
-        return support::skipped("no clang");
+        return support::report_skip("no clang");
     }
-    for folder in generated("clang_analyser") {
+    for folder in generate_folders("clang_analyser") {
         for source in ["axis.c", "axis_self_test.c", "axis_test.c"] {
             let flags =
                 ["--analyze", "-Xanalyzer", "-analyzer-output=text", "-std=c99", "-Wall", "-Wextra", source];
@@ -57,9 +57,9 @@ fn clangs_analyser_is_silent() {
 #[test]
 fn cppcheck_is_silent() {
     if !is_there("cppcheck") {
-        return support::skipped("no cppcheck (apt install cppcheck)");
+        return support::report_skip("no cppcheck (apt install cppcheck)");
     }
-    for folder in generated("cppcheck") {
+    for folder in generate_folders("cppcheck") {
         let flags =
             ["--std=c99", "--quiet", "--enable=warning,style,performance,portability", "--error-exitcode=1"];
         assert_eq!(run(Command::new("cppcheck").current_dir(&folder).args(flags).arg(".")), "");
@@ -69,9 +69,9 @@ fn cppcheck_is_silent() {
 #[test]
 fn misra_deviations_are_the_ones_listed() {
     if !is_there("cppcheck") {
-        return support::skipped("no cppcheck (apt install cppcheck)");
+        return support::report_skip("no cppcheck (apt install cppcheck)");
     }
-    for folder in generated("misra") {
+    for folder in generate_folders("misra") {
         let flags = ["--addon=misra", "--std=c99", "--quiet", "--enable=style", "axis.c"];
         let said = run(Command::new("cppcheck").current_dir(&folder).args(flags));
         let rules: BTreeSet<&str> =
@@ -109,7 +109,7 @@ fn the_analysers_are_silent_on_fmi_units() {
             let said = run(Command::new("clang").current_dir(&folder).args(flags).args(&sources));
             assert_eq!(said, "");
         } else {
-            support::skipped("clang's analyser: no clang");
+            support::report_skip("clang's analyser: no clang");
         }
         if is_there("cppcheck") {
             let flags = ["--std=c99", "--quiet", "--enable=warning,style,performance,portability"];
@@ -120,7 +120,7 @@ fn the_analysers_are_silent_on_fmi_units() {
                 .args(&sources));
             assert_eq!(said, "");
         } else {
-            support::skipped("no cppcheck (apt install cppcheck)");
+            support::report_skip("no cppcheck (apt install cppcheck)");
         }
     }
 }

@@ -86,7 +86,7 @@ fn program(test: &str, controllers: &[Controller], precision: Precision) -> Targ
 #[test]
 fn each_block_is_equal_to_the_reference_to_the_last_bit() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let controllers = every_block();
     let asked = requests(controllers.len(), 1500);

@@ -34,7 +34,7 @@ fn build(test: &str, controllers: &[Controller], precision: Precision, flags: &[
 #[test]
 fn double_and_single_are_equal_to_the_reference_to_the_last_bit() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let controllers = [typical()];
     let asked = requests(1, 3000);
@@ -50,7 +50,7 @@ fn double_and_single_are_equal_to_the_reference_to_the_last_bit() {
 #[test]
 fn a_controller_with_every_block_is_equal_to_the_reference() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let (controllers, asked) = ([complete()], requests(1, 3000));
     let double = build("complete_double", &controllers, Precision::Double, &STRICT);
@@ -80,7 +80,7 @@ fn of_each_order() -> u64 {
 #[test]
 fn random_controllers_of_every_order_are_equal_to_the_reference() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let controllers: Vec<Controller> = (0..40 * of_each_order()).map(random_controller).collect();
     let orders: Vec<usize> = controllers.iter().map(|c| c.parts().paths[0].system.order()).collect();
@@ -98,7 +98,7 @@ fn random_controllers_of_every_order_are_equal_to_the_reference() {
 fn what_is_shipped_compiles_and_passes_on_every_compiler() {
     for compiler in ["gcc", "clang"] {
         if !is_there(compiler) {
-            support::skipped(&format!("no {compiler}"));
+            support::report_skip(&format!("no {compiler}"));
             continue;
         }
         for (kind, options) in
@@ -121,7 +121,7 @@ fn what_is_shipped_compiles_and_passes_on_every_compiler() {
 #[test]
 fn the_self_test_sees_a_changed_coefficient() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let folder = folder("spoilt");
     let mut files = c99(Unverified(&typical()), &provenance(), &CodeOptions::double("axis")).unwrap();
@@ -138,7 +138,7 @@ fn the_self_test_sees_a_changed_coefficient() {
 #[test]
 fn an_empty_controller_compiles_too() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let folder = folder("empty");
     let controller = Controller::new(Parts::new(1e-3, 10.0)).unwrap();
@@ -187,7 +187,7 @@ fn words_of_the_target_languages_are_refused() {
 #[test]
 fn files_of_different_exports_do_not_compile_together() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let folder = folder("mixed_set");
     let files = |project: &str| {

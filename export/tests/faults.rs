@@ -54,7 +54,7 @@ fn all_within(limits: &[f64], asked: &[(usize, Request)], answers: &[f64]) {
 #[test]
 fn c_answers_broken_readings_as_the_reference_does() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let controllers = controllers();
     let asked = faulty(controllers.len(), 1500);
@@ -94,7 +94,7 @@ fn c_answers_broken_readings_as_the_reference_does() {
 #[test]
 fn fixed_point_answers_any_integer_as_its_reference_does() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let mut random = Random(3);
     let history: Vec<[f64; READINGS]> =
@@ -112,7 +112,7 @@ fn fixed_point_answers_any_integer_as_its_reference_does() {
     let extreme = [f64::from(i32::MIN), f64::from(i32::MAX), -f64::from(i32::MAX), 0.0];
     let mut integer = || match random.unit() {
         share if share < 0.2 => extreme[(20.0 * share) as usize],
-        _ => (random.signed() * 2f64.powi(31)).trunc().clamp(f64::from(i32::MIN), f64::from(i32::MAX)),
+        _ => (random.signed_unit() * 2f64.powi(31)).trunc().clamp(f64::from(i32::MIN), f64::from(i32::MAX)),
     };
     let asked: Vec<(usize, Request)> = (0..20_000)
         .map(|k| match k % 50 {
@@ -248,7 +248,7 @@ fn nothing_subnormal_is_left_at_rest() {
 #[test]
 fn generated_crates_are_clean_for_clippy() {
     if !Command::new("cargo").args(["clippy", "--version"]).output().is_ok_and(|o| o.status.success()) {
-        return support::skipped("no cargo clippy");
+        return support::report_skip("no cargo clippy");
     }
     let folder = folder("clippy");
     for (name, controller) in [("plain", typical()), ("every_block", complete())] {

@@ -215,7 +215,7 @@ fn build(test: &str, plans: &[Fixed], flags: &[&str]) -> PathBuf {
 #[test]
 fn fixed_c_equals_its_reference_and_never_overflows() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let random = if std::env::var_os("EVERY_CONTROLLER").is_some() { 40 } else { 16 };
     let controllers: Vec<Controller> =
@@ -232,10 +232,11 @@ fn fixed_c_equals_its_reference_and_never_overflows() {
     for k in 0..200 {
         for which in 0..plans.len() {
             if k % 40 == 17 {
-                asked.push((which, Request::Set((random.signed() * 2147483647.0).round())));
+                asked.push((which, Request::Set((random.signed_unit() * 2147483647.0).round())));
             }
             let size = [2147483647.0, 1e9, 1e7, 1e5][k % 4];
-            asked.push((which, Request::Step(std::array::from_fn(|_| (random.signed() * size).round()))));
+            asked
+                .push((which, Request::Step(std::array::from_fn(|_| (random.signed_unit() * size).round()))));
         }
     }
     assert_answers(&plans, &program, &asked);
@@ -245,7 +246,7 @@ fn fixed_c_equals_its_reference_and_never_overflows() {
 fn shipped_fixed_point_compiles_in_silence_and_passes() {
     for compiler in ["gcc", "clang"] {
         if !is_there(compiler) {
-            support::skipped(&format!("no {compiler}"));
+            support::report_skip(&format!("no {compiler}"));
             continue;
         }
         let folder = folder(&format!("fixed_{compiler}"));

@@ -22,7 +22,7 @@ fn the_controller_unit_is_complete_and_compiles_in_silence() {
     let token = description.split("instantiationToken=\"").nth(1).unwrap().split('"').next().unwrap();
     assert!(token.len() == 38 && code.contains(token), "{token}");
     if !is_there("cc") {
-        return support::skipped("compilation: no C compiler");
+        return support::report_skip("compilation: no C compiler");
     }
     let folder = folder("fmu_controller");
     write(&folder, &files);

@@ -83,7 +83,7 @@ fn platform(machine: &Machine) -> PlatformMotion {
 
 /// Returns the simulator's run, its sample period cut into parts with the control held over them, and its tolerance by the cube
 /// of that.
-fn simulated(machine: &Machine, parts: usize) -> Columns {
+fn simulate_parts(machine: &Machine, parts: usize) -> Columns {
     let mut parameters = machine.plant.parameters().clone();
     let held = controls(machine).into_iter().flat_map(|control| std::iter::repeat_n(control, parts));
     let motion = platform(machine);
@@ -221,7 +221,7 @@ fn difference(a: &Columns, b: &Columns) -> (f64, usize) {
 /// Compares the C with the simulator; tells what is wrong.
 fn compare(machine: &Machine) -> Option<String> {
     let folder = folder(&format!("plant_{}", machine.name.replace([' ', ',', ':'], "_")));
-    let (ours, finer) = (simulated(machine, 1), simulated(machine, PARTS));
+    let (ours, finer) = (simulate_parts(machine, 1), simulate_parts(machine, PARTS));
     let (c, finer_c) = (in_c(machine, &folder, 1.0), in_c(machine, &folder, REFINED));
     let (own, own_c) = (difference(&ours, &finer).0, difference(&c, &finer_c).0);
     let (refined, _) = difference(&finer_c, &finer);
@@ -238,7 +238,7 @@ fn compare(machine: &Machine) -> Option<String> {
 
 fn all_equal(machines: &[Machine]) {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let wrong: Vec<String> = machines.iter().filter_map(compare).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));

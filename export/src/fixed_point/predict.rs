@@ -45,7 +45,7 @@ fn left_by_setting(fixed: &Fixed, set: &Writer<'_>) -> Vec<f64> {
             Slot::Local(i) => locals[i],
             Slot::Input(_) => 0.5 * unit(set.bits(*slot)),
         };
-        let total = own.worst + inherited(operation, set, &error);
+        let total = own.worst + inherited_error(operation, set, &error);
         match operation.into_slot() {
             Slot::State(i) => states[i] = states[i].max(total),
             Slot::Local(i) => locals[i] = total,
@@ -56,7 +56,7 @@ fn left_by_setting(fixed: &Fixed, set: &Writer<'_>) -> Vec<f64> {
 }
 
 /// Returns what an operation passes on of its operands' errors.
-fn inherited(operation: &Operation, set: &Writer<'_>, error: &dyn Fn(&Slot) -> f64) -> f64 {
+fn inherited_error(operation: &Operation, set: &Writer<'_>, error: &dyn Fn(&Slot) -> f64) -> f64 {
     match operation {
         Operation::Sum { terms, .. } => terms.iter().map(|t| t.coefficient.abs() * error(&t.of)).sum(),
         Operation::Product { a, b, .. } => error(a) * set.size(*b) + error(b) * set.size(*a),

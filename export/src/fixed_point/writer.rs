@@ -181,7 +181,7 @@ impl<'a> Writer<'a> {
         factors.iter_mut().for_each(|term| term.factor >>= spare.min(63));
         start >>= spare.min(63);
         let shift = (scale - bits) as u32 - spare;
-        let (span, size) = self.accumulated(start, &factors);
+        let (span, size) = self.accumulated_span(start, &factors);
         if size >= 1_i128 << ACCUMULATOR_BITS || shift > ACCUMULATOR_BITS {
             return Err(FixedError::NoRoom { name: self.name(into), missing_bits: 1 });
         }
@@ -213,7 +213,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Returns what the sum can be, and a bound of all its partial sums.
-    fn accumulated(&self, start: i64, factors: &[FixedTerm]) -> (Span, i128) {
+    fn accumulated_span(&self, start: i64, factors: &[FixedTerm]) -> (Span, i128) {
         let start = Span { low: start.into(), high: start.into() };
         let each = factors.iter().map(|term| self.span(term.of).scale(term.factor.into()));
         each.fold((start, start.size()), |(sum, size), term| (sum.plus(term), size + term.size()))
