@@ -51,7 +51,7 @@ pub(crate) fn assemble(source: &Source, entries: &[Entry], given: &Attachments) 
     let mut assembly =
         Assembly { source: source.clone(), given, wanted: BTreeSet::new(), findings: Vec::new(), count: 0 };
     let place = Place { path: String::new(), chain: vec![own] };
-    let entries = assembly.expanded(entries.to_vec(), &place);
+    let entries = assembly.expand_includes(entries.to_vec(), &place);
     let Assembly { source, wanted, mut findings, .. } = assembly;
     findings.truncate(MOST_FINDINGS);
     Assembled { source, entries, wanted: wanted.into_iter().collect(), findings }
@@ -93,7 +93,7 @@ impl Assembly<'_> {
     }
 
     /// Returns the keys of a table with those of its parts.
-    fn expanded(&mut self, entries: Vec<Entry>, place: &Place) -> Vec<Entry> {
+    fn expand_includes(&mut self, entries: Vec<Entry>, place: &Place) -> Vec<Entry> {
         let (includes, rest): (Vec<Entry>, Vec<Entry>) = entries.into_iter().partition(|e| e.key == INCLUDE);
         let mut all: Vec<Entry> = Vec::new();
         for mut entry in rest {
@@ -104,7 +104,7 @@ impl Assembly<'_> {
         for include in &includes {
             for (name, at) in self.names(include, place) {
                 let part = self.part(&name, at, place);
-                all = self.merged(all, part, place);
+                all = self.merge_entries(all, part, place);
             }
         }
         all
@@ -112,7 +112,7 @@ impl Assembly<'_> {
 
     fn expanded_node(&mut self, node: Node, place: &Place) -> Node {
         let value = match node.value {
-            Value::Table(entries) => Value::Table(self.expanded(entries, place)),
+            Value::Table(entries) => Value::Table(self.expand_includes(entries, place)),
             Value::List(items) => {
                 Value::List(items.into_iter().map(|item| self.expanded_node(item, place)).collect())
             }
@@ -195,11 +195,11 @@ impl Assembly<'_> {
         // A part's format says how the part is written; it is no key of the table that includes it.
         entries.retain(|e| e.key != "format");
         rebase(&mut entries, &place.path, place.folder());
-        self.expanded(entries, place)
+        self.expand_includes(entries, place)
     }
 
     /// Returns the keys of both; a key that both have and that is no table in both is an error.
-    fn merged(&mut self, mut own: Vec<Entry>, part: Vec<Entry>, place: &Place) -> Vec<Entry> {
+    fn merge_entries(&mut self, mut own: Vec<Entry>, part: Vec<Entry>, place: &Place) -> Vec<Entry> {
         let mut known: BTreeMap<String, usize> =
             own.iter().enumerate().map(|(index, entry)| (entry.key.clone(), index)).collect();
         for entry in part {
@@ -212,7 +212,7 @@ impl Assembly<'_> {
             let here = own[index].key_span.start;
             match (&mut own[index].node.value, entry.node.value) {
                 (Value::Table(mine), Value::Table(theirs)) => {
-                    let both = self.merged(std::mem::take(mine), theirs, &inside);
+                    let both = self.merge_entries(std::mem::take(mine), theirs, &inside);
                     own[index].node.value = Value::Table(both);
                 }
                 _ => {

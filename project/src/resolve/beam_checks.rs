@@ -17,7 +17,7 @@ pub(super) fn sections(findings: &mut Findings<'_>, beam: &Beam) {
             let remark = Remark::new(DiagnosticKind::Conflict, &format!("{LIST}[{index}].to"), allowed);
             findings.add(Severity::Error, remark.with_value(section.to_m.to_string()));
         }
-        hollow(findings, &format!("{LIST}[{index}].inner_diameter"), &section.shape);
+        check_tube(findings, &format!("{LIST}[{index}].inner_diameter"), &section.shape);
     }
     for (index, two) in beam.sections.windows(2).enumerate() {
         let gap = two[1].from_m - two[0].to_m;
@@ -54,7 +54,7 @@ fn tidy(length: f64) -> f64 {
     (length * 1e9).round() / 1e9
 }
 
-fn hollow(findings: &mut Findings<'_>, path: &str, shape: &SectionShape) {
+fn check_tube(findings: &mut Findings<'_>, path: &str, shape: &SectionShape) {
     let SectionShape::Tube { outer_diameter_m, inner_diameter_m } = shape else { return };
     if inner_diameter_m.iter().zip(outer_diameter_m).any(|(inner, outer)| inner >= outer) {
         let allowed = format!("must be below the outer diameter {outer_diameter_m:?} m at both ends");

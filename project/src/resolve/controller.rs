@@ -122,13 +122,13 @@ pub(crate) fn recording_controller(v: &mut dyn Visit, controller: &mut Recording
                 RecordingController::Exported(source) => source,
                 _ => ControllerSource::default(),
             };
-            exported(v, &mut source);
+            visit_exported_controller(v, &mut source);
             RecordingController::Exported(source)
         }
     };
 }
 
-fn exported(v: &mut dyn Visit, source: &mut ControllerSource) {
+fn visit_exported_controller(v: &mut dyn Visit, source: &mut ControllerSource) {
     v.text(&Field::new("file", "the controller.json that an export wrote"), &mut source.file);
     let hash =
         "hash of the project that it was exported from, as in the header of the C code; checked if given";

@@ -86,27 +86,27 @@ impl ImportedContent {
         watch: &mut ProgressObserver,
     ) -> Result<FeModel, counterpoise_models::Error> {
         if !self.matrices.is_large() && wanted.shapes == Shapes::Modes {
-            return self.computed(fitted, wanted, watch);
+            return self.compute_model(fitted, wanted, watch);
         }
         let is_same =
             |kept: &&Condensed| kept.wanted == *wanted && kept.fitted == *fitted && kept.content == *self;
-        if let Some(kept) = condensed().iter().find(is_same) {
+        if let Some(kept) = condensed_structures().iter().find(is_same) {
             return Ok(kept.structure.clone());
         }
-        let structure = self.computed(fitted, wanted, watch)?;
+        let structure = self.compute_model(fitted, wanted, watch)?;
         let made = Condensed {
             content: self.clone(),
             fitted: fitted.clone(),
             wanted: *wanted,
             structure: structure.clone(),
         };
-        let mut all = condensed();
+        let mut all = condensed_structures();
         all.insert(0, made);
         all.truncate(KEPT_STRUCTURES);
         Ok(structure)
     }
 
-    fn computed(
+    fn compute_model(
         &self,
         fitted: &Fitted,
         wanted: &Condensation,
@@ -132,7 +132,7 @@ const KEPT_STRUCTURES: usize = 2;
 
 /// Returns the structures that were condensed last, the newest first. A large one takes seconds, and every edit in the window and every
 /// variation of a study asks for the same one again. The answer depends on nothing but what is compared.
-fn condensed() -> MutexGuard<'static, Vec<Condensed>> {
+fn condensed_structures() -> MutexGuard<'static, Vec<Condensed>> {
     static CONDENSED: Mutex<Vec<Condensed>> = Mutex::new(Vec::new());
     CONDENSED.lock().unwrap_or_else(PoisonError::into_inner)
 }

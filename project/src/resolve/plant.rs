@@ -298,7 +298,7 @@ fn sensors(v: &mut dyn Visit, plant: &mut Parameters) {
 /// Reads or lists the gyroscope of the platform and the accelerometer of its heave.
 fn sensors_of_base(v: &mut dyn Visit, sensors: &mut Sensors) {
     let gyro = TableField::optional("platform_gyro", "rate of the platform");
-    fitted(v, &gyro, &mut sensors.platform_gyro, gyroscope);
+    visit_sensor(v, &gyro, &mut sensors.platform_gyro, gyroscope);
     let section = TableField::optional("platform_accelerometer", "heave, gravity removed");
     if v.enter(&section, Presence::from(sensors.platform_accelerometer.is_fitted())) {
         accelerometer(v, &mut sensors.platform_accelerometer);
@@ -318,7 +318,7 @@ fn sensors_of_base(v: &mut dyn Visit, sensors: &mut Sensors) {
 }
 
 /// A sensor whose absence means that none is fitted.
-fn fitted(
+fn visit_sensor(
     v: &mut dyn Visit,
     section: &TableField,
     value: &mut Sensor,

@@ -455,11 +455,11 @@ fn search(v: &mut dyn Visit, search: &mut WeightSearch) {
     v.number(&overshoot.limit(AT_LEAST_0).or(usual.overshoot), &mut asked.overshoot);
     let crossover = Field::new("crossover", "lowest crossover frequency").unit("rad/s").limit(AT_LEAST_0);
     v.number(&crossover.or(usual.crossover_rad_s), &mut asked.crossover_rad_s);
-    unlimited(v, &Field::new("max_sensitivity", "largest sensitivity"), &mut asked.ms);
+    visit_limit(v, &Field::new("max_sensitivity", "largest sensitivity"), &mut asked.ms);
     let control = Field::new("step_control", "largest control after a unit step").unit("V s/rad");
-    unlimited(v, &control, &mut asked.step_control_v);
+    visit_limit(v, &control, &mut asked.step_control_v);
     let gain = Field::new("noise_gain", "largest RMS control for noise of unit RMS").unit("V s/rad");
-    unlimited(v, &gain, &mut asked.noise_gain);
+    visit_limit(v, &gain, &mut asked.noise_gain);
     let field = Field::new("band", "lower and upper end of the band over which rejection is wanted")
         .unit("rad/s")
         .limit(ABOVE_0);
@@ -477,7 +477,7 @@ fn search(v: &mut dyn Visit, search: &mut WeightSearch) {
 }
 
 /// A limit that is infinite if it is not written.
-fn unlimited(v: &mut dyn Visit, field: &Field, value: &mut f64) {
+fn visit_limit(v: &mut dyn Visit, field: &Field, value: &mut f64) {
     let mut slot = value.is_finite().then_some(*value);
     maybe_number(v, &field.limit(ABOVE_0), &mut slot);
     *value = slot.unwrap_or(f64::INFINITY);

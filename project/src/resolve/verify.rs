@@ -252,7 +252,7 @@ fn requirements(v: &mut dyn Visit, requirements: &mut Vec<Requirement>, controll
     list(v, &TableField::optional("requirement", "a figure and its limit"), &mut asked, blank, |v, asked| {
         requirement(v, asked, controlled)
     });
-    *requirements = asked.iter().flat_map(|one| resolved(one, controlled)).collect();
+    *requirements = asked.iter().flat_map(|one| resolve_requirements(one, controlled)).collect();
 }
 
 fn asked_of(requirement: &Requirement, controlled: ControlledQuantity) -> Asked {
@@ -264,7 +264,7 @@ fn asked_of(requirement: &Requirement, controlled: ControlledQuantity) -> Asked 
     Asked { figure, at_least, at_most, source: requirement.source.clone() }
 }
 
-fn resolved(asked: &Asked, controlled: ControlledQuantity) -> Vec<Requirement> {
+fn resolve_requirements(asked: &Asked, controlled: ControlledQuantity) -> Vec<Requirement> {
     let Ok(figure) = Figure::from_key_in(controlled, &asked.figure) else { return Vec::new() };
     let limits = [asked.at_least.map(Bound::AtLeast), asked.at_most.map(Bound::AtMost)];
     let requirement =

@@ -38,7 +38,7 @@ pub enum QuantityError {
         wanted: String,
     },
     /// The quantity measures something else.
-    #[error("must be {}; {written} is {}", measured(.wanted), .found)]
+    #[error("must be {}; {written} is {}", measured_quantity(.wanted), .found)]
     Dimension {
         /// The unit of the key.
         wanted: String,
@@ -82,7 +82,7 @@ fn like(wanted: &str) -> String {
 }
 
 /// Returns what a wanted unit measures, as in "an angular rate, in a unit like rad/s".
-fn measured(wanted: &str) -> String {
+fn measured_quantity(wanted: &str) -> String {
     if wanted.is_empty() {
         return "a number without unit".to_owned();
     }
