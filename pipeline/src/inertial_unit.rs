@@ -51,7 +51,7 @@ pub fn inertial_unit(source: &InertialUnit, table: &Table) -> Result<Road, Error
         .collect();
     let mounting = Mounting::new(source.mounting_rad, source.lever_arm_m);
     let base = mounting.at_pivot(&unit, clocked.period_s);
-    Ok(faded(source, table, clocked.period_s, &felt_by(source, &base, clocked.period_s)))
+    Ok(fade_in(source, table, clocked.period_s, &felt_by(source, &base, clocked.period_s)))
 }
 
 fn felt_by(source: &InertialUnit, base: &[BaseState], period_s: f64) -> Vec<FeltMotion> {
@@ -72,7 +72,7 @@ fn felt_by(source: &InertialUnit, base: &[BaseState], period_s: f64) -> Vec<Felt
     all.iter().zip(base).enumerate().map(unturned).collect()
 }
 
-fn faded(source: &InertialUnit, table: &Table, period_s: f64, felt: &[FeltMotion]) -> Road {
+fn fade_in(source: &InertialUnit, table: &Table, period_s: f64, felt: &[FeltMotion]) -> Road {
     let shaped = |of: fn(&FeltMotion) -> f64| {
         from_rest(&felt.iter().map(of).collect::<Vec<f64>>(), period_s, source.fade_s)
     };

@@ -200,7 +200,7 @@ impl CachedPlant {
         })
     }
 
-    fn sampled(&mut self, resolver: Resolver) -> Result<&SampledViews, PipelineError> {
+    fn sampled_views(&mut self, resolver: Resolver) -> Result<&SampledViews, PipelineError> {
         match self.sampled.take() {
             Some(kept) if kept.resolver == resolver => Ok(self.sampled.insert(kept)),
             _ => Ok(self.sampled.insert(SampledViews::new(&self.modelled, resolver)?)),
@@ -261,7 +261,7 @@ pub fn preview_design(
     let kept = cache.plant(request)?;
     let synthesised = synthesise(&project, &kept.modelled, &kept.reduced)?;
     let (modelled, reduced) = (Arc::clone(&kept.modelled), Arc::clone(&kept.reduced));
-    let sampled = kept.sampled(resolver_use(&synthesised.sampled.controller))?;
+    let sampled = kept.sampled_views(resolver_use(&synthesised.sampled.controller))?;
     let loops = close_loops(sampled, &synthesised, &modelled)?;
     let responses = Responses { project: &project, sampled, loops: &loops };
     let LinearResponses { margins, curves, step, motions } = responses.compute(pool)?;

@@ -35,7 +35,7 @@ pub fn road_from_table(source: &RoadSource, table: &Table) -> Result<Road, Error
         stack_columns(columns.iter().map(|values| values.view())),
     )?;
     let shape = |signal: usize, scale: f64| {
-        shaped(source, table, clocked.period_s, &clocked.signals.column(signal).to_vec(), scale)
+        shape_column(source, table, clocked.period_s, &clocked.signals.column(signal).to_vec(), scale)
     };
     let mut columns = vec![shape(0, source.heave_scale)?, shape(1, source.pitch_scale)?];
     if !source.surge.is_empty() {
@@ -82,7 +82,7 @@ pub fn realise_motion(
     }
 }
 
-fn shaped(
+fn shape_column(
     source: &RoadSource,
     table: &Table,
     period: f64,

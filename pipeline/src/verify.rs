@@ -111,9 +111,11 @@ pub(crate) fn platform_motion(
 ) -> Result<Road, PipelineError> {
     match source {
         PlatformSource::Recording(source) => {
-            Ok(road_from_table(source, &recorded(&source.recording, world)?)?)
+            Ok(road_from_table(source, &read_road_recording(&source.recording, world)?)?)
         }
-        PlatformSource::InertialUnit(unit) => Ok(inertial_unit(unit, &recorded(&unit.recording, world)?)?),
+        PlatformSource::InertialUnit(unit) => {
+            Ok(inertial_unit(unit, &read_road_recording(&unit.recording, world)?)?)
+        }
         PlatformSource::Made(motion) => {
             let duration_s = motion.realisation.duration_s;
             affordable(Run { key: "verify.road.duration", duration_s, period_s: SHORTEST_ROAD_PERIOD_S })?;
@@ -123,7 +125,7 @@ pub(crate) fn platform_motion(
 }
 
 /// Returns a recording of the platform's motion.
-fn recorded(name: &str, world: &dyn World) -> Result<Table, PipelineError> {
+fn read_road_recording(name: &str, world: &dyn World) -> Result<Table, PipelineError> {
     let file =
         |problem: String| PipelineError::File { name: name.to_owned(), section: "verify.road", problem };
     Ok(Table::read(&world.read(name).map_err(file)?, name)?)

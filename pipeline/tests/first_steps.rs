@@ -22,7 +22,7 @@ fn read(text: &str) -> (Document, Project) {
     (document, parsed.project)
 }
 
-fn chosen(text: &str) -> ChosenWeights {
+fn choose_weights(text: &str) -> ChosenWeights {
     with_chosen_weights(&read(text).1).unwrap().unwrap()
 }
 
@@ -32,8 +32,8 @@ fn step(chosen: &ChosenWeights) -> f64 {
 
 #[test]
 fn a_step_that_nobody_stated_limits_no_loop_and_one_that_is_stated_does() {
-    let open = chosen(STAGE);
-    let stated = chosen(&format!("{STAGE}verify.step.rate = 0.1\n"));
+    let open = choose_weights(STAGE);
+    let stated = choose_weights(&format!("{STAGE}verify.step.rate = 0.1\n"));
     let bandwidth = |chosen: &ChosenWeights| chosen.first.bandwidth.bandwidth_rad_s;
     assert_eq!(stated.first.bandwidth.limited_by, [LimitKind::Control]);
     assert_eq!(step(&stated), 0.1);
@@ -71,7 +71,7 @@ fn turret(inertia: &str, torque: &str, delay: &str) -> String {
 
 /// The margins of the controller that a file is given, on its sampled plant with every delay as it is.
 fn verified_margins(text: &str) -> [f64; 3] {
-    let project = chosen(text).project;
+    let project = choose_weights(text).project;
     let made = model(&project).unwrap();
     let reduced = reduce(&project, &made).unwrap();
     let designed = synthesise(&project, &made, &reduced).unwrap();
@@ -87,7 +87,7 @@ fn a_loop_is_judged_with_the_delay_of_its_sensor() {
     let mut last = f64::INFINITY;
     for delay in ["\"1 ms\"", "\"3 ms\"", "\"10 ms\"", "\"20 ms\""] {
         let text = turret("0.02", "0.5", delay);
-        let first = chosen(&text).first;
+        let first = choose_weights(&text).first;
         let reached = first.bandwidth.bandwidth_rad_s;
         assert!(reached < 0.9 * last, "{delay}: {reached} rad/s after {last}");
         last = reached;
@@ -105,9 +105,9 @@ fn a_loop_is_judged_with_the_delay_of_its_sensor() {
 
 #[test]
 fn a_first_design_holds_for_the_tolerances_of_its_file() {
-    let exact = chosen(&turret("0.02", "0.5", "\"1 ms\""));
+    let exact = choose_weights(&turret("0.02", "0.5", "\"1 ms\""));
     let within = turret("{ value = 0.02, tolerance = 0.6 }", "{ value = 0.5, tolerance = 0.5 }", "\"1 ms\"");
-    let held = chosen(&within);
+    let held = choose_weights(&within);
     assert_eq!(held.first.bandwidth.limited_by, [LimitKind::Tolerances]);
     assert!(!exact.first.bandwidth.limits.iter().any(|limit| limit.kind == LimitKind::Tolerances));
     let synthesis = |project: &Project| {

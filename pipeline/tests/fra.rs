@@ -17,7 +17,7 @@ fn db(h: [f64; 2]) -> f64 {
     20.0 * h[0].hypot(h[1]).log10()
 }
 
-fn mapped(around: LoopUnderTest, amplitudes: &[f64], frequencies_hz: &[f64]) -> Vec<ResponseMapPoint> {
+fn map_response(around: LoopUnderTest, amplitudes: &[f64], frequencies_hz: &[f64]) -> Vec<ResponseMapPoint> {
     let project = rig();
     let modelled = model(&project).unwrap();
     let plan = MeasurementPlan {
@@ -32,7 +32,7 @@ fn mapped(around: LoopUnderTest, amplitudes: &[f64], frequencies_hz: &[f64]) -> 
 
 #[test]
 fn the_describing_function_explains_what_the_linear_model_does_not() {
-    for p in mapped(LoopUnderTest::Plant, &[0.5, 1.0], &[4.5, 9.5]) {
+    for p in map_response(LoopUnderTest::Plant, &[0.5, 1.0], &[4.5, 9.5]) {
         let described = (db(p.describing.unwrap()) - p.gain_db).abs();
         assert!(p.settled && described < 0.1, "{} V, {} Hz: {described} dB", p.amplitude, p.frequency_hz);
         assert!((db(p.linear) - p.gain_db).abs() > 5.0 * described, "{} V", p.amplitude);
@@ -91,7 +91,7 @@ const PENDULUM: &str = "format = 2
     plant.sensors.encoder = { counts = 65536 }
     plant.interface = { sample_period = 2e-3 }";
 
-fn designed(text: &str) -> Project {
+fn design_project(text: &str) -> Project {
     let document = Document::parse(text, "project.toml");
     let read = Project::resolve_for(&document, &Attachments::none(), Purpose::Design).unwrap();
     with_chosen_weights(&read.project).unwrap().unwrap().project
@@ -107,7 +107,7 @@ fn mapped_of(project: &Project, around: LoopUnderTest, frequencies_hz: &[f64]) -
 
 #[test]
 fn a_mass_that_nothing_holds_does_not_drift_out_of_its_response() {
-    let project = designed(FREE);
+    let project = design_project(FREE);
     let torque_per_v = 6.0 / 10.0;
     for p in mapped_of(&project, LoopUnderTest::Plant, &[0.5, 2.0, 10.0]) {
         let rate = std::f64::consts::TAU * p.frequency_hz;
@@ -120,7 +120,7 @@ fn a_mass_that_nothing_holds_does_not_drift_out_of_its_response() {
 
 #[test]
 fn a_loop_of_position_is_measured_where_the_machine_rests() {
-    let project = designed(PENDULUM);
+    let project = design_project(PENDULUM);
     for p in mapped_of(&project, LoopUnderTest::Closed, &[0.5, 2.0]) {
         let off = (db(p.linear) - p.gain_db).abs();
         assert!(off < 0.02, "{} Hz: {} dB, linear {} dB", p.frequency_hz, p.gain_db, db(p.linear));
@@ -130,7 +130,7 @@ fn a_loop_of_position_is_measured_where_the_machine_rests() {
 
 #[test]
 fn usual_points_suit_the_machine() {
-    let mut project = designed(FREE);
+    let mut project = design_project(FREE);
     assert_eq!(LoopUnderTest::usual_of(&project), LoopUnderTest::Closed);
     assert_eq!(LoopUnderTest::usual_of(&rig()), LoopUnderTest::Disturbance);
     let step = project.verify.as_ref().unwrap().procedure.step.rate_rad_s;
@@ -160,7 +160,7 @@ fn a_map_has_arrays_of_frequency_and_amplitude_and_its_json_a_list_of_points() {
 
 #[test]
 fn friction_carries_the_disconnected_mechanism_at_small_amplitudes() {
-    let points = mapped(LoopUnderTest::Disconnected, &[0.002, 0.5], &[1.0]);
+    let points = map_response(LoopUnderTest::Disconnected, &[0.002, 0.5], &[1.0]);
     assert!(points[0].gain_db > points[1].gain_db + 1.0, "{} {}", points[0].gain_db, points[1].gain_db);
 }
 

@@ -102,9 +102,9 @@ fn replay_on(
     });
     let control = if item.plays_control_back() { &ReplayLoop::Open } else { control };
     let followed = replayer.and_then(|replayer| match mechanism.structure {
-        Some(_) => selected(&replayer, plant, control, length),
+        Some(_) => select_replay(&replayer, plant, control, length),
         None => {
-            let found = selected(&replayer, plant, control, length)?;
+            let found = select_replay(&replayer, plant, control, length)?;
             Ok(from_fitted_start(&replayer, plant, control, found))
         }
     });
@@ -122,7 +122,7 @@ fn replay_on(
     Ok(ReplayedRecording { file: item.file.clone(), followed, remarks, tracks })
 }
 
-fn selected(
+fn select_replay(
     replayer: &Replayer,
     plant: &Parameters,
     control: &ReplayLoop,

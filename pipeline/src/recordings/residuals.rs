@@ -73,7 +73,7 @@ pub fn study_residuals(tracks: &[Track]) -> ResidualStudy {
     ResidualStudy {
         spectra: tracks.iter().filter_map(spectra).collect(),
         responses: recordings.into_iter().filter_map(|name| response(tracks, name)).collect(),
-        tests: tracks.iter().map(|track| tested(tracks, track)).collect(),
+        tests: tracks.iter().map(|track| test_track(tracks, track)).collect(),
     }
 }
 
@@ -82,7 +82,7 @@ fn find<'a>(tracks: &'a [Track], recording: &str, channel: Channel) -> Option<&'
 }
 
 /// Returns averaged spectra in segments as long as the record allows.
-fn averaged(x: &[f64], y: &[f64], period_s: f64) -> Option<Spectra> {
+fn average_spectra(x: &[f64], y: &[f64], period_s: f64) -> Option<Spectra> {
     let segment = SEGMENT.0.min(2 * x.len() / (SEGMENT.1 + 1)) / 2 * 2;
     welch(x, y, period_s, WelchOptions { segment, confidence: CONFIDENCE }).ok()
 }
@@ -91,7 +91,7 @@ fn spectra(track: &Track) -> Option<ResidualSpectra> {
     if !matches!(track.channel, Channel::Control | Channel::HubRate) {
         return None;
     }
-    let own = |signal: &[f64]| averaged(signal, signal, track.period_s);
+    let own = |signal: &[f64]| average_spectra(signal, signal, track.period_s);
     let of_residual = |run| own(&track.residual(run));
     Some(ResidualSpectra {
         recording: track.recording.clone(),
@@ -109,7 +109,7 @@ fn spectra(track: &Track) -> Option<ResidualSpectra> {
 fn response(tracks: &[Track], recording: &str) -> Option<ControlResponse> {
     let (control, rate) =
         (find(tracks, recording, Channel::Control)?, find(tracks, recording, Channel::HubRate)?);
-    let of = |run| averaged(control.signals.column(run), rate.signals.column(run), rate.period_s);
+    let of = |run| average_spectra(control.signals.column(run), rate.signals.column(run), rate.period_s);
     Some(ControlResponse {
         recording: recording.to_owned(),
         measured: of(TrackColumn::Measured)?,
@@ -118,7 +118,7 @@ fn response(tracks: &[Track], recording: &str) -> Option<ControlResponse> {
     })
 }
 
-fn tested(tracks: &[Track], track: &Track) -> TestedResidual {
+fn test_track(tracks: &[Track], track: &Track) -> TestedResidual {
     let signals = [Channel::Control, Channel::HubRate].map(|channel| {
         find(tracks, &track.recording, channel)
             .map(|t| MeasuredSignal { channel, values: t.signals.column(TrackColumn::Measured) })

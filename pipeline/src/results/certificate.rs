@@ -326,7 +326,7 @@ impl From<&CaseCertificate> for CaseResult {
             sector: case.sector.as_ref().map(SectorResult::from),
             limit_cycle,
             regimes: case.regimes.iter().map(RegimeResult::from).collect(),
-            predicted: predicted(&case.prediction),
+            predicted: predicted_cycles(&case.prediction),
             orbits: case.orbits.iter().map(|orbit| OrbitResult::new(orbit, case.controlled)).collect(),
             motion: MotionResult {
                 controlled: case.controlled,
@@ -358,7 +358,7 @@ impl From<&RegimeLoop> for RegimeResult {
 }
 
 /// Returns the predicted limit cycles with the loops on both sides of each.
-fn predicted(found: &Prediction) -> Vec<PredictedResult> {
+fn predicted_cycles(found: &Prediction) -> Vec<PredictedResult> {
     let each = found.cycles.iter().zip(&found.balances).map(|(cycle, sides)| PredictedResult {
         amplitude_rad_s: cycle.rate_rad_s,
         frequency_hz: cycle.frequency_hz,

@@ -128,7 +128,8 @@ impl Search<'_> {
         let mut best: Option<(Merit, Candidate)> = None;
         for hold_band in HOLD_BANDS {
             let dead_band_m_s2 = LEAST_DEAD_BAND_M_S2.max(BELOW_TRIED * quietest);
-            let (candidate, rows) = self.raised(Candidate { dead_band_m_s2, hold_band }, &levels, &base)?;
+            let (candidate, rows) =
+                self.raise_dead_band(Candidate { dead_band_m_s2, hold_band }, &levels, &base)?;
             let removes = |row: &&TrialRow| row.removed_share().is_some_and(|share| share >= LEAST_REMOVED);
             let motions = levels.iter().filter(|level| **level > candidate.dead_band_m_s2).count();
             let merit = Merit { removed: rows.iter().filter(removes).count(), motions };
@@ -143,7 +144,7 @@ impl Search<'_> {
     }
 
     /// Raises the dead-band until no trial is worse than without adaptation; returns it with its trials.
-    fn raised(
+    fn raise_dead_band(
         &self,
         mut candidate: Candidate,
         levels: &[f64; 3],
@@ -153,7 +154,7 @@ impl Search<'_> {
             let acting =
                 MOTIONS.into_iter().zip(levels).filter(|(_, level)| **level > candidate.dead_band_m_s2);
             let rows =
-                self.adapted(candidate, &acting.map(|(motion, _)| motion).collect::<Vec<_>>(), base)?;
+                self.adapted_trials(candidate, &acting.map(|(motion, _)| motion).collect::<Vec<_>>(), base)?;
             let is_worse = |motion: TrialMotion| {
                 rows.iter().any(|row| row.motion == motion && row.ratio() > 1.0 + NEVER_WORSE)
             };
@@ -205,7 +206,7 @@ impl Search<'_> {
     }
 
     /// Returns the trials with a candidate, which stands still on every motion but those given.
-    fn adapted(
+    fn adapted_trials(
         &self,
         candidate: Candidate,
         acting: &[TrialMotion],

@@ -109,7 +109,7 @@ pub fn assumption_effects(
             let varied = made.as_ref().and_then(|made| figures(&made.plant, synthesised, &procedure).ok());
             let plants = |made: PlantModel| plants_of(&made.plant, controller, &procedure).ok();
             let measured_on = made.filter(|_| is_included).and_then(plants);
-            Some(EffectAt { measured_on, ..compared(value, varied, nominal) })
+            Some(EffectAt { measured_on, ..compare_figures(value, varied, nominal) })
         };
         let at = [at(low)?, at(high)?];
         let largest_change_db = at.iter().map(largest).fold(0.0, f64::max);
@@ -164,7 +164,7 @@ fn figures(
 }
 
 /// Returns the changes from the nominal loop to another; `None` for a plant that cannot be built.
-fn compared(value: f64, varied: Option<LoopFigures>, nominal: LoopFigures) -> EffectAt {
+fn compare_figures(value: f64, varied: Option<LoopFigures>, nominal: LoopFigures) -> EffectAt {
     let change = |of: fn(&LoopFigures) -> Option<f64>| Some(of(varied.as_ref()?)? - of(&nominal)?);
     let residuals = [change(|f| f.residual_db[0]), change(|f| f.residual_db[1])];
     EffectAt {

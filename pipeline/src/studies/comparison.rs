@@ -208,7 +208,7 @@ pub fn compare_designs(
     let asked = project.synth.as_ref().ok_or(missing)?;
     Ok(DesignComparison {
         methods: methods(asked, made)?,
-        lowered: lowered(made)?,
+        lowered: lowered_row(made)?,
         motions: motions(&made.design)?,
         balance: balance_rows(&made.balance),
         balance_basis: balance_basis(&made.balance, made.controlled)?,
@@ -475,7 +475,7 @@ fn without_integral(weight: &Weight) -> Weight {
     Weight::ZeroPoleGain { zeros: rational.zeros, poles, gain: rational.gain }
 }
 
-fn lowered(made: &SynthesisedDesign) -> Result<Option<LoweredRow>, PipelineError> {
+fn lowered_row(made: &SynthesisedDesign) -> Result<Option<LoweredRow>, PipelineError> {
     let Some(lowered) = &made.lowered else { return Ok(None) };
     let after = made.design.feedback_controller();
     let (Ok(before), Ok(now)) = (with_feedback(made, &lowered.before)?, with_feedback(made, &after)?) else {

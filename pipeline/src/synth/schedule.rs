@@ -47,7 +47,7 @@ pub fn schedule_entries(
     modelled: &PlantModel,
     wanted: &ScheduleOptions,
 ) -> Result<Vec<ScheduleEntry>, PipelineError> {
-    let nominal = configured(project, asked, "nominal", modelled)?;
+    let nominal = make_configuration(project, asked, "nominal", modelled)?;
     let others = other_configurations(project, asked, modelled, wanted)?;
     Ok(design_schedule(&nominal, &others, &asked.specification)?)
 }
@@ -67,16 +67,16 @@ pub(crate) fn other_configurations(
         let mut project = project.clone();
         project.model.configuration = Some(name.clone());
         let modelled = model(&project)?;
-        others.push(configured(&project, asked, name, &modelled)?);
+        others.push(make_configuration(&project, asked, name, &modelled)?);
     }
     for &factor in &wanted.factors {
         let name = format!("{:.0} % out-of-balance", 100.0 * factor);
-        others.push(configured(project, asked, &name, &with_factor(project, modelled, factor)?)?);
+        others.push(make_configuration(project, asked, &name, &with_factor(project, modelled, factor)?)?);
     }
     Ok(others)
 }
 
-fn configured(
+fn make_configuration(
     project: &Project,
     asked: &DesignRequest,
     name: &str,

@@ -133,7 +133,7 @@ fn acceptance_test(figure: &Figure, of: &Judged<'_>) -> String {
         Figure::Disturbance(_, source, arrangement, quantity) => {
             let run = format!("{}, {}", motion(*source, procedure), acting(*arrangement));
             let settled = format!("from {} s on", procedure.settle_s);
-            format!("move the platform: {run}; record {} {settled}", recorded(*quantity, of))
+            format!("move the platform: {run}; record {} {settled}", recorded_signal(*quantity, of))
         }
         Figure::Rejection { source, arrangement, frequency_hz } => {
             let moved = if *source == Source::Heave { "heave" } else { "pitch" };
@@ -257,7 +257,7 @@ fn acting(arrangement: Arrangement) -> &'static str {
     }
 }
 
-fn recorded(quantity: Quantity, of: &Judged<'_>) -> String {
+fn recorded_signal(quantity: Quantity, of: &Judged<'_>) -> String {
     let fixed = match quantity {
         Quantity::HubRms | Quantity::HubPeak => return of.sensor(),
         Quantity::Rejection => return format!("{} and the platform's sensors", of.sensor()),
