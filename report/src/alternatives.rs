@@ -24,7 +24,7 @@ pub fn alternatives_sections(
     if found.methods.len() > 1 {
         all.push(methods(&found.methods, controlled));
     }
-    all.extend(found.lowered.as_ref().map(|row| lowered(row, controlled)));
+    all.extend(found.lowered.as_ref().map(|row| lowered_section(row, controlled)));
     if !found.motions.is_empty() {
         all.push(motions(&found.motions, controlled));
     }
@@ -85,7 +85,7 @@ fn methods(rows: &[MethodRow], controlled: ControlledQuantity) -> Section {
     rows.iter().filter_map(why).fold(section, |section, line| section.saying(line))
 }
 
-fn lowered(row: &LoweredRow, controlled: ControlledQuantity) -> Section {
+fn lowered_section(row: &LoweredRow, controlled: ControlledQuantity) -> Section {
     let mut columns = vec![Column::Text("feedback"), Column::Number("order")];
     columns.extend(figure_columns(controlled));
     let mut table = Table::new("", &columns);

@@ -15,20 +15,20 @@ pub fn check_lines(found: &CheckResult) -> Vec<String> {
     lines.extend(found.plant.iter().flat_map(plant));
     lines.push(String::new());
     lines.push("Understood:".to_owned());
-    lines.extend(understood(&stated_part(&found.sections, Origin::File)));
+    lines.extend(understood_sections(&stated_part(&found.sections, Origin::File)));
     let beside = stated_part(&found.sections, Origin::Elsewhere);
     if !beside.is_empty() {
         lines.push(String::new());
         lines.push("Taken beside it, by default or from what is stated elsewhere:".to_owned());
-        lines.extend(understood(&beside));
+        lines.extend(understood_sections(&beside));
     }
     if !found.tolerances.is_empty() {
         lines.push(String::new());
         lines.push("Known within a tolerance:".to_owned());
-        lines.extend(capped(&found.tolerances, MOST_LISTED, tolerance));
+        lines.extend(first_lines(&found.tolerances, MOST_LISTED, tolerance));
     }
     lines.push(String::new());
-    lines.extend(assumed(&found.assumptions));
+    lines.extend(assumption_lines(&found.assumptions));
     if !found.effects.is_empty() {
         lines.push(String::new());
     }
@@ -38,7 +38,7 @@ pub fn check_lines(found: &CheckResult) -> Vec<String> {
     if found.warnings.len() > MOST_SHOWN {
         lines.push(format!("and {} more", found.warnings.len() - MOST_SHOWN));
     }
-    lines.extend(capped(&found.problems, MOST_SHOWN, Clone::clone));
+    lines.extend(first_lines(&found.problems, MOST_SHOWN, Clone::clone));
     lines.push(format!("Commands that can run on this file: {}.", found.commands.join(", ")));
     lines
 }
@@ -86,7 +86,7 @@ fn plant(plant: &PlantOverview) -> Vec<String> {
 }
 
 /// Returns the first lines of a list, and how many it has beside them.
-fn capped<T>(items: &[T], most: usize, line: impl Fn(&T) -> String) -> Vec<String> {
+fn first_lines<T>(items: &[T], most: usize, line: impl Fn(&T) -> String) -> Vec<String> {
     let mut lines: Vec<String> = items.iter().take(most).map(line).collect();
     if let Some(more) = items.len().checked_sub(most).filter(|more| *more > 0) {
         lines.push(format!("  and {more} more (--json lists all)"));
@@ -95,10 +95,10 @@ fn capped<T>(items: &[T], most: usize, line: impl Fn(&T) -> String) -> Vec<Strin
 }
 
 /// Returns the sections, one a line: of sections of one kind, masses for example, only the first ones.
-fn understood(sections: &[SectionStatement]) -> Vec<String> {
+fn understood_sections(sections: &[SectionStatement]) -> Vec<String> {
     let kind = |section: &SectionStatement| section.path.split('[').next().unwrap_or_default().to_owned();
     let is_alike = |a: &SectionStatement, b: &SectionStatement| kind(a) == kind(b);
-    sections.chunk_by(is_alike).flat_map(|alike| capped(alike, MOST_ALIKE, section)).collect()
+    sections.chunk_by(is_alike).flat_map(|alike| first_lines(alike, MOST_ALIKE, section)).collect()
 }
 
 /// Where a value comes from.
@@ -156,7 +156,7 @@ const MOST_LISTED: usize = 60;
 const MOST_ALIKE: usize = 20;
 
 /// Returns what is assumed, one value a line; keys that nothing is taken for stand together at the end.
-fn assumed(assumptions: &[Assumption]) -> Vec<String> {
+fn assumption_lines(assumptions: &[Assumption]) -> Vec<String> {
     if assumptions.is_empty() {
         return vec!["Nothing is assumed: every value of the plant is stated.".to_owned()];
     }
@@ -165,12 +165,12 @@ fn assumed(assumptions: &[Assumption]) -> Vec<String> {
     let line =
         |a: &&Assumption| format!("  {} = {} ({}; {})", a.key, with_unit(a.value, a.unit), a.rule, a.source);
     let mut lines = vec!["Assumed, because the file does not state it:".to_owned()];
-    lines.extend(capped(&something, MOST_LISTED, line));
+    lines.extend(first_lines(&something, MOST_LISTED, line));
     if !nothing.is_empty() {
         lines.push("  0, as in an ideal machine:".to_owned());
         let section = |a: &&Assumption| section_of(&a.key).to_owned();
         let alike: Vec<&[&Assumption]> = nothing.chunk_by(|a, b| section(a) == section(b)).collect();
-        lines.extend(capped(&alike, MOST_LISTED, |alike| {
+        lines.extend(first_lines(&alike, MOST_LISTED, |alike| {
             let keys: Vec<&str> = alike.iter().map(|a| key_of(&a.key)).collect();
             format!("    {}: {}", section(&alike[0]), keys.join(", "))
         }));
@@ -242,7 +242,7 @@ fn change(at: &EffectAt) -> String {
         return "the loop is unstable".to_owned();
     }
     let part = |name: &str, value: Option<f64>, unit: &str| {
-        value.map(|value| format!("{name} {}{unit}", signed(value)))
+        value.map(|value| format!("{name} {}{unit}", signed_number(value)))
     };
     let parts = [
         part("gain margin", at.gain_margin_change_db, " dB"),
@@ -253,7 +253,7 @@ fn change(at: &EffectAt) -> String {
     parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
-fn signed(value: f64) -> String {
+fn signed_number(value: f64) -> String {
     let shown = if value.abs() < NO_EFFECT { 0.0 } else { value };
     format!("{shown:+.2}")
 }

@@ -163,7 +163,7 @@ fn steps(found: &Verification) -> impl Iterator<Item = (&History, &'static str, 
     })
 }
 
-fn paired(time_s: &[f64], column: &[f64]) -> Vec<(f64, f64)> {
+fn pair_with_time(time_s: &[f64], column: &[f64]) -> Vec<(f64, f64)> {
     time_s.iter().copied().zip(column.iter().copied()).collect()
 }
 
@@ -171,12 +171,16 @@ fn paired(time_s: &[f64], column: &[f64]) -> Vec<(f64, f64)> {
 pub fn step_figure(found: &Verification, height: f64) -> Option<Figure> {
     let mut series: Vec<Series> = steps(found)
         .map(|(history, name, colour, dash)| {
-            let points = paired(history.time_s(), history.hub_rate_rad_s());
+            let points = pair_with_time(history.time_s(), history.hub_rate_rad_s());
             Series::new(name, colour, dash, points)
         })
         .collect();
     let first = steps(found).next()?.0;
-    series.push(Series::dotted_line("demand", Colour::Third, paired(first.time_s(), first.demand_rad_s())));
+    series.push(Series::dotted_line(
+        "demand",
+        Colour::Third,
+        pair_with_time(first.time_s(), first.demand_rad_s()),
+    ));
     let panel = Panel::new(controlled_axis(found), series).with_height(height);
     Some(Figure::new("Step of the demand", Axis::linear("time", "s"), vec![panel]))
 }
@@ -190,7 +194,7 @@ fn step_column(
 ) -> Option<Figure> {
     steps(found).next()?;
     let series = steps(found).map(|(history, name, colour, dash)| {
-        let points = paired(history.time_s(), history.signals.column(column));
+        let points = pair_with_time(history.time_s(), history.signals.column(column));
         Series::new(name, colour, dash, points)
     });
     let panel = Panel::new(Axis::linear(label, unit), series.collect()).with_height(220.0);
@@ -217,7 +221,7 @@ pub fn disturbance_figure(found: &Verification, model: Model, source: Source, he
         .iter()
         .filter_map(|(arrangement, name, colour)| {
             run(*arrangement)
-                .map(|h| Series::solid_line(name, *colour, paired(h.time_s(), h.hub_rate_rad_s())))
+                .map(|h| Series::solid_line(name, *colour, pair_with_time(h.time_s(), h.hub_rate_rad_s())))
         })
         .collect();
     let controlled: Vec<Series> = series.iter().filter(|s| s.colour != Colour::Muted).cloned().collect();

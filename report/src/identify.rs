@@ -34,7 +34,7 @@ pub fn identification_report(
         headline: headline(found, units),
         tiles: tiles(found, units),
         verdicts: estimates(found, units),
-        glance: first.iter().map(|figure| explained(figure, found, units)).collect(),
+        glance: first.iter().map(|figure| explain_figure(figure, found, units)).collect(),
         sections,
         provenance: vec![
             ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
@@ -44,7 +44,7 @@ pub fn identification_report(
 }
 
 fn headline(found: &IdentificationText, units: &AxisUnits) -> Headline {
-    let moved: Vec<&str> = named(found, units)
+    let moved: Vec<&str> = named_estimates(found, units)
         .into_iter()
         .filter(|(name, e, _)| *name != BREAKAWAY && e.before.is_finite() && !e.holds(e.before))
         .map(|(name, _, _)| name)
@@ -62,7 +62,10 @@ fn headline(found: &IdentificationText, units: &AxisUnits) -> Headline {
 }
 
 /// Returns every estimate with its name and unit.
-fn named(found: &IdentificationText, units: &AxisUnits) -> Vec<(&'static str, Estimate, &'static str)> {
+fn named_estimates(
+    found: &IdentificationText,
+    units: &AxisUnits,
+) -> Vec<(&'static str, Estimate, &'static str)> {
     let mut out = Vec::new();
     for (state, b) in found.balances.iter().enumerate() {
         let names = if state == 0 {
@@ -90,7 +93,12 @@ fn tiles(found: &IdentificationText, units: &AxisUnits) -> Vec<FigureTile> {
         FigureTile::plain(name, short_number(e.value), unit)
             .with_note(&format!("± {}", short_number(e.half_width())))
     };
-    named(found, units).into_iter().filter(|(name, ..)| !name.contains("other")).take(4).map(tile).collect()
+    named_estimates(found, units)
+        .into_iter()
+        .filter(|(name, ..)| !name.contains("other"))
+        .take(4)
+        .map(tile)
+        .collect()
 }
 
 fn estimates(found: &IdentificationText, units: &AxisUnits) -> Table {
@@ -102,7 +110,7 @@ fn estimates(found: &IdentificationText, units: &AxisUnits) -> Table {
         Column::Text("unit"),
     ];
     let mut table = Table::new("Identified, all torques at the hub", &columns);
-    for (name, e, unit) in named(found, units) {
+    for (name, e, unit) in named_estimates(found, units) {
         table.rows.push(vec![
             Cell::text(name),
             Cell::number(e.value),
@@ -148,7 +156,7 @@ fn loop_figure(picture: &FrictionPicture, found: &IdentificationText, drawn: Dra
 }
 
 /// Returns the same figure with how it is read.
-fn explained(figure: &Figure, found: &IdentificationText, units: &AxisUnits) -> Figure {
+fn explain_figure(figure: &Figure, found: &IdentificationText, units: &AxisUnits) -> Figure {
     let l = &found.lobes;
     figure.clone().with_caption(&format!(
         "Offset: out-of-balance. Step at rate zero ({:.2} V): twice the Coulomb friction. Slope of the lobes ({:.2} {}): \

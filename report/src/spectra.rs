@@ -55,20 +55,20 @@ fn dress(arrangement: Arrangement) -> (&'static str, Colour) {
     }
 }
 
-fn drawn(hz: f64) -> bool {
+fn is_drawn(hz: f64) -> bool {
     (BAND_HZ.0..=BAND_HZ.1).contains(&hz)
 }
 
 fn line(one: &Spectral, values: &[f64]) -> Series {
     let (name, colour) = dress(one.arrangement);
     let pairs = one.spectra.frequency_hz.iter().copied().zip(values.iter().copied());
-    Series::solid_line(name, colour, pairs.filter(|(hz, value)| drawn(*hz) && value.is_finite()))
+    Series::solid_line(name, colour, pairs.filter(|(hz, value)| is_drawn(*hz) && value.is_finite()))
 }
 
 fn band(one: &Spectral) -> Band {
     let (_, colour) = dress(one.arrangement);
     let edges = one.spectra.frequency_hz.iter().copied().zip(one.spectra.interval_db());
     let points = edges.map(|(hz, (low, high))| (hz, low, high));
-    let sound = points.filter(|(hz, low, high)| drawn(*hz) && low.is_finite() && high.is_finite());
+    let sound = points.filter(|(hz, low, high)| is_drawn(*hz) && low.is_finite() && high.is_finite());
     Band::new("", colour, sound)
 }

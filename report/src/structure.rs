@@ -30,7 +30,7 @@ pub fn structure_report(machine: &str, command: &str, answer: &StructureAnswer) 
         tiles: answer.tried.iter().take(1 + DRAWN).map(tile).collect(),
         verdicts: frequencies(answer),
         glance: vec![errors(answer, command)],
-        sections: vec![Section::new("What was tried").saying(EXPLAINED).listing(tried(answer))],
+        sections: vec![Section::new("What was tried").saying(EXPLAINED).listing(hypothesis_table(answer))],
         provenance: vec![
             ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
             ProvenanceEntry::new("command", command),
@@ -84,7 +84,7 @@ fn frequencies(answer: &StructureAnswer) -> Table {
     table
 }
 
-fn tried(answer: &StructureAnswer) -> Table {
+fn hypothesis_table(answer: &StructureAnswer) -> Table {
     let columns = [
         Column::Text("hypothesis"),
         Column::Text("fitted"),

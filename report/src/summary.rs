@@ -173,7 +173,7 @@ fn tile(found: &Verification, label: &str, figure: Figure) -> Option<FigureTile>
     let controlled = found.controlled_quantity();
     let unit = figure.unit(controlled);
     let (scale, unit) = if unit == controlled.unit() { (1e3, controlled.milli_unit()) } else { (1.0, unit) };
-    let limit = judged.map(|(requirement, _)| words_of(scaled(requirement.limit, scale)));
+    let limit = judged.map(|(requirement, _)| words_of(scale_limit(requirement.limit, scale)));
     let value = scale * value;
     let kind_of = match figure {
         Figure::Disturbance(Model::Nonlinear, ..) => "RMS, nonlinear, all feedforwards",
@@ -229,7 +229,7 @@ pub fn worse_feedforwards(found: &Verification) -> Vec<String> {
     found.worse_feedforwards().into_iter().map(line).collect()
 }
 
-fn scaled(limit: Limit, scale: f64) -> Limit {
+fn scale_limit(limit: Limit, scale: f64) -> Limit {
     match limit {
         Limit::AtLeast(value) => Limit::AtLeast(scale * value),
         Limit::AtMost(value) => Limit::AtMost(scale * value),

@@ -297,7 +297,7 @@ fn member_summary(found: &CampaignResult) -> Table {
     for member in &found.families {
         let both = found.requirements.iter().zip(&member.values);
         let judged: Vec<_> =
-            both.map(|(requirement, value)| (requirement, judged(requirement, value))).collect();
+            both.map(|(requirement, value)| (requirement, judge_figure(requirement, value))).collect();
         let all = judged.iter().filter(|(_, (_, room))| !room.is_nan()).count();
         let failed: Vec<String> = judged
             .iter()
@@ -333,7 +333,7 @@ fn bound(limit: Limit) -> String {
 }
 
 /// Returns a figure and its room; NaN if it could not be measured.
-fn judged(requirement: &Requirement, value: &Value) -> (f64, f64) {
+fn judge_figure(requirement: &Requirement, value: &Value) -> (f64, f64) {
     match value {
         Value::Is(number) => (*number, requirement.limit.distance_to_limit(*number)),
         Value::Absent { .. } => (f64::NAN, f64::NAN),
@@ -347,7 +347,7 @@ fn member_table(found: &CampaignResult) -> Table {
     let mut table = Table::new("Every figure", &columns);
     for member in &found.families {
         for (k, (requirement, value)) in found.requirements.iter().zip(&member.values).enumerate() {
-            let (number, room) = judged(requirement, value);
+            let (number, room) = judge_figure(requirement, value);
             let (tone, word) = match room {
                 r if r.is_nan() => (OutcomeTone::Neutral, "not applicable".to_owned()),
                 r if r >= 0.0 => (OutcomeTone::Good, "holds".to_owned()),
