@@ -87,7 +87,7 @@ fn free(tested: &TestedDesign<'_>) -> Result<Parameters, PipelineError> {
 }
 
 /// Returns what the pivot's law shares with the others; `None` if it is not Dahl's.
-fn shared(parameters: &Parameters) -> Option<Shared> {
+fn shared_quantities(parameters: &Parameters) -> Option<Shared> {
     let inertia_kg_m2 = parameters.lumped.as_ref().map(|l| l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2)?;
     match parameters.pivot_friction.law {
         FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad, .. } => {
@@ -160,7 +160,7 @@ pub fn friction_laws_over_amplitude(tested: &TestedDesign<'_>) -> Result<Claim, 
         "at large amplitude all friction models agree; at small amplitude the static ones differ from the dynamic ones; Dahl fits the (Dahl-like) rig best",
     ];
     let free = free(tested)?;
-    let Some(shared) = shared(&free) else { return Ok(no_dahl(named)) };
+    let Some(shared) = shared_quantities(&free) else { return Ok(no_dahl(named)) };
     let maps = friction_laws_over_amplitude_maps(&free, shared)?;
     let truth = &maps[0].map;
     let row = |one: &LawMap| LawDistances { law: one.law, db: distances(&one.map, truth) };
@@ -281,7 +281,7 @@ pub fn cost_of_friction_laws(tested: &TestedDesign<'_>) -> Result<Claim, Pipelin
         "7.2",
         "simulations with Dahl run 1.5 times as fast as with the reset integrator and 3 times as fast as with LuGre",
     ];
-    let Some(shared) = shared(tested.parameters()) else { return Ok(no_dahl(named)) };
+    let Some(shared) = shared_quantities(tested.parameters()) else { return Ok(no_dahl(named)) };
     let laws = [
         ("Dahl", tested.parameters().pivot_friction.law.clone()),
         ("reset integrator", DYNAMIC[2].1(shared)),
@@ -406,7 +406,7 @@ pub fn fitted_friction_laws(tested: &TestedDesign<'_>) -> Result<Claim, Pipeline
         "asks why LuGre and the reset integrator fitted worse than Dahl: parameters fitted to the same maps",
     ];
     let free = free(tested)?;
-    let Some(shared) = shared(&free) else { return Ok(no_dahl(named)) };
+    let Some(shared) = shared_quantities(&free) else { return Ok(no_dahl(named)) };
     let truth = map(&with_law(&free, brush(shared)))?;
     let dahl = whole(&distances(&map(&with_law(&free, DYNAMIC[0].1(shared)))?, &truth));
     let lugre = |x: [f64; 2]| FrictionLaw::Lugre {
@@ -419,8 +419,8 @@ pub fn fitted_friction_laws(tested: &TestedDesign<'_>) -> Result<Claim, Pipeline
         deflection_rad: shared.coulomb_nm / (shared.stiffness_nm_rad * x[0]),
         damping_nm_s_rad: shared.damping() * x[1],
     };
-    let a = fitted(&|x| Ok(whole(&distances(&map(&with_law(&free, lugre(x)))?, &truth))))?;
-    let b = fitted(&|x| Ok(whole(&distances(&map(&with_law(&free, reset(x)))?, &truth))))?;
+    let a = fit_factors(&|x| Ok(whole(&distances(&map(&with_law(&free, lugre(x)))?, &truth))))?;
+    let b = fit_factors(&|x| Ok(whole(&distances(&map(&with_law(&free, reset(x)))?, &truth))))?;
     Ok(Claim {
         measured: format!(
             "RMS distance from the map of a machine with a brush of {} bristles: Dahl {dahl:.2} dB as matched; LuGre {:.2} dB as matched, {:.2} dB fitted (stiffness x{:.2}, damping x{:.3}); reset integrator {:.2} dB, {:.2} dB fitted (x{:.2}, x{:.3}). The usual bristle damping alone set both apart from the machine: with almost none they are no farther than Dahl's law",
@@ -494,7 +494,7 @@ struct Fitted {
 }
 
 /// Returns each of two factors up and down, the step's square root taken when nothing is better.
-fn fitted(distance: &dyn Fn([f64; 2]) -> Result<f64, PipelineError>) -> Result<Fitted, PipelineError> {
+fn fit_factors(distance: &dyn Fn([f64; 2]) -> Result<f64, PipelineError>) -> Result<Fitted, PipelineError> {
     const FIRST_STEP: f64 = 4.0;
     const LAST_STEP: f64 = 1.1;
     const LEAST: f64 = 1e-3;

@@ -46,7 +46,7 @@ fn holding(machine: &Parameters) -> Result<ProportionalIntegral, PipelineError> 
 }
 
 /// Returns a triangle wave recorded on a machine in closed loop, with noise and converters.
-fn recorded(
+fn record_triangle(
     machine: &Parameters,
     controller: &mut dyn SampledController,
     seed: u64,
@@ -64,7 +64,7 @@ fn recorded(
 }
 
 /// Returns the machine that the project does not know.
-fn concealed(nominal: &Parameters) -> Parameters {
+fn concealed_machine(nominal: &Parameters) -> Parameters {
     let mut machine = nominal.clone();
     if let Some(lumped) = &mut machine.lumped {
         lumped.out_of_balance_kg_m *= CONCEALED[0];
@@ -93,9 +93,11 @@ fn four(p: &Parameters) -> [f64; 4] {
 /// # Errors
 /// Those of the simulator and of the identification.
 pub fn triangle_identification(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
-    let machine = concealed(tested.parameters());
-    let found =
-        identify(tested.parameters(), &[&[recorded(&machine, &mut tested.controller().runner(), 1)?]])?;
+    let machine = concealed_machine(tested.parameters());
+    let found = identify(
+        tested.parameters(),
+        &[&[record_triangle(&machine, &mut tested.controller().runner(), 1)?]],
+    )?;
     let b = &found.balances[0];
     let all = [b.out_of_balance_kg_m, b.inertia_kg_m2, found.coulomb_nm, found.viscous_nm_s_rad];
     let names = ["out-of-balance [kg m]", "inertia [kg m^2]", "Coulomb [N m]", "viscous [N m s/rad]"];
@@ -172,8 +174,8 @@ pub fn with_amplifier(nominal: &Parameters, share: f64) -> Parameters {
 pub fn amplifier_curve(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let machines = STATES.map(|share| with_amplifier(tested.parameters(), share));
     let (balanced, midpoint) = (
-        recorded(&machines[0], &mut holding(&machines[0])?, 1)?,
-        recorded(&machines[1], &mut holding(&machines[1])?, 2)?,
+        record_triangle(&machines[0], &mut holding(&machines[0])?, 1)?,
+        record_triangle(&machines[1], &mut holding(&machines[1])?, 2)?,
     );
     let found = identify(tested.parameters(), &[&[balanced], &[midpoint]])?;
     let points = found.amplifier.points();

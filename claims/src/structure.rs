@@ -44,7 +44,7 @@ fn with_body(tested: &TestedDesign, body: Body) -> Result<StateSpace, PipelineEr
 }
 
 /// Guyan's condensation onto every fourth node's deflection, the hub and the tip, then the first pinned modes.
-fn condensed(tested: &TestedDesign) -> Result<StateSpace, PipelineError> {
+fn condense_structure(tested: &TestedDesign) -> Result<StateSpace, PipelineError> {
     let (fe, ratios) = counterpoise_pipeline::finite_elements(tested.project, StructureChoice::Beam)?;
     let hub = fe.hub.ok_or(counterpoise_models::Error::NoHubNode)?;
     let n = fe.M.nrows();
@@ -107,7 +107,7 @@ pub fn reduced_order(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> 
         by("modal truncation", modal_truncation(&full, rate, Residual::Drop)?.system),
         by("modal truncation, static gain kept", modal_truncation(&full, rate, Residual::MatchDc)?.system),
         by("balanced truncation", balred(&full, Order::States(ORDER), Method::MatchDc)?.system),
-        by("Guyan and truncation", condensed(tested)?),
+        by("Guyan and truncation", condense_structure(tested)?),
     ];
     let mut words = Vec::new();
     let mut best = f64::INFINITY;
@@ -246,7 +246,7 @@ pub fn lumped_against_elements(tested: &TestedDesign<'_>) -> Result<Claim, Pipel
         ),
         criteria,
         why,
-        drawings: compared(&beam, lumped, low[1], &others)?,
+        drawings: compare_plants(&beam, lumped, low[1], &others)?,
     })
 }
 
@@ -289,7 +289,7 @@ fn heave_explained(
 }
 
 /// Returns the gain and phase of both plants for each input, with what else was tried in heave.
-fn compared(
+fn compare_plants(
     beam: &StateSpace,
     lumped: &StateSpace,
     low_hz: f64,

@@ -169,7 +169,7 @@ fn integral_action_figures(
             vec![overshoot, ms],
         ),
     ];
-    all.extend(high.map(|high| disturbed(integral, &high.designed)));
+    all.extend(high.map(|high| disturbance_drawing(integral, &high.designed)));
     all
 }
 
@@ -178,7 +178,7 @@ fn first_second(points: Vec<Point>) -> Vec<Point> {
 }
 
 /// Returns both designs under heave and pitch, with feedback alone: figures A5-7(b) and A5-8(b).
-fn disturbed(integral: &DesignStages, high: &DesignStages) -> Drawing {
+fn disturbance_drawing(integral: &DesignStages, high: &DesignStages) -> Drawing {
     let curve = |designed: &DesignStages, name: &str, experiment| {
         let history = designed.verified.verification().history(Model::Linear, experiment)?;
         Some(ClaimCurve::line(name, hub_rates(history)))
@@ -231,7 +231,7 @@ pub fn three_methods(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> 
     ] {
         match attempt(design_alternative(&design.plant, &design.specification.feedback, method))? {
             Ok(part) => {
-                let broken = broken(tested, &part)?;
+                let broken = open_loop(tested, &part)?;
                 let (text, judged) = judged_loop(name, &broken)?;
                 criteria.extend(judged);
                 words.push(format!("{name}: {text}"));
@@ -271,7 +271,7 @@ struct MethodLoop {
 }
 
 /// Returns the loop of a continuous design on the design plant.
-fn broken(tested: &TestedDesign<'_>, part: &Alternative) -> Result<StateSpace, PipelineError> {
+fn open_loop(tested: &TestedDesign<'_>, part: &Alternative) -> Result<StateSpace, PipelineError> {
     let plant = &tested.designed.synthesised.design.plant;
     let seen = plant.measured_plant()?.select(&[0], &[plant.control]);
     Ok(series(&part.controller.select(&[0], &[0]), &seen)?)
