@@ -14,7 +14,7 @@ use counterpoise_studio::results::VerificationState;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 
-fn edited(folder: &Path, from: &str, to: &str) {
+fn edit_project(folder: &Path, from: &str, to: &str) {
     let path = folder.join("project.toml");
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(text.contains(from), "{from}");
@@ -22,7 +22,7 @@ fn edited(folder: &Path, from: &str, to: &str) {
 }
 
 /// Returns the names of what has the focus while Tab goes round once.
-fn tabbed(bench: &mut StudioHarness) -> BTreeSet<String> {
+fn tab_order(bench: &mut StudioHarness) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     let mut first = None;
     for _ in 0..400 {
@@ -60,7 +60,7 @@ fn every_control_of_every_page_has_a_name_and_is_reached_by_tab() {
         bench.state_mut().run(&Command::Go { page });
         rest(&mut bench);
         bench.check_accessibility();
-        let reached = tabbed(&mut bench);
+        let reached = tab_order(&mut bench);
         for name in names {
             assert!(reached.iter().any(|n| n.contains(name)), "{page:?}: {name} not among {reached:?}");
         }
@@ -100,7 +100,7 @@ fn every_control_of_every_page_has_a_name_and_is_reached_by_tab() {
 #[test]
 fn runs_stream_in_while_they_are_computed_and_can_be_stopped() {
     let folder = whole_rig("stream");
-    edited(
+    edit_project(
         &folder,
         "duration = 10.0              # s of heave",
         "duration = 100.0              # s of heave",
@@ -140,7 +140,7 @@ fn runs_stream_in_while_they_are_computed_and_can_be_stopped() {
 #[test]
 fn a_campaign_fills_its_table_and_a_requirement_leads_to_its_spread() {
     let folder = rig("campaign");
-    edited(&folder, "samples = 200", "samples = 30");
+    edit_project(&folder, "samples = 200", "samples = 30");
     let mut bench = bench(&folder);
     rest(&mut bench);
     bench.state_mut().run(&Command::ShowVerification { tab: VerificationTab::Robustness });
@@ -183,7 +183,7 @@ fn a_campaign_fills_its_table_and_a_requirement_leads_to_its_spread() {
 #[test]
 fn code_and_a_packed_unit_are_exported_from_the_window() {
     let folder = rig("unit");
-    edited(&folder, "languages = [\"c99\"]", "languages = [\"c99\", \"rust\", \"fmi\"]");
+    edit_project(&folder, "languages = [\"c99\"]", "languages = [\"c99\", \"rust\", \"fmi\"]");
     let mut state = studio(&folder);
     state.library = |_, name| Some(format!("library of {name}").into_bytes());
     let mut bench = common::around(state);

@@ -52,7 +52,7 @@ fn both_ways(folder: &Path, paths: Vec<PathBuf>) -> [String; 2] {
 }
 
 /// Returns what is replayed of a folder: its first recording, or the folder itself if `EVERY_EXAMPLE` is set, as in `.ci/evidence`.
-fn chosen(folder: &Path) -> PathBuf {
+fn choose_recording(folder: &Path) -> PathBuf {
     match std::env::var_os("EVERY_EXAMPLE") {
         Some(_) => folder.to_owned(),
         None => PathBuf::from(&projects::read_recordings(&[folder.to_owned()]).unwrap()[0].name),
@@ -64,7 +64,7 @@ fn a_replay_in_the_studio_is_the_replay_of_the_command_line() {
     for (name, folders) in EXAMPLES {
         for inside in folders {
             let folder = example(name);
-            let [found, expected] = both_ways(&folder, vec![chosen(&folder.join(inside))]);
+            let [found, expected] = both_ways(&folder, vec![choose_recording(&folder.join(inside))]);
             assert_eq!(found, expected, "{name}/{inside}");
         }
     }
@@ -94,7 +94,7 @@ const SAMPLES: f64 = 3000.0;
 const LENGTH_S: f64 = 2.0;
 
 /// A recording of a project's machine under two sines, as CSV.
-fn recorded(project: &Project) -> String {
+fn record_machine(project: &Project) -> String {
     let plant = model(project).unwrap().plant;
     let period_s = plant.parameters().interface.sample_period_s;
     let scenario = Scenario {
@@ -117,7 +117,7 @@ fn every_example_replays_in_the_studio_as_on_the_command_line() {
     for folder in all.filter(|path| path.join("project.toml").exists() && !with_recordings(path)) {
         let project = projects::load_project(&folder, Purpose::Model).unwrap().project;
         let path = scratch.path().join(format!("{replayed}.csv"));
-        files::write_file(&path, recorded(&project).as_bytes()).unwrap();
+        files::write_file(&path, record_machine(&project).as_bytes()).unwrap();
         let [found, expected] = both_ways(&folder, vec![path]);
         assert_eq!(found, expected, "{}", folder.display());
         replayed += 1;

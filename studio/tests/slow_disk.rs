@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
-use common::{StudioHarness, around, filed, rest, rig, says, studio, text, until};
+use common::{StudioHarness, around, rest, rig, says, studio, text, until, wait_for_files};
 use counterpoise_host::files::Disk;
 use counterpoise_studio::command::Command;
 use counterpoise_studio::studio::Studio;
@@ -57,12 +57,12 @@ fn on(disk: &Arc<Held>, folder: &Path) -> StudioHarness {
     let disk = Arc::clone(disk) as Arc<dyn Disk>;
     let mut studio = Studio::with_disk(&folder.join("state"), Arc::new(|| {}), disk);
     studio.run(&Command::Open { path: folder.to_owned() });
-    filed(&mut studio);
+    wait_for_files(&mut studio);
     around(studio)
 }
 
 /// Waits until a line that is not the first of a journal holds a text.
-fn journalled(folder: &Path, text: &str) {
+fn wait_for_journal(folder: &Path, text: &str) {
     let end = Instant::now() + Duration::from_secs(60);
     let holds = |path: PathBuf| {
         let journal = std::fs::read_to_string(path).unwrap_or_default();
@@ -76,7 +76,7 @@ fn journalled(folder: &Path, text: &str) {
 }
 
 /// Returns a copy of the reference rig, open in a window at rest, on a disk that is not held yet.
-fn opened(name: &str) -> (PathBuf, Arc<Held>, StudioHarness) {
+fn open_rig(name: &str) -> (PathBuf, Arc<Held>, StudioHarness) {
     let (folder, disk) = (rig(name), Arc::new(Held::default()));
     let mut bench = on(&disk, &folder);
     rest(&mut bench);
@@ -93,7 +93,7 @@ fn file(folder: &Path) -> String {
 
 #[test]
 fn frames_go_on_while_a_save_takes_its_time_and_what_is_edited_meanwhile_stays_unsaved() {
-    let (folder, disk, mut bench) = opened("slow-save");
+    let (folder, disk, mut bench) = open_rig("slow-save");
     let before = file(&folder);
     bench.state_mut().run(&gain(27.0));
     rest(&mut bench);
@@ -107,7 +107,7 @@ fn frames_go_on_while_a_save_takes_its_time_and_what_is_edited_meanwhile_stays_u
         s.results.design.as_ref().is_some_and(|live| live.revision == 2)
     });
     assert!(bench.state().file_queue.is_saving(), "the disk is still held");
-    journalled(&folder, "28");
+    wait_for_journal(&folder, "28");
     disk.let_go();
     until(&mut bench, "the save", |s| !s.file_queue.is_saving());
     bench.run_steps(2);
@@ -116,7 +116,7 @@ fn frames_go_on_while_a_save_takes_its_time_and_what_is_edited_meanwhile_stays_u
     assert_ne!(before, file(&folder));
     disk.hold();
     bench.state_mut().run(&gain(29.0));
-    journalled(&folder, "29");
+    wait_for_journal(&folder, "29");
     common::crash(bench);
     let again = studio(&folder);
     assert!(
@@ -129,7 +129,7 @@ fn frames_go_on_while_a_save_takes_its_time_and_what_is_edited_meanwhile_stays_u
 
 #[test]
 fn two_saves_are_made_in_order_and_leaving_waits_for_them() {
-    let (folder, disk, mut bench) = opened("slow-order");
+    let (folder, disk, mut bench) = open_rig("slow-order");
     disk.hold();
     for value in [27.0, 28.0] {
         bench.state_mut().run(&gain(value));
@@ -151,7 +151,7 @@ fn two_saves_are_made_in_order_and_leaving_waits_for_them() {
 
 #[test]
 fn the_end_of_the_studio_waits_for_a_save_under_way() {
-    let (folder, disk, mut bench) = opened("slow-end");
+    let (folder, disk, mut bench) = open_rig("slow-end");
     disk.hold();
     bench.state_mut().run(&gain(27.0));
     bench.state_mut().run(&Command::Save);
@@ -211,13 +211,13 @@ fn the_project_stays_until_another_is_read_and_what_cannot_be_read_changes_nothi
 
 #[test]
 fn a_step_back_behind_a_save_outlives_a_crash() {
-    let (folder, _, mut bench) = opened("slow-undo");
+    let (folder, _, mut bench) = open_rig("slow-undo");
     let before = text(&bench);
     bench.state_mut().run(&gain(27.0));
     bench.state_mut().run(&Command::Save);
     until(&mut bench, "the save", |s| !s.file_queue.is_busy());
     bench.state_mut().run(&Command::Undo);
-    journalled(&folder, "undo");
+    wait_for_journal(&folder, "undo");
     common::crash(bench);
     let again = studio(&folder);
     assert_eq!(again.opened.as_ref().unwrap().session.text(), before);

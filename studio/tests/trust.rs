@@ -6,7 +6,7 @@ use crate::common;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use common::{StudioHarness, bench, crash, filed, rest, rig, says, studio, text, until};
+use common::{StudioHarness, bench, crash, rest, rig, says, studio, text, until, wait_for_files};
 use counterpoise_studio::command::{BrowsePurpose, Command, DesignSlot, Page};
 use counterpoise_studio::studio::{Studio, WindowClosing};
 use counterpoise_studio::view::CloseTarget;
@@ -293,7 +293,7 @@ fn theme_units_page_and_kept_designs_are_remembered() {
     let other = rig("remembered-other");
     let mut elsewhere = Studio::new(&folder.join("state"), Arc::new(|| {}));
     elsewhere.run(&Command::Open { path: other.clone() });
-    filed(&mut elsewhere);
+    wait_for_files(&mut elsewhere);
     assert!(elsewhere.view.theme == theme && elsewhere.view.page == Page::Design);
     assert!(elsewhere.view.kept.is_empty(), "kept designs belong to their project");
     drop(elsewhere);

@@ -301,7 +301,7 @@ fn a_broken_file_says_where_and_is_mended_without_leaving_the_window() {
     std::fs::write(folder.join("project.toml"), [0xff, 0xfe, 0x00]).unwrap();
     let mut lost = Studio::new(&folder.join("state"), std::sync::Arc::new(|| {}));
     lost.run(&Command::Open { path: folder.clone() });
-    common::filed(&mut lost);
+    common::wait_for_files(&mut lost);
     assert!(lost.opened.is_none() && lost.open_error.is_some());
     drop(lost);
     std::fs::remove_dir_all(folder).unwrap();
@@ -402,7 +402,7 @@ fn every_example_opens_without_an_error_and_every_page_shows_it() {
     for path in found {
         let mut studio = Studio::new(&state, std::sync::Arc::new(|| {}));
         studio.run(&Command::Open { path: path.clone() });
-        common::filed(&mut studio);
+        common::wait_for_files(&mut studio);
         let shown = path.display();
         assert_eq!(studio.open_error, None, "{shown}");
         assert!(studio.opened.as_ref().unwrap().session.errors().is_empty(), "{shown}");

@@ -13,7 +13,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 /// Says that a test is skipped, with the tool that is missing. The line goes past the capture of a test's output, so that `.ci/skips` sees it.
-pub fn skipped(reason: &str) {
+pub fn report_skip(reason: &str) {
     let _ = writeln!(std::io::stderr(), "skipped: {reason}");
 }
 
@@ -56,12 +56,12 @@ pub fn rig(name: &str) -> PathBuf {
 pub fn studio(folder: &Path) -> Studio {
     let mut studio = Studio::new(&folder.join("state"), Arc::new(|| {}));
     studio.run(&Command::Open { path: folder.to_owned() });
-    filed(&mut studio);
+    wait_for_files(&mut studio);
     studio
 }
 
 /// Waits until everything is read and written that was to be.
-pub fn filed(studio: &mut Studio) {
+pub fn wait_for_files(studio: &mut Studio) {
     let end = Instant::now() + Duration::from_secs(60);
     studio.update();
     while studio.file_queue.is_busy() {
@@ -116,7 +116,7 @@ pub fn bench_on(disk: &Arc<FullDisk>, folder: &Path) -> StudioHarness {
     let disk = Arc::clone(disk) as Arc<dyn counterpoise_host::files::Disk>;
     let mut studio = Studio::with_disk(&folder.join("state"), Arc::new(|| {}), disk);
     studio.run(&Command::Open { path: folder.to_owned() });
-    filed(&mut studio);
+    wait_for_files(&mut studio);
     around(studio)
 }
 
