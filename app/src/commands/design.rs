@@ -66,7 +66,7 @@ pub fn run(options: &DesignOptions) -> CommandResult {
     let (proofs, costs) =
         (proofs::prove_code(code, &designed.targets.compared), processor::measure_costs(code));
     result.targets = result.targets.with_answers(&proofs, &costs);
-    let compiled = compiled(&proofs, &costs);
+    let compiled = describe_compiled_code(&proofs, &costs);
     let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
     let run = DesignRun {
         origin: &ReportOrigin {
@@ -135,7 +135,7 @@ struct CompiledCode {
 }
 
 /// Returns what is to be said of code that was compiled and run, or could not be.
-fn compiled(proofs: &[CompiledCodeTest], costs: &StepCosts) -> CompiledCode {
+fn describe_compiled_code(proofs: &[CompiledCodeTest], costs: &StepCosts) -> CompiledCode {
     let mut code = CompiledCode { differing: 0, said: Vec::new() };
     for proof in proofs {
         let language = if proof.rust { "Rust" } else { "C" };

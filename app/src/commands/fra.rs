@@ -110,9 +110,9 @@ pub fn run(options: &FraOptions) -> CommandResult {
     }
     let plan = plan(options, &loaded.project, around)?;
     let (maps, speed) = if options.recording.is_empty() {
-        simulated(&loaded, &plan, options)?
+        map_simulated_mechanism(&loaded, &plan, options)?
     } else {
-        (recorded(&loaded, &plan, options)?, Vec::new())
+        (map_project_recordings(&loaded, &plan, options)?, Vec::new())
     };
     if let Some(path) = &options.outputs.report {
         let command = std::iter::once("counterpoise".to_owned())
@@ -146,7 +146,7 @@ fn check_platform_is_measured(loaded: &ProjectOnDisk, around: LoopUnderTest) -> 
 
 /// Returns the map of the simulated mechanism, and how fast it was: on all threads, then, where that was asked for,
 /// on fewer.
-fn simulated(
+fn map_simulated_mechanism(
     loaded: &ProjectOnDisk,
     plan: &MeasurementPlan,
     options: &FraOptions,
@@ -217,7 +217,7 @@ fn tell_speed(maps: &[ResponseMap], speed: &[MeasuringPace]) {
     }
 }
 
-fn recorded(
+fn map_project_recordings(
     loaded: &ProjectOnDisk,
     plan: &MeasurementPlan,
     options: &FraOptions,

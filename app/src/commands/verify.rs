@@ -81,8 +81,8 @@ const DRIVE_S: (f64, f64, f64) = (30.0, 0.005, 1.0);
 
 /// Runs the command.
 pub fn run(options: &VerifyOptions) -> CommandResult {
-    let study = verified(options, &options.project)?;
-    let before = options.against.as_ref().map(|path| verified(options, path)).transpose()?;
+    let study = verify_project(options, &options.project)?;
+    let before = options.against.as_ref().map(|path| verify_project(options, path)).transpose()?;
     let changed = before.as_ref().map(|before| figure_changes(&before.found, &study.found));
     if let Some(path) = &options.report {
         projects::write_file(path, page(options, &study, changed.as_deref()).as_bytes())?;
@@ -178,7 +178,7 @@ struct VerificationStudy {
     two_axes: Option<TwoAxisStudy>,
 }
 
-fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
+fn verify_project(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
     let loaded = projects::load_project(path, Purpose::Verify)?;
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
