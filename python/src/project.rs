@@ -90,7 +90,7 @@ impl NativeProject {
     }
 
     /// What stands at a path of keys as it is written; `None` if nothing is there.
-    fn written(&self, key: &str) -> Option<String> {
+    fn source_text(&self, key: &str) -> Option<String> {
         self.document.source_text_at(key)
     }
 

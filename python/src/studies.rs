@@ -69,10 +69,10 @@ pub fn sweep(
     project: &NativeProject,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<String> {
-    project.json(py, progress, swept)
+    project.json(py, progress, run_sweep)
 }
 
-fn swept(project: &NativeProject, world: &BackgroundWorld) -> anyhow::Result<Swept> {
+fn run_sweep(project: &NativeProject, world: &BackgroundWorld) -> anyhow::Result<Swept> {
     let loaded = project.load_for(Purpose::Sweep)?;
     let project = &loaded.project;
     campaign_is_stated(project)?;
