@@ -57,7 +57,7 @@ impl Case {
 pub fn trial(seed: u64, noise: u64) -> Option<Case> {
     let folder = root().join("examples/reference-rig");
     let text = std::fs::read(folder.join("project.toml")).ok()?;
-    let (document, drawn) = drawn(Document::from_bytes(&text, "project.toml").ok()?, seed)?;
+    let (document, drawn) = draw_mechanism(Document::from_bytes(&text, "project.toml").ok()?, seed)?;
     let beside = Beside(folder);
     let stated = Project::resolve(&document, &Attachments::none()).ok()?.project;
     let project = decide_choices(stated, &beside);
@@ -75,7 +75,7 @@ pub fn trial(seed: u64, noise: u64) -> Option<Case> {
 }
 
 /// A mechanism with the default adaptation: out-of-balance, gravity, friction, inertia, observer and motion are drawn.
-fn drawn(document: Document, seed: u64) -> Option<(Document, String)> {
+fn draw_mechanism(document: Document, seed: u64) -> Option<(Document, String)> {
     let mut dice = Dice::new(seed);
     let mut log_uniform = |low: f64, high: f64| low * (high / low).powf(dice.uniform(0.0, 1.0));
     let balance = log_uniform(0.1, 1.2);

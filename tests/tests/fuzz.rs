@@ -121,7 +121,7 @@ fn csv_in_parts() {
 }
 
 /// The files of all generated languages for a text that stands wherever a project's texts do.
-fn generated(controller: &Controller, plant: &Plant, text: &str) -> Vec<File> {
+fn generate_files(controller: &Controller, plant: &Plant, text: &str) -> Vec<File> {
     let text = text.to_owned();
     let provenance = Provenance {
         generator: text.clone(),
@@ -171,10 +171,10 @@ fn texts_of_comments() {
         b"*)",
         b"\n#include </etc/passwd>\n",
     ];
-    let plain = generated(&controller, &plant, "plain");
+    let plain = generate_files(&controller, &plant, "plain");
     let stored = corpus(&["tests/data/fuzz/comment"], &["txt"]);
     fuzz("comment", &stored, &words, &|bytes| {
-        let found = generated(&controller, &plant, &String::from_utf8_lossy(bytes));
+        let found = generate_files(&controller, &plant, &String::from_utf8_lossy(bytes));
         for (file, plain) in found.iter().zip(&plain) {
             assert_eq!(file.name, plain.name);
             // Texts in XML are escaped: its comments and attributes have ends of their own.

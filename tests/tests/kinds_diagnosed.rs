@@ -312,7 +312,7 @@ const KINDS: [Kind; 22] = [
 /// The kinds that run by default.
 const DEFAULT: [usize; 1] = [0];
 
-fn chosen() -> Vec<&'static Kind> {
+fn chosen_kinds() -> Vec<&'static Kind> {
     match std::env::var("COUNTERPOISE_KINDS") {
         Ok(all) if all == "all" => KINDS.iter().collect(),
         Ok(name) => KINDS.iter().filter(|kind| kind.name.contains(&name)).collect(),
@@ -387,7 +387,7 @@ impl Machine {
         demands.into_iter().enumerate().map(one).collect()
     }
 
-    fn diagnosed(&self, recordings: &[Recording]) -> Diagnosis {
+    fn diagnose(&self, recordings: &[Recording]) -> Diagnosis {
         self.diagnosed_as(&self.base, recordings)
     }
 
@@ -436,7 +436,7 @@ fn check_finite(name: &str, answer: &Answer) {
     );
 }
 
-fn found(answer: &Answer) -> String {
+fn describe_answer(answer: &Answer) -> String {
     let one = |f: &counterpoise_diagnose::findings::answer::Finding| {
         let others: Vec<_> = f.alternatives.iter().map(|n| n.names()).collect();
         let values: Vec<_> = f.parameters.iter().map(|p| (p.name, p.value, p.ci95)).collect();
@@ -449,13 +449,13 @@ fn found(answer: &Answer) -> String {
 #[test]
 fn a_clean_machine_of_every_kind_is_consistent() {
     let mut wrong = Vec::new();
-    for kind in chosen() {
+    for kind in chosen_kinds() {
         let machine = Machine::of(kind);
-        let answer = machine.diagnosed(&machine.recordings(&machine.base)).answer;
+        let answer = machine.diagnose(&machine.recordings(&machine.base)).answer;
         check_finite(kind.name, &answer);
-        println!("{}: {} before {:.2}", kind.name, found(&answer), worst(&answer.fit.before));
+        println!("{}: {} before {:.2}", kind.name, describe_answer(&answer), worst(&answer.fit.before));
         if answer.verdict != DiagnosisVerdict::Consistent {
-            wrong.push(format!("{}: {}", kind.name, found(&answer)));
+            wrong.push(format!("{}: {}", kind.name, describe_answer(&answer)));
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -464,21 +464,21 @@ fn a_clean_machine_of_every_kind_is_consistent() {
 #[test]
 fn a_concealed_effect_is_named_on_every_kind() {
     let mut wrong = Vec::new();
-    for kind in chosen() {
+    for kind in chosen_kinds() {
         let machine = Machine::of(kind);
         let mut truth = machine.base.clone();
         (kind.conceals)(&mut truth);
         let recordings = machine.recordings(&truth);
-        let answer = machine.diagnosed(&recordings).answer;
+        let answer = machine.diagnose(&recordings).answer;
         check_finite(kind.name, &answer);
         let named = answer.findings.iter().any(|finding| {
             let own = std::iter::once(finding.name()).chain(finding.alternatives.iter().copied());
             own.into_iter().any(|name| kind.names.contains(&(name.component, name.effect)))
         });
         let (before, held_out) = (worst(&answer.fit.before), worst_reading(&answer.fit.held_out_after));
-        println!("{}: {} before {before:.2} held out {held_out:.2}", kind.name, found(&answer));
+        println!("{}: {} before {before:.2} held out {held_out:.2}", kind.name, describe_answer(&answer));
         if !named || !machine.is_replayed(held_out, &truth, &recordings) {
-            wrong.push(format!("{}: {} held out {held_out:.2}", kind.name, found(&answer)));
+            wrong.push(format!("{}: {} held out {held_out:.2}", kind.name, describe_answer(&answer)));
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -502,7 +502,7 @@ const AS_THE_TRUTH: f64 = 1.05;
 #[test]
 fn what_is_identified_contains_the_truth_or_is_refused() {
     let mut wrong = Vec::new();
-    for kind in chosen() {
+    for kind in chosen_kinds() {
         let machine = Machine::of(kind);
         let p = &machine.base;
         let recordings = machine.recordings(p);

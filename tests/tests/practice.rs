@@ -157,7 +157,7 @@ const GAIN_CURVE: [[f64; 2]; 14] = [
 ];
 
 /// A practice machine's project with the truth entered, and all its recordings.
-fn known(machine: &str) -> Option<(Project, Vec<Recording>)> {
+fn known_machine(machine: &str) -> Option<(Project, Vec<Recording>)> {
     let folder = practice(machine)?;
     let text = fs::read_to_string(folder.join("project.toml")).unwrap();
     let document = truth(machine)
@@ -181,7 +181,7 @@ fn assert_fits(machine: &str, recording: &str, replayed: &Replay) {
 #[test]
 fn machines_whose_truth_is_known_replay_in_closed_loop_to_their_floor() {
     for machine in ["p01", "p04", "p05", "p06", "p07"] {
-        let Some((project, all)) = known(machine) else { return };
+        let Some((project, all)) = known_machine(machine) else { return };
         let control = ReplayLoop::from(
             project
                 .recording_controller
@@ -199,7 +199,7 @@ fn machines_whose_truth_is_known_replay_in_closed_loop_to_their_floor() {
 #[test]
 fn machines_that_hunt_replay_to_their_floor_over_half_a_second() {
     for machine in ["p02", "p03"] {
-        let Some((project, all)) = known(machine) else { return };
+        let Some((project, all)) = known_machine(machine) else { return };
         counterpoise_tests::run_in_parallel(all.len(), &|k| {
             let replayer = Replayer::new(&project.plant, &all[k]).unwrap();
             assert_fits(machine, &all[k].name, &replayer.replay_windowed(&project.plant, 0.5).unwrap());
@@ -237,7 +237,7 @@ fn an_amplifier_s_curve_is_found_as_fine_as_the_recordings_ask() {
 /// In open loop a machine that nearly stalls remembers a start for longer than its first moments show it.
 #[test]
 fn cogging_that_nearly_stalls_the_motor_replays_in_open_loop() {
-    let Some((project, all)) = known("p05") else { return };
+    let Some((project, all)) = known_machine("p05") else { return };
     counterpoise_tests::run_in_parallel(all.len(), &|k| {
         let replayer = Replayer::new(&project.plant, &all[k]).unwrap();
         assert_fits("p05", &all[k].name, &replayer.replay_open(&project.plant).unwrap());
@@ -248,7 +248,7 @@ fn cogging_that_nearly_stalls_the_motor_replays_in_open_loop() {
 /// noise of the sensors alone part by more than ten times that noise.
 #[test]
 fn a_machine_that_hunts_does_not_repeat_itself() {
-    let Some((project, all)) = known("p02") else { return };
+    let Some((project, all)) = known_machine("p02") else { return };
     let steps = all.iter().find(|r| r.name.contains("steps")).unwrap();
     let mut controller = project
         .recording_controller

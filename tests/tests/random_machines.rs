@@ -166,7 +166,7 @@ enum TriedMachine {
     Failed(String),
 }
 
-fn tried(seed: u64) -> TriedMachine {
+fn try_machine(seed: u64) -> TriedMachine {
     let project = machine(&mut Dice(ChaCha8Rng::seed_from_u64(seed)));
     let chosen = match with_chosen_weights(&project) {
         Ok(chosen) => chosen.unwrap(),
@@ -202,7 +202,7 @@ fn a_first_design_holds_machines_of_every_kind_in_the_nonlinear_simulator() {
     let all = count.unwrap_or(MACHINES);
     let outcomes = Mutex::new(BTreeMap::new());
     counterpoise_tests::run_in_parallel(all, &|k| {
-        let outcome = tried(k as u64);
+        let outcome = try_machine(k as u64);
         outcomes.lock().unwrap().insert(k, outcome);
     });
     let (mut failures, mut refused, mut limits) = (Vec::new(), 0, BTreeMap::new());

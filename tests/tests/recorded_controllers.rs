@@ -48,7 +48,7 @@ fn read_back(folder: &Path, project: &Project, controller: &Controller) -> Recor
     found
 }
 
-fn exported(project: &Project) -> (Plant, Controller) {
+fn export_controller(project: &Project) -> (Plant, Controller) {
     let modelled = model(project).unwrap();
     let controller =
         synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap().sampled.controller;
@@ -102,7 +102,7 @@ fn worst(plant: &Plant, recording: &Recording, control: &ReplayLoop) -> (f64, Ch
 fn every_exported_controller_replays_its_own_recordings() {
     for name in EXAMPLES {
         let project = project(name);
-        let (plant, controller) = exported(&project);
+        let (plant, controller) = export_controller(&project);
         let recording = record(&plant, &mut controller.runner());
         let exported = read_back(&folder(name), &project, &controller);
         let (fit, _) = control_fit(plant.parameters(), &recording, &exported).unwrap();
@@ -128,7 +128,7 @@ fn every_exported_controller_replays_its_own_recordings() {
 fn recordings_under_single_and_fixed_point_code_are_replayed_by_the_controller_of_the_file() {
     for name in EXAMPLES {
         let project = project(name);
-        let (plant, controller) = exported(&project);
+        let (plant, controller) = export_controller(&project);
         let control = ReplayLoop::from(read_back(&folder(name), &project, &controller));
         let single = record(&plant, &mut controller.runner_in::<f32>());
         let (ratio, channel) = worst(&plant, &single, &control);
@@ -163,7 +163,7 @@ fn fixed_point(plant: &Plant, controller: &Controller) -> Result<Fixed, FixedErr
 #[test]
 fn a_file_that_is_no_controller_of_the_recordings_is_refused_with_what_is_wrong() {
     let project = project("reference-rig");
-    let (_, controller) = exported(&project);
+    let (_, controller) = export_controller(&project);
     let document = document(None);
     let named = |hash: &str| {
         let text = |value: &str| SettingValue::Text(value.to_owned());
@@ -246,7 +246,7 @@ fn apart(plant: &Plant, one: &Recording, other: &Recording) -> f64 {
 #[test]
 fn a_machine_that_floats_in_its_gap_is_replayed_in_windows_and_freely_as_closely_as_it_repeats_itself() {
     let project = project("azimuth");
-    let (plant, controller) = exported(&project);
+    let (plant, controller) = export_controller(&project);
     let recording = record(&plant, &mut controller.runner());
     let again = record_with(&plant, &mut controller.runner(), 6);
     let control = ReplayLoop::from(read_back(&folder("azimuth"), &project, &controller));

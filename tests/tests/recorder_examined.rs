@@ -39,7 +39,7 @@ impl Machine {
         Self { project, recordings }
     }
 
-    fn examined(&self, recordings: &[Recording]) -> ExaminedRecordings {
+    fn examine_recordings(&self, recordings: &[Recording]) -> ExaminedRecordings {
         let control = self
             .project
             .recording_controller
@@ -156,7 +156,7 @@ fn cases() -> Vec<(Column, Wrong, Vec<usize>, &'static str, &'static str)> {
     out
 }
 
-fn told(examined: &ExaminedRecordings) -> Vec<(&'static str, &'static str)> {
+fn described_faults(examined: &ExaminedRecordings) -> Vec<(&'static str, &'static str)> {
     examined.faults.iter().map(|f| (component_of(f.column).name(), effect_of(&f.kind).name())).collect()
 }
 
@@ -164,7 +164,7 @@ fn told(examined: &ExaminedRecordings) -> Vec<(&'static str, &'static str)> {
 fn machines_with_any_concealed_physics_have_no_fault_of_the_recorder() {
     for name in ["p01", "p02", "p03", "p04", "p05", "p06", "p07", "p08"] {
         let machine = Machine::read(name);
-        let examined = machine.examined(&machine.recordings);
+        let examined = machine.examine_recordings(&machine.recordings);
         assert!(examined.faults.is_empty(), "{name}: {:?}", examined.faults);
         assert!(examined.recordings == machine.recordings, "{name}");
     }
@@ -179,8 +179,8 @@ fn each_fault_is_named_and_nothing_else_is() {
         let step = one_of(3) * if name == "p08" { 1 } else { 8 };
         for (column, fault, which, component, effect) in cases().into_iter().step_by(step) {
             let spoilt = machine.with(&which, |r| spoil(of(r, column), fault));
-            let examined = machine.examined(&spoilt);
-            if told(&examined) != [(component, effect)] {
+            let examined = machine.examine_recordings(&spoilt);
+            if described_faults(&examined) != [(component, effect)] {
                 wrong.push(format!("{name} {} {fault:?} {which:?}: {:?}", column.name(), examined.faults));
             }
         }
@@ -208,9 +208,9 @@ fn exchanged_columns_are_named_and_put_back() {
                 r.set(other.channel(), first);
                 r.set(one.channel(), second);
             });
-            let examined = machine.examined(&exchanged);
+            let examined = machine.examine_recordings(&exchanged);
             let pair = [(component_of(one).name(), "exchanged"), (component_of(other).name(), "exchanged")];
-            let told = told(&examined);
+            let told = described_faults(&examined);
             assert!(
                 told.len() == 1 && pair.contains(&told[0]),
                 "{name} {one:?} {other:?}: {:?}",

@@ -74,7 +74,7 @@ fn column<'a>(table: &'a mut Table, name: &str) -> &'a mut Column {
     table.columns.iter_mut().find(|c| c.name == name).unwrap()
 }
 
-fn changed(table: &mut Table, name: &str, change: impl Fn(usize, f64) -> f64) {
+fn change_column(table: &mut Table, name: &str, change: impl Fn(usize, f64) -> f64) {
     let values = &mut column(table, name).values;
     *values = values.iter().enumerate().map(|(k, v)| change(k, *v)).collect();
 }
@@ -107,18 +107,19 @@ fn a_gap_in_time_parts_the_recording_and_both_parts_replay() {
 
 #[test]
 fn missing_stuck_and_clipped_readings_are_named_without_a_false_scale() {
-    let missing = with(|table| changed(table, "motor_rate", |k, v| if k % 50 < 5 { f64::NAN } else { v }));
+    let missing =
+        with(|table| change_column(table, "motor_rate", |k, v| if k % 50 < 5 { f64::NAN } else { v }));
     let Some(missing) = missing else { return };
     assert!(missing.says("motor_rate: "), "{:?}", missing.remarks);
     let stuck = with(|table| {
         let held = column(table, "motor_rate").values[3000];
-        changed(table, "motor_rate", |k, v| if (3000..4500).contains(&k) { held } else { v });
+        change_column(table, "motor_rate", |k, v| if (3000..4500).contains(&k) { held } else { v });
     })
     .unwrap();
     assert!(stuck.says("motor_rate: stuck or clipped"), "{:?}", stuck.remarks);
     let clipped = with(|table| {
         let top = 0.5 * column(table, "motor_rate").values.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
-        changed(table, "motor_rate", |_, v| v.clamp(-top, top));
+        change_column(table, "motor_rate", |_, v| v.clamp(-top, top));
     })
     .unwrap();
     assert!(clipped.says("motor_rate: ") && clipped.says("clipped at"), "{:?}", clipped.remarks);
@@ -130,11 +131,11 @@ fn missing_stuck_and_clipped_readings_are_named_without_a_false_scale() {
 
 #[test]
 fn a_swapped_sign_and_a_wrong_unit_are_named() {
-    let Some(swapped) = with(|table| changed(table, "motor_rate", |_, v| -v)) else { return };
+    let Some(swapped) = with(|table| change_column(table, "motor_rate", |_, v| -v)) else { return };
     assert!(swapped.says("times what the gyroscopes say: its sign is swapped"), "{:?}", swapped.remarks);
-    let degrees = with(|table| changed(table, "hub_position", |_, v| v.to_degrees())).unwrap();
+    let degrees = with(|table| change_column(table, "hub_position", |_, v| v.to_degrees())).unwrap();
     assert!(degrees.says("hub_position: 57.") && degrees.says("it is in degrees"), "{:?}", degrees.remarks);
-    let gyro = with(|table| changed(table, "hub_rate", |_, v| -v)).unwrap();
+    let gyro = with(|table| change_column(table, "hub_rate", |_, v| -v)).unwrap();
     assert!(gyro.says("hub_rate: the gyroscopes give -1.0"), "{:?}", gyro.remarks);
 }
 
@@ -142,14 +143,14 @@ fn a_swapped_sign_and_a_wrong_unit_are_named() {
 fn a_clock_that_is_late_or_drifts_is_named_with_its_figure() {
     let Some(late) = with(|table| {
         let was = column(table, "motor_rate").values.clone();
-        changed(table, "motor_rate", |k, _| was[k.saturating_sub(25)]);
+        change_column(table, "motor_rate", |k, _| was[k.saturating_sub(25)]);
     }) else {
         return;
     };
     assert!(late.says("motor_rate: 2") && late.says("its clock has an offset"), "{:?}", late.remarks);
     let slow = with(|table| {
         let was = column(table, "motor_rate").values.clone();
-        changed(table, "motor_rate", |k, _| was[k - k / 200]);
+        change_column(table, "motor_rate", |k, _| was[k - k / 200]);
     })
     .unwrap();
     assert!(slow.says("motor_rate: ") && slow.says("its clock runs 0.5"), "{:?}", slow.remarks);

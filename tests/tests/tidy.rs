@@ -98,7 +98,7 @@ fn exception_of(file: &Path, name: &str) -> Option<usize> {
 }
 
 /// Returns the declared functions of a source: line number, name and the types of its arguments.
-fn declared(code: &str) -> Vec<Declared<'_>> {
+fn declared_functions(code: &str) -> Vec<Declared<'_>> {
     let mut found = Vec::new();
     let mut offset = 0;
     for (number, line) in code.lines().enumerate() {
@@ -240,7 +240,7 @@ fn arguments_have_names_for_their_values() {
     for folder in members() {
         for (file, code) in sources(&folder) {
             let aliases = tuple_aliases(&code);
-            for found in declared(&code) {
+            for found in declared_functions(&code) {
                 let wrong_here = wrong_arguments(&found, &aliases);
                 let place = |what| format!("{}:{}: {} takes {what}", file.display(), found.line, found.name);
                 match exception_of(&file, found.name) {
@@ -263,7 +263,7 @@ fn arguments_have_names_for_their_values() {
 #[test]
 fn arguments_are_read_from_declarations() {
     let code = "pub fn one<T: Fn(f64) -> bool>(\n    a: &(f64, f64),\n    is_b: bool,\n) -> bool {\n}\n    fn two(&self, c: [f64; 2]) {}\n";
-    let found = declared(code);
+    let found = declared_functions(code);
     assert_eq!((found[0].name, found[0].line), ("one", 1));
     assert_eq!(found[0].types, ["fn one<T: Fn(f64) -> bool>", "&(f64, f64)", "bool"]);
     assert_eq!((found[1].name, found[1].line), ("two", 6));
@@ -374,7 +374,7 @@ fn public_functions(code: &str) -> Vec<Declared<'_>> {
             is_in_trait || line.trim_start().starts_with("pub")
         })
         .collect();
-    declared(code).into_iter().filter(|found| is_public[found.line - 1]).collect()
+    declared_functions(code).into_iter().filter(|found| is_public[found.line - 1]).collect()
 }
 
 #[test]

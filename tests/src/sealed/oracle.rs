@@ -29,7 +29,7 @@ const ORDINARY: [(&str, &str); 8] = [
 /// As the diagnosis itself.
 pub fn compare_fits(base: &Parameters, case: &Case, answer: &Answer) -> Result<[Option<f64>; 4], Error> {
     let known = case.sealed.family != Family::Outside;
-    let structures = [Structure::default(), ordinary(base), found(answer), truth(base, case)];
+    let structures = [Structure::default(), ordinary(base), found_structure(answer), truth(base, case)];
     let left = refit(base, &controller(), &recordings(case), &structures, &Serial)?;
     Ok([left[0], left[1], left[2], left[3].filter(|_| known)])
 }
@@ -49,7 +49,7 @@ fn ordinary(base: &Parameters) -> Structure {
     Structure { effects, start }
 }
 
-fn found(answer: &Answer) -> Structure {
+fn found_structure(answer: &Answer) -> Structure {
     let mut structure = Structure::default();
     for finding in &answer.findings {
         let parameter = finding.parameters.first().map(|p| p.name);

@@ -231,7 +231,7 @@ fn physics_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Conceal
 }
 
 /// Changes `value` by `share` of it, up or down.
-fn scaled(dice: &mut Dice, value: &mut f64, share: f64) -> f64 {
+fn scale_value(dice: &mut Dice, value: &mut f64, share: f64) -> f64 {
     *value *= 1.0 + share * sign(dice);
     *value
 }
@@ -239,7 +239,7 @@ fn scaled(dice: &mut Dice, value: &mut f64, share: f64) -> f64 {
 fn friction_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
     let pivot = &mut m.pivot_friction;
     match which {
-        0 => one("pivot", "coulomb", "coulomb", scaled(dice, &mut pivot.level, 0.4 * s)),
+        0 => one("pivot", "coulomb", "coulomb", scale_value(dice, &mut pivot.level, 0.4 * s)),
         1 => {
             pivot.viscous += 300.0 * s;
             one("pivot", "viscous", "viscous", pivot.viscous)
@@ -259,7 +259,7 @@ fn friction_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concea
             m.quadratic_drag = 1500.0 * s;
             one("pivot", "quadratic_drag", "quadratic", m.quadratic_drag)
         }
-        _ => one("motor", "coulomb", "coulomb", scaled(dice, &mut m.motor_friction.level, 0.4 * s)),
+        _ => one("motor", "coulomb", "coulomb", scale_value(dice, &mut m.motor_friction.level, 0.4 * s)),
     }
 }
 
@@ -272,14 +272,14 @@ fn drive_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed
             cogging
         }
         7 => {
-            let constant = scaled(dice, &mut m.torque_constant, 0.15 * s);
+            let constant = scale_value(dice, &mut m.torque_constant, 0.15 * s);
             one("motor", "torque_constant", "torque_constant", constant)
         }
         8 => {
             m.backlash += 3e-3 * s;
             one("gearbox", "backlash", "backlash", m.backlash)
         }
-        9 => one("gearbox", "stiffness", "stiffness", scaled(dice, &mut m.gear_stiffness, 0.35 * s)),
+        9 => one("gearbox", "stiffness", "stiffness", scale_value(dice, &mut m.gear_stiffness, 0.35 * s)),
         10 => {
             m.dead_zone = 0.1 * s;
             let dead_zone = one("amplifier", "dead_zone", "dead_zone", m.dead_zone);
@@ -299,7 +299,7 @@ fn structure_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Conce
             m.moment += 40.0 * s * sign(dice);
             one("structure", "out_of_balance", "out_of_balance", m.moment)
         }
-        13 => one("structure", "inertia", "beam_inertia", scaled(dice, &mut m.beam_inertia, 0.3 * s)),
+        13 => one("structure", "inertia", "beam_inertia", scale_value(dice, &mut m.beam_inertia, 0.3 * s)),
         _ => {
             (m.spring, m.spring_centre) = (900.0 * s, dice.uniform(-0.06, 0.06));
             one("structure", "position_stiffness", "stiffness", m.spring)

@@ -40,7 +40,7 @@ pub fn corpus(folders: &[&str], endings: &[&str]) -> Vec<(PathBuf, Vec<u8>)> {
 }
 
 /// One of the inputs with some changes: bits, bytes, cuts, repetitions, pieces of another input, words that readers look for.
-pub fn changed(corpus: &[(PathBuf, Vec<u8>)], words: &[&[u8]], random: &mut Random) -> Vec<u8> {
+pub fn mutate_input(corpus: &[(PathBuf, Vec<u8>)], words: &[&[u8]], random: &mut Random) -> Vec<u8> {
     let mut bytes = corpus[random.below(corpus.len())].1.clone();
     for _ in 0..1 + random.below(4) {
         if bytes.is_empty() {
@@ -110,7 +110,7 @@ pub fn fuzz(target: &str, corpus: &[(PathBuf, Vec<u8>)], words: &[&[u8]], read: 
     let mut random = Random(0x2545_F491_4F6C_DD1D ^ seed);
     let (begun, mut count) = (Instant::now(), corpus.len());
     while begun.elapsed() < Duration::from_secs(seconds) {
-        one(&changed(corpus, words, &mut random));
+        one(&mutate_input(corpus, words, &mut random));
         count += 1;
     }
     println!("{target}: {count} inputs in {seconds} s, seed {seed}, no failure, slowest {slowest:.1?}");
