@@ -134,7 +134,7 @@ fn inner(T: &Mat, B: &Mat, kind: Kind) -> Result<Mat, Error> {
         Kind::Discrete => {
             let (T, turns) = complex_form(T);
             let mut B = B.to_complex();
-            turns.iter().for_each(|turn| turn.back().rows(&mut B));
+            turns.iter().for_each(|turn| turn.inverse().rows(&mut B));
             let mut R = triangular_factor(&T, &B);
             turns.iter().for_each(|turn| turn.rows(&mut R));
             let parts = R.map(|e| e.re).hstack(&R.map(|e| e.im));
@@ -178,7 +178,7 @@ struct Turn {
 }
 
 impl Turn {
-    fn back(&self) -> Self {
+    fn inverse(&self) -> Self {
         Self { k: self.k, x: self.x.conj(), y: -self.y }
     }
 
@@ -213,7 +213,7 @@ fn complex_form(form: &Mat) -> (CMat, Vec<Turn>) {
             let norm = b.hypot(omega);
             let (x, y) = (C64::new(b / norm, 0.0), C64::new(0.0, omega / norm));
             let turn = Turn { k, x, y };
-            turn.back().rows(&mut T);
+            turn.inverse().rows(&mut T);
             turn.columns(&mut T, k + 2);
             T[(k, k)] = C64::new(a, omega);
             T[(k + 1, k + 1)] = C64::new(a, -omega);

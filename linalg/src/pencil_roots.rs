@@ -35,11 +35,11 @@ pub fn pencil_roots(M: &Mat, E: &[f64], starts: &[C64]) -> Result<Option<Vec<C64
 ///
 /// Two real eigenvalues that differ by rounding are never found from a conjugate pair of approximations, which stays one: these are moved then.
 pub(crate) fn simultaneous_roots(M: &Mat, E: &[f64], starts: &[C64]) -> Option<Vec<C64>> {
-    iterate(M, E, apart(starts)).or_else(|| {
+    iterate(M, E, separate_starts(starts)).or_else(|| {
         let nearly_real = |s: &C64| s.im > 0.0 && s.im <= PENCIL_NEARLY_REAL * s.norm();
         let moved = |s: &C64| if nearly_real(s) { C64::new(s.re + s.im, 0.5 * s.im) } else { *s };
         let moved: Vec<C64> = starts.iter().map(moved).collect();
-        if moved == starts { None } else { iterate(M, E, apart(&moved)) }
+        if moved == starts { None } else { iterate(M, E, separate_starts(&moved)) }
     })
 }
 
@@ -117,7 +117,7 @@ pub(crate) fn corrected_modes(M: &Mat, all: &[C64], doubtful: &[DoubtfulMode]) -
 }
 
 /// The approximations with those that coincide moved apart, because the iteration never separates equal ones.
-fn apart(starts: &[C64]) -> Vec<LongComplex> {
+fn separate_starts(starts: &[C64]) -> Vec<LongComplex> {
     let mut out: Vec<C64> = Vec::with_capacity(starts.len());
     for (k, &start) in starts.iter().enumerate() {
         let near = |other: &&C64| (**other - start).norm() <= PENCIL_TOGETHER * start.norm();

@@ -77,7 +77,7 @@ pub(super) fn unless_lost(
 ) -> Result<Certified, Failure> {
     let lost = || reason::certainly_lost(modes).map(Failure::Certain);
     if reason::is_beyond_doubles(first, modes) {
-        return lost().map_or_else(|| solve(Failure::hopeless), Err);
+        return lost().map_or_else(|| solve(Failure::from_hopeless), Err);
     }
     let found = solve(Failure::from);
     let is_determined = |c: &Certified| EPS * c.solution.certificate.condition <= RICCATI_DETERMINED;
@@ -203,7 +203,7 @@ pub(super) enum Failure {
 
 impl Failure {
     /// The failure of a refinement from a start that is larger than doubles can tell from infinity.
-    pub(super) fn hopeless(reason: Reason) -> Self {
+    pub(super) fn from_hopeless(reason: Reason) -> Self {
         match Self::from(reason) {
             Self::Doubtful(reason) => Self::Hopeless(reason),
             other => other,

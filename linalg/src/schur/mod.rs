@@ -30,7 +30,7 @@ pub struct Schur {
 pub fn schur(A: &Mat) -> Result<Schur, Error> {
     check_square("A", A)?;
     keep_freed_blocks(A.nrows());
-    match independent(A) {
+    match independent_groups(A) {
         groups if groups.len() > 1 => group_by_group(A, &groups),
         _ => connected_form(A),
     }
@@ -53,7 +53,7 @@ fn group_by_group(A: &Mat, groups: &[Vec<usize>]) -> Result<Schur, Error> {
 }
 
 /// The groups of states in which a matrix is block diagonal, one group where every state reaches every other.
-fn independent(A: &Mat) -> Vec<Vec<usize>> {
+fn independent_groups(A: &Mat) -> Vec<Vec<usize>> {
     let n = A.nrows();
     let mut label: Vec<usize> = (0..n).collect();
     let mut count = n;
@@ -96,7 +96,7 @@ pub fn eigenvalues(A: &Mat) -> Result<Vec<C64>, Error> {
     keep_freed_blocks(A.nrows());
     let balanced = crate::balance::balance(A)?.A;
     let mut values = Vec::with_capacity(A.nrows());
-    for group in independent(&balanced) {
+    for group in independent_groups(&balanced) {
         let mut H = hessenberg_values(&balanced.select(&group, &group))?;
         if !group.is_empty() {
             francis::francis_values(&mut H)?;

@@ -36,7 +36,7 @@ enum Side {
 }
 
 impl Side {
-    fn other(self) -> Self {
+    fn opposite(self) -> Self {
         match self {
             Self::First => Self::Second,
             _ => Self::First,
@@ -282,7 +282,7 @@ impl<'a> Refinement<'a> {
     }
 
     fn gain(&self, v: u32, to: Side) -> i32 {
-        let pulled = self.graph.of_vertex(v).iter().filter(|&&u| self.sides[u as usize] == to.other());
+        let pulled = self.graph.of_vertex(v).iter().filter(|&&u| self.sides[u as usize] == to.opposite());
         1 - pulled.count() as i32
     }
 
@@ -332,7 +332,7 @@ impl<'a> Refinement<'a> {
         self.is_moved[v as usize] = true;
         let graph = self.graph;
         for &u in graph.of_vertex(v) {
-            if self.sides[u as usize] == to.other() {
+            if self.sides[u as usize] == to.opposite() {
                 self.change(u, Side::Separator, log);
                 self.enqueue(u);
                 graph.of_vertex(u).iter().for_each(|&w| self.enqueue(w));

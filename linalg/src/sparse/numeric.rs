@@ -304,7 +304,7 @@ impl<T: Number> Factors<T> {
             x.iter_mut().zip(&self.pivots).for_each(|(x, pivot)| *x *= pivot.inverse());
         }
         let blocks = (0..analysis.blocks()).rev();
-        blocks.for_each(|s| self.backward(analysis, s, &mut sides_in_order, &mut buffer));
+        blocks.for_each(|s| self.substitute_backward(analysis, s, &mut sides_in_order, &mut buffer));
         for (x, side) in x.chunks_exact(n).zip(sides.chunks_exact_mut(n)) {
             x.iter().zip(&analysis.order).for_each(|(&x, &v)| side[v as usize] = x);
         }
@@ -335,7 +335,7 @@ impl<T: Number> Factors<T> {
         }
     }
 
-    fn backward(&self, analysis: &Analysis, s: usize, sides: &mut Sides<T>, buffer: &mut Vec<T>) {
+    fn substitute_backward(&self, analysis: &Analysis, s: usize, sides: &mut Sides<T>, buffer: &mut Vec<T>) {
         let (x, count) = (&mut *sides.values, sides.count);
         let (n, columns, rows) = (analysis.size(), analysis.columns(s), analysis.rows(s));
         let (top, below) = self.parts(analysis, s);
