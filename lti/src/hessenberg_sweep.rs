@@ -19,7 +19,7 @@ impl<const N: usize> Lane<N> {
         Self { re: values.map(|v| v.re), im: values.map(|v| v.im) }
     }
 
-    fn real(x: f64) -> Self {
+    fn from_real(x: f64) -> Self {
         Self { re: [x; N], im: [0.0; N] }
     }
 
@@ -111,9 +111,9 @@ impl<'a, const N: usize> Sweep<'a, N> {
         let mut rows = Vec::with_capacity(n * (m + 1));
         for i in 0..n {
             rows.push(entry(H, s, i, n - 1));
-            rows.extend((0..m).map(|j| Lane::real(B[(i, j)])));
+            rows.extend((0..m).map(|j| Lane::from_real(B[(i, j)])));
         }
-        let out = (0..p).map(|i| if n > 0 { Lane::real(C[(i, n - 1)]) } else { Lane::ZERO }).collect();
+        let out = (0..p).map(|i| if n > 0 { Lane::from_real(C[(i, n - 1)]) } else { Lane::ZERO }).collect();
         Self { H, C, s, rows, out, answer: vec![Lane::ZERO; p * m], n, m, p }
     }
 
@@ -136,7 +136,7 @@ impl<'a, const N: usize> Sweep<'a, N> {
     /// Makes entry (k, k-1) zero with columns k-1 and k, solves for unknown k, and leaves the new column k-1.
     #[inline(always)]
     fn combine(&mut self, k: usize, unknowns: &mut [Lane<N>]) {
-        let sub = Lane::real(-self.H[(k, k - 1)]);
+        let sub = Lane::from_real(-self.H[(k, k - 1)]);
         let current = self.rows[k * (self.m + 1)];
         let mut swap = [0.0; N];
         let (mut large, mut small) = (current, sub);
