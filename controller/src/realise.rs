@@ -99,16 +99,16 @@ fn gather(form: &mut Schur, closeness: f64) -> Vec<usize> {
     for label in (0..count).rev() {
         let members: Vec<C64> =
             labels.iter().filter(|each| each.label == label).map(|each| each.value).collect();
-        let near = |value: C64| nearest(&labels, value) == Some(label);
+        let near = |value: C64| nearest_label(&labels, value) == Some(label);
         if members.len() > 1 && form.reorder(near).is_err() {
             // An exchange was refused: the eigenvalues are so close that their order does not matter.
             continue;
         }
     }
-    form.eigenvalues().iter().map(|value| nearest(&labels, *value).unwrap_or(0)).collect()
+    form.eigenvalues().iter().map(|value| nearest_label(&labels, *value).unwrap_or(0)).collect()
 }
 
-fn nearest(labels: &[Labelled], value: C64) -> Option<usize> {
+fn nearest_label(labels: &[Labelled], value: C64) -> Option<usize> {
     let distance = |each: &Labelled| (each.value - value).norm();
     labels.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).map(|each| each.label)
 }

@@ -58,7 +58,7 @@ pub fn realise_form(system: &StateSpace, form: RealisationForm) -> Result<StateS
 /// Returns the predicted error of [`RealisationCandidate`] alone, without the rounded response.
 fn predict_error(system: &StateSpace) -> Result<f64, Error> {
     let rates = rates(system.timebase);
-    Ok(Sizes::of(&frequency_response(system, &rates)?).worst(&deviations(system, &rates)?))
+    Ok(Sizes::of(&frequency_response(system, &rates)?).largest_relative_error(&deviations(system, &rates)?))
 }
 
 /// Sizes of a response, to which errors are related.
@@ -74,7 +74,7 @@ impl Sizes {
     }
 
     /// Returns the largest of errors relative to the response or, where that is larger, to its median.
-    fn worst(&self, errors: &[f64]) -> f64 {
+    fn largest_relative_error(&self, errors: &[f64]) -> f64 {
         let relative = errors.iter().zip(&self.all).map(|(error, size)| error / size.max(self.median));
         relative.filter(|value| value.is_finite()).fold(0.0, f64::max)
     }
@@ -115,8 +115,8 @@ pub fn form_candidate(system: &StateSpace, form: RealisationForm) -> Result<Real
         form,
         system: system.clone(),
         coefficients: count_coefficients(system),
-        predicted: sizes.worst(&deviations(system, &rates)?),
-        measured: sizes.worst(&off),
+        predicted: sizes.largest_relative_error(&deviations(system, &rates)?),
+        measured: sizes.largest_relative_error(&off),
     })
 }
 

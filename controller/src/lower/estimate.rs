@@ -1,7 +1,7 @@
 //! The estimator of the out-of-balance in a step.
 
 use crate::lower::regressors::{EstimatorInputs, fall, regressors, write_unexplained};
-use crate::lower::schedule::{self, settable};
+use crate::lower::schedule::{self, settable_moments};
 use crate::lower::squares::squares;
 use crate::lower::{Limits, States, Writer};
 use crate::program::{OnRestart, ProgramTerm, Slot};
@@ -109,7 +109,7 @@ fn follow(inputs: &EstimatorInputs<'_>, estimator: &Estimator, states: &mut Stat
         way = writer.product("enabled_move_kg_m", way, enabled);
     }
     let sum = writer.sum("unbounded_kg_m", &[1.0 * layout.out_of_balance, 1.0 * way]);
-    let bounded = writer.clamp("bounded_kg_m", sum, settable(parts));
+    let bounded = writer.clamp("bounded_kg_m", sum, settable_moments(parts));
     writer.copy(layout.out_of_balance, bounded);
     schedule::follow(writer, parts, layout);
     if let (Some(transfer), Some(before)) = (transfer, before) {

@@ -166,7 +166,7 @@ impl Step<'_> {
     fn walrath(&self, sign_rate: f64, lags: f64, states: &mut States, writer: &mut Writer) -> Slot {
         let force = self.state(states);
         let points = TANH_AT.map(|x| [x * sign_rate, x.tanh()]);
-        let sign = curve::odd(writer, &self.signal_name("sign"), self.rate, &points);
+        let sign = curve::write_odd_curve(writer, &self.signal_name("sign"), self.rate, &points);
         let keep = 1.0 / (1.0 + lags);
         let share = lags * keep * self.observer.coulomb_nm;
         let next = writer.sum(self.signal_name("next_nm"), &[keep * force, share * sign]);

@@ -218,7 +218,7 @@ fn drive(parts: &Parts, limited: Slot, writer: &mut Writer) -> Slot {
     let mut points: Vec<[f64; 2]> =
         parts.drive_curve.iter().copied().take_while(|point| point[1] < parts.limit_v).collect();
     points.push([parts.equivalent_limit_v(), parts.limit_v]);
-    let driven = curve::odd(writer, "driven_v", limited, &points);
+    let driven = curve::write_odd_curve(writer, "driven_v", limited, &points);
     writer.clamp("driven_limited_v", driven, Limits::symmetric(parts.limit_v))
 }
 
