@@ -93,14 +93,14 @@ impl<R: Real> Dahl<R> {
         let sign = rate_rad_s.signum();
         let r = one - torque_nm / g * sign;
         let s = self.rest_stiffness_nm_rad * rate_rad_s.abs() * time_s / g;
-        let moved = g * sign * (one - yielding(r, s, self.exponent));
+        let moved = g * sign * (one - yielding_solution(r, s, self.exponent));
         R::choose(rate_rad_s.is_zero(), torque_nm, moved)
     }
 }
 
 /// Returns the solution of dr/ds = -|r|^i sgn r.
 #[inline(always)]
-fn yielding<R: Real>(r: R, s: R, exponent: f64) -> R {
+fn yielding_solution<R: Real>(r: R, s: R, exponent: f64) -> R {
     if exponent == 1.0 {
         return r * (-s).exp();
     }

@@ -40,20 +40,26 @@ impl<const N: usize> DryFriction<[f64; N]> {
         let laws = models.map(FrictionModel::law);
         let law = match laws.first()? {
             Law::None => laws.iter().all(|law| **law == Law::None).then_some(SmoothLaw::None),
-            Law::Dahl(_) => each(laws, |law| if let Law::Dahl(law) = law { Some(*law) } else { None })
-                .and_then(joined_dahl)
-                .map(SmoothLaw::Dahl),
-            Law::Lugre(_) => each(laws, |law| if let Law::Lugre(law) = law { Some(*law) } else { None })
-                .and_then(joined_lugre)
-                .map(SmoothLaw::Lugre),
+            Law::Dahl(_) => {
+                find_in_each(laws, |law| if let Law::Dahl(law) = law { Some(*law) } else { None })
+                    .and_then(joined_dahl)
+                    .map(SmoothLaw::Dahl)
+            }
+            Law::Lugre(_) => {
+                find_in_each(laws, |law| if let Law::Lugre(law) = law { Some(*law) } else { None })
+                    .and_then(joined_lugre)
+                    .map(SmoothLaw::Lugre)
+            }
             Law::ResetIntegrator(_) => {
-                each(laws, |law| if let Law::ResetIntegrator(law) = law { Some(*law) } else { None })
+                find_in_each(laws, |law| if let Law::ResetIntegrator(law) = law { Some(*law) } else { None })
                     .map(joined_reset)
                     .map(SmoothLaw::ResetIntegrator)
             }
-            Law::Walrath(_) => each(laws, |law| if let Law::Walrath(law) = law { Some(*law) } else { None })
-                .map(joined_walrath)
-                .map(SmoothLaw::Walrath),
+            Law::Walrath(_) => {
+                find_in_each(laws, |law| if let Law::Walrath(law) = law { Some(*law) } else { None })
+                    .map(joined_walrath)
+                    .map(SmoothLaw::Walrath)
+            }
             Law::Sliding(_) | Law::Bristle(_) => None,
         }?;
         Some(Self { law, asymmetry: models.map(FrictionModel::asymmetry) })
@@ -61,7 +67,10 @@ impl<const N: usize> DryFriction<[f64; N]> {
 }
 
 /// Returns what a function finds in each of several laws; `None` if it finds nothing in one of them.
-fn each<T: Copy, const N: usize>(laws: [&Law; N], find: impl Fn(&Law) -> Option<T>) -> Option<[T; N]> {
+fn find_in_each<T: Copy, const N: usize>(
+    laws: [&Law; N],
+    find: impl Fn(&Law) -> Option<T>,
+) -> Option<[T; N]> {
     let first = find(laws.first()?)?;
     let mut all = [first; N];
     for (place, law) in all.iter_mut().zip(laws) {

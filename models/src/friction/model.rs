@@ -147,8 +147,8 @@ impl FrictionModel {
     }
 
     /// Returns the torque after a long time at constant rate and nominal level, N m.
-    pub fn steady(&self, rate_rad_s: f64) -> f64 {
-        self.law.steady(rate_rad_s, self.directed_level(rate_rad_s, 1.0)) + self.drag(rate_rad_s)
+    pub fn steady_torque(&self, rate_rad_s: f64) -> f64 {
+        self.law.steady_torque(rate_rad_s, self.directed_level(rate_rad_s, 1.0)) + self.drag(rate_rad_s)
     }
 
     /// Returns the derivative of the steady torque with the rate at nominal level, N m s/rad, away from rest.

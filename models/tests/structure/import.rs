@@ -1,4 +1,4 @@
-use super::{assert_all, assert_close, options, uniform};
+use super::{assert_all, assert_close, options, uniform_beam};
 use counterpoise_linalg::{Mat, Sparse};
 use counterpoise_models::Error;
 use counterpoise_models::structure::import::{Dof, Imported, NodeMap, matrix_market, read_dmig, read_op4};
@@ -10,7 +10,7 @@ use std::fmt::Write;
 const ELEMENTS: usize = 6;
 
 fn model() -> FeModel {
-    let mut beam = uniform();
+    let mut beam = uniform_beam();
     beam.pivot_m = 0.5;
     FeModel::beam(&beam, &Fitted::default(), &options(Mesh::Equal(ELEMENTS), Integration::Quadrature))
         .unwrap()

@@ -1,4 +1,4 @@
-use super::{assert_close, frequencies, uniform, unit_beam};
+use super::{assert_close, frequencies, uniform_beam, unit_beam};
 use counterpoise_linalg::sym_gen_eigen;
 use counterpoise_models::SectionShape;
 use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Integration, Mesh, Support, Theory};
@@ -44,7 +44,7 @@ fn a_slender_beam_is_bernoulli_eulers() {
 
 #[test]
 fn shear_and_rotary_inertia_lower_every_frequency() {
-    let of = |theory| frequencies(&uniform(), &Fitted::default(), &options(10, theory), Support::Pinned);
+    let of = |theory| frequencies(&uniform_beam(), &Fitted::default(), &options(10, theory), Support::Pinned);
     let (with, without) = (of(Theory::Timoshenko), of(Theory::BernoulliEuler));
     assert!(with.iter().zip(&without).take(5).all(|(a, b)| a < b));
 }
