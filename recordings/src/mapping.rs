@@ -3,7 +3,7 @@
 use crate::time_unit::doubtful_unit;
 use ndarray::{Array1, Array2, ArrayViewMut1};
 
-use crate::checks::{check_time_unit, missing, nearly_named, without_infinities, without_outliers};
+use crate::checks::{check_time_unit, find_missing, nearly_named, without_infinities, without_outliers};
 use crate::clock::{Uniform, check_length, stack_columns, to_uniform_clock};
 use crate::shaping::{Resampling, interpolate_on_clock, lagging_slopes, resample, slopes, unroll};
 use crate::table::TIME_NAMES;
@@ -137,7 +137,7 @@ impl Mapping {
             self.put_on_clock(table, time_s, signals)?;
         remarks.extend(of_clock);
         let columns = channels.iter().zip(signals.columns());
-        remarks.extend(columns.filter_map(|(channel, values)| missing(*channel, values)));
+        remarks.extend(columns.filter_map(|(channel, values)| find_missing(*channel, values)));
         for (channel, values) in channels.iter().zip(signals.columns_mut()) {
             self.differentiate(*channel, values, period_s);
         }

@@ -62,7 +62,7 @@ pub(crate) fn interpolate_on_clock(
 ) -> Array1<f64> {
     let samples = own_s.iter().zip(values).map(|(&at_s, &value)| Sample { at_s, value });
     let known: Vec<Sample> = samples.filter(|one| one.at_s.is_finite() && one.value.is_finite()).collect();
-    clock_s.mapv(|t| between(&known, t))
+    clock_s.mapv(|t| interpolate_samples(&known, t))
 }
 
 /// A value of a column that has a clock of its own.
@@ -73,7 +73,7 @@ struct Sample {
 }
 
 /// Interpolates linearly in samples that are sorted by time; NaN outside.
-fn between(known: &[Sample], t: f64) -> f64 {
+fn interpolate_samples(known: &[Sample], t: f64) -> f64 {
     let after = known.partition_point(|sample| sample.at_s < t);
     match (after.checked_sub(1).map(|before| known[before]), known.get(after)) {
         (_, Some(next)) if next.at_s == t => next.value,

@@ -81,7 +81,7 @@ impl Table {
     pub fn column(&self, name: &str) -> Result<&Column, Error> {
         self.find(name).ok_or_else(|| {
             let names = self.columns.iter().map(|c| c.name.as_str());
-            let hint = nearest(name, names.clone()).map(str::to_owned);
+            let hint = nearest_name(name, names.clone()).map(str::to_owned);
             let known = names.collect::<Vec<_>>().join(", ");
             Error::NoColumn { file: self.name.clone(), column: name.to_owned(), known, hint }
         })
@@ -160,7 +160,7 @@ pub(crate) fn name_and_unit(heading: &str) -> (String, Option<String>) {
 ///
 /// A name is near enough if at most a third of its letters differ (a letter in another case counts as none), or if one of the
 /// two names begins with the other.
-pub(crate) fn nearest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest_name<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let distance = |name: &str| strsim::damerau_levenshtein(&written.to_lowercase(), name);
     let extends = |name: &str| {
         name.len() >= 3 && written.len() >= 3 && (written.starts_with(name) || name.starts_with(written))

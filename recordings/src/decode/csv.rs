@@ -32,7 +32,7 @@ const ROWS_OF_A_COUNT: usize = 4096;
 
 /// Returns the columns of a CSV file.
 pub(super) fn read(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
-    let unreadable = |e: csv::Error| unreadable(file, &e);
+    let unreadable = |e: csv::Error| unreadable_error(file, &e);
     let mut budget = Budget::new(file, bytes.len());
     let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
     let delimiter = delimiter(bytes);
@@ -124,7 +124,7 @@ impl Cells {
 }
 
 /// Returns the error of a file that cannot be taken apart, with what to do about text in another encoding.
-fn unreadable(file: &str, error: &csv::Error) -> Error {
+fn unreadable_error(file: &str, error: &csv::Error) -> Error {
     let hint = match error.kind() {
         csv::ErrorKind::Utf8 { .. } => "; save it as UTF-8",
         _ => "",
@@ -221,7 +221,7 @@ impl<R: std::io::BufRead> CsvParts<R> {
     /// # Errors
     /// As [`crate::Table::read`], of the header.
     pub fn new(mut reader: R, name: &str, rows: usize) -> Result<Self, Error> {
-        let first = reader.fill_buf().map_err(|error| unreadable(name, &error.into()))?;
+        let first = reader.fill_buf().map_err(|error| unreadable_error(name, &error.into()))?;
         let mark = "\u{feff}".as_bytes();
         let marked = first.starts_with(mark);
         let first = first.strip_prefix(mark).unwrap_or(first);
@@ -233,7 +233,7 @@ impl<R: std::io::BufRead> CsvParts<R> {
         let mut builder = csv::ReaderBuilder::new();
         builder.comment(Some(b'#')).trim(csv::Trim::All).flexible(true).delimiter(delimiter);
         let mut reader = builder.from_reader(reader);
-        let headings = reader.headers().map_err(|error| unreadable(name, &error))?;
+        let headings = reader.headers().map_err(|error| unreadable_error(name, &error))?;
         let headings: Vec<String> = headings.iter().map(str::to_owned).collect();
         refuse_numbers(&headings, delimiter, name)?;
         let rows = rows.min(VALUES_OF_A_PART / headings.len().max(1)).max(1);
@@ -246,8 +246,10 @@ impl<R: std::io::BufRead> CsvParts<R> {
         let mut columns = vec![Cells::default(); self.columns.headings.len()];
         let mut count = 0;
         while count < self.rows {
-            let more =
-                self.reader.read_record(&mut self.record).map_err(|error| unreadable(&self.name, &error))?;
+            let more = self
+                .reader
+                .read_record(&mut self.record)
+                .map_err(|error| unreadable_error(&self.name, &error))?;
             if !more {
                 break;
             }

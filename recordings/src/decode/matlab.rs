@@ -154,7 +154,7 @@ impl Reader<'_> {
             [rows] => (rows, 1),
             [rows, columns] => (rows, columns),
             _ => {
-                self.found.unread(&name, Unread::Shape { shape: dimensions.to_vec() });
+                self.found.note_unread(&name, Unread::Shape { shape: dimensions.to_vec() });
                 return Ok(());
             }
         };

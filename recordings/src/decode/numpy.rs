@@ -115,7 +115,7 @@ impl Reader<'_> {
             [rows] => (rows, 1),
             [rows, columns] if header.fields.len() == 1 => (rows, columns),
             _ => {
-                self.found.unread(name, Unread::Shape { shape: header.shape });
+                self.found.note_unread(name, Unread::Shape { shape: header.shape });
                 return Ok(());
             }
         };
