@@ -49,7 +49,7 @@ fn servo(criterion: &mut Criterion) {
 }
 
 /// The rig with more modes.
-fn flexible(modes: u32) -> Plant {
+fn flexible_rig(modes: u32) -> Plant {
     let rig = reference::rig();
     let mut body = Body::from_lumped(rig.lumped.as_ref().unwrap());
     body.modes.extend((2..=modes).map(|k| BodyMode {
@@ -110,7 +110,7 @@ fn modes(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("modes");
     group.sample_size(20);
     for modes in [1, 3, 14, 40] {
-        let plant = flexible(modes);
+        let plant = flexible_rig(modes);
         let controller = proportional_integral(&plant);
         let scenario = Scenario {
             demand_rad_s: Signal::Triangle { amplitude: 0.1, period_s: 1.0 },

@@ -58,7 +58,7 @@ impl Simulator {
     /// # Errors
     /// As [`run`], and a tolerance that is not positive.
     pub fn with_tolerance(plant: &Plant, tolerance: f64) -> Result<Self, Error> {
-        positive("tolerance", tolerance)?;
+        require_positive("tolerance", tolerance)?;
         let period_s = plant.parameters().interface.sample_period_s;
         Ok(Self {
             plant: plant.clone(),
@@ -160,7 +160,7 @@ pub fn state_at_rest(
     PlantState { core, friction: FrictionState::default(), bonds: Bonds::default(), hub_gyro: [shown, 0.0] }
 }
 
-pub(crate) fn positive(what: &'static str, value: f64) -> Result<(), Error> {
+pub(crate) fn require_positive(what: &'static str, value: f64) -> Result<(), Error> {
     if value > 0.0 && value.is_finite() {
         Ok(())
     } else {
@@ -239,7 +239,7 @@ impl<'a> Lap<'a> {
         stepper: &mut Stepper,
         steps_per_sample: Option<f64>,
     ) -> Result<Self, Error> {
-        positive("duration_s", scenario.duration_s)?;
+        require_positive("duration_s", scenario.duration_s)?;
         let parameters = plant.parameters();
         let period_s = parameters.interface.sample_period_s;
         let samples = (scenario.duration_s / period_s - DURATION_ROUNDING).ceil();

@@ -44,7 +44,7 @@ impl Converter {
     }
 
     /// Returns the converter with a share of its codes missing.
-    pub fn missing(self, missing_codes: f64) -> Self {
+    pub fn with_missing_codes(self, missing_codes: f64) -> Self {
         Self { missing_codes, ..self }
     }
 
@@ -119,7 +119,8 @@ impl Chain {
         let every = sensor.samples_between_readings(interface.sample_period_s);
         Self {
             sensor: sensor.clone(),
-            converter: Converter::new(interface.input_bits, imperfections).missing(interface.missing_codes),
+            converter: Converter::new(interface.input_bits, imperfections)
+                .with_missing_codes(interface.missing_codes),
             delay_samples: sensor.delay_s / interface.sample_period_s,
             past: Vec::new(),
             before: None,

@@ -108,7 +108,7 @@ fn select_replay(parameters: &Parameters, machine: &str, experiment: &str) -> Se
     replayer.replay_free_or_windowed(parameters, &closed_loop(machine)).unwrap()
 }
 
-fn worst(replay: &Replay) -> f64 {
+fn largest_ratio(replay: &Replay) -> f64 {
     replay.channels.iter().map(|fit| fit.residual_over_floor()).fold(0.0, f64::max)
 }
 
@@ -141,7 +141,7 @@ fn a_wrong_model_is_not_made_to_look_good() {
         for experiment in UNSEEN {
             let found = select_replay(&truth("p08"), machine, experiment);
             assert_eq!(found.mode, ReplayMode::Free, "{machine} {experiment} {:?}", found.divergence);
-            assert!(worst(&found.replay) > 3.0, "{machine} {experiment}");
+            assert!(largest_ratio(&found.replay) > 3.0, "{machine} {experiment}");
         }
     }
     for machine in ["p02", "p03"] {
@@ -150,7 +150,11 @@ fn a_wrong_model_is_not_made_to_look_good() {
             nominal.gearbox.backlash_rad = truth("p08").gearbox.backlash_rad;
             nominal.amplifier.map.clear();
             let found = select_replay(&nominal, machine, experiment);
-            assert!(worst(&found.replay) > 30.0, "{machine} {experiment}: {}", worst(&found.replay));
+            assert!(
+                largest_ratio(&found.replay) > 30.0,
+                "{machine} {experiment}: {}",
+                largest_ratio(&found.replay)
+            );
         }
     }
 }

@@ -95,7 +95,7 @@ impl Stepper {
     /// such step; `None` otherwise.
     pub fn smooth(&self) -> Option<(Ordinary<'_>, Continuation)> {
         let from = self.attempt.continuation(self.period_s).filter(|_| self.level == 0 && !self.joints)?;
-        Some((self.present.ordinary()?, from))
+        Some((self.present.ordinary_state()?, from))
     }
 
     /// Goes on from a whole sample in the ordinary mode.
@@ -117,7 +117,7 @@ impl Stepper {
     }
 
     /// Returns the plant where it is, with its cores and nonlinear parts.
-    pub fn present(&self) -> &Present {
+    pub fn present_plant(&self) -> &Present {
         &self.present
     }
 

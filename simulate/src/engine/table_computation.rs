@@ -102,7 +102,7 @@ impl Answers {
         };
         let weights = cardinal_weights(span.step_s);
         for (block, moments) in span.at(node).iter().enumerate() {
-            let first = core.first(block);
+            let first = core.first_state(block);
             for row in 0..moments.order() {
                 let i = first + row;
                 for j in 0..moments.order() {

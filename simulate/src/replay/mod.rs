@@ -346,7 +346,7 @@ impl<'a> Replayer<'a> {
         variants: &[ReplayVariant],
     ) -> Vec<Result<Replay, Error>> {
         let mut ready: Vec<Result<ReadyVariant, Error>> =
-            variants.iter().map(|variant| self.ready(control, variant)).collect();
+            variants.iter().map(|variant| self.prepare_variant(control, variant)).collect();
         let possible = ready.iter_mut().filter_map(|one| one.as_mut().ok());
         let mut runs: Vec<EnsembleRun> = possible
             .map(|one| EnsembleRun {
@@ -367,7 +367,11 @@ impl<'a> Replayer<'a> {
     }
 
     /// Makes a mechanism ready to be replayed.
-    fn ready(&self, control: &ReplayLoop, variant: &ReplayVariant) -> Result<ReadyVariant<'a>, Error> {
+    fn prepare_variant(
+        &self,
+        control: &ReplayLoop,
+        variant: &ReplayVariant,
+    ) -> Result<ReadyVariant<'a>, Error> {
         let mut simulator = self.simulator(&self.plant(variant.parameters)?)?;
         let start = match &variant.steps {
             Some(steps) => start::nudge_start(&mut simulator, self, variant.start, steps),

@@ -130,7 +130,7 @@ impl Sensed {
                 .surge_accelerometer
                 .as_ref()
                 .map(|sensor| Deconvolved::new(sensor, interface, &surge, forward)),
-            turning: turning(recording),
+            turning: turning_rates(recording),
             elevation_rad: mean_position(recording),
         }
     }
@@ -167,7 +167,7 @@ impl Sensed {
 }
 
 /// Returns the recorded rates about the platform's forward and upward axes; `None` if neither was recorded.
-fn turning(recording: &Recording) -> Option<[Signal; 2]> {
+fn turning_rates(recording: &Recording) -> Option<[Signal; 2]> {
     let channels = [Channel::PlatformRoll, Channel::PlatformYaw];
     if !channels.iter().any(|channel| recording.has(*channel)) {
         return None;

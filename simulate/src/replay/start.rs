@@ -193,7 +193,7 @@ impl<'a, 'b> Fit<'a, 'b> {
 
     /// Returns whether the teeth may be apart at the start: there is a gap, and dry friction alone can hold the hub.
     fn can_be_open(&self) -> bool {
-        let weight = self.weight_nm(self.first(Channel::HubPosition));
+        let weight = self.weight_nm(self.first_mean(Channel::HubPosition));
         self.half_gap() > 0.0 && weight.abs() <= self.plant.parameters().pivot_friction.breakaway_nm()
     }
 
@@ -219,7 +219,7 @@ impl<'a, 'b> Fit<'a, 'b> {
     }
 
     /// Returns the mean of the first readings of a channel; 0 if there are none.
-    fn first(&self, channel: Channel) -> f64 {
+    fn first_mean(&self, channel: Channel) -> f64 {
         let column = self.replayer.recording().samples(channel).unwrap_or(&[]);
         let values: Vec<f64> = column.iter().take(FIRST_SAMPLES).copied().filter(|v| v.is_finite()).collect();
         if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
@@ -236,8 +236,8 @@ impl<'a, 'b> Fit<'a, 'b> {
     /// Rest or steady motion, with the current given or as the weight needs it: friction carries what is left.
     fn guess(&self, current: Option<f64>) -> Unknowns {
         let parameters = self.plant.parameters();
-        let angle = self.first(Channel::HubPosition);
-        let motor_rate = self.first(Channel::MotorRate);
+        let angle = self.first_mean(Channel::HubPosition);
+        let motor_rate = self.first_mean(Channel::MotorRate);
         let weight = self.weight_nm(angle);
         let (ratio, constant) = (parameters.gearbox.ratio, parameters.motor.torque_constant_nm_a);
         if self.mesh == Mesh::Free {
