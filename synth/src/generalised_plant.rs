@@ -187,7 +187,7 @@ impl Generalised {
     }
 
     /// D12 must have full column rank, D21 full row rank: every control is weighed, every measurement is noisy.
-    pub(crate) fn regular(&self) -> Result<(), Error> {
+    pub(crate) fn check_regular(&self) -> Result<(), Error> {
         let blocks = self.blocks();
         let mut findings = Vec::new();
         let mut refuse =

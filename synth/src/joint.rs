@@ -74,7 +74,7 @@ pub fn joint_optimum(plant: &DesignPlant, specification: &Specification) -> Resu
     let (A, B, C) = (problem.core.state(), problem.core.input(), problem.core.output());
     let solved = care(&A, &B, &(&C.t() * &C), &Mat::eye(1), None)?;
     let regulator = riccati(DesignEquation::Regulator, Part::Feedback, solved)?;
-    let entering = problem.entering();
+    let entering = problem.entering_columns();
     let settled = (&A - &(&B * &regulator.F)).t();
     let of_motions = problem.A.block(n, n, f, f);
     let driven = &regulator.X * &entering;
@@ -181,7 +181,7 @@ impl Problem {
     }
 
     /// Columns of the motions' states into \[x_p; x_e; x_u\].
-    fn entering(&self) -> Mat {
+    fn entering_columns(&self) -> Mat {
         let (n, e, u) = self.core.sizes();
         self.A.block(0, n, n, self.motions()).vstack(&Mat::zeros(e + u, self.motions()))
     }
@@ -260,7 +260,7 @@ impl Problem {
             .vstack(&Mat::zeros(u, m))
             .vstack(&innovation.block(n, 0, f, m));
         let open = Mat::from_blocks(&[
-            &[&self.core.state(), &self.entering()],
+            &[&self.core.state(), &self.entering_columns()],
             &[&Mat::zeros(f, k), &self.A.block(n, n, f, f)],
         ]);
         let A = &open - &(&self.core.input().vstack(&Mat::zeros(f, 1)) * F);

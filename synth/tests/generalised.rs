@@ -25,7 +25,7 @@ fn hinf(plant: &Generalised, tolerance: f64) -> HInfinity {
     hinfsyn(plant, tolerance).unwrap()
 }
 
-fn near(found: f64, expected: f64, tolerance: f64) {
+fn check_near(found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance * expected.abs(), "{found}, not {expected}");
 }
 
@@ -62,8 +62,8 @@ fn the_scalar_problem_has_its_closed_form() {
             1,
         );
         let solution = h2(&plant);
-        near(solution.predicted_norm.powi(2), expected, 1e-11);
-        near(solution.achieved_norm.powi(2), expected, 1e-11);
+        check_near(solution.predicted_norm.powi(2), expected, 1e-11);
+        check_near(solution.achieved_norm.powi(2), expected, 1e-11);
     }
 }
 
@@ -97,8 +97,8 @@ fn aircraft_of_compleib_cost_what_the_collection_s_data_give() {
     for (C, expected) in cases {
         for (noise, expected) in noises.into_iter().zip(expected) {
             let solution = h2(&compleib(&A, (&Mat::eye(4), &B), (&C1, &D12, &C), noise));
-            near(solution.predicted_norm, expected, 1e-11);
-            near(solution.achieved_norm, expected, 1e-11);
+            check_near(solution.predicted_norm, expected, 1e-11);
+            check_near(solution.achieved_norm, expected, 1e-11);
         }
     }
 }
@@ -119,7 +119,7 @@ fn the_helicopter_of_compleib_costs_what_the_collection_s_data_give() {
     let D12 = Mat::eye(2).scale(half);
     for (noise, expected) in [(1.0, 1.00574404243), (0.1, 0.162908187158), (0.01, 0.0924739420148)] {
         let solution = h2(&compleib(&A, (&B1, &B), (&C1, &D12, &C), noise));
-        near(solution.achieved_norm, expected, 1e-10);
+        check_near(solution.achieved_norm, expected, 1e-10);
     }
 }
 
@@ -145,10 +145,10 @@ fn mixed_sensitivity() -> Generalised {
 fn the_mixed_sensitivity_example_reaches_its_printed_bound() {
     let plant = mixed_sensitivity();
     let solution = hinf(&plant, 1e-4);
-    near(solution.achieved_norm, 1.3659, 2e-4);
+    check_near(solution.achieved_norm, 1.3659, 2e-4);
     assert!(solution.unreachable < solution.achieved_norm * (1.0 + 1e-6));
     let closed = plant.close(&solution.controller).unwrap();
-    near(hinfnorm(&closed, 1e-9).unwrap().value, solution.achieved_norm, 1e-6);
+    check_near(hinfnorm(&closed, 1e-9).unwrap().value, solution.achieved_norm, 1e-6);
     assert!(solution.closed_loop.iter().all(|pole| pole.re < 0.0));
 }
 
@@ -164,7 +164,7 @@ fn each_design_is_the_best_in_its_own_norm() {
     let loops = [&two.controller, &infinity.controller].map(|K| plant.close(K).unwrap());
     let [first, second] = loops.map(|g| (h2norm(&g).unwrap(), hinfnorm(&g, 1e-9).unwrap().value));
     assert!(first.0 < second.0 && first.1 > second.1, "{first:?} {second:?}");
-    near(two.predicted_norm, first.0, 1e-11);
+    check_near(two.predicted_norm, first.0, 1e-11);
     assert!(infinity.achieved_norm / infinity.unreachable < 1.001);
 }
 
@@ -178,8 +178,8 @@ fn a_direct_path_from_control_to_measurement_is_taken_into_the_controller() {
         generalised_plant([&A, &B, &C, &D], 1, 1)
     };
     let (without, direct) = (h2(&with(0.0)), h2(&with(0.7)));
-    near(direct.achieved_norm, without.achieved_norm, 1e-10);
-    near(hinf(&with(0.7), 1e-5).achieved_norm, hinf(&with(0.0), 1e-5).achieved_norm, 1e-4);
+    check_near(direct.achieved_norm, without.achieved_norm, 1e-10);
+    check_near(hinf(&with(0.7), 1e-5).achieved_norm, hinf(&with(0.0), 1e-5).achieved_norm, 1e-4);
 }
 
 #[test]

@@ -103,7 +103,7 @@ struct Random(u64);
 
 impl Random {
     /// A number between two, even in its logarithm.
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    fn draw_between(&mut self, low: f64, high: f64) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
@@ -112,15 +112,15 @@ impl Random {
 
     fn machine(&mut self) -> Machine {
         Machine {
-            mode_hz: self.between(3.0, 300.0),
-            mode_damping: self.between(0.005, 0.05),
-            share: self.between(0.1, 0.7),
-            sensor_hz: self.between(30.0, 500.0),
-            delay_samples: self.between(1.0, 6.0) as usize,
-            period_s: self.between(2e-4, 5e-3),
-            noise: self.between(1e-8, 1e-2),
-            reading_step: self.between(1e-8, 1e-1),
-            demand_step: self.between(1e-3, 1.0),
+            mode_hz: self.draw_between(3.0, 300.0),
+            mode_damping: self.draw_between(0.005, 0.05),
+            share: self.draw_between(0.1, 0.7),
+            sensor_hz: self.draw_between(30.0, 500.0),
+            delay_samples: self.draw_between(1.0, 6.0) as usize,
+            period_s: self.draw_between(2e-4, 5e-3),
+            noise: self.draw_between(1e-8, 1e-2),
+            reading_step: self.draw_between(1e-8, 1e-1),
+            demand_step: self.draw_between(1e-3, 1.0),
         }
     }
 }

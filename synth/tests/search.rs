@@ -98,7 +98,7 @@ fn rejection_of_the_expected_motion_is_the_share_of_its_rate_that_is_left() {
     let plant = rig();
     let design = design(&plant, &start).unwrap();
     let with = stabilisation_error(&plant, &design, DisturbanceChannel::Heave, 0.0).unwrap();
-    let open = Design { substitute: Some(idle()), ..design };
+    let open = Design { substitute: Some(idle_feedback()), ..design };
     let without = stabilisation_error(&plant, &open, DisturbanceChannel::Heave, 0.0).unwrap();
     let heave = search_rig(&start, &requirements, 1).best.figures.rejection;
     println!("both {both}, flat {flat}, heave {heave}, {}", with / without);
@@ -118,6 +118,6 @@ fn rejection_of_the_expected_motion_is_the_share_of_its_rate_that_is_left() {
 }
 
 /// No feedback at all.
-fn idle() -> StateSpace {
+fn idle_feedback() -> StateSpace {
     StateSpace::gain(Mat::zeros(1, 2), Timebase::Continuous).unwrap()
 }

@@ -104,7 +104,7 @@ impl<'a> Scan<'a> {
         let modes = light_modes(&circumstances.plant)?;
         let neighbours = shifted_modes(&circumstances.plant, &modes)?;
         let gain = PlantGain::of(circumstances, modes.iter().map(|mode| mode.norm()).collect())?;
-        let unknown = unknown(circumstances, &gain.modes);
+        let unknown = list_unknowns(circumstances, &gain.modes);
         let judge = Judge::new(circumstances, &neighbours)?;
         let attempts = BTreeMap::new();
         let most_missed = usize::MAX;
@@ -401,7 +401,7 @@ impl<'a> Scan<'a> {
     }
 
     /// The highest bandwidth that was seen to keep a limit, rad/s; infinite if nothing missed it.
-    fn highest(&self, kind: LimitKind) -> f64 {
+    fn highest_bandwidth(&self, kind: LimitKind) -> f64 {
         match kind {
             LimitKind::SampleRate => return self.sample_ceiling(),
             LimitKind::Asked => return self.circumstances.asked_rad_s.unwrap_or(f64::INFINITY),
@@ -446,7 +446,8 @@ impl<'a> Scan<'a> {
     /// Returns every limit, the lowest first.
     pub fn summary(&self) -> Vec<BandwidthLimit> {
         let asked = self.circumstances.asked_rad_s.map(|_| LimitKind::Asked);
-        let limit = |kind| BandwidthLimit { kind, bandwidth_rad_s: self.highest(kind), lifted_rad_s: None };
+        let limit =
+            |kind| BandwidthLimit { kind, bandwidth_rad_s: self.highest_bandwidth(kind), lifted_rad_s: None };
         let mut limits: Vec<BandwidthLimit> = KINDS.into_iter().chain(asked).map(limit).collect();
         // Of a machine without friction whose weight does not matter there is nothing to say.
         // Nor of one whose file has no tolerances.
@@ -469,7 +470,7 @@ const KINDS: [LimitKind; 8] = [
     LimitKind::Tolerances,
 ];
 
-fn unknown(given: &Circumstances, modes: &[f64]) -> Vec<Unknown> {
+fn list_unknowns(given: &Circumstances, modes: &[f64]) -> Vec<Unknown> {
     let sensor_lags = given.plant.hub_sensor.as_ref().is_some_and(|sensor| sensor.order() > 0)
         || given.plant.late_reading.is_some();
     let all = [
