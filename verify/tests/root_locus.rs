@@ -13,7 +13,7 @@ fn sampled_system(A: Mat, B: Mat, C: Mat, D: f64) -> StateSpace {
     StateSpace::new(A, B, C, D, Timebase::Discrete { period_s: 0.01 }).unwrap()
 }
 
-fn near(branches: &RootLocus, k: usize, expected: C64) -> bool {
+fn is_near(branches: &RootLocus, k: usize, expected: C64) -> bool {
     branches.branches.iter().any(|branch| (branch[k] - expected).norm() < 1e-9)
 }
 
@@ -32,8 +32,8 @@ fn two_integrators_leave_along_the_roots_of_their_polynomial() {
     for (k, gain) in locus.gains.iter().enumerate() {
         let (b, c) = (gain - 2.0, 1.0 - 0.5 * gain);
         let root = C64::new(b * b - 4.0 * c, 0.0).sqrt();
-        assert!(near(&locus, k, 0.5 * (-root - b)), "{gain}");
-        assert!(near(&locus, k, 0.5 * (root - b)), "{gain}");
+        assert!(is_near(&locus, k, 0.5 * (-root - b)), "{gain}");
+        assert!(is_near(&locus, k, 0.5 * (root - b)), "{gain}");
     }
     assert!((locus.open_zeros[0] - 0.5).norm() < 1e-12 && locus.open_zeros.len() == 1);
     // branches do not jump: only near the point where the two meet do they move fast

@@ -179,7 +179,7 @@ fn sensors(parameters: &Parameters, resolver: Resolver, share: f64) -> Result<St
     let sensors = &parameters.sensors;
     let gyro = |sensor: &Sensor| -> Result<StateSpace, Error> {
         let sum = StateSpace::gain(
-            Mat::row(&[1.0, sensor.g_sensitivity / nonzero(sensor.gain)]),
+            Mat::row(&[1.0, sensor.g_sensitivity / nonzero_gain(sensor.gain)]),
             Timebase::Continuous,
         )?;
         Ok(series(&sum, &sensor.dynamics()?)?)
@@ -207,7 +207,7 @@ fn sensors(parameters: &Parameters, resolver: Resolver, share: f64) -> Result<St
 }
 
 /// A gain of 0 reads nothing; its g-sensitivity then has no meaning either.
-fn nonzero(gain: f64) -> f64 {
+fn nonzero_gain(gain: f64) -> f64 {
     if gain == 0.0 { f64::INFINITY } else { gain }
 }
 

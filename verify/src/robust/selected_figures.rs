@@ -177,13 +177,13 @@ impl<'a> Linear<'a> {
         let Some(mut history) = linear_history(&self.sampled, &closed, procedure, experiment)? else {
             return Ok(None);
         };
-        let loops = self.surging(arrangement, closed)?;
+        let loops = self.loops_with_surge(arrangement, closed)?;
         surge::add_surge(&mut history, &self.sampled, &loops, procedure)?;
         Ok(Some(history))
     }
 
     /// Returns the loop of an arrangement with the one that meets surge, where that is another.
-    fn surging(&self, arrangement: Arrangement, closed: Closed) -> Result<Vec<ArrangedLoop>, Error> {
+    fn loops_with_surge(&self, arrangement: Arrangement, closed: Closed) -> Result<Vec<ArrangedLoop>, Error> {
         let meets = surge::acting_arrangement(&self.sampled, arrangement);
         let mut loops = vec![ArrangedLoop { arrangement, closed }];
         if meets != arrangement {

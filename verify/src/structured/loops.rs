@@ -186,10 +186,10 @@ impl UncertainLoop {
         let none = Taylor::constant(C64::new(0.0, 0.0), interval);
         let period_s = self.plant.sample_period_s;
         let control_s = period_s * self.plant.delays.control as f64;
-        let held = Taylor::hold(period_s, interval) * Taylor::late(control_s, interval);
+        let held = Taylor::hold(period_s, interval) * Taylor::delay(control_s, interval);
         let read = |j: usize| {
             FED_BACK.iter().enumerate().fold(none, |sum, (row, &i)| {
-                let late = Taylor::late(period_s * self.plant.delays.readings[i].samples as f64, interval);
+                let late = Taylor::delay(period_s * self.plant.delays.readings[i].samples as f64, interval);
                 sum + K[0][i] * G[m + row][j] * late
             })
         };

@@ -85,7 +85,7 @@ impl<'a> Iteration<'a> {
             let q = match block {
                 PerturbationBlock::Complex => phase(inner(a, w)),
                 PerturbationBlock::Real { .. } => {
-                    C64::new(real(self.delta[k].re, &self.b[rows.clone()], a, w), 0.0)
+                    C64::new(real_block(self.delta[k].re, &self.b[rows.clone()], a, w), 0.0)
                 }
             };
             self.delta[k] = q;
@@ -121,7 +121,7 @@ fn phase(x: C64) -> C64 {
 }
 
 /// The real block's number: it stays inside -1 to 1, and on the edge where the iteration pushes it outwards.
-fn real(q: f64, b: &[C64], a: &[C64], w: &[C64]) -> f64 {
+fn real_block(q: f64, b: &[C64], a: &[C64], w: &[C64]) -> f64 {
     let size = norm(a);
     let ratio = if size > 0.0 { norm(b) / size } else { 0.0 };
     let pushed = q.signum() * ratio + inner(a, w).re;
