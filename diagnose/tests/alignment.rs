@@ -95,7 +95,7 @@ fn fitted_values(component: Component, effect: EffectName, change: impl FnOnce(&
     effects[0].values(&fit.parameters)
 }
 
-fn near(found: &[f64], truth: &[f64], off: f64) {
+fn check_near(found: &[f64], truth: &[f64], off: f64) {
     let is_near = found.iter().zip(truth).all(|(found, truth)| (found - truth).abs() < off);
     assert!(found.len() == truth.len() && is_near, "{found:?} {truth:?}");
 }
@@ -106,7 +106,7 @@ fn the_misalignment_of_the_hub_gyroscope_is_found() {
         p.sensors.hub_gyro.alignment.roll_sensitivity = 0.03;
         p.sensors.hub_gyro.alignment.yaw_sensitivity = -0.02;
     });
-    near(&values, &[0.03, -0.02], 2e-3);
+    check_near(&values, &[0.03, -0.02], 2e-3);
 }
 
 #[test]
@@ -115,7 +115,7 @@ fn the_misalignment_of_the_platform_gyroscope_is_found() {
         p.sensors.platform_gyro.alignment.roll_sensitivity = -0.06;
         p.sensors.platform_gyro.alignment.yaw_sensitivity = 0.05;
     });
-    near(&values, &[-0.06, 0.05], 6e-3);
+    check_near(&values, &[-0.06, 0.05], 6e-3);
 }
 
 #[test]
@@ -123,7 +123,7 @@ fn the_tilt_of_the_accelerometer_is_found() {
     let values = fitted_values(Component::PlatformAccelerometer, EffectName::Tilt, |p| {
         p.sensors.platform_accelerometer.alignment.tilt_rad = 0.08;
     });
-    near(&values, &[0.08], 0.01);
+    check_near(&values, &[0.08], 0.01);
 }
 
 #[test]

@@ -53,7 +53,7 @@ pub struct PlannedExperiment {
 
 impl PlannedExperiment {
     /// Returns the separation of the two machines that are hardest to tell apart.
-    pub fn weakest(&self) -> Option<&Separation> {
+    pub fn weakest_separation(&self) -> Option<&Separation> {
         self.separations.iter().min_by(|a, b| a.log_likelihood_ratio.total_cmp(&b.log_likelihood_ratio))
     }
 }
@@ -82,7 +82,7 @@ pub fn choose_experiment(request: &ExperimentRequest, pool: &dyn Pool) -> Experi
         request.try_demand(&demands[k])
     });
     let mut experiments: Vec<PlannedExperiment> = tried.into_iter().flatten().collect();
-    let weakest = |e: &PlannedExperiment| e.weakest().map_or(0.0, |s| s.log_likelihood_ratio);
+    let weakest = |e: &PlannedExperiment| e.weakest_separation().map_or(0.0, |s| s.log_likelihood_ratio);
     experiments.sort_by(|a, b| weakest(b).total_cmp(&weakest(a)));
     ExperimentPlan { machines, experiments }
 }

@@ -55,7 +55,7 @@ impl FitSelection {
     }
 
     /// Selects the first part of some recordings, for a comparison of candidates.
-    pub fn searching(recordings: Vec<usize>) -> Self {
+    pub fn for_search(recordings: Vec<usize>) -> Self {
         Self { iterations: SEARCH_ITERATIONS, ..Self::first_parts(recordings) }
     }
 
@@ -172,10 +172,10 @@ impl Problem<'_> {
     /// nothing.
     pub fn fit(&self, start: &[f64]) -> Option<Fit> {
         let near = |index: usize| self.assessments.get(index);
-        let mut best = self.descend(start, self.selection.iterations, self.near(start, &near)?)?;
+        let mut best = self.descend(start, self.selection.iterations, self.assess_near(start, &near)?)?;
         for _ in 0..self.selection.restarts {
             let Some(next) = self
-                .near(&best.values, &|_| None)
+                .assess_near(&best.values, &|_| None)
                 .and_then(|near| self.descend(&best.values, self.selection.iterations.div_ceil(2), near))
             else {
                 break;
@@ -261,7 +261,7 @@ impl Problem<'_> {
     }
 
     /// Assesses the recordings for the mechanism at given parameter values, from what is known of a similar mechanism.
-    fn near<'n>(
+    fn assess_near<'n>(
         &self,
         values: &[f64],
         known: &(dyn Fn(usize) -> Option<&'n Assessment> + Sync),

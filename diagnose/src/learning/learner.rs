@@ -141,7 +141,7 @@ impl FittedFunctions {
 
     /// Returns whether nothing is left that a further function could explain.
     fn explains(&self) -> bool {
-        self.learned.candidate.whole.worst() < EXPLAINED
+        self.learned.candidate.whole.largest_excess() < EXPLAINED
     }
 }
 
@@ -319,7 +319,7 @@ impl LearningTask<'_> {
         let wanted = self.preferences(&effects, &smoothness, split.selection.span);
         let fit = self.problem(self.base, effects.clone(), &split.selection, &near, &wanted).fit(&values)?;
         smoothness[effects.len() - 1].roughness =
-            self.smoothest(&fit, assessed.len()).unwrap_or(USUAL_ROUGHNESS);
+            self.best_roughness(&fit, assessed.len()).unwrap_or(USUAL_ROUGHNESS);
         let wanted = self.preferences(&effects, &smoothness, split.selection.span);
         let again = self.problem(self.base, effects, &split.selection, &near, &wanted).fit(&fit.values)?;
         Some(Learned { candidate: self.assess_fit(again, split.parts)?, smoothness, tried: Vec::new() })
@@ -407,7 +407,7 @@ impl LearningTask<'_> {
     }
 
     /// Returns the roughness of the last function of a fit with which held-out stretches are predicted best.
-    fn smoothest(&self, fit: &Fit, count: usize) -> Option<f64> {
+    fn best_roughness(&self, fit: &Fit, count: usize) -> Option<f64> {
         let effect = fit.effects.last()?;
         let element = learned_element(effect)?;
         let values = fit.values[fit.values.len() - effect.parameters.len()..].to_vec();
@@ -499,7 +499,7 @@ impl LearningTask<'_> {
         }
         Some(LearnedModel {
             parts,
-            worst_held_out: [candidate.held_out_before.worst(), candidate.held_out.worst()],
+            worst_held_out: [candidate.held_out_before.largest_excess(), candidate.held_out.largest_excess()],
             power_left: power_left(candidate),
             place_probability: 1.0,
             after: fits_by_channel(&candidate.whole),

@@ -240,7 +240,7 @@ impl Quantity {
             Self::Driven => {
                 s.mesh.iter().zip(&s.turning).map(|(t, w)| t * (t * w).signum().min(0.0)).collect()
             }
-            Self::Late(samples) => late(&s.drive, usize::from(samples)),
+            Self::Late(samples) => delay_difference(&s.drive, usize::from(samples)),
             Self::Lagged(ms) => lag_difference(&s.drive, 1e-3 * f64::from(ms) / s.period_s),
             Self::AccelerationBend | Self::HeaveSlope | Self::HubRateSlope | Self::PlatformRateSlope => {
                 self.derivative_series(s)
@@ -303,7 +303,7 @@ impl Quantity {
 }
 
 /// Returns a delayed series less the series itself.
-fn late(series: &[f64], samples: usize) -> Vec<f64> {
+fn delay_difference(series: &[f64], samples: usize) -> Vec<f64> {
     (0..series.len()).map(|k| series[k.saturating_sub(samples)] - series[k]).collect()
 }
 

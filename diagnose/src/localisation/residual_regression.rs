@@ -81,7 +81,7 @@ impl<'a> ResidualRegression<'a> {
         let signals: Vec<Signals> = recordings.iter().map(|r| Signals::new(p, &r.measured, None)).collect();
         let quiet = recordings.iter().zip(&signals).map(|(r, s)| {
             let in_loop = r.assessment.source == ControlSource::ClosedLoop;
-            in_loop.then(|| Signals::new(p, &replayed_signals(r), Some(s.slow())))
+            in_loop.then(|| Signals::new(p, &replayed_signals(r), Some(s.slow_rates())))
         });
         let quiet = quiet.collect();
         let pairs = signals.iter().zip(recordings);
@@ -227,7 +227,7 @@ impl<'a> ResidualRegression<'a> {
     }
 
     /// Returns the log-likelihood that a perfect explanation would gain.
-    pub fn possible(&self) -> f64 {
+    pub fn largest_gain(&self) -> f64 {
         (0..self.before.len()).map(|b| self.log_likelihood_gain(b, EXPLAINED_VARIANCE).max(0.0)).sum()
     }
 
@@ -347,9 +347,9 @@ fn balance_departures(
     balances: &[Balance],
 ) -> [Vec<Vec<f64>>; 2] {
     let replay = replayed_signals(recording);
-    let slow = Some(recorded.slow());
+    let slow = Some(recorded.slow_rates());
     let simulated = Signals::new(p, &replay, slow);
-    let noisy = Signals::new(p, &noisy(p, &replay, &recording.assessment), slow);
+    let noisy = Signals::new(p, &add_noise(p, &replay, &recording.assessment), slow);
     let apart = |other: &Signals, balance: Balance| {
         let pairs = thin(&other.residual(balance)).into_iter().zip(thin(&simulated.residual(balance)));
         pairs.map(|(a, b)| a - b).collect()
@@ -377,7 +377,7 @@ fn replayed_signals(recording: &AssessedReplay) -> MeasuredSignals {
 }
 
 /// Returns readings with noise of the size of each channel's floor and of the platform's sensors (a fixed sequence).
-fn noisy(p: &Parameters, replay: &MeasuredSignals, judged: &Assessment) -> MeasuredSignals {
+fn add_noise(p: &Parameters, replay: &MeasuredSignals, judged: &Assessment) -> MeasuredSignals {
     let floor =
         |channel: Channel| judged.channels.iter().find(|m| m.channel == channel).map_or(0.0, |m| m.floor);
     let mut out = replay.clone();

@@ -206,7 +206,7 @@ mod tests {
     #![allow(clippy::panic)]
     use super::*;
 
-    fn along(f: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
+    fn residual_of(f: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
         let variable: Vec<f64> = (0..3000).map(|k| -1.0 + k as f64 / 1500.0).collect();
         let rough = |k: usize| 0.1 * (k as f64 * 1.7).sin();
         let residual = variable.iter().enumerate().map(|(k, v)| f(*v) + rough(k)).collect();
@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn a_repetition_is_given_with_its_period() {
-        let (residual, variable) = along(|v| (std::f64::consts::TAU * v / 0.31 + 0.4).sin());
+        let (residual, variable) = residual_of(|v| (std::f64::consts::TAU * v / 0.31 + 0.4).sin());
         let trend = PeriodicTrend::of(&residual, &variable).map(|found| found.trend("s"));
         let Some(Trend::Periodic { repetition: Some(Repetition::Along { period, extent, .. }) }) = trend
         else {
@@ -233,7 +233,7 @@ mod tests {
             (|v: f64| v * v * v, Form::Odd),
             (|v: f64| 9.0 + v, Form::Constant),
         ] {
-            let (residual, variable) = along(f);
+            let (residual, variable) = residual_of(f);
             let trend = classify_function(&residual, &variable, "");
             assert!(matches!(trend, Some(Trend::Simple { form, .. }) if form == expected), "{trend:?}");
         }

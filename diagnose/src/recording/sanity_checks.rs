@@ -142,7 +142,7 @@ pub fn check_signals(name: &str, measured: &MeasuredSignals, ratio: f64) -> Vec<
             note(channel, anomaly);
         }
     }
-    let pairs = redundant(measured, ratio);
+    let pairs = redundant_rates(measured, ratio);
     let slopes: Vec<Slope> = pairs.iter().map(|(_, gyros, other)| regression(gyros, other)).collect();
     if let Some(anomaly) = all_against_the_gyros(&slopes) {
         note(Channel::HubRate, anomaly);
@@ -151,7 +151,7 @@ pub fn check_signals(name: &str, measured: &MeasuredSignals, ratio: f64) -> Vec<
     for ((channel, gyros, other), Slope { slope, coherence }) in pairs.iter().zip(slopes) {
         if let Some(meaning) = meaning(slope, coherence) {
             note(*channel, Anomaly::Disagrees { ratio: slope, meaning });
-        } else if let Some(anomaly) = drifting(gyros, other, measured.period_s)
+        } else if let Some(anomaly) = detect_clock_drift(gyros, other, measured.period_s)
             .or_else(|| detect_clock_offset(gyros, other, measured.period_s))
         {
             note(*channel, anomaly);
@@ -201,7 +201,7 @@ fn detect_clock_offset(reference: &[f64], rate: &[f64], period_s: f64) -> Option
 }
 
 /// Detects a clock that runs fast or slow: the offsets at the start and at the end differ.
-fn drifting(reference: &[f64], rate: &[f64], period_s: f64) -> Option<Anomaly> {
+fn detect_clock_drift(reference: &[f64], rate: &[f64], period_s: f64) -> Option<Anomaly> {
     let third = reference.len() / 3;
     let at = |from: usize| offset(&reference[from..from + third], &rate[from..from + third], period_s);
     let ((start_s, first), (end_s, last)) = (at(0)?, at(reference.len() - third)?);
@@ -307,7 +307,7 @@ fn step(series: &[f64]) -> f64 {
 }
 
 /// Returns each redundant channel's rate of the hub on the platform beside that of the gyroscopes, smoothed alike.
-fn redundant(m: &MeasuredSignals, ratio: f64) -> Vec<(Channel, Vec<f64>, Vec<f64>)> {
+fn redundant_rates(m: &MeasuredSignals, ratio: f64) -> Vec<(Channel, Vec<f64>, Vec<f64>)> {
     let relative = m.relative_rate();
     let half = (0.02 / m.period_s).round() as usize;
     let smooth = |series: &[f64]| remove_mean(&moving(series, half));

@@ -201,7 +201,8 @@ impl<'a> RecordingReplays<'a> {
         let rounding = |channel| rounding_noise(self.base, channel);
         let size = |place: usize| {
             let (shown, place) = self.scored_channel(quiet, index, source, place)?;
-            let apart = apart(shown, &quiet.simulated, &shaken.simulated) / self.floors[index][place];
+            let apart =
+                rms_difference(shown, &quiet.simulated, &shaken.simulated) / self.floors[index][place];
             let own =
                 if shown == Channel::Control { 1.0 } else { rounding(shown) / self.floors[index][place] };
             Some((apart * apart - own * own).max(0.0).sqrt())
@@ -210,7 +211,7 @@ impl<'a> RecordingReplays<'a> {
     }
 
     /// Returns a recording ready to be replayed.
-    fn ready(&self, index: usize, span: Span) -> &Replayer<'a> {
+    fn prepared_replayer(&self, index: usize, span: Span) -> &Replayer<'a> {
         match span {
             Span::Whole => &self.whole[index],
             Span::Head => &self.heads[index],
@@ -301,7 +302,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
         span: Span,
         near: &Assessment,
     ) -> Option<Vec<ChannelResidual>> {
-        let ready = self.ready(index, span);
+        let ready = self.prepared_replayer(index, span);
         let start = near.start.as_ref()?;
         let control = self.control(near.source);
         let replay = self.with(parameters, ready, |r| r.replay_from(parameters, control, start))?;
@@ -316,7 +317,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
         near: &Assessment,
         shift: &StartShift,
     ) -> Option<(Vec<ChannelResidual>, PlantState)> {
-        let ready = self.ready(index, span);
+        let ready = self.prepared_replayer(index, span);
         let start = near.start.as_ref()?;
         let control = self.control(near.source);
         let shift = self.possible_shift(index, near.source, shift);
@@ -336,7 +337,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
         let Some(start) = near.start.as_ref().filter(|_| shares) else {
             return variants.iter().map(|variant| self.residuals_of(variant, index, span, near)).collect();
         };
-        let ready = self.ready(index, span);
+        let ready = self.prepared_replayer(index, span);
         let asked = variants.iter().map(|variant| {
             let is_shifted = variant.shift.iter().any(|s| *s != 0.0);
             ReplayVariant {
@@ -438,7 +439,7 @@ fn travel(recording: &Recording) -> f64 {
     }))
 }
 
-fn apart(channel: Channel, a: &ReadingColumns, b: &ReadingColumns) -> f64 {
+fn rms_difference(channel: Channel, a: &ReadingColumns, b: &ReadingColumns) -> f64 {
     let difference: Vec<f64> =
         a.channel(channel).iter().zip(b.channel(channel)).map(|(x, y)| x - y).collect();
     rms(&difference)

@@ -41,7 +41,7 @@ pub fn find_instrument_faults(
     let columns = |r: &Recording| Column::ALL.into_iter().filter(|c| c.of(r).is_some()).collect();
     let written = recordings.iter().map(columns).collect();
     let mut out = ExaminedRecordings { recordings: recordings.to_vec(), faults: Vec::new(), written };
-    out.singles(base, control);
+    out.examine_single_columns(base, control);
     if base.sensors.measured != FeedbackSignal::HubRate {
         // what the columns must satisfy together is stated for a gyroscope on the hub
         out.control_offsets(base, control);
@@ -90,7 +90,7 @@ impl ExaminedRecordings {
         }
     }
 
-    fn singles(&mut self, base: &Parameters, control: &ReplayLoop) {
+    fn examine_single_columns(&mut self, base: &Parameters, control: &ReplayLoop) {
         for r in 0..self.recordings.len() {
             for column in Column::ALL.into_iter().filter(|column| !shows_a_place(base, *column)) {
                 let period_s = self.recordings[r].sample_period_s;
@@ -245,7 +245,7 @@ impl ExaminedRecordings {
     /// Shifts a late column back. The motor's is left out, because its offset is known no better than the twist of its gear.
     fn shift(&mut self, r: usize, column: Column, lateness: clocks::Lateness) {
         let clocks::Lateness { late_s, doubt_s } = lateness;
-        let samples = whole(late_s / self.recordings[r].sample_period_s);
+        let samples = snap_to_whole(late_s / self.recordings[r].sample_period_s);
         let recording = &mut self.recordings[r];
         let series = recording.remove(column.channel());
         let done = if column == Column::MotorRate {
@@ -288,7 +288,7 @@ fn motor_bias(base: &Parameters, recording: &Recording, r: usize) -> Option<(usi
 }
 
 /// Returns a whole number of samples if the number is nearly whole.
-fn whole(samples: f64) -> f64 {
+fn snap_to_whole(samples: f64) -> f64 {
     if (samples - samples.round()).abs() < NEARLY_WHOLE_SAMPLES { samples.round() } else { samples }
 }
 

@@ -94,14 +94,14 @@ pub(super) fn kinematic_identity(of: Column, rate: &[f64], r: &Recording) -> Opt
         columns.push(&second);
     }
     let found = regress(&columns, &y)?;
-    let mut ratios = vec![relative(
+    let mut ratios = vec![column_ratio(
         of,
         Column::HubRate,
         &Coefficient { value: found.value[1], doubt: found.doubt[1] },
         IDENTITY_DOUBT.0,
     )];
     if platform.is_some() {
-        ratios.push(relative(
+        ratios.push(column_ratio(
             of,
             Column::PlatformRate,
             &Coefficient { value: -found.value[3], doubt: found.doubt[3] },
@@ -133,7 +133,7 @@ struct Coefficient {
 }
 
 /// The factor of one column over that of another, from the coefficient that should be one.
-fn relative(above: Column, below: Column, coefficient: &Coefficient, least_doubt: f64) -> Ratio {
+fn column_ratio(above: Column, below: Column, coefficient: &Coefficient, least_doubt: f64) -> Ratio {
     let Coefficient { value, doubt } = *coefficient;
     Ratio { above, below, value, doubt: least_doubt + doubt / value.abs().max(f64::MIN_POSITIVE) }
 }
@@ -173,14 +173,14 @@ pub(super) fn controller_identity(
     let mut columns: Vec<&[f64]> = vec![&one, &had];
     columns.extend(moves.then_some(wanted.as_slice()));
     let found: Regression = regress(&columns, &control)?;
-    let mut ratios = vec![relative(
+    let mut ratios = vec![column_ratio(
         Column::Control,
         Column::HubRate,
         &Coefficient { value: -found.value[1], doubt: found.doubt[1] },
         IDENTITY_DOUBT.1,
     )];
     if moves {
-        ratios.push(relative(
+        ratios.push(column_ratio(
             Column::Control,
             Column::Demand,
             &Coefficient { value: found.value[2], doubt: found.doubt[2] },
