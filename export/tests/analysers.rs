@@ -13,14 +13,14 @@ use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
 use counterpoise_export::{CodeOptions, Ranges, c99, fixed_c99, plan_fixed_point};
 use counterpoise_models::{Plant, reference};
-use support::{Random, complete, folder, is_there, provenance, run, typical, write};
+use support::{Random, complete_controller, folder, is_there, provenance, run, typical_controller, write};
 
 /// Rules that generated code deviates from, all advisory.
 const DEVIATIONS: [&str; 2] = ["misra-c2012-2.5", "misra-c2012-8.7"];
 
 /// Returns a folder for each kind of generated C.
 fn generate_folders(test: &str) -> Vec<PathBuf> {
-    let controller = typical();
+    let controller = typical_controller();
     let mut random = Random(3);
     let history: Vec<[f64; READINGS]> =
         (0..2000).map(|_| random.readings().map(|value| 0.05 * value)).collect();
@@ -28,7 +28,10 @@ fn generate_folders(test: &str) -> Vec<PathBuf> {
     let fixed = plan_fixed_point(&controller, &known, 1e-2, 2000).unwrap();
     let kinds = [
         ("double", c99(Unverified(&controller), &provenance(), &CodeOptions::double("axis")).unwrap()),
-        ("complete", c99(Unverified(&complete()), &provenance(), &CodeOptions::single("axis")).unwrap()),
+        (
+            "complete",
+            c99(Unverified(&complete_controller()), &provenance(), &CodeOptions::single("axis")).unwrap(),
+        ),
         ("single", c99(Unverified(&controller), &provenance(), &CodeOptions::single("axis")).unwrap()),
         ("fixed", fixed_c99(Unverified(&controller), &fixed, &provenance(), "axis").unwrap()),
     ];
@@ -89,7 +92,8 @@ fn units(test: &str) -> Vec<(PathBuf, Vec<String>)> {
     let kinds = [
         (
             "axis",
-            controller_unit(Unverified(&complete()), &provenance(), &CodeOptions::double("axis")).unwrap(),
+            controller_unit(Unverified(&complete_controller()), &provenance(), &CodeOptions::double("axis"))
+                .unwrap(),
         ),
         ("rig", plant_unit(asked, &provenance()).unwrap()),
     ];

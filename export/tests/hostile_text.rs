@@ -7,7 +7,7 @@ use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
 use counterpoise_export::{CodeOptions, File, Provenance, c99, rust_crate};
 use counterpoise_models::{Plant, reference};
-use support::typical;
+use support::typical_controller;
 
 /// Texts that end a comment in one of the generated languages, or did after an earlier, unordered clean-up.
 const HOSTILE: [&str; 10] = [
@@ -36,7 +36,7 @@ fn generate_files(text: &str) -> Vec<File> {
         verdicts: vec![text.into()],
         ..Provenance::default()
     };
-    let controller = typical();
+    let controller = typical_controller();
     let options = CodeOptions::double("axis");
     let plant = Plant::from_lumped(&reference::rig()).unwrap();
     let mut files = c99(Unverified(&controller), &provenance, &options).unwrap();

@@ -15,7 +15,7 @@ use counterpoise_export::{
     CodeOptions, Converters, File, Provenance, Ranges, c99, fixed_c99, plan_fixed_point,
 };
 use counterpoise_models::reference;
-use support::{Random, STRICT, folder, is_there, provenance, run, typical, write};
+use support::{Random, STRICT, folder, is_there, provenance, run, typical_controller, write};
 
 const SAMPLES: usize = 400;
 
@@ -114,7 +114,7 @@ fn the_block_in_double_answers_count_by_count() {
     if !is_there("cc") {
         return support::report_skip("no C compiler");
     }
-    let controller = typical();
+    let controller = typical_controller();
     let files = c99(Unverified(&controller), &origin(), &CodeOptions::double("axis")).unwrap();
     let found = block_outputs(&folder("interrupt_double"), &files);
     assert_eq!(found, expected_outputs(&controller));
@@ -126,7 +126,7 @@ fn the_blocks_in_small_numbers_answer_within_a_count() {
     if !is_there("cc") {
         return support::report_skip("no C compiler");
     }
-    let controller = typical();
+    let controller = typical_controller();
     let per_count = converters().units_per_count();
     let history = counts()
         .iter()

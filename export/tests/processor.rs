@@ -14,8 +14,8 @@ use counterpoise_export::{
     CodeOptions, File, Fixed, FixedRunner, Numbers, Precision, Ranges, c99, fixed_c99, plan_fixed_point,
 };
 use support::{
-    Random, Request, Target, complete, equal_to_the_last_bit, folder, provenance, reference, requests,
-    server, server_in, typical, write,
+    Random, Request, Target, complete_controller, equal_to_the_last_bit, folder, provenance, reference,
+    requests, server, server_in, typical_controller, write,
 };
 use target::{build, cost, emulator, tools_are_there};
 
@@ -35,7 +35,7 @@ fn a_step_costs_what_its_multiplications_need() {
     if !tools_are_there() {
         return;
     }
-    let controller = typical();
+    let controller = typical_controller();
     let step = &controller.programs().step;
     let (multiplications, additions) = (step.multiplications(), step.additions());
     println!("one step: {multiplications} multiplications, {additions} additions");
@@ -87,7 +87,7 @@ fn answers(
 }
 
 fn compare<N: Number>(core: &TargetCore, precision: Precision) {
-    let (controllers, asked) = ([complete()], requests(1, 600));
+    let (controllers, asked) = ([complete_controller()], requests(1, 600));
     let options = CodeOptions { name: "controller_0".into(), precision };
     let files = c99(Unverified(&controllers[0]), &provenance(), &options).unwrap();
     let main = server(&["controller_0".into()]);
@@ -111,7 +111,7 @@ fn fixed_point_answers_are_equal() {
     if !tools_are_there() {
         return;
     }
-    let fixed = fixed_controller(&typical());
+    let fixed = fixed_controller(&typical_controller());
     let files = fixed_c99(Unverified(&fixed.controller), &fixed, &provenance(), "controller_0").unwrap();
     let main = server_in(&["controller_0".into()], |_| "int32_t".into());
     let mut random = Random(8);

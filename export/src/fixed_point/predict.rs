@@ -28,7 +28,7 @@ pub(crate) fn predict(
         _ => 0.0,
     };
     let kept = setting_errors(controller, ranges, &error);
-    let readings = fixed.step.inputs.iter().map(|bits| OperationError::nearest(0.5 * unit(*bits)));
+    let readings = fixed.step.inputs.iter().map(|bits| OperationError::of_rounding(0.5 * unit(*bits)));
     let errors = errors.into_iter().chain(readings).collect();
     let quantised = Quantised { fixed, errors, set: set.errors(), kept };
     deviation(controller, ranges, &quantised, samples)
@@ -61,7 +61,7 @@ fn inherited_error(operation: &Operation, set: &Writer<'_>, error: &dyn Fn(&Slot
         Operation::Sum { terms, .. } => terms.iter().map(|t| t.coefficient.abs() * error(&t.of)).sum(),
         Operation::Product { a, b, .. } => error(a) * set.size(*b) + error(b) * set.size(*a),
         Operation::Quotient { into, above, below } => {
-            (error(above) + error(below) * set.size(*into)) / set.nearest(*below)
+            (error(above) + error(below) * set.size(*into)) / set.smallest_magnitude(*below)
         }
         Operation::Magnitude { of, .. } => error(of),
         Operation::Clamp { of, .. } => error(of) + 0.5 * unit(set.bits(*of)),
@@ -77,7 +77,7 @@ struct Quantised<'a> {
 }
 
 impl Arithmetic for Quantised<'_> {
-    fn worst(&self) -> Vec<f64> {
+    fn worst_errors(&self) -> Vec<f64> {
         let kept = self.kept.iter().copied().chain(std::iter::repeat(0.0));
         self.errors.iter().zip(kept).map(|(error, kept)| error.worst + kept).collect()
     }

@@ -35,7 +35,7 @@ struct Single<'a> {
 }
 
 impl Arithmetic for Single<'_> {
-    fn worst(&self) -> Vec<f64> {
+    fn worst_errors(&self) -> Vec<f64> {
         let operations = self.controller.programs().step.operations();
         let own = operations
             .map(|operation| UNIT * (self.magnitudes(operation) + self.rounded_magnitudes(operation)));

@@ -45,7 +45,7 @@ impl<'a, T: Arithmetic> RunVisitor<Walk<'a>> for TrajectoryVisitor<'a, T> {
             set: Tangent::new(&programs.set_out_of_balance, n),
             states: programs.initial(),
             rounded: Vec::new(),
-            errors: Errors::none(n),
+            errors: Errors::at_rest(n),
             track: Track::default(),
         }
     }
@@ -104,7 +104,7 @@ struct Errors {
 }
 
 impl Errors {
-    fn none(n: usize) -> Self {
+    fn at_rest(n: usize) -> Self {
         let (mean, square) = (vec![0.0; n], vec![0.0; n * n]);
         Self { n, next: mean.clone(), mean, covariance: square.clone(), turned: square, spans: Vec::new() }
     }

@@ -67,7 +67,7 @@ pub const STRICT: [&str; 10] = [
 
 /// Returns a controller like a design's: feedback with integrator and pairs, heave that scales, pitch, prefilter,
 /// friction.
-pub fn typical() -> Controller {
+pub fn typical_controller() -> Controller {
     let mut random = Random(7);
     let mut parts = Parts::new(1e-3, 10.0);
     parts.design_out_of_balance_kg_m = 151.67;
@@ -98,18 +98,18 @@ pub fn typical() -> Controller {
     Controller::new(parts).unwrap()
 }
 
-/// Returns the controller of [`typical`] with heave and surge projected across the beam by the hub's angle.
-pub fn projecting() -> Controller {
+/// Returns the controller of [`typical_controller`] with heave and surge projected across the beam by the hub's angle.
+pub fn projecting_controller() -> Controller {
     let projection =
         Projection { design_angle_rad: 0.1, angle_reading: Some(HUB_POSITION), pitch_washout_s: Some(10.0) };
-    typical().with(|parts| parts.projection = Some(projection)).unwrap()
+    typical_controller().with(|parts| parts.projection = Some(projection)).unwrap()
 }
 
-/// Returns every block that a controller can have: besides those of [`typical`], corrected readings, heave and surge projected across the beam, two
+/// Returns every block that a controller can have: besides those of [`typical_controller`], corrected readings, heave and surge projected across the beam, two
 /// designs that the out-of-balance fades between, a second observer that follows the demand, and the estimator of the out-of-balance.
-pub fn complete() -> Controller {
+pub fn complete_controller() -> Controller {
     let with = |parts: &mut Parts| {
-        parts.projection = projecting().parts().projection;
+        parts.projection = projecting_controller().parts().projection;
         parts.corrections = vec![
             Correction { reading: 1, gain: 1.02, offset: -3e-4 },
             Correction { reading: 3, gain: 0.97, offset: 0.012 },
@@ -140,7 +140,7 @@ pub fn complete() -> Controller {
             rate_limit_kg_m_s: 20.0,
         });
     };
-    typical().with(with).unwrap()
+    typical_controller().with(with).unwrap()
 }
 
 /// Returns a path without anti-windup.
