@@ -74,7 +74,7 @@ struct Place {
 }
 
 impl Place {
-    fn inside(&self, key: &str) -> Self {
+    fn place_inside(&self, key: &str) -> Self {
         let path = if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
         Self { path, chain: self.chain.clone() }
     }
@@ -97,7 +97,7 @@ impl Assembly<'_> {
         let (includes, rest): (Vec<Entry>, Vec<Entry>) = entries.into_iter().partition(|e| e.key == INCLUDE);
         let mut all: Vec<Entry> = Vec::new();
         for mut entry in rest {
-            let inside = place.inside(&entry.key);
+            let inside = place.place_inside(&entry.key);
             entry.node = self.expanded_node(entry.node, &inside);
             all.push(entry);
         }
@@ -134,7 +134,7 @@ impl Assembly<'_> {
                 other => {
                     let what =
                         format!("must be the name of a file, or a list of names, not {}", other.kind());
-                    let path = place.inside(INCLUDE).path;
+                    let path = place.place_inside(INCLUDE).path;
                     self.refuse(item.span.start, &path, DiagnosticKind::WrongType, what);
                 }
             }
@@ -145,7 +145,7 @@ impl Assembly<'_> {
     /// Returns what a part holds, its own parts in place; nothing if it cannot be read, which is then reported.
     fn part(&mut self, name: &str, at: usize, place: &Place) -> Vec<Entry> {
         self.count += 1;
-        let path = place.inside(INCLUDE).path;
+        let path = place.place_inside(INCLUDE).path;
         if self.count > MOST_PARTS {
             if self.count == MOST_PARTS + 1 {
                 let what = format!("a project may include at most {MOST_PARTS} parts");
@@ -208,7 +208,7 @@ impl Assembly<'_> {
                 own.push(entry);
                 continue;
             };
-            let inside = place.inside(&entry.key);
+            let inside = place.place_inside(&entry.key);
             let here = own[index].key_span.start;
             match (&mut own[index].node.value, entry.node.value) {
                 (Value::Table(mine), Value::Table(theirs)) => {

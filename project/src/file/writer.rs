@@ -9,7 +9,7 @@ const COMMENT_COLUMN: usize = 34;
 
 /// Returns the text of listed lines. What is as usual is left out, and so are inline tables with nothing
 /// unusual.
-pub(crate) fn canonical(lines: &[Line]) -> String {
+pub(crate) fn canonical_text(lines: &[Line]) -> String {
     let mut text = String::new();
     let mut at = 0;
     while at < lines.len() {

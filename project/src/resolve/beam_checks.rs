@@ -93,7 +93,7 @@ pub(super) fn masses(findings: &mut Findings<'_>, beam: &Beam) {
 /// Warns where the lumped inertia or out-of-balance is not the beam's.
 pub(super) fn agreement(findings: &mut Findings<'_>, plant: &Parameters) {
     let (Some(beam), Some(lumped)) = (&plant.beam, &plant.lumped) else { return };
-    let Some((moment, inertia)) = rigid(beam) else { return };
+    let Some((moment, inertia)) = rigid_moments(beam) else { return };
     let total = lumped.inertia_kg_m2();
     let mut compare = |path: &str, value: f64, of_beam: f64, what: &str, unit: &str| {
         let scale = of_beam.abs().max(value.abs());
@@ -115,7 +115,7 @@ pub(super) fn agreement(findings: &mut Findings<'_>, plant: &Parameters) {
 /// Returns the first moment and inertia of the bare beam about the pivot, by Gauss quadrature exact for
 /// tapered tubes (the density times area is a polynomial of degree 2, times x^2: degree 4), rotary inertia
 /// neglected.
-fn rigid(beam: &Beam) -> Option<(f64, f64)> {
+fn rigid_moments(beam: &Beam) -> Option<(f64, f64)> {
     let (mut moment, mut inertia) = (0.0, 0.0);
     for section in &beam.sections {
         let (centre, half) = (0.5 * (section.from_m + section.to_m), 0.5 * (section.to_m - section.from_m));

@@ -173,7 +173,7 @@ fn position_controller(v: &mut dyn Visit, controller: &mut PositionController) {
     let meaning =
         "samples over which the position is differenced to get the rate; 0 for the reading of a rate sensor";
     let field = Field::new("rate_samples", meaning).limit(Limit::Between(0.0, MOST_RATE_SAMPLES)).or(1.0);
-    v.whole(&field, &mut samples);
+    v.whole_number(&field, &mut samples);
     controller.rate =
         if samples == 0 { RateSource::Measured } else { RateSource::Differences(samples as usize) };
 }

@@ -19,7 +19,7 @@ use super::synthesis::{DesignRequest, WeightSource, blank_feedback, blank_feedfo
 use super::synthesis_options::{self, SynthesisOptions};
 use super::weight::weight;
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{NamedChoice, Visit, choose, maybe_number, optional, table};
+use crate::file::visit::{NamedChoice, Visit, choose, maybe_number, table, visit_optional};
 
 /// How the plant is reduced before the design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -236,7 +236,7 @@ fn weights(v: &mut dyn Visit, synth: &mut DesignRequest) {
     let specification = &mut synth.specification;
     let mut stated = (synth.weights == WeightSource::Stated).then(|| specification.feedback.clone());
     let section = "weights of the feedback; without them, weights are chosen for the highest bandwidth";
-    optional(v, &TableField::optional("feedback", section), &mut stated, blank_feedback(), feedback);
+    visit_optional(v, &TableField::optional("feedback", section), &mut stated, blank_feedback(), feedback);
     if let Some(stated) = stated {
         (specification.feedback, synth.weights) = (stated, WeightSource::Stated);
         cascade::with_stated_weights(v, synth.loop_kind, specification.position_gain);
@@ -246,11 +246,11 @@ fn weights(v: &mut dyn Visit, synth: &mut DesignRequest) {
         }
     }
     let heave = TableField::optional("heave", "weights of the feedforward from heave");
-    optional(v, &heave, &mut specification.heave, blank_feedforward(), |v, part| {
+    visit_optional(v, &heave, &mut specification.heave, blank_feedforward(), |v, part| {
         feedforward(v, part, "(m/s^2)^2 s")
     });
     let pitch = TableField::optional("pitch", "weights of the feedforward from pitch");
-    optional(v, &pitch, &mut specification.pitch, blank_feedforward(), |v, part| {
+    visit_optional(v, &pitch, &mut specification.pitch, blank_feedforward(), |v, part| {
         feedforward(v, part, "(rad/s)^2 s")
     });
 }

@@ -198,7 +198,7 @@ pub(crate) fn tuning(v: &mut dyn Visit, tuning: &mut TuningOptions) {
     );
     count(v, &starts.limit(Limit::Between(1.0, 1000.0)).or(12.0), &mut tuning.starts);
     let seed = Field::new("seed", "seed of the random part of the starts").limit(AT_LEAST_0);
-    v.whole(&seed.or(1.0), &mut tuning.seed);
+    v.whole_number(&seed.or(1.0), &mut tuning.seed);
 }
 
 fn limits(v: &mut dyn Visit, limits: &mut LoopLimits) {

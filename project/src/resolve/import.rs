@@ -195,8 +195,8 @@ pub(crate) fn import(v: &mut dyn Visit, import: &mut ImportedStructure) {
 fn content(v: &mut dyn Visit, import: &ImportedStructure) -> Option<ImportedContent> {
     let map = read(v, "node_map", &import.node_map, NodeMap::parse)?;
     let matrices = match import.format {
-        MatrixFormat::MatrixMarket => plain(v, import, &map, |text, _| matrix_market(text)),
-        MatrixFormat::Op4 => plain(v, import, &map, |text, name| {
+        MatrixFormat::MatrixMarket => visit_matrices(v, import, &map, |text, _| matrix_market(text)),
+        MatrixFormat::Op4 => visit_matrices(v, import, &map, |text, name| {
             let all = read_op4(text)?;
             let known: Vec<&str> = all.iter().map(|one| one.name.as_str()).collect();
             let at = the_one(&known, name)?;
@@ -205,7 +205,7 @@ fn content(v: &mut dyn Visit, import: &ImportedStructure) -> Option<ImportedCont
         MatrixFormat::Dmig => grids(v, import),
     }?;
     let content = ImportedContent { matrices, map };
-    match content.matrices.sparse(&content.map) {
+    match content.matrices.to_sparse_structure(&content.map) {
         Ok(_) => Some(content),
         Err(error) => {
             v.complain("node_map", &format!("does not fit the matrices: {}", describe_mistake(&error)), None);
@@ -215,7 +215,7 @@ fn content(v: &mut dyn Visit, import: &ImportedStructure) -> Option<ImportedCont
 }
 
 /// Matrices in the rows' order of the node map.
-fn plain(
+fn visit_matrices(
     v: &mut dyn Visit,
     import: &ImportedStructure,
     map: &NodeMap,

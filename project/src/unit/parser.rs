@@ -4,7 +4,7 @@ use std::str::Chars;
 
 use super::dimension::Dimension;
 use super::table::{PREFIXES, PrefixRule, UNITS, UnitMeaning};
-use crate::diagnostic::nearest;
+use crate::diagnostic::nearest_name;
 
 /// A unit: `factor` times ten to the power `exponent`, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -246,7 +246,7 @@ impl Parser<'_> {
         self.rest = rest.chars();
         Unit::find_unit(name, self.reading).ok_or_else(|| UnitError::Unknown {
             name: name.to_owned(),
-            nearest: nearest(name, UNITS.iter().map(|unit| unit.name)),
+            nearest: nearest_name(name, UNITS.iter().map(|unit| unit.name)),
         })
     }
 
