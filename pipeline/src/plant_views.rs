@@ -260,7 +260,8 @@ fn view_friction(
 ) -> Result<FrictionView, PipelineError> {
     let model = FrictionModel::new(friction)?;
     let rate = |k: i32| SHOWN_RATE_RAD_S * ratio * (f64::from(k) / f64::from(SIDE)).powi(3);
-    let steady = (-SIDE..=SIDE).filter(|&k| k != 0).map(|k| [rate(k), model.steady(rate(k))]).collect();
+    let steady =
+        (-SIDE..=SIDE).filter(|&k| k != 0).map(|k| [rate(k), model.steady_torque(rate(k))]).collect();
     let stiffness = model.rest_stiffness_nm_rad();
     let end = friction.coulomb_nm() / stiffness;
     let end = if end > 0.0 && end.is_finite() { end } else { STICK_SWING_RAD * ratio };

@@ -153,7 +153,7 @@ impl StructureTrials<'_> {
                 Ok(vec![Candidate { added_kg: 0.0, modes_hz: self.frequencies(options, None)? }])
             }
             Change::Mesh => {
-                let Some(options) = finer(options) else { return Ok(Vec::new()) };
+                let Some(options) = finer_mesh(options) else { return Ok(Vec::new()) };
                 Ok(vec![Candidate { added_kg: 0.0, modes_hz: self.frequencies(&options, None)? }])
             }
             Change::Shear if options.theory == Theory::Timoshenko => Ok(Vec::new()),
@@ -187,7 +187,7 @@ impl StructureTrials<'_> {
             }
             Some(added) => {
                 let beam = self.project.plant.beam.as_ref().ok_or(counterpoise_models::Error::NoStructure)?;
-                let point = added.on(beam);
+                let point = added.place_on(beam);
                 FeModel::beam(beam, &Fitted { masses: vec![point], ..Fitted::default() }, options)?
             }
         };
@@ -224,7 +224,7 @@ impl StructureTrials<'_> {
         let elements = &mut project.model.elements;
         match hypothesis.change {
             Change::Shear => elements.theory = Theory::Timoshenko,
-            Change::Mesh => *elements = finer(elements).unwrap_or_else(|| elements.clone()),
+            Change::Mesh => *elements = finer_mesh(elements).unwrap_or_else(|| elements.clone()),
             Change::Nothing | Change::EndMass(_) => {}
         }
         let factor = found.parameters.iter().find(|(name, _)| name == STIFFNESS_FACTOR);
@@ -235,7 +235,7 @@ impl StructureTrials<'_> {
     }
 }
 
-fn finer(options: &FeOptions) -> Option<FeOptions> {
+fn finer_mesh(options: &FeOptions) -> Option<FeOptions> {
     let Mesh::Pivoted(count) = options.mesh else { return None };
     Some(FeOptions { mesh: Mesh::Pivoted(FINER * count), ..options.clone() })
 }
@@ -248,7 +248,7 @@ struct EndMass {
 }
 
 impl EndMass {
-    fn on(self, beam: &Beam) -> PointMass {
+    fn place_on(self, beam: &Beam) -> PointMass {
         let from = beam.sections.first().map_or(0.0, |s| s.from_m);
         let to = beam.sections.last().map_or(0.0, |s| s.to_m);
         let position_m = if self.end == End::Near { from } else { to };

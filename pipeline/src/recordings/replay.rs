@@ -157,7 +157,7 @@ fn from_fitted_start(
     selected: SelectedReplay,
 ) -> SelectedReplay {
     let free = selected.mode == ReplayMode::Free;
-    let before = worst(&selected.replay);
+    let before = largest_ratio(&selected.replay);
     if !free
         || *control == ReplayLoop::Open
         || before < EXPLAINED
@@ -167,14 +167,14 @@ fn from_fitted_start(
     }
     let start = fit_start(plant, control, replayer.recording(), &selected.replay.start);
     let again = start.and_then(|start| replayer.replay_from(plant, control, &start).ok());
-    match again.filter(|again| worst(again) < START_WORTH * before) {
+    match again.filter(|again| largest_ratio(again) < START_WORTH * before) {
         Some(replay) => SelectedReplay { replay, ..selected },
         None => selected,
     }
 }
 
 /// Returns the largest RMS error of a channel that the model explains, over its floor.
-fn worst(replay: &Replay) -> f64 {
+fn largest_ratio(replay: &Replay) -> f64 {
     let driven = |channel: Channel| matches!(channel, Channel::PlatformRate | Channel::PlatformAccel);
     let compared = replay.channels.iter().filter(|fit| !driven(fit.channel));
     compared.map(|fit| fit.residual_over_floor()).fold(0.0, f64::max)

@@ -47,7 +47,7 @@ pub fn with_chosen_adaptation(
     let controller = &made.sampled.controller;
     let search =
         Search { project, adaptation, modelled: &modelled, controller, procedure: &procedure, world };
-    let found = search.best()?;
+    let found = search.best_candidate()?;
     let chosen = match found {
         Some(bands) => bands.of(adaptation),
         None => AdaptationOptions { use_in_code: AdaptationUse::LeftOut, ..adaptation.clone() },
@@ -115,7 +115,7 @@ struct Search<'a> {
 impl Search<'_> {
     /// Returns the bands with which most of what a changed load adds is removed, and then with which most motions are adapted to, among those
     /// that are nowhere worse than none; `None` if no motion is left.
-    fn best(&self) -> Result<Option<Candidate>, PipelineError> {
+    fn best_candidate(&self) -> Result<Option<Candidate>, PipelineError> {
         let base = self.base()?;
         let wanted = base.iter().filter(|row| row.removed_share().is_some()).count();
         // Gravity shows the load exactly. Without it friction moves the estimate, and where the load adds nothing there is nothing to gain by that.

@@ -213,7 +213,7 @@ pub fn design_table(
             let subject = TuningSubject::Weights(from);
             builder.tuned_row(TUNED_WEIGHTS, subject, &TuningOptions { limits, ..wanted.clone() })
         }));
-        rows.push(builder.best(limits, &wanted));
+        rows.push(builder.best_loop_row(limits, &wanted));
     }
     let controlled = project.plant.controlled_quantity();
     let motion = if builder.procedure.road.is_some() { "the project's own motion" } else { "the sines" };
@@ -343,7 +343,7 @@ impl RowBuilder<'_> {
     }
 
     /// Returns the row of the best that a linear feedback can do: no controller, and no simulation.
-    fn best(&self, limits: LoopLimits, wanted: &TuningOptions) -> DesignRow {
+    fn best_loop_row(&self, limits: LoopLimits, wanted: &TuningOptions) -> DesignRow {
         let ground = self.ground;
         let task = BestLoopTask {
             plant: &ground.plants[0],

@@ -208,7 +208,7 @@ impl Analyser {
         let acting = match plan.around {
             LoopUnderTest::Plant | LoopUnderTest::Disconnected => Acting::Absent,
             LoopUnderTest::Closed | LoopUnderTest::Disturbance => {
-                acting(project, modelled, on, &mut remarks)?
+                acting_controller(project, modelled, on, &mut remarks)?
             }
         };
         Ok(Self {
@@ -513,7 +513,7 @@ impl SampledController for Nothing {
     }
 }
 
-fn acting(
+fn acting_controller(
     project: &Project,
     modelled: &PlantModel,
     on: LoopController,
