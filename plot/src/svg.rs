@@ -42,7 +42,7 @@ fn write_figure(figure: &Figure, setting: Setting, paint: Paint) -> String {
     let size = ((UNIT * width).round() as u32, (UNIT * height).round() as u32);
     let backend = Rc::new(RefCell::new(Svg { text: String::new(), size, paint, path: None }));
     let result = draw(&DrawingArea::from(&backend), UNIT, figure, setting);
-    let mut text = opening(figure, size.0, size.1, paint);
+    let mut text = opening_tag(figure, size.0, size.1, paint);
     let mut backend = backend.borrow_mut();
     backend.end_path();
     text.push_str(&backend.text);
@@ -55,7 +55,7 @@ fn write_figure(figure: &Figure, setting: Setting, paint: Paint) -> String {
     text
 }
 
-fn opening(figure: &Figure, width: u32, height: u32, paint: Paint) -> String {
+fn opening_tag(figure: &Figure, width: u32, height: u32, paint: Paint) -> String {
     let (width, height) = (tenths(width as i32), tenths(height as i32));
     let dress = match paint {
         Paint::Classes => "class=\"fig\"".to_owned(),
