@@ -286,7 +286,7 @@ fn section(run: &AdaptRun, command: &str) -> Section {
     ];
     let figure = Figure::new(&format!("Run ({})", run.letter), PlotAxis::linear("time", "s"), panels);
     let figure = Figure { command: command.to_owned(), ..figure };
-    Section::new(&format!("({}) {}", run.letter, run.says)).showing([figure])
+    Section::new(&format!("({}) {}", run.letter, run.says)).with_figures([figure])
 }
 
 #[cfg(test)]

@@ -133,7 +133,7 @@ fn motions(rows: &[MotionRow], controlled: ControlledQuantity) -> Section {
 fn balance(families: &[ControllerFamily], rows: &[BalanceRow], controlled: ControlledQuantity) -> Section {
     let section = Section::new("Over the out-of-balance")
         .saying("Each state of balance has its own full design; curves that cannot be distinguished lie on each other.")
-        .showing(families.iter().map(family));
+        .with_figures(families.iter().map(family));
     section.listing(changes(rows, controlled)).listing(laws(rows))
 }
 

@@ -103,7 +103,7 @@ pub fn name_regime(regime: Regime) -> &'static str {
 
 /// Returns the certificate in lines, for a terminal and for the section's text: the worst case first.
 pub fn certificate_lines(found: &StabilityCertificate) -> Vec<String> {
-    let Some(worst) = found.worst() else { return Vec::new() };
+    let Some(worst) = found.worst_case() else { return Vec::new() };
     let mut lines = vec![format!("{} (worst case: {})", describe_verdict(worst), worst.name)];
     if let Some(at) = worst.worst_regime() {
         lines.push(format!("worst regime: {}, {}", name_regime(at.regime), loop_words(at)));
@@ -208,8 +208,8 @@ pub fn certificate_section(found: &StabilityCertificate, robust: &[RegimeRobustn
     if !robust.is_empty() {
         section = section.listing(bounds(robust));
     }
-    match found.worst() {
-        Some(worst) if !worst.prediction.growth.is_empty() => section.showing([growth(worst)]),
+    match found.worst_case() {
+        Some(worst) if !worst.prediction.growth.is_empty() => section.with_figures([growth(worst)]),
         _ => section,
     }
 }

@@ -55,10 +55,10 @@ fn heading(found: &CheckResult) -> String {
 /// Returns the plant in sentences.
 fn plant(plant: &PlantOverview) -> Vec<String> {
     let mode = plant.first_mode_hz.map_or("It is rigid".to_owned(), |hz| {
-        format!("Its first flexible mode, with the hub held, is at {} Hz", short(hz))
+        format!("Its first flexible mode, with the hub held, is at {} Hz", short_number(hz))
     });
-    let (inertia, moment) = (short(plant.inertia_kg_m2), short(plant.out_of_balance_kg_m));
-    let volts = short(plant.holding_v);
+    let (inertia, moment) = (short_number(plant.inertia_kg_m2), short_number(plant.out_of_balance_kg_m));
+    let volts = short_number(plant.holding_v);
     let is_balanced = plant.out_of_balance_kg_m == 0.0;
     let balance = match (is_balanced, plant.is_sliding) {
         (true, false) => "it is balanced".to_owned(),
@@ -78,7 +78,7 @@ fn plant(plant: &PlantOverview) -> Vec<String> {
         format!(
             "{mode}. The linear plant has order {}; the controller runs at {} Hz.",
             plant.order,
-            short(plant.sample_rate_hz)
+            short_number(plant.sample_rate_hz)
         ),
     ];
     sentences.extend(functions);
@@ -136,7 +136,7 @@ fn value(value: &ValueStatement) -> String {
         unit => format!("{text} {unit}"),
     };
     let number = value.value.parse::<f64>().ok();
-    let rounded = with_unit(&number.map_or_else(|| value.value.clone(), short));
+    let rounded = with_unit(&number.map_or_else(|| value.value.clone(), short_number));
     let shown = match &value.written {
         Some(written) if number.is_some() && written.parse::<f64>().is_ok() => with_unit(written),
         Some(written) if number.is_some() && *written != rounded => format!("{written} ({rounded})"),
@@ -147,7 +147,7 @@ fn value(value: &ValueStatement) -> String {
 
 fn tolerance(tolerance: &KeyTolerance) -> String {
     let [low, high] = tolerance.range();
-    format!("  {}: {} to {}", tolerance.key, short(low), with_unit(high, tolerance.unit))
+    format!("  {}: {} to {}", tolerance.key, short_number(low), with_unit(high, tolerance.unit))
 }
 
 /// Most assumptions, and most tolerances, that are listed one by one.
@@ -259,11 +259,11 @@ fn signed_number(value: f64) -> String {
 }
 
 fn with_unit(value: f64, unit: &str) -> String {
-    if unit.is_empty() { short(value) } else { format!("{} {unit}", short(value)) }
+    if unit.is_empty() { short_number(value) } else { format!("{} {unit}", short_number(value)) }
 }
 
 /// Returns a number with up to four significant digits.
-fn short(value: f64) -> String {
+fn short_number(value: f64) -> String {
     if value.is_infinite() {
         return "infinite".to_owned();
     }

@@ -120,7 +120,7 @@ fn reduction_section(
     };
     let mut section = Section::new("Plant and design plant")
         .saying(reduction_words(reduced))
-        .showing(plants.iter().map(figure));
+        .with_figures(plants.iter().map(figure));
     section.text.extend(reduced.warnings.iter().map(describe_reduction_warning));
     section
 }
@@ -140,7 +140,7 @@ fn reduction_words(reduced: &ReducedPlant) -> String {
 /// Returns the section of the weights: their meaning in words, and their frequency responses.
 pub fn weight_section(lines: &[String], weights: &[WeightResponses]) -> Section {
     let section = lines.iter().fold(Section::new("Weights"), |section, line| section.saying(line.as_str()));
-    section.showing(weights.iter().map(weight_figure))
+    section.with_figures(weights.iter().map(weight_figure))
 }
 
 fn weight_figure(part: &WeightResponses) -> Figure {

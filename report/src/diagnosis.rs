@@ -147,7 +147,7 @@ fn fit_section(answer: &AnswerText, tracks: &[Track]) -> Section {
         ]);
     }
     let figures = tracks.iter().filter(|t| matches!(t.channel, Channel::Control | Channel::HubRate));
-    Section::new("How the fit improved").listing(table).showing(figures.map(|t| comparison(t, "")))
+    Section::new("How the fit improved").listing(table).with_figures(figures.map(|t| comparison(t, "")))
 }
 
 fn tried_section(answer: &AnswerText) -> Section {

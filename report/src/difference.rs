@@ -64,7 +64,8 @@ pub fn consequence_section(found: &RedesignComparison) -> Section {
 /// Returns whether a figure changed at all.
 pub fn has_changed(change: &FigureChange) -> bool {
     change.has_changed_verdict()
-        || change.relative().is_none_or(|part| part.abs() > SAME_FIGURE) && change.before != change.after
+        || change.relative_change().is_none_or(|part| part.abs() > SAME_FIGURE)
+            && change.before != change.after
 }
 
 /// Returns the verdict's way, in words.
@@ -87,10 +88,10 @@ pub fn describe_size(change: &FigureChange) -> String {
             format!("under 0.01 {unit}")
         }
         unit @ ("dB" | "deg" | "%") => format!("{:+.2} {unit}", difference),
-        _ if change.relative().is_some_and(|part| part.abs() < LEAST_SHOWN_CHANGE) => {
+        _ if change.relative_change().is_some_and(|part| part.abs() < LEAST_SHOWN_CHANGE) => {
             "under 0.1 %".to_owned()
         }
-        _ => format!("{:+.1} %", 100.0 * change.relative().unwrap_or(f64::NAN)),
+        _ => format!("{:+.1} %", 100.0 * change.relative_change().unwrap_or(f64::NAN)),
     }
 }
 

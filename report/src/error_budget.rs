@@ -32,7 +32,7 @@ pub fn budget_section(found: &Verification) -> Option<Section> {
              takes from the pitching base what it also disturbs.",
         );
     let section = spread(budget).into_iter().fold(section, Section::saying);
-    Some(section.showing(error_budget_figures(budget)).listing(table(budget)))
+    Some(section.with_figures(error_budget_figures(budget)).listing(table(budget)))
 }
 
 /// Returns the line of sight in lines, for a terminal; none if the verification did not ask for it.

@@ -83,7 +83,7 @@ fn loop_section(found: &Verification) -> Section {
     );
     Section::new("Loop and margins")
         .saying("The discrete controller as exported, with the plant and its sensors sampled exactly.")
-        .showing([figure, sensitivity])
+        .with_figures([figure, sensitivity])
         .listing(margin_table(found))
 }
 
@@ -147,9 +147,9 @@ fn step_section(found: &Verification) -> Section {
     let title = format!("{} during the step", capitalise_first(&name));
     let tip = step_column(found, &title, &name, unit, HistoryColumn::TipRate);
     Section::new(&format!("Step of the demanded {}", controlled.name()))
-        .showing(step_figure(found, 220.0))
-        .showing(control)
-        .showing(tip)
+        .with_figures(step_figure(found, 220.0))
+        .with_figures(control)
+        .with_figures(tip)
 }
 
 const MODELS: [(Model, &str, Colour, Dash); 2] = [
@@ -208,7 +208,7 @@ fn disturbance_section(found: &Verification) -> Section {
     for (model, ..) in MODELS.iter().rev() {
         let figures =
             SOURCES.iter().filter_map(|(source, _)| disturbance_figure(found, *model, *source, 180.0));
-        section = section.showing(figures);
+        section = section.with_figures(figures);
     }
     section
 }
@@ -254,7 +254,7 @@ fn rejection_section(found: &Verification) -> Section {
     let over_pitch = over_pitch_rate(found);
     Section::new("Disturbance rejection ratio")
         .saying(format!("{} over platform motion, linear plant; low is good. Exact for a tone at each frequency, hold and sampling included.", capitalise_first(name)))
-        .showing([
+        .with_figures([
             figure(Source::Pitch, &format!("DRR: {name} over pitch rate"), &over_pitch, unity),
             figure(
                 Source::Heave,
@@ -305,7 +305,7 @@ fn controller_section(found: &Verification) -> Section {
     });
     Section::new("Controllers")
         .saying("The discrete transfer functions as exported, from the readings to the control.")
-        .showing(figures)
+        .with_figures(figures)
 }
 
 fn plant_section(found: &Verification) -> Section {
@@ -324,7 +324,7 @@ fn plant_section(found: &Verification) -> Section {
             Vec::new(),
         )
     });
-    Section::new(PLANT).saying("The linear plant that was verified, without sensors.").showing(figures)
+    Section::new(PLANT).saying("The linear plant that was verified, without sensors.").with_figures(figures)
 }
 
 /// Returns the axis of what the loop controls.

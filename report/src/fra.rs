@@ -127,7 +127,7 @@ fn sections(map: &ResponseMap, command: &str) -> Vec<Section> {
             "Each amplitude beside the linear model with dry friction replaced by its describing function, at the swing of the hub \
              that this model gives itself. It leaves out harmonics, the bias that the weight gives to friction, and backlash.",
         )
-        .showing(map.points_by_amplitude().iter().zip(Colour::CYCLE).map(|(family, colour)| {
+        .with_figures(map.points_by_amplitude().iter().zip(Colour::CYCLE).map(|(family, colour)| {
             let figure = beside_models(map, family, colour);
             Figure { command: command.to_owned(), ..figure }
         }));
@@ -137,7 +137,7 @@ fn sections(map: &ResponseMap, command: &str) -> Vec<Section> {
     for remark in &map.remarks {
         beside = beside.saying(remark);
     }
-    let harmonics = Section::new("Harmonics and mean").showing([harmonics(map, command)]);
+    let harmonics = Section::new("Harmonics and mean").with_figures([harmonics(map, command)]);
     vec![beside, harmonics, Section::new("Every point").listing(points_table(map))]
 }
 

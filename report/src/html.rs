@@ -248,7 +248,7 @@ mod tests {
             tiles: vec![],
             verdicts,
             glance: vec![figure.clone()],
-            sections: vec![Section::new("Step response").saying("as & when").showing([figure])],
+            sections: vec![Section::new("Step response").saying("as & when").with_figures([figure])],
             provenance: vec![ProvenanceEntry::new("version", "1")],
         }
     }

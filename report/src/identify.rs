@@ -23,7 +23,7 @@ pub fn identification_report(
     let (first, others) = loops.split_at(loops.len().min(1));
     let mut sections = Vec::new();
     if !others.is_empty() {
-        sections.push(Section::new("Control against rate").showing(others.to_vec()));
+        sections.push(Section::new("Control against rate").with_figures(others.to_vec()));
     }
     sections.push(amplifier_section(&found.amplifier, command));
     sections.push(found.notes.iter().fold(Section::new("To be known with the numbers"), |s, n| s.saying(n)));
@@ -177,7 +177,7 @@ fn amplifier_section(amplifier: &AmplifierText, command: &str) -> Section {
     if points.is_empty() {
         return section;
     }
-    section.showing([curve_figure(points, command)]).listing(curve_table(points))
+    section.with_figures([curve_figure(points, command)]).listing(curve_table(points))
 }
 
 fn curve_figure(points: &[GainPoint], command: &str) -> Figure {

@@ -32,7 +32,7 @@ fn functions_section(title: &str, functions: &[LearnedFunctionText]) -> Section 
             [function.place, function.quantity, function.variable, &function.reading, &function.range];
         table.rows.push(texts.iter().map(|text| Cell::text(*text)).collect());
     }
-    Section::new(title).listing(table).showing(functions.iter().map(curve))
+    Section::new(title).listing(table).with_figures(functions.iter().map(curve))
 }
 
 /// Returns the curve of a function.

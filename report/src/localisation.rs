@@ -25,7 +25,7 @@ pub(super) fn localisation_section(answer: &AnswerText) -> Section {
         ]);
     }
     let section = Section::new("Where and when").listing(balances);
-    if answer.map.is_empty() { section } else { section.showing([where_when(answer)]) }
+    if answer.map.is_empty() { section } else { section.with_figures([where_when(answer)]) }
 }
 
 /// Component x regime.

@@ -29,12 +29,12 @@ pub fn charts_section(found: &Verification, view: &LoopView) -> Section {
             "The same loop as above. The curve has to pass the critical point, -1 or -180 degrees and 0 dB, outside the outlined region; \
              how far it stays away is what the margins measure.",
         )
-        .showing([
+        .with_figures([
             nichols_chart(view),
             nyquist_chart(view, found.evidence.margins.disk.alpha),
             locus_chart(&view.locus),
         ])
-        .showing(response_charts(found))
+        .with_figures(response_charts(found))
 }
 
 fn pairs(points: &ChartPoints) -> impl Iterator<Item = (f64, f64)> + '_ {

@@ -108,7 +108,7 @@ fn modes_section(sets: &[ModeSet], command: &str) -> Section {
         }
     }
     Section::new("Modes of the structure")
-        .showing(sets.iter().filter(|set| set.support != "pinned").map(|set| shapes(set, command)))
+        .with_figures(sets.iter().filter(|set| set.support != "pinned").map(|set| shapes(set, command)))
         .listing(table)
 }
 
@@ -143,7 +143,7 @@ fn meshes_section(meshes: &MeshComparison, command: &str) -> Section {
             "Uniform elements have the mean diameter of the stretch that they stand for, tapered ones its true cross section by \
              quadrature: their frequencies are never below the beam's.",
         )
-        .showing([convergence(meshes, command)])
+        .with_figures([convergence(meshes, command)])
         .listing(table)
 }
 
@@ -195,7 +195,7 @@ fn accuracy_section(all: &[Accuracy], command: &str) -> Section {
              compared with a second method, the classical Runge-Kutta method in a thousand steps for one of ours, which finds the \
              instants of its own changes; its own error stands in the table.",
         )
-        .showing(figures)
+        .with_figures(figures)
         .listing(accuracy_table(all))
 }
 
@@ -288,7 +288,7 @@ fn friction_section(friction: &FrictionView, command: &str) -> Section {
         section = section.listing(losses(&loops));
     }
     figures.iter_mut().for_each(|figure| command.clone_into(&mut figure.command));
-    section.showing(figures)
+    section.with_figures(figures)
 }
 
 fn torques(series: Vec<Series>) -> Panel {

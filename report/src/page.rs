@@ -192,7 +192,7 @@ impl Section {
     }
 
     /// Returns the same section with more figures.
-    pub fn showing(mut self, figures: impl IntoIterator<Item = Figure>) -> Self {
+    pub fn with_figures(mut self, figures: impl IntoIterator<Item = Figure>) -> Self {
         self.figures.extend(figures);
         self
     }

@@ -43,7 +43,7 @@ fn largest(channels: &BTreeMap<&'static str, ChannelResult>) -> Option<(f64, &'s
 }
 
 /// Returns the largest of all recordings, with its recording.
-fn worst(result: &ReplayResult) -> Option<(f64, &'static str, &str)> {
+fn largest_ratio(result: &ReplayResult) -> Option<(f64, &'static str, &str)> {
     let each = result.recordings.iter().filter_map(|r| {
         let (ratio, channel) = largest(&r.channels)?;
         Some((ratio, channel, name(&r.file)))
@@ -57,7 +57,7 @@ fn name(file: &str) -> &str {
 }
 
 fn headline(result: &ReplayResult) -> Headline {
-    let (tone, text) = match worst(result) {
+    let (tone, text) = match largest_ratio(result) {
         None => (OutcomeTone::Neutral, "No recorded channel can be compared with the model".to_owned()),
         Some((ratio, ..)) if ratio <= FITS_FLOORS => (
             OutcomeTone::Good,
@@ -84,7 +84,7 @@ fn tiles(result: &ReplayResult) -> Vec<FigureTile> {
     let count = result.recordings.len();
     let over = result.recordings.iter().filter(|r| r.window_s.is_some()).count();
     let mut out = Vec::new();
-    if let Some((ratio, channel, recording)) = worst(result) {
+    if let Some((ratio, channel, recording)) = largest_ratio(result) {
         let tile = FigureTile::plain("largest error over floor", format!("{ratio:.2}"), "");
         out.push(tile.with_note(&format!("{}, {recording}", channel.replace('_', " "))));
     }
@@ -134,5 +134,5 @@ fn section(recording: &RecordingResult, tracks: &[Track]) -> Section {
     let figures = tracks.iter().filter(|t| matches!(t.channel, Channel::Control | Channel::HubRate));
     let section = Section::new(name(&recording.file)).listing(table);
     let section = recording.remarks.iter().fold(section, |section, remark| section.saying(remark.as_str()));
-    section.showing(figures.map(|track| comparison(track, "")))
+    section.with_figures(figures.map(|track| comparison(track, "")))
 }

@@ -29,7 +29,7 @@ pub fn residual_sections(tracks: &[Track], study: &ResidualStudy) -> Vec<Section
             QuantityKind::Rate => Section::new("Control against rate").saying(LOOPS),
             _ => Section::new(&format!("Control against {}", controlled.short_name())),
         };
-        out.push(section.showing(loops));
+        out.push(section.with_figures(loops));
     }
     let responses: Vec<Figure> =
         study.responses.iter().filter_map(|found| response(found, controlled)).take(DRAWN).collect();
@@ -42,12 +42,12 @@ pub fn residual_sections(tracks: &[Track], study: &ResidualStudy) -> Vec<Section
         out.push(
             Section::new("Frequency response, measured and simulated")
                 .saying(responses_sentence(&of_hub, &of_reading))
-                .showing(responses),
+                .with_figures(responses),
         );
     }
     if !study.spectra.is_empty() {
         let figures = study.spectra.iter().take(2 * DRAWN).map(spectrum);
-        out.push(Section::new("Spectra of the errors").showing(figures));
+        out.push(Section::new("Spectra of the errors").with_figures(figures));
     }
     out.push(tests(&study.tests));
     out
@@ -173,7 +173,7 @@ fn tests(all: &[TestedResidual]) -> Section {
         }
     }
     figures.truncate(DRAWN);
-    Section::new("Residual tests").listing(table).showing(figures)
+    Section::new("Residual tests").listing(table).with_figures(figures)
 }
 
 fn row(tested: &TestedResidual, model: &str, test: &ResidualTest) -> Vec<Cell> {

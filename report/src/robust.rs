@@ -20,12 +20,10 @@ pub fn robustness_lines(found: &RobustStability) -> Vec<String> {
         errors(found),
         short_number(found.worst_hz)
     )];
-    lines.push(
-        found.found.as_ref().map_or(
-            "no mechanism with which the loop is unstable was found by the search".to_owned(),
-            nearest,
-        ),
-    );
+    lines.push(found.found.as_ref().map_or(
+        "no mechanism with which the loop is unstable was found by the search".to_owned(),
+        describe_nearest,
+    ));
     if let Some(rate) = found.dry_friction_at_rad_s {
         lines.push(format!(
             "dry friction counts as the viscous friction that takes as much work at a hub rate of {} rad/s",
@@ -52,7 +50,7 @@ fn errors(found: &RobustStability) -> String {
 }
 
 /// Returns the nearest mechanism at the limit of stability.
-fn nearest(found: &Destabilising) -> String {
+fn describe_nearest(found: &Destabilising) -> String {
     let mut parts: Vec<String> = found
         .factors
         .iter()
@@ -94,7 +92,7 @@ pub fn robustness_section(found: &RobustStability) -> Section {
          widened so that no parameter becomes negative: one from half to double reaches 0 and infinity at three times, so that a mu \
          of 1/3 all along says no more than that.",
     );
-    let section = section.showing([bounds(found)]);
+    let section = section.with_figures([bounds(found)]);
     match &found.found {
         Some(nearest) => section.listing(table(nearest)),
         None => section,

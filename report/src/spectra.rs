@@ -24,7 +24,7 @@ pub fn spectra_section(all: &[Spectral], controlled: ControlledQuantity) -> Opti
          Where the coherence is low, the hub moves for another reason: the other motion of the platform, friction, noise.",
         100.0 * CONFIDENCE
     );
-    Some(Section::new("Disturbance rejection from the road").saying(text).showing([
+    Some(Section::new("Disturbance rejection from the road").saying(text).with_figures([
         figure(
             &format!("DRR on the road: |Pxy / Pxx|, pitch rate to {name}"),
             if unit == "rad/s" { "dB" } else { &over_pitch },

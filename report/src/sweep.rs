@@ -27,7 +27,7 @@ pub fn campaign_report(
         summary::summarise_verdicts(nominal).text.to_lowercase(),
         outside_samples(found)
     );
-    let mut sections = vec![worst(found, project)];
+    let mut sections = vec![worst_cases(found, project)];
     sections.extend(found.stability.as_ref().map(robust::robustness_section));
     sections.extend(statistics(found));
     sections.extend(context.more);
@@ -48,7 +48,7 @@ fn statistics(found: &CampaignResult) -> Vec<Section> {
     let count = found.requirements.len();
     let distributions = Section::new("Distributions")
         .saying("How many mechanisms lie below a value; the dotted line is the limit.")
-        .showing((0..count).map(|k| distribution(found, k)));
+        .with_figures((0..count).map(|k| distribution(found, k)));
     let sensitivity = Section::new("What matters")
         .saying(format!(
             "Spearman's rank correlation between each factor and each figure: \u{2212}1 or 1 is strict order, 0 is none. \
@@ -161,7 +161,7 @@ pub fn rerun_options(found: &CampaignResult, worst: &Worst) -> String {
 
 /// Returns the worst case of each requirement beside its worst sample, with the factors that matter most for
 /// it.
-fn worst(found: &CampaignResult, project: &str) -> Section {
+fn worst_cases(found: &CampaignResult, project: &str) -> Section {
     let columns = [
         Column::Text("requirement"),
         Column::Number("worst sample"),

@@ -41,7 +41,7 @@ pub fn trade_off_report(
     let mut trade_off = Section::new("Trade-off")
         .saying("Each point is a search of its own under a limit of the sensitivity; every other requirement is kept.");
     if !found.curve.is_empty() {
-        trade_off = trade_off.showing([figure(best, &found.curve)]).listing(points_table(&found.curve));
+        trade_off = trade_off.with_figures([figure(best, &found.curve)]).listing(points_table(&found.curve));
     }
     let report = Report {
         title: format!("Weights for {}", identity.name),

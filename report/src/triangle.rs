@@ -27,7 +27,7 @@ pub fn triangle_section(found: &Verification) -> Option<Section> {
     let controlled = found.controlled_quantity();
     let section = Section::new(&format!("Triangle of the demanded {}", controlled.name()));
     let section = if controlled.kind == QuantityKind::Rate { section.saying(text) } else { section };
-    Some(section.showing([over_time(&runs, first, controlled), loops(&runs, controlled)]))
+    Some(section.with_figures([over_time(&runs, first, controlled), loops(&runs, controlled)]))
 }
 
 /// A plant's history and how it is drawn.
