@@ -102,10 +102,10 @@ pub fn create_log(path: &Path) -> io::Result<Box<dyn Write>> {
 /// # Errors
 /// Those of the file system, and that it is no regular file.
 pub fn open_file(path: &Path) -> io::Result<(fs::File, u64)> {
-    regular(&fs::metadata(path)?)?;
+    require_regular(&fs::metadata(path)?)?;
     let file = fs::File::open(path)?;
     let found = file.metadata()?;
-    regular(&found)?;
+    require_regular(&found)?;
     Ok((file, found.len()))
 }
 
@@ -126,7 +126,7 @@ pub fn read_reference(folder: &Path, name: &str) -> io::Result<Vec<u8>> {
     read_file(&path)
 }
 
-fn regular(found: &fs::Metadata) -> io::Result<()> {
+fn require_regular(found: &fs::Metadata) -> io::Result<()> {
     match found.is_file() {
         true => Ok(()),
         false if found.is_dir() => Err(io::Error::other("it is a folder, not a file")),
@@ -257,7 +257,7 @@ fn place(path: &Path) -> io::Result<Place> {
     }
     let target = if found.is_symlink() { fs::metadata(path) } else { Ok(found) };
     match target {
-        Ok(target) => regular(&target).map(|()| Place::File),
+        Ok(target) => require_regular(&target).map(|()| Place::File),
         Err(_) => Ok(Place::File),
     }
 }

@@ -66,8 +66,8 @@ fn build_rust(code: &TargetCode, folder: &Path) -> Result<(), String> {
         .map_err(|error| error.to_string())?;
     write(folder, &[rust_replay(code.readings)])?;
     let crate_name = ["--crate-name", RUST_CRATE, "generated.rs"];
-    silent(Command::new(RUST_COMPILER).args(RUST_LIBRARY).args(crate_name), folder)?;
-    silent(Command::new(RUST_COMPILER).args(RUST_PROGRAM).arg("replay.rs"), folder)
+    run_silent(Command::new(RUST_COMPILER).args(RUST_LIBRARY).args(crate_name), folder)?;
+    run_silent(Command::new(RUST_COMPILER).args(RUST_PROGRAM).arg("replay.rs"), folder)
 }
 
 fn build_c(code: &TargetCode, folder: &Path) -> Result<(), String> {
@@ -80,7 +80,7 @@ fn build_c(code: &TargetCode, folder: &Path) -> Result<(), String> {
         ],
     )?;
     let files = ["controller.c", "replay.c", "-o", "replay"];
-    silent(Command::new(C_COMPILER).args(C_FLAGS).args(files), folder)
+    run_silent(Command::new(C_COMPILER).args(C_FLAGS).args(files), folder)
 }
 
 fn write(folder: &Path, code: &[File]) -> Result<(), String> {
@@ -89,7 +89,7 @@ fn write(folder: &Path, code: &[File]) -> Result<(), String> {
 }
 
 /// Runs a compiler that must succeed without a word.
-fn silent(command: &mut Command, folder: &Path) -> Result<(), String> {
+fn run_silent(command: &mut Command, folder: &Path) -> Result<(), String> {
     let output = command.current_dir(folder).output().map_err(|error| error.to_string())?;
     if output.status.success() && output.stderr.is_empty() {
         return Ok(());
