@@ -155,18 +155,18 @@ fn simulate_hub_rate(
     Ok(run.truth.hub_rate_rad_s().to_vec())
 }
 
-fn first(tested: &TestedDesign<'_>) -> usize {
+fn first_sample(tested: &TestedDesign<'_>) -> usize {
     (DURATION_S.1 / tested.parameters().interface.sample_period_s).round() as usize
 }
 
 fn settled_rms(tested: &TestedDesign<'_>, hub: &[f64]) -> f64 {
-    rms(&hub[first(tested).min(hub.len())..])
+    rms(&hub[first_sample(tested).min(hub.len())..])
 }
 
 /// Returns the hub rate in mrad/s over time, of two seconds after the start.
 fn curve(tested: &TestedDesign<'_>, name: &str, hub: &[f64]) -> ClaimCurve {
     let period_s = tested.parameters().interface.sample_period_s;
-    let (from, count) = (first(tested), (2.0 / period_s).round() as usize);
+    let (from, count) = (first_sample(tested), (2.0 / period_s).round() as usize);
     let points =
         hub.iter().enumerate().skip(from).take(count).map(|(k, rate)| (k as f64 * period_s, 1e3 * rate));
     ClaimCurve::line(name, points.map(Point::from).collect())

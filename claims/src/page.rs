@@ -85,7 +85,7 @@ fn row(claim: &Claim) -> Vec<Cell> {
     let (tone, word, _) = outcome(&claim.finding());
     vec![
         Cell::text(claim.id),
-        Cell::text(whole(claim.source)),
+        Cell::text(keep_together(claim.source)),
         Cell::text(claim.says),
         Cell::text(claim.measured.as_str()),
         Cell::Verdict(tone, word.to_owned()),
@@ -93,7 +93,7 @@ fn row(claim: &Claim) -> Vec<Cell> {
 }
 
 /// Returns a reference that is broken only after a comma.
-fn whole(source: &str) -> String {
+fn keep_together(source: &str) -> String {
     source.replace('-', "\u{2011}").replace(' ', "\u{A0}").replace(",\u{A0}", ", ")
 }
 
@@ -111,8 +111,9 @@ fn section(claim: &Claim, command: &str) -> Section {
     if !claim.criteria.is_empty() {
         section = section.listing(criteria(&claim.criteria));
     }
-    section
-        .showing(claim.drawings.iter().map(|figure| Figure { command: command.to_owned(), ..figure.clone() }))
+    section.with_figures(
+        claim.drawings.iter().map(|figure| Figure { command: command.to_owned(), ..figure.clone() }),
+    )
 }
 
 /// Returns every criterion with what the thesis says, the range that agrees with it, and what was measured.

@@ -160,8 +160,10 @@ fn reductions(full: &StateSpace, all: &[NamedReduction]) -> Result<Vec<Drawing>,
     let drawn = rate_grid(DRAWN_HZ);
     let mut drawings = Vec::new();
     for (input, name) in INPUTS.iter().enumerate() {
-        let mut curves =
-            vec![ClaimCurve::faint(format!("whole, order {}", full.order()), gain_db(full, input, &drawn)?)];
+        let mut curves = vec![ClaimCurve::faint_line(
+            format!("whole, order {}", full.order()),
+            gain_db(full, input, &drawn)?,
+        )];
         for NamedReduction { method, system } in all {
             curves.push(ClaimCurve::new(
                 *method,

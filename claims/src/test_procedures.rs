@@ -213,7 +213,7 @@ pub fn place_of_friction(tested: &TestedDesign<'_>) -> Result<Claim, PipelineErr
             "the direction is as claimed, and the wrong end is up to {most:.0} % off; the end that is nearer to the rig's own split ({}) is off by less than a tenth",
             ratio(motor / total)
         ),
-        drawings: vec![lobes(&own.loops), apart(&own.loops), apart(&half.loops)],
+        drawings: vec![lobes(&own.loops), separation_drawing(&own.loops), separation_drawing(&half.loops)],
         ..Claim::of(named)
     })
 }
@@ -287,7 +287,7 @@ fn lobes(loops: &[NamedTriangle]) -> Drawing {
 }
 
 /// Returns how far each split's control is from the rig's.
-fn apart(loops: &[NamedTriangle]) -> Drawing {
+fn separation_drawing(loops: &[NamedTriangle]) -> Drawing {
     let Some(NamedTriangle { run: rig, .. }) = loops.first() else { return lobes(loops) };
     let one = |NamedTriangle { name, run }: &NamedTriangle| {
         let off = |k: usize| 1e3 * (run.control_v[k] - rig.control_v[k]);

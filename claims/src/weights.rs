@@ -39,7 +39,7 @@ struct Lagging {
 pub fn integral_action(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let integral = with_error(tested, Weight::Integral { gain: INTEGRAL_GAIN, time_s: 1.0 })?;
     let own = figures(&integral);
-    let family = lagging(tested);
+    let family = design_lag_family(tested);
     let high = family.iter().find(|one| one.figures[0] < SMALL_ERROR_PERCENT).or(family.last());
     let rows: Vec<String> =
         family.iter().map(|one| format!("K7 x{}: {}", one.gain, text(&one.figures))).collect();
@@ -113,7 +113,7 @@ fn text(f: &Figures) -> String {
 }
 
 /// Designs without integral action over the gain; the family ends if there is no design.
-fn lagging(tested: &TestedDesign<'_>) -> Vec<Lagging> {
+fn design_lag_family(tested: &TestedDesign<'_>) -> Vec<Lagging> {
     let one = |gain: f64| {
         let weight = Weight::Lag { gain: gain * INTEGRAL_GAIN * CORNER_S, time_s: CORNER_S };
         let designed = with_error(tested, weight).ok()?;
