@@ -6,7 +6,7 @@ use crate::common;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use common::{StudioHarness, around, bench, rest, rig, says, studio, text, until};
+use common::{StudioHarness, bench, open_window, rest, rig, says, studio, text, until};
 use counterpoise_studio::command::{BrowsePurpose, Command, Page};
 use counterpoise_studio::studio::Studio;
 use egui::{Key, Modifiers};
@@ -36,7 +36,7 @@ fn a_project_is_found_and_opened_by_keyboard_alone() {
     std::fs::create_dir_all(folder.join("machines/turret")).unwrap();
     std::fs::create_dir_all(folder.join("machines/crane")).unwrap();
     std::fs::copy(folder.join("project.toml"), folder.join("machines/turret/project.toml")).unwrap();
-    let mut bench = around(Studio::new(&folder.join("state"), Arc::new(|| {})));
+    let mut bench = open_window(Studio::new(&folder.join("state"), Arc::new(|| {})));
     bench.run_steps(2);
     bench.state_mut().view.browser.as_mut().unwrap().set_path(&folder.join("machines"));
     wait_for_listing(&mut bench);
@@ -190,7 +190,7 @@ fn given_folder() -> Option<PathBuf> {
 }
 
 /// Runs one of the tests here in a process of its own, through a command that narrows what it may do.
-fn apart(narrow: &[&str], test: &str, folder: &Path) {
+fn run_apart(narrow: &[&str], test: &str, folder: &Path) {
     let (program, words) = narrow.split_first().unwrap();
     let test = format!("file_commands::{test}");
     let mut process = std::process::Command::new(program);
@@ -213,7 +213,7 @@ fn a_disk_that_fills_up_keeps_the_edits_until_there_is_room() {
     let text = std::fs::metadata(folder.join("project.toml")).unwrap().len();
     let blocks = (text + text / 8 + 3000) / 512;
     let narrow = format!("trap '' XFSZ; ulimit -S -f {blocks}; exec \"$0\" \"$@\"");
-    apart(&["sh", "-c", &narrow], "session_on_a_disk_that_fills_up", &folder);
+    run_apart(&["sh", "-c", &narrow], "session_on_a_disk_that_fills_up", &folder);
     std::fs::remove_dir_all(folder).unwrap();
 }
 
@@ -258,7 +258,7 @@ fn a_read_only_folder_is_told_and_another_place_takes_the_work() {
     let _ = std::fs::remove_file(folder.join("may"));
     let narrow: &[&str] =
         if is_root { &["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"] } else { &["env"] };
-    apart(narrow, "session_in_a_read_only_folder", &folder);
+    run_apart(narrow, "session_in_a_read_only_folder", &folder);
     std::fs::set_permissions(&folder, all(0o755)).unwrap();
     std::fs::remove_dir_all(folder).unwrap();
 }

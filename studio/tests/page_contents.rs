@@ -186,7 +186,7 @@ fn code_and_a_packed_unit_are_exported_from_the_window() {
     edit_project(&folder, "languages = [\"c99\"]", "languages = [\"c99\", \"rust\", \"fmi\"]");
     let mut state = studio(&folder);
     state.library = |_, name| Some(format!("library of {name}").into_bytes());
-    let mut bench = common::around(state);
+    let mut bench = common::open_window(state);
     rest(&mut bench);
     bench.state_mut().run(&Command::Go { page: Page::Verify });
     rest(&mut bench);

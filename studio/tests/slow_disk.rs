@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
-use common::{StudioHarness, around, rest, rig, says, studio, text, until, wait_for_files};
+use common::{StudioHarness, open_window, rest, rig, says, studio, text, until, wait_for_files};
 use counterpoise_host::files::Disk;
 use counterpoise_studio::command::Command;
 use counterpoise_studio::studio::Studio;
@@ -53,12 +53,12 @@ impl Disk for Held {
     }
 }
 
-fn on(disk: &Arc<Held>, folder: &Path) -> StudioHarness {
+fn open_on(disk: &Arc<Held>, folder: &Path) -> StudioHarness {
     let disk = Arc::clone(disk) as Arc<dyn Disk>;
     let mut studio = Studio::with_disk(&folder.join("state"), Arc::new(|| {}), disk);
     studio.run(&Command::Open { path: folder.to_owned() });
     wait_for_files(&mut studio);
-    around(studio)
+    open_window(studio)
 }
 
 /// Waits until a line that is not the first of a journal holds a text.
@@ -78,7 +78,7 @@ fn wait_for_journal(folder: &Path, text: &str) {
 /// Returns a copy of the reference rig, open in a window at rest, on a disk that is not held yet.
 fn open_rig(name: &str) -> (PathBuf, Arc<Held>, StudioHarness) {
     let (folder, disk) = (rig(name), Arc::new(Held::default()));
-    let mut bench = on(&disk, &folder);
+    let mut bench = open_on(&disk, &folder);
     rest(&mut bench);
     (folder, disk, bench)
 }
@@ -171,7 +171,7 @@ fn the_end_of_the_studio_waits_for_a_save_under_way() {
 fn the_project_stays_until_another_is_read_and_what_cannot_be_read_changes_nothing() {
     let (folder, other) = (rig("slow-open"), rig("slow-other"));
     let disk = Arc::new(Held::default());
-    let mut bench = on(&disk, &folder);
+    let mut bench = open_on(&disk, &folder);
     rest(&mut bench);
     bench.state_mut().run(&gain(27.0));
     rest(&mut bench);

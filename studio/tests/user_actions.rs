@@ -409,7 +409,7 @@ fn every_example_opens_without_an_error_and_every_page_shows_it() {
         // Blocks that are still to be tuned are refused, with the command that tunes them.
         let synth = studio.opened.as_ref().unwrap().session.project().unwrap().synth.clone();
         let wants = synth.is_some_and(|synth| !synth.options.structure.is_open());
-        let mut bench = common::around(studio);
+        let mut bench = common::open_window(studio);
         wait_for_design(&mut bench, &path);
         assert_eq!(
             bench.state().results.design.is_some(),
@@ -430,7 +430,7 @@ fn a_new_project_is_made_from_an_empty_folder_in_the_window() {
     let folder = std::env::temp_dir().join(format!("counterpoise-new-{}", std::process::id()));
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
-    let mut bench = common::around(Studio::new(&folder.join("state"), std::sync::Arc::new(|| {})));
+    let mut bench = common::open_window(Studio::new(&folder.join("state"), std::sync::Arc::new(|| {})));
     bench.run_steps(2);
     bench.state_mut().view.browser.as_mut().unwrap().set_path(&folder.join("turret"));
     common::until(&mut bench, "a listing", |s| {

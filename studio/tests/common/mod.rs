@@ -73,11 +73,11 @@ pub fn wait_for_files(studio: &mut Studio) {
 
 /// Returns a window with that studio.
 pub fn bench(folder: &Path) -> StudioHarness {
-    around(studio(folder))
+    open_window(studio(folder))
 }
 
 /// Returns a window around a studio.
-pub fn around(studio: Studio) -> StudioHarness {
+pub fn open_window(studio: Studio) -> StudioHarness {
     let show = |ui: &mut egui::Ui, studio: &mut Studio| {
         studio.update();
         main_window::show(studio, ui);
@@ -117,7 +117,7 @@ pub fn bench_on(disk: &Arc<FullDisk>, folder: &Path) -> StudioHarness {
     let mut studio = Studio::with_disk(&folder.join("state"), Arc::new(|| {}), disk);
     studio.run(&Command::Open { path: folder.to_owned() });
     wait_for_files(&mut studio);
-    around(studio)
+    open_window(studio)
 }
 
 /// Ends a studio as a crash does: nothing is closed, and the operating system releases the lock on the project.
