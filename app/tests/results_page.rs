@@ -257,7 +257,7 @@ fn keys(value: &Value, path: &str, into: &mut BTreeMap<String, (String, String)>
     let (kind, shown) = match value {
         Value::Null => ("", "null".to_owned()),
         Value::Bool(b) => ("true or false", b.to_string()),
-        Value::Number(number) => ("number", number.as_f64().map(short).unwrap_or_default()),
+        Value::Number(number) => ("number", number.as_f64().map(short_number).unwrap_or_default()),
         Value::String(text) => ("text", text.chars().take(60).collect()),
         Value::Array(_) => ("list", String::new()),
         Value::Object(_) => ("object", String::new()),
@@ -279,7 +279,7 @@ fn keys(value: &Value, path: &str, into: &mut BTreeMap<String, (String, String)>
     }
 }
 
-fn short(number: f64) -> String {
+fn short_number(number: f64) -> String {
     if number.fract() == 0.0 && number.abs() < 1e6 { format!("{number:.0}") } else { format!("{number:.3e}") }
 }
 
