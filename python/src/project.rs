@@ -122,7 +122,7 @@ impl NativeProject {
     /// Returns the project without a key.
     fn without(&self, key: &str) -> PyResult<Self> {
         let removed = self.document.remove(key);
-        self.having(removed.map_err(|error| CounterpoiseError::new_err(error.to_string()))?)
+        self.with_checked_document(removed.map_err(|error| CounterpoiseError::new_err(error.to_string()))?)
     }
 
     /// Writes the project to a file, whole or not at all.
@@ -236,10 +236,10 @@ impl NativeProject {
 impl NativeProject {
     fn with(&self, key: &str, setting: &SettingValue) -> PyResult<Self> {
         let set = self.document.set(key, setting);
-        self.having(set.map_err(|error| CounterpoiseError::new_err(error.to_string()))?)
+        self.with_checked_document(set.map_err(|error| CounterpoiseError::new_err(error.to_string()))?)
     }
 
-    fn having(&self, document: Document) -> PyResult<Self> {
+    fn with_checked_document(&self, document: Document) -> PyResult<Self> {
         let mut changed = self.clone().with_document(document);
         if changed.document.attachments() != self.document.attachments() {
             changed.attachments =
