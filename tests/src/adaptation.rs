@@ -29,7 +29,7 @@ pub struct Case {
 
 impl Case {
     /// Returns the trial in which adaptation does worst against none.
-    pub fn worst(&self) -> Option<&TrialRow> {
+    pub fn worst_trial(&self) -> Option<&TrialRow> {
         self.rows.iter().max_by(|a, b| a.ratio().total_cmp(&b.ratio()))
     }
 

@@ -406,12 +406,12 @@ impl Machine {
 }
 
 /// Largest residual over its noise floor.
-fn worst(channels: &Channels) -> f64 {
+fn largest_ratio(channels: &Channels) -> f64 {
     channels.values().map(|fit| fit.rms_error / fit.floor).fold(0.0, f64::max)
 }
 
 /// Largest residual of a sensor over its noise floor. The control of a quick loop carries the sensor's noise through the sensitivity, of
-/// which its floor knows nothing: it is looked at by [`worst`] alone.
+/// which its floor knows nothing: it is looked at by [`largest_ratio`] alone.
 fn worst_reading(channels: &Channels) -> f64 {
     let readings = channels.iter().filter(|(channel, _)| **channel != "control");
     readings.map(|(_, fit)| fit.rms_error / fit.floor).fold(0.0, f64::max)
@@ -453,7 +453,12 @@ fn a_clean_machine_of_every_kind_is_consistent() {
         let machine = Machine::of(kind);
         let answer = machine.diagnose(&machine.recordings(&machine.base)).answer;
         check_finite(kind.name, &answer);
-        println!("{}: {} before {:.2}", kind.name, describe_answer(&answer), worst(&answer.fit.before));
+        println!(
+            "{}: {} before {:.2}",
+            kind.name,
+            describe_answer(&answer),
+            largest_ratio(&answer.fit.before)
+        );
         if answer.verdict != DiagnosisVerdict::Consistent {
             wrong.push(format!("{}: {}", kind.name, describe_answer(&answer)));
         }
@@ -475,7 +480,8 @@ fn a_concealed_effect_is_named_on_every_kind() {
             let own = std::iter::once(finding.name()).chain(finding.alternatives.iter().copied());
             own.into_iter().any(|name| kind.names.contains(&(name.component, name.effect)))
         });
-        let (before, held_out) = (worst(&answer.fit.before), worst_reading(&answer.fit.held_out_after));
+        let (before, held_out) =
+            (largest_ratio(&answer.fit.before), worst_reading(&answer.fit.held_out_after));
         println!("{}: {} before {before:.2} held out {held_out:.2}", kind.name, describe_answer(&answer));
         if !named || !machine.is_replayed(held_out, &truth, &recordings) {
             wrong.push(format!("{}: {} held out {held_out:.2}", kind.name, describe_answer(&answer)));

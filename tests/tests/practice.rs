@@ -47,7 +47,7 @@ fn diagnosed_recordings(project: &Project, folder: &Path) -> Vec<Recording> {
 }
 
 /// The largest RMS error of a channel over its floor.
-fn worst(project: &Project, folder: &Path) -> f64 {
+fn largest_ratio(project: &Project, folder: &Path) -> f64 {
     let control = ReplayLoop::from(
         project
             .recording_controller
@@ -73,7 +73,7 @@ fn practice(machine: &str) -> Option<PathBuf> {
 fn a_machine_as_modelled_replays_to_its_floor_and_is_consistent() {
     let Some(folder) = practice("p08") else { return };
     let project = project(&folder);
-    assert!(worst(&project, &folder) < 1.5);
+    assert!(largest_ratio(&project, &folder) < 1.5);
     let controller = project
         .recording_controller
         .as_ref()
@@ -90,7 +90,7 @@ fn a_machine_as_modelled_replays_to_its_floor_and_is_consistent() {
 fn left_out_friction_is_named_sized_and_its_improved_model_fits_what_it_has_not_seen() {
     let folder = root().join("examples/left-out-friction");
     let project = project(&folder);
-    assert!(worst(&project, &folder) > 3.0);
+    assert!(largest_ratio(&project, &folder) > 3.0);
     let controller = project
         .recording_controller
         .as_ref()
@@ -110,7 +110,7 @@ fn left_out_friction_is_named_sized_and_its_improved_model_fits_what_it_has_not_
         assert!(after.rms_error < 1.5 * after.floor, "{channel}: {after:?}");
     }
     let improved = Project { plant: found.improved, ..project };
-    assert!(worst(&improved, &folder.join("unseen")) < 1.5);
+    assert!(largest_ratio(&improved, &folder.join("unseen")) < 1.5);
 }
 
 /// What a machine has more than its project says, entered by hand: keys of the project file and their values.

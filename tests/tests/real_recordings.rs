@@ -103,7 +103,7 @@ fn a_recorded_platform_serves_as_a_road() {
     let Some(PlatformSource::Recording(source)) = project.verify.unwrap().road else { panic!("a recording") };
     let made = road_from_table(&source, &table).unwrap();
     assert!((made.sample_period_s - 0.01).abs() < 1e-3, "{}", made.sample_period_s);
-    let peak = made.heave_m_s2.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let peak = made.heave_m_s2().iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     assert!(peak > 0.05 && peak < 5.0, "{peak} m/s^2");
 }
 

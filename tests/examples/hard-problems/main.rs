@@ -82,27 +82,33 @@ fn solve(problem: &Value) -> Answer {
     match problem["kind"].as_str().unwrap_or_default() {
         "care" | "dare" | "care_g" => riccati(problem),
         "gcare" | "gdare" => generalised_riccati(problem),
-        "glyap" => {
-            whole(linalg::glyap(&matrix(problem, "A")?, &matrix(problem, "E")?, &matrix(problem, "Q")?))
-        }
-        "gdlyap" => {
-            whole(linalg::gdlyap(&matrix(problem, "A")?, &matrix(problem, "E")?, &matrix(problem, "Q")?))
-        }
+        "glyap" => whole_solution(linalg::glyap(
+            &matrix(problem, "A")?,
+            &matrix(problem, "E")?,
+            &matrix(problem, "Q")?,
+        )),
+        "gdlyap" => whole_solution(linalg::gdlyap(
+            &matrix(problem, "A")?,
+            &matrix(problem, "E")?,
+            &matrix(problem, "Q")?,
+        )),
         "hinfsyn" => hinfinity(problem),
         "place" => placement(problem),
         "delayed" => delay_margins(problem),
         "multiloop" => multiloop(problem),
         "lyap" => {
             let (A, Q) = (matrix(problem, "A")?, matrix(problem, "Q")?);
-            whole(measure_time(|| linalg::lyap(&A, &Q)))
+            whole_solution(measure_time(|| linalg::lyap(&A, &Q)))
         }
         "dlyap" => {
             let (A, Q) = (matrix(problem, "A")?, matrix(problem, "Q")?);
-            whole(measure_time(|| linalg::dlyap(&A, &Q)))
+            whole_solution(measure_time(|| linalg::dlyap(&A, &Q)))
         }
-        "sylvester" => {
-            whole(linalg::sylvester(&matrix(problem, "A")?, &matrix(problem, "B")?, &matrix(problem, "C")?))
-        }
+        "sylvester" => whole_solution(linalg::sylvester(
+            &matrix(problem, "A")?,
+            &matrix(problem, "B")?,
+            &matrix(problem, "C")?,
+        )),
         "zeros" | "mzeros" => {
             let g = system(problem)?;
             values(measure_time(|| counterpoise_lti::zeros(&g)))
@@ -170,7 +176,7 @@ fn complex(list: &[C64]) -> Value {
     json!(list.iter().map(|l| [l.re, l.im]).collect::<Vec<_>>())
 }
 
-fn whole(solution: Result<Mat, linalg::Error>) -> Answer {
+fn whole_solution(solution: Result<Mat, linalg::Error>) -> Answer {
     Ok(json!({ "X": rows(&text(solution)?) }))
 }
 
@@ -337,7 +343,7 @@ fn multiloop(problem: &Value) -> Answer {
 }
 
 /// A sparse matrix as lists of rows, columns and values.
-fn sparse(problem: &Value, key: &str, size: usize) -> Result<Sparse, String> {
+fn sparse_matrix(problem: &Value, key: &str, size: usize) -> Result<Sparse, String> {
     let list = |k: usize| problem[key][k].as_array().ok_or(format!("{key} is missing"));
     let (rows, cols, values) = (list(0)?, list(1)?, list(2)?);
     let place = |value: &Value| value.as_u64().unwrap_or(u64::MAX) as usize;
@@ -353,7 +359,8 @@ fn sparse(problem: &Value, key: &str, size: usize) -> Result<Sparse, String> {
 fn large_reduction(problem: &Value) -> Answer {
     let F = matrix(problem, "F")?;
     let n = F.nrows();
-    let (M, C, K) = (sparse(problem, "M", n)?, sparse(problem, "D", n)?, sparse(problem, "K", n)?);
+    let (M, C, K) =
+        (sparse_matrix(problem, "M", n)?, sparse_matrix(problem, "D", n)?, sparse_matrix(problem, "K", n)?);
     let g = LargeStructure { M, C, K, F, P: matrix(problem, "P")?, V: matrix(problem, "V")? };
     let order = Order::States(number(problem, "order", 10.0) as usize);
     let made = text(balred_large(&g, order, &mut |_| std::ops::ControlFlow::Continue(())))?;

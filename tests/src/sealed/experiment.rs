@@ -163,7 +163,7 @@ fn read(sensor: &Gyro, value: f64, heave: f64, bits: u32, dice: &mut Dice) -> f6
 }
 
 /// What came out of a sensor some samples ago.
-fn late(history: &[f64], samples: usize) -> f64 {
+fn late_reading(history: &[f64], samples: usize) -> f64 {
     history[history.len().saturating_sub(1 + samples)]
 }
 
@@ -199,17 +199,28 @@ pub fn record_under(
             history.push(x[10 + 2 * s]);
         }
         let bits = recorder.input_bits;
-        let hub = read(&machine.hub_gyro, late(&past[0], machine.hub_gyro.late), platform.heave, bits, dice);
-        let skew = machine.platform_late;
-        let pitch = read(
-            &machine.platform_gyro,
-            late(&past[1], machine.platform_gyro.late + skew),
+        let hub = read(
+            &machine.hub_gyro,
+            late_reading(&past[0], machine.hub_gyro.late),
             platform.heave,
             bits,
             dice,
         );
-        let heave =
-            read(&machine.accelerometer, late(&past[2], machine.accelerometer.late + skew), 0.0, bits, dice);
+        let skew = machine.platform_late;
+        let pitch = read(
+            &machine.platform_gyro,
+            late_reading(&past[1], machine.platform_gyro.late + skew),
+            platform.heave,
+            bits,
+            dice,
+        );
+        let heave = read(
+            &machine.accelerometer,
+            late_reading(&past[2], machine.accelerometer.late + skew),
+            0.0,
+            bits,
+            dice,
+        );
         let motor = read(&recorder.tachometer, x[3], 0.0, bits, dice);
         let position = read(&recorder.resolver, x[4] - platform.angle, 0.0, bits, dice);
         let demand = if k < HOLD { 0.0 } else { experiment.demand(t) };

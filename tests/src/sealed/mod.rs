@@ -56,7 +56,7 @@ pub fn case_of(which: usize, size: f64, nominal: &Parameters) -> Case {
 
 /// Returns the machine as modelled, recorded under the proportional-integral controller.
 pub fn case_of_nothing(nominal: &Parameters) -> Case {
-    record_case(1_999, nominal, &truth::machine(nominal), truth::nothing(), &[])
+    record_case(1_999, nominal, &truth::machine(nominal), truth::unchanged_machine(), &[])
 }
 
 /// Returns the project in which one given effect shows: nearly balanced for those at small torques, the rig otherwise.
@@ -115,7 +115,7 @@ pub fn case_under(which: Option<usize>, size: f64, nominal: &Parameters, control
     let mut machine = truth::machine(nominal);
     let (sealed, without) = match which {
         Some(which) => truth::conceal_one(which, size, &mut machine),
-        None => (truth::nothing(), Vec::new()),
+        None => (truth::unchanged_machine(), Vec::new()),
     };
     let recorder = truth::recorder(nominal, 0.0, 0.0, controller_at_rest(controller));
     let seed = 2_000 + which.map_or(999, |which| which as u64);

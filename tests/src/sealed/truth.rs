@@ -72,8 +72,8 @@ pub fn machine(p: &Parameters) -> Machine {
         dead_zone: 0.0,
         current_limit: f64::INFINITY,
         hysteresis: [0.0, 1.0],
-        motor_friction: dry(&p.motor_friction),
-        pivot_friction: dry(&p.pivot_friction),
+        motor_friction: dry_friction(&p.motor_friction),
+        pivot_friction: dry_friction(&p.pivot_friction),
         quadratic_drag: 0.0,
         delay_samples: 0,
         hub_gyro: gyro(&p.sensors.hub_gyro),
@@ -88,7 +88,7 @@ pub fn machine(p: &Parameters) -> Machine {
     }
 }
 
-fn dry(friction: &counterpoise_models::Friction) -> Dry {
+fn dry_friction(friction: &counterpoise_models::Friction) -> Dry {
     let FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad, .. } = friction.law else {
         panic!("the sealed machines have Dahl friction")
     };
@@ -148,7 +148,7 @@ pub fn conceal(seed: u64, machine: &mut Machine) -> (Sealed, Vec<Machine>) {
     let mut without = vec![machine.clone()];
     let concealed = match family {
         Family::Nothing => Vec::new(),
-        Family::Outside => vec![outside(machine, &mut dice)],
+        Family::Outside => vec![outside_effect(machine, &mut dice)],
         Family::Instrument => vec![instrument(machine, &mut dice)],
         Family::Single => vec![physics(machine, &mut dice, usize::MAX)],
         Family::Pair => {
@@ -199,7 +199,7 @@ pub fn conceal_one(which: usize, size: f64, machine: &mut Machine) -> (Sealed, V
 }
 
 /// Returns the answer of a machine that is as its project describes it, with all sensors and the usual noise.
-pub fn nothing() -> Sealed {
+pub fn unchanged_machine() -> Sealed {
     let concealed = Vec::new();
     Sealed { family: Family::Nothing, concealed, noise: 1.0, motor_rate: true, hub_position: true }
 }
@@ -225,7 +225,7 @@ fn physics_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Conceal
         0..=5 => friction_of(m, dice, which, s),
         6..=11 => drive_of(m, dice, which, s),
         12..=14 => structure_of(m, dice, which, s),
-        _ => further(m, dice, which, s),
+        _ => further_effect(m, dice, which, s),
     };
     Concealed { size: s, ..concealed }
 }
@@ -313,7 +313,7 @@ fn one(component: &'static str, effect: &'static str, parameter: &'static str, v
 }
 
 /// The rest of the vocabulary: what modulates friction, ripples, and the amplifier's limits.
-fn further(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
+fn further_effect(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
     let order = [4.0, 6.0, 8.0, 12.0, 24.0][dice.draw_below(5)];
     let phase = dice.uniform(-3.0, 3.0);
     match which {
@@ -484,7 +484,7 @@ fn platform_gyro_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Conce
 }
 
 /// Physics that no entry of the library has.
-fn outside(m: &mut Machine, dice: &mut Dice) -> Concealed {
+fn outside_effect(m: &mut Machine, dice: &mut Dice) -> Concealed {
     let s = 10f64.powf(dice.uniform(-0.5, 0.5));
     let component = match dice.draw_below(3) {
         0 => {
