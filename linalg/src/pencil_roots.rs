@@ -1,6 +1,6 @@
 //! The finite eigenvalues of a small pencil `M - s E`, corrected in 32 digits.
 //!
-//! Method: eigenvalues that are all simple are corrected one by one ([`simple_roots`]). Otherwise, Aberth's simultaneous iteration (Math. Comp. 27 (1973) 339) on the determinant, whose logarithmic derivative is
+//! Method: eigenvalues that are all simple are corrected one by one (`simple_roots`). Otherwise, Aberth's simultaneous iteration (Math. Comp. 27 (1973) 339) on the determinant, whose logarithmic derivative is
 //! `-trace((M - s E)^-1 E)`. The LU factors of each step are computed with 32 digits from the entries as they are given, so that
 //! nothing is lost in transformations of the pencil: eigenvalues that differ by many decades keep their digits.
 

@@ -91,7 +91,7 @@ pub fn is_stable_pole(pole: C64, timebase: Timebase) -> bool {
 /// transformations, whose ranks are decided by one absolute tolerance, and by eliminations whose ranks are decided entry by
 /// entry (`entrywise_zeros`). The first is the answer if both agree, because it is the more accurate one for systems of one scale;
 /// otherwise the second is, corrected in 32 digits if there are as many inputs as outputs and at most 32 states and inputs
-/// ([`linalg::pencil_roots`]). A zero that the eliminations place at the origin stays there unless the system matrix is regular
+/// ([`linalg::pencil_roots`](fn@linalg::pencil_roots)). A zero that the eliminations place at the origin stays there unless the system matrix is regular
 /// under a hundred roundings of each entry. Infinite zeros do not appear. Input and output decoupling zeros are among the answer. O(n^3).
 ///
 /// # Errors

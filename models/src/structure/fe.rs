@@ -89,7 +89,7 @@ impl FeModel {
     /// Returns the model of a beam with what is fitted to it; unknowns 2 i and 2 i + 1 are deflection and rotation of node i.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a beam, mesh or mass out of range, [`Error::PowerLaw`] as for [`element_matrices`](super::element::element_matrices).
+    /// [`Error::Parameter`] for a beam, mesh or mass out of range, [`Error::PowerLaw`] as for [`element_matrices`].
     pub fn beam(beam: &Beam, fitted: &Fitted, options: &FeOptions) -> Result<Self, Error> {
         let profile = Profile::new(beam)?;
         let nodes = options.mesh.nodes_m(&profile, beam.pivot_m)?;

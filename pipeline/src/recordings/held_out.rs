@@ -113,7 +113,7 @@ fn compare_channels(before: &[ChannelFit], after: &[ChannelFit]) -> Vec<HeldOutF
 /// Replays files that no diagnosis was given, on the project's mechanism and on an improved one, both in the project's configuration.
 ///
 /// # Errors
-/// As [`read_files`](super::read::read_files) and [`replay_one`].
+/// As [`read_files`] and [`replay_one`].
 pub fn replay_held_out(
     project: &Project,
     improved: &Parameters,

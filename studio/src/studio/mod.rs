@@ -1,8 +1,8 @@
 //! The studio: it carries out commands.
 //!
-//! Modules in reading order: [`file_commands`] (projects opened and saved), [`closing`], [`work_commands`] (everything that is computed),
-//! [`settings_commands`] (what is remembered), [`event_loop`] (what the studio does by
-//! itself in each frame), [`answers`] (what the workers found).
+//! Modules in reading order: `file_commands` (projects opened and saved), `closing`, `work_commands` (everything that is computed),
+//! `settings_commands` (what is remembered), `event_loop` (what the studio does by
+//! itself in each frame), `answers` (what the workers found).
 
 mod answers;
 mod closing;

@@ -146,7 +146,7 @@ impl Evaluated {
     /// Transforms a system, which should be balanced: rounding is relative to its largest entries.
     ///
     /// # Errors
-    /// Those of [`schur`].
+    /// Those of [`schur`](fn@schur).
     pub fn of(system: &StateSpace) -> Result<Self, counterpoise_lti::Error> {
         let what = "response over intervals";
         let form = schur(&system.A).map_err(|source| counterpoise_lti::Error::Matrix { what, source })?;

@@ -74,11 +74,11 @@ impl Imported {
         self.rows.len() > LARGE_STRUCTURE
     }
 
-    /// Returns the structure with its hub at the map's pivot, as [`Imported::sparse`] does, with dense matrices: those of the
+    /// Returns the structure with its hub at the map's pivot, as [`Imported::to_sparse_structure`] does, with dense matrices: those of the
     /// files, or of the condensed structure if there are more than [`LARGE_STRUCTURE`] unknowns or shapes are to be balanced.
     ///
     /// # Errors
-    /// As for [`Imported::sparse`] and [`SparseStructure::condense`].
+    /// As for [`Imported::to_sparse_structure`] and [`SparseStructure::condense`].
     pub fn condense(
         &self,
         map: &NodeMap,
@@ -92,10 +92,10 @@ impl Imported {
         }
     }
 
-    /// Returns the structure as [`Imported::sparse`] does, with the dense matrices of the files.
+    /// Returns the structure as [`Imported::to_sparse_structure`] does, with the dense matrices of the files.
     ///
     /// # Errors
-    /// As for [`Imported::sparse`].
+    /// As for [`Imported::to_sparse_structure`].
     pub fn structure(&self, map: &NodeMap) -> Result<FeModel, Error> {
         Ok(self.to_sparse_structure(map)?.dense())
     }
