@@ -12,7 +12,7 @@ use super::drawing::{ClaimCurve, frequency_axis, gain_db, make_figure, make_pane
 use super::tested_design::{largest_db, rate_grid};
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::{KEPT_RESPONSE, UNSEEN_STATE};
-use counterpoise_pipeline::{PipelineError, model};
+use counterpoise_pipeline::{PipelineError, build_plant_model};
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 use counterpoise_project::resolve::model::StructureChoice;
 
@@ -32,7 +32,7 @@ const INPUTS: [&str; 3] = ["control", "heave", "pitch"];
 fn beam_plant(tested: &TestedDesign, modes: usize) -> Result<LinearPlant, PipelineError> {
     let mut project = tested.project.clone();
     (project.model.structure, project.model.modes) = (StructureChoice::Beam, modes);
-    Ok(model(&project)?.linear)
+    Ok(build_plant_model(&project)?.linear)
 }
 
 /// Returns a plant with another structure, linear.

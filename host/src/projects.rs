@@ -42,7 +42,7 @@ pub struct ProjectOnDisk {
 
 impl ProjectOnDisk {
     /// Returns the folder beside whose files the project stands.
-    pub fn folder(&self) -> files::ProjectFolder {
+    pub fn project_folder(&self) -> files::ProjectFolder {
         files::ProjectFolder(self.path.parent().unwrap_or(Path::new(".")).to_owned())
     }
 }

@@ -36,7 +36,7 @@ pub struct PlantModel {
 ///
 /// # Errors
 /// A configuration that does not exist, and parameters that make no mechanism.
-pub fn model(project: &Project) -> Result<PlantModel, PipelineError> {
+pub fn build_plant_model(project: &Project) -> Result<PlantModel, PipelineError> {
     model_watched(project, &Serial)
 }
 

@@ -41,7 +41,7 @@ impl ReducedPlant {
 ///
 /// # Errors
 /// A method that the chosen structure does not allow, an order that is missing, and those of the reduction.
-pub fn reduce(project: &Project, modelled: &PlantModel) -> Result<ReducedPlant, PipelineError> {
+pub fn reduce_plant(project: &Project, modelled: &PlantModel) -> Result<ReducedPlant, PipelineError> {
     let system = &modelled.linear.system;
     let asked = project.reduce;
     let plain = |system: StateSpace| ReducedPlant {

@@ -36,8 +36,8 @@ use crate::synth::{design_plant, sampling};
 use crate::tolerance::{LINES_LEFT_OUT, SAME_LINE, STILL_RAD_S, TUNED_LIMIT_KEPT};
 use crate::traverse_file::check_traverse;
 use crate::{
-    FirstDesign, PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, World, model, project_procedure,
-    reduce, synthesise,
+    FirstDesign, PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, World, build_plant_model,
+    project_procedure, reduce_plant, synthesise,
 };
 
 /// A project whose blocks or weights were tuned.
@@ -90,8 +90,8 @@ pub fn with_tuned_structure(
         false if weights_are_open => TuningSubject::Weights(&asked.specification),
         false => return Ok(None),
     };
-    let modelled = model(project)?;
-    let reduced = reduce(project, &modelled)?;
+    let modelled = build_plant_model(project)?;
+    let reduced = reduce_plant(project, &modelled)?;
     let wanted = asked.options.tuning.clone().unwrap_or_default();
     let ground = tuning_ground(project, &modelled, &reduced, &wanted, world)?;
     let (tuned, plants) = tune_feedback(subject, &ground, &wanted)?;
@@ -316,7 +316,7 @@ fn of_sweep(
         // A feedback of fixed structure is never a cascade, so no plant of the rate is needed.
         let varied = PlantModel { parameters, plant, linear, rate: None, elements: None };
         let system = varied.linear.system.clone();
-        let nominal = reduce(&Project { reduce: Default::default(), ..project.clone() }, &varied)?;
+        let nominal = reduce_plant(&Project { reduce: Default::default(), ..project.clone() }, &varied)?;
         plants.push(DesignPlant { system, ..design_plant(asked, &varied, &nominal)? });
     }
     Ok(plants)

@@ -2,7 +2,7 @@
 
 use counterpoise_controller::Controller;
 use counterpoise_pipeline::first_design::ChosenWeights;
-use counterpoise_pipeline::{model, reduce, synthesise, with_chosen_weights};
+use counterpoise_pipeline::{build_plant_model, reduce_plant, synthesise, with_chosen_weights};
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_synth::{LimitKind, Unknown};
 use counterpoise_verify::{Figure, LoopFigure, Procedure, frequency_figures};
@@ -72,8 +72,8 @@ fn turret(inertia: &str, torque: &str, delay: &str) -> String {
 /// The margins of the controller that a file is given, on its sampled plant with every delay as it is.
 fn verified_margins(text: &str) -> [f64; 3] {
     let project = choose_weights(text).project;
-    let made = model(&project).unwrap();
-    let reduced = reduce(&project, &made).unwrap();
+    let made = build_plant_model(&project).unwrap();
+    let reduced = reduce_plant(&project, &made).unwrap();
     let designed = synthesise(&project, &made, &reduced).unwrap();
     let controller = &designed.sampled.controller;
     let found = frequency_figures(&made.plant, controller, &Procedure::default()).unwrap();
@@ -111,15 +111,15 @@ fn a_first_design_holds_for_the_tolerances_of_its_file() {
     assert_eq!(held.first.bandwidth.limited_by, [LimitKind::Tolerances]);
     assert!(!exact.first.bandwidth.limits.iter().any(|limit| limit.kind == LimitKind::Tolerances));
     let synthesis = |project: &Project| {
-        let made = model(project).unwrap();
-        let reduced = reduce(project, &made).unwrap();
+        let made = build_plant_model(project).unwrap();
+        let reduced = reduce_plant(project, &made).unwrap();
         synthesise(project, &made, &reduced).unwrap().sampled.controller
     };
     let worst = |controller: &Controller| {
         let ends = [0.4, 1.6].into_iter().flat_map(|inertia| [0.5, 1.5].map(|torque| (inertia, torque)));
         let sensitivity = |(inertia, torque): (f64, f64)| {
             let text = turret(&format!("{}", 0.02 * inertia), &format!("{}", 0.5 * torque), "\"1 ms\"");
-            let plant = model(&read(&text).1).unwrap().plant;
+            let plant = build_plant_model(&read(&text).1).unwrap().plant;
             let found = frequency_figures(&plant, controller, &Procedure::default()).unwrap();
             let peak = found.value(Figure::Loop(LoopFigure::MaxSensitivity)).unwrap();
             if found.is_stable { peak } else { f64::INFINITY }

@@ -4,7 +4,7 @@
 use counterpoise_pipeline::studies::fra::{Analyser, LoopController, LoopUnderTest, MeasurementPlan};
 use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
 use counterpoise_pipeline::studies::fra_points::ResponseMapPoint;
-use counterpoise_pipeline::{model, with_chosen_weights};
+use counterpoise_pipeline::{build_plant_model, with_chosen_weights};
 use counterpoise_pool::Serial;
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
@@ -19,7 +19,7 @@ fn db(h: [f64; 2]) -> f64 {
 
 fn map_response(around: LoopUnderTest, amplitudes: &[f64], frequencies_hz: &[f64]) -> Vec<ResponseMapPoint> {
     let project = rig();
-    let modelled = model(&project).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
     let plan = MeasurementPlan {
         around,
         amplitudes: amplitudes.to_vec(),
@@ -53,7 +53,7 @@ fn a_linear_loop_of_position_is_measured_as_its_model_says() {
     let document = Document::parse(STAGE, "stage.toml");
     let read = Project::resolve_for(&document, &Attachments::none(), Purpose::Design).unwrap();
     let project = with_chosen_weights(&read.project).unwrap().unwrap().project;
-    let modelled = model(&project).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
     let plan = MeasurementPlan {
         around: LoopUnderTest::Closed,
         amplitudes: vec![1e-4],
@@ -98,7 +98,7 @@ fn design_project(text: &str) -> Project {
 }
 
 fn mapped_of(project: &Project, around: LoopUnderTest, frequencies_hz: &[f64]) -> Vec<ResponseMapPoint> {
-    let modelled = model(project).unwrap();
+    let modelled = build_plant_model(project).unwrap();
     let amplitudes = vec![around.usual_amplitudes(project)[0]];
     let plan = MeasurementPlan { around, amplitudes, frequencies_hz: frequencies_hz.to_vec(), offset_m: 0.0 };
     let analyser = Analyser::new(project, &modelled, &plan, LoopController::Simulation).unwrap();
@@ -144,7 +144,7 @@ fn usual_points_suit_the_machine() {
 #[test]
 fn a_map_has_arrays_of_frequency_and_amplitude_and_its_json_a_list_of_points() {
     let project = rig();
-    let modelled = model(&project).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
     let (amplitudes, frequencies_hz) = (vec![0.5, 1.0], vec![4.5, 9.5, 12.0]);
     let plan = MeasurementPlan { around: LoopUnderTest::Plant, amplitudes, frequencies_hz, offset_m: 0.0 };
     let analyser = Analyser::new(&project, &modelled, &plan, LoopController::Simulation).unwrap();
@@ -167,7 +167,7 @@ fn friction_carries_the_disconnected_mechanism_at_small_amplitudes() {
 #[test]
 fn a_recording_without_a_line_is_told_and_a_missing_channel_refused() {
     let project = rig();
-    let modelled = model(&project).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
     let plan = MeasurementPlan {
         around: LoopUnderTest::Plant,
         amplitudes: Vec::new(),

@@ -134,7 +134,7 @@ pub fn frequency_response_map(
         };
         ensure!(positive(&plan.frequencies_hz), "frequencies_hz must be positive numbers, at least one");
         let loaded = project.load_for(Purpose::Model)?;
-        let modelled = pipeline::model(&loaded.project)?;
+        let modelled = pipeline::build_plant_model(&loaded.project)?;
         if !recordings.is_empty() {
             let files = projects::read_recordings(&recordings)?;
             let found = map_recordings(&loaded.project, &modelled, &plan, &files)

@@ -10,7 +10,7 @@ use common::{settle, studio};
 use counterpoise_controller::{Readings, SampledController};
 use counterpoise_host::worker::CancelToken;
 use counterpoise_host::{files, projects};
-use counterpoise_pipeline::model;
+use counterpoise_pipeline::build_plant_model;
 use counterpoise_pipeline::recordings::read::{loop_of, recording_controller};
 use counterpoise_pipeline::recordings::{GapTreatment, ReplayLength, diagnose, read_files, replay};
 use counterpoise_project::{Project, Purpose};
@@ -95,7 +95,7 @@ const LENGTH_S: f64 = 2.0;
 
 /// A recording of a project's machine under two sines, as CSV.
 fn record_machine(project: &Project) -> String {
-    let plant = model(project).unwrap().plant;
+    let plant = build_plant_model(project).unwrap().plant;
     let period_s = plant.parameters().interface.sample_period_s;
     let scenario = Scenario {
         imperfections: Imperfections::NoiseAndQuantisation { seed: 3 },
@@ -159,8 +159,8 @@ fn a_replay_in_the_studio_says_if_another_project_exported_the_controller() {
     files::write_file(&folder.join("road.parquet"), &road).unwrap();
     files::write_file(&folder.join("project.toml"), whole.as_bytes()).unwrap();
     let project = projects::load_project(&folder, Purpose::Design).unwrap().project;
-    let modelled = model(&project).unwrap();
-    let reduced = counterpoise_pipeline::reduce(&project, &modelled).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
+    let reduced = counterpoise_pipeline::reduce_plant(&project, &modelled).unwrap();
     let made = counterpoise_pipeline::synthesise(&project, &modelled, &reduced).unwrap();
     let identity = counterpoise_pipeline::ProjectIdentity { name: "rig".to_owned(), hash: "0123".to_owned() };
     let controller =

@@ -3,7 +3,7 @@
 use counterpoise_pipeline::studies::adaptation_trials::{
     HoldBands, TrialLoad, TrialMotion, TrialRow, own_trials,
 };
-use counterpoise_pipeline::{model, project_procedure, reduce, synthesise};
+use counterpoise_pipeline::{build_plant_model, project_procedure, reduce_plant, synthesise};
 use counterpoise_project::{Attachments, Document, Project, SettingValue};
 
 use crate::sealed::Dice;
@@ -61,8 +61,8 @@ pub fn trial(seed: u64, noise: u64) -> Option<Case> {
     let beside = Beside(folder);
     let stated = Project::resolve(&document, &Attachments::none()).ok()?.project;
     let project = decide_choices(stated, &beside);
-    let modelled = model(&project).ok()?;
-    let made = synthesise(&project, &modelled, &reduce(&project, &modelled).ok()?).ok()?;
+    let modelled = build_plant_model(&project).ok()?;
+    let made = synthesise(&project, &modelled, &reduce_plant(&project, &modelled).ok()?).ok()?;
     let mut procedure = project_procedure(&project, &beside).ok()?;
     procedure.seed += noise;
     let mut tried = own_trials(&project, &modelled, &made, &procedure).ok()??;

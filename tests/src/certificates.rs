@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use counterpoise_controller::{Controller, READINGS};
 use counterpoise_models::{FrictionLaw, Parameters};
 use counterpoise_pipeline::studies::certificate::certify_controller;
-use counterpoise_pipeline::{model, reduce, synthesise};
+use counterpoise_pipeline::{build_plant_model, reduce_plant, synthesise};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{
     AdaptationMethod, AdaptationOptions, AdaptationRuns, AdaptationUse, FrictionModel, ObserverOptions,
@@ -85,8 +85,8 @@ impl Row {
 pub fn trial(seed: u64, base: &Project) -> Option<Row> {
     let mut dice = Dice::new(seed);
     let (project, blocks) = draw_case(base, &mut dice);
-    let modelled = model(&project).ok()?;
-    let made = synthesise(&project, &modelled, &reduce(&project, &modelled).ok()?).ok()?;
+    let modelled = build_plant_model(&project).ok()?;
+    let made = synthesise(&project, &modelled, &reduce_plant(&project, &modelled).ok()?).ok()?;
     let asked = project.verify.as_ref()?;
     let procedure = Procedure { road: None, ..asked.procedure.clone() };
     let mut alone = project.clone();

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_pipeline::studies::certificate::certify_controller;
-use counterpoise_pipeline::{model, reduce, synthesise};
+use counterpoise_pipeline::{build_plant_model, reduce_plant, synthesise};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{FrictionModel, ObserverOptions};
 use counterpoise_synth::Drives;
@@ -17,8 +17,8 @@ fn base() -> Project {
 }
 
 fn certify_project(project: &Project) -> CaseCertificate {
-    let modelled = model(project).unwrap();
-    let made = synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap();
+    let modelled = build_plant_model(project).unwrap();
+    let made = synthesise(project, &modelled, &reduce_plant(project, &modelled).unwrap()).unwrap();
     let procedure = Procedure { road: None, ..project.verify.as_ref().unwrap().procedure.clone() };
     certify_controller(project, &modelled, &made, &procedure).unwrap().cases[0].clone()
 }

@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_pipeline::studies::comparison::{DesignComparison, compare_designs};
-use counterpoise_pipeline::{PlantModel, SynthesisedDesign, World, model, reduce, synthesise, verify};
+use counterpoise_pipeline::{
+    PlantModel, SynthesisedDesign, World, build_plant_model, reduce_plant, synthesise, verify,
+};
 use counterpoise_project::Project;
 use counterpoise_verify::{Figure, Verification};
 
@@ -35,8 +37,8 @@ fn project(text: &str) -> Project {
 }
 
 fn make_design(project: &Project) -> (PlantModel, SynthesisedDesign) {
-    let modelled = model(project).unwrap();
-    let reduced = reduce(project, &modelled).unwrap();
+    let modelled = build_plant_model(project).unwrap();
+    let reduced = reduce_plant(project, &modelled).unwrap();
     let made = synthesise(project, &modelled, &reduced).unwrap_or_else(|error| panic!("{error}"));
     (modelled, made)
 }
@@ -53,8 +55,8 @@ fn value(found: &Verification, key: &str) -> f64 {
 }
 
 fn compare(project: &Project) -> DesignComparison {
-    let modelled = model(project).unwrap();
-    let reduced = reduce(project, &modelled).unwrap();
+    let modelled = build_plant_model(project).unwrap();
+    let reduced = reduce_plant(project, &modelled).unwrap();
     let made = synthesise(project, &modelled, &reduced).unwrap();
     compare_designs(project, &modelled, &made).unwrap()
 }
@@ -106,8 +108,8 @@ fn a_design_in_sampled_time_holds_a_coarse_period() {
     let [converted, anew] = [TUSTIN, SAMPLED_DATA].map(|choice| verify_project(&at(slow, choice)));
     assert!(value(&converted, "gain_margin_db") < 9.0 && value(&anew, "gain_margin_db") > 13.0);
     let converted = at(slower, TUSTIN);
-    let modelled = model(&converted).unwrap();
-    let reduced = reduce(&converted, &modelled).unwrap();
+    let modelled = build_plant_model(&converted).unwrap();
+    let reduced = reduce_plant(&converted, &modelled).unwrap();
     let refused = synthesise(&converted, &modelled, &reduced).err().map(|error| error.to_string());
     assert!(refused.as_ref().is_some_and(|said| said.contains("sample faster")), "{refused:?}");
     let anew = verify_project(&at(slower, SAMPLED_DATA));
@@ -227,8 +229,8 @@ fn designs_on_modal_and_balanced_plants_hold_on_the_full_beam() {
         let file =
             with(CHAPTER_6, &[beam, ("[synth]\n", &reduction), ("assembly = \"simple-add\"", lowered)]);
         let project = project(&file);
-        let modelled = model(&project).unwrap();
-        let reduced = reduce(&project, &modelled).unwrap();
+        let modelled = build_plant_model(&project).unwrap();
+        let reduced = reduce_plant(&project, &modelled).unwrap();
         assert!(reduced.system.order() <= order && modelled.linear.system.order() > order, "{method}");
         let found = compare(&project);
         let (lowered, spill) = (found.lowered.unwrap(), found.spillover.unwrap());

@@ -11,7 +11,7 @@ use counterpoise_diagnose::findings::channel_fits::Channels;
 use counterpoise_diagnose::identification::{Estimate, Note, identify};
 use counterpoise_diagnose::library::{Component, EffectName};
 use counterpoise_models::{AmplifierDynamics, Parameters, Plant, Ripple};
-use counterpoise_pipeline::{model, reduce, synthesise, with_chosen_weights};
+use counterpoise_pipeline::{build_plant_model, reduce_plant, synthesise, with_chosen_weights};
 use counterpoise_pool::Serial;
 use counterpoise_project::{Document, Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
@@ -340,8 +340,8 @@ impl Machine {
         let project = Project::resolve_for(&document, &files, Purpose::Design).unwrap().project;
         let chosen = with_chosen_weights(&project).unwrap();
         let project = chosen.map_or(project, |chosen| chosen.project);
-        let modelled = model(&project).unwrap();
-        let made = synthesise(&project, &modelled, &reduce(&project, &modelled).unwrap()).unwrap();
+        let modelled = build_plant_model(&project).unwrap();
+        let made = synthesise(&project, &modelled, &reduce_plant(&project, &modelled).unwrap()).unwrap();
         Self {
             base: modelled.parameters,
             controller: made.sampled.controller,

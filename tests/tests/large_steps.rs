@@ -3,7 +3,9 @@
 
 use counterpoise_lti::margins;
 use counterpoise_models::Plant;
-use counterpoise_pipeline::{SynthesisedDesign, model, reduce, synthesise, with_chosen_weights};
+use counterpoise_pipeline::{
+    SynthesisedDesign, build_plant_model, reduce_plant, synthesise, with_chosen_weights,
+};
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_simulate::{Initial, Scenario, Signal, Simulator};
 
@@ -91,8 +93,8 @@ fn design_project(text: &str) -> (Project, Plant, SynthesisedDesign) {
     let parsed = Project::resolve_for(&document, &Attachments::none(), Purpose::Design);
     let project = parsed.unwrap_or_else(|errors| panic!("{text}: {errors:?}")).project;
     let project = with_chosen_weights(&project).unwrap().map_or(project, |chosen| chosen.project);
-    let modelled = model(&project).unwrap();
-    let made = synthesise(&project, &modelled, &reduce(&project, &modelled).unwrap()).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
+    let made = synthesise(&project, &modelled, &reduce_plant(&project, &modelled).unwrap()).unwrap();
     (project, modelled.plant, made)
 }
 

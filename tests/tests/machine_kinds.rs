@@ -10,8 +10,8 @@ use counterpoise_models::{ControlledQuantity, Plant};
 use counterpoise_pipeline::exchange::verified_loop;
 use counterpoise_pipeline::results::{SynthResult, VerifyResult};
 use counterpoise_pipeline::{
-    PipelineError, PlantModel, SynthesisedDesign, World, export, model, reduce, synthesise, verify,
-    with_chosen_weights,
+    PipelineError, PlantModel, SynthesisedDesign, World, build_plant_model, export, reduce_plant, synthesise,
+    verify, with_chosen_weights,
 };
 use counterpoise_project::resolve::design::Language;
 use counterpoise_project::starters::StarterKind;
@@ -221,8 +221,8 @@ fn answer(machine: &Machine, path: &str) -> Result<Option<Project>, String> {
 fn design_project(project: &Project) -> Result<(Project, SynthesisedDesign), PipelineError> {
     let chosen = with_chosen_weights(project)?;
     let project = chosen.map_or_else(|| project.clone(), |chosen| chosen.project);
-    let modelled = model(&project)?;
-    let made = synthesise(&project, &modelled, &reduce(&project, &modelled)?)?;
+    let modelled = build_plant_model(&project)?;
+    let made = synthesise(&project, &modelled, &reduce_plant(&project, &modelled)?)?;
     Ok((project, made))
 }
 
@@ -248,7 +248,7 @@ fn designed_kinds() -> impl Iterator<Item = &'static DesignedKind> {
         LazyLock::new(|| kinds().iter().map(|_| OnceLock::new()).collect());
     let design = |machine: &Machine| {
         let (project, made) = design_project(&machine.project()).unwrap();
-        let modelled = model(&project).unwrap();
+        let modelled = build_plant_model(&project).unwrap();
         DesignedKind { name: machine.name.clone(), project, modelled, made, verified: OnceLock::new() }
     };
     ALL.iter().zip(kinds()).map(move |(kept, machine)| kept.get_or_init(|| design(&machine)))
@@ -348,7 +348,7 @@ fn sines(all: &[(f64, f64)]) -> Signal {
 
 /// The plant with a recorder's converters and noise where the file states ideal ones.
 fn recorded_plant(project: &Project) -> Plant {
-    let mut parameters = model(project).unwrap().parameters;
+    let mut parameters = build_plant_model(project).unwrap().parameters;
     let size = project.verify.as_ref().unwrap().procedure.step.rate_rad_s.abs();
     parameters.interface.output_bits = parameters.interface.output_bits.min(16);
     let sensor = &mut parameters.sensors.hub_gyro;

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use counterpoise_linalg::Mat;
 use counterpoise_models::structure::{FeModel, Support, undamped_modes};
 use counterpoise_pipeline::{
-    SynthesisedDesign, finite_elements, model, project_procedure, reduce, synthesise, verify_on,
+    SynthesisedDesign, build_plant_model, finite_elements, project_procedure, reduce_plant, synthesise,
+    verify_on,
 };
 use counterpoise_project::{Attachments, Document, Project, SettingValue, StructureChoice};
 use counterpoise_tests::Beside;
@@ -37,8 +38,8 @@ fn resolve_project(document: &Document, example: &str, files: &[(&str, String)])
 }
 
 fn design_project(project: &Project) -> SynthesisedDesign {
-    let modelled = model(project).unwrap();
-    synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap()
+    let modelled = build_plant_model(project).unwrap();
+    synthesise(project, &modelled, &reduce_plant(project, &modelled).unwrap()).unwrap()
 }
 
 /// A controller verified on the plant of another structure.
@@ -50,7 +51,7 @@ fn verify_on_structure(
 ) -> Verification {
     let mut other = project.clone();
     other.model.structure = structure;
-    let plant = model(&other).unwrap().plant;
+    let plant = build_plant_model(&other).unwrap().plant;
     let procedure = project_procedure(project, &Beside(folder(example))).unwrap();
     verify_on(project, &plant, made, &procedure).unwrap().into_parts().1
 }
@@ -156,7 +157,7 @@ fn the_rigs_beam_as_imported_matrices_is_the_rigs_beam() {
 fn inertias_derived_from_matrices_are_the_rigs() {
     let mut imported = resolve_project(&document("imported-structure"), "imported-structure", &[]);
     imported.model.structure = StructureChoice::Lumped;
-    let derived = model(&imported).unwrap().parameters.lumped.unwrap();
+    let derived = build_plant_model(&imported).unwrap().parameters.lumped.unwrap();
     let given = resolve_project(&document("reference-rig"), "reference-rig", &[]).plant.lumped.unwrap();
     for (a, b) in [
         (derived.hub_inertia_kg_m2, given.hub_inertia_kg_m2),
@@ -167,7 +168,7 @@ fn inertias_derived_from_matrices_are_the_rigs() {
         assert!((a / b - 1.0).abs() < 2e-3, "{a} {b}");
     }
     imported.model.configuration = Some("balanced".to_owned());
-    let balanced = model(&imported).unwrap().parameters.lumped.unwrap();
+    let balanced = build_plant_model(&imported).unwrap().parameters.lumped.unwrap();
     assert!(balanced.out_of_balance_kg_m.abs() < 0.2, "{}", balanced.out_of_balance_kg_m);
 }
 
@@ -205,7 +206,7 @@ fn matrices_in_nastrans_formats_make_the_same_plant() {
     let content = market.import.as_ref().unwrap().content.as_ref().unwrap();
     let rows = &content.matrices.rows;
     let grid = |i: usize| (rows[i].grid as usize, rows[i].component);
-    let expected = model(&market).unwrap().plant.body().clone();
+    let expected = build_plant_model(&market).unwrap().plant.body().clone();
     let both = |format: &str| {
         let text = |key: &str, value: &str| (key.to_owned(), SettingValue::Text(value.to_owned()));
         let settings = [
@@ -222,7 +223,7 @@ fn matrices_in_nastrans_formats_make_the_same_plant() {
         [("dmig", dmig("MGG", M, grid) + &dmig("KGG", K, grid)), ("op4", op4("MGG", M) + &op4("KGG", K))]
     {
         let project = resolve_project(&both(format), "imported-structure", &[("all.dat", file)]);
-        let found = model(&project).unwrap().plant.body().clone();
+        let found = build_plant_model(&project).unwrap().plant.body().clone();
         assert!((found.inertia_kg_m2 / expected.inertia_kg_m2 - 1.0).abs() < 1e-9, "{format}");
         for (a, b) in found.modes.iter().zip(&expected.modes) {
             assert!((a.frequency_rad_s / b.frequency_rad_s - 1.0).abs() < 1e-9, "{format}");
@@ -242,7 +243,7 @@ fn a_damping_matrix_takes_the_place_of_ratios() {
         .set("plant.import.damping_matrix", &SettingValue::Text("damping.mtx".to_owned()))
         .unwrap();
     let project = resolve_project(&damped, "imported-structure", &[("damping.mtx", text)]);
-    for mode in &model(&project).unwrap().plant.body().modes {
+    for mode in &build_plant_model(&project).unwrap().plant.body().modes {
         assert!((mode.damping_ratio / (0.5e-5 * mode.frequency_rad_s) - 1.0).abs() < 1e-6);
     }
 }
@@ -331,7 +332,7 @@ fn an_ideal_current_source_leaves_the_damping_by_back_emf_out() {
     let inertia = lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2 + square * motor.inertia_kg_m2;
     let viscous = p.pivot_friction.viscous_nm_s_rad + square * p.motor_friction.viscous_nm_s_rad;
     let slowest = |project: &Project| {
-        let poles = counterpoise_lti::poles(&model(project).unwrap().linear.system).unwrap();
+        let poles = counterpoise_lti::poles(&build_plant_model(project).unwrap().linear.system).unwrap();
         poles.iter().map(|pole| pole.norm()).fold(f64::INFINITY, f64::min)
     };
     assert!((slowest(&simple) / (viscous / inertia) - 1.0).abs() < 0.01, "{}", slowest(&simple));

@@ -8,7 +8,8 @@ use std::sync::Mutex;
 use counterpoise_models::{Friction, FrictionLaw, Parameters};
 use counterpoise_pipeline::wording::design_findings::describe_design_finding;
 use counterpoise_pipeline::{
-    FirstDesignResult, PipelineError, World, model, reduce, synthesise, verify, with_chosen_weights,
+    FirstDesignResult, PipelineError, World, build_plant_model, reduce_plant, synthesise, verify,
+    with_chosen_weights,
 };
 use counterpoise_project::Project;
 use counterpoise_verify::{Figure, LoopFigure, Model, RestFigure, Sine, StepFigure, Verification};
@@ -180,8 +181,8 @@ fn try_machine(seed: u64) -> TriedMachine {
     };
     let first = FirstDesignResult::from(&chosen.first);
     let project = with_procedure(&chosen.project, first.bandwidth_rad_s);
-    let modelled = model(&project).unwrap();
-    let reduced = reduce(&project, &modelled).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
+    let reduced = reduce_plant(&project, &modelled).unwrap();
     let judged = synthesise(&project, &modelled, &reduced)
         .and_then(|made| verify(&project, &modelled, &made, &Nowhere));
     match judged {

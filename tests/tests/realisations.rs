@@ -8,7 +8,7 @@ use counterpoise_controller::sensitivity::RealisationForm;
 use counterpoise_export::forms::{PathForm, convert_to_form};
 use counterpoise_export::{CodeOptions, ExportSource, Ranges, c99, single_precision};
 use counterpoise_pipeline::export::path_forms;
-use counterpoise_pipeline::{World, model, reduce, synthesise, verify};
+use counterpoise_pipeline::{World, build_plant_model, reduce_plant, synthesise, verify};
 use counterpoise_project::Project;
 use counterpoise_verify::{Figure, VerifiedController};
 
@@ -35,8 +35,8 @@ fn verify_example(changes: &[(&str, &str)]) -> VerifiedController {
     });
     let project =
         Project::parse(&text, "project.toml").map_err(|errors| errors[0].to_string()).unwrap().project;
-    let modelled = model(&project).unwrap();
-    let reduced = reduce(&project, &modelled).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
+    let reduced = reduce_plant(&project, &modelled).unwrap();
     let made = synthesise(&project, &modelled, &reduced).unwrap();
     verify(&project, &modelled, &made, &Nothing).unwrap()
 }

@@ -15,7 +15,7 @@ use counterpoise_export::targets::RANGE_MARGIN;
 use counterpoise_models::Plant;
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
 use counterpoise_pipeline::recordings::{self, ColumnRemark, GapTreatment, RecordingFile, ReplayLength};
-use counterpoise_pipeline::{model, reduce, synthesise};
+use counterpoise_pipeline::{build_plant_model, reduce_plant, synthesise};
 use counterpoise_pool::Serial;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Attachments, Document, Project, SettingValue};
@@ -49,9 +49,11 @@ fn read_back(folder: &Path, project: &Project, controller: &Controller) -> Recor
 }
 
 fn export_controller(project: &Project) -> (Plant, Controller) {
-    let modelled = model(project).unwrap();
-    let controller =
-        synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap().sampled.controller;
+    let modelled = build_plant_model(project).unwrap();
+    let controller = synthesise(project, &modelled, &reduce_plant(project, &modelled).unwrap())
+        .unwrap()
+        .sampled
+        .controller;
     (Plant::from_lumped(&modelled.parameters).unwrap(), controller)
 }
 

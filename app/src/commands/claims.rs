@@ -99,7 +99,7 @@ pub fn run(options: &ClaimsOptions) -> CommandResult {
         title,
         subtitle: "measured, nothing tuned for a row; after the rows, the evidence of the design that they put to the test".to_owned(),
         more,
-        provenance: origin.provenance(&ProjectIdentity::of(&loaded.project, &loaded.folder())),
+        provenance: origin.provenance(&ProjectIdentity::of(&loaded.project, &loaded.project_folder())),
     };
     let report = page::claims_report(&rows, context, &|id| format!("{command} --only {id}"));
     let path = options.report.clone().unwrap_or_else(|| page_of(&options.only));

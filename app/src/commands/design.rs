@@ -14,7 +14,7 @@ use counterpoise_pipeline::results::{DesignResult, ResultContents};
 use counterpoise_pipeline::studies::advice::KeptDesigns;
 use counterpoise_pipeline::wording::acceptance::Traceable;
 use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
-use counterpoise_pipeline::{DesignStages, FirstDesignResult, TwoAxisStudy, World, design};
+use counterpoise_pipeline::{DesignStages, FirstDesignResult, TwoAxisStudy, World, design_project};
 use counterpoise_pool::Pool;
 use counterpoise_project::Purpose;
 use counterpoise_report::adaptation::{describe_action, describe_refusal};
@@ -60,7 +60,7 @@ pub fn run(options: &DesignOptions) -> CommandResult {
     let loaded = projects::load_project(&options.project, Purpose::Design)?;
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
-    let designed = design(&loaded.project, &world)?;
+    let designed = design_project(&loaded.project, &world)?;
     let mut result = results_of(options, &loaded, &designed, world.pool())?;
     let code = &designed.targets.code;
     let (proofs, costs) =

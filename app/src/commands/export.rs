@@ -46,7 +46,7 @@ pub fn run(options: &ExportOptions) -> CommandResult {
         let code: Vec<File> = made.files.iter().cloned().chain(inside).collect();
         return check_files(options, &code);
     }
-    let identity = pipeline::ProjectIdentity::of(&loaded.project, &loaded.folder());
+    let identity = pipeline::ProjectIdentity::of(&loaded.project, &loaded.project_folder());
     let controller = ControllerResult::new(&identity, made.verified.controller());
     let mut written = code_files::write_with_controller(&options.output, &made.files, &controller, &[])?;
     if let Some(traverse) = &made.traverse {

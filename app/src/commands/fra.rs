@@ -151,7 +151,7 @@ fn map_simulated_mechanism(
     plan: &MeasurementPlan,
     options: &FraOptions,
 ) -> Result<(Vec<ResponseMap>, Vec<MeasuringPace>)> {
-    let modelled = pipeline::model(&loaded.project)?;
+    let modelled = pipeline::build_plant_model(&loaded.project)?;
     let project = &loaded.project;
     let analyser = Analyser::new(project, &modelled, plan, LoopController::Simulation)?;
     let analyser = match options.plant {
@@ -222,7 +222,7 @@ fn map_project_recordings(
     plan: &MeasurementPlan,
     options: &FraOptions,
 ) -> Result<Vec<ResponseMap>> {
-    let modelled = pipeline::model(&loaded.project)?;
+    let modelled = pipeline::build_plant_model(&loaded.project)?;
     let files = projects::read_recordings(&options.recording)?;
     let found = map_recordings(&loaded.project, &modelled, plan, &files)?;
     Ok(found.into_iter().map(describe_recorded_map).collect())

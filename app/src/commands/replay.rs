@@ -129,7 +129,7 @@ fn replay_in_parts(
 
 /// Says so if the controller of the recordings was exported from another state of the project.
 pub(super) fn tell_other_export(loaded: &ProjectOnDisk) {
-    if let Some(other) = other_export(&loaded.project, &loaded.folder()) {
+    if let Some(other) = other_export(&loaded.project, &loaded.project_folder()) {
         print_message(&format!("note: {}", describe_other_export(&other)));
     }
 }

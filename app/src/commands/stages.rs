@@ -53,7 +53,7 @@ fn load_with_warnings(options: &StageOptions, purpose: Purpose) -> anyhow::Resul
 }
 
 fn to_reduced(loaded: &ProjectOnDisk) -> anyhow::Result<(PlantModel, ReducedPlant)> {
-    let modelled = pipeline::model(&loaded.project)?;
-    let reduced = pipeline::reduce(&loaded.project, &modelled)?;
+    let modelled = pipeline::build_plant_model(&loaded.project)?;
+    let reduced = pipeline::reduce_plant(&loaded.project, &modelled)?;
     Ok((modelled, reduced))
 }

@@ -112,7 +112,7 @@ fn prepare(options: &SweepOptions) -> Result<Named> {
             )?,
         ),
     };
-    let identity = ProjectIdentity::of(&loaded.project, &loaded.folder());
+    let identity = ProjectIdentity::of(&loaded.project, &loaded.project_folder());
     let name = format!("{} {} {}", env!("CARGO_PKG_VERSION"), identity.hash, campaign.len());
     Ok(Named { designed, campaign, name, families, identity, stability })
 }

@@ -183,8 +183,8 @@ fn verify_project(options: &VerifyOptions, path: &Path) -> Result<VerificationSt
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
     let project = &loaded.project;
-    let modelled = pipeline::model(project)?;
-    let reduced = pipeline::reduce(project, &modelled)?;
+    let modelled = pipeline::build_plant_model(project)?;
+    let reduced = pipeline::reduce_plant(project, &modelled)?;
     let made = pipeline::synthesise(project, &modelled, &reduced)?;
     let mut procedure = pipeline::project_procedure(project, &world)?;
     if let Some(class) = &options.road {
@@ -199,7 +199,7 @@ fn verify_project(options: &VerifyOptions, path: &Path) -> Result<VerificationSt
             .context("--plant fe: the project has neither [plant.beam] nor [plant.import]")?,
         PlantChoice::Project | PlantChoice::Linear => project.model.structure,
     };
-    let on = pipeline::model(&with_structure(project, structure))?;
+    let on = pipeline::build_plant_model(&with_structure(project, structure))?;
     let plant = on.plant.clone();
     let found = match options.plant {
         PlantChoice::Linear => pipeline::verify_linear_on(project, &plant, &made, &procedure)?,
@@ -207,7 +207,7 @@ fn verify_project(options: &VerifyOptions, path: &Path) -> Result<VerificationSt
     };
     let controller = &made.sampled.controller;
     let stability = pipeline::robust_stability(&loaded.project, &modelled, controller, &world)?;
-    let identity = ProjectIdentity::of(project, &loaded.folder());
+    let identity = ProjectIdentity::of(project, &loaded.project_folder());
     let measured_on = verified_loop(&plant, controller, &procedure)?;
     let linear = options.plant == PlantChoice::Linear;
     let certified =

@@ -29,7 +29,7 @@ use crate::model::CONVERTER_RANGE_V;
 use crate::synth::{design_plant, sampling};
 use crate::tolerance::{ALLOWS_MORE, MARGINS_TO_SPARE};
 use crate::wording::design_findings::{describe_design_finding, describe_limit, describe_unknown};
-use crate::{PipelineError, PlantModel, ReducedPlant, model, reduce};
+use crate::{PipelineError, PlantModel, ReducedPlant, build_plant_model, reduce_plant};
 
 /// A project whose weights were chosen.
 #[derive(Debug, Clone)]
@@ -59,8 +59,8 @@ pub fn with_chosen_weights_on(
     if !leaves_weights_open(project) {
         return Ok(None);
     }
-    let modelled = model(project)?;
-    let reduced = reduce(project, &modelled)?;
+    let modelled = build_plant_model(project)?;
+    let reduced = reduce_plant(project, &modelled)?;
     choose_weights_on(project, &modelled, &reduced, pool).map(Some)
 }
 

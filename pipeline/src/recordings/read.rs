@@ -9,7 +9,7 @@ use counterpoise_simulate::replay::{RecordedController, ReplayLoop};
 
 use super::column_remarks::{ColumnRemark, UnusedColumn};
 use super::converter_range::remove_impossible;
-use crate::{PipelineError, model, reduce, synthesise};
+use crate::{PipelineError, build_plant_model, reduce_plant, synthesise};
 
 /// A file with recordings, handed in.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -128,8 +128,8 @@ pub fn recording_controller(project: &Project) -> Result<Option<RecordedControll
         Some(RecordingController::ProportionalIntegral(controller)) => Ok(Some(controller.clone().into())),
         Some(RecordingController::Position(controller)) => Ok(Some(controller.clone().into())),
         Some(RecordingController::Project) => {
-            let modelled = model(project)?;
-            let synthesised = synthesise(project, &modelled, &reduce(project, &modelled)?)?;
+            let modelled = build_plant_model(project)?;
+            let synthesised = synthesise(project, &modelled, &reduce_plant(project, &modelled)?)?;
             Ok(Some(synthesised.sampled.controller.into()))
         }
         Some(RecordingController::Exported(source)) => match &source.content {

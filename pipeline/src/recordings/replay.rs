@@ -15,7 +15,7 @@ use super::column_remarks::ColumnRemark;
 use super::read::{ReadRecording, unused_columns};
 use super::tracks::{Track, compare_channels};
 use crate::PipelineError;
-use crate::model;
+use crate::build_plant_model;
 use crate::model::two_inertias;
 use crate::tolerance::START_WORTH;
 
@@ -60,7 +60,7 @@ pub fn replay(
     let (parameters, structure) = match project.model.structure {
         StructureChoice::Lumped => (two_inertias(project)?, None),
         StructureChoice::Beam | StructureChoice::Import => {
-            let modelled = model(project)?;
+            let modelled = build_plant_model(project)?;
             let body = modelled.plant.body().clone();
             (modelled.parameters, Some(body))
         }

@@ -20,7 +20,9 @@ use super::adaptation_trials::{
 use crate::synth::controller_blocks::HOLD_BAND;
 use crate::tolerance::LEAST_DEAD_BAND_M_S2;
 use crate::tolerance::{BELOW_TRIED, DEAD_BAND_MARGIN, LEAST_REMOVED, NEVER_WORSE};
-use crate::{PipelineError, PlantModel, World, model, project_procedure, reduce, synthesise};
+use crate::{
+    PipelineError, PlantModel, World, build_plant_model, project_procedure, reduce_plant, synthesise,
+};
 
 /// Hold bands that are tried, the usual one first. A wider one covers more of what friction does to the estimate, and leaves more of a changed load.
 const HOLD_BANDS: [f64; 3] = [HOLD_BAND, 1.375 * HOLD_BAND, 1.75 * HOLD_BAND];
@@ -39,9 +41,11 @@ pub fn with_chosen_adaptation(
     let Some(adaptation) = adaptation_options(project).filter(|adaptation| is_open(adaptation)) else {
         return Ok(None);
     };
-    let modelled = model(project)?;
+    let modelled = build_plant_model(project)?;
     // A design that does not exist and a road that cannot be read are told by the stages that need them.
-    let Ok(made) = synthesise(project, &modelled, &reduce(project, &modelled)?) else { return Ok(None) };
+    let Ok(made) = synthesise(project, &modelled, &reduce_plant(project, &modelled)?) else {
+        return Ok(None);
+    };
     let tried = project.clone().with_usual_verification();
     let Ok(procedure) = project_procedure(&tried, world) else { return Ok(None) };
     let controller = &made.sampled.controller;

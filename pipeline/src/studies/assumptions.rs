@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::exchange::{VerifiedLoop, plants_of, verified_loop};
 use crate::wording::demanded_rate::assumption_of_demanded_rate;
-use crate::{DesignStages, PipelineError, PlantModel, SynthesisedDesign, model};
+use crate::{DesignStages, PipelineError, PlantModel, SynthesisedDesign, build_plant_model};
 
 /// Frequency at which the residual of heave and pitch is compared, Hz: within the band that feedback and feedforward reject.
 const RESIDUAL_HZ: f64 = 1.0;
@@ -105,7 +105,7 @@ pub fn assumption_effects(
         let [low, high] = assumption.usual?;
         let at = |value: f64| {
             let changed = project.with_number(&assumption.key, value)?;
-            let made = model(&changed).ok();
+            let made = build_plant_model(&changed).ok();
             let varied = made.as_ref().and_then(|made| figures(&made.plant, synthesised, &procedure).ok());
             let plants = |made: PlantModel| plants_of(&made.plant, controller, &procedure).ok();
             let measured_on = made.filter(|_| is_included).and_then(plants);

@@ -21,8 +21,8 @@ use crate::tuning::{
     tune_feedback, tuning_ground, weights_result,
 };
 use crate::{
-    PipelineError, PipelineStage, PlantModel, ProjectIdentity, ReducedPlant, SynthesisedDesign, World, model,
-    reduce, run_observed, synthesise,
+    PipelineError, PipelineStage, PlantModel, ProjectIdentity, ReducedPlant, SynthesisedDesign, World,
+    build_plant_model, reduce_plant, run_observed, synthesise,
 };
 
 /// Every design of a project in one table.
@@ -181,8 +181,8 @@ pub fn design_table(
     request: &ComparisonRequest,
     world: &dyn World,
 ) -> Result<DesignTable, PipelineError> {
-    let modelled = model(project)?;
-    let reduced = reduce(project, &modelled)?;
+    let modelled = build_plant_model(project)?;
+    let reduced = reduce_plant(project, &modelled)?;
     let asked = project.synth.clone().unwrap_or_default();
     let wanted = asked.options.tuning.clone().unwrap_or_default();
     let ground = tuning_ground(project, &modelled, &reduced, &wanted, world)?;

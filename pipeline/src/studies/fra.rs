@@ -26,7 +26,7 @@ use super::fra_points::{MapPoints, ResponseMapPoint, gain_db, pair, phase_deg};
 use crate::recordings::ColumnRemark;
 use crate::recordings::read::{GapTreatment, ReadRecording, RecordingFile, read_files, recording_controller};
 use crate::tolerance::{EXCITED_ABOVE_NOISE, LEAST_SWING_RAD, MOST_SWING_TRIALS, SELF_CONSISTENT_SWING};
-use crate::{PipelineError, PlantModel, cannot_hold, model, reduce, synthesise};
+use crate::{PipelineError, PlantModel, build_plant_model, cannot_hold, reduce_plant, synthesise};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::model::StructureChoice;
 
@@ -234,7 +234,7 @@ impl Analyser {
     ) -> Result<Self, PipelineError> {
         let mut other = project.clone();
         other.model.structure = structure;
-        let modelled = model(&other)?;
+        let modelled = build_plant_model(&other)?;
         let plant = match plan.around {
             LoopUnderTest::Disconnected => disconnect_motor(&other, &modelled, &mut Vec::new())?,
             _ => modelled.plant,
@@ -524,7 +524,7 @@ fn acting_controller(
         remarks.push(MapRemark::RecordingController);
         return Ok(Acting::Recorded(pi.clone()));
     }
-    let made = synthesise(project, modelled, &reduce(project, modelled)?)?;
+    let made = synthesise(project, modelled, &reduce_plant(project, modelled)?)?;
     let controller = made.sampled.controller;
     let linear = controller
         .linear(modelled.plant.body().out_of_balance_kg_m)

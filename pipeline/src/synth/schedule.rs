@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::model::of_rate;
 use crate::synth::design_plant::design_plant;
 use crate::wording::schedule::{describe_conditions, describe_law};
-use crate::{PipelineError, PlantModel, model, reduce};
+use crate::{PipelineError, PlantModel, build_plant_model, reduce_plant};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_project::resolve::synthesis_options::{ScheduleLaw, ScheduleOptions};
@@ -66,7 +66,7 @@ pub(crate) fn other_configurations(
     for name in &wanted.configurations {
         let mut project = project.clone();
         project.model.configuration = Some(name.clone());
-        let modelled = model(&project)?;
+        let modelled = build_plant_model(&project)?;
         others.push(make_configuration(&project, asked, name, &modelled)?);
     }
     for &factor in &wanted.factors {
@@ -82,7 +82,7 @@ fn make_configuration(
     name: &str,
     modelled: &PlantModel,
 ) -> Result<Configuration, PipelineError> {
-    let reduced = reduce(project, modelled)?;
+    let reduced = reduce_plant(project, modelled)?;
     Ok(Configuration {
         name: name.to_owned(),
         out_of_balance_kg_m: modelled.plant.body().out_of_balance_kg_m,
