@@ -121,7 +121,7 @@ fn no_law_exceeds_its_level_at_any_rate() {
     }
 }
 
-fn through() -> Parts {
+fn pass_through_parts() -> Parts {
     let timebase = Timebase::Discrete { period_s: 1e-3 };
     let through = Mat::from_rows(&[&[1.0]]);
     let system =
@@ -134,7 +134,7 @@ fn through() -> Parts {
 
 #[test]
 fn the_drive_gets_the_control_that_its_curve_needs() {
-    let mut parts = through();
+    let mut parts = pass_through_parts();
     parts.drive_curve = vec![[0.2, 0.5], [0.5, 0.8], [3.0, 3.0]];
     let controller = Controller::new(parts).unwrap();
     let mut runner = controller.runner();
@@ -153,13 +153,13 @@ fn the_drive_gets_the_control_that_its_curve_needs() {
         assert!((found - expected).abs() < 1e-12, "{volts}: {found}");
     }
     assert_eq!(control(-50.0), -10.0);
-    let mut parts = through();
+    let mut parts = pass_through_parts();
     parts.drive_curve = vec![[0.5, 0.5], [0.4, 0.8]];
     assert!(Controller::new(parts).unwrap_err().to_string().contains("above the one before"));
 }
 
 fn estimating(learning: Learning, gravity_m_s2: f64) -> Controller {
-    let mut parts = through();
+    let mut parts = pass_through_parts();
     parts.design_out_of_balance_kg_m = 150.0;
     parts.out_of_balance_range_kg_m = (0.0, 400.0);
     parts.estimator = Some(Estimator {

@@ -22,7 +22,7 @@ impl Random {
         low + (high - low) * self.next()
     }
 
-    fn below(&mut self, count: usize) -> usize {
+    fn draw_below(&mut self, count: usize) -> usize {
         (self.next() * count as f64) as usize
     }
 
@@ -67,8 +67,8 @@ struct Kind {
 
 fn kind(random: &mut Random) -> Kind {
     Kind {
-        motor_law: random.below(7),
-        pivot_law: random.below(6),
+        motor_law: random.draw_below(7),
+        pivot_law: random.draw_below(6),
         falls: random.next(),
         gap: random.next(),
         extras: random.next(),
@@ -109,20 +109,20 @@ fn variant(kind: Kind, random: &mut Random) -> Parameters {
 
 fn scenario(random: &mut Random) -> Scenario {
     let recorded = (0..400).map(|k| 0.2 * (0.02 * f64::from(k)).sin() * random.next()).collect();
-    let rate = match random.below(3) {
+    let rate = match random.draw_below(3) {
         0 => Signal::sine(0.3 * random.next(), 60.0 * random.next()),
         1 => Signal::Samples { period_s: 1e-3, values: recorded },
         _ => Signal::ZERO,
     };
     Scenario {
-        demand_rad_s: match random.below(3) {
+        demand_rad_s: match random.draw_below(3) {
             0 => Signal::step(0.02, 0.4 * random.next()),
             1 => Signal::Triangle { amplitude: 0.1, period_s: 0.2 },
             _ => Signal::ZERO,
         },
         platform: PlatformMotion { pitch_rate_rad_s: rate, ..PlatformMotion::STILL },
-        imperfections: match random.below(3) {
-            0 => Imperfections::NoiseAndQuantisation { seed: random.below(5) as u64 },
+        imperfections: match random.draw_below(3) {
+            0 => Imperfections::NoiseAndQuantisation { seed: random.draw_below(5) as u64 },
             1 => Imperfections::Quantisation,
             _ => Imperfections::None,
         },
@@ -190,7 +190,7 @@ fn text(history: Result<&TimeHistory, &counterpoise_simulate::Error>) -> String 
 fn a_variant_leaves_the_same_bytes_alone_and_in_any_ensemble() {
     for seed in 1..=60 {
         let mut random = Random(seed * 0x9e37_79b9_7f4a_7c15);
-        let count = 1 + random.below(9);
+        let count = 1 + random.draw_below(9);
         let runs = runs(&mut random, count);
         let expected: Vec<String> = runs.iter().map(run_alone).collect();
         for registers in [Registers::Widest, Registers::Scalar] {

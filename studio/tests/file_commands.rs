@@ -6,7 +6,7 @@ use crate::common;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use common::{StudioHarness, bench, open_window, rest, rig, says, studio, text, until};
+use common::{StudioHarness, bench, open_window, rest, rig, says, studio, text, wait_until};
 use counterpoise_studio::command::{BrowsePurpose, Command, Page};
 use counterpoise_studio::studio::Studio;
 use egui::{Key, Modifiers};
@@ -17,7 +17,7 @@ const CTRL_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::COMMAND };
 
 /// Waits until the browser has listed its folder.
 fn wait_for_listing(bench: &mut StudioHarness) {
-    until(bench, "a listing", |studio| {
+    wait_until(bench, "a listing", |studio| {
         let browser = studio.view.browser.as_ref();
         browser.is_some_and(|b| b.listing.as_ref().is_some_and(|l| l.request.folder == b.folder()))
     });
@@ -227,7 +227,9 @@ fn session_on_a_disk_that_fills_up() {
     let set =
         |k: u32| Command::Set { path: path.clone(), value: 26.0 + 0.01 * f64::from(k), gesture: Some(1) };
     (1..=120).for_each(|k| bench.state_mut().run(&set(k)));
-    until(&mut bench, "the message", |s| s.view.notice.as_ref().is_some_and(|n| n.text.contains("not kept")));
+    wait_until(&mut bench, "the message", |s| {
+        s.view.notice.as_ref().is_some_and(|n| n.text.contains("not kept"))
+    });
     bench.run_steps(2);
     assert!(says(&bench, "File too large") && says(&bench, "Ctrl+S"));
     let done = text(&bench);
@@ -236,7 +238,7 @@ fn session_on_a_disk_that_fills_up() {
     if !room.is_ok_and(|status| status.success()) {
         return common::report_skip("no prlimit here to make room");
     }
-    until(&mut bench, "the journal", |s| {
+    wait_until(&mut bench, "the journal", |s| {
         s.view.notice.as_ref().is_some_and(|n| n.text.contains("are kept again"))
     });
     common::crash(bench);

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
-use common::{StudioHarness, bench, rest, rig, says, studio, until, whole_rig};
+use common::{StudioHarness, bench, rest, rig, says, studio, wait_until, whole_rig};
 use counterpoise_studio::command::{BrowsePurpose, Command, DesignSlot, DiagnosisTab, Page, VerificationTab};
 use counterpoise_studio::results::VerificationState;
 use egui::{Key, Modifiers};
@@ -106,7 +106,7 @@ fn runs_stream_in_while_they_are_computed_and_can_be_stopped() {
         "duration = 100.0              # s of heave",
     );
     let mut bench = bench(&folder);
-    until(&mut bench, "a design", |s| s.results.design.is_some());
+    wait_until(&mut bench, "a design", |s| s.results.design.is_some());
     bench.state_mut().run(&Command::Go { page: Page::Verify });
     let running = |s: &counterpoise_studio::studio::Studio| {
         let revision = s.opened.as_ref().unwrap().session.revision();
@@ -115,7 +115,7 @@ fn runs_stream_in_while_they_are_computed_and_can_be_stopped() {
         })
     };
     let mut counts = BTreeSet::new();
-    until(&mut bench, "the first runs", |s| running(s).is_some_and(|n| n > 0));
+    wait_until(&mut bench, "the first runs", |s| running(s).is_some_and(|n| n > 0));
     bench.run_steps(1);
     assert!(says(&bench, "running") || running(bench.state()).is_none());
     assert!(says(&bench, "plot: "), "the runs that are there are drawn");
@@ -129,7 +129,7 @@ fn runs_stream_in_while_they_are_computed_and_can_be_stopped() {
     assert!(counts.len() >= 3, "{counts:?}");
     assert!(bench.state().results.verified.is_some());
     bench.key_press(Key::F5);
-    until(&mut bench, "another verification", |s| s.results.verifying);
+    wait_until(&mut bench, "another verification", |s| s.results.verifying);
     bench.key_press(Key::Escape);
     rest(&mut bench);
     assert!(!bench.state().results.verifying && says(&bench, "stopped"));
@@ -151,7 +151,7 @@ fn a_campaign_fills_its_table_and_a_requirement_leads_to_its_spread() {
         Some(of) => of.value.as_ref().map_or(0, |robust| robust.done),
         None => 0,
     };
-    until(&mut bench, "the first mechanisms", |s| some(s) > 0);
+    wait_until(&mut bench, "the first mechanisms", |s| some(s) > 0);
     assert!(some(bench.state()) < 30, "the table fills while the campaign runs");
     bench.check_accessibility();
     rest(&mut bench);

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
-use common::{StudioHarness, open_window, rest, rig, says, studio, text, until, wait_for_files};
+use common::{StudioHarness, open_window, rest, rig, says, studio, text, wait_for_files, wait_until};
 use counterpoise_host::files::Disk;
 use counterpoise_studio::command::Command;
 use counterpoise_studio::studio::Studio;
@@ -103,13 +103,13 @@ fn frames_go_on_while_a_save_takes_its_time_and_what_is_edited_meanwhile_stays_u
     assert!(says(&bench, "saving") && bench.state().file_queue.is_saving());
     bench.state_mut().run(&gain(28.0));
     bench.run_steps(FRAMES);
-    until(&mut bench, "the design of the last edit", |s| {
+    wait_until(&mut bench, "the design of the last edit", |s| {
         s.results.design.as_ref().is_some_and(|live| live.revision == 2)
     });
     assert!(bench.state().file_queue.is_saving(), "the disk is still held");
     wait_for_journal(&folder, "28");
     disk.let_go();
-    until(&mut bench, "the save", |s| !s.file_queue.is_saving());
+    wait_until(&mut bench, "the save", |s| !s.file_queue.is_saving());
     bench.run_steps(2);
     assert!(says(&bench, "edited") && says(&bench, "saved "));
     assert!(file(&folder).contains("gain = 27.0") && text(&bench).contains("gain = 28.0"));
@@ -140,7 +140,7 @@ fn two_saves_are_made_in_order_and_leaving_waits_for_them() {
     bench.run_steps(FRAMES);
     assert!(bench.state().opened.is_some(), "the project stays until it is saved");
     disk.let_go();
-    until(&mut bench, "leaving", |s| s.opened.is_none());
+    wait_until(&mut bench, "leaving", |s| s.opened.is_none());
     assert!(file(&folder).contains("gain = 28.0"), "the later save is the later one");
     drop(bench);
     let again = studio(&folder);
@@ -180,14 +180,14 @@ fn the_project_stays_until_another_is_read_and_what_cannot_be_read_changes_nothi
     bench.run_steps(FRAMES);
     assert!(bench.state().file_queue.path_being_opened().is_some() && bench.state().opened.is_some());
     disk.let_go();
-    until(&mut bench, "the other project", |s| s.file_queue.path_being_opened().is_none());
+    wait_until(&mut bench, "the other project", |s| s.file_queue.path_being_opened().is_none());
     assert_eq!(bench.state().opened.as_ref().unwrap().path, other.join("project.toml"));
     disk.hold();
     bench.state_mut().run(&Command::Open { path: folder.join("absent.toml") });
     bench.run_steps(1);
     assert!(says(&bench, "opening"));
     disk.let_go();
-    until(&mut bench, "the refusal", |s| s.open_error.is_some());
+    wait_until(&mut bench, "the refusal", |s| s.open_error.is_some());
     assert_eq!(bench.state().opened.as_ref().unwrap().path, other.join("project.toml"));
     disk.hold();
     bench.state_mut().run(&Command::Open { path: folder.clone() });
@@ -202,7 +202,7 @@ fn the_project_stays_until_another_is_read_and_what_cannot_be_read_changes_nothi
     bench.state_mut().run(&Command::Open { path: folder.clone() });
     bench.state_mut().run(&gain(26.5));
     bench.state_mut().run(&Command::Save);
-    until(&mut bench, "both", |s| !s.file_queue.is_busy());
+    wait_until(&mut bench, "both", |s| !s.file_queue.is_busy());
     assert!(file(&other).contains("gain = 26.5"), "what was asked to be saved is saved where it belongs");
     assert!(text(&bench).contains("gain = 27.0") && file(&folder).contains("gain = 25.0"), "edits came back");
     drop(bench);
@@ -215,7 +215,7 @@ fn a_step_back_behind_a_save_outlives_a_crash() {
     let before = text(&bench);
     bench.state_mut().run(&gain(27.0));
     bench.state_mut().run(&Command::Save);
-    until(&mut bench, "the save", |s| !s.file_queue.is_busy());
+    wait_until(&mut bench, "the save", |s| !s.file_queue.is_busy());
     bench.state_mut().run(&Command::Undo);
     wait_for_journal(&folder, "undo");
     common::crash(bench);

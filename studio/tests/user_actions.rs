@@ -357,7 +357,7 @@ fn another_out_of_balance_is_tried_a_plot_is_copied_and_a_change_outside_is_noti
             && chart_svg(&chart).starts_with("<svg")
     );
     std::fs::write(folder.join("project.toml"), before.replace("reference rig", "another rig")).unwrap();
-    common::until(&mut bench, "the change", |s| s.opened.as_ref().unwrap().disk_text.is_some());
+    common::wait_until(&mut bench, "the change", |s| s.opened.as_ref().unwrap().disk_text.is_some());
     bench.run_steps(2);
     assert!(says(&bench, "changed by another program"));
     bench.get_by_label("Take theirs").click();
@@ -387,7 +387,7 @@ fn wait_for_design(bench: &mut common::StudioHarness, path: &Path) {
     if std::env::var_os("EVERY_EXAMPLE").is_some() || VERIFIED.iter().any(|name| path.ends_with(name)) {
         return rest(bench);
     }
-    common::until(bench, "a design", |s| {
+    common::wait_until(bench, "a design", |s| {
         s.results.design.is_some() || s.results.design_failure.is_some() || s.is_idle()
     });
 }
@@ -433,7 +433,7 @@ fn a_new_project_is_made_from_an_empty_folder_in_the_window() {
     let mut bench = common::open_window(Studio::new(&folder.join("state"), std::sync::Arc::new(|| {})));
     bench.run_steps(2);
     bench.state_mut().view.browser.as_mut().unwrap().set_path(&folder.join("turret"));
-    common::until(&mut bench, "a listing", |s| {
+    common::wait_until(&mut bench, "a listing", |s| {
         let browser = s.view.browser.as_ref().unwrap();
         browser.listing.as_ref().is_some_and(|l| l.request.folder == browser.folder())
     });

@@ -258,7 +258,7 @@ fn designed_kinds() -> impl Iterator<Item = &'static DesignedKind> {
 struct Random(u64);
 
 impl Random {
-    fn below(&mut self, n: usize) -> usize {
+    fn draw_below(&mut self, n: usize) -> usize {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
@@ -316,7 +316,7 @@ fn a_file_without_one_key_that_is_read_is_designed_or_refused_with_what_to_chang
     let (mut random, mut wrong) = (Random(20_261_123), Vec::new());
     let count = if std::env::var_os("EVERY_KEY").is_some() { left.len() } else { SAMPLE };
     for _ in 0..count {
-        let (name, project) = left.swap_remove(random.below(left.len()));
+        let (name, project) = left.swap_remove(random.draw_below(left.len()));
         let Err(why) = design_project(&project) else { continue };
         let said = why.to_string();
         // a key of the machine, a weight of which the file states too few, or the clock that the machine left over would need

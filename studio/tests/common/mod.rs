@@ -145,7 +145,7 @@ pub fn rest(bench: &mut StudioHarness) {
 }
 
 /// Frames until something is so.
-pub fn until(bench: &mut StudioHarness, what: &str, so: impl Fn(&Studio) -> bool) {
+pub fn wait_until(bench: &mut StudioHarness, what: &str, so: impl Fn(&Studio) -> bool) {
     let end = Instant::now() + Duration::from_secs(60);
     bench.run_steps(1);
     while !so(bench.state()) {
