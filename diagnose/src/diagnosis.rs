@@ -308,9 +308,9 @@ fn check(base: &Parameters, recordings: &[Recording], control: &ReplayLoop) -> R
     }
     for r in recordings {
         let needed = [
-            ("demand", r.has(Channel::Demand) || *control == ReplayLoop::Open),
-            ("control", r.has(Channel::Control)),
-            ("hub_rate", r.has(Channel::HubRate)),
+            (Channel::Demand, r.has(Channel::Demand) || *control == ReplayLoop::Open),
+            (Channel::Control, r.has(Channel::Control)),
+            (Channel::HubRate, r.has(Channel::HubRate)),
         ];
         if let Some((channel, _)) = needed.into_iter().find(|(_, present)| !present) {
             return Err(Error::NoChannel {

@@ -376,8 +376,8 @@ fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Er
     let controlled = p.controlled_quantity();
     let missing = |channel| Error::NotIdentifiable { controlled, recording: r.name.clone(), channel };
     let period_s = r.sample_period_s;
-    let recorded = |channel, name| r.samples(channel).ok_or_else(|| missing(name));
-    let (control, hub) = (recorded(Channel::Control, "control")?, recorded(Channel::HubRate, "hub_rate")?);
+    let recorded = |channel| r.samples(channel).ok_or_else(|| missing(channel));
+    let (control, hub) = (recorded(Channel::Control)?, recorded(Channel::HubRate)?);
     let n = control.len().min(hub.len());
     let mut whole = vec![true; n];
     let mut filled = |column: &[f64]| {
@@ -404,7 +404,7 @@ fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Er
         tachometer.map(|(column, sensor)| chain.as_gyro(&chain.reading_of(sensor, &filled(column))));
     let signals = LoopSignals { control: &control, reading: &reading, platform: &platform };
     let JointRates { relative, motor } =
-        joint_rates(&signals, tachometer, chain, p).ok_or_else(|| missing("motor_rate"))?;
+        joint_rates(&signals, tachometer, chain, p).ok_or_else(|| missing(Channel::MotorRate))?;
     let measured = p.sensors.measured;
     let hub = match measured {
         FeedbackSignal::HubRate => reading.clone(),
