@@ -9,7 +9,7 @@ use counterpoise_diagnose::identification::{
 };
 use counterpoise_models::parameters::{FrictionLaw, MapPoint, StribeckCurve};
 use counterpoise_models::{Parameters, Plant, reference};
-use counterpoise_recordings::{Channel, Mapping, Recording, Table};
+use counterpoise_recordings::{Channel, Mapping, Recording, RecordingTable};
 use counterpoise_simulate::{
     Detail, FurtherMotion, Imperfections, PlatformMotion, Scenario, Signal, Simulator, Sine,
 };
@@ -172,7 +172,7 @@ fn a_mechanism_at_rest_is_refused_with_what_would_help() {
 fn practice(machine: &str, experiment: &str) -> Recording {
     let base = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/data/practice");
     let bytes = std::fs::read(format!("{base}/{machine}/{experiment}.parquet")).unwrap();
-    Mapping::default().apply(&Table::read(&bytes, experiment).unwrap()).unwrap()
+    Mapping::default().apply(&RecordingTable::read(&bytes, experiment).unwrap()).unwrap()
 }
 
 /// Returns the practice recordings of a machine.

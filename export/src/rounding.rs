@@ -10,7 +10,7 @@ use counterpoise_controller::program::{OnRestart, Operation, Slot};
 
 use gains::Gains;
 pub use single::single_precision;
-use trajectory::Track;
+use trajectory::ErrorTrack;
 
 use crate::Ranges;
 use crate::ranges::{Run, larger_bound, settings};
@@ -118,7 +118,7 @@ pub(crate) fn deviation(
 }
 
 /// Likely and RMS deviation of a run, V, from what rounded coefficients do in it and from what rounding does.
-fn run_deviation(coefficients: Vec<f64>, track: Track) -> (f64, f64) {
+fn run_deviation(coefficients: Vec<f64>, track: ErrorTrack) -> (f64, f64) {
     let known = coefficients.into_iter().zip(track.mean_v).map(|(a, b)| a + b);
     let (mut likely, mut squares) = (0.0, 0.0);
     for (known, square) in known.zip(&track.squares_v2) {

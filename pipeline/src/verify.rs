@@ -1,7 +1,7 @@
 //! The verdicts on the sampled controller, on the full plant, with the road that the project names.
 
 use counterpoise_models::plant::Plant;
-use counterpoise_recordings::Table;
+use counterpoise_recordings::RecordingTable;
 use counterpoise_verify::{Procedure, Road, Verification, VerifiedController};
 
 use crate::budget::{Run, require_memory};
@@ -129,8 +129,8 @@ pub(crate) fn platform_motion(
 }
 
 /// Returns a recording of the platform's motion.
-fn read_road_recording(name: &str, world: &dyn World) -> Result<Table, PipelineError> {
+fn read_road_recording(name: &str, world: &dyn World) -> Result<RecordingTable, PipelineError> {
     let file =
         |problem: String| PipelineError::File { name: name.to_owned(), section: "verify.road", problem };
-    Ok(Table::read(&world.read(name).map_err(file)?, name)?)
+    Ok(RecordingTable::read(&world.read(name).map_err(file)?, name)?)
 }

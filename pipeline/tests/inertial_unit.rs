@@ -4,7 +4,7 @@
 use counterpoise_models::base_motion::Traverse;
 use counterpoise_pipeline::inertial_unit::inertial_unit;
 use counterpoise_project::resolve::base_motion::{InertialUnit, UnitReading};
-use counterpoise_recordings::Table;
+use counterpoise_recordings::RecordingTable;
 
 const G: f64 = 9.80665;
 const RATE_RAD_S: f64 = 3.0;
@@ -25,7 +25,7 @@ fn heave(t: f64) -> f64 {
 
 /// Returns what a unit reads that stands `arm` (forward, up) behind the pivot on that base and is turned by a half turn
 /// about z.
-fn record_unit(arm: [f64; 2]) -> Table {
+fn record_unit(arm: [f64; 2]) -> RecordingTable {
     let row = |k: i32| {
         let t = 0.002 * f64::from(k);
         let [angle, rate, slope] = pitch(t);
@@ -40,7 +40,7 @@ fn record_unit(arm: [f64; 2]) -> Table {
     };
     let rows: String = (0..10_001).map(row).collect();
     let header = "time [s],ax [m/s^2],ay [m/s^2],az [m/s^2],wx [rad/s],wy [rad/s],wz [rad/s]\n";
-    Table::read((header.to_owned() + &rows).as_bytes(), "unit.csv").unwrap()
+    RecordingTable::read((header.to_owned() + &rows).as_bytes(), "unit.csv").unwrap()
 }
 
 fn unit() -> InertialUnit {

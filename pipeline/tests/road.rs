@@ -5,7 +5,7 @@ use counterpoise_pipeline::road::{realise_motion, road_from_table};
 use counterpoise_project::{
     Attachments, Document, GeneratedMotion, MotionKind, PlatformSource, Project, RoadSource,
 };
-use counterpoise_recordings::Table;
+use counterpoise_recordings::RecordingTable;
 use counterpoise_verify::Road;
 
 const RIG: &str = include_str!("../../project/tests/data/rig.toml");
@@ -65,7 +65,8 @@ fn a_road_is_cut_filtered_scaled_and_centred() {
         })
         .collect();
     let table =
-        Table::read(format!("time [s],az [m/s^2],wy [rad/s]\n{rows}").as_bytes(), "road.csv").unwrap();
+        RecordingTable::read(format!("time [s],az [m/s^2],wy [rad/s]\n{rows}").as_bytes(), "road.csv")
+            .unwrap();
     let source = RoadSource {
         recording: "road.csv".to_owned(),
         heave: "az".to_owned(),

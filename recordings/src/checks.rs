@@ -6,7 +6,7 @@ use crate::time_unit::{DoubtfulUnit, doubtful_unit};
 use crate::tolerance::MOST_OUTLIERS;
 use crate::tolerance::OUTLIER_DISTANCE;
 use crate::tolerance::OUTLIER_NEIGHBOURS;
-use crate::{Channel, Error, Remark, Table};
+use crate::{Channel, Error, RecordingTable, Remark};
 
 /// Most readings of one outlier: an error of a transmission lasts a sample or two, and more of them may be a motion.
 const LONGEST_OUTLIER: usize = 3;
@@ -110,7 +110,7 @@ fn usual_step(values: ArrayView1<'_, f64>) -> Option<f64> {
 /// Returns a remark for every unused column with nearly the name of a channel, or of time, that was not found. `is_mapped` tells
 /// whether the mapping names a column.
 pub(crate) fn nearly_named(
-    table: &Table,
+    table: &RecordingTable,
     is_mapped: impl Fn(&str) -> bool,
     found: &[Channel],
     time_s: Option<&Array1<f64>>,

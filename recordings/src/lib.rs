@@ -42,6 +42,6 @@ pub use recording::Recording;
 pub use remark::{Remark, Unread};
 pub use shaping::repeat_last;
 pub use signals::{ColumnName, Signals};
-pub use table::{Column, Table};
+pub use table::{RecordingColumn, RecordingTable};
 pub use time_unit::DoubtfulUnit;
 pub use unit::Unit;

@@ -8,7 +8,7 @@ use crate::clock::{Uniform, check_length, stack_columns, to_uniform_clock};
 use crate::shaping::{Resampling, interpolate_on_clock, lagging_slopes, resample, slopes, unroll};
 use crate::table::TIME_NAMES;
 use crate::tolerance::STATED_PERIOD;
-use crate::{Channel, ChannelUnits, Controlled, Error, Recording, Remark, Table, Unit};
+use crate::{Channel, ChannelUnits, Controlled, Error, Recording, RecordingTable, Remark, Unit};
 
 /// Most remarks about columns that are listed.
 const MOST_REMARKS: usize = 30;
@@ -117,7 +117,7 @@ impl Mapping {
     ///
     /// # Errors
     /// A named column is missing, a unit is unknown or of another quantity, or the clock cannot be read.
-    pub fn apply(&self, table: &Table) -> Result<Recording, Error> {
+    pub fn apply(&self, table: &RecordingTable) -> Result<Recording, Error> {
         let time_s = self.time(table)?;
         let (mut channels, mut signals, mut odd) = (Vec::new(), Vec::new(), Vec::new());
         for channel in Channel::ALL {
@@ -151,7 +151,7 @@ impl Mapping {
     ///
     /// # Errors
     /// As [`Mapping::apply`], and [`Error::Window`] if the recording does not cover a window.
-    pub fn recordings(&self, table: &Table) -> Result<Vec<Recording>, Error> {
+    pub fn recordings(&self, table: &RecordingTable) -> Result<Vec<Recording>, Error> {
         let whole = self.apply(table)?;
         if self.windows_s.is_empty() {
             return Ok(vec![whole]);
@@ -162,7 +162,7 @@ impl Mapping {
     /// Returns the signals on a uniform clock: the file's, or the given sample period if the file has no time.
     fn put_on_clock(
         &self,
-        table: &Table,
+        table: &RecordingTable,
         time_s: Option<Array1<f64>>,
         signals: Array2<f64>,
     ) -> Result<Uniform, Error> {
@@ -218,7 +218,7 @@ impl Mapping {
     /// Returns a channel in SI units; `None` if the mapping does not name it and no column has its name.
     fn channel(
         &self,
-        table: &Table,
+        table: &RecordingTable,
         channel: Channel,
         time_s: Option<&Array1<f64>>,
     ) -> Result<Option<Array1<f64>>, Error> {
@@ -246,14 +246,14 @@ impl Mapping {
     }
 
     /// Returns whether the position stands for the reading of a loop whose sensor measures it: it is given, and no `hub_rate` is.
-    fn position_is_read(&self, table: &Table) -> bool {
+    fn position_is_read(&self, table: &RecordingTable) -> bool {
         let given =
             |channel: Channel| self.source_of(channel).is_some() || table.find(channel.name()).is_some();
         self.units.reading == Controlled::Position && !given(Channel::HubRate) && given(Channel::HubPosition)
     }
 
     /// Returns the time of every row, s; `None` if the file has no time.
-    fn time(&self, table: &Table) -> Result<Option<Array1<f64>>, Error> {
+    fn time(&self, table: &RecordingTable) -> Result<Option<Array1<f64>>, Error> {
         let column = TIME_NAMES.into_iter().find(|name| table.find(name).is_some());
         let by_name = column.map(ChannelSource::from_column);
         let Some(source) = self.time.as_ref().or(by_name.as_ref()) else { return Ok(None) };
@@ -293,7 +293,11 @@ impl Wanted {
 }
 
 /// Returns a column in a channel's unit. A column without a unit, or in counts, is taken to be in the channel's.
-fn convert_column(table: &Table, source: &ChannelSource, wanted: &Wanted) -> Result<Array1<f64>, Error> {
+fn convert_column(
+    table: &RecordingTable,
+    source: &ChannelSource,
+    wanted: &Wanted,
+) -> Result<Array1<f64>, Error> {
     let column = table.column(&source.column)?;
     let of_column = source.unit_of_column(wanted.unit);
     let target = Unit::parse(of_column).unwrap_or(Unit::ONE);
@@ -318,7 +322,7 @@ fn convert_column(table: &Table, source: &ChannelSource, wanted: &Wanted) -> Res
 
 /// Returns values on the file's clock, if their times stand in a column of their own.
 fn on_file_clock(
-    table: &Table,
+    table: &RecordingTable,
     source: &ChannelSource,
     values: Array1<f64>,
     time_s: Option<&Array1<f64>>,

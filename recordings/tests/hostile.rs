@@ -4,14 +4,14 @@
 
 use std::path::PathBuf;
 
-use counterpoise_recordings::{Channel, DoubtfulUnit, Error, Mapping, Recording, Remark, Table};
+use counterpoise_recordings::{Channel, DoubtfulUnit, Error, Mapping, Recording, RecordingTable, Remark};
 
-fn read(name: &str) -> Result<Table, Error> {
+fn read(name: &str) -> Result<RecordingTable, Error> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/hostile").join(name);
-    Table::read(&std::fs::read(path).unwrap(), name)
+    RecordingTable::read(&std::fs::read(path).unwrap(), name)
 }
 
-fn columns(table: &Table) -> Vec<&str> {
+fn columns(table: &RecordingTable) -> Vec<&str> {
     table.columns.iter().map(|c| c.name.as_str()).collect()
 }
 
@@ -25,8 +25,8 @@ fn remark_texts(remarks: &[Remark]) -> Vec<String> {
     remarks.iter().map(text).collect()
 }
 
-fn csv(text: &str) -> Table {
-    Table::read(text.as_bytes(), "run.csv").unwrap()
+fn csv(text: &str) -> RecordingTable {
+    RecordingTable::read(text.as_bytes(), "run.csv").unwrap()
 }
 
 fn record_text(text: &str, sample_period_s: Option<f64>) -> Result<Recording, Error> {
@@ -180,7 +180,7 @@ fn a_checksum_that_does_not_match_is_refused() {
 fn what_is_neither_text_nor_known_is_refused() {
     let error = read("version4.mat").unwrap_err();
     assert!(matches!(error, Error::UnknownFormat { .. }), "{error}");
-    let error = Table::read(b"0.0,1\n0.1,2\n", "run.csv").unwrap_err().to_string();
+    let error = RecordingTable::read(b"0.0,1\n0.1,2\n", "run.csv").unwrap_err().to_string();
     assert!(
         error.starts_with("run.csv: the first row (0.0,1) holds numbers, but must name the columns"),
         "{error}"
@@ -239,7 +239,7 @@ fn a_claimed_size_is_refused_before_it_is_allocated() {
     bytes.extend([15, 0, 0, 0]);
     bytes.extend((packed.len() as u32).to_le_bytes());
     bytes.extend(packed);
-    let error = Table::read(&bytes, "bomb.mat").unwrap_err();
+    let error = RecordingTable::read(&bytes, "bomb.mat").unwrap_err();
     assert!(matches!(error, Error::TooLarge { bytes, .. } if bytes > 4_000_000_000), "{error}");
 }
 
@@ -277,7 +277,8 @@ fn names_that_contain_a_channels_are_asked_about() {
 #[test]
 fn very_many_columns_are_refused_or_counted() {
     let commas = ",".repeat(20_000);
-    let error = Table::read(format!("{commas}\n{commas}\n").as_bytes(), "wide.csv").unwrap_err().to_string();
+    let error =
+        RecordingTable::read(format!("{commas}\n{commas}\n").as_bytes(), "wide.csv").unwrap_err().to_string();
     assert!(error.contains("20001 columns, more than the 10000 that are read"), "{error}");
     let names: String = (0..100).map(|k| format!(",hub_rate_{k}")).collect();
     let row = ",1".repeat(100);
@@ -290,10 +291,10 @@ fn very_many_columns_are_refused_or_counted() {
 #[test]
 fn text_in_another_encoding_is_refused_with_advice() {
     let utf16: Vec<u8> = "\u{feff}time,control\n0,1\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
-    let error = Table::read(&utf16, "run.csv").unwrap_err().to_string();
+    let error = RecordingTable::read(&utf16, "run.csv").unwrap_err().to_string();
     assert!(error.contains("text in UTF-16: save it as UTF-8"), "{error}");
     let latin = b"time,hub_rate [\xb0/s]\n0,1\n";
-    let error = Table::read(latin, "run.csv").unwrap_err().to_string();
+    let error = RecordingTable::read(latin, "run.csv").unwrap_err().to_string();
     assert!(error.contains("save it as UTF-8"), "{error}");
 }
 

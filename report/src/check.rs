@@ -5,7 +5,7 @@ use counterpoise_pipeline::studies::assumptions::{AssumptionEffect, EffectAt};
 use counterpoise_project::diagnostic::MOST_SHOWN;
 use counterpoise_project::{Assumption, KeyTolerance, SectionStatement, ValueStatement};
 
-use crate::page::{Cell, Column, Section, Table};
+use crate::page::{ReportCell, ReportColumn, ReportSection, ReportTable};
 use crate::tolerance::NO_EFFECT;
 use crate::wording::learned::describe_elements;
 
@@ -273,52 +273,57 @@ fn short_number(value: f64) -> String {
 }
 
 /// Returns the section of a report that lists what is assumed, and what each assumption may cost.
-pub fn assumptions_section(assumptions: &[Assumption], effects: &[AssumptionEffect]) -> Section {
-    let mut section = Section::new("Assumptions");
+pub fn assumptions_section(assumptions: &[Assumption], effects: &[AssumptionEffect]) -> ReportSection {
+    let mut section = ReportSection::new("Assumptions");
     if assumptions.is_empty() {
-        return section.saying("Every value of the plant is stated in the project file.".to_owned());
+        return section.with_text("Every value of the plant is stated in the project file.".to_owned());
     }
-    section = section.saying(
+    section = section.with_text(
         "The project file does not state these values of the plant. For those whose usual range is known, a second table says what the loop loses or gains at either end of it, the largest change first: measure that value next."
             .to_owned(),
     );
-    let columns = [Column::Text("key"), Column::Text("value"), Column::Text("rule"), Column::Text("source")];
-    let mut table = Table::new("Assumed values", &columns);
+    let columns = [
+        ReportColumn::Text("key"),
+        ReportColumn::Text("value"),
+        ReportColumn::Text("rule"),
+        ReportColumn::Text("source"),
+    ];
+    let mut table = ReportTable::new("Assumed values", &columns);
     for a in assumptions {
         let texts = [a.key.clone(), with_unit(a.value, a.unit), a.rule.to_owned(), a.source.to_owned()];
-        table.rows.push(texts.into_iter().map(Cell::Text).collect());
+        table.rows.push(texts.into_iter().map(ReportCell::Text).collect());
     }
     section.tables.push(table);
     if effects.iter().any(has_effect) {
         section.tables.push(effects_table(effects));
     }
     match describe_no_effect(effects) {
-        Some(line) => section.saying(format!("There is {line}.")),
+        Some(line) => section.with_text(format!("There is {line}.")),
         None => section,
     }
 }
 
 /// Returns the effects of assumptions as a table, a row for each end of a usual range.
-fn effects_table(effects: &[AssumptionEffect]) -> Table {
+fn effects_table(effects: &[AssumptionEffect]) -> ReportTable {
     let columns = [
-        Column::Text("key"),
-        Column::Text("at the value"),
-        Column::Number("gain margin [dB]"),
-        Column::Number("phase margin [deg]"),
-        Column::Number("sensitivity [dB]"),
-        Column::Number("residual [dB]"),
+        ReportColumn::Text("key"),
+        ReportColumn::Text("at the value"),
+        ReportColumn::Number("gain margin [dB]"),
+        ReportColumn::Number("phase margin [deg]"),
+        ReportColumn::Number("sensitivity [dB]"),
+        ReportColumn::Number("residual [dB]"),
     ];
-    let mut table = Table::new("Change if an assumption is wrong by its usual range", &columns);
+    let mut table = ReportTable::new("Change if an assumption is wrong by its usual range", &columns);
     for effect in effects.iter().filter(|effect| has_effect(effect)) {
         for at in &effect.at {
             let change = |value: Option<f64>| match value {
-                _ if !at.is_stable => Cell::text("unstable"),
-                Some(value) => Cell::number(value),
-                None => Cell::text("-"),
+                _ if !at.is_stable => ReportCell::text("unstable"),
+                Some(value) => ReportCell::number(value),
+                None => ReportCell::text("-"),
             };
             table.rows.push(vec![
-                Cell::text(effect.key.as_str()),
-                Cell::Text(with_unit(at.value, effect.unit)),
+                ReportCell::text(effect.key.as_str()),
+                ReportCell::Text(with_unit(at.value, effect.unit)),
                 change(at.gain_margin_change_db),
                 change(at.phase_margin_change_deg),
                 change(at.sensitivity_change_db),

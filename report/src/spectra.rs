@@ -4,7 +4,7 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_verify::spectral::{CONFIDENCE, Spectral};
 use counterpoise_verify::{Arrangement, Source};
 
-use crate::Section;
+use crate::ReportSection;
 use counterpoise_plot::{Axis, Band, Colour, Figure, Panel, Series};
 
 /// Frequencies that are drawn, Hz: a vehicle has little above.
@@ -12,7 +12,7 @@ const BAND_HZ: (f64, f64) = (0.3, 12.0);
 
 /// Returns the hub rate over pitch and over heave on the road, with confidence and coherence; nothing without
 /// a road.
-pub fn spectra_section(all: &[Spectral], controlled: ControlledQuantity) -> Option<Section> {
+pub fn spectra_section(all: &[Spectral], controlled: ControlledQuantity) -> Option<ReportSection> {
     if all.is_empty() {
         return None;
     }
@@ -24,7 +24,7 @@ pub fn spectra_section(all: &[Spectral], controlled: ControlledQuantity) -> Opti
          Where the coherence is low, the hub moves for another reason: the other motion of the platform, friction, noise.",
         100.0 * CONFIDENCE
     );
-    Some(Section::new("Disturbance rejection from the road").saying(text).with_figures([
+    Some(ReportSection::new("Disturbance rejection from the road").with_text(text).with_figures([
         figure(
             &format!("DRR on the road: |Pxy / Pxx|, pitch rate to {name}"),
             if unit == "rad/s" { "dB" } else { &over_pitch },

@@ -10,7 +10,7 @@ use crate::history::{ReadingColumns, TimeHistory};
 use crate::lanes::group::LaneGroup;
 pub use crate::lanes::group::Registers;
 use crate::lanes::number::LANES;
-use crate::motion::{MotionSample, Track};
+use crate::motion::{MotionSample, MotionTrack};
 use crate::run::{HUB_ANGLE, Lap, Simulator};
 use crate::scenario::{Detail, Scenario};
 use crate::tolerance::FEWEST_LANES;
@@ -230,7 +230,7 @@ impl<'a> Run<'a> {
 struct Platforms<'a> {
     /// The variant whose platform each variant is on.
     leads: [usize; LANES],
-    tracks: [Option<(Track<'a>, f64)>; LANES],
+    tracks: [Option<(MotionTrack<'a>, f64)>; LANES],
 }
 
 impl<'a> Platforms<'a> {

@@ -7,7 +7,7 @@ use crate::engine::present::Sample;
 use crate::engine::state::PlantState;
 use crate::engine::stepper::Stepper;
 use crate::history::{ReadingColumns, TimeHistory, TrueColumn, TrueColumns};
-use crate::motion::{MotionSample, Track};
+use crate::motion::{MotionSample, MotionTrack};
 use crate::sampling_errors::{ErrantClock, SampleError, Step};
 use crate::scenario::{Detail, Initial, Scenario};
 use crate::sensing::{Converter, Imperfections, Sensing, Truth};
@@ -210,7 +210,7 @@ pub(crate) struct Lap<'a> {
     /// Angle of the platform at the start of the next sample, rad.
     pub angle: f64,
     /// The platform's motion.
-    pub track: Track<'a>,
+    pub track: MotionTrack<'a>,
     sensing: Sensing,
     output: Converter,
     queue: Vec<f64>,
@@ -251,7 +251,7 @@ impl<'a> Lap<'a> {
             });
         }
         let angle = scenario.platform.initial_angle_rad;
-        let track = Track::new(&scenario.platform, period_s, 0.0);
+        let track = MotionTrack::new(&scenario.platform, period_s, 0.0);
         let motion = track.clone().sample(angle);
         let start = motion.at(0.0);
         let mut sensing = Sensing::new(parameters, scenario.imperfections);

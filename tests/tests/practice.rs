@@ -10,7 +10,7 @@ use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_models::Plant;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Attachments, Document, Project, SettingValue};
-use counterpoise_recordings::{Channel, Recording, Table};
+use counterpoise_recordings::{Channel, Recording, RecordingTable};
 use counterpoise_simulate::replay::{Replay, ReplayLoop, Replayer, replay};
 use counterpoise_simulate::{Imperfections, Scenario, Signal, run};
 use counterpoise_tests::Threads;
@@ -28,7 +28,7 @@ fn recordings(project: &Project, folder: &Path) -> Vec<Recording> {
     paths.retain(|path| path.extension().is_some_and(|ending| ending == "parquet"));
     paths.sort();
     let read = |path: &PathBuf| {
-        let table = Table::read(&fs::read(path).unwrap(), &path.display().to_string()).unwrap();
+        let table = RecordingTable::read(&fs::read(path).unwrap(), &path.display().to_string()).unwrap();
         project.recording.apply(&table).unwrap()
     };
     paths.iter().map(read).collect()

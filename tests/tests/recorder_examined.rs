@@ -9,11 +9,11 @@ use std::path::Path;
 
 use counterpoise_diagnose::findings::instrument_findings::{component_of, effect_of};
 use counterpoise_diagnose::recording::instrument_faults::{
-    Column, ExaminedRecordings, find_instrument_faults,
+    ExaminedRecordings, RecorderColumn, find_instrument_faults,
 };
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
-use counterpoise_recordings::{Recording, Table};
+use counterpoise_recordings::{Recording, RecordingTable};
 use counterpoise_simulate::replay::ReplayLoop;
 use counterpoise_tests::sealed;
 
@@ -32,7 +32,7 @@ impl Machine {
         let project = Project::from_bytes(&text, "project.toml").unwrap().project;
         let read = |experiment: &&str| {
             let file = format!("{experiment}.parquet");
-            let table = Table::read(&fs::read(folder.join(&file)).unwrap(), experiment).unwrap();
+            let table = RecordingTable::read(&fs::read(folder.join(&file)).unwrap(), experiment).unwrap();
             project.recording.apply(&table).unwrap()
         };
         let recordings = EXPERIMENTS.iter().map(read).collect();
@@ -56,7 +56,7 @@ impl Machine {
     }
 }
 
-fn of(r: &mut Recording, column: Column) -> &mut [f64] {
+fn of(r: &mut Recording, column: RecorderColumn) -> &mut [f64] {
     column.of_mut(r).unwrap()
 }
 
@@ -106,12 +106,12 @@ fn one_of(some: usize) -> usize {
 }
 
 /// The faults, each in all recordings or in some, with the component and effect that must be named.
-fn cases() -> Vec<(Column, Wrong, Vec<usize>, &'static str, &'static str)> {
-    use Column::*;
+fn cases() -> Vec<(RecorderColumn, Wrong, Vec<usize>, &'static str, &'static str)> {
+    use RecorderColumn::*;
     use Wrong::*;
     let degrees = 180.0 / std::f64::consts::PI;
     let mut out = Vec::new();
-    let mut case = |column: Column, wrong, effect| {
+    let mut case = |column: RecorderColumn, wrong, effect| {
         out.push((column, wrong, ALL.to_vec(), component_of(column).name(), effect));
     };
     for column in [Demand, Control, HubRate, PlatformRate, MotorRate, HubPosition] {
@@ -190,7 +190,7 @@ fn each_fault_is_named_and_nothing_else_is() {
 
 #[test]
 fn exchanged_columns_are_named_and_put_back() {
-    use Column::*;
+    use RecorderColumn::*;
     for name in ["p08", "p05"].into_iter().step_by(one_of(2)) {
         let machine = Machine::read(name);
         let pairs = [

@@ -12,7 +12,7 @@ use counterpoise_models::FeedbackSignal;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::Recording;
-use counterpoise_recordings::{Column, Table};
+use counterpoise_recordings::{RecordingColumn, RecordingTable};
 use counterpoise_report::wording::file_remarks::describe_file_remark;
 use counterpoise_report::wording::recordings::{describe_anomaly, describe_repair};
 use counterpoise_simulate::replay::{ReplayLoop, replay};
@@ -45,14 +45,14 @@ impl Told {
 }
 
 /// The triangle of a machine as modelled with a fault put in.
-fn with(fault: impl Fn(&mut Table)) -> Option<Told> {
+fn with(fault: impl Fn(&mut RecordingTable)) -> Option<Told> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/practice/p08");
     let Ok(bytes) = fs::read(folder.join("triangle.parquet")) else {
         panic!("{} is not here", folder.display());
     };
     let project =
         Project::from_bytes(&fs::read(folder.join("project.toml")).unwrap(), "project.toml").unwrap().project;
-    let mut table = Table::read(&bytes, "triangle.parquet").unwrap();
+    let mut table = RecordingTable::read(&bytes, "triangle.parquet").unwrap();
     fault(&mut table);
     let record = project.recording.apply(&table).unwrap();
     let ratio = project.plant.gearbox.ratio;
@@ -70,11 +70,11 @@ fn with(fault: impl Fn(&mut Table)) -> Option<Told> {
     Some(Told { remarks, parts: repaired.parts, project })
 }
 
-fn column<'a>(table: &'a mut Table, name: &str) -> &'a mut Column {
+fn column<'a>(table: &'a mut RecordingTable, name: &str) -> &'a mut RecordingColumn {
     table.columns.iter_mut().find(|c| c.name == name).unwrap()
 }
 
-fn change_column(table: &mut Table, name: &str, change: impl Fn(usize, f64) -> f64) {
+fn change_column(table: &mut RecordingTable, name: &str, change: impl Fn(usize, f64) -> f64) {
     let values = &mut column(table, name).values;
     *values = values.iter().enumerate().map(|(k, v)| change(k, *v)).collect();
 }

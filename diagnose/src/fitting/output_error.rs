@@ -55,7 +55,7 @@ impl FitSelection {
     }
 
     /// Selects the first part of some recordings, for a comparison of candidates.
-    pub fn for_search(recordings: Vec<usize>) -> Self {
+    pub fn search_parts(recordings: Vec<usize>) -> Self {
         Self { iterations: SEARCH_ITERATIONS, ..Self::first_parts(recordings) }
     }
 

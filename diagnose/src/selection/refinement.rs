@@ -72,7 +72,7 @@ impl Searcher<'_> {
     /// first parts. The first fit of its only effect may not have come so far from the values of the model as it was.
     fn gains_alone(&self, best: &FittedCandidate, before: &[Assessment]) -> bool {
         let all: Vec<usize> = (0..self.simulator.count()).collect();
-        let selection = FitSelection::for_search(all.clone());
+        let selection = FitSelection::search_parts(all.clone());
         let fit = self.fit(best.fit.effects.clone(), &best.fit.values, &selection, &best.assessments);
         let judged = fit.and_then(|fit| {
             let judged = self.assess_model(&fit.parameters, &|r| fit.assessment(r))?;
@@ -157,7 +157,7 @@ impl Searcher<'_> {
         start.drain(first..first + effects[index].parameters.len());
         effects.remove(index);
         let recordings = (0..self.simulator.count()).collect();
-        let selection = FitSelection::for_search(recordings);
+        let selection = FitSelection::search_parts(recordings);
         let kept = apply_effects(self.base, &effects, &start);
         let fit = self.fit(effects, &start, &selection, &[])?;
         let (again, as_it_is) = (self.replace_fit(candidate, fit)?, self.score_model(&kept)?);

@@ -216,7 +216,7 @@ impl Searcher<'_> {
         before: &[Assessment],
     ) -> Vec<FittedCandidate> {
         let recordings: Vec<usize> = (0..self.simulator.count()).collect();
-        let selection = FitSelection::for_search(recordings);
+        let selection = FitSelection::search_parts(recordings);
         let again = map_with_progress(self.pool, "comparing", candidates.len(), |c| {
             let candidate = &candidates[c];
             let fixed = present.filter(|p| p.fit.values.len() > JOINT_PARAMETERS);

@@ -15,7 +15,7 @@ use super::read::{
     without_demand,
 };
 use super::residuals::{ResidualStudy, study_residuals};
-use super::tracks::{Track, replay_before_and_after};
+use super::tracks::{ChannelTrack, replay_before_and_after};
 use crate::PipelineError;
 use crate::configuration::{apply_configuration, without_configuration};
 
@@ -33,7 +33,7 @@ pub struct DiagnosedRecordings {
     /// The chart of the localisation.
     pub chart: LocalisationChart,
     /// Channels measured and simulated, by the model as it was and by the improved one.
-    pub tracks: Vec<Track>,
+    pub tracks: Vec<ChannelTrack>,
     /// What both models leave unexplained.
     pub residuals: ResidualStudy,
 }

@@ -13,7 +13,7 @@ use counterpoise_simulate::replay::{Replay, ReplayLoop, ReplayMode, Replayer, Se
 
 use super::column_remarks::ColumnRemark;
 use super::read::{ReadRecording, unused_columns};
-use super::tracks::{Track, compare_channels};
+use super::tracks::{ChannelTrack, compare_channels};
 use crate::PipelineError;
 use crate::build_plant_model;
 use crate::model::two_inertias;
@@ -43,7 +43,7 @@ pub struct ReplayedRecording {
     /// What was found about the recording itself.
     pub remarks: Vec<ColumnRemark>,
     /// Its channels, measured and simulated.
-    pub tracks: Vec<Track>,
+    pub tracks: Vec<ChannelTrack>,
 }
 
 /// Replays recordings on the project's mechanism as it is modelled, in their order: in its configuration, and with the modes of its finite elements

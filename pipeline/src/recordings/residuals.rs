@@ -4,7 +4,7 @@ use counterpoise_diagnose::fitting::residual_tests::{MeasuredSignal, ResidualTes
 use counterpoise_recordings::Channel;
 use counterpoise_verify::signals::welch::{Spectra, WelchOptions, welch};
 
-use super::tracks::{Track, TrackColumn};
+use super::tracks::{ChannelTrack, TrackColumn};
 
 /// Longest segment of a spectrum, samples, and the number of segments below which it is shorter: six segments average enough for a
 /// coherence that means something.
@@ -67,7 +67,7 @@ pub struct TestedResidual {
 }
 
 /// Studies the residuals of tracks.
-pub fn study_residuals(tracks: &[Track]) -> ResidualStudy {
+pub fn study_residuals(tracks: &[ChannelTrack]) -> ResidualStudy {
     let mut recordings: Vec<&str> = tracks.iter().map(|t| t.recording.as_str()).collect();
     recordings.dedup();
     ResidualStudy {
@@ -77,7 +77,7 @@ pub fn study_residuals(tracks: &[Track]) -> ResidualStudy {
     }
 }
 
-fn find<'a>(tracks: &'a [Track], recording: &str, channel: Channel) -> Option<&'a Track> {
+fn find<'a>(tracks: &'a [ChannelTrack], recording: &str, channel: Channel) -> Option<&'a ChannelTrack> {
     tracks.iter().find(|t| t.recording == recording && t.channel == channel)
 }
 
@@ -87,7 +87,7 @@ fn average_spectra(x: &[f64], y: &[f64], period_s: f64) -> Option<Spectra> {
     welch(x, y, period_s, WelchOptions { segment, confidence: CONFIDENCE }).ok()
 }
 
-fn spectra(track: &Track) -> Option<ResidualSpectra> {
+fn spectra(track: &ChannelTrack) -> Option<ResidualSpectra> {
     if !matches!(track.channel, Channel::Control | Channel::HubRate) {
         return None;
     }
@@ -106,7 +106,7 @@ fn spectra(track: &Track) -> Option<ResidualSpectra> {
     })
 }
 
-fn response(tracks: &[Track], recording: &str) -> Option<ControlResponse> {
+fn response(tracks: &[ChannelTrack], recording: &str) -> Option<ControlResponse> {
     let (control, rate) =
         (find(tracks, recording, Channel::Control)?, find(tracks, recording, Channel::HubRate)?);
     let of = |run| average_spectra(control.signals.column(run), rate.signals.column(run), rate.period_s);
@@ -118,7 +118,7 @@ fn response(tracks: &[Track], recording: &str) -> Option<ControlResponse> {
     })
 }
 
-fn test_track(tracks: &[Track], track: &Track) -> TestedResidual {
+fn test_track(tracks: &[ChannelTrack], track: &ChannelTrack) -> TestedResidual {
     let signals = [Channel::Control, Channel::HubRate].map(|channel| {
         find(tracks, &track.recording, channel)
             .map(|t| MeasuredSignal { channel, values: t.signals.column(TrackColumn::Measured) })

@@ -4,7 +4,7 @@ use ndarray::{Array2, ArrayView1};
 
 use super::Decoded;
 use crate::remark::Unread;
-use crate::{Channel, Column, Remark};
+use crate::{Channel, RecordingColumn, Remark};
 
 /// An array with more columns than this is not a set of channels, and does not decide which length the table has.
 const MOST_COLUMNS: usize = 64;
@@ -91,10 +91,10 @@ impl NamedArray {
         self.name.rsplit('.').next().unwrap_or_default()
     }
 
-    fn split(self) -> Vec<Column> {
+    fn split(self) -> Vec<RecordingColumn> {
         let (rows, columns) = self.values.dim();
         let of = |k: usize| if rows >= columns { self.values.column(k) } else { self.values.row(k) };
-        let column = |name: String, values: ArrayView1<'_, f64>| Column {
+        let column = |name: String, values: ArrayView1<'_, f64>| RecordingColumn {
             name,
             unit: self.unit.clone(),
             values: values.to_owned(),

@@ -4,7 +4,7 @@
 use super::Decoded;
 use super::budget::Budget;
 use crate::remark::Unread;
-use crate::{Column, Error, Remark, Table};
+use crate::{Error, RecordingColumn, RecordingTable, Remark};
 
 /// The cells of one column.
 #[derive(Debug, Default, Clone)]
@@ -83,7 +83,7 @@ impl Kept {
             if self.kept.len() == k {
                 self.kept.push(!holds_texts);
             }
-            let column = Column::from_heading(&self.headings[k], cells.values);
+            let column = RecordingColumn::from_heading(&self.headings[k], cells.values);
             if holds_texts {
                 found.remarks.push(texts(column.name.clone()));
             }
@@ -110,7 +110,7 @@ impl Cells {
             None => Ok(false),
             Some(_) if self.numbers == 0 => Ok(true),
             Some(Text { line, value }) => {
-                let column = Column::from_heading(heading, Vec::new()).name;
+                let column = RecordingColumn::from_heading(heading, Vec::new()).name;
                 Err(Error::Cell { file: file.to_owned(), line: *line, column, value: value.clone() })
             }
         }
@@ -219,7 +219,7 @@ impl<R: std::io::BufRead> CsvParts<R> {
     /// Reads the header. The separator is found in what the reader has buffered at first.
     ///
     /// # Errors
-    /// As [`crate::Table::read`], of the header.
+    /// As [`crate::RecordingTable::read`], of the header.
     pub fn new(mut reader: R, name: &str, rows: usize) -> Result<Self, Error> {
         let first = reader.fill_buf().map_err(|error| unreadable_error(name, &error.into()))?;
         let mark = "\u{feff}".as_bytes();
@@ -242,7 +242,7 @@ impl<R: std::io::BufRead> CsvParts<R> {
         Ok(Self { reader, delimiter, columns, name, rows, read: 0, record })
     }
 
-    fn part(&mut self) -> Result<Option<Table>, Error> {
+    fn part(&mut self) -> Result<Option<RecordingTable>, Error> {
         let mut columns = vec![Cells::default(); self.columns.headings.len()];
         let mut count = 0;
         while count < self.rows {
@@ -262,12 +262,12 @@ impl<R: std::io::BufRead> CsvParts<R> {
         let name = format!("{}, rows {} to {}", self.name, self.read + 1, self.read + count);
         self.read += count;
         let Decoded { columns, remarks } = self.columns.decode_part(columns, &self.name)?;
-        Table { name, columns, remarks }.into_checked().map(Some)
+        RecordingTable { name, columns, remarks }.into_checked().map(Some)
     }
 }
 
 impl<R: std::io::BufRead> Iterator for CsvParts<R> {
-    type Item = Result<Table, Error>;
+    type Item = Result<RecordingTable, Error>;
 
     fn next(&mut self) -> Option<Self::Item> {
         self.part().transpose()

@@ -8,7 +8,7 @@ use super::Decoded;
 use super::budget::Budget;
 use super::physical::{Holds, Origin, column, holds};
 use crate::remark::Unread;
-use crate::{Column, Error, Remark};
+use crate::{Error, RecordingColumn, Remark};
 
 /// Returns the columns of a Parquet file. The library panics over some damaged pages; that too is an error.
 pub(super) fn read(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
@@ -54,9 +54,9 @@ fn columns(
         budget.take(name, rows)?;
         let values = column(reader, index, description.max_def_level(), what, &mut origin);
         let values = values.map_err(|error| damaged_column(file, name, &error))?;
-        let named = Column::from_heading(name, values);
+        let named = RecordingColumn::from_heading(name, values);
         let unit = named.unit.or_else(|| what.unit().map(str::to_owned));
-        decoded.columns.push(Column { unit, ..named });
+        decoded.columns.push(RecordingColumn { unit, ..named });
     }
     Ok(decoded)
 }
