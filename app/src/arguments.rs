@@ -100,21 +100,27 @@ fn names_a_result(argument: &OsStr) -> bool {
 mod tests {
     use super::*;
 
-    fn joined(line: &str) -> String {
+    fn join_json_file(line: &str) -> String {
         let joined = with_json_file_joined(line.split(' ').map(OsString::from));
         joined.iter().map(|each| each.to_string_lossy()).collect::<Vec<_>>().join(" ")
     }
 
     #[test]
     fn json_takes_a_file_but_no_input() {
-        assert_eq!(joined("c replay p.toml r.csv --json"), "c replay p.toml r.csv --json");
-        assert_eq!(joined("c replay p.toml r.csv --json a.json"), "c replay p.toml r.csv --json=a.json");
-        assert_eq!(joined("c replay --json p.toml r.csv"), "c replay --json p.toml r.csv");
-        assert_eq!(joined("c replay --json a.json p.toml r.csv"), "c replay --json=a.json p.toml r.csv");
-        assert_eq!(joined("c design --json . -o x"), "c design --json . -o x");
+        assert_eq!(join_json_file("c replay p.toml r.csv --json"), "c replay p.toml r.csv --json");
+        assert_eq!(
+            join_json_file("c replay p.toml r.csv --json a.json"),
+            "c replay p.toml r.csv --json=a.json"
+        );
+        assert_eq!(join_json_file("c replay --json p.toml r.csv"), "c replay --json p.toml r.csv");
+        assert_eq!(
+            join_json_file("c replay --json a.json p.toml r.csv"),
+            "c replay --json=a.json p.toml r.csv"
+        );
+        assert_eq!(join_json_file("c design --json . -o x"), "c design --json . -o x");
         for recording in ["run.h5", "run.HDF5", "run.mat", "run.parquet"] {
             let line = format!("c replay p.toml --json {recording}");
-            assert_eq!(joined(&line), line, "a recording is never written over");
+            assert_eq!(join_json_file(&line), line, "a recording is never written over");
         }
     }
 

@@ -8,7 +8,7 @@ use std::process::{Command, Output, Stdio};
 
 use crate::support;
 
-use support::{counterpoise, quick_folder, skipped};
+use support::{counterpoise, quick_folder, report_skip};
 
 /// A compiler that changes the controller's answer by a millionth before it compiles it.
 const WRONG_COMPILER: &str = r#"#!/bin/sh
@@ -35,7 +35,7 @@ fn design(project: &std::path::Path, programs: &std::path::Path) -> Output {
 
 #[test]
 fn compiled_code_that_differs_from_its_model_gives_code_1() {
-    let Some(real) = compiler() else { return skipped("no C compiler: no wrong one to try") };
+    let Some(real) = compiler() else { return report_skip("no C compiler: no wrong one to try") };
     let project = quick_folder("exit_codes_wrong_compiler");
     let programs = project.join("programs");
     fs::create_dir_all(&programs).unwrap();
@@ -55,7 +55,7 @@ fn compiled_code_that_differs_from_its_model_gives_code_1() {
 #[test]
 fn a_compiler_that_fails_is_said_and_is_no_verdict() {
     if compiler().is_none() {
-        return skipped("no C compiler: none to fail");
+        return report_skip("no C compiler: none to fail");
     }
     let project = quick_folder("exit_codes_failing_compiler");
     let programs = project.join("programs");

@@ -34,7 +34,7 @@ fn soon(command: &mut Command) -> Output {
 }
 
 /// Refused with code 2; what was said, free of control characters.
-fn refused(command: &mut Command) -> String {
+fn refusal_text(command: &mut Command) -> String {
     let output = soon(command);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2), "{said}");
@@ -69,7 +69,7 @@ fn references_that_are_no_regular_files_are_refused_at_once() {
     ];
     for (name, expected) in cases {
         fs::write(folder.join("project.toml"), with_road(name)).unwrap();
-        let said = refused(counterpoise().arg("verify").arg(&folder).arg("-q"));
+        let said = refusal_text(counterpoise().arg("verify").arg(&folder).arg("-q"));
         assert!(said.contains(expected), "{name}: {said}");
     }
 }
@@ -80,8 +80,8 @@ fn pipes_and_devices_as_inputs_are_refused_at_once() {
     fs::write(folder.join("project.toml"), RIG).unwrap();
     assert!(Command::new("mkfifo").arg(folder.join("pipe")).status().unwrap().success());
     for input in ["/dev/zero", "/dev/tty", folder.join("pipe").to_str().unwrap()] {
-        refused(counterpoise().arg("model").arg(input));
-        refused(counterpoise().arg("replay").arg(&folder).arg(input));
+        refusal_text(counterpoise().arg("model").arg(input));
+        refusal_text(counterpoise().arg("replay").arg(&folder).arg(input));
     }
 }
 
@@ -90,18 +90,18 @@ fn runs_that_no_machine_has_memory_for_are_refused_with_an_estimate() {
     let folder = support::folder("hostile_sizes");
     let cases = [
         ("duration", RIG.replacen("[verify]", "[verify]\nduration = 1e5", 1)),
-        ("sample_period", replaced(RIG, "sample_period", "1e-7")),
+        ("sample_period", replace_value(RIG, "sample_period", "1e-7")),
     ];
     for (name, text) in cases {
         let text = without_second(&text, "[verify]", "duration");
         fs::write(folder.join("project.toml"), text).unwrap();
-        let said = refused(counterpoise().arg("verify").arg(&folder).arg("-q"));
+        let said = refusal_text(counterpoise().arg("verify").arg(&folder).arg("-q"));
         assert!(said.contains("GB") || said.contains("sample"), "{name}: {said}");
     }
 }
 
 /// Returns the text with the first value of a key replaced.
-fn replaced(text: &str, key: &str, value: &str) -> String {
+fn replace_value(text: &str, key: &str, value: &str) -> String {
     let mut done = false;
     let line = |line: &str| match line.trim_start().starts_with(key) && !done {
         true => {
@@ -131,7 +131,7 @@ fn without_second(text: &str, section: &str, key: &str) -> String {
 fn texts_of_a_project_cannot_speak_to_the_terminal() {
     let folder = support::folder("hostile_escapes");
     let hostile = "\\u001b]0;owned\\u0007\\u001b[2J\\u202e";
-    let text = replaced(RIG, "name", &format!("\"{hostile}\""));
+    let text = replace_value(RIG, "name", &format!("\"{hostile}\""));
     fs::write(folder.join("project.toml"), &text).unwrap();
     let output = soon(counterpoise().arg("model").arg(&folder));
     for stream in [output.stdout, output.stderr] {
@@ -140,7 +140,7 @@ fn texts_of_a_project_cannot_speak_to_the_terminal() {
         assert!(!said.contains('\u{202e}'), "{said:?}");
     }
     fs::write(folder.join("project.toml"), format!("\"{hostile}\" = 1\n{text}")).unwrap();
-    refused(counterpoise().arg("model").arg(&folder));
+    refusal_text(counterpoise().arg("model").arg(&folder));
 }
 
 #[test]
@@ -148,7 +148,7 @@ fn very_many_errors_are_counted_and_cut_short() {
     let folder = support::folder("hostile_many");
     let wrong: String = (0..20_000).map(|k| format!("unknown_{k} = {k}\n")).collect();
     fs::write(folder.join("project.toml"), wrong + RIG).unwrap();
-    let said = refused(counterpoise().arg("model").arg(&folder));
+    let said = refusal_text(counterpoise().arg("model").arg(&folder));
     assert!(said.contains("more") && said.len() < 100_000, "{} bytes", said.len());
 }
 
@@ -176,7 +176,7 @@ fn arguments_need_not_be_utf8() {
     fs::write(folder.join(name), RIG).unwrap();
     let output = soon(counterpoise().arg("model").arg(folder.join(name)).arg("-q"));
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    let said = refused(counterpoise().arg(OsStr::from_bytes(b"--wei\xffrd")));
+    let said = refusal_text(counterpoise().arg(OsStr::from_bytes(b"--wei\xffrd")));
     assert!(said.contains("error"), "{said}");
 }
 
@@ -243,7 +243,7 @@ fn what_is_no_file_is_not_replaced_by_a_result() {
     let null = folder.join("null");
     let made = Command::new("mknod").arg(&null).args(["c", "1", "3"]).stderr(Stdio::null()).status();
     if !made.is_ok_and(|status| status.success()) {
-        return support::skipped("no right to make a device: none is written to");
+        return support::report_skip("no right to make a device: none is written to");
     }
     assert_eq!(model(&null).status.code(), Some(0));
     assert!(fs::symlink_metadata(&null).unwrap().file_type().is_char_device());
@@ -277,7 +277,7 @@ fn two_writers_leave_the_set_of_one() {
     let out = folder.join("out");
     let projects = ["one", "two"].map(|name| {
         let path = folder.join(format!("{name}.toml"));
-        fs::write(&path, replaced(&rig, "name", &format!("\"machine {name}\""))).unwrap();
+        fs::write(&path, replace_value(&rig, "name", &format!("\"machine {name}\""))).unwrap();
         path
     });
     let export = |path| {

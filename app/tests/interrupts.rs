@@ -29,7 +29,7 @@ fn ticks(child: &Child) -> Option<u64> {
 }
 
 /// Starts a command, interrupts it when it is at work, and returns its exit code.
-fn interrupted(command: &mut Command) -> Option<i32> {
+fn interrupt_command(command: &mut Command) -> Option<i32> {
     let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let begun = Instant::now();
     while ticks(&child).is_some_and(|used| used < AT_WORK_TICKS) {
@@ -86,7 +86,7 @@ fn every_long_command_ends_with_code_130() {
     let mut wrong = Vec::new();
     for (name, arguments) in commands {
         let mut command = counterpoise();
-        let code = interrupted(command.arg(name).args(arguments).arg("-q"));
+        let code = interrupt_command(command.arg(name).args(arguments).arg("-q"));
         if code != Some(130) {
             wrong.push((name, code));
         }

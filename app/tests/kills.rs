@@ -12,7 +12,7 @@ use std::process::{Command, Stdio};
 
 use crate::support;
 
-use support::{CAMPAIGN, folder, folder_with, skipped};
+use support::{CAMPAIGN, folder, folder_with, report_skip};
 
 /// The calls that change the file system.
 const CALLS: &str =
@@ -24,7 +24,7 @@ fn strace() -> bool {
 }
 
 /// Returns the project that is exported: a quicker one if it is not said how many kills are tried.
-fn exported() -> PathBuf {
+fn exported_project() -> PathBuf {
     let is_quick = std::env::var_os("KILLS").is_none();
     let name = if is_quick { "direct-gimbal/project.toml" } else { "appendix-5/integral.toml" };
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(name)
@@ -48,7 +48,7 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 }
 
 /// Runs the program under `strace`; it is killed at the k-th call, where k is given. Returns the number of calls made.
-fn traced(arguments: &[&str], output: &Path, kill_at: Option<usize>) -> usize {
+fn trace_program(arguments: &[&str], output: &Path, kill_at: Option<usize>) -> usize {
     let log = output.with_extension("log");
     let mut command = Command::new("strace");
     command.args(["-f", "-qq", "-e"]).arg(format!("trace={CALLS}")).arg("-o").arg(&log);
@@ -71,12 +71,12 @@ fn places(calls: usize) -> Vec<usize> {
 #[test]
 fn an_export_that_is_killed_leaves_whole_files() {
     if !strace() {
-        return skipped("no strace: no kills at system calls");
+        return report_skip("no strace: no kills at system calls");
     }
     let base = folder("kills_export");
-    let project = exported();
+    let project = exported_project();
     let arguments = ["export", project.to_str().unwrap(), "-q"];
-    let calls = traced(&arguments, &base.join("whole"), None);
+    let calls = trace_program(&arguments, &base.join("whole"), None);
     let whole = files(&base.join("whole"));
     assert!(whole.len() > 3 && calls > 20, "{} files, {calls} calls", whole.len());
     let mut torn = 0;
@@ -87,7 +87,7 @@ fn an_export_that_is_killed_leaves_whole_files() {
             fs::create_dir_all(place.join(name).parent().unwrap()).unwrap();
             fs::write(place.join(name), b"old").unwrap();
         }
-        traced(&arguments, &place, Some(k));
+        trace_program(&arguments, &place, Some(k));
         for (name, found) in files(&place) {
             let is_whole = found == b"old" || whole.get(&name) == Some(&found);
             torn += usize::from(!is_whole && !name.to_string_lossy().ends_with(".fmu"));
@@ -104,22 +104,22 @@ fn an_export_that_is_killed_leaves_whole_files() {
 #[test]
 fn a_sweep_that_is_killed_goes_on_to_the_same_end() {
     if !strace() {
-        return skipped("no strace: no kills at system calls");
+        return report_skip("no strace: no kills at system calls");
     }
     let base = folder_with("kills_sweep", CAMPAIGN);
     let project = base.join("project.toml");
     let arguments = ["sweep", project.to_str().unwrap(), "--shard", "0/2", "-q"];
-    let calls = traced(&arguments, &base.join("whole"), None);
+    let calls = trace_program(&arguments, &base.join("whole"), None);
     let whole = files(&base.join("whole"));
     assert_eq!(whole.len(), 1);
     for k in places(calls) {
         let place = base.join(format!("killed-{k}"));
         fs::create_dir_all(&place).unwrap();
-        traced(&arguments, &place, Some(k));
+        trace_program(&arguments, &place, Some(k));
         assert!(files(&place).iter().all(|(name, found)| whole.get(name) == Some(found)), "after call {k}");
     }
     let place = base.join("killed-1");
-    traced(&arguments, &place, None);
+    trace_program(&arguments, &place, None);
     assert_eq!(files(&place), whole);
     println!("sweep: {} kills over {calls} system calls, no torn file", places(calls).len());
 }

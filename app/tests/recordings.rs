@@ -22,7 +22,7 @@ fn project(name: &str, more: &str) -> PathBuf {
 }
 
 /// Returns the replay of a file, as JSON.
-fn replayed(project: &Path, file: &Path) -> serde_json::Value {
+fn replay_file(project: &Path, file: &Path) -> serde_json::Value {
     let run = counterpoise(&["replay", project.to_str().unwrap(), file.to_str().unwrap(), "--json"]);
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     serde_json::from_slice(&run.stdout).unwrap()
@@ -35,7 +35,7 @@ fn data(file: &str) -> PathBuf {
 #[test]
 fn every_format_gives_the_same_numbers() {
     let project = project("formats", "");
-    let channels = |file: &str| replayed(&project, &data(file))["recordings"][0]["channels"].clone();
+    let channels = |file: &str| replay_file(&project, &data(file))["recordings"][0]["channels"].clone();
     let csv = channels("run.csv");
     assert_eq!(csv.as_object().unwrap().len(), 4, "{csv}");
     for file in ["run.parquet", "run_v5.mat", "run_v73.mat"] {
@@ -46,7 +46,7 @@ fn every_format_gives_the_same_numbers() {
 #[test]
 fn windows_are_recordings_of_their_own() {
     let project = project("windows", "[recording]\nwindows = [[0.0, 0.2], [0.15, 0.35]]\n");
-    let result = replayed(&project, &data("run.csv"));
+    let result = replay_file(&project, &data("run.csv"));
     let files: Vec<&str> =
         result["recordings"].as_array().unwrap().iter().map(|r| r["file"].as_str().unwrap()).collect();
     assert!(files.len() == 2 && files[1].ends_with("run.csv, 0.15 to 0.35 s"), "{files:?}");
@@ -76,7 +76,7 @@ fn a_file_at_another_rate_is_put_on_the_projects_clock_and_told() {
         text.push_str(&format!("{},{},{},{}\n", row[0], row[1], row[2], row[3]));
     }
     fs::write(&slow, text).unwrap();
-    let result = replayed(&project, &slow);
+    let result = replay_file(&project, &slow);
     let told = result["recordings"][0]["remarks"][0].as_str().unwrap().to_owned();
     assert_eq!(told, "sampled every 0.002 s: interpolated to the project's 0.001 s");
     let vaf = result["recordings"][0]["channels"]["hub_rate"]["vaf"].as_f64().unwrap();
@@ -98,8 +98,8 @@ fn a_channel_with_a_clock_of_its_own_lands_on_the_files_clock() {
         text.push_str(&format!("{},{},{},{},{tacho}\n", row[0], row[2], row[1], row[3]));
     }
     fs::write(&file, text).unwrap();
-    let own = replayed(&project, &file);
-    let whole = replayed(&self::project("one-clock", ""), &data("run.csv"));
+    let own = replay_file(&project, &file);
+    let whole = replay_file(&self::project("one-clock", ""), &data("run.csv"));
     let error = |result: &serde_json::Value| {
         result["recordings"][0]["channels"]["motor_rate"]["rms_error"].as_f64().unwrap()
     };
@@ -246,7 +246,7 @@ fn the_projects_own_design_replays_as_the_file_that_its_export_writes() {
     let run = counterpoise(&["export", own.to_str().unwrap(), "-o", out.to_str().unwrap()]);
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     fs::copy(out.join("controller.json"), folder.join("controller.json")).unwrap();
-    let result = |project: &Path| replayed(project, &folder.join("run.csv"))["recordings"][0].clone();
+    let result = |project: &Path| replay_file(project, &folder.join("run.csv"))["recordings"][0].clone();
     let found = result(&own);
     assert_eq!(found, result(&exported));
     // what the controller makes of the readings is compared with the recorded control, so the remark tells one controller from another

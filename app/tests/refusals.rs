@@ -95,7 +95,7 @@ fn with_lines(lines: &[(&str, &str)]) -> String {
 }
 
 /// Returns what is wrong with the answer to a file; empty if it is refused in all these words.
-fn judged(name: &str, text: &str, words: &[&str]) -> String {
+fn mistakes_of_answer(name: &str, text: &str, words: &[&str]) -> String {
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::write(&file, text).unwrap();
     let run = Command::new(env!("CARGO_BIN_EXE_counterpoise")).arg("synth").arg(&file).output().unwrap();
@@ -110,12 +110,11 @@ fn judged(name: &str, text: &str, words: &[&str]) -> String {
 #[test]
 fn weights_without_a_controller_are_refused_in_words() {
     let of_weights = WEIGHTS.iter().enumerate().map(|(k, (header, body, words))| {
-        judged(&format!("refused-weight-{k}.toml"), &with_weight(header, body), words)
+        mistakes_of_answer(&format!("refused-weight-{k}.toml"), &with_weight(header, body), words)
     });
-    let of_lines = LINES
-        .iter()
-        .enumerate()
-        .map(|(k, (lines, words))| judged(&format!("refused-lines-{k}.toml"), &with_lines(lines), words));
+    let of_lines = LINES.iter().enumerate().map(|(k, (lines, words))| {
+        mistakes_of_answer(&format!("refused-lines-{k}.toml"), &with_lines(lines), words)
+    });
     let wrong: String = of_weights.chain(of_lines).collect();
     assert!(wrong.is_empty(), "{wrong}");
 }

@@ -119,7 +119,7 @@ fn writes() -> bool {
     std::env::var_os("WRITE_MANUAL").is_some()
 }
 
-fn stored(name: &str) -> PathBuf {
+fn stored_result(name: &str) -> PathBuf {
     root().join("app/tests/data/results").join(format!("{name}.json"))
 }
 
@@ -210,10 +210,12 @@ fn run(example: &Example, quick: &Quick) -> Value {
 }
 
 /// Returns the result with its lists cut to three elements, and without paths of this machine.
-fn shortened(value: Value) -> Value {
+fn shorten_lists(value: Value) -> Value {
     match value {
-        Value::Array(all) => Value::Array(all.into_iter().take(3).map(shortened).collect()),
-        Value::Object(all) => Value::Object(all.into_iter().map(|(key, v)| (key, shortened(v))).collect()),
+        Value::Array(all) => Value::Array(all.into_iter().take(3).map(shorten_lists).collect()),
+        Value::Object(all) => {
+            Value::Object(all.into_iter().map(|(key, v)| (key, shorten_lists(v))).collect())
+        }
         Value::String(text) if text.contains('/') && Path::new(&text).is_absolute() => {
             Value::String(Path::new(&text).file_name().unwrap().to_string_lossy().into_owned())
         }
@@ -223,8 +225,9 @@ fn shortened(value: Value) -> Value {
 
 /// Returns the result with the stored figures of cores in the place of its own, if this machine has no compiler for these cores.
 fn with_stored_cores(name: &str, mut given: Value) -> Value {
-    let known =
-        fs::read_to_string(stored(name)).ok().and_then(|text| serde_json::from_str::<Value>(&text).ok());
+    let known = fs::read_to_string(stored_result(name))
+        .ok()
+        .and_then(|text| serde_json::from_str::<Value>(&text).ok());
     let cores = known.as_ref().and_then(|known| known.pointer("/targets/cores"));
     if let (Some(own), Some(cores)) = (given.pointer_mut("/targets/cores"), cores)
         && own.as_array().is_some_and(Vec::is_empty)
@@ -254,7 +257,7 @@ fn keys(value: &Value, path: &str, into: &mut BTreeMap<String, (String, String)>
     let (kind, shown) = match value {
         Value::Null => ("", "null".to_owned()),
         Value::Bool(b) => ("true or false", b.to_string()),
-        Value::Number(number) => ("number", number.as_f64().map(short).unwrap_or_default()),
+        Value::Number(number) => ("number", number.as_f64().map(short_number).unwrap_or_default()),
         Value::String(text) => ("text", text.chars().take(60).collect()),
         Value::Array(_) => ("list", String::new()),
         Value::Object(_) => ("object", String::new()),
@@ -276,7 +279,7 @@ fn keys(value: &Value, path: &str, into: &mut BTreeMap<String, (String, String)>
     }
 }
 
-fn short(number: f64) -> String {
+fn short_number(number: f64) -> String {
     if number.fract() == 0.0 && number.abs() < 1e6 { format!("{number:.0}") } else { format!("{number:.3e}") }
 }
 
@@ -288,7 +291,8 @@ fn keys_of(value: &Value) -> BTreeMap<String, (String, String)> {
 }
 
 fn section(example: &Example) -> String {
-    let value: Value = serde_json::from_str(&fs::read_to_string(stored(example.name)).unwrap()).unwrap();
+    let value: Value =
+        serde_json::from_str(&fs::read_to_string(stored_result(example.name)).unwrap()).unwrap();
     let kind = if value.is_array() { "a list" } else { "an object" };
     let command = example.command.join(" ").replace("-o OUT", "-o out").replace("OUT", "out");
     let command = command.replace("RIG", "examples/reference-rig");
@@ -305,14 +309,15 @@ fn section(example: &Example) -> String {
 
 /// Returns the stored results by their names.
 fn all_stored() -> Vec<(&'static str, Value)> {
-    let read =
-        |example: &Example| serde_json::from_str(&fs::read_to_string(stored(example.name)).unwrap()).unwrap();
+    let read = |example: &Example| {
+        serde_json::from_str(&fs::read_to_string(stored_result(example.name)).unwrap()).unwrap()
+    };
     EXAMPLES.iter().map(|example| (example.name, read(example))).collect()
 }
 
 /// Returns the published schema, as its file holds it.
 fn schema_text() -> String {
-    let made = schema::published(&all_stored(), &|key| NAMES.contains(&key));
+    let made = schema::published_schema(&all_stored(), &|key| NAMES.contains(&key));
     serde_json::to_string_pretty(&made).unwrap() + "\n"
 }
 
@@ -331,12 +336,13 @@ fn the_program_gives_the_keys_of_the_stored_results() {
             let wrong = schema::violations(&published["$defs"][example.name], &given, example.name);
             assert!(wrong.is_empty(), "{wrong:#?}");
         }
-        let given = with_stored_cores(example.name, shortened(given));
+        let given = with_stored_cores(example.name, shorten_lists(given));
         if writes {
             let text = serde_json::to_string_pretty(&given).unwrap();
-            fs::write(stored(example.name), text + "\n").unwrap();
+            fs::write(stored_result(example.name), text + "\n").unwrap();
         }
-        let known: Value = serde_json::from_str(&fs::read_to_string(stored(example.name)).unwrap()).unwrap();
+        let known: Value =
+            serde_json::from_str(&fs::read_to_string(stored_result(example.name)).unwrap()).unwrap();
         let names = |value: &Value| keys_of(value).into_keys().collect::<Vec<_>>();
         assert_eq!(names(&given), names(&known), "{}", example.name);
     }

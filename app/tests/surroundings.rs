@@ -28,7 +28,7 @@ const SURROUNDINGS: [[(&str, &str); 5]; 3] = [
 ];
 
 /// Returns what a command prints in every surrounding; each runs in a folder of its own.
-fn printed(name: &str, arguments: &[&str]) -> Vec<Vec<u8>> {
+fn print_everywhere(name: &str, arguments: &[&str]) -> Vec<Vec<u8>> {
     let run = |(k, variables): (usize, &[(&str, &str); 5])| {
         let mut command = counterpoise();
         command.args(arguments).arg("-q").envs(variables.iter().copied());
@@ -59,7 +59,7 @@ fn results_are_the_same_bytes_in_every_locale_zone_and_folder() {
         ("synth", vec!["synth", rig, "--json"]),
         ("export", vec!["export", gimbal.to_str().unwrap(), "-o", "out", "--json"]),
     ] {
-        let printed = printed(name, &arguments);
+        let printed = print_everywhere(name, &arguments);
         assert!(printed.windows(2).all(|two| two[0] == two[1]), "{name}");
     }
     let exported = |k: usize| {

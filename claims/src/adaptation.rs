@@ -36,7 +36,7 @@ fn sine(s: &Sine) -> Signal {
     Signal::sine(s.amplitude, std::f64::consts::TAU * s.frequency_hz)
 }
 
-fn heaving(tested: &TestedDesign<'_>, initial: Initial) -> Scenario {
+fn heave_scenario(tested: &TestedDesign<'_>, initial: Initial) -> Scenario {
     let platform = PlatformMotion {
         heave_m_s2: sine(&tested.procedure.heave),
         pitch_rate_rad_s: sine(&tested.procedure.pitch),
@@ -125,7 +125,8 @@ fn intervals(
             Some(adaptive) => adaptive,
             None => &mut controller,
         };
-        let run = Simulator::new(&Plant::from_lumped(&machine)?)?.run(acting, &heaving(tested, initial))?;
+        let run =
+            Simulator::new(&Plant::from_lumped(&machine)?)?.run(acting, &heave_scenario(tested, initial))?;
         let rates = run.truth.hub_rate_rad_s();
         let first = ((1.0 - JUDGED) * rates.len() as f64) as usize;
         found.push(1e3 * rms(&rates[first..]));
@@ -181,7 +182,7 @@ pub fn adapted_feedforward(tested: &TestedDesign<'_>) -> Result<Claim, PipelineE
             lowest[1]
         ),
         criteria,
-        why: why(&lowest),
+        why: interval_reason(&lowest),
         drawings: vec![
             make_figure("RMS hub rate after each change of the out-of-balance", Axis::linear("interval of 20 s", ""), panels)
                 .with_caption("The out-of-balance is 1, 0.75, 0.37, 1.48 and 1 times the normal. Above the linear amplifier, below the measured one."),
@@ -223,7 +224,7 @@ fn interval_panel(name: &str, [nobody, mean, squares, truth]: [&[f64]; 4]) -> Pa
     make_panel(Axis::linear(&format!("hub, {name}"), "mrad/s"), curves)
 }
 
-fn why(lowest: &[f64]) -> String {
+fn interval_reason(lowest: &[f64]) -> String {
     format!(
         "some interval stays above {RETURNED} times the default ({:.2} and {:.2} times at the lowest); where even the controller that is told the truth does not return, the changed loop and not the estimate is the cause",
         lowest[0], lowest[1]
@@ -250,7 +251,8 @@ pub fn imbalance_without_gravity(tested: &TestedDesign<'_>) -> Result<Claim, Pip
         let estimation = estimation(tested, scale(tested, &machine, 0.0), 0.0, Telling::Squares)?;
         let mut adaptive = Adaptive::new(no_bias.runner(), estimation);
         let initial = Initial::Rest { hub_angle_rad: 0.0 };
-        Simulator::new(&Plant::from_lumped(&machine)?)?.run(&mut adaptive, &heaving(tested, initial))?;
+        Simulator::new(&Plant::from_lumped(&machine)?)?
+            .run(&mut adaptive, &heave_scenario(tested, initial))?;
         let history = adaptive.history_kg_m();
         let time = |k: usize| INTERVAL_S * (k + 1) as f64 / history.len() as f64;
         let every = history.len().div_ceil(1000).max(1);

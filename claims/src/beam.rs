@@ -49,7 +49,7 @@ fn deviations(beam: &Beam, mesh: Mesh, integration: Integration) -> Result<Vec<f
     Ok(coarse.iter().zip(&fine).map(|(a, b)| 100.0 * (a / b - 1.0)).collect())
 }
 
-fn printed(column: &Printed) -> Vec<f64> {
+fn printed_deviations(column: &Printed) -> Vec<f64> {
     column.1.iter().zip(&PRINTED_FINE).map(|(a, b)| 100.0 * (a / b - 1.0)).collect()
 }
 
@@ -85,7 +85,7 @@ struct Tried {
     range: [f64; 3],
 }
 
-fn tried(beam: &Beam, integration: Integration) -> Result<Tried, PipelineError> {
+fn try_integration(beam: &Beam, integration: Integration) -> Result<Tried, PipelineError> {
     let first = |beam: &Beam, mesh: Mesh| -> Result<f64, PipelineError> {
         Ok(deviations(beam, mesh, integration)?.first().copied().unwrap_or(f64::NAN))
     };
@@ -139,7 +139,7 @@ fn picture(
         curves.push(ClaimCurve::new(
             format!("{} elements, thesis", column.0),
             CurveStyle::Pair,
-            modes(printed(column)),
+            modes(printed_deviations(column)),
         ));
     }
     let panel = make_panel(Axis::linear("frequency off by", "%"), curves).with_level(0.0, "");
@@ -177,7 +177,7 @@ pub fn uniform_elements(tested: &TestedDesign<'_>) -> Result<Claim, PipelineErro
     let few = deviations(beam, Mesh::Equal(3), integration)?;
     let largest = many.iter().take(FIRST_MODES).map(|off| off.abs()).fold(0.0, f64::max);
     let first = few.first().copied().unwrap_or(f64::NAN);
-    let found = tried(beam, integration)?;
+    let found = try_integration(beam, integration)?;
     let why = format!(
         "14 elements are as claimed. 3 elements of mean diameters depend on where their nodes lie: on this beam mode 1 is {:+.1} % off with equal lengths, {:+.1} % with nodes where its sections end, and from {:+.1} to {:+.1} % over all places of the two inner nodes ({:+.2} % at best); on one smooth cone of the same ends, equal lengths, {:+.1} %, for mean diameters make a cone too soft. The +0.9 % of table 6-1 depends on where the nodes were put, which the thesis does not print",
         first, found.at_sections, found.range[0], found.range[1], found.range[2], found.cone
@@ -243,8 +243,8 @@ pub fn tapered_elements(tested: &TestedDesign<'_>) -> Result<Claim, PipelineErro
         ));
     }
     let equal = first(&deviations(beam, Mesh::Equal(3), integration)?);
-    let found = tried(beam, integration)?;
-    let own = |all: &[Printed], k: usize| mean(&printed(&all[k]));
+    let found = try_integration(beam, integration)?;
+    let own = |all: &[Printed], k: usize| mean(&printed_deviations(&all[k]));
     let why = format!(
         "in mode 1 tapered elements are {}, as claimed; in the mean over all modes they are the worse with 2 and with 1 element, and so they are in the thesis' own table ({:.0} against {:.0} %, {:.0} against {:.0} %). 0.2 % asks for an element without a step inside, which equal lengths do not give on this beam: 3 elements are {equal:+.2} % off with equal lengths, {:+.2} % with nodes where its sections end, {:+.2} % on one smooth cone of the same ends, {:+.2} % there by the thesis' own power-law elements, whose error has either sign",
         if nearer { "closer in every column" } else { "not closer in every column" },
@@ -273,7 +273,8 @@ fn column_criteria(column: &Printed, tapered: &[f64], uniform: &[f64]) -> [Crite
     let mean = |r: &[f64]| r.iter().map(|x| x.abs()).sum::<f64>() / r.len().max(1) as f64;
     let first = |r: &[f64]| r.first().copied().unwrap_or(f64::NAN);
     let alike = UNIFORM.iter().find(|one| one.0 == column.0);
-    let own = alike.map_or(f64::NAN, |one| mean(&printed(column)) / mean(&printed(one)));
+    let own =
+        alike.map_or(f64::NAN, |one| mean(&printed_deviations(column)) / mean(&printed_deviations(one)));
     let first_mode = format!("{} elements, |off| in mode 1, tapered over uniform", column.0);
     let all_modes = format!("{} elements, mean |off| over the modes, tapered over uniform", column.0);
     // the thesis' own table is worse in the mean with few elements; a coarse mesh is so far off that only the direction counts

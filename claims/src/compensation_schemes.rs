@@ -79,12 +79,12 @@ pub fn schemes_of_the_appendix(tested: &TestedDesign<'_>) -> Result<Claim, Pipel
     ];
     let (mut rates, mut curves) = (Vec::new(), Vec::new());
     for (scheme, name) in schemes {
-        let hub = moved(tested, &mut with(tested, scheme))?;
-        rates.push(judged(tested, &hub));
+        let hub = simulate_hub_rate(tested, &mut with(tested, scheme))?;
+        rates.push(settled_rms(tested, &hub));
         curves.push(curve(tested, name, &hub));
     }
-    let hub = moved(tested, &mut tested.observed.runner())?;
-    let observed = judged(tested, &hub);
+    let hub = simulate_hub_rate(tested, &mut tested.observed.runner())?;
+    let observed = settled_rms(tested, &hub);
     curves.push(curve(tested, "friction observer", &hub));
     let words: Vec<String> =
         schemes.iter().zip(&rates).map(|((_, name), rate)| format!("{name} {:.2}", 1e3 * rate)).collect();
@@ -140,7 +140,7 @@ fn with(tested: &TestedDesign<'_>, scheme: Scheme) -> With {
 }
 
 /// Returns the hub rate while the platform heaves and pitches.
-fn moved(
+fn simulate_hub_rate(
     tested: &TestedDesign<'_>,
     controller: &mut dyn SampledController,
 ) -> Result<Vec<f64>, PipelineError> {
@@ -155,18 +155,18 @@ fn moved(
     Ok(run.truth.hub_rate_rad_s().to_vec())
 }
 
-fn first(tested: &TestedDesign<'_>) -> usize {
+fn first_sample(tested: &TestedDesign<'_>) -> usize {
     (DURATION_S.1 / tested.parameters().interface.sample_period_s).round() as usize
 }
 
-fn judged(tested: &TestedDesign<'_>, hub: &[f64]) -> f64 {
-    rms(&hub[first(tested).min(hub.len())..])
+fn settled_rms(tested: &TestedDesign<'_>, hub: &[f64]) -> f64 {
+    rms(&hub[first_sample(tested).min(hub.len())..])
 }
 
 /// Returns the hub rate in mrad/s over time, of two seconds after the start.
 fn curve(tested: &TestedDesign<'_>, name: &str, hub: &[f64]) -> ClaimCurve {
     let period_s = tested.parameters().interface.sample_period_s;
-    let (from, count) = (first(tested), (2.0 / period_s).round() as usize);
+    let (from, count) = (first_sample(tested), (2.0 / period_s).round() as usize);
     let points =
         hub.iter().enumerate().skip(from).take(count).map(|(k, rate)| (k as f64 * period_s, 1e3 * rate));
     ClaimCurve::line(name, points.map(Point::from).collect())

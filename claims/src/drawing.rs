@@ -106,7 +106,7 @@ impl ClaimCurve {
     }
 
     /// Returns a line in the background.
-    pub fn faint(name: impl Into<String>, points: Vec<Point>) -> Self {
+    pub fn faint_line(name: impl Into<String>, points: Vec<Point>) -> Self {
         Self::new(name, CurveStyle::Faint, points)
     }
 }

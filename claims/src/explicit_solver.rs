@@ -77,7 +77,7 @@ impl SlidingInertia {
         let (mut time, mut x, mut step, mut count) = (0.0, [0.0; 2], 1e-4, 0);
         while time < duration_s {
             step = f64::min(step, duration_s - time);
-            let (next, error) = self.tried(time, x, step);
+            let (next, error) = self.try_step(time, x, step);
             count += STAGES.len();
             if error <= 1.0 {
                 (time, x) = (time + step, next);
@@ -92,7 +92,7 @@ impl SlidingInertia {
     }
 
     /// Returns the state after a step, and its error over the tolerance.
-    fn tried(&self, time: f64, x: [f64; 2], step: f64) -> ([f64; 2], f64) {
+    fn try_step(&self, time: f64, x: [f64; 2], step: f64) -> ([f64; 2], f64) {
         let mut k = [[0.0; 2]; 7];
         k[0] = self.slope(time, x);
         let mut at = x;
@@ -128,10 +128,10 @@ mod tests {
         };
         let (mut x, steps) = ([0.0; 2], 200);
         for k in 0..steps {
-            x = sliding.tried(f64::from(k) / f64::from(steps), x, 1.0 / f64::from(steps)).0;
+            x = sliding.try_step(f64::from(k) / f64::from(steps), x, 1.0 / f64::from(steps)).0;
         }
         assert!(x[0].abs() < 1e-10, "{x:?}");
-        let half = (0..100).fold([0.0; 2], |x, k| sliding.tried(f64::from(k) / 200.0, x, 1.0 / 200.0).0);
+        let half = (0..100).fold([0.0; 2], |x, k| sliding.try_step(f64::from(k) / 200.0, x, 1.0 / 200.0).0);
         assert!((half[0] - 2.0 * 1.5 / std::f64::consts::TAU).abs() < 1e-10, "{half:?}");
     }
 }

@@ -39,7 +39,7 @@ fn predicted_tip(p: &Parameters, hub: &[f64]) -> Vec<f64> {
     out
 }
 
-fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
+fn subtract(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(x, y)| x - y).collect()
 }
 
@@ -57,8 +57,8 @@ pub fn tip_motion(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let first = held.index_at(tested.procedure.settle_s);
     let predicted = predicted_tip(tested.parameters(), held.hub_rate_rad_s());
     let (tip, hub) = (&held.tip_rate_rad_s()[first..], &held.hub_rate_rad_s()[first..]);
-    let as_hub = 1e3 * rms(&less(tip, hub));
-    let as_predicted = 1e3 * rms(&less(tip, predicted.get(first..).unwrap_or(&[])));
+    let as_hub = 1e3 * rms(&subtract(tip, hub));
+    let as_predicted = 1e3 * rms(&subtract(tip, predicted.get(first..).unwrap_or(&[])));
     let (before, after) = (1e3 * rms(&free.tip_rate_rad_s()[first..]), 1e3 * rms(tip));
     let hub_after = 1e3 * rms(hub);
     Ok(Claim {
@@ -104,11 +104,11 @@ fn tip_motion_figures(free: &History, held: &History, predicted: &[f64], first: 
     let tip = &held.tip_rate_rad_s()[first..];
     let of = |values: &[f64]| points_of(at_s, values.get(first..).unwrap_or(&[]), 1e3);
     let stabilised = vec![
-        ClaimCurve::faint("without control", of(free.tip_rate_rad_s())),
+        ClaimCurve::faint_line("without control", of(free.tip_rate_rad_s())),
         ClaimCurve::line("with the whole controller", of(held.tip_rate_rad_s())),
     ];
     let off = |name: &str, values: &[f64]| {
-        ClaimCurve::line(name, points_of(at_s, &less(tip, values.get(first..).unwrap_or(&[])), 1e3))
+        ClaimCurve::line(name, points_of(at_s, &subtract(tip, values.get(first..).unwrap_or(&[])), 1e3))
     };
     let errors = vec![off("tip less hub", held.hub_rate_rad_s()), off("tip less its prediction", predicted)];
     vec![

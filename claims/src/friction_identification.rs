@@ -44,7 +44,7 @@ pub fn identify_friction(truth: &Parameters) -> Result<IdentifiedFriction, Pipel
     let mut wrong = truth.clone();
     wrong.pivot_friction.law.scale_coulomb(WRONG[0]);
     scale_stiffness(&mut wrong, WRONG[1]);
-    let (recording, control) = recorded(truth)?;
+    let (recording, control) = record_machine(truth)?;
     let found = identify(&wrong, &[std::slice::from_ref(&recording)])?;
     let level = apply_identified(&wrong, &found);
     let parameters = with_fitted_stiffness(&level, &recording, &control)?;
@@ -73,7 +73,7 @@ pub fn with_observer(project: &Project, found: &IdentifiedFriction) -> Project {
     project
 }
 
-fn recorded(truth: &Parameters) -> Result<(Recording, ReplayLoop), PipelineError> {
+fn record_machine(truth: &Parameters) -> Result<(Recording, ReplayLoop), PipelineError> {
     let plant = Plant::from_lumped(truth)?;
     let sample_period_s = truth.interface.sample_period_s;
     let bias_v = plant.equilibrium(&Default::default()).control_v;

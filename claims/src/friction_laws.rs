@@ -77,7 +77,7 @@ fn brush(s: Shared) -> FrictionLaw {
 }
 
 /// Returns the mechanism balanced, with its motor disconnected.
-fn free(tested: &TestedDesign<'_>) -> Result<Parameters, PipelineError> {
+fn free_mechanism(tested: &TestedDesign<'_>) -> Result<Parameters, PipelineError> {
     let mut parameters = tested.parameters().clone();
     if let Some(lumped) = &mut parameters.lumped {
         lumped.out_of_balance_kg_m = 0.0;
@@ -87,7 +87,7 @@ fn free(tested: &TestedDesign<'_>) -> Result<Parameters, PipelineError> {
 }
 
 /// Returns what the pivot's law shares with the others; `None` if it is not Dahl's.
-fn shared(parameters: &Parameters) -> Option<Shared> {
+fn shared_quantities(parameters: &Parameters) -> Option<Shared> {
     let inertia_kg_m2 = parameters.lumped.as_ref().map(|l| l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2)?;
     match parameters.pivot_friction.law {
         FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad, .. } => {
@@ -135,7 +135,7 @@ fn distances(a: &Map, b: &Map) -> Vec<f64> {
     a.iter().zip(b).map(|(x, y)| apart_db(x, y)).collect()
 }
 
-fn whole(distances: &[f64]) -> f64 {
+fn total_distance(distances: &[f64]) -> f64 {
     (distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64).sqrt()
 }
 
@@ -159,8 +159,8 @@ pub fn friction_laws_over_amplitude(tested: &TestedDesign<'_>) -> Result<Claim, 
         "7.2, figs 7-2 to 7-5",
         "at large amplitude all friction models agree; at small amplitude the static ones differ from the dynamic ones; Dahl fits the (Dahl-like) rig best",
     ];
-    let free = free(tested)?;
-    let Some(shared) = shared(&free) else { return Ok(no_dahl(named)) };
+    let free = free_mechanism(tested)?;
+    let Some(shared) = shared_quantities(&free) else { return Ok(no_dahl(named)) };
     let maps = friction_laws_over_amplitude_maps(&free, shared)?;
     let truth = &maps[0].map;
     let row = |one: &LawMap| LawDistances { law: one.law, db: distances(&one.map, truth) };
@@ -190,9 +190,13 @@ fn friction_laws_over_amplitude_criteria(rows: &[LawDistances], large: f64) -> V
     let smallest = SHARES.len() - 1;
     let least_static = fixed.iter().map(|row| row.db[smallest]).fold(f64::MAX, f64::min);
     let most_dynamic = moving.iter().map(|row| row.db[smallest]).fold(0.0, f64::max);
-    let overall = |name: &str| rows.iter().find(|row| row.law == name).map_or(f64::NAN, |row| whole(&row.db));
-    let others =
-        rows.iter().filter(|row| row.law != "Dahl").map(|row| whole(&row.db)).fold(f64::INFINITY, f64::min);
+    let overall =
+        |name: &str| rows.iter().find(|row| row.law == name).map_or(f64::NAN, |row| total_distance(&row.db));
+    let others = rows
+        .iter()
+        .filter(|row| row.law != "Dahl")
+        .map(|row| total_distance(&row.db))
+        .fold(f64::INFINITY, f64::min);
     vec![
         Criterion::at_most(
             "largest amplitude: farthest law from the machine, dB",
@@ -281,7 +285,7 @@ pub fn cost_of_friction_laws(tested: &TestedDesign<'_>) -> Result<Claim, Pipelin
         "7.2",
         "simulations with Dahl run 1.5 times as fast as with the reset integrator and 3 times as fast as with LuGre",
     ];
-    let Some(shared) = shared(tested.parameters()) else { return Ok(no_dahl(named)) };
+    let Some(shared) = shared_quantities(tested.parameters()) else { return Ok(no_dahl(named)) };
     let laws = [
         ("Dahl", tested.parameters().pivot_friction.law.clone()),
         ("reset integrator", DYNAMIC[2].1(shared)),
@@ -405,10 +409,10 @@ pub fn fitted_friction_laws(tested: &TestedDesign<'_>) -> Result<Claim, Pipeline
         "9.2",
         "asks why LuGre and the reset integrator fitted worse than Dahl: parameters fitted to the same maps",
     ];
-    let free = free(tested)?;
-    let Some(shared) = shared(&free) else { return Ok(no_dahl(named)) };
+    let free = free_mechanism(tested)?;
+    let Some(shared) = shared_quantities(&free) else { return Ok(no_dahl(named)) };
     let truth = map(&with_law(&free, brush(shared)))?;
-    let dahl = whole(&distances(&map(&with_law(&free, DYNAMIC[0].1(shared)))?, &truth));
+    let dahl = total_distance(&distances(&map(&with_law(&free, DYNAMIC[0].1(shared)))?, &truth));
     let lugre = |x: [f64; 2]| FrictionLaw::Lugre {
         coulomb_nm: shared.coulomb_nm,
         bristle_stiffness_nm_rad: shared.stiffness_nm_rad * x[0],
@@ -419,8 +423,8 @@ pub fn fitted_friction_laws(tested: &TestedDesign<'_>) -> Result<Claim, Pipeline
         deflection_rad: shared.coulomb_nm / (shared.stiffness_nm_rad * x[0]),
         damping_nm_s_rad: shared.damping() * x[1],
     };
-    let a = fitted(&|x| Ok(whole(&distances(&map(&with_law(&free, lugre(x)))?, &truth))))?;
-    let b = fitted(&|x| Ok(whole(&distances(&map(&with_law(&free, reset(x)))?, &truth))))?;
+    let a = fit_factors(&|x| Ok(total_distance(&distances(&map(&with_law(&free, lugre(x)))?, &truth))))?;
+    let b = fit_factors(&|x| Ok(total_distance(&distances(&map(&with_law(&free, reset(x)))?, &truth))))?;
     Ok(Claim {
         measured: format!(
             "RMS distance from the map of a machine with a brush of {} bristles: Dahl {dahl:.2} dB as matched; LuGre {:.2} dB as matched, {:.2} dB fitted (stiffness x{:.2}, damping x{:.3}); reset integrator {:.2} dB, {:.2} dB fitted (x{:.2}, x{:.3}). The usual bristle damping alone set both apart from the machine: with almost none they are no farther than Dahl's law",
@@ -494,7 +498,7 @@ struct Fitted {
 }
 
 /// Returns each of two factors up and down, the step's square root taken when nothing is better.
-fn fitted(distance: &dyn Fn([f64; 2]) -> Result<f64, PipelineError>) -> Result<Fitted, PipelineError> {
+fn fit_factors(distance: &dyn Fn([f64; 2]) -> Result<f64, PipelineError>) -> Result<Fitted, PipelineError> {
     const FIRST_STEP: f64 = 4.0;
     const LAST_STEP: f64 = 1.1;
     const LEAST: f64 = 1e-3;

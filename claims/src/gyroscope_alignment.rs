@@ -48,7 +48,11 @@ impl SampledController for Misaligned {
 }
 
 /// Returns the hub rate under pitch and roll.
-fn moved(tested: &TestedDesign<'_>, hub_rad: f64, platform_rad: f64) -> Result<Vec<f64>, PipelineError> {
+fn simulate_hub_rate(
+    tested: &TestedDesign<'_>,
+    hub_rad: f64,
+    platform_rad: f64,
+) -> Result<Vec<f64>, PipelineError> {
     let p = tested.parameters();
     let pitch = &tested.procedure.pitch;
     let platform = PlatformMotion {
@@ -64,7 +68,7 @@ fn moved(tested: &TestedDesign<'_>, hub_rad: f64, platform_rad: f64) -> Result<V
 }
 
 /// Returns what a misaligned run has more than the aligned one at the roll's frequency, over the roll rate.
-fn coupled(tested: &TestedDesign<'_>, hub: &[f64], aligned: &[f64]) -> f64 {
+fn cross_coupling(tested: &TestedDesign<'_>, hub: &[f64], aligned: &[f64]) -> f64 {
     let period_s = tested.parameters().interface.sample_period_s;
     let first = (DURATION_S.1 / period_s).round() as usize;
     let cycles = ((hub.len().saturating_sub(first)) as f64 * period_s * ROLL_HZ).floor();
@@ -90,10 +94,10 @@ fn complementary(tested: &TestedDesign<'_>) -> f64 {
 /// # Errors
 /// Those of the simulator.
 pub fn misaligned_gyroscopes(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
-    let aligned = moved(tested, 0.0, 0.0)?;
-    let hub = moved(tested, ANGLE_RAD, 0.0)?;
-    let platform = moved(tested, 0.0, ANGLE_RAD)?;
-    let share = |of: &[f64]| coupled(tested, of, &aligned) / ANGLE_RAD.sin();
+    let aligned = simulate_hub_rate(tested, 0.0, 0.0)?;
+    let hub = simulate_hub_rate(tested, ANGLE_RAD, 0.0)?;
+    let platform = simulate_hub_rate(tested, 0.0, ANGLE_RAD)?;
+    let share = |of: &[f64]| cross_coupling(tested, of, &aligned) / ANGLE_RAD.sin();
     let (of_hub, of_platform, loop_) = (share(&hub), share(&platform), complementary(tested));
     let period_s = tested.parameters().interface.sample_period_s;
     let curve = |name: &str, rates: &[f64]| {

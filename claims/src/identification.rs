@@ -39,14 +39,14 @@ const STATES: [f64; 2] = [0.005, 0.5];
 const TRIANGLE: (f64, f64, f64) = (0.15, 2.0, 10.0);
 
 /// Returns a PI controller that holds a machine's weight.
-fn holding(machine: &Parameters) -> Result<ProportionalIntegral, PipelineError> {
+fn holding_controller(machine: &Parameters) -> Result<ProportionalIntegral, PipelineError> {
     let bias_v = Plant::from_lumped(machine)?.equilibrium(&Default::default()).control_v;
     let sample_period_s = machine.interface.sample_period_s;
     Ok(ProportionalIntegral { kp_v_s_rad: 18.0, ki_v_rad: 80.0, bias_v, sample_period_s, integral_v: 0.0 })
 }
 
 /// Returns a triangle wave recorded on a machine in closed loop, with noise and converters.
-fn recorded(
+fn record_triangle(
     machine: &Parameters,
     controller: &mut dyn SampledController,
     seed: u64,
@@ -64,7 +64,7 @@ fn recorded(
 }
 
 /// Returns the machine that the project does not know.
-fn concealed(nominal: &Parameters) -> Parameters {
+fn concealed_machine(nominal: &Parameters) -> Parameters {
     let mut machine = nominal.clone();
     if let Some(lumped) = &mut machine.lumped {
         lumped.out_of_balance_kg_m *= CONCEALED[0];
@@ -77,7 +77,7 @@ fn concealed(nominal: &Parameters) -> Parameters {
 }
 
 /// Returns the first moment, inertia, Coulomb and viscous friction of a machine, all at the output.
-fn four(p: &Parameters) -> [f64; 4] {
+fn four_parameters(p: &Parameters) -> [f64; 4] {
     let n = p.gearbox.ratio;
     let lumped = p.lumped.as_ref();
     [
@@ -93,13 +93,15 @@ fn four(p: &Parameters) -> [f64; 4] {
 /// # Errors
 /// Those of the simulator and of the identification.
 pub fn triangle_identification(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
-    let machine = concealed(tested.parameters());
-    let found =
-        identify(tested.parameters(), &[&[recorded(&machine, &mut tested.controller().runner(), 1)?]])?;
+    let machine = concealed_machine(tested.parameters());
+    let found = identify(
+        tested.parameters(),
+        &[&[record_triangle(&machine, &mut tested.controller().runner(), 1)?]],
+    )?;
     let b = &found.balances[0];
     let all = [b.out_of_balance_kg_m, b.inertia_kg_m2, found.coulomb_nm, found.viscous_nm_s_rad];
     let names = ["out-of-balance [kg m]", "inertia [kg m^2]", "Coulomb [N m]", "viscous [N m s/rad]"];
-    let truth = four(&machine);
+    let truth = four_parameters(&machine);
     let line = |k: usize| {
         let e: &Estimate = &all[k];
         format!("{} {:.1} [{:.1}, {:.1}], true {:.1}", names[k], e.value, e.ci95[0], e.ci95[1], truth[k])
@@ -172,8 +174,8 @@ pub fn with_amplifier(nominal: &Parameters, share: f64) -> Parameters {
 pub fn amplifier_curve(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let machines = STATES.map(|share| with_amplifier(tested.parameters(), share));
     let (balanced, midpoint) = (
-        recorded(&machines[0], &mut holding(&machines[0])?, 1)?,
-        recorded(&machines[1], &mut holding(&machines[1])?, 2)?,
+        record_triangle(&machines[0], &mut holding_controller(&machines[0])?, 1)?,
+        record_triangle(&machines[1], &mut holding_controller(&machines[1])?, 2)?,
     );
     let found = identify(tested.parameters(), &[&[balanced], &[midpoint]])?;
     let points = found.amplifier.points();
@@ -231,15 +233,15 @@ fn curve(points: &[GainPoint], truth: &dyn Fn(f64) -> f64) -> Drawing {
             vec![
                 ClaimCurve::reference("concealed map", map),
                 ClaimCurve::points("recovered", recovered),
-                ClaimCurve::faint("linear amplifier", linear),
+                ClaimCurve::faint_line("linear amplifier", linear),
             ],
         ),
         make_panel(
             Axis::linear("off the map", "%"),
             vec![
                 ClaimCurve::points("recovered", errors),
-                ClaimCurve::faint("95 % interval", limits(0)),
-                ClaimCurve::faint("95 % interval", limits(1)),
+                ClaimCurve::faint_line("95 % interval", limits(0)),
+                ClaimCurve::faint_line("95 % interval", limits(1)),
             ],
         )
         .with_level(0.0, ""),

@@ -184,11 +184,16 @@ pub fn redesigned_for_imbalance(tested: &TestedDesign<'_>) -> Result<Claim, Pipe
     for factor in [0.37, 1.48] {
         let mut parameters = tested.parameters().clone();
         parameters.lumped.iter_mut().for_each(|lumped| lumped.out_of_balance_kg_m *= factor);
-        all.push(redesigned(tested, &format!("out-of-balance x{factor} alone"), &parameters, Source::Heave)?);
+        all.push(redesign_for(
+            tested,
+            &format!("out-of-balance x{factor} alone"),
+            &parameters,
+            Source::Heave,
+        )?);
     }
     for name in CONFIGURATIONS {
         let Some(parameters) = apply_configuration(tested, name)? else { continue };
-        all.push(redesigned(tested, name, &parameters, Source::Both)?);
+        all.push(redesign_for(tested, name, &parameters, Source::Both)?);
     }
     let words: Vec<&str> = all.iter().map(|one| one.words.as_str()).collect();
     let mut designs = vec![DesignAt { factor: 1.0, controller: tested.observed.clone() }];
@@ -206,7 +211,7 @@ pub fn redesigned_for_imbalance(tested: &TestedDesign<'_>) -> Result<Claim, Pipe
 }
 
 /// Returns a design for another mechanism, beside the normal one.
-fn redesigned(
+fn redesign_for(
     tested: &TestedDesign<'_>,
     name: &str,
     parameters: &Parameters,

@@ -230,7 +230,7 @@ fn motions(tested: &TestedDesign<'_>, source: Source, name: &str) -> Drawing {
         })
         .collect();
     let free = run(Arrangement::Uncontrolled)
-        .map(|history| ClaimCurve::faint("without control", hub_rates(history)));
+        .map(|history| ClaimCurve::faint_line("without control", hub_rates(history)));
     let whole = free.into_iter().chain(controlled.clone()).collect();
     let panels = vec![hub_panel(whole), hub_panel(controlled)];
     make_figure(format!("Hub rate under {name}, linear plant"), time_axis(), panels)

@@ -125,7 +125,7 @@ impl SevenParameters {
         ["stiffness", "Coulomb", "viscous", "static", "Stribeck rate", "memory", "rise of static friction"];
 
     /// Returns the same parameters with one of them times a factor.
-    fn changed(mut self, which: usize, factor: f64) -> Self {
+    fn with_scaled_parameter(mut self, which: usize, factor: f64) -> Self {
         let all = [
             &mut self.stiffness_nm_rad,
             &mut self.coulomb_nm,
@@ -321,7 +321,7 @@ fn measure(parameters: &Parameters) -> Option<FrictionMeasurement> {
         rise_s: RISE_S,
     };
     let sevens = |which: usize, factor: f64| {
-        let p = seven.changed(which, factor);
+        let p = seven.with_scaled_parameter(which, factor);
         hub(p.viscous_nm_s_rad).map(&|| Box::new(SevenParameterModel::new(p)))
     };
     let peaked = || BlimanSorine::new(coulomb_nm, stiffness, STATIC);

@@ -5,11 +5,13 @@ use crate::{Agreement, Claim, ClaimOutcome, Criterion};
 use counterpoise_plot::Figure;
 use counterpoise_plot::number::short_number;
 use counterpoise_report::verification::VerificationContext;
-use counterpoise_report::{Cell, Column, FigureTile, Headline, OutcomeTone, Report, Section, Table};
+use counterpoise_report::{
+    FigureTile, Headline, OutcomeTone, Report, ReportCell, ReportColumn, ReportSection, ReportTable,
+};
 
 /// Returns the report: the verdicts are the first screen. `again` is the command that measures one row again.
 pub fn claims_report(rows: &[Claim], context: VerificationContext, again: &dyn Fn(&str) -> String) -> Report {
-    let mut sections: Vec<Section> = rows.iter().map(|row| section(row, &again(row.id))).collect();
+    let mut sections: Vec<ReportSection> = rows.iter().map(|row| section(row, &again(row.id))).collect();
     sections.extend(context.more);
     Report {
         title: context.title,
@@ -68,69 +70,70 @@ fn tile(claim: &Claim) -> FigureTile {
 }
 
 /// Returns one row a claim.
-pub fn claims_table(rows: &[Claim]) -> Table {
+pub fn claims_table(rows: &[Claim]) -> ReportTable {
     let columns = [
-        Column::Text(""),
-        Column::Text("thesis"),
-        Column::Text("says"),
-        Column::Text("measured here"),
-        Column::Text("verdict"),
+        ReportColumn::Text(""),
+        ReportColumn::Text("thesis"),
+        ReportColumn::Text("says"),
+        ReportColumn::Text("measured here"),
+        ReportColumn::Text("verdict"),
     ];
-    let mut table = Table::new("", &columns);
+    let mut table = ReportTable::new("", &columns);
     table.rows = rows.iter().map(row).collect();
     table
 }
 
-fn row(claim: &Claim) -> Vec<Cell> {
+fn row(claim: &Claim) -> Vec<ReportCell> {
     let (tone, word, _) = outcome(&claim.finding());
     vec![
-        Cell::text(claim.id),
-        Cell::text(whole(claim.source)),
-        Cell::text(claim.says),
-        Cell::text(claim.measured.as_str()),
-        Cell::Verdict(tone, word.to_owned()),
+        ReportCell::text(claim.id),
+        ReportCell::text(keep_together(claim.source)),
+        ReportCell::text(claim.says),
+        ReportCell::text(claim.measured.as_str()),
+        ReportCell::Verdict(tone, word.to_owned()),
     ]
 }
 
 /// Returns a reference that is broken only after a comma.
-fn whole(source: &str) -> String {
+fn keep_together(source: &str) -> String {
     source.replace('-', "\u{2011}").replace(' ', "\u{A0}").replace(",\u{A0}", ", ")
 }
 
 /// Returns a row as a page of its own: what is said, what was measured, why it differs, and its figures.
-fn section(claim: &Claim, command: &str) -> Section {
+fn section(claim: &Claim, command: &str) -> ReportSection {
     let (_, word, why) = outcome(&claim.finding());
-    let mut section = Section::new(&format!("{} {}: {word}", claim.id, claim.title))
-        .saying(format!("The thesis, {}: {}.", claim.source, claim.says));
+    let mut section = ReportSection::new(&format!("{} {}: {word}", claim.id, claim.title))
+        .with_text(format!("The thesis, {}: {}.", claim.source, claim.says));
     if !claim.measured.is_empty() {
-        section = section.saying(format!("Measured: {}.", claim.measured));
+        section = section.with_text(format!("Measured: {}.", claim.measured));
     }
     if !why.is_empty() {
-        section = section.saying(why);
+        section = section.with_text(why);
     }
     if !claim.criteria.is_empty() {
-        section = section.listing(criteria(&claim.criteria));
+        section = section.with_table(criteria(&claim.criteria));
     }
-    section
-        .showing(claim.drawings.iter().map(|figure| Figure { command: command.to_owned(), ..figure.clone() }))
+    section.with_figures(
+        claim.drawings.iter().map(|figure| Figure { command: command.to_owned(), ..figure.clone() }),
+    )
 }
 
 /// Returns every criterion with what the thesis says, the range that agrees with it, and what was measured.
-fn criteria(all: &[Criterion]) -> Table {
+fn criteria(all: &[Criterion]) -> ReportTable {
     let columns = [
-        Column::Text("quantity"),
-        Column::Text("thesis"),
-        Column::Number("measured"),
-        Column::Text("agrees"),
-        Column::Text("why this range"),
-        Column::Text("verdict"),
+        ReportColumn::Text("quantity"),
+        ReportColumn::Text("thesis"),
+        ReportColumn::Number("measured"),
+        ReportColumn::Text("agrees"),
+        ReportColumn::Text("why this range"),
+        ReportColumn::Text("verdict"),
     ];
-    let mut table = Table::new("What must hold", &columns);
+    let mut table = ReportTable::new("What must hold", &columns);
     table.rows = all.iter().map(criterion).collect();
     table
 }
 
-fn criterion(one: &Criterion) -> Vec<Cell> {
+fn criterion(one: &Criterion) -> Vec<ReportCell> {
     let explained = one.explained.map_or(String::new(), |(low, high)| {
         format!("; explained from {} to {}", short_number(low), short_number(high))
     });
@@ -140,12 +143,12 @@ fn criterion(one: &Criterion) -> Vec<Cell> {
         Agreement::Disagrees => (OutcomeTone::Bad, "disagrees"),
     };
     vec![
-        Cell::text(one.what.as_str()),
-        Cell::text(one.thesis.as_str()),
-        Cell::number(one.measured),
-        Cell::text(one.range() + &explained),
-        Cell::text(one.reason.as_str()),
-        Cell::Verdict(tone, word.to_owned()),
+        ReportCell::text(one.what.as_str()),
+        ReportCell::text(one.thesis.as_str()),
+        ReportCell::number(one.measured),
+        ReportCell::text(one.range() + &explained),
+        ReportCell::text(one.reason.as_str()),
+        ReportCell::Verdict(tone, word.to_owned()),
     ]
 }
 

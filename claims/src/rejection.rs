@@ -209,9 +209,9 @@ pub fn small_amplitude_rejection(tested: &TestedDesign<'_>) -> Result<Claim, Pip
         criteria,
         why: String::new(),
         drawings: vec![
-            drawn("friction added at the pivot", Axis::linear("added", "N m"), &torques, friction),
-            drawn("backlash", factor_axis("backlash"), &[1.0, 2.0, 5.0], backlash),
-            drawn(
+            observer_drawing("friction added at the pivot", Axis::linear("added", "N m"), &torques, friction),
+            observer_drawing("backlash", factor_axis("backlash"), &[1.0, 2.0, 5.0], backlash),
+            observer_drawing(
                 "the dumb-bells' inertia",
                 Axis::linear("hub inertia", "times the normal"),
                 &added,
@@ -256,7 +256,7 @@ fn band_criteria(hz: f64, [backlash, inertia, friction]: [&[f64]; 3]) -> [Criter
     ]
 }
 
-fn drawn(what: &str, x: Axis, factors: &[f64], db: &[f64]) -> Drawing {
+fn observer_drawing(what: &str, x: Axis, factors: &[f64], db: &[f64]) -> Drawing {
     let points = factors.iter().copied().zip(db.iter().copied()).map(Point::from).collect();
     let panel = make_panel(
         Axis::linear("DRR in pitch", "dB"),

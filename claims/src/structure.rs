@@ -12,7 +12,7 @@ use super::drawing::{ClaimCurve, frequency_axis, gain_db, make_figure, make_pane
 use super::tested_design::{largest_db, rate_grid};
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::{KEPT_RESPONSE, UNSEEN_STATE};
-use counterpoise_pipeline::{PipelineError, model};
+use counterpoise_pipeline::{PipelineError, build_plant_model};
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 use counterpoise_project::resolve::model::StructureChoice;
 
@@ -32,7 +32,7 @@ const INPUTS: [&str; 3] = ["control", "heave", "pitch"];
 fn beam_plant(tested: &TestedDesign, modes: usize) -> Result<LinearPlant, PipelineError> {
     let mut project = tested.project.clone();
     (project.model.structure, project.model.modes) = (StructureChoice::Beam, modes);
-    Ok(model(&project)?.linear)
+    Ok(build_plant_model(&project)?.linear)
 }
 
 /// Returns a plant with another structure, linear.
@@ -44,7 +44,7 @@ fn with_body(tested: &TestedDesign, body: Body) -> Result<StateSpace, PipelineEr
 }
 
 /// Guyan's condensation onto every fourth node's deflection, the hub and the tip, then the first pinned modes.
-fn condensed(tested: &TestedDesign) -> Result<StateSpace, PipelineError> {
+fn condense_structure(tested: &TestedDesign) -> Result<StateSpace, PipelineError> {
     let (fe, ratios) = counterpoise_pipeline::finite_elements(tested.project, StructureChoice::Beam)?;
     let hub = fe.hub.ok_or(counterpoise_models::Error::NoHubNode)?;
     let n = fe.M.nrows();
@@ -107,7 +107,7 @@ pub fn reduced_order(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> 
         by("modal truncation", modal_truncation(&full, rate, Residual::Drop)?.system),
         by("modal truncation, static gain kept", modal_truncation(&full, rate, Residual::MatchDc)?.system),
         by("balanced truncation", balred(&full, Order::States(ORDER), Method::MatchDc)?.system),
-        by("Guyan and truncation", condensed(tested)?),
+        by("Guyan and truncation", condense_structure(tested)?),
     ];
     let mut words = Vec::new();
     let mut best = f64::INFINITY;
@@ -160,8 +160,10 @@ fn reductions(full: &StateSpace, all: &[NamedReduction]) -> Result<Vec<Drawing>,
     let drawn = rate_grid(DRAWN_HZ);
     let mut drawings = Vec::new();
     for (input, name) in INPUTS.iter().enumerate() {
-        let mut curves =
-            vec![ClaimCurve::faint(format!("whole, order {}", full.order()), gain_db(full, input, &drawn)?)];
+        let mut curves = vec![ClaimCurve::faint_line(
+            format!("whole, order {}", full.order()),
+            gain_db(full, input, &drawn)?,
+        )];
         for NamedReduction { method, system } in all {
             curves.push(ClaimCurve::new(
                 *method,
@@ -246,7 +248,7 @@ pub fn lumped_against_elements(tested: &TestedDesign<'_>) -> Result<Claim, Pipel
         ),
         criteria,
         why,
-        drawings: compared(&beam, lumped, low[1], &others)?,
+        drawings: compare_plants(&beam, lumped, low[1], &others)?,
     })
 }
 
@@ -289,7 +291,7 @@ fn heave_explained(
 }
 
 /// Returns the gain and phase of both plants for each input, with what else was tried in heave.
-fn compared(
+fn compare_plants(
     beam: &StateSpace,
     lumped: &StateSpace,
     low_hz: f64,

@@ -69,7 +69,7 @@ fn at_tone(map: &Map) -> Vec<f64> {
     map.iter().map(near).collect()
 }
 
-fn mapped(title: &str, quantity: &str, map: &Map, full: f64, unit: &str) -> Drawing {
+fn map_drawing(title: &str, quantity: &str, map: &Map, full: f64, unit: &str) -> Drawing {
     let named = AMPLITUDES.iter().map(|share| format!("{:.3} {unit}", share * full));
     let curves = named.zip(map).map(|(name, row)| ClaimCurve::points(name, row.clone())).collect();
     make_figure(title, frequency_axis(), vec![make_panel(Axis::linear(quantity, "dB"), curves)])
@@ -102,7 +102,7 @@ pub fn plant_over_amplitude(tested: &TestedDesign<'_>) -> Result<Claim, Pipeline
             "3 dB is far above what the analyser scatters by",
         )],
         why: String::new(),
-        drawings: vec![mapped(
+        drawings: vec![map_drawing(
             "Control to hub rate at four amplitudes",
             "hub rate over control",
             &found,
@@ -121,7 +121,7 @@ pub fn closed_loop_over_amplitude(tested: &TestedDesign<'_>) -> Result<Claim, Pi
     let closed = |controller| map(tested, controller, Test::ClosedLoop, DEMAND_RAD_S, &error);
     let (with, without) = (closed(&tested.observed)?, closed(tested.controller())?);
     let quantity = "error over demand";
-    let drawn = |title, map| mapped(title, quantity, map, 1e3 * DEMAND_RAD_S, "mrad/s");
+    let drawn = |title, map| map_drawing(title, quantity, map, 1e3 * DEMAND_RAD_S, "mrad/s");
     Ok(Claim {
         id: "C21",
         title: "closed loop over amplitude",
@@ -189,9 +189,9 @@ pub fn place_of_friction(tested: &TestedDesign<'_>) -> Result<Claim, PipelineErr
     balanced.gearbox.backlash_rad *= SPACER;
     let (motor, pivot) = levels(&balanced);
     let total = motor + pivot;
-    let own = compared(tested, "the rig", &balanced, total)?;
+    let own = compare_splits(tested, "the rig", &balanced, total)?;
     let half = split(&balanced, 0.5 * total, 0.5 * total);
-    let half = compared(tested, "half and half", &half, total)?;
+    let half = compare_splits(tested, "half and half", &half, total)?;
     let words = |found: &Compared| {
         let one = |(share, off): (&f64, &f64)| format!("{} {:.1}", ratio(*share), 100.0 * off);
         SPLITS.iter().zip(&found.off).map(one).collect::<Vec<_>>().join(", ")
@@ -213,7 +213,7 @@ pub fn place_of_friction(tested: &TestedDesign<'_>) -> Result<Claim, PipelineErr
             "the direction is as claimed, and the wrong end is up to {most:.0} % off; the end that is nearer to the rig's own split ({}) is off by less than a tenth",
             ratio(motor / total)
         ),
-        drawings: vec![lobes(&own.loops), apart(&own.loops), apart(&half.loops)],
+        drawings: vec![lobes(&own.loops), separation_drawing(&own.loops), separation_drawing(&half.loops)],
         ..Claim::of(named)
     })
 }
@@ -252,7 +252,7 @@ fn ratio(share: f64) -> String {
 }
 
 /// Returns every split beside a mechanism.
-fn compared(
+fn compare_splits(
     tested: &TestedDesign<'_>,
     name: &str,
     mechanism: &Parameters,
@@ -287,7 +287,7 @@ fn lobes(loops: &[NamedTriangle]) -> Drawing {
 }
 
 /// Returns how far each split's control is from the rig's.
-fn apart(loops: &[NamedTriangle]) -> Drawing {
+fn separation_drawing(loops: &[NamedTriangle]) -> Drawing {
     let Some(NamedTriangle { run: rig, .. }) = loops.first() else { return lobes(loops) };
     let one = |NamedTriangle { name, run }: &NamedTriangle| {
         let off = |k: usize| 1e3 * (run.control_v[k] - rig.control_v[k]);

@@ -39,7 +39,7 @@ struct Lagging {
 pub fn integral_action(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let integral = with_error(tested, Weight::Integral { gain: INTEGRAL_GAIN, time_s: 1.0 })?;
     let own = figures(&integral);
-    let family = lagging(tested);
+    let family = design_lag_family(tested);
     let high = family.iter().find(|one| one.figures[0] < SMALL_ERROR_PERCENT).or(family.last());
     let rows: Vec<String> =
         family.iter().map(|one| format!("K7 x{}: {}", one.gain, text(&one.figures))).collect();
@@ -113,7 +113,7 @@ fn text(f: &Figures) -> String {
 }
 
 /// Designs without integral action over the gain; the family ends if there is no design.
-fn lagging(tested: &TestedDesign<'_>) -> Vec<Lagging> {
+fn design_lag_family(tested: &TestedDesign<'_>) -> Vec<Lagging> {
     let one = |gain: f64| {
         let weight = Weight::Lag { gain: gain * INTEGRAL_GAIN * CORNER_S, time_s: CORNER_S };
         let designed = with_error(tested, weight).ok()?;
@@ -169,7 +169,7 @@ fn integral_action_figures(
             vec![overshoot, ms],
         ),
     ];
-    all.extend(high.map(|high| disturbed(integral, &high.designed)));
+    all.extend(high.map(|high| disturbance_drawing(integral, &high.designed)));
     all
 }
 
@@ -178,7 +178,7 @@ fn first_second(points: Vec<Point>) -> Vec<Point> {
 }
 
 /// Returns both designs under heave and pitch, with feedback alone: figures A5-7(b) and A5-8(b).
-fn disturbed(integral: &DesignStages, high: &DesignStages) -> Drawing {
+fn disturbance_drawing(integral: &DesignStages, high: &DesignStages) -> Drawing {
     let curve = |designed: &DesignStages, name: &str, experiment| {
         let history = designed.verified.verification().history(Model::Linear, experiment)?;
         Some(ClaimCurve::line(name, hub_rates(history)))
@@ -231,7 +231,7 @@ pub fn three_methods(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> 
     ] {
         match attempt(design_alternative(&design.plant, &design.specification.feedback, method))? {
             Ok(part) => {
-                let broken = broken(tested, &part)?;
+                let broken = open_loop(tested, &part)?;
                 let (text, judged) = judged_loop(name, &broken)?;
                 criteria.extend(judged);
                 words.push(format!("{name}: {text}"));
@@ -271,7 +271,7 @@ struct MethodLoop {
 }
 
 /// Returns the loop of a continuous design on the design plant.
-fn broken(tested: &TestedDesign<'_>, part: &Alternative) -> Result<StateSpace, PipelineError> {
+fn open_loop(tested: &TestedDesign<'_>, part: &Alternative) -> Result<StateSpace, PipelineError> {
     let plant = &tested.designed.synthesised.design.plant;
     let seen = plant.measured_plant()?.select(&[0], &[plant.control]);
     Ok(series(&part.controller.select(&[0], &[0]), &seen)?)

@@ -23,7 +23,7 @@ impl World for Example {
 }
 
 /// Every row shows what decided it: axes with their quantity, curves with names and numbers.
-fn drawn(row: &Claim) {
+fn check_drawings(row: &Claim) {
     assert!(!row.drawings.is_empty(), "{}: no figure", row.id);
     for figure in &row.drawings {
         let Content::Panels(all) = &figure.content else { panic!("{}: no panels", row.id) };
@@ -78,7 +78,7 @@ fn every_claim_of_the_thesis_is_answered_on_the_reference_rig() {
             assert!(low.is_finite() || high.is_finite(), "{}: {} cannot fail", row.id, one.what);
         }
         fails_if_any_figure_is_elsewhere(row);
-        drawn(row);
+        check_drawings(row);
     }
     assert_eq!(rows.iter().map(|row| row.id).collect::<Vec<_>>(), ids);
     for id in ["C5", "C7", "C19", "C20"] {

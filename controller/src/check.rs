@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use counterpoise_lti::{StateSpace, Timebase};
 
-use crate::range_checks::{Required, at_least_0, count, finite, positive, require};
+use crate::range_checks::{Required, at_least_0, count, require, require_finite, require_positive};
 use crate::signal::{HUB_POSITION, HUB_RATE};
 use crate::tolerance::{HIGHEST_ELEVATION_RAD, LONGEST_WINDOW, SAME_PERIOD};
 use crate::words;
@@ -26,8 +26,8 @@ pub fn check_parts(parts: &Parts) -> Result<(), Error> {
         system("prefilter", prefilter, 1, parts.sample_period_s)?;
     }
     match parts.demand_limit {
-        Some(DemandLimit::Error(most)) => positive("limit of the position error (rad or m)", most)?,
-        Some(DemandLimit::Rate(most)) => positive("largest rate of the demand (rad/s or m/s)", most)?,
+        Some(DemandLimit::Error(most)) => require_positive("limit of the position error (rad or m)", most)?,
+        Some(DemandLimit::Rate(most)) => require_positive("largest rate of the demand (rad/s or m/s)", most)?,
         None => {}
     }
     parts.paths.iter().try_for_each(|each| path(each, parts))?;
@@ -39,8 +39,8 @@ pub fn check_parts(parts: &Parts) -> Result<(), Error> {
 fn drive_curve(points: &[[f64; 2]]) -> Result<(), Error> {
     for column in 0..2 {
         let what = ["volts of a linear drive (V)", "control of the drive's curve (V)"][column];
-        rising(what, points, column)?;
-        points.first().map_or(Ok(()), |point| positive(what, point[column]))?;
+        check_rising(what, points, column)?;
+        points.first().map_or(Ok(()), |point| require_positive(what, point[column]))?;
     }
     Ok(())
 }
@@ -48,13 +48,13 @@ fn drive_curve(points: &[[f64; 2]]) -> Result<(), Error> {
 fn numbers(parts: &Parts) -> Result<(), Error> {
     let (low, high) = parts.out_of_balance_range_kg_m;
     let design = parts.design_out_of_balance_kg_m;
-    positive("sample period (s)", parts.sample_period_s)?;
-    positive("control limit (V)", parts.limit_v)?;
-    parts.reading_limits.iter().try_for_each(|limit| positive("limit of a reading", *limit))?;
-    finite("bias (V/(kg m))", parts.bias_v_per_kg_m)?;
+    require_positive("sample period (s)", parts.sample_period_s)?;
+    require_positive("control limit (V)", parts.limit_v)?;
+    parts.reading_limits.iter().try_for_each(|limit| require_positive("limit of a reading", *limit))?;
+    require_finite("bias (V/(kg m))", parts.bias_v_per_kg_m)?;
     at_least_0("transfer time (s)", parts.transfer_time_s)?;
-    finite("lowest out-of-balance (kg m)", low)?;
-    finite("highest out-of-balance (kg m)", high)?;
+    require_finite("lowest out-of-balance (kg m)", low)?;
+    require_finite("highest out-of-balance (kg m)", high)?;
     let inside = low <= design && design <= high;
     require(
         "design out-of-balance (kg m)",
@@ -114,8 +114,8 @@ fn corrections(parts: &Parts) -> Result<(), Error> {
             each.reading as f64,
             Required { holds: known, words: "a reading's index, corrected once" },
         )?;
-        finite("correction's gain", each.gain)?;
-        finite("correction's offset", each.offset)?;
+        require_finite("correction's gain", each.gain)?;
+        require_finite("correction's offset", each.offset)?;
     }
     Ok(())
 }
@@ -131,7 +131,7 @@ fn projection(parts: &Parts) -> Result<(), Error> {
     )?;
     projection
         .pitch_washout_s
-        .map_or(Ok(()), |time_s| positive("washout of the platform's pitch angle (s)", time_s))?;
+        .map_or(Ok(()), |time_s| require_positive("washout of the platform's pitch angle (s)", time_s))?;
     let Some(reading) = projection.angle_reading else { return Ok(()) };
     let is_angle = reading == HUB_RATE || reading == HUB_POSITION;
     let words = "the hub's position, or the loop's own sensor where that is a position";
@@ -142,7 +142,7 @@ fn path(path: &Path, parts: &Parts) -> Result<(), Error> {
     system(&path.name, &path.system, path.inputs.len(), parts.sample_period_s)?;
     count(&path.name, "anti-windup gains for states", path.anti_windup.len(), path.system.order())?;
     for gain in &path.anti_windup {
-        finite(&format!("anti-windup gain of path '{}'", path.name), *gain)?;
+        require_finite(&format!("anti-windup gain of path '{}'", path.name), *gain)?;
     }
     match path.scaling {
         Scaling::Fixed => Ok(()),
@@ -180,14 +180,14 @@ fn system(name: &str, system: &StateSpace, inputs: usize, period_s: f64) -> Resu
 
 fn observer(observer: &FrictionObserver) -> Result<(), Error> {
     let name = &observer.name;
-    positive(&format!("Coulomb level of '{name}' (N m)"), observer.coulomb_nm)?;
+    require_positive(&format!("Coulomb level of '{name}' (N m)"), observer.coulomb_nm)?;
     at_least_0(&format!("rest stiffness of '{name}' (N m/rad)"), observer.rest_stiffness_nm_rad)?;
-    finite(&format!("gain of '{name}' (V/(N m))"), observer.volts_per_nm)?;
-    finite(&format!("viscous gain of '{name}' (V s/rad)"), observer.viscous_v_s_rad)?;
+    require_finite(&format!("gain of '{name}' (V/(N m))"), observer.volts_per_nm)?;
+    require_finite(&format!("viscous gain of '{name}' (V s/rad)"), observer.viscous_v_s_rad)?;
     if !observer.level.is_empty() {
-        rising(&format!("speeds of the level of '{name}' (rad/s)"), &observer.level, 0)?;
+        check_rising(&format!("speeds of the level of '{name}' (rad/s)"), &observer.level, 0)?;
         for point in &observer.level {
-            positive(&format!("level of '{name}' over its Coulomb level"), point[1])?;
+            require_positive(&format!("level of '{name}' over its Coulomb level"), point[1])?;
         }
     }
     law(observer)?;
@@ -196,13 +196,14 @@ fn observer(observer: &FrictionObserver) -> Result<(), Error> {
 
 fn law(observer: &FrictionObserver) -> Result<(), Error> {
     let name = &observer.name;
-    let held = || positive(&format!("rest stiffness of '{name}' (N m/rad)"), observer.rest_stiffness_nm_rad);
+    let held =
+        || require_positive(&format!("rest stiffness of '{name}' (N m/rad)"), observer.rest_stiffness_nm_rad);
     let damped = |damping| at_least_0(&format!("damping of '{name}' (N m s/rad)"), damping);
-    let soft = |rate| positive(&format!("rate of the sign of '{name}' (rad/s)"), rate);
+    let soft = |rate| require_positive(&format!("rate of the sign of '{name}' (rad/s)"), rate);
     match observer.law {
         ObserverLaw::Dahl => Ok(()),
         ObserverLaw::DahlPower { exponent } => {
-            positive(&format!("exponent of '{name}'"), exponent).and_then(|()| held())
+            require_positive(&format!("exponent of '{name}'"), exponent).and_then(|()| held())
         }
         ObserverLaw::Lugre { damping_nm_s_rad } => damped(damping_nm_s_rad).and_then(|()| held()),
         ObserverLaw::ResetIntegrator { static_ratio, damping_nm_s_rad } => {
@@ -215,14 +216,14 @@ fn law(observer: &FrictionObserver) -> Result<(), Error> {
         }
         ObserverLaw::Sliding { sign_rate_rad_s } => soft(sign_rate_rad_s),
         ObserverLaw::Walrath { sign_rate_rad_s, time_constant_s } => {
-            positive(&format!("time constant of '{name}' (s)"), time_constant_s)?;
+            require_positive(&format!("time constant of '{name}' (s)"), time_constant_s)?;
             soft(sign_rate_rad_s)
         }
     }
 }
 
 /// Checks that the entries of a column rise.
-fn rising(what: &str, points: &[[f64; 2]], column: usize) -> Result<(), Error> {
+fn check_rising(what: &str, points: &[[f64; 2]], column: usize) -> Result<(), Error> {
     for pair in points.windows(2) {
         let (before, after) = (pair[0][column], pair[1][column]);
         require(
@@ -247,8 +248,8 @@ fn rate(signal: PathSignal) -> Result<(), Error> {
 }
 
 fn estimator(estimator: &Estimator) -> Result<(), Error> {
-    finite("gravity (m/s^2)", estimator.gravity_m_s2)?;
-    positive("half rate (rad/s)", estimator.half_rate_rad_s)?;
+    require_finite("gravity (m/s^2)", estimator.gravity_m_s2)?;
+    require_positive("half rate (rad/s)", estimator.half_rate_rad_s)?;
     learning(estimator)?;
     let volts = estimator.volts_per_kg_m_s2;
     require(
@@ -294,8 +295,8 @@ fn learning(estimator: &Estimator) -> Result<(), Error> {
             )?;
             at_least_0("dead-band (m/s^2)", *dead_band_m_s2)?;
             at_least_0("filter of the estimator (s)", *filter_s)?;
-            inertia_v_s2_rad.iter().try_for_each(|one| finite("inertia (V s^2/rad)", *one))?;
-            deviation.iter().try_for_each(|one| positive("deviation of an estimated parameter", *one))
+            inertia_v_s2_rad.iter().try_for_each(|one| require_finite("inertia (V s^2/rad)", *one))?;
+            deviation.iter().try_for_each(|one| require_positive("deviation of an estimated parameter", *one))
         }
     }
 }

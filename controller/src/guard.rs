@@ -239,10 +239,10 @@ pub(crate) fn tend<N: Number>(states: &mut [N], kept: &[Kept<N>]) -> Plausible {
     for each in kept {
         states[each.place] = states[each.place].clamp_to(&each.low, &each.high);
     }
-    plausible(&total)
+    assess_states(&total)
 }
 
 /// Returns whether a sum of magnitudes is a plausible size of states.
-pub(crate) fn plausible<N: Number>(total: &N) -> Plausible {
+pub(crate) fn assess_states<N: Number>(total: &N) -> Plausible {
     if total.to_f64() <= N::from_f64(MOST_STATES).to_f64() { Plausible::Yes } else { Plausible::No }
 }

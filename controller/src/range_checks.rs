@@ -10,7 +10,7 @@ pub(crate) fn count(path: &str, what: &'static str, found: usize, expected: usiz
     }
 }
 
-pub(crate) fn positive(what: &str, value: f64) -> Result<(), Error> {
+pub(crate) fn require_positive(what: &str, value: f64) -> Result<(), Error> {
     require(what, value, Required { holds: value > 0.0 && value.is_finite(), words: "positive and finite" })
 }
 
@@ -22,7 +22,7 @@ pub(crate) fn at_least_0(what: &str, value: f64) -> Result<(), Error> {
     )
 }
 
-pub(crate) fn finite(what: &str, value: f64) -> Result<(), Error> {
+pub(crate) fn require_finite(what: &str, value: f64) -> Result<(), Error> {
     require(what, value, Required { holds: value.is_finite(), words: "finite" })
 }
 

@@ -34,7 +34,7 @@ pub struct Realisation {
 /// # Errors
 /// [`Error::Realisation`] if the Schur form fails.
 pub fn modal_form(system: &StateSpace) -> Result<Realisation, Error> {
-    let balanced = balance(&system.A).map_err(failed)?;
+    let balanced = balance(&system.A).map_err(realisation_error)?;
     let T = &balanced.scale;
     let n = system.order();
     let start = StateSpace {
@@ -43,7 +43,7 @@ pub fn modal_form(system: &StateSpace) -> Result<Realisation, Error> {
         C: Mat::from_fn(system.outputs(), n, |i, j| system.C[(i, j)] * T[j]),
         ..system.clone()
     };
-    let form = schur(&start.A).map_err(failed)?;
+    let form = schur(&start.A).map_err(realisation_error)?;
     let mut best = None;
     for closeness in CLUSTERS {
         let candidate = separate(&start, form.clone(), closeness)?;
@@ -56,7 +56,7 @@ pub fn modal_form(system: &StateSpace) -> Result<Realisation, Error> {
     best.ok_or_else(|| Error::Realisation("no block structure was tried".into()))
 }
 
-fn failed(error: counterpoise_linalg::Error) -> Error {
+fn realisation_error(error: counterpoise_linalg::Error) -> Error {
     Error::Realisation(error.to_string())
 }
 
@@ -69,7 +69,7 @@ fn separate(start: &StateSpace, mut form: Schur, closeness: f64) -> Result<Reali
     decouple(&mut A, &mut V, &blocks)?;
     normalise(&mut A, &mut V, &blocks);
     unit_columns(&mut V, &blocks);
-    let W = inverse(&V).map_err(failed)?;
+    let W = inverse(&V).map_err(realisation_error)?;
     let condition = V.norm_one() * W.norm_one();
     let defect = &(&start.A * &V) - &(&V * &A);
     let residual = defect.norm_one() / (start.A.norm_one() * V.norm_one()).max(f64::MIN_POSITIVE);
@@ -99,16 +99,16 @@ fn gather(form: &mut Schur, closeness: f64) -> Vec<usize> {
     for label in (0..count).rev() {
         let members: Vec<C64> =
             labels.iter().filter(|each| each.label == label).map(|each| each.value).collect();
-        let near = |value: C64| nearest(&labels, value) == Some(label);
+        let near = |value: C64| nearest_label(&labels, value) == Some(label);
         if members.len() > 1 && form.reorder(near).is_err() {
             // An exchange was refused: the eigenvalues are so close that their order does not matter.
             continue;
         }
     }
-    form.eigenvalues().iter().map(|value| nearest(&labels, *value).unwrap_or(0)).collect()
+    form.eigenvalues().iter().map(|value| nearest_label(&labels, *value).unwrap_or(0)).collect()
 }
 
-fn nearest(labels: &[Labelled], value: C64) -> Option<usize> {
+fn nearest_label(labels: &[Labelled], value: C64) -> Option<usize> {
     let distance = |each: &Labelled| (each.value - value).norm();
     labels.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).map(|each| each.label)
 }
@@ -168,7 +168,7 @@ fn decouple(A: &mut Mat, V: &mut Mat, blocks: &[usize]) -> Result<(), Error> {
             let A11 = A.block(top, top, size, size);
             let A12 = A.block(top, top + size, size, rest);
             let A22 = A.block(top + size, top + size, rest, rest);
-            let X = sylvester(&A11, &-&A22, &-&A12).map_err(failed)?;
+            let X = sylvester(&A11, &-&A22, &-&A12).map_err(realisation_error)?;
             let mut V2 = V.block(0, top + size, n, rest);
             V2 += &(&V.block(0, top, n, size) * &X);
             V.set_block(0, top + size, &V2);

@@ -1,7 +1,7 @@
 //! Runs a controller.
 
 use crate::compiled_program::Compiled;
-use crate::guard::{Guard, Kept, Plausible, kept_states, plausible, tend};
+use crate::guard::{Guard, Kept, Plausible, assess_states, kept_states, tend};
 use crate::program::OnRestart;
 use crate::{Controller, Number, Programs, Readings, SampledController, SensorUse, Status};
 
@@ -84,7 +84,7 @@ impl<N: Number> Runner<N> {
         let kept = self.programs.states.iter().filter(|group| group.on_restart == OnRestart::Keep);
         let places = kept.flat_map(|group| group.first..group.first + group.initial.len());
         let total = places.fold(N::from_f64(0.0), |sum, place| sum.plus(&self.memory[place].magnitude()));
-        if plausible(&total) == Plausible::No {
+        if assess_states(&total) == Plausible::No {
             self.put_to_start(OnRestart::Keep);
         }
     }

@@ -46,19 +46,19 @@ const DECADES: f64 = 5.0;
 pub fn realise_form(system: &StateSpace, form: RealisationForm) -> Result<StateSpace, Error> {
     match form {
         RealisationForm::Modal => Ok(modal_form(system)?.system),
-        RealisationForm::Balanced => balanced(system),
+        RealisationForm::Balanced => balanced_form(system),
         RealisationForm::LeastSensitive => {
-            let (modal, balanced) = (modal_form(system)?.system, balanced(system)?);
-            let is_worth = predicted(&balanced)? * WORTH < predicted(&modal)?;
+            let (modal, balanced) = (modal_form(system)?.system, balanced_form(system)?);
+            let is_worth = predict_error(&balanced)? * WORTH < predict_error(&modal)?;
             Ok(if is_worth { balanced } else { modal })
         }
     }
 }
 
 /// Returns the predicted error of [`RealisationCandidate`] alone, without the rounded response.
-fn predicted(system: &StateSpace) -> Result<f64, Error> {
+fn predict_error(system: &StateSpace) -> Result<f64, Error> {
     let rates = rates(system.timebase);
-    Ok(Sizes::of(&frequency_response(system, &rates)?).worst(&deviations(system, &rates)?))
+    Ok(Sizes::of(&frequency_response(system, &rates)?).largest_relative_error(&deviations(system, &rates)?))
 }
 
 /// Sizes of a response, to which errors are related.
@@ -74,7 +74,7 @@ impl Sizes {
     }
 
     /// Returns the largest of errors relative to the response or, where that is larger, to its median.
-    fn worst(&self, errors: &[f64]) -> f64 {
+    fn largest_relative_error(&self, errors: &[f64]) -> f64 {
         let relative = errors.iter().zip(&self.all).map(|(error, size)| error / size.max(self.median));
         relative.filter(|value| value.is_finite()).fold(0.0, f64::max)
     }
@@ -115,8 +115,8 @@ pub fn form_candidate(system: &StateSpace, form: RealisationForm) -> Result<Real
         form,
         system: system.clone(),
         coefficients: count_coefficients(system),
-        predicted: sizes.worst(&deviations(system, &rates)?),
-        measured: sizes.worst(&off),
+        predicted: sizes.largest_relative_error(&deviations(system, &rates)?),
+        measured: sizes.largest_relative_error(&off),
     })
 }
 
@@ -179,7 +179,7 @@ fn median(values: &[f64]) -> f64 {
 }
 
 /// Returns the stable part with equal, diagonal Gramians (square-root method), beside marginal poles in modal form.
-fn balanced(system: &StateSpace) -> Result<StateSpace, Error> {
+fn balanced_form(system: &StateSpace) -> Result<StateSpace, Error> {
     let realised = modal_form(system)?;
     let (mut marginal, mut stable, mut first) = (Vec::new(), Vec::new(), 0);
     for size in &realised.blocks {
@@ -244,7 +244,7 @@ mod tests {
     const PERIOD: Timebase = Timebase::Discrete { period_s: 1e-3 };
 
     /// Returns an integrator, a lag and a lightly damped pair, in coordinates that mix them.
-    fn mixed() -> StateSpace {
+    fn mixed_system() -> StateSpace {
         let A = Mat::from_rows(&[
             &[1.0, 0.0, 0.0, 0.0],
             &[0.0, 0.97, 0.0, 0.0],
@@ -268,7 +268,7 @@ mod tests {
 
     #[test]
     fn every_form_has_the_same_response_and_an_exact_integrator() {
-        let given = mixed();
+        let given = mixed_system();
         for form in [RealisationForm::Modal, RealisationForm::Balanced, RealisationForm::LeastSensitive] {
             let found = realise_form(&given, form).unwrap();
             assert!(difference(&given, &found) < 1e-10, "{form:?}");
@@ -278,7 +278,7 @@ mod tests {
 
     #[test]
     fn the_balanced_part_has_equal_diagonal_gramians() {
-        let given = states(&modal_form(&mixed()).unwrap().system, &[0, 1, 2]);
+        let given = states(&modal_form(&mixed_system()).unwrap().system, &[0, 1, 2]);
         let stable = StateSpace { A: given.A.scale(0.9), ..given };
         let found = balance_stable(&stable).unwrap();
         let P = counterpoise_lti::ctrb_gramian(&found).unwrap();
@@ -290,7 +290,7 @@ mod tests {
 
     #[test]
     fn the_predicted_sensitivity_is_what_rounding_does() {
-        for candidate in form_candidates(&mixed()).unwrap() {
+        for candidate in form_candidates(&mixed_system()).unwrap() {
             let ratio = candidate.measured / candidate.predicted;
             assert!((0.1..6.0).contains(&ratio), "{:?} {ratio}", candidate.form);
         }

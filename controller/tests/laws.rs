@@ -121,7 +121,7 @@ fn no_law_exceeds_its_level_at_any_rate() {
     }
 }
 
-fn through() -> Parts {
+fn pass_through_parts() -> Parts {
     let timebase = Timebase::Discrete { period_s: 1e-3 };
     let through = Mat::from_rows(&[&[1.0]]);
     let system =
@@ -134,7 +134,7 @@ fn through() -> Parts {
 
 #[test]
 fn the_drive_gets_the_control_that_its_curve_needs() {
-    let mut parts = through();
+    let mut parts = pass_through_parts();
     parts.drive_curve = vec![[0.2, 0.5], [0.5, 0.8], [3.0, 3.0]];
     let controller = Controller::new(parts).unwrap();
     let mut runner = controller.runner();
@@ -153,13 +153,13 @@ fn the_drive_gets_the_control_that_its_curve_needs() {
         assert!((found - expected).abs() < 1e-12, "{volts}: {found}");
     }
     assert_eq!(control(-50.0), -10.0);
-    let mut parts = through();
+    let mut parts = pass_through_parts();
     parts.drive_curve = vec![[0.5, 0.5], [0.4, 0.8]];
     assert!(Controller::new(parts).unwrap_err().to_string().contains("above the one before"));
 }
 
 fn estimating(learning: Learning, gravity_m_s2: f64) -> Controller {
-    let mut parts = through();
+    let mut parts = pass_through_parts();
     parts.design_out_of_balance_kg_m = 150.0;
     parts.out_of_balance_range_kg_m = (0.0, 400.0);
     parts.estimator = Some(Estimator {
@@ -175,7 +175,7 @@ fn estimating(learning: Learning, gravity_m_s2: f64) -> Controller {
     Controller::new(parts).unwrap()
 }
 
-fn used(controller: &Controller, states: &[f64]) -> f64 {
+fn used_moment(controller: &Controller, states: &[f64]) -> f64 {
     let groups = &controller.programs().states;
     states[groups.iter().find(|group| group.name == "out_of_balance_kg_m").unwrap().first]
 }
@@ -208,7 +208,8 @@ fn least_squares_find_the_out_of_balance_exactly() {
             double.step_array(&readings);
             single.step_array(&readings);
         }
-        let (found, small) = (used(&controller, &double.states()), used(&controller, &single.states()));
+        let (found, small) =
+            (used_moment(&controller, &double.states()), used_moment(&controller, &single.states()));
         assert!((found - 90.0).abs() < 0.02, "{found}");
         assert!((small - 90.0).abs() < 0.1, "single precision: {small}");
     }
@@ -226,7 +227,7 @@ fn inside_the_dead_band_least_squares_stand_still() {
         let noise = 0.01 * (f64::from(k) * 1.7).sin();
         runner.step_array(&[0.5 + noise, 0.1, 0.0, noise, 0.0, 0.0, 0.0]);
     }
-    assert_eq!(used(&controller, &runner.states()), 150.0);
+    assert_eq!(used_moment(&controller, &runner.states()), 150.0);
     assert!(runner.states().iter().all(|state| state.abs() < 2e3));
 }
 
@@ -238,7 +239,7 @@ fn the_mean_of_a_window_gives_the_out_of_balance_at_its_end() {
     let readings = [0.002 * 90.0 * 9.81 * 0.3_f64.cos(), 0.0, 0.0, 0.0, 0.0, 0.3, 0.0];
     for k in 1..=1200 {
         runner.step_array(&readings);
-        let now = used(&controller, &runner.states());
+        let now = used_moment(&controller, &runner.states());
         let expected = if k < 500 { 150.0 } else { 90.0 };
         assert!((now - expected).abs() < 1e-4, "{k}: {now}");
     }
@@ -255,6 +256,6 @@ fn a_held_estimate_is_used_only_after_its_time() {
     for k in 1..=1100 {
         runner.step_array(&[0.002 * 90.0 * 9.81, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let expected = if k <= 1000 { 150.0 } else { 90.0 };
-        assert!((used(&controller, &runner.states()) - expected).abs() < 1e-6, "{k}");
+        assert!((used_moment(&controller, &runner.states()) - expected).abs() < 1e-6, "{k}");
     }
 }

@@ -29,7 +29,7 @@ fn parts(projection: Option<Projection>) -> Parts {
     parts
 }
 
-fn measured(design_angle_rad: f64) -> Option<Projection> {
+fn measured_projection(design_angle_rad: f64) -> Option<Projection> {
     Some(Projection { design_angle_rad, angle_reading: Some(HUB_POSITION), pitch_washout_s: None })
 }
 
@@ -44,7 +44,7 @@ fn readings(angle: f64) -> Readings {
 
 #[test]
 fn heave_and_surge_are_projected_at_the_angle_that_is_read() {
-    let mut runner = Controller::new(parts(measured(0.1))).unwrap().runner();
+    let mut runner = Controller::new(parts(measured_projection(0.1))).unwrap().runner();
     for angle in [-1.6, -0.9, -0.26, 0.0, 0.087, 0.26, 1.0, 1.6_f64] {
         let expected = GAIN * (1.7 * angle.cos() + 3.1 * angle.sin());
         // the first terms of the series that are left out, at this angle
@@ -62,7 +62,7 @@ fn heave_and_surge_are_projected_at_the_angle_that_is_read() {
 #[test]
 fn the_platforms_pitch_makes_the_angle_inertial_for_a_while() {
     let washout_s = 10.0;
-    let inertial = measured(0.0).map(|one| Projection { pitch_washout_s: Some(washout_s), ..one });
+    let inertial = measured_projection(0.0).map(|one| Projection { pitch_washout_s: Some(washout_s), ..one });
     let mut runner = Controller::new(parts(inertial)).unwrap().runner();
     // the platform pitches by sines while the hub keeps its inertial angle
     let (rate, size, hub): (f64, f64, f64) = (3.0, 0.05, 0.2);
@@ -90,7 +90,7 @@ fn without_an_angle_the_elevation_of_the_design_holds() {
 
 #[test]
 fn the_linear_part_has_the_share_of_heave_at_the_elevation_of_its_design() {
-    let linear = Controller::new(parts(measured(0.26))).unwrap().linear(0.0).unwrap();
+    let linear = Controller::new(parts(measured_projection(0.26))).unwrap().linear(0.0).unwrap();
     assert_eq!((linear.inputs(), linear.order()), (6, 0));
     for input in 0..6 {
         let expected = if input == PLATFORM_ACCELERATION { GAIN * 0.26_f64.cos() } else { 0.0 };
@@ -100,7 +100,7 @@ fn the_linear_part_has_the_share_of_heave_at_the_elevation_of_its_design() {
 
 #[test]
 fn feedback_alone_uses_neither_accelerometer() {
-    let controller = Controller::new(parts(measured(0.2))).unwrap();
+    let controller = Controller::new(parts(measured_projection(0.2))).unwrap();
     assert_eq!(controller.feedback_alone().unwrap().runner().step(&readings(0.4)), 0.0);
     let mut runner = controller.runner();
     runner.use_sensors(SensorUse::FeedbackAlone);
@@ -109,7 +109,7 @@ fn feedback_alone_uses_neither_accelerometer() {
 
 #[test]
 fn a_lost_surge_reading_is_replaced_and_flagged_on_its_own_bit() {
-    let mut runner = Controller::new(parts(measured(0.2))).unwrap().runner();
+    let mut runner = Controller::new(parts(measured_projection(0.2))).unwrap().runner();
     let good = runner.step(&readings(0.4));
     let lost = Readings { platform_surge_m_s2: f64::NAN, ..readings(0.4) };
     assert_eq!((runner.step(&lost), runner.status().flags & 0x7f), (good, 0x40));
@@ -117,7 +117,7 @@ fn a_lost_surge_reading_is_replaced_and_flagged_on_its_own_bit() {
 
 #[test]
 fn a_controller_without_projection_takes_six_readings() {
-    let (plain, projecting) = (parts(None), parts(measured(0.0)));
+    let (plain, projecting) = (parts(None), parts(measured_projection(0.0)));
     assert_eq!((plain.reading_count(), projecting.reading_count()), (6, 7));
     let mut runner = Controller::new(plain.clone()).unwrap().runner();
     assert_eq!(runner.step(&Readings { platform_surge_m_s2: f64::NAN, ..readings(0.4) }), GAIN * 1.7);

@@ -180,7 +180,7 @@ fn diagnose_of(
 ) -> Result<Diagnosis, Error> {
     check(base, recordings, &control)?;
     pool.progress("qualifying", 0, 1);
-    let (sound, qualification) = qualified(sizes, base, recordings)?;
+    let (sound, qualification) = qualify_recordings(sizes, base, recordings)?;
     let examined = recordings;
     let recordings = sound.as_slice();
     let project = base;
@@ -308,9 +308,9 @@ fn check(base: &Parameters, recordings: &[Recording], control: &ReplayLoop) -> R
     }
     for r in recordings {
         let needed = [
-            ("demand", r.has(Channel::Demand) || *control == ReplayLoop::Open),
-            ("control", r.has(Channel::Control)),
-            ("hub_rate", r.has(Channel::HubRate)),
+            (Channel::Demand, r.has(Channel::Demand) || *control == ReplayLoop::Open),
+            (Channel::Control, r.has(Channel::Control)),
+            (Channel::HubRate, r.has(Channel::HubRate)),
         ];
         if let Some((channel, _)) = needed.into_iter().find(|(_, present)| !present) {
             return Err(Error::NoChannel {
@@ -325,7 +325,7 @@ fn check(base: &Parameters, recordings: &[Recording], control: &ReplayLoop) -> R
 }
 
 /// Returns the recordings without gaps and without channels that cannot be what they claim, and what was remarked.
-fn qualified(
+fn qualify_recordings(
     sizes: Sizes,
     base: &Parameters,
     recordings: &[Recording],

@@ -1,6 +1,7 @@
 //! What can be wrong with a request to this crate.
 
 use counterpoise_models::{ControlledQuantity, QuantityKind};
+use counterpoise_recordings::Channel;
 
 use crate::recording::remarks::RecordingRemark;
 
@@ -13,7 +14,8 @@ pub enum Error {
     NoRecording,
     /// A channel without which there is no diagnosis.
     #[error(
-        "recording {recording}: the channel {channel} is missing; a diagnosis of this machine needs {}{}",
+        "recording {recording}: the channel {} is missing; a diagnosis of this machine needs {}{}",
+        channel.name(),
         if *replays_control { "" } else { "demand, " },
         shown_channels(*controlled)
     )]
@@ -24,12 +26,13 @@ pub enum Error {
         replays_control: bool,
         /// Name of the recording.
         recording: String,
-        /// Name of the channel.
-        channel: &'static str,
+        /// The channel that is missing.
+        channel: Channel,
     },
     /// A channel without which nothing is identified.
     #[error(
-        "recording {recording}: the channel {channel} is missing; identification of this machine needs {}",
+        "recording {recording}: the channel {} is missing; identification of this machine needs {}",
+        channel.name(),
         identifying_channels(*controlled)
     )]
     NotIdentifiable {
@@ -37,8 +40,8 @@ pub enum Error {
         controlled: ControlledQuantity,
         /// Name of the recording.
         recording: String,
-        /// Name of the channel.
-        channel: &'static str,
+        /// The channel that is missing.
+        channel: Channel,
     },
     /// Too little sliding to identify anything.
     #[error(
@@ -109,7 +112,7 @@ mod tests {
         let told = |kind, axis, replays_control| {
             let controlled = ControlledQuantity { kind, axis, ..ControlledQuantity::RATE };
             let recording = "run 3".to_owned();
-            Error::NoChannel { controlled, replays_control, recording, channel: "hub_rate" }.to_string()
+            Error::NoChannel { controlled, replays_control, recording, channel: Channel::HubRate }.to_string()
         };
         assert_eq!(
             told(QuantityKind::Rate, AxisKind::Linear, false),
@@ -125,7 +128,7 @@ mod tests {
         let identified = Error::NotIdentifiable {
             controlled: ControlledQuantity { kind: QuantityKind::Effort, ..ControlledQuantity::RATE },
             recording: "run 3".to_owned(),
-            channel: "motor_rate",
+            channel: Channel::MotorRate,
         };
         assert!(
             identified.to_string().contains("hub_rate (the transmitted torque) and motor_rate"),

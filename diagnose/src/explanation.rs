@@ -27,7 +27,8 @@ pub(crate) struct Explanation {
 /// their place; what they leave, or all of it, is modelled by free functions; a curve that is an effect of the library gets its name.
 pub(crate) fn explain(searcher: &Searcher, evidence: VerdictEvidence) -> Explanation {
     let mut search = evidence.search.clone();
-    let comparison = flexible(searcher, &evidence).and_then(|named| compare(searcher, &evidence, &named));
+    let comparison =
+        flexible_effects(searcher, &evidence).and_then(|named| compare(searcher, &evidence, &named));
     if comparison.is_some_and(|c| c.prefers_function()) {
         search.accepted = None;
         search.rivals = Vec::new();
@@ -63,7 +64,7 @@ pub(crate) fn explain(searcher: &Searcher, evidence: VerdictEvidence) -> Explana
     let answer = evidence.answer();
     match learned {
         Some((model, improved)) => Explanation { answer: answer.with_learned(model), improved },
-        None => Explanation { answer: doubted(answer, even), improved },
+        None => Explanation { answer: lower_confidence(answer, even), improved },
     }
 }
 
@@ -81,7 +82,7 @@ fn copy_of<'e>(evidence: &VerdictEvidence<'e>) -> VerdictEvidence<'e> {
 }
 
 /// Returns the named effects if they are flexible enough to imitate an error that is none of them.
-fn flexible(searcher: &Searcher, evidence: &VerdictEvidence) -> Option<FittedCandidate> {
+fn flexible_effects(searcher: &Searcher, evidence: &VerdictEvidence) -> Option<FittedCandidate> {
     let named = evidence.named_model()?;
     is_flexible(named, searcher.simulator.travel_rad()).then(|| named.clone())
 }
@@ -130,7 +131,7 @@ impl Rest {
 }
 
 /// Returns an answer whose names are as probable as the comparison with a free function allows.
-fn doubted(mut answer: Answer, even: Option<Comparison>) -> Answer {
+fn lower_confidence(mut answer: Answer, even: Option<Comparison>) -> Answer {
     let Some(comparison) = even else { return answer };
     let share = 1.0 / (1.0 + (RIVAL_DECAY * comparison.ahead_nats.min(0.0)).exp());
     for finding in &mut answer.findings {

@@ -198,7 +198,7 @@ mod tests {
     use counterpoise_models::parameters::Gearbox;
     use counterpoise_models::reference::rig;
 
-    fn offered(p: &Parameters) -> Vec<(Component, EffectName)> {
+    fn possible_effects(p: &Parameters) -> Vec<(Component, EffectName)> {
         list_effects().into_iter().filter(|e| can_have(p, e)).map(|e| (e.component, e.effect)).collect()
     }
 
@@ -218,7 +218,7 @@ mod tests {
             of_parts.contains(&e.effect) || is_second_friction || of_other_sensor
         };
         let expected = list_effects().into_iter().filter(|e| !absent(e)).count();
-        assert_eq!(offered(&rig()).len(), expected);
+        assert_eq!(possible_effects(&rig()).len(), expected);
     }
 
     #[test]
@@ -228,7 +228,7 @@ mod tests {
         p.amplifier.dynamics = AmplifierDynamics::TorqueCommand;
         p.sensors.platform_gyro = Sensor::ABSENT;
         p.sensors.platform_accelerometer = Sensor::ABSENT;
-        let all = offered(&p);
+        let all = possible_effects(&p);
         let none = [
             Component::Gearbox,
             Component::PlatformGyro,

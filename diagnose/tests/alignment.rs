@@ -73,7 +73,7 @@ fn rig() -> Parameters {
 }
 
 /// Returns the values of an effect's parameters that recordings of a machine give, fitted from the aligned model.
-fn found(component: Component, effect: EffectName, change: impl FnOnce(&mut Parameters)) -> Vec<f64> {
+fn fitted_values(component: Component, effect: EffectName, change: impl FnOnce(&mut Parameters)) -> Vec<f64> {
     let (model, mut machine) = (rig(), rig());
     change(&mut machine);
     let recordings = [recording(&machine, 1), recording(&machine, 2)];
@@ -95,35 +95,35 @@ fn found(component: Component, effect: EffectName, change: impl FnOnce(&mut Para
     effects[0].values(&fit.parameters)
 }
 
-fn near(found: &[f64], truth: &[f64], off: f64) {
+fn check_near(found: &[f64], truth: &[f64], off: f64) {
     let is_near = found.iter().zip(truth).all(|(found, truth)| (found - truth).abs() < off);
     assert!(found.len() == truth.len() && is_near, "{found:?} {truth:?}");
 }
 
 #[test]
 fn the_misalignment_of_the_hub_gyroscope_is_found() {
-    let values = found(Component::HubGyro, EffectName::Misalignment, |p| {
+    let values = fitted_values(Component::HubGyro, EffectName::Misalignment, |p| {
         p.sensors.hub_gyro.alignment.roll_sensitivity = 0.03;
         p.sensors.hub_gyro.alignment.yaw_sensitivity = -0.02;
     });
-    near(&values, &[0.03, -0.02], 2e-3);
+    check_near(&values, &[0.03, -0.02], 2e-3);
 }
 
 #[test]
 fn the_misalignment_of_the_platform_gyroscope_is_found() {
-    let values = found(Component::PlatformGyro, EffectName::Misalignment, |p| {
+    let values = fitted_values(Component::PlatformGyro, EffectName::Misalignment, |p| {
         p.sensors.platform_gyro.alignment.roll_sensitivity = -0.06;
         p.sensors.platform_gyro.alignment.yaw_sensitivity = 0.05;
     });
-    near(&values, &[-0.06, 0.05], 6e-3);
+    check_near(&values, &[-0.06, 0.05], 6e-3);
 }
 
 #[test]
 fn the_tilt_of_the_accelerometer_is_found() {
-    let values = found(Component::PlatformAccelerometer, EffectName::Tilt, |p| {
+    let values = fitted_values(Component::PlatformAccelerometer, EffectName::Tilt, |p| {
         p.sensors.platform_accelerometer.alignment.tilt_rad = 0.08;
     });
-    near(&values, &[0.08], 0.01);
+    check_near(&values, &[0.08], 0.01);
 }
 
 #[test]

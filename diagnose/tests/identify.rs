@@ -9,7 +9,7 @@ use counterpoise_diagnose::identification::{
 };
 use counterpoise_models::parameters::{FrictionLaw, MapPoint, StribeckCurve};
 use counterpoise_models::{Parameters, Plant, reference};
-use counterpoise_recordings::{Channel, Mapping, Recording, Table};
+use counterpoise_recordings::{Channel, Mapping, Recording, RecordingTable};
 use counterpoise_simulate::{
     Detail, FurtherMotion, Imperfections, PlatformMotion, Scenario, Signal, Simulator, Sine,
 };
@@ -63,7 +63,7 @@ fn other_machine() -> Parameters {
 }
 
 /// First moment, inertia, Coulomb, viscous.
-fn four(found: &Identification) -> [Estimate; 4] {
+fn four_estimates(found: &Identification) -> [Estimate; 4] {
     let b = &found.balances[0];
     [b.out_of_balance_kg_m, b.inertia_kg_m2, found.coulomb_nm, found.viscous_nm_s_rad]
 }
@@ -78,13 +78,13 @@ fn simulated_truth_is_found_and_lies_inside_the_intervals() {
     for seed in 0..20 {
         let recording = triangle(&mut machine, 2.88, seed);
         let found = identify(&project, &[&[recording]]).unwrap();
-        for (k, (estimate, value)) in four(&found).iter().zip(expected).enumerate() {
+        for (k, (estimate, value)) in four_estimates(&found).iter().zip(expected).enumerate() {
             let limit = if k == 0 { 0.02 } else { 0.10 };
             assert!((estimate.value / value - 1.0).abs() < limit, "{k}: {estimate:?}, truth {value}");
             inside[k] += usize::from(estimate.holds(value));
         }
         if seed == 0 {
-            println!("{:?}\n{:?} residual {}", four(&found), found.breakaway_nm, found.residual_nm);
+            println!("{:?}\n{:?} residual {}", four_estimates(&found), found.breakaway_nm, found.residual_nm);
         }
     }
     println!("inside of 20: {inside:?}");
@@ -143,7 +143,7 @@ fn hub_rate_and_control_alone_are_enough() {
     bare.remove(Channel::MotorRate);
     bare.remove(Channel::HubPosition);
     let found = identify(&reference::rig(), &[&[bare]]).unwrap();
-    for (estimate, value) in four(&found).iter().zip([171.0, 397.555, 163.0, 190.0]) {
+    for (estimate, value) in four_estimates(&found).iter().zip([171.0, 397.555, 163.0, 190.0]) {
         assert!((estimate.value / value - 1.0).abs() < 0.05, "{estimate:?}, truth {value}");
     }
     assert!(found.notes.contains(&Note::NoMotorRate));
@@ -155,7 +155,7 @@ fn the_improved_mechanism_is_found_again_as_it_is() {
     let found = identify(&reference::rig(), &[std::slice::from_ref(&recording)]).unwrap();
     let better = apply_identified(&reference::rig(), &found);
     let again = identify(&better, &[&[recording]]).unwrap();
-    assert!(four(&again).iter().all(|e| e.holds(e.before)), "{:?}", four(&again));
+    assert!(four_estimates(&again).iter().all(|e| e.holds(e.before)), "{:?}", four_estimates(&again));
     assert_eq!(apply_identified(&better, &again), better);
 }
 
@@ -172,7 +172,7 @@ fn a_mechanism_at_rest_is_refused_with_what_would_help() {
 fn practice(machine: &str, experiment: &str) -> Recording {
     let base = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/data/practice");
     let bytes = std::fs::read(format!("{base}/{machine}/{experiment}.parquet")).unwrap();
-    Mapping::default().apply(&Table::read(&bytes, experiment).unwrap()).unwrap()
+    Mapping::default().apply(&RecordingTable::read(&bytes, experiment).unwrap()).unwrap()
 }
 
 /// Returns the practice recordings of a machine.
@@ -187,9 +187,13 @@ fn practice_machines_have_their_out_of_balance() {
         for set in [&recordings[..1], &recordings[..]] {
             let found = identify(&reference::rig(), &[set]).unwrap();
             let expected = [moment, 345.7, 130.0, 140.0];
-            println!("{machine} {}: {:?}", set.len(), four(&found).map(|e| [e.value, e.ci95[0], e.ci95[1]]));
+            println!(
+                "{machine} {}: {:?}",
+                set.len(),
+                four_estimates(&found).map(|e| [e.value, e.ci95[0], e.ci95[1]])
+            );
             println!("   {:?} {:?} res {}", found.breakaway_nm, found.lobes, found.residual_nm);
-            for (k, (estimate, value)) in four(&found).iter().zip(expected).enumerate() {
+            for (k, (estimate, value)) in four_estimates(&found).iter().zip(expected).enumerate() {
                 let limit = if k == 0 { 0.02 } else { 0.10 };
                 assert!((estimate.value / value - 1.0).abs() < limit, "{machine} {k}: {estimate:?}");
             }

@@ -69,7 +69,7 @@ fn triangle(p: &Parameters, seed: u64) -> Recording {
 }
 
 /// For each unknown, whether its interval holds the truth.
-fn held(recording: &Recording, truth: [f64; 4]) -> [usize; 4] {
+fn intervals_with_truth(recording: &Recording, truth: [f64; 4]) -> [usize; 4] {
     let found = identify(&reference::rig(), &[std::slice::from_ref(recording)]).unwrap();
     let balance = &found.balances[0];
     let four = [balance.out_of_balance_kg_m, balance.inertia_kg_m2, found.coulomb_nm, found.viscous_nm_s_rad];
@@ -77,7 +77,7 @@ fn held(recording: &Recording, truth: [f64; 4]) -> [usize; 4] {
 }
 
 /// Intervals of four unknowns that held the truth at a level: with all sensors, and with the gyroscopes alone.
-fn counted(level: f64) -> [[usize; 4]; 2] {
+fn count_intervals_with_truth(level: f64) -> [[usize; 4]; 2] {
     let mut inside = [[0; 4]; 2];
     for seed in 0..MACHINES {
         let p = machine(seed, level);
@@ -86,7 +86,7 @@ fn counted(level: f64) -> [[usize; 4]; 2] {
         bare.remove(Channel::MotorRate);
         bare.remove(Channel::HubPosition);
         for (sums, recording) in inside.iter_mut().zip([whole, bare]) {
-            let one = held(&recording, truth(&p));
+            let one = intervals_with_truth(&recording, truth(&p));
             (0..4).for_each(|k| sums[k] += one[k]);
         }
     }
@@ -98,7 +98,9 @@ fn intervals_of_95_percent_hold_the_truth_in_about_95_percent() {
     let mut all = 0;
     let each = 4 * MACHINES as usize;
     for level in LEVELS {
-        for (sensors, inside) in ["all sensors", "gyroscopes alone"].iter().zip(counted(level)) {
+        for (sensors, inside) in
+            ["all sensors", "gyroscopes alone"].iter().zip(count_intervals_with_truth(level))
+        {
             let sum: usize = inside.iter().sum();
             println!("noise x {level}, {sensors}: {inside:?} of {MACHINES}, {sum} of {each}");
             assert!(sum * 100 >= each * 85, "noise x {level}, {sensors}: {inside:?}");

@@ -47,7 +47,7 @@ fn recordings(machine: &Parameters) -> Vec<Recording> {
     [(0.15, 2.0), (0.12, 1.3), (0.08, 2.6)].into_iter().enumerate().map(one).collect()
 }
 
-fn modelled(machine: &Parameters) -> Option<(LearnedModel, Parameters)> {
+fn learn_model(machine: &Parameters) -> Option<(LearnedModel, Parameters)> {
     let base = reference::rig();
     let recordings = recordings(machine);
     let prepared = PreparedRecordings::new(&recordings, &base);
@@ -80,7 +80,7 @@ fn a_tight_spot_is_modelled_to_the_noise_and_read_with_its_place() {
     let bump = |x: f64| 1.0 + height * (-((x - centre) / width).powi(2)).exp();
     let mut machine = reference::rig();
     machine.learned.push(over_angle(LearnedQuantity::FrictionLevel, bump));
-    let (model, improved) = modelled(&machine).unwrap();
+    let (model, improved) = learn_model(&machine).unwrap();
     let part = &model.parts[0];
     let element = &part.element;
     println!("held out {:?}, power left {:.4}, {element:?}", model.worst_held_out, model.power_left);
@@ -99,5 +99,5 @@ fn a_tight_spot_is_modelled_to_the_noise_and_read_with_its_place() {
 
 #[test]
 fn a_machine_as_modelled_is_given_no_function() {
-    assert_eq!(modelled(&reference::rig()), None);
+    assert_eq!(learn_model(&reference::rig()), None);
 }

@@ -32,7 +32,7 @@ fn recording(machine: &Parameters, seed: u64, period_s: f64) -> Recording {
 }
 
 /// Returns the value of an effect's only parameter that recordings of a machine give, fitted from a model.
-fn found(component: Component, effect: EffectName, truth: &Parameters, model: &Parameters) -> f64 {
+fn fitted_value(component: Component, effect: EffectName, truth: &Parameters, model: &Parameters) -> f64 {
     let recordings = [recording(truth, 1, 2.0), recording(truth, 2, 0.5)];
     let prepared = PreparedRecordings::new(&recordings, model);
     let simulator = RecordingReplays::new(model, &ReplayLoop::from(&controller(BIAS_V)), &prepared).unwrap();
@@ -73,7 +73,8 @@ fn a_weaker_equilibrator_is_found() {
         })
     };
     for model in [1.0, 0.0] {
-        let factor = found(Component::Structure, EffectName::Equilibrator, &machine(0.85), &machine(model));
+        let factor =
+            fitted_value(Component::Structure, EffectName::Equilibrator, &machine(0.85), &machine(model));
         assert!((factor / 0.85 - 1.0).abs() < 0.05, "{model}: {factor}");
     }
 }
@@ -95,7 +96,7 @@ fn the_height_of_the_recoil_is_found() {
             });
         })
     };
-    let height = found(Component::Structure, EffectName::Recoil, &machine(0.04), &machine(0.0));
+    let height = fitted_value(Component::Structure, EffectName::Recoil, &machine(0.04), &machine(0.0));
     assert!((height - 0.04).abs() < 2e-3, "{height}");
 }
 
@@ -111,7 +112,7 @@ fn a_stiffer_stop_is_found() {
             });
         })
     };
-    let stiffness = found(Component::Structure, EffectName::EndStops, &machine(6e4), &machine(3e4));
+    let stiffness = fitted_value(Component::Structure, EffectName::EndStops, &machine(6e4), &machine(3e4));
     assert!((stiffness / 6e4 - 1.0).abs() < 0.05, "{stiffness}");
 }
 
@@ -125,6 +126,7 @@ fn another_fold_back_is_found() {
                 (continuous_current_a, 0.5);
         })
     };
-    let current = found(Component::Amplifier, EffectName::ContinuousCurrent, &machine(9.2), &machine(8.95));
+    let current =
+        fitted_value(Component::Amplifier, EffectName::ContinuousCurrent, &machine(9.2), &machine(8.95));
     assert!((current / 9.2 - 1.0).abs() < 0.01, "{current}");
 }

@@ -96,7 +96,7 @@ impl SimulatorAccess for Statics {
     }
 }
 
-fn diagnosed(change: impl Fn(&mut Parameters), strange: f64) -> Answer {
+fn diagnose_machine(change: impl Fn(&mut Parameters), strange: f64) -> Answer {
     let base = reference::rig();
     let mut truth = base.clone();
     change(&mut truth);
@@ -125,14 +125,14 @@ fn diagnosed(change: impl Fn(&mut Parameters), strange: f64) -> Answer {
 
 #[test]
 fn a_machine_as_modelled_is_consistent() {
-    let answer = diagnosed(|_| (), 0.0);
+    let answer = diagnose_machine(|_| (), 0.0);
     assert_eq!(answer.verdict, DiagnosisVerdict::Consistent, "{:?}", answer.findings);
     assert!(answer.findings.is_empty());
 }
 
 #[test]
 fn stribeck_is_named_with_its_parameters() {
-    let answer = diagnosed(
+    let answer = diagnose_machine(
         |p| {
             p.pivot_friction.static_ratio = 1.55;
             p.pivot_friction.stribeck_rate_rad_s = 0.012;
@@ -148,7 +148,7 @@ fn stribeck_is_named_with_its_parameters() {
 
 #[test]
 fn two_effects_are_both_named() {
-    let answer = diagnosed(
+    let answer = diagnose_machine(
         |p| {
             p.lumped.as_mut().unwrap().out_of_balance_kg_m = 170.0;
             p.pivot_friction.viscous_nm_s_rad = 900.0;
@@ -162,7 +162,7 @@ fn two_effects_are_both_named() {
 
 #[test]
 fn a_torque_that_no_effect_makes_gets_no_name() {
-    let answer = diagnosed(|_| (), 0.3);
+    let answer = diagnose_machine(|_| (), 0.3);
     assert_eq!(answer.verdict, DiagnosisVerdict::Unknown, "{:?}", answer.findings);
     assert_eq!(answer.findings[0].effect, EffectName::Unknown);
 }

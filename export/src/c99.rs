@@ -96,7 +96,7 @@ fn data(controller: &Controller, provenance: &[String], options: &CodeOptions) -
         keep => initial(controller, options.precision, OnRestart::Keep),
         step => step.body(),
         set => set.body(),
-        unused => unused(&programs.step),
+        unused => unused_arguments(&programs.step),
         period => literal(controller.sample_period_s(), options.precision, Dialect::C),
         rate_hz => (1.0 / controller.sample_period_s()).round() as u64,
         limit => literal(controller.limit_v(), options.precision, Dialect::C),
@@ -106,14 +106,14 @@ fn data(controller: &Controller, provenance: &[String], options: &CodeOptions) -
         state_bytes => programs.state_count() * number_bytes + guard_bytes(controller, number_bytes),
         flags => flags(controller),
         guard => guard(controller, options.precision, Dialect::C),
-        needed => needed(controller),
+        needed => instruction_count(controller),
         vectors => shipped_vectors(controller, options.precision).iter().map(|v| row(v, controller, options.precision)).collect::<Vec<_>>(),
     }
 }
 
 /// Instructions that a step needs where a product, a sum, a load and a store are one each: every product loads its
 /// coefficient, every state is loaded and stored. The guard comes on top.
-fn needed(controller: &Controller) -> usize {
+fn instruction_count(controller: &Controller) -> usize {
     let (step, states) = (&controller.programs().step, controller.programs().state_count());
     2 * step.multiplications() + step.additions() + 2 * states + guard_instructions(controller)
 }
@@ -124,7 +124,7 @@ pub(crate) fn line_with(provenance: &[String], word: &str) -> String {
 }
 
 /// Arguments of the step that it does not use.
-fn unused(step: &Program) -> Vec<&'static str> {
+fn unused_arguments(step: &Program) -> Vec<&'static str> {
     let touched = |operation: &Operation, wanted: fn(&Slot) -> bool| {
         wanted(&operation.into_slot()) || operation.reads().iter().any(wanted)
     };

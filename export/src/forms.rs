@@ -70,7 +70,7 @@ pub fn figures_by_form(controller: &Controller, known: &Ranges) -> Vec<FormFigur
 
 /// Returns the controller with every path in `form`, or `None` if a path has no such form.
 pub fn convert_to_form(controller: &Controller, form: PathForm) -> Option<Controller> {
-    let paths = controller.parts().paths.iter().map(|path| brought(path, form));
+    let paths = controller.parts().paths.iter().map(|path| path_in_form(path, form));
     let paths: Option<Vec<Path>> = paths.collect();
     controller
         .with(|parts| parts.paths = paths.unwrap_or_default())
@@ -79,7 +79,7 @@ pub fn convert_to_form(controller: &Controller, form: PathForm) -> Option<Contro
 }
 
 /// Returns a path in a form. The anti-windup is a further input of the system, so it comes along.
-fn brought(path: &Path, form: PathForm) -> Option<Path> {
+fn path_in_form(path: &Path, form: PathForm) -> Option<Path> {
     if form == PathForm::InUse || path.system.order() == 0 {
         return Some(path.clone());
     }

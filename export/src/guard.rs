@@ -56,7 +56,7 @@ pub(crate) fn guard(controller: &Controller, precision: Precision, dialect: Dial
         one => text(1.0),
         tended => groups.iter().map(group).collect::<Vec<_>>(),
         kept => groups.iter().filter(|group| group.on_restart == OnRestart::Keep).map(group).collect::<Vec<_>>(),
-        limited => groups.iter().filter_map(|group| limited(group, &text)).collect::<Vec<_>>(),
+        limited => groups.iter().filter_map(|group| limited_state(group, &text)).collect::<Vec<_>>(),
     }
 }
 
@@ -65,7 +65,7 @@ fn group(group: &StateGroup) -> Value {
 }
 
 /// Returns a state with its limits. Only single states have any.
-fn limited(group: &StateGroup, text: &dyn Fn(f64) -> String) -> Option<Value> {
+fn limited_state(group: &StateGroup, text: &dyn Fn(f64) -> String) -> Option<Value> {
     let limits = group.limits?;
     Some(context! { name => group.name.as_str(), low => text(limits.low), high => text(limits.high) })
 }

@@ -29,7 +29,7 @@ impl Provenance {
     pub(crate) fn header(&self, source: ExportSource) -> Vec<String> {
         let mut lines = self.lines();
         lines.push(source.line());
-        lines.iter().flat_map(|line| wrapped(line)).map(|line| comment_text(&line)).collect()
+        lines.iter().flat_map(|line| wrap_line(line)).map(|line| comment_text(&line)).collect()
     }
 
     /// Returns the lines that the provenance itself makes.
@@ -52,7 +52,7 @@ const WIDTH: usize = 110;
 
 /// Returns the words of a line over several, the following ones indented. A word longer than a line stays
 /// whole.
-fn wrapped(line: &str) -> Vec<String> {
+fn wrap_line(line: &str) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in line.split(' ') {
         let full = lines.last().is_some_and(|last| {
@@ -77,7 +77,7 @@ mod tests {
     #[test]
     fn a_long_line_is_wrapped_and_loses_no_word() {
         let long = "verdict: ".to_owned() + &"word ".repeat(60);
-        let lines = wrapped(long.trim_end());
+        let lines = wrap_line(long.trim_end());
         assert!(lines.len() > 2 && lines.iter().all(|line| line.len() <= WIDTH));
         let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
         assert_eq!(words(&lines.join(" ")), words(&long));

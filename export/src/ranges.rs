@@ -149,7 +149,7 @@ impl Ranges {
             run.reference_v = state.voltages_v;
         }
         ranges.largest.iter_mut().for_each(|largest| *largest *= margin);
-        for (state, bound) in settings::settable(controller, &ranges.largest[..states]) {
+        for (state, bound) in settings::setting_bounds(controller, &ranges.largest[..states]) {
             ranges.largest[state] = ranges.largest[state].max(bound);
         }
         ranges
@@ -172,8 +172,8 @@ impl Ranges {
                     found.rms_v += off * off / state.voltages_v.len() as f64;
                 }
                 MeasuredDeviation {
-                    largest_v: larger(most.largest_v, found.largest_v),
-                    rms_v: larger(most.rms_v, found.rms_v.sqrt()),
+                    largest_v: larger_bound(most.largest_v, found.largest_v),
+                    rms_v: larger_bound(most.rms_v, found.rms_v.sqrt()),
                 }
             },
         )
@@ -264,6 +264,6 @@ impl RunVisitor<RunState<Box<dyn Adjustable>>> for Comparison<'_> {
 }
 
 /// Returns the larger of two; infinite if one is no number, as what grew out of all range is.
-pub(crate) fn larger(a: f64, b: f64) -> f64 {
+pub(crate) fn larger_bound(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
 }

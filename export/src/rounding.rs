@@ -10,10 +10,10 @@ use counterpoise_controller::program::{OnRestart, Operation, Slot};
 
 use gains::Gains;
 pub use single::single_precision;
-use trajectory::Track;
+use trajectory::ErrorTrack;
 
 use crate::Ranges;
-use crate::ranges::{Run, larger, settings};
+use crate::ranges::{Run, larger_bound, settings};
 use crate::tolerance::SECOND_ORDER;
 
 /// Multiple of the root of the sum of squares in the likely bound.
@@ -80,7 +80,7 @@ pub(crate) struct Rounded {
 /// What an arithmetic must tell for its deviation to be predicted.
 pub(crate) trait Arithmetic {
     /// Returns the largest error of each operation of a step, then of each reading, whatever the readings.
-    fn worst(&self) -> Vec<f64>;
+    fn worst_errors(&self) -> Vec<f64>;
     /// Returns for each run what rounded coefficients and readings do to the control of each sample, V.
     fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>>;
     /// Returns what an operation of a line rounds as it was executed.
@@ -102,12 +102,13 @@ pub(crate) fn deviation(
     samples: usize,
 ) -> Deviation {
     let all = std::iter::once(None).chain(settings(controller).into_iter().map(Some));
-    let errors = arithmetic.worst();
-    let at_rest = all.map(|set| Gains::of(controller, set, samples).constant(&errors)).fold(0.0, larger);
+    let errors = arithmetic.worst_errors();
+    let at_rest =
+        all.map(|set| Gains::of(controller, set, samples).constant(&errors)).fold(0.0, larger_bound);
     let tracks = trajectory::follow(controller, ranges.runs(), arithmetic);
     let coefficients = arithmetic.coefficients(ranges.runs()).into_iter();
-    let along = coefficients.zip(tracks).map(|(coefficients, track)| along(coefficients, track));
-    let (likely, rms_v) = along.fold((0.0, 0.0), |a, b| (larger(a.0, b.0), larger(a.1, b.1)));
+    let along = coefficients.zip(tracks).map(|(coefficients, track)| run_deviation(coefficients, track));
+    let (likely, rms_v) = along.fold((0.0, 0.0), |a, b| (larger_bound(a.0, b.0), larger_bound(a.1, b.1)));
     let (at_rest, likely) = (SECOND_ORDER * at_rest, SECOND_ORDER * likely);
     if !(at_rest.is_finite() && likely.is_finite() && rms_v.is_finite()) {
         let none = f64::INFINITY;
@@ -117,11 +118,11 @@ pub(crate) fn deviation(
 }
 
 /// Likely and RMS deviation of a run, V, from what rounded coefficients do in it and from what rounding does.
-fn along(coefficients: Vec<f64>, track: Track) -> (f64, f64) {
+fn run_deviation(coefficients: Vec<f64>, track: ErrorTrack) -> (f64, f64) {
     let known = coefficients.into_iter().zip(track.mean_v).map(|(a, b)| a + b);
     let (mut likely, mut squares) = (0.0, 0.0);
     for (known, square) in known.zip(&track.squares_v2) {
-        likely = larger(likely, known.abs() + CONFIDENCE * square.sqrt());
+        likely = larger_bound(likely, known.abs() + CONFIDENCE * square.sqrt());
         squares += known * known + square / 3.0;
     }
     (likely, (squares / track.squares_v2.len().max(1) as f64).sqrt())

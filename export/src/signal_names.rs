@@ -50,7 +50,7 @@ const AFTER_DEFINITION: &str = "    <Unit name=\"V\">";
 /// Returns generated files with the names of what the loop controls; those of a loop of rate as they are.
 pub fn with_loop_names(controlled: ControlledQuantity, files: Vec<File>) -> Vec<File> {
     let Some(words) = words_of(controlled) else { return files };
-    files.into_iter().map(|file| File { text: renamed(&file.text, &words), ..file }).collect()
+    files.into_iter().map(|file| File { text: rename_signals(&file.text, &words), ..file }).collect()
 }
 
 /// Returns what a quantity is called; `None` for a rate.
@@ -70,7 +70,7 @@ fn words_of(controlled: ControlledQuantity) -> Option<Words> {
     Some(Words { controlled, of, definition })
 }
 
-fn renamed(text: &str, words: &Words) -> String {
+fn rename_signals(text: &str, words: &Words) -> String {
     let pairs = MEANINGS.iter().zip(words.meanings());
     let described = pairs.fold(text.to_owned(), |text, (rate, own)| text.replace(rate, &own));
     let mut named = match words.definition {

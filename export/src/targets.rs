@@ -164,7 +164,7 @@ impl<'a> TargetRuns<'a> {
         let predicted = Deviation::none(self.samples);
         let deviations =
             Deviations { numbers: Numbers::Double, predicted, measured: MeasuredDeviation::default() };
-        let experiments = self.runs.iter().map(|run| run.compared(rms(&run.errors_rad_s))).collect();
+        let experiments = self.runs.iter().map(|run| run.compare_to_double(rms(&run.errors_rad_s))).collect();
         let closed_loops = self.runs.iter().map(|run| run.seen.clone()).collect();
         with_runs(deviations, experiments, closed_loops)
     }
@@ -212,7 +212,8 @@ impl<'a> TargetRuns<'a> {
         let sampled = || acting() as Box<dyn SampledController>;
         let found = run_all(self.plant, self.procedure, &experiments, &sampled, self.pool)?;
         let in_double = self.runs.iter().map(|run| rms(&run.errors_rad_s));
-        let experiments = found.iter().zip(in_double).map(|(run, known)| run.compared(known)).collect();
+        let experiments =
+            found.iter().zip(in_double).map(|(run, known)| run.compare_to_double(known)).collect();
         let closed_loops = found.into_iter().map(|run| run.seen).collect();
         Ok(with_runs(deviations, experiments, closed_loops))
     }
@@ -252,7 +253,7 @@ fn run(
 
 impl Run {
     /// Returns the run's error against that in double.
-    fn compared(&self, in_double: f64) -> ExperimentFigures {
+    fn compare_to_double(&self, in_double: f64) -> ExperimentFigures {
         let error_rms_rad_s = rms(&self.errors_rad_s);
         let cost_db = (in_double > 0.0).then(|| 20.0 * (error_rms_rad_s / in_double).log10());
         let errors_rad_s = self.errors_rad_s.clone();

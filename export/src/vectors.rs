@@ -33,10 +33,10 @@ pub fn self_test_vectors<N: Number>(controller: &Controller, samples: usize) -> 
         .map(|k| {
             let mut readings = [0.0; READINGS];
             let pairs = readings.iter_mut().zip(LARGEST).take(taken);
-            pairs.for_each(|(reading, largest)| *reading = single(largest * source.next()));
+            pairs.for_each(|(reading, largest)| *reading = round_to_single(largest * source.next()));
             let set = match k {
-                k if k == samples / 3 => Some(single((0.7 * design).clamp(low, high))),
-                k if k == 2 * samples / 3 => Some(single((1.3 * design + 1.0).clamp(low, high))),
+                k if k == samples / 3 => Some(round_to_single((0.7 * design).clamp(low, high))),
+                k if k == 2 * samples / 3 => Some(round_to_single((1.3 * design + 1.0).clamp(low, high))),
                 _ => None,
             };
             if let Some(set) = set {
@@ -56,7 +56,7 @@ pub(crate) fn shipped_vectors(controller: &Controller, precision: Precision) -> 
 }
 
 /// Returns the nearest single-precision number, so that every target reads the same readings.
-fn single(value: f64) -> f64 {
+fn round_to_single(value: f64) -> f64 {
     f64::from(value as f32)
 }
 

@@ -13,14 +13,14 @@ use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
 use counterpoise_export::{CodeOptions, Ranges, c99, fixed_c99, plan_fixed_point};
 use counterpoise_models::{Plant, reference};
-use support::{Random, complete, folder, is_there, provenance, run, typical, write};
+use support::{Random, complete_controller, folder, is_there, provenance, run, typical_controller, write};
 
 /// Rules that generated code deviates from, all advisory.
 const DEVIATIONS: [&str; 2] = ["misra-c2012-2.5", "misra-c2012-8.7"];
 
 /// Returns a folder for each kind of generated C.
-fn generated(test: &str) -> Vec<PathBuf> {
-    let controller = typical();
+fn generate_folders(test: &str) -> Vec<PathBuf> {
+    let controller = typical_controller();
     let mut random = Random(3);
     let history: Vec<[f64; READINGS]> =
         (0..2000).map(|_| random.readings().map(|value| 0.05 * value)).collect();
@@ -28,7 +28,10 @@ fn generated(test: &str) -> Vec<PathBuf> {
     let fixed = plan_fixed_point(&controller, &known, 1e-2, 2000).unwrap();
     let kinds = [
         ("double", c99(Unverified(&controller), &provenance(), &CodeOptions::double("axis")).unwrap()),
-        ("complete", c99(Unverified(&complete()), &provenance(), &CodeOptions::single("axis")).unwrap()),
+        (
+            "complete",
+            c99(Unverified(&complete_controller()), &provenance(), &CodeOptions::single("axis")).unwrap(),
+        ),
         ("single", c99(Unverified(&controller), &provenance(), &CodeOptions::single("axis")).unwrap()),
         ("fixed", fixed_c99(Unverified(&controller), &fixed, &provenance(), "axis").unwrap()),
     ];
@@ -43,9 +46,9 @@ fn generated(test: &str) -> Vec<PathBuf> {
 #[test]
 fn clangs_analyser_is_silent() {
     if !is_there("clang") {
-        return support::skipped("no clang");
+        return support::report_skip("no clang");
     }
-    for folder in generated("clang_analyser") {
+    for folder in generate_folders("clang_analyser") {
         for source in ["axis.c", "axis_self_test.c", "axis_test.c"] {
             let flags =
                 ["--analyze", "-Xanalyzer", "-analyzer-output=text", "-std=c99", "-Wall", "-Wextra", source];
@@ -57,9 +60,9 @@ fn clangs_analyser_is_silent() {
 #[test]
 fn cppcheck_is_silent() {
     if !is_there("cppcheck") {
-        return support::skipped("no cppcheck (apt install cppcheck)");
+        return support::report_skip("no cppcheck (apt install cppcheck)");
     }
-    for folder in generated("cppcheck") {
+    for folder in generate_folders("cppcheck") {
         let flags =
             ["--std=c99", "--quiet", "--enable=warning,style,performance,portability", "--error-exitcode=1"];
         assert_eq!(run(Command::new("cppcheck").current_dir(&folder).args(flags).arg(".")), "");
@@ -69,9 +72,9 @@ fn cppcheck_is_silent() {
 #[test]
 fn misra_deviations_are_the_ones_listed() {
     if !is_there("cppcheck") {
-        return support::skipped("no cppcheck (apt install cppcheck)");
+        return support::report_skip("no cppcheck (apt install cppcheck)");
     }
-    for folder in generated("misra") {
+    for folder in generate_folders("misra") {
         let flags = ["--addon=misra", "--std=c99", "--quiet", "--enable=style", "axis.c"];
         let said = run(Command::new("cppcheck").current_dir(&folder).args(flags));
         let rules: BTreeSet<&str> =
@@ -89,7 +92,8 @@ fn units(test: &str) -> Vec<(PathBuf, Vec<String>)> {
     let kinds = [
         (
             "axis",
-            controller_unit(Unverified(&complete()), &provenance(), &CodeOptions::double("axis")).unwrap(),
+            controller_unit(Unverified(&complete_controller()), &provenance(), &CodeOptions::double("axis"))
+                .unwrap(),
         ),
         ("rig", plant_unit(asked, &provenance()).unwrap()),
     ];
@@ -109,7 +113,7 @@ fn the_analysers_are_silent_on_fmi_units() {
             let said = run(Command::new("clang").current_dir(&folder).args(flags).args(&sources));
             assert_eq!(said, "");
         } else {
-            support::skipped("clang's analyser: no clang");
+            support::report_skip("clang's analyser: no clang");
         }
         if is_there("cppcheck") {
             let flags = ["--std=c99", "--quiet", "--enable=warning,style,performance,portability"];
@@ -120,7 +124,7 @@ fn the_analysers_are_silent_on_fmi_units() {
                 .args(&sources));
             assert_eq!(said, "");
         } else {
-            support::skipped("no cppcheck (apt install cppcheck)");
+            support::report_skip("no cppcheck (apt install cppcheck)");
         }
     }
 }

@@ -11,14 +11,14 @@ use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::{CodeOptions, Precision, c99};
 use support::{
     STRICT, Target, equal_to_the_last_bit, folder, is_there, provenance, reference, requests, run, server,
-    typical, write,
+    typical_controller, write,
 };
 
 fn with(change: impl FnOnce(&mut Parts)) -> Controller {
-    typical().with(change).unwrap()
+    typical_controller().with(change).unwrap()
 }
 
-fn following(law: ObserverLaw, level: &[[f64; 2]]) -> Controller {
+fn following_controller(law: ObserverLaw, level: &[[f64; 2]]) -> Controller {
     with(|parts| {
         parts.observers[0].law = law;
         parts.observers[0].level = level.to_vec();
@@ -55,12 +55,12 @@ fn every_block() -> Vec<Controller> {
     let level = [[0.0, 1.5], [0.01, 1.2], [0.03, 1.0]];
     let (sign_rate_rad_s, damping_nm_s_rad) = (5e-3, 250.0);
     vec![
-        following(ObserverLaw::Dahl, &level),
-        following(ObserverLaw::DahlPower { exponent: 1.5 }, &level),
-        following(ObserverLaw::Lugre { damping_nm_s_rad }, &level),
-        following(ObserverLaw::ResetIntegrator { static_ratio: 1.3, damping_nm_s_rad }, &[]),
-        following(ObserverLaw::Sliding { sign_rate_rad_s }, &level),
-        following(ObserverLaw::Walrath { sign_rate_rad_s, time_constant_s: 0.02 }, &[]),
+        following_controller(ObserverLaw::Dahl, &level),
+        following_controller(ObserverLaw::DahlPower { exponent: 1.5 }, &level),
+        following_controller(ObserverLaw::Lugre { damping_nm_s_rad }, &level),
+        following_controller(ObserverLaw::ResetIntegrator { static_ratio: 1.3, damping_nm_s_rad }, &[]),
+        following_controller(ObserverLaw::Sliding { sign_rate_rad_s }, &level),
+        following_controller(ObserverLaw::Walrath { sign_rate_rad_s, time_constant_s: 0.02 }, &[]),
         learning(Learning::Gradient { step: 0.3, scale: [0.02, 0.1, 0.1] }, 9.80665, 0),
         learning(Learning::Mean { window_samples: 100 }, 9.80665, 250),
         learning(squares(0.0), 9.80665, 0),
@@ -86,7 +86,7 @@ fn program(test: &str, controllers: &[Controller], precision: Precision) -> Targ
 #[test]
 fn each_block_is_equal_to_the_reference_to_the_last_bit() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let controllers = every_block();
     let asked = requests(controllers.len(), 1500);

@@ -10,8 +10,8 @@ use counterpoise_controller::{Controller, Parts};
 use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::{CodeOptions, Precision, c99};
 use support::{
-    STRICT, Target, complete, equal_to_the_last_bit, folder, is_there, provenance, random_controller,
-    reference, requests, run, server, typical, write,
+    STRICT, Target, complete_controller, equal_to_the_last_bit, folder, is_there, provenance,
+    random_controller, reference, requests, run, server, typical_controller, write,
 };
 
 /// Compiles controllers into one program that answers requests.
@@ -34,9 +34,9 @@ fn build(test: &str, controllers: &[Controller], precision: Precision, flags: &[
 #[test]
 fn double_and_single_are_equal_to_the_reference_to_the_last_bit() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
-    let controllers = [typical()];
+    let controllers = [typical_controller()];
     let asked = requests(1, 3000);
     let double = build("typical_double", &controllers, Precision::Double, &STRICT);
     let answers = Target::start(&double).ask_all(&asked);
@@ -50,15 +50,17 @@ fn double_and_single_are_equal_to_the_reference_to_the_last_bit() {
 #[test]
 fn a_controller_with_every_block_is_equal_to_the_reference() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
-    let (controllers, asked) = ([complete()], requests(1, 3000));
+    let (controllers, asked) = ([complete_controller()], requests(1, 3000));
     let double = build("complete_double", &controllers, Precision::Double, &STRICT);
     equal_to_the_last_bit(&Target::start(&double).ask_all(&asked), &reference::<f64>(&controllers, &asked));
     let single = build("complete_single", &controllers, Precision::Single, &STRICT);
     equal_to_the_last_bit(&Target::start(&single).ask_all(&asked), &reference::<f32>(&controllers, &asked));
-    let code =
-        c99(Unverified(&complete()), &provenance(), &CodeOptions::double("axis")).unwrap()[1].text.clone();
+    let code = c99(Unverified(&complete_controller()), &provenance(), &CodeOptions::double("axis")).unwrap()
+        [1]
+    .text
+    .clone();
     for block in [
         "corrected readings",
         "reference prefilter",
@@ -80,7 +82,7 @@ fn of_each_order() -> u64 {
 #[test]
 fn random_controllers_of_every_order_are_equal_to_the_reference() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let controllers: Vec<Controller> = (0..40 * of_each_order()).map(random_controller).collect();
     let orders: Vec<usize> = controllers.iter().map(|c| c.parts().paths[0].system.order()).collect();
@@ -98,14 +100,14 @@ fn random_controllers_of_every_order_are_equal_to_the_reference() {
 fn what_is_shipped_compiles_and_passes_on_every_compiler() {
     for compiler in ["gcc", "clang"] {
         if !is_there(compiler) {
-            support::skipped(&format!("no {compiler}"));
+            support::report_skip(&format!("no {compiler}"));
             continue;
         }
         for (kind, options) in
             [("double", CodeOptions::double("axis")), ("single", CodeOptions::single("axis"))]
         {
             let folder = folder(&format!("shipped_{compiler}_{kind}"));
-            write(&folder, &c99(Unverified(&typical()), &provenance(), &options).unwrap());
+            write(&folder, &c99(Unverified(&typical_controller()), &provenance(), &options).unwrap());
             let compile = |arguments: &[&str]| {
                 run(Command::new(compiler).current_dir(&folder).args(STRICT).args(arguments))
             };
@@ -121,11 +123,12 @@ fn what_is_shipped_compiles_and_passes_on_every_compiler() {
 #[test]
 fn the_self_test_sees_a_changed_coefficient() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let folder = folder("spoilt");
-    let mut files = c99(Unverified(&typical()), &provenance(), &CodeOptions::double("axis")).unwrap();
-    let coefficient = format!("{:?}", typical().parts().paths[0].system.B[(3, 0)].abs());
+    let mut files =
+        c99(Unverified(&typical_controller()), &provenance(), &CodeOptions::double("axis")).unwrap();
+    let coefficient = format!("{:?}", typical_controller().parts().paths[0].system.B[(3, 0)].abs());
     let nudged = files[1].text.replacen(&coefficient, &format!("1.001 * {coefficient}"), 1);
     assert_ne!(nudged, files[1].text);
     files[1].text = nudged;
@@ -138,7 +141,7 @@ fn the_self_test_sees_a_changed_coefficient() {
 #[test]
 fn an_empty_controller_compiles_too() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let folder = folder("empty");
     let controller = Controller::new(Parts::new(1e-3, 10.0)).unwrap();
@@ -150,7 +153,7 @@ fn an_empty_controller_compiles_too() {
 
 #[test]
 fn the_header_says_where_the_code_comes_from() {
-    let files = c99(Unverified(&typical()), &provenance(), &CodeOptions::double("axis")).unwrap();
+    let files = c99(Unverified(&typical_controller()), &provenance(), &CodeOptions::double("axis")).unwrap();
     for line in provenance().lines() {
         assert!(files[0].text.contains(&line) && files[1].text.contains(&line), "{line}");
     }
@@ -159,7 +162,7 @@ fn the_header_says_where_the_code_comes_from() {
 
 #[test]
 fn the_readme_names_what_is_there() {
-    let files = c99(Unverified(&typical()), &provenance(), &CodeOptions::double("axis")).unwrap();
+    let files = c99(Unverified(&typical_controller()), &provenance(), &CodeOptions::double("axis")).unwrap();
     let readme = &files.iter().find(|file| file.name == "axis_README.md").unwrap().text;
     assert!(files.iter().all(|file| file.name.ends_with(".md") || readme.contains(&file.name)));
     for said in
@@ -172,7 +175,10 @@ fn the_readme_names_what_is_there() {
 #[test]
 fn names_that_are_no_identifiers_are_refused() {
     for name in ["", "9axis", "Axis", "an axis", "a_name_that_is_much_too_long_for_a_prefix"] {
-        assert!(c99(Unverified(&typical()), &provenance(), &CodeOptions::double(name)).is_err(), "{name}");
+        assert!(
+            c99(Unverified(&typical_controller()), &provenance(), &CodeOptions::double(name)).is_err(),
+            "{name}"
+        );
     }
 }
 
@@ -180,19 +186,22 @@ fn names_that_are_no_identifiers_are_refused() {
 #[test]
 fn words_of_the_target_languages_are_refused() {
     for name in ["double", "match", "class", "core", "std", "test", "linux", "async"] {
-        assert!(c99(Unverified(&typical()), &provenance(), &CodeOptions::double(name)).is_err(), "{name}");
+        assert!(
+            c99(Unverified(&typical_controller()), &provenance(), &CodeOptions::double(name)).is_err(),
+            "{name}"
+        );
     }
 }
 
 #[test]
 fn files_of_different_exports_do_not_compile_together() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let folder = folder("mixed_set");
     let files = |project: &str| {
         let provenance = counterpoise_export::Provenance { project: project.into(), ..provenance() };
-        c99(Unverified(&typical()), &provenance, &CodeOptions::double("axis")).unwrap()
+        c99(Unverified(&typical_controller()), &provenance, &CodeOptions::double("axis")).unwrap()
     };
     write(&folder, &files("yesterday"));
     let compile = |source: &str| {

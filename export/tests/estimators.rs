@@ -66,7 +66,7 @@ fn kinds() -> Vec<(&'static str, Controller)> {
 /// slowly.
 fn motion(seed: u64) -> Vec<[f64; READINGS]> {
     let mut random = Random(seed);
-    let mut noise = |size: f64| size * random.signed();
+    let mut noise = |size: f64| size * random.signed_unit();
     (0..SAMPLES)
         .map(|k| {
             let t = k as f64 * 1e-3;
@@ -115,7 +115,7 @@ fn every_estimator_keeps_the_prediction_along_its_run() {
 #[test]
 fn no_reading_brings_a_divisor_to_0() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let folder = folder("estimators_trapped");
     let plans: Vec<_> = kinds()
@@ -136,12 +136,13 @@ fn no_reading_brings_a_divisor_to_0() {
     for k in 0..1500 {
         for which in 0..plans.len() {
             match k % 500 {
-                117 => asked.push((which, Request::Set((random.signed() * 2147483647.0).round()))),
+                117 => asked.push((which, Request::Set((random.signed_unit() * 2147483647.0).round()))),
                 400 => asked.push((which, Request::Reset)),
                 _ => {}
             }
             let size = [2147483647.0, 1e9, 1e7, 0.0][(k / 50) % 4];
-            asked.push((which, Request::Step(std::array::from_fn(|_| (random.signed() * size).round()))));
+            asked
+                .push((which, Request::Step(std::array::from_fn(|_| (random.signed_unit() * size).round()))));
         }
     }
     assert_answers(&plans, &folder.join("server"), &asked);

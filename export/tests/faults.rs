@@ -13,8 +13,8 @@ use counterpoise_export::{CodeOptions, FixedRunner, Ranges, c99, fixed_c99, plan
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 use support::{
-    Random, Request, STRICT, Target, complete, equal_to_the_last_bit, folder, is_there, path, provenance,
-    random_controller, reference, requests, run, server, server_in, typical, write,
+    Random, Request, STRICT, Target, complete_controller, equal_to_the_last_bit, folder, is_there, path,
+    provenance, random_controller, reference, requests, run, server, server_in, typical_controller, write,
 };
 
 /// What a broken sensor or wire makes of a reading.
@@ -41,7 +41,7 @@ fn faulty(controllers: usize, samples: usize) -> Vec<(usize, Request)> {
 
 /// Returns the controllers that every block occurs in.
 fn controllers() -> Vec<Controller> {
-    [typical(), complete()].into_iter().chain((0..6).map(random_controller)).collect()
+    [typical_controller(), complete_controller()].into_iter().chain((0..6).map(random_controller)).collect()
 }
 
 /// Every answer is finite and within the limit, as the target's numbers hold it.
@@ -54,7 +54,7 @@ fn all_within(limits: &[f64], asked: &[(usize, Request)], answers: &[f64]) {
 #[test]
 fn c_answers_broken_readings_as_the_reference_does() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let controllers = controllers();
     let asked = faulty(controllers.len(), 1500);
@@ -94,12 +94,12 @@ fn c_answers_broken_readings_as_the_reference_does() {
 #[test]
 fn fixed_point_answers_any_integer_as_its_reference_does() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let mut random = Random(3);
     let history: Vec<[f64; READINGS]> =
         (0..2000).map(|_| random.readings().map(|value| 0.05 * value)).collect();
-    let controller = typical();
+    let controller = typical_controller();
     let fixed =
         plan_fixed_point(&controller, &Ranges::from_readings(&controller, &[history], 4.0), 1e-2, 2000)
             .unwrap();
@@ -112,7 +112,7 @@ fn fixed_point_answers_any_integer_as_its_reference_does() {
     let extreme = [f64::from(i32::MIN), f64::from(i32::MAX), -f64::from(i32::MAX), 0.0];
     let mut integer = || match random.unit() {
         share if share < 0.2 => extreme[(20.0 * share) as usize],
-        _ => (random.signed() * 2f64.powi(31)).trunc().clamp(f64::from(i32::MIN), f64::from(i32::MAX)),
+        _ => (random.signed_unit() * 2f64.powi(31)).trunc().clamp(f64::from(i32::MIN), f64::from(i32::MAX)),
     };
     let asked: Vec<(usize, Request)> = (0..20_000)
         .map(|k| match k % 50 {
@@ -162,7 +162,7 @@ fn a_reset_cures_everything() {
 
 #[test]
 fn flags_and_counts_say_what_happened() {
-    let mut runner = typical().runner();
+    let mut runner = typical_controller().runner();
     let good = [0.1, 0.1, 0.02, 0.5, 1.0, 0.01, 0.0];
     runner.step_array(&good);
     assert_eq!((runner.status().flags & REPLACED, runner.status().replaced), (0, 0));
@@ -205,7 +205,7 @@ fn states_that_run_away_are_put_back() {
 /// After a handover the controller is the one that is certified for it, and neither way the control makes a step.
 #[test]
 fn a_handover_ends_at_feedback_alone() {
-    let controller = typical();
+    let controller = typical_controller();
     let (mut runner, mut certified) = (controller.runner(), controller.feedback_alone().unwrap().runner());
     let readings =
         |k: usize| [0.02, 0.018, 0.05, 1.0, 3.0, 0.01, 0.0].map(|x: f64| x * (0.01 * k as f64).cos());
@@ -248,10 +248,10 @@ fn nothing_subnormal_is_left_at_rest() {
 #[test]
 fn generated_crates_are_clean_for_clippy() {
     if !Command::new("cargo").args(["clippy", "--version"]).output().is_ok_and(|o| o.status.success()) {
-        return support::skipped("no cargo clippy");
+        return support::report_skip("no cargo clippy");
     }
     let folder = folder("clippy");
-    for (name, controller) in [("plain", typical()), ("every_block", complete())] {
+    for (name, controller) in [("plain", typical_controller()), ("every_block", complete_controller())] {
         for (numbers, options) in
             [("double", CodeOptions::double(name)), ("single", CodeOptions::single(name))]
         {

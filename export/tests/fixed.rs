@@ -12,8 +12,8 @@ use counterpoise_export::{
     Fixed, FixedError, FixedRunner, Ranges, fixed_c99, plan_fixed_point, single_precision, vectors::LARGEST,
 };
 use support::{
-    Random, Request, STRICT, assert_answers, folder, is_there, projecting, provenance, random_controller,
-    run, server_in, typical, write,
+    Random, Request, STRICT, assert_answers, folder, is_there, projecting_controller, provenance,
+    random_controller, run, server_in, typical_controller, write,
 };
 
 const SAMPLES: usize = 2000;
@@ -60,12 +60,12 @@ fn measure(
 
 #[test]
 fn the_typical_controller_in_fixed_point_keeps_its_prediction() {
-    keeps_its_prediction(&typical());
+    keeps_its_prediction(&typical_controller());
 }
 
 #[test]
 fn heave_and_surge_projected_in_fixed_point_keep_their_prediction() {
-    keeps_its_prediction(&projecting());
+    keeps_its_prediction(&projecting_controller());
 }
 
 fn keeps_its_prediction(controller: &Controller) {
@@ -83,7 +83,7 @@ fn keeps_its_prediction(controller: &Controller) {
 
 #[test]
 fn the_typical_controller_in_single_precision_keeps_its_prediction() {
-    let controller = typical();
+    let controller = typical_controller();
     let predicted = single_precision(&controller, &ranges(&controller, 0.05, 1.5), SAMPLES);
     let mut runner = controller.runner_in::<f32>();
     let (worst, rms, free) = measure(&controller, &mut |readings| runner.step_array(readings), 0.05);
@@ -116,7 +116,7 @@ impl Score {
 
     fn add(&mut self, seed: u64) {
         let controller = random_controller(seed);
-        let known = Ranges::from_readings(&controller, &[few(3)], 4.0);
+        let known = Ranges::from_readings(&controller, &[few_readings(3)], 4.0);
         match plan_fixed_point(&controller, &known, 5e-3, FEW) {
             Ok(fixed) => {
                 let found = known.measure(&|| Box::new(FixedRunner::new(&fixed)));
@@ -146,7 +146,7 @@ impl Score {
 }
 
 /// Returns a short run of small readings.
-fn few(seed: u64) -> Vec<[f64; READINGS]> {
+fn few_readings(seed: u64) -> Vec<[f64; READINGS]> {
     history(seed, 0.02)[..FEW].to_vec()
 }
 
@@ -187,7 +187,7 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 #[test]
 fn what_cannot_be_planned_says_why() {
-    let controller = typical();
+    let controller = typical_controller();
     let still = Ranges::from_readings(&controller, &[vec![[0.0; READINGS]; 10]], 4.0);
     assert!(matches!(plan_fixed_point(&controller, &still, 1.0, 10), Err(FixedError::NeverMoved { .. })));
     let known = ranges(&controller, 0.05, 4.0);
@@ -215,12 +215,15 @@ fn build(test: &str, plans: &[Fixed], flags: &[&str]) -> PathBuf {
 #[test]
 fn fixed_c_equals_its_reference_and_never_overflows() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let random = if std::env::var_os("EVERY_CONTROLLER").is_some() { 40 } else { 16 };
-    let controllers: Vec<Controller> =
-        [typical(), projecting()].into_iter().chain((0..random).map(random_controller)).collect();
-    let known = |controller: &Controller| Ranges::from_readings(controller, &[few(3), few(4)], 4.0);
+    let controllers: Vec<Controller> = [typical_controller(), projecting_controller()]
+        .into_iter()
+        .chain((0..random).map(random_controller))
+        .collect();
+    let known =
+        |controller: &Controller| Ranges::from_readings(controller, &[few_readings(3), few_readings(4)], 4.0);
     let planned = |controller: &Controller| plan_fixed_point(controller, &known(controller), 1.0, FEW);
     let plans: Vec<Fixed> = controllers.iter().filter_map(|controller| planned(controller).ok()).collect();
     assert!(2 * plans.len() >= controllers.len(), "{} of {}", plans.len(), controllers.len());
@@ -232,10 +235,11 @@ fn fixed_c_equals_its_reference_and_never_overflows() {
     for k in 0..200 {
         for which in 0..plans.len() {
             if k % 40 == 17 {
-                asked.push((which, Request::Set((random.signed() * 2147483647.0).round())));
+                asked.push((which, Request::Set((random.signed_unit() * 2147483647.0).round())));
             }
             let size = [2147483647.0, 1e9, 1e7, 1e5][k % 4];
-            asked.push((which, Request::Step(std::array::from_fn(|_| (random.signed() * size).round()))));
+            asked
+                .push((which, Request::Step(std::array::from_fn(|_| (random.signed_unit() * size).round()))));
         }
     }
     assert_answers(&plans, &program, &asked);
@@ -245,11 +249,11 @@ fn fixed_c_equals_its_reference_and_never_overflows() {
 fn shipped_fixed_point_compiles_in_silence_and_passes() {
     for compiler in ["gcc", "clang"] {
         if !is_there(compiler) {
-            support::skipped(&format!("no {compiler}"));
+            support::report_skip(&format!("no {compiler}"));
             continue;
         }
         let folder = folder(&format!("fixed_{compiler}"));
-        let controller = typical();
+        let controller = typical_controller();
         let fixed = plan_fixed_point(&controller, &ranges(&controller, 0.05, 4.0), 2.5e-3, SAMPLES).unwrap();
         write(&folder, &fixed_c99(Unverified(&fixed.controller), &fixed, &provenance(), "axis").unwrap());
         let sources = ["axis.c", "axis_self_test.c", "axis_test.c", "-o", "axis_test"];

@@ -8,11 +8,13 @@ use std::process::Command;
 use counterpoise_export::CodeOptions;
 use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::fmi::controller_unit;
-use support::{STRICT, folder, is_there, provenance, run, typical, write};
+use support::{STRICT, folder, is_there, provenance, run, typical_controller, write};
 
 #[test]
 fn the_controller_unit_is_complete_and_compiles_in_silence() {
-    let files = controller_unit(Unverified(&typical()), &provenance(), &CodeOptions::double("axis")).unwrap();
+    let files =
+        controller_unit(Unverified(&typical_controller()), &provenance(), &CodeOptions::double("axis"))
+            .unwrap();
     let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
     let expected =
         ["sources/axis.h", "sources/axis.c", "modelDescription.xml", "sources/buildDescription.xml"];
@@ -22,7 +24,7 @@ fn the_controller_unit_is_complete_and_compiles_in_silence() {
     let token = description.split("instantiationToken=\"").nth(1).unwrap().split('"').next().unwrap();
     assert!(token.len() == 38 && code.contains(token), "{token}");
     if !is_there("cc") {
-        return support::skipped("compilation: no C compiler");
+        return support::report_skip("compilation: no C compiler");
     }
     let folder = folder("fmu_controller");
     write(&folder, &files);

@@ -7,7 +7,7 @@ use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
 use counterpoise_export::{CodeOptions, File, Provenance, c99, rust_crate};
 use counterpoise_models::{Plant, reference};
-use support::typical;
+use support::typical_controller;
 
 /// Texts that end a comment in one of the generated languages, or did after an earlier, unordered clean-up.
 const HOSTILE: [&str; 10] = [
@@ -27,7 +27,7 @@ const HOSTILE: [&str; 10] = [
 const FORBIDDEN: [&str; 12] =
     ["*/", "/*", "\\", "??/", "\u{2028}", "\u{2029}", "\u{85}", "\r", "\0", "-->", "<script", "{{"];
 
-fn generated(text: &str) -> Vec<File> {
+fn generate_files(text: &str) -> Vec<File> {
     let provenance = Provenance {
         generator: "counterpoise".into(),
         project: text.into(),
@@ -36,7 +36,7 @@ fn generated(text: &str) -> Vec<File> {
         verdicts: vec![text.into()],
         ..Provenance::default()
     };
-    let controller = typical();
+    let controller = typical_controller();
     let options = CodeOptions::double("axis");
     let plant = Plant::from_lumped(&reference::rig()).unwrap();
     let mut files = c99(Unverified(&controller), &provenance, &options).unwrap();
@@ -52,9 +52,9 @@ fn count(text: &str, part: &str) -> usize {
 
 #[test]
 fn hostile_text_adds_no_end_of_comment_to_any_generated_file() {
-    let plain = generated("plain");
+    let plain = generate_files("plain");
     for hostile in HOSTILE {
-        for (file, plain) in generated(hostile).iter().zip(&plain) {
+        for (file, plain) in generate_files(hostile).iter().zip(&plain) {
             assert_eq!(file.name, plain.name);
             for part in FORBIDDEN {
                 assert_eq!(count(&file.text, part), count(&plain.text, part), "{part:?} in {}", file.name);
@@ -66,9 +66,9 @@ fn hostile_text_adds_no_end_of_comment_to_any_generated_file() {
 /// Every line that the hostile text adds or changes is a line of a comment.
 #[test]
 fn hostile_text_changes_comments_only() {
-    let plain = generated("plain");
+    let plain = generate_files("plain");
     for hostile in HOSTILE {
-        for (file, plain) in generated(hostile).iter().zip(&plain) {
+        for (file, plain) in generate_files(hostile).iter().zip(&plain) {
             let code = |text: &str| {
                 let is_comment = |line: &&str| line.starts_with(" * ") || line.starts_with("//! ");
                 text.lines().filter(|line| !is_comment(line)).map(str::to_owned).collect::<Vec<_>>()

@@ -15,7 +15,7 @@ use counterpoise_export::{
     CodeOptions, Converters, File, Provenance, Ranges, c99, fixed_c99, plan_fixed_point,
 };
 use counterpoise_models::reference;
-use support::{Random, STRICT, folder, is_there, provenance, run, typical, write};
+use support::{Random, STRICT, folder, is_there, provenance, run, typical_controller, write};
 
 const SAMPLES: usize = 400;
 
@@ -75,7 +75,7 @@ fn counts() -> Vec<[i32; COMMON_READINGS]> {
 }
 
 /// Returns what the generated block writes to the output converter.
-fn answered(folder: &Path, files: &[File]) -> Vec<i32> {
+fn block_outputs(folder: &Path, files: &[File]) -> Vec<i32> {
     write(folder, files);
     std::fs::write(folder.join("board.c"), BOARD).unwrap();
     let sources = ["axis.c", "axis_interrupt.c", "board.c", "-o", "board"];
@@ -97,7 +97,7 @@ fn answered(folder: &Path, files: &[File]) -> Vec<i32> {
 }
 
 /// Returns what the controller asks for between the same converters.
-fn expected(controller: &Controller) -> Vec<i32> {
+fn expected_outputs(controller: &Controller) -> Vec<i32> {
     let (per_count, per_volt) = (converters().units_per_count(), converters().counts_per_volt());
     let mut runner = controller.runner();
     let answer = |row: [i32; COMMON_READINGS]| {
@@ -112,21 +112,21 @@ fn expected(controller: &Controller) -> Vec<i32> {
 #[test]
 fn the_block_in_double_answers_count_by_count() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
-    let controller = typical();
+    let controller = typical_controller();
     let files = c99(Unverified(&controller), &origin(), &CodeOptions::double("axis")).unwrap();
-    let found = answered(&folder("interrupt_double"), &files);
-    assert_eq!(found, expected(&controller));
+    let found = block_outputs(&folder("interrupt_double"), &files);
+    assert_eq!(found, expected_outputs(&controller));
     assert!(found.iter().any(|count| count.abs() > 100), "{found:?}");
 }
 
 #[test]
 fn the_blocks_in_small_numbers_answer_within_a_count() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
-    let controller = typical();
+    let controller = typical_controller();
     let per_count = converters().units_per_count();
     let history = counts()
         .iter()
@@ -138,9 +138,9 @@ fn the_blocks_in_small_numbers_answer_within_a_count() {
         ("single", c99(Unverified(&controller), &origin(), &CodeOptions::single("axis")).unwrap()),
         ("fixed", fixed_c99(Unverified(&controller), &fixed, &origin(), "axis").unwrap()),
     ];
-    let expected = expected(&controller);
+    let expected = expected_outputs(&controller);
     for (kind, files) in &kinds {
-        let found = answered(&folder(&format!("interrupt_{kind}")), files);
+        let found = block_outputs(&folder(&format!("interrupt_{kind}")), files);
         assert_eq!(found.len(), SAMPLES);
         let off = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).max().unwrap();
         let same = found.iter().zip(&expected).filter(|(a, b)| a == b).count();

@@ -83,7 +83,7 @@ fn platform(machine: &Machine) -> PlatformMotion {
 
 /// Returns the simulator's run, its sample period cut into parts with the control held over them, and its tolerance by the cube
 /// of that.
-fn simulated(machine: &Machine, parts: usize) -> Columns {
+fn simulate_parts(machine: &Machine, parts: usize) -> Columns {
     let mut parameters = machine.plant.parameters().clone();
     let held = controls(machine).into_iter().flat_map(|control| std::iter::repeat_n(control, parts));
     let motion = platform(machine);
@@ -221,7 +221,7 @@ fn difference(a: &Columns, b: &Columns) -> (f64, usize) {
 /// Compares the C with the simulator; tells what is wrong.
 fn compare(machine: &Machine) -> Option<String> {
     let folder = folder(&format!("plant_{}", machine.name.replace([' ', ',', ':'], "_")));
-    let (ours, finer) = (simulated(machine, 1), simulated(machine, PARTS));
+    let (ours, finer) = (simulate_parts(machine, 1), simulate_parts(machine, PARTS));
     let (c, finer_c) = (in_c(machine, &folder, 1.0), in_c(machine, &folder, REFINED));
     let (own, own_c) = (difference(&ours, &finer).0, difference(&c, &finer_c).0);
     let (refined, _) = difference(&finer_c, &finer);
@@ -238,7 +238,7 @@ fn compare(machine: &Machine) -> Option<String> {
 
 fn all_equal(machines: &[Machine]) {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let wrong: Vec<String> = machines.iter().filter_map(compare).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -367,7 +367,7 @@ fn motor_amplifier_and_gear() {
 }
 
 /// Returns a free function with points evenly over a reach to either side, or over a turn.
-fn free(
+fn free_function(
     place: LearnedPlace,
     quantity: LearnedQuantity,
     variable: RegimeVariable,
@@ -397,18 +397,18 @@ fn what_free_functions_add() {
     let bump = |x: f64| 1.0 + 0.4 * (-9.0 * x * x).exp();
     all_equal(&[
         machine("free friction and torque at the pivot", |p| {
-            p.learned.push(free(Pivot, FrictionLevel, Angle, bump));
-            p.learned.push(free(Pivot, Torque, Rate, |x| -80.0 * x * x * x));
-            p.learned.push(free(Pivot, Damping, Time, |x| 1.0 + 0.5 * x));
+            p.learned.push(free_function(Pivot, FrictionLevel, Angle, bump));
+            p.learned.push(free_function(Pivot, Torque, Rate, |x| -80.0 * x * x * x));
+            p.learned.push(free_function(Pivot, Damping, Time, |x| 1.0 + 0.5 * x));
         }),
         machine("free functions at the motor", |p| {
-            p.learned.push(free(Motor, FrictionLevel, Load, bump));
-            p.learned.push(free(Motor, Torque, Turn, |x| 0.2 * (6.0 * x).sin()));
-            p.learned.push(free(Motor, TorqueConstant, Control, |x| 1.0 - 0.1 * x * x));
+            p.learned.push(free_function(Motor, FrictionLevel, Load, bump));
+            p.learned.push(free_function(Motor, Torque, Turn, |x| 0.2 * (6.0 * x).sin()));
+            p.learned.push(free_function(Motor, TorqueConstant, Control, |x| 1.0 - 0.1 * x * x));
         }),
         machine("free functions of the gear", |p| {
-            p.learned.push(free(Gearbox, Stiffness, Load, |x| 1.0 + 0.2 * x));
-            p.learned.push(free(Gearbox, Damping, Rate, |x| 1.0 + x * x));
+            p.learned.push(free_function(Gearbox, Stiffness, Load, |x| 1.0 + 0.2 * x));
+            p.learned.push(free_function(Gearbox, Damping, Rate, |x| 1.0 + x * x));
         }),
         machine("a constant free torque behind a rigid gear", |p| {
             (p.gearbox.stiffness_nm_rad, p.gearbox.backlash_rad) = (f64::INFINITY, 0.0);

@@ -14,8 +14,8 @@ use counterpoise_export::{
     CodeOptions, File, Fixed, FixedRunner, Numbers, Precision, Ranges, c99, fixed_c99, plan_fixed_point,
 };
 use support::{
-    Random, Request, Target, complete, equal_to_the_last_bit, folder, provenance, reference, requests,
-    server, server_in, typical, write,
+    Random, Request, Target, complete_controller, equal_to_the_last_bit, folder, provenance, reference,
+    requests, server, server_in, typical_controller, write,
 };
 use target::{build, cost, emulator, tools_are_there};
 
@@ -26,7 +26,7 @@ fn known_ranges(controller: &Controller) -> Ranges {
     Ranges::from_readings(controller, &[history], 4.0)
 }
 
-fn fixed(controller: &Controller) -> Fixed {
+fn fixed_controller(controller: &Controller) -> Fixed {
     plan_fixed_point(controller, &known_ranges(controller), 1e-2, 2000).unwrap()
 }
 
@@ -35,7 +35,7 @@ fn a_step_costs_what_its_multiplications_need() {
     if !tools_are_there() {
         return;
     }
-    let controller = typical();
+    let controller = typical_controller();
     let step = &controller.programs().step;
     let (multiplications, additions) = (step.multiplications(), step.additions());
     println!("one step: {multiplications} multiplications, {additions} additions");
@@ -45,7 +45,8 @@ fn a_step_costs_what_its_multiplications_need() {
         (Numbers::Double, exact(CodeOptions::double("axis"))),
         (
             Numbers::Fixed,
-            fixed_c99(Unverified(&controller), &fixed(&controller), &provenance(), "axis").unwrap(),
+            fixed_c99(Unverified(&controller), &fixed_controller(&controller), &provenance(), "axis")
+                .unwrap(),
         ),
     ];
     for core in &CORES {
@@ -86,7 +87,7 @@ fn answers(
 }
 
 fn compare<N: Number>(core: &TargetCore, precision: Precision) {
-    let (controllers, asked) = ([complete()], requests(1, 600));
+    let (controllers, asked) = ([complete_controller()], requests(1, 600));
     let options = CodeOptions { name: "controller_0".into(), precision };
     let files = c99(Unverified(&controllers[0]), &provenance(), &options).unwrap();
     let main = server(&["controller_0".into()]);
@@ -110,13 +111,13 @@ fn fixed_point_answers_are_equal() {
     if !tools_are_there() {
         return;
     }
-    let fixed = fixed(&typical());
+    let fixed = fixed_controller(&typical_controller());
     let files = fixed_c99(Unverified(&fixed.controller), &fixed, &provenance(), "controller_0").unwrap();
     let main = server_in(&["controller_0".into()], |_| "int32_t".into());
     let mut random = Random(8);
     let mut runner = FixedRunner::new(&fixed);
     let integers: Vec<[f64; READINGS]> =
-        (0..600).map(|_| std::array::from_fn(|_| (2147483647.0 * random.signed()).round())).collect();
+        (0..600).map(|_| std::array::from_fn(|_| (2147483647.0 * random.signed_unit()).round())).collect();
     let asked: Vec<(usize, Request)> =
         integers.iter().map(|readings| (0, Request::Step(*readings))).collect();
     let expected: Vec<f64> = integers

@@ -11,8 +11,8 @@ use counterpoise_controller::{Controller, Parts, READING_NAMES};
 use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::{CodeOptions, Precision, rust_crate};
 use support::{
-    Target, complete, equal_to_the_last_bit, folder, provenance, random_controller, reference, requests, run,
-    typical, write,
+    Target, complete_controller, equal_to_the_last_bit, folder, provenance, random_controller, reference,
+    requests, run, typical_controller, write,
 };
 
 fn rustc() -> Command {
@@ -55,7 +55,7 @@ fn build(test: &str, controllers: &[Controller], precision: Precision) -> PathBu
 
 #[test]
 fn double_and_single_are_equal_to_the_reference_to_the_last_bit() {
-    let controllers = [typical(), complete()];
+    let controllers = [typical_controller(), complete_controller()];
     let asked = requests(2, 2000);
     let double = build("rust_double", &controllers, Precision::Double);
     equal_to_the_last_bit(&Target::start(&double).ask_all(&asked), &reference::<f64>(&controllers, &asked));
@@ -75,7 +75,10 @@ fn random_controllers_are_equal_to_the_reference() {
 #[test]
 fn the_crate_passes_its_own_tests() {
     let folder = folder("rust_own_tests");
-    write(&folder, &rust_crate(Unverified(&typical()), &provenance(), &CodeOptions::single("axis")).unwrap());
+    write(
+        &folder,
+        &rust_crate(Unverified(&typical_controller()), &provenance(), &CodeOptions::single("axis")).unwrap(),
+    );
     let source = folder.join("axis/src/lib.rs");
     let lib = ["--edition=2021", "--crate-type=lib", "--crate-name=axis", "-Dwarnings"];
     run(rustc().current_dir(&folder).args(lib).arg(source));

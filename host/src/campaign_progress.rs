@@ -34,15 +34,15 @@ impl CampaignPace {
         let bar = if terminal { ProgressBar::new(count as u64) } else { ProgressBar::hidden() };
         bar.set_style(ProgressStyle::with_template("{bar:30} {pos}/{len} samples, {elapsed} gone{msg}")?);
         bar.enable_steady_tick(Duration::from_millis(200));
-        Ok(Self { lines: !terminal, ..Self::over(bar, count) })
+        Ok(Self { lines: !terminal, ..Self::start(bar, count) })
     }
 
     /// Returns the progress of a campaign of `count` samples, shown nowhere.
     pub fn silent(count: usize) -> Self {
-        Self::over(ProgressBar::hidden(), count)
+        Self::start(ProgressBar::hidden(), count)
     }
 
-    fn over(bar: ProgressBar, count: usize) -> Self {
+    fn start(bar: ProgressBar, count: usize) -> Self {
         let now = Instant::now();
         Self { bar, lines: false, count, state: Mutex::new(State { begun: now, told: now, kept: 0, ran: 0 }) }
     }

@@ -19,13 +19,13 @@ impl Moment {
     }
 
     /// Returns the time until then; nothing if it has passed.
-    pub fn remaining(self) -> Duration {
+    pub fn remaining_time(self) -> Duration {
         self.0.saturating_duration_since(Instant::now())
     }
 
     /// Returns whether it has come.
     pub fn has_come(self) -> bool {
-        self.remaining().is_zero()
+        self.remaining_time().is_zero()
     }
 }
 
@@ -46,7 +46,7 @@ mod tests {
         let now = Moment::now();
         let later = now + Duration::from_secs(600);
         assert!(now.has_come() && !later.has_come() && now < later);
-        assert!(now.remaining().is_zero() && later.remaining() > Duration::from_secs(500));
+        assert!(now.remaining_time().is_zero() && later.remaining_time() > Duration::from_secs(500));
         assert!(now.elapsed() < Duration::from_secs(500));
     }
 }

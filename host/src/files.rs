@@ -62,7 +62,7 @@ pub fn read_project(disk: &dyn Disk, path: &Path) -> Result<(String, Attachments
     let name = path.display().to_string();
     let document = Document::from_bytes(&bytes, &name)
         .map_err(|errors| errors.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))?;
-    Ok((document.text().to_owned(), named(disk, &document, path)))
+    Ok((document.text().to_owned(), read_named_files(disk, &document, path)))
 }
 
 /// Largest file that is read whole, bytes; a larger recording is read in parts by `replay`, if it is text.
@@ -102,10 +102,10 @@ pub fn create_log(path: &Path) -> io::Result<Box<dyn Write>> {
 /// # Errors
 /// Those of the file system, and that it is no regular file.
 pub fn open_file(path: &Path) -> io::Result<(fs::File, u64)> {
-    regular(&fs::metadata(path)?)?;
+    require_regular(&fs::metadata(path)?)?;
     let file = fs::File::open(path)?;
     let found = file.metadata()?;
-    regular(&found)?;
+    require_regular(&found)?;
     Ok((file, found.len()))
 }
 
@@ -126,7 +126,7 @@ pub fn read_reference(folder: &Path, name: &str) -> io::Result<Vec<u8>> {
     read_file(&path)
 }
 
-fn regular(found: &fs::Metadata) -> io::Result<()> {
+fn require_regular(found: &fs::Metadata) -> io::Result<()> {
     match found.is_file() {
         true => Ok(()),
         false if found.is_dir() => Err(io::Error::other("it is a folder, not a file")),
@@ -136,11 +136,11 @@ fn regular(found: &fs::Metadata) -> io::Result<()> {
 
 /// Returns the files that a project names, from beside it; a missing one is told by the project's own errors.
 pub fn read_attachments(document: &Document, path: &Path) -> Attachments {
-    named(&NativeDisk, document, path)
+    read_named_files(&NativeDisk, document, path)
 }
 
 /// Reads what a document names; a part that was read can name further files.
-fn named(disk: &dyn Disk, document: &Document, path: &Path) -> Attachments {
+fn read_named_files(disk: &dyn Disk, document: &Document, path: &Path) -> Attachments {
     let folder = path.parent().unwrap_or(Path::new("."));
     let (mut all, mut tried) = (Attachments::none(), BTreeSet::new());
     loop {
@@ -257,7 +257,7 @@ fn place(path: &Path) -> io::Result<Place> {
     }
     let target = if found.is_symlink() { fs::metadata(path) } else { Ok(found) };
     match target {
-        Ok(target) => regular(&target).map(|()| Place::File),
+        Ok(target) => require_regular(&target).map(|()| Place::File),
         Err(_) => Ok(Place::File),
     }
 }

@@ -4,7 +4,7 @@ use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use counterpoise_recordings::{CsvParts, Table};
+use counterpoise_recordings::{CsvParts, RecordingTable};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::files::{self, recording_files};
@@ -71,9 +71,9 @@ impl LargeRecording {
 }
 
 impl Iterator for LargeRecording {
-    type Item = Result<Table>;
+    type Item = Result<RecordingTable>;
 
-    fn next(&mut self) -> Option<Result<Table>> {
+    fn next(&mut self) -> Option<Result<RecordingTable>> {
         let next = self.parts.next();
         if next.is_none() {
             self.bar.finish_and_clear();

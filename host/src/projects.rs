@@ -42,14 +42,14 @@ pub struct ProjectOnDisk {
 
 impl ProjectOnDisk {
     /// Returns the folder beside whose files the project stands.
-    pub fn folder(&self) -> files::ProjectFolder {
+    pub fn project_folder(&self) -> files::ProjectFolder {
         files::ProjectFolder(self.path.parent().unwrap_or(Path::new(".")).to_owned())
     }
 }
 
 /// Every error of a project file, the most important first.
 #[derive(Debug, thiserror::Error)]
-#[error("{}", rendered(.errors, .document))]
+#[error("{}", render_errors(.errors, .document))]
 pub struct BadProject {
     /// The errors.
     pub errors: Vec<Diagnostic>,
@@ -70,7 +70,7 @@ impl ProjectOnDisk {
 }
 
 /// Returns the first errors with the lines that they speak of, and how many there are.
-fn rendered(errors: &[Diagnostic], document: &Document) -> String {
+fn render_errors(errors: &[Diagnostic], document: &Document) -> String {
     let mut out = first_findings(errors, |error| document.excerpt(error));
     let count = errors.len();
     out.push(format!(

@@ -101,7 +101,7 @@ pub fn read_shard(path: &Path, campaign: &Campaign, name: &str) -> Result<Vec<Sa
         || format!("cannot read {}: it may be damaged; remove it and run its shard again", path.display());
     let bytes = files::read_file(path).with_context(damaged)?;
     // The decoder is made for sound files: on a damaged one it must not end the program.
-    let quiet = || decoded(path, &bytes, campaign, name);
+    let quiet = || decode_shard(path, &bytes, campaign, name);
     let samples =
         std::panic::catch_unwind(std::panic::AssertUnwindSafe(quiet)).map_err(|_| anyhow!(damaged()))??;
     // The same samples give the same bytes, so a file that is not what its samples give was changed.
@@ -109,7 +109,7 @@ pub fn read_shard(path: &Path, campaign: &Campaign, name: &str) -> Result<Vec<Sa
     Ok(samples)
 }
 
-fn decoded(path: &Path, bytes: &[u8], campaign: &Campaign, name: &str) -> Result<Vec<Sample>> {
+fn decode_shard(path: &Path, bytes: &[u8], campaign: &Campaign, name: &str) -> Result<Vec<Sample>> {
     let told =
         || format!("cannot read {}: it may be damaged; remove it and run its shard again", path.display());
     let reader = SerializedFileReader::new(Bytes::copy_from_slice(bytes)).with_context(told)?;

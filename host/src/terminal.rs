@@ -3,16 +3,16 @@
 /// Returns the text with every control character but line feed and tab, and every mark of the reading direction, written as an
 /// escape such as `\u{1b}`.
 pub fn escape_controls(text: &str) -> String {
-    escaped(text, |c| c.escape_unicode().to_string())
+    escape_characters(text, |c| c.escape_unicode().to_string())
 }
 
 /// Returns JSON with the same characters written as JSON's own escapes, such as `\u001b`: it then means the same.
 pub fn harmless_json(text: &str) -> String {
-    escaped(text, |c| format!("\\u{:04x}", u32::from(c)))
+    escape_characters(text, |c| format!("\\u{:04x}", u32::from(c)))
 }
 
 /// Returns a text with every character that a terminal may obey replaced.
-fn escaped(text: &str, escape: impl Fn(char) -> String) -> String {
+fn escape_characters(text: &str, escape: impl Fn(char) -> String) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         let direction = matches!(u32::from(c), 0x061c | 0x200e | 0x200f | 0x2028..=0x202e | 0x2066..=0x2069);
@@ -36,7 +36,7 @@ pub fn error_causes(error: &anyhow::Error) -> Vec<String> {
     lines
 }
 
-/// Writes lines to the standard error stream, harmless, each cut at [`LONGEST_LINE`]. Nobody can be told that this stream is lost.
+/// Writes lines to the standard error stream, harmless, each cut at `LONGEST_LINE`. Nobody can be told that this stream is lost.
 pub fn print_message(text: &str) {
     use std::io::Write;
     let lines: Vec<String> = text.split('\n').map(cut).collect();

@@ -54,7 +54,7 @@ impl TimeLeft {
     }
 
     /// Returns the time left; `None` if too little is done to tell.
-    pub fn remaining(&self) -> Option<Duration> {
+    pub fn remaining_time(&self) -> Option<Duration> {
         self.remaining_after(self.began.elapsed())
     }
 
@@ -66,7 +66,7 @@ impl TimeLeft {
     /// Returns a line that says the stage, how far it is, and the time left.
     pub fn line(&self, stage: &str, done: usize, of: usize) -> String {
         let at = format!("{stage} {}/{of}", (done + 1).min(of));
-        match self.remaining() {
+        match self.remaining_time() {
             Some(left) => format!("{at}, about {} s left", left.as_secs_f64().ceil()),
             None => at,
         }

@@ -54,7 +54,7 @@ impl<I: Send + 'static, O: Send + 'static> BackgroundWorker<I, O> {
         std::thread::spawn(move || {
             while let Some((revision, input, token)) = own.next() {
                 let output = work(input, &token);
-                own.answered(revision, output, &token);
+                own.store_answer(revision, output, &token);
                 wake();
             }
         });
@@ -121,7 +121,7 @@ impl<I, O> Shared<I, O> {
         }
     }
 
-    fn answered(&self, revision: u64, output: O, token: &CancelToken) {
+    fn store_answer(&self, revision: u64, output: O, token: &CancelToken) {
         let mut state = self.lock();
         state.running = None;
         if !token.is_cancelled() {

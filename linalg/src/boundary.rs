@@ -30,7 +30,7 @@ impl Boundary {
     }
 
     /// Returns the unit number that points across the boundary beside an eigenvalue, away from the stable ones.
-    pub(crate) fn outward(self, eigenvalue: C64) -> C64 {
+    pub(crate) fn outward_direction(self, eigenvalue: C64) -> C64 {
         match self {
             Self::ImaginaryAxis => C64::new(1.0, 0.0),
             Self::UnitCircle => eigenvalue / eigenvalue.norm(),

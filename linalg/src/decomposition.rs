@@ -210,11 +210,11 @@ pub(crate) fn hessenberg_values(A: &Mat) -> Result<Mat, Error> {
         compact::hessenberg_values(&mut H);
         return Ok(H);
     }
-    Ok(upper(&blocked_reduction(A).0))
+    Ok(upper_hessenberg(&blocked_reduction(A).0))
 }
 
 /// The upper triangle and the first subdiagonal.
-fn upper(work: &faer::Mat<f64>) -> Mat {
+fn upper_hessenberg(work: &faer::Mat<f64>) -> Mat {
     Mat::from_fn(work.nrows(), work.ncols(), |i, j| if i <= j + 1 { work[(i, j)] } else { 0.0 })
 }
 
@@ -237,7 +237,7 @@ fn blocked_hessenberg(A: &Mat) -> (Mat, Mat) {
         faer::Par::Seq,
         MemStack::new(&mut buffer),
     );
-    (upper(&work), copy(Q.as_ref()))
+    (upper_hessenberg(&work), copy(Q.as_ref()))
 }
 
 /// The Hessenberg form with the reflections below it, and the factors of these.

@@ -18,14 +18,14 @@ pub fn expm(A: &Mat) -> Result<Mat, Error> {
     check_square("A", A)?;
     let balanced = balance_all(A)?;
     if balanced.A.norm_one() > EXPM_BALANCE_GAIN * A.norm_one() {
-        return checked(pade(A)?);
+        return check_exponential(pade(A)?);
     }
     let d = &balanced.scale;
     let inner = pade(&balanced.A)?;
-    checked(Mat::from_fn(A.nrows(), A.ncols(), |i, j| inner[(i, j)] * d[i] / d[j]))
+    check_exponential(Mat::from_fn(A.nrows(), A.ncols(), |i, j| inner[(i, j)] * d[i] / d[j]))
 }
 
-fn checked(result: Mat) -> Result<Mat, Error> {
+fn check_exponential(result: Mat) -> Result<Mat, Error> {
     check_finite("the exponential", &result)?;
     Ok(result)
 }
@@ -72,7 +72,7 @@ const COEFFICIENTS_13: [f64; 14] = [
 ];
 
 fn pade(A: &Mat) -> Result<Mat, Error> {
-    let (A, squarings) = halved(A);
+    let (A, squarings) = scale_for_approximant(A);
     let (W, V) = approximant(&A);
     let U = &A * &W;
     let mut X = solve(&(&V - &U), &(&V + &U))?;
@@ -83,7 +83,7 @@ fn pade(A: &Mat) -> Result<Mat, Error> {
 }
 
 /// The matrix over the power of two for which the approximant of the largest degree is good, and the exponent.
-fn halved(A: &Mat) -> (Mat, i32) {
+fn scale_for_approximant(A: &Mat) -> (Mat, i32) {
     let squarings = (A.norm_one() / LARGEST).log2().ceil().max(0.0) as i32;
     (A.scale((-squarings as f64).exp2()), squarings)
 }
@@ -157,13 +157,16 @@ pub fn expm_integral(A: &Mat, B: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
     let inner = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] * h / d[i]);
     let (Phi, Gamma) = hold_integral(&balanced.A.scale(h), &inner)?;
     let Phi = Mat::from_fn(Phi.nrows(), Phi.ncols(), |i, j| Phi[(i, j)] * d[i] / d[j]);
-    Ok((checked(Phi)?, checked(Mat::from_fn(B.nrows(), B.ncols(), |i, j| Gamma[(i, j)] * d[i]))?))
+    Ok((
+        check_exponential(Phi)?,
+        check_exponential(Mat::from_fn(B.nrows(), B.ncols(), |i, j| Gamma[(i, j)] * d[i]))?,
+    ))
 }
 
 /// `exp(A)` and the integral of `exp(A s) B` from 0 to 1.
 fn hold_integral(A: &Mat, B: &Mat) -> Result<(Mat, Mat), Error> {
     let (n, m) = B.shape();
-    let (A, squarings) = halved(A);
+    let (A, squarings) = scale_for_approximant(A);
     let B = B.scale((-squarings as f64).exp2());
     let (W, V) = approximant(&A);
     let U = &A * &W;
@@ -173,7 +176,7 @@ fn hold_integral(A: &Mat, B: &Mat) -> Result<(Mat, Mat), Error> {
         Gamma = &Gamma + &(&Phi * &Gamma);
         Phi = &Phi * &Phi;
     }
-    Ok((checked(Phi)?, checked(Gamma)?))
+    Ok((check_exponential(Phi)?, check_exponential(Gamma)?))
 }
 
 /// Returns the sampled cost: `Phi = exp(A h)` and `W = integral of exp(A' s) Q exp(A s) ds from 0 to h`, `Q` symmetric.
@@ -203,7 +206,7 @@ pub fn van_loan_cost(A: &Mat, Q: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
         W = (&W + &(Phi.t() * &W * &Phi)).symmetric_part();
         Phi = &Phi * &Phi;
     }
-    Ok((checked(Phi)?, checked(W)?))
+    Ok((check_exponential(Phi)?, check_exponential(W)?))
 }
 
 /// Returns the sampled noise: `Phi = exp(A h)` and `W = integral of exp(A s) Q exp(A' s) ds from 0 to h`, `Q` symmetric: the
@@ -246,5 +249,5 @@ pub fn van_loan_accumulated(A: &Mat, Q: &Mat, h: f64) -> Result<Mat, Error> {
         Phi = &Phi * &Phi;
         step *= 2.0;
     }
-    checked(P)
+    check_exponential(P)
 }

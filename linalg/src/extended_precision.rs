@@ -214,15 +214,15 @@ fn row_exponents(A: &Mat) -> Vec<f64> {
     for j in 0..A.ncols() {
         largest.iter_mut().zip(A.column(j)).for_each(|(m, &a)| *m = m.max(a.abs()));
     }
-    largest.into_iter().map(above).collect()
+    largest.into_iter().map(power_above).collect()
 }
 
 fn column_exponents(A: &Mat) -> Vec<f64> {
-    (0..A.ncols()).map(|j| above(A.column(j).iter().fold(0.0, |m: f64, &a| m.max(a.abs())))).collect()
+    (0..A.ncols()).map(|j| power_above(A.column(j).iter().fold(0.0, |m: f64, &a| m.max(a.abs())))).collect()
 }
 
 /// A power of two at or above `value`.
-fn above(value: f64) -> f64 {
+fn power_above(value: f64) -> f64 {
     if value == 0.0 { 1.0 } else { value.log2().ceil().clamp(-900.0, 900.0).exp2() }
 }
 

@@ -131,7 +131,7 @@ fn riccati(A: &Mat, E: &Mat, B: &Mat, weights: &CostWeights, kind: Kind) -> Resu
         Kind::Discrete => dare(&reduced, B, &Q, weights.R, S.as_ref())?,
     };
     let equation = Generalised { A, E, B, weights, kind };
-    answer.try_map(|found| equation.refined(found))
+    answer.try_map(|found| equation.refine_solution(found))
 }
 
 struct Generalised<'a> {
@@ -152,7 +152,7 @@ struct At {
 
 impl Generalised<'_> {
     /// The solution after Newton steps on the original equation, with the certificate's residual and error computed from it.
-    fn refined(&self, mut found: Riccati) -> Result<Riccati, Error> {
+    fn refine_solution(&self, mut found: Riccati) -> Result<Riccati, Error> {
         let mut X = Extended::from(found.X.clone());
         let mut last = f64::INFINITY;
         let mut at = self.at(&X)?;

@@ -41,7 +41,7 @@ pub fn dlyap_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
 /// Wrong shapes, entries that are not finite, or [`Error::NotStable`] with the eigenvalue.
 pub fn lyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
     let form = Prepared::of(A, Kind::Continuous)?;
-    Ok((form.reached(B)?, form.output_in_basis(C)?))
+    Ok((form.gramian_factor(B)?, form.output_in_basis(C)?))
 }
 
 /// Returns the factors of both Gramians from one Schur form: `A P A' - P + B B' = 0` and `A' Q A - Q + C' C = 0`; as
@@ -51,7 +51,7 @@ pub fn lyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
 /// Wrong shapes, entries that are not finite, or [`Error::NotStable`] with the eigenvalue.
 pub fn dlyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
     let form = Prepared::of(A, Kind::Discrete)?;
-    Ok((form.reached(B)?, form.output_in_basis(C)?))
+    Ok((form.gramian_factor(B)?, form.output_in_basis(C)?))
 }
 
 /// Returns a square factor `L`, `P = L L'`, as [`lyap_factor`] but not triangular: enough for the trace of `C P C'`.
@@ -59,7 +59,7 @@ pub fn dlyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
 /// # Errors
 /// As for [`lyap_factor`].
 pub fn lyap_square_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
-    Prepared::of(A, Kind::Continuous)?.reached(B)
+    Prepared::of(A, Kind::Continuous)?.gramian_factor(B)
 }
 
 /// Returns a square factor `L`, `P = L L'`, as [`dlyap_factor`] but not triangular.
@@ -67,11 +67,11 @@ pub fn lyap_square_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
 /// # Errors
 /// As for [`dlyap_factor`].
 pub fn dlyap_square_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
-    Prepared::of(A, Kind::Discrete)?.reached(B)
+    Prepared::of(A, Kind::Discrete)?.gramian_factor(B)
 }
 
 fn factor(A: &Mat, B: &Mat, kind: Kind) -> Result<Mat, Error> {
-    let square = Prepared::of(A, kind)?.reached(B)?;
+    let square = Prepared::of(A, kind)?.gramian_factor(B)?;
     Ok(qr_r(&square.t())?.t())
 }
 
@@ -98,7 +98,7 @@ impl Prepared {
     }
 
     /// A square factor of the solution of the equation with `A` and `B B'`.
-    fn reached(&self, B: &Mat) -> Result<Mat, Error> {
+    fn gramian_factor(&self, B: &Mat) -> Result<Mat, Error> {
         check_shape("B", B, self.scale.len(), B.ncols())?;
         let scaled = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] / self.scale[i]);
         let inner = inner(&self.form.T, &narrow(&(self.form.U.t() * &scaled))?, self.kind)?;
@@ -134,7 +134,7 @@ fn inner(T: &Mat, B: &Mat, kind: Kind) -> Result<Mat, Error> {
         Kind::Discrete => {
             let (T, turns) = complex_form(T);
             let mut B = B.to_complex();
-            turns.iter().for_each(|turn| turn.back().rows(&mut B));
+            turns.iter().for_each(|turn| turn.inverse().rows(&mut B));
             let mut R = triangular_factor(&T, &B);
             turns.iter().for_each(|turn| turn.rows(&mut R));
             let parts = R.map(|e| e.re).hstack(&R.map(|e| e.im));
@@ -178,7 +178,7 @@ struct Turn {
 }
 
 impl Turn {
-    fn back(&self) -> Self {
+    fn inverse(&self) -> Self {
         Self { k: self.k, x: self.x.conj(), y: -self.y }
     }
 
@@ -213,7 +213,7 @@ fn complex_form(form: &Mat) -> (CMat, Vec<Turn>) {
             let norm = b.hypot(omega);
             let (x, y) = (C64::new(b / norm, 0.0), C64::new(0.0, omega / norm));
             let turn = Turn { k, x, y };
-            turn.back().rows(&mut T);
+            turn.inverse().rows(&mut T);
             turn.columns(&mut T, k + 2);
             T[(k, k)] = C64::new(a, omega);
             T[(k + 1, k + 1)] = C64::new(a, -omega);

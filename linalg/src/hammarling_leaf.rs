@@ -23,7 +23,7 @@ vectorised! {
         let mut B = B.clone();
         let mut R = Mat::zeros(T.nrows(), T.nrows());
         for (index, block) in all.iter().enumerate().rev() {
-            let own = if block.size == 1 { real(T, &B, block.at) } else { pair(T, &B, block.at) };
+            let own = if block.size == 1 { real_block(T, &B, block.at) } else { pair(T, &B, block.at) };
             if let Some(own) = own {
                 column(T, &mut B, &mut R, &all[..index], block.at, &own);
             }
@@ -42,7 +42,7 @@ struct Own {
 }
 
 #[inline(always)]
-fn real(T: &Mat, B: &Mat, k: usize) -> Option<Own> {
+fn real_block(T: &Mat, B: &Mat, k: usize) -> Option<Own> {
     let row = B.row_vec(k);
     let size = row.iter().map(|e| e * e).sum::<f64>().sqrt();
     if size == 0.0 {

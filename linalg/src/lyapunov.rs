@@ -199,7 +199,7 @@ impl Operator {
     /// The same in the coordinates of the Schur form: `U'XU` for `U'QU`.
     pub(crate) fn solve_inner(&self, Q: &Mat) -> Mat {
         match self.kind {
-            Kind::Continuous => symmetric(&self.form.T, &-Q),
+            Kind::Continuous => solve_symmetric(&self.form.T, &-Q),
             Kind::Discrete => symmetric_discrete(&self.form.T, Q),
         }
     }
@@ -268,7 +268,7 @@ fn symmetric_discrete(T: &Mat, Q: &Mat) -> Mat {
 const SMALL: usize = 40;
 
 /// `T X + X T' = C` for symmetric `C`, of which the upper blocks are read: half the work of the general equation.
-fn symmetric(T: &Mat, C: &Mat) -> Mat {
+fn solve_symmetric(T: &Mat, C: &Mat) -> Mat {
     let n = T.nrows();
     if n <= SMALL {
         let mut X = C.clone();
@@ -277,10 +277,10 @@ fn symmetric(T: &Mat, C: &Mat) -> Mat {
     }
     let k = middle(T);
     let (T11, T12, T22) = (T.block(0, 0, k, k), T.block(0, k, k, n - k), T.block(k, k, n - k, n - k));
-    let X22 = symmetric(&T22, &C.block(k, k, n - k, n - k));
+    let X22 = solve_symmetric(&T22, &C.block(k, k, n - k, n - k));
     let X12 = against_transpose(&T11, &T22, &(C.block(0, k, k, n - k) - &T12 * &X22));
     let coupled = &T12 * X12.t();
-    let X11 = symmetric(&T11, &(C.block(0, 0, k, k) - (&coupled + &coupled.t())));
+    let X11 = solve_symmetric(&T11, &(C.block(0, 0, k, k) - (&coupled + &coupled.t())));
     Mat::from_blocks(&[&[&X11, &X12], &[&X12.t(), &X22]])
 }
 

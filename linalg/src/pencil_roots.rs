@@ -1,6 +1,6 @@
 //! The finite eigenvalues of a small pencil `M - s E`, corrected in 32 digits.
 //!
-//! Method: eigenvalues that are all simple are corrected one by one ([`simple_roots`]). Otherwise, Aberth's simultaneous iteration (Math. Comp. 27 (1973) 339) on the determinant, whose logarithmic derivative is
+//! Method: eigenvalues that are all simple are corrected one by one (`simple_roots`). Otherwise, Aberth's simultaneous iteration (Math. Comp. 27 (1973) 339) on the determinant, whose logarithmic derivative is
 //! `-trace((M - s E)^-1 E)`. The LU factors of each step are computed with 32 digits from the entries as they are given, so that
 //! nothing is lost in transformations of the pencil: eigenvalues that differ by many decades keep their digits.
 
@@ -26,7 +26,7 @@ pub fn pencil_roots(M: &Mat, E: &[f64], starts: &[C64]) -> Result<Option<Vec<C64
     check_square("M", M)?;
     check_shape("E", &Mat::col(E), M.nrows(), 1)?;
     if let Some(roots) = simple_roots(M, E, starts) {
-        return Ok(Some(paired(roots)));
+        return Ok(Some(pair_conjugates(roots)));
     }
     Ok(simultaneous_roots(M, E, starts))
 }
@@ -35,11 +35,11 @@ pub fn pencil_roots(M: &Mat, E: &[f64], starts: &[C64]) -> Result<Option<Vec<C64
 ///
 /// Two real eigenvalues that differ by rounding are never found from a conjugate pair of approximations, which stays one: these are moved then.
 pub(crate) fn simultaneous_roots(M: &Mat, E: &[f64], starts: &[C64]) -> Option<Vec<C64>> {
-    iterate(M, E, apart(starts)).or_else(|| {
+    iterate(M, E, separate_starts(starts)).or_else(|| {
         let nearly_real = |s: &C64| s.im > 0.0 && s.im <= PENCIL_NEARLY_REAL * s.norm();
         let moved = |s: &C64| if nearly_real(s) { C64::new(s.re + s.im, 0.5 * s.im) } else { *s };
         let moved: Vec<C64> = starts.iter().map(moved).collect();
-        if moved == starts { None } else { iterate(M, E, apart(&moved)) }
+        if moved == starts { None } else { iterate(M, E, separate_starts(&moved)) }
     })
 }
 
@@ -62,7 +62,7 @@ fn iterate(M: &Mat, E: &[f64], mut roots: Vec<LongComplex>) -> Option<Vec<C64>> 
             settled[k] = step.size() <= PENCIL_CONVERGED * roots[k].size();
         }
         if settled.iter().all(|s| *s) {
-            return Some(paired(roots.into_iter().map(LongComplex::round).collect()));
+            return Some(pair_conjugates(roots.into_iter().map(LongComplex::round).collect()));
         }
     }
     None
@@ -117,7 +117,7 @@ pub(crate) fn corrected_modes(M: &Mat, all: &[C64], doubtful: &[DoubtfulMode]) -
 }
 
 /// The approximations with those that coincide moved apart, because the iteration never separates equal ones.
-fn apart(starts: &[C64]) -> Vec<LongComplex> {
+fn separate_starts(starts: &[C64]) -> Vec<LongComplex> {
     let mut out: Vec<C64> = Vec::with_capacity(starts.len());
     for (k, &start) in starts.iter().enumerate() {
         let near = |other: &&C64| (**other - start).norm() <= PENCIL_TOGETHER * start.norm();
@@ -199,7 +199,7 @@ fn trace(rows: &mut [Vec<LongComplex>], E: &[f64]) -> Option<LongComplex> {
 }
 
 /// The roots of a real pencil: nearly real ones made real, the others in exact conjugate pairs.
-fn paired(mut roots: Vec<C64>) -> Vec<C64> {
+fn pair_conjugates(mut roots: Vec<C64>) -> Vec<C64> {
     roots.iter_mut().filter(|root| root.im.abs() <= PENCIL_REAL * root.norm()).for_each(|root| root.im = 0.0);
     let mut out: Vec<C64> = roots.iter().copied().filter(|root| root.im == 0.0).collect();
     let mut upper: Vec<C64> = roots.iter().copied().filter(|root| root.im > 0.0).collect();

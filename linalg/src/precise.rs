@@ -20,7 +20,7 @@ pub(crate) struct Long {
 
 impl Long {
     #[inline(always)]
-    fn normalised(high: f64, low: f64) -> Self {
+    fn from_parts(high: f64, low: f64) -> Self {
         let sum = high + low;
         Self { high: sum, low: low - (sum - high) }
     }
@@ -33,7 +33,7 @@ impl Long {
         let sum = self.high + product;
         let back = sum - self.high;
         let error = (self.high - (sum - back)) + (product - back);
-        Self::normalised(sum, error + (self.low + lost))
+        Self::from_parts(sum, error + (self.low + lost))
     }
 }
 
@@ -143,7 +143,7 @@ impl Precise {
         sum
     }
 
-    pub(crate) fn minus(&self, other: &Self) -> Self {
+    pub(crate) fn difference(&self, other: &Self) -> Self {
         let mut sum = self.clone();
         add_into(&mut sum.high, &mut sum.low, &other.high, &other.low, -1.0);
         sum
@@ -298,7 +298,7 @@ mod tests {
         };
         let exact = Precise::from(&Mat::from_fn(n, 3, |i, j| (i * i + 7 * j) as f64 - 20.0));
         let found = H.solve(&H.times(&exact)).unwrap();
-        assert!(found.minus(&exact).round().norm_max() < 1e-11, "{:?}", found.minus(&exact).high);
+        assert!(found.difference(&exact).round().norm_max() < 1e-11, "{:?}", found.difference(&exact).high);
         assert!(Precise::from(&Mat::zeros(2, 2)).solve(&Precise::identity(2, 1.0)).is_none());
     }
 

@@ -20,7 +20,7 @@ pub(crate) fn simple_roots(M: &Mat, E: &[f64], starts: &[C64]) -> Option<Vec<C64
         if start.im < 0.0 {
             continue;
         }
-        let root = corrected(M, E, start)?;
+        let root = correct_eigenvalue(M, E, start)?;
         if (root - start).norm() > PENCIL_NEAR * distance_to_others(starts, k) {
             return None;
         }
@@ -55,12 +55,12 @@ fn are_apart(roots: &[C64]) -> bool {
 }
 
 /// One eigenvalue, corrected until a correction is below [`PENCIL_CONVERGED`] of it.
-fn corrected(M: &Mat, E: &[f64], start: C64) -> Option<C64> {
+fn correct_eigenvalue(M: &Mat, E: &[f64], start: C64) -> Option<C64> {
     let n = M.nrows();
     let (x, largest) = vector(M, E, start)?;
     // Column `largest` of the eigenvector stays 1, and the correction of the eigenvalue takes its place.
     let bordered =
-        Factors::of(n, |i, j| if j == largest { -x[i] * E[i] } else { shifted(M, E, start, i, j) })?;
+        Factors::of(n, |i, j| if j == largest { -x[i] * E[i] } else { shifted_entry(M, E, start, i, j) })?;
     let mut x: Vec<LongComplex> = x.into_iter().map(LongComplex::of).collect();
     let mut s = LongComplex::of(start);
     let mut last = f64::INFINITY;
@@ -83,7 +83,7 @@ fn corrected(M: &Mat, E: &[f64], start: C64) -> Option<C64> {
     None
 }
 
-fn shifted(M: &Mat, E: &[f64], s: C64, i: usize, j: usize) -> C64 {
+fn shifted_entry(M: &Mat, E: &[f64], s: C64, i: usize, j: usize) -> C64 {
     let value = C64::new(M[(i, j)], 0.0);
     if i == j { value - s * E[i] } else { value }
 }
@@ -102,7 +102,7 @@ fn residual(M: &Mat, E: &[f64], s: LongComplex, x: &[LongComplex]) -> Vec<LongCo
 /// The eigenvector of an approximation by inverse iteration, its largest entry 1, and the place of that.
 fn vector(M: &Mat, E: &[f64], s: C64) -> Option<(Vec<C64>, usize)> {
     let n = M.nrows();
-    let factors = Factors::of(n, |i, j| shifted(M, E, s, i, j))?;
+    let factors = Factors::of(n, |i, j| shifted_entry(M, E, s, i, j))?;
     let mut x = vec![C64::ONE; n];
     let mut largest = 0;
     for _ in 0..2 {

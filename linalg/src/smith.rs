@@ -17,7 +17,7 @@ pub(crate) fn lyapunov<const K: usize>(F: &Precise, right: [Precise; K], kind: K
     let n = F.high.nrows();
     let size = F.high.norm_fro().max(f64::MIN_POSITIVE);
     let gamma = power_of_two(eigenvalues(&F.high).map_or(size, |values| middle(&values, size)));
-    let inverse = F.minus(&Precise::identity(n, gamma)).solve(&Precise::identity(n, 1.0))?;
+    let inverse = F.difference(&Precise::identity(n, gamma)).solve(&Precise::identity(n, 1.0))?;
     let turned = Precise::identity(n, 1.0).plus(&inverse.scale(2.0 * gamma));
     let moved = right.map(|P| inverse.t().times(&P.times(&inverse)).scale(2.0 * gamma));
     smith(turned, moved)

@@ -72,7 +72,7 @@ impl Spectrum {
     pub(crate) fn sight(&self, M: &Mat, mode: C64) -> Reach {
         let triangle = Triangle::of(&self.form.T, mode, EPS * self.size);
         let x = triangle.solve_right(vec![C64::new(1.0, 0.0); self.form.T.nrows()]);
-        acts_on(M, mode, &self.outward(&triangle.solve_right(x)), &self.scale)
+        acts_on(M, mode, &self.transform_vector(&triangle.solve_right(x)), &self.scale)
     }
 
     /// The eigenvalues (one of each conjugate pair) that lie on the boundary of stability within what rounding the entries of `A`
@@ -113,7 +113,7 @@ impl Spectrum {
         let (y, x) = (self.left_vector(mode), self.right_vector(mode));
         let product = y.iter().zip(&x).map(|(a, b)| a * b).sum::<C64>();
         let overlap = product.norm();
-        let outward = boundary.outward(mode).conj() * overlap / product;
+        let outward = boundary.outward_direction(mode).conj() * overlap / product;
         let (mut total, mut across) = (0.0, 0.0);
         for j in 0..n {
             let column = || self.balanced.column(j).iter().zip(&y);
@@ -136,7 +136,7 @@ impl Spectrum {
         let n = self.form.T.nrows();
         let triangle = Triangle::of(&self.form.T, mode, EPS * self.size);
         let y = triangle.solve_left(vec![C64::new(1.0, 0.0); n]);
-        self.outward(&triangle.solve_left(triangle.combined(&y)))
+        self.transform_vector(&triangle.solve_left(triangle.combine_row(&y)))
     }
 
     /// `v` with `B v = mode v` for the balanced matrix, its largest entry about 1.
@@ -144,11 +144,11 @@ impl Spectrum {
         let n = self.form.T.nrows();
         let triangle = Triangle::of(&self.form.T, mode, EPS * self.size);
         let x = triangle.solve_right(vec![C64::new(1.0, 0.0); n]);
-        self.outward(&triangle.solve_right(x))
+        self.transform_vector(&triangle.solve_right(x))
     }
 
     /// `U y`
-    fn outward(&self, y: &[C64]) -> Vec<C64> {
+    fn transform_vector(&self, y: &[C64]) -> Vec<C64> {
         let mut out = vec![C64::default(); y.len()];
         for (k, factor) in y.iter().enumerate() {
             out.iter_mut().zip(self.form.U.column(k)).for_each(|(o, &u)| *o += factor * u);
@@ -224,7 +224,7 @@ impl Triangle {
         Self { columns, steps }
     }
 
-    /// `y` with `y' (T - mode I) = b'` for the right-hand side `b` after [`Triangle::combined`], its largest entry 1.
+    /// `y` with `y' (T - mode I) = b'` for the right-hand side `b` after [`Triangle::combine_row`], its largest entry 1.
     fn solve_left(&self, b: Vec<C64>) -> Vec<C64> {
         let mut y: Vec<C64> = Vec::with_capacity(b.len());
         let mut scale = 1.0;
@@ -264,7 +264,7 @@ impl Triangle {
     }
 
     /// The column operations applied to a row.
-    fn combined(&self, b: &[C64]) -> Vec<C64> {
+    fn combine_row(&self, b: &[C64]) -> Vec<C64> {
         let mut b = b.to_vec();
         for k in (1..b.len()).rev() {
             let (swap, factor) = self.steps[k];

@@ -84,7 +84,7 @@ impl Staircase {
         let (mut done, mut driving, mut size) = (0, self.B.clone(), B_size);
         while done < n && driving.high.ncols() > 0 {
             let Some(stair) = self.stair(&driving, size)? else { break };
-            let (T, inverse) = (embedded(&stair.T, n), embedded(&stair.inverse, n));
+            let (T, inverse) = (embed_in_identity(&stair.T, n), embed_in_identity(&stair.inverse, n));
             self.A = inverse.times(&self.A.times(&T));
             self.B = inverse.times(&self.B);
             self.C = self.C.times(&T);
@@ -135,7 +135,7 @@ struct Stair {
 }
 
 /// Returns the identity of size `n` with a matrix in the place of its last rows and columns.
-fn embedded(T: &Precise, n: usize) -> Precise {
+fn embed_in_identity(T: &Precise, n: usize) -> Precise {
     let first = n - T.high.nrows();
     let mut whole = Precise::identity(n, 1.0);
     whole.set_block(first, first, T);

@@ -38,7 +38,7 @@ pub fn refined_transfer(system: StateRealisation, s: C64) -> Result<CMat, Error>
     check_shape("D", D, p, m)?;
     let entry = |i: usize, j: usize| if i == j { s } else { C64::default() };
     let shifted = CMat::from_fn(n, n, |i, j| entry(i, j) - A[(i, j)]);
-    let (Re, Im) = (Precise::identity(n, s.re).minus(&Precise::from(A)), Precise::identity(n, s.im));
+    let (Re, Im) = (Precise::identity(n, s.re).difference(&Precise::from(A)), Precise::identity(n, s.im));
     let (X, is_settled) = refined_states(&Factors::of(&shifted)?, &Re, &Im, B)?;
     let singular = Error::Singular { what: "sI - A", rcond: 0.0 };
     let X = match is_settled {
@@ -74,9 +74,9 @@ fn refined_states(
         last = size;
         let part = |of: fn(&C64) -> f64| Precise::from(&Mat::from_fn(n, m, |i, j| of(&step[(i, j)])));
         X = (X.0.plus(&part(|z| z.re)), X.1.plus(&part(|z| z.im)));
-        let real = Re.times(&X.0).minus(&Im.times(&X.1));
+        let real = Re.times(&X.0).difference(&Im.times(&X.1));
         let imaginary = Re.times(&X.1).plus(&Im.times(&X.0));
-        rest = (Precise::from(B).minus(&real), imaginary.scale(-1.0));
+        rest = (Precise::from(B).difference(&real), imaginary.scale(-1.0));
         if size <= TRANSFER_SETTLED * X.0.high.norm_fro().hypot(X.1.high.norm_fro()) {
             break;
         }

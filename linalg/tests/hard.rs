@@ -3,7 +3,7 @@
 
 use crate::common;
 
-use common::{Random, solved, solved_discrete, solved_g};
+use common::{Random, solve_care, solved_discrete, solved_g};
 use counterpoise_linalg::{
     Boundary, Error, Mat, Outcome, Reason, Riccati, boundary_eigenvalues, care, dare, dlyap, inverse, lyap,
     lyap_factor, lyap_separation,
@@ -55,7 +55,7 @@ fn no_weight_on_the_input_is_solved_by_a_shift() {
 fn a_slow_stable_mode_is_not_taken_for_an_integrator() {
     for e in [1e-6, 1e-9, 1e-13, 1e-30] {
         let A = Mat::diag(&[1.0, -e]);
-        let found = solved(&A, &Mat::col(&[1.0, 1.0]), &Mat::diag(&[1.0, 0.0]), &Mat::eye(1));
+        let found = solve_care(&A, &Mat::col(&[1.0, 1.0]), &Mat::diag(&[1.0, 0.0]), &Mat::eye(1));
         assert!((found.X[(0, 0)] - (1.0 + 2f64.sqrt())).abs() < 1e-15 * 10.0, "{e:e}: {:?}", found.X);
         assert!(found.closed_loop.iter().all(|pole| pole.re < 0.0), "{e:e}");
     }
@@ -65,7 +65,7 @@ fn a_slow_stable_mode_is_not_taken_for_an_integrator() {
 fn two_equal_fast_unstable_modes_in_series() {
     let A = Mat::from_rows(&[&[1000.0, 0.0], &[1.0, 1000.0]]);
     let B = Mat::col(&[0.01, 0.0]);
-    let found = solved(&A, &B, &Mat::diag(&[0.0, 1e-5]), &Mat::eye(1).scale(100.0));
+    let found = solve_care(&A, &B, &Mat::diag(&[0.0, 1e-5]), &Mat::eye(1).scale(100.0));
     // Nearly minimum energy: X = 4 a r/b^2 [1 2a... ] in closed form for q = 0, changed by q in the 17th digit.
     let (a, g) = (1000.0, 1e-6);
     let exact = Mat::from_rows(&[&[4.0 * a / g, 4.0 * a * a / g], &[4.0 * a * a / g, 8.0 * a * a * a / g]]);
@@ -77,7 +77,7 @@ fn cheap_control_has_a_reason_or_a_solution() {
     // x11 = sqrt(q1 + 2 sqrt(q r)) ... in the limit of a small weight: 1 and its root.
     let A = Mat::from_rows(&[&[0.0, 1.0], &[0.0, 0.0]]);
     for r in [1e-8, 1e-12, 1e-16, 1e-20] {
-        let found = solved(&A, &Mat::col(&[0.0, 1.0]), &Mat::diag(&[1.0, 0.0]), &Mat::eye(1).scale(r));
+        let found = solve_care(&A, &Mat::col(&[0.0, 1.0]), &Mat::diag(&[1.0, 0.0]), &Mat::eye(1).scale(r));
         let root = r.sqrt().sqrt();
         let exact = Mat::from_rows(&[
             &[2f64.sqrt() * root, root * root],
@@ -107,7 +107,7 @@ fn the_certificate_can_be_recomputed_in_the_callers_units() {
     let A = random.matrix(5, 5);
     let A = Mat::from_fn(5, 5, |i, j| A[(i, j)] * unit[i] / unit[j]);
     let B = Mat::from_fn(5, 1, |i, _| unit[i]);
-    let Riccati { X, F, certificate, .. } = solved(&A, &B, &Mat::diag(&[1.0; 5]), &Mat::eye(1));
+    let Riccati { X, F, certificate, .. } = solve_care(&A, &B, &Mat::diag(&[1.0; 5]), &Mat::eye(1));
     let terms = 2.0 * (A.t() * &X).norm_fro() + (&X * &B * &F).norm_fro() + 5f64.sqrt();
     assert!((certificate.term_norm / terms - 1.0).abs() < 1e-12);
     // Rounding X alone leaves this, since A'X and XB are small against their terms.

@@ -8,7 +8,7 @@ use common::Random;
 use counterpoise_linalg::*;
 
 /// A matrix of odd shape with odd entries.
-fn odd(random: &mut Random, usual: (usize, usize)) -> Mat {
+fn odd_matrix(random: &mut Random, usual: (usize, usize)) -> Mat {
     let mut size = |n: usize| match (random.uniform() * 12.0) as usize {
         0 => 0,
         1 => 1,
@@ -33,11 +33,11 @@ fn odd(random: &mut Random, usual: (usize, usize)) -> Mat {
 }
 
 fn square(random: &mut Random, n: usize) -> Mat {
-    odd(random, (n, n))
+    odd_matrix(random, (n, n))
 }
 
 /// A square matrix that is symmetric more often than not.
-fn symmetric(random: &mut Random, n: usize) -> Mat {
+fn mostly_symmetric_matrix(random: &mut Random, n: usize) -> Mat {
     let M = square(random, n);
     if M.is_square() && random.uniform() < 0.9 { &M + &M.t() } else { M }
 }
@@ -59,11 +59,11 @@ impl Data {
         let m = (random.uniform() * 3.0) as usize;
         Self {
             A: square(&mut random, n),
-            B: odd(&mut random, (n, m)),
+            B: odd_matrix(&mut random, (n, m)),
             C: square(&mut random, n),
-            Q: symmetric(&mut random, n),
-            R: symmetric(&mut random, m),
-            S: odd(&mut random, (n, m)),
+            Q: mostly_symmetric_matrix(&mut random, n),
+            R: mostly_symmetric_matrix(&mut random, m),
+            S: odd_matrix(&mut random, (n, m)),
         }
     }
 
@@ -96,7 +96,7 @@ impl Data {
     }
 
     /// The equations with a matrix E, roots of pencils, and what takes lists.
-    fn generalised(&self) -> Vec<Call<'_>> {
+    fn generalised_calls(&self) -> Vec<Call<'_>> {
         let Self { A, B, C, Q, R, S } = self;
         let weights = |S| CostWeights { Q, R, S };
         let scales = C.diagonal();
@@ -166,7 +166,7 @@ fn sparse_calls(A: &Mat, Q: &Mat) -> Result<(), Error> {
 /// Calls every routine; the names of those that panic.
 fn call_all(seed: u64) -> Vec<&'static str> {
     let data = Data::of(seed);
-    let calls = data.equations().into_iter().chain(data.generalised()).chain(data.decompositions());
+    let calls = data.equations().into_iter().chain(data.generalised_calls()).chain(data.decompositions());
     panicking(&calls.collect::<Vec<Call>>())
 }
 

@@ -4,14 +4,14 @@
 
 use crate::common;
 
-use common::{difference, solved, solved_discrete, solved_g, within_data};
+use common::{difference, solve_care, solved_discrete, solved_g, within_data};
 use counterpoise_linalg::{Mat, Outcome, Reason, care, care_g};
 
 #[test]
 fn carex_2_1_almost_unstabilisable() {
     for e in [1.0, 1e-3, 1e-6] {
         let (A, B) = (Mat::diag(&[1.0, -2.0]), Mat::col(&[e, 0.0]));
-        let solution = solved(&A, &B, &Mat::from_fn(2, 2, |_, _| 1.0), &Mat::eye(1));
+        let solution = solve_care(&A, &B, &Mat::from_fn(2, 2, |_, _| 1.0), &Mat::eye(1));
         let root = (1.0 + e * e).sqrt();
         let (x12, x22) = (1.0 / (2.0 + root), 0.25 * (1.0 - e * e / (2.0 + root).powi(2)));
         let exact = Mat::from_rows(&[&[(1.0 + root) / (e * e), x12], &[x12, x22]]);
@@ -30,7 +30,7 @@ fn carex_2_1_almost_unstabilisable() {
 fn carex_2_3_ill_conditioned_for_large_e() {
     for e in [1e-6, 1.0, 1e6] {
         let A = Mat::from_rows(&[&[0.0, e], &[0.0, 0.0]]);
-        let solution = solved(&A, &Mat::col(&[0.0, 1.0]), &Mat::eye(2), &Mat::eye(1));
+        let solution = solve_care(&A, &Mat::col(&[0.0, 1.0]), &Mat::eye(2), &Mat::eye(1));
         let root = (1.0 + 2.0 * e).sqrt();
         within_data(&solution, &Mat::from_rows(&[&[root / e, 1.0], &[1.0, root]]), &format!("2.3, {e:e}"));
     }
@@ -52,13 +52,13 @@ fn carex_2_5_h_infinity_near_the_axis() {
     for e in [1.0, 1e-2, 1e-5] {
         let A = Mat::from_rows(&[&[3.0 - e, 1.0], &[4.0, 2.0 - e]]);
         let Q = Mat::from_rows(&[&[4.0 * e - 11.0, 2.0 * e - 5.0], &[2.0 * e - 5.0, 2.0 * e - 2.0]]);
-        let solution = solved(&A, &Mat::col(&[1.0, 1.0]), &Q, &Mat::eye(1));
+        let solution = solve_care(&A, &Mat::col(&[1.0, 1.0]), &Q, &Mat::eye(1));
         within_data(&solution, &Mat::from_rows(&[&[2.0, 1.0], &[1.0, 1.0]]), &format!("2.5, {e:e}"));
     }
 }
 
 /// `V diag V` with the reflection `V = I - (2/3) 1 1'`.
-fn reflected(diagonal: [f64; 3]) -> Mat {
+fn reflect_diagonal(diagonal: [f64; 3]) -> Mat {
     let V = Mat::from_fn(3, 3, |i, j| if i == j { 1.0 / 3.0 } else { -2.0 / 3.0 });
     (&V * &Mat::diag(&diagonal) * &V).symmetric_part()
 }
@@ -66,10 +66,10 @@ fn reflected(diagonal: [f64; 3]) -> Mat {
 #[test]
 fn carex_2_6_badly_scaled() {
     for e in [1.0, 1e3, 1e6] {
-        let A = reflected([e, 2.0 * e, 3.0 * e]);
-        let (G, Q) = (Mat::eye(3).scale(1.0 / e), reflected([1.0 / e, 1.0, e]));
+        let A = reflect_diagonal([e, 2.0 * e, 3.0 * e]);
+        let (G, Q) = (Mat::eye(3).scale(1.0 / e), reflect_diagonal([1.0 / e, 1.0, e]));
         let exact = |a: f64, q: f64| e * (a + (a * a + q / e).sqrt());
-        let X = reflected([exact(e, 1.0 / e), exact(2.0 * e, 1.0), exact(3.0 * e, e)]);
+        let X = reflect_diagonal([exact(e, 1.0 / e), exact(2.0 * e, 1.0), exact(3.0 * e, e)]);
         within_data(&solved_g(&A, &G, &Q), &X, &format!("2.6, {e:e}"));
     }
 }
@@ -113,7 +113,7 @@ fn vehicles(count: usize) -> (Mat, Mat, Mat) {
 fn carex_3_1_string_of_vehicles() {
     for count in [3, 20, 60] {
         let (A, B, Q) = vehicles(count);
-        let solution = solved(&A, &B, &Q, &Mat::eye(count));
+        let solution = solve_care(&A, &B, &Q, &Mat::eye(count));
         assert!(solution.certificate.relative_residual < 1e-15, "{count} vehicles");
         // The distances sum to nothing that the cost sees: the mean velocity keeps its own pole at -1.
         assert!(solution.closed_loop.iter().any(|l| (l - (-1.0)).norm() < 1e-9));
@@ -149,7 +149,7 @@ fn carex_4_1_chain_of_integrators() {
         let A = Mat::from_fn(n, n, |i, j| if j == i + 1 { 1.0 } else { 0.0 });
         let B = Mat::from_fn(n, 1, |i, _| if i == n - 1 { 1.0 } else { 0.0 });
         let Q = Mat::from_fn(n, n, |i, j| if i + j == 0 { q } else { 0.0 });
-        let X = solved(&A, &B, &Q, &Mat::eye(1).scale(r)).X;
+        let X = solve_care(&A, &B, &Q, &Mat::eye(1).scale(r)).X;
         let expected: f64 = (q * r).sqrt();
         assert!(
             (X[(0, n - 1)] / expected - 1.0).abs() < 1e-9,
@@ -172,7 +172,7 @@ fn carex_4_3_string_of_masses() {
     let A = Mat::from_blocks(&[&[&O, &I], &[&K.scale(-1.0 / mass), &I.scale(-damping / mass)]]);
     let mut B = Mat::zeros(2 * l, 2);
     (B[(l, 0)], B[(2 * l - 1, 1)]) = (1.0 / mass, -1.0 / mass);
-    let solution = solved(&A, &B, &Mat::eye(2 * l), &Mat::eye(2));
+    let solution = solve_care(&A, &B, &Mat::eye(2 * l), &Mat::eye(2));
     assert!(solution.certificate.relative_residual < 1e-15);
 }
 
@@ -212,14 +212,15 @@ fn darex_2_5_reflected_diagonal() {
     for r in [1e-6, 1.0, 1e6] {
         let weight = Mat::eye(3).scale(r);
         let solution = solved_discrete(
-            &reflected([0.0, 1.0, 3.0]),
+            &reflect_diagonal([0.0, 1.0, 3.0]),
             &Mat::eye(3).scale(1.0 / r.sqrt()),
             &weight,
             &weight,
         );
         assert!(solution.certificate.relative_residual < 1e-14, "2.5, {r:e}");
-        let unit = solved_discrete(&reflected([0.0, 1.0, 3.0]), &Mat::eye(3), &Mat::eye(3), &Mat::eye(3));
-        let exact = reflected([1.0, 0.5 * (1.0 + 5f64.sqrt()), 0.5 * (9.0 + 85f64.sqrt())]);
+        let unit =
+            solved_discrete(&reflect_diagonal([0.0, 1.0, 3.0]), &Mat::eye(3), &Mat::eye(3), &Mat::eye(3));
+        let exact = reflect_diagonal([1.0, 0.5 * (1.0 + 5f64.sqrt()), 0.5 * (9.0 + 85f64.sqrt())]);
         within_data(&unit, &exact, "2.5");
     }
 }

@@ -4,11 +4,11 @@
 
 use crate::common;
 
-use common::{difference, solved, solved_discrete};
+use common::{difference, solve_care, solved_discrete};
 use counterpoise_linalg::{Mat, Riccati, cond, solve};
 
 /// A certified answer: small residual, every pole of the loop in the left half plane.
-fn certified(solution: &Riccati, largest_residual: f64, what: &str) {
+fn check_certificate(solution: &Riccati, largest_residual: f64, what: &str) {
     assert!(solution.certificate.relative_residual < largest_residual, "{what}: {}", solution.certificate);
     assert!(solution.closed_loop.iter().all(|pole| pole.re < 0.0), "{what}: {:?}", solution.closed_loop);
 }
@@ -19,9 +19,9 @@ fn carex_2_2_weight_tends_to_a_singular_one() {
     let Q = Mat::from_rows(&[&[100.0, 1000.0], &[1000.0, 10000.0]]);
     for e in [1.0, 1e-4, 1e-8, 1e-12] {
         let R = Mat::from_rows(&[&[1.0 + e, 1.0], &[1.0, 1.0]]);
-        let solution = solved(&A, &B, &Q, &R);
+        let solution = solve_care(&A, &B, &Q, &R);
         // X rounded to double leaves this residual, since the gain divides it by R.
-        certified(&solution, f64::EPSILON * cond(&R).unwrap().max(100.0), &format!("2.2, {e:e}"));
+        check_certificate(&solution, f64::EPSILON * cond(&R).unwrap().max(100.0), &format!("2.2, {e:e}"));
         // R F = B'X, the gain being as large as the inverse of R.
         let (left, right) = (&R * &solution.F, B.t() * &solution.X);
         let rounding = f64::EPSILON * R.norm_fro() * solution.F.norm_fro();
@@ -39,8 +39,8 @@ fn carex_2_7_magnetic_tape_with_a_fast_amplifier() {
             &[0.0, 0.0, 0.0, -1.0 / e],
         ]);
         let B = Mat::col(&[0.0, 0.0, 0.0, 1.0 / e]);
-        let solution = solved(&A, &B, &Mat::diag(&[1.0, 0.0, 1.0, 0.0]), &Mat::eye(1));
-        certified(&solution, 1e-14, &format!("2.7, {e:e}"));
+        let solution = solve_care(&A, &B, &Mat::diag(&[1.0, 0.0, 1.0, 0.0]), &Mat::eye(1));
+        check_certificate(&solution, 1e-14, &format!("2.7, {e:e}"));
     }
 }
 
@@ -72,9 +72,9 @@ fn heat(n: usize, conductivity: f64, actuator: (f64, f64), sensor: (f64, f64)) -
 fn carex_4_2_heat_flow() {
     for (n, conductivity, place) in [(20, 0.01, 0.2), (100, 0.01, 0.2), (100, 1e-6, 0.2), (200, 1.0, 0.85)] {
         let (A, B, C) = heat(n, conductivity, (place, place + 0.1), (0.2, 0.3));
-        let solution = solved(&A, &B, &(C.t() * &C), &Mat::eye(1));
+        let solution = solve_care(&A, &B, &(C.t() * &C), &Mat::eye(1));
         // sb02md leaves 9e-12, 5e-9, 9e-13 and 7e-6.
-        certified(&solution, 1e-13, &format!("4.2, {n}, {conductivity:e}"));
+        check_certificate(&solution, 1e-13, &format!("4.2, {n}, {conductivity:e}"));
     }
 }
 
@@ -91,7 +91,7 @@ fn carex_4_3_long_string_of_masses() {
         let A = Mat::from_blocks(&[&[&O, &I], &[&K.scale(-1.0 / mass), &I.scale(-damping / mass)]]);
         let mut B = Mat::zeros(2 * l, 2);
         (B[(l, 0)], B[(2 * l - 1, 1)]) = (1.0 / mass, -1.0 / mass);
-        certified(&solved(&A, &B, &Mat::eye(2 * l), &Mat::eye(2)), 1e-14, &format!("4.3, {l}"));
+        check_certificate(&solve_care(&A, &B, &Mat::eye(2 * l), &Mat::eye(2)), 1e-14, &format!("4.3, {l}"));
     }
 }
 
@@ -103,8 +103,8 @@ fn carex_4_1_longest_chain_that_double_holds() {
         let A = Mat::from_fn(n, n, |i, j| if j == i + 1 { 1.0 } else { 0.0 });
         let B = Mat::from_fn(n, 1, |i, _| if i == n - 1 { 1.0 } else { 0.0 });
         let Q = Mat::from_fn(n, n, |i, j| if i + j == 0 { q } else { 0.0 });
-        let solution = solved(&A, &B, &Q, &Mat::eye(1).scale(r));
-        certified(&solution, 1e-14, &format!("4.1, {q:e}, {r:e}"));
+        let solution = solve_care(&A, &B, &Q, &Mat::eye(1).scale(r));
+        check_certificate(&solution, 1e-14, &format!("4.1, {q:e}, {r:e}"));
         // The loop has Butterworth's poles: the 2n-th roots of q/r with sign, all of one modulus.
         let radius = (q / r).powf(0.5 / n as f64);
         for pole in &solution.closed_loop {
@@ -161,7 +161,7 @@ fn the_smallest_problems_and_the_widest_units() {
         for q in [1e-8, 1.0, 1e8] {
             for r in [1e-8, 1.0, 1e8] {
                 let one = |x: f64| Mat::diag(&[x]);
-                let solution = solved(&one(a), &one(1.0), &one(q), &one(r));
+                let solution = solve_care(&one(a), &one(1.0), &one(q), &one(r));
                 let root = (a * a + q / r).sqrt();
                 let exact = if a > 0.0 { r * (a + root) } else { q / (root - a) };
                 let found = solution.X[(0, 0)];
@@ -170,5 +170,5 @@ fn the_smallest_problems_and_the_widest_units() {
         }
     }
     let (none, inputs) = (Mat::zeros(0, 0), Mat::zeros(0, 1));
-    assert_eq!(solved(&none, &inputs, &none, &Mat::eye(1)).F.shape(), (1, 0));
+    assert_eq!(solve_care(&none, &inputs, &none, &Mat::eye(1)).F.shape(), (1, 0));
 }

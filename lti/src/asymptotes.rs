@@ -53,7 +53,7 @@ impl Asymptotes {
         if let Some(crossing) =
             crossing(first, self.slope_at_zero()).filter(|&rate| rate < first.rate / ASYMPTOTE_AT_END)
         {
-            rates.extend(between(crossing / ASYMPTOTE_MARGIN, first.rate));
+            rates.extend(grid_between(crossing / ASYMPTOTE_MARGIN, first.rate));
         }
         match timebase {
             Timebase::Continuous => {
@@ -61,11 +61,11 @@ impl Asymptotes {
                 if let Some(crossing) =
                     crossing(last, slope).filter(|&rate| rate > ASYMPTOTE_AT_END * last.rate)
                 {
-                    rates.extend(between(last.rate, crossing * ASYMPTOTE_MARGIN));
+                    rates.extend(grid_between(last.rate, crossing * ASYMPTOTE_MARGIN));
                 }
             }
             Timebase::Discrete { period_s } => {
-                rates.extend(between(last.rate, std::f64::consts::PI / period_s));
+                rates.extend(grid_between(last.rate, std::f64::consts::PI / period_s));
             }
         }
         rates
@@ -86,7 +86,7 @@ impl Asymptotes {
         let slope = self.roots.zeros.len() as f64 - self.roots.poles.len() as f64;
         let relative = Point { value: last.value / level, ..last };
         match crossing(relative, slope).filter(|&rate| slope < 0.0 && rate > last.rate) {
-            Some(end) => between(last.rate, end * ASYMPTOTE_MARGIN),
+            Some(end) => grid_between(last.rate, end * ASYMPTOTE_MARGIN),
             None => Vec::new(),
         }
     }
@@ -115,7 +115,7 @@ fn crossing(point: Point, slope: f64) -> Option<f64> {
 }
 
 /// Returns a logarithmic grid between two frequencies, without its ends.
-fn between(low: f64, high: f64) -> Vec<f64> {
+fn grid_between(low: f64, high: f64) -> Vec<f64> {
     let count = ((high / low).log10() * SCAN_PER_DECADE as f64).ceil().clamp(1.0, 20_000.0) as usize;
     (1..count).map(|k| low * (high / low).powf(k as f64 / count as f64)).collect()
 }

@@ -7,7 +7,7 @@ use crate::Mat;
 /// Returns the groups of states that act on each other, ordered so that A is block upper triangular in them.
 pub fn components(A: &Mat) -> Vec<Vec<usize>> {
     let n = A.nrows();
-    let reach = reachable(A);
+    let reach = reachability(A);
     let size: Vec<u32> = reach.iter().map(|row| row.iter().map(|word| word.count_ones()).sum()).collect();
     let mutual = |i: usize, j: usize| has(&reach[i], j) && has(&reach[j], i);
     let mut taken = vec![false; n];
@@ -52,7 +52,7 @@ fn root(group: &mut [usize], mut i: usize) -> usize {
 }
 
 /// For each state the set of states it acts on, itself among them, as bits (Warshall's closure).
-fn reachable(A: &Mat) -> Vec<Vec<u64>> {
+fn reachability(A: &Mat) -> Vec<Vec<u64>> {
     let n = A.nrows();
     let mut reach = vec![vec![0_u64; n.div_ceil(64)]; n];
     for (j, row) in reach.iter_mut().enumerate() {

@@ -24,7 +24,7 @@ pub struct DelayedMargins {
 
 /// Returns the margins of a continuous loop with one input, one output and a delay in seconds.
 ///
-/// The response of L is evaluated as for [`crate::margins`] and turned by the delay exactly; the grid ends where the gain falls below
+/// The response of L is evaluated as for [`crate::margins`](fn@crate::margins) and turned by the delay exactly; the grid ends where the gain falls below
 /// -60 dB for good. The closed loop has infinitely many poles, so that those in the right half plane are counted by the turns of the
 /// response about the critical point. In sampled time a delay of whole samples is a system of its own ([`crate::delay_samples`]).
 ///

@@ -60,7 +60,7 @@ impl Descriptor {
     /// # Errors
     /// [`Error::SingularPencil`] where the constraints do not determine the variables: there is no transfer function.
     pub fn reduce_index(&self) -> Result<ReducedDescriptor, Error> {
-        let (mut pencil, rate) = Pencil::scaled(self);
+        let (mut pencil, rate) = Pencil::scale_system(self);
         let mut rounds = 0;
         while pencil.round()? {
             rounds += 1;
@@ -96,7 +96,7 @@ struct Pencil {
 
 impl Pencil {
     /// Returns rows and columns of like size, time in units of the returned rate.
-    fn scaled(g: &Descriptor) -> (Self, f64) {
+    fn scale_system(g: &Descriptor) -> (Self, f64) {
         let (E, A) = (&g.E, &g.system.A);
         let rate = match (mean_log(A), mean_log(E)) {
             (Some(a), Some(e)) => (a - e).round().exp2(),

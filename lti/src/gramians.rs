@@ -32,7 +32,7 @@ pub fn ctrb_factor(g: &StateSpace) -> Result<Mat, Error> {
         Timebase::Discrete { .. } => linalg::dlyap_factor(&g.A, &g.B),
     };
     match factor {
-        Err(linalg::Error::NotStable { .. }) => Err(unstable("Gramian", g)?),
+        Err(linalg::Error::NotStable { .. }) => Err(instability_error("Gramian", g)?),
         other => other.with_operation("Gramian"),
     }
 }
@@ -55,7 +55,7 @@ pub fn gramian_factors(g: &StateSpace) -> Result<(Mat, Mat), Error> {
         Timebase::Discrete { .. } => linalg::dlyap_factors(&g.A, &g.B, &g.C),
     };
     match factors {
-        Err(linalg::Error::NotStable { .. }) => Err(unstable("Gramians", g)?),
+        Err(linalg::Error::NotStable { .. }) => Err(instability_error("Gramians", g)?),
         other => other.with_operation("Gramians"),
     }
 }
@@ -78,7 +78,7 @@ pub fn hankelnorm(g: &StateSpace) -> Result<f64, Error> {
 }
 
 /// Returns the error that names the least stable pole.
-fn unstable(what: &'static str, g: &StateSpace) -> Result<Error, Error> {
+fn instability_error(what: &'static str, g: &StateSpace) -> Result<Error, Error> {
     let poles = poles(g)?;
     let outside = poles.iter().filter(|&&p| !is_stable_pole(p, g.timebase));
     let worst = outside.max_by(|a, b| a.re.total_cmp(&b.re)).or(poles.last()).copied().unwrap_or_default();

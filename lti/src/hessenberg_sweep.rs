@@ -19,7 +19,7 @@ impl<const N: usize> Lane<N> {
         Self { re: values.map(|v| v.re), im: values.map(|v| v.im) }
     }
 
-    fn real(x: f64) -> Self {
+    fn from_real(x: f64) -> Self {
         Self { re: [x; N], im: [0.0; N] }
     }
 
@@ -36,7 +36,7 @@ impl<const N: usize> Lane<N> {
     }
 
     #[inline(always)]
-    fn negated(&self) -> Self {
+    fn negative(&self) -> Self {
         Self { re: self.re.map(|v| -v), im: self.im.map(|v| -v) }
     }
 
@@ -111,9 +111,9 @@ impl<'a, const N: usize> Sweep<'a, N> {
         let mut rows = Vec::with_capacity(n * (m + 1));
         for i in 0..n {
             rows.push(entry(H, s, i, n - 1));
-            rows.extend((0..m).map(|j| Lane::real(B[(i, j)])));
+            rows.extend((0..m).map(|j| Lane::from_real(B[(i, j)])));
         }
-        let out = (0..p).map(|i| if n > 0 { Lane::real(C[(i, n - 1)]) } else { Lane::ZERO }).collect();
+        let out = (0..p).map(|i| if n > 0 { Lane::from_real(C[(i, n - 1)]) } else { Lane::ZERO }).collect();
         Self { H, C, s, rows, out, answer: vec![Lane::ZERO; p * m], n, m, p }
     }
 
@@ -136,7 +136,7 @@ impl<'a, const N: usize> Sweep<'a, N> {
     /// Makes entry (k, k-1) zero with columns k-1 and k, solves for unknown k, and leaves the new column k-1.
     #[inline(always)]
     fn combine(&mut self, k: usize, unknowns: &mut [Lane<N>]) {
-        let sub = Lane::real(-self.H[(k, k - 1)]);
+        let sub = Lane::from_real(-self.H[(k, k - 1)]);
         let current = self.rows[k * (self.m + 1)];
         let mut swap = [0.0; N];
         let (mut large, mut small) = (current, sub);
@@ -148,7 +148,7 @@ impl<'a, const N: usize> Sweep<'a, N> {
             }
         }
         // Where both are zero the pivot is zero and the answer not finite: s is a pole.
-        let factor = Lane::quotient(&small, &large).negated();
+        let factor = Lane::quotient(&small, &large).negative();
         self.solve(k, &large, &swap, unknowns);
         self.columns(k, &factor, &swap, unknowns);
     }
@@ -163,7 +163,7 @@ impl<'a, const N: usize> Sweep<'a, N> {
                 let (kept, _) = choose(self.C[(i, k - 1)], &self.out[i], swap);
                 self.answer[j * self.p + i].add_product(&kept, &x);
             }
-            *unknown = x.negated();
+            *unknown = x.negative();
         }
     }
 

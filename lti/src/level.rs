@@ -139,7 +139,8 @@ fn climb(response: &Response, low: f64, high: f64, top: Peak, wanted: f64) -> Re
     let mut is_guided = false;
     for _ in 0..CLIMB_ROUNDS {
         let width = hill.width();
-        let rates = if is_guided { hill.around_vertex() } else { None }.unwrap_or_else(|| hill.uniform());
+        let rates =
+            if is_guided { hill.around_vertex() } else { None }.unwrap_or_else(|| hill.uniform_frequencies());
         let values = largest_gains(response, &rates)?.into_iter().zip(rates);
         let mut points: Vec<Peak> = values.map(|(value, rate_rad_s)| Peak { value, rate_rad_s }).collect();
         // The highest comes first: the others are then its neighbours.
@@ -167,7 +168,7 @@ impl Hill {
     }
 
     /// Seven frequencies at even distances.
-    fn uniform(&self) -> Vec<f64> {
+    fn uniform_frequencies(&self) -> Vec<f64> {
         (1..8).map(|k| self.low.rate_rad_s + self.width() * f64::from(k) / 8.0).collect()
     }
 

@@ -49,10 +49,10 @@ pub fn multiloop_margins(loop_gain: &StateSpace) -> Result<MultiloopMargins, Err
     half.D -= &Mat::eye(m).scale(0.5);
     let each = (0..m).map(|k| Ok(DiskMargin::of(linfnorm(&channel(&half, k)?, MULTILOOP_NORM)?)));
     let each: Result<Vec<DiskMargin>, Error> = each.collect();
-    let full = proved(&half)?;
-    let structured = structured(&half)?;
+    let full = proved_margin(&half)?;
+    let structured = structured_margin(&half)?;
     let scaled = half.scale_io(&structured.scales, &inverses(&structured.scales))?;
-    let constant = proved(&scaled)?;
+    let constant = proved_margin(&scaled)?;
     let diagonal_proved = if constant.alpha > full.alpha { constant } else { full };
     let diagonal = DiskMargin::of(structured.peak);
     Ok(MultiloopMargins {
@@ -65,7 +65,7 @@ pub fn multiloop_margins(loop_gain: &StateSpace) -> Result<MultiloopMargins, Err
 }
 
 /// Returns the margin that belongs to an upper bound of the norm.
-fn proved(g: &StateSpace) -> Result<DiskMargin, Error> {
+fn proved_margin(g: &StateSpace) -> Result<DiskMargin, Error> {
     let bounds = linfnorm_bounds(g, MULTILOOP_NORM)?;
     Ok(DiskMargin::of(Peak { value: bounds.upper, ..bounds.lower }))
 }
@@ -87,7 +87,7 @@ struct Structured {
     scales: Vec<f64>,
 }
 
-fn structured(g: &StateSpace) -> Result<Structured, Error> {
+fn structured_margin(g: &StateSpace) -> Result<Structured, Error> {
     let response = Response::of(g)?;
     let rates = grid(g)?;
     let mut values = Vec::with_capacity(rates.len());

@@ -131,10 +131,10 @@ pub fn linfnorm(g: &StateSpace, tolerance: f64) -> Result<Peak, Error> {
     }
     let scaled = balance(g).0;
     let Timebase::Discrete { period_s } = g.timebase else {
-        return with_care(&scaled, continuous(&scaled, &poles, tolerance)?, tolerance);
+        return with_care(&scaled, continuous_peak(&scaled, &poles, tolerance)?, tolerance);
     };
     let mapped: Vec<C64> = poles.iter().map(|z| 2.0 / period_s * (z - 1.0) / (z + 1.0)).collect();
-    let peak = continuous(&balance(&d2c_tustin(g, None)?).0, &mapped, tolerance)?;
+    let peak = continuous_peak(&balance(&d2c_tustin(g, None)?).0, &mapped, tolerance)?;
     let rate_rad_s = 2.0 / period_s * (0.5 * period_s * peak.rate_rad_s).atan();
     with_care(&scaled, Peak { rate_rad_s, ..peak }, tolerance)
 }
@@ -199,7 +199,7 @@ fn pole_on_the_border(g: &StateSpace, poles: &[C64]) -> Result<Option<f64>, Erro
 }
 
 /// Returns the peak of a balanced continuous system with the given poles.
-fn continuous(g: &StateSpace, poles: &[C64], tolerance: f64) -> Result<Peak, Error> {
+fn continuous_peak(g: &StateSpace, poles: &[C64], tolerance: f64) -> Result<Peak, Error> {
     let response = Response::of(g)?;
     let direct = largest_singular_value(&g.D)?;
     let mut best = Peak { value: direct, rate_rad_s: f64::INFINITY };

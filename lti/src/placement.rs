@@ -35,10 +35,10 @@ pub fn place(A: &Mat, B: &Mat, wanted: &[C64]) -> Result<Placement, Error> {
         return Ok(Placement { F: Mat::zeros(B.ncols(), 0), poles: vec![], condition: 1.0 });
     }
     let inputs = Inputs::of(B)?;
-    let poles = ordered(wanted)?;
+    let poles = order_poles(wanted)?;
     check_multiplicity(&poles, inputs.rank)?;
     let spaces: Result<Vec<CMat>, Error> = poles.iter().map(|&pole| inputs.space(A, pole)).collect();
-    let vectors = Vectors::start(&poles, spaces?).improved()?;
+    let vectors = Vectors::start(&poles, spaces?).improve_vectors()?;
     let F = inputs.gain(A, &poles, &vectors.X)?;
     let mut poles = linalg::eigenvalues(&(A - &(B * &F))).with_operation("pole placement")?;
     sort_roots(&mut poles);
@@ -62,7 +62,7 @@ fn check(A: &Mat, B: &Mat, wanted: &[C64]) -> Result<(), Error> {
 }
 
 /// Real poles first, then pairs, the upper one before its exact conjugate.
-fn ordered(wanted: &[C64]) -> Result<Vec<C64>, Error> {
+fn order_poles(wanted: &[C64]) -> Result<Vec<C64>, Error> {
     let is_real = |pole: &&C64| pole.im.abs() <= SAME_POLE * pole.norm();
     let mut poles: Vec<C64> = wanted.iter().filter(is_real).map(|pole| C64::new(pole.re, 0.0)).collect();
     let mut lower: Vec<C64> = wanted.iter().filter(|pole| !is_real(pole) && pole.im < 0.0).copied().collect();
@@ -134,13 +134,13 @@ impl Inputs {
     fn gain(&self, A: &Mat, poles: &[C64], X: &CMat) -> Result<Mat, Error> {
         let scaled = CMat::from_fn(X.nrows(), X.ncols(), |i, j| X[(i, j)] * poles[j]);
         // (X Lambda) X^-1 = ((X')^-1 (X Lambda)')'
-        let closed = linalg::csolve(&transposed(X), &transposed(&scaled)).with_operation("pole placement")?;
-        let closed = transposed(&closed).map(|entry: C64| entry.re);
+        let closed = linalg::csolve(&transpose(X), &transpose(&scaled)).with_operation("pole placement")?;
+        let closed = transpose(&closed).map(|entry: C64| entry.re);
         Ok(&self.inverse * &(self.U0.t() * (A - &closed)))
     }
 }
 
-fn transposed(X: &CMat) -> CMat {
+fn transpose(X: &CMat) -> CMat {
     CMat::from_fn(X.ncols(), X.nrows(), |i, j| X[(j, i)])
 }
 
@@ -181,7 +181,7 @@ impl Vectors {
 
     /// Returns the vectors after sweeps that each make one of them as orthogonal to the others as its space
     /// allows.
-    fn improved(mut self) -> Result<Self, Error> {
+    fn improve_vectors(mut self) -> Result<Self, Error> {
         let mut best = self.condition()?;
         let mut kept = self.X.clone();
         for _ in 0..PLACEMENT_SWEEPS {
@@ -210,7 +210,7 @@ impl Vectors {
         // Row k of X^-1 is orthogonal to all other columns.
         let mut unit = CMat::zeros(n, 1);
         unit[(k, 0)] = C64::new(1.0, 0.0);
-        let Ok(direction) = linalg::csolve(&transposed(&self.X), &unit) else { return };
+        let Ok(direction) = linalg::csolve(&transpose(&self.X), &unit) else { return };
         let direction = direction.map(|entry: C64| entry.conj());
         let space = &self.spaces[k];
         let mut x = (space * &(&space.h() * &direction)).column(0).to_vec();
@@ -255,7 +255,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
 
-    fn met(found: &Placement, wanted: &[C64], tolerance: f64) {
+    fn check_poles(found: &Placement, wanted: &[C64], tolerance: f64) {
         for pole in wanted {
             let distance = found.poles.iter().map(|p| (p - pole).norm()).fold(f64::INFINITY, f64::min);
             assert!(distance < tolerance * pole.norm().max(1.0), "{pole}: {:?}", found.poles);
@@ -287,11 +287,11 @@ mod tests {
         let B = Mat::from_rows(&[&[0.0, 0.0], &[5.679, 0.0], &[1.136, -3.146], &[1.136, 0.0]]);
         let wanted = [-0.2, -0.5, -5.0566, -8.6659].map(|p| C64::new(p, 0.0));
         let found = place(&A, &B, &wanted).unwrap();
-        met(&found, &wanted, 1e-12);
+        check_poles(&found, &wanted, 1e-12);
         // SciPy's methods end at 4.28 and 4.51.
         assert!(found.condition < 4.6, "{}", found.condition);
         let pairs = [C64::new(-2.0, 3.0), C64::new(-2.0, -3.0), C64::new(-1.0, 0.0), C64::new(-1.0, 0.0)];
         let found = place(&A, &B, &pairs).unwrap();
-        met(&found, &pairs, 1e-7);
+        check_poles(&found, &pairs, 1e-7);
     }
 }

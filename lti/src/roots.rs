@@ -91,7 +91,7 @@ pub fn is_stable_pole(pole: C64, timebase: Timebase) -> bool {
 /// transformations, whose ranks are decided by one absolute tolerance, and by eliminations whose ranks are decided entry by
 /// entry (`entrywise_zeros`). The first is the answer if both agree, because it is the more accurate one for systems of one scale;
 /// otherwise the second is, corrected in 32 digits if there are as many inputs as outputs and at most 32 states and inputs
-/// ([`linalg::pencil_roots`]). A zero that the eliminations place at the origin stays there unless the system matrix is regular
+/// ([`linalg::pencil_roots`](fn@linalg::pencil_roots)). A zero that the eliminations place at the origin stays there unless the system matrix is regular
 /// under a hundred roundings of each entry. Infinite zeros do not appear. Input and output decoupling zeros are among the answer. O(n^3).
 ///
 /// # Errors
@@ -107,7 +107,7 @@ pub fn zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
     }
     match precise_zeros(&scaled, &entrywise)? {
         Some(zeros) => Ok(zeros),
-        None => Ok(agreed(orthogonal, entrywise)),
+        None => Ok(agreed_zeros(orthogonal, entrywise)),
     }
 }
 
@@ -119,11 +119,11 @@ pub fn zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
 pub(crate) fn uncorrected_zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
     let scaled = unit_gains(&balance(g).0);
     let entrywise = entrywise_zeros(&scaled)?;
-    Ok(agreed(orthogonal_zeros(scaled), entrywise))
+    Ok(agreed_zeros(orthogonal_zeros(scaled), entrywise))
 }
 
 /// Returns the zeros by orthogonal transformations if both methods agree; otherwise those by eliminations.
-fn agreed(orthogonal: Result<Vec<C64>, Error>, entrywise: Vec<C64>) -> Vec<C64> {
+fn agreed_zeros(orthogonal: Result<Vec<C64>, Error>, entrywise: Vec<C64>) -> Vec<C64> {
     match orthogonal {
         Ok(zeros) if is_same(&zeros, &entrywise, SAME_ROOT) => zeros,
         _ => entrywise,

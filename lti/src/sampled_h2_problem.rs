@@ -74,7 +74,7 @@ mod tests {
     }
 
     /// Stationary covariance of `x+ = A x + w`.
-    fn settled(A: &Mat, W: &Mat) -> Mat {
+    fn stationary_covariance(A: &Mat, W: &Mat) -> Mat {
         linalg::dlyap(A, W).unwrap()
     }
 
@@ -89,7 +89,7 @@ mod tests {
         let d = &exact.cost;
         let answer = linalg::dare(&d.A, &d.B, &d.Q, &d.R, Some(&d.S)).unwrap().solution().unwrap();
         let closed = &d.A - &(&d.B * &answer.F);
-        let X = settled(&closed, &exact.process);
+        let X = stationary_covariance(&closed, &exact.process);
         // [x; u] = [I; -F] x at the samples.
         let stacked = Mat::eye(3).vstack(&-&answer.F);
         let weight = Mat::from_blocks(&[&[&d.Q, &d.S], &[&d.S.t(), &d.R]]);

@@ -50,14 +50,14 @@ impl Scan {
             let rates: Vec<f64> = scan.points.iter().map(|point| point.rate).collect();
             scan.points = scan.evaluate(&rates);
         }
-        scan.completed(g, &zeros)
+        scan.complete_grid(g, &zeros)
     }
 
     /// Resolves the loop's response on a grid that starts from zeros without the correction in 32 digits, and is close along the negative axis
     /// only about a gain of one.
     pub fn of_candidate(g: &StateSpace) -> Result<Self, Error> {
         let zeros = uncorrected_zeros(g)?;
-        Self::on_starting_grid(g, &zeros, CANDIDATE_GAINS)?.completed(g, &zeros)
+        Self::on_starting_grid(g, &zeros, CANDIDATE_GAINS)?.complete_grid(g, &zeros)
     }
 
     fn on_starting_grid(g: &StateSpace, zeros: &[C64], close_gains: Range<f64>) -> Result<Self, Error> {
@@ -78,7 +78,7 @@ impl Scan {
     }
 
     /// Refines the grid and extends it beyond its ends.
-    fn completed(mut self, g: &StateSpace, zeros: &[C64]) -> Result<Self, Error> {
+    fn complete_grid(mut self, g: &StateSpace, zeros: &[C64]) -> Result<Self, Error> {
         self.refine();
         self.extend(g, zeros)?;
         Ok(self)
@@ -329,7 +329,7 @@ fn starting_grid(g: &StateSpace, zeros: &[C64]) -> Result<Vec<f64>, Error> {
     let count = ((high / low).log10() * SCAN_PER_DECADE as f64).ceil() as usize + 1;
     let mut rates: Vec<f64> = (0..=count).map(|k| low * (high / low).powf(k as f64 / count as f64)).collect();
     for root in roots.iter().filter(|root| root.im > 0.0) {
-        rates.extend(about(*root));
+        rates.extend(points_about(*root));
     }
     if highest.is_finite() {
         rates.extend((1..=SCAN_TO_NYQUIST).map(|k| highest * (1.0 - 0.5_f64.powi(k))));
@@ -343,7 +343,7 @@ fn starting_grid(g: &StateSpace, zeros: &[C64]) -> Result<Vec<f64>, Error> {
 }
 
 /// Returns points about a resonance, as close as its half width.
-fn about(root: C64) -> Vec<f64> {
+fn points_about(root: C64) -> Vec<f64> {
     let width = root.re.abs().max(SCAN_RESOLUTION * root.im);
     let mut rates = vec![root.im, root.norm()];
     let mut offset = 0.25 * width;

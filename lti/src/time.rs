@@ -18,7 +18,7 @@ pub struct TimeResponse {
 /// # Errors
 /// [`Error::Range`] for an end that is not positive, fewer than two points or more than ten million; as [`c2d`].
 pub fn step(g: &StateSpace, t_end_s: f64, n: usize) -> Result<TimeResponse, Error> {
-    let (sampled, time_s) = sampled(g, t_end_s, n)?;
+    let (sampled, time_s) = sample_system(g, t_end_s, n)?;
     let ones = Mat::from_fn(time_s.len(), 1, |_, _| 1.0);
     each_input(&sampled, time_s, |one| lsim(one, &ones, None))
 }
@@ -29,7 +29,7 @@ pub fn step(g: &StateSpace, t_end_s: f64, n: usize) -> Result<TimeResponse, Erro
 /// # Errors
 /// As [`step`].
 pub fn impulse(g: &StateSpace, t_end_s: f64, n: usize) -> Result<TimeResponse, Error> {
-    let (sampled, time_s) = sampled(g, t_end_s, n)?;
+    let (sampled, time_s) = sample_system(g, t_end_s, n)?;
     let rows = time_s.len();
     if g.timebase == Timebase::Continuous {
         // C exp(A t) B: free motion from the state B.
@@ -139,7 +139,7 @@ impl<'a> Runs<'a> {
 }
 
 /// Returns the system on the points' own samples, and the points.
-fn sampled(g: &StateSpace, t_end_s: f64, n: usize) -> Result<(StateSpace, Vec<f64>), Error> {
+fn sample_system(g: &StateSpace, t_end_s: f64, n: usize) -> Result<(StateSpace, Vec<f64>), Error> {
     if !(t_end_s > 0.0 && t_end_s.is_finite()) {
         return Err(Error::Range { what: "t_end_s", value: t_end_s, allowed: "positive and finite" });
     }

@@ -24,7 +24,7 @@ fn lever() -> Descriptor {
 }
 
 /// Returns two masses (m, M) held together by a constraint q1 = q2, its force a variable: index three.
-fn glued(m: f64, M: f64) -> Descriptor {
+fn glued_masses(m: f64, M: f64) -> Descriptor {
     let E = Mat::diag(&[1.0, 1.0, m, M, 0.0]);
     let A = Mat::from_rows(&[
         &[0.0, 0.0, 1.0, 0.0, 0.0],
@@ -52,7 +52,7 @@ fn an_algebraic_variable_leaves_a_direct_path() {
 fn a_rigid_constraint_of_index_three_gives_the_rigid_body() {
     // (m + M) q'' + 0.3 q' + 5 q = u, also where the masses differ by sixteen decades.
     for (m, M) in [(1.0, 2.0), (1e-8, 1e8), (1e8, 1e-8)] {
-        let system = glued(m, M).to_state_space().unwrap();
+        let system = glued_masses(m, M).to_state_space().unwrap();
         assert_eq!(system.order(), 2);
         for rate in [0.0, 1e-4, 1.0, 1e4] {
             let exact = 1.0 / C64::new(5.0 - (m + M) * rate * rate, 0.3 * rate);

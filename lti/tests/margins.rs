@@ -98,7 +98,7 @@ fn a_sampled_integrator_crosses_at_half_the_sampling_rate() {
 }
 
 /// Returns a collocated and a non-collocated flexible loop with `modes` lightly damped modes and a delay.
-fn flexible(modes: usize, zeta: f64) -> StateSpace {
+fn flexible_loop(modes: usize, zeta: f64) -> StateSpace {
     let mut sum = zpk(&[], &[re(0.0), re(-0.5)], 40.0);
     for k in 1..=modes {
         let rate = 7.0 * k as f64 + 1.3 * (k * k) as f64;
@@ -131,7 +131,7 @@ fn brute_force(g: &StateSpace, count: usize) -> (Vec<f64>, Vec<f64>) {
 #[test]
 fn every_crossing_of_a_flexible_loop_is_found() {
     for (modes, zeta) in [(4, 0.002), (8, 0.005), (12, 0.001), (20, 0.002)] {
-        let g = flexible(modes, zeta);
+        let g = flexible_loop(modes, zeta);
         let found = margins(&g).unwrap();
         let (gain, phase) = brute_force(&g, 200_000);
         assert!(phase.len() > modes, "{modes}: {}", phase.len());
@@ -145,7 +145,7 @@ fn every_crossing_of_a_flexible_loop_is_found() {
 
 #[test]
 fn at_each_margin_the_closed_loop_has_a_pole_on_the_axis() {
-    let g = flexible(6, 0.01);
+    let g = flexible_loop(6, 0.01);
     let found = margins(&g).unwrap();
     for margin in &found.gain {
         let unit = StateSpace::gain(Mat::eye(1).scale(margin.factor), Timebase::Continuous).unwrap();

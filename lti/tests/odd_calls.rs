@@ -1,27 +1,27 @@
 //! Odd systems never make a routine panic: without states, inputs or outputs, of any scale, with singular or improper parts.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
-use crate::odd::{Call, assert_none_panics, judge, odd, odd_number, panicking, uniform};
+use crate::odd::{Call, assert_none_panics, judge, next_uniform, odd_matrix, odd_number, panicking};
 
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::*;
 
 fn system(state: &mut u64) -> StateSpace {
-    let mut size = |most: f64| (uniform(state) * most) as usize;
+    let mut size = |most: f64| (next_uniform(state) * most) as usize;
     let (n, m, p) = (size(5.0), size(3.0), size(3.0));
     let timebase = if size(2.0) == 0 { Timebase::Continuous } else { Timebase::Discrete { period_s: 0.1 } };
-    let (A, B) = (odd(state, n, n), odd(state, n, m));
-    let (C, D) = (odd(state, p, n), odd(state, p, m));
+    let (A, B) = (odd_matrix(state, n, n), odd_matrix(state, n, m));
+    let (C, D) = (odd_matrix(state, p, n), odd_matrix(state, p, m));
     let mut system = StateSpace::new(A, B, C, D, timebase).unwrap();
     // The matrices are public: a caller may write what the constructor refuses.
-    if n * m > 0 && uniform(state) < 0.1 {
-        system.A[(0, n - 1)] = if uniform(state) < 0.5 { f64::NAN } else { f64::INFINITY };
+    if n * m > 0 && next_uniform(state) < 0.1 {
+        system.A[(0, n - 1)] = if next_uniform(state) < 0.5 { f64::NAN } else { f64::INFINITY };
     }
     system
 }
 
 /// Delays, margins of several loops, placement, sampled costs and named blocks, with odd arguments.
-fn further<'a>(g: &'a StateSpace, h: &'a StateSpace, E: &'a Mat, x: f64, y: f64) -> Vec<Call<'a>> {
+fn further_calls<'a>(g: &'a StateSpace, h: &'a StateSpace, E: &'a Mat, x: f64, y: f64) -> Vec<Call<'a>> {
     let wanted = vec![C64::new(x, y), C64::new(x, -y), C64::new(-1.0, 0.0)];
     let roots = wanted.clone();
     let cost = move || QuadraticCost { Q: E, R: &h.D, S: &g.B };
@@ -83,7 +83,7 @@ fn further<'a>(g: &'a StateSpace, h: &'a StateSpace, E: &'a Mat, x: f64, y: f64)
 fn call_all(seed: u64) -> Vec<&'static str> {
     let mut state = seed;
     let (g, h) = (system(&mut state), system(&mut state));
-    let E = odd(&mut state, g.order(), g.order());
+    let E = odd_matrix(&mut state, g.order(), g.order());
     let (x, y) = (odd_number(&mut state), odd_number(&mut state));
     let mut calls: Vec<Call> = vec![
         ("poles", Box::new(|| judge(poles(&g)))),
@@ -121,7 +121,7 @@ fn call_all(seed: u64) -> Vec<&'static str> {
     ];
     // The slow ones (responses of thousands of points) every third time.
     if seed.is_multiple_of(3) {
-        calls.extend(further(&g, &h, &E, x, y));
+        calls.extend(further_calls(&g, &h, &E, x, y));
     }
     panicking(&calls)
 }

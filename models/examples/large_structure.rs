@@ -26,7 +26,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let balanced = arguments.next().is_some_and(|word| word == "balanced");
     let shapes = if balanced { Shapes::Balanced } else { Shapes::Modes };
     let wanted = Condensation { modes: count, shapes, damping_ratio: 0.01 };
-    let small = imported.sparse(&map)?.condense(&wanted, &mut |at| {
+    let small = imported.to_sparse_structure(&map)?.condense(&wanted, &mut |at| {
         eprintln!("{:8.2} s  {} {}/{}", start.elapsed().as_secs_f64(), at.stage, at.done, at.of);
         ControlFlow::Continue(())
     })?;

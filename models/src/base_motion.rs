@@ -260,13 +260,13 @@ mod tests {
 
     const G: f64 = 9.80665;
 
-    fn still(count: usize) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
+    fn base_at_rest(count: usize) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
         (vec![[0.0; 3]; count], vec![[0.0; 3]; count])
     }
 
     #[test]
     fn in_a_plane_the_felt_motion_is_the_inertial_one() {
-        let (mut acceleration, mut rate) = still(2001);
+        let (mut acceleration, mut rate) = base_at_rest(2001);
         for k in 0..2001 {
             let t = 1e-3 * k as f64;
             acceleration[k] = [2.0 * (5.0 * t).sin(), 0.0, (7.0 * t).cos()];
@@ -285,7 +285,7 @@ mod tests {
 
     #[test]
     fn a_traverse_of_a_quarter_turn_makes_roll_to_pitch_and_sway_to_surge() {
-        let (mut acceleration, mut rate) = still(3);
+        let (mut acceleration, mut rate) = base_at_rest(3);
         acceleration.fill([0.0, 1.5, 0.0]);
         rate.fill([0.2, 0.0, 0.0]);
         let traverse = Traverse { angle_rad: FRAC_PI_2, rate_rad_s: 0.0 };
@@ -316,7 +316,7 @@ mod tests {
 
     #[test]
     fn a_rolled_base_feels_less_of_gravity() {
-        let (acceleration, mut rate) = still(1001);
+        let (acceleration, mut rate) = base_at_rest(1001);
         rate.fill([0.5, 0.0, 0.0]);
         let base = from_inertial(&acceleration, &rate, 1e-3, G);
         let at = motion_at_elevation_axis(&base, 1e-3, Traverse::default(), G, Level::Known)[1000];

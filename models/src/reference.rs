@@ -33,7 +33,7 @@ pub fn rig() -> Parameters {
         axis: AxisKind::Rotary,
         gravity_m_s2: 9.80665,
         beam: Some(beam()),
-        lumped: Some(lumped()),
+        lumped: Some(lumped_rig()),
         gearbox: Gearbox {
             kind: Transmission::Gearbox,
             ratio: 200.0,
@@ -102,7 +102,7 @@ fn beam() -> Beam {
     }
 }
 
-fn lumped() -> Lumped {
+fn lumped_rig() -> Lumped {
     Lumped {
         hub_inertia_kg_m2: 74.1,
         beam_inertia_kg_m2: 271.6,

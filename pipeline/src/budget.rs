@@ -24,7 +24,7 @@ pub(crate) struct Run<'a> {
 ///
 /// # Errors
 /// [`PipelineError::TooLong`], with the estimate.
-pub(crate) fn affordable(run: Run<'_>) -> Result<(), PipelineError> {
+pub(crate) fn require_memory(run: Run<'_>) -> Result<(), PipelineError> {
     let samples = run.duration_s / run.period_s;
     let bytes = BYTES_A_SAMPLE * samples;
     if bytes <= MOST_BYTES {
@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn a_long_run_is_refused_with_its_estimate() {
-        let run = |duration_s, period_s| affordable(Run { key: "verify.duration", duration_s, period_s });
+        let run = |duration_s, period_s| require_memory(Run { key: "verify.duration", duration_s, period_s });
         assert!(run(60.0, 1e-3).is_ok() && run(3600.0, 1e-3).is_ok());
         let said = run(1e5, 1e-3).unwrap_err().to_string();
         assert!(

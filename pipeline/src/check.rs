@@ -12,7 +12,7 @@ use crate::exchange::VerifiedLoop;
 use crate::first_design::leaves_weights_open;
 use crate::studies::assumptions::{AssumptionEffect, LoopSystems, assumption_effects, with_those_of_design};
 use crate::studies::sweep::campaign_is_stated;
-use crate::{PipelineError, PlantModel, choose_weights, model, reduce, synthesise};
+use crate::{PipelineError, PlantModel, build_plant_model, choose_weights, reduce_plant, synthesise};
 
 /// How a project file was read, and which values are assumed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -80,10 +80,10 @@ const PURPOSES: [Purpose; 10] = [
 ];
 
 /// Returns how a file was read and which values are assumed. The design is computed, if there is one, to rank the assumptions.
-pub fn check(document: &Document, parsed: &ParsedProject, systems: LoopSystems) -> CheckResult {
+pub fn check_project(document: &Document, parsed: &ParsedProject, systems: LoopSystems) -> CheckResult {
     let project = &parsed.project;
     let mut problems = Vec::new();
-    let (plant, (assumptions, effects)) = match model(project) {
+    let (plant, (assumptions, effects)) = match build_plant_model(project) {
         Err(error) => {
             problems.push(format!("the plant cannot be built: {error}"));
             (None, (parsed.assumptions.clone(), Vec::new()))
@@ -143,7 +143,7 @@ pub fn rank_assumptions(
     if !has_usual && !modelled.parameters.sensors.measured.is_position() {
         return Ok(RankedAssumptions { assumptions: assumptions.to_vec(), ..RankedAssumptions::default() });
     }
-    let reduced = reduce(project, modelled)?;
+    let reduced = reduce_plant(project, modelled)?;
     let usual = project.clone().with_usual_verification();
     let chosen = match leaves_weights_open(project) {
         true => Some(choose_weights(&usual, modelled, &reduced)?),

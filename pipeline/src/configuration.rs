@@ -62,7 +62,7 @@ mod tests {
     use counterpoise_models::Configuration;
 
     /// Returns a mechanism in a configuration that adds 40 kg m^2 to its hub.
-    fn loaded() -> Project {
+    fn loaded_project() -> Project {
         let mut project = Project::parse(counterpoise_project::STARTER, "project.toml").unwrap().project;
         project.plant.configurations.push(Configuration {
             name: "loaded".to_owned(),
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn recordings_belong_to_the_configuration_and_the_file_to_the_bare_mechanism() {
-        let project = loaded();
+        let project = loaded_project();
         let inertia = |plant: &Parameters| plant.lumped.as_ref().unwrap().hub_inertia_kg_m2;
         let fitted = apply_configuration(&project, &project.plant).unwrap();
         assert_eq!(inertia(&fitted), inertia(&project.plant) + 40.0);
@@ -92,7 +92,7 @@ mod tests {
 
     #[test]
     fn a_configuration_that_does_not_exist_is_refused() {
-        let mut project = loaded();
+        let mut project = loaded_project();
         project.model.configuration = Some("unknown".to_owned());
         assert!(matches!(
             apply_configuration(&project, &project.plant),

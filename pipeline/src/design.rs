@@ -20,8 +20,9 @@ use crate::studies::comparison::{DesignComparison, compare_designs};
 use crate::wording::weights::describe_weights;
 use crate::{
     DecidedProject, DesignedAxis, FirstDesign, PipelineError, PipelineStage, PlantModel, ProjectIdentity,
-    ReducedPlant, SynthesisedDesign, TraverseCode, TwoAxisStudy, World, choose_and_tune, export_traverse,
-    model, project_procedure, reduce, run_observed, studies, study_two_axes, synthesise, verify_on,
+    ReducedPlant, SynthesisedDesign, TraverseCode, TwoAxisStudy, World, build_plant_model, choose_and_tune,
+    export_traverse, project_procedure, reduce_plant, run_observed, studies, study_two_axes, synthesise,
+    verify_on,
 };
 
 /// What each stage of the pipeline made, from the plant to the code.
@@ -151,8 +152,8 @@ struct SampledDesign {
 
 impl SampledDesign {
     fn of(project: &Project, world: &dyn World) -> Result<Self, PipelineError> {
-        let modelled = run_observed(world, PipelineStage::Model, || model(project))?;
-        let reduced = run_observed(world, PipelineStage::Reduce, || reduce(project, &modelled))?;
+        let modelled = run_observed(world, PipelineStage::Model, || build_plant_model(project))?;
+        let reduced = run_observed(world, PipelineStage::Reduce, || reduce_plant(project, &modelled))?;
         let synthesised =
             run_observed(world, PipelineStage::Synthesise, || synthesise(project, &modelled, &reduced))?;
         let procedure = project_procedure(project, world)?;
@@ -247,7 +248,7 @@ struct StudiedTargets {
 ///
 /// # Errors
 /// As [`run_stages`], and those of the comparison and of the runs in each kind of numbers.
-pub fn design(project: &Project, world: &dyn World) -> Result<CompletedDesign, PipelineError> {
+pub fn design_project(project: &Project, world: &dyn World) -> Result<CompletedDesign, PipelineError> {
     let DecidedProject { project, first, .. } = choose_and_tune(project, world)?;
     let project = &project;
     let made = SampledDesign::of(project, world)?;
@@ -281,8 +282,8 @@ pub fn design(project: &Project, world: &dyn World) -> Result<CompletedDesign, P
 /// Those of the plant, the reduction, the design and the comparison.
 pub fn study_synthesis(project: &Project, world: &dyn World) -> Result<SynthesisStudy, PipelineError> {
     let project = &choose_and_tune(project, world)?.project;
-    let modelled = model(project)?;
-    let reduced = reduce(project, &modelled)?;
+    let modelled = build_plant_model(project)?;
+    let reduced = reduce_plant(project, &modelled)?;
     let synthesised = synthesise(project, &modelled, &reduced)?;
     Ok(SynthesisStudy {
         identity: ProjectIdentity::of(project, world),

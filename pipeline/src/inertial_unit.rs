@@ -2,7 +2,7 @@
 
 use counterpoise_models::base_motion::{BaseState, FeltMotion, Level, Mounting, motion_at_elevation_axis};
 use counterpoise_recordings::clock::{stack_columns, to_uniform_clock};
-use counterpoise_recordings::{Error, Signals, Table};
+use counterpoise_recordings::{Error, RecordingTable, Signals};
 use counterpoise_verify::Road;
 use counterpoise_verify::signals::filter::from_rest;
 use counterpoise_verify::signals::statistics::subtract_mean;
@@ -17,7 +17,7 @@ use counterpoise_project::resolve::base_motion::{InertialUnit, UnitReading};
 /// # Errors
 /// A column is missing or of another quantity, the clock cannot be read, samples are missing, the stretch is not in the
 /// recording, or the low-pass frequency is not below half the sample rate.
-pub fn inertial_unit(source: &InertialUnit, table: &Table) -> Result<Road, Error> {
+pub fn inertial_unit(source: &InertialUnit, table: &RecordingTable) -> Result<Road, Error> {
     let (time, _) = table.convert_to_si("time")?;
     let mut columns = Vec::with_capacity(6);
     for name in &source.acceleration {
@@ -51,7 +51,7 @@ pub fn inertial_unit(source: &InertialUnit, table: &Table) -> Result<Road, Error
         .collect();
     let mounting = Mounting::new(source.mounting_rad, source.lever_arm_m);
     let base = mounting.at_pivot(&unit, clocked.period_s);
-    Ok(faded(source, table, clocked.period_s, &felt_by(source, &base, clocked.period_s)))
+    Ok(fade_in(source, table, clocked.period_s, &felt_by(source, &base, clocked.period_s)))
 }
 
 fn felt_by(source: &InertialUnit, base: &[BaseState], period_s: f64) -> Vec<FeltMotion> {
@@ -72,7 +72,7 @@ fn felt_by(source: &InertialUnit, base: &[BaseState], period_s: f64) -> Vec<Felt
     all.iter().zip(base).enumerate().map(unturned).collect()
 }
 
-fn faded(source: &InertialUnit, table: &Table, period_s: f64, felt: &[FeltMotion]) -> Road {
+fn fade_in(source: &InertialUnit, table: &RecordingTable, period_s: f64, felt: &[FeltMotion]) -> Road {
     let shaped = |of: fn(&FeltMotion) -> f64| {
         from_rest(&felt.iter().map(of).collect::<Vec<f64>>(), period_s, source.fade_s)
     };

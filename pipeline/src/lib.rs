@@ -15,13 +15,13 @@
 //! [`exchange`] (systems and responses for other programs), [`wording`], [`results`].
 //!
 //! ```
-//! use counterpoise_pipeline::{PipelineError, model};
+//! use counterpoise_pipeline::{PipelineError, build_plant_model};
 //! use counterpoise_project::Project;
 //!
 //! let mut project = Project::parse(counterpoise_project::STARTER, "project.toml").map_err(|_| "bad project")?.project;
-//! assert!(model(&project)?.linear.system.order() > 4);
+//! assert!(build_plant_model(&project)?.linear.system.order() > 4);
 //! project.model.configuration = Some("unknown".into());
-//! assert!(matches!(model(&project), Err(PipelineError::Configuration { .. })));
+//! assert!(matches!(build_plant_model(&project), Err(PipelineError::Configuration { .. })));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -59,7 +59,9 @@ pub mod wording;
 use counterpoise_pool::{Pool, Serial};
 use counterpoise_synth::FirstDesign;
 
-pub use design::{CompletedDesign, DesignStages, SynthesisStudy, design, run_stages, study_synthesis};
+pub use design::{
+    CompletedDesign, DesignStages, SynthesisStudy, design_project, run_stages, study_synthesis,
+};
 pub use error::PipelineError;
 pub use export::{ExportedCode, LeftOut, export};
 pub use first_design::{
@@ -67,11 +69,11 @@ pub use first_design::{
 };
 pub use identity::ProjectIdentity;
 pub use model::{
-    PlantModel, cannot_hold, finite_elements, finite_elements_of, finite_elements_watched, model,
+    PlantModel, build_plant_model, cannot_hold, finite_elements, finite_elements_of, finite_elements_watched,
     model_watched,
 };
 pub use recordings::redesign::{RedesignComparison, verify_redesign};
-pub use reduce::{ReducedPlant, reduce};
+pub use reduce::{ReducedPlant, reduce_plant};
 pub use studies::sweep::{prepare_campaign, robust_stability, vary_families};
 pub use synth::{DemandedRate, SynthesisedDesign, synthesise};
 pub use traverse_file::{check_traverse, traverse_project};

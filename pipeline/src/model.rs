@@ -36,7 +36,7 @@ pub struct PlantModel {
 ///
 /// # Errors
 /// A configuration that does not exist, and parameters that make no mechanism.
-pub fn model(project: &Project) -> Result<PlantModel, PipelineError> {
+pub fn build_plant_model(project: &Project) -> Result<PlantModel, PipelineError> {
     model_watched(project, &Serial)
 }
 
@@ -151,7 +151,7 @@ pub fn finite_elements_watched<'a>(
             pool.progress(at.stage, at.done.min(at.of.saturating_sub(1)), at.of);
             if pool.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        let fitted = fitted(project, import, configuration)?;
+        let fitted = fitted_parts(project, import, configuration)?;
         let wanted = Condensation {
             modes: project.model.modes,
             shapes: import.shapes,
@@ -177,7 +177,7 @@ pub fn finite_elements_of(project: &Project) -> Option<StructureChoice> {
 }
 
 /// Returns what a configuration fits to imported matrices.
-fn fitted(
+fn fitted_parts(
     project: &Project,
     import: &ImportedStructure,
     configuration: Option<&Configuration>,

@@ -209,7 +209,7 @@ fn lowest_modes(fe: &FeModel, all: &Modes) -> Vec<PlantMode> {
         frequency_hz: all.flexible_rad_s()[k] / TAU,
         effective_mass_kg: above_rounding(masses[all.rigid + k], fe.mass_kg()),
         effective_inertia_kg_m2: above_rounding(inertias[all.rigid + k], fe.inertia_kg_m2()),
-        shape: scaled(fe, all.flexible_shape(k)),
+        shape: scale_deflections(fe, all.flexible_shape(k)),
     };
     (0..count).map(mode).collect()
 }
@@ -221,7 +221,7 @@ fn above_rounding(mass: f64, whole: f64) -> f64 {
 }
 
 /// Deflections over the distance from the pivot, cubic between the nodes where their rotations are known.
-fn scaled(fe: &FeModel, shape: &[f64]) -> Vec<[f64; 2]> {
+fn scale_deflections(fe: &FeModel, shape: &[f64]) -> Vec<[f64; 2]> {
     // a deflection moves with heave and, by its arm, with pitch; a rotation with pitch alone, by 1
     let deflections: Vec<usize> = (0..shape.len()).filter(|&i| fe.heave[i] != 0.0).collect();
     let turns = |i: usize| fe.heave.get(i + 1) == Some(&0.0) && fe.pitch.get(i + 1) == Some(&1.0);
@@ -260,18 +260,19 @@ fn view_friction(
 ) -> Result<FrictionView, PipelineError> {
     let model = FrictionModel::new(friction)?;
     let rate = |k: i32| SHOWN_RATE_RAD_S * ratio * (f64::from(k) / f64::from(SIDE)).powi(3);
-    let steady = (-SIDE..=SIDE).filter(|&k| k != 0).map(|k| [rate(k), model.steady(rate(k))]).collect();
+    let steady =
+        (-SIDE..=SIDE).filter(|&k| k != 0).map(|k| [rate(k), model.steady_torque(rate(k))]).collect();
     let stiffness = model.rest_stiffness_nm_rad();
     let end = friction.coulomb_nm() / stiffness;
     let end = if end > 0.0 && end.is_finite() { end } else { STICK_SWING_RAD * ratio };
     let loops = match friction.law {
         FrictionLaw::None => Vec::new(),
-        _ => SWINGS.iter().map(|swing| looped(&model, swing * end)).collect(),
+        _ => SWINGS.iter().map(|swing| friction_loop(&model, swing * end)).collect(),
     };
     Ok(FrictionView { place, steady, loops })
 }
 
-fn looped(model: &FrictionModel, amplitude_rad: f64) -> FrictionLoop {
+fn friction_loop(model: &FrictionModel, amplitude_rad: f64) -> FrictionLoop {
     let found = sinusoidal_loop(model, amplitude_rad, TAU * LOOP_HZ);
     let closed = |x: &[f64]| -> Vec<[f64; 2]> {
         let kept = (0..x.len()).step_by(KEPT).chain([0]);

@@ -18,8 +18,8 @@ use counterpoise_verify::{ARRANGEMENTS, Arrangement, Experiment, History, Proced
 
 use crate::first_design::leaves_weights_open;
 use crate::{
-    PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, choose_weights, model, reduce, synthesise,
-    with_chosen_weights,
+    PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, build_plant_model, choose_weights,
+    reduce_plant, synthesise, with_chosen_weights,
 };
 
 /// Duration of the responses to heave and pitch, s: long enough for two periods of the slowest usual motion, short enough to drag.
@@ -190,7 +190,7 @@ impl PreviewCache {
 impl CachedPlant {
     fn new(request: &PreviewRequest) -> Result<Self, PipelineError> {
         let modelled = modelled_for(request)?;
-        let reduced = reduce(&request.project, &modelled)?;
+        let reduced = reduce_plant(&request.project, &modelled)?;
         Ok(Self {
             project: Arc::clone(&request.project),
             out_of_balance_kg_m: request.out_of_balance_kg_m,
@@ -200,7 +200,7 @@ impl CachedPlant {
         })
     }
 
-    fn sampled(&mut self, resolver: Resolver) -> Result<&SampledViews, PipelineError> {
+    fn sampled_views(&mut self, resolver: Resolver) -> Result<&SampledViews, PipelineError> {
         match self.sampled.take() {
             Some(kept) if kept.resolver == resolver => Ok(self.sampled.insert(kept)),
             _ => Ok(self.sampled.insert(SampledViews::new(&self.modelled, resolver)?)),
@@ -225,7 +225,7 @@ fn has_same_plant(a: &Arc<Project>, b: &Arc<Project>) -> bool {
 
 /// Returns the full plant, at the first moment of mass that is tried if there is one.
 fn modelled_for(request: &PreviewRequest) -> Result<PlantModel, PipelineError> {
-    let made = model(&request.project)?;
+    let made = build_plant_model(&request.project)?;
     let Some(moment) = request.out_of_balance_kg_m else { return Ok(made) };
     let mut tried = Project::clone(&request.project);
     tried.plant = made.parameters;
@@ -233,7 +233,7 @@ fn modelled_for(request: &PreviewRequest) -> Result<PlantModel, PipelineError> {
     if let Some(lumped) = &mut tried.plant.lumped {
         lumped.out_of_balance_kg_m = moment;
     }
-    model(&tried)
+    build_plant_model(&tried)
 }
 
 /// Returns the plant of a request, which needs no controller.
@@ -261,7 +261,7 @@ pub fn preview_design(
     let kept = cache.plant(request)?;
     let synthesised = synthesise(&project, &kept.modelled, &kept.reduced)?;
     let (modelled, reduced) = (Arc::clone(&kept.modelled), Arc::clone(&kept.reduced));
-    let sampled = kept.sampled(resolver_use(&synthesised.sampled.controller))?;
+    let sampled = kept.sampled_views(resolver_use(&synthesised.sampled.controller))?;
     let loops = close_loops(sampled, &synthesised, &modelled)?;
     let responses = Responses { project: &project, sampled, loops: &loops };
     let LinearResponses { margins, curves, step, motions } = responses.compute(pool)?;

@@ -41,7 +41,7 @@ impl ReducedPlant {
 ///
 /// # Errors
 /// A method that the chosen structure does not allow, an order that is missing, and those of the reduction.
-pub fn reduce(project: &Project, modelled: &PlantModel) -> Result<ReducedPlant, PipelineError> {
+pub fn reduce_plant(project: &Project, modelled: &PlantModel) -> Result<ReducedPlant, PipelineError> {
     let system = &modelled.linear.system;
     let asked = project.reduce;
     let plain = |system: StateSpace| ReducedPlant {
@@ -62,11 +62,11 @@ pub fn reduce(project: &Project, modelled: &PlantModel) -> Result<ReducedPlant, 
         }
         ReductionMethod::Balanced => {
             let order = asked.order.map_or(Order::Relative { share: KEPT_HANKEL_SHARE }, Order::States);
-            Ok(ranked(balred(system, order, Method::BalancingFree)?, plain))
+            Ok(ranked_reduction(balred(system, order, Method::BalancingFree)?, plain))
         }
         ReductionMethod::Modal => {
             let rate = slowest_dropped(system, asked.order)?;
-            Ok(ranked(modal_truncation(system, rate, Residual::Drop)?, plain))
+            Ok(ranked_reduction(modal_truncation(system, rate, Residual::Drop)?, plain))
         }
         ReductionMethod::Guyan => Err(PipelineError::Reduction {
             method: "guyan",
@@ -75,7 +75,7 @@ pub fn reduce(project: &Project, modelled: &PlantModel) -> Result<ReducedPlant, 
     }
 }
 
-fn ranked(
+fn ranked_reduction(
     reduction: counterpoise_reduce::Reduction,
     plain: impl Fn(StateSpace) -> ReducedPlant,
 ) -> ReducedPlant {

@@ -109,5 +109,5 @@ pub fn steady_friction_at_hub(
         FrictionPlace::Motor => (&plant.motor_friction, plant.gearbox.ratio),
     };
     let model = FrictionModel::new(friction).ok()?;
-    Some(hub_rates_rad_s.map(|rate| [rate, ratio * model.steady(ratio * rate)]).collect())
+    Some(hub_rates_rad_s.map(|rate| [rate, ratio * model.steady_torque(ratio * rate)]).collect())
 }

@@ -1,7 +1,7 @@
 //! The motion of the platform of a verification: prepared from a recording, or realised from numbers.
 
 use counterpoise_recordings::clock::{stack_columns, to_uniform_clock};
-use counterpoise_recordings::{Error, Signals, Table};
+use counterpoise_recordings::{Error, RecordingTable, Signals};
 use counterpoise_verify::Road;
 use counterpoise_verify::signals::filter::{LowPass, from_rest, low_pass};
 use counterpoise_verify::signals::spectrum::{
@@ -20,7 +20,7 @@ const ROAD_PERIOD_S: f64 = 0.005;
 /// # Errors
 /// A column is missing or of another quantity, the clock cannot be read, samples are missing, the stretch is not in the
 /// recording, or the low-pass frequency is not below half the sample rate.
-pub fn road_from_table(source: &RoadSource, table: &Table) -> Result<Road, Error> {
+pub fn road_from_table(source: &RoadSource, table: &RecordingTable) -> Result<Road, Error> {
     let (time, _) = table.convert_to_si("time")?;
     let heave = table.quantity(&source.heave, "heave", "m/s^2")?;
     let pitch = table.quantity(&source.pitch, "pitch rate", "rad/s")?;
@@ -35,7 +35,7 @@ pub fn road_from_table(source: &RoadSource, table: &Table) -> Result<Road, Error
         stack_columns(columns.iter().map(|values| values.view())),
     )?;
     let shape = |signal: usize, scale: f64| {
-        shaped(source, table, clocked.period_s, &clocked.signals.column(signal).to_vec(), scale)
+        shape_column(source, table, clocked.period_s, &clocked.signals.column(signal).to_vec(), scale)
     };
     let mut columns = vec![shape(0, source.heave_scale)?, shape(1, source.pitch_scale)?];
     if !source.surge.is_empty() {
@@ -82,9 +82,9 @@ pub fn realise_motion(
     }
 }
 
-fn shaped(
+fn shape_column(
     source: &RoadSource,
-    table: &Table,
+    table: &RecordingTable,
     period: f64,
     column: &[f64],
     scale: f64,
@@ -113,7 +113,7 @@ pub(crate) struct Stretch {
 }
 
 /// Returns the low-passed part of a column.
-pub(crate) fn stretch(wanted: &Stretch, table: &Table, column: &[f64]) -> Result<Vec<f64>, Error> {
+pub(crate) fn stretch(wanted: &Stretch, table: &RecordingTable, column: &[f64]) -> Result<Vec<f64>, Error> {
     let (refuse, period) = (|why: String| Error::Road { file: table.name.clone(), why }, wanted.period_s);
     if let Some(row) = column.iter().position(|v| !v.is_finite()) {
         return Err(refuse(format!("a sample is missing in row {}", row + 1)));

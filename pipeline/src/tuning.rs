@@ -36,8 +36,8 @@ use crate::synth::{design_plant, sampling};
 use crate::tolerance::{LINES_LEFT_OUT, SAME_LINE, STILL_RAD_S, TUNED_LIMIT_KEPT};
 use crate::traverse_file::check_traverse;
 use crate::{
-    FirstDesign, PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, World, model, project_procedure,
-    reduce, synthesise,
+    FirstDesign, PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, World, build_plant_model,
+    project_procedure, reduce_plant, synthesise,
 };
 
 /// A project whose blocks or weights were tuned.
@@ -90,8 +90,8 @@ pub fn with_tuned_structure(
         false if weights_are_open => TuningSubject::Weights(&asked.specification),
         false => return Ok(None),
     };
-    let modelled = model(project)?;
-    let reduced = reduce(project, &modelled)?;
+    let modelled = build_plant_model(project)?;
+    let reduced = reduce_plant(project, &modelled)?;
     let wanted = asked.options.tuning.clone().unwrap_or_default();
     let ground = tuning_ground(project, &modelled, &reduced, &wanted, world)?;
     let (tuned, plants) = tune_feedback(subject, &ground, &wanted)?;
@@ -150,7 +150,7 @@ pub fn put_in_place(tuned: &TunedFeedback, synthesis: &mut DesignRequest) {
         TunedFeedback::Structure(structure) => {
             let mut structure = structure.clone();
             for parameter in structure.blocks.iter_mut().flat_map(|block| &mut block.parameters) {
-                parameter.value = parameter.value.map(rounded);
+                parameter.value = parameter.value.map(round_for_file);
             }
             synthesis.options.structure = structure;
         }
@@ -159,8 +159,8 @@ pub fn put_in_place(tuned: &TunedFeedback, synthesis: &mut DesignRequest) {
             for weight in [&mut weights.error, &mut weights.control] {
                 *weight = rounded_weight(weight);
             }
-            weights.measurement_noise = rounded(weights.measurement_noise);
-            weights.loop_recovery = rounded(weights.loop_recovery);
+            weights.measurement_noise = round_for_file(weights.measurement_noise);
+            weights.loop_recovery = round_for_file(weights.loop_recovery);
             synthesis.specification.feedback = weights;
             if let Some(tuning) = &mut synthesis.options.tuning {
                 tuning.weights = TunedWeights::Tuned;
@@ -170,17 +170,17 @@ pub fn put_in_place(tuned: &TunedFeedback, synthesis: &mut DesignRequest) {
 }
 
 /// Returns digits of a tuned value in a project file: its last one moves no figure that is shown.
-fn rounded(value: f64) -> f64 {
+fn round_for_file(value: f64) -> f64 {
     format!("{value:.8e}").parse().unwrap_or(value)
 }
 
 fn rounded_weight(weight: &Weight) -> Weight {
     let rational = weight.rational();
-    let root = |root: &C64| C64::new(rounded(root.re), rounded(root.im));
+    let root = |root: &C64| C64::new(round_for_file(root.re), round_for_file(root.im));
     Weight::ZeroPoleGain {
         zeros: rational.zeros.iter().map(root).collect(),
         poles: rational.poles.iter().map(root).collect(),
-        gain: rounded(rational.gain),
+        gain: round_for_file(rational.gain),
     }
 }
 
@@ -316,7 +316,7 @@ fn of_sweep(
         // A feedback of fixed structure is never a cascade, so no plant of the rate is needed.
         let varied = PlantModel { parameters, plant, linear, rate: None, elements: None };
         let system = varied.linear.system.clone();
-        let nominal = reduce(&Project { reduce: Default::default(), ..project.clone() }, &varied)?;
+        let nominal = reduce_plant(&Project { reduce: Default::default(), ..project.clone() }, &varied)?;
         plants.push(DesignPlant { system, ..design_plant(asked, &varied, &nominal)? });
     }
     Ok(plants)
@@ -406,7 +406,7 @@ fn output_lines(
         let own = (density - noise_density * (loop_gain * sensitivity).norm_sqr()).max(0.0);
         lines.extend(spread([*hz, width_hz], own * width_hz / sensitivity.norm_sqr()));
     }
-    Ok(merged(lines))
+    Ok(merge_lines(lines))
 }
 
 /// Returns the power of a bin of the spectrum on lines that are no further apart than [`SAME_LINE`]: a real spectrum is continuous, and a
@@ -422,7 +422,7 @@ const MOST_LINES: f64 = 16.0;
 /// Share of half the sample rate up to which a disturbance has lines: beyond it the hold, not the feedback, decides.
 const HIGHEST_SHARE: f64 = 0.5;
 
-fn merged(mut lines: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+fn merge_lines(mut lines: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let total: f64 = lines.iter().map(|line| line[1]).sum();
     let mut beyond = 0.0;
     while let Some(last) = lines.last() {

@@ -16,7 +16,7 @@ use crate::export::{ExportedCode, LeftOut, export_by};
 use crate::traverse_file::{FolderOfFile, check_axes, traverse_project};
 use crate::verify::platform_motion;
 use crate::{PipelineError, PlantModel, ProjectIdentity, SynthesisedDesign, World};
-use crate::{choose_and_tune, model, project_procedure, reduce, synthesise, verify_on};
+use crate::{build_plant_model, choose_and_tune, project_procedure, reduce_plant, synthesise, verify_on};
 
 /// The traverse axis of a project, designed and verified alone.
 #[derive(Debug, Clone)]
@@ -88,8 +88,8 @@ pub fn design_traverse(
     let stated = traverse_project(axis, world)?;
     check_axes(project, &stated, &axis.file)?;
     let traverse = choose_and_tune(&stated, &below)?.project;
-    let modelled = model(&traverse)?;
-    let reduced = reduce(&traverse, &modelled)?;
+    let modelled = build_plant_model(&traverse)?;
+    let reduced = reduce_plant(&traverse, &modelled)?;
     let synthesised = synthesise(&traverse, &modelled, &reduced)?;
     let procedure = project_procedure(&traverse, &below)?;
     let verified = verify_on(&traverse, &modelled.plant, &synthesised, &procedure)?;

@@ -1,10 +1,10 @@
 //! The verdicts on the sampled controller, on the full plant, with the road that the project names.
 
 use counterpoise_models::plant::Plant;
-use counterpoise_recordings::Table;
+use counterpoise_recordings::RecordingTable;
 use counterpoise_verify::{Procedure, Road, Verification, VerifiedController};
 
-use crate::budget::{Run, affordable};
+use crate::budget::{Run, require_memory};
 use crate::inertial_unit::inertial_unit;
 use crate::road::{realise_motion, road_from_table};
 use crate::{PipelineError, PlantModel, SynthesisedDesign, World};
@@ -88,7 +88,7 @@ pub fn project_procedure(project: &Project, world: &dyn World) -> Result<Procedu
     let runs =
         [("verify.duration", procedure.duration_s), ("verify.step.duration", procedure.step.duration_s)];
     for (key, duration_s) in runs.into_iter().chain(triangle) {
-        affordable(Run { key, duration_s, period_s })?;
+        require_memory(Run { key, duration_s, period_s })?;
     }
     let gravity_m_s2 = project.plant.gravity_m_s2;
     let road = asked.road.as_ref().map(|source| platform_motion(source, world, gravity_m_s2)).transpose()?;
@@ -111,20 +111,26 @@ pub(crate) fn platform_motion(
 ) -> Result<Road, PipelineError> {
     match source {
         PlatformSource::Recording(source) => {
-            Ok(road_from_table(source, &recorded(&source.recording, world)?)?)
+            Ok(road_from_table(source, &read_road_recording(&source.recording, world)?)?)
         }
-        PlatformSource::InertialUnit(unit) => Ok(inertial_unit(unit, &recorded(&unit.recording, world)?)?),
+        PlatformSource::InertialUnit(unit) => {
+            Ok(inertial_unit(unit, &read_road_recording(&unit.recording, world)?)?)
+        }
         PlatformSource::Made(motion) => {
             let duration_s = motion.realisation.duration_s;
-            affordable(Run { key: "verify.road.duration", duration_s, period_s: SHORTEST_ROAD_PERIOD_S })?;
+            require_memory(Run {
+                key: "verify.road.duration",
+                duration_s,
+                period_s: SHORTEST_ROAD_PERIOD_S,
+            })?;
             Ok(realise_motion(motion, gravity_m_s2)?)
         }
     }
 }
 
 /// Returns a recording of the platform's motion.
-fn recorded(name: &str, world: &dyn World) -> Result<Table, PipelineError> {
+fn read_road_recording(name: &str, world: &dyn World) -> Result<RecordingTable, PipelineError> {
     let file =
         |problem: String| PipelineError::File { name: name.to_owned(), section: "verify.road", problem };
-    Ok(Table::read(&world.read(name).map_err(file)?, name)?)
+    Ok(RecordingTable::read(&world.read(name).map_err(file)?, name)?)
 }

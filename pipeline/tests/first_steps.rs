@@ -2,7 +2,7 @@
 
 use counterpoise_controller::Controller;
 use counterpoise_pipeline::first_design::ChosenWeights;
-use counterpoise_pipeline::{model, reduce, synthesise, with_chosen_weights};
+use counterpoise_pipeline::{build_plant_model, reduce_plant, synthesise, with_chosen_weights};
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_synth::{LimitKind, Unknown};
 use counterpoise_verify::{Figure, LoopFigure, Procedure, frequency_figures};
@@ -22,7 +22,7 @@ fn read(text: &str) -> (Document, Project) {
     (document, parsed.project)
 }
 
-fn chosen(text: &str) -> ChosenWeights {
+fn choose_weights(text: &str) -> ChosenWeights {
     with_chosen_weights(&read(text).1).unwrap().unwrap()
 }
 
@@ -32,8 +32,8 @@ fn step(chosen: &ChosenWeights) -> f64 {
 
 #[test]
 fn a_step_that_nobody_stated_limits_no_loop_and_one_that_is_stated_does() {
-    let open = chosen(STAGE);
-    let stated = chosen(&format!("{STAGE}verify.step.rate = 0.1\n"));
+    let open = choose_weights(STAGE);
+    let stated = choose_weights(&format!("{STAGE}verify.step.rate = 0.1\n"));
     let bandwidth = |chosen: &ChosenWeights| chosen.first.bandwidth.bandwidth_rad_s;
     assert_eq!(stated.first.bandwidth.limited_by, [LimitKind::Control]);
     assert_eq!(step(&stated), 0.1);
@@ -71,9 +71,9 @@ fn turret(inertia: &str, torque: &str, delay: &str) -> String {
 
 /// The margins of the controller that a file is given, on its sampled plant with every delay as it is.
 fn verified_margins(text: &str) -> [f64; 3] {
-    let project = chosen(text).project;
-    let made = model(&project).unwrap();
-    let reduced = reduce(&project, &made).unwrap();
+    let project = choose_weights(text).project;
+    let made = build_plant_model(&project).unwrap();
+    let reduced = reduce_plant(&project, &made).unwrap();
     let designed = synthesise(&project, &made, &reduced).unwrap();
     let controller = &designed.sampled.controller;
     let found = frequency_figures(&made.plant, controller, &Procedure::default()).unwrap();
@@ -87,7 +87,7 @@ fn a_loop_is_judged_with_the_delay_of_its_sensor() {
     let mut last = f64::INFINITY;
     for delay in ["\"1 ms\"", "\"3 ms\"", "\"10 ms\"", "\"20 ms\""] {
         let text = turret("0.02", "0.5", delay);
-        let first = chosen(&text).first;
+        let first = choose_weights(&text).first;
         let reached = first.bandwidth.bandwidth_rad_s;
         assert!(reached < 0.9 * last, "{delay}: {reached} rad/s after {last}");
         last = reached;
@@ -105,21 +105,21 @@ fn a_loop_is_judged_with_the_delay_of_its_sensor() {
 
 #[test]
 fn a_first_design_holds_for_the_tolerances_of_its_file() {
-    let exact = chosen(&turret("0.02", "0.5", "\"1 ms\""));
+    let exact = choose_weights(&turret("0.02", "0.5", "\"1 ms\""));
     let within = turret("{ value = 0.02, tolerance = 0.6 }", "{ value = 0.5, tolerance = 0.5 }", "\"1 ms\"");
-    let held = chosen(&within);
+    let held = choose_weights(&within);
     assert_eq!(held.first.bandwidth.limited_by, [LimitKind::Tolerances]);
     assert!(!exact.first.bandwidth.limits.iter().any(|limit| limit.kind == LimitKind::Tolerances));
     let synthesis = |project: &Project| {
-        let made = model(project).unwrap();
-        let reduced = reduce(project, &made).unwrap();
+        let made = build_plant_model(project).unwrap();
+        let reduced = reduce_plant(project, &made).unwrap();
         synthesise(project, &made, &reduced).unwrap().sampled.controller
     };
     let worst = |controller: &Controller| {
         let ends = [0.4, 1.6].into_iter().flat_map(|inertia| [0.5, 1.5].map(|torque| (inertia, torque)));
         let sensitivity = |(inertia, torque): (f64, f64)| {
             let text = turret(&format!("{}", 0.02 * inertia), &format!("{}", 0.5 * torque), "\"1 ms\"");
-            let plant = model(&read(&text).1).unwrap().plant;
+            let plant = build_plant_model(&read(&text).1).unwrap().plant;
             let found = frequency_figures(&plant, controller, &Procedure::default()).unwrap();
             let peak = found.value(Figure::Loop(LoopFigure::MaxSensitivity)).unwrap();
             if found.is_stable { peak } else { f64::INFINITY }
@@ -142,9 +142,9 @@ verify.step.rate = 0.01
 
 #[test]
 fn what_is_not_known_is_taken_at_the_worst_that_is_usual() {
-    let bandwidth = |text: &str| chosen(text).first.bandwidth.bandwidth_rad_s;
+    let bandwidth = |text: &str| choose_weights(text).first.bandwidth.bandwidth_rad_s;
     let belt = |keys: &str| format!("{BELT}plant.belt = {{ ratio = 10.0{keys} }}\n");
-    let open = chosen(&belt(""));
+    let open = choose_weights(&belt(""));
     let reached = open.first.bandwidth.bandwidth_rad_s;
     assert!(open.first.bandwidth.limits.iter().any(|limit| limit.kind == LimitKind::UsualRanges));
     // a belt at 5 Hz with the motor held is the softest that is usual
@@ -163,8 +163,9 @@ fn what_is_not_known_is_taken_at_the_worst_that_is_usual() {
     // a gyroscope without noise is taken as a micromechanical one, 0.01 degrees a second per root of a hertz
     let heavy = turret("20.0", "0.5", "1e-3");
     let noise_rms = 1.7e-4 * (0.5_f64 / 1e-3).sqrt();
-    let open = chosen(&heavy.replace("noise = 1e-3, ", "")).first;
-    let stated = |noise: f64| chosen(&heavy.replace("1e-3, natural", &format!("{noise}, natural"))).first;
+    let open = choose_weights(&heavy.replace("noise = 1e-3, ", "")).first;
+    let stated =
+        |noise: f64| choose_weights(&heavy.replace("1e-3, natural", &format!("{noise}, natural"))).first;
     assert!(open.bandwidth.unknown.contains(&Unknown::Noise));
     assert_eq!(open.bandwidth.limited_by, [LimitKind::Noise]);
     assert!(open.bandwidth.bandwidth_rad_s < 1.03 * stated(noise_rms).bandwidth.bandwidth_rad_s);

@@ -4,7 +4,7 @@
 use counterpoise_pipeline::studies::fra::{Analyser, LoopController, LoopUnderTest, MeasurementPlan};
 use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
 use counterpoise_pipeline::studies::fra_points::ResponseMapPoint;
-use counterpoise_pipeline::{model, with_chosen_weights};
+use counterpoise_pipeline::{build_plant_model, with_chosen_weights};
 use counterpoise_pool::Serial;
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
@@ -17,9 +17,9 @@ fn db(h: [f64; 2]) -> f64 {
     20.0 * h[0].hypot(h[1]).log10()
 }
 
-fn mapped(around: LoopUnderTest, amplitudes: &[f64], frequencies_hz: &[f64]) -> Vec<ResponseMapPoint> {
+fn map_response(around: LoopUnderTest, amplitudes: &[f64], frequencies_hz: &[f64]) -> Vec<ResponseMapPoint> {
     let project = rig();
-    let modelled = model(&project).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
     let plan = MeasurementPlan {
         around,
         amplitudes: amplitudes.to_vec(),
@@ -32,7 +32,7 @@ fn mapped(around: LoopUnderTest, amplitudes: &[f64], frequencies_hz: &[f64]) -> 
 
 #[test]
 fn the_describing_function_explains_what_the_linear_model_does_not() {
-    for p in mapped(LoopUnderTest::Plant, &[0.5, 1.0], &[4.5, 9.5]) {
+    for p in map_response(LoopUnderTest::Plant, &[0.5, 1.0], &[4.5, 9.5]) {
         let described = (db(p.describing.unwrap()) - p.gain_db).abs();
         assert!(p.settled && described < 0.1, "{} V, {} Hz: {described} dB", p.amplitude, p.frequency_hz);
         assert!((db(p.linear) - p.gain_db).abs() > 5.0 * described, "{} V", p.amplitude);
@@ -53,7 +53,7 @@ fn a_linear_loop_of_position_is_measured_as_its_model_says() {
     let document = Document::parse(STAGE, "stage.toml");
     let read = Project::resolve_for(&document, &Attachments::none(), Purpose::Design).unwrap();
     let project = with_chosen_weights(&read.project).unwrap().unwrap().project;
-    let modelled = model(&project).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
     let plan = MeasurementPlan {
         around: LoopUnderTest::Closed,
         amplitudes: vec![1e-4],
@@ -91,14 +91,14 @@ const PENDULUM: &str = "format = 2
     plant.sensors.encoder = { counts = 65536 }
     plant.interface = { sample_period = 2e-3 }";
 
-fn designed(text: &str) -> Project {
+fn design_project(text: &str) -> Project {
     let document = Document::parse(text, "project.toml");
     let read = Project::resolve_for(&document, &Attachments::none(), Purpose::Design).unwrap();
     with_chosen_weights(&read.project).unwrap().unwrap().project
 }
 
 fn mapped_of(project: &Project, around: LoopUnderTest, frequencies_hz: &[f64]) -> Vec<ResponseMapPoint> {
-    let modelled = model(project).unwrap();
+    let modelled = build_plant_model(project).unwrap();
     let amplitudes = vec![around.usual_amplitudes(project)[0]];
     let plan = MeasurementPlan { around, amplitudes, frequencies_hz: frequencies_hz.to_vec(), offset_m: 0.0 };
     let analyser = Analyser::new(project, &modelled, &plan, LoopController::Simulation).unwrap();
@@ -107,7 +107,7 @@ fn mapped_of(project: &Project, around: LoopUnderTest, frequencies_hz: &[f64]) -
 
 #[test]
 fn a_mass_that_nothing_holds_does_not_drift_out_of_its_response() {
-    let project = designed(FREE);
+    let project = design_project(FREE);
     let torque_per_v = 6.0 / 10.0;
     for p in mapped_of(&project, LoopUnderTest::Plant, &[0.5, 2.0, 10.0]) {
         let rate = std::f64::consts::TAU * p.frequency_hz;
@@ -120,7 +120,7 @@ fn a_mass_that_nothing_holds_does_not_drift_out_of_its_response() {
 
 #[test]
 fn a_loop_of_position_is_measured_where_the_machine_rests() {
-    let project = designed(PENDULUM);
+    let project = design_project(PENDULUM);
     for p in mapped_of(&project, LoopUnderTest::Closed, &[0.5, 2.0]) {
         let off = (db(p.linear) - p.gain_db).abs();
         assert!(off < 0.02, "{} Hz: {} dB, linear {} dB", p.frequency_hz, p.gain_db, db(p.linear));
@@ -130,7 +130,7 @@ fn a_loop_of_position_is_measured_where_the_machine_rests() {
 
 #[test]
 fn usual_points_suit_the_machine() {
-    let mut project = designed(FREE);
+    let mut project = design_project(FREE);
     assert_eq!(LoopUnderTest::usual_of(&project), LoopUnderTest::Closed);
     assert_eq!(LoopUnderTest::usual_of(&rig()), LoopUnderTest::Disturbance);
     let step = project.verify.as_ref().unwrap().procedure.step.rate_rad_s;
@@ -144,7 +144,7 @@ fn usual_points_suit_the_machine() {
 #[test]
 fn a_map_has_arrays_of_frequency_and_amplitude_and_its_json_a_list_of_points() {
     let project = rig();
-    let modelled = model(&project).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
     let (amplitudes, frequencies_hz) = (vec![0.5, 1.0], vec![4.5, 9.5, 12.0]);
     let plan = MeasurementPlan { around: LoopUnderTest::Plant, amplitudes, frequencies_hz, offset_m: 0.0 };
     let analyser = Analyser::new(&project, &modelled, &plan, LoopController::Simulation).unwrap();
@@ -160,14 +160,14 @@ fn a_map_has_arrays_of_frequency_and_amplitude_and_its_json_a_list_of_points() {
 
 #[test]
 fn friction_carries_the_disconnected_mechanism_at_small_amplitudes() {
-    let points = mapped(LoopUnderTest::Disconnected, &[0.002, 0.5], &[1.0]);
+    let points = map_response(LoopUnderTest::Disconnected, &[0.002, 0.5], &[1.0]);
     assert!(points[0].gain_db > points[1].gain_db + 1.0, "{} {}", points[0].gain_db, points[1].gain_db);
 }
 
 #[test]
 fn a_recording_without_a_line_is_told_and_a_missing_channel_refused() {
     let project = rig();
-    let modelled = model(&project).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
     let plan = MeasurementPlan {
         around: LoopUnderTest::Plant,
         amplitudes: Vec::new(),

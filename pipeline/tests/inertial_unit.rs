@@ -4,7 +4,7 @@
 use counterpoise_models::base_motion::Traverse;
 use counterpoise_pipeline::inertial_unit::inertial_unit;
 use counterpoise_project::resolve::base_motion::{InertialUnit, UnitReading};
-use counterpoise_recordings::Table;
+use counterpoise_recordings::RecordingTable;
 
 const G: f64 = 9.80665;
 const RATE_RAD_S: f64 = 3.0;
@@ -25,7 +25,7 @@ fn heave(t: f64) -> f64 {
 
 /// Returns what a unit reads that stands `arm` (forward, up) behind the pivot on that base and is turned by a half turn
 /// about z.
-fn recorded(arm: [f64; 2]) -> Table {
+fn record_unit(arm: [f64; 2]) -> RecordingTable {
     let row = |k: i32| {
         let t = 0.002 * f64::from(k);
         let [angle, rate, slope] = pitch(t);
@@ -40,7 +40,7 @@ fn recorded(arm: [f64; 2]) -> Table {
     };
     let rows: String = (0..10_001).map(row).collect();
     let header = "time [s],ax [m/s^2],ay [m/s^2],az [m/s^2],wx [rad/s],wy [rad/s],wz [rad/s]\n";
-    Table::read((header.to_owned() + &rows).as_bytes(), "unit.csv").unwrap()
+    RecordingTable::read((header.to_owned() + &rows).as_bytes(), "unit.csv").unwrap()
 }
 
 fn unit() -> InertialUnit {
@@ -63,7 +63,7 @@ fn unit() -> InertialUnit {
 
 #[test]
 fn the_pivot_s_motion_comes_back_without_gravity() {
-    let made = inertial_unit(&unit(), &recorded([0.6, 0.4])).unwrap();
+    let made = inertial_unit(&unit(), &record_unit([0.6, 0.4])).unwrap();
     let worst = |found: &[f64], truth: &dyn Fn(f64) -> f64| {
         let off: Vec<f64> = found.iter().enumerate().map(|(k, v)| v - truth(0.002 * k as f64)).collect();
         let mean = off.iter().sum::<f64>() / off.len() as f64;
@@ -78,7 +78,7 @@ fn the_pivot_s_motion_comes_back_without_gravity() {
 #[test]
 fn a_lever_arm_that_is_left_out_appears_as_surge_and_heave() {
     let without = InertialUnit { lever_arm_m: [0.0; 3], ..unit() };
-    let made = inertial_unit(&without, &recorded([0.6, 0.4])).unwrap();
+    let made = inertial_unit(&without, &record_unit([0.6, 0.4])).unwrap();
     let off = made.heave_m_s2().iter().enumerate().map(|(k, v)| (v - heave(0.002 * k as f64)).abs());
     assert!(off.fold(0.0, f64::max) > 0.4);
 }
@@ -86,7 +86,7 @@ fn a_lever_arm_that_is_left_out_appears_as_surge_and_heave() {
 #[test]
 fn a_column_that_is_missing_is_told() {
     let wrong = InertialUnit { rate: ["wx", "wy", "gz"].map(str::to_owned), ..unit() };
-    assert!(inertial_unit(&wrong, &recorded([0.0; 2])).unwrap_err().to_string().contains("gz"));
+    assert!(inertial_unit(&wrong, &record_unit([0.0; 2])).unwrap_err().to_string().contains("gz"));
     let long = InertialUnit { duration_s: 50.0, ..unit() };
-    assert!(inertial_unit(&long, &recorded([0.0; 2])).is_err());
+    assert!(inertial_unit(&long, &record_unit([0.0; 2])).is_err());
 }

@@ -19,11 +19,11 @@ fn without_weights() -> Project {
     }
 }
 
-fn chosen(project: &Project) -> Option<DesignRequest> {
+fn chosen_weights(project: &Project) -> Option<DesignRequest> {
     with_chosen_weights(project).unwrap().unwrap().project.synth
 }
 
-fn shown(project: &Project, moment_kg_m: Option<f64>, cache: &mut PreviewCache) -> DesignPreview {
+fn preview(project: &Project, moment_kg_m: Option<f64>, cache: &mut PreviewCache) -> DesignPreview {
     let request = PreviewRequest { project: Arc::new(project.clone()), out_of_balance_kg_m: moment_kg_m };
     preview_design(&request, cache, &Serial).unwrap()
 }
@@ -32,36 +32,36 @@ fn shown(project: &Project, moment_kg_m: Option<f64>, cache: &mut PreviewCache) 
 fn kept_weights_are_those_that_the_project_at_hand_asks_for() {
     let mut cache = PreviewCache::default();
     let first = without_weights();
-    let own = chosen(&first);
-    assert_eq!(shown(&first, None, &mut cache).project.synth, own);
+    let own = chosen_weights(&first);
+    assert_eq!(preview(&first, None, &mut cache).project.synth, own);
 
     let mut renamed = first.clone();
     renamed.plant.name = "the same machine".to_owned();
     renamed.sweep = None;
-    let found = shown(&renamed, None, &mut cache);
+    let found = preview(&renamed, None, &mut cache);
     assert_eq!((&found.project.synth, &*found.project.plant.name), (&own, "the same machine"));
 
     let mut shaken = renamed.clone();
     shaken.verify.as_mut().unwrap().procedure.heave.amplitude *= 3.0;
-    let found = shown(&shaken, None, &mut cache);
+    let found = preview(&shaken, None, &mut cache);
     assert_ne!(found.project.synth, own);
 
     let mut heavy = shaken.clone();
     heavy.plant.lumped.as_mut().unwrap().hub_inertia_kg_m2 *= 2.0;
     let before = found.project.synth.clone();
-    let found = shown(&heavy, None, &mut cache);
-    assert_eq!(found.project.synth, chosen(&heavy));
+    let found = preview(&heavy, None, &mut cache);
+    assert_eq!(found.project.synth, chosen_weights(&heavy));
     assert_ne!(found.project.synth, before);
 }
 
 #[test]
 fn a_moment_that_is_tried_leaves_the_weights_of_the_project_as_they_are() {
     let project = without_weights();
-    let own = chosen(&project);
+    let own = chosen_weights(&project);
     for moments in [[None, Some(30.0)], [Some(30.0), None]] {
         let mut cache = PreviewCache::default();
         for moment in moments {
-            let found = shown(&project, moment, &mut cache);
+            let found = preview(&project, moment, &mut cache);
             assert_eq!(found.project.synth, own);
             let used = found.modelled.plant.body().out_of_balance_kg_m;
             assert_eq!(used == 30.0, moment.is_some());
@@ -70,7 +70,7 @@ fn a_moment_that_is_tried_leaves_the_weights_of_the_project_as_they_are() {
 }
 
 /// Returns the example whose structure is imported, read with its files.
-fn imported() -> Project {
+fn imported_project() -> Project {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/imported-structure");
     let text = std::fs::read_to_string(folder.join("project.toml")).unwrap();
     let document = Document::parse(&text, "project.toml");
@@ -86,15 +86,15 @@ fn imported() -> Project {
 #[test]
 fn an_edit_of_an_imported_structure_reaches_the_plant() {
     let mut cache = PreviewCache::default();
-    let project = imported();
+    let project = imported_project();
     let damping = |found: &DesignPreview| {
         let poles = counterpoise_lti::poles(&found.modelled.linear.system).unwrap();
         let flexible = poles.iter().filter(|pole| pole.im > 100.0);
         flexible.map(|pole| -pole.re / pole.norm()).fold(f64::INFINITY, f64::min)
     };
-    let before = damping(&shown(&project, None, &mut cache));
+    let before = damping(&preview(&project, None, &mut cache));
     let mut damped = project;
     damped.import.as_mut().unwrap().modal_damping.iter_mut().for_each(|ratio| *ratio *= 3.0);
-    let after = damping(&shown(&damped, None, &mut cache));
+    let after = damping(&preview(&damped, None, &mut cache));
     assert!(after > 1.5 * before, "{before} {after}");
 }

@@ -5,13 +5,13 @@ use counterpoise_pipeline::road::{realise_motion, road_from_table};
 use counterpoise_project::{
     Attachments, Document, GeneratedMotion, MotionKind, PlatformSource, Project, RoadSource,
 };
-use counterpoise_recordings::Table;
+use counterpoise_recordings::RecordingTable;
 use counterpoise_verify::Road;
 
 const RIG: &str = include_str!("../../project/tests/data/rig.toml");
 
 /// Returns the motion that keys of `[verify.road]` describe, and what it is over time.
-fn realised(keys: &str) -> (GeneratedMotion, Road) {
+fn realise_road(keys: &str) -> (GeneratedMotion, Road) {
     let bare = Document::parse(RIG, "rig.toml").remove("verify.road").unwrap().text().to_owned();
     let document = Document::parse(&format!("{bare}\n[verify.road]\n{keys}\n"), "rig.toml");
     let project = Project::resolve(&document, &Attachments::none()).unwrap().project;
@@ -30,7 +30,7 @@ fn every_kind_of_motion_is_realised_from_its_keys() {
         format!("kind = \"simulator\"\noffset = 1.2\npitch_psd = {PSD}"),
         "kind = \"iso-8608\"\nclass = \"D\"\nspeed = 5.0".to_owned(),
     ] {
-        let (motion, road) = realised(&keys);
+        let (motion, road) = realise_road(&keys);
         assert!(
             (road.duration_s() - 30.0).abs() < 1e-9
                 && road.pitch_rate_rad_s().len() == road.heave_m_s2().len()
@@ -42,17 +42,17 @@ fn every_kind_of_motion_is_realised_from_its_keys() {
 
 #[test]
 fn bases_with_more_axes_than_heave_and_pitch_surge_and_roll() {
-    let (_, road) = realised(
+    let (_, road) = realise_road(
         "kind = \"six-axes\"\nsurge_sines = [[2.0, 0.5]]\nroll_psd = [[0.3, 0.01], [3.0, 0.01]]\ncoherence = 0.5\ntraverse_rate = 0.2",
     );
     assert!(road.surge_m_s2().iter().any(|surge| surge.abs() > 1.5));
     let sea = "kind = \"sea\"\nsignificant_height = 2.5\npeak_period = 8.8\nheading = \"135 deg\"\nlength = 100.0\nbeam = 14.0\n\
                draught = 4.5\nroll_period = 9.0\nship_speed = 7.0\npivot = [20.0, 0.0, 12.0]\nduration = 60.0";
-    let (_, road) = realised(sea);
+    let (_, road) = realise_road(sea);
     assert!(road.roll_rate_rad_s().iter().any(|rate| rate.abs() > 0.005));
     let vehicle = "kind = \"iso-8608\"\nclass = \"D\"\nspeed = 8.0\nbody_mass = 9000.0\nduration = 20.0";
-    assert!(realised(vehicle).1.surge_m_s2().is_empty());
-    assert!(realised(&format!("{vehicle}\ntrack = 2.2\npivot_height = 1.0")).1.has_further_motion());
+    assert!(realise_road(vehicle).1.surge_m_s2().is_empty());
+    assert!(realise_road(&format!("{vehicle}\ntrack = 2.2\npivot_height = 1.0")).1.has_further_motion());
 }
 
 #[test]
@@ -65,7 +65,8 @@ fn a_road_is_cut_filtered_scaled_and_centred() {
         })
         .collect();
     let table =
-        Table::read(format!("time [s],az [m/s^2],wy [rad/s]\n{rows}").as_bytes(), "road.csv").unwrap();
+        RecordingTable::read(format!("time [s],az [m/s^2],wy [rad/s]\n{rows}").as_bytes(), "road.csv")
+            .unwrap();
     let source = RoadSource {
         recording: "road.csv".to_owned(),
         heave: "az".to_owned(),

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_pipeline::{
-    DesignedAxis, PipelineError, ProjectIdentity, World, design_traverse, export_traverse, model,
-    project_procedure, reduce, study_two_axes, synthesise,
+    DesignedAxis, PipelineError, ProjectIdentity, World, build_plant_model, design_traverse, export_traverse,
+    project_procedure, reduce_plant, study_two_axes, synthesise,
 };
 use counterpoise_project::{Attachments, Document, Project};
 use counterpoise_verify::{JointExperiment, JointFigure, JointQuantity, Verdict};
@@ -61,8 +61,8 @@ fn errors_of_the_traverse_axis_are_named_with_its_file() {
 #[test]
 fn both_axes_are_verified_together_and_each_has_its_code() {
     let project = project();
-    let modelled = model(&project).unwrap();
-    let reduced = reduce(&project, &modelled).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
+    let reduced = reduce_plant(&project, &modelled).unwrap();
     let synthesised = synthesise(&project, &modelled, &reduced).unwrap();
     let procedure = project_procedure(&project, &AS_SHIPPED).unwrap();
     let code = export_traverse(&project, &AS_SHIPPED).unwrap().unwrap();
@@ -109,8 +109,8 @@ fn the_traverse_project_is_part_of_the_identity_of_the_elevation_project() {
 #[test]
 fn a_road_at_another_angle_than_the_ring_is_refused() {
     let mut project = project();
-    let modelled = model(&project).unwrap();
-    let synthesised = synthesise(&project, &modelled, &reduce(&project, &modelled).unwrap()).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
+    let synthesised = synthesise(&project, &modelled, &reduce_plant(&project, &modelled).unwrap()).unwrap();
     let procedure = project_procedure(&project, &AS_SHIPPED).unwrap();
     let turned = Example { from: "[model]", to: "[model]\nhub_angle = 0.5" };
     let traverse = design_traverse(&project, &turned).unwrap();

@@ -1,7 +1,7 @@
 //! A weight that the drive cannot carry at any control is refused before anything is designed.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_pipeline::{PipelineError, cannot_hold, model, with_chosen_weights};
+use counterpoise_pipeline::{PipelineError, build_plant_model, cannot_hold, with_chosen_weights};
 use counterpoise_project::{Attachments, Document, Project};
 
 const CRANE: &str = include_str!("../../examples/crane-cylinder/project.toml");
@@ -16,7 +16,7 @@ fn project(supply: &str) -> Project {
 fn a_weight_beyond_the_supply_pressure_is_refused() {
     // 350 kg m need 3432 N m, and 1.6 MPa on 4545 mm^2 at 0.433 m give 3149 N m
     let weak = project("1.6 MPa");
-    let modelled = model(&weak).unwrap();
+    let modelled = build_plant_model(&weak).unwrap();
     assert!(matches!(cannot_hold(&modelled), Some(PipelineError::CannotCarry { .. })));
     let refused = with_chosen_weights(&weak).unwrap_err();
     let PipelineError::CannotCarry { needed_nm, largest_nm, .. } = refused else { panic!("{refused}") };
@@ -25,5 +25,5 @@ fn a_weight_beyond_the_supply_pressure_is_refused() {
     let lever_m = 0.5 * 0.866 * 0.5 / (0.25_f64 + 0.866 * 0.866 - 0.866 * 0.75_f64.sqrt()).sqrt();
     assert!((largest_nm - 1.6 * 4545.0 * lever_m).abs() < 1e-6, "{largest_nm} {lever_m}");
     let strong = project("7.5 MPa");
-    assert!(cannot_hold(&model(&strong).unwrap()).is_none());
+    assert!(cannot_hold(&build_plant_model(&strong).unwrap()).is_none());
 }

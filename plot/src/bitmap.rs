@@ -56,7 +56,7 @@ pub fn bitmap(figure: &Figure, theme: Theme, scale: f64) -> Result<Bitmap, PlotE
         draw(&DrawingArea::from(&backend), unit, figure, Setting::Alone)
             .map_err(|error| PlotError::Drawing(error.to_string()))?;
     }
-    Ok(Bitmap { width, height, rgb: averaged(&points, width, height) })
+    Ok(Bitmap { width, height, rgb: average_points(&points, width, height) })
 }
 
 /// Returns the figure with its title as a PNG file; see [`bitmap`] for `scale`.
@@ -74,7 +74,7 @@ pub fn png(figure: &Figure, theme: Theme, scale: f64) -> Result<Vec<u8>, PlotErr
 }
 
 /// Means of squares of points.
-fn averaged(points: &[u8], width: usize, height: usize) -> Vec<u8> {
+fn average_points(points: &[u8], width: usize, height: usize) -> Vec<u8> {
     let row = 3 * width * OVERSAMPLING;
     let mut rgb = Vec::with_capacity(3 * width * height);
     for y in 0..height {

@@ -14,13 +14,13 @@ pub(crate) fn polyline(points: &[Point]) -> Vec<Vec<Point>> {
     let mut is_open = false;
     for pair in points.windows(2) {
         let (from, to) = (pair[0], pair[1]);
-        let Some((first, last)) = inside(from, to) else {
+        let Some((first, last)) = part_inside(from, to) else {
             is_open = false;
             continue;
         };
         match parts.last_mut().filter(|_| is_open && first == 0.0) {
-            Some(part) => part.push(between(from, to, last)),
-            None => parts.push(vec![between(from, to, first), between(from, to, last)]),
+            Some(part) => part.push(interpolate_point(from, to, last)),
+            None => parts.push(vec![interpolate_point(from, to, first), interpolate_point(from, to, last)]),
         }
         is_open = last == 1.0;
     }
@@ -28,7 +28,7 @@ pub(crate) fn polyline(points: &[Point]) -> Vec<Vec<Point>> {
 }
 
 /// Returns where a segment enters and leaves the panel, as parts of its length.
-fn inside(from: Point, to: Point) -> Option<(f64, f64)> {
+fn part_inside(from: Point, to: Point) -> Option<(f64, f64)> {
     let (dx, dy) = (to.x - from.x, to.y - from.y);
     let edges = [(-dx, from.x), (dx, 1.0 - from.x), (-dy, from.y), (dy, 1.0 - from.y)];
     let (mut first, mut last) = (0.0f64, 1.0f64);
@@ -44,7 +44,7 @@ fn inside(from: Point, to: Point) -> Option<(f64, f64)> {
     (first <= last).then_some((first, last))
 }
 
-fn between(from: Point, to: Point, part: f64) -> Point {
+fn interpolate_point(from: Point, to: Point, part: f64) -> Point {
     match part {
         0.0 => from,
         1.0 => to,
@@ -65,7 +65,7 @@ fn cut(corners: &[Point], room: fn(Point) -> f64) -> Vec<Point> {
         let from = corners[(k + corners.len() - 1) % corners.len()];
         let (before, after) = (room(from), room(*to));
         if (before < 0.0) != (after < 0.0) {
-            kept.push(between(from, *to, before / (before - after)));
+            kept.push(interpolate_point(from, *to, before / (before - after)));
         }
         if after >= 0.0 {
             kept.push(*to);

@@ -11,7 +11,7 @@
 //! *Invariant*: data in, bytes out; no file, no clock, no number that depends on the machine, and no knowledge of what a figure means.
 //!
 //! Modules in reading order: [`figure`], [`heat_map`], [`number`], [`ticks`], [`ruler`], [`thin`], [`theme`], `ink`, [`css`], `font`, `clip`,
-//! `draw`, [`svg`], `dashes`, [`bitmap`], [`error`].
+//! `draw`, [`svg`], `dashes`, [`bitmap`](mod@bitmap), [`error`].
 //!
 //! ```
 //! use counterpoise_plot::{Axis, Colour, Figure, Panel, Series, Theme, png, svg};

@@ -44,7 +44,7 @@ impl Ruler {
             Some(range) => range,
             None if low > high && scale == Scale::Logarithmic => (1.0, 10.0),
             None if low > high => (0.0, 1.0),
-            None => padded(low, high, scale, margin),
+            None => pad_range(low, high, scale, margin),
         };
         Self { from, to, scale }
     }
@@ -104,7 +104,7 @@ fn is_drawable(value: f64, scale: Scale) -> bool {
     value.abs() <= LARGEST_DRAWN && (scale != Scale::Logarithmic || value >= 1.0 / LARGEST_DRAWN)
 }
 
-fn padded(low: f64, high: f64, scale: Scale, margin: Margin) -> (f64, f64) {
+fn pad_range(low: f64, high: f64, scale: Scale, margin: Margin) -> (f64, f64) {
     let part = if margin == Margin::Tight { 0.0 } else { PADDING };
     if scale == Scale::Logarithmic {
         let is_point = high <= low * (1.0 + LEAST_SPAN);

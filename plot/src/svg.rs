@@ -22,13 +22,13 @@ const UNIT: f64 = 10.0;
 
 /// Returns the figure as an `<svg>` element for a page that carries [`style_sheet`](crate::css::style_sheet). The same figure gives the same bytes.
 pub fn inline_svg(figure: &Figure) -> String {
-    written(figure, Setting::Page, Paint::Classes)
+    write_figure(figure, Setting::Page, Paint::Classes)
 }
 
 /// Returns the figure with its title as an SVG document that stands alone, in the colours of a theme. Every colour is an attribute,
 /// because programs that are not browsers read no variables of CSS. The same figure gives the same bytes.
 pub fn standalone_svg(figure: &Figure, theme: Theme) -> String {
-    written(figure, Setting::Alone, Paint::Attributes(theme))
+    write_figure(figure, Setting::Alone, Paint::Attributes(theme))
 }
 
 /// Returns text that is safe inside markup and attributes; control characters, which XML forbids, are left out.
@@ -37,12 +37,12 @@ pub fn escape_xml(text: &str) -> String {
     allowed.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-fn written(figure: &Figure, setting: Setting, paint: Paint) -> String {
+fn write_figure(figure: &Figure, setting: Setting, paint: Paint) -> String {
     let Size { width, height } = size(figure, setting);
     let size = ((UNIT * width).round() as u32, (UNIT * height).round() as u32);
     let backend = Rc::new(RefCell::new(Svg { text: String::new(), size, paint, path: None }));
     let result = draw(&DrawingArea::from(&backend), UNIT, figure, setting);
-    let mut text = opening(figure, size.0, size.1, paint);
+    let mut text = opening_tag(figure, size.0, size.1, paint);
     let mut backend = backend.borrow_mut();
     backend.end_path();
     text.push_str(&backend.text);
@@ -55,7 +55,7 @@ fn written(figure: &Figure, setting: Setting, paint: Paint) -> String {
     text
 }
 
-fn opening(figure: &Figure, width: u32, height: u32, paint: Paint) -> String {
+fn opening_tag(figure: &Figure, width: u32, height: u32, paint: Paint) -> String {
     let (width, height) = (tenths(width as i32), tenths(height as i32));
     let dress = match paint {
         Paint::Classes => "class=\"fig\"".to_owned(),

@@ -241,7 +241,7 @@ fn every_cell_has_its_number_and_what_is_not_known_has_none() {
 }
 
 /// Returns the colours of a decoded PNG.
-fn decoded(file: &[u8]) -> (u32, u32, Vec<u8>) {
+fn decode_png(file: &[u8]) -> (u32, u32, Vec<u8>) {
     let mut reader = png_file(file);
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut pixels).unwrap();
@@ -256,7 +256,7 @@ fn png_file(file: &[u8]) -> ::png::Reader<std::io::Cursor<&[u8]>> {
 fn a_png_decodes_to_the_picture_that_was_drawn() {
     for theme in [Theme::Light, Theme::Dark] {
         for figure in all() {
-            let (width, height, pixels) = decoded(&png(&figure, theme, 1.0).unwrap());
+            let (width, height, pixels) = decode_png(&png(&figure, theme, 1.0).unwrap());
             let drawn = bitmap(&figure, theme, 1.0).unwrap();
             assert_eq!((width as usize, height as usize, &pixels), (drawn.width, drawn.height, &drawn.rgb));
             assert_eq!(width, 640);
@@ -266,8 +266,8 @@ fn a_png_decodes_to_the_picture_that_was_drawn() {
             assert!(ink > 100, "{ink} pixels are drawn");
         }
     }
-    assert_eq!(decoded(&png(&wave(), Theme::Light, 2.0).unwrap()).0, 1280);
-    assert_eq!(decoded(&png(&wave(), Theme::Light, f64::NAN).unwrap()).0, 640);
+    assert_eq!(decode_png(&png(&wave(), Theme::Light, 2.0).unwrap()).0, 1280);
+    assert_eq!(decode_png(&png(&wave(), Theme::Light, f64::NAN).unwrap()).0, 640);
 }
 
 #[test]

@@ -10,8 +10,8 @@
 //! assert_eq!(map(&Serial, 3, |k| 10 * k), [0, 10, 20]);
 //! ```
 
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, OnceLock};
 
 /// Runs independent jobs, in any order, on as many processors as the caller has.
 pub trait Pool: Sync {
@@ -40,24 +40,29 @@ impl Pool for Serial {
 
 /// Returns `count` results of independent jobs, in order; fewer where the user asked to stop.
 pub fn map<T: Send>(pool: &dyn Pool, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let slots: Vec<std::sync::Mutex<Option<T>>> = (0..count).map(|_| std::sync::Mutex::new(None)).collect();
-    pool.run(count, &|index| {
-        if pool.is_cancelled() {
-            return;
-        }
-        let result = job(index);
-        if let Ok(mut slot) = slots[index].lock() {
-            *slot = Some(result);
-        }
-    });
-    slots.into_iter().filter_map(|slot| slot.into_inner().ok().flatten()).collect()
+    run_into_slots(pool, count, |k| (!pool.is_cancelled()).then(|| job(k)))
+        .into_iter()
+        .flatten()
+        .flatten()
+        .collect()
 }
 
 /// Returns the results of all `count` jobs, in order: a job that the pool leaves out, because the user asked to stop, is done on the calling thread.
-pub fn map_all<T: Send + Sync>(pool: &dyn Pool, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
-    let slots: Vec<OnceLock<T>> = (0..count).map(|_| OnceLock::new()).collect();
-    pool.run(count, &|k| drop(slots[k].set(job(k))));
-    slots.into_iter().enumerate().map(|(k, slot)| slot.into_inner().unwrap_or_else(|| job(k))).collect()
+pub fn map_all<T: Send>(pool: &dyn Pool, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<T> {
+    let slots = run_into_slots(pool, count, &job);
+    slots.into_iter().enumerate().map(|(k, slot)| slot.unwrap_or_else(|| job(k))).collect()
+}
+
+/// Returns the result of each of `count` jobs, in order; `None` for a job that the pool leaves out.
+fn run_into_slots<T: Send>(pool: &dyn Pool, count: usize, job: impl Fn(usize) -> T + Sync) -> Vec<Option<T>> {
+    let slots: Vec<Mutex<Option<T>>> = (0..count).map(|_| Mutex::new(None)).collect();
+    pool.run(count, &|k| {
+        let result = job(k);
+        if let Ok(mut slot) = slots[k].lock() {
+            *slot = Some(result);
+        }
+    });
+    slots.into_iter().map(|slot| slot.into_inner().ok().flatten()).collect()
 }
 
 /// Returns the results of two jobs that know nothing of each other, done side by side.

@@ -139,14 +139,14 @@ impl Diagnostic {
         let column = self.column.saturating_sub(1);
         // Of a long line only what is around the column is shown.
         let skipped = if column < LONGEST_EXCERPT { 0 } else { column - LONGEST_EXCERPT / 2 };
-        let shown: String = line.chars().skip(skipped).take(LONGEST_EXCERPT).map(visible).collect();
+        let shown: String = line.chars().skip(skipped).take(LONGEST_EXCERPT).map(visible_character).collect();
         let mark = " ".repeat(column - skipped);
         format!("{self}\n{margin} |\n{number} | {shown}\n{margin} | {mark}^")
     }
 }
 
 /// Returns a character as a line of one column for each shows it: a tab as a space, other control characters as a replacement.
-fn visible(c: char) -> char {
+fn visible_character(c: char) -> char {
     match c {
         '\t' => ' ',
         c if is_control(c) => char::REPLACEMENT_CHARACTER,
@@ -173,7 +173,7 @@ pub fn escape_control(text: &str) -> String {
 const LONGEST_MISSPELT: usize = 64;
 
 /// Returns the name in `known` that is nearest to `written`, if any is near enough to be meant.
-pub(crate) fn nearest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest_name<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     if written.len() > LONGEST_MISSPELT {
         return None;
     }
@@ -189,5 +189,5 @@ pub(crate) fn nearest<'a>(written: &str, known: impl IntoIterator<Item = &'a str
 
 /// Returns a hint that names the nearest of the known names.
 pub(crate) fn did_you_mean<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<String> {
-    nearest(written, known).map(|name| format!("did you mean \"{name}\"?"))
+    nearest_name(written, known).map(|name| format!("did you mean \"{name}\"?"))
 }

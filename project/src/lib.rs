@@ -5,7 +5,7 @@
 //!
 //! *Invariant*: nothing is computed here, and no file is opened: texts and bytes are handed in.
 //!
-//! Modules in reading order: [`diagnostic`], [`unit`] (quantities), [`file`] (as written), [`assumption`] (what it leaves open),
+//! Modules in reading order: [`diagnostic`], [`unit`](mod@unit) (quantities), [`file`](mod@file) (as written), [`assumption`] (what it leaves open),
 //! [`resolve`] (as meant), [`starters`] (files to start from).
 //!
 //! ```

@@ -25,7 +25,7 @@ fn read(text: &str) -> Result<Project, Vec<String>> {
     }
 }
 
-fn told(text: &str) -> String {
+fn error_text(text: &str) -> String {
     read(text).unwrap_err().join("\n")
 }
 
@@ -93,7 +93,11 @@ fn a_ship_and_a_vehicle_of_the_users_own_survive_the_file() {
     assert_eq!((vehicle.body_mass_kg, sides.track_m, sides.pivot_height_m), (9000.0, 2.2, 1.0));
     assert!((sides.roll_inertia_kg_m2 - 9000.0 * 0.88 * 0.88).abs() < 1e-9);
     let flat = FOUR_WHEELS.replace("track = 2.2\n", "");
-    assert!(told(&file(&flat, &[])).contains("has no effect without `track`"), "{}", told(&file(&flat, &[])));
+    assert!(
+        error_text(&file(&flat, &[])).contains("has no effect without `track`"),
+        "{}",
+        error_text(&file(&flat, &[]))
+    );
     let half = FOUR_WHEELS.replace("track = 2.2\npivot_height = 1.0\n", "");
     let Some(PlatformSource::Made(motion)) = read(&file(&half, &[])).unwrap().verify.unwrap().road else {
         panic!("a road")
@@ -105,25 +109,29 @@ fn a_ship_and_a_vehicle_of_the_users_own_survive_the_file() {
 #[test]
 fn a_sea_that_cannot_be_is_told_at_its_height() {
     let steep = SEA.replace("8.8", "3.0");
-    let told_of_it = told(&file(&steep, &[]));
+    let told_of_it = error_text(&file(&steep, &[]));
     assert!(told_of_it.contains("verify.road.significant_height"), "{told_of_it}");
     assert!(told_of_it.contains("a seventh of the length"), "{told_of_it}");
-    assert!(told(&file(&SEA.replace("beam = 14.0\n", ""), &[])).contains("verify.road.beam"));
+    assert!(error_text(&file(&SEA.replace("beam = 14.0\n", ""), &[])).contains("verify.road.beam"));
     // where the kind is not stated, the keys say what is meant
     let unstated = SEA.replace("kind = \"sea\"\n", "");
-    assert!(told(&file(&unstated, &[])).contains("\"sea\""), "{}", told(&file(&unstated, &[])));
+    assert!(error_text(&file(&unstated, &[])).contains("\"sea\""), "{}", error_text(&file(&unstated, &[])));
 }
 
 #[test]
 fn what_is_wrong_with_a_motion_is_told_at_its_key() {
     let two = UNIT.replace("\"ax\", \"ay\", \"az\"", "\"ax\", \"az\"");
-    assert!(told(&file(&two, &[])).contains("must name three columns"), "{}", told(&file(&two, &[])));
+    assert!(
+        error_text(&file(&two, &[])).contains("must name three columns"),
+        "{}",
+        error_text(&file(&two, &[]))
+    );
     let far = UNIT.replace("[1.0, 0.0, -0.5]", "[1.0, 0.0]");
-    assert!(told(&file(&far, &[])).contains("lever_arm"));
+    assert!(error_text(&file(&far, &[])).contains("lever_arm"));
     let nothing = "kind = \"six-axes\"";
-    assert!(told(&file(nothing, &[])).contains("has nothing that moves"));
+    assert!(error_text(&file(nothing, &[])).contains("has nothing that moves"));
     let fast = "kind = \"six-axes\"\nyaw_sines = [[0.1, 90.0]]";
-    assert!(told(&file(fast, &[])).contains("cannot be realised"), "{}", told(&file(fast, &[])));
+    assert!(error_text(&file(fast, &[])).contains("cannot be realised"), "{}", error_text(&file(fast, &[])));
 }
 
 #[test]
@@ -134,7 +142,7 @@ fn an_elevated_accelerometer_stands_at_the_pivot_of_a_hub_that_is_not_upright() 
     assert_eq!(project.plant.sensors.accelerometer_axis, AccelerometerAxis::Elevated);
     assert_eq!(read(&project.to_text()).unwrap(), project);
     let away = format!("{elevated}\nlever_arm = 0.4");
-    assert!(told(&file(UNIT, &[(section, &away)])).contains("it stands at the pivot"));
+    assert!(error_text(&file(UNIT, &[(section, &away)])).contains("it stands at the pivot"));
 }
 
 #[test]
@@ -146,15 +154,16 @@ fn a_surge_accelerometer_needs_that_of_heave_and_an_angle() {
     assert_eq!(read(&project.to_text()).unwrap(), project);
     let elevated = format!("{second}\naxis = \"elevated\"");
     assert!(
-        told(&file(UNIT, &[(section, &elevated)])).contains("needs [plant.sensors.platform_accelerometer]")
+        error_text(&file(UNIT, &[(section, &elevated)]))
+            .contains("needs [plant.sensors.platform_accelerometer]")
     );
     let steep =
         |angle: f64| file(UNIT, &[(section, &second)]) + &format!("\n[model]\nhub_angle = {angle:?}\n");
-    assert!(told(&steep(1.5)).contains("within +/- 1.47 rad"), "{}", told(&steep(1.5)));
+    assert!(error_text(&steep(1.5)).contains("within +/- 1.47 rad"), "{}", error_text(&steep(1.5)));
     assert!(
-        told(&steep(0.6)).contains("within +/- 0.5 rad, where the resolver's converter ends"),
+        error_text(&steep(0.6)).contains("within +/- 0.5 rad, where the resolver's converter ends"),
         "{}",
-        told(&steep(0.6))
+        error_text(&steep(0.6))
     );
 }
 
@@ -179,7 +188,7 @@ fn the_line_of_sight_survives_the_file() {
     );
     assert_eq!(read(&project.to_text()).unwrap(), project);
     let without = section.replace("target = 4e-4\n", "");
-    assert!(told(&format!("{}\n{without}", file(UNIT, &[]))).contains("target"));
+    assert!(error_text(&format!("{}\n{without}", file(UNIT, &[]))).contains("target"));
     let negative = section.replace("window = \"0.3 mrad\"", "window = -1.0");
-    assert!(told(&format!("{}\n{negative}", file(UNIT, &[]))).contains("above 0"));
+    assert!(error_text(&format!("{}\n{negative}", file(UNIT, &[]))).contains("above 0"));
 }

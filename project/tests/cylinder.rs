@@ -31,21 +31,21 @@ sample_period = "1 ms"
 const PINS: &str =
     "[plant.cylinder.linkage]\narm = 0.5\nanchor = 0.866\nanchor_angle = \"-30 deg\"\n[plant.friction.motor]";
 
-fn resolved(text: &str) -> Project {
+fn resolve_project(text: &str) -> Project {
     match Project::resolve(&Document::parse(text, "boom.toml"), &Attachments::none()) {
         Ok(parsed) => parsed.project,
         Err(errors) => panic!("{errors:?}"),
     }
 }
 
-fn said(text: &str) -> String {
+fn error_text(text: &str) -> String {
     let errors = Project::resolve(&Document::parse(text, "boom.toml"), &Attachments::none()).unwrap_err();
     errors.iter().map(|error| format!("{error}\n")).collect()
 }
 
 #[test]
 fn a_cylinder_stands_in_the_places_of_gear_motor_and_amplifier() {
-    let project = resolved(GOOD);
+    let project = resolve_project(GOOD);
     let (p, cylinder) = (&project.plant, project.plant.cylinder.as_ref().unwrap());
     let near =
         |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
@@ -68,8 +68,8 @@ fn a_cylinder_stands_in_the_places_of_gear_motor_and_amplifier() {
 #[test]
 fn what_is_read_is_written() {
     for text in [GOOD.to_owned(), GOOD.replace("lever_arm = 0.433\n[plant.friction.motor]", PINS)] {
-        let project = resolved(&text);
-        let again = resolved(&project.to_text());
+        let project = resolve_project(&text);
+        let again = resolve_project(&project.to_text());
         assert_eq!(again.plant, project.plant, "{}", project.to_text());
         assert!(!project.to_text().contains("[plant.motor]"), "{}", project.to_text());
     }
@@ -128,7 +128,7 @@ fn what_is_wrong_is_told_at_its_key() {
         ),
     ];
     for (text, key, message) in wrong {
-        let all = said(&text);
+        let all = error_text(&text);
         assert!(all.contains(key) && all.contains(message), "{key}, {message}: {all}");
     }
 }

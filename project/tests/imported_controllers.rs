@@ -162,7 +162,7 @@ fn what_is_wrong_is_said() {
     assert!(said.contains("order 250"), "{said}");
 }
 
-fn resolved(section: &str, file: Option<&str>) -> Result<Project, String> {
+fn resolve_section(section: &str, file: Option<&str>) -> Result<Project, String> {
     let text = format!(
         "format = 2\n[plant]\nname = \"axis\"\ninertia = 0.5\nmotor = {{ torque_constant = 0.4, resistance = 1.0 }}\n\
          interface = {{ sample_period = 1e-3 }}\n{section}"
@@ -179,7 +179,7 @@ fn resolved(section: &str, file: Option<&str>) -> Result<Project, String> {
 fn a_project_names_the_file_and_says_what_does_not_go_with_it() {
     let controller = state_space_json();
     let section = "[synth.controller]\nfile = \"c.json\"\n";
-    let read = resolved(section, Some(&controller)).unwrap();
+    let read = resolve_section(section, Some(&controller)).unwrap();
     is_the_controller(read.synth.unwrap().options.imported.unwrap().system.as_ref().unwrap());
     let other_period = controller.replace("0.001", "0.002");
     let block = format!("{section}[[synth.block]]\nkind = \"gain\"\ngain = 1.0\n");
@@ -197,7 +197,7 @@ fn a_project_names_the_file_and_says_what_does_not_go_with_it() {
         (format!("[synth.tune]\n{section}"), Some(controller.as_str()), "nothing of it is open"),
     ];
     for (section, file, expected) in cases {
-        let said = resolved(&section, file).unwrap_err();
+        let said = resolve_section(&section, file).unwrap_err();
         assert!(said.contains(expected), "{section}: {said}");
     }
 }

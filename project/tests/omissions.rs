@@ -22,7 +22,7 @@ fn paths(project: &Project) -> Vec<String> {
 }
 
 /// Checks what is said of a file without one key or section.
-fn judged(document: &Document, path: &str) -> Option<String> {
+fn check_omission(document: &Document, path: &str) -> Option<String> {
     match Project::resolve(document, &Attachments::none()) {
         Ok(parsed) => {
             let physical = path.starts_with("plant.") && !is_no_quantity(path);
@@ -73,7 +73,7 @@ fn each_key_left_out_is_assumed_or_asked_for_in_one_sentence() {
         .iter()
         .filter_map(|path| {
             let without = document.remove(path).unwrap();
-            judged(&without, path)
+            check_omission(&without, path)
         })
         .collect();
     assert!(wrong.is_empty(), "{} of {}:\n{}", wrong.len(), paths.len(), wrong.join("\n"));

@@ -11,7 +11,7 @@ fn with(changes: &[(&str, SettingValue)]) -> Document {
     changes.iter().fold(start, |document, (path, setting)| document.set(path, setting).unwrap())
 }
 
-fn resolved(document: &Document) -> Project {
+fn resolve_project(document: &Document) -> Project {
     match Project::resolve(document, &Attachments::none()) {
         Ok(parsed) => parsed.project,
         Err(errors) => panic!("{errors:?}"),
@@ -19,7 +19,7 @@ fn resolved(document: &Document) -> Project {
 }
 
 fn again(project: &Project) -> Project {
-    resolved(&Document::parse(&project.to_text(), "again.toml"))
+    resolve_project(&Document::parse(&project.to_text(), "again.toml"))
 }
 
 fn text(value: &str) -> SettingValue {
@@ -27,7 +27,7 @@ fn text(value: &str) -> SettingValue {
 }
 
 /// Returns what is said about a file.
-fn said(document: &Document, files: &Attachments) -> Vec<String> {
+fn error_texts(document: &Document, files: &Attachments) -> Vec<String> {
     let errors = Project::resolve(document, files).unwrap_err();
     errors.iter().map(|error| error.to_string().split_once("error: ").unwrap().1.to_owned()).collect()
 }
@@ -48,7 +48,7 @@ fn a_sensor_on_the_motor_is_in_the_terms_of_its_shaft() {
     for (load, ratio) in [(turning, 120.0), (sliding, radian_m)] {
         let sensor =
             "tachometer = { place = \"motor\", noise = \"2 rpm\", bias = \"0.5 rpm\", scale = 0.05 }";
-        let project = resolved(&Document::parse(&file(load, sensor), "sensor.toml"));
+        let project = resolve_project(&Document::parse(&file(load, sensor), "sensor.toml"));
         let found = &project.plant.sensors.hub_gyro;
         for (value, expected) in [
             (found.noise_rms, 2.0 * rpm / ratio),
@@ -60,16 +60,19 @@ fn a_sensor_on_the_motor_is_in_the_terms_of_its_shaft() {
         assert_eq!(again(&project).plant, project.plant, "{load}:\n{}", project.to_text());
         assert_eq!(again(&again(&project)).plant, project.plant, "{load}");
         let sensor = "resolver = { place = \"motor\", noise = \"1 mrad\" }";
-        let resolver = resolved(&Document::parse(&file(load, sensor), "sensor.toml")).plant.sensors.hub_gyro;
+        let resolver =
+            resolve_project(&Document::parse(&file(load, sensor), "sensor.toml")).plant.sensors.hub_gyro;
         assert!((resolver.noise_rms * ratio / 1e-3 - 1.0).abs() < 1e-9, "{load}: {}", resolver.noise_rms);
         // the motor's own tachometer beside a sensor of the load
         let sensor = "motor_tachometer = { noise = \"3 rpm\" }";
-        let beside =
-            resolved(&Document::parse(&file(load, sensor), "sensor.toml")).plant.sensors.motor_tachometer;
+        let beside = resolve_project(&Document::parse(&file(load, sensor), "sensor.toml"))
+            .plant
+            .sensors
+            .motor_tachometer;
         assert!((beside.unwrap().noise_rms / (3.0 * rpm) - 1.0).abs() < 1e-9, "{load}");
     }
     let on_the_load = "tachometer = { noise = \"2 rpm\" }";
-    let project = resolved(&Document::parse(&file(turning, on_the_load), "sensor.toml"));
+    let project = resolve_project(&Document::parse(&file(turning, on_the_load), "sensor.toml"));
     assert!((project.plant.sensors.hub_gyro.noise_rms / (2.0 * rpm) - 1.0).abs() < 1e-9);
 }
 
@@ -95,7 +98,7 @@ fn a_limit_of_torque_is_one_whatever_the_torque_constant() {
             ("current", "2.0", 2.0 * constant),
             ("current", "\"2 A\"", 2.0 * constant),
         ] {
-            let project = resolved(&Document::parse(&file(constant, kind, limit), "drive.toml"));
+            let project = resolve_project(&Document::parse(&file(constant, kind, limit), "drive.toml"));
             for found in largest_nm(&project) {
                 assert!((found / expected_nm - 1.0).abs() < 1e-12, "{constant} {kind} {limit}: {found}");
             }
@@ -115,20 +118,20 @@ fn rectangles_and_laws_of_damping_survive_the_file() {
     let barred = GOOD.replace(tube, bar);
     let rayleigh =
         "damping = \"rayleigh\"\nrayleigh_first = [100.0, 0.01]\nrayleigh_second = [900.0, 0.02] #";
-    let project = resolved(&Document::parse(&barred.replace("modal_damping =", rayleigh), "rig.toml"));
+    let project = resolve_project(&Document::parse(&barred.replace("modal_damping =", rayleigh), "rig.toml"));
     let beam = project.plant.beam.as_ref().unwrap();
     let expected = SectionShape::Rectangle { height_m: [0.1, 0.06], width_m: [0.05, 0.05] };
     assert_eq!(beam.sections[2].shape, expected);
     let law = StructuralDamping::Rayleigh { first: [100.0, 0.01], second: [900.0, 0.02] };
     assert_eq!((beam.damping, again(&project) == project), (law, true));
-    let grown = resolved(&with(&[("plant.beam.damping", text("modal-stiffness"))]));
+    let grown = resolve_project(&with(&[("plant.beam.damping", text("modal-stiffness"))]));
     assert_eq!(grown.plant.beam.as_ref().unwrap().damping, StructuralDamping::ModalWithStiffness);
     assert_eq!(again(&grown), grown);
 }
 
 #[test]
 fn an_ideal_current_source_survives_the_file() {
-    let project = resolved(&with(&[("plant.amplifier.dynamics", text("ideal-current"))]));
+    let project = resolve_project(&with(&[("plant.amplifier.dynamics", text("ideal-current"))]));
     assert_eq!(project.plant.amplifier.dynamics, AmplifierDynamics::IdealCurrent);
     assert_eq!(again(&project), project);
 }
@@ -148,7 +151,7 @@ fn every_kind_of_motion_survives_the_file() {
         moving(&[("kind", text("iso-8608")), ("class", text("D")), ("speed", SettingValue::Number(5.0))]),
     ];
     for document in kinds {
-        let project = resolved(&document);
+        let project = resolve_project(&document);
         assert_eq!(again(&project), project);
         let Some(PlatformSource::Made(motion)) = project.verify.unwrap().road else { panic!("it is made") };
         assert_eq!(motion.realisation.duration_s, 30.0);
@@ -158,7 +161,7 @@ fn every_kind_of_motion_survives_the_file() {
 #[test]
 fn motions_that_cannot_be_made_are_told_at_their_key() {
     let none = Attachments::none();
-    let nothing = said(&moving(&[("kind", text("spectrum"))]), &none);
+    let nothing = error_texts(&moving(&[("kind", text("spectrum"))]), &none);
     assert_eq!(
         nothing,
         [
@@ -166,20 +169,20 @@ fn motions_that_cannot_be_made_are_told_at_their_key() {
         ]
     );
     let falling = SettingValue::Pairs(vec![[2.0, 0.1], [1.0, 0.1]]);
-    let told = said(&moving(&[("kind", text("spectrum")), ("heave_psd", falling)]), &none);
+    let told = error_texts(&moving(&[("kind", text("spectrum")), ("heave_psd", falling)]), &none);
     assert!(
         told[0].starts_with("verify.road.heave_psd") && told[0].contains("above the one before"),
         "{told:?}"
     );
     let psd = SettingValue::Pairs(vec![[1.0, 0.1], [2.0, 0.1]]);
     let long = [("kind", text("spectrum")), ("heave_psd", psd), ("fade", SettingValue::Number(20.0))];
-    assert!(said(&moving(&long), &none)[0].contains("at most half the duration of 30 s"));
-    let missing = said(&moving(&[("kind", text("spectrum")), ("heave_psd", text("road.csv"))]), &none);
+    assert!(error_texts(&moving(&long), &none)[0].contains("at most half the duration of 30 s"));
+    let missing = error_texts(&moving(&[("kind", text("spectrum")), ("heave_psd", text("road.csv"))]), &none);
     let told = "the file \"road.csv\" was not found in the folder of the project file";
     assert!(missing.iter().any(|line| line.contains(told)), "{missing:?}");
 }
 
-fn imported() -> Document {
+fn imported_document() -> Document {
     with(&[
         ("plant.import.mass_matrix", text("m.mtx")),
         ("plant.import.stiffness_matrix", text("k.mtx")),
@@ -203,8 +206,8 @@ const MAP: &str = "axes 3 5\npivot 1\ntip 2\nnode 1 0.0\nnode 2 2.0\nrow 1 3\nro
 
 #[test]
 fn an_import_is_read_with_its_files_and_asks_for_them_by_name() {
-    assert_eq!(imported().attachments(), ["k.mtx", "m.mtx", "nodes.map"]);
-    let project = Project::resolve(&imported(), &files(MASS, MAP)).unwrap().project;
+    assert_eq!(imported_document().attachments(), ["k.mtx", "m.mtx", "nodes.map"]);
+    let project = Project::resolve(&imported_document(), &files(MASS, MAP)).unwrap().project;
     let content = project.import.as_ref().unwrap().content.as_ref().unwrap();
     let structure = content.matrices.structure(&content.map).unwrap();
     assert_eq!((structure.mass_kg(), structure.first_moment_kg_m()), (10.0, 10.0));
@@ -213,19 +216,19 @@ fn an_import_is_read_with_its_files_and_asks_for_them_by_name() {
 
 #[test]
 fn what_is_wrong_with_an_import_is_told_at_the_key_that_names_the_file() {
-    let missing = said(&imported(), &Attachments::none());
+    let missing = error_texts(&imported_document(), &Attachments::none());
     assert!(missing[0].contains("plant.import.mass_matrix") || missing[0].contains("plant.import.node_map"));
-    let broken = said(&imported(), &files(&MASS.replace("2 2 3.0", "2 2 x"), MAP));
+    let broken = error_texts(&imported_document(), &files(&MASS.replace("2 2 3.0", "2 2 x"), MAP));
     assert_eq!(broken, ["plant.import.mass_matrix = \"m.mtx\": line 4: \"x\" is not a number"]);
-    let lost = said(&imported(), &files(MASS, &MAP.replace("pivot 1", "pivot 9")));
+    let lost = error_texts(&imported_document(), &files(MASS, &MAP.replace("pivot 1", "pivot 9")));
     assert!(
         lost[0].starts_with("plant.import.node_map = \"nodes.map\": does not fit the matrices"),
         "{lost:?}"
     );
-    let undamped = imported().remove("plant.import.modal_damping").unwrap();
+    let undamped = imported_document().remove("plant.import.modal_damping").unwrap();
     let parsed = Project::resolve(&undamped, &files(MASS, MAP)).unwrap();
     assert!(parsed.assumptions.iter().any(|a| a.key == "plant.import.modal_damping"));
     assert_eq!(parsed.project.import.unwrap().modal_damping, [0.01], "the usual damping ratio");
-    let absent = said(&with(&[("model.structure", text("import"))]), &Attachments::none());
+    let absent = error_texts(&with(&[("model.structure", text("import"))]), &Attachments::none());
     assert!(absent[0].contains("needs the section [plant.import]"), "{absent:?}");
 }

@@ -22,7 +22,7 @@ fn good() -> Project {
     Project::parse(GOOD, "rig.toml").unwrap().project
 }
 
-fn stored(path: &str) -> Vec<u8> {
+fn stored_file(path: &str) -> Vec<u8> {
     std::fs::read(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("..").join(path)).unwrap()
 }
 
@@ -44,7 +44,7 @@ fn the_reference_file_is_the_reference_rig() {
 fn the_given_files_are_read_as_they_stand() {
     let practice = (1..=8).map(|n| format!("tests/data/practice/p{n:02}/project.toml"));
     for path in practice.chain(["tests/data/reference-rig.toml".to_owned()]) {
-        let bytes = stored(&path);
+        let bytes = stored_file(&path);
         let parsed = Project::from_bytes(&bytes, &path).unwrap();
         let out_of_balance = parsed.project.plant.lumped.unwrap().out_of_balance_kg_m;
         let lightened = path.contains("p02") || path.contains("p03");
@@ -297,7 +297,7 @@ fn examples() -> Vec<String> {
 }
 
 /// Returns a project file with one line less, or with the first number of a line another one.
-fn altered(text: &str, place: f64, number: Option<f64>) -> String {
+fn alter_file(text: &str, place: f64, number: Option<f64>) -> String {
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     let at = ((lines.len() as f64 * place) as usize).min(lines.len() - 1);
     let Some(number) = number else {
@@ -316,7 +316,7 @@ fn altered(text: &str, place: f64, number: Option<f64>) -> String {
 }
 
 /// Returns the good file with a piece cut out, doubled, or overwritten.
-fn damaged(from: f64, length: usize, what: &str) -> String {
+fn damage_file(from: f64, length: usize, what: &str) -> String {
     let characters: Vec<char> = GOOD.chars().collect();
     let start = (from * characters.len() as f64) as usize;
     let end = (start + length).min(characters.len());
@@ -328,7 +328,7 @@ proptest! {
 
     #[test]
     fn a_damaged_file_never_panics(from in 0.0..1.0_f64, length in 0_usize..60, what in r#"[\[\]{}="'#.,a-z0-9 \n+-]{0,8}"#) {
-        let text = damaged(from, length, &what);
+        let text = damage_file(from, length, &what);
         match Project::parse(&text, "rig.toml") {
             Ok(parsed) => prop_assert_eq!(again(&parsed.project), parsed.project),
             Err(errors) => {
@@ -348,7 +348,7 @@ proptest! {
         number in prop::option::of(prop::sample::select(vec![0.0, 1.0, -1.0, 0.5, 2.0, 3.0, 20.0, 1e3, 1e-6, 1e9])),
     ) {
         let texts = examples();
-        if let Ok(parsed) = Project::parse(&altered(&texts[which % texts.len()], place, number), "rig.toml") {
+        if let Ok(parsed) = Project::parse(&alter_file(&texts[which % texts.len()], place, number), "rig.toml") {
             prop_assert_eq!(again(&parsed.project), parsed.project);
         }
     }

@@ -239,7 +239,7 @@ fn balanced_reduction<'py>(
     Ok((matrices(py, &found.system)?, found.hankel, found.bound, found.measured_error.value))
 }
 
-fn generalised(given: &Given<'_>, measurements: usize, controls: usize) -> PyResult<Generalised> {
+fn generalised_plant(given: &Given<'_>, measurements: usize, controls: usize) -> PyResult<Generalised> {
     Generalised::new(given.system()?, controls, measurements).map_err(numerical)
 }
 
@@ -251,7 +251,7 @@ fn h2_synthesis<'py>(
     measurements: usize,
     controls: usize,
 ) -> PyResult<([Owned<'py>; 4], f64)> {
-    let plant = generalised(&given, measurements, controls)?;
+    let plant = generalised_plant(&given, measurements, controls)?;
     let found = py.detach(|| h2syn(&plant)).map_err(no_controller)?;
     Ok((matrices(py, &found.controller)?, found.achieved_norm))
 }
@@ -266,7 +266,7 @@ fn hinf_synthesis<'py>(
     controls: usize,
     tolerance: f64,
 ) -> PyResult<([Owned<'py>; 4], f64, f64)> {
-    let plant = generalised(&given, measurements, controls)?;
+    let plant = generalised_plant(&given, measurements, controls)?;
     let found = py.detach(|| hinfsyn(&plant, tolerance)).map_err(no_controller)?;
     Ok((matrices(py, &found.controller)?, found.achieved_norm, found.unreachable))
 }

@@ -10,7 +10,7 @@ use counterpoise_pipeline::recordings::diagnose::diagnose;
 use counterpoise_pipeline::recordings::read::{GapTreatment, loop_of, read_files, recording_controller};
 use counterpoise_pipeline::recordings::replay::{ReplayLength, replay};
 use counterpoise_pipeline::results::{DesignResult, ModelResult, ReduceResult, ReplayResult, SynthResult};
-use counterpoise_pipeline::{self as pipeline, ProjectIdentity, design, run_stages, study_synthesis};
+use counterpoise_pipeline::{self as pipeline, ProjectIdentity, design_project, run_stages, study_synthesis};
 use counterpoise_project::{Attachments, Document, Purpose, SettingValue};
 use counterpoise_report::wording::answer::describe_diagnosed_recordings;
 use counterpoise_report::wording::recordings::{describe_recordings_error, describe_replay};
@@ -90,7 +90,7 @@ impl NativeProject {
     }
 
     /// What stands at a path of keys as it is written; `None` if nothing is there.
-    fn written(&self, key: &str) -> Option<String> {
+    fn source_text(&self, key: &str) -> Option<String> {
         self.document.source_text_at(key)
     }
 
@@ -122,7 +122,7 @@ impl NativeProject {
     /// Returns the project without a key.
     fn without(&self, key: &str) -> PyResult<Self> {
         let removed = self.document.remove(key);
-        self.having(removed.map_err(|error| CounterpoiseError::new_err(error.to_string()))?)
+        self.with_checked_document(removed.map_err(|error| CounterpoiseError::new_err(error.to_string()))?)
     }
 
     /// Writes the project to a file, whole or not at all.
@@ -147,7 +147,7 @@ impl NativeProject {
     fn model(&self, py: Python<'_>) -> PyResult<String> {
         self.json(py, None, |project, _| {
             let loaded = project.load_for(Purpose::Model)?;
-            let mut result = ModelResult::from(&pipeline::model(&loaded.project)?);
+            let mut result = ModelResult::from(&pipeline::build_plant_model(&loaded.project)?);
             result.assumptions = loaded.assumptions;
             Ok(result)
         })
@@ -157,8 +157,8 @@ impl NativeProject {
     fn reduce(&self, py: Python<'_>) -> PyResult<String> {
         self.json(py, None, |project, _| {
             let loaded = project.load_for(Purpose::Reduce)?;
-            let modelled = pipeline::model(&loaded.project)?;
-            Ok(ReduceResult::from(&pipeline::reduce(&loaded.project, &modelled)?))
+            let modelled = pipeline::build_plant_model(&loaded.project)?;
+            Ok(ReduceResult::from(&pipeline::reduce_plant(&loaded.project, &modelled)?))
         })
     }
 
@@ -174,7 +174,7 @@ impl NativeProject {
     fn design(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
         self.json(py, progress, |project, world| {
             let loaded = project.load_for(Purpose::Design)?;
-            Ok(DesignResult::from(&design(&loaded.project, world)?))
+            Ok(DesignResult::from(&design_project(&loaded.project, world)?))
         })
     }
 
@@ -188,7 +188,7 @@ impl NativeProject {
         self.json(py, progress, move |project, world| {
             let loaded = project.load_for(Purpose::Export)?;
             let made = run_stages(&loaded.project, world)?;
-            let identity = ProjectIdentity::of(&loaded.project, &loaded.folder());
+            let identity = ProjectIdentity::of(&loaded.project, &loaded.project_folder());
             let controller = ControllerResult::new(&identity, made.verified.controller());
             let paths = code_files::write_with_controller(&folder, &made.files, &controller, &[])?;
             Ok(paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>())
@@ -236,10 +236,10 @@ impl NativeProject {
 impl NativeProject {
     fn with(&self, key: &str, setting: &SettingValue) -> PyResult<Self> {
         let set = self.document.set(key, setting);
-        self.having(set.map_err(|error| CounterpoiseError::new_err(error.to_string()))?)
+        self.with_checked_document(set.map_err(|error| CounterpoiseError::new_err(error.to_string()))?)
     }
 
-    fn having(&self, document: Document) -> PyResult<Self> {
+    fn with_checked_document(&self, document: Document) -> PyResult<Self> {
         let mut changed = self.clone().with_document(document);
         if changed.document.attachments() != self.document.attachments() {
             changed.attachments =

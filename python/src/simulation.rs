@@ -1,7 +1,7 @@
 //! Runs of the nonlinear machine under the controller that is exported.
 
 use anyhow::ensure;
-use counterpoise_pipeline::{model, reduce, synthesise};
+use counterpoise_pipeline::{build_plant_model, reduce_plant, synthesise};
 use counterpoise_project::Purpose;
 use counterpoise_simulate::{
     Firing, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
@@ -88,8 +88,8 @@ pub fn simulate<'py>(
     let (project, start) = (project.clone(), Start { duration_s, hub_angle_rad, seed });
     let history = background::run(py, folder, progress, move |_| {
         let loaded = project.load_for(Purpose::Synth)?;
-        let modelled = model(&loaded.project)?;
-        let made = synthesise(&loaded.project, &modelled, &reduce(&loaded.project, &modelled)?)?;
+        let modelled = build_plant_model(&loaded.project)?;
+        let made = synthesise(&loaded.project, &modelled, &reduce_plant(&loaded.project, &modelled)?)?;
         let controller = made.sampled.controller;
         let scenario = signals.scenario(controller.sample_period_s(), start)?;
         Ok(Simulator::new(&modelled.plant)?.run(&mut controller.runner(), &scenario)?)

@@ -69,10 +69,10 @@ pub fn sweep(
     project: &NativeProject,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<String> {
-    project.json(py, progress, swept)
+    project.json(py, progress, run_sweep)
 }
 
-fn swept(project: &NativeProject, world: &BackgroundWorld) -> anyhow::Result<Swept> {
+fn run_sweep(project: &NativeProject, world: &BackgroundWorld) -> anyhow::Result<Swept> {
     let loaded = project.load_for(Purpose::Sweep)?;
     let project = &loaded.project;
     campaign_is_stated(project)?;
@@ -134,7 +134,7 @@ pub fn frequency_response_map(
         };
         ensure!(positive(&plan.frequencies_hz), "frequencies_hz must be positive numbers, at least one");
         let loaded = project.load_for(Purpose::Model)?;
-        let modelled = pipeline::model(&loaded.project)?;
+        let modelled = pipeline::build_plant_model(&loaded.project)?;
         if !recordings.is_empty() {
             let files = projects::read_recordings(&recordings)?;
             let found = map_recordings(&loaded.project, &modelled, &plan, &files)

@@ -6,7 +6,7 @@ use crate::time_unit::{DoubtfulUnit, doubtful_unit};
 use crate::tolerance::MOST_OUTLIERS;
 use crate::tolerance::OUTLIER_DISTANCE;
 use crate::tolerance::OUTLIER_NEIGHBOURS;
-use crate::{Channel, Error, Remark, Table};
+use crate::{Channel, Error, RecordingTable, Remark};
 
 /// Most readings of one outlier: an error of a transmission lasts a sample or two, and more of them may be a motion.
 const LONGEST_OUTLIER: usize = 3;
@@ -28,7 +28,7 @@ const TIMES: [&str; 13] = [
 ];
 
 /// Returns how many values of a channel are missing, and where the first one is; `None` if none is.
-pub(crate) fn missing(channel: Channel, values: ArrayView1<'_, f64>) -> Option<Remark> {
+pub(crate) fn find_missing(channel: Channel, values: ArrayView1<'_, f64>) -> Option<Remark> {
     let first = values.iter().position(|v| !v.is_finite())?;
     let samples = values.iter().filter(|v| !v.is_finite()).count();
     Some(Remark::Missing { channel, samples, first_row: first + 1 })
@@ -110,7 +110,7 @@ fn usual_step(values: ArrayView1<'_, f64>) -> Option<f64> {
 /// Returns a remark for every unused column with nearly the name of a channel, or of time, that was not found. `is_mapped` tells
 /// whether the mapping names a column.
 pub(crate) fn nearly_named(
-    table: &Table,
+    table: &RecordingTable,
     is_mapped: impl Fn(&str) -> bool,
     found: &[Channel],
     time_s: Option<&Array1<f64>>,
@@ -119,8 +119,8 @@ pub(crate) fn nearly_named(
     let lacking: Vec<&'static str> =
         Channel::ALL.into_iter().filter(|c| !found.contains(c)).map(Channel::name).collect();
     let remark = |name: &str| {
-        let last = bare(name.rsplit('.').next().unwrap_or(name));
-        let whole = bare(name);
+        let last = strip_name(name.rsplit('.').next().unwrap_or(name));
+        let whole = strip_name(name);
         let near = |channel: &&str| is_near(&last, channel) || is_near(&whole, channel);
         let channel = lacking.iter().copied().find(near);
         let time = (time_s.is_none() && TIMES.contains(&last.as_str())).then_some("time");
@@ -131,13 +131,13 @@ pub(crate) fn nearly_named(
 }
 
 /// Returns a name's letters and digits alone, in lower case.
-fn bare(name: &str) -> String {
+fn strip_name(name: &str) -> String {
     name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
 /// Returns whether a bare name contains a channel's, or differs from it by one letter at the most.
 fn is_near(bare_name: &str, channel: &str) -> bool {
-    let channel = bare(channel);
+    let channel = strip_name(channel);
     bare_name.contains(&channel) || strsim::damerau_levenshtein(bare_name, &channel) <= 1
 }
 

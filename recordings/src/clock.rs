@@ -59,7 +59,7 @@ pub fn to_uniform_clock(
     } else {
         (time_s[last] - time_s[first]) / (rows.len() - 1) as f64
     };
-    let period_s = rounded(period_s, wanted_s, *median_s);
+    let period_s = round_period(period_s, wanted_s, *median_s);
     let mut remarks = found.remarks();
     if jitter > EVEN_STEPS {
         remarks.push(Remark::Uneven { jitter, period_s });
@@ -68,7 +68,8 @@ pub fn to_uniform_clock(
     if is_uneven {
         check_length(file, time_s[last] - time_s[first], period_s, signals.ncols())?;
     }
-    let signals = if is_uneven { interpolated(time_s, rows, period_s, signals.view()) } else { signals };
+    let signals =
+        if is_uneven { interpolate_signals(time_s, rows, period_s, signals.view()) } else { signals };
     Ok(Uniform { period_s, start_s: time_s[first], signals, remarks })
 }
 
@@ -153,7 +154,7 @@ fn steps(file: &str, time_s: ArrayView1<'_, f64>, rows: &[usize]) -> Result<Vec<
 }
 
 /// Returns the period of the project, or a period of a whole number of microseconds, if the file's is near enough to mean it.
-fn rounded(period_s: f64, wanted_s: Option<f64>, median_s: f64) -> f64 {
+fn round_period(period_s: f64, wanted_s: Option<f64>, median_s: f64) -> f64 {
     let micro = (median_s * 1e6).round() * 1e-6;
     let is_near = |p: f64| p > 0.0 && (period_s - p).abs() <= SAME_PERIOD_BY_ROUNDING * p;
     wanted_s.filter(|w| is_near(*w)).unwrap_or(if is_near(micro) { micro } else { period_s })
@@ -176,7 +177,7 @@ fn deviation(values: &[f64], centre: f64) -> f64 {
 }
 
 /// Returns signals by linear interpolation on a uniform clock, NaN inside gaps.
-fn interpolated(
+fn interpolate_signals(
     time_s: ArrayView1<'_, f64>,
     rows: &[usize],
     period_s: f64,

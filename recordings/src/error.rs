@@ -67,7 +67,7 @@ pub enum Error {
     #[error(
         "{file}:{line}: column \"{column}\": \"{}\" is not a number; a cell holds one number (such as 0.25 or 1e-3), or is empty if the \
          sample is missing",
-        shortened(value)
+        shorten_text(value)
     )]
     Cell {
         /// The file.
@@ -273,7 +273,7 @@ pub enum Error {
 }
 
 /// Returns a text that a message quotes, cut if it is long.
-fn shortened(text: &str) -> String {
+fn shorten_text(text: &str) -> String {
     /// Characters of a quoted text.
     const LONGEST: usize = 40;
     match text.char_indices().nth(LONGEST) {

@@ -6,7 +6,7 @@
 //!
 //! *Invariant*: nothing here knows a model of the machine, a path or a file system: bytes are handed in.
 //!
-//! Modules in reading order: [`unit`] and [`channel`] (what is measured), [`table`] (columns as written, from the decoders in
+//! Modules in reading order: [`unit`](mod@unit) and [`channel`] (what is measured), [`table`] (columns as written, from the decoders in
 //! `decode`), [`mapping`] (which column is which channel, with `shaping`, `checks` and `time_unit`), [`clock`] (uniform time), [`signals`] (one array with named columns), [`recording`], [`error`], [`remark`].
 //!
 //! ```
@@ -42,6 +42,6 @@ pub use recording::Recording;
 pub use remark::{Remark, Unread};
 pub use shaping::repeat_last;
 pub use signals::{ColumnName, Signals};
-pub use table::{Column, Table};
+pub use table::{RecordingColumn, RecordingTable};
 pub use time_unit::DoubtfulUnit;
 pub use unit::Unit;

@@ -3,12 +3,12 @@
 use crate::time_unit::doubtful_unit;
 use ndarray::{Array1, Array2, ArrayViewMut1};
 
-use crate::checks::{check_time_unit, missing, nearly_named, without_infinities, without_outliers};
+use crate::checks::{check_time_unit, find_missing, nearly_named, without_infinities, without_outliers};
 use crate::clock::{Uniform, check_length, stack_columns, to_uniform_clock};
 use crate::shaping::{Resampling, interpolate_on_clock, lagging_slopes, resample, slopes, unroll};
 use crate::table::TIME_NAMES;
 use crate::tolerance::STATED_PERIOD;
-use crate::{Channel, ChannelUnits, Controlled, Error, Recording, Remark, Table, Unit};
+use crate::{Channel, ChannelUnits, Controlled, Error, Recording, RecordingTable, Remark, Unit};
 
 /// Most remarks about columns that are listed.
 const MOST_REMARKS: usize = 30;
@@ -117,7 +117,7 @@ impl Mapping {
     ///
     /// # Errors
     /// A named column is missing, a unit is unknown or of another quantity, or the clock cannot be read.
-    pub fn apply(&self, table: &Table) -> Result<Recording, Error> {
+    pub fn apply(&self, table: &RecordingTable) -> Result<Recording, Error> {
         let time_s = self.time(table)?;
         let (mut channels, mut signals, mut odd) = (Vec::new(), Vec::new(), Vec::new());
         for channel in Channel::ALL {
@@ -130,14 +130,14 @@ impl Mapping {
         }
         let mut remarks = table.remarks.clone();
         remarks.extend(nearly_named(table, |name| self.names_column(name), &channels, time_s.as_ref()));
-        let mut remarks = counted(remarks);
+        let mut remarks = limit_remarks(remarks);
         remarks.extend(odd);
         let signals = stack_columns(signals.iter().map(|values| values.view()));
         let Uniform { period_s, start_s, mut signals, remarks: of_clock } =
-            self.clocked(table, time_s, signals)?;
+            self.put_on_clock(table, time_s, signals)?;
         remarks.extend(of_clock);
         let columns = channels.iter().zip(signals.columns());
-        remarks.extend(columns.filter_map(|(channel, values)| missing(*channel, values)));
+        remarks.extend(columns.filter_map(|(channel, values)| find_missing(*channel, values)));
         for (channel, values) in channels.iter().zip(signals.columns_mut()) {
             self.differentiate(*channel, values, period_s);
         }
@@ -151,7 +151,7 @@ impl Mapping {
     ///
     /// # Errors
     /// As [`Mapping::apply`], and [`Error::Window`] if the recording does not cover a window.
-    pub fn recordings(&self, table: &Table) -> Result<Vec<Recording>, Error> {
+    pub fn recordings(&self, table: &RecordingTable) -> Result<Vec<Recording>, Error> {
         let whole = self.apply(table)?;
         if self.windows_s.is_empty() {
             return Ok(vec![whole]);
@@ -160,9 +160,9 @@ impl Mapping {
     }
 
     /// Returns the signals on a uniform clock: the file's, or the given sample period if the file has no time.
-    fn clocked(
+    fn put_on_clock(
         &self,
-        table: &Table,
+        table: &RecordingTable,
         time_s: Option<Array1<f64>>,
         signals: Array2<f64>,
     ) -> Result<Uniform, Error> {
@@ -218,7 +218,7 @@ impl Mapping {
     /// Returns a channel in SI units; `None` if the mapping does not name it and no column has its name.
     fn channel(
         &self,
-        table: &Table,
+        table: &RecordingTable,
         channel: Channel,
         time_s: Option<&Array1<f64>>,
     ) -> Result<Option<Array1<f64>>, Error> {
@@ -230,11 +230,11 @@ impl Mapping {
         let wanted = Wanted { channel: channel.name(), unit: self.units.of(channel), usual: channel.unit() };
         match self.source_of(from) {
             Some(source) => {
-                let values = converted(table, source, &wanted)?;
+                let values = convert_column(table, source, &wanted)?;
                 on_file_clock(table, source, values, time_s).map(Some)
             }
             None if table.find(from.name()).is_some() => {
-                converted(table, &ChannelSource::from_column(from.name()), &wanted).map(Some)
+                convert_column(table, &ChannelSource::from_column(from.name()), &wanted).map(Some)
             }
             None => Ok(None),
         }
@@ -246,18 +246,18 @@ impl Mapping {
     }
 
     /// Returns whether the position stands for the reading of a loop whose sensor measures it: it is given, and no `hub_rate` is.
-    fn position_is_read(&self, table: &Table) -> bool {
+    fn position_is_read(&self, table: &RecordingTable) -> bool {
         let given =
             |channel: Channel| self.source_of(channel).is_some() || table.find(channel.name()).is_some();
         self.units.reading == Controlled::Position && !given(Channel::HubRate) && given(Channel::HubPosition)
     }
 
     /// Returns the time of every row, s; `None` if the file has no time.
-    fn time(&self, table: &Table) -> Result<Option<Array1<f64>>, Error> {
+    fn time(&self, table: &RecordingTable) -> Result<Option<Array1<f64>>, Error> {
         let column = TIME_NAMES.into_iter().find(|name| table.find(name).is_some());
         let by_name = column.map(ChannelSource::from_column);
         let Some(source) = self.time.as_ref().or(by_name.as_ref()) else { return Ok(None) };
-        let time_s = converted(table, source, &Wanted::TIME)?;
+        let time_s = convert_column(table, source, &Wanted::TIME)?;
         let has_unit = source.unit.is_some() || table.column(&source.column)?.unit.is_some();
         if let Some(project_s) = self.sample_period_s.filter(|_| !has_unit && source.scale == 1.0) {
             check_time_unit(&table.name, &time_s, project_s)?;
@@ -267,7 +267,7 @@ impl Mapping {
 }
 
 /// Returns the first remarks about columns, and how many others there are.
-fn counted(mut remarks: Vec<Remark>) -> Vec<Remark> {
+fn limit_remarks(mut remarks: Vec<Remark>) -> Vec<Remark> {
     let further = remarks.len().saturating_sub(MOST_REMARKS);
     if further > 0 {
         // Columns with nearly the name of a channel come first: they are the likeliest to be missed.
@@ -293,7 +293,11 @@ impl Wanted {
 }
 
 /// Returns a column in a channel's unit. A column without a unit, or in counts, is taken to be in the channel's.
-fn converted(table: &Table, source: &ChannelSource, wanted: &Wanted) -> Result<Array1<f64>, Error> {
+fn convert_column(
+    table: &RecordingTable,
+    source: &ChannelSource,
+    wanted: &Wanted,
+) -> Result<Array1<f64>, Error> {
     let column = table.column(&source.column)?;
     let of_column = source.unit_of_column(wanted.unit);
     let target = Unit::parse(of_column).unwrap_or(Unit::ONE);
@@ -318,12 +322,12 @@ fn converted(table: &Table, source: &ChannelSource, wanted: &Wanted) -> Result<A
 
 /// Returns values on the file's clock, if their times stand in a column of their own.
 fn on_file_clock(
-    table: &Table,
+    table: &RecordingTable,
     source: &ChannelSource,
     values: Array1<f64>,
     time_s: Option<&Array1<f64>>,
 ) -> Result<Array1<f64>, Error> {
     let (Some(clock), Some(time_s)) = (&source.clock, time_s) else { return Ok(values) };
-    let own_s = converted(table, &ChannelSource::from_column(clock), &Wanted::TIME)?;
+    let own_s = convert_column(table, &ChannelSource::from_column(clock), &Wanted::TIME)?;
     Ok(interpolate_on_clock(values.view(), own_s.view(), time_s.view()))
 }

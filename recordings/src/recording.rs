@@ -77,7 +77,7 @@ impl Recording {
         let has_others = self.columns.len() > 1;
         let rows = if has_others { samples.len().max(self.signals.nrows()) } else { samples.len() };
         if self.signals.dim() != (rows, self.columns.len()) {
-            self.signals = resized(self.signals.view(), [rows, self.columns.len()]);
+            self.signals = resize_array(self.signals.view(), [rows, self.columns.len()]);
         }
         let mut written = self.signals.column_mut(column);
         written.fill(f64::NAN);
@@ -133,7 +133,7 @@ impl Recording {
             sample_period_s: self.sample_period_s,
             start_s: self.start_s + range.start as f64 * self.sample_period_s,
             remarks: self.remarks.clone(),
-            signals: resized(view, [view.nrows(), view.ncols()]),
+            signals: resize_array(view, [view.nrows(), view.ncols()]),
             columns: self.columns.clone(),
         }
     }
@@ -155,7 +155,7 @@ impl Recording {
 }
 
 /// Returns signals in an array of another size whose columns are contiguous: NaN in what is added.
-fn resized(signals: ArrayView2<'_, f64>, [rows, columns]: [usize; 2]) -> Array2<f64> {
+fn resize_array(signals: ArrayView2<'_, f64>, [rows, columns]: [usize; 2]) -> Array2<f64> {
     let mut out = Array2::from_elem((rows, columns).f(), f64::NAN);
     let kept = s![..rows.min(signals.nrows()), ..columns.min(signals.ncols())];
     out.slice_mut(kept).assign(&signals.slice(kept));

@@ -62,7 +62,7 @@ pub(crate) fn interpolate_on_clock(
 ) -> Array1<f64> {
     let samples = own_s.iter().zip(values).map(|(&at_s, &value)| Sample { at_s, value });
     let known: Vec<Sample> = samples.filter(|one| one.at_s.is_finite() && one.value.is_finite()).collect();
-    clock_s.mapv(|t| between(&known, t))
+    clock_s.mapv(|t| interpolate_samples(&known, t))
 }
 
 /// A value of a column that has a clock of its own.
@@ -73,7 +73,7 @@ struct Sample {
 }
 
 /// Interpolates linearly in samples that are sorted by time; NaN outside.
-fn between(known: &[Sample], t: f64) -> f64 {
+fn interpolate_samples(known: &[Sample], t: f64) -> f64 {
     let after = known.partition_point(|sample| sample.at_s < t);
     match (after.checked_sub(1).map(|before| known[before]), known.get(after)) {
         (_, Some(next)) if next.at_s == t => next.value,
@@ -106,7 +106,7 @@ pub(crate) fn resample(kind: Resampling, values: &[f64], from_s: f64, to_s: f64)
                 values[((place + SAME_PLACE_SAMPLES) as usize).min(values.len() - 1)]
             }
             (Resampling::Read, true) => mean_about(values, place, 0.5 * ratio),
-            (Resampling::Read, false) => interpolated(values, place),
+            (Resampling::Read, false) => interpolate_value(values, place),
         }
     };
     if values.is_empty() { Array1::default(0) } else { (0..count).map(at).collect() }
@@ -127,7 +127,7 @@ fn mean(values: ArrayView1<'_, f64>, from: f64, to: f64) -> f64 {
 }
 
 /// Interpolates linearly between two samples; the last value holds beyond the end.
-fn interpolated(values: ArrayView1<'_, f64>, place: f64) -> f64 {
+fn interpolate_value(values: ArrayView1<'_, f64>, place: f64) -> f64 {
     let (low, last) = (place.floor() as usize, values.len() - 1);
     let (low, high) = (low.min(last), (low + 1).min(last));
     let share = place - low as f64;

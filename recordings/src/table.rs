@@ -11,18 +11,18 @@ pub(crate) const TIME_NAMES: [&str; 4] = ["time", "t", "Time", "__time"];
 
 /// A table of numbers: named columns of one length.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Table {
+pub struct RecordingTable {
     /// Name of the file.
     pub name: String,
     /// Columns in the file's order.
-    pub columns: Vec<Column>,
+    pub columns: Vec<RecordingColumn>,
     /// What was left out of the file.
     pub remarks: Vec<Remark>,
 }
 
 /// A column of a table.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Column {
+pub struct RecordingColumn {
     /// Name without its unit.
     pub name: String,
     /// Unit as written; `None` if the file gives none.
@@ -31,11 +31,11 @@ pub struct Column {
     pub values: Array1<f64>,
 }
 
-impl Table {
+impl RecordingTable {
     /// Returns the table if its columns fit together.
     ///
     /// # Errors
-    /// See [`Table::check`].
+    /// See [`RecordingTable::check`].
     pub(crate) fn into_checked(self) -> Result<Self, Error> {
         self.check()?;
         Ok(self)
@@ -78,17 +78,17 @@ impl Table {
     ///
     /// # Errors
     /// There is no such column; the error lists the columns that there are and names the nearest.
-    pub fn column(&self, name: &str) -> Result<&Column, Error> {
+    pub fn column(&self, name: &str) -> Result<&RecordingColumn, Error> {
         self.find(name).ok_or_else(|| {
             let names = self.columns.iter().map(|c| c.name.as_str());
-            let hint = nearest(name, names.clone()).map(str::to_owned);
+            let hint = nearest_name(name, names.clone()).map(str::to_owned);
             let known = names.collect::<Vec<_>>().join(", ");
             Error::NoColumn { file: self.name.clone(), column: name.to_owned(), known, hint }
         })
     }
 
     /// Returns a column by its name; `None` if there is none of that name.
-    pub fn find(&self, name: &str) -> Option<&Column> {
+    pub fn find(&self, name: &str) -> Option<&RecordingColumn> {
         self.columns.iter().find(|c| c.name == name)
     }
 
@@ -137,7 +137,7 @@ impl Table {
     }
 }
 
-impl Column {
+impl RecordingColumn {
     /// Returns a column from a heading `name [unit]` or `name (unit)`.
     pub(crate) fn from_heading(heading: &str, values: impl Into<Array1<f64>>) -> Self {
         let (name, unit) = name_and_unit(heading);
@@ -160,7 +160,7 @@ pub(crate) fn name_and_unit(heading: &str) -> (String, Option<String>) {
 ///
 /// A name is near enough if at most a third of its letters differ (a letter in another case counts as none), or if one of the
 /// two names begins with the other.
-pub(crate) fn nearest<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+pub(crate) fn nearest_name<'a>(written: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let distance = |name: &str| strsim::damerau_levenshtein(&written.to_lowercase(), name);
     let extends = |name: &str| {
         name.len() >= 3 && written.len() >= 3 && (written.starts_with(name) || name.starts_with(written))

@@ -98,7 +98,7 @@ fn factor_of(written: &str) -> Option<Unit> {
         Some((name, power)) => (name, power.parse().ok().filter(|p: &i32| p.abs() <= MOST_POWER)?),
         None => superscript(written),
     };
-    Some(Unit::ONE.times(named(name)?, power))
+    Some(Unit::ONE.times(find_unit(name)?, power))
 }
 
 /// Returns a name that ends in a superscript or a plain digit: `s²`, `s2`.
@@ -110,7 +110,7 @@ fn superscript(written: &str) -> (&str, i32) {
         .unwrap_or((written, 1))
 }
 
-fn named(name: &str) -> Option<Unit> {
+fn find_unit(name: &str) -> Option<Unit> {
     let unit = |factor, dimension: &[i32; 6]| Unit { factor, dimension: *dimension };
     let exact = PLAIN.iter().chain(PREFIXED).find(|(known, ..)| *known == name);
     if let Some((_, factor, dimension)) = exact {

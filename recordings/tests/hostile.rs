@@ -4,19 +4,19 @@
 
 use std::path::PathBuf;
 
-use counterpoise_recordings::{Channel, DoubtfulUnit, Error, Mapping, Recording, Remark, Table};
+use counterpoise_recordings::{Channel, DoubtfulUnit, Error, Mapping, Recording, RecordingTable, Remark};
 
-fn read(name: &str) -> Result<Table, Error> {
+fn read(name: &str) -> Result<RecordingTable, Error> {
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/hostile").join(name);
-    Table::read(&std::fs::read(path).unwrap(), name)
+    RecordingTable::read(&std::fs::read(path).unwrap(), name)
 }
 
-fn columns(table: &Table) -> Vec<&str> {
+fn columns(table: &RecordingTable) -> Vec<&str> {
     table.columns.iter().map(|c| c.name.as_str()).collect()
 }
 
 /// The columns that were not read or not used, with the reason.
-fn said(remarks: &[Remark]) -> Vec<String> {
+fn remark_texts(remarks: &[Remark]) -> Vec<String> {
     let text = |remark: &Remark| match remark {
         Remark::Unread { column, why } => format!("column \"{column}\" was not read: {why}"),
         Remark::NearlyNamed { column, meant } => format!("column \"{column}\" is nearly {meant}"),
@@ -25,11 +25,11 @@ fn said(remarks: &[Remark]) -> Vec<String> {
     remarks.iter().map(text).collect()
 }
 
-fn csv(text: &str) -> Table {
-    Table::read(text.as_bytes(), "run.csv").unwrap()
+fn csv(text: &str) -> RecordingTable {
+    RecordingTable::read(text.as_bytes(), "run.csv").unwrap()
 }
 
-fn recorded(text: &str, sample_period_s: Option<f64>) -> Result<Recording, Error> {
+fn record_text(text: &str, sample_period_s: Option<f64>) -> Result<Recording, Error> {
     Mapping { sample_period_s, ..Mapping::default() }.apply(&csv(text))
 }
 
@@ -38,7 +38,7 @@ fn hdf5_says_what_it_does_not_read() {
     let table = read("types.h5").unwrap();
     assert_eq!(columns(&table), ["Hub_Position", "control", "hub_rate", "time"]);
     let recording = Mapping::default().apply(&table).unwrap();
-    let said = said(&recording.remarks);
+    let said = remark_texts(&recording.remarks);
     for wanted in [
         "column \"complex\" was not read: it holds complex numbers, not real numbers",
         "column \"cube\" was not read: its shape is 40 x 2 x 2, but a column or a matrix of columns is needed",
@@ -58,7 +58,7 @@ fn hdf5_says_what_it_does_not_read() {
 fn a_link_in_a_group_of_the_older_format_hides_only_what_has_no_channel_s_name() {
     let table = read("link_old_group.h5").unwrap();
     assert_eq!(columns(&table), ["hub_rate", "time"]);
-    let said = said(&table.remarks);
+    let said = remark_texts(&table.remarks);
     assert!(
         said[0].starts_with("column \"*\" was not read") && said[0].contains("holds a link"),
         "{said:#?}"
@@ -69,7 +69,7 @@ fn a_link_in_a_group_of_the_older_format_hides_only_what_has_no_channel_s_name()
 
 #[test]
 fn a_leap_of_one_of_two_steps_is_refused() {
-    let said = recorded("time [s],hub_rate\n0,0\n0.001,1\n343868,2\n", Some(1e-3)).unwrap_err();
+    let said = record_text("time [s],hub_rate\n0,0\n0.001,1\n343868,2\n", Some(1e-3)).unwrap_err();
     assert!(matches!(said, Error::TimeLeaps { row: 3, .. }), "{said}");
 }
 
@@ -81,7 +81,7 @@ fn matrices_are_read_as_columns_beside_vectors() {
     assert!(first.iter().zip(third).all(|(a, c)| (c - 3.0 * a).abs() < 1e-15));
     assert!((table.column("wide_2").unwrap().values[0] + 2.0).abs() < 1e-15);
     assert_eq!(
-        said(&table.remarks),
+        remark_texts(&table.remarks),
         [
             "column \"image\" was not read: its shape is 30 x 70, but a column or a matrix of columns is needed"
         ]
@@ -92,7 +92,7 @@ fn matrices_are_read_as_columns_beside_vectors() {
 fn matlab_says_what_it_does_not_read() {
     let table = read("types.mat").unwrap();
     assert_eq!(columns(&table), ["time", "control", "wide_1", "wide_2", "hub-rate"]);
-    let said = said(&Mapping::default().apply(&table).unwrap().remarks);
+    let said = remark_texts(&Mapping::default().apply(&table).unwrap().remarks);
     for (name, why) in [
         ("complex", "complex numbers"),
         ("sparse", "a sparse matrix"),
@@ -119,7 +119,7 @@ fn parquet_reads_by_type_and_says_what_it_does_not_read() {
     let at = |column: &str| table.column(column).unwrap().values[3];
     assert_eq!((at("unsigned"), at("small"), at("large")), (4e9, 1.25, 1.25));
     assert!((at("half") - at("hub_rate")).abs() < 1e-4);
-    let said = said(&Mapping::default().apply(&table).unwrap().remarks);
+    let said = remark_texts(&Mapping::default().apply(&table).unwrap().remarks);
     let unread = ["texts", "dates", "lists"];
     for name in unread {
         assert!(said.iter().any(|s| s.starts_with(&format!("column \"{name}\" was not read"))), "{said:#?}");
@@ -142,7 +142,7 @@ fn decimal_numbers_are_read_up_to_38_digits() {
         "{control:?}"
     );
     assert!(close(rates[0], -1e-38) && close(rates[1], 0.5) && close(rates[2], -1.0), "{rates:?}");
-    let said = said(&table.remarks);
+    let said = remark_texts(&table.remarks);
     assert_eq!(said.len(), 1, "{said:?}");
     assert!(said[0].starts_with("column \"demand\" was not read: it holds decimal numbers of more than 38"));
 }
@@ -180,7 +180,7 @@ fn a_checksum_that_does_not_match_is_refused() {
 fn what_is_neither_text_nor_known_is_refused() {
     let error = read("version4.mat").unwrap_err();
     assert!(matches!(error, Error::UnknownFormat { .. }), "{error}");
-    let error = Table::read(b"0.0,1\n0.1,2\n", "run.csv").unwrap_err().to_string();
+    let error = RecordingTable::read(b"0.0,1\n0.1,2\n", "run.csv").unwrap_err().to_string();
     assert!(
         error.starts_with("run.csv: the first row (0.0,1) holds numbers, but must name the columns"),
         "{error}"
@@ -190,14 +190,14 @@ fn what_is_neither_text_nor_known_is_refused() {
 #[test]
 fn a_time_without_a_unit_is_asked_for_it() {
     let rows: String = (0..50).map(|k| format!("{k},{}\n", 0.1 * f64::from(k))).collect();
-    let error = recorded(&format!("time,control [V]\n{rows}"), Some(1e-3)).unwrap_err();
+    let error = record_text(&format!("time,control [V]\n{rows}"), Some(1e-3)).unwrap_err();
     assert!(matches!(error, Error::TimeUnit { meant: Some("ms"), .. }), "{error}");
     assert!(error.to_string().contains("far from the sample period of 0.001 s; are they ms?"), "{error}");
-    let given = recorded(&format!("time [ms],control [V]\n{rows}"), Some(1e-3)).unwrap();
+    let given = record_text(&format!("time [ms],control [V]\n{rows}"), Some(1e-3)).unwrap();
     assert_eq!((given.sample_period_s, given.len()), (1e-3, 50));
-    let slow = recorded(&format!("time [s],control [V]\n{rows}"), Some(1e-3)).unwrap();
+    let slow = record_text(&format!("time [s],control [V]\n{rows}"), Some(1e-3)).unwrap();
     assert!(matches!(slow.remarks[..], [Remark::Resampled { .. }]));
-    let error = recorded(&format!("time [h],control [V]\n{rows}"), Some(1e-9)).unwrap_err();
+    let error = record_text(&format!("time [h],control [V]\n{rows}"), Some(1e-9)).unwrap_err();
     assert!(matches!(error, Error::TooLong { .. }), "{error}");
 }
 
@@ -209,7 +209,7 @@ fn infinities_and_outliers_count_as_missing_and_are_named() {
         _ => (0.1 * (0.1 * f64::from(k)).sin()).to_string(),
     };
     let rows: String = (0..100).map(|k| format!("{},{}\n", 0.01 * f64::from(k), rate(k))).collect();
-    let recording = recorded(&format!("time [s],hub_rate [rad/s]\n{rows}"), None).unwrap();
+    let recording = record_text(&format!("time [s],hub_rate [rad/s]\n{rows}"), None).unwrap();
     assert!(recording.samples(Channel::HubRate).unwrap()[20].is_nan());
     let channel = Channel::HubRate;
     let wanted = [
@@ -225,7 +225,7 @@ fn a_step_and_noise_are_no_outliers() {
     let noise = |k: u32| f64::from(k.wrapping_mul(2_654_435_761) >> 16) / 65_536.0;
     let row = |k: u32| format!("{},{}\n", 0.01 * f64::from(k), noise(k) + if k > 50 { 100.0 } else { 0.0 });
     let rows: String = (0..100).map(row).collect();
-    let recording = recorded(&format!("time [s],hub_rate [rad/s]\n{rows}"), None).unwrap();
+    let recording = record_text(&format!("time [s],hub_rate [rad/s]\n{rows}"), None).unwrap();
     assert!(recording.remarks.is_empty(), "{:?}", recording.remarks);
 }
 
@@ -239,13 +239,13 @@ fn a_claimed_size_is_refused_before_it_is_allocated() {
     bytes.extend([15, 0, 0, 0]);
     bytes.extend((packed.len() as u32).to_le_bytes());
     bytes.extend(packed);
-    let error = Table::read(&bytes, "bomb.mat").unwrap_err();
+    let error = RecordingTable::read(&bytes, "bomb.mat").unwrap_err();
     assert!(matches!(error, Error::TooLarge { bytes, .. } if bytes > 4_000_000_000), "{error}");
 }
 
 fn rates(rate: impl Fn(usize) -> f64) -> Recording {
     let rows: String = (0..100).map(|k| format!("{},{}\n", 0.01 * k as f64, rate(k))).collect();
-    recorded(&format!("time [s],hub_rate [rad/s]\n{rows}"), None).unwrap()
+    record_text(&format!("time [s],hub_rate [rad/s]\n{rows}"), None).unwrap()
 }
 
 #[test]
@@ -268,7 +268,7 @@ fn names_that_contain_a_channels_are_asked_about() {
     for name in ["hub_rate_filtered", "meas_hub_rate", "Hub Rate", "hub_rate_rad_s", "hubrat", "run.hub_rate"]
     {
         let rows = "0,1\n0.001,2\n0.002,3\n";
-        let recording = recorded(&format!("time [s],{name}\n{rows}"), None).unwrap();
+        let recording = record_text(&format!("time [s],{name}\n{rows}"), None).unwrap();
         let meant = "hub_rate";
         assert_eq!(recording.remarks, [Remark::NearlyNamed { column: name.to_owned(), meant }], "{name}");
     }
@@ -277,12 +277,13 @@ fn names_that_contain_a_channels_are_asked_about() {
 #[test]
 fn very_many_columns_are_refused_or_counted() {
     let commas = ",".repeat(20_000);
-    let error = Table::read(format!("{commas}\n{commas}\n").as_bytes(), "wide.csv").unwrap_err().to_string();
+    let error =
+        RecordingTable::read(format!("{commas}\n{commas}\n").as_bytes(), "wide.csv").unwrap_err().to_string();
     assert!(error.contains("20001 columns, more than the 10000 that are read"), "{error}");
     let names: String = (0..100).map(|k| format!(",hub_rate_{k}")).collect();
     let row = ",1".repeat(100);
     let text = format!("time [s]{names}\n0{row}\n0.001{row}\n0.002{row}\n");
-    let recording = recorded(&text, None).unwrap();
+    let recording = record_text(&text, None).unwrap();
     assert_eq!(recording.remarks.len(), 31);
     assert_eq!(recording.remarks[30], Remark::Further { columns: 70 });
 }
@@ -290,17 +291,17 @@ fn very_many_columns_are_refused_or_counted() {
 #[test]
 fn text_in_another_encoding_is_refused_with_advice() {
     let utf16: Vec<u8> = "\u{feff}time,control\n0,1\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
-    let error = Table::read(&utf16, "run.csv").unwrap_err().to_string();
+    let error = RecordingTable::read(&utf16, "run.csv").unwrap_err().to_string();
     assert!(error.contains("text in UTF-16: save it as UTF-8"), "{error}");
     let latin = b"time,hub_rate [\xb0/s]\n0,1\n";
-    let error = Table::read(latin, "run.csv").unwrap_err().to_string();
+    let error = RecordingTable::read(latin, "run.csv").unwrap_err().to_string();
     assert!(error.contains("save it as UTF-8"), "{error}");
 }
 
 #[test]
 fn a_stated_unit_that_is_far_from_the_sample_period_is_asked_about() {
     let rows: String = (0..50).map(|k| format!("{k},{}\n", 0.1 * f64::from(k))).collect();
-    let recording = recorded(&format!("time [s],control [V]\n{rows}"), Some(1e-3)).unwrap();
+    let recording = record_text(&format!("time [s],control [V]\n{rows}"), Some(1e-3)).unwrap();
     let Remark::Resampled { doubt, .. } = recording.remarks[0] else { panic!("{recording:?}") };
     assert_eq!(doubt, Some(DoubtfulUnit { meant: Some("ms") }));
 }

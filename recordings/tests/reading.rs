@@ -5,7 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;
 
 use counterpoise_recordings::{
-    Channel, ChannelSource, ChannelUnits, Controlled, Mapping, Recording, Remark, Table, Travel, Unit,
+    Channel, ChannelSource, ChannelUnits, Controlled, Mapping, Recording, RecordingTable, Remark, Travel,
+    Unit,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -14,12 +15,12 @@ fn data(name: &str) -> Vec<u8> {
     std::fs::read(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)).unwrap()
 }
 
-fn read(text: &str) -> Table {
-    Table::read(text.as_bytes(), "run.csv").unwrap()
+fn read(text: &str) -> RecordingTable {
+    RecordingTable::read(text.as_bytes(), "run.csv").unwrap()
 }
 
-fn refused(text: &str) -> String {
-    let table = Table::read(text.as_bytes(), "run.csv");
+fn refusal_text(text: &str) -> String {
+    let table = RecordingTable::read(text.as_bytes(), "run.csv");
     table.and_then(|t| Mapping::default().apply(&t).map(|_| t)).unwrap_err().to_string()
 }
 
@@ -110,7 +111,7 @@ fn damaged_csv_names_row_column_and_value() {
         ),
     ];
     for (text, wanted) in table {
-        let said = refused(text);
+        let said = refusal_text(text);
         assert!(said.starts_with(wanted), "{text:?}: {said}");
     }
 }
@@ -175,7 +176,7 @@ fn uneven_time_is_evened_out() {
 #[test]
 fn parquet_of_mixed_types_with_nulls() {
     for file in ["mixed.parquet", "mixed_snappy.parquet"] {
-        let table = Table::read(&data(file), file).unwrap();
+        let table = RecordingTable::read(&data(file), file).unwrap();
         let names: Vec<_> = table.columns.iter().map(|c| c.name.as_str()).collect();
         assert_eq!(names, ["time", "hub_rate", "control", "motor_rate", "flag"]);
         let record = Mapping::default().apply(&table).unwrap();
@@ -189,12 +190,12 @@ fn parquet_of_mixed_types_with_nulls() {
 
 #[test]
 fn matlab_plain_and_compressed_structures() {
-    let plain = Table::read(&data("plain_v5.mat"), "plain_v5.mat").unwrap();
+    let plain = RecordingTable::read(&data("plain_v5.mat"), "plain_v5.mat").unwrap();
     let names: Vec<_> = plain.columns.iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["time", "hub_rate", "count"]);
     assert_eq!(plain.column("count").unwrap().values[49], 49.0);
     assert_eq!(Mapping::default().apply(&plain).unwrap().sample_period_s, 1e-3);
-    let log = Table::read(&data("structure_v7.mat"), "structure_v7.mat").unwrap();
+    let log = RecordingTable::read(&data("structure_v7.mat"), "structure_v7.mat").unwrap();
     let mapping = Mapping {
         time: Some(ChannelSource::from_column("log.time")),
         channels: vec![
@@ -210,7 +211,7 @@ fn matlab_plain_and_compressed_structures() {
 
 #[test]
 fn matlab_version_7_3() {
-    let table = Table::read(include_bytes!("data/v73.mat"), "v73.mat").unwrap();
+    let table = RecordingTable::read(include_bytes!("data/v73.mat"), "v73.mat").unwrap();
     let names: Vec<&str> = table.columns.iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["big", "count", "hub_rate", "time", "log.w_1", "log.w_2"]);
     assert!(table.columns.iter().all(|c| c.values.len() == 50));
@@ -218,7 +219,7 @@ fn matlab_version_7_3() {
     assert!(record.samples(Channel::HubRate).unwrap().iter().all(|v| v.is_finite()));
     let mut bytes = include_bytes!("data/v73.mat").to_vec();
     bytes.truncate(700);
-    let error = Table::read(&bytes, "cut.mat").unwrap_err().to_string();
+    let error = RecordingTable::read(&bytes, "cut.mat").unwrap_err().to_string();
     assert!(error.starts_with("cut.mat: not a readable HDF5 file"), "{error}");
 }
 
@@ -234,7 +235,7 @@ proptest! {
         let mut bytes = if which < 10 { data(file) } else { b"time [s],control [V]\n0,1\n0.1,2\n0.2,nan\n0.4,inf\n".to_vec() };
         let at = ((bytes.len() - 1) as f64 * place) as usize;
         if cut { bytes.truncate(at) } else { bytes[at] = byte }
-        let _ = Table::read(&bytes, file).map(|table| Mapping::default().apply(&table));
+        let _ = RecordingTable::read(&bytes, file).map(|table| Mapping::default().apply(&table));
     }
 }
 
@@ -328,7 +329,7 @@ fn rows_written_twice_count_once_and_a_time_that_stands_still_with_other_values_
     assert_eq!(record.remarks, [Remark::Repeated { rows: 1, first_row: 3 }]);
     assert_eq!(channel(&record, Channel::HubRate), [1.0, 2.0, 3.0, 4.0]);
     assert_eq!(record.sample_period_s, 1e-3);
-    let said = refused(&format!("{head}0.000,1,4\n0.001,2,5\n0.001,2.5,5\n0.002,3,6\n"));
+    let said = refusal_text(&format!("{head}0.000,1,4\n0.001,2,5\n0.001,2.5,5\n0.002,3,6\n"));
     assert!(said.contains("time does not grow: row 3"), "{said}");
 }
 
@@ -338,7 +339,7 @@ fn a_column_of_texts_is_left_out_and_said() {
     assert_eq!(table.columns.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(), ["time", "hub_rate"]);
     let Remark::Unread { column, why } = &table.remarks[0] else { panic!("{table:?}") };
     assert_eq!((column.as_str(), why.to_string().as_str()), ("state", "it holds texts, not real numbers"));
-    assert!(refused("time [s],state\n0,idle\n0.1,3\n").contains("\"idle\" is not a number"));
+    assert!(refusal_text("time [s],state\n0,idle\n0.1,3\n").contains("\"idle\" is not a number"));
 }
 
 #[test]
@@ -365,7 +366,7 @@ fn a_position_loop_reads_its_position_in_the_units_of_its_axis() {
 #[test]
 fn numpy_arrays_are_read_with_their_names() {
     // np.savez_compressed(time=t, hub_rate=sin(t) as float32, pair=[t; sin(t)], label=texts)
-    let table = Table::read(&data("arrays.npz"), "arrays.npz").unwrap();
+    let table = RecordingTable::read(&data("arrays.npz"), "arrays.npz").unwrap();
     let names: Vec<&str> = table.columns.iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["time", "hub_rate", "pair_1", "pair_2"]);
     let is_label = |remark: &Remark| matches!(remark, Remark::Unread { column, .. } if column == "label");
@@ -374,7 +375,7 @@ fn numpy_arrays_are_read_with_their_names() {
     let rate = recording.samples(Channel::HubRate).unwrap();
     assert!((recording.sample_period_s - 0.01).abs() < 1e-9 && (rate[30] - 0.3_f64.sin()).abs() < 1e-6);
     // a structured array (time, hub_rate, count, note)
-    let fields = Table::read(&data("fields.npy"), "fields.npy").unwrap();
+    let fields = RecordingTable::read(&data("fields.npy"), "fields.npy").unwrap();
     assert_eq!(
         fields.columns.iter().map(|c| c.name.as_str()).collect::<Vec<_>>(),
         ["time", "hub_rate", "count"]

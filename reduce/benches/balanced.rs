@@ -24,7 +24,7 @@ fn structure(modes: usize) -> StateSpace {
     StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Continuous).expect("shapes fit")
 }
 
-fn balanced(criterion: &mut Criterion) {
+fn bench_balanced(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("balanced");
     group.sample_size(10);
     for n in [20, 50, 100, 200, 400] {
@@ -41,5 +41,5 @@ fn balanced(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, balanced);
+criterion_group!(benches, bench_balanced);
 criterion_main!(benches);

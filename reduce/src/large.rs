@@ -78,7 +78,7 @@ pub fn balred_large(
     if gramians.last_contribution > IDLE_CONTRIBUTION {
         warnings.push(Warning::GramiansUnfinished { share: gramians.last_contribution });
     }
-    let system = projected(structure, &directions, kept)?;
+    let system = project_structure(structure, &directions, kept)?;
     if let Some(pole) = unstable_pole(&system)? {
         return Err(Error::Unstable { what: "the reduced structure", re: pole.re, im: pole.im });
     }
@@ -100,7 +100,11 @@ fn unstable_pole(system: &StateSpace) -> Result<Option<C64>, Error> {
 }
 
 /// Returns the structure in the first balanced directions.
-fn projected(g: &LargeStructure, directions: &BalancedDirections, kept: usize) -> Result<StateSpace, Error> {
+fn project_structure(
+    g: &LargeStructure,
+    directions: &BalancedDirections,
+    kept: usize,
+) -> Result<StateSpace, Error> {
     let n = g.M.nrows();
     let scale = Mat::diag(&directions.values[..kept].iter().map(|s| 1.0 / s.sqrt()).collect::<Vec<f64>>());
     let half = |A: &Mat, top: usize| &A.block(top, 0, n, kept) * &scale;

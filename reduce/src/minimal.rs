@@ -43,9 +43,9 @@ pub fn minimal_realisation(g: &StateSpace, tolerance: f64) -> Result<Minimal, Er
     let size = |M: &Mat| M.norm_fro().max(f64::MIN_POSITIVE);
     // What is left of a matrix after the first staircase may be rounding alone, so both are judged by the whole system.
     let sizes = (size(&scaled.A), size(&scaled.B), size(&scaled.C));
-    let reached = reachable(&scaled, sizes.0, sizes.1, tolerance, &mut gap)?;
+    let reached = reachable_part(&scaled, sizes.0, sizes.1, tolerance, &mut gap)?;
     let unreachable = g.order() - reached.order();
-    let seen = reachable(&reached.dual(), sizes.0, sizes.2, tolerance, &mut gap)?.dual();
+    let seen = reachable_part(&reached.dual(), sizes.0, sizes.2, tolerance, &mut gap)?.dual();
     let unseen = reached.order() - seen.order();
     if g.order() <= PRECISE_STATES && gap.kept < CERTAIN_GAP * gap.dropped.max(f64::EPSILON) {
         return in_32_digits(&scaled, tolerance);
@@ -94,7 +94,7 @@ impl Gap {
 }
 
 /// Returns the reachable part: each stair holds the states that the one before it drives. The sizes are the norms of A and B.
-fn reachable(
+fn reachable_part(
     g: &StateSpace,
     A_size: f64,
     B_size: f64,

@@ -75,7 +75,7 @@ fn dense(g: &LargeStructure) -> StateSpace {
         .unwrap()
 }
 
-fn reduced(g: &LargeStructure, order: Order) -> LargeReduction {
+fn reduce_structure(g: &LargeStructure, order: Order) -> LargeReduction {
     balred_large(g, order, &mut |_| ControlFlow::Continue(())).unwrap()
 }
 
@@ -87,7 +87,7 @@ fn hankel_values_are_those_of_the_dense_balancing() {
     let creeping = Damping::Dashpots { of_stiffness: 2e-3, each: 400.0 };
     for (damping, seed) in [(light, 1), (uneven, 2), (creeping, 3), (light, 4)] {
         let g = chain(60, seed, damping);
-        let ours = reduced(&g, Order::States(12));
+        let ours = reduce_structure(&g, Order::States(12));
         let theirs = balred(&dense(&g), Order::States(12), Method::SquareRoot).unwrap();
         let is_unfinished = |warning: &Warning| matches!(warning, Warning::GramiansUnfinished { .. });
         assert!(!ours.warnings.iter().any(is_unfinished), "{:?}", ours.warnings);
@@ -109,7 +109,7 @@ fn hankel_values_are_those_of_the_dense_balancing() {
 #[test]
 fn an_order_follows_from_an_error() {
     let g = chain(150, 7, Damping::Proportional { of_mass: 0.05, of_stiffness: 1e-3 });
-    let ours = reduced(&g, Order::Error { largest: 1e-4 });
+    let ours = reduce_structure(&g, Order::Error { largest: 1e-4 });
     assert!(ours.estimated_bound <= 1e-4 && ours.kept < 150);
     let worst =
         (0..40).map(|k| error_at(&g, &ours.system, 0.05 * 1.25_f64.powi(k)).unwrap()).fold(0.0, f64::max);
@@ -145,7 +145,7 @@ fn structures_without_a_balance_are_refused() {
     let _ = balred_large(&empty, Order::States(4), quiet);
     let mut silent = chain(40, 1, damping);
     silent.F = Mat::zeros(40, 2);
-    assert_eq!(reduced(&silent, Order::States(4)).kept, 0);
+    assert_eq!(reduce_structure(&silent, Order::States(4)).kept, 0);
 }
 
 #[test]
@@ -183,6 +183,6 @@ fn odd_structures_are_answered_without_a_panic() {
     let mut lopsided = chain(20, 1, damping);
     lopsided.K = lopsided.K.plus(&[Entry { row: 17, col: 2, value: 0.0 }]).unwrap();
     let plain = chain(20, 1, damping);
-    let (a, b) = (reduced(&lopsided, Order::States(4)), reduced(&plain, Order::States(4)));
+    let (a, b) = (reduce_structure(&lopsided, Order::States(4)), reduce_structure(&plain, Order::States(4)));
     assert!((a.hankel[0] / b.hankel[0] - 1.0).abs() < 1e-9);
 }

@@ -4,7 +4,7 @@
 
 use std::ops::ControlFlow;
 
-use crate::odd::{Call, assert_none_panics, judge, odd, panicking, size, uniform};
+use crate::odd::{Call, assert_none_panics, judge, next_uniform, odd_matrix, panicking, size};
 
 use counterpoise_linalg::{C64, Mat, sparse::Sparse};
 use counterpoise_lti::{StateSpace, Timebase};
@@ -16,15 +16,21 @@ fn timebase(state: &mut u64) -> Timebase {
 
 fn system(state: &mut u64) -> StateSpace {
     let (n, m, p) = (size(state, 6.0), size(state, 3.0), size(state, 3.0));
-    let mut A = odd(state, n, n);
-    if uniform(state) < 0.7 {
+    let mut A = odd_matrix(state, n, n);
+    if next_uniform(state) < 0.7 {
         A = A - Mat::eye(n).scale(2.0);
     }
-    let mut g =
-        StateSpace::new(A, odd(state, n, m), odd(state, p, n), odd(state, p, m), timebase(state)).unwrap();
+    let mut g = StateSpace::new(
+        A,
+        odd_matrix(state, n, m),
+        odd_matrix(state, p, n),
+        odd_matrix(state, p, m),
+        timebase(state),
+    )
+    .unwrap();
     // The matrices are public: a caller may write what the constructor refuses.
-    if n * m > 0 && uniform(state) < 0.1 {
-        g.B[(n - 1, 0)] = if uniform(state) < 0.5 { f64::NAN } else { f64::INFINITY };
+    if n * m > 0 && next_uniform(state) < 0.1 {
+        g.B[(n - 1, 0)] = if next_uniform(state) < 0.5 { f64::NAN } else { f64::INFINITY };
     }
     g
 }
@@ -32,12 +38,19 @@ fn system(state: &mut u64) -> StateSpace {
 fn structure(state: &mut u64) -> SecondOrder {
     let (n, m, p) = (size(state, 5.0), size(state, 3.0), size(state, 3.0));
     let mut square = |shift: f64| {
-        let S = odd(state, n, n);
+        let S = odd_matrix(state, n, n);
         (&S * &S.t()) + Mat::eye(n).scale(shift)
     };
     let (M, C, K) = (square(1.0), square(0.0), square(0.1));
-    let more = usize::from(uniform(state) < 0.2);
-    SecondOrder { M, C, K, F: odd(state, n + more, m), P: odd(state, p, n), V: odd(state, p, n) }
+    let more = usize::from(next_uniform(state) < 0.2);
+    SecondOrder {
+        M,
+        C,
+        K,
+        F: odd_matrix(state, n + more, m),
+        P: odd_matrix(state, p, n),
+        V: odd_matrix(state, p, n),
+    }
 }
 
 fn large(s: &SecondOrder) -> LargeStructure {

@@ -36,7 +36,7 @@ fn in_units(g: &StateSpace, (_, _, decades): &Numbers) -> StateSpace {
     g.scale_states(&decades.iter().map(|&k| 10.0_f64.powi(k)).collect::<Vec<f64>>())
 }
 
-fn first(g: &StateSpace) -> StateSpace {
+fn first_channel(g: &StateSpace) -> StateSpace {
     g.select(&[0], &[0])
 }
 
@@ -46,7 +46,7 @@ fn lag(pole: f64) -> StateSpace {
 }
 
 /// Returns the largest difference of two responses at a few frequencies.
-fn apart(g: &StateSpace, h: &StateSpace) -> f64 {
+fn largest_difference(g: &StateSpace, h: &StateSpace) -> f64 {
     let rates = [0.01, 0.3, 1.0, 4.0, 30.0];
     let at = |rate: &f64| (response_at(g, *rate).unwrap() - response_at(h, *rate).unwrap()).norm_max();
     rates.iter().map(at).fold(0.0, f64::max)
@@ -77,7 +77,7 @@ proptest! {
 
     #[test]
     fn integrators_and_unstable_poles_stay_where_they_are(e in numbers(3..9, 6), pole in 0.05_f64..3.0) {
-        let all = parallel(&first(&stable(&e)), &parallel(&lag(0.0), &lag(pole)).unwrap()).unwrap();
+        let all = parallel(&first_channel(&stable(&e)), &parallel(&lag(0.0), &lag(pole)).unwrap()).unwrap();
         let mut scale: Vec<f64> = e.2.iter().map(|&k| 10.0_f64.powi(k)).collect();
         scale.extend([1e5, 1e-4]);
         let g = all.scale_states(&scale);
@@ -96,13 +96,13 @@ proptest! {
     fn a_state_that_is_hardly_reached_costs_no_digits(e in numbers(3..8, 0), reach in -15_i32..-5) {
         let mut hidden = lag(-0.7);
         hidden.B = hidden.B.scale(10.0_f64.powi(reach));
-        let g = parallel(&first(&stable(&e)), &hidden).unwrap();
+        let g = parallel(&first_channel(&stable(&e)), &hidden).unwrap();
         let all = g.order();
         for method in [Method::SquareRoot, Method::BalancingFree] {
             let reduced = balred(&g, Order::States(all), method).unwrap();
             let fewer = reduced.warnings.iter().any(|w| matches!(w, Warning::FewerThanAsked { .. }));
             prop_assert!(fewer || reduced.kept == all, "{:?}", reduced.warnings);
-            prop_assert!(apart(&g, &reduced.system) < 1e-8 * reduced.hankel[0], "{:?}", reduced.warnings);
+            prop_assert!(largest_difference(&g, &reduced.system) < 1e-8 * reduced.hankel[0], "{:?}", reduced.warnings);
         }
     }
 
@@ -117,12 +117,12 @@ proptest! {
         let found = minimal_realisation(&both, 1e-11).unwrap();
         let clear = found.warnings.is_empty();
         prop_assert!(!clear || found.system.order() == g.order(), "{found:?}");
-        prop_assert!(apart(&g, &found.system) < 1e-8 * (1.0 + g.B.norm_fro() * g.C.norm_fro()));
+        prop_assert!(largest_difference(&g, &found.system) < 1e-8 * (1.0 + g.B.norm_fro() * g.C.norm_fro()));
     }
 
     #[test]
     fn a_reduced_controller_keeps_its_loop_or_says_that_it_does_not(e in numbers(3..6, 0), k in numbers(5..9, 0), r in 2_usize..5) {
-        let (g, controller) = (first(&stable(&e)), first(&stable(&k)));
+        let (g, controller) = (first_channel(&stable(&e)), first_channel(&stable(&k)));
         let unit = StateSpace::gain(Mat::eye(1), Timebase::Continuous).unwrap();
         let gain = 0.5 / (hinfnorm(&g, 1e-4).unwrap().value * hinfnorm(&controller, 1e-4).unwrap().value);
         // A loop gain of a half: the loop is stable.

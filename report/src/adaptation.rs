@@ -8,7 +8,10 @@ use counterpoise_pipeline::studies::adaptation_trials::{
     AdaptationTrials, HoldBands, METHODS, MethodRefusal, TrialLoad, TrialMotion, TrialRow,
 };
 
-use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table};
+use crate::{
+    FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection,
+    ReportTable,
+};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis as PlotAxis, Colour, Figure, Panel, Series};
 
@@ -48,29 +51,29 @@ pub fn trial_lines(tried: &AdaptationTrials) -> Vec<String> {
 }
 
 /// Returns the trials of a project's own method as a section of a report.
-pub fn trial_section(tried: &AdaptationTrials) -> Section {
+pub fn trial_section(tried: &AdaptationTrials) -> ReportSection {
     let columns = [
-        Column::Text("motion"),
-        Column::Text("load"),
-        Column::Number("without"),
-        Column::Number("with adaptation"),
-        Column::Number("load known"),
-        Column::Number("with over without"),
+        ReportColumn::Text("motion"),
+        ReportColumn::Text("load"),
+        ReportColumn::Number("without"),
+        ReportColumn::Number("with adaptation"),
+        ReportColumn::Number("load known"),
+        ReportColumn::Number("with over without"),
     ];
     let rate = rate_of(&tried.rows);
-    let mut table = Table::new(&format!("RMS of the {}, {}", rate.name(), rate.milli_unit()), &columns);
+    let mut table = ReportTable::new(&format!("RMS of the {}, {}", rate.name(), rate.milli_unit()), &columns);
     let row = |row: &TrialRow| {
         vec![
-            Cell::text(motion(row.motion)),
-            Cell::text(load(row.load)),
-            Cell::number(1e3 * row.without_rad_s),
-            Cell::number(1e3 * row.with_rad_s),
-            Cell::number(1e3 * row.told_rad_s),
-            Cell::number(row.ratio()),
+            ReportCell::text(motion(row.motion)),
+            ReportCell::text(load(row.load)),
+            ReportCell::number(1e3 * row.without_rad_s),
+            ReportCell::number(1e3 * row.with_rad_s),
+            ReportCell::number(1e3 * row.told_rad_s),
+            ReportCell::number(row.ratio()),
         ]
     };
     table.rows = tried.rows.iter().map(row).collect();
-    let mut section = Section::new("Trials of the adaptation").listing(table);
+    let mut section = ReportSection::new("Trials of the adaptation").with_table(table);
     section.text = describe_action(tried).into_iter().collect();
     section.text.extend(tried.refused.iter().map(describe_refusal));
     section
@@ -213,55 +216,55 @@ fn rate_of_runs(runs: &[AdaptRun]) -> ControlledQuantity {
 }
 
 /// Returns the heads of the columns with out-of-balance and rate, in the units of the axis.
-fn unit_columns(rate: ControlledQuantity) -> [Column; 3] {
+fn unit_columns(rate: ControlledQuantity) -> [ReportColumn; 3] {
     match rate.axis {
         AxisKind::Rotary => [
-            Column::Number("out-of-balance [kg m]"),
-            Column::Number("controller uses [kg m]"),
-            Column::Number("hub rate [mrad/s RMS]"),
+            ReportColumn::Number("out-of-balance [kg m]"),
+            ReportColumn::Number("controller uses [kg m]"),
+            ReportColumn::Number("hub rate [mrad/s RMS]"),
         ],
         AxisKind::Linear => [
-            Column::Number("weight along the axis [kg]"),
-            Column::Number("controller uses [kg]"),
-            Column::Number("slide speed [mm/s RMS]"),
+            ReportColumn::Number("weight along the axis [kg]"),
+            ReportColumn::Number("controller uses [kg]"),
+            ReportColumn::Number("slide speed [mm/s RMS]"),
         ],
     }
 }
 
-fn table(runs: &[AdaptRun]) -> Table {
+fn table(runs: &[AdaptRun]) -> ReportTable {
     let [balance, used, rate] = unit_columns(rate_of_runs(runs));
     let columns = [
-        Column::Text("run"),
-        Column::Number("from [s]"),
-        Column::Number("to [s]"),
+        ReportColumn::Text("run"),
+        ReportColumn::Number("from [s]"),
+        ReportColumn::Number("to [s]"),
         balance,
         used,
         rate,
-        Column::Number("over (a)"),
-        Column::Text("verdict"),
+        ReportColumn::Number("over (a)"),
+        ReportColumn::Text("verdict"),
     ];
-    let mut table = Table::new("Intervals between changes", &columns);
+    let mut table = ReportTable::new("Intervals between changes", &columns);
     for (run, i) in runs.iter().flat_map(|run| run.intervals.iter().map(move |i| (run, i))) {
         let verdict = match (i.adapted, i.has_returned()) {
-            (false, _) => Cell::text(""),
-            (true, true) => Cell::Verdict(OutcomeTone::Good, "holds".to_owned()),
-            (true, false) => Cell::Verdict(OutcomeTone::Bad, "fails".to_owned()),
+            (false, _) => ReportCell::text(""),
+            (true, true) => ReportCell::Verdict(OutcomeTone::Good, "holds".to_owned()),
+            (true, false) => ReportCell::Verdict(OutcomeTone::Bad, "fails".to_owned()),
         };
         table.rows.push(vec![
-            Cell::text(format!("({})", run.letter)),
-            Cell::text(format!("{:.1}", i.from_to_s[0])),
-            Cell::text(format!("{:.1}", i.from_to_s[1])),
-            Cell::text(format!("{:.2}", i.out_of_balance_kg_m)),
-            Cell::text(format!("{:.2}", i.used_kg_m)),
-            Cell::text(format!("{:.3}", 1e3 * i.hub_rms_rad_s)),
-            Cell::text(format!("{:.3}", i.over_default)),
+            ReportCell::text(format!("({})", run.letter)),
+            ReportCell::text(format!("{:.1}", i.from_to_s[0])),
+            ReportCell::text(format!("{:.1}", i.from_to_s[1])),
+            ReportCell::text(format!("{:.2}", i.out_of_balance_kg_m)),
+            ReportCell::text(format!("{:.2}", i.used_kg_m)),
+            ReportCell::text(format!("{:.3}", 1e3 * i.hub_rms_rad_s)),
+            ReportCell::text(format!("{:.3}", i.over_default)),
             verdict,
         ]);
     }
     table
 }
 
-fn section(run: &AdaptRun, command: &str) -> Section {
+fn section(run: &AdaptRun, command: &str) -> ReportSection {
     let AdaptationTrace { time_s, out_of_balance_kg_m, used_kg_m, control_v, hub_rate_rad_s } = &run.trace;
     let over = |values: &[f64], scale: f64| {
         time_s.iter().zip(values).map(|(t, value)| (*t, scale * value)).collect::<Vec<_>>()
@@ -286,7 +289,7 @@ fn section(run: &AdaptRun, command: &str) -> Section {
     ];
     let figure = Figure::new(&format!("Run ({})", run.letter), PlotAxis::linear("time", "s"), panels);
     let figure = Figure { command: command.to_owned(), ..figure };
-    Section::new(&format!("({}) {}", run.letter, run.says)).showing([figure])
+    ReportSection::new(&format!("({}) {}", run.letter, run.says)).with_figures([figure])
 }
 
 #[cfg(test)]

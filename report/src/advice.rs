@@ -3,7 +3,7 @@
 use counterpoise_pipeline::studies::advice::{TriedChange, WeightAdvice, WeightSensitivity};
 use counterpoise_plot::number::short_number;
 
-use crate::{Cell, Column, Section, Table};
+use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 
 /// Returns the advice for each failing requirement in a line.
 pub fn advice_lines(all: &[WeightAdvice]) -> Vec<String> {
@@ -39,28 +39,28 @@ fn margin(change: &TriedChange) -> String {
 }
 
 /// Returns the section of a report; `None` if nothing fails.
-pub fn advice_section(all: &[WeightAdvice]) -> Option<Section> {
+pub fn advice_section(all: &[WeightAdvice]) -> Option<ReportSection> {
     if all.is_empty() {
         return None;
     }
-    let mut section = Section::new("What to change").saying(
+    let mut section = ReportSection::new("What to change").with_text(
         "Each weight was changed by 5 %, the controller designed again and the figure measured again. The change that is advised was \
          made and measured.",
     );
     for line in advice_lines(all) {
-        section = section.saying(format!("{}{}.", line[..1].to_uppercase(), &line[1..]));
+        section = section.with_text(format!("{}{}.", line[..1].to_uppercase(), &line[1..]));
     }
     let columns = [
-        Column::Text("requirement"),
-        Column::Text("weight"),
-        Column::Number("change of the figure per factor e"),
+        ReportColumn::Text("requirement"),
+        ReportColumn::Text("weight"),
+        ReportColumn::Number("change of the figure per factor e"),
     ];
-    let mut table = Table::new("Sensitivities", &columns);
+    let mut table = ReportTable::new("Sensitivities", &columns);
     for advice in all {
         for WeightSensitivity { key, per_factor_e: slope, .. } in &advice.sensitivities {
             let name = advice.name();
-            table.rows.push(vec![Cell::text(name), Cell::text(*key), Cell::number(*slope)]);
+            table.rows.push(vec![ReportCell::text(name), ReportCell::text(*key), ReportCell::number(*slope)]);
         }
     }
-    Some(section.listing(table))
+    Some(section.with_table(table))
 }

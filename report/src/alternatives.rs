@@ -10,7 +10,7 @@ use counterpoise_pipeline::synth::schedule::BalanceRow;
 
 use crate::bode::{BodeCurve, PhasePanel, bode_figure, response_curve};
 use crate::designs::noise_gain_column;
-use crate::{Cell, Column, Section, Table};
+use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Colour, Dash, Figure};
 
@@ -19,12 +19,12 @@ pub fn alternatives_sections(
     found: &DesignComparison,
     families: &[ControllerFamily],
     controlled: ControlledQuantity,
-) -> Vec<Section> {
+) -> Vec<ReportSection> {
     let mut all = Vec::new();
     if found.methods.len() > 1 {
         all.push(methods(&found.methods, controlled));
     }
-    all.extend(found.lowered.as_ref().map(|row| lowered(row, controlled)));
+    all.extend(found.lowered.as_ref().map(|row| lowered_section(row, controlled)));
     if !found.motions.is_empty() {
         all.push(motions(&found.motions, controlled));
     }
@@ -35,19 +35,19 @@ pub fn alternatives_sections(
     all
 }
 
-fn figure_columns(controlled: ControlledQuantity) -> [Column; 7] {
+fn figure_columns(controlled: ControlledQuantity) -> [ReportColumn; 7] {
     [
-        Column::Number("gain margin [dB]"),
-        Column::Number("phase margin [deg]"),
-        Column::Number("Ms"),
-        Column::Number("crossover [rad/s]"),
-        Column::Number("overshoot [%]"),
-        Column::Number("|S|, 0.2 to 2 Hz"),
-        Column::Number(noise_gain_column(controlled)),
+        ReportColumn::Number("gain margin [dB]"),
+        ReportColumn::Number("phase margin [deg]"),
+        ReportColumn::Number("Ms"),
+        ReportColumn::Number("crossover [rad/s]"),
+        ReportColumn::Number("overshoot [%]"),
+        ReportColumn::Number("|S|, 0.2 to 2 Hz"),
+        ReportColumn::Number(noise_gain_column(controlled)),
     ]
 }
 
-fn figure_cells(f: &LoopFigures) -> Vec<Cell> {
+fn figure_cells(f: &LoopFigures) -> Vec<ReportCell> {
     let values = [
         f.gain_margin_db,
         f.phase_margin_deg,
@@ -57,60 +57,64 @@ fn figure_cells(f: &LoopFigures) -> Vec<Cell> {
         f.rejection,
         f.noise_gain,
     ];
-    values.into_iter().map(Cell::number).collect()
+    values.into_iter().map(ReportCell::number).collect()
 }
 
-fn methods(rows: &[MethodRow], controlled: ControlledQuantity) -> Section {
+fn methods(rows: &[MethodRow], controlled: ControlledQuantity) -> ReportSection {
     let mut columns = vec![
-        Column::Text("method"),
-        Column::Text("integral action"),
-        Column::Number("order"),
-        Column::Number("norm"),
+        ReportColumn::Text("method"),
+        ReportColumn::Text("integral action"),
+        ReportColumn::Number("order"),
+        ReportColumn::Number("norm"),
     ];
     columns.extend(figure_columns(controlled));
-    let mut table = Table::new("The same plant and weights; figures of the sampled loop", &columns);
+    let mut table = ReportTable::new("The same plant and weights; figures of the sampled loop", &columns);
     for row in rows {
-        let norm = row.norm.map_or(Cell::text(""), Cell::number);
+        let norm = row.norm.map_or(ReportCell::text(""), ReportCell::number);
         let integral = if row.integral { "yes" } else { "no" };
-        let mut cells =
-            vec![Cell::text(&row.method), Cell::text(integral), Cell::text(row.order.to_string()), norm];
+        let mut cells = vec![
+            ReportCell::text(&row.method),
+            ReportCell::text(integral),
+            ReportCell::text(row.order.to_string()),
+            norm,
+        ];
         match &row.figures {
             Some(found) => cells.extend(figure_cells(found)),
-            None => cells.extend(figure_columns(controlled).map(|_| Cell::text("-"))),
+            None => cells.extend(figure_columns(controlled).map(|_| ReportCell::text("-"))),
         }
         table.rows.push(cells);
     }
     let why = |row: &MethodRow| row.why.as_ref().map(|why| format!("{}: no controller: {why}", row.method));
-    let section = Section::new("Methods of the feedback, side by side").listing(table);
-    rows.iter().filter_map(why).fold(section, |section, line| section.saying(line))
+    let section = ReportSection::new("Methods of the feedback, side by side").with_table(table);
+    rows.iter().filter_map(why).fold(section, |section, line| section.with_text(line))
 }
 
-fn lowered(row: &LoweredRow, controlled: ControlledQuantity) -> Section {
-    let mut columns = vec![Column::Text("feedback"), Column::Number("order")];
+fn lowered_section(row: &LoweredRow, controlled: ControlledQuantity) -> ReportSection {
+    let mut columns = vec![ReportColumn::Text("feedback"), ReportColumn::Number("order")];
     columns.extend(figure_columns(controlled));
-    let mut table = Table::new("", &columns);
+    let mut table = ReportTable::new("", &columns);
     for (name, order, figures) in
         [("as designed", row.order[0], &row.before), ("lowered", row.order[1], &row.after)]
     {
-        let mut cells = vec![Cell::text(name), Cell::text(order.to_string())];
+        let mut cells = vec![ReportCell::text(name), ReportCell::text(order.to_string())];
         cells.extend(figure_cells(figures));
         table.rows.push(cells);
     }
-    Section::new("A feedback of lower order")
-        .saying(format!(
+    ReportSection::new("A feedback of lower order")
+        .with_text(format!(
             "Reduced by frequency-weighted balancing; the closed loop changes by {} % at most.",
             short_number(100.0 * row.loop_change)
         ))
-        .listing(table)
+        .with_table(table)
 }
 
-fn motions(rows: &[MotionRow], controlled: ControlledQuantity) -> Section {
+fn motions(rows: &[MotionRow], controlled: ControlledQuantity) -> ReportSection {
     let columns = [
-        Column::Text("expected motion"),
-        Column::Number("hub, feedback alone"),
-        Column::Number("hub, with feedforward"),
-        Column::Number("tip, feedback alone"),
-        Column::Number("tip, with feedforward"),
+        ReportColumn::Text("expected motion"),
+        ReportColumn::Number("hub, feedback alone"),
+        ReportColumn::Number("hub, with feedforward"),
+        ReportColumn::Number("tip, feedback alone"),
+        ReportColumn::Number("tip, with feedforward"),
     ];
     let tip = controlled.motion();
     let of_tip = if tip == controlled {
@@ -120,21 +124,25 @@ fn motions(rows: &[MotionRow], controlled: ControlledQuantity) -> Section {
     };
     let caption =
         format!("RMS {} on the design plant, {}{of_tip}", controlled.short_name(), controlled.milli_unit());
-    let mut table = Table::new(&caption, &columns);
+    let mut table = ReportTable::new(&caption, &columns);
     for row in rows {
-        let mut cells = vec![Cell::text(row.disturbance)];
-        cells.extend(row.hub_rad_s.iter().chain(&row.tip_rad_s).map(|rate| Cell::number(1e3 * rate)));
+        let mut cells = vec![ReportCell::text(row.disturbance)];
+        cells.extend(row.hub_rad_s.iter().chain(&row.tip_rad_s).map(|rate| ReportCell::number(1e3 * rate)));
         table.rows.push(cells);
     }
-    Section::new("Hub and tip").listing(table)
+    ReportSection::new("Hub and tip").with_table(table)
 }
 
 /// Returns the controllers over the states of balance.
-fn balance(families: &[ControllerFamily], rows: &[BalanceRow], controlled: ControlledQuantity) -> Section {
-    let section = Section::new("Over the out-of-balance")
-        .saying("Each state of balance has its own full design; curves that cannot be distinguished lie on each other.")
-        .showing(families.iter().map(family));
-    section.listing(changes(rows, controlled)).listing(laws(rows))
+fn balance(
+    families: &[ControllerFamily],
+    rows: &[BalanceRow],
+    controlled: ControlledQuantity,
+) -> ReportSection {
+    let section = ReportSection::new("Over the out-of-balance")
+        .with_text("Each state of balance has its own full design; curves that cannot be distinguished lie on each other.")
+        .with_figures(families.iter().map(family));
+    section.with_table(changes(rows, controlled)).with_table(laws(rows))
 }
 
 /// Returns the response of a controller in every state of balance.
@@ -149,31 +157,31 @@ fn family(family: &ControllerFamily) -> Figure {
     bode_figure(&title, family.unit, &curves, PhasePanel::Hidden, Vec::new())
 }
 
-fn changes(rows: &[BalanceRow], controlled: ControlledQuantity) -> Table {
+fn changes(rows: &[BalanceRow], controlled: ControlledQuantity) -> ReportTable {
     let columns = [
-        Column::Text("state"),
-        Column::Number("out-of-balance [kg m]"),
-        Column::Number("feedback [dB]"),
-        Column::Number("heave [dB]"),
-        Column::Number("pitch [dB]"),
-        Column::Number("old controllers"),
-        Column::Number("gain law"),
-        Column::Number("redesign"),
+        ReportColumn::Text("state"),
+        ReportColumn::Number("out-of-balance [kg m]"),
+        ReportColumn::Number("feedback [dB]"),
+        ReportColumn::Number("heave [dB]"),
+        ReportColumn::Number("pitch [dB]"),
+        ReportColumn::Number("old controllers"),
+        ReportColumn::Number("gain law"),
+        ReportColumn::Number("redesign"),
     ];
     let caption = format!(
         "Change of each controller from 0.1 to 20 Hz, lowest to highest, and RMS {} under the expected heave, {}",
         controlled.name(),
         controlled.milli_unit()
     );
-    let mut table = Table::new(&caption, &columns);
+    let mut table = ReportTable::new(&caption, &columns);
     let range = |[low, high]: [f64; 2]| format!("{:+.2} to {:+.2}", tidy(low), tidy(high));
-    let change = |db: Option<[f64; 2]>| Cell::text(db.map_or("-".to_owned(), range));
-    let error = |rate: Option<f64>| rate.map_or(Cell::text("-"), |rate| Cell::number(1e3 * rate));
+    let change = |db: Option<[f64; 2]>| ReportCell::text(db.map_or("-".to_owned(), range));
+    let error = |rate: Option<f64>| rate.map_or(ReportCell::text("-"), |rate| ReportCell::number(1e3 * rate));
     for row in rows {
         table.rows.push(vec![
-            Cell::text(&row.name),
-            Cell::number(row.out_of_balance_kg_m),
-            Cell::text(range(row.feedback_db)),
+            ReportCell::text(&row.name),
+            ReportCell::number(row.out_of_balance_kg_m),
+            ReportCell::text(range(row.feedback_db)),
             change(row.heave_db),
             change(row.pitch_db),
             error(row.error_before_rad_s),
@@ -185,15 +193,19 @@ fn changes(rows: &[BalanceRow], controlled: ControlledQuantity) -> Table {
 }
 
 /// Returns which conditions hold in every state of balance, and what follows.
-fn laws(rows: &[BalanceRow]) -> Table {
+fn laws(rows: &[BalanceRow]) -> ReportTable {
     let columns = [
-        Column::Text("state"),
-        Column::Text("heave feedforward"),
-        Column::Text("conditions of the gain law"),
+        ReportColumn::Text("state"),
+        ReportColumn::Text("heave feedforward"),
+        ReportColumn::Text("conditions of the gain law"),
     ];
-    let mut table = Table::new("What follows for the heave feedforward, and why", &columns);
+    let mut table = ReportTable::new("What follows for the heave feedforward, and why", &columns);
     for row in rows {
-        table.rows.push(vec![Cell::text(&row.name), Cell::text(&row.law), Cell::text(&row.conditions)]);
+        table.rows.push(vec![
+            ReportCell::text(&row.name),
+            ReportCell::text(&row.law),
+            ReportCell::text(&row.conditions),
+        ]);
     }
     table
 }
@@ -203,9 +215,9 @@ fn tidy(db: f64) -> f64 {
     if db.abs() < 5e-3 { 0.0 } else { db }
 }
 
-fn spillover(found: &Spillover) -> Section {
+fn spillover(found: &Spillover) -> ReportSection {
     let says = if found.largest_pole < 1.0 { "stable" } else { "NOT STABLE" };
-    Section::new("Modes that the design does not know").saying(format!(
+    ReportSection::new("Modes that the design does not know").with_text(format!(
         "On the finite elements with {} flexible modes (order {}) the sampled loop is {says}: its largest pole has the modulus {}.",
         found.modes,
         found.order,

@@ -10,7 +10,7 @@ use counterpoise_verify::certificate::{
 use counterpoise_verify::structured::Joints;
 
 use crate::wording::capitalise_first;
-use crate::{Cell, Column, Section, Table};
+use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 
 /// Returns the verdict of a case in a sentence without its full stop.
 pub fn describe_verdict(case: &CaseCertificate) -> String {
@@ -103,7 +103,7 @@ pub fn name_regime(regime: Regime) -> &'static str {
 
 /// Returns the certificate in lines, for a terminal and for the section's text: the worst case first.
 pub fn certificate_lines(found: &StabilityCertificate) -> Vec<String> {
-    let Some(worst) = found.worst() else { return Vec::new() };
+    let Some(worst) = found.worst_case() else { return Vec::new() };
     let mut lines = vec![format!("{} (worst case: {})", describe_verdict(worst), worst.name)];
     if let Some(at) = worst.worst_regime() {
         lines.push(format!("worst regime: {}, {}", name_regime(at.regime), loop_words(at)));
@@ -190,12 +190,12 @@ pub fn worst_case_heading(joints: Joints) -> &'static str {
 }
 
 /// Returns the section of a report.
-pub fn certificate_section(found: &StabilityCertificate, robust: &[RegimeRobustness]) -> Section {
-    let mut section = Section::new("Stability of the exported controller");
+pub fn certificate_section(found: &StabilityCertificate, robust: &[RegimeRobustness]) -> ReportSection {
+    let mut section = ReportSection::new("Stability of the exported controller");
     for line in certificate_lines(found) {
-        section = section.saying(format!("{}.", capitalise_first(&line)));
+        section = section.with_text(format!("{}.", capitalise_first(&line)));
     }
-    section = section.saying(
+    section = section.with_text(
         "Every block of the exported controller is part of these loops: its friction observers, its estimator and the inverse of the \
          drive's curve. At rest, friction is the spring of its presliding stiffness. Limit cycles are predicted by harmonic balance, \
          and each prediction is the start of a run on the simulator, which is followed until the motion settles or fades. Stability is \
@@ -204,42 +204,43 @@ pub fn certificate_section(found: &StabilityCertificate, robust: &[RegimeRobustn
          points of the grid and for the aliases of sampling. It assumes that neither control nor current reaches its limit. Everything else \
          is predicted.",
     );
-    section = section.listing(regimes(found));
+    section = section.with_table(regimes(found));
     if !robust.is_empty() {
-        section = section.listing(bounds(robust));
+        section = section.with_table(bounds(robust));
     }
-    match found.worst() {
-        Some(worst) if !worst.prediction.growth.is_empty() => section.showing([growth(worst)]),
+    match found.worst_case() {
+        Some(worst) if !worst.prediction.growth.is_empty() => section.with_figures([growth(worst)]),
         _ => section,
     }
 }
 
-fn regimes(found: &StabilityCertificate) -> Table {
+fn regimes(found: &StabilityCertificate) -> ReportTable {
     let columns = [
-        Column::Text("case"),
-        Column::Text("regime"),
-        Column::Number("pole modulus"),
-        Column::Number("gain margin [dB]"),
-        Column::Number("largest sensitivity"),
+        ReportColumn::Text("case"),
+        ReportColumn::Text("regime"),
+        ReportColumn::Number("pole modulus"),
+        ReportColumn::Number("gain margin [dB]"),
+        ReportColumn::Number("largest sensitivity"),
     ];
-    let mut table = Table::new("The linear loop in each regime", &columns);
+    let mut table = ReportTable::new("The linear loop in each regime", &columns);
     for case in &found.cases {
         for at in &case.regimes {
             table.rows.push(vec![
-                Cell::text(case.name.clone()),
-                Cell::text(name_regime(at.regime)),
-                Cell::text(format!("{:.6}", at.pole_radius)),
-                Cell::number(at.gain_margin_db),
-                Cell::number(at.max_sensitivity),
+                ReportCell::text(case.name.clone()),
+                ReportCell::text(name_regime(at.regime)),
+                ReportCell::text(format!("{:.6}", at.pole_radius)),
+                ReportCell::number(at.gain_margin_db),
+                ReportCell::number(at.max_sensitivity),
             ]);
         }
     }
     table
 }
 
-fn bounds(found: &[RegimeRobustness]) -> Table {
-    let mut table = Table::new("Stated ranges of the parameters in each regime", &[Column::Text("result")]);
-    table.rows = robustness_lines(found).into_iter().map(|line| vec![Cell::text(line)]).collect();
+fn bounds(found: &[RegimeRobustness]) -> ReportTable {
+    let mut table =
+        ReportTable::new("Stated ranges of the parameters in each regime", &[ReportColumn::Text("result")]);
+    table.rows = robustness_lines(found).into_iter().map(|line| vec![ReportCell::text(line)]).collect();
     table
 }
 

@@ -5,7 +5,7 @@ use counterpoise_pipeline::studies::assumptions::{AssumptionEffect, EffectAt};
 use counterpoise_project::diagnostic::MOST_SHOWN;
 use counterpoise_project::{Assumption, KeyTolerance, SectionStatement, ValueStatement};
 
-use crate::page::{Cell, Column, Section, Table};
+use crate::page::{ReportCell, ReportColumn, ReportSection, ReportTable};
 use crate::tolerance::NO_EFFECT;
 use crate::wording::learned::describe_elements;
 
@@ -15,20 +15,20 @@ pub fn check_lines(found: &CheckResult) -> Vec<String> {
     lines.extend(found.plant.iter().flat_map(plant));
     lines.push(String::new());
     lines.push("Understood:".to_owned());
-    lines.extend(understood(&stated_part(&found.sections, Origin::File)));
+    lines.extend(understood_sections(&stated_part(&found.sections, Origin::File)));
     let beside = stated_part(&found.sections, Origin::Elsewhere);
     if !beside.is_empty() {
         lines.push(String::new());
         lines.push("Taken beside it, by default or from what is stated elsewhere:".to_owned());
-        lines.extend(understood(&beside));
+        lines.extend(understood_sections(&beside));
     }
     if !found.tolerances.is_empty() {
         lines.push(String::new());
         lines.push("Known within a tolerance:".to_owned());
-        lines.extend(capped(&found.tolerances, MOST_LISTED, tolerance));
+        lines.extend(first_lines(&found.tolerances, MOST_LISTED, tolerance));
     }
     lines.push(String::new());
-    lines.extend(assumed(&found.assumptions));
+    lines.extend(assumption_lines(&found.assumptions));
     if !found.effects.is_empty() {
         lines.push(String::new());
     }
@@ -38,7 +38,7 @@ pub fn check_lines(found: &CheckResult) -> Vec<String> {
     if found.warnings.len() > MOST_SHOWN {
         lines.push(format!("and {} more", found.warnings.len() - MOST_SHOWN));
     }
-    lines.extend(capped(&found.problems, MOST_SHOWN, Clone::clone));
+    lines.extend(first_lines(&found.problems, MOST_SHOWN, Clone::clone));
     lines.push(format!("Commands that can run on this file: {}.", found.commands.join(", ")));
     lines
 }
@@ -55,10 +55,10 @@ fn heading(found: &CheckResult) -> String {
 /// Returns the plant in sentences.
 fn plant(plant: &PlantOverview) -> Vec<String> {
     let mode = plant.first_mode_hz.map_or("It is rigid".to_owned(), |hz| {
-        format!("Its first flexible mode, with the hub held, is at {} Hz", short(hz))
+        format!("Its first flexible mode, with the hub held, is at {} Hz", short_number(hz))
     });
-    let (inertia, moment) = (short(plant.inertia_kg_m2), short(plant.out_of_balance_kg_m));
-    let volts = short(plant.holding_v);
+    let (inertia, moment) = (short_number(plant.inertia_kg_m2), short_number(plant.out_of_balance_kg_m));
+    let volts = short_number(plant.holding_v);
     let is_balanced = plant.out_of_balance_kg_m == 0.0;
     let balance = match (is_balanced, plant.is_sliding) {
         (true, false) => "it is balanced".to_owned(),
@@ -78,7 +78,7 @@ fn plant(plant: &PlantOverview) -> Vec<String> {
         format!(
             "{mode}. The linear plant has order {}; the controller runs at {} Hz.",
             plant.order,
-            short(plant.sample_rate_hz)
+            short_number(plant.sample_rate_hz)
         ),
     ];
     sentences.extend(functions);
@@ -86,7 +86,7 @@ fn plant(plant: &PlantOverview) -> Vec<String> {
 }
 
 /// Returns the first lines of a list, and how many it has beside them.
-fn capped<T>(items: &[T], most: usize, line: impl Fn(&T) -> String) -> Vec<String> {
+fn first_lines<T>(items: &[T], most: usize, line: impl Fn(&T) -> String) -> Vec<String> {
     let mut lines: Vec<String> = items.iter().take(most).map(line).collect();
     if let Some(more) = items.len().checked_sub(most).filter(|more| *more > 0) {
         lines.push(format!("  and {more} more (--json lists all)"));
@@ -95,10 +95,10 @@ fn capped<T>(items: &[T], most: usize, line: impl Fn(&T) -> String) -> Vec<Strin
 }
 
 /// Returns the sections, one a line: of sections of one kind, masses for example, only the first ones.
-fn understood(sections: &[SectionStatement]) -> Vec<String> {
+fn understood_sections(sections: &[SectionStatement]) -> Vec<String> {
     let kind = |section: &SectionStatement| section.path.split('[').next().unwrap_or_default().to_owned();
     let is_alike = |a: &SectionStatement, b: &SectionStatement| kind(a) == kind(b);
-    sections.chunk_by(is_alike).flat_map(|alike| capped(alike, MOST_ALIKE, section)).collect()
+    sections.chunk_by(is_alike).flat_map(|alike| first_lines(alike, MOST_ALIKE, section)).collect()
 }
 
 /// Where a value comes from.
@@ -136,7 +136,7 @@ fn value(value: &ValueStatement) -> String {
         unit => format!("{text} {unit}"),
     };
     let number = value.value.parse::<f64>().ok();
-    let rounded = with_unit(&number.map_or_else(|| value.value.clone(), short));
+    let rounded = with_unit(&number.map_or_else(|| value.value.clone(), short_number));
     let shown = match &value.written {
         Some(written) if number.is_some() && written.parse::<f64>().is_ok() => with_unit(written),
         Some(written) if number.is_some() && *written != rounded => format!("{written} ({rounded})"),
@@ -147,7 +147,7 @@ fn value(value: &ValueStatement) -> String {
 
 fn tolerance(tolerance: &KeyTolerance) -> String {
     let [low, high] = tolerance.range();
-    format!("  {}: {} to {}", tolerance.key, short(low), with_unit(high, tolerance.unit))
+    format!("  {}: {} to {}", tolerance.key, short_number(low), with_unit(high, tolerance.unit))
 }
 
 /// Most assumptions, and most tolerances, that are listed one by one.
@@ -156,7 +156,7 @@ const MOST_LISTED: usize = 60;
 const MOST_ALIKE: usize = 20;
 
 /// Returns what is assumed, one value a line; keys that nothing is taken for stand together at the end.
-fn assumed(assumptions: &[Assumption]) -> Vec<String> {
+fn assumption_lines(assumptions: &[Assumption]) -> Vec<String> {
     if assumptions.is_empty() {
         return vec!["Nothing is assumed: every value of the plant is stated.".to_owned()];
     }
@@ -165,12 +165,12 @@ fn assumed(assumptions: &[Assumption]) -> Vec<String> {
     let line =
         |a: &&Assumption| format!("  {} = {} ({}; {})", a.key, with_unit(a.value, a.unit), a.rule, a.source);
     let mut lines = vec!["Assumed, because the file does not state it:".to_owned()];
-    lines.extend(capped(&something, MOST_LISTED, line));
+    lines.extend(first_lines(&something, MOST_LISTED, line));
     if !nothing.is_empty() {
         lines.push("  0, as in an ideal machine:".to_owned());
         let section = |a: &&Assumption| section_of(&a.key).to_owned();
         let alike: Vec<&[&Assumption]> = nothing.chunk_by(|a, b| section(a) == section(b)).collect();
-        lines.extend(capped(&alike, MOST_LISTED, |alike| {
+        lines.extend(first_lines(&alike, MOST_LISTED, |alike| {
             let keys: Vec<&str> = alike.iter().map(|a| key_of(&a.key)).collect();
             format!("    {}: {}", section(&alike[0]), keys.join(", "))
         }));
@@ -242,7 +242,7 @@ fn change(at: &EffectAt) -> String {
         return "the loop is unstable".to_owned();
     }
     let part = |name: &str, value: Option<f64>, unit: &str| {
-        value.map(|value| format!("{name} {}{unit}", signed(value)))
+        value.map(|value| format!("{name} {}{unit}", signed_number(value)))
     };
     let parts = [
         part("gain margin", at.gain_margin_change_db, " dB"),
@@ -253,17 +253,17 @@ fn change(at: &EffectAt) -> String {
     parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
-fn signed(value: f64) -> String {
+fn signed_number(value: f64) -> String {
     let shown = if value.abs() < NO_EFFECT { 0.0 } else { value };
     format!("{shown:+.2}")
 }
 
 fn with_unit(value: f64, unit: &str) -> String {
-    if unit.is_empty() { short(value) } else { format!("{} {unit}", short(value)) }
+    if unit.is_empty() { short_number(value) } else { format!("{} {unit}", short_number(value)) }
 }
 
 /// Returns a number with up to four significant digits.
-fn short(value: f64) -> String {
+fn short_number(value: f64) -> String {
     if value.is_infinite() {
         return "infinite".to_owned();
     }
@@ -273,52 +273,57 @@ fn short(value: f64) -> String {
 }
 
 /// Returns the section of a report that lists what is assumed, and what each assumption may cost.
-pub fn assumptions_section(assumptions: &[Assumption], effects: &[AssumptionEffect]) -> Section {
-    let mut section = Section::new("Assumptions");
+pub fn assumptions_section(assumptions: &[Assumption], effects: &[AssumptionEffect]) -> ReportSection {
+    let mut section = ReportSection::new("Assumptions");
     if assumptions.is_empty() {
-        return section.saying("Every value of the plant is stated in the project file.".to_owned());
+        return section.with_text("Every value of the plant is stated in the project file.".to_owned());
     }
-    section = section.saying(
+    section = section.with_text(
         "The project file does not state these values of the plant. For those whose usual range is known, a second table says what the loop loses or gains at either end of it, the largest change first: measure that value next."
             .to_owned(),
     );
-    let columns = [Column::Text("key"), Column::Text("value"), Column::Text("rule"), Column::Text("source")];
-    let mut table = Table::new("Assumed values", &columns);
+    let columns = [
+        ReportColumn::Text("key"),
+        ReportColumn::Text("value"),
+        ReportColumn::Text("rule"),
+        ReportColumn::Text("source"),
+    ];
+    let mut table = ReportTable::new("Assumed values", &columns);
     for a in assumptions {
         let texts = [a.key.clone(), with_unit(a.value, a.unit), a.rule.to_owned(), a.source.to_owned()];
-        table.rows.push(texts.into_iter().map(Cell::Text).collect());
+        table.rows.push(texts.into_iter().map(ReportCell::Text).collect());
     }
     section.tables.push(table);
     if effects.iter().any(has_effect) {
         section.tables.push(effects_table(effects));
     }
     match describe_no_effect(effects) {
-        Some(line) => section.saying(format!("There is {line}.")),
+        Some(line) => section.with_text(format!("There is {line}.")),
         None => section,
     }
 }
 
 /// Returns the effects of assumptions as a table, a row for each end of a usual range.
-fn effects_table(effects: &[AssumptionEffect]) -> Table {
+fn effects_table(effects: &[AssumptionEffect]) -> ReportTable {
     let columns = [
-        Column::Text("key"),
-        Column::Text("at the value"),
-        Column::Number("gain margin [dB]"),
-        Column::Number("phase margin [deg]"),
-        Column::Number("sensitivity [dB]"),
-        Column::Number("residual [dB]"),
+        ReportColumn::Text("key"),
+        ReportColumn::Text("at the value"),
+        ReportColumn::Number("gain margin [dB]"),
+        ReportColumn::Number("phase margin [deg]"),
+        ReportColumn::Number("sensitivity [dB]"),
+        ReportColumn::Number("residual [dB]"),
     ];
-    let mut table = Table::new("Change if an assumption is wrong by its usual range", &columns);
+    let mut table = ReportTable::new("Change if an assumption is wrong by its usual range", &columns);
     for effect in effects.iter().filter(|effect| has_effect(effect)) {
         for at in &effect.at {
             let change = |value: Option<f64>| match value {
-                _ if !at.is_stable => Cell::text("unstable"),
-                Some(value) => Cell::number(value),
-                None => Cell::text("-"),
+                _ if !at.is_stable => ReportCell::text("unstable"),
+                Some(value) => ReportCell::number(value),
+                None => ReportCell::text("-"),
             };
             table.rows.push(vec![
-                Cell::text(effect.key.as_str()),
-                Cell::Text(with_unit(at.value, effect.unit)),
+                ReportCell::text(effect.key.as_str()),
+                ReportCell::Text(with_unit(at.value, effect.unit)),
                 change(at.gain_margin_change_db),
                 change(at.phase_margin_change_deg),
                 change(at.sensitivity_change_db),

@@ -15,7 +15,10 @@ use crate::page::ReportOrigin;
 use crate::targets::{self, TargetEvidence};
 use crate::verification::{VerificationContext, of_verification};
 use crate::wording::capitalise_first;
-use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, Report, Section, Table, alternatives};
+use crate::{
+    FigureTile, Headline, OutcomeTone, Report, ReportCell, ReportColumn, ReportSection, ReportTable,
+    alternatives,
+};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Colour, Figure};
 
@@ -58,7 +61,7 @@ pub fn of_design(designed: &CompletedDesign, result: &DesignResult, run: &Design
     more.push(targets::targets_section(&evidence));
     if stages.all_left_out().next().is_some() {
         let lines = stages.all_left_out().map(ToString::to_string);
-        more.push(lines.fold(Section::new("Code that was left out"), Section::saying));
+        more.push(lines.fold(ReportSection::new("Code that was left out"), ReportSection::with_text));
     }
     if !run.times.is_empty() {
         more.push(times_section(run.times));
@@ -97,7 +100,7 @@ pub fn of_synthesis(study: &SynthesisStudy, result: &SynthResult, origin: &Repor
             detail: format!("Design plant of order {}.", result.plant_order),
         },
         tiles: result.path_orders.iter().map(tile).collect(),
-        verdicts: Table::new("", &[]),
+        verdicts: ReportTable::new("", &[]),
         glance: Vec::new(),
         sections,
         provenance: origin.provenance(&study.identity),
@@ -109,7 +112,7 @@ fn reduction_section(
     plants: &[PlantResponse],
     reduced: &ReducedPlant,
     controlled: ControlledQuantity,
-) -> Section {
+) -> ReportSection {
     let hub = capitalise_first(controlled.motion().name());
     let figure = |plant: &PlantResponse| {
         let curves = [
@@ -118,9 +121,9 @@ fn reduction_section(
         ];
         bode_figure(&format!("{hub} for {}", plant.input), "", &curves, PhasePanel::Shown, Vec::new())
     };
-    let mut section = Section::new("Plant and design plant")
-        .saying(reduction_words(reduced))
-        .showing(plants.iter().map(figure));
+    let mut section = ReportSection::new("Plant and design plant")
+        .with_text(reduction_words(reduced))
+        .with_figures(plants.iter().map(figure));
     section.text.extend(reduced.warnings.iter().map(describe_reduction_warning));
     section
 }
@@ -138,9 +141,10 @@ fn reduction_words(reduced: &ReducedPlant) -> String {
 }
 
 /// Returns the section of the weights: their meaning in words, and their frequency responses.
-pub fn weight_section(lines: &[String], weights: &[WeightResponses]) -> Section {
-    let section = lines.iter().fold(Section::new("Weights"), |section, line| section.saying(line.as_str()));
-    section.showing(weights.iter().map(weight_figure))
+pub fn weight_section(lines: &[String], weights: &[WeightResponses]) -> ReportSection {
+    let section =
+        lines.iter().fold(ReportSection::new("Weights"), |section, line| section.with_text(line.as_str()));
+    section.with_figures(weights.iter().map(weight_figure))
 }
 
 fn weight_figure(part: &WeightResponses) -> Figure {
@@ -153,29 +157,31 @@ fn weight_figure(part: &WeightResponses) -> Figure {
     bode_figure(&format!("{}: weights", part.part), "", &curves, PhasePanel::Hidden, Vec::new())
 }
 
-fn certificate_section(certificates: &[Certificate], result: &SynthResult) -> Section {
-    let columns = [Column::Text("certificate"), Column::Number("value"), Column::Text("verdict")];
-    let mut table = Table::new("Certificates", &columns);
+fn certificate_section(certificates: &[Certificate], result: &SynthResult) -> ReportSection {
+    let columns =
+        [ReportColumn::Text("certificate"), ReportColumn::Number("value"), ReportColumn::Text("verdict")];
+    let mut table = ReportTable::new("Certificates", &columns);
     table.rows = certificates.iter().map(certificate_row).collect();
-    let mut section = Section::new("Certificates")
-        .saying("Residuals are relative to the terms of their equation; costs are predicted by the equations and found on the assembled loop.")
-        .listing(table);
+    let mut section = ReportSection::new("Certificates")
+        .with_text("Residuals are relative to the terms of their equation; costs are predicted by the equations and found on the assembled loop.")
+        .with_table(table);
     section.text.extend(result.warnings.iter().cloned());
     section
 }
 
-fn certificate_row(certificate: &Certificate) -> Vec<Cell> {
+fn certificate_row(certificate: &Certificate) -> Vec<ReportCell> {
     let verdict = if certificate.holds {
-        Cell::Verdict(OutcomeTone::Good, "good".to_owned())
+        ReportCell::Verdict(OutcomeTone::Good, "good".to_owned())
     } else {
-        Cell::Verdict(OutcomeTone::Bad, "outside its limit".to_owned())
+        ReportCell::Verdict(OutcomeTone::Bad, "outside its limit".to_owned())
     };
-    vec![Cell::text(certificate.name.as_str()), Cell::number(certificate.value), verdict]
+    vec![ReportCell::text(certificate.name.as_str()), ReportCell::number(certificate.value), verdict]
 }
 
-fn order_section(result: &DesignResult) -> Section {
-    let mut table = Table::new("", &[Column::Text("certificate"), Column::Number("value")]);
-    let mut row = |name: &str, value: String| table.rows.push(vec![Cell::text(name), Cell::text(value)]);
+fn order_section(result: &DesignResult) -> ReportSection {
+    let mut table = ReportTable::new("", &[ReportColumn::Text("certificate"), ReportColumn::Number("value")]);
+    let mut row =
+        |name: &str, value: String| table.rows.push(vec![ReportCell::text(name), ReportCell::text(value)]);
     row("order of the plant", result.model.order.to_string());
     row("order of the design plant, sensors and delay included", result.synth.plant_order.to_string());
     for (name, order) in &result.synth.path_orders {
@@ -186,15 +192,18 @@ fn order_section(result: &DesignResult) -> Section {
     if let Some(difference) = result.synth.cost_difference {
         row("predicted cost against cost of the assembled loop, relative", format!("{difference:.1e}"));
     }
-    let section = Section::new("Orders").listing(table);
+    let section = ReportSection::new("Orders").with_table(table);
     let remarks = result.synth.warnings.iter().chain(&result.reduce.warnings);
-    remarks.fold(section, |section, warning| section.saying(format!("Warning: {warning}")))
+    remarks.fold(section, |section, warning| section.with_text(format!("Warning: {warning}")))
 }
 
-fn times_section(times: &[StageTime]) -> Section {
-    let mut table = Table::new("", &[Column::Text("stage"), Column::Number("time [ms]")]);
+fn times_section(times: &[StageTime]) -> ReportSection {
+    let mut table = ReportTable::new("", &[ReportColumn::Text("stage"), ReportColumn::Number("time [ms]")]);
     for time in times {
-        table.rows.push(vec![Cell::text(time.name.clone()), Cell::text(format!("{:.1}", time.milliseconds))]);
+        table.rows.push(vec![
+            ReportCell::text(time.name.clone()),
+            ReportCell::text(format!("{:.1}", time.milliseconds)),
+        ]);
     }
-    Section::new("What each stage took").listing(table)
+    ReportSection::new("What each stage took").with_table(table)
 }

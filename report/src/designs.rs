@@ -8,7 +8,10 @@ use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
 use crate::wording::capitalise_first;
-use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, Report, ReportOrigin, Section, Table};
+use crate::{
+    FigureTile, Headline, OutcomeTone, Report, ReportCell, ReportColumn, ReportOrigin, ReportSection,
+    ReportTable,
+};
 
 /// What each column of the table is: name of the controlled quantity, a thousandth of its unit, unit of a gain from a reading to the control.
 macro_rules! heads {
@@ -200,24 +203,24 @@ pub fn markdown_table(table: &DesignTable, times_s: &[f64]) -> String {
 /// Returns the page.
 pub fn comparison_report(table: &DesignTable, times_s: &[f64], origin: &ReportOrigin) -> Report {
     let controlled = table.controlled;
-    let mut heads = vec![Column::Text("design")];
-    heads.extend(table_columns(controlled).map(Column::Number));
-    let mut shown = Table::new("Designs", &heads);
+    let mut heads = vec![ReportColumn::Text("design")];
+    heads.extend(table_columns(controlled).map(ReportColumn::Number));
+    let mut shown = ReportTable::new("Designs", &heads);
     for (k, row) in table.rows.iter().enumerate() {
-        let mut line = vec![Cell::text(row.name.clone())];
-        line.extend(design_cells(row, times_s.get(k).copied()).into_iter().map(Cell::text));
+        let mut line = vec![ReportCell::text(row.name.clone())];
+        line.extend(design_cells(row, times_s.get(k).copied()).into_iter().map(ReportCell::text));
         shown.rows.push(line);
     }
-    let mut details = Section::new("What each design is");
+    let mut details = ReportSection::new("What each design is");
     for row in &table.rows {
         let remarks = design_remarks(row, controlled);
         if !remarks.is_empty() {
-            details = details.saying(format!("{}: {}.", row.name, remarks.join("; ")));
+            details = details.with_text(format!("{}: {}.", row.name, remarks.join("; ")));
         }
     }
     let legend = column_legend(controlled)
         .into_iter()
-        .fold(Section::new("Columns"), |section, line| section.saying(line));
+        .fold(ReportSection::new("Columns"), |section, line| section.with_text(line));
     let best = best_row(table);
     let text = match best {
         Some(row) => format!("Least {} under {}: {}", controlled.name(), table.motion, row.name),

@@ -13,11 +13,11 @@ use crate::learned::learned_section;
 use crate::localisation::localisation_section;
 use counterpoise_pipeline::RedesignComparison;
 use counterpoise_pipeline::recordings::DiagnosedRecordings;
-use counterpoise_pipeline::recordings::tracks::{Track, TrackColumn};
+use counterpoise_pipeline::recordings::tracks::{ChannelTrack, TrackColumn};
 
 use crate::{
-    Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table, difference,
-    residual,
+    FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection,
+    ReportTable, difference, residual,
 };
 
 /// Returns the report of a diagnosis; `consequence` is what the improved model means for the project's design.
@@ -87,15 +87,15 @@ fn tiles(answer: &AnswerText) -> Vec<FigureTile> {
     out
 }
 
-fn findings_table(findings: &[FindingText]) -> Table {
+fn findings_table(findings: &[FindingText]) -> ReportTable {
     let columns = [
-        Column::Text("component"),
-        Column::Text("effect"),
-        Column::Number("probability"),
-        Column::Text("parameters (95 % interval)"),
-        Column::Text("equivalent effects"),
+        ReportColumn::Text("component"),
+        ReportColumn::Text("effect"),
+        ReportColumn::Number("probability"),
+        ReportColumn::Text("parameters (95 % interval)"),
+        ReportColumn::Text("equivalent effects"),
     ];
-    let mut table = Table::new("Findings, most important first", &columns);
+    let mut table = ReportTable::new("Findings, most important first", &columns);
     for finding in findings {
         let parameters = finding.parameters.iter().take(6).map(|p| {
             format!(
@@ -113,107 +113,116 @@ fn findings_table(findings: &[FindingText]) -> Table {
             .iter()
             .map(|a| format!("{} {}", a.component, name_in_words(a.effect.name())));
         table.rows.push(vec![
-            Cell::text(finding.component.name()),
-            Cell::text(name_in_words(finding.effect.name())),
-            Cell::text(format!("{:.0} %", 100.0 * finding.probability)),
-            Cell::text(parameters.collect::<Vec<_>>().join("; ")),
-            Cell::text(others.collect::<Vec<_>>().join(", ")),
+            ReportCell::text(finding.component.name()),
+            ReportCell::text(name_in_words(finding.effect.name())),
+            ReportCell::text(format!("{:.0} %", 100.0 * finding.probability)),
+            ReportCell::text(parameters.collect::<Vec<_>>().join("; ")),
+            ReportCell::text(others.collect::<Vec<_>>().join(", ")),
         ]);
     }
     table
 }
 
-fn fit_section(answer: &AnswerText, tracks: &[Track]) -> Section {
+fn fit_section(answer: &AnswerText, tracks: &[ChannelTrack]) -> ReportSection {
     let columns = [
-        Column::Text("channel"),
-        Column::Number("floor"),
-        Column::Number("before"),
-        Column::Number("after"),
-        Column::Number("held out, before"),
-        Column::Number("held out, after"),
+        ReportColumn::Text("channel"),
+        ReportColumn::Number("floor"),
+        ReportColumn::Number("before"),
+        ReportColumn::Number("after"),
+        ReportColumn::Number("held out, before"),
+        ReportColumn::Number("held out, after"),
     ];
-    let mut table = Table::new("RMS error per channel over all recordings, and on held-out data", &columns);
+    let mut table =
+        ReportTable::new("RMS error per channel over all recordings, and on held-out data", &columns);
     for (channel, before) in &answer.fit.before {
         let number = |channels: &Channels| {
-            channels.get(channel).map_or_else(|| Cell::text(""), |c| Cell::number(c.rms_error))
+            channels.get(channel).map_or_else(|| ReportCell::text(""), |c| ReportCell::number(c.rms_error))
         };
         table.rows.push(vec![
-            Cell::text(*channel),
-            Cell::number(before.floor),
-            Cell::number(before.rms_error),
+            ReportCell::text(*channel),
+            ReportCell::number(before.floor),
+            ReportCell::number(before.rms_error),
             number(&answer.fit.after),
             number(&answer.fit.held_out_before),
             number(&answer.fit.held_out_after),
         ]);
     }
     let figures = tracks.iter().filter(|t| matches!(t.channel, Channel::Control | Channel::HubRate));
-    Section::new("How the fit improved").listing(table).showing(figures.map(|t| comparison(t, "")))
+    ReportSection::new("How the fit improved")
+        .with_table(table)
+        .with_figures(figures.map(|t| comparison(t, "")))
 }
 
-fn tried_section(answer: &AnswerText) -> Section {
+fn tried_section(answer: &AnswerText) -> ReportSection {
     let columns = [
-        Column::Number("stage"),
-        Column::Text("component"),
-        Column::Text("effect"),
-        Column::Text("beside"),
-        Column::Number("gain in log-likelihood, held-out data"),
-        Column::Number("mean ln(error / floor)"),
-        Column::Number("worst error / floor"),
-        Column::Text(""),
+        ReportColumn::Number("stage"),
+        ReportColumn::Text("component"),
+        ReportColumn::Text("effect"),
+        ReportColumn::Text("beside"),
+        ReportColumn::Number("gain in log-likelihood, held-out data"),
+        ReportColumn::Number("mean ln(error / floor)"),
+        ReportColumn::Number("worst error / floor"),
+        ReportColumn::Text(""),
     ];
-    let mut table = Table::new("Every hypothesis that was fitted in the simulator", &columns);
+    let mut table = ReportTable::new("Every hypothesis that was fitted in the simulator", &columns);
     for h in &answer.hypotheses {
         let beside: Vec<String> =
             h.beside.iter().map(|b| format!("{} {}", b.component, name_in_words(b.effect.name()))).collect();
-        let verdict =
-            if h.accepted { Cell::Verdict(OutcomeTone::Good, "accepted".to_owned()) } else { Cell::text("") };
+        let verdict = if h.accepted {
+            ReportCell::Verdict(OutcomeTone::Good, "accepted".to_owned())
+        } else {
+            ReportCell::text("")
+        };
         table.rows.push(vec![
-            Cell::text(h.stage.to_string()),
-            Cell::text(h.component.name()),
-            Cell::text(name_in_words(h.effect.name())),
-            Cell::text(beside.join(", ")),
-            Cell::number(h.log_likelihood_gain),
-            Cell::text(format!("{:.3}", h.distance)),
-            Cell::text(format!("{:.2}", h.worst)),
+            ReportCell::text(h.stage.to_string()),
+            ReportCell::text(h.component.name()),
+            ReportCell::text(name_in_words(h.effect.name())),
+            ReportCell::text(beside.join(", ")),
+            ReportCell::number(h.log_likelihood_gain),
+            ReportCell::text(format!("{:.3}", h.distance)),
+            ReportCell::text(format!("{:.2}", h.worst)),
             verdict,
         ]);
     }
-    Section::new("What was tried").listing(table)
+    ReportSection::new("What was tried").with_table(table)
 }
 
-fn cannot_tell(answer: &AnswerText) -> Section {
-    let columns =
-        [Column::Text("component"), Column::Text("effect"), Column::Text("smallest that would show")];
+fn cannot_tell(answer: &AnswerText) -> ReportSection {
+    let columns = [
+        ReportColumn::Text("component"),
+        ReportColumn::Text("effect"),
+        ReportColumn::Text("smallest that would show"),
+    ];
     let mut table =
-        Table::new("Effects of which these recordings cannot say whether they are there", &columns);
+        ReportTable::new("Effects of which these recordings cannot say whether they are there", &columns);
     for n in &answer.not_excited {
         let size = match n.smallest_detectable {
             Some(size) => format!("{} {} {}", n.parameter, short_number(size), n.unit),
             None => "nothing: it does not move them".to_owned(),
         };
         table.rows.push(vec![
-            Cell::text(n.component.name()),
-            Cell::text(name_in_words(n.effect.name())),
-            Cell::text(size),
+            ReportCell::text(n.component.name()),
+            ReportCell::text(name_in_words(n.effect.name())),
+            ReportCell::text(size),
         ]);
     }
-    let section = Section::new("What these recordings cannot tell").listing(table);
+    let section = ReportSection::new("What these recordings cannot tell").with_table(table);
     let section = match &answer.next_experiment {
-        Some(next) => section.saying(format!("Next experiment: {}. It {}.", next.what, next.why)),
+        Some(next) => section.with_text(format!("Next experiment: {}. It {}.", next.what, next.why)),
         None => section,
     };
     let remarks = answer.qualification.iter().chain(&answer.warnings);
-    remarks.fold(section, |section, remark| section.saying(remark.clone()))
+    remarks.fold(section, |section, remark| section.with_text(remark.clone()))
 }
 
 /// Returns the track whose residual was largest against the measurement.
-pub(super) fn worst_track(tracks: &[Track]) -> Option<&Track> {
+pub(super) fn worst_track(tracks: &[ChannelTrack]) -> Option<&ChannelTrack> {
     let drawn = tracks.iter().filter(|t| matches!(t.channel, Channel::Control | Channel::HubRate));
     drawn.max_by(|a, b| a.relative_residual_power().total_cmp(&b.relative_residual_power()))
 }
 
 /// Measured and simulated above, the residuals below.
-pub(super) fn comparison(track: &Track, command: &str) -> Figure {
+pub(super) fn comparison(track: &ChannelTrack, command: &str) -> Figure {
     let points = |series: &[f64]| -> Vec<(f64, f64)> {
         series.iter().enumerate().map(|(k, v)| (k as f64 * track.period_s, *v)).collect()
     };

@@ -6,25 +6,25 @@ use counterpoise_verify::Verification;
 use counterpoise_verify::difference::FigureChange;
 
 use crate::tolerance::{LEAST_SHOWN_CHANGE, LEAST_SHOWN_DIFFERENCE, SAME_FIGURE};
-use crate::{Cell, Column, OutcomeTone, Section, Table};
+use crate::{OutcomeTone, ReportCell, ReportColumn, ReportSection, ReportTable};
 
 /// Returns every figure that changed, those whose verdict turned first.
-pub fn changes_section(before: &str, changes: &[FigureChange]) -> Section {
+pub fn changes_section(before: &str, changes: &[FigureChange]) -> ReportSection {
     let columns = [
-        Column::Text("figure"),
-        Column::Number("before"),
-        Column::Number("after"),
-        Column::Number("change"),
-        Column::Text("requirement"),
+        ReportColumn::Text("figure"),
+        ReportColumn::Number("before"),
+        ReportColumn::Number("after"),
+        ReportColumn::Number("change"),
+        ReportColumn::Text("requirement"),
     ];
-    let mut table = Table::new("", &columns);
+    let mut table = ReportTable::new("", &columns);
     let mut moved: Vec<&FigureChange> = changes.iter().filter(|change| has_changed(change)).collect();
     moved.sort_by_key(|change| (!change.has_changed_verdict(), change.holds.is_none()));
     table.rows = moved.iter().map(|change| row(change)).collect();
     let same = changes.len() - moved.len();
-    Section::new("Before and after")
-        .saying(format!("Before: {before}. {} figures changed, {same} did not.", moved.len()))
-        .listing(table)
+    ReportSection::new("Before and after")
+        .with_text(format!("Before: {before}. {} figures changed, {same} did not.", moved.len()))
+        .with_table(table)
 }
 
 /// Returns the difference in one line: verdicts that turned, and how many figures changed.
@@ -43,7 +43,7 @@ pub fn summarise_changes(before: &str, changes: &[FigureChange]) -> String {
 }
 
 /// Returns what an improved model means for the controller that was designed on the one before.
-pub fn consequence_section(found: &RedesignComparison) -> Section {
+pub fn consequence_section(found: &RedesignComparison) -> ReportSection {
     let counted = |v: &Verification| {
         let (hold, fail, _) = v.counts();
         format!("{hold} requirements hold, {fail} fail")
@@ -58,13 +58,14 @@ pub fn consequence_section(found: &RedesignComparison) -> Section {
         counted(&found.kept)
     );
     let table = changes_section("the model as it was", &found.changes);
-    Section { heading: "What it means for the controller".to_owned(), ..table }.saying(text)
+    ReportSection { heading: "What it means for the controller".to_owned(), ..table }.with_text(text)
 }
 
 /// Returns whether a figure changed at all.
 pub fn has_changed(change: &FigureChange) -> bool {
     change.has_changed_verdict()
-        || change.relative().is_none_or(|part| part.abs() > SAME_FIGURE) && change.before != change.after
+        || change.relative_change().is_none_or(|part| part.abs() > SAME_FIGURE)
+            && change.before != change.after
 }
 
 /// Returns the verdict's way, in words.
@@ -87,15 +88,15 @@ pub fn describe_size(change: &FigureChange) -> String {
             format!("under 0.01 {unit}")
         }
         unit @ ("dB" | "deg" | "%") => format!("{:+.2} {unit}", difference),
-        _ if change.relative().is_some_and(|part| part.abs() < LEAST_SHOWN_CHANGE) => {
+        _ if change.relative_change().is_some_and(|part| part.abs() < LEAST_SHOWN_CHANGE) => {
             "under 0.1 %".to_owned()
         }
-        _ => format!("{:+.1} %", 100.0 * change.relative().unwrap_or(f64::NAN)),
+        _ => format!("{:+.1} %", 100.0 * change.relative_change().unwrap_or(f64::NAN)),
     }
 }
 
-fn row(change: &FigureChange) -> Vec<Cell> {
-    let number = |value: Option<f64>| value.map_or_else(|| Cell::text("\u{2013}"), Cell::number);
+fn row(change: &FigureChange) -> Vec<ReportCell> {
+    let number = |value: Option<f64>| value.map_or_else(|| ReportCell::text("\u{2013}"), ReportCell::number);
     let (tone, word) = classify_change(change);
     let unit = change.unit();
     let name = if unit.is_empty() {
@@ -103,12 +104,13 @@ fn row(change: &FigureChange) -> Vec<Cell> {
     } else {
         format!("{} [{unit}]", describe_figure(change.figure, change.controlled))
     };
-    let requirement = if word.is_empty() { Cell::text("") } else { Cell::Verdict(tone, word.to_owned()) };
+    let requirement =
+        if word.is_empty() { ReportCell::text("") } else { ReportCell::Verdict(tone, word.to_owned()) };
     vec![
-        Cell::text(name),
+        ReportCell::text(name),
         number(change.before),
         number(change.after),
-        Cell::text(describe_size(change).replace('-', "\u{2212}")),
+        ReportCell::text(describe_size(change).replace('-', "\u{2212}")),
         requirement,
     ]
 }

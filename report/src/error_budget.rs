@@ -4,7 +4,7 @@ use counterpoise_plot::number::short_number;
 use counterpoise_verify::{ErrorBudget, Figure, SightFigure, Verification};
 
 use crate::error_budget_figures::error_budget_figures;
-use crate::{Cell, Column, Section, Table};
+use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 
 /// Microradians in a radian.
 const MICRO: f64 = 1e6;
@@ -13,26 +13,27 @@ const MICRO: f64 = 1e6;
 const PER_MILLIMETRE: f64 = 1e-3;
 
 /// Returns the section on the line of sight; `None` if the verification did not ask for it.
-pub fn budget_section(found: &Verification) -> Option<Section> {
+pub fn budget_section(found: &Verification) -> Option<ReportSection> {
     let budget = found.error_budget.as_ref()?;
     let settled = format!("The figures are read from {} s on.", found.evidence.procedure.sight_settle_s());
-    let start = Section::new("Line of sight").saying(summary(budget, exposure_s(found))).saying(settled);
+    let start =
+        ReportSection::new("Line of sight").with_text(summary(budget, exposure_s(found))).with_text(settled);
     let section = purposes(found)
         .into_iter()
-        .fold(start, Section::saying)
-        .saying(
+        .fold(start, ReportSection::with_text)
+        .with_text(
             "Shares come from runs in which the sources are switched on one after the other, in one order and in the opposite one; they add up to \
              the mean square of the run with all of them. A negative share belongs to a source that reduces the error of the others.",
         )
-        .saying(superposition(budget))
-        .saying(linear(budget))
-        .saying(
+        .with_text(superposition(budget))
+        .with_text(linear(budget))
+        .with_text(
             "The linear loop takes the recorded motion, the densities of noise and converters, and the torques that friction, backlash and ripple \
              have in the simulation as disturbances from outside. Where it differs from the simulation, the source depends on the motion: friction \
              takes from the pitching base what it also disturbs.",
         );
-    let section = spread(budget).into_iter().fold(section, Section::saying);
-    Some(section.showing(error_budget_figures(budget)).listing(table(budget)))
+    let section = spread(budget).into_iter().fold(section, ReportSection::with_text);
+    Some(section.with_figures(error_budget_figures(budget)).with_table(table(budget)))
 }
 
 /// Returns the line of sight in lines, for a terminal; none if the verification did not ask for it.
@@ -143,31 +144,34 @@ fn spread(budget: &ErrorBudget) -> Option<String> {
     ))
 }
 
-fn table(budget: &ErrorBudget) -> Table {
+fn table(budget: &ErrorBudget) -> ReportTable {
     let columns = [
-        Column::Text("source"),
-        Column::Number("share of the mean square, hub [%]"),
-        Column::Number("alone, hub [urad]"),
-        Column::Number("linear loop, hub [urad]"),
-        Column::Number("linear loop less alone, hub [urad]"),
-        Column::Number("share of the jitter's, hub [%]"),
-        Column::Number("alone, jitter, hub [urad]"),
-        Column::Number("share of the mean square, tip [%]"),
-        Column::Number("alone, tip [urad]"),
-        Column::Number("share of the mean square, tip against hub [%]"),
-        Column::Number("alone, tip against hub [urad]"),
+        ReportColumn::Text("source"),
+        ReportColumn::Number("share of the mean square, hub [%]"),
+        ReportColumn::Number("alone, hub [urad]"),
+        ReportColumn::Number("linear loop, hub [urad]"),
+        ReportColumn::Number("linear loop less alone, hub [urad]"),
+        ReportColumn::Number("share of the jitter's, hub [%]"),
+        ReportColumn::Number("alone, jitter, hub [urad]"),
+        ReportColumn::Number("share of the mean square, tip [%]"),
+        ReportColumn::Number("alone, tip [urad]"),
+        ReportColumn::Number("share of the mean square, tip against hub [%]"),
+        ReportColumn::Number("alone, tip against hub [urad]"),
     ];
-    let mut table = Table::new("Error budget of the line of sight", &columns);
+    let mut table = ReportTable::new("Error budget of the line of sight", &columns);
     for one in &budget.contributions {
-        let mut row = vec![Cell::text(one.source.name())];
+        let mut row = vec![ReportCell::text(one.source.name())];
         for figure in [SightFigure::Hub, SightFigure::HubJitter, SightFigure::Tip, SightFigure::Bending] {
             let at = place(figure);
-            row.push(Cell::number(budget.share_percent(one, at)));
-            row.push(Cell::number(MICRO * one.alone_rad[at]));
+            row.push(ReportCell::number(budget.share_percent(one, at)));
+            row.push(ReportCell::number(MICRO * one.alone_rad[at]));
             if figure == SightFigure::Hub {
                 let linear = one.linear.as_ref().map(|linear| MICRO * linear.rad[at]);
                 let less = one.linear_less_alone_rad().map(|less| MICRO * less[at]);
-                row.extend([linear, less].map(|value| value.map_or_else(|| Cell::text("-"), Cell::number)));
+                row.extend(
+                    [linear, less]
+                        .map(|value| value.map_or_else(|| ReportCell::text("-"), ReportCell::number)),
+                );
             }
         }
         table.rows.push(row);

@@ -10,7 +10,7 @@ use counterpoise_verify::{
 use crate::bode::{BodeCurve, PhasePanel, ResponsePoint, bode_figure};
 use crate::triangle;
 use crate::wording::capitalise_first;
-use crate::{Cell, Column, Section, Table};
+use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
 
@@ -31,7 +31,7 @@ const SOURCES: [(Source, &str); 4] = [
 pub const PLANT: &str = "Plant";
 
 /// Returns the sections in the order in which a reader asks.
-pub fn evidence_sections(found: &Verification) -> Vec<Section> {
+pub fn evidence_sections(found: &Verification) -> Vec<ReportSection> {
     let first = [loop_section(found), step_section(found)];
     let rest = [
         disturbance_section(found),
@@ -54,7 +54,7 @@ fn bode_curves(found: &Verification, curves: &[ResponseCurve]) -> Vec<BodeCurve>
         .collect()
 }
 
-fn loop_section(found: &Verification) -> Section {
+fn loop_section(found: &Verification) -> ReportSection {
     let curves = &found.evidence.curves;
     let broken = bode_curves(found, std::slice::from_ref(&curves.broken));
     let mut figure =
@@ -81,10 +81,10 @@ fn loop_section(found: &Verification) -> Section {
         PhasePanel::Hidden,
         vec![peak],
     );
-    Section::new("Loop and margins")
-        .saying("The discrete controller as exported, with the plant and its sensors sampled exactly.")
-        .showing([figure, sensitivity])
-        .listing(margin_table(found))
+    ReportSection::new("Loop and margins")
+        .with_text("The discrete controller as exported, with the plant and its sensors sampled exactly.")
+        .with_figures([figure, sensitivity])
+        .with_table(margin_table(found))
 }
 
 /// Returns the nearest crossings of -180 degrees, as points of the magnitude.
@@ -119,18 +119,23 @@ fn phase_marks(found: &Verification) -> Vec<Mark> {
     vec![at, Mark::Level { y: -180.0, text: String::new() }]
 }
 
-fn margin_table(found: &Verification) -> Table {
+fn margin_table(found: &Verification) -> ReportTable {
     let margins = &found.evidence.margins;
     let hz = |rate: f64| rate / std::f64::consts::TAU;
     let columns = [
-        Column::Text("crossing"),
-        Column::Number("frequency [Hz]"),
-        Column::Number("margin"),
-        Column::Text("unit"),
+        ReportColumn::Text("crossing"),
+        ReportColumn::Number("frequency [Hz]"),
+        ReportColumn::Number("margin"),
+        ReportColumn::Text("unit"),
     ];
-    let mut table = Table::new("Every crossing", &columns);
+    let mut table = ReportTable::new("Every crossing", &columns);
     let row = |what: &str, rate: f64, margin: f64, unit: &str| {
-        vec![Cell::text(what), Cell::number(hz(rate)), Cell::number(margin), Cell::text(unit)]
+        vec![
+            ReportCell::text(what),
+            ReportCell::number(hz(rate)),
+            ReportCell::number(margin),
+            ReportCell::text(unit),
+        ]
     };
     table
         .rows
@@ -140,16 +145,16 @@ fn margin_table(found: &Verification) -> Table {
     table
 }
 
-fn step_section(found: &Verification) -> Section {
+fn step_section(found: &Verification) -> ReportSection {
     let control = step_column(found, "Control during the step", "control", "V", HistoryColumn::Control);
     let controlled = found.controlled_quantity();
     let (name, unit) = (controlled.tip_name(), controlled.tip_unit());
     let title = format!("{} during the step", capitalise_first(&name));
     let tip = step_column(found, &title, &name, unit, HistoryColumn::TipRate);
-    Section::new(&format!("Step of the demanded {}", controlled.name()))
-        .showing(step_figure(found, 220.0))
-        .showing(control)
-        .showing(tip)
+    ReportSection::new(&format!("Step of the demanded {}", controlled.name()))
+        .with_figures(step_figure(found, 220.0))
+        .with_figures(control)
+        .with_figures(tip)
 }
 
 const MODELS: [(Model, &str, Colour, Dash); 2] = [
@@ -163,7 +168,7 @@ fn steps(found: &Verification) -> impl Iterator<Item = (&History, &'static str, 
     })
 }
 
-fn paired(time_s: &[f64], column: &[f64]) -> Vec<(f64, f64)> {
+fn pair_with_time(time_s: &[f64], column: &[f64]) -> Vec<(f64, f64)> {
     time_s.iter().copied().zip(column.iter().copied()).collect()
 }
 
@@ -171,12 +176,16 @@ fn paired(time_s: &[f64], column: &[f64]) -> Vec<(f64, f64)> {
 pub fn step_figure(found: &Verification, height: f64) -> Option<Figure> {
     let mut series: Vec<Series> = steps(found)
         .map(|(history, name, colour, dash)| {
-            let points = paired(history.time_s(), history.hub_rate_rad_s());
+            let points = pair_with_time(history.time_s(), history.hub_rate_rad_s());
             Series::new(name, colour, dash, points)
         })
         .collect();
     let first = steps(found).next()?.0;
-    series.push(Series::dotted_line("demand", Colour::Third, paired(first.time_s(), first.demand_rad_s())));
+    series.push(Series::dotted_line(
+        "demand",
+        Colour::Third,
+        pair_with_time(first.time_s(), first.demand_rad_s()),
+    ));
     let panel = Panel::new(controlled_axis(found), series).with_height(height);
     Some(Figure::new("Step of the demand", Axis::linear("time", "s"), vec![panel]))
 }
@@ -190,21 +199,21 @@ fn step_column(
 ) -> Option<Figure> {
     steps(found).next()?;
     let series = steps(found).map(|(history, name, colour, dash)| {
-        let points = paired(history.time_s(), history.signals.column(column));
+        let points = pair_with_time(history.time_s(), history.signals.column(column));
         Series::new(name, colour, dash, points)
     });
     let panel = Panel::new(Axis::linear(label, unit), series.collect()).with_height(220.0);
     Some(Figure::new(title, Axis::linear("time", "s"), vec![panel]))
 }
 
-fn disturbance_section(found: &Verification) -> Section {
-    let mut section = Section::new("Platform in motion").saying(
+fn disturbance_section(found: &Verification) -> ReportSection {
+    let mut section = ReportSection::new("Platform in motion").with_text(
         "Without control, only the constant voltage that holds the out-of-balance acts; left to itself the mechanism would fall.",
     );
     for (model, ..) in MODELS.iter().rev() {
         let figures =
             SOURCES.iter().filter_map(|(source, _)| disturbance_figure(found, *model, *source, 180.0));
-        section = section.showing(figures);
+        section = section.with_figures(figures);
     }
     section
 }
@@ -217,7 +226,7 @@ pub fn disturbance_figure(found: &Verification, model: Model, source: Source, he
         .iter()
         .filter_map(|(arrangement, name, colour)| {
             run(*arrangement)
-                .map(|h| Series::solid_line(name, *colour, paired(h.time_s(), h.hub_rate_rad_s())))
+                .map(|h| Series::solid_line(name, *colour, pair_with_time(h.time_s(), h.hub_rate_rad_s())))
         })
         .collect();
     let controlled: Vec<Series> = series.iter().filter(|s| s.colour != Colour::Muted).cloned().collect();
@@ -235,7 +244,7 @@ pub fn disturbance_figure(found: &Verification, model: Model, source: Source, he
     Some(Figure::new(&title, Axis::linear("time", "s"), panels).with_caption(caption))
 }
 
-fn rejection_section(found: &Verification) -> Section {
+fn rejection_section(found: &Verification) -> ReportSection {
     let figure = |source: Source, title: &str, unit: &str, marks: Vec<Mark>| {
         let curves: Vec<BodeCurve> = ARRANGEMENTS
             .iter()
@@ -248,9 +257,9 @@ fn rejection_section(found: &Verification) -> Section {
     let unity = vec![Mark::Level { y: 0.0, text: String::new() }];
     let (name, unit) = (found.controlled_quantity().name(), found.controlled_quantity().unit());
     let over_pitch = over_pitch_rate(found);
-    Section::new("Disturbance rejection ratio")
-        .saying(format!("{} over platform motion, linear plant; low is good. Exact for a tone at each frequency, hold and sampling included.", capitalise_first(name)))
-        .showing([
+    ReportSection::new("Disturbance rejection ratio")
+        .with_text(format!("{} over platform motion, linear plant; low is good. Exact for a tone at each frequency, hold and sampling included.", capitalise_first(name)))
+        .with_figures([
             figure(Source::Pitch, &format!("DRR: {name} over pitch rate"), &over_pitch, unity),
             figure(
                 Source::Heave,
@@ -276,7 +285,7 @@ fn rejection_curve(
     Some(BodeCurve::new(name, colour, points))
 }
 
-fn controller_section(found: &Verification) -> Section {
+fn controller_section(found: &Verification) -> ReportSection {
     let controlled = found.controlled_quantity();
     let of_error = match controlled == ControlledQuantity::RATE {
         true => "V s/rad".to_owned(),
@@ -299,12 +308,12 @@ fn controller_section(found: &Verification) -> Section {
             Vec::new(),
         )
     });
-    Section::new("Controllers")
-        .saying("The discrete transfer functions as exported, from the readings to the control.")
-        .showing(figures)
+    ReportSection::new("Controllers")
+        .with_text("The discrete transfer functions as exported, from the readings to the control.")
+        .with_figures(figures)
 }
 
-fn plant_section(found: &Verification) -> Section {
+fn plant_section(found: &Verification) -> ReportSection {
     let unit = found.controlled_quantity().unit();
     let units = [format!("{unit} per V"), format!("{unit} per m/s\u{B2}"), over_pitch_rate(found)];
     let hub = capitalise_first(found.controlled_quantity().name());
@@ -320,7 +329,9 @@ fn plant_section(found: &Verification) -> Section {
             Vec::new(),
         )
     });
-    Section::new(PLANT).saying("The linear plant that was verified, without sensors.").showing(figures)
+    ReportSection::new(PLANT)
+        .with_text("The linear plant that was verified, without sensors.")
+        .with_figures(figures)
 }
 
 /// Returns the axis of what the loop controls.
@@ -337,26 +348,31 @@ fn over_pitch_rate(found: &Verification) -> String {
 }
 
 /// Returns every figure with its key: what a requirement can name.
-pub fn figure_section(found: &Verification) -> Section {
-    let mut table = Table::new(
+pub fn figure_section(found: &Verification) -> ReportSection {
+    let mut table = ReportTable::new(
         "",
-        &[Column::Text("figure"), Column::Number("value"), Column::Text("unit"), Column::Text("key")],
+        &[
+            ReportColumn::Text("figure"),
+            ReportColumn::Number("value"),
+            ReportColumn::Text("unit"),
+            ReportColumn::Text("key"),
+        ],
     );
     for measured in &found.figures {
         let value = match &measured.value {
-            Value::Is(number) => Cell::number(*number),
-            Value::Absent { why } => Cell::text(describe_unmeasured(why)),
+            Value::Is(number) => ReportCell::number(*number),
+            Value::Absent { why } => ReportCell::text(describe_unmeasured(why)),
         };
         let (name, key) = (
-            Cell::text(describe_figure(measured.figure, found.controlled_quantity())),
-            Cell::text(measured.figure.key_in(found.controlled_quantity())),
+            ReportCell::text(describe_figure(measured.figure, found.controlled_quantity())),
+            ReportCell::text(measured.figure.key_in(found.controlled_quantity())),
         );
         table.rows.push(vec![
             name,
             value,
-            Cell::text(measured.figure.unit(found.controlled_quantity())),
+            ReportCell::text(measured.figure.unit(found.controlled_quantity())),
             key,
         ]);
     }
-    Section::new("All figures").listing(table)
+    ReportSection::new("All figures").with_table(table)
 }

@@ -6,25 +6,35 @@ use counterpoise_pipeline::FirstDesignResult;
 use counterpoise_pipeline::first_design::LimitRow;
 use counterpoise_plot::number::short_number;
 
-use crate::page::{Cell, Column, Section, Table};
+use crate::page::{ReportCell, ReportColumn, ReportSection, ReportTable};
 
 /// Returns the section on weights that were chosen because the project file states none.
-pub fn first_design_section(first: &FirstDesignResult) -> Section {
+pub fn first_design_section(first: &FirstDesignResult) -> ReportSection {
     let columns = [
-        Column::Text("limit"),
-        Column::Number("allows alone [rad/s]"),
-        Column::Number("over what is reached"),
-        Column::Number("bandwidth without it [rad/s]"),
+        ReportColumn::Text("limit"),
+        ReportColumn::Number("allows alone [rad/s]"),
+        ReportColumn::Number("over what is reached"),
+        ReportColumn::Number("bandwidth without it [rad/s]"),
     ];
-    let mut table = Table::new("What each limit alone would allow, and the bandwidth without it", &columns);
+    let mut table =
+        ReportTable::new("What each limit alone would allow, and the bandwidth without it", &columns);
     table.rows = first.limits.iter().map(row).collect();
-    sentences(first).into_iter().fold(Section::new("First design"), Section::saying).listing(table)
+    sentences(first)
+        .into_iter()
+        .fold(ReportSection::new("First design"), ReportSection::with_text)
+        .with_table(table)
 }
 
-fn row(limit: &LimitRow) -> Vec<Cell> {
-    let number = |value: Option<f64>| value.map_or_else(|| Cell::text("no limit found"), Cell::number);
-    let lifted = limit.lifted_rad_s.map_or_else(|| Cell::text("no higher"), Cell::number);
-    vec![Cell::text(limit.limit.as_str()), number(limit.bandwidth_rad_s), number(limit.over_reached), lifted]
+fn row(limit: &LimitRow) -> Vec<ReportCell> {
+    let number =
+        |value: Option<f64>| value.map_or_else(|| ReportCell::text("no limit found"), ReportCell::number);
+    let lifted = limit.lifted_rad_s.map_or_else(|| ReportCell::text("no higher"), ReportCell::number);
+    vec![
+        ReportCell::text(limit.limit.as_str()),
+        number(limit.bandwidth_rad_s),
+        number(limit.over_reached),
+        lifted,
+    ]
 }
 
 /// Returns what limits the bandwidth and by how much, as a clause. A limit that alone would allow more is kept by other loops than those that
@@ -119,7 +129,7 @@ mod tests {
             assert!(text.contains(said), "{said}: {text}");
         }
         let rows = &section.tables[0].rows;
-        assert_eq!((rows.len(), &rows[1][1]), (2, &Cell::text("no limit found")));
-        assert_eq!((&rows[0][3], &rows[1][3]), (&Cell::number(25.0), &Cell::text("no higher")));
+        assert_eq!((rows.len(), &rows[1][1]), (2, &ReportCell::text("no limit found")));
+        assert_eq!((&rows[0][3], &rows[1][3]), (&ReportCell::number(25.0), &ReportCell::text("no higher")));
     }
 }

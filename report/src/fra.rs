@@ -8,7 +8,10 @@ use counterpoise_pipeline::studies::fra_summary::{
 
 use crate::bode::{BodeCurve, PhasePanel, ResponsePoint, bode_figure};
 use crate::wording::capitalise_first;
-use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table};
+use crate::{
+    FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection,
+    ReportTable,
+};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Series};
 
@@ -21,7 +24,7 @@ pub fn fra_report(maps: &[ResponseMap], totals: MapTotals, speed: &[MeasuringPac
         subtitle: first.map(map_title).unwrap_or_default(),
         headline: headline(maps, totals),
         tiles: first.map(tiles).unwrap_or_default(),
-        verdicts: first.map(extremes).unwrap_or_else(|| Table::new("", &[])),
+        verdicts: first.map(extremes).unwrap_or_else(|| ReportTable::new("", &[])),
         glance: first.map(|map| overview(map, command)).into_iter().collect(),
         sections: maps.iter().flat_map(|map| sections(map, command)).chain(pace(totals, speed)).collect(),
         provenance: vec![
@@ -120,48 +123,49 @@ fn overview(map: &ResponseMap, command: &str) -> Figure {
     Figure { command: command.to_owned(), ..figure }
 }
 
-fn sections(map: &ResponseMap, command: &str) -> Vec<Section> {
+fn sections(map: &ResponseMap, command: &str) -> Vec<ReportSection> {
     let title = map.recording.clone().unwrap_or_else(|| "Describing functions".to_owned());
-    let mut beside = Section::new(&title)
-        .saying(
+    let mut beside = ReportSection::new(&title)
+        .with_text(
             "Each amplitude beside the linear model with dry friction replaced by its describing function, at the swing of the hub \
              that this model gives itself. It leaves out harmonics, the bias that the weight gives to friction, and backlash.",
         )
-        .showing(map.points_by_amplitude().iter().zip(Colour::CYCLE).map(|(family, colour)| {
+        .with_figures(map.points_by_amplitude().iter().zip(Colour::CYCLE).map(|(family, colour)| {
             let figure = beside_models(map, family, colour);
             Figure { command: command.to_owned(), ..figure }
         }));
     for line in sticking_lines(map) {
-        beside = beside.saying(format!("{}.", capitalise_first(&line)));
+        beside = beside.with_text(format!("{}.", capitalise_first(&line)));
     }
     for remark in &map.remarks {
-        beside = beside.saying(remark);
+        beside = beside.with_text(remark);
     }
-    let harmonics = Section::new("Harmonics and mean").showing([harmonics(map, command)]);
-    vec![beside, harmonics, Section::new("Every point").listing(points_table(map))]
+    let harmonics = ReportSection::new("Harmonics and mean").with_figures([harmonics(map, command)]);
+    vec![beside, harmonics, ReportSection::new("Every point").with_table(points_table(map))]
 }
 
 /// Returns how fast the maps were measured; nothing for recordings, which were not simulated.
-fn pace(totals: MapTotals, speed: &[MeasuringPace]) -> Option<Section> {
+fn pace(totals: MapTotals, speed: &[MeasuringPace]) -> Option<ReportSection> {
     let simulated_s = totals.simulated_s;
     let columns = [
-        Column::Number("threads"),
-        Column::Number("time [s]"),
-        Column::Number("times real time"),
-        Column::Number("times as fast as on the first row"),
+        ReportColumn::Number("threads"),
+        ReportColumn::Number("time [s]"),
+        ReportColumn::Number("times real time"),
+        ReportColumn::Number("times as fast as on the first row"),
     ];
     let mut table =
-        Table::new(&format!("{} s of motion were simulated", short_number(simulated_s)), &columns);
+        ReportTable::new(&format!("{} s of motion were simulated", short_number(simulated_s)), &columns);
     for pace in speed {
         table.rows.push(vec![
-            Cell::text(pace.threads.to_string()),
-            Cell::number(pace.seconds),
-            Cell::number(pace.times_real_time(simulated_s)),
-            Cell::number(pace.speed_up(speed)),
+            ReportCell::text(pace.threads.to_string()),
+            ReportCell::number(pace.seconds),
+            ReportCell::number(pace.times_real_time(simulated_s)),
+            ReportCell::number(pace.speed_up(speed)),
         ]);
     }
     let alone = "counterpoise fra --scaling measures the map on fewer threads as well; the map is the same to the last bit.";
-    (!speed.is_empty()).then(|| Section::new("How fast it was measured").saying(alone).listing(table))
+    (!speed.is_empty())
+        .then(|| ReportSection::new("How fast it was measured").with_text(alone).with_table(table))
 }
 
 fn beside_models(map: &ResponseMap, family: &AmplitudePoints, colour: Colour) -> Figure {
@@ -216,51 +220,51 @@ fn tiles(map: &ResponseMap) -> Vec<FigureTile> {
 }
 
 /// Returns one row an amplitude: where the gain is largest, and how far the models are from the measurement.
-fn extremes(map: &ResponseMap) -> Table {
+fn extremes(map: &ResponseMap) -> ReportTable {
     let columns = [
-        Column::Text("amplitude"),
-        Column::Number("largest gain [dB]"),
-        Column::Number("at [Hz]"),
-        Column::Number("linear [dB]"),
-        Column::Number("describing [dB]"),
+        ReportColumn::Text("amplitude"),
+        ReportColumn::Number("largest gain [dB]"),
+        ReportColumn::Number("at [Hz]"),
+        ReportColumn::Number("linear [dB]"),
+        ReportColumn::Number("describing [dB]"),
     ];
-    let mut table = Table::new(
+    let mut table = ReportTable::new(
         "Each amplitude; linear, describing: how far those models are off, median of the gain",
         &columns,
     );
     for group in map.points_by_amplitude() {
         let highest = group.highest_point();
         table.rows.push(vec![
-            Cell::text(label(map, group.amplitude)),
-            Cell::number(highest.map_or(f64::NAN, |p| p.gain_db)),
-            Cell::number(highest.map_or(f64::NAN, |p| p.frequency_hz)),
-            Cell::number(group.linear_error_db()),
-            Cell::number(group.describing_error_db()),
+            ReportCell::text(label(map, group.amplitude)),
+            ReportCell::number(highest.map_or(f64::NAN, |p| p.gain_db)),
+            ReportCell::number(highest.map_or(f64::NAN, |p| p.frequency_hz)),
+            ReportCell::number(group.linear_error_db()),
+            ReportCell::number(group.describing_error_db()),
         ]);
     }
     table
 }
 
-fn points_table(map: &ResponseMap) -> Table {
+fn points_table(map: &ResponseMap) -> ReportTable {
     let columns = [
-        Column::Number("amplitude"),
-        Column::Number("frequency [Hz]"),
-        Column::Number("gain [dB]"),
-        Column::Number("phase [deg]"),
-        Column::Number("harmonics [%]"),
-        Column::Number("cycles"),
-        Column::Text("settled"),
+        ReportColumn::Number("amplitude"),
+        ReportColumn::Number("frequency [Hz]"),
+        ReportColumn::Number("gain [dB]"),
+        ReportColumn::Number("phase [deg]"),
+        ReportColumn::Number("harmonics [%]"),
+        ReportColumn::Number("cycles"),
+        ReportColumn::Text("settled"),
     ];
-    let mut table = Table::new(&format!("Amplitudes in {}", map.signals.input_unit), &columns);
+    let mut table = ReportTable::new(&format!("Amplitudes in {}", map.signals.input_unit), &columns);
     for p in map.points.iter() {
         table.rows.push(vec![
-            Cell::number(p.amplitude),
-            Cell::number(p.frequency_hz),
-            Cell::number(p.gain_db),
-            Cell::number(p.phase_deg),
-            Cell::number(100.0 * p.distortion),
-            Cell::number(p.cycles as f64),
-            Cell::text(if p.settled { "yes" } else { "no" }),
+            ReportCell::number(p.amplitude),
+            ReportCell::number(p.frequency_hz),
+            ReportCell::number(p.gain_db),
+            ReportCell::number(p.phase_deg),
+            ReportCell::number(100.0 * p.distortion),
+            ReportCell::number(p.cycles as f64),
+            ReportCell::text(if p.settled { "yes" } else { "no" }),
         ]);
     }
     table

@@ -3,7 +3,10 @@
 use std::fmt::Write as _;
 
 use crate::style::PAGE_CSS;
-use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table};
+use crate::{
+    FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection,
+    ReportTable,
+};
 use counterpoise_plot::svg::{self, escape_xml};
 use counterpoise_plot::{Figure, Theme, css};
 
@@ -100,7 +103,7 @@ impl Page {
         ));
     }
 
-    fn contents(&mut self, sections: &[Section]) {
+    fn contents(&mut self, sections: &[ReportSection]) {
         self.put("<nav>");
         for (number, section) in sections.iter().enumerate() {
             self.form(format_args!("<a href=\"#s{}\">{}</a>", number + 1, escape_xml(&section.heading)));
@@ -108,7 +111,7 @@ impl Page {
         self.put("</nav>\n");
     }
 
-    fn section(&mut self, number: usize, section: &Section) {
+    fn section(&mut self, number: usize, section: &ReportSection) {
         self.form(format_args!(
             "<section id=\"s{0}\"><h2>{0}. {1}</h2>\n",
             number + 1,
@@ -144,7 +147,7 @@ impl Page {
         self.put("</figure>\n");
     }
 
-    fn table(&mut self, table: &Table) {
+    fn table(&mut self, table: &ReportTable) {
         self.put("<div class=\"table\"><table>");
         if !table.caption.is_empty() {
             self.form(format_args!("<caption>{}</caption>", escape_xml(&table.caption)));
@@ -161,7 +164,7 @@ impl Page {
         self.put("</tbody></table></div>\n");
     }
 
-    fn row(&mut self, columns: &[Column], row: &[Cell]) {
+    fn row(&mut self, columns: &[ReportColumn], row: &[ReportCell]) {
         self.put("<tr>");
         for (column, cell) in columns.iter().zip(row) {
             let (class, _) = class_and_name(*column);
@@ -179,14 +182,14 @@ impl Page {
     }
 }
 
-fn cell_markup(cell: &Cell) -> String {
+fn cell_markup(cell: &ReportCell) -> String {
     match cell {
-        Cell::Text(text) => escape_xml(text),
-        Cell::Verdict(tone, text) => {
+        ReportCell::Text(text) => escape_xml(text),
+        ReportCell::Verdict(tone, text) => {
             let (class, sign) = class_and_sign(*tone);
             format!("<span class=\"chip {class}\">{sign}\u{A0}{}</span>", escape_xml(text))
         }
-        Cell::Room(tone, part, text) => {
+        ReportCell::Room(tone, part, text) => {
             let (class, _) = class_and_sign(*tone);
             let percent = (100.0 * part.clamp(0.0, 1.0)).round();
             format!(
@@ -205,10 +208,10 @@ fn unit_in_one_piece(name: &str) -> String {
     }
 }
 
-fn class_and_name(column: Column) -> (&'static str, &'static str) {
+fn class_and_name(column: ReportColumn) -> (&'static str, &'static str) {
     match column {
-        Column::Text(name) => ("words", name),
-        Column::Number(name) => ("number", name),
+        ReportColumn::Text(name) => ("words", name),
+        ReportColumn::Number(name) => ("number", name),
     }
 }
 
@@ -233,10 +236,12 @@ mod tests {
             Axis::linear("time", "s"),
             vec![Panel::new(Axis::linear("rate", "rad/s"), vec![series])],
         );
-        let mut verdicts = Table::new("Verdicts", &[Column::Text("requirement"), Column::Text("verdict")]);
-        verdicts
-            .rows
-            .push(vec![Cell::text("a < b"), Cell::Verdict(OutcomeTone::Bad, "fails by 3".to_owned())]);
+        let mut verdicts =
+            ReportTable::new("Verdicts", &[ReportColumn::Text("requirement"), ReportColumn::Text("verdict")]);
+        verdicts.rows.push(vec![
+            ReportCell::text("a < b"),
+            ReportCell::Verdict(OutcomeTone::Bad, "fails by 3".to_owned()),
+        ]);
         Report {
             title: "rig <one>".to_owned(),
             subtitle: String::new(),
@@ -248,7 +253,7 @@ mod tests {
             tiles: vec![],
             verdicts,
             glance: vec![figure.clone()],
-            sections: vec![Section::new("Step response").saying("as & when").showing([figure])],
+            sections: vec![ReportSection::new("Step response").with_text("as & when").with_figures([figure])],
             provenance: vec![ProvenanceEntry::new("version", "1")],
         }
     }

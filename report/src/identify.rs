@@ -4,7 +4,10 @@ use crate::wording::identification::{AmplifierText, IdentificationText};
 use counterpoise_diagnose::identification::{Estimate, FrictionPicture, GainPoint};
 use counterpoise_pipeline::recordings::AxisUnits;
 
-use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table};
+use crate::{
+    FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection,
+    ReportTable,
+};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Band, Colour, Figure, Mark, Panel, Series};
 
@@ -23,10 +26,12 @@ pub fn identification_report(
     let (first, others) = loops.split_at(loops.len().min(1));
     let mut sections = Vec::new();
     if !others.is_empty() {
-        sections.push(Section::new("Control against rate").showing(others.to_vec()));
+        sections.push(ReportSection::new("Control against rate").with_figures(others.to_vec()));
     }
     sections.push(amplifier_section(&found.amplifier, command));
-    sections.push(found.notes.iter().fold(Section::new("To be known with the numbers"), |s, n| s.saying(n)));
+    sections.push(
+        found.notes.iter().fold(ReportSection::new("To be known with the numbers"), |s, n| s.with_text(n)),
+    );
     Report {
         title: format!("Identification of {machine}"),
         subtitle: "out-of-balance, friction, inertia and amplifier, from recordings in closed loop"
@@ -34,7 +39,7 @@ pub fn identification_report(
         headline: headline(found, units),
         tiles: tiles(found, units),
         verdicts: estimates(found, units),
-        glance: first.iter().map(|figure| explained(figure, found, units)).collect(),
+        glance: first.iter().map(|figure| explain_figure(figure, found, units)).collect(),
         sections,
         provenance: vec![
             ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
@@ -44,7 +49,7 @@ pub fn identification_report(
 }
 
 fn headline(found: &IdentificationText, units: &AxisUnits) -> Headline {
-    let moved: Vec<&str> = named(found, units)
+    let moved: Vec<&str> = named_estimates(found, units)
         .into_iter()
         .filter(|(name, e, _)| *name != BREAKAWAY && e.before.is_finite() && !e.holds(e.before))
         .map(|(name, _, _)| name)
@@ -62,7 +67,10 @@ fn headline(found: &IdentificationText, units: &AxisUnits) -> Headline {
 }
 
 /// Returns every estimate with its name and unit.
-fn named(found: &IdentificationText, units: &AxisUnits) -> Vec<(&'static str, Estimate, &'static str)> {
+fn named_estimates(
+    found: &IdentificationText,
+    units: &AxisUnits,
+) -> Vec<(&'static str, Estimate, &'static str)> {
     let mut out = Vec::new();
     for (state, b) in found.balances.iter().enumerate() {
         let names = if state == 0 {
@@ -90,25 +98,30 @@ fn tiles(found: &IdentificationText, units: &AxisUnits) -> Vec<FigureTile> {
         FigureTile::plain(name, short_number(e.value), unit)
             .with_note(&format!("± {}", short_number(e.half_width())))
     };
-    named(found, units).into_iter().filter(|(name, ..)| !name.contains("other")).take(4).map(tile).collect()
+    named_estimates(found, units)
+        .into_iter()
+        .filter(|(name, ..)| !name.contains("other"))
+        .take(4)
+        .map(tile)
+        .collect()
 }
 
-fn estimates(found: &IdentificationText, units: &AxisUnits) -> Table {
+fn estimates(found: &IdentificationText, units: &AxisUnits) -> ReportTable {
     let columns = [
-        Column::Text("value"),
-        Column::Number("identified"),
-        Column::Number("95 % interval"),
-        Column::Number("project"),
-        Column::Text("unit"),
+        ReportColumn::Text("value"),
+        ReportColumn::Number("identified"),
+        ReportColumn::Number("95 % interval"),
+        ReportColumn::Number("project"),
+        ReportColumn::Text("unit"),
     ];
-    let mut table = Table::new("Identified, all torques at the hub", &columns);
-    for (name, e, unit) in named(found, units) {
+    let mut table = ReportTable::new("Identified, all torques at the hub", &columns);
+    for (name, e, unit) in named_estimates(found, units) {
         table.rows.push(vec![
-            Cell::text(name),
-            Cell::number(e.value),
-            Cell::text(format!("{} to {}", interval_end(e.ci95[0]), interval_end(e.ci95[1]))),
-            if e.before.is_finite() { Cell::number(e.before) } else { Cell::text("") },
-            Cell::text(unit),
+            ReportCell::text(name),
+            ReportCell::number(e.value),
+            ReportCell::text(format!("{} to {}", interval_end(e.ci95[0]), interval_end(e.ci95[1]))),
+            if e.before.is_finite() { ReportCell::number(e.before) } else { ReportCell::text("") },
+            ReportCell::text(unit),
         ]);
     }
     table
@@ -148,7 +161,7 @@ fn loop_figure(picture: &FrictionPicture, found: &IdentificationText, drawn: Dra
 }
 
 /// Returns the same figure with how it is read.
-fn explained(figure: &Figure, found: &IdentificationText, units: &AxisUnits) -> Figure {
+fn explain_figure(figure: &Figure, found: &IdentificationText, units: &AxisUnits) -> Figure {
     let l = &found.lobes;
     figure.clone().with_caption(&format!(
         "Offset: out-of-balance. Step at rate zero ({:.2} V): twice the Coulomb friction. Slope of the lobes ({:.2} {}): \
@@ -157,19 +170,19 @@ fn explained(figure: &Figure, found: &IdentificationText, units: &AxisUnits) -> 
     ))
 }
 
-fn amplifier_section(amplifier: &AmplifierText, command: &str) -> Section {
-    let section = Section::new("Amplifier");
+fn amplifier_section(amplifier: &AmplifierText, command: &str) -> ReportSection {
+    let section = ReportSection::new("Amplifier");
     let points = amplifier.points();
     let text = match amplifier {
         AmplifierText::Curve { .. } => "Its gain curve departs from the project's.".to_owned(),
         AmplifierText::AsInProject { .. } => "Its gain curve is the project's.".to_owned(),
         AmplifierText::NotIdentifiable { why } => format!("Not identifiable: {why}."),
     };
-    let section = section.saying(text);
+    let section = section.with_text(text);
     if points.is_empty() {
         return section;
     }
-    section.showing([curve_figure(points, command)]).listing(curve_table(points))
+    section.with_figures([curve_figure(points, command)]).with_table(curve_table(points))
 }
 
 fn curve_figure(points: &[GainPoint], command: &str) -> Figure {
@@ -192,22 +205,22 @@ fn curve_figure(points: &[GainPoint], command: &str) -> Figure {
     Figure { command: command.to_owned(), ..figure }
 }
 
-fn curve_table(points: &[GainPoint]) -> Table {
+fn curve_table(points: &[GainPoint]) -> ReportTable {
     let columns = [
-        Column::Number("input [V]"),
-        Column::Number("current [A]"),
-        Column::Number("95 % interval [A]"),
-        Column::Number("project [A]"),
-        Column::Number("scatter [A]"),
+        ReportColumn::Number("input [V]"),
+        ReportColumn::Number("current [A]"),
+        ReportColumn::Number("95 % interval [A]"),
+        ReportColumn::Number("project [A]"),
+        ReportColumn::Number("scatter [A]"),
     ];
-    let mut table = Table::new("Points of the gain curve, recovered without a stall test", &columns);
+    let mut table = ReportTable::new("Points of the gain curve, recovered without a stall test", &columns);
     for q in points {
         table.rows.push(vec![
-            Cell::number(q.input_v),
-            Cell::number(q.current_a),
-            Cell::text(format!("{:.3} to {:.3}", q.ci95_a[0], q.ci95_a[1])),
-            Cell::number(q.linear_a),
-            Cell::number(q.scatter_a),
+            ReportCell::number(q.input_v),
+            ReportCell::number(q.current_a),
+            ReportCell::text(format!("{:.3} to {:.3}", q.ci95_a[0], q.ci95_a[1])),
+            ReportCell::number(q.linear_a),
+            ReportCell::number(q.scatter_a),
         ]);
     }
     table

@@ -5,34 +5,34 @@ use counterpoise_plot::{Axis, Band, Colour, Figure, Panel, Series};
 use counterpoise_diagnose::learning::reading::ReadElement;
 
 use crate::wording::learned::{LearnedFunctionText, LearnedText, describe_elements};
-use crate::{Cell, Column, Section, Table};
+use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 
 /// Returns the section on a model without a name.
-pub(super) fn learned_section(learned: &LearnedText) -> Section {
-    functions_section("A model of what has no name", &learned.functions).saying(learned.summary.clone())
+pub(super) fn learned_section(learned: &LearnedText) -> ReportSection {
+    functions_section("A model of what has no name", &learned.functions).with_text(learned.summary.clone())
 }
 
 /// Returns the section on the free functions of a plant; `None` if it has none.
-pub(super) fn elements_section(elements: &[ReadElement]) -> Option<Section> {
+pub(super) fn elements_section(elements: &[ReadElement]) -> Option<ReportSection> {
     let functions = describe_elements(elements);
     (!functions.is_empty()).then(|| functions_section("Free functions of the plant", &functions))
 }
 
-fn functions_section(title: &str, functions: &[LearnedFunctionText]) -> Section {
+fn functions_section(title: &str, functions: &[LearnedFunctionText]) -> ReportSection {
     let columns = [
-        Column::Text("place"),
-        Column::Text("quantity"),
-        Column::Text("over"),
-        Column::Text("reading"),
-        Column::Text("range"),
+        ReportColumn::Text("place"),
+        ReportColumn::Text("quantity"),
+        ReportColumn::Text("over"),
+        ReportColumn::Text("reading"),
+        ReportColumn::Text("range"),
     ];
-    let mut table = Table::new("Modelled, without a name", &columns);
+    let mut table = ReportTable::new("Modelled, without a name", &columns);
     for function in functions {
         let texts =
             [function.place, function.quantity, function.variable, &function.reading, &function.range];
-        table.rows.push(texts.iter().map(|text| Cell::text(*text)).collect());
+        table.rows.push(texts.iter().map(|text| ReportCell::text(*text)).collect());
     }
-    Section::new(title).listing(table).showing(functions.iter().map(curve))
+    ReportSection::new(title).with_table(table).with_figures(functions.iter().map(curve))
 }
 
 /// Returns the curve of a function.

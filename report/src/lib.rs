@@ -53,6 +53,7 @@ pub mod wording;
 pub use design::{of_design, of_synthesis};
 pub use html::html_page;
 pub use page::{
-    Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportOrigin, Section, Table,
+    FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportOrigin,
+    ReportSection, ReportTable,
 };
 pub use verification::{VerificationContext, of_verification};

@@ -8,24 +8,24 @@ use counterpoise_plot::{Figure, HeatMap, HeatRow};
 use ndarray::Array2;
 
 use crate::wording::name_in_words;
-use crate::{Cell, Column, Section, Table};
+use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 
 /// Returns the section on localisation.
-pub(super) fn localisation_section(answer: &AnswerText) -> Section {
-    let mut balances = Table::new(
+pub(super) fn localisation_section(answer: &AnswerText) -> ReportSection {
+    let mut balances = ReportTable::new(
         "Balances that these sensors allow, and the components that each can see",
-        &[Column::Text("balance"), Column::Text("available"), Column::Text("sees")],
+        &[ReportColumn::Text("balance"), ReportColumn::Text("available"), ReportColumn::Text("sees")],
     );
     for row in &answer.isolability {
         let available = if row.available { "yes" } else { "no" };
         balances.rows.push(vec![
-            Cell::text(row.balance.name()),
-            Cell::text(available),
-            Cell::text(name_in_words(&component_list(&row.sees))),
+            ReportCell::text(row.balance.name()),
+            ReportCell::text(available),
+            ReportCell::text(name_in_words(&component_list(&row.sees))),
         ]);
     }
-    let section = Section::new("Where and when").listing(balances);
-    if answer.map.is_empty() { section } else { section.showing([where_when(answer)]) }
+    let section = ReportSection::new("Where and when").with_table(balances);
+    if answer.map.is_empty() { section } else { section.with_figures([where_when(answer)]) }
 }
 
 /// Component x regime.

@@ -9,7 +9,7 @@ use counterpoise_verify::Verification;
 use counterpoise_verify::linear::MarginKind;
 use counterpoise_verify::linear::{LoopCause, LoopEffect, LoopResponse};
 
-use crate::Section;
+use crate::ReportSection;
 use crate::bode::{BodeCurve, PhasePanel, ResponsePoint, bode_figure};
 use crate::wording::capitalise_first;
 
@@ -23,18 +23,18 @@ const DAMPINGS: [f64; 3] = [0.3, 0.5, 0.7];
 const HEIGHT: f64 = 380.0;
 
 /// Returns the section with the charts of the plane and the responses of the closed loop.
-pub fn charts_section(found: &Verification, view: &LoopView) -> Section {
-    Section::new("The loop in the complex plane")
-        .saying(
+pub fn charts_section(found: &Verification, view: &LoopView) -> ReportSection {
+    ReportSection::new("The loop in the complex plane")
+        .with_text(
             "The same loop as above. The curve has to pass the critical point, -1 or -180 degrees and 0 dB, outside the outlined region; \
              how far it stays away is what the margins measure.",
         )
-        .showing([
+        .with_figures([
             nichols_chart(view),
             nyquist_chart(view, found.evidence.margins.disk.alpha),
             locus_chart(&view.locus),
         ])
-        .showing(response_charts(found))
+        .with_figures(response_charts(found))
 }
 
 fn pairs(points: &ChartPoints) -> impl Iterator<Item = (f64, f64)> + '_ {

@@ -6,7 +6,10 @@ use counterpoise_pipeline::studies::accuracy::Accuracy;
 
 use crate::check::assumptions_section;
 use crate::learned::elements_section;
-use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table};
+use crate::{
+    FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection,
+    ReportTable,
+};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
@@ -17,7 +20,7 @@ pub fn model_report(
     accuracy: &[Accuracy],
     command: &str,
 ) -> Report {
-    let mut sections: Vec<Section> = Vec::new();
+    let mut sections: Vec<ReportSection> = Vec::new();
     if !views.modes.is_empty() {
         sections.push(modes_section(&views.modes, command));
     }
@@ -76,40 +79,40 @@ fn tiles(result: &ModelResult, views: &PlantViews) -> Vec<FigureTile> {
     out
 }
 
-fn poles(result: &ModelResult) -> Table {
-    let columns = [Column::Number("frequency [Hz]"), Column::Number("damping ratio")];
-    let mut table = Table::new("Poles of the linear plant", &columns);
+fn poles(result: &ModelResult) -> ReportTable {
+    let columns = [ReportColumn::Number("frequency [Hz]"), ReportColumn::Number("damping ratio")];
+    let mut table = ReportTable::new("Poles of the linear plant", &columns);
     let mut rising = result.pole_figures();
     rising.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
     for pole in rising {
-        table.rows.push(vec![Cell::number(pole.frequency_hz), Cell::number(pole.damping_ratio)]);
+        table.rows.push(vec![ReportCell::number(pole.frequency_hz), ReportCell::number(pole.damping_ratio)]);
     }
     table
 }
 
-fn modes_section(sets: &[ModeSet], command: &str) -> Section {
+fn modes_section(sets: &[ModeSet], command: &str) -> ReportSection {
     let columns = [
-        Column::Text("hub"),
-        Column::Number("mode"),
-        Column::Number("frequency [Hz]"),
-        Column::Number("effective mass, heave [kg]"),
-        Column::Number("effective inertia, pitch [kg m\u{B2}]"),
+        ReportColumn::Text("hub"),
+        ReportColumn::Number("mode"),
+        ReportColumn::Number("frequency [Hz]"),
+        ReportColumn::Number("effective mass, heave [kg]"),
+        ReportColumn::Number("effective inertia, pitch [kg m\u{B2}]"),
     ];
-    let mut table = Table::new("Flexible modes by how the hub is held", &columns);
+    let mut table = ReportTable::new("Flexible modes by how the hub is held", &columns);
     for set in sets {
         for (k, mode) in set.modes.iter().enumerate() {
             table.rows.push(vec![
-                Cell::text(set.support),
-                Cell::text((k + 1).to_string()),
-                Cell::number(mode.frequency_hz),
-                Cell::number(mode.effective_mass_kg),
-                Cell::number(mode.effective_inertia_kg_m2),
+                ReportCell::text(set.support),
+                ReportCell::text((k + 1).to_string()),
+                ReportCell::number(mode.frequency_hz),
+                ReportCell::number(mode.effective_mass_kg),
+                ReportCell::number(mode.effective_inertia_kg_m2),
             ]);
         }
     }
-    Section::new("Modes of the structure")
-        .showing(sets.iter().filter(|set| set.support != "pinned").map(|set| shapes(set, command)))
-        .listing(table)
+    ReportSection::new("Modes of the structure")
+        .with_figures(sets.iter().filter(|set| set.support != "pinned").map(|set| shapes(set, command)))
+        .with_table(table)
 }
 
 fn shapes(set: &ModeSet, command: &str) -> Figure {
@@ -124,13 +127,13 @@ fn shapes(set: &ModeSet, command: &str) -> Figure {
     Figure { command: command.to_owned(), ..figure }
 }
 
-fn meshes_section(meshes: &MeshComparison, command: &str) -> Section {
-    let mut columns = vec![Column::Text("elements")];
-    columns.extend(MODE_HEADS.iter().take(meshes.reference_hz.len()).map(|head| Column::Number(head)));
-    let mut table = Table::new("Frequencies over the reference's, free at both ends", &columns);
+fn meshes_section(meshes: &MeshComparison, command: &str) -> ReportSection {
+    let mut columns = vec![ReportColumn::Text("elements")];
+    columns.extend(MODE_HEADS.iter().take(meshes.reference_hz.len()).map(|head| ReportColumn::Number(head)));
+    let mut table = ReportTable::new("Frequencies over the reference's, free at both ends", &columns);
     let row = |name: String, values: Vec<String>| {
         let filled = values.into_iter().chain(std::iter::repeat(String::new())).take(columns.len() - 1);
-        std::iter::once(name).chain(filled).map(Cell::text).collect()
+        std::iter::once(name).chain(filled).map(ReportCell::text).collect()
     };
     let hertz = meshes.reference_hz.iter().map(|hz| short_number(*hz)).collect();
     table.rows.push(row(format!("{} tapered [Hz]", meshes.reference), hertz));
@@ -138,13 +141,13 @@ fn meshes_section(meshes: &MeshComparison, command: &str) -> Section {
         let ratios = mesh.ratios.iter().map(|r| format!("{r:.4}")).collect();
         table.rows.push(row(format!("{} {}", mesh.elements, mesh.kind), ratios));
     }
-    Section::new("How many elements")
-        .saying(
+    ReportSection::new("How many elements")
+        .with_text(
             "Uniform elements have the mean diameter of the stretch that they stand for, tapered ones its true cross section by \
              quadrature: their frequencies are never below the beam's.",
         )
-        .showing([convergence(meshes, command)])
-        .listing(table)
+        .with_figures([convergence(meshes, command)])
+        .with_table(table)
 }
 
 /// Heads of the table's columns.
@@ -182,21 +185,21 @@ fn convergence(meshes: &MeshComparison, command: &str) -> Figure {
     Figure { command: command.to_owned(), ..figure.with_caption(&caption) }
 }
 
-fn accuracy_section(all: &[Accuracy], command: &str) -> Section {
+fn accuracy_section(all: &[Accuracy], command: &str) -> ReportSection {
     let sticking: Vec<&Accuracy> = all.iter().filter(|a| a.sticks).collect();
     let others: Vec<&Accuracy> = all.iter().filter(|a| !a.sticks && a.name != CONTACT).collect();
     let mut figures = vec![errors("Laws that truly stick", &sticking), errors("Laws that yield", &others)];
     figures.extend(all.iter().find(|a| a.name == CONTACT).map(contact_errors));
     figures.iter_mut().for_each(|figure| command.clone_into(&mut figure.command));
-    Section::new("How exactly it is simulated")
-        .saying(
+    ReportSection::new("How exactly it is simulated")
+        .with_text(
             "This machine with every law of friction in turn at its pivot, and nearly balanced with a gap between its teeth, set in motion \
              from rest on a platform that pitches and heaves: the largest error of the hub rate relative to its largest value. It is \
              compared with a second method, the classical Runge-Kutta method in a thousand steps for one of ours, which finds the \
              instants of its own changes; its own error stands in the table.",
         )
-        .showing(figures)
-        .listing(accuracy_table(all))
+        .with_figures(figures)
+        .with_table(accuracy_table(all))
 }
 
 /// Name of the case in which teeth part and meet.
@@ -234,23 +237,23 @@ fn contact_errors(contact: &Accuracy) -> Figure {
     )
 }
 
-fn accuracy_table(all: &[Accuracy]) -> Table {
+fn accuracy_table(all: &[Accuracy]) -> ReportTable {
     let columns = [
-        Column::Text("law"),
-        Column::Number("error, longest"),
-        Column::Number("error, shortest"),
-        Column::Number("order, steps as they are"),
-        Column::Number("second method"),
+        ReportColumn::Text("law"),
+        ReportColumn::Number("error, longest"),
+        ReportColumn::Number("error, shortest"),
+        ReportColumn::Number("order, steps as they are"),
+        ReportColumn::Number("second method"),
     ];
-    let mut table = Table::new(&format!("Errors with samples of {}", span(all)), &columns);
+    let mut table = ReportTable::new(&format!("Errors with samples of {}", span(all)), &columns);
     let small = |value: Option<&f64>| value.map_or("-".to_owned(), |v| format!("{v:.1e}"));
     for law in all {
         table.rows.push(vec![
-            Cell::text(law.name),
-            Cell::text(small(law.error.first())),
-            Cell::text(small(law.error.last())),
-            Cell::text(law.order.map_or("exact".to_owned(), |order| format!("{order:.1}"))),
-            Cell::text(small(Some(&law.second_method))),
+            ReportCell::text(law.name),
+            ReportCell::text(small(law.error.first())),
+            ReportCell::text(small(law.error.last())),
+            ReportCell::text(law.order.map_or("exact".to_owned(), |order| format!("{order:.1}"))),
+            ReportCell::text(small(Some(&law.second_method))),
         ]);
     }
     table
@@ -270,7 +273,7 @@ fn span(all: &[Accuracy]) -> String {
 /// Loops in order of swing that have not slid: those below the one whose torque no longer grows.
 const PRESLIDING: usize = 3;
 
-fn friction_section(friction: &FrictionView, command: &str) -> Section {
+fn friction_section(friction: &FrictionView, command: &str) -> ReportSection {
     let place = friction.place;
     let steady = friction.steady.iter().map(|p| (p[0], p[1]));
     let mut figures = vec![
@@ -281,14 +284,14 @@ fn friction_section(friction: &FrictionView, command: &str) -> Section {
         )
         .with_caption("The torque after a long time at a constant rate, viscous part included."),
     ];
-    let mut section = Section::new(&format!("Friction at the {place}"));
+    let mut section = ReportSection::new(&format!("Friction at the {place}"));
     let loops: Vec<&FrictionLoop> = friction.loops.iter().filter(|l| !l.points.is_empty()).collect();
     if !loops.is_empty() {
         figures.extend(loop_figures(place, &loops));
-        section = section.listing(losses(&loops));
+        section = section.with_table(losses(&loops));
     }
     figures.iter_mut().for_each(|figure| command.clone_into(&mut figure.command));
-    section.showing(figures)
+    section.with_figures(figures)
 }
 
 fn torques(series: Vec<Series>) -> Panel {
@@ -321,18 +324,18 @@ fn loop_figures(place: &str, loops: &[&FrictionLoop]) -> [Figure; 3] {
     ]
 }
 
-fn losses(loops: &[&FrictionLoop]) -> Table {
+fn losses(loops: &[&FrictionLoop]) -> ReportTable {
     let columns = [
-        Column::Number("swing [mrad]"),
-        Column::Number("largest torque [N m]"),
-        Column::Number("lost in a period [J]"),
-        Column::Number("equivalent viscous damping at 1 Hz [N m s/rad]"),
+        ReportColumn::Number("swing [mrad]"),
+        ReportColumn::Number("largest torque [N m]"),
+        ReportColumn::Number("lost in a period [J]"),
+        ReportColumn::Number("equivalent viscous damping at 1 Hz [N m s/rad]"),
     ];
-    let mut table = Table::new("Loops under a 1 Hz sine", &columns);
+    let mut table = ReportTable::new("Loops under a 1 Hz sine", &columns);
     for one in loops {
         let cells =
             [1e3 * one.amplitude_rad, one.largest_torque_nm, one.lost_j, one.equivalent_damping_nm_s_rad];
-        table.rows.push(cells.iter().map(|value| Cell::number(*value)).collect());
+        table.rows.push(cells.iter().map(|value| ReportCell::number(*value)).collect());
     }
     table
 }

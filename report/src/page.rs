@@ -15,11 +15,11 @@ pub struct Report {
     /// The few numbers that a reader wants first.
     pub tiles: Vec<FigureTile>,
     /// Tables of the first screen: the verdicts.
-    pub verdicts: Table,
+    pub verdicts: ReportTable,
     /// Figures of the first screen, beside the verdicts.
     pub glance: Vec<Figure>,
     /// The evidence.
-    pub sections: Vec<Section>,
+    pub sections: Vec<ReportSection>,
     /// Where the report comes from: version, project, command.
     pub provenance: Vec<ProvenanceEntry>,
 }
@@ -88,7 +88,7 @@ pub enum OutcomeTone {
 
 /// A part of the evidence.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Section {
+pub struct ReportSection {
     /// Its heading.
     pub heading: String,
     /// Paragraphs of plain text.
@@ -96,23 +96,23 @@ pub struct Section {
     /// Figures, in order.
     pub figures: Vec<Figure>,
     /// Tables, in order.
-    pub tables: Vec<Table>,
+    pub tables: Vec<ReportTable>,
 }
 
 /// A table.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Table {
+pub struct ReportTable {
     /// What it shows; may be empty.
     pub caption: String,
     /// Its columns.
-    pub columns: Vec<Column>,
+    pub columns: Vec<ReportColumn>,
     /// Its rows, each as long as `columns`.
-    pub rows: Vec<Vec<Cell>>,
+    pub rows: Vec<Vec<ReportCell>>,
 }
 
 /// A column of a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Column {
+pub enum ReportColumn {
     /// Text, to the left.
     Text(&'static str),
     /// Numbers, to the right.
@@ -121,7 +121,7 @@ pub enum Column {
 
 /// A cell of a table.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Cell {
+pub enum ReportCell {
     /// Words or an already formatted number.
     Text(String),
     /// A verdict in words with its sign and colour.
@@ -167,46 +167,46 @@ impl FigureTile {
     }
 }
 
-impl Cell {
+impl ReportCell {
     /// Returns a cell of text.
     pub fn text(text: impl Into<String>) -> Self {
-        Cell::Text(text.into())
+        ReportCell::Text(text.into())
     }
 
     /// Returns a number with four significant digits.
     pub fn number(value: f64) -> Self {
-        Cell::Text(counterpoise_plot::number::short_number(value))
+        ReportCell::Text(counterpoise_plot::number::short_number(value))
     }
 }
 
-impl Section {
+impl ReportSection {
     /// Returns a section without content.
     pub fn new(heading: &str) -> Self {
         Self { heading: heading.to_owned(), text: Vec::new(), figures: Vec::new(), tables: Vec::new() }
     }
 
     /// Returns the same section with one more paragraph.
-    pub fn saying(mut self, text: impl Into<String>) -> Self {
+    pub fn with_text(mut self, text: impl Into<String>) -> Self {
         self.text.push(text.into());
         self
     }
 
     /// Returns the same section with more figures.
-    pub fn showing(mut self, figures: impl IntoIterator<Item = Figure>) -> Self {
+    pub fn with_figures(mut self, figures: impl IntoIterator<Item = Figure>) -> Self {
         self.figures.extend(figures);
         self
     }
 
     /// Returns the same section with one more table.
-    pub fn listing(mut self, table: Table) -> Self {
+    pub fn with_table(mut self, table: ReportTable) -> Self {
         self.tables.push(table);
         self
     }
 }
 
-impl Table {
+impl ReportTable {
     /// Returns a table without rows.
-    pub fn new(caption: &str, columns: &[Column]) -> Self {
+    pub fn new(caption: &str, columns: &[ReportColumn]) -> Self {
         Self { caption: caption.to_owned(), columns: columns.to_vec(), rows: Vec::new() }
     }
 }

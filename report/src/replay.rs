@@ -6,12 +6,15 @@ use std::collections::BTreeMap;
 use counterpoise_pipeline::recordings::ReplayedRecording;
 use counterpoise_pipeline::results::{ChannelResult, RecordingResult, ReplayResult};
 
-use counterpoise_pipeline::recordings::tracks::Track;
+use counterpoise_pipeline::recordings::tracks::ChannelTrack;
 
 use crate::diagnosis::{comparison, worst_track};
 use crate::tolerance::FITS_FLOORS;
 use crate::wording::recordings::describe_replay_mode;
-use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table};
+use crate::{
+    FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection,
+    ReportTable,
+};
 
 /// Returns the report of replayed recordings and their result.
 pub fn replay_report(
@@ -20,7 +23,7 @@ pub fn replay_report(
     result: &ReplayResult,
     replayed: &[ReplayedRecording],
 ) -> Report {
-    let all: Vec<Track> = replayed.iter().flat_map(|one| &one.tracks).cloned().collect();
+    let all: Vec<ChannelTrack> = replayed.iter().flat_map(|one| &one.tracks).cloned().collect();
     Report {
         title: title.to_owned(),
         subtitle: "what the model does under what was recorded".to_owned(),
@@ -43,7 +46,7 @@ fn largest(channels: &BTreeMap<&'static str, ChannelResult>) -> Option<(f64, &'s
 }
 
 /// Returns the largest of all recordings, with its recording.
-fn worst(result: &ReplayResult) -> Option<(f64, &'static str, &str)> {
+fn largest_ratio(result: &ReplayResult) -> Option<(f64, &'static str, &str)> {
     let each = result.recordings.iter().filter_map(|r| {
         let (ratio, channel) = largest(&r.channels)?;
         Some((ratio, channel, name(&r.file)))
@@ -57,7 +60,7 @@ fn name(file: &str) -> &str {
 }
 
 fn headline(result: &ReplayResult) -> Headline {
-    let (tone, text) = match worst(result) {
+    let (tone, text) = match largest_ratio(result) {
         None => (OutcomeTone::Neutral, "No recorded channel can be compared with the model".to_owned()),
         Some((ratio, ..)) if ratio <= FITS_FLOORS => (
             OutcomeTone::Good,
@@ -84,7 +87,7 @@ fn tiles(result: &ReplayResult) -> Vec<FigureTile> {
     let count = result.recordings.len();
     let over = result.recordings.iter().filter(|r| r.window_s.is_some()).count();
     let mut out = Vec::new();
-    if let Some((ratio, channel, recording)) = worst(result) {
+    if let Some((ratio, channel, recording)) = largest_ratio(result) {
         let tile = FigureTile::plain("largest error over floor", format!("{ratio:.2}"), "");
         out.push(tile.with_note(&format!("{}, {recording}", channel.replace('_', " "))));
     }
@@ -93,46 +96,47 @@ fn tiles(result: &ReplayResult) -> Vec<FigureTile> {
     out
 }
 
-fn ways(result: &ReplayResult) -> Table {
+fn ways(result: &ReplayResult) -> ReportTable {
     let columns = [
-        Column::Text("recording"),
-        Column::Text("followed"),
-        Column::Text("largest error over floor"),
-        Column::Text("the same from start to end"),
-        Column::Text("two runs of the model diverge by"),
+        ReportColumn::Text("recording"),
+        ReportColumn::Text("followed"),
+        ReportColumn::Text("largest error over floor"),
+        ReportColumn::Text("the same from start to end"),
+        ReportColumn::Text("two runs of the model diverge by"),
     ];
-    let mut table = Table::new("How each recording was followed", &columns);
+    let mut table = ReportTable::new("How each recording was followed", &columns);
     let worst = |channels| largest(channels).map_or(String::new(), |(r, name)| format!("{r:.2} in {name}"));
     for r in &result.recordings {
         let way = r.window_s.map_or("from start to end".to_owned(), |s| format!("over windows of {s} s"));
         let free = if r.window_s.is_some() { &r.free } else { &r.channels };
         let parting = r.parting.map_or(String::new(), |p| format!("{:.1} floors in {}", p.floors, p.channel));
         let cells = [name(&r.file).to_owned(), way, worst(&r.channels), worst(free), parting];
-        table.rows.push(cells.into_iter().map(Cell::text).collect());
+        table.rows.push(cells.into_iter().map(ReportCell::text).collect());
     }
     table
 }
 
-fn section(recording: &RecordingResult, tracks: &[Track]) -> Section {
+fn section(recording: &RecordingResult, tracks: &[ChannelTrack]) -> ReportSection {
     let columns = [
-        Column::Text("channel"),
-        Column::Number("RMS error"),
-        Column::Number("floor"),
-        Column::Number("error over floor"),
-        Column::Number("VAF, %"),
+        ReportColumn::Text("channel"),
+        ReportColumn::Number("RMS error"),
+        ReportColumn::Number("floor"),
+        ReportColumn::Number("error over floor"),
+        ReportColumn::Number("VAF, %"),
     ];
-    let mut table = Table::new(&format!("Followed {}", describe_replay_mode(recording)), &columns);
+    let mut table = ReportTable::new(&format!("Followed {}", describe_replay_mode(recording)), &columns);
     for (channel, c) in &recording.channels {
         table.rows.push(vec![
-            Cell::text(*channel),
-            Cell::number(c.rms_error),
-            Cell::number(c.floor),
-            Cell::text(format!("{:.2}", c.residual_over_floor)),
-            Cell::text(format!("{:.4}", c.vaf)),
+            ReportCell::text(*channel),
+            ReportCell::number(c.rms_error),
+            ReportCell::number(c.floor),
+            ReportCell::text(format!("{:.2}", c.residual_over_floor)),
+            ReportCell::text(format!("{:.4}", c.vaf)),
         ]);
     }
     let figures = tracks.iter().filter(|t| matches!(t.channel, Channel::Control | Channel::HubRate));
-    let section = Section::new(name(&recording.file)).listing(table);
-    let section = recording.remarks.iter().fold(section, |section, remark| section.saying(remark.as_str()));
-    section.showing(figures.map(|track| comparison(track, "")))
+    let section = ReportSection::new(name(&recording.file)).with_table(table);
+    let section =
+        recording.remarks.iter().fold(section, |section, remark| section.with_text(remark.as_str()));
+    section.with_figures(figures.map(|track| comparison(track, "")))
 }

@@ -9,8 +9,8 @@ use counterpoise_recordings::Channel;
 use counterpoise_verify::signals::welch::Spectra;
 
 use crate::tolerance::COHERENT;
-use crate::{Cell, Column, OutcomeTone, Section, Table};
-use counterpoise_pipeline::recordings::tracks::{Track, TrackColumn};
+use crate::{OutcomeTone, ReportCell, ReportColumn, ReportSection, ReportTable};
+use counterpoise_pipeline::recordings::tracks::{ChannelTrack, TrackColumn};
 use counterpoise_plot::thin::MOST_POINTS;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
@@ -18,7 +18,7 @@ use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 const DRAWN: usize = 4;
 
 /// Returns every section on what the models leave unexplained.
-pub fn residual_sections(tracks: &[Track], study: &ResidualStudy) -> Vec<Section> {
+pub fn residual_sections(tracks: &[ChannelTrack], study: &ResidualStudy) -> Vec<ReportSection> {
     let mut out = Vec::new();
     let reading = tracks.iter().find(|t| t.channel == Channel::HubRate);
     let controlled = reading.map_or(ControlledQuantity::RATE, |track| track.controlled_quantity());
@@ -26,10 +26,10 @@ pub fn residual_sections(tracks: &[Track], study: &ResidualStudy) -> Vec<Section
         recordings(tracks).into_iter().filter_map(|r| loop_figure(tracks, r)).take(DRAWN).collect();
     if !loops.is_empty() {
         let section = match controlled.kind {
-            QuantityKind::Rate => Section::new("Control against rate").saying(LOOPS),
-            _ => Section::new(&format!("Control against {}", controlled.short_name())),
+            QuantityKind::Rate => ReportSection::new("Control against rate").with_text(LOOPS),
+            _ => ReportSection::new(&format!("Control against {}", controlled.short_name())),
         };
-        out.push(section.showing(loops));
+        out.push(section.with_figures(loops));
     }
     let responses: Vec<Figure> =
         study.responses.iter().filter_map(|found| response(found, controlled)).take(DRAWN).collect();
@@ -40,14 +40,14 @@ pub fn residual_sections(tracks: &[Track], study: &ResidualStudy) -> Vec<Section
             _ => (format!("the {name}"), format!("measured {short}")),
         };
         out.push(
-            Section::new("Frequency response, measured and simulated")
-                .saying(responses_sentence(&of_hub, &of_reading))
-                .showing(responses),
+            ReportSection::new("Frequency response, measured and simulated")
+                .with_text(responses_sentence(&of_hub, &of_reading))
+                .with_figures(responses),
         );
     }
     if !study.spectra.is_empty() {
         let figures = study.spectra.iter().take(2 * DRAWN).map(spectrum);
-        out.push(Section::new("Spectra of the errors").showing(figures));
+        out.push(ReportSection::new("Spectra of the errors").with_figures(figures));
     }
     out.push(tests(&study.tests));
     out
@@ -63,13 +63,13 @@ fn responses_sentence(of_hub: &str, of_reading: &str) -> String {
     )
 }
 
-fn recordings(tracks: &[Track]) -> Vec<&str> {
+fn recordings(tracks: &[ChannelTrack]) -> Vec<&str> {
     let mut names: Vec<&str> = tracks.iter().map(|t| t.recording.as_str()).collect();
     names.dedup();
     names
 }
 
-fn track<'a>(tracks: &'a [Track], recording: &str, channel: Channel) -> Option<&'a Track> {
+fn track<'a>(tracks: &'a [ChannelTrack], recording: &str, channel: Channel) -> Option<&'a ChannelTrack> {
     tracks.iter().find(|t| t.recording == recording && t.channel == channel)
 }
 
@@ -82,7 +82,7 @@ const RUNS: [Run; 3] = [
     ("improved model", Colour::First, TrackColumn::After),
 ];
 
-fn loop_figure(tracks: &[Track], recording: &str) -> Option<Figure> {
+fn loop_figure(tracks: &[ChannelTrack], recording: &str) -> Option<Figure> {
     let (control, rate) =
         (track(tracks, recording, Channel::Control)?, track(tracks, recording, Channel::HubRate)?);
     let series =
@@ -148,17 +148,17 @@ fn spectrum(found: &ResidualSpectra) -> Figure {
 }
 
 /// Whiteness and cross-correlation of every residual, before and after.
-fn tests(all: &[TestedResidual]) -> Section {
+fn tests(all: &[TestedResidual]) -> ReportSection {
     let columns = [
-        Column::Text("recording"),
-        Column::Text("channel"),
-        Column::Text("model"),
-        Column::Number("lags outside the band of white noise"),
-        Column::Number("correlation with the control / band"),
-        Column::Number("with the hub rate / band"),
+        ReportColumn::Text("recording"),
+        ReportColumn::Text("channel"),
+        ReportColumn::Text("model"),
+        ReportColumn::Number("lags outside the band of white noise"),
+        ReportColumn::Number("correlation with the control / band"),
+        ReportColumn::Number("with the hub rate / band"),
     ];
     let mut table =
-        Table::new("Is anything left in the residuals? 5 % and below 1 are what noise gives", &columns);
+        ReportTable::new("Is anything left in the residuals? 5 % and below 1 are what noise gives", &columns);
     let mut figures = Vec::new();
     for tested in all {
         let found = [
@@ -173,25 +173,29 @@ fn tests(all: &[TestedResidual]) -> Section {
         }
     }
     figures.truncate(DRAWN);
-    Section::new("Residual tests").listing(table).showing(figures)
+    ReportSection::new("Residual tests").with_table(table).with_figures(figures)
 }
 
-fn row(tested: &TestedResidual, model: &str, test: &ResidualTest) -> Vec<Cell> {
-    let share = Cell::text(format!("{:.0} %", 100.0 * test.outside));
+fn row(tested: &TestedResidual, model: &str, test: &ResidualTest) -> Vec<ReportCell> {
+    let share = ReportCell::text(format!("{:.0} %", 100.0 * test.outside));
     let of = |channel: Channel| {
         let found = test.cross.iter().find(|c| c.with == channel && tested.channel != channel);
         found.map_or_else(
-            || Cell::text("\u{2013}"),
+            || ReportCell::text("\u{2013}"),
             |c| {
                 let size = format!("{:.1}", c.size());
-                if c.size() < 1.0 { Cell::Verdict(OutcomeTone::Good, size) } else { Cell::text(size) }
+                if c.size() < 1.0 {
+                    ReportCell::Verdict(OutcomeTone::Good, size)
+                } else {
+                    ReportCell::text(size)
+                }
             },
         )
     };
     vec![
-        Cell::text(&tested.recording),
-        Cell::text(tested.channel.name().replace('_', " ")),
-        Cell::text(model),
+        ReportCell::text(&tested.recording),
+        ReportCell::text(tested.channel.name().replace('_', " ")),
+        ReportCell::text(model),
         share,
         of(Channel::Control),
         of(Channel::HubRate),

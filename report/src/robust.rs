@@ -2,7 +2,7 @@
 
 use counterpoise_verify::structured::{Destabilising, RobustStability};
 
-use crate::{Cell, Column, Section, Table};
+use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
@@ -20,12 +20,10 @@ pub fn robustness_lines(found: &RobustStability) -> Vec<String> {
         errors(found),
         short_number(found.worst_hz)
     )];
-    lines.push(
-        found.found.as_ref().map_or(
-            "no mechanism with which the loop is unstable was found by the search".to_owned(),
-            nearest,
-        ),
-    );
+    lines.push(found.found.as_ref().map_or(
+        "no mechanism with which the loop is unstable was found by the search".to_owned(),
+        describe_nearest,
+    ));
     if let Some(rate) = found.dry_friction_at_rad_s {
         lines.push(format!(
             "dry friction counts as the viscous friction that takes as much work at a hub rate of {} rad/s",
@@ -52,7 +50,7 @@ fn errors(found: &RobustStability) -> String {
 }
 
 /// Returns the nearest mechanism at the limit of stability.
-fn nearest(found: &Destabilising) -> String {
+fn describe_nearest(found: &Destabilising) -> String {
     let mut parts: Vec<String> = found
         .factors
         .iter()
@@ -81,22 +79,22 @@ fn gain_errors(
 }
 
 /// Returns the section: the lines, the bounds over frequency, the nearest mechanism.
-pub fn robustness_section(found: &RobustStability) -> Section {
-    let mut section = Section::new("Linear worst case");
+pub fn robustness_section(found: &RobustStability) -> ReportSection {
+    let mut section = ReportSection::new("Linear worst case");
     for line in robustness_lines(found) {
         let first = line.chars().next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
-        section = section.saying(format!("{first}{}.", line.chars().skip(1).collect::<String>()));
+        section = section.with_text(format!("{first}{}.", line.chars().skip(1).collect::<String>()));
     }
-    section = section.saying(
+    section = section.with_text(
         "The structured singular value mu at a frequency is 1 over the number of times that the ranges must be widened for the loop to \
          oscillate there. Real parameters are real numbers; the errors of gain have any phase. Below the upper curve lies mu, above \
          the lower one, and the lower one is drawn where a perturbation was found. A range is \
          widened so that no parameter becomes negative: one from half to double reaches 0 and infinity at three times, so that a mu \
          of 1/3 all along says no more than that.",
     );
-    let section = section.showing([bounds(found)]);
+    let section = section.with_figures([bounds(found)]);
     match &found.found {
-        Some(nearest) => section.listing(table(nearest)),
+        Some(nearest) => section.with_table(table(nearest)),
         None => section,
     }
 }
@@ -114,14 +112,14 @@ fn bounds(found: &RobustStability) -> Figure {
     Figure::new("Structured singular value", Axis::logarithmic("frequency", "Hz"), vec![panel])
 }
 
-fn table(found: &Destabilising) -> Table {
-    let columns = [Column::Text("parameter"), Column::Number("factor at the limit")];
-    let mut table = Table::new("The nearest mechanism at the limit of stability", &columns);
+fn table(found: &Destabilising) -> ReportTable {
+    let columns = [ReportColumn::Text("parameter"), ReportColumn::Number("factor at the limit")];
+    let mut table = ReportTable::new("The nearest mechanism at the limit of stability", &columns);
     for (varied, factor) in &found.factors {
-        table.rows.push(vec![Cell::text(varied.key()), Cell::number(*factor)]);
+        table.rows.push(vec![ReportCell::text(varied.key()), ReportCell::number(*factor)]);
     }
     for (name, error) in gain_errors(found, ["error at the plant's input", "error of the loop's sensor"]) {
-        table.rows.push(vec![Cell::text(name), Cell::text(error)]);
+        table.rows.push(vec![ReportCell::text(name), ReportCell::text(error)]);
     }
     table
 }

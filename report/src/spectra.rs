@@ -4,7 +4,7 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_verify::spectral::{CONFIDENCE, Spectral};
 use counterpoise_verify::{Arrangement, Source};
 
-use crate::Section;
+use crate::ReportSection;
 use counterpoise_plot::{Axis, Band, Colour, Figure, Panel, Series};
 
 /// Frequencies that are drawn, Hz: a vehicle has little above.
@@ -12,7 +12,7 @@ const BAND_HZ: (f64, f64) = (0.3, 12.0);
 
 /// Returns the hub rate over pitch and over heave on the road, with confidence and coherence; nothing without
 /// a road.
-pub fn spectra_section(all: &[Spectral], controlled: ControlledQuantity) -> Option<Section> {
+pub fn spectra_section(all: &[Spectral], controlled: ControlledQuantity) -> Option<ReportSection> {
     if all.is_empty() {
         return None;
     }
@@ -24,7 +24,7 @@ pub fn spectra_section(all: &[Spectral], controlled: ControlledQuantity) -> Opti
          Where the coherence is low, the hub moves for another reason: the other motion of the platform, friction, noise.",
         100.0 * CONFIDENCE
     );
-    Some(Section::new("Disturbance rejection from the road").saying(text).showing([
+    Some(ReportSection::new("Disturbance rejection from the road").with_text(text).with_figures([
         figure(
             &format!("DRR on the road: |Pxy / Pxx|, pitch rate to {name}"),
             if unit == "rad/s" { "dB" } else { &over_pitch },
@@ -55,20 +55,20 @@ fn dress(arrangement: Arrangement) -> (&'static str, Colour) {
     }
 }
 
-fn drawn(hz: f64) -> bool {
+fn is_drawn(hz: f64) -> bool {
     (BAND_HZ.0..=BAND_HZ.1).contains(&hz)
 }
 
 fn line(one: &Spectral, values: &[f64]) -> Series {
     let (name, colour) = dress(one.arrangement);
     let pairs = one.spectra.frequency_hz.iter().copied().zip(values.iter().copied());
-    Series::solid_line(name, colour, pairs.filter(|(hz, value)| drawn(*hz) && value.is_finite()))
+    Series::solid_line(name, colour, pairs.filter(|(hz, value)| is_drawn(*hz) && value.is_finite()))
 }
 
 fn band(one: &Spectral) -> Band {
     let (_, colour) = dress(one.arrangement);
     let edges = one.spectra.frequency_hz.iter().copied().zip(one.spectra.interval_db());
     let points = edges.map(|(hz, (low, high))| (hz, low, high));
-    let sound = points.filter(|(hz, low, high)| drawn(*hz) && low.is_finite() && high.is_finite());
+    let sound = points.filter(|(hz, low, high)| is_drawn(*hz) && low.is_finite() && high.is_finite());
     Band::new("", colour, sound)
 }

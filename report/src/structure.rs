@@ -3,7 +3,10 @@
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_pipeline::recordings::measured_modes::StructureAnswer;
 
-use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, Section, Table};
+use crate::{
+    FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection,
+    ReportTable,
+};
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
 
 /// Hypotheses whose errors are drawn.
@@ -30,7 +33,9 @@ pub fn structure_report(machine: &str, command: &str, answer: &StructureAnswer) 
         tiles: answer.tried.iter().take(1 + DRAWN).map(tile).collect(),
         verdicts: frequencies(answer),
         glance: vec![errors(answer, command)],
-        sections: vec![Section::new("What was tried").saying(EXPLAINED).listing(tried(answer))],
+        sections: vec![
+            ReportSection::new("What was tried").with_text(EXPLAINED).with_table(hypothesis_table(answer)),
+        ],
         provenance: vec![
             ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
             ProvenanceEntry::new("command", command),
@@ -57,49 +62,49 @@ fn errors(answer: &StructureAnswer, command: &str) -> Figure {
     Figure { command: command.to_owned(), ..figure }
 }
 
-fn frequencies(answer: &StructureAnswer) -> Table {
+fn frequencies(answer: &StructureAnswer) -> ReportTable {
     let columns = [
-        Column::Number("mode"),
-        Column::Number("measured [Hz]"),
-        Column::Number("model [Hz]"),
-        Column::Number("error [%]"),
-        Column::Number("improved [Hz]"),
-        Column::Number("error [%]"),
+        ReportColumn::Number("mode"),
+        ReportColumn::Number("measured [Hz]"),
+        ReportColumn::Number("model [Hz]"),
+        ReportColumn::Number("error [%]"),
+        ReportColumn::Number("improved [Hz]"),
+        ReportColumn::Number("error [%]"),
     ];
-    let mut table = Table::new("Natural frequencies", &columns);
+    let mut table = ReportTable::new("Natural frequencies", &columns);
     let best = answer.tried.get(1).unwrap_or(&answer.tried[0]);
     let errors = [&answer.model_hz, &best.modes_hz].map(|modes_hz| answer.errors_percent(modes_hz));
     for (k, measured) in answer.measured_hz.iter().enumerate() {
         let (model, improved) = (answer.model_hz[k], best.modes_hz[k]);
-        let error = |errors: &[f64]| Cell::text(format!("{:+.2}", errors[k]));
+        let error = |errors: &[f64]| ReportCell::text(format!("{:+.2}", errors[k]));
         table.rows.push(vec![
-            Cell::text((k + 1).to_string()),
-            Cell::number(*measured),
-            Cell::number(model),
+            ReportCell::text((k + 1).to_string()),
+            ReportCell::number(*measured),
+            ReportCell::number(model),
             error(&errors[0]),
-            Cell::number(improved),
+            ReportCell::number(improved),
             error(&errors[1]),
         ]);
     }
     table
 }
 
-fn tried(answer: &StructureAnswer) -> Table {
+fn hypothesis_table(answer: &StructureAnswer) -> ReportTable {
     let columns = [
-        Column::Text("hypothesis"),
-        Column::Text("fitted"),
-        Column::Number("RMS error [%]"),
-        Column::Number("held out [%]"),
+        ReportColumn::Text("hypothesis"),
+        ReportColumn::Text("fitted"),
+        ReportColumn::Number("RMS error [%]"),
+        ReportColumn::Number("held out [%]"),
     ];
-    let mut table = Table::new("Hypotheses, best first below the model as it is", &columns);
+    let mut table = ReportTable::new("Hypotheses, best first below the model as it is", &columns);
     for t in &answer.tried {
         let numbers: Vec<String> =
             t.parameters.iter().map(|(name, value)| format!("{name} {value:.4}")).collect();
         table.rows.push(vec![
-            Cell::text(&t.what),
-            Cell::text(numbers.join(", ")),
-            Cell::text(format!("{:.2}", t.rms_percent)),
-            Cell::text(format!("{:.2}", t.left_out_percent)),
+            ReportCell::text(&t.what),
+            ReportCell::text(numbers.join(", ")),
+            ReportCell::text(format!("{:.2}", t.rms_percent)),
+            ReportCell::text(format!("{:.2}", t.left_out_percent)),
         ]);
     }
     table

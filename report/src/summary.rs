@@ -10,7 +10,7 @@ use counterpoise_verify::{
 
 use crate::evidence::{disturbance_figure, step_figure};
 use crate::wording::capitalise_first;
-use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, Section, Table};
+use crate::{FigureTile, Headline, OutcomeTone, ReportCell, ReportColumn, ReportSection, ReportTable};
 use counterpoise_plot::number::short_number;
 
 /// Returns the answer.
@@ -67,16 +67,16 @@ pub fn words_of(limit: Limit) -> String {
 }
 
 /// Returns every requirement with what was measured.
-pub fn verdict_table(found: &Verification) -> Table {
+pub fn verdict_table(found: &Verification) -> ReportTable {
     let columns = [
-        Column::Text("requirement"),
-        Column::Text("linear, or nonlinear at"),
-        Column::Number("measured"),
-        Column::Number("limit"),
-        Column::Text("room"),
-        Column::Text("verdict"),
+        ReportColumn::Text("requirement"),
+        ReportColumn::Text("linear, or nonlinear at"),
+        ReportColumn::Number("measured"),
+        ReportColumn::Number("limit"),
+        ReportColumn::Text("room"),
+        ReportColumn::Text("verdict"),
     ];
-    let mut table = Table::new("Requirements", &columns);
+    let mut table = ReportTable::new("Requirements", &columns);
     table.rows = found
         .verdicts
         .iter()
@@ -85,7 +85,7 @@ pub fn verdict_table(found: &Verification) -> Table {
     table
 }
 
-fn verdict_row(found: &Verification, requirement: &Requirement, verdict: &Verdict) -> Vec<Cell> {
+fn verdict_row(found: &Verification, requirement: &Requirement, verdict: &Verdict) -> Vec<ReportCell> {
     let unit = requirement.figure.unit(found.controlled_quantity());
     let name = if unit.is_empty() {
         describe_figure(requirement.figure, found.controlled_quantity())
@@ -96,51 +96,58 @@ fn verdict_row(found: &Verification, requirement: &Requirement, verdict: &Verdic
     let (measured, room, verdict) = match verdict {
         Verdict::Holds { value, margin, .. } => (
             short_number(*value),
-            Cell::Room(OutcomeTone::Good, part, short_number(*margin)),
-            Cell::Verdict(OutcomeTone::Good, "holds".to_owned()),
+            ReportCell::Room(OutcomeTone::Good, part, short_number(*margin)),
+            ReportCell::Verdict(OutcomeTone::Good, "holds".to_owned()),
         ),
         Verdict::Fails { value, by, .. } => (
             short_number(*value),
-            Cell::Room(OutcomeTone::Bad, part, short_number(-by)),
-            Cell::Verdict(OutcomeTone::Bad, "fails".to_owned()),
+            ReportCell::Room(OutcomeTone::Bad, part, short_number(-by)),
+            ReportCell::Verdict(OutcomeTone::Bad, "fails".to_owned()),
         ),
         Verdict::NotApplicable { why } => (
             "\u{2013}".to_owned(),
-            Cell::text(""),
-            Cell::Verdict(OutcomeTone::Neutral, describe_unmeasured(why)),
+            ReportCell::text(""),
+            ReportCell::Verdict(OutcomeTone::Neutral, describe_unmeasured(why)),
         ),
     };
-    let basis = Cell::text(found.acceptance(&requirement.figure).basis);
-    vec![Cell::text(name), basis, Cell::text(measured), Cell::text(sign_of(requirement.limit)), room, verdict]
+    let basis = ReportCell::text(found.acceptance(&requirement.figure).basis);
+    vec![
+        ReportCell::text(name),
+        basis,
+        ReportCell::text(measured),
+        ReportCell::text(sign_of(requirement.limit)),
+        room,
+        verdict,
+    ]
 }
 
 /// Returns every requirement with its source, the run that judged it, and the test on the machine that would; `None` without requirements.
-pub fn traceability_section(found: &Verification) -> Option<Section> {
+pub fn traceability_section(found: &Verification) -> Option<ReportSection> {
     let columns = [
-        Column::Text("requirement"),
-        Column::Text("source"),
-        Column::Text("judged by"),
-        Column::Text("acceptance test on the machine"),
+        ReportColumn::Text("requirement"),
+        ReportColumn::Text("source"),
+        ReportColumn::Text("judged by"),
+        ReportColumn::Text("acceptance test on the machine"),
     ];
-    let mut table = Table::new("Requirements traced", &columns);
+    let mut table = ReportTable::new("Requirements traced", &columns);
     let row = |requirement: &Requirement| {
         let figure = &requirement.figure;
         let acceptance = found.acceptance(figure);
         let source = if requirement.source.is_empty() { "not stated" } else { requirement.source.as_str() };
         vec![
-            Cell::text(format!(
+            ReportCell::text(format!(
                 "{}, {}",
                 describe_figure(*figure, found.controlled_quantity()),
                 sign_of(requirement.limit)
             )),
-            Cell::text(source),
-            Cell::text(acceptance.judged_by),
-            Cell::text(acceptance.test),
+            ReportCell::text(source),
+            ReportCell::text(acceptance.judged_by),
+            ReportCell::text(acceptance.test),
         ]
     };
     table.rows = found.verdicts.iter().map(|(requirement, _)| row(requirement)).collect();
     let says = "Where each requirement comes from, and what would show on the machine that it holds.";
-    (!table.rows.is_empty()).then(|| Section::new("Traceability").saying(says).listing(table))
+    (!table.rows.is_empty()).then(|| ReportSection::new("Traceability").with_text(says).with_table(table))
 }
 
 /// Returns the numbers that a reader wants first.
@@ -173,7 +180,7 @@ fn tile(found: &Verification, label: &str, figure: Figure) -> Option<FigureTile>
     let controlled = found.controlled_quantity();
     let unit = figure.unit(controlled);
     let (scale, unit) = if unit == controlled.unit() { (1e3, controlled.milli_unit()) } else { (1.0, unit) };
-    let limit = judged.map(|(requirement, _)| words_of(scaled(requirement.limit, scale)));
+    let limit = judged.map(|(requirement, _)| words_of(scale_limit(requirement.limit, scale)));
     let value = scale * value;
     let kind_of = match figure {
         Figure::Disturbance(Model::Nonlinear, ..) => "RMS, nonlinear, all feedforwards",
@@ -229,7 +236,7 @@ pub fn worse_feedforwards(found: &Verification) -> Vec<String> {
     found.worse_feedforwards().into_iter().map(line).collect()
 }
 
-fn scaled(limit: Limit, scale: f64) -> Limit {
+fn scale_limit(limit: Limit, scale: f64) -> Limit {
     match limit {
         Limit::AtLeast(value) => Limit::AtLeast(scale * value),
         Limit::AtMost(value) => Limit::AtMost(scale * value),

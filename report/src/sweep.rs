@@ -8,7 +8,9 @@ use counterpoise_verify::{Limit, Requirement, Value, Verification};
 use serde::Serialize;
 
 use crate::verification::VerificationContext;
-use crate::{Cell, Column, Headline, OutcomeTone, Report, Section, Table, robust, summary};
+use crate::{
+    Headline, OutcomeTone, Report, ReportCell, ReportColumn, ReportSection, ReportTable, robust, summary,
+};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
@@ -27,7 +29,7 @@ pub fn campaign_report(
         summary::summarise_verdicts(nominal).text.to_lowercase(),
         outside_samples(found)
     );
-    let mut sections = vec![worst(found, project)];
+    let mut sections = vec![worst_cases(found, project)];
     sections.extend(found.stability.as_ref().map(robust::robustness_section));
     sections.extend(statistics(found));
     sections.extend(context.more);
@@ -44,21 +46,21 @@ pub fn campaign_report(
 }
 
 /// Distributions, sensitivities and families.
-fn statistics(found: &CampaignResult) -> Vec<Section> {
+fn statistics(found: &CampaignResult) -> Vec<ReportSection> {
     let count = found.requirements.len();
-    let distributions = Section::new("Distributions")
-        .saying("How many mechanisms lie below a value; the dotted line is the limit.")
-        .showing((0..count).map(|k| distribution(found, k)));
-    let sensitivity = Section::new("What matters")
-        .saying(format!(
+    let distributions = ReportSection::new("Distributions")
+        .with_text("How many mechanisms lie below a value; the dotted line is the limit.")
+        .with_figures((0..count).map(|k| distribution(found, k)));
+    let sensitivity = ReportSection::new("What matters")
+        .with_text(format!(
             "Spearman's rank correlation between each factor and each figure: \u{2212}1 or 1 is strict order, 0 is none. \
              \"Either way\" compares the factor's distance from 1, where that says more. Left out is what chance alone would often give: less than {:.2}, two over the root of the number of mechanisms.",
             found.chance_correlation()
         ))
-        .listing(sensitivity(found));
-    let members = Section::new("One at a time, and each configuration")
-        .listing(member_summary(found))
-        .listing(member_table(found));
+        .with_table(sensitivity(found));
+    let members = ReportSection::new("One at a time, and each configuration")
+        .with_table(member_summary(found))
+        .with_table(member_table(found));
     vec![distributions, sensitivity, members]
 }
 
@@ -161,47 +163,47 @@ pub fn rerun_options(found: &CampaignResult, worst: &Worst) -> String {
 
 /// Returns the worst case of each requirement beside its worst sample, with the factors that matter most for
 /// it.
-fn worst(found: &CampaignResult, project: &str) -> Section {
+fn worst_cases(found: &CampaignResult, project: &str) -> ReportSection {
     let columns = [
-        Column::Text("requirement"),
-        Column::Number("worst sample"),
-        Column::Number("worst case"),
-        Column::Text("verdict"),
-        Column::Text("what matters most"),
-        Column::Text("factors of the worst case"),
+        ReportColumn::Text("requirement"),
+        ReportColumn::Number("worst sample"),
+        ReportColumn::Number("worst case"),
+        ReportColumn::Text("verdict"),
+        ReportColumn::Text("what matters most"),
+        ReportColumn::Text("factors of the worst case"),
     ];
-    let mut table = Table::new("", &columns);
+    let mut table = ReportTable::new("", &columns);
     for (k, worst) in found.worst.iter().enumerate() {
         let Some(worst) = worst else { continue };
         let limit = found.requirements[k].limit;
         let verdict = match limit.distance_to_limit(worst.value) {
-            room if room >= 0.0 => Cell::Verdict(OutcomeTone::Good, "holds".to_owned()),
-            room => Cell::Verdict(OutcomeTone::Bad, format!("fails by {}", short_number(-room))),
+            room if room >= 0.0 => ReportCell::Verdict(OutcomeTone::Good, "holds".to_owned()),
+            room => ReportCell::Verdict(OutcomeTone::Bad, format!("fails by {}", short_number(-room))),
         };
         let both = found.variations.iter().zip(&worst.factors);
         let words: Vec<String> = both
             .map(|(variation, factor)| format!("{} {}", variation.parameter.key(), short_number(*factor)))
             .collect();
         table.rows.push(vec![
-            Cell::text(format!("{} {}", name(found, k), bound(limit))),
-            Cell::number(worst.start),
-            Cell::number(worst.value),
+            ReportCell::text(format!("{} {}", name(found, k), bound(limit))),
+            ReportCell::number(worst.start),
+            ReportCell::number(worst.value),
             verdict,
-            Cell::text(matters(found, k, MOST_NAMED)),
-            Cell::text(words.join(", ")),
+            ReportCell::text(matters(found, k, MOST_NAMED)),
+            ReportCell::text(words.join(", ")),
         ]);
     }
     let first = found.worst.iter().flatten().next().map(|worst| rerun_options(found, worst));
-    let section = Section::new("Worst cases")
-        .saying(
+    let section = ReportSection::new("Worst cases")
+        .with_text(
             "From the worst sample of each requirement a compass search goes on inside the stated ranges, with that sample's sensor noise. \
              What it finds is at least as bad as the sample; something worse may exist. What matters most is by rank correlation over the \
              samples, strongest first: + where a larger factor raises the figure; \"either way\" where its distance from 1 does.",
         )
-        .listing(table);
+        .with_table(table);
     match first {
         Some(options) => section
-            .saying(format!("One is run again by, for example: counterpoise sweep {project} {options}")),
+            .with_text(format!("One is run again by, for example: counterpoise sweep {project} {options}")),
         None => section,
     }
 }
@@ -212,29 +214,29 @@ fn name(found: &CampaignResult, requirement: usize) -> String {
     if unit.is_empty() { name } else { format!("{name} [{unit}]") }
 }
 
-fn shares(found: &CampaignResult) -> Table {
+fn shares(found: &CampaignResult) -> ReportTable {
     let columns = [
-        Column::Text("requirement"),
-        Column::Number("met by"),
-        Column::Number("95 % interval"),
-        Column::Number("5 %"),
-        Column::Number("median"),
-        Column::Number("95 %"),
-        Column::Number("worst sample"),
+        ReportColumn::Text("requirement"),
+        ReportColumn::Number("met by"),
+        ReportColumn::Number("95 % interval"),
+        ReportColumn::Number("5 %"),
+        ReportColumn::Number("median"),
+        ReportColumn::Number("95 %"),
+        ReportColumn::Number("worst sample"),
     ];
-    let mut table = Table::new("Requirements over the campaign", &columns);
+    let mut table = ReportTable::new("Requirements over the campaign", &columns);
     for k in 0..found.requirements.len() {
         let over = &found.summaries[k];
         let tone = if over.share >= 1.0 { OutcomeTone::Good } else { OutcomeTone::Bad };
         let sign = bound(found.requirements[k].limit);
         table.rows.push(vec![
-            Cell::text(format!("{} {sign}", name(found, k))),
-            Cell::Verdict(tone, format!("{:.1} %", 100.0 * over.share)),
-            Cell::text(format!("{:.1} to {:.1}", 100.0 * over.interval.0, 100.0 * over.interval.1)),
-            Cell::number(over.q05),
-            Cell::number(over.median),
-            Cell::number(over.q95),
-            Cell::text(over.worst.map_or(String::new(), |index| index.to_string())),
+            ReportCell::text(format!("{} {sign}", name(found, k))),
+            ReportCell::Verdict(tone, format!("{:.1} %", 100.0 * over.share)),
+            ReportCell::text(format!("{:.1} to {:.1}", 100.0 * over.interval.0, 100.0 * over.interval.1)),
+            ReportCell::number(over.q05),
+            ReportCell::number(over.median),
+            ReportCell::number(over.q95),
+            ReportCell::text(over.worst.map_or(String::new(), |index| index.to_string())),
         ]);
     }
     table
@@ -267,11 +269,12 @@ fn distribution(found: &CampaignResult, requirement: usize) -> Figure {
     Figure::new(&name, axis, vec![panel.with_marks(marks).with_height(150.0)])
 }
 
-fn sensitivity(found: &CampaignResult) -> Table {
-    let mut table = Table::new("", &[Column::Text("figure"), Column::Text("strongest first")]);
+fn sensitivity(found: &CampaignResult) -> ReportTable {
+    let mut table =
+        ReportTable::new("", &[ReportColumn::Text("figure"), ReportColumn::Text("strongest first")]);
     for k in 0..found.requirements.len() {
         let words = matters(found, k, found.variations.len());
-        table.rows.push(vec![Cell::text(name(found, k)), Cell::text(words)]);
+        table.rows.push(vec![ReportCell::text(name(found, k)), ReportCell::text(words)]);
     }
     table
 }
@@ -291,13 +294,17 @@ fn matters(found: &CampaignResult, requirement: usize, most: usize) -> String {
 }
 
 /// Returns a mechanism a row: how many requirements hold, and what fails.
-fn member_summary(found: &CampaignResult) -> Table {
-    let columns = [Column::Text("mechanism"), Column::Text("requirements"), Column::Text("what fails")];
-    let mut table = Table::new("Verdicts", &columns);
+fn member_summary(found: &CampaignResult) -> ReportTable {
+    let columns = [
+        ReportColumn::Text("mechanism"),
+        ReportColumn::Text("requirements"),
+        ReportColumn::Text("what fails"),
+    ];
+    let mut table = ReportTable::new("Verdicts", &columns);
     for member in &found.families {
         let both = found.requirements.iter().zip(&member.values);
         let judged: Vec<_> =
-            both.map(|(requirement, value)| (requirement, judged(requirement, value))).collect();
+            both.map(|(requirement, value)| (requirement, judge_figure(requirement, value))).collect();
         let all = judged.iter().filter(|(_, (_, room))| !room.is_nan()).count();
         let failed: Vec<String> = judged
             .iter()
@@ -305,10 +312,14 @@ fn member_summary(found: &CampaignResult) -> Table {
             .map(|(requirement, (value, _))| failure(found, requirement, *value))
             .collect();
         let verdict = match failed.len() {
-            0 => Cell::Verdict(OutcomeTone::Good, format!("all {all} hold")),
-            some => Cell::Verdict(OutcomeTone::Bad, format!("{some} of {all} fail")),
+            0 => ReportCell::Verdict(OutcomeTone::Good, format!("all {all} hold")),
+            some => ReportCell::Verdict(OutcomeTone::Bad, format!("{some} of {all} fail")),
         };
-        table.rows.push(vec![Cell::text(member.name.clone()), verdict, Cell::text(failed.join("; "))]);
+        table.rows.push(vec![
+            ReportCell::text(member.name.clone()),
+            verdict,
+            ReportCell::text(failed.join("; ")),
+        ]);
     }
     table
 }
@@ -333,7 +344,7 @@ fn bound(limit: Limit) -> String {
 }
 
 /// Returns a figure and its room; NaN if it could not be measured.
-fn judged(requirement: &Requirement, value: &Value) -> (f64, f64) {
+fn judge_figure(requirement: &Requirement, value: &Value) -> (f64, f64) {
     match value {
         Value::Is(number) => (*number, requirement.limit.distance_to_limit(*number)),
         Value::Absent { .. } => (f64::NAN, f64::NAN),
@@ -341,23 +352,27 @@ fn judged(requirement: &Requirement, value: &Value) -> (f64, f64) {
 }
 
 /// Mechanisms down, requirements as text: their number varies, columns are fixed.
-fn member_table(found: &CampaignResult) -> Table {
-    let columns =
-        [Column::Text("mechanism"), Column::Text("figure"), Column::Number("value"), Column::Text("verdict")];
-    let mut table = Table::new("Every figure", &columns);
+fn member_table(found: &CampaignResult) -> ReportTable {
+    let columns = [
+        ReportColumn::Text("mechanism"),
+        ReportColumn::Text("figure"),
+        ReportColumn::Number("value"),
+        ReportColumn::Text("verdict"),
+    ];
+    let mut table = ReportTable::new("Every figure", &columns);
     for member in &found.families {
         for (k, (requirement, value)) in found.requirements.iter().zip(&member.values).enumerate() {
-            let (number, room) = judged(requirement, value);
+            let (number, room) = judge_figure(requirement, value);
             let (tone, word) = match room {
                 r if r.is_nan() => (OutcomeTone::Neutral, "not applicable".to_owned()),
                 r if r >= 0.0 => (OutcomeTone::Good, "holds".to_owned()),
                 r => (OutcomeTone::Bad, format!("fails by {}", short_number(-r))),
             };
             table.rows.push(vec![
-                Cell::text(member.name.clone()),
-                Cell::text(name(found, k)),
-                Cell::number(number),
-                Cell::Verdict(tone, word),
+                ReportCell::text(member.name.clone()),
+                ReportCell::text(name(found, k)),
+                ReportCell::number(number),
+                ReportCell::Verdict(tone, word),
             ]);
         }
     }

@@ -11,7 +11,7 @@ use counterpoise_pipeline::export::target_proofs::{
 use counterpoise_verify::{Experiment, Source};
 
 use crate::wording::capitalise_first;
-use crate::{Cell, Column, Section, Table};
+use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 
 /// What the section shows.
 #[derive(Debug, Clone, Copy)]
@@ -27,25 +27,26 @@ pub struct TargetEvidence<'a> {
 }
 
 /// Returns the section of a report that sets the targets side by side.
-pub fn targets_section(evidence: &TargetEvidence<'_>) -> Section {
+pub fn targets_section(evidence: &TargetEvidence<'_>) -> ReportSection {
     let about = "Every code below was generated, compiled and given all readings of its own closed loops on the nonlinear plant. \
                  Where it answers as its model to the last bit, it moves the plant as its model does, sample by sample. What \
                  small numbers cost is against double; for heave, pitch and road it is what the rejection ratio loses.";
-    let section = Section::new("On the target").saying(about).listing(loops(evidence));
+    let section = ReportSection::new("On the target").with_text(about).with_table(loops(evidence));
     let section = match &evidence.study.compared.fixed {
         Ok(_) => section,
-        Err(why) => section.saying(format!("There is no fixed-point form: {why}.")),
+        Err(why) => section.with_text(format!("There is no fixed-point form: {why}.")),
     };
-    let section = section.listing(proof_table(evidence.proofs)).listing(deviations(&evidence.study.compared));
+    let section =
+        section.with_table(proof_table(evidence.proofs)).with_table(deviations(&evidence.study.compared));
     let section = section
-        .saying(ROUNDING)
-        .listing(form_table(&evidence.study.forms))
-        .listing(by_form(&evidence.study.by_form))
-        .saying(work(evidence.study.operations));
+        .with_text(ROUNDING)
+        .with_table(form_table(&evidence.study.forms))
+        .with_table(by_form(&evidence.study.by_form))
+        .with_text(work(evidence.study.operations));
     let costs = evidence.costs;
-    let section = if costs.counted.is_empty() { section } else { section.listing(cost_table(costs)) };
+    let section = if costs.counted.is_empty() { section } else { section.with_table(cost_table(costs)) };
     match &costs.remark {
-        Some(remark) => section.saying(format!("Instructions, flash and stack: {remark}.")),
+        Some(remark) => section.with_text(format!("Instructions, flash and stack: {remark}.")),
         None => section,
     }
 }
@@ -67,19 +68,19 @@ fn work(operations: OperationCounts) -> String {
 }
 
 /// Returns the closed loop in each experiment, a column for each code.
-fn loops(evidence: &TargetEvidence<'_>) -> Table {
-    let mut columns = vec![Column::Text("experiment")];
+fn loops(evidence: &TargetEvidence<'_>) -> ReportTable {
+    let mut columns = vec![ReportColumn::Text("experiment")];
     for (figures, proof) in codes(evidence) {
-        columns.push(Column::Number(code_unit(proof, evidence.controlled)));
+        columns.push(ReportColumn::Number(code_unit(proof, evidence.controlled)));
         if !proof.rust && figures.numbers != Numbers::Double {
-            columns.push(Column::Number(if figures.numbers == Numbers::Single {
+            columns.push(ReportColumn::Number(if figures.numbers == Numbers::Single {
                 "single costs [dB]"
             } else {
                 "fixed costs [dB]"
             }));
         }
     }
-    let mut table = Table::new(&caption(evidence.controlled), &columns);
+    let mut table = ReportTable::new(&caption(evidence.controlled), &columns);
     let experiments = evidence.study.compared.figures.first().map_or(0, |figures| figures.experiments.len());
     table.rows = (0..experiments).map(|i| loop_row(evidence, i)).collect();
     table
@@ -126,17 +127,17 @@ fn code_unit(proof: &CompiledCodeTest, controlled: ControlledQuantity) -> &'stat
     }
 }
 
-fn loop_row(evidence: &TargetEvidence<'_>, i: usize) -> Vec<Cell> {
+fn loop_row(evidence: &TargetEvidence<'_>, i: usize) -> Vec<ReportCell> {
     let mut cells = Vec::new();
     for (figures, proof) in codes(evidence) {
         let Some(each) = figures.experiments.get(i) else { continue };
         if cells.is_empty() {
-            cells.push(Cell::text(experiment(each.experiment)));
+            cells.push(ReportCell::text(experiment(each.experiment)));
         }
         cells.push(match proof.answered {
-            CodeAgreement::Alike { .. } => Cell::text(format!("{:.4e}", each.error_rms_rad_s)),
-            CodeAgreement::Otherwise { .. } => Cell::text("differs"),
-            CodeAgreement::NotRun(_) => Cell::text("not run"),
+            CodeAgreement::Alike { .. } => ReportCell::text(format!("{:.4e}", each.error_rms_rad_s)),
+            CodeAgreement::Otherwise { .. } => ReportCell::text("differs"),
+            CodeAgreement::NotRun(_) => ReportCell::text("not run"),
         });
         if !proof.rust && figures.numbers != Numbers::Double {
             // Less than 0.0005 dB either way prints as 0, without a sign.
@@ -145,50 +146,55 @@ fn loop_row(evidence: &TargetEvidence<'_>, i: usize) -> Vec<Cell> {
                 Some(cost) if cost.abs() < 5e-4 => "0.000".to_owned(),
                 Some(cost) => format!("{cost:+.3}"),
             };
-            cells.push(Cell::text(cost));
+            cells.push(ReportCell::text(cost));
         }
     }
     cells
 }
 
-fn proof_table(proofs: &[CompiledCodeTest]) -> Table {
-    let columns =
-        [Column::Text("code"), Column::Text("compiled and run on this machine, compared with its model")];
-    let mut table =
-        Table::new("Compiled code compared with its model, for all readings of its closed loops", &columns);
+fn proof_table(proofs: &[CompiledCodeTest]) -> ReportTable {
+    let columns = [
+        ReportColumn::Text("code"),
+        ReportColumn::Text("compiled and run on this machine, compared with its model"),
+    ];
+    let mut table = ReportTable::new(
+        "Compiled code compared with its model, for all readings of its closed loops",
+        &columns,
+    );
     let said = |answered: &CodeAgreement| match answered {
         CodeAgreement::Alike { samples } => format!("{samples} samples equal to the last bit"),
         CodeAgreement::Otherwise { samples, wrong } => format!("{wrong} of {samples} samples DIFFER"),
         CodeAgreement::NotRun(why) => format!("not run: {why}"),
     };
-    let row =
-        |proof: &CompiledCodeTest| vec![Cell::text(code_name(proof)), Cell::text(said(&proof.answered))];
+    let row = |proof: &CompiledCodeTest| {
+        vec![ReportCell::text(code_name(proof)), ReportCell::text(said(&proof.answered))]
+    };
     table.rows = proofs.iter().map(row).collect();
     table
 }
 
-fn form_table(forms: &[PathForms]) -> Table {
+fn form_table(forms: &[PathForms]) -> ReportTable {
     let columns = [
-        Column::Text("path"),
-        Column::Text("form"),
-        Column::Number("coefficients"),
-        Column::Number("error predicted [1]"),
-        Column::Number("error measured [1]"),
-        Column::Text(""),
+        ReportColumn::Text("path"),
+        ReportColumn::Text("form"),
+        ReportColumn::Number("coefficients"),
+        ReportColumn::Number("error predicted [1]"),
+        ReportColumn::Number("error measured [1]"),
+        ReportColumn::Text(""),
     ];
     let title = "Realisation: error of each path's frequency response with coefficients in single precision";
-    let mut table = Table::new(title, &columns);
+    let mut table = ReportTable::new(title, &columns);
     for each in forms {
         for candidate in &each.candidates {
             let name =
                 if candidate.form == RealisationForm::Balanced { "balanced" } else { "modal sections" };
             table.rows.push(vec![
-                Cell::text(each.path.as_str()),
-                Cell::text(name),
-                Cell::text(candidate.coefficients.to_string()),
-                Cell::text(format!("{:.1e}", candidate.predicted)),
-                Cell::text(format!("{:.1e}", candidate.measured)),
-                Cell::text(if candidate.form == each.chosen { "in use" } else { "" }),
+                ReportCell::text(each.path.as_str()),
+                ReportCell::text(name),
+                ReportCell::text(candidate.coefficients.to_string()),
+                ReportCell::text(format!("{:.1e}", candidate.predicted)),
+                ReportCell::text(format!("{:.1e}", candidate.measured)),
+                ReportCell::text(if candidate.form == each.chosen { "in use" } else { "" }),
             ]);
         }
     }
@@ -196,16 +202,16 @@ fn form_table(forms: &[PathForms]) -> Table {
 }
 
 /// Returns the controller with every path in each form.
-fn by_form(figures: &[FormFigures]) -> Table {
+fn by_form(figures: &[FormFigures]) -> ReportTable {
     let columns = [
-        Column::Text("every path"),
-        Column::Number("multiplications"),
-        Column::Number("in double, largest [V]"),
-        Column::Number("in single, largest [V]"),
-        Column::Number("in single, RMS [V]"),
+        ReportColumn::Text("every path"),
+        ReportColumn::Number("multiplications"),
+        ReportColumn::Number("in double, largest [V]"),
+        ReportColumn::Number("in single, largest [V]"),
+        ReportColumn::Number("in single, RMS [V]"),
     ];
     let title = "Control of the C against the reference with the paths in each form, for the same readings";
-    let mut table = Table::new(title, &columns);
+    let mut table = ReportTable::new(title, &columns);
     let volts = |value: f64| match value {
         0.0 => "0".to_owned(),
         value if value.is_finite() => format!("{value:.1e}"),
@@ -214,33 +220,34 @@ fn by_form(figures: &[FormFigures]) -> Table {
     let row = |each: &FormFigures| {
         let values = [each.double.largest_v, each.single.largest_v, each.single.rms_v];
         let first = [each.form.name().to_owned(), each.multiplications.to_string()];
-        first.into_iter().chain(values.map(volts)).map(Cell::text).collect()
+        first.into_iter().chain(values.map(volts)).map(ReportCell::text).collect()
     };
     table.rows = figures.iter().map(row).collect();
     table
 }
 
 /// Returns how far the control is from the reference for the same readings.
-fn deviations(targets: &Targets) -> Table {
+fn deviations(targets: &Targets) -> ReportTable {
     let columns = [
-        Column::Text("numbers"),
-        Column::Number("largest, measured [V]"),
-        Column::Number("largest, predicted [V]"),
-        Column::Number("worst case [V]"),
-        Column::Number("RMS, measured [V]"),
-        Column::Number("RMS, predicted [V]"),
+        ReportColumn::Text("numbers"),
+        ReportColumn::Number("largest, measured [V]"),
+        ReportColumn::Number("largest, predicted [V]"),
+        ReportColumn::Number("worst case [V]"),
+        ReportColumn::Number("RMS, measured [V]"),
+        ReportColumn::Number("RMS, predicted [V]"),
     ];
     let title = "Control against the reference for the same readings, at every setting of the out-of-balance where a gain bends";
-    let mut table = Table::new(title, &columns);
+    let mut table = ReportTable::new(title, &columns);
     table.rows = targets.figures.iter().map(deviation_row).collect();
     table
 }
 
-fn deviation_row(figures: &TargetFigures) -> Vec<Cell> {
+fn deviation_row(figures: &TargetFigures) -> Vec<ReportCell> {
     let predicted = &figures.predicted;
-    let volts = |value: f64| Cell::text(if value == 0.0 { "0".to_owned() } else { format!("{value:.1e}") });
+    let volts =
+        |value: f64| ReportCell::text(if value == 0.0 { "0".to_owned() } else { format!("{value:.1e}") });
     vec![
-        Cell::text(numbers(figures.numbers)),
+        ReportCell::text(numbers(figures.numbers)),
         volts(figures.measured_v),
         volts(predicted.likely_v),
         volts(predicted.worst_v),
@@ -249,28 +256,28 @@ fn deviation_row(figures: &TargetFigures) -> Vec<Cell> {
     ]
 }
 
-fn cost_table(costs: &StepCosts) -> Table {
+fn cost_table(costs: &StepCosts) -> ReportTable {
     let columns = [
-        Column::Text("core"),
-        Column::Text("numbers"),
-        Column::Number("step, at most [instructions]"),
-        Column::Number("set out-of-balance [instructions]"),
-        Column::Number("flash [bytes]"),
-        Column::Number("state in RAM [bytes]"),
-        Column::Number("stack [bytes]"),
+        ReportColumn::Text("core"),
+        ReportColumn::Text("numbers"),
+        ReportColumn::Number("step, at most [instructions]"),
+        ReportColumn::Number("set out-of-balance [instructions]"),
+        ReportColumn::Number("flash [bytes]"),
+        ReportColumn::Number("state in RAM [bytes]"),
+        ReportColumn::Number("stack [bytes]"),
     ];
     let title =
         "Cost on a Cortex-M, counted in QEMU; code compiled with gcc -O2; without the compiler's own library";
-    let mut table = Table::new(title, &columns);
+    let mut table = ReportTable::new(title, &columns);
     table.rows = costs.counted.iter().map(cost_row).collect();
     table
 }
 
-fn cost_row(each: &CoreCost) -> Vec<Cell> {
+fn cost_row(each: &CoreCost) -> Vec<ReportCell> {
     let c = &each.cost;
     let counts = [c.step_instructions, c.set_instructions, c.flash_bytes, c.state_bytes, c.stack_bytes];
-    let names = [each.core, numbers(each.numbers)].map(Cell::text);
-    names.into_iter().chain(counts.map(|count| Cell::text(count.to_string()))).collect()
+    let names = [each.core, numbers(each.numbers)].map(ReportCell::text);
+    names.into_iter().chain(counts.map(|count| ReportCell::text(count.to_string()))).collect()
 }
 
 fn numbers(numbers: Numbers) -> &'static str {

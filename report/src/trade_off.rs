@@ -5,7 +5,10 @@ use counterpoise_pipeline::studies::search::{SearchAnswer, TradeOffPoint};
 use counterpoise_synth::Figures;
 
 use crate::design::weight_section;
-use crate::{Cell, Column, FigureTile, Headline, OutcomeTone, Report, ReportOrigin, Section, Table};
+use crate::{
+    FigureTile, Headline, OutcomeTone, Report, ReportCell, ReportColumn, ReportOrigin, ReportSection,
+    ReportTable,
+};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
@@ -38,10 +41,11 @@ pub fn trade_off_report(
         false => (OutcomeTone::Bad, "Requirements on the loop are missed"),
     };
     let detail = format!("{} designs were tried for the answer.", found.found.trials);
-    let mut trade_off = Section::new("Trade-off")
-        .saying("Each point is a search of its own under a limit of the sensitivity; every other requirement is kept.");
+    let mut trade_off = ReportSection::new("Trade-off")
+        .with_text("Each point is a search of its own under a limit of the sensitivity; every other requirement is kept.");
     if !found.curve.is_empty() {
-        trade_off = trade_off.showing([figure(best, &found.curve)]).listing(points_table(&found.curve));
+        trade_off =
+            trade_off.with_figures([figure(best, &found.curve)]).with_table(points_table(&found.curve));
     }
     let report = Report {
         title: format!("Weights for {}", identity.name),
@@ -56,32 +60,32 @@ pub fn trade_off_report(
     report.with_command(&origin.command)
 }
 
-fn verified_table(points: &[VerifiedPoint]) -> Table {
+fn verified_table(points: &[VerifiedPoint]) -> ReportTable {
     let columns = [
-        Column::Text("weights"),
-        Column::Number("|S| over the band"),
-        Column::Number("hold"),
-        Column::Number("fail"),
-        Column::Text("verdict"),
-        Column::Text("what fails"),
+        ReportColumn::Text("weights"),
+        ReportColumn::Number("|S| over the band"),
+        ReportColumn::Number("hold"),
+        ReportColumn::Number("fail"),
+        ReportColumn::Text("verdict"),
+        ReportColumn::Text("what fails"),
     ];
-    let mut table = Table::new("Verified on the full nonlinear plant", &columns);
+    let mut table = ReportTable::new("Verified on the full nonlinear plant", &columns);
     for point in points {
         let name = point
             .max_sensitivity_limit
             .map_or("the answer".to_owned(), |limit| format!("Ms at most {limit}"));
         let verdict = if point.holds {
-            Cell::Verdict(OutcomeTone::Good, "holds".to_owned())
+            ReportCell::Verdict(OutcomeTone::Good, "holds".to_owned())
         } else {
-            Cell::Verdict(OutcomeTone::Bad, "fails".to_owned())
+            ReportCell::Verdict(OutcomeTone::Bad, "fails".to_owned())
         };
         table.rows.push(vec![
-            Cell::text(name),
-            Cell::number(point.rejection),
-            Cell::text(point.verdicts[0].to_string()),
-            Cell::text(point.verdicts[1].to_string()),
+            ReportCell::text(name),
+            ReportCell::number(point.rejection),
+            ReportCell::text(point.verdicts[0].to_string()),
+            ReportCell::text(point.verdicts[1].to_string()),
             verdict,
-            Cell::text(point.failing.join("; ")),
+            ReportCell::text(point.failing.join("; ")),
         ]);
     }
     table
@@ -123,21 +127,21 @@ fn figure(best: &counterpoise_synth::SearchTrial, curve: &[TradeOffPoint]) -> Fi
     .with_caption("Less |S| is more rejection. Where the curve is flat another requirement than Ms stops it.")
 }
 
-fn points_table(curve: &[TradeOffPoint]) -> Table {
+fn points_table(curve: &[TradeOffPoint]) -> ReportTable {
     let columns = [
-        Column::Number("limit of Ms"),
-        Column::Number("Ms"),
-        Column::Number("|S| over the band"),
-        Column::Number("noise gain [V s/rad]"),
-        Column::Number("gain margin [dB]"),
-        Column::Number("phase margin [deg]"),
-        Column::Number("overshoot [%]"),
-        Column::Text("requirements"),
+        ReportColumn::Number("limit of Ms"),
+        ReportColumn::Number("Ms"),
+        ReportColumn::Number("|S| over the band"),
+        ReportColumn::Number("noise gain [V s/rad]"),
+        ReportColumn::Number("gain margin [dB]"),
+        ReportColumn::Number("phase margin [deg]"),
+        ReportColumn::Number("overshoot [%]"),
+        ReportColumn::Text("requirements"),
     ];
-    let mut table = Table::new("", &columns);
+    let mut table = ReportTable::new("", &columns);
     for TradeOffPoint { ms_limit, found } in curve {
         let f = &found.best.figures;
-        let mut cells: Vec<Cell> = [
+        let mut cells: Vec<ReportCell> = [
             *ms_limit,
             f.ms,
             f.rejection,
@@ -147,11 +151,11 @@ fn points_table(curve: &[TradeOffPoint]) -> Table {
             100.0 * f.overshoot,
         ]
         .into_iter()
-        .map(Cell::number)
+        .map(ReportCell::number)
         .collect();
         cells.push(match found.best.missed == 0.0 {
-            true => Cell::Verdict(OutcomeTone::Good, "hold".to_owned()),
-            false => Cell::Verdict(OutcomeTone::Bad, "are missed".to_owned()),
+            true => ReportCell::Verdict(OutcomeTone::Good, "hold".to_owned()),
+            false => ReportCell::Verdict(OutcomeTone::Bad, "are missed".to_owned()),
         });
         table.rows.push(cells);
     }

@@ -3,7 +3,7 @@
 use counterpoise_models::{ControlledQuantity, QuantityKind};
 use counterpoise_verify::{Experiment, History, HistoryColumn, Model, Verification};
 
-use crate::Section;
+use crate::ReportSection;
 use counterpoise_plot::thin::MOST_POINTS;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Point, Series};
 
@@ -13,7 +13,7 @@ const MODELS: [(Model, &str, Colour, Dash); 2] = [
 ];
 
 /// Draws hub rate, error and control while the demand is a triangle, and control against rate. Returns `None` if no triangle was run.
-pub fn triangle_section(found: &Verification) -> Option<Section> {
+pub fn triangle_section(found: &Verification) -> Option<ReportSection> {
     let runs: Vec<Run<'_>> = MODELS
         .iter()
         .filter_map(|&(model, name, colour, dash)| {
@@ -25,9 +25,9 @@ pub fn triangle_section(found: &Verification) -> Option<Section> {
     let text = "With a triangle, control against hub rate shows the out-of-balance as an offset, Coulomb friction as a step at zero rate, \
                 viscous friction as the slope of the lobes and inertia as the width of the loop.";
     let controlled = found.controlled_quantity();
-    let section = Section::new(&format!("Triangle of the demanded {}", controlled.name()));
-    let section = if controlled.kind == QuantityKind::Rate { section.saying(text) } else { section };
-    Some(section.showing([over_time(&runs, first, controlled), loops(&runs, controlled)]))
+    let section = ReportSection::new(&format!("Triangle of the demanded {}", controlled.name()));
+    let section = if controlled.kind == QuantityKind::Rate { section.with_text(text) } else { section };
+    Some(section.with_figures([over_time(&runs, first, controlled), loops(&runs, controlled)]))
 }
 
 /// A plant's history and how it is drawn.

@@ -7,46 +7,46 @@ use counterpoise_pipeline::wording::figures::{
 use counterpoise_plot::number::short_number;
 use counterpoise_verify::{JointExperiment, JointQuantity, JointRequirement, JointValue, Verdict};
 
-use crate::{Cell, Column, Section, Table};
+use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 
 /// Milliradians in a radian.
 const MILLI: f64 = 1e3;
 
 /// Returns the section on both axes.
-pub fn two_axes_section(study: &TwoAxisStudy) -> Section {
+pub fn two_axes_section(study: &TwoAxisStudy) -> ReportSection {
     let name = &study.traverse.project.plant.name;
-    let mut section = Section::new("Two axes together")
-        .saying(format!(
+    let mut section = ReportSection::new("Two axes together")
+        .with_text(format!(
             "The traverse axis \"{name}\" under this elevation axis has its own design. Both axes are simulated together: the ring's motion is the base's motion \
              to the elevation axis, and the elevated body's inertia, out-of-balance and angular momentum act on the ring."
         ))
-        .saying(
+        .with_text(
             "Alone, the elevation axis stands on a ring that does not turn, and the traverse axis carries the body at the elevation that its parameters include. \
              Values are RMS from the settling time on; the angle of the line of sight is about its mean.",
         );
     for line in verdict_lines(study) {
-        section = section.saying(format!("{line}."));
+        section = section.with_text(format!("{line}."));
     }
-    section.listing(table(&study.joint.values))
+    section.with_table(table(&study.joint.values))
 }
 
-fn table(values: &[JointValue]) -> Table {
+fn table(values: &[JointValue]) -> ReportTable {
     let columns = [
-        Column::Text("run"),
-        Column::Text("figure"),
-        Column::Number("together"),
-        Column::Number("each axis alone"),
-        Column::Text("unit"),
+        ReportColumn::Text("run"),
+        ReportColumn::Text("figure"),
+        ReportColumn::Number("together"),
+        ReportColumn::Number("each axis alone"),
+        ReportColumn::Text("unit"),
     ];
-    let mut table = Table::new("RMS of both axes", &columns);
+    let mut table = ReportTable::new("RMS of both axes", &columns);
     for value in values {
         let quantity = value.figure.quantity;
         table.rows.push(vec![
-            Cell::text(describe_joint_experiment(value.figure.experiment)),
-            Cell::text(describe_joint_quantity(quantity)),
-            Cell::number(MILLI * value.together),
-            Cell::number(MILLI * value.alone),
-            Cell::text(format!("m{}", quantity.unit())),
+            ReportCell::text(describe_joint_experiment(value.figure.experiment)),
+            ReportCell::text(describe_joint_quantity(quantity)),
+            ReportCell::number(MILLI * value.together),
+            ReportCell::number(MILLI * value.alone),
+            ReportCell::text(format!("m{}", quantity.unit())),
         ]);
     }
     table

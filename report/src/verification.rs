@@ -4,7 +4,7 @@ use counterpoise_pipeline::loop_view::LoopView;
 use counterpoise_verify::Verification;
 use counterpoise_verify::spectral::Spectral;
 
-use crate::{ProvenanceEntry, Report, Section, error_budget, evidence, loop_charts, spectra, summary};
+use crate::{ProvenanceEntry, Report, ReportSection, error_budget, evidence, loop_charts, spectra, summary};
 
 /// What a verification does not know about itself.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -16,7 +16,7 @@ pub struct VerificationContext {
     /// The loop as charts of the plane show it; without it those charts are left out.
     pub loop_view: Option<LoopView>,
     /// Sections that come after the verification's own: reduction, weights, certificates, times.
-    pub more: Vec<Section>,
+    pub more: Vec<ReportSection>,
     /// Pairs of name and value: version, project, command.
     pub provenance: Vec<ProvenanceEntry>,
 }

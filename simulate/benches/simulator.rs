@@ -49,7 +49,7 @@ fn servo(criterion: &mut Criterion) {
 }
 
 /// The rig with more modes.
-fn flexible(modes: u32) -> Plant {
+fn flexible_rig(modes: u32) -> Plant {
     let rig = reference::rig();
     let mut body = Body::from_lumped(rig.lumped.as_ref().unwrap());
     body.modes.extend((2..=modes).map(|k| BodyMode {
@@ -110,7 +110,7 @@ fn modes(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("modes");
     group.sample_size(20);
     for modes in [1, 3, 14, 40] {
-        let plant = flexible(modes);
+        let plant = flexible_rig(modes);
         let controller = proportional_integral(&plant);
         let scenario = Scenario {
             demand_rad_s: Signal::Triangle { amplitude: 0.1, period_s: 1.0 },
@@ -138,7 +138,7 @@ fn ensemble(criterion: &mut Criterion) {
     for (name, stiffness, noise) in
         [("friction", 0.0, None), ("friction, noise", 0.0, Some(3)), ("linear part", 0.02, None)]
     {
-        let plants: Vec<Plant> = (0..8).map(|k| varied(f64::from(k), stiffness)).collect();
+        let plants: Vec<Plant> = (0..8).map(|k| varied_rig(f64::from(k), stiffness)).collect();
         let scenarios: Vec<Scenario> = (0..8).map(|k| road(noise.map(|seed| seed + k))).collect();
         let mut simulators: Vec<Simulator> =
             plants.iter().map(|plant| Simulator::new(plant).unwrap()).collect();
@@ -172,7 +172,7 @@ fn ensemble(criterion: &mut Criterion) {
 }
 
 /// The rig with friction that differs by variant, and with a stiffness that does so by a share.
-fn varied(number: f64, stiffness: f64) -> Plant {
+fn varied_rig(number: f64, stiffness: f64) -> Plant {
     let mut rig = reference::rig();
     if let FrictionLaw::Dahl { coulomb_nm, .. } = &mut rig.pivot_friction.law {
         *coulomb_nm *= 1.0 + 0.02 * number;

@@ -10,7 +10,7 @@ use crate::history::{ReadingColumns, TimeHistory};
 use crate::lanes::group::LaneGroup;
 pub use crate::lanes::group::Registers;
 use crate::lanes::number::LANES;
-use crate::motion::{MotionSample, Track};
+use crate::motion::{MotionSample, MotionTrack};
 use crate::run::{HUB_ANGLE, Lap, Simulator};
 use crate::scenario::{Detail, Scenario};
 use crate::tolerance::FEWEST_LANES;
@@ -79,11 +79,11 @@ fn run_few(registers: Registers, variants: &mut [EnsembleRun]) -> Vec<Result<Tim
     let mut idle: Vec<Simulator> = (variants.len()..LANES).map(|_| variants[0].simulator.clone()).collect();
     let steppers = variants.iter_mut().map(|variant| variant.simulator.parts().1);
     let steppers = steppers.chain(idle.iter_mut().map(|simulator| simulator.parts().1));
-    let group = four(steppers).and_then(|mut steppers| LaneGroup::new(&mut steppers, registers));
+    let group = take_four(steppers).and_then(|mut steppers| LaneGroup::new(&mut steppers, registers));
     let Some(group) = group else { return variants.iter_mut().map(run_alone).collect() };
     let count = variants.len();
-    let runs = variants.iter_mut().map(Run::new).chain(idle.iter_mut().map(Run::idle));
-    let finished = four(runs).map(|runs| run_group(group, runs));
+    let runs = variants.iter_mut().map(Run::new).chain(idle.iter_mut().map(Run::idle_lane));
+    let finished = take_four(runs).map(|runs| run_group(group, runs));
     finished.into_iter().flatten().take(count).collect()
 }
 
@@ -97,7 +97,7 @@ fn can_share(variant: &EnsembleRun) -> bool {
 }
 
 /// Returns four items; `None` if there are not so many.
-fn four<T>(items: impl Iterator<Item = T>) -> Option<[T; LANES]> {
+fn take_four<T>(items: impl Iterator<Item = T>) -> Option<[T; LANES]> {
     items.collect::<Vec<T>>().try_into().ok()
 }
 
@@ -160,7 +160,7 @@ impl<'a> Run<'a> {
     }
 
     /// Returns a lane without a variant.
-    fn idle(simulator: &'a mut Simulator) -> Self {
+    fn idle_lane(simulator: &'a mut Simulator) -> Self {
         let error = Error::Length { what: "a lane without a variant", found: 0, expected: 1 };
         let progress = LaneState::Ended(Box::new(Err(error)));
         Self { stepper: simulator.parts().1, asked: None, watch: None, progress }
@@ -230,7 +230,7 @@ impl<'a> Run<'a> {
 struct Platforms<'a> {
     /// The variant whose platform each variant is on.
     leads: [usize; LANES],
-    tracks: [Option<(Track<'a>, f64)>; LANES],
+    tracks: [Option<(MotionTrack<'a>, f64)>; LANES],
 }
 
 impl<'a> Platforms<'a> {

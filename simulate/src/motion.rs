@@ -74,13 +74,13 @@ impl PlatformMotion {
     /// Returns the motion over the sample that starts at `start_s`, with the angle there.
     #[cfg(test)]
     pub(crate) fn sample(&self, start_s: f64, period_s: f64, angle_rad: f64) -> MotionSample {
-        Track::new(self, period_s, start_s).sample(angle_rad)
+        MotionTrack::new(self, period_s, start_s).sample(angle_rad)
     }
 }
 
 /// A platform motion sample by sample.
 #[derive(Debug, Clone)]
-pub(crate) struct Track<'a> {
+pub(crate) struct MotionTrack<'a> {
     period_s: f64,
     first_s: f64,
     next: usize,
@@ -90,7 +90,7 @@ pub(crate) struct Track<'a> {
     further: Option<[Followed<'a>; 3]>,
 }
 
-impl<'a> Track<'a> {
+impl<'a> MotionTrack<'a> {
     /// Returns the track from a time on.
     pub fn new(platform: &'a PlatformMotion, period_s: f64, first_s: f64) -> Self {
         let follow = |signal: &'a Signal| Followed::new(signal, period_s);
@@ -340,7 +340,7 @@ mod tests {
         let sine = Sine { amplitude: 0.7, frequency_rad_s: 30.0, phase_rad: 0.4 };
         let signal = Signal::Sines(vec![sine]);
         let platform = PlatformMotion { heave_m_s2: signal, ..PlatformMotion::STILL };
-        let mut track = Track::new(&platform, 1e-3, 1.234);
+        let mut track = MotionTrack::new(&platform, 1e-3, 1.234);
         for k in 0..500 {
             let sample = track.sample(0.0);
             for s in [0.0, 0.3, 0.8, 1.0] {
@@ -360,7 +360,7 @@ mod tests {
         };
         let platform =
             PlatformMotion { heave_m_s2: signal(2.0), further: Some(further), ..PlatformMotion::STILL };
-        let mut track = Track::new(&platform, 1e-3, 0.5);
+        let mut track = MotionTrack::new(&platform, 1e-3, 0.5);
         for _ in 0..200 {
             let sample = track.sample(0.0);
             let (heave, further) = (sample.at(0.4).heave, sample.further_at(0.4).unwrap_or_default());

@@ -26,14 +26,14 @@ impl Noise {
         if let Some(spare) = self.spare.take() {
             return spare;
         }
-        let radius = (-2.0 * self.uniform().ln()).sqrt();
-        let (sin, cos) = (std::f64::consts::TAU * self.uniform()).sin_cos();
+        let radius = (-2.0 * self.next_uniform().ln()).sqrt();
+        let (sin, cos) = (std::f64::consts::TAU * self.next_uniform()).sin_cos();
         self.spare = Some(radius * sin);
         radius * cos
     }
 
     /// Uniform in (0, 1\].
-    pub(crate) fn uniform(&mut self) -> f64 {
+    pub(crate) fn next_uniform(&mut self) -> f64 {
         let bits = rand::Rng::next_u64(&mut self.source) >> 11;
         (bits as f64 + 1.0) / (1u64 << 53) as f64
     }

@@ -7,7 +7,7 @@ use crate::engine::present::Sample;
 use crate::engine::state::PlantState;
 use crate::engine::stepper::Stepper;
 use crate::history::{ReadingColumns, TimeHistory, TrueColumn, TrueColumns};
-use crate::motion::{MotionSample, Track};
+use crate::motion::{MotionSample, MotionTrack};
 use crate::sampling_errors::{ErrantClock, SampleError, Step};
 use crate::scenario::{Detail, Initial, Scenario};
 use crate::sensing::{Converter, Imperfections, Sensing, Truth};
@@ -58,7 +58,7 @@ impl Simulator {
     /// # Errors
     /// As [`run`], and a tolerance that is not positive.
     pub fn with_tolerance(plant: &Plant, tolerance: f64) -> Result<Self, Error> {
-        positive("tolerance", tolerance)?;
+        require_positive("tolerance", tolerance)?;
         let period_s = plant.parameters().interface.sample_period_s;
         Ok(Self {
             plant: plant.clone(),
@@ -160,7 +160,7 @@ pub fn state_at_rest(
     PlantState { core, friction: FrictionState::default(), bonds: Bonds::default(), hub_gyro: [shown, 0.0] }
 }
 
-pub(crate) fn positive(what: &'static str, value: f64) -> Result<(), Error> {
+pub(crate) fn require_positive(what: &'static str, value: f64) -> Result<(), Error> {
     if value > 0.0 && value.is_finite() {
         Ok(())
     } else {
@@ -210,7 +210,7 @@ pub(crate) struct Lap<'a> {
     /// Angle of the platform at the start of the next sample, rad.
     pub angle: f64,
     /// The platform's motion.
-    pub track: Track<'a>,
+    pub track: MotionTrack<'a>,
     sensing: Sensing,
     output: Converter,
     queue: Vec<f64>,
@@ -239,7 +239,7 @@ impl<'a> Lap<'a> {
         stepper: &mut Stepper,
         steps_per_sample: Option<f64>,
     ) -> Result<Self, Error> {
-        positive("duration_s", scenario.duration_s)?;
+        require_positive("duration_s", scenario.duration_s)?;
         let parameters = plant.parameters();
         let period_s = parameters.interface.sample_period_s;
         let samples = (scenario.duration_s / period_s - DURATION_ROUNDING).ceil();
@@ -251,7 +251,7 @@ impl<'a> Lap<'a> {
             });
         }
         let angle = scenario.platform.initial_angle_rad;
-        let track = Track::new(&scenario.platform, period_s, 0.0);
+        let track = MotionTrack::new(&scenario.platform, period_s, 0.0);
         let motion = track.clone().sample(angle);
         let start = motion.at(0.0);
         let mut sensing = Sensing::new(parameters, scenario.imperfections);
@@ -327,10 +327,10 @@ impl<'a> Lap<'a> {
         if self.scenario.detail == Detail::Everything {
             self.log_truth(&platform, motor_rate, shown);
         }
-        let control = self.delayed(given.control_v);
+        let control = self.delay_control(given.control_v);
         let before = std::mem::replace(&mut self.before_v, control);
         let control = if error.step == Step::Late { before } else { control };
-        let control = self.limited(control, motor_rate);
+        let control = self.limit_control(control, motor_rate);
         let parameters = self.plant.parameters();
         self.drive_v = parameters.amplifier.drive_v(control, &parameters.motor);
         self.drive_v
@@ -376,7 +376,7 @@ impl<'a> Lap<'a> {
     }
 
     /// Returns the control that the limits of the drive leave at a rate of the motor, and keeps the current that they leave over the sample.
-    fn limited(&mut self, control_v: f64, motor_rate: f64) -> f64 {
+    fn limit_control(&mut self, control_v: f64, motor_rate: f64) -> f64 {
         let Some(drive) = &mut self.limited else { return control_v };
         self.range_a = drive.range_a(motor_rate);
         if self.scenario.detail == Detail::Everything {
@@ -412,7 +412,7 @@ impl<'a> Lap<'a> {
         drive.advance([before_a, after_a]);
     }
 
-    fn delayed(&mut self, control: f64) -> f64 {
+    fn delay_control(&mut self, control: f64) -> f64 {
         let delay = self.plant.parameters().interface.output_delay_samples;
         if delay == 0 {
             return control;

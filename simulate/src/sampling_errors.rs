@@ -58,7 +58,7 @@ impl ErrantClock {
     pub fn next(&mut self) -> SampleError {
         let offset = self.clock.jitter_s / self.period_s * self.noise.next();
         let (missed, late) = (self.clock.missed_samples, self.clock.late_samples);
-        let drawn = self.noise.uniform();
+        let drawn = self.noise.next_uniform();
         let step = match drawn {
             drawn if drawn <= missed => Step::Missed,
             drawn if drawn <= missed + late => Step::Late,

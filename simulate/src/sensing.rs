@@ -44,7 +44,7 @@ impl Converter {
     }
 
     /// Returns the converter with a share of its codes missing.
-    pub fn missing(self, missing_codes: f64) -> Self {
+    pub fn with_missing_codes(self, missing_codes: f64) -> Self {
         Self { missing_codes, ..self }
     }
 
@@ -119,7 +119,8 @@ impl Chain {
         let every = sensor.samples_between_readings(interface.sample_period_s);
         Self {
             sensor: sensor.clone(),
-            converter: Converter::new(interface.input_bits, imperfections).missing(interface.missing_codes),
+            converter: Converter::new(interface.input_bits, imperfections)
+                .with_missing_codes(interface.missing_codes),
             delay_samples: sensor.delay_s / interface.sample_period_s,
             past: Vec::new(),
             before: None,
@@ -140,7 +141,7 @@ impl Chain {
         let value = sensor.gain * truth + sensor.bias + sensor.g_sensitivity * heave;
         let (scale, spread, resolution) = (sensor.scale_v_unit, sensor.noise_rms, sensor.resolution);
         let value = self.at_offset(value, at.offset);
-        let mut delayed = self.delayed(value) + spread * at.noise;
+        let mut delayed = self.delay_value(value) + spread * at.noise;
         if let Some(drift) = &mut self.drift {
             delayed += drift.next();
         }
@@ -152,7 +153,7 @@ impl Chain {
         self.held.as_mut().map_or(reading, |held| held.hold_reading(reading))
     }
 
-    fn delayed(&mut self, value: f64) -> f64 {
+    fn delay_value(&mut self, value: f64) -> f64 {
         if self.delay_samples == 0.0 {
             return value;
         }

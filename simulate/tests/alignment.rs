@@ -47,7 +47,7 @@ fn run(p: &Parameters) -> TimeHistory {
 }
 
 /// Largest difference of a column from what it should be at every sample.
-fn worst(column: &[f64], expected: impl Fn(usize, f64) -> f64) -> f64 {
+fn largest_difference(column: &[f64], expected: impl Fn(usize, f64) -> f64) -> f64 {
     column.iter().enumerate().map(|(k, v)| (v - expected(k, 1e-3 * k as f64)).abs()).fold(0.0, f64::max)
 }
 
@@ -67,8 +67,10 @@ fn a_misaligned_gyroscope_reads_rates_about_the_axes_of_what_carries_it() {
     let hub = |k: usize, t: f64| truth.hub_rate_rad_s()[k] + about(t, truth.hub_angle_rad()[k]);
     let base = |k: usize, t: f64| truth.platform_rate_rad_s()[k] + about(t, truth.platform_angle_rad()[k]);
     assert!(truth.hub_angle_rad().iter().any(|angle| angle.abs() > 0.02), "the hub moves");
-    let worst =
-        [worst(found.readings.hub_rate_rad_s(), hub), worst(found.readings.platform_rate_rad_s(), base)];
+    let worst = [
+        largest_difference(found.readings.hub_rate_rad_s(), hub),
+        largest_difference(found.readings.platform_rate_rad_s(), base),
+    ];
     // the hub's own rate, which the reading has without misalignment too, is integrated to 1e-7 rad/s
     assert!(worst[0] < 2e-7 && worst[1] < 1e-12, "{worst:?}");
 }
@@ -84,10 +86,10 @@ fn a_tilted_accelerometer_reads_other_shares_of_heave_surge_and_gravity() {
     let found = run(&p);
     let (sin, cos) = 0.06_f64.sin_cos();
     let upward = |_: usize, t: f64| heave(t) * cos - surge(t) * sin + g * (cos - 1.0);
-    assert!(worst(found.readings.platform_accel_m_s2(), upward) < 1e-9);
+    assert!(largest_difference(found.readings.platform_accel_m_s2(), upward) < 1e-9);
     let (sin, cos) = (-0.03_f64).sin_cos();
     let forward = |_: usize, t: f64| surge(t) * cos + (heave(t) + g) * sin;
-    assert!(worst(found.readings.platform_surge_m_s2(), forward) < 1e-9);
+    assert!(largest_difference(found.readings.platform_surge_m_s2(), forward) < 1e-9);
 
     (p.sensors.accelerometer_axis, p.sensors.surge_accelerometer) = (AccelerometerAxis::Elevated, None);
     let found = run(&p);
@@ -96,7 +98,7 @@ fn a_tilted_accelerometer_reads_other_shares_of_heave_surge_and_gravity() {
         let (sin, cos) = (angle + 0.06).sin_cos();
         heave(t) * cos - surge(t) * sin + g * (cos - angle.cos())
     };
-    assert!(worst(found.readings.platform_accel_m_s2(), normal) < 1e-9);
+    assert!(largest_difference(found.readings.platform_accel_m_s2(), normal) < 1e-9);
 }
 
 #[test]

@@ -12,7 +12,7 @@ use counterpoise_simulate::{
 const G: f64 = 9.80665;
 
 /// One inertia of 12 kg m^2 that nothing drives or brakes, nose-heavy by 1.5 kg m and with 0.4 kg m above its pivot.
-fn free() -> Parameters {
+fn free_machine() -> Parameters {
     let mut p = reference::rig();
     let lumped = Lumped { out_of_balance_kg_m: 1.5, vertical_offset_kg_m: 0.4, ..Lumped::rigid(12.0) };
     (p.beam, p.lumped, p.gearbox) = (None, Some(lumped), Gearbox::DIRECT);
@@ -31,7 +31,7 @@ fn run(p: &Parameters, platform: PlatformMotion, hub_angle_rad: f64, duration_s:
     Simulator::new(&plant).unwrap().run(&mut Playback::new(&zeros), &scenario).unwrap()
 }
 
-fn further(surge: f64, roll: f64, yaw: f64) -> Option<FurtherMotion> {
+fn further_motion(surge: f64, roll: f64, yaw: f64) -> Option<FurtherMotion> {
     let [surge_m_s2, roll_rate_rad_s, yaw_rate_rad_s] = [surge, roll, yaw].map(Signal::Constant);
     Some(FurtherMotion { surge_m_s2, roll_rate_rad_s, yaw_rate_rad_s })
 }
@@ -41,8 +41,8 @@ fn further(surge: f64, roll: f64, yaw: f64) -> Option<FurtherMotion> {
 #[test]
 fn energy_is_conserved_without_friction() {
     let (surge, roll, yaw) = (2.5, 0.4, -0.5);
-    let platform = PlatformMotion { further: further(surge, roll, yaw), ..PlatformMotion::STILL };
-    let found = run(&free(), platform, 0.4, 20.0);
+    let platform = PlatformMotion { further: further_motion(surge, roll, yaw), ..PlatformMotion::STILL };
+    let found = run(&free_machine(), platform, 0.4, 20.0);
     let energy = |k: usize| {
         let (rate, (sin, cos)) = (found.truth.hub_rate_rad_s()[k], found.truth.hub_angle_rad()[k].sin_cos());
         let weight = 1.5 * (G * sin + surge * cos) + 0.4 * (G * cos - surge * sin);
@@ -61,11 +61,11 @@ fn surge_is_a_tilt_of_gravity() {
     let tilt = 0.3_f64;
     let surging = PlatformMotion {
         heave_m_s2: Signal::Constant(G * (tilt.cos() - 1.0)),
-        further: further(-G * tilt.sin(), 0.0, 0.0),
+        further: further_motion(-G * tilt.sin(), 0.0, 0.0),
         ..PlatformMotion::STILL
     };
-    let found = run(&free(), surging, 0.5, 5.0);
-    let tilted = run(&free(), PlatformMotion::STILL, 0.5 - tilt, 5.0);
+    let found = run(&free_machine(), surging, 0.5, 5.0);
+    let tilted = run(&free_machine(), PlatformMotion::STILL, 0.5 - tilt, 5.0);
     for (a, b) in found.truth.hub_angle_rad().iter().zip(tilted.truth.hub_angle_rad()) {
         assert!((a - b - tilt).abs() < 1e-9, "{a} {b}");
     }
@@ -74,7 +74,7 @@ fn surge_is_a_tilt_of_gravity() {
 /// The same motion by the plant's own right-hand side and the classical Runge-Kutta method.
 #[test]
 fn the_integrator_solves_the_plant_s_own_equations() {
-    let p = free();
+    let p = free_machine();
     let sine = |amplitude, rate| Signal::sine(amplitude, rate);
     let motion = FurtherMotion {
         surge_m_s2: sine(2.0, 5.0),
@@ -123,11 +123,11 @@ fn the_integrator_solves_the_plant_s_own_equations() {
 /// An accelerometer on the elevated mass reads heave and surge as the out-of-balance feels them.
 #[test]
 fn an_elevated_accelerometer_reads_along_the_normal_of_the_beam() {
-    let mut p = free();
+    let mut p = free_machine();
     p.sensors.platform_accelerometer = Sensor::IDEAL;
     let platform = PlatformMotion {
         heave_m_s2: Signal::Constant(1.0),
-        further: further(2.0, 0.0, 0.0),
+        further: further_motion(2.0, 0.0, 0.0),
         ..PlatformMotion::STILL
     };
     let vertical = run(&p, platform.clone(), 0.3, 0.5);

@@ -6,7 +6,7 @@ use counterpoise_simulate::convergence::{convergence_cases, study_convergence};
 
 /// What the error must show: the least order with steps as they are, and, with events found, the most that it may be at the longest
 /// step (eight milliseconds) and at the shortest (an eighth).
-fn demanded(name: &str) -> (f64, [f64; 2]) {
+fn demanded_orders(name: &str) -> (f64, [f64; 2]) {
     match name {
         // its steps and instants are exact
         "Coulomb" | "Coulomb with stiction" => (0.0, [2e-9, 2e-9]),
@@ -32,8 +32,12 @@ fn every_law_and_contact_converge_to_a_second_method_by_their_order() {
         let name = case.name;
         let found = study_convergence(&case.plant, case.control_v, 5).unwrap();
         println!("{name}: order {:.1}, second method {:.0e}", found.order(), found.second_method);
-        println!("    steps  {}\n    events {}", shown(&found.error), shown(&found.finding_events));
-        let (order, [longest, shortest]) = demanded(name);
+        println!(
+            "    steps  {}\n    events {}",
+            show_errors(&found.error),
+            show_errors(&found.finding_events)
+        );
+        let (order, [longest, shortest]) = demanded_orders(name);
         assert!(found.second_method < 1e-9, "{name}: the second method errs by {:e}", found.second_method);
         assert!(found.order().is_nan() == (order == 0.0), "{name}: {}", found.order());
         assert!(order == 0.0 || found.order() > order, "{name}: {}", found.order());
@@ -49,12 +53,12 @@ fn the_error_of_contact_falls_in_proportion_to_the_step() {
     let plant = Plant::from_lumped(&reference::rig()).unwrap();
     let contact = convergence_cases(&plant).unwrap().pop().unwrap();
     let found = study_convergence(&contact.plant, contact.control_v, 7).unwrap();
-    println!("steps  {}\nevents {}", shown(&found.error), shown(&found.finding_events));
+    println!("steps  {}\nevents {}", show_errors(&found.error), show_errors(&found.finding_events));
     println!("orders {:.2} {:.2}", found.order(), found.order_finding_events());
     assert!(found.order() > 0.9 && found.order_finding_events() > 0.7);
     assert!(found.finding_events.iter().zip(&found.error).all(|(found, not)| 10.0 * found < *not));
 }
 
-fn shown(errors: &[f64]) -> String {
+fn show_errors(errors: &[f64]) -> String {
     errors.iter().map(|e| format!("{e:9.1e}")).collect()
 }

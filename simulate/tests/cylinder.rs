@@ -87,7 +87,7 @@ fn what_flows_in_is_displaced_compressed_or_leaks() {
 }
 
 /// Marches the definition of the plant with Runge and Kutta's method.
-fn marched(plant: &Plant, start: &[f64], controls: &[f64], period_s: f64) -> Vec<Vec<f64>> {
+fn march_plant(plant: &Plant, start: &[f64], controls: &[f64], period_s: f64) -> Vec<Vec<f64>> {
     let parts = 40;
     let h = period_s / f64::from(parts);
     let mut x = start.to_vec();
@@ -130,7 +130,7 @@ fn the_simulator_solves_the_definition_of_the_plant() {
         .collect();
     let scenario_start = Simulator::new(&plant).unwrap().rest(0.15, 0.0, 0.0);
     let history = run(&p, 0.15, &controls);
-    let second = marched(&plant, &scenario_start.core, &controls, period);
+    let second = march_plant(&plant, &scenario_start.core, &controls, period);
     let truth = &history.truth;
     let largest = |of: &dyn Fn(usize) -> f64| (0..800).map(|k| of(k).abs()).fold(0.0, f64::max);
     let rate_off = largest(&|k| truth.hub_rate_rad_s()[k] - second[k][state::RATE]);

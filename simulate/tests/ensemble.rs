@@ -18,17 +18,17 @@ impl Random {
         (self.0 >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    fn draw_between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.next()
     }
 
-    fn below(&mut self, count: usize) -> usize {
+    fn draw_below(&mut self, count: usize) -> usize {
         (self.next() * count as f64) as usize
     }
 
     /// Returns a factor within a decade around 1.
     fn factor(&mut self) -> f64 {
-        10f64.powf(self.between(-0.5, 0.5))
+        10f64.powf(self.draw_between(-0.5, 0.5))
     }
 }
 
@@ -67,8 +67,8 @@ struct Kind {
 
 fn kind(random: &mut Random) -> Kind {
     Kind {
-        motor_law: random.below(7),
-        pivot_law: random.below(6),
+        motor_law: random.draw_below(7),
+        pivot_law: random.draw_below(6),
         falls: random.next(),
         gap: random.next(),
         extras: random.next(),
@@ -81,10 +81,10 @@ fn variant(kind: Kind, random: &mut Random) -> Parameters {
     let friction = |kind: Kind, number: usize, coulomb: f64, viscous: f64, random: &mut Random| {
         let mut friction = Friction::plain(law(number, coulomb * random.factor(), random), viscous);
         if kind.falls > 0.5 {
-            friction.static_ratio = random.between(1.0, 1.6);
+            friction.static_ratio = random.draw_between(1.0, 1.6);
             friction.stribeck_rate_rad_s = 0.02 * random.factor();
         }
-        friction.asymmetry = if random.next() > 0.7 { random.between(-0.2, 0.2) } else { 0.0 };
+        friction.asymmetry = if random.next() > 0.7 { random.draw_between(-0.2, 0.2) } else { 0.0 };
         friction
     };
     rig.motor_friction = friction(kind, kind.motor_law, 0.065, 0.002 * random.factor(), random);
@@ -109,26 +109,26 @@ fn variant(kind: Kind, random: &mut Random) -> Parameters {
 
 fn scenario(random: &mut Random) -> Scenario {
     let recorded = (0..400).map(|k| 0.2 * (0.02 * f64::from(k)).sin() * random.next()).collect();
-    let rate = match random.below(3) {
+    let rate = match random.draw_below(3) {
         0 => Signal::sine(0.3 * random.next(), 60.0 * random.next()),
         1 => Signal::Samples { period_s: 1e-3, values: recorded },
         _ => Signal::ZERO,
     };
     Scenario {
-        demand_rad_s: match random.below(3) {
+        demand_rad_s: match random.draw_below(3) {
             0 => Signal::step(0.02, 0.4 * random.next()),
             1 => Signal::Triangle { amplitude: 0.1, period_s: 0.2 },
             _ => Signal::ZERO,
         },
         platform: PlatformMotion { pitch_rate_rad_s: rate, ..PlatformMotion::STILL },
-        imperfections: match random.below(3) {
-            0 => Imperfections::NoiseAndQuantisation { seed: random.below(5) as u64 },
+        imperfections: match random.draw_below(3) {
+            0 => Imperfections::NoiseAndQuantisation { seed: random.draw_below(5) as u64 },
             1 => Imperfections::Quantisation,
             _ => Imperfections::None,
         },
-        initial: Initial::Rest { hub_angle_rad: random.between(-0.2, 0.2) },
+        initial: Initial::Rest { hub_angle_rad: random.draw_between(-0.2, 0.2) },
         detail: if random.next() > 0.5 { Detail::Everything } else { Detail::Recording },
-        ..Scenario::at_rest(random.between(0.1, 0.3))
+        ..Scenario::at_rest(random.draw_between(0.1, 0.3))
     }
 }
 
@@ -159,11 +159,11 @@ fn runs(random: &mut Random, count: usize) -> Vec<Run> {
         .collect()
 }
 
-fn alone((plant, controller, scenario): &Run) -> String {
+fn run_alone((plant, controller, scenario): &Run) -> String {
     text(Simulator::new(plant).unwrap().run(&mut controller.clone(), scenario).as_ref())
 }
 
-fn together(registers: Registers, runs: &[Run]) -> Vec<String> {
+fn run_together(registers: Registers, runs: &[Run]) -> Vec<String> {
     let mut simulators: Vec<Simulator> =
         runs.iter().map(|(plant, ..)| Simulator::new(plant).unwrap()).collect();
     let mut controllers: Vec<ProportionalIntegral> = runs.iter().map(|run| run.1.clone()).collect();
@@ -190,18 +190,18 @@ fn text(history: Result<&TimeHistory, &counterpoise_simulate::Error>) -> String 
 fn a_variant_leaves_the_same_bytes_alone_and_in_any_ensemble() {
     for seed in 1..=60 {
         let mut random = Random(seed * 0x9e37_79b9_7f4a_7c15);
-        let count = 1 + random.below(9);
+        let count = 1 + random.draw_below(9);
         let runs = runs(&mut random, count);
-        let expected: Vec<String> = runs.iter().map(alone).collect();
+        let expected: Vec<String> = runs.iter().map(run_alone).collect();
         for registers in [Registers::Widest, Registers::Scalar] {
-            let found = together(registers, &runs);
+            let found = run_together(registers, &runs);
             for (k, (found, expected)) in found.iter().zip(&expected).enumerate() {
                 assert!(found == expected, "seed {seed}, variant {k} of {count}, {registers:?}");
             }
         }
         let mut turned = runs.clone();
         turned.reverse();
-        let found = together(Registers::Widest, &turned);
+        let found = run_together(Registers::Widest, &turned);
         assert!(found.iter().rev().eq(expected.iter()), "seed {seed}, in the opposite order");
     }
 }

@@ -26,7 +26,7 @@ fn without_dry_friction() -> Parameters {
     rig
 }
 
-fn measured(rig: &Parameters, test: Test, frequency: f64, amplitude: f64) -> Measurement {
+fn measure_rig(rig: &Parameters, test: Test, frequency: f64, amplitude: f64) -> Measurement {
     let plant = Plant::from_lumped(rig).unwrap();
     fra::measure_point(
         &plant,
@@ -53,7 +53,7 @@ fn without_dry_friction_the_plants_response_is_the_linear_one() {
     let linear = plant.linearise(&at_rest, FrictionLinearisation::Viscous, Angles::Keep).unwrap();
     let gyro = rig.sensors.hub_gyro.dynamics().unwrap();
     for frequency in [6.0, 20.0, 60.0, 110.0] {
-        let found = measured(&rig, Test::Plant, frequency, 0.05);
+        let found = measure_rig(&rig, Test::Plant, frequency, 0.05);
         assert!(found.settled, "{frequency}: {}", found.last_change);
         let w = found.response.frequency_rad_s;
         // a held sine, as the samples see it: half a sample late, to the accuracy of the images left out
@@ -70,8 +70,8 @@ fn without_dry_friction_the_plants_response_is_the_linear_one() {
 #[test]
 fn dry_friction_makes_the_response_depend_on_the_amplitude() {
     let rig = reference::rig();
-    let small = measured(&rig, Test::Plant, 12.0, 0.05);
-    let large = measured(&rig, Test::Plant, 12.0, 1.0);
+    let small = measure_rig(&rig, Test::Plant, 12.0, 0.05);
+    let large = measure_rig(&rig, Test::Plant, 12.0, 1.0);
     assert!(large.response.value.norm() > 2.0 * small.response.value.norm());
     assert!(large.response.distortion() > 1e-3);
 }
@@ -79,9 +79,9 @@ fn dry_friction_makes_the_response_depend_on_the_amplitude() {
 #[test]
 fn the_loop_follows_slowly_and_rejects_the_platform() {
     let rig = reference::rig();
-    let follows = measured(&rig, Test::ClosedLoop, 2.0, 0.1).response;
+    let follows = measure_rig(&rig, Test::ClosedLoop, 2.0, 0.1).response;
     assert!((follows.value - 1.0).norm() < 0.35, "{}", follows.value);
-    let rejects = measured(&rig, Test::PlatformToHub, 3.0, 0.1).response;
+    let rejects = measure_rig(&rig, Test::PlatformToHub, 3.0, 0.1).response;
     assert!(rejects.gain_db() < -10.0, "{}", rejects.gain_db());
 }
 
@@ -91,8 +91,8 @@ fn friction_carries_a_balanced_disconnected_mechanism_at_small_amplitudes() {
     assert!(fra::disconnect_motor(&rig).is_err());
     rig.lumped.as_mut().unwrap().out_of_balance_kg_m = 0.0;
     let open = fra::disconnect_motor(&rig).unwrap();
-    let small = measured(&open, Test::PlatformToHub, 6.0, 0.002).response;
-    let large = measured(&open, Test::PlatformToHub, 6.0, 0.5).response;
+    let small = measure_rig(&open, Test::PlatformToHub, 6.0, 0.002).response;
+    let large = measure_rig(&open, Test::PlatformToHub, 6.0, 0.5).response;
     assert!(small.value.norm() > 0.8, "{}", small.value.norm());
     assert!(large.value.norm() < 0.8 * small.value.norm(), "{}", large.value.norm());
 }

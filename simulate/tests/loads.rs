@@ -86,7 +86,7 @@ const GAS: Force = Force::Gas(Gas {
 });
 
 /// Energy of an equilibrator at an angle: what has been done against its tension from a length on.
-fn stored(of: &Equilibrator, angle_rad: f64) -> f64 {
+fn stored_energy(of: &Equilibrator, angle_rad: f64) -> f64 {
     let length = of.length_m(angle_rad);
     of.factor
         * match of.force {
@@ -119,7 +119,7 @@ fn an_equilibrator_conserves_energy() {
         let history = run(&p, 0.0, 0.2, 6.0, 0.0);
         let energy = |k: usize| {
             let (angle, rate) = (history.truth.hub_angle_rad()[k], history.truth.hub_rate_rad_s()[k]);
-            0.5 * INERTIA * rate * rate + 60.0 * 9.80665 * angle.sin() + stored(&of, angle)
+            0.5 * INERTIA * rate * rate + 60.0 * 9.80665 * angle.sin() + stored_energy(&of, angle)
         };
         let swing = history.truth.hub_angle_rad().iter().fold(0.0_f64, |most, angle| most.max(angle.abs()));
         assert!(swing > 0.2, "{swing}");

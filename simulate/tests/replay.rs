@@ -52,12 +52,12 @@ fn is_nearly_balanced(machine: &str) -> bool {
     matches!(machine, "p02" | "p03")
 }
 
-fn closed(machine: &str) -> ReplayLoop {
+fn closed_loop(machine: &str) -> ReplayLoop {
     let bias_v = if is_nearly_balanced(machine) { 0.38 } else { 2.88 };
     ReplayLoop::Closed(ProportionalIntegral { bias_v, ..controller() }.into())
 }
 
-fn replayed(machine: &str, experiment: &str, control: &ReplayLoop) -> Replay {
+fn replay_experiment(machine: &str, experiment: &str, control: &ReplayLoop) -> Replay {
     let recording = recording(&format!("{machine}/{experiment}"));
     replay(&truth(machine), &recording, control).unwrap()
 }
@@ -72,7 +72,7 @@ fn assert_fits(replay: &Replay, channels: &[Channel], what: &str) {
 #[test]
 fn the_machine_as_modelled_fits_on_every_channel_in_closed_loop() {
     for experiment in EXPERIMENTS {
-        let replay = replayed("p08", experiment, &closed("p08"));
+        let replay = replay_experiment("p08", experiment, &closed_loop("p08"));
         assert_eq!(replay.channels.len(), COMPARED.len());
         assert_fits(&replay, &COMPARED, experiment);
     }
@@ -82,7 +82,7 @@ fn the_machine_as_modelled_fits_on_every_channel_in_closed_loop() {
 fn the_true_machines_fit_on_every_channel_in_closed_loop() {
     for machine in ["p01", "p04", "p05", "p06", "p07"] {
         for experiment in EXPERIMENTS {
-            let replay = replayed(machine, experiment, &closed(machine));
+            let replay = replay_experiment(machine, experiment, &closed_loop(machine));
             assert_fits(&replay, &COMPARED, &format!("{machine} {experiment}"));
         }
     }
@@ -95,20 +95,20 @@ fn the_true_machines_fit_on_every_channel_in_closed_loop() {
 fn the_hunting_machines_fit_in_open_loop() {
     for machine in ["p02", "p03"] {
         for experiment in ["triangle", "steps", "multisine"] {
-            let replay = replayed(machine, experiment, &ReplayLoop::Open);
+            let replay = replay_experiment(machine, experiment, &ReplayLoop::Open);
             let rates = [Channel::HubRate, Channel::MotorRate];
             assert_fits(&replay, &rates, &format!("{machine} {experiment}"));
         }
     }
 }
 
-fn selected(parameters: &Parameters, machine: &str, experiment: &str) -> SelectedReplay {
+fn select_replay(parameters: &Parameters, machine: &str, experiment: &str) -> SelectedReplay {
     let recording = recording(&format!("{machine}/{experiment}"));
     let replayer = Replayer::new(parameters, &recording).unwrap();
-    replayer.replay_free_or_windowed(parameters, &closed(machine)).unwrap()
+    replayer.replay_free_or_windowed(parameters, &closed_loop(machine)).unwrap()
 }
 
-fn worst(replay: &Replay) -> f64 {
+fn largest_ratio(replay: &Replay) -> f64 {
     replay.channels.iter().map(|fit| fit.residual_over_floor()).fold(0.0, f64::max)
 }
 
@@ -119,7 +119,7 @@ const UNSEEN: [&str; 3] = ["unseen/triangle", "unseen/steps", "unseen/road"];
 fn the_true_machines_are_followed_by_themselves() {
     for machine in ["p01", "p02", "p03", "p05", "p06", "p08"] {
         for experiment in UNSEEN {
-            let found = selected(&truth(machine), machine, experiment);
+            let found = select_replay(&truth(machine), machine, experiment);
             assert_eq!(found.replay.channels.len(), COMPARED.len());
             assert_fits(&found.replay, &COMPARED, &format!("{machine} {experiment}"));
             let hunts = is_nearly_balanced(machine);
@@ -139,9 +139,9 @@ fn the_true_machines_are_followed_by_themselves() {
 fn a_wrong_model_is_not_made_to_look_good() {
     for machine in ["p04", "p05", "p06", "p07"] {
         for experiment in UNSEEN {
-            let found = selected(&truth("p08"), machine, experiment);
+            let found = select_replay(&truth("p08"), machine, experiment);
             assert_eq!(found.mode, ReplayMode::Free, "{machine} {experiment} {:?}", found.divergence);
-            assert!(worst(&found.replay) > 3.0, "{machine} {experiment}");
+            assert!(largest_ratio(&found.replay) > 3.0, "{machine} {experiment}");
         }
     }
     for machine in ["p02", "p03"] {
@@ -149,8 +149,12 @@ fn a_wrong_model_is_not_made_to_look_good() {
             let mut nominal = truth(machine);
             nominal.gearbox.backlash_rad = truth("p08").gearbox.backlash_rad;
             nominal.amplifier.map.clear();
-            let found = selected(&nominal, machine, experiment);
-            assert!(worst(&found.replay) > 30.0, "{machine} {experiment}: {}", worst(&found.replay));
+            let found = select_replay(&nominal, machine, experiment);
+            assert!(
+                largest_ratio(&found.replay) > 30.0,
+                "{machine} {experiment}: {}",
+                largest_ratio(&found.replay)
+            );
         }
     }
 }
@@ -158,7 +162,7 @@ fn a_wrong_model_is_not_made_to_look_good() {
 #[test]
 fn the_wrong_machine_does_not_fit() {
     let recording = recording("p04/triangle");
-    let replay = replay(&reference::rig(), &recording, &closed("p04")).unwrap();
+    let replay = replay(&reference::rig(), &recording, &closed_loop("p04")).unwrap();
     let control = replay.channels.iter().find(|fit| fit.channel == Channel::Control).unwrap();
     assert!(control.rms_error > 20.0 * control.floor);
 }
@@ -171,7 +175,7 @@ fn variants_replayed_side_by_side_leave_the_same_bytes_as_each_alone() {
         let recording = recording(&format!("{machine}/{experiment}")).part(0..3000);
         let truth = truth(machine);
         let replayer = Replayer::new(&truth, &recording).unwrap();
-        for control in [closed(machine), ReplayLoop::Open] {
+        for control in [closed_loop(machine), ReplayLoop::Open] {
             let start = replayer.replay(&truth, &control).unwrap().start;
             let mechanisms: Vec<Parameters> = (0..6)
                 .map(|k| {

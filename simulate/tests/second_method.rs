@@ -97,7 +97,7 @@ fn runge_kutta(plant: &Plant, scenario: &Scenario, substeps: usize) -> Vec<f64> 
     rates
 }
 
-fn simulated(plant: &Plant, scenario: &Scenario, tolerance: f64) -> TimeHistory {
+fn simulate_plant(plant: &Plant, scenario: &Scenario, tolerance: f64) -> TimeHistory {
     Simulator::with_tolerance(plant, tolerance).unwrap().run(&mut controller(), scenario).unwrap()
 }
 
@@ -187,7 +187,7 @@ fn every_friction_agrees_with_small_runge_kutta_steps() {
         let scenario = shaken(1.0);
         let substeps = if name.starts_with("reset") { 200 } else { 40 };
         let expected = runge_kutta(&plant, &scenario, substeps);
-        let found = simulated(&plant, &scenario, TOLERANCE);
+        let found = simulate_plant(&plant, &scenario, TOLERANCE);
         let error = error(found.truth.hub_rate_rad_s(), &expected);
         println!("{name}: {error:.1e} {:?}", found.effort);
         assert!(error < allowed, "{name}: {error:e}");
@@ -200,7 +200,7 @@ fn every_friction_agrees_with_small_runge_kutta_steps() {
 fn contact_agrees_with_very_small_runge_kutta_steps() {
     let plant = machine(|rig| rig.lumped.as_mut().unwrap().out_of_balance_kg_m = 2.0);
     let scenario = shaken(1.0);
-    let found = simulated(&plant, &scenario, TOLERANCE).truth;
+    let found = simulate_plant(&plant, &scenario, TOLERANCE).truth;
     assert!(found.contact().windows(2).filter(|w| w[0] != w[1]).count() > 10);
     let coarse = error(found.hub_rate_rad_s(), &runge_kutta(&plant, &scenario, 50));
     let fine = error(found.hub_rate_rad_s(), &runge_kutta(&plant, &scenario, 400));
@@ -209,7 +209,7 @@ fn contact_agrees_with_very_small_runge_kutta_steps() {
 }
 
 /// The hub rate after 0.2 s under a constant control with a sample period of `period_ms`, one step a sample.
-fn coasted(change: Change, period_s: f64) -> f64 {
+fn coasting_rate(change: Change, period_s: f64) -> f64 {
     let mut rig = reference::rig();
     change(&mut rig);
     rig.interface.sample_period_s = period_s;
@@ -230,8 +230,8 @@ fn coasted(change: Change, period_s: f64) -> f64 {
 fn the_order_of_convergence_is_that_of_the_nodes() {
     let machines: [(&str, Change, f64); 2] = [("Dahl", |_| {}, 4.5), ("LuGre", lugre, 1.9)];
     for (name, change, order) in machines {
-        let exact = coasted(change, 0.125e-3);
-        let errors = [8e-3, 4e-3, 2e-3].map(|period| (coasted(change, period) - exact).abs());
+        let exact = coasting_rate(change, 0.125e-3);
+        let errors = [8e-3, 4e-3, 2e-3].map(|period| (coasting_rate(change, period) - exact).abs());
         let observed = (errors[0] / errors[2]).log2() / 2.0;
         println!("{name}: {errors:?} order {observed:.2}");
         assert!(observed > order, "{name}: {observed} {errors:?}");
@@ -305,7 +305,7 @@ fn the_same_seed_gives_the_same_bytes_and_another_seed_does_not() {
     let plant = machine(|_| {});
     let noisy = |seed| {
         let imperfections = Imperfections::NoiseAndQuantisation { seed };
-        simulated(&plant, &Scenario { imperfections, ..shaken(0.3) }, TOLERANCE)
+        simulate_plant(&plant, &Scenario { imperfections, ..shaken(0.3) }, TOLERANCE)
     };
     assert_eq!(noisy(3), noisy(3));
     assert_ne!(noisy(3).readings, noisy(4).readings);
@@ -332,7 +332,7 @@ fn a_plant_of_many_modes_rests_and_moves() {
         Simulator::new(&plant).unwrap().run(&mut controller.clone(), &Scenario::at_rest(0.5)).unwrap();
     assert!(still.truth.hub_rate_rad_s().iter().all(|w| w.abs() < 1e-9));
     let scenario = shaken(0.5);
-    let found = simulated(&plant, &scenario, TOLERANCE);
+    let found = simulate_plant(&plant, &scenario, TOLERANCE);
     let expected = runge_kutta(&plant, &scenario, 200);
     let error = error(found.truth.hub_rate_rad_s(), &expected);
     assert!(error < 1e-5, "{error:e}");

@@ -34,7 +34,7 @@ fn one_mass(inertia: f64, law: FrictionLaw, static_ratio: f64) -> Parameters {
     rig
 }
 
-fn pushed(amplitude: f64, frequency_rad_s: f64, duration_s: f64) -> Scenario {
+fn pushed_scenario(amplitude: f64, frequency_rad_s: f64, duration_s: f64) -> Scenario {
     let heave_m_s2 = Signal::Sines(vec![Sine { amplitude, frequency_rad_s, phase_rad: 0.0 }]);
     Scenario {
         platform: PlatformMotion { heave_m_s2, ..PlatformMotion::STILL },
@@ -47,7 +47,7 @@ fn pushed(amplitude: f64, frequency_rad_s: f64, duration_s: f64) -> Scenario {
 fn breakaway_and_arrest_are_at_their_exact_instants() {
     let (push, level, ratio, frequency) = (200.0, 80.0, 1.5, 3.0);
     let plant = machine(|rig| *rig = one_mass(1e6, FrictionLaw::Coulomb { coulomb_nm: level }, ratio));
-    let history = run(&plant, &[0.0], &pushed(push / 100.0, frequency, 1.2));
+    let history = run(&plant, &[0.0], &pushed_scenario(push / 100.0, frequency, 1.2));
     let inertia = 1e6;
     let leave = (ratio * level / push).asin() / frequency;
     let rate = |t: f64| {
@@ -284,7 +284,7 @@ fn a_breakaway_between_the_ends_of_a_step_is_found() {
         *rig = one_mass(inertia, FrictionLaw::Coulomb { coulomb_nm: level }, ratio);
         rig.interface.sample_period_s = period;
     });
-    let pushed = run(&plant, &[0.0], &pushed(push / 100.0, frequency, 0.8));
+    let pushed = run(&plant, &[0.0], &pushed_scenario(push / 100.0, frequency, 0.8));
     let rates = pushed.truth.hub_rate_rad_s();
     let leave = (ratio * level / push).asin() / frequency;
     for (k, found) in rates.iter().enumerate() {
@@ -325,7 +325,7 @@ fn a_torque_pulse_shorter_than_a_sample_breaks_away() {
 }
 
 /// A mass of 1 kg m^2 drawn by a spring of 2 N m/rad whose end goes on at 0.1 rad/s: the gear is the spring, a heavy motor its end.
-fn drawn(law: FrictionLaw, static_ratio: f64, stribeck_rate_rad_s: f64) -> Plant {
+fn spring_drawn_mass(law: FrictionLaw, static_ratio: f64, stribeck_rate_rad_s: f64) -> Plant {
     machine(|rig| {
         *rig = one_mass(0.999, law.clone(), static_ratio);
         rig.pivot_friction.stribeck_rate_rad_s = stribeck_rate_rad_s;
@@ -369,7 +369,7 @@ fn stick_slip_cycles_are_those_of_the_closed_form_and_the_literature() {
     let swing = (0.25_f64 + 0.02).sqrt();
     let closed = [7.611_261_936, 1.0 - swing, 1.0 + swing, 0.467_423_461];
     let off = |law: FrictionLaw| {
-        let found = stick_slip(&drawn(law.clone(), 1.5, 1e-3));
+        let found = stick_slip(&spring_drawn_mass(law.clone(), 1.5, 1e-3));
         let worst = found.iter().zip(&closed).map(|(f, c)| (f / c - 1.0).abs()).fold(0.0, f64::max);
         println!("{law:?}: {found:?}, {worst:.1e} from the closed form");
         worst
@@ -390,7 +390,7 @@ fn stick_slip_cycles_are_those_of_the_closed_form_and_the_literature() {
         bristle_stiffness_nm_rad: 1e5,
         bristle_damping_nm_s_rad: 1e5_f64.sqrt(),
     };
-    let mut plant = drawn(lugre, 1.5, 1e-3).parameters().clone();
+    let mut plant = spring_drawn_mass(lugre, 1.5, 1e-3).parameters().clone();
     plant.pivot_friction.viscous_nm_s_rad = 0.4;
     let [period, least, most, fastest] = stick_slip(&Plant::from_lumped(&plant).unwrap());
     println!("LuGre: {period} {least} {most} {fastest}");
@@ -432,7 +432,7 @@ fn the_reset_integrators_stick_slip_is_that_of_small_runge_kutta_steps() {
     let bond = ResetIntegrator { coulomb_nm, static_ratio: 1.5, deflection_rad, damping_nm_s_rad };
     let expected = reset_cycle(&bond);
     let law = FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, damping_nm_s_rad };
-    let found = stick_slip(&drawn(law, 1.5, 1e-3));
+    let found = stick_slip(&spring_drawn_mass(law, 1.5, 1e-3));
     println!("{found:?} {expected:?}");
     let off = |(f, e): (&f64, &f64)| (f / e - 1.0).abs();
     assert!(found.iter().zip(&expected).map(off).fold(0.0, f64::max) < 2e-4, "{found:?} {expected:?}");

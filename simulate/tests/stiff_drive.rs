@@ -72,7 +72,7 @@ fn euler(volts: &[f64]) -> Vec<f64> {
     rates
 }
 
-fn worst(found: &[f64], expected: &[f64]) -> f64 {
+fn largest_difference(found: &[f64], expected: &[f64]) -> f64 {
     found.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
@@ -92,7 +92,7 @@ fn a_stiff_drive_slides_and_sticks_as_one_mass() {
         let plant = Plant::from_lumped(&carriage(law.clone())).unwrap();
         let mut simulator = Simulator::new(&plant).unwrap();
         let history = simulator.run(&mut Playback::new(&volts), &Scenario::at_rest(4.0)).unwrap();
-        let worst = worst(history.truth.hub_rate_rad_s(), &expected);
+        let worst = largest_difference(history.truth.hub_rate_rad_s(), &expected);
         println!("{law:?}: {worst:.1e} m/s");
         assert!(worst < allowed, "{law:?}: {worst:e}");
     }

@@ -20,7 +20,7 @@ const G: f64 = 9.80665;
 const SAMPLES: usize = 10_000;
 
 /// One inertia that nothing drives or brakes.
-fn free(inertia: f64, out_of_balance: f64, offset: f64, gravity: f64) -> Plant {
+fn free_plant(inertia: f64, out_of_balance: f64, offset: f64, gravity: f64) -> Plant {
     let mut p = reference::rig();
     let lumped = Lumped {
         out_of_balance_kg_m: out_of_balance,
@@ -39,7 +39,7 @@ fn free(inertia: f64, out_of_balance: f64, offset: f64, gravity: f64) -> Plant {
 /// What is conserved along a free motion, from its start: the largest change of energy and of angular momentum, relative to the
 /// kinetic energy and the angular momentum at the start.
 fn drift(inertia: BodyInertia, pivot: PivotPosition) -> ([f64; 2], TwoAxisHistory) {
-    let (elevation, traverse) = (free(12.0, 1.5, 0.4, G), free(30.0, 0.7, 0.0, 0.0));
+    let (elevation, traverse) = (free_plant(12.0, 1.5, 0.4, G), free_plant(30.0, 0.7, 0.0, 0.0));
     let body = ElevatedBody::of_plant(&elevation, inertia, pivot, SinCos::of(0.2));
     let coupling = Coupling { body, gyroscope: TraverseGyroscope::Ring };
     let mut turning = Simulator::new(&traverse).unwrap().rest(0.3, 0.0, 0.0);
@@ -156,7 +156,7 @@ fn coupling(inertia: BodyInertia, plant: &Plant, gyroscope: TraverseGyroscope) -
 }
 
 /// Heave and pitch of the base, level in the plane of elevation.
-fn heaving() -> [Signal; 2] {
+fn heave_and_pitch() -> [Signal; 2] {
     [Signal::sine(1.0, 9.0), Signal::sine(0.1, 7.0)]
 }
 
@@ -164,7 +164,7 @@ fn heaving() -> [Signal; 2] {
 #[test]
 fn an_elevation_axis_on_a_ring_at_rest_moves_as_it_does_alone() {
     let plants = rigs();
-    let [heave, _] = heaving();
+    let [heave, _] = heave_and_pitch();
     let base = BaseMotion {
         specific_force_m_s2: [
             Signal::ZERO,
@@ -213,7 +213,11 @@ fn weighing(amplitude: f64, frequency_rad_s: f64) -> Signal {
     Signal::Sines(vec![gravity, Sine { amplitude, frequency_rad_s, phase_rad: 0.0 }])
 }
 
-fn further(surge_m_s2: Signal, roll_rate_rad_s: Signal, yaw_rate_rad_s: Signal) -> Option<FurtherMotion> {
+fn further_motion(
+    surge_m_s2: Signal,
+    roll_rate_rad_s: Signal,
+    yaw_rate_rad_s: Signal,
+) -> Option<FurtherMotion> {
     Some(FurtherMotion { surge_m_s2, roll_rate_rad_s, yaw_rate_rad_s })
 }
 
@@ -239,7 +243,7 @@ fn two_axes_seldom_take_a_sample_twice() {
         platform: PlatformMotion {
             heave_m_s2: sine(1.0, 9.0),
             pitch_rate_rad_s: sine(-0.1, 7.0),
-            further: further(sine(2.0, 6.0), sine(0.1, 8.0), sine(0.1, 6.0)),
+            further: further_motion(sine(2.0, 6.0), sine(0.1, 8.0), sine(0.1, 6.0)),
             ..PlatformMotion::STILL
         },
         imperfections: noisy,
@@ -253,7 +257,7 @@ fn two_axes_seldom_take_a_sample_twice() {
         platform: PlatformMotion {
             heave_m_s2: sine(1.0, 5.0),
             pitch_rate_rad_s: sine(0.1, 6.0),
-            further: further(sine(2.0, 6.0), Signal::ZERO, Signal::ZERO),
+            further: further_motion(sine(2.0, 6.0), Signal::ZERO, Signal::ZERO),
             ..PlatformMotion::STILL
         },
         imperfections: noisy,

@@ -5,7 +5,7 @@
 //!
 //! Three states are kept apart. The *project* ([`editing::session::Session`]) is text with revisions; every edit is a
 //! [`command::Command`], which is written to a [`journal`](editing::journal), undone and redone. *Results* ([`results::ComputedResults`])
-//! bear the revision that they came from. The *view* ([`view::View`]) is never undone. Work is done by
+//! bear the revision that they came from. The *view* ([`view::StudioView`]) is never undone. Work is done by
 //! [`BackgroundWorker`](counterpoise_host::worker::BackgroundWorker)s; no frame waits for one.
 //!
 //! *Invariant*: no equation of the field stands here, and nothing can be done here that the command line cannot do.

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use crate::command::{DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
 use crate::theme::{DARK, LIGHT};
 use crate::units::DisplayUnits;
-use crate::view::{ControllerPart, View};
+use crate::view::{ControllerPart, StudioView};
 
 /// Smallest and largest zoom that is restored: beyond, the window could not be used to change it back.
 const ZOOMS: (f32, f32) = (0.5, 3.0);
@@ -95,13 +95,13 @@ impl UserSettings {
     }
 
     /// Applies the settings to a view.
-    pub fn apply(&self, view: &mut View) {
+    pub fn apply(&self, view: &mut StudioView) {
         view.theme = if self.theme == ThemeChoice::Light { LIGHT } else { DARK };
         view.units = self.units;
     }
 
     /// Takes over what the view shows.
-    pub fn update_from(&mut self, view: &View) {
+    pub fn update_from(&mut self, view: &StudioView) {
         self.theme = if view.theme == LIGHT { ThemeChoice::Light } else { ThemeChoice::Dark };
         self.units = view.units;
     }
@@ -114,7 +114,7 @@ impl ProjectSettings {
     }
 
     /// Returns the settings that a view shows.
-    pub fn of_view(view: &View) -> Self {
+    pub fn of_view(view: &StudioView) -> Self {
         Self {
             page: view.page,
             design_tab: view.design_tab,
@@ -129,7 +129,7 @@ impl ProjectSettings {
     }
 
     /// Applies the settings to a view; kept designs follow when they are computed.
-    pub fn apply(&self, view: &mut View) {
+    pub fn apply(&self, view: &mut StudioView) {
         (view.page, view.verification_tab, view.diagnosis_tab) =
             (self.page, self.verification_tab, self.diagnosis_tab);
         view.design_tab = self.design_tab;
@@ -192,7 +192,7 @@ mod tests {
     fn settings_come_back_and_damaged_ones_give_the_defaults() {
         let state = counterpoise_host::files::scratch_folder().unwrap();
         let project = Path::new("rig.toml");
-        let mut view = View { theme: LIGHT, page: Page::Verify, ..View::default() };
+        let mut view = StudioView { theme: LIGHT, page: Page::Verify, ..StudioView::default() };
         view.units.gain = GainUnit::Absolute;
         view.kept_texts.insert(DesignSlot::B, "[plant]\n".to_owned());
         let mut user = UserSettings { zoom: Some(1.25), ..UserSettings::default() };

@@ -71,7 +71,7 @@ pub enum ViewCommand {
 }
 
 /// The state of the window.
-pub struct View {
+pub struct StudioView {
     /// The page.
     pub page: Page,
     /// Colours.
@@ -126,7 +126,7 @@ pub struct View {
     pub section: usize,
 }
 
-impl Default for View {
+impl Default for StudioView {
     fn default() -> Self {
         Self {
             page: Page::Design,
@@ -159,7 +159,7 @@ impl Default for View {
     }
 }
 
-impl View {
+impl StudioView {
     /// Carries out a command that concerns the view alone.
     pub fn apply(&mut self, command: &Command) -> ViewCommand {
         match command {

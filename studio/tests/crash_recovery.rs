@@ -31,8 +31,8 @@ fn session_that_is_killed() {
     let Some(folder) = std::env::var_os(FOLDER).map(PathBuf::from) else { return };
     let mut studio = Studio::new(&folder.join("state"), Arc::new(|| {}));
     studio.run(&Command::Open { path: folder.clone() });
-    common::filed(&mut studio);
-    let first = (found(studio.opened.as_ref().unwrap().session.text()) - 25.0) / 0.001;
+    common::wait_for_files(&mut studio);
+    let first = (error_gain(studio.opened.as_ref().unwrap().session.text()) - 25.0) / 0.001;
     for k in first.round() as u32 + 1.. {
         let path = "synth.feedback.error.gain".to_owned();
         studio.run(&Command::Set { path, value: gain(k), gesture: Some(u64::from(k / 5)) });
@@ -46,7 +46,7 @@ fn session_that_is_killed() {
 }
 
 /// Returns the error weight's gain in a project's text, which must be whole.
-fn found(text: &str) -> f64 {
+fn error_gain(text: &str) -> f64 {
     let document = Document::parse(text, "project.toml");
     let project = Project::resolve(&document, &Attachments::none()).expect("the project is whole").project;
     let weight = &project.synth.expect("weights").specification.feedback.error;
@@ -63,7 +63,7 @@ fn folder() -> PathBuf {
 }
 
 /// Runs the session and kills it after a while; gives when each edit was made, and when it was killed.
-fn killed(folder: &Path, after: Duration) -> (Vec<(u32, Instant)>, Instant) {
+fn run_and_kill(folder: &Path, after: Duration) -> (Vec<(u32, Instant)>, Instant) {
     let mut child = Process::new(std::env::current_exe().unwrap())
         .args(["--exact", "crash_recovery::session_that_is_killed", "--nocapture"])
         .env(FOLDER, folder)
@@ -89,12 +89,12 @@ fn thirty_kills_lose_at_most_the_last_second() {
     let (mut edits, mut lost, mut oldest) = (0, 0, Duration::ZERO);
     for k in 0..KILLS {
         let after = Duration::from_millis(60 + u64::from(k * 7919 % 140));
-        let (made, at) = killed(&folder, after);
-        found(&std::fs::read_to_string(folder.join("project.toml")).unwrap());
+        let (made, at) = run_and_kill(&folder, after);
+        error_gain(&std::fs::read_to_string(folder.join("project.toml")).unwrap());
         let mut again = Studio::new(&folder.join("state"), Arc::new(|| {}));
         again.run(&Command::Open { path: folder.clone() });
-        common::filed(&mut again);
-        let there = found(again.opened.as_ref().unwrap().session.text());
+        common::wait_for_files(&mut again);
+        let there = error_gain(again.opened.as_ref().unwrap().session.text());
         let due = made.iter().rev().find(|(_, when)| at.duration_since(*when) >= LOSS).map_or(0, |(k, _)| *k);
         assert!(there >= gain(due) - 1e-9, "kill {k}: {there} where {} was made a second before", gain(due));
         edits += made.len();

@@ -6,7 +6,7 @@ use crate::common;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use common::{StudioHarness, around, bench, rest, rig, says, studio, text, until};
+use common::{StudioHarness, bench, open_window, rest, rig, says, studio, text, wait_until};
 use counterpoise_studio::command::{BrowsePurpose, Command, Page};
 use counterpoise_studio::studio::Studio;
 use egui::{Key, Modifiers};
@@ -16,8 +16,8 @@ const CTRL: Modifiers = Modifiers::COMMAND;
 const CTRL_SHIFT: Modifiers = Modifiers { shift: true, ..Modifiers::COMMAND };
 
 /// Waits until the browser has listed its folder.
-fn listed(bench: &mut StudioHarness) {
-    until(bench, "a listing", |studio| {
+fn wait_for_listing(bench: &mut StudioHarness) {
+    wait_until(bench, "a listing", |studio| {
         let browser = studio.view.browser.as_ref();
         browser.is_some_and(|b| b.listing.as_ref().is_some_and(|l| l.request.folder == b.folder()))
     });
@@ -36,10 +36,10 @@ fn a_project_is_found_and_opened_by_keyboard_alone() {
     std::fs::create_dir_all(folder.join("machines/turret")).unwrap();
     std::fs::create_dir_all(folder.join("machines/crane")).unwrap();
     std::fs::copy(folder.join("project.toml"), folder.join("machines/turret/project.toml")).unwrap();
-    let mut bench = around(Studio::new(&folder.join("state"), Arc::new(|| {})));
+    let mut bench = open_window(Studio::new(&folder.join("state"), Arc::new(|| {})));
     bench.run_steps(2);
     bench.state_mut().view.browser.as_mut().unwrap().set_path(&folder.join("machines"));
-    listed(&mut bench);
+    wait_for_listing(&mut bench);
     assert!(says(&bench, "turret/") && says(&bench, "crane/"));
     bench.check_accessibility();
     bench.event(egui::Event::Text("cra".to_owned()));
@@ -47,7 +47,7 @@ fn a_project_is_found_and_opened_by_keyboard_alone() {
     assert!(!says(&bench, "turret/"), "typing narrows the list");
     assert!(says(&bench, "a new project can be made"));
     (0..3).for_each(|_| bench.key_press(Key::Backspace));
-    listed(&mut bench);
+    wait_for_listing(&mut bench);
     bench.key_press(Key::ArrowDown);
     bench.run_steps(2);
     bench.key_press(Key::Enter);
@@ -74,7 +74,7 @@ fn a_project_saved_under_another_name_takes_its_files_along_and_the_old_one_stay
     bench.run_steps(2);
     let copy = folder.join("copy");
     bench.state_mut().view.browser.as_mut().unwrap().set_path(&copy);
-    listed(&mut bench);
+    wait_for_listing(&mut bench);
     bench.key_press(Key::Enter);
     rest(&mut bench);
     assert!(says(&bench, "saved as"), "{:?}", bench.state().view.notice);
@@ -86,7 +86,7 @@ fn a_project_saved_under_another_name_takes_its_files_along_and_the_old_one_stay
     rest(&mut bench);
     assert_eq!(text(&bench), original, "the way back goes on");
     bench.state_mut().run(&Command::Browse { purpose: BrowsePurpose::SaveAs });
-    listed(&mut bench);
+    wait_for_listing(&mut bench);
     bench.key_press(Key::Enter);
     bench.run_steps(3);
     assert!(says(&bench, "it would be replaced") && bench.state().view.browser.is_some());
@@ -140,7 +140,7 @@ fn recordings_and_projects_are_dropped_and_recordings_are_looked_for() {
     assert_eq!(bench.state().view.page, Page::Diagnose);
     assert!(says(&bench, "x its noise floor"), "what was dropped is laid beside the model");
     bench.key_press_modifiers(CTRL, Key::R);
-    listed(&mut bench);
+    wait_for_listing(&mut bench);
     assert!(says(&bench, "Add all 2"));
     bench.query_all_by_label_contains("triangle.parquet").last().unwrap().click();
     bench.run_steps(2);
@@ -150,7 +150,7 @@ fn recordings_and_projects_are_dropped_and_recordings_are_looked_for() {
     let_fall(&mut bench, &[folder.join("project.toml")]);
     assert!(bench.state().jobs().recordings.is_empty(), "another project begins without them");
     bench.key_press_modifiers(CTRL, Key::R);
-    listed(&mut bench);
+    wait_for_listing(&mut bench);
     assert!(says(&bench, "found"), "where recordings came from is offered again");
     drop(bench);
     std::fs::remove_dir_all(folder).unwrap();
@@ -185,25 +185,25 @@ fn a_full_disk_is_told_and_when_there_is_room_saving_goes_on() {
 /// In the environment of a process that a test starts: the folder that it works in.
 const FOLDER: &str = "COUNTERPOISE_FILING_FOLDER";
 
-fn given() -> Option<PathBuf> {
+fn given_folder() -> Option<PathBuf> {
     std::env::var_os(FOLDER).map(PathBuf::from)
 }
 
 /// Runs one of the tests here in a process of its own, through a command that narrows what it may do.
-fn apart(narrow: &[&str], test: &str, folder: &Path) {
+fn run_apart(narrow: &[&str], test: &str, folder: &Path) {
     let (program, words) = narrow.split_first().unwrap();
     let test = format!("file_commands::{test}");
     let mut process = std::process::Command::new(program);
     process.args(words).arg(std::env::current_exe().unwrap());
     process.args(["--exact", &test, "--nocapture"]).env(FOLDER, folder);
     let Ok(output) = process.output() else {
-        return common::skipped(&format!("{narrow:?} cannot be run here"));
+        return common::report_skip(&format!("{narrow:?} cannot be run here"));
     };
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
     let results = String::from_utf8_lossy(&output.stdout);
     assert!(results.contains("1 passed"), "{test} did not run: {results}");
-    said.lines().filter_map(|line| line.strip_prefix("skipped: ")).for_each(common::skipped);
+    said.lines().filter_map(|line| line.strip_prefix("skipped: ")).for_each(common::report_skip);
 }
 
 #[test]
@@ -213,30 +213,32 @@ fn a_disk_that_fills_up_keeps_the_edits_until_there_is_room() {
     let text = std::fs::metadata(folder.join("project.toml")).unwrap().len();
     let blocks = (text + text / 8 + 3000) / 512;
     let narrow = format!("trap '' XFSZ; ulimit -S -f {blocks}; exec \"$0\" \"$@\"");
-    apart(&["sh", "-c", &narrow], "session_on_a_disk_that_fills_up", &folder);
+    run_apart(&["sh", "-c", &narrow], "session_on_a_disk_that_fills_up", &folder);
     std::fs::remove_dir_all(folder).unwrap();
 }
 
 /// Does nothing in an ordinary run of the tests.
 #[test]
 fn session_on_a_disk_that_fills_up() {
-    let Some(folder) = given() else { return };
+    let Some(folder) = given_folder() else { return };
     let mut bench = bench(&folder);
     rest(&mut bench);
     let path = "synth.feedback.error.gain".to_owned();
     let set =
         |k: u32| Command::Set { path: path.clone(), value: 26.0 + 0.01 * f64::from(k), gesture: Some(1) };
     (1..=120).for_each(|k| bench.state_mut().run(&set(k)));
-    until(&mut bench, "the message", |s| s.view.notice.as_ref().is_some_and(|n| n.text.contains("not kept")));
+    wait_until(&mut bench, "the message", |s| {
+        s.view.notice.as_ref().is_some_and(|n| n.text.contains("not kept"))
+    });
     bench.run_steps(2);
     assert!(says(&bench, "File too large") && says(&bench, "Ctrl+S"));
     let done = text(&bench);
     let id = std::process::id().to_string();
     let room = std::process::Command::new("prlimit").args(["--pid", &id, "--fsize=unlimited"]).status();
     if !room.is_ok_and(|status| status.success()) {
-        return common::skipped("no prlimit here to make room");
+        return common::report_skip("no prlimit here to make room");
     }
-    until(&mut bench, "the journal", |s| {
+    wait_until(&mut bench, "the journal", |s| {
         s.view.notice.as_ref().is_some_and(|n| n.text.contains("are kept again"))
     });
     common::crash(bench);
@@ -258,7 +260,7 @@ fn a_read_only_folder_is_told_and_another_place_takes_the_work() {
     let _ = std::fs::remove_file(folder.join("may"));
     let narrow: &[&str] =
         if is_root { &["setpriv", "--reuid=65534", "--regid=65534", "--clear-groups"] } else { &["env"] };
-    apart(narrow, "session_in_a_read_only_folder", &folder);
+    run_apart(narrow, "session_in_a_read_only_folder", &folder);
     std::fs::set_permissions(&folder, all(0o755)).unwrap();
     std::fs::remove_dir_all(folder).unwrap();
 }
@@ -266,7 +268,7 @@ fn a_read_only_folder_is_told_and_another_place_takes_the_work() {
 /// Does nothing in an ordinary run of the tests.
 #[test]
 fn session_in_a_read_only_folder() {
-    let Some(folder) = given() else { return };
+    let Some(folder) = given_folder() else { return };
     let mut bench = bench(&folder);
     rest(&mut bench);
     name(&mut bench, "other");
@@ -278,7 +280,7 @@ fn session_in_a_read_only_folder() {
     assert!(says(&bench, "not exported") && says(&bench, "Ctrl+Shift+E"));
     bench.state_mut().run(&Command::Browse { purpose: BrowsePurpose::Export });
     bench.state_mut().view.browser.as_mut().unwrap().set_path(&folder.join("other/code"));
-    listed(&mut bench);
+    wait_for_listing(&mut bench);
     bench.get_by_label("Export here").click();
     rest(&mut bench);
     assert!(folder.join("other/code/controller.c").is_file(), "{:?}", bench.state().view.notice);

@@ -28,7 +28,7 @@ fn gain(k: u32) -> Command {
     Command::Set { path: "synth.feedback.error.gain".to_owned(), value, gesture: Some(1) }
 }
 
-fn told(what: &str, mut ms: Vec<f64>) {
+fn print_times(what: &str, mut ms: Vec<f64>) {
     ms.sort_by(f64::total_cmp);
     let at = |share: f64| ms[((ms.len() - 1) as f64 * share) as usize];
     eprintln!("{what}: median {:.2} ms, 95 % {:.2} ms, largest {:.2} ms", at(0.5), at(0.95), at(1.0));
@@ -49,7 +49,7 @@ fn every_revision_of_a_drag_is_designed() {
         assert!(made.design.unwrap().unwrap().margins.closed_loop_stable);
         took.push(made.took.as_secs_f64() * 1e3);
     }
-    told("live road", took);
+    print_times("live road", took);
 }
 
 #[test]
@@ -72,9 +72,9 @@ fn every_change_of_a_replayed_drag_is_drawn_and_verified_when_it_ends() {
     let frames = seat.run_script((1..=120).map(gain).collect(), &mut FrameLog::new(Some(&log)));
     assert!(frames.len() >= 120, "every change is drawn: {}", frames.len());
     assert_eq!(std::fs::read_to_string(log).unwrap().lines().count(), frames.len() + 1);
-    told("pipeline", frames.iter().skip(1).map(|f| f.pipeline_ms).collect());
-    told("change to drawn", frames.iter().skip(1).map(|f| f.change_to_drawn_ms).collect());
-    told("frame with triangles", frames.iter().skip(1).map(|f| f.frame_ms).collect());
+    print_times("pipeline", frames.iter().skip(1).map(|f| f.pipeline_ms).collect());
+    print_times("change to drawn", frames.iter().skip(1).map(|f| f.change_to_drawn_ms).collect());
+    print_times("frame with triangles", frames.iter().skip(1).map(|f| f.frame_ms).collect());
     let of = seat.studio.results.verified.as_ref().unwrap();
     assert_eq!(of.revision, seat.studio.opened.as_ref().unwrap().session.revision());
     let let_go = Instant::now();
@@ -120,16 +120,16 @@ fn long_recordings_are_panned_and_zoomed() {
             ..Default::default()
         };
         let begun = Instant::now();
-        let output = context.run_ui(input, |ui| stacked(ui, &channels));
+        let output = context.run_ui(input, |ui| show_stacked_charts(ui, &channels));
         let drawn = context.tessellate(output.shapes, output.pixels_per_point);
         assert!(!drawn.is_empty());
         took.push(begun.elapsed().as_secs_f64() * 1e3);
         time += Duration::from_millis(16).as_secs_f64();
     }
-    told("a frame of eight channels, 600 000 points each", took);
+    print_times("a frame of eight channels, 600 000 points each", took);
 }
 
-fn stacked(ui: &mut egui::Ui, channels: &[Arc<MinMaxPyramid>]) {
+fn show_stacked_charts(ui: &mut egui::Ui, channels: &[Arc<MinMaxPyramid>]) {
     for (k, pyramid) in channels.iter().enumerate() {
         let mut chart = Chart::new(&format!("channel {k}"), "time, s", "value").with_group("recording");
         chart = chart.with_any_curve(ChartCurve {

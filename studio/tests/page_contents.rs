@@ -8,13 +8,13 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
-use common::{StudioHarness, bench, rest, rig, says, studio, until, whole_rig};
+use common::{StudioHarness, bench, rest, rig, says, studio, wait_until, whole_rig};
 use counterpoise_studio::command::{BrowsePurpose, Command, DesignSlot, DiagnosisTab, Page, VerificationTab};
 use counterpoise_studio::results::VerificationState;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 
-fn edited(folder: &Path, from: &str, to: &str) {
+fn edit_project(folder: &Path, from: &str, to: &str) {
     let path = folder.join("project.toml");
     let text = std::fs::read_to_string(&path).unwrap();
     assert!(text.contains(from), "{from}");
@@ -22,7 +22,7 @@ fn edited(folder: &Path, from: &str, to: &str) {
 }
 
 /// Returns the names of what has the focus while Tab goes round once.
-fn tabbed(bench: &mut StudioHarness) -> BTreeSet<String> {
+fn tab_order(bench: &mut StudioHarness) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     let mut first = None;
     for _ in 0..400 {
@@ -60,7 +60,7 @@ fn every_control_of_every_page_has_a_name_and_is_reached_by_tab() {
         bench.state_mut().run(&Command::Go { page });
         rest(&mut bench);
         bench.check_accessibility();
-        let reached = tabbed(&mut bench);
+        let reached = tab_order(&mut bench);
         for name in names {
             assert!(reached.iter().any(|n| n.contains(name)), "{page:?}: {name} not among {reached:?}");
         }
@@ -100,13 +100,13 @@ fn every_control_of_every_page_has_a_name_and_is_reached_by_tab() {
 #[test]
 fn runs_stream_in_while_they_are_computed_and_can_be_stopped() {
     let folder = whole_rig("stream");
-    edited(
+    edit_project(
         &folder,
         "duration = 10.0              # s of heave",
         "duration = 100.0              # s of heave",
     );
     let mut bench = bench(&folder);
-    until(&mut bench, "a design", |s| s.results.design.is_some());
+    wait_until(&mut bench, "a design", |s| s.results.design.is_some());
     bench.state_mut().run(&Command::Go { page: Page::Verify });
     let running = |s: &counterpoise_studio::studio::Studio| {
         let revision = s.opened.as_ref().unwrap().session.revision();
@@ -115,7 +115,7 @@ fn runs_stream_in_while_they_are_computed_and_can_be_stopped() {
         })
     };
     let mut counts = BTreeSet::new();
-    until(&mut bench, "the first runs", |s| running(s).is_some_and(|n| n > 0));
+    wait_until(&mut bench, "the first runs", |s| running(s).is_some_and(|n| n > 0));
     bench.run_steps(1);
     assert!(says(&bench, "running") || running(bench.state()).is_none());
     assert!(says(&bench, "plot: "), "the runs that are there are drawn");
@@ -129,7 +129,7 @@ fn runs_stream_in_while_they_are_computed_and_can_be_stopped() {
     assert!(counts.len() >= 3, "{counts:?}");
     assert!(bench.state().results.verified.is_some());
     bench.key_press(Key::F5);
-    until(&mut bench, "another verification", |s| s.results.verifying);
+    wait_until(&mut bench, "another verification", |s| s.results.verifying);
     bench.key_press(Key::Escape);
     rest(&mut bench);
     assert!(!bench.state().results.verifying && says(&bench, "stopped"));
@@ -140,7 +140,7 @@ fn runs_stream_in_while_they_are_computed_and_can_be_stopped() {
 #[test]
 fn a_campaign_fills_its_table_and_a_requirement_leads_to_its_spread() {
     let folder = rig("campaign");
-    edited(&folder, "samples = 200", "samples = 30");
+    edit_project(&folder, "samples = 200", "samples = 30");
     let mut bench = bench(&folder);
     rest(&mut bench);
     bench.state_mut().run(&Command::ShowVerification { tab: VerificationTab::Robustness });
@@ -151,7 +151,7 @@ fn a_campaign_fills_its_table_and_a_requirement_leads_to_its_spread() {
         Some(of) => of.value.as_ref().map_or(0, |robust| robust.done),
         None => 0,
     };
-    until(&mut bench, "the first mechanisms", |s| some(s) > 0);
+    wait_until(&mut bench, "the first mechanisms", |s| some(s) > 0);
     assert!(some(bench.state()) < 30, "the table fills while the campaign runs");
     bench.check_accessibility();
     rest(&mut bench);
@@ -183,10 +183,10 @@ fn a_campaign_fills_its_table_and_a_requirement_leads_to_its_spread() {
 #[test]
 fn code_and_a_packed_unit_are_exported_from_the_window() {
     let folder = rig("unit");
-    edited(&folder, "languages = [\"c99\"]", "languages = [\"c99\", \"rust\", \"fmi\"]");
+    edit_project(&folder, "languages = [\"c99\"]", "languages = [\"c99\", \"rust\", \"fmi\"]");
     let mut state = studio(&folder);
     state.library = |_, name| Some(format!("library of {name}").into_bytes());
-    let mut bench = common::around(state);
+    let mut bench = common::open_window(state);
     rest(&mut bench);
     bench.state_mut().run(&Command::Go { page: Page::Verify });
     rest(&mut bench);

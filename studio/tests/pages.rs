@@ -5,7 +5,7 @@ use crate::common;
 
 use std::sync::Arc;
 
-use common::{filed, rig, settle, studio, whole_rig};
+use common::{rig, settle, studio, wait_for_files, whole_rig};
 use counterpoise_host::files::{NativeDisk, ProjectFolder, read_project};
 use counterpoise_pipeline as pipeline;
 use counterpoise_studio::command::{Command, DesignSlot, Page};
@@ -52,7 +52,7 @@ fn a_design_made_in_the_window_exports_the_bytes_of_the_command_line() {
     window.run(&Command::Export);
     settle(&mut window);
     window.run(&Command::Save);
-    filed(&mut window);
+    wait_for_files(&mut window);
     let (text, _) = read_project(&NativeDisk, &folder.join("project.toml")).unwrap();
     let project = counterpoise_project::Project::parse(&text, "project.toml").unwrap().project;
     let made = pipeline::run_stages(&project, &ProjectFolder(folder.clone())).unwrap();
@@ -89,7 +89,7 @@ fn edits_that_were_not_saved_come_back_and_what_cannot_be_opened_says_so() {
     drop(again);
     let mut lost = Studio::new(&folder.join("state"), Arc::new(|| {}));
     lost.run(&Command::Open { path: folder.join("absent.toml") });
-    filed(&mut lost);
+    wait_for_files(&mut lost);
     assert!(lost.open_error.as_ref().unwrap().contains("absent.toml"));
     std::fs::remove_dir_all(folder).unwrap();
 }

@@ -10,7 +10,7 @@ use common::{settle, studio};
 use counterpoise_controller::{Readings, SampledController};
 use counterpoise_host::worker::CancelToken;
 use counterpoise_host::{files, projects};
-use counterpoise_pipeline::model;
+use counterpoise_pipeline::build_plant_model;
 use counterpoise_pipeline::recordings::read::{loop_of, recording_controller};
 use counterpoise_pipeline::recordings::{GapTreatment, ReplayLength, diagnose, read_files, replay};
 use counterpoise_project::{Project, Purpose};
@@ -52,7 +52,7 @@ fn both_ways(folder: &Path, paths: Vec<PathBuf>) -> [String; 2] {
 }
 
 /// Returns what is replayed of a folder: its first recording, or the folder itself if `EVERY_EXAMPLE` is set, as in `.ci/evidence`.
-fn chosen(folder: &Path) -> PathBuf {
+fn choose_recording(folder: &Path) -> PathBuf {
     match std::env::var_os("EVERY_EXAMPLE") {
         Some(_) => folder.to_owned(),
         None => PathBuf::from(&projects::read_recordings(&[folder.to_owned()]).unwrap()[0].name),
@@ -64,7 +64,7 @@ fn a_replay_in_the_studio_is_the_replay_of_the_command_line() {
     for (name, folders) in EXAMPLES {
         for inside in folders {
             let folder = example(name);
-            let [found, expected] = both_ways(&folder, vec![chosen(&folder.join(inside))]);
+            let [found, expected] = both_ways(&folder, vec![choose_recording(&folder.join(inside))]);
             assert_eq!(found, expected, "{name}/{inside}");
         }
     }
@@ -94,8 +94,8 @@ const SAMPLES: f64 = 3000.0;
 const LENGTH_S: f64 = 2.0;
 
 /// A recording of a project's machine under two sines, as CSV.
-fn recorded(project: &Project) -> String {
-    let plant = model(project).unwrap().plant;
+fn record_machine(project: &Project) -> String {
+    let plant = build_plant_model(project).unwrap().plant;
     let period_s = plant.parameters().interface.sample_period_s;
     let scenario = Scenario {
         imperfections: Imperfections::NoiseAndQuantisation { seed: 3 },
@@ -117,7 +117,7 @@ fn every_example_replays_in_the_studio_as_on_the_command_line() {
     for folder in all.filter(|path| path.join("project.toml").exists() && !with_recordings(path)) {
         let project = projects::load_project(&folder, Purpose::Model).unwrap().project;
         let path = scratch.path().join(format!("{replayed}.csv"));
-        files::write_file(&path, recorded(&project).as_bytes()).unwrap();
+        files::write_file(&path, record_machine(&project).as_bytes()).unwrap();
         let [found, expected] = both_ways(&folder, vec![path]);
         assert_eq!(found, expected, "{}", folder.display());
         replayed += 1;
@@ -159,8 +159,8 @@ fn a_replay_in_the_studio_says_if_another_project_exported_the_controller() {
     files::write_file(&folder.join("road.parquet"), &road).unwrap();
     files::write_file(&folder.join("project.toml"), whole.as_bytes()).unwrap();
     let project = projects::load_project(&folder, Purpose::Design).unwrap().project;
-    let modelled = model(&project).unwrap();
-    let reduced = counterpoise_pipeline::reduce(&project, &modelled).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
+    let reduced = counterpoise_pipeline::reduce_plant(&project, &modelled).unwrap();
     let made = counterpoise_pipeline::synthesise(&project, &modelled, &reduced).unwrap();
     let identity = counterpoise_pipeline::ProjectIdentity { name: "rig".to_owned(), hash: "0123".to_owned() };
     let controller =

@@ -32,11 +32,11 @@ fn session_that_saves() {
     let Some(folder) = std::env::var_os(FOLDER).map(PathBuf::from) else { return };
     let mut studio = Studio::new(&folder.join("state"), Arc::new(|| {}));
     studio.run(&Command::Open { path: folder.clone() });
-    common::filed(&mut studio);
+    common::wait_for_files(&mut studio);
     studio.run(&Command::Set { path: KEY.to_owned(), value: VALUE, gesture: None });
-    common::filed(&mut studio);
+    common::wait_for_files(&mut studio);
     studio.run(&Command::Save);
-    common::filed(&mut studio);
+    common::wait_for_files(&mut studio);
     fs::write(folder.join("saved"), b"").unwrap();
 }
 
@@ -58,7 +58,7 @@ struct Place {
 }
 
 /// Runs the session under `strace`, killed at a place if one is given. Returns the places that it passed.
-fn traced(folder: &Path, kill_at: Option<&Place>) -> BTreeSet<Place> {
+fn trace_session(folder: &Path, kill_at: Option<&Place>) -> BTreeSet<Place> {
     let log = folder.join("calls.log");
     let mut command = Process::new("strace");
     command.args(["-f", "-qq", "-e"]).arg(format!("trace={CALLS}")).arg("-o").arg(&log);
@@ -88,7 +88,7 @@ fn traced(folder: &Path, kill_at: Option<&Place>) -> BTreeSet<Place> {
 }
 
 /// Returns the places that are tried, spread evenly.
-fn tried(places: &BTreeSet<Place>) -> Vec<&Place> {
+fn tried_places(places: &BTreeSet<Place>) -> Vec<&Place> {
     let wanted = std::env::var("KILLS").ok().and_then(|text| text.parse().ok()).unwrap_or(12_usize);
     let step = places.len().div_ceil(wanted.clamp(1, places.len().max(1)));
     places.iter().step_by(step.max(1)).collect()
@@ -98,7 +98,7 @@ fn tried(places: &BTreeSet<Place>) -> Vec<&Place> {
 fn value_after(folder: &Path) -> f64 {
     let mut studio = Studio::new(&folder.join("state"), Arc::new(|| {}));
     studio.run(&Command::Open { path: folder.to_owned() });
-    common::filed(&mut studio);
+    common::wait_for_files(&mut studio);
     let text = studio.opened.as_ref().unwrap().session.text().to_owned();
     let whole: toml::Table = text.parse().unwrap();
     let found = KEY.split('.').try_fold(&toml::Value::Table(whole), |place, key| place.get(key)).cloned();
@@ -109,19 +109,19 @@ fn value_after(folder: &Path) -> f64 {
 fn a_save_that_is_killed_leaves_a_whole_project() {
     let there = Process::new("strace").args(["-o", "/dev/null", "true"]).stderr(Stdio::null()).status();
     if !there.is_ok_and(|status| status.success()) {
-        return common::skipped("no strace: no kills at the system calls of a save");
+        return common::report_skip("no strace: no kills at the system calls of a save");
     }
     let whole = folder("whole");
     let old = fs::read(whole.join("project.toml")).unwrap();
-    let places = traced(&whole, None);
+    let places = trace_session(&whole, None);
     let new = fs::read(whole.join("project.toml")).unwrap();
     assert!(whole.join("saved").exists() && new != old, "the session saves");
     assert!(places.iter().any(|place| place.call.starts_with("rename")), "{places:?}");
-    let places = tried(&places);
+    let places = tried_places(&places);
     let (mut saved, mut kept) = (0, 0);
     for at in &places {
         let place = folder("killed");
-        traced(&place, Some(at));
+        trace_session(&place, Some(at));
         let found = fs::read(place.join("project.toml")).unwrap();
         assert!(found == old || found == new, "torn at {at:?}");
         assert!(found == new || !place.join("saved").exists(), "said to be saved, and not there, at {at:?}");

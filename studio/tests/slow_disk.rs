@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, Mutex};
 use std::time::{Duration, Instant};
 
-use common::{StudioHarness, around, filed, rest, rig, says, studio, text, until};
+use common::{StudioHarness, open_window, rest, rig, says, studio, text, wait_for_files, wait_until};
 use counterpoise_host::files::Disk;
 use counterpoise_studio::command::Command;
 use counterpoise_studio::studio::Studio;
@@ -53,16 +53,16 @@ impl Disk for Held {
     }
 }
 
-fn on(disk: &Arc<Held>, folder: &Path) -> StudioHarness {
+fn open_on(disk: &Arc<Held>, folder: &Path) -> StudioHarness {
     let disk = Arc::clone(disk) as Arc<dyn Disk>;
     let mut studio = Studio::with_disk(&folder.join("state"), Arc::new(|| {}), disk);
     studio.run(&Command::Open { path: folder.to_owned() });
-    filed(&mut studio);
-    around(studio)
+    wait_for_files(&mut studio);
+    open_window(studio)
 }
 
 /// Waits until a line that is not the first of a journal holds a text.
-fn journalled(folder: &Path, text: &str) {
+fn wait_for_journal(folder: &Path, text: &str) {
     let end = Instant::now() + Duration::from_secs(60);
     let holds = |path: PathBuf| {
         let journal = std::fs::read_to_string(path).unwrap_or_default();
@@ -76,9 +76,9 @@ fn journalled(folder: &Path, text: &str) {
 }
 
 /// Returns a copy of the reference rig, open in a window at rest, on a disk that is not held yet.
-fn opened(name: &str) -> (PathBuf, Arc<Held>, StudioHarness) {
+fn open_rig(name: &str) -> (PathBuf, Arc<Held>, StudioHarness) {
     let (folder, disk) = (rig(name), Arc::new(Held::default()));
-    let mut bench = on(&disk, &folder);
+    let mut bench = open_on(&disk, &folder);
     rest(&mut bench);
     (folder, disk, bench)
 }
@@ -93,7 +93,7 @@ fn file(folder: &Path) -> String {
 
 #[test]
 fn frames_go_on_while_a_save_takes_its_time_and_what_is_edited_meanwhile_stays_unsaved() {
-    let (folder, disk, mut bench) = opened("slow-save");
+    let (folder, disk, mut bench) = open_rig("slow-save");
     let before = file(&folder);
     bench.state_mut().run(&gain(27.0));
     rest(&mut bench);
@@ -103,20 +103,20 @@ fn frames_go_on_while_a_save_takes_its_time_and_what_is_edited_meanwhile_stays_u
     assert!(says(&bench, "saving") && bench.state().file_queue.is_saving());
     bench.state_mut().run(&gain(28.0));
     bench.run_steps(FRAMES);
-    until(&mut bench, "the design of the last edit", |s| {
+    wait_until(&mut bench, "the design of the last edit", |s| {
         s.results.design.as_ref().is_some_and(|live| live.revision == 2)
     });
     assert!(bench.state().file_queue.is_saving(), "the disk is still held");
-    journalled(&folder, "28");
+    wait_for_journal(&folder, "28");
     disk.let_go();
-    until(&mut bench, "the save", |s| !s.file_queue.is_saving());
+    wait_until(&mut bench, "the save", |s| !s.file_queue.is_saving());
     bench.run_steps(2);
     assert!(says(&bench, "edited") && says(&bench, "saved "));
     assert!(file(&folder).contains("gain = 27.0") && text(&bench).contains("gain = 28.0"));
     assert_ne!(before, file(&folder));
     disk.hold();
     bench.state_mut().run(&gain(29.0));
-    journalled(&folder, "29");
+    wait_for_journal(&folder, "29");
     common::crash(bench);
     let again = studio(&folder);
     assert!(
@@ -129,7 +129,7 @@ fn frames_go_on_while_a_save_takes_its_time_and_what_is_edited_meanwhile_stays_u
 
 #[test]
 fn two_saves_are_made_in_order_and_leaving_waits_for_them() {
-    let (folder, disk, mut bench) = opened("slow-order");
+    let (folder, disk, mut bench) = open_rig("slow-order");
     disk.hold();
     for value in [27.0, 28.0] {
         bench.state_mut().run(&gain(value));
@@ -140,7 +140,7 @@ fn two_saves_are_made_in_order_and_leaving_waits_for_them() {
     bench.run_steps(FRAMES);
     assert!(bench.state().opened.is_some(), "the project stays until it is saved");
     disk.let_go();
-    until(&mut bench, "leaving", |s| s.opened.is_none());
+    wait_until(&mut bench, "leaving", |s| s.opened.is_none());
     assert!(file(&folder).contains("gain = 28.0"), "the later save is the later one");
     drop(bench);
     let again = studio(&folder);
@@ -151,7 +151,7 @@ fn two_saves_are_made_in_order_and_leaving_waits_for_them() {
 
 #[test]
 fn the_end_of_the_studio_waits_for_a_save_under_way() {
-    let (folder, disk, mut bench) = opened("slow-end");
+    let (folder, disk, mut bench) = open_rig("slow-end");
     disk.hold();
     bench.state_mut().run(&gain(27.0));
     bench.state_mut().run(&Command::Save);
@@ -171,7 +171,7 @@ fn the_end_of_the_studio_waits_for_a_save_under_way() {
 fn the_project_stays_until_another_is_read_and_what_cannot_be_read_changes_nothing() {
     let (folder, other) = (rig("slow-open"), rig("slow-other"));
     let disk = Arc::new(Held::default());
-    let mut bench = on(&disk, &folder);
+    let mut bench = open_on(&disk, &folder);
     rest(&mut bench);
     bench.state_mut().run(&gain(27.0));
     rest(&mut bench);
@@ -180,14 +180,14 @@ fn the_project_stays_until_another_is_read_and_what_cannot_be_read_changes_nothi
     bench.run_steps(FRAMES);
     assert!(bench.state().file_queue.path_being_opened().is_some() && bench.state().opened.is_some());
     disk.let_go();
-    until(&mut bench, "the other project", |s| s.file_queue.path_being_opened().is_none());
+    wait_until(&mut bench, "the other project", |s| s.file_queue.path_being_opened().is_none());
     assert_eq!(bench.state().opened.as_ref().unwrap().path, other.join("project.toml"));
     disk.hold();
     bench.state_mut().run(&Command::Open { path: folder.join("absent.toml") });
     bench.run_steps(1);
     assert!(says(&bench, "opening"));
     disk.let_go();
-    until(&mut bench, "the refusal", |s| s.open_error.is_some());
+    wait_until(&mut bench, "the refusal", |s| s.open_error.is_some());
     assert_eq!(bench.state().opened.as_ref().unwrap().path, other.join("project.toml"));
     disk.hold();
     bench.state_mut().run(&Command::Open { path: folder.clone() });
@@ -202,7 +202,7 @@ fn the_project_stays_until_another_is_read_and_what_cannot_be_read_changes_nothi
     bench.state_mut().run(&Command::Open { path: folder.clone() });
     bench.state_mut().run(&gain(26.5));
     bench.state_mut().run(&Command::Save);
-    until(&mut bench, "both", |s| !s.file_queue.is_busy());
+    wait_until(&mut bench, "both", |s| !s.file_queue.is_busy());
     assert!(file(&other).contains("gain = 26.5"), "what was asked to be saved is saved where it belongs");
     assert!(text(&bench).contains("gain = 27.0") && file(&folder).contains("gain = 25.0"), "edits came back");
     drop(bench);
@@ -211,13 +211,13 @@ fn the_project_stays_until_another_is_read_and_what_cannot_be_read_changes_nothi
 
 #[test]
 fn a_step_back_behind_a_save_outlives_a_crash() {
-    let (folder, _, mut bench) = opened("slow-undo");
+    let (folder, _, mut bench) = open_rig("slow-undo");
     let before = text(&bench);
     bench.state_mut().run(&gain(27.0));
     bench.state_mut().run(&Command::Save);
-    until(&mut bench, "the save", |s| !s.file_queue.is_busy());
+    wait_until(&mut bench, "the save", |s| !s.file_queue.is_busy());
     bench.state_mut().run(&Command::Undo);
-    journalled(&folder, "undo");
+    wait_for_journal(&folder, "undo");
     common::crash(bench);
     let again = studio(&folder);
     assert_eq!(again.opened.as_ref().unwrap().session.text(), before);

@@ -6,7 +6,7 @@ use crate::common;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use common::{StudioHarness, bench, crash, filed, rest, rig, says, studio, text, until};
+use common::{StudioHarness, bench, crash, rest, rig, says, studio, text, wait_for_files, wait_until};
 use counterpoise_studio::command::{BrowsePurpose, Command, DesignSlot, Page};
 use counterpoise_studio::studio::{Studio, WindowClosing};
 use counterpoise_studio::view::CloseTarget;
@@ -293,7 +293,7 @@ fn theme_units_page_and_kept_designs_are_remembered() {
     let other = rig("remembered-other");
     let mut elsewhere = Studio::new(&folder.join("state"), Arc::new(|| {}));
     elsewhere.run(&Command::Open { path: other.clone() });
-    filed(&mut elsewhere);
+    wait_for_files(&mut elsewhere);
     assert!(elsewhere.view.theme == theme && elsewhere.view.page == Page::Design);
     assert!(elsewhere.view.kept.is_empty(), "kept designs belong to their project");
     drop(elsewhere);
@@ -324,13 +324,13 @@ fn a_plot_and_the_report_are_written_to_files() {
     bench.hover_at(bench.get_by_label("plot: Sensitivity").rect().center());
     bench.run_steps(2);
     bench.state_mut().run(&Command::Browse { purpose: BrowsePurpose::PlotFile });
-    until(&mut bench, "a listing", |s| s.view.browser.as_ref().is_some_and(|b| b.is_listed()));
+    wait_until(&mut bench, "a listing", |s| s.view.browser.as_ref().is_some_and(|b| b.is_listed()));
     bench.run_steps(2);
     bench.key_press(Key::Enter);
-    until(&mut bench, "the drawing", |_| folder.join("sensitivity.svg").is_file());
+    wait_until(&mut bench, "the drawing", |_| folder.join("sensitivity.svg").is_file());
     for (name, start) in [("plot.png", &b"\x89PNG"[..]), ("plot.csv", b"curve,")] {
         bench.state_mut().run(&Command::SavePlot { path: folder.join(name) });
-        until(&mut bench, name, |_| folder.join(name).is_file());
+        wait_until(&mut bench, name, |_| folder.join(name).is_file());
         rest(&mut bench);
         assert!(std::fs::read(folder.join(name)).unwrap().starts_with(start), "{name}");
     }
@@ -352,7 +352,7 @@ fn a_measurement_and_a_campaign_say_where_they_are() {
     bench.key_press(Key::F8);
     bench.run_steps(2);
     let measuring = |s: &Studio| s.jobs().measure.is_busy();
-    until(&mut bench, "the campaign", measuring);
+    wait_until(&mut bench, "the campaign", measuring);
     assert!(says(&bench, "measuring"), "the window says that it measures");
     bench.key_press(Key::Escape);
     rest(&mut bench);

@@ -301,7 +301,7 @@ fn a_broken_file_says_where_and_is_mended_without_leaving_the_window() {
     std::fs::write(folder.join("project.toml"), [0xff, 0xfe, 0x00]).unwrap();
     let mut lost = Studio::new(&folder.join("state"), std::sync::Arc::new(|| {}));
     lost.run(&Command::Open { path: folder.clone() });
-    common::filed(&mut lost);
+    common::wait_for_files(&mut lost);
     assert!(lost.opened.is_none() && lost.open_error.is_some());
     drop(lost);
     std::fs::remove_dir_all(folder).unwrap();
@@ -357,7 +357,7 @@ fn another_out_of_balance_is_tried_a_plot_is_copied_and_a_change_outside_is_noti
             && chart_svg(&chart).starts_with("<svg")
     );
     std::fs::write(folder.join("project.toml"), before.replace("reference rig", "another rig")).unwrap();
-    common::until(&mut bench, "the change", |s| s.opened.as_ref().unwrap().disk_text.is_some());
+    common::wait_until(&mut bench, "the change", |s| s.opened.as_ref().unwrap().disk_text.is_some());
     bench.run_steps(2);
     assert!(says(&bench, "changed by another program"));
     bench.get_by_label("Take theirs").click();
@@ -387,7 +387,7 @@ fn wait_for_design(bench: &mut common::StudioHarness, path: &Path) {
     if std::env::var_os("EVERY_EXAMPLE").is_some() || VERIFIED.iter().any(|name| path.ends_with(name)) {
         return rest(bench);
     }
-    common::until(bench, "a design", |s| {
+    common::wait_until(bench, "a design", |s| {
         s.results.design.is_some() || s.results.design_failure.is_some() || s.is_idle()
     });
 }
@@ -402,14 +402,14 @@ fn every_example_opens_without_an_error_and_every_page_shows_it() {
     for path in found {
         let mut studio = Studio::new(&state, std::sync::Arc::new(|| {}));
         studio.run(&Command::Open { path: path.clone() });
-        common::filed(&mut studio);
+        common::wait_for_files(&mut studio);
         let shown = path.display();
         assert_eq!(studio.open_error, None, "{shown}");
         assert!(studio.opened.as_ref().unwrap().session.errors().is_empty(), "{shown}");
         // Blocks that are still to be tuned are refused, with the command that tunes them.
         let synth = studio.opened.as_ref().unwrap().session.project().unwrap().synth.clone();
         let wants = synth.is_some_and(|synth| !synth.options.structure.is_open());
-        let mut bench = common::around(studio);
+        let mut bench = common::open_window(studio);
         wait_for_design(&mut bench, &path);
         assert_eq!(
             bench.state().results.design.is_some(),
@@ -430,10 +430,10 @@ fn a_new_project_is_made_from_an_empty_folder_in_the_window() {
     let folder = std::env::temp_dir().join(format!("counterpoise-new-{}", std::process::id()));
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
-    let mut bench = common::around(Studio::new(&folder.join("state"), std::sync::Arc::new(|| {})));
+    let mut bench = common::open_window(Studio::new(&folder.join("state"), std::sync::Arc::new(|| {})));
     bench.run_steps(2);
     bench.state_mut().view.browser.as_mut().unwrap().set_path(&folder.join("turret"));
-    common::until(&mut bench, "a listing", |s| {
+    common::wait_until(&mut bench, "a listing", |s| {
         let browser = s.view.browser.as_ref().unwrap();
         browser.listing.as_ref().is_some_and(|l| l.request.folder == browser.folder())
     });

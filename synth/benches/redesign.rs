@@ -13,7 +13,7 @@ use counterpoise_synth::{
 use criterion::{Criterion, criterion_group, criterion_main};
 
 /// The rig with further flexible modes on the hub, to the given design order.
-fn enlarged(order: usize) -> DesignPlant {
+fn enlarged_rig(order: usize) -> DesignPlant {
     let mut plant = rig();
     let mut k = 0;
     while plant.measured_plant().unwrap().order() + 2 <= order {
@@ -56,7 +56,7 @@ fn redesign(plant: &DesignPlant, method: SamplingMethod) -> f64 {
 
 fn benches(criterion: &mut Criterion) {
     for order in [11, 40] {
-        let plant = enlarged(order);
+        let plant = enlarged_rig(order);
         for (name, method) in
             [("redesign", SamplingMethod::TUSTIN), ("redesign in sampled time", SamplingMethod::SampledData)]
         {

@@ -97,7 +97,7 @@ fn with_control_seen(
     let mut rational = weights.control.rational();
     let mut moved = None;
     for zero in rational.zeros.iter_mut().filter(|zero| zero.re == 0.0) {
-        if gain.relative(zero.im.abs())? < ZERO_GAIN {
+        if gain.relative_modulus(zero.im.abs())? < ZERO_GAIN {
             moved = moved.or(Some(zero.im.abs()));
             zero.re = -SLOWEST_RAD_S;
         }

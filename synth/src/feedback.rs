@@ -70,8 +70,8 @@ pub fn design_feedback(
     let filter = problem.filter(density)?;
     let (F, L) = (regulator.F.clone(), filter.F.t());
     let controller = problem.controller(&F, &L, reference)?;
-    let predicted = problem.predicted(&regulator.X, &filter.X, &L, density);
-    let closed = problem.closed(&controller, density)?;
+    let predicted = problem.predicted_cost(&regulator.X, &filter.X, &L, density);
+    let closed = problem.closed_loop(&controller, density)?;
     Ok(Feedback {
         F,
         L,
@@ -166,7 +166,7 @@ impl Problem {
     }
 
     /// tr(B_e' X B_e V) + tr(M Y M') with M the direct part of the weighted outputs on the plant's state.
-    fn predicted(&self, X: &Mat, Y: &Mat, L: &Mat, V: f64) -> f64 {
+    fn predicted_cost(&self, X: &Mat, Y: &Mat, L: &Mat, V: f64) -> f64 {
         let (n, _, u) = self.core.sizes();
         let innovation = L.vstack(&-&self.core.error.B).vstack(&Mat::zeros(u, 1));
         let M = self.core.output().block(0, 0, 1 + self.core.further.nrows(), n);
@@ -174,7 +174,7 @@ impl Problem {
     }
 
     /// The design plant with the controller around it, from unit white noise to (z1, z3, z2).
-    fn closed(&self, K: &StateSpace, V: f64) -> Result<StateSpace, Error> {
+    fn closed_loop(&self, K: &StateSpace, V: f64) -> Result<StateSpace, Error> {
         let core = &self.core;
         let ((n, _, _), k, m) = (core.sizes(), core.order(), self.Gw.ncols());
         let into = K.B.block(0, 1, k, 1);

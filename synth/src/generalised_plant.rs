@@ -141,11 +141,11 @@ impl Generalised {
         Ok(Self { origins, ..self })
     }
 
-    /// Returns the plant of named blocks wired by name ([`counterpoise_lti::connect`]): the ports of `inputs` that belong
+    /// Returns the plant of named blocks wired by name ([`counterpoise_lti::connect`](fn@counterpoise_lti::connect)): the ports of `inputs` that belong
     /// to the controller are the controls, those of `outputs` the measurements. Refusals name the blocks.
     ///
     /// # Errors
-    /// As [`counterpoise_lti::connect`] and [`Generalised::new`].
+    /// As [`counterpoise_lti::connect`](fn@counterpoise_lti::connect) and [`Generalised::new`].
     pub fn connect_by_name(
         blocks: &[NamedBlock<'_>],
         inputs: Ports<'_>,
@@ -187,7 +187,7 @@ impl Generalised {
     }
 
     /// D12 must have full column rank, D21 full row rank: every control is weighed, every measurement is noisy.
-    pub(crate) fn regular(&self) -> Result<(), Error> {
+    pub(crate) fn check_regular(&self) -> Result<(), Error> {
         let blocks = self.blocks();
         let mut findings = Vec::new();
         let mut refuse =

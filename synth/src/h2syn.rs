@@ -46,7 +46,7 @@ pub struct H2 {
 /// # Errors
 /// [`Error`] where a decomposition fails. A plant that breaks a condition is [`Error::Refused`] and says which.
 pub fn h2syn(plant: &Generalised) -> Result<H2, Error> {
-    plant.regular()?;
+    plant.check_regular()?;
     let P = plant.blocks();
     if P.D11.norm_max() != 0.0 {
         let cause = Cause::NoiseReachesCost { gain: P.D11.norm_max() };

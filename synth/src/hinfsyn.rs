@@ -51,18 +51,18 @@ pub fn hinfsyn(plant: &Generalised, tolerance: f64) -> Result<HInfinity, Error> 
     if !(tolerance > 0.0 && tolerance.is_finite()) {
         return Err(Error::Range { what: "tolerance", value: tolerance, allowed: "positive" });
     }
-    plant.regular()?;
+    plant.check_regular()?;
     let normal = Normal::of(plant)?;
     let low = End { bound: normal.lower_bound()?, attempt: Attempt::Unreachable };
     let mut search = Search { plant, normal: &normal, unreachable: low.bound, low, high: None, trials: 0 };
-    search.upward()?;
+    search.raise_bound()?;
     if search.high.is_none()
         && let Some(findings) = obstacle(plant)?
     {
         return Err(Error::refusal(findings));
     }
     search.narrow(tolerance)?;
-    search.verified()
+    search.verified_solution()
 }
 
 /// The mode in the way where no bound is kept: as the bound grows the equations become those of H2, which name it.
@@ -93,7 +93,7 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// Raises the bound until one seems reachable.
-    fn upward(&mut self) -> Result<(), Error> {
+    fn raise_bound(&mut self) -> Result<(), Error> {
         let mut bound = if self.low.bound > 0.0 { 2.0 * self.low.bound } else { self.normal.guess() };
         while self.high.is_none() && self.trials < HINF_TRIALS {
             self.attempt(bound)?;
@@ -110,7 +110,7 @@ impl Search<'_> {
             if close || high.bound < HINF_NOTHING * first || self.trials >= HINF_TRIALS {
                 return Ok(());
             }
-            self.attempt(between(self.low, high, tolerance))?;
+            self.attempt(bound_between(self.low, high, tolerance))?;
         }
         Ok(())
     }
@@ -131,12 +131,12 @@ impl Search<'_> {
     }
 
     /// The controller at the upper end, or at the first bound above it whose loop keeps it.
-    fn verified(mut self) -> Result<HInfinity, Error> {
+    fn verified_solution(mut self) -> Result<HInfinity, Error> {
         let mut bound = self.high.map_or(self.low.bound, |high| high.bound);
         let mut raise = HINF_FIRST_RAISE;
         while self.high.is_some() && self.trials < 2 * HINF_TRIALS {
             self.trials += 1;
-            if let Some(K) = self.normal.central(bound)?
+            if let Some(K) = self.normal.central_controller(bound)?
                 && let Some(answer) = self.verify(K, bound)?
             {
                 return Ok(answer);
@@ -210,7 +210,7 @@ impl Search<'_> {
 
 /// A bound strictly between two ends: by the secant where both margins are known, else the middle; never nearer to an
 /// end than half the tolerance, so that the ends meet.
-fn between(low: End, high: End, tolerance: f64) -> f64 {
+fn bound_between(low: End, high: End, tolerance: f64) -> f64 {
     if low.bound <= 0.0 {
         return 0.1 * high.bound;
     }

@@ -74,7 +74,7 @@ pub fn joint_optimum(plant: &DesignPlant, specification: &Specification) -> Resu
     let (A, B, C) = (problem.core.state(), problem.core.input(), problem.core.output());
     let solved = care(&A, &B, &(&C.t() * &C), &Mat::eye(1), None)?;
     let regulator = riccati(DesignEquation::Regulator, Part::Feedback, solved)?;
-    let entering = problem.entering();
+    let entering = problem.entering_columns();
     let settled = (&A - &(&B * &regulator.F)).t();
     let of_motions = problem.A.block(n, n, f, f);
     let driven = &regulator.X * &entering;
@@ -85,8 +85,9 @@ pub fn joint_optimum(plant: &DesignPlant, specification: &Specification) -> Resu
     let filter = riccati(DesignEquation::JointFilter, Part::Feedback, solved)?;
     let (F, L) = (regulator.F.hstack(&(&B.t() * &X_f)), filter.F.t());
     let controller = problem.controller(&F, &L)?;
-    let closed = problem.closed(&controller, &vec![1.0; problem.noises.len()])?;
-    let cost = Cost { predicted: problem.predicted(&F, &L, &filter.X)?, achieved: mean_square(&closed)? };
+    let closed = problem.closed_loop(&controller, &vec![1.0; problem.noises.len()])?;
+    let cost =
+        Cost { predicted: problem.predicted_cost(&F, &L, &filter.X)?, achieved: mean_square(&closed)? };
     Ok(JointOptimum {
         slopes: problem.slopes(&controller)?,
         closed_loop: eigenvalues(&closed.A)?,
@@ -180,13 +181,13 @@ impl Problem {
     }
 
     /// Columns of the motions' states into \[x_p; x_e; x_u\].
-    fn entering(&self) -> Mat {
+    fn entering_columns(&self) -> Mat {
         let (n, e, u) = self.core.sizes();
         self.A.block(0, n, n, self.motions()).vstack(&Mat::zeros(e + u, self.motions()))
     }
 
     /// \[x_p; x_f; x_e; x_u\] from \[x_p; x_e; x_u; x_f\]: the order in which the controller holds its states.
-    fn reordered(&self, row: &Mat) -> Mat {
+    fn reorder_row(&self, row: &Mat) -> Mat {
         let ((n, e, u), f, rows) = (self.core.sizes(), self.motions(), row.nrows());
         let plant = row.block(0, 0, rows, n);
         plant.hstack(&row.block(0, n + e + u, rows, f)).hstack(&row.block(0, n, rows, e + u))
@@ -197,7 +198,7 @@ impl Problem {
     fn controller(&self, F: &Mat, L: &Mat) -> Result<StateSpace, Error> {
         let ((_, e, u), k, m) = (self.core.sizes(), self.A.nrows(), self.noises.len());
         let (E, U) = (&self.core.error, &self.core.control);
-        let v = -&self.reordered(F);
+        let v = -&self.reorder_row(F);
         let held = Mat::zeros(1, k + e).hstack(&U.C);
         let control = &held + &(&U.D * &v);
         let observer = &self.A - &(L * &self.C);
@@ -218,7 +219,7 @@ impl Problem {
     }
 
     /// Rows of (error, combination) on \[xi; controller\]; the error weight's states are the controller's.
-    fn weighted(&self) -> Mat {
+    fn weighted_rows(&self) -> Mat {
         let ((n, e, u), k, f) = (self.core.sizes(), self.A.nrows(), self.motions());
         let output = self.core.output();
         let rows = output.nrows();
@@ -229,7 +230,7 @@ impl Problem {
     /// The plant and its motions with the controller around them, the gain from each reading into the estimates times `gains` (the
     /// error weight, which is the cost's own, keeps its input), from unit white
     /// noise to (error, combination, v).
-    fn closed(&self, K: &StateSpace, gains: &[f64]) -> Result<StateSpace, Error> {
+    fn closed_loop(&self, K: &StateSpace, gains: &[f64]) -> Result<StateSpace, Error> {
         let (k, q, m, w) = (self.A.nrows(), K.order(), self.noises.len(), self.G.ncols());
         let mut into = K.B.block(0, 1, q, m);
         for (j, gain) in gains.iter().enumerate() {
@@ -240,13 +241,13 @@ impl Problem {
         let roots: Vec<f64> = self.noises.iter().map(|density| density.sqrt()).collect();
         let noise = &into * &Mat::diag(&roots);
         let B = Mat::from_blocks(&[&[&self.G, &Mat::zeros(k, m)], &[&Mat::zeros(q, w), &noise]]);
-        let C = self.weighted().vstack(&Mat::zeros(1, k).hstack(&v));
+        let C = self.weighted_rows().vstack(&Mat::zeros(1, k).hstack(&v));
         let D = Mat::zeros(C.nrows(), w + m);
         Ok(StateSpace::new(A, B, C, D, Timebase::Continuous)?)
     }
 
     /// What is known, driven by the innovation, and what is not known after all readings: tr(M Y M').
-    fn predicted(&self, F: &Mat, L: &Mat, Y: &Mat) -> Result<Option<f64>, Error> {
+    fn predicted_cost(&self, F: &Mat, L: &Mat, Y: &Mat) -> Result<Option<f64>, Error> {
         let ((n, e, u), f) = (self.core.sizes(), self.motions());
         let roots: Vec<f64> = self.noises.iter().map(|density| density.sqrt()).collect();
         let innovation = L * &Mat::diag(&roots);
@@ -259,7 +260,7 @@ impl Problem {
             .vstack(&Mat::zeros(u, m))
             .vstack(&innovation.block(n, 0, f, m));
         let open = Mat::from_blocks(&[
-            &[&self.core.state(), &self.entering()],
+            &[&self.core.state(), &self.entering_columns()],
             &[&Mat::zeros(f, k), &self.A.block(n, n, f, f)],
         ]);
         let A = &open - &(&self.core.input().vstack(&Mat::zeros(f, 1)) * F);
@@ -279,7 +280,7 @@ impl Problem {
             let at = |gain: f64| -> Result<Option<f64>, Error> {
                 let mut gains = vec![1.0; self.noises.len()];
                 gains[j] = gain;
-                mean_square(&self.closed(K, &gains)?)
+                mean_square(&self.closed_loop(K, &gains)?)
             };
             let slope = match (at(1.0 + GAIN_STEP)?, at(1.0 - GAIN_STEP)?) {
                 (Some(above), Some(below)) => (above / below).ln() / (2.0 * GAIN_STEP),

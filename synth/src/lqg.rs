@@ -34,7 +34,7 @@ pub fn lqr(g: &StateSpace, Q: &Mat, R: &Mat, N: Option<&Mat>) -> Result<Gain, Er
         Timebase::Continuous => care(&g.A, &g.B, Q, R, N)?,
         Timebase::Discrete { .. } => dare(&g.A, &g.B, Q, R, N)?,
     };
-    named(DesignEquation::Regulator, solved, |F| F)
+    named_gain(DesignEquation::Regulator, solved, |F| F)
 }
 
 /// Returns the observer of x' = A x + w, y = C x + v with covariances W of w and V of v; in discrete time the gain of the
@@ -48,10 +48,10 @@ pub fn kalman(g: &StateSpace, W: &Mat, V: &Mat) -> Result<Gain, Error> {
         Timebase::Continuous => care(&A, &C, W, V, None)?,
         Timebase::Discrete { .. } => dare(&A, &C, W, V, None)?,
     };
-    named(DesignEquation::Filter, solved, |F| F.t())
+    named_gain(DesignEquation::Filter, solved, |F| F.t())
 }
 
-fn named(
+fn named_gain(
     equation: DesignEquation,
     solved: counterpoise_linalg::Outcome<Riccati>,
     shape: impl Fn(Mat) -> Mat,

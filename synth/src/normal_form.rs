@@ -88,7 +88,7 @@ impl Normal {
     }
 
     /// The central controller at a bound; `None` if there is none.
-    pub(crate) fn central(&self, bound: f64) -> Result<Option<StateSpace>, Error> {
+    pub(crate) fn central_controller(&self, bound: f64) -> Result<Option<StateSpace>, Error> {
         let Solved::Found { X, gain: F } = self.regulator(bound)? else { return Ok(None) };
         let Solved::Found { X: Y, gain: L } = self.filter(bound)? else { return Ok(None) };
         let Z = &Mat::eye(X.nrows()) - &(&Y * &X).scale(1.0 / (bound * bound));

@@ -129,7 +129,7 @@ mod tests {
     use super::*;
     use counterpoise_controller::{Controller, Parts, Readings, SampledController};
 
-    fn identified(side: FrictionSide) -> ObservedFriction {
+    fn identified_friction(side: FrictionSide) -> ObservedFriction {
         ObservedFriction {
             name: "dry".into(),
             side,
@@ -145,7 +145,8 @@ mod tests {
     fn a_sliding_motor_is_given_the_volts_that_its_friction_takes() {
         let drive = Drive { ratio: 200.0, stall_nm_v: 516.0 };
         let observers =
-            friction_observers(&[identified(FrictionSide::Motor)], drive, Drives::MeasuredRate, 1.0).unwrap();
+            friction_observers(&[identified_friction(FrictionSide::Motor)], drive, Drives::MeasuredRate, 1.0)
+                .unwrap();
         let mut parts = Parts::new(1e-3, 10.0);
         parts.observers = observers;
         let mut runner = Controller::new(parts).unwrap().runner();
@@ -160,10 +161,11 @@ mod tests {
     #[test]
     fn what_is_not_a_share_or_a_level_is_refused() {
         let drive = Drive { ratio: 200.0, stall_nm_v: 516.0 };
-        let try_share =
-            |share| friction_observers(&[identified(FrictionSide::Load)], drive, Drives::Demand, share);
+        let try_share = |share| {
+            friction_observers(&[identified_friction(FrictionSide::Load)], drive, Drives::Demand, share)
+        };
         assert!(try_share(1.2).is_err() && try_share(f64::NAN).is_err() && try_share(0.8).is_ok());
-        let none = ObservedFriction { coulomb_nm: 0.0, ..identified(FrictionSide::Load) };
+        let none = ObservedFriction { coulomb_nm: 0.0, ..identified_friction(FrictionSide::Load) };
         assert!(friction_observers(&[none], drive, Drives::Demand, 0.8).is_err());
     }
 }

@@ -22,10 +22,10 @@ pub(crate) fn require_solution(
     let (cause, rate) = match reason {
         Reason::Uncontrollable { mode, distance } => {
             let from = side(HiddenFrom::Control, HiddenFrom::Measurement);
-            (hidden(P, mode, distance, from)?, Some(mode.norm()))
+            (hidden_mode(P, mode, distance, from)?, Some(mode.norm()))
         }
         Reason::Unobservable { mode, distance } => {
-            (hidden(P, mode, distance, side(HiddenFrom::Cost, HiddenFrom::Noise))?, Some(mode.norm()))
+            (hidden_mode(P, mode, distance, side(HiddenFrom::Cost, HiddenFrom::Noise))?, Some(mode.norm()))
         }
         Reason::OnBoundary { eigenvalue, .. } => {
             (Cause::Equation { equation, reason }, Some(eigenvalue.norm()))
@@ -39,7 +39,7 @@ pub(crate) fn require_solution(
     Err(Error::refusal(vec![finding]))
 }
 
-fn hidden(P: &Blocks, mode: C64, distance: f64, from: HiddenFrom) -> Result<Cause, Error> {
+fn hidden_mode(P: &Blocks, mode: C64, distance: f64, from: HiddenFrom) -> Result<Cause, Error> {
     Ok(Cause::ModeHidden { mode, distance, from, block: P.block_of(&direction(P, mode, from)?) })
 }
 
@@ -47,15 +47,15 @@ fn hidden(P: &Blocks, mode: C64, distance: f64, from: HiddenFrom) -> Result<Caus
 /// that the outputs do not show.
 fn direction(P: &Blocks, mode: C64, from: HiddenFrom) -> Result<Vec<f64>, Error> {
     match from {
-        HiddenFrom::Control => missed(&P.A.t(), &P.B2.t(), mode),
-        HiddenFrom::Measurement => missed(&P.A, &P.C2, mode),
+        HiddenFrom::Control => missed_moduli(&P.A.t(), &P.B2.t(), mode),
+        HiddenFrom::Measurement => missed_moduli(&P.A, &P.C2, mode),
         HiddenFrom::Cost => {
             let (A, C) = without(&P.A, &P.B2, &P.C1, &P.D12)?;
-            missed(&A, &C, mode)
+            missed_moduli(&A, &C, mode)
         }
         HiddenFrom::Noise => {
             let (A, C) = without(&P.A.t(), &P.C2.t(), &P.B1.t(), &P.D21.t())?;
-            missed(&A, &C, mode)
+            missed_moduli(&A, &C, mode)
         }
     }
 }
@@ -67,7 +67,7 @@ fn without(A: &Mat, B: &Mat, C: &Mat, D: &Mat) -> Result<(Mat, Mat), Error> {
 }
 
 /// The moduli of the `x` with `[A - mode I; C] x` nearest to zero, scaled to a sum of squares of 1.
-fn missed(A: &Mat, C: &Mat, mode: C64) -> Result<Vec<f64>, Error> {
+fn missed_moduli(A: &Mat, C: &Mat, mode: C64) -> Result<Vec<f64>, Error> {
     let n = A.nrows();
     let shifted = &A.to_complex() - &CMat::eye(n).scale(mode);
     let V = csvd(&shifted.vstack(&C.to_complex()))?.V;

@@ -78,7 +78,7 @@ impl Requirements {
     ) -> Result<[f64; BAND_POINTS], Error> {
         match self.spectrum {
             BandSpectrum::Flat => Ok([1.0; BAND_POINTS]),
-            BandSpectrum::Expected => expected(plant, specification, self.band_rad_s),
+            BandSpectrum::Expected => expected_powers(plant, specification, self.band_rad_s),
         }
     }
 
@@ -99,7 +99,7 @@ impl Requirements {
 }
 
 /// Power of the uncontrolled rate under the expected motion, per unit of the logarithm of frequency.
-fn expected(
+fn expected_powers(
     plant: &DesignPlant,
     specification: &Specification,
     band_rad_s: [f64; 2],

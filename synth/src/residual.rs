@@ -61,7 +61,7 @@ pub fn error_at(
     let seen = plant.measured_plant()?;
     let inputs: Vec<usize> = columns.iter().copied().chain([plant.control]).collect();
     let open = append(&driven, &wires(1)?)?;
-    let sum = StateSpace::gain(added(columns.len()), Timebase::Continuous)?;
+    let sum = StateSpace::gain(addition(columns.len()), Timebase::Continuous)?;
     let moved = append(&seen.select(&[1 + output, 0], &inputs), &wires(1)?)?;
     let expected = match design.specification.assembly {
         Assembly::SimpleAdd | Assembly::Joint => 0.0,
@@ -80,7 +80,7 @@ fn spread(signals: usize, read: usize) -> Mat {
 
 /// From (d, d', ..., u of the feedforward, rate that it expects, u of the feedback) to (d, d', ..., sum of the u, rate that
 /// is expected).
-fn added(signals: usize) -> Mat {
+fn addition(signals: usize) -> Mat {
     let mut D = Mat::zeros(signals + 2, signals + 3);
     D.set_block(0, 0, &Mat::eye(signals));
     (D[(signals, signals)], D[(signals, signals + 2)], D[(signals + 1, signals + 1)]) = (1.0, 1.0, 1.0);

@@ -188,7 +188,7 @@ impl Problem<'_> {
     }
 
     fn attempt(&self, knobs: [f64; KNOBS]) -> Result<SearchTrial, Error> {
-        let specification = moved(self.start, knobs);
+        let specification = move_specification(self.start, knobs);
         let designed = design(self.plant, &specification)?;
         let sampled = discretise(&designed, self.sampling)?;
         let band = self.requirements.band_rad_s;
@@ -200,18 +200,18 @@ impl Problem<'_> {
 }
 
 /// The specification with its knobs turned by exp(knobs).
-fn moved(start: &Specification, knobs: [f64; KNOBS]) -> Specification {
+fn move_specification(start: &Specification, knobs: [f64; KNOBS]) -> Specification {
     let mut moved = start.clone();
     let [gain, error, control, recovery] = knobs.map(f64::exp);
-    moved.feedback.error = stretched(&start.feedback.error, error, gain);
-    moved.feedback.control = stretched(&start.feedback.control, control, 1.0);
+    moved.feedback.error = stretch_weight(&start.feedback.error, error, gain);
+    moved.feedback.control = stretch_weight(&start.feedback.control, control, 1.0);
     moved.feedback.loop_recovery *= recovery;
     debug_assert!(matches!(moved.reference, Reference::Error | Reference::WeightOnly));
     moved
 }
 
 /// gain W(s / factor): the corners moved, the modulus kept relative to them.
-fn stretched(weight: &Weight, factor: f64, gain: f64) -> Weight {
+fn stretch_weight(weight: &Weight, factor: f64, gain: f64) -> Weight {
     if factor == 1.0 && gain == 1.0 {
         return weight.clone();
     }

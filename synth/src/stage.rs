@@ -147,7 +147,9 @@ impl Stage {
         let n = self.order();
         let Some(unknown) = &estimate.unknown else { return Ok(None) };
         let driven = &estimate.gain * &estimate.gain.t().scale(estimate.innovation);
-        let Some(known) = stationary(&(&self.A - &(&self.B * F)), &driven)? else { return Ok(None) };
+        let Some(known) = stationary_covariance(&(&self.A - &(&self.B * F)), &driven)? else {
+            return Ok(None);
+        };
         let acting = Mat::eye(n).vstack(&-F);
         let of_known = (&self.weight * &(&acting * &(&known * &acting.t()))).trace();
         let u = unknown.nrows();
@@ -172,7 +174,7 @@ impl Stage {
         let sensed = (&self.B * &direct).vstack(&controller.B);
         let W =
             &noise.process.block_diag(&Mat::zeros(k, k)) + &(&sensed * &sensed.t().scale(noise.measurement));
-        let Some(state) = stationary(&A, &W.symmetric_part())? else { return Ok(None) };
+        let Some(state) = stationary_covariance(&A, &W.symmetric_part())? else { return Ok(None) };
         // [x; q; v] on [x; controller], and on the reading's noise.
         let own = Mat::eye(n).hstack(&Mat::zeros(n, k));
         let rows = own.vstack(&(&controller.D * &noise.reading).hstack(&controller.C));
@@ -184,7 +186,7 @@ impl Stage {
 }
 
 /// Covariance of x+ = A x + w with covariance W of w; `None` if it has no bound.
-pub(crate) fn stationary(A: &Mat, W: &Mat) -> Result<Option<Mat>, Error> {
+pub(crate) fn stationary_covariance(A: &Mat, W: &Mat) -> Result<Option<Mat>, Error> {
     if eigenvalues(A)?.iter().any(|pole| pole.norm() >= 1.0) {
         return Ok(None);
     }

@@ -124,7 +124,7 @@ impl Problem {
         let grid = (0..GRID).map(|k| {
             let xi = -(std::f64::consts::PI * k as f64 / (GRID - 1) as f64).cos();
             let rate = centre * ((1.0 + xi) / (1.0 - xi).max(f64::MIN_POSITIVE)).sqrt();
-            (chebyshev(xi, order), interpolated(table, rate).powi(2))
+            (chebyshev(xi, order), interpolate_modulus(table, rate).powi(2))
         });
         Self { order, centre, points: points.collect(), grid: grid.collect() }
     }
@@ -223,7 +223,7 @@ fn chebyshev_roots(series: &[f64]) -> Result<Vec<C64>, Error> {
 }
 
 /// The modulus at a frequency by straight lines in logarithms, held beyond the ends.
-fn interpolated(table: &[TablePoint], rate: f64) -> f64 {
+fn interpolate_modulus(table: &[TablePoint], rate: f64) -> f64 {
     let Some(above) = table.iter().position(|point| point.rate_rad_s >= rate) else {
         return table[table.len() - 1].modulus;
     };

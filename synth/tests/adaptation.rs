@@ -51,7 +51,7 @@ fn carrying(learning: Learning, gravity_m_s2: f64) -> Controller {
     Controller::new(parts).unwrap()
 }
 
-fn used(controller: &Controller, runner: &Runner) -> f64 {
+fn used_moment(controller: &Controller, runner: &Runner) -> f64 {
     let groups = &controller.programs().states;
     let group = groups.iter().find(|group| group.name == "out_of_balance_kg_m").unwrap();
     runner.states()[group.first]
@@ -80,7 +80,7 @@ fn the_controllers_estimator_and_the_plain_one_agree() {
             let (readings, control) = sample(k, truth, gravity, if k > 15_000 { 0.05 } else { 1.0 });
             let estimate = plain.update(&readings, control);
             runner.step(&Readings { demand_rad_s: control, ..readings });
-            let own = used(&controller, &runner);
+            let own = used_moment(&controller, &runner);
             assert!((own - estimate).abs() < 1e-6, "{gravity} {filter_s} sample {k}: {own} {estimate}");
         }
     }

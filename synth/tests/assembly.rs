@@ -15,7 +15,7 @@ use counterpoise_synth::{
     total_cost,
 };
 
-fn designed(plant: &DesignPlant, specification: &Specification) -> Design {
+fn design_controller(plant: &DesignPlant, specification: &Specification) -> Design {
     design(plant, specification).unwrap()
 }
 
@@ -36,9 +36,9 @@ fn in_grimble_s_assembly_the_feedback_keeps_out_of_what_the_feedforward_leaves()
     let heave = specification.heave.as_mut().unwrap();
     heave.knowledge = DisturbanceKnowledge::Exact;
     heave.generator = Weight::Lag { gain: 1.0, time_s: 0.1 };
-    let simple = designed(&rig(), &specification);
+    let simple = design_controller(&rig(), &specification);
     specification.assembly = Assembly::Grimble;
-    let grimble = designed(&rig(), &specification);
+    let grimble = design_controller(&rig(), &specification);
     for rate in [0.5, 6.0, 40.0] {
         let expected = response_at(&grimble.heave.as_ref().unwrap().module, rate).unwrap()[(1, 0)];
         let found = rate_over_heave(&grimble, rate);
@@ -55,7 +55,7 @@ fn in_grimble_s_assembly_the_feedback_keeps_out_of_what_the_feedforward_leaves()
 #[test]
 fn the_joint_controller_runs_sampled_with_all_three_signals() {
     let specification = Specification { assembly: Assembly::Grimble, ..weights() };
-    let design = designed(&rig(), &specification);
+    let design = design_controller(&rig(), &specification);
     let sampled = discretise(&design, &Sampling::new(1e-3, 10.0)).unwrap();
     assert_eq!(sampled.controller.parts().paths.len(), 1);
     let linear = response_at(&sampled.controller.linear(0.0).unwrap(), 5.0).unwrap();
@@ -86,7 +86,7 @@ fn saturated_peak(sampled: &Sampled, demand: f64) -> f64 {
 
 #[test]
 fn the_limiter_does_not_wind_the_integrator_up() {
-    let design = designed(&rig(), &weights());
+    let design = design_controller(&rig(), &weights());
     let sampled = discretise(&design, &Sampling::new(1e-3, 3.0)).unwrap();
     let path = &sampled.controller.parts().paths[0];
     let g = Mat::col(&path.anti_windup);
@@ -114,10 +114,10 @@ fn motion(design: &Design) -> (f64, f64) {
 #[test]
 fn weighing_the_tip_calms_the_tip() {
     let mut specification = Specification { heave: None, pitch: None, ..weights() };
-    let hub_only = motion(&designed(&rig(), &specification));
+    let hub_only = motion(&design_controller(&rig(), &specification));
     specification.feedback.combination =
         vec![VectorEntry::new(LinearPlant::TIP_RATE, 60.0), VectorEntry::new(LinearPlant::HUB_RATE, -60.0)];
-    let design = designed(&rig(), &specification);
+    let design = design_controller(&rig(), &specification);
     let with_tip = motion(&design);
     assert!(with_tip.1 < 0.95 * hub_only.1, "tip {} before, {} after", hub_only.1, with_tip.1);
     assert!(design.worst_cost_difference().unwrap() < 1e-6);
@@ -128,7 +128,7 @@ fn weighing_the_tip_calms_the_tip() {
 fn the_total_cost_has_the_feedback_s_own_cost_in_it_and_its_slopes_are_differences() {
     for assembly in [Assembly::SimpleAdd, Assembly::Grimble] {
         let specification = Specification { assembly, ..weights() };
-        let design = designed(&rig(), &specification);
+        let design = design_controller(&rig(), &specification);
         let found = total_cost(&design).unwrap();
         println!("{found:?}");
         let own = design.feedback.cost.achieved.unwrap();
@@ -154,7 +154,7 @@ fn both_feedforwards_are_had_on_the_closed_loop() {
     for part in [&mut specification.heave, &mut specification.pitch] {
         part.as_mut().unwrap().basis = FeedforwardBasis::ClosedLoop;
     }
-    let design = designed(&rig(), &specification);
+    let design = design_controller(&rig(), &specification);
     assert!(design.warnings.iter().any(|finding| matches!(finding.cause, Cause::FreeControlUnseen { .. })));
     let sampled = discretise(&design, &Sampling::new(1e-3, 10.0)).unwrap();
     assert!(sampled.closed_loop.iter().all(|pole| pole.norm() < 1.0));
@@ -168,7 +168,7 @@ fn both_feedforwards_are_had_on_the_closed_loop() {
 #[test]
 fn the_residual_is_that_of_the_assembly() {
     let of = |assembly| {
-        let design = designed(&rig(), &Specification { assembly, ..weights() });
+        let design = design_controller(&rig(), &Specification { assembly, ..weights() });
         [DisturbanceChannel::Heave, DisturbanceChannel::Pitch]
             .map(|c| stabilisation_error(&design.plant, &design, c, 1.0).unwrap())
     };

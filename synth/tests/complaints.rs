@@ -41,7 +41,7 @@ fn by_name() -> Generalised {
 }
 
 /// The same written as other tools stack it: each row with a plant of its own.
-fn stacked() -> StateSpace {
+fn stacked_system() -> StateSpace {
     let g = || first_order(2.0, 1.0);
     let rows = [series(&g(), &first_order(-0.1, 3.0)), series(&g(), &first_order(-40.0, 10.0)), Ok(g())];
     let all = rows.into_iter().map(Result::unwrap).reduce(|a, b| counterpoise_lti::append(&a, &b).unwrap());
@@ -73,7 +73,7 @@ fn blocks_connected_by_name_share_their_plant() {
 fn blocks_stacked_with_a_plant_each_are_refused_with_the_mode_that_is_there_thrice() {
     let copies = ["copy 1", "slow weight", "copy 2", "fast weight", "copy 3"];
     let origins = copies.map(|name| StateOrigin::new(name, 1)).to_vec();
-    let plant = Generalised::new(stacked(), 1, 1).unwrap().of_blocks(origins).unwrap();
+    let plant = Generalised::new(stacked_system(), 1, 1).unwrap().of_blocks(origins).unwrap();
     for found in [causes(&h2syn(&plant).err().unwrap()), causes(&hinfsyn(&plant, 1e-3).err().unwrap())] {
         assert!(
             found.iter().any(
@@ -86,7 +86,7 @@ fn blocks_stacked_with_a_plant_each_are_refused_with_the_mode_that_is_there_thri
 }
 
 /// x' = A x + w + B2 u, y = C2 x + n, both judged.
-fn plain(A: &Mat, B2: &Mat, C2: &Mat) -> Generalised {
+fn plain_plant(A: &Mat, B2: &Mat, C2: &Mat) -> Generalised {
     let n = A.nrows();
     let (I, o) = (Mat::eye(n), Mat::zeros(n, 1));
     let B = I.hstack(&o).hstack(B2);
@@ -104,7 +104,7 @@ fn a_mode_that_nothing_reaches_ends_the_search_at_once_and_is_named() {
     let (reached, seen) = (Mat::col(&[1.0, 0.0, 1.0]), Mat::row(&[1.0, 1.0, 0.0]));
     let (missed, unseen) = (Mat::col(&[1.0, 0.0, 0.0]), Mat::row(&[1.0, 0.0, 0.0]));
     for (B2, C2) in [(&missed, &seen), (&reached, &unseen)] {
-        let plant = plain(&A, B2, C2);
+        let plant = plain_plant(&A, B2, C2);
         let (h2, hinf) = (h2syn(&plant).err().unwrap(), hinfsyn(&plant, 1e-4).err().unwrap());
         assert!(h2.findings().len() + hinf.findings().len() >= 2);
         for finding in h2.findings().iter().chain(hinf.findings()) {
@@ -113,13 +113,13 @@ fn a_mode_that_nothing_reaches_ends_the_search_at_once_and_is_named() {
             assert!((mode.im.abs() - 7.0).abs() < 1e-6 && (rate - 7.0).abs() < 1e-4, "{finding:?}");
         }
     }
-    assert!(h2syn(&plain(&A, &reached, &seen)).is_ok());
+    assert!(h2syn(&plain_plant(&A, &reached, &seen)).is_ok());
 }
 
 #[test]
 fn a_mode_that_is_barely_reached_ends_within_the_trials() {
     for reach in [1e-3, 1e-6, 1e-9, 1e-12] {
-        let plant = plain(&Mat::diag(&[1.0, -2.0]), &Mat::col(&[reach, 1.0]), &Mat::row(&[1.0, 1.0]));
+        let plant = plain_plant(&Mat::diag(&[1.0, -2.0]), &Mat::col(&[reach, 1.0]), &Mat::row(&[1.0, 1.0]));
         match hinfsyn(&plant, 1e-3) {
             Ok(found) => {
                 assert!(found.trials <= 200, "{reach:e}: {}", found.trials);

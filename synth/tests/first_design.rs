@@ -61,7 +61,7 @@ fn position(gain: f64, stiffness: f64) -> DesignPlant {
 }
 
 /// Checks the exported loop itself against what was stated.
-fn exported(given: &Circumstances) -> Result<FirstDesign, Error> {
+fn check_exported_loop(given: &Circumstances) -> Result<FirstDesign, Error> {
     let found = first_design(given)?;
     let designed = design(&given.plant, &found.specification)?;
     let sampled = discretise(&designed, &given.sampling)?;
@@ -83,7 +83,7 @@ fn exported(given: &Circumstances) -> Result<FirstDesign, Error> {
 fn the_reference_rig_is_given_the_bandwidth_that_its_structure_allows() {
     let sampling = Sampling { out_of_balance_kg_m: 151.67, ..Sampling::new(1e-3, 10.0) };
     let given = Circumstances { noise_rms: 2e-4, demand_step: 0.1, ..circumstances(rig(), sampling) };
-    let found = exported(&given).unwrap();
+    let found = check_exported_loop(&given).unwrap();
     println!("{:?} {:?}", found.bandwidth, found.judgement);
     assert!(found.bandwidth.bandwidth_rad_s > 15.0 && found.bandwidth.unknown.is_empty());
 }
@@ -92,16 +92,16 @@ fn the_reference_rig_is_given_the_bandwidth_that_its_structure_allows() {
 fn what_is_not_known_lowers_the_bandwidth() {
     let sampling = Sampling::new(1e-3, 10.0);
     let known = Circumstances { noise_rms: 1e-4, demand_step: 0.1, ..circumstances(rig(), sampling.clone()) };
-    let all = exported(&known).unwrap().bandwidth.bandwidth_rad_s;
+    let all = check_exported_loop(&known).unwrap().bandwidth.bandwidth_rad_s;
     for less in [
         Circumstances { noise_rms: 0.0, ..known.clone() },
         Circumstances { demand_step: 0.0, ..known.clone() },
         Circumstances { control_limit: ControlLimit::OfConverter, ..known.clone() },
     ] {
-        let found = exported(&less).unwrap();
+        let found = check_exported_loop(&less).unwrap();
         assert!(found.bandwidth.bandwidth_rad_s <= all * 1.001 && !found.bandwidth.unknown.is_empty());
     }
-    let nothing = exported(&circumstances(servo(2.0, 0.0), sampling)).unwrap();
+    let nothing = check_exported_loop(&circumstances(servo(2.0, 0.0), sampling)).unwrap();
     println!("{:?}", nothing.bandwidth);
     assert_eq!(nothing.bandwidth.unknown.len(), 5);
     assert!(nothing.bandwidth.bandwidth_rad_s < 0.2 * CEILING / 1e-3);
@@ -114,7 +114,7 @@ fn the_bandwidth_does_not_depend_on_the_size_of_the_machine() {
     let mut all = Vec::new();
     for exponent in [-9, -6, -3, 0, 3, 6, 9] {
         let given = circumstances(servo(10f64.powi(exponent), 0.0), Sampling::new(1e-3, 10.0));
-        all.push(exported(&given).unwrap().bandwidth.bandwidth_rad_s);
+        all.push(check_exported_loop(&given).unwrap().bandwidth.bandwidth_rad_s);
     }
     println!("{all:?}");
     assert!(all.iter().all(|rate| (rate / all[0] - 1.0).abs() < 1e-3), "{all:?}");
@@ -127,7 +127,7 @@ fn a_longer_delay_leaves_less_and_is_named() {
         let delay_samples = (delay_s / 1e-3) as usize;
         let plant = DesignPlant { delay_s, pade_order: 4, ..servo(2.0, 0.1) };
         let sampling = Sampling { delay_samples, ..Sampling::new(1e-3, 10.0) };
-        let found = exported(&circumstances(plant, sampling)).unwrap();
+        let found = check_exported_loop(&circumstances(plant, sampling)).unwrap();
         println!("{delay_s} {:?} {:?}", found.bandwidth, found.judgement);
         assert!(found.bandwidth.bandwidth_rad_s < last && found.bandwidth.bandwidth_rad_s * delay_s < 1.0);
         assert!(found.bandwidth.bandwidth_rad_s * delay_s > 0.2);
@@ -139,7 +139,7 @@ fn a_longer_delay_leaves_less_and_is_named() {
 #[test]
 fn an_unstable_plant_is_held_or_said_to_be_out_of_reach() {
     let sampling = Sampling { delay_samples: 1, ..Sampling::new(1e-3, 10.0) };
-    let found = exported(&circumstances(position(3.0, 25.0), sampling.clone())).unwrap();
+    let found = check_exported_loop(&circumstances(position(3.0, 25.0), sampling.clone())).unwrap();
     println!("{:?} {:?}", found.bandwidth, found.judgement);
     assert!(found.bandwidth.bandwidth_rad_s > 10.0);
     let late = Sampling { delay_samples: 200, ..sampling };
@@ -152,7 +152,7 @@ fn an_unstable_plant_is_held_or_said_to_be_out_of_reach() {
 fn positions_are_held_from_micrometres_to_kilometres() {
     for exponent in [-9, -3, 0, 3, 9] {
         let given = circumstances(position(10f64.powi(exponent), 0.0), Sampling::new(1e-3, 10.0));
-        let found = exported(&given).unwrap();
+        let found = check_exported_loop(&given).unwrap();
         println!("{exponent} {:?}", found.judgement);
     }
 }
@@ -161,12 +161,13 @@ fn positions_are_held_from_micrometres_to_kilometres() {
 fn noise_and_an_asked_bandwidth_lower_it() {
     let sampling = Sampling::new(1e-3, 10.0);
     let given = circumstances(design_plant(&reference::rig()), sampling);
-    let quiet = exported(&Circumstances { noise_rms: 1e-5, ..given.clone() }).unwrap().bandwidth;
-    let loud = exported(&Circumstances { noise_rms: 1.0, ..given.clone() }).unwrap().bandwidth;
+    let quiet = check_exported_loop(&Circumstances { noise_rms: 1e-5, ..given.clone() }).unwrap().bandwidth;
+    let loud = check_exported_loop(&Circumstances { noise_rms: 1.0, ..given.clone() }).unwrap().bandwidth;
     println!("{quiet:?} {loud:?}");
     assert!(loud.bandwidth_rad_s < quiet.bandwidth_rad_s);
     assert_eq!(loud.limited_by, [LimitKind::Noise]);
-    let asked = exported(&Circumstances { asked_rad_s: Some(10.0), noise_rms: 1e-5, ..given }).unwrap();
+    let asked =
+        check_exported_loop(&Circumstances { asked_rad_s: Some(10.0), noise_rms: 1e-5, ..given }).unwrap();
     println!("{:?}", asked.bandwidth);
     assert!((asked.bandwidth.bandwidth_rad_s / 10.0 - 1.0).abs() < 0.02);
     assert_eq!(asked.bandwidth.limited_by, [LimitKind::Asked]);
@@ -200,7 +201,7 @@ fn a_load_that_the_reading_does_not_show_is_damped_and_holds_for_other_loads() {
     let sampling = Sampling { delay_samples: 1, ..Sampling::new(1e-3, 10.0) };
     let blind = Circumstances { noise_rms: 0.05, ..circumstances(series_elastic(0.09), sampling) };
     let seen = Circumstances { load_output: Some(1), ..blind.clone() };
-    let (without, with) = (exported(&blind).unwrap(), exported(&seen).unwrap());
+    let (without, with) = (check_exported_loop(&blind).unwrap(), check_exported_loop(&seen).unwrap());
     let rates = [&without, &with].map(|found| found.bandwidth.bandwidth_rad_s);
     println!("{rates:?}");
     assert!(rates[1] > 20.0 * rates[0], "{rates:?}");

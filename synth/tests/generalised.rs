@@ -11,7 +11,7 @@ fn rows(rows: &[&[f64]]) -> Mat {
     Mat::from_rows(rows)
 }
 
-fn generalised(blocks: [&Mat; 4], controls: usize, measurements: usize) -> Generalised {
+fn generalised_plant(blocks: [&Mat; 4], controls: usize, measurements: usize) -> Generalised {
     let [A, B, C, D] = blocks.map(Clone::clone);
     let system = StateSpace::new(A, B, C, D, Timebase::Continuous).unwrap();
     Generalised::new(system, controls, measurements).unwrap()
@@ -25,13 +25,13 @@ fn hinf(plant: &Generalised, tolerance: f64) -> HInfinity {
     hinfsyn(plant, tolerance).unwrap()
 }
 
-fn near(found: f64, expected: f64, tolerance: f64) {
+fn check_near(found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance * expected.abs(), "{found}, not {expected}");
 }
 
 #[test]
 fn the_cross_terms_of_octave_s_example() {
-    let plant = generalised(
+    let plant = generalised_plant(
         [
             &rows(&[&[-1.0]]),
             &rows(&[&[1.0, 1.0]]),
@@ -51,7 +51,7 @@ fn the_cross_terms_of_octave_s_example() {
 fn the_scalar_problem_has_its_closed_form() {
     for (a, expected) in [(-1.0, 1.708203932499_f64), (0.0, 4.0), (1.0, 11.708203932499)] {
         let (q, r, v) = (2.0, 1.0, 0.5);
-        let plant = generalised(
+        let plant = generalised_plant(
             [
                 &rows(&[&[a]]),
                 &rows(&[&[1.0, 0.0, 1.0]]),
@@ -62,8 +62,8 @@ fn the_scalar_problem_has_its_closed_form() {
             1,
         );
         let solution = h2(&plant);
-        near(solution.predicted_norm.powi(2), expected, 1e-11);
-        near(solution.achieved_norm.powi(2), expected, 1e-11);
+        check_near(solution.predicted_norm.powi(2), expected, 1e-11);
+        check_near(solution.achieved_norm.powi(2), expected, 1e-11);
     }
 }
 
@@ -74,7 +74,7 @@ fn compleib(A: &Mat, inputs: (&Mat, &Mat), (C1, D12, C): (&Mat, &Mat, &Mat), s: 
     let D21 = Mat::zeros(y, w).hstack(&Mat::eye(y).scale(s));
     let D = Mat::from_blocks(&[&[&Mat::zeros(C1.nrows(), w + y), D12], &[&D21, &Mat::zeros(y, u)]]);
     let B = Mat::from_blocks(&[&[B1, &Mat::zeros(n, y), B]]);
-    generalised([A, &B, &C1.vstack(C), &D], u, y)
+    generalised_plant([A, &B, &C1.vstack(C), &D], u, y)
 }
 
 #[test]
@@ -97,8 +97,8 @@ fn aircraft_of_compleib_cost_what_the_collection_s_data_give() {
     for (C, expected) in cases {
         for (noise, expected) in noises.into_iter().zip(expected) {
             let solution = h2(&compleib(&A, (&Mat::eye(4), &B), (&C1, &D12, &C), noise));
-            near(solution.predicted_norm, expected, 1e-11);
-            near(solution.achieved_norm, expected, 1e-11);
+            check_near(solution.predicted_norm, expected, 1e-11);
+            check_near(solution.achieved_norm, expected, 1e-11);
         }
     }
 }
@@ -119,7 +119,7 @@ fn the_helicopter_of_compleib_costs_what_the_collection_s_data_give() {
     let D12 = Mat::eye(2).scale(half);
     for (noise, expected) in [(1.0, 1.00574404243), (0.1, 0.162908187158), (0.01, 0.0924739420148)] {
         let solution = h2(&compleib(&A, (&B1, &B), (&C1, &D12, &C), noise));
-        near(solution.achieved_norm, expected, 1e-10);
+        check_near(solution.achieved_norm, expected, 1e-10);
     }
 }
 
@@ -145,10 +145,10 @@ fn mixed_sensitivity() -> Generalised {
 fn the_mixed_sensitivity_example_reaches_its_printed_bound() {
     let plant = mixed_sensitivity();
     let solution = hinf(&plant, 1e-4);
-    near(solution.achieved_norm, 1.3659, 2e-4);
+    check_near(solution.achieved_norm, 1.3659, 2e-4);
     assert!(solution.unreachable < solution.achieved_norm * (1.0 + 1e-6));
     let closed = plant.close(&solution.controller).unwrap();
-    near(hinfnorm(&closed, 1e-9).unwrap().value, solution.achieved_norm, 1e-6);
+    check_near(hinfnorm(&closed, 1e-9).unwrap().value, solution.achieved_norm, 1e-6);
     assert!(solution.closed_loop.iter().all(|pole| pole.re < 0.0));
 }
 
@@ -159,12 +159,12 @@ fn each_design_is_the_best_in_its_own_norm() {
     let B = rows(&[&[0.0, 0.0, 0.0], &[1.0, 0.0, 1.0]]);
     let C = rows(&[&[1.0, 0.0], &[0.0, 0.0], &[1.0, 0.0]]);
     let D = rows(&[&[0.0, 0.0, 0.0], &[0.0, 0.0, 0.3], &[0.0, 0.2, 0.0]]);
-    let plant = generalised([&A, &B, &C, &D], 1, 1);
+    let plant = generalised_plant([&A, &B, &C, &D], 1, 1);
     let (two, infinity) = (h2(&plant), hinf(&plant, 1e-3));
     let loops = [&two.controller, &infinity.controller].map(|K| plant.close(K).unwrap());
     let [first, second] = loops.map(|g| (h2norm(&g).unwrap(), hinfnorm(&g, 1e-9).unwrap().value));
     assert!(first.0 < second.0 && first.1 > second.1, "{first:?} {second:?}");
-    near(two.predicted_norm, first.0, 1e-11);
+    check_near(two.predicted_norm, first.0, 1e-11);
     assert!(infinity.achieved_norm / infinity.unreachable < 1.001);
 }
 
@@ -175,11 +175,11 @@ fn a_direct_path_from_control_to_measurement_is_taken_into_the_controller() {
     let C = rows(&[&[1.0, 0.0], &[0.0, 0.0], &[1.0, 0.0]]);
     let with = |direct: f64| {
         let D = rows(&[&[0.0, 0.0, 0.0], &[0.0, 0.0, 1.0], &[0.0, 1.0, direct]]);
-        generalised([&A, &B, &C, &D], 1, 1)
+        generalised_plant([&A, &B, &C, &D], 1, 1)
     };
     let (without, direct) = (h2(&with(0.0)), h2(&with(0.7)));
-    near(direct.achieved_norm, without.achieved_norm, 1e-10);
-    near(hinf(&with(0.7), 1e-5).achieved_norm, hinf(&with(0.0), 1e-5).achieved_norm, 1e-4);
+    check_near(direct.achieved_norm, without.achieved_norm, 1e-10);
+    check_near(hinf(&with(0.7), 1e-5).achieved_norm, hinf(&with(0.0), 1e-5).achieved_norm, 1e-4);
 }
 
 #[test]
@@ -187,12 +187,13 @@ fn broken_conditions_are_named() {
     let A = rows(&[&[-1.0]]);
     let (B, C) = (rows(&[&[1.0, 0.0, 1.0]]), rows(&[&[1.0], &[0.0], &[1.0]]));
     let D = |d12: f64, d21: f64, d11: f64| rows(&[&[d11, 0.0, 0.0], &[0.0, 0.0, d12], &[0.0, d21, 0.0]]);
-    let cause = |D: &Mat| h2syn(&generalised([&A, &B, &C, D], 1, 1)).unwrap_err().findings()[0].cause.clone();
+    let cause =
+        |D: &Mat| h2syn(&generalised_plant([&A, &B, &C, D], 1, 1)).unwrap_err().findings()[0].cause.clone();
     assert_eq!(cause(&D(0.0, 1.0, 0.0)), Cause::ControlUnweighed { control: 1 });
     assert_eq!(cause(&D(1.0, 0.0, 0.0)), Cause::MeasurementNoiseless { measurement: 1 });
     assert_eq!(cause(&D(1.0, 1.0, 0.5)), Cause::NoiseReachesCost { gain: 0.5 });
     let unreachable =
-        generalised([&rows(&[&[1.0]]), &rows(&[&[1.0, 0.0, 0.0]]), &C, &D(1.0, 1.0, 0.0)], 1, 1);
+        generalised_plant([&rows(&[&[1.0]]), &rows(&[&[1.0, 0.0, 0.0]]), &C, &D(1.0, 1.0, 0.0)], 1, 1);
     let outcome = h2syn(&unreachable).unwrap_err();
     let is_hidden = |error: &Error| match &error.findings()[0].cause {
         Cause::ModeHidden { mode, from: HiddenFrom::Control, block, .. } => {

@@ -69,7 +69,7 @@ impl Machine {
     }
 
     /// The machine with one limit relaxed as an engineer would.
-    fn relaxed(&self, kind: LimitKind) -> Self {
+    fn relax_limit(&self, kind: LimitKind) -> Self {
         let mut other = *self;
         match kind {
             LimitKind::SampleRate => {
@@ -105,7 +105,7 @@ struct Random(u64);
 
 impl Random {
     /// A number between two, even in its logarithm.
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    fn draw_between(&mut self, low: f64, high: f64) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
@@ -114,15 +114,15 @@ impl Random {
 
     fn machine(&mut self) -> Machine {
         Machine {
-            mode_hz: self.between(3.0, 300.0),
-            mode_damping: self.between(0.005, 0.05),
-            share: self.between(0.1, 0.7),
-            sensor_hz: self.between(30.0, 500.0),
-            delay_samples: self.between(1.0, 6.0) as usize,
-            period_s: self.between(2e-4, 5e-3),
-            noise: self.between(1e-8, 1e-2),
-            reading_step: self.between(1e-8, 1e-1),
-            demand_step: self.between(1e-3, 1.0),
+            mode_hz: self.draw_between(3.0, 300.0),
+            mode_damping: self.draw_between(0.005, 0.05),
+            share: self.draw_between(0.1, 0.7),
+            sensor_hz: self.draw_between(30.0, 500.0),
+            delay_samples: self.draw_between(1.0, 6.0) as usize,
+            period_s: self.draw_between(2e-4, 5e-3),
+            noise: self.draw_between(1e-8, 1e-2),
+            reading_step: self.draw_between(1e-8, 1e-1),
+            demand_step: self.draw_between(1e-3, 1.0),
         }
     }
 }
@@ -149,7 +149,7 @@ fn relaxing_the_limit_that_is_named_raises_the_bandwidth() {
         *named.entry(format!("{:?}", found.limited_by)).or_insert(0) += 1;
         let is_checked = |limit: &&BandwidthLimit| asked.is_some() || found.limited_by == [limit.kind];
         for limit in found.limits.iter().filter(is_checked) {
-            let relaxed = machine.relaxed(limit.kind).bandwidth().map_or(0.0, |b| b.bandwidth_rad_s);
+            let relaxed = machine.relax_limit(limit.kind).bandwidth().map_or(0.0, |b| b.bandwidth_rad_s);
             let rise = relaxed / found.bandwidth_rad_s;
             if limit.lifted_rad_s.is_none() {
                 unnamed += 1;

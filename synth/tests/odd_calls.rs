@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
 use crate::common;
-use crate::odd::{Call, assert_none_panics, judge, odd, odd_number, panicking, size, uniform};
+use crate::odd::{Call, assert_none_panics, judge, next_uniform, odd_matrix, odd_number, panicking, size};
 use counterpoise_linalg::sparse::VectorEntry;
 
 use counterpoise_linalg::{C64, Mat};
@@ -14,12 +14,12 @@ fn system(state: &mut u64) -> StateSpace {
     let (n, m, p) = (size(state, 5.0), size(state, 5.0), size(state, 5.0));
     let timebase =
         if size(state, 6.0) > 0 { Timebase::Continuous } else { Timebase::Discrete { period_s: 0.1 } };
-    let (A, B) = (odd(state, n, n), odd(state, n, m));
-    let D = if size(state, 2.0) == 0 { odd(state, p, m) } else { Mat::zeros(p, m) };
-    let mut g = StateSpace::new(A, B, odd(state, p, n), D, timebase).unwrap();
+    let (A, B) = (odd_matrix(state, n, n), odd_matrix(state, n, m));
+    let D = if size(state, 2.0) == 0 { odd_matrix(state, p, m) } else { Mat::zeros(p, m) };
+    let mut g = StateSpace::new(A, B, odd_matrix(state, p, n), D, timebase).unwrap();
     // The matrices are public: a caller may write what the constructor refuses.
-    if n * m > 0 && uniform(state) < 0.1 {
-        g.B[(n - 1, 0)] = if uniform(state) < 0.5 { f64::NAN } else { f64::INFINITY };
+    if n * m > 0 && next_uniform(state) < 0.1 {
+        g.B[(n - 1, 0)] = if next_uniform(state) < 0.5 { f64::NAN } else { f64::INFINITY };
     }
     g
 }

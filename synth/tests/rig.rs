@@ -12,11 +12,11 @@ use counterpoise_synth::{
 
 const PERIOD_S: f64 = 1e-3;
 
-fn designed(specification: &Specification) -> Design {
+fn design_rig(specification: &Specification) -> Design {
     design(&rig(), specification).unwrap()
 }
 
-fn sampled(design: &Design) -> Sampled {
+fn discretise_design(design: &Design) -> Sampled {
     let sampling = Sampling { out_of_balance_kg_m: 151.67, ..Sampling::new(PERIOD_S, 10.0) };
     discretise(design, &sampling).unwrap()
 }
@@ -62,7 +62,7 @@ fn nothing_stands_in_the_way_of_the_default_weights() {
 #[test]
 fn the_sampled_loop_keeps_the_margins_that_are_asked_for() {
     for specification in [weights(), thesis_weights()] {
-        let sampled = sampled(&designed(&specification));
+        let sampled = discretise_design(&design_rig(&specification));
         let margins = margins(&sampled.loop_gain).unwrap();
         assert!(margins.closed_loop_stable);
         let phase = margins.phase_margin().unwrap().deg;
@@ -76,7 +76,7 @@ fn the_sampled_loop_keeps_the_margins_that_are_asked_for() {
 fn a_step_overshoots_less_than_thirteen_percent_and_leaves_no_error() {
     for specification in [weights(), thesis_weights()] {
         // The beam rings on at the hub-locked mode, 0.5 % damped, and the hub hardly shows it: wait until it has gone.
-        let rates = step(&sampled(&designed(&specification)), 20_000);
+        let rates = step(&discretise_design(&design_rig(&specification)), 20_000);
         let peak = rates.iter().copied().fold(0.0, f64::max);
         assert!(peak > 1.05 && peak <= 1.13, "{peak}");
         assert!((rates[19_999] - 1.0).abs() < 1e-6, "{}", rates[19_999]);
@@ -86,7 +86,7 @@ fn a_step_overshoots_less_than_thirteen_percent_and_leaves_no_error() {
 #[test]
 fn predicted_and_achieved_costs_agree_and_residuals_are_small() {
     for specification in [weights(), thesis_weights()] {
-        let design = designed(&specification);
+        let design = design_rig(&specification);
         assert!(design.worst_cost_difference().unwrap() < 1e-6, "{:?}", design.worst_cost_difference());
         let parts = [design.heave.as_ref().unwrap(), design.pitch.as_ref().unwrap()];
         for part in parts {
@@ -102,7 +102,7 @@ fn predicted_and_achieved_costs_agree_and_residuals_are_small() {
 
 #[test]
 fn the_feedforwards_leave_little_where_vehicles_move() {
-    let design = designed(&weights());
+    let design = design_rig(&weights());
     for (channel, limits) in
         [(DisturbanceChannel::Heave, [0.01, 0.01, 0.05]), (DisturbanceChannel::Pitch, [0.03, 0.03, 0.10])]
     {
@@ -116,7 +116,7 @@ fn the_feedforwards_leave_little_where_vehicles_move() {
 /// M / (k_a N K_t): out-of-balance over the stalled drive's torque a volt, plus what the drive's back EMF and drag take.
 #[test]
 fn steady_heave_takes_the_volts_that_hold_the_out_of_balance() {
-    let design = designed(&weights());
+    let design = design_rig(&weights());
     let stalled = 30.0 / (0.8 + 30.0 * 0.3067) * 200.0 * 0.86;
     let perfect = 151.67 / stalled;
     let found = design.heave.unwrap().dc_gain;
@@ -125,7 +125,7 @@ fn steady_heave_takes_the_volts_that_hold_the_out_of_balance() {
 
 #[test]
 fn heave_scales_with_the_out_of_balance_in_the_controller_that_runs() {
-    let sampled = sampled(&designed(&weights()));
+    let sampled = discretise_design(&design_rig(&weights()));
     let at = |out_of_balance: f64| {
         let linear = sampled.controller.linear(out_of_balance).unwrap();
         let response = response_at(&linear, 5.0).unwrap();

@@ -8,7 +8,7 @@ use counterpoise_lti::{StateSpace, response_at};
 use counterpoise_synth::*;
 
 /// The rig without design delay: hold and whole samples are the sampled problem's own.
-fn designed(specification: &Specification) -> Design {
+fn design_rig(specification: &Specification) -> Design {
     let plant = DesignPlant { pade_order: 0, ..rig() };
     design(&plant, specification).unwrap()
 }
@@ -17,7 +17,7 @@ fn sampling(period_s: f64, delay_samples: usize, method: SamplingMethod) -> Samp
     Sampling { method, delay_samples, ..Sampling::new(period_s, 10.0) }
 }
 
-fn sampled(design: &Design, sampling: &Sampling) -> Sampled {
+fn discretise_with(design: &Design, sampling: &Sampling) -> Sampled {
     discretise(design, sampling).unwrap()
 }
 
@@ -25,9 +25,9 @@ fn sampled(design: &Design, sampling: &Sampling) -> Sampled {
 #[test]
 fn the_sampled_loop_costs_what_the_equations_predict() {
     for (name, specification) in variants() {
-        let design = designed(&specification);
+        let design = design_rig(&specification);
         for (period_s, delay) in [(1e-3, 0), (1e-3, 1), (1e-3, 2), (5e-3, 0), (2e-2, 1)] {
-            let made = sampled(&design, &sampling(period_s, delay, SamplingMethod::SampledData));
+            let made = discretise_with(&design, &sampling(period_s, delay, SamplingMethod::SampledData));
             assert_eq!(made.certified.len(), 3);
             for part in &made.certified {
                 let difference = part.cost.relative_difference();
@@ -74,11 +74,11 @@ fn distances(design: &Design, made: &Sampled) -> [f64; 3] {
 /// the motion ahead by its spectrum, and lose of the order of the period's square.
 #[test]
 fn the_design_tends_to_the_continuous_one() {
-    let design = designed(&weights());
+    let design = design_rig(&weights());
     let costs =
         [design.feedback.cost, design.heave.as_ref().unwrap().cost, design.pitch.as_ref().unwrap().cost];
     let at = |period_s: f64| {
-        let made = sampled(&design, &sampling(period_s, 0, SamplingMethod::SampledData));
+        let made = discretise_with(&design, &sampling(period_s, 0, SamplingMethod::SampledData));
         let lost = std::array::from_fn(|i| {
             let (found, limit): (f64, f64) =
                 (made.certified[i].cost.achieved.unwrap(), costs[i].achieved.unwrap());
@@ -135,6 +135,6 @@ fn at_a_coarse_period_the_design_holds_where_conversion_does_not() {
 fn a_feedback_from_elsewhere_is_converted() {
     let mut design = feedback_alone(1e-3);
     design.substitute = Some(design.feedback_controller());
-    let made = |method| sampled(&design, &sampling(1e-3, 0, method));
+    let made = |method| discretise_with(&design, &sampling(1e-3, 0, method));
     assert_eq!(made(SamplingMethod::SampledData).controller, made(SamplingMethod::TUSTIN).controller);
 }

@@ -12,7 +12,7 @@ use counterpoise_synth::{
     Specification, Weight, design, search_specification, stabilisation_error, trade_off,
 };
 
-fn found(start: &Specification, requirements: &Requirements, most: usize) -> SearchResult {
+fn search_rig(start: &Specification, requirements: &Requirements, most: usize) -> SearchResult {
     let sampling = Sampling::new(1e-3, 10.0);
     let plant = rig();
     let task = SearchTask { plant: &plant, start, requirements, sampling: &sampling, most_trials: most };
@@ -24,7 +24,7 @@ fn far_off_weights_are_brought_to_the_requirements_and_reject_more_than_the_thes
     let mut start = thesis_weights();
     start.feedback.error = Weight::Integral { gain: 3000.0, time_s: 1.0 };
     let requirements = Requirements::thesis();
-    let found = found(&start, &requirements, 120);
+    let found = search_rig(&start, &requirements, 120);
     assert_eq!(found.best.missed, 0.0, "{:?}", found.best.figures);
     let figures = found.best.figures;
     assert!(figures.gain_margin_db >= 12.0 && figures.phase_margin_deg >= 60.0 && figures.overshoot <= 0.13);
@@ -34,9 +34,10 @@ fn far_off_weights_are_brought_to_the_requirements_and_reject_more_than_the_thes
 #[test]
 fn the_default_weights_are_improved_within_the_requirements_and_always_alike() {
     let requirements = Requirements { ms: 1.4, ..Requirements::thesis() };
-    let (first, second) = (found(&weights(), &requirements, 60), found(&weights(), &requirements, 60));
+    let (first, second) =
+        (search_rig(&weights(), &requirements, 60), search_rig(&weights(), &requirements, 60));
     assert_eq!(first, second);
-    let start = found(&weights(), &requirements, 1).best;
+    let start = search_rig(&weights(), &requirements, 1).best;
     assert!(first.best.missed == 0.0 && first.best.figures.rejection < start.figures.rejection);
 }
 
@@ -59,7 +60,7 @@ fn a_search_can_be_stopped_and_is_bounded() {
     };
     let stopped = search_specification(&task, &mut go_on).unwrap();
     assert_eq!((stopped.ended, stopped.trials), (Ended::Stopped, 5));
-    assert_eq!(found(&weights(), &requirements, 9).ended, Ended::OutOfTrials);
+    assert_eq!(search_rig(&weights(), &requirements, 9).ended, Ended::OutOfTrials);
 }
 
 #[test]
@@ -90,16 +91,16 @@ fn rejection_of_the_expected_motion_is_the_share_of_its_rate_that_is_left() {
     let band_rad_s = [0.5, 200.0];
     let requirements =
         Requirements { spectrum: BandSpectrum::Expected, band_rad_s, ..Requirements::thesis() };
-    let both = found(&start, &requirements, 1).best.figures.rejection;
+    let both = search_rig(&start, &requirements, 1).best.figures.rejection;
     let flat =
-        found(&start, &Requirements { band_rad_s, ..Requirements::thesis() }, 1).best.figures.rejection;
+        search_rig(&start, &Requirements { band_rad_s, ..Requirements::thesis() }, 1).best.figures.rejection;
     start.pitch = None;
     let plant = rig();
     let design = design(&plant, &start).unwrap();
     let with = stabilisation_error(&plant, &design, DisturbanceChannel::Heave, 0.0).unwrap();
-    let open = Design { substitute: Some(idle()), ..design };
+    let open = Design { substitute: Some(idle_feedback()), ..design };
     let without = stabilisation_error(&plant, &open, DisturbanceChannel::Heave, 0.0).unwrap();
-    let heave = found(&start, &requirements, 1).best.figures.rejection;
+    let heave = search_rig(&start, &requirements, 1).best.figures.rejection;
     println!("both {both}, flat {flat}, heave {heave}, {}", with / without);
     assert!((heave / (with / without) - 1.0).abs() < 0.05, "{heave} {}", with / without);
     assert!((flat / heave - 1.0).abs() > 0.1);
@@ -117,6 +118,6 @@ fn rejection_of_the_expected_motion_is_the_share_of_its_rate_that_is_left() {
 }
 
 /// No feedback at all.
-fn idle() -> StateSpace {
+fn idle_feedback() -> StateSpace {
     StateSpace::gain(Mat::zeros(1, 2), Timebase::Continuous).unwrap()
 }

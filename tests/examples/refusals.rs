@@ -17,14 +17,14 @@ fn processor_time_s() -> f64 {
 struct Random(u64);
 
 impl Random {
-    fn uniform(&mut self) -> f64 {
+    fn next_uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
     /// A matrix of about normal numbers.
     fn matrix(&mut self, rows: usize, cols: usize) -> Mat {
-        Mat::from_fn(rows, cols, |_, _| (0..12).map(|_| self.uniform()).sum::<f64>() - 6.0)
+        Mat::from_fn(rows, cols, |_, _| (0..12).map(|_| self.next_uniform()).sum::<f64>() - 6.0)
     }
 }
 
@@ -43,7 +43,7 @@ fn print(states: usize, problem: &str, solve: impl Fn() -> Outcome<Riccati>) {
 }
 
 /// The matrix with a first state that is alone, with the given pole.
-fn alone(A: &Mat, pole: f64) -> Mat {
+fn isolate_first_state(A: &Mat, pole: f64) -> Mat {
     Mat::from_fn(A.nrows(), A.ncols(), |i, j| match (i, j) {
         (0, 0) => pole,
         (0, _) | (_, 0) => 0.0,
@@ -64,11 +64,11 @@ fn problems(states: usize) {
     let back = inverse(&T).unwrap();
     let turned = |A: &Mat| &T * A * &back;
     print(states, "benign", || care(&A, &B, &Q, &R, None).unwrap());
-    let (lost, unreached) = (turned(&alone(&A, 1.5)), &T * &without_first_row(&B));
+    let (lost, unreached) = (turned(&isolate_first_state(&A, 1.5)), &T * &without_first_row(&B));
     print(states, "unstable mode out of reach", || care(&lost, &unreached, &Q, &R, None).unwrap());
     let seen = without_first_row(&C);
     let weight = (back.t() * (&seen * &seen.t()) * &back).symmetric_part();
-    let (still, reached) = (turned(&alone(&A, 0.0)), &T * &B);
+    let (still, reached) = (turned(&isolate_first_state(&A, 0.0)), &T * &B);
     print(states, "mode on the axis out of sight", || care(&still, &reached, &weight, &R, None).unwrap());
     let G = ((&B * &B.t()) - Q.scale(0.5)).symmetric_part();
     print(states, "Hamiltonian with modes on the axis", || care_g(&A, &G, &Mat::eye(states)).unwrap());
@@ -76,7 +76,7 @@ fn problems(states: usize) {
     print(states, "two inputs, half unstable", || care(&A, &few, &Q, &Mat::eye(2), None).unwrap());
     let slower = A.scale(1.2 / (states as f64).sqrt());
     print(states, "discrete, benign", || dare(&slower, &B, &Q, &R, None).unwrap());
-    let lost = turned(&alone(&slower, 1.5));
+    let lost = turned(&isolate_first_state(&slower, 1.5));
     print(states, "discrete, out of reach", || dare(&lost, &unreached, &Q, &R, None).unwrap());
     print(states, "discrete, two inputs, many unstable", || dare(&A, &few, &Q, &Mat::eye(2), None).unwrap());
 }

@@ -3,7 +3,7 @@
 use counterpoise_pipeline::studies::adaptation_trials::{
     HoldBands, TrialLoad, TrialMotion, TrialRow, own_trials,
 };
-use counterpoise_pipeline::{model, project_procedure, reduce, synthesise};
+use counterpoise_pipeline::{build_plant_model, project_procedure, reduce_plant, synthesise};
 use counterpoise_project::{Attachments, Document, Project, SettingValue};
 
 use crate::sealed::Dice;
@@ -29,7 +29,7 @@ pub struct Case {
 
 impl Case {
     /// Returns the trial in which adaptation does worst against none.
-    pub fn worst(&self) -> Option<&TrialRow> {
+    pub fn worst_trial(&self) -> Option<&TrialRow> {
         self.rows.iter().max_by(|a, b| a.ratio().total_cmp(&b.ratio()))
     }
 
@@ -57,12 +57,12 @@ impl Case {
 pub fn trial(seed: u64, noise: u64) -> Option<Case> {
     let folder = root().join("examples/reference-rig");
     let text = std::fs::read(folder.join("project.toml")).ok()?;
-    let (document, drawn) = drawn(Document::from_bytes(&text, "project.toml").ok()?, seed)?;
+    let (document, drawn) = draw_mechanism(Document::from_bytes(&text, "project.toml").ok()?, seed)?;
     let beside = Beside(folder);
     let stated = Project::resolve(&document, &Attachments::none()).ok()?.project;
     let project = decide_choices(stated, &beside);
-    let modelled = model(&project).ok()?;
-    let made = synthesise(&project, &modelled, &reduce(&project, &modelled).ok()?).ok()?;
+    let modelled = build_plant_model(&project).ok()?;
+    let made = synthesise(&project, &modelled, &reduce_plant(&project, &modelled).ok()?).ok()?;
     let mut procedure = project_procedure(&project, &beside).ok()?;
     procedure.seed += noise;
     let mut tried = own_trials(&project, &modelled, &made, &procedure).ok()??;
@@ -75,7 +75,7 @@ pub fn trial(seed: u64, noise: u64) -> Option<Case> {
 }
 
 /// A mechanism with the default adaptation: out-of-balance, gravity, friction, inertia, observer and motion are drawn.
-fn drawn(document: Document, seed: u64) -> Option<(Document, String)> {
+fn draw_mechanism(document: Document, seed: u64) -> Option<(Document, String)> {
     let mut dice = Dice::new(seed);
     let mut log_uniform = |low: f64, high: f64| low * (high / low).powf(dice.uniform(0.0, 1.0));
     let balance = log_uniform(0.1, 1.2);

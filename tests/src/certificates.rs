@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use counterpoise_controller::{Controller, READINGS};
 use counterpoise_models::{FrictionLaw, Parameters};
 use counterpoise_pipeline::studies::certificate::certify_controller;
-use counterpoise_pipeline::{model, reduce, synthesise};
+use counterpoise_pipeline::{build_plant_model, reduce_plant, synthesise};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{
     AdaptationMethod, AdaptationOptions, AdaptationRuns, AdaptationUse, FrictionModel, ObserverOptions,
@@ -84,9 +84,9 @@ impl Row {
 /// Returns the trial of a seed; `None` if no controller exists for its weights.
 pub fn trial(seed: u64, base: &Project) -> Option<Row> {
     let mut dice = Dice::new(seed);
-    let (project, blocks) = drawn(base, &mut dice);
-    let modelled = model(&project).ok()?;
-    let made = synthesise(&project, &modelled, &reduce(&project, &modelled).ok()?).ok()?;
+    let (project, blocks) = draw_case(base, &mut dice);
+    let modelled = build_plant_model(&project).ok()?;
+    let made = synthesise(&project, &modelled, &reduce_plant(&project, &modelled).ok()?).ok()?;
     let asked = project.verify.as_ref()?;
     let procedure = Procedure { road: None, ..asked.procedure.clone() };
     let mut alone = project.clone();
@@ -98,7 +98,7 @@ pub fn trial(seed: u64, base: &Project) -> Option<Row> {
     let controller = &made.sampled.controller;
     let truth = machine(&modelled.parameters);
     let still = |_: f64| Platform::default();
-    let moving = |t: f64| moved(&procedure, t);
+    let moving = |t: f64| platform_at(&procedure, t);
     let exported = (&modelled.parameters, controller);
     let rest = run(&truth, exported.0, exported.1, &still, Start::Rest, &mut dice);
     let motion = run(&truth, exported.0, exported.1, &moving, Start::Rest, &mut dice);
@@ -131,7 +131,7 @@ fn start(certificate: &CaseCertificate) -> Option<Start> {
 }
 
 /// A mechanism and a controller from seeded numbers: sizes, friction, weights, observer, schedule and adaptation.
-fn drawn(base: &Project, dice: &mut Dice) -> (Project, String) {
+fn draw_case(base: &Project, dice: &mut Dice) -> (Project, String) {
     let mut project = base.clone();
     let mut blocks = Vec::new();
     mechanism(&mut project.plant, dice);
@@ -224,7 +224,7 @@ fn adaptation(which: usize) -> AdaptationOptions {
 }
 
 /// Heave and pitch of the procedure.
-fn moved(procedure: &Procedure, t: f64) -> Platform {
+fn platform_at(procedure: &Procedure, t: f64) -> Platform {
     let pitch = &procedure.pitch;
     let w = TAU * pitch.frequency_hz;
     Platform {
@@ -276,7 +276,7 @@ fn run(
             read(others[1], x[4] - now.angle, bits, dice),
             0.0,
         ];
-        let control = quantised(runner.step_array(&readings) + added_v(start, t), p.interface.output_bits);
+        let control = quantise(runner.step_array(&readings) + added_v(start, t), p.interface.output_bits);
         let h = period / STEPS as f64;
         for s in 0..STEPS {
             let from = t + s as f64 * h;
@@ -289,7 +289,7 @@ fn run(
             rates.push(x[HUB_RATE]);
         }
     }
-    seen(&rates, period)
+    judge_rates(&rates, period)
 }
 
 /// What is added to the control, V.
@@ -308,7 +308,7 @@ const HUB_RATE: usize = 5;
 const BEAM_RATE: usize = 7;
 const _: () = assert!(BEAM_RATE < STATES);
 
-fn quantised(value: f64, bits: u32) -> f64 {
+fn quantise(value: f64, bits: u32) -> f64 {
     let step = 20.0 / f64::from(bits).exp2();
     ((value / step).round() * step).clamp(-10.0, 10.0)
 }
@@ -321,10 +321,10 @@ struct Channel {
 }
 
 fn read(Channel { volts, noise }: Channel, value: f64, bits: u32, dice: &mut Dice) -> f64 {
-    quantised((value + noise * dice.normal()) * volts, bits) / volts
+    quantise((value + noise * dice.normal()) * volts, bits) / volts
 }
 
-fn seen(rates: &[f64], period: f64) -> Seen {
+fn judge_rates(rates: &[f64], period: f64) -> Seen {
     let rms = |part: &[f64]| {
         let mean = part.iter().sum::<f64>() / part.len() as f64;
         (part.iter().map(|rate| (rate - mean).powi(2)).sum::<f64>() / part.len() as f64).sqrt()

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock};
 
-use counterpoise_pipeline::{PlantModel, SynthesisedDesign, model, reduce, synthesise, verify};
+use counterpoise_pipeline::{
+    PlantModel, SynthesisedDesign, build_plant_model, reduce_plant, synthesise, verify,
+};
 use counterpoise_project::{Attachments, Diagnostic, Document, Project, Purpose};
 use counterpoise_verify::VerifiedController;
 
@@ -146,7 +148,7 @@ fn compute(path: &Path) -> Option<Designed> {
         return None;
     }
     let project = decide_choices(resolve_example(path, Purpose::Export).unwrap(), &world(path));
-    let modelled = model(&project).unwrap();
-    let made = synthesise(&project, &modelled, &reduce(&project, &modelled).unwrap()).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
+    let made = synthesise(&project, &modelled, &reduce_plant(&project, &modelled).unwrap()).unwrap();
     Some(Designed { project, modelled, made })
 }

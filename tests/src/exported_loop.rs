@@ -10,7 +10,7 @@ use counterpoise_diagnose::findings::answer::{Answer, DiagnosisVerdict};
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::recordings::read::recording_controller;
-use counterpoise_pipeline::{ProjectIdentity, model, reduce, synthesise};
+use counterpoise_pipeline::{ProjectIdentity, build_plant_model, reduce_plant, synthesise};
 use counterpoise_pool::Pool;
 use counterpoise_project::{Attachments, Document, Project, SettingValue};
 use counterpoise_simulate::replay::{RecordedController, ReplayLoop};
@@ -60,8 +60,8 @@ pub fn document(out_of_balance_kg_m: Option<f64>) -> Document {
 
 /// Returns the controller that a project exports.
 pub fn export_controller(project: &Project) -> Controller {
-    let modelled = model(project).unwrap();
-    synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap().sampled.controller
+    let modelled = build_plant_model(project).unwrap();
+    synthesise(project, &modelled, &reduce_plant(project, &modelled).unwrap()).unwrap().sampled.controller
 }
 
 /// Returns the text of the `controller.json` of a controller.

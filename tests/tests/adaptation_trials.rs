@@ -9,7 +9,7 @@ use counterpoise_pipeline::results::VerifyResult;
 use counterpoise_pipeline::studies::adaptation_trials::{
     AdaptationTrials, TrialLoad, TrialMotion, own_trials,
 };
-use counterpoise_pipeline::{model, project_procedure, reduce, synthesise, verify};
+use counterpoise_pipeline::{build_plant_model, project_procedure, reduce_plant, synthesise, verify};
 use counterpoise_project::{Attachments, Document, Project, SettingValue};
 use counterpoise_tests::adaptation::trial;
 use counterpoise_tests::workspace::root;
@@ -32,8 +32,8 @@ fn adapting(method: &str) -> Project {
 }
 
 fn trials(project: &Project) -> (AdaptationTrials, VerifyResult) {
-    let modelled = model(project).unwrap();
-    let made = synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap();
+    let modelled = build_plant_model(project).unwrap();
+    let made = synthesise(project, &modelled, &reduce_plant(project, &modelled).unwrap()).unwrap();
     let beside = Beside(folder());
     let procedure = project_procedure(project, &beside).unwrap();
     let tried = own_trials(project, &modelled, &made, &procedure).unwrap().unwrap();
@@ -113,8 +113,8 @@ fn the_default_is_nowhere_worse_than_none_on_every_project_or_is_refused_there()
     let (mut wrong, mut refused) = (Vec::new(), Vec::new());
     for case in PROJECTS {
         let (project, beside) = adapting_by_default(case);
-        let modelled = model(&project).unwrap();
-        let made = synthesise(&project, &modelled, &reduce(&project, &modelled).unwrap()).unwrap();
+        let modelled = build_plant_model(&project).unwrap();
+        let made = synthesise(&project, &modelled, &reduce_plant(&project, &modelled).unwrap()).unwrap();
         let procedure = project_procedure(&project, &beside).unwrap();
         let mut tried = own_trials(&project, &modelled, &made, &procedure).unwrap().unwrap();
         if !tried.bands.unwrap().is_exported {

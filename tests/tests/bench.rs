@@ -5,7 +5,7 @@
 use counterpoise_pipeline::studies::adapt::{AdaptRun, adapt};
 use counterpoise_pipeline::studies::comparison::{DesignComparison, compare_designs};
 use counterpoise_pipeline::wording::design_findings::describe_design_finding;
-use counterpoise_pipeline::{PipelineError, SynthesisedDesign, model, reduce, synthesise};
+use counterpoise_pipeline::{PipelineError, SynthesisedDesign, build_plant_model, reduce_plant, synthesise};
 use counterpoise_project::Project;
 
 fn text(example: &str) -> String {
@@ -20,22 +20,22 @@ fn project(text: &str) -> Project {
     }
 }
 
-fn made(project: &Project) -> Result<SynthesisedDesign, PipelineError> {
-    let modelled = model(project).unwrap();
-    synthesise(project, &modelled, &reduce(project, &modelled).unwrap())
+fn make_design(project: &Project) -> Result<SynthesisedDesign, PipelineError> {
+    let modelled = build_plant_model(project).unwrap();
+    synthesise(project, &modelled, &reduce_plant(project, &modelled).unwrap())
 }
 
 fn compare(project: &Project) -> DesignComparison {
-    let modelled = model(project).unwrap();
-    let reduced = reduce(project, &modelled).unwrap();
+    let modelled = build_plant_model(project).unwrap();
+    let reduced = reduce_plant(project, &modelled).unwrap();
     let made = synthesise(project, &modelled, &reduced).unwrap();
     compare_designs(project, &modelled, &made).unwrap()
 }
 
 fn runs(example: &str) -> Vec<AdaptRun> {
     let project = project(&text(example));
-    let modelled = model(&project).unwrap();
-    let runs = adapt(&project, &modelled, &made(&project).unwrap()).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
+    let runs = adapt(&project, &modelled, &make_design(&project).unwrap()).unwrap();
     for run in &runs {
         println!("({}) {}", run.letter, run.says);
         run.intervals.iter().for_each(|interval| println!("    {interval:?}"));
@@ -67,8 +67,8 @@ fn after_each_step_of_out_of_balance_the_hub_rate_comes_back() {
 fn with_the_amplifiers_curve_in_the_loop_the_lowest_out_of_balance_comes_back_less_well() {
     let left = text("adaptation").replacen("amplifier_curve = \"undo\"", "amplifier_curve = \"leave\"", 1);
     let project = project(&left);
-    let modelled = model(&project).unwrap();
-    let runs = adapt(&project, &modelled, &made(&project).unwrap()).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
+    let runs = adapt(&project, &modelled, &make_design(&project).unwrap()).unwrap();
     let last = runs.iter().find(|run| run.letter == 'h').unwrap();
     for interval in &last.intervals {
         assert_eq!(interval.over_default > 1.10, interval.factor == 0.37, "{interval:?}");
@@ -190,7 +190,7 @@ fn weights_without_a_solution_are_refused_with_weight_frequency_and_suggestion()
     let good = text("reference-rig");
     for (from, to, words) in REFUSED {
         assert!(good.contains(from), "the example has no {from:?}");
-        let error = made(&project(&good.replacen(from, to, 1))).err();
+        let error = make_design(&project(&good.replacen(from, to, 1))).err();
         let Some(PipelineError::NoController(findings)) = &error else { panic!("{to}: {error:?}") };
         let said = findings.iter().map(describe_design_finding).collect::<Vec<_>>().join("\n");
         println!("{said}\n");

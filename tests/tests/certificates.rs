@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_pipeline::studies::certificate::certify_controller;
-use counterpoise_pipeline::{model, reduce, synthesise};
+use counterpoise_pipeline::{build_plant_model, reduce_plant, synthesise};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{FrictionModel, ObserverOptions};
 use counterpoise_synth::Drives;
@@ -16,9 +16,9 @@ fn base() -> Project {
     Project::parse(&text, "project.toml").unwrap_or_else(|errors| panic!("{errors:?}")).project
 }
 
-fn certified(project: &Project) -> CaseCertificate {
-    let modelled = model(project).unwrap();
-    let made = synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap();
+fn certify_project(project: &Project) -> CaseCertificate {
+    let modelled = build_plant_model(project).unwrap();
+    let made = synthesise(project, &modelled, &reduce_plant(project, &modelled).unwrap()).unwrap();
     let procedure = Procedure { road: None, ..project.verify.as_ref().unwrap().procedure.clone() };
     certify_controller(project, &modelled, &made, &procedure).unwrap().cases[0].clone()
 }
@@ -45,7 +45,7 @@ fn a_certified_limit_cycle_is_that_of_an_independent_simulator_from_the_same_bur
 
 #[test]
 fn the_reference_rig_is_stable_in_every_regime() {
-    let found = certified(&base());
+    let found = certify_project(&base());
     assert_eq!(found.stability, Stability::Stable);
     assert!(found.regimes.iter().all(|at| at.pole_radius < 1.0), "{:?}", found.regimes);
 }
@@ -54,7 +54,7 @@ fn the_reference_rig_is_stable_in_every_regime() {
 /// disturbances that the certificate follows.
 #[test]
 fn the_reference_rig_is_proved_and_quiet_for_other_levels_of_friction() {
-    let proof = certified(&base()).sector.unwrap();
+    let proof = certify_project(&base()).sector.unwrap();
     assert!(proof.holds(), "{proof:?}");
     assert_eq!(proof.criterion, StabilityCriterion::Circle, "passivity alone fails");
     for level in [0.1, 3.0] {
@@ -64,7 +64,7 @@ fn the_reference_rig_is_proved_and_quiet_for_other_levels_of_friction() {
             friction.law.scale_coulomb(level);
             friction.set_presliding_stiffness_nm_rad(stiffness);
         }
-        let found = certified(&project);
+        let found = certify_project(&project);
         assert!(found.is_proved(), "{level}: {:?} {:?}", found.stability, found.sector);
         assert!(found.orbits.iter().all(|orbit| orbit.rms_rad_s <= 2.0 * found.noise_floor_rad_s), "{level}");
     }
@@ -87,7 +87,7 @@ fn an_observer_of_twice_the_friction_is_certified_to_hunt() {
         model: FrictionModel::Dahl,
         sign_rate_rad_s: 0.01,
     });
-    let found = certified(&project);
+    let found = certify_project(&project);
     assert!(found.sector.is_none(), "no sector argument applies to an observer in the loop");
     let sliding = found.regimes.iter().find(|at| at.regime.key() == "sliding").unwrap();
     assert!(sliding.gain_margin_db > 12.0, "the margins see nothing: {sliding:?}");
@@ -104,19 +104,19 @@ fn an_observer_of_twice_the_friction_is_certified_to_hunt() {
 }
 
 /// A file without weights, designed with those that suit the machine.
-fn designed(file: &str) -> CaseCertificate {
+fn certify_chosen_design(file: &str) -> CaseCertificate {
     let document = counterpoise_project::Document::parse(file, "project.toml");
     let files = counterpoise_project::Attachments::none();
     let read = Project::resolve_for(&document, &files, counterpoise_project::Purpose::Design);
     let project = read.unwrap().project;
     let chosen = counterpoise_pipeline::with_chosen_weights(&project).unwrap();
-    certified(&chosen.map_or(project, |chosen| chosen.project))
+    certify_project(&chosen.map_or(project, |chosen| chosen.project))
 }
 
 /// A blade's pitch drive: its friction at rest is a spring on which the blade swings at 4 Hz, which the sliding plant does not show.
 #[test]
 fn a_first_design_holds_the_friction_at_rest() {
-    let found = designed(
+    let found = certify_chosen_design(
         "format = 2
         plant.inertia = \"12000 kg m^2\"
         plant.gearbox = { ratio = \"1500:1\", stiffness = \"30 MN m/rad\" }
@@ -135,7 +135,7 @@ fn a_first_design_holds_the_friction_at_rest() {
 /// A joint whose torque sensor has no noise: the floor is what rounding keeps up, in N m, and no rate is measured against it.
 #[test]
 fn a_torque_loop_without_noise_is_quiet_by_a_floor_of_torque() {
-    let found = designed(
+    let found = certify_chosen_design(
         "format = 2
         verify.step.rate = 3.0
         plant.lumped = { hub_inertia = 0.3, position_stiffness = 60.0 }
@@ -159,7 +159,7 @@ fn a_torque_loop_without_noise_is_quiet_by_a_floor_of_torque() {
 #[test]
 fn a_pendulum_within_a_count_of_its_encoder_is_quiet() {
     let path = format!("{}/../examples/servo-pendulum/project.toml", env!("CARGO_MANIFEST_DIR"));
-    let found = designed(&std::fs::read_to_string(path).unwrap());
+    let found = certify_chosen_design(&std::fs::read_to_string(path).unwrap());
     assert_eq!(found.stability, Stability::Stable);
     let count = std::f64::consts::TAU / 4096.0;
     assert!((found.noise.step_rad_s / count - 1.0).abs() < 1e-9 && found.rest.rms_rad_s < count);

@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_pipeline::studies::comparison::{DesignComparison, compare_designs};
-use counterpoise_pipeline::{PlantModel, SynthesisedDesign, World, model, reduce, synthesise, verify};
+use counterpoise_pipeline::{
+    PlantModel, SynthesisedDesign, World, build_plant_model, reduce_plant, synthesise, verify,
+};
 use counterpoise_project::Project;
 use counterpoise_verify::{Figure, Verification};
 
@@ -34,15 +36,15 @@ fn project(text: &str) -> Project {
     }
 }
 
-fn made(project: &Project) -> (PlantModel, SynthesisedDesign) {
-    let modelled = model(project).unwrap();
-    let reduced = reduce(project, &modelled).unwrap();
+fn make_design(project: &Project) -> (PlantModel, SynthesisedDesign) {
+    let modelled = build_plant_model(project).unwrap();
+    let reduced = reduce_plant(project, &modelled).unwrap();
     let made = synthesise(project, &modelled, &reduced).unwrap_or_else(|error| panic!("{error}"));
     (modelled, made)
 }
 
-fn verified(project: &Project) -> Verification {
-    let (modelled, made) = made(project);
+fn verify_project(project: &Project) -> Verification {
+    let (modelled, made) = make_design(project);
     verify(project, &modelled, &made, &Nothing).unwrap().verification().clone()
 }
 
@@ -53,8 +55,8 @@ fn value(found: &Verification, key: &str) -> f64 {
 }
 
 fn compare(project: &Project) -> DesignComparison {
-    let modelled = model(project).unwrap();
-    let reduced = reduce(project, &modelled).unwrap();
+    let modelled = build_plant_model(project).unwrap();
+    let reduced = reduce_plant(project, &modelled).unwrap();
     let made = synthesise(project, &modelled, &reduced).unwrap();
     compare_designs(project, &modelled, &made).unwrap()
 }
@@ -84,11 +86,11 @@ const SAMPLED_DATA: &str = "discretisation = \"sampled-data\"";
 /// On the nonlinear plant too, with both feedforwards, the figures are those of the converted controller.
 #[test]
 fn a_design_in_sampled_time_verifies_as_the_converted_one_at_1_khz() {
-    let converted = verified(&project(&text(CHAPTER_6)));
+    let converted = verify_project(&project(&text(CHAPTER_6)));
     let anew = project(&with(CHAPTER_6, &[(TUSTIN, SAMPLED_DATA)]));
-    let (_, own) = made(&anew);
+    let (_, own) = make_design(&anew);
     assert!(own.sampled.worst_cost_difference().is_some_and(|difference| difference < 1e-6));
-    let found = verified(&anew);
+    let found = verify_project(&anew);
     let same = [("gain_margin_db", 0.7), ("phase_margin_deg", 1.5), ("linear_step_overshoot_percent", 0.5)];
     for (key, within) in same {
         println!("{key}: {} {}", value(&converted, key), value(&found, key));
@@ -103,14 +105,14 @@ fn a_design_in_sampled_time_holds_a_coarse_period() {
         project(&with(CHAPTER_6, &[("sample_period = 1.0e-3", period), (TUSTIN, choice)]))
     };
     let (slow, slower) = ("sample_period = 4.0e-2", "sample_period = 8.0e-2");
-    let [converted, anew] = [TUSTIN, SAMPLED_DATA].map(|choice| verified(&at(slow, choice)));
+    let [converted, anew] = [TUSTIN, SAMPLED_DATA].map(|choice| verify_project(&at(slow, choice)));
     assert!(value(&converted, "gain_margin_db") < 9.0 && value(&anew, "gain_margin_db") > 13.0);
     let converted = at(slower, TUSTIN);
-    let modelled = model(&converted).unwrap();
-    let reduced = reduce(&converted, &modelled).unwrap();
+    let modelled = build_plant_model(&converted).unwrap();
+    let reduced = reduce_plant(&converted, &modelled).unwrap();
     let refused = synthesise(&converted, &modelled, &reduced).err().map(|error| error.to_string());
     assert!(refused.as_ref().is_some_and(|said| said.contains("sample faster")), "{refused:?}");
-    let anew = verified(&at(slower, SAMPLED_DATA));
+    let anew = verify_project(&at(slower, SAMPLED_DATA));
     assert!(value(&anew, "gain_margin_db") > 8.0 && value(&anew, "phase_margin_deg") > 45.0);
 }
 
@@ -129,7 +131,7 @@ fn sampled_data_with_another_feedback_is_refused_at_its_key() {
 fn a_prefilter_takes_the_overshoot_and_nothing_else() {
     let filter = "[synth.prefilter]\nform = \"lag\"\ngain = 1.0\ntime = 0.12\n\n[synth.feedback]";
     let filtered = project(&with(CHAPTER_6, &[("[synth.feedback]", filter)]));
-    let (plain, filtered) = (verified(&project(&text(CHAPTER_6))), verified(&filtered));
+    let (plain, filtered) = (verify_project(&project(&text(CHAPTER_6))), verify_project(&filtered));
     let overshoot = |found| value(found, "linear_step_overshoot_percent");
     assert!(overshoot(&filtered) < 0.3 * overshoot(&plain), "{} {}", overshoot(&filtered), overshoot(&plain));
     assert_eq!(value(&filtered, "gain_margin_db"), value(&plain, "gain_margin_db"));
@@ -140,8 +142,8 @@ fn a_prefilter_takes_the_overshoot_and_nothing_else() {
 #[test]
 fn a_feedforward_on_the_closed_loop_costs_what_is_predicted_and_needs_no_more_effort() {
     let heave = [("[synth.heave]\n", "[synth.heave]\nbasis = \"closed-loop\"\n")];
-    let (_, closed) = made(&project(&with(CHAPTER_6, &heave)));
-    let (_, open) = made(&project(&text(CHAPTER_6)));
+    let (_, closed) = make_design(&project(&with(CHAPTER_6, &heave)));
+    let (_, open) = make_design(&project(&text(CHAPTER_6)));
     let (closed, open) = (closed.design.heave.unwrap(), open.design.heave.unwrap());
     assert!(
         closed.cost.relative_difference().is_some_and(|difference| difference < 1e-6),
@@ -160,7 +162,7 @@ fn a_weight_from_a_table_is_fitted_designed_with_and_kept_in_the_file() {
     let project = project(&written);
     let weight = project.synth.as_ref().unwrap().specification.heave.as_ref().unwrap().error.clone();
     assert!(weight.worst_db() < 1.0 && weight.to_string().starts_with("table of 7 points"), "{weight}");
-    let (_, made) = made(&project);
+    let (_, made) = make_design(&project);
     assert!(made.design.heave.unwrap().cost.relative_difference().unwrap() < 1e-6);
     let again = Project::parse(&project.to_text(), "again.toml").unwrap().project;
     assert_eq!(again.synth, project.synth);
@@ -196,7 +198,8 @@ fn an_observer_of_every_law_holds_the_hub_better() {
         let plant = format!("[plant.friction.pivot]\n{law}");
         let plain = with(CHAPTER_6, &[(PIVOT, &plant), ("duration = 10.0 ", "duration = 4.0 ")]);
         let observed = plain.replacen("[synth.feedback]", observer, 1);
-        let rms = |text: &str| value(&verified(&project(text)), "nonlinear_both_compensated_hub_rms_rad_s");
+        let rms =
+            |text: &str| value(&verify_project(&project(text)), "nonlinear_both_compensated_hub_rms_rad_s");
         let (without, with) = (rms(&plain), rms(&observed));
         println!("{}: {:.3} -> {:.3} mrad/s", law.lines().next().unwrap(), 1e3 * without, 1e3 * with);
         assert!(with < 0.9 * without, "{law}: {without} {with}");
@@ -209,7 +212,7 @@ fn an_observer_of_every_law_holds_the_hub_better() {
 fn a_design_on_the_full_beam_needs_no_reduction() {
     let beam = ("structure = \"lumped\"", "structure = \"beam\"\nmodes = 40");
     for choice in [TUSTIN, SAMPLED_DATA] {
-        let (_, made) = made(&project(&with(CHAPTER_6, &[beam, (TUSTIN, choice)])));
+        let (_, made) = make_design(&project(&with(CHAPTER_6, &[beam, (TUSTIN, choice)])));
         assert!(made.design.plant.system.order() > 80 && made.warnings.is_empty(), "{:?}", made.warnings);
         let costs = [made.design.worst_cost_difference(), made.sampled.worst_cost_difference()];
         assert!(costs.into_iter().flatten().all(|difference| difference < 1e-6), "{costs:?}");
@@ -226,8 +229,8 @@ fn designs_on_modal_and_balanced_plants_hold_on_the_full_beam() {
         let file =
             with(CHAPTER_6, &[beam, ("[synth]\n", &reduction), ("assembly = \"simple-add\"", lowered)]);
         let project = project(&file);
-        let modelled = model(&project).unwrap();
-        let reduced = reduce(&project, &modelled).unwrap();
+        let modelled = build_plant_model(&project).unwrap();
+        let reduced = reduce_plant(&project, &modelled).unwrap();
         assert!(reduced.system.order() <= order && modelled.linear.system.order() > order, "{method}");
         let found = compare(&project);
         let (lowered, spill) = (found.lowered.unwrap(), found.spillover.unwrap());

@@ -3,7 +3,9 @@
 
 use std::path::{Path, PathBuf};
 
-use counterpoise_pipeline::{PipelineError, model, reduce, run_stages, synthesise, with_tuned_structure};
+use counterpoise_pipeline::{
+    PipelineError, build_plant_model, reduce_plant, run_stages, synthesise, with_tuned_structure,
+};
 use counterpoise_project::{Attachments, Document, FurtherPlants, Project};
 use counterpoise_synth::{BlockKind, LoopLimits};
 use counterpoise_tests::Beside;
@@ -29,7 +31,10 @@ fn project(name: &str) -> Project {
 fn a_tuned_structure_is_verified_exported_and_saved_like_any_controller() {
     let stated = project("tuned.toml");
     let world = Beside(folder());
-    let (modelled, reduced) = (model(&stated).unwrap(), reduce(&stated, &model(&stated).unwrap()).unwrap());
+    let (modelled, reduced) = (
+        build_plant_model(&stated).unwrap(),
+        reduce_plant(&stated, &build_plant_model(&stated).unwrap()).unwrap(),
+    );
     assert!(matches!(synthesise(&stated, &modelled, &reduced), Err(PipelineError::NotTuned)));
     let tuned = with_tuned_structure(&stated, &world).unwrap().expect("open parameters");
     assert_eq!(tuned.tuned.missed, 0.0, "{:?}", tuned.tuned.measures);

@@ -14,7 +14,7 @@ use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
 use counterpoise_export::{CodeOptions, File, Provenance, c99, rust_crate};
 use counterpoise_models::{Plant, reference};
 use counterpoise_project::{Attachments, Document, Project, Purpose};
-use counterpoise_recordings::{CsvParts, Mapping, Table};
+use counterpoise_recordings::{CsvParts, Mapping, RecordingTable};
 use mutate::{corpus, fuzz};
 
 #[test]
@@ -47,7 +47,7 @@ fn project_files() {
 }
 
 fn read_recording(bytes: &[u8]) {
-    if let Ok(table) = Table::read(bytes, "run") {
+    if let Ok(table) = RecordingTable::read(bytes, "run") {
         let clock = Mapping { sample_period_s: Some(1e-3), ..Mapping::default() };
         drop(clock.recordings(&table));
     }
@@ -93,7 +93,7 @@ fn hdf5_recordings() {
 }
 
 /// Whether a table has one column of a name.
-fn is_unique(name: &str, table: &Table) -> bool {
+fn is_unique(name: &str, table: &RecordingTable) -> bool {
     table.columns.iter().filter(|column| column.name == name).count() == 1
 }
 
@@ -105,11 +105,12 @@ fn csv_in_parts() {
     fuzz("csv-parts", &stored, &words, &|bytes| {
         // What is read in parts is what is read at once, wherever both can be read.
         let Ok(parts) = CsvParts::new(bytes, "run.csv", 7) else { return };
-        let parts: Result<Vec<Table>, _> = parts.collect();
-        if let (Ok(parts), Ok(whole)) = (parts, Table::read(bytes, "run.csv")) {
+        let parts: Result<Vec<RecordingTable>, _> = parts.collect();
+        if let (Ok(parts), Ok(whole)) = (parts, RecordingTable::read(bytes, "run.csv")) {
             for column in whole.columns.iter().filter(|column| is_unique(&column.name, &whole)) {
-                let alike =
-                    |part: &Table| part.columns.iter().find(|other| other.name == column.name).cloned();
+                let alike = |part: &RecordingTable| {
+                    part.columns.iter().find(|other| other.name == column.name).cloned()
+                };
                 let joined: Vec<u64> = parts
                     .iter()
                     .flat_map(|part| alike(part).unwrap().values.into_iter().map(f64::to_bits))
@@ -121,7 +122,7 @@ fn csv_in_parts() {
 }
 
 /// The files of all generated languages for a text that stands wherever a project's texts do.
-fn generated(controller: &Controller, plant: &Plant, text: &str) -> Vec<File> {
+fn generate_files(controller: &Controller, plant: &Plant, text: &str) -> Vec<File> {
     let text = text.to_owned();
     let provenance = Provenance {
         generator: text.clone(),
@@ -171,10 +172,10 @@ fn texts_of_comments() {
         b"*)",
         b"\n#include </etc/passwd>\n",
     ];
-    let plain = generated(&controller, &plant, "plain");
+    let plain = generate_files(&controller, &plant, "plain");
     let stored = corpus(&["tests/data/fuzz/comment"], &["txt"]);
     fuzz("comment", &stored, &words, &|bytes| {
-        let found = generated(&controller, &plant, &String::from_utf8_lossy(bytes));
+        let found = generate_files(&controller, &plant, &String::from_utf8_lossy(bytes));
         for (file, plain) in found.iter().zip(&plain) {
             assert_eq!(file.name, plain.name);
             // Texts in XML are escaped: its comments and attributes have ends of their own.

@@ -11,7 +11,7 @@ use counterpoise_diagnose::findings::channel_fits::Channels;
 use counterpoise_diagnose::identification::{Estimate, Note, identify};
 use counterpoise_diagnose::library::{Component, EffectName};
 use counterpoise_models::{AmplifierDynamics, Parameters, Plant, Ripple};
-use counterpoise_pipeline::{model, reduce, synthesise, with_chosen_weights};
+use counterpoise_pipeline::{build_plant_model, reduce_plant, synthesise, with_chosen_weights};
 use counterpoise_pool::Serial;
 use counterpoise_project::{Document, Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
@@ -312,7 +312,7 @@ const KINDS: [Kind; 22] = [
 /// The kinds that run by default.
 const DEFAULT: [usize; 1] = [0];
 
-fn chosen() -> Vec<&'static Kind> {
+fn chosen_kinds() -> Vec<&'static Kind> {
     match std::env::var("COUNTERPOISE_KINDS") {
         Ok(all) if all == "all" => KINDS.iter().collect(),
         Ok(name) => KINDS.iter().filter(|kind| kind.name.contains(&name)).collect(),
@@ -340,8 +340,8 @@ impl Machine {
         let project = Project::resolve_for(&document, &files, Purpose::Design).unwrap().project;
         let chosen = with_chosen_weights(&project).unwrap();
         let project = chosen.map_or(project, |chosen| chosen.project);
-        let modelled = model(&project).unwrap();
-        let made = synthesise(&project, &modelled, &reduce(&project, &modelled).unwrap()).unwrap();
+        let modelled = build_plant_model(&project).unwrap();
+        let made = synthesise(&project, &modelled, &reduce_plant(&project, &modelled).unwrap()).unwrap();
         Self {
             base: modelled.parameters,
             controller: made.sampled.controller,
@@ -387,7 +387,7 @@ impl Machine {
         demands.into_iter().enumerate().map(one).collect()
     }
 
-    fn diagnosed(&self, recordings: &[Recording]) -> Diagnosis {
+    fn diagnose(&self, recordings: &[Recording]) -> Diagnosis {
         self.diagnosed_as(&self.base, recordings)
     }
 
@@ -406,12 +406,12 @@ impl Machine {
 }
 
 /// Largest residual over its noise floor.
-fn worst(channels: &Channels) -> f64 {
+fn largest_ratio(channels: &Channels) -> f64 {
     channels.values().map(|fit| fit.rms_error / fit.floor).fold(0.0, f64::max)
 }
 
 /// Largest residual of a sensor over its noise floor. The control of a quick loop carries the sensor's noise through the sensitivity, of
-/// which its floor knows nothing: it is looked at by [`worst`] alone.
+/// which its floor knows nothing: it is looked at by [`largest_ratio`] alone.
 fn worst_reading(channels: &Channels) -> f64 {
     let readings = channels.iter().filter(|(channel, _)| **channel != "control");
     readings.map(|(_, fit)| fit.rms_error / fit.floor).fold(0.0, f64::max)
@@ -436,7 +436,7 @@ fn check_finite(name: &str, answer: &Answer) {
     );
 }
 
-fn found(answer: &Answer) -> String {
+fn describe_answer(answer: &Answer) -> String {
     let one = |f: &counterpoise_diagnose::findings::answer::Finding| {
         let others: Vec<_> = f.alternatives.iter().map(|n| n.names()).collect();
         let values: Vec<_> = f.parameters.iter().map(|p| (p.name, p.value, p.ci95)).collect();
@@ -449,13 +449,18 @@ fn found(answer: &Answer) -> String {
 #[test]
 fn a_clean_machine_of_every_kind_is_consistent() {
     let mut wrong = Vec::new();
-    for kind in chosen() {
+    for kind in chosen_kinds() {
         let machine = Machine::of(kind);
-        let answer = machine.diagnosed(&machine.recordings(&machine.base)).answer;
+        let answer = machine.diagnose(&machine.recordings(&machine.base)).answer;
         check_finite(kind.name, &answer);
-        println!("{}: {} before {:.2}", kind.name, found(&answer), worst(&answer.fit.before));
+        println!(
+            "{}: {} before {:.2}",
+            kind.name,
+            describe_answer(&answer),
+            largest_ratio(&answer.fit.before)
+        );
         if answer.verdict != DiagnosisVerdict::Consistent {
-            wrong.push(format!("{}: {}", kind.name, found(&answer)));
+            wrong.push(format!("{}: {}", kind.name, describe_answer(&answer)));
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -464,21 +469,22 @@ fn a_clean_machine_of_every_kind_is_consistent() {
 #[test]
 fn a_concealed_effect_is_named_on_every_kind() {
     let mut wrong = Vec::new();
-    for kind in chosen() {
+    for kind in chosen_kinds() {
         let machine = Machine::of(kind);
         let mut truth = machine.base.clone();
         (kind.conceals)(&mut truth);
         let recordings = machine.recordings(&truth);
-        let answer = machine.diagnosed(&recordings).answer;
+        let answer = machine.diagnose(&recordings).answer;
         check_finite(kind.name, &answer);
         let named = answer.findings.iter().any(|finding| {
             let own = std::iter::once(finding.name()).chain(finding.alternatives.iter().copied());
             own.into_iter().any(|name| kind.names.contains(&(name.component, name.effect)))
         });
-        let (before, held_out) = (worst(&answer.fit.before), worst_reading(&answer.fit.held_out_after));
-        println!("{}: {} before {before:.2} held out {held_out:.2}", kind.name, found(&answer));
+        let (before, held_out) =
+            (largest_ratio(&answer.fit.before), worst_reading(&answer.fit.held_out_after));
+        println!("{}: {} before {before:.2} held out {held_out:.2}", kind.name, describe_answer(&answer));
         if !named || !machine.is_replayed(held_out, &truth, &recordings) {
-            wrong.push(format!("{}: {} held out {held_out:.2}", kind.name, found(&answer)));
+            wrong.push(format!("{}: {} held out {held_out:.2}", kind.name, describe_answer(&answer)));
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -502,7 +508,7 @@ const AS_THE_TRUTH: f64 = 1.05;
 #[test]
 fn what_is_identified_contains_the_truth_or_is_refused() {
     let mut wrong = Vec::new();
-    for kind in chosen() {
+    for kind in chosen_kinds() {
         let machine = Machine::of(kind);
         let p = &machine.base;
         let recordings = machine.recordings(p);

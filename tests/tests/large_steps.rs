@@ -3,7 +3,9 @@
 
 use counterpoise_lti::margins;
 use counterpoise_models::Plant;
-use counterpoise_pipeline::{SynthesisedDesign, model, reduce, synthesise, with_chosen_weights};
+use counterpoise_pipeline::{
+    SynthesisedDesign, build_plant_model, reduce_plant, synthesise, with_chosen_weights,
+};
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_simulate::{Initial, Scenario, Signal, Simulator};
 
@@ -86,13 +88,13 @@ fn machines() -> Vec<Machine> {
     all
 }
 
-fn designed(text: &str) -> (Project, Plant, SynthesisedDesign) {
+fn design_project(text: &str) -> (Project, Plant, SynthesisedDesign) {
     let document = Document::parse(text, "project.toml");
     let parsed = Project::resolve_for(&document, &Attachments::none(), Purpose::Design);
     let project = parsed.unwrap_or_else(|errors| panic!("{text}: {errors:?}")).project;
     let project = with_chosen_weights(&project).unwrap().map_or(project, |chosen| chosen.project);
-    let modelled = model(&project).unwrap();
-    let made = synthesise(&project, &modelled, &reduce(&project, &modelled).unwrap()).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
+    let made = synthesise(&project, &modelled, &reduce_plant(&project, &modelled).unwrap()).unwrap();
     (project, modelled.plant, made)
 }
 
@@ -122,7 +124,7 @@ fn answer(plant: &Plant, made: &SynthesisedDesign, (size, duration_s): (f64, f64
 fn steps_of_every_size_settle_as_the_smallest_does() {
     let mut wrong = Vec::new();
     for machine in machines() {
-        let (_, plant, made) = designed(&machine.text);
+        let (_, plant, made) = design_project(&machine.text);
         let rate = made.demanded_rate.unwrap().rate;
         let crossings = margins(&made.sampled.loop_gain).unwrap().phase;
         let slowest = crossings.iter().map(|c| c.rate_rad_s).fold(f64::INFINITY, f64::min);
@@ -160,7 +162,7 @@ fn a_stated_limit_is_kept_and_a_start_elsewhere_is_no_step() {
         let limited = format!(
             "{TURNING}\nsynth = {{ loop = \"{kind}\", rate_limit = 0.2 }}\nplant.drive = {{ limit = 40.0 }}\nplant.sensors.encoder = {{ counts = 16777216 }}"
         );
-        let (_, plant, made) = designed(&limited);
+        let (_, plant, made) = design_project(&limited);
         assert_eq!(made.demanded_rate.unwrap().rate, 0.2);
         let scenario = Scenario { demand_rad_s: Signal::step(0.05, 1.0), ..Scenario::at_rest(8.0) };
         let run =
@@ -171,7 +173,7 @@ fn a_stated_limit_is_kept_and_a_start_elsewhere_is_no_step() {
     let free = format!(
         "{TURNING}\nsynth = {{ loop = \"position\" }}\nplant.drive = {{ limit = 40.0 }}\nplant.sensors.encoder = {{ counts = 16777216 }}"
     );
-    let (_, plant, made) = designed(&free);
+    let (_, plant, made) = design_project(&free);
     let still = Scenario {
         demand_rad_s: Signal::Constant(0.7),
         initial: Initial::Rest { hub_angle_rad: 0.7 },

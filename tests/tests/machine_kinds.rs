@@ -10,8 +10,8 @@ use counterpoise_models::{ControlledQuantity, Plant};
 use counterpoise_pipeline::exchange::verified_loop;
 use counterpoise_pipeline::results::{SynthResult, VerifyResult};
 use counterpoise_pipeline::{
-    PipelineError, PlantModel, SynthesisedDesign, World, export, model, reduce, synthesise, verify,
-    with_chosen_weights,
+    PipelineError, PlantModel, SynthesisedDesign, World, build_plant_model, export, reduce_plant, synthesise,
+    verify, with_chosen_weights,
 };
 use counterpoise_project::resolve::design::Language;
 use counterpoise_project::starters::StarterKind;
@@ -52,18 +52,18 @@ impl Machine {
         Self { name: format!("starter {}", kind.name()), document, attachments: Attachments::none() }
     }
 
-    fn written((name, text): (&str, &str)) -> Self {
+    fn from_text((name, text): (&str, &str)) -> Self {
         let document = Document::parse(text, "project.toml");
         Self { name: name.to_owned(), document, attachments: Attachments::none() }
     }
 
-    fn resolved(&self, document: &Document) -> Result<ParsedProject, Vec<String>> {
+    fn resolve_document(&self, document: &Document) -> Result<ParsedProject, Vec<String>> {
         Project::resolve_for(document, &self.attachments, Purpose::Design)
             .map_err(|errors| errors.iter().map(ToString::to_string).collect())
     }
 
     fn project(&self) -> Project {
-        self.resolved(&self.document).unwrap().project
+        self.resolve_document(&self.document).unwrap().project
     }
 }
 
@@ -163,7 +163,7 @@ const OTHERS: [(&str, &str); 8] = [
 /// One machine of each kind: the four examples, every file that `new --like` writes, and the others.
 fn kinds() -> Vec<Machine> {
     let known = EXAMPLES.into_iter().map(example).chain(StarterKind::ALL.into_iter().map(Machine::starter));
-    known.chain(OTHERS.map(Machine::written)).collect()
+    known.chain(OTHERS.map(Machine::from_text)).collect()
 }
 
 /// Every project file of the examples.
@@ -195,7 +195,7 @@ fn paths(machine: &Machine) -> Vec<String> {
 /// What is wrong with the answer to a file without one key or section; `Ok` has the project if the file is read.
 fn answer(machine: &Machine, path: &str) -> Result<Option<Project>, String> {
     let without = machine.document.remove(path).unwrap();
-    match machine.resolved(&without) {
+    match machine.resolve_document(&without) {
         Ok(parsed) => {
             let listed =
                 parsed.assumptions.iter().any(|a| a.key == path || a.key.starts_with(&format!("{path}.")));
@@ -218,11 +218,11 @@ fn answer(machine: &Machine, path: &str) -> Result<Option<Project>, String> {
     }
 }
 
-fn designed(project: &Project) -> Result<(Project, SynthesisedDesign), PipelineError> {
+fn design_project(project: &Project) -> Result<(Project, SynthesisedDesign), PipelineError> {
     let chosen = with_chosen_weights(project)?;
     let project = chosen.map_or_else(|| project.clone(), |chosen| chosen.project);
-    let modelled = model(&project)?;
-    let made = synthesise(&project, &modelled, &reduce(&project, &modelled)?)?;
+    let modelled = build_plant_model(&project)?;
+    let made = synthesise(&project, &modelled, &reduce_plant(&project, &modelled)?)?;
     Ok((project, made))
 }
 
@@ -237,7 +237,7 @@ struct DesignedKind {
 
 impl DesignedKind {
     /// Returns the verified controller; it is computed once.
-    fn verified(&self) -> &VerifiedController {
+    fn verified_controller(&self) -> &VerifiedController {
         self.verified.get_or_init(|| verify(&self.project, &self.modelled, &self.made, &Nowhere).unwrap())
     }
 }
@@ -247,8 +247,8 @@ fn designed_kinds() -> impl Iterator<Item = &'static DesignedKind> {
     static ALL: LazyLock<Vec<OnceLock<DesignedKind>>> =
         LazyLock::new(|| kinds().iter().map(|_| OnceLock::new()).collect());
     let design = |machine: &Machine| {
-        let (project, made) = designed(&machine.project()).unwrap();
-        let modelled = model(&project).unwrap();
+        let (project, made) = design_project(&machine.project()).unwrap();
+        let modelled = build_plant_model(&project).unwrap();
         DesignedKind { name: machine.name.clone(), project, modelled, made, verified: OnceLock::new() }
     };
     ALL.iter().zip(kinds()).map(move |(kept, machine)| kept.get_or_init(|| design(&machine)))
@@ -258,7 +258,7 @@ fn designed_kinds() -> impl Iterator<Item = &'static DesignedKind> {
 struct Random(u64);
 
 impl Random {
-    fn below(&mut self, n: usize) -> usize {
+    fn draw_below(&mut self, n: usize) -> usize {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
@@ -316,8 +316,8 @@ fn a_file_without_one_key_that_is_read_is_designed_or_refused_with_what_to_chang
     let (mut random, mut wrong) = (Random(20_261_123), Vec::new());
     let count = if std::env::var_os("EVERY_KEY").is_some() { left.len() } else { SAMPLE };
     for _ in 0..count {
-        let (name, project) = left.swap_remove(random.below(left.len()));
-        let Err(why) = designed(&project) else { continue };
+        let (name, project) = left.swap_remove(random.draw_below(left.len()));
+        let Err(why) = design_project(&project) else { continue };
         let said = why.to_string();
         // a key of the machine, a weight of which the file states too few, or the clock that the machine left over would need
         let changes = ["plant.", "give the loop recovery", "sample faster"];
@@ -348,7 +348,7 @@ fn sines(all: &[(f64, f64)]) -> Signal {
 
 /// The plant with a recorder's converters and noise where the file states ideal ones.
 fn recorded_plant(project: &Project) -> Plant {
-    let mut parameters = model(project).unwrap().parameters;
+    let mut parameters = build_plant_model(project).unwrap().parameters;
     let size = project.verify.as_ref().unwrap().procedure.step.rate_rad_s.abs();
     parameters.interface.output_bits = parameters.interface.output_bits.min(16);
     let sensor = &mut parameters.sensors.hub_gyro;
@@ -417,7 +417,7 @@ fn every_kind_is_exported_in_every_language() {
     for machine in designed_kinds() {
         let mut project = machine.project.clone();
         project.export.languages = vec![Language::C99, Language::Rust, Language::Fmi];
-        let exported = export(&project, &machine.modelled, machine.verified(), &Nowhere).unwrap();
+        let exported = export(&project, &machine.modelled, machine.verified_controller(), &Nowhere).unwrap();
         assert!(exported.left_out.is_empty(), "{}: {:?}", machine.name, exported.left_out);
         assert!(exported.files.len() > 12, "{}", machine.name);
         let measured = project.plant.sensors.measured;
@@ -438,7 +438,7 @@ fn results_and_report_name_what_the_loop_controls() {
     let mut wrong = Vec::new();
     for machine in designed_kinds() {
         let controlled = machine.project.plant.controlled_quantity();
-        let verified = machine.verified();
+        let verified = machine.verified_controller();
         let found = verified.verification();
         let plant = &machine.modelled.plant;
         let measured_on = verified_loop(plant, verified.controller(), &found.evidence.procedure).unwrap();

@@ -165,7 +165,7 @@ fn groups_of_imports_are_resolved() {
 }
 
 /// Returns the dependencies that Cargo chooses for a selection of packages, each with its features, as it compiles them for the target.
-fn chosen(selection: &[&str], kinds: &str) -> BTreeSet<String> {
+fn chosen_dependencies(selection: &[&str], kinds: &str) -> BTreeSet<String> {
     let mut cargo = std::process::Command::new(env!("CARGO"));
     cargo.current_dir(root()).args(["tree", "--offline", "--prefix=none", "--format={p} {f}"]);
     let output = cargo.args(["--edges", kinds]).args(selection).output().unwrap();
@@ -177,10 +177,10 @@ fn chosen(selection: &[&str], kinds: &str) -> BTreeSet<String> {
 /// Whoever builds one package, the command line say, and then everything compiles no dependency twice.
 #[test]
 fn every_selection_of_packages_chooses_the_same_features() {
-    let whole = chosen(&["--workspace"], "normal,dev,no-proc-macro");
+    let whole = chosen_dependencies(&["--workspace"], "normal,dev,no-proc-macro");
     for folder in members() {
         let name = manifest(&folder)["package"]["name"].as_str().unwrap().to_owned();
-        let own = chosen(&["--package", &name], "normal,no-proc-macro");
+        let own = chosen_dependencies(&["--package", &name], "normal,no-proc-macro");
         let other: Vec<&String> = own.difference(&whole).collect();
         assert!(
             other.is_empty(),

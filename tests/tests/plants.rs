@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use counterpoise_linalg::Mat;
 use counterpoise_models::structure::{FeModel, Support, undamped_modes};
 use counterpoise_pipeline::{
-    SynthesisedDesign, finite_elements, model, project_procedure, reduce, synthesise, verify_on,
+    SynthesisedDesign, build_plant_model, finite_elements, project_procedure, reduce_plant, synthesise,
+    verify_on,
 };
 use counterpoise_project::{Attachments, Document, Project, SettingValue, StructureChoice};
 use counterpoise_tests::Beside;
@@ -23,7 +24,7 @@ fn document(example: &str) -> Document {
 }
 
 /// A project with the files beside it; those of `files` take the place of what lies there.
-fn resolved(document: &Document, example: &str, files: &[(&str, String)]) -> Project {
+fn resolve_project(document: &Document, example: &str, files: &[(&str, String)]) -> Project {
     let read = |name: &str| match files.iter().find(|(known, _)| *known == name) {
         Some((_, text)) => text.clone().into_bytes(),
         None => std::fs::read(folder(example).join(name)).unwrap(),
@@ -36,13 +37,13 @@ fn resolved(document: &Document, example: &str, files: &[(&str, String)]) -> Pro
     }
 }
 
-fn designed(project: &Project) -> SynthesisedDesign {
-    let modelled = model(project).unwrap();
-    synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap()
+fn design_project(project: &Project) -> SynthesisedDesign {
+    let modelled = build_plant_model(project).unwrap();
+    synthesise(project, &modelled, &reduce_plant(project, &modelled).unwrap()).unwrap()
 }
 
 /// A controller verified on the plant of another structure.
-fn verified(
+fn verify_on_structure(
     project: &Project,
     made: &SynthesisedDesign,
     structure: StructureChoice,
@@ -50,7 +51,7 @@ fn verified(
 ) -> Verification {
     let mut other = project.clone();
     other.model.structure = structure;
-    let plant = model(&other).unwrap().plant;
+    let plant = build_plant_model(&other).unwrap().plant;
     let procedure = project_procedure(project, &Beside(folder(example))).unwrap();
     verify_on(project, &plant, made, &procedure).unwrap().into_parts().1
 }
@@ -87,10 +88,10 @@ fn absolute(key: &str) -> bool {
 
 #[test]
 fn two_inertias_and_finite_elements_agree_in_the_closed_loop() {
-    let project = resolved(&document("reference-rig"), "reference-rig", &[]);
-    let made = designed(&project);
-    let lumped = verified(&project, &made, StructureChoice::Lumped, "reference-rig");
-    let beam = verified(&project, &made, StructureChoice::Beam, "reference-rig");
+    let project = resolve_project(&document("reference-rig"), "reference-rig", &[]);
+    let made = design_project(&project);
+    let lumped = verify_on_structure(&project, &made, StructureChoice::Lumped, "reference-rig");
+    let beam = verify_on_structure(&project, &made, StructureChoice::Beam, "reference-rig");
     for (key, allowed) in AGREE {
         let (a, b) = (value(&lumped, key), value(&beam, key));
         let apart = if absolute(key) { (a - b).abs() } else { (b / a - 1.0).abs() };
@@ -112,10 +113,10 @@ fn the_nonlinear_plant_without_its_nonlinearities_is_the_linear_one() {
         assert!(text.contains(from), "{from}");
         text = text.replace(from, to);
     }
-    let project = resolved(&Document::parse(&text, "ideal"), "reference-rig", &[]);
-    let made = designed(&project);
+    let project = resolve_project(&Document::parse(&text, "ideal"), "reference-rig", &[]);
+    let made = design_project(&project);
     for structure in [StructureChoice::Lumped, StructureChoice::Beam] {
-        let found = verified(&project, &made, structure, "reference-rig");
+        let found = verify_on_structure(&project, &made, structure, "reference-rig");
         for kind in
             ["step_overshoot_percent", "both_compensated_hub_rms_rad_s", "road_compensated_hub_rms_rad_s"]
         {
@@ -132,8 +133,8 @@ fn frequencies(fe: &FeModel, support: Support) -> Vec<f64> {
 
 #[test]
 fn the_rigs_beam_as_imported_matrices_is_the_rigs_beam() {
-    let rig = resolved(&document("reference-rig"), "reference-rig", &[]);
-    let imported = resolved(&document("imported-structure"), "imported-structure", &[]);
+    let rig = resolve_project(&document("reference-rig"), "reference-rig", &[]);
+    let imported = resolve_project(&document("imported-structure"), "imported-structure", &[]);
     let (beam, _) = finite_elements(&rig, StructureChoice::Beam).unwrap();
     let (matrices, _) = finite_elements(&imported, StructureChoice::Import).unwrap();
     for support in [Support::Free, Support::Pinned, Support::Clamped] {
@@ -141,10 +142,10 @@ fn the_rigs_beam_as_imported_matrices_is_the_rigs_beam() {
             assert!((a / b - 1.0).abs() < 1e-9, "{support:?}: {a} {b}");
         }
     }
-    let made = designed(&imported);
+    let made = design_project(&imported);
     let mut with_beam = imported.clone();
     with_beam.plant.beam.clone_from(&rig.plant.beam);
-    let run = |structure| verified(&with_beam, &made, structure, "imported-structure");
+    let run = |structure| verify_on_structure(&with_beam, &made, structure, "imported-structure");
     let (a, b) = (run(StructureChoice::Beam), run(StructureChoice::Import));
     for (key, _) in AGREE {
         let (a, b) = (value(&a, key), value(&b, key));
@@ -154,10 +155,10 @@ fn the_rigs_beam_as_imported_matrices_is_the_rigs_beam() {
 
 #[test]
 fn inertias_derived_from_matrices_are_the_rigs() {
-    let mut imported = resolved(&document("imported-structure"), "imported-structure", &[]);
+    let mut imported = resolve_project(&document("imported-structure"), "imported-structure", &[]);
     imported.model.structure = StructureChoice::Lumped;
-    let derived = model(&imported).unwrap().parameters.lumped.unwrap();
-    let given = resolved(&document("reference-rig"), "reference-rig", &[]).plant.lumped.unwrap();
+    let derived = build_plant_model(&imported).unwrap().parameters.lumped.unwrap();
+    let given = resolve_project(&document("reference-rig"), "reference-rig", &[]).plant.lumped.unwrap();
     for (a, b) in [
         (derived.hub_inertia_kg_m2, given.hub_inertia_kg_m2),
         (derived.beam_inertia_kg_m2, given.beam_inertia_kg_m2),
@@ -167,7 +168,7 @@ fn inertias_derived_from_matrices_are_the_rigs() {
         assert!((a / b - 1.0).abs() < 2e-3, "{a} {b}");
     }
     imported.model.configuration = Some("balanced".to_owned());
-    let balanced = model(&imported).unwrap().parameters.lumped.unwrap();
+    let balanced = build_plant_model(&imported).unwrap().parameters.lumped.unwrap();
     assert!(balanced.out_of_balance_kg_m.abs() < 0.2, "{}", balanced.out_of_balance_kg_m);
 }
 
@@ -201,11 +202,11 @@ fn op4(name: &str, A: &Mat) -> String {
 
 #[test]
 fn matrices_in_nastrans_formats_make_the_same_plant() {
-    let market = resolved(&document("imported-structure"), "imported-structure", &[]);
+    let market = resolve_project(&document("imported-structure"), "imported-structure", &[]);
     let content = market.import.as_ref().unwrap().content.as_ref().unwrap();
     let rows = &content.matrices.rows;
     let grid = |i: usize| (rows[i].grid as usize, rows[i].component);
-    let expected = model(&market).unwrap().plant.body().clone();
+    let expected = build_plant_model(&market).unwrap().plant.body().clone();
     let both = |format: &str| {
         let text = |key: &str, value: &str| (key.to_owned(), SettingValue::Text(value.to_owned()));
         let settings = [
@@ -221,8 +222,8 @@ fn matrices_in_nastrans_formats_make_the_same_plant() {
     for (format, file) in
         [("dmig", dmig("MGG", M, grid) + &dmig("KGG", K, grid)), ("op4", op4("MGG", M) + &op4("KGG", K))]
     {
-        let project = resolved(&both(format), "imported-structure", &[("all.dat", file)]);
-        let found = model(&project).unwrap().plant.body().clone();
+        let project = resolve_project(&both(format), "imported-structure", &[("all.dat", file)]);
+        let found = build_plant_model(&project).unwrap().plant.body().clone();
         assert!((found.inertia_kg_m2 / expected.inertia_kg_m2 - 1.0).abs() < 1e-9, "{format}");
         for (a, b) in found.modes.iter().zip(&expected.modes) {
             assert!((a.frequency_rad_s / b.frequency_rad_s - 1.0).abs() < 1e-9, "{format}");
@@ -233,7 +234,7 @@ fn matrices_in_nastrans_formats_make_the_same_plant() {
 
 #[test]
 fn a_damping_matrix_takes_the_place_of_ratios() {
-    let market = resolved(&document("imported-structure"), "imported-structure", &[]);
+    let market = resolve_project(&document("imported-structure"), "imported-structure", &[]);
     let content = market.import.as_ref().unwrap().content.as_ref().unwrap();
     let K = &content.matrices.K.to_dense();
     let mut text = format!("%%MatrixMarket matrix array real general\n{} {}\n", K.nrows(), K.ncols());
@@ -241,8 +242,8 @@ fn a_damping_matrix_takes_the_place_of_ratios() {
     let damped = document("imported-structure")
         .set("plant.import.damping_matrix", &SettingValue::Text("damping.mtx".to_owned()))
         .unwrap();
-    let project = resolved(&damped, "imported-structure", &[("damping.mtx", text)]);
-    for mode in &model(&project).unwrap().plant.body().modes {
+    let project = resolve_project(&damped, "imported-structure", &[("damping.mtx", text)]);
+    for mode in &build_plant_model(&project).unwrap().plant.body().modes {
         assert!((mode.damping_ratio / (0.5e-5 * mode.frequency_rad_s) - 1.0).abs() < 1e-6);
     }
 }
@@ -253,9 +254,9 @@ fn on_platform(settings: &[(&str, SettingValue)]) -> Verification {
     let moved =
         settings.iter().fold(bare, |d, (key, value)| d.set(&format!("verify.road.{key}"), value).unwrap());
     let psd = "Hz,density\n0.3,0.02\n1.5,0.4\n8.0,0.004\n".to_owned();
-    let project = resolved(&moved, "reference-rig", &[("heave.csv", psd)]);
-    let made = designed(&project);
-    verified(&project, &made, StructureChoice::Lumped, "reference-rig")
+    let project = resolve_project(&moved, "reference-rig", &[("heave.csv", psd)]);
+    let made = design_project(&project);
+    verify_on_structure(&project, &made, StructureChoice::Lumped, "reference-rig")
 }
 
 /// Time, heave and pitch rate of the run on the road.
@@ -324,25 +325,25 @@ fn an_ideal_current_source_leaves_the_damping_by_back_emf_out() {
     let ideal = document("reference-rig")
         .set("plant.amplifier.dynamics", &SettingValue::Text("ideal-current".to_owned()))
         .unwrap();
-    let simple = resolved(&ideal, "reference-rig", &[]);
+    let simple = resolve_project(&ideal, "reference-rig", &[]);
     // J w' = -(F_p + N^2 F_m [+ N^2 K_t K_e / (R + K_v K_ifb)]) w, J with the motor's inertia as the hub feels it
     let p = &simple.plant;
     let (lumped, motor, square) = (p.lumped.as_ref().unwrap(), &p.motor, p.gearbox.ratio * p.gearbox.ratio);
     let inertia = lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2 + square * motor.inertia_kg_m2;
     let viscous = p.pivot_friction.viscous_nm_s_rad + square * p.motor_friction.viscous_nm_s_rad;
     let slowest = |project: &Project| {
-        let poles = counterpoise_lti::poles(&model(project).unwrap().linear.system).unwrap();
+        let poles = counterpoise_lti::poles(&build_plant_model(project).unwrap().linear.system).unwrap();
         poles.iter().map(|pole| pole.norm()).fold(f64::INFINITY, f64::min)
     };
     assert!((slowest(&simple) / (viscous / inertia) - 1.0).abs() < 0.01, "{}", slowest(&simple));
-    let modelled = resolved(&document("reference-rig"), "reference-rig", &[]);
+    let modelled = resolve_project(&document("reference-rig"), "reference-rig", &[]);
     let loop_ohm = motor.resistance_ohm + p.amplifier.gain * p.amplifier.current_feedback_v_a;
     let back_emf = square * motor.torque_constant_nm_a * motor.back_emf_v_s_rad / loop_ohm;
     assert!((slowest(&modelled) / ((viscous + back_emf) / inertia) - 1.0).abs() < 0.02);
     // designed and verified on it: what damped is gone, so the same weights leave less phase, and the road is held as well
-    let (a, b) = (designed(&modelled), designed(&simple));
-    let full = verified(&modelled, &a, StructureChoice::Lumped, "reference-rig");
-    let found = verified(&simple, &b, StructureChoice::Lumped, "reference-rig");
+    let (a, b) = (design_project(&modelled), design_project(&simple));
+    let full = verify_on_structure(&modelled, &a, StructureChoice::Lumped, "reference-rig");
+    let found = verify_on_structure(&simple, &b, StructureChoice::Lumped, "reference-rig");
     assert!(found.evidence.poles.iter().all(|pole| pole.norm() < 1.0));
     let (phase, phase_full) = (value(&found, "phase_margin_deg"), value(&full, "phase_margin_deg"));
     assert!(phase > 45.0 && phase < phase_full, "{phase} {phase_full} degrees");

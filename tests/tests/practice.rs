@@ -10,7 +10,7 @@ use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_models::Plant;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Attachments, Document, Project, SettingValue};
-use counterpoise_recordings::{Channel, Recording, Table};
+use counterpoise_recordings::{Channel, Recording, RecordingTable};
 use counterpoise_simulate::replay::{Replay, ReplayLoop, Replayer, replay};
 use counterpoise_simulate::{Imperfections, Scenario, Signal, run};
 use counterpoise_tests::Threads;
@@ -28,7 +28,7 @@ fn recordings(project: &Project, folder: &Path) -> Vec<Recording> {
     paths.retain(|path| path.extension().is_some_and(|ending| ending == "parquet"));
     paths.sort();
     let read = |path: &PathBuf| {
-        let table = Table::read(&fs::read(path).unwrap(), &path.display().to_string()).unwrap();
+        let table = RecordingTable::read(&fs::read(path).unwrap(), &path.display().to_string()).unwrap();
         project.recording.apply(&table).unwrap()
     };
     paths.iter().map(read).collect()
@@ -47,7 +47,7 @@ fn diagnosed_recordings(project: &Project, folder: &Path) -> Vec<Recording> {
 }
 
 /// The largest RMS error of a channel over its floor.
-fn worst(project: &Project, folder: &Path) -> f64 {
+fn largest_ratio(project: &Project, folder: &Path) -> f64 {
     let control = ReplayLoop::from(
         project
             .recording_controller
@@ -73,7 +73,7 @@ fn practice(machine: &str) -> Option<PathBuf> {
 fn a_machine_as_modelled_replays_to_its_floor_and_is_consistent() {
     let Some(folder) = practice("p08") else { return };
     let project = project(&folder);
-    assert!(worst(&project, &folder) < 1.5);
+    assert!(largest_ratio(&project, &folder) < 1.5);
     let controller = project
         .recording_controller
         .as_ref()
@@ -90,7 +90,7 @@ fn a_machine_as_modelled_replays_to_its_floor_and_is_consistent() {
 fn left_out_friction_is_named_sized_and_its_improved_model_fits_what_it_has_not_seen() {
     let folder = root().join("examples/left-out-friction");
     let project = project(&folder);
-    assert!(worst(&project, &folder) > 3.0);
+    assert!(largest_ratio(&project, &folder) > 3.0);
     let controller = project
         .recording_controller
         .as_ref()
@@ -110,7 +110,7 @@ fn left_out_friction_is_named_sized_and_its_improved_model_fits_what_it_has_not_
         assert!(after.rms_error < 1.5 * after.floor, "{channel}: {after:?}");
     }
     let improved = Project { plant: found.improved, ..project };
-    assert!(worst(&improved, &folder.join("unseen")) < 1.5);
+    assert!(largest_ratio(&improved, &folder.join("unseen")) < 1.5);
 }
 
 /// What a machine has more than its project says, entered by hand: keys of the project file and their values.
@@ -157,7 +157,7 @@ const GAIN_CURVE: [[f64; 2]; 14] = [
 ];
 
 /// A practice machine's project with the truth entered, and all its recordings.
-fn known(machine: &str) -> Option<(Project, Vec<Recording>)> {
+fn known_machine(machine: &str) -> Option<(Project, Vec<Recording>)> {
     let folder = practice(machine)?;
     let text = fs::read_to_string(folder.join("project.toml")).unwrap();
     let document = truth(machine)
@@ -181,7 +181,7 @@ fn assert_fits(machine: &str, recording: &str, replayed: &Replay) {
 #[test]
 fn machines_whose_truth_is_known_replay_in_closed_loop_to_their_floor() {
     for machine in ["p01", "p04", "p05", "p06", "p07"] {
-        let Some((project, all)) = known(machine) else { return };
+        let Some((project, all)) = known_machine(machine) else { return };
         let control = ReplayLoop::from(
             project
                 .recording_controller
@@ -199,7 +199,7 @@ fn machines_whose_truth_is_known_replay_in_closed_loop_to_their_floor() {
 #[test]
 fn machines_that_hunt_replay_to_their_floor_over_half_a_second() {
     for machine in ["p02", "p03"] {
-        let Some((project, all)) = known(machine) else { return };
+        let Some((project, all)) = known_machine(machine) else { return };
         counterpoise_tests::run_in_parallel(all.len(), &|k| {
             let replayer = Replayer::new(&project.plant, &all[k]).unwrap();
             assert_fits(machine, &all[k].name, &replayer.replay_windowed(&project.plant, 0.5).unwrap());
@@ -237,7 +237,7 @@ fn an_amplifier_s_curve_is_found_as_fine_as_the_recordings_ask() {
 /// In open loop a machine that nearly stalls remembers a start for longer than its first moments show it.
 #[test]
 fn cogging_that_nearly_stalls_the_motor_replays_in_open_loop() {
-    let Some((project, all)) = known("p05") else { return };
+    let Some((project, all)) = known_machine("p05") else { return };
     counterpoise_tests::run_in_parallel(all.len(), &|k| {
         let replayer = Replayer::new(&project.plant, &all[k]).unwrap();
         assert_fits("p05", &all[k].name, &replayer.replay_open(&project.plant).unwrap());
@@ -248,7 +248,7 @@ fn cogging_that_nearly_stalls_the_motor_replays_in_open_loop() {
 /// noise of the sensors alone part by more than ten times that noise.
 #[test]
 fn a_machine_that_hunts_does_not_repeat_itself() {
-    let Some((project, all)) = known("p02") else { return };
+    let Some((project, all)) = known_machine("p02") else { return };
     let steps = all.iter().find(|r| r.name.contains("steps")).unwrap();
     let mut controller = project
         .recording_controller

@@ -8,7 +8,8 @@ use std::sync::Mutex;
 use counterpoise_models::{Friction, FrictionLaw, Parameters};
 use counterpoise_pipeline::wording::design_findings::describe_design_finding;
 use counterpoise_pipeline::{
-    FirstDesignResult, PipelineError, World, model, reduce, synthesise, verify, with_chosen_weights,
+    FirstDesignResult, PipelineError, World, build_plant_model, reduce_plant, synthesise, verify,
+    with_chosen_weights,
 };
 use counterpoise_project::Project;
 use counterpoise_verify::{Figure, LoopFigure, Model, RestFigure, Sine, StepFigure, Verification};
@@ -166,7 +167,7 @@ enum TriedMachine {
     Failed(String),
 }
 
-fn tried(seed: u64) -> TriedMachine {
+fn try_machine(seed: u64) -> TriedMachine {
     let project = machine(&mut Dice(ChaCha8Rng::seed_from_u64(seed)));
     let chosen = match with_chosen_weights(&project) {
         Ok(chosen) => chosen.unwrap(),
@@ -180,8 +181,8 @@ fn tried(seed: u64) -> TriedMachine {
     };
     let first = FirstDesignResult::from(&chosen.first);
     let project = with_procedure(&chosen.project, first.bandwidth_rad_s);
-    let modelled = model(&project).unwrap();
-    let reduced = reduce(&project, &modelled).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
+    let reduced = reduce_plant(&project, &modelled).unwrap();
     let judged = synthesise(&project, &modelled, &reduced)
         .and_then(|made| verify(&project, &modelled, &made, &Nowhere));
     match judged {
@@ -202,7 +203,7 @@ fn a_first_design_holds_machines_of_every_kind_in_the_nonlinear_simulator() {
     let all = count.unwrap_or(MACHINES);
     let outcomes = Mutex::new(BTreeMap::new());
     counterpoise_tests::run_in_parallel(all, &|k| {
-        let outcome = tried(k as u64);
+        let outcome = try_machine(k as u64);
         outcomes.lock().unwrap().insert(k, outcome);
     });
     let (mut failures, mut refused, mut limits) = (Vec::new(), 0, BTreeMap::new());

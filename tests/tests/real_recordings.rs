@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use counterpoise_pipeline::recordings::read::{control_for, read_table, recording_controller};
 use counterpoise_pipeline::road::road_from_table;
 use counterpoise_project::{PlatformSource, Project};
-use counterpoise_recordings::{Channel, ChannelSource, Mapping, Remark, Table};
+use counterpoise_recordings::{Channel, ChannelSource, Mapping, RecordingTable, Remark};
 use counterpoise_simulate::replay::replay;
 
 fn root() -> PathBuf {
@@ -16,15 +16,15 @@ fn root() -> PathBuf {
 }
 
 /// Returns the table of a recording of a real machine; `None`, with a message, if it is not here.
-fn recording(file: &str) -> Option<Table> {
+fn recording(file: &str) -> Option<RecordingTable> {
     table(&format!("real/{file}"))
 }
 
 /// Returns the table of a recording.
-fn table(file: &str) -> Option<Table> {
+fn table(file: &str) -> Option<RecordingTable> {
     let path = root().join("../shared/recordings").join(file);
     let bytes = fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    Some(Table::read(&bytes, file).unwrap())
+    Some(RecordingTable::read(&bytes, file).unwrap())
 }
 
 fn project(machine: &str, file: &str) -> Project {
@@ -33,7 +33,7 @@ fn project(machine: &str, file: &str) -> Project {
 }
 
 /// RMS error over the channel's RMS, of one window of a recording replayed by a project.
-fn relative_error(project: &Project, table: &Table, window_s: [f64; 2], channel: &str) -> f64 {
+fn relative_error(project: &Project, table: &RecordingTable, window_s: [f64; 2], channel: &str) -> f64 {
     let mut project = project.clone();
     project.recording.windows_s = vec![window_s];
     let controller = recording_controller(&project).unwrap();
@@ -103,7 +103,7 @@ fn a_recorded_platform_serves_as_a_road() {
     let Some(PlatformSource::Recording(source)) = project.verify.unwrap().road else { panic!("a recording") };
     let made = road_from_table(&source, &table).unwrap();
     assert!((made.sample_period_s - 0.01).abs() < 1e-3, "{}", made.sample_period_s);
-    let peak = made.heave_m_s2.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    let peak = made.heave_m_s2().iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     assert!(peak > 0.05 && peak < 5.0, "{peak} m/s^2");
 }
 

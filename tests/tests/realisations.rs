@@ -8,7 +8,7 @@ use counterpoise_controller::sensitivity::RealisationForm;
 use counterpoise_export::forms::{PathForm, convert_to_form};
 use counterpoise_export::{CodeOptions, ExportSource, Ranges, c99, single_precision};
 use counterpoise_pipeline::export::path_forms;
-use counterpoise_pipeline::{World, model, reduce, synthesise, verify};
+use counterpoise_pipeline::{World, build_plant_model, reduce_plant, synthesise, verify};
 use counterpoise_project::Project;
 use counterpoise_verify::{Figure, VerifiedController};
 
@@ -26,7 +26,7 @@ impl World for Nothing {
 const KEY: &str = "discretisation = \"tustin\"";
 
 /// The example of the sixth chapter with lines in the place of lines.
-fn verified(changes: &[(&str, &str)]) -> VerifiedController {
+fn verify_example(changes: &[(&str, &str)]) -> VerifiedController {
     let file = format!("{}/../examples/appendix-5/chapter-6.toml", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(file).unwrap();
     let text = changes.iter().fold(text, |text, (from, to)| {
@@ -35,8 +35,8 @@ fn verified(changes: &[(&str, &str)]) -> VerifiedController {
     });
     let project =
         Project::parse(&text, "project.toml").map_err(|errors| errors[0].to_string()).unwrap().project;
-    let modelled = model(&project).unwrap();
-    let reduced = reduce(&project, &modelled).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
+    let reduced = reduce_plant(&project, &modelled).unwrap();
     let made = synthesise(&project, &modelled, &reduced).unwrap();
     verify(&project, &modelled, &made, &Nothing).unwrap()
 }
@@ -66,7 +66,7 @@ fn answers<'a>(controller: impl Into<ExportSource<'a>>, name: &str) -> Vec<f64> 
 #[test]
 fn the_form_asked_for_is_what_is_exported_and_as_sensitive_as_predicted() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let mut margins = Vec::new();
     for (name, expected) in [
@@ -74,7 +74,7 @@ fn the_form_asked_for_is_what_is_exported_and_as_sensitive_as_predicted() {
         ("balanced", Some(RealisationForm::Balanced)),
         ("least-sensitive", None),
     ] {
-        let verified = verified(&[(KEY, &format!("{KEY}\nrealisation = \"{name}\""))]);
+        let verified = verify_example(&[(KEY, &format!("{KEY}\nrealisation = \"{name}\""))]);
         let controller = verified.controller();
         for each in path_forms(&verified).unwrap() {
             let chosen = each.candidates.iter().find(|one| one.form == each.chosen).unwrap();
@@ -110,9 +110,9 @@ fn the_form_asked_for_is_what_is_exported_and_as_sensitive_as_predicted() {
 #[test]
 fn the_c_tells_the_forms_apart() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
-    let verified = verified(&[]);
+    let verified = verify_example(&[]);
     let controller = verified.controller();
     let mut off = Vec::new();
     for form in PathForm::ALL {
@@ -141,7 +141,8 @@ fn known_sensor_errors_are_taken_out_of_the_readings() {
     let sensor = "[plant.sensors.hub_gyro]\n";
     let wrong = (sensor, &*format!("{sensor}gain = 1.05\nbias = 0.002\n"));
     let undo = format!("{KEY}\nsensor_errors = \"undo\"");
-    let (ideal, left, undone) = (verified(&[]), verified(&[wrong]), verified(&[wrong, (KEY, &undo)]));
+    let (ideal, left, undone) =
+        (verify_example(&[]), verify_example(&[wrong]), verify_example(&[wrong, (KEY, &undo)]));
     let [margin, moved, back] = [&ideal, &left, &undone].map(gain_margin_db);
     println!("gain margin {margin:.4} dB with an ideal gyroscope, {moved:.4} left, {back:.4} corrected");
     assert!((back - margin).abs() < 1e-6 && (moved - margin).abs() > 0.02);

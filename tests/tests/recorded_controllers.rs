@@ -15,7 +15,7 @@ use counterpoise_export::targets::RANGE_MARGIN;
 use counterpoise_models::Plant;
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
 use counterpoise_pipeline::recordings::{self, ColumnRemark, GapTreatment, RecordingFile, ReplayLength};
-use counterpoise_pipeline::{model, reduce, synthesise};
+use counterpoise_pipeline::{build_plant_model, reduce_plant, synthesise};
 use counterpoise_pool::Serial;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Attachments, Document, Project, SettingValue};
@@ -48,10 +48,12 @@ fn read_back(folder: &Path, project: &Project, controller: &Controller) -> Recor
     found
 }
 
-fn exported(project: &Project) -> (Plant, Controller) {
-    let modelled = model(project).unwrap();
-    let controller =
-        synthesise(project, &modelled, &reduce(project, &modelled).unwrap()).unwrap().sampled.controller;
+fn export_controller(project: &Project) -> (Plant, Controller) {
+    let modelled = build_plant_model(project).unwrap();
+    let controller = synthesise(project, &modelled, &reduce_plant(project, &modelled).unwrap())
+        .unwrap()
+        .sampled
+        .controller;
     (Plant::from_lumped(&modelled.parameters).unwrap(), controller)
 }
 
@@ -92,7 +94,7 @@ fn record_with(plant: &Plant, controller: &mut dyn SampledController, seed: u64)
 }
 
 /// The largest ratio of residual to noise floor of a closed-loop replay, with its channel.
-fn worst(plant: &Plant, recording: &Recording, control: &ReplayLoop) -> (f64, Channel) {
+fn largest_ratio(plant: &Plant, recording: &Recording, control: &ReplayLoop) -> (f64, Channel) {
     let replay = Replayer::new(plant.parameters(), recording).unwrap().replay_plant(plant, control).unwrap();
     let ratio = |fit: &counterpoise_simulate::replay::ChannelFit| (fit.residual_over_floor(), fit.channel);
     replay.channels.iter().map(ratio).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
@@ -102,7 +104,7 @@ fn worst(plant: &Plant, recording: &Recording, control: &ReplayLoop) -> (f64, Ch
 fn every_exported_controller_replays_its_own_recordings() {
     for name in EXAMPLES {
         let project = project(name);
-        let (plant, controller) = exported(&project);
+        let (plant, controller) = export_controller(&project);
         let recording = record(&plant, &mut controller.runner());
         let exported = read_back(&folder(name), &project, &controller);
         let (fit, _) = control_fit(plant.parameters(), &recording, &exported).unwrap();
@@ -112,14 +114,14 @@ fn every_exported_controller_replays_its_own_recordings() {
             fit.residual_over_floor()
         );
         let control = ReplayLoop::from(exported);
-        let (ratio, channel) = worst(&plant, &recording, &control);
+        let (ratio, channel) = largest_ratio(&plant, &recording, &control);
         assert!(ratio < REPLAYED, "{name}: {ratio} floors in {}", channel.name());
         let middle = recording.part(2500..recording.len());
         if project.synth.unwrap().options.adaptation.is_some() {
             // what an estimator has gathered in its present window does not show in the control before the window ends
             continue;
         }
-        let (ratio, channel) = worst(&plant, &middle, &control);
+        let (ratio, channel) = largest_ratio(&plant, &middle, &control);
         assert!(ratio < REPLAYED, "{name} from its middle: {ratio} floors in {}", channel.name());
     }
 }
@@ -128,14 +130,14 @@ fn every_exported_controller_replays_its_own_recordings() {
 fn recordings_under_single_and_fixed_point_code_are_replayed_by_the_controller_of_the_file() {
     for name in EXAMPLES {
         let project = project(name);
-        let (plant, controller) = exported(&project);
+        let (plant, controller) = export_controller(&project);
         let control = ReplayLoop::from(read_back(&folder(name), &project, &controller));
         let single = record(&plant, &mut controller.runner_in::<f32>());
-        let (ratio, channel) = worst(&plant, &single, &control);
+        let (ratio, channel) = largest_ratio(&plant, &single, &control);
         assert!(ratio < REPLAYED, "{name} in single precision: {ratio} floors in {}", channel.name());
         let Ok(fixed) = fixed_point(&plant, &controller) else { continue };
         let recording = record(&plant, &mut FixedRunner::new(&fixed));
-        let (ratio, channel) = worst(&plant, &recording, &control);
+        let (ratio, channel) = largest_ratio(&plant, &recording, &control);
         assert!(ratio < REPLAYED, "{name} in fixed point: {ratio} floors in {}", channel.name());
     }
 }
@@ -163,7 +165,7 @@ fn fixed_point(plant: &Plant, controller: &Controller) -> Result<Fixed, FixedErr
 #[test]
 fn a_file_that_is_no_controller_of_the_recordings_is_refused_with_what_is_wrong() {
     let project = project("reference-rig");
-    let (_, controller) = exported(&project);
+    let (_, controller) = export_controller(&project);
     let document = document(None);
     let named = |hash: &str| {
         let text = |value: &str| SettingValue::Text(value.to_owned());
@@ -226,7 +228,7 @@ const EXAMPLES: [&str; 5] =
     ["reference-rig", "out-of-balance-schedule", "adaptation", "lqg-ltr-and-hinf", "tip-control"];
 
 /// The largest difference of two recordings of one machine, over the noise floors of both, with its channel.
-fn apart(plant: &Plant, one: &Recording, other: &Recording) -> f64 {
+fn largest_difference(plant: &Plant, one: &Recording, other: &Recording) -> f64 {
     let sensors = &plant.parameters().sensors;
     let floors = [
         (Channel::HubRate, reading_floor(&sensors.hub_gyro, &plant.parameters().interface)),
@@ -246,14 +248,14 @@ fn apart(plant: &Plant, one: &Recording, other: &Recording) -> f64 {
 #[test]
 fn a_machine_that_floats_in_its_gap_is_replayed_in_windows_and_freely_as_closely_as_it_repeats_itself() {
     let project = project("azimuth");
-    let (plant, controller) = exported(&project);
+    let (plant, controller) = export_controller(&project);
     let recording = record(&plant, &mut controller.runner());
     let again = record_with(&plant, &mut controller.runner(), 6);
     let control = ReplayLoop::from(read_back(&folder("azimuth"), &project, &controller));
     // two runs of the machine that differ in noise alone already part: no free replay is closer than they are
-    let own = apart(&plant, &recording, &again);
+    let own = largest_difference(&plant, &recording, &again);
     assert!(own > 2.0 * REPLAYED, "{own}");
-    let (free, channel) = worst(&plant, &recording, &control);
+    let (free, channel) = largest_ratio(&plant, &recording, &control);
     assert!(free < own, "{free} floors in {}, two runs of the machine {own}", channel.name());
     for recording in [&recording, &recording.part(2500..recording.len())] {
         let replayer = Replayer::new(plant.parameters(), recording).unwrap();

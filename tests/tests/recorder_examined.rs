@@ -9,11 +9,11 @@ use std::path::Path;
 
 use counterpoise_diagnose::findings::instrument_findings::{component_of, effect_of};
 use counterpoise_diagnose::recording::instrument_faults::{
-    Column, ExaminedRecordings, find_instrument_faults,
+    ExaminedRecordings, RecorderColumn, find_instrument_faults,
 };
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
-use counterpoise_recordings::{Recording, Table};
+use counterpoise_recordings::{Recording, RecordingTable};
 use counterpoise_simulate::replay::ReplayLoop;
 use counterpoise_tests::sealed;
 
@@ -32,14 +32,14 @@ impl Machine {
         let project = Project::from_bytes(&text, "project.toml").unwrap().project;
         let read = |experiment: &&str| {
             let file = format!("{experiment}.parquet");
-            let table = Table::read(&fs::read(folder.join(&file)).unwrap(), experiment).unwrap();
+            let table = RecordingTable::read(&fs::read(folder.join(&file)).unwrap(), experiment).unwrap();
             project.recording.apply(&table).unwrap()
         };
         let recordings = EXPERIMENTS.iter().map(read).collect();
         Self { project, recordings }
     }
 
-    fn examined(&self, recordings: &[Recording]) -> ExaminedRecordings {
+    fn examine_recordings(&self, recordings: &[Recording]) -> ExaminedRecordings {
         let control = self
             .project
             .recording_controller
@@ -56,7 +56,7 @@ impl Machine {
     }
 }
 
-fn of(r: &mut Recording, column: Column) -> &mut [f64] {
+fn of(r: &mut Recording, column: RecorderColumn) -> &mut [f64] {
     column.of_mut(r).unwrap()
 }
 
@@ -106,12 +106,12 @@ fn one_of(some: usize) -> usize {
 }
 
 /// The faults, each in all recordings or in some, with the component and effect that must be named.
-fn cases() -> Vec<(Column, Wrong, Vec<usize>, &'static str, &'static str)> {
-    use Column::*;
+fn cases() -> Vec<(RecorderColumn, Wrong, Vec<usize>, &'static str, &'static str)> {
+    use RecorderColumn::*;
     use Wrong::*;
     let degrees = 180.0 / std::f64::consts::PI;
     let mut out = Vec::new();
-    let mut case = |column: Column, wrong, effect| {
+    let mut case = |column: RecorderColumn, wrong, effect| {
         out.push((column, wrong, ALL.to_vec(), component_of(column).name(), effect));
     };
     for column in [Demand, Control, HubRate, PlatformRate, MotorRate, HubPosition] {
@@ -156,7 +156,7 @@ fn cases() -> Vec<(Column, Wrong, Vec<usize>, &'static str, &'static str)> {
     out
 }
 
-fn told(examined: &ExaminedRecordings) -> Vec<(&'static str, &'static str)> {
+fn described_faults(examined: &ExaminedRecordings) -> Vec<(&'static str, &'static str)> {
     examined.faults.iter().map(|f| (component_of(f.column).name(), effect_of(&f.kind).name())).collect()
 }
 
@@ -164,7 +164,7 @@ fn told(examined: &ExaminedRecordings) -> Vec<(&'static str, &'static str)> {
 fn machines_with_any_concealed_physics_have_no_fault_of_the_recorder() {
     for name in ["p01", "p02", "p03", "p04", "p05", "p06", "p07", "p08"] {
         let machine = Machine::read(name);
-        let examined = machine.examined(&machine.recordings);
+        let examined = machine.examine_recordings(&machine.recordings);
         assert!(examined.faults.is_empty(), "{name}: {:?}", examined.faults);
         assert!(examined.recordings == machine.recordings, "{name}");
     }
@@ -179,8 +179,8 @@ fn each_fault_is_named_and_nothing_else_is() {
         let step = one_of(3) * if name == "p08" { 1 } else { 8 };
         for (column, fault, which, component, effect) in cases().into_iter().step_by(step) {
             let spoilt = machine.with(&which, |r| spoil(of(r, column), fault));
-            let examined = machine.examined(&spoilt);
-            if told(&examined) != [(component, effect)] {
+            let examined = machine.examine_recordings(&spoilt);
+            if described_faults(&examined) != [(component, effect)] {
                 wrong.push(format!("{name} {} {fault:?} {which:?}: {:?}", column.name(), examined.faults));
             }
         }
@@ -190,7 +190,7 @@ fn each_fault_is_named_and_nothing_else_is() {
 
 #[test]
 fn exchanged_columns_are_named_and_put_back() {
-    use Column::*;
+    use RecorderColumn::*;
     for name in ["p08", "p05"].into_iter().step_by(one_of(2)) {
         let machine = Machine::read(name);
         let pairs = [
@@ -208,9 +208,9 @@ fn exchanged_columns_are_named_and_put_back() {
                 r.set(other.channel(), first);
                 r.set(one.channel(), second);
             });
-            let examined = machine.examined(&exchanged);
+            let examined = machine.examine_recordings(&exchanged);
             let pair = [(component_of(one).name(), "exchanged"), (component_of(other).name(), "exchanged")];
-            let told = told(&examined);
+            let told = described_faults(&examined);
             assert!(
                 told.len() == 1 && pair.contains(&told[0]),
                 "{name} {one:?} {other:?}: {:?}",

@@ -12,7 +12,7 @@ use counterpoise_models::FeedbackSignal;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::Recording;
-use counterpoise_recordings::{Column, Table};
+use counterpoise_recordings::{RecordingColumn, RecordingTable};
 use counterpoise_report::wording::file_remarks::describe_file_remark;
 use counterpoise_report::wording::recordings::{describe_anomaly, describe_repair};
 use counterpoise_simulate::replay::{ReplayLoop, replay};
@@ -30,7 +30,7 @@ impl Told {
     }
 
     /// The largest RMS error over its floor of every part in closed loop.
-    fn worst(&self) -> f64 {
+    fn largest_ratio(&self) -> f64 {
         let control = ReplayLoop::from(
             self.project
                 .recording_controller
@@ -45,14 +45,14 @@ impl Told {
 }
 
 /// The triangle of a machine as modelled with a fault put in.
-fn with(fault: impl Fn(&mut Table)) -> Option<Told> {
+fn with(fault: impl Fn(&mut RecordingTable)) -> Option<Told> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/practice/p08");
     let Ok(bytes) = fs::read(folder.join("triangle.parquet")) else {
         panic!("{} is not here", folder.display());
     };
     let project =
         Project::from_bytes(&fs::read(folder.join("project.toml")).unwrap(), "project.toml").unwrap().project;
-    let mut table = Table::read(&bytes, "triangle.parquet").unwrap();
+    let mut table = RecordingTable::read(&bytes, "triangle.parquet").unwrap();
     fault(&mut table);
     let record = project.recording.apply(&table).unwrap();
     let ratio = project.plant.gearbox.ratio;
@@ -70,11 +70,11 @@ fn with(fault: impl Fn(&mut Table)) -> Option<Told> {
     Some(Told { remarks, parts: repaired.parts, project })
 }
 
-fn column<'a>(table: &'a mut Table, name: &str) -> &'a mut Column {
+fn column<'a>(table: &'a mut RecordingTable, name: &str) -> &'a mut RecordingColumn {
     table.columns.iter_mut().find(|c| c.name == name).unwrap()
 }
 
-fn changed(table: &mut Table, name: &str, change: impl Fn(usize, f64) -> f64) {
+fn change_column(table: &mut RecordingTable, name: &str, change: impl Fn(usize, f64) -> f64) {
     let values = &mut column(table, name).values;
     *values = values.iter().enumerate().map(|(k, v)| change(k, *v)).collect();
 }
@@ -83,7 +83,7 @@ fn changed(table: &mut Table, name: &str, change: impl Fn(usize, f64) -> f64) {
 fn a_sound_recording_has_nothing_wrong() {
     let Some(told) = with(|_| ()) else { return };
     assert!(told.remarks.is_empty(), "{:?}", told.remarks);
-    assert!(told.worst() < 1.5);
+    assert!(told.largest_ratio() < 1.5);
 }
 
 #[test]
@@ -102,39 +102,40 @@ fn a_gap_in_time_parts_the_recording_and_both_parts_replay() {
         told.remarks
     );
     assert_eq!(told.parts.len(), 2);
-    assert!(told.worst() < 1.6, "{}", told.worst());
+    assert!(told.largest_ratio() < 1.6, "{}", told.largest_ratio());
 }
 
 #[test]
 fn missing_stuck_and_clipped_readings_are_named_without_a_false_scale() {
-    let missing = with(|table| changed(table, "motor_rate", |k, v| if k % 50 < 5 { f64::NAN } else { v }));
+    let missing =
+        with(|table| change_column(table, "motor_rate", |k, v| if k % 50 < 5 { f64::NAN } else { v }));
     let Some(missing) = missing else { return };
     assert!(missing.says("motor_rate: "), "{:?}", missing.remarks);
     let stuck = with(|table| {
         let held = column(table, "motor_rate").values[3000];
-        changed(table, "motor_rate", |k, v| if (3000..4500).contains(&k) { held } else { v });
+        change_column(table, "motor_rate", |k, v| if (3000..4500).contains(&k) { held } else { v });
     })
     .unwrap();
     assert!(stuck.says("motor_rate: stuck or clipped"), "{:?}", stuck.remarks);
     let clipped = with(|table| {
         let top = 0.5 * column(table, "motor_rate").values.iter().fold(0.0, |a: f64, v| a.max(v.abs()));
-        changed(table, "motor_rate", |_, v| v.clamp(-top, top));
+        change_column(table, "motor_rate", |_, v| v.clamp(-top, top));
     })
     .unwrap();
     assert!(clipped.says("motor_rate: ") && clipped.says("clipped at"), "{:?}", clipped.remarks);
     for told in [missing, stuck, clipped] {
         assert!(!told.says("gear ratio"), "{:?}", told.remarks);
-        assert!(told.worst() < 1.5, "{}, {:?}", told.worst(), told.remarks);
+        assert!(told.largest_ratio() < 1.5, "{}, {:?}", told.largest_ratio(), told.remarks);
     }
 }
 
 #[test]
 fn a_swapped_sign_and_a_wrong_unit_are_named() {
-    let Some(swapped) = with(|table| changed(table, "motor_rate", |_, v| -v)) else { return };
+    let Some(swapped) = with(|table| change_column(table, "motor_rate", |_, v| -v)) else { return };
     assert!(swapped.says("times what the gyroscopes say: its sign is swapped"), "{:?}", swapped.remarks);
-    let degrees = with(|table| changed(table, "hub_position", |_, v| v.to_degrees())).unwrap();
+    let degrees = with(|table| change_column(table, "hub_position", |_, v| v.to_degrees())).unwrap();
     assert!(degrees.says("hub_position: 57.") && degrees.says("it is in degrees"), "{:?}", degrees.remarks);
-    let gyro = with(|table| changed(table, "hub_rate", |_, v| -v)).unwrap();
+    let gyro = with(|table| change_column(table, "hub_rate", |_, v| -v)).unwrap();
     assert!(gyro.says("hub_rate: the gyroscopes give -1.0"), "{:?}", gyro.remarks);
 }
 
@@ -142,14 +143,14 @@ fn a_swapped_sign_and_a_wrong_unit_are_named() {
 fn a_clock_that_is_late_or_drifts_is_named_with_its_figure() {
     let Some(late) = with(|table| {
         let was = column(table, "motor_rate").values.clone();
-        changed(table, "motor_rate", |k, _| was[k.saturating_sub(25)]);
+        change_column(table, "motor_rate", |k, _| was[k.saturating_sub(25)]);
     }) else {
         return;
     };
     assert!(late.says("motor_rate: 2") && late.says("its clock has an offset"), "{:?}", late.remarks);
     let slow = with(|table| {
         let was = column(table, "motor_rate").values.clone();
-        changed(table, "motor_rate", |k, _| was[k - k / 200]);
+        change_column(table, "motor_rate", |k, _| was[k - k / 200]);
     })
     .unwrap();
     assert!(slow.says("motor_rate: ") && slow.says("its clock runs 0.5"), "{:?}", slow.remarks);

@@ -60,7 +60,7 @@ fn recordings(machine: &Parameters) -> Vec<Recording> {
 }
 
 /// Diagnoses a machine, saves the project, reads it again and compares the figures.
-fn confirmed(machine: &Parameters) -> Answer {
+fn confirm_saved_model(machine: &Parameters) -> Answer {
     let (document, project) = project();
     let recordings = recordings(machine);
     let control = ReplayLoop::from(&controller());
@@ -100,7 +100,7 @@ fn a_free_function_is_saved_and_replayed_as_printed() {
     let mut machine = project().1.plant;
     let wave = |x: f64| 45.0 * (60.0 * x + 0.4).sin() + 30.0 * (110.0 * x).sin() + 2.0e4 * x * x * x.signum();
     machine.learned.push(over_angle(LearnedQuantity::Torque, wave));
-    let answer = confirmed(&machine);
+    let answer = confirm_saved_model(&machine);
     // no effect of the library is claimed with a probability that does not hold
     assert!(answer.verdict != DiagnosisVerdict::Named, "{:?}", answer.findings);
     let learned = answer.learned.expect("a free function");
@@ -112,7 +112,7 @@ fn a_spring_that_pushes_away_is_an_effect_of_the_library_and_needs_no_free_funct
     let mut machine = project().1.plant;
     let stiffness = -1150.0;
     machine.lumped.as_mut().unwrap().position_stiffness_nm_rad = stiffness;
-    let answer = confirmed(&machine);
+    let answer = confirm_saved_model(&machine);
     assert!(
         matches!(answer.verdict, DiagnosisVerdict::Named | DiagnosisVerdict::Ambiguous),
         "{:?}",

@@ -21,7 +21,7 @@ fn bill() -> Option<Value> {
 }
 
 /// Names and versions of the packages of the lock file.
-fn locked() -> BTreeSet<(String, String)> {
+fn locked_packages() -> BTreeSet<(String, String)> {
     let text = fs::read_to_string(root().join("Cargo.lock")).unwrap();
     let field = |block: &str, key: &str| {
         let line = block.lines().find_map(|line| line.strip_prefix(&format!("{key} = \"")))?;
@@ -35,12 +35,12 @@ fn locked() -> BTreeSet<(String, String)> {
 #[test]
 fn the_bill_of_materials_lists_every_crate_with_licence_and_checksum() {
     let Some(bill) = bill() else {
-        return support::skipped("no Python, or no sources of the crates: no bill of materials");
+        return support::report_skip("no Python, or no sources of the crates: no bill of materials");
     };
     assert_eq!((bill["bomFormat"].as_str(), bill["specVersion"].as_str()), (Some("CycloneDX"), Some("1.5")));
     let text = |component: &Value, key: &str| component[key].as_str().unwrap_or_default().to_owned();
     assert_eq!(text(&bill["metadata"]["component"], "name"), "counterpoise");
-    let (components, locked) = (bill["components"].as_array().unwrap(), locked());
+    let (components, locked) = (bill["components"].as_array().unwrap(), locked_packages());
     for component in components {
         let (name, version) = (text(component, "name"), text(component, "version"));
         assert!(locked.contains(&(name.clone(), version)), "{name} is not in Cargo.lock");

@@ -11,7 +11,7 @@ use counterpoise_diagnose::identification::{IdentifiedAmplifier, apply_identifie
 use counterpoise_pipeline::recordings::measured_modes::diagnose_structure;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
-use counterpoise_recordings::{Recording, Table};
+use counterpoise_recordings::{Recording, RecordingTable};
 use counterpoise_simulate::replay::{ReplayLoop, replay};
 
 fn folder(example: &str) -> PathBuf {
@@ -68,7 +68,7 @@ fn current_a(volt: f64) -> f64 {
 
 fn recording(project: &Project, state: &str) -> Recording {
     let bytes = fs::read(folder("amplifier-curve").join(state).join("triangle.parquet")).unwrap();
-    project.recording.apply(&Table::read(&bytes, state).unwrap()).unwrap()
+    project.recording.apply(&RecordingTable::read(&bytes, state).unwrap()).unwrap()
 }
 
 #[test]

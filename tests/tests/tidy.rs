@@ -98,7 +98,7 @@ fn exception_of(file: &Path, name: &str) -> Option<usize> {
 }
 
 /// Returns the declared functions of a source: line number, name and the types of its arguments.
-fn declared(code: &str) -> Vec<Declared<'_>> {
+fn declared_functions(code: &str) -> Vec<Declared<'_>> {
     let mut found = Vec::new();
     let mut offset = 0;
     for (number, line) in code.lines().enumerate() {
@@ -240,7 +240,7 @@ fn arguments_have_names_for_their_values() {
     for folder in members() {
         for (file, code) in sources(&folder) {
             let aliases = tuple_aliases(&code);
-            for found in declared(&code) {
+            for found in declared_functions(&code) {
                 let wrong_here = wrong_arguments(&found, &aliases);
                 let place = |what| format!("{}:{}: {} takes {what}", file.display(), found.line, found.name);
                 match exception_of(&file, found.name) {
@@ -263,7 +263,7 @@ fn arguments_have_names_for_their_values() {
 #[test]
 fn arguments_are_read_from_declarations() {
     let code = "pub fn one<T: Fn(f64) -> bool>(\n    a: &(f64, f64),\n    is_b: bool,\n) -> bool {\n}\n    fn two(&self, c: [f64; 2]) {}\n";
-    let found = declared(code);
+    let found = declared_functions(code);
     assert_eq!((found[0].name, found[0].line), ("one", 1));
     assert_eq!(found[0].types, ["fn one<T: Fn(f64) -> bool>", "&(f64, f64)", "bool"]);
     assert_eq!((found[1].name, found[1].line), ("two", 6));
@@ -347,7 +347,7 @@ enum NameReason {
     StandardLibrary,
 }
 
-/// Every public function whose name looks like a participle or a preposition and may, with the reason.
+/// Every function whose name looks like a participle or a preposition and may, with the reason.
 const ALLOWED_NAMES: [AllowedName; 2] = [
     AllowedName { name: "balred", why: NameReason::Toolbox },
     AllowedName { name: "elapsed", why: NameReason::StandardLibrary },
@@ -363,6 +363,12 @@ fn wrong_name(name: &str) -> Option<&'static str> {
     PREPOSITIONS_AND_ADVERBS.contains(&first).then_some("a preposition or an adverb, or begins with one")
 }
 
+/// Returns what is wrong with the name of a private function, which is read beside its body: only one word that is a participle, a preposition or
+/// an adverb is refused.
+fn wrong_private_name(name: &str) -> Option<&'static str> {
+    wrong_name(name).filter(|_| !name.contains('_'))
+}
+
 /// Returns the names of the public functions of a source, and of the functions of its traits, with their lines.
 fn public_functions(code: &str) -> Vec<Declared<'_>> {
     let mut is_in_trait = false;
@@ -374,7 +380,7 @@ fn public_functions(code: &str) -> Vec<Declared<'_>> {
             is_in_trait || line.trim_start().starts_with("pub")
         })
         .collect();
-    declared(code).into_iter().filter(|found| is_public[found.line - 1]).collect()
+    declared_functions(code).into_iter().filter(|found| is_public[found.line - 1]).collect()
 }
 
 #[test]
@@ -382,8 +388,11 @@ fn functions_are_not_named_by_participles_or_prepositions() {
     let (mut wrong, mut needed) = (Vec::new(), Vec::new());
     for folder in members() {
         for (file, code) in sources(&folder) {
-            for found in public_functions(&code) {
-                let Some(what) = wrong_name(found.name) else { continue };
+            let public: Vec<usize> = public_functions(&code).iter().map(|found| found.line).collect();
+            for found in declared_functions(&code) {
+                let is_public = public.contains(&found.line);
+                let what = if is_public { wrong_name(found.name) } else { wrong_private_name(found.name) };
+                let Some(what) = what else { continue };
                 match ALLOWED_NAMES.iter().position(|allowed| allowed.name == found.name) {
                     Some(at) => needed.push(at),
                     None => {
@@ -459,6 +468,7 @@ fn modules_are_called_by_nouns() {
 fn participles_and_prepositions_are_told_from_verbs_and_nouns() {
     let wrong = ["held", "measured", "over", "by_name", "in_si", "still"];
     assert!(wrong.iter().all(|name| wrong_name(name).is_some()));
+    assert!(wrong_private_name("held").is_some() && wrong_private_name("by_name").is_none());
     let right = ["hold", "read", "at_rest", "of", "with_range", "measured_plant", "speed", "is_cancelled"];
     assert!(right.iter().all(|name| wrong_name(name).is_none()));
     let code =

@@ -33,7 +33,7 @@ impl FigureChange {
     }
 
     /// Returns (after - before) / |before|: 0 where both are the same, infinite from 0 or without a bound, `None` if one is missing.
-    pub fn relative(&self) -> Option<f64> {
+    pub fn relative_change(&self) -> Option<f64> {
         let (before, after) = (self.before?, self.after?);
         Some(if before == after { 0.0 } else { (after - before) / before.abs() })
     }

@@ -76,7 +76,7 @@ impl SightAngles {
     }
 
     /// Returns the first samples, about their mean.
-    pub fn first(&self, samples: usize) -> Self {
+    pub fn first_samples(&self, samples: usize) -> Self {
         let of = |angles: &[f64]| subtract_mean(&angles[..samples.min(angles.len())]);
         Self { period_s: self.period_s, hub_rad: of(&self.hub_rad), tip_rad: of(&self.tip_rad) }
     }

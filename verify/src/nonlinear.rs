@@ -129,7 +129,7 @@ fn scenario(procedure: &Procedure, experiment: Experiment) -> Scenario {
         imperfections: Imperfections::NoiseAndQuantisation { seed: procedure.seed },
         initial: Initial::Rest { hub_angle_rad: procedure.operating_point.hub_angle_rad },
         detail: Detail::Everything,
-        firing: firing(procedure, experiment),
+        firing: firing_in(procedure, experiment),
         ..Scenario::at_rest(procedure.duration_s)
     };
     let angle = procedure.operating_point.platform_angle_rad;
@@ -155,7 +155,7 @@ fn scenario(procedure: &Procedure, experiment: Experiment) -> Scenario {
 }
 
 /// A machine fires where its base moves as on duty: figures of a step, of rest and of one motion alone are those of the machine that does not.
-fn firing(procedure: &Procedure, ran: Experiment) -> Firing {
+fn firing_in(procedure: &Procedure, ran: Experiment) -> Firing {
     let on_duty = line_of_sight::sight_experiment(procedure);
     match (ran, on_duty) {
         (Experiment::Disturbance(ran, _), Experiment::Disturbance(source, _)) if ran == source => {

@@ -189,7 +189,7 @@ impl Road {
 
     /// The value of a column of the road at a time; 0 outside the record.
     pub(crate) fn interpolate(&self, column: &[f64], time_s: f64) -> f64 {
-        between(column, time_s / self.sample_period_s)
+        interpolate_series(column, time_s / self.sample_period_s)
     }
 
     /// Returns the heave and pitch rate at a time; 0 outside the record.
@@ -202,7 +202,7 @@ impl Road {
 }
 
 /// The series at a fractional index.
-fn between(samples: &[f64], at: f64) -> f64 {
+fn interpolate_series(samples: &[f64], at: f64) -> f64 {
     if at < 0.0 {
         return 0.0;
     }

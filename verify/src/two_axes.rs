@@ -231,8 +231,8 @@ pub fn verify_two_axes(
     let (mut values, mut runs) = (Vec::new(), Vec::new());
     for experiment in JointExperiment::ALL {
         let run = Run { machine, procedure, experiment };
-        let history = run.together(&mut both)?;
-        let (together, apart) = (run.errors_of(&history), run.alone(&mut alone)?);
+        let history = run.run_together(&mut both)?;
+        let (together, apart) = (run.errors_of(&history), run.run_alone(&mut alone)?);
         values.extend(JointQuantity::ALL.into_iter().map(|quantity| JointValue {
             figure: JointFigure { experiment, quantity },
             together: together.value(quantity),
@@ -307,7 +307,7 @@ impl Run<'_> {
         self.machine.plants.elevation.parameters().gravity_m_s2
     }
 
-    fn together(&self, simulator: &mut TwoAxisSimulator) -> Result<TwoAxisHistory, Error> {
+    fn run_together(&self, simulator: &mut TwoAxisSimulator) -> Result<TwoAxisHistory, Error> {
         let (demands, start, seeds) = (self.demands(), &self.procedure.start_rad, &self.procedure.seeds);
         let axis = |demand_rad_s, hub_angle_rad, seed| AxisScenario {
             demand_rad_s,
@@ -340,7 +340,7 @@ impl Run<'_> {
         }
     }
 
-    fn alone(&self, simulators: &mut AxisPair<Simulator>) -> Result<Errors, Error> {
+    fn run_alone(&self, simulators: &mut AxisPair<Simulator>) -> Result<Errors, Error> {
         let (demands, procedure) = (self.demands(), self.procedure);
         let (start, seeds, period_s) = (&procedure.start_rad, &procedure.seeds, procedure.base_period_s);
         let ring = Traverse { angle_rad: start.traverse, rate_rad_s: 0.0 };

@@ -93,7 +93,7 @@ fn an_elevated_accelerometer_takes_surge_out() {
 }
 
 /// Accelerometers of heave and surge on the platform, which the controller projects across the beam by the hub's angle.
-fn projected(model: Model, elevation_rad: f64, road: Road) -> f64 {
+fn projected_figure(model: Model, elevation_rad: f64, road: Road) -> f64 {
     let mut p = smooth(AccelerometerAxis::Vertical);
     // 2 rad at the end of the converter: the rig's own resolver ends at 0.5 rad
     p.sensors.hub_resolver.iter_mut().for_each(|resolver| resolver.scale_v_unit = 5.0);
@@ -115,10 +115,10 @@ fn projected(model: Model, elevation_rad: f64, road: Road) -> f64 {
 fn two_accelerometers_projected_by_the_hubs_angle_take_surge_out_at_every_elevation() {
     let still = without_surge(road());
     for elevation_rad in [0.0, 5.0_f64.to_radians(), 15.0_f64.to_radians(), 40.0_f64.to_radians()] {
-        let none = projected(Model::Nonlinear, elevation_rad, still.clone());
-        let with = projected(Model::Nonlinear, elevation_rad, road());
+        let none = projected_figure(Model::Nonlinear, elevation_rad, still.clone());
+        let with = projected_figure(Model::Nonlinear, elevation_rad, road());
         assert!(with < 1.3 * none, "{elevation_rad}: {none} {with}");
-        let linear = projected(Model::Linear, elevation_rad, road());
+        let linear = projected_figure(Model::Linear, elevation_rad, road());
         assert!((linear / with - 1.0).abs() < 0.15, "{elevation_rad}: {linear} {with}");
     }
 }

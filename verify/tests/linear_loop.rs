@@ -18,14 +18,14 @@ use support::{controller, plant, rig};
 
 const ALL: [Arrangement; 3] = [Arrangement::Uncontrolled, Arrangement::Feedback, Arrangement::Compensated];
 
-fn sampled() -> SampledPlant {
+fn sampled_plant() -> SampledPlant {
     let plant = plant();
     let level = plant.equilibrium(&OperatingPoint::default());
     let linear = plant.linearise(&level, FrictionLinearisation::Viscous, Angles::Drop).unwrap();
     SampledPlant::new(&linear, &rig(), Resolver::Unread).unwrap()
 }
 
-fn closed(plant: &SampledPlant, arrangement: Arrangement) -> Closed {
+fn close_loop(plant: &SampledPlant, arrangement: Arrangement) -> Closed {
     let controller = arrange_controller(&controller(), arrangement).unwrap();
     Closed::new(plant, controller.as_ref(), 151.67).unwrap()
 }
@@ -41,10 +41,10 @@ fn tone(y: &[f64], frequency_hz: f64, period_s: f64, cycles: f64) -> Complex64 {
 
 #[test]
 fn the_rejection_ratio_is_what_a_time_history_shows() {
-    let plant = sampled();
+    let plant = sampled_plant();
     let sine = Sine { amplitude: 1.0, frequency_hz: 2.0 };
     for arrangement in ALL {
-        let closed = closed(&plant, arrangement);
+        let closed = close_loop(&plant, arrangement);
         let expected = compute_rejections(&plant, &closed, arrangement, &[2.0]).unwrap();
         for (source, ratio) in [(Source::Heave, &expected[0]), (Source::Pitch, &expected[1])] {
             let motion = |t: f64| match source {
@@ -62,8 +62,8 @@ fn the_rejection_ratio_is_what_a_time_history_shows() {
 
 #[test]
 fn the_loop_is_stable_and_follows_a_step_without_error() {
-    let plant = sampled();
-    let closed = closed(&plant, Arrangement::Compensated);
+    let plant = sampled_plant();
+    let closed = close_loop(&plant, Arrangement::Compensated);
     assert!(closed.pole_radius() < 1.0, "{}", closed.pole_radius());
     let run = simulate_step(&plant, &closed, Step { rate_rad_s: 0.1, duration_s: 5.0 }).unwrap();
     let figures = step_figures(run.time_s(), run.hub_rate_rad_s(), 0.1).unwrap();
@@ -77,9 +77,9 @@ fn the_loop_is_stable_and_follows_a_step_without_error() {
 
 #[test]
 fn the_broken_loop_is_the_controller_times_the_held_plant() {
-    let plant = sampled();
+    let plant = sampled_plant();
     let loops: Vec<_> =
-        ALL.map(|arrangement| ArrangedLoop { arrangement, closed: closed(&plant, arrangement) }).into();
+        ALL.map(|arrangement| ArrangedLoop { arrangement, closed: close_loop(&plant, arrangement) }).into();
     let curves = Curves::of(&plant, &loops).unwrap();
     let gyro = |s: Complex64| 377.0 * 377.0 / (s * s + 2.0 * 0.7 * 377.0 * s + 377.0 * 377.0);
     for (k, f) in curves.frequency_hz.iter().enumerate().filter(|(_, f)| **f < 20.0) {
@@ -105,7 +105,7 @@ fn a_late_reading_turns_the_loop_by_its_delay() {
         let linear = plant().linearise(&level, FrictionLinearisation::Viscous, Angles::Drop).unwrap();
         let sampled = SampledPlant::new(&linear, &late, Resolver::Unread).unwrap();
         let arrangement = Arrangement::Compensated;
-        let loops = vec![ArrangedLoop { arrangement, closed: closed(&sampled, arrangement) }];
+        let loops = vec![ArrangedLoop { arrangement, closed: close_loop(&sampled, arrangement) }];
         Curves::of(&sampled, &loops).unwrap()
     };
     let prompt = with_delay(0.0);
@@ -122,9 +122,9 @@ fn a_late_reading_turns_the_loop_by_its_delay() {
 
 #[test]
 fn the_responses_of_the_closed_loop_are_those_of_the_sampled_system() {
-    let plant = sampled();
+    let plant = sampled_plant();
     let loops: Vec<_> =
-        ALL.map(|arrangement| ArrangedLoop { arrangement, closed: closed(&plant, arrangement) }).into();
+        ALL.map(|arrangement| ArrangedLoop { arrangement, closed: close_loop(&plant, arrangement) }).into();
     let curves = Curves::of(&plant, &loops).unwrap();
     let of = |cause, effect| {
         let found = curves.loop_responses.iter().find(|r| (r.cause, r.effect) == (cause, effect));

@@ -27,7 +27,7 @@ fn transfer(numerator: &[f64], denominator: &[f64]) -> StateSpace {
 }
 
 /// G + 1 / k: a nonlinearity of slopes from 0 to k round G is one of slopes from 0 to infinity round this.
-fn shifted(system: &Evaluated, k: f64, over: RateInterval) -> Option<Vec<Vec<Taylor>>> {
+fn shift_sector(system: &Evaluated, k: f64, over: RateInterval) -> Option<Vec<Vec<Taylor>>> {
     let G = system.evaluate_over(over)?[0][0];
     Some(vec![vec![G + Taylor::constant(C64::new(1.0 / k, 0.0), over)]])
 }
@@ -38,13 +38,14 @@ fn proves(system: &StateSpace, k: f64, known: FrictionKnowledge, most: Stability
     let mut rates: Vec<f64> =
         (0..160).map(|i| RANGE[0] * (RANGE[1] / RANGE[0]).powf(f64::from(i) / 159.0)).collect();
     for _ in 0..8 {
-        let point =
-            |rate: &f64| shifted(system, k, RateInterval { middle_rad_s: *rate, half_rad_s: 0.0 }).unwrap();
+        let point = |rate: &f64| {
+            shift_sector(system, k, RateInterval { middle_rad_s: *rate, half_rad_s: 0.0 }).unwrap()
+        };
         let all: Vec<_> = rates.iter().map(point).collect();
         let found: Option<Multiplier> =
             search_multiplier(&[known], most, &all, &rates).map(|best| best.multiplier);
         let Some(multiplier) = found else { return false };
-        match multiplier.proves(&|over| shifted(system, k, over), RANGE) {
+        match multiplier.proves(&|over| shift_sector(system, k, over), RANGE) {
             ProofOutcome::Holds { .. } => return true,
             ProofOutcome::FailsAt(rate) => rates.push(rate),
             ProofOutcome::Narrow(_) => return false,

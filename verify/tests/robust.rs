@@ -10,7 +10,7 @@ use counterpoise_verify::robust::{
 use counterpoise_verify::{Figure, Limit, Procedure, Requirement, Value, verify};
 use support::{controller, plant, rig};
 
-fn short() -> Procedure {
+fn short_procedure() -> Procedure {
     Procedure { duration_s: 1.0, settle_s: 0.3, ..Procedure::default() }
 }
 
@@ -33,7 +33,7 @@ fn campaign(samples: usize) -> Campaign {
     Campaign::new(
         rig(),
         controller(),
-        short(),
+        short_procedure(),
         variations,
         requirements,
         Layout { samples, seed: 11, points: PointLayout::LatinHypercube },
@@ -43,10 +43,10 @@ fn campaign(samples: usize) -> Campaign {
 
 #[test]
 fn a_few_figures_are_those_of_the_whole_verification() {
-    let verified = verify(&plant(), &controller(), &short(), &[]).unwrap();
+    let verified = verify(&plant(), &controller(), &short_procedure(), &[]).unwrap();
     let wanted: Vec<Figure> =
         verified.verification().figures.iter().map(|measured| measured.figure).collect();
-    let values = figures_of(&plant(), &controller(), &short(), &wanted).unwrap();
+    let values = figures_of(&plant(), &controller(), &short_procedure(), &wanted).unwrap();
     for (measured, value) in verified.verification().figures.iter().zip(&values) {
         assert_eq!(&measured.value, value, "{}", measured.figure);
     }
@@ -89,10 +89,10 @@ fn families_and_configurations_are_measured() {
         Figure::from_key("nonlinear_step_overshoot_percent").unwrap(),
     ];
     let families = [Family { parameter: Varied::Inertia, factors: vec![0.5, 1.0, 2.0] }];
-    let members = one_at_a_time(&rig(), &controller(), &short(), &figures, &families).unwrap();
+    let members = one_at_a_time(&rig(), &controller(), &short_procedure(), &figures, &families).unwrap();
     assert_eq!(members.len(), 3);
-    assert_eq!(members[1].values, figures_of(&plant(), &controller(), &short(), &figures).unwrap());
-    let loaded = compare_configurations(&rig(), &controller(), &short(), &figures).unwrap();
+    assert_eq!(members[1].values, figures_of(&plant(), &controller(), &short_procedure(), &figures).unwrap());
+    let loaded = compare_configurations(&rig(), &controller(), &short_procedure(), &figures).unwrap();
     assert_eq!(loaded.len(), rig().configurations.len());
     assert!(loaded.iter().all(|member| matches!(member.values[0], Value::Is(margin) if margin > 0.0)));
 }
@@ -109,7 +109,8 @@ fn what_matters_in_either_direction_is_found() {
     ];
     let drr = require("heave_compensated_drr_db at 1 Hz", Limit::AtMost(-40.0));
     let layout = Layout { samples: 40, seed: 3, points: PointLayout::LatinHypercube };
-    let campaign = Campaign::new(rig(), controller(), short(), variations, vec![drr], layout).unwrap();
+    let campaign =
+        Campaign::new(rig(), controller(), short_procedure(), variations, vec![drr], layout).unwrap();
     let samples: Vec<_> = (0..40).map(|index| campaign.run(index).unwrap()).collect();
     let order = rank_parameters(&campaign, &samples, 0);
     assert_eq!((order[0].variation, order[0].sense), (1, Sense::EitherWay), "{order:?}");

@@ -8,19 +8,19 @@ use counterpoise_verify::linear::loop_shape::loop_path;
 use counterpoise_verify::linear::root_locus::continuous_equivalent;
 use counterpoise_verify::linear::{LoopPath, RootLocus, root_locus};
 
-fn sampled(A: Mat, B: Mat, C: Mat, D: f64) -> StateSpace {
+fn sampled_system(A: Mat, B: Mat, C: Mat, D: f64) -> StateSpace {
     let D = Mat::from_rows(&[[D]]);
     StateSpace::new(A, B, C, D, Timebase::Discrete { period_s: 0.01 }).unwrap()
 }
 
-fn near(branches: &RootLocus, k: usize, expected: C64) -> bool {
+fn is_near(branches: &RootLocus, k: usize, expected: C64) -> bool {
     branches.branches.iter().any(|branch| (branch[k] - expected).norm() < 1e-9)
 }
 
 #[test]
 fn two_integrators_leave_along_the_roots_of_their_polynomial() {
     // L = k (z - 0.5) / (z - 1)^2, so (z - 1)^2 + k (z - 0.5) = 0
-    let L = sampled(
+    let L = sampled_system(
         Mat::from_rows(&[[2.0, -1.0], [1.0, 0.0]]),
         Mat::from_rows(&[[1.0], [0.0]]),
         Mat::from_rows(&[[1.0, -0.5]]),
@@ -32,8 +32,8 @@ fn two_integrators_leave_along_the_roots_of_their_polynomial() {
     for (k, gain) in locus.gains.iter().enumerate() {
         let (b, c) = (gain - 2.0, 1.0 - 0.5 * gain);
         let root = C64::new(b * b - 4.0 * c, 0.0).sqrt();
-        assert!(near(&locus, k, 0.5 * (-root - b)), "{gain}");
-        assert!(near(&locus, k, 0.5 * (root - b)), "{gain}");
+        assert!(is_near(&locus, k, 0.5 * (-root - b)), "{gain}");
+        assert!(is_near(&locus, k, 0.5 * (root - b)), "{gain}");
     }
     assert!((locus.open_zeros[0] - 0.5).norm() < 1e-12 && locus.open_zeros.len() == 1);
     // branches do not jump: only near the point where the two meet do they move fast
@@ -48,7 +48,7 @@ fn two_integrators_leave_along_the_roots_of_their_polynomial() {
 fn a_direct_path_is_part_of_the_loop() {
     // L = k (0.5 + 1 / (z - 0.9)): the pole is at 0.9 - k / (1 + 0.5 k)
     let one = |value: f64| Mat::from_rows(&[[value]]);
-    let locus = root_locus(&sampled(one(0.9), one(1.0), one(1.0), 0.5), 0.01).unwrap();
+    let locus = root_locus(&sampled_system(one(0.9), one(1.0), one(1.0), 0.5), 0.01).unwrap();
     for (gain, pole) in locus.gains.iter().zip(&locus.branches[0]) {
         assert!((pole - (0.9 - gain / (1.0 + 0.5 * gain))).norm() < 1e-12);
     }
@@ -75,7 +75,7 @@ fn a_resonance_of_a_thousandth_of_damping_is_drawn_as_a_circle() {
     let z = (pole * T).exp();
     let A = Mat::from_rows(&[[2.0 * z.re, -z.norm_sqr()], [1.0, 0.0]]);
     let size = w * T * (-damping * w * T).exp() * (pole.im * T).sin() / 400.0;
-    let L = sampled(A, Mat::from_rows(&[[1.0], [0.0]]), Mat::from_rows(&[[0.0, size]]), 0.0);
+    let L = sampled_system(A, Mat::from_rows(&[[1.0], [0.0]]), Mat::from_rows(&[[0.0, size]]), 0.0);
     let response = Response::of(&L).unwrap();
     let frequency_hz = grid_hz(T);
     let at = |hz: &f64| response.at(std::f64::consts::TAU * hz).unwrap()[(0, 0)];

@@ -43,7 +43,7 @@ fn procedure() -> Procedure {
 }
 
 /// The procedure on a base that stands still.
-fn still() -> Procedure {
+fn procedure_at_rest() -> Procedure {
     let quiet = vec![0.0; 1201];
     let road = Road { signals: Signals::stack([&quiet[..], &quiet]), ..road() };
     Procedure { road: Some(road), ..procedure() }
@@ -156,7 +156,7 @@ fn noise_alone_has_the_mean_square_of_its_density() {
         let mut linear = None;
         let (mut squares, seeds) = ([0.0; 5], 150);
         for seed in 0..seeds {
-            let asked = Procedure { seed: 100 + seed, ..still() };
+            let asked = Procedure { seed: 100 + seed, ..procedure_at_rest() };
             let history =
                 nonlinear::run_history(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
             let angles = SightAngles::of(&history, asked.settle_s).unwrap();
@@ -185,7 +185,7 @@ fn a_bias_is_a_steady_turn() {
     let mut p = smooth();
     p.sensors.hub_gyro.noise_rms = 0.0;
     p.sensors.hub_gyro.bias = 1e-3;
-    let found = budget(&p, &still());
+    let found = budget(&p, &procedure_at_rest());
     let one = of(&found, ErrorSource::HubGyro);
     let (simulated, linear) = (one.alone_rad[0], one.linear.as_ref().unwrap().rad[0]);
     assert!((simulated / (1e-3 * 4.0 / 12f64.sqrt()) - 1.0).abs() < 0.02, "{simulated}");

@@ -4,7 +4,7 @@ use anyhow::{Context, bail};
 use clap::Args;
 use counterpoise_host::files::project_file;
 use counterpoise_host::projects::{self, BadProject};
-use counterpoise_pipeline::check::check;
+use counterpoise_pipeline::check::check_project;
 use counterpoise_project::{Attachments, Diagnostic, Document, FORMAT, Project};
 use counterpoise_report::check::check_lines;
 use serde::Serialize;
@@ -43,7 +43,7 @@ pub fn run(options: &CheckOptions) -> CommandResult {
     }
     match Project::resolve(&document, &attachments) {
         Ok(parsed) => {
-            let found = check(&document, &parsed, options.results.loop_systems());
+            let found = check_project(&document, &parsed, options.results.loop_systems());
             if !output::write_json(&options.results, &found)? {
                 check_lines(&found).iter().for_each(|line| say!("{line}"));
             }

@@ -66,7 +66,7 @@ struct CriterionRow<'a> {
 
 /// Runs the command.
 pub fn run(options: &ClaimsOptions) -> CommandResult {
-    let wanted = wanted(&options.only)?;
+    let wanted = select_claims(&options.only)?;
     let scratch = scratch_folder()?;
     let project = project_of(options, scratch.path())?;
     let loaded = projects::load_project(&project, Purpose::Design)?;
@@ -99,7 +99,7 @@ pub fn run(options: &ClaimsOptions) -> CommandResult {
         title,
         subtitle: "measured, nothing tuned for a row; after the rows, the evidence of the design that they put to the test".to_owned(),
         more,
-        provenance: origin.provenance(&ProjectIdentity::of(&loaded.project, &loaded.folder())),
+        provenance: origin.provenance(&ProjectIdentity::of(&loaded.project, &loaded.project_folder())),
     };
     let report = page::claims_report(&rows, context, &|id| format!("{command} --only {id}"));
     let path = options.report.clone().unwrap_or_else(|| page_of(&options.only));
@@ -136,7 +136,7 @@ fn page_of(only: &[String]) -> PathBuf {
 }
 
 /// Returns the names of the claims that are asked for, or of all claims if none is named.
-fn wanted(only: &[String]) -> Result<Vec<&'static str>> {
+fn select_claims(only: &[String]) -> Result<Vec<&'static str>> {
     let all: Vec<&'static str> = claim_ids().collect();
     if only.is_empty() {
         return Ok(all);

@@ -14,7 +14,7 @@ use counterpoise_pipeline::results::{DesignResult, ResultContents};
 use counterpoise_pipeline::studies::advice::KeptDesigns;
 use counterpoise_pipeline::wording::acceptance::Traceable;
 use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
-use counterpoise_pipeline::{DesignStages, FirstDesignResult, TwoAxisStudy, World, design};
+use counterpoise_pipeline::{DesignStages, FirstDesignResult, TwoAxisStudy, World, design_project};
 use counterpoise_pool::Pool;
 use counterpoise_project::Purpose;
 use counterpoise_report::adaptation::{describe_action, describe_refusal};
@@ -60,13 +60,13 @@ pub fn run(options: &DesignOptions) -> CommandResult {
     let loaded = projects::load_project(&options.project, Purpose::Design)?;
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
-    let designed = design(&loaded.project, &world)?;
+    let designed = design_project(&loaded.project, &world)?;
     let mut result = results_of(options, &loaded, &designed, world.pool())?;
     let code = &designed.targets.code;
     let (proofs, costs) =
         (proofs::prove_code(code, &designed.targets.compared), processor::measure_costs(code));
     result.targets = result.targets.with_answers(&proofs, &costs);
-    let compiled = compiled(&proofs, &costs);
+    let compiled = describe_compiled_code(&proofs, &costs);
     let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
     let run = DesignRun {
         origin: &ReportOrigin {
@@ -135,7 +135,7 @@ struct CompiledCode {
 }
 
 /// Returns what is to be said of code that was compiled and run, or could not be.
-fn compiled(proofs: &[CompiledCodeTest], costs: &StepCosts) -> CompiledCode {
+fn describe_compiled_code(proofs: &[CompiledCodeTest], costs: &StepCosts) -> CompiledCode {
     let mut code = CompiledCode { differing: 0, said: Vec::new() };
     for proof in proofs {
         let language = if proof.rust { "Rust" } else { "C" };

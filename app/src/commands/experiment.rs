@@ -24,13 +24,13 @@ pub struct ExperimentOptions {
     /// JSON result of a diagnosis of this project; without it the plan is for the effects that machines most often lack
     pub findings: Option<PathBuf>,
     /// Largest angle from the start to either side, rad (m on a linear axis)
-    #[arg(long, value_name = "ANGLE", value_parser = positive)]
+    #[arg(long, value_name = "ANGLE", value_parser = parse_positive)]
     pub angle: f64,
     /// Largest rate in either direction, rad/s (m/s)
-    #[arg(long, value_name = "RATE", value_parser = positive)]
+    #[arg(long, value_name = "RATE", value_parser = parse_positive)]
     pub rate: f64,
     /// Largest current in either direction, A; no limit if absent
-    #[arg(long, value_name = "CURRENT", value_parser = positive)]
+    #[arg(long, value_name = "CURRENT", value_parser = parse_positive)]
     pub current: Option<f64>,
     /// Duration, s
     #[arg(long, value_name = "DURATION", default_value = "10", value_parser = seconds)]
@@ -44,7 +44,7 @@ pub struct ExperimentOptions {
 }
 
 /// Returns a finite number above 0.
-fn positive(text: &str) -> Result<f64, String> {
+fn parse_positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
         _ => Err("must be a number above 0, such as 0.1".to_owned()),
@@ -56,7 +56,7 @@ const LONGEST_S: f64 = 600.0;
 
 /// Returns a duration that can be planned.
 fn seconds(text: &str) -> Result<f64, String> {
-    match positive(text)? {
+    match parse_positive(text)? {
         duration if duration <= LONGEST_S => Ok(duration),
         _ => Err(format!("must be at most {LONGEST_S} s: a longer experiment is this one, repeated")),
     }

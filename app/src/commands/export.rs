@@ -44,9 +44,9 @@ pub fn run(options: &ExportOptions) -> CommandResult {
         let inside =
             below.map(|file| File { name: format!("{TRAVERSE_FOLDER}/{}", file.name), ..file.clone() });
         let code: Vec<File> = made.files.iter().cloned().chain(inside).collect();
-        return checked(options, &code);
+        return check_files(options, &code);
     }
-    let identity = pipeline::ProjectIdentity::of(&loaded.project, &loaded.folder());
+    let identity = pipeline::ProjectIdentity::of(&loaded.project, &loaded.project_folder());
     let controller = ControllerResult::new(&identity, made.verified.controller());
     let mut written = code_files::write_with_controller(&options.output, &made.files, &controller, &[])?;
     if let Some(traverse) = &made.traverse {
@@ -84,7 +84,7 @@ struct CheckedCode {
     says: String,
 }
 
-fn checked(options: &ExportOptions, code: &[File]) -> CommandResult {
+fn check_files(options: &ExportOptions, code: &[File]) -> CommandResult {
     let outcomes: Vec<CheckedCode> = options.check.iter().map(|path| outcome(path, code)).collect();
     if !output::json_list(&options.results, "files", &outcomes)? {
         outcomes.iter().for_each(|outcome| say!("{}: {}", outcome.file, outcome.says));
@@ -107,7 +107,7 @@ fn outcome(path: &Path, code: &[File]) -> CheckedCode {
         unit_outcome(path, &bytes, code)
     } else {
         match String::from_utf8(bytes) {
-            Ok(text) => text_outcome(&text, expected(path, code)),
+            Ok(text) => text_outcome(&text, find_expected_file(path, code)),
             Err(_) => (false, "is no text, so no generated file".to_owned()),
         }
     };
@@ -138,7 +138,7 @@ fn contains(archive: &[u8], part: &[u8]) -> bool {
 }
 
 /// Returns the file of the project whose path ends like the given one: the longest match of whole components.
-fn expected<'a>(path: &Path, code: &'a [File]) -> Option<&'a File> {
+fn find_expected_file<'a>(path: &Path, code: &'a [File]) -> Option<&'a File> {
     let matches = code
         .iter()
         .filter(|file| path.ends_with(&file.name) || Path::new(&file.name).file_name() == path.file_name());

@@ -110,9 +110,9 @@ pub fn run(options: &FraOptions) -> CommandResult {
     }
     let plan = plan(options, &loaded.project, around)?;
     let (maps, speed) = if options.recording.is_empty() {
-        simulated(&loaded, &plan, options)?
+        map_simulated_mechanism(&loaded, &plan, options)?
     } else {
-        (recorded(&loaded, &plan, options)?, Vec::new())
+        (map_project_recordings(&loaded, &plan, options)?, Vec::new())
     };
     if let Some(path) = &options.outputs.report {
         let command = std::iter::once("counterpoise".to_owned())
@@ -146,12 +146,12 @@ fn check_platform_is_measured(loaded: &ProjectOnDisk, around: LoopUnderTest) -> 
 
 /// Returns the map of the simulated mechanism, and how fast it was: on all threads, then, where that was asked for,
 /// on fewer.
-fn simulated(
+fn map_simulated_mechanism(
     loaded: &ProjectOnDisk,
     plan: &MeasurementPlan,
     options: &FraOptions,
 ) -> Result<(Vec<ResponseMap>, Vec<MeasuringPace>)> {
-    let modelled = pipeline::model(&loaded.project)?;
+    let modelled = pipeline::build_plant_model(&loaded.project)?;
     let project = &loaded.project;
     let analyser = Analyser::new(project, &modelled, plan, LoopController::Simulation)?;
     let analyser = match options.plant {
@@ -217,12 +217,12 @@ fn tell_speed(maps: &[ResponseMap], speed: &[MeasuringPace]) {
     }
 }
 
-fn recorded(
+fn map_project_recordings(
     loaded: &ProjectOnDisk,
     plan: &MeasurementPlan,
     options: &FraOptions,
 ) -> Result<Vec<ResponseMap>> {
-    let modelled = pipeline::model(&loaded.project)?;
+    let modelled = pipeline::build_plant_model(&loaded.project)?;
     let files = projects::read_recordings(&options.recording)?;
     let found = map_recordings(&loaded.project, &modelled, plan, &files)?;
     Ok(found.into_iter().map(describe_recorded_map).collect())

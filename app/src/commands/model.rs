@@ -68,7 +68,7 @@ pub fn run(options: &ModelOptions) -> CommandResult {
     }
     if !output::write_json(&options.results, &result)? {
         print(&result, pipeline::cannot_hold(&modelled).as_ref());
-        assumed(&result);
+        print_assumptions(&result);
         if let Some(why) = unranked {
             say!("assumptions are not ranked, because there is no design: {why}");
         }
@@ -104,7 +104,7 @@ fn print(result: &ModelResult, unheld: Option<&PipelineError>) {
 }
 
 /// Says how many values are assumed, and which of them may lie elsewhere.
-fn assumed(result: &ModelResult) {
+fn print_assumptions(result: &ModelResult) {
     let open: Vec<&str> =
         result.assumptions.iter().filter(|a| a.usual.is_some()).map(|a| a.key.as_str()).collect();
     let count = result.assumptions.len();

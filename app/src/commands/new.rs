@@ -38,7 +38,7 @@ pub fn run(options: &NewOptions) -> CommandResult {
     let document = match (options.full, &options.like) {
         (true, _) => Document::parse(STARTER, PROJECT_FILE),
         (false, Some(name)) => Document::parse(kind(name)?.text(), PROJECT_FILE),
-        (false, None) if std::io::stdin().is_terminal() => asked(&mut std::io::stdin().lock())?,
+        (false, None) if std::io::stdin().is_terminal() => ask_for_machine(&mut std::io::stdin().lock())?,
         (false, None) => bail!(
             "there is no terminal to ask on: say what the machine is like with --like {}, or give --full",
             names()
@@ -70,7 +70,7 @@ fn kind(name: &str) -> Result<StarterKind> {
 const MOST_REFUSED: usize = 20;
 
 /// Asks what the machine is like, then for four of its values. An empty answer keeps the value in brackets.
-fn asked(input: &mut dyn BufRead) -> Result<Document> {
+fn ask_for_machine(input: &mut dyn BufRead) -> Result<Document> {
     say!(
         "Five questions. A number may have any unit, as in 0.5 mrad; an empty answer keeps what is in brackets."
     );
@@ -141,13 +141,13 @@ mod tests {
     #[test]
     fn answers_fill_the_file_and_wrong_ones_are_asked_for_again() {
         let mut answers = "crane\ngimbal\n5 V\n800 g cm^2\n\n0.1 deg/s\n2 ms\n".as_bytes();
-        let text = asked(&mut answers).unwrap().text().to_owned();
+        let text = ask_for_machine(&mut answers).unwrap().text().to_owned();
         assert!(
             text.contains("inertia = \"800 g cm^2\"") && text.contains("sample_period = \"2 ms\""),
             "{text}"
         );
         assert!(text.contains("limit = \"0.12 N m\""), "an empty answer keeps the value: {text}");
-        assert!(asked(&mut "gimbal\n".as_bytes()).is_err(), "the input ends too early");
-        assert!(asked(&mut "x\n".repeat(30).as_bytes()).is_err(), "there is an end of asking");
+        assert!(ask_for_machine(&mut "gimbal\n".as_bytes()).is_err(), "the input ends too early");
+        assert!(ask_for_machine(&mut "x\n".repeat(30).as_bytes()).is_err(), "there is an end of asking");
     }
 }

@@ -70,14 +70,15 @@ pub fn run(options: &ReplayOptions) -> CommandResult {
     }
     let BySize { whole, in_parts } = split_by_size(&options.recordings, READ_AT_ONCE);
     let files = if whole.is_empty() { Vec::new() } else { projects::read_recordings(&whole)? };
-    let controller = recording_controller(&loaded.project).map_err(refused)?;
+    let controller = recording_controller(&loaded.project).map_err(recordings_error)?;
     let controller = controller.as_ref();
-    let read = read_files(&loaded.project, controller, &files, GapTreatment::Repaired).map_err(refused)?;
+    let read =
+        read_files(&loaded.project, controller, &files, GapTreatment::Repaired).map_err(recordings_error)?;
     if !options.open_loop {
         tell_missing_demand(&loaded.project, &read);
     }
     let control = loop_of(&loaded.project, controller.filter(|_| !options.open_loop));
-    let replayed = replay(&loaded.project, &read, &control, options.windows).map_err(refused)?;
+    let replayed = replay(&loaded.project, &read, &control, options.windows).map_err(recordings_error)?;
     let mut result = ReplayResult { recordings: replayed.iter().map(describe_replay).collect() };
     for path in &in_parts {
         result.recordings.extend(replay_in_parts(&loaded.project, controller, path, options)?);
@@ -114,10 +115,10 @@ fn replay_in_parts(
     let bar = if options.outputs.results.quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
     let parts = LargeRecording::open(path, ROWS_OF_A_PART, bar)?;
     let one = |table| -> anyhow::Result<Vec<RecordingResult>> {
-        let read = read_table(project, controller, &table).map_err(refused)?;
+        let read = read_table(project, controller, &table).map_err(recordings_error)?;
         drop(table);
         let control = loop_of(project, controller.filter(|_| !options.open_loop));
-        let replayed = replay(project, &read, &control, options.windows).map_err(refused)?;
+        let replayed = replay(project, &read, &control, options.windows).map_err(recordings_error)?;
         Ok(replayed.iter().map(describe_replay).collect())
     };
     // While one processor reads the next part, the others replay those before it.
@@ -128,7 +129,7 @@ fn replay_in_parts(
 
 /// Says so if the controller of the recordings was exported from another state of the project.
 pub(super) fn tell_other_export(loaded: &ProjectOnDisk) {
-    if let Some(other) = other_export(&loaded.project, &loaded.folder()) {
+    if let Some(other) = other_export(&loaded.project, &loaded.project_folder()) {
         print_message(&format!("note: {}", describe_other_export(&other)));
     }
 }
@@ -141,7 +142,7 @@ fn tell_missing_demand(project: &Project, read: &[ReadRecording]) {
     }
 }
 
-fn refused(error: PipelineError) -> Error {
+fn recordings_error(error: PipelineError) -> Error {
     Error::msg(describe_recordings_error(&error))
 }
 

@@ -25,7 +25,7 @@ pub struct StageOptions {
 
 /// Runs `counterpoise reduce`.
 pub fn reduce(options: &StageOptions) -> CommandResult {
-    let loaded = loaded(options, Purpose::Reduce)?;
+    let loaded = load_with_warnings(options, Purpose::Reduce)?;
     let (_, reduced) = to_reduced(&loaded)?;
     let result = ReduceResult::from(&reduced);
     if !output::write_json(&options.results, &result)? {
@@ -46,14 +46,14 @@ fn verdict_ok() -> CommandResult {
     Ok(ExitStatus::SUCCESS)
 }
 
-fn loaded(options: &StageOptions, purpose: Purpose) -> anyhow::Result<ProjectOnDisk> {
+fn load_with_warnings(options: &StageOptions, purpose: Purpose) -> anyhow::Result<ProjectOnDisk> {
     let loaded = projects::load_project(&options.project, purpose)?;
     output::print_warnings(&loaded, options.results.progress());
     Ok(loaded)
 }
 
 fn to_reduced(loaded: &ProjectOnDisk) -> anyhow::Result<(PlantModel, ReducedPlant)> {
-    let modelled = pipeline::model(&loaded.project)?;
-    let reduced = pipeline::reduce(&loaded.project, &modelled)?;
+    let modelled = pipeline::build_plant_model(&loaded.project)?;
+    let reduced = pipeline::reduce_plant(&loaded.project, &modelled)?;
     Ok((modelled, reduced))
 }

@@ -112,7 +112,7 @@ fn prepare(options: &SweepOptions) -> Result<Named> {
             )?,
         ),
     };
-    let identity = ProjectIdentity::of(&loaded.project, &loaded.folder());
+    let identity = ProjectIdentity::of(&loaded.project, &loaded.project_folder());
     let name = format!("{} {} {}", env!("CARGO_PKG_VERSION"), identity.hash, campaign.len());
     Ok(Named { designed, campaign, name, families, identity, stability })
 }
@@ -180,7 +180,7 @@ fn finish(named: &Named, options: &SweepOptions) -> CommandResult {
     for path in shards::shard_files(&options.output)? {
         parts.push(shards::read_shard(&path, &named.campaign, &named.name)?);
     }
-    if let Some(missing) = missing(&parts, named.campaign.len()) {
+    if let Some(missing) = missing_samples(&parts, named.campaign.len()) {
         bail!("{missing}: run the shards that hold them, or the same command without --merge and --shard");
     }
     let samples = merge_shards(&named.campaign, parts).context(
@@ -219,7 +219,7 @@ fn finish(named: &Named, options: &SweepOptions) -> CommandResult {
 }
 
 /// Returns which samples no shard holds; `None` if all are there.
-fn missing(parts: &[Vec<Sample>], all: usize) -> Option<String> {
+fn missing_samples(parts: &[Vec<Sample>], all: usize) -> Option<String> {
     let mut there = vec![false; all];
     parts.iter().flatten().filter(|sample| sample.index < all).for_each(|sample| there[sample.index] = true);
     let absent: Vec<usize> = (0..all).filter(|k| !there[*k]).collect();

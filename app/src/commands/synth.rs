@@ -61,11 +61,11 @@ pub fn run(options: &SynthOptions) -> CommandResult {
     let loaded = projects::load_project(&options.project, Purpose::Synth)?;
     output::print_warnings(&loaded, options.outputs.results.progress());
     if options.search {
-        let modelled = pipeline::model(&loaded.project)?;
-        let reduced = pipeline::reduce(&loaded.project, &modelled)?;
+        let modelled = pipeline::build_plant_model(&loaded.project)?;
+        let reduced = pipeline::reduce_plant(&loaded.project, &modelled)?;
         return report_search(options, &loaded, &modelled, &reduced);
     }
-    let study = study_synthesis(&loaded.project, &loaded.folder())?;
+    let study = study_synthesis(&loaded.project, &loaded.project_folder())?;
     let result = SynthResult::from(&study.synthesised);
     if let Some(path) = &options.outputs.report {
         let origin = origin(&loaded, "");
@@ -309,7 +309,7 @@ fn report_search(
     let points: Vec<VerifiedPoint> = judged.iter().map(verified_point).collect();
     let result = search_result(&found, points);
     if let Some(path) = &options.outputs.report {
-        let identity = ProjectIdentity::of(&loaded.project, &loaded.folder());
+        let identity = ProjectIdentity::of(&loaded.project, &loaded.project_folder());
         let page =
             trade_off::trade_off_report(&identity, &found, &result.verified, &origin(loaded, " --search"));
         projects::write_file(path, html_page(&page).as_bytes())?;

@@ -81,8 +81,8 @@ const DRIVE_S: (f64, f64, f64) = (30.0, 0.005, 1.0);
 
 /// Runs the command.
 pub fn run(options: &VerifyOptions) -> CommandResult {
-    let study = verified(options, &options.project)?;
-    let before = options.against.as_ref().map(|path| verified(options, path)).transpose()?;
+    let study = verify_project(options, &options.project)?;
+    let before = options.against.as_ref().map(|path| verify_project(options, path)).transpose()?;
     let changed = before.as_ref().map(|before| figure_changes(&before.found, &study.found));
     if let Some(path) = &options.report {
         projects::write_file(path, page(options, &study, changed.as_deref()).as_bytes())?;
@@ -178,13 +178,13 @@ struct VerificationStudy {
     two_axes: Option<TwoAxisStudy>,
 }
 
-fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
+fn verify_project(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
     let loaded = projects::load_project(path, Purpose::Verify)?;
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
     let project = &loaded.project;
-    let modelled = pipeline::model(project)?;
-    let reduced = pipeline::reduce(project, &modelled)?;
+    let modelled = pipeline::build_plant_model(project)?;
+    let reduced = pipeline::reduce_plant(project, &modelled)?;
     let made = pipeline::synthesise(project, &modelled, &reduced)?;
     let mut procedure = pipeline::project_procedure(project, &world)?;
     if let Some(class) = &options.road {
@@ -199,7 +199,7 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
             .context("--plant fe: the project has neither [plant.beam] nor [plant.import]")?,
         PlantChoice::Project | PlantChoice::Linear => project.model.structure,
     };
-    let on = pipeline::model(&with_structure(project, structure))?;
+    let on = pipeline::build_plant_model(&with_structure(project, structure))?;
     let plant = on.plant.clone();
     let found = match options.plant {
         PlantChoice::Linear => pipeline::verify_linear_on(project, &plant, &made, &procedure)?,
@@ -207,7 +207,7 @@ fn verified(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
     };
     let controller = &made.sampled.controller;
     let stability = pipeline::robust_stability(&loaded.project, &modelled, controller, &world)?;
-    let identity = ProjectIdentity::of(project, &loaded.folder());
+    let identity = ProjectIdentity::of(project, &loaded.project_folder());
     let measured_on = verified_loop(&plant, controller, &procedure)?;
     let linear = options.plant == PlantChoice::Linear;
     let certified =

@@ -83,6 +83,6 @@ pub fn counterpoise() -> Command {
 
 /// Says that a test, or a part of it, is skipped, with the tool that is missing. The line goes past the capture of a test's output, so that
 /// `.ci/skips` sees it.
-pub fn skipped(why: &str) {
+pub fn report_skip(why: &str) {
     let _ = writeln!(std::io::stderr(), "skipped: {why}");
 }

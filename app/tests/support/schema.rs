@@ -12,7 +12,7 @@ const OPTIONAL: &[(&str, &[&str])] =
     &[("model", &["structure"]), ("verify", &["robust_to_times_the_ranges"])];
 
 /// Returns the published schema: the definitions of all results, made of one example each. `is_name` tells keys that are names.
-pub fn published(examples: &[(&str, Value)], is_name: &dyn Fn(&str) -> bool) -> Value {
+pub fn published_schema(examples: &[(&str, Value)], is_name: &dyn Fn(&str) -> bool) -> Value {
     let definition = |(name, value): &(&str, Value)| {
         let optional = OPTIONAL.iter().find(|(of, _)| of == name).map_or(&[][..], |(_, keys)| keys);
         let mut made = of_values(&[value], is_name);

@@ -19,7 +19,7 @@ pub(crate) fn level(writer: &mut Writer, name: &str, of: Slot, points: &[[f64; 2
 }
 
 /// Writes the odd curve through 0 and the points, whose x rise from beyond 0; constant beyond the last.
-pub(crate) fn odd(writer: &mut Writer, name: &str, of: Slot, points: &[[f64; 2]]) -> Slot {
+pub(crate) fn write_odd_curve(writer: &mut Writer, name: &str, of: Slot, points: &[[f64; 2]]) -> Slot {
     let mut terms = Vec::new();
     let mut from = [0.0, 0.0];
     for (k, &to) in points.iter().enumerate() {

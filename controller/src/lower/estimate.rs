@@ -1,7 +1,7 @@
 //! The estimator of the out-of-balance in a step.
 
 use crate::lower::regressors::{EstimatorInputs, fall, regressors, write_unexplained};
-use crate::lower::schedule::{self, settable};
+use crate::lower::schedule::{self, settable_moments};
 use crate::lower::squares::squares;
 use crate::lower::{Limits, States, Writer};
 use crate::program::{OnRestart, ProgramTerm, Slot};
@@ -105,11 +105,11 @@ fn follow(inputs: &EstimatorInputs<'_>, estimator: &Estimator, states: &mut Stat
         way = writer.clamp("moved_kg_m", way, Limits::symmetric(most));
     }
     if estimator.hold_samples > 0 {
-        let enabled = enabled(estimator.hold_samples, states, writer);
+        let enabled = write_enable_switch(estimator.hold_samples, states, writer);
         way = writer.product("enabled_move_kg_m", way, enabled);
     }
     let sum = writer.sum("unbounded_kg_m", &[1.0 * layout.out_of_balance, 1.0 * way]);
-    let bounded = writer.clamp("bounded_kg_m", sum, settable(parts));
+    let bounded = writer.clamp("bounded_kg_m", sum, settable_moments(parts));
     writer.copy(layout.out_of_balance, bounded);
     schedule::follow(writer, parts, layout);
     if let (Some(transfer), Some(before)) = (transfer, before) {
@@ -120,7 +120,7 @@ fn follow(inputs: &EstimatorInputs<'_>, estimator: &Estimator, states: &mut Stat
 }
 
 /// Writes a switch that is 0 for `hold_samples` samples and 1 after them.
-fn enabled(hold_samples: u32, states: &mut States, writer: &mut Writer) -> Slot {
+fn write_enable_switch(hold_samples: u32, states: &mut States, writer: &mut Writer) -> Slot {
     let count = states.scalar("estimator_samples", 0.0, OnRestart::Restart);
     let now = writer.local("estimator_samples_now");
     writer.sum_into(now, Some(1.0), &[1.0 * count]);

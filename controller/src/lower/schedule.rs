@@ -54,7 +54,7 @@ pub(crate) fn layout(parts: &Parts, states: &mut States) -> Layout {
         let initial = |i| if i == 0 { holds } else { 0.0 };
         let add = |i| {
             let slot = states.scalar(&format!("estimate_{i}"), initial(i), OnRestart::Keep);
-            states.keep_within(plausible(parts, estimator, i));
+            states.keep_within(plausible_limits(parts, estimator, i));
             slot
         };
         (0..parameters(estimator)).map(add).collect()
@@ -68,7 +68,7 @@ pub(crate) fn layout(parts: &Parts, states: &mut States) -> Layout {
 }
 
 /// Returns the limits of an estimated parameter: [`ESTIMATE_SPAN`] times the largest size that it can plausibly have.
-fn plausible(parts: &Parts, estimator: &Estimator, i: usize) -> StateLimits {
+fn plausible_limits(parts: &Parts, estimator: &Estimator, i: usize) -> StateLimits {
     let (low, high) = parts.out_of_balance_range_kg_m;
     let volts = parts.equivalent_limit_v();
     let size = match i {
@@ -81,7 +81,7 @@ fn plausible(parts: &Parts, estimator: &Estimator, i: usize) -> StateLimits {
 }
 
 /// Returns the out-of-balance that may be set, kg m.
-pub(crate) fn settable(parts: &Parts) -> Limits {
+pub(crate) fn settable_moments(parts: &Parts) -> Limits {
     let (low, high) = parts.out_of_balance_range_kg_m;
     Limits { low, high }
 }
@@ -183,7 +183,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout) -> Program {
         slow_part(&mut writer, layout, "before")
     });
     writer.section("out-of-balance inside its range");
-    let set = writer.clamp("set_kg_m", Slot::Input(0), settable(parts));
+    let set = writer.clamp("set_kg_m", Slot::Input(0), settable_moments(parts));
     writer.copy(layout.out_of_balance, set);
     if let (Some(&first), Some(estimator)) = (layout.estimate.first(), &parts.estimator) {
         writer.sum_into(first, None, &[estimator.volts_per_kg_m_s2 * set]);

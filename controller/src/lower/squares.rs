@@ -177,7 +177,7 @@ impl Factors {
         let mut size = keep;
         let mut gain: Vec<Slot> = Vec::new();
         for j in 0..self.D.len() {
-            let f = self.along(j, phi, writer);
+            let f = self.write_combination(j, phi, writer);
             let v = writer.product(format!("pull_{j}"), self.D[j], f);
             let square = writer.product(format!("pull_square_{j}"), v, f);
             let told = writer.sum(format!("told_{j}"), &[1.0 * size, 1.0 * square]);
@@ -201,7 +201,7 @@ impl Factors {
     }
 
     /// f_j = phi_j + sum over i < j of U_ij phi_i.
-    fn along(&self, j: usize, phi: &[Slot], writer: &mut Writer) -> Slot {
+    fn write_combination(&self, j: usize, phi: &[Slot], writer: &mut Writer) -> Slot {
         let mut terms = vec![1.0 * phi[j]];
         for i in 0..j {
             terms.push(1.0 * writer.product(format!("along_{i}_{j}"), self.U[j][i], phi[i]));

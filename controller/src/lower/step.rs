@@ -55,7 +55,7 @@ struct Control {
 pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Program {
     let mut writer = Writer::new(&reading_names(parts));
     let mut pending = Vec::new();
-    let mut signals = corrected(parts, &mut writer);
+    let mut signals = write_corrections(parts, &mut writer);
     if let Some(projection) = parts.projection {
         let given = project::Given { readings: &signals.readings, sample_period_s: parts.sample_period_s };
         let across = project::project_across_beam(projection, &given, states, &mut writer, &mut pending);
@@ -94,7 +94,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Pr
     writer.finish(Some(driven))
 }
 
-fn corrected(parts: &Parts, writer: &mut Writer) -> Signals {
+fn write_corrections(parts: &Parts, writer: &mut Writer) -> Signals {
     let mut readings = std::array::from_fn(Slot::Input);
     writer.section("corrected readings");
     for each in &parts.corrections {
@@ -218,7 +218,7 @@ fn drive(parts: &Parts, limited: Slot, writer: &mut Writer) -> Slot {
     let mut points: Vec<[f64; 2]> =
         parts.drive_curve.iter().copied().take_while(|point| point[1] < parts.limit_v).collect();
     points.push([parts.equivalent_limit_v(), parts.limit_v]);
-    let driven = curve::odd(writer, "driven_v", limited, &points);
+    let driven = curve::write_odd_curve(writer, "driven_v", limited, &points);
     writer.clamp("driven_limited_v", driven, Limits::symmetric(parts.limit_v))
 }
 

@@ -65,13 +65,13 @@ pub fn list_demands(limits: &Limits, period_s: f64) -> Vec<Demand> {
     let of = |shape: DemandShape| {
         let unit: Vec<f64> =
             (0..count).map(|k| shape.at(k as f64 / count as f64, limits.duration_s)).collect();
-        LEVELS.map(|level| sized(shape, level, &unit, limits, period_s))
+        LEVELS.map(|level| scale_to_limits(shape, level, &unit, limits, period_s))
     };
     SHAPES.into_iter().flat_map(of).collect()
 }
 
 /// Returns a demand of a shape at a share of the largest size that keeps rate and angle within their limits.
-fn sized(shape: DemandShape, level: f64, unit: &[f64], limits: &Limits, period_s: f64) -> Demand {
+fn scale_to_limits(shape: DemandShape, level: f64, unit: &[f64], limits: &Limits, period_s: f64) -> Demand {
     let peak = |series: &[f64]| series.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
     let travelled = integral(unit, period_s);
     let by_rate = limits.rate_rad_s / peak(unit).max(f64::MIN_POSITIVE);

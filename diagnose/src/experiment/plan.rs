@@ -53,7 +53,7 @@ pub struct PlannedExperiment {
 
 impl PlannedExperiment {
     /// Returns the separation of the two machines that are hardest to tell apart.
-    pub fn weakest(&self) -> Option<&Separation> {
+    pub fn weakest_separation(&self) -> Option<&Separation> {
         self.separations.iter().min_by(|a, b| a.log_likelihood_ratio.total_cmp(&b.log_likelihood_ratio))
     }
 }
@@ -79,10 +79,10 @@ pub fn choose_experiment(request: &ExperimentRequest, pool: &dyn Pool) -> Experi
     let count = demands.len();
     let tried = map(pool, count, |k| {
         pool.progress("planning", k, count);
-        request.tried(&demands[k])
+        request.try_demand(&demands[k])
     });
     let mut experiments: Vec<PlannedExperiment> = tried.into_iter().flatten().collect();
-    let weakest = |e: &PlannedExperiment| e.weakest().map_or(0.0, |s| s.log_likelihood_ratio);
+    let weakest = |e: &PlannedExperiment| e.weakest_separation().map_or(0.0, |s| s.log_likelihood_ratio);
     experiments.sort_by(|a, b| weakest(b).total_cmp(&weakest(a)));
     ExperimentPlan { machines, experiments }
 }
@@ -93,14 +93,17 @@ impl ExperimentRequest<'_> {
     fn that_keep_limits(&self, demands: &[Demand], pool: &dyn Pool) -> Vec<PossibleMachine> {
         let keeps = map(pool, self.machines.len(), |k| {
             let bare = PossibleMachine { free: Vec::new(), ..self.machines[k].clone() };
-            demands.iter().rev().any(|demand| self.expected(&bare, &self.demanded(demand)).is_some())
+            demands
+                .iter()
+                .rev()
+                .any(|demand| self.expected_recording(&bare, &self.demand_readings(demand)).is_some())
         });
         let kept = self.machines.iter().zip(keeps).filter(|(_, keeps)| *keeps);
         kept.map(|(machine, _)| machine.clone()).collect()
     }
 
     /// Returns a demand as the controller reads it.
-    fn demanded(&self, demand: &Demand) -> Vec<f64> {
+    fn demand_readings(&self, demand: &Demand) -> Vec<f64> {
         let machine = &self.machines[0].parameters;
         if self.controller.demands_position() || machine.sensors.measured.is_position() {
             demand.angle_rad.iter().map(|angle| self.start_angle_rad + angle).collect()
@@ -110,12 +113,12 @@ impl ExperimentRequest<'_> {
     }
 
     /// Simulates a demand with every machine; `None` if one of them leaves the limits or cannot be simulated.
-    fn tried(&self, demand: &Demand) -> Option<PlannedExperiment> {
-        let demanded = self.demanded(demand);
+    fn try_demand(&self, demand: &Demand) -> Option<PlannedExperiment> {
+        let demanded = self.demand_readings(demand);
         let mut reached = Reached::default();
         let mut expected = Vec::new();
         for possible in self.machines {
-            let (one, farthest) = self.expected(possible, &demanded)?;
+            let (one, farthest) = self.expected_recording(possible, &demanded)?;
             reached.angle_rad = reached.angle_rad.max(farthest.angle_rad);
             reached.rate_rad_s = reached.rate_rad_s.max(farthest.rate_rad_s);
             reached.current_a = reached.current_a.max(farthest.current_a);
@@ -127,9 +130,9 @@ impl ExperimentRequest<'_> {
     }
 
     /// Returns what a machine would record and what it reaches; `None` if it leaves the limits.
-    fn expected(&self, machine: &PossibleMachine, demand: &[f64]) -> Option<(Expected, Reached)> {
-        let history = self.simulated(&machine.parameters, demand)?;
-        let reached = self.reached(&history);
+    fn expected_recording(&self, machine: &PossibleMachine, demand: &[f64]) -> Option<(Expected, Reached)> {
+        let history = self.simulate_machine(&machine.parameters, demand)?;
+        let reached = self.reached_limits(&history);
         let limits = &self.limits;
         let within = reached.angle_rad <= OVERSHOOT * limits.angle_rad
             && reached.rate_rad_s <= OVERSHOOT * limits.rate_rad_s
@@ -139,8 +142,8 @@ impl ExperimentRequest<'_> {
         }
         let signals = self.over_floors(&machine.parameters, &history);
         let slope = |parameter: &&'static EffectParameter| {
-            let step = moved(parameter, &machine.parameters);
-            let again = self.simulated(&step, demand)?;
+            let step = move_parameter(parameter, &machine.parameters);
+            let again = self.simulate_machine(&step, demand)?;
             let changed = self.over_floors(&machine.parameters, &again);
             Some(changed.iter().zip(&signals).map(|(a, b)| a - b).collect::<Vec<f64>>())
         };
@@ -148,7 +151,7 @@ impl ExperimentRequest<'_> {
         Some((Expected { signals, slopes }, reached))
     }
 
-    fn simulated(&self, parameters: &Parameters, demand: &[f64]) -> Option<TimeHistory> {
+    fn simulate_machine(&self, parameters: &Parameters, demand: &[f64]) -> Option<TimeHistory> {
         let plant = Plant::from_lumped(parameters).ok()?;
         let mut simulator = Simulator::new(&plant).ok()?.with_step_bound(STEPS_PER_SAMPLE);
         let period_s = parameters.interface.sample_period_s;
@@ -165,7 +168,7 @@ impl ExperimentRequest<'_> {
         simulator.run(self.controller.at_rest().as_mut(), &scenario).ok()
     }
 
-    fn reached(&self, history: &TimeHistory) -> Reached {
+    fn reached_limits(&self, history: &TimeHistory) -> Reached {
         let peak =
             |series: &[f64], from: f64| series.iter().fold(0.0, |most: f64, v| most.max((v - from).abs()));
         Reached {
@@ -195,7 +198,7 @@ impl ExperimentRequest<'_> {
 }
 
 /// Returns a mechanism with one parameter moved by a part of its typical size, inside its bounds.
-fn moved(parameter: &EffectParameter, of: &Parameters) -> Parameters {
+fn move_parameter(parameter: &EffectParameter, of: &Parameters) -> Parameters {
     let value = parameter.read(of);
     let step = FIT_STEP * parameter.size;
     let up = value + step;

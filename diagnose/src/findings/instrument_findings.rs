@@ -2,19 +2,19 @@
 
 use crate::findings::answer::{Finding, FindingBasis, FittedParameter, Name};
 use crate::library::{Component, EffectName};
-use crate::recording::instrument_faults::{Column, FaultKind, InstrumentFault};
+use crate::recording::instrument_faults::{FaultKind, InstrumentFault, RecorderColumn};
 use crate::tolerance::RIGHT_WHERE_EXPLAINED;
 
 /// Returns the component that is at fault if a column is wrong.
-pub fn component_of(column: Column) -> Component {
+pub fn component_of(column: RecorderColumn) -> Component {
     match column {
-        Column::Demand => Component::Demand,
-        Column::Control => Component::Control,
-        Column::HubRate => Component::HubGyro,
-        Column::PlatformRate => Component::PlatformGyro,
-        Column::PlatformAccel => Component::PlatformAccelerometer,
-        Column::MotorRate => Component::MotorTachometer,
-        Column::HubPosition => Component::HubResolver,
+        RecorderColumn::Demand => Component::Demand,
+        RecorderColumn::Control => Component::Control,
+        RecorderColumn::HubRate => Component::HubGyro,
+        RecorderColumn::PlatformRate => Component::PlatformGyro,
+        RecorderColumn::PlatformAccel => Component::PlatformAccelerometer,
+        RecorderColumn::MotorRate => Component::MotorTachometer,
+        RecorderColumn::HubPosition => Component::HubResolver,
     }
 }
 
@@ -36,7 +36,7 @@ pub fn effect_of(kind: &FaultKind) -> EffectName {
 /// Returns a fault as a finding of a diagnosis.
 pub fn make_finding(fault: &InstrumentFault) -> Finding {
     let effect = effect_of(&fault.kind);
-    let other = |column: &Column| Name { effect, component: component_of(*column) };
+    let other = |column: &RecorderColumn| Name { effect, component: component_of(*column) };
     let exchanged = match fault.kind {
         FaultKind::Exchanged { with } => vec![other(&with)],
         _ => Vec::new(),

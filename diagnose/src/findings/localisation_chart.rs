@@ -127,7 +127,7 @@ mod tests {
 
     /// A recording at the reference rig's pace whose control departs from the replay by `torque(k)`, N m at the hub, which the motor
     /// makes and the hub takes.
-    fn departing(sensors: RedundantSensors, torque: impl Fn(usize, f64) -> f64) -> Vec<MapCell> {
+    fn departing_map(sensors: RedundantSensors, torque: impl Fn(usize, f64) -> f64) -> Vec<MapCell> {
         let p = reference::rig();
         let t = |k: usize| k as f64 * 1e-3;
         let mut seed = 7u64;
@@ -179,14 +179,14 @@ mod tests {
         )
     }
 
-    fn best(map: &[MapCell]) -> (Component, Regime) {
+    fn best_cell(map: &[MapCell]) -> (Component, Regime) {
         let cell = map.iter().max_by(|a, b| a.log_likelihood_gain.total_cmp(&b.log_likelihood_gain)).unwrap();
         (cell.component, cell.regime)
     }
 
     #[test]
     fn nothing_left_out_leaves_an_empty_chart() {
-        let map = departing(MOTOR_RATE, |_, _| 0.0);
+        let map = departing_map(MOTOR_RATE, |_, _| 0.0);
         let chart = build_chart(&map, &list_balances(MOTOR_RATE), &[]);
         assert!(chart.best.is_none() && chart.likeliest.is_empty(), "{map:?}");
         assert_eq!(chart.agreement, SearchAgreement::Agrees);
@@ -205,8 +205,8 @@ mod tests {
 
     #[test]
     fn a_control_that_repeats_with_the_motors_angle_points_there() {
-        let map = departing(MOTOR_RATE, |_, angle| 20.0 * (3.0 * 200.0 * angle).sin());
-        assert_eq!(best(&map), (Component::Motor, Regime::MotorAngle), "{map:?}");
+        let map = departing_map(MOTOR_RATE, |_, angle| 20.0 * (3.0 * 200.0 * angle).sin());
+        assert_eq!(best_cell(&map), (Component::Motor, Regime::MotorAngle), "{map:?}");
         let sees = list_balances(MOTOR_RATE);
         let ringed = |component, effect| {
             let chart = build_chart(&map, &sees, &[finding_of(component, effect)]);
@@ -228,7 +228,7 @@ mod tests {
 
     #[test]
     fn a_torque_of_time_alone_shows_its_period_and_what_cannot_be_told_from_it() {
-        let map = departing(NO_MORE, |k, _| 30.0 * (std::f64::consts::TAU * k as f64 / 410.0).sin());
+        let map = departing_map(NO_MORE, |k, _| 30.0 * (std::f64::consts::TAU * k as f64 / 410.0).sin());
         let chart = build_chart(&map, &list_balances(NO_MORE), &[]);
         assert_eq!(chart.likeliest[0], Component::Structure);
         assert!(chart.likeliest.contains(&Component::Amplifier), "{:?}", chart.likeliest);

@@ -99,9 +99,9 @@ impl SimilarityScale {
         p.motor.back_emf_v_s_rad /= c;
         p.motor.cogging = ripple(&p.motor.cogging, s / c, c);
         p.motor.torque_ripple = ripple(&p.motor.torque_ripple, 1.0, c);
-        p.motor_friction = p.motor_friction.similar(Similarity { torque: s / c, angle: c });
-        p.pivot_friction = p.pivot_friction.similar(Similarity { torque: s, angle: 1.0 });
-        p.learned.iter_mut().for_each(|element| self.learned(element));
+        p.motor_friction = p.motor_friction.scale_similarly(Similarity { torque: s / c, angle: c });
+        p.pivot_friction = p.pivot_friction.scale_similarly(Similarity { torque: s, angle: 1.0 });
+        p.learned.iter_mut().for_each(|element| self.scale_element(element));
         set_loads(&mut p.loads, s);
         set_reading(&mut p.sensors.hub_gyro, self.reading(p.sensors.measured));
         if let Some(tachometer) = &mut p.sensors.motor_tachometer {
@@ -117,7 +117,7 @@ impl SimilarityScale {
     }
 
     /// Scales a free function: its values if they are torques, and its points if they are torques, or angles or rates of the motor.
-    fn learned(self, element: &mut LearnedElement) {
+    fn scale_element(self, element: &mut LearnedElement) {
         let at_motor = element.place == LearnedPlace::Motor;
         let torque = if at_motor { self.torque / self.ratio } else { self.torque };
         let turns = if at_motor { self.ratio } else { 1.0 };
@@ -157,7 +157,7 @@ impl SimilarityScale {
             for parameter in &mut finding.parameters {
                 let found = find_parameter(finding.component, finding.effect, parameter.name);
                 let Some(definition) = found else { continue };
-                let own = |value: f64| self.own(scaled, definition, value);
+                let own = |value: f64| self.original_value(scaled, definition, value);
                 parameter.value = own(parameter.value);
                 parameter.before = own(parameter.before);
                 parameter.ci95 = parameter.ci95.map(own);
@@ -175,8 +175,8 @@ impl SimilarityScale {
             let (component, effect) = (hypothesis.component, hypothesis.effect);
             for value in &mut hypothesis.values {
                 let found = find_parameter(component, effect, value.name);
-                value.value =
-                    found.map_or(value.value, |definition| self.own(scaled, definition, value.value));
+                value.value = found
+                    .map_or(value.value, |definition| self.original_value(scaled, definition, value.value));
             }
         }
         for effect in &mut answer.not_excited {
@@ -184,11 +184,11 @@ impl SimilarityScale {
                 continue;
             };
             effect.smallest_detectable =
-                effect.smallest_detectable.map(|size| self.own(scaled, definition, size));
+                effect.smallest_detectable.map(|size| self.original_value(scaled, definition, size));
         }
         if let Some(learned) = &mut answer.learned {
             for part in &mut learned.parts {
-                self.inverse().learned(&mut part.element);
+                self.inverse().scale_element(&mut part.element);
                 part.reading = read_curve(&part.element);
             }
             let tables = [&mut learned.after, &mut learned.held_out_before, &mut learned.held_out_after];
@@ -210,7 +210,7 @@ impl SimilarityScale {
     }
 
     /// Converts the value of a parameter on the scaled machine back to the machine itself.
-    fn own(self, scaled: &Parameters, definition: &EffectParameter, value: f64) -> f64 {
+    fn original_value(self, scaled: &Parameters, definition: &EffectParameter, value: f64) -> f64 {
         let mut probe = scaled.clone();
         definition.write(&mut probe, value);
         let taken = definition.read(&probe);
@@ -318,7 +318,7 @@ mod tests {
         assert_eq!(scale.inverse().apply_to(&usual), machine);
         assert!(SimilarityScale::of(&usual, &[]).is_none() && SimilarityScale::of(&rig, &[]).is_none());
         let definition = find_parameter(Component::Pivot, EffectName::Coulomb, "coulomb").unwrap();
-        let own = scale.own(&usual, definition, usual.pivot_friction.coulomb_nm());
+        let own = scale.original_value(&usual, definition, usual.pivot_friction.coulomb_nm());
         assert!((own / machine.pivot_friction.coulomb_nm() - 1.0).abs() < 1e-12);
     }
 

@@ -73,11 +73,11 @@ impl VerdictEvidence<'_> {
     /// Returns the verdict.
     pub(crate) fn verdict(&self) -> DiagnosisVerdict {
         let Some(accepted) = self.named_model() else {
-            let explained = self.search.baseline.score.worst() < EXPLAINED;
+            let explained = self.search.baseline.score.largest_excess() < EXPLAINED;
             return if explained { DiagnosisVerdict::Consistent } else { DiagnosisVerdict::Unknown };
         };
         let ambiguous = (0..accepted.fit.effects.len()).any(|i| !self.alternatives(accepted, i).is_empty());
-        match (accepted.whole.worst() < EXPLAINED, ambiguous) {
+        match (accepted.whole.largest_excess() < EXPLAINED, ambiguous) {
             (true, false) => DiagnosisVerdict::Named,
             (true, true) => DiagnosisVerdict::Ambiguous,
             (false, _) => DiagnosisVerdict::Incomplete,
@@ -109,11 +109,11 @@ impl VerdictEvidence<'_> {
     fn alternatives(&self, accepted: &FittedCandidate, index: usize) -> Vec<Name> {
         let Some(rivals) = self.search.rivals.get(index) else { return Vec::new() };
         let chosen = accepted.fit.effects[index];
-        let best = rivals.iter().find(|r| r.newest().is_some_and(|e| same_name(e, chosen)));
+        let best = rivals.iter().find(|r| r.newest_effect().is_some_and(|e| same_name(e, chosen)));
         let best = best.unwrap_or(accepted);
         let mut names: Vec<Name> = Vec::new();
         for rival in rivals.iter().filter(|r| r.log_likelihood_deficit(best) < AMBIGUOUS) {
-            let Some(effect) = rival.newest().filter(|e| !same_name(e, chosen)) else { continue };
+            let Some(effect) = rival.newest_effect().filter(|e| !same_name(e, chosen)) else { continue };
             let name = Name { effect: effect.effect, component: effect.component };
             if !names.contains(&name) {
                 names.push(name);
@@ -139,15 +139,15 @@ impl VerdictEvidence<'_> {
     fn probability(&self, accepted: &FittedCandidate, index: usize) -> f64 {
         let rivals = self.search.rivals.get(index).map_or(&[][..], Vec::as_slice);
         let chosen = accepted.fit.effects[index];
-        let best = rivals.iter().find(|r| r.newest().is_some_and(|e| same_name(e, chosen)));
+        let best = rivals.iter().find(|r| r.newest_effect().is_some_and(|e| same_name(e, chosen)));
         let best = best.unwrap_or(accepted);
-        let others = rivals.iter().filter(|r| r.newest().is_some_and(|e| !same_name(e, chosen)));
+        let others = rivals.iter().filter(|r| r.newest_effect().is_some_and(|e| !same_name(e, chosen)));
         let weight: f64 =
             others.map(|r| (-RIVAL_DECAY * r.log_likelihood_deficit(best).max(0.0)).exp()).sum();
         let tried = |name: &Name| {
             rivals
                 .iter()
-                .filter_map(FittedCandidate::newest)
+                .filter_map(FittedCandidate::newest_effect)
                 .any(|e| (e.effect, e.component) == (name.effect, name.component))
         };
         let weight =
@@ -157,7 +157,7 @@ impl VerdictEvidence<'_> {
 
     /// Returns the probability that a name without a rival is true, by how well the model explains the recordings.
     fn ceiling(&self, accepted: &FittedCandidate) -> f64 {
-        let explained = self.sizes.typical && accepted.whole.worst() < EXPLAINED;
+        let explained = self.sizes.typical && accepted.whole.largest_excess() < EXPLAINED;
         match (explained, accepted.fit.effects.len()) {
             (true, ..3) => RIGHT_WHERE_EXPLAINED,
             (true, _) => RIGHT_OF_THREE,
@@ -170,7 +170,7 @@ impl VerdictEvidence<'_> {
             (Some(accepted), _) => {
                 (0..accepted.fit.effects.len()).map(|i| self.finding(accepted, i)).collect()
             }
-            (None, DiagnosisVerdict::Unknown) => vec![self.unknown()],
+            (None, DiagnosisVerdict::Unknown) => vec![self.unknown_finding()],
             _ => Vec::new(),
         }
     }
@@ -183,8 +183,8 @@ impl VerdictEvidence<'_> {
             component: effect.component,
             probability: self.probability(accepted, index),
             basis: FindingBasis::FittedEffect {
-                worst_before: self.search.baseline.score.worst(),
-                worst_after: accepted.whole.worst(),
+                worst_before: self.search.baseline.score.largest_excess(),
+                worst_after: accepted.whole.largest_excess(),
             },
             parameters,
             alternatives: self.alternatives(accepted, index),
@@ -228,13 +228,13 @@ impl VerdictEvidence<'_> {
         (samples, samples as f64 / independent.max(1.0))
     }
 
-    fn unknown(&self) -> Finding {
+    fn unknown_finding(&self) -> Finding {
         let places = rank_components(&self.map);
         let (component, others) =
             places.split_first().map_or((Component::Unknown, &[][..]), |(first, others)| (*first, others));
         let best = self.search.stages.first().and_then(|s| s.candidates.first());
         let nearest = best.and_then(|c| {
-            let effect = c.newest()?;
+            let effect = c.newest_effect()?;
             let name = Name { effect: effect.effect, component: effect.component };
             Some(NearestEffect { name, share: self.share(c) })
         });
@@ -294,7 +294,7 @@ impl VerdictEvidence<'_> {
         stages
             .flat_map(|(stage, s)| s.candidates.iter().map(move |c| (stage + 1, c)))
             .filter_map(|(stage, c)| {
-                let effect = c.newest()?;
+                let effect = c.newest_effect()?;
                 Some(Hypothesis {
                     stage,
                     effect: effect.effect,
@@ -304,7 +304,7 @@ impl VerdictEvidence<'_> {
                     power_left: c.held_out_power_share(),
                     log_likelihood_gain: c.held_out.gain_over(&c.held_out_before),
                     distance: c.whole.distance(),
-                    worst: c.whole.worst(),
+                    worst: c.whole.largest_excess(),
                     accepted: c.fit.effects.iter().all(|e| named(e)),
                 })
             })
@@ -341,7 +341,7 @@ fn other_effects(candidate: &FittedCandidate) -> Vec<Name> {
 
 /// Returns the fitted parameters of a candidate's newest effect.
 fn newest_values(candidate: &FittedCandidate) -> Vec<HypothesisValue> {
-    let Some(effect) = candidate.newest() else { return Vec::new() };
+    let Some(effect) = candidate.newest_effect() else { return Vec::new() };
     let values = &candidate.fit.values[candidate.fit.values.len() - effect.parameters.len()..];
     let one = |(parameter, value): (&EffectParameter, &f64)| HypothesisValue {
         name: parameter.name,

@@ -55,7 +55,7 @@ impl FitSelection {
     }
 
     /// Selects the first part of some recordings, for a comparison of candidates.
-    pub fn searching(recordings: Vec<usize>) -> Self {
+    pub fn search_parts(recordings: Vec<usize>) -> Self {
         Self { iterations: SEARCH_ITERATIONS, ..Self::first_parts(recordings) }
     }
 
@@ -172,10 +172,10 @@ impl Problem<'_> {
     /// nothing.
     pub fn fit(&self, start: &[f64]) -> Option<Fit> {
         let near = |index: usize| self.assessments.get(index);
-        let mut best = self.descend(start, self.selection.iterations, self.near(start, &near)?)?;
+        let mut best = self.descend(start, self.selection.iterations, self.assess_near(start, &near)?)?;
         for _ in 0..self.selection.restarts {
             let Some(next) = self
-                .near(&best.values, &|_| None)
+                .assess_near(&best.values, &|_| None)
                 .and_then(|near| self.descend(&best.values, self.selection.iterations.div_ceil(2), near))
             else {
                 break;
@@ -234,7 +234,7 @@ impl Problem<'_> {
             if iteration % STARTS_KEPT == 0 {
                 columns = self.start_columns(&now, &near);
             }
-            let slopes = self.linearised(&now, &near, &columns);
+            let slopes = self.linearise_cost(&now, &near, &columns);
             let next = self.improve(&now, &slopes, &mut damping, &near);
             (information, scatter) = (slopes.normal, slopes.scatter);
             let settled = next.as_ref().is_none_or(|next| now.cost - next.cost < FIT_TOLERANCE * now.cost);
@@ -261,7 +261,7 @@ impl Problem<'_> {
     }
 
     /// Assesses the recordings for the mechanism at given parameter values, from what is known of a similar mechanism.
-    fn near<'n>(
+    fn assess_near<'n>(
         &self,
         values: &[f64],
         known: &(dyn Fn(usize) -> Option<&'n Assessment> + Sync),
@@ -299,7 +299,7 @@ impl Problem<'_> {
     ) -> Option<Vec<f64>> {
         let (index, span) = (self.selection.recordings[place], self.selection.span);
         let variant = MechanismVariant { parameters: parameters.clone(), shift: *shift };
-        weighted(&self.simulator.residuals_of(&variant, index, span, near)?, near)
+        weight_residuals(&self.simulator.residuals_of(&variant, index, span, near)?, near)
     }
 
     /// Returns the weighted residuals of variants, each in one recording of the selection, side by side where neighbours are in the same
@@ -312,7 +312,10 @@ impl Problem<'_> {
             let few: Vec<MechanismVariant> = together[k].iter().map(|one| one.variant.clone()).collect();
             let (index, span) = (self.selection.recordings[place], self.selection.span);
             let found = self.simulator.residuals_of_variants(&few, index, span, &near[place]);
-            found.iter().map(|channels| weighted(channels.as_ref()?, &near[place])).collect::<Vec<_>>()
+            found
+                .iter()
+                .map(|channels| weight_residuals(channels.as_ref()?, &near[place]))
+                .collect::<Vec<_>>()
         });
         let mut all: Vec<Option<Vec<f64>>> = done.into_iter().flatten().collect();
         all.resize(variants.len(), None);
@@ -428,7 +431,7 @@ impl Problem<'_> {
 
     /// Returns `J'J / N`, `J'r / N` and the scatter of the latter, by one-sided differences; what the initial states could do in
     /// place of a parameter is removed from its column.
-    fn linearised(&self, now: &FitState, near: &[Assessment], starts: &[StartColumns]) -> LinearisedCost {
+    fn linearise_cost(&self, now: &FitState, near: &[Assessment], starts: &[StartColumns]) -> LinearisedCost {
         let columns = self.difference_columns(now, near);
         let place = |column: &Vec<Vec<f64>>| -> (Vec<StartShift>, Vec<f64>) {
             let absorbed: Vec<StartShift> =
@@ -499,7 +502,7 @@ fn runs_alike(a: &Fit, b: &Fit) -> bool {
 }
 
 /// Returns the residuals of all channels with their weights; `None` if one is not finite.
-fn weighted(channels: &[ChannelResidual], near: &Assessment) -> Option<Vec<f64>> {
+fn weight_residuals(channels: &[ChannelResidual], near: &Assessment) -> Option<Vec<f64>> {
     let weighted = channels.iter().enumerate().flat_map(|(c, misfit)| {
         let weight = near.weight(c);
         misfit.residual.iter().map(move |r| weight * r)

@@ -145,7 +145,7 @@ impl Score {
     }
 
     /// Returns the largest excess of a cell.
-    pub fn worst(&self) -> f64 {
+    pub fn largest_excess(&self) -> f64 {
         self.cells.iter().map(|cell| cell.excess).fold(0.0, f64::max)
     }
 }

@@ -49,7 +49,7 @@ fn misalignment(p: &Parameters, recordings: &[&Recording]) -> Option<[Option<Est
     if sensors.measured != FeedbackSignal::HubRate || !sensors.platform_gyro.is_fitted() {
         return None;
     }
-    let parts: Vec<Turning> = recordings.iter().filter_map(|recording| turning(p, recording)).collect();
+    let parts: Vec<Turning> = recordings.iter().filter_map(|recording| turning_rows(p, recording)).collect();
     let blocks = parts.iter().map(|part| Block {
         columns: part.columns.iter().map(|column| Some(column.as_slice())).collect(),
         target: &part.difference,
@@ -70,7 +70,7 @@ fn misalignment(p: &Parameters, recordings: &[&Recording]) -> Option<[Option<Est
 }
 
 /// Returns the rows of a recording; `None` if it lacks a column, or the platform hardly rolls and yaws.
-fn turning(p: &Parameters, recording: &Recording) -> Option<Turning> {
+fn turning_rows(p: &Parameters, recording: &Recording) -> Option<Turning> {
     let period_s = recording.sample_period_s;
     let (chain, kernel) = (Chain::new(p, period_s), Kernel::new(LOW_PASS_S, period_s));
     let column = |channel| recording.samples(channel);

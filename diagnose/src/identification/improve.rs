@@ -27,12 +27,12 @@ pub(super) fn apply_except_amplifier(p: &Parameters, found: &Identification) -> 
     let ratio = p.gearbox.ratio;
     if let Some(level) = new_value(found.coulomb_nm) {
         let motor = ratio * p.motor_friction.coulomb_nm();
-        let [pivot, motor] = shared(level, motor);
+        let [pivot, motor] = split_level(level, motor);
         out.pivot_friction.law.set_or_add_coulomb_nm(pivot);
         out.motor_friction.law.set_or_add_coulomb_nm(motor / ratio);
     }
     if let Some(level) = new_value(found.viscous_nm_s_rad) {
-        let [pivot, motor] = shared(level, ratio * ratio * p.motor_friction.viscous_nm_s_rad);
+        let [pivot, motor] = split_level(level, ratio * ratio * p.motor_friction.viscous_nm_s_rad);
         out.pivot_friction.viscous_nm_s_rad = pivot;
         out.motor_friction.viscous_nm_s_rad = motor / (ratio * ratio);
     }
@@ -48,20 +48,20 @@ fn sensors(out: &mut Parameters, found: &Identification) {
     }
     let (hub, platform) = (&mut sensors.hub_gyro.alignment, sensors.platform_gyro.alignment);
     if let Some(roll) = found.sensors.roll_misalignment_rad.and_then(new_value) {
-        hub.roll_sensitivity = rounded(platform.roll_sensitivity + roll);
+        hub.roll_sensitivity = round_for_file(platform.roll_sensitivity + roll);
     }
     if let Some(yaw) = found.sensors.yaw_misalignment_rad.and_then(new_value) {
-        hub.yaw_sensitivity = rounded(platform.yaw_sensitivity + yaw);
+        hub.yaw_sensitivity = round_for_file(platform.yaw_sensitivity + yaw);
     }
 }
 
 /// The value, where it is another than the project's.
 fn new_value(estimate: Estimate) -> Option<f64> {
-    (estimate.is_known() && !estimate.holds(estimate.before)).then_some(rounded(estimate.value))
+    (estimate.is_known() && !estimate.holds(estimate.before)).then_some(round_for_file(estimate.value))
 }
 
 /// A value to so many digits that a project file can be read: more than any interval is narrow.
-fn rounded(value: f64) -> f64 {
+fn round_for_file(value: f64) -> f64 {
     if value == 0.0 || !value.is_finite() {
         return value;
     }
@@ -76,16 +76,16 @@ fn inertia(out: &mut Parameters, moment: Estimate, inertia: Estimate) {
     }
     if let Some(total) = new_value(inertia).filter(|total| *total > 0.0) {
         let growth = total / inertia.before;
-        lumped.hub_inertia_kg_m2 = rounded(growth * lumped.hub_inertia_kg_m2);
-        lumped.beam_inertia_kg_m2 = rounded(growth * lumped.beam_inertia_kg_m2);
+        lumped.hub_inertia_kg_m2 = round_for_file(growth * lumped.hub_inertia_kg_m2);
+        lumped.beam_inertia_kg_m2 = round_for_file(growth * lumped.beam_inertia_kg_m2);
         for link in &mut lumped.chain {
-            link.inertia_kg_m2 = rounded(growth * link.inertia_kg_m2);
+            link.inertia_kg_m2 = round_for_file(growth * link.inertia_kg_m2);
         }
     }
 }
 
 /// A level at the hub as the parts of pivot and motor, given the motor's part as it was.
-fn shared(level: f64, motor: f64) -> [f64; 2] {
+fn split_level(level: f64, motor: f64) -> [f64; 2] {
     let level = level.max(0.0);
     if level >= motor { [level - motor, motor] } else { [0.0, level] }
 }
@@ -98,7 +98,7 @@ fn map(p: &Parameters, points: impl Iterator<Item = [f64; 2]>) -> Vec<MapPoint> 
     for [input_v, current_a] in points.filter(|q| q[1] < end[1]).chain([end]) {
         let last = out.last().map_or(0.0, |q| q.current_a);
         if current_a > last {
-            out.push(MapPoint { input_v, current_a: rounded(current_a) });
+            out.push(MapPoint { input_v, current_a: round_for_file(current_a) });
         }
     }
     out

@@ -59,13 +59,13 @@ pub fn fit_rows(blocks: &[Block]) -> Option<Fit> {
     let mut spread = Mat::zeros(n, n);
     let mut windows = 0.0;
     for (block, residual) in blocks.iter().zip(&residuals) {
-        windows += counted(block) / block.memory as f64;
+        windows += count_samples(block) / block.memory as f64;
         add_spread(block, residual, &mut spread);
     }
     let covariance = &(&inverted * &spread) * &inverted;
     let quantile = student_95((windows - 1.0).max(1.0));
     let power: f64 = residuals.iter().flatten().map(|r| r * r).sum();
-    let rows: f64 = blocks.iter().map(counted).sum();
+    let rows: f64 = blocks.iter().map(count_samples).sum();
     let unseen = |i: usize| if seen.contains(&i) { 0.0 } else { f64::NAN };
     let value = value.iter().enumerate().map(|(i, v)| v + unseen(i)).collect();
     Some(Fit {
@@ -85,7 +85,7 @@ fn residual(block: &Block, value: &[f64]) -> Vec<f64> {
     (0..block.target.len()).map(at).collect()
 }
 
-fn counted(block: &Block) -> f64 {
+fn count_samples(block: &Block) -> f64 {
     block.counts.iter().filter(|c| **c).count() as f64
 }
 
@@ -101,7 +101,7 @@ fn accumulate(block: &Block, normal: &mut Mat, right: &mut Mat, noise: &mut [f64
             (0..x.len()).for_each(|j| normal[(i, j)] += x[i] * x[j]);
         }
     }
-    let rows = counted(block);
+    let rows = count_samples(block);
     noise.iter_mut().zip(&block.noise).for_each(|(sum, variance)| *sum += rows * variance);
     block.shared.iter().enumerate().for_each(|(i, covariance)| right[(i, 0)] -= rows * covariance);
 }

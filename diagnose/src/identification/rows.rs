@@ -132,7 +132,7 @@ impl Maker<'_> {
             ],
             hats: self.hats(&chain, &kernel, &channels.control),
             lever_arm: self.lever_arm(recording, &kernel, &channels, &chain),
-            sliding: self.sliding(&kernel, &channels, &turning, &self.calm(&driven, period_s)),
+            sliding: self.sliding(&kernel, &channels, &turning, &self.smooth_for_sign(&driven, period_s)),
             smooth_control_v: kernel.smooth(&channels.control),
             smooth_rate_rad_s: kernel.smooth(&channels.hub),
             control_v: channels.control,
@@ -234,7 +234,7 @@ impl Maker<'_> {
 
     /// Direction of sliding, and whether the joint is still in its presliding zone.
     fn directions(&self, rate: &[f64], period_s: f64) -> (Vec<f64>, Vec<bool>) {
-        let smooth = self.calm(rate, period_s);
+        let smooth = self.smooth_for_sign(rate, period_s);
         let slack = PRESLIDING_LENGTHS * presliding_rad(self.p);
         let mut travelled = 0.0;
         let mut turning = Vec::with_capacity(rate.len());
@@ -247,7 +247,7 @@ impl Maker<'_> {
     }
 
     /// The rate quiet enough for its sign to be taken.
-    fn calm(&self, rate: &[f64], period_s: f64) -> Vec<f64> {
+    fn smooth_for_sign(&self, rate: &[f64], period_s: f64) -> Vec<f64> {
         Kernel::new(SIGN_DEVIATION_S.max(2.0 * period_s), period_s).smooth(rate)
     }
 
@@ -376,8 +376,8 @@ fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Er
     let controlled = p.controlled_quantity();
     let missing = |channel| Error::NotIdentifiable { controlled, recording: r.name.clone(), channel };
     let period_s = r.sample_period_s;
-    let recorded = |channel, name| r.samples(channel).ok_or_else(|| missing(name));
-    let (control, hub) = (recorded(Channel::Control, "control")?, recorded(Channel::HubRate, "hub_rate")?);
+    let recorded = |channel| r.samples(channel).ok_or_else(|| missing(channel));
+    let (control, hub) = (recorded(Channel::Control)?, recorded(Channel::HubRate)?);
     let n = control.len().min(hub.len());
     let mut whole = vec![true; n];
     let mut filled = |column: &[f64]| {
@@ -404,7 +404,7 @@ fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Er
         tachometer.map(|(column, sensor)| chain.as_gyro(&chain.reading_of(sensor, &filled(column))));
     let signals = LoopSignals { control: &control, reading: &reading, platform: &platform };
     let JointRates { relative, motor } =
-        joint_rates(&signals, tachometer, chain, p).ok_or_else(|| missing("motor_rate"))?;
+        joint_rates(&signals, tachometer, chain, p).ok_or_else(|| missing(Channel::MotorRate))?;
     let measured = p.sensors.measured;
     let hub = match measured {
         FeedbackSignal::HubRate => reading.clone(),

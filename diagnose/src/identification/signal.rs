@@ -151,7 +151,7 @@ impl Filter {
             out.push(shown + self.direct * 0.5 * (before + u));
             let next = input.get(k + 1).copied().unwrap_or(*u);
             let rise = if between == Between::Held { 0.0 } else { next - u };
-            x = self.advanced(&x, *u, rise);
+            x = self.next_state(&x, *u, rise);
         }
         out
     }
@@ -168,7 +168,7 @@ impl Filter {
         Mat::from_fn(n, 1, |i, _| of(i))
     }
 
-    fn advanced(&self, x: &Mat, u: f64, rise: f64) -> Mat {
+    fn next_state(&self, x: &Mat, u: f64, rise: f64) -> Mat {
         let n = x.nrows();
         let mut out = Mat::zeros(n, 1);
         for i in 0..n {
@@ -189,7 +189,7 @@ struct System {
 
 impl System {
     /// Returns a system whose output is one of its states.
-    fn showing(A: Mat, B: Mat, state: usize) -> Self {
+    fn with_output_state(A: Mat, B: Mat, state: usize) -> Self {
         let output = (0..A.nrows()).map(|i| if i == state { 1.0 } else { 0.0 }).collect();
         Self { A, B, output, direct: 0.0 }
     }
@@ -304,7 +304,8 @@ impl<'a> Chain<'a> {
 
     /// Returns a signal that is as late as the loop's sensor with that sensor's lag too: w^2 / (s^2 + 2 z w s + w^2).
     pub fn as_gyro(&self, series: &[f64]) -> Vec<f64> {
-        let lagged = self.gyro().and_then(|(A, B)| Filter::new(&System::showing(A, B, 0), self.period_s));
+        let lagged =
+            self.gyro().and_then(|(A, B)| Filter::new(&System::with_output_state(A, B, 0), self.period_s));
         lagged.map_or_else(|| series.to_vec(), |filter| filter.run(series, Between::Straight))
     }
 
@@ -329,7 +330,7 @@ impl<'a> Chain<'a> {
 
     /// Returns the current (A) that a drive (V) makes with the motor stalled, as the gyroscope would show it.
     pub fn current_of_drive(&self, drive_v: &[f64]) -> Vec<f64> {
-        let late = self.late(drive_v);
+        let late = self.delayed_drive(drive_v);
         let electrical = Electrical::of(self.p);
         let alone = electrical.system(0);
         let system = match self.gyro() {
@@ -341,7 +342,7 @@ impl<'a> Chain<'a> {
                 A.set_block(0, 0, &alone.A);
                 A.set_block(n, n, &gyro);
                 A.set_block(n, 0, &(&reads * &Mat::row(&alone.output)));
-                System::showing(A, alone.B.vstack(&reads.scale(alone.direct)), n)
+                System::with_output_state(A, alone.B.vstack(&reads.scale(alone.direct)), n)
             }
         };
         let filter = Filter::new(&system, self.period_s);
@@ -350,7 +351,7 @@ impl<'a> Chain<'a> {
     }
 
     /// The drive as the amplifier gets it, held back by the controller, as late as the loop's sensor shows it, in whole samples.
-    fn late(&self, drive_v: &[f64]) -> Vec<f64> {
+    fn delayed_drive(&self, drive_v: &[f64]) -> Vec<f64> {
         let first = drive_v.first().copied().unwrap_or(0.0);
         let delay = self.delay + self.late as usize;
         (0..drive_v.len()).map(|k| if k < delay { first } else { drive_v[k - delay] }).collect()
@@ -373,7 +374,8 @@ impl<'a> Chain<'a> {
         let electrical = Electrical::of(p);
         let n = electrical.order();
         let A = self.motor_on_its_gear(&electrical);
-        let of = |B: Vec<f64>| Filter::new(&System::showing(A.clone(), Mat::col(&B), n), self.period_s);
+        let of =
+            |B: Vec<f64>| Filter::new(&System::with_output_state(A.clone(), Mat::col(&B), n), self.period_s);
         let with = |motor: f64, twist: f64| {
             let mut B = vec![0.0; n];
             B.extend([motor, twist]);
@@ -387,7 +389,7 @@ impl<'a> Chain<'a> {
         let (Some(driven), Some(turned), Some(braked)) = (driven, turned, braked) else {
             return joint_rate.iter().map(|w| ratio * w).collect();
         };
-        let forced = shift_later(&driven.run(&self.late(drive_v), Between::Held), self.late.fract());
+        let forced = shift_later(&driven.run(&self.delayed_drive(drive_v), Between::Held), self.late.fract());
         let dry = braked.run(direction, Between::Held);
         let forced: Vec<f64> = forced.iter().zip(&dry).map(|(a, b)| a + b).collect();
         let led = turned.run(joint_rate, Between::Straight);

@@ -141,7 +141,7 @@ impl FittedFunctions {
 
     /// Returns whether nothing is left that a further function could explain.
     fn explains(&self) -> bool {
-        self.learned.candidate.whole.worst() < EXPLAINED
+        self.learned.candidate.whole.largest_excess() < EXPLAINED
     }
 }
 
@@ -194,11 +194,11 @@ impl LearningTask<'_> {
             None => self.before.to_vec(),
         };
         let context = self.context(now);
-        let ranked = self.ranked(&context, &assessed);
+        let ranked = self.rank_templates(&context, &assessed);
         let mut best: Option<(Template, Learned)> = None;
         let mut places = Vec::new();
         for (template, _) in ranked {
-            let Some(tried) = self.tried(&context, template, present, &assessed) else { continue };
+            let Some(tried) = self.try_template(&context, template, present, &assessed) else { continue };
             places.push(TriedPlace { place: template.place, log_likelihood_gain: tried.candidate.gain() });
             if best.as_ref().is_none_or(|(_, b)| self.is_better(&tried, b, template)) {
                 best = Some((template, tried));
@@ -208,7 +208,7 @@ impl LearningTask<'_> {
             }
         }
         let (template, coarse) = best?;
-        let fine = self.refined(&context, template, &coarse, present, &assessed);
+        let fine = self.refine_element(&context, template, &coarse, present, &assessed);
         let chosen = fine.filter(|fine| merit(&fine.candidate) > merit(&coarse.candidate)).unwrap_or(coarse);
         let tried = present.map_or(places, |p| p.tried.clone());
         let chosen = Learned { tried, ..chosen };
@@ -222,7 +222,7 @@ impl LearningTask<'_> {
     }
 
     /// Returns the templates that promise most on held-out stretches.
-    fn ranked(&self, context: &TemplateContext, assessed: &[Assessment]) -> Vec<(Template, f64)> {
+    fn rank_templates(&self, context: &TemplateContext, assessed: &[Assessment]) -> Vec<(Template, f64)> {
         let templates = context.all();
         let mut all = Vec::new();
         for (k, template) in templates.iter().enumerate() {
@@ -255,7 +255,7 @@ impl LearningTask<'_> {
     }
 
     /// Fits a template to the first part of every recording.
-    fn tried(
+    fn try_template(
         &self,
         context: &TemplateContext,
         template: Template,
@@ -263,11 +263,11 @@ impl LearningTask<'_> {
         assessed: &[Assessment],
     ) -> Option<Learned> {
         let element = context.element(template, FITTED_POINTS)?;
-        self.fitted(context, &element, present, assessed)
+        self.fit_element(context, &element, present, assessed)
     }
 
     /// Fits the chosen template with more points.
-    fn refined(
+    fn refine_element(
         &self,
         context: &TemplateContext,
         template: Template,
@@ -285,12 +285,12 @@ impl LearningTask<'_> {
         let shape = LearnedElement { values: values[values.len() - count..].to_vec(), ..known.clone() };
         let table = counterpoise_models::plant::LearnedTable::new(&shape)?;
         let start = element.points.iter().map(|point| table.at(*point)).collect();
-        self.fitted(context, &LearnedElement { values: start, ..element }, present, assessed)
+        self.fit_element(context, &LearnedElement { values: start, ..element }, present, assessed)
     }
 
     /// Fits an element from its values beside those that are present, to the first part of every recording, as rough as held-out
     /// stretches ask for.
-    fn fitted(
+    fn fit_element(
         &self,
         context: &TemplateContext,
         element: &LearnedElement,
@@ -319,10 +319,10 @@ impl LearningTask<'_> {
         let wanted = self.preferences(&effects, &smoothness, split.selection.span);
         let fit = self.problem(self.base, effects.clone(), &split.selection, &near, &wanted).fit(&values)?;
         smoothness[effects.len() - 1].roughness =
-            self.smoothest(&fit, assessed.len()).unwrap_or(USUAL_ROUGHNESS);
+            self.best_roughness(&fit, assessed.len()).unwrap_or(USUAL_ROUGHNESS);
         let wanted = self.preferences(&effects, &smoothness, split.selection.span);
         let again = self.problem(self.base, effects, &split.selection, &near, &wanted).fit(&fit.values)?;
-        Some(Learned { candidate: self.assessed(again, split.parts)?, smoothness, tried: Vec::new() })
+        Some(Learned { candidate: self.assess_fit(again, split.parts)?, smoothness, tried: Vec::new() })
     }
 
     /// Returns what functions are fitted to, and what they then predict: the rest of every recording, as far as it stays in the range of what
@@ -368,7 +368,7 @@ impl LearningTask<'_> {
     }
 
     /// Assesses a fit on all recordings, and on the parts that it was not fitted to.
-    fn assessed(&self, fit: Fit, parts: Vec<RecordingPart>) -> Option<FittedCandidate> {
+    fn assess_fit(&self, fit: Fit, parts: Vec<RecordingPart>) -> Option<FittedCandidate> {
         let all = 0..self.before.len();
         let judged: Vec<Assessment> = all.map(|r| self.assessment(&fit, r)).collect::<Option<_>>()?;
         Some(FittedCandidate {
@@ -407,7 +407,7 @@ impl LearningTask<'_> {
     }
 
     /// Returns the roughness of the last function of a fit with which held-out stretches are predicted best.
-    fn smoothest(&self, fit: &Fit, count: usize) -> Option<f64> {
+    fn best_roughness(&self, fit: &Fit, count: usize) -> Option<f64> {
         let effect = fit.effects.last()?;
         let element = learned_element(effect)?;
         let values = fit.values[fit.values.len() - effect.parameters.len()..].to_vec();
@@ -499,7 +499,7 @@ impl LearningTask<'_> {
         }
         Some(LearnedModel {
             parts,
-            worst_held_out: [candidate.held_out_before.worst(), candidate.held_out.worst()],
+            worst_held_out: [candidate.held_out_before.largest_excess(), candidate.held_out.largest_excess()],
             power_left: power_left(candidate),
             place_probability: 1.0,
             after: fits_by_channel(&candidate.whole),

@@ -1,7 +1,7 @@
 //! A model for what has no name: free functions, fitted in the simulator at the places where they explain most.
 //!
-//! Modules in reading order: [`visited_ranges`] (which values the recordings have of each regime variable), [`templates`] (the functions that
-//! are tried), [`held_out`] (what a function promises on stretches that did not choose it, and how smooth it should be), [`learner`]
+//! Modules in reading order: [`visited_ranges`] (which values the recordings have of each regime variable), `templates` (the functions that
+//! are tried), `held_out` (what a function promises on stretches that did not choose it, and how smooth it should be), [`learner`]
 //! (the fit), [`reading`] (a fitted curve in the words of physics), `library_forms` (a curve that is an effect of the library),
 //! `comparison` (effects of the library against a free function).
 

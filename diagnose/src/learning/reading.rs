@@ -124,10 +124,10 @@ pub fn read_elements(elements: &[LearnedElement]) -> Vec<ReadElement> {
 /// Returns the simple form that a curve has; `None` if none explains most of it, or if it has too few points.
 pub fn read_curve(element: &LearnedElement) -> Option<CurveReading> {
     let curve = Curve::of(element)?;
-    let constant = curve.best(Form::Constant)?;
+    let constant = curve.fit_best_form(Form::Constant)?;
     let total = constant.misfit;
     let count = curve.x.len() as f64;
-    let forms = forms_over(element.variable).iter().filter_map(|form| curve.best(*form));
+    let forms = forms_over(element.variable).iter().filter_map(|form| curve.fit_best_form(*form));
     // Schwarz 1978, of a curve whose own deviation is one: what is below the noise counts as noise
     let price = |fit: &FittedForm| {
         let size = fit.inner.len() + fit.linear.len();
@@ -188,12 +188,12 @@ impl Curve {
     }
 
     /// Returns a form fitted to the curve: its inner parameters by a grid that is refined twice, the others by least squares.
-    fn best(&self, form: Form) -> Option<FittedForm> {
+    fn fit_best_form(&self, form: Form) -> Option<FittedForm> {
         let mut grids: Vec<[f64; 2]> = self.inner_ranges(form);
         let mut best: Option<FittedForm> = None;
         for _ in 0..if grids.is_empty() { 1 } else { 3 } {
             for inner in points_of(&grids) {
-                let found = self.fitted(form, inner);
+                let found = self.fit_form(form, inner);
                 best = match (best, found) {
                     (Some(old), Some(new)) if old.misfit <= new.misfit => Some(old),
                     (old, new) => new.or(old),
@@ -218,12 +218,12 @@ impl Curve {
             Form::DeadZone => vec![[0.02 * reach, 0.9 * reach]],
             Form::Saturation | Form::Bump => vec![[self.low, self.high], widths],
             Form::ExponentialApproach => vec![widths],
-            Form::Sine => vec![[std::f64::consts::TAU * 0.75 / range, self.fastest()]],
+            Form::Sine => vec![[std::f64::consts::TAU * 0.75 / range, self.fastest_sine()]],
         }
     }
 
     /// Returns the fastest sine that the points can show.
-    fn fastest(&self) -> f64 {
+    fn fastest_sine(&self) -> f64 {
         let spacing = (self.high - self.low) / (self.x.len() - 1) as f64;
         (std::f64::consts::PI / spacing * 0.8)
             .min(ORDERS_AT_MOST / (self.high - self.low) * std::f64::consts::TAU)
@@ -244,7 +244,7 @@ impl Curve {
         }
     }
 
-    fn fitted(&self, form: Form, inner: Vec<f64>) -> Option<FittedForm> {
+    fn fit_form(&self, form: Form, inner: Vec<f64>) -> Option<FittedForm> {
         let rows: Vec<Vec<f64>> = self.x.iter().map(|x| self.row(form, &inner, *x)).collect();
         let count = rows[0].len();
         let sum = |of: &dyn Fn(usize) -> f64| (0..self.x.len()).map(|k| self.weight[k] * of(k)).sum::<f64>();
@@ -271,7 +271,7 @@ impl Curve {
         let worse = |by: f64| {
             let mut inner = best.inner.clone();
             inner[place] += by;
-            self.fitted(best.form, inner).is_none_or(|fit| fit.misfit > allowed)
+            self.fit_form(best.form, inner).is_none_or(|fit| fit.misfit > allowed)
         };
         let mut half = 1e-4 * (range[1] - range[0]);
         while half < range[1] - range[0] && !(worse(half) || best.inner[place] > half && worse(-half)) {

@@ -5,7 +5,7 @@ use counterpoise_models::{MapPoint, Parameters};
 /// Returns the curve at an input as a fraction of the linear gain.
 pub(super) fn fraction(p: &Parameters, input_v: f64) -> f64 {
     let linear = static_gain(p) * input_v;
-    interpolated(&p.amplifier.map, input_v).unwrap_or(linear) / linear
+    interpolate_current(&p.amplifier.map, input_v).unwrap_or(linear) / linear
 }
 
 /// A point of a curve.
@@ -25,7 +25,8 @@ pub(super) fn set_fraction(p: &mut Parameters, at: CurvePoint, fraction: f64) {
     let same = map.len() == inputs_v.len() && map.iter().zip(inputs_v).all(|(m, v)| m.input_v == *v);
     if !same {
         let old = std::mem::take(map);
-        let at = |&v: &f64| MapPoint { input_v: v, current_a: interpolated(&old, v).unwrap_or(gain * v) };
+        let at =
+            |&v: &f64| MapPoint { input_v: v, current_a: interpolate_current(&old, v).unwrap_or(gain * v) };
         *map = inputs_v.iter().map(at).collect();
     }
     map[point].current_a = fraction * gain * inputs_v[point];
@@ -37,7 +38,7 @@ pub(super) fn static_gain(p: &Parameters) -> f64 {
 }
 
 /// Returns the map's current at `v > 0`, piecewise linear through the origin; `None` if there is no map or if `v` is beyond it.
-fn interpolated(map: &[MapPoint], v: f64) -> Option<f64> {
+fn interpolate_current(map: &[MapPoint], v: f64) -> Option<f64> {
     let mut from = MapPoint { input_v: 0.0, current_a: 0.0 };
     for &to in map {
         if v <= to.input_v {

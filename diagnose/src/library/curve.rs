@@ -15,7 +15,7 @@ pub fn make_gain_curve(inputs_v: &[f64]) -> &'static Effect {
     if let Some(same) = known.iter().copied().find(|e| gain_curve_inputs(e) == Some(inputs_v)) {
         return same;
     }
-    let made: &'static Effect = Box::leak(Box::new(made(inputs_v)));
+    let made: &'static Effect = Box::leak(Box::new(make_effect(inputs_v)));
     known.push(made);
     made
 }
@@ -33,7 +33,7 @@ pub fn gain_curve_inputs(effect: &Effect) -> Option<&'static [f64]> {
     }
 }
 
-fn made(inputs_v: &[f64]) -> Effect {
+fn make_effect(inputs_v: &[f64]) -> Effect {
     let inputs_v: &'static [f64] = Box::leak(inputs_v.to_vec().into_boxed_slice());
     let parameter = |(point, input): (usize, &f64)| EffectParameter {
         name: Box::leak(format!("gain at {input} V").into_boxed_str()),

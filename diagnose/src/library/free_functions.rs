@@ -23,7 +23,7 @@ pub fn make_learned_effect(element: &LearnedElement, step: f64) -> &'static Effe
         return effect;
     }
     let element: &'static LearnedElement = Box::leak(Box::new(element.clone()));
-    let made: &'static Effect = Box::leak(Box::new(made(element, size)));
+    let made: &'static Effect = Box::leak(Box::new(make_effect(element, size)));
     known.push((element, made));
     made
 }
@@ -36,7 +36,7 @@ pub fn learned_element(effect: &Effect) -> Option<&'static LearnedElement> {
     }
 }
 
-fn made(element: &'static LearnedElement, size: f64) -> Effect {
+fn make_effect(element: &'static LearnedElement, size: f64) -> Effect {
     let bound = TORQUE_BOUND * size * FIT_STEP;
     let bounds = if element.quantity.is_factor() { FACTOR_BOUNDS } else { [-bound, bound] };
     let unit = if element.quantity.is_factor() { "1" } else { "N m" };

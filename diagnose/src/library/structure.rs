@@ -4,7 +4,7 @@ use super::effect::{Effect, EffectKind, parameter};
 use super::names::{Component, EffectName};
 use counterpoise_models::{Lumped, Parameters};
 
-fn lumped(p: &Parameters, read: fn(&Lumped) -> f64) -> f64 {
+fn lumped_value(p: &Parameters, read: fn(&Lumped) -> f64) -> f64 {
     p.lumped.as_ref().map_or(0.0, read)
 }
 
@@ -39,7 +39,7 @@ pub(super) static EFFECTS: &[Effect] = &[
             [-2000.0, 2000.0],
             10.0,
             Linear,
-            get | p | lumped(p, |l| l.out_of_balance_kg_m),
+            get | p | lumped_value(p, |l| l.out_of_balance_kg_m),
             set | p,
             v | lumped_set(p, |l| l.out_of_balance_kg_m = v)
         )],
@@ -56,7 +56,7 @@ pub(super) static EFFECTS: &[Effect] = &[
             [-500.0, 500.0],
             10.0,
             Linear,
-            get | p | lumped(p, |l| l.vertical_offset_kg_m),
+            get | p | lumped_value(p, |l| l.vertical_offset_kg_m),
             set | p,
             v | lumped_set(p, |l| l.vertical_offset_kg_m = v)
         )],
@@ -73,7 +73,7 @@ pub(super) static EFFECTS: &[Effect] = &[
             [1e-4, 5000.0],
             0.1,
             Log,
-            get | p | lumped(p, |l| l.beam_inertia_kg_m2),
+            get | p | lumped_value(p, |l| l.beam_inertia_kg_m2),
             set | p,
             v | lumped_set(p, |l| l.beam_inertia_kg_m2 = v)
         )],
@@ -90,7 +90,7 @@ pub(super) static EFFECTS: &[Effect] = &[
             [1e-4, 5000.0],
             0.1,
             Log,
-            get | p | lumped(p, |l| l.hub_inertia_kg_m2),
+            get | p | lumped_value(p, |l| l.hub_inertia_kg_m2),
             set | p,
             v | lumped_set(p, |l| l.hub_inertia_kg_m2 = v)
         )],
@@ -108,7 +108,7 @@ pub(super) static EFFECTS: &[Effect] = &[
                 [-2.0e4, 2.0e4],
                 300.0,
                 Linear,
-                get | p | lumped(p, |l| l.position_stiffness_nm_rad),
+                get | p | lumped_value(p, |l| l.position_stiffness_nm_rad),
                 set | p,
                 v | lumped_set(p, |l| l.position_stiffness_nm_rad = v)
             ),
@@ -118,7 +118,7 @@ pub(super) static EFFECTS: &[Effect] = &[
                 [-1.5, 1.5],
                 0.05,
                 Linear,
-                get | p | lumped(p, |l| l.position_stiffness_centre_rad),
+                get | p | lumped_value(p, |l| l.position_stiffness_centre_rad),
                 set | p,
                 v | lumped_set(p, |l| l.position_stiffness_centre_rad = v)
             ),
@@ -137,7 +137,7 @@ pub(super) static EFFECTS: &[Effect] = &[
                 [0.0, 5e3],
                 20.0,
                 Linear,
-                get | p | lumped(p, |l| l.hysteresis_nm),
+                get | p | lumped_value(p, |l| l.hysteresis_nm),
                 set | p,
                 v | lumped_set(p, |l| l.hysteresis_nm = v)
             ),
@@ -147,7 +147,7 @@ pub(super) static EFFECTS: &[Effect] = &[
                 [10.0, 1e6],
                 0.4,
                 Log,
-                get | p | lumped(p, |l| l.hysteresis_stiffness_nm_rad),
+                get | p | lumped_value(p, |l| l.hysteresis_stiffness_nm_rad),
                 set | p,
                 v | lumped_set(p, |l| l.hysteresis_stiffness_nm_rad = v)
             ),
@@ -165,7 +165,7 @@ pub(super) static EFFECTS: &[Effect] = &[
             [1e4, 1e9],
             0.1,
             Log,
-            get | p | lumped(p, |l| l.stiffness_nm_rad),
+            get | p | lumped_value(p, |l| l.stiffness_nm_rad),
             set | p,
             v | lumped_set(p, |l| l.stiffness_nm_rad = v)
         )],
@@ -182,7 +182,7 @@ pub(super) static EFFECTS: &[Effect] = &[
             [0.1, 1e6],
             0.5,
             Log,
-            get | p | lumped(p, |l| l.damping_nm_s_rad),
+            get | p | lumped_value(p, |l| l.damping_nm_s_rad),
             set | p,
             v | lumped_set(p, |l| l.damping_nm_s_rad = v)
         )],

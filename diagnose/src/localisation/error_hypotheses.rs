@@ -240,17 +240,17 @@ impl Quantity {
             Self::Driven => {
                 s.mesh.iter().zip(&s.turning).map(|(t, w)| t * (t * w).signum().min(0.0)).collect()
             }
-            Self::Late(samples) => late(&s.drive, usize::from(samples)),
-            Self::Lagged(ms) => lagged(&s.drive, 1e-3 * f64::from(ms) / s.period_s),
+            Self::Late(samples) => delay_difference(&s.drive, usize::from(samples)),
+            Self::Lagged(ms) => lag_difference(&s.drive, 1e-3 * f64::from(ms) / s.period_s),
             Self::AccelerationBend | Self::HeaveSlope | Self::HubRateSlope | Self::PlatformRateSlope => {
-                self.bent(s)
+                self.derivative_series(s)
             }
             _ => self.of_motion(s),
         }
     }
 
     /// Returns a derivative.
-    fn bent(self, s: &Signals) -> Vec<f64> {
+    fn derivative_series(self, s: &Signals) -> Vec<f64> {
         let slope = |series: &[f64]| derivative(series, s.period_s);
         match self {
             Self::AccelerationBend => slope(&slope(&s.acceleration)),
@@ -303,12 +303,12 @@ impl Quantity {
 }
 
 /// Returns a delayed series less the series itself.
-fn late(series: &[f64], samples: usize) -> Vec<f64> {
+fn delay_difference(series: &[f64], samples: usize) -> Vec<f64> {
     (0..series.len()).map(|k| series[k.saturating_sub(samples)] - series[k]).collect()
 }
 
 /// Returns a series behind a lag, whose time constant is given in samples, less the series itself.
-fn lagged(series: &[f64], samples: f64) -> Vec<f64> {
+fn lag_difference(series: &[f64], samples: f64) -> Vec<f64> {
     let mut state = series.first().copied().unwrap_or(0.0);
     let step = |v: &f64| {
         state += (v - state) / (1.0 + samples);

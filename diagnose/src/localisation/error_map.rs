@@ -69,7 +69,7 @@ fn cell(
     tried: &FittedHypothesis,
     gain: f64,
 ) -> MapCell {
-    let share = gain / regression.possible().max(GAIN_NEEDED);
+    let share = gain / regression.largest_gain().max(GAIN_NEEDED);
     let explained = if gain > GAIN_NEEDED { share.clamp(0.0, 1.0) } else { 0.0 };
     let trend = if explained > CLASSIFIED_GAIN_SHARE { tried.trend(regression, hypothesis) } else { None };
     MapCell {
@@ -121,12 +121,14 @@ impl FittedHypothesis {
                 let terms: Vec<ErrorTerm> = terms.collect();
                 Some(plain(vec![regression.column(&terms)]))
             }
-            Law::Sine(..) | Law::Repeats(..) | Law::Turns(..) => Self::repeating(regression, hypothesis.law),
+            Law::Sine(..) | Law::Repeats(..) | Law::Turns(..) => {
+                Self::fit_repeating(regression, hypothesis.law)
+            }
         }
     }
 
     /// Fits a hypothesis that repeats.
-    fn repeating(regression: &ResidualRegression, law: Law) -> Option<Self> {
+    fn fit_repeating(regression: &ResidualRegression, law: Law) -> Option<Self> {
         let (columns, repeats) = match law {
             Law::Sine(port, carrier) => {
                 let (frequency, series) = sines(regression, &regression.all(carrier))?;

@@ -36,7 +36,7 @@ pub(crate) fn place_knots(variable: &Series, spacing: KnotSpacing) -> Option<Vec
 }
 
 /// Returns the index of the knot below a value, and the weight of the knot above it.
-fn between(knots: &[f64], value: f64) -> (usize, f64) {
+fn knot_interval(knots: &[f64], value: f64) -> (usize, f64) {
     let value = value.clamp(knots[0], knots[knots.len() - 1]);
     let lower = knots.partition_point(|k| *k <= value).clamp(1, knots.len() - 1) - 1;
     (lower, (value - knots[lower]) / (knots[lower + 1] - knots[lower]))
@@ -47,7 +47,7 @@ pub(crate) fn hat_series(variable: &Series, carrier: &Series, knots: &[f64]) -> 
     let mut out = vec![carrier.iter().map(|c| vec![0.0; c.len()]).collect::<Series>(); knots.len()];
     for (r, (values, carried)) in variable.iter().zip(carrier).enumerate() {
         for (k, (value, c)) in values.iter().zip(carried).enumerate() {
-            let (lower, share) = between(knots, *value);
+            let (lower, share) = knot_interval(knots, *value);
             out[lower][r][k] = (1.0 - share) * c;
             out[lower + 1][r][k] = share * c;
         }
@@ -67,7 +67,7 @@ pub(crate) fn classify_knot_function(
     }
     let some: Vec<f64> = along.iter().step_by((along.len() / FUNCTION_SAMPLES).max(1)).copied().collect();
     let value = |v: &f64| {
-        let (lower, share) = between(knots, *v);
+        let (lower, share) = knot_interval(knots, *v);
         (1.0 - share) * coefficients[lower] + share * coefficients[lower + 1]
     };
     classify_function(&some.iter().map(value).collect::<Vec<_>>(), &some, unit)

@@ -81,16 +81,17 @@ impl<'a> ResidualRegression<'a> {
         let signals: Vec<Signals> = recordings.iter().map(|r| Signals::new(p, &r.measured, None)).collect();
         let quiet = recordings.iter().zip(&signals).map(|(r, s)| {
             let in_loop = r.assessment.source == ControlSource::ClosedLoop;
-            in_loop.then(|| Signals::new(p, &replayed(r), Some(s.slow())))
+            in_loop.then(|| Signals::new(p, &replayed_signals(r), Some(s.slow_rates())))
         });
         let quiet = quiet.collect();
         let pairs = signals.iter().zip(recordings);
-        let apart: Vec<[Vec<Vec<f64>>; 2]> = pairs.map(|(s, r)| departed(p, s, r, &balances)).collect();
+        let apart: Vec<[Vec<Vec<f64>>; 2]> =
+            pairs.map(|(s, r)| balance_departures(p, s, r, &balances)).collect();
         let of = |which: usize, b: usize| apart.iter().map(|a| a[which][b].clone()).collect::<Series>();
         let drive = balances.iter().position(|b| *b == Balance::Drive)?;
         let whiteners = (0..balances.len()).map(|b| Whitener::of(&of(1, b))).collect();
         let mut out = Self {
-            torque: of(0, drive).iter().map(|series| detrended(series)).collect(),
+            torque: of(0, drive).iter().map(|series| remove_trend(series)).collect(),
             signals,
             quiet,
             whiteners,
@@ -226,7 +227,7 @@ impl<'a> ResidualRegression<'a> {
     }
 
     /// Returns the log-likelihood that a perfect explanation would gain.
-    pub fn possible(&self) -> f64 {
+    pub fn largest_gain(&self) -> f64 {
         (0..self.before.len()).map(|b| self.log_likelihood_gain(b, EXPLAINED_VARIANCE).max(0.0)).sum()
     }
 
@@ -248,7 +249,7 @@ impl<'a> ResidualRegression<'a> {
         for _ in 0..REWEIGHTED_FITS {
             let mut sums = vec![0.0; left.len()];
             for half in 0..2 {
-                let fitted = self.fitted(&parts, half, &left)?;
+                let fitted = self.fit_half(&parts, half, &left)?;
                 for (s, part) in self.segments.iter().zip(&parts).filter(|(s, _)| s.half != half) {
                     sums[s.balance] += part.remaining_squares(&fitted);
                 }
@@ -273,7 +274,7 @@ impl<'a> ResidualRegression<'a> {
     }
 
     /// Returns the coefficients fitted to one half of the stretches, the balances weighted by their residual variance.
-    fn fitted(&self, parts: &[Normal], half: usize, left: &[f64]) -> Option<Vec<f64>> {
+    fn fit_half(&self, parts: &[Normal], half: usize, left: &[f64]) -> Option<Vec<f64>> {
         let count = parts.first()?.right.len();
         let (mut gram, mut right) = (Mat::zeros(count, count), vec![0.0; count]);
         for (segment, part) in self.segments.iter().zip(parts).filter(|(s, _)| s.half == half) {
@@ -281,7 +282,7 @@ impl<'a> ResidualRegression<'a> {
             gram = &gram + &part.gram.scale(weight);
             right.iter_mut().zip(&part.right).for_each(|(r, x)| *r += weight * x);
         }
-        solved(&gram, &right)
+        solve_normal_equations(&gram, &right)
     }
 
     /// Returns the coefficients of columns that fit best, without those of the straight lines; `None` if they cannot be fitted.
@@ -289,12 +290,12 @@ impl<'a> ResidualRegression<'a> {
         let all: Vec<&[f64]> = self.nuisances.iter().chain(columns).map(Vec::as_slice).collect();
         let whole = Segment { balance: 0, half: 0, rows: 0..self.target.len() };
         let normal = self.normal(&whole, &all);
-        solved(&normal.gram, &normal.right).map(|x| x[self.nuisances.len()..].to_vec())
+        solve_normal_equations(&normal.gram, &normal.right).map(|x| x[self.nuisances.len()..].to_vec())
     }
 }
 
 /// Returns a series less its best straight line.
-fn detrended(series: &[f64]) -> Vec<f64> {
+fn remove_trend(series: &[f64]) -> Vec<f64> {
     let count = series.len() as f64;
     let along = |k: usize| k as f64 - 0.5 * (count - 1.0);
     let mean = series.iter().sum::<f64>() / count.max(1.0);
@@ -325,7 +326,7 @@ impl Normal {
 }
 
 /// Solves normal equations with columns at a common size and a small ridge.
-fn solved(gram: &Mat, right: &[f64]) -> Option<Vec<f64>> {
+fn solve_normal_equations(gram: &Mat, right: &[f64]) -> Option<Vec<f64>> {
     let count = right.len();
     if count == 0 {
         return Some(Vec::new());
@@ -339,16 +340,16 @@ fn solved(gram: &Mat, right: &[f64]) -> Option<Vec<f64>> {
 }
 
 /// Returns the balances of a recording less those of its replay, and what noise alone would make of them.
-fn departed(
+fn balance_departures(
     p: &Parameters,
     recorded: &Signals,
     recording: &AssessedReplay,
     balances: &[Balance],
 ) -> [Vec<Vec<f64>>; 2] {
-    let replay = replayed(recording);
-    let slow = Some(recorded.slow());
+    let replay = replayed_signals(recording);
+    let slow = Some(recorded.slow_rates());
     let simulated = Signals::new(p, &replay, slow);
-    let noisy = Signals::new(p, &noisy(p, &replay, &recording.assessment), slow);
+    let noisy = Signals::new(p, &add_noise(p, &replay, &recording.assessment), slow);
     let apart = |other: &Signals, balance: Balance| {
         let pairs = thin(&other.residual(balance)).into_iter().zip(thin(&simulated.residual(balance)));
         pairs.map(|(a, b)| a - b).collect()
@@ -358,7 +359,7 @@ fn departed(
 }
 
 /// Returns the readings of the replay: the recorded ones less the residuals. A control that was played back is the recorded one.
-fn replayed(recording: &AssessedReplay) -> MeasuredSignals {
+fn replayed_signals(recording: &AssessedReplay) -> MeasuredSignals {
     let AssessedReplay { measured, assessment: judged } = recording;
     let mut out = measured.clone();
     for misfit in &judged.channels {
@@ -376,7 +377,7 @@ fn replayed(recording: &AssessedReplay) -> MeasuredSignals {
 }
 
 /// Returns readings with noise of the size of each channel's floor and of the platform's sensors (a fixed sequence).
-fn noisy(p: &Parameters, replay: &MeasuredSignals, judged: &Assessment) -> MeasuredSignals {
+fn add_noise(p: &Parameters, replay: &MeasuredSignals, judged: &Assessment) -> MeasuredSignals {
     let floor =
         |channel: Channel| judged.channels.iter().find(|m| m.channel == channel).map_or(0.0, |m| m.floor);
     let mut out = replay.clone();

@@ -148,7 +148,7 @@ impl<'a> Signals<'a> {
     }
 
     /// Returns the rates below which the frictions count as at rest, rad/s.
-    pub fn slow(&self) -> Slow {
+    pub fn slow_rates(&self) -> Slow {
         [slow_rate(&self.relative), slow_rate(&self.motor)]
     }
 
@@ -199,8 +199,8 @@ impl<'a> Signals<'a> {
     pub fn residual(&self, balance: Balance) -> Vec<f64> {
         match balance {
             Balance::Twist => self.twist(),
-            Balance::Angle => less(&self.relative, &derivative(&self.angle, self.period_s)),
-            Balance::Drive => less(&self.load, &self.mesh),
+            Balance::Angle => subtract(&self.relative, &derivative(&self.angle, self.period_s)),
+            Balance::Drive => subtract(&self.load, &self.mesh),
             Balance::Hub => self.hub_side(),
             // no recording has the motor's current, so this balance is never allowed
             Balance::Current => vec![f64::NAN; self.hub.len()],
@@ -230,7 +230,7 @@ impl<'a> Signals<'a> {
     }
 }
 
-fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
+fn subtract(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 

@@ -92,7 +92,7 @@ pub(crate) fn classify_function(function: &[f64], variable: &[f64], unit: &'stat
     let [low, high] = range(variable)?;
     let simple_trend = |form| Trend::Simple { form, extent: Some(Extent { low, high, unit }) };
     let mean = function.iter().sum::<f64>() / function.len().max(1) as f64;
-    if rms(&centred(function)) < CONSTANT_TREND * mean.abs() {
+    if rms(&remove_mean(function)) < CONSTANT_TREND * mean.abs() {
         return Some(simple_trend(Form::Constant));
     }
     let [straight, odd, even] = simple(function, variable);
@@ -185,7 +185,7 @@ fn simple(residual: &[f64], variable: &[f64]) -> [f64; 3] {
 
 /// Returns the share of the variance that two regressors and a constant explain.
 fn share(residual: &[f64], a: &[f64], b: &[f64]) -> f64 {
-    let [r, a, b] = [residual, a, b].map(centred);
+    let [r, a, b] = [residual, a, b].map(remove_mean);
     let (aa, bb, ab) = (dot(&a, &a), dot(&b, &b), dot(&a, &b));
     let (ar, br, total) = (dot(&a, &r), dot(&b, &r), dot(&r, &r).max(f64::MIN_POSITIVE));
     let determinant = aa * bb - ab * ab;
@@ -196,7 +196,7 @@ fn share(residual: &[f64], a: &[f64], b: &[f64]) -> f64 {
     }
 }
 
-fn centred(series: &[f64]) -> Vec<f64> {
+fn remove_mean(series: &[f64]) -> Vec<f64> {
     let mean = series.iter().sum::<f64>() / series.len().max(1) as f64;
     series.iter().map(|v| v - mean).collect()
 }
@@ -206,7 +206,7 @@ mod tests {
     #![allow(clippy::panic)]
     use super::*;
 
-    fn along(f: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
+    fn residual_of(f: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>) {
         let variable: Vec<f64> = (0..3000).map(|k| -1.0 + k as f64 / 1500.0).collect();
         let rough = |k: usize| 0.1 * (k as f64 * 1.7).sin();
         let residual = variable.iter().enumerate().map(|(k, v)| f(*v) + rough(k)).collect();
@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn a_repetition_is_given_with_its_period() {
-        let (residual, variable) = along(|v| (std::f64::consts::TAU * v / 0.31 + 0.4).sin());
+        let (residual, variable) = residual_of(|v| (std::f64::consts::TAU * v / 0.31 + 0.4).sin());
         let trend = PeriodicTrend::of(&residual, &variable).map(|found| found.trend("s"));
         let Some(Trend::Periodic { repetition: Some(Repetition::Along { period, extent, .. }) }) = trend
         else {
@@ -233,7 +233,7 @@ mod tests {
             (|v: f64| v * v * v, Form::Odd),
             (|v: f64| 9.0 + v, Form::Constant),
         ] {
-            let (residual, variable) = along(f);
+            let (residual, variable) = residual_of(f);
             let trend = classify_function(&residual, &variable, "");
             assert!(matches!(trend, Some(Trend::Simple { form, .. }) if form == expected), "{trend:?}");
         }

@@ -41,13 +41,13 @@ pub fn stated_noise(stated: &Parameters, channel: Channel) -> f64 {
 
 /// Returns the RMS of the rounding of a channel's converter; 0 if there is no such sensor.
 pub fn rounding_noise(base: &Parameters, channel: Channel) -> f64 {
-    sensor_of(base, channel).map_or(0.0, |s| silent(s, &base.interface))
+    sensor_of(base, channel).map_or(0.0, |s| quantisation_floor(s, &base.interface))
 }
 
 /// Returns the noise floor of a channel of one recording: the noise that it shows, and no less than its converter's step leaves.
 pub fn measure_noise_floor(base: &Parameters, channel: Channel, series: &[f64]) -> f64 {
     let output = 20.0 / f64::from(base.interface.output_bits).exp2() / 12f64.sqrt();
-    let step = sensor_of(base, channel).map_or(output, |s| silent(s, &base.interface));
+    let step = sensor_of(base, channel).map_or(output, |s| quantisation_floor(s, &base.interface));
     measure_white_noise(series).max(step).max(f64::MIN_POSITIVE)
 }
 
@@ -65,7 +65,7 @@ pub fn with_recorded_noise(base: &Parameters, recordings: &[Recording]) -> Param
         levels.sort_by(f64::total_cmp);
         let Some(&level) = levels.get(levels.len() / 2) else { continue };
         if let Some(sensor) = sensor_mut(&mut heard, channel) {
-            let step = silent(sensor, &base.interface);
+            let step = quantisation_floor(sensor, &base.interface);
             sensor.noise_rms = (level * level - step * step).max(0.0).sqrt();
         }
     }
@@ -83,7 +83,7 @@ pub fn with_noise_levels_of(mut mechanism: Parameters, other: &Parameters) -> Pa
 }
 
 /// Returns the noise floor that the converter's step alone leaves of a sensor.
-fn silent(sensor: &Sensor, interface: &Interface) -> f64 {
+fn quantisation_floor(sensor: &Sensor, interface: &Interface) -> f64 {
     reading_floor(&Sensor { noise_rms: 0.0, ..sensor.clone() }, interface)
 }
 

@@ -142,7 +142,7 @@ pub fn check_signals(name: &str, measured: &MeasuredSignals, ratio: f64) -> Vec<
             note(channel, anomaly);
         }
     }
-    let pairs = redundant(measured, ratio);
+    let pairs = redundant_rates(measured, ratio);
     let slopes: Vec<Slope> = pairs.iter().map(|(_, gyros, other)| regression(gyros, other)).collect();
     if let Some(anomaly) = all_against_the_gyros(&slopes) {
         note(Channel::HubRate, anomaly);
@@ -151,8 +151,8 @@ pub fn check_signals(name: &str, measured: &MeasuredSignals, ratio: f64) -> Vec<
     for ((channel, gyros, other), Slope { slope, coherence }) in pairs.iter().zip(slopes) {
         if let Some(meaning) = meaning(slope, coherence) {
             note(*channel, Anomaly::Disagrees { ratio: slope, meaning });
-        } else if let Some(anomaly) =
-            drifting(gyros, other, measured.period_s).or_else(|| shifted(gyros, other, measured.period_s))
+        } else if let Some(anomaly) = detect_clock_drift(gyros, other, measured.period_s)
+            .or_else(|| detect_clock_offset(gyros, other, measured.period_s))
         {
             note(*channel, anomaly);
         }
@@ -195,13 +195,13 @@ fn all_against_the_gyros(slopes: &[Slope]) -> Option<Anomaly> {
 }
 
 /// Detects a clock offset: the shift with the smallest difference to the gyroscopes.
-fn shifted(reference: &[f64], rate: &[f64], period_s: f64) -> Option<Anomaly> {
+fn detect_clock_offset(reference: &[f64], rate: &[f64], period_s: f64) -> Option<Anomaly> {
     let (offset_s, believed) = offset(reference, rate, period_s)?;
     (believed && offset_s.abs() > REPORTED_OFFSET_S).then_some(Anomaly::ClockOffset { late_s: offset_s })
 }
 
 /// Detects a clock that runs fast or slow: the offsets at the start and at the end differ.
-fn drifting(reference: &[f64], rate: &[f64], period_s: f64) -> Option<Anomaly> {
+fn detect_clock_drift(reference: &[f64], rate: &[f64], period_s: f64) -> Option<Anomaly> {
     let third = reference.len() / 3;
     let at = |from: usize| offset(&reference[from..from + third], &rate[from..from + third], period_s);
     let ((start_s, first), (end_s, last)) = (at(0)?, at(reference.len() - third)?);
@@ -255,7 +255,7 @@ fn check_alone(series: &[f64]) -> Option<Anomaly> {
         return (low != 0.0).then_some(Anomaly::StuckThroughout { value: low });
     }
     let quantum = step(series);
-    if let Some(anomaly) = clipped(series, low, high, quantum) {
+    if let Some(anomaly) = detect_clipping(series, low, high, quantum) {
         return Some(anomaly);
     }
     if run > series.len() / LONG_RUN_PART && high - low > LONG_RUN_STEPS * quantum {
@@ -267,7 +267,7 @@ fn check_alone(series: &[f64]) -> Option<Anomaly> {
 }
 
 /// Detects repeated flat tops at an extreme: a limit, not a coincidence.
-fn clipped(series: &[f64], low: f64, high: f64, quantum: f64) -> Option<Anomaly> {
+fn detect_clipping(series: &[f64], low: f64, high: f64, quantum: f64) -> Option<Anomaly> {
     if high - low < FLAT_TOP_STEPS * quantum {
         return None;
     }
@@ -307,10 +307,10 @@ fn step(series: &[f64]) -> f64 {
 }
 
 /// Returns each redundant channel's rate of the hub on the platform beside that of the gyroscopes, smoothed alike.
-fn redundant(m: &MeasuredSignals, ratio: f64) -> Vec<(Channel, Vec<f64>, Vec<f64>)> {
+fn redundant_rates(m: &MeasuredSignals, ratio: f64) -> Vec<(Channel, Vec<f64>, Vec<f64>)> {
     let relative = m.relative_rate();
     let half = (0.02 / m.period_s).round() as usize;
-    let smooth = |series: &[f64]| centred(&moving(series, half));
+    let smooth = |series: &[f64]| remove_mean(&moving(series, half));
     let reference = smooth(&relative);
     let mut out = Vec::new();
     if let Some(motor) = &m.motor_rate {
@@ -320,7 +320,7 @@ fn redundant(m: &MeasuredSignals, ratio: f64) -> Vec<(Channel, Vec<f64>, Vec<f64
     if let Some(position) = &m.hub_position {
         let rate: Vec<f64> =
             (0..position.len()).map(|k| slope_at(position, k, half.max(1)) / m.period_s).collect();
-        out.push((Channel::HubPosition, reference, centred(&rate)));
+        out.push((Channel::HubPosition, reference, remove_mean(&rate)));
     }
     out
 }
@@ -340,7 +340,7 @@ fn moving(series: &[f64], half: usize) -> Vec<f64> {
 }
 
 /// Returns the series about the mean of the samples that are numbers.
-fn centred(series: &[f64]) -> Vec<f64> {
+fn remove_mean(series: &[f64]) -> Vec<f64> {
     let there: Vec<f64> = series.iter().copied().filter(|v| v.is_finite()).collect();
     let mean = there.iter().sum::<f64>() / there.len().max(1) as f64;
     series.iter().map(|v| v - mean).collect()

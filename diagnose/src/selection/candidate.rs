@@ -31,7 +31,7 @@ pub struct FittedCandidate {
 
 impl FittedCandidate {
     /// Returns the effect that the candidate adds.
-    pub fn newest(&self) -> Option<&'static Effect> {
+    pub fn newest_effect(&self) -> Option<&'static Effect> {
         self.fit.effects.last().copied()
     }
 
@@ -94,7 +94,7 @@ impl FittedCandidate {
 
     /// Returns whether nothing is left that a further effect could explain.
     pub fn explains(&self) -> bool {
-        self.whole.worst() < EXPLAINED && self.whole.distance() < NOTHING_LEFT
+        self.whole.largest_excess() < EXPLAINED && self.whole.distance() < NOTHING_LEFT
     }
 
     pub(crate) fn has_same_effects(&self, other: &Self) -> bool {

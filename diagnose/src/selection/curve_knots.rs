@@ -42,7 +42,7 @@ impl Searcher<'_> {
         let place = effects.iter().position(|e| gain_curve_inputs(e).is_some())?;
         let present = gain_curve_inputs(effects[place])?;
         let fine = fine_inputs(present);
-        let knots = self.slopes(candidate, &fine)?.chosen(present);
+        let knots = self.slopes(candidate, &fine)?.choose_knots(present);
         let inputs: Vec<f64> = knots.iter().map(|&k| fine[k]).collect();
         if inputs == present || self.pool.is_cancelled() {
             return None;
@@ -81,11 +81,12 @@ impl Searcher<'_> {
         let near = candidate.assessments.get(recording)?;
         let values = fine.values(&candidate.fit.parameters);
         let parameters = fine.apply_to(&candidate.fit.parameters, &values);
-        let channels = weighted(self.simulator.residuals(&parameters, recording, Span::Whole, near)?, near);
+        let channels =
+            weight_residuals(self.simulator.residuals(&parameters, recording, Span::Whole, near)?, near);
         let length = channels.first().map_or(0, Vec::len);
         let residual: Vec<f64> = channels.into_iter().flatten().collect();
         let change = |there: Vec<ChannelResidual>, by: f64| -> Vec<f64> {
-            let there = weighted(there, near).into_iter().flatten();
+            let there = weight_residuals(there, near).into_iter().flatten();
             there.zip(&residual).map(|(a, b)| (a - b) / by).collect()
         };
         let columns = map(self.pool, values.len(), |k| {
@@ -111,7 +112,7 @@ impl Searcher<'_> {
 }
 
 /// Returns the residuals of each channel with the weights of a fit.
-fn weighted(channels: Vec<ChannelResidual>, near: &Assessment) -> Vec<Vec<f64>> {
+fn weight_residuals(channels: Vec<ChannelResidual>, near: &Assessment) -> Vec<Vec<f64>> {
     let one = |(c, misfit): (usize, ChannelResidual)| {
         let weight = near.weight(c);
         misfit.residual.into_iter().map(|r| weight * r).collect()
@@ -194,7 +195,8 @@ impl Slopes {
             Half { normal: own[0].normal.clone(), gradient: own[0].gradient.clone(), cost: own[0].cost };
         both.join(&own[1]);
         let mut rest = residual.values.clone();
-        for (change, column) in both.solved(&self.hats(&all)).unwrap_or_default().iter().zip(columns) {
+        for (change, column) in both.solve_fractions(&self.hats(&all)).unwrap_or_default().iter().zip(columns)
+        {
             rest.iter_mut().zip(column).for_each(|(r, c)| *r += change * c);
         }
         rest
@@ -202,12 +204,12 @@ impl Slopes {
 
     /// Returns the knots that are worth their price, as indices of the inputs; the search starts from the present ones, and the
     /// last knot stays.
-    fn chosen(&self, present: &[f64]) -> Vec<usize> {
+    fn choose_knots(&self, present: &[f64]) -> Vec<usize> {
         let mut knots: Vec<usize> =
             (0..self.inputs.len()).filter(|&k| present.contains(&self.inputs[k])).collect();
-        let mut cost = self.judged(&knots);
+        let mut cost = self.cross_validated_cost(&knots);
         let all: Vec<usize> = (0..self.inputs.len()).collect();
-        let price = KNOT_PRICE.max(KNOT_SHARE * self.gain(cost, self.judged(&all)));
+        let price = KNOT_PRICE.max(KNOT_SHARE * self.gain(cost, self.cross_validated_cost(&all)));
         while knots.len() < KNOTS_AT_MOST {
             let Some((better, least)) = self.best_with_one_more(&knots) else { break };
             if self.gain(cost, least) < price {
@@ -217,8 +219,8 @@ impl Slopes {
         }
         for _ in 0..KNOT_MOVES {
             let before = knots.clone();
-            self.moved(&mut knots, &mut cost);
-            self.pruned(&mut knots, &mut cost, price);
+            self.move_knots(&mut knots, &mut cost);
+            self.prune_knots(&mut knots, &mut cost, price);
             if knots == before {
                 break;
             }
@@ -234,14 +236,14 @@ impl Slopes {
             let mut more = knots.to_vec();
             more.push(k);
             more.sort_unstable();
-            let cost = self.judged(&more);
+            let cost = self.cross_validated_cost(&more);
             (more, cost)
         });
         more.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Moves each knot to where it is worth most.
-    fn moved(&self, knots: &mut Vec<usize>, cost: &mut f64) {
+    fn move_knots(&self, knots: &mut Vec<usize>, cost: &mut f64) {
         for k in 0..knots.len().saturating_sub(1) {
             let mut without = knots.clone();
             without.remove(k);
@@ -255,12 +257,12 @@ impl Slopes {
     }
 
     /// Removes knots that are not worth their price, the idlest first.
-    fn pruned(&self, knots: &mut Vec<usize>, cost: &mut f64, price: f64) {
+    fn prune_knots(&self, knots: &mut Vec<usize>, cost: &mut f64, price: f64) {
         while knots.len() > 2 {
             let fewer = (0..knots.len() - 1).map(|k| {
                 let mut fewer = knots.clone();
                 fewer.remove(k);
-                let cost = self.judged(&fewer);
+                let cost = self.cross_validated_cost(&fewer);
                 (fewer, cost)
             });
             match fewer.min_by(|a, b| a.1.total_cmp(&b.1)) {
@@ -278,10 +280,10 @@ impl Slopes {
     }
 
     /// Returns the cost of each half when a choice of knots is fitted to the other.
-    fn judged(&self, knots: &[usize]) -> f64 {
+    fn cross_validated_cost(&self, knots: &[usize]) -> f64 {
         let hats = self.hats(knots);
         let one = |(fitted, other): (&Half, &Half)| {
-            fitted.solved(&hats).map_or(f64::INFINITY, |change| other.cost_after(&change))
+            fitted.solve_fractions(&hats).map_or(f64::INFINITY, |change| other.cost_after(&change))
         };
         let [first, second] = &self.halves;
         one((first, second)) + one((second, first))
@@ -342,7 +344,7 @@ impl Half {
     }
 
     /// Returns the change of the fine curve's fractions that fits best with the knots of a choice.
-    fn solved(&self, hats: &Hats) -> Option<Vec<f64>> {
+    fn solve_fractions(&self, hats: &Hats) -> Option<Vec<f64>> {
         let mut normal =
             Mat::from_fn(hats.count, hats.count, |i, j| if i == j { CURVE_PREFERENCE } else { 0.0 });
         let mut right = Mat::zeros(hats.count, 1);
@@ -399,7 +401,7 @@ mod tests {
     }
 
     fn inputs(slopes: &Slopes) -> Vec<f64> {
-        slopes.chosen(&[0.2, 0.4, 0.6, 1.0]).into_iter().map(|k| slopes.inputs[k]).collect()
+        slopes.choose_knots(&[0.2, 0.4, 0.6, 1.0]).into_iter().map(|k| slopes.inputs[k]).collect()
     }
 
     #[test]

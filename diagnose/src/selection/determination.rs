@@ -16,7 +16,7 @@ impl Searcher<'_> {
                 return;
             };
             let Some(simpler) = self.without_effect(best, index, search) else { return };
-            let explains = simpler.whole.worst() < EXPLAINED;
+            let explains = simpler.whole.largest_excess() < EXPLAINED;
             if !explains && simpler.whole.loss_against(&best.whole) > AMBIGUOUS {
                 return;
             }

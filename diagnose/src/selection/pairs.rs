@@ -37,7 +37,7 @@ pub fn rank_pairs(judged: &[Assessment], signatures: &[EffectSignature], count: 
     let mut out = Vec::new();
     for (place, &i) in usable.iter().enumerate() {
         for &j in &usable[place + 1..] {
-            let (explained, shares) = together(&signatures[i].trace, &signatures[j].trace, &target);
+            let (explained, shares) = explain_by_pair(&signatures[i].trace, &signatures[j].trace, &target);
             out.push(Pair { members: [i, j], explained: explained / total, shares });
         }
     }
@@ -52,7 +52,7 @@ fn is_best_of_its_effect(signatures: &[EffectSignature], index: usize) -> bool {
 }
 
 /// Returns the power of the target that two traces explain together, and their coefficients.
-fn together(a: &[f64], b: &[f64], target: &[f64]) -> (f64, [f64; 2]) {
+fn explain_by_pair(a: &[f64], b: &[f64], target: &[f64]) -> (f64, [f64; 2]) {
     let (aa, bb, ab) = (dot(a, a), dot(b, b), dot(a, b));
     let (at, bt) = (dot(a, target), dot(b, target));
     let determinant = aa * bb - ab * ab;

@@ -58,7 +58,7 @@ impl Searcher<'_> {
             }
         }
         if let (1, Some(stage)) = (best.fit.effects.len(), search.stages.iter().find(|s| s.contains(&best))) {
-            let singles = stage.singles();
+            let singles = stage.single_candidates();
             let gains_little = |c: &FittedCandidate| c.has_same_effects(&best) && c.gain() < c.least_gain;
             if singles.iter().any(gains_little) && !self.gains_alone(&best, &search.baseline.fitted) {
                 return;
@@ -72,7 +72,7 @@ impl Searcher<'_> {
     /// first parts. The first fit of its only effect may not have come so far from the values of the model as it was.
     fn gains_alone(&self, best: &FittedCandidate, before: &[Assessment]) -> bool {
         let all: Vec<usize> = (0..self.simulator.count()).collect();
-        let selection = FitSelection::searching(all.clone());
+        let selection = FitSelection::search_parts(all.clone());
         let fit = self.fit(best.fit.effects.clone(), &best.fit.values, &selection, &best.assessments);
         let judged = fit.and_then(|fit| {
             let judged = self.assess_model(&fit.parameters, &|r| fit.assessment(r))?;
@@ -157,7 +157,7 @@ impl Searcher<'_> {
         start.drain(first..first + effects[index].parameters.len());
         effects.remove(index);
         let recordings = (0..self.simulator.count()).collect();
-        let selection = FitSelection::searching(recordings);
+        let selection = FitSelection::search_parts(recordings);
         let kept = apply_effects(self.base, &effects, &start);
         let fit = self.fit(effects, &start, &selection, &[])?;
         let (again, as_it_is) = (self.replace_fit(candidate, fit)?, self.score_model(&kept)?);

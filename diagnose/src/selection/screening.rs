@@ -40,7 +40,7 @@ pub fn screen_effects(scene: &ScreeningContext, effects: &[&'static Effect]) -> 
     });
     let mut found: Vec<MeasuredPerturbation> = found.into_iter().flatten().collect();
     found.sort_by(|a, b| b.signature.explained.total_cmp(&a.signature.explained));
-    let mut signatures = visited(scene, &perturbations, found);
+    let mut signatures = visit_signatures(scene, &perturbations, found);
     signatures.sort_by(|a, b| b.explained.total_cmp(&a.explained));
     signatures
 }
@@ -53,7 +53,7 @@ struct MeasuredPerturbation {
 
 /// Returns the signatures; if the model is far from the recordings, the best starts of effects that are not small are evaluated at
 /// full size.
-fn visited(
+fn visit_signatures(
     scene: &ScreeningContext,
     perturbations: &[Perturbation],
     found: Vec<MeasuredPerturbation>,

@@ -30,13 +30,14 @@ pub struct Stage {
 impl Stage {
     /// Returns whether a candidate of this stage consists of the only effect of a model.
     pub(crate) fn contains(&self, model: &FittedCandidate) -> bool {
-        let effect = model.newest();
-        let same = |c: &FittedCandidate| c.newest().zip(effect).is_some_and(|(a, b)| std::ptr::eq(a, b));
+        let effect = model.newest_effect();
+        let same =
+            |c: &FittedCandidate| c.newest_effect().zip(effect).is_some_and(|(a, b)| std::ptr::eq(a, b));
         self.candidates.iter().any(|c| c.fit.effects.len() == 1 && same(c))
     }
 
     /// Returns the candidates of one effect alone.
-    pub(crate) fn singles(&self) -> Vec<FittedCandidate> {
+    pub(crate) fn single_candidates(&self) -> Vec<FittedCandidate> {
         self.adding_one(0)
     }
 
@@ -215,7 +216,7 @@ impl Searcher<'_> {
         before: &[Assessment],
     ) -> Vec<FittedCandidate> {
         let recordings: Vec<usize> = (0..self.simulator.count()).collect();
-        let selection = FitSelection::searching(recordings);
+        let selection = FitSelection::search_parts(recordings);
         let again = map_with_progress(self.pool, "comparing", candidates.len(), |c| {
             let candidate = &candidates[c];
             let fixed = present.filter(|p| p.fit.values.len() > JOINT_PARAMETERS);

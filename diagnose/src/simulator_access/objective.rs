@@ -201,7 +201,8 @@ impl<'a> RecordingReplays<'a> {
         let rounding = |channel| rounding_noise(self.base, channel);
         let size = |place: usize| {
             let (shown, place) = self.scored_channel(quiet, index, source, place)?;
-            let apart = apart(shown, &quiet.simulated, &shaken.simulated) / self.floors[index][place];
+            let apart =
+                rms_difference(shown, &quiet.simulated, &shaken.simulated) / self.floors[index][place];
             let own =
                 if shown == Channel::Control { 1.0 } else { rounding(shown) / self.floors[index][place] };
             Some((apart * apart - own * own).max(0.0).sqrt())
@@ -210,7 +211,7 @@ impl<'a> RecordingReplays<'a> {
     }
 
     /// Returns a recording ready to be replayed.
-    fn ready(&self, index: usize, span: Span) -> &Replayer<'a> {
+    fn prepared_replayer(&self, index: usize, span: Span) -> &Replayer<'a> {
         match span {
             Span::Whole => &self.whole[index],
             Span::Head => &self.heads[index],
@@ -228,7 +229,7 @@ impl<'a> RecordingReplays<'a> {
     }
 
     /// Assesses a closed-loop run; if it does not repeat, assesses the playback in its place.
-    fn judged(
+    fn assess_run(
         &self,
         parameters: &Parameters,
         index: usize,
@@ -237,7 +238,7 @@ impl<'a> RecordingReplays<'a> {
     ) -> Option<Assessment> {
         let length = self.prepared.whole[index].len();
         if self.control == ReplayLoop::Open {
-            return self.played(parameters, index, quiet);
+            return self.assess_playback(parameters, index, quiet);
         }
         let divergence = self.divergence(parameters, index, &quiet, ControlSource::ClosedLoop)?;
         let channels = self.channels(&quiet, index, length, ControlSource::ClosedLoop)?;
@@ -252,11 +253,11 @@ impl<'a> RecordingReplays<'a> {
                 source: ControlSource::ClosedLoop,
             });
         }
-        self.played(parameters, index, playback()?)
+        self.assess_playback(parameters, index, playback()?)
     }
 
     /// Assesses a run under the recorded control.
-    fn played(&self, parameters: &Parameters, index: usize, played: Replay) -> Option<Assessment> {
+    fn assess_playback(&self, parameters: &Parameters, index: usize, played: Replay) -> Option<Assessment> {
         let length = self.prepared.whole[index].len();
         let channels = self.channels(&played, index, length, ControlSource::Playback)?;
         let divergence = self.divergence(parameters, index, &played, ControlSource::Playback)?;
@@ -301,7 +302,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
         span: Span,
         near: &Assessment,
     ) -> Option<Vec<ChannelResidual>> {
-        let ready = self.ready(index, span);
+        let ready = self.prepared_replayer(index, span);
         let start = near.start.as_ref()?;
         let control = self.control(near.source);
         let replay = self.with(parameters, ready, |r| r.replay_from(parameters, control, start))?;
@@ -316,7 +317,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
         near: &Assessment,
         shift: &StartShift,
     ) -> Option<(Vec<ChannelResidual>, PlantState)> {
-        let ready = self.ready(index, span);
+        let ready = self.prepared_replayer(index, span);
         let start = near.start.as_ref()?;
         let control = self.control(near.source);
         let shift = self.possible_shift(index, near.source, shift);
@@ -336,7 +337,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
         let Some(start) = near.start.as_ref().filter(|_| shares) else {
             return variants.iter().map(|variant| self.residuals_of(variant, index, span, near)).collect();
         };
-        let ready = self.ready(index, span);
+        let ready = self.prepared_replayer(index, span);
         let asked = variants.iter().map(|variant| {
             let is_shifted = variant.shift.iter().any(|s| *s != 0.0);
             ReplayVariant {
@@ -393,7 +394,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
         let run = |control: &ReplayLoop| {
             self.with(parameters, ready, |r| r.replay_from(parameters, control, start))
         };
-        self.judged(parameters, index, run(&self.control)?, || run(&ReplayLoop::Open))
+        self.assess_run(parameters, index, run(&self.control)?, || run(&ReplayLoop::Open))
     }
 
     fn assess_near(&self, parameters: &Parameters, index: usize, near: &Assessment) -> Option<Assessment> {
@@ -402,7 +403,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
         let run = |control: &ReplayLoop| {
             self.with(parameters, ready, |r| r.replay_near(parameters, control, start))
         };
-        self.judged(parameters, index, run(&self.control)?, || run(&ReplayLoop::Open))
+        self.assess_run(parameters, index, run(&self.control)?, || run(&ReplayLoop::Open))
     }
 
     fn assess(&self, parameters: &Parameters, index: usize) -> Option<Assessment> {
@@ -410,7 +411,7 @@ impl SimulatorAccess for RecordingReplays<'_> {
             let run = |control: &ReplayLoop| {
                 self.with(parameters, &self.whole[index], |r| r.replay(parameters, control))
             };
-            self.judged(parameters, index, run(&self.control)?, || run(&ReplayLoop::Open))
+            self.assess_run(parameters, index, run(&self.control)?, || run(&ReplayLoop::Open))
         };
         if parameters == self.base { self.standing[index].get_or_init(judged).clone() } else { judged() }
     }
@@ -438,7 +439,7 @@ fn travel(recording: &Recording) -> f64 {
     }))
 }
 
-fn apart(channel: Channel, a: &ReadingColumns, b: &ReadingColumns) -> f64 {
+fn rms_difference(channel: Channel, a: &ReadingColumns, b: &ReadingColumns) -> f64 {
     let difference: Vec<f64> =
         a.channel(channel).iter().zip(b.channel(channel)).map(|(x, y)| x - y).collect();
     rms(&difference)

@@ -51,12 +51,12 @@ impl Span {
     }
 
     /// Returns the distance from 0; not positive where 0 lies inside.
-    pub fn nearest(self) -> i128 {
+    pub fn distance_from_zero(self) -> i128 {
         self.low.max(-self.high)
     }
 
     pub fn square(self) -> Self {
-        let low = self.nearest().max(0);
+        let low = self.distance_from_zero().max(0);
         Self { low: low * low, high: self.size() * self.size() }
     }
 

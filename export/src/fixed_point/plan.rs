@@ -57,14 +57,14 @@ pub fn plan_fixed_point(
     if worst_v <= allowed_v {
         return Ok(fixed);
     }
-    Err(match unstable(controller) {
+    Err(match find_unstable_setting(controller) {
         Some((out_of_balance_kg_m, radius)) => FixedError::Unstable { out_of_balance_kg_m, radius, worst_v },
         None => FixedError::TooCoarse { worst_v, samples, allowed_v },
     })
 }
 
 /// Returns a setting at which the controller by itself is unstable, with the modulus of its largest pole.
-fn unstable(controller: &Controller) -> Option<(f64, f64)> {
+fn find_unstable_setting(controller: &Controller) -> Option<(f64, f64)> {
     let all = std::iter::once(controller.parts().design_out_of_balance_kg_m).chain(settings(controller));
     let radius = |set: f64| {
         let poles = poles(&controller.linear(set).ok()?).ok()?;

@@ -28,7 +28,7 @@ pub(crate) fn predict(
         _ => 0.0,
     };
     let kept = setting_errors(controller, ranges, &error);
-    let readings = fixed.step.inputs.iter().map(|bits| OperationError::nearest(0.5 * unit(*bits)));
+    let readings = fixed.step.inputs.iter().map(|bits| OperationError::of_rounding(0.5 * unit(*bits)));
     let errors = errors.into_iter().chain(readings).collect();
     let quantised = Quantised { fixed, errors, set: set.errors(), kept };
     deviation(controller, ranges, &quantised, samples)
@@ -45,7 +45,7 @@ fn left_by_setting(fixed: &Fixed, set: &Writer<'_>) -> Vec<f64> {
             Slot::Local(i) => locals[i],
             Slot::Input(_) => 0.5 * unit(set.bits(*slot)),
         };
-        let total = own.worst + inherited(operation, set, &error);
+        let total = own.worst + inherited_error(operation, set, &error);
         match operation.into_slot() {
             Slot::State(i) => states[i] = states[i].max(total),
             Slot::Local(i) => locals[i] = total,
@@ -56,12 +56,12 @@ fn left_by_setting(fixed: &Fixed, set: &Writer<'_>) -> Vec<f64> {
 }
 
 /// Returns what an operation passes on of its operands' errors.
-fn inherited(operation: &Operation, set: &Writer<'_>, error: &dyn Fn(&Slot) -> f64) -> f64 {
+fn inherited_error(operation: &Operation, set: &Writer<'_>, error: &dyn Fn(&Slot) -> f64) -> f64 {
     match operation {
         Operation::Sum { terms, .. } => terms.iter().map(|t| t.coefficient.abs() * error(&t.of)).sum(),
         Operation::Product { a, b, .. } => error(a) * set.size(*b) + error(b) * set.size(*a),
         Operation::Quotient { into, above, below } => {
-            (error(above) + error(below) * set.size(*into)) / set.nearest(*below)
+            (error(above) + error(below) * set.size(*into)) / set.smallest_magnitude(*below)
         }
         Operation::Magnitude { of, .. } => error(of),
         Operation::Clamp { of, .. } => error(of) + 0.5 * unit(set.bits(*of)),
@@ -77,7 +77,7 @@ struct Quantised<'a> {
 }
 
 impl Arithmetic for Quantised<'_> {
-    fn worst(&self) -> Vec<f64> {
+    fn worst_errors(&self) -> Vec<f64> {
         let kept = self.kept.iter().copied().chain(std::iter::repeat(0.0));
         self.errors.iter().zip(kept).map(|(error, kept)| error.worst + kept).collect()
     }

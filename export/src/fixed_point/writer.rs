@@ -22,7 +22,7 @@ pub(crate) struct OperationError {
 
 impl OperationError {
     /// Returns the error of rounding to nearest.
-    pub fn nearest(half: f64) -> Self {
+    pub fn of_rounding(half: f64) -> Self {
         Self { worst: half, squares: half * half, ..Self::default() }
     }
 }
@@ -107,8 +107,8 @@ impl<'a> Writer<'a> {
     }
 
     /// Returns the smallest real magnitude that the integers of a divisor can stand for.
-    pub fn nearest(&self, slot: Slot) -> f64 {
-        self.span(slot).nearest() as f64 * unit(self.bits(slot))
+    pub fn smallest_magnitude(&self, slot: Slot) -> f64 {
+        self.span(slot).distance_from_zero() as f64 * unit(self.bits(slot))
     }
 
     /// Fraction bits of a target: a state's own; a local's from the runs, or where they leave it at 0 or above what
@@ -181,12 +181,12 @@ impl<'a> Writer<'a> {
         factors.iter_mut().for_each(|term| term.factor >>= spare.min(63));
         start >>= spare.min(63);
         let shift = (scale - bits) as u32 - spare;
-        let (span, size) = self.accumulated(start, &factors);
+        let (span, size) = self.accumulated_span(start, &factors);
         if size >= 1_i128 << ACCUMULATOR_BITS || shift > ACCUMULATOR_BITS {
             return Err(FixedError::NoRoom { name: self.name(into), missing_bits: 1 });
         }
         let rounding =
-            if shift > 0 { OperationError::nearest(0.5 * unit(bits)) } else { OperationError::default() };
+            if shift > 0 { OperationError::of_rounding(0.5 * unit(bits)) } else { OperationError::default() };
         let error = OperationError { worst: rounding.worst + worst, ..rounding };
         let sum = FixedOperation::Sum { into, constant: start, terms: factors, shift };
         self.put(sum, into, bits, span.shift_right(shift), error);
@@ -213,7 +213,7 @@ impl<'a> Writer<'a> {
     }
 
     /// Returns what the sum can be, and a bound of all its partial sums.
-    fn accumulated(&self, start: i64, factors: &[FixedTerm]) -> (Span, i128) {
+    fn accumulated_span(&self, start: i64, factors: &[FixedTerm]) -> (Span, i128) {
         let start = Span { low: start.into(), high: start.into() };
         let each = factors.iter().map(|term| self.span(term.of).scale(term.factor.into()));
         each.fold((start, start.size()), |(sum, size), term| (sum.plus(term), size + term.size()))
@@ -228,7 +228,7 @@ impl<'a> Writer<'a> {
         }
         let shift = (both - bits) as u32;
         let product = FixedOperation::Product { into, a, b, shift };
-        self.put(product, into, bits, span.shift_right(shift), OperationError::nearest(0.5 * unit(bits)));
+        self.put(product, into, bits, span.shift_right(shift), OperationError::of_rounding(0.5 * unit(bits)));
         Ok(())
     }
 
@@ -238,7 +238,7 @@ impl<'a> Writer<'a> {
     }
 
     fn quotient(&mut self, into: Slot, above: Slot, below: Slot, seen: f64) -> Result<(), FixedError> {
-        let nearest = self.span(below).nearest();
+        let nearest = self.span(below).distance_from_zero();
         if nearest <= 0 {
             return Err(self.divisor(into, below));
         }

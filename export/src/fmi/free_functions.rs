@@ -18,7 +18,7 @@ pub(crate) fn functions(plant: &Plant) -> Vec<minijinja::Value> {
 
 fn function(index: usize, function: &LearnedFunction) -> minijinja::Value {
     let table = &function.table;
-    let constant = [[table.last(), 0.0, 0.0, 0.0]];
+    let constant = [[table.last_value(), 0.0, 0.0, 0.0]];
     let powers = if table.powers().is_empty() { &constant[..] } else { table.powers() };
     let rows: Vec<String> = powers.iter().map(|row| list(row)).collect();
     minijinja::context! {
@@ -27,7 +27,7 @@ fn function(index: usize, function: &LearnedFunction) -> minijinja::Value {
         count => table.points().len(),
         rows,
         pieces => powers.len(),
-        last => number(table.last()),
+        last => number(table.last_value()),
         period => number(table.period().unwrap_or(0.0)),
         variable => variable(function),
         friction => friction(function),

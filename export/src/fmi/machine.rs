@@ -174,7 +174,7 @@ pub(crate) fn kind(plant: &Plant) -> minijinja::Value {
         }
         FeedbackSignal::Torque => {
             let at_rest = plant.transmitted_torque_at_rest_nm(rest.core_state[state::WINDUP], 0.0);
-            ("torque", transmitted(plant), number(at_rest))
+            ("torque", transmitted_torque(plant), number(at_rest))
         }
         FeedbackSignal::Current => ("current", "x[CURRENT]", number(rest.core_state[state::CURRENT])),
     };
@@ -199,7 +199,7 @@ pub(crate) fn kind(plant: &Plant) -> minijinja::Value {
 }
 
 /// Returns the torque that the transmission passes to the hub, as an expression of the generated code.
-fn transmitted(plant: &Plant) -> &'static str {
+fn transmitted_torque(plant: &Plant) -> &'static str {
     let is_wavy = plant.parameters().gearbox.kinematic_error.amplitude != 0.0;
     match (plant.gear_hysteresis().is_some(), is_wavy) {
         (false, false) => "v.mesh",
@@ -402,7 +402,7 @@ pub(crate) fn shortest_parts(plant: &Plant) -> String {
 
 /// Returns the hub gyroscope, platform gyroscope, accelerometer, tachometer, resolver, and the second accelerometer if there is one; another
 /// sensor that is not fitted reads 0.
-fn fitted(plant: &Plant) -> Vec<Sensor> {
+fn fitted_sensors(plant: &Plant) -> Vec<Sensor> {
     let s = &plant.parameters().sensors;
     let absent = Sensor { gain: 0.0, ..Sensor::IDEAL };
     let optional = |sensor: &Option<Sensor>| sensor.clone().unwrap_or_else(|| absent.clone());
@@ -423,7 +423,7 @@ pub(crate) fn sensors(plant: &Plant) -> Vec<String> {
         let own = [frequency(s), s.damping_ratio, s.gain, s.bias, s.g_sensitivity];
         list(&[&own[..], &[s.delay_s, CONVERTER_RANGE_V / s.scale_v_unit]].concat())
     };
-    fitted(plant).iter().map(line).collect()
+    fitted_sensors(plant).iter().map(line).collect()
 }
 
 /// 0 stands for an ideal sensor.
@@ -434,8 +434,9 @@ fn frequency(sensor: &Sensor) -> f64 {
 /// Returns how many values a delayed signal keeps.
 pub(crate) fn count_delayed_values(plant: &Plant) -> usize {
     let interface = &plant.parameters().interface;
-    let late =
-        fitted(plant).into_iter().map(|sensor| (sensor.delay_s / interface.sample_period_s).ceil() as usize);
+    let late = fitted_sensors(plant)
+        .into_iter()
+        .map(|sensor| (sensor.delay_s / interface.sample_period_s).ceil() as usize);
     2 + late.fold(interface.output_delay_samples, usize::max)
 }
 
@@ -470,7 +471,7 @@ pub(crate) fn sizes(plant: &Plant) -> Vec<String> {
     sizes.extend(laws(plant).iter().map(|(_, law)| dry_size(law)));
     sizes.push(plant.hose().map_or(1.0, |hose| hose.level_nm));
     sizes.push(angle);
-    let sensors = fitted(plant);
+    let sensors = fitted_sensors(plant);
     let filtered = [0, 1, 2, 0, 1].into_iter().filter_map(|place| sensors.get(place)).chain(sensors.get(5));
     for sensor in filtered {
         sizes.extend([rate, rate * frequency(sensor).max(1.0)]);

@@ -116,8 +116,8 @@ impl Unit<'_> {
         context! {
             name => self.name,
             token => self.token(),
-            description => escaped(self.description),
-            tool => escaped(self.tool),
+            description => escape_xml(self.description),
+            tool => escape_xml(self.tool),
             provenance => self.provenance.to_vec(),
             variables => self.variables.iter().map(Variable::value).collect::<Vec<_>>(),
             settable => self.variables.iter().map(settable).collect::<Vec<_>>(),
@@ -142,6 +142,6 @@ impl Unit<'_> {
     }
 }
 
-fn escaped(text: &str) -> String {
+fn escape_xml(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -53,8 +53,8 @@ pub fn plant_unit(asked: PlantUnit, provenance: &Provenance) -> Result<Vec<File>
     check_name(name)?;
     let past = machine::count_delayed_values(plant);
     let bonds = machine::bristles(plant);
-    within("delay in samples", past as f64, MOST_DELAY_SAMPLES)?;
-    within("number of bristles", bonds as f64, MOST_BRISTLES)?;
+    check_memory("delay in samples", past as f64, MOST_DELAY_SAMPLES)?;
+    check_memory("number of bristles", bonds as f64, MOST_BRISTLES)?;
     let period_s = plant.parameters().interface.sample_period_s;
     let data = context! {
         name, NAME => name.to_uppercase(), provenance => provenance.lines(),
@@ -104,7 +104,7 @@ const DESCRIPTION: &str = "nonlinear plant of a stabilised, out-of-balance servo
     importing tool adds what belongs to the sampling side (noise, drift, converter steps and missing codes to the outputs; jitter, late and \
     missed samples by its communication points)";
 
-fn within(what: &'static str, value: f64, most: f64) -> Result<(), PlantUnitError> {
+fn check_memory(what: &'static str, value: f64, most: f64) -> Result<(), PlantUnitError> {
     if value <= most { Ok(()) } else { Err(PlantUnitError::Memory { what, value, most }) }
 }
 

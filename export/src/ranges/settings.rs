@@ -21,7 +21,7 @@ pub(crate) fn settings(controller: &Controller) -> Vec<f64> {
 
 /// Returns bounds of the states that setting an out-of-balance within its range writes for good: interval arithmetic
 /// over the program that sets it, with the other states within `largest`.
-pub(super) fn settable(controller: &Controller, largest: &[f64]) -> Vec<(usize, f64)> {
+pub(super) fn setting_bounds(controller: &Controller, largest: &[f64]) -> Vec<(usize, f64)> {
     let programs = controller.programs();
     let program = &programs.set_out_of_balance;
     let (low, high) = controller.parts().out_of_balance_range_kg_m;
@@ -59,7 +59,7 @@ impl Span {
         Self::hull([self.0 * other.0, self.0 * other.1, self.1 * other.0, self.1 * other.1])
     }
 
-    fn over(self, other: Self) -> Self {
+    fn divide(self, other: Self) -> Self {
         if other.0 <= 0.0 && other.1 >= 0.0 {
             return Self(f64::NEG_INFINITY, f64::INFINITY);
         }
@@ -77,7 +77,7 @@ fn span(operation: &Operation, read: impl Fn(Slot) -> Span) -> Span {
             })
         }
         Operation::Product { a, b, .. } => read(*a).times(read(*b)),
-        Operation::Quotient { above, below, .. } => read(*above).over(read(*below)),
+        Operation::Quotient { above, below, .. } => read(*above).divide(read(*below)),
         Operation::Magnitude { of, .. } => {
             let of = read(*of);
             Span(0.0, of.0.abs().max(of.1.abs()))

@@ -83,7 +83,7 @@ impl Gains {
         for _ in 1..samples {
             let response: Vec<f64> = system.E.iter().map(|column| dot(&row, column)).collect();
             gains.add(&response);
-            row = system.A.iter().map(|column| flushed(dot(&row, column))).collect();
+            row = system.A.iter().map(|column| flush_negligible(dot(&row, column))).collect();
             if row.iter().all(|entry| *entry == 0.0) {
                 break;
             }
@@ -109,6 +109,6 @@ fn dot(row: &[f64], column: &Column) -> f64 {
 }
 
 /// 0 for what is so small that it would only slow the arithmetic down.
-fn flushed(value: f64) -> f64 {
+fn flush_negligible(value: f64) -> f64 {
     if value.abs() < NEGLIGIBLE_SENSITIVITY { 0.0 } else { value }
 }

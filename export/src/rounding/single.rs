@@ -35,9 +35,10 @@ struct Single<'a> {
 }
 
 impl Arithmetic for Single<'_> {
-    fn worst(&self) -> Vec<f64> {
+    fn worst_errors(&self) -> Vec<f64> {
         let operations = self.controller.programs().step.operations();
-        let own = operations.map(|operation| UNIT * (self.magnitudes(operation) + self.stored(operation)));
+        let own = operations
+            .map(|operation| UNIT * (self.magnitudes(operation) + self.rounded_magnitudes(operation)));
         let mut worst: Vec<f64> = own.zip(self.setting_errors()).map(|(own, left)| own + left).collect();
         worst.extend(
             (0..self.controller.parts().reading_count()).map(|i| UNIT * self.ranges.of(Slot::Input(i))),
@@ -116,7 +117,7 @@ impl Single<'_> {
     }
 
     /// Returns the sum of the magnitudes whose stored coefficients or limits are rounded.
-    fn stored(&self, operation: &Operation) -> f64 {
+    fn rounded_magnitudes(&self, operation: &Operation) -> f64 {
         match operation {
             Operation::Sum { constant, terms, .. } => {
                 let stored = terms.iter().filter(|term| term.coefficient.abs() != 1.0);

@@ -223,7 +223,7 @@ mod tests {
 
     /// Returns a path on an estimator: products, quotients, limits and states that are written before they are
     /// read again.
-    fn adaptive() -> Controller {
+    fn adaptive_controller() -> Controller {
         let mut parts = Parts::new(1e-3, 10.0);
         let system = StateSpace::new(
             Mat::from_rows(&[&[0.9, 0.1], &[-0.1, 0.9]]),
@@ -269,7 +269,7 @@ mod tests {
     /// Central differences of a whole step, after a stretch of motion.
     #[test]
     fn derivatives_are_those_of_the_step() {
-        let controller = adaptive();
+        let controller = adaptive_controller();
         let programs = controller.programs();
         let n = programs.state_count();
         let mut tangent = Tangent::new(&programs.step, n);

@@ -12,7 +12,7 @@ use crate::tolerance::NEGLIGIBLE_COVARIANCE;
 
 /// The errors of the control of a run, sample by sample.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Track {
+pub(crate) struct ErrorTrack {
     /// The part that is known with its sign, V.
     pub mean_v: Vec<f64>,
     /// Sum of the squared bounds of all roundings so far, each times what it does to this control, V^2.
@@ -27,7 +27,7 @@ pub(crate) struct Track {
 ///
 /// with A, E, c, f the derivatives of this sample's step by its states and by an error of each of its operations, b the
 /// known part of the roundings and r the bound of the rest.
-pub(crate) fn follow(controller: &Controller, runs: &[Run], arithmetic: &impl Arithmetic) -> Vec<Track> {
+pub(crate) fn follow(controller: &Controller, runs: &[Run], arithmetic: &impl Arithmetic) -> Vec<ErrorTrack> {
     play(runs, &TrajectoryVisitor { controller, arithmetic }).into_iter().map(|walk| walk.track).collect()
 }
 
@@ -45,8 +45,8 @@ impl<'a, T: Arithmetic> RunVisitor<Walk<'a>> for TrajectoryVisitor<'a, T> {
             set: Tangent::new(&programs.set_out_of_balance, n),
             states: programs.initial(),
             rounded: Vec::new(),
-            errors: Errors::none(n),
-            track: Track::default(),
+            errors: Errors::at_rest(n),
+            track: ErrorTrack::default(),
         }
     }
 
@@ -66,7 +66,7 @@ struct Walk<'a> {
     states: Vec<f64>,
     rounded: Vec<Rounded>,
     errors: Errors,
-    track: Track,
+    track: ErrorTrack,
 }
 
 impl Walk<'_> {
@@ -104,7 +104,7 @@ struct Errors {
 }
 
 impl Errors {
-    fn none(n: usize) -> Self {
+    fn at_rest(n: usize) -> Self {
         let (mean, square) = (vec![0.0; n], vec![0.0; n * n]);
         Self { n, next: mean.clone(), mean, covariance: square.clone(), turned: square, spans: Vec::new() }
     }

@@ -38,7 +38,7 @@ pub fn is_there(program: &str) -> bool {
 
 /// Says that a test, or a part of it, is skipped, with the tool that is missing. The line goes past the capture of a test's output, so that
 /// `.ci/skips` sees it.
-pub fn skipped(why: &str) {
+pub fn report_skip(why: &str) {
     let _ = writeln!(std::io::stderr(), "skipped: {why}");
 }
 
@@ -67,7 +67,7 @@ pub const STRICT: [&str; 10] = [
 
 /// Returns a controller like a design's: feedback with integrator and pairs, heave that scales, pitch, prefilter,
 /// friction.
-pub fn typical() -> Controller {
+pub fn typical_controller() -> Controller {
     let mut random = Random(7);
     let mut parts = Parts::new(1e-3, 10.0);
     parts.design_out_of_balance_kg_m = 151.67;
@@ -98,18 +98,18 @@ pub fn typical() -> Controller {
     Controller::new(parts).unwrap()
 }
 
-/// Returns the controller of [`typical`] with heave and surge projected across the beam by the hub's angle.
-pub fn projecting() -> Controller {
+/// Returns the controller of [`typical_controller`] with heave and surge projected across the beam by the hub's angle.
+pub fn projecting_controller() -> Controller {
     let projection =
         Projection { design_angle_rad: 0.1, angle_reading: Some(HUB_POSITION), pitch_washout_s: Some(10.0) };
-    typical().with(|parts| parts.projection = Some(projection)).unwrap()
+    typical_controller().with(|parts| parts.projection = Some(projection)).unwrap()
 }
 
-/// Returns every block that a controller can have: besides those of [`typical`], corrected readings, heave and surge projected across the beam, two
+/// Returns every block that a controller can have: besides those of [`typical_controller`], corrected readings, heave and surge projected across the beam, two
 /// designs that the out-of-balance fades between, a second observer that follows the demand, and the estimator of the out-of-balance.
-pub fn complete() -> Controller {
+pub fn complete_controller() -> Controller {
     let with = |parts: &mut Parts| {
-        parts.projection = projecting().parts().projection;
+        parts.projection = projecting_controller().parts().projection;
         parts.corrections = vec![
             Correction { reading: 1, gain: 1.02, offset: -3e-4 },
             Correction { reading: 3, gain: 0.97, offset: 0.012 },
@@ -140,7 +140,7 @@ pub fn complete() -> Controller {
             rate_limit_kg_m_s: 20.0,
         });
     };
-    typical().with(with).unwrap()
+    typical_controller().with(with).unwrap()
 }
 
 /// Returns a path without anti-windup.
@@ -165,9 +165,9 @@ pub fn modal(random: &mut Random, order: usize, inputs: usize) -> StateSpace {
             k += 1;
         }
     }
-    let B = Mat::from_fn(order, inputs, |_, _| 0.1 * random.signed());
-    let C = Mat::from_fn(1, order, |_, _| random.signed());
-    let D = Mat::from_fn(1, inputs, |_, _| random.signed());
+    let B = Mat::from_fn(order, inputs, |_, _| 0.1 * random.signed_unit());
+    let C = Mat::from_fn(1, order, |_, _| random.signed_unit());
+    let D = Mat::from_fn(1, inputs, |_, _| random.signed_unit());
     StateSpace::new(A, B, C, D, Timebase::Discrete { period_s: 1e-3 }).unwrap()
 }
 
@@ -175,8 +175,8 @@ pub fn modal(random: &mut Random, order: usize, inputs: usize) -> StateSpace {
 /// 1e8.
 pub fn badly_scaled(random: &mut Random, order: usize, inputs: usize) -> StateSpace {
     let base = modal(random, order, inputs);
-    let mixed = Mat::from_fn(order, order, |i, j| f64::from(i == j) + 0.05 * random.signed());
-    let unit: Vec<f64> = (0..order).map(|_| 10.0_f64.powf(8.0 * random.signed())).collect();
+    let mixed = Mat::from_fn(order, order, |i, j| f64::from(i == j) + 0.05 * random.signed_unit());
+    let unit: Vec<f64> = (0..order).map(|_| 10.0_f64.powf(8.0 * random.signed_unit())).collect();
     let T = &mixed * &Mat::diag(&unit);
     let one_over: Vec<f64> = unit.iter().map(|unit| 1.0 / unit).collect();
     let W = &Mat::diag(&one_over) * &counterpoise_linalg::inverse(&mixed).unwrap();
@@ -190,7 +190,7 @@ pub fn random_controller(seed: u64) -> Controller {
     let mut parts = Parts::new(1e-3, 1.0 + 9.0 * random.unit());
     parts.design_out_of_balance_kg_m = 1.0 + 200.0 * random.unit();
     parts.out_of_balance_range_kg_m = (-400.0, 400.0);
-    parts.bias_v_per_kg_m = 0.02 * random.signed();
+    parts.bias_v_per_kg_m = 0.02 * random.signed_unit();
     parts.transfer_time_s = 0.1 * random.unit();
     let order = 1 + seed as usize % 40;
     let signals = [
@@ -206,7 +206,7 @@ pub fn random_controller(seed: u64) -> Controller {
         modal(&mut random, order, inputs.len())
     };
     let mut first = path("first", inputs, system);
-    first.anti_windup[0] = 0.1 * random.signed() * first.system.B[(0, 0)];
+    first.anti_windup[0] = 0.1 * random.signed_unit() * first.system.B[(0, 0)];
     let mut second = path("second", vec![PathSignal::HubPosition, PathSignal::PreviousControl], {
         let mut system = modal(&mut random, 2, 2);
         system.D = system.D.scale(0.1);
@@ -234,7 +234,7 @@ impl Random {
     }
 
     /// Between -1 and 1.
-    pub fn signed(&mut self) -> f64 {
+    pub fn signed_unit(&mut self) -> f64 {
         2.0 * self.unit() - 1.0
     }
 
@@ -243,7 +243,7 @@ impl Random {
     pub fn readings(&mut self) -> [f64; READINGS] {
         let largest = counterpoise_export::vectors::LARGEST;
         let mut readings = [0.0; READINGS];
-        (0..COMMON_READINGS).for_each(|i| readings[i] = largest[i] * self.signed());
+        (0..COMMON_READINGS).for_each(|i| readings[i] = largest[i] * self.signed_unit());
         readings[PLATFORM_SURGE] = -largest[PLATFORM_SURGE] / largest[3] * readings[3];
         readings
     }
@@ -431,7 +431,7 @@ pub fn requests(controllers: usize, samples: usize) -> Vec<(usize, Request)> {
     for k in 0..samples {
         for which in 0..controllers {
             match k % 97 {
-                31 => all.push((which, Request::Set(300.0 * random.signed()))),
+                31 => all.push((which, Request::Set(300.0 * random.signed_unit()))),
                 77 => all.push((which, Request::Reset)),
                 _ => {}
             }

@@ -9,14 +9,14 @@ use counterpoise_export::board::{
 };
 use counterpoise_export::{File, Numbers};
 
-use super::support::{STRICT, folder, is_there, run, skipped, write};
+use super::support::{STRICT, folder, is_there, report_skip, run, write};
 
 /// Returns whether the tools are there; says which are missing.
 pub fn tools_are_there() -> bool {
     let missing: Vec<&str> = [COMPILER, EMULATOR].into_iter().filter(|tool| !is_there(tool)).collect();
     if !missing.is_empty() {
         let packages = "apt install gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm";
-        skipped(&format!("{} missing ({packages})", missing.join(", ")));
+        report_skip(&format!("{} missing ({packages})", missing.join(", ")));
     }
     missing.is_empty()
 }

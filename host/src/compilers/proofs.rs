@@ -21,7 +21,7 @@ pub fn prove_code(code: &[TargetCode], compared: &Targets) -> Vec<CompiledCodeTe
         let answered = match &folder {
             Ok(folder) => {
                 let place = folder.path().join(format!("{:?}-{:?}", each.language, each.numbers));
-                answered(each, compared, &place)
+                test_code(each, compared, &place)
             }
             Err(error) => CodeAgreement::NotRun(format!("no temporary folder: {error}")),
         };
@@ -30,7 +30,7 @@ pub fn prove_code(code: &[TargetCode], compared: &Targets) -> Vec<CompiledCodeTe
     code.iter().map(prove).collect()
 }
 
-fn answered(code: &TargetCode, compared: &Targets, folder: &Path) -> CodeAgreement {
+fn test_code(code: &TargetCode, compared: &Targets, folder: &Path) -> CodeAgreement {
     let compiler = if code.language == Language::Rust { RUST_COMPILER } else { C_COMPILER };
     if Command::new(compiler).arg("--version").output().is_err() {
         return CodeAgreement::NotRun(format!("{compiler} not found on this machine"));
@@ -41,7 +41,7 @@ fn answered(code: &TargetCode, compared: &Targets, folder: &Path) -> CodeAgreeme
     if let Err(why) = build(code, folder) {
         return CodeAgreement::NotRun(format!("{compiler} failed: {why}"));
     }
-    match replayed(figures, fixed, folder) {
+    match replay_closed_loops(figures, fixed, folder) {
         Some((samples, 0)) => CodeAgreement::Alike { samples },
         Some((samples, wrong)) => CodeAgreement::Otherwise { samples, wrong },
         None => CodeAgreement::NotRun("the compiled program did not run to its end".to_owned()),
@@ -66,8 +66,8 @@ fn build_rust(code: &TargetCode, folder: &Path) -> Result<(), String> {
         .map_err(|error| error.to_string())?;
     write(folder, &[rust_replay(code.readings)])?;
     let crate_name = ["--crate-name", RUST_CRATE, "generated.rs"];
-    silent(Command::new(RUST_COMPILER).args(RUST_LIBRARY).args(crate_name), folder)?;
-    silent(Command::new(RUST_COMPILER).args(RUST_PROGRAM).arg("replay.rs"), folder)
+    run_silent(Command::new(RUST_COMPILER).args(RUST_LIBRARY).args(crate_name), folder)?;
+    run_silent(Command::new(RUST_COMPILER).args(RUST_PROGRAM).arg("replay.rs"), folder)
 }
 
 fn build_c(code: &TargetCode, folder: &Path) -> Result<(), String> {
@@ -80,7 +80,7 @@ fn build_c(code: &TargetCode, folder: &Path) -> Result<(), String> {
         ],
     )?;
     let files = ["controller.c", "replay.c", "-o", "replay"];
-    silent(Command::new(C_COMPILER).args(C_FLAGS).args(files), folder)
+    run_silent(Command::new(C_COMPILER).args(C_FLAGS).args(files), folder)
 }
 
 fn write(folder: &Path, code: &[File]) -> Result<(), String> {
@@ -89,7 +89,7 @@ fn write(folder: &Path, code: &[File]) -> Result<(), String> {
 }
 
 /// Runs a compiler that must succeed without a word.
-fn silent(command: &mut Command, folder: &Path) -> Result<(), String> {
+fn run_silent(command: &mut Command, folder: &Path) -> Result<(), String> {
     let output = command.current_dir(folder).output().map_err(|error| error.to_string())?;
     if output.status.success() && output.stderr.is_empty() {
         return Ok(());
@@ -99,7 +99,11 @@ fn silent(command: &mut Command, folder: &Path) -> Result<(), String> {
 }
 
 /// Returns samples replayed, and those answered otherwise.
-fn replayed(figures: &TargetFigures, fixed: Option<&Fixed>, folder: &Path) -> Option<(usize, usize)> {
+fn replay_closed_loops(
+    figures: &TargetFigures,
+    fixed: Option<&Fixed>,
+    folder: &Path,
+) -> Option<(usize, usize)> {
     let bytes = encode_requests(&figures.closed_loops, fixed);
     files::write_file(&folder.join("readings"), &bytes).ok()?;
     let readings = std::fs::File::open(folder.join("readings")).ok()?;

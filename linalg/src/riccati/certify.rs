@@ -57,7 +57,7 @@ pub(super) fn certify(
     let separation = 1.0 / h0;
     let closed_loop = spectrum(equation, &refined, h0);
     let worst = worst_excess(&closed_loop, kind);
-    let inaccurate = |residual| inaccurate(residual, worst, kind);
+    let inaccurate = |residual| inaccuracy_reason(residual, worst, kind);
     let remaining = refined.residual.norm_fro();
     let size = refined.terms;
     let relative_residual = if size > 0.0 { remaining / size } else { 0.0 };
@@ -107,7 +107,7 @@ pub(super) fn certify_precise(
     let residual = equation.linearise(&Precise::from(&X))?.residual.high;
     let size = equation.evaluate(&X.clone().into())?.terms;
     let remaining = residual.norm_fro();
-    let rounding = found.X.minus(&Precise::from(&X)).high;
+    let rounding = found.X.difference(&Precise::from(&X)).high;
     let certificate = RiccatiCertificate {
         relative_residual: if size > 0.0 { remaining / size } else { 0.0 },
         backward_error: remaining / data_size(problem, &X),
@@ -124,7 +124,7 @@ pub(super) fn certify_precise(
     };
     let normwise = Normwise::Norms(found.inverse_norms);
     let mut closed_loop = eigenvalues(&found.closed.round()).ok()?;
-    closed_loop.iter_mut().for_each(|l| *l = inside(*l, kind));
+    closed_loop.iter_mut().for_each(|l| *l = mirror_inside(*l, kind));
     let solution = Riccati { X, F: found.gain.round(), closed_loop, certificate };
     let operator_norm = operator_norm(found.closed.high.norm_fro(), kind);
     Some(Certified { solution, residual, operator_norm, contraction: 0.0, normwise })
@@ -139,7 +139,7 @@ fn operator_norm(closed: f64, kind: Kind) -> f64 {
 }
 
 /// An eigenvalue of a closed loop whose powers tend to zero: what rounding put on or beyond the boundary is mirrored.
-fn inside(l: C64, kind: Kind) -> C64 {
+fn mirror_inside(l: C64, kind: Kind) -> C64 {
     match kind {
         Kind::Continuous if l.re >= 0.0 => C64::new(-l.re.max(f64::MIN_POSITIVE), l.im),
         Kind::Discrete if l.norm() >= 1.0 => l / (l.norm_sqr() * (1.0 + EPS)),
@@ -153,7 +153,7 @@ fn worst_excess(closed_loop: &[C64], kind: Kind) -> f64 {
 }
 
 /// The refusal of an approximation, without the mode behind it.
-fn inaccurate(residual: f64, worst: f64, kind: Kind) -> Reason {
+fn inaccuracy_reason(residual: f64, worst: f64, kind: Kind) -> Reason {
     let stability = if kind == Kind::Continuous { worst } else { worst + 1.0 };
     Reason::Inaccurate { residual, stability, hardest: None }
 }

@@ -77,7 +77,7 @@ pub(super) fn unless_lost(
 ) -> Result<Certified, Failure> {
     let lost = || reason::certainly_lost(modes).map(Failure::Certain);
     if reason::is_beyond_doubles(first, modes) {
-        return lost().map_or_else(|| solve(Failure::hopeless), Err);
+        return lost().map_or_else(|| solve(Failure::from_hopeless), Err);
     }
     let found = solve(Failure::from);
     let is_determined = |c: &Certified| EPS * c.solution.certificate.condition <= RICCATI_DETERMINED;
@@ -124,10 +124,10 @@ pub(super) fn decide(
             let boundary = if kind == Kind::Continuous { 0.0 } else { 1.0 };
             let stability = boundary + reaches.fold(f64::NEG_INFINITY, f64::max);
             let reason = Reason::Inaccurate { residual, stability, hardest: None };
-            Outcome::Infeasible(explained(Refusal { reason, ..refusal }, modes))
+            Outcome::Infeasible(explain_refusal(Refusal { reason, ..refusal }, modes))
         }
         Some(found) => accept(found, modes, 0.0),
-        None => Outcome::Infeasible(explained(refusal, modes)),
+        None => Outcome::Infeasible(explain_refusal(refusal, modes)),
     }
 }
 
@@ -153,7 +153,7 @@ fn accept(found: Certified, modes: &Modes, limit: f64) -> Outcome<Certified> {
 }
 
 /// The mode behind a refusal, if one can be named.
-fn explained(refusal: Refusal, modes: &Modes) -> Reason {
+fn explain_refusal(refusal: Refusal, modes: &Modes) -> Reason {
     if let Some(reason) = reason::diagnose(modes, refusal.nearest) {
         return reason;
     }
@@ -203,7 +203,7 @@ pub(super) enum Failure {
 
 impl Failure {
     /// The failure of a refinement from a start that is larger than doubles can tell from infinity.
-    pub(super) fn hopeless(reason: Reason) -> Self {
+    pub(super) fn from_hopeless(reason: Reason) -> Self {
         match Self::from(reason) {
             Self::Doubtful(reason) => Self::Hopeless(reason),
             other => other,

@@ -61,7 +61,7 @@ fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
     let mut refusal = Reason::SingularWeight { rcond: crate::decomposition::rcond_one(&data.R) };
     let mut first = None;
     for shift in equation.shifts() {
-        let Some(problem) = shifted(data, shift) else { continue };
+        let Some(problem) = shifted_problem(data, shift) else { continue };
         for method in [RiccatiMethod::Doubling, RiccatiMethod::Schur] {
             match attempt(equation, &problem, shift, method) {
                 Ok(found) if is_beyond_doubt(&found, &problem, Kind::Discrete) => {
@@ -93,7 +93,7 @@ fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
 }
 
 /// The equation for `Z = X - sI`, its cross term folded away.
-fn shifted(Data { A, B, Q, R, S }: &Data, shift: f64) -> Option<Problem> {
+fn shifted_problem(Data { A, B, Q, R, S }: &Data, shift: f64) -> Option<Problem> {
     if shift == 0.0 {
         return fold(A, B, Q, R, S.as_ref());
     }

@@ -41,7 +41,7 @@ impl Data {
         let mut sum = Precise::from(&self.Q).plus(&K.t().times(&Precise::from(&self.R).times(K)));
         if let Some(S) = &self.S {
             let cross = Precise::from(S).times(K);
-            sum = sum.minus(&cross).minus(&cross.t());
+            sum = sum.difference(&cross).difference(&cross.t());
         }
         sum
     }
@@ -56,7 +56,7 @@ impl Data {
 
     /// `A - B K` in 32 digits.
     fn precise_closed(&self, K: &Precise) -> Precise {
-        Precise::from(&self.A).minus(&Precise::from(&self.B).times(K))
+        Precise::from(&self.A).difference(&Precise::from(&self.B).times(K))
     }
 
     /// `A - B R^-1 S'`, `B R^-1 B'`, `Q - S R^-1 S'` in 32 digits; `None` for a singular `R`.
@@ -65,7 +65,7 @@ impl Data {
         let G = B.times(&R.solve(&B.t())?).symmetric_part();
         let Some(S) = S else { return Some([A, G, Q.clone()]) };
         let K = R.solve(&S.t())?;
-        Some([A.minus(&B.times(&K)), G, Q.minus(&S.times(&K)).symmetric_part()])
+        Some([A.difference(&B.times(&K)), G, Q.difference(&S.times(&K)).symmetric_part()])
     }
 
     /// `|Q| + |K|'|R||K| + |S||K| + |K|'|S|'`
@@ -206,7 +206,7 @@ impl Equation for Quadratic {
 impl PreciseEquation for Quadratic {
     fn linearise(&self, X: &Precise) -> Option<Linearised> {
         let gain = Precise::from(&self.G).times(X);
-        let closed = Precise::from(&self.A).minus(&gain);
+        let closed = Precise::from(&self.A).difference(&gain);
         let half = X.times(&closed);
         let square = X.times(&gain);
         let residual = half.plus(&half.t()).plus(&square).plus(&Precise::from(&self.Q)).symmetric_part();
@@ -331,7 +331,7 @@ impl PreciseEquation for Discrete {
         let gain = weight.solve(&data.with_cross(BX.times(&Precise::from(&data.A))))?;
         let closed = data.precise_closed(&gain);
         let moved = closed.t().times(&X.times(&closed));
-        let residual = moved.minus(X).plus(&data.precise_weights(&gain)).symmetric_part();
+        let residual = moved.difference(X).plus(&data.precise_weights(&gain)).symmetric_part();
         Some(Linearised { residual, closed, gain })
     }
 
@@ -351,7 +351,7 @@ impl PreciseEquation for Discrete {
             return data.fold_precisely(&Q, &R, cross.as_ref());
         }
         let scaled = Precise::identity(data.A.nrows(), shift);
-        Q = Q.plus(&A.t().times(&scaled.times(&A))).minus(&scaled).symmetric_part();
+        Q = Q.plus(&A.t().times(&scaled.times(&A))).difference(&scaled).symmetric_part();
         R = R.plus(&B.t().times(&scaled.times(&B))).symmetric_part();
         let cross = data.with_cross(B.t().times(&scaled.times(&A))).t();
         data.fold_precisely(&Q, &R, Some(&cross))

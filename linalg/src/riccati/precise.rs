@@ -64,14 +64,14 @@ pub(super) fn solve(equation: &impl PreciseEquation, start: Option<&Mat>) -> Opt
     let given = start.and_then(|X| refine(equation, Precise::from(X)));
     given
         .or_else(|| equation.shifts().into_iter().find_map(|shift| approximations(equation, shift)))
-        .or_else(|| refine(equation, stabilising(equation)?))
+        .or_else(|| refine(equation, stabilising_start(equation)?))
 }
 
 /// A start whose closed loop is stable, of the continuous equation with `G >= 0`: `X = Z^-1`, where
 /// `(A + b I) Z + Z (A + b I)' = 2 G` and `b` exceeds the norm of `A`.
 ///
 /// Source: Bass; see Kleinman, or Armstrong, IEEE TAC 20 (1975) 153.
-fn stabilising(equation: &impl PreciseEquation) -> Option<Precise> {
+fn stabilising_start(equation: &impl PreciseEquation) -> Option<Precise> {
     if equation.kind() == Kind::Discrete {
         return None;
     }
@@ -126,7 +126,7 @@ fn parameters(problem: &Problem) -> Vec<f64> {
 /// The discrete equation with the same solution, by the Cayley transform with parameter `gamma`.
 fn cayley(A: &Precise, G: &Precise, Q: &Precise, gamma: f64) -> Option<[Precise; 3]> {
     let n = A.high.nrows();
-    let shifted = A.minus(&Precise::identity(n, gamma));
+    let shifted = A.difference(&Precise::identity(n, gamma));
     let forward = shifted.solve(&G.hstack(&Precise::identity(n, 1.0)))?;
     let (AG, inverse) = (forward.columns(0, n), forward.columns(n, n));
     let W = shifted.t().plus(&Q.times(&AG));

@@ -73,7 +73,7 @@ impl Iteration<'_> {
     fn active_start(&mut self, end: usize) -> usize {
         let mut k = end;
         while k > self.lo {
-            if negligible(self.H, k) {
+            if is_negligible(self.H, k) {
                 self.H[(k, k - 1)] = 0.0;
                 break;
             }
@@ -153,7 +153,7 @@ impl Iteration<'_> {
 
 /// Ahues and Tisseur's test of the subdiagonal left of row `k`.
 #[inline(always)]
-pub(super) fn negligible(H: &Mat, k: usize) -> bool {
+pub(super) fn is_negligible(H: &Mat, k: usize) -> bool {
     let sub = H[(k, k - 1)].abs();
     if sub <= NEGLIGIBLE_SUBDIAGONAL {
         return true;

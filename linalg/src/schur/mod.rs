@@ -30,9 +30,9 @@ pub struct Schur {
 pub fn schur(A: &Mat) -> Result<Schur, Error> {
     check_square("A", A)?;
     keep_freed_blocks(A.nrows());
-    match independent(A) {
+    match independent_groups(A) {
         groups if groups.len() > 1 => group_by_group(A, &groups),
-        _ => connected(A),
+        _ => connected_form(A),
     }
 }
 
@@ -42,7 +42,7 @@ fn group_by_group(A: &Mat, groups: &[Vec<usize>]) -> Result<Schur, Error> {
     let (mut T, mut U) = (Mat::zeros(n, n), Mat::zeros(n, n));
     let mut top = 0;
     for group in groups {
-        let form = connected(&A.select(group, group))?;
+        let form = connected_form(&A.select(group, group))?;
         T.set_block(top, top, &form.T);
         for j in 0..group.len() {
             group.iter().enumerate().for_each(|(i, &state)| U[(state, top + j)] = form.U[(i, j)]);
@@ -53,7 +53,7 @@ fn group_by_group(A: &Mat, groups: &[Vec<usize>]) -> Result<Schur, Error> {
 }
 
 /// The groups of states in which a matrix is block diagonal, one group where every state reaches every other.
-fn independent(A: &Mat) -> Vec<Vec<usize>> {
+fn independent_groups(A: &Mat) -> Vec<Vec<usize>> {
     let n = A.nrows();
     let mut label: Vec<usize> = (0..n).collect();
     let mut count = n;
@@ -76,7 +76,7 @@ fn independent(A: &Mat) -> Vec<Vec<usize>> {
 }
 
 /// The form of a matrix that is not taken apart.
-fn connected(A: &Mat) -> Result<Schur, Error> {
+fn connected_form(A: &Mat) -> Result<Schur, Error> {
     let (mut T, mut U) = hessenberg(A)?;
     if A.nrows() > 0 {
         francis::francis(&mut T, &mut U, 0, A.nrows() - 1)?;
@@ -96,7 +96,7 @@ pub fn eigenvalues(A: &Mat) -> Result<Vec<C64>, Error> {
     keep_freed_blocks(A.nrows());
     let balanced = crate::balance::balance(A)?.A;
     let mut values = Vec::with_capacity(A.nrows());
-    for group in independent(&balanced) {
+    for group in independent_groups(&balanced) {
         let mut H = hessenberg_values(&balanced.select(&group, &group))?;
         if !group.is_empty() {
             francis::francis_values(&mut H)?;

@@ -24,7 +24,7 @@ pub(super) fn swap(T: &mut Mat, U: &mut Mat, k: usize, first: usize, second: usi
     let turned = Q.t() * &local * &Q;
     let left_over = turned.block(second, 0, first, second).norm_max();
     if left_over > SWAP * local.norm_max() {
-        return Err(rejected(&local, first, left_over));
+        return Err(swap_error(&local, first, left_over));
     }
     exchange(T, U, &Q, k, second);
     Ok(())
@@ -119,7 +119,7 @@ fn rotate_columns(T: &mut Mat, Q: &Mat, k: usize, rows: usize) {
     }
 }
 
-fn rejected(local: &Mat, first: usize, left_over: f64) -> Error {
+fn swap_error(local: &Mat, first: usize, left_over: f64) -> Error {
     let eigenvalue = |k: usize, size: usize| {
         if size == 1 {
             return crate::mat::C64::new(local[(k, k)], 0.0);

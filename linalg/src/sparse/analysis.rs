@@ -63,7 +63,7 @@ impl Analysis {
         let too_large = |_| Error::TooLarge { what: "the factors of a sparse matrix", rows: n };
         let mut order: Vec<u32> = order.into_iter().filter(|&v| !last.contains(&(v as usize))).collect();
         order.extend(last.iter().map(|&row| row as u32));
-        let order = postordered(A, &order);
+        let order = postorder(A, &order);
         let place = inverse(&order);
         let (starts, indices, _) = A.parts();
         let pattern = SymbolicSparseColMatRef::new_checked(n, n, starts, None, indices);
@@ -169,7 +169,7 @@ fn inverse(order: &[u32]) -> Vec<u32> {
 /// The same elimination with each unknown directly behind those that it depends on, so that blocks are wide.
 ///
 /// Source: Liu, SIAM J. Matrix Anal. 11 (1990) 134.
-fn postordered(A: &Sparse, order: &[u32]) -> Vec<u32> {
+fn postorder(A: &Sparse, order: &[u32]) -> Vec<u32> {
     let n = order.len();
     let parent = elimination_tree(A, order);
     let (mut first_child, mut next_child) = (vec![u32::MAX; n], vec![u32::MAX; n]);

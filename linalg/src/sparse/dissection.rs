@@ -36,7 +36,7 @@ enum Side {
 }
 
 impl Side {
-    fn other(self) -> Self {
+    fn opposite(self) -> Self {
         match self {
             Self::First => Self::Second,
             _ => Self::First,
@@ -125,7 +125,7 @@ fn dissect(graph: &Graph, names: &[u32], order: &mut Vec<u32>) -> Result<(), Err
     }
     let apart = components(graph);
     let (parts, separator) = match apart.len() {
-        1 => match separated(graph) {
+        1 => match separate_parts(graph) {
             Some(found) => (found.parts.into(), found.separator),
             None => return leaf(graph, names, order),
         },
@@ -193,7 +193,7 @@ fn components(graph: &Graph) -> Vec<Vec<u32>> {
 }
 
 /// Two parts and what separates them; `None` if there are no two parts, as in a full matrix.
-fn separated(graph: &Graph) -> Option<Separation> {
+fn separate_parts(graph: &Graph) -> Option<Separation> {
     let mut sides = by_levels(graph)?;
     for _ in 0..ROUNDS {
         if !Refinement::new(graph, &mut sides).run() {
@@ -282,7 +282,7 @@ impl<'a> Refinement<'a> {
     }
 
     fn gain(&self, v: u32, to: Side) -> i32 {
-        let pulled = self.graph.of_vertex(v).iter().filter(|&&u| self.sides[u as usize] == to.other());
+        let pulled = self.graph.of_vertex(v).iter().filter(|&&u| self.sides[u as usize] == to.opposite());
         1 - pulled.count() as i32
     }
 
@@ -332,7 +332,7 @@ impl<'a> Refinement<'a> {
         self.is_moved[v as usize] = true;
         let graph = self.graph;
         for &u in graph.of_vertex(v) {
-            if self.sides[u as usize] == to.other() {
+            if self.sides[u as usize] == to.opposite() {
                 self.change(u, Side::Separator, log);
                 self.enqueue(u);
                 graph.of_vertex(u).iter().for_each(|&w| self.enqueue(w));
@@ -385,7 +385,7 @@ mod tests {
     #[test]
     fn a_separator_leaves_no_coupling_between_the_parts() {
         let graph = Graph::of(&lattice(10));
-        let found = separated(&graph).unwrap();
+        let found = separate_parts(&graph).unwrap();
         assert!(found.separator.len() <= 110, "{}", found.separator.len());
         let is_first: Vec<bool> = (0..1000).map(|v| found.parts[0].contains(&v)).collect();
         let coupled = |v: &u32| graph.of_vertex(*v).iter().any(|&u| is_first[u as usize]);

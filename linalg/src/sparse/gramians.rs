@@ -151,7 +151,7 @@ fn solutions(
     reach: &Iterate,
     observe: &Iterate,
 ) -> Result<(Halves, Halves), Error> {
-    let moved = |X: &CMat| damped(pencil, s, X);
+    let moved = |X: &CMat| damping_product(pencil, s, X);
     let (position, force) = (reach.upper.to_complex(), reach.lower.to_complex());
     let (dual_position, dual_force) = (observe.upper.to_complex(), observe.lower.to_complex());
     let of_reach = -&(&force + &moved(&position));
@@ -166,7 +166,7 @@ fn solutions(
 }
 
 /// `(D + s M) X`
-fn damped(pencil: &QuadraticPencil, s: C64, X: &CMat) -> CMat {
+fn damping_product(pencil: &QuadraticPencil, s: C64, X: &CMat) -> CMat {
     let (re, im) = (X.map(|x| x.re), X.map(|x| x.im));
     let join =
         |re: &Mat, im: &Mat| CMat::from_fn(re.nrows(), re.ncols(), |i, j| C64::new(re[(i, j)], im[(i, j)]));

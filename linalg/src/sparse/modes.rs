@@ -119,7 +119,7 @@ pub fn lowest_modes(
         projected: Mat::zeros(0, 0),
         solutions: 0,
     };
-    let mut block = lanczos.first()?;
+    let mut block = lanczos.first_block()?;
     let limit = LANCZOS_BLOCKS + 2 * wanted.count;
     for _ in 0..limit {
         let coupling = lanczos.extend(&mut block)?;
@@ -150,7 +150,7 @@ struct Lanczos<'a> {
 
 impl Lanczos<'_> {
     /// An orthonormal block of shapes under loads without a pattern.
-    fn first(&mut self) -> Result<Mat, Error> {
+    fn first_block(&mut self) -> Result<Mat, Error> {
         let n = self.M.nrows();
         let mut state = 0x9E37_79B9_7F4A_7C15_u64;
         let mut random = || {

@@ -101,7 +101,7 @@ pub(super) fn factorise<T: Number>(
     let (mut pivots, mut done, mut told) = (Vec::with_capacity(n), 0.0, 0);
     for s in 0..analysis.blocks() {
         let Panel { rows, cols } = analysis.panel(s);
-        let mut panel = run.assembled(s, terms)?;
+        let mut panel = run.assemble_panel(s, terms)?;
         eliminate(&mut panel, rows, 0..cols, &mut run.scaled);
         let found = (0..cols).map(|j| panel[j * rows + j]);
         pivots.extend(found);
@@ -145,7 +145,7 @@ struct Elimination<'a, T> {
 
 impl<T: Number> Elimination<'_, T> {
     /// The panel of a block: what was subtracted from it, and the entries of the matrix.
-    fn assembled(&mut self, s: usize, terms: &[Term<T>]) -> Result<Vec<T>, Error> {
+    fn assemble_panel(&mut self, s: usize, terms: &[Term<T>]) -> Result<Vec<T>, Error> {
         let analysis = self.analysis;
         self.allocate(s)?;
         let mut panel = std::mem::take(&mut self.panels[s]);
@@ -304,7 +304,7 @@ impl<T: Number> Factors<T> {
             x.iter_mut().zip(&self.pivots).for_each(|(x, pivot)| *x *= pivot.inverse());
         }
         let blocks = (0..analysis.blocks()).rev();
-        blocks.for_each(|s| self.backward(analysis, s, &mut sides_in_order, &mut buffer));
+        blocks.for_each(|s| self.substitute_backward(analysis, s, &mut sides_in_order, &mut buffer));
         for (x, side) in x.chunks_exact(n).zip(sides.chunks_exact_mut(n)) {
             x.iter().zip(&analysis.order).for_each(|(&x, &v)| side[v as usize] = x);
         }
@@ -335,7 +335,7 @@ impl<T: Number> Factors<T> {
         }
     }
 
-    fn backward(&self, analysis: &Analysis, s: usize, sides: &mut Sides<T>, buffer: &mut Vec<T>) {
+    fn substitute_backward(&self, analysis: &Analysis, s: usize, sides: &mut Sides<T>, buffer: &mut Vec<T>) {
         let (x, count) = (&mut *sides.values, sides.count);
         let (n, columns, rows) = (analysis.size(), analysis.columns(s), analysis.rows(s));
         let (top, below) = self.parts(analysis, s);

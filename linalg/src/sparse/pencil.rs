@@ -134,7 +134,7 @@ impl Shifted<'_> {
             Kind::Real(factors) => {
                 let mut parts = B.map(|b| b.re).hstack(&B.map(|b| b.im));
                 factors.solve(&self.pencil.analysis, parts.as_mut_slice(), 2 * columns);
-                X = joined(&parts.block(0, 0, n, columns), &parts.block(0, columns, n, columns));
+                X = join_parts(&parts.block(0, 0, n, columns), &parts.block(0, columns, n, columns));
             }
         }
         X
@@ -147,13 +147,13 @@ impl Shifted<'_> {
         let terms =
             [(self.s * self.s, self.pencil.M), (self.s, self.pencil.D), (C64::new(1.0, 0.0), self.pencil.K)];
         for (factor, matrix) in terms {
-            out += &joined(&matrix.times(&re), &matrix.times(&im)).scale(factor);
+            out += &join_parts(&matrix.times(&re), &matrix.times(&im)).scale(factor);
         }
         out
     }
 }
 
-fn joined(re: &Mat, im: &Mat) -> CMat {
+fn join_parts(re: &Mat, im: &Mat) -> CMat {
     CMat::from_fn(re.nrows(), re.ncols(), |i, j| C64::new(re[(i, j)], im[(i, j)]))
 }
 

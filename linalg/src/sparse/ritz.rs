@@ -99,7 +99,7 @@ impl RitzBasis {
         pencil: &QuadraticPencil,
         weights: &Weights,
     ) -> Result<Option<C64>, Error> {
-        let poles = self.projected(pencil, weights)?.poles()?;
+        let poles = self.project_structure(pencil, weights)?.poles()?;
         let largest = |k: usize| poles.iter().map(|pole| pole.contributions[k]).fold(0.0, f64::max);
         let first = *self.first.get_or_insert([largest(0), largest(1)]);
         let importance = |pole: &Pole| {
@@ -111,7 +111,7 @@ impl RitzBasis {
     }
 
     /// The structure within the subspace; a large subspace is cut down first.
-    fn projected(&mut self, pencil: &QuadraticPencil, weights: &Weights) -> Result<Projected, Error> {
+    fn project_structure(&mut self, pencil: &QuadraticPencil, weights: &Weights) -> Result<Projected, Error> {
         if self.shapes.ncols() > LARGEST_BASIS {
             let count = self.shapes.ncols() - KEPT_SHAPES;
             // The shapes that came first know least of the modes that are still missing.

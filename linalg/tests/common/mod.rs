@@ -49,7 +49,7 @@ pub fn difference(A: &Mat, B: &Mat) -> f64 {
 }
 
 /// The solution of `care` without a cross term.
-pub fn solved(A: &Mat, B: &Mat, Q: &Mat, R: &Mat) -> Riccati {
+pub fn solve_care(A: &Mat, B: &Mat, Q: &Mat, R: &Mat) -> Riccati {
     solution(care(A, B, Q, R, None))
 }
 

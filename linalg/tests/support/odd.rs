@@ -11,7 +11,7 @@ use counterpoise_linalg::Mat;
 pub type Call<'a> = (&'static str, Box<dyn Fn() + 'a>);
 
 /// Returns the next number in [0, 1) of a small generator (SplitMix64).
-pub fn uniform(state: &mut u64) -> f64 {
+pub fn next_uniform(state: &mut u64) -> f64 {
     *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
     let mut z = *state;
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -21,20 +21,20 @@ pub fn uniform(state: &mut u64) -> f64 {
 
 /// Returns a whole number from 0 to below `most`.
 pub fn size(state: &mut u64, most: f64) -> usize {
-    (uniform(state) * most) as usize
+    (next_uniform(state) * most) as usize
 }
 
 /// Returns a matrix of zeros, of huge, tiny or whole entries, of entries over twelve decades, or of plain ones.
-pub fn odd(state: &mut u64, rows: usize, cols: usize) -> Mat {
+pub fn odd_matrix(state: &mut u64, rows: usize, cols: usize) -> Mat {
     let kind = size(state, 9.0);
     Mat::from_fn(rows, cols, |_, _| {
-        let plain = 2.0 * uniform(state) - 1.0;
+        let plain = 2.0 * next_uniform(state) - 1.0;
         match kind {
             0 => 0.0,
             1 => plain * 1e300,
             2 => plain * 1e-300,
             3 => (4.0 * plain).round(),
-            4 => plain * 10f64.powf(12.0 * uniform(state) - 6.0),
+            4 => plain * 10f64.powf(12.0 * next_uniform(state) - 6.0),
             _ => plain,
         }
     })

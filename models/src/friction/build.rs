@@ -34,12 +34,12 @@ pub(super) fn checked_law(path: &str, friction: &Friction) -> Result<Law, Error>
             stiffness_nm_rad: number(ranges::BRISTLE_STIFFNESS, "bristle_stiffness_nm_rad", stiffness)?,
             damping_nm_s_rad: number(ranges::BRISTLE_DAMPING, "bristle_damping_nm_s_rad", damping)?,
         }),
-        FrictionLaw::Coulomb { .. } => Law::Sliding(sticking(path, friction, 0.0)?),
+        FrictionLaw::Coulomb { .. } => Law::Sliding(sticking_law(path, friction, 0.0)?),
         FrictionLaw::Karnopp { stick_rate_rad_s: rate, .. } => {
             let rate = number(ranges::STICK_RATE, "stick_rate_rad_s", rate)?;
-            Law::Sliding(sticking(path, friction, rate)?)
+            Law::Sliding(sticking_law(path, friction, rate)?)
         }
-        FrictionLaw::Stribeck { curve, .. } => Law::Sliding(falling(path, friction, curve)?),
+        FrictionLaw::Stribeck { curve, .. } => Law::Sliding(falling_law(path, friction, curve)?),
         FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad, damping_nm_s_rad } => {
             Law::ResetIntegrator(ResetIntegrator {
                 coulomb_nm,
@@ -68,7 +68,7 @@ fn stribeck_level(friction: &Friction, curve: StribeckCurve) -> StribeckLevel {
 }
 
 /// Returns the Coulomb sliding with a breakaway level of its own.
-fn sticking(path: &str, friction: &Friction, rest_rate_rad_s: f64) -> Result<Sliding, Error> {
+fn sticking_law(path: &str, friction: &Friction, rest_rate_rad_s: f64) -> Result<Sliding, Error> {
     let breakaway_ratio = breakaway_ratio(path, friction)?;
     let level = stribeck_level(&Friction { static_ratio: 1.0, ..friction.clone() }, StribeckCurve::Gaussian);
     Ok(Sliding { level, breakaway_ratio, rest_rate_rad_s })
@@ -79,7 +79,7 @@ fn breakaway_ratio(path: &str, friction: &Friction) -> Result<f64, Error> {
 }
 
 /// Returns the sliding by a level that falls with the rate.
-fn falling(path: &str, friction: &Friction, curve: StribeckCurve) -> Result<Sliding, Error> {
+fn falling_law(path: &str, friction: &Friction, curve: StribeckCurve) -> Result<Sliding, Error> {
     check_curve(path, friction, curve)?;
     Ok(Sliding { level: stribeck_level(friction, curve), breakaway_ratio: 1.0, rest_rate_rad_s: 0.0 })
 }

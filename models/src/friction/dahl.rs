@@ -30,7 +30,7 @@ impl Dahl {
 
     /// Returns the torque after a displacement with the level of rest: the rate-independent form of [`Dahl::advance`].
     pub fn torque_after(&self, displacement_rad: f64, level: f64, torque_nm: f64) -> f64 {
-        let constant = Self { level: self.level.frozen(), ..*self };
+        let constant = Self { level: self.level.level_at_rest(), ..*self };
         constant.advance(displacement_rad, 1.0, level, torque_nm)
     }
 
@@ -93,14 +93,14 @@ impl<R: Real> Dahl<R> {
         let sign = rate_rad_s.signum();
         let r = one - torque_nm / g * sign;
         let s = self.rest_stiffness_nm_rad * rate_rad_s.abs() * time_s / g;
-        let moved = g * sign * (one - yielding(r, s, self.exponent));
+        let moved = g * sign * (one - yielding_solution(r, s, self.exponent));
         R::choose(rate_rad_s.is_zero(), torque_nm, moved)
     }
 }
 
 /// Returns the solution of dr/ds = -|r|^i sgn r.
 #[inline(always)]
-fn yielding<R: Real>(r: R, s: R, exponent: f64) -> R {
+fn yielding_solution<R: Real>(r: R, s: R, exponent: f64) -> R {
     if exponent == 1.0 {
         return r * (-s).exp();
     }

@@ -85,14 +85,14 @@ impl Motion<'_> {
             if gap < CLOSED {
                 return gap;
             }
-            *third = extrapolated(first, second, *third);
+            *third = extrapolate_limit(first, second, *third);
         }
         gap
     }
 }
 
 /// Aitken: where a sequence a, b, c that converges geometrically ends.
-fn extrapolated(a: f64, b: f64, c: f64) -> f64 {
+fn extrapolate_limit(a: f64, b: f64, c: f64) -> f64 {
     let bend = c - 2.0 * b + a;
     let limit = c - (c - b) * (c - b) / bend;
     if limit.is_finite() { limit } else { c }

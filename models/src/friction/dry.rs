@@ -40,20 +40,26 @@ impl<const N: usize> DryFriction<[f64; N]> {
         let laws = models.map(FrictionModel::law);
         let law = match laws.first()? {
             Law::None => laws.iter().all(|law| **law == Law::None).then_some(SmoothLaw::None),
-            Law::Dahl(_) => each(laws, |law| if let Law::Dahl(law) = law { Some(*law) } else { None })
-                .and_then(joined_dahl)
-                .map(SmoothLaw::Dahl),
-            Law::Lugre(_) => each(laws, |law| if let Law::Lugre(law) = law { Some(*law) } else { None })
-                .and_then(joined_lugre)
-                .map(SmoothLaw::Lugre),
+            Law::Dahl(_) => {
+                find_in_each(laws, |law| if let Law::Dahl(law) = law { Some(*law) } else { None })
+                    .and_then(joined_dahl)
+                    .map(SmoothLaw::Dahl)
+            }
+            Law::Lugre(_) => {
+                find_in_each(laws, |law| if let Law::Lugre(law) = law { Some(*law) } else { None })
+                    .and_then(joined_lugre)
+                    .map(SmoothLaw::Lugre)
+            }
             Law::ResetIntegrator(_) => {
-                each(laws, |law| if let Law::ResetIntegrator(law) = law { Some(*law) } else { None })
+                find_in_each(laws, |law| if let Law::ResetIntegrator(law) = law { Some(*law) } else { None })
                     .map(joined_reset)
                     .map(SmoothLaw::ResetIntegrator)
             }
-            Law::Walrath(_) => each(laws, |law| if let Law::Walrath(law) = law { Some(*law) } else { None })
-                .map(joined_walrath)
-                .map(SmoothLaw::Walrath),
+            Law::Walrath(_) => {
+                find_in_each(laws, |law| if let Law::Walrath(law) = law { Some(*law) } else { None })
+                    .map(joined_walrath)
+                    .map(SmoothLaw::Walrath)
+            }
             Law::Sliding(_) | Law::Bristle(_) => None,
         }?;
         Some(Self { law, asymmetry: models.map(FrictionModel::asymmetry) })
@@ -61,7 +67,10 @@ impl<const N: usize> DryFriction<[f64; N]> {
 }
 
 /// Returns what a function finds in each of several laws; `None` if it finds nothing in one of them.
-fn each<T: Copy, const N: usize>(laws: [&Law; N], find: impl Fn(&Law) -> Option<T>) -> Option<[T; N]> {
+fn find_in_each<T: Copy, const N: usize>(
+    laws: [&Law; N],
+    find: impl Fn(&Law) -> Option<T>,
+) -> Option<[T; N]> {
     let first = find(laws.first()?)?;
     let mut all = [first; N];
     for (place, law) in all.iter_mut().zip(laws) {
@@ -128,7 +137,7 @@ impl<R: Real> DryFriction<R> {
     /// Returns the torque, N m, as [`FrictionModel::dry_torque`] does.
     #[inline(always)]
     pub fn torque(&self, rate_rad_s: R, state: R) -> R {
-        let level = self.directed(rate_rad_s);
+        let level = self.direction_factor(rate_rad_s);
         match &self.law {
             SmoothLaw::None => state.constant(0.0),
             SmoothLaw::Dahl(_) | SmoothLaw::Walrath(_) => state,
@@ -140,7 +149,7 @@ impl<R: Real> DryFriction<R> {
     /// Returns the state after a time at constant rate, as [`FrictionModel::advance`] does.
     #[inline(always)]
     pub fn advance(&self, rate_rad_s: R, time_s: R, state: R) -> R {
-        let level = self.directed(rate_rad_s);
+        let level = self.direction_factor(rate_rad_s);
         match &self.law {
             SmoothLaw::None => state,
             SmoothLaw::Dahl(law) => law.advance(rate_rad_s, time_s, level, state),
@@ -151,7 +160,7 @@ impl<R: Real> DryFriction<R> {
     }
 
     #[inline(always)]
-    fn directed(&self, rate_rad_s: R) -> R {
+    fn direction_factor(&self, rate_rad_s: R) -> R {
         rate_rad_s.constant(1.0) + self.asymmetry * rate_rad_s.signum()
     }
 }

@@ -88,7 +88,7 @@ impl Law {
     }
 
     /// Returns the torque after a long time at constant rate, N m; 0 at rest.
-    pub fn steady(&self, rate_rad_s: f64, level: f64) -> f64 {
+    pub fn steady_torque(&self, rate_rad_s: f64, level: f64) -> f64 {
         let sliding = |nm: f64| if rate_rad_s == 0.0 { 0.0 } else { level * nm * rate_rad_s.signum() };
         match self {
             Self::None => 0.0,
@@ -97,7 +97,7 @@ impl Law {
             Self::Lugre(law) => sliding(law.level.at(rate_rad_s)),
             Self::Bristle(law) => sliding(law.level.at(rate_rad_s)),
             Self::ResetIntegrator(law) => sliding(law.coulomb_nm),
-            Self::Walrath(law) => law.steady(rate_rad_s, level),
+            Self::Walrath(law) => law.steady_torque(rate_rad_s, level),
         }
     }
 

@@ -119,7 +119,7 @@ impl FrictionModel {
     /// Writes the time derivative of the states.
     #[inline]
     pub fn derivative(&self, rate_rad_s: f64, level: f64, states: &[f64], slopes: &mut [f64]) {
-        self.law.derivative(rate_rad_s, self.directed(rate_rad_s, level), states, slopes);
+        self.law.derivative(rate_rad_s, self.directed_level(rate_rad_s, level), states, slopes);
     }
 
     /// Returns the torque that opposes a positive rate, N m.
@@ -131,13 +131,13 @@ impl FrictionModel {
     /// Returns the torque without viscous and quadratic drag, N m.
     #[inline]
     pub fn dry_torque(&self, rate_rad_s: f64, level: f64, states: &[f64]) -> f64 {
-        self.law.torque(rate_rad_s, self.directed(rate_rad_s, level), states)
+        self.law.torque(rate_rad_s, self.directed_level(rate_rad_s, level), states)
     }
 
     /// Returns the states after a time at constant rate: exact.
     #[inline]
     pub fn advance(&self, rate_rad_s: f64, time_s: f64, level: f64, states: &mut [f64]) {
-        self.law.advance(rate_rad_s, time_s, self.directed(rate_rad_s, level), states);
+        self.law.advance(rate_rad_s, time_s, self.directed_level(rate_rad_s, level), states);
     }
 
     /// Puts states that a step of an integrator left outside their limits back onto them.
@@ -147,19 +147,19 @@ impl FrictionModel {
     }
 
     /// Returns the torque after a long time at constant rate and nominal level, N m.
-    pub fn steady(&self, rate_rad_s: f64) -> f64 {
-        self.law.steady(rate_rad_s, self.directed(rate_rad_s, 1.0)) + self.drag(rate_rad_s)
+    pub fn steady_torque(&self, rate_rad_s: f64) -> f64 {
+        self.law.steady_torque(rate_rad_s, self.directed_level(rate_rad_s, 1.0)) + self.drag(rate_rad_s)
     }
 
     /// Returns the derivative of the steady torque with the rate at nominal level, N m s/rad, away from rest.
     pub fn steady_slope(&self, rate_rad_s: f64) -> f64 {
-        self.law.steady_slope(rate_rad_s, self.directed(rate_rad_s, 1.0)) + self.drag_slope(rate_rad_s)
+        self.law.steady_slope(rate_rad_s, self.directed_level(rate_rad_s, 1.0)) + self.drag_slope(rate_rad_s)
     }
 
     /// Returns the partial derivatives of a law with exactly one state, drag included; `None` for the others.
     #[inline]
     pub fn partials(&self, rate_rad_s: f64, level: f64, states: &[f64]) -> Option<Partials> {
-        let mut partials = self.law.partials(rate_rad_s, self.directed(rate_rad_s, level), states)?;
+        let mut partials = self.law.partials(rate_rad_s, self.directed_level(rate_rad_s, level), states)?;
         partials.torque_by_rate += self.drag_slope(rate_rad_s);
         Some(partials)
     }
@@ -187,7 +187,7 @@ impl FrictionModel {
     }
 
     #[inline]
-    fn directed(&self, rate_rad_s: f64, level: f64) -> f64 {
+    fn directed_level(&self, rate_rad_s: f64, level: f64) -> f64 {
         level * (1.0 + self.asymmetry * rate_rad_s.signum())
     }
 

@@ -64,7 +64,7 @@ impl FrictionLaw {
         if level_nm == 0.0 {
             *self = Self::None;
         }
-        *self = self.similar(Similarity { torque: level_nm / self.coulomb_nm(), angle: 1.0 });
+        *self = self.scale_similarly(Similarity { torque: level_nm / self.coulomb_nm(), angle: 1.0 });
         self.set_coulomb_nm(level_nm);
     }
 
@@ -105,7 +105,7 @@ impl FrictionLaw {
     }
 
     /// Returns the law of a dynamically similar machine, whose torques, and angles and rates, are multiplied by the factors.
-    pub fn similar(&self, by: Similarity) -> Self {
+    pub fn scale_similarly(&self, by: Similarity) -> Self {
         let (torque, angle) = (by.torque, by.angle);
         let mut law = self.clone();
         match &mut law {
@@ -217,11 +217,11 @@ impl Friction {
 
     /// Returns the friction of a dynamically similar machine, whose torques, and angles and rates, are multiplied by the
     /// factors.
-    pub fn similar(&self, by: Similarity) -> Self {
+    pub fn scale_similarly(&self, by: Similarity) -> Self {
         let (torque, angle) = (by.torque, by.angle);
         let ripple = &self.position_ripple;
         Self {
-            law: self.law.similar(by),
+            law: self.law.scale_similarly(by),
             viscous_nm_s_rad: self.viscous_nm_s_rad * torque / angle,
             stribeck_rate_rad_s: self.stribeck_rate_rad_s * angle,
             quadratic_nm_s2_rad2: self.quadratic_nm_s2_rad2 * torque / (angle * angle),

@@ -38,7 +38,7 @@ impl StribeckLevel {
     }
 
     /// Returns the same level at rest, whatever the rate.
-    pub fn frozen(&self) -> Self {
+    pub fn level_at_rest(&self) -> Self {
         Self { coulomb_nm: self.static_nm(), excess_nm: 0.0, curve: StribeckCurve::Gaussian, ..*self }
     }
 

@@ -34,14 +34,14 @@ impl<R: Copy> Walrath<R> {
 impl<R: Real> Walrath<R> {
     /// Returns T_c tanh(w / w_0), N m: where the torque settles.
     #[inline(always)]
-    pub fn steady(&self, rate_rad_s: R, level: R) -> R {
+    pub fn steady_torque(&self, rate_rad_s: R, level: R) -> R {
         level * self.coulomb_nm * (rate_rad_s / self.smoothing_rate_rad_s).tanh()
     }
 
     /// Returns the torque after a time at constant rate: exact.
     #[inline(always)]
     pub fn advance(&self, rate_rad_s: R, time_s: R, level: R, torque_nm: R) -> R {
-        let steady = self.steady(rate_rad_s, level);
+        let steady = self.steady_torque(rate_rad_s, level);
         steady + (torque_nm - steady) * (-time_s / self.time_constant_s).exp()
     }
 }
@@ -50,7 +50,7 @@ impl Walrath {
     /// Returns dT/dt, N m/s.
     #[inline]
     pub fn derivative(&self, rate_rad_s: f64, level: f64, torque_nm: f64) -> f64 {
-        (self.steady(rate_rad_s, level) - torque_nm) / self.time_constant_s
+        (self.steady_torque(rate_rad_s, level) - torque_nm) / self.time_constant_s
     }
 
     /// Returns d steady / d rate, N m s/rad.

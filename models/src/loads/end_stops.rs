@@ -16,7 +16,7 @@
 //! (the integral of J v dv = -k d (1 + c v) dd over the way in and over the way out). For small c v the coefficient of restitution is
 //! 1 - 2 c v / 3.
 
-use super::ranges::{finite, not_negative, positive, require};
+use super::ranges::{not_negative, require, require_finite, require_positive};
 use crate::Error;
 
 /// Stops at the ends of the travel of the hub on the platform.
@@ -58,11 +58,11 @@ impl EndStops {
 
     /// Refuses stops without room between them, or that push the wrong way.
     pub(super) fn check(&self) -> Result<(), Error> {
-        finite("end_stops.lower", self.lower_rad)?;
-        finite("end_stops.upper", self.upper_rad)?;
+        require_finite("end_stops.lower", self.lower_rad)?;
+        require_finite("end_stops.upper", self.upper_rad)?;
         let lower = self.lower_rad;
         require(|upper| upper > lower, "end_stops.upper", self.upper_rad, "must be above end_stops.lower")?;
-        positive("end_stops.stiffness", self.stiffness_nm_rad)?;
+        require_positive("end_stops.stiffness", self.stiffness_nm_rad)?;
         not_negative("end_stops.dissipation", self.dissipation_s_rad)
     }
 }

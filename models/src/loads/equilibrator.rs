@@ -17,7 +17,7 @@
 //! with the upper signs for a cylinder that pulls (its gas is pressed together as it grows longer) and the lower ones for a strut that pushes.
 //! The charge follows the gas law at a constant volume, fast strokes the polytropic exponent n (1 isothermal, 1.4 adiabatic).
 
-use super::ranges::{finite, positive, require};
+use super::ranges::{require, require_finite, require_positive};
 use crate::Error;
 use crate::linkage::Linkage;
 
@@ -138,15 +138,15 @@ impl Equilibrator {
 
     /// Refuses pins and forces that make no equilibrator.
     pub(super) fn check(&self) -> Result<(), Error> {
-        positive("equilibrator.arm", self.arm_m)?;
-        finite("equilibrator.arm_angle", self.arm_angle_rad)?;
-        positive("equilibrator.anchor", self.anchor_m)?;
-        finite("equilibrator.anchor_angle", self.anchor_angle_rad)?;
-        finite("equilibrator.factor", self.factor)?;
+        require_positive("equilibrator.arm", self.arm_m)?;
+        require_finite("equilibrator.arm_angle", self.arm_angle_rad)?;
+        require_positive("equilibrator.anchor", self.anchor_m)?;
+        require_finite("equilibrator.anchor_angle", self.anchor_angle_rad)?;
+        require_finite("equilibrator.factor", self.factor)?;
         match self.force {
             Force::Spring { stiffness_n_m, free_length_m } => {
-                positive("equilibrator.spring.stiffness", stiffness_n_m)?;
-                finite("equilibrator.spring.free_length", free_length_m)
+                require_positive("equilibrator.spring.stiffness", stiffness_n_m)?;
+                require_finite("equilibrator.spring.free_length", free_length_m)
             }
             Force::Gas(gas) => self.check_gas(&gas),
         }
@@ -161,7 +161,7 @@ impl Equilibrator {
             ("equilibrator.gas.charge_temperature", gas.charge_temperature_k),
             ("equilibrator.gas.temperature", gas.temperature_k),
         ] {
-            positive(name, value)?;
+            require_positive(name, value)?;
         }
         // the longest or the shortest length of the linkage leaves gas in the cylinder
         let extreme = match gas.acts {

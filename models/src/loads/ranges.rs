@@ -15,7 +15,7 @@ pub(crate) fn require(
     Err(Error::Parameter { parameter: parameter.to_owned(), value, allowed: allowed.to_owned().into() })
 }
 
-pub(crate) fn positive(parameter: &str, value: f64) -> Result<(), Error> {
+pub(crate) fn require_positive(parameter: &str, value: f64) -> Result<(), Error> {
     require(|value| value > 0.0 && value.is_finite(), parameter, value, "must be positive and finite")
 }
 
@@ -23,6 +23,6 @@ pub(crate) fn not_negative(parameter: &str, value: f64) -> Result<(), Error> {
     require(|value| value >= 0.0 && value.is_finite(), parameter, value, "must be 0 or more, and finite")
 }
 
-pub(crate) fn finite(parameter: &str, value: f64) -> Result<(), Error> {
+pub(crate) fn require_finite(parameter: &str, value: f64) -> Result<(), Error> {
     require(f64::is_finite, parameter, value, "must be finite")
 }

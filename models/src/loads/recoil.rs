@@ -26,7 +26,7 @@
 use std::f64::consts::PI;
 
 use super::LoadPoint;
-use super::ranges::{finite, positive, require};
+use super::ranges::{require, require_finite, require_positive};
 use crate::Error;
 
 /// What a machine fires.
@@ -80,11 +80,11 @@ impl Recoil {
     #[inline]
     pub fn at(&self, time_s: f64) -> Recoiling {
         let shot = self.shots_s.iter().rev().find(|shot| **shot < time_s);
-        shot.map_or(Recoiling::default(), |shot| self.after(time_s - shot))
+        shot.map_or(Recoiling::default(), |shot| self.mass_after_shot(time_s - shot))
     }
 
     /// Returns the recoiling mass at a time after a shot.
-    fn after(&self, time_s: f64) -> Recoiling {
+    fn mass_after_shot(&self, time_s: f64) -> Recoiling {
         let (shot_time, stopping) = (self.shot_time_s, self.stopping_s());
         let (impulse, mass) = (self.impulse_ns, self.mass_kg);
         let started = 0.5 * impulse * shot_time / mass;
@@ -142,19 +142,19 @@ impl Recoil {
 
     /// Refuses shots that do not recoil as stated.
     pub(super) fn check(&self) -> Result<(), Error> {
-        positive("recoil.impulse", self.impulse_ns)?;
-        positive("recoil.shot_time", self.shot_time_s)?;
-        positive("recoil.mass", self.mass_kg)?;
-        positive("recoil.length", self.length_m)?;
-        positive("recoil.run_out", self.run_out_s)?;
-        finite("recoil.height", self.height_m)?;
-        finite("recoil.bore_offset", self.bore_offset_m)?;
-        finite("recoil.ahead", self.ahead_m)?;
+        require_positive("recoil.impulse", self.impulse_ns)?;
+        require_positive("recoil.shot_time", self.shot_time_s)?;
+        require_positive("recoil.mass", self.mass_kg)?;
+        require_positive("recoil.length", self.length_m)?;
+        require_positive("recoil.run_out", self.run_out_s)?;
+        require_finite("recoil.height", self.height_m)?;
+        require_finite("recoil.bore_offset", self.bore_offset_m)?;
+        require_finite("recoil.ahead", self.ahead_m)?;
         let least = 0.5 * self.impulse_ns * self.shot_time_s / self.mass_kg;
         let allowed = "must be more than impulse x shot_time / (2 mass), the way of the mass while the shot is in the barrel";
         require(|length| length > least, "recoil.length", self.length_m, allowed)?;
         for (k, shot) in self.shots_s.iter().enumerate() {
-            finite(&format!("recoil.shots[{k}]"), *shot)?;
+            require_finite(&format!("recoil.shots[{k}]"), *shot)?;
         }
         let cycle = self.cycle_s();
         let allowed = "must come after the mass has run out from the shot before";

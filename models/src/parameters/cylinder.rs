@@ -13,7 +13,7 @@
 use super::{AmplifierDynamics, Parameters};
 use crate::Error;
 use crate::linkage::Linkage;
-use crate::loads::ranges::{not_negative, positive, require};
+use crate::loads::ranges::{not_negative, require, require_positive};
 
 /// Pascals in a megapascal.
 pub const PA_PER_MPA: f64 = 1e6;
@@ -161,7 +161,7 @@ impl Cylinder {
             ("motor.inductance_h of a cylinder", p.motor.inductance_h),
         ];
         for (name, value) in positive_numbers {
-            positive(name, value)?;
+            require_positive(name, value)?;
         }
         not_negative("cylinder.overlap_l_s", self.overlap_l_s)?;
         require(

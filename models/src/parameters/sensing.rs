@@ -234,7 +234,7 @@ impl ReadingDelay {
     /// No delay.
     pub const NONE: Self = Self { samples: 0, rest_s: 0.0 };
 
-    /// Returns the rest as a system in continuous time: a Padé approximation of order [`REST_ORDER`].
+    /// Returns the rest as a system in continuous time: a Padé approximation of order `REST_ORDER`.
     ///
     /// # Errors
     /// That of the approximation, for a rest that is no number.

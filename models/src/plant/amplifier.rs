@@ -34,7 +34,7 @@ impl Amplifier {
     pub fn drive_v(&self, control_v: f64, motor: &Motor) -> f64 {
         let clipped = control_v.abs().min(self.input_limit_v);
         let beyond = (clipped - self.dead_zone_v).max(0.0);
-        let drive_v = control_v.signum() * self.mapped(beyond, self.stall_gain_a_v(motor));
+        let drive_v = control_v.signum() * self.map_input(beyond, self.stall_gain_a_v(motor));
         if self.time_constant_s > 0.0 || self.dynamics != AmplifierDynamics::Modelled {
             return drive_v;
         }
@@ -48,12 +48,12 @@ impl Amplifier {
         if size == 0.0 {
             return 0.0;
         }
-        let beyond = self.unmapped(size, self.stall_gain_a_v(motor));
+        let beyond = self.invert_map(size, self.stall_gain_a_v(motor));
         drive_v.signum() * (beyond + self.dead_zone_v).min(self.input_limit_v)
     }
 
     /// Returns the map of a positive input.
-    fn mapped(&self, input_v: f64, gain_a_v: f64) -> f64 {
+    fn map_input(&self, input_v: f64, gain_a_v: f64) -> f64 {
         let mut low = (0.0, 0.0);
         for point in &self.map {
             let high = (point.input_v, point.current_a / gain_a_v);
@@ -66,7 +66,7 @@ impl Amplifier {
     }
 
     /// Returns the smallest positive input whose map is `drive_v`.
-    fn unmapped(&self, drive_v: f64, gain_a_v: f64) -> f64 {
+    fn invert_map(&self, drive_v: f64, gain_a_v: f64) -> f64 {
         let mut low = (0.0, 0.0);
         for point in &self.map {
             let high = (point.input_v, point.current_a / gain_a_v);

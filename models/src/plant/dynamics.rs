@@ -187,7 +187,7 @@ impl Plant {
             |friction: &FrictionModel, place: LearnedPlace, motion: JointMotion, load_nm: f64, z: f64| {
                 let around = FrictionConditions { angle_rad: motion.angle_rad, load_nm, time_s: at.time_s };
                 let level = self.learned_level(place, at) * friction.level(&around);
-                dry(friction, motion.rate_rad_s, level, z)
+                dry_part(friction, motion.rate_rad_s, level, z)
             };
         [
             part(&self.motor_friction, LearnedPlace::Motor, at.motor, at.mesh_torque_nm / ratio, states[0]),
@@ -351,9 +351,9 @@ struct DryPart {
 }
 
 /// Returns dry friction at a rate and a level, from its state.
-fn dry(friction: &FrictionModel, rate: f64, level: f64, z: f64) -> DryPart {
+fn dry_part(friction: &FrictionModel, rate: f64, level: f64, z: f64) -> DryPart {
     if friction.states() > 1 {
-        return DryPart { torque_nm: friction.law().steady(rate, level), slope: 0.0 };
+        return DryPart { torque_nm: friction.law().steady_torque(rate, level), slope: 0.0 };
     }
     let mut slope = [0.0];
     friction.derivative(rate, level, &[z], &mut slope);

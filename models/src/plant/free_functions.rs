@@ -40,7 +40,7 @@ impl LearnedTable {
                 period: None,
             });
         }
-        let (points, powers) = periodic(element.interpolation, points, values);
+        let (points, powers) = periodic_points(element.interpolation, points, values);
         Some(Self { per_unit: spacing(&points), points, powers, last: values[0], period: Some(TAU) })
     }
 
@@ -55,7 +55,7 @@ impl LearnedTable {
     }
 
     /// Returns the value from the last point on.
-    pub fn last(&self) -> f64 {
+    pub fn last_value(&self) -> f64 {
         self.last
     }
 
@@ -112,7 +112,7 @@ fn spacing(points: &[f64]) -> Option<f64> {
 }
 
 /// Returns the points of one period, closed, and the pieces between them: those of a function that repeats on either side.
-fn periodic(how: Interpolation, points: &[f64], values: &[f64]) -> (Vec<f64>, Vec<[f64; 4]>) {
+fn periodic_points(how: Interpolation, points: &[f64], values: &[f64]) -> (Vec<f64>, Vec<[f64; 4]>) {
     let count = points.len();
     let copies = PERIODIC_COPIES.div_ceil(count);
     let turns = -(copies as i64)..=copies as i64;

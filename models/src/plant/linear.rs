@@ -318,7 +318,7 @@ impl Plant {
             Mat::from_fn(rows.len(), kept.len(), |i, j| rows[i].states.get(kept[j]).copied().unwrap_or(0.0));
         let D = Mat::from_fn(rows.len(), 3, |i, j| match j {
             LinearPlant::PITCH_RATE if is_carried => {
-                rows[i].inputs[j] + moved(&rows[i].states, &core.carried)
+                rows[i].inputs[j] + carried_part(&rows[i].states, &core.carried)
             }
             _ => rows[i].inputs[j],
         });
@@ -368,7 +368,7 @@ fn move_gradient(core: &mut Core, relative: usize, angles: &[f64]) {
 }
 
 /// What the platform's rate moves of an output by moving the state.
-fn moved(states: &[f64], carried: &[f64]) -> f64 {
+fn carried_part(states: &[f64], carried: &[f64]) -> f64 {
     states.iter().zip(carried).map(|(row, c)| row * c).sum()
 }
 

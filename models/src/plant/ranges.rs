@@ -8,7 +8,7 @@ use crate::{Error, Range};
 
 /// Refuses parameters outside their ranges; the first one found is named with its path.
 pub(super) fn check(parameters: &Parameters) -> Result<(), Error> {
-    finite("gravity_m_s2", parameters.gravity_m_s2)?;
+    require_finite("gravity_m_s2", parameters.gravity_m_s2)?;
     drive(parameters)?;
     sensors(parameters)?;
     super::free_functions::check(parameters)?;
@@ -20,21 +20,24 @@ pub(super) fn check(parameters: &Parameters) -> Result<(), Error> {
 
 /// Refuses a two-inertia structure that has no finite, damped mode.
 pub(super) fn check_lumped(parameters: &Parameters, lumped: &Lumped) -> Result<(), Error> {
-    positive("lumped.hub_inertia_kg_m2", lumped.hub_inertia_kg_m2 + parameters.reflected_inertia_kg_m2())?;
+    require_positive(
+        "lumped.hub_inertia_kg_m2",
+        lumped.hub_inertia_kg_m2 + parameters.reflected_inertia_kg_m2(),
+    )?;
     not_negative("lumped.hub_inertia_kg_m2", lumped.hub_inertia_kg_m2)?;
     not_negative("lumped.beam_inertia_kg_m2", lumped.beam_inertia_kg_m2)?;
     positive_or_infinite("lumped.stiffness_nm_rad", lumped.stiffness_nm_rad)?;
     not_negative("lumped.damping_nm_s_rad", lumped.damping_nm_s_rad)?;
-    finite("lumped.out_of_balance_kg_m", lumped.out_of_balance_kg_m)?;
-    finite("lumped.vertical_offset_kg_m", lumped.vertical_offset_kg_m)?;
+    require_finite("lumped.out_of_balance_kg_m", lumped.out_of_balance_kg_m)?;
+    require_finite("lumped.vertical_offset_kg_m", lumped.vertical_offset_kg_m)?;
     // a spring past its unstable point, or a weight above the pivot, has a negative stiffness
-    finite("lumped.position_stiffness_nm_rad", lumped.position_stiffness_nm_rad)?;
-    finite("lumped.position_stiffness_centre_rad", lumped.position_stiffness_centre_rad)?;
+    require_finite("lumped.position_stiffness_nm_rad", lumped.position_stiffness_nm_rad)?;
+    require_finite("lumped.position_stiffness_centre_rad", lumped.position_stiffness_centre_rad)?;
     not_negative("lumped.hysteresis_nm", lumped.hysteresis_nm)?;
     not_negative("lumped.hysteresis_stiffness_nm_rad", lumped.hysteresis_stiffness_nm_rad)?;
     for (k, link) in lumped.chain.iter().enumerate() {
-        positive(&format!("lumped.chain[{k}].inertia_kg_m2"), link.inertia_kg_m2)?;
-        positive(&format!("lumped.chain[{k}].stiffness_nm_rad"), link.stiffness_nm_rad)?;
+        require_positive(&format!("lumped.chain[{k}].inertia_kg_m2"), link.inertia_kg_m2)?;
+        require_positive(&format!("lumped.chain[{k}].stiffness_nm_rad"), link.stiffness_nm_rad)?;
         not_negative(&format!("lumped.chain[{k}].damping_nm_s_rad"), link.damping_nm_s_rad)?;
     }
     Ok(())
@@ -42,44 +45,44 @@ pub(super) fn check_lumped(parameters: &Parameters, lumped: &Lumped) -> Result<(
 
 /// Refuses a modal structure without inertia or with a mode that is not an oscillator.
 pub(super) fn body(body: &Body) -> Result<(), Error> {
-    positive("body.inertia_kg_m2", body.inertia_kg_m2)?;
-    finite("body.out_of_balance_kg_m", body.out_of_balance_kg_m)?;
-    finite("body.vertical_offset_kg_m", body.vertical_offset_kg_m)?;
+    require_positive("body.inertia_kg_m2", body.inertia_kg_m2)?;
+    require_finite("body.out_of_balance_kg_m", body.out_of_balance_kg_m)?;
+    require_finite("body.vertical_offset_kg_m", body.vertical_offset_kg_m)?;
     for (k, mode) in body.modes.iter().enumerate() {
-        positive(&format!("body.modes[{k}].frequency_rad_s"), mode.frequency_rad_s)?;
+        require_positive(&format!("body.modes[{k}].frequency_rad_s"), mode.frequency_rad_s)?;
         not_negative(&format!("body.modes[{k}].damping_ratio"), mode.damping_ratio)?;
-        finite(&format!("body.modes[{k}].hub_shape"), mode.hub_shape)?;
-        finite(&format!("body.modes[{k}].tip_shape"), mode.tip_shape)?;
-        finite(&format!("body.modes[{k}].load_share_kg_m"), mode.load_share_kg_m)?;
+        require_finite(&format!("body.modes[{k}].hub_shape"), mode.hub_shape)?;
+        require_finite(&format!("body.modes[{k}].tip_shape"), mode.tip_shape)?;
+        require_finite(&format!("body.modes[{k}].load_share_kg_m"), mode.load_share_kg_m)?;
     }
     Ok(())
 }
 
 fn drive(parameters: &Parameters) -> Result<(), Error> {
     let (gearbox, motor, amplifier) = (&parameters.gearbox, &parameters.motor, &parameters.amplifier);
-    positive("gearbox.ratio", gearbox.ratio)?;
+    require_positive("gearbox.ratio", gearbox.ratio)?;
     positive_or_infinite("gearbox.stiffness_nm_rad", gearbox.stiffness_nm_rad)?;
     not_negative("gearbox.damping_nm_s_rad", gearbox.damping_nm_s_rad)?;
     not_negative("gearbox.backlash_rad", gearbox.backlash_rad)?;
     require(Range::AboveTo(0.0, 1.0), "gearbox.mesh_efficiency", gearbox.mesh_efficiency)?;
-    finite("gearbox.kinematic_error.amplitude", gearbox.kinematic_error.amplitude)?;
+    require_finite("gearbox.kinematic_error.amplitude", gearbox.kinematic_error.amplitude)?;
     not_negative("gearbox.hysteresis_nm", gearbox.hysteresis_nm)?;
     not_negative("gearbox.hysteresis_stiffness_nm_rad", gearbox.hysteresis_stiffness_nm_rad)?;
     match gearbox.is_rigid() {
-        true => rigid(parameters)?,
-        false => positive("motor.inertia_kg_m2", motor.inertia_kg_m2)?,
+        true => check_rigid(parameters)?,
+        false => require_positive("motor.inertia_kg_m2", motor.inertia_kg_m2)?,
     }
     not_negative("motor.inertia_kg_m2", motor.inertia_kg_m2)?;
-    positive("motor.torque_constant_nm_a", motor.torque_constant_nm_a)?;
+    require_positive("motor.torque_constant_nm_a", motor.torque_constant_nm_a)?;
     not_negative("motor.back_emf_v_s_rad", motor.back_emf_v_s_rad)?;
-    positive("motor.resistance_ohm", motor.resistance_ohm)?;
+    require_positive("motor.resistance_ohm", motor.resistance_ohm)?;
     not_negative("motor.inductance_h", motor.inductance_h)?;
-    finite("motor.platform_coupling", motor.platform_coupling)?;
-    positive("amplifier.gain", amplifier.gain)?;
+    require_finite("motor.platform_coupling", motor.platform_coupling)?;
+    require_positive("amplifier.gain", amplifier.gain)?;
     not_negative("amplifier.current_feedback_v_a", amplifier.current_feedback_v_a)?;
     not_negative("amplifier.time_constant_s", amplifier.time_constant_s)?;
     if let AmplifierDynamics::CurrentLoop { bandwidth_rad_s, delay_s } = amplifier.dynamics {
-        positive("drive.bandwidth_rad_s", bandwidth_rad_s)?;
+        require_positive("drive.bandwidth_rad_s", bandwidth_rad_s)?;
         not_negative("drive.delay_s", delay_s)?;
     }
     voltage_without_lag(amplifier)?;
@@ -91,7 +94,7 @@ fn drive(parameters: &Parameters) -> Result<(), Error> {
 }
 
 /// Refuses with a rigid transmission what only a torque through a mesh that gives can have.
-fn rigid(parameters: &Parameters) -> Result<(), Error> {
+fn check_rigid(parameters: &Parameters) -> Result<(), Error> {
     let gearbox = &parameters.gearbox;
     let loads = [
         ("motor_friction.load_coefficient", parameters.motor_friction.load_coefficient),
@@ -163,26 +166,26 @@ fn sensors(parameters: &Parameters) -> Result<(), Error> {
         ("sensors.hub_resolver", sensors.hub_resolver.as_ref()),
         ("sensors.surge_accelerometer", sensors.surge_accelerometer.as_ref()),
     ];
-    finite("sensors.accelerometer_lever_arm_m", sensors.accelerometer_lever_arm_m)?;
+    require_finite("sensors.accelerometer_lever_arm_m", sensors.accelerometer_lever_arm_m)?;
     named.into_iter().filter_map(|(path, sensor)| Some((path, sensor?))).try_for_each(|(p, s)| sensor(p, s))
 }
 
 fn sensor(path: &str, sensor: &Sensor) -> Result<(), Error> {
     let at = |name: &str| format!("{path}.{name}");
     positive_or_infinite(&at("natural_frequency_rad_s"), sensor.natural_frequency_rad_s)?;
-    positive(&at("damping_ratio"), sensor.damping_ratio)?;
-    positive(&at("scale_v_unit"), sensor.scale_v_unit)?;
+    require_positive(&at("damping_ratio"), sensor.damping_ratio)?;
+    require_positive(&at("scale_v_unit"), sensor.scale_v_unit)?;
     not_negative(&at("noise_rms"), sensor.noise_rms)?;
-    finite(&at("gain"), sensor.gain)?;
-    finite(&at("bias"), sensor.bias)?;
+    require_finite(&at("gain"), sensor.gain)?;
+    require_finite(&at("bias"), sensor.bias)?;
     not_negative(&at("delay_s"), sensor.delay_s)?;
     not_negative(&at("resolution"), sensor.resolution)?;
     not_negative(&at("own_period_s"), sensor.own_period_s)?;
     let alignment = &sensor.alignment;
-    finite(&at("alignment.roll_sensitivity"), alignment.roll_sensitivity)?;
-    finite(&at("alignment.yaw_sensitivity"), alignment.yaw_sensitivity)?;
-    finite(&at("alignment.tilt_rad"), alignment.tilt_rad)?;
-    finite(&at("g_sensitivity"), sensor.g_sensitivity)
+    require_finite(&at("alignment.roll_sensitivity"), alignment.roll_sensitivity)?;
+    require_finite(&at("alignment.yaw_sensitivity"), alignment.yaw_sensitivity)?;
+    require_finite(&at("alignment.tilt_rad"), alignment.tilt_rad)?;
+    require_finite(&at("g_sensitivity"), sensor.g_sensitivity)
 }
 
 fn drive_limits(parameters: &Parameters) -> Result<(), Error> {
@@ -191,20 +194,20 @@ fn drive_limits(parameters: &Parameters) -> Result<(), Error> {
     positive_or_infinite("drive_limits.motor_rate_rad_s", limits.motor_rate_rad_s)?;
     positive_or_infinite("drive_limits.supply_power_w", limits.supply_power_w)?;
     positive_or_infinite("drive_limits.continuous_current_a", limits.continuous_current_a)?;
-    positive("drive_limits.overload_time_s", limits.overload_time_s)?;
+    require_positive("drive_limits.overload_time_s", limits.overload_time_s)?;
     let Some(heat) = &limits.heat else { return Ok(()) };
-    positive("drive_limits.heat.winding_k_w", heat.winding_k_w)?;
-    positive("drive_limits.heat.housing_k_w", heat.housing_k_w)?;
-    positive("drive_limits.heat.winding_time_s", heat.winding_time_s)?;
-    positive("drive_limits.heat.housing_time_s", heat.housing_time_s)?;
-    positive("drive_limits.heat.ambient_k", heat.ambient_k)?;
-    positive("drive_limits.heat.start_k", heat.start_k)?;
-    positive("drive_limits.heat.limit_k", heat.limit_k)
+    require_positive("drive_limits.heat.winding_k_w", heat.winding_k_w)?;
+    require_positive("drive_limits.heat.housing_k_w", heat.housing_k_w)?;
+    require_positive("drive_limits.heat.winding_time_s", heat.winding_time_s)?;
+    require_positive("drive_limits.heat.housing_time_s", heat.housing_time_s)?;
+    require_positive("drive_limits.heat.ambient_k", heat.ambient_k)?;
+    require_positive("drive_limits.heat.start_k", heat.start_k)?;
+    require_positive("drive_limits.heat.limit_k", heat.limit_k)
 }
 
 fn interface(parameters: &Parameters) -> Result<(), Error> {
     let interface = &parameters.interface;
-    positive("interface.sample_period_s", interface.sample_period_s)?;
+    require_positive("interface.sample_period_s", interface.sample_period_s)?;
     for (path, bits) in
         [("interface.input_bits", interface.input_bits), ("interface.output_bits", interface.output_bits)]
     {
@@ -213,7 +216,7 @@ fn interface(parameters: &Parameters) -> Result<(), Error> {
     Ok(())
 }
 
-fn positive(parameter: &str, value: f64) -> Result<(), Error> {
+fn require_positive(parameter: &str, value: f64) -> Result<(), Error> {
     require(Range::POSITIVE, parameter, value)
 }
 
@@ -221,7 +224,7 @@ fn not_negative(parameter: &str, value: f64) -> Result<(), Error> {
     require(Range::NOT_NEGATIVE, parameter, value)
 }
 
-fn finite(parameter: &str, value: f64) -> Result<(), Error> {
+fn require_finite(parameter: &str, value: f64) -> Result<(), Error> {
     require(Range::Any, parameter, value)
 }
 

@@ -39,7 +39,7 @@ impl BalancedShapes {
         damping_ratio: f64,
         watch: &mut ProgressObserver,
     ) -> Result<Self, Error> {
-        let free = clamped.free();
+        let free = clamped.free_unknowns();
         let (M, K) = (structure.M.select(free), structure.K.select(free));
         let D = match &structure.C {
             Some(C) => C.select(free),
@@ -86,7 +86,7 @@ impl BalancedShapes {
 /// The loads on the unknowns that are free with the hub clamped, each made so large that it does the same work on its static shape.
 fn loads(structure: &SparseStructure, clamped: &Clamped) -> Result<Mat, Error> {
     let n = structure.heave.len();
-    let mut all = structure.M.times(&structure.rigid());
+    let mut all = structure.M.times(&structure.rigid_motions());
     if structure.tip != structure.hub {
         for row in [structure.tip.deflection, structure.tip.rotation] {
             let mut unit = Mat::zeros(n, 1);

@@ -89,11 +89,11 @@ impl FeModel {
     /// Returns the model of a beam with what is fitted to it; unknowns 2 i and 2 i + 1 are deflection and rotation of node i.
     ///
     /// # Errors
-    /// [`Error::Parameter`] for a beam, mesh or mass out of range, [`Error::PowerLaw`] as for [`element_matrices`](super::element::element_matrices).
+    /// [`Error::Parameter`] for a beam, mesh or mass out of range, [`Error::PowerLaw`] as for [`element_matrices`].
     pub fn beam(beam: &Beam, fitted: &Fitted, options: &FeOptions) -> Result<Self, Error> {
         let profile = Profile::new(beam)?;
         let nodes = options.mesh.nodes_m(&profile, beam.pivot_m)?;
-        let mut out = Self::rigid(&nodes, beam.pivot_m);
+        let mut out = Self::rigid_body(&nodes, beam.pivot_m);
         let mut shapes = Vec::with_capacity(nodes.len() - 1);
         for (i, ends) in nodes.windows(2).enumerate() {
             let one = element_matrices(&profile, ends[0], ends[1], options.theory, options.integration)?;
@@ -138,7 +138,7 @@ impl FeModel {
         a.iter().zip(carried.as_slice()).map(|(a, m)| a * m).sum()
     }
 
-    fn rigid(nodes: &[f64], pivot_m: f64) -> Self {
+    fn rigid_body(nodes: &[f64], pivot_m: f64) -> Self {
         let n = 2 * nodes.len();
         let length = nodes[nodes.len() - 1] - nodes[0];
         let rows = |i: usize| NodeRows { deflection: 2 * i, rotation: 2 * i + 1 };

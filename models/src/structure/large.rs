@@ -56,7 +56,7 @@ impl SparseStructure {
     pub fn condense(&self, wanted: &Condensation, watch: &mut ProgressObserver) -> Result<FeModel, Error> {
         self.check()?;
         let clamped = Clamped::of(self, watch)?;
-        let mut shapes = clamped.solve(&self.M.times(&self.rigid()));
+        let mut shapes = clamped.solve(&self.M.times(&self.rigid_motions()));
         let mut truncation = None;
         match wanted.shapes {
             Shapes::Modes => {
@@ -136,7 +136,7 @@ impl Basis {
         let flexibility = at(&moved).symmetric_part();
         let stiff = linalg::solve(&flexibility, &Mat::eye(outer.len()))?;
         let held = &moved * &stiff;
-        let rigid = structure.rigid();
+        let rigid = structure.rigid_motions();
         let hub = &rigid - &(&held * &at(&rigid));
         let physical = hub.hstack(&held);
         let hub_rows = [structure.hub.deflection, structure.hub.rotation];

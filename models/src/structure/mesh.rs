@@ -25,13 +25,13 @@ impl Mesh {
     pub fn nodes_m(&self, profile: &Profile, pivot_m: f64) -> Result<Vec<f64>, Error> {
         let ends = [profile.start_m(), profile.end_m()];
         match self {
-            Self::Equal(n) => Ok(split(&ends, positive(*n)?)),
+            Self::Equal(n) => Ok(split(&ends, require_elements(*n)?)),
             Self::Sections(n) => {
                 let stations = profile.stations_m();
-                Ok(split(if *n + 1 < stations.len() { &ends } else { &stations }, positive(*n)?))
+                Ok(split(if *n + 1 < stations.len() { &ends } else { &stations }, require_elements(*n)?))
             }
-            Self::Pivoted(n) => Ok(split(&with_pivot(profile.stations_m(), pivot_m), positive(*n)?)),
-            Self::Nodes(nodes) => given(nodes, ends),
+            Self::Pivoted(n) => Ok(split(&with_pivot(profile.stations_m(), pivot_m), require_elements(*n)?)),
+            Self::Nodes(nodes) => check_nodes(nodes, ends),
         }
     }
 }
@@ -62,7 +62,7 @@ fn split(stations: &[f64], elements: usize) -> Vec<f64> {
     (0..parts.len()).flat_map(inside).chain([stations[stations.len() - 1]]).collect()
 }
 
-fn given(nodes: &[f64], [start, end]: [f64; 2]) -> Result<Vec<f64>, Error> {
+fn check_nodes(nodes: &[f64], [start, end]: [f64; 2]) -> Result<Vec<f64>, Error> {
     let rising = nodes.len() > 1 && nodes.windows(2).all(|w| w[0] < w[1]);
     let spans = rising && nodes[0] == start && nodes[nodes.len() - 1] == end;
     let refused = Error::Parameter {
@@ -73,7 +73,7 @@ fn given(nodes: &[f64], [start, end]: [f64; 2]) -> Result<Vec<f64>, Error> {
     if spans { Ok(nodes.to_vec()) } else { Err(refused) }
 }
 
-fn positive(elements: usize) -> Result<usize, Error> {
+fn require_elements(elements: usize) -> Result<usize, Error> {
     if (1..=MOST_ELEMENTS).contains(&elements) {
         return Ok(elements);
     }

@@ -49,7 +49,7 @@ impl SparseStructure {
     }
 
     /// heave and pitch as columns.
-    pub(super) fn rigid(&self) -> Mat {
+    pub(super) fn rigid_motions(&self) -> Mat {
         Mat::col(&self.heave).hstack(&Mat::col(&self.pitch))
     }
 }
@@ -88,7 +88,7 @@ impl Clamped {
     }
 
     /// The unknowns that are free.
-    pub(super) fn free(&self) -> &[usize] {
+    pub(super) fn free_unknowns(&self) -> &[usize] {
         &self.free
     }
 

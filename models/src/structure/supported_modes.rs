@@ -63,20 +63,20 @@ impl<'a> SupportedModes<'a> {
             searches: [
                 search(Support::Pinned, pinned, &pitch, modes + SPARE_MODES)?,
                 search(Support::Clamped, held, &none, SPARE_MODES)?,
-                search(Support::Free, free, &structure.rigid(), SPARE_MODES)?,
+                search(Support::Free, free, &structure.rigid_motions(), SPARE_MODES)?,
             ],
             counter: ModeCounter::of(&structure.K, &structure.M, &[hub.rotation, hub.deflection])?,
         };
         let [a, b, c] = &run.searches;
-        let mut found = [run.first(a, watch)?, run.first(b, watch)?, run.first(c, watch)?];
+        let mut found = [run.first_modes(a, watch)?, run.first_modes(b, watch)?, run.first_modes(c, watch)?];
         for together in COUNTED_TOGETHER {
-            run.complete(&mut found, together, watch)?;
+            run.complete_modes(&mut found, together, watch)?;
         }
         Ok(found)
     }
 
     /// The modes that the iteration finds.
-    fn first(&self, search: &Search, watch: &mut ProgressObserver) -> Result<LowestModes, Error> {
+    fn first_modes(&self, search: &Search, watch: &mut ProgressObserver) -> Result<LowestModes, Error> {
         let found = self.iterate(search, &search.rigid, search.count, watch)?;
         match found.squares.iter().any(|&square| self.is_rigid(&found.shapes, square)) {
             true => Err(Error::MovesFreely { support: search.stage }),
@@ -98,7 +98,7 @@ impl<'a> SupportedModes<'a> {
 
     /// Adds the modes that the iteration missed, as it may if one is repeated: a count of the modes below a limit tells. What is missing is
     /// sought beside what was found.
-    fn complete(
+    fn complete_modes(
         &self,
         found: &mut [LowestModes; 3],
         together: &[usize],

@@ -10,7 +10,7 @@ fn coulomb(coulomb_nm: f64, static_ratio: f64) -> FrictionModel {
 }
 
 /// A unit mass pulled by a spring of 2 N/m at 0.1 m/s: times at which it starts to slip, and its highest rate.
-fn pulled(friction: &FrictionModel, h: f64, duration: f64) -> (Vec<f64>, f64) {
+fn pull_mass(friction: &FrictionModel, h: f64, duration: f64) -> (Vec<f64>, f64) {
     let (mut stretch, mut rate, mut starts, mut fastest) = (0.0, 0.0_f64, Vec::new(), 0.0_f64);
     for k in 0..(duration / h) as usize {
         let middle = stretch + 0.5 * h * (0.1 - rate);
@@ -29,7 +29,7 @@ fn pulled(friction: &FrictionModel, h: f64, duration: f64) -> (Vec<f64>, f64) {
 
 #[test]
 fn a_pulled_mass_has_the_closed_form_period_with_steps_of_a_millisecond() {
-    let (starts, fastest) = pulled(&coulomb(1.0, 1.5), 1e-3, 40.0);
+    let (starts, fastest) = pull_mass(&coulomb(1.0, 1.5), 1e-3, 40.0);
     let omega = 2.0_f64.sqrt();
     let slip = 2.0 / omega * (std::f64::consts::PI - 0.25_f64.atan2(0.1 / omega));
     assert_close(starts[3] - starts[2], 5.0 + slip, 5e-3);
@@ -41,7 +41,7 @@ fn a_pulled_mass_has_the_closed_form_period_with_steps_of_a_millisecond() {
 fn the_period_converges_with_the_step() {
     let exact = 7.611259254;
     let error = |h: f64| {
-        let (starts, _) = pulled(&coulomb(1.0, 1.5), h, 40.0);
+        let (starts, _) = pull_mass(&coulomb(1.0, 1.5), h, 40.0);
         ((starts[4] - starts[1]) / 3.0 - exact).abs()
     };
     assert!(error(1e-4) < 5e-4 && error(1e-5) < 5e-5, "{} {}", error(1e-4), error(1e-5));

@@ -49,5 +49,5 @@ fn a_stribeck_level_replaces_the_coulomb_level() {
     let mut slope = [0.0];
     friction.derivative(rate, 1.0, &[torque], &mut slope);
     assert_close(slope[0], 2.4e5 * rate * (1.0 - torque / level), 1e-9);
-    assert_close(friction.steady(-rate), -level, 1e-12);
+    assert_close(friction.steady_torque(-rate), -level, 1e-12);
 }

@@ -5,7 +5,12 @@ use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::{Friction, FrictionLaw, StribeckCurve};
 
 /// Positions at the end of the first tenth and at the end of a run under a force.
-fn held(friction: &FrictionModel, duration_s: f64, h: f64, force: impl Fn(f64) -> f64) -> (f64, f64) {
+fn held_positions(
+    friction: &FrictionModel,
+    duration_s: f64,
+    h: f64,
+    force: impl Fn(f64) -> f64,
+) -> (f64, f64) {
     let mut mass = Mass::new(friction);
     let steps = (duration_s / h).round() as usize;
     let mut early = 0.0;
@@ -22,7 +27,7 @@ fn held(friction: &FrictionModel, duration_s: f64, h: f64, force: impl Fn(f64) -
 fn dahl_holds_at_its_elastic_offset() {
     let law = FrictionLaw::Dahl { coulomb_nm: 2.0, rest_stiffness_nm_rad: 1e3, exponent: 1.0 };
     let friction = FrictionModel::new(&Friction::plain(law, 5.0)).unwrap();
-    let (early, late) = held(&friction, 1e4, 1e-2, |t| -1.2 * (-t / 20.0).exp_m1());
+    let (early, late) = held_positions(&friction, 1e4, 1e-2, |t| -1.2 * (-t / 20.0).exp_m1());
     assert_close(late, early, 1e-12);
     let offset = -2e-3 * (1.0 - 1.2 / 2.0_f64).ln();
     assert_close(late / offset, 1.0, 1e-3);
@@ -31,7 +36,7 @@ fn dahl_holds_at_its_elastic_offset() {
 #[test]
 fn lugre_and_the_reset_integrator_hold() {
     for (friction, stiffness) in [(lugre(), 1e5), (reset_integrator(), 1.5e4)] {
-        let (early, late) = held(&friction, 200.0, 1e-3, |t| 0.5 * t.min(1.0));
+        let (early, late) = held_positions(&friction, 200.0, 1e-3, |t| 0.5 * t.min(1.0));
         assert_close(late, early, 1e-10);
         assert!(late < 2.0 * 0.5 / stiffness, "{late}");
     }
@@ -41,7 +46,7 @@ fn lugre_and_the_reset_integrator_hold() {
 fn lugre_and_dahl_drift_under_dither_and_the_reset_integrator_does_not() {
     let dithered = |t: f64| 0.5 * t.min(1.0) + 0.3 * (std::f64::consts::TAU * t).sin();
     let drift = |friction: &FrictionModel| {
-        let (early, late) = held(friction, 100.0, 1e-3, dithered);
+        let (early, late) = held_positions(friction, 100.0, 1e-3, dithered);
         late - early
     };
     assert!(drift(&lugre()) > 1e-5);
@@ -52,7 +57,7 @@ fn lugre_and_dahl_drift_under_dither_and_the_reset_integrator_does_not() {
 #[test]
 fn walrath_creeps_at_the_rate_that_it_documents() {
     let law = FrictionLaw::Walrath { coulomb_nm: 1.0, time_constant_s: 0.05, smoothing_rate_rad_s: 1e-3 };
-    let (early, late) = held(&model(law, 1.0, 1.0), 100.0, 1e-3, |_| 0.5);
+    let (early, late) = held_positions(&model(law, 1.0, 1.0), 100.0, 1e-3, |_| 0.5);
     assert_close((late - early) / 90.0 / (1e-3 * 0.5_f64.atanh()), 1.0, 0.01);
 }
 

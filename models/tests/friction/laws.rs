@@ -5,7 +5,7 @@ use counterpoise_models::friction::describing::sinusoidal_loop;
 use counterpoise_models::friction::{FrictionConditions, FrictionModel};
 use counterpoise_models::{Error, Friction, FrictionLaw, Ripple, StribeckCurve};
 
-fn curved(curve: StribeckCurve) -> FrictionModel {
+fn stribeck_model(curve: StribeckCurve) -> FrictionModel {
     model(FrictionLaw::Stribeck { coulomb_nm: 1.0, curve }, 1.5, 1e-3)
 }
 
@@ -14,11 +14,11 @@ fn every_law() -> Vec<(&'static str, FrictionModel)> {
     vec![
         ("coulomb", model(FrictionLaw::Coulomb { coulomb_nm: 1.0 }, 1.0, 1.0)),
         ("stiction", model(FrictionLaw::Coulomb { coulomb_nm: 1.0 }, 1.5, 1.0)),
-        ("tustin", curved(StribeckCurve::Tustin)),
-        ("exponential", curved(StribeckCurve::Exponential { exponent: 0.7 })),
-        ("gaussian", curved(StribeckCurve::Gaussian)),
-        ("lorentzian", curved(StribeckCurve::Lorentzian)),
-        ("polynomial", curved(StribeckCurve::Polynomial { coefficients: [0.0, -1.5, 1.0] })),
+        ("tustin", stribeck_model(StribeckCurve::Tustin)),
+        ("exponential", stribeck_model(StribeckCurve::Exponential { exponent: 0.7 })),
+        ("gaussian", stribeck_model(StribeckCurve::Gaussian)),
+        ("lorentzian", stribeck_model(StribeckCurve::Lorentzian)),
+        ("polynomial", stribeck_model(StribeckCurve::Polynomial { coefficients: [0.0, -1.5, 1.0] })),
         ("karnopp", model(FrictionLaw::Karnopp { coulomb_nm: 1.0, stick_rate_rad_s: 1e-5 }, 1.5, 1.0)),
         ("dahl", dahl(1.0, 1e4, 1.0)),
         ("dahl, exponent 2", dahl(1.0, 1e4, 2.0)),
@@ -54,7 +54,7 @@ fn every_law_dissipates_over_a_closed_loop() {
 fn every_law_settles_at_its_steady_curve_which_is_odd() {
     for (name, friction) in every_law() {
         for rate in [2e-3, 0.1] {
-            assert_close(friction.steady(-rate), -friction.steady(rate), 1e-15);
+            assert_close(friction.steady_torque(-rate), -friction.steady_torque(rate), 1e-15);
             let mut states = vec![0.0; friction.states()];
             friction.advance(rate, 1e8, 1.0, &mut states);
             let mut mean = 0.0;
@@ -64,7 +64,7 @@ fn every_law_settles_at_its_steady_curve_which_is_odd() {
                 mean += if k >= steps / 2 { friction.torque(rate, 1.0, &states) } else { 0.0 };
             }
             let tolerance = if name == "bristle" { 0.05 } else { 1e-6 };
-            assert_close(mean / f64::from(steps / 2), friction.steady(rate), tolerance);
+            assert_close(mean / f64::from(steps / 2), friction.steady_torque(rate), tolerance);
         }
     }
 }
@@ -74,7 +74,8 @@ fn the_steady_slope_is_the_derivative_of_the_steady_curve() {
     for (name, friction) in every_law() {
         for rate in [-3e-3, 5e-4, 0.02] {
             let h = 1e-9;
-            let difference = (friction.steady(rate + h) - friction.steady(rate - h)) / (2.0 * h);
+            let difference =
+                (friction.steady_torque(rate + h) - friction.steady_torque(rate - h)) / (2.0 * h);
             let slope = friction.steady_slope(rate);
             assert!(
                 (slope - difference).abs() < 1e-4 * (1.0 + slope.abs()),
@@ -133,19 +134,19 @@ fn the_level_follows_angle_load_and_time() {
 fn asymmetry_scales_each_direction() {
     let friction =
         FrictionModel::new(&Friction { asymmetry: 0.1, ..Friction::plain(stribeck_dahl(), 0.5) }).unwrap();
-    assert_close(friction.steady(2.0), 1.1 + 1.0, 1e-14);
-    assert_close(friction.steady(-2.0), -0.9 - 1.0, 1e-14);
+    assert_close(friction.steady_torque(2.0), 1.1 + 1.0, 1e-14);
+    assert_close(friction.steady_torque(-2.0), -0.9 - 1.0, 1e-14);
 }
 
 #[test]
 fn viscous_friction_may_differ_between_the_directions() {
     let parameters = Friction { viscous_asymmetry: -0.25, ..Friction::plain(FrictionLaw::None, 2.0) };
     let friction = FrictionModel::new(&parameters).unwrap();
-    assert_close(friction.steady(3.0), 4.5, 1e-14);
-    assert_close(friction.steady(-3.0), -7.5, 1e-14);
+    assert_close(friction.steady_torque(3.0), 4.5, 1e-14);
+    assert_close(friction.steady_torque(-3.0), -7.5, 1e-14);
     assert_close(friction.steady_slope(-3.0), 2.5, 1e-14);
     for rate in [-3.0, 0.0, 3.0] {
-        assert_close(2.0 * rate + parameters.drag_nm(rate), friction.steady(rate), 1e-14);
+        assert_close(2.0 * rate + parameters.drag_nm(rate), friction.steady_torque(rate), 1e-14);
     }
 }
 

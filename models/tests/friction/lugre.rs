@@ -5,7 +5,7 @@ fn the_steady_curve_is_stribeck_with_viscous() {
     let friction = lugre();
     for rate in [-0.01, -1e-3, 5e-4, 2e-3, 0.3_f64] {
         let expected = (1.0 + 0.5 * (-(rate / 1e-3).powi(2)).exp()) * rate.signum() + 0.4 * rate;
-        assert_close(friction.steady(rate), expected, 1e-15);
+        assert_close(friction.steady_torque(rate), expected, 1e-15);
         let mut z = [0.0];
         friction.advance(rate, 1.0, 1.0, &mut z);
         assert_close(friction.torque(rate, 1.0, &z), expected, 1e-12);

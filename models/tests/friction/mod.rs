@@ -56,9 +56,9 @@ impl<'a> Mass<'a> {
     /// One Runge-Kutta step of fourth order.
     pub(crate) fn step(&mut self, h: f64, force: &impl Fn(f64, f64) -> f64) {
         let k1 = self.slope(self.time_s, &self.state, force);
-        let k2 = self.slope(self.time_s + 0.5 * h, &self.moved(&k1, 0.5 * h), force);
-        let k3 = self.slope(self.time_s + 0.5 * h, &self.moved(&k2, 0.5 * h), force);
-        let k4 = self.slope(self.time_s + h, &self.moved(&k3, h), force);
+        let k2 = self.slope(self.time_s + 0.5 * h, &self.state_after(&k1, 0.5 * h), force);
+        let k3 = self.slope(self.time_s + 0.5 * h, &self.state_after(&k2, 0.5 * h), force);
+        let k4 = self.slope(self.time_s + h, &self.state_after(&k3, h), force);
         for i in 0..self.state.len() {
             self.state[i] += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
         }
@@ -66,7 +66,7 @@ impl<'a> Mass<'a> {
         self.time_s += h;
     }
 
-    fn moved(&self, slope: &[f64; 3], h: f64) -> [f64; 3] {
+    fn state_after(&self, slope: &[f64; 3], h: f64) -> [f64; 3] {
         std::array::from_fn(|i| self.state.get(i).map_or(0.0, |s| s + h * slope[i]))
     }
 

@@ -64,7 +64,7 @@ fn setting_the_coulomb_level_scales_sliding_and_breakaway_alike() {
         changed.law.set_coulomb_nm(3.0 * COULOMB_NM);
         assert_eq!(changed.coulomb_nm(), 3.0 * COULOMB_NM, "{name}");
         let (before, after) = (model(&friction), model(&changed));
-        assert_close(after.steady(1.0), 3.0 * before.steady(1.0), 1e-12);
+        assert_close(after.steady_torque(1.0), 3.0 * before.steady_torque(1.0), 1e-12);
         assert_close(breakaway_nm(&after) / breakaway_nm(&before), 3.0, 1e-3);
         let mut scaled = friction.clone();
         scaled.law.scale_coulomb(3.0);
@@ -77,7 +77,7 @@ fn the_sliding_level_at_speed_is_the_coulomb_level() {
     for (name, friction) in every_law() {
         // the polynomial ends at its own value at the Stribeck rate
         let expected = if name == "polynomial" { COULOMB_NM * (STATIC_RATIO - 0.5) } else { COULOMB_NM };
-        assert_close(model(&friction).steady(1.0), expected, 1e-12);
+        assert_close(model(&friction).steady_torque(1.0), expected, 1e-12);
     }
 }
 
@@ -143,7 +143,7 @@ fn a_state_that_carries_a_torque_carries_it() {
 fn a_similar_friction_has_a_similar_loop() {
     let by = Similarity { torque: 1e-3, angle: 0.1 };
     for (_, friction) in every_law() {
-        let similar = friction.similar(by);
+        let similar = friction.scale_similarly(by);
         let loops =
             |f: &Friction, amplitude: f64| sinusoidal_loop(&model(f), amplitude, 5.0).stiffness_nm_rad;
         let (own, scaled) = (loops(&friction, 1e-3), loops(&similar, 1e-4));

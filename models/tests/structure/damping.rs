@@ -1,4 +1,4 @@
-use super::{assert_close, options, uniform};
+use super::{assert_close, options, uniform_beam};
 use counterpoise_linalg::{Mat, eigenvalues};
 use counterpoise_models::structure::damping::{
     modal_damping, modal_with_stiffness, rayleigh_coefficients, rayleigh_damping, state_matrix,
@@ -7,7 +7,7 @@ use counterpoise_models::structure::{FeModel, Fitted, Integration, Mesh, Modes, 
 
 fn model() -> (FeModel, Modes) {
     let options = options(Mesh::Equal(4), Integration::Quadrature);
-    let model = FeModel::beam(&uniform(), &Fitted::default(), &options).unwrap();
+    let model = FeModel::beam(&uniform_beam(), &Fitted::default(), &options).unwrap();
     let modes = undamped_modes(&model, Support::Clamped).unwrap();
     (model, modes)
 }

@@ -1,4 +1,4 @@
-use super::{assert_all, assert_close, options, uniform};
+use super::{assert_all, assert_close, options, uniform_beam};
 use counterpoise_linalg::{Mat, Sparse};
 use counterpoise_models::Error;
 use counterpoise_models::structure::import::{Dof, Imported, NodeMap, matrix_market, read_dmig, read_op4};
@@ -10,7 +10,7 @@ use std::fmt::Write;
 const ELEMENTS: usize = 6;
 
 fn model() -> FeModel {
-    let mut beam = uniform();
+    let mut beam = uniform_beam();
     beam.pivot_m = 0.5;
     FeModel::beam(&beam, &Fitted::default(), &options(Mesh::Equal(ELEMENTS), Integration::Quadrature))
         .unwrap()
@@ -25,7 +25,7 @@ fn map_text() -> String {
 }
 
 /// The model's matrix with rows as in the map.
-fn mapped(A: &Mat, map: &NodeMap) -> Mat {
+fn map_matrix(A: &Mat, map: &NodeMap) -> Mat {
     let index = |d: &Dof| 2 * (d.grid as usize - 10) + usize::from(d.component == 5);
     let sign = |d: &Dof| if d.component == 5 { -1.0 } else { 1.0 };
     let n = A.nrows();
@@ -51,7 +51,7 @@ fn assert_same(imported: &Imported, map: &NodeMap) {
 #[test]
 fn matrix_market_gives_the_same_structure() {
     let map = NodeMap::parse(&map_text()).unwrap();
-    let (M, K) = (mapped(&model().M, &map), mapped(&model().K, &map));
+    let (M, K) = (map_matrix(&model().M, &map), map_matrix(&model().K, &map));
     let mut array =
         format!("%%MatrixMarket matrix array real general\n% mass\n{} {}\n", M.nrows(), M.ncols());
     M.as_slice().iter().for_each(|v| writeln!(array, "{v:?}").unwrap());
@@ -118,8 +118,8 @@ fn dmig_gives_the_same_structure() {
     let map = NodeMap::parse(&map_text()).unwrap();
     let text = format!(
         "BEGIN BULK\nGRID,1,,0.,0.,0.\n{}{}ENDDATA\n",
-        large_fields("KAAX", &mapped(&model().K, &map), &map),
-        large_fields("MAAX", &mapped(&model().M, &map), &map)
+        large_fields("KAAX", &map_matrix(&model().K, &map), &map),
+        large_fields("MAAX", &map_matrix(&model().M, &map), &map)
     );
     let imported = Imported::from_dmig(&read_dmig(&text).unwrap(), "maax", None, "KAAX").unwrap();
     assert_same(&imported, &map);
@@ -285,7 +285,7 @@ fn a_map_names_what_is_missing_or_wrong() {
     assert!(refused("axes 3 5\npivot 1\ntip 2\nnode 1 0 0.2\n").1.contains("axial"));
     assert!(refused("axes 3 5\naxial 3\npivot 1\ntip 2\n").1.contains("axial"));
     let map = NodeMap::parse(&map_text().replace("node 12", "node 99")).unwrap();
-    let (M, K) = (mapped(&model().M, &map), mapped(&model().K, &map));
+    let (M, K) = (map_matrix(&model().M, &map), map_matrix(&model().K, &map));
     let sparse = Sparse::from_dense;
     assert!(Imported::from_row_order(&map, sparse(&M), None, sparse(&K)).structure(&map).is_err());
     let good = NodeMap::parse(&map_text()).unwrap();
@@ -349,7 +349,7 @@ fn spoilt_texts_are_refused_and_nothing_else() {
 fn what_is_fitted_to_imported_matrices_is_what_is_fitted_to_the_beam() {
     let bare = model();
     let map = NodeMap::parse(&map_text()).unwrap();
-    let sparse = |A: &Mat| Sparse::from_dense(&mapped(A, &map));
+    let sparse = |A: &Mat| Sparse::from_dense(&map_matrix(A, &map));
     let imported = Imported::from_row_order(&map, sparse(&bare.M), None, sparse(&bare.K));
     let mass = super::mass(-0.2, 3.0, 0.1);
     let fitted = Fitted { masses: vec![mass], hub_inertia_kg_m2: 0.7 };

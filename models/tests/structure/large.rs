@@ -1,4 +1,4 @@
-use super::{assert_all, assert_close, options, uniform};
+use super::{assert_all, assert_close, options, uniform_beam};
 use counterpoise_linalg::{Mat, Sparse};
 use counterpoise_models::structure::{
     Condensation, Direction, FeModel, Fitted, Integration, Mesh, NodeRows, Shapes, SparseStructure, Support,
@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 
 /// A beam with a mass at its tip, so that its rigid motions couple, and its sparse form.
 fn structures(elements: usize) -> (FeModel, SparseStructure) {
-    let mut beam = uniform();
+    let mut beam = uniform_beam();
     beam.pivot_m = 0.25;
     let mass = PointMass { name: "sight".to_owned(), position_m: 1.0, mass_kg: 3.0, inertia_kg_m2: 0.02 };
     let fitted = Fitted { masses: vec![mass], hub_inertia_kg_m2: 0.5 };

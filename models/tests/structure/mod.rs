@@ -32,7 +32,7 @@ pub(crate) fn unit_beam(shape: SectionShape) -> Beam {
 }
 
 /// Unit area and second moment: the frequencies are beta squared.
-pub(crate) fn uniform() -> Beam {
+pub(crate) fn uniform_beam() -> Beam {
     unit_beam(SectionShape::Given { area_m2: [1.0, 1.0], second_moment_m4: [1.0, 1.0] })
 }
 

@@ -7,7 +7,7 @@ use counterpoise_models::structure::{FeModel, Fitted, Integration, Mesh};
 use counterpoise_models::{Error, SectionShape};
 
 /// int_0^1 (1 + excess xi^exponent) f(xi) dxi by Simpson's rule in t, xi = t^4, which removes the kink at 0.
-fn weighted(law: &PowerLaw, f: impl Fn(f64) -> f64) -> f64 {
+fn weighted_integral(law: &PowerLaw, f: impl Fn(f64) -> f64) -> f64 {
     let steps = 4000;
     let g = |t: f64| {
         let xi = t.powi(4);
@@ -47,10 +47,14 @@ fn closed_forms_equal_quadrature() {
                     let local = shape.at(xi * length);
                     local.curvature[i] * local.curvature[j]
                 };
-                assert_close(m[(i, j)], 3.0 * length * weighted(&law, deflections), 1e-11 * mass_scale);
+                assert_close(
+                    m[(i, j)],
+                    3.0 * length * weighted_integral(&law, deflections),
+                    1e-11 * mass_scale,
+                );
                 assert_close(
                     s[(i, j)],
-                    5.0 * length * weighted(&law, curvatures),
+                    5.0 * length * weighted_integral(&law, curvatures),
                     1e-10 * s[(0, 0)].max(s[(1, 1)]),
                 );
             }

@@ -1,4 +1,4 @@
-use super::{assert_close, options, uniform};
+use super::{assert_close, options, uniform_beam};
 use counterpoise_linalg::{Mat, solve, sym_gen_eigen};
 use counterpoise_models::plant::Body;
 use counterpoise_models::structure::{
@@ -6,7 +6,7 @@ use counterpoise_models::structure::{
 };
 
 fn model() -> FeModel {
-    let mut beam = uniform();
+    let mut beam = uniform_beam();
     beam.pivot_m = 0.3;
     let fitted = Fitted { hub_inertia_kg_m2: 0.05, masses: vec![super::mass(-0.1, 0.2, 0.01)] };
     FeModel::beam(&beam, &fitted, &options(Mesh::Pivoted(8), Integration::Quadrature)).unwrap()
@@ -64,7 +64,7 @@ fn the_locked_form_has_the_pinned_frequencies() {
 
 #[test]
 fn weight_bends_the_locked_beam_as_its_modes_say() {
-    let beam = uniform();
+    let beam = uniform_beam();
     let model =
         FeModel::beam(&beam, &Fitted::default(), &options(Mesh::Equal(10), Integration::Quadrature)).unwrap();
     let form = locked_modes(&model, usize::MAX).unwrap();

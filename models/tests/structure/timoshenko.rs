@@ -1,4 +1,4 @@
-use super::{assert_close, frequencies, uniform, unit_beam};
+use super::{assert_close, frequencies, uniform_beam, unit_beam};
 use counterpoise_linalg::sym_gen_eigen;
 use counterpoise_models::SectionShape;
 use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Integration, Mesh, Support, Theory};
@@ -9,7 +9,7 @@ fn options(elements: usize, theory: Theory) -> FeOptions {
 
 /// Lowest frequency of Timoshenko's beam on two hinges, half wave number `n`, unit E and rho:
 /// (1/G') w^4 rho I - w^2 (A + I k^2 (1 + 1/G')) + I k^4 = 0 with G' = kappa G.
-fn hinged(area: f64, second: f64, rigidity: f64, n: f64) -> f64 {
+fn hinged_beam_frequency(area: f64, second: f64, rigidity: f64, n: f64) -> f64 {
     let k = n * std::f64::consts::PI;
     let (a, b, c) = (second / rigidity, area + second * k * k * (1.0 + 1.0 / rigidity), second * k.powi(4));
     ((b - (b * b - 4.0 * a * c).sqrt()) / (2.0 * a)).sqrt()
@@ -28,7 +28,7 @@ fn a_thick_hinged_beam_has_the_closed_form() {
     };
     let rigidity = 5.0 / 6.0 / (2.0 * 1.3);
     for n in 1..=3 {
-        let expected = hinged(area, second, rigidity, n as f64);
+        let expected = hinged_beam_frequency(area, second, rigidity, n as f64);
         let errors = [20, 40, 80].map(|elements| frequencies(elements)[n - 1].sqrt() / expected - 1.0);
         assert!((0.0..1e-3).contains(&errors[2]), "{n}: {errors:?}");
         assert!(errors.windows(2).all(|e| (e[0] / e[1]).log2() > 1.9), "{n}: {errors:?}");
@@ -44,7 +44,7 @@ fn a_slender_beam_is_bernoulli_eulers() {
 
 #[test]
 fn shear_and_rotary_inertia_lower_every_frequency() {
-    let of = |theory| frequencies(&uniform(), &Fitted::default(), &options(10, theory), Support::Pinned);
+    let of = |theory| frequencies(&uniform_beam(), &Fitted::default(), &options(10, theory), Support::Pinned);
     let (with, without) = (of(Theory::Timoshenko), of(Theory::BernoulliEuler));
     assert!(with.iter().zip(&without).take(5).all(|(a, b)| a < b));
 }

@@ -1,4 +1,4 @@
-use super::{assert_all, assert_close, frequencies, mass, options, uniform};
+use super::{assert_all, assert_close, frequencies, mass, options, uniform_beam};
 use counterpoise_models::structure::{
     Direction, FeModel, Fitted, Integration, Mesh, Support, undamped_modes,
 };
@@ -9,7 +9,7 @@ const PINNED: [f64; 4] = [3.92660231205, 7.06858274563, 10.2101761228, 13.351768
 
 fn betas(elements: usize, support: Support, fitted: &Fitted) -> Vec<f64> {
     let options = options(Mesh::Equal(elements), Integration::Quadrature);
-    frequencies(&uniform(), fitted, &options, support).into_iter().map(f64::sqrt).collect()
+    frequencies(&uniform_beam(), fitted, &options, support).into_iter().map(f64::sqrt).collect()
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn a_tip_mass_moves_the_clamped_mode_as_its_characteristic_equation_says() {
 #[test]
 fn a_mass_on_a_rigid_arm_is_a_mass_with_moment_and_inertia() {
     let options = options(Mesh::Equal(10), Integration::Quadrature);
-    let model = |fitted: &Fitted| FeModel::beam(&uniform(), fitted, &options).unwrap();
+    let model = |fitted: &Fitted| FeModel::beam(&uniform_beam(), fitted, &options).unwrap();
     let hung = model(&Fitted { masses: vec![mass(-0.2, 3.0, 0.1)], ..Fitted::default() });
     assert_close(hung.mass_kg(), 1.0 + 3.0, 1e-12);
     assert_close(hung.first_moment_kg_m(), 0.5 - 0.6, 1e-12);
@@ -97,7 +97,8 @@ fn a_mass_on_a_rigid_arm_is_a_mass_with_moment_and_inertia() {
 fn rigid_motions_are_free_and_carry_the_exact_mass() {
     for mesh in [Mesh::Equal(1), Mesh::Equal(7), Mesh::Nodes(vec![0.0, 0.1, 0.9, 1.0])] {
         let model =
-            FeModel::beam(&uniform(), &Fitted::default(), &options(mesh, Integration::Quadrature)).unwrap();
+            FeModel::beam(&uniform_beam(), &Fitted::default(), &options(mesh, Integration::Quadrature))
+                .unwrap();
         for rigid in [&model.heave, &model.pitch] {
             let resisted = (&model.K * &counterpoise_linalg::Mat::col(rigid)).norm_max();
             assert_close(resisted / model.K.norm_max(), 0.0, 1e-13);
@@ -111,7 +112,7 @@ fn rigid_motions_are_free_and_carry_the_exact_mass() {
 #[test]
 fn modes_are_orthonormal_and_effective_masses_add_up() {
     let options = options(Mesh::Equal(12), Integration::Quadrature);
-    let model = FeModel::beam(&uniform(), &Fitted::default(), &options).unwrap();
+    let model = FeModel::beam(&uniform_beam(), &Fitted::default(), &options).unwrap();
     for support in [Support::Free, Support::Pinned, Support::Clamped] {
         let found = undamped_modes(&model, support).unwrap();
         let gram = &found.shapes.t() * &(&model.M * &found.shapes);
@@ -130,7 +131,7 @@ fn modes_are_orthonormal_and_effective_masses_add_up() {
 #[test]
 fn every_unknown_carries_its_share_of_the_mass() {
     let options = options(Mesh::Equal(4), Integration::Quadrature);
-    let model = FeModel::beam(&uniform(), &Fitted::default(), &options).unwrap();
+    let model = FeModel::beam(&uniform_beam(), &Fitted::default(), &options).unwrap();
     let carried = model.carried_moments();
     let shares = [0.125, 0.25, 0.25, 0.25, 0.125];
     shares.iter().enumerate().for_each(|(i, share)| assert_close(carried[2 * i], *share, 1e-14));
@@ -140,7 +141,7 @@ fn every_unknown_carries_its_share_of_the_mass() {
 
 #[test]
 fn what_has_no_hub_node_cannot_be_pinned() {
-    let mut beam = uniform();
+    let mut beam = uniform_beam();
     beam.pivot_m = 0.3;
     let options = options(Mesh::Equal(4), Integration::Quadrature);
     let model = FeModel::beam(&beam, &Fitted::default(), &options).unwrap();

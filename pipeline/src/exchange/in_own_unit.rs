@@ -45,7 +45,7 @@ mod tests {
         after: f64,
     }
 
-    fn written(kind: QuantityKind, value: Option<f64>) -> String {
+    fn written_figures(kind: QuantityKind, value: Option<f64>) -> String {
         let controlled = ControlledQuantity { kind, ..ControlledQuantity::default() };
         let residual = InOwnUnit::new("residual", controlled, value);
         serde_json::to_string(&Figures { before: 1.5, residual, after: 2.5 }).expect("figures are plain data")
@@ -54,12 +54,15 @@ mod tests {
     #[test]
     fn a_key_ends_in_the_unit_of_what_the_loop_controls_and_keeps_its_place() {
         assert_eq!(
-            written(QuantityKind::Rate, Some(0.25)),
+            written_figures(QuantityKind::Rate, Some(0.25)),
             r#"{"before":1.5,"residual_rad_s":0.25,"after":2.5}"#
         );
-        assert_eq!(written(QuantityKind::Effort, None), r#"{"before":1.5,"residual_nm":null,"after":2.5}"#);
         assert_eq!(
-            written(QuantityKind::Position, Some(0.0)),
+            written_figures(QuantityKind::Effort, None),
+            r#"{"before":1.5,"residual_nm":null,"after":2.5}"#
+        );
+        assert_eq!(
+            written_figures(QuantityKind::Position, Some(0.0)),
             r#"{"before":1.5,"residual_rad":0.0,"after":2.5}"#
         );
     }

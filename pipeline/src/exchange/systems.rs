@@ -124,13 +124,13 @@ impl SystemResult {
                 .chain(
                     (outputs.len()..system.outputs())
                         .filter(|_| !outputs.is_empty())
-                        .map(|k| Self::unnamed(k + 1)),
+                        .map(|k| Self::unnamed_signal(k + 1)),
                 )
                 .collect(),
         }
     }
 
-    fn unnamed(number: usize) -> SignalResult {
+    fn unnamed_signal(number: usize) -> SignalResult {
         SignalResult { name: format!("y{number}"), unit: "" }
     }
 
@@ -160,12 +160,12 @@ impl TransferFunctionResult {
     /// Returns a weight as a transfer function.
     pub fn of(name: &str, weight: &Weight) -> Self {
         let rational = weight.rational();
-        let numerator = expanded(&rational.zeros).iter().map(|c| rational.gain * c).collect();
+        let numerator = expand_roots(&rational.zeros).iter().map(|c| rational.gain * c).collect();
         let pair = |root: &C64| [root.re, root.im];
         Self {
             name: name.to_owned(),
             numerator,
-            denominator: expanded(&rational.poles),
+            denominator: expand_roots(&rational.poles),
             zeros: rational.zeros.iter().map(pair).collect(),
             poles: rational.poles.iter().map(pair).collect(),
             gain: rational.gain,
@@ -174,7 +174,7 @@ impl TransferFunctionResult {
 }
 
 /// Returns the monic polynomial with the given roots, highest power first; roots come in conjugate pairs.
-fn expanded(roots: &[C64]) -> Vec<f64> {
+fn expand_roots(roots: &[C64]) -> Vec<f64> {
     let mut all = vec![C64::new(1.0, 0.0)];
     for root in roots {
         let mut next = all.clone();

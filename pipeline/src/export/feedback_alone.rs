@@ -15,13 +15,13 @@ pub(super) fn certificate(
     verified: &VerifiedController,
     procedure: &Procedure,
 ) -> Vec<String> {
-    match degraded(project, modelled, verified, procedure) {
+    match verify_feedback_alone(project, modelled, verified, procedure) {
         Ok(found) => describe_feedback_alone(&found),
         Err(why) => vec![describe_uncertified(&why)],
     }
 }
 
-fn degraded(
+fn verify_feedback_alone(
     project: &Project,
     modelled: &PlantModel,
     verified: &VerifiedController,

@@ -29,7 +29,7 @@ use crate::exchange::SystemResult;
 use crate::synth::{design_plant, sampling};
 use crate::tolerance::{ALLOWS_MORE, MARGINS_TO_SPARE};
 use crate::wording::design_findings::{describe_design_finding, describe_limit, describe_unknown};
-use crate::{PipelineError, PlantModel, ReducedPlant, model, reduce};
+use crate::{PipelineError, PlantModel, ReducedPlant, build_plant_model, reduce_plant};
 use usual_ranges::OpenValues;
 
 /// A project whose weights were chosen.
@@ -60,8 +60,8 @@ pub fn with_chosen_weights_on(
     if !leaves_weights_open(project) {
         return Ok(None);
     }
-    let modelled = model(project)?;
-    let reduced = reduce(project, &modelled)?;
+    let modelled = build_plant_model(project)?;
+    let reduced = reduce_plant(project, &modelled)?;
     choose_weights_on(project, &modelled, &reduced, pool).map(Some)
 }
 
@@ -271,9 +271,9 @@ fn motion(expected: &Sine, sensor: &Sensor, modelled: &PlantModel) -> Option<Exp
     if sensor.gain == 0.0 || amplitude == 0.0 || expected.frequency_hz <= 0.0 {
         return None;
     }
-    let natural = short(2.0 * TAU * expected.frequency_hz);
+    let natural = round_digits(2.0 * TAU * expected.frequency_hz);
     // White noise of unit density through K w^2 / (s^2 + 2 z w s + w^2) has the mean square K^2 w / (4 z).
-    let gain = short(amplitude / SQRT_2 * (4.0 * GENERATOR_DAMPING / natural).sqrt());
+    let gain = round_digits(amplitude / SQRT_2 * (4.0 * GENERATOR_DAMPING / natural).sqrt());
     let height = natural * (1.0 - GENERATOR_DAMPING * GENERATOR_DAMPING).sqrt();
     let pole = C64::new(-GENERATOR_DAMPING * natural, height);
     let generator = Weight::ZeroPoleGain {
@@ -286,7 +286,7 @@ fn motion(expected: &Sine, sensor: &Sensor, modelled: &PlantModel) -> Option<Exp
 }
 
 /// Four significant digits, as a person would write them.
-fn short(value: f64) -> f64 {
+fn round_digits(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }
 

@@ -15,7 +15,7 @@ use counterpoise_verify::robust::{Distribution, Varied};
 
 use super::with_angles;
 use crate::synth::design_plant;
-use crate::{PipelineError, ReducedPlant, model};
+use crate::{PipelineError, ReducedPlant, build_plant_model};
 
 /// Share of the sample rate at which the gains of plants within tolerances are compared: the highest bandwidth of a first design.
 const SHARE_OF_CLOCK: f64 = 0.05;
@@ -102,7 +102,7 @@ fn scaled_plant(
     for ScaledParameter { parameter, factor } in scaled {
         parameter.scale(&mut changed.plant, *factor).ok()?;
     }
-    let made = model(&changed).ok()?;
+    let made = build_plant_model(&changed).ok()?;
     let plant = design_plant(asked, &made, reduced).ok()?;
     with_angles(&changed, &made, &plant).ok()
 }

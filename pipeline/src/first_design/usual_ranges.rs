@@ -15,7 +15,7 @@ use counterpoise_synth::{DesignPlant, LateReading, UsualReading};
 use super::with_angles;
 use crate::model::CONVERTER_RANGE_V;
 use crate::synth::design_plant;
-use crate::{PipelineError, PlantModel, ReducedPlant, model};
+use crate::{PipelineError, PlantModel, ReducedPlant, build_plant_model};
 
 /// Last parts of the keys whose values set modes.
 const MODES: [&str; 2] = ["stiffness", "bulk_modulus"];
@@ -144,7 +144,7 @@ fn plant_with(
     value: f64,
 ) -> Option<DesignPlant> {
     let changed = project.with_number(key, value)?;
-    let made = model(&changed).ok()?;
+    let made = build_plant_model(&changed).ok()?;
     let plant = design_plant(asked, &made, reduced).ok()?;
     with_angles(&changed, &made, &plant).ok()
 }

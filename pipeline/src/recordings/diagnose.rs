@@ -15,7 +15,7 @@ use super::read::{
     without_demand,
 };
 use super::residuals::{ResidualStudy, study_residuals};
-use super::tracks::{Track, replay_before_and_after};
+use super::tracks::{ChannelTrack, replay_before_and_after};
 use crate::PipelineError;
 use crate::configuration::{apply_configuration, without_configuration};
 
@@ -33,7 +33,7 @@ pub struct DiagnosedRecordings {
     /// The chart of the localisation.
     pub chart: LocalisationChart,
     /// Channels measured and simulated, by the model as it was and by the improved one.
-    pub tracks: Vec<Track>,
+    pub tracks: Vec<ChannelTrack>,
     /// What both models leave unexplained.
     pub residuals: ResidualStudy,
 }
@@ -67,15 +67,19 @@ pub fn diagnose(
     let control = diagnosis.control.clone();
     let answer = &diagnosis.answer;
     let chart = build_chart(&answer.map, &answer.isolability, &answer.findings);
-    let tracks =
-        replay_before_and_after(&repaired(&diagnosis, project), &control, &base, &diagnosis.improved);
+    let tracks = replay_before_and_after(
+        &repair_recordings(&diagnosis, project),
+        &control,
+        &base,
+        &diagnosis.improved,
+    );
     let residuals = study_residuals(&tracks);
     diagnosis.improved = without_configuration(project, &diagnosis.improved)?;
     Ok(DiagnosedRecordings { diagnosis, control, without_demand, remarks, chart, tracks, residuals })
 }
 
 /// Returns the recordings as they were diagnosed, with gaps repaired, so that they can be replayed from start to end.
-fn repaired(diagnosis: &Diagnosis, project: &Project) -> Vec<Recording> {
+fn repair_recordings(diagnosis: &Diagnosis, project: &Project) -> Vec<Recording> {
     let ratio = project.plant.gearbox.ratio;
     diagnosis.recordings.iter().flat_map(|recording| repair_gaps(recording, ratio).parts).collect()
 }

@@ -201,7 +201,7 @@ impl DiagnosisFindings {
         for (place, (k, _)) in known.iter().enumerate() {
             for other in &self.findings[*k].alternatives {
                 let mut effects = found.clone();
-                let Some(tried) = self.best(&other.component, &other.effect) else { continue };
+                let Some(tried) = self.best_effect(&other.component, &other.effect) else { continue };
                 effects[place] = tried;
                 all.push(machine(plant, &effects));
             }
@@ -213,7 +213,7 @@ impl DiagnosisFindings {
     }
 
     /// Returns the effect of a name with the values of the trial that gained most.
-    fn best(&self, component: &str, effect: &str) -> Option<ValuedEffect> {
+    fn best_effect(&self, component: &str, effect: &str) -> Option<ValuedEffect> {
         let same = self.hypotheses.iter().filter(|h| h.component == component && h.effect == effect);
         let best = same.max_by(|a, b| a.log_likelihood_gain.total_cmp(&b.log_likelihood_gain))?;
         effect_of(component, effect, &best.values)

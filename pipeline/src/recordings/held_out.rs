@@ -101,7 +101,7 @@ impl HeldOutRecording {
 }
 
 /// Returns the channels that both replays compare.
-fn compared(before: &[ChannelFit], after: &[ChannelFit]) -> Vec<HeldOutFit> {
+fn compare_channels(before: &[ChannelFit], after: &[ChannelFit]) -> Vec<HeldOutFit> {
     let one = |fit: &ChannelFit| {
         let same = before.iter().find(|other| other.channel == fit.channel)?;
         let channel = fit.channel.name();
@@ -113,7 +113,7 @@ fn compared(before: &[ChannelFit], after: &[ChannelFit]) -> Vec<HeldOutFit> {
 /// Replays files that no diagnosis was given, on the project's mechanism and on an improved one, both in the project's configuration.
 ///
 /// # Errors
-/// As [`read_files`](super::read::read_files) and [`replay_one`].
+/// As [`read_files`] and [`replay_one`].
 pub fn replay_held_out(
     project: &Project,
     improved: &Parameters,
@@ -134,7 +134,7 @@ pub fn replay_held_out(
         let before = replay_one(&plant, item, &control, length)?;
         Ok(HeldOutRecording {
             file: after.file,
-            channels: compared(&before.followed.replay.channels, &after.followed.replay.channels),
+            channels: compare_channels(&before.followed.replay.channels, &after.followed.replay.channels),
             window_s,
             remarks: after.remarks,
         })

@@ -65,15 +65,15 @@ pub fn diagnose_structure(
     let trials = StructureTrials { project, measured };
     let mut tried: Vec<Tried> = Vec::new();
     for hypothesis in hypotheses(measured.modes_hz.len()) {
-        if let Some(structure) = trials.tried(hypothesis)? {
+        if let Some(structure) = trials.try_hypothesis(hypothesis)? {
             tried.push(Tried { hypothesis, structure });
         }
     }
     let as_it_is = tried.remove(0);
     tried.sort_by(|a, b| a.structure.left_out_percent.total_cmp(&b.structure.left_out_percent));
-    let chosen = chosen(&as_it_is, &tried);
+    let chosen = choose_hypothesis(&as_it_is, &tried);
     let improved = match chosen {
-        Some(found) => trials.improved(found.hypothesis, &found.structure),
+        Some(found) => trials.improved_project(found.hypothesis, &found.structure),
         None => project.clone(),
     };
     Ok(StructureDiagnosis { answer: answer(measured, &as_it_is.structure, &tried, chosen), improved })
@@ -119,7 +119,7 @@ struct StructureTrials<'a> {
 
 impl StructureTrials<'_> {
     /// Fits and judges one hypothesis; `None` if it changes nothing.
-    fn tried(&self, hypothesis: Hypothesis) -> Result<Option<TriedStructure>, PipelineError> {
+    fn try_hypothesis(&self, hypothesis: Hypothesis) -> Result<Option<TriedStructure>, PipelineError> {
         let candidates = self.candidates(hypothesis.change)?;
         if candidates.is_empty() {
             return Ok(None);
@@ -153,7 +153,7 @@ impl StructureTrials<'_> {
                 Ok(vec![Candidate { added_kg: 0.0, modes_hz: self.frequencies(options, None)? }])
             }
             Change::Mesh => {
-                let Some(options) = finer(options) else { return Ok(Vec::new()) };
+                let Some(options) = finer_mesh(options) else { return Ok(Vec::new()) };
                 Ok(vec![Candidate { added_kg: 0.0, modes_hz: self.frequencies(&options, None)? }])
             }
             Change::Shear if options.theory == Theory::Timoshenko => Ok(Vec::new()),
@@ -187,7 +187,7 @@ impl StructureTrials<'_> {
             }
             Some(added) => {
                 let beam = self.project.plant.beam.as_ref().ok_or(counterpoise_models::Error::NoStructure)?;
-                let point = added.on(beam);
+                let point = added.place_on(beam);
                 FeModel::beam(beam, &Fitted { masses: vec![point], ..Fitted::default() }, options)?
             }
         };
@@ -219,12 +219,12 @@ impl StructureTrials<'_> {
     }
 
     /// Returns the project with a hypothesis as it was fitted.
-    fn improved(&self, hypothesis: Hypothesis, found: &TriedStructure) -> Project {
+    fn improved_project(&self, hypothesis: Hypothesis, found: &TriedStructure) -> Project {
         let mut project = self.project.clone();
         let elements = &mut project.model.elements;
         match hypothesis.change {
             Change::Shear => elements.theory = Theory::Timoshenko,
-            Change::Mesh => *elements = finer(elements).unwrap_or_else(|| elements.clone()),
+            Change::Mesh => *elements = finer_mesh(elements).unwrap_or_else(|| elements.clone()),
             Change::Nothing | Change::EndMass(_) => {}
         }
         let factor = found.parameters.iter().find(|(name, _)| name == STIFFNESS_FACTOR);
@@ -235,7 +235,7 @@ impl StructureTrials<'_> {
     }
 }
 
-fn finer(options: &FeOptions) -> Option<FeOptions> {
+fn finer_mesh(options: &FeOptions) -> Option<FeOptions> {
     let Mesh::Pivoted(count) = options.mesh else { return None };
     Some(FeOptions { mesh: Mesh::Pivoted(FINER * count), ..options.clone() })
 }
@@ -248,7 +248,7 @@ struct EndMass {
 }
 
 impl EndMass {
-    fn on(self, beam: &Beam) -> PointMass {
+    fn place_on(self, beam: &Beam) -> PointMass {
         let from = beam.sections.first().map_or(0.0, |s| s.from_m);
         let to = beam.sections.last().map_or(0.0, |s| s.to_m);
         let position_m = if self.end == End::Near { from } else { to };
@@ -269,7 +269,7 @@ struct Tried {
 
 /// Returns the simplest hypothesis that no more complicated one beats by far, where it beats the model as it
 /// is.
-fn chosen<'a>(as_it_is: &Tried, tried: &'a [Tried]) -> Option<&'a Tried> {
+fn choose_hypothesis<'a>(as_it_is: &Tried, tried: &'a [Tried]) -> Option<&'a Tried> {
     if as_it_is.structure.left_out_percent < 100.0 * EXPLAINED_STRUCTURE {
         return None;
     }

@@ -4,12 +4,12 @@ use counterpoise_diagnose::recording::gap_repair::{Repair, RepairedPart, repair_
 use counterpoise_diagnose::recording::sanity_checks::check_control;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
-use counterpoise_recordings::{Channel, Error, Mapping, Recording, Remark, Table};
+use counterpoise_recordings::{Channel, Error, Mapping, Recording, RecordingTable, Remark};
 use counterpoise_simulate::replay::{RecordedController, ReplayLoop};
 
 use super::column_remarks::{ColumnRemark, UnusedColumn};
 use super::converter_range::remove_impossible;
-use crate::{PipelineError, model, reduce, synthesise};
+use crate::{PipelineError, build_plant_model, reduce_plant, synthesise};
 
 /// A file with recordings, handed in.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -85,8 +85,8 @@ pub fn read_files(
 pub fn read_table_and_recordings(
     project: &Project,
     file: &RecordingFile,
-) -> Result<(Table, Vec<Recording>), Error> {
-    let table = Table::read(&file.bytes, &file.name)?;
+) -> Result<(RecordingTable, Vec<Recording>), Error> {
+    let table = RecordingTable::read(&file.bytes, &file.name)?;
     let recordings = mapping(project).recordings(&table)?;
     Ok((table, recordings))
 }
@@ -107,7 +107,7 @@ fn mapping(project: &Project) -> Mapping {
 pub fn read_table(
     project: &Project,
     controller: Option<&RecordedController>,
-    table: &Table,
+    table: &RecordingTable,
 ) -> Result<Vec<ReadRecording>, PipelineError> {
     let mut all = Vec::new();
     for recording in mapping(project).recordings(table).map_err(PipelineError::UnreadableRecording)? {
@@ -128,8 +128,8 @@ pub fn recording_controller(project: &Project) -> Result<Option<RecordedControll
         Some(RecordingController::ProportionalIntegral(controller)) => Ok(Some(controller.clone().into())),
         Some(RecordingController::Position(controller)) => Ok(Some(controller.clone().into())),
         Some(RecordingController::Project) => {
-            let modelled = model(project)?;
-            let synthesised = synthesise(project, &modelled, &reduce(project, &modelled)?)?;
+            let modelled = build_plant_model(project)?;
+            let synthesised = synthesise(project, &modelled, &reduce_plant(project, &modelled)?)?;
             Ok(Some(synthesised.sampled.controller.into()))
         }
         Some(RecordingController::Exported(source)) => match &source.content {

@@ -4,7 +4,9 @@ use counterpoise_models::Parameters;
 use counterpoise_verify::Verification;
 use counterpoise_verify::difference::{FigureChange, figure_changes};
 
-use crate::{PipelineError, World, model, project_procedure, reduce, synthesise, verify_on};
+use crate::{
+    PipelineError, World, build_plant_model, project_procedure, reduce_plant, synthesise, verify_on,
+};
 use counterpoise_project::Project;
 
 /// The project's design, verified before and after its model was improved.
@@ -33,11 +35,11 @@ pub fn verify_redesign(
         return Ok(None);
     }
     let procedure = project_procedure(project, world)?;
-    let modelled = model(project)?;
-    let made = synthesise(project, &modelled, &reduce(project, &modelled)?)?;
+    let modelled = build_plant_model(project)?;
+    let made = synthesise(project, &modelled, &reduce_plant(project, &modelled)?)?;
     let better = Project { plant: improved.clone(), ..project.clone() };
-    let truer = model(&better)?;
-    let anew = reduce(&better, &truer).and_then(|reduced| synthesise(&better, &truer, &reduced));
+    let truer = build_plant_model(&better)?;
+    let anew = reduce_plant(&better, &truer).and_then(|reduced| synthesise(&better, &truer, &reduced));
     let redesigned = anew.and_then(|made| verify_on(&better, &truer.plant, &made, &procedure));
     let before = verify_on(project, &modelled.plant, &made, &procedure)?.into_parts().1;
     let kept = verify_on(project, &truer.plant, &made, &procedure)?.into_parts().1;

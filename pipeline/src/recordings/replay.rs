@@ -13,9 +13,9 @@ use counterpoise_simulate::replay::{Replay, ReplayLoop, ReplayMode, Replayer, Se
 
 use super::column_remarks::ColumnRemark;
 use super::read::{ReadRecording, unused_columns};
-use super::tracks::{Track, compare_channels};
+use super::tracks::{ChannelTrack, compare_channels};
 use crate::PipelineError;
-use crate::model;
+use crate::build_plant_model;
 use crate::model::two_inertias;
 use crate::tolerance::START_WORTH;
 
@@ -43,7 +43,7 @@ pub struct ReplayedRecording {
     /// What was found about the recording itself.
     pub remarks: Vec<ColumnRemark>,
     /// Its channels, measured and simulated.
-    pub tracks: Vec<Track>,
+    pub tracks: Vec<ChannelTrack>,
 }
 
 /// Replays recordings on the project's mechanism as it is modelled, in their order: in its configuration, and with the modes of its finite elements
@@ -60,7 +60,7 @@ pub fn replay(
     let (parameters, structure) = match project.model.structure {
         StructureChoice::Lumped => (two_inertias(project)?, None),
         StructureChoice::Beam | StructureChoice::Import => {
-            let modelled = model(project)?;
+            let modelled = build_plant_model(project)?;
             let body = modelled.plant.body().clone();
             (modelled.parameters, Some(body))
         }
@@ -102,9 +102,9 @@ fn replay_on(
     });
     let control = if item.plays_control_back() { &ReplayLoop::Open } else { control };
     let followed = replayer.and_then(|replayer| match mechanism.structure {
-        Some(_) => selected(&replayer, plant, control, length),
+        Some(_) => select_replay(&replayer, plant, control, length),
         None => {
-            let found = selected(&replayer, plant, control, length)?;
+            let found = select_replay(&replayer, plant, control, length)?;
             Ok(from_fitted_start(&replayer, plant, control, found))
         }
     });
@@ -122,7 +122,7 @@ fn replay_on(
     Ok(ReplayedRecording { file: item.file.clone(), followed, remarks, tracks })
 }
 
-fn selected(
+fn select_replay(
     replayer: &Replayer,
     plant: &Parameters,
     control: &ReplayLoop,
@@ -157,7 +157,7 @@ fn from_fitted_start(
     selected: SelectedReplay,
 ) -> SelectedReplay {
     let free = selected.mode == ReplayMode::Free;
-    let before = worst(&selected.replay);
+    let before = largest_ratio(&selected.replay);
     if !free
         || *control == ReplayLoop::Open
         || before < EXPLAINED
@@ -167,14 +167,14 @@ fn from_fitted_start(
     }
     let start = fit_start(plant, control, replayer.recording(), &selected.replay.start);
     let again = start.and_then(|start| replayer.replay_from(plant, control, &start).ok());
-    match again.filter(|again| worst(again) < START_WORTH * before) {
+    match again.filter(|again| largest_ratio(again) < START_WORTH * before) {
         Some(replay) => SelectedReplay { replay, ..selected },
         None => selected,
     }
 }
 
 /// Returns the largest RMS error of a channel that the model explains, over its floor.
-fn worst(replay: &Replay) -> f64 {
+fn largest_ratio(replay: &Replay) -> f64 {
     let driven = |channel: Channel| matches!(channel, Channel::PlatformRate | Channel::PlatformAccel);
     let compared = replay.channels.iter().filter(|fit| !driven(fit.channel));
     compared.map(|fit| fit.residual_over_floor()).fold(0.0, f64::max)

@@ -4,7 +4,7 @@ use counterpoise_diagnose::fitting::residual_tests::{MeasuredSignal, ResidualTes
 use counterpoise_recordings::Channel;
 use counterpoise_verify::signals::welch::{Spectra, WelchOptions, welch};
 
-use super::tracks::{Track, TrackColumn};
+use super::tracks::{ChannelTrack, TrackColumn};
 
 /// Longest segment of a spectrum, samples, and the number of segments below which it is shorter: six segments average enough for a
 /// coherence that means something.
@@ -67,31 +67,31 @@ pub struct TestedResidual {
 }
 
 /// Studies the residuals of tracks.
-pub fn study_residuals(tracks: &[Track]) -> ResidualStudy {
+pub fn study_residuals(tracks: &[ChannelTrack]) -> ResidualStudy {
     let mut recordings: Vec<&str> = tracks.iter().map(|t| t.recording.as_str()).collect();
     recordings.dedup();
     ResidualStudy {
         spectra: tracks.iter().filter_map(spectra).collect(),
         responses: recordings.into_iter().filter_map(|name| response(tracks, name)).collect(),
-        tests: tracks.iter().map(|track| tested(tracks, track)).collect(),
+        tests: tracks.iter().map(|track| test_track(tracks, track)).collect(),
     }
 }
 
-fn find<'a>(tracks: &'a [Track], recording: &str, channel: Channel) -> Option<&'a Track> {
+fn find<'a>(tracks: &'a [ChannelTrack], recording: &str, channel: Channel) -> Option<&'a ChannelTrack> {
     tracks.iter().find(|t| t.recording == recording && t.channel == channel)
 }
 
 /// Returns averaged spectra in segments as long as the record allows.
-fn averaged(x: &[f64], y: &[f64], period_s: f64) -> Option<Spectra> {
+fn average_spectra(x: &[f64], y: &[f64], period_s: f64) -> Option<Spectra> {
     let segment = SEGMENT.0.min(2 * x.len() / (SEGMENT.1 + 1)) / 2 * 2;
     welch(x, y, period_s, WelchOptions { segment, confidence: CONFIDENCE }).ok()
 }
 
-fn spectra(track: &Track) -> Option<ResidualSpectra> {
+fn spectra(track: &ChannelTrack) -> Option<ResidualSpectra> {
     if !matches!(track.channel, Channel::Control | Channel::HubRate) {
         return None;
     }
-    let own = |signal: &[f64]| averaged(signal, signal, track.period_s);
+    let own = |signal: &[f64]| average_spectra(signal, signal, track.period_s);
     let of_residual = |run| own(&track.residual(run));
     Some(ResidualSpectra {
         recording: track.recording.clone(),
@@ -106,10 +106,10 @@ fn spectra(track: &Track) -> Option<ResidualSpectra> {
     })
 }
 
-fn response(tracks: &[Track], recording: &str) -> Option<ControlResponse> {
+fn response(tracks: &[ChannelTrack], recording: &str) -> Option<ControlResponse> {
     let (control, rate) =
         (find(tracks, recording, Channel::Control)?, find(tracks, recording, Channel::HubRate)?);
-    let of = |run| averaged(control.signals.column(run), rate.signals.column(run), rate.period_s);
+    let of = |run| average_spectra(control.signals.column(run), rate.signals.column(run), rate.period_s);
     Some(ControlResponse {
         recording: recording.to_owned(),
         measured: of(TrackColumn::Measured)?,
@@ -118,7 +118,7 @@ fn response(tracks: &[Track], recording: &str) -> Option<ControlResponse> {
     })
 }
 
-fn tested(tracks: &[Track], track: &Track) -> TestedResidual {
+fn test_track(tracks: &[ChannelTrack], track: &ChannelTrack) -> TestedResidual {
     let signals = [Channel::Control, Channel::HubRate].map(|channel| {
         find(tracks, &track.recording, channel)
             .map(|t| MeasuredSignal { channel, values: t.signals.column(TrackColumn::Measured) })

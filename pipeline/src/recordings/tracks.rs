@@ -8,7 +8,7 @@ use counterpoise_simulate::replay::{ChannelFit, Replay, ReplayLoop, replay};
 
 /// One channel of one recording, measured and simulated.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Track {
+pub struct ChannelTrack {
     /// Name of the recording, without folder and ending.
     pub recording: String,
     /// The channel.
@@ -19,7 +19,7 @@ pub struct Track {
     pub signals: Signals<TrackColumn>,
 }
 
-/// A run of a [`Track`]: a column of its array.
+/// A run of a [`ChannelTrack`]: a column of its array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TrackColumn {
     /// As recorded.
@@ -36,7 +36,7 @@ impl ColumnName for TrackColumn {
     }
 }
 
-impl Track {
+impl ChannelTrack {
     /// Returns the quantity that the loop controls, if this is the track of its reading.
     pub fn controlled_quantity(&self) -> ControlledQuantity {
         ControlledQuantity::of_unit(self.channel.unit())
@@ -68,7 +68,7 @@ pub fn replay_before_and_after(
     control: &ReplayLoop,
     plant: &Parameters,
     improved: &Parameters,
-) -> Vec<Track> {
+) -> Vec<ChannelTrack> {
     let is_improved = improved != plant;
     let of = |recording: &Recording| {
         let before = replay(plant, recording, control).ok()?;
@@ -79,12 +79,12 @@ pub fn replay_before_and_after(
 }
 
 /// Returns the compared channels of one recording beside its replays.
-pub fn compare_channels(recording: &Recording, before: &Replay, after: Option<&Replay>) -> Vec<Track> {
+pub fn compare_channels(recording: &Recording, before: &Replay, after: Option<&Replay>) -> Vec<ChannelTrack> {
     let track = |channel: Channel| {
         let runs = [Some(before), after].into_iter().flatten();
         let simulated = runs.map(|replay| replay.simulated.channel(channel));
         let columns = std::iter::once(recording.samples(channel)?).chain(simulated);
-        Some(Track {
+        Some(ChannelTrack {
             recording: short_name(&recording.name),
             channel,
             period_s: recording.sample_period_s,

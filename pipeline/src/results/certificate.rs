@@ -174,7 +174,7 @@ impl From<&SectorProof> for SectorResult {
             frequency_hz: found.frequency_hz,
             range_hz: found.range_hz,
             intervals: found.intervals,
-            aliases: finite(found.aliases),
+            aliases: finite_value(found.aliases),
             multiplier: found.multiplier.as_ref().map(|multiplier| MultiplierResult {
                 pulled: (&found.pulled).into(),
                 units: found.units,
@@ -293,13 +293,13 @@ fn word(stability: Stability) -> &'static str {
     }
 }
 
-fn finite(value: f64) -> Option<f64> {
+fn finite_value(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
 impl From<&StabilityCertificate> for CertificateResult {
     fn from(found: &StabilityCertificate) -> Self {
-        let worst = found.worst();
+        let worst = found.worst_case();
         Self {
             stability: worst.map_or("not predicted", |case| word(case.stability)),
             proved: found.cases.iter().all(CaseCertificate::is_proved),
@@ -326,7 +326,7 @@ impl From<&CaseCertificate> for CaseResult {
             sector: case.sector.as_ref().map(SectorResult::from),
             limit_cycle,
             regimes: case.regimes.iter().map(RegimeResult::from).collect(),
-            predicted: predicted(&case.prediction),
+            predicted: predicted_cycles(&case.prediction),
             orbits: case.orbits.iter().map(|orbit| OrbitResult::new(orbit, case.controlled)).collect(),
             motion: MotionResult {
                 controlled: case.controlled,
@@ -350,20 +350,20 @@ impl From<&RegimeLoop> for RegimeResult {
             pole_radius: at.pole_radius,
             growth_per_s: at.growth_per_s,
             frequency_hz: at.frequency_hz,
-            gain_margin_db: finite(at.gain_margin_db),
-            max_sensitivity: finite(at.max_sensitivity),
+            gain_margin_db: finite_value(at.gain_margin_db),
+            max_sensitivity: finite_value(at.max_sensitivity),
             sampled_loop: SystemResult::new("loop", &at.broken, &["control_v"], &["returned_control_v"]),
         }
     }
 }
 
 /// Returns the predicted limit cycles with the loops on both sides of each.
-fn predicted(found: &Prediction) -> Vec<PredictedResult> {
+fn predicted_cycles(found: &Prediction) -> Vec<PredictedResult> {
     let each = found.cycles.iter().zip(&found.balances).map(|(cycle, sides)| PredictedResult {
         amplitude_rad_s: cycle.rate_rad_s,
         frequency_hz: cycle.frequency_hz,
         third_harmonic: cycle.third_harmonic,
-        frequency_error: finite(cycle.frequency_error),
+        frequency_error: finite_value(cycle.frequency_error),
         reliable: cycle.is_reliable(),
         balances: sides.iter().map(CycleBalanceResult::from).collect(),
     });

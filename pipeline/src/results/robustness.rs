@@ -235,12 +235,12 @@ impl From<&Destabilising> for NearestResult {
             pole: [found.pole.re, found.pole.im],
             deltas: found.deltas.clone(),
             phases: found.phases.map(|phase| [phase.re, phase.im]),
-            systems: closed(&found.closed),
+            systems: closed_loop_systems(&found.closed),
         }
     }
 }
 
-fn closed(found: &ClosedWith) -> Vec<SystemResult> {
+fn closed_loop_systems(found: &ClosedWith) -> Vec<SystemResult> {
     let readings = &READING_NAMES[..COMMON_READINGS];
     let mut outputs = vec!["hub_rate_rad_s", "tip_rate_rad_s", "motor_rate_rad_s", "current_a", "control_v"];
     outputs.extend(readings);

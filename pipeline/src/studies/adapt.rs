@@ -16,7 +16,7 @@ use counterpoise_verify::Procedure;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use crate::budget::{Run, affordable};
+use crate::budget::{Run, require_memory};
 use crate::synth::controller_blocks::{dead_band_m_s2, drive_curve, inertia_v_s2_rad};
 use crate::synth::schedule::scale_imbalance;
 use crate::synth::torque_per_volt;
@@ -184,7 +184,7 @@ pub fn adapt(
     let controller = &made.sampled.controller;
     let (procedure, undo) = (&verification.procedure, asked.options.amplifier_curve);
     let (duration_s, period_s) = (adaptation.trial.duration_s, controller.sample_period_s());
-    affordable(Run { key: "synth.adaptation.trial.duration", duration_s, period_s })?;
+    require_memory(Run { key: "synth.adaptation.trial.duration", duration_s, period_s })?;
     let observer = asked.options.observer.as_ref();
     let stage = Stage { adaptation, observer, controller, modelled, procedure, undo };
     let mut runs: Vec<AdaptRun> = Vec::new();
@@ -310,7 +310,7 @@ impl Stage<'_> {
         let states = &self.controller.programs().states;
         let place = states.iter().find(|group| group.name == "out_of_balance_kg_m").map(|group| group.first);
         let source = OutOfBalanceSource { state: place, design_kg_m: moment };
-        let mut noted = Noted { acting: self.acting(plan)?, source, used_kg_m: Vec::new() };
+        let mut noted = Noted { acting: self.acting_controller(plan)?, source, used_kg_m: Vec::new() };
         let (mut intervals, mut trace) = (Vec::new(), AdaptationTrace::default());
         for (k, &(start, factor)) in plan.parts.iter().enumerate() {
             let end = plan.parts.get(k + 1).map_or(1.0, |part| part.0);
@@ -393,7 +393,7 @@ impl Stage<'_> {
 
     /// Returns the exported controller with its own estimator, held until its time. Where the amplifier's curve is left in
     /// the loop, an estimator beside the controller knows it.
-    fn acting(&self, plan: &Plan) -> Result<Acting, PipelineError> {
+    fn acting_controller(&self, plan: &Plan) -> Result<Acting, PipelineError> {
         let held = plan.from.map(|from| (from * self.adaptation.trial.duration_s / self.period_s()) as u32);
         let beside =
             plan.amplifier == Amplifier::Curved && self.undo == Compensation::Absent && held.is_some();

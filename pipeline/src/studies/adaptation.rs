@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use crate::studies::adapt::{AdaptRun, adapt};
 use crate::studies::adaptation_trials::{AdaptationTrials, run_trials};
-use crate::{PipelineError, World, model, project_procedure, reduce, synthesise};
+use crate::{PipelineError, World, build_plant_model, project_procedure, reduce_plant, synthesise};
 
 /// The adaptation put to the test.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -21,8 +21,8 @@ pub struct AdaptResult {
 /// # Errors
 /// Those of model, design, procedure and simulator.
 pub fn study_adaptation(project: &Project, world: &dyn World) -> Result<AdaptResult, PipelineError> {
-    let modelled = model(project)?;
-    let made = synthesise(project, &modelled, &reduce(project, &modelled)?)?;
+    let modelled = build_plant_model(project)?;
+    let made = synthesise(project, &modelled, &reduce_plant(project, &modelled)?)?;
     let runs = adapt(project, &modelled, &made)?;
     let tried = run_trials(project, &modelled, &made, &project_procedure(project, world)?)?;
     Ok(AdaptResult { runs, trials: AdaptationTrials { histories: Vec::new(), ..tried } })

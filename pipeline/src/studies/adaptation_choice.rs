@@ -20,7 +20,9 @@ use super::adaptation_trials::{
 use crate::synth::controller_blocks::HOLD_BAND;
 use crate::tolerance::LEAST_DEAD_BAND_M_S2;
 use crate::tolerance::{BELOW_TRIED, DEAD_BAND_MARGIN, LEAST_REMOVED, NEVER_WORSE};
-use crate::{PipelineError, PlantModel, World, model, project_procedure, reduce, synthesise};
+use crate::{
+    PipelineError, PlantModel, World, build_plant_model, project_procedure, reduce_plant, synthesise,
+};
 
 /// Hold bands that are tried, the usual one first. A wider one covers more of what friction does to the estimate, and leaves more of a changed load.
 const HOLD_BANDS: [f64; 3] = [HOLD_BAND, 1.375 * HOLD_BAND, 1.75 * HOLD_BAND];
@@ -39,15 +41,17 @@ pub fn with_chosen_adaptation(
     let Some(adaptation) = adaptation_options(project).filter(|adaptation| is_open(adaptation)) else {
         return Ok(None);
     };
-    let modelled = model(project)?;
+    let modelled = build_plant_model(project)?;
     // A design that does not exist and a road that cannot be read are told by the stages that need them.
-    let Ok(made) = synthesise(project, &modelled, &reduce(project, &modelled)?) else { return Ok(None) };
+    let Ok(made) = synthesise(project, &modelled, &reduce_plant(project, &modelled)?) else {
+        return Ok(None);
+    };
     let tried = project.clone().with_usual_verification();
     let Ok(procedure) = project_procedure(&tried, world) else { return Ok(None) };
     let controller = &made.sampled.controller;
     let search =
         Search { project, adaptation, modelled: &modelled, controller, procedure: &procedure, world };
-    let found = search.best()?;
+    let found = search.best_candidate()?;
     let chosen = match found {
         Some(bands) => bands.of(adaptation),
         None => AdaptationOptions { use_in_code: AdaptationUse::LeftOut, ..adaptation.clone() },
@@ -115,7 +119,7 @@ struct Search<'a> {
 impl Search<'_> {
     /// Returns the bands with which most of what a changed load adds is removed, and then with which most motions are adapted to, among those
     /// that are nowhere worse than none; `None` if no motion is left.
-    fn best(&self) -> Result<Option<Candidate>, PipelineError> {
+    fn best_candidate(&self) -> Result<Option<Candidate>, PipelineError> {
         let base = self.base()?;
         let wanted = base.iter().filter(|row| row.removed_share().is_some()).count();
         // Gravity shows the load exactly. Without it friction moves the estimate, and where the load adds nothing there is nothing to gain by that.
@@ -128,7 +132,8 @@ impl Search<'_> {
         let mut best: Option<(Merit, Candidate)> = None;
         for hold_band in HOLD_BANDS {
             let dead_band_m_s2 = LEAST_DEAD_BAND_M_S2.max(BELOW_TRIED * quietest);
-            let (candidate, rows) = self.raised(Candidate { dead_band_m_s2, hold_band }, &levels, &base)?;
+            let (candidate, rows) =
+                self.raise_dead_band(Candidate { dead_band_m_s2, hold_band }, &levels, &base)?;
             let removes = |row: &&TrialRow| row.removed_share().is_some_and(|share| share >= LEAST_REMOVED);
             let motions = levels.iter().filter(|level| **level > candidate.dead_band_m_s2).count();
             let merit = Merit { removed: rows.iter().filter(removes).count(), motions };
@@ -143,7 +148,7 @@ impl Search<'_> {
     }
 
     /// Raises the dead-band until no trial is worse than without adaptation; returns it with its trials.
-    fn raised(
+    fn raise_dead_band(
         &self,
         mut candidate: Candidate,
         levels: &[f64; 3],
@@ -153,7 +158,7 @@ impl Search<'_> {
             let acting =
                 MOTIONS.into_iter().zip(levels).filter(|(_, level)| **level > candidate.dead_band_m_s2);
             let rows =
-                self.adapted(candidate, &acting.map(|(motion, _)| motion).collect::<Vec<_>>(), base)?;
+                self.adapted_trials(candidate, &acting.map(|(motion, _)| motion).collect::<Vec<_>>(), base)?;
             let is_worse = |motion: TrialMotion| {
                 rows.iter().any(|row| row.motion == motion && row.ratio() > 1.0 + NEVER_WORSE)
             };
@@ -205,7 +210,7 @@ impl Search<'_> {
     }
 
     /// Returns the trials with a candidate, which stands still on every motion but those given.
-    fn adapted(
+    fn adapted_trials(
         &self,
         candidate: Candidate,
         acting: &[TrialMotion],

@@ -186,7 +186,7 @@ pub fn run_trials(
         one.method != AdaptationMethod::WindowedMean || modelled.parameters.gravity_m_s2 != 0.0
     };
     let methods: Vec<_> = METHODS.into_iter().filter(possible).collect();
-    tried(&stage, &methods)
+    run_methods(&stage, &methods)
 }
 
 /// Returns the trials of the project's own method; `None` if it does not adapt.
@@ -202,7 +202,7 @@ pub fn own_trials(
     let Some(adaptation) = adaptation_options(project) else { return Ok(None) };
     let stage = Stage { project, adaptation, modelled, controller: &made.sampled.controller, procedure };
     let own: Vec<_> = METHODS.into_iter().filter(|one| one.method == adaptation.method).collect();
-    let mut found = tried(&stage, &own)?;
+    let mut found = run_methods(&stage, &own)?;
     if adaptation.use_in_code == AdaptationUse::LeftOut {
         // what is not exported is not refused
         found.refused.clear();
@@ -214,7 +214,7 @@ pub(super) fn adaptation_options(project: &Project) -> Option<&AdaptationOptions
     project.synth.as_ref().and_then(|asked| asked.options.adaptation.as_ref())
 }
 
-fn tried(stage: &Stage, methods: &[KeyedMethod]) -> Result<AdaptationTrials, PipelineError> {
+fn run_methods(stage: &Stage, methods: &[KeyedMethod]) -> Result<AdaptationTrials, PipelineError> {
     let (mut rows, mut histories) = (Vec::new(), Vec::new());
     let sample_time_s = stage.modelled.parameters.interface.sample_period_s;
     let rate = stage.modelled.parameters.controlled_quantity().rate();

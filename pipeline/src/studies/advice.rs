@@ -179,8 +179,8 @@ impl WeightTrials<'_> {
         parameters: &[WeightParameter],
     ) -> Result<WeightAdvice, PipelineError> {
         let figures = [requirement.figure, Figure::Loop(LoopFigure::GainMargin)];
-        let designed = self.designed(None)?;
-        let before = designed.map(|controller| self.measured(&figures, &controller)).transpose()?;
+        let designed = self.design_controller(None)?;
+        let before = designed.map(|controller| self.measure_figures(&figures, &controller)).transpose()?;
         let Some(before) = before.flatten() else {
             return Ok(WeightAdvice {
                 requirement: requirement.clone(),
@@ -192,7 +192,8 @@ impl WeightTrials<'_> {
         };
         let (mut sensitivities, mut candidates) = (Vec::new(), Vec::new());
         for parameter in parameters {
-            let Some((after, tried)) = self.tried(&figures, &WeightChange { parameter, factor: STEP })?
+            let Some((after, tried)) =
+                self.try_change(&figures, &WeightChange { parameter, factor: STEP })?
             else {
                 continue;
             };
@@ -206,7 +207,7 @@ impl WeightTrials<'_> {
         candidates.sort_by(|a, b| a.2.total_cmp(&b.2));
         let mut best: Option<TriedChange> = None;
         for (parameter, factor, _) in candidates.into_iter().take(TRIED) {
-            let Some((after, tried)) = self.tried(&figures, &WeightChange { parameter, factor })? else {
+            let Some((after, tried)) = self.try_change(&figures, &WeightChange { parameter, factor })? else {
                 continue;
             };
             let holds = requirement.limit.distance_to_limit(after[0]) >= 0.0;
@@ -226,7 +227,10 @@ impl WeightTrials<'_> {
     }
 
     /// Returns the controller of the design with a weight changed; `None` if there is none.
-    fn designed(&self, change: Option<&WeightChange<'_>>) -> Result<Option<Controller>, PipelineError> {
+    fn design_controller(
+        &self,
+        change: Option<&WeightChange<'_>>,
+    ) -> Result<Option<Controller>, PipelineError> {
         let mut project = self.project.clone();
         if let (Some(synth), Some(change)) = (&mut project.synth, change) {
             (change.parameter.scale)(&mut synth.specification, change.factor);
@@ -238,15 +242,15 @@ impl WeightTrials<'_> {
         }
     }
 
-    /// Returns figures of the design with a weight changed, and the design; `None` as in [`Self::measured`], and without a
+    /// Returns figures of the design with a weight changed, and the design; `None` as in [`Self::measure_figures`], and without a
     /// controller.
-    fn tried(
+    fn try_change(
         &self,
         figures: &[Figure],
         change: &WeightChange<'_>,
     ) -> Result<Option<(Vec<f64>, TriedDesign)>, PipelineError> {
-        let Some(controller) = self.designed(Some(change))? else { return Ok(None) };
-        let Some(values) = self.measured(figures, &controller)? else { return Ok(None) };
+        let Some(controller) = self.design_controller(Some(change))? else { return Ok(None) };
+        let Some(values) = self.measure_figures(figures, &controller)? else { return Ok(None) };
         let (plant, procedure) = (&self.modelled.plant, self.procedure);
         let history = match self.kept {
             KeptDesigns::Systems => None,
@@ -266,7 +270,7 @@ impl WeightTrials<'_> {
     }
 
     /// Returns figures under a controller; `None` if one of them is not a finite number.
-    fn measured(
+    fn measure_figures(
         &self,
         figures: &[Figure],
         controller: &Controller,

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use crate::exchange::{VerifiedLoop, plants_of, verified_loop};
 use crate::wording::demanded_rate::assumption_of_demanded_rate;
-use crate::{DesignStages, PipelineError, PlantModel, SynthesisedDesign, model};
+use crate::{DesignStages, PipelineError, PlantModel, SynthesisedDesign, build_plant_model};
 
 /// Frequency at which the residual of heave and pitch is compared, Hz: within the band that feedback and feedforward reject.
 const RESIDUAL_HZ: f64 = 1.0;
@@ -105,11 +105,11 @@ pub fn assumption_effects(
         let [low, high] = assumption.usual?;
         let at = |value: f64| {
             let changed = project.with_number(&assumption.key, value)?;
-            let made = model(&changed).ok();
+            let made = build_plant_model(&changed).ok();
             let varied = made.as_ref().and_then(|made| figures(&made.plant, synthesised, &procedure).ok());
             let plants = |made: PlantModel| plants_of(&made.plant, controller, &procedure).ok();
             let measured_on = made.filter(|_| is_included).and_then(plants);
-            Some(EffectAt { measured_on, ..compared(value, varied, nominal) })
+            Some(EffectAt { measured_on, ..compare_figures(value, varied, nominal) })
         };
         let at = [at(low)?, at(high)?];
         let largest_change_db = at.iter().map(largest).fold(0.0, f64::max);
@@ -164,7 +164,7 @@ fn figures(
 }
 
 /// Returns the changes from the nominal loop to another; `None` for a plant that cannot be built.
-fn compared(value: f64, varied: Option<LoopFigures>, nominal: LoopFigures) -> EffectAt {
+fn compare_figures(value: f64, varied: Option<LoopFigures>, nominal: LoopFigures) -> EffectAt {
     let change = |of: fn(&LoopFigures) -> Option<f64>| Some(of(varied.as_ref()?)? - of(&nominal)?);
     let residuals = [change(|f| f.residual_db[0]), change(|f| f.residual_db[1])];
     EffectAt {

@@ -7,7 +7,7 @@ use counterpoise_verify::certificate::{CertifiedCase, StabilityCertificate, cert
 use counterpoise_verify::structured::{Joints, RobustStability, Uncertainty, robust_stability_in};
 
 use crate::synth::schedule::with_factor;
-use crate::{PipelineError, PlantModel, SynthesisedDesign, model};
+use crate::{PipelineError, PlantModel, SynthesisedDesign, build_plant_model};
 
 /// How far the ranges of the sweep may be widened in one case and one regime of friction.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +45,7 @@ pub fn certified_cases(
     for name in &schedule.configurations {
         let mut configured = project.clone();
         configured.model.configuration = Some(name.clone());
-        all.push(case(name.clone(), model(&configured)?));
+        all.push(case(name.clone(), build_plant_model(&configured)?));
     }
     for &factor in &schedule.factors {
         let name = format!("{:.0} % out-of-balance", 100.0 * factor);

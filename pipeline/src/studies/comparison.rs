@@ -21,7 +21,7 @@ use crate::synth::design_plant;
 use crate::synth::schedule::{BalanceRow, balance_rows};
 use crate::tolerance::DRIFTING_POLE;
 use crate::wording::design_findings::{describe_design_findings, describe_part};
-use crate::{PipelineError, PlantModel, SynthesisedDesign, finite_elements_of, model};
+use crate::{PipelineError, PlantModel, SynthesisedDesign, build_plant_model, finite_elements_of};
 use counterpoise_project::Project;
 use counterpoise_project::file::NamedChoice;
 use counterpoise_project::resolve::synthesis::DesignRequest;
@@ -208,7 +208,7 @@ pub fn compare_designs(
     let asked = project.synth.as_ref().ok_or(missing)?;
     Ok(DesignComparison {
         methods: methods(asked, made)?,
-        lowered: lowered(made)?,
+        lowered: lowered_row(made)?,
         motions: motions(&made.design)?,
         balance: balance_rows(&made.balance),
         balance_basis: balance_basis(&made.balance, made.controlled)?,
@@ -475,7 +475,7 @@ fn without_integral(weight: &Weight) -> Weight {
     Weight::ZeroPoleGain { zeros: rational.zeros, poles, gain: rational.gain }
 }
 
-fn lowered(made: &SynthesisedDesign) -> Result<Option<LoweredRow>, PipelineError> {
+fn lowered_row(made: &SynthesisedDesign) -> Result<Option<LoweredRow>, PipelineError> {
     let Some(lowered) = &made.lowered else { return Ok(None) };
     let after = made.design.feedback_controller();
     let (Ok(before), Ok(now)) = (with_feedback(made, &lowered.before)?, with_feedback(made, &after)?) else {
@@ -526,9 +526,9 @@ fn spillover(
     let mut full = project.clone();
     full.model.structure = structure;
     full.model.modes = MODES.max(project.model.modes);
-    let flexible = model(&full)?;
+    let flexible = build_plant_model(&full)?;
     let modes = flexible.plant.body().modes.len();
-    let unreduced = crate::reduce(&Project { reduce: Default::default(), ..full }, &flexible)?;
+    let unreduced = crate::reduce_plant(&Project { reduce: Default::default(), ..full }, &flexible)?;
     let plant: DesignPlant = design_plant(asked, modelled, &unreduced)?;
     let order = plant.system.order();
     let largest = |poles: &[C64]| poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);

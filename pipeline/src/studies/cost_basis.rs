@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::PipelineError;
 use crate::exchange::SystemResult;
 
-/// The parts of the integral J = 1/pi over w > 0 of |H_q y|^2 + |H_r u|^2, as [`counterpoise_synth::total_cost`] states it.
+/// The parts of the integral J = 1/pi over w > 0 of |H_q y|^2 + |H_r u|^2, as [`counterpoise_synth::total_cost`](fn@counterpoise_synth::total_cost) states it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CostBasis {
     /// `simple-add`, `grimble` or `joint`: how the parts are put together.

@@ -21,8 +21,8 @@ use crate::tuning::{
     tune_feedback, tuning_ground, weights_result,
 };
 use crate::{
-    PipelineError, PipelineStage, PlantModel, ProjectIdentity, ReducedPlant, SynthesisedDesign, World, model,
-    reduce, run_observed, synthesise,
+    PipelineError, PipelineStage, PlantModel, ProjectIdentity, ReducedPlant, SynthesisedDesign, World,
+    build_plant_model, reduce_plant, run_observed, synthesise,
 };
 
 /// Every design of a project in one table.
@@ -181,8 +181,8 @@ pub fn design_table(
     request: &ComparisonRequest,
     world: &dyn World,
 ) -> Result<DesignTable, PipelineError> {
-    let modelled = model(project)?;
-    let reduced = reduce(project, &modelled)?;
+    let modelled = build_plant_model(project)?;
+    let reduced = reduce_plant(project, &modelled)?;
     let asked = project.synth.clone().unwrap_or_default();
     let wanted = asked.options.tuning.clone().unwrap_or_default();
     let ground = tuning_ground(project, &modelled, &reduced, &wanted, world)?;
@@ -198,7 +198,7 @@ pub fn design_table(
     let own_name = own_name(&asked);
     let own = builder.row(&own_name, project)?;
     let mut rows = vec![own];
-    rows.extend(variants(&asked).into_iter().map(|(name, synthesis)| builder.attempted(name, synthesis)));
+    rows.extend(variants(&asked).into_iter().map(|(name, synthesis)| builder.attempted_row(name, synthesis)));
     let mut limits: Vec<LoopLimits> = rows[0].linear.iter().map(|found| limits_of(found, &wanted)).collect();
     let decay_rad_s = limits.first().map_or(0.0, |limits| limits.decay_rad_s);
     limits.extend(asked.options.tuning.iter().map(|tuning| tuning.limits));
@@ -207,13 +207,13 @@ pub fn design_table(
     for limits in limits {
         for (name, structure) in structures() {
             let subject = TuningSubject::Structure(&structure);
-            rows.push(builder.tuned(name, subject, &TuningOptions { limits, ..wanted.clone() }));
+            rows.push(builder.tuned_row(name, subject, &TuningOptions { limits, ..wanted.clone() }));
         }
         rows.extend(weights.iter().map(|from| {
             let subject = TuningSubject::Weights(from);
-            builder.tuned(TUNED_WEIGHTS, subject, &TuningOptions { limits, ..wanted.clone() })
+            builder.tuned_row(TUNED_WEIGHTS, subject, &TuningOptions { limits, ..wanted.clone() })
         }));
-        rows.push(builder.best(limits, &wanted));
+        rows.push(builder.best_loop_row(limits, &wanted));
     }
     let controlled = project.plant.controlled_quantity();
     let motion = if builder.procedure.road.is_some() { "the project's own motion" } else { "the sines" };
@@ -309,16 +309,16 @@ impl RowBuilder<'_> {
         let made = run_observed(self.world, PipelineStage::Synthesise, || {
             synthesise(project, self.modelled, self.reduced)
         })?;
-        self.judged(name, &made)
+        self.judge_design(name, &made)
     }
 
     /// Returns the row of a synthesis in place of the project's, or the reason why there is none.
-    fn attempted(&self, name: &str, synthesis: DesignRequest) -> DesignRow {
+    fn attempted_row(&self, name: &str, synthesis: DesignRequest) -> DesignRow {
         let project = Project { synth: Some(synthesis), ..self.project.clone() };
         self.row(name, &project).unwrap_or_else(|why| blank_row(name, Some(why.to_string())))
     }
 
-    fn tuned(&self, name: &str, subject: TuningSubject<'_>, wanted: &TuningOptions) -> DesignRow {
+    fn tuned_row(&self, name: &str, subject: TuningSubject<'_>, wanted: &TuningOptions) -> DesignRow {
         let made = run_observed(self.world, PipelineStage::Synthesise, || {
             let (tuned, _) = tune_feedback(subject, self.ground, wanted)?;
             let mut synthesis = self.project.synth.clone().unwrap_or_default();
@@ -334,7 +334,7 @@ impl RowBuilder<'_> {
             Ok::<_, PipelineError>((tuned, synthesise(&project, self.modelled, self.reduced)?))
         });
         let row = made.and_then(|(tuned, made)| {
-            let row = self.judged(name, &made)?;
+            let row = self.judge_design(name, &made)?;
             let (blocks, weights) = (block_results(&tuned.structure()), weights_result(&tuned.feedback));
             Ok(DesignRow { blocks, weights, missed: tuned.missed, ..row })
         });
@@ -343,7 +343,7 @@ impl RowBuilder<'_> {
     }
 
     /// Returns the row of the best that a linear feedback can do: no controller, and no simulation.
-    fn best(&self, limits: LoopLimits, wanted: &TuningOptions) -> DesignRow {
+    fn best_loop_row(&self, limits: LoopLimits, wanted: &TuningOptions) -> DesignRow {
         let ground = self.ground;
         let task = BestLoopTask {
             plant: &ground.plants[0],
@@ -372,7 +372,7 @@ impl RowBuilder<'_> {
     }
 
     /// Returns the figures of a design on the linear plant and in the nonlinear closed loop.
-    fn judged(&self, name: &str, made: &SynthesisedDesign) -> Result<DesignRow, PipelineError> {
+    fn judge_design(&self, name: &str, made: &SynthesisedDesign) -> Result<DesignRow, PipelineError> {
         let controller = &made.sampled.controller;
         let on = |disturbance: &Disturbance| -> Result<LoopMeasures, PipelineError> {
             let plant = &self.ground.plants[0];

@@ -26,7 +26,7 @@ use super::fra_points::{MapPoints, ResponseMapPoint, gain_db, pair, phase_deg};
 use crate::recordings::ColumnRemark;
 use crate::recordings::read::{GapTreatment, ReadRecording, RecordingFile, read_files, recording_controller};
 use crate::tolerance::{EXCITED_ABOVE_NOISE, LEAST_SWING_RAD, MOST_SWING_TRIALS, SELF_CONSISTENT_SWING};
-use crate::{PipelineError, PlantModel, cannot_hold, model, reduce, synthesise};
+use crate::{PipelineError, PlantModel, build_plant_model, cannot_hold, reduce_plant, synthesise};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::model::StructureChoice;
 
@@ -202,13 +202,13 @@ impl Analyser {
         }
         let mut remarks = Vec::new();
         let plant = match plan.around {
-            LoopUnderTest::Disconnected => disconnected(project, modelled, &mut remarks)?,
+            LoopUnderTest::Disconnected => disconnect_motor(project, modelled, &mut remarks)?,
             _ => modelled.plant.clone(),
         };
         let acting = match plan.around {
             LoopUnderTest::Plant | LoopUnderTest::Disconnected => Acting::Absent,
             LoopUnderTest::Closed | LoopUnderTest::Disturbance => {
-                acting(project, modelled, on, &mut remarks)?
+                acting_controller(project, modelled, on, &mut remarks)?
             }
         };
         Ok(Self {
@@ -234,9 +234,9 @@ impl Analyser {
     ) -> Result<Self, PipelineError> {
         let mut other = project.clone();
         other.model.structure = structure;
-        let modelled = model(&other)?;
+        let modelled = build_plant_model(&other)?;
         let plant = match plan.around {
-            LoopUnderTest::Disconnected => disconnected(&other, &modelled, &mut Vec::new())?,
+            LoopUnderTest::Disconnected => disconnect_motor(&other, &modelled, &mut Vec::new())?,
             _ => modelled.plant,
         };
         Ok(Self { plant, ..self })
@@ -337,7 +337,7 @@ impl Analyser {
         for hz in frequencies_hz {
             let found = fra::cycle_response(input, output, recording.sample_period_s, TAU * hz, usize::MAX)?;
             let point = self.point_of(&found, found.input.harmonics[0].norm())?;
-            points.push(ResponseMapPoint { settled: excited(&found, recording.sample_period_s), ..point });
+            points.push(ResponseMapPoint { settled: is_excited(&found, recording.sample_period_s), ..point });
         }
         Ok(ResponseMap {
             name: self.name.clone(),
@@ -356,8 +356,8 @@ impl Analyser {
         amplitude: f64,
     ) -> Result<ResponseMapPoint, PipelineError> {
         let rate = response.frequency_rad_s;
-        let linear = self.expected(FrictionLinearisation::Viscous, rate)?;
-        let describing = self.described(&linear, rate, amplitude)?;
+        let linear = self.expected_response(FrictionLinearisation::Viscous, rate)?;
+        let describing = self.describing_response(&linear, rate, amplitude)?;
         Ok(ResponseMapPoint {
             amplitude,
             frequency_hz: rate / TAU,
@@ -383,7 +383,7 @@ impl Analyser {
     }
 
     /// Returns the describing function at the hub amplitude that it leads to itself, by damped iteration.
-    fn described(
+    fn describing_response(
         &self,
         linear: &Expected,
         rate: f64,
@@ -399,7 +399,7 @@ impl Analyser {
         for _ in 0..MOST_SWING_TRIALS {
             let friction =
                 FrictionLinearisation::DescribingFunction { hub_amplitude_rad, frequency_rad_s: rate };
-            let found = self.expected(friction, rate)?;
+            let found = self.expected_response(friction, rate)?;
             let next = swing(&found);
             if (next / hub_amplitude_rad - 1.0).abs() < SELF_CONSISTENT_SWING {
                 return Ok(Some(found));
@@ -410,7 +410,11 @@ impl Analyser {
     }
 
     /// Returns what the sampled linear model gives at one frequency.
-    fn expected(&self, friction: FrictionLinearisation, rate: f64) -> Result<Expected, PipelineError> {
+    fn expected_response(
+        &self,
+        friction: FrictionLinearisation,
+        rate: f64,
+    ) -> Result<Expected, PipelineError> {
         let equilibrium = self.plant.equilibrium(&self.point);
         // the outputs of a loop of position are positions, which the plant shows only in that form
         let is_position = self.plant.parameters().sensors.measured.is_position();
@@ -489,7 +493,7 @@ const PLATFORM_GYRO: usize = FIRST_READING + 2;
 
 /// Returns whether the input has a line at the frequency: n samples of noise leave an amplitude of about sqrt(2 / n) of
 /// their RMS.
-fn excited(found: &MeasuredResponse, period_s: f64) -> bool {
+fn is_excited(found: &MeasuredResponse, period_s: f64) -> bool {
     let samples = found.cycles as f64 * TAU / (found.frequency_rad_s * period_s);
     found.input.harmonics[0].norm() > EXCITED_ABOVE_NOISE * found.input.residual_rms * (2.0 / samples).sqrt()
 }
@@ -509,7 +513,7 @@ impl SampledController for Nothing {
     }
 }
 
-fn acting(
+fn acting_controller(
     project: &Project,
     modelled: &PlantModel,
     on: LoopController,
@@ -520,7 +524,7 @@ fn acting(
         remarks.push(MapRemark::RecordingController);
         return Ok(Acting::Recorded(pi.clone()));
     }
-    let made = synthesise(project, modelled, &reduce(project, modelled)?)?;
+    let made = synthesise(project, modelled, &reduce_plant(project, modelled)?)?;
     let controller = made.sampled.controller;
     let linear = controller
         .linear(modelled.plant.body().out_of_balance_kg_m)
@@ -529,7 +533,7 @@ fn acting(
 }
 
 /// Returns the plant without a motor, balanced: nothing would hold a weight.
-fn disconnected(
+fn disconnect_motor(
     project: &Project,
     modelled: &PlantModel,
     remarks: &mut Vec<MapRemark>,

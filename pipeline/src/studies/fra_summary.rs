@@ -60,7 +60,7 @@ impl AmplitudePoints {
     }
 
     /// Returns the amplitude with the frequencies at which nothing moves; `None` if the joint moves at all of them.
-    fn sticking(&self, all: &[AmplitudePoints]) -> Option<StickingAmplitude> {
+    fn sticking_amplitude(&self, all: &[AmplitudePoints]) -> Option<StickingAmplitude> {
         let frequencies_hz: Vec<f64> =
             self.points.iter().filter(|p| p.sticks()).map(|p| p.frequency_hz).collect();
         let moves = |other: &&AmplitudePoints| {
@@ -115,7 +115,7 @@ impl<Remark> ResponseMap<Remark> {
     /// Returns the amplitudes at which the joint sticks at some frequency.
     pub fn sticking_amplitudes(&self) -> Vec<StickingAmplitude> {
         let all = self.points_by_amplitude();
-        all.iter().filter_map(|group| group.sticking(&all)).collect()
+        all.iter().filter_map(|group| group.sticking_amplitude(&all)).collect()
     }
 }
 

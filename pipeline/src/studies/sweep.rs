@@ -112,7 +112,7 @@ pub fn campaign_is_stated(project: &Project) -> Result<(), PipelineError> {
 
 /// Returns the requirements that a campaign judges: those of the project, or [`usual_requirements`] if it
 /// states none.
-fn judged(project: &Project) -> Vec<Requirement> {
+fn judged_requirements(project: &Project) -> Vec<Requirement> {
     let stated = project.verify.as_ref().map(|asked| asked.requirements.clone()).unwrap_or_default();
     if stated.is_empty() { usual_requirements() } else { stated }
 }
@@ -150,7 +150,7 @@ pub fn prepare_campaign(
         verified.controller().clone(),
         project_procedure(project, world)?,
         asked.variations.clone(),
-        judged(project),
+        judged_requirements(project),
         Layout { samples: asked.samples, seed: asked.seed, points: asked.layout },
     )?)
 }
@@ -168,7 +168,8 @@ pub fn vary_families(
 ) -> Result<Vec<Member>, PipelineError> {
     let asked =
         project.campaign().ok_or(PipelineError::Missing { section: "sweep", needed_by: "the families" })?;
-    let figures: Vec<Figure> = judged(project).iter().map(|requirement| requirement.figure).collect();
+    let figures: Vec<Figure> =
+        judged_requirements(project).iter().map(|requirement| requirement.figure).collect();
     let (parameters, controller, procedure) =
         (&modelled.parameters, verified.controller(), project_procedure(project, world)?);
     let mut members = one_at_a_time(parameters, controller, &procedure, &figures, &asked.families)?;

@@ -84,7 +84,7 @@ pub fn synthesise(
     let mut design = design(&plant, &asked.specification)?;
     let other = by_method(asked, &mut design)?;
     by_structure(asked, &mut design)?;
-    let lowered = asked.options.controller_order.map(|order| lower(&mut design, order)).transpose()?;
+    let lowered = asked.options.controller_order.map(|order| lower_order(&mut design, order)).transpose()?;
     let sampling = sampling(asked, modelled)?;
     let balance = match &asked.options.schedule {
         Some(wanted) => schedule::schedule_entries(project, asked, modelled, wanted)?,
@@ -190,7 +190,7 @@ fn has_same_response(one: &StateSpace, other: &StateSpace, period_s: f64) -> Res
 }
 
 /// Puts a feedback of lower order in place of the design's, by frequency-weighted balancing that keeps the loop.
-fn lower(design: &mut Design, order: usize) -> Result<LowerOrderFeedback, PipelineError> {
+fn lower_order(design: &mut Design, order: usize) -> Result<LowerOrderFeedback, PipelineError> {
     sees_the_error_alone(design, "controller_order")?;
     let before = design.feedback_controller();
     let seen = design.plant.measured_plant()?.select(&[0], &[design.plant.control]);

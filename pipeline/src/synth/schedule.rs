@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::model::of_rate;
 use crate::synth::design_plant::design_plant;
 use crate::wording::schedule::{describe_conditions, describe_law};
-use crate::{PipelineError, PlantModel, model, reduce};
+use crate::{PipelineError, PlantModel, build_plant_model, reduce_plant};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_project::resolve::synthesis_options::{ScheduleLaw, ScheduleOptions};
@@ -47,7 +47,7 @@ pub fn schedule_entries(
     modelled: &PlantModel,
     wanted: &ScheduleOptions,
 ) -> Result<Vec<ScheduleEntry>, PipelineError> {
-    let nominal = configured(project, asked, "nominal", modelled)?;
+    let nominal = make_configuration(project, asked, "nominal", modelled)?;
     let others = other_configurations(project, asked, modelled, wanted)?;
     Ok(design_schedule(&nominal, &others, &asked.specification)?)
 }
@@ -66,23 +66,23 @@ pub(crate) fn other_configurations(
     for name in &wanted.configurations {
         let mut project = project.clone();
         project.model.configuration = Some(name.clone());
-        let modelled = model(&project)?;
-        others.push(configured(&project, asked, name, &modelled)?);
+        let modelled = build_plant_model(&project)?;
+        others.push(make_configuration(&project, asked, name, &modelled)?);
     }
     for &factor in &wanted.factors {
         let name = format!("{:.0} % out-of-balance", 100.0 * factor);
-        others.push(configured(project, asked, &name, &with_factor(project, modelled, factor)?)?);
+        others.push(make_configuration(project, asked, &name, &with_factor(project, modelled, factor)?)?);
     }
     Ok(others)
 }
 
-fn configured(
+fn make_configuration(
     project: &Project,
     asked: &DesignRequest,
     name: &str,
     modelled: &PlantModel,
 ) -> Result<Configuration, PipelineError> {
-    let reduced = reduce(project, modelled)?;
+    let reduced = reduce_plant(project, modelled)?;
     Ok(Configuration {
         name: name.to_owned(),
         out_of_balance_kg_m: modelled.plant.body().out_of_balance_kg_m,

@@ -107,10 +107,13 @@ fn judged_by(figure: &Figure, of: &Judged<'_>) -> String {
         Figure::Step(model, _) => format!("{}, {}", on(model), step(of)),
         Figure::Triangle(model, _) => format!("{}, {}", on(model), triangle(of)),
         Figure::Disturbance(model, source, arrangement, _) => {
-            format!("{}, {}, {}", on(model), motion(*source, procedure), acting(*arrangement))
+            format!("{}, {}, {}", on(model), motion(*source, procedure), acting_control(*arrangement))
         }
         Figure::Rejection { frequency_hz, arrangement, .. } => {
-            format!("frequency response of the linear loop at {frequency_hz} Hz, {}", acting(*arrangement))
+            format!(
+                "frequency response of the linear loop at {frequency_hz} Hz, {}",
+                acting_control(*arrangement)
+            )
         }
         Figure::Rest(_) => format!("nonlinear simulation, {} s at rest", procedure.duration_s),
         Figure::Sight(_) => format!("nonlinear simulation, {}", sight_run(procedure)),
@@ -131,16 +134,16 @@ fn acceptance_test(figure: &Figure, of: &Judged<'_>) -> String {
             triangle(of)
         ),
         Figure::Disturbance(_, source, arrangement, quantity) => {
-            let run = format!("{}, {}", motion(*source, procedure), acting(*arrangement));
+            let run = format!("{}, {}", motion(*source, procedure), acting_control(*arrangement));
             let settled = format!("from {} s on", procedure.settle_s);
-            format!("move the platform: {run}; record {} {settled}", recorded(*quantity, of))
+            format!("move the platform: {run}; record {} {settled}", recorded_signal(*quantity, of))
         }
         Figure::Rejection { source, arrangement, frequency_hz } => {
             let moved = if *source == Source::Heave { "heave" } else { "pitch" };
             format!(
                 "move the platform in {moved} as a sine of {frequency_hz} Hz at a large and at a small amplitude, {}; compare {} \
                  and platform sensor at that frequency (`counterpoise fra` does it)",
-                acting(*arrangement),
+                acting_control(*arrangement),
                 of.sensor().trim_start_matches("the ")
             )
         }
@@ -194,7 +197,7 @@ fn sight_source(procedure: &Procedure) -> Source {
 }
 
 fn sight_run(procedure: &Procedure) -> String {
-    format!("{}, {}", motion(sight_source(procedure), procedure), acting(Arrangement::Compensated))
+    format!("{}, {}", motion(sight_source(procedure), procedure), acting_control(Arrangement::Compensated))
 }
 
 fn of_loop(figure: LoopFigure) -> &'static str {
@@ -249,7 +252,7 @@ fn motion(source: Source, procedure: &Procedure) -> String {
     }
 }
 
-fn acting(arrangement: Arrangement) -> &'static str {
+fn acting_control(arrangement: Arrangement) -> &'static str {
     match arrangement {
         Arrangement::Uncontrolled => "control constant",
         Arrangement::Feedback => "feedback alone",
@@ -257,7 +260,7 @@ fn acting(arrangement: Arrangement) -> &'static str {
     }
 }
 
-fn recorded(quantity: Quantity, of: &Judged<'_>) -> String {
+fn recorded_signal(quantity: Quantity, of: &Judged<'_>) -> String {
     let fixed = match quantity {
         Quantity::HubRms | Quantity::HubPeak => return of.sensor(),
         Quantity::Rejection => return format!("{} and the platform's sensors", of.sensor()),

@@ -14,13 +14,13 @@ pub fn describe_figure(figure: Figure, controlled: ControlledQuantity) -> String
         Figure::Triangle(model, figure) => format!("triangle {}, {}", triangle_figure(figure), plant(model)),
         Figure::Disturbance(model, source, arrangement, quantity) => {
             let (quantity, moving) = (quantity_name(quantity, controlled), platform_motion(source));
-            format!("{quantity}, {moving}, {}, {}", acting(arrangement), plant(model))
+            format!("{quantity}, {moving}, {}, {}", acting_control(arrangement), plant(model))
         }
         Figure::Rejection { source, arrangement, frequency_hz } => {
             format!(
                 "DRR {} at {frequency_hz} Hz, {}, linear plant",
                 platform_motion(source),
-                acting(arrangement)
+                acting_control(arrangement)
             )
         }
         Figure::Rest(RestFigure::HubRms) => format!("RMS {} at rest", controlled.name()),
@@ -170,7 +170,7 @@ fn platform_motion(of: Source) -> &'static str {
     }
 }
 
-fn acting(of: Arrangement) -> &'static str {
+fn acting_control(of: Arrangement) -> &'static str {
     match of {
         Arrangement::Uncontrolled => "without control",
         Arrangement::Feedback => "feedback",

@@ -43,18 +43,18 @@ pub fn describe_weights(synth: &DesignRequest) -> Vec<String> {
 pub fn describe_weight(weight: &Weight, signal: &str) -> String {
     match weight.shape() {
         WeightShape::Constant { modulus } => {
-            format!("weight on the {signal}: {} at every frequency", plain(modulus))
+            format!("weight on the {signal}: {} at every frequency", plain_number(modulus))
         }
         WeightShape::Varying { low, transition, high } => {
-            let (low, high) = (steady(low, signal), fast(high, signal));
-            format!("weight on the {signal}: {low}, {}; {high}", between(transition))
+            let (low, high) = (describe_low_frequency(low, signal), describe_high_frequency(high, signal));
+            format!("weight on the {signal}: {low}, {}; {high}", describe_transition(transition))
         }
     }
 }
 
-fn steady(low: LowFrequency, signal: &str) -> String {
+fn describe_low_frequency(low: LowFrequency, signal: &str) -> String {
     match low {
-        LowFrequency::Level { modulus } => format!("{} at low frequency", plain(modulus)),
+        LowFrequency::Level { modulus } => format!("{} at low frequency", plain_number(modulus)),
         LowFrequency::Unbounded => {
             format!("without bound towards zero frequency, so that no steady {signal} may remain")
         }
@@ -62,9 +62,9 @@ fn steady(low: LowFrequency, signal: &str) -> String {
     }
 }
 
-fn fast(high: HighFrequency, signal: &str) -> String {
+fn describe_high_frequency(high: HighFrequency, signal: &str) -> String {
     match high {
-        HighFrequency::Level { modulus } => format!("{} at high frequency", plain(modulus)),
+        HighFrequency::Level { modulus } => format!("{} at high frequency", plain_number(modulus)),
         HighFrequency::Rising { power } => {
             format!("rising with the power {power} of frequency, so that fast {signal} is forbidden")
         }
@@ -74,21 +74,21 @@ fn fast(high: HighFrequency, signal: &str) -> String {
     }
 }
 
-fn between(transition: Transition) -> String {
+fn describe_transition(transition: Transition) -> String {
     match transition {
-        Transition::UnitModulus { rate_rad_s } => format!("1 at {} Hz", plain(rate_rad_s / TAU)),
-        Transition::Corner { rate_rad_s } => format!("up to {} Hz", plain(rate_rad_s / TAU)),
+        Transition::UnitModulus { rate_rad_s } => format!("1 at {} Hz", plain_number(rate_rad_s / TAU)),
+        Transition::Corner { rate_rad_s } => format!("up to {} Hz", plain_number(rate_rad_s / TAU)),
         Transition::Peak { rate_rad_s, modulus } => {
-            format!("most at {} Hz ({})", plain(rate_rad_s / TAU), plain(modulus))
+            format!("most at {} Hz ({})", plain_number(rate_rad_s / TAU), plain_number(modulus))
         }
         Transition::Dip { rate_rad_s, modulus } => {
-            format!("least at {} Hz ({})", plain(rate_rad_s / TAU), plain(modulus))
+            format!("least at {} Hz ({})", plain_number(rate_rad_s / TAU), plain_number(modulus))
         }
     }
 }
 
 /// Three significant digits, as a person writes them.
-fn plain(value: f64) -> String {
+fn plain_number(value: f64) -> String {
     if !(1e-3..1e6).contains(&value) {
         return format!("{value:.2e}");
     }

@@ -47,7 +47,7 @@ pub(crate) fn size(figure: &Figure, setting: Setting) -> Size {
         Content::Panels(panels) => panels::height(panels),
         Content::HeatMap(map) => heat::height(map),
     };
-    Size { width: WIDTH, height: top(setting) + content }
+    Size { width: WIDTH, height: top_margin(setting) + content }
 }
 
 /// Draws a figure on an area that has `unit` of its units in a pixel.
@@ -64,12 +64,12 @@ pub(crate) fn draw<DB: DrawingBackend>(
         sheet.text(Ink::Title, (MARGIN, 0.6 * TITLE), LEFT, &figure.title)?;
     }
     match &figure.content {
-        Content::Panels(panels) => panels::draw(&sheet, panels, top(setting)),
-        Content::HeatMap(map) => heat::draw(&sheet, map, top(setting)),
+        Content::Panels(panels) => panels::draw(&sheet, panels, top_margin(setting)),
+        Content::HeatMap(map) => heat::draw(&sheet, map, top_margin(setting)),
     }
 }
 
-fn top(setting: Setting) -> f64 {
+fn top_margin(setting: Setting) -> f64 {
     if setting == Setting::Alone { TITLE } else { 0.0 }
 }
 

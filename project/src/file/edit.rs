@@ -82,7 +82,7 @@ fn steps(path: &str) -> Result<Vec<Step<'_>>, EditError> {
 
 /// Returns the text with the value at the path set; tables on the way are made.
 pub(crate) fn set(text: &str, path: &str, setting: &SettingValue) -> Result<String, EditError> {
-    let mut document = open(text)?;
+    let mut document = parse_text(text)?;
     let value = setting
         .to_toml()
         .map_err(|_| EditError::BadValue { path: path.to_owned(), value: setting.as_written() })?;
@@ -100,7 +100,7 @@ pub(crate) fn set(text: &str, path: &str, setting: &SettingValue) -> Result<Stri
 
 /// Returns the text with a key of the outermost table set; a new key stands before all others.
 pub(crate) fn set_first(text: &str, key: &str, setting: &SettingValue) -> Result<String, EditError> {
-    let document = open(text)?;
+    let document = parse_text(text)?;
     if document.contains_key(key) {
         return set(text, key, setting);
     }
@@ -116,7 +116,7 @@ pub(crate) fn set_first(text: &str, key: &str, setting: &SettingValue) -> Result
 /// Returns the text without the key, table or item of a list of tables at the path; the same text if it is
 /// not there.
 pub(crate) fn remove(text: &str, path: &str) -> Result<String, EditError> {
-    let mut document = open(text)?;
+    let mut document = parse_text(text)?;
     let steps = steps(path)?;
     let Some((last, way)) = steps.split_last() else {
         return Err(EditError::BadPath { path: path.to_owned() });
@@ -134,7 +134,7 @@ pub(crate) fn remove(text: &str, path: &str) -> Result<String, EditError> {
     Ok(document.to_string())
 }
 
-fn open(text: &str) -> Result<DocumentMut, EditError> {
+fn parse_text(text: &str) -> Result<DocumentMut, EditError> {
     text.parse().map_err(|e: toml_edit::TomlError| EditError::NotToml { why: e.message().to_owned() })
 }
 

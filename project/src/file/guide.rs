@@ -130,7 +130,7 @@ impl Guide {
                 key,
                 unit,
                 allowed: kind(),
-                absent: absent(field),
+                absent: absence_text(field),
                 meaning,
                 conditions: Vec::new(),
             });
@@ -205,7 +205,7 @@ fn condition(row: &Row) -> String {
     if words.is_empty() { String::new() } else { format!("; only with {}", words.join(" and ")) }
 }
 
-fn absent(field: &Field) -> String {
+fn absence_text(field: &Field) -> String {
     match field.default {
         Fallback::Required => "must be there".to_owned(),
         _ if field.assumed.is_some() => {
@@ -233,7 +233,7 @@ impl Visit for Guide {
         self.row(field, || range(field.limit));
     }
 
-    fn whole(&mut self, field: &Field, _value: &mut u32) {
+    fn whole_number(&mut self, field: &Field, _value: &mut u32) {
         self.row(field, || format!("whole, {}", range(field.limit)));
     }
 

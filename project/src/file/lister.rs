@@ -107,7 +107,7 @@ impl Visit for Lister {
         self.value(field, SettingValue::Number(*value));
     }
 
-    fn whole(&mut self, field: &Field, value: &mut u32) {
+    fn whole_number(&mut self, field: &Field, value: &mut u32) {
         self.value(field, SettingValue::Whole(i64::from(*value)));
     }
 

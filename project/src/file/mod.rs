@@ -190,7 +190,7 @@ impl Document {
     /// As for [`Document::set`].
     pub fn replace(&self, path: &str, setting: &SettingValue) -> Result<Self, EditError> {
         self.refuse_part(path)?;
-        edit::set(self.text(), path, setting).map(|text| self.reread(&text))
+        edit::set(self.text(), path, setting).map(|text| self.with_text(&text))
     }
 
     /// Returns the same file without a key.
@@ -199,12 +199,12 @@ impl Document {
     /// The text is not TOML, the path leads nowhere, or the key stands in a part.
     pub fn remove(&self, path: &str) -> Result<Self, EditError> {
         self.refuse_part(path)?;
-        edit::remove(self.text(), path).map(|text| self.reread(&text))
+        edit::remove(self.text(), path).map(|text| self.with_text(&text))
     }
 
     /// Returns the file with another text and the same parts.
     #[must_use]
-    pub fn reread(&self, text: &str) -> Self {
+    pub fn with_text(&self, text: &str) -> Self {
         Self::parse(text, self.name()).with_parts(&self.given)
     }
 
@@ -249,7 +249,7 @@ impl Document {
     /// The text is not TOML.
     pub fn migrate(&self) -> Result<Self, EditError> {
         let set = edit::set_first(self.text(), "format", &SettingValue::Whole(i64::from(FORMAT)))?;
-        Ok(self.reread(&set))
+        Ok(self.with_text(&set))
     }
 }
 

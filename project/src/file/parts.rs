@@ -51,7 +51,7 @@ pub(crate) fn assemble(source: &Source, entries: &[Entry], given: &Attachments) 
     let mut assembly =
         Assembly { source: source.clone(), given, wanted: BTreeSet::new(), findings: Vec::new(), count: 0 };
     let place = Place { path: String::new(), chain: vec![own] };
-    let entries = assembly.expanded(entries.to_vec(), &place);
+    let entries = assembly.expand_includes(entries.to_vec(), &place);
     let Assembly { source, wanted, mut findings, .. } = assembly;
     findings.truncate(MOST_FINDINGS);
     Assembled { source, entries, wanted: wanted.into_iter().collect(), findings }
@@ -74,7 +74,7 @@ struct Place {
 }
 
 impl Place {
-    fn inside(&self, key: &str) -> Self {
+    fn place_inside(&self, key: &str) -> Self {
         let path = if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) };
         Self { path, chain: self.chain.clone() }
     }
@@ -93,18 +93,18 @@ impl Assembly<'_> {
     }
 
     /// Returns the keys of a table with those of its parts.
-    fn expanded(&mut self, entries: Vec<Entry>, place: &Place) -> Vec<Entry> {
+    fn expand_includes(&mut self, entries: Vec<Entry>, place: &Place) -> Vec<Entry> {
         let (includes, rest): (Vec<Entry>, Vec<Entry>) = entries.into_iter().partition(|e| e.key == INCLUDE);
         let mut all: Vec<Entry> = Vec::new();
         for mut entry in rest {
-            let inside = place.inside(&entry.key);
+            let inside = place.place_inside(&entry.key);
             entry.node = self.expanded_node(entry.node, &inside);
             all.push(entry);
         }
         for include in &includes {
             for (name, at) in self.names(include, place) {
                 let part = self.part(&name, at, place);
-                all = self.merged(all, part, place);
+                all = self.merge_entries(all, part, place);
             }
         }
         all
@@ -112,7 +112,7 @@ impl Assembly<'_> {
 
     fn expanded_node(&mut self, node: Node, place: &Place) -> Node {
         let value = match node.value {
-            Value::Table(entries) => Value::Table(self.expanded(entries, place)),
+            Value::Table(entries) => Value::Table(self.expand_includes(entries, place)),
             Value::List(items) => {
                 Value::List(items.into_iter().map(|item| self.expanded_node(item, place)).collect())
             }
@@ -134,7 +134,7 @@ impl Assembly<'_> {
                 other => {
                     let what =
                         format!("must be the name of a file, or a list of names, not {}", other.kind());
-                    let path = place.inside(INCLUDE).path;
+                    let path = place.place_inside(INCLUDE).path;
                     self.refuse(item.span.start, &path, DiagnosticKind::WrongType, what);
                 }
             }
@@ -145,7 +145,7 @@ impl Assembly<'_> {
     /// Returns what a part holds, its own parts in place; nothing if it cannot be read, which is then reported.
     fn part(&mut self, name: &str, at: usize, place: &Place) -> Vec<Entry> {
         self.count += 1;
-        let path = place.inside(INCLUDE).path;
+        let path = place.place_inside(INCLUDE).path;
         if self.count > MOST_PARTS {
             if self.count == MOST_PARTS + 1 {
                 let what = format!("a project may include at most {MOST_PARTS} parts");
@@ -195,11 +195,11 @@ impl Assembly<'_> {
         // A part's format says how the part is written; it is no key of the table that includes it.
         entries.retain(|e| e.key != "format");
         rebase(&mut entries, &place.path, place.folder());
-        self.expanded(entries, place)
+        self.expand_includes(entries, place)
     }
 
     /// Returns the keys of both; a key that both have and that is no table in both is an error.
-    fn merged(&mut self, mut own: Vec<Entry>, part: Vec<Entry>, place: &Place) -> Vec<Entry> {
+    fn merge_entries(&mut self, mut own: Vec<Entry>, part: Vec<Entry>, place: &Place) -> Vec<Entry> {
         let mut known: BTreeMap<String, usize> =
             own.iter().enumerate().map(|(index, entry)| (entry.key.clone(), index)).collect();
         for entry in part {
@@ -208,11 +208,11 @@ impl Assembly<'_> {
                 own.push(entry);
                 continue;
             };
-            let inside = place.inside(&entry.key);
+            let inside = place.place_inside(&entry.key);
             let here = own[index].key_span.start;
             match (&mut own[index].node.value, entry.node.value) {
                 (Value::Table(mine), Value::Table(theirs)) => {
-                    let both = self.merged(std::mem::take(mine), theirs, &inside);
+                    let both = self.merge_entries(std::mem::take(mine), theirs, &inside);
                     own[index].node.value = Value::Table(both);
                 }
                 _ => {

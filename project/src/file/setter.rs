@@ -38,7 +38,7 @@ impl Visit for Setter<'_> {
         }
     }
 
-    fn whole(&mut self, field: &Field, value: &mut u32) {
+    fn whole_number(&mut self, field: &Field, value: &mut u32) {
         if self.paths.of(field.key) == self.path {
             (*value, self.is_set) = (self.value.round() as u32, true);
         }

@@ -25,7 +25,7 @@ impl From<bool> for Presence {
 /// What is done with each key: read it into the field, or list the field's value.
 pub(crate) trait Visit {
     fn number(&mut self, field: &Field, value: &mut f64);
-    fn whole(&mut self, field: &Field, value: &mut u32);
+    fn whole_number(&mut self, field: &Field, value: &mut u32);
     fn text(&mut self, field: &Field, value: &mut String);
     fn choice(&mut self, field: &Field, allowed: &[&'static str], value: &mut &'static str);
     fn numbers(&mut self, field: &Field, count: Count, value: &mut Vec<f64>);
@@ -101,7 +101,7 @@ pub(crate) fn table<T>(
 }
 
 /// A table whose absence means that the thing is not there.
-pub(crate) fn optional<T>(
+pub(crate) fn visit_optional<T>(
     v: &mut dyn Visit,
     field: &TableField,
     slot: &mut Option<T>,

@@ -9,7 +9,7 @@ const COMMENT_COLUMN: usize = 34;
 
 /// Returns the text of listed lines. What is as usual is left out, and so are inline tables with nothing
 /// unusual.
-pub(crate) fn canonical(lines: &[Line]) -> String {
+pub(crate) fn canonical_text(lines: &[Line]) -> String {
     let mut text = String::new();
     let mut at = 0;
     while at < lines.len() {
@@ -25,7 +25,7 @@ pub(crate) fn canonical(lines: &[Line]) -> String {
             }
             Line::Value { key, setting, unit, meaning, usual: false, tolerance, .. } => {
                 let meaning = if key.replace('_', " ") == *meaning { "" } else { meaning };
-                commented(&format!("{key} = {}", as_written(setting, tolerance)), unit, meaning, &mut text);
+                add_comment(&format!("{key} = {}", as_written(setting, tolerance)), unit, meaning, &mut text);
                 at + 1
             }
             Line::Value { .. } | Line::Close => at + 1,
@@ -53,10 +53,10 @@ fn own_values(lines: &[Line], open: usize) -> bool {
     lines[open + 1..]
         .iter()
         .take_while(|l| !matches!(l, Line::Open { form: Form::Section, .. } | Line::Close))
-        .any(written)
+        .any(is_written)
 }
 
-fn written(line: &Line) -> bool {
+fn is_written(line: &Line) -> bool {
     matches!(line, Line::Value { usual: false, .. })
 }
 
@@ -80,7 +80,7 @@ fn header(line: &str, meaning: &str, text: &mut String) {
     if !text.is_empty() {
         text.push('\n');
     }
-    commented(line, "", meaning, text);
+    add_comment(line, "", meaning, text);
 }
 
 /// `plant.beam.section[1]` as a header has it: `plant.beam.section`.
@@ -88,7 +88,7 @@ fn without_indices(path: &str) -> String {
     path.split('.').map(|part| part.split('[').next().unwrap_or(part)).collect::<Vec<_>>().join(".")
 }
 
-fn commented(line: &str, unit: &str, meaning: &str, text: &mut String) {
+fn add_comment(line: &str, unit: &str, meaning: &str, text: &mut String) {
     let comment = match (unit.is_empty(), meaning.is_empty()) {
         (true, true) => String::new(),
         (false, true) => format!("# {unit}"),
@@ -111,7 +111,7 @@ fn inline(lines: &[Line], open: usize, text: &mut String) -> usize {
     let values: Vec<String> = values.collect();
     if let (false, Line::Open { path, meaning, .. }) = (values.is_empty(), &lines[open]) {
         let key = path.rsplit('.').next().unwrap_or(path);
-        commented(&format!("{key} = {{ {} }}", values.join(", ")), "", meaning, text);
+        add_comment(&format!("{key} = {{ {} }}", values.join(", ")), "", meaning, text);
     }
     end + 1
 }

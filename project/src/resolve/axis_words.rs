@@ -114,8 +114,8 @@ impl Visit for Words<'_> {
         self.inner.number(&self.field(field), value);
     }
 
-    fn whole(&mut self, field: &Field, value: &mut u32) {
-        self.inner.whole(&self.field(field), value);
+    fn whole_number(&mut self, field: &Field, value: &mut u32) {
+        self.inner.whole_number(&self.field(field), value);
     }
 
     fn text(&mut self, field: &Field, value: &mut String) {

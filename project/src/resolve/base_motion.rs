@@ -94,7 +94,7 @@ pub(super) fn inertial_unit(v: &mut dyn Visit, unit: &mut InertialUnit) {
     );
     let arm = "from the unit to the pivot along x, y and z of the base";
     three(v, &Field::new("lever_arm", arm).unit("m").limit(LEVER), &mut unit.lever_arm_m);
-    traverse(v, &mut unit.traverse);
+    visit_traverse(v, &mut unit.traverse);
     let low_pass =
         Field::new("low_pass", "frequency above which motion is removed").unit("Hz").limit(ABOVE_0);
     maybe_number(v, &low_pass, &mut unit.low_pass_hz);
@@ -129,7 +129,7 @@ pub(super) fn three(v: &mut dyn Visit, field: &Field, value: &mut [f64; 3]) {
     *value = <[f64; 3]>::try_from(list).unwrap_or([0.0; 3]);
 }
 
-pub(super) fn traverse(v: &mut dyn Visit, traverse: &mut Traverse) {
+pub(super) fn visit_traverse(v: &mut dyn Visit, traverse: &mut Traverse) {
     let angle = "angle of the ring on which the elevation axis stands, at the start, positive to the left";
     v.number(
         &Field::new("traverse_angle", angle).unit("rad").limit(Limit::Between(-7.0, 7.0)).or(0.0),
@@ -186,5 +186,5 @@ pub(super) fn six_axes(v: &mut dyn Visit, motion: &mut SixAxes) {
         &Field::new("coherence", coherence).limit(Limit::Between(0.0, 1.0)).or(0.0),
         &mut motion.coherence,
     );
-    traverse(v, &mut motion.traverse);
+    visit_traverse(v, &mut motion.traverse);
 }

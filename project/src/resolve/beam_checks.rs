@@ -17,7 +17,7 @@ pub(super) fn sections(findings: &mut Findings<'_>, beam: &Beam) {
             let remark = Remark::new(DiagnosticKind::Conflict, &format!("{LIST}[{index}].to"), allowed);
             findings.add(Severity::Error, remark.with_value(section.to_m.to_string()));
         }
-        hollow(findings, &format!("{LIST}[{index}].inner_diameter"), &section.shape);
+        check_tube(findings, &format!("{LIST}[{index}].inner_diameter"), &section.shape);
     }
     for (index, two) in beam.sections.windows(2).enumerate() {
         let gap = two[1].from_m - two[0].to_m;
@@ -54,7 +54,7 @@ fn tidy(length: f64) -> f64 {
     (length * 1e9).round() / 1e9
 }
 
-fn hollow(findings: &mut Findings<'_>, path: &str, shape: &SectionShape) {
+fn check_tube(findings: &mut Findings<'_>, path: &str, shape: &SectionShape) {
     let SectionShape::Tube { outer_diameter_m, inner_diameter_m } = shape else { return };
     if inner_diameter_m.iter().zip(outer_diameter_m).any(|(inner, outer)| inner >= outer) {
         let allowed = format!("must be below the outer diameter {outer_diameter_m:?} m at both ends");
@@ -93,7 +93,7 @@ pub(super) fn masses(findings: &mut Findings<'_>, beam: &Beam) {
 /// Warns where the lumped inertia or out-of-balance is not the beam's.
 pub(super) fn agreement(findings: &mut Findings<'_>, plant: &Parameters) {
     let (Some(beam), Some(lumped)) = (&plant.beam, &plant.lumped) else { return };
-    let Some((moment, inertia)) = rigid(beam) else { return };
+    let Some((moment, inertia)) = rigid_moments(beam) else { return };
     let total = lumped.inertia_kg_m2();
     let mut compare = |path: &str, value: f64, of_beam: f64, what: &str, unit: &str| {
         let scale = of_beam.abs().max(value.abs());
@@ -115,7 +115,7 @@ pub(super) fn agreement(findings: &mut Findings<'_>, plant: &Parameters) {
 /// Returns the first moment and inertia of the bare beam about the pivot, by Gauss quadrature exact for
 /// tapered tubes (the density times area is a polynomial of degree 2, times x^2: degree 4), rotary inertia
 /// neglected.
-fn rigid(beam: &Beam) -> Option<(f64, f64)> {
+fn rigid_moments(beam: &Beam) -> Option<(f64, f64)> {
     let (mut moment, mut inertia) = (0.0, 0.0);
     for section in &beam.sections {
         let (centre, half) = (0.5 * (section.from_m + section.to_m), 0.5 * (section.to_m - section.from_m));

@@ -4,7 +4,7 @@ use counterpoise_models::base_motion::Traverse;
 use counterpoise_verify::signals::sea::{Sea, Ship, WaveShape, Waves};
 use counterpoise_verify::signals::{Sides, Vehicle};
 
-use super::base_motion::{three, traverse};
+use super::base_motion::{three, visit_traverse};
 use crate::file::field::{Field, Limit};
 use crate::file::visit::{NamedChoice, Visit, choose, maybe_number};
 
@@ -181,5 +181,5 @@ pub(super) fn sea(v: &mut dyn Visit, sea: &mut Sea) {
     let pivot = "place of the pivot from the middle of the waterline: forward, to the left and up";
     let place = Field::new("pivot", pivot).unit("m").limit(Limit::Between(-500.0, 500.0));
     three(v, &place, &mut ship.pivot_m);
-    traverse(v, ring);
+    visit_traverse(v, ring);
 }

@@ -6,7 +6,7 @@ use crate::file::{Document, EditError, SettingValue};
 /// Returns the file with what differs between two listings set or removed.
 pub(crate) fn apply(document: &Document, before: &[Line], after: &[Line]) -> Result<Document, EditError> {
     let mut out = document.clone();
-    for path in gone(before, after).into_iter().rev() {
+    for path in removed_paths(before, after).into_iter().rev() {
         out = out.remove(path)?;
     }
     let old = values(before);
@@ -27,7 +27,7 @@ pub(crate) fn apply(document: &Document, before: &[Line], after: &[Line]) -> Res
 }
 
 /// Paths of tables and keys that are no longer there, the outermost of each; later items stand later.
-fn gone<'l>(before: &'l [Line], after: &[Line]) -> Vec<&'l str> {
+fn removed_paths<'l>(before: &'l [Line], after: &[Line]) -> Vec<&'l str> {
     let kept: Vec<&str> = after.iter().filter_map(path).collect();
     let mut gone: Vec<&str> = Vec::new();
     for path in before.iter().filter_map(path).filter(|p| !kept.contains(p)) {

@@ -133,7 +133,7 @@ fn configurations(findings: &mut Findings<'_>, project: &Project) {
                     [] => {
                         "there is no such mass: add [[plant.beam.mass]] or [[plant.import.mass]]".to_owned()
                     }
-                    known => format!("the beam has no such mass; it has {}", quoted(known)),
+                    known => format!("the beam has no such mass; it has {}", quote_names(known)),
                 };
                 let remark = Remark::new(DiagnosticKind::UnknownName, &path, allowed).with_value(found);
                 findings.add(Severity::Error, remark.hint(did_you_mean(name, known.iter().copied())));
@@ -153,7 +153,7 @@ fn configuration(findings: &mut Findings<'_>, project: &Project) {
     let Some(name) = &project.model.configuration else { return };
     let known: Vec<&str> = project.plant.configurations.iter().map(|c| c.name.as_str()).collect();
     if !known.contains(&name.as_str()) {
-        let allowed = format!("there is no such configuration; known are {}", quoted(&known));
+        let allowed = format!("there is no such configuration; known are {}", quote_names(&known));
         let remark = Remark::new(DiagnosticKind::UnknownName, "model.configuration", allowed)
             .with_value(format!("\"{name}\""));
         findings.add(Severity::Error, remark.hint(did_you_mean(name, known.iter().copied())));
@@ -174,7 +174,7 @@ fn tolerances(findings: &mut Findings<'_>, project: &Project) {
     }
 }
 
-fn quoted(names: &[&str]) -> String {
+fn quote_names(names: &[&str]) -> String {
     if names.is_empty() {
         "none".to_owned()
     } else {

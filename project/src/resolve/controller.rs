@@ -122,13 +122,13 @@ pub(crate) fn recording_controller(v: &mut dyn Visit, controller: &mut Recording
                 RecordingController::Exported(source) => source,
                 _ => ControllerSource::default(),
             };
-            exported(v, &mut source);
+            visit_exported_controller(v, &mut source);
             RecordingController::Exported(source)
         }
     };
 }
 
-fn exported(v: &mut dyn Visit, source: &mut ControllerSource) {
+fn visit_exported_controller(v: &mut dyn Visit, source: &mut ControllerSource) {
     v.text(&Field::new("file", "the controller.json that an export wrote"), &mut source.file);
     let hash =
         "hash of the project that it was exported from, as in the header of the C code; checked if given";
@@ -173,7 +173,7 @@ fn position_controller(v: &mut dyn Visit, controller: &mut PositionController) {
     let meaning =
         "samples over which the position is differenced to get the rate; 0 for the reading of a rate sensor";
     let field = Field::new("rate_samples", meaning).limit(Limit::Between(0.0, MOST_RATE_SAMPLES)).or(1.0);
-    v.whole(&field, &mut samples);
+    v.whole_number(&field, &mut samples);
     controller.rate =
         if samples == 0 { RateSource::Measured } else { RateSource::Differences(samples as usize) };
 }

@@ -11,7 +11,7 @@ use super::{Project, drive};
 use crate::diagnostic::{DiagnosticKind, Severity};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
 use crate::file::source::Remark;
-use crate::file::visit::{Presence, Visit, maybe_number, optional};
+use crate::file::visit::{Presence, Visit, maybe_number, visit_optional};
 use crate::tolerance::LEAST_LEVER;
 
 const ABOVE_0: Limit = Limit::Above(0.0);
@@ -203,7 +203,7 @@ fn lever(v: &mut dyn Visit, arm: Option<f64>, lever: &mut Lever) {
         Lever::Linkage(pins) => Some(pins),
     };
     let section = TableField::optional("linkage", "pins of the cylinder, whose lever then follows the angle");
-    optional(v, &section, &mut pins, BLANK_PINS, linkage);
+    visit_optional(v, &section, &mut pins, BLANK_PINS, linkage);
     *lever = match pins {
         Some(pins) => Lever::Linkage(pins),
         None => Lever::Constant(arm.unwrap_or(1.0)),

@@ -19,7 +19,7 @@ use super::synthesis::{DesignRequest, WeightSource, blank_feedback, blank_feedfo
 use super::synthesis_options::{self, SynthesisOptions};
 use super::weight::weight;
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{NamedChoice, Visit, choose, maybe_number, optional, table};
+use crate::file::visit::{NamedChoice, Visit, choose, maybe_number, table, visit_optional};
 
 /// How the plant is reduced before the design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -236,7 +236,7 @@ fn weights(v: &mut dyn Visit, synth: &mut DesignRequest) {
     let specification = &mut synth.specification;
     let mut stated = (synth.weights == WeightSource::Stated).then(|| specification.feedback.clone());
     let section = "weights of the feedback; without them, weights are chosen for the highest bandwidth";
-    optional(v, &TableField::optional("feedback", section), &mut stated, blank_feedback(), feedback);
+    visit_optional(v, &TableField::optional("feedback", section), &mut stated, blank_feedback(), feedback);
     if let Some(stated) = stated {
         (specification.feedback, synth.weights) = (stated, WeightSource::Stated);
         cascade::with_stated_weights(v, synth.loop_kind, specification.position_gain);
@@ -246,11 +246,11 @@ fn weights(v: &mut dyn Visit, synth: &mut DesignRequest) {
         }
     }
     let heave = TableField::optional("heave", "weights of the feedforward from heave");
-    optional(v, &heave, &mut specification.heave, blank_feedforward(), |v, part| {
+    visit_optional(v, &heave, &mut specification.heave, blank_feedforward(), |v, part| {
         feedforward(v, part, "(m/s^2)^2 s")
     });
     let pitch = TableField::optional("pitch", "weights of the feedforward from pitch");
-    optional(v, &pitch, &mut specification.pitch, blank_feedforward(), |v, part| {
+    visit_optional(v, &pitch, &mut specification.pitch, blank_feedforward(), |v, part| {
         feedforward(v, part, "(rad/s)^2 s")
     });
 }
@@ -407,8 +407,8 @@ fn feedback(v: &mut dyn Visit, feedback: &mut FeedbackWeights) {
     let recovery =
         Field::new("loop_recovery", "spectral density of a fictitious noise on the control").unit("V^2 s");
     v.number(&recovery.limit(AT_LEAST_0).or(0.0), &mut feedback.loop_recovery);
-    indexed(v, &DISTURBANCES, &mut feedback.disturbances);
-    indexed(v, &COMBINATION, &mut feedback.combination);
+    visit_indexed_values(v, &DISTURBANCES, &mut feedback.disturbances);
+    visit_indexed_values(v, &COMBINATION, &mut feedback.combination);
     table(v, &TableField::mandatory("error", "weight on the measured error"), &mut feedback.error, weight);
     table(v, &TableField::mandatory("control", "weight on the control"), &mut feedback.control, weight);
 }
@@ -462,7 +462,7 @@ const COMBINATION: [SignalField; 3] = [
 ];
 
 /// Numbers by the index of a signal; those that are 0 are left out.
-fn indexed(v: &mut dyn Visit, fields: &[SignalField], values: &mut Vec<VectorEntry>) {
+fn visit_indexed_values(v: &mut dyn Visit, fields: &[SignalField], values: &mut Vec<VectorEntry>) {
     let old = std::mem::take(values);
     for SignalField { field, signal } in fields {
         let mut value = old.iter().find(|entry| entry.index == *signal).map_or(0.0, |entry| entry.value);
@@ -489,7 +489,7 @@ impl NamedChoice for FeedforwardBasis {
         &[("open-loop", Self::OpenLoop), ("closed-loop", Self::ClosedLoop)];
 }
 
-fn weighed(v: &mut dyn Visit, part: &mut FeedforwardWeights) {
+fn visit_weighted_output(v: &mut dyn Visit, part: &mut FeedforwardWeights) {
     let mut which = if part.output == Some(LinearPlant::TIP_RATE) { Weighed::Tip } else { Weighed::Hub };
     choose(
         v,
@@ -502,7 +502,7 @@ fn weighed(v: &mut dyn Visit, part: &mut FeedforwardWeights) {
 }
 
 fn feedforward(v: &mut dyn Visit, part: &mut FeedforwardWeights, noise_unit: &'static str) {
-    weighed(v, part);
+    visit_weighted_output(v, part);
     let (mut known, mut noise) = match part.knowledge {
         DisturbanceKnowledge::Exact => (Known::Exact, f64::NAN),
         DisturbanceKnowledge::Measured { noise } => (Known::Measured, noise),

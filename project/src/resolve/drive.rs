@@ -287,11 +287,11 @@ fn map(v: &mut dyn Visit, map: &mut Vec<MapPoint>) {
         .or_empty();
     let mut pairs: Vec<[f64; 2]> = map.iter().map(|p| [p.input_v, p.current_a]).collect();
     v.pairs(&field, &mut pairs);
-    *map = merged(pairs);
+    *map = merge_points(pairs);
 }
 
 /// Returns the points in order of voltage; points at one voltage become their mean.
-fn merged(mut pairs: Vec<[f64; 2]>) -> Vec<MapPoint> {
+fn merge_points(mut pairs: Vec<[f64; 2]>) -> Vec<MapPoint> {
     pairs.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mean = |points: &[[f64; 2]]| points.iter().map(|p| p[1]).sum::<f64>() / points.len() as f64;
     pairs

@@ -198,7 +198,7 @@ pub(crate) fn tuning(v: &mut dyn Visit, tuning: &mut TuningOptions) {
     );
     count(v, &starts.limit(Limit::Between(1.0, 1000.0)).or(12.0), &mut tuning.starts);
     let seed = Field::new("seed", "seed of the random part of the starts").limit(AT_LEAST_0);
-    v.whole(&seed.or(1.0), &mut tuning.seed);
+    v.whole_number(&seed.or(1.0), &mut tuning.seed);
 }
 
 fn limits(v: &mut dyn Visit, limits: &mut LoopLimits) {
@@ -214,14 +214,14 @@ fn limits(v: &mut dyn Visit, limits: &mut LoopLimits) {
     let delay = Field::new("delay_margin", "lowest delay margin").unit("s").limit(AT_LEAST_0).or(0.0);
     v.number(&delay, &mut limits.delay_margin_s);
     let noise = Field::new("noise_gain", "largest RMS control for noise of unit RMS").unit("V s/rad");
-    unlimited(v, &noise, &mut limits.noise_gain);
+    visit_limit(v, &noise, &mut limits.noise_gain);
     let peak =
         Field::new("control_peak", "largest gain from the reading's noise to the control at any frequency")
             .unit("V s/rad");
-    unlimited(v, &peak, &mut limits.control_peak);
+    visit_limit(v, &peak, &mut limits.control_peak);
     let effort =
         Field::new("effort", "largest RMS control of the feedback under the objective's disturbance");
-    unlimited(v, &effort.unit("V"), &mut limits.effort_v);
+    visit_limit(v, &effort.unit("V"), &mut limits.effort_v);
     let decay = Field::new("decay", "slowest decay of a pole of the closed loop").unit("rad/s");
     v.number(&decay.limit(AT_LEAST_0).or(0.0), &mut limits.decay_rad_s);
     let damping = Field::new("damping", "smallest damping ratio of the poles up to twice the crossover");
@@ -229,7 +229,7 @@ fn limits(v: &mut dyn Visit, limits: &mut LoopLimits) {
 }
 
 /// A limit that is infinite if it is not written.
-fn unlimited(v: &mut dyn Visit, field: &Field, value: &mut f64) {
+fn visit_limit(v: &mut dyn Visit, field: &Field, value: &mut f64) {
     let mut slot = value.is_finite().then_some(*value);
     maybe_number(v, &field.limit(ABOVE_0), &mut slot);
     *value = slot.unwrap_or(f64::INFINITY);

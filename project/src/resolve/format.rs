@@ -14,7 +14,7 @@ pub(super) enum News {
 }
 
 /// Returns the errors for which nothing else of a file is judged: a newer format, and parts that are not in their places.
-pub(super) fn unreadable(document: &Document) -> Result<(), Vec<Diagnostic>> {
+pub(super) fn check_readable(document: &Document) -> Result<(), Vec<Diagnostic>> {
     if let Some(why) = document.node_at("format").and_then(format_is_newer) {
         return Err(vec![
             document.finding(Severity::Error, Remark::new(DiagnosticKind::Format, "format", why)),

@@ -269,7 +269,7 @@ fn parts(v: &mut dyn Visit, law: &mut FrictionLaw) {
         FrictionLaw::Bristle { coulomb_nm, bristles, bond_rad } => {
             v.number(&COULOMB, coulomb_nm);
             let mut count = u32::try_from(*bristles).unwrap_or(u32::MAX);
-            v.whole(&BRISTLES, &mut count);
+            v.whole_number(&BRISTLES, &mut count);
             *bristles = count as usize;
             v.number(&BOND, bond_rad);
         }

@@ -86,27 +86,27 @@ impl ImportedContent {
         watch: &mut ProgressObserver,
     ) -> Result<FeModel, counterpoise_models::Error> {
         if !self.matrices.is_large() && wanted.shapes == Shapes::Modes {
-            return self.computed(fitted, wanted, watch);
+            return self.compute_model(fitted, wanted, watch);
         }
         let is_same =
             |kept: &&Condensed| kept.wanted == *wanted && kept.fitted == *fitted && kept.content == *self;
-        if let Some(kept) = condensed().iter().find(is_same) {
+        if let Some(kept) = condensed_structures().iter().find(is_same) {
             return Ok(kept.structure.clone());
         }
-        let structure = self.computed(fitted, wanted, watch)?;
+        let structure = self.compute_model(fitted, wanted, watch)?;
         let made = Condensed {
             content: self.clone(),
             fitted: fitted.clone(),
             wanted: *wanted,
             structure: structure.clone(),
         };
-        let mut all = condensed();
+        let mut all = condensed_structures();
         all.insert(0, made);
         all.truncate(KEPT_STRUCTURES);
         Ok(structure)
     }
 
-    fn computed(
+    fn compute_model(
         &self,
         fitted: &Fitted,
         wanted: &Condensation,
@@ -132,7 +132,7 @@ const KEPT_STRUCTURES: usize = 2;
 
 /// Returns the structures that were condensed last, the newest first. A large one takes seconds, and every edit in the window and every
 /// variation of a study asks for the same one again. The answer depends on nothing but what is compared.
-fn condensed() -> MutexGuard<'static, Vec<Condensed>> {
+fn condensed_structures() -> MutexGuard<'static, Vec<Condensed>> {
     static CONDENSED: Mutex<Vec<Condensed>> = Mutex::new(Vec::new());
     CONDENSED.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -195,8 +195,8 @@ pub(crate) fn import(v: &mut dyn Visit, import: &mut ImportedStructure) {
 fn content(v: &mut dyn Visit, import: &ImportedStructure) -> Option<ImportedContent> {
     let map = read(v, "node_map", &import.node_map, NodeMap::parse)?;
     let matrices = match import.format {
-        MatrixFormat::MatrixMarket => plain(v, import, &map, |text, _| matrix_market(text)),
-        MatrixFormat::Op4 => plain(v, import, &map, |text, name| {
+        MatrixFormat::MatrixMarket => visit_matrices(v, import, &map, |text, _| matrix_market(text)),
+        MatrixFormat::Op4 => visit_matrices(v, import, &map, |text, name| {
             let all = read_op4(text)?;
             let known: Vec<&str> = all.iter().map(|one| one.name.as_str()).collect();
             let at = the_one(&known, name)?;
@@ -205,7 +205,7 @@ fn content(v: &mut dyn Visit, import: &ImportedStructure) -> Option<ImportedCont
         MatrixFormat::Dmig => grids(v, import),
     }?;
     let content = ImportedContent { matrices, map };
-    match content.matrices.sparse(&content.map) {
+    match content.matrices.to_sparse_structure(&content.map) {
         Ok(_) => Some(content),
         Err(error) => {
             v.complain("node_map", &format!("does not fit the matrices: {}", describe_mistake(&error)), None);
@@ -215,7 +215,7 @@ fn content(v: &mut dyn Visit, import: &ImportedStructure) -> Option<ImportedCont
 }
 
 /// Matrices in the rows' order of the node map.
-fn plain(
+fn visit_matrices(
     v: &mut dyn Visit,
     import: &ImportedStructure,
     map: &NodeMap,

@@ -6,7 +6,7 @@ use counterpoise_models::loads::{EndStops, Equilibrator, Recoil};
 use counterpoise_models::{AxisKind, DriveLimits, MotorHeat, Parameters};
 
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Count, NamedChoice, Presence, Visit, choose, optional};
+use crate::file::visit::{Count, NamedChoice, Presence, Visit, choose, visit_optional};
 
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 const ABOVE_0: Limit = Limit::Above(0.0);
@@ -36,14 +36,14 @@ pub(super) fn loads(v: &mut dyn Visit, plant: &mut Parameters) {
         "equilibrator",
         "spring or gas strut between elevated mass and platform that holds the out-of-balance",
     );
-    optional(v, &section, &mut plant.loads.equilibrator, blank_equilibrator(), equilibrator);
+    visit_optional(v, &section, &mut plant.loads.equilibrator, blank_equilibrator(), equilibrator);
     let section = TableField::optional("end_stops", "stops at the ends of the travel on the platform");
-    optional(v, &section, &mut plant.loads.end_stops, BLANK_STOPS, end_stops);
+    visit_optional(v, &section, &mut plant.loads.end_stops, BLANK_STOPS, end_stops);
     let section = TableField::optional(
         "recoil",
         "what the machine fires: it does so on the road, or while heave and pitch move together",
     );
-    optional(v, &section, &mut plant.loads.recoil, blank_recoil(), recoil);
+    visit_optional(v, &section, &mut plant.loads.recoil, blank_recoil(), recoil);
     let turning =
         [("equilibrator", plant.loads.equilibrator.is_some()), ("recoil", plant.loads.recoil.is_some())];
     for (key, _) in turning.into_iter().filter(|(_, there)| *there && plant.axis == AxisKind::Linear) {
@@ -202,7 +202,7 @@ pub(super) fn drive_limits(v: &mut dyn Visit, plant: &mut Parameters) {
     let time = Field::new("overload_time", "time constant of the average of the squared current");
     v.number(&time.unit("s").limit(ABOVE_0).or(1.0), &mut limits.overload_time_s);
     let section = TableField::optional("heat", "winding and housing of the motor as stores of heat");
-    optional(v, &section, &mut limits.heat, BLANK_HEAT, motor_heat);
+    visit_optional(v, &section, &mut limits.heat, BLANK_HEAT, motor_heat);
     v.leave();
 }
 

@@ -56,7 +56,7 @@ use crate::file::guide::{Guide, WALKS};
 use crate::file::lister::{Line, Lister};
 use crate::file::reader::Reader;
 use crate::file::setter::Setter;
-use crate::file::visit::{Presence, Visit, optional, table};
+use crate::file::visit::{Presence, Visit, table, visit_optional};
 use crate::file::{Attachments, Document, EditError, FORMAT, writer};
 use controller::RecordingController;
 use design::{ExportRequest, ReductionOptions};
@@ -133,7 +133,7 @@ impl Project {
     /// cannot be put in their places.
     pub fn resolve(document: &Document, attachments: &Attachments) -> Result<ParsedProject, Vec<Diagnostic>> {
         let document = &document.with_parts(attachments);
-        format::unreadable(document)?;
+        format::check_readable(document)?;
         let mut project = Self::blank();
         let mut reader = Reader::new(&document.source, &document.entries, attachments);
         let format = file(&mut reader, &mut project);
@@ -181,14 +181,16 @@ impl Project {
     /// Returns the project with the usual procedure and no requirement if it has no section `verify`.
     #[must_use]
     pub fn with_usual_verification(mut self) -> Self {
-        self.verify.get_or_insert_with(|| verify::usual(&self.model, self.plant.interface.sample_period_s));
+        self.verify.get_or_insert_with(|| {
+            verify::usual_verification(&self.model, self.plant.interface.sample_period_s)
+        });
         self
     }
 
     /// Returns the canonical text of the project: sections in fixed order, units in comments, usual values
     /// left out.
     pub fn to_text(&self) -> String {
-        writer::canonical(&self.lines())
+        writer::canonical_text(&self.lines())
     }
 
     /// Returns the assumptions of the canonical text: the defaults that stand in for physical quantities, with their usual ranges. A value
@@ -259,7 +261,7 @@ impl Project {
 /// Reads or lists the whole file; gives its format.
 fn file(v: &mut dyn Visit, project: &mut Project) -> u32 {
     let mut format = FORMAT;
-    v.whole(
+    v.whole_number(
         &Field::new("format", "format of this file")
             .limit(Limit::AtLeast(0.0))
             .or(f64::from(FORMAT))
@@ -269,7 +271,7 @@ fn file(v: &mut dyn Visit, project: &mut Project) -> u32 {
     table(v, &TableField::mandatory("plant", "the mechanism"), project, |v, project| {
         plant::plant(v, &mut project.plant);
         let section = TableField::optional("import", "the structure as matrices of a finite-element package");
-        optional(v, &section, &mut project.import, import::blank(), import::import);
+        visit_optional(v, &section, &mut project.import, import::blank(), import::import);
     });
     designs(v, project);
     recordings(v, project);
@@ -304,22 +306,22 @@ fn designs(v: &mut dyn Visit, project: &mut Project) {
     );
     let section = TableField::optional("synth", "the design: weights and options");
     let (measured, axis) = (project.plant.sensors.measured, project.plant.axis);
-    optional(v, &section, &mut project.synth, blank_synthesis(), |v, synth| {
+    visit_optional(v, &section, &mut project.synth, blank_synthesis(), |v, synth| {
         design::synth(v, synth, measured, axis);
     });
     let section = TableField::optional("verify", "tests of the loop, and requirements");
     let controlled = project.plant.controlled_quantity();
     let period_s = project.plant.interface.sample_period_s;
-    optional(v, &section, &mut project.verify, verify::blank(period_s), |v, verification| {
+    visit_optional(v, &section, &mut project.verify, verify::blank(period_s), |v, verification| {
         verify::verify(v, verification, controlled, period_s);
     });
     let section = TableField::optional(
         "traverse",
         "the traverse axis under this elevation axis, verified together with it",
     );
-    optional(v, &section, &mut project.traverse, traverse::blank(), traverse::traverse);
+    visit_optional(v, &section, &mut project.traverse, traverse::blank(), traverse::visit_traverse_axis);
     let section = TableField::optional("sweep", "robustness campaign");
-    optional(v, &section, &mut project.sweep, sweep::blank(), sweep::sweep);
+    visit_optional(v, &section, &mut project.sweep, sweep::blank(), sweep::sweep);
     if let Some(verification) = &mut project.verify {
         verification.procedure.operating_point = project.model.operating_point;
         verification.procedure.friction = project.model.friction;
@@ -335,7 +337,7 @@ fn designs(v: &mut dyn Visit, project: &mut Project) {
 fn recordings(v: &mut dyn Visit, project: &mut Project) {
     let section =
         TableField::optional("recording_controller", "the controller in the loop when recordings were made");
-    optional(
+    visit_optional(
         v,
         &section,
         &mut project.recording_controller,
@@ -356,7 +358,13 @@ fn recordings(v: &mut dyn Visit, project: &mut Project) {
     let section = TableField::optional("recording", "how the columns of recordings become channels");
     unless_usual(v, &section, &mut project.recording, recording::recording);
     let section = TableField::optional("measured", "natural frequencies measured on the real structure");
-    optional(v, &section, &mut project.measured, measured_modes::blank(), measured_modes::measured_modes);
+    visit_optional(
+        v,
+        &section,
+        &mut project.measured,
+        measured_modes::blank(),
+        measured_modes::measured_modes,
+    );
 }
 
 /// Returns whether a finding holds even though the syntax is broken elsewhere.

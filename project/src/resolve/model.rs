@@ -182,6 +182,6 @@ fn friction(v: &mut dyn Visit, friction: &mut FrictionLinearisation) {
 /// A whole number that counts things.
 pub(crate) fn count(v: &mut dyn Visit, field: &Field, value: &mut usize) {
     let mut whole = u32::try_from(*value).unwrap_or(u32::MAX);
-    v.whole(field, &mut whole);
+    v.whole_number(field, &mut whole);
     *value = whole as usize;
 }

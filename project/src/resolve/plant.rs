@@ -12,7 +12,7 @@ use super::sensor::{accelerometer, gyroscope, sensor};
 use super::structure::{beam, blank_beam, blank_configuration, blank_lumped, configuration, lumped_inertias};
 use super::{cylinder, drive, loads, loop_sensor, transmission};
 use crate::file::field::{Field, Limit, TableField, UsualRange};
-use crate::file::visit::{NamedChoice, Presence, Visit, choose, list, maybe_number, optional, table};
+use crate::file::visit::{NamedChoice, Presence, Visit, choose, list, maybe_number, table, visit_optional};
 use crate::tolerance::{MOST_CONTROL_DELAY_SAMPLES, MOST_CONVERTER_BITS, MOST_ERRANT};
 
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
@@ -88,7 +88,7 @@ pub(crate) fn plant(v: &mut dyn Visit, plant: &mut Parameters) {
     );
     let axis = plant.axis;
     one_inertia(&mut Words::of(axis, v), &mut plant.lumped);
-    optional(
+    visit_optional(
         v,
         &TableField::optional("beam", "the structure as a beam"),
         &mut plant.beam,
@@ -284,21 +284,21 @@ fn sensors(v: &mut dyn Visit, plant: &mut Parameters) {
     sensors_of_base(&mut Words::of(axis, v), sensors);
     let tachometer = TableField::optional("motor_tachometer", "rate of the motor on the platform");
     let of_motor = |v: &mut dyn Visit, s: &mut Sensor| sensor(&mut Words::of(rotor, v), s, "rad/s");
-    optional(v, &tachometer, &mut sensors.motor_tachometer, Sensor::IDEAL, of_motor);
+    visit_optional(v, &tachometer, &mut sensors.motor_tachometer, Sensor::IDEAL, of_motor);
     let v = &mut Words::of(axis, v);
     let resolver = TableField::optional("hub_resolver", "angle of the hub on the platform");
-    optional(v, &resolver, &mut sensors.hub_resolver, Sensor::IDEAL, |v, s| sensor(v, s, "rad"));
+    visit_optional(v, &resolver, &mut sensors.hub_resolver, Sensor::IDEAL, |v, s| sensor(v, s, "rad"));
     let surge =
         "surge, gravity removed: the controller projects heave and surge across the beam by the hub's angle";
     let surge = TableField::optional("surge_accelerometer", surge);
-    optional(v, &surge, &mut sensors.surge_accelerometer, Sensor::IDEAL, accelerometer);
+    visit_optional(v, &surge, &mut sensors.surge_accelerometer, Sensor::IDEAL, accelerometer);
     v.leave();
 }
 
 /// Reads or lists the gyroscope of the platform and the accelerometer of its heave.
 fn sensors_of_base(v: &mut dyn Visit, sensors: &mut Sensors) {
     let gyro = TableField::optional("platform_gyro", "rate of the platform");
-    fitted(v, &gyro, &mut sensors.platform_gyro, gyroscope);
+    visit_sensor(v, &gyro, &mut sensors.platform_gyro, gyroscope);
     let section = TableField::optional("platform_accelerometer", "heave, gravity removed");
     if v.enter(&section, Presence::from(sensors.platform_accelerometer.is_fitted())) {
         accelerometer(v, &mut sensors.platform_accelerometer);
@@ -318,7 +318,7 @@ fn sensors_of_base(v: &mut dyn Visit, sensors: &mut Sensors) {
 }
 
 /// A sensor whose absence means that none is fitted.
-fn fitted(
+fn visit_sensor(
     v: &mut dyn Visit,
     section: &TableField,
     value: &mut Sensor,
@@ -359,12 +359,12 @@ fn interface(v: &mut dyn Visit, interface: &mut Interface) {
             UsualRange::Values(10.0, 24.0),
         )
     };
-    v.whole(&fine("input_bits"), &mut interface.input_bits);
-    v.whole(&fine("output_bits"), &mut interface.output_bits);
+    v.whole_number(&fine("input_bits"), &mut interface.input_bits);
+    v.whole_number(&fine("output_bits"), &mut interface.output_bits);
     let mut delay = u32::try_from(interface.output_delay_samples).unwrap_or(u32::MAX);
     let field = Field::new("output_delay_samples", "whole sample periods by which the control is delayed")
         .limit(Limit::Between(0.0, MOST_CONTROL_DELAY_SAMPLES));
-    v.whole(&field.or(0.0), &mut delay);
+    v.whole_number(&field.or(0.0), &mut delay);
     interface.output_delay_samples = delay as usize;
     clock(v, &mut interface.clock);
     let missing = Field::new("missing_codes", "share of the codes that the input converters never give");

@@ -240,7 +240,7 @@ pub(crate) fn platform(v: &mut dyn Visit, source: &mut PlatformSource) {
     }
     match source {
         PlatformSource::Recording(road) => recording(v, road),
-        PlatformSource::Made(motion) => made(v, motion),
+        PlatformSource::Made(motion) => visit_generated_motion(v, motion),
         PlatformSource::InertialUnit(unit) => base_motion::inertial_unit(v, unit),
     }
 }
@@ -301,7 +301,7 @@ fn recording(v: &mut dyn Visit, road: &mut RoadSource) {
     );
 }
 
-fn made(v: &mut dyn Visit, motion: &mut GeneratedMotion) {
+fn visit_generated_motion(v: &mut dyn Visit, motion: &mut GeneratedMotion) {
     match &mut motion.kind {
         MotionKind::Spectrum { heave_psd, pitch_psd } => {
             let heave = "points of the heave's spectral density, or the name of a CSV file";

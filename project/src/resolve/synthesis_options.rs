@@ -10,7 +10,7 @@ use super::imported_controller::{ImportedController, imported_controller};
 use super::model::count;
 use super::weight::{blank_weight, weight};
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Count, NamedChoice, Visit, choose, maybe_number, optional, pair, table};
+use crate::file::visit::{Count, NamedChoice, Visit, choose, maybe_number, pair, table, visit_optional};
 
 /// Options of a design besides the weights of its three parts.
 #[derive(Debug, Clone, PartialEq)]
@@ -266,24 +266,24 @@ pub(crate) fn keys(v: &mut dyn Visit, options: &mut SynthesisOptions) {
 /// Reads or lists the tables of `[synth]` that are not the three parts'.
 pub(crate) fn tables(v: &mut dyn Visit, options: &mut SynthesisOptions) {
     let section = TableField::optional("prefilter", "filter of the demand before the controller");
-    optional(v, &section, &mut options.prefilter, blank_weight(), prefilter);
+    visit_optional(v, &section, &mut options.prefilter, blank_weight(), prefilter);
     let section = TableField::optional("observer", "nonlinear observer that cancels dry friction");
-    optional(v, &section, &mut options.observer, blank_observer(), observer);
+    visit_optional(v, &section, &mut options.observer, blank_observer(), observer);
     let section = TableField::optional("schedule", "designs for several states of out-of-balance");
-    optional(v, &section, &mut options.schedule, blank_schedule(), schedule);
+    visit_optional(v, &section, &mut options.schedule, blank_schedule(), schedule);
     let section = TableField::optional("adaptation", "estimation of the out-of-balance from the control");
-    optional(v, &section, &mut options.adaptation, blank_adaptation(), adaptation);
+    visit_optional(v, &section, &mut options.adaptation, blank_adaptation(), adaptation);
     let section = TableField::optional("search", "requirements from which weights are searched");
-    optional(v, &section, &mut options.search, blank_search(), search);
+    visit_optional(v, &section, &mut options.search, blank_search(), search);
     blocks(v, &mut options.structure.blocks);
     let section = TableField::optional(
         "controller",
         "a feedback that was made elsewhere, which takes the place of the H2 feedback",
     );
-    optional(v, &section, &mut options.imported, ImportedController::default(), imported_controller);
+    visit_optional(v, &section, &mut options.imported, ImportedController::default(), imported_controller);
     let section =
         TableField::optional("tune", "what the open parameters of the blocks, or the weights, are tuned for");
-    optional(v, &section, &mut options.tuning, TuningOptions::default(), tuning);
+    visit_optional(v, &section, &mut options.tuning, TuningOptions::default(), tuning);
 }
 
 fn methods(v: &mut dyn Visit, methods: &mut Vec<SynthesisMethod>) {
@@ -331,10 +331,10 @@ fn observer(v: &mut dyn Visit, observer: &mut ObserverOptions) {
     v.number(&sign.limit(ABOVE_0).or(5e-3), &mut observer.sign_rate_rad_s);
     let motor = "identified friction at the motor shaft, with its own law; if absent, the plant's";
     let motor = TableField::optional("motor", motor);
-    optional(v, &motor, &mut observer.motor, blank_identified(), identified_friction);
+    visit_optional(v, &motor, &mut observer.motor, blank_identified(), identified_friction);
     let pivot = "identified friction at the pivot, with its own law; if absent, the plant's";
     let pivot = TableField::optional("pivot", pivot);
-    optional(v, &pivot, &mut observer.pivot, blank_identified(), identified_friction);
+    visit_optional(v, &pivot, &mut observer.pivot, blank_identified(), identified_friction);
 }
 
 fn blank_schedule() -> ScheduleOptions {
@@ -455,11 +455,11 @@ fn search(v: &mut dyn Visit, search: &mut WeightSearch) {
     v.number(&overshoot.limit(AT_LEAST_0).or(usual.overshoot), &mut asked.overshoot);
     let crossover = Field::new("crossover", "lowest crossover frequency").unit("rad/s").limit(AT_LEAST_0);
     v.number(&crossover.or(usual.crossover_rad_s), &mut asked.crossover_rad_s);
-    unlimited(v, &Field::new("max_sensitivity", "largest sensitivity"), &mut asked.ms);
+    visit_limit(v, &Field::new("max_sensitivity", "largest sensitivity"), &mut asked.ms);
     let control = Field::new("step_control", "largest control after a unit step").unit("V s/rad");
-    unlimited(v, &control, &mut asked.step_control_v);
+    visit_limit(v, &control, &mut asked.step_control_v);
     let gain = Field::new("noise_gain", "largest RMS control for noise of unit RMS").unit("V s/rad");
-    unlimited(v, &gain, &mut asked.noise_gain);
+    visit_limit(v, &gain, &mut asked.noise_gain);
     let field = Field::new("band", "lower and upper end of the band over which rejection is wanted")
         .unit("rad/s")
         .limit(ABOVE_0);
@@ -477,7 +477,7 @@ fn search(v: &mut dyn Visit, search: &mut WeightSearch) {
 }
 
 /// A limit that is infinite if it is not written.
-fn unlimited(v: &mut dyn Visit, field: &Field, value: &mut f64) {
+fn visit_limit(v: &mut dyn Visit, field: &Field, value: &mut f64) {
     let mut slot = value.is_finite().then_some(*value);
     maybe_number(v, &field.limit(ABOVE_0), &mut slot);
     *value = slot.unwrap_or(f64::INFINITY);

@@ -3,7 +3,7 @@
 use counterpoise_models::two_axes::{BodyInertia, PivotPosition, TraverseGyroscope};
 use counterpoise_verify::{JointFigure, JointRequirement, Limit as Bound};
 
-use crate::diagnostic::nearest;
+use crate::diagnostic::nearest_name;
 use crate::file::field::{Field, Limit, TableField};
 use crate::file::visit::{NamedChoice, Visit, choose, list, maybe_number};
 
@@ -71,7 +71,7 @@ pub(super) fn blank() -> TraverseAxis {
 }
 
 /// Reads or lists a traverse axis.
-pub(super) fn traverse(v: &mut dyn Visit, axis: &mut TraverseAxis) {
+pub(super) fn visit_traverse_axis(v: &mut dyn Visit, axis: &mut TraverseAxis) {
     let file =
         "project file of the traverse axis, in the folder of this one: a machine of one axis with gravity 0";
     v.text(&Field::new("file", file), &mut axis.file);
@@ -148,7 +148,7 @@ fn requirement(v: &mut dyn Visit, asked: &mut WrittenRequirement) {
     let known = JointFigure::from_key(&asked.figure);
     if known.is_none() && !asked.figure.is_empty() {
         let keys: Vec<String> = JointFigure::all().map(|figure| figure.key()).collect();
-        let hint = nearest(&asked.figure, keys.iter().map(String::as_str))
+        let hint = nearest_name(&asked.figure, keys.iter().map(String::as_str))
             .map(|name| format!("did you mean \"{name}\"?"));
         v.complain("figure", "there is no such figure of both axes", hint);
     }

@@ -8,9 +8,9 @@ use counterpoise_verify::{
 use super::model::PlantSelection;
 use super::platform::{self, PlatformSource};
 use super::seed::seed;
-use crate::diagnostic::nearest;
+use crate::diagnostic::nearest_name;
 use crate::file::field::{Field, Limit, TableField};
-use crate::file::visit::{Count, Visit, list, maybe_number, optional, table};
+use crate::file::visit::{Count, Visit, list, maybe_number, table, visit_optional};
 use crate::tolerance::MOST_UNSTATED_SAMPLES;
 
 /// What a verification does and asks.
@@ -61,7 +61,7 @@ pub(crate) fn blank(sample_period_s: f64) -> VerificationOptions {
 }
 
 /// Returns what is verified where a file has no section for it: the usual procedure where the model stands.
-pub(crate) fn usual(model: &PlantSelection, sample_period_s: f64) -> VerificationOptions {
+pub(crate) fn usual_verification(model: &PlantSelection, sample_period_s: f64) -> VerificationOptions {
     let mut verification = blank(sample_period_s);
     verification.procedure.operating_point = model.operating_point;
     verification.procedure.friction = model.friction;
@@ -93,7 +93,7 @@ pub(crate) fn verify(
     table(v, &TableField::optional("step", "a step of the demand"), &mut procedure.step, |v, s| {
         step(v, s, step_size, StepDefaults { unit: controlled.unit(), usual: usual.step })
     });
-    optional(
+    visit_optional(
         v,
         &TableField::optional("triangle", "a triangle of the demand, which shows friction at its reversals"),
         &mut procedure.triangle,
@@ -106,7 +106,7 @@ pub(crate) fn verify(
     table(v, &TableField::optional("pitch", "sine of the pitch rate"), &mut procedure.pitch, |v, s| {
         sine(v, s, usual.pitch, "rad/s")
     });
-    optional(
+    visit_optional(
         v,
         &TableField::optional(
             "road",
@@ -116,7 +116,7 @@ pub(crate) fn verify(
         platform::blank(),
         platform::platform,
     );
-    optional(
+    visit_optional(
         v,
         &TableField::optional("line_of_sight", "error of the line of sight and what it is made of"),
         &mut verification.procedure.line_of_sight,
@@ -134,14 +134,14 @@ fn line_of_sight(v: &mut dyn Visit, sight: &mut LineOfSight) {
     );
     let settle = "time at the beginning that the line of sight leaves out; that of [verify] if absent";
     maybe_number(v, &Field::new("settle", settle).unit("s").limit(AT_LEAST_0), &mut sight.settle_s);
-    optional(
+    visit_optional(
         v,
         &TableField::optional("coincidence", "window within which a shot is released, and its target"),
         &mut sight.coincidence,
         Coincidence::default(),
         coincidence,
     );
-    optional(
+    visit_optional(
         v,
         &TableField::optional("optics", "sight whose image the motion blurs"),
         &mut sight.optics,
@@ -252,7 +252,7 @@ fn requirements(v: &mut dyn Visit, requirements: &mut Vec<Requirement>, controll
     list(v, &TableField::optional("requirement", "a figure and its limit"), &mut asked, blank, |v, asked| {
         requirement(v, asked, controlled)
     });
-    *requirements = asked.iter().flat_map(|one| resolved(one, controlled)).collect();
+    *requirements = asked.iter().flat_map(|one| resolve_requirements(one, controlled)).collect();
 }
 
 fn asked_of(requirement: &Requirement, controlled: ControlledQuantity) -> Asked {
@@ -264,7 +264,7 @@ fn asked_of(requirement: &Requirement, controlled: ControlledQuantity) -> Asked 
     Asked { figure, at_least, at_most, source: requirement.source.clone() }
 }
 
-fn resolved(asked: &Asked, controlled: ControlledQuantity) -> Vec<Requirement> {
+fn resolve_requirements(asked: &Asked, controlled: ControlledQuantity) -> Vec<Requirement> {
     let Ok(figure) = Figure::from_key_in(controlled, &asked.figure) else { return Vec::new() };
     let limits = [asked.at_least.map(Bound::AtLeast), asked.at_most.map(Bound::AtMost)];
     let requirement =
@@ -277,7 +277,7 @@ fn requirement(v: &mut dyn Visit, asked: &mut Asked, controlled: ControlledQuant
     let known = Figure::from_key_in(controlled, &asked.figure);
     if known.is_err() && !asked.figure.is_empty() {
         let keys: Vec<String> = Figure::all().iter().map(|figure| figure.key_in(controlled)).collect();
-        let hint = nearest(&asked.figure, keys.iter().map(String::as_str))
+        let hint = nearest_name(&asked.figure, keys.iter().map(String::as_str))
             .map(|name| format!("did you mean \"{name}\"?"));
         v.complain("figure", "there is no such figure", hint);
     }

@@ -4,7 +4,7 @@ use std::str::Chars;
 
 use super::dimension::Dimension;
 use super::table::{PREFIXES, PrefixRule, UNITS, UnitMeaning};
-use crate::diagnostic::nearest;
+use crate::diagnostic::nearest_name;
 
 /// A unit: `factor` times ten to the power `exponent`, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -93,7 +93,7 @@ impl Unit {
             return Ok(Self::ONE);
         }
         let unit = parser.product(0)?;
-        if parser.rest.as_str().is_empty() { Ok(unit) } else { Err(parser.malformed()) }
+        if parser.rest.as_str().is_empty() { Ok(unit) } else { Err(parser.malformed_unit()) }
     }
 
     /// Returns the product with another unit raised to a power.
@@ -111,7 +111,7 @@ impl Unit {
     }
 
     /// Returns the unit of a name, with or without prefix.
-    fn named(name: &str, reading: MassOrForce) -> Option<Self> {
+    fn find_unit(name: &str, reading: MassOrForce) -> Option<Self> {
         let exact = UNITS.iter().find(|unit| unit.name == name).map(|unit| (unit, 0));
         let prefixed = || {
             PREFIXES.iter().find_map(|(prefix, power)| {
@@ -155,7 +155,7 @@ impl Parser<'_> {
         self.rest.clone().next()
     }
 
-    fn malformed(&self) -> UnitError {
+    fn malformed_unit(&self) -> UnitError {
         UnitError::Malformed { written: self.written.to_owned() }
     }
 
@@ -207,7 +207,7 @@ impl Parser<'_> {
                 self.skip_separators();
                 let inside = self.product(depth + 1)?;
                 if self.rest.next() != Some(')') {
-                    return Err(self.malformed());
+                    return Err(self.malformed_unit());
                 }
                 inside
             }
@@ -237,28 +237,28 @@ impl Parser<'_> {
         let end = if text.starts_with("g0") { 2 } else { end };
         let (name, rest) = text.split_at(end);
         if name.is_empty() {
-            return Err(self.malformed());
+            return Err(self.malformed_unit());
         }
-        if let Some((unit, first)) = self.joined(name) {
+        if let Some((unit, first)) = self.first_of_joined(name) {
             self.rest = text[first..].chars();
             return Ok(unit);
         }
         self.rest = rest.chars();
-        Unit::named(name, self.reading).ok_or_else(|| UnitError::Unknown {
+        Unit::find_unit(name, self.reading).ok_or_else(|| UnitError::Unknown {
             name: name.to_owned(),
-            nearest: nearest(name, UNITS.iter().map(|unit| unit.name)),
+            nearest: nearest_name(name, UNITS.iter().map(|unit| unit.name)),
         })
     }
 
     /// Returns the first of two units that are written as one word, as in `kgm²` and `gcm²`, with the length of its name.
-    fn joined(&self, name: &str) -> Option<(Unit, usize)> {
-        if Unit::named(name, self.reading).is_some() {
+    fn first_of_joined(&self, name: &str) -> Option<(Unit, usize)> {
+        if Unit::find_unit(name, self.reading).is_some() {
             return None;
         }
         JOINED_SECOND.iter().find_map(|second| {
             let first = name.strip_suffix(second)?;
             let is_joined = JOINED_FIRST.iter().any(|known| first.ends_with(known));
-            let unit = Unit::named(first, self.reading).filter(|_| is_joined)?;
+            let unit = Unit::find_unit(first, self.reading).filter(|_| is_joined)?;
             Some((unit, first.len()))
         })
     }

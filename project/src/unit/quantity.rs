@@ -2,7 +2,7 @@
 
 use super::dimension::Dimension;
 use super::parser::{MassOrForce, Unit, UnitError};
-use super::scale::{Decimal, Scale, linear, plain};
+use super::scale::{Decimal, Scale, linear, plain_number};
 
 /// Why a text is no quantity of a wanted unit.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -24,7 +24,7 @@ pub enum QuantityError {
         wanted: String,
     },
     /// The unit cannot be read.
-    #[error("must be a quantity{}: {why}", like(.wanted))]
+    #[error("must be a quantity{}: {why}", unit_hint(.wanted))]
     Unit {
         /// The unit of the key.
         wanted: String,
@@ -38,7 +38,7 @@ pub enum QuantityError {
         wanted: String,
     },
     /// The quantity measures something else.
-    #[error("must be {}; {written} is {}", measured(.wanted), .found)]
+    #[error("must be {}; {written} is {}", measured_quantity(.wanted), .found)]
     Dimension {
         /// The unit of the key.
         wanted: String,
@@ -77,12 +77,12 @@ fn in_unit(wanted: &str) -> String {
     if wanted.is_empty() { String::new() } else { format!(" in {wanted}") }
 }
 
-fn like(wanted: &str) -> String {
+fn unit_hint(wanted: &str) -> String {
     if wanted.is_empty() { " without unit".to_owned() } else { format!(" in a unit like {wanted}") }
 }
 
 /// Returns what a wanted unit measures, as in "an angular rate, in a unit like rad/s".
-fn measured(wanted: &str) -> String {
+fn measured_quantity(wanted: &str) -> String {
     if wanted.is_empty() {
         return "a number without unit".to_owned();
     }
@@ -106,13 +106,13 @@ pub fn read_quantity(text: &str, wanted: &str) -> Result<f64, QuantityError> {
     if wanted.is_empty()
         && let Some(per) = parts.ratio()
     {
-        return finite(parts.number.scale_by_power_of_ten(0) / per, wanted);
+        return require_finite(parts.number.scale_by_power_of_ten(0) / per, wanted);
     }
     if parts.unit.starts_with(':') {
         return Err(mismatch(text, wanted, "a ratio", Dimension::default()));
     }
     let scale = scale(&parts, text, wanted)?;
-    finite(scale.apply(&parts.number), wanted)
+    require_finite(scale.apply(&parts.number), wanted)
 }
 
 /// Returns the text with a new value, given in the wanted unit, in the unit that the text has; `None` if the text is no
@@ -120,14 +120,14 @@ pub fn read_quantity(text: &str, wanted: &str) -> Result<f64, QuantityError> {
 pub fn rewrite_quantity(text: &str, value: f64, wanted: &str) -> Option<String> {
     let parts = Parts::of(text, wanted).ok()?;
     if let (true, Some(per)) = (wanted.is_empty(), parts.ratio()) {
-        return Some(format!("{}{}{}", plain(value * per), parts.gap, parts.unit));
+        return Some(format!("{}{}{}", plain_number(value * per), parts.gap, parts.unit));
     }
     let scale = scale(&parts, text, wanted).ok()?;
     let number = scale.undo(value)?;
     Some(format!("{number}{}{}", parts.gap, parts.unit))
 }
 
-fn finite(value: f64, wanted: &str) -> Result<f64, QuantityError> {
+fn require_finite(value: f64, wanted: &str) -> Result<f64, QuantityError> {
     if value.is_finite() { Ok(value) } else { Err(QuantityError::NotFinite { wanted: wanted.to_owned() }) }
 }
 

@@ -39,22 +39,22 @@ impl Scale {
     pub fn undo(&self, value: f64) -> Option<String> {
         let (factor, power) = match self {
             Self::Linear { factor, power } => (*factor, *power),
-            Self::CountsOfBits => return (value > 0.0).then(|| plain(value.log2())),
+            Self::CountsOfBits => return (value > 0.0).then(|| plain_number(value.log2())),
         };
         if factor == 1.0 {
-            return Some(plain(shifted(value, -power)));
+            return Some(plain_number(shift_decimal(value, -power)));
         }
-        let near = shifted(value / factor, -power);
+        let near = shift_decimal(value / factor, -power);
         let gives = |digits: usize| {
             let written: f64 = format!("{near:.digits$e}").parse().ok()?;
-            (shifted(written, power) * factor == value).then(|| plain(written))
+            (shift_decimal(written, power) * factor == value).then(|| plain_number(written))
         };
-        (0..17).find_map(gives).or_else(|| near.is_finite().then(|| plain(near)))
+        (0..17).find_map(gives).or_else(|| near.is_finite().then(|| plain_number(near)))
     }
 }
 
 /// Returns a number times a power of ten, by its shortest decimal form.
-fn shifted(value: f64, power: i32) -> f64 {
+fn shift_decimal(value: f64, power: i32) -> f64 {
     let written = format!("{value:e}");
     let (digits, exponent) = written.split_once('e').unwrap_or((&written, "0"));
     let exponent = exponent.parse::<i64>().unwrap_or(0).saturating_add(i64::from(power));
@@ -62,7 +62,7 @@ fn shifted(value: f64, power: i32) -> f64 {
 }
 
 /// Returns a number as a person writes it: without a trailing `.0`.
-pub(super) fn plain(value: f64) -> String {
+pub(super) fn plain_number(value: f64) -> String {
     let written = crate::file::setting::number(value);
     written.strip_suffix(".0").map_or(written.clone(), str::to_owned)
 }

@@ -4,7 +4,7 @@ use ndarray::{Array2, ArrayView1};
 
 use super::Decoded;
 use crate::remark::Unread;
-use crate::{Channel, Column, Remark};
+use crate::{Channel, RecordingColumn, Remark};
 
 /// An array with more columns than this is not a set of channels, and does not decide which length the table has.
 const MOST_COLUMNS: usize = 64;
@@ -29,13 +29,13 @@ pub(super) struct DecodedArrays {
 
 impl DecodedArrays {
     /// Adds an array that is not read.
-    pub(super) fn unread(&mut self, column: &str, why: Unread) {
+    pub(super) fn note_unread(&mut self, column: &str, why: Unread) {
         self.remarks.push(Remark::Unread { column: column.to_owned(), why });
     }
 
     /// Adds an array that is not read because of what it holds.
     pub(super) fn holds(&mut self, column: &str, holds: &str) {
-        self.unread(column, Unread::Type { holds: holds.to_owned() });
+        self.note_unread(column, Unread::Type { holds: holds.to_owned() });
     }
 
     /// Returns the arrays as columns of one length: that of a time column, else the most frequent (the longer one of two that are
@@ -48,7 +48,7 @@ impl DecodedArrays {
             if length == rows && rows > 1 && count <= MOST_COLUMNS {
                 columns.extend(array.split());
             } else if length > 1 || array.is_channel() {
-                self.unread(&array.name, array.left_out(rows));
+                self.note_unread(&array.name, array.left_out(rows));
             }
         }
         Decoded { columns, remarks: self.remarks }
@@ -91,10 +91,10 @@ impl NamedArray {
         self.name.rsplit('.').next().unwrap_or_default()
     }
 
-    fn split(self) -> Vec<Column> {
+    fn split(self) -> Vec<RecordingColumn> {
         let (rows, columns) = self.values.dim();
         let of = |k: usize| if rows >= columns { self.values.column(k) } else { self.values.row(k) };
-        let column = |name: String, values: ArrayView1<'_, f64>| Column {
+        let column = |name: String, values: ArrayView1<'_, f64>| RecordingColumn {
             name,
             unit: self.unit.clone(),
             values: values.to_owned(),

@@ -4,7 +4,7 @@
 use super::Decoded;
 use super::budget::Budget;
 use crate::remark::Unread;
-use crate::{Column, Error, Remark, Table};
+use crate::{Error, RecordingColumn, RecordingTable, Remark};
 
 /// The cells of one column.
 #[derive(Debug, Default, Clone)]
@@ -32,7 +32,7 @@ const ROWS_OF_A_COUNT: usize = 4096;
 
 /// Returns the columns of a CSV file.
 pub(super) fn read(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
-    let unreadable = |e: csv::Error| unreadable(file, &e);
+    let unreadable = |e: csv::Error| unreadable_error(file, &e);
     let mut budget = Budget::new(file, bytes.len());
     let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
     let delimiter = delimiter(bytes);
@@ -50,7 +50,7 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
         }
         row(&record.map_err(unreadable)?, delimiter, &mut columns, file)?;
     }
-    Kept::of(headings).decoded(columns, file)
+    Kept::of(headings).decode_part(columns, file)
 }
 
 /// The columns of a file, which may be read in parts.
@@ -74,7 +74,7 @@ impl Kept {
     ///
     /// # Errors
     /// [`Error::Cell`] if a column of numbers has a cell that is none, in this part or an earlier one.
-    fn decoded(&mut self, columns: Vec<Cells>, file: &str) -> Result<Decoded, Error> {
+    fn decode_part(&mut self, columns: Vec<Cells>, file: &str) -> Result<Decoded, Error> {
         let mut found = Decoded::default();
         for (k, mut cells) in columns.into_iter().enumerate() {
             cells.follow(&self.held[k]);
@@ -83,7 +83,7 @@ impl Kept {
             if self.kept.len() == k {
                 self.kept.push(!holds_texts);
             }
-            let column = Column::from_heading(&self.headings[k], cells.values);
+            let column = RecordingColumn::from_heading(&self.headings[k], cells.values);
             if holds_texts {
                 found.remarks.push(texts(column.name.clone()));
             }
@@ -110,7 +110,7 @@ impl Cells {
             None => Ok(false),
             Some(_) if self.numbers == 0 => Ok(true),
             Some(Text { line, value }) => {
-                let column = Column::from_heading(heading, Vec::new()).name;
+                let column = RecordingColumn::from_heading(heading, Vec::new()).name;
                 Err(Error::Cell { file: file.to_owned(), line: *line, column, value: value.clone() })
             }
         }
@@ -124,7 +124,7 @@ impl Cells {
 }
 
 /// Returns the error of a file that cannot be taken apart, with what to do about text in another encoding.
-fn unreadable(file: &str, error: &csv::Error) -> Error {
+fn unreadable_error(file: &str, error: &csv::Error) -> Error {
     let hint = match error.kind() {
         csv::ErrorKind::Utf8 { .. } => "; save it as UTF-8",
         _ => "",
@@ -219,9 +219,9 @@ impl<R: std::io::BufRead> CsvParts<R> {
     /// Reads the header. The separator is found in what the reader has buffered at first.
     ///
     /// # Errors
-    /// As [`crate::Table::read`], of the header.
+    /// As [`crate::RecordingTable::read`], of the header.
     pub fn new(mut reader: R, name: &str, rows: usize) -> Result<Self, Error> {
-        let first = reader.fill_buf().map_err(|error| unreadable(name, &error.into()))?;
+        let first = reader.fill_buf().map_err(|error| unreadable_error(name, &error.into()))?;
         let mark = "\u{feff}".as_bytes();
         let marked = first.starts_with(mark);
         let first = first.strip_prefix(mark).unwrap_or(first);
@@ -233,7 +233,7 @@ impl<R: std::io::BufRead> CsvParts<R> {
         let mut builder = csv::ReaderBuilder::new();
         builder.comment(Some(b'#')).trim(csv::Trim::All).flexible(true).delimiter(delimiter);
         let mut reader = builder.from_reader(reader);
-        let headings = reader.headers().map_err(|error| unreadable(name, &error))?;
+        let headings = reader.headers().map_err(|error| unreadable_error(name, &error))?;
         let headings: Vec<String> = headings.iter().map(str::to_owned).collect();
         refuse_numbers(&headings, delimiter, name)?;
         let rows = rows.min(VALUES_OF_A_PART / headings.len().max(1)).max(1);
@@ -242,12 +242,14 @@ impl<R: std::io::BufRead> CsvParts<R> {
         Ok(Self { reader, delimiter, columns, name, rows, read: 0, record })
     }
 
-    fn part(&mut self) -> Result<Option<Table>, Error> {
+    fn part(&mut self) -> Result<Option<RecordingTable>, Error> {
         let mut columns = vec![Cells::default(); self.columns.headings.len()];
         let mut count = 0;
         while count < self.rows {
-            let more =
-                self.reader.read_record(&mut self.record).map_err(|error| unreadable(&self.name, &error))?;
+            let more = self
+                .reader
+                .read_record(&mut self.record)
+                .map_err(|error| unreadable_error(&self.name, &error))?;
             if !more {
                 break;
             }
@@ -259,13 +261,13 @@ impl<R: std::io::BufRead> CsvParts<R> {
         }
         let name = format!("{}, rows {} to {}", self.name, self.read + 1, self.read + count);
         self.read += count;
-        let Decoded { columns, remarks } = self.columns.decoded(columns, &self.name)?;
-        Table { name, columns, remarks }.into_checked().map(Some)
+        let Decoded { columns, remarks } = self.columns.decode_part(columns, &self.name)?;
+        RecordingTable { name, columns, remarks }.into_checked().map(Some)
     }
 }
 
 impl<R: std::io::BufRead> Iterator for CsvParts<R> {
-    type Item = Result<Table, Error>;
+    type Item = Result<RecordingTable, Error>;
 
     fn next(&mut self) -> Option<Self::Item> {
         self.part().transpose()

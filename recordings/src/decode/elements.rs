@@ -75,19 +75,19 @@ impl Element<'_> {
         match self.kind {
             1 => self.data.iter().map(|b| f64::from(*b as i8)).collect(),
             2 => self.data.iter().map(|b| f64::from(*b)).collect(),
-            3 => self.each(order, |b| f64::from(i16::from_le_bytes(b))),
-            4 => self.each(order, |b| f64::from(u16::from_le_bytes(b))),
-            5 => self.each(order, |b| f64::from(i32::from_le_bytes(b))),
-            6 => self.each(order, |b| f64::from(u32::from_le_bytes(b))),
-            7 => self.each(order, |b| f64::from(f32::from_le_bytes(b))),
-            9 => self.each(order, f64::from_le_bytes),
-            12 => self.each(order, |b| i64::from_le_bytes(b) as f64),
-            13 => self.each(order, |b| u64::from_le_bytes(b) as f64),
+            3 => self.convert_each(order, |b| f64::from(i16::from_le_bytes(b))),
+            4 => self.convert_each(order, |b| f64::from(u16::from_le_bytes(b))),
+            5 => self.convert_each(order, |b| f64::from(i32::from_le_bytes(b))),
+            6 => self.convert_each(order, |b| f64::from(u32::from_le_bytes(b))),
+            7 => self.convert_each(order, |b| f64::from(f32::from_le_bytes(b))),
+            9 => self.convert_each(order, f64::from_le_bytes),
+            12 => self.convert_each(order, |b| i64::from_le_bytes(b) as f64),
+            13 => self.convert_each(order, |b| u64::from_le_bytes(b) as f64),
             _ => Vec::new(),
         }
     }
 
-    fn each<const N: usize>(&self, order: ByteOrder, convert: impl Fn([u8; N]) -> f64) -> Vec<f64> {
+    fn convert_each<const N: usize>(&self, order: ByteOrder, convert: impl Fn([u8; N]) -> f64) -> Vec<f64> {
         let ordered = |chunk: &[u8]| {
             let mut bytes: [u8; N] = chunk.try_into().unwrap_or([0; N]);
             if order == ByteOrder::BigEndian {

@@ -75,7 +75,7 @@ pub(super) fn read(bytes: &[u8], file: &str, order: Order) -> Result<DecodedArra
     match read {
         Ok(Ok(found)) => Ok(found),
         Ok(Err(Stop::Ours(error))) => Err(error),
-        Ok(Err(Stop::Library(error))) => Err(unreadable(described(&error))),
+        Ok(Err(Stop::Library(error))) => Err(unreadable(describe_error(&error))),
         Err(_) => Err(unreadable("the file is damaged".to_owned())),
     }
 }
@@ -85,7 +85,7 @@ impl Reader<'_> {
     fn group(&mut self, group: &Group, path: &str, depth: usize) -> Result<(), Stop> {
         let listed = group.iter_datasets().map(Iterator::collect);
         if listed.as_ref().is_err_and(is_link) {
-            return self.named(group, path);
+            return self.read_named_sets(group, path);
         }
         let mut sets: Vec<(String, Dataset)> = listed?;
         let mut inner: Vec<(String, Group)> = group.iter_groups()?.collect();
@@ -110,7 +110,7 @@ impl Reader<'_> {
 
     /// Reads the data sets that have the name of a channel or of the time. The library lists no group in the older format that
     /// holds a symbolic link.
-    fn named(&mut self, group: &Group, path: &str) -> Result<(), Stop> {
+    fn read_named_sets(&mut self, group: &Group, path: &str) -> Result<(), Stop> {
         let names = Channel::ALL.into_iter().map(Channel::name).chain(TIME_NAMES);
         for name in names {
             if let Ok(set) = group.dataset(name) {
@@ -118,7 +118,7 @@ impl Reader<'_> {
             }
         }
         let why = "it holds a link, and links are not followed; of its data sets only those with the name of a channel are read";
-        self.found.unread(&format!("{path}*"), Unread::Undecodable { why: why.to_owned() });
+        self.found.note_unread(&format!("{path}*"), Unread::Undecodable { why: why.to_owned() });
         Ok(())
     }
 
@@ -132,7 +132,7 @@ impl Reader<'_> {
         {
             if holds_word(bytes, channel.name().as_bytes()) {
                 let why = "it is no data set; if it is a link, save the data set itself".to_owned();
-                self.found.unread(channel.name(), Unread::Undecodable { why });
+                self.found.note_unread(channel.name(), Unread::Undecodable { why });
             }
         }
     }
@@ -173,7 +173,7 @@ impl Reader<'_> {
             return self.array(name, unit, 0, 1, Vec::new()).map_err(Stop::Ours);
         }
         let Some((rows, columns)) = self.rows_and_columns(&shape) else {
-            self.found.unread(&name, Unread::Shape { shape });
+            self.found.note_unread(&name, Unread::Shape { shape });
             return Ok(());
         };
         match set.read_f64() {
@@ -185,15 +185,15 @@ impl Reader<'_> {
                 Err(Stop::Ours(Error::Checksum { file, column: name, why: damage.to_string() }))
             }
             Err(other) if is_unsupported(&other) => {
-                self.found.unread(&name, Unread::Undecodable { why: other.to_string() });
+                self.found.note_unread(&name, Unread::Undecodable { why: other.to_string() });
                 Ok(())
             }
-            Err(other) => Err(Stop::Ours(self.damaged(&name, &other.to_string()))),
+            Err(other) => Err(Stop::Ours(self.damaged_column(&name, &other.to_string()))),
         }
     }
 
     /// Returns the error of a data set that does not hold what the file says.
-    fn damaged(&self, name: &str, why: &str) -> Error {
+    fn damaged_column(&self, name: &str, why: &str) -> Error {
         let why = format!(
             "column \"{name}\" is damaged or cut off ({why}): copy the file again from where it was recorded"
         );
@@ -214,7 +214,7 @@ impl Reader<'_> {
             Order::AsWritten => Array2::from_shape_vec((rows, columns), values),
             Order::Matlab => Array2::from_shape_vec((rows, columns).f(), values),
         };
-        let values = array.map_err(|error| self.damaged(&name, &error.to_string()))?;
+        let values = array.map_err(|error| self.damaged_column(&name, &error.to_string()))?;
         self.found.arrays.push(NamedArray { name, unit, values });
         Ok(())
     }
@@ -254,7 +254,7 @@ fn is_link(error: &Hdf5Error) -> bool {
 }
 
 /// Returns what is said of a file that the library cannot take apart.
-fn described(error: &Hdf5Error) -> String {
+fn describe_error(error: &Hdf5Error) -> String {
     match error {
         error if is_link(error) => {
             "it holds a link to another place or file, and links are not followed: save the data sets themselves".to_owned()

@@ -50,7 +50,7 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<DecodedArrays, Error> {
     let order = match bytes.get(126..128) {
         Some(b"IM") => ByteOrder::LittleEndian,
         Some(b"MI") => ByteOrder::BigEndian,
-        _ => return Err(broken(file, "the header has no byte order mark")),
+        _ => return Err(unreadable_file(file, "the header has no byte order mark")),
     };
     let mut reader =
         Reader { file, order, budget: Budget::new(file, bytes.len()), found: DecodedArrays::default() };
@@ -59,25 +59,25 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<DecodedArrays, Error> {
         reader.variable(&element)?;
     }
     if !elements.bytes.is_empty() {
-        return Err(broken(file, "the file is cut off"));
+        return Err(unreadable_file(file, "the file is cut off"));
     }
     Ok(reader.found)
 }
 
-fn broken(file: &str, why: &str) -> Error {
+fn unreadable_file(file: &str, why: &str) -> Error {
     Error::Unreadable { file: file.to_owned(), kind: "MATLAB", why: why.to_owned() }
 }
 
 impl Reader<'_> {
     fn cut_off(&self) -> Error {
-        broken(self.file, "a variable is cut off or damaged")
+        unreadable_file(self.file, "a variable is cut off or damaged")
     }
 
     fn variable(&mut self, element: &Element<'_>) -> Result<(), Error> {
         let top = Place { field: None, depth: 0 };
         match element.kind {
             COMPRESSED => {
-                let data = self.unpacked(element.data)?;
+                let data = self.unpack_element(element.data)?;
                 let inner =
                     Elements { bytes: &data, order: self.order }.next().ok_or_else(|| self.cut_off())?;
                 if inner.kind == MATRIX { self.matrix(inner.data, &top) } else { Ok(()) }
@@ -88,7 +88,7 @@ impl Reader<'_> {
     }
 
     /// Returns a compressed element, whose length is known from its first bytes before the rest is unpacked.
-    fn unpacked(&mut self, packed: &[u8]) -> Result<Vec<u8>, Error> {
+    fn unpack_element(&mut self, packed: &[u8]) -> Result<Vec<u8>, Error> {
         let mut tag = [0; TAG as usize];
         let mut decoder = flate2::read::ZlibDecoder::new(packed);
         decoder.read_exact(&mut tag).map_err(|_| self.cut_off())?;
@@ -98,7 +98,7 @@ impl Reader<'_> {
         let mut data = tag.to_vec();
         // one byte more, so that the decoder meets the end of the stream and compares its checksum
         let read = decoder.take(u64::from(length) + 1).read_to_end(&mut data);
-        read.map_err(|e| broken(self.file, &format!("a compressed variable is damaged: {e}")))?;
+        read.map_err(|e| unreadable_file(self.file, &format!("a compressed variable is damaged: {e}")))?;
         Ok(data)
     }
 
@@ -154,7 +154,7 @@ impl Reader<'_> {
             [rows] => (rows, 1),
             [rows, columns] => (rows, columns),
             _ => {
-                self.found.unread(&name, Unread::Shape { shape: dimensions.to_vec() });
+                self.found.note_unread(&name, Unread::Shape { shape: dimensions.to_vec() });
                 return Ok(());
             }
         };

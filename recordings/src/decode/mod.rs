@@ -14,7 +14,7 @@ mod zip;
 pub use arrays::NamedArray;
 pub use csv::CsvParts;
 
-use crate::{Column, Error, Remark, Table};
+use crate::{Error, RecordingColumn, RecordingTable, Remark};
 use arrays::DecodedArrays;
 
 /// First bytes of a Parquet file.
@@ -33,11 +33,11 @@ const TEXT: usize = 1024;
 /// The columns of a file, and what was left out.
 #[derive(Debug, Default)]
 pub(crate) struct Decoded {
-    pub(crate) columns: Vec<Column>,
+    pub(crate) columns: Vec<RecordingColumn>,
     pub(crate) remarks: Vec<Remark>,
 }
 
-impl Table {
+impl RecordingTable {
     /// Reads the bytes of a recording. The format is recognised by the first bytes: Parquet, MATLAB version 5 or 7.3, HDF5, NumPy, else CSV
     /// with one header row `name [unit]`.
     ///

@@ -30,14 +30,16 @@ pub(super) fn read_array(bytes: &[u8], file: &str) -> Result<DecodedArrays, Erro
 /// Returns the arrays of an archive.
 pub(super) fn read_archive(bytes: &[u8], file: &str) -> Result<DecodedArrays, Error> {
     let mut reader = Reader { file, budget: Budget::new(file, bytes.len()), found: DecodedArrays::default() };
-    for entry in zip::entries(bytes).ok_or_else(|| broken(file, "the archive is cut off or damaged"))? {
+    for entry in
+        zip::entries(bytes).ok_or_else(|| unreadable_file(file, "the archive is cut off or damaged"))?
+    {
         let Some(name) = entry.name.strip_suffix(".npy") else {
             reader.found.holds(&entry.name, "something other than an array");
             continue;
         };
         reader.budget.take(name, entry.size / 8)?;
-        let data =
-            zip::unpack(bytes, &entry).ok_or_else(|| broken(file, "an array is cut off or damaged"))?;
+        let data = zip::unpack(bytes, &entry)
+            .ok_or_else(|| unreadable_file(file, "an array is cut off or damaged"))?;
         reader.array(&data, name)?;
     }
     Ok(reader.found)
@@ -48,7 +50,7 @@ pub(super) fn is_archive(bytes: &[u8]) -> bool {
     zip::entries(bytes).is_none_or(|all| all.iter().any(|entry| entry.name.ends_with(".npy")))
 }
 
-fn broken(file: &str, why: &str) -> Error {
+fn unreadable_file(file: &str, why: &str) -> Error {
     Error::Unreadable { file: file.to_owned(), kind: "NumPy", why: why.to_owned() }
 }
 
@@ -103,17 +105,17 @@ enum Kind {
 
 impl Reader<'_> {
     fn array(&mut self, bytes: &[u8], name: &str) -> Result<(), Error> {
-        let cut = || broken(self.file, "an array is cut off or damaged");
+        let cut = || unreadable_file(self.file, "an array is cut off or damaged");
         let (text, data) = header_and_data(bytes).ok_or_else(cut)?;
         let header = Header::parse(text)
-            .ok_or_else(|| broken(self.file, "the header of an array is not understood"))?;
+            .ok_or_else(|| unreadable_file(self.file, "the header of an array is not understood"))?;
         let sizes: Vec<usize> = header.shape.iter().filter(|n| **n != 1).map(|n| *n as usize).collect();
         let (rows, columns) = match sizes[..] {
             [] => (1, 1),
             [rows] => (rows, 1),
             [rows, columns] if header.fields.len() == 1 => (rows, columns),
             _ => {
-                self.found.unread(name, Unread::Shape { shape: header.shape });
+                self.found.note_unread(name, Unread::Shape { shape: header.shape });
                 return Ok(());
             }
         };
@@ -136,7 +138,8 @@ impl Reader<'_> {
                     Order::Columns => Array2::from_shape_vec((rows, columns).f(), field.with_origin(values)),
                     Order::Rows => Array2::from_shape_vec((rows, columns), field.with_origin(values)),
                 };
-                let values = shaped.map_err(|_| broken(self.file, "an array is cut off or damaged"))?;
+                let values =
+                    shaped.map_err(|_| unreadable_file(self.file, "an array is cut off or damaged"))?;
                 self.found.arrays.push(NamedArray { name: full, unit: None, values });
             }
             place += field.size;
@@ -174,14 +177,14 @@ impl Header {
         let fields = if described.starts_with('[') {
             fields(described)?
         } else {
-            vec![Field::of("", quoted(described)?)?]
+            vec![Field::of("", quoted_text(described)?)?]
         };
         Some(Self { fields, columns_first, shape })
     }
 }
 
 /// Returns the text between the quotes that a text begins with.
-fn quoted(text: &str) -> Option<&str> {
+fn quoted_text(text: &str) -> Option<&str> {
     let mark = text.chars().next().filter(|c| ['\'', '"'].contains(c))?;
     let inner = &text[1..];
     Some(&inner[..inner.find(mark)?])
@@ -193,10 +196,12 @@ fn fields(described: &str) -> Option<Vec<Field>> {
     let mut all = Vec::new();
     for part in list.split('(').skip(1) {
         let inner = part.split(')').next()?.trim();
-        let name = quoted(inner)?;
+        let name = quoted_text(inner)?;
         let rest = inner[name.len() + 2..].trim_start().strip_prefix(',')?.trim_start();
-        all.push(Field::of(name, quoted(rest)?)?);
-        if all.len() > MOST_FIELDS || !rest[quoted(rest)?.len() + 2..].trim().trim_matches(',').is_empty() {
+        all.push(Field::of(name, quoted_text(rest)?)?);
+        if all.len() > MOST_FIELDS
+            || !rest[quoted_text(rest)?.len() + 2..].trim().trim_matches(',').is_empty()
+        {
             return None;
         }
     }

@@ -8,7 +8,7 @@ use super::Decoded;
 use super::budget::Budget;
 use super::physical::{Holds, Origin, column, holds};
 use crate::remark::Unread;
-use crate::{Column, Error, Remark};
+use crate::{Error, RecordingColumn, Remark};
 
 /// Returns the columns of a Parquet file. The library panics over some damaged pages; that too is an error.
 pub(super) fn read(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
@@ -53,16 +53,16 @@ fn columns(
         }
         budget.take(name, rows)?;
         let values = column(reader, index, description.max_def_level(), what, &mut origin);
-        let values = values.map_err(|error| damaged(file, name, &error))?;
-        let named = Column::from_heading(name, values);
+        let values = values.map_err(|error| damaged_column(file, name, &error))?;
+        let named = RecordingColumn::from_heading(name, values);
         let unit = named.unit.or_else(|| what.unit().map(str::to_owned));
-        decoded.columns.push(Column { unit, ..named });
+        decoded.columns.push(RecordingColumn { unit, ..named });
     }
     Ok(decoded)
 }
 
 /// Returns the error of a column that cannot be decoded.
-fn damaged(file: &str, column: &str, error: &ParquetError) -> Error {
+fn damaged_column(file: &str, column: &str, error: &ParquetError) -> Error {
     let (file, why) = (file.to_owned(), error.to_string());
     match why.contains("CRC") {
         true => Error::Checksum { file, column: column.to_owned(), why },

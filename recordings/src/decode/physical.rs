@@ -92,12 +92,12 @@ pub(super) fn holds(column: &ColumnDescriptor) -> Holds {
             ConvertedType::DATE => Holds::Other("dates"),
             ConvertedType::TIMESTAMP_MILLIS | ConvertedType::TIME_MILLIS => Holds::Time(Tick::Milliseconds),
             ConvertedType::TIMESTAMP_MICROS | ConvertedType::TIME_MICROS => Holds::Time(Tick::Microseconds),
-            _ => physical(column),
+            _ => physical_type(column),
         },
     }
 }
 
-fn physical(column: &ColumnDescriptor) -> Holds {
+fn physical_type(column: &ColumnDescriptor) -> Holds {
     match column.physical_type() {
         Type::INT96 => Holds::Other("times of 96 bits, an outdated type"),
         Type::BYTE_ARRAY => Holds::Other("texts or bytes"),
@@ -145,7 +145,7 @@ pub(super) fn column(
             ColumnReader::BoolColumnReader(r) => numbers(r, rows, present, f64::from)?,
             ColumnReader::FixedLenByteArrayColumnReader(r) => {
                 if let Holds::Decimal(part) = holds {
-                    all.extend(numbers(r, rows, present, |v| whole(v.data()) as f64 * part)?);
+                    all.extend(numbers(r, rows, present, |v| whole_number(v.data()) as f64 * part)?);
                     continue;
                 }
                 let half =
@@ -163,7 +163,7 @@ pub(super) fn column(
 const DECIMAL_BYTES: usize = size_of::<i128>();
 
 /// Returns an integer of at most [`DECIMAL_BYTES`] bytes, two's complement with the most significant byte first.
-fn whole(bytes: &[u8]) -> i128 {
+fn whole_number(bytes: &[u8]) -> i128 {
     let sign = if bytes.first().is_some_and(|first| *first >= 0x80) { -1 } else { 0 };
     bytes.iter().fold(sign, |number, byte| (number << 8) | i128::from(*byte))
 }

@@ -59,7 +59,7 @@ pub fn describe_plan(plan: &ExperimentPlan) -> ExperimentPlanText {
     });
     let other = |e: &PlannedExperiment| OtherExperiment {
         what: describe_demand(e),
-        log_likelihood_ratio: e.weakest().map_or(0.0, |s| s.log_likelihood_ratio),
+        log_likelihood_ratio: e.weakest_separation().map_or(0.0, |s| s.log_likelihood_ratio),
     };
     let reached = best.map(|e| e.reached).unwrap_or_default();
     ExperimentPlanText {

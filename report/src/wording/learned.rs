@@ -100,7 +100,7 @@ fn describe_element(element: &LearnedElement, reading: Option<&CurveReading>) ->
 /// Describes that a recording leaves the range over which a free function is known.
 pub fn describe_beyond(beyond: &RangeExceedance) -> String {
     let range = |[low, high]: [f64; 2]| {
-        format!("{} to {}", along(beyond.variable, low), along(beyond.variable, high))
+        format!("{} to {}", describe_value(beyond.variable, low), describe_value(beyond.variable, high))
     };
     format!(
         "the free function \"{}\" is known for {} from {} and is flat outside, but the recording goes from {}: {:.1} % of the samples are beyond; \
@@ -164,13 +164,13 @@ fn range(element: &LearnedElement) -> String {
     format!(
         "known for {} from {} to {}; flat outside, where the recordings do not go",
         variable(element.variable),
-        along(element.variable, *low),
-        along(element.variable, *high)
+        describe_value(element.variable, *low),
+        describe_value(element.variable, *high)
     )
 }
 
 /// Returns a value of the variable with a unit of its size.
-fn along(variable: RegimeVariable, value: f64) -> String {
+fn describe_value(variable: RegimeVariable, value: f64) -> String {
     let unit = variable.unit();
     if unit.starts_with("rad") && value.abs() < 0.5 && value != 0.0 {
         return format!("{} m{unit}", short_number(1e3 * value));
@@ -203,7 +203,7 @@ pub fn describe_reading(element: &LearnedElement, reading: Option<&CurveReading>
             let off = change(element, level - element.quantity.neutral(), half);
             format!("{subject} is off by {off} wherever the recordings go")
         }
-        Form::Linear if factor => evenly(element, &subject, reading),
+        Form::Linear if factor => describe_proportional(element, &subject, reading),
         Form::Linear => line(element, &subject, reading),
         Form::DeadZone => stops(element, &subject, reading),
         Form::Cubic => cubic(element, &subject, reading),
@@ -238,7 +238,7 @@ fn without_form(element: &LearnedElement, subject: &str) -> String {
 fn step(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
     let of = |name: &str| change(element, reading.value(name).abs(), reading.half_width(name));
     let rises = |name: &str| if reading.value(name) > 0.0 { "rises" } else { "falls" };
-    let at = |name: &str| along(element.variable, reading.value(name));
+    let at = |name: &str| describe_value(element.variable, reading.value(name));
     match reading.form {
         Form::Sign => format!(
             "{subject} changes its sign with the {}: {} either way",
@@ -272,7 +272,7 @@ fn step(element: &LearnedElement, subject: &str, reading: &CurveReading) -> Stri
 }
 
 /// Describes a factor that changes in proportion to its variable.
-fn evenly(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
+fn describe_proportional(element: &LearnedElement, subject: &str, reading: &CurveReading) -> String {
     let [size, half_width] = reading.change_over(element);
     let rises = if reading.value("slope") > 0.0 { "rises" } else { "falls" };
     let by = change(element, size, half_width);
@@ -312,7 +312,7 @@ fn stops(element: &LearnedElement, subject: &str, reading: &CurveReading) -> Str
     let hard = slope < 0.0 && element.variable == RegimeVariable::Angle && !element.quantity.is_factor();
     format!(
         "{subject} sets in beyond {} of {over} to either side, with {} +- {} per {}{}",
-        along(element.variable, reading.value("distance")),
+        describe_value(element.variable, reading.value("distance")),
         short_number(slope),
         short_number(reading.half_width("slope")),
         element.variable.unit(),
@@ -355,7 +355,7 @@ fn sine(element: &LearnedElement, subject: &str, reading: &CurveReading) -> Stri
         ),
         _ => format!(
             "{subject} repeats every {} of the {}, with an amplitude of {amplitude}",
-            along(element.variable, std::f64::consts::TAU / order),
+            describe_value(element.variable, std::f64::consts::TAU / order),
             variable(element.variable)
         ),
     }

@@ -51,7 +51,12 @@ pub fn convergence_cases(plant: &Plant) -> Result<Vec<Case>, Error> {
         let plant = with_law(plant, law, static_ratio)?;
         out.push(Case { name, sticks, plant, control_v });
     }
-    out.push(Case { name: "contact", sticks: false, plant: gaping(plant, level)?, control_v: -control_v });
+    out.push(Case {
+        name: "contact",
+        sticks: false,
+        plant: gaping_teeth(plant, level)?,
+        control_v: -control_v,
+    });
     Ok(out)
 }
 
@@ -100,7 +105,7 @@ fn with_law(plant: &Plant, law: FrictionLaw, static_ratio: f64) -> Result<Plant,
 }
 
 /// Returns the machine nearly balanced, its teeth with a gap.
-fn gaping(plant: &Plant, coulomb_nm: f64) -> Result<Plant, Error> {
+fn gaping_teeth(plant: &Plant, coulomb_nm: f64) -> Result<Plant, Error> {
     let rest_stiffness_nm_rad = coulomb_nm / DEFLECTION_RAD;
     let law = FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad, exponent: 1.0 };
     let mut parameters = with_law(plant, law, 1.0)?.parameters().clone();

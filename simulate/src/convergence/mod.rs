@@ -69,7 +69,7 @@ impl Convergence {
 pub fn study_convergence(plant: &Plant, control_v: f64, lengths: usize) -> Result<Convergence, Error> {
     let longest_s = LONGEST_PERIODS * plant.parameters().interface.sample_period_s;
     let second = |steps: usize| -> Result<Vec<f64>, Error> {
-        let (plant, control) = ready(plant, control_v, longest_s)?;
+        let (plant, control) = prepare_plant(plant, control_v, longest_s)?;
         let start = Simulator::new(&plant)?.rest(0.0, 0.0, PLATFORM.0);
         second::hub_rates(&plant, control, &start.core, longest_s, steps)
     };
@@ -78,7 +78,7 @@ pub fn study_convergence(plant: &Plant, control_v: f64, lengths: usize) -> Resul
     let step_s: Vec<f64> = (0..lengths).map(|k| longest_s * 0.5_f64.powi(k as i32)).collect();
     let errors = |tolerance: f64| -> Result<Vec<f64>, Error> {
         let one = |(k, step): (usize, &f64)| {
-            let (plant, control) = ready(plant, control_v, *step)?;
+            let (plant, control) = prepare_plant(plant, control_v, *step)?;
             Ok(distance(&rates(&plant, control, 1 << k, tolerance)?, &fine))
         };
         step_s.iter().enumerate().map(one).collect()
@@ -110,7 +110,7 @@ fn platform() -> PlatformMotion {
 }
 
 /// Returns the plant with another sample period and no delay, and the control that holds it and a little more.
-fn ready(plant: &Plant, control_v: f64, period_s: f64) -> Result<(Plant, f64), Error> {
+fn prepare_plant(plant: &Plant, control_v: f64, period_s: f64) -> Result<(Plant, f64), Error> {
     let mut parameters = plant.parameters().clone();
     parameters.interface.output_delay_samples = 0;
     parameters.interface.sample_period_s = period_s;

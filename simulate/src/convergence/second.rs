@@ -148,10 +148,10 @@ impl<'a> Second<'a> {
 
     /// Returns the derivative of [core, friction at the motor, friction at the pivot].
     fn slope(&self, y: &[f64], time_s: f64, memory: &[Memory; 2]) -> Vec<f64> {
-        let mut slope = self.free(y, time_s);
+        let mut slope = self.free_slope(y, time_s);
         for joint in [0, 1] {
             let torque = match &memory[joint] {
-                Memory::Rests => self.holding(joint, &slope),
+                Memory::Rests => self.holding_torque(joint, &slope),
                 moving => self.torque(joint, y, time_s, moving),
             };
             let push = &self.joints[joint].push;
@@ -172,7 +172,7 @@ impl<'a> Second<'a> {
     }
 
     /// Returns the derivative without dry friction.
-    fn free(&self, y: &[f64], time_s: f64) -> Vec<f64> {
+    fn free_slope(&self, y: &[f64], time_s: f64) -> Vec<f64> {
         let (rate, heave, frequency) = PLATFORM;
         let at = Excitation {
             time_s,
@@ -188,7 +188,7 @@ impl<'a> Second<'a> {
     }
 
     /// Returns the torque that keeps a joint at rest: the platform's rate is constant.
-    fn holding(&self, joint: usize, slope: &[f64]) -> f64 {
+    fn holding_torque(&self, joint: usize, slope: &[f64]) -> f64 {
         let joint = &self.joints[joint];
         dot(&joint.rate, slope) / dot(&joint.rate, &joint.push)
     }
@@ -251,7 +251,7 @@ impl<'a> Second<'a> {
             Memory::Slides(direction) => {
                 [i32::from(rate * direction < -SECOND_RATE_ROUNDING), i32::from(self.in_band(joint, rate))]
             }
-            Memory::Rests => [self.broken(joint, now, y, time_s), 0],
+            Memory::Rests => [self.breakaway_sign(joint, now, y, time_s), 0],
             Memory::Bonds(bonds, from) => {
                 let travel = self.angle(joint, y, time_s) - from;
                 let limit = match model.law() {
@@ -265,16 +265,16 @@ impl<'a> Second<'a> {
     }
 
     /// Returns the sign of the torque that a joint at rest cannot hold; 0 if it holds.
-    fn broken(&self, joint: usize, now: &Now, y: &[f64], time_s: f64) -> i32 {
-        let mut slope = self.free(y, time_s);
+    fn breakaway_sign(&self, joint: usize, now: &Now, y: &[f64], time_s: f64) -> i32 {
+        let mut slope = self.free_slope(y, time_s);
         if joint == 1 {
             let torque = match &now.memory[0] {
-                Memory::Rests => self.holding(0, &slope),
+                Memory::Rests => self.holding_torque(0, &slope),
                 moving => self.torque(0, y, time_s, moving),
             };
             slope.iter_mut().zip(&self.joints[0].push).for_each(|(s, p)| *s -= p * torque);
         }
-        let torque = self.holding(joint, &slope);
+        let torque = self.holding_torque(joint, &slope);
         let holds =
             self.joints[joint].model.stick(self.level(joint, y, time_s)).is_none_or(|s| s.holds(torque));
         if holds { 0 } else { sign(torque) }
@@ -282,7 +282,7 @@ impl<'a> Second<'a> {
 
     /// Takes a step, halved if something switches in it.
     fn step(&self, now: &mut Now, time_s: f64, step_s: f64, depth: u32) {
-        let next = self.classical(now, time_s, step_s);
+        let next = self.classical_step(now, time_s, step_s);
         let end = time_s + step_s;
         let switched = self.switches(now, &now.y, time_s) != self.switches(now, &next, end);
         if switched && depth < SECOND_LEVELS && now.switches < MOST_SWITCHES {
@@ -330,14 +330,14 @@ impl<'a> Second<'a> {
 
     /// Lets a joint at rest slide if it cannot hold.
     fn leave(&self, now: &mut Now, joint: usize, time_s: f64) {
-        match self.broken(joint, now, &now.y, time_s) {
+        match self.breakaway_sign(joint, now, &now.y, time_s) {
             0 => {}
             direction => now.memory[joint] = Memory::Slides(f64::from(direction)),
         }
     }
 
     /// Returns the state after one step of the classical Runge-Kutta method.
-    fn classical(&self, now: &Now, time_s: f64, h: f64) -> Vec<f64> {
+    fn classical_step(&self, now: &Now, time_s: f64, h: f64) -> Vec<f64> {
         let moved = |slope: &[f64], part: f64| -> Vec<f64> {
             now.y.iter().zip(slope).map(|(y, s)| y + part * h * s).collect()
         };

@@ -44,7 +44,7 @@ pub(crate) enum Transition {
 }
 
 /// Returns the torque that holds a joint, for a state, its ports without this joint's friction, and an instant.
-fn holding(hold: &Hold, core: &[f64], ports: &[f64; PORTS], at: &Instant) -> f64 {
+fn holding_torque(hold: &Hold, core: &[f64], ports: &[f64; PORTS], at: &Instant) -> f64 {
     dot(&hold.row, core) + holding_inputs(hold, ports, at)
 }
 
@@ -114,7 +114,7 @@ impl Present {
         let linear = self.linear();
         let seen = linear.see(core);
         let stick = self.stick_at(joint, outputs(&seen), at);
-        Load { stick, torque_nm: holding(&linear.holds[joint], core, ports, at) }
+        Load { stick, torque_nm: holding_torque(&linear.holds[joint], core, ports, at) }
     }
 
     /// Puts the joints into their state at the beginning of a sample: as they were, unless the platform's rate jumped.

@@ -242,7 +242,7 @@ impl Linear {
     }
 
     /// Returns the physical state at z.
-    pub fn physical(&self, z: &[f64]) -> Vec<f64> {
+    pub fn physical_state(&self, z: &[f64]) -> Vec<f64> {
         let coordinates = self.coordinates.as_ref();
         coordinates.map_or_else(|| z.to_vec(), |to| (&to.V * &Mat::col(z)).column(0).to_vec())
     }
@@ -259,7 +259,7 @@ impl Linear {
     }
 
     /// Returns the first state of a block.
-    pub fn first(&self, block: usize) -> usize {
+    pub fn first_state(&self, block: usize) -> usize {
         self.firsts[block]
     }
 

@@ -37,14 +37,14 @@ pub(crate) fn modal(A: &Mat) -> Option<Modal> {
     let size = |first: usize| if first == 0 { head } else { 2 };
     let blocks = firsts.iter().map(|&k| form.T.block(k, k, size(k), size(k))).collect();
     let W = inverse(&V).ok()?;
-    let modal = Modal { V, W, blocks }.refined(A)?.refined(A)?;
+    let modal = Modal { V, W, blocks }.refine_coordinates(A)?.refine_coordinates(A)?;
     modal.holds(A, &balanced.scale).then_some(modal)
 }
 
 impl Modal {
     /// Returns the coordinates after a step of Newton's method on W A V = blocks. The form that they come from is right to the
     /// rounding of the fastest mode; the rows of slow states, which hold only small numbers, then are as well.
-    fn refined(self, A: &Mat) -> Option<Self> {
+    fn refine_coordinates(self, A: &Mat) -> Option<Self> {
         let n = A.nrows();
         let found = &self.W * &(A * &self.V);
         let mut X = Mat::zeros(n, n);

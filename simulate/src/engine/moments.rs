@@ -37,12 +37,12 @@ impl Moments {
         }
         let mut now = Self::series(A, B, time);
         for _ in 0..halvings {
-            now = now.doubled(time);
+            now = now.double_time(time);
             time *= 2.0;
         }
         let mut family = vec![now];
         while family.len() < count {
-            let next = family[family.len() - 1].doubled(time);
+            let next = family[family.len() - 1].double_time(time);
             family.push(next);
             time *= 2.0;
         }
@@ -80,7 +80,7 @@ impl Moments {
         Self { order: n, inputs: c, phi, forced }
     }
 
-    fn doubled(&self, time: f64) -> Self {
+    fn double_time(&self, time: f64) -> Self {
         let (n, c) = (self.order, self.inputs);
         let mut forced = product(&self.phi, &self.forced, n, TERMS * c);
         let factors = [1.0, time, time * time / 2.0, time * time * time / 6.0];

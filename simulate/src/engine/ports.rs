@@ -318,7 +318,7 @@ impl Ports {
     }
 
     /// Returns the parts that nearly every mechanism has; `None` if there are others.
-    pub fn common(&self) -> Option<CommonParts> {
+    pub fn common_parts(&self) -> Option<CommonParts> {
         let has_others = self.hose.is_some()
             || self.gear_hysteresis.is_some()
             || self.needs_mesh_torque
@@ -350,8 +350,8 @@ impl Ports {
     pub fn dry_torques(&self, plant: &Plant, at: &Point, memory: &FrictionState) -> [f64; 2] {
         let motion = self.motion(plant, at);
         [
-            dry(&self.motor, motion.motor_rate, self.motor_level(&motion, at.time_s), memory.motor),
-            dry(&self.pivot, motion.pivot_rate, self.pivot_level(&motion, at.time_s), memory.pivot),
+            dry_torque(&self.motor, motion.motor_rate, self.motor_level(&motion, at.time_s), memory.motor),
+            dry_torque(&self.pivot, motion.pivot_rate, self.pivot_level(&motion, at.time_s), memory.pivot),
         ]
     }
 
@@ -625,9 +625,9 @@ impl Ports {
         let gravity = self.gravity + at.platform.heave;
         let motor_level = self.motor_level(motion, at.time_s);
         let pivot_level = self.pivot_level(motion, at.time_s);
-        let mut motor = -dry(&self.motor, motion.motor_rate, motor_level, memory.motor);
+        let mut motor = -dry_torque(&self.motor, motion.motor_rate, motor_level, memory.motor);
         let mut hub = gravity * self.vertical_offset * sin
-            - dry(&self.pivot, motion.pivot_rate, pivot_level, memory.pivot);
+            - dry_torque(&self.pivot, motion.pivot_rate, pivot_level, memory.pivot);
         hub -= memory.hose;
         let mut load = gravity * cos;
         if let Some(further) = at.further {
@@ -802,7 +802,7 @@ impl Path {
 /// Returns the torque of the dry part: the viscous and quadratic parts are elsewhere. A law that truly sticks slides in the
 /// direction that its state tells, and takes no part in the ports at rest.
 #[inline]
-fn dry(model: &FrictionModel, rate: f64, level: f64, state: f64) -> f64 {
+fn dry_torque(model: &FrictionModel, rate: f64, level: f64, state: f64) -> f64 {
     let Law::Sliding(_) = model.law() else { return model.dry_torque(rate, level, &[state]) };
     if state == 0.0 {
         return 0.0;

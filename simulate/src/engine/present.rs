@@ -174,7 +174,7 @@ impl Present {
     /// Returns the state of the plant.
     pub fn state(&self) -> PlantState {
         PlantState {
-            core: self.linear().physical(&self.z),
+            core: self.linear().physical_state(&self.z),
             friction: self.friction,
             bonds: self.bonds.clone(),
             hub_gyro: self.hub_gyro,
@@ -198,7 +198,7 @@ impl Present {
 
     /// Returns the state of the core in its coordinates, dry friction and its travel, if the mode is that of [`Self::first_core`] and the
     /// voltage below its limit.
-    pub fn ordinary(&self) -> Option<Ordinary<'_>> {
+    pub fn ordinary_state(&self) -> Option<Ordinary<'_>> {
         let (mesh, offset_nm) = self.plant.mesh(self.seen[1]);
         let is_ordinary =
             self.core == 0 && mesh == Mesh::Touching && self.seen[VOLTAGE].abs() < self.bus_voltage_v();
@@ -323,7 +323,7 @@ impl Present {
             }
         };
         if core != self.core {
-            let physical = self.linear().physical(&self.z);
+            let physical = self.linear().physical_state(&self.z);
             self.core = core;
             self.z = self.linear().coordinates(&physical);
         }

@@ -95,7 +95,7 @@ impl Stepper {
     /// such step; `None` otherwise.
     pub fn smooth(&self) -> Option<(Ordinary<'_>, Continuation)> {
         let from = self.attempt.continuation(self.period_s).filter(|_| self.level == 0 && !self.joints)?;
-        Some((self.present.ordinary()?, from))
+        Some((self.present.ordinary_state()?, from))
     }
 
     /// Goes on from a whole sample in the ordinary mode.
@@ -117,7 +117,7 @@ impl Stepper {
     }
 
     /// Returns the plant where it is, with its cores and nonlinear parts.
-    pub fn present(&self) -> &Present {
+    pub fn present_plant(&self) -> &Present {
         &self.present
     }
 
@@ -406,7 +406,7 @@ mod tests {
     use counterpoise_models::reference;
 
     /// Returns the state after a few samples with every step of one level.
-    fn moved(finest: usize, volts: f64) -> Vec<f64> {
+    fn state_after(finest: usize, volts: f64) -> Vec<f64> {
         let plant = Plant::from_lumped(&reference::rig()).unwrap();
         let start = Simulator::new(&plant).unwrap().rest(0.01, 0.0, 0.0);
         let mut stepper = Stepper::new(&plant, 1e-3, if finest == 0 { 1e9 } else { 1e-30 }).unwrap();
@@ -424,9 +424,9 @@ mod tests {
 
     #[test]
     fn the_deepest_steps_go_where_whole_samples_go() {
-        let whole = moved(0, 5.0);
+        let whole = state_after(0, 5.0);
         for level in [4, 8, 9, 12, 14] {
-            let found = moved(level, 5.0);
+            let found = state_after(level, 5.0);
             for (a, b) in found.iter().zip(&whole) {
                 assert!((a - b).abs() < 1e-7 * (1.0 + b.abs()), "{level}: {found:?} {whole:?}");
             }

@@ -40,11 +40,11 @@ fn step_table(core: &Linear, span: &Span) -> StepTable {
     let mut stages = Mat::zeros(STAGE_ROWS, STAGES * PORTS);
     for stage in 1..=STAGES {
         let answers = Answers::new(core, span, stage);
-        fixed.set_block((stage - 1) * OUTPUTS, 0, &answers.fixed(&core.outputs));
+        fixed.set_block((stage - 1) * OUTPUTS, 0, &answers.fixed_answers(&core.outputs));
         stages.set_block((stage - 1) * OUTPUTS, 0, &answers.ports(&core.outputs));
     }
     let middle = Answers::new(core, span, Span::MIDDLE);
-    fixed.set_block(STAGE_ROWS, 0, &middle.fixed(&core.outputs));
+    fixed.set_block(STAGE_ROWS, 0, &middle.fixed_answers(&core.outputs));
     let mut end_ports = Mat::zeros(MIDDLE_ROWS + n, STAGES * PORTS);
     end_ports.set_block(0, 0, &middle.ports(&core.outputs));
     end_ports.set_block(MIDDLE_ROWS, 0, &end.ports(&eye));
@@ -68,7 +68,7 @@ fn hold(core: &Linear, span: &Span) -> Option<Strips> {
     let mut all = Mat::zeros(HOLD_ROWS, core.order() + FIXED_INPUTS + STAGES * PORTS);
     for (k, node) in [1, 2, Span::MIDDLE].into_iter().enumerate() {
         let answers = Answers::new(core, span, node);
-        let found = answers.fixed(&rows).hstack(&answers.ports(&rows));
+        let found = answers.fixed_answers(&rows).hstack(&answers.ports(&rows));
         for joint in [0, 1] {
             all.set_block(joint * HOLD_ROWS / 2 + k, 0, &found.block(joint, 0, 1, found.ncols()));
         }
@@ -102,7 +102,7 @@ impl Answers {
         };
         let weights = cardinal_weights(span.step_s);
         for (block, moments) in span.at(node).iter().enumerate() {
-            let first = core.first(block);
+            let first = core.first_state(block);
             for row in 0..moments.order() {
                 let i = first + row;
                 for j in 0..moments.order() {
@@ -142,7 +142,7 @@ impl Answers {
     }
 
     /// C x the answers to the state and the fixed inputs.
-    fn fixed(&self, C: &Mat) -> Mat {
+    fn fixed_answers(&self, C: &Mat) -> Mat {
         (C * &self.Phi).hstack(&(C * &self.inputs))
     }
 

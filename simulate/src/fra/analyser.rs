@@ -117,7 +117,7 @@ impl Harmonics {
         let solution = self.fit(samples, usable)?;
         let harmonics =
             (0..self.count).map(|k| C64::new(solution[1 + 2 * k], -solution[2 + 2 * k])).collect();
-        let left: f64 = self.usable(samples).map(|(row, y)| (y - dot(row, &solution)).powi(2)).sum();
+        let left: f64 = self.usable_rows(samples).map(|(row, y)| (y - dot(row, &solution)).powi(2)).sum();
         Ok(HarmonicSpectrum { mean: solution[0], harmonics, residual_rms: (left / usable as f64).sqrt() })
     }
 
@@ -126,17 +126,18 @@ impl Harmonics {
     }
 
     /// The rows of the samples that are numbers, and those samples.
-    fn usable<'a>(&'a self, samples: &'a [f64]) -> impl Iterator<Item = (&'a [f64], &'a f64)> {
+    fn usable_rows<'a>(&'a self, samples: &'a [f64]) -> impl Iterator<Item = (&'a [f64], &'a f64)> {
         self.rows.chunks_exact(self.unknowns()).zip(samples).filter(|(_, y)| y.is_finite())
     }
 
     fn fit(&self, samples: &[f64], usable: usize) -> Result<Vec<f64>, Error> {
         let n = self.unknowns();
         let mut right = Mat::zeros(n, 1);
-        for (row, y) in self.usable(samples) {
+        for (row, y) in self.usable_rows(samples) {
             right.column_mut(0).iter_mut().zip(row).for_each(|(sum, entry)| *sum += entry * y);
         }
-        let partial = (usable < samples.len()).then(|| normal(self.usable(samples).map(|(row, _)| row), n));
+        let partial =
+            (usable < samples.len()).then(|| normal(self.usable_rows(samples).map(|(row, _)| row), n));
         let solution =
             linalg::solve(partial.as_ref().unwrap_or(&self.normal), &right).map_err(|_| Error::Range {
                 what: "angle per sample, rad",

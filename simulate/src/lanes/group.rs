@@ -46,7 +46,7 @@ impl LaneGroup {
         if all.iter().any(|stepper| stepper.period_s() != period_s || stepper.tolerance() != tolerance) {
             return None;
         }
-        let present = all.map(Stepper::present);
+        let present = all.map(Stepper::present_plant);
         let plants = present.map(|present| &present.plant);
         let table = LaneTable::new(present.map(|present| present.first_core()))?;
         let rows = all.map(|stepper| stepper.filter().rows(0));
@@ -167,7 +167,7 @@ impl LaneGroup {
             state: &mut self.state,
             work: &mut self.work,
             input: LaneInput {
-                plants: steppers.each_ref().map(|stepper| &stepper.present().plant),
+                plants: steppers.each_ref().map(|stepper| &stepper.present_plant().plant),
                 drive_v: &drive_v,
                 platform: &platform,
             },

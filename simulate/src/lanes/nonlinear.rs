@@ -84,7 +84,7 @@ pub(crate) struct LanePoint<'a, S: Simd> {
 impl LanePorts {
     /// Returns the nonlinear parts of mechanisms; `None` if they are not of one kind, or have parts beyond those that are evaluated side by side.
     pub fn new(ports: [&Ports; LANES], plants: [&Plant; LANES]) -> Option<Self> {
-        let common = ports.map(Ports::common);
+        let common = ports.map(Ports::common_parts);
         let first = common[0]?;
         if !common.iter().all(|other| *other == Some(first)) {
             return None;
@@ -196,7 +196,7 @@ impl<S: Simd> LanePorts<Lane<S>> {
             let current = current[k] + at.plants[k].direct_current_a(at.drive_v[k], rate[k]);
             at.plants[k].motor_torque_nm(current, angles[k], rates[k])
         });
-        at.outputs[MOTOR].like(torques)
+        at.outputs[MOTOR].with_values(torques)
     }
 
     #[inline(always)]
@@ -204,7 +204,7 @@ impl<S: Simd> LanePorts<Lane<S>> {
         let (hub, motor, rate) =
             (motion.pivot_angle.values(), motion.motor_angle.values(), motion.pivot_rate.values());
         let torques: Lanes = std::array::from_fn(|k| at.plants[k].hub_torque_nm(hub[k], motor[k], rate[k]));
-        at.outputs[MOTOR].like(torques)
+        at.outputs[MOTOR].with_values(torques)
     }
 
     /// Returns the load at a tilt.

@@ -45,13 +45,13 @@ impl<S: Simd> Lane<S> {
 
     /// Returns other numbers in a register.
     #[inline(always)]
-    pub fn like(self, values: Lanes) -> Self {
+    pub fn with_values(self, values: Lanes) -> Self {
         Self::new(self.simd, values)
     }
 
     /// Returns what a function makes of each number, one after the other.
     #[inline(always)]
-    pub fn each(self, function: impl Fn(f64) -> f64) -> Self {
+    pub fn map_each(self, function: impl Fn(f64) -> f64) -> Self {
         Self::new(self.simd, self.values().map(function))
     }
 
@@ -99,11 +99,14 @@ impl<S: Simd> LaneMask<S> {
     /// Returns where the condition does not hold.
     #[inline(always)]
     pub fn invert(self) -> Self {
-        Self { mask: self.simd.xor_m64s(self.mask, self.simd.equal_u64s(self.ones(), self.ones())), ..self }
+        Self {
+            mask: self.simd.xor_m64s(self.mask, self.simd.equal_u64s(self.one_bits(), self.one_bits())),
+            ..self
+        }
     }
 
     #[inline(always)]
-    fn ones(self) -> S::u64s {
+    fn one_bits(self) -> S::u64s {
         self.simd.splat_u64s(1)
     }
 
@@ -227,22 +230,22 @@ impl<S: Simd> Real for Lane<S> {
 
     #[inline(always)]
     fn exp(self) -> Self {
-        self.each(f64::exp)
+        self.map_each(f64::exp)
     }
 
     #[inline(always)]
     fn tanh(self) -> Self {
-        self.each(f64::tanh)
+        self.map_each(f64::tanh)
     }
 
     #[inline(always)]
     fn gaussian(self) -> Self {
-        self.each(Real::gaussian)
+        self.map_each(Real::gaussian)
     }
 
     #[inline(always)]
     fn powf(self, exponent: f64) -> Self {
-        self.each(|value| value.powf(exponent))
+        self.map_each(|value| value.powf(exponent))
     }
 
     #[inline(always)]

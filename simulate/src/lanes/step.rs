@@ -7,7 +7,7 @@
 use super::nonlinear::{LaneAngle, LaneMotion, LanePlatform, LanePoint, LanePorts, node_lengths};
 use super::number::{LANES, Lane, LaneMask, Lanes, load_registers, store_registers};
 use super::state::LaneState;
-use super::table::{LaneTable, SEEN, distance, larger};
+use super::table::{LaneTable, SEEN, distance, larger_magnitude};
 use crate::engine::attempt::repeated_weights;
 use crate::engine::linear::VOLTAGE;
 use crate::engine::moments::{MIDDLE, NODES};
@@ -99,7 +99,7 @@ impl pulp::WithSimd for LaneStep<'_> {
         let guess = span.guess(state, work, outputs[HUB_ANGLE], &at_start);
         let motion = motion.at_angles(load_registers(simd, &state.travelled));
         let begin = Begin { outputs, motion, contraction: Lane::new(simd, state.contraction) };
-        let tried = span.iterated(&fixed, &begin, guess);
+        let tried = span.iterate_ports(&fixed, &begin, guess);
         setup.table.add_ports(simd, &tried.values, &mut work.end);
         let middle = setup.table.middle_outputs(simd, fixed[STAGES], &tried.values);
         let end = setup.table.see(simd, &work.end);
@@ -258,7 +258,7 @@ impl<S: Simd> Span<'_, S> {
 
     /// Iterates on the ports until every lane has converged, or for as long as a step of one mechanism does.
     #[inline(always)]
-    fn iterated(
+    fn iterate_ports(
         &self,
         fixed: &[[Lane<S>; OUTPUTS]; STAGES + 1],
         begin: &Begin<S>,
@@ -281,10 +281,10 @@ impl<S: Simd> Span<'_, S> {
         };
         for iteration in 1..=STEP_ITERATIONS {
             let stages = self.setup.table.stage_outputs(self.simd, fixed, &tried.values);
-            let along = self.along(begin, &stages);
+            let along = self.ports_along(begin, &stages);
             let mut change = self.splat(0.0);
             for (k, (new, old)) in along.values.iter().zip(&old).enumerate() {
-                change = larger(change, distance(*new, *old, self.ports.scales[k % PORTS]));
+                change = larger_magnitude(change, distance(*new, *old, self.ports.scales[k % PORTS]));
             }
             tried.keep(&stages, &along, &mut old);
             tried.iterations = tried.converged.select(tried.iterations, self.splat(iteration as f64));
@@ -308,7 +308,7 @@ impl<S: Simd> Span<'_, S> {
 
     /// Evaluates the ports along the step, friction from node to node.
     #[inline(always)]
-    fn along(&self, begin: &Begin<S>, stages: &[[Lane<S>; OUTPUTS]; STAGES]) -> Along<S> {
+    fn ports_along(&self, begin: &Begin<S>, stages: &[[Lane<S>; OUTPUTS]; STAGES]) -> Along<S> {
         let lengths = node_lengths(self.setup.period_s);
         let zero = self.splat(0.0);
         let (mut before, mut friction) = (begin.motion, self.friction);
@@ -325,7 +325,8 @@ impl<S: Simd> Span<'_, S> {
             let values = self.ports.values(&at, &after, friction);
             along.values[stage * PORTS..(stage + 1) * PORTS].copy_from_slice(&values);
             along.friction[usize::from(stage > 0)] = friction;
-            along.reach = larger(along.reach, self.ports.reach(&self.about, stages[stage][HUB_ANGLE]));
+            along.reach =
+                larger_magnitude(along.reach, self.ports.reach(&self.about, stages[stage][HUB_ANGLE]));
             before = after;
         }
         along.travelled = before.angles();
@@ -348,7 +349,7 @@ impl<S: Simd> Span<'_, S> {
             for stage in 0..STAGES {
                 expected = expected + self.splat(MIDDLE[stage + 1]) * values[stage * PORTS + p];
             }
-            worst = larger(worst, distance(found[p], expected, self.ports.scales[p]));
+            worst = larger_magnitude(worst, distance(found[p], expected, self.ports.scales[p]));
         }
         worst
     }
@@ -460,6 +461,6 @@ impl<S: Simd> Tried<S> {
             }
             self.travelled[joint] = converged.select(self.travelled[joint], along.travelled[joint]);
         }
-        self.reach = converged.select(self.reach, larger(self.reach, along.reach));
+        self.reach = converged.select(self.reach, larger_magnitude(self.reach, along.reach));
     }
 }

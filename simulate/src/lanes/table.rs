@@ -260,7 +260,7 @@ fn add_rows<S: Simd>(simd: S, rows: &mut [Lane<S>; STATE_ROWS], count: usize, bl
 
 /// Returns the larger of a number and a magnitude; what is not a number counts as large.
 #[inline(always)]
-pub(crate) fn larger<S: Simd>(number: Lane<S>, magnitude: Lane<S>) -> Lane<S> {
+pub(crate) fn larger_magnitude<S: Simd>(number: Lane<S>, magnitude: Lane<S>) -> Lane<S> {
     magnitude.is_at_most(number).select(number, magnitude)
 }
 

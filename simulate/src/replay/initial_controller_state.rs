@@ -25,7 +25,7 @@ pub(super) fn fit_initial_states(controller: &Controller, recording: &Recording)
     let start = controller.runner().states();
     let mut best = (start.clone(), fit.cost(&start));
     for _ in 0..CONTROLLER_STATE_ITERATIONS {
-        let Some(moved) = fit.improved(&best.0) else { break };
+        let Some(moved) = fit.improve_states(&best.0) else { break };
         let cost = fit.cost(&moved);
         if cost.is_nan() || cost >= best.1 {
             break;
@@ -74,7 +74,7 @@ impl<'a> Fit<'a> {
 
     /// Returns the states after one step of Gauss and Newton's method with the prior N(start, spread^2) on each; `None` if the
     /// equations are singular.
-    fn improved(&self, states: &[f64]) -> Option<Vec<f64>> {
+    fn improve_states(&self, states: &[f64]) -> Option<Vec<f64>> {
         let left = self.residuals(states);
         let moving: Vec<usize> = (0..states.len()).filter(|&i| self.spread[i] > 0.0).collect();
         let column = |&i: &usize| {

@@ -270,7 +270,7 @@ impl<'a> Replayer<'a> {
         let plant = self.plant(parameters)?;
         let mut simulator = self.simulator(&plant)?;
         let start = start::refine(&mut simulator, self, near)?;
-        self.settled(&plant, simulator, control, start)
+        self.run_settled(&plant, simulator, control, start)
     }
 
     /// Replays the recording with a plant, whatever its structure.
@@ -280,11 +280,11 @@ impl<'a> Replayer<'a> {
     pub fn replay_plant(&self, plant: &Plant, control: &ReplayLoop) -> Result<Replay, Error> {
         let mut simulator = self.simulator(plant)?;
         let start = start::estimate(&mut simulator, self)?;
-        self.settled(plant, simulator, control, start)
+        self.run_settled(plant, simulator, control, start)
     }
 
     /// Runs from a start, and once more if the hub's angle was off over the whole recording.
-    fn settled(
+    fn run_settled(
         &self,
         plant: &Plant,
         mut simulator: Simulator,
@@ -298,7 +298,7 @@ impl<'a> Replayer<'a> {
             start.core[state::ANGLE] -= offset;
             history = self.run(&mut simulator, control, &start)?;
         }
-        Ok(self.compared(plant, control, history, start))
+        Ok(self.compare_channels(plant, control, history, start))
     }
 
     /// Replays the recording once from a given start: that of a similar mechanism, when many are tried.
@@ -313,7 +313,7 @@ impl<'a> Replayer<'a> {
     ) -> Result<Replay, Error> {
         let plant = self.plant(parameters)?;
         let history = self.run(&mut self.simulator(&plant)?, control, start)?;
-        Ok(self.compared(&plant, control, history, start.clone()))
+        Ok(self.compare_channels(&plant, control, history, start.clone()))
     }
 
     /// Replays the recording once from a given start whose freedoms (hub angle, common rate, gear torque, both dry frictions, a hose,
@@ -332,7 +332,7 @@ impl<'a> Replayer<'a> {
         let mut simulator = self.simulator(&plant)?;
         let start = start::nudge_start(&mut simulator, self, near, steps);
         let history = self.run(&mut simulator, control, &start)?;
-        Ok(self.compared(&plant, control, history, start))
+        Ok(self.compare_channels(&plant, control, history, start))
     }
 
     /// Replays the recording once with each of several mechanisms, side by side: what each gives has the same bytes as
@@ -346,7 +346,7 @@ impl<'a> Replayer<'a> {
         variants: &[ReplayVariant],
     ) -> Vec<Result<Replay, Error>> {
         let mut ready: Vec<Result<ReadyVariant, Error>> =
-            variants.iter().map(|variant| self.ready(control, variant)).collect();
+            variants.iter().map(|variant| self.prepare_variant(control, variant)).collect();
         let possible = ready.iter_mut().filter_map(|one| one.as_mut().ok());
         let mut runs: Vec<EnsembleRun> = possible
             .map(|one| EnsembleRun {
@@ -361,13 +361,17 @@ impl<'a> Replayer<'a> {
         let replay = |one: Result<ReadyVariant, Error>| {
             let ReadyVariant { simulator, start, .. } = one?;
             let history = histories.next().unwrap_or(Err(Error::NoChannel { channel: "samples" }))?;
-            Ok(self.compared(simulator.plant(), control, history, start))
+            Ok(self.compare_channels(simulator.plant(), control, history, start))
         };
         ready.into_iter().map(replay).collect()
     }
 
     /// Makes a mechanism ready to be replayed.
-    fn ready(&self, control: &ReplayLoop, variant: &ReplayVariant) -> Result<ReadyVariant<'a>, Error> {
+    fn prepare_variant(
+        &self,
+        control: &ReplayLoop,
+        variant: &ReplayVariant,
+    ) -> Result<ReadyVariant<'a>, Error> {
         let mut simulator = self.simulator(&self.plant(variant.parameters)?)?;
         let start = match &variant.steps {
             Some(steps) => start::nudge_start(&mut simulator, self, variant.start, steps),
@@ -381,7 +385,7 @@ impl<'a> Replayer<'a> {
     }
 
     /// Returns the fits of a run.
-    fn compared(
+    fn compare_channels(
         &self,
         plant: &Plant,
         control: &ReplayLoop,

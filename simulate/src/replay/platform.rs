@@ -102,12 +102,12 @@ impl Deconvolved {
 
     /// Returns the input with gain, bias and delay taken out; `None` if it was not recorded, or the machine has no such sensor and
     /// its column says nothing.
-    fn corrected(&self, sensor: &Sensor, period_s: f64) -> Option<Vec<f64>> {
+    fn corrected_input(&self, sensor: &Sensor, period_s: f64) -> Option<Vec<f64>> {
         if !sensor.is_fitted() {
             return None;
         }
         let late = sensor.mean_delay_samples(period_s);
-        let advanced = advanced(self.input.as_deref()?, late);
+        let advanced = advance_series(self.input.as_deref()?, late);
         Some(advanced.into_iter().map(|value| (value - sensor.bias) / sensor.gain).collect())
     }
 }
@@ -130,7 +130,7 @@ impl Sensed {
                 .surge_accelerometer
                 .as_ref()
                 .map(|sensor| Deconvolved::new(sensor, interface, &surge, forward)),
-            turning: turning(recording),
+            turning: turning_rates(recording),
             elevation_rad: mean_position(recording),
         }
     }
@@ -138,11 +138,14 @@ impl Sensed {
     /// Returns the motion of the platform with the sensors' errors taken out.
     pub(crate) fn motion(&self, parameters: &Parameters, period_s: f64) -> PlatformMotion {
         let sensors = &parameters.sensors;
-        let rate = self.rate.corrected(&sensors.platform_gyro, period_s);
-        let heave = self.heave.corrected(&sensors.platform_accelerometer, period_s);
+        let rate = self.rate.corrected_input(&sensors.platform_gyro, period_s);
+        let heave = self.heave.corrected_input(&sensors.platform_accelerometer, period_s);
         let surge = self.surge.as_ref().zip(sensors.surge_accelerometer.as_ref());
-        let mut felt =
-            Felt { rate, heave, surge: surge.and_then(|(found, sensor)| found.corrected(sensor, period_s)) };
+        let mut felt = Felt {
+            rate,
+            heave,
+            surge: surge.and_then(|(found, sensor)| found.corrected_input(sensor, period_s)),
+        };
         felt.take_cross_axis_out(parameters, self.turning.as_ref(), period_s);
         felt.take_lever_arm_out(parameters, period_s);
         felt.take_tilt_out(parameters, self.elevation_rad);
@@ -164,7 +167,7 @@ impl Sensed {
 }
 
 /// Returns the recorded rates about the platform's forward and upward axes; `None` if neither was recorded.
-fn turning(recording: &Recording) -> Option<[Signal; 2]> {
+fn turning_rates(recording: &Recording) -> Option<[Signal; 2]> {
     let channels = [Channel::PlatformRoll, Channel::PlatformYaw];
     if !channels.iter().any(|channel| recording.has(*channel)) {
         return None;
@@ -293,7 +296,7 @@ fn mean_position(recording: &Recording) -> f64 {
 }
 
 /// Returns the series a number of samples earlier: what a delayed one shows.
-fn advanced(values: &[f64], samples: f64) -> Vec<f64> {
+fn advance_series(values: &[f64], samples: f64) -> Vec<f64> {
     if samples == 0.0 {
         return values.to_vec();
     }

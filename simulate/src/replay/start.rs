@@ -67,7 +67,7 @@ pub(crate) fn estimate(simulator: &mut Simulator, replayer: &Replayer) -> Result
         if best.as_ref().is_none_or(|(least, _)| cost < *least) {
             best = Some((cost, fit.state(&found)));
         }
-        if fit.explained(cost) {
+        if fit.is_explained(cost) {
             break;
         }
     }
@@ -100,11 +100,11 @@ pub(crate) fn nudge_start(
     fit.mesh = fit.mesh_of(near);
     let mut moved = fit.unknowns(near);
     (0..UNKNOWNS).for_each(|k| moved[k] += steps[k] * fit.steps[k]);
-    fit.state(&fit.bounded(moved))
+    fit.state(&fit.bound_unknowns(moved))
 }
 
 /// Returns a start moved as far as its readings leave it open: a draw of one standard deviation in each direction that they tell apart.
-pub(crate) fn redrawn(
+pub(crate) fn redraw_start(
     simulator: &mut Simulator,
     replayer: &Replayer,
     at: &PlantState,
@@ -114,13 +114,13 @@ pub(crate) fn redrawn(
         return Ok(at.clone());
     }
     fit.mesh = fit.mesh_of(at);
-    let now = fit.bounded(fit.unknowns(at));
+    let now = fit.bound_unknowns(fit.unknowns(at));
     fit.anchor = now;
     let residuals = fit.residuals(&now)?;
     let step = fit.normal_equations(&now, &residuals)?.draw(&DRAWN);
     let mut moved = now;
     (0..UNKNOWNS).for_each(|k| moved[k] += step[k] * fit.steps[k]);
-    Ok(fit.state(&fit.bounded(moved)))
+    Ok(fit.state(&fit.bound_unknowns(moved)))
 }
 
 /// The signs of a draw.
@@ -193,7 +193,7 @@ impl<'a, 'b> Fit<'a, 'b> {
 
     /// Returns whether the teeth may be apart at the start: there is a gap, and dry friction alone can hold the hub.
     fn can_be_open(&self) -> bool {
-        let weight = self.weight_nm(self.first(Channel::HubPosition));
+        let weight = self.weight_nm(self.first_mean(Channel::HubPosition));
         self.half_gap() > 0.0 && weight.abs() <= self.plant.parameters().pivot_friction.breakaway_nm()
     }
 
@@ -219,7 +219,7 @@ impl<'a, 'b> Fit<'a, 'b> {
     }
 
     /// Returns the mean of the first readings of a channel; 0 if there are none.
-    fn first(&self, channel: Channel) -> f64 {
+    fn first_mean(&self, channel: Channel) -> f64 {
         let column = self.replayer.recording().samples(channel).unwrap_or(&[]);
         let values: Vec<f64> = column.iter().take(FIRST_SAMPLES).copied().filter(|v| v.is_finite()).collect();
         if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
@@ -236,8 +236,8 @@ impl<'a, 'b> Fit<'a, 'b> {
     /// Rest or steady motion, with the current given or as the weight needs it: friction carries what is left.
     fn guess(&self, current: Option<f64>) -> Unknowns {
         let parameters = self.plant.parameters();
-        let angle = self.first(Channel::HubPosition);
-        let motor_rate = self.first(Channel::MotorRate);
+        let angle = self.first_mean(Channel::HubPosition);
+        let motor_rate = self.first_mean(Channel::MotorRate);
         let weight = self.weight_nm(angle);
         let (ratio, constant) = (parameters.gearbox.ratio, parameters.motor.torque_constant_nm_a);
         if self.mesh == Mesh::Free {
@@ -316,7 +316,7 @@ impl<'a, 'b> Fit<'a, 'b> {
     }
 
     /// Returns whether noise alone explains a cost.
-    fn explained(&self, cost: f64) -> bool {
+    fn is_explained(&self, cost: f64) -> bool {
         cost < START_EXPLAINED * (self.samples * self.channels.len()) as f64
     }
 
@@ -389,7 +389,7 @@ impl<'a, 'b> Fit<'a, 'b> {
 
     /// Levenberg and Marquardt from a guess: the cost and the unknowns.
     fn descend(&mut self, guess: Unknowns) -> Result<(f64, Unknowns), Error> {
-        let mut now = self.bounded(guess);
+        let mut now = self.bound_unknowns(guess);
         self.anchor = now;
         let mut residuals = self.residuals(&now)?;
         let mut cost = squares(&residuals);
@@ -399,7 +399,7 @@ impl<'a, 'b> Fit<'a, 'b> {
             let mut next = now;
             let step = normal.solve(damping);
             (0..UNKNOWNS).for_each(|k| next[k] += step[k] * self.steps[k]);
-            let next = self.bounded(next);
+            let next = self.bound_unknowns(next);
             let tried = self.residuals(&next)?;
             let new_cost = squares(&tried);
             if new_cost < cost {
@@ -420,7 +420,7 @@ impl<'a, 'b> Fit<'a, 'b> {
     }
 
     /// Friction and a hose within their levels.
-    fn bounded(&self, mut u: Unknowns) -> Unknowns {
+    fn bound_unknowns(&self, mut u: Unknowns) -> Unknowns {
         let parameters = self.plant.parameters();
         let (motor, pivot) =
             (parameters.motor_friction.breakaway_nm(), parameters.pivot_friction.breakaway_nm());

@@ -6,7 +6,7 @@
 
 use super::control::control_fit;
 use super::exported_controller::FittedStart;
-use super::start::redrawn;
+use super::start::redraw_start;
 use super::windows::is_explained;
 use super::{ChannelFit, RecordedController, Replay, ReplayLoop, Replayer};
 use crate::Error;
@@ -147,7 +147,7 @@ impl Replayer<'_> {
         quiet: &Replay,
     ) -> Result<Option<Divergence>, Error> {
         let mut simulator = self.simulator(&self.plant(parameters)?)?;
-        let start = redrawn(&mut simulator, self, &quiet.start)?;
+        let start = redraw_start(&mut simulator, self, &quiet.start)?;
         let moved = self.run(&mut simulator, control, &start)?.readings;
         let recording = with_noise(self.recording, parameters.sensors.hub_gyro.noise_rms);
         let noisy = Replayer { recording: &recording, fitted: FittedStart::default(), ..self.clone() };

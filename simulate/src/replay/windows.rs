@@ -52,7 +52,7 @@ impl Replayer<'_> {
         while from < self.samples {
             let left = self.samples - from;
             let count = if left < windows.length + SHORTEST_WINDOW { left } else { windows.length };
-            let start = windows.fitted(&near, from, count)?;
+            let start = windows.fit_start(&near, from, count)?;
             let history = windows.run(&start, from, count)?;
             for channel in FOLLOWED {
                 let found = history.readings.channel(channel);
@@ -83,7 +83,7 @@ impl Replayer<'_> {
         }
         let mut windows = Windows::new(self, parameters, self.samples, &first.start)?;
         let longest = (LONGEST_START_FIT_S / WINDOW_FITTED_SHARE / self.recording.sample_period_s) as usize;
-        let start = windows.fitted(&first.start, 0, self.samples.min(longest))?;
+        let start = windows.fit_start(&first.start, 0, self.samples.min(longest))?;
         let longer = self.replay_from(parameters, &ReplayLoop::Open, &start)?;
         Ok(if is_explained(&longer) { longer } else { first })
     }
@@ -198,7 +198,7 @@ impl<'a, 'b> Windows<'a, 'b> {
     }
 
     /// Returns the start of a window, fitted near a state.
-    fn fitted(&mut self, near: &PlantState, from: usize, count: usize) -> Result<PlantState, Error> {
+    fn fit_start(&mut self, near: &PlantState, from: usize, count: usize) -> Result<PlantState, Error> {
         let seen = ((count as f64 * WINDOW_FITTED_SHARE) as usize).max(SHORTEST_WINDOW).min(count);
         if self.channels.is_empty() {
             return Ok(near.clone());
@@ -227,11 +227,11 @@ impl<'a, 'b> Windows<'a, 'b> {
                 damping *= 10.0;
             }
         }
-        Ok(self.moved(near, &now))
+        Ok(self.move_state(near, &now))
     }
 
     /// Returns a state moved by the seven, friction within its levels.
-    fn moved(&self, near: &PlantState, by: &Move) -> PlantState {
+    fn move_state(&self, near: &PlantState, by: &Move) -> PlantState {
         let parameters = self.plant.parameters();
         let mut out = near.clone();
         out.core[state::ANGLE] += by[ANGLE];
@@ -259,7 +259,7 @@ impl<'a, 'b> Windows<'a, 'b> {
         from: usize,
         seen: usize,
     ) -> Result<Vec<f64>, Error> {
-        let history = self.run(&self.moved(near, by), from, seen)?;
+        let history = self.run(&self.move_state(near, by), from, seen)?;
         let mut out = Vec::with_capacity(seen * self.channels.len() + UNKNOWNS);
         for &(channel, floor) in &self.channels {
             let recorded = self.replayer.recording.samples(channel).unwrap_or(&[]);

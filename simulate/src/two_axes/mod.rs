@@ -340,7 +340,7 @@ struct Run<'a> {
 impl<'a> Run<'a> {
     fn new(coupling: Coupling, upper: Side<'a>, lower: Side<'a>) -> Self {
         let allowed = |side: &Side| COUPLING_SHARE * side.stepper.tolerance() * side.stepper.hub_scale_nm();
-        let plant = &lower.stepper.present().plant;
+        let plant = &lower.stepper.present_plant().plant;
         let mobility: f64 = plant
             .hub_rate_row()
             .iter()
@@ -348,7 +348,7 @@ impl<'a> Run<'a> {
             .map(|(c, b)| c * b)
             .sum();
         let filter = Filter::new(&plant.parameters().sensors.hub_gyro, lower.period_s());
-        let coupler = Coupler::new(coupling.body, &upper.stepper.present().plant, lower.period_s());
+        let coupler = Coupler::new(coupling.body, &upper.stepper.present_plant().plant, lower.period_s());
         Self {
             allowed_nm: [allowed(&lower), allowed(&upper)],
             coupler,
@@ -377,7 +377,7 @@ impl<'a> Run<'a> {
             self.settle_gyroscope(base, &below);
         }
         let shown = self.gyroscope.shown.map(|shown| shown[0]);
-        self.lower.read(k, controllers.traverse, self.under(&below, &torque), shown);
+        self.lower.read(k, controllers.traverse, self.motion_under(&below, &torque), shown);
         self.lower.advance(k);
         for pass in 1.. {
             let ring = self.coupler.ring(base, &self.lower.motion, &self.lower.trace);
@@ -411,7 +411,7 @@ impl<'a> Run<'a> {
             for place in 0..PLACES {
                 torque[place] += step[place];
             }
-            let motion = self.under(&below, &torque);
+            let motion = self.motion_under(&below, &torque);
             self.lower.repeat(k, motion);
         }
         self.upper.finish(k)?;
@@ -473,7 +473,7 @@ impl<'a> Run<'a> {
     }
 
     /// Returns what the traverse axis feels with a torque of the elevated body.
-    fn under(&self, below: &MotionSample, torque_nm: &[f64; PLACES]) -> MotionSample {
+    fn motion_under(&self, below: &MotionSample, torque_nm: &[f64; PLACES]) -> MotionSample {
         let mut motion = *below;
         if let Some(further) = &mut motion.further {
             further[3] = self.coupler.quartics.interpolate(torque_nm);

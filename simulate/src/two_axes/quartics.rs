@@ -40,13 +40,13 @@ impl Quartics {
     /// Returns the quartic through values at the places, in powers of the fraction of the sample.
     #[inline]
     pub fn interpolate(&self, values: &[f64; PLACES]) -> [f64; PLACES] {
-        combined(&self.coefficients, values)
+        combine_rows(&self.coefficients, values)
     }
 
     /// Returns the derivative at the places, per sample.
     #[inline]
     pub fn slopes(&self, values: &[f64; PLACES]) -> [f64; PLACES] {
-        combined(&self.slopes, values)
+        combine_rows(&self.slopes, values)
     }
 
     /// Returns the mean over the sample.
@@ -59,13 +59,13 @@ impl Quartics {
     /// Returns the values at the places of the next sample, by the parabola through the last three.
     #[inline]
     pub fn extrapolate(&self, values: &[f64; PLACES]) -> [f64; PLACES] {
-        combined(&self.ahead, &[values[2], values[3], values[4]])
+        combine_rows(&self.ahead, &[values[2], values[3], values[4]])
     }
 }
 
 /// Returns the sum of rows, each times its factor.
 #[inline]
-fn combined<const COUNT: usize>(rows: &[[f64; PLACES]; COUNT], factors: &[f64; COUNT]) -> [f64; PLACES] {
+fn combine_rows<const COUNT: usize>(rows: &[[f64; PLACES]; COUNT], factors: &[f64; COUNT]) -> [f64; PLACES] {
     let mut sum = [0.0; PLACES];
     for (row, factor) in rows.iter().zip(factors) {
         for (sum, entry) in sum.iter_mut().zip(row) {

@@ -1,13 +1,13 @@
 //! What the tests of the simulator share: the practice recordings, and the controller of their loop.
 
 use counterpoise_controller::ProportionalIntegral;
-use counterpoise_recordings::{Mapping, Recording, Table};
+use counterpoise_recordings::{Mapping, Recording, RecordingTable};
 
 /// Returns a practice recording, made by an independent simulator: `p04/triangle`.
 pub fn recording(path: &str) -> Recording {
     let base = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/data/practice");
     let bytes = std::fs::read(format!("{base}/{path}.parquet")).unwrap();
-    Mapping::default().apply(&Table::read(&bytes, path).unwrap()).unwrap()
+    Mapping::default().apply(&RecordingTable::read(&bytes, path).unwrap()).unwrap()
 }
 
 /// Returns the controller that was in the loop when the practice recordings were made.

@@ -22,7 +22,7 @@ impl CurvePoints {
     pub fn all(&self) -> Cow<'_, [[f64; 2]]> {
         match self {
             Self::Few(points) | Self::Path(points) => Cow::Borrowed(points),
-            Self::Many(pyramid, factor) => multiplied(Cow::Borrowed(pyramid.points()), *factor),
+            Self::Many(pyramid, factor) => multiply_values(Cow::Borrowed(pyramid.points()), *factor),
         }
     }
 
@@ -31,7 +31,7 @@ impl CurvePoints {
         match self {
             Self::Few(points) => decimate(points, range, pixels),
             Self::Path(points) => Cow::Borrowed(points),
-            Self::Many(pyramid, factor) => multiplied(pyramid.visible_points(range, pixels), *factor),
+            Self::Many(pyramid, factor) => multiply_values(pyramid.visible_points(range, pixels), *factor),
         }
     }
 
@@ -49,7 +49,7 @@ impl CurvePoints {
     }
 }
 
-fn multiplied(points: Cow<'_, [[f64; 2]]>, factor: f64) -> Cow<'_, [[f64; 2]]> {
+fn multiply_values(points: Cow<'_, [[f64; 2]]>, factor: f64) -> Cow<'_, [[f64; 2]]> {
     if factor == 1.0 { points } else { points.iter().map(|p| [p[0], factor * p[1]]).collect() }
 }
 

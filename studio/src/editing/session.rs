@@ -137,7 +137,7 @@ impl Session {
                 self.document.set(path, &SettingValue::Text(value.clone()))?
             }
             Command::Remove { path } => self.document.remove(path)?,
-            Command::Replace { text } => self.document.reread(text),
+            Command::Replace { text } => self.document.with_text(text),
             Command::Undo => {
                 self.undo();
                 return Ok(());
@@ -175,7 +175,7 @@ impl Session {
         if let Some(text) = self.undo.pop() {
             self.redo.push(self.document.text().to_owned());
             self.gesture = None;
-            self.replace_document(self.document.reread(&text));
+            self.replace_document(self.document.with_text(&text));
         }
     }
 
@@ -183,7 +183,7 @@ impl Session {
         if let Some(text) = self.redo.pop() {
             self.undo.push(self.document.text().to_owned());
             self.gesture = None;
-            self.replace_document(self.document.reread(&text));
+            self.replace_document(self.document.with_text(&text));
         }
     }
 

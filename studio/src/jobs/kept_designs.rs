@@ -36,7 +36,7 @@ pub fn restore_kept_designs(request: KeptRequest, token: &CancelToken) -> Vec<Re
         if token.is_cancelled() {
             return None;
         }
-        let document = request.document.reread(text);
+        let document = request.document.with_text(text);
         let project = Project::resolve(&document, &request.attachments).ok()?.project;
         let preview = PreviewRequest { project: Arc::new(project), out_of_balance_kg_m: None };
         let design = preview_design(&preview, &mut cache, &Serial).ok()?;

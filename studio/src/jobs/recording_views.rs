@@ -18,7 +18,7 @@ use counterpoise_pipeline::recordings::{
 use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_pipeline::{PipelineError, with_recorded_design};
 use counterpoise_project::Project;
-use counterpoise_recordings::{Channel, Recording, Table};
+use counterpoise_recordings::{Channel, Recording, RecordingTable};
 use counterpoise_report::wording::recordings::{
     describe_column_remark, describe_other_export, describe_played_back, describe_recordings_error,
     describe_replay,
@@ -132,15 +132,15 @@ pub fn replay_files(request: &ReplayRequest, token: &CancelToken) -> Option<Repl
     Some(ReplayedFiles { files, views })
 }
 
-fn read_table(request: &ReplayRequest, path: &Path) -> Result<(Table, Vec<Recording>), String> {
+fn read_table(request: &ReplayRequest, path: &Path) -> Result<(RecordingTable, Vec<Recording>), String> {
     let name = path.display().to_string();
     let bytes = files::read_file(path).map_err(|error| format!("cannot read {name}: {error}"))?;
     read_table_and_recordings(&request.project, &RecordingFile { name, bytes })
         .map_err(|error| error.to_string())
 }
 
-fn column_names(table: &Table) -> Vec<ColumnName> {
-    let name = |column: &counterpoise_recordings::Column| ColumnName {
+fn column_names(table: &RecordingTable) -> Vec<ColumnName> {
+    let name = |column: &counterpoise_recordings::RecordingColumn| ColumnName {
         name: column.name.clone(),
         unit: column.unit.clone(),
     };
@@ -150,7 +150,8 @@ fn column_names(table: &Table) -> Vec<ColumnName> {
 /// Returns a view of a file that cannot be read as it is mapped. It shows the columns if there are any, so that the mapping can be
 /// corrected.
 fn unreadable_view(path: &Path, why: String) -> RecordingView {
-    let table = files::read_file(path).ok().and_then(|bytes| Table::read(&bytes, &file_name(path)).ok());
+    let table =
+        files::read_file(path).ok().and_then(|bytes| RecordingTable::read(&bytes, &file_name(path)).ok());
     RecordingView {
         path: path.to_owned(),
         name: file_name(path),
@@ -165,7 +166,7 @@ fn unreadable_view(path: &Path, why: String) -> RecordingView {
 /// A recording as its file holds it.
 struct FileRecording<'a> {
     path: &'a Path,
-    table: &'a Table,
+    table: &'a RecordingTable,
     recording: Recording,
 }
 

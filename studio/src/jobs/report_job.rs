@@ -8,7 +8,7 @@ use counterpoise_host::files::{self, ProjectFolder};
 use counterpoise_pipeline::results::{DesignResult, ResultContents};
 use counterpoise_pipeline::studies::advice::KeptDesigns;
 use counterpoise_pipeline::studies::assumptions::LoopSystems;
-use counterpoise_pipeline::{FirstDesignResult, World, design};
+use counterpoise_pipeline::{FirstDesignResult, World, design_project};
 use counterpoise_project::{Assumption, Project};
 use counterpoise_report::design::DesignRun;
 use counterpoise_report::{ReportOrigin, html_page, of_design};
@@ -36,7 +36,7 @@ pub struct ReportRequest {
 /// Returns why the report cannot be made or written.
 pub fn write_report(request: &ReportRequest) -> Result<PathBuf, String> {
     let designed =
-        design(&request.project, &request.folder).map_err(|error| error_lines(&error).join("; "))?;
+        design_project(&request.project, &request.folder).map_err(|error| error_lines(&error).join("; "))?;
     let contents = ResultContents {
         assumptions: &request.assumptions,
         systems: LoopSystems::LeftOut,

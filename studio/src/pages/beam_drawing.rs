@@ -7,7 +7,7 @@ use egui::{Color32, Pos2, Rect, Stroke, Ui, pos2, vec2};
 use crate::jobs::plant_pictures::BeamModes;
 use crate::number_format::format_short;
 use crate::theme::Theme;
-use crate::view::View;
+use crate::view::StudioView;
 
 /// Maps metres to the screen: x along the beam, y up.
 struct DrawingScale {
@@ -24,7 +24,7 @@ impl DrawingScale {
 }
 
 /// Draws a beam to scale with its masses, the pivot and a ruler; a selected mode moves.
-pub fn draw_beam(ui: &Ui, view: &View, beam: &Beam, modes: Option<&BeamModes>, canvas: Rect) {
+pub fn draw_beam(ui: &Ui, view: &StudioView, beam: &Beam, modes: Option<&BeamModes>, canvas: Rect) {
     let (Some(first), Some(last)) = (beam.sections.first(), beam.sections.last()) else { return };
     let length = (last.to_m - first.from_m).max(1e-3);
     let scale = (0.92 * canvas.width() / length as f32).min(260.0);
@@ -127,7 +127,7 @@ fn draw_text(ui: &Ui, at: Pos2, what: &str, colour: Color32) {
 const SWING: f64 = 0.05;
 
 /// Returns the deflection of the beam in the selected mode at this moment, m.
-fn mode_shape(ui: &Ui, view: &View, modes: Option<&BeamModes>) -> impl Fn(f64) -> f64 + use<> {
+fn mode_shape(ui: &Ui, view: &StudioView, modes: Option<&BeamModes>) -> impl Fn(f64) -> f64 + use<> {
     let found = modes.filter(|_| view.mode > 0).and_then(|s| s.modes.as_ref());
     let (mut nodes, mut size) = (Vec::new(), 0.0);
     if let Some(PinnedModes { nodes_m, modes }) = found

@@ -21,7 +21,7 @@ use crate::number_format::format_short;
 use crate::studio::Studio;
 use crate::theme::space;
 use crate::versioned_results::{Freshness, Versioned};
-use crate::view::{ControllerPart, View};
+use crate::view::{ControllerPart, StudioView};
 
 /// Width of the panel with weights and figures, points.
 const SIDE_WIDTH: f32 = 348.0;
@@ -69,7 +69,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     }
 }
 
-fn show_tabs(ui: &mut Ui, view: &View, queue: &mut Vec<Command>) {
+fn show_tabs(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         for tab in DesignTab::ALL {
             if ui.selectable_label(view.design_tab == tab, tab.name()).clicked() {
@@ -81,7 +81,7 @@ fn show_tabs(ui: &mut Ui, view: &View, queue: &mut Vec<Command>) {
 
 fn show_side(
     ui: &mut Ui,
-    view: &mut View,
+    view: &mut StudioView,
     queue: &mut Vec<Command>,
     project: &Project,
     design: Option<&Arc<DesignPreview>>,
@@ -127,7 +127,7 @@ fn show_side(
     }
 }
 
-fn show_weight(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, weight: &PlottedWeight) {
+fn show_weight(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, weight: &PlottedWeight) {
     let theme = view.theme;
     ui.horizontal(|ui| {
         ui.label(RichText::new(format!("{} weight", weight.name)).strong().color(weight.colour));
@@ -140,7 +140,7 @@ fn show_weight(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, weight: &
     });
 }
 
-fn show_noise(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, project: &Project) {
+fn show_noise(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, project: &Project) {
     let Some(synth) = &project.synth else { return };
     let f = &synth.specification.feedback;
     egui::Grid::new("noises").num_columns(3).spacing([8.0, 2.0]).show(ui, |ui| {
@@ -150,7 +150,7 @@ fn show_noise(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, project: &
 }
 
 /// Shows the slider that tries another out-of-balance.
-fn show_trial(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, design: &DesignPreview) {
+fn show_trial(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, design: &DesignPreview) {
     let theme = view.theme;
     let moment = design.modelled.plant.body().out_of_balance_kg_m;
     theme.card().show(ui, |ui| {
@@ -181,7 +181,7 @@ fn show_trial(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, design: &D
 
 fn show_plots(
     ui: &mut Ui,
-    view: &mut View,
+    view: &mut StudioView,
     queue: &mut Vec<Command>,
     project: &Project,
     design: &DesignPreview,

@@ -7,11 +7,11 @@ use counterpoise_verify::{Arrangement, History, Source};
 use super::frequency_charts::{frequency_chart, magnitude_points, mark_margins};
 use crate::charts::chart::{AxisScale, Chart, LabelledPoint, LineDash};
 use crate::versioned_results::Versioned;
-use crate::view::View;
+use crate::view::StudioView;
 
 /// Adds the kept designs to a chart, each in its colour.
 fn with_kept_designs(
-    view: &View,
+    view: &StudioView,
     mut chart: Chart,
     points: impl Fn(&DesignPreview) -> Vec<[f64; 2]>,
 ) -> Chart {
@@ -23,7 +23,7 @@ fn with_kept_designs(
 }
 
 /// Returns the loop gain with its margins.
-pub fn loop_chart(view: &View, design: &DesignPreview) -> Chart {
+pub fn loop_chart(view: &StudioView, design: &DesignPreview) -> Chart {
     let of = |d: &DesignPreview| magnitude_points(view, &d.curves.frequency_hz, &d.curves.broken);
     let mut chart = with_kept_designs(view, frequency_chart(view, "Loop gain", "modulus"), of);
     chart = chart.with_curve("L", view.theme.curves[0], LineDash::Solid, of(design));
@@ -34,7 +34,7 @@ pub fn loop_chart(view: &View, design: &DesignPreview) -> Chart {
 }
 
 /// Returns the sensitivity S (disturbances) and the complementary sensitivity T (noise).
-pub fn sensitivity_chart(view: &View, design: &DesignPreview) -> Chart {
+pub fn sensitivity_chart(view: &StudioView, design: &DesignPreview) -> Chart {
     let of = |k: usize| {
         move |d: &DesignPreview| magnitude_points(view, &d.curves.frequency_hz, &d.curves.sensitivities[k])
     };
@@ -47,19 +47,19 @@ pub fn sensitivity_chart(view: &View, design: &DesignPreview) -> Chart {
 }
 
 /// Returns a history of what a design controls in the chosen unit.
-fn controlled_points(view: &View, of: &DesignPreview, time_s: &[f64], values: &[f64]) -> Vec<[f64; 2]> {
+fn controlled_points(view: &StudioView, of: &DesignPreview, time_s: &[f64], values: &[f64]) -> Vec<[f64; 2]> {
     let factor = view.units.display_unit(of.synthesised.controlled.unit()).factor;
     time_s.iter().zip(values).map(|(t, v)| [*t, factor * v]).collect()
 }
 
-fn controlled_chart(view: &View, of: &DesignPreview, title: &str) -> Chart {
+fn controlled_chart(view: &StudioView, of: &DesignPreview, title: &str) -> Chart {
     let controlled = of.synthesised.controlled;
     let unit = view.units.display_unit(controlled.unit()).name;
     Chart::new(title, "time, s", &format!("{}, {unit}", controlled.name())).with_group("design")
 }
 
 /// Returns the response to a step of the demand.
-pub fn step_chart(view: &View, design: &DesignPreview) -> Chart {
+pub fn step_chart(view: &StudioView, design: &DesignPreview) -> Chart {
     let of = |d: &DesignPreview| controlled_points(view, d, d.step.time_s(), d.step.hub_rate_rad_s());
     let mut chart = with_kept_designs(view, controlled_chart(view, design, "Step of the demand"), of);
     let demand = controlled_points(view, design, design.step.time_s(), design.step.demand_rad_s());
@@ -69,7 +69,7 @@ pub fn step_chart(view: &View, design: &DesignPreview) -> Chart {
 }
 
 /// Returns the control about the value that holds the weight of the mechanism.
-pub fn control_chart(view: &View, design: &DesignPreview) -> Chart {
+pub fn control_chart(view: &StudioView, design: &DesignPreview) -> Chart {
     let about = |response: &History| -> Vec<[f64; 2]> {
         let control_v = design.control_about_holding_v(response);
         response.time_s().iter().zip(control_v).map(|(t, v)| [*t, v]).collect()
@@ -87,7 +87,7 @@ pub fn control_chart(view: &View, design: &DesignPreview) -> Chart {
 const EFFORT_MARGIN: f64 = 1.25;
 
 /// Returns error against effort over the error weight, with the design itself.
-pub fn effort_chart(view: &View, effort: Option<&Versioned<Vec<EffortPoint>>>) -> Chart {
+pub fn effort_chart(view: &StudioView, effort: Option<&Versioned<Vec<EffortPoint>>>) -> Chart {
     let mut chart =
         Chart::new("Error against effort", "control for unit noise, V s/rad", "residual disturbance");
     chart.scales = [AxisScale::Log; 2];
@@ -107,7 +107,7 @@ pub fn effort_chart(view: &View, effort: Option<&Versioned<Vec<EffortPoint>>>) -
 }
 
 /// Returns the response to motion of the platform, with and without the feedforward.
-pub fn motion_chart(view: &View, design: &DesignPreview, source: Source) -> Chart {
+pub fn motion_chart(view: &StudioView, design: &DesignPreview, source: Source) -> Chart {
     let title = if source == Source::Heave { "Heave" } else { "Pitch" };
     let of = |arrangement| {
         move |d: &DesignPreview| {

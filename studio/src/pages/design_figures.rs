@@ -8,7 +8,7 @@ use super::kept_designs;
 use crate::command::{Command, DesignSlot};
 use crate::number_format::format_short;
 use crate::theme::Theme;
-use crate::view::View;
+use crate::view::StudioView;
 
 /// The unit of a figure.
 #[derive(Clone, Copy)]
@@ -44,7 +44,7 @@ const ROWS: [FigureRow; 9] = [
 ];
 
 /// Shows the figures of the design and of the kept designs; numbers are aligned to the right.
-pub fn show(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, design: &DesignPreview) {
+pub fn show(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, design: &DesignPreview) {
     let theme = view.theme;
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
@@ -63,7 +63,7 @@ pub fn show(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, design: &Des
     });
 }
 
-fn show_row(ui: &mut Ui, view: &View, design: &DesignPreview, row: &FigureRow) {
+fn show_row(ui: &mut Ui, view: &StudioView, design: &DesignPreview, row: &FigureRow) {
     let theme: &Theme = &view.theme;
     let controlled = view.units.display_unit(design.synthesised.controlled.unit());
     let (unit, factor) = match row.unit {

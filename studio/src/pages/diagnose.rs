@@ -10,7 +10,7 @@ use crate::jobs::recording_views::{ChannelView, RecordingView};
 use crate::studio::Studio;
 use crate::theme::space;
 use crate::versioned_results::Versioned;
-use crate::view::View;
+use crate::view::StudioView;
 
 /// Width of the panel with recordings and channels, points.
 const SIDE_WIDTH: f32 = 330.0;
@@ -66,7 +66,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     }
 }
 
-fn show_tabs(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, jobs: &BackgroundJobs) {
+fn show_tabs(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>, jobs: &BackgroundJobs) {
     ui.horizontal(|ui| {
         for tab in DiagnosisTab::ALL {
             if ui.selectable_label(view.diagnosis_tab == tab, tab.name()).clicked() {
@@ -82,7 +82,7 @@ fn show_tabs(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, jobs: &Backgrou
 }
 
 /// Shows the recordings, and what can be done with them.
-fn show_recordings(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, jobs: &BackgroundJobs) {
+fn show_recordings(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, jobs: &BackgroundJobs) {
     let theme = view.theme;
     widgets::show_heading(ui, "Recordings");
     let views = jobs.recording_views.as_ref().map(|of| of.value.as_slice()).unwrap_or_default();
@@ -121,7 +121,7 @@ fn show_recordings(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, jobs:
 }
 
 /// Shows ways to add recordings beside dropping them.
-fn show_add_buttons(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, jobs: &BackgroundJobs) {
+fn show_add_buttons(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>, jobs: &BackgroundJobs) {
     if jobs.recordings.is_empty() {
         ui.label(RichText::new("Drop files or a folder onto the window, or").small().color(view.theme.weak));
     }
@@ -141,7 +141,7 @@ fn show_add_buttons(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, jobs: &B
 }
 
 fn selected_recording<'a>(
-    view: &View,
+    view: &StudioView,
     views: Option<&'a Versioned<Vec<RecordingView>>>,
 ) -> Option<&'a RecordingView> {
     let all = &views?.value;
@@ -154,7 +154,7 @@ const MOST_REMARKS: usize = 4;
 const TWO_COLUMNS_FROM: usize = 5;
 
 /// Shows the channels of the selected recording under one cursor.
-fn show_channels(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, jobs: &BackgroundJobs) {
+fn show_channels(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, jobs: &BackgroundJobs) {
     let theme = view.theme;
     let Some(recording) = selected_recording(view, jobs.recording_views.as_ref()) else {
         let text = "the recordings are read and replayed on the model";

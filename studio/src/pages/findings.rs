@@ -15,7 +15,7 @@ use crate::command::Command;
 use crate::number_format::format_short;
 use crate::theme::{Theme, space};
 use crate::units::DisplayUnit;
-use crate::view::View;
+use crate::view::StudioView;
 
 /// Returns the verdict as a sentence that begins with a capital.
 pub fn verdict_sentence(verdict: DiagnosisVerdict) -> String {
@@ -23,7 +23,7 @@ pub fn verdict_sentence(verdict: DiagnosisVerdict) -> String {
 }
 
 /// Shows the findings with their evidence.
-pub fn show_answer(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, answer: &AnswerText) {
+pub fn show_answer(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>, answer: &AnswerText) {
     let theme = &view.theme;
     show_in_card(ui, theme, |ui| {
         ui.label(RichText::new(verdict_sentence(answer.verdict)).heading());
@@ -69,7 +69,7 @@ fn show_finding(ui: &mut Ui, theme: &Theme, finding: &FindingText) {
     }
 }
 
-fn show_fit(ui: &mut Ui, view: &View, answer: &AnswerText) {
+fn show_fit(ui: &mut Ui, view: &StudioView, answer: &AnswerText) {
     let theme = &view.theme;
     widgets::show_heading(ui, "RMS residual by channel");
     egui::Grid::new("fit").num_columns(4).striped(true).spacing([28.0, 4.0]).show(ui, |ui| {

@@ -7,10 +7,10 @@ use counterpoise_verify::linear::ResponseCurve as Response;
 
 use crate::charts::chart::{AxisScale, Chart};
 use crate::units::GainUnit;
-use crate::view::View;
+use crate::view::StudioView;
 
 /// Returns an empty chart over frequency, its gains in the chosen unit.
-pub fn frequency_chart(view: &View, title: &str, label: &str) -> Chart {
+pub fn frequency_chart(view: &StudioView, title: &str, label: &str) -> Chart {
     let (unit, scale) = match view.units.gain {
         GainUnit::Decibel => (", dB", AxisScale::Linear),
         GainUnit::Absolute => ("", AxisScale::Log),
@@ -21,7 +21,7 @@ pub fn frequency_chart(view: &View, title: &str, label: &str) -> Chart {
 }
 
 /// Returns the moduli of a response in the chosen units.
-pub fn magnitude_points(view: &View, frequencies_hz: &[f64], response: &Response) -> Vec<[f64; 2]> {
+pub fn magnitude_points(view: &StudioView, frequencies_hz: &[f64], response: &Response) -> Vec<[f64; 2]> {
     let point = |(f, h): (&f64, &counterpoise_linalg::C64)| {
         [view.units.display_frequency(f * TAU), view.units.display_gain(h.norm())]
     };
@@ -29,7 +29,7 @@ pub fn magnitude_points(view: &View, frequencies_hz: &[f64], response: &Response
 }
 
 /// Marks the phase margin and the gain margin in a chart of the loop gain.
-pub fn mark_margins(view: &View, margins: &Margins, chart: &mut Chart) {
+pub fn mark_margins(view: &StudioView, margins: &Margins, chart: &mut Chart) {
     if let Some(crossing) = margins.phase_margin() {
         let x = view.units.display_frequency(crossing.rate_rad_s);
         chart.add_mark(x, format!("{:.0}\u{b0}", crossing.deg));

@@ -3,10 +3,10 @@
 use egui::{RichText, Ui};
 
 use crate::command::{Command, DesignSlot};
-use crate::view::View;
+use crate::view::StudioView;
 
 /// Shows a slot: a free one keeps the current design, an occupied one opens what can be done with it.
-pub fn show_slot(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, slot: DesignSlot) {
+pub fn show_slot(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>, slot: DesignSlot) {
     let name = slot.name();
     if !view.kept.contains_key(&slot) {
         let free = ui.selectable_label(false, name).on_hover_text("keep this design for comparison");

@@ -6,16 +6,16 @@ use counterpoise_verify::{
 
 use crate::charts::chart::Chart;
 use crate::number_format::format_short;
-use crate::view::View;
+use crate::view::StudioView;
 
 /// Returns the selected requirement.
-pub fn selected_requirement<'a>(view: &View, found: &'a Verification) -> Option<&'a Requirement> {
+pub fn selected_requirement<'a>(view: &StudioView, found: &'a Verification) -> Option<&'a Requirement> {
     let last = found.verdicts.len().saturating_sub(1);
     found.verdicts.get(view.requirement.min(last)).map(|(requirement, _)| requirement)
 }
 
 /// Marks the limit of the selected requirement in a chart over time if it limits the column that this chart shows.
-pub fn mark_history_limit(view: &View, found: &Verification, column: HistoryColumn, chart: &mut Chart) {
+pub fn mark_history_limit(view: &StudioView, found: &Verification, column: HistoryColumn, chart: &mut Chart) {
     let Some(requirement) = selected_requirement(view, found) else { return };
     let limit = requirement.limit.value();
     let mut both = |value: f64| chart.levels.extend([value, -value]);
@@ -42,7 +42,7 @@ pub fn mark_history_limit(view: &View, found: &Verification, column: HistoryColu
 }
 
 /// Marks the limit of a disturbance rejection in its chart.
-pub fn mark_rejection_limit(view: &View, found: &Verification, shown: Source, chart: &mut Chart) {
+pub fn mark_rejection_limit(view: &StudioView, found: &Verification, shown: Source, chart: &mut Chart) {
     if let Some(Requirement { figure: Figure::Rejection { source, frequency_hz, .. }, limit, .. }) =
         selected_requirement(view, found)
         && *source == shown
@@ -54,7 +54,7 @@ pub fn mark_rejection_limit(view: &View, found: &Verification, shown: Source, ch
 }
 
 /// Marks the limit of a sensitivity in the chart of both sensitivities.
-pub fn mark_sensitivity_limit(view: &View, found: &Verification, chart: &mut Chart) {
+pub fn mark_sensitivity_limit(view: &StudioView, found: &Verification, chart: &mut Chart) {
     let figure = selected_requirement(view, found).map(|r| (r.figure, r.limit));
     if let Some((
         Figure::Loop(LoopFigure::MaxSensitivity | LoopFigure::MaxComplementary),

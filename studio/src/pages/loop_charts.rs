@@ -20,7 +20,7 @@ use super::widgets;
 use crate::charts::chart::{AxisScale, Chart, LabelledPoint, LineDash};
 use crate::command::Command;
 use crate::number_format::format_short;
-use crate::view::View;
+use crate::view::StudioView;
 
 /// Ends of the Nichols chart's modulus, dB.
 const NICHOLS_DB: (f64, f64) = (-40.0, 40.0);
@@ -32,7 +32,7 @@ const CELL_FRAME: [f32; 2] = [78.0, 84.0];
 /// Shows the charts. Without `shape` the paths have the points of the other curves, and the root locus follows in a moment.
 pub fn show(
     ui: &mut Ui,
-    view: &mut View,
+    view: &mut StudioView,
     queue: &mut Vec<Command>,
     design: &DesignPreview,
     shape: Option<&LoopShape>,
@@ -86,7 +86,7 @@ fn with_equal_scales(mut chart: Chart, cell: Rect) -> Chart {
 }
 
 /// Returns the phase of the loop, with the phase margin.
-fn phase_chart(view: &View, design: &DesignPreview) -> Chart {
+fn phase_chart(view: &StudioView, design: &DesignPreview) -> Chart {
     let of = |d: &DesignPreview| {
         let points = d.curves.frequency_hz.iter().zip(&d.curves.broken.response);
         let curve = BodeCurve::new(
@@ -128,7 +128,7 @@ fn named_margins(design: &DesignPreview) -> Vec<NamedMargin> {
     named.collect()
 }
 
-fn nichols_chart(view: &View, design: &DesignPreview, response: &[C64], largest: f64) -> Chart {
+fn nichols_chart(view: &StudioView, design: &DesignPreview, response: &[C64], largest: f64) -> Chart {
     let mut chart = Chart::new("Nichols", "phase of L, deg", "modulus of L, dB");
     for (slot, kept) in &view.kept {
         let path = nichols_points(&kept.curves.broken.response);
@@ -161,7 +161,7 @@ fn plane(points: &[C64]) -> Vec<[f64; 2]> {
     points.iter().map(|L| [L.re, L.im]).collect()
 }
 
-fn nyquist_chart(view: &View, design: &DesignPreview, response: &[C64], largest: f64) -> Chart {
+fn nyquist_chart(view: &StudioView, design: &DesignPreview, response: &[C64], largest: f64) -> Chart {
     let theme = &view.theme;
     let mut chart = Chart::new("Nyquist", "real part of L", "imaginary part of L");
     for (slot, kept) in &view.kept {
@@ -188,7 +188,7 @@ fn nyquist_chart(view: &View, design: &DesignPreview, response: &[C64], largest:
 }
 
 /// Returns the root locus at the equivalents of the poles in continuous time, in the unit of frequencies.
-fn locus_chart(view: &View, locus: Option<&RootLocus>, crossover_hz: f64) -> Chart {
+fn locus_chart(view: &StudioView, locus: Option<&RootLocus>, crossover_hz: f64) -> Chart {
     let unit = view.units.frequency_label().replace("frequency, ", "");
     let mut chart =
         Chart::new("Root locus", &format!("real part, {unit}"), &format!("imaginary part, {unit}"));
@@ -241,7 +241,7 @@ struct LoopPath {
 }
 
 /// Returns responses of the closed loop.
-fn response_chart(view: &View, design: &DesignPreview, title: &str, wanted: &[LoopPath]) -> Chart {
+fn response_chart(view: &StudioView, design: &DesignPreview, title: &str, wanted: &[LoopPath]) -> Chart {
     let is_wanted = |r: &&LoopResponse| wanted.contains(&LoopPath { cause: r.cause, effect: r.effect });
     let mut chart = frequency_chart(view, title, "modulus");
     for (slot, kept) in &view.kept {
@@ -259,13 +259,13 @@ fn response_chart(view: &View, design: &DesignPreview, title: &str, wanted: &[Lo
 }
 
 /// Returns the control for the demand and for noise of every sensor that the feedback reads.
-fn control_chart(view: &View, design: &DesignPreview) -> Chart {
+fn control_chart(view: &StudioView, design: &DesignPreview) -> Chart {
     let causes = design.curves.loop_responses.iter().filter(|r| r.effect == LoopEffect::Control);
     let wanted: Vec<LoopPath> = causes.map(|r| LoopPath { cause: r.cause, effect: r.effect }).collect();
     response_chart(view, design, "Control for demand and noise", &wanted)
 }
 
-fn moduli(view: &View, design: &DesignPreview, response: &LoopResponse) -> Vec<[f64; 2]> {
+fn moduli(view: &StudioView, design: &DesignPreview, response: &LoopResponse) -> Vec<[f64; 2]> {
     let points = design.curves.frequency_hz.iter().zip(&response.response);
     points.map(|(f, h)| [view.units.display_frequency(f * TAU), view.units.display_gain(h.norm())]).collect()
 }

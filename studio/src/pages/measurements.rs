@@ -17,7 +17,7 @@ use crate::jobs::measurements::{CampaignView, Measurements};
 use crate::number_format::format_short;
 use crate::theme::{Theme, space};
 use crate::versioned_results::Freshness;
-use crate::view::View;
+use crate::view::StudioView;
 
 /// What was measured, and how far a running measurement is.
 pub struct ShownMeasurements<'a> {
@@ -64,7 +64,7 @@ fn show_start(
 }
 
 /// Shows the analyser's map: platform rate to hub rate at several amplitudes.
-pub fn show_map(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, shown: &ShownMeasurements) {
+pub fn show_map(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, shown: &ShownMeasurements) {
     let theme = view.theme;
     let map = shown.measurements.map.as_ref();
     let freshness = map.map_or(Freshness::Current, |of| of.freshness(shown.revision));
@@ -93,7 +93,7 @@ pub fn show_map(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, shown: &
     }
 }
 
-fn map_chart(view: &View, map: &ResponseMap) -> Chart {
+fn map_chart(view: &StudioView, map: &ResponseMap) -> Chart {
     let theme = &view.theme;
     let mut chart = frequency_chart(view, "Platform rate to hub rate, as an analyser measures it", "modulus");
     let rates = map.points.frequency_rad_s();
@@ -116,7 +116,12 @@ fn map_chart(view: &View, map: &ResponseMap) -> Chart {
 }
 
 /// Shows the requirements over many mechanisms.
-pub fn show_campaign(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, shown: &ShownMeasurements) {
+pub fn show_campaign(
+    ui: &mut Ui,
+    view: &mut StudioView,
+    queue: &mut Vec<Command>,
+    shown: &ShownMeasurements,
+) {
     let theme = view.theme;
     let campaign = shown.measurements.campaign.as_ref();
     let freshness = campaign.map_or(Freshness::Current, |of| of.freshness(shown.revision));
@@ -141,7 +146,7 @@ pub fn show_campaign(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, sho
     }
 }
 
-fn show_campaign_result(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, result: &CampaignView) {
+fn show_campaign_result(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, result: &CampaignView) {
     let theme = view.theme;
     egui::ScrollArea::vertical().max_height(0.55 * ui.available_height()).show(ui, |ui| {
         theme.card().show(ui, |ui| {
@@ -158,7 +163,7 @@ fn show_campaign_result(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, 
     }
 }
 
-fn show_rows(ui: &mut Ui, view: &mut View, result: &CampaignView) {
+fn show_rows(ui: &mut Ui, view: &mut StudioView, result: &CampaignView) {
     let theme = view.theme;
     widgets::show_heading(ui, &format!("{} of {} mechanisms", result.done, result.total));
     egui::Grid::new("robustness").num_columns(6).striped(true).spacing([12.0, 3.0]).show(ui, |ui| {
@@ -176,7 +181,7 @@ fn show_rows(ui: &mut Ui, view: &mut View, result: &CampaignView) {
 }
 
 /// Shows the requirement of an index; its name is a button.
-fn show_row(ui: &mut Ui, view: &View, result: &CampaignView, index: usize) -> egui::Response {
+fn show_row(ui: &mut Ui, view: &StudioView, result: &CampaignView, index: usize) -> egui::Response {
     let (row, is_selected) = (&result.rows[index], view.requirement == index);
     let theme = &view.theme;
     let unit = view.units.display_unit(row.requirement.figure.unit(row.controlled));
@@ -202,7 +207,7 @@ fn strongest_in_words(strongest: &StrongestParameter) -> String {
 }
 
 /// Returns the share of the mechanisms below each value.
-fn distribution_chart(view: &View, row: &RequirementSpread) -> Chart {
+fn distribution_chart(view: &StudioView, row: &RequirementSpread) -> Chart {
     let unit = view.units.display_unit(row.requirement.figure.unit(row.controlled));
     let points = row.distribution().into_iter().map(|[value, share]| [unit.factor * value, share]).collect();
     let label = format!("{}, {}", describe_figure(row.requirement.figure, row.controlled), unit.name);

@@ -17,7 +17,7 @@ use crate::jobs::plant_pictures::BeamModes;
 use crate::number_format::format_short;
 use crate::studio::Studio;
 use crate::theme::space;
-use crate::view::View;
+use crate::view::StudioView;
 
 /// Names and paths of the sections of the project file that are edited here.
 const SECTIONS: [(&str, &str); 9] = [
@@ -91,7 +91,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     }
 }
 
-fn show_parameters(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, text: &str) {
+fn show_parameters(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, text: &str) {
     let theme = view.theme;
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
@@ -126,7 +126,7 @@ fn show_parameters(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, text:
 /// Shows the operating point and the poles.
 fn show_operating_point(
     ui: &mut Ui,
-    view: &View,
+    view: &StudioView,
     plant: &PlantPreview,
     comparison: Option<&ReductionComparison>,
 ) {
@@ -153,7 +153,7 @@ fn show_operating_point(
 }
 
 /// Shows what the file leaves open: what matters most first, with what it may cost the loop, then how many more there are.
-fn show_assumptions(ui: &mut Ui, view: &View, ranked: &RankedAssumptions) {
+fn show_assumptions(ui: &mut Ui, view: &StudioView, ranked: &RankedAssumptions) {
     if ranked.assumptions.is_empty() {
         return;
     }
@@ -178,7 +178,13 @@ fn show_assumptions(ui: &mut Ui, view: &View, ranked: &RankedAssumptions) {
 /// Number of modes that can be animated.
 const MODES: usize = 3;
 
-fn show_mechanism(ui: &mut Ui, view: &mut View, plant: &Parameters, modes: Option<&BeamModes>, area: Rect) {
+fn show_mechanism(
+    ui: &mut Ui,
+    view: &mut StudioView,
+    plant: &Parameters,
+    modes: Option<&BeamModes>,
+    area: Rect,
+) {
     let theme = view.theme;
     let mut inside = ui.new_child(egui::UiBuilder::new().max_rect(area));
     theme.card().show(&mut inside, |ui| {
@@ -222,7 +228,7 @@ fn response_title(hub: ControlledQuantity) -> String {
 }
 
 /// Returns the responses of the sampled plant as the controller sees it.
-fn sampled_response_chart(view: &View, design: &DesignPreview) -> Chart {
+fn sampled_response_chart(view: &StudioView, design: &DesignPreview) -> Chart {
     let curves = &design.curves;
     let mut chart = frequency_chart(view, &response_title(design.synthesised.controlled), "modulus");
     for (k, (curve, name)) in curves.plant.iter().zip(RESPONSE_NAMES).enumerate() {
@@ -233,7 +239,7 @@ fn sampled_response_chart(view: &View, design: &DesignPreview) -> Chart {
 }
 
 /// Returns the responses of the full plant of a project without a controller.
-fn response_chart(view: &View, plant: &Parameters, comparison: &ReductionComparison) -> Chart {
+fn response_chart(view: &StudioView, plant: &Parameters, comparison: &ReductionComparison) -> Chart {
     let mut chart = frequency_chart(view, &response_title(plant.controlled_quantity().motion()), "modulus");
     let moduli = [&comparison.control_moduli, &comparison.heave_moduli, &comparison.pitch_moduli];
     for (k, (full, name)) in moduli.iter().zip(RESPONSE_NAMES).enumerate() {
@@ -245,7 +251,7 @@ fn response_chart(view: &View, plant: &Parameters, comparison: &ReductionCompari
 }
 
 /// Returns the curve of a free function with its band, and the recordings' coverage.
-fn learned_charts(view: &View, function: &LearnedFunctionText) -> [Chart; 2] {
+fn learned_charts(view: &StudioView, function: &LearnedFunctionText) -> [Chart; 2] {
     let along = format!("{}, {}", function.variable, function.variable_unit);
     let unit = if function.value_unit.is_empty() { "1" } else { function.value_unit };
     let of = |value: &dyn Fn(usize) -> f64| -> Vec<[f64; 2]> {
@@ -269,7 +275,7 @@ fn learned_charts(view: &View, function: &LearnedFunctionText) -> [Chart; 2] {
 }
 
 /// Returns steady friction over the hub rate, of the pivot and of the motor through the gear.
-fn friction_chart(view: &View, plant: &Parameters) -> Chart {
+fn friction_chart(view: &StudioView, plant: &Parameters) -> Chart {
     let rate = plant.controlled_quantity().rate();
     let unit = view.units.display_unit(rate.unit());
     let label = format!("{}, {}", rate.name(), unit.name);

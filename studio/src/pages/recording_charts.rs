@@ -9,10 +9,10 @@ use crate::charts::curve_points::CurvePoints;
 use crate::charts::min_max_pyramid::MinMaxPyramid;
 use crate::jobs::recording_views::ChannelView;
 use crate::units::DisplayUnit;
-use crate::view::View;
+use crate::view::StudioView;
 
 /// Returns an empty chart of a channel, whose title says how well the model fits.
-fn channel_chart(view: &View, channel: &ChannelView) -> (Chart, DisplayUnit) {
+fn channel_chart(view: &StudioView, channel: &ChannelView) -> (Chart, DisplayUnit) {
     let name = channel_words(channel.channel);
     let mut title = name.clone();
     if let Some(ratio) = channel.model.as_ref().and_then(|model| model.residual_over_floor) {
@@ -27,7 +27,7 @@ fn channel_chart(view: &View, channel: &ChannelView) -> (Chart, DisplayUnit) {
 }
 
 fn long_curve(
-    view: &View,
+    view: &StudioView,
     name: &str,
     colour: usize,
     points: &Arc<MinMaxPyramid>,
@@ -38,7 +38,7 @@ fn long_curve(
 }
 
 /// Returns a channel as measured, as the model simulates it, and as the diagnosed model does.
-pub fn signal_chart(view: &View, channel: &ChannelView) -> Chart {
+pub fn signal_chart(view: &StudioView, channel: &ChannelView) -> Chart {
     let (mut chart, unit) = channel_chart(view, channel);
     chart = chart.with_any_curve(long_curve(view, "measured", 1, &channel.measured, &unit));
     if let Some(model) = &channel.model {
@@ -51,7 +51,7 @@ pub fn signal_chart(view: &View, channel: &ChannelView) -> Chart {
 }
 
 /// Returns the residuals of the model and of the diagnosed model.
-pub fn residual_chart(view: &View, channel: &ChannelView) -> Chart {
+pub fn residual_chart(view: &StudioView, channel: &ChannelView) -> Chart {
     let (mut chart, unit) = channel_chart(view, channel);
     if let Some(model) = &channel.model {
         chart = chart.with_any_curve(long_curve(view, "model", 0, &model.residual, &unit));

@@ -8,7 +8,7 @@ use super::recording_charts::channel_words;
 use super::widgets;
 use crate::command::Command;
 use crate::jobs::recording_views::{ColumnName, RecordingView};
-use crate::view::View;
+use crate::view::StudioView;
 
 /// A channel, or the time, whose column is chosen.
 struct MappedQuantity<'a> {
@@ -24,7 +24,7 @@ const BY_NAME: &str = "by its name";
 /// Shows which column of a recording is the time and which is which channel.
 pub fn show(
     ui: &mut Ui,
-    view: &mut View,
+    view: &mut StudioView,
     queue: &mut Vec<Command>,
     recording: &RecordingView,
     project: &Project,

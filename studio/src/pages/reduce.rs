@@ -14,7 +14,7 @@ use crate::command::Command;
 use crate::number_format::format_short;
 use crate::studio::Studio;
 use crate::theme::space;
-use crate::view::View;
+use crate::view::StudioView;
 
 /// Methods with their names in the project file and what they do.
 const METHODS: [(&str, ReductionMethod, &str); 4] = [
@@ -73,7 +73,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
 
 fn show_charts(
     ui: &mut Ui,
-    view: &mut View,
+    view: &mut StudioView,
     queue: &mut Vec<Command>,
     shown: &ShownReduction,
     comparison: &ReductionComparison,
@@ -106,7 +106,7 @@ fn choose_order(queue: &mut Vec<Command>, method: ReductionMethod, order: usize)
     queue.push(Command::SetWhole { path: "reduce.order".to_owned(), value: order as i64 });
 }
 
-fn show_side(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, shown: &ShownReduction) {
+fn show_side(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, shown: &ShownReduction) {
     let theme = view.theme;
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
@@ -131,7 +131,7 @@ fn show_side(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, shown: &Sho
 }
 
 /// Shows the orders to choose from, and the error of the current one.
-fn show_orders(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, shown: &ShownReduction) {
+fn show_orders(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>, shown: &ShownReduction) {
     let (theme, reduced) = (view.theme, &shown.plant.reduced);
     let before = reduced.order_before();
     widgets::show_heading(ui, "Order");
@@ -158,7 +158,7 @@ fn show_orders(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, shown: &Shown
 }
 
 /// Returns an error with the frequency at which it is largest, in words.
-fn error_in_words(view: &View, error: f64, rate_rad_s: f64) -> String {
+fn error_in_words(view: &StudioView, error: f64, rate_rad_s: f64) -> String {
     let unit = view.units.frequency_label().trim_start_matches("frequency, ");
     let frequency = format_short(view.units.display_frequency(rate_rad_s));
     format!("{} at {frequency} {unit}", format_short(error))
@@ -167,7 +167,7 @@ fn error_in_words(view: &View, error: f64, rate_rad_s: f64) -> String {
 /// Shows the poles of the full plant, slow ones first; a click keeps the states up to this one.
 fn show_modes(
     ui: &mut Ui,
-    view: &View,
+    view: &StudioView,
     queue: &mut Vec<Command>,
     comparison: &ReductionComparison,
     method: ReductionMethod,
@@ -195,7 +195,7 @@ fn show_modes(
     });
 }
 
-fn hankel_chart(view: &View, plant: &PlantPreview, comparison: &ReductionComparison) -> Chart {
+fn hankel_chart(view: &StudioView, plant: &PlantPreview, comparison: &ReductionComparison) -> Chart {
     let title = if comparison.hankel.is_empty() {
         "Hankel values: none, the plant is not stable"
     } else {
@@ -213,13 +213,13 @@ fn hankel_chart(view: &View, plant: &PlantPreview, comparison: &ReductionCompari
 }
 
 /// Returns a curve over the frequencies of the comparison as it is shown.
-fn curve_points(view: &View, comparison: &ReductionComparison, moduli: &[f64]) -> Vec<[f64; 2]> {
+fn curve_points(view: &StudioView, comparison: &ReductionComparison, moduli: &[f64]) -> Vec<[f64; 2]> {
     let point = |(w, v): (&f64, &f64)| [view.units.display_frequency(*w), view.units.display_gain(*v)];
     comparison.frequencies_rad_s.iter().zip(moduli).map(point).collect()
 }
 
 fn response_chart(
-    view: &View,
+    view: &StudioView,
     comparison: &ReductionComparison,
     [full, reduced]: &[Vec<f64>; 2],
     title: &str,
@@ -235,7 +235,7 @@ fn hub_motion(plant: &PlantPreview) -> &'static str {
     plant.modelled.parameters.controlled_quantity().motion().name()
 }
 
-fn error_chart(view: &View, plant: &PlantPreview, comparison: &ReductionComparison) -> Chart {
+fn error_chart(view: &StudioView, plant: &PlantPreview, comparison: &ReductionComparison) -> Chart {
     let mut chart = frequency_chart(view, &format!("Error, control to {}", hub_motion(plant)), "modulus");
     if let Some(bound) = plant.reduced.bound.filter(|bound| *bound > 0.0) {
         chart.levels.push(view.units.display_gain(bound));

@@ -6,7 +6,7 @@ use egui::{Align2, FontId, Pos2, Rect, Stroke, Ui, pos2, vec2};
 
 use crate::number_format::format_short;
 use crate::theme::Theme;
-use crate::view::View;
+use crate::view::StudioView;
 
 /// Angle through which the lighter side swings on the screen, rad: clearly visible.
 const SWING: f64 = 0.35;
@@ -20,7 +20,7 @@ const WHEEL: f32 = 0.62;
 type Angles = [f64; 3];
 
 /// Draws the chain; in a mode, hub and beam swing against each other as they would with a rigid gear mesh.
-pub fn draw_chain(ui: &Ui, view: &View, plant: &Parameters, lumped: &Lumped, room: Rect) {
+pub fn draw_chain(ui: &Ui, view: &StudioView, plant: &Parameters, lumped: &Lumped, room: Rect) {
     let theme = &view.theme;
     let angles = if view.mode > 0 { mode_angles(ui, plant, lumped) } else { [0.0; 3] };
     let unit = (room.height() * 0.21).clamp(26.0, 58.0);
@@ -100,7 +100,14 @@ fn draw_weight(ui: &Ui, theme: &Theme, Disc { centre, radius }: Disc, angle: f64
     ui.painter().circle(centre + arm, 9.0, fill, Stroke::new(1.5, theme.curves[1]));
 }
 
-fn write_captions(ui: &Ui, view: &View, plant: &Parameters, lumped: &Lumped, at: [Pos2; 5], below: f32) {
+fn write_captions(
+    ui: &Ui,
+    view: &StudioView,
+    plant: &Parameters,
+    lumped: &Lumped,
+    at: [Pos2; 5],
+    below: f32,
+) {
     let (theme, angle) = (&view.theme, view.units.display_unit("rad"));
     let gear = &plant.gearbox;
     let texts: [(&str, [String; 2]); 5] = [

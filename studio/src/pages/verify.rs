@@ -13,7 +13,7 @@ use crate::number_format::format_short;
 use crate::results::VerificationState;
 use crate::studio::Studio;
 use crate::theme::space;
-use crate::view::View;
+use crate::view::StudioView;
 
 /// Width of the panel with the verdicts, points.
 const SIDE_WIDTH: f32 = 440.0;
@@ -77,7 +77,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     }
 }
 
-fn show_actions(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, state: VerificationState) {
+fn show_actions(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>, state: VerificationState) {
     ui.horizontal(|ui| {
         if ui.button("Verify").on_hover_text("F5").clicked() {
             queue.push(Command::Verify);
@@ -114,7 +114,7 @@ fn show_actions(ui: &mut Ui, view: &View, queue: &mut Vec<Command>, state: Verif
     });
 }
 
-fn show_verdicts(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Verification) {
+fn show_verdicts(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, found: &Verification) {
     view.theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
         if found.verdicts.is_empty() {
@@ -132,7 +132,7 @@ fn show_verdicts(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: 
 }
 
 /// Shows the line of sight and its error budget; nothing if the project does not ask for them.
-fn show_line_of_sight(ui: &mut Ui, view: &View, found: &Verification) {
+fn show_line_of_sight(ui: &mut Ui, view: &StudioView, found: &Verification) {
     let lines = error_budget::budget_lines(found);
     if lines.is_empty() {
         return;
@@ -148,7 +148,7 @@ fn show_line_of_sight(ui: &mut Ui, view: &View, found: &Verification) {
 }
 
 /// Shows the requirement of an index with its verdict as a button.
-fn show_verdict(ui: &mut Ui, view: &View, found: &Verification, index: usize) -> egui::Response {
+fn show_verdict(ui: &mut Ui, view: &StudioView, found: &Verification, index: usize) -> egui::Response {
     let ((requirement, verdict), is_selected) = (&found.verdicts[index], view.requirement == index);
     let theme = &view.theme;
     let unit = view.units.display_unit(requirement.figure.unit(found.controlled_quantity()));

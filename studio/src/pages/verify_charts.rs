@@ -9,7 +9,7 @@ use super::limit_marks;
 use super::widgets;
 use crate::charts::chart::{Chart, LineDash};
 use crate::command::Command;
-use crate::view::View;
+use crate::view::StudioView;
 
 /// The charts over time share their x axis and cursor.
 const TIME_GROUP: &str = "verified over time";
@@ -25,7 +25,7 @@ struct ShownSignal<'a> {
 }
 
 /// Shows the run behind the selected verdict: four of its signals under one cursor.
-pub fn show_histories(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Verification) {
+pub fn show_histories(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, found: &Verification) {
     let experiment = limit_marks::selected_requirement(view, found)
         .map_or(Experiment::Step, |requirement| Experiment::from_figure(requirement.figure));
     let tip = view.units.display_unit(found.controlled_quantity().tip_unit());
@@ -61,7 +61,7 @@ pub fn show_histories(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, fo
 }
 
 /// Shows what the loop does over frequency.
-pub fn show_responses(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, found: &Verification) {
+pub fn show_responses(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, found: &Verification) {
     let curves = &found.evidence.curves;
     let of = |response| magnitude_points(view, &curves.frequency_hz, response);
     let c = view.theme.curves;
@@ -108,7 +108,7 @@ fn history_points(history: &History, column: HistoryColumn, factor: f64) -> Vec<
     history.time_s().iter().zip(history.signals.column(column)).map(|(t, v)| [*t, factor * v]).collect()
 }
 
-fn hub_chart(view: &View, found: &Verification, experiment: Experiment) -> Chart {
+fn hub_chart(view: &StudioView, found: &Verification, experiment: Experiment) -> Chart {
     let controlled = found.controlled_quantity();
     let unit = view.units.display_unit(controlled.unit());
     let title = format!("{}: {}", experiment_name(experiment), controlled.name());
@@ -135,7 +135,7 @@ fn hub_chart(view: &View, found: &Verification, experiment: Experiment) -> Chart
 }
 
 fn history_chart(
-    view: &View,
+    view: &StudioView,
     found: &Verification,
     experiment: Experiment,
     shown: &ShownSignal<'_>,
@@ -152,7 +152,7 @@ fn history_chart(
 }
 
 /// Returns the disturbance rejection over frequency, for each arrangement of the controller.
-fn rejection_chart(view: &View, found: &Verification, source: Source) -> Chart {
+fn rejection_chart(view: &StudioView, found: &Verification, source: Source) -> Chart {
     let unit = found.controlled_quantity().unit();
     let (title, label) = if source == Source::Heave {
         ("Rejection of heave", format!("{unit} per m/s\u{b2}"))

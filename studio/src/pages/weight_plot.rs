@@ -12,7 +12,7 @@ use crate::charts::chart_view::ChartResponse;
 use crate::command::Command;
 use crate::editing::weight_handles::{self, HandlePosition, WeightHandle, WeightNumber};
 use crate::theme::Theme;
-use crate::view::{ControllerPart, View};
+use crate::view::{ControllerPart, StudioView};
 
 /// A weight of the part that is shown.
 pub struct PlottedWeight<'a> {
@@ -75,7 +75,7 @@ const MODULI: (f64, f64) = (1e-6, 1e8);
 /// Shows the weights of the selected part, with their handles.
 pub fn show_weight_plot(
     ui: &mut Ui,
-    view: &mut View,
+    view: &mut StudioView,
     queue: &mut Vec<Command>,
     project: &Project,
     cell: egui::Rect,
@@ -114,7 +114,7 @@ struct PlottedHandle<'a> {
 
 impl PlottedHandle<'_> {
     /// Returns where the handle stands on the screen.
-    fn screen_position(&self, view: &View) -> egui::Pos2 {
+    fn screen_position(&self, view: &StudioView) -> egui::Pos2 {
         let position = self.handle.position;
         let x = view.units.display_frequency(position.rate_rad_s);
         let y = view.units.display_gain(position.magnitude);
@@ -124,7 +124,7 @@ impl PlottedHandle<'_> {
     }
 
     /// Returns the frequency and modulus at a place of the screen.
-    fn position_at(&self, view: &View, at: egui::Pos2) -> HandlePosition {
+    fn position_at(&self, view: &StudioView, at: egui::Pos2) -> HandlePosition {
         let point = self.shown.transform.value_from_position(at);
         let (x, y) = (self.chart.value_at(PlotAxis::X, point.x), self.chart.value_at(PlotAxis::Y, point.y));
         HandlePosition {
@@ -150,7 +150,7 @@ const GRIP_SIZE: f32 = 22.0;
 /// Distance that an arrow key moves a handle, points.
 const ARROW_STEP: f32 = 2.0;
 
-fn show_handle(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, plotted: &PlottedHandle) {
+fn show_handle(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, plotted: &PlottedHandle) {
     let theme = view.theme;
     let at = plotted.screen_position(view);
     if !plotted.shown.transform.frame().expand(6.0).contains(at) {

@@ -9,7 +9,7 @@ use crate::editing::key_reference::find_key;
 use crate::editing::weight_handles::round_to_three_digits;
 use crate::number_format::format_short;
 use crate::theme::{Theme, space};
-use crate::view::View;
+use crate::view::StudioView;
 
 /// Width from which a grid has one more column, points: there four columns are as wide as three on a usual screen.
 const WIDE: f32 = 1500.0;
@@ -47,7 +47,7 @@ pub fn design_page_cells(area: Rect) -> Vec<Rect> {
 /// Shows a chart in a cell. It can be copied from its menu, and by command while the pointer is on it.
 pub fn show_chart(
     ui: &mut Ui,
-    view: &mut View,
+    view: &mut StudioView,
     queue: &mut Vec<Command>,
     cell: Rect,
     chart: &Chart,
@@ -83,7 +83,7 @@ pub fn show_chart(
 }
 
 /// Shows a number of the project that is dragged or typed, with its unit; meaning and range appear on hover.
-pub fn number_field(ui: &mut Ui, view: &mut View, queue: &mut Vec<Command>, path: &str, value: f64) {
+pub fn number_field(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, path: &str, value: f64) {
     let theme = view.theme;
     let name = key_in_words(path.rsplit('.').next().unwrap_or(path));
     let key = find_key(path);

@@ -38,7 +38,7 @@ impl Studio {
 
     /// Returns when the studio needs the next frame without any input; `None` if a worker wakes it before that.
     pub fn next_wake_after(&self) -> Option<Duration> {
-        let verification = self.verify_at.map(Moment::remaining);
+        let verification = self.verify_at.map(Moment::remaining_time);
         verification.map(|wait| wait.max(SHORTEST_WAIT))
     }
 

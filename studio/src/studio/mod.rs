@@ -1,8 +1,8 @@
 //! The studio: it carries out commands.
 //!
-//! Modules in reading order: [`file_commands`] (projects opened and saved), [`closing`], [`work_commands`] (everything that is computed),
-//! [`settings_commands`] (what is remembered), [`event_loop`] (what the studio does by
-//! itself in each frame), [`answers`] (what the workers found).
+//! Modules in reading order: `file_commands` (projects opened and saved), `closing`, `work_commands` (everything that is computed),
+//! `settings_commands` (what is remembered), `event_loop` (what the studio does by
+//! itself in each frame), `answers` (what the workers found).
 
 mod answers;
 mod closing;
@@ -29,7 +29,7 @@ use crate::jobs::file_jobs::{DiskText, ProjectStore};
 use crate::jobs::plot_copy::{ClipboardContent, CopyFormat};
 use crate::results::ComputedResults;
 use crate::settings::{ProjectSettings, UserSettings};
-use crate::view::{View, ViewCommand};
+use crate::view::{StudioView, ViewCommand};
 use counterpoise_host::project_lock::ProjectLock;
 use counterpoise_host::recent_files::RecentFiles;
 
@@ -70,7 +70,7 @@ pub struct Studio {
     /// The project.
     pub opened: Option<OpenProject>,
     /// What the window shows.
-    pub view: View,
+    pub view: StudioView,
     /// What is remembered for the user.
     pub user_settings: UserSettings,
     /// What was computed.
@@ -110,7 +110,7 @@ impl Studio {
         let journal = Journal::new(Arc::clone(&disk), Arc::clone(&wake));
         let store = ProjectStore { disk: Arc::clone(&disk), state: state.to_owned(), flush: journal.flush() };
         let user_settings = UserSettings::load(state);
-        let mut view = View::default();
+        let mut view = StudioView::default();
         user_settings.apply(&mut view);
         Self {
             state: state.to_owned(),

@@ -13,7 +13,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 /// Says that a test is skipped, with the tool that is missing. The line goes past the capture of a test's output, so that `.ci/skips` sees it.
-pub fn skipped(reason: &str) {
+pub fn report_skip(reason: &str) {
     let _ = writeln!(std::io::stderr(), "skipped: {reason}");
 }
 
@@ -56,12 +56,12 @@ pub fn rig(name: &str) -> PathBuf {
 pub fn studio(folder: &Path) -> Studio {
     let mut studio = Studio::new(&folder.join("state"), Arc::new(|| {}));
     studio.run(&Command::Open { path: folder.to_owned() });
-    filed(&mut studio);
+    wait_for_files(&mut studio);
     studio
 }
 
 /// Waits until everything is read and written that was to be.
-pub fn filed(studio: &mut Studio) {
+pub fn wait_for_files(studio: &mut Studio) {
     let end = Instant::now() + Duration::from_secs(60);
     studio.update();
     while studio.file_queue.is_busy() {
@@ -73,11 +73,11 @@ pub fn filed(studio: &mut Studio) {
 
 /// Returns a window with that studio.
 pub fn bench(folder: &Path) -> StudioHarness {
-    around(studio(folder))
+    open_window(studio(folder))
 }
 
 /// Returns a window around a studio.
-pub fn around(studio: Studio) -> StudioHarness {
+pub fn open_window(studio: Studio) -> StudioHarness {
     let show = |ui: &mut egui::Ui, studio: &mut Studio| {
         studio.update();
         main_window::show(studio, ui);
@@ -116,8 +116,8 @@ pub fn bench_on(disk: &Arc<FullDisk>, folder: &Path) -> StudioHarness {
     let disk = Arc::clone(disk) as Arc<dyn counterpoise_host::files::Disk>;
     let mut studio = Studio::with_disk(&folder.join("state"), Arc::new(|| {}), disk);
     studio.run(&Command::Open { path: folder.to_owned() });
-    filed(&mut studio);
-    around(studio)
+    wait_for_files(&mut studio);
+    open_window(studio)
 }
 
 /// Ends a studio as a crash does: nothing is closed, and the operating system releases the lock on the project.
@@ -145,7 +145,7 @@ pub fn rest(bench: &mut StudioHarness) {
 }
 
 /// Frames until something is so.
-pub fn until(bench: &mut StudioHarness, what: &str, so: impl Fn(&Studio) -> bool) {
+pub fn wait_until(bench: &mut StudioHarness, what: &str, so: impl Fn(&Studio) -> bool) {
     let end = Instant::now() + Duration::from_secs(60);
     bench.run_steps(1);
     while !so(bench.state()) {

@@ -125,8 +125,8 @@ impl Ground {
         let mut last: Option<(BestLoop, f64)> = None;
         for _ in 0..BEST_LOOP_ROUNDS {
             let solved = Program { ground: self, basis, limits: &task.limits }.solve(&used)?;
-            let found = self.measured(&solved, basis);
-            let beyond = self.violated(&solved, &task.limits);
+            let found = self.measure_loop(&solved, basis);
+            let beyond = self.violated_frequencies(&solved, &task.limits);
             last = Some((found, solved.dual));
             let fresh: Vec<usize> = beyond.into_iter().filter(|k| !used.contains(k)).collect();
             if fresh.is_empty() {
@@ -140,7 +140,7 @@ impl Ground {
     }
 
     /// The frequencies at which a limit is exceeded.
-    fn violated(&self, solved: &Solved, limits: &LoopLimits) -> Vec<usize> {
+    fn violated_frequencies(&self, solved: &Solved, limits: &LoopLimits) -> Vec<usize> {
         let over = |value: f64, limit: f64| value > limit * (1.0 + BEST_LOOP_LIMIT_KEPT);
         let is_over = |&k: &usize| {
             let T = self.P[k] * solved.Q[k];
@@ -151,7 +151,7 @@ impl Ground {
         (0..self.P.len()).filter(is_over).collect()
     }
 
-    fn measured(&self, solved: &Solved, basis: &Basis) -> BestLoop {
+    fn measure_loop(&self, solved: &Solved, basis: &Basis) -> BestLoop {
         let (mut left, mut effort, mut noise) = (0.0, 0.0, 0.0);
         let (mut ms, mut mt, mut peak) = (0.0_f64, 0.0_f64, 0.0_f64);
         for (k, Q) in solved.Q.iter().enumerate() {

@@ -28,7 +28,7 @@ impl Problem {
         let solved = care(&system.A.t(), &system.C.t(), &W, &V, None)?;
         let solution = riccati(DesignEquation::DisturbanceFilter, part, solved)?;
         let L = solution.F.t();
-        let (open, entering) = self.uncontrolled();
+        let (open, entering) = self.uncontrolled_plant();
         let shared = solution.X.block(0, 0, self.generator.order(), system.order());
         let settled = (&system.A - &(&L * &system.C)).t();
         let S = sylvester(&open, &settled, &-(&entering * &shared))?;
@@ -51,7 +51,7 @@ impl Problem {
     /// What the estimation error of the plant's state costs: it is driven by w and by the noise, through the filter.
     /// `None` if it is not bounded.
     fn error_cost(&self, system: &StateSpace, L: &Mat, Lx: &Mat, density: f64) -> Result<Option<f64>, Error> {
-        let (open, entering) = self.uncontrolled();
+        let (open, entering) = self.uncontrolled_plant();
         let (k, f, d) = (open.nrows(), system.order(), self.generator.order());
         let into = &entering.hstack(&Mat::zeros(k, f - d)) - &(Lx * &system.C);
         let settled = &system.A - &(L * &system.C);
@@ -76,7 +76,7 @@ impl Problem {
         let open = Mat::from_blocks(&[&[&self.core.state(), &from_filter], &[&Mat::zeros(f, k), &settled]]);
         let A = &open + &(&input.vstack(&Mat::zeros(f, 1)) * &v);
         let B = filter.Lx.vstack(&filter.L);
-        let C = self.core.control_row(&v).vstack(&self.expected(f)).vstack(&v);
+        let C = self.core.control_row(&v).vstack(&self.expected_rate_row(f)).vstack(&v);
         Ok(StateSpace::new(A, B, C, Mat::zeros(3, 1), Timebase::Continuous)?)
     }
 
@@ -84,12 +84,12 @@ impl Problem {
     /// estimation error costs. Equal to tr(L' X_j L V) + ..., without that formula's cancellation.
     pub(super) fn measured_cost(&self, regulator: &Regulator, filter: &Filter) -> Result<Option<f64>, Error> {
         let innovation = filter.Lx.vstack(&filter.L.block(0, 0, self.generator.order(), 1));
-        let known = mean_square(&self.informed(regulator, &innovation.scale(filter.density.sqrt()))?)?;
+        let known = mean_square(&self.informed_loop(regulator, &innovation.scale(filter.density.sqrt()))?)?;
         Ok(known.zip(filter.error_cost).map(|(known, unknown)| known + unknown))
     }
 
     /// [x; x_d] under v = -F x - F_d x_d, from `noise` to (z1, v).
-    fn informed(&self, regulator: &Regulator, noise: &Mat) -> Result<StateSpace, Error> {
+    fn informed_loop(&self, regulator: &Regulator, noise: &Mat) -> Result<StateSpace, Error> {
         let (k, d) = (self.core.order(), self.generator.order());
         let v = (-&regulator.riccati.F).hstack(&-&regulator.Fd);
         let open =
@@ -105,6 +105,6 @@ impl Problem {
         let (source, k) = (&filter.system, module.order());
         let driven = source.B.vstack(&Mat::zeros(n + e + k, 1));
         let sensed = Mat::zeros(source.order() + n + e, 1).vstack(&module.B.scale(filter.density.sqrt()));
-        self.assembled(module, source, &(&module.B * &source.C), &driven.hstack(&sensed))
+        self.assembled_loop(module, source, &(&module.B * &source.C), &driven.hstack(&sensed))
     }
 }

@@ -210,20 +210,20 @@ impl Problem {
         let A = &self.core.state() - &(&input * &regulator.riccati.F);
         let B = &(&self.ECd - &(&input * &regulator.Fd)) * knows;
         let (v, v_d) = (-&regulator.riccati.F, -(&regulator.Fd * knows));
-        let C = self.core.control_row(&v).vstack(&self.expected(0)).vstack(&v);
+        let C = self.core.control_row(&v).vstack(&self.expected_rate_row(0)).vstack(&v);
         let D = (&self.core.control.D * &v_d).vstack(&Mat::zeros(1, v_d.ncols())).vstack(&v_d);
         Ok(StateSpace::new(A, B, C, D, Timebase::Continuous)?)
     }
 
     /// The row of the expected rate C x_p, with `more` states after those of the plant and its weights.
-    fn expected(&self, more: usize) -> Mat {
+    fn expected_rate_row(&self, more: usize) -> Mat {
         let (n, e, u) = self.core.sizes();
         debug_assert_eq!(self.core.C.ncols(), n);
         self.core.C.hstack(&Mat::zeros(1, e + u + more))
     }
 
     /// The plant and its error weight without control, and the columns of x_d into them.
-    fn uncontrolled(&self) -> (Mat, Mat) {
+    fn uncontrolled_plant(&self) -> (Mat, Mat) {
         let (n, e, _) = self.core.sizes();
         let entering = self.ECd.block(0, 0, n + e, self.generator.order());
         (self.core.state().block(0, 0, n + e, n + e), entering)
@@ -233,7 +233,7 @@ impl Problem {
     ///
     /// `into` is the module's input matrix times what it reads of the generator's states; `noise` are the columns of
     /// white noise on \[generator; plant; module\].
-    fn assembled(
+    fn assembled_loop(
         &self,
         module: &StateSpace,
         source: &StateSpace,
@@ -242,7 +242,7 @@ impl Problem {
     ) -> Result<StateSpace, Error> {
         let (n, e, _) = self.core.sizes();
         let (g, k) = (source.order(), module.order());
-        let (open, entering) = self.uncontrolled();
+        let (open, entering) = self.uncontrolled_plant();
         let entering = entering.hstack(&Mat::zeros(n + e, g - self.generator.order()));
         let column = self.core.B.vstack(&Mat::zeros(e, 1));
         let (u, v) = (module.C.block(0, 0, 1, k), module.C.block(2, 0, 1, k));
@@ -274,6 +274,6 @@ impl Problem {
         debug_assert_eq!(knows.nrows(), self.generator.order());
         let (n, e, _) = self.core.sizes();
         let noise = self.generator.B.vstack(&Mat::zeros(n + e + module.order(), 1));
-        self.assembled(module, &self.generator, &(&module.B * &self.generator.C), &noise)
+        self.assembled_loop(module, &self.generator, &(&module.B * &self.generator.C), &noise)
     }
 }

@@ -100,7 +100,7 @@ impl<'a> Judge<'a> {
     /// # Errors
     /// Those of the discretisation.
     pub fn new(circumstances: &'a Circumstances, neighbours: &[DesignPlant]) -> Result<Self, Error> {
-        let sampling = &coarser(&circumstances.sampling, &circumstances.plant);
+        let sampling = &coarsen_sampling(&circumstances.sampling, &circumstances.plant);
         let all = |plants: &[DesignPlant]| -> Result<Vec<StateSpace>, Error> {
             plants.iter().map(|p| sampled_plant(p, sampling)).collect()
         };
@@ -205,7 +205,7 @@ impl<'a> Judge<'a> {
     /// Those of the discretisation.
     pub fn exceeds_sensitivity(&self, controller: &StateSpace, aim_rad_s: f64) -> Result<bool, Error> {
         let K = sampled_controller(controller, &self.sampling)?.select(&[0], &[1]);
-        let seen = largest_sensitivity(&self.held, &K, about(aim_rad_s))?;
+        let seen = largest_sensitivity(&self.held, &K, rates_about(aim_rad_s))?;
         Ok(seen > (1.0 + SEEN_ABOVE) * self.circumstances.margins.max_sensitivity)
     }
 
@@ -216,7 +216,8 @@ impl<'a> Judge<'a> {
             if worst > NEIGHBOUR_MS {
                 break;
             }
-            let rates = modes_rad_s.iter().copied().flat_map(near).chain(about(nominal.bandwidth_rad_s));
+            let rates =
+                modes_rad_s.iter().copied().flat_map(rates_near).chain(rates_about(nominal.bandwidth_rad_s));
             worst = worst.max(sensitivity_beside(held, K, rates, stable_loop)?);
         }
         Ok(worst)
@@ -229,7 +230,7 @@ impl<'a> Judge<'a> {
             if worst > NEIGHBOUR_MS {
                 break;
             }
-            worst = worst.max(sensitivity_beside(plant, K, rates_about(nominal), held_loop)?);
+            worst = worst.max(sensitivity_beside(plant, K, rates_near_peaks(nominal), held_loop)?);
         }
         Ok(worst)
     }
@@ -242,7 +243,7 @@ impl<'a> Judge<'a> {
             if worst > 1.0 {
                 break;
             }
-            let found = sensitivity_beside(held, K, rates_about(nominal), held_loop)?;
+            let found = sensitivity_beside(held, K, rates_near_peaks(nominal), held_loop)?;
             worst = worst.max(found / max_sensitivity);
         }
         Ok(worst)
@@ -262,7 +263,7 @@ impl<'a> Judge<'a> {
 
 /// Returns the sampling with a longer period if its delay has more samples than [`MOST_DELAY_SAMPLES`]; the delay is not
 /// shortened, so the loop that is judged is never better than the real one.
-fn coarser(sampling: &Sampling, plant: &DesignPlant) -> Sampling {
+fn coarsen_sampling(sampling: &Sampling, plant: &DesignPlant) -> Sampling {
     let late_samples = plant.late_reading.as_ref().map_or(0, |reading| reading.samples(sampling.period_s));
     let factor = (sampling.delay_samples + late_samples).div_ceil(MOST_DELAY_SAMPLES).max(1);
     Sampling {
@@ -381,8 +382,8 @@ fn sensitivity_beside(
 }
 
 /// Returns the frequencies about the bandwidth and the peak of the sensitivity of a loop, rad/s, where that with another plant is likely to be large.
-fn rates_about(nominal: &LoopJudgement) -> impl Iterator<Item = f64> {
-    let rates = about(nominal.bandwidth_rad_s).chain(about(nominal.sensitivity_peak_rad_s));
+fn rates_near_peaks(nominal: &LoopJudgement) -> impl Iterator<Item = f64> {
+    let rates = rates_about(nominal.bandwidth_rad_s).chain(rates_about(nominal.sensitivity_peak_rad_s));
     rates.filter(|rate| *rate > 0.0)
 }
 
@@ -400,12 +401,12 @@ fn largest_sensitivity(
 }
 
 /// A few frequencies from a quarter of one to sixteen times it: where a crossover leaves a peak.
-fn about(rate_rad_s: f64) -> impl Iterator<Item = f64> {
+fn rates_about(rate_rad_s: f64) -> impl Iterator<Item = f64> {
     (-4..=8).map(move |k| rate_rad_s * 2f64.powf(0.5 * f64::from(k)))
 }
 
 /// A few frequencies about a lightly damped mode.
-fn near(rate_rad_s: f64) -> impl Iterator<Item = f64> {
+fn rates_near(rate_rad_s: f64) -> impl Iterator<Item = f64> {
     (-3..=3).map(move |k| rate_rad_s * (1.0 + 0.01 * f64::from(k)))
 }
 

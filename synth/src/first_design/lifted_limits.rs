@@ -59,7 +59,7 @@ pub(super) fn bandwidth(scan: &mut Scan, found: &Tried) -> Result<BandwidthWithL
         let lifted = match limit.kind {
             LimitKind::Resonance => causes.structure.clone(),
             LimitKind::Margins if causes.structure.is_some() || causes.lags.is_some() => causes.lags.clone(),
-            kind => higher(scan, missed.get(&vec![kind as u8]), reached)?,
+            kind => higher_loop(scan, missed.get(&vec![kind as u8]), reached)?,
         };
         limit.lifted_rad_s = lifted.as_ref().map(|loop_| loop_.rate_rad_s);
         let loops = LimitLoops {
@@ -75,7 +75,7 @@ pub(super) fn bandwidth(scan: &mut Scan, found: &Tried) -> Result<BandwidthWithL
     });
     let (limits, shown_by): (Vec<_>, Vec<_>) = shown.into_iter().unzip();
     let first = limits.first().filter(|limit| limit.lifted_rad_s.is_some()).map(|limit| vec![limit.kind]);
-    let limited_by = first.unwrap_or_else(|| together(&missed, limits.iter().map(|limit| limit.kind)));
+    let limited_by = first.unwrap_or_else(|| joint_limits(&missed, limits.iter().map(|limit| limit.kind)));
     let bandwidth = Bandwidth {
         bandwidth_rad_s: reached,
         limited_by,
@@ -87,7 +87,7 @@ pub(super) fn bandwidth(scan: &mut Scan, found: &Tried) -> Result<BandwidthWithL
 }
 
 /// Returns a candidate with its loop if its bandwidth is higher than what is reached.
-fn higher(scan: &Scan, tried: Option<&Tried>, reached_rad_s: f64) -> Result<Option<HigherLoop>, Error> {
+fn higher_loop(scan: &Scan, tried: Option<&Tried>, reached_rad_s: f64) -> Result<Option<HigherLoop>, Error> {
     match tried {
         Some(tried) if tried.judgement.bandwidth_rad_s > reached_rad_s * (1.0 + HIGHER_BANDWIDTH) => {
             let rate_rad_s = tried.judgement.bandwidth_rad_s;
@@ -98,7 +98,7 @@ fn higher(scan: &Scan, tried: Option<&Tried>, reached_rad_s: f64) -> Result<Opti
 }
 
 /// The fewest limits that only together keep the candidates from being the answer, the highest bandwidth first.
-fn together(missed: &Highest, kinds: impl Iterator<Item = LimitKind> + Clone) -> Vec<LimitKind> {
+fn joint_limits(missed: &Highest, kinds: impl Iterator<Item = LimitKind> + Clone) -> Vec<LimitKind> {
     let several = missed.iter().filter(|(set, _)| set.len() > 1);
     let fewest = several.min_by(|a, b| {
         a.0.len()
@@ -161,24 +161,24 @@ impl<'a> Given<'a> {
     fn without_modes(&self, found: &Tried) -> Result<Option<HigherLoop>, Error> {
         let reached = found.judgement.bandwidth_rad_s;
         let stiff = with_plants(self.circumstances, |plant| stiffen(plant, reached))?;
-        if stiff == *self.circumstances { Ok(None) } else { self.above(&stiff, found) }
+        if stiff == *self.circumstances { Ok(None) } else { self.loop_above(&stiff, found) }
     }
 
     /// The bandwidth with an ideal sensor and no delay; `None` if it is no higher or they are so already.
     fn without_lags(&self, found: &Tried) -> Result<Option<HigherLoop>, Error> {
         let mut quick = with_plants(self.circumstances, |plant| Ok(without_lags(plant)))?;
         quick.sampling = Sampling { delay_samples: 0, ..quick.sampling };
-        if quick == *self.circumstances { Ok(None) } else { self.above(&quick, found) }
+        if quick == *self.circumstances { Ok(None) } else { self.loop_above(&quick, found) }
     }
 
     /// The highest bandwidth above an answer in other circumstances, where the same is known as in the given ones.
-    fn above(&self, other: &Circumstances, found: &Tried) -> Result<Option<HigherLoop>, Error> {
+    fn loop_above(&self, other: &Circumstances, found: &Tried) -> Result<Option<HigherLoop>, Error> {
         let mut lifted = Scan::new(other, self.pool)?;
         lifted.unknown.clone_from(&self.unknown);
         lifted.further_shapes = self.further_shapes;
         lifted.judge_up_to(1);
         let highest = climb_all(&mut lifted, found.aim_rad_s, &[])?;
-        higher(&lifted, highest.get(&Vec::new()), found.judgement.bandwidth_rad_s)
+        higher_loop(&lifted, highest.get(&Vec::new()), found.judgement.bandwidth_rad_s)
     }
 }
 

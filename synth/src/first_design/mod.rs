@@ -1,11 +1,11 @@
 //! A first design by itself: the weights that give the highest bandwidth which the loop allows at stated margins.
 //!
-//! The feedback's weights follow from one number, the bandwidth that they aim at ([`candidate`]): an error weight that
+//! The feedback's weights follow from one number, the bandwidth that they aim at (`candidate`): an error weight that
 //! integrates below a fifth of it and is the inverse of the plant's gain at it, a control weight that rises above it, and
-//! noises that make the observer a few times as quick. For each aim the *sampled* loop is judged ([`judgement`]): margins,
-//! the same margins with every lightly damped mode shifted ([`neighbours`]), the control that noise and quantisation cost,
+//! noises that make the observer a few times as quick. For each aim the *sampled* loop is judged (`judgement`): margins,
+//! the same margins with every lightly damped mode shifted (`neighbours`), the control that noise and quantisation cost,
 //! and the control that a step of the demand takes. The highest aim that keeps everything is the answer. Every limit
-//! is told with the bandwidth up to which it alone would have allowed the loop, and with the bandwidth if it alone were lifted ([`lifted_limits`]):
+//! is told with the bandwidth up to which it alone would have allowed the loop, and with the bandwidth if it alone were lifted (`lifted_limits`):
 //! what limits is what raises the bandwidth when it is lifted.
 //!
 //! In a cascade the weights aim at the bandwidth of the rate loop, the position loop has a fixed share of it, and the judged loop is

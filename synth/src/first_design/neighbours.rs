@@ -30,7 +30,7 @@ pub(super) fn shifted_modes(plant: &DesignPlant, modes: &[C64]) -> Result<Vec<De
     }
     let both = [1.0 / (1.0 + MODE_SHIFT), 1.0 + MODE_SHIFT];
     let halved = |factor: f64| move |mode: C64| C64::new(0.5 * mode.re, mode.im) * factor;
-    both.into_iter().map(|factor| moved(plant, modes, halved(factor))).collect()
+    both.into_iter().map(|factor| move_modes(plant, modes, halved(factor))).collect()
 }
 
 /// Returns a plant whose lightly damped modes beyond a frequency are far quicker and well damped: what a much stiffer structure would be.
@@ -40,7 +40,7 @@ pub(super) fn shifted_modes(plant: &DesignPlant, modes: &[C64]) -> Result<Vec<De
 pub(super) fn stiffen(plant: &DesignPlant, beyond_rad_s: f64) -> Result<DesignPlant, Error> {
     let mut modes = light_modes(plant)?;
     modes.retain(|mode| mode.norm() > beyond_rad_s);
-    let mut stiff = moved(plant, &modes, |mode| C64::from_polar(STIFFER * mode.norm(), STIFF_ANGLE))?;
+    let mut stiff = move_modes(plant, &modes, |mode| C64::from_polar(STIFFER * mode.norm(), STIFF_ANGLE))?;
     if let Some(inner) = &mut stiff.rate_loop {
         inner.plant = stiffen(&inner.plant, beyond_rad_s)?;
     }
@@ -54,7 +54,7 @@ const STIFF_ANGLE: f64 = 2.0 * std::f64::consts::FRAC_PI_3;
 
 /// Moves each mode p to its target q: `A + 2 Re((q - p) v w^H / w^H v)` with the right and left eigenvectors v and w of p.
 /// Eigenvectors and all other modes stay.
-fn moved(plant: &DesignPlant, modes: &[C64], target: impl Fn(C64) -> C64) -> Result<DesignPlant, Error> {
+fn move_modes(plant: &DesignPlant, modes: &[C64], target: impl Fn(C64) -> C64) -> Result<DesignPlant, Error> {
     let A = &plant.system.A;
     let mut moved = A.clone();
     for &mode in modes {

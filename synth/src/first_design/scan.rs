@@ -104,7 +104,7 @@ impl<'a> Scan<'a> {
         let modes = light_modes(&circumstances.plant)?;
         let neighbours = shifted_modes(&circumstances.plant, &modes)?;
         let gain = PlantGain::of(circumstances, modes.iter().map(|mode| mode.norm()).collect())?;
-        let unknown = unknown(circumstances, &gain.modes);
+        let unknown = list_unknowns(circumstances, &gain.modes);
         let judge = Judge::new(circumstances, &neighbours)?;
         let attempts = BTreeMap::new();
         let most_missed = usize::MAX;
@@ -143,13 +143,13 @@ impl<'a> Scan<'a> {
         let highest = self.highest_aim();
         let descent = self.descent(highest);
         for (at, &Candidate { aim_rad_s: aim, shape }) in descent.iter().enumerate() {
-            if aim <= self.reached() {
+            if aim <= self.best_bandwidth() {
                 break;
             }
             self.look_ahead(descent[at..].iter().copied());
             let Some(tried) = self.attempt(aim, shape)? else { continue };
             self.tried.push(tried.clone());
-            let is_promising = tried.judgement.bandwidth_rad_s * step_of_aims() > self.reached();
+            let is_promising = tried.judgement.bandwidth_rad_s * step_of_aims() > self.best_bandwidth();
             if is_promising && self.keeps_all(&tried.judgement) {
                 let above =
                     descent[..at].iter().rev().map(|tried| tried.aim_rad_s).find(|other| *other != aim);
@@ -165,7 +165,7 @@ impl<'a> Scan<'a> {
 
     /// Whether the answer is far below what the clock allows.
     fn is_free_of_clock(&self) -> bool {
-        self.best.is_some() && self.reached() < CLOCK_SHARE * self.sample_ceiling()
+        self.best.is_some() && self.best_bandwidth() < CLOCK_SHARE * self.sample_ceiling()
     }
 
     /// Tries the shapes that attenuate modes and leave more phase, from the highest aim at which 3 or 4 lacks nothing but phase down to the
@@ -200,7 +200,7 @@ impl<'a> Scan<'a> {
         upcoming: impl Fn(f64) -> Vec<Candidate>,
     ) -> Result<(), Error> {
         let mut aim = highest_rad_s;
-        while aim > self.reached().max(lowest_rad_s) {
+        while aim > self.best_bandwidth().max(lowest_rad_s) {
             self.look_ahead(upcoming(aim).into_iter());
             for shape in shapes.clone() {
                 self.improve(aim, shape)?;
@@ -219,7 +219,7 @@ impl<'a> Scan<'a> {
     fn improve(&mut self, aim_rad_s: f64, shape: usize) -> Result<(), Error> {
         let Some(found) = self.attempt_if_worthwhile(aim_rad_s, shape)? else { return Ok(()) };
         // Between two aims the bandwidth rises no more than the aim.
-        let is_promising = found.judgement.bandwidth_rad_s * step_of_aims() > self.reached();
+        let is_promising = found.judgement.bandwidth_rad_s * step_of_aims() > self.best_bandwidth();
         if is_promising && self.keeps_all(&found.judgement) {
             self.take_if_higher(found, Some(aim_rad_s * step_of_aims()))?;
         }
@@ -229,14 +229,14 @@ impl<'a> Scan<'a> {
     /// Closes in on the aim above a feedback that keeps everything, and takes the result if its bandwidth is higher than the answer's.
     fn take_if_higher(&mut self, found: Tried, above: Option<f64>) -> Result<(), Error> {
         let closer = self.close_in(found, above)?;
-        if closer.judgement.bandwidth_rad_s > self.reached() {
+        if closer.judgement.bandwidth_rad_s > self.best_bandwidth() {
             self.best = Some(closer);
         }
         Ok(())
     }
 
     /// The bandwidth of the best feedback so far, rad/s; 0 if there is none.
-    fn reached(&self) -> f64 {
+    fn best_bandwidth(&self) -> f64 {
         self.best.as_ref().map_or(0.0, |best| best.judgement.bandwidth_rad_s)
     }
 
@@ -273,7 +273,7 @@ impl<'a> Scan<'a> {
         let next: Vec<Candidate> =
             upcoming.filter(|next| !is_known(next)).take(self.pool.processors()).collect();
         let found: Vec<OnceLock<_>> = next.iter().map(|_| OnceLock::new()).collect();
-        self.pool.run(next.len(), &|k| drop(found[k].set(self.judged(next[k].aim_rad_s, next[k].shape))));
+        self.pool.run(next.len(), &|k| drop(found[k].set(self.judge_aim(next[k].aim_rad_s, next[k].shape))));
         let keys = next.into_iter().map(|candidate| candidate.key());
         let judged = keys.zip(found).filter_map(|(key, one)| Some((key, one.into_inner()?)));
         self.ahead.extend(judged);
@@ -338,13 +338,13 @@ impl<'a> Scan<'a> {
         }
         let found = match self.ahead.remove(&key) {
             Some(judged) => judged?,
-            None => self.judged(aim_rad_s, shape)?,
+            None => self.judge_aim(aim_rad_s, shape)?,
         };
         self.attempts.insert(key, found.clone());
         Ok(found)
     }
 
-    fn judged(&self, aim_rad_s: f64, shape: usize) -> Result<Option<Tried>, Error> {
+    fn judge_aim(&self, aim_rad_s: f64, shape: usize) -> Result<Option<Tried>, Error> {
         let weights = SHAPES.get(shape).and_then(|s| weights(self.circumstances, &self.gain, aim_rad_s, *s));
         let Some(weights) = weights else { return Ok(None) };
         let position_gain = position_gain(self.circumstances, aim_rad_s);
@@ -411,7 +411,7 @@ impl<'a> Scan<'a> {
     }
 
     /// The highest bandwidth that was seen to keep a limit, rad/s; infinite if nothing missed it.
-    fn highest(&self, kind: LimitKind) -> f64 {
+    fn highest_bandwidth(&self, kind: LimitKind) -> f64 {
         match kind {
             LimitKind::SampleRate => return self.sample_ceiling(),
             LimitKind::Asked => return self.circumstances.asked_rad_s.unwrap_or(f64::INFINITY),
@@ -456,7 +456,8 @@ impl<'a> Scan<'a> {
     /// Returns every limit, the lowest first.
     pub fn summary(&self) -> Vec<BandwidthLimit> {
         let asked = self.circumstances.asked_rad_s.map(|_| LimitKind::Asked);
-        let limit = |kind| BandwidthLimit { kind, bandwidth_rad_s: self.highest(kind), lifted_rad_s: None };
+        let limit =
+            |kind| BandwidthLimit { kind, bandwidth_rad_s: self.highest_bandwidth(kind), lifted_rad_s: None };
         let mut limits: Vec<BandwidthLimit> = KINDS.into_iter().chain(asked).map(limit).collect();
         // Of a machine without friction whose weight does not matter there is nothing to say.
         // Nor of one whose file has no tolerances, or leaves nothing open that sets a mode.
@@ -481,7 +482,7 @@ const KINDS: [LimitKind; 9] = [
     LimitKind::UsualRanges,
 ];
 
-fn unknown(given: &Circumstances, modes: &[f64]) -> Vec<Unknown> {
+fn list_unknowns(given: &Circumstances, modes: &[f64]) -> Vec<Unknown> {
     let sensor_lags = given.plant.hub_sensor.as_ref().is_some_and(|sensor| sensor.order() > 0)
         || given.plant.late_reading.is_some();
     let all = [

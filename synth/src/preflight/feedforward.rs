@@ -42,7 +42,7 @@ pub(super) fn check_feedforward(
         findings.push(DesignFinding::warning(part, Cause::ChannelWithoutEffect));
     }
     if weights.knowledge != DisturbanceKnowledge::Exact && weights.basis == FeedforwardBasis::OpenLoop {
-        findings.extend(bounded(part, &system, &weights.error)?);
+        findings.extend(check_bounded_error(part, &system, &weights.error)?);
     }
     Ok(findings)
 }
@@ -86,7 +86,7 @@ fn generator(
 }
 
 /// With a noisy sensor the uncontrolled error must be bounded: the plant and the error weight are stable.
-fn bounded(part: Part, system: &StateSpace, error: &Weight) -> Result<Vec<DesignFinding>, Error> {
+fn check_bounded_error(part: Part, system: &StateSpace, error: &Weight) -> Result<Vec<DesignFinding>, Error> {
     let refuse =
         |pole: C64| DesignFinding::refusal(part, Cause::FeedforwardUnbounded { pole }).at(pole.im.abs());
     if let Some(&pole) = not_stable(&poles(system)?).first() {

@@ -163,14 +163,14 @@ fn against_plant(
 ) -> Result<Vec<DesignFinding>, Error> {
     let mut findings = Vec::new();
     for rate in axis_roots(&error.rational().poles) {
-        let relative_gain = gain.relative(rate)?;
+        let relative_gain = gain.relative_modulus(rate)?;
         if relative_gain < ZERO_GAIN {
             let finding = DesignFinding::refusal(part, Cause::PlantZeroAtErrorPole { relative_gain });
             findings.push(finding.with_weight(WeightRole::Error, error).at(rate));
         }
     }
     for rate in axis_roots(&control.rational().zeros) {
-        let seen = gain.relative(rate)? >= ZERO_GAIN && error.magnitude(rate) != 0.0;
+        let seen = gain.relative_modulus(rate)? >= ZERO_GAIN && error.magnitude(rate) != 0.0;
         if !seen {
             let finding = DesignFinding::refusal(part, Cause::ControlFreeUnseen);
             findings.push(finding.with_weight(WeightRole::Control, control).at(rate));
@@ -183,7 +183,7 @@ fn against_plant(
 fn name_blind_sensor(findings: &mut [DesignFinding], truth: &Gain) -> Result<(), Error> {
     for finding in findings.iter_mut() {
         let blind = matches!(finding.cause, Cause::PlantZeroAtErrorPole { .. });
-        if blind && truth.relative(finding.rate_rad_s.unwrap_or(0.0))? >= ZERO_GAIN {
+        if blind && truth.relative_modulus(finding.rate_rad_s.unwrap_or(0.0))? >= ZERO_GAIN {
             finding.cause = Cause::SensorBlindAtErrorPole;
         }
     }

@@ -28,7 +28,7 @@ use crate::{Design, DesignPlant, Error, FeedbackWeights, Reference, Sampling};
 pub(crate) fn feedback(design: &Design, sampling: &Sampling) -> Result<Drafted, Error> {
     let weights = &design.specification.feedback;
     let held = Held::feedback(&design.plant, weights, sampling)?;
-    let full = held.full();
+    let full = held.full_stage();
     let regulator = full.regulator(Part::Feedback)?;
     let filter = filter(&held.plant.A, &held.noise, Part::Feedback)?;
     let (unknown, gain, innovation) =
@@ -111,7 +111,7 @@ impl Held {
     }
 
     /// \[x_p; y; x_e; delay; x_u\] (y and x_e where the error weight has states), input v.
-    fn full(&self) -> Stage {
+    fn full_stage(&self) -> Stage {
         let known = if self.weighs() { self.plant.extend(&self.known_error()) } else { self.plant.clone() };
         known.filter_input(&self.delay).filter_input(&self.inverse).with_price(self.period_s)
     }

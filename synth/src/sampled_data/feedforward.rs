@@ -240,7 +240,7 @@ impl Driven {
         let mut all = Mat::zeros(stage.order(), 1);
         p.iter().enumerate().for_each(|(k, &i)| all[(i, 0)] = of_plant[(k, 0)]);
         f.iter().enumerate().for_each(|(k, &i)| all[(i, 0)] = gain[(k, 0)]);
-        let unknown = unknown(stage, &all, noise)?;
+        let unknown = unknown_covariance(stage, &all, noise)?;
         Ok(Estimate { gain: all, innovation, unknown })
     }
 
@@ -266,11 +266,11 @@ impl Driven {
 }
 
 /// Covariance after a reading of what an estimator with this gain does not know.
-fn unknown(stage: &Stage, gain: &Mat, noise: &SampledNoise) -> Result<Option<Mat>, Error> {
+fn unknown_covariance(stage: &Stage, gain: &Mat, noise: &SampledNoise) -> Result<Option<Mat>, Error> {
     let kept = Mat::eye(stage.order()) - &(gain * &noise.reading);
     let carried = &kept * &stage.A;
     let W = &(&kept * &(&noise.process * &kept.t())) + &(gain * &gain.t().scale(noise.measurement));
-    crate::stage::stationary(&carried, &W.symmetric_part())
+    crate::stage::stationary_covariance(&carried, &W.symmetric_part())
 }
 
 /// Generator, its sensor behind it: from w to the measured disturbance, states \[x_d; x_s\].

@@ -42,7 +42,7 @@ impl Family for Blocks<'_> {
         sampled_structure(&self.fix_parameters(at), self.sampling)
     }
 
-    fn calmer(&self, at: &[f64]) -> Option<Vec<f64>> {
+    fn calmer_point(&self, at: &[f64]) -> Option<Vec<f64>> {
         let gain = self.open.iter().position(|open| open.name == ParameterName::Gain)?;
         let mut calmer = at.to_vec();
         for (k, open) in self.open.iter().enumerate() {

@@ -22,7 +22,7 @@ pub(crate) fn crossings(response: &LoopResponse<'_>, limits: &LoopLimits) -> Vec
 }
 
 /// dL in a parameter.
-fn moved(response: &LoopResponse<'_>, k: usize, parameter: usize) -> C64 {
+fn loop_derivative(response: &LoopResponse<'_>, k: usize, parameter: usize) -> C64 {
     response.L[k] * response.slopes[k][parameter]
 }
 
@@ -40,7 +40,8 @@ fn gain_row(response: &LoopResponse<'_>, k: usize, limit_db: f64) -> Option<Row>
     let db_per_unit = 20.0 / std::f64::consts::LN_10;
     let db = db_per_unit * -(-x).ln();
     let slope_of = |parameter: usize| {
-        let (da, db_) = (moved(response, k - 1, parameter), moved(response, k, parameter));
+        let (da, db_) =
+            (loop_derivative(response, k - 1, parameter), loop_derivative(response, k, parameter));
         let of_part = (da.im * (a.im - b.im) - a.im * (da.im - db_.im)) / (a.im - b.im).powi(2);
         let dx = da.re + part * (db_.re - da.re) + of_part * (b.re - a.re);
         // The margin is |db|.

@@ -88,7 +88,7 @@ fn stable_start(problem: &Problem<'_>, start: &[f64]) -> Option<Vec<f64>> {
         if problem.is_stable(&at) {
             return Some(at);
         }
-        at = problem.family.calmer(&at)?;
+        at = problem.family.calmer_point(&at)?;
     }
     None
 }

@@ -45,7 +45,7 @@ pub(crate) trait Family {
     fn unchecked_feedback(&self, at: &[f64]) -> Result<StateSpace, Error>;
 
     /// The point with less gain, whose loop is nearer to a stable one; `None` if the family has no gain of its own.
-    fn calmer(&self, at: &[f64]) -> Option<Vec<f64>>;
+    fn calmer_point(&self, at: &[f64]) -> Option<Vec<f64>>;
 
     /// The points from which the tuning on the nominal plant starts: the same for the same seed.
     fn starts(&self, nominal: &LoopPlant, grid: &LoopGrid, count: usize, seed: u64) -> Vec<Vec<f64>>;

@@ -86,13 +86,13 @@ impl Default for LoopLimits {
 impl LoopLimits {
     /// Returns by how much the worst limit is missed, relative to it; 0 if all are kept.
     pub fn worst_shortfall(&self, found: &LoopMeasures) -> f64 {
-        let above = self.upper(found).into_iter().map(|(limit, value)| value / limit - 1.0);
-        let below = self.lower(found).into_iter().map(|(limit, value)| 1.0 - value / limit);
+        let above = self.upper_limits(found).into_iter().map(|(limit, value)| value / limit - 1.0);
+        let below = self.lower_limits(found).into_iter().map(|(limit, value)| 1.0 - value / limit);
         let asked = |share: &f64| share.is_finite();
         above.chain(below).filter(asked).fold(0.0, f64::max)
     }
 
-    fn upper(&self, found: &LoopMeasures) -> [(f64, f64); 5] {
+    fn upper_limits(&self, found: &LoopMeasures) -> [(f64, f64); 5] {
         [
             (self.max_sensitivity, found.max_sensitivity),
             (self.max_complementary, found.max_complementary),
@@ -102,7 +102,7 @@ impl LoopLimits {
         ]
     }
 
-    fn lower(&self, found: &LoopMeasures) -> [(f64, f64); 5] {
+    fn lower_limits(&self, found: &LoopMeasures) -> [(f64, f64); 5] {
         [
             (self.gain_margin_db, found.gain_margin_db),
             (self.phase_margin_deg, found.phase_margin_deg),
@@ -129,7 +129,7 @@ impl LoopLimits {
                     *at = at.max(last * under(pair));
                 }
             };
-            let (upper, lower) = (self.upper(each), self.lower(each));
+            let (upper, lower) = (self.upper_limits(each), self.lower_limits(each));
             lowered(&mut next.max_sensitivity, last.max_sensitivity, upper[0]);
             lowered(&mut next.max_complementary, last.max_complementary, upper[1]);
             lowered(&mut next.noise_gain, last.noise_gain, upper[2]);

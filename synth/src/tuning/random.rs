@@ -5,7 +5,7 @@ pub(crate) struct Random(pub u64);
 
 impl Random {
     /// Returns a number from -1 to 1.
-    pub fn symmetric(&mut self, salt: usize) -> f64 {
+    pub fn next_symmetric(&mut self, salt: usize) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15).wrapping_add(salt as u64);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

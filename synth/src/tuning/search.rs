@@ -46,7 +46,7 @@ impl<'a> Search<'a> {
     pub fn descend_from_starts(&mut self) -> Result<(), Error> {
         let (nominal, grid) = (&self.problem.plants[0], &self.problem.grid);
         for start in self.problem.family.starts(nominal, grid, self.task.starts, self.task.seed) {
-            let found = self.descended(&start)?;
+            let found = self.descend_from(&start)?;
             self.starts_rad_s.push(kept_residual(found.as_ref()));
             self.keep_better(found);
         }
@@ -61,7 +61,7 @@ impl<'a> Search<'a> {
         for k in 0..self.task.starts {
             let Some(best) = &self.best else { break };
             let start = perturb_point(&best.at, self.task.seed.wrapping_add(k as u64));
-            let found = self.descended(&start)?;
+            let found = self.descend_from(&start)?;
             self.keep_better(found);
         }
         Ok(())
@@ -78,7 +78,7 @@ impl<'a> Search<'a> {
         let (mut at, mut last) = (best.at.clone(), None);
         for share in SHARES {
             self.problem.limits.decay_rad_s = share * asked.decay_rad_s;
-            last = self.descended(&at)?;
+            last = self.descend_from(&at)?;
             let Some(found) = &last else { break };
             at.clone_from(&found.at);
         }
@@ -95,14 +95,14 @@ impl<'a> Search<'a> {
         let problem =
             "no start gives a stable loop: widen the ranges of the parameters, or add a block with a gain";
         let mut best = self.best.take().ok_or(Error::System { what: "tuning", problem })?;
-        let mut judged = self.judged(&best.at)?;
+        let mut judged = self.judge_point(&best.at)?;
         for _ in 0..ROUNDS {
             if judged.missed <= LIMIT_KEPT {
                 break;
             }
             self.problem.limits = self.task.limits.tighten(&self.problem.limits, &judged.measures);
-            let Some(next) = self.descended(&best.at)? else { break };
-            let next_judged = self.judged(&next.at)?;
+            let Some(next) = self.descend_from(&best.at)? else { break };
+            let next_judged = self.judge_point(&next.at)?;
             if next_judged.missed >= judged.missed {
                 break;
             }
@@ -119,7 +119,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    fn descended(&mut self, start: &[f64]) -> Result<Option<Descended>, Error> {
+    fn descend_from(&mut self, start: &[f64]) -> Result<Option<Descended>, Error> {
         let found = descend(&self.problem, start)?;
         self.evaluations += found.as_ref().map_or(0, |found| found.evaluations);
         Ok(found)
@@ -132,7 +132,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn judged(&self, at: &[f64]) -> Result<Judged, Error> {
+    fn judge_point(&self, at: &[f64]) -> Result<Judged, Error> {
         let K = self.problem.family.sampled_feedback(at)?;
         let measure = |plant: &LoopPlant| measure_loop(&plant.system, &K, self.task.disturbance);
         let measures = self.problem.plants.iter().map(measure).collect::<Result<Vec<_>, Error>>()?;

@@ -32,7 +32,7 @@ pub(crate) fn placed_starts(
         let share = if count > 1 { k as f64 / (count - 1) as f64 } else { 0.4 };
         let crossover = half * CROSSOVERS[0] * (CROSSOVERS[1] / CROSSOVERS[0]).powf(share);
         let spread = if k % 2 == 1 { SPREAD } else { 0.0 };
-        let mut at = placed(family, crossover, &resonances, &mut |n| spread * random.symmetric(n));
+        let mut at = place_start(family, crossover, &resonances, &mut |n| spread * random.next_symmetric(n));
         balance_gain(family, nominal, grid, crossover, &mut at);
         all.push(at);
     }
@@ -42,11 +42,11 @@ pub(crate) fn placed_starts(
 /// A point near an answer, from which a descent may find a better one.
 pub(crate) fn perturb_point(at: &[f64], seed: u64) -> Vec<f64> {
     let mut random = Random(seed);
-    at.iter().enumerate().map(|(n, value)| value + SPREAD * random.symmetric(n)).collect()
+    at.iter().enumerate().map(|(n, value)| value + SPREAD * random.next_symmetric(n)).collect()
 }
 
 /// A start at a crossover.
-fn placed(
+fn place_start(
     family: &Blocks<'_>,
     crossover: f64,
     resonances: &[f64],

@@ -21,7 +21,7 @@ fn servo(gain: f64, mode: f64) -> DesignPlant {
     DesignPlant::ideal(system, 0, 0)
 }
 
-fn open(kinds: &[BlockKind]) -> FixedStructure {
+fn open_structure(kinds: &[BlockKind]) -> FixedStructure {
     FixedStructure { blocks: kinds.iter().map(|kind| Block::open(*kind)).collect() }
 }
 
@@ -44,7 +44,7 @@ const PI_LAG: [BlockKind; 2] = [BlockKind::ProportionalIntegral, BlockKind::LowP
 
 #[test]
 fn every_row_has_the_slope_of_differences() {
-    let (structure, plants) = (open(&PI_LAG), [servo(2.0, 80.0), servo(1.6, 90.0)]);
+    let (structure, plants) = (open_structure(&PI_LAG), [servo(2.0, 80.0), servo(1.6, 90.0)]);
     let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([1.0, 10.0]));
     let disturbance = Disturbance { reading_noise_rad_s: 0.3, ..disturbance };
     let task = TuningTask {
@@ -83,7 +83,7 @@ fn every_row_has_the_slope_of_differences() {
 
 #[test]
 fn a_tuned_loop_keeps_its_limits_by_figures_of_another_path_and_beats_a_long_random_search() {
-    let (structure, plants) = (open(&PI_LAG), [servo(2.0, 80.0)]);
+    let (structure, plants) = (open_structure(&PI_LAG), [servo(2.0, 80.0)]);
     let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([1.0, 10.0]));
     let limits =
         LoopLimits { max_sensitivity: 1.4, max_complementary: 1.2, noise_gain: 3.0, ..LoopLimits::default() };
@@ -126,7 +126,7 @@ fn a_tuned_loop_keeps_its_limits_by_figures_of_another_path_and_beats_a_long_ran
 fn one_controller_for_two_plants_keeps_the_limits_on_both() {
     let plants = [servo(2.0, 80.0), servo(1.0, 60.0)];
     let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([1.0, 10.0]));
-    let structure = open(&PI_LAG);
+    let structure = open_structure(&PI_LAG);
     let limits = LoopLimits { max_sensitivity: 1.4, max_complementary: 1.25, ..LoopLimits::default() };
     let task = |plants| TuningTask {
         subject: TuningSubject::Structure(&structure),
@@ -153,7 +153,7 @@ fn a_loop_holds_a_pendulum_that_the_plant_without_its_angle_does_not_show() {
     let toppling = [C64::new(-0.25 + root, 0.0), C64::new(-0.25 - root, 0.0), C64::new(-60.0, 0.0)];
     let held = DesignPlant::ideal(Rational::new(&[C64::ZERO], &toppling, 120.0).realise().unwrap(), 0, 0);
     let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([3.0, 10.0]));
-    let (structure, plants) = (open(&PI_LAG), [plant]);
+    let (structure, plants) = (open_structure(&PI_LAG), [plant]);
     let task = |held| TuningTask {
         subject: TuningSubject::Structure(&structure),
         plants: &plants,
@@ -174,7 +174,7 @@ fn a_loop_holds_a_pendulum_that_the_plant_without_its_angle_does_not_show() {
 
 #[test]
 fn fixed_parameters_stay_and_ranges_hold() {
-    let mut structure = open(&PI_LAG);
+    let mut structure = open_structure(&PI_LAG);
     structure.blocks[1].parameters[0] = crate::fixed_structure::BlockParameter::with_fixed_value(150.0);
     structure.blocks[0].parameters[1].range = Some([1.0, 2.0]);
     let plants = [servo(2.0, 80.0)];
@@ -225,7 +225,7 @@ fn tuned_weights_leave_less_than_a_tuned_pi_under_the_same_limits() {
         decay_rad_s: 0.5,
         ..LoopLimits::default()
     };
-    let (structure, specification) = (open(&PI_LAG), servo_weights());
+    let (structure, specification) = (open_structure(&PI_LAG), servo_weights());
     let tuned = |subject| {
         let task = TuningTask {
             subject,

@@ -181,14 +181,14 @@ impl<'a> Weights<'a> {
     }
 
     /// The feedback by its two Riccati equations and the conversion alone.
-    fn plain(&self, at: &[f64], conversion: Discretisation) -> Result<StateSpace, Error> {
+    fn plain_feedback(&self, at: &[f64], conversion: Discretisation) -> Result<StateSpace, Error> {
         let weights = self.weights(at);
         let L = self.observer(&weights)?;
         let controller = controller_with_observer(self.plant, &weights, &L)?.select(&[0], &[0]);
         Ok(c2d(&controller, self.sampling.period_s, conversion)?)
     }
 
-    fn designed(&self, at: &[f64]) -> Result<StateSpace, Error> {
+    fn design_feedback(&self, at: &[f64]) -> Result<StateSpace, Error> {
         let specification = Specification {
             feedback: self.weights(at),
             heave: None,
@@ -232,19 +232,19 @@ impl Family for Weights<'_> {
     }
 
     fn sampled_feedback(&self, at: &[f64]) -> Result<StateSpace, Error> {
-        cached_system(&self.designs, at, || self.designed(at))
+        cached_system(&self.designs, at, || self.design_feedback(at))
     }
 
     fn unchecked_feedback(&self, at: &[f64]) -> Result<StateSpace, Error> {
         match self.sampling.method {
             SamplingMethod::Emulation(conversion) if self.plant.rate_loop.is_none() => {
-                cached_system(&self.plain, at, || self.plain(at, conversion))
+                cached_system(&self.plain, at, || self.plain_feedback(at, conversion))
             }
             _ => self.sampled_feedback(at),
         }
     }
 
-    fn calmer(&self, at: &[f64]) -> Option<Vec<f64>> {
+    fn calmer_point(&self, at: &[f64]) -> Option<Vec<f64>> {
         let mut calmer = at.to_vec();
         calmer[0] = (at[0] - std::f64::consts::LN_2).max(self.ranges[0][0]);
         Some(calmer)
@@ -257,7 +257,7 @@ impl Family for Weights<'_> {
         for _ in 1..count {
             let moved = |(n, value): (usize, &f64)| {
                 let spread = if n < levels { SPREAD.0 } else { SPREAD.1 };
-                value + spread * random.symmetric(n)
+                value + spread * random.next_symmetric(n)
             };
             all.push(self.start.iter().enumerate().map(moved).collect());
         }

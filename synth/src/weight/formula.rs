@@ -22,7 +22,7 @@ impl fmt::Display for Weight {
             Weight::ZeroPoleGain { zeros, poles, gain } => {
                 let (above, below) = (factors(zeros), factors(poles));
                 let below = if below.is_empty() { below } else { format!(" / ({below})") };
-                write!(f, "{} {above}{below}", rounded(*gain))
+                write!(f, "{} {above}{below}", round_digits(*gain))
             }
             Weight::Shelf { low, high, corner_rad_s } => {
                 write!(f, "shelf from {low} to {high} at {corner_rad_s} rad/s")
@@ -49,11 +49,11 @@ fn factors(roots: &[C64]) -> String {
         let (linear, constant) = (-2.0 * root.re, root.norm_sqr());
         match (root.norm() == 0.0, root.im == 0.0) {
             (true, _) => Some("s".to_owned()),
-            (_, true) => Some(format!("(s {} {})", sign(-root.re), rounded(root.re.abs()))),
+            (_, true) => Some(format!("(s {} {})", sign(-root.re), round_digits(root.re.abs()))),
             _ if root.im < 0.0 => None,
             _ => {
-                let (linear_sign, linear) = (sign(linear), rounded(linear.abs()));
-                Some(format!("(s^2 {linear_sign} {linear} s + {})", rounded(constant)))
+                let (linear_sign, linear) = (sign(linear), round_digits(linear.abs()));
+                Some(format!("(s^2 {linear_sign} {linear} s + {})", round_digits(constant)))
             }
         }
     };
@@ -61,6 +61,6 @@ fn factors(roots: &[C64]) -> String {
 }
 
 /// Four digits, as an engineer reads them.
-fn rounded(value: f64) -> f64 {
+fn round_digits(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }

@@ -117,8 +117,8 @@ impl Weight {
         match self {
             Weight::Constant { gain } => Rational::new(&[], &[], *gain),
             Weight::Integral { gain, time_s } => Rational::new(&[], &[C64::ZERO], gain / time_s),
-            Weight::Lag { gain, time_s } => Rational::new(&[], &[real(-1.0 / time_s)], gain / time_s),
-            Weight::Lead { gain, time_s } => Rational::new(&[real(-1.0 / time_s)], &[], gain * time_s),
+            Weight::Lag { gain, time_s } => Rational::new(&[], &[to_complex(-1.0 / time_s)], gain / time_s),
+            Weight::Lead { gain, time_s } => Rational::new(&[to_complex(-1.0 / time_s)], &[], gain * time_s),
             Weight::Quadratic { gain, second_s2, first_s } => polynomial(*gain, *second_s2, *first_s, 1.0),
             Weight::QuadraticFreeAtZero { gain, second_s2, first_s } => {
                 polynomial(*gain, *second_s2, *first_s, 0.0)
@@ -157,9 +157,9 @@ impl Weight {
     pub fn realise(&self) -> Result<StateSpace, Error> {
         let mirrored = self.rational().mirror_to_left();
         if mirrored.relative_degree() < 0 {
-            return Err(self.refused("it rises without bound at high frequency: no proper realisation"));
+            return Err(self.weight_error("it rises without bound at high frequency: no proper realisation"));
         }
-        self.realised(&mirrored)
+        self.realise_rational(&mirrored)
     }
 
     /// Returns a system with the modulus 1/|W(jw)| and the zeros of W as its poles: what a control weight becomes.
@@ -173,24 +173,24 @@ impl Weight {
     pub fn realise_inverse(&self) -> Result<StateSpace, Error> {
         let inverse = self.rational().mirror_to_left().inverse();
         if inverse.relative_degree() < 0 {
-            return Err(self.refused("it vanishes at high frequency, where control would be free"));
+            return Err(self.weight_error("it vanishes at high frequency, where control would be free"));
         }
-        self.realised(&inverse)
+        self.realise_rational(&inverse)
     }
 
-    fn realised(&self, rational: &Rational) -> Result<StateSpace, Error> {
+    fn realise_rational(&self, rational: &Rational) -> Result<StateSpace, Error> {
         if !rational.is_finite() {
-            return Err(self.refused("it is zero, or one of its numbers is not finite"));
+            return Err(self.weight_error("it is zero, or one of its numbers is not finite"));
         }
         rational.realise()
     }
 
-    fn refused(&self, problem: &'static str) -> Error {
+    fn weight_error(&self, problem: &'static str) -> Error {
         Error::Weight { weight: self.to_string(), problem }
     }
 }
 
-fn real(value: f64) -> C64 {
+fn to_complex(value: f64) -> C64 {
     C64::new(value, 0.0)
 }
 
@@ -199,7 +199,11 @@ fn polynomial(gain: f64, b: f64, a: f64, c: f64) -> Rational {
     if b != 0.0 {
         return Rational::new(&quadratic_roots(a / b, c / b), &[], gain * b);
     }
-    if a != 0.0 { Rational::new(&[real(-c / a)], &[], gain * a) } else { Rational::new(&[], &[], gain * c) }
+    if a != 0.0 {
+        Rational::new(&[to_complex(-c / a)], &[], gain * a)
+    } else {
+        Rational::new(&[], &[], gain * c)
+    }
 }
 
 /// The roots of s^2 + p s + q, the smaller one without cancellation.
@@ -210,13 +214,13 @@ pub(crate) fn quadratic_roots(p: f64, q: f64) -> [C64; 2] {
         return [C64::new(-0.5 * p, imaginary), C64::new(-0.5 * p, -imaginary)];
     }
     let far = -0.5 * p - discriminant.sqrt().copysign(p);
-    if far == 0.0 { [C64::ZERO; 2] } else { [real(far), real(q / far)] }
+    if far == 0.0 { [C64::ZERO; 2] } else { [to_complex(far), to_complex(q / far)] }
 }
 
 /// `high (s + w sqrt(low / high)) / (s + w sqrt(high / low))`.
 fn shelf(low: f64, high: f64, corner_rad_s: f64) -> Rational {
     let ratio = (low / high).abs().sqrt();
-    Rational::new(&[real(-corner_rad_s * ratio)], &[real(-corner_rad_s / ratio)], high)
+    Rational::new(&[to_complex(-corner_rad_s * ratio)], &[to_complex(-corner_rad_s / ratio)], high)
 }
 
 fn notch(gain: f64, centre: f64, width: f64, factor: f64) -> Rational {

@@ -40,7 +40,11 @@ pub fn plant(parameters: &Parameters) -> DesignPlant {
 pub fn weights() -> Specification {
     Specification {
         feedback: FeedbackWeights {
-            error: Weight::ZeroPoleGain { zeros: vec![real(-18.0)], poles: vec![real(0.0)], gain: 25.0 },
+            error: Weight::ZeroPoleGain {
+                zeros: vec![to_complex(-18.0)],
+                poles: vec![to_complex(0.0)],
+                gain: 25.0,
+            },
             control: Weight::Lead { gain: 1.0, time_s: 0.005 },
             combination: vec![],
             measurement_noise: 4e-11,
@@ -91,6 +95,6 @@ fn low_pass(density_root: f64, corner_rad_s: f64) -> Weight {
     Weight::ZeroPoleGain { zeros: vec![], poles: vec![pole, pole.conj()], gain }
 }
 
-fn real(value: f64) -> C64 {
+fn to_complex(value: f64) -> C64 {
     C64::new(value, 0.0)
 }

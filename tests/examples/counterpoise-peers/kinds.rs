@@ -35,7 +35,7 @@ impl Problem {
         let meta = std::fs::read_to_string(folder.join("meta.json")).expect("meta.json");
         Self {
             plant: system(&A, &B2, &C2, Mat::zeros(C2.nrows(), B2.ncols())),
-            generalised: generalised(&A, (&B1, &B2), (&C1, &C2), (&D12, &D21)),
+            generalised: generalised_plant(&A, (&B1, &B2), (&C1, &C2), (&D12, &D21)),
             A,
             B1,
             B2,
@@ -52,7 +52,7 @@ impl Problem {
 }
 
 /// The generalised plant, without direct paths from disturbance to cost and from control to measurement.
-fn generalised(
+fn generalised_plant(
     A: &Mat,
     (B1, B2): (&Mat, &Mat),
     (C1, C2): (&Mat, &Mat),
@@ -81,8 +81,8 @@ pub fn solver(kind: &str) -> fn(&Problem) -> Result<Answer, String> {
             Ok(vec![("X", outcome.into_result().map_err(text)?.X)])
         },
         "lyap" => |p| Ok(vec![("X", lyap(&p.A, &(&p.B1 * p.B1.t()).symmetric_part()).map_err(text)?)]),
-        "zoh" => |p| sampled(p, Discretisation::ZeroOrderHold),
-        "tustin" => |p| sampled(p, Discretisation::Tustin { prewarp_rad_s: None }),
+        "zoh" => |p| sampled_plant(p, Discretisation::ZeroOrderHold),
+        "tustin" => |p| sampled_plant(p, Discretisation::Tustin { prewarp_rad_s: None }),
         "h2" => |p| {
             let solution = h2syn(&p.generalised).map_err(text)?;
             Ok(controller(solution.controller))
@@ -93,7 +93,7 @@ pub fn solver(kind: &str) -> fn(&Problem) -> Result<Answer, String> {
             answer.push(("gam", Mat::eye(1).scale(solution.bound)));
             Ok(answer)
         },
-        "bt" => reduced,
+        "bt" => reduced_plant,
         "freq" => response,
         other => panic!("unknown kind {other}"),
     }
@@ -106,12 +106,12 @@ fn controller(K: StateSpace) -> Answer {
     vec![("Ak", K.A), ("Bk", K.B), ("Ck", K.C), ("Dk", K.D)]
 }
 
-fn sampled(p: &Problem, method: Discretisation) -> Result<Answer, String> {
+fn sampled_plant(p: &Problem, method: Discretisation) -> Result<Answer, String> {
     let G = c2d(&p.plant, p.setting("Ts"), method).map_err(text)?;
     Ok(vec![("Ad", G.A), ("Bd", G.B), ("Cd", G.C), ("Dd", G.D)])
 }
 
-fn reduced(p: &Problem) -> Result<Answer, String> {
+fn reduced_plant(p: &Problem) -> Result<Answer, String> {
     let order = p.setting("bt_order") as usize;
     // Of 400 states of `rand` fewer than the order asked for carry anything above rounding.
     let shortened = |b: Balanced| b.reduce(order.min(b.numerical_order()), Method::SquareRoot);

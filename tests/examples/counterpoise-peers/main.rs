@@ -25,10 +25,10 @@ fn main() {
     let folder = Path::new(data).join(format!("{family}_{n}"));
     let result = if kind == "carex" || kind == "darex" {
         let equation = Equation::read(kind, &folder);
-        best(|| equation.solve())
+        best_time(|| equation.solve())
     } else {
         let (problem, solve) = (Problem::read(&folder), kinds::solver(kind));
-        best(|| solve(&problem))
+        best_time(|| solve(&problem))
     };
     match result {
         (seconds, Ok(answer)) => {
@@ -41,7 +41,7 @@ fn main() {
 
 /// Runs for half a second or three times, whichever is longer, but no longer than twenty seconds. The time is the shortest;
 /// of a run of a millisecond or more the processor's time, where the system tells it: a busy machine interrupts such runs.
-fn best(run: impl Fn() -> Result<Answer, String>) -> (f64, Result<Answer, String>) {
+fn best_time(run: impl Fn() -> Result<Answer, String>) -> (f64, Result<Answer, String>) {
     let (mut shortest, mut total, mut times) = (f64::INFINITY, 0.0, 0);
     loop {
         let (used, start) = (processor_seconds(), Instant::now());

@@ -28,9 +28,9 @@ fn main() {
     for line in std::io::stdin().lock().lines().map_while(Result::ok) {
         let Ok(problem) = serde_json::from_str::<Value>(&line) else { continue };
         let begun = Instant::now();
-        let (mut answer, mut seconds) = timed(&problem);
+        let (mut answer, mut seconds) = time_problem(&problem);
         while begun.elapsed().as_secs_f64() < number(&problem, "repeat_s", 0.0) {
-            seconds = seconds.min(timed(&problem).1);
+            seconds = seconds.min(time_problem(&problem).1);
         }
         answer["seconds"] = json!(seconds);
         println!("{answer}");
@@ -38,14 +38,14 @@ fn main() {
 }
 
 thread_local! {
-    /// How long the last call of [`measured`] took, s; infinite if there was none.
+    /// How long the last call of [`measure_time`] took, s; infinite if there was none.
     static SECONDS: Cell<f64> = const { Cell::new(f64::INFINITY) };
 }
 
-/// The answer to a problem, and the time that it took, s: that from matrices to matrices if the kind of problem is [`measured`], otherwise with the text.
-fn timed(problem: &Value) -> (Value, f64) {
+/// The answer to a problem, and the time that it took, s: that from matrices to matrices if the kind of problem is [`measure_time`], otherwise with the text.
+fn time_problem(problem: &Value) -> (Value, f64) {
     SECONDS.set(f64::INFINITY);
-    let (answer, seconds) = clocked(|| std::panic::catch_unwind(|| solve(problem)));
+    let (answer, seconds) = run_clocked(|| std::panic::catch_unwind(|| solve(problem)));
     let answer = match answer {
         Ok(Ok(value)) => value,
         Ok(Err(why)) => json!({ "failed": why }),
@@ -55,15 +55,15 @@ fn timed(problem: &Value) -> (Value, f64) {
 }
 
 /// What a computation returns; its time is that of the problem.
-fn measured<T>(run: impl FnOnce() -> T) -> T {
-    let (found, seconds) = clocked(run);
+fn measure_time<T>(run: impl FnOnce() -> T) -> T {
+    let (found, seconds) = run_clocked(run);
     SECONDS.set(seconds);
     found
 }
 
 /// What a computation returns, and the time that it took, s: the processor's time, or the time of the clock if that is below a millisecond, because
 /// reading the processor's time takes some microseconds.
-fn clocked<T>(run: impl FnOnce() -> T) -> (T, f64) {
+fn run_clocked<T>(run: impl FnOnce() -> T) -> (T, f64) {
     let (before, start) = (processor_seconds(), Instant::now());
     let found = run();
     let elapsed = start.elapsed().as_secs_f64();
@@ -82,46 +82,52 @@ fn solve(problem: &Value) -> Answer {
     match problem["kind"].as_str().unwrap_or_default() {
         "care" | "dare" | "care_g" => riccati(problem),
         "gcare" | "gdare" => generalised_riccati(problem),
-        "glyap" => {
-            whole(linalg::glyap(&matrix(problem, "A")?, &matrix(problem, "E")?, &matrix(problem, "Q")?))
-        }
-        "gdlyap" => {
-            whole(linalg::gdlyap(&matrix(problem, "A")?, &matrix(problem, "E")?, &matrix(problem, "Q")?))
-        }
+        "glyap" => whole_solution(linalg::glyap(
+            &matrix(problem, "A")?,
+            &matrix(problem, "E")?,
+            &matrix(problem, "Q")?,
+        )),
+        "gdlyap" => whole_solution(linalg::gdlyap(
+            &matrix(problem, "A")?,
+            &matrix(problem, "E")?,
+            &matrix(problem, "Q")?,
+        )),
         "hinfsyn" => hinfinity(problem),
         "place" => placement(problem),
-        "delayed" => delayed(problem),
+        "delayed" => delay_margins(problem),
         "multiloop" => multiloop(problem),
         "lyap" => {
             let (A, Q) = (matrix(problem, "A")?, matrix(problem, "Q")?);
-            whole(measured(|| linalg::lyap(&A, &Q)))
+            whole_solution(measure_time(|| linalg::lyap(&A, &Q)))
         }
         "dlyap" => {
             let (A, Q) = (matrix(problem, "A")?, matrix(problem, "Q")?);
-            whole(measured(|| linalg::dlyap(&A, &Q)))
+            whole_solution(measure_time(|| linalg::dlyap(&A, &Q)))
         }
-        "sylvester" => {
-            whole(linalg::sylvester(&matrix(problem, "A")?, &matrix(problem, "B")?, &matrix(problem, "C")?))
-        }
+        "sylvester" => whole_solution(linalg::sylvester(
+            &matrix(problem, "A")?,
+            &matrix(problem, "B")?,
+            &matrix(problem, "C")?,
+        )),
         "zeros" | "mzeros" => {
             let g = system(problem)?;
-            values(measured(|| counterpoise_lti::zeros(&g)))
+            values(measure_time(|| counterpoise_lti::zeros(&g)))
         }
         "poles" => values(counterpoise_lti::poles(&system(problem)?)),
         "linfnorm" => {
             let (g, tolerance) = (system(problem)?, number(problem, "tolerance", 1e-10));
-            peak(measured(|| counterpoise_lti::linfnorm(&g, tolerance)))
+            peak(measure_time(|| counterpoise_lti::linfnorm(&g, tolerance)))
         }
         "hinfnorm" => {
             peak(counterpoise_lti::hinfnorm(&system(problem)?, number(problem, "tolerance", 1e-10)))
         }
         "bounds" => bounds(problem),
-        "c2d" | "c2d_delayed" => sampled(problem),
+        "c2d" | "c2d_delayed" => sampled_system(problem),
         "minimal" => minimal_part(problem),
         "mh2" => square_norm(counterpoise_lti::h2norm(&system(problem)?)),
         "h2norm" => {
             let g = system(problem)?;
-            Ok(json!({ "value": text(measured(|| counterpoise_lti::h2norm(&g)))? }))
+            Ok(json!({ "value": text(measure_time(|| counterpoise_lti::h2norm(&g)))? }))
         }
         "margins" => margins(problem),
         "descriptor" => descriptor(problem),
@@ -170,7 +176,7 @@ fn complex(list: &[C64]) -> Value {
     json!(list.iter().map(|l| [l.re, l.im]).collect::<Vec<_>>())
 }
 
-fn whole(solution: Result<Mat, linalg::Error>) -> Answer {
+fn whole_solution(solution: Result<Mat, linalg::Error>) -> Answer {
     Ok(json!({ "X": rows(&text(solution)?) }))
 }
 
@@ -194,7 +200,7 @@ fn bounds(problem: &Value) -> Answer {
     Ok(json!({ "value": found.lower.value, "rate": found.lower.rate_rad_s, "upper": found.upper }))
 }
 
-fn sampled(problem: &Value) -> Answer {
+fn sampled_system(problem: &Value) -> Answer {
     let (g, period_s) = (system(problem)?, number(problem, "h", 1.0));
     let method = match problem["method"].as_str() {
         Some("foh") => Discretisation::FirstOrderHold,
@@ -225,11 +231,11 @@ fn riccati(problem: &Value) -> Answer {
     let cross = if problem["S"].is_null() { None } else { Some(get("S")?) };
     let kind = problem["kind"].as_str().unwrap_or_default();
     if kind == "care_g" {
-        return solved(text(linalg::care_g(&get("A")?, &get("G")?, &get("Q")?))?);
+        return solution_json(text(linalg::care_g(&get("A")?, &get("G")?, &get("Q")?))?);
     }
     let solver = if kind == "care" { linalg::care } else { linalg::dare };
     let (A, B, Q, R) = (get("A")?, get("B")?, get("Q")?, get("R")?);
-    solved(text(measured(|| solver(&A, &B, &Q, &R, cross.as_ref())))?)
+    solution_json(text(measure_time(|| solver(&A, &B, &Q, &R, cross.as_ref())))?)
 }
 
 fn generalised_riccati(problem: &Value) -> Answer {
@@ -237,13 +243,13 @@ fn generalised_riccati(problem: &Value) -> Answer {
     let (Q, R) = (get("Q")?, get("R")?);
     let weights = linalg::CostWeights { Q: &Q, R: &R, S: None };
     let (A, E, B) = (get("A")?, get("E")?, get("B")?);
-    solved(text(match problem["kind"].as_str() {
+    solution_json(text(match problem["kind"].as_str() {
         Some("gcare") => linalg::gcare(&A, &E, &B, &weights),
         _ => linalg::gdare(&A, &E, &B, &weights),
     })?)
 }
 
-fn solved(outcome: Outcome<Riccati>) -> Answer {
+fn solution_json(outcome: Outcome<Riccati>) -> Answer {
     let Riccati { X, F, closed_loop, certificate } = match outcome {
         Outcome::Solved(found) => found,
         Outcome::Infeasible(reason) => return Ok(json!({ "refused": reason.to_string() })),
@@ -316,7 +322,7 @@ fn placement(problem: &Value) -> Answer {
     Ok(json!({ "F": rows(&found.F), "values": complex(&found.poles), "condition": found.condition }))
 }
 
-fn delayed(problem: &Value) -> Answer {
+fn delay_margins(problem: &Value) -> Answer {
     let delay_s = number(problem, "delay", 0.0);
     let found = text(counterpoise_lti::margins_with_delay(&system(problem)?, delay_s))?;
     let gain: Vec<[f64; 2]> = found.margins.gain.iter().map(|m| [m.factor, m.rate_rad_s]).collect();
@@ -337,7 +343,7 @@ fn multiloop(problem: &Value) -> Answer {
 }
 
 /// A sparse matrix as lists of rows, columns and values.
-fn sparse(problem: &Value, key: &str, size: usize) -> Result<Sparse, String> {
+fn sparse_matrix(problem: &Value, key: &str, size: usize) -> Result<Sparse, String> {
     let list = |k: usize| problem[key][k].as_array().ok_or(format!("{key} is missing"));
     let (rows, cols, values) = (list(0)?, list(1)?, list(2)?);
     let place = |value: &Value| value.as_u64().unwrap_or(u64::MAX) as usize;
@@ -353,7 +359,8 @@ fn sparse(problem: &Value, key: &str, size: usize) -> Result<Sparse, String> {
 fn large_reduction(problem: &Value) -> Answer {
     let F = matrix(problem, "F")?;
     let n = F.nrows();
-    let (M, C, K) = (sparse(problem, "M", n)?, sparse(problem, "D", n)?, sparse(problem, "K", n)?);
+    let (M, C, K) =
+        (sparse_matrix(problem, "M", n)?, sparse_matrix(problem, "D", n)?, sparse_matrix(problem, "K", n)?);
     let g = LargeStructure { M, C, K, F, P: matrix(problem, "P")?, V: matrix(problem, "V")? };
     let order = Order::States(number(problem, "order", 10.0) as usize);
     let made = text(balred_large(&g, order, &mut |_| std::ops::ControlFlow::Continue(())))?;

@@ -38,7 +38,7 @@ fn print(cases: &[Case]) {
     );
     println!("|---|---|---|---|---|---|");
     for case in cases {
-        let worst = case.worst().map_or(String::new(), |row| {
+        let worst = case.worst_trial().map_or(String::new(), |row| {
             format!(
                 "{:.4} ({:?}, {:?}; told {:.4})",
                 row.ratio(),

@@ -23,21 +23,21 @@ fn main() -> std::io::Result<()> {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match words.as_slice() {
         ["--calibrate", path] => {
-            println!("{}", table::calibration(&known(path)?));
+            println!("{}", table::calibration(&read_scores(path)?));
             Ok(())
         }
-        ["--nothing", seeds, path] => match parsed(seeds) {
+        ["--nothing", seeds, path] => match parse_seeds(seeds) {
             Some(seeds) => run(seeds.into_iter().filter(|s| has_nothing(*s)).collect(), path),
             None => usage(seeds),
         },
-        [seeds, path] => parsed(seeds).map_or_else(|| usage(seeds), |seeds| run(seeds, path)),
+        [seeds, path] => parse_seeds(seeds).map_or_else(|| usage(seeds), |seeds| run(seeds, path)),
         _ => usage("two arguments are needed"),
     }
 }
 
 /// Diagnoses the machines that are not in the file yet, adds a line each to it, and prints the page of all that are.
 fn run(mut seeds: Vec<u64>, path: &str) -> std::io::Result<()> {
-    let mut rows = if std::path::Path::new(path).exists() { known(path)? } else { Vec::new() };
+    let mut rows = if std::path::Path::new(path).exists() { read_scores(path)? } else { Vec::new() };
     seeds.retain(|seed| *seed < FIRST_EFFECT + ALL as u64 && !rows.iter().any(|r| r.seed == *seed));
     let file = std::fs::OpenOptions::new().create(true).append(true).open(path)?;
     let file = Mutex::new(file);
@@ -63,7 +63,7 @@ fn run(mut seeds: Vec<u64>, path: &str) -> std::io::Result<()> {
 }
 
 /// The scores in a file.
-fn known(path: &str) -> std::io::Result<Vec<Row>> {
+fn read_scores(path: &str) -> std::io::Result<Vec<Row>> {
     let text = std::fs::read_to_string(path)?;
     Ok(text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect())
 }
@@ -77,7 +77,7 @@ fn usage(wrong: &str) -> std::io::Result<()> {
 }
 
 /// Seeds and ranges of seeds, parted by commas.
-fn parsed(seeds: &str) -> Option<Vec<u64>> {
+fn parse_seeds(seeds: &str) -> Option<Vec<u64>> {
     let one = |part: &str| -> Option<std::ops::Range<u64>> {
         let Some((first, end)) = part.split_once("..") else {
             let seed: u64 = part.parse().ok()?;

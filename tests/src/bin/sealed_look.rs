@@ -14,7 +14,7 @@ use counterpoise_tests::sealed::{Case, case, case_of, controller, nominal_of};
 
 fn main() {
     for text in std::env::args().skip(1) {
-        let Some((seed, nominal, case)) = asked(&text) else {
+        let Some((seed, nominal, case)) = parse_machine(&text) else {
             println!("{text} is neither a seed nor an effect, as e12:0.7");
             continue;
         };
@@ -27,7 +27,7 @@ fn main() {
 }
 
 /// The machine that an argument asks for.
-fn asked(text: &str) -> Option<(u64, Parameters, Case)> {
+fn parse_machine(text: &str) -> Option<(u64, Parameters, Case)> {
     let Some(effect) = text.strip_prefix('e') else {
         let (seed, nominal) = (text.parse().ok()?, reference::rig());
         let case = case(seed, &nominal);

@@ -33,17 +33,17 @@ struct Score {
 
 #[allow(clippy::unwrap_used)] // a poisoned lock means that a diagnosis panicked
 fn main() {
-    let seeds: Vec<u64> = std::env::args().skip(1).flat_map(|text| parsed(&text)).collect();
+    let seeds: Vec<u64> = std::env::args().skip(1).flat_map(|text| parse_seeds(&text)).collect();
     let scores = Mutex::new(Vec::new());
     counterpoise_tests::run_in_parallel(seeds.len(), &|k| {
-        let score = scored(seeds[k]);
+        let score = score_seed(seeds[k]);
         scores.lock().unwrap().extend(score);
     });
     print_summary(&scores.into_inner().unwrap());
 }
 
 /// A seed, or a range of seeds.
-fn parsed(text: &str) -> Vec<u64> {
+fn parse_seeds(text: &str) -> Vec<u64> {
     if let Some((Ok(from), Ok(to))) = text.split_once("..").map(|(from, to)| (from.parse(), to.parse())) {
         return (from..to).collect();
     }
@@ -54,7 +54,7 @@ fn parsed(text: &str) -> Vec<u64> {
     Vec::new()
 }
 
-fn scored(seed: u64) -> Option<Score> {
+fn score_seed(seed: u64) -> Option<Score> {
     let nominal = reference::rig();
     let case = record_unnamed(seed, &nominal);
     let recordings: Vec<_> =

@@ -151,7 +151,7 @@ fn fade(t: f64) -> f64 {
     s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
 }
 
-fn quantised(value: f64, bits: u32) -> f64 {
+fn quantise(value: f64, bits: u32) -> f64 {
     let step = 20.0 / f64::from(1u32 << bits);
     ((value / step).round() * step).clamp(-10.0, 10.0)
 }
@@ -159,11 +159,11 @@ fn quantised(value: f64, bits: u32) -> f64 {
 /// A reading of a sensor: its state with errors, noise, converter.
 fn read(sensor: &Gyro, value: f64, heave: f64, bits: u32, dice: &mut Dice) -> f64 {
     let reading = sensor.gain * value + sensor.bias + sensor.per_heave * heave + sensor.noise * dice.normal();
-    quantised(reading * sensor.volts, bits) / sensor.volts
+    quantise(reading * sensor.volts, bits) / sensor.volts
 }
 
 /// What came out of a sensor some samples ago.
-fn late(history: &[f64], samples: usize) -> f64 {
+fn late_reading(history: &[f64], samples: usize) -> f64 {
     history[history.len().saturating_sub(1 + samples)]
 }
 
@@ -199,21 +199,32 @@ pub fn record_under(
             history.push(x[10 + 2 * s]);
         }
         let bits = recorder.input_bits;
-        let hub = read(&machine.hub_gyro, late(&past[0], machine.hub_gyro.late), platform.heave, bits, dice);
-        let skew = machine.platform_late;
-        let pitch = read(
-            &machine.platform_gyro,
-            late(&past[1], machine.platform_gyro.late + skew),
+        let hub = read(
+            &machine.hub_gyro,
+            late_reading(&past[0], machine.hub_gyro.late),
             platform.heave,
             bits,
             dice,
         );
-        let heave =
-            read(&machine.accelerometer, late(&past[2], machine.accelerometer.late + skew), 0.0, bits, dice);
+        let skew = machine.platform_late;
+        let pitch = read(
+            &machine.platform_gyro,
+            late_reading(&past[1], machine.platform_gyro.late + skew),
+            platform.heave,
+            bits,
+            dice,
+        );
+        let heave = read(
+            &machine.accelerometer,
+            late_reading(&past[2], machine.accelerometer.late + skew),
+            0.0,
+            bits,
+            dice,
+        );
         let motor = read(&recorder.tachometer, x[3], 0.0, bits, dice);
         let position = read(&recorder.resolver, x[4] - platform.angle, 0.0, bits, dice);
         let demand = if k < HOLD { 0.0 } else { experiment.demand(t) };
-        let control = quantised(law(&[demand, hub, pitch, heave, motor, position]), recorder.output_bits);
+        let control = quantise(law(&[demand, hub, pitch, heave, motor, position]), recorder.output_bits);
         pending.push(control);
         let applied = pending.remove(0);
         if k >= HOLD {

@@ -141,7 +141,7 @@ struct Regimes {
 
 impl Machine {
     /// Sum of the hidden functions of one kind.
-    fn hidden(&self, acts: Acts, at: Regimes) -> f64 {
+    fn hidden_sum(&self, acts: Acts, at: Regimes) -> f64 {
         let value = |h: &Hidden| {
             h.at(match h.over {
                 Over::Angle => at.angle,
@@ -226,7 +226,7 @@ impl Dry {
 
 impl Machine {
     /// Input of the amplifier after dead zone and curve.
-    fn shaped(&self, control: f64) -> f64 {
+    fn amplifier_input(&self, control: f64) -> f64 {
         let v = control.clamp(-10.0, 10.0);
         let v = v.signum() * (v.abs() - self.dead_zone).max(0.0);
         if self.amplifier_curve.is_empty() {
@@ -278,7 +278,7 @@ impl Machine {
         let [volts, amps, shaft, spin, hub, hub_rate, beam, beam_rate, motor_dry, pivot_dry, ..] = *x;
         let mut d = [0.0; STATES];
         let clamp = |v: f64| v.clamp(-150.0, 150.0);
-        d[0] = (self.amplifier_gain * (self.shaped(control) - self.current_feedback * amps) - volts)
+        d[0] = (self.amplifier_gain * (self.amplifier_input(control) - self.current_feedback * amps) - volts)
             / self.amplifier_time;
         d[1] = (clamp(volts) - self.resistance * amps - self.back_emf * spin) / self.inductance;
         let fade = 1.0 - (self.fading * t).min(0.2);
@@ -286,18 +286,18 @@ impl Machine {
         let sliding = hub_rate - platform.rate;
         let mut at = Regimes { angle: hub - platform.angle, rate: sliding, shaft, load: 0.0, time: t };
         let own = self.torque_constant * (1.0 + wave(self.torque_ripple));
-        let constant = own * (1.0 + self.hidden(Acts::TorqueConstant, at));
+        let constant = own * (1.0 + self.hidden_sum(Acts::TorqueConstant, at));
         let drive = constant * fade * amps.clamp(-self.current_limit, self.current_limit);
         let wound = shaft / self.ratio + platform.angle - hub;
         let winding = spin / self.ratio + platform.rate - hub_rate;
         let gear = self.mesh(wound, winding);
         at.load = gear;
-        let gear = gear + self.hidden(Acts::GearStiffness, at) * (gear - self.gear_damping * winding);
+        let gear = gear + self.hidden_sum(Acts::GearStiffness, at) * (gear - self.gear_damping * winding);
         let lost = (1.0 - self.mesh_efficiency) * gear;
         let forward = 0.5 * (1.0 + spin / spin.hypot(0.05) * gear.signum());
         let (to_hub, to_motor) = (gear - forward * lost, gear - (1.0 - forward) * lost);
         d[2] = spin;
-        d[3] = (drive + wave(self.cogging) + self.hidden(Acts::MotorTorque, at)
+        d[3] = (drive + wave(self.cogging) + self.hidden_sum(Acts::MotorTorque, at)
             - motor_dry
             - self.motor_friction.viscous * spin
             - to_motor / self.ratio)
@@ -309,16 +309,16 @@ impl Machine {
         let cable = self.spring * stretch + self.spring_cubic * stretch.powi(3) + x[16];
         let drag = self.pivot_friction.viscous * sliding + self.quadratic_drag * sliding * sliding.abs();
         let slipping: f64 = x[17..].iter().sum();
-        let free = self.hidden(Acts::PivotTorque, at) - slipping;
+        let free = self.hidden_sum(Acts::PivotTorque, at) - slipping;
         let hum = free + self.hum[0] * (std::f64::consts::TAU * self.hum[1] * t + self.hum[2]).sin();
         d[4] = hub_rate;
         d[5] = (to_hub + wave(self.mesh_ripple) + hum - twist - pivot_dry - drag - weight - cable)
             / self.hub_inertia;
         d[6] = beam_rate;
         d[7] = twist / self.beam_inertia;
-        let of_motor = Place { more: self.hidden(Acts::MotorLevel, at), ..Place::default() };
+        let of_motor = Place { more: self.hidden_sum(Acts::MotorLevel, at), ..Place::default() };
         d[8] = self.motor_friction.slope(motor_dry, spin, of_motor);
-        let more = self.hidden(Acts::PivotLevel, at);
+        let more = self.hidden_sum(Acts::PivotLevel, at);
         let place = Place { angle: hub - platform.angle, load: gear, time: t, more };
         d[9] = self.pivot_friction.slope(pivot_dry, sliding, place);
         d[16] = self.hose(x[16], sliding);

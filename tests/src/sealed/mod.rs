@@ -44,19 +44,19 @@ pub fn controller() -> ProportionalIntegral {
 pub fn case(seed: u64, nominal: &Parameters) -> Case {
     let mut machine = truth::machine(nominal);
     let (sealed, without) = truth::conceal(seed, &mut machine);
-    recorded(seed, nominal, &machine, sealed, &without)
+    record_case(seed, nominal, &machine, sealed, &without)
 }
 
 /// Returns the machine with one given effect of a given size, recorded: see [`truth::conceal_one`]. `nominal` is as [`nominal_of`] has it.
 pub fn case_of(which: usize, size: f64, nominal: &Parameters) -> Case {
     let mut machine = truth::machine(nominal);
     let (sealed, without) = truth::conceal_one(which, size, &mut machine);
-    recorded(1_000 + which as u64, nominal, &machine, sealed, &without)
+    record_case(1_000 + which as u64, nominal, &machine, sealed, &without)
 }
 
 /// Returns the machine as modelled, recorded under the proportional-integral controller.
 pub fn case_of_nothing(nominal: &Parameters) -> Case {
-    recorded(1_999, nominal, &truth::machine(nominal), truth::nothing(), &[])
+    record_case(1_999, nominal, &truth::machine(nominal), truth::unchanged_machine(), &[])
 }
 
 /// Returns the project in which one given effect shows: nearly balanced for those at small torques, the rig otherwise.
@@ -72,7 +72,13 @@ pub fn nominal_of(which: usize) -> Parameters {
 const BALANCED_KG_M: f64 = 20.0;
 const BALANCED_BIAS_V: f64 = 0.38;
 
-fn recorded(seed: u64, nominal: &Parameters, machine: &Machine, sealed: Sealed, without: &[Machine]) -> Case {
+fn record_case(
+    seed: u64,
+    nominal: &Parameters,
+    machine: &Machine,
+    sealed: Sealed,
+    without: &[Machine],
+) -> Case {
     let [kp, ki, bias] = GAINS;
     let balanced = nominal.lumped.as_ref().is_some_and(|l| l.out_of_balance_kg_m == BALANCED_KG_M);
     let bias = if balanced { BALANCED_BIAS_V } else { bias };
@@ -109,7 +115,7 @@ pub fn case_under(which: Option<usize>, size: f64, nominal: &Parameters, control
     let mut machine = truth::machine(nominal);
     let (sealed, without) = match which {
         Some(which) => truth::conceal_one(which, size, &mut machine),
-        None => (truth::nothing(), Vec::new()),
+        None => (truth::unchanged_machine(), Vec::new()),
     };
     let recorder = truth::recorder(nominal, 0.0, 0.0, controller_at_rest(controller));
     let seed = 2_000 + which.map_or(999, |which| which as u64);

@@ -29,7 +29,8 @@ const ORDINARY: [(&str, &str); 8] = [
 /// As the diagnosis itself.
 pub fn compare_fits(base: &Parameters, case: &Case, answer: &Answer) -> Result<[Option<f64>; 4], Error> {
     let known = case.sealed.family != Family::Outside;
-    let structures = [Structure::default(), ordinary(base), found(answer), truth(base, case)];
+    let structures =
+        [Structure::default(), ordinary_structure(base), found_structure(answer), truth(base, case)];
     let left = refit(base, &controller(), &recordings(case), &structures, &Serial)?;
     Ok([left[0], left[1], left[2], left[3].filter(|_| known)])
 }
@@ -42,14 +43,14 @@ fn entry(component: &str, effect: &str, parameter: Option<&str>) -> Option<&'sta
     find_effects(component, effect).find(has).or(first)
 }
 
-fn ordinary(base: &Parameters) -> Structure {
+fn ordinary_structure(base: &Parameters) -> Structure {
     let effects: Vec<&'static Effect> =
         ORDINARY.iter().filter_map(|(component, effect)| entry(component, effect, None)).collect();
     let start = effects.iter().flat_map(|e| e.values(base)).collect();
     Structure { effects, start }
 }
 
-fn found(answer: &Answer) -> Structure {
+fn found_structure(answer: &Answer) -> Structure {
     let mut structure = Structure::default();
     for finding in &answer.findings {
         let parameter = finding.parameters.first().map(|p| p.name);

@@ -68,7 +68,7 @@ pub struct Tried {
 /// Hypotheses kept of each stage.
 const KEPT: usize = 6;
 
-fn tried(answer: &Answer) -> Vec<Tried> {
+fn tried_hypotheses(answer: &Answer) -> Vec<Tried> {
     let mut out: Vec<Tried> = Vec::new();
     for h in &answer.hypotheses {
         if out.iter().filter(|t| t.stage == h.stage).count() < KEPT {
@@ -134,7 +134,7 @@ pub fn score(seed: u64, case: &Case, answer: &Answer, seconds: f64) -> Row {
             .findings
             .iter()
             .filter(|f| f.effect != EffectName::Unknown)
-            .map(|f| stated(sealed, f))
+            .map(|f| stated_probability(sealed, f))
             .collect(),
         component: count(&|c| any(&|f| f.component.name() == c.component)),
         top: count(&|c| known && any(&|f| is(c, f.name()))),
@@ -144,11 +144,11 @@ pub fn score(seed: u64, case: &Case, answer: &Answer, seconds: f64) -> Row {
         intervals: errors.len(),
         held_out_before: distance(&answer.fit.held_out_before),
         held_out_after: distance(&answer.fit.held_out_after),
-        damaged: answer.verdict != DiagnosisVerdict::Consistent && damaged(answer),
+        damaged: answer.verdict != DiagnosisVerdict::Consistent && is_damaged(answer),
         seconds,
         sizes,
         errors,
-        evidence: tried(answer),
+        evidence: tried_hypotheses(answer),
         split: [None; 4],
     }
 }
@@ -163,7 +163,7 @@ pub fn offers(c: &Concealed, f: &Finding) -> bool {
     is(c, f.name()) || f.alternatives.iter().any(|a| is(c, *a))
 }
 
-fn stated(sealed: &Sealed, f: &Finding) -> (f64, bool) {
+fn stated_probability(sealed: &Sealed, f: &Finding) -> (f64, bool) {
     (f.probability, sealed.concealed.iter().any(|c| is(c, f.name())))
 }
 
@@ -213,7 +213,7 @@ fn distance(channels: &Channels) -> f64 {
     sum / channels.len().max(1) as f64
 }
 
-fn damaged(answer: &Answer) -> bool {
+fn is_damaged(answer: &Answer) -> bool {
     answer.fit.held_out_after.iter().any(|(channel, after)| {
         let before = answer.fit.held_out_before[channel];
         after.rms_error > 1.05 * before.rms_error.max(before.floor)

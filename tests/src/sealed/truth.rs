@@ -72,8 +72,8 @@ pub fn machine(p: &Parameters) -> Machine {
         dead_zone: 0.0,
         current_limit: f64::INFINITY,
         hysteresis: [0.0, 1.0],
-        motor_friction: dry(&p.motor_friction),
-        pivot_friction: dry(&p.pivot_friction),
+        motor_friction: dry_friction(&p.motor_friction),
+        pivot_friction: dry_friction(&p.pivot_friction),
         quadratic_drag: 0.0,
         delay_samples: 0,
         hub_gyro: gyro(&p.sensors.hub_gyro),
@@ -88,7 +88,7 @@ pub fn machine(p: &Parameters) -> Machine {
     }
 }
 
-fn dry(friction: &counterpoise_models::Friction) -> Dry {
+fn dry_friction(friction: &counterpoise_models::Friction) -> Dry {
     let FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad, .. } = friction.law else {
         panic!("the sealed machines have Dahl friction")
     };
@@ -148,7 +148,7 @@ pub fn conceal(seed: u64, machine: &mut Machine) -> (Sealed, Vec<Machine>) {
     let mut without = vec![machine.clone()];
     let concealed = match family {
         Family::Nothing => Vec::new(),
-        Family::Outside => vec![outside(machine, &mut dice)],
+        Family::Outside => vec![outside_effect(machine, &mut dice)],
         Family::Instrument => vec![instrument(machine, &mut dice)],
         Family::Single => vec![physics(machine, &mut dice, usize::MAX)],
         Family::Pair => {
@@ -199,7 +199,7 @@ pub fn conceal_one(which: usize, size: f64, machine: &mut Machine) -> (Sealed, V
 }
 
 /// Returns the answer of a machine that is as its project describes it, with all sensors and the usual noise.
-pub fn nothing() -> Sealed {
+pub fn unchanged_machine() -> Sealed {
     let concealed = Vec::new();
     Sealed { family: Family::Nothing, concealed, noise: 1.0, motor_rate: true, hub_position: true }
 }
@@ -225,13 +225,13 @@ fn physics_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Conceal
         0..=5 => friction_of(m, dice, which, s),
         6..=11 => drive_of(m, dice, which, s),
         12..=14 => structure_of(m, dice, which, s),
-        _ => further(m, dice, which, s),
+        _ => further_effect(m, dice, which, s),
     };
     Concealed { size: s, ..concealed }
 }
 
 /// Changes `value` by `share` of it, up or down.
-fn scaled(dice: &mut Dice, value: &mut f64, share: f64) -> f64 {
+fn scale_value(dice: &mut Dice, value: &mut f64, share: f64) -> f64 {
     *value *= 1.0 + share * sign(dice);
     *value
 }
@@ -239,7 +239,7 @@ fn scaled(dice: &mut Dice, value: &mut f64, share: f64) -> f64 {
 fn friction_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
     let pivot = &mut m.pivot_friction;
     match which {
-        0 => one("pivot", "coulomb", "coulomb", scaled(dice, &mut pivot.level, 0.4 * s)),
+        0 => one("pivot", "coulomb", "coulomb", scale_value(dice, &mut pivot.level, 0.4 * s)),
         1 => {
             pivot.viscous += 300.0 * s;
             one("pivot", "viscous", "viscous", pivot.viscous)
@@ -259,7 +259,7 @@ fn friction_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concea
             m.quadratic_drag = 1500.0 * s;
             one("pivot", "quadratic_drag", "quadratic", m.quadratic_drag)
         }
-        _ => one("motor", "coulomb", "coulomb", scaled(dice, &mut m.motor_friction.level, 0.4 * s)),
+        _ => one("motor", "coulomb", "coulomb", scale_value(dice, &mut m.motor_friction.level, 0.4 * s)),
     }
 }
 
@@ -272,14 +272,14 @@ fn drive_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed
             cogging
         }
         7 => {
-            let constant = scaled(dice, &mut m.torque_constant, 0.15 * s);
+            let constant = scale_value(dice, &mut m.torque_constant, 0.15 * s);
             one("motor", "torque_constant", "torque_constant", constant)
         }
         8 => {
             m.backlash += 3e-3 * s;
             one("gearbox", "backlash", "backlash", m.backlash)
         }
-        9 => one("gearbox", "stiffness", "stiffness", scaled(dice, &mut m.gear_stiffness, 0.35 * s)),
+        9 => one("gearbox", "stiffness", "stiffness", scale_value(dice, &mut m.gear_stiffness, 0.35 * s)),
         10 => {
             m.dead_zone = 0.1 * s;
             let dead_zone = one("amplifier", "dead_zone", "dead_zone", m.dead_zone);
@@ -299,7 +299,7 @@ fn structure_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Conce
             m.moment += 40.0 * s * sign(dice);
             one("structure", "out_of_balance", "out_of_balance", m.moment)
         }
-        13 => one("structure", "inertia", "beam_inertia", scaled(dice, &mut m.beam_inertia, 0.3 * s)),
+        13 => one("structure", "inertia", "beam_inertia", scale_value(dice, &mut m.beam_inertia, 0.3 * s)),
         _ => {
             (m.spring, m.spring_centre) = (900.0 * s, dice.uniform(-0.06, 0.06));
             one("structure", "position_stiffness", "stiffness", m.spring)
@@ -313,7 +313,7 @@ fn one(component: &'static str, effect: &'static str, parameter: &'static str, v
 }
 
 /// The rest of the vocabulary: what modulates friction, ripples, and the amplifier's limits.
-fn further(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
+fn further_effect(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
     let order = [4.0, 6.0, 8.0, 12.0, 24.0][dice.draw_below(5)];
     let phase = dice.uniform(-3.0, 3.0);
     match which {
@@ -484,7 +484,7 @@ fn platform_gyro_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Conce
 }
 
 /// Physics that no entry of the library has.
-fn outside(m: &mut Machine, dice: &mut Dice) -> Concealed {
+fn outside_effect(m: &mut Machine, dice: &mut Dice) -> Concealed {
     let s = 10f64.powf(dice.uniform(-0.5, 0.5));
     let component = match dice.draw_below(3) {
         0 => {

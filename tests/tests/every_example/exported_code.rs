@@ -51,7 +51,7 @@ fn drive(plant: &Plant, controller: &mut dyn SampledController, duration_s: f64)
 }
 
 /// Compiles the C for this machine.
-fn compiled(test: &str, controller: &Controller, precision: Precision) -> PathBuf {
+fn compile_controller(test: &str, controller: &Controller, precision: Precision) -> PathBuf {
     let folder = folder(test);
     let options = CodeOptions { name: "controller".into(), precision };
     write(&folder, &c99(Unverified(controller), &provenance(), &options).unwrap());
@@ -64,13 +64,13 @@ fn compiled(test: &str, controller: &Controller, precision: Precision) -> PathBu
 #[test]
 fn c_in_the_simulated_loop_moves_the_rig_as_the_reference_does() {
     if !is_there("cc") {
-        return crate::every_example::support::skipped("no C compiler");
+        return crate::every_example::support::report_skip("no C compiler");
     }
     let (plant, controller) = reference_rig();
-    let double = compiled("rig_double", &controller, Precision::Double);
+    let double = compile_controller("rig_double", &controller, Precision::Double);
     let expected = drive(&plant, &mut controller.runner(), 2.0);
     assert_eq!(drive(&plant, &mut InLoop(Target::start(&double)), 2.0), expected);
-    let single = compiled("rig_single", &controller, Precision::Single);
+    let single = compile_controller("rig_single", &controller, Precision::Single);
     let expected = drive(&plant, &mut controller.runner_in::<f32>(), 2.0);
     assert_eq!(drive(&plant, &mut InLoop(Target::start(&single)), 2.0), expected);
 }
@@ -78,7 +78,7 @@ fn c_in_the_simulated_loop_moves_the_rig_as_the_reference_does() {
 #[test]
 fn a_processor_in_the_simulated_loop_moves_the_rig_as_the_reference_does() {
     if !is_there("arm-none-eabi-gcc") || !is_there("qemu-system-arm") {
-        return crate::every_example::support::skipped("no cross compiler or no emulator");
+        return crate::every_example::support::report_skip("no cross compiler or no emulator");
     }
     let (plant, controller) = reference_rig();
     let folder = folder("rig_processor");
@@ -212,7 +212,7 @@ impl Design {
             let own = ["axis.c", "axis_self_test.c", "axis_interrupt.c"].map(str::to_owned);
             if is_analysed {
                 cores.iter().for_each(|core| drop(target::compile(core, &folder, &own)));
-                analysed(&folder);
+                analyse_folder(&folder);
             }
         }
     }
@@ -252,7 +252,7 @@ impl Design {
     }
 
     /// The server of one kind, compiled for this machine.
-    fn served(&self, numbers: Numbers, folder: &Path) -> Target {
+    fn server_target(&self, numbers: Numbers, folder: &Path) -> Target {
         let main = match numbers {
             Numbers::Fixed => server_in(&["axis".into()], |_| "int32_t".into()),
             _ => server(&["axis".into()]),
@@ -265,7 +265,7 @@ impl Design {
 
     /// The C in the simulated loop moves the plant as its model in this program does.
     fn same_motion(&self, numbers: Numbers, folder: &Path) {
-        let target = self.served(numbers, folder);
+        let target = self.server_target(numbers, folder);
         let (mut code, mut own): (Box<dyn SampledController>, Box<dyn SampledController>) = match numbers {
             Numbers::Double => (Box::new(InLoop(target)), Box::new(self.controller.runner())),
             Numbers::Single => (Box::new(InLoop(target)), Box::new(self.controller.runner_in::<f32>())),
@@ -335,10 +335,12 @@ impl Design {
 #[test]
 fn the_code_of_examples_compiles_in_silence_and_moves_the_plant_alike() {
     if !is_there("cc") {
-        return crate::every_example::support::skipped("no C compiler");
+        return crate::every_example::support::report_skip("no C compiler");
     }
     for program in ["clang", "cppcheck"].into_iter().filter(|program| !is_there(program)) {
-        crate::every_example::support::skipped(&format!("analysis: no {program} (apt install {program})"));
+        crate::every_example::support::report_skip(&format!(
+            "analysis: no {program} (apt install {program})"
+        ));
     }
     let cores = if target::tools_are_there() { &CORES[..] } else { &[] };
     let files = examples::chosen_files();
@@ -357,7 +359,7 @@ fn the_code_of_examples_compiles_in_silence_and_moves_the_plant_alike() {
 
 /// Clang's analyser and cppcheck over everything that was generated into a folder: not a word, nothing suppressed. Clang alone takes a second
 /// for each kind of numbers.
-fn analysed(folder: &Path) {
+fn analyse_folder(folder: &Path) {
     if is_there("clang") {
         let flags = ["--analyze", "-Xanalyzer", "-analyzer-output=text", "-std=c99", "-Wall", "-Wextra"];
         let sources = ["axis.c", "axis_self_test.c", "axis_test.c", "axis_interrupt.c"];
@@ -411,7 +413,7 @@ fn every_language_of_the_example_compiles_without_a_word() {
     let rust = ["--edition=2021", "--crate-type=lib", "-Dwarnings", "axis/src/lib.rs"];
     run(Command::new("rustc").current_dir(&folder).args(rust));
     if !is_there("cc") {
-        return crate::every_example::support::skipped("C: no compiler");
+        return crate::every_example::support::report_skip("C: no compiler");
     }
     write(&folder, &fixed_c99(Unverified(&controller), &fixed, &provenance(), "fixed").unwrap());
     let sources = ["fixed.c", "fixed_self_test.c", "fixed_test.c", "-o", "fixed_test"];

@@ -179,7 +179,7 @@ impl<'a> Example<'a> {
         for channel in 0..COMMON_READINGS {
             for kind in KINDS {
                 for &length in lengths {
-                    let after = self.after((channel, kind, length), start(), &undisturbed);
+                    let after = self.run_after_fault((channel, kind, length), start(), &undisturbed);
                     let way_back_s = self.return_rate_rad_s.map_or(0.0, |rate| after.distance_rad / rate);
                     let allowed_s = self.allowed_s(length) + way_back_s;
                     if after.recovery_s > allowed_s {
@@ -197,7 +197,7 @@ impl<'a> Example<'a> {
     }
 
     /// Returns what follows a fault.
-    fn after(
+    fn run_after_fault(
         &mut self,
         (channel, kind, length): (usize, Kind, usize),
         inner: Box<dyn SampledController>,

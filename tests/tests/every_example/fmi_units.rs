@@ -11,7 +11,7 @@ use counterpoise_export::{CodeOptions, File};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_models::plant::{OperatingPoint, Plant};
-use counterpoise_pipeline::{PlantModel, World, export, model, reduce, synthesise, verify};
+use counterpoise_pipeline::{PlantModel, World, build_plant_model, export, reduce_plant, synthesise, verify};
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Attachments, Document, Project, SettingValue};
 use counterpoise_simulate::signal::Sine;
@@ -51,7 +51,7 @@ fn csv(run: &TimeHistory) -> String {
 }
 
 /// A unit's library for this machine, compiled without a word.
-fn compiled(folder: &Path, name: &str, files: &[File]) -> Vec<u8> {
+fn compile_unit(folder: &Path, name: &str, files: &[File]) -> Vec<u8> {
     write(folder, files);
     let own = [format!("{name}/sources/{name}.c"), format!("{name}/sources/fmu.c")];
     let library = format!("{name}.so");
@@ -68,7 +68,7 @@ fn write_loop(folder: &Path, plant: &Plant, controller: &Controller, scenario: &
     std::fs::create_dir_all(folder).unwrap();
     std::fs::write(folder.join("expected.csv"), csv(&expected)).unwrap();
     for (name, files) in [("axis", &axis), ("rig", &rig)] {
-        let library = compiled(folder, name, files);
+        let library = compile_unit(folder, name, files);
         std::fs::write(folder.join(format!("{name}.fmu")), pack_unit(files, name, Some(&library))).unwrap();
     }
 }
@@ -84,7 +84,7 @@ fn write_example(path: &Path, folder: &Path) {
 fn in_fmpy(folders: &[PathBuf]) {
     let python = Command::new("python3").args(["-c", "import fmpy"]).output();
     if !python.is_ok_and(|output| output.status.success()) {
-        return support::skipped("FMPy missing (pip install fmpy)");
+        return support::report_skip("FMPy missing (pip install fmpy)");
     }
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("peers/fmi/check.py");
     println!("{}", run(Command::new("python3").arg(script).args(folders)));
@@ -93,7 +93,7 @@ fn in_fmpy(folders: &[PathBuf]) {
 #[test]
 fn the_loop_that_fmpy_closes_is_the_simulated_one_for_examples() {
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let all = folder("fmi_loop");
     let files = examples::chosen_files();
@@ -121,8 +121,8 @@ fn a_plant_without_a_unit_leaves_the_rest_of_the_code_there() {
     let text = std::fs::read_to_string(file).unwrap();
     let text = text.replace("languages = [\"c99\"]", "languages = [\"fmi\", \"c99\"]");
     let project = Project::parse(&text, "project.toml").unwrap().project;
-    let modelled = model(&project).unwrap();
-    let reduced = reduce(&project, &modelled).unwrap();
+    let modelled = build_plant_model(&project).unwrap();
+    let reduced = reduce_plant(&project, &modelled).unwrap();
     let made = synthesise(&project, &modelled, &reduced).unwrap();
     let verified = verify(&project, &modelled, &made, &Nothing).unwrap();
     let whole = export(&project, &modelled, &verified, &Nothing).unwrap();
@@ -191,7 +191,7 @@ fn plain_controller(plant: &Plant, gains: &ProportionalIntegral) -> Controller {
 fn the_loop_that_fmpy_closes_is_the_simulated_one_for_every_practice_machine() {
     let recordings = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/practice");
     if !is_there("cc") {
-        return support::skipped("no C compiler");
+        return support::report_skip("no C compiler");
     }
     let all = folder("fmi_practice");
     let mut folders = Vec::new();

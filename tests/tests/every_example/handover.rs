@@ -32,7 +32,7 @@ trait Target: SampledController {
     fn hand_over(&mut self);
     fn says(&self) -> Status;
     /// What must be said after the handover.
-    fn expected(&self) -> u32;
+    fn expected_status(&self) -> u32;
 }
 
 /// Passes on to what both runners call alike.
@@ -50,7 +50,7 @@ macro_rules! pass_on {
             self.status()
         }
 
-        fn expected(&self) -> u32 {
+        fn expected_status(&self) -> u32 {
             $expected
         }
     };
@@ -133,7 +133,11 @@ impl Example {
         let mut application = Application { inner, limit_v, channel, sticks, now: 0, held: 0.0 };
         let found = self.drive(&mut application);
         let flags = application.inner.says().flags;
-        assert_eq!(flags & (ALONE | REFUSED), application.inner.expected(), "channel {channel}: {flags:x}");
+        assert_eq!(
+            flags & (ALONE | REFUSED),
+            application.inner.expected_status(),
+            "channel {channel}: {flags:x}"
+        );
         let handed_over = sticks + (1.0 / period_s) as usize;
         let off = |k: &usize| {
             let (a, b) = (found.truth.hub_rate_rad_s()[*k], alone.truth.hub_rate_rad_s()[*k]);

@@ -102,7 +102,7 @@ fn replaying(path: &Path, designed: &Designed, plant: &Plant) -> Project {
     project
 }
 
-fn replayed(project: &Project, recording: Recording) -> ReplayedRecording {
+fn replay_recording(project: &Project, recording: Recording) -> ReplayedRecording {
     let controller = recording_controller(project).unwrap();
     let read = read_recording(project, controller.as_ref(), recording, GapTreatment::Repaired).unwrap();
     let control = control_for(project, controller.as_ref(), read.iter().map(|item| &item.recording));
@@ -156,7 +156,7 @@ fn wrong(path: &Path) -> Option<Vec<String>> {
     }
     let mut wrong = Vec::new();
     for (numbers, recording) in recordings {
-        let found = replayed(&project, recording);
+        let found = replay_recording(&project, recording);
         for fit in &found.followed.replay.channels {
             let ratio = fit.rms_error / fit.floor;
             if ratio.is_nan() || ratio > REPLAYED {

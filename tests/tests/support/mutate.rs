@@ -10,7 +10,7 @@ pub struct Random(pub u64);
 
 impl Random {
     /// A whole number below `n`.
-    pub fn below(&mut self, n: usize) -> usize {
+    pub fn draw_below(&mut self, n: usize) -> usize {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
@@ -40,31 +40,32 @@ pub fn corpus(folders: &[&str], endings: &[&str]) -> Vec<(PathBuf, Vec<u8>)> {
 }
 
 /// One of the inputs with some changes: bits, bytes, cuts, repetitions, pieces of another input, words that readers look for.
-pub fn changed(corpus: &[(PathBuf, Vec<u8>)], words: &[&[u8]], random: &mut Random) -> Vec<u8> {
-    let mut bytes = corpus[random.below(corpus.len())].1.clone();
-    for _ in 0..1 + random.below(4) {
+pub fn mutate_input(corpus: &[(PathBuf, Vec<u8>)], words: &[&[u8]], random: &mut Random) -> Vec<u8> {
+    let mut bytes = corpus[random.draw_below(corpus.len())].1.clone();
+    for _ in 0..1 + random.draw_below(4) {
         if bytes.is_empty() {
             bytes.push(0);
         }
-        let (at, length) = (random.below(bytes.len()), 1 + random.below(64));
+        let (at, length) = (random.draw_below(bytes.len()), 1 + random.draw_below(64));
         let end = (at + length).min(bytes.len());
-        match random.below(8) {
-            0 => bytes[at] ^= 1 << random.below(8),
-            1 => bytes[at] = random.below(256) as u8,
+        match random.draw_below(8) {
+            0 => bytes[at] ^= 1 << random.draw_below(8),
+            1 => bytes[at] = random.draw_below(256) as u8,
             2 => bytes.truncate(at),
             3 => drop(bytes.drain(at..end)),
             4 => {
                 let piece = bytes[at..end].to_vec();
-                (0..1 + random.below(20)).for_each(|_| drop(bytes.splice(at..at, piece.iter().copied())));
+                (0..1 + random.draw_below(20))
+                    .for_each(|_| drop(bytes.splice(at..at, piece.iter().copied())));
             }
             5 => {
-                let other = &corpus[random.below(corpus.len())].1;
-                let from = random.below(other.len().max(1)).min(other.len());
+                let other = &corpus[random.draw_below(corpus.len())].1;
+                let from = random.draw_below(other.len().max(1)).min(other.len());
                 let to = (from + length).min(other.len());
                 drop(bytes.splice(at..end, other[from..to].iter().copied()));
             }
-            6 => drop(bytes.splice(at..end, words[random.below(words.len())].iter().copied())),
-            _ => bytes[at..end].fill([0, 0xff, b'9', b' '][random.below(4)]),
+            6 => drop(bytes.splice(at..end, words[random.draw_below(words.len())].iter().copied())),
+            _ => bytes[at..end].fill([0, 0xff, b'9', b' '][random.draw_below(4)]),
         }
     }
     bytes
@@ -110,7 +111,7 @@ pub fn fuzz(target: &str, corpus: &[(PathBuf, Vec<u8>)], words: &[&[u8]], read: 
     let mut random = Random(0x2545_F491_4F6C_DD1D ^ seed);
     let (begun, mut count) = (Instant::now(), corpus.len());
     while begun.elapsed() < Duration::from_secs(seconds) {
-        one(&changed(corpus, words, &mut random));
+        one(&mutate_input(corpus, words, &mut random));
         count += 1;
     }
     println!("{target}: {count} inputs in {seconds} s, seed {seed}, no failure, slowest {slowest:.1?}");

@@ -88,7 +88,9 @@ impl<'a> Balance<'a> {
 
     /// The growth at an amplitude, the frequency sought from `from_rad_s`; `None` if nothing oscillates.
     pub(super) fn growth(&self, rate_rad_s: f64, from_rad_s: f64) -> Result<Option<Growth>, Error> {
-        let Some(Settled { pole, .. }) = self.settled(rate_rad_s, from_rad_s)? else { return Ok(None) };
+        let Some(Settled { pole, .. }) = self.settle_frequency(rate_rad_s, from_rad_s)? else {
+            return Ok(None);
+        };
         let period_s = self.subject.case.plant.parameters().interface.sample_period_s;
         Ok(Some(Growth {
             rate_rad_s,
@@ -98,7 +100,7 @@ impl<'a> Balance<'a> {
     }
 
     /// The loop at an amplitude whose describing functions have the frequency of its own pole.
-    fn settled(&self, rate_rad_s: f64, from_rad_s: f64) -> Result<Option<Settled>, Error> {
+    fn settle_frequency(&self, rate_rad_s: f64, from_rad_s: f64) -> Result<Option<Settled>, Error> {
         let ratio = self.subject.case.plant.parameters().gearbox.ratio;
         let mut motion = Sinusoid { rate_rad_s, frequency_rad_s: from_rad_s, motor_over_hub: ratio };
         let mut found = None;
@@ -151,7 +153,7 @@ impl<'a> Balance<'a> {
         }
         let mut sides = Vec::new();
         for side in [low, high] {
-            sides.extend(self.settled(side.rate_rad_s, std::f64::consts::TAU * side.frequency_hz)?);
+            sides.extend(self.settle_frequency(side.rate_rad_s, std::f64::consts::TAU * side.frequency_hz)?);
         }
         let rate = std::f64::consts::TAU * low.frequency_hz;
         let third = sides.first().map(|below| third_harmonic(&below.linear, rate)).transpose()?;

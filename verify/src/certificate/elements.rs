@@ -93,7 +93,12 @@ impl Elements {
     ) -> Result<Vec<ObserverGain>, Error> {
         let parameters = case.plant.parameters();
         let (ratio, period_s) = (parameters.gearbox.ratio, parameters.interface.sample_period_s);
-        controller.parts().observers.iter().map(|observer| small(observer, period_s, ratio)).collect()
+        controller
+            .parts()
+            .observers
+            .iter()
+            .map(|observer| presliding_gain(observer, period_s, ratio))
+            .collect()
     }
 
     /// Returns the elements for a hub that turns at a rate: the slopes of the sliding levels.
@@ -141,7 +146,7 @@ impl Elements {
 }
 
 /// The observer at a thousandth of its presliding deflection, at a tenth of half the sample rate: a spring, to a part in a thousand.
-fn small(observer: &FrictionObserver, period_s: f64, ratio: f64) -> Result<ObserverGain, Error> {
+fn presliding_gain(observer: &FrictionObserver, period_s: f64, ratio: f64) -> Result<ObserverGain, Error> {
     let frequency = 0.1 * std::f64::consts::PI / period_s;
     let stiffness = observer.rest_stiffness_nm_rad;
     let side = if observer.rate == PathSignal::MotorRate { ratio } else { 1.0 };

@@ -23,7 +23,7 @@ struct Swing {
 impl Balance<'_> {
     /// Limit cycles in which the teeth part: sought over the swing of the gear's wind-up, because the same swing of the hub can go with
     /// teeth that stay together and with teeth that part.
-    pub(super) fn rattling(&self) -> Result<Vec<Bracketed>, Error> {
+    pub(super) fn rattling_cycles(&self) -> Result<Vec<Bracketed>, Error> {
         let gearbox = &self.subject.case.plant.parameters().gearbox;
         let (gap, pressed) = (gearbox.backlash_rad, self.pressed_wind_up_rad());
         let least = if pressed > 0.0 { pressed } else { 0.5 * gap };
@@ -31,7 +31,7 @@ impl Balance<'_> {
         let mut before: Option<Swing> = None;
         for k in 1..=GAP_SWINGS {
             let swing_rad = least * MOST_GAP_SWING.powf(k as f64 / GAP_SWINGS as f64);
-            let now = self.swinging(swing_rad)?;
+            let now = self.swing_growth(swing_rad)?;
             let grew = before.as_ref().is_some_and(|at| at.growth.growth_per_s > STEADY_GROWTH);
             let fades = now.as_ref().is_some_and(|at| at.growth.growth_per_s <= STEADY_GROWTH);
             match (before.take(), now) {
@@ -47,7 +47,7 @@ impl Balance<'_> {
     fn rattling_cycle(&self, grows: Swing, fades: Swing) -> Result<Bracketed, Error> {
         let (mut low, mut high) = (grows, fades);
         for _ in 0..CYCLE_HALVINGS {
-            let Some(middle) = self.swinging((low.swing_rad * high.swing_rad).sqrt())? else { break };
+            let Some(middle) = self.swing_growth((low.swing_rad * high.swing_rad).sqrt())? else { break };
             if middle.growth.growth_per_s > STEADY_GROWTH { low = middle } else { high = middle }
         }
         let (growth, third_harmonic) = (low.growth, low.third_harmonic);
@@ -62,7 +62,7 @@ impl Balance<'_> {
     }
 
     /// The growth at a swing of the wind-up; `None` if nothing oscillates.
-    fn swinging(&self, swing_rad: f64) -> Result<Option<Swing>, Error> {
+    fn swing_growth(&self, swing_rad: f64) -> Result<Option<Swing>, Error> {
         let gearbox = &self.subject.case.plant.parameters().gearbox;
         let share = gap_share(swing_rad, self.pressed_wind_up_rad(), gearbox.backlash_rad).max(OPEN);
         let mut motion = Sinusoid {

@@ -119,7 +119,7 @@ pub struct StabilityCertificate {
 impl StabilityCertificate {
     /// Returns the worst case: unstable before a limit cycle before what is not predicted before stable, then the case whose worst
     /// regime is nearest to instability. `None` without cases.
-    pub fn worst(&self) -> Option<&CaseCertificate> {
+    pub fn worst_case(&self) -> Option<&CaseCertificate> {
         let rank = |case: &CaseCertificate| match case.stability {
             Stability::Unstable => 3,
             Stability::LimitCycle { .. } => 2,

@@ -182,11 +182,11 @@ impl Multiplier {
                 let form = self.form(&found, over);
                 let end = |x: f64| form.map(|entry| entry.value + entry.slope * x);
                 let rest = form.iter().map(|entry| entry.rest.powi(2)).sum::<f64>() + form[2].rest.powi(2);
-                let bound = smallest(end(-over.half_rad_s), self.joints)
-                    .min(smallest(end(over.half_rad_s), self.joints))
+                let bound = least_eigenvalue(end(-over.half_rad_s), self.joints)
+                    .min(least_eigenvalue(end(over.half_rad_s), self.joints))
                     - rest.sqrt();
                 let middle = form.map(|entry| entry.value);
-                let (here, size) = (smallest(middle, self.joints), largest(middle, self.joints));
+                let (here, size) = (least_eigenvalue(middle, self.joints), largest(middle, self.joints));
                 if here <= 0.0 {
                     return ProofOutcome::FailsAt(over.middle_rad_s);
                 }
@@ -222,7 +222,7 @@ impl Multiplier {
 }
 
 /// The least eigenvalue of [[a, b], [b^*, d]].
-fn smallest([a, d, b]: [C64; 3], joints: usize) -> f64 {
+fn least_eigenvalue([a, d, b]: [C64; 3], joints: usize) -> f64 {
     if joints == 1 {
         return a.re;
     }
@@ -267,7 +267,11 @@ struct JointKind {
 }
 
 /// The terms that what is known allows, up to a criterion.
-fn allowed(known: &[FrictionKnowledge], most: StabilityCriterion, reference_rad_s: f64) -> Vec<JointKind> {
+fn allowed_terms(
+    known: &[FrictionKnowledge],
+    most: StabilityCriterion,
+    reference_rad_s: f64,
+) -> Vec<JointKind> {
     let mut all = Vec::new();
     for (joint, known) in known.iter().enumerate() {
         all.push(JointKind { joint, kind: TermKind::Constant });
@@ -351,7 +355,7 @@ pub fn search_multiplier(
     let (peak, most_size) =
         sizes.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map(|(k, s)| (k, *s))?;
     let reference_rad_s = rates[peak].max(MULTIPLIER_START);
-    let kinds = allowed(known, most, reference_rad_s);
+    let kinds = allowed_terms(known, most, reference_rad_s);
     let joints = known.len();
     let one = |&JointKind { joint, kind }: &JointKind| Multiplier {
         terms: vec![MultiplierTerm { joint, kind, weight: 1.0 }],
@@ -369,7 +373,7 @@ pub fn search_multiplier(
         let over = RateInterval { middle_rad_s: *rate, half_rad_s: 0.0 };
         let forms: Vec<[C64; 3]> =
             each.iter().map(|alone| alone.form(at, over).map(|entry| entry.value)).collect();
-        program.positive(&forms, size * size / most_size, joints);
+        program.require_positive(&forms, size * size / most_size, joints);
     }
     let rows_at_each = (program.0.rows() - before) / rates.len();
     let solved = program.0.solve().ok()?;
@@ -423,7 +427,7 @@ impl Program {
 
     /// The sum of the weighted forms less the last variable times `share` is positive: a + d >= |(a - d, 2 Re b, 2 Im b)|, in units of the largest
     /// entry.
-    fn positive(&mut self, forms: &[[C64; 3]], share: f64, joints: usize) {
+    fn require_positive(&mut self, forms: &[[C64; 3]], share: f64, joints: usize) {
         let last = self.0.variables() - 1;
         let most = forms.iter().flatten().map(|entry| entry.norm()).fold(f64::MIN_POSITIVE, f64::max);
         let of = |pick: &dyn Fn(&[C64; 3]) -> f64| -> Vec<VectorEntry> {

@@ -143,7 +143,7 @@ impl Stretches {
             duration_s: SETTLING_S + burst_s,
             injection_v: burst(subject, start)?,
             initial: Initial::Rest { hub_angle_rad: subject.procedure.operating_point.hub_angle_rad },
-            ..still(subject, 1.0)
+            ..scenario_at_rest(subject, 1.0)
         };
         let run = simulator.run(controller, &scenario)?;
         Ok(Self {
@@ -166,7 +166,7 @@ impl Stretches {
         controller: &mut dyn SampledController,
     ) -> Result<(), Error> {
         let initial = Initial::State(Box::new(self.state.clone()));
-        let scenario = Scenario { initial, ..still(subject, self.stretch_s) };
+        let scenario = Scenario { initial, ..scenario_at_rest(subject, self.stretch_s) };
         let run = simulator.run(controller, &scenario)?;
         let rates = subtract_mean(&subject.motion(&run.truth, 0));
         self.before_rad_s.extend(Some(self.settling_rms).filter(|rms| !rms.is_nan()));
@@ -192,7 +192,7 @@ impl Stretches {
     }
 }
 
-fn still(subject: &Subject<'_>, duration_s: f64) -> Scenario {
+fn scenario_at_rest(subject: &Subject<'_>, duration_s: f64) -> Scenario {
     let angle = subject.procedure.operating_point.platform_angle_rad;
     let mut scenario = Scenario::at_rest(duration_s);
     scenario.platform.initial_angle_rad = angle;

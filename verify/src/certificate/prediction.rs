@@ -48,7 +48,7 @@ pub(super) fn predict(subject: &Subject<'_>) -> Result<Prediction, Error> {
         }
     }
     if balance.teeth != Teeth::WithoutGap {
-        balance.rattling()?.into_iter().for_each(|cycle| found.add(cycle));
+        balance.rattling_cycles()?.into_iter().for_each(|cycle| found.add(cycle));
     }
     Ok(found)
 }

@@ -167,7 +167,7 @@ impl<'a> Scaled<'a> {
     }
 
     fn at(&self, over: RateInterval) -> Option<Vec<Vec<Taylor>>> {
-        Some(whole(&self.pieces(over)?))
+        Some(whole_response(&self.pieces(over)?))
     }
 
     /// The weakest criterion that holds, or the strongest one and where it fails.
@@ -198,7 +198,7 @@ impl<'a> Scaled<'a> {
             if !adds_terms(&self.known, most) {
                 continue;
             }
-            let (tried, failed) = self.searched(most, range);
+            let (tried, failed) = self.search_grids(most, range);
             if let Some((multiplier, ProofOutcome::Holds { least, rate_rad_s, intervals })) = tried {
                 found.criterion = multiplier.criterion();
                 (found.least, found.frequency_hz, found.intervals) = (least, hertz(rate_rad_s), intervals);
@@ -214,7 +214,7 @@ impl<'a> Scaled<'a> {
 
     /// Searches a multiplier on a grid, to which the rate at which it failed is added, until it holds or none can; and that rate. What none can
     /// hold at every fourth point of the grid, none can at all of them.
-    fn searched(
+    fn search_grids(
         &self,
         most: StabilityCriterion,
         range: [f64; 2],
@@ -222,13 +222,13 @@ impl<'a> Scaled<'a> {
         let mut rates = grid_between(range);
         let few: Vec<f64> = rates.iter().copied().step_by(COARSER).collect();
         let mut failed = range[0];
-        match self.best(most, &few) {
+        match self.best_multiplier(most, &few) {
             Some(found) if found.is_ruled_out() => return (None, found.costliest_rad_s),
             Some(_) => {}
             None => return (None, failed),
         }
         for _ in 0..MULTIPLIER_ROUNDS {
-            let Some(best) = self.best(most, &rates) else { break };
+            let Some(best) = self.best_multiplier(most, &rates) else { break };
             match best.multiplier.proves(&|over| self.at(over), range) {
                 ProofOutcome::FailsAt(_) if best.is_hopeless() => return (None, best.costliest_rad_s),
                 ProofOutcome::FailsAt(rate) => {
@@ -244,7 +244,7 @@ impl<'a> Scaled<'a> {
     }
 
     /// The best multiplier at some rates; `None` at a pole or if the solver gives up.
-    fn best(&self, most: StabilityCriterion, rates: &[f64]) -> Option<Best> {
+    fn best_multiplier(&self, most: StabilityCriterion, rates: &[f64]) -> Option<Best> {
         let point = |rate: &f64| self.at(RateInterval { middle_rad_s: *rate, half_rad_s: 0.0 });
         let all = rates.iter().map(point).collect::<Option<Vec<_>>>()?;
         search_multiplier(&self.known, most, &all, rates)
@@ -275,7 +275,7 @@ impl<'a> Scaled<'a> {
     fn sizes(&self, multiplier: &Multiplier, rate: f64) -> Option<[f64; 2]> {
         let over = RateInterval { middle_rad_s: rate, half_rad_s: 0.0 };
         let pieces = self.pieces(over)?;
-        let Q = multiplier.matrix(&whole(&pieces), over);
+        let Q = multiplier.matrix(&whole_response(&pieces), over);
         let weighed = |column: [C64; 2]| -> Option<f64> {
             let x = csolve(&Q, &CMat::col(&column)).ok()?;
             Some((0..2).map(|k| (column[k].conj() * x[(k, 0)]).re).sum())
@@ -287,7 +287,7 @@ impl<'a> Scaled<'a> {
 }
 
 /// H = direct + control x reading.
-fn whole(pieces: &Pieces) -> Vec<Vec<Taylor>> {
+fn whole_response(pieces: &Pieces) -> Vec<Vec<Taylor>> {
     let entry = |i: usize, j: usize| pieces.direct[i][j] + pieces.control[i] * pieces.reading[j];
     (0..pieces.control.len()).map(|i| (0..pieces.reading.len()).map(|j| entry(i, j)).collect()).collect()
 }

@@ -251,8 +251,10 @@ impl Runs<'_> {
             let back = [&backwards[n - 1 - k], &backwards[n - k]];
             contributions.push(Contribution {
                 source: *source,
-                share_rad2: std::array::from_fn(|j| 0.5 * (grown(j, on) + grown(j, back))),
-                alone_rad: self.alone(*source, &bands)?.rad,
+                share_rad2: std::array::from_fn(|j| {
+                    0.5 * (mean_square_growth(j, on) + mean_square_growth(j, back))
+                }),
+                alone_rad: self.error_of_source(*source, &bands)?.rad,
                 share: mean_growth(on, back),
                 linear: linear.as_ref().map(|loops| loops.of(*source, &whole)).transpose()?.flatten(),
             });
@@ -285,7 +287,7 @@ impl Runs<'_> {
 
     /// Returns the error with a source alone. Bending moves nothing by itself, so the structure stays flexible: the other sources then show what
     /// they make of the tip.
-    fn alone(&mut self, source: ErrorSource, bands: &Bands) -> Result<RunError, Error> {
+    fn error_of_source(&mut self, source: ErrorSource, bands: &Bands) -> Result<RunError, Error> {
         match source {
             ErrorSource::Bending => self.error(&[source], bands),
             other => self.error(&[ErrorSource::Bending, other], bands),
@@ -318,7 +320,7 @@ impl Runs<'_> {
 
     /// Runs with some of the sources.
     fn run(&self, on: &[ErrorSource]) -> Result<TimeHistory, Error> {
-        let mut from = self.whole();
+        let mut from = self.every_source();
         ErrorSource::ALL
             .into_iter()
             .filter(|source| !on.contains(source))
@@ -328,7 +330,7 @@ impl Runs<'_> {
         nonlinear::run(&mut simulator, self.controller, &from.procedure, sight_experiment(&from.procedure))
     }
 
-    fn whole(&self) -> Switched {
+    fn every_source(&self) -> Switched {
         Switched {
             parameters: self.plant.parameters().clone(),
             body: self.plant.body().clone(),
@@ -338,7 +340,7 @@ impl Runs<'_> {
 
     /// Returns whether switching a source off changes anything.
     fn has(&self, source: ErrorSource) -> bool {
-        let mut from = self.whole();
+        let mut from = self.every_source();
         switch_off(source, &mut from);
         let moved = |procedure: &Procedure| match &procedure.road {
             Some(road) => road.signals.clone(),
@@ -351,7 +353,7 @@ impl Runs<'_> {
 }
 
 /// What a mean square grows by between two runs.
-fn grown(j: usize, [before, after]: [&RunError; 2]) -> f64 {
+fn mean_square_growth(j: usize, [before, after]: [&RunError; 2]) -> f64 {
     after.rad[j].powi(2) - before.rad[j].powi(2)
 }
 

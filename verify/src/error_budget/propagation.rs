@@ -177,7 +177,7 @@ impl<'a> Propagation<'a> {
         let angles = SightAngles::of(&history, self.procedure.sight_settle_s());
         // the linear march may have one sample more than the run
         let samples = (self.bands.duration_s() / self.sampled.sample_period_s).round() as usize;
-        Ok(angles.map(|angles| angles.first(samples)))
+        Ok(angles.map(|angles| angles.first_samples(samples)))
     }
 
     fn of_motion(&self, source: ErrorSource) -> Result<History, Error> {
@@ -219,7 +219,7 @@ impl<'a> Propagation<'a> {
     }
 
     fn of_noise(&self, noises: &[Noise]) -> Option<LinearContribution> {
-        let mut sum = Densities::still(self.bands.len());
+        let mut sum = Densities::at_rest(self.bands.len());
         for noise in noises {
             let response = self.noise.iter().find(|response| response.entry == noise.entry)?;
             self.add_noise(noise, response, &mut sum);
@@ -355,7 +355,7 @@ struct Densities {
 }
 
 impl Densities {
-    fn still(bands: usize) -> Self {
+    fn at_rest(bands: usize) -> Self {
         Self { square: [0.0; 5], spectrum: SightSpectrum::at_rest(bands) }
     }
 

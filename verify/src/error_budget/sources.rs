@@ -107,18 +107,18 @@ pub(super) fn switch_off(source: ErrorSource, from: &mut Switched) {
     let (p, procedure) = (&mut from.parameters, &mut from.procedure);
     match source {
         ErrorSource::Bending => from.body.modes.clear(),
-        ErrorSource::Friction => frictionless(p),
+        ErrorSource::Friction => remove_friction(p),
         ErrorSource::Backlash => p.gearbox.backlash_rad = p.gearbox.backlash_rad.min(0.0),
         ErrorSource::Ripple => {
             (p.motor.cogging, p.motor.torque_ripple) = (Ripple::NONE, Ripple::NONE);
             (p.gearbox.mesh_ripple, p.gearbox.kinematic_error) = (Ripple::NONE, Ripple::NONE);
         }
-        ErrorSource::HubGyro => exact(&mut p.sensors.hub_gyro),
-        ErrorSource::PlatformGyro => exact(&mut p.sensors.platform_gyro),
-        ErrorSource::Accelerometer => exact(&mut p.sensors.platform_accelerometer),
-        ErrorSource::SurgeAccelerometer => p.sensors.surge_accelerometer.iter_mut().for_each(exact),
-        ErrorSource::MotorTachometer => p.sensors.motor_tachometer.iter_mut().for_each(exact),
-        ErrorSource::HubResolver => p.sensors.hub_resolver.iter_mut().for_each(exact),
+        ErrorSource::HubGyro => make_exact(&mut p.sensors.hub_gyro),
+        ErrorSource::PlatformGyro => make_exact(&mut p.sensors.platform_gyro),
+        ErrorSource::Accelerometer => make_exact(&mut p.sensors.platform_accelerometer),
+        ErrorSource::SurgeAccelerometer => p.sensors.surge_accelerometer.iter_mut().for_each(make_exact),
+        ErrorSource::MotorTachometer => p.sensors.motor_tachometer.iter_mut().for_each(make_exact),
+        ErrorSource::HubResolver => p.sensors.hub_resolver.iter_mut().for_each(make_exact),
         ErrorSource::Quantisation => {
             // as fine as doubles resolve the range of +/- 10 V
             (p.interface.input_bits, p.interface.output_bits) = (FINEST_BITS, FINEST_BITS);
@@ -130,14 +130,14 @@ pub(super) fn switch_off(source: ErrorSource, from: &mut Switched) {
         | ErrorSource::Surge
         | ErrorSource::Pitch
         | ErrorSource::Roll
-        | ErrorSource::Yaw => still(source, procedure),
+        | ErrorSource::Yaw => remove_motion(source, procedure),
     }
 }
 
 /// Bits of converters whose steps are lost in the rounding of doubles.
 const FINEST_BITS: u32 = 32;
 
-fn frictionless(p: &mut Parameters) {
+fn remove_friction(p: &mut Parameters) {
     let none = Friction::plain(FrictionLaw::None, 0.0);
     (p.motor_friction, p.pivot_friction) = (none.clone(), none);
     p.gearbox.hysteresis_nm = 0.0;
@@ -147,7 +147,7 @@ fn frictionless(p: &mut Parameters) {
 }
 
 /// A sensor without noise, bias, drift and error of its gain; its dynamics and its delay stay, for the loop is designed on them.
-fn exact(sensor: &mut Sensor) {
+fn make_exact(sensor: &mut Sensor) {
     (sensor.noise_rms, sensor.bias, sensor.drift) = (0.0, 0.0, Drift::NONE);
     (sensor.resolution, sensor.g_sensitivity) = (0.0, 0.0);
     if sensor.is_fitted() {
@@ -155,7 +155,7 @@ fn exact(sensor: &mut Sensor) {
     }
 }
 
-fn still(source: ErrorSource, procedure: &mut Procedure) {
+fn remove_motion(source: ErrorSource, procedure: &mut Procedure) {
     let Some(road) = &mut procedure.road else {
         match source {
             ErrorSource::Heave => procedure.heave.amplitude = 0.0,

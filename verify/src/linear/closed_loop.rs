@@ -41,7 +41,7 @@ impl Closed {
         controller: Option<&Controller>,
         out_of_balance_kg_m: f64,
     ) -> Result<Self, Error> {
-        let Some(controller) = controller else { return Self::open(plant) };
+        let Some(controller) = controller else { return Self::open_loop(plant) };
         same_period(controller, plant.sample_period_s)?;
         let K = controller.linear(out_of_balance_kg_m)?;
         let system = lft(&plant.sampled, &K)?;
@@ -50,7 +50,7 @@ impl Closed {
         Ok(Self { poles: poles(&system)?, system, broken: Some(broken), controller: Some(K) })
     }
 
-    fn open(plant: &SampledPlant) -> Result<Self, Error> {
+    fn open_loop(plant: &SampledPlant) -> Result<Self, Error> {
         let outputs: Vec<usize> = (0..port::FIRST_READING).collect();
         let mut system = plant.sampled.select(&outputs, &[port::DEMAND, port::HEAVE, port::PITCH]);
         (0..system.order()).for_each(|j| system.C[(port::CONTROL_OUT, j)] = 0.0);

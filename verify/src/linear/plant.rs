@@ -98,7 +98,7 @@ impl SampledPlant {
     /// # Errors
     /// [`Error::Range`] if the delays together are longer than [`MOST_DELAY_STATES`] samples; those of the models and of the sampling.
     pub fn new(plant: &LinearPlant, parameters: &Parameters, resolver: Resolver) -> Result<Self, Error> {
-        Self::driven(plant, parameters, resolver, Drivers::Platform)
+        Self::with_drivers(plant, parameters, resolver, Drivers::Platform)
     }
 
     /// Returns the plant on a platform that stands still, with torques on the motor shaft and on the hub in the places of heave and pitch rate.
@@ -110,7 +110,7 @@ impl SampledPlant {
         parameters: &Parameters,
         resolver: Resolver,
     ) -> Result<Self, Error> {
-        Self::driven(&plant.with_torque_inputs()?, parameters, resolver, Drivers::Torques)
+        Self::with_drivers(&plant.with_torque_inputs()?, parameters, resolver, Drivers::Torques)
     }
 
     /// Returns by how many whole samples each reading is late; the rest of a delay is part of the continuous system.
@@ -118,7 +118,7 @@ impl SampledPlant {
         self.delays.readings.iter().map(|delay| delay.samples).collect()
     }
 
-    fn driven(
+    fn with_drivers(
         plant: &LinearPlant,
         parameters: &Parameters,
         resolver: Resolver,
@@ -179,7 +179,7 @@ fn sensors(parameters: &Parameters, resolver: Resolver, share: f64) -> Result<St
     let sensors = &parameters.sensors;
     let gyro = |sensor: &Sensor| -> Result<StateSpace, Error> {
         let sum = StateSpace::gain(
-            Mat::row(&[1.0, sensor.g_sensitivity / nonzero(sensor.gain)]),
+            Mat::row(&[1.0, sensor.g_sensitivity / nonzero_gain(sensor.gain)]),
             Timebase::Continuous,
         )?;
         Ok(series(&sum, &sensor.dynamics()?)?)
@@ -207,7 +207,7 @@ fn sensors(parameters: &Parameters, resolver: Resolver, share: f64) -> Result<St
 }
 
 /// A gain of 0 reads nothing; its g-sensitivity then has no meaning either.
-fn nonzero(gain: f64) -> f64 {
+fn nonzero_gain(gain: f64) -> f64 {
     if gain == 0.0 { f64::INFINITY } else { gain }
 }
 

@@ -1,6 +1,6 @@
 //! Robustness: one parameter at a time, many at once, and the worst that can be found. The controller stays as it is exported.
 //!
-//! Modules in reading order: [`varied_parameters`], [`sampling`], [`sobol`], [`selected_figures`], [`family`], [`campaign`], [`statistics`], [`worst`].
+//! Modules in reading order: [`varied_parameters`], [`sampling`], [`sobol`](mod@sobol), [`selected_figures`], [`family`], [`campaign`], [`statistics`], [`worst`].
 
 pub mod campaign;
 pub mod family;

@@ -93,7 +93,7 @@ pub fn latin_hypercube(samples: usize, dimensions: usize, seed: u64) -> Array2<f
         source.set_stream(dimension as u64 + 1);
         let strata = permutation(samples, &mut source);
         for (u, stratum) in column.iter_mut().zip(strata) {
-            *u = (stratum as f64 + uniform(&mut source)) / samples as f64;
+            *u = (stratum as f64 + next_uniform(&mut source)) / samples as f64;
         }
     }
     points
@@ -103,14 +103,14 @@ pub fn latin_hypercube(samples: usize, dimensions: usize, seed: u64) -> Array2<f
 fn permutation(count: usize, source: &mut ChaCha8Rng) -> Vec<usize> {
     let mut order: Vec<usize> = (0..count).collect();
     for i in (1..count).rev() {
-        let j = (uniform(source) * (i + 1) as f64) as usize;
+        let j = (next_uniform(source) * (i + 1) as f64) as usize;
         order.swap(i, j.min(i));
     }
     order
 }
 
 /// Uniform in the open interval (0, 1), 53 bits.
-fn uniform(source: &mut ChaCha8Rng) -> f64 {
+fn next_uniform(source: &mut ChaCha8Rng) -> f64 {
     ((source.next_u64() >> 11) as f64 + 0.5) / (1u64 << 53) as f64
 }
 

@@ -28,7 +28,9 @@ pub fn figures_of(
     let mut simulator = Simulator::new(plant)?;
     for need in needs(wanted, procedure) {
         let measured = match need {
-            Need::Simulated(experiment) => simulated(&mut simulator, controller, procedure, experiment)?,
+            Need::Simulated(experiment) => {
+                simulate_figures(&mut simulator, controller, procedure, experiment)?
+            }
             other => {
                 let loops = linear.get_or_insert(Linear::new(plant, controller, procedure)?);
                 loops.measure(other, procedure)?
@@ -106,7 +108,7 @@ fn need_of(figure: &Figure, procedure: &Procedure) -> Need {
     }
 }
 
-fn simulated(
+fn simulate_figures(
     simulator: &mut Simulator,
     controller: &Controller,
     procedure: &Procedure,
@@ -140,7 +142,7 @@ impl<'a> Linear<'a> {
         Ok(Self { sampled, controller })
     }
 
-    fn closed(&self, arrangement: Arrangement) -> Result<Closed, Error> {
+    fn close_loop(&self, arrangement: Arrangement) -> Result<Closed, Error> {
         let moment = self.controller.parts().design_out_of_balance_kg_m;
         Closed::new(&self.sampled, arrange_controller(self.controller, arrangement)?.as_ref(), moment)
     }
@@ -148,12 +150,12 @@ impl<'a> Linear<'a> {
     fn measure(&self, need: Need, procedure: &Procedure) -> Result<Vec<MeasuredFigure>, Error> {
         match need {
             Need::Margins => {
-                let closed = self.closed(Arrangement::Compensated)?;
+                let closed = self.close_loop(Arrangement::Compensated)?;
                 let broken = closed.broken.as_ref().ok_or(Error::NoController)?;
                 Ok(loop_figures(&margins(broken)?, closed.pole_radius()))
             }
             Need::Tone(arrangement, hz) => {
-                rejection_figures(&self.sampled, &self.closed(arrangement)?, arrangement, &[hz])
+                rejection_figures(&self.sampled, &self.close_loop(arrangement)?, arrangement, &[hz])
             }
             Need::Linear(experiment) | Need::Simulated(experiment) => {
                 let found = self.history(experiment, procedure)?;
@@ -171,21 +173,21 @@ impl<'a> Linear<'a> {
             Experiment::Disturbance(_, arrangement) => arrangement,
             Experiment::Step | Experiment::Triangle | Experiment::Rest => Arrangement::Compensated,
         };
-        let closed = self.closed(arrangement)?;
+        let closed = self.close_loop(arrangement)?;
         let Some(mut history) = linear_history(&self.sampled, &closed, procedure, experiment)? else {
             return Ok(None);
         };
-        let loops = self.surging(arrangement, closed)?;
+        let loops = self.loops_with_surge(arrangement, closed)?;
         surge::add_surge(&mut history, &self.sampled, &loops, procedure)?;
         Ok(Some(history))
     }
 
     /// Returns the loop of an arrangement with the one that meets surge, where that is another.
-    fn surging(&self, arrangement: Arrangement, closed: Closed) -> Result<Vec<ArrangedLoop>, Error> {
+    fn loops_with_surge(&self, arrangement: Arrangement, closed: Closed) -> Result<Vec<ArrangedLoop>, Error> {
         let meets = surge::acting_arrangement(&self.sampled, arrangement);
         let mut loops = vec![ArrangedLoop { arrangement, closed }];
         if meets != arrangement {
-            loops.push(ArrangedLoop { arrangement: meets, closed: self.closed(meets)? });
+            loops.push(ArrangedLoop { arrangement: meets, closed: self.close_loop(meets)? });
         }
         Ok(loops)
     }

@@ -46,7 +46,7 @@ pub fn worst_case(
     let mut value = search.value(&at)?;
     let mut step = FIRST_QUANTILE_STEP;
     while step >= LAST_QUANTILE_STEP && search.tried < most {
-        match search.better(&at, value, step, most)? {
+        match search.better_neighbour(&at, value, step, most)? {
             Some((point, worse)) => (at, value) = (point, worse),
             None => step *= 0.5,
         }
@@ -91,7 +91,7 @@ impl Search<'_> {
     }
 
     /// The first neighbour with less room.
-    fn better(
+    fn better_neighbour(
         &mut self,
         at: &[f64],
         value: f64,

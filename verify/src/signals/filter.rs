@@ -40,7 +40,7 @@ pub fn low_pass(samples: &[f64], sample_period_s: f64, filter: LowPass) -> Resul
         });
     }
     let pad = ((3.0 / relative).ceil() as usize).min(samples.len().saturating_sub(1));
-    let mut signal = reflected(samples, pad);
+    let mut signal = reflect_ends(samples, pad);
     for _ in 0..2 {
         for section in sections(relative) {
             run(section, &mut signal);
@@ -79,7 +79,7 @@ fn run(section: Section, signal: &mut [f64]) {
 }
 
 /// The series with `pad` samples on each side, reflected through its end points.
-fn reflected(samples: &[f64], pad: usize) -> Vec<f64> {
+fn reflect_ends(samples: &[f64], pad: usize) -> Vec<f64> {
     let Some((&first, &last)) = samples.first().zip(samples.last()) else { return Vec::new() };
     let before = (1..=pad).rev().map(|k| 2.0 * first - samples[k]);
     let after = (1..=pad).map(|k| 2.0 * last - samples[samples.len() - 1 - k]);

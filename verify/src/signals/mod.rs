@@ -1,6 +1,6 @@
 //! What is read from sampled signals: step figures, spectra and rejection ratios, filters for platform motion.
 //!
-//! Modules in reading order: [`step`], [`welch`], [`filter`], [`vehicle`], [`four_wheels`], [`iso_road`], [`spectrum`], [`six_axes`], [`sea`], [`periodic`], [`statistics`], `normal`.
+//! Modules in reading order: [`step`], [`welch`](mod@welch), [`filter`], [`vehicle`], [`four_wheels`], [`iso_road`](mod@iso_road), [`spectrum`], [`six_axes`], [`sea`], [`periodic`], [`statistics`], `normal`.
 
 pub mod filter;
 pub mod four_wheels;

@@ -134,7 +134,7 @@ impl SixAxes {
             let mut tones = sine_tones(&axis.sines);
             if let (Some(grid), false) = (&grid, axis.psd.is_empty()) {
                 let own = phases(seed, COMMON_STREAM + 1 + k as u64);
-                tones.extend(self.realised(&axis.psd, grid, &common, &own));
+                tones.extend(self.realise_tones(&axis.psd, grid, &common, &own));
             }
             all.push(tones);
         }
@@ -151,7 +151,7 @@ impl SixAxes {
         band.map(|[low, high]| Grid { low_hz: low, ratio: (high / low).powf(1.0 / SINES as f64) })
     }
 
-    fn realised(&self, psd: &[[f64; 2]], grid: &Grid, common: &[f64], own: &[f64]) -> Vec<MotionTone> {
+    fn realise_tones(&self, psd: &[[f64; 2]], grid: &Grid, common: &[f64], own: &[f64]) -> Vec<MotionTone> {
         let shared = self.coherence.sqrt();
         let mut tones = Vec::new();
         for k in 0..SINES {

@@ -38,7 +38,7 @@ pub(super) fn base(plant: &Plant, slope_per_drive: f64, resolver: Resolver, spri
     if gyro.natural_frequency_rad_s.is_finite() {
         let (w, z) = (gyro.natural_frequency_rad_s, gyro.damping_ratio);
         A[(first, second)] = w;
-        let felt = measured(plant, angle);
+        let felt = measured_row(plant, angle);
         (0..n + 3).filter(|j| felt[*j] != 0.0).for_each(|j| A[(second, j)] = w * felt[j]);
         (A[(second, first)], A[(second, second)]) = (-w, -2.0 * z * w);
     }
@@ -70,7 +70,7 @@ pub(super) fn drive_gain(plant: &Plant, core: &Core) -> f64 {
 }
 
 /// What the loop's sensor feels, as a row over the states of [`base`]; `angle` is the place of the hub's angle on the platform.
-fn measured(plant: &Plant, angle: usize) -> Vec<f64> {
+fn measured_row(plant: &Plant, angle: usize) -> Vec<f64> {
     let n = plant.core_order();
     let wide = |mut row: Vec<f64>| {
         row.resize(n + 3, 0.0);
@@ -95,7 +95,7 @@ fn measured(plant: &Plant, angle: usize) -> Vec<f64> {
 
 fn readings(plant: &Plant, gyro_state: usize, angle: usize) -> [Vec<f64>; 3] {
     let (sensors, n) = (&plant.parameters().sensors, plant.core_order());
-    let mut gyro = measured(plant, angle);
+    let mut gyro = measured_row(plant, angle);
     if sensors.hub_gyro.natural_frequency_rad_s.is_finite() {
         gyro = one_at(n + 3, gyro_state);
     }

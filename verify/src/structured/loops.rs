@@ -138,7 +138,7 @@ impl UncertainLoop {
             .blocks
             .extend(errors.iter().filter(|error| **error > 0.0).map(|_| PerturbationBlock::Complex));
         let readings: Vec<usize> = (port::FIRST_READING..plant.sampled.outputs()).collect();
-        let extended = extended(&base, &channels)?;
+        let extended = extended_system(&base, &channels)?;
         let sampled = plant.sampled.select(&readings, &[port::CONTROL]);
         let evaluated = |system: &StateSpace| Evaluated::of(&balance(system).0);
         Ok(Self {
@@ -186,10 +186,10 @@ impl UncertainLoop {
         let none = Taylor::constant(C64::new(0.0, 0.0), interval);
         let period_s = self.plant.sample_period_s;
         let control_s = period_s * self.plant.delays.control as f64;
-        let held = Taylor::hold(period_s, interval) * Taylor::late(control_s, interval);
+        let held = Taylor::hold(period_s, interval) * Taylor::delay(control_s, interval);
         let read = |j: usize| {
             FED_BACK.iter().enumerate().fold(none, |sum, (row, &i)| {
-                let late = Taylor::late(period_s * self.plant.delays.readings[i].samples as f64, interval);
+                let late = Taylor::delay(period_s * self.plant.delays.readings[i].samples as f64, interval);
                 sum + K[0][i] * G[m + row][j] * late
             })
         };
@@ -208,11 +208,13 @@ impl UncertainLoop {
         let G = self.extended.at_all(rates_rad_s)?;
         let P = self.sampled.at_all(rates_rad_s)?;
         let K = self.controller.at_all(rates_rad_s)?;
-        Ok((0..rates_rad_s.len()).map(|k| self.closed(rates_rad_s[k], &G[k], &P[k], &K[k])).collect())
+        Ok((0..rates_rad_s.len())
+            .map(|k| self.closed_response(rates_rad_s[k], &G[k], &P[k], &K[k]))
+            .collect())
     }
 
     /// With the computed control u, the tones of the readings y = P (u + w_u) + R w + e w_y, and u = K y.
-    fn closed(&self, rate: f64, G: &CMat, P: &CMat, K: &CMat) -> CMat {
+    fn closed_response(&self, rate: f64, G: &CMat, P: &CMat, K: &CMat) -> CMat {
         let m = self.channels;
         let zero = C64::new(0.0, 0.0);
         let KP: C64 = (0..COMMON_READINGS).map(|i| K[(0, i)] * P[(i, 0)]).sum();
@@ -260,7 +262,7 @@ struct UncertainChannel {
 
 /// (w, control) -> (z, readings). Parameters at one place multiply; a factor (1 + a d) / (1 + b d) turns w = (f - 1) z into
 /// w = d ((a - b) z - b w).
-fn extended(base: &Base, channels: &[UncertainChannel]) -> Result<StateSpace, Error> {
+fn extended_system(base: &Base, channels: &[UncertainChannel]) -> Result<StateSpace, Error> {
     let (n, m) = (base.A.nrows(), channels.len());
     let B = Mat::from_fn(n, m + 1, |i, j| channels.get(j).map_or(base.control[i], |c| c.channel.column[i]));
     let mut C = Mat::zeros(m + base.readings.len(), n);
@@ -282,7 +284,7 @@ fn extended(base: &Base, channels: &[UncertainChannel]) -> Result<StateSpace, Er
     for (k, row) in base.readings.iter().enumerate() {
         (0..n).for_each(|j| C[(m + k, j)] = row[j]);
     }
-    let kept: Vec<usize> = (0..n).filter(|&s| s != state::ANGLE && observed(base, s)).collect();
+    let kept: Vec<usize> = (0..n).filter(|&s| s != state::ANGLE && has_dynamics(base, s)).collect();
     let all_rows: Vec<usize> = (0..C.nrows()).collect();
     let all_columns: Vec<usize> = (0..=m).collect();
     let (A, B) = (base.A.select(&kept, &kept), B.select(&kept, &all_columns));
@@ -299,7 +301,7 @@ fn drive_slope(plant: &Plant, linear: &LinearPlant) -> f64 {
 }
 
 /// Whether a state has dynamics: the places of sensors that are not there stay empty.
-fn observed(base: &Base, s: usize) -> bool {
+fn has_dynamics(base: &Base, s: usize) -> bool {
     (0..base.A.nrows()).any(|j| base.A[(s, j)] != 0.0 || base.A[(j, s)] != 0.0)
 }
 
@@ -335,7 +337,7 @@ mod tests {
             .map(|channel| UncertainChannel { channel, factor })
             .collect();
         let m = channels.len();
-        let G = Response::of(&extended(&base, &channels).unwrap()).unwrap().at(rate).unwrap();
+        let G = Response::of(&extended_system(&base, &channels).unwrap()).unwrap().at(rate).unwrap();
         let rows: Vec<usize> = (0..m).collect();
         let d = C64::new(delta, 0.0);
         let loop_matrix = &CMat::eye(m) - &G.select(&rows, &rows).scale(d);

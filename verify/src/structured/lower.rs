@@ -68,24 +68,24 @@ impl<'a> Iteration<'a> {
         for _ in 0..POWER_ITERATIONS {
             let beta;
             (self.a, beta) = unit(times(self.M, &self.b))?;
-            let z = self.turned(Turn::Z);
+            let z = self.turn_vectors(Turn::Z);
             (self.w, _) = unit(times(&self.Mh, &z))?;
-            self.b = self.turned(Turn::B);
-            let Some(found) = self.converged(beta) else { continue };
+            self.b = self.turn_vectors(Turn::B);
+            let Some(found) = self.converged_perturbation(beta) else { continue };
             return Some(found);
         }
         None
     }
 
     /// z from (a, w), or b from them, block by block; sets the perturbation.
-    fn turned(&mut self, which: Turn) -> Vec<C64> {
+    fn turn_vectors(&mut self, which: Turn) -> Vec<C64> {
         let mut out = vec![C64::new(0.0, 0.0); self.a.len()];
         for (k, (block, rows)) in self.structure.place_blocks().into_iter().enumerate() {
             let (a, w) = (&self.a[rows.clone()], &self.w[rows.clone()]);
             let q = match block {
                 PerturbationBlock::Complex => phase(inner(a, w)),
                 PerturbationBlock::Real { .. } => {
-                    C64::new(real(self.delta[k].re, &self.b[rows.clone()], a, w), 0.0)
+                    C64::new(real_block(self.delta[k].re, &self.b[rows.clone()], a, w), 0.0)
                 }
             };
             self.delta[k] = q;
@@ -99,7 +99,7 @@ impl<'a> Iteration<'a> {
     }
 
     /// Whether it has settled: M b = beta a with b = Delta a.
-    fn converged(&self, beta: f64) -> Option<Perturbation> {
+    fn converged_perturbation(&self, beta: f64) -> Option<Perturbation> {
         let image = times(self.M, &self.b);
         let off: Vec<C64> = image.iter().zip(&self.a).map(|(y, a)| y - a * beta).collect();
         (norm(&off) < POWER_RESIDUAL * beta).then(|| Perturbation { beta, delta: self.delta.clone() })
@@ -121,7 +121,7 @@ fn phase(x: C64) -> C64 {
 }
 
 /// The real block's number: it stays inside -1 to 1, and on the edge where the iteration pushes it outwards.
-fn real(q: f64, b: &[C64], a: &[C64], w: &[C64]) -> f64 {
+fn real_block(q: f64, b: &[C64], a: &[C64], w: &[C64]) -> f64 {
     let size = norm(a);
     let ratio = if size > 0.0 { norm(b) / size } else { 0.0 };
     let pushed = q.signum() * ratio + inner(a, w).re;

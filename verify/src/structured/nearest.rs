@@ -11,7 +11,10 @@ use crate::tolerance::{LIMIT_GAIN, LIMIT_NEARNESS, NEAREST_CANDIDATES};
 ///
 /// # Errors
 /// Those of the closed loop.
-pub(super) fn nearest(problem: &Problem<'_>, scanned: &[Scanned]) -> Result<Option<Destabilising>, Error> {
+pub(super) fn find_nearest(
+    problem: &Problem<'_>,
+    scanned: &[Scanned],
+) -> Result<Option<Destabilising>, Error> {
     Search(problem).search(scanned)
 }
 
@@ -25,17 +28,17 @@ impl Search<'_, '_> {
         let mut best = None;
         for at in ordered.into_iter().take(NEAREST_CANDIDATES) {
             let Some(lower) = &at.lower else { continue };
-            best = nearer(best, self.improved(self.candidate(lower, at.hz), 1.0 / lower.beta)?);
+            best = nearer_of(best, self.improve_candidate(self.candidate(lower, at.hz), 1.0 / lower.beta)?);
         }
         if self.0.errors == [0.0; 2] {
             let peak = scanned.iter().map(|at| at.upper.beta).fold(0.0, f64::max);
-            best = nearer(best, self.ascended(1.0 / peak)?);
+            best = nearer_of(best, self.ascend_parameters(1.0 / peak)?);
         }
         Ok(best)
     }
 
     /// Without complex errors: the parameters' ends that bring a pole furthest out, one parameter at a time.
-    fn ascended(&self, scale: f64) -> Result<Option<Destabilising>, Error> {
+    fn ascend_parameters(&self, scale: f64) -> Result<Option<Destabilising>, Error> {
         let count = self.0.entering.len();
         let mut candidate = Direction::none(count);
         let mut best = 0.0;
@@ -49,7 +52,7 @@ impl Search<'_, '_> {
                 }
             }
         }
-        self.improved(candidate, scale * 1.2)
+        self.improve_candidate(candidate, scale * 1.2)
     }
 
     fn candidate(&self, lower: &Perturbation, hz: f64) -> Direction {
@@ -62,22 +65,22 @@ impl Search<'_, '_> {
     }
 
     /// The least scale at which the candidate destabilises, each parameter also tried at the ends of its range.
-    fn improved(&self, mut candidate: Direction, near: f64) -> Result<Option<Destabilising>, Error> {
+    fn improve_candidate(&self, mut candidate: Direction, near: f64) -> Result<Option<Destabilising>, Error> {
         let Some(mut scale) = self.limit(&candidate, near)? else { return Ok(None) };
         for k in 0..candidate.deltas.len() {
             for end in [-1.0, 1.0] {
                 let mut other = candidate.clone();
                 other.deltas[k] = end;
-                let closer = self.unstable(&other, (1.0 - LIMIT_GAIN) * scale)?;
+                let closer = self.is_unstable(&other, (1.0 - LIMIT_GAIN) * scale)?;
                 if let Some(less) = if closer { self.limit(&other, scale)? } else { None } {
                     (candidate, scale) = (other, less.min(scale));
                 }
             }
         }
-        self.destabilising(&candidate, scale).map(Some)
+        self.describe_perturbation(&candidate, scale).map(Some)
     }
 
-    fn unstable(&self, candidate: &Direction, scale: f64) -> Result<bool, Error> {
+    fn is_unstable(&self, candidate: &Direction, scale: f64) -> Result<bool, Error> {
         let pole = self.0.pole(candidate, scale)?;
         Ok(pole.norm() >= 1.0)
     }
@@ -87,7 +90,7 @@ impl Search<'_, '_> {
         let (mut low, mut high) = (0.0, f64::NAN);
         for k in 1..=60 {
             let scale = near * (0.7 + 0.02 * f64::from(k));
-            if self.unstable(candidate, scale)? {
+            if self.is_unstable(candidate, scale)? {
                 high = scale;
                 break;
             }
@@ -98,12 +101,12 @@ impl Search<'_, '_> {
         }
         while high - low > LIMIT_NEARNESS * high {
             let middle = 0.5 * (low + high);
-            if self.unstable(candidate, middle)? { high = middle } else { low = middle }
+            if self.is_unstable(candidate, middle)? { high = middle } else { low = middle }
         }
         Ok(Some(high))
     }
 
-    fn destabilising(&self, candidate: &Direction, scale: f64) -> Result<Destabilising, Error> {
+    fn describe_perturbation(&self, candidate: &Direction, scale: f64) -> Result<Destabilising, Error> {
         let pole = self.0.pole(candidate, scale)?;
         let factor = |(one, delta): (&StatedRange, &f64)| (one.varied, one.factor.at(scale * delta));
         let factors = self.0.entering.iter().zip(&candidate.deltas).map(factor).collect();
@@ -116,6 +119,6 @@ impl Search<'_, '_> {
     }
 }
 
-fn nearer(old: Option<Destabilising>, new: Option<Destabilising>) -> Option<Destabilising> {
+fn nearer_of(old: Option<Destabilising>, new: Option<Destabilising>) -> Option<Destabilising> {
     old.into_iter().chain(new).min_by(|a, b| a.scale.total_cmp(&b.scale))
 }

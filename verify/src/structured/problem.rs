@@ -168,7 +168,7 @@ impl<'a> Problem<'a> {
             dry_at,
             errors,
         };
-        let (nominal, dry) = problem.perturbed(&vec![0.0; all.len()], 1.0)?;
+        let (nominal, dry) = problem.perturb_mechanism(&vec![0.0; all.len()], 1.0)?;
         let loop_of = |some: &[StatedRange]| {
             let uncertain: Vec<Uncertain> = some.iter().map(of).collect();
             UncertainLoop::new(&nominal, dry, controller, &procedure.operating_point, &uncertain, errors)
@@ -187,7 +187,11 @@ impl<'a> Problem<'a> {
     }
 
     /// The mechanism at deviations `scale` times `deltas`, dry friction replaced, and the viscous friction in its place.
-    fn perturbed(&self, deltas: &[f64], scale: f64) -> Result<(Parameters, LinearisedDryFriction), Error> {
+    fn perturb_mechanism(
+        &self,
+        deltas: &[f64],
+        scale: f64,
+    ) -> Result<(Parameters, LinearisedDryFriction), Error> {
         let mut parameters = self.parameters.clone();
         let mut dry = self.dry;
         for (StatedRange { varied, factor }, delta) in self.entering.iter().zip(deltas) {
@@ -214,14 +218,14 @@ impl<'a> Problem<'a> {
 
     /// The outermost pole at a perturbation, `scale` times the ranges in a direction.
     pub(super) fn pole(&self, direction: &Direction, scale: f64) -> Result<C64, Error> {
-        let (parameters, dry) = self.perturbed(&direction.deltas, scale)?;
+        let (parameters, dry) = self.perturb_mechanism(&direction.deltas, scale)?;
         let errors = self.gain_errors(direction, scale);
         outermost_pole(&parameters, &dry, self.controller, &self.procedure.operating_point, &errors)
     }
 
     /// The loop closed with a perturbation.
     pub(super) fn close_loop_at(&self, direction: &Direction, scale: f64) -> Result<ClosedWith, Error> {
-        let (parameters, dry) = self.perturbed(&direction.deltas, scale)?;
+        let (parameters, dry) = self.perturb_mechanism(&direction.deltas, scale)?;
         let errors = self.gain_errors(direction, scale);
         close_perturbed_loop(&parameters, &dry, self.controller, &self.procedure.operating_point, &errors)
     }
@@ -231,14 +235,14 @@ impl<'a> Problem<'a> {
         let highest = 0.49 / self.pulled.sample_period_s();
         let ratio = (highest / MU_LOWEST_HZ).ln() / (MU_POINTS - 1) as f64;
         let first: Vec<f64> = (0..MU_POINTS).map(|k| MU_LOWEST_HZ * (ratio * k as f64).exp()).collect();
-        let mut all = self.bounded(&first, None)?;
+        let mut all = self.bound_grid(&first, None)?;
         for _ in 0..MU_REFINEMENTS {
-            let between = refined(&all);
+            let between = refined_frequencies(&all);
             if between.is_empty() {
                 break;
             }
             let near = all.iter().max_by(|a, b| a.upper.beta.total_cmp(&b.upper.beta));
-            let more = self.bounded(&between, near.map(|at| &at.upper))?;
+            let more = self.bound_grid(&between, near.map(|at| &at.upper))?;
             all.extend(more);
             all.sort_by(|a, b| a.hz.total_cmp(&b.hz));
         }
@@ -270,7 +274,7 @@ impl<'a> Problem<'a> {
         Ok(())
     }
 
-    fn bounded(&self, hz: &[f64], near: Option<&UpperBound>) -> Result<Vec<Scanned>, Error> {
+    fn bound_grid(&self, hz: &[f64], near: Option<&UpperBound>) -> Result<Vec<Scanned>, Error> {
         let rates: Vec<f64> = hz.iter().map(|f| std::f64::consts::TAU * f).collect();
         let structure = &self.pulled.structure;
         let mut last = near.cloned();
@@ -284,7 +288,7 @@ impl<'a> Problem<'a> {
 }
 
 /// Frequencies between neighbours of the highest peaks where the bound is steep.
-fn refined(all: &[Scanned]) -> Vec<f64> {
+fn refined_frequencies(all: &[Scanned]) -> Vec<f64> {
     let upper = |k: usize| all[k].upper.beta;
     let peak = all.iter().map(|at| at.upper.beta).fold(0.0, f64::max);
     let mut between = Vec::new();

@@ -4,7 +4,7 @@ use counterpoise_controller::Controller;
 use counterpoise_models::parameters::Parameters;
 
 use super::loops::PulledLoop;
-use super::nearest::nearest;
+use super::nearest::find_nearest;
 use super::places::Joints;
 use super::problem::{
     Bounds, Destabilising, Direction, Mechanism, Problem, Scanned, StatedRange, Uncertainty,
@@ -84,7 +84,7 @@ pub fn robust_stability_in(
         return Ok(None);
     }
     let scanned = problem.scan()?;
-    let found = nearest(&problem, &scanned)?;
+    let found = find_nearest(&problem, &scanned)?;
     let worst = scanned.iter().max_by(|a, b| a.upper.beta.total_cmp(&b.upper.beta));
     let (peak, worst_hz) = worst.map_or((0.0, 0.0), |at| (at.upper.beta, at.hz));
     let bounds = scanned.iter().map(Scanned::bounds).collect();

@@ -48,7 +48,7 @@ impl Taylor {
     }
 
     /// Returns exp(-j w time).
-    pub fn late(time_s: f64, over: RateInterval) -> Self {
+    pub fn delay(time_s: f64, over: RateInterval) -> Self {
         let value = C64::from_polar(1.0, -over.middle_rad_s * time_s);
         let rest = 0.5 * (over.half_rad_s * time_s).powi(2);
         Self { value, slope: C64::new(0.0, -time_s) * value, rest, half_rad_s: over.half_rad_s }
@@ -84,7 +84,7 @@ impl Taylor {
     }
 
     /// Returns the largest modulus over the interval.
-    pub fn most(self) -> f64 {
+    pub fn largest_modulus(self) -> f64 {
         self.value.norm() + self.half_rad_s * self.slope.norm() + self.rest
     }
 }
@@ -146,7 +146,7 @@ impl Evaluated {
     /// Transforms a system, which should be balanced: rounding is relative to its largest entries.
     ///
     /// # Errors
-    /// Those of [`schur`].
+    /// Those of [`schur`](fn@schur).
     pub fn of(system: &StateSpace) -> Result<Self, counterpoise_lti::Error> {
         let what = "response over intervals";
         let form = schur(&system.A).map_err(|source| counterpoise_lti::Error::Matrix { what, source })?;
@@ -201,7 +201,7 @@ mod tests {
     use super::*;
     use counterpoise_lti::response_at;
 
-    fn inside(found: Taylor, exact: C64, x: f64) -> bool {
+    fn is_inside(found: Taylor, exact: C64, x: f64) -> bool {
         (exact - found.value - found.slope * x).norm() <= found.rest * (1.0 + 1e-9) + 1e-12
     }
 
@@ -222,17 +222,17 @@ mod tests {
                 let found = evaluated.evaluate_over(over).unwrap()[0][0];
                 for x in [-1.0, -0.5, 0.35, 1.0].map(|share| share * half_rad_s) {
                     let exact = response_at(&system, middle_rad_s + x).unwrap()[(0, 0)];
-                    assert!(inside(found, exact, x), "{timebase:?} {middle_rad_s} {x}");
-                    assert!(inside(found.recip(), exact.inv(), x), "{timebase:?} {middle_rad_s} {x}");
+                    assert!(is_inside(found, exact, x), "{timebase:?} {middle_rad_s} {x}");
+                    assert!(is_inside(found.recip(), exact.inv(), x), "{timebase:?} {middle_rad_s} {x}");
                     let squared = found * found + found.conj();
                     assert!(
-                        inside(squared, exact * exact + exact.conj(), x),
+                        is_inside(squared, exact * exact + exact.conj(), x),
                         "{timebase:?} {middle_rad_s} {x}"
                     );
                 }
                 let is_wide = (middle_rad_s, half_rad_s) == (19.9, 0.2) && timebase == Timebase::Continuous;
                 assert!(
-                    is_wide || found.rest.is_finite() && found.rest < found.most(),
+                    is_wide || found.rest.is_finite() && found.rest < found.largest_modulus(),
                     "{timebase:?} {over:?}"
                 );
             }
@@ -245,8 +245,8 @@ mod tests {
         let period_s = 1e-3;
         for x in [-30.0, -7.0, 30.0] {
             let j = C64::new(0.0, (700.0 + x) * period_s);
-            assert!(inside(Taylor::hold(period_s, over), (1.0 - (-j).exp()) / j, x));
-            assert!(inside(Taylor::late(period_s, over), (-j).exp(), x));
+            assert!(is_inside(Taylor::hold(period_s, over), (1.0 - (-j).exp()) / j, x));
+            assert!(is_inside(Taylor::delay(period_s, over), (-j).exp(), x));
         }
     }
 }

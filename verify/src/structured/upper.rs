@@ -62,10 +62,10 @@ impl<'a> Slack<'a> {
 ///
 /// `near` is the bound of a similar matrix, of a neighbouring frequency, from which the search may start.
 pub fn upper_bound(M: &CMat, structure: &PerturbationStructure, near: Option<&UpperBound>) -> UpperBound {
-    let scale = balanced(M, structure);
+    let scale = osborne_scaling(M, structure);
     let n = M.nrows();
     let inside = CMat::from_fn(n, n, |i, j| M[(i, j)] * (scale[i] / scale[j]));
-    let mut search = Search::new(&inside, structure, near.map(|bound| unscaled(bound, &scale)));
+    let mut search = Search::new(&inside, structure, near.map(|bound| unscale_bound(bound, &scale)));
     search.run();
     let back = |X: &CMat| CMat::from_fn(n, n, |i, j| X[(i, j)] * (scale[i] * scale[j]));
     UpperBound { beta: search.gamma.sqrt(), D: back(&search.D), G: back(&search.G) }
@@ -78,7 +78,7 @@ struct Scalings {
 }
 
 /// The scalings of a bound in balanced coordinates, of unit trace.
-fn unscaled(bound: &UpperBound, scale: &[f64]) -> Scalings {
+fn unscale_bound(bound: &UpperBound, scale: &[f64]) -> Scalings {
     let n = scale.len();
     let change = |X: &CMat| CMat::from_fn(n, n, |i, j| X[(i, j)] / (scale[i] * scale[j]));
     let (D, G) = (change(&bound.D), change(&bound.G));
@@ -87,7 +87,7 @@ fn unscaled(bound: &UpperBound, scale: &[f64]) -> Scalings {
 }
 
 /// Osborne's scaling, one number a block: rows and columns of S M inv(S) of equal size.
-fn balanced(M: &CMat, structure: &PerturbationStructure) -> Vec<f64> {
+fn osborne_scaling(M: &CMat, structure: &PerturbationStructure) -> Vec<f64> {
     let mut scale = vec![1.0; M.nrows()];
     for _ in 0..8 {
         for (_, rows) in structure.place_blocks() {
@@ -249,7 +249,7 @@ impl<'a> Search<'a> {
         let Some(here) = self.barrier(&self.D, &self.G) else { return false };
         let mut length = 1.0;
         while length > SCALING_SHORTEST_STEP {
-            let (D, G) = self.moved(step, length);
+            let (D, G) = self.move_scalings(step, length);
             if self.barrier(&D, &G).is_some_and(|there| there < here - 0.1 * length * decrement) {
                 (self.D, self.G) = (D, G);
                 return true;
@@ -259,7 +259,7 @@ impl<'a> Search<'a> {
         false
     }
 
-    fn moved(&self, step: &[f64], length: f64) -> (CMat, CMat) {
+    fn move_scalings(&self, step: &[f64], length: f64) -> (CMat, CMat) {
         let (mut D, mut G) = (self.D.clone(), self.G.clone());
         for (direction, amount) in self.directions.iter().zip(step) {
             let X = if direction.of_G { &mut G } else { &mut D };

@@ -10,7 +10,7 @@ use counterpoise_models::{Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::ReplayLoop;
 
-use super::column::Column;
+use super::column::RecorderColumn;
 use super::identities::{
     ColumnShift, Identity, controller_identity, kinematic_identity, proportional_integral,
 };
@@ -27,7 +27,11 @@ pub(super) struct Lateness {
 }
 
 /// Returns how late motor or resolver are against the gyroscopes, less the gyroscopes' own lag.
-pub(super) fn estimate_lateness(base: &Parameters, r: &Recording, column: Column) -> Option<Lateness> {
+pub(super) fn estimate_lateness(
+    base: &Parameters,
+    r: &Recording,
+    column: RecorderColumn,
+) -> Option<Lateness> {
     let rate = rate(base, r, column)?;
     let mut shift = 0.0;
     for _ in 0..LAG_CORRECTIONS {
@@ -44,16 +48,16 @@ pub(super) fn estimate_lateness(base: &Parameters, r: &Recording, column: Column
 }
 
 /// Returns a sensor's rate of the hub on the platform.
-fn rate(base: &Parameters, r: &Recording, column: Column) -> Option<Vec<f64>> {
+fn rate(base: &Parameters, r: &Recording, column: RecorderColumn) -> Option<Vec<f64>> {
     let series = column.of(r)?;
     Some(match column {
-        Column::MotorRate => series.iter().map(|w| w / base.gearbox.ratio).collect(),
+        RecorderColumn::MotorRate => series.iter().map(|w| w / base.gearbox.ratio).collect(),
         _ => derivative(series, r.sample_period_s),
     })
 }
 
 /// Returns the time by which a column leads the gyroscopes in a sound recording, s.
-fn expected_lead(base: &Parameters, column: Column) -> f64 {
+fn expected_lead(base: &Parameters, column: RecorderColumn) -> f64 {
     let period_s = base.interface.sample_period_s;
     let held_s = |s: &Sensor| s.mean_hold_samples(period_s) * period_s;
     let lag = |s: &Sensor| 2.0 * s.damping_ratio / s.natural_frequency_rad_s + s.delay_s + held_s(s);
@@ -62,30 +66,33 @@ fn expected_lead(base: &Parameters, column: Column) -> f64 {
 
 /// Returns how late motor and resolver are if that cannot be the gyroscopes' own lag: late against them, or different from each
 /// other. The motor's gear twists, so that it leads or lags a little if the platform moves; then a larger offset is required.
-fn detect_lateness(base: &Parameters, r: &Recording) -> Vec<(Column, Lateness)> {
+fn detect_lateness(base: &Parameters, r: &Recording) -> Vec<(RecorderColumn, Lateness)> {
     let of = |column| {
         estimate_lateness(base, r, column)
             .filter(|lateness| lateness.doubt_s < MOST_OFFSET_DOUBT * SMALLEST_OFFSET_S)
     };
     let moved = r.samples(Channel::PlatformRate).is_some_and(|p| deviation(p) > PLATFORM_MOVES_RAD_S);
-    let sure = |column: Column, Lateness { late_s, doubt_s }: Lateness| {
-        let least =
-            if moved && column == Column::MotorRate { SMALLEST_MOVING_OFFSET_S } else { SMALLEST_OFFSET_S };
+    let sure = |column: RecorderColumn, Lateness { late_s, doubt_s }: Lateness| {
+        let least = if moved && column == RecorderColumn::MotorRate {
+            SMALLEST_MOVING_OFFSET_S
+        } else {
+            SMALLEST_OFFSET_S
+        };
         late_s.abs() > least && late_s.abs() > SMALLEST_OFFSET_DOUBTS * doubt_s
     };
-    let (motor, resolver) = (of(Column::MotorRate), of(Column::HubPosition));
+    let (motor, resolver) = (of(RecorderColumn::MotorRate), of(RecorderColumn::HubPosition));
     let own = match (motor, resolver) {
         (Some(motor), Some(resolver)) => {
             let apart = Lateness {
                 late_s: motor.late_s - resolver.late_s,
                 doubt_s: motor.doubt_s.max(resolver.doubt_s),
             };
-            motor.late_s < 0.0 && !sure(Column::MotorRate, apart)
+            motor.late_s < 0.0 && !sure(RecorderColumn::MotorRate, apart)
         }
         // one alone that is early may be the gyroscope's own delay
         (motor, resolver) => motor.or(resolver).is_none_or(|lateness| lateness.late_s < 0.0),
     };
-    let both = [(Column::MotorRate, motor), (Column::HubPosition, resolver)];
+    let both = [(RecorderColumn::MotorRate, motor), (RecorderColumn::HubPosition, resolver)];
     let all = both.into_iter().filter_map(|(column, lateness)| Some((column, lateness?)));
     all.filter(|(column, lateness)| !own && sure(*column, *lateness)).collect()
 }
@@ -95,10 +102,11 @@ fn detect_lateness(base: &Parameters, r: &Recording) -> Vec<(Column, Lateness)> 
 pub(super) fn estimate_offsets(
     base: &Parameters,
     recordings: &[Recording],
-) -> Vec<(usize, Column, Lateness)> {
-    let seen: Vec<Vec<(Column, Lateness)>> = recordings.iter().map(|r| detect_lateness(base, r)).collect();
+) -> Vec<(usize, RecorderColumn, Lateness)> {
+    let seen: Vec<Vec<(RecorderColumn, Lateness)>> =
+        recordings.iter().map(|r| detect_lateness(base, r)).collect();
     let mut out = Vec::new();
-    for column in [Column::MotorRate, Column::HubPosition] {
+    for column in [RecorderColumn::MotorRate, RecorderColumn::HubPosition] {
         let of = |r: usize| seen[r].iter().find(|(c, _)| *c == column).map(|(_, lateness)| *lateness);
         let sure: Vec<Lateness> = (0..recordings.len()).filter_map(of).collect();
         let Some(&best) = sure.iter().min_by(|a, b| a.doubt_s.total_cmp(&b.doubt_s)) else { continue };
@@ -116,7 +124,7 @@ pub(super) fn estimate_offsets(
 pub(super) fn estimate_drift(
     base: &Parameters,
     recordings: &[Recording],
-    column: Column,
+    column: RecorderColumn,
 ) -> Option<(f64, f64)> {
     let parted = |r: &Recording| {
         let half = r.len() / 2;
@@ -140,7 +148,7 @@ pub(super) fn estimate_drift(
 
 /// Returns whether the offset of a column grows evenly over the thirds of a recording, as that of a clock does; also if a third does not
 /// show it.
-fn grows_evenly(base: &Parameters, r: &Recording, column: Column) -> bool {
+fn grows_evenly(base: &Parameters, r: &Recording, column: RecorderColumn) -> bool {
     let third = r.len() / 3;
     let late = |k: usize| estimate_lateness(base, &r.part(k * third..(k + 1) * third), column);
     let (Some(first), Some(middle), Some(last)) = (late(0), late(1), late(2)) else { return true };
@@ -155,9 +163,9 @@ pub(super) fn control_offset(
     base: &Parameters,
     control: &ReplayLoop,
     recordings: &[Recording],
-) -> Option<(Column, Lateness, Vec<usize>)> {
+) -> Option<(RecorderColumn, Lateness, Vec<usize>)> {
     let controller = proportional_integral(control)?;
-    let noise = Column::Control.converter_step(base)? / 12f64.sqrt();
+    let noise = RecorderColumn::Control.converter_step(base)? / 12f64.sqrt();
     let bad: Vec<(usize, f64)> = recordings
         .iter()
         .enumerate()
@@ -173,7 +181,7 @@ pub(super) fn control_offset(
         };
         bad.iter().map(of).try_fold(0.0, |sum, share| Some(sum + share?))
     };
-    let columns = [Column::Control, Column::HubRate, Column::Demand];
+    let columns = [RecorderColumn::Control, RecorderColumn::HubRate, RecorderColumn::Demand];
     let all =
         columns.into_iter().flat_map(|c| (-LARGEST_SHIFT..=LARGEST_SHIFT).map(move |samples| (c, samples)));
     let tried = all.filter_map(|(c, samples)| Some((share(c, samples)?, c, samples)));
@@ -189,7 +197,7 @@ fn identity(
     controller: &ProportionalIntegral,
     r: &Recording,
     samples: i32,
-    column: Column,
+    column: RecorderColumn,
 ) -> Option<Identity> {
     let found = controller_identity(controller, r, ColumnShift { column, samples })?;
     found.ratios.iter().all(|ratio| (ratio.value - 1.0).abs() <= ratio.doubt).then_some(found)

@@ -6,7 +6,7 @@ use counterpoise_simulate::replay::reading_step;
 
 /// A column of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Column {
+pub enum RecorderColumn {
     /// Demanded hub rate.
     Demand,
     /// Control.
@@ -23,7 +23,7 @@ pub enum Column {
     HubPosition,
 }
 
-impl Column {
+impl RecorderColumn {
     /// All columns.
     pub const ALL: [Self; 7] = [
         Self::Demand,

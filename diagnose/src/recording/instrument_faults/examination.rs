@@ -9,7 +9,7 @@ use counterpoise_models::{FeedbackSignal, Parameters};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::ReplayLoop;
 
-use crate::recording::instrument_faults::column::Column;
+use crate::recording::instrument_faults::column::RecorderColumn;
 use crate::recording::instrument_faults::factors::{FoundMistake, Mistake};
 use crate::recording::instrument_faults::fault::{self, FaultKind, InstrumentFault, Treatment};
 use crate::recording::instrument_faults::regression::{delay_series, regress};
@@ -29,7 +29,7 @@ pub struct ExaminedRecordings {
     /// What was wrong.
     pub faults: Vec<InstrumentFault>,
     /// The columns that each recording had.
-    written: Vec<Vec<Column>>,
+    written: Vec<Vec<RecorderColumn>>,
 }
 
 /// Examines the recordings of one machine; `control` is the controller that was in the loop, if the project knows it.
@@ -38,10 +38,10 @@ pub fn find_instrument_faults(
     control: &ReplayLoop,
     recordings: &[Recording],
 ) -> ExaminedRecordings {
-    let columns = |r: &Recording| Column::ALL.into_iter().filter(|c| c.of(r).is_some()).collect();
+    let columns = |r: &Recording| RecorderColumn::ALL.into_iter().filter(|c| c.of(r).is_some()).collect();
     let written = recordings.iter().map(columns).collect();
     let mut out = ExaminedRecordings { recordings: recordings.to_vec(), faults: Vec::new(), written };
-    out.singles(base, control);
+    out.examine_single_columns(base, control);
     if base.sensors.measured != FeedbackSignal::HubRate {
         // what the columns must satisfy together is stated for a gyroscope on the hub
         out.control_offsets(base, control);
@@ -61,13 +61,13 @@ pub fn find_instrument_faults(
 }
 
 /// Returns whether a column shows a place in steps: such a reading stands still while the machine rests, and is not stuck.
-fn shows_a_place(base: &Parameters, column: Column) -> bool {
-    column == Column::HubRate && base.sensors.measured.is_position()
+fn shows_a_place(base: &Parameters, column: RecorderColumn) -> bool {
+    column == RecorderColumn::HubRate && base.sensors.measured.is_position()
 }
 
 impl ExaminedRecordings {
     /// Notes a fault in recordings; adds them to a fault of this kind that is known already.
-    fn note(&mut self, column: Column, kind: FaultKind, recordings: &[usize], treatment: Treatment) {
+    fn note(&mut self, column: RecorderColumn, kind: FaultKind, recordings: &[usize], treatment: Treatment) {
         let names: Vec<String> = recordings.iter().map(|r| self.recordings[*r].name.clone()).collect();
         let count = self.written.iter().filter(|columns| columns.contains(&column)).count();
         let same = |f: &&mut InstrumentFault| {
@@ -90,9 +90,9 @@ impl ExaminedRecordings {
         }
     }
 
-    fn singles(&mut self, base: &Parameters, control: &ReplayLoop) {
+    fn examine_single_columns(&mut self, base: &Parameters, control: &ReplayLoop) {
         for r in 0..self.recordings.len() {
-            for column in Column::ALL.into_iter().filter(|column| !shows_a_place(base, *column)) {
+            for column in RecorderColumn::ALL.into_iter().filter(|column| !shows_a_place(base, *column)) {
                 let period_s = self.recordings[r].sample_period_s;
                 self.bridge(r, column, control, base);
                 let Some(series) = column.of(&self.recordings[r]) else { continue };
@@ -105,7 +105,7 @@ impl ExaminedRecordings {
     }
 
     /// Replaces missing values by what they must have been: the controller's own output, or the rest of a platform at rest.
-    fn bridge(&mut self, r: usize, column: Column, control: &ReplayLoop, base: &Parameters) {
+    fn bridge(&mut self, r: usize, column: RecorderColumn, control: &ReplayLoop, base: &Parameters) {
         let recording = &mut self.recordings[r];
         let Some(series) = column.of_mut(recording) else { return };
         let missing = series.iter().filter(|v| !v.is_finite()).count();
@@ -113,13 +113,13 @@ impl ExaminedRecordings {
             return;
         }
         match column {
-            Column::Control => {
-                remade(recording, control, base);
+            RecorderColumn::Control => {
+                recompute_controls(recording, control, base);
             }
-            Column::PlatformRate | Column::PlatformAccel
+            RecorderColumn::PlatformRate | RecorderColumn::PlatformAccel
                 if deviation(series) < PLATFORM_REST_MULTIPLE * measure_white_noise(series) =>
             {
-                filled(series);
+                fill_missing(series);
             }
             _ => {}
         }
@@ -129,7 +129,7 @@ impl ExaminedRecordings {
     fn without(
         &mut self,
         r: usize,
-        column: Column,
+        column: RecorderColumn,
         useless: &[usize],
         kind: &FaultKind,
         control: &ReplayLoop,
@@ -137,23 +137,23 @@ impl ExaminedRecordings {
     ) -> Treatment {
         let recording = &mut self.recordings[r];
         let clip_of_drive = matches!(kind, FaultKind::Clipped { .. })
-            && matches!(column, Column::PlatformRate | Column::PlatformAccel);
+            && matches!(column, RecorderColumn::PlatformRate | RecorderColumn::PlatformAccel);
         if useless.is_empty() || clip_of_drive {
             return Treatment::UsedAsItIs;
         }
         let Some(series) = column.of_mut(recording) else { return Treatment::UsedAsItIs };
         useless.iter().for_each(|k| series[*k] = f64::NAN);
-        if column == Column::Control && remade(recording, control, base) {
+        if column == RecorderColumn::Control && recompute_controls(recording, control, base) {
             return Treatment::ControlRecomputed;
         }
         match (kind, column) {
-            (FaultKind::Held { .. }, Column::PlatformRate | Column::PlatformAccel) => {
+            (FaultKind::Held { .. }, RecorderColumn::PlatformRate | RecorderColumn::PlatformAccel) => {
                 if let Some(series) = column.of_mut(recording) {
-                    filled(series);
+                    fill_missing(series);
                 }
                 Treatment::Interpolated
             }
-            (_, Column::PlatformRate | Column::PlatformAccel | Column::Control) => {
+            (_, RecorderColumn::PlatformRate | RecorderColumn::PlatformAccel | RecorderColumn::Control) => {
                 Treatment::StretchesLeftOut
             }
             _ => Treatment::SamplesNotCompared,
@@ -170,7 +170,7 @@ impl ExaminedRecordings {
             FaultKind::Scale { gain, doubt } => !fault::is_known(gain) && doubt > FACTOR_CERTAINTY,
             _ => false,
         };
-        let spare = matches!(column, Column::MotorRate | Column::HubPosition);
+        let spare = matches!(column, RecorderColumn::MotorRate | RecorderColumn::HubPosition);
         self.recordings = cured;
         let done = match (&kind, unsure && spare) {
             (_, true) => {
@@ -193,7 +193,7 @@ impl ExaminedRecordings {
             let Some((gain, doubt)) = accelerometer_unit::estimate_gain(base, &self.recordings[r]) else {
                 continue;
             };
-            let column = Column::PlatformAccel;
+            let column = RecorderColumn::PlatformAccel;
             if let Some(series) = column.of_mut(&mut self.recordings[r]) {
                 series.iter_mut().for_each(|v| *v /= gain);
             }
@@ -202,7 +202,7 @@ impl ExaminedRecordings {
     }
 
     fn drifts(&mut self, base: &Parameters) {
-        for column in [Column::MotorRate, Column::HubPosition] {
+        for column in [RecorderColumn::MotorRate, RecorderColumn::HubPosition] {
             let Some((slow, doubt)) = clocks::estimate_drift(base, &self.recordings, column) else {
                 continue;
             };
@@ -217,7 +217,7 @@ impl ExaminedRecordings {
     /// Notes converters coarser than the project's, of columns that are sound otherwise.
     fn coarse(&mut self, base: &Parameters) {
         for r in 0..self.recordings.len() {
-            for column in Column::ALL {
+            for column in RecorderColumn::ALL {
                 let sound = self.faults.iter().all(|f| f.column != column);
                 let known =
                     |f: &InstrumentFault| f.column == column && matches!(f.kind, FaultKind::Coarse { .. });
@@ -243,12 +243,12 @@ impl ExaminedRecordings {
     }
 
     /// Shifts a late column back. The motor's is left out, because its offset is known no better than the twist of its gear.
-    fn shift(&mut self, r: usize, column: Column, lateness: clocks::Lateness) {
+    fn shift(&mut self, r: usize, column: RecorderColumn, lateness: clocks::Lateness) {
         let clocks::Lateness { late_s, doubt_s } = lateness;
-        let samples = whole(late_s / self.recordings[r].sample_period_s);
+        let samples = snap_to_whole(late_s / self.recordings[r].sample_period_s);
         let recording = &mut self.recordings[r];
         let series = recording.remove(column.channel());
-        let done = if column == Column::MotorRate {
+        let done = if column == RecorderColumn::MotorRate {
             Treatment::NotCompared
         } else {
             let shifted = series.and_then(|series| Some(delay_series(series.as_slice()?, -samples)));
@@ -269,7 +269,12 @@ impl ExaminedRecordings {
         }
         for (r, bias, doubt) in biased {
             self.recordings[r].remove(Channel::MotorRate);
-            self.note(Column::MotorRate, FaultKind::Bias { bias, doubt }, &[r], Treatment::NotCompared);
+            self.note(
+                RecorderColumn::MotorRate,
+                FaultKind::Bias { bias, doubt },
+                &[r],
+                Treatment::NotCompared,
+            );
         }
     }
 }
@@ -278,7 +283,7 @@ impl ExaminedRecordings {
 fn motor_bias(base: &Parameters, recording: &Recording, r: usize) -> Option<(usize, f64, f64)> {
     let found = identities::list_identities(base, &ReplayLoop::Open, recording);
     let of = |column| found.iter().find(|i| i.of == column);
-    let (motor, resolver) = (of(Column::MotorRate)?, of(Column::HubPosition)?);
+    let (motor, resolver) = (of(RecorderColumn::MotorRate)?, of(RecorderColumn::HubPosition)?);
     let apart = motor.constant.0 - resolver.constant.0;
     let doubt = motor.left.max(resolver.left);
     let told = apart.abs() > MOTOR_BIAS_RAD_S
@@ -288,12 +293,12 @@ fn motor_bias(base: &Parameters, recording: &Recording, r: usize) -> Option<(usi
 }
 
 /// Returns a whole number of samples if the number is nearly whole.
-fn whole(samples: f64) -> f64 {
+fn snap_to_whole(samples: f64) -> f64 {
     if (samples - samples.round()).abs() < NEARLY_WHOLE_SAMPLES { samples.round() } else { samples }
 }
 
 /// Interpolates what is missing by straight lines, with the nearest reading at the ends.
-fn filled(series: &mut [f64]) {
+fn fill_missing(series: &mut [f64]) {
     let known: Vec<usize> = (0..series.len()).filter(|k| series[*k].is_finite()).collect();
     let (Some(&first), Some(&last)) = (known.first(), known.last()) else { return };
     let (start, end) = (series[first], series[last]);
@@ -308,7 +313,7 @@ fn filled(series: &mut [f64]) {
 }
 
 /// Replaces missing controls by the controller's own output if it agrees with the others; returns whether it did.
-fn remade(recording: &mut Recording, control: &ReplayLoop, base: &Parameters) -> bool {
+fn recompute_controls(recording: &mut Recording, control: &ReplayLoop, base: &Parameters) -> bool {
     let Some(controller) = identities::proportional_integral(control) else { return false };
     let channels = [Channel::Demand, Channel::HubRate, Channel::Control];
     let [Some(demand), Some(hub), Some(u)] = channels.map(|channel| recording.samples(channel)) else {
@@ -319,7 +324,7 @@ fn remade(recording: &mut Recording, control: &ReplayLoop, base: &Parameters) ->
     let one = vec![1.0; u.len()];
     let rest: Vec<f64> = u.iter().zip(&made).map(|(u, m)| u - m).collect();
     let Some(fit) = regress(&[&one], &rest) else { return false };
-    let noise = Column::Control.converter_step(base).unwrap_or(0.0) / 12f64.sqrt();
+    let noise = RecorderColumn::Control.converter_step(base).unwrap_or(0.0) / 12f64.sqrt();
     if fit.left > RECOMPUTED_CONTROL_MULTIPLE * noise || made.iter().any(|v| !v.is_finite()) {
         return false;
     }

@@ -9,7 +9,7 @@ use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::ReplayLoop;
 
-use super::column::Column;
+use super::column::RecorderColumn;
 use super::fault::{intended_factor, is_known};
 use super::identities::{Identity, Ratio, list_identities};
 
@@ -17,9 +17,9 @@ use super::identities::{Identity, Ratio, list_identities};
 #[derive(Debug, Clone)]
 pub(super) enum Mistake {
     /// Written = gain x true, relative doubt.
-    Scale { column: Column, gain: f64, doubt: f64 },
+    Scale { column: RecorderColumn, gain: f64, doubt: f64 },
     /// In each other's place.
-    Exchange { one: Column, other: Column },
+    Exchange { one: RecorderColumn, other: RecorderColumn },
 }
 
 /// A mistake with the recordings that have it, and the columns that could have made it instead.
@@ -27,13 +27,13 @@ pub(super) enum Mistake {
 pub(super) struct FoundMistake {
     pub mistake: Mistake,
     pub recordings: Vec<usize>,
-    pub or: Vec<Column>,
+    pub or: Vec<RecorderColumn>,
 }
 
 /// Where a factor comes from: a column as it was written, or the hub's gyroscope itself, which the controller reads.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum FactorOrigin {
-    Written(Column),
+    Written(RecorderColumn),
     HubGyro,
 }
 
@@ -59,14 +59,21 @@ pub(super) fn find_mistake(
     }
     let whole = |found: &FoundMistake| {
         let cured: Vec<Recording> = correct_mistake(recordings, found);
-        found.recordings.iter().map(|r| broken(&list_identities(base, control, &cured[*r]))).sum::<f64>()
+        found
+            .recordings
+            .iter()
+            .map(|r| total_violation(&list_identities(base, control, &cured[*r])))
+            .sum::<f64>()
     };
     let heard = |found: &FoundMistake| {
         let after = correct_mistake(recordings, found);
         let exact = |r: &usize| list_identities(base, control, &after[*r]).iter().all(|i| is_exact(i, base));
         !needs_exactness(found) || found.recordings.iter().all(exact)
     };
-    let scales = Column::ALL.into_iter().filter_map(|column| scaled(&table, column, &bad)).filter(heard);
+    let scales = RecorderColumn::ALL
+        .into_iter()
+        .filter_map(|column| find_scale_mistake(&table, column, &bad))
+        .filter(heard);
     let exchanges = pairs(&recordings[bad[0]]).into_iter().filter_map(|(one, other)| {
         let all = (0..recordings.len()).collect();
         let found =
@@ -94,7 +101,7 @@ pub(super) fn find_mistake(
 /// Returns whether an exchange makes the identities of a recording hold that did not, or makes them computable at all.
 fn is_better(before: &[Identity], after: &[Identity]) -> bool {
     let holding = after.iter().all(|i| i.broken < EXCHANGE_REMAINDER.1);
-    let mended = !holds(before) && broken(after) < EXCHANGE_REMAINDER.0 * broken(before);
+    let mended = !holds(before) && total_violation(after) < EXCHANGE_REMAINDER.0 * total_violation(before);
     holding && (after.len() > before.len() || (after.len() == before.len() && mended))
 }
 
@@ -118,7 +125,7 @@ pub(super) fn correct_mistake(recordings: &[Recording], found: &FoundMistake) ->
     out
 }
 
-fn broken(identities: &[Identity]) -> f64 {
+fn total_violation(identities: &[Identity]) -> f64 {
     identities.iter().map(|i| i.broken.min(BROKEN_IDENTITY_AT_MOST)).sum()
 }
 
@@ -128,7 +135,7 @@ fn ratios(identities: &[Identity]) -> impl Iterator<Item = &Ratio> {
 
 /// Returns whether every factor is one within its uncertainty, and the exact identities explain most of what they should.
 fn holds(identities: &[Identity]) -> bool {
-    let exact = |i: &Identity| i.of == Column::MotorRate || i.broken < EXCHANGE_REMAINDER.1;
+    let exact = |i: &Identity| i.of == RecorderColumn::MotorRate || i.broken < EXCHANGE_REMAINDER.1;
     identities.iter().all(exact) && ratios(identities).all(|ratio| agrees(ratio, 1.0))
 }
 
@@ -139,20 +146,20 @@ fn agrees(ratio: &Ratio, expected: f64) -> bool {
 /// Returns whether the controller's identity must hold to the converter's noise for a mistake to be believed: a factor near one on
 /// what the controller reads or writes looks like a late column.
 fn needs_exactness(found: &FoundMistake) -> bool {
-    let heard = [Column::Demand, Column::Control, Column::HubRate];
+    let heard = [RecorderColumn::Demand, RecorderColumn::Control, RecorderColumn::HubRate];
     matches!(found.mistake, Mistake::Scale { column, gain, .. } if heard.contains(&column) && !is_known(gain))
 }
 
 fn is_exact(identity: &Identity, base: &Parameters) -> bool {
-    let noise = Column::Control.converter_step(base).unwrap_or(0.0) / 12f64.sqrt();
-    identity.of != Column::Control || identity.left < CONTROLLER_IDENTITY_MULTIPLE * noise
+    let noise = RecorderColumn::Control.converter_step(base).unwrap_or(0.0) / 12f64.sqrt();
+    identity.of != RecorderColumn::Control || identity.left < CONTROLLER_IDENTITY_MULTIPLE * noise
 }
 
 /// How a origin's gain shows in a ratio: 1 above, -1 below, 0 not at all.
 fn share(ratio: &Ratio, origin: FactorOrigin) -> i32 {
-    let is = |column: Column| match origin {
+    let is = |column: RecorderColumn| match origin {
         FactorOrigin::Written(c) => c == column,
-        FactorOrigin::HubGyro => column == Column::HubRate && ratio.above != Column::Control,
+        FactorOrigin::HubGyro => column == RecorderColumn::HubRate && ratio.above != RecorderColumn::Control,
     };
     i32::from(is(ratio.above)) - i32::from(is(ratio.below))
 }
@@ -170,7 +177,7 @@ fn explains(identities: &[Identity], origin: FactorOrigin, gain: f64) -> bool {
 
 /// Returns whether a gain of one of the gyroscopes themselves, within what the library covers, explains everything.
 fn own_gain(table: &[Vec<Identity>]) -> bool {
-    let origins = [FactorOrigin::HubGyro, FactorOrigin::Written(Column::PlatformRate)];
+    let origins = [FactorOrigin::HubGyro, FactorOrigin::Written(RecorderColumn::PlatformRate)];
     origins.into_iter().any(|origin| {
         let surest = table.iter().filter_map(|ids| gain(ids, origin)).min_by(|a, b| a.1.total_cmp(&b.1));
         surest.is_some_and(|(gain, _)| {
@@ -181,7 +188,11 @@ fn own_gain(table: &[Vec<Identity>]) -> bool {
 }
 
 /// Returns the factor of one column that explains every recording in which something is wrong.
-fn scaled(table: &[Vec<Identity>], column: Column, bad: &[usize]) -> Option<FoundMistake> {
+fn find_scale_mistake(
+    table: &[Vec<Identity>],
+    column: RecorderColumn,
+    bad: &[usize],
+) -> Option<FoundMistake> {
     let origin = FactorOrigin::Written(column);
     let mut gains = Vec::new();
     for &r in bad {
@@ -203,16 +214,18 @@ fn scaled(table: &[Vec<Identity>], column: Column, bad: &[usize]) -> Option<Foun
 /// Returns whether the kinematics of a recording hold at all, with whatever factors: an elastic drive between two sensors, or a motion that
 /// no sensor shows, leaves much of a rate, and what looks like a factor is then none.
 fn has_kinematics(identities: &[Identity]) -> bool {
-    let kinematic = identities.iter().filter(|i| i.of != Column::Control);
+    let kinematic = identities.iter().filter(|i| i.of != RecorderColumn::Control);
     kinematic.into_iter().all(|i| i.share < KINEMATIC_REMAINDER)
 }
 
-fn pairs(recording: &Recording) -> Vec<(Column, Column)> {
-    let there: Vec<Column> = Column::ALL.into_iter().filter(|c| c.of(recording).is_some()).collect();
-    let sensor = |column: &Column| Column::SENSORS.contains(column);
-    let after = |(k, one): (usize, &Column)| {
-        let ordered =
-            |other: &Column| if sensor(one) || !sensor(other) { (*one, *other) } else { (*other, *one) };
+fn pairs(recording: &Recording) -> Vec<(RecorderColumn, RecorderColumn)> {
+    let there: Vec<RecorderColumn> =
+        RecorderColumn::ALL.into_iter().filter(|c| c.of(recording).is_some()).collect();
+    let sensor = |column: &RecorderColumn| RecorderColumn::SENSORS.contains(column);
+    let after = |(k, one): (usize, &RecorderColumn)| {
+        let ordered = |other: &RecorderColumn| {
+            if sensor(one) || !sensor(other) { (*one, *other) } else { (*other, *one) }
+        };
         there[k + 1..].iter().map(ordered).collect::<Vec<_>>()
     };
     there.iter().enumerate().flat_map(after).collect()

@@ -1,6 +1,6 @@
 //! What can be wrong with a column of a recording.
 
-use super::column::Column;
+use super::column::RecorderColumn;
 use crate::tolerance::recording::SAME_UNIT_FACTOR;
 use crate::tolerance::recording::UNIT_FACTOR_REACH;
 
@@ -66,7 +66,7 @@ pub enum FaultKind {
     /// Written in each other's place.
     Exchanged {
         /// The other column.
-        with: Column,
+        with: RecorderColumn,
     },
 }
 
@@ -74,7 +74,7 @@ pub enum FaultKind {
 #[derive(Debug, Clone, PartialEq)]
 pub struct InstrumentFault {
     /// The column.
-    pub column: Column,
+    pub column: RecorderColumn,
     /// What is wrong.
     pub kind: FaultKind,
     /// Names of the recordings in which it was seen.
@@ -84,7 +84,7 @@ pub struct InstrumentFault {
     /// What was done about it.
     pub treatment: Treatment,
     /// Columns that could be at fault in its place.
-    pub or: Vec<Column>,
+    pub or: Vec<RecorderColumn>,
 }
 
 /// What was done about a fault.

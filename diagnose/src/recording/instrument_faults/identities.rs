@@ -15,15 +15,15 @@ use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::ReplayLoop;
 
-use super::column::Column;
+use super::column::RecorderColumn;
 use super::regression::{Regression, delay_series, regress};
 use crate::recording::series::{derivative, deviation, low_pass};
 
 /// Factor of one column over the factor of another.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ratio {
-    pub above: Column,
-    pub below: Column,
+    pub above: RecorderColumn,
+    pub below: RecorderColumn,
     pub value: f64,
     /// Relative.
     pub doubt: f64,
@@ -32,7 +32,7 @@ pub(super) struct Ratio {
 /// What one identity says.
 #[derive(Debug, Clone)]
 pub(super) struct Identity {
-    pub of: Column,
+    pub of: RecorderColumn,
     pub ratios: Vec<Ratio>,
     /// How far the column runs before the gyroscopes, s, and the doubt of it.
     pub lead_s: (f64, f64),
@@ -52,8 +52,8 @@ pub(super) fn list_identities(base: &Parameters, control: &ReplayLoop, r: &Recor
     let motor = r.samples(Channel::MotorRate).map(|w| w.iter().map(|v| v / ratio).collect::<Vec<f64>>());
     let angle = r.samples(Channel::HubPosition).map(|a| derivative(a, r.sample_period_s));
     let kinematic = [
-        motor.and_then(|w| kinematic_identity(Column::MotorRate, &w, r)),
-        angle.and_then(|w| kinematic_identity(Column::HubPosition, &w, r)),
+        motor.and_then(|w| kinematic_identity(RecorderColumn::MotorRate, &w, r)),
+        angle.and_then(|w| kinematic_identity(RecorderColumn::HubPosition, &w, r)),
     ];
     let loops = proportional_integral(control)
         .and_then(|controller| controller_identity(controller, r, ColumnShift::NONE));
@@ -70,7 +70,7 @@ pub(super) fn proportional_integral(control: &ReplayLoop) -> Option<&Proportiona
 }
 
 /// The kinematics of one sensor's rate of the hub on the platform.
-pub(super) fn kinematic_identity(of: Column, rate: &[f64], r: &Recording) -> Option<Identity> {
+pub(super) fn kinematic_identity(of: RecorderColumn, rate: &[f64], r: &Recording) -> Option<Identity> {
     let half = (SMOOTHING_S / r.sample_period_s).round().max(1.0) as usize;
     let margin = 4 * half;
     let ready = |series: &[f64]| {
@@ -90,20 +90,20 @@ pub(super) fn kinematic_identity(of: Column, rate: &[f64], r: &Recording) -> Opt
     let one = vec![1.0; y.len()];
     let mut columns: Vec<&[f64]> = vec![&one, &hub, &first];
     columns.extend(platform.iter().chain(&turning).map(Vec::as_slice));
-    if of == Column::MotorRate {
+    if of == RecorderColumn::MotorRate {
         columns.push(&second);
     }
     let found = regress(&columns, &y)?;
-    let mut ratios = vec![relative(
+    let mut ratios = vec![column_ratio(
         of,
-        Column::HubRate,
+        RecorderColumn::HubRate,
         &Coefficient { value: found.value[1], doubt: found.doubt[1] },
         IDENTITY_DOUBT.0,
     )];
     if platform.is_some() {
-        ratios.push(relative(
+        ratios.push(column_ratio(
             of,
-            Column::PlatformRate,
+            RecorderColumn::PlatformRate,
             &Coefficient { value: -found.value[3], doubt: found.doubt[3] },
             IDENTITY_DOUBT.0,
         ));
@@ -133,7 +133,12 @@ struct Coefficient {
 }
 
 /// The factor of one column over that of another, from the coefficient that should be one.
-fn relative(above: Column, below: Column, coefficient: &Coefficient, least_doubt: f64) -> Ratio {
+fn column_ratio(
+    above: RecorderColumn,
+    below: RecorderColumn,
+    coefficient: &Coefficient,
+    least_doubt: f64,
+) -> Ratio {
     let Coefficient { value, doubt } = *coefficient;
     Ratio { above, below, value, doubt: least_doubt + doubt / value.abs().max(f64::MIN_POSITIVE) }
 }
@@ -142,14 +147,14 @@ fn relative(above: Column, below: Column, coefficient: &Coefficient, least_doubt
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ColumnShift {
     /// The column.
-    pub column: Column,
+    pub column: RecorderColumn,
     /// By how many samples it is late.
     pub samples: i32,
 }
 
 impl ColumnShift {
     /// No column is taken as late.
-    pub const NONE: Self = Self { column: Column::Control, samples: 0 };
+    pub const NONE: Self = Self { column: RecorderColumn::Control, samples: 0 };
 }
 
 /// The controller's identity with one column taken as late.
@@ -158,13 +163,13 @@ pub(super) fn controller_identity(
     r: &Recording,
     moved: ColumnShift,
 ) -> Option<Identity> {
-    let shift = |column: Column| {
+    let shift = |column: RecorderColumn| {
         let series = column.of(r)?;
         let shifted = column == moved.column && moved.samples != 0;
         Some(if shifted { delay_series(series, -f64::from(moved.samples)) } else { series.to_vec() })
     };
-    let (demand, hub) = (shift(Column::Demand)?, shift(Column::HubRate)?);
-    let mut control = shift(Column::Control)?;
+    let (demand, hub) = (shift(RecorderColumn::Demand)?, shift(RecorderColumn::HubRate)?);
+    let mut control = shift(RecorderColumn::Control)?;
     control.iter_mut().filter(|u| (u.abs() - 10.0).abs() < NEAR_LIMIT_V).for_each(|u| *u = f64::NAN);
     let driven = |series: &[f64]| apply_proportional_integral(controller, series, r.sample_period_s);
     let (wanted, had) = (driven(&demand), driven(&hub));
@@ -173,16 +178,16 @@ pub(super) fn controller_identity(
     let mut columns: Vec<&[f64]> = vec![&one, &had];
     columns.extend(moves.then_some(wanted.as_slice()));
     let found: Regression = regress(&columns, &control)?;
-    let mut ratios = vec![relative(
-        Column::Control,
-        Column::HubRate,
+    let mut ratios = vec![column_ratio(
+        RecorderColumn::Control,
+        RecorderColumn::HubRate,
         &Coefficient { value: -found.value[1], doubt: found.doubt[1] },
         IDENTITY_DOUBT.1,
     )];
     if moves {
-        ratios.push(relative(
-            Column::Control,
-            Column::Demand,
+        ratios.push(column_ratio(
+            RecorderColumn::Control,
+            RecorderColumn::Demand,
             &Coefficient { value: found.value[2], doubt: found.doubt[2] },
             IDENTITY_DOUBT.1,
         ));
@@ -190,7 +195,7 @@ pub(super) fn controller_identity(
     let expected = |k: usize| control[k] - wanted[k] + had[k];
     let broken = deviation(&(0..control.len()).map(expected).collect::<Vec<f64>>());
     Some(Identity {
-        of: Column::Control,
+        of: RecorderColumn::Control,
         ratios,
         lead_s: (0.0, 0.0),
         constant: (found.value[0], found.doubt[0]),

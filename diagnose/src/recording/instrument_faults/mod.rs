@@ -14,6 +14,6 @@ mod identities;
 mod regression;
 mod single_column;
 
-pub use column::Column;
+pub use column::RecorderColumn;
 pub use examination::{ExaminedRecordings, find_instrument_faults};
 pub use fault::{FaultKind, InstrumentFault, Treatment, UnitMistake};

@@ -7,7 +7,7 @@ use crate::tolerance::recording::{
 };
 use counterpoise_models::Parameters;
 
-use super::column::Column;
+use super::column::RecorderColumn;
 use super::fault::FaultKind;
 use crate::tolerance::recording::SAME_READING;
 
@@ -27,13 +27,13 @@ pub(super) struct ColumnFault {
 
 /// Detects the faults that a column shows by itself.
 pub(super) fn find_faults(
-    column: Column,
+    column: RecorderColumn,
     series: &[f64],
     base: &Parameters,
     period_s: f64,
 ) -> Vec<ColumnFault> {
     let runs = runs(series);
-    let sensor = Column::SENSORS.contains(&column);
+    let sensor = RecorderColumn::SENSORS.contains(&column);
     // a sensor that is stated to be slower than the controller holds its readings as it should
     let stated = column.sensor(base).map_or(1, |one| one.samples_between_readings(period_s));
     let is_stated = |fault: &ColumnFault| fault.kind == FaultKind::Held { samples: stated };
@@ -43,9 +43,9 @@ pub(super) fn find_faults(
         None => {}
     }
     let own = column.converter_limit(base).map_or(f64::INFINITY, |limit| CONVERTER_LIMIT_SHARE * limit);
-    let flat = clipped(series, &runs, own).filter(|_| column != Column::Demand);
+    let flat = detect_clipping(series, &runs, own).filter(|_| column != RecorderColumn::Demand);
     let still = match &flat {
-        None if column != Column::Demand => stuck(&runs, own, period_s),
+        None if column != RecorderColumn::Demand => detect_stuck_readings(&runs, own, period_s),
         _ => None,
     };
     flat.into_iter().chain(still).collect()
@@ -78,7 +78,7 @@ fn detect_repeated_readings(runs: &[Run]) -> Option<ColumnFault> {
 }
 
 /// Detects long standstills of readings that otherwise never stand still.
-fn stuck(runs: &[Run], own_limit: f64, period_s: f64) -> Option<ColumnFault> {
+fn detect_stuck_readings(runs: &[Run], own_limit: f64, period_s: f64) -> Option<ColumnFault> {
     let short = || runs.iter().filter(|run| run.length < STUCK_READINGS);
     let pairs: usize = short().map(|run| run.length).sum();
     let equal: usize = short().map(|run| run.length - 1).sum();
@@ -96,7 +96,7 @@ fn stuck(runs: &[Run], own_limit: f64, period_s: f64) -> Option<ColumnFault> {
 }
 
 /// Detects repeated flat tops at an extreme: a limit that is not the converter's.
-fn clipped(series: &[f64], runs: &[Run], own_limit: f64) -> Option<ColumnFault> {
+fn detect_clipping(series: &[f64], runs: &[Run], own_limit: f64) -> Option<ColumnFault> {
     let there = || series.iter().copied().filter(|v| v.is_finite());
     let (low, high) = there().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
     if high - low < FLAT_TOP_STEPS * step(series) {
@@ -124,8 +124,12 @@ fn clipped(series: &[f64], runs: &[Run], own_limit: f64) -> Option<ColumnFault> 
 }
 
 /// Detects a sensor's converter that is coarser than the project's; returns `None` for a column that no sensor writes.
-pub(super) fn find_coarse_converter(column: Column, series: &[f64], base: &Parameters) -> Option<FaultKind> {
-    let expected = column.converter_step(base).filter(|_| Column::SENSORS.contains(&column))?;
+pub(super) fn find_coarse_converter(
+    column: RecorderColumn,
+    series: &[f64],
+    base: &Parameters,
+) -> Option<FaultKind> {
+    let expected = column.converter_step(base).filter(|_| RecorderColumn::SENSORS.contains(&column))?;
     let step = step(series);
     let coarser = step.is_finite() && step > COARSER_CONVERTER * expected && is_grid(series, step);
     coarser.then_some(FaultKind::Coarse { step, expected })
@@ -167,7 +171,7 @@ mod tests {
 
     fn detect_kinds(series: &[f64]) -> Vec<FaultKind> {
         let rig = reference::rig();
-        find_faults(Column::HubRate, series, &rig, 1e-3).iter().map(|s| s.kind.clone()).collect()
+        find_faults(RecorderColumn::HubRate, series, &rig, 1e-3).iter().map(|s| s.kind.clone()).collect()
     }
 
     #[test]
@@ -180,8 +184,8 @@ mod tests {
             .zip(reading(12_000).iter().skip(7000))
             .map(|(a, b)| a + 0.313_707_113 * b + 1e-4 * step * (b * 1e7).sin())
             .collect();
-        assert_eq!(find_coarse_converter(Column::HubRate, &smooth, &rig), None);
-        let stepped = find_coarse_converter(Column::HubRate, &reading(5000), &rig);
+        assert_eq!(find_coarse_converter(RecorderColumn::HubRate, &smooth, &rig), None);
+        let stepped = find_coarse_converter(RecorderColumn::HubRate, &reading(5000), &rig);
         let FaultKind::Coarse { step: found, .. } = stepped.expect("steps") else { panic!("another fault") };
         assert!((found / step - 1.0).abs() < 1e-6, "{found}");
     }
@@ -205,7 +209,7 @@ mod tests {
         assert!(matches!(detect_kinds(&held)[..], [FaultKind::Held { .. }]));
         let coarse: Vec<f64> = sound.iter().map(|v| (v / 4e-4).round() * 4e-4).collect();
         let rig = reference::rig();
-        assert!(find_coarse_converter(Column::HubRate, &coarse, &rig).is_some());
-        assert!(find_coarse_converter(Column::HubRate, &sound, &rig).is_none());
+        assert!(find_coarse_converter(RecorderColumn::HubRate, &coarse, &rig).is_some());
+        assert!(find_coarse_converter(RecorderColumn::HubRate, &sound, &rig).is_none());
     }
 }

@@ -1,7 +1,7 @@
 //! Nastran's DMIG bulk data: matrices by grid and component, in small, large and free fields.
 
 use super::node_map::Dof;
-use super::text::{columns, integer, line_error, real};
+use super::text::{columns, integer, line_error, parse_real};
 use crate::Error;
 use counterpoise_linalg::{Sparse, sparse::Entry};
 
@@ -87,7 +87,7 @@ fn column(at: usize, fields: &[&str], matrix: &mut Dmig) -> Result<(), Error> {
         if fields[k].is_empty() {
             continue;
         }
-        let value = real(at, fields.get(k + 2).unwrap_or(&""))?;
+        let value = parse_real(at, fields.get(k + 2).unwrap_or(&""))?;
         matrix.entries.push((dof(k)?, col, value));
     }
     Ok(())

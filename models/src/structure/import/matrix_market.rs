@@ -1,6 +1,6 @@
 //! Matrix Market text (R. Boisvert, R. Pozo, K. Remington, NIST IR 5935, 1996): coordinate and array, real.
 
-use super::text::{check_size, integer, line_error, real};
+use super::text::{check_size, integer, line_error, parse_real};
 use crate::Error;
 use counterpoise_linalg::{Sparse, sparse::Entry};
 
@@ -99,7 +99,7 @@ fn coordinate<'a>(
         if i == 0 || j == 0 || i > rows || j > columns {
             return Err(line_error(at, format!("({i}, {j}) is outside {rows} x {columns}")));
         }
-        header.add(&mut out, Entry { row: i - 1, col: j - 1, value: real(at, value)? });
+        header.add(&mut out, Entry { row: i - 1, col: j - 1, value: parse_real(at, value)? });
         found += 1;
     }
     if found == entries {
@@ -131,7 +131,7 @@ fn array<'a>(
     for (at, line) in lines {
         let (row, col) =
             places.next().ok_or_else(|| line_error(at, "there are too many entries".to_owned()))?;
-        let value = real(at, line)?;
+        let value = parse_real(at, line)?;
         if value != 0.0 {
             header.add(&mut out, Entry { row, col, value });
         }

@@ -74,30 +74,30 @@ impl Imported {
         self.rows.len() > LARGE_STRUCTURE
     }
 
-    /// Returns the structure with its hub at the map's pivot, as [`Imported::sparse`] does, with dense matrices: those of the
+    /// Returns the structure with its hub at the map's pivot, as [`Imported::to_sparse_structure`] does, with dense matrices: those of the
     /// files, or of the condensed structure if there are more than [`LARGE_STRUCTURE`] unknowns or shapes are to be balanced.
     ///
     /// # Errors
-    /// As for [`Imported::sparse`] and [`SparseStructure::condense`].
+    /// As for [`Imported::to_sparse_structure`] and [`SparseStructure::condense`].
     pub fn condense(
         &self,
         map: &NodeMap,
         wanted: &Condensation,
         watch: &mut ProgressObserver,
     ) -> Result<FeModel, Error> {
-        let whole = self.sparse(map)?;
+        let whole = self.to_sparse_structure(map)?;
         match self.is_large() || wanted.shapes == Shapes::Balanced {
             true => whole.condense(wanted, watch),
             false => Ok(whole.dense()),
         }
     }
 
-    /// Returns the structure as [`Imported::sparse`] does, with the dense matrices of the files.
+    /// Returns the structure as [`Imported::to_sparse_structure`] does, with the dense matrices of the files.
     ///
     /// # Errors
-    /// As for [`Imported::sparse`].
+    /// As for [`Imported::to_sparse_structure`].
     pub fn structure(&self, map: &NodeMap) -> Result<FeModel, Error> {
-        Ok(self.sparse(map)?.dense())
+        Ok(self.to_sparse_structure(map)?.dense())
     }
 
     /// Returns the structure with its hub at the map's pivot.
@@ -108,7 +108,7 @@ impl Imported {
     ///
     /// # Errors
     /// [`Error::Import`] if shapes and rows differ, a matrix is not symmetric, or the map lacks a grid that it needs.
-    pub fn sparse(&self, map: &NodeMap) -> Result<SparseStructure, Error> {
+    pub fn to_sparse_structure(&self, map: &NodeMap) -> Result<SparseStructure, Error> {
         let n = self.rows.len();
         for matrix in [Some(&self.M), self.C.as_ref(), Some(&self.K)].into_iter().flatten() {
             check_symmetric(matrix, n)?;
@@ -117,7 +117,7 @@ impl Imported {
         let is_held = |dof: &Dof| dof.grid == map.pivot && !moves(dof);
         if self.rows.iter().any(is_held) {
             let kept: Vec<usize> = (0..n).filter(|&i| !is_held(&self.rows[i])).collect();
-            return self.select(&kept).sparse(map);
+            return self.select(&kept).to_sparse_structure(map);
         }
         let mut heave = vec![0.0; n];
         let mut pitch = vec![0.0; n];
@@ -215,7 +215,7 @@ impl Imported {
             .collect();
         let distance = |x: f64| (x - position_m).abs();
         let found = on_axis.iter().min_by(|a, b| distance(*a.1).total_cmp(&distance(*b.1)));
-        found.map_or_else(|| map.nearest(position_m), |(grid, _)| Ok(*grid))
+        found.map_or_else(|| map.nearest_grid(position_m), |(grid, _)| Ok(*grid))
     }
 
     /// Returns the matrix with rotations counted nose-up.

@@ -1,6 +1,6 @@
 //! Which node and direction each row of an imported matrix belongs to, and where the nodes lie.
 
-use super::text::{integer, line_error, real};
+use super::text::{integer, line_error, parse_real};
 use crate::Error;
 use std::collections::BTreeMap;
 
@@ -83,7 +83,7 @@ impl NodeMap {
     ///
     /// # Errors
     /// [`Error::Import`] if the map has no grid.
-    pub fn nearest(&self, position_m: f64) -> Result<u64, Error> {
+    pub fn nearest_grid(&self, position_m: f64) -> Result<u64, Error> {
         let distance = |x: f64| (x - position_m).abs();
         let found = self.positions_m.iter().min_by(|a, b| distance(*a.1).total_cmp(&distance(*b.1)));
         found.map(|(grid, _)| *grid).ok_or_else(|| line_error(0, "the node map has no grid".to_owned()))
@@ -111,12 +111,12 @@ impl Draft {
             ["pivot", grid] => self.pivot = Some(integer(at, grid)?),
             ["tip", grid] => self.tip = Some(integer(at, grid)?),
             ["node", grid, position] => {
-                self.positions_m.insert(integer(at, grid)?, real(at, position)?);
+                self.positions_m.insert(integer(at, grid)?, parse_real(at, position)?);
             }
             ["node", grid, position, height] => {
                 let grid = integer(at, grid)?;
-                self.positions_m.insert(grid, real(at, position)?);
-                self.heights_m.insert(grid, real(at, height)?);
+                self.positions_m.insert(grid, parse_real(at, position)?);
+                self.heights_m.insert(grid, parse_real(at, height)?);
             }
             ["row", grid, component] => {
                 self.rows.push(Dof { grid: integer(at, grid)?, component: integer(at, component)? });

@@ -1,6 +1,6 @@
 //! Nastran's OUTPUT4 as text: dense, sparse and "bigmat" columns of real matrices.
 
-use super::text::{check_size, columns, integer, line_error, real};
+use super::text::{check_size, columns, integer, line_error, parse_real};
 use crate::Error;
 use counterpoise_linalg::{Sparse, sparse::Entry};
 
@@ -109,7 +109,7 @@ fn values(
                 format!("({row}, {col}) is outside {} x {}", header.rows, header.cols),
             ));
         }
-        let value = real(at, columns(line, k * header.width, (k + 1) * header.width))?;
+        let value = parse_real(at, columns(line, k * header.width, (k + 1) * header.width))?;
         if value != 0.0 {
             matrix.push(Entry { row: row - 1, col: col - 1, value });
         }

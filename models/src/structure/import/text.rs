@@ -9,7 +9,7 @@ pub(super) fn line_error(line: usize, what: String) -> Error {
 }
 
 /// Parses a number: `1.5e3`, `1.5D+03` or, as Nastran writes it, `1.5+3`.
-pub(super) fn real(line: usize, text: &str) -> Result<f64, Error> {
+pub(super) fn parse_real(line: usize, text: &str) -> Result<f64, Error> {
     let fortran = || {
         let plain = text.trim().replace(['d', 'D'], "e");
         plain.parse().ok().or_else(|| with_exponent(&plain)?.parse().ok())

@@ -67,7 +67,7 @@ impl Stage<'_> {
         load: TrialLoad,
         acts: Acts,
     ) -> Result<TrialRun, PipelineError> {
-        let mut watched = self.watched(acts)?;
+        let mut watched = self.monitored_controller(acts)?;
         let design = self.modelled.plant.body().out_of_balance_kg_m;
         if load == TrialLoad::WrongStart && acts != Acts::Told {
             watched.runner.set_out_of_balance((1.0 - CHANGE) * design);
@@ -101,7 +101,7 @@ impl Stage<'_> {
         Ok(TrialRun { hub_rate_rad_s: rates.split_off(first), peak_rms_m_s2 })
     }
 
-    fn watched(&self, acts: Acts) -> Result<MonitoredController, PipelineError> {
+    fn monitored_controller(&self, acts: Acts) -> Result<MonitoredController, PipelineError> {
         let own = match acts {
             Acts::Adapts(method) => {
                 let adaptation = AdaptationOptions { method, ..self.adaptation.clone() };

@@ -31,7 +31,7 @@ impl<'a> Visit for Reader<'a> {
         }
     }
 
-    fn whole(&mut self, field: &Field, value: &mut u32) {
+    fn whole_number(&mut self, field: &Field, value: &mut u32) {
         let Some(node) = self.find(field) else {
             *value = if let Fallback::Number(default) = field.default { default as u32 } else { 0 };
             self.note_default(field);
@@ -183,7 +183,7 @@ impl<'a> Visit for Reader<'a> {
                     content => format!("; the smallest is `{} = {{ {content} }}`", table.key),
                 };
                 let meaning = table.meaning;
-                self.missing(
+                self.report_missing(
                     table.key,
                     format!("section [{path}] is missing; it is required: {meaning}{smallest}"),
                 );
@@ -203,7 +203,7 @@ impl<'a> Visit for Reader<'a> {
         let entries = if frame.silent { NOTHING } else { frame.entries };
         let unknown: Vec<&Entry> = entries.iter().filter(|e| !frame.known.contains(&e.key)).collect();
         for entry in unknown {
-            self.unknown(&mut frame, entry);
+            self.report_unknown(&mut frame, entry);
         }
         let space = super::MOST_FINDINGS.saturating_sub(self.findings.len());
         self.findings.extend(frame.missing.into_iter().map(|(_, finding)| finding).take(space));
@@ -220,7 +220,7 @@ impl<'a> Visit for Reader<'a> {
             }
             None => {
                 if table.need == Need::Required {
-                    self.missing(
+                    self.report_missing(
                         table.key,
                         format!("section [[{path}]] is missing; at least one is required: {}", table.meaning),
                     );
@@ -241,9 +241,9 @@ impl<'a> Visit for Reader<'a> {
             }
             Some(node) => {
                 self.wrong_type(&path, node, "a table");
-                self.frames.push(Frame::silent(path, node.span.start));
+                self.frames.push(Frame::silent_frame(path, node.span.start));
             }
-            None => self.frames.push(Frame::silent(path, 0)),
+            None => self.frames.push(Frame::silent_frame(path, 0)),
         }
     }
 

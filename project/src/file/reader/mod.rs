@@ -12,7 +12,7 @@ use super::source::{Remark, Source};
 use super::tree::{Entry, Node, Value};
 use super::visit::Visit;
 use crate::assumption::{Assumption, KeyTolerance};
-use crate::diagnostic::{Diagnostic, DiagnosticKind, Severity, nearest};
+use crate::diagnostic::{Diagnostic, DiagnosticKind, Severity, nearest_name};
 
 /// A walk over the tree of a file.
 pub(crate) struct Reader<'a> {
@@ -49,7 +49,7 @@ impl<'a> Frame<'a> {
     }
 
     /// Returns the frame of a table that is missing or wrong, which has been reported.
-    fn silent(path: String, start: usize) -> Self {
+    fn silent_frame(path: String, start: usize) -> Self {
         Self { silent: true, ..Self::new(path, start, NOTHING) }
     }
 }
@@ -109,7 +109,7 @@ impl<'a> Reader<'a> {
         frame.entries.iter().find(|e| e.key == key)
     }
 
-    fn missing(&mut self, key: &str, allowed: String) {
+    fn report_missing(&mut self, key: &str, allowed: String) {
         let path = self.path(key);
         let Some(frame) = self.frames.last_mut().filter(|f| !f.silent) else { return };
         let finding = self.source.diagnostic(
@@ -138,9 +138,9 @@ impl<'a> Reader<'a> {
             return;
         }
         if frame.known.iter().any(|known| known == key) {
-            self.missing(key, format!("{allowed}; it is not written, and its default does not fit"));
+            self.report_missing(key, format!("{allowed}; it is not written, and its default does not fit"));
         } else {
-            self.missing(key, allowed.to_owned());
+            self.report_missing(key, allowed.to_owned());
         }
         if let Some((_, finding)) = self.frames.last_mut().and_then(|frame| frame.missing.last_mut()) {
             finding.hint = hint;
@@ -154,7 +154,7 @@ impl<'a> Reader<'a> {
             let unit = if field.unit.is_empty() { String::new() } else { format!(", {}", field.unit) };
             let estimate = !field.unit.is_empty() && self.path(field.key).starts_with(numbers::PHYSICAL);
             let unknown = if field.unknown.is_empty() && estimate { ESTIMATE } else { field.unknown };
-            self.missing(field.key, format!("is missing; it is required: {}{unit}", field.meaning));
+            self.report_missing(field.key, format!("is missing; it is required: {}{unit}", field.meaning));
             if !unknown.is_empty() {
                 self.hint_last_missing(unknown);
             }
@@ -210,12 +210,12 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn unknown(&mut self, frame: &mut Frame<'_>, entry: &Entry) {
+    fn report_unknown(&mut self, frame: &mut Frame<'_>, entry: &Entry) {
         let what = if matches!(entry.node.value, Value::Table(_)) { "section" } else { "key" };
         let known: Vec<&str> = frame.known.iter().take(MOST_KNOWN).map(String::as_str).collect();
         let known = if frame.listed { String::new() } else { format!("; known here: {}", known.join(", ")) };
         frame.listed = true;
-        let near = nearest(&entry.key, frame.known.iter().map(String::as_str));
+        let near = nearest_name(&entry.key, frame.known.iter().map(String::as_str));
         let near = near.or_else(|| synonyms::find_synonym(&entry.key, &frame.known)).map(str::to_owned);
         let path =
             if frame.path.is_empty() { entry.key.clone() } else { format!("{}.{}", frame.path, entry.key) };
