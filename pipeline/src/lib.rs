@@ -2,7 +2,7 @@
 //!
 //! [`run_stages`] is the whole forward direction: [`model`](mod@model) -> [`reduce`](mod@reduce) -> [`synthesise`] ->
 //! [`verify`](mod@verify) -> [`export`](mod@export). Each stage takes what the stage before it made; nothing else is shared. A caller
-//! who wants fewer stages calls fewer. [`design`](fn@design) adds everything that is stated about the result, so that reports, terminals
+//! who wants fewer stages calls fewer. [`design_project`] adds everything that is stated about the result, so that reports, terminals
 //! and other programs only present it. [`recordings`] leads back from recordings of a machine to a better model; [`studies`] vary what
 //! the forward direction does.
 //!

@@ -40,10 +40,10 @@ pub fn build_plant_model(project: &Project) -> Result<PlantModel, PipelineError>
     model_watched(project, &Serial)
 }
 
-/// Does the same as [`model`], tells `pool` how far a large structure is, and stops if it asks to.
+/// Does the same as [`build_plant_model`], tells `pool` how far a large structure is, and stops if it asks to.
 ///
 /// # Errors
-/// As for [`model`].
+/// As for [`build_plant_model`].
 pub fn model_watched(project: &Project, pool: &dyn Pool) -> Result<PlantModel, PipelineError> {
     let choice = &project.model;
     let (parameters, plant, elements) = match choice.structure {

@@ -132,6 +132,18 @@ impl Channel {
         }
     }
 
+    /// Returns whether it is a motion of the platform.
+    pub fn is_of_platform(self) -> bool {
+        matches!(
+            self,
+            Self::PlatformRate
+                | Self::PlatformAccel
+                | Self::PlatformSurge
+                | Self::PlatformRoll
+                | Self::PlatformYaw
+        )
+    }
+
     /// Returns whether the value holds from one sample to the next, as that of an output converter does, rather than being
     /// the reading of a continuous quantity at one instant.
     pub fn is_held(self) -> bool {

@@ -2,7 +2,7 @@
 
 use counterpoise_models::ControlledQuantity;
 use counterpoise_models::parameters::AxisKind;
-use counterpoise_pipeline::studies::adapt::{AdaptRun, AdaptationTrace, AdaptedIntervals};
+use counterpoise_pipeline::studies::adapt::{AdaptRun, AdaptedIntervals, TraceColumn};
 
 use counterpoise_pipeline::studies::adaptation_trials::{
     AdaptationTrials, HoldBands, METHODS, MethodRefusal, TrialLoad, TrialMotion, TrialRow,
@@ -265,25 +265,25 @@ fn table(runs: &[AdaptRun]) -> ReportTable {
 }
 
 fn section(run: &AdaptRun, command: &str) -> ReportSection {
-    let AdaptationTrace { time_s, out_of_balance_kg_m, used_kg_m, control_v, hub_rate_rad_s } = &run.trace;
-    let over = |values: &[f64], scale: f64| {
+    let over = |column: TraceColumn, scale: f64| {
+        let (time_s, values) = (run.trace.column(TraceColumn::Time), run.trace.column(column));
         time_s.iter().zip(values).map(|(t, value)| (*t, scale * value)).collect::<Vec<_>>()
     };
     let balance = vec![
-        Series::solid_line("true", Colour::Second, over(out_of_balance_kg_m, 1.0)),
-        Series::dashed_line("controller uses", Colour::First, over(used_kg_m, 1.0)),
+        Series::solid_line("true", Colour::Second, over(TraceColumn::OutOfBalance, 1.0)),
+        Series::dashed_line("controller uses", Colour::First, over(TraceColumn::UsedOutOfBalance, 1.0)),
     ];
     let rate = rate_of_runs(std::slice::from_ref(run));
     let panels = vec![
         Panel::new(PlotAxis::linear("out-of-balance", rate.axis.unit("kg m")), balance).with_height(120.0),
         Panel::new(
             PlotAxis::linear("control", "V"),
-            vec![Series::solid_line("", Colour::Muted, over(control_v, 1.0))],
+            vec![Series::solid_line("", Colour::Muted, over(TraceColumn::Control, 1.0))],
         )
         .with_height(110.0),
         Panel::new(
             PlotAxis::linear(rate.name(), rate.milli_unit()),
-            vec![Series::solid_line("", Colour::First, over(hub_rate_rad_s, 1e3))],
+            vec![Series::solid_line("", Colour::First, over(TraceColumn::HubRate, 1e3))],
         )
         .with_height(150.0),
     ];

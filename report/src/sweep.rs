@@ -2,7 +2,7 @@
 
 use counterpoise_pipeline::studies::sweep::CampaignResult;
 use counterpoise_pipeline::wording::figures::describe_figure;
-use counterpoise_verify::robust::{Sense, Summary, Worst};
+use counterpoise_verify::robust::{MemberDifference, Sense, Summary, Worst};
 use counterpoise_verify::{Limit, Requirement, Value, Verification};
 
 use serde::Serialize;
@@ -293,6 +293,14 @@ fn matters(found: &CampaignResult, requirement: usize, most: usize) -> String {
     if words.is_empty() { "nothing that stands out".to_owned() } else { words }
 }
 
+/// Returns what a mechanism of a family is, for example `backlash x 2` or a configuration's name.
+fn member_name(difference: &MemberDifference) -> String {
+    match difference {
+        MemberDifference::Scaled { parameter, factor } => format!("{} x {factor}", parameter.key()),
+        MemberDifference::Configuration(name) => name.clone(),
+    }
+}
+
 /// Returns a mechanism a row: how many requirements hold, and what fails.
 fn member_summary(found: &CampaignResult) -> ReportTable {
     let columns = [
@@ -316,7 +324,7 @@ fn member_summary(found: &CampaignResult) -> ReportTable {
             some => ReportCell::Verdict(OutcomeTone::Bad, format!("{some} of {all} fail")),
         };
         table.rows.push(vec![
-            ReportCell::text(member.name.clone()),
+            ReportCell::text(member_name(&member.difference)),
             verdict,
             ReportCell::text(failed.join("; ")),
         ]);
@@ -369,7 +377,7 @@ fn member_table(found: &CampaignResult) -> ReportTable {
                 r => (OutcomeTone::Bad, format!("fails by {}", short_number(-r))),
             };
             table.rows.push(vec![
-                ReportCell::text(member.name.clone()),
+                ReportCell::text(member_name(&member.difference)),
                 ReportCell::text(name(found, k)),
                 ReportCell::number(number),
                 ReportCell::Verdict(tone, word),

@@ -9,7 +9,7 @@ use counterpoise_pipeline::{self as pipeline, DesignStages, ProjectIdentity};
 use counterpoise_project::Purpose;
 use counterpoise_report::sweep::SweepFigure;
 use counterpoise_report::{ProvenanceEntry, VerificationContext, html_page, robust, sweep};
-use counterpoise_verify::robust::{Campaign, Member, Sample, merge_shards};
+use counterpoise_verify::robust::{Campaign, FamilyMember, Sample, merge_shards};
 use counterpoise_verify::structured::RobustStability;
 use std::path::Path;
 
@@ -56,7 +56,7 @@ struct Named {
     designed: DesignStages,
     campaign: Campaign,
     name: String,
-    families: Vec<Member>,
+    families: Vec<FamilyMember>,
     identity: ProjectIdentity,
     /// The linear worst case, where the whole campaign is reported.
     stability: Option<RobustStability>,

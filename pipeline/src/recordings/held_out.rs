@@ -1,9 +1,8 @@
 //! Recordings that were not part of a diagnosis, replayed by the model as it was and by the improved one.
 
-use std::collections::BTreeMap;
-
 use counterpoise_models::Parameters;
 use counterpoise_project::Project;
+use counterpoise_recordings::Channel;
 use counterpoise_simulate::replay::{ChannelFit, ReplayMode};
 
 use super::column_remarks::ColumnRemark;
@@ -29,8 +28,8 @@ pub struct HeldOutRecording {
 /// The residuals of one channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldOutFit {
-    /// Name of the channel.
-    pub channel: &'static str,
+    /// The channel.
+    pub channel: Channel,
     /// Noise floor, in the channel's unit.
     pub floor: f64,
     /// RMS of the residual of the model as it was.
@@ -72,20 +71,23 @@ pub enum HeldOutOutcome {
 }
 
 impl HeldOutRecording {
-    /// Returns the channels that show how good a model is, by name. Those of the platform drive the model, so they are the same in every replay.
-    pub fn judged_channels(&self) -> BTreeMap<&'static str, HeldOutFit> {
-        let judged = self.channels.iter().filter(|fit| !fit.channel.starts_with("platform"));
-        judged.map(|fit| (fit.channel, *fit)).collect()
+    /// Returns the channels that show how good a model is, in the order of their names. Those of the platform drive the model, so they are the same
+    /// in every replay.
+    pub fn judged_channels(&self) -> Vec<HeldOutFit> {
+        let mut judged: Vec<HeldOutFit> =
+            self.channels.iter().copied().filter(|fit| !fit.channel.is_of_platform()).collect();
+        judged.sort_by_key(|fit| fit.channel.name());
+        judged
     }
 
     /// Compares both models over the judged channels.
     pub fn comparison(&self) -> HeldOutComparison {
         let channels = self.judged_channels();
         let worst =
-            |model: usize| channels.values().map(|c| c.residuals_over_floor()[model]).fold(0.0, f64::max);
+            |model: usize| channels.iter().map(|c| c.residuals_over_floor()[model]).fold(0.0, f64::max);
         let [before, after] = [worst(0), worst(1)];
         let removed: Vec<f64> = channels
-            .values()
+            .iter()
             .filter(|c| c.before > RESIDUAL_ABOVE_FLOOR * c.floor)
             .map(|c| 1.0 - (c.after / c.before).powi(2))
             .collect();
@@ -104,8 +106,12 @@ impl HeldOutRecording {
 fn compare_channels(before: &[ChannelFit], after: &[ChannelFit]) -> Vec<HeldOutFit> {
     let one = |fit: &ChannelFit| {
         let same = before.iter().find(|other| other.channel == fit.channel)?;
-        let channel = fit.channel.name();
-        Some(HeldOutFit { channel, floor: fit.floor, before: same.rms_error, after: fit.rms_error })
+        Some(HeldOutFit {
+            channel: fit.channel,
+            floor: fit.floor,
+            before: same.rms_error,
+            after: fit.rms_error,
+        })
     };
     after.iter().filter_map(one).collect()
 }

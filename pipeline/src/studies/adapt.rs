@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use counterpoise_controller::{Controller, SampledController};
 use counterpoise_models::plant::Plant;
 use counterpoise_models::{ControlledQuantity, MapPoint};
+use counterpoise_recordings::{ColumnName, Signals};
 use counterpoise_simulate::signal::Sine;
 use counterpoise_simulate::{
     Detail, Imperfections, Initial, PlantState, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
@@ -38,24 +39,35 @@ pub struct AdaptRun {
     pub adapts: bool,
     /// The parts of the run between changes.
     pub intervals: Vec<AdaptationInterval>,
-    /// The run over time.
+    /// The run over time, every so many samples.
     #[serde(skip)]
-    pub trace: AdaptationTrace,
+    pub trace: Signals<TraceColumn>,
 }
 
-/// A run over time, every so many samples.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct AdaptationTrace {
+/// A column of a run over time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TraceColumn {
     /// Time, s.
-    pub time_s: Vec<f64>,
+    Time,
     /// True out-of-balance, kg m.
-    pub out_of_balance_kg_m: Vec<f64>,
+    OutOfBalance,
     /// Out-of-balance that the controller uses, kg m.
-    pub used_kg_m: Vec<f64>,
+    UsedOutOfBalance,
     /// Control, V.
-    pub control_v: Vec<f64>,
+    Control,
     /// True hub rate, rad/s.
-    pub hub_rate_rad_s: Vec<f64>,
+    HubRate,
+}
+
+impl TraceColumn {
+    /// Number of columns.
+    const COUNT: usize = 5;
+}
+
+impl ColumnName for TraceColumn {
+    fn index(self) -> usize {
+        self as usize
+    }
 }
 
 /// A part of a run between changes. On an axis that slides its keys have that axis' units: `slide_rms_m_s` and `used_kg`.
@@ -261,17 +273,20 @@ impl SampledController for Noted {
     }
 }
 
-impl AdaptationTrace {
-    fn extend(&mut self, from_s: f64, out_of_balance_kg_m: f64, history: &TimeHistory, used_kg_m: &[f64]) {
-        let (rate, control) = (history.truth.hub_rate_rad_s(), history.readings.control_request_v());
-        let count = rate.len().min(used_kg_m.len()).min(control.len());
-        for k in (0..count).step_by(EVERY) {
-            self.time_s.push(from_s + k as f64 * history.sample_period_s);
-            self.out_of_balance_kg_m.push(out_of_balance_kg_m);
-            self.used_kg_m.push(used_kg_m[k]);
-            self.control_v.push(control[k]);
-            self.hub_rate_rad_s.push(rate[k]);
-        }
+/// Adds a part of a run to its trace.
+fn extend_trace(
+    trace: &mut Signals<TraceColumn>,
+    from_s: f64,
+    out_of_balance_kg_m: f64,
+    history: &TimeHistory,
+    used_kg_m: &[f64],
+) {
+    let (rate, control) = (history.truth.hub_rate_rad_s(), history.readings.control_request_v());
+    let count = rate.len().min(used_kg_m.len()).min(control.len());
+    for k in (0..count).step_by(EVERY) {
+        let time_s = from_s + k as f64 * history.sample_period_s;
+        // in the order of `TraceColumn`
+        trace.push([time_s, out_of_balance_kg_m, used_kg_m[k], control[k], rate[k]]);
     }
 }
 
@@ -311,13 +326,14 @@ impl Stage<'_> {
         let place = states.iter().find(|group| group.name == "out_of_balance_kg_m").map(|group| group.first);
         let source = OutOfBalanceSource { state: place, design_kg_m: moment };
         let mut noted = Noted { acting: self.acting_controller(plan)?, source, used_kg_m: Vec::new() };
-        let (mut intervals, mut trace) = (Vec::new(), AdaptationTrace::default());
+        let (mut intervals, mut trace) = (Vec::new(), Signals::zeros(0, TraceColumn::COUNT));
         for (k, &(start, factor)) in plan.parts.iter().enumerate() {
             let end = plan.parts.get(k + 1).map_or(1.0, |part| part.0);
             let history =
                 self.part(&scale_imbalance(&plant, factor)?, &mut noted, [start, end], state, angle)?;
             let from_s = start * self.adaptation.trial.duration_s;
-            trace.extend(from_s, factor * moment, &history, &std::mem::take(&mut noted.used_kg_m));
+            let used_kg_m = std::mem::take(&mut noted.used_kg_m);
+            extend_trace(&mut trace, from_s, factor * moment, &history, &used_kg_m);
             let is_exported = self.adaptation.use_in_code == AdaptationUse::Exported;
             let late = is_exported && plan.from.is_some_and(|from| from <= start + ADAPTED_FROM_SHARE);
             intervals.push(AdaptationInterval {

@@ -4,7 +4,7 @@ use counterpoise_controller::Controller;
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pool::{Pool, map};
 use counterpoise_verify::robust::{
-    Campaign, Layout, Member, Ranked, Sample, Sense, Summary, Variation, Worst, compare_configurations,
+    Campaign, FamilyMember, Layout, Ranked, Sample, Sense, Summary, Variation, Worst, compare_configurations,
     one_at_a_time, rank_parameters, summarise_requirement, worst_case,
 };
 use counterpoise_verify::structured::{RobustStability, Uncertainty};
@@ -37,7 +37,7 @@ pub struct CampaignResult {
     /// The worst case of each requirement; `None` if no mechanism could be judged.
     pub worst: Vec<Option<Worst>>,
     /// Each parameter varied alone, and each configuration.
-    pub families: Vec<Member>,
+    pub families: Vec<FamilyMember>,
     /// The linear worst case; `None` if nothing that enters the linear loop varies.
     pub stability: Option<RobustStability>,
 }
@@ -48,7 +48,7 @@ pub struct BesideSamples {
     /// The worst case of each requirement.
     pub worst: Vec<Option<Worst>>,
     /// Each parameter varied alone, and each configuration.
-    pub families: Vec<Member>,
+    pub families: Vec<FamilyMember>,
     /// The linear worst case.
     pub stability: Option<RobustStability>,
 }
@@ -165,7 +165,7 @@ pub fn vary_families(
     modelled: &PlantModel,
     verified: &VerifiedController,
     world: &dyn World,
-) -> Result<Vec<Member>, PipelineError> {
+) -> Result<Vec<FamilyMember>, PipelineError> {
     let asked =
         project.campaign().ok_or(PipelineError::Missing { section: "sweep", needed_by: "the families" })?;
     let figures: Vec<Figure> =

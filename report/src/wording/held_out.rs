@@ -44,9 +44,12 @@ pub fn describe_held_out(recordings: &[HeldOutRecording]) -> Vec<HeldOutText> {
 }
 
 fn describe(recording: &HeldOutRecording) -> HeldOutText {
-    let channel = |(name, fit): (&'static str, HeldOutFit)| {
+    let channel = |fit: HeldOutFit| {
         let [_, after_over_floor] = fit.residuals_over_floor();
-        (name, HeldOutChannel { floor: fit.floor, before: fit.before, after: fit.after, after_over_floor })
+        (
+            fit.channel.name(),
+            HeldOutChannel { floor: fit.floor, before: fit.before, after: fit.after, after_over_floor },
+        )
     };
     let comparison = recording.comparison();
     let remarks = recording.remarks.iter().map(describe_column_remark);

@@ -17,11 +17,25 @@ pub struct Family {
     pub factors: Vec<f64>,
 }
 
+/// How a mechanism differs from the nominal one.
+#[derive(Debug, Clone, PartialEq)]
+pub enum MemberDifference {
+    /// One parameter is multiplied by a factor.
+    Scaled {
+        /// The parameter.
+        parameter: Varied,
+        /// Its factor.
+        factor: f64,
+    },
+    /// It is in the configuration of this name.
+    Configuration(String),
+}
+
 /// One mechanism of a family, and its figures.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Member {
-    /// What it is, for example `backlash x 2` or a configuration's name.
-    pub name: String,
+pub struct FamilyMember {
+    /// How it differs from the nominal mechanism.
+    pub difference: MemberDifference,
     /// The figures, in the order asked for.
     pub values: Vec<Value>,
 }
@@ -36,7 +50,7 @@ pub fn one_at_a_time(
     procedure: &Procedure,
     figures: &[Figure],
     families: &[Family],
-) -> Result<Vec<Member>, Error> {
+) -> Result<Vec<FamilyMember>, Error> {
     let mut members = Vec::new();
     for Family { parameter: varied, factors } in families {
         for &factor in factors {
@@ -44,7 +58,10 @@ pub fn one_at_a_time(
             varied.scale(&mut parameters, factor)?;
             let controller = varied.scaled_controller(controller, factor)?;
             let values = figures_of(&Plant::from_lumped(&parameters)?, &controller, procedure, figures)?;
-            members.push(Member { name: format!("{} x {factor}", varied.key()), values });
+            members.push(FamilyMember {
+                difference: MemberDifference::Scaled { parameter: *varied, factor },
+                values,
+            });
         }
     }
     Ok(members)
@@ -59,11 +76,11 @@ pub fn compare_configurations(
     controller: &Controller,
     procedure: &Procedure,
     figures: &[Figure],
-) -> Result<Vec<Member>, Error> {
+) -> Result<Vec<FamilyMember>, Error> {
     let member = |configuration| {
         let plant = Plant::from_lumped(&nominal.with_configuration(configuration)?)?;
         let values = figures_of(&plant, controller, procedure, figures)?;
-        Ok(Member { name: configuration.name.clone(), values })
+        Ok(FamilyMember { difference: MemberDifference::Configuration(configuration.name.clone()), values })
     };
     nominal.configurations.iter().map(member).collect()
 }

@@ -12,7 +12,7 @@ pub mod varied_parameters;
 pub mod worst;
 
 pub use campaign::{Campaign, Layout, Sample, Variation, merge_shards};
-pub use family::{Family, Member, compare_configurations, one_at_a_time};
+pub use family::{Family, FamilyMember, MemberDifference, compare_configurations, one_at_a_time};
 pub use sampling::{Distribution, PointLayout, latin_hypercube};
 pub use selected_figures::{figures_of, history_of};
 pub use sobol::sobol;
