@@ -64,7 +64,8 @@ impl OpenValues {
         plants.retain(|plant| *plant != nominal);
         let delay_s = usual_delay_s(&project.plant);
         if delay_s > 0.0 {
-            let late = plants.iter().chain([&nominal]).map(|plant| delayed(plant, &project.plant, delay_s));
+            let late =
+                plants.iter().chain([&nominal]).map(|plant| delay_reading(plant, &project.plant, delay_s));
             let late = late.collect::<Result<Vec<_>, _>>()?;
             plants.extend(late);
         }
@@ -125,7 +126,11 @@ fn last_part(assumption: &Assumption) -> &str {
 }
 
 /// Returns a plant whose readings come later.
-fn delayed(plant: &DesignPlant, machine: &Parameters, delay_s: f64) -> Result<DesignPlant, PipelineError> {
+fn delay_reading(
+    plant: &DesignPlant,
+    machine: &Parameters,
+    delay_s: f64,
+) -> Result<DesignPlant, PipelineError> {
     let known = plant.late_reading.clone();
     let (dynamics, known_s) = match known {
         Some(reading) => (reading.dynamics, reading.delay_s),
