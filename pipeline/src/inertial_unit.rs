@@ -3,9 +3,9 @@
 use counterpoise_models::base_motion::{BaseState, FeltMotion, Level, Mounting, motion_at_elevation_axis};
 use counterpoise_recordings::clock::{stack_columns, to_uniform_clock};
 use counterpoise_recordings::{Error, RecordingTable, Signals};
-use counterpoise_verify::Road;
 use counterpoise_verify::signals::filter::from_rest;
 use counterpoise_verify::signals::statistics::subtract_mean;
+use counterpoise_verify::{Road, RoadOrigin};
 
 use crate::road::{Stretch, stretch};
 use counterpoise_project::resolve::base_motion::{InertialUnit, UnitReading};
@@ -85,7 +85,7 @@ fn fade_in(source: &InertialUnit, table: &RecordingTable, period_s: f64, felt: &
         shaped(|at| at.yaw_rate_rad_s),
     ];
     Road {
-        name: table.name.clone(),
+        origin: RoadOrigin::Recording(table.name.clone()),
         sample_period_s: period_s,
         signals: Signals::stack(columns.iter().map(Vec::as_slice)),
     }

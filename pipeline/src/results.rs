@@ -32,7 +32,7 @@ use crate::wording::design_findings::{describe_design_finding, describe_part};
 pub use certificate::CertificateResult;
 pub use complete_design::ResultContents;
 pub use robustness::{AdviceResult, RobustnessResult};
-pub use two_axes::{JointFigureResult, JointHistoryResult, JointResult, JointVerdictResult};
+pub use two_axes::{JointColumn, JointFigureResult, JointHistoryResult, JointResult, JointVerdictResult};
 
 use crate::certificates::Certificate;
 use crate::plant_views::FrictionView;

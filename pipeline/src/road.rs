@@ -2,12 +2,12 @@
 
 use counterpoise_recordings::clock::{stack_columns, to_uniform_clock};
 use counterpoise_recordings::{Error, RecordingTable, Signals};
-use counterpoise_verify::Road;
 use counterpoise_verify::signals::filter::{LowPass, from_rest, low_pass};
 use counterpoise_verify::signals::spectrum::{
     angle_tones, pitch_simulator, random_motion, sine_tones, spectrum_tones,
 };
 use counterpoise_verify::signals::{RoadDrive, iso_road};
+use counterpoise_verify::{Road, RoadOrigin};
 
 use counterpoise_project::resolve::platform::{GeneratedMotion, MotionKind, RoadSource};
 
@@ -44,7 +44,7 @@ pub fn road_from_table(source: &RoadSource, table: &RecordingTable) -> Result<Ro
         columns.extend([surge, still.clone(), still]);
     }
     Ok(Road {
-        name: table.name.clone(),
+        origin: RoadOrigin::Recording(table.name.clone()),
         sample_period_s: clocked.period_s,
         signals: Signals::stack(columns.iter().map(Vec::as_slice)),
     })

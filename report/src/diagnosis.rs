@@ -3,7 +3,7 @@
 use crate::wording::answer::{AnswerText, FindingText, describe_verdict, unit_suffix};
 use crate::wording::{capitalise_first, name_in_words};
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
-use counterpoise_diagnose::findings::channel_fits::Channels;
+use counterpoise_diagnose::findings::channel_fits::PooledFits;
 use counterpoise_recordings::Channel;
 
 use counterpoise_plot::number::short_number;
@@ -134,12 +134,12 @@ fn fit_section(answer: &AnswerText, tracks: &[ChannelTrack]) -> ReportSection {
     ];
     let mut table =
         ReportTable::new("RMS error per channel over all recordings, and on held-out data", &columns);
-    for (channel, before) in &answer.fit.before {
-        let number = |channels: &Channels| {
+    for (channel, before) in answer.fit.before.iter() {
+        let number = |channels: &PooledFits| {
             channels.get(channel).map_or_else(|| ReportCell::text(""), |c| ReportCell::number(c.rms_error))
         };
         table.rows.push(vec![
-            ReportCell::text(*channel),
+            ReportCell::text(channel.name()),
             ReportCell::number(before.floor),
             ReportCell::number(before.rms_error),
             number(&answer.fit.after),

@@ -7,7 +7,7 @@
 use counterpoise_controller::Controller;
 use counterpoise_diagnose::diagnosis::Diagnosis;
 use counterpoise_diagnose::findings::answer::{Answer, DiagnosisVerdict};
-use counterpoise_diagnose::findings::channel_fits::Channels;
+use counterpoise_diagnose::findings::channel_fits::PooledFits;
 use counterpoise_diagnose::identification::{Estimate, Note, identify};
 use counterpoise_diagnose::library::{Component, EffectName};
 use counterpoise_models::{AmplifierDynamics, Parameters, Plant, Ripple};
@@ -406,14 +406,14 @@ impl Machine {
 }
 
 /// Largest residual over its noise floor.
-fn largest_ratio(channels: &Channels) -> f64 {
+fn largest_ratio(channels: &PooledFits) -> f64 {
     channels.values().map(|fit| fit.rms_error / fit.floor).fold(0.0, f64::max)
 }
 
 /// Largest residual of a sensor over its noise floor. The control of a quick loop carries the sensor's noise through the sensitivity, of
 /// which its floor knows nothing: it is looked at by [`largest_ratio`] alone.
-fn worst_reading(channels: &Channels) -> f64 {
-    let readings = channels.iter().filter(|(channel, _)| **channel != "control");
+fn worst_reading(channels: &PooledFits) -> f64 {
+    let readings = channels.iter().filter(|(channel, _)| *channel != Channel::Control);
     readings.map(|(_, fit)| fit.rms_error / fit.floor).fold(0.0, f64::max)
 }
 

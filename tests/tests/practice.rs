@@ -106,8 +106,9 @@ fn left_out_friction_is_named_sized_and_its_improved_model_fits_what_it_has_not_
     let value = |name: &str| finding.parameters.iter().find(|p| p.name == name).unwrap().value;
     assert!((value("static_ratio") / 1.55 - 1.0).abs() < 0.02);
     assert!((value("stribeck_rate") / 0.012 - 1.0).abs() < 0.05);
-    for (channel, after) in &found.answer.fit.held_out_after {
-        assert!(after.rms_error < 1.5 * after.floor, "{channel}: {after:?}");
+    for (channel, after) in found.answer.fit.held_out_after.iter() {
+        let name = channel.name();
+        assert!(after.rms_error < 1.5 * after.floor, "{name}: {after:?}");
     }
     let improved = Project { plant: found.improved, ..project };
     assert!(largest_ratio(&improved, &folder.join("unseen")) < 1.5);

@@ -78,8 +78,9 @@ fn confirm_saved_model(machine: &Parameters) -> Answer {
         replay_one(&again.plant, &item, &control, ReplayLength::Automatic).unwrap().followed.replay.channels
     };
     let replayed: Vec<_> = recordings.iter().map(of).collect();
-    for (name, printed) in &answer.fit.after {
-        let squares = replayed.iter().flatten().filter(|c| c.channel.name() == *name);
+    for (channel, printed) in answer.fit.after.iter() {
+        let name = channel.name();
+        let squares = replayed.iter().flatten().filter(|c| c.channel == channel);
         let squares: Vec<f64> = squares.map(|c| c.rms_error.powi(2)).collect();
         let rms = (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
         println!("  {name}: printed {:.4e}, replayed {rms:.4e}", printed.rms_error);

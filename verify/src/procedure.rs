@@ -92,11 +92,62 @@ impl ColumnName for RoadColumn {
     }
 }
 
+/// Roughness class.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RoadClass {
+    /// Very good.
+    A,
+    /// Good.
+    B,
+    /// Average.
+    C,
+    /// Poor.
+    D,
+    /// Very poor: rough track.
+    E,
+}
+
+/// Where a platform motion comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RoadOrigin {
+    /// A recording, by the name of its file.
+    Recording(String),
+    /// A drive over a road of a class of ISO 8608.
+    IsoRoad {
+        /// How rough the road is.
+        class: RoadClass,
+        /// How fast the vehicle goes, m/s.
+        speed_m_s: f64,
+    },
+    /// A ship at sea.
+    Sea {
+        /// Significant height of the waves, m.
+        significant_height_m: f64,
+        /// Seed of the phases.
+        seed: u64,
+    },
+    /// Spectra of six axes.
+    SixAxes {
+        /// Seed of the phases.
+        seed: u64,
+    },
+    /// Spectra of heave and pitch.
+    Spectrum {
+        /// Seed of the phases.
+        seed: u64,
+    },
+    /// A platform motion simulator that only pitches.
+    MotionSimulator {
+        /// Distance of the mechanism's pivot in front of its axis, m.
+        offset_m: f64,
+    },
+}
+
 /// Platform motion in samples of one period, straight lines between.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Road {
-    /// Name, for reports.
-    pub name: String,
+    /// Where it comes from.
+    pub origin: RoadOrigin,
     /// Sample period, s.
     pub sample_period_s: f64,
     /// The samples.
@@ -303,7 +354,7 @@ mod tests {
         assert!(Procedure { settle_s: 10.0, ..good.clone() }.check().is_err());
         assert!(Procedure { rejection_hz: vec![f64::NAN], ..good.clone() }.check().is_err());
         let road = Road {
-            name: String::new(),
+            origin: RoadOrigin::Recording(String::new()),
             sample_period_s: 0.01,
             signals: Signals::stack([&[0.0; 500][..], &[0.0; 499]]),
         };
@@ -313,7 +364,7 @@ mod tests {
     #[test]
     fn a_road_is_straight_between_its_samples() {
         let road = Road {
-            name: String::new(),
+            origin: RoadOrigin::Recording(String::new()),
             sample_period_s: 0.5,
             signals: Signals::stack([&[0.0, 1.0, 3.0][..], &[1.0; 3]]),
         };

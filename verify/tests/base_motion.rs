@@ -12,7 +12,7 @@ use counterpoise_verify::line_of_sight::SightAngles;
 use counterpoise_verify::robust::figures_of;
 use counterpoise_verify::{
     Arrangement, Coincidence, ErrorSource, Figure, Limit, LineOfSight, Model, Optics, Procedure, Quantity,
-    Requirement, Road, SightFigure, Source, Unmeasured, Value, Verdict, verify,
+    Requirement, Road, RoadOrigin, SightFigure, Source, Unmeasured, Value, Verdict, verify,
 };
 use support::{controller, rig};
 
@@ -26,7 +26,7 @@ fn road() -> Road {
     let still = [0.0; 1201];
     let (heave, pitch, surge) = (sine(0.5, 1.5), sine(0.005, 0.7), sine(2.0, 1.0));
     Road {
-        name: "tones".to_owned(),
+        origin: RoadOrigin::Recording("tones".to_owned()),
         sample_period_s: 0.005,
         signals: Signals::stack([&heave[..], &pitch, &surge, &still, &still]),
     }

@@ -12,7 +12,8 @@ use counterpoise_verify::line_of_sight::{SightAngles, sight_experiment};
 use counterpoise_verify::sight_spectrum::Bands;
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{
-    Contribution, ErrorBudget, ErrorSource, LineOfSight, Procedure, Road, RoadColumn, error_budget, nonlinear,
+    Contribution, ErrorBudget, ErrorSource, LineOfSight, Procedure, Road, RoadColumn, RoadOrigin,
+    error_budget, nonlinear,
 };
 use support::{controller, rig};
 
@@ -26,7 +27,7 @@ fn road() -> Road {
     let (heave, pitch) = (sine(0.5, 1.5), sine(0.02, 0.7));
     let (surge, roll, yaw) = (sine(2.0, 1.0), sine(0.4, 1.3), sine(0.3, 0.9));
     Road {
-        name: "tones".to_owned(),
+        origin: RoadOrigin::Recording("tones".to_owned()),
         sample_period_s: PERIOD_S,
         signals: Signals::stack([&heave[..], &pitch, &surge, &roll, &yaw]),
     }

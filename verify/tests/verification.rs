@@ -7,7 +7,8 @@ use counterpoise_controller::Controller;
 use counterpoise_recordings::Signals;
 use counterpoise_verify::{
     Arrangement, Coincidence, Experiment, Figure, Limit, LineOfSight, LoopFigure, Model, Optics, Procedure,
-    Quantity, Requirement, Road, Source, StepFigure, Triangle, Unmeasured, Verdict, verify, verify_linear,
+    Quantity, Requirement, Road, RoadOrigin, Source, StepFigure, Triangle, Unmeasured, Verdict, verify,
+    verify_linear,
 };
 use support::{controller, plant};
 
@@ -76,7 +77,11 @@ fn road() -> Road {
         (0..400).map(|k| amplitude * (std::f64::consts::TAU * hz * f64::from(k) * 0.005).sin()).collect()
     };
     let (heave, pitch) = (sine(1.0, 1.5), sine(0.1, 1.0));
-    Road { name: "tones".to_owned(), sample_period_s: 0.005, signals: Signals::stack([&heave[..], &pitch]) }
+    Road {
+        origin: RoadOrigin::Recording("tones".to_owned()),
+        sample_period_s: 0.005,
+        signals: Signals::stack([&heave[..], &pitch]),
+    }
 }
 
 /// Every figure that a project file can name holds where the limit leaves room, by that room, and fails where it does not, by as much;

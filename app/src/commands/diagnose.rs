@@ -3,7 +3,7 @@
 use crate::output::say;
 use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::{DiagnosisVerdict, FitTable, Hypothesis};
-use counterpoise_diagnose::findings::channel_fits::Channels;
+use counterpoise_diagnose::findings::channel_fits::PooledFits;
 use counterpoise_pipeline::configuration::apply_configuration;
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
 use counterpoise_pipeline::recordings::replay::{ReplayLength, replay_one};
@@ -257,10 +257,11 @@ fn print_fit(fit: &FitTable) {
         "held out before",
         "held out after"
     );
-    for (channel, before) in &fit.before {
-        let number = |table: &Channels| table.get(channel).map_or(f64::NAN, |c| c.rms_error);
+    for (channel, before) in fit.before.iter() {
+        let name = channel.name();
+        let number = |table: &PooledFits| table.get(channel).map_or(f64::NAN, |c| c.rms_error);
         say!(
-            "  {channel:<14} {:12.4e} {:12.4e} {:12.4e} {:16.4e} {:16.4e}",
+            "  {name:<14} {:12.4e} {:12.4e} {:12.4e} {:16.4e} {:16.4e}",
             before.floor,
             before.rms_error,
             number(&fit.after),

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::findings::channel_fits::{Channels, largest_ratio};
+use crate::findings::channel_fits::{PooledFits, largest_ratio};
 use crate::learning::{LearnedModel, is_at};
 use crate::library::{Component, EffectName, component_of};
 use crate::localisation::error_hypotheses::Regime;
@@ -146,13 +146,13 @@ impl Finding {
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]
 pub struct FitTable {
     /// All data, the model as it was.
-    pub before: Channels,
+    pub before: PooledFits,
     /// All data, the improved model.
-    pub after: Channels,
+    pub after: PooledFits,
     /// Held-out data, the model as it was.
-    pub held_out_before: Channels,
+    pub held_out_before: PooledFits,
     /// Held-out data, the model fitted to the rest.
-    pub held_out_after: Channels,
+    pub held_out_after: PooledFits,
 }
 
 impl FitTable {

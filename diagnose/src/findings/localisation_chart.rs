@@ -117,7 +117,7 @@ mod tests {
     use crate::simulator_access::{Assessment, ChannelResidual, ControlSource};
     use counterpoise_models::reference;
     use counterpoise_pool::Serial;
-    use counterpoise_recordings::Channel;
+    use counterpoise_recordings::{Channel, Signals};
 
     const MOTOR_RATE: RedundantSensors = RedundantSensors { motor_rate: true, hub_position: false };
     const NO_MORE: RedundantSensors = RedundantSensors { motor_rate: false, hub_position: false };
@@ -142,15 +142,21 @@ mod tests {
         let mut series = |size: f64, f: &dyn Fn(usize) -> f64| -> Vec<f64> {
             (0..SAMPLES).map(|k| f(k) + noise(size)).collect()
         };
+        let mut columns = vec![
+            series(CONTROL_FLOOR, &|_| 2.9),
+            series(2e-4, &rate),
+            series(2e-4, &|_| 0.0),
+            series(5e-3, &|k| 1.5 * (9.0 * t(k)).sin()),
+        ];
+        // a sensor that is missing draws no noise
+        let still = || vec![0.0; SAMPLES];
+        columns.push(if sensors.motor_rate { series(2e-2, &|k| 200.0 * rate(k)) } else { still() });
+        columns.push(if sensors.hub_position { series(2e-5, &angle) } else { still() });
         let measured = MeasuredSignals {
             measured: counterpoise_models::FeedbackSignal::HubRate,
             period_s: 1e-3,
-            control: series(CONTROL_FLOOR, &|_| 2.9),
-            hub_rate: series(2e-4, &rate),
-            platform_rate: series(2e-4, &|_| 0.0),
-            platform_accel: series(5e-3, &|k| 1.5 * (9.0 * t(k)).sin()),
-            motor_rate: sensors.motor_rate.then(|| series(2e-2, &|k| 200.0 * rate(k))),
-            hub_position: sensors.hub_position.then(|| series(2e-5, &angle)),
+            recorded: sensors,
+            signals: Signals::stack(columns.iter().map(Vec::as_slice)),
         };
         let apart = |k: usize| -torque(k, angle(k)) / per_volt / CONTROL_FLOOR;
         let mut channels = vec![ChannelResidual {

@@ -16,7 +16,7 @@ use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::ReplayLoop;
 
 use crate::findings::answer::{Answer, FindingBasis};
-use crate::findings::channel_fits::Channels;
+use crate::findings::channel_fits::PooledFits;
 use crate::learning::reading::read_curve;
 use crate::library::{Component, EffectName, EffectParameter, find_effects, list_textbook_effects};
 use crate::localisation::error_hypotheses::Regime;
@@ -200,8 +200,10 @@ impl SimilarityScale {
         }
     }
 
-    fn bring_channels_back(self, table: &mut Channels, measured: FeedbackSignal) {
-        for (channel, factor) in [("motor_rate", self.ratio), ("hub_rate", self.reading(measured))] {
+    fn bring_channels_back(self, table: &mut PooledFits, measured: FeedbackSignal) {
+        for (channel, factor) in
+            [(Channel::MotorRate, self.ratio), (Channel::HubRate, self.reading(measured))]
+        {
             if let Some(fit) = table.get_mut(channel) {
                 fit.rms_error /= factor;
                 fit.floor /= factor;

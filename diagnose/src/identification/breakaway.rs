@@ -39,17 +39,19 @@ pub fn identify_breakaway(
 
 /// Returns each reversal's peak above the peak of the sliding that follows; the start of a recording is no reversal.
 fn excesses(rows: &Rows, left: &[f64]) -> Vec<f64> {
-    let reversed = |k: &usize| rows.direction[*k] != rows.direction[*k - 1];
+    let direction = rows.direction();
+    let reversed = |k: &usize| direction[*k] != direction[*k - 1];
     (1..left.len()).filter(reversed).filter_map(|start| excess(rows, left, start)).collect()
 }
 
 /// Returns the excess of one reversal; `None` if the motion reverses again before as long a stretch of sliding is over.
 fn excess(rows: &Rows, left: &[f64], start: usize) -> Option<f64> {
-    let direction = rows.direction[start];
+    let directions = rows.direction();
+    let direction = directions[start];
     let until = |from: usize, stops: &dyn Fn(usize) -> bool| (from..left.len()).find(|k| stops(*k));
     let slides = until(start, &|k| !rows.turning[k])?;
     let end = slides + (slides - start);
-    let steady = |k: usize| rows.direction[k] == direction && (k < slides || !rows.turning[k]);
+    let steady = |k: usize| directions[k] == direction && (k < slides || !rows.turning[k]);
     if end > left.len() || !(start..end).all(steady) {
         return None;
     }

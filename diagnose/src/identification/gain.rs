@@ -57,7 +57,7 @@ fn knots(p: &Parameters, plain: &Problem) -> Vec<f64> {
     let spacing = top / KNOTS as f64;
     let time = |knot: f64| -> f64 {
         let near = |part: &super::problem::RecordingPart| {
-            let rows = part.rows.control_v.iter().zip(&part.rows.sliding);
+            let rows = part.rows.control_v().iter().zip(&part.rows.sliding);
             let count = rows.filter(|(u, s)| **s && (u.abs() - knot).abs() < 0.5 * spacing).count();
             count as f64 * part.rows.period_s
         };
@@ -92,9 +92,9 @@ fn scatter(p: &Parameters, problem: &Problem, value: &[f64], range_v: [f64; 2]) 
     let (mut power, mut count) = (0.0, 0.0_f64);
     for (index, part) in problem.parts.iter().enumerate() {
         let residual = problem.residual(index, value);
-        let rows = &part.rows;
-        for k in (0..residual.len()).filter(|k| rows.sliding[*k]) {
-            let size = rows.smooth_control_v[k].abs();
+        let (sliding, control_v) = (&part.rows.sliding, part.rows.smooth_control_v());
+        for k in (0..residual.len()).filter(|k| sliding[*k]) {
+            let size = control_v[k].abs();
             if range_v[0] <= size && size < range_v[1] {
                 power += residual[k] * residual[k];
                 count += 1.0;

@@ -152,14 +152,15 @@ fn loops(p: &Parameters, problem: &Problem, value: &[f64]) -> Vec<FrictionPictur
     let gain = torque_per_volt(p);
     let one = |(index, part): (usize, &problem::RecordingPart)| {
         let rows = &part.rows;
+        let (rates, controls) = (rows.smooth_rate_rad_s(), rows.smooth_control_v());
         let left = problem.residual(index, value);
-        let step = rows.torque.len().div_ceil(LOOP_POINTS).max(1);
+        let step = rows.signals.len().div_ceil(LOOP_POINTS).max(1);
         let point = |k: usize| {
-            let control = rows.smooth_control_v[k];
-            [rows.smooth_rate_rad_s[k], control, control - left[k] / gain]
+            let control = controls[k];
+            [rates[k], control, control - left[k] / gain]
         };
         let edge = (LOW_PASS_S * 4.0 / rows.period_s) as usize;
-        let inside = edge..rows.torque.len().saturating_sub(edge);
+        let inside = edge..rows.signals.len().saturating_sub(edge);
         FrictionPicture {
             recording: part.name.clone(),
             balance: part.state,

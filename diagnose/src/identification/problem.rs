@@ -4,7 +4,7 @@ use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
 
 use super::regression::{Block, Fit, fit_rows};
-use super::rows::{Maker, Rows};
+use super::rows::{Maker, RowColumn, Rows};
 use crate::Error;
 use crate::tolerance::identification::{LOW_PASS_S, MEMORY_S};
 
@@ -116,12 +116,11 @@ impl Problem {
     #[must_use]
     pub fn with_held_viscous(mut self, held: Option<f64>) -> Self {
         let Some(viscous) = held else { return self };
-        for Rows { torque, regressors, noise, noise_in_torque, .. } in
-            self.parts.iter_mut().map(|part| &mut part.rows)
-        {
-            let [_, _, rate, _] = regressors;
-            torque.iter_mut().zip(rate.iter()).for_each(|(torque, rate)| *torque -= viscous * rate);
-            rate.fill(0.0);
+        for Rows { signals, noise, noise_in_torque, .. } in self.parts.iter_mut().map(|part| &mut part.rows) {
+            let rates = signals.column(RowColumn::Rate).to_vec();
+            let torques = signals.column_mut(RowColumn::Torque);
+            torques.iter_mut().zip(rates).for_each(|(torque, rate)| *torque -= viscous * rate);
+            signals.column_mut(RowColumn::Rate).fill(0.0);
             (noise[0], noise_in_torque[0]) = (0.0, 0.0);
         }
         self.held_viscous = held;
@@ -157,22 +156,21 @@ impl Problem {
         let (layout, rows) = (self.layout, &part.rows);
         let mut columns: Vec<Option<&[f64]>> = vec![None; layout.count()];
         let (mut noise, mut shared) = (vec![0.0; layout.count()], vec![0.0; layout.count()]);
-        let [load, sign, rate, acceleration] = &rows.regressors;
-        columns[layout.moment(part.state)] = Some(load);
-        columns[layout.coulomb()] = Some(sign);
-        columns[layout.viscous()] = Some(rate);
-        columns[layout.inertia(part.state)] = Some(acceleration);
+        columns[layout.moment(part.state)] = Some(rows.signals.column(RowColumn::Weight));
+        columns[layout.coulomb()] = Some(rows.signals.column(RowColumn::Sign));
+        columns[layout.viscous()] = Some(rows.signals.column(RowColumn::Rate));
+        columns[layout.inertia(part.state)] = Some(rows.signals.column(RowColumn::Acceleration));
         (noise[layout.viscous()], noise[layout.inertia(part.state)]) = (rows.noise[0], rows.noise[1]);
         let [of_rate, of_acceleration] = rows.noise_in_torque;
         (shared[layout.viscous()], shared[layout.inertia(part.state)]) = (of_rate, of_acceleration);
         // the columns carry a minus: torque (old map) = mechanism - sum of change x hat
-        for (k, column) in rows.hats.iter().enumerate() {
-            columns[layout.knot(k)] = Some(column);
+        for knot in 0..layout.knots {
+            columns[layout.knot(knot)] = Some(rows.signals.column(RowColumn::Knot(knot)));
         }
         if let (Some(place), Some(arm)) = (layout.lever_arm(), &rows.lever_arm) {
             (columns[place], noise[place]) = (Some(arm.torque_per_metre.as_slice()), arm.noise);
         }
         let memory = ((MEMORY_S / rows.period_s) as usize).max(1);
-        Block { columns, target: &rows.torque, counts: &rows.sliding, noise, shared, memory }
+        Block { columns, target: rows.torque(), counts: &rows.sliding, noise, shared, memory }
     }
 }

@@ -10,7 +10,7 @@
 //! inertia, `known` the torque of what is known: the first moment above the axis and the spring to the platform.
 
 use counterpoise_models::{AccelerometerAxis, AxisKind, FeedbackSignal, Parameters};
-use counterpoise_recordings::{Channel, Recording, repeat_last};
+use counterpoise_recordings::{Channel, ColumnName, Recording, Signals, repeat_last};
 
 use super::signal::{Chain, Kernel};
 use crate::Error;
@@ -18,25 +18,61 @@ use crate::machine::{SteadyDrive, cosine, sine};
 use crate::recording::series::derivative;
 use crate::tolerance::identification::*;
 
+/// A column of the rows of one recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RowColumn {
+    /// Torque that current and rotor leave for the hub, N m.
+    Torque,
+    /// Weight and heave, m/s^2: the regressor of the first moment.
+    Weight,
+    /// Sign of the rate after the low-pass: the regressor of the Coulomb level.
+    Sign,
+    /// Rate, rad/s: the regressor of the viscous friction.
+    Rate,
+    /// Acceleration, rad/s^2: the regressor of the inertia.
+    Acceleration,
+    /// Control as recorded, V.
+    Control,
+    /// Control after the low-pass, V.
+    SmoothControl,
+    /// Hub rate after the low-pass, rad/s.
+    SmoothHubRate,
+    /// Direction of sliding, 1 or -1.
+    Direction,
+    /// What a knot of a change of the amplifier's map takes from the torque of the map as it is, N m per V. There is a column for each knot,
+    /// which is why these stand last.
+    Knot(usize),
+}
+
+impl RowColumn {
+    /// Number of columns before those of the knots.
+    const FIXED: usize = 9;
+}
+
+impl ColumnName for RowColumn {
+    fn index(self) -> usize {
+        match self {
+            Self::Torque => 0,
+            Self::Weight => 1,
+            Self::Sign => 2,
+            Self::Rate => 3,
+            Self::Acceleration => 4,
+            Self::Control => 5,
+            Self::SmoothControl => 6,
+            Self::SmoothHubRate => 7,
+            Self::Direction => 8,
+            Self::Knot(knot) => Self::FIXED + knot,
+        }
+    }
+}
+
 /// Rows of one recording; a row is a sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rows {
-    /// Torque that current and rotor leave for the hub, N m.
-    pub torque: Vec<f64>,
-    /// Weight and heave (m/s^2), sign, rate (rad/s), acceleration (rad/s^2).
-    pub regressors: [Vec<f64>; 4],
-    /// What each knot of a change of the amplifier's map takes from the torque of the map as it is, N m per V.
-    pub hats: Vec<Vec<f64>>,
+    /// The torque, the regressors and the signals that they are chosen by.
+    pub signals: Signals<RowColumn>,
     /// Whether the row is sliding throughout the filter's window.
     pub sliding: Vec<bool>,
-    /// Control as recorded, V.
-    pub control_v: Vec<f64>,
-    /// Control after the low-pass, V.
-    pub smooth_control_v: Vec<f64>,
-    /// Hub rate after the low-pass, rad/s.
-    pub smooth_rate_rad_s: Vec<f64>,
-    /// Direction of sliding, 1 or -1.
-    pub direction: Vec<f64>,
     /// Whether the joint has not yet slid its presliding distance since it turned.
     pub turning: Vec<bool>,
     /// Variance of the noise in rate and acceleration after the filter.
@@ -97,6 +133,33 @@ enum RateNoise {
     WhiteOfMotor,
 }
 
+impl Rows {
+    /// Returns the torque that current and rotor leave for the hub, N m.
+    pub fn torque(&self) -> &[f64] {
+        self.signals.column(RowColumn::Torque)
+    }
+
+    /// Returns the control as recorded, V.
+    pub fn control_v(&self) -> &[f64] {
+        self.signals.column(RowColumn::Control)
+    }
+
+    /// Returns the control after the low-pass, V.
+    pub fn smooth_control_v(&self) -> &[f64] {
+        self.signals.column(RowColumn::SmoothControl)
+    }
+
+    /// Returns the hub rate after the low-pass, rad/s.
+    pub fn smooth_rate_rad_s(&self) -> &[f64] {
+        self.signals.column(RowColumn::SmoothHubRate)
+    }
+
+    /// Returns the direction of sliding, 1 or -1.
+    pub fn direction(&self) -> &[f64] {
+        self.signals.column(RowColumn::Direction)
+    }
+}
+
 impl Maker<'_> {
     /// Returns the rows of a recording.
     ///
@@ -122,21 +185,22 @@ impl Maker<'_> {
         let [kept, steep] = kernel.noise_gains();
         let variances = [variance(&rate) * kept, noise * steep];
         let shared = if self.p.sensors.motor_tachometer.is_none() { self.losses_of_rate() } else { [0.0; 2] };
+        let columns = [
+            self.torque(&chain, &kernel, &channels, &motor),
+            kernel.smooth(&self.load(&chain, &channels, cosine)),
+            kernel.smooth(&direction),
+            kernel.smooth(&rate),
+            kernel.slope(&mean),
+            channels.control.clone(),
+            kernel.smooth(&channels.control),
+            kernel.smooth(&channels.hub),
+            direction,
+        ];
+        let hats = self.hats(&chain, &kernel, &channels.control);
         Ok(Rows {
-            torque: self.torque(&chain, &kernel, &channels, &motor),
-            regressors: [
-                kernel.smooth(&self.load(&chain, &channels, cosine)),
-                kernel.smooth(&direction),
-                kernel.smooth(&rate),
-                kernel.slope(&mean),
-            ],
-            hats: self.hats(&chain, &kernel, &channels.control),
+            signals: Signals::stack(columns.iter().chain(&hats).map(Vec::as_slice)),
             lever_arm: self.lever_arm(recording, &kernel, &channels, &chain),
             sliding: self.sliding(&kernel, &channels, &turning, &self.smooth_for_sign(&driven, period_s)),
-            smooth_control_v: kernel.smooth(&channels.control),
-            smooth_rate_rad_s: kernel.smooth(&channels.hub),
-            control_v: channels.control,
-            direction,
             turning,
             noise: variances,
             noise_in_torque: [-shared[0] * variances[0], -shared[1] * variances[1]],

@@ -4,7 +4,7 @@
 use counterpoise_linalg::inverse;
 use counterpoise_models::{LearnedElement, LearnedPlace, Parameters, RegimeVariable};
 
-use crate::findings::channel_fits::{Channels, fits_by_channel};
+use crate::findings::channel_fits::{PooledFits, fits_by_channel};
 use crate::fitting::output_error::{
     Fit, FitSelection, Preference, Problem, confidence_intervals, parameters_of,
 };
@@ -54,11 +54,11 @@ pub struct LearnedModel {
     /// Probability that the first function acts at its place, of the places at which one was tried: by what each predicts of held-out data.
     pub place_probability: f64,
     /// All data, with the functions.
-    pub after: Channels,
+    pub after: PooledFits,
     /// Held-out data, the model before.
-    pub held_out_before: Channels,
+    pub held_out_before: PooledFits,
     /// Held-out data, the functions fitted to the rest.
-    pub held_out_after: Channels,
+    pub held_out_after: PooledFits,
 }
 
 /// One free function.

@@ -66,7 +66,7 @@ impl Visited {
             let drive = |control: &f64| base.amplifier.drive_v(*control, &base.motor);
             VisitedRecording {
                 time: (0..signals.relative.len()).map(|k| k as f64 * recording.period_s).collect(),
-                drive: recording.control.iter().map(drive).collect(),
+                drive: recording.control().iter().map(drive).collect(),
                 angle: signals.angle,
                 rate: signals.relative,
                 motor_rate: signals.motor,

@@ -18,7 +18,7 @@ use crate::localisation::torque_balances::{Balance, Signals, thin};
 use crate::localisation::trend::PeriodicTrend;
 use crate::localisation::whitening::Whitener;
 use crate::machine::{RedundantSensors, usable_sensors};
-use crate::recording::measured_signals::MeasuredSignals;
+use crate::recording::measured_signals::{MeasuredColumn, MeasuredSignals};
 use crate::recording::series::correlation_time;
 use crate::recording::series::dot;
 use crate::simulator_access::{Assessment, ControlSource};
@@ -74,8 +74,8 @@ impl<'a> ResidualRegression<'a> {
     pub fn new(p: &'a Parameters, recordings: &[AssessedReplay]) -> Option<Self> {
         let has = |f: fn(&MeasuredSignals) -> bool| recordings.iter().all(|r| f(&r.measured));
         let recorded = RedundantSensors {
-            motor_rate: has(|m| m.motor_rate.is_some()),
-            hub_position: has(|m| m.hub_position.is_some()),
+            motor_rate: has(|m| m.recorded.motor_rate),
+            hub_position: has(|m| m.recorded.hub_position),
         };
         let balances = Balance::select_allowed(usable_sensors(p, recorded));
         let signals: Vec<Signals> = recordings.iter().map(|r| Signals::new(p, &r.measured, None)).collect();
@@ -364,13 +364,13 @@ fn replayed_signals(recording: &AssessedReplay) -> MeasuredSignals {
     let mut out = measured.clone();
     for misfit in &judged.channels {
         let column = match misfit.channel {
-            Channel::Control if judged.source == ControlSource::ClosedLoop => Some(&mut out.control),
-            Channel::HubRate => Some(&mut out.hub_rate),
-            Channel::MotorRate => out.motor_rate.as_mut(),
-            Channel::HubPosition => out.hub_position.as_mut(),
-            _ => None,
+            Channel::Control if judged.source == ControlSource::ClosedLoop => MeasuredColumn::Control,
+            Channel::HubRate => MeasuredColumn::HubRate,
+            Channel::MotorRate => MeasuredColumn::MotorRate,
+            Channel::HubPosition => MeasuredColumn::HubPosition,
+            _ => continue,
         };
-        let pairs = column.into_iter().flatten().zip(&misfit.residual);
+        let pairs = out.recorded_mut(column).iter_mut().zip(&misfit.residual);
         pairs.for_each(|(value, residual)| *value -= residual * misfit.floor);
     }
     out
@@ -382,16 +382,16 @@ fn add_noise(p: &Parameters, replay: &MeasuredSignals, judged: &Assessment) -> M
         |channel: Channel| judged.channels.iter().find(|m| m.channel == channel).map_or(0.0, |m| m.floor);
     let mut out = replay.clone();
     let columns = [
-        (Some(&mut out.control), floor(Channel::Control)),
-        (Some(&mut out.hub_rate), floor(Channel::HubRate)),
-        (out.motor_rate.as_mut(), floor(Channel::MotorRate)),
-        (out.hub_position.as_mut(), floor(Channel::HubPosition)),
-        (Some(&mut out.platform_rate), p.sensors.platform_gyro.noise_rms),
-        (Some(&mut out.platform_accel), p.sensors.platform_accelerometer.noise_rms),
+        (MeasuredColumn::Control, floor(Channel::Control)),
+        (MeasuredColumn::HubRate, floor(Channel::HubRate)),
+        (MeasuredColumn::MotorRate, floor(Channel::MotorRate)),
+        (MeasuredColumn::HubPosition, floor(Channel::HubPosition)),
+        (MeasuredColumn::PlatformRate, p.sensors.platform_gyro.noise_rms),
+        (MeasuredColumn::PlatformAccel, p.sensors.platform_accelerometer.noise_rms),
     ];
     let mut normal = normals();
     for (column, size) in columns {
-        column.into_iter().flatten().for_each(|value| *value += size * normal());
+        out.recorded_mut(column).iter_mut().for_each(|value| *value += size * normal());
     }
     out
 }

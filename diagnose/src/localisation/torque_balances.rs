@@ -117,21 +117,21 @@ impl<'a> Signals<'a> {
         let inertial = m.with_inertial_rate();
         let m = inertial.as_ref();
         let smooth = |series: &[f64]| low_pass(series, BALANCE_SMOOTHING);
-        let (hub, platform) = (smooth(&m.hub_rate), smooth(&m.platform_rate));
+        let (hub, platform) = (smooth(m.hub_rate()), smooth(m.platform_rate()));
         let relative: Vec<f64> = hub.iter().zip(&platform).map(|(h, p)| h - p).collect();
         let geared = || relative.iter().map(|w| w * p.gearbox.ratio).collect();
-        let motor = m.motor_rate.as_ref().map_or_else(geared, |w| smooth(w));
-        let angle = m.hub_position.as_ref().map_or_else(|| integral(&relative, m.period_s), |a| smooth(a));
+        let motor = m.motor_rate().map_or_else(geared, smooth);
+        let angle = m.hub_position().map_or_else(|| integral(&relative, m.period_s), smooth);
         let [pivot, shaft] = slow.unwrap_or_else(|| [slow_rate(&relative), slow_rate(&motor)]);
         let mut signals = Self {
             p,
             period_s: m.period_s,
-            control: smooth(&m.control),
-            heave: smooth(&m.platform_accel),
+            control: smooth(m.control()),
+            heave: smooth(m.platform_accel()),
             acceleration: derivative(&hub, m.period_s),
             sliding: relative.iter().map(|w| (w / pivot).tanh()).collect(),
             turning: motor.iter().map(|w| (w / shaft).tanh()).collect(),
-            motor_measured: m.motor_rate.is_some(),
+            motor_measured: m.recorded.motor_rate,
             hub,
             platform,
             motor,

@@ -3,45 +3,98 @@
 use std::borrow::Cow;
 
 use counterpoise_models::FeedbackSignal;
-use counterpoise_recordings::{Channel, Recording};
+use counterpoise_recordings::{Channel, ColumnName, Recording, Signals};
 
+use crate::machine::RedundantSensors;
 use crate::recording::series::derivative;
+
+/// A column of the measured signals.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MeasuredColumn {
+    /// Control, V.
+    Control,
+    /// Hub rate, rad/s; in a loop of another quantity the reading of its sensor.
+    HubRate,
+    /// Platform rate, rad/s.
+    PlatformRate,
+    /// Heave, m/s^2.
+    PlatformAccel,
+    /// Motor rate, rad/s; 0 if it was not recorded.
+    MotorRate,
+    /// Hub angle on the platform, rad; 0 if it was not recorded.
+    HubPosition,
+}
+
+impl ColumnName for MeasuredColumn {
+    fn index(self) -> usize {
+        self as usize
+    }
+}
 
 /// The measured signals of one recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredSignals {
     /// Sample period, s.
     pub period_s: f64,
-    /// Control, V.
-    pub control: Vec<f64>,
     /// What the loop's sensor measures, which is recorded as the hub rate.
     pub measured: FeedbackSignal,
-    /// Hub rate, rad/s; in a loop of another quantity the reading of its sensor.
-    pub hub_rate: Vec<f64>,
-    /// Platform rate, rad/s.
-    pub platform_rate: Vec<f64>,
-    /// Heave, m/s^2.
-    pub platform_accel: Vec<f64>,
-    /// Motor rate, rad/s.
-    pub motor_rate: Option<Vec<f64>>,
-    /// Hub angle on the platform, rad.
-    pub hub_position: Option<Vec<f64>>,
+    /// Which of the columns were recorded that a machine can do without.
+    pub recorded: RedundantSensors,
+    /// The samples, in all columns of [`MeasuredColumn`].
+    pub signals: Signals<MeasuredColumn>,
 }
 
 impl MeasuredSignals {
+    /// Returns the control, V.
+    pub fn control(&self) -> &[f64] {
+        self.signals.column(MeasuredColumn::Control)
+    }
+
+    /// Returns the hub rate, rad/s; in a loop of another quantity the reading of its sensor.
+    pub fn hub_rate(&self) -> &[f64] {
+        self.signals.column(MeasuredColumn::HubRate)
+    }
+
+    /// Returns the platform's rate, rad/s.
+    pub fn platform_rate(&self) -> &[f64] {
+        self.signals.column(MeasuredColumn::PlatformRate)
+    }
+
+    /// Returns the heave, m/s^2.
+    pub fn platform_accel(&self) -> &[f64] {
+        self.signals.column(MeasuredColumn::PlatformAccel)
+    }
+
+    /// Returns the motor's rate, rad/s, if it was recorded.
+    pub fn motor_rate(&self) -> Option<&[f64]> {
+        self.recorded.motor_rate.then(|| self.signals.column(MeasuredColumn::MotorRate))
+    }
+
+    /// Returns the hub's angle on the platform, rad, if it was recorded.
+    pub fn hub_position(&self) -> Option<&[f64]> {
+        self.recorded.hub_position.then(|| self.signals.column(MeasuredColumn::HubPosition))
+    }
+
+    /// Returns the samples of a column, to be changed; none if it was not recorded.
+    pub fn recorded_mut(&mut self, column: MeasuredColumn) -> &mut [f64] {
+        let is_recorded = match column {
+            MeasuredColumn::MotorRate => self.recorded.motor_rate,
+            MeasuredColumn::HubPosition => self.recorded.hub_position,
+            _ => true,
+        };
+        if is_recorded { self.signals.column_mut(column) } else { &mut [] }
+    }
+
     /// Returns the rate of the hub on the platform that the loop's sensor shows, rad/s: its reading less the platform's rate, its reading,
     /// or the derivative of its reading.
     pub fn relative_rate(&self) -> Vec<f64> {
+        let reading = self.hub_rate();
         match self.measured {
-            FeedbackSignal::HubRate => {
-                self.hub_rate.iter().zip(&self.platform_rate).map(|(h, p)| h - p).collect()
-            }
-            FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate => self.hub_rate.clone(),
-            FeedbackSignal::HubPosition | FeedbackSignal::MotorPosition => {
-                derivative(&self.hub_rate, self.period_s)
-            }
+            FeedbackSignal::HubRate => reading.iter().zip(self.platform_rate()).map(|(h, p)| h - p).collect(),
+            FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate => reading.to_vec(),
+            FeedbackSignal::HubPosition | FeedbackSignal::MotorPosition => derivative(reading, self.period_s),
             // Of a torque or a current there are no signals: see [`read_signals`].
-            FeedbackSignal::Torque | FeedbackSignal::Current => vec![f64::NAN; self.hub_rate.len()],
+            FeedbackSignal::Torque | FeedbackSignal::Current => vec![f64::NAN; reading.len()],
         }
     }
 
@@ -51,11 +104,16 @@ impl MeasuredSignals {
         if self.measured == FeedbackSignal::HubRate {
             return Cow::Borrowed(self);
         }
+        let mut out = Self { measured: FeedbackSignal::HubRate, ..self.clone() };
         let relative = self.relative_rate();
-        let hub_rate = relative.iter().zip(&self.platform_rate).map(|(r, p)| r + p).collect();
-        let own = self.measured.is_position().then(|| self.hub_rate.clone());
-        let hub_position = self.hub_position.clone().or(own);
-        Cow::Owned(Self { measured: FeedbackSignal::HubRate, hub_rate, hub_position, ..self.clone() })
+        let inertial = relative.iter().zip(self.platform_rate()).map(|(r, p)| r + p);
+        let hub_rate = out.signals.column_mut(MeasuredColumn::HubRate);
+        hub_rate.iter_mut().zip(inertial).for_each(|(place, rate)| *place = rate);
+        if self.measured.is_position() && !self.recorded.hub_position {
+            out.signals.column_mut(MeasuredColumn::HubPosition).copy_from_slice(self.hub_rate());
+            out.recorded.hub_position = true;
+        }
+        Cow::Owned(out)
     }
 }
 
@@ -65,16 +123,23 @@ pub fn read_signals(recording: &Recording, measured: FeedbackSignal) -> Option<M
     if measured.is_effort() {
         return None;
     }
-    let recorded = |channel| recording.samples(channel).map(<[f64]>::to_vec);
-    let still = || vec![0.0; recording.len()];
+    let (control, hub_rate) = (recording.samples(Channel::Control)?, recording.samples(Channel::HubRate)?);
+    let still = vec![0.0; recording.len()];
+    let or_still = |channel| recording.samples(channel).unwrap_or(&still);
     Some(MeasuredSignals {
         period_s: recording.sample_period_s,
         measured,
-        control: recorded(Channel::Control)?,
-        hub_rate: recorded(Channel::HubRate)?,
-        platform_rate: recorded(Channel::PlatformRate).unwrap_or_else(still),
-        platform_accel: recorded(Channel::PlatformAccel).unwrap_or_else(still),
-        motor_rate: recorded(Channel::MotorRate),
-        hub_position: recorded(Channel::HubPosition),
+        recorded: RedundantSensors {
+            motor_rate: recording.samples(Channel::MotorRate).is_some(),
+            hub_position: recording.samples(Channel::HubPosition).is_some(),
+        },
+        signals: Signals::stack([
+            control,
+            hub_rate,
+            or_still(Channel::PlatformRate),
+            or_still(Channel::PlatformAccel),
+            or_still(Channel::MotorRate),
+            or_still(Channel::HubPosition),
+        ]),
     })
 }

@@ -233,13 +233,13 @@ fn offset(reference: &[f64], rate: &[f64], period_s: f64) -> Option<(f64, bool)>
 
 fn channels(m: &MeasuredSignals) -> Vec<(Channel, &[f64])> {
     let mut out: Vec<(Channel, &[f64])> = vec![
-        (Channel::Control, &m.control),
-        (Channel::HubRate, &m.hub_rate),
-        (Channel::PlatformRate, &m.platform_rate),
-        (Channel::PlatformAccel, &m.platform_accel),
+        (Channel::Control, m.control()),
+        (Channel::HubRate, m.hub_rate()),
+        (Channel::PlatformRate, m.platform_rate()),
+        (Channel::PlatformAccel, m.platform_accel()),
     ];
-    out.extend(m.motor_rate.as_deref().map(|series| (Channel::MotorRate, series)));
-    out.extend(m.hub_position.as_deref().map(|series| (Channel::HubPosition, series)));
+    out.extend(m.motor_rate().map(|series| (Channel::MotorRate, series)));
+    out.extend(m.hub_position().map(|series| (Channel::HubPosition, series)));
     out
 }
 
@@ -313,11 +313,11 @@ fn redundant_rates(m: &MeasuredSignals, ratio: f64) -> Vec<(Channel, Vec<f64>, V
     let smooth = |series: &[f64]| remove_mean(&moving(series, half));
     let reference = smooth(&relative);
     let mut out = Vec::new();
-    if let Some(motor) = &m.motor_rate {
+    if let Some(motor) = m.motor_rate() {
         let geared: Vec<f64> = motor.iter().map(|w| w / ratio).collect();
         out.push((Channel::MotorRate, reference.clone(), smooth(&geared)));
     }
-    if let Some(position) = &m.hub_position {
+    if let Some(position) = m.hub_position() {
         let rate: Vec<f64> =
             (0..position.len()).map(|k| slope_at(position, k, half.max(1)) / m.period_s).collect();
         out.push((Channel::HubPosition, reference, remove_mean(&rate)));
@@ -388,28 +388,42 @@ fn meaning(slope: f64, coherence: f64) -> Option<Meaning> {
 
 #[cfg(test)]
 mod tests {
+    use counterpoise_recordings::Signals;
+
     use super::*;
+    use crate::machine::RedundantSensors;
+    use crate::recording::measured_signals::MeasuredColumn;
 
     fn machine() -> MeasuredSignals {
         let rate: Vec<f64> = (0..5000).map(|k| 0.1 * (k as f64 * 0.004).sin()).collect();
         let mut angle = 0.0;
-        let position = rate
+        let position: Vec<f64> = rate
             .iter()
             .map(|w| {
                 angle += w * 1e-3;
                 angle
             })
             .collect();
+        let times = |factor: f64| rate.iter().map(|w| factor * w).collect::<Vec<f64>>();
+        let still = vec![0.0; 5000];
         MeasuredSignals {
             period_s: 1e-3,
             measured: counterpoise_models::FeedbackSignal::HubRate,
-            control: rate.iter().map(|w| 10.0 * w).collect(),
-            platform_rate: vec![0.0; 5000],
-            platform_accel: vec![0.0; 5000],
-            motor_rate: Some(rate.iter().map(|w| 200.0 * w).collect()),
-            hub_position: Some(position),
-            hub_rate: rate,
+            recorded: RedundantSensors { motor_rate: true, hub_position: true },
+            signals: Signals::stack([&times(10.0)[..], &rate, &still, &still, &times(200.0), &position]),
         }
+    }
+
+    /// Changes every sample of a column.
+    fn change(machine: &mut MeasuredSignals, column: MeasuredColumn, to: impl Fn(f64) -> f64) {
+        machine.recorded_mut(column).iter_mut().for_each(|value| *value = to(*value));
+    }
+
+    /// Replaces the motor's sample `k` by an earlier one.
+    fn delay_motor(machine: &mut MeasuredSignals, from: impl Fn(usize) -> usize) {
+        let motor = machine.motor_rate().unwrap().to_vec();
+        let places = machine.recorded_mut(MeasuredColumn::MotorRate).iter_mut().enumerate();
+        places.for_each(|(k, place)| *place = motor[from(k)]);
     }
 
     /// The first anomaly of a machine.
@@ -425,13 +439,13 @@ mod tests {
     #[test]
     fn swapped_sign_degrees_and_gaps_are_named() {
         let mut swapped = machine();
-        swapped.motor_rate = swapped.motor_rate.map(|w| w.iter().map(|v| -v).collect());
+        change(&mut swapped, MeasuredColumn::MotorRate, |w| -w);
         assert!(matches!(anomaly(&swapped), Anomaly::Disagrees { meaning: Meaning::SignSwapped, .. }));
         let mut degrees = machine();
-        degrees.hub_position = degrees.hub_position.map(|a| a.iter().map(|v| v.to_degrees()).collect());
+        change(&mut degrees, MeasuredColumn::HubPosition, f64::to_degrees);
         assert!(matches!(anomaly(&degrees), Anomaly::Disagrees { meaning: Meaning::InDegrees, .. }));
         let mut gap = machine();
-        gap.hub_rate[17] = f64::NAN;
+        gap.recorded_mut(MeasuredColumn::HubRate)[17] = f64::NAN;
         let remark = &check_signals("r", &gap, 200.0)[0];
         assert_eq!(
             (remark.channel, remark.anomaly),
@@ -442,29 +456,27 @@ mod tests {
     #[test]
     fn a_clock_offset_is_told_with_its_size() {
         let mut late = machine();
-        late.motor_rate = late.motor_rate.map(|w| (0..w.len()).map(|k| w[k.saturating_sub(30)]).collect());
+        delay_motor(&mut late, |k| k.saturating_sub(30));
         assert!(matches!(anomaly(&late), Anomaly::ClockOffset { late_s } if (late_s - 0.03).abs() < 1e-9));
     }
 
     #[test]
     fn a_clock_that_drifts_is_told_and_no_slope_is_made_of_missing_samples() {
         let mut slow = machine();
-        slow.motor_rate = slow.motor_rate.map(|w| (0..w.len()).map(|k| w[k - k / 100]).collect());
+        delay_motor(&mut slow, |k| k - k / 100);
         let remark = &check_signals("r", &slow, 200.0)[0];
         let is_slow =
             matches!(remark.anomaly, Anomaly::ClockDrift { slow, .. } if (slow - 0.01).abs() < 5e-4);
         assert!(remark.channel == Channel::MotorRate && is_slow, "{remark:?}");
         let mut holes = machine();
-        if let Some(motor) = holes.motor_rate.as_mut() {
-            motor[1000..2500].fill(f64::NAN);
-        }
+        holes.recorded_mut(MeasuredColumn::MotorRate)[1000..2500].fill(f64::NAN);
         assert_eq!(check_signals("r", &holes, 200.0).len(), 1);
     }
 
     #[test]
     fn when_motor_and_resolver_agree_the_gyroscope_is_wrong() {
         let mut swapped = machine();
-        swapped.hub_rate.iter_mut().for_each(|w| *w = -*w);
+        change(&mut swapped, MeasuredColumn::HubRate, |w| -w);
         let remarks = check_signals("r", &swapped, 200.0);
         assert_eq!((remarks.len(), remarks[0].channel), (1, Channel::HubRate));
         let swapped =
@@ -475,7 +487,7 @@ mod tests {
     #[test]
     fn clipping_is_seen() {
         let mut clipped = machine();
-        clipped.control.iter_mut().for_each(|u| *u = u.clamp(-0.5, 0.5));
+        change(&mut clipped, MeasuredColumn::Control, |u| u.clamp(-0.5, 0.5));
         assert!(matches!(anomaly(&clipped), Anomaly::FlatTops { .. }));
     }
 }

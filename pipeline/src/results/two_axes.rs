@@ -1,7 +1,9 @@
 //! Both axes verified together, as plain data.
 
+use counterpoise_recordings::{ColumnName, Signals};
 use counterpoise_verify::{JointRun, JointVerification, Verdict};
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 
 /// Both axes together.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -45,8 +47,8 @@ pub struct JointFigureResult {
     pub unit: &'static str,
 }
 
-/// A run of both axes in samples.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// A run of both axes in samples. Each column is a key of its own in the results.
+#[derive(Debug, Clone, PartialEq)]
 pub struct JointHistoryResult {
     /// Beginning of the keys of its figures.
     pub experiment: &'static str,
@@ -54,18 +56,56 @@ pub struct JointHistoryResult {
     pub sample_period_s: f64,
     /// How often a sample was taken on the average, until the torques between the axes no longer changed.
     pub passes_per_sample: f64,
+    /// The samples.
+    pub signals: Signals<JointColumn>,
+}
+
+/// A column of a run of both axes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JointColumn {
     /// Inertial rate of the elevation axis, rad/s.
-    pub elevation_rate_rad_s: Vec<f64>,
+    ElevationRate,
     /// Inertial rate of the ring about its axis, rad/s.
-    pub ring_rate_rad_s: Vec<f64>,
+    RingRate,
     /// Inertial rate in cross-elevation, rad/s.
-    pub cross_elevation_rate_rad_s: Vec<f64>,
+    CrossElevationRate,
     /// Elevation relative to the ring, rad.
-    pub elevation_rad: Vec<f64>,
+    Elevation,
     /// Control of the elevation axis, V.
-    pub elevation_control_v: Vec<f64>,
+    ElevationControl,
     /// Control of the traverse axis, V.
-    pub traverse_control_v: Vec<f64>,
+    TraverseControl,
+}
+
+impl JointColumn {
+    /// The columns with their keys in the results.
+    const KEYS: [(Self, &'static str); 6] = [
+        (Self::ElevationRate, "elevation_rate_rad_s"),
+        (Self::RingRate, "ring_rate_rad_s"),
+        (Self::CrossElevationRate, "cross_elevation_rate_rad_s"),
+        (Self::Elevation, "elevation_rad"),
+        (Self::ElevationControl, "elevation_control_v"),
+        (Self::TraverseControl, "traverse_control_v"),
+    ];
+}
+
+impl ColumnName for JointColumn {
+    fn index(self) -> usize {
+        self as usize
+    }
+}
+
+impl Serialize for JointHistoryResult {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(3 + JointColumn::KEYS.len()))?;
+        map.serialize_entry("experiment", self.experiment)?;
+        map.serialize_entry("sample_period_s", &self.sample_period_s)?;
+        map.serialize_entry("passes_per_sample", &self.passes_per_sample)?;
+        for (column, key) in JointColumn::KEYS {
+            map.serialize_entry(key, self.signals.column(column))?;
+        }
+        map.end()
+    }
 }
 
 impl From<&JointVerification> for JointResult {
@@ -106,12 +146,14 @@ impl From<&JointRun> for JointHistoryResult {
             experiment: run.experiment.key(),
             sample_period_s: history.elevation.sample_period_s,
             passes_per_sample: history.passes_per_sample,
-            elevation_rate_rad_s: history.elevation.truth.hub_rate_rad_s().to_vec(),
-            ring_rate_rad_s: history.traverse.truth.hub_rate_rad_s().to_vec(),
-            cross_elevation_rate_rad_s: history.cross_elevation_rate_rad_s.clone(),
-            elevation_rad: history.elevation_rad.clone(),
-            elevation_control_v: history.elevation.readings.control_v().to_vec(),
-            traverse_control_v: history.traverse.readings.control_v().to_vec(),
+            signals: Signals::stack([
+                history.elevation.truth.hub_rate_rad_s(),
+                history.traverse.truth.hub_rate_rad_s(),
+                &history.cross_elevation_rate_rad_s,
+                &history.elevation_rad,
+                history.elevation.readings.control_v(),
+                history.traverse.readings.control_v(),
+            ]),
         }
     }
 }

@@ -8,7 +8,7 @@ use counterpoise_models::ControlledQuantity;
 
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{
-    Arrangement, Figure, LoopFigure, Model, Procedure, Quantity, RestFigure, SightFigure, Source,
+    Arrangement, Figure, LoopFigure, Model, Procedure, Quantity, RestFigure, RoadOrigin, SightFigure, Source,
     Verification,
 };
 
@@ -87,7 +87,10 @@ fn size(source: Source, procedure: &Procedure) -> String {
         Source::Road => match &procedure.road {
             Some(road) => {
                 let (heave, pitch) = (rms(road.heave_m_s2()), rms(road.pitch_rate_rad_s()));
-                format!("the road \"{}\", RMS heave {heave:.3} m/s^2 and pitch {pitch:.4} rad/s", road.name)
+                format!(
+                    "the road \"{}\", RMS heave {heave:.3} m/s^2 and pitch {pitch:.4} rad/s",
+                    describe_road(&road.origin)
+                )
             }
             None => "the road".to_owned(),
         },
@@ -238,6 +241,22 @@ fn triangle(of: &Judged<'_>) -> String {
     }
 }
 
+/// Returns the name of a platform motion: the recording's file, or what generates the motion.
+fn describe_road(origin: &RoadOrigin) -> String {
+    match origin {
+        RoadOrigin::Recording(file) => file.clone(),
+        RoadOrigin::IsoRoad { class, speed_m_s } => format!("ISO 8608 class {class:?} at {speed_m_s} m/s"),
+        RoadOrigin::Sea { significant_height_m, seed } => {
+            format!("sea of {significant_height_m} m, seed {seed}")
+        }
+        RoadOrigin::SixAxes { seed } => format!("motion of six axes, seed {seed}"),
+        RoadOrigin::Spectrum { seed } => format!("motion of a given spectrum, seed {seed}"),
+        RoadOrigin::MotionSimulator { offset_m } => {
+            format!("platform motion simulator, pivot {offset_m} m in front of its axis")
+        }
+    }
+}
+
 fn motion(source: Source, procedure: &Procedure) -> String {
     let heave = format!("heave {} m/s^2 at {} Hz", procedure.heave.amplitude, procedure.heave.frequency_hz);
     let pitch = format!("pitch {} rad/s at {} Hz", procedure.pitch.amplitude, procedure.pitch.frequency_hz);
@@ -246,7 +265,7 @@ fn motion(source: Source, procedure: &Procedure) -> String {
         Source::Pitch => format!("{pitch}, {} s", procedure.duration_s),
         Source::Both => format!("{heave} and {pitch}, {} s", procedure.duration_s),
         Source::Road => match &procedure.road {
-            Some(road) => format!("road \"{}\", {:.1} s", road.name, road.duration_s()),
+            Some(road) => format!("road \"{}\", {:.1} s", describe_road(&road.origin), road.duration_s()),
             None => "road that the project does not have".to_owned(),
         },
     }
@@ -277,7 +296,27 @@ fn recorded_signal(quantity: Quantity, of: &Judged<'_>) -> String {
 
 #[cfg(test)]
 mod tests {
+    use counterpoise_verify::signals::RoadClass;
+
     use super::*;
+
+    #[test]
+    fn a_road_is_named_by_its_file_or_by_what_generates_it() {
+        let named = [
+            (RoadOrigin::Recording("drive.csv".to_owned()), "drive.csv"),
+            (RoadOrigin::IsoRoad { class: RoadClass::D, speed_m_s: 12.5 }, "ISO 8608 class D at 12.5 m/s"),
+            (RoadOrigin::Sea { significant_height_m: 3.0, seed: 7 }, "sea of 3 m, seed 7"),
+            (RoadOrigin::SixAxes { seed: 1 }, "motion of six axes, seed 1"),
+            (RoadOrigin::Spectrum { seed: 2 }, "motion of a given spectrum, seed 2"),
+            (
+                RoadOrigin::MotionSimulator { offset_m: 0.4 },
+                "platform motion simulator, pivot 0.4 m in front of its axis",
+            ),
+        ];
+        for (origin, name) in named {
+            assert_eq!(describe_road(&origin), name);
+        }
+    }
 
     #[test]
     fn every_figure_has_a_run_and_a_test_of_its_own_motion() {

@@ -1,6 +1,6 @@
 //! A model without a name in sentences: what a free function acts on, over which range, and what its curve says.
 
-use counterpoise_diagnose::findings::channel_fits::Channels;
+use counterpoise_diagnose::findings::channel_fits::PooledFits;
 use counterpoise_diagnose::learning::reading::{CurveReading, Form, ReadElement};
 use counterpoise_diagnose::learning::visited_ranges::RangeExceedance;
 use counterpoise_diagnose::learning::{LearnedModel, LearnedPart};
@@ -22,7 +22,7 @@ pub struct LearnedText {
     /// The functions, the one that explains most first.
     pub functions: Vec<LearnedFunctionText>,
     /// Fit of all data with the functions.
-    pub after: Channels,
+    pub after: PooledFits,
 }
 
 /// A free function.

@@ -3,7 +3,6 @@
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_diagnose::findings::localisation_chart::ChartRow;
 use counterpoise_diagnose::localisation::error_hypotheses::Regime;
-use counterpoise_recordings::Channel;
 use counterpoise_report::wording::answer::{
     AnswerText, FindingText, component_list, describe_verdict, unit_suffix,
 };
@@ -77,10 +76,9 @@ fn show_fit(ui: &mut Ui, view: &StudioView, answer: &AnswerText) {
             ui.label(RichText::new(head).small().color(theme.weak));
         }
         ui.end_row();
-        for (channel, before) in &answer.fit.before {
-            let known = Channel::ALL.into_iter().find(|c| c.name() == *channel);
-            let DisplayUnit { name: unit, factor } = view.units.display_unit(known.map_or("", Channel::unit));
-            let name = format!("{}, {unit}", channel.replace('_', " "));
+        for (channel, before) in answer.fit.before.iter() {
+            let DisplayUnit { name: unit, factor } = view.units.display_unit(channel.unit());
+            let name = format!("{}, {unit}", channel.name().replace('_', " "));
             ui.label(name.trim_end_matches(", "));
             ui.label(format_short(factor * before.floor));
             ui.label(format_short(factor * before.rms_error));

@@ -51,9 +51,10 @@ fn print(seed: u64, nominal: &Parameters, case: &Case, answer: &Answer, seconds:
         finding.parameters.iter().for_each(|p| println!("    {} {} {:?}", p.name, p.value, p.ci95));
         finding.alternatives.iter().for_each(|a| println!("    or {} {}", a.component, a.effect));
     }
-    for (channel, before) in &answer.fit.before {
+    for (channel, before) in answer.fit.before.iter() {
+        let name = channel.name();
         let after = answer.fit.after.get(channel).map_or(f64::NAN, |c| c.rms_error / c.floor);
-        println!("  {channel}: {:.3} floors before, {after:.3} after", before.rms_error / before.floor);
+        println!("  {name}: {:.3} floors before, {after:.3} after", before.rms_error / before.floor);
     }
     for h in &answer.hypotheses {
         let beside: Vec<String> = h.beside.iter().map(|n| format!("{} {}", n.component, n.effect)).collect();

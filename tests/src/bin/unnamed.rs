@@ -7,7 +7,7 @@ use std::sync::Mutex;
 
 use counterpoise_diagnose::diagnose;
 use counterpoise_diagnose::findings::answer::{Answer, DiagnosisVerdict};
-use counterpoise_diagnose::findings::channel_fits::Channels;
+use counterpoise_diagnose::findings::channel_fits::PooledFits;
 use counterpoise_models::reference;
 use counterpoise_pool::Serial;
 use counterpoise_report::wording::learned::describe_learned;
@@ -86,7 +86,7 @@ fn score_seed(seed: u64) -> Option<Score> {
 }
 
 fn of(shape: &'static str, answer: &Answer, seconds: f64) -> Score {
-    let worst = |table: &Channels| table.values().map(|c| c.rms_error / c.floor).fold(0.0, f64::max);
+    let worst = |table: &PooledFits| table.values().map(|c| c.rms_error / c.floor).fold(0.0, f64::max);
     let [before, after] = answer.learned.as_ref().map_or_else(
         || [worst(&answer.fit.held_out_before), worst(&answer.fit.held_out_after)],
         |l| l.worst_held_out,

@@ -1,7 +1,7 @@
 //! How one answer stands to its sealed truth: a line of the score.
 
 use counterpoise_diagnose::findings::answer::{Answer, DiagnosisVerdict, Finding, Name};
-use counterpoise_diagnose::findings::channel_fits::{Channels, PooledFit};
+use counterpoise_diagnose::findings::channel_fits::{PooledFit, PooledFits};
 use counterpoise_diagnose::library::EffectName;
 use counterpoise_recordings::{Channel, Recording};
 use serde::{Deserialize, Serialize};
@@ -193,13 +193,13 @@ fn size(case: &Case, index: usize, answer: &Answer) -> f64 {
     let mut largest: f64 = 0.0;
     for (with, without) in case.recordings.iter().zip(&case.without[index]) {
         let channels = [
-            ("control", &with.control, &without.control),
-            ("hub_rate", &with.hub_rate, &without.hub_rate),
-            ("motor_rate", &with.motor_rate, &without.motor_rate),
-            ("hub_position", &with.hub_position, &without.hub_position),
+            (Channel::Control, &with.control, &without.control),
+            (Channel::HubRate, &with.hub_rate, &without.hub_rate),
+            (Channel::MotorRate, &with.motor_rate, &without.motor_rate),
+            (Channel::HubPosition, &with.hub_position, &without.hub_position),
         ];
-        for (name, a, b) in channels {
-            let Some(fit) = answer.fit.before.get(name) else { continue };
+        for (channel, a, b) in channels {
+            let Some(fit) = answer.fit.before.get(channel) else { continue };
             let square = a.iter().zip(b).map(|(x, y)| (x - y).powi(2)).sum::<f64>() / a.len() as f64;
             largest = largest.max(square.sqrt() / fit.floor);
         }
@@ -208,14 +208,14 @@ fn size(case: &Case, index: usize, answer: &Answer) -> f64 {
 }
 
 /// Mean ln(RMS / floor) of the channels, 0 at the floor.
-fn distance(channels: &Channels) -> f64 {
+fn distance(channels: &PooledFits) -> f64 {
     let sum: f64 = channels.values().map(|c| c.pooled_residual_over_floor().max(1.0).ln()).sum();
-    sum / channels.len().max(1) as f64
+    sum / channels.values().count().max(1) as f64
 }
 
 fn is_damaged(answer: &Answer) -> bool {
     answer.fit.held_out_after.iter().any(|(channel, after)| {
-        let before = answer.fit.held_out_before[channel];
+        let before = answer.fit.held_out_before.get(channel).unwrap();
         after.rms_error > 1.05 * before.rms_error.max(before.floor)
     })
 }

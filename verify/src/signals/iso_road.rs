@@ -16,22 +16,9 @@ use super::filter::from_rest;
 use super::four_wheels::{coherence_function, roll_dynamics};
 use super::six_axes::{BaseSeries, felt_road, phases};
 use super::vehicle::Vehicle;
-use crate::{Error, Road};
+use crate::{Error, Road, RoadOrigin};
 
-/// Roughness class.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RoadClass {
-    /// Very good.
-    A,
-    /// Good.
-    B,
-    /// Average.
-    C,
-    /// Poor.
-    D,
-    /// Very poor: rough track.
-    E,
-}
+pub use crate::procedure::RoadClass;
 
 /// A drive over a road.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,13 +79,13 @@ struct Tone {
 /// [`Error::Range`] for a speed, duration or period that is not positive, and a vehicle without mass.
 pub fn iso_road(drive: RoadDrive, vehicle: Vehicle, gravity_m_s2: f64) -> Result<Road, Error> {
     check(drive, vehicle)?;
-    let name = format!("ISO 8608 class {:?} at {} m/s", drive.class, drive.speed_m_s);
+    let origin = RoadOrigin::IsoRoad { class: drive.class, speed_m_s: drive.speed_m_s };
     let tones = profile(drive);
     let Some(sides) = vehicle.sides else {
         let [heave_m_s2, pitch_rate_rad_s] = motion(drive, vehicle, &dynamics(vehicle)?, &tones)?;
         let sample_period_s = drive.sample_period_s;
         return Ok(Road {
-            name,
+            origin,
             sample_period_s,
             signals: Signals::stack([&heave_m_s2[..], &pitch_rate_rad_s]),
         });
@@ -122,7 +109,7 @@ pub fn iso_road(drive: RoadDrive, vehicle: Vehicle, gravity_m_s2: f64) -> Result
         let sway = -sides.pivot_height_m * roll_acceleration[k];
         series.set(k, [0.0, sway, heave[k], roll_rate[k], pitch_rate[k], 0.0]);
     }
-    Ok(felt_road(name, &series, Traverse::default(), gravity_m_s2))
+    Ok(felt_road(origin, &series, Traverse::default(), gravity_m_s2))
 }
 
 /// The two outputs of a system from the road under the front and the rear axle, over time.

@@ -19,7 +19,7 @@ use counterpoise_models::base_motion::Traverse;
 
 use super::six_axes::{BaseSeries, felt_road, phases};
 use super::spectrum::{MotionRealisation, SINES, check, range_error, window};
-use crate::{Error, Road};
+use crate::{Error, Road, RoadOrigin};
 
 /// Shape of the spectrum of the waves' height.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -201,8 +201,9 @@ impl Sea {
             }
             series.set(k, now.map(|value| faded * value));
         }
-        let name = format!("sea of {} m, seed {}", self.waves.significant_height_m, how.seed);
-        Ok(felt_road(name, &series, self.traverse, gravity_m_s2))
+        let significant_height_m = self.waves.significant_height_m;
+        let origin = RoadOrigin::Sea { significant_height_m, seed: how.seed };
+        Ok(felt_road(origin, &series, self.traverse, gravity_m_s2))
     }
 
     /// Checks waves and ship, without realising their motion.

@@ -15,7 +15,7 @@ use super::spectrum::{
     MotionRealisation, MotionTone, PERIOD_S, SINES, check, check_density, frequency, power_in_band,
     range_error, sine_tones, sum, window,
 };
-use crate::{Error, Road, RoadColumn};
+use crate::{Error, Road, RoadColumn, RoadOrigin};
 
 /// Motion of one axis, m/s^2 or rad/s.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -58,7 +58,12 @@ impl BaseSeries {
 }
 
 /// Returns what the elevation axis feels of a base's motion.
-pub(super) fn felt_road(name: String, series: &BaseSeries, traverse: Traverse, gravity_m_s2: f64) -> Road {
+pub(super) fn felt_road(
+    origin: RoadOrigin,
+    series: &BaseSeries,
+    traverse: Traverse,
+    gravity_m_s2: f64,
+) -> Road {
     let accelerations: Vec<[f64; 3]> = series.rows.iter().map(|row| [row[0], row[1], row[2]]).collect();
     // nose-up is the negative sense about the axis to the left
     let rates: Vec<[f64; 3]> = series.rows.iter().map(|row| [row[3], -row[4], row[5]]).collect();
@@ -74,7 +79,7 @@ pub(super) fn felt_road(name: String, series: &BaseSeries, traverse: Traverse, g
             at.yaw_rate_rad_s,
         ]);
     }
-    Road { name, sample_period_s: series.period_s, signals }
+    Road { origin, sample_period_s: series.period_s, signals }
 }
 
 /// Names of the axes of [`SixAxes`], in their order.
@@ -103,8 +108,8 @@ impl SixAxes {
                 row[axis] = window(t, how)[0] * sum(tones, t)[0];
             }
         }
-        let name = format!("motion of six axes, seed {}", how.seed);
-        Ok(felt_road(name, &series, self.traverse, gravity_m_s2))
+        let origin = RoadOrigin::SixAxes { seed: how.seed };
+        Ok(felt_road(origin, &series, self.traverse, gravity_m_s2))
     }
 
     /// Checks the motion, without realising it.

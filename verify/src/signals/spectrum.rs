@@ -11,7 +11,7 @@ use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
 use crate::tolerance::FLAT_EXPONENT;
-use crate::{Error, Road};
+use crate::{Error, Road, RoadOrigin};
 
 /// A sine of a platform's motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,7 +60,7 @@ pub fn random_motion(heave: &[[f64; 2]], pitch: &[[f64; 2]], how: MotionRealisat
         Ok((0..samples).map(at).collect())
     };
     Ok(Road {
-        name: format!("motion of a given spectrum, seed {}", how.seed),
+        origin: RoadOrigin::Spectrum { seed: how.seed },
         sample_period_s: PERIOD_S,
         signals: Signals::stack([&series(heave, 0)?[..], &series(pitch, PITCH_STREAM)?]),
     })
@@ -86,9 +86,8 @@ pub fn pitch_simulator(angle: &[MotionTone], offset_m: f64, how: MotionRealisati
         (offset_m * (w[2] * x[0] + 2.0 * w[1] * x[1] + w[0] * x[2]), rate)
     };
     let (heave_m_s2, pitch_rate_rad_s): (Vec<f64>, Vec<f64>) = (0..samples).map(at).unzip();
-    let name = format!("platform motion simulator, pivot {offset_m} m in front of its axis");
     Ok(Road {
-        name,
+        origin: RoadOrigin::MotionSimulator { offset_m },
         sample_period_s: PERIOD_S,
         signals: Signals::stack([&heave_m_s2[..], &pitch_rate_rad_s]),
     })
