@@ -1,10 +1,10 @@
 //! What a project file leaves open, at the worst that is usual, for a first design to hold.
 //!
-//! A transmission whose stiffness is not stated is rigid in model and simulator, a sensor has neither noise nor lag, and a target takes no time. A loop that is
-//! as quick as they allow may be unstable, or drown in noise, on the machine. So the loop must hold the machine with the softest transmission, the latest sensor
-//! and the latest control that are usual, and its control must bear the noise and the steps of a usual sensor. Other ranges are covered otherwise: damping by
-//! the modes that are taken as half as damped, the ten percent of a back-EMF by the margins; what is known within decades, such as the torque at full control,
-//! by the ceiling of the bandwidth.
+//! A transmission whose stiffness is not stated is rigid in model and simulator, and a sensor has neither noise nor lag. A loop that is as quick as they allow may be
+//! unstable, or drown in noise, on the machine. So the loop must hold the machine with the softest transmission and the latest sensor that are usual, and its
+//! control must bear the noise and the steps of a usual sensor. Other ranges are covered otherwise: damping by the modes that are taken as half as damped, the
+//! ten percent of a back-EMF by the margins; what is known within decades, such as the torque at full control, and the delay of the control by the ceiling of
+//! the bandwidth.
 
 use counterpoise_lti::{pade, series};
 use counterpoise_models::{AxisKind, FeedbackSignal, Parameters};
@@ -107,17 +107,15 @@ impl OpenValues {
     }
 }
 
-/// The delay that is usual where none is known, s: of the sensor if it has no lag, and a sample of the control.
+/// The delay that is usual for a sensor of which no lag is known, s.
 fn usual_delay_s(plant: &Parameters) -> f64 {
     let reading = &plant.sensors.hub_gyro;
     let knows_lag = reading.natural_frequency_rad_s.is_finite() || reading.delay_s > 0.0;
-    let usual_s = if reading.resolution > 0.0 { LATEST_USUAL_COUNT_S } else { LATEST_USUAL_READING_S };
-    let of_reading = if knows_lag { 0.0 } else { usual_s };
-    let of_control = match plant.interface.output_delay_samples {
-        0 => plant.interface.sample_period_s,
-        _ => 0.0,
-    };
-    of_reading + of_control
+    match knows_lag {
+        true => 0.0,
+        false if reading.resolution > 0.0 => LATEST_USUAL_COUNT_S,
+        false => LATEST_USUAL_READING_S,
+    }
 }
 
 fn last_part(assumption: &Assumption) -> &str {

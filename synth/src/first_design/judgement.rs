@@ -121,6 +121,10 @@ impl<'a> Judge<'a> {
             let held = sampled_plant(plant, sampling)?;
             let max_sensitivity = circumstances.margins.max_sensitivity;
             within_usual_ranges.push(UsualPlant { held, max_sensitivity });
+            // Modes are shifted as the plant's own are: at the delay that is known.
+            if plant.late_reading != circumstances.plant.late_reading {
+                continue;
+            }
             for shifted in shifted_modes(plant, &light_modes(plant)?)? {
                 let held = sampled_plant(&shifted, sampling)?;
                 within_usual_ranges.push(UsualPlant { held, max_sensitivity: NEIGHBOUR_MS });
