@@ -5,7 +5,7 @@
 //!
 //! *Invariant*: nothing here knows how a controller was designed; nothing here reads a file, a clock or an unseeded random number.
 //!
-//! Modules in reading order: [`figure`], [`requirement`], [`procedure`], [`signals`], [`history`], [`linear`],
+//! Modules in reading order: [`figure`], [`requirement`], [`road_class`], [`procedure`], [`signals`], [`history`], [`linear`],
 //! [`nonlinear`], [`missing_figures`], [`measure`], [`coincidence`], [`image_motion`], [`sight_options`], [`line_of_sight`], [`sight_spectrum`], [`error_budget`](mod@error_budget), [`verification`], [`two_axes`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
 //! [`tolerance`] (the numbers that decide), [`error`].
 //!
@@ -32,6 +32,7 @@ pub mod missing_figures;
 pub mod nonlinear;
 pub mod procedure;
 pub mod requirement;
+pub mod road_class;
 pub mod robust;
 pub mod sight_options;
 pub mod sight_spectrum;

@@ -4,6 +4,7 @@ use counterpoise_models::plant::{FrictionLinearisation, OperatingPoint};
 use counterpoise_recordings::{ColumnName, Signals};
 use counterpoise_simulate::Signal;
 
+use crate::road_class::RoadClass;
 use crate::signals::check_finite;
 use crate::{Error, LineOfSight, Source};
 
@@ -90,21 +91,6 @@ impl ColumnName for RoadColumn {
     fn index(self) -> usize {
         self as usize
     }
-}
-
-/// Roughness class.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RoadClass {
-    /// Very good.
-    A,
-    /// Good.
-    B,
-    /// Average.
-    C,
-    /// Poor.
-    D,
-    /// Very poor: rough track.
-    E,
 }
 
 /// Where a platform motion comes from.

@@ -23,10 +23,19 @@ impl PooledFit {
     }
 }
 
+/// The fit of one channel by its name.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ChannelFit {
+    /// The channel.
+    pub channel: Channel,
+    /// Its fit.
+    pub fit: PooledFit,
+}
+
 /// Fit of every channel, over all recordings, in the order of the channels' names: tables and results list them so.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PooledFits {
-    fits: Vec<(Channel, PooledFit)>,
+    fits: Vec<ChannelFit>,
 }
 
 impl PooledFits {
@@ -37,12 +46,12 @@ impl PooledFits {
 
     /// Returns the fit of a channel, to be changed; `None` if it was not scored.
     pub fn get_mut(&mut self, channel: Channel) -> Option<&mut PooledFit> {
-        self.fits.iter_mut().find(|(each, _)| *each == channel).map(|(_, fit)| fit)
+        self.fits.iter_mut().find(|each| each.channel == channel).map(|each| &mut each.fit)
     }
 
     /// Returns the channels with their fits, in the order of the channels' names.
     pub fn iter(&self) -> impl Iterator<Item = (Channel, &PooledFit)> {
-        self.fits.iter().map(|(channel, fit)| (*channel, fit))
+        self.fits.iter().map(|each| (each.channel, &each.fit))
     }
 
     /// Returns the fits, in the order of the channels' names.
@@ -51,10 +60,10 @@ impl PooledFits {
     }
 }
 
-impl FromIterator<(Channel, PooledFit)> for PooledFits {
-    fn from_iter<I: IntoIterator<Item = (Channel, PooledFit)>>(fits: I) -> Self {
-        let mut fits: Vec<(Channel, PooledFit)> = fits.into_iter().collect();
-        fits.sort_by_key(|(channel, _)| channel.name());
+impl FromIterator<ChannelFit> for PooledFits {
+    fn from_iter<I: IntoIterator<Item = ChannelFit>>(fits: I) -> Self {
+        let mut fits: Vec<ChannelFit> = fits.into_iter().collect();
+        fits.sort_by_key(|each| each.channel.name());
         Self { fits }
     }
 }
@@ -78,7 +87,7 @@ pub(crate) fn fits_by_channel(score: &Score) -> PooledFits {
         *sum = (sum.0 + cell.rms_error.powi(2), sum.1 + cell.floor.powi(2), sum.2 + 1.0);
     }
     let fit = |(e, f, n): (f64, f64, f64)| PooledFit { rms_error: (e / n).sqrt(), floor: (f / n).sqrt() };
-    sums.into_iter().map(|(channel, sum)| (channel, fit(sum))).collect()
+    sums.into_iter().map(|(channel, sum)| ChannelFit { channel, fit: fit(sum) }).collect()
 }
 
 #[cfg(test)]
@@ -89,7 +98,7 @@ mod tests {
     fn results_list_the_channels_in_the_order_of_their_names() {
         let fit = PooledFit { rms_error: 1.0, floor: 0.5 };
         let scored = [Channel::Control, Channel::HubRate, Channel::MotorRate, Channel::HubPosition];
-        let fits: PooledFits = scored.into_iter().map(|channel| (channel, fit)).collect();
+        let fits: PooledFits = scored.into_iter().map(|channel| ChannelFit { channel, fit }).collect();
         let names: Vec<&str> = fits.iter().map(|(channel, _)| channel.name()).collect();
         assert_eq!(names, ["control", "hub_position", "hub_rate", "motor_rate"]);
     }

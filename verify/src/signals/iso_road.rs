@@ -18,7 +18,7 @@ use super::six_axes::{BaseSeries, felt_road, phases};
 use super::vehicle::Vehicle;
 use crate::{Error, Road, RoadOrigin};
 
-pub use crate::procedure::RoadClass;
+pub use crate::road_class::RoadClass;
 
 /// A drive over a road.
 #[derive(Debug, Clone, Copy, PartialEq)]
