@@ -10,9 +10,9 @@
 //! `decode`), [`mapping`] (which column is which channel, with `shaping`, `checks` and `time_unit`), [`clock`] (uniform time), [`signals`] (one array with named columns), [`recording`], [`error`], [`remark`].
 //!
 //! ```
-//! use counterpoise_recordings::{Channel, Mapping, Table};
+//! use counterpoise_recordings::{Channel, Mapping, RecordingTable};
 //! let text = "time [ms],hub_rate [deg/s]\n0,0\n1,180\n2,90\n";
-//! let table = Table::read(text.as_bytes(), "run.csv")?;
+//! let table = RecordingTable::read(text.as_bytes(), "run.csv")?;
 //! let recording = Mapping::default().apply(&table)?;
 //! assert_eq!(recording.sample_period_s, 1e-3);
 //! assert_eq!(recording.samples(Channel::HubRate).map(|rate| rate[1]), Some(std::f64::consts::PI));

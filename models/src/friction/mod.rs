@@ -27,7 +27,7 @@
 //! let model = FrictionModel::new(&Friction::plain(law, 0.5))?;
 //! let mut torque = [0.0];
 //! model.advance(0.1, 1.0, 1.0, &mut torque); // 0.1 rad at 0.1 rad/s
-//! assert!((model.torque(0.1, 1.0, &torque) - model.steady(0.1)).abs() < 1e-12);
+//! assert!((model.torque(0.1, 1.0, &torque) - model.steady_torque(0.1)).abs() < 1e-12);
 //! # Ok::<(), counterpoise_models::Error>(())
 //! ```
 
