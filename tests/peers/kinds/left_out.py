@@ -32,7 +32,7 @@ STEP = 1.03
 # Weights that are chosen with a value known may be slower by a quarter than others would be: the search among them is coarse.
 COARSE = 1.25
 # Share of the facts of random machines whose absence may raise the bandwidth by more than that.
-SHARE = 0.02
+SHARE = 0.03
 
 # Keys without which the file describes another machine, by the last parts of their path, with the reason.
 OTHER_MACHINES = {
