@@ -76,7 +76,7 @@ class Project:
 
         A number comes as a number, a quantity with a unit as the text that was written, a table or a list as its TOML text.
         """
-        written = self._native.written(key)
+        written = self._native.source_text(key)
         if written is None or self._native.is_text(key):
             return written
         try:
