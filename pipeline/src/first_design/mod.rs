@@ -167,14 +167,15 @@ fn circumstances(
     let p = &modelled.parameters;
     let plant = design_plant(asked, modelled, reduced)?;
     let open = OpenValues::of(project);
+    let nominal = with_angles(project, modelled, &plant)?;
     let reading = &p.sensors.hub_gyro;
     let motions = project.verify.as_ref().map(|asked| &asked.procedure);
     // A feedforward acts on the load's rate, which a loop of torque or current does not hold.
     let opposed = motions.filter(|_| !p.sensors.measured.is_effort());
     Ok(Circumstances {
-        others: plants_beside(project, modelled, &plant)?,
+        within_usual_ranges: open.plants_at_ends(project, asked, reduced, &nominal)?,
+        others: plants_beside(modelled, &plant, nominal)?,
         within_tolerances: tolerance_corners::plants_within_tolerances(project, asked, reduced)?,
-        within_usual_ranges: open.plants(project, asked, modelled, reduced)?,
         usual_reading: open.usual_reading(p),
         load_output: Some(load_output(&plant)),
         sampling: sampling(asked, modelled)?,
@@ -206,11 +207,11 @@ fn load_output(plant: &DesignPlant) -> usize {
 
 /// Returns the plant with gravity's gradient, and with dry friction at rest if there is any.
 fn plants_beside(
-    project: &Project,
     modelled: &PlantModel,
     plant: &DesignPlant,
+    with_gravity: DesignPlant,
 ) -> Result<Vec<DesignPlant>, PipelineError> {
-    let mut beside = vec![with_angles(project, modelled, plant)?];
+    let mut beside = vec![with_gravity];
     if modelled.parameters.has_dry_friction() {
         let [motor, pivot] = rest_impedances(&modelled.plant)?;
         let at_rest = FrictionLinearisation::Impedances { motor, pivot };

@@ -15,7 +15,7 @@ use counterpoise_synth::{DesignPlant, LateReading, UsualReading};
 use super::with_angles;
 use crate::model::CONVERTER_RANGE_V;
 use crate::synth::design_plant;
-use crate::{PipelineError, PlantModel, ReducedPlant, build_plant_model};
+use crate::{PipelineError, ReducedPlant, build_plant_model};
 
 /// Last parts of the keys whose values set modes.
 const MODES: [&str; 2] = ["stiffness", "bulk_modulus"];
@@ -42,18 +42,17 @@ impl OpenValues {
         Self { assumptions: project.assumptions() }
     }
 
-    /// Returns the plants at the ends of the usual ranges of what is left open. A plant that cannot be built is left out.
+    /// Returns the plants at the ends of the usual ranges of what is left open, given the plant as it is modelled, with its angles. A plant that cannot be built is left out.
     ///
     /// # Errors
-    /// Those of the plant as it is modelled.
-    pub fn plants(
+    /// Those of the approximation of a delay.
+    pub fn plants_at_ends(
         &self,
         project: &Project,
         asked: &DesignRequest,
-        modelled: &PlantModel,
         reduced: &ReducedPlant,
+        nominal: &DesignPlant,
     ) -> Result<Vec<DesignPlant>, PipelineError> {
-        let nominal = with_angles(project, modelled, &design_plant(asked, modelled, reduced)?)?;
         let of_modes = self.assumptions.iter().filter(|assumption| MODES.contains(&last_part(assumption)));
         let ends = of_modes.flat_map(|assumption| {
             let ends = assumption.usual.into_iter().flatten();
@@ -61,11 +60,11 @@ impl OpenValues {
         });
         let mut plants: Vec<DesignPlant> =
             ends.filter_map(|(key, value)| plant_with(project, asked, reduced, key, value)).collect();
-        plants.retain(|plant| *plant != nominal);
+        plants.retain(|plant| plant != nominal);
         let delay_s = usual_delay_s(&project.plant);
         if delay_s > 0.0 {
             let late =
-                plants.iter().chain([&nominal]).map(|plant| delay_reading(plant, &project.plant, delay_s));
+                plants.iter().chain([nominal]).map(|plant| delay_reading(plant, &project.plant, delay_s));
             let late = late.collect::<Result<Vec<_>, _>>()?;
             plants.extend(late);
         }
