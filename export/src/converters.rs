@@ -1,8 +1,7 @@
 //! A board's converters: from counts to SI units and from volts to counts, for the block that goes into the sampling interrupt.
 
 use counterpoise_controller::{Controller, READINGS};
-use counterpoise_models::{Parameters, Sensor};
-use counterpoise_simulate::sensing::CONVERTER_RANGE_V;
+use counterpoise_models::{CONVERTER_RANGE_V, Parameters, Sensor, converter_step_v};
 use minijinja::{Value, context};
 
 use crate::fixed_point::unit;
@@ -61,7 +60,7 @@ impl Converters {
 
     /// Returns units of each reading per count.
     pub fn units_per_count(&self) -> [f64; READINGS] {
-        let volts = 2.0 * CONVERTER_RANGE_V / f64::from(self.input_bits).exp2();
+        let volts = converter_step_v(self.input_bits);
         self.volts_per_unit.map(|scale| volts / scale)
     }
 

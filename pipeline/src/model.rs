@@ -7,7 +7,7 @@ use counterpoise_models::plant::{Angles, Equilibrium, FrictionLinearisation, Lin
 use counterpoise_models::structure::{
     Condensation, ConfiguredStructure, FeModel, Fitted, pinned_modes, reduce_to_lumped, with_derived_lumped,
 };
-use counterpoise_models::{Configuration, Parameters, PointMass};
+use counterpoise_models::{CONVERTER_RANGE_V, Configuration, Parameters, PointMass};
 use counterpoise_pool::{Pool, Serial};
 
 use crate::PipelineError;
@@ -98,9 +98,6 @@ pub(crate) fn cannot_carry(modelled: &PlantModel) -> Option<PipelineError> {
     let is_carried = needed_nm < largest_nm && at.control_v.is_finite();
     (!is_carried).then_some(PipelineError::CannotCarry { moment_kg_m, needed_nm, largest_nm })
 }
-
-/// Volts of the output converter beyond which the control is limited: the converter's own range.
-pub(crate) const CONVERTER_RANGE_V: f64 = 10.0;
 
 /// Returns the mechanism in the project's configuration with two inertias: as given, or derived from the beam or from the imported matrices.
 ///

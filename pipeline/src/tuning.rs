@@ -10,7 +10,7 @@ use std::fmt;
 use counterpoise_linalg::C64;
 use counterpoise_lti::response::Response;
 use counterpoise_models::plant::Plant;
-use counterpoise_models::{ControlledQuantity, Sensor};
+use counterpoise_models::{ControlledQuantity, Interface, Sensor};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::resolve::fixed_structure::{
@@ -29,7 +29,6 @@ use serde::Serialize;
 
 use crate::exchange::InOwnUnit;
 use crate::first_design::{with_angles, with_chosen_weights_on};
-use crate::model::CONVERTER_RANGE_V;
 use crate::studies::adaptation_choice::with_chosen_adaptation;
 use crate::synth::schedule::other_configurations;
 use crate::synth::{design_plant, sampling};
@@ -344,8 +343,7 @@ pub fn expected_disturbance(
     let mut simulator = Simulator::new(&modelled.plant)?;
     let controller = &made.sampled.controller;
     let history = nonlinear::run_history(&mut simulator, controller, &asked_procedure, experiment)?;
-    let noise =
-        reading_noise(&modelled.parameters.sensors.hub_gyro, modelled.parameters.interface.input_bits);
+    let noise = reading_noise(&modelled.parameters.sensors.hub_gyro, &modelled.parameters.interface);
     let lines = output_lines(&history.from_time(asked_procedure.settle_s), &made, noise)?;
     Ok(Disturbance { lines, reading_noise_rad_s: noise })
 }
@@ -364,14 +362,8 @@ pub(crate) fn own_procedure(project: &Project, world: &dyn World) -> Result<Proc
 
 /// Returns the RMS of the white noise of a reading: its own, and that of the converter's step (one over the root of
 /// twelve of it).
-fn reading_noise(sensor: &Sensor, bits: u32) -> f64 {
-    let step = match (sensor.resolution > 0.0, bits, sensor.scale_v_unit) {
-        (true, ..) => sensor.resolution,
-        (false, 0, _) => 0.0,
-        (false, _, 0.0) => 0.0,
-        (false, bits, scale) => 2.0 * CONVERTER_RANGE_V / 2f64.powi(bits as i32) / scale.abs(),
-    };
-    sensor.noise_rms.hypot(step / 12f64.sqrt())
+fn reading_noise(sensor: &Sensor, interface: &Interface) -> f64 {
+    sensor.noise_rms.hypot(interface.reading_step(sensor) / 12f64.sqrt())
 }
 
 /// Segments of the spectrum at least, and the longest segment in samples: 8 s at a millisecond resolve 0.12 Hz.

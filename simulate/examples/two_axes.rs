@@ -111,10 +111,10 @@ fn run(elevation: &Plant, traverse: &Plant, base: BaseMotion) -> Result<(), Box<
     let mut controllers = Controllers { elevation: &mut gains(8.0, 40.0), traverse: &mut gains(20.0, 100.0) };
     let found = TwoAxisSimulator::new(elevation, traverse, coupling)?.run(&mut controllers, &scenario)?;
     let mut out = std::io::stdout().lock();
-    for k in 0..found.elevation_rad.len() {
+    for k in 0..found.elevation_rad().len() {
         let (above, below) =
             (found.elevation.truth.hub_rate_rad_s()[k], found.traverse.truth.hub_rate_rad_s()[k]);
-        writeln!(out, "{} {above:e} {below:e} {:e}", k as f64 * 1e-3, found.elevation_rad[k])?;
+        writeln!(out, "{} {above:e} {below:e} {:e}", k as f64 * 1e-3, found.elevation_rad()[k])?;
     }
     Ok(())
 }

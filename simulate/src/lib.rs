@@ -66,5 +66,5 @@ pub use scenario::{Detail, Initial, Scenario};
 pub use sensing::Imperfections;
 pub use signal::{Signal, Sine};
 pub use two_axes::{
-    AxisScenario, BaseMotion, Controllers, TwoAxisHistory, TwoAxisScenario, TwoAxisSimulator,
+    AxisScenario, BaseMotion, Controllers, SightColumn, TwoAxisHistory, TwoAxisScenario, TwoAxisSimulator,
 };

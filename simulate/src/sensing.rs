@@ -7,10 +7,9 @@ use crate::noise::Noise;
 use crate::sampling_errors::{DRIFT_STREAM, DriftNoise, SURGE_STREAM, is_missing};
 use counterpoise_controller::Readings;
 use counterpoise_models::plant::SinCos;
-use counterpoise_models::{AccelerometerAxis, Interface, Parameters, Sensor, Sensors};
-
-/// Full range of every converter, V to either side.
-pub const CONVERTER_RANGE_V: f64 = 10.0;
+use counterpoise_models::{
+    AccelerometerAxis, CONVERTER_RANGE_V, Interface, Parameters, Sensor, Sensors, converter_step_v,
+};
 
 /// What of the sensors and converters is simulated. Their dynamics, gains, biases and delays always are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,7 +37,7 @@ impl Converter {
     pub fn new(bits: u32, imperfections: Imperfections) -> Self {
         let step_v = match imperfections {
             Imperfections::None => 0.0,
-            _ => 2.0 * CONVERTER_RANGE_V / f64::from(bits).exp2(),
+            _ => converter_step_v(bits),
         };
         Self { step_v, missing_codes: 0.0 }
     }

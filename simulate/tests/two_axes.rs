@@ -61,7 +61,7 @@ fn drift(inertia: BodyInertia, pivot: PivotPosition) -> ([f64; 2], TwoAxisHistor
         .unwrap();
     let own = 30.0 - body.inertia_about_ring_kg_m2(body.included_at);
     let conserved = |k: usize| {
-        let (ring, angle) = (found.traverse.truth.hub_rate_rad_s()[k], found.elevation_rad[k]);
+        let (ring, angle) = (found.traverse.truth.hub_rate_rad_s()[k], found.elevation_rad()[k]);
         let elevation = ElevationMotion {
             tilt: SinCos::of(angle),
             rate_rad_s: found.elevation.truth.hub_rate_rad_s()[k],
@@ -201,9 +201,10 @@ fn a_gyroscope_on_the_elevated_mass_reads_cross_elevation() {
     let inertia = BodyInertia::of_plant(&plants[0]);
     let found = run_both(&plants, coupling(inertia, &plants[0], TraverseGyroscope::ElevatedMass), &scenario);
     let last = found.elevation.len() - 1;
-    let (ring, cross) = (found.traverse.truth.hub_rate_rad_s()[last], found.cross_elevation_rate_rad_s[last]);
+    let (ring, cross) =
+        (found.traverse.truth.hub_rate_rad_s()[last], found.cross_elevation_rate_rad_s()[last]);
     assert!((cross + 0.05).abs() < 1e-3, "{cross}");
-    assert!((ring * found.elevation_rad[last].cos() - cross).abs() < 1e-12, "{ring} {cross}");
+    assert!((ring * found.elevation_rad()[last].cos() - cross).abs() < 1e-12, "{ring} {cross}");
     assert!((found.traverse.readings.hub_rate_rad_s()[last] - cross).abs() < 1e-4);
 }
 

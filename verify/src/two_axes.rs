@@ -377,7 +377,7 @@ impl Run<'_> {
     fn errors_of(&self, history: &TwoAxisHistory) -> Errors {
         let TwoAxisHistory { elevation, traverse, .. } = history;
         let above = difference(elevation.truth.hub_rate_rad_s(), elevation.readings.demand_rad_s());
-        let (demand, cross) = (traverse.readings.demand_rad_s(), &history.cross_elevation_rate_rad_s);
+        let (demand, cross) = (traverse.readings.demand_rad_s(), history.cross_elevation_rate_rad_s());
         match self.machine.coupling.gyroscope {
             TraverseGyroscope::ElevatedMass => {
                 let below = difference(cross, demand);
@@ -386,7 +386,7 @@ impl Run<'_> {
             TraverseGyroscope::Ring => {
                 let below = difference(traverse.truth.hub_rate_rad_s(), demand);
                 let turned =
-                    demand.iter().zip(&history.elevation_rad).map(|(rate, angle)| rate * angle.cos());
+                    demand.iter().zip(history.elevation_rad()).map(|(rate, angle)| rate * angle.cos());
                 let wanted: Vec<f64> = turned.collect();
                 self.errors(&above, &below, &difference(cross, &wanted))
             }

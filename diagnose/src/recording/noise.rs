@@ -46,7 +46,7 @@ pub fn rounding_noise(base: &Parameters, channel: Channel) -> f64 {
 
 /// Returns the noise floor of a channel of one recording: the noise that it shows, and no less than its converter's step leaves.
 pub fn measure_noise_floor(base: &Parameters, channel: Channel, series: &[f64]) -> f64 {
-    let output = 20.0 / f64::from(base.interface.output_bits).exp2() / 12f64.sqrt();
+    let output = base.interface.control_step_v() / 12f64.sqrt();
     let step = sensor_of(base, channel).map_or(output, |s| quantisation_floor(s, &base.interface));
     measure_white_noise(series).max(step).max(f64::MIN_POSITIVE)
 }

@@ -4,14 +4,12 @@ use counterpoise_models::friction::{FrictionModel, Law, StribeckLevel};
 use counterpoise_models::plant::core::state;
 use counterpoise_models::plant::{Hose, OperatingPoint, Plant};
 use counterpoise_models::{
-    AccelerometerAxis, AmplifierDynamics, AxisKind, FeedbackSignal, Friction, FrictionLaw, IDEAL_LAG_S,
-    Ripple, Sensor, StribeckCurve,
+    AccelerometerAxis, AmplifierDynamics, AxisKind, CONVERTER_RANGE_V, FeedbackSignal, Friction, FrictionLaw,
+    IDEAL_LAG_S, Ripple, Sensor, StribeckCurve,
 };
 
 /// Motor rate over which the direction of the power through the mesh changes, rad/s.
 pub(crate) const POWER_REVERSAL_RATE: f64 = 0.05;
-/// Full range of every converter, V to either side.
-const CONVERTER_RANGE_V: f64 = counterpoise_simulate::sensing::CONVERTER_RANGE_V;
 /// The shortest step is a sample period over this.
 const PARTS: u32 = 65_536;
 /// The same where bristles snap: each makes a jump, and there are too many to find all.

@@ -201,6 +201,34 @@ pub struct Interface {
     pub missing_codes: f64,
 }
 
+/// Full range of every converter, V to either side.
+pub const CONVERTER_RANGE_V: f64 = 10.0;
+
+/// Bits that stand for an ideal converter: its steps are as good as none.
+pub const IDEAL_CONVERTER_BITS: u32 = 48;
+
+/// Returns the step of a converter with a number of bits, V: its full range over the number of its codes.
+pub fn converter_step_v(bits: u32) -> f64 {
+    2.0 * CONVERTER_RANGE_V / f64::from(bits).exp2()
+}
+
+impl Interface {
+    /// Returns the step of the control, V.
+    pub fn control_step_v(&self) -> f64 {
+        converter_step_v(self.output_bits)
+    }
+
+    /// Returns the step of the converter that the reading of an analogue sensor passes, in the measured unit.
+    pub fn converter_step(&self, sensor: &Sensor) -> f64 {
+        converter_step_v(self.input_bits) / sensor.scale_v_unit
+    }
+
+    /// Returns the step of a reading in the measured unit: that of a digital sensor, or of the converter that an analogue one passes.
+    pub fn reading_step(&self, sensor: &Sensor) -> f64 {
+        if sensor.resolution > 0.0 { sensor.resolution } else { self.converter_step(sensor) }
+    }
+}
+
 impl Alignment {
     /// The nominal axis.
     pub const NOMINAL: Self = Self { roll_sensitivity: 0.0, yaw_sensitivity: 0.0, tilt_rad: 0.0 };

@@ -7,13 +7,12 @@
 //! the bandwidth.
 
 use counterpoise_lti::{pade, series};
-use counterpoise_models::{AxisKind, FeedbackSignal, Parameters};
+use counterpoise_models::{AxisKind, FeedbackSignal, IDEAL_CONVERTER_BITS, Parameters};
 use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_project::{Assumption, LATEST_USUAL_READING_S, Project};
 use counterpoise_synth::{DesignPlant, LateReading, UsualReading};
 
 use super::with_angles;
-use crate::model::CONVERTER_RANGE_V;
 use crate::synth::design_plant;
 use crate::{PipelineError, ReducedPlant, build_plant_model};
 
@@ -28,8 +27,6 @@ const GYROSCOPE_NOISE: f64 = 1.7e-4;
 const LATEST_USUAL_COUNT_S: f64 = 1e-4;
 /// Order of the approximation of a delay that is usual: its phase is right to 1e-5 rad up to the inverse of the delay.
 const DELAY_ORDER: usize = 3;
-/// Bits of a converter beyond which its steps are ideal, and say nothing of the real one.
-const IDEAL_BITS: u32 = 48;
 
 /// What a project leaves open.
 pub(super) struct OpenValues {
@@ -77,11 +74,11 @@ impl OpenValues {
         if sensor.resolution > 0.0 {
             return if self.usual_step(plant) > 0.0 { 0.0 } else { sensor.resolution };
         }
-        let bits = plant.interface.input_bits;
-        if bits == 0 || bits >= IDEAL_BITS || sensor.scale_v_unit == 0.0 {
-            return 0.0;
+        // The steps of an ideal converter say nothing of the real one.
+        match plant.interface.input_bits {
+            ..IDEAL_CONVERTER_BITS => plant.interface.converter_step(sensor),
+            _ => 0.0,
         }
-        2.0 * CONVERTER_RANGE_V / 2f64.powi(bits as i32) / sensor.scale_v_unit.abs()
     }
 
     /// Returns noise and step that are usual for the sensor of the loop where the file states neither.

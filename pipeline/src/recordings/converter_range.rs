@@ -1,11 +1,10 @@
 //! Readings beyond the range of the converter that they passed, as the project describes it.
 
-use counterpoise_models::{FeedbackSignal, Parameters, Sensor};
+use counterpoise_models::{CONVERTER_RANGE_V, FeedbackSignal, Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::sensor_of;
 
 use super::column_remarks::BeyondRange;
-use crate::model::CONVERTER_RANGE_V;
 use crate::tolerance::{CONVERTER_RANGE_MARGIN, IMPOSSIBLE_READING};
 
 /// Makes impossible readings of a recording missing ones, and returns what was found, by channel.

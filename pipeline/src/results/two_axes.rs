@@ -149,8 +149,8 @@ impl From<&JointRun> for JointHistoryResult {
             signals: Signals::stack([
                 history.elevation.truth.hub_rate_rad_s(),
                 history.traverse.truth.hub_rate_rad_s(),
-                &history.cross_elevation_rate_rad_s,
-                &history.elevation_rad,
+                history.cross_elevation_rate_rad_s(),
+                history.elevation_rad(),
                 history.elevation.readings.control_v(),
                 history.traverse.readings.control_v(),
             ]),

@@ -1,10 +1,10 @@
 //! What a map of frequency responses relates and where it has its points, unless something else is asked for.
 
+use counterpoise_models::CONVERTER_RANGE_V;
 use counterpoise_project::Project;
 
 use super::fra::{LoopUnderTest, MeasurementPlan};
 use crate::frequencies::logarithmic_hz;
-use crate::model::CONVERTER_RANGE_V;
 
 /// The size of what is excited over the usual amplitudes of a map: more than a decade, in which friction shows. A size of 0.1 divided by them
 /// gives the numbers that a reader writes, 0.01 and not 0.010000000000000002.

@@ -5,13 +5,12 @@ use counterpoise_controller::{
     Correction, Estimator, FrictionObserver, Learning, Parts, PathSignal, Projection, READINGS,
 };
 use counterpoise_lti::{StateSpace, c2d};
-use counterpoise_models::{Friction, MapPoint, Parameters, Sensor, Sensors};
+use counterpoise_models::{CONVERTER_RANGE_V, Friction, MapPoint, Parameters, Sensor, Sensors};
 use counterpoise_synth::{
     DesignPlant, Drive, FrictionSide, ObservedFriction, Sampled, Sampling, check_sampled_loop,
     friction_observers,
 };
 
-use crate::model::CONVERTER_RANGE_V;
 use crate::synth::design_plant::{attach_sensors, torque_per_volt};
 use crate::synth::friction_observers::observer_friction;
 use crate::tolerance::{

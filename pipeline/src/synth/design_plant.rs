@@ -3,11 +3,11 @@
 use counterpoise_lti::delay::pade;
 use counterpoise_lti::{StateSpace, series};
 use counterpoise_models::plant::LinearPlant;
-use counterpoise_models::{Parameters, ReadingDelay, Sensor, Sensors};
+use counterpoise_models::{CONVERTER_RANGE_V, Parameters, ReadingDelay, Sensor, Sensors};
 use counterpoise_synth::cascade::difference_lag;
 use counterpoise_synth::{DesignPlant, LateReading, RateLoop, Sampling};
 
-use crate::model::{CONVERTER_RANGE_V, cannot_carry};
+use crate::model::cannot_carry;
 use crate::{PipelineError, PlantModel, ReducedPlant};
 use counterpoise_project::resolve::synthesis::{DesignRequest, LoopKind};
 use counterpoise_project::resolve::synthesis_options::Compensation;

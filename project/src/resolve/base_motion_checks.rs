@@ -1,15 +1,12 @@
 //! What the elevated accelerometer and the motion of the base need of the rest of the project.
 
-use counterpoise_models::{AccelerometerAxis, AxisKind, Sensor};
+use counterpoise_models::{AccelerometerAxis, AxisKind, CONVERTER_RANGE_V, Sensor};
 
 use super::findings::Findings;
 use super::{Project, platform::PlatformSource};
 use crate::diagnostic::{DiagnosticKind, Severity};
 use crate::file::source::Remark;
 use crate::tolerance::LEAST_SHARE_OF_HEAVE;
-
-/// Full range of every converter, V to either side.
-pub(super) const CONVERTER_RANGE_V: f64 = 10.0;
 
 /// An accelerometer on the elevated mass turns with a hub that has an elevation.
 pub(super) fn check_elevated(findings: &mut Findings<'_>, project: &Project) {

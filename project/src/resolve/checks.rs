@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use counterpoise_lti::Timebase;
-use counterpoise_models::{Parameters, Sensor};
+use counterpoise_models::{Parameters, Sensor, converter_step_v};
 use counterpoise_recordings::{Channel, ChannelUnits, Mapping, Unit};
 
 use super::controller::RecordingController;
@@ -324,7 +324,7 @@ fn coarse_readings(findings: &mut Findings<'_>, plant: &Parameters) {
             continue;
         };
         if bits > 0 && sensor.scale_v_unit == IDEAL_SCALE {
-            let step = 2.0 * base_motion_checks::CONVERTER_RANGE_V / f64::from(bits).exp2() / IDEAL_SCALE;
+            let step = converter_step_v(bits) / IDEAL_SCALE;
             let allowed = format!(
                 "is not stated, and {bits} bits over +/- 10 V at 0.001 V per unit read in steps of {step:.2}: state the sensor's voltage per unit, or leave out \
                  plant.interface.input_bits"

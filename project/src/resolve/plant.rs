@@ -2,7 +2,7 @@
 
 use counterpoise_models::{
     AccelerometerAxis, AxisKind, Clock, DriveLimits, FeedbackSignal, Friction, FrictionLaw, Gearbox,
-    Interface, Loads, Lumped, Motor, Parameters, Ripple, Sensor, Sensors, Transmission,
+    IDEAL_CONVERTER_BITS, Interface, Loads, Lumped, Motor, Parameters, Ripple, Sensor, Sensors, Transmission,
 };
 
 use super::axis_words::{Words, turning_of_motor};
@@ -17,8 +17,6 @@ use crate::tolerance::{MOST_CONTROL_DELAY_SAMPLES, MOST_CONVERTER_BITS, MOST_ERR
 
 const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
 const ABOVE_0: Limit = Limit::Above(0.0);
-/// Bits of a converter of which nothing is known: its steps are below every noise.
-const IDEAL_BITS: f64 = 48.0;
 
 /// Returns a mechanism still to be read.
 pub(crate) fn blank() -> Parameters {
@@ -353,11 +351,15 @@ fn interface(v: &mut dyn Visit, interface: &mut Interface) {
     );
     let bits = Limit::Between(1.0, MOST_CONVERTER_BITS);
     let fine = |key| {
-        Field::new(key, "over +/- 10 V").unit("bits").limit(bits).or(IDEAL_BITS).with_assumption(
-            "48: steps that nothing feels",
-            "an ideal converter has no steps",
-            UsualRange::Values(10.0, 24.0),
-        )
+        Field::new(key, "over +/- 10 V")
+            .unit("bits")
+            .limit(bits)
+            .or(f64::from(IDEAL_CONVERTER_BITS))
+            .with_assumption(
+                "48: steps that nothing feels",
+                "an ideal converter has no steps",
+                UsualRange::Values(10.0, 24.0),
+            )
     };
     v.whole_number(&fine("input_bits"), &mut interface.input_bits);
     v.whole_number(&fine("output_bits"), &mut interface.output_bits);

@@ -5,12 +5,12 @@
 //! already gives the recorded control, it is taken as it is: most recordings begin when the controller does.
 
 use counterpoise_controller::{Controller, Readings, Runner, SampledController};
+use counterpoise_models::CONVERTER_RANGE_V;
 use counterpoise_recordings::{Channel, Recording};
 use nalgebra::{DMatrix, DVector};
 
 use super::normal::squares;
 use super::recorded_readings::recorded_readings;
-use crate::sensing::CONVERTER_RANGE_V;
 use crate::tolerance::{
     CONTROLLER_STATE_ITERATIONS, CONTROLLER_STATE_NOISE_V, CONTROLLER_STATE_SAMPLES, CONTROLLER_STATE_STEP,
 };

@@ -19,7 +19,7 @@ mod windows;
 
 pub use control::control_fit;
 pub use exported_controller::ExportedController;
-pub use platform::{platform_motion, reading_floor, reading_step, sensor_of};
+pub use platform::{platform_motion, reading_floor, sensor_of};
 pub use recorded_controller::RecordedController;
 pub use start::{UNKNOWNS as START_FREEDOMS, start_has};
 pub use windowed_replay::{Divergence, ReplayMode, SelectedReplay, WINDOW_S};

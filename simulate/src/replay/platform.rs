@@ -2,7 +2,6 @@
 
 use super::smoother::sensor_input;
 use crate::motion::{FurtherMotion, PlatformMotion};
-use crate::sensing::CONVERTER_RANGE_V;
 use crate::signal::Signal;
 use counterpoise_models::{AccelerometerAxis, Alignment, Interface, Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording, repeat_last};
@@ -29,15 +28,7 @@ pub fn sensor_of(parameters: &Parameters, channel: Channel) -> Option<&Sensor> {
 /// Returns the RMS of what noise and quantisation add to a reading, in the measured unit: the root of the sum of the squares of
 /// the noise and of the converter's step over the root of 12.
 pub fn reading_floor(sensor: &Sensor, interface: &Interface) -> f64 {
-    sensor.white_noise_rms(interface.sample_period_s).hypot(reading_step(sensor, interface) / 12f64.sqrt())
-}
-
-/// Returns the step of a reading in the measured unit: that of a digital sensor, or of the converter that an analogue one passes.
-pub fn reading_step(sensor: &Sensor, interface: &Interface) -> f64 {
-    if sensor.resolution > 0.0 {
-        return sensor.resolution;
-    }
-    2.0 * CONVERTER_RANGE_V / f64::from(interface.input_bits).exp2() / sensor.scale_v_unit
+    sensor.white_noise_rms(interface.sample_period_s).hypot(interface.reading_step(sensor) / 12f64.sqrt())
 }
 
 /// Returns the motion of the platform that its sensors have seen, their errors (gain, bias, delay, lever arm, g-sensitivity)

@@ -6,15 +6,14 @@ use counterpoise_controller::{
     Controller, PositionController, PositionSource, ProportionalIntegral, READINGS, RateSource, Readings,
     Runner, SampledController,
 };
-use counterpoise_models::{Parameters, Sensor};
+use counterpoise_models::{CONVERTER_RANGE_V, Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
 
 use super::exported_controller::{ExportedController, FittedStart};
 use super::initial_controller_state::fit_initial_states;
-use super::platform::{reading_floor, reading_step};
+use super::platform::reading_floor;
 use super::recorded_readings::{READ, recorded_readings};
 use crate::Error;
-use crate::sensing::CONVERTER_RANGE_V;
 use crate::tolerance::{INTEGRAL_SAMPLES, START_RATE_SAMPLES};
 
 /// A controller whose control a closed-loop replay computes anew from the simulated readings.
@@ -118,17 +117,15 @@ impl RecordedController {
     /// Returns the RMS of the control that noise and quantisation of the readings and the output converter's step leave in a
     /// closed-loop replay, V. The platform's readings are the recorded ones, so that they add nothing.
     pub fn control_floor(&self, parameters: &Parameters) -> f64 {
-        let step = 2.0 * CONVERTER_RANGE_V / f64::from(parameters.interface.output_bits).exp2();
         let floor = |sensor: &Sensor| reading_floor(sensor, &parameters.interface);
-        self.of_noise(parameters, floor).hypot(step / 12f64.sqrt())
+        self.of_noise(parameters, floor).hypot(parameters.interface.control_step_v() / 12f64.sqrt())
     }
 
     /// Returns the RMS of the control that the rounding of the converters leaves when the recorded readings are used, V.
     pub(crate) fn rounding_floor(&self, parameters: &Parameters) -> f64 {
-        let step = |bits: u32| 2.0 * CONVERTER_RANGE_V / f64::from(bits).exp2() / 12f64.sqrt();
         let interface = &parameters.interface;
-        let read = |sensor: &Sensor| reading_step(sensor, interface) / 12f64.sqrt();
-        step(interface.output_bits).hypot(self.of_noise(parameters, read))
+        let read = |sensor: &Sensor| interface.reading_step(sensor) / 12f64.sqrt();
+        (interface.control_step_v() / 12f64.sqrt()).hypot(self.of_noise(parameters, read))
     }
 
     /// Returns the RMS of the control from white noise on what the mechanism's sensors read.

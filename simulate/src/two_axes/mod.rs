@@ -28,6 +28,7 @@ use counterpoise_controller::SampledController;
 use counterpoise_models::plant::core::input;
 use counterpoise_models::two_axes::{Coupling, RingMotion, TraverseGyroscope};
 use counterpoise_models::{AxisKind, Mesh, Plant};
+use counterpoise_recordings::{ColumnName, Signals};
 use coupling::{Coupler, TraverseTorque};
 use quartics::{PLACES, Trace};
 
@@ -80,6 +81,21 @@ pub struct Controllers<'a> {
     pub traverse: &'a mut dyn SampledController,
 }
 
+/// Names the columns of what the two axes do together.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SightColumn {
+    /// Elevation relative to the ring, rad.
+    Elevation,
+    /// Inertial rate about the normal of the beam, rad/s.
+    CrossElevationRate,
+}
+
+impl ColumnName for SightColumn {
+    fn index(self) -> usize {
+        self as usize
+    }
+}
+
 /// What a run of both axes leaves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwoAxisHistory {
@@ -87,14 +103,24 @@ pub struct TwoAxisHistory {
     pub elevation: TimeHistory,
     /// The traverse axis; its platform is the base, and its heave the lateral specific force.
     pub traverse: TimeHistory,
-    /// Elevation relative to the ring at each sample, rad.
-    pub elevation_rad: Vec<f64>,
-    /// Inertial rate about the normal of the beam at each sample, rad/s.
-    pub cross_elevation_rate_rad_s: Vec<f64>,
+    /// What the two axes do together at each sample: an array time x signal.
+    pub sight: Signals<SightColumn>,
     /// How often samples were taken, on the average.
     pub passes_per_sample: f64,
     /// Samples whose torque between the axes still changed by more than the tolerance in the last pass.
     pub unconverged: usize,
+}
+
+impl TwoAxisHistory {
+    /// Returns the elevation relative to the ring, rad.
+    pub fn elevation_rad(&self) -> &[f64] {
+        self.sight.column(SightColumn::Elevation)
+    }
+
+    /// Returns the inertial rate about the normal of the beam, rad/s.
+    pub fn cross_elevation_rate_rad_s(&self) -> &[f64] {
+        self.sight.column(SightColumn::CrossElevationRate)
+    }
 }
 
 /// Two plants ready to run together.
@@ -333,8 +359,7 @@ struct Run<'a> {
     allowed_nm: [f64; 2],
     passes: usize,
     unconverged: usize,
-    elevation_log: Vec<f64>,
-    cross_log: Vec<f64>,
+    sight: Signals<SightColumn>,
 }
 
 impl<'a> Run<'a> {
@@ -359,8 +384,7 @@ impl<'a> Run<'a> {
             elevation_rad: [0.0; PLACES],
             passes: 0,
             unconverged: 0,
-            elevation_log: Vec::with_capacity(lower.lap.samples),
-            cross_log: Vec::with_capacity(lower.lap.samples),
+            sight: Signals::with_room(lower.lap.samples, SightColumn::CrossElevationRate as usize + 1),
             upper,
             lower,
         }
@@ -485,18 +509,16 @@ impl<'a> Run<'a> {
     fn keep(&mut self, ring: &[RingMotion; PLACES], torque: [f64; PLACES], elevation: [f64; PLACES]) {
         (self.torque_nm, self.elevation_rad) = (torque, elevation);
         let cross = self.coupler.cross_rates(ring, &elevation);
-        self.elevation_log.push(elevation[0]);
-        self.cross_log.push(cross[0]);
+        self.sight.push([elevation[0], cross[0]]);
         self.gyroscope.advance(&cross);
     }
 
     fn history(mut self) -> TwoAxisHistory {
-        let samples = self.cross_log.len().max(1);
+        let samples = self.sight.len().max(1);
         TwoAxisHistory {
             elevation: self.upper.lap.history(self.upper.stepper),
             traverse: self.lower.lap.history(self.lower.stepper),
-            elevation_rad: self.elevation_log,
-            cross_elevation_rate_rad_s: self.cross_log,
+            sight: self.sight,
             passes_per_sample: self.passes as f64 / samples as f64,
             unconverged: self.unconverged,
         }

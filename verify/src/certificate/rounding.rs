@@ -3,8 +3,6 @@
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, lft};
 use counterpoise_models::QuantityKind;
-use counterpoise_simulate::replay::reading_step;
-use counterpoise_simulate::sensing::CONVERTER_RANGE_V;
 
 use super::elements::{Elements, Learning, Linear};
 use super::floor::{ReadingNoise, Subject};
@@ -20,11 +18,9 @@ pub(super) fn reading_noise(subject: &Subject<'_>) -> Result<ReadingNoise, Error
     let parameters = subject.case.plant.parameters();
     let (sensor, interface) = (&parameters.sensors.hub_gyro, &parameters.interface);
     let is_rate = subject.controlled_quantity().kind == QuantityKind::Rate;
-    let converter_step =
-        2.0 * CONVERTER_RANGE_V / f64::from(interface.input_bits).exp2() / sensor.scale_v_unit;
     Ok(ReadingNoise {
         white_rad_s: sensor.white_noise_rms(interface.sample_period_s),
-        step_rad_s: if is_rate { converter_step } else { reading_step(sensor, interface) },
+        step_rad_s: if is_rate { interface.converter_step(sensor) } else { interface.reading_step(sensor) },
         rounding: if is_rate { 0.0 } else { rounding(subject)? },
     })
 }
@@ -44,8 +40,8 @@ fn rounding(subject: &Subject<'_>) -> Result<f64, Error> {
     let opened = linear.plant.sampled.select(&outputs, &[port::CONTROL, port::CONTROL]);
     let closed = lft(&opened, &linear.controller)?;
     let samples = (RUN_S / interface.sample_period_s) as usize;
-    let step_v = 2.0 * CONVERTER_RANGE_V / f64::from(interface.output_bits).exp2();
-    Ok((impulse_energy(&closed, samples).sqrt() * step_v / 12f64.sqrt()).hypot(arithmetic))
+    Ok((impulse_energy(&closed, samples).sqrt() * interface.control_step_v() / 12f64.sqrt())
+        .hypot(arithmetic))
 }
 
 /// Returns the sum of the squares of a discrete impulse response over a number of samples: D^2 + C W C' with W = sum of A^k B B' A'^k, whose

@@ -15,7 +15,6 @@ use counterpoise_controller::Controller;
 use counterpoise_models::plant::{FrictionLinearisation, Plant, SinCos};
 use counterpoise_models::{Drift, LoadPoint, Parameters, Ripple, Sensor};
 use counterpoise_simulate::TimeHistory;
-use counterpoise_simulate::sensing::CONVERTER_RANGE_V;
 use counterpoise_simulate::tolerance::FLICKER_LONGEST_S;
 
 use super::LinearContribution;
@@ -393,13 +392,11 @@ fn noises(source: ErrorSource, p: &Parameters) -> Vec<Noise> {
         let own = all.into_iter().filter(|(of_sensor, ..)| *of_sensor == source);
         return own.filter_map(|(_, place, sensor)| Some(of(place, sensor?))).collect();
     }
-    let step_v = |bits: u32| 2.0 * CONVERTER_RANGE_V / f64::from(bits).exp2();
     let white =
         |entry, step: f64| Noise { entry, bias: 0.0, variance: step * step / 12.0, drift: Drift::NONE };
     let fitted = all.into_iter().filter_map(|(_, place, sensor)| Some((place, sensor?)));
     let through_converter = fitted.filter(|(_, sensor)| sensor.resolution == 0.0 && sensor.is_fitted());
-    let inputs = through_converter.map(|(place, sensor)| {
-        white(NoiseEntry::Reading(place), step_v(p.interface.input_bits) / sensor.scale_v_unit)
-    });
-    inputs.chain([white(NoiseEntry::Control, step_v(p.interface.output_bits))]).collect()
+    let inputs = through_converter
+        .map(|(place, sensor)| white(NoiseEntry::Reading(place), p.interface.converter_step(sensor)));
+    inputs.chain([white(NoiseEntry::Control, p.interface.control_step_v())]).collect()
 }

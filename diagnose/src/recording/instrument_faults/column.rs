@@ -1,8 +1,7 @@
 //! The columns of a recording.
 
-use counterpoise_models::{Parameters, Sensor};
+use counterpoise_models::{CONVERTER_RANGE_V, Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::reading_step;
 
 /// A column of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -70,8 +69,8 @@ impl RecorderColumn {
     pub(super) fn converter_step(self, p: &Parameters) -> Option<f64> {
         match self {
             Self::Demand => None,
-            Self::Control => Some(20.0 / f64::from(p.interface.output_bits).exp2()),
-            _ => Some(reading_step(self.sensor(p)?, &p.interface)),
+            Self::Control => Some(p.interface.control_step_v()),
+            _ => Some(p.interface.reading_step(self.sensor(p)?)),
         }
     }
 
@@ -79,8 +78,8 @@ impl RecorderColumn {
     pub(super) fn converter_limit(self, p: &Parameters) -> Option<f64> {
         match self {
             Self::Demand => None,
-            Self::Control => Some(10.0),
-            _ => Some(10.0 / self.sensor(p)?.scale_v_unit),
+            Self::Control => Some(CONVERTER_RANGE_V),
+            _ => Some(CONVERTER_RANGE_V / self.sensor(p)?.scale_v_unit),
         }
     }
 
