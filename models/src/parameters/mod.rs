@@ -26,7 +26,8 @@ pub use drive_limits::{
 pub use free_functions::{Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 pub use friction::{Friction, FrictionLaw, StribeckCurve};
 pub use sensing::{
-    AccelerometerAxis, Alignment, Clock, Drift, FeedbackSignal, Interface, ReadingDelay, Sensor, Sensors,
+    AccelerometerAxis, Alignment, CONVERTER_RANGE_V, Clock, Drift, FeedbackSignal, IDEAL_CONVERTER_BITS,
+    Interface, ReadingDelay, Sensor, Sensors, converter_step_v,
 };
 pub use structure::{
     Beam, BeamSection, Configuration, Link, Lumped, PointMass, SectionShape, StructuralDamping,
