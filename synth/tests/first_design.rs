@@ -21,6 +21,7 @@ fn circumstances(plant: DesignPlant, sampling: Sampling) -> Circumstances {
         others: Vec::new(),
         within_tolerances: Vec::new(),
         within_usual_ranges: Vec::new(),
+        with_usual_delay: Vec::new(),
         usual_reading: UsualReading::default(),
         sampling,
         control_limit: ControlLimit::OfDrive,

@@ -52,6 +52,7 @@ impl Machine {
             others: Vec::new(),
             within_tolerances: Vec::new(),
             within_usual_ranges: Vec::new(),
+            with_usual_delay: Vec::new(),
             usual_reading: UsualReading::default(),
             load_output: None,
             sampling: Sampling { delay_samples, ..Sampling::new(self.period_s, 10.0) },

@@ -113,8 +113,11 @@ fn choose_weights_on(
 /// Returns the first design, whose loop holds what the file leaves open over its usual range, and the friction at rest, unless no loop does.
 fn first_design_of(given: &Circumstances, pool: &dyn Pool) -> Result<FirstDesign, SynthesisError> {
     match first_design_on(given, pool) {
-        Err(SynthesisError::Refused(_)) if !given.within_usual_ranges.is_empty() => {
-            first_design_of(&Circumstances { within_usual_ranges: Vec::new(), ..given.clone() }, pool)
+        Err(SynthesisError::Refused(_))
+            if !given.within_usual_ranges.is_empty() || !given.with_usual_delay.is_empty() =>
+        {
+            let (within_usual_ranges, with_usual_delay) = (Vec::new(), Vec::new());
+            first_design_of(&Circumstances { within_usual_ranges, with_usual_delay, ..given.clone() }, pool)
         }
         Err(SynthesisError::Refused(_)) if given.others.len() > 1 => {
             let others = given.others.iter().take(1).cloned().collect();
@@ -174,6 +177,7 @@ fn circumstances(
     let opposed = motions.filter(|_| !p.sensors.measured.is_effort());
     Ok(Circumstances {
         within_usual_ranges: open.plants_at_ends(project, asked, reduced, &nominal)?,
+        with_usual_delay: open.plants_with_delay(p, &nominal)?,
         others: plants_beside(modelled, &plant, nominal)?,
         within_tolerances: tolerance_corners::plants_within_tolerances(project, asked, reduced)?,
         usual_reading: open.usual_reading(p),

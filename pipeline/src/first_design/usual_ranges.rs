@@ -2,9 +2,10 @@
 //!
 //! A transmission whose stiffness is not stated is rigid in model and simulator, and a sensor has neither noise nor lag. A loop that is as quick as they allow may be
 //! unstable, or drown in noise, on the machine. So the loop must hold the machine with the softest transmission and the latest sensor that are usual, and its
-//! control must bear the noise and the steps of a usual sensor. Other ranges are covered otherwise: damping by the modes that are taken as half as damped, the
-//! ten percent of a back-EMF by the margins; what is known within decades, such as the torque at full control, and the delay of the control by the ceiling of
-//! the bandwidth.
+//! control must bear the noise and the steps of a usual sensor. A control whose delay is not stated acts at once in model and simulator, and up to a
+//! sample later on the machine: the loop keeps its margins with that delay too. Other ranges are covered otherwise: damping by the modes that are taken as half as damped, the
+//! ten percent of a back-EMF by the margins; what is known within decades, such as the torque at full control, by the ceiling of the
+//! bandwidth.
 
 use counterpoise_lti::{pade, series};
 use counterpoise_models::{AxisKind, FeedbackSignal, IDEAL_CONVERTER_BITS, Parameters};
@@ -65,7 +66,27 @@ impl OpenValues {
             let late = late.collect::<Result<Vec<_>, _>>()?;
             plants.extend(late);
         }
+        if project.plant.interface.output_delay_samples == 0 {
+            let delayed = plants.iter().map(|plant| delay_control(plant, &project.plant));
+            let delayed = delayed.collect::<Result<Vec<_>, _>>()?;
+            plants.extend(delayed);
+        }
         Ok(plants)
+    }
+
+    /// Returns the plant whose control acts a sample later, if no delay of the control is stated.
+    ///
+    /// # Errors
+    /// Those of the sensor.
+    pub fn plants_with_delay(
+        &self,
+        machine: &Parameters,
+        nominal: &DesignPlant,
+    ) -> Result<Vec<DesignPlant>, PipelineError> {
+        match machine.interface.output_delay_samples {
+            0 => Ok(vec![delay_control(nominal, machine)?]),
+            _ => Ok(Vec::new()),
+        }
     }
 
     /// Returns the step of a reading that is known, in the measured unit; 0 if none is.
@@ -132,6 +153,16 @@ fn delay_reading(
     };
     let dynamics = series(&dynamics, &pade(delay_s, DELAY_ORDER)?)?;
     Ok(DesignPlant { late_reading: Some(LateReading { dynamics, delay_s: known_s }), ..plant.clone() })
+}
+
+/// Returns a plant whose control acts a sample later: in a loop of one signal it does not matter where a delay is.
+fn delay_control(plant: &DesignPlant, machine: &Parameters) -> Result<DesignPlant, PipelineError> {
+    let late_reading = match plant.late_reading.clone() {
+        Some(reading) => reading,
+        None => LateReading { dynamics: machine.sensors.hub_gyro.dynamics()?, delay_s: 0.0 },
+    };
+    let delay_s = late_reading.delay_s + machine.interface.sample_period_s;
+    Ok(DesignPlant { late_reading: Some(LateReading { delay_s, ..late_reading }), ..plant.clone() })
 }
 
 /// Returns the plant of the design with a value of the file changed; `None` if there is none.

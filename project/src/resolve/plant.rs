@@ -365,8 +365,14 @@ fn interface(v: &mut dyn Visit, interface: &mut Interface) {
     v.whole_number(&fine("output_bits"), &mut interface.output_bits);
     let mut delay = u32::try_from(interface.output_delay_samples).unwrap_or(u32::MAX);
     let field = Field::new("output_delay_samples", "whole sample periods by which the control is delayed")
-        .limit(Limit::Between(0.0, MOST_CONTROL_DELAY_SAMPLES));
-    v.whole_number(&field.or(0.0), &mut delay);
+        .limit(Limit::Between(0.0, MOST_CONTROL_DELAY_SAMPLES))
+        .or(0.0)
+        .with_assumption(
+            "none, as if the control acted at once",
+            "what is left out is ideal; computing takes a real controller up to one sample period",
+            UsualRange::Values(0.0, 1.0),
+        );
+    v.whole_number(&field, &mut delay);
     interface.output_delay_samples = delay as usize;
     clock(v, &mut interface.clock);
     let missing = Field::new("missing_codes", "share of the codes that the input converters never give");

@@ -85,6 +85,8 @@ pub(super) struct Judge<'a> {
     others: Vec<StateSpace>,
     within_tolerances: Vec<StateSpace>,
     within_usual_ranges: Vec<UsualPlant>,
+    /// Those whose control is a usual delay later, under the hold.
+    with_usual_delay: Vec<StateSpace>,
 }
 
 /// A plant at an end of what is usual, under the hold.
@@ -130,8 +132,23 @@ impl<'a> Judge<'a> {
                 within_usual_ranges.push(UsualPlant { held, max_sensitivity: NEIGHBOUR_MS });
             }
         }
+        let with_usual_delay = all(&circumstances.with_usual_delay)?;
+        for plant in &circumstances.with_usual_delay {
+            let shifted = all(&shifted_modes(plant, &light_modes(plant)?)?)?;
+            let shifted = shifted.into_iter().map(|held| UsualPlant { held, max_sensitivity: NEIGHBOUR_MS });
+            within_usual_ranges.extend(shifted);
+        }
         let sampling = sampling.clone();
-        Ok(Self { circumstances, sampling, held, neighbours, others, within_tolerances, within_usual_ranges })
+        Ok(Self {
+            circumstances,
+            sampling,
+            held,
+            neighbours,
+            others,
+            within_tolerances,
+            within_usual_ranges,
+            with_usual_delay,
+        })
     }
 
     /// Judges a continuous controller from (demand, reading) to the control; `None` if its sampled loop is not stable or never reaches a gain of 1.
@@ -239,8 +256,8 @@ impl<'a> Judge<'a> {
         Ok(worst)
     }
 
-    /// The largest sensitivity over the plants at the ends of what is usual, over what is allowed with each; above 1, that of the first plant that
-    /// exceeds it.
+    /// The largest sensitivity over the plants at the ends of what is usual, over what is allowed with each, and what the margins with a usual delay
+    /// of the control need over what they have; above 1, that of the first plant that exceeds it.
     fn share_over_usual_ranges(&self, K: &StateSpace, nominal: &LoopJudgement) -> Result<f64, Error> {
         let mut worst = 0.0_f64;
         for UsualPlant { held, max_sensitivity } in &self.within_usual_ranges {
@@ -250,7 +267,39 @@ impl<'a> Judge<'a> {
             let found = sensitivity_beside(held, K, rates_near_peaks(nominal), held_loop)?;
             worst = worst.max(found / max_sensitivity);
         }
+        for held in &self.with_usual_delay {
+            if worst > 1.0 {
+                break;
+            }
+            worst = worst.max(self.share_of_margins(held, K, nominal)?);
+        }
         Ok(worst)
+    }
+
+    /// The largest share of the required margins, and of the highest frequency of the closed loop, that a loop with another plant uses up;
+    /// infinite if it is not stable.
+    fn share_of_margins(
+        &self,
+        held: &StateSpace,
+        K: &StateSpace,
+        nominal: &LoopJudgement,
+    ) -> Result<f64, Error> {
+        let required = &self.circumstances.margins;
+        if largest_sensitivity(held, K, rates_near_peaks(nominal))? > required.max_sensitivity {
+            return Ok(f64::INFINITY);
+        }
+        let Some(loop_gain) = held_loop(held, K)? else { return Ok(f64::INFINITY) };
+        let found = candidate_margins(&loop_gain)?;
+        let phase_deg = found.phase_margin().map_or(f64::INFINITY, |margin| margin.deg.abs());
+        let crossover = found.phase.iter().map(|margin| margin.rate_rad_s).fold(0.0, f64::max);
+        let highest = CEILING * self.circumstances.sampling.rate_rad_s();
+        let shares = [
+            found.ms.value / required.max_sensitivity,
+            required.gain_db / found.gain_margin_db(),
+            required.phase_deg / phase_deg,
+            closed_loop_bandwidth(held, K, crossover)? / highest,
+        ];
+        Ok(shares.into_iter().fold(0.0, f64::max))
     }
 
     /// The largest sensitivity over the plant and those with what the linear plant leaves out; infinite if the loop with one of them is not
