@@ -7,11 +7,11 @@ use clap::{Parser, Subcommand};
 use counterpoise_host::files::RECORDING_ENDINGS;
 
 use crate::commands::{
-    adapt::AdaptOptions, check::CheckOptions, claims::ClaimsOptions, compare::CompareOptions,
-    design::DesignOptions, experiment::ExperimentOptions, export::ExportOptions, fra::FraOptions,
-    identify::IdentifyOptions, model::ModelOptions, new::NewOptions, replay::ReplayOptions,
-    stages::StageOptions, studio::StudioOptions, sweep::SweepOptions, synth::SynthOptions,
-    verify::VerifyOptions,
+    adapt::AdaptOptions, check::CheckOptions, claims::ClaimsOptions, commission::CommissionOptions,
+    compare::CompareOptions, design::DesignOptions, experiment::ExperimentOptions, export::ExportOptions,
+    fra::FraOptions, identify::IdentifyOptions, machine::MachineOptions, model::ModelOptions,
+    new::NewOptions, replay::ReplayOptions, stages::StageOptions, studio::StudioOptions, sweep::SweepOptions,
+    synth::SynthOptions, verify::VerifyOptions,
 };
 use crate::options::DiagnoseOptions;
 
@@ -65,6 +65,10 @@ pub enum Command {
     Experiment(ExperimentOptions),
     /// Identify out-of-balance, friction, inertia and the amplifier's gain curve from triangle waves in closed loop
     Identify(IdentifyOptions),
+    /// Design, run on a machine, diagnose and redesign, round by round, until the machine meets its requirements
+    Commission(CommissionOptions),
+    /// Run one experiment of a commissioning on a project that stands for the true machine, with the exported C in the loop
+    Machine(MachineOptions),
     /// Verify the controller on many mechanisms, in shards, and search for the worst case
     Sweep(SweepOptions),
     /// Measure the claims of the thesis, one by one

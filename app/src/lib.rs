@@ -70,6 +70,8 @@ fn run_command(command: &Command) -> CommandResult {
         Command::Diagnose(options) => commands::diagnose::run(options),
         Command::Experiment(options) => commands::experiment::run(options),
         Command::Identify(options) => commands::identify::run(options),
+        Command::Commission(options) => commands::commission::run(options),
+        Command::Machine(options) => commands::machine::run(options),
         Command::Sweep(options) => commands::sweep::run(options),
         Command::Claims(options) => commands::claims::run(options),
         Command::Studio(options) => commands::studio::run(options),

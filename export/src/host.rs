@@ -44,6 +44,12 @@ pub fn c_replay(name: &str, numbers: Numbers) -> File {
     File { name: "replay.c".into(), text: text.replace("axis", name).replace("AXIS", &name.to_uppercase()) }
 }
 
+/// Returns one interface before the C code of a name, for machines that run it: `machine_step.c`.
+pub fn machine_step(name: &str) -> File {
+    let text = include_str!("../target/machine_step.c");
+    File { name: "machine_step.c".into(), text: text.replace("axis", name) }
+}
+
 /// Returns the program that replays readings through the Rust crate compiled as [`RUST_CRATE`]: `replay.rs`, for a controller that takes so many
 /// readings.
 pub fn rust_replay(readings: usize) -> File {

@@ -6,7 +6,7 @@
 //!
 //! Modules in reading order: [`terminal`], [`clock`], [`files`], [`folders`], [`json`], [`journals`], [`project_lock`], [`large_recordings`], [`projects`], [`code_files`],
 //! [`shards`], [`programs`], [`interrupt`], [`worker`], [`journal_writer`], [`recent_files`], [`file_check`], [`change_watcher`], [`time_left`], [`progress`],
-//! [`workers`], [`campaign_progress`], [`stages`], [`compilers`].
+//! [`workers`], [`campaign_progress`], [`stages`], [`compilers`], [`machine_program`].
 //!
 //! ```
 //! let folder = counterpoise_host::files::scratch_folder()?;
@@ -29,6 +29,7 @@ pub mod journal_writer;
 pub mod journals;
 pub mod json;
 pub mod large_recordings;
+pub mod machine_program;
 pub mod programs;
 pub mod progress;
 pub mod project_lock;

@@ -11,7 +11,7 @@
 //! Modules in reading order: [`error`], `budget`, [`check`], [`configuration`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`],
 //! [`first_design`](mod@first_design), [`tuning`], [`certificates`], [`road`], [`inertial_unit`](mod@inertial_unit),
 //! [`verify`](mod@verify), [`export`](mod@export), [`identity`], [`frequencies`], [`design_views`], [`loop_view`](mod@loop_view), [`traverse_file`], [`two_axes`], [`mod@design`], [`plant_views`],
-//! [`reduction_views`], [`preview`], [`recordings`], [`studies`],
+//! [`reduction_views`], [`preview`], [`recordings`], [`studies`], [`commission`],
 //! [`exchange`] (systems and responses for other programs), [`wording`], [`results`].
 //!
 //! ```
@@ -28,6 +28,7 @@
 mod budget;
 pub mod certificates;
 pub mod check;
+pub mod commission;
 pub mod configuration;
 pub mod design;
 pub mod design_views;

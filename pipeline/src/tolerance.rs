@@ -154,3 +154,48 @@ pub(crate) const LEAST_LEFT: f64 = 0.1;
 /// RMS of the hub rate over that of the run without a change up to which an adaptation counts as having brought it back: ten percent is less than a
 /// third of what the changed load of the runs adds.
 pub(crate) const RETURNED: f64 = 1.10;
+
+/// Noise floors beyond the machines within the tolerances that a recording may differ from its prediction: of 10 000 samples of white noise the largest is
+/// four standard deviations off.
+pub(crate) const BAND_FLOORS: f64 = 6.0;
+
+/// Largest share of the samples of a recording that may lie outside their predicted band.
+pub(crate) const BAND_SHARE: f64 = 0.02;
+
+/// Residual over the noise floor up to which a model explains a recording: two careful simulators of one machine differ by 1.33
+/// (`docs/evidence/diagnosis.md`), and the control of a loop that follows its noise by up to twice the floor.
+pub(crate) const EXPLAINED_FLOORS: f64 = 2.0;
+
+/// Least tolerance that recordings leave, as a share of the value: below it the model's own errors count.
+pub(crate) const LEAST_TOLERANCE: f64 = 0.005;
+
+/// Difference for a derivative, as a share of the half-width within which a value is sought: far above the steps of converters, and small beside the width of a
+/// valley of the cost, which a friction that sticks makes narrow.
+pub(crate) const POSTERIOR_DIFFERENCE: f64 = 0.005;
+
+/// Most Gauss-Newton steps: those within a tolerance settle in three or four, those with an effect beside it in ten.
+pub(crate) const POSTERIOR_STEPS: usize = 16;
+
+/// Damping of the first Gauss-Newton step, as a share of the diagonal.
+pub(crate) const FIRST_DAMPING: f64 = 1e-3;
+
+/// Dampings that are tried for a step, each ten times the one before: the last leaves a step as short as those of differences.
+pub(crate) const POSTERIOR_DAMPINGS: i32 = 6;
+
+/// Share of the cost that a Gauss-Newton step must gain for another one to be taken.
+pub(crate) const POSTERIOR_SETTLED: f64 = 1e-3;
+
+/// Room to its limit that a figure needs on the machine, as a share of the limit: a run repeats its figures to about a percent.
+pub(crate) const ACCEPTANCE_MARGIN: f64 = 0.02;
+
+/// Share by which a tolerance must shrink for a round to count as one that taught something.
+pub(crate) const CHANGED_TOLERANCE: f64 = 0.1;
+
+/// Effects of a diagnosis that are tried beside the values of a model, at most.
+pub(crate) const MOST_CANDIDATES: usize = 4;
+
+/// Effects that a round adds to a model, at most: recordings of a few experiments tell no more apart.
+pub(crate) const MOST_EFFECTS: usize = 2;
+
+/// Share of the residual that must be left or less for an effect to be added.
+pub(crate) const EFFECT_GAIN: f64 = 0.7;

@@ -1,5 +1,6 @@
 //! What a file leaves open: values that are assumed, and how far values may lie from what is written.
 
+use crate::file::SettingValue;
 use serde::Serialize;
 
 /// Latest reading that is usual for a sensor whose delay is not stated, s: digital sensors filter and transmit for up to two milliseconds.
@@ -53,6 +54,16 @@ impl KeyTolerance {
     /// Returns the lowest and the highest value.
     pub fn range(&self) -> [f64; 2] {
         [self.value - self.half_width, self.value + self.half_width]
+    }
+
+    /// Returns the tolerance as the value of its key.
+    pub(crate) fn setting(&self) -> SettingValue {
+        match self.kind {
+            ToleranceKind::Relative => SettingValue::Number(self.half_width / self.value.abs()),
+            ToleranceKind::Absolute => {
+                SettingValue::Text(format!("{} {}", crate::file::setting::number(self.half_width), self.unit))
+            }
+        }
     }
 
     /// Returns the tolerance as the file spells it.

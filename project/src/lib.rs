@@ -33,7 +33,7 @@ pub use resolve::model::{PlantSelection, StructureChoice};
 pub use resolve::platform::{GeneratedMotion, MotionKind, PlatformSource, RoadSource};
 pub use resolve::purpose::Purpose;
 pub use resolve::statements::{SectionStatement, ValueStatement};
-pub use resolve::sweep::RobustnessCampaign;
+pub use resolve::sweep::{RobustnessCampaign, VariedTolerance};
 pub use resolve::synthesis::DesignRequest;
 pub use resolve::verify::VerificationOptions;
 pub use resolve::{ParsedProject, Project};

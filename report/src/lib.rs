@@ -8,7 +8,7 @@
 //!
 //! Modules in reading order: [`page`], [`html`], [`style`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`loop_charts`], [`spectra`],
 //! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`first_design`], [`alternatives`], [`designs`], [`targets`], [`trade_off`]; the other commands'
-//! reports: [`check`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robust`], [`certificate`], [`two_axes`], [`error_budget`], `error_budget_figures`, [`advice`], [`identify`], [`replay`],
+//! reports: [`check`], [`commission`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robust`], [`certificate`], [`two_axes`], [`error_budget`], `error_budget_figures`, [`advice`], [`identify`], [`replay`],
 //! [`diagnosis`], `learned`, [`residual`], [`structure`]; and the
 //! sentences of a diagnosis: [`wording`].
 
@@ -18,6 +18,7 @@ pub mod alternatives;
 pub mod bode;
 pub mod certificate;
 pub mod check;
+pub mod commission;
 pub mod design;
 pub mod designs;
 pub mod diagnosis;

@@ -1,6 +1,7 @@
 //! Time histories: arrays of signals over time.
 
-use counterpoise_recordings::{ColumnName, Signals};
+use counterpoise_models::FeedbackSignal;
+use counterpoise_recordings::{Channel, ColumnName, Recording, Signals};
 
 use crate::tolerance::SAME_INSTANT_S;
 use crate::{Arrangement, Figure, Model, Source};
@@ -91,6 +92,40 @@ impl History {
     pub(crate) fn with(mut self, column: HistoryColumn, samples: impl IntoIterator<Item = f64>) -> Self {
         self.signals.column_mut(column).iter_mut().zip(samples).for_each(|(value, sample)| *value = sample);
         self
+    }
+
+    /// Returns the history that the sensors of a machine show in a recording of a run; `None` if demand, control or the reading of the loop's sensor were not
+    /// recorded. A loop of a position counts from where it started. What no sensor reads is 0; the travel is that of the resolver, or the integral of
+    /// the hub's rate on the platform.
+    pub fn of_recording(
+        experiment: Experiment,
+        recording: &Recording,
+        measured: FeedbackSignal,
+    ) -> Option<Self> {
+        let hub = recording.samples(Channel::HubRate)?;
+        let (demand, control) = (recording.samples(Channel::Demand)?, recording.samples(Channel::Control)?);
+        let period_s = recording.sample_period_s;
+        let from = if measured.is_position() { hub.first().copied().unwrap_or(0.0) } else { 0.0 };
+        let platform = recording.samples(Channel::PlatformRate).unwrap_or_default();
+        let travel = match recording.samples(Channel::HubPosition) {
+            _ if measured.is_position() => hub.iter().map(|value| value - from).collect(),
+            Some(angle) => angle.iter().map(|value| value - angle[0]).collect(),
+            None => {
+                let on_platform = hub.iter().enumerate();
+                let rates = on_platform.map(|(k, rate)| rate - platform.get(k).copied().unwrap_or(0.0));
+                integrate(rates, period_s)
+            }
+        };
+        let heave = recording.samples(Channel::PlatformAccel).unwrap_or_default();
+        let history = Self::zeros(Model::Nonlinear, experiment, hub.len())
+            .with(HistoryColumn::Time, (0..hub.len()).map(|k| k as f64 * period_s))
+            .with(HistoryColumn::Demand, demand.iter().map(|value| value - from))
+            .with(HistoryColumn::Heave, heave.iter().copied())
+            .with(HistoryColumn::PitchRate, platform.iter().copied())
+            .with(HistoryColumn::HubRate, hub.iter().map(|value| value - from))
+            .with(HistoryColumn::Control, control.iter().copied())
+            .with(HistoryColumn::Travel, travel);
+        Some(history)
     }
 
     /// Returns the number of samples.

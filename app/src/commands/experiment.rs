@@ -44,7 +44,7 @@ pub struct ExperimentOptions {
 }
 
 /// Returns a finite number above 0.
-fn parse_positive(text: &str) -> Result<f64, String> {
+pub(crate) fn parse_positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
         _ => Err("must be a number above 0, such as 0.1".to_owned()),
@@ -55,7 +55,7 @@ fn parse_positive(text: &str) -> Result<f64, String> {
 const LONGEST_S: f64 = 600.0;
 
 /// Returns a duration that can be planned.
-fn seconds(text: &str) -> Result<f64, String> {
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     match parse_positive(text)? {
         duration if duration <= LONGEST_S => Ok(duration),
         _ => Err(format!("must be at most {LONGEST_S} s: a longer experiment is this one, repeated")),

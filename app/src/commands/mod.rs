@@ -3,6 +3,7 @@
 pub mod adapt;
 pub mod check;
 pub mod claims;
+pub mod commission;
 pub mod compare;
 pub mod design;
 pub mod diagnose;
@@ -11,6 +12,7 @@ pub mod export;
 pub mod first_design;
 pub mod fra;
 pub mod identify;
+pub mod machine;
 pub mod model;
 pub mod new;
 pub mod replay;

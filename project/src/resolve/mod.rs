@@ -205,7 +205,16 @@ impl Project {
     /// # Errors
     /// The text is not TOML, or a value leads through something that is no table.
     pub fn update(&self, document: &Document, old: &Self) -> Result<Document, EditError> {
-        changes::apply(document, &old.lines(), &self.lines())
+        let mut updated = changes::apply(document, &old.lines(), &self.lines())?;
+        for tolerance in &self.tolerances {
+            let before = old.tolerances.iter().find(|before| before.key == tolerance.key);
+            let changed = before.is_some_and(|before| before.as_written() != tolerance.as_written());
+            if changed && updated.has(&format!("{}.tolerance", tolerance.key)) {
+                let path = format!("{}.tolerance", tolerance.key);
+                updated = updated.set(&path, &tolerance.setting())?;
+            }
+        }
+        Ok(updated)
     }
 
     /// Returns the reference of all sections and keys, as Markdown, from the same walk that reads them.

@@ -126,6 +126,17 @@ pub(crate) fn keys_with_tolerances() -> impl Iterator<Item = &'static str> {
     TOLERANCES.iter().map(|(key, _)| *key)
 }
 
+/// A tolerance of a parameter that can be varied.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VariedTolerance {
+    /// Place among the tolerances of the project.
+    pub place: usize,
+    /// The parameter.
+    pub parameter: Varied,
+    /// Half-width over the value.
+    pub relative: f64,
+}
+
 impl Project {
     /// Returns the robustness campaign: the variations of the section `sweep`, and one for each tolerance whose parameter that
     /// section does not vary. `None` if there is neither.
@@ -142,6 +153,18 @@ impl Project {
             }
         }
         Some(campaign)
+    }
+
+    /// Returns the tolerances of parameters that can be varied, in the order of the file.
+    pub fn varied_tolerances(&self) -> Vec<VariedTolerance> {
+        let varied = |(place, tolerance): (usize, &KeyTolerance)| {
+            let Distribution::Uniform { high, .. } = variation_within(tolerance)?.distribution else {
+                return None;
+            };
+            let parameter = variation_within(tolerance)?.parameter;
+            Some(VariedTolerance { place, parameter, relative: high - 1.0 })
+        };
+        self.tolerances.iter().enumerate().filter_map(varied).collect()
     }
 
     /// Returns the variation that each tolerance of a parameter means.

@@ -1,0 +1,312 @@
+//! Machine programs: the folder of a run, the program that is started with it, and what it leaves there.
+//!
+//! `docs/reference/machine.md` is the protocol.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+use counterpoise_export::File;
+use counterpoise_pipeline::commission::{PlannedRun, RunRequest};
+use counterpoise_pipeline::recordings::RecordingFile;
+use counterpoise_recordings::{Channel, Mapping, Recording, RecordingTable};
+use serde::{Deserialize, Serialize};
+
+use crate::files;
+use crate::json::json_text;
+
+/// Version of the protocol.
+const PROTOCOL: u32 = 1;
+/// Names of the files of a run.
+const REQUEST: &str = "request.json";
+const DEMAND: &str = "demand.csv";
+const MOTION: &str = "motion.csv";
+const PREDICTED: &str = "predicted.csv";
+const RECORDING: &str = "recording.csv";
+const ANSWER: &str = "answer.json";
+
+/// Limits of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct RunLimits {
+    /// Largest angle from the start, rad.
+    pub angle_rad: f64,
+    /// Largest rate, rad/s.
+    pub rate_rad_s: f64,
+    /// Largest current, A; `None` for no limit.
+    pub current_a: Option<f64>,
+}
+
+/// What a machine program is asked to do, as `request.json` holds it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MachineRequest {
+    /// Version of the protocol.
+    pub protocol: u32,
+    /// Number of the round.
+    pub round: usize,
+    /// Name of the run.
+    pub run: String,
+    /// Sample period, s.
+    pub sample_period_s: f64,
+    /// Number of samples.
+    pub samples: usize,
+    /// Hub angle at the start, rad.
+    pub start_angle_rad: f64,
+    /// Limits of the run.
+    pub limits: RunLimits,
+    /// Hash of the controller that must run.
+    pub controller_hash: String,
+    /// Columns that the model records.
+    pub columns: Vec<String>,
+}
+
+/// What a machine program answers, as `answer.json` holds it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MachineAnswer {
+    /// Version of the protocol.
+    pub protocol: u32,
+    /// Hash of the controller that ran.
+    pub controller_hash: String,
+    /// How the run ended.
+    pub ended: RunEnd,
+    /// Why, if it did not come to its end.
+    #[serde(default)]
+    pub reason: String,
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RunEnd {
+    /// At its last sample.
+    Complete,
+    /// The machine stopped before.
+    Aborted,
+}
+
+/// Writes what a machine program finds in the folder of a run.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_request(folder: &Path, request: &MachineRequest, run: &PlannedRun) -> Result<()> {
+    let mut texts = vec![
+        File {
+            name: DEMAND.to_owned(),
+            text: columns_text(&run.request, &[("demand", &run.request.demand)]),
+        },
+        File { name: PREDICTED.to_owned(), text: predicted_text(run) },
+    ];
+    if run.request.moves_base() {
+        let columns = [
+            ("platform_rate", run.request.platform_rate_rad_s.as_slice()),
+            ("platform_accel", run.request.platform_accel_m_s2.as_slice()),
+        ];
+        texts.push(File { name: MOTION.to_owned(), text: columns_text(&run.request, &columns) });
+    }
+    // The request stands last: a folder with one is whole.
+    texts.push(File { name: REQUEST.to_owned(), text: json_text(request)? });
+    for file in texts {
+        let path = folder.join(&file.name);
+        files::write_file(&path, file.text.as_bytes())
+            .with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    Ok(())
+}
+
+/// Returns a request of this version of the protocol.
+pub fn request_of(
+    run: &PlannedRun,
+    round: usize,
+    limits: RunLimits,
+    controller_hash: &str,
+) -> MachineRequest {
+    MachineRequest {
+        protocol: PROTOCOL,
+        round,
+        run: run.name.to_owned(),
+        sample_period_s: run.request.sample_period_s,
+        samples: run.request.demand.len(),
+        start_angle_rad: run.request.start_angle_rad,
+        limits,
+        controller_hash: controller_hash.to_owned(),
+        columns: run.predicted.iter().map(|channel| channel.channel.name().to_owned()).collect(),
+    }
+}
+
+fn columns_text(request: &RunRequest, columns: &[(&str, &[f64])]) -> String {
+    let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+    let mut text = format!("time [s],{}\n", names.join(","));
+    for k in 0..request.demand.len() {
+        let _ = write!(text, "{:.9e}", k as f64 * request.sample_period_s);
+        for (_, values) in columns {
+            let _ = write!(text, ",{:.17e}", values.get(k).copied().unwrap_or(0.0));
+        }
+        text.push('\n');
+    }
+    text
+}
+
+fn predicted_text(run: &PlannedRun) -> String {
+    let mut text = String::from("time [s]");
+    for channel in &run.predicted {
+        let name = channel.channel.name();
+        let _ = write!(text, ",{name},{name}_low,{name}_high");
+    }
+    text.push('\n');
+    for k in 0..run.request.demand.len() {
+        let _ = write!(text, "{:.9e}", k as f64 * run.request.sample_period_s);
+        for channel in &run.predicted {
+            let at = |values: &[f64]| values.get(k).copied().unwrap_or(f64::NAN);
+            let [value, low, high] = [at(&channel.values), at(&channel.low), at(&channel.high)];
+            let _ = write!(text, ",{value:.9e},{low:.9e},{high:.9e}");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// Returns whether a machine program has answered in a folder.
+pub fn has_answer(folder: &Path) -> bool {
+    folder.join(ANSWER).is_file()
+}
+
+/// Starts a machine program on a folder, through the shell, and waits until it ends.
+///
+/// # Errors
+/// The shell cannot be started, or the program exits with anything but 0.
+pub fn run_machine(command: &str, folder: &Path) -> Result<()> {
+    let mut shell = if cfg!(windows) {
+        let mut shell = Command::new("cmd");
+        shell.arg("/C").arg(format!("{command} \"{}\"", folder.display()));
+        shell
+    } else {
+        let mut shell = Command::new("sh");
+        shell.arg("-c").arg(format!("{command} \"$1\"")).arg("machine").arg(folder);
+        shell
+    };
+    let status = shell.status().with_context(|| format!("cannot start the machine program `{command}`"))?;
+    if !status.success() {
+        bail!("the machine program `{command}` failed on {} ({status})", folder.display());
+    }
+    Ok(())
+}
+
+/// Reads a request as a machine program does.
+///
+/// # Errors
+/// The file cannot be read, is none, or is of another version.
+pub fn read_request(folder: &Path) -> Result<MachineRequest> {
+    let request: MachineRequest = read_json(&folder.join(REQUEST))?;
+    if request.protocol != PROTOCOL {
+        bail!("{} is of protocol {}, this program knows {PROTOCOL}", folder.display(), request.protocol);
+    }
+    Ok(request)
+}
+
+/// Reads the demand and the motion of a run as a machine program does.
+///
+/// # Errors
+/// A file that cannot be read, or has other columns.
+pub fn read_run(folder: &Path, request: &MachineRequest) -> Result<RunRequest> {
+    let demand = read_columns(&folder.join(DEMAND))?;
+    let motion = folder.join(MOTION);
+    let moved = if motion.is_file() { Some(read_columns(&motion)?) } else { None };
+    let column = |recording: &Option<Recording>, channel: Channel| {
+        recording.as_ref().and_then(|found| found.samples(channel)).unwrap_or_default().to_vec()
+    };
+    let demand = column(&Some(demand), Channel::Demand);
+    if demand.len() != request.samples {
+        bail!(
+            "{} has {} samples of a demand, the request {}",
+            folder.display(),
+            demand.len(),
+            request.samples
+        );
+    }
+    Ok(RunRequest {
+        sample_period_s: request.sample_period_s,
+        demand,
+        platform_rate_rad_s: column(&moved, Channel::PlatformRate),
+        platform_accel_m_s2: column(&moved, Channel::PlatformAccel),
+        start_angle_rad: request.start_angle_rad,
+    })
+}
+
+fn read_columns(path: &Path) -> Result<Recording> {
+    let name = path.display().to_string();
+    let bytes = files::read_file(path).with_context(|| format!("cannot read {name}"))?;
+    let table = RecordingTable::read(&bytes, &name)?;
+    let recordings = Mapping::default().recordings(&table)?;
+    recordings.into_iter().next().with_context(|| format!("{name} holds no samples"))
+}
+
+/// Writes a recording and then the answer, as a machine program does.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write_answer(folder: &Path, recording: &Recording, answer: &MachineAnswer) -> Result<()> {
+    let recorded: Vec<Channel> = Channel::ALL.into_iter().filter(|one| recording.has(*one)).collect();
+    let names: Vec<&str> = recorded.iter().map(|channel| channel.name()).collect();
+    let samples: Vec<&[f64]> =
+        recorded.iter().map(|one| recording.samples(*one).unwrap_or_default()).collect();
+    let mut text = format!("time [s],{}\n", names.join(","));
+    for k in 0..samples.first().map_or(0, |first| first.len()) {
+        let _ = write!(text, "{:.9e}", k as f64 * recording.sample_period_s);
+        for values in &samples {
+            let _ = write!(text, ",{:.17e}", values[k]);
+        }
+        text.push('\n');
+    }
+    for (name, text) in [(RECORDING, text), (ANSWER, json_text(answer)?)] {
+        let path = folder.join(name);
+        files::write_file(&path, text.as_bytes())
+            .with_context(|| format!("cannot write {}", path.display()))?;
+    }
+    Ok(())
+}
+
+/// Returns the answer of this version of the protocol.
+pub fn answer_of(request: &MachineRequest, ended: RunEnd, reason: &str) -> MachineAnswer {
+    MachineAnswer {
+        protocol: PROTOCOL,
+        controller_hash: request.controller_hash.clone(),
+        ended,
+        reason: reason.to_owned(),
+    }
+}
+
+/// Reads what a machine program answered, and checks that the controller of the request ran.
+///
+/// # Errors
+/// There is no answer, it is none, or another controller ran.
+pub fn read_answer(folder: &Path, request: &MachineRequest) -> Result<MachineAnswer> {
+    let answer: MachineAnswer = read_json(&folder.join(ANSWER))?;
+    if answer.protocol != PROTOCOL {
+        bail!("{}: the answer is of protocol {}, not {PROTOCOL}", folder.display(), answer.protocol);
+    }
+    if answer.controller_hash != request.controller_hash {
+        bail!(
+            "{}: controller {} ran, and {} was asked for; nothing of this recording is used",
+            folder.display(),
+            answer.controller_hash,
+            request.controller_hash
+        );
+    }
+    Ok(answer)
+}
+
+/// Returns the file of a recording.
+///
+/// # Errors
+/// It cannot be read.
+pub fn read_recording_file(folder: &Path) -> Result<RecordingFile> {
+    let path: PathBuf = folder.join(RECORDING);
+    let bytes = files::read_file(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    Ok(RecordingFile { name: path.display().to_string(), bytes })
+}
+
+fn read_json<T: for<'a> Deserialize<'a>>(path: &Path) -> Result<T> {
+    let bytes = files::read_file(path).with_context(|| format!("cannot read {}", path.display()))?;
+    serde_json::from_slice(&bytes)
+        .with_context(|| format!("{} is not what the protocol describes", path.display()))
+}

@@ -1,0 +1,191 @@
+//! Recordings of a round against what was predicted and what is required.
+
+use counterpoise_project::Project;
+use counterpoise_recordings::{Channel, Recording};
+use counterpoise_simulate::replay::reading_floor;
+use counterpoise_verify::measure::{Value, history_figures};
+use counterpoise_verify::{
+    Arrangement, Experiment, Figure, History, Limit, Model, Quantity, Requirement, RestFigure,
+    TriangleFigure, Verdict, Verification,
+};
+
+use super::run_plan::PlannedRun;
+use crate::DesignStages;
+use crate::tolerance::BAND_SHARE;
+
+/// A recording against its prediction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunJudgement {
+    /// Each channel that was predicted and recorded.
+    pub channels: Vec<ChannelJudgement>,
+}
+
+/// A channel of a recording against its prediction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelJudgement {
+    /// The channel.
+    pub channel: Channel,
+    /// RMS of what was recorded.
+    pub recorded_rms: f64,
+    /// RMS of what was recorded less what was predicted.
+    pub error_rms: f64,
+    /// Share of the samples outside the predicted band.
+    pub outside: f64,
+}
+
+impl RunJudgement {
+    /// Returns whether a channel left its predicted band.
+    pub fn leaves_band(&self) -> bool {
+        self.channels.iter().any(|channel| channel.outside > BAND_SHARE)
+    }
+}
+
+/// Compares a recording with its prediction.
+pub fn judge_run(run: &PlannedRun, recording: &Recording) -> RunJudgement {
+    let judge = |predicted: &super::PredictedChannel| {
+        let recorded = recording.samples(predicted.channel)?;
+        let count = recorded.len().min(predicted.values.len());
+        let rms = |values: &mut dyn Iterator<Item = f64>| {
+            (values.map(|value| value * value).sum::<f64>() / count.max(1) as f64).sqrt()
+        };
+        let is_outside = |k: &usize| {
+            let value = recorded[*k];
+            value.is_nan() || value < predicted.low[*k] || value > predicted.high[*k]
+        };
+        Some(ChannelJudgement {
+            channel: predicted.channel,
+            recorded_rms: rms(&mut recorded[..count].iter().copied()),
+            error_rms: rms(&mut (0..count).map(|k| recorded[k] - predicted.values[k])),
+            outside: (0..count).filter(is_outside).count() as f64 / count.max(1) as f64,
+        })
+    };
+    RunJudgement { channels: run.predicted.iter().filter_map(judge).collect() }
+}
+
+/// What shows a required figure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FigureSource {
+    /// A recording of the machine.
+    Recording,
+    /// The model alone: no experiment on the machine shows the figure.
+    Model,
+}
+
+/// What became of a requirement on the machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MachineVerdict {
+    /// The figure.
+    pub figure: Figure,
+    /// Its limit.
+    pub limit: Limit,
+    /// What shows it.
+    pub source: FigureSource,
+    /// Its value on the model; `None` if it has none.
+    pub predicted: Option<f64>,
+    /// Its value in the recordings; `None` if no recording shows it.
+    pub measured: Option<f64>,
+}
+
+impl MachineVerdict {
+    /// Returns whether the requirement holds by what shows it.
+    pub fn holds(&self) -> bool {
+        let value = match self.source {
+            FigureSource::Recording => self.measured,
+            FigureSource::Model => self.predicted,
+        };
+        value.is_some_and(|value| matches!(self.limit.judge(value), Verdict::Holds { .. }))
+    }
+}
+
+/// A run with its recording.
+#[derive(Debug, Clone)]
+pub struct RecordedRun {
+    /// The run.
+    pub run: PlannedRun,
+    /// The recording.
+    pub recording: Recording,
+}
+
+/// Judges the project's requirements by the recordings of a round, and by the model where no experiment shows a figure.
+pub fn judge_requirements(
+    project: &Project,
+    stages: &DesignStages,
+    recorded: &[RecordedRun],
+) -> Vec<MachineVerdict> {
+    let requirements = project.verify.iter().flat_map(|asked| &asked.requirements);
+    let verification = stages.verified.verification();
+    let settle_s = stages.procedure.settle_s;
+    requirements.map(|requirement| judge(requirement, project, verification, settle_s, recorded)).collect()
+}
+
+fn judge(
+    requirement: &Requirement,
+    project: &Project,
+    verification: &Verification,
+    settle_s: f64,
+    recorded: &[RecordedRun],
+) -> MachineVerdict {
+    let figure = requirement.figure;
+    let measured = if shows_in_recording(figure) {
+        let experiment = Experiment::from_figure(figure);
+        let shown = recorded.iter().find(|recorded| recorded.run.experiment == Some(experiment));
+        shown.and_then(|recorded| measure(figure, experiment, &recorded.recording, project, settle_s))
+    } else {
+        None
+    };
+    MachineVerdict {
+        figure,
+        limit: requirement.limit,
+        source: if measured.is_some() { FigureSource::Recording } else { FigureSource::Model },
+        predicted: verification.value(figure),
+        measured,
+    }
+}
+
+/// Whether the sensors of a machine show a figure of a run with the whole controller.
+fn shows_in_recording(figure: Figure) -> bool {
+    match figure {
+        Figure::Step(model, _) | Figure::Triangle(model, _) => model == Model::Nonlinear,
+        Figure::Rest(_) => true,
+        Figure::Disturbance(model, _, arrangement, quantity) => {
+            let is_read = !matches!(
+                quantity,
+                Quantity::TipRms | Quantity::TipPeak | Quantity::CurrentPeak | Quantity::GearOpen
+            );
+            model == Model::Nonlinear && arrangement == Arrangement::Compensated && is_read
+        }
+        Figure::Loop(_) | Figure::Rejection { .. } | Figure::Sight(_) => false,
+    }
+}
+
+fn measure(
+    figure: Figure,
+    experiment: Experiment,
+    recording: &Recording,
+    project: &Project,
+    settle_s: f64,
+) -> Option<f64> {
+    let history = History::of_recording(experiment, recording, project.plant.sensors.measured)?;
+    let history = if experiment == Experiment::Step { history.from_time(settle_s) } else { history };
+    let measured = history_figures(&history, settle_s).into_iter().find(|found| found.figure == figure)?;
+    match measured.value {
+        Value::Is(value) => Some(without_noise(figure, value, project)),
+        Value::Absent { .. } => None,
+    }
+}
+
+/// Returns an RMS of the hub's motion without the noise that the sensor's data sheet states: the reading is the motion and the noise.
+fn without_noise(figure: Figure, value: f64, project: &Project) -> f64 {
+    let is_rms = match figure {
+        Figure::Rest(figure) => figure == RestFigure::HubRms,
+        Figure::Triangle(_, figure) => figure == TriangleFigure::ErrorRms,
+        Figure::Disturbance(.., quantity) => quantity == Quantity::HubRms,
+        Figure::Step(..) | Figure::Loop(_) | Figure::Rejection { .. } | Figure::Sight(_) => false,
+    };
+    if !is_rms {
+        return value;
+    }
+    let plant = &project.plant;
+    let noise = reading_floor(&plant.sensors.hub_gyro, &plant.interface);
+    (value * value - noise * noise).max(0.0).sqrt()
+}

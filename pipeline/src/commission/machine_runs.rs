@@ -1,0 +1,110 @@
+//! One experiment on a simulated machine.
+
+use counterpoise_controller::SampledController;
+use counterpoise_models::{Parameters, Plant};
+use counterpoise_recordings::{Channel, Recording};
+use counterpoise_simulate::{
+    Detail, Imperfections, Initial, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
+};
+
+use crate::PipelineError;
+
+/// What a machine is asked to run: demand and motion of the base, sample by sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunRequest {
+    /// Sample period, s.
+    pub sample_period_s: f64,
+    /// Demand, in the unit of what the loop controls.
+    pub demand: Vec<f64>,
+    /// Pitch rate of the base, rad/s; empty if the base stands still.
+    pub platform_rate_rad_s: Vec<f64>,
+    /// Heave of the base, m/s^2; empty if the base stands still.
+    pub platform_accel_m_s2: Vec<f64>,
+    /// Hub angle at the start, rad.
+    pub start_angle_rad: f64,
+}
+
+/// A run of a simulated machine.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MachineRun {
+    /// What its sensors and its controller leave.
+    pub recording: Recording,
+    /// Largest distance of the hub from its start, rad.
+    pub largest_angle_rad: f64,
+    /// Largest rate of the hub, rad/s.
+    pub largest_rate_rad_s: f64,
+    /// Largest current, A.
+    pub largest_current_a: f64,
+}
+
+impl RunRequest {
+    /// Returns whether the base moves.
+    pub fn moves_base(&self) -> bool {
+        !self.platform_rate_rad_s.is_empty()
+    }
+
+    /// Returns the scenario of the run, with noise from a seed.
+    fn scenario(&self, seed: u64) -> Scenario {
+        let samples = |values: &[f64]| match values.is_empty() {
+            true => Signal::ZERO,
+            false => Signal::Samples { period_s: self.sample_period_s, values: values.to_vec() },
+        };
+        Scenario {
+            demand_rad_s: Signal::Held { period_s: self.sample_period_s, values: self.demand.clone() },
+            platform: PlatformMotion {
+                heave_m_s2: samples(&self.platform_accel_m_s2),
+                pitch_rate_rad_s: samples(&self.platform_rate_rad_s),
+                ..PlatformMotion::STILL
+            },
+            imperfections: Imperfections::NoiseAndQuantisation { seed },
+            initial: Initial::Rest { hub_angle_rad: self.start_angle_rad },
+            detail: Detail::Everything,
+            ..Scenario::at_rest(self.demand.len() as f64 * self.sample_period_s)
+        }
+    }
+}
+
+/// Runs an experiment on a machine that a plant stands for, with any controller.
+///
+/// # Errors
+/// Those of the simulator, a motion that diverges among them.
+pub fn simulate_run(
+    plant: &Plant,
+    controller: &mut dyn SampledController,
+    request: &RunRequest,
+    seed: u64,
+) -> Result<MachineRun, PipelineError> {
+    let history = Simulator::new(plant)?.run(controller, &request.scenario(seed))?;
+    Ok(MachineRun::new(&history, plant.parameters()))
+}
+
+impl MachineRun {
+    fn new(history: &TimeHistory, machine: &Parameters) -> Self {
+        let mut recording = history.readings.recording("run", history.sample_period_s);
+        for channel in Channel::ALL.into_iter().filter(|channel| !is_fitted(machine, *channel)) {
+            recording.remove(channel);
+        }
+        let truth = &history.truth;
+        let peak = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |most: f64, v| most.max(v.abs()));
+        let start = truth.hub_angle_rad().first().copied().unwrap_or(0.0);
+        Self {
+            recording,
+            largest_angle_rad: peak(&mut truth.hub_angle_rad().iter().map(|angle| angle - start)),
+            largest_rate_rad_s: peak(&mut truth.hub_rate_rad_s().iter().copied()),
+            largest_current_a: peak(&mut truth.current_a().iter().copied()),
+        }
+    }
+}
+
+/// Whether a machine records a channel.
+fn is_fitted(machine: &Parameters, channel: Channel) -> bool {
+    let sensors = &machine.sensors;
+    match channel {
+        Channel::PlatformRate => sensors.platform_gyro.is_fitted(),
+        Channel::PlatformAccel => sensors.platform_accelerometer.is_fitted(),
+        Channel::PlatformSurge => sensors.surge_accelerometer.is_some(),
+        Channel::MotorRate => sensors.motor_tachometer.is_some(),
+        Channel::HubPosition => sensors.hub_resolver.is_some(),
+        _ => true,
+    }
+}
