@@ -10,7 +10,7 @@
 //!
 //! Modules in reading order: [`error`], `budget`, [`check`], [`configuration`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`],
 //! [`first_design`](mod@first_design), [`tuning`], [`certificates`], [`road`], [`inertial_unit`](mod@inertial_unit),
-//! [`verify`](mod@verify), [`export`](mod@export), [`identity`], [`frequencies`], [`design_views`], [`loop_view`](mod@loop_view), [`traverse_file`], [`two_axes`], [`mod@design`], [`plant_views`],
+//! [`verify`](mod@verify), [`export`](mod@export), [`identity`], [`frequencies`], [`design_views`], [`loop_view`](mod@loop_view), [`sight_views`], [`traverse_file`], [`two_axes`], [`mod@design`], [`plant_views`],
 //! [`reduction_views`], [`preview`], [`recordings`], [`studies`],
 //! [`exchange`] (systems and responses for other programs), [`wording`], [`results`].
 //!
@@ -47,6 +47,7 @@ pub mod reduce;
 pub mod reduction_views;
 pub mod results;
 pub mod road;
+pub mod sight_views;
 pub mod studies;
 pub mod synth;
 mod tolerance;

@@ -3,6 +3,8 @@
 use std::f64::consts::TAU;
 
 use counterpoise_linalg::C64;
+use counterpoise_lti::Margins;
+use counterpoise_project::Project;
 use counterpoise_verify::linear::loop_shape::nichols_points;
 use counterpoise_verify::linear::{
     Disk, LOCUS_CROSSOVERS, LoopShape, MarginKind, RootLocus, largest_sensitivity, loop_shape,
@@ -11,6 +13,7 @@ use counterpoise_verify::linear::{
 use counterpoise_verify::{Requirement, Verification};
 
 use crate::PipelineError;
+use crate::preview::DesignPreview;
 
 /// Points of a chart, x and y; a point without numbers breaks the curve.
 pub type ChartPoints = Vec<[f64; 2]>;
@@ -52,13 +55,15 @@ pub struct LocusView {
     pub reach_hz: f64,
 }
 
-/// The loop in the complex plane.
+/// The loop in the complex plane, with what its Nyquist and Nichols charts show beside it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LoopView {
+pub struct LoopPlane {
     /// L at positive frequencies.
     pub path: PlaneCurve,
     /// The largest sensitivity that the requirements allow; 2 where they name none.
     pub largest_sensitivity: f64,
+    /// The same, dB.
+    pub largest_sensitivity_db: f64,
     /// Where the sensitivity has that value.
     pub outline: PlaneCurve,
     /// The disk of the disk margin that the loop touches, by the size of that margin; `None` if it is no disk.
@@ -67,8 +72,32 @@ pub struct LoopView {
     pub unit: PlaneCurve,
     /// The nearest margins.
     pub margins: Vec<MarginPoint>,
+}
+
+/// The loop in the complex plane, and its root locus.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoopView {
+    /// The Nyquist and Nichols charts.
+    pub plane: LoopPlane,
     /// The root locus.
     pub locus: LocusView,
+}
+
+impl LoopPlane {
+    /// Returns the charts of a loop from L at positive frequencies, its margins, and the requirements on it.
+    pub fn new(response: &[C64], margins: &Margins, requirements: &[Requirement]) -> Self {
+        let largest = largest_sensitivity(requirements);
+        let disk = Disk::of_disk_margin(margins.disk.alpha);
+        Self {
+            path: plane_curve(response),
+            largest_sensitivity: largest,
+            largest_sensitivity_db: 20.0 * largest.log10(),
+            outline: plane_curve(&Disk::of_sensitivity(largest).edge()),
+            disk: disk.map(|disk| plane_curve(&disk.edge())),
+            unit: plane_curve(&Disk { centre: 0.0, radius: 1.0 }.edge()),
+            margins: margin_points(margins),
+        }
+    }
 }
 
 /// Returns the charts of the loop that was verified.
@@ -79,17 +108,28 @@ pub fn loop_view(found: &Verification) -> Result<LoopView, PipelineError> {
     let evidence = &found.evidence;
     let LoopShape { path, locus } = loop_shape(&evidence.broken, &evidence.curves, evidence.sample_period_s)?;
     let requirements: Vec<Requirement> = found.verdicts.iter().map(|(asked, _)| asked.clone()).collect();
-    let largest = largest_sensitivity(&requirements);
-    let disk = Disk::of_disk_margin(evidence.margins.disk.alpha);
     Ok(LoopView {
-        path: plane_curve(&path.response),
-        largest_sensitivity: largest,
-        outline: plane_curve(&Disk::of_sensitivity(largest).edge()),
-        disk: disk.map(|disk| plane_curve(&disk.edge())),
-        unit: plane_curve(&Disk { centre: 0.0, radius: 1.0 }.edge()),
-        margins: margin_points(found),
-        locus: locus_view(found, &locus),
+        plane: LoopPlane::new(&path.response, &evidence.margins, &requirements),
+        locus: locus_view(&evidence.margins, &locus),
     })
+}
+
+/// Returns the charts of the loop of a design that was not verified.
+///
+/// # Errors
+/// As [`loop_view`].
+pub fn preview_loop(design: &DesignPreview) -> Result<LoopView, PipelineError> {
+    let sample_period_s = design.modelled.parameters.interface.sample_period_s;
+    let LoopShape { path, locus } = loop_shape(&design.broken, &design.curves, sample_period_s)?;
+    Ok(LoopView {
+        plane: LoopPlane::new(&path.response, &design.margins, required_of(&design.project)),
+        locus: locus_view(&design.margins, &locus),
+    })
+}
+
+/// Returns the requirements that a project states.
+pub(crate) fn required_of(project: &Project) -> &[Requirement] {
+    project.verify.as_ref().map_or(&[], |verify| &verify.requirements)
 }
 
 fn plane_curve(points: &[C64]) -> PlaneCurve {
@@ -99,8 +139,8 @@ fn plane_curve(points: &[C64]) -> PlaneCurve {
     }
 }
 
-fn margin_points(found: &Verification) -> Vec<MarginPoint> {
-    let points = margins_on_path(&found.evidence.margins).into_iter().map(|margin| MarginPoint {
+fn margin_points(margins: &Margins) -> Vec<MarginPoint> {
+    let points = margins_on_path(margins).into_iter().map(|margin| MarginPoint {
         kind: margin.kind,
         size: margin.size,
         frequency_hz: margin.rate_rad_s / TAU,
@@ -109,11 +149,11 @@ fn margin_points(found: &Verification) -> Vec<MarginPoint> {
     points.collect()
 }
 
-fn locus_view(found: &Verification, locus: &RootLocus) -> LocusView {
+fn locus_view(margins: &Margins, locus: &RootLocus) -> LocusView {
     let locus = locus.convert_to_continuous();
     let places = |all: &[C64]| all.iter().map(|s| [s.re / TAU, s.im / TAU]).collect::<ChartPoints>();
     let closed_poles = places(&locus.closed_poles);
-    let crossover_hz = found.evidence.margins.phase.iter().map(|p| p.rate_rad_s / TAU).fold(0.0, f64::max);
+    let crossover_hz = margins.phase.iter().map(|p| p.rate_rad_s / TAU).fold(0.0, f64::max);
     let farthest = closed_poles.iter().map(|at| at[0].hypot(at[1])).fold(0.0, f64::max);
     let reach_hz = if crossover_hz > 0.0 { LOCUS_CROSSOVERS * crossover_hz } else { farthest.max(1.0) };
     LocusView {

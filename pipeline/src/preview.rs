@@ -5,6 +5,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use counterpoise_diagnose::learning::reading::{ReadElement, read_elements};
 use counterpoise_lti::{Margins, StateSpace, margins};
 use counterpoise_pool::{Pool, map};
 use counterpoise_project::Project;
@@ -16,7 +17,9 @@ use counterpoise_verify::linear::{
 };
 use counterpoise_verify::{ARRANGEMENTS, Arrangement, Experiment, History, Procedure, Source, Step};
 
+use crate::design_views::FrequencyResponse;
 use crate::first_design::leaves_weights_open;
+use crate::loop_view::{LoopPlane, required_of};
 use crate::{
     PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, build_plant_model, choose_weights,
     reduce_plant, synthesise, with_chosen_weights,
@@ -43,6 +46,8 @@ pub struct PlantPreview {
     pub modelled: Arc<PlantModel>,
     /// The reduced plant.
     pub reduced: Arc<ReducedPlant>,
+    /// The free functions of the plant, with their bands and the recordings' coverage.
+    pub learned: Vec<ReadElement>,
 }
 
 /// A design with its linear consequences.
@@ -62,6 +67,10 @@ pub struct DesignPreview {
     pub margins: Margins,
     /// Frequency responses.
     pub curves: Curves,
+    /// The loop over frequency, as a Bode diagram shows it.
+    pub loop_response: FrequencyResponse,
+    /// The loop in the complex plane, at the frequencies of the other responses.
+    pub plane: LoopPlane,
     /// The response to a step of the demand.
     pub step: History,
     /// The responses to heave, then to pitch, in each arrangement of the controller.
@@ -245,7 +254,8 @@ pub fn preview_plant(
     cache: &mut PreviewCache,
 ) -> Result<PlantPreview, PipelineError> {
     let kept = cache.plant(request)?;
-    Ok(PlantPreview { modelled: Arc::clone(&kept.modelled), reduced: Arc::clone(&kept.reduced) })
+    let learned = read_elements(&kept.modelled.parameters.learned);
+    Ok(PlantPreview { modelled: Arc::clone(&kept.modelled), reduced: Arc::clone(&kept.reduced), learned })
 }
 
 /// Designs the controller and computes its linear consequences. Weights that the project does not state are chosen. `pool` runs the two independent halves side by side.
@@ -266,7 +276,10 @@ pub fn preview_design(
     let responses = Responses { project: &project, sampled, loops: &loops };
     let LinearResponses { margins, curves, step, motions } = responses.compute(pool)?;
     let broken = responses.feedback()?.1.clone();
+    let response = &curves.broken.response;
     Ok(DesignPreview {
+        loop_response: FrequencyResponse::of("L", &curves.frequency_hz, response),
+        plane: LoopPlane::new(response, &margins, required_of(&project)),
         project,
         modelled,
         reduced,

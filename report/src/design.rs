@@ -9,7 +9,7 @@ use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
 use counterpoise_pipeline::{CompletedDesign, FirstDesignResult, ReducedPlant, StageTime, SynthesisStudy};
 
 use crate::adaptation::trial_section;
-use crate::bode::{BodeCurve, PhasePanel, bode_figure, response_curve};
+use crate::bode::{BodeCurve, PhasePanel, bode_figure};
 use crate::evidence::PLANT;
 use crate::page::ReportOrigin;
 use crate::targets::{self, TargetEvidence};
@@ -116,8 +116,8 @@ fn reduction_section(
     let hub = capitalise_first(controlled.motion().name());
     let figure = |plant: &PlantResponse| {
         let curves = [
-            response_curve(&plant.full, Colour::Muted),
-            response_curve(&plant.reduced, Colour::First).with_dashes(),
+            BodeCurve::new(plant.full.clone(), Colour::Muted),
+            BodeCurve::new(plant.reduced.clone(), Colour::First).with_dashes(),
         ];
         bode_figure(&format!("{hub} for {}", plant.input), "", &curves, PhasePanel::Shown, Vec::new())
     };
@@ -152,7 +152,7 @@ fn weight_figure(part: &WeightResponses) -> Figure {
         .curves
         .iter()
         .zip(Colour::CYCLE)
-        .map(|(response, colour)| response_curve(response, colour))
+        .map(|(response, colour)| BodeCurve::new(response.clone(), colour))
         .collect();
     bode_figure(&format!("{}: weights", part.part), "", &curves, PhasePanel::Hidden, Vec::new())
 }

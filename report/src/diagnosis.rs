@@ -13,7 +13,9 @@ use crate::learned::learned_section;
 use crate::localisation::localisation_section;
 use counterpoise_pipeline::RedesignComparison;
 use counterpoise_pipeline::recordings::DiagnosedRecordings;
-use counterpoise_pipeline::recordings::tracks::{ChannelTrack, TrackColumn};
+use counterpoise_pipeline::recordings::tracks::{
+    ChannelTrack, ResidualColumn, TrackColumn, find_worst_track,
+};
 
 use crate::{
     FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection,
@@ -40,7 +42,7 @@ pub fn diagnosis_report(
         headline: headline(answer),
         tiles: tiles(answer),
         verdicts: findings_table(&answer.findings),
-        glance: worst_track(tracks).map(|t| comparison(t, command)).into_iter().collect(),
+        glance: find_worst_track(tracks).map(|t| comparison(t, command)).into_iter().collect(),
         sections,
         provenance: vec![
             ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
@@ -215,12 +217,6 @@ fn cannot_tell(answer: &AnswerText) -> ReportSection {
     remarks.fold(section, |section, remark| section.with_text(remark.clone()))
 }
 
-/// Returns the track whose residual was largest against the measurement.
-pub(super) fn worst_track(tracks: &[ChannelTrack]) -> Option<&ChannelTrack> {
-    let drawn = tracks.iter().filter(|t| matches!(t.channel, Channel::Control | Channel::HubRate));
-    drawn.max_by(|a, b| a.relative_residual_power().total_cmp(&b.relative_residual_power()))
-}
-
 /// Measured and simulated above, the residuals below.
 pub(super) fn comparison(track: &ChannelTrack, command: &str) -> Figure {
     let points = |series: &[f64]| -> Vec<(f64, f64)> {
@@ -231,19 +227,15 @@ pub(super) fn comparison(track: &ChannelTrack, command: &str) -> Figure {
         Series::solid_line("measured", Colour::Muted, points(track.signals.column(TrackColumn::Measured))),
         Series::solid_line(name, Colour::Second, points(track.signals.column(TrackColumn::Before))),
     ];
-    let mut residuals =
-        vec![Series::solid_line(name, Colour::Second, points(&track.residual(TrackColumn::Before)))];
+    let residual = |run| points(track.residuals.column(run));
+    let mut residuals = vec![Series::solid_line(name, Colour::Second, residual(ResidualColumn::Before))];
     if !track.signals.column(TrackColumn::After).is_empty() {
         signals.push(Series::solid_line(
             "improved model",
             Colour::First,
             points(track.signals.column(TrackColumn::After)),
         ));
-        residuals.push(Series::solid_line(
-            "improved model",
-            Colour::First,
-            points(&track.residual(TrackColumn::After)),
-        ));
+        residuals.push(Series::solid_line("improved model", Colour::First, residual(ResidualColumn::After)));
     }
     let panels = vec![
         Panel::new(Axis::linear(track.channel.name(), track.channel.unit()), signals).with_height(190.0),

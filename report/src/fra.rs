@@ -6,12 +6,13 @@ use counterpoise_pipeline::studies::fra_summary::{
     AmplitudePoints, MapTotals, MeasuringPace, StickingAmplitude,
 };
 
-use crate::bode::{BodeCurve, PhasePanel, ResponsePoint, bode_figure};
+use crate::bode::{BodeCurve, PhasePanel, bode_figure};
 use crate::wording::capitalise_first;
 use crate::{
     FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection,
     ReportTable,
 };
+use counterpoise_pipeline::design_views::FrequencyResponse;
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Series};
 
@@ -95,8 +96,8 @@ fn curve(
     points: &[ResponseMapPoint],
     of: fn(&ResponseMapPoint) -> Option<[f64; 2]>,
 ) -> BodeCurve {
-    let at = |p: &ResponseMapPoint| of(p).map(|h| ResponsePoint::new(p.frequency_hz, h[0], h[1]));
-    BodeCurve::new(name, colour, points.iter().filter_map(at).collect())
+    let at = |p: &ResponseMapPoint| of(p).map(|h| [p.frequency_hz, h[0], h[1]]);
+    BodeCurve::new(FrequencyResponse::new(name, points.iter().filter_map(at).collect()), colour)
 }
 
 /// Returns all amplitudes in one diagram, the linear model dashed.
@@ -180,7 +181,7 @@ fn beside_models(map: &ResponseMap, family: &AmplitudePoints, colour: Colour) ->
         described,
         curve("linear", Colour::Muted, points, |p| Some(p.linear)).with_dashes(),
     ];
-    let kept: Vec<BodeCurve> = curves.into_iter().filter(|c| !c.points.is_empty()).collect();
+    let kept: Vec<BodeCurve> = curves.into_iter().filter(|c| !c.response.points.is_empty()).collect();
     bode_figure(&name, &map.signals.gain_unit(), &kept, PhasePanel::Shown, Vec::new())
 }
 

@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 use counterpoise_pipeline::recordings::ReplayedRecording;
 use counterpoise_pipeline::results::{ChannelResult, RecordingResult, ReplayResult};
 
-use counterpoise_pipeline::recordings::tracks::ChannelTrack;
+use counterpoise_pipeline::recordings::tracks::{ChannelTrack, find_worst_track};
 
-use crate::diagnosis::{comparison, worst_track};
+use crate::diagnosis::comparison;
 use crate::tolerance::FITS_FLOORS;
 use crate::wording::recordings::describe_replay_mode;
 use crate::{
@@ -23,14 +23,14 @@ pub fn replay_report(
     result: &ReplayResult,
     replayed: &[ReplayedRecording],
 ) -> Report {
-    let all: Vec<ChannelTrack> = replayed.iter().flat_map(|one| &one.tracks).cloned().collect();
+    let worst = find_worst_track(replayed.iter().flat_map(|one| &one.tracks));
     Report {
         title: title.to_owned(),
         subtitle: "what the model does under what was recorded".to_owned(),
         headline: headline(result),
         tiles: tiles(result),
         verdicts: ways(result),
-        glance: worst_track(&all).map(|track| comparison(track, command)).into_iter().collect(),
+        glance: worst.map(|track| comparison(track, command)).into_iter().collect(),
         sections: result.recordings.iter().zip(replayed).map(|(r, one)| section(r, &one.tracks)).collect(),
         provenance: vec![
             ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
