@@ -1,6 +1,6 @@
-//! Handles of a weight on its Bode plot: where they stand, and which keys they change.
+//! Handles of a weight on its Bode plot: where they stand, and which of its numbers they change.
 
-use counterpoise_synth::Weight;
+use crate::weight::Weight;
 
 /// A place on a Bode plot.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -182,16 +182,13 @@ pub fn weight_handles(weight: &Weight) -> Vec<WeightHandle> {
 /// Smallest and largest damping ratio that a handle gives: below, the resonance is too sharp to be drawn.
 const DAMPING: (f64, f64) = (0.02, 1.0);
 
-/// Returns the keys with their values that a handle sets when it is moved to a position.
-pub fn values_when_moved(weight: &Weight, handle: &WeightHandle, to: HandlePosition) -> Vec<WeightNumber> {
+/// Returns the numbers that put a handle of a weight at a position.
+pub fn move_handle(weight: &Weight, handle: &WeightHandle, to: HandlePosition) -> Vec<WeightNumber> {
     let HandlePosition { rate_rad_s, magnitude } = to;
     let numbers = weight_numbers(weight);
     let now = |key: &str| find_number(&numbers, key).unwrap_or(1.0);
     let scale = magnitude / handle.position.magnitude;
-    let rounded = |list: Vec<WeightNumber>| {
-        list.into_iter().map(|one| number(one.key, round_to_three_digits(one.value))).collect()
-    };
-    rounded(match handle.effect {
+    match handle.effect {
         HandleEffect::Gain => vec![number("gain", now("gain") * scale)],
         HandleEffect::Level(key) => vec![number(key, now(key) * scale)],
         HandleEffect::TimeAndGain => {
@@ -213,12 +210,7 @@ pub fn values_when_moved(weight: &Weight, handle: &WeightHandle, to: HandlePosit
         HandleEffect::Notch => {
             vec![number("centre", rate_rad_s), number("factor", magnitude / now("gain").abs())]
         }
-    })
-}
-
-/// Rounds to three significant digits: what a hand can place.
-pub fn round_to_three_digits(value: f64) -> f64 {
-    format!("{value:.2e}").parse().unwrap_or(value)
+    }
 }
 
 #[cfg(test)]
@@ -246,7 +238,7 @@ mod tests {
         for weight in all() {
             let before = weight_numbers(&weight);
             for handle in weight_handles(&weight) {
-                for WeightNumber { key, value } in values_when_moved(&weight, &handle, handle.position) {
+                for WeightNumber { key, value } in move_handle(&weight, &handle, handle.position) {
                     let was = find_number(&before, key).unwrap();
                     assert!((value / was - 1.0).abs() < 6e-3, "{weight}: {key} {was} -> {value}");
                 }
@@ -266,7 +258,7 @@ mod tests {
     fn corner_and_damping_go_where_they_are_put() {
         let quadratic = Weight::Quadratic { gain: 1.0, second_s2: 1e-4, first_s: 1.4e-2 };
         let handle = &weight_handles(&quadratic)[1];
-        let new = values_when_moved(&quadratic, handle, HandlePosition { rate_rad_s: 200.0, magnitude: 1.0 });
+        let new = move_handle(&quadratic, handle, HandlePosition { rate_rad_s: 200.0, magnitude: 1.0 });
         let moved = Weight::Quadratic {
             gain: 1.0,
             second_s2: find_number(&new, "second").unwrap(),
