@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 
 use counterpoise_linalg::C64;
 use counterpoise_lti::Margins;
-use counterpoise_project::Project;
 use counterpoise_verify::linear::loop_shape::nichols_points;
 use counterpoise_verify::linear::{
     Disk, LOCUS_CROSSOVERS, LoopShape, MarginKind, RootLocus, largest_sensitivity, loop_shape,
@@ -13,7 +12,6 @@ use counterpoise_verify::linear::{
 use counterpoise_verify::{Requirement, Verification};
 
 use crate::PipelineError;
-use crate::preview::DesignPreview;
 
 /// Points of a chart, x and y; a point without numbers breaks the curve.
 pub type ChartPoints = Vec<[f64; 2]>;
@@ -106,30 +104,19 @@ impl LoopPlane {
 /// A frequency response that does not exist, or eigenvalues that were not found.
 pub fn loop_view(found: &Verification) -> Result<LoopView, PipelineError> {
     let evidence = &found.evidence;
-    let LoopShape { path, locus } = loop_shape(&evidence.broken, &evidence.curves, evidence.sample_period_s)?;
+    let shape = loop_shape(&evidence.broken, &evidence.curves, evidence.sample_period_s)?;
     let requirements: Vec<Requirement> = found.verdicts.iter().map(|(asked, _)| asked.clone()).collect();
-    Ok(LoopView {
-        plane: LoopPlane::new(&path.response, &evidence.margins, &requirements),
-        locus: locus_view(&evidence.margins, &locus),
-    })
+    Ok(LoopView::new(&shape, &evidence.margins, &requirements))
 }
 
-/// Returns the charts of the loop of a design that was not verified.
-///
-/// # Errors
-/// As [`loop_view`].
-pub fn preview_loop(design: &DesignPreview) -> Result<LoopView, PipelineError> {
-    let sample_period_s = design.modelled.parameters.interface.sample_period_s;
-    let LoopShape { path, locus } = loop_shape(&design.broken, &design.curves, sample_period_s)?;
-    Ok(LoopView {
-        plane: LoopPlane::new(&path.response, &design.margins, required_of(&design.project)),
-        locus: locus_view(&design.margins, &locus),
-    })
-}
-
-/// Returns the requirements that a project states.
-pub(crate) fn required_of(project: &Project) -> &[Requirement] {
-    project.verify.as_ref().map_or(&[], |verify| &verify.requirements)
+impl LoopView {
+    /// Returns the charts of a loop from its shape, its margins, and the requirements on it.
+    pub fn new(shape: &LoopShape, margins: &Margins, requirements: &[Requirement]) -> Self {
+        Self {
+            plane: LoopPlane::new(&shape.path.response, margins, requirements),
+            locus: locus_view(margins, &shape.locus),
+        }
+    }
 }
 
 fn plane_curve(points: &[C64]) -> PlaneCurve {

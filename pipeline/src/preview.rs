@@ -15,11 +15,13 @@ use counterpoise_verify::linear::plant::Resolver;
 use counterpoise_verify::linear::{
     self, ArrangedLoop, Closed, Curves, PlantResponse, SampledPlant, arrange_controller,
 };
-use counterpoise_verify::{ARRANGEMENTS, Arrangement, Experiment, History, Procedure, Source, Step};
+use counterpoise_verify::{
+    ARRANGEMENTS, Arrangement, Experiment, History, Procedure, Requirement, Source, Step,
+};
 
 use crate::design_views::FrequencyResponse;
 use crate::first_design::leaves_weights_open;
-use crate::loop_view::{LoopPlane, required_of};
+use crate::loop_view::{LoopPlane, LoopView};
 use crate::{
     PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, build_plant_model, choose_weights,
     reduce_plant, synthesise, with_chosen_weights,
@@ -291,6 +293,21 @@ pub fn preview_design(
         motions,
         trial_moment_kg_m: request.out_of_balance_kg_m,
     })
+}
+
+/// Returns the charts of the loop of a design, with points close enough for a plane, and its root locus.
+///
+/// # Errors
+/// A frequency response that does not exist, or eigenvalues that were not found.
+pub fn preview_loop(design: &DesignPreview) -> Result<LoopView, PipelineError> {
+    let sample_period_s = design.modelled.parameters.interface.sample_period_s;
+    let shape = linear::loop_shape(&design.broken, &design.curves, sample_period_s)?;
+    Ok(LoopView::new(&shape, &design.margins, required_of(&design.project)))
+}
+
+/// Returns the requirements that a project states.
+fn required_of(project: &Project) -> &[Requirement] {
+    project.verify.as_ref().map_or(&[], |verify| &verify.requirements)
 }
 
 /// Returns the loop in each arrangement of the controller; the feedback alone stands before the whole controller.

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use counterpoise_host::files::ProjectFolder;
 use counterpoise_host::worker::{BackgroundWorker, CancelToken, WakeWindow};
-use counterpoise_pipeline::loop_view::{LoopView, preview_loop};
-use counterpoise_pipeline::preview::DesignPreview;
+use counterpoise_pipeline::loop_view::LoopView;
+use counterpoise_pipeline::preview::{DesignPreview, preview_loop};
 use counterpoise_pipeline::studies::trade_off::{EffortPoint, trade_off_points, usual_error_weight_factors};
 use counterpoise_pipeline::{self as pipeline, World};
 use counterpoise_verify::{Verification, VerifiedController};
