@@ -5,6 +5,8 @@ use counterpoise_pipeline::certificates::Certificate;
 use counterpoise_pipeline::design_views::{PlantResponse, WeightResponses};
 use counterpoise_pipeline::export::target_proofs::{CompiledCodeTest, StepCosts};
 use counterpoise_pipeline::results::{DesignResult, SynthResult};
+use counterpoise_pipeline::wording::certificates::describe_certified_quantity;
+use counterpoise_pipeline::wording::design_findings::describe_design_finding;
 use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
 use counterpoise_pipeline::{CompletedDesign, FirstDesignResult, ReducedPlant, StageTime, SynthesisStudy};
 
@@ -165,7 +167,7 @@ fn certificate_section(certificates: &[Certificate], result: &SynthResult) -> Re
     let mut section = ReportSection::new("Certificates")
         .with_text("Residuals are relative to the terms of their equation; costs are predicted by the equations and found on the assembled loop.")
         .with_table(table);
-    section.text.extend(result.warnings.iter().cloned());
+    section.text.extend(result.warnings.iter().map(describe_design_finding));
     section
 }
 
@@ -175,7 +177,8 @@ fn certificate_row(certificate: &Certificate) -> Vec<ReportCell> {
     } else {
         ReportCell::Verdict(OutcomeTone::Bad, "outside its limit".to_owned())
     };
-    vec![ReportCell::text(certificate.name.as_str()), ReportCell::number(certificate.value), verdict]
+    let name = describe_certified_quantity(certificate.quantity);
+    vec![ReportCell::text(name), ReportCell::number(certificate.value), verdict]
 }
 
 fn order_section(result: &DesignResult) -> ReportSection {
@@ -193,7 +196,8 @@ fn order_section(result: &DesignResult) -> ReportSection {
         row("predicted cost against cost of the assembled loop, relative", format!("{difference:.1e}"));
     }
     let section = ReportSection::new("Orders").with_table(table);
-    let remarks = result.synth.warnings.iter().chain(&result.reduce.warnings);
+    let of_design = result.synth.warnings.iter().map(describe_design_finding);
+    let remarks = of_design.chain(result.reduce.warnings.iter().map(describe_reduction_warning));
     remarks.fold(section, |section, warning| section.with_text(format!("Warning: {warning}")))
 }
 

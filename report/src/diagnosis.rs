@@ -1,6 +1,6 @@
 //! The report of a diagnosis: the answer first, then how the fit improved, the localisation, and the candidates.
 
-use crate::wording::answer::{AnswerText, FindingText, describe_verdict, unit_suffix};
+use crate::wording::answer::{AnswerText, FindingText, describe_verdict, describe_warning, unit_suffix};
 use crate::wording::{capitalise_first, name_in_words};
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_diagnose::findings::channel_fits::PooledFits;
@@ -213,8 +213,9 @@ fn cannot_tell(answer: &AnswerText) -> ReportSection {
         Some(next) => section.with_text(format!("Next experiment: {}. It {}.", next.what, next.why)),
         None => section,
     };
-    let remarks = answer.qualification.iter().chain(&answer.warnings);
-    remarks.fold(section, |section, remark| section.with_text(remark.clone()))
+    let warnings = answer.warnings.iter().map(|warning| -> &str { describe_warning(*warning) });
+    let remarks = answer.qualification.iter().map(String::as_str).chain(warnings);
+    remarks.fold(section, ReportSection::with_text)
 }
 
 /// Measured and simulated above, the residuals below.

@@ -13,6 +13,7 @@ use counterpoise_verify::{Figure, Limit, LoopFigure, Requirement, VerifiedContro
 use ndarray::Array2;
 
 use crate::tolerance::DRIFTING_POLE;
+use crate::wording::figures::USUAL_REQUIREMENT;
 use crate::{PipelineError, PlantModel, World, project_procedure};
 use counterpoise_project::Project;
 
@@ -124,8 +125,11 @@ fn judged_requirements(project: &Project) -> Vec<Requirement> {
 /// Returns what every loop of a campaign should keep if nothing else is required: a largest sensitivity of at most 2, which leaves a
 /// gain margin of 6 dB and a phase margin of 29 degrees, and closed-loop poles inside the unit circle.
 fn usual_requirements() -> Vec<Requirement> {
-    let require =
-        |figure, limit| Requirement { figure: Figure::Loop(figure), limit, source: USUAL.to_owned() };
+    let require = |figure, limit| Requirement {
+        figure: Figure::Loop(figure),
+        limit,
+        source: USUAL_REQUIREMENT.to_owned(),
+    };
     vec![
         require(LoopFigure::MaxSensitivity, Limit::AtMost(USUAL_SENSITIVITY)),
         require(LoopFigure::PoleRadius, Limit::AtMost(1.0 + DRIFTING_POLE)),
@@ -134,8 +138,6 @@ fn usual_requirements() -> Vec<Requirement> {
 
 /// Largest sensitivity that is reasonable, 1.4 to 2 (K. J. Astrom and R. M. Murray, Feedback Systems, section 12.3).
 const USUAL_SENSITIVITY: f64 = 2.0;
-/// Where requirements come from that no project states.
-const USUAL: &str = "usual, because the project states no requirement";
 
 /// Returns the Monte Carlo campaign of the project's requirements over its variations.
 ///
