@@ -16,41 +16,37 @@ pub struct FrequencyResponse {
     pub name: String,
     /// One row a frequency, columns frequency in Hz, real part and imaginary part.
     pub points: Array2<f64>,
-    /// Frequency in Hz and magnitude in dB.
-    pub magnitude_db: Vec<[f64; 2]>,
-    /// Frequency in Hz and phase in degrees, without jumps of a whole turn; it starts between -270 and 90 degrees.
-    pub phase_deg: Vec<[f64; 2]>,
 }
 
 impl FrequencyResponse {
     /// Returns a response from its points: frequency in Hz, real part and imaginary part, by rising frequency.
     pub fn new(name: &str, points: Vec<[f64; 3]>) -> Self {
-        let magnitude = |[hz, re, im]: &[f64; 3]| [*hz, 20.0 * re.hypot(*im).log10()];
-        Self {
-            name: name.to_owned(),
-            magnitude_db: points.iter().map(magnitude).collect(),
-            phase_deg: unwrap_phase(&points),
-            points: Array2::from(points),
-        }
+        Self { name: name.to_owned(), points: Array2::from(points) }
     }
 
     /// Returns the response of a system at frequencies in Hz.
     pub fn of(name: &str, frequency_hz: &[f64], response: &[C64]) -> Self {
         Self::new(name, frequency_hz.iter().zip(response).map(|(hz, h)| [*hz, h.re, h.im]).collect())
     }
-}
 
-/// Returns frequency in Hz and phase in degrees of points of a response, without jumps of a whole turn.
-fn unwrap_phase(points: &[[f64; 3]]) -> Vec<[f64; 2]> {
-    let mut before: Option<f64> = None;
-    let mut unwrapped = |re: f64, im: f64| {
-        let raw = im.atan2(re).to_degrees();
-        let start = if raw > 90.0 { raw - 360.0 } else { raw };
-        let phase = before.map_or(start, |last| raw + 360.0 * ((last - raw) / 360.0).round());
-        before = Some(phase);
-        phase
-    };
-    points.iter().map(|[hz, re, im]| [*hz, unwrapped(*re, *im)]).collect()
+    /// Returns frequency in Hz and magnitude in dB.
+    pub fn magnitude_db(&self) -> Vec<[f64; 2]> {
+        let points = self.points.rows().into_iter();
+        points.map(|row| [row[0], 20.0 * row[1].hypot(row[2]).log10()]).collect()
+    }
+
+    /// Returns frequency in Hz and phase in degrees, without jumps of a whole turn; it starts between -270 and 90 degrees.
+    pub fn phase_deg(&self) -> Vec<[f64; 2]> {
+        let mut before: Option<f64> = None;
+        let mut unwrapped = |re: f64, im: f64| {
+            let raw = im.atan2(re).to_degrees();
+            let start = if raw > 90.0 { raw - 360.0 } else { raw };
+            let phase = before.map_or(start, |last| raw + 360.0 * ((last - raw) / 360.0).round());
+            before = Some(phase);
+            phase
+        };
+        self.points.rows().into_iter().map(|row| [row[0], unwrapped(row[1], row[2])]).collect()
+    }
 }
 
 /// Hub rate for one input of the plant, before and after the reduction.
@@ -247,9 +243,9 @@ mod tests {
         };
         let points = (0..200).map(|k| lag(10f64.powf(-2.0 + 0.025 * f64::from(k)))).collect();
         let response = FrequencyResponse::new("lag", points);
-        let phase = &response.phase_deg;
+        let phase = response.phase_deg();
         assert!(phase.windows(2).all(|pair| (pair[1][1] - pair[0][1]).abs() < 20.0));
         assert!((phase[199][1] + 270.0).abs() < 2.0, "{:?}", phase[199]);
-        assert!(response.magnitude_db[0][1].abs() < 0.01);
+        assert!(response.magnitude_db()[0][1].abs() < 0.01);
     }
 }

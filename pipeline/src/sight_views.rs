@@ -1,7 +1,7 @@
 //! The spectrum of the line of sight ready to be drawn: power, cumulative RMS, and the shares of its sources, at each place.
 
-use counterpoise_verify::ErrorBudget;
 use counterpoise_verify::sight_spectrum::SightSpectrum;
+use counterpoise_verify::{ErrorBudget, Verification};
 
 /// Points of a chart: frequency in Hz, and a value.
 pub type SpectrumPoints = Vec<[f64; 2]>;
@@ -50,8 +50,13 @@ const PLACES: [Place; 3] = [
     Place { name: "tip against the hub", of: |spectrum| &spectrum.bending_rad2 },
 ];
 
-/// Returns the spectrum at the hub and at the tip, and that of the tip against the hub; a place where nothing moves is left out.
-pub fn view_error_budget(budget: &ErrorBudget) -> Vec<SightView> {
+/// Returns the spectrum at the hub and at the tip, and that of the tip against the hub; a place where nothing moves is left out. There is
+/// none if the verification did not ask for the line of sight.
+pub fn view_sight(found: &Verification) -> Vec<SightView> {
+    found.error_budget.as_ref().map(view_error_budget).unwrap_or_default()
+}
+
+fn view_error_budget(budget: &ErrorBudget) -> Vec<SightView> {
     let moves = |place: &Place| (place.of)(&budget.total).iter().sum::<f64>() > 0.0;
     PLACES.into_iter().filter(moves).map(|place| view_place(budget, place)).collect()
 }

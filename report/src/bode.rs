@@ -3,6 +3,7 @@
 use crate::tolerance::DEPTH_DB;
 use counterpoise_pipeline::design_views::FrequencyResponse;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
+use ndarray::Array2;
 
 /// A frequency response for a Bode diagram.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,6 +25,12 @@ pub enum PhasePanel {
     Shown,
     /// Not at all.
     Hidden,
+}
+
+/// Returns a response from its points: frequency in Hz, real part and imaginary part, by rising frequency.
+pub fn response_of(name: &str, points: impl IntoIterator<Item = [f64; 3]>) -> FrequencyResponse {
+    let points: Vec<[f64; 3]> = points.into_iter().collect();
+    FrequencyResponse { name: name.to_owned(), points: Array2::from(points) }
 }
 
 /// What is shown below the lowest mark, dB.
@@ -55,7 +62,7 @@ pub fn bode_figure(
 ) -> Figure {
     let label = if unit.is_empty() { "dB".to_owned() } else { format!("dB re {unit}") };
     let magnitudes: Vec<Series> =
-        curves.iter().map(|curve| curve.series(&curve.response.magnitude_db)).collect();
+        curves.iter().map(|curve| curve.series(&curve.response.magnitude_db())).collect();
     let levels = || magnitudes.iter().flat_map(|s| s.points.column(1).to_vec()).filter(|y| y.is_finite());
     let (lowest, highest) = (levels().fold(f64::MAX, f64::min), levels().fold(f64::MIN, f64::max));
     let axis = Axis::linear("magnitude", &label);
@@ -63,7 +70,7 @@ pub fn bode_figure(
     let axis = if highest - lowest > DEPTH_DB { axis.with_range(from, to) } else { axis };
     let mut panels = vec![Panel::new(axis, magnitudes).with_marks(marks)];
     if phase == PhasePanel::Shown {
-        let phases = curves.iter().map(|curve| curve.series(&curve.response.phase_deg)).collect();
+        let phases = curves.iter().map(|curve| curve.series(&curve.response.phase_deg())).collect();
         panels.push(Panel::new(Axis::degrees("phase"), phases).with_height(140.0));
     }
     Figure::new(title, Axis::logarithmic("frequency", "Hz"), panels)

@@ -72,6 +72,7 @@ pub fn of_design(designed: &CompletedDesign, result: &DesignResult, run: &Design
         title: designed.identity.name.clone(),
         subtitle: "From the project file to a verified controller".to_owned(),
         loop_view: Some(designed.loop_view.clone()),
+        sight_views: designed.sight_views.clone(),
         more,
         provenance: run.origin.provenance(&designed.identity),
     };

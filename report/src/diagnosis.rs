@@ -13,9 +13,7 @@ use crate::learned::learned_section;
 use crate::localisation::localisation_section;
 use counterpoise_pipeline::RedesignComparison;
 use counterpoise_pipeline::recordings::DiagnosedRecordings;
-use counterpoise_pipeline::recordings::tracks::{
-    ChannelTrack, ResidualColumn, TrackColumn, find_worst_track,
-};
+use counterpoise_pipeline::recordings::tracks::{ChannelTrack, ResidualColumn, TrackColumn};
 
 use crate::{
     FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection,
@@ -42,7 +40,7 @@ pub fn diagnosis_report(
         headline: headline(answer),
         tiles: tiles(answer),
         verdicts: findings_table(&answer.findings),
-        glance: find_worst_track(tracks).map(|t| comparison(t, command)).into_iter().collect(),
+        glance: worst_track(tracks).map(|t| comparison(t, command)).into_iter().collect(),
         sections,
         provenance: vec![
             ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),
@@ -216,6 +214,14 @@ fn cannot_tell(answer: &AnswerText) -> ReportSection {
     let warnings = answer.warnings.iter().map(|warning| -> &str { describe_warning(*warning) });
     let remarks = answer.qualification.iter().map(String::as_str).chain(warnings);
     remarks.fold(section, ReportSection::with_text)
+}
+
+/// Returns the track of control or hub rate whose residual was largest against the measurement.
+pub(super) fn worst_track<'a>(
+    tracks: impl IntoIterator<Item = &'a ChannelTrack>,
+) -> Option<&'a ChannelTrack> {
+    let drawn = tracks.into_iter().filter(|t| matches!(t.channel, Channel::Control | Channel::HubRate));
+    drawn.max_by(|a, b| a.relative_residual_power.total_cmp(&b.relative_residual_power))
 }
 
 /// Measured and simulated above, the residuals below.

@@ -1,16 +1,10 @@
 //! The spectrum of the line of sight as figures: its power spectral density and its cumulative RMS, with the shares of its sources.
 
-use counterpoise_pipeline::sight_views::{SightView, SpectrumPoints, view_error_budget};
+use counterpoise_pipeline::sight_views::{SightView, SpectrumPoints};
 use counterpoise_plot::{Axis, Colour, Figure, Panel, Series};
-use counterpoise_verify::ErrorBudget;
-
-/// Returns the spectrum at the hub and at the tip, and that of the tip against the hub; a place where nothing moves is left out.
-pub fn error_budget_figures(budget: &ErrorBudget) -> Vec<Figure> {
-    view_error_budget(budget).iter().map(figure).collect()
-}
 
 /// Returns the figure of a place, with as many sources as there are colours.
-fn figure(view: &SightView) -> Figure {
+pub fn sight_figure(view: &SightView) -> Figure {
     let mut powers = vec![Series::solid_line("all sources", Colour::Muted, pairs(&view.density))];
     let roots = vec![
         Series::solid_line("all sources", Colour::Muted, pairs(&view.cumulative_rms)),

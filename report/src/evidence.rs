@@ -1,14 +1,13 @@
 //! The evidence of a verification as sections with figures and tables.
 
 use counterpoise_models::ControlledQuantity;
-use counterpoise_pipeline::design_views::FrequencyResponse;
 use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
 use counterpoise_verify::linear::{ResponseCurve, frequency::Rejection};
 use counterpoise_verify::{
     Arrangement, Experiment, History, HistoryColumn, Model, Source, Value, Verification,
 };
 
-use crate::bode::{BodeCurve, PhasePanel, bode_figure};
+use crate::bode::{BodeCurve, PhasePanel, bode_figure, response_of};
 use crate::triangle;
 use crate::wording::capitalise_first;
 use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
@@ -43,12 +42,19 @@ pub fn evidence_sections(found: &Verification) -> Vec<ReportSection> {
     first.into_iter().chain(triangle::triangle_section(found)).chain(rest).collect()
 }
 
+fn curve_points<'a>(
+    frequency_hz: &'a [f64],
+    curve: &'a ResponseCurve,
+) -> impl Iterator<Item = [f64; 3]> + 'a {
+    frequency_hz.iter().zip(&curve.response).map(|(f, h)| [*f, h.re, h.im])
+}
+
 fn bode_curves(found: &Verification, curves: &[ResponseCurve]) -> Vec<BodeCurve> {
     let frequency = &found.evidence.curves.frequency_hz;
     let coloured = curves.iter().zip(Colour::CYCLE);
     coloured
         .map(|(curve, colour)| {
-            BodeCurve::new(FrequencyResponse::of(&curve.name, frequency, &curve.response), colour)
+            BodeCurve::new(response_of(&curve.name, curve_points(frequency, curve)), colour)
         })
         .collect()
 }
@@ -279,7 +285,8 @@ fn rejection_curve(
     let matches = |r: &&Rejection| (r.source, r.arrangement) == (source, arrangement);
     let rejection = found.evidence.curves.rejection.iter().find(matches)?;
     let frequency = &found.evidence.curves.frequency_hz;
-    Some(BodeCurve::new(FrequencyResponse::of(name, frequency, &rejection.response), colour))
+    let points = frequency.iter().zip(&rejection.response).map(|(f, h)| [*f, h.re, h.im]);
+    Some(BodeCurve::new(response_of(name, points), colour))
 }
 
 fn controller_section(found: &Verification) -> ReportSection {
@@ -296,7 +303,7 @@ fn controller_section(found: &Verification) -> ReportSection {
         .zip(units)
         .filter(|(curve, _)| curve.response.iter().any(|h| h.norm() > 0.0));
     let figures = present.map(|(curve, unit)| {
-        let response = FrequencyResponse::of("", &curves.frequency_hz, &curve.response);
+        let response = response_of("", curve_points(&curves.frequency_hz, curve));
         bode_figure(
             &capitalise_first(&curve.name),
             unit,
@@ -316,7 +323,7 @@ fn plant_section(found: &Verification) -> ReportSection {
     let hub = capitalise_first(found.controlled_quantity().name());
     let curves = &found.evidence.curves;
     let figures = curves.plant.iter().zip(units).map(|(curve, unit)| {
-        let response = FrequencyResponse::of("", &curves.frequency_hz, &curve.response);
+        let response = response_of("", curve_points(&curves.frequency_hz, curve));
         let title = format!("{hub} for {}", curve.name);
         bode_figure(&title, &unit, &[BodeCurve::new(response, Colour::First)], PhasePanel::Shown, Vec::new())
     });

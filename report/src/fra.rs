@@ -6,13 +6,12 @@ use counterpoise_pipeline::studies::fra_summary::{
     AmplitudePoints, MapTotals, MeasuringPace, StickingAmplitude,
 };
 
-use crate::bode::{BodeCurve, PhasePanel, bode_figure};
+use crate::bode::{BodeCurve, PhasePanel, bode_figure, response_of};
 use crate::wording::capitalise_first;
 use crate::{
     FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection,
     ReportTable,
 };
-use counterpoise_pipeline::design_views::FrequencyResponse;
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Series};
 
@@ -97,7 +96,7 @@ fn curve(
     of: fn(&ResponseMapPoint) -> Option<[f64; 2]>,
 ) -> BodeCurve {
     let at = |p: &ResponseMapPoint| of(p).map(|h| [p.frequency_hz, h[0], h[1]]);
-    BodeCurve::new(FrequencyResponse::new(name, points.iter().filter_map(at).collect()), colour)
+    BodeCurve::new(response_of(name, points.iter().filter_map(at)), colour)
 }
 
 /// Returns all amplitudes in one diagram, the linear model dashed.

@@ -2,7 +2,6 @@
 
 use counterpoise_controller::READING_NAMES;
 use counterpoise_models::ControlledQuantity;
-use counterpoise_pipeline::design_views::FrequencyResponse;
 use counterpoise_pipeline::loop_view::{ChartPoints, LocusView, LoopPlane, LoopView, MarginPoint};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
@@ -11,7 +10,7 @@ use counterpoise_verify::linear::MarginKind;
 use counterpoise_verify::linear::{LoopCause, LoopEffect, LoopResponse};
 
 use crate::ReportSection;
-use crate::bode::{BodeCurve, PhasePanel, bode_figure};
+use crate::bode::{BodeCurve, PhasePanel, bode_figure, response_of};
 use crate::wording::capitalise_first;
 
 /// Ends of the Nichols chart's modulus, dB: beyond them nothing is near the critical point.
@@ -143,7 +142,9 @@ fn response_charts(found: &Verification) -> Vec<Figure> {
         let drawn: Vec<BodeCurve> = all
             .map(|(response, colour)| {
                 let name = cause_name(response.cause, found.controlled_quantity());
-                BodeCurve::new(FrequencyResponse::of(&name, &curves.frequency_hz, &response.response), colour)
+                let points =
+                    curves.frequency_hz.iter().zip(&response.response).map(|(f, h)| [*f, h.re, h.im]);
+                BodeCurve::new(response_of(&name, points), colour)
             })
             .collect();
         (!drawn.is_empty()).then(|| bode_figure(title, unit, &drawn, PhasePanel::Hidden, Vec::new()))

@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 use counterpoise_pipeline::recordings::ReplayedRecording;
 use counterpoise_pipeline::results::{ChannelResult, RecordingResult, ReplayResult};
 
-use counterpoise_pipeline::recordings::tracks::{ChannelTrack, find_worst_track};
+use counterpoise_pipeline::recordings::tracks::ChannelTrack;
 
-use crate::diagnosis::comparison;
+use crate::diagnosis::{comparison, worst_track};
 use crate::tolerance::FITS_FLOORS;
 use crate::wording::recordings::describe_replay_mode;
 use crate::{
@@ -23,7 +23,7 @@ pub fn replay_report(
     result: &ReplayResult,
     replayed: &[ReplayedRecording],
 ) -> Report {
-    let worst = find_worst_track(replayed.iter().flat_map(|one| &one.tracks));
+    let worst = worst_track(replayed.iter().flat_map(|one| &one.tracks));
     Report {
         title: title.to_owned(),
         subtitle: "what the model does under what was recorded".to_owned(),

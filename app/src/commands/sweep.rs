@@ -196,6 +196,7 @@ fn finish(named: &Named, options: &SweepOptions) -> CommandResult {
     let command = format!("counterpoise sweep {project} -o {}", options.output.display());
     let context = VerificationContext {
         loop_view: None,
+        sight_views: Vec::new(),
         title: named.identity.name.clone(),
         subtitle,
         more: Vec::new(),

@@ -216,6 +216,7 @@ fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[Fi
         title: study.identity.name.clone(),
         subtitle: "Verification of the controller as it is exported".to_owned(),
         loop_view: Some(study.loop_view.clone()),
+        sight_views: study.sight_views.clone(),
         more: advised
             .into_iter()
             .chain(certified)

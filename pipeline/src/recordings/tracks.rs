@@ -81,12 +81,6 @@ impl ColumnName for ResidualColumn {
     }
 }
 
-/// Returns the track of control or hub rate whose residual was largest against the measurement; `None` if there is no such track.
-pub fn find_worst_track<'a>(tracks: impl IntoIterator<Item = &'a ChannelTrack>) -> Option<&'a ChannelTrack> {
-    let loops = tracks.into_iter().filter(|t| matches!(t.channel, Channel::Control | Channel::HubRate));
-    loops.max_by(|a, b| a.relative_residual_power.total_cmp(&b.relative_residual_power))
-}
-
 /// Channels that are compared with the simulation.
 const COMPARED: [Channel; 4] = [Channel::Control, Channel::HubRate, Channel::MotorRate, Channel::HubPosition];
 

@@ -14,6 +14,7 @@ use super::certificate::{RegimeRobustness, certify_controller, robust_regimes};
 use super::sweep::robust_stability;
 use crate::exchange::{ErrorBudgetResult, VerifiedLoop, error_budget_result, verified_loop};
 use crate::loop_view::{LoopView, loop_view};
+use crate::sight_views::{SightView, view_sight};
 use crate::{
     DesignedAxis, PipelineError, ProjectIdentity, TwoAxisStudy, World, build_plant_model, design_traverse,
     project_procedure, reduce_plant, study_two_axes, synthesise, verify_linear_on, verify_on,
@@ -67,6 +68,8 @@ pub struct VerificationStudy {
     pub advice: Vec<WeightAdvice>,
     /// What the error of the line of sight is made of, with the angles of its runs if time histories are kept.
     pub budget: Option<ErrorBudgetResult>,
+    /// The spectrum of the line of sight at each place; empty if the verification did not ask for it.
+    pub sight_views: Vec<SightView>,
     /// Trials of the project's adaptation; `None` if it has none, or on the linear plant alone.
     pub adaptation: Option<AdaptationTrials>,
     /// The traverse axis and both axes together; `None` if the project has none, or on the linear plant alone.
@@ -127,6 +130,7 @@ pub fn verify_project(
         budget,
         on_road: spectral_rejections(&found),
         loop_view: loop_view(&found)?,
+        sight_views: view_sight(&found),
         found,
         stability,
         certificate,

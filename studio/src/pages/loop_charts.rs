@@ -83,8 +83,8 @@ fn with_equal_scales(mut chart: Chart, cell: Rect) -> Chart {
 /// Returns the phase of the loop, with the phase margin.
 fn phase_chart(view: &StudioView, design: &DesignPreview) -> Chart {
     let of = |d: &DesignPreview| {
-        let phase = d.loop_response.phase_deg.iter();
-        phase.map(|[hz, deg]| [view.units.display_frequency(hz * TAU), *deg]).collect::<Vec<_>>()
+        let phase = d.loop_response.phase_deg().into_iter();
+        phase.map(|[hz, deg]| [view.units.display_frequency(hz * TAU), deg]).collect::<Vec<_>>()
     };
     let mut chart = Chart::new("Loop phase", view.units.frequency_label(), "phase, deg");
     chart.scales = [AxisScale::Log, AxisScale::Linear];
