@@ -5,8 +5,8 @@
 
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_diagnose::identification::{apply_identified, identify};
+use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
-use counterpoise_models::{FrictionLaw, Parameters};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{FrictionModel, ObserverOptions};
@@ -123,18 +123,12 @@ fn with_fitted_stiffness(
     Ok(with(centre.exp()))
 }
 
-/// Presliding stiffness at the pivot, N m/rad; NaN for a law that is not Dahl's.
+/// Presliding stiffness at the pivot, N m/rad; NaN for a law that has none.
 fn stiffness(parameters: &Parameters) -> f64 {
-    match parameters.pivot_friction.law {
-        FrictionLaw::Dahl { rest_stiffness_nm_rad, .. } => rest_stiffness_nm_rad,
-        _ => f64::NAN,
-    }
+    parameters.pivot_friction.presliding_stiffness_nm_rad().unwrap_or(f64::NAN)
 }
 
 fn scale_stiffness(parameters: &mut Parameters, factor: f64) {
-    for law in [&mut parameters.pivot_friction.law, &mut parameters.motor_friction.law] {
-        if let FrictionLaw::Dahl { rest_stiffness_nm_rad, .. } = law {
-            *rest_stiffness_nm_rad *= factor;
-        }
-    }
+    parameters.pivot_friction.scale_presliding_stiffness(factor);
+    parameters.motor_friction.scale_presliding_stiffness(factor);
 }

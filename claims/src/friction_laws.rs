@@ -89,12 +89,12 @@ fn free_mechanism(tested: &TestedDesign<'_>) -> Result<Parameters, PipelineError
 /// Returns what the pivot's law shares with the others; `None` if it is not Dahl's.
 fn shared_quantities(parameters: &Parameters) -> Option<Shared> {
     let inertia_kg_m2 = parameters.lumped.as_ref().map(|l| l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2)?;
-    match parameters.pivot_friction.law {
-        FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad, .. } => {
-            Some(Shared { coulomb_nm, stiffness_nm_rad: rest_stiffness_nm_rad, inertia_kg_m2 })
-        }
-        _ => None,
+    let pivot = &parameters.pivot_friction;
+    if !matches!(pivot.law, FrictionLaw::Dahl { .. }) {
+        return None;
     }
+    let stiffness_nm_rad = pivot.presliding_stiffness_nm_rad()?;
+    Some(Shared { coulomb_nm: pivot.coulomb_nm(), stiffness_nm_rad, inertia_kg_m2 })
 }
 
 fn with_law(parameters: &Parameters, law: FrictionLaw) -> Parameters {

@@ -298,12 +298,12 @@ fn slow_peak(law: &mut dyn Law, length_rad: f64) -> f64 {
 
 fn measure(parameters: &Parameters) -> Option<FrictionMeasurement> {
     let lumped = parameters.lumped.as_ref()?;
-    let FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad: stiffness, .. } =
-        parameters.pivot_friction.law
-    else {
+    let pivot = &parameters.pivot_friction;
+    if !matches!(pivot.law, FrictionLaw::Dahl { .. }) {
         return None;
-    };
-    let viscous = parameters.pivot_friction.viscous_nm_s_rad;
+    }
+    let (coulomb_nm, stiffness) = (pivot.coulomb_nm(), pivot.presliding_stiffness_nm_rad()?);
+    let viscous = pivot.viscous_nm_s_rad;
     let inertia_kg_m2 = lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2;
     let hub = |viscous_nm_s_rad: f64| Hub { inertia_kg_m2, viscous_nm_s_rad };
     let dahl = |which: usize, factor: f64| {

@@ -38,9 +38,9 @@ impl Run {
     /// Returns the mean of the ratio over the band, dB.
     fn ratio_db(&self) -> f64 {
         let Some(spectra) = &self.spectra else { return f64::NAN };
-        let both = spectra.frequency_hz.iter().zip(spectra.ratio_db());
+        let both = spectra.frequency_hz.iter().zip(&spectra.ratio_db);
         let inside: Vec<f64> =
-            both.filter(|(hz, _)| (AVERAGED_HZ.0..=AVERAGED_HZ.1).contains(*hz)).map(|(_, db)| db).collect();
+            both.filter(|(hz, _)| (AVERAGED_HZ.0..=AVERAGED_HZ.1).contains(*hz)).map(|(_, db)| *db).collect();
         inside.iter().sum::<f64>() / inside.len() as f64
     }
 }
@@ -132,7 +132,10 @@ fn balanced_against_compensated_figures(runs: &[Run]) -> Vec<Drawing> {
     for plant in ["out of balance", "balanced"] {
         let those: Vec<&Run> = runs.iter().filter(|run| run.plant == plant).collect();
         let panels = vec![
-            make_panel(Axis::linear("|Pxy / Pxx|", "dB"), curves(&those, &Spectra::ratio_db)),
+            make_panel(
+                Axis::linear("|Pxy / Pxx|", "dB"),
+                curves(&those, &|spectra| spectra.ratio_db.clone()),
+            ),
             make_panel(Axis::linear("coherence", ""), curves(&those, &|spectra| spectra.coherence.clone())),
         ];
         all.push(

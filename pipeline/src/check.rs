@@ -8,10 +8,12 @@ use counterpoise_project::{
 };
 use serde::Serialize;
 
+use crate::check_problem::CheckProblem;
 use crate::exchange::VerifiedLoop;
 use crate::first_design::leaves_weights_open;
 use crate::studies::assumptions::{AssumptionEffect, LoopSystems, assumption_effects, with_those_of_design};
 use crate::studies::sweep::campaign_is_stated;
+use crate::wording::serialisation::write_check_problems;
 use crate::{PipelineError, PlantModel, build_plant_model, choose_weights, reduce_plant, synthesise};
 
 /// How a project file was read, and which values are assumed.
@@ -35,8 +37,9 @@ pub struct CheckResult {
     pub assumptions: Vec<Assumption>,
     /// How much the assumptions with a usual range matter, the largest effect first; empty without a design.
     pub effects: Vec<AssumptionEffect>,
-    /// Why the plant cannot be built, or why there is no design by which assumptions could be judged.
-    pub problems: Vec<String>,
+    /// Why the plant cannot be built, or why there is no design by which assumptions could be judged; serialised as sentences.
+    #[serde(serialize_with = "write_check_problems")]
+    pub problems: Vec<CheckProblem>,
     /// What is allowed but likely to be a mistake.
     pub warnings: Vec<Diagnostic>,
     /// The commands for which the file has all sections.
@@ -85,13 +88,13 @@ pub fn check_project(document: &Document, parsed: &ParsedProject, systems: LoopS
     let mut problems = Vec::new();
     let (plant, (assumptions, effects)) = match build_plant_model(project) {
         Err(error) => {
-            problems.push(format!("the plant cannot be built: {error}"));
+            problems.push(CheckProblem::NoPlant { cause: error.to_string() });
             (None, (parsed.assumptions.clone(), Vec::new()))
         }
         Ok(modelled) => {
             let ranked = rank_assumptions(project, &modelled, &parsed.assumptions, systems);
             let ranked = ranked.unwrap_or_else(|error| {
-                problems.push(format!("assumptions are not ranked, because there is no design: {error}"));
+                problems.push(CheckProblem::NoDesign { cause: error.to_string() });
                 RankedAssumptions { assumptions: parsed.assumptions.clone(), ..RankedAssumptions::default() }
             });
             (Some(overview(&modelled)), (ranked.assumptions, ranked.effects))

@@ -15,6 +15,7 @@ use crate::export::{
     ExportedCode, LeftOut, PathForms, TargetCode, every_target, export_by, half_step_v, path_forms,
 };
 use crate::loop_view::{LoopView, loop_view};
+use crate::sight_views::{SightView, view_sight};
 use crate::studies::adaptation_trials::{AdaptationTrials, own_trials};
 use crate::studies::comparison::{DesignComparison, compare_designs};
 use crate::wording::weights::describe_weights;
@@ -96,6 +97,8 @@ pub struct CompletedDesign {
     pub views: DesignViews,
     /// The loop as Nyquist, Nichols and root-locus charts show it.
     pub loop_view: LoopView,
+    /// The spectrum of the line of sight at each place; empty if the verification did not ask for it.
+    pub sight_views: Vec<SightView>,
     /// Rejection ratios from the time histories on the road.
     pub spectra: Vec<Spectral>,
     /// The controller in double, single and fixed point.
@@ -262,6 +265,7 @@ pub fn design_project(project: &Project, world: &dyn World) -> Result<CompletedD
         comparison,
         views: design_views(&stages.modelled, &stages.reduced, &stages.synthesised)?,
         loop_view,
+        sight_views: view_sight(stages.verified.verification()),
         spectra: spectral_rejections(stages.verified.verification()),
         targets: study_targets(project, &stages, targets, world)?,
         first_design: first,

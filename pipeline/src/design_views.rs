@@ -1,5 +1,6 @@
 //! Frequency responses of a design ready to be drawn: plants, weights, and the controllers of every state of balance.
 
+use counterpoise_linalg::C64;
 use counterpoise_lti::{Response, StateSpace};
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::{Design, DisturbanceChannel, ScheduleEntry, Specification, Weight};
@@ -8,13 +9,44 @@ use ndarray::Array2;
 use crate::frequencies::logarithmic_hz;
 use crate::{PipelineError, PlantModel, ReducedPlant, SynthesisedDesign};
 
-/// A frequency response.
+/// A frequency response, as a plane and as a Bode diagram show it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrequencyResponse {
     /// Whose response it is.
     pub name: String,
     /// One row a frequency, columns frequency in Hz, real part and imaginary part.
     pub points: Array2<f64>,
+}
+
+impl FrequencyResponse {
+    /// Returns a response from its points: frequency in Hz, real part and imaginary part, by rising frequency.
+    pub fn new(name: &str, points: Vec<[f64; 3]>) -> Self {
+        Self { name: name.to_owned(), points: Array2::from(points) }
+    }
+
+    /// Returns the response of a system at frequencies in Hz.
+    pub fn of(name: &str, frequency_hz: &[f64], response: &[C64]) -> Self {
+        Self::new(name, frequency_hz.iter().zip(response).map(|(hz, h)| [*hz, h.re, h.im]).collect())
+    }
+
+    /// Returns frequency in Hz and magnitude in dB.
+    pub fn magnitude_db(&self) -> Vec<[f64; 2]> {
+        let points = self.points.rows().into_iter();
+        points.map(|row| [row[0], 20.0 * row[1].hypot(row[2]).log10()]).collect()
+    }
+
+    /// Returns frequency in Hz and phase in degrees, without jumps of a whole turn; it starts between -270 and 90 degrees.
+    pub fn phase_deg(&self) -> Vec<[f64; 2]> {
+        let mut before: Option<f64> = None;
+        let mut unwrapped = |re: f64, im: f64| {
+            let raw = im.atan2(re).to_degrees();
+            let start = if raw > 90.0 { raw - 360.0 } else { raw };
+            let phase = before.map_or(start, |last| raw + 360.0 * ((last - raw) / 360.0).round());
+            before = Some(phase);
+            phase
+        };
+        self.points.rows().into_iter().map(|row| [row[0], unwrapped(row[1], row[2])]).collect()
+    }
 }
 
 /// Hub rate for one input of the plant, before and after the reduction.
@@ -137,7 +169,7 @@ fn response(
     let all = Response::of(system)?.at_all(&rates)?;
     let points: Vec<[f64; 3]> =
         hz.iter().zip(&all).map(|(f, h)| [*f, h[(output, input)].re, h[(output, input)].im]).collect();
-    Ok(FrequencyResponse { name: name.to_owned(), points: Array2::from(points) })
+    Ok(FrequencyResponse::new(name, points))
 }
 
 /// Returns the responses of the weights of a specification.
@@ -168,7 +200,7 @@ fn weights_of(part: &'static str, weights: &[NamedWeight<'_>]) -> WeightResponse
             [f, h.re, h.im]
         };
         let points: Vec<[f64; 3]> = WIDE.frequencies_hz().into_iter().map(value).collect();
-        FrequencyResponse { name: (*name).to_owned(), points: Array2::from(points) }
+        FrequencyResponse::new(name, points)
     };
     WeightResponses { part, curves: weights.iter().map(one).collect() }
 }
@@ -195,4 +227,25 @@ fn controller_families(balance: &[ScheduleEntry]) -> Result<Vec<ControllerFamily
         all.push(ControllerFamily { name, unit, curves });
     }
     Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn three_integrators_end_at_minus_270_degrees_without_a_jump() {
+        let lag = |f: f64| {
+            // 1 / (1 + jf)^3
+            let angle = -3.0 * f.atan();
+            let size = (1.0 + f * f).powf(-1.5);
+            [f, size * angle.cos(), size * angle.sin()]
+        };
+        let points = (0..200).map(|k| lag(10f64.powf(-2.0 + 0.025 * f64::from(k)))).collect();
+        let response = FrequencyResponse::new("lag", points);
+        let phase = response.phase_deg();
+        assert!(phase.windows(2).all(|pair| (pair[1][1] - pair[0][1]).abs() < 20.0));
+        assert!((phase[199][1] + 270.0).abs() < 2.0, "{:?}", phase[199]);
+        assert!(response.magnitude_db()[0][1].abs() < 0.01);
+    }
 }

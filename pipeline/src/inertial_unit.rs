@@ -2,13 +2,34 @@
 
 use counterpoise_models::base_motion::{BaseState, FeltMotion, Level, Mounting, motion_at_elevation_axis};
 use counterpoise_recordings::clock::{stack_columns, to_uniform_clock};
-use counterpoise_recordings::{Error, RecordingTable, Signals};
+use counterpoise_recordings::{ColumnName, Error, RecordingTable, Signals};
 use counterpoise_verify::signals::filter::from_rest;
 use counterpoise_verify::signals::statistics::subtract_mean;
 use counterpoise_verify::{Road, RoadOrigin};
 
 use crate::road::{Stretch, stretch};
 use counterpoise_project::resolve::base_motion::{InertialUnit, UnitReading};
+
+/// The axes of the unit: x, y and z.
+const AXES: [usize; 3] = [0, 1, 2];
+
+/// A column of the readings of an inertial measurement unit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum UnitColumn {
+    /// Acceleration or specific force along an axis, m/s^2.
+    Acceleration(usize),
+    /// Rate about an axis, rad/s.
+    Rate(usize),
+}
+
+impl ColumnName for UnitColumn {
+    fn index(self) -> usize {
+        match self {
+            Self::Acceleration(axis) => axis,
+            Self::Rate(axis) => AXES.len() + axis,
+        }
+    }
+}
 
 /// Returns what the elevation axis feels of the recorded motion: the stretch that is asked for, low-passed, at the pivot, in axes that do not turn about
 /// the elevation axis, without its means, and faded in and out. The means of the rates are the gyroscopes' biases and are taken out first; where
@@ -38,15 +59,21 @@ pub fn inertial_unit(source: &InertialUnit, table: &RecordingTable) -> Result<Ro
         duration_s: source.duration_s,
         period_s: clocked.period_s,
     };
-    let mut taken = Vec::with_capacity(6);
-    for signal in clocked.signals.columns() {
-        taken.push(stretch(&wanted, table, &signal.to_vec())?);
+    let taken: Vec<Vec<f64>> = clocked
+        .signals
+        .columns()
+        .into_iter()
+        .map(|signal| stretch(&wanted, table, &signal.to_vec()))
+        .collect::<Result<_, Error>>()?;
+    let mut signals = Signals::stack(taken.iter().map(Vec::as_slice));
+    for column in AXES.map(UnitColumn::Rate) {
+        let centred = subtract_mean(signals.column(column));
+        signals.column_mut(column).copy_from_slice(&centred);
     }
-    let rates: Vec<Vec<f64>> = taken[3..].iter().map(|rate| subtract_mean(rate)).collect();
-    let unit: Vec<BaseState> = (0..rates[0].len())
+    let unit: Vec<BaseState> = (0..signals.len())
         .map(|k| BaseState {
-            specific_force_m_s2: [0, 1, 2].map(|axis| taken[axis][k]),
-            rate_rad_s: [0, 1, 2].map(|axis| rates[axis][k]),
+            specific_force_m_s2: AXES.map(|axis| signals.column(UnitColumn::Acceleration(axis))[k]),
+            rate_rad_s: AXES.map(|axis| signals.column(UnitColumn::Rate(axis))[k]),
         })
         .collect();
     let mounting = Mounting::new(source.mounting_rad, source.lever_arm_m);

@@ -8,9 +8,9 @@
 //!
 //! *Invariant*: no file, thread, clock or terminal; files are read and stages are watched through [`World`].
 //!
-//! Modules in reading order: [`error`], `budget`, [`check`], [`configuration`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`],
+//! Modules in reading order: [`error`], `budget`, [`check_problem`], [`check`], [`configuration`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`],
 //! [`first_design`](mod@first_design), [`tuning`], [`certificates`], [`road`], [`inertial_unit`](mod@inertial_unit),
-//! [`verify`](mod@verify), [`export`](mod@export), [`identity`], [`frequencies`], [`design_views`], [`loop_view`](mod@loop_view), [`traverse_file`], [`two_axes`], [`mod@design`], [`plant_views`],
+//! [`verify`](mod@verify), [`export`](mod@export), [`identity`], [`frequencies`], [`design_views`], [`loop_view`](mod@loop_view), [`sight_views`], `axes_problem`, [`traverse_file`], [`two_axes`], [`mod@design`], [`plant_views`],
 //! [`reduction_views`], [`preview`], [`recordings`], [`studies`], [`commission`],
 //! [`exchange`] (systems and responses for other programs), [`wording`], [`results`].
 //!
@@ -25,9 +25,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod axes_problem;
 mod budget;
 pub mod certificates;
 pub mod check;
+pub mod check_problem;
 pub mod commission;
 pub mod configuration;
 pub mod design;
@@ -48,6 +50,7 @@ pub mod reduce;
 pub mod reduction_views;
 pub mod results;
 pub mod road;
+pub mod sight_views;
 pub mod studies;
 pub mod synth;
 mod tolerance;

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use counterpoise_linalg::C64;
+use counterpoise_lti::Margins;
 use counterpoise_verify::linear::loop_shape::nichols_points;
 use counterpoise_verify::linear::{
     Disk, LOCUS_CROSSOVERS, LoopShape, MarginKind, RootLocus, largest_sensitivity, loop_shape,
@@ -52,13 +53,15 @@ pub struct LocusView {
     pub reach_hz: f64,
 }
 
-/// The loop in the complex plane.
+/// The loop in the complex plane, with what its Nyquist and Nichols charts show beside it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LoopView {
+pub struct LoopPlane {
     /// L at positive frequencies.
     pub path: PlaneCurve,
     /// The largest sensitivity that the requirements allow; 2 where they name none.
     pub largest_sensitivity: f64,
+    /// The same, dB.
+    pub largest_sensitivity_db: f64,
     /// Where the sensitivity has that value.
     pub outline: PlaneCurve,
     /// The disk of the disk margin that the loop touches, by the size of that margin; `None` if it is no disk.
@@ -67,8 +70,32 @@ pub struct LoopView {
     pub unit: PlaneCurve,
     /// The nearest margins.
     pub margins: Vec<MarginPoint>,
+}
+
+/// The loop in the complex plane, and its root locus.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LoopView {
+    /// The Nyquist and Nichols charts.
+    pub plane: LoopPlane,
     /// The root locus.
     pub locus: LocusView,
+}
+
+impl LoopPlane {
+    /// Returns the charts of a loop from L at positive frequencies, its margins, and the requirements on it.
+    pub fn new(response: &[C64], margins: &Margins, requirements: &[Requirement]) -> Self {
+        let largest = largest_sensitivity(requirements);
+        let disk = Disk::of_disk_margin(margins.disk.alpha);
+        Self {
+            path: plane_curve(response),
+            largest_sensitivity: largest,
+            largest_sensitivity_db: 20.0 * largest.log10(),
+            outline: plane_curve(&Disk::of_sensitivity(largest).edge()),
+            disk: disk.map(|disk| plane_curve(&disk.edge())),
+            unit: plane_curve(&Disk { centre: 0.0, radius: 1.0 }.edge()),
+            margins: margin_points(margins),
+        }
+    }
 }
 
 /// Returns the charts of the loop that was verified.
@@ -77,19 +104,19 @@ pub struct LoopView {
 /// A frequency response that does not exist, or eigenvalues that were not found.
 pub fn loop_view(found: &Verification) -> Result<LoopView, PipelineError> {
     let evidence = &found.evidence;
-    let LoopShape { path, locus } = loop_shape(&evidence.broken, &evidence.curves, evidence.sample_period_s)?;
+    let shape = loop_shape(&evidence.broken, &evidence.curves, evidence.sample_period_s)?;
     let requirements: Vec<Requirement> = found.verdicts.iter().map(|(asked, _)| asked.clone()).collect();
-    let largest = largest_sensitivity(&requirements);
-    let disk = Disk::of_disk_margin(evidence.margins.disk.alpha);
-    Ok(LoopView {
-        path: plane_curve(&path.response),
-        largest_sensitivity: largest,
-        outline: plane_curve(&Disk::of_sensitivity(largest).edge()),
-        disk: disk.map(|disk| plane_curve(&disk.edge())),
-        unit: plane_curve(&Disk { centre: 0.0, radius: 1.0 }.edge()),
-        margins: margin_points(found),
-        locus: locus_view(found, &locus),
-    })
+    Ok(LoopView::new(&shape, &evidence.margins, &requirements))
+}
+
+impl LoopView {
+    /// Returns the charts of a loop from its shape, its margins, and the requirements on it.
+    pub fn new(shape: &LoopShape, margins: &Margins, requirements: &[Requirement]) -> Self {
+        Self {
+            plane: LoopPlane::new(&shape.path.response, margins, requirements),
+            locus: locus_view(margins, &shape.locus),
+        }
+    }
 }
 
 fn plane_curve(points: &[C64]) -> PlaneCurve {
@@ -99,8 +126,8 @@ fn plane_curve(points: &[C64]) -> PlaneCurve {
     }
 }
 
-fn margin_points(found: &Verification) -> Vec<MarginPoint> {
-    let points = margins_on_path(&found.evidence.margins).into_iter().map(|margin| MarginPoint {
+fn margin_points(margins: &Margins) -> Vec<MarginPoint> {
+    let points = margins_on_path(margins).into_iter().map(|margin| MarginPoint {
         kind: margin.kind,
         size: margin.size,
         frequency_hz: margin.rate_rad_s / TAU,
@@ -109,11 +136,11 @@ fn margin_points(found: &Verification) -> Vec<MarginPoint> {
     points.collect()
 }
 
-fn locus_view(found: &Verification, locus: &RootLocus) -> LocusView {
+fn locus_view(margins: &Margins, locus: &RootLocus) -> LocusView {
     let locus = locus.convert_to_continuous();
     let places = |all: &[C64]| all.iter().map(|s| [s.re / TAU, s.im / TAU]).collect::<ChartPoints>();
     let closed_poles = places(&locus.closed_poles);
-    let crossover_hz = found.evidence.margins.phase.iter().map(|p| p.rate_rad_s / TAU).fold(0.0, f64::max);
+    let crossover_hz = margins.phase.iter().map(|p| p.rate_rad_s / TAU).fold(0.0, f64::max);
     let farthest = closed_poles.iter().map(|at| at[0].hypot(at[1])).fold(0.0, f64::max);
     let reach_hz = if crossover_hz > 0.0 { LOCUS_CROSSOVERS * crossover_hz } else { farthest.max(1.0) };
     LocusView {

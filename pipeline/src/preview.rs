@@ -5,6 +5,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+use counterpoise_diagnose::learning::reading::{ReadElement, read_elements};
 use counterpoise_lti::{Margins, StateSpace, margins};
 use counterpoise_pool::{Pool, map};
 use counterpoise_project::Project;
@@ -14,9 +15,13 @@ use counterpoise_verify::linear::plant::Resolver;
 use counterpoise_verify::linear::{
     self, ArrangedLoop, Closed, Curves, PlantResponse, SampledPlant, arrange_controller,
 };
-use counterpoise_verify::{ARRANGEMENTS, Arrangement, Experiment, History, Procedure, Source, Step};
+use counterpoise_verify::{
+    ARRANGEMENTS, Arrangement, Experiment, History, Procedure, Requirement, Source, Step,
+};
 
+use crate::design_views::FrequencyResponse;
 use crate::first_design::leaves_weights_open;
+use crate::loop_view::{LoopPlane, LoopView};
 use crate::{
     PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, build_plant_model, choose_weights,
     reduce_plant, synthesise, with_chosen_weights,
@@ -43,6 +48,8 @@ pub struct PlantPreview {
     pub modelled: Arc<PlantModel>,
     /// The reduced plant.
     pub reduced: Arc<ReducedPlant>,
+    /// The free functions of the plant, with their bands and the recordings' coverage.
+    pub learned: Vec<ReadElement>,
 }
 
 /// A design with its linear consequences.
@@ -62,6 +69,10 @@ pub struct DesignPreview {
     pub margins: Margins,
     /// Frequency responses.
     pub curves: Curves,
+    /// The loop over frequency, as a Bode diagram shows it.
+    pub loop_response: FrequencyResponse,
+    /// The loop in the complex plane, at the frequencies of the other responses.
+    pub plane: LoopPlane,
     /// The response to a step of the demand.
     pub step: History,
     /// The responses to heave, then to pitch, in each arrangement of the controller.
@@ -245,7 +256,8 @@ pub fn preview_plant(
     cache: &mut PreviewCache,
 ) -> Result<PlantPreview, PipelineError> {
     let kept = cache.plant(request)?;
-    Ok(PlantPreview { modelled: Arc::clone(&kept.modelled), reduced: Arc::clone(&kept.reduced) })
+    let learned = read_elements(&kept.modelled.parameters.learned);
+    Ok(PlantPreview { modelled: Arc::clone(&kept.modelled), reduced: Arc::clone(&kept.reduced), learned })
 }
 
 /// Designs the controller and computes its linear consequences. Weights that the project does not state are chosen. `pool` runs the two independent halves side by side.
@@ -266,7 +278,10 @@ pub fn preview_design(
     let responses = Responses { project: &project, sampled, loops: &loops };
     let LinearResponses { margins, curves, step, motions } = responses.compute(pool)?;
     let broken = responses.feedback()?.1.clone();
+    let response = &curves.broken.response;
     Ok(DesignPreview {
+        loop_response: FrequencyResponse::of("L", &curves.frequency_hz, response),
+        plane: LoopPlane::new(response, &margins, required_of(&project)),
         project,
         modelled,
         reduced,
@@ -278,6 +293,21 @@ pub fn preview_design(
         motions,
         trial_moment_kg_m: request.out_of_balance_kg_m,
     })
+}
+
+/// Returns the charts of the loop of a design, with points close enough for a plane, and its root locus.
+///
+/// # Errors
+/// A frequency response that does not exist, or eigenvalues that were not found.
+pub fn preview_loop(design: &DesignPreview) -> Result<LoopView, PipelineError> {
+    let sample_period_s = design.modelled.parameters.interface.sample_period_s;
+    let shape = linear::loop_shape(&design.broken, &design.curves, sample_period_s)?;
+    Ok(LoopView::new(&shape, &design.margins, required_of(&design.project)))
+}
+
+/// Returns the requirements that a project states.
+fn required_of(project: &Project) -> &[Requirement] {
+    project.verify.as_ref().map_or(&[], |verify| &verify.requirements)
 }
 
 /// Returns the loop in each arrangement of the controller; the feedback alone stands before the whole controller.

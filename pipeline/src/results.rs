@@ -12,8 +12,9 @@ use crate::wording::figures::describe_unmeasured;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_project::Assumption;
+use counterpoise_reduce::Warning;
 use counterpoise_simulate::replay::{ChannelFit, Divergence, ReplayMode};
-use counterpoise_synth::{Specification, Weight};
+use counterpoise_synth::{DesignFinding, Specification, Weight};
 use counterpoise_verify::{Value, Verdict, Verification};
 use serde::Serialize;
 
@@ -28,7 +29,7 @@ use crate::exchange::{
 use crate::recordings::ReplayedRecording;
 use crate::studies::assumptions::AssumptionEffect;
 use crate::tolerance::ROUNDED_POLE;
-use crate::wording::design_findings::{describe_design_finding, describe_part};
+use crate::wording::design_findings::describe_part;
 pub use certificate::CertificateResult;
 pub use complete_design::ResultContents;
 pub use robustness::{AdviceResult, RobustnessResult};
@@ -40,9 +41,11 @@ use crate::studies::accuracy::Accuracy;
 use crate::studies::adaptation_trials::AdaptationTrials;
 use crate::studies::comparison::DesignComparison;
 use crate::wording::acceptance::Traceable;
-use crate::wording::demanded_rate::describe_demanded_rate;
-use crate::wording::reduction::describe_reduction_warning;
-use crate::{CompletedDesign, PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, TwoAxisStudy};
+use crate::wording::certificates::describe_certified_quantity;
+use crate::wording::serialisation::{write_demanded_rate, write_design_findings, write_reduction_warnings};
+use crate::{
+    CompletedDesign, DemandedRate, PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, TwoAxisStudy,
+};
 
 /// A complex number as real and imaginary part.
 pub type ComplexPair = [f64; 2];
@@ -101,8 +104,9 @@ pub struct ReduceResult {
     pub bound: Option<f64>,
     /// Largest error as measured, and its frequency in rad/s.
     pub error: Option<ComplexPair>,
-    /// What a designer should know.
-    pub warnings: Vec<String>,
+    /// What a designer should know; serialised as sentences.
+    #[serde(serialize_with = "write_reduction_warnings")]
+    pub warnings: Vec<Warning>,
     /// The plant before the reduction.
     pub plant_before: SystemResult,
     /// The reduced plant.
@@ -128,11 +132,12 @@ pub struct SynthResult {
     pub cost_difference: Option<f64>,
     /// The costs of the parts.
     pub costs: Vec<CostResult>,
-    /// The largest rate that a loop of position demands, and why; absent for a loop of rate.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub demanded_rate: Option<String>,
-    /// What a designer should know.
-    pub warnings: Vec<String>,
+    /// The largest rate that a loop of position demands, and why, serialised as a sentence; absent for a loop of rate.
+    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "write_demanded_rate")]
+    pub demanded_rate: Option<DemandedRate>,
+    /// What a designer should know; serialised as sentences.
+    #[serde(serialize_with = "write_design_findings")]
+    pub warnings: Vec<DesignFinding>,
     /// The design plant with sensor and delay: the measured rate, then every true output.
     pub design_plant: Option<SystemResult>,
     /// The weights.
@@ -443,7 +448,7 @@ impl From<&ReducedPlant> for ReduceResult {
             ranked: reduced.ranked.clone(),
             bound: reduced.bound,
             error: reduced.error.map(|(value, rate)| [value, rate]),
-            warnings: reduced.warnings.iter().map(describe_reduction_warning).collect(),
+            warnings: reduced.warnings.clone(),
         }
     }
 }
@@ -478,8 +483,8 @@ impl From<&SynthesisedDesign> for SynthResult {
                 .flatten()
                 .max_by(f64::total_cmp),
             costs: costs(made),
-            demanded_rate: made.demanded_rate.as_ref().map(describe_demanded_rate),
-            warnings: made.warnings.iter().map(describe_design_finding).collect(),
+            demanded_rate: made.demanded_rate,
+            warnings: made.warnings.clone(),
         }
     }
 }
@@ -538,7 +543,7 @@ impl VerifyResult {
 
 impl From<&Certificate> for DesignCertificateResult {
     fn from(found: &Certificate) -> Self {
-        Self { name: found.name.clone(), value: found.value, holds: found.holds }
+        Self { name: describe_certified_quantity(found.quantity), value: found.value, holds: found.holds }
     }
 }
 

@@ -5,6 +5,8 @@ use counterpoise_pool::Pool;
 use counterpoise_project::resolve::traverse::TraverseAxis;
 use counterpoise_project::{Attachments, Document, ParsedProject, Project, Purpose};
 
+use crate::axes_problem::AxesProblem;
+use crate::wording::traverse::describe_axes_problem;
 use crate::{PipelineError, World};
 
 /// Returns the project of the traverse axis as its file states it.
@@ -82,35 +84,29 @@ pub fn check_traverse(project: &Project, world: &dyn World) -> Result<(), Pipeli
 
 /// Checks that two axes fit together.
 pub(crate) fn check_axes(elevation: &Project, traverse: &Project, file: &str) -> Result<(), PipelineError> {
-    let wrong = |problem: &str| {
-        Err(PipelineError::File { name: file.to_owned(), section: "traverse", problem: problem.to_owned() })
-    };
+    let Some(problem) = find_axes_problem(elevation, traverse) else { return Ok(()) };
+    let problem = describe_axes_problem(problem).to_owned();
+    Err(PipelineError::File { name: file.to_owned(), section: "traverse", problem })
+}
+
+fn find_axes_problem(elevation: &Project, traverse: &Project) -> Option<AxesProblem> {
+    let (axes, sensors) = ([elevation, traverse], &traverse.plant.sensors);
+    let gyroscopes = [&sensors.hub_gyro, &sensors.platform_gyro];
+    let periods = axes.map(|axis| axis.plant.interface.sample_period_s);
     if traverse.traverse.is_some() {
-        return wrong(
-            "it has a [traverse] section itself: a machine has one traverse axis under one elevation axis",
-        );
+        return Some(AxesProblem::TwoTraverseAxes);
     }
-    if [elevation, traverse].iter().any(|axis| axis.plant.axis == AxisKind::Linear) {
-        return wrong("both axes must turn: leave plant.axis at \"rotary\" in both files");
+    if axes.iter().any(|axis| axis.plant.axis == AxisKind::Linear) {
+        return Some(AxesProblem::LinearAxis);
     }
-    let gyroscopes = [&traverse.plant.sensors.hub_gyro, &traverse.plant.sensors.platform_gyro];
     if gyroscopes.iter().any(|gyro| gyro.alignment.has_cross_axis()) {
-        return wrong(
-            "roll_sensitivity and yaw_sensitivity of its gyroscopes must be 0: what they would read of the ring's other rates is not simulated with two axes",
-        );
+        return Some(AxesProblem::CrossAxisSensitivity);
     }
-    if [elevation, traverse].iter().any(|axis| axis.plant.sensors.measured != FeedbackSignal::HubRate) {
-        return wrong(
-            "both loops must hold the inertial rate of their hub: leave plant.sensors.loop at its usual value in both files",
-        );
+    if axes.iter().any(|axis| axis.plant.sensors.measured != FeedbackSignal::HubRate) {
+        return Some(AxesProblem::OtherLoop);
     }
     if traverse.plant.gravity_m_s2 != 0.0 {
-        return wrong(
-            "plant.gravity must be 0: the axis is upright, and what a tilted base makes of gravity comes with the base's motion",
-        );
+        return Some(AxesProblem::Gravity);
     }
-    if traverse.plant.interface.sample_period_s != elevation.plant.interface.sample_period_s {
-        return wrong("plant.interface.sample_period must be that of the elevation axis");
-    }
-    Ok(())
+    (periods[1] != periods[0]).then_some(AxesProblem::SamplePeriod)
 }

@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use anyhow::{Context, ensure};
-use counterpoise_diagnose::identification::apply_identified;
 use counterpoise_host::projects;
 use counterpoise_pipeline::recordings::identify;
 use counterpoise_pipeline::studies::adaptation::study_adaptation;
@@ -166,7 +165,6 @@ pub fn identification(
             .map_err(|error| anyhow::Error::msg(describe_recordings_error(&error)))?;
         let found = describe_identified_recordings(&identified);
         let json = serde_json::to_string(&found).context("cannot write the result as JSON")?;
-        let better = apply_identified(&loaded.project.plant, &identified.identified);
-        Ok((json, kept.with_document(projects::improved_document(&loaded, &better)?)))
+        Ok((json, kept.with_document(projects::improved_document(&loaded, &identified.improved)?)))
     })
 }

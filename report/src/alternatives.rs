@@ -8,7 +8,7 @@ use counterpoise_pipeline::studies::comparison::{
 };
 use counterpoise_pipeline::synth::schedule::BalanceRow;
 
-use crate::bode::{BodeCurve, PhasePanel, bode_figure, response_curve};
+use crate::bode::{BodeCurve, PhasePanel, bode_figure};
 use crate::designs::noise_gain_column;
 use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 use counterpoise_plot::number::short_number;
@@ -150,7 +150,7 @@ fn family(family: &ControllerFamily) -> Figure {
     let colours = Colour::CYCLE;
     let one = |(k, response): (usize, &FrequencyResponse)| BodeCurve {
         dash: [Dash::Solid, Dash::Dashed][k / colours.len() % 2],
-        ..response_curve(response, colours[k % colours.len()])
+        ..BodeCurve::new(response.clone(), colours[k % colours.len()])
     };
     let curves: Vec<BodeCurve> = family.curves.iter().enumerate().map(one).collect();
     let title = format!("{} over the out-of-balance", family.name);

@@ -2,25 +2,8 @@
 
 use crate::tolerance::DEPTH_DB;
 use counterpoise_pipeline::design_views::FrequencyResponse;
-use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Point, Series};
-
-/// A frequency response at one frequency.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ResponsePoint {
-    /// Frequency, Hz.
-    pub frequency_hz: f64,
-    /// Real part of the response, in the unit of the diagram.
-    pub re: f64,
-    /// Its imaginary part.
-    pub im: f64,
-}
-
-impl ResponsePoint {
-    /// Returns the response re + j im at a frequency in Hz.
-    pub const fn new(frequency_hz: f64, re: f64, im: f64) -> Self {
-        Self { frequency_hz, re, im }
-    }
-}
+use counterpoise_plot::{Axis, Colour, Dash, Figure, Mark, Panel, Series};
+use ndarray::Array2;
 
 /// A frequency response for a Bode diagram.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,8 +14,8 @@ pub struct BodeCurve {
     pub colour: Colour,
     /// Its dash.
     pub dash: Dash,
-    /// Its points, by increasing frequency.
-    pub points: Vec<ResponsePoint>,
+    /// The response.
+    pub response: FrequencyResponse,
 }
 
 /// Whether the phase is drawn.
@@ -44,20 +27,19 @@ pub enum PhasePanel {
     Hidden,
 }
 
-/// Returns the points of a response as a curve of a Bode diagram.
-pub fn response_curve(response: &FrequencyResponse, colour: Colour) -> BodeCurve {
-    let points =
-        response.points.rows().into_iter().map(|row| ResponsePoint::new(row[0], row[1], row[2])).collect();
-    BodeCurve::new(&response.name, colour, points)
+/// Returns a response from its points: frequency in Hz, real part and imaginary part, by rising frequency.
+pub fn response_of(name: &str, points: impl IntoIterator<Item = [f64; 3]>) -> FrequencyResponse {
+    let points: Vec<[f64; 3]> = points.into_iter().collect();
+    FrequencyResponse { name: name.to_owned(), points: Array2::from(points) }
 }
 
 /// What is shown below the lowest mark, dB.
 const BELOW_MARK_DB: f64 = 20.0;
 
 impl BodeCurve {
-    /// Returns an unbroken curve.
-    pub fn new(name: &str, colour: Colour, points: Vec<ResponsePoint>) -> Self {
-        Self { name: name.to_owned(), colour, dash: Dash::Solid, points }
+    /// Returns an unbroken curve with the name of its response.
+    pub fn new(response: FrequencyResponse, colour: Colour) -> Self {
+        Self { name: response.name.clone(), colour, dash: Dash::Solid, response }
     }
 
     /// Returns the same curve, dashed.
@@ -65,27 +47,8 @@ impl BodeCurve {
         Self { dash: Dash::Dashed, ..self }
     }
 
-    /// Returns the magnitude in dB over Hz.
-    pub fn magnitude_db(&self) -> Vec<Point> {
-        let db = |at: &ResponsePoint| Point::new(at.frequency_hz, 20.0 * at.re.hypot(at.im).log10());
-        self.points.iter().map(db).collect()
-    }
-
-    /// Returns the phase in degrees over Hz, without jumps of a whole turn; it starts between -270 and 90 degrees.
-    pub fn phase_deg(&self) -> Vec<Point> {
-        let mut before: Option<f64> = None;
-        let mut unwrapped = |re: f64, im: f64| {
-            let raw = im.atan2(re).to_degrees();
-            let start = if raw > 90.0 { raw - 360.0 } else { raw };
-            let phase = before.map_or(start, |last| raw + 360.0 * ((last - raw) / 360.0).round());
-            before = Some(phase);
-            phase
-        };
-        self.points.iter().map(|at| Point::new(at.frequency_hz, unwrapped(at.re, at.im))).collect()
-    }
-
-    fn series(&self, points: Vec<Point>) -> Series {
-        Series::new(&self.name, self.colour, self.dash, points)
+    fn series(&self, points: &[[f64; 2]]) -> Series {
+        Series::new(&self.name, self.colour, self.dash, points.iter().map(|[hz, value]| (*hz, *value)))
     }
 }
 
@@ -98,7 +61,8 @@ pub fn bode_figure(
     marks: Vec<Mark>,
 ) -> Figure {
     let label = if unit.is_empty() { "dB".to_owned() } else { format!("dB re {unit}") };
-    let magnitudes: Vec<Series> = curves.iter().map(|curve| curve.series(curve.magnitude_db())).collect();
+    let magnitudes: Vec<Series> =
+        curves.iter().map(|curve| curve.series(&curve.response.magnitude_db())).collect();
     let levels = || magnitudes.iter().flat_map(|s| s.points.column(1).to_vec()).filter(|y| y.is_finite());
     let (lowest, highest) = (levels().fold(f64::MAX, f64::min), levels().fold(f64::MIN, f64::max));
     let axis = Axis::linear("magnitude", &label);
@@ -106,7 +70,7 @@ pub fn bode_figure(
     let axis = if highest - lowest > DEPTH_DB { axis.with_range(from, to) } else { axis };
     let mut panels = vec![Panel::new(axis, magnitudes).with_marks(marks)];
     if phase == PhasePanel::Shown {
-        let phases = curves.iter().map(|curve| curve.series(curve.phase_deg())).collect();
+        let phases = curves.iter().map(|curve| curve.series(&curve.response.phase_deg())).collect();
         panels.push(Panel::new(Axis::degrees("phase"), phases).with_height(140.0));
     }
     Figure::new(title, Axis::logarithmic("frequency", "Hz"), panels)
@@ -132,21 +96,5 @@ mod tests {
         assert_eq!(window_db(160.0, &[level(0.0), level(-13.0)]), [-33.0, 93.0]);
         assert_eq!(window_db(10.0, &[level(0.0)]), [-110.0, 16.0]);
         assert_eq!(window_db(10.0, &[]), [-110.0, 16.0]);
-    }
-
-    #[test]
-    fn three_integrators_end_at_minus_270_degrees_without_a_jump() {
-        let lag = |f: f64| {
-            // 1 / (1 + jf)^3
-            let angle = -3.0 * f.atan();
-            let size = (1.0 + f * f).powf(-1.5);
-            ResponsePoint::new(f, size * angle.cos(), size * angle.sin())
-        };
-        let points = (0..200).map(|k| lag(10f64.powf(-2.0 + 0.025 * f64::from(k)))).collect();
-        let curve = BodeCurve::new("lag", Colour::First, points);
-        let phase = curve.phase_deg();
-        assert!(phase.windows(2).all(|pair| (pair[1].y - pair[0].y).abs() < 20.0));
-        assert!((phase[199].y + 270.0).abs() < 2.0, "{:?}", phase[199]);
-        assert!(curve.magnitude_db()[0].y.abs() < 0.01);
     }
 }

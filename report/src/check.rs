@@ -2,6 +2,7 @@
 
 use counterpoise_pipeline::check::{CheckResult, PlantOverview};
 use counterpoise_pipeline::studies::assumptions::{AssumptionEffect, EffectAt};
+use counterpoise_pipeline::wording::check::describe_check_problem;
 use counterpoise_project::diagnostic::MOST_SHOWN;
 use counterpoise_project::{Assumption, KeyTolerance, SectionStatement, ValueStatement};
 
@@ -38,7 +39,7 @@ pub fn check_lines(found: &CheckResult) -> Vec<String> {
     if found.warnings.len() > MOST_SHOWN {
         lines.push(format!("and {} more", found.warnings.len() - MOST_SHOWN));
     }
-    lines.extend(first_lines(&found.problems, MOST_SHOWN, Clone::clone));
+    lines.extend(first_lines(&found.problems, MOST_SHOWN, describe_check_problem));
     lines.push(format!("Commands that can run on this file: {}.", found.commands.join(", ")));
     lines
 }

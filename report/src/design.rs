@@ -5,11 +5,13 @@ use counterpoise_pipeline::certificates::Certificate;
 use counterpoise_pipeline::design_views::{PlantResponse, WeightResponses};
 use counterpoise_pipeline::export::target_proofs::{CompiledCodeTest, StepCosts};
 use counterpoise_pipeline::results::{DesignResult, SynthResult};
+use counterpoise_pipeline::wording::certificates::describe_certified_quantity;
+use counterpoise_pipeline::wording::design_findings::describe_design_finding;
 use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
 use counterpoise_pipeline::{CompletedDesign, FirstDesignResult, ReducedPlant, StageTime, SynthesisStudy};
 
 use crate::adaptation::trial_section;
-use crate::bode::{BodeCurve, PhasePanel, bode_figure, response_curve};
+use crate::bode::{BodeCurve, PhasePanel, bode_figure};
 use crate::evidence::PLANT;
 use crate::page::ReportOrigin;
 use crate::targets::{self, TargetEvidence};
@@ -70,6 +72,7 @@ pub fn of_design(designed: &CompletedDesign, result: &DesignResult, run: &Design
         title: designed.identity.name.clone(),
         subtitle: "From the project file to a verified controller".to_owned(),
         loop_view: Some(designed.loop_view.clone()),
+        sight_views: designed.sight_views.clone(),
         more,
         provenance: run.origin.provenance(&designed.identity),
     };
@@ -116,8 +119,8 @@ fn reduction_section(
     let hub = capitalise_first(controlled.motion().name());
     let figure = |plant: &PlantResponse| {
         let curves = [
-            response_curve(&plant.full, Colour::Muted),
-            response_curve(&plant.reduced, Colour::First).with_dashes(),
+            BodeCurve::new(plant.full.clone(), Colour::Muted),
+            BodeCurve::new(plant.reduced.clone(), Colour::First).with_dashes(),
         ];
         bode_figure(&format!("{hub} for {}", plant.input), "", &curves, PhasePanel::Shown, Vec::new())
     };
@@ -152,7 +155,7 @@ fn weight_figure(part: &WeightResponses) -> Figure {
         .curves
         .iter()
         .zip(Colour::CYCLE)
-        .map(|(response, colour)| response_curve(response, colour))
+        .map(|(response, colour)| BodeCurve::new(response.clone(), colour))
         .collect();
     bode_figure(&format!("{}: weights", part.part), "", &curves, PhasePanel::Hidden, Vec::new())
 }
@@ -165,7 +168,7 @@ fn certificate_section(certificates: &[Certificate], result: &SynthResult) -> Re
     let mut section = ReportSection::new("Certificates")
         .with_text("Residuals are relative to the terms of their equation; costs are predicted by the equations and found on the assembled loop.")
         .with_table(table);
-    section.text.extend(result.warnings.iter().cloned());
+    section.text.extend(result.warnings.iter().map(describe_design_finding));
     section
 }
 
@@ -175,7 +178,8 @@ fn certificate_row(certificate: &Certificate) -> Vec<ReportCell> {
     } else {
         ReportCell::Verdict(OutcomeTone::Bad, "outside its limit".to_owned())
     };
-    vec![ReportCell::text(certificate.name.as_str()), ReportCell::number(certificate.value), verdict]
+    let name = describe_certified_quantity(certificate.quantity);
+    vec![ReportCell::text(name), ReportCell::number(certificate.value), verdict]
 }
 
 fn order_section(result: &DesignResult) -> ReportSection {
@@ -193,7 +197,8 @@ fn order_section(result: &DesignResult) -> ReportSection {
         row("predicted cost against cost of the assembled loop, relative", format!("{difference:.1e}"));
     }
     let section = ReportSection::new("Orders").with_table(table);
-    let remarks = result.synth.warnings.iter().chain(&result.reduce.warnings);
+    let of_design = result.synth.warnings.iter().map(describe_design_finding);
+    let remarks = of_design.chain(result.reduce.warnings.iter().map(describe_reduction_warning));
     remarks.fold(section, |section, warning| section.with_text(format!("Warning: {warning}")))
 }
 

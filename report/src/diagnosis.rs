@@ -1,6 +1,6 @@
 //! The report of a diagnosis: the answer first, then how the fit improved, the localisation, and the candidates.
 
-use crate::wording::answer::{AnswerText, FindingText, describe_verdict, unit_suffix};
+use crate::wording::answer::{AnswerText, FindingText, describe_verdict, describe_warning, unit_suffix};
 use crate::wording::{capitalise_first, name_in_words};
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_diagnose::findings::channel_fits::PooledFits;
@@ -13,7 +13,7 @@ use crate::learned::learned_section;
 use crate::localisation::localisation_section;
 use counterpoise_pipeline::RedesignComparison;
 use counterpoise_pipeline::recordings::DiagnosedRecordings;
-use counterpoise_pipeline::recordings::tracks::{ChannelTrack, TrackColumn};
+use counterpoise_pipeline::recordings::tracks::{ChannelTrack, ResidualColumn, TrackColumn};
 
 use crate::{
     FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection,
@@ -211,14 +211,17 @@ fn cannot_tell(answer: &AnswerText) -> ReportSection {
         Some(next) => section.with_text(format!("Next experiment: {}. It {}.", next.what, next.why)),
         None => section,
     };
-    let remarks = answer.qualification.iter().chain(&answer.warnings);
-    remarks.fold(section, |section, remark| section.with_text(remark.clone()))
+    let warnings = answer.warnings.iter().map(|warning| -> &str { describe_warning(*warning) });
+    let remarks = answer.qualification.iter().map(String::as_str).chain(warnings);
+    remarks.fold(section, ReportSection::with_text)
 }
 
-/// Returns the track whose residual was largest against the measurement.
-pub(super) fn worst_track(tracks: &[ChannelTrack]) -> Option<&ChannelTrack> {
-    let drawn = tracks.iter().filter(|t| matches!(t.channel, Channel::Control | Channel::HubRate));
-    drawn.max_by(|a, b| a.relative_residual_power().total_cmp(&b.relative_residual_power()))
+/// Returns the track of control or hub rate whose residual was largest against the measurement.
+pub(super) fn worst_track<'a>(
+    tracks: impl IntoIterator<Item = &'a ChannelTrack>,
+) -> Option<&'a ChannelTrack> {
+    let drawn = tracks.into_iter().filter(|t| matches!(t.channel, Channel::Control | Channel::HubRate));
+    drawn.max_by(|a, b| a.relative_residual_power.total_cmp(&b.relative_residual_power))
 }
 
 /// Measured and simulated above, the residuals below.
@@ -231,19 +234,15 @@ pub(super) fn comparison(track: &ChannelTrack, command: &str) -> Figure {
         Series::solid_line("measured", Colour::Muted, points(track.signals.column(TrackColumn::Measured))),
         Series::solid_line(name, Colour::Second, points(track.signals.column(TrackColumn::Before))),
     ];
-    let mut residuals =
-        vec![Series::solid_line(name, Colour::Second, points(&track.residual(TrackColumn::Before)))];
+    let residual = |run| points(track.residuals.column(run));
+    let mut residuals = vec![Series::solid_line(name, Colour::Second, residual(ResidualColumn::Before))];
     if !track.signals.column(TrackColumn::After).is_empty() {
         signals.push(Series::solid_line(
             "improved model",
             Colour::First,
             points(track.signals.column(TrackColumn::After)),
         ));
-        residuals.push(Series::solid_line(
-            "improved model",
-            Colour::First,
-            points(&track.residual(TrackColumn::After)),
-        ));
+        residuals.push(Series::solid_line("improved model", Colour::First, residual(ResidualColumn::After)));
     }
     let panels = vec![
         Panel::new(Axis::linear(track.channel.name(), track.channel.unit()), signals).with_height(190.0),

@@ -1,9 +1,10 @@
 //! The error budget of the line of sight in words: what the error is, and what it is made of.
 
+use counterpoise_pipeline::sight_views::SightView;
 use counterpoise_plot::number::short_number;
 use counterpoise_verify::{ErrorBudget, Figure, SightFigure, Verification};
 
-use crate::error_budget_figures::error_budget_figures;
+use crate::error_budget_figures::sight_figure;
 use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 
 /// Microradians in a radian.
@@ -12,8 +13,8 @@ const MICRO: f64 = 1e6;
 /// Millimetres in a metre, as a factor of a spatial frequency.
 const PER_MILLIMETRE: f64 = 1e-3;
 
-/// Returns the section on the line of sight; `None` if the verification did not ask for it.
-pub fn budget_section(found: &Verification) -> Option<ReportSection> {
+/// Returns the section on the line of sight, with its spectra at each place; `None` if the verification did not ask for it.
+pub fn budget_section(found: &Verification, views: &[SightView]) -> Option<ReportSection> {
     let budget = found.error_budget.as_ref()?;
     let settled = format!("The figures are read from {} s on.", found.evidence.procedure.sight_settle_s());
     let start =
@@ -33,7 +34,7 @@ pub fn budget_section(found: &Verification) -> Option<ReportSection> {
              takes from the pitching base what it also disturbs.",
         );
     let section = spread(budget).into_iter().fold(section, ReportSection::with_text);
-    Some(section.with_figures(error_budget_figures(budget)).with_table(table(budget)))
+    Some(section.with_figures(views.iter().map(sight_figure)).with_table(table(budget)))
 }
 
 /// Returns the line of sight in lines, for a terminal; none if the verification did not ask for it.

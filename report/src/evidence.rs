@@ -7,7 +7,7 @@ use counterpoise_verify::{
     Arrangement, Experiment, History, HistoryColumn, Model, Source, Value, Verification,
 };
 
-use crate::bode::{BodeCurve, PhasePanel, ResponsePoint, bode_figure};
+use crate::bode::{BodeCurve, PhasePanel, bode_figure, response_of};
 use crate::triangle;
 use crate::wording::capitalise_first;
 use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
@@ -42,15 +42,20 @@ pub fn evidence_sections(found: &Verification) -> Vec<ReportSection> {
     first.into_iter().chain(triangle::triangle_section(found)).chain(rest).collect()
 }
 
-fn curve_points(frequency_hz: &[f64], curve: &ResponseCurve) -> Vec<ResponsePoint> {
-    frequency_hz.iter().zip(&curve.response).map(|(f, h)| ResponsePoint::new(*f, h.re, h.im)).collect()
+fn curve_points<'a>(
+    frequency_hz: &'a [f64],
+    curve: &'a ResponseCurve,
+) -> impl Iterator<Item = [f64; 3]> + 'a {
+    frequency_hz.iter().zip(&curve.response).map(|(f, h)| [*f, h.re, h.im])
 }
 
 fn bode_curves(found: &Verification, curves: &[ResponseCurve]) -> Vec<BodeCurve> {
     let frequency = &found.evidence.curves.frequency_hz;
     let coloured = curves.iter().zip(Colour::CYCLE);
     coloured
-        .map(|(curve, colour)| BodeCurve::new(&curve.name, colour, curve_points(frequency, curve)))
+        .map(|(curve, colour)| {
+            BodeCurve::new(response_of(&curve.name, curve_points(frequency, curve)), colour)
+        })
         .collect()
 }
 
@@ -66,7 +71,7 @@ fn loop_section(found: &Verification) -> ReportSection {
     let ms = found.evidence.margins.ms;
     let peak = Mark::Point {
         x: ms.rate_rad_s / std::f64::consts::TAU,
-        y: 20.0 * ms.value.log10(),
+        y: found.evidence.largest_sensitivity_db(),
         text: format!(
             "Ms {} at {} Hz",
             short_number(ms.value),
@@ -280,9 +285,8 @@ fn rejection_curve(
     let matches = |r: &&Rejection| (r.source, r.arrangement) == (source, arrangement);
     let rejection = found.evidence.curves.rejection.iter().find(matches)?;
     let frequency = &found.evidence.curves.frequency_hz;
-    let points =
-        frequency.iter().zip(&rejection.response).map(|(f, h)| ResponsePoint::new(*f, h.re, h.im)).collect();
-    Some(BodeCurve::new(name, colour, points))
+    let points = frequency.iter().zip(&rejection.response).map(|(f, h)| [*f, h.re, h.im]);
+    Some(BodeCurve::new(response_of(name, points), colour))
 }
 
 fn controller_section(found: &Verification) -> ReportSection {
@@ -299,11 +303,11 @@ fn controller_section(found: &Verification) -> ReportSection {
         .zip(units)
         .filter(|(curve, _)| curve.response.iter().any(|h| h.norm() > 0.0));
     let figures = present.map(|(curve, unit)| {
-        let points = curve_points(&curves.frequency_hz, curve);
+        let response = response_of("", curve_points(&curves.frequency_hz, curve));
         bode_figure(
             &capitalise_first(&curve.name),
             unit,
-            &[BodeCurve::new("", Colour::First, points)],
+            &[BodeCurve::new(response, Colour::First)],
             PhasePanel::Shown,
             Vec::new(),
         )
@@ -319,15 +323,9 @@ fn plant_section(found: &Verification) -> ReportSection {
     let hub = capitalise_first(found.controlled_quantity().name());
     let curves = &found.evidence.curves;
     let figures = curves.plant.iter().zip(units).map(|(curve, unit)| {
-        let points = curve_points(&curves.frequency_hz, curve);
+        let response = response_of("", curve_points(&curves.frequency_hz, curve));
         let title = format!("{hub} for {}", curve.name);
-        bode_figure(
-            &title,
-            &unit,
-            &[BodeCurve::new("", Colour::First, points)],
-            PhasePanel::Shown,
-            Vec::new(),
-        )
+        bode_figure(&title, &unit, &[BodeCurve::new(response, Colour::First)], PhasePanel::Shown, Vec::new())
     });
     ReportSection::new(PLANT)
         .with_text("The linear plant that was verified, without sensors.")

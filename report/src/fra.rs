@@ -6,7 +6,7 @@ use counterpoise_pipeline::studies::fra_summary::{
     AmplitudePoints, MapTotals, MeasuringPace, StickingAmplitude,
 };
 
-use crate::bode::{BodeCurve, PhasePanel, ResponsePoint, bode_figure};
+use crate::bode::{BodeCurve, PhasePanel, bode_figure, response_of};
 use crate::wording::capitalise_first;
 use crate::{
     FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection,
@@ -95,8 +95,8 @@ fn curve(
     points: &[ResponseMapPoint],
     of: fn(&ResponseMapPoint) -> Option<[f64; 2]>,
 ) -> BodeCurve {
-    let at = |p: &ResponseMapPoint| of(p).map(|h| ResponsePoint::new(p.frequency_hz, h[0], h[1]));
-    BodeCurve::new(name, colour, points.iter().filter_map(at).collect())
+    let at = |p: &ResponseMapPoint| of(p).map(|h| [p.frequency_hz, h[0], h[1]]);
+    BodeCurve::new(response_of(name, points.iter().filter_map(at)), colour)
 }
 
 /// Returns all amplitudes in one diagram, the linear model dashed.
@@ -180,7 +180,7 @@ fn beside_models(map: &ResponseMap, family: &AmplitudePoints, colour: Colour) ->
         described,
         curve("linear", Colour::Muted, points, |p| Some(p.linear)).with_dashes(),
     ];
-    let kept: Vec<BodeCurve> = curves.into_iter().filter(|c| !c.points.is_empty()).collect();
+    let kept: Vec<BodeCurve> = curves.into_iter().filter(|c| !c.response.points.is_empty()).collect();
     bode_figure(&name, &map.signals.gain_unit(), &kept, PhasePanel::Shown, Vec::new())
 }
 

@@ -2,7 +2,7 @@
 
 use counterpoise_controller::READING_NAMES;
 use counterpoise_models::ControlledQuantity;
-use counterpoise_pipeline::loop_view::{ChartPoints, LocusView, LoopView, MarginPoint};
+use counterpoise_pipeline::loop_view::{ChartPoints, LocusView, LoopPlane, LoopView, MarginPoint};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 use counterpoise_verify::Verification;
@@ -10,7 +10,7 @@ use counterpoise_verify::linear::MarginKind;
 use counterpoise_verify::linear::{LoopCause, LoopEffect, LoopResponse};
 
 use crate::ReportSection;
-use crate::bode::{BodeCurve, PhasePanel, ResponsePoint, bode_figure};
+use crate::bode::{BodeCurve, PhasePanel, bode_figure, response_of};
 use crate::wording::capitalise_first;
 
 /// Ends of the Nichols chart's modulus, dB: beyond them nothing is near the critical point.
@@ -30,8 +30,8 @@ pub fn charts_section(found: &Verification, view: &LoopView) -> ReportSection {
              how far it stays away is what the margins measure.",
         )
         .with_figures([
-            nichols_chart(view),
-            nyquist_chart(view, found.evidence.margins.disk.alpha),
+            nichols_chart(&view.plane),
+            nyquist_chart(&view.plane, found.evidence.margins.disk.alpha),
             locus_chart(&view.locus),
         ])
         .with_figures(response_charts(found))
@@ -41,12 +41,12 @@ fn pairs(points: &ChartPoints) -> impl Iterator<Item = (f64, f64)> + '_ {
     points.iter().map(|[x, y]| (*x, *y))
 }
 
-fn outline_name(largest: f64) -> String {
-    format!("|S| = {} ({} dB)", short_number(largest), short_number(20.0 * largest.log10()))
+fn outline_name(largest: f64, largest_db: f64) -> String {
+    format!("|S| = {} ({} dB)", short_number(largest), short_number(largest_db))
 }
 
 /// Margins as rings at the points of a chart.
-fn margin_marks(view: &LoopView, of: fn(&MarginPoint) -> &ChartPoints) -> Vec<Mark> {
+fn margin_marks(view: &LoopPlane, of: fn(&MarginPoint) -> &ChartPoints) -> Vec<Mark> {
     let marks = view.margins.iter().flat_map(|margin| {
         let (name, unit, colour) = match margin.kind {
             MarginKind::Gain => ("gain margin", "dB", Colour::Second),
@@ -67,10 +67,10 @@ fn critical(x: f64) -> Mark {
     Mark::Cross { x, y: 0.0, text: String::new(), colour: Colour::Muted }
 }
 
-fn nichols_chart(view: &LoopView) -> Figure {
+fn nichols_chart(view: &LoopPlane) -> Figure {
     let series = vec![
         Series::dashed_line(
-            &outline_name(view.largest_sensitivity),
+            &outline_name(view.largest_sensitivity, view.largest_sensitivity_db),
             Colour::Muted,
             pairs(&view.outline.nichols),
         ),
@@ -83,8 +83,8 @@ fn nichols_chart(view: &LoopView) -> Figure {
     Figure::new("Nichols chart", Axis::degrees("phase of L").with_range(-360.0, 0.0), vec![panel])
 }
 
-fn nyquist_chart(view: &LoopView, disk_margin: f64) -> Figure {
-    let outline = outline_name(view.largest_sensitivity);
+fn nyquist_chart(view: &LoopPlane, disk_margin: f64) -> Figure {
+    let outline = outline_name(view.largest_sensitivity, view.largest_sensitivity_db);
     let mut series = vec![
         Series::dotted_line("unit circle", Colour::Muted, pairs(&view.unit.nyquist)),
         Series::dashed_line(&outline, Colour::Muted, pairs(&view.outline.nyquist)),
@@ -141,16 +141,10 @@ fn response_charts(found: &Verification) -> Vec<Figure> {
         let all = curves.loop_responses.iter().filter(|response| wanted(response)).zip(Colour::CYCLE);
         let drawn: Vec<BodeCurve> = all
             .map(|(response, colour)| {
-                let points = curves
-                    .frequency_hz
-                    .iter()
-                    .zip(&response.response)
-                    .map(|(f, h)| ResponsePoint::new(*f, h.re, h.im));
-                BodeCurve::new(
-                    &cause_name(response.cause, found.controlled_quantity()),
-                    colour,
-                    points.collect(),
-                )
+                let name = cause_name(response.cause, found.controlled_quantity());
+                let points =
+                    curves.frequency_hz.iter().zip(&response.response).map(|(f, h)| [*f, h.re, h.im]);
+                BodeCurve::new(response_of(&name, points), colour)
             })
             .collect();
         (!drawn.is_empty()).then(|| bode_figure(title, unit, &drawn, PhasePanel::Hidden, Vec::new()))
@@ -192,6 +186,6 @@ mod tests {
 
     #[test]
     fn the_outline_is_named_by_its_sensitivity() {
-        assert_eq!(outline_name(2.0), "|S| = 2 (6.021 dB)");
+        assert_eq!(outline_name(2.0, 20.0 * 2.0f64.log10()), "|S| = 2 (6.021 dB)");
     }
 }

@@ -23,14 +23,14 @@ pub fn replay_report(
     result: &ReplayResult,
     replayed: &[ReplayedRecording],
 ) -> Report {
-    let all: Vec<ChannelTrack> = replayed.iter().flat_map(|one| &one.tracks).cloned().collect();
+    let worst = worst_track(replayed.iter().flat_map(|one| &one.tracks));
     Report {
         title: title.to_owned(),
         subtitle: "what the model does under what was recorded".to_owned(),
         headline: headline(result),
         tiles: tiles(result),
         verdicts: ways(result),
-        glance: worst_track(&all).map(|track| comparison(track, command)).into_iter().collect(),
+        glance: worst.map(|track| comparison(track, command)).into_iter().collect(),
         sections: result.recordings.iter().zip(replayed).map(|(r, one)| section(r, &one.tracks)).collect(),
         provenance: vec![
             ProvenanceEntry::new("version", env!("CARGO_PKG_VERSION")),

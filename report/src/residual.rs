@@ -114,9 +114,8 @@ fn response(found: &ControlResponse, controlled: ControlledQuantity) -> Option<F
     let runs = [Some(measured), found.before.as_ref(), found.after.as_ref()];
     for ((name, colour, _), spectra) in RUNS.iter().zip(runs) {
         let Some(spectra) = spectra else { continue };
-        let phase: Vec<f64> = spectra.transfer.iter().map(|c| c.arg().to_degrees()).collect();
-        gains.push(line(name, *colour, &spectra.ratio_db(), spectra));
-        phases.push(line(name, *colour, &phase, spectra));
+        gains.push(line(name, *colour, &spectra.ratio_db, spectra));
+        phases.push(line(name, *colour, &spectra.phase_deg, spectra));
     }
     let panels = vec![
         Panel::new(Axis::linear("gain", &format!("dB re {} per V", controlled.unit())), gains)

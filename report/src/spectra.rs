@@ -39,7 +39,7 @@ pub fn spectra_section(all: &[Spectral], controlled: ControlledQuantity) -> Opti
 }
 
 fn figure(title: &str, unit: &str, all: &[&Spectral]) -> Figure {
-    let ratio = all.iter().map(|one| line(one, &one.spectra.ratio_db())).collect();
+    let ratio = all.iter().map(|one| line(one, &one.spectra.ratio_db)).collect();
     let bands = all.iter().filter(|one| one.arrangement != Arrangement::Uncontrolled).map(|one| band(one));
     let coherence = all.iter().map(|one| line(one, &one.spectra.coherence)).collect();
     let first = Panel::new(Axis::linear("ratio", unit), ratio).with_height(220.0).with_bands(bands.collect());
@@ -67,8 +67,8 @@ fn line(one: &Spectral, values: &[f64]) -> Series {
 
 fn band(one: &Spectral) -> Band {
     let (_, colour) = dress(one.arrangement);
-    let edges = one.spectra.frequency_hz.iter().copied().zip(one.spectra.interval_db());
-    let points = edges.map(|(hz, (low, high))| (hz, low, high));
+    let edges = one.spectra.frequency_hz.iter().copied().zip(&one.spectra.interval_db);
+    let points = edges.map(|(hz, [low, high])| (hz, *low, *high));
     let sound = points.filter(|(hz, low, high)| is_drawn(*hz) && low.is_finite() && high.is_finite());
     Band::new("", colour, sound)
 }

@@ -244,7 +244,7 @@ fn shares(found: &CampaignResult) -> ReportTable {
 
 /// Returns the share of mechanisms below each value.
 fn distribution(found: &CampaignResult, requirement: usize) -> Figure {
-    let distribution = found.distribution(requirement);
+    let distribution = &found.distributions[requirement];
     let figure = found.requirements[requirement].figure;
     let name = describe_figure(figure, found.controlled);
     let limit = found.requirements[requirement].limit.value();

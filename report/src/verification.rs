@@ -1,6 +1,7 @@
 //! The report of a verification.
 
 use counterpoise_pipeline::loop_view::LoopView;
+use counterpoise_pipeline::sight_views::SightView;
 use counterpoise_verify::Verification;
 use counterpoise_verify::spectral::Spectral;
 
@@ -15,6 +16,8 @@ pub struct VerificationContext {
     pub subtitle: String,
     /// The loop as charts of the plane show it; without it those charts are left out.
     pub loop_view: Option<LoopView>,
+    /// The spectra of the line of sight; empty if the verification did not ask for them.
+    pub sight_views: Vec<SightView>,
     /// Sections that come after the verification's own: reduction, weights, certificates, times.
     pub more: Vec<ReportSection>,
     /// Pairs of name and value: version, project, command.
@@ -29,7 +32,7 @@ pub fn of_verification(found: &Verification, on_road: &[Spectral], context: Veri
         sections.insert(1, loop_charts::charts_section(found, view));
     }
     sections.extend(spectra::spectra_section(on_road, found.controlled_quantity()));
-    sections.extend(error_budget::budget_section(found));
+    sections.extend(error_budget::budget_section(found, &context.sight_views));
     sections.extend(context.more);
     sections.extend(summary::traceability_section(found));
     sections.push(evidence::figure_section(found));

@@ -4,9 +4,9 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use counterpoise_pipeline::check::RankedAssumptions;
+use counterpoise_pipeline::loop_view::LoopView;
 use counterpoise_pipeline::preview::{DesignPreview, PlantPreview};
 use counterpoise_pipeline::studies::trade_off::EffortPoint;
-use counterpoise_verify::linear::LoopShape;
 use counterpoise_verify::{Verification, VerifiedController};
 
 use crate::jobs::measurements::Measurements;
@@ -33,7 +33,7 @@ pub struct ComputedResults {
     /// Error against effort around the last design.
     pub effort: Option<Versioned<Vec<EffortPoint>>>,
     /// The loop of the last design as charts of the plane show it.
-    pub loop_shape: Option<Versioned<LoopShape>>,
+    pub loop_view: Option<Versioned<LoopView>>,
     /// The last map of the analyser, and the last campaign.
     pub measurements: Measurements,
     /// What Plant and Reduce show of the plant of the last design.

@@ -50,7 +50,7 @@ fn error_gain(text: &str) -> f64 {
     let document = Document::parse(text, "project.toml");
     let project = Project::resolve(&document, &Attachments::none()).expect("the project is whole").project;
     let weight = &project.synth.expect("weights").specification.feedback.error;
-    counterpoise_studio::editing::weight_handles::weight_numbers(weight)[0].value
+    counterpoise_synth::weight::handles::weight_numbers(weight)[0].value
 }
 
 fn folder() -> PathBuf {

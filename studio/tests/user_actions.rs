@@ -115,7 +115,7 @@ fn every_page_and_every_view_of_it_is_drawn_with_names_for_a_screen_reader() {
     for plot in ["Loop phase", "Nichols", "Nyquist", "Root locus", "Hub for the demand"] {
         assert!(says(&bench, &format!("plot: {plot}")), "{plot}");
     }
-    let shape = bench.state().results.loop_shape.clone().expect("the root locus follows the design");
+    let shape = bench.state().results.loop_view.clone().expect("the root locus follows the design");
     assert_eq!(Some(shape.revision), bench.state().results.design.as_ref().map(|design| design.revision));
     bench.get_by_label("Consequences").click();
     rest(&mut bench);

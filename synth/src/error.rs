@@ -1,5 +1,6 @@
 //! What can be wrong with a request to this crate, and how a caller separates a problem without a solution from bad input.
 
+use crate::best_loop::problem::BestLoopProblem;
 use crate::finding::DesignFinding;
 use crate::refusal::Refusal;
 
@@ -48,6 +49,9 @@ pub enum Error {
         /// What is in the way.
         problem: &'static str,
     },
+    /// There is no best linear feedback.
+    #[error("best linear feedback: {0}")]
+    BestLoop(BestLoopProblem),
     /// A system whose kind does not fit its place.
     #[error("{what}: {problem}")]
     System {

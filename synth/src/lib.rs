@@ -96,6 +96,7 @@ pub mod weight;
 pub use adaptation::{Adaptive, Estimation, Recursive, RecursiveSettings, WindowedMean};
 pub use alternatives::{Alternative, SynthesisMethod, design_alternative};
 pub use bandwidth::{Bandwidth, BandwidthLimit, LimitKind, Unknown};
+pub use best_loop::problem::BestLoopProblem;
 pub use best_loop::{BestLoop, BestLoopTask, best_loop};
 pub use cause::{Cause, DesignEquation, HiddenFrom, ModeBlock, StatedDensity};
 pub use certificate::{Certified, Cost, Equation};

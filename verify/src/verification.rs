@@ -57,6 +57,13 @@ pub struct Evidence {
     pub controlled: ControlledQuantity,
 }
 
+impl Evidence {
+    /// Returns the largest sensitivity of the loop, dB.
+    pub fn largest_sensitivity_db(&self) -> f64 {
+        20.0 * self.margins.ms.value.log10()
+    }
+}
+
 /// A controller that has been verified: the only thing that can be exported. It is made by [`verify`] alone, whatever the verdicts,
 /// and cannot be changed afterwards.
 #[derive(Debug, Clone, PartialEq)]

@@ -96,6 +96,7 @@ pub fn run(options: &ClaimsOptions) -> CommandResult {
     let origin = ReportOrigin { project: String::new(), command: command.clone() };
     let context = VerificationContext {
         loop_view: None,
+        sight_views: Vec::new(),
         title,
         subtitle: "measured, nothing tuned for a row; after the rows, the evidence of the design that they put to the test".to_owned(),
         more,

@@ -13,7 +13,8 @@ use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_pipeline::{RedesignComparison, verify_redesign};
 use counterpoise_project::Purpose;
 use counterpoise_report::wording::answer::{
-    AnswerText, FindingText, component_list, describe_diagnosed_recordings, describe_verdict, unit_suffix,
+    AnswerText, FindingText, component_list, describe_diagnosed_recordings, describe_verdict,
+    describe_warning, unit_suffix,
 };
 use counterpoise_report::wording::held_out::{HeldOutText, describe_held_out};
 use counterpoise_report::wording::learned::LearnedText;
@@ -186,7 +187,7 @@ fn print(answer: &AnswerText) {
     if let Some(next) = &answer.next_experiment {
         say!("next experiment: {}; it {}", next.what, next.why);
     }
-    answer.warnings.iter().for_each(|remark| say!("note: {remark}"));
+    answer.warnings.iter().for_each(|warning| say!("note: {}", describe_warning(*warning)));
 }
 
 fn print_finding(finding: &FindingText) {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use crate::output::say;
 use clap::Args;
-use counterpoise_diagnose::identification::{Estimate, apply_identified};
+use counterpoise_diagnose::identification::Estimate;
 use counterpoise_pipeline::recordings::{AxisUnits, identify};
 use counterpoise_project::Purpose;
 use counterpoise_report::html_page;
@@ -48,11 +48,7 @@ pub fn run(options: &IdentifyOptions) -> CommandResult {
         .map_err(|error| anyhow::Error::msg(describe_recordings_error(&error)))?;
     let found = describe_identified_recordings(&identified);
     if let Some(path) = &options.save {
-        projects::save_improved(
-            &loaded,
-            &apply_identified(&loaded.project.plant, &identified.identified),
-            path,
-        )?;
+        projects::save_improved(&loaded, &identified.improved, path)?;
     }
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise identify {}", loaded.path.display());

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use crate::output::say;
 use clap::Args;
 use counterpoise_pipeline::results::ReduceResult;
+use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
 use counterpoise_pipeline::{self as pipeline, PlantModel, ReducedPlant};
 use counterpoise_project::Purpose;
 
@@ -37,7 +38,7 @@ pub fn reduce(options: &StageOptions) -> CommandResult {
             say!("bound {bound:.4e}");
         }
         result.ranked.iter().enumerate().for_each(|(k, value)| say!("{:4} {value:.4e}", k + 1));
-        result.warnings.iter().for_each(|w| say!("warning: {w}"));
+        result.warnings.iter().for_each(|w| say!("warning: {}", describe_reduction_warning(w)));
     }
     verdict_ok()
 }

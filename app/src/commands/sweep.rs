@@ -1,15 +1,17 @@
 //! `counterpoise sweep`: robustness, in shards that anybody may run.
 
 use crate::output::say;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Error, Result, anyhow, bail};
 use clap::Args;
 use counterpoise_host::terminal::print_message;
-use counterpoise_pipeline::studies::sweep::{BesideSamples, CampaignResult, campaign_is_stated, worst_cases};
+use counterpoise_pipeline::studies::sweep::{
+    BesideSamples, CampaignResult, ShardsProblem, campaign_is_stated, merge_shards, worst_cases,
+};
 use counterpoise_pipeline::{self as pipeline, DesignStages, ProjectIdentity};
 use counterpoise_project::Purpose;
 use counterpoise_report::sweep::SweepFigure;
 use counterpoise_report::{ProvenanceEntry, VerificationContext, html_page, robust, sweep};
-use counterpoise_verify::robust::{Campaign, FamilyMember, Sample, merge_shards};
+use counterpoise_verify::robust::{Campaign, FamilyMember};
 use counterpoise_verify::structured::RobustStability;
 use std::path::Path;
 
@@ -180,12 +182,7 @@ fn finish(named: &Named, options: &SweepOptions) -> CommandResult {
     for path in shards::shard_files(&options.output)? {
         parts.push(shards::read_shard(&path, &named.campaign, &named.name)?);
     }
-    if let Some(missing) = missing_samples(&parts, named.campaign.len()) {
-        bail!("{missing}: run the shards that hold them, or the same command without --merge and --shard");
-    }
-    let samples = merge_shards(&named.campaign, parts).context(
-        "the shards do not make one campaign: remove those of other cuts, or run the missing ones",
-    )?;
+    let samples = merge_shards(&named.campaign, parts).map_err(refuse_shards)?;
     shards::write_shard(&options.output.join("samples.parquet"), &named.campaign, &named.name, &samples)?;
     let others = BesideSamples {
         worst: worst_cases(&named.campaign, &samples, &ProgressPool::new(ProgressDisplay::Quiet))?,
@@ -199,6 +196,7 @@ fn finish(named: &Named, options: &SweepOptions) -> CommandResult {
     let command = format!("counterpoise sweep {project} -o {}", options.output.display());
     let context = VerificationContext {
         loop_view: None,
+        sight_views: Vec::new(),
         title: named.identity.name.clone(),
         subtitle,
         more: Vec::new(),
@@ -218,13 +216,15 @@ fn finish(named: &Named, options: &SweepOptions) -> CommandResult {
     Ok(verdict_code([found.passing == found.samples()]))
 }
 
-/// Returns which samples no shard holds; `None` if all are there.
-fn missing_samples(parts: &[Vec<Sample>], all: usize) -> Option<String> {
-    let mut there = vec![false; all];
-    parts.iter().flatten().filter(|sample| sample.index < all).for_each(|sample| there[sample.index] = true);
-    let absent: Vec<usize> = (0..all).filter(|k| !there[*k]).collect();
-    let (first, last) = (absent.first()?, absent.last()?);
-    Some(format!("{} of {all} samples are missing, from {first} to {last}", absent.len()))
+fn refuse_shards(problem: ShardsProblem) -> Error {
+    match problem {
+        ShardsProblem::Missing { count, all, first, last } => anyhow!(
+            "{count} of {all} samples are missing, from {first} to {last}: run the shards that hold them, or the same command without --merge and --shard"
+        ),
+        ShardsProblem::Inconsistent(cause) => Error::new(cause).context(
+            "the shards do not make one campaign: remove those of other cuts, or run the missing ones",
+        ),
+    }
 }
 
 fn print(found: &CampaignResult, rows: &[SweepFigure]) {

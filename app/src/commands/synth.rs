@@ -7,6 +7,8 @@ use counterpoise_pipeline::studies::search::{
     JudgedWeights, SearchAnswer, TradeOffPoint, search_weights, verify_found,
 };
 use counterpoise_pipeline::tuning::TuningResult;
+use counterpoise_pipeline::wording::demanded_rate::describe_demanded_rate;
+use counterpoise_pipeline::wording::design_findings::describe_design_finding;
 use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_pipeline::{
     self as pipeline, FirstDesignResult, PlantModel, ProjectIdentity, ReducedPlant, SynthesisStudy,
@@ -110,8 +112,8 @@ fn print_design(result: &SynthResult) {
     if let Some(difference) = result.cost_difference {
         say!("predicted cost and cost of the assembled loop differ by {difference:.1e}");
     }
-    result.demanded_rate.iter().for_each(|line| say!("{line}"));
-    result.warnings.iter().for_each(|w| say!("warning: {w}"));
+    result.demanded_rate.iter().for_each(|limit| say!("{}", describe_demanded_rate(limit)));
+    result.warnings.iter().for_each(|w| say!("warning: {}", describe_design_finding(w)));
 }
 
 /// Prints the comparison of a design with its alternatives.

@@ -4,14 +4,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use clap::{Args, ValueEnum};
-use counterpoise_pipeline::exchange::{ErrorBudgetResult, VerifiedLoop, error_budget_result, verified_loop};
-use counterpoise_pipeline::loop_view::{LoopView, loop_view};
 use counterpoise_pipeline::results::{AdviceResult, RobustnessResult, TwoAxesResult, VerifyResult};
-use counterpoise_pipeline::studies::adaptation_trials::AdaptationTrials;
-use counterpoise_pipeline::studies::advice::{KeptDesigns, WeightAdvice};
-use counterpoise_pipeline::studies::certificate::RegimeRobustness;
+use counterpoise_pipeline::studies::advice::KeptDesigns;
+use counterpoise_pipeline::studies::verification::{
+    VerificationOptions, VerificationStudy, VerifiedPlant, drive_over_road,
+};
 use counterpoise_pipeline::wording::figures::describe_figure;
-use counterpoise_pipeline::{self as pipeline, DesignedAxis, ProjectIdentity, TwoAxisStudy, studies};
+use counterpoise_pipeline::{self as pipeline, TwoAxisStudy, studies};
 use counterpoise_project::{Project, Purpose, StructureChoice};
 use counterpoise_report::adaptation::{describe_action, describe_refusal, trial_section};
 use counterpoise_report::summary::worse_feedforwards;
@@ -19,12 +18,11 @@ use counterpoise_report::{
     ReportOrigin, VerificationContext, advice, certificate, difference, error_budget, html_page,
     of_verification, robust, two_axes,
 };
-use counterpoise_verify::certificate::{CaseCertificate, StabilityCertificate};
-use counterpoise_verify::difference::{FigureChange, figure_changes};
-use counterpoise_verify::signals::{RoadClass, RoadDrive, Vehicle, iso_road};
-use counterpoise_verify::spectral::{Spectral, spectral_rejections};
-use counterpoise_verify::structured::{Joints, RobustStability};
-use counterpoise_verify::{Procedure, Triangle, Verification};
+use counterpoise_verify::certificate::CaseCertificate;
+use counterpoise_verify::difference::FigureChange;
+use counterpoise_verify::signals::RoadClass;
+use counterpoise_verify::structured::Joints;
+use counterpoise_verify::{Road, Triangle};
 
 use super::design::print_verdicts;
 use crate::exit::{CommandResult, verdict_code};
@@ -76,14 +74,11 @@ pub enum PlantChoice {
     Fe,
 }
 
-/// Length of a synthetic drive, s, the period of its samples, s, and the time in which it fades in and out, s.
-const DRIVE_S: (f64, f64, f64) = (30.0, 0.005, 1.0);
-
 /// Runs the command.
 pub fn run(options: &VerifyOptions) -> CommandResult {
     let study = verify_project(options, &options.project)?;
     let before = options.against.as_ref().map(|path| verify_project(options, path)).transpose()?;
-    let changed = before.as_ref().map(|before| figure_changes(&before.found, &study.found));
+    let changed = before.as_ref().map(|before| study.list_changes_from(before));
     if let Some(path) = &options.report {
         projects::write_file(path, page(options, &study, changed.as_deref()).as_bytes())?;
     }
@@ -152,114 +147,38 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
     Ok(())
 }
 
-/// A project's controller, verified as the options ask, with everything that is shown of it.
-struct VerificationStudy {
-    identity: ProjectIdentity,
-    found: Verification,
-    /// Rejection ratios from the time histories on the road.
-    on_road: Vec<Spectral>,
-    /// The loop as charts of the plane show it.
-    loop_view: LoopView,
-    /// What the linear figures were measured on.
-    measured_on: VerifiedLoop,
-    /// The linear worst case of the ranges of the project's sweep.
-    stability: Option<RobustStability>,
-    /// Stability in every regime; `None` on the linear plant alone.
-    certificate: Option<StabilityCertificate>,
-    /// The linear worst case in the other regimes and cases.
-    regimes: Vec<RegimeRobustness>,
-    /// What to change where a requirement fails.
-    advice: Vec<WeightAdvice>,
-    /// What the error of the line of sight is made of, with the angles of its runs if time histories were asked for.
-    budget: Option<ErrorBudgetResult>,
-    /// Trials of the project's adaptation; `None` if it has none, or on the linear plant alone.
-    adaptation: Option<AdaptationTrials>,
-    /// The traverse axis and both axes together; `None` if the project has none, or on the linear plant alone.
-    two_axes: Option<TwoAxisStudy>,
-}
-
+/// Verifies the project at a path as the options ask.
 fn verify_project(options: &VerifyOptions, path: &Path) -> Result<VerificationStudy> {
     let loaded = projects::load_project(path, Purpose::Verify)?;
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
     let project = &loaded.project;
-    let modelled = pipeline::build_plant_model(project)?;
-    let reduced = pipeline::reduce_plant(project, &modelled)?;
-    let made = pipeline::synthesise(project, &modelled, &reduced)?;
-    let mut procedure = pipeline::project_procedure(project, &world)?;
-    if let Some(class) = &options.road {
-        procedure.road = Some(drive(class, options.speed, &procedure)?);
-    }
-    if let Some(text) = &options.triangle {
-        procedure.triangle = Some(triangle(text)?);
-    }
-    let structure = match options.plant {
-        PlantChoice::Lumped => StructureChoice::Lumped,
-        PlantChoice::Fe => pipeline::finite_elements_of(project)
-            .context("--plant fe: the project has neither [plant.beam] nor [plant.import]")?,
-        PlantChoice::Project | PlantChoice::Linear => project.model.structure,
+    let asked = verification_options(options, project)?;
+    Ok(studies::verification::verify_project(project, &asked, &world)?)
+}
+
+fn verification_options(options: &VerifyOptions, project: &Project) -> Result<VerificationOptions> {
+    let plant = match options.plant {
+        PlantChoice::Project => VerifiedPlant::Project,
+        PlantChoice::Linear => VerifiedPlant::Linear,
+        PlantChoice::Lumped => VerifiedPlant::Structure(StructureChoice::Lumped),
+        PlantChoice::Fe => VerifiedPlant::Structure(
+            pipeline::finite_elements_of(project)
+                .context("--plant fe: the project has neither [plant.beam] nor [plant.import]")?,
+        ),
     };
-    let on = pipeline::build_plant_model(&with_structure(project, structure))?;
-    let plant = on.plant.clone();
-    let found = match options.plant {
-        PlantChoice::Linear => pipeline::verify_linear_on(project, &plant, &made, &procedure)?,
-        _ => pipeline::verify_on(project, &plant, &made, &procedure)?.into_parts().1,
-    };
-    let controller = &made.sampled.controller;
-    let stability = pipeline::robust_stability(&loaded.project, &modelled, controller, &world)?;
-    let identity = ProjectIdentity::of(project, &loaded.project_folder());
-    let measured_on = verified_loop(&plant, controller, &procedure)?;
-    let linear = options.plant == PlantChoice::Linear;
-    let certified =
-        (!linear).then(|| studies::certificate::certify_controller(project, &on, &made, &procedure));
-    let certificate = certified.transpose()?;
-    let mut regimes = studies::certificate::robust_regimes(project, &modelled, &made, &procedure)?;
-    regimes.drain(..regimes.len().min(1));
-    let trials = || studies::adaptation_trials::own_trials(project, &on, &made, &procedure);
-    let adaptation = if linear { None } else { trials()? };
+    let road = options.road.as_ref().map(|class| drive(project, class, options.speed)).transpose()?;
+    let triangle = options.triangle.as_ref().map(|text| triangle(text)).transpose()?;
     let kept = if options.histories { KeptDesigns::Histories } else { KeptDesigns::Systems };
-    let advice = studies::advice::advise_changes(project, &modelled, &reduced, &procedure, &found, kept)?;
-    let budget = error_budget_result(&found, &plant, controller, kept)?;
-    let axis = DesignedAxis { project, plant: &plant, synthesised: &made, procedure: &procedure };
-    let two_axes = if linear { None } else { both_axes(axis, &world)? };
-    Ok(VerificationStudy {
-        measured_on,
-        budget,
-        identity,
-        on_road: spectral_rejections(&found),
-        loop_view: loop_view(&found)?,
-        found,
-        stability,
-        certificate,
-        regimes,
-        advice,
-        adaptation,
-        two_axes,
-    })
+    Ok(VerificationOptions { plant, road, triangle, kept })
 }
 
-fn both_axes(elevation: DesignedAxis, world: &ProjectWorld) -> Result<Option<TwoAxisStudy>> {
-    let traverse = pipeline::design_traverse(elevation.project, world)?;
-    Ok(pipeline::study_two_axes(elevation, traverse, world)?)
-}
-
-fn with_structure(project: &Project, structure: StructureChoice) -> Project {
-    let mut other = project.clone();
-    other.model.structure = structure;
-    other
-}
-
-fn drive(class: &str, speed_m_s: f64, procedure: &Procedure) -> Result<counterpoise_verify::Road> {
+fn drive(project: &Project, class: &str, speed_m_s: f64) -> Result<Road> {
     let class = RoadClass::from_letter(class).with_context(|| {
         format!("--road {class}: the classes of ISO 8608 here are A (very good) to E (very poor)")
     })?;
-    let (duration_s, sample_period_s, fade_s) = DRIVE_S;
-    let drive = RoadDrive { class, speed_m_s, duration_s, sample_period_s, fade_s, seed: procedure.seed };
-    iso_road(drive, Vehicle::HEAVY, GRAVITY_M_S2).with_context(|| format!("--speed {speed_m_s}"))
+    drive_over_road(project, class, speed_m_s).with_context(|| format!("--speed {speed_m_s}"))
 }
-
-/// Standard gravity, m/s^2 (ISO 80000-3); a half of a vehicle does not roll, so that it has no effect here.
-const GRAVITY_M_S2: f64 = 9.80665;
 
 /// Returns a triangle from `RATE/PERIOD`.
 fn triangle(text: &str) -> Result<Triangle> {
@@ -297,6 +216,7 @@ fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[Fi
         title: study.identity.name.clone(),
         subtitle: "Verification of the controller as it is exported".to_owned(),
         loop_view: Some(study.loop_view.clone()),
+        sight_views: study.sight_views.clone(),
         more: advised
             .into_iter()
             .chain(certified)

@@ -105,21 +105,66 @@ pub struct Maker<'a> {
     pub knots_v: &'a [f64],
 }
 
+/// A column of the channels of a recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum ChannelColumn {
+    /// Control, V.
+    Control,
+    /// Hub rate, rad/s.
+    Hub,
+    /// Platform rate, rad/s.
+    Platform,
+    /// Heave, m/s^2.
+    Heave,
+    /// Hub rate on the platform, rad/s.
+    Relative,
+    /// Hub angle on the platform as the hub gyroscope would show it, rad.
+    Position,
+    /// Motor rate as the loop's sensor would show it, from the motor's tachometer or from the loop's sensor on the motor, rad/s; there is no
+    /// such column if neither shows it.
+    Motor,
+}
+
+impl ColumnName for ChannelColumn {
+    fn index(self) -> usize {
+        self as usize
+    }
+}
+
 /// The channels of a recording without gaps, missing ones filled in by what they mean.
 struct Channels {
-    control: Vec<f64>,
-    hub: Vec<f64>,
-    platform: Vec<f64>,
-    heave: Vec<f64>,
-    /// Motor rate as the loop's sensor would show it, from the motor's tachometer or from the loop's sensor on the motor.
-    motor: Option<Vec<f64>>,
-    /// Hub rate on the platform.
-    relative: Vec<f64>,
+    signals: Signals<ChannelColumn>,
     /// What makes the noise of the hub's rate.
     noise: RateNoise,
-    /// Hub angle on the platform as the hub gyroscope would show it.
-    position: Vec<f64>,
+    /// Whether the recording has every channel in a sample.
     whole: Vec<bool>,
+}
+
+impl Channels {
+    fn control(&self) -> &[f64] {
+        self.signals.column(ChannelColumn::Control)
+    }
+
+    fn hub(&self) -> &[f64] {
+        self.signals.column(ChannelColumn::Hub)
+    }
+
+    fn platform(&self) -> &[f64] {
+        self.signals.column(ChannelColumn::Platform)
+    }
+
+    fn relative(&self) -> &[f64] {
+        self.signals.column(ChannelColumn::Relative)
+    }
+
+    fn position(&self) -> &[f64] {
+        self.signals.column(ChannelColumn::Position)
+    }
+
+    /// Returns the motor's rate; `None` if no sensor shows it.
+    fn motor(&self) -> Option<&[f64]> {
+        self.signals.has(ChannelColumn::Motor).then(|| self.signals.column(ChannelColumn::Motor))
+    }
 }
 
 /// What makes the noise of the hub's rate.
@@ -171,17 +216,17 @@ impl Maker<'_> {
         let channels = channels(recording, &chain, self.p)?;
         let ratio = self.p.gearbox.ratio;
         let twisting = || self.motor_behind_gear(&chain, &channels);
-        let motor: Vec<f64> = channels.motor.clone().unwrap_or_else(twisting);
+        let motor: Vec<f64> = channels.motor().map_or_else(twisting, <[f64]>::to_vec);
         let driven: Vec<f64> = motor.iter().map(|w| w / ratio).collect();
         let rate = self.damped_rate(&driven, &channels);
         let (direction, turning) = self.directions(&driven, period_s);
-        let mean = chain.mean_rate(&channels.hub);
+        let mean = chain.mean_rate(channels.hub());
         let variance = |series: &[f64]| match channels.noise {
             RateNoise::White => noise_variance(series),
             RateNoise::Differentiated => 0.0,
             RateNoise::WhiteOfMotor => noise_variance(&driven),
         };
-        let noise = variance(&channels.hub);
+        let noise = variance(channels.hub());
         let [kept, steep] = kernel.noise_gains();
         let variances = [variance(&rate) * kept, noise * steep];
         let shared = if self.p.sensors.motor_tachometer.is_none() { self.losses_of_rate() } else { [0.0; 2] };
@@ -191,12 +236,12 @@ impl Maker<'_> {
             kernel.smooth(&direction),
             kernel.smooth(&rate),
             kernel.slope(&mean),
-            channels.control.clone(),
-            kernel.smooth(&channels.control),
-            kernel.smooth(&channels.hub),
+            channels.control().to_vec(),
+            kernel.smooth(channels.control()),
+            kernel.smooth(channels.hub()),
             direction,
         ];
-        let hats = self.hats(&chain, &kernel, &channels.control);
+        let hats = self.hats(&chain, &kernel, channels.control());
         Ok(Rows {
             signals: Signals::stack(columns.iter().chain(&hats).map(Vec::as_slice)),
             lever_arm: self.lever_arm(recording, &kernel, &channels, &chain),
@@ -211,11 +256,11 @@ impl Maker<'_> {
     fn torque(&self, chain: &Chain, kernel: &Kernel, c: &Channels, motor: &[f64]) -> Vec<f64> {
         let p = self.p;
         let ratio = p.gearbox.ratio;
-        let driven = chain.current_of_drive(&chain.drive_of_control(&c.control));
+        let driven = chain.current_of_drive(&chain.drive_of_control(c.control()));
         let braked = chain.current_of_rate(motor);
         let gain = ratio * p.motor.torque_constant_nm_a;
         let current = kernel.smooth(&sum(&driven, &braked, gain));
-        let rotor = kernel.slope(&chain.rotor_rate(motor, &c.platform));
+        let rotor = kernel.slope(&chain.rotor_rate(motor, c.platform()));
         let known = kernel.smooth(&self.known_torque(chain, c));
         let inertia = ratio * p.motor.inertia_kg_m2;
         (0..current.len()).map(|k| current[k] - inertia * rotor[k] - known[k]).collect()
@@ -231,8 +276,8 @@ impl Maker<'_> {
 
     /// The motor's rate where no sensor shows it: the joint's, and the twist of the gear under the control's torque.
     fn motor_behind_gear(&self, chain: &Chain, c: &Channels) -> Vec<f64> {
-        let (direction, _) = self.directions(&c.relative, chain.period_s());
-        chain.motor_rate(&chain.drive_of_control(&c.control), &c.relative, &direction)
+        let (direction, _) = self.directions(c.relative(), chain.period_s());
+        chain.motor_rate(&chain.drive_of_control(c.control()), c.relative(), &direction)
     }
 
     /// The rate that viscous friction acts on: the motor's and the hub's, each by its part of it.
@@ -241,22 +286,22 @@ impl Maker<'_> {
         let pivot = p.pivot_friction.viscous_nm_s_rad;
         let all = pivot + p.gearbox.ratio.powi(2) * p.motor_friction.viscous_nm_s_rad;
         let part = if all > 0.0 { pivot / all } else { 0.5 };
-        driven.iter().zip(&c.relative).map(|(motor, hub)| motor + part * (hub - motor)).collect()
+        driven.iter().zip(c.relative()).map(|(motor, hub)| motor + part * (hub - motor)).collect()
     }
 
     /// (g + a_p) f(theta_h), as the gyroscope would show it.
     fn load(&self, chain: &Chain, c: &Channels, of: fn(&Parameters, f64) -> f64) -> Vec<f64> {
-        let heave = chain.heave_as_gyro(&c.heave);
+        let heave = chain.heave_as_gyro(c.signals.column(ChannelColumn::Heave));
         let weigh = |(angle, heave): (f64, &f64)| (self.p.gravity_m_s2 + heave) * of(self.p, angle);
         inertial(c, chain).into_iter().zip(&heave).map(weigh).collect()
     }
 
     /// Torque of what is taken as known: the first moment above the axis, the spring to the platform.
     fn known_torque(&self, chain: &Chain, c: &Channels) -> Vec<f64> {
-        let Some(l) = self.p.lumped.as_ref() else { return vec![0.0; c.control.len()] };
+        let Some(l) = self.p.lumped.as_ref() else { return vec![0.0; c.signals.len()] };
         let upright = self.load(chain, c, sine);
         let spring = |x: &f64| l.position_stiffness_nm_rad * (x - l.position_stiffness_centre_rad);
-        upright.iter().zip(&c.position).map(|(g, x)| spring(x) - l.vertical_offset_kg_m * g).collect()
+        upright.iter().zip(c.position()).map(|(g, x)| spring(x) - l.vertical_offset_kg_m * g).collect()
     }
 
     /// Returns what the accelerometer's lever arm does; `None` if there is none to be identified, or the platform hardly pitches.
@@ -276,8 +321,8 @@ impl Maker<'_> {
         if !(is_fitted && is_level && recorded) || moment == 0.0 {
             return None;
         }
-        let pitching = kernel.slope(&c.platform);
-        let noise = noise_variance(&c.platform) * kernel.noise_gains()[1];
+        let pitching = kernel.slope(c.platform());
+        let noise = noise_variance(c.platform()) * kernel.noise_gains()[1];
         let power = pitching.iter().map(|a| a * a).sum::<f64>() / pitching.len().max(1) as f64;
         let turned = inertial(c, chain).into_iter().map(|angle| cosine(p, angle));
         let torque_per_metre = pitching.iter().zip(turned).map(|(a, cos)| -moment * a * cos).collect();
@@ -319,8 +364,9 @@ impl Maker<'_> {
     fn sliding(&self, kernel: &Kernel, c: &Channels, turning: &[bool], calm: &[f64]) -> Vec<bool> {
         let rms = (calm.iter().map(|w| w * w).sum::<f64>() / calm.len().max(1) as f64).sqrt();
         let limit = LIMIT_SHARE * self.p.amplifier.input_limit_v;
+        let control = c.control();
         let good = |k: usize| {
-            !turning[k] && c.whole[k] && calm[k].abs() > CRAWL_SHARE * rms && c.control[k].abs() < limit
+            !turning[k] && c.whole[k] && calm[k].abs() > CRAWL_SHARE * rms && control[k].abs() < limit
         };
         let mut bad_so_far = vec![0_usize; turning.len() + 1];
         (0..turning.len()).for_each(|k| bad_so_far[k + 1] = bad_so_far[k] + usize::from(!good(k)));
@@ -342,8 +388,8 @@ pub fn hat_function(knots: &[f64], index: usize, at: f64) -> f64 {
 
 /// Hub angle to the horizon, as the gyroscope would show it.
 fn inertial(c: &Channels, chain: &Chain) -> Vec<f64> {
-    let platform = integral(&c.platform, chain.period_s());
-    c.position.iter().zip(&platform).map(|(a, b)| a + b).collect()
+    let platform = integral(c.platform(), chain.period_s());
+    c.position().iter().zip(&platform).map(|(a, b)| a + b).collect()
 }
 
 fn sum(a: &[f64], b: &[f64], gain: f64) -> Vec<f64> {
@@ -486,5 +532,8 @@ fn channels(r: &Recording, chain: &Chain, p: &Parameters) -> Result<Channels, Er
         _ if measured.is_position() => RateNoise::Differentiated,
         _ => RateNoise::White,
     };
-    Ok(Channels { control, hub, platform, heave, motor, relative, noise, position, whole })
+    // in the order of `ChannelColumn`
+    let columns = [&control[..], &hub, &platform, &heave, &relative, &position];
+    let signals = Signals::stack(columns.into_iter().chain(motor.as_deref()));
+    Ok(Channels { signals, noise, whole })
 }

@@ -1,8 +1,9 @@
 //! The values that recordings have of each regime variable: the range over which a free function is known, and how often.
 
 use counterpoise_models::{LearnedElement, LearnedPlace, Parameters, RegimeVariable};
+use counterpoise_recordings::{ColumnName, Signals};
 
-use crate::localisation::torque_balances::Signals;
+use crate::localisation::torque_balances::{BalanceColumn, BalanceSignals};
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::rms;
 use crate::tolerance::FITTED_SHARE;
@@ -12,7 +13,7 @@ use crate::tolerance::learning::{RANGE_MARGIN, RANGE_QUANTILE};
 /// The values of the regime variables, recording by recording.
 #[derive(Debug, Clone, Default)]
 pub struct Visited {
-    recordings: Vec<VisitedRecording>,
+    recordings: Vec<Signals<VisitedColumn>>,
     /// RMS torque of the drive at the hub, N m.
     pub drive_torque_nm: f64,
     ratio: f64,
@@ -45,15 +46,27 @@ pub struct RangeExceedance {
     pub share: f64,
 }
 
-/// The values of one recording.
-#[derive(Debug, Clone, Default)]
-struct VisitedRecording {
-    angle: Vec<f64>,
-    rate: Vec<f64>,
-    motor_rate: Vec<f64>,
-    load: Vec<f64>,
-    drive: Vec<f64>,
-    time: Vec<f64>,
+/// A column of the values that a recording visits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum VisitedColumn {
+    /// Hub angle on the platform, rad.
+    Angle,
+    /// Hub rate on the platform, rad/s.
+    Rate,
+    /// Motor rate, rad/s.
+    MotorRate,
+    /// Torque that the motor gives to the gear, at its output, N m.
+    Load,
+    /// Control that the amplifier passes to the motor, V.
+    Drive,
+    /// Time, s.
+    Time,
+}
+
+impl ColumnName for VisitedColumn {
+    fn index(self) -> usize {
+        self as usize
+    }
 }
 
 impl Visited {
@@ -61,17 +74,21 @@ impl Visited {
     pub fn of(base: &Parameters, recordings: &[MeasuredSignals]) -> Self {
         let mut torques = Vec::new();
         let one = |recording: &MeasuredSignals| {
-            let signals = Signals::new(base, recording, None);
-            torques.extend(signals.drive.iter().filter(|torque| torque.is_finite()));
+            let signals = BalanceSignals::new(base, recording, None);
+            let torque = signals.column(BalanceColumn::Drive);
+            torques.extend(torque.iter().filter(|torque| torque.is_finite()));
             let drive = |control: &f64| base.amplifier.drive_v(*control, &base.motor);
-            VisitedRecording {
-                time: (0..signals.relative.len()).map(|k| k as f64 * recording.period_s).collect(),
-                drive: recording.control().iter().map(drive).collect(),
-                angle: signals.angle,
-                rate: signals.relative,
-                motor_rate: signals.motor,
-                load: signals.mesh,
-            }
+            let drive: Vec<f64> = recording.control().iter().map(drive).collect();
+            let time: Vec<f64> = (0..signals.len()).map(|k| k as f64 * recording.period_s).collect();
+            // in the order of `VisitedColumn`
+            Signals::stack([
+                signals.column(BalanceColumn::Angle),
+                signals.column(BalanceColumn::Relative),
+                signals.column(BalanceColumn::Motor),
+                signals.column(BalanceColumn::Mesh),
+                &drive,
+                &time,
+            ])
         };
         let recordings = recordings.iter().map(one).collect();
         Self {
@@ -84,22 +101,26 @@ impl Visited {
 
     /// Returns the samples of a variable at a place, recording by recording.
     fn samples(&self, place: LearnedPlace, variable: RegimeVariable) -> Vec<Vec<f64>> {
-        let one = |r: &VisitedRecording| {
-            let scaled = |series: &[f64], factor: f64| series.iter().map(|x| factor * x).collect();
+        let one = |r: &Signals<VisitedColumn>| {
+            let own = |column: VisitedColumn| r.column(column).to_vec();
+            let scaled =
+                |column: VisitedColumn, factor: f64| r.column(column).iter().map(|x| factor * x).collect();
             match (variable, place) {
-                (RegimeVariable::Angle | RegimeVariable::Turn, LearnedPlace::Pivot) => r.angle.clone(),
+                (RegimeVariable::Angle | RegimeVariable::Turn, LearnedPlace::Pivot) => {
+                    own(VisitedColumn::Angle)
+                }
                 (RegimeVariable::Angle | RegimeVariable::Turn, LearnedPlace::Motor) => {
-                    scaled(&r.angle, self.ratio)
+                    scaled(VisitedColumn::Angle, self.ratio)
                 }
                 (RegimeVariable::Angle | RegimeVariable::Turn, LearnedPlace::Gearbox) => {
-                    scaled(&r.load, 1.0 / self.stiffness)
+                    scaled(VisitedColumn::Load, 1.0 / self.stiffness)
                 }
-                (RegimeVariable::Rate, LearnedPlace::Motor) => r.motor_rate.clone(),
-                (RegimeVariable::Rate, _) => r.rate.clone(),
-                (RegimeVariable::Load, LearnedPlace::Motor) => scaled(&r.load, 1.0 / self.ratio),
-                (RegimeVariable::Load, _) => r.load.clone(),
-                (RegimeVariable::Control, _) => r.drive.clone(),
-                (RegimeVariable::Time, _) => r.time.clone(),
+                (RegimeVariable::Rate, LearnedPlace::Motor) => own(VisitedColumn::MotorRate),
+                (RegimeVariable::Rate, _) => own(VisitedColumn::Rate),
+                (RegimeVariable::Load, LearnedPlace::Motor) => scaled(VisitedColumn::Load, 1.0 / self.ratio),
+                (RegimeVariable::Load, _) => own(VisitedColumn::Load),
+                (RegimeVariable::Control, _) => own(VisitedColumn::Drive),
+                (RegimeVariable::Time, _) => own(VisitedColumn::Time),
             }
         };
         self.recordings.iter().map(one).collect()

@@ -5,7 +5,7 @@
 
 use crate::library::{Component, EffectName, named};
 use crate::localisation::ports::Port;
-use crate::localisation::torque_balances::{Signals, envelope};
+use crate::localisation::torque_balances::{BalanceColumn as B, BalanceSignals, envelope};
 use crate::recording::series::derivative;
 use Port::{Accelerometer, Gear, Hub, HubGyro, Motor, PlatformGyro};
 use Quantity as Q;
@@ -221,27 +221,33 @@ pub(crate) const ERROR_HYPOTHESES: &[ErrorHypothesis] = &[
 
 impl Quantity {
     /// Returns its value at every sample of a recording.
-    pub fn of(self, s: &Signals) -> Vec<f64> {
+    pub fn of(self, s: &BalanceSignals) -> Vec<f64> {
         match self {
-            Self::One => vec![1.0; s.hub.len()],
-            Self::Time => (0..s.hub.len()).map(|k| k as f64 * s.period_s).collect(),
-            Self::Position => s.angle.clone(),
-            Self::Acceleration => s.acceleration.clone(),
+            Self::One => vec![1.0; s.len()],
+            Self::Time => (0..s.len()).map(|k| k as f64 * s.period_s).collect(),
+            Self::Position => s.column(B::Angle).to_vec(),
+            Self::Acceleration => s.column(B::Acceleration).to_vec(),
             Self::Weight => s.weight(),
-            Self::Heave => s.heave.clone(),
-            Self::HubRate => s.hub.clone(),
-            Self::PlatformRate => s.platform.clone(),
-            Self::Control => s.control.clone(),
-            Self::Drive => s.drive.clone(),
-            Self::Mesh => s.mesh.clone(),
-            Self::Driving => {
-                s.mesh.iter().zip(&s.turning).map(|(t, w)| t * (t * w).signum().max(0.0)).collect()
-            }
-            Self::Driven => {
-                s.mesh.iter().zip(&s.turning).map(|(t, w)| t * (t * w).signum().min(0.0)).collect()
-            }
-            Self::Late(samples) => delay_difference(&s.drive, usize::from(samples)),
-            Self::Lagged(ms) => lag_difference(&s.drive, 1e-3 * f64::from(ms) / s.period_s),
+            Self::Heave => s.column(B::Heave).to_vec(),
+            Self::HubRate => s.column(B::Hub).to_vec(),
+            Self::PlatformRate => s.column(B::Platform).to_vec(),
+            Self::Control => s.column(B::Control).to_vec(),
+            Self::Drive => s.column(B::Drive).to_vec(),
+            Self::Mesh => s.column(B::Mesh).to_vec(),
+            Self::Driving => s
+                .column(B::Mesh)
+                .iter()
+                .zip(s.column(B::Turning))
+                .map(|(t, w)| t * (t * w).signum().max(0.0))
+                .collect(),
+            Self::Driven => s
+                .column(B::Mesh)
+                .iter()
+                .zip(s.column(B::Turning))
+                .map(|(t, w)| t * (t * w).signum().min(0.0))
+                .collect(),
+            Self::Late(samples) => delay_difference(s.column(B::Drive), usize::from(samples)),
+            Self::Lagged(ms) => lag_difference(s.column(B::Drive), 1e-3 * f64::from(ms) / s.period_s),
             Self::AccelerationBend | Self::HeaveSlope | Self::HubRateSlope | Self::PlatformRateSlope => {
                 self.derivative_series(s)
             }
@@ -250,31 +256,31 @@ impl Quantity {
     }
 
     /// Returns a derivative.
-    fn derivative_series(self, s: &Signals) -> Vec<f64> {
+    fn derivative_series(self, s: &BalanceSignals) -> Vec<f64> {
         let slope = |series: &[f64]| derivative(series, s.period_s);
         match self {
-            Self::AccelerationBend => slope(&slope(&s.acceleration)),
-            Self::HeaveSlope => slope(&s.heave),
-            Self::HubRateSlope => slope(&s.hub),
-            _ => slope(&s.platform),
+            Self::AccelerationBend => slope(&slope(s.column(B::Acceleration))),
+            Self::HeaveSlope => slope(s.column(B::Heave)),
+            Self::HubRateSlope => slope(s.column(B::Hub)),
+            _ => slope(s.column(B::Platform)),
         }
     }
 
     /// Returns what follows from the rates of hub and motor.
-    fn of_motion(self, s: &Signals) -> Vec<f64> {
+    fn of_motion(self, s: &BalanceSignals) -> Vec<f64> {
         let size = |series: &[f64]| series.iter().map(|v| v.abs()).collect();
         match self {
-            Self::Speed => size(&s.relative),
-            Self::MotorSpeed => size(&s.motor),
-            Self::Travel => since_reversal(&s.relative, s.period_s),
-            Self::MotorTravel => since_reversal(&s.motor, s.period_s),
-            Self::Amplitude => envelope(&s.relative, s.period_s),
-            Self::MotorAngle => s.angle.iter().map(|a| a * s.p.gearbox.ratio).collect(),
-            Self::Sliding => s.sliding.clone(),
-            Self::Forward => s.sliding.iter().map(|w| w.max(0.0)).collect(),
-            Self::Backward => s.sliding.iter().map(|w| w.min(0.0)).collect(),
-            Self::Turning => s.turning.clone(),
-            _ => s.relative.clone(),
+            Self::Speed => size(s.column(B::Relative)),
+            Self::MotorSpeed => size(s.column(B::Motor)),
+            Self::Travel => since_reversal(s.column(B::Relative), s.period_s),
+            Self::MotorTravel => since_reversal(s.column(B::Motor), s.period_s),
+            Self::Amplitude => envelope(s.column(B::Relative), s.period_s),
+            Self::MotorAngle => s.column(B::Angle).iter().map(|a| a * s.p.gearbox.ratio).collect(),
+            Self::Sliding => s.column(B::Sliding).to_vec(),
+            Self::Forward => s.column(B::Sliding).iter().map(|w| w.max(0.0)).collect(),
+            Self::Backward => s.column(B::Sliding).iter().map(|w| w.min(0.0)).collect(),
+            Self::Turning => s.column(B::Turning).to_vec(),
+            _ => s.column(B::Relative).to_vec(),
         }
     }
 

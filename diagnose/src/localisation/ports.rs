@@ -1,6 +1,6 @@
 //! Ports: what an error at a place of the mechanism does to each balance.
 
-use crate::localisation::torque_balances::{Balance, Signals};
+use crate::localisation::torque_balances::{Balance, BalanceSignals};
 use crate::machine::SteadyDrive;
 use crate::recording::series::derivative;
 
@@ -23,7 +23,7 @@ pub(crate) enum Port {
 
 impl Port {
     /// Returns what an error here adds to a balance of these signals.
-    pub fn balance_error(self, balance: Balance, error: &[f64], at: &Signals) -> Vec<f64> {
+    pub fn balance_error(self, balance: Balance, error: &[f64], at: &BalanceSignals) -> Vec<f64> {
         let stiffness = at.p.gearbox.stiffness_nm_rad;
         let slope = || derivative(error, at.period_s);
         let times = |series: &[f64], factor: f64| series.iter().map(|x| factor * x).collect();
@@ -39,7 +39,7 @@ impl Port {
     }
 
     /// Returns what an error of a gyroscope adds.
-    fn misread(self, balance: Balance, error: &[f64], at: &Signals) -> Vec<f64> {
+    fn misread(self, balance: Balance, error: &[f64], at: &BalanceSignals) -> Vec<f64> {
         let own = if self == Self::HubGyro { 1.0 } else { -1.0 };
         if matches!(balance, Balance::Twist | Balance::Angle) {
             return error.iter().map(|e| own * e).collect();
@@ -58,12 +58,12 @@ impl Port {
 }
 
 /// Returns the square of the gear's ratio, which refers a torque in proportion to the motor's rate to the hub.
-fn through_gear(at: &Signals) -> f64 {
+fn through_gear(at: &BalanceSignals) -> f64 {
     at.p.gearbox.ratio.powi(2)
 }
 
 /// Returns the torque at the shaft for the motor's rate, by friction and back-EMF, N m s/rad.
-fn motor_viscous(at: &Signals) -> f64 {
+fn motor_viscous(at: &BalanceSignals) -> f64 {
     let motor = &at.p.motor;
     let drive = SteadyDrive::of(at.p);
     at.p.motor_friction.viscous_nm_s_rad + motor.torque_constant_nm_a * drive.back_emf / drive.loss

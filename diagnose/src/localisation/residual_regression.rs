@@ -14,7 +14,7 @@ use counterpoise_recordings::Channel;
 
 use crate::localisation::error_hypotheses::Quantity;
 use crate::localisation::ports::Port;
-use crate::localisation::torque_balances::{Balance, Signals, thin};
+use crate::localisation::torque_balances::{Balance, BalanceSignals, thin};
 use crate::localisation::trend::PeriodicTrend;
 use crate::localisation::whitening::Whitener;
 use crate::machine::{RedundantSensors, usable_sensors};
@@ -55,9 +55,9 @@ struct Segment {
 /// How recordings depart from their replay.
 pub(crate) struct ResidualRegression<'a> {
     /// The recordings' signals.
-    pub signals: Vec<Signals<'a>>,
+    pub signals: Vec<BalanceSignals<'a>>,
     /// The replays' signals, without noise; `None` if a replay was a playback.
-    quiet: Vec<Option<Signals<'a>>>,
+    quiet: Vec<Option<BalanceSignals<'a>>>,
     /// The balances that the sensors allow.
     pub balances: Vec<Balance>,
     /// Residual of the drive's balance, N m: thinned, less its straight line, not whitened.
@@ -78,10 +78,11 @@ impl<'a> ResidualRegression<'a> {
             hub_position: has(|m| m.recorded.hub_position),
         };
         let balances = Balance::select_allowed(usable_sensors(p, recorded));
-        let signals: Vec<Signals> = recordings.iter().map(|r| Signals::new(p, &r.measured, None)).collect();
+        let signals: Vec<BalanceSignals> =
+            recordings.iter().map(|r| BalanceSignals::new(p, &r.measured, None)).collect();
         let quiet = recordings.iter().zip(&signals).map(|(r, s)| {
             let in_loop = r.assessment.source == ControlSource::ClosedLoop;
-            in_loop.then(|| Signals::new(p, &replayed_signals(r), Some(s.slow_rates())))
+            in_loop.then(|| BalanceSignals::new(p, &replayed_signals(r), Some(s.slow_rates())))
         });
         let quiet = quiet.collect();
         let pairs = signals.iter().zip(recordings);
@@ -142,7 +143,7 @@ impl<'a> ResidualRegression<'a> {
     /// Returns a quantity at every sample of every recording. One that is mostly noise is taken from the replay, because the noise
     /// that a balance contains would explain itself.
     pub fn all(&self, quantity: Quantity) -> Series {
-        let of = |(s, quiet): (&Signals, &Option<Signals>)| match quiet {
+        let of = |(s, quiet): (&BalanceSignals, &Option<BalanceSignals>)| match quiet {
             Some(quiet) if quantity.is_mostly_noise() => quantity.of(quiet),
             _ => quantity.of(s),
         };
@@ -164,7 +165,7 @@ impl<'a> ResidualRegression<'a> {
     pub fn column(&self, terms: &[ErrorTerm]) -> Vec<f64> {
         let shown = |balance: Balance| -> Series {
             let of = |r: usize| {
-                let mut sum = vec![0.0; self.signals[r].hub.len()];
+                let mut sum = vec![0.0; self.signals[r].len()];
                 for term in terms {
                     let part = term.port.balance_error(balance, &term.error[r], &self.signals[r]);
                     sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
@@ -194,7 +195,7 @@ impl<'a> ResidualRegression<'a> {
 
     /// Returns the power of the drive's balance at a frequency, its phase free in every recording, (N m)^2 times samples.
     pub fn power_at(&self, frequency_hz: f64) -> f64 {
-        let of = |(torque, signals): (&Vec<f64>, &Signals)| {
+        let of = |(torque, signals): (&Vec<f64>, &BalanceSignals)| {
             let turn = std::f64::consts::TAU * frequency_hz * BALANCE_THINNING as f64 * signals.period_s;
             let (step_sine, step_cosine) = turn.sin_cos();
             let (mut sine, mut cosine, mut sums) = (0.0, 1.0, [0.0; 2]);
@@ -214,7 +215,7 @@ impl<'a> ResidualRegression<'a> {
         let share =
             (2.0 * self.power_at(frequency_hz) / total.max(f64::MIN_POSITIVE)).clamp(LEAST_SHARE, 0.999);
         let independent: f64 = self.torque.iter().map(|t| t.len() as f64 / correlation_time(t)).sum();
-        let longest = self.signals.iter().map(|s| s.hub.len() as f64 * s.period_s).fold(0.0, f64::max);
+        let longest = self.signals.iter().map(|s| s.len() as f64 * s.period_s).fold(0.0, f64::max);
         let deviation =
             (3.0 * (1.0 - share) / (share * independent.max(4.0))).sqrt() / (std::f64::consts::PI * longest);
         NORMAL_95 * deviation / (frequency_hz * frequency_hz)
@@ -342,19 +343,19 @@ fn solve_normal_equations(gram: &Mat, right: &[f64]) -> Option<Vec<f64>> {
 /// Returns the balances of a recording less those of its replay, and what noise alone would make of them.
 fn balance_departures(
     p: &Parameters,
-    recorded: &Signals,
+    recorded: &BalanceSignals,
     recording: &AssessedReplay,
     balances: &[Balance],
 ) -> [Vec<Vec<f64>>; 2] {
     let replay = replayed_signals(recording);
     let slow = Some(recorded.slow_rates());
-    let simulated = Signals::new(p, &replay, slow);
-    let noisy = Signals::new(p, &add_noise(p, &replay, &recording.assessment), slow);
-    let apart = |other: &Signals, balance: Balance| {
+    let simulated = BalanceSignals::new(p, &replay, slow);
+    let noisy = BalanceSignals::new(p, &add_noise(p, &replay, &recording.assessment), slow);
+    let apart = |other: &BalanceSignals, balance: Balance| {
         let pairs = thin(&other.residual(balance)).into_iter().zip(thin(&simulated.residual(balance)));
         pairs.map(|(a, b)| a - b).collect()
     };
-    let of = |other: &Signals| balances.iter().map(|b| apart(other, *b)).collect();
+    let of = |other: &BalanceSignals| balances.iter().map(|b| apart(other, *b)).collect();
     [of(recorded), of(&noisy)]
 }
 

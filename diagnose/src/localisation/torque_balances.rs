@@ -15,6 +15,7 @@ use crate::tolerance::localisation::{
     BALANCE_MARGIN, BALANCE_SMOOTHING, BALANCE_THINNING, NEARLY_AT_REST_SHARE,
 };
 use counterpoise_models::Parameters;
+use counterpoise_recordings::{ColumnName, Signals};
 use serde::Serialize;
 
 use crate::library::{Component, named};
@@ -82,35 +83,61 @@ pub fn list_balances(sensors: RedundantSensors) -> Vec<BalanceVisibility> {
     ]
 }
 
-/// The measured signals after the low-pass, and what follows from them.
-pub(crate) struct Signals<'a> {
+/// A column of the signals of the balances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum BalanceColumn {
+    /// Control, V.
+    Control,
+    /// Hub rate, rad/s.
+    Hub,
+    /// Platform rate, rad/s.
+    Platform,
+    /// Heave, m/s^2.
+    Heave,
+    /// Motor rate, rad/s.
+    Motor,
+    /// Hub rate on the platform, rad/s.
+    Relative,
+    /// Hub angle on the platform, rad.
+    Angle,
+    /// Acceleration of the hub, rad/s^2.
+    Acceleration,
+    /// Direction of sliding at the pivot, -1 to 1.
+    Sliding,
+    /// Direction of turning at the motor, -1 to 1.
+    Turning,
+    /// Torque that the motor's current makes, at the hub, N m.
+    Drive,
+    /// Torque that the load side needs, N m.
+    Load,
+    /// Torque that the motor gives to the gear, at its output, N m.
+    Mesh,
+}
+
+impl BalanceColumn {
+    /// Number of columns.
+    const COUNT: usize = 13;
+}
+
+impl ColumnName for BalanceColumn {
+    fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// The measured signals of a recording after the low-pass, and what follows from them.
+pub(crate) struct BalanceSignals<'a> {
     pub p: &'a Parameters,
     pub period_s: f64,
-    pub control: Vec<f64>,
-    pub hub: Vec<f64>,
-    pub platform: Vec<f64>,
-    pub heave: Vec<f64>,
-    pub motor: Vec<f64>,
     /// Whether the motor's rate was measured; otherwise it is the hub's through a rigid gear.
     pub motor_measured: bool,
-    pub relative: Vec<f64>,
-    pub angle: Vec<f64>,
-    pub acceleration: Vec<f64>,
-    /// Direction of sliding at the pivot and of turning at the motor, -1 to 1.
-    pub sliding: Vec<f64>,
-    pub turning: Vec<f64>,
-    /// Torque that the motor's current makes, at the hub, N m.
-    pub drive: Vec<f64>,
-    /// Torque that the load side needs, N m.
-    pub load: Vec<f64>,
-    /// Torque that the motor gives to the gear, at its output, N m.
-    pub mesh: Vec<f64>,
+    signals: Signals<BalanceColumn>,
 }
 
 /// Rates at which the two frictions count as sliding, rad/s: pivot, motor.
 pub(crate) type Slow = [f64; 2];
 
-impl<'a> Signals<'a> {
+impl<'a> BalanceSignals<'a> {
     /// Computes the signals of a recording; `slow` gives the rates below which the frictions count as at rest, if another reading
     /// of the recording determines them.
     pub fn new(p: &'a Parameters, m: &MeasuredSignals, slow: Option<Slow>) -> Self {
@@ -123,38 +150,53 @@ impl<'a> Signals<'a> {
         let motor = m.motor_rate().map_or_else(geared, smooth);
         let angle = m.hub_position().map_or_else(|| integral(&relative, m.period_s), smooth);
         let [pivot, shaft] = slow.unwrap_or_else(|| [slow_rate(&relative), slow_rate(&motor)]);
-        let mut signals = Self {
+        let measured = [
+            (BalanceColumn::Control, smooth(m.control())),
+            (BalanceColumn::Heave, smooth(m.platform_accel())),
+            (BalanceColumn::Acceleration, derivative(&hub, m.period_s)),
+            (BalanceColumn::Sliding, relative.iter().map(|w| (w / pivot).tanh()).collect()),
+            (BalanceColumn::Turning, motor.iter().map(|w| (w / shaft).tanh()).collect()),
+            (BalanceColumn::Hub, hub),
+            (BalanceColumn::Platform, platform),
+            (BalanceColumn::Motor, motor),
+            (BalanceColumn::Relative, relative),
+            (BalanceColumn::Angle, angle),
+        ];
+        let mut out = Self {
             p,
             period_s: m.period_s,
-            control: smooth(m.control()),
-            heave: smooth(m.platform_accel()),
-            acceleration: derivative(&hub, m.period_s),
-            sliding: relative.iter().map(|w| (w / pivot).tanh()).collect(),
-            turning: motor.iter().map(|w| (w / shaft).tanh()).collect(),
             motor_measured: m.recorded.motor_rate,
-            hub,
-            platform,
-            motor,
-            relative,
-            angle,
-            drive: Vec::new(),
-            load: Vec::new(),
-            mesh: Vec::new(),
+            signals: Signals::zeros(measured[0].1.len(), BalanceColumn::COUNT),
         };
-        signals.load = signals.load_torque();
-        signals.drive = signals.drive_torque();
-        signals.mesh = signals.motor_torque();
-        signals
+        measured.into_iter().for_each(|(column, values)| out.set(column, &values));
+        out.set(BalanceColumn::Load, &out.load_torque());
+        out.set(BalanceColumn::Drive, &out.drive_torque());
+        out.set(BalanceColumn::Mesh, &out.motor_torque());
+        out
+    }
+
+    fn set(&mut self, column: BalanceColumn, values: &[f64]) {
+        self.signals.column_mut(column).iter_mut().zip(values).for_each(|(sample, value)| *sample = *value);
+    }
+
+    /// Returns the samples of a column.
+    pub fn column(&self, column: BalanceColumn) -> &[f64] {
+        self.signals.column(column)
+    }
+
+    /// Returns the number of samples.
+    pub fn len(&self) -> usize {
+        self.signals.len()
     }
 
     /// Returns the rates below which the frictions count as at rest, rad/s.
     pub fn slow_rates(&self) -> Slow {
-        [slow_rate(&self.relative), slow_rate(&self.motor)]
+        [slow_rate(self.column(BalanceColumn::Relative)), slow_rate(self.column(BalanceColumn::Motor))]
     }
 
     /// Returns (g + a) cos(theta_h - theta_p), m/s^2.
     pub fn weight(&self) -> Vec<f64> {
-        let heavy = self.heave.iter().zip(&self.angle);
+        let heavy = self.column(BalanceColumn::Heave).iter().zip(self.column(BalanceColumn::Angle));
         heavy.map(|(a, angle)| (self.p.gravity_m_s2 + a) * cosine(self.p, *angle)).collect()
     }
 
@@ -173,60 +215,69 @@ impl<'a> Signals<'a> {
         let friction = &self.p.pivot_friction;
         let (inertia, moment, weight) = (self.inertia(), self.moment(), self.weight());
         let (dry, viscous) = (friction.coulomb_nm(), friction.viscous_nm_s_rad);
-        let rates = |k: usize| inertia * self.acceleration[k] + viscous * self.relative[k];
-        (0..self.hub.len()).map(|k| rates(k) + dry * self.sliding[k] + moment * weight[k]).collect()
+        let (acceleration, relative) =
+            (self.column(BalanceColumn::Acceleration), self.column(BalanceColumn::Relative));
+        let sliding = self.column(BalanceColumn::Sliding);
+        let rates = |k: usize| inertia * acceleration[k] + viscous * relative[k];
+        (0..self.len()).map(|k| rates(k) + dry * sliding[k] + moment * weight[k]).collect()
     }
 
     /// N K_t i.
     fn drive_torque(&self) -> Vec<f64> {
         let (p, drive) = (self.p, SteadyDrive::of(self.p));
         let gain = p.gearbox.ratio * p.motor.torque_constant_nm_a;
-        self.control.iter().zip(&self.motor).map(|(u, w)| gain * drive.current_a(*u, *w)).collect()
+        let pairs = self.column(BalanceColumn::Control).iter().zip(self.column(BalanceColumn::Motor));
+        pairs.map(|(u, w)| gain * drive.current_a(*u, *w)).collect()
     }
 
     /// N (K_t i - F_m - J_m w_m').
     fn motor_torque(&self) -> Vec<f64> {
         let p = self.p;
         let (dry, viscous) = (p.motor_friction.coulomb_nm(), p.motor_friction.viscous_nm_s_rad);
-        let acceleration = derivative(&self.motor, self.period_s);
-        let lost = |k: usize| {
-            dry * self.turning[k] + viscous * self.motor[k] + p.motor.inertia_kg_m2 * acceleration[k]
-        };
-        (0..self.hub.len()).map(|k| self.drive[k] - p.gearbox.ratio * lost(k)).collect()
+        let (motor, turning) = (self.column(BalanceColumn::Motor), self.column(BalanceColumn::Turning));
+        let acceleration = derivative(motor, self.period_s);
+        let lost = |k: usize| dry * turning[k] + viscous * motor[k] + p.motor.inertia_kg_m2 * acceleration[k];
+        let drive = self.column(BalanceColumn::Drive);
+        (0..self.len()).map(|k| drive[k] - p.gearbox.ratio * lost(k)).collect()
     }
 
     /// Returns the residual of a balance.
     pub fn residual(&self, balance: Balance) -> Vec<f64> {
         match balance {
             Balance::Twist => self.twist(),
-            Balance::Angle => subtract(&self.relative, &derivative(&self.angle, self.period_s)),
-            Balance::Drive => subtract(&self.load, &self.mesh),
+            Balance::Angle => subtract(
+                self.column(BalanceColumn::Relative),
+                &derivative(self.column(BalanceColumn::Angle), self.period_s),
+            ),
+            Balance::Drive => subtract(self.column(BalanceColumn::Load), self.column(BalanceColumn::Mesh)),
             Balance::Hub => self.hub_side(),
             // no recording has the motor's current, so this balance is never allowed
-            Balance::Current => vec![f64::NAN; self.hub.len()],
+            Balance::Current => vec![f64::NAN; self.len()],
         }
     }
 
     fn twist(&self) -> Vec<f64> {
-        let windup = derivative(&self.mesh, self.period_s);
+        let windup = derivative(self.column(BalanceColumn::Mesh), self.period_s);
         let gear = &self.p.gearbox;
-        let at = |k: usize| self.relative[k] - self.motor[k] / gear.ratio + windup[k] / gear.stiffness_nm_rad;
-        (0..self.hub.len()).map(at).collect()
+        let (relative, motor) = (self.column(BalanceColumn::Relative), self.column(BalanceColumn::Motor));
+        let at = |k: usize| relative[k] - motor[k] / gear.ratio + windup[k] / gear.stiffness_nm_rad;
+        (0..self.len()).map(at).collect()
     }
 
     /// Returns the torque of the gear's wind-up, measured by both encoders and started from the load, against the load torque.
     fn hub_side(&self) -> Vec<f64> {
         let gear = &self.p.gearbox;
-        let turned = integral(&self.motor, self.period_s);
+        let turned = integral(self.column(BalanceColumn::Motor), self.period_s);
+        let (load, angle) = (self.column(BalanceColumn::Load), self.column(BalanceColumn::Angle));
         let gap = 0.5 * gear.backlash_rad;
-        let first = self.load.first().copied().unwrap_or(0.0);
+        let first = load.first().copied().unwrap_or(0.0);
         let start =
-            first / gear.stiffness_nm_rad + gap * first.signum() + self.angle.first().copied().unwrap_or(0.0);
+            first / gear.stiffness_nm_rad + gap * first.signum() + angle.first().copied().unwrap_or(0.0);
         let at = |k: usize| {
-            let delta: f64 = start + turned[k] / gear.ratio - self.angle[k];
-            self.load[k] - gear.stiffness_nm_rad * (delta.abs() - gap).max(0.0) * delta.signum()
+            let delta: f64 = start + turned[k] / gear.ratio - angle[k];
+            load[k] - gear.stiffness_nm_rad * (delta.abs() - gap).max(0.0) * delta.signum()
         };
-        (0..self.hub.len()).map(at).collect()
+        (0..self.len()).map(at).collect()
     }
 }
 

@@ -8,7 +8,7 @@ use counterpoise_linalg::{Mat, lstsq};
 use counterpoise_models::Parameters;
 
 use crate::library::EffectName;
-use crate::localisation::torque_balances::{Balance, Signals, integral, thin};
+use crate::localisation::torque_balances::{Balance, BalanceColumn, BalanceSignals, integral, thin};
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::dot;
 use crate::tolerance::selection::{
@@ -36,23 +36,23 @@ impl BalanceOverAngle {
     /// Forms the balance of a recording without what a constant, the frictions, rate, acceleration and angle explain of it; returns
     /// `None` if the recording is too short for that. The drive's torque stays: with the acceleration it is the balance itself.
     pub fn new(base: &Parameters, measured: &MeasuredSignals, effect: EffectName) -> Option<Self> {
-        let signals = Signals::new(base, measured, None);
+        let signals = BalanceSignals::new(base, measured, None);
         let kept = |series: &[f64]| {
             let thinned = thin(series);
             let step = thinned.len().div_ceil(ORDER_SPECTRUM_SAMPLES).max(1);
             thinned.into_iter().step_by(step).collect::<Vec<f64>>()
         };
-        let angle = kept(&integral(&signals.motor, signals.period_s));
+        let angle = kept(&integral(signals.column(BalanceColumn::Motor), signals.period_s));
         let carrier = match effect {
-            EffectName::TorqueRipple => kept(&signals.drive),
+            EffectName::TorqueRipple => kept(signals.column(BalanceColumn::Drive)),
             _ => vec![1.0; angle.len()],
         };
         let smooth = [
             vec![1.0; angle.len()],
-            kept(&signals.sliding),
-            kept(&signals.turning),
-            kept(&signals.motor),
-            kept(&signals.acceleration),
+            kept(signals.column(BalanceColumn::Sliding)),
+            kept(signals.column(BalanceColumn::Turning)),
+            kept(signals.column(BalanceColumn::Motor)),
+            kept(signals.column(BalanceColumn::Acceleration)),
             angle.clone(),
             angle.iter().map(|a| a * a).collect(),
         ];

@@ -3,7 +3,6 @@
 mod feedback_alone;
 pub mod target_proofs;
 
-use crate::wording::figures::{describe_figure, describe_unmeasured};
 use counterpoise_controller::realise::count_coefficients;
 use counterpoise_controller::sensitivity::{RealisationCandidate, RealisationForm, form_candidates};
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
@@ -13,12 +12,11 @@ use counterpoise_export::{
     rust_crate,
 };
 use counterpoise_models::plant::Plant;
-use counterpoise_models::{AxisKind, FeedbackSignal, Parameters};
-use counterpoise_verify::{Limit, Procedure, Verdict, VerifiedController};
+use counterpoise_verify::{Procedure, VerifiedController};
 use sha2::{Digest, Sha256};
 
 use crate::traverse_file::{FolderOfFile, traverse_project};
-use crate::wording::acceptance::Traceable;
+use crate::wording::provenance::{describe_loop_signals, describe_verdicts};
 use crate::wording::weights::describe_weights;
 use crate::{PipelineError, PlantModel, World};
 use counterpoise_project::Project;
@@ -257,48 +255,14 @@ pub fn project_hash(project: &Project, world: &dyn World) -> String {
 }
 
 fn provenance(project: &Project, verified: &VerifiedController, world: &dyn World) -> Provenance {
-    let verification = verified.verification();
-    let verdicts = verification.verdicts.iter().map(|(requirement, verdict)| {
-        let controlled = verification.controlled_quantity();
-        let (figure, unit) =
-            (describe_figure(requirement.figure, controlled), requirement.figure.unit(controlled));
-        let basis = verification.acceptance(&requirement.figure).basis;
-        let said = |value: f64, limit: &Limit| format!("{figure}: {value:.4} {unit} ({limit}; {basis})");
-        match verdict {
-            Verdict::Holds { value, limit, .. } => format!("{}: holds", said(*value, limit)),
-            Verdict::Fails { value, limit, .. } => format!("{}: FAILS", said(*value, limit)),
-            Verdict::NotApplicable { why } => {
-                format!("{figure}: not applicable, {}", describe_unmeasured(why))
-            }
-        }
-    });
     Provenance {
         generator: format!("counterpoise {}", env!("CARGO_PKG_VERSION")),
         project: project.plant.name.clone(),
         project_hash: project_hash(project, world),
-        loop_signals: loop_signals(&project.plant),
+        loop_signals: describe_loop_signals(&project.plant),
         weights: project.synth.as_ref().map(describe_weights).unwrap_or_default(),
-        verdicts: verdicts.collect(),
+        verdicts: describe_verdicts(verified.verification()),
         feedback_alone: Vec::new(),
         converters: Converters::of(&project.plant),
     }
-}
-
-/// Returns what the first two readings of the controller hold, if the loop is not one of the hub's inertial rate on a turning axis.
-fn loop_signals(plant: &Parameters) -> Option<String> {
-    let (angle, rate, torque) = match plant.axis {
-        AxisKind::Rotary => ("angle, rad", "rate, rad/s", "torque of the transmission, N m"),
-        AxisKind::Linear => ("position, m", "speed, m/s", "force of the transmission, N"),
-    };
-    let signal = match plant.sensors.measured {
-        FeedbackSignal::HubRate if plant.axis == AxisKind::Rotary => return None,
-        FeedbackSignal::HubRate => format!("inertial {rate}"),
-        FeedbackSignal::RelativeRate => format!("{rate}, relative to the platform"),
-        FeedbackSignal::MotorRate => format!("motor's {rate}, over the ratio, relative to the platform"),
-        FeedbackSignal::HubPosition => format!("{angle}, relative to the platform"),
-        FeedbackSignal::MotorPosition => format!("motor's {angle}, over the ratio, relative to the platform"),
-        FeedbackSignal::Torque => torque.to_owned(),
-        FeedbackSignal::Current => "current of the motor, A".to_owned(),
-    };
-    Some(format!("the reading demand_rad_s is the demanded and hub_rate_rad_s the measured {signal}"))
 }

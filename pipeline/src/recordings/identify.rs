@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use counterpoise_diagnose::identification::Identification;
-use counterpoise_models::{AxisKind, ControlledQuantity, QuantityKind};
+use counterpoise_diagnose::identification::{Identification, apply_identified};
+use counterpoise_models::{AxisKind, ControlledQuantity, Parameters, QuantityKind};
 use counterpoise_project::Project;
 use counterpoise_recordings::Recording;
 
@@ -16,6 +16,8 @@ use crate::PipelineError;
 pub struct IdentifiedRecordings {
     /// The identified mechanism.
     pub identified: Identification,
+    /// The project's mechanism with the identified values of the first state of balance.
+    pub improved: Parameters,
     /// What was found on reading each recording, with its name.
     pub remarks: Vec<(String, Vec<ColumnRemark>)>,
     /// The units of the values.
@@ -79,5 +81,6 @@ pub fn identify(
     let states: Vec<&[Recording]> = recordings.iter().map(Vec::as_slice).collect();
     let identified = counterpoise_diagnose::identification::identify(&project.plant, &states)
         .map_err(|cause| PipelineError::Diagnosis { cause, unused })?;
-    Ok(IdentifiedRecordings { identified, remarks, units: AxisUnits::of(project.plant.axis) })
+    let improved = apply_identified(&project.plant, &identified);
+    Ok(IdentifiedRecordings { identified, improved, remarks, units: AxisUnits::of(project.plant.axis) })
 }

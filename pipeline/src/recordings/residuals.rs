@@ -4,7 +4,7 @@ use counterpoise_diagnose::fitting::residual_tests::{MeasuredSignal, ResidualTes
 use counterpoise_recordings::Channel;
 use counterpoise_verify::signals::welch::{Spectra, WelchOptions, welch};
 
-use super::tracks::{ChannelTrack, TrackColumn};
+use super::tracks::{ChannelTrack, ResidualColumn, TrackColumn};
 
 /// Longest segment of a spectrum, samples, and the number of segments below which it is shorter: six segments average enough for a
 /// coherence that means something.
@@ -92,16 +92,16 @@ fn spectra(track: &ChannelTrack) -> Option<ResidualSpectra> {
         return None;
     }
     let own = |signal: &[f64]| average_spectra(signal, signal, track.period_s);
-    let of_residual = |run| own(&track.residual(run));
+    let of_residual = |run| own(track.residuals.column(run));
     Some(ResidualSpectra {
         recording: track.recording.clone(),
         channel: track.channel,
         measured: own(track.signals.column(TrackColumn::Measured))?,
-        before: of_residual(TrackColumn::Before),
-        after: if track.signals.column(TrackColumn::After).is_empty() {
-            None
+        before: of_residual(ResidualColumn::Before),
+        after: if track.residuals.has(ResidualColumn::After) {
+            of_residual(ResidualColumn::After)
         } else {
-            of_residual(TrackColumn::After)
+            None
         },
     })
 }
@@ -124,12 +124,12 @@ fn test_track(tracks: &[ChannelTrack], track: &ChannelTrack) -> TestedResidual {
             .map(|t| MeasuredSignal { channel, values: t.signals.column(TrackColumn::Measured) })
     });
     let signals: Vec<MeasuredSignal<'_>> = signals.into_iter().flatten().collect();
-    let test = |run| test_residual(&track.residual(run), &signals);
+    let test = |run| test_residual(track.residuals.column(run), &signals);
     TestedResidual {
         recording: track.recording.clone(),
         channel: track.channel,
         period_s: track.period_s,
-        before: test(TrackColumn::Before),
-        after: test(TrackColumn::After),
+        before: test(ResidualColumn::Before),
+        after: test(ResidualColumn::After),
     }
 }

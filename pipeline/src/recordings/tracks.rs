@@ -17,6 +17,10 @@ pub struct ChannelTrack {
     pub period_s: f64,
     /// The samples of every run.
     pub signals: Signals<TrackColumn>,
+    /// The residual of each model, measured less simulated.
+    pub residuals: Signals<ResidualColumn>,
+    /// Power of the residual of the model as it was, relative to that of what was measured.
+    pub relative_residual_power: f64,
 }
 
 /// A run of a [`ChannelTrack`]: a column of its array.
@@ -42,19 +46,38 @@ impl ChannelTrack {
         ControlledQuantity::of_unit(self.channel.unit())
     }
 
-    /// Returns the residual of a run, measured less simulated; none if there is no such run.
-    pub fn residual(&self, simulated: TrackColumn) -> Vec<f64> {
-        let both = self.signals.column(simulated).iter().zip(self.signals.column(TrackColumn::Measured));
-        both.map(|(simulated, measured)| measured - simulated).collect()
-    }
-
-    /// Returns the power of the residual of the model as it was, relative to that of what was measured.
-    pub fn relative_residual_power(&self) -> f64 {
-        let (measured, before) =
-            (self.signals.column(TrackColumn::Measured), self.signals.column(TrackColumn::Before));
+    /// Returns a track with the residuals of its models.
+    fn new(recording: String, channel: Channel, period_s: f64, signals: Signals<TrackColumn>) -> Self {
+        let measured = signals.column(TrackColumn::Measured);
+        let residual = |run| measured.iter().zip(signals.column(run)).map(|(m, s)| m - s).collect();
+        let models = [TrackColumn::Before, TrackColumn::After].into_iter().filter(|run| signals.has(*run));
+        let residuals: Vec<Vec<f64>> = models.map(residual).collect();
+        let before = signals.column(TrackColumn::Before);
         let sum: f64 = measured.iter().zip(before).map(|(m, b)| (m - b).powi(2)).sum();
         let power: f64 = measured.iter().map(|m| m * m).sum();
-        sum / power.max(f64::MIN_POSITIVE)
+        Self {
+            recording,
+            channel,
+            period_s,
+            residuals: Signals::stack(residuals.iter().map(Vec::as_slice)),
+            relative_residual_power: sum / power.max(f64::MIN_POSITIVE),
+            signals,
+        }
+    }
+}
+
+/// A residual of a [`ChannelTrack`]: a column of its array.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ResidualColumn {
+    /// Of the model as it was.
+    Before,
+    /// Of the improved model; a track has no such column if there is none.
+    After,
+}
+
+impl ColumnName for ResidualColumn {
+    fn index(self) -> usize {
+        self as usize
     }
 }
 
@@ -84,12 +107,8 @@ pub fn compare_channels(recording: &Recording, before: &Replay, after: Option<&R
         let runs = [Some(before), after].into_iter().flatten();
         let simulated = runs.map(|replay| replay.simulated.channel(channel));
         let columns = std::iter::once(recording.samples(channel)?).chain(simulated);
-        Some(ChannelTrack {
-            recording: short_name(&recording.name),
-            channel,
-            period_s: recording.sample_period_s,
-            signals: Signals::stack(columns),
-        })
+        let (name, period_s) = (short_name(&recording.name), recording.sample_period_s);
+        Some(ChannelTrack::new(name, channel, period_s, Signals::stack(columns)))
     };
     COMPARED.into_iter().filter_map(track).collect()
 }

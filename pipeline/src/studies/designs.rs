@@ -20,6 +20,7 @@ use crate::tuning::{
     BlockResult, LoopMeasuresResult, TuningGround, WeightsResult, block_results, own_procedure, put_in_place,
     tune_feedback, tuning_ground, weights_result,
 };
+use crate::wording::designs::{describe_band_objective, describe_motion_objective, name_motion};
 use crate::{
     PipelineError, PipelineStage, PlantModel, ProjectIdentity, ReducedPlant, SynthesisedDesign, World,
     build_plant_model, reduce_plant, run_observed, synthesise,
@@ -216,15 +217,10 @@ pub fn design_table(
         rows.push(builder.best_loop_row(limits, &wanted));
     }
     let controlled = project.plant.controlled_quantity();
-    let motion = if builder.procedure.road.is_some() { "the project's own motion" } else { "the sines" };
+    let motion = name_motion(builder.procedure.road.as_ref());
     let objective = match ground.objective {
-        TuningObjective::Motion => {
-            format!("{} under {motion}", controlled.name())
-        }
-        TuningObjective::Band => {
-            let [low, high] = wanted.band_rad_s;
-            format!("RMS of |S| from {low} to {high} rad/s")
-        }
+        TuningObjective::Motion => describe_motion_objective(controlled, motion),
+        TuningObjective::Band => describe_band_objective(wanted.band_rad_s),
     };
     let Disturbance { lines: disturbance, reading_noise_rad_s } = ground.disturbance.clone();
     let reading_noise = InOwnUnit::new("reading_noise", controlled, reading_noise_rad_s);

@@ -3,7 +3,7 @@
 //! Modules in reading order: [`comparison`] (other methods with the same figures), [`cost_basis`] (what its total cost is computed from), [`designs`] (every design in one table, simulated), [`trade_off`] (error against effort),
 //! [`search`] (weights for stated requirements), [`advice`] (what to change where a requirement fails), [`adapt`] (adaptation to a changing out-of-balance), [`adaptation_trials`] (where a method of adaptation can fail), [`adaptation_choice`] (where the default acts), [`adaptation`] (runs and trials), [`fra`], [`fra_plan`] and [`fra_summary`]
 //! (frequency response analyser), [`sweep`] (robustness campaign), [`certificate`] (stability in every regime),
-//! [`assumptions`] (what matters of what a file leaves open), [`accuracy`] (error of the simulator).
+//! [`verification`] (everything that is stated about a verified controller), [`assumptions`] (what matters of what a file leaves open), [`accuracy`] (error of the simulator).
 
 pub mod accuracy;
 pub mod adapt;
@@ -23,3 +23,4 @@ pub mod fra_summary;
 pub mod search;
 pub mod sweep;
 pub mod trade_off;
+pub mod verification;

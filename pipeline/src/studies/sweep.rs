@@ -3,6 +3,7 @@
 use counterpoise_controller::Controller;
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pool::{Pool, map};
+use counterpoise_verify::robust;
 use counterpoise_verify::robust::{
     Campaign, FamilyMember, Layout, Ranked, Sample, Sense, Summary, Variation, Worst, compare_configurations,
     one_at_a_time, rank_parameters, summarise_requirement, worst_case,
@@ -12,6 +13,7 @@ use counterpoise_verify::{Figure, Limit, LoopFigure, Requirement, VerifiedContro
 use ndarray::Array2;
 
 use crate::tolerance::DRIFTING_POLE;
+use crate::wording::figures::USUAL_REQUIREMENT;
 use crate::{PipelineError, PlantModel, World, project_procedure};
 use counterpoise_project::Project;
 
@@ -32,6 +34,8 @@ pub struct CampaignResult {
     pub passing: usize,
     /// Statistics of each requirement.
     pub summaries: Vec<Summary>,
+    /// Distribution of the figure of each requirement: each value with the percentage of mechanisms at or below it.
+    pub distributions: Vec<Vec<[f64; 2]>>,
     /// The variations of each requirement by rank correlation, strongest first.
     pub rankings: Vec<Vec<Ranked>>,
     /// The worst case of each requirement; `None` if no mechanism could be judged.
@@ -66,6 +70,7 @@ impl CampaignResult {
             values: Array2::from_shape_fn((samples.len(), requirements.len()), |(i, k)| samples[i].values[k]),
             passing: samples.iter().filter(|sample| campaign.passes(sample)).count(),
             summaries: each.clone().map(|k| summarise_requirement(campaign, samples, k)).collect(),
+            distributions: each.clone().map(|k| distribution(samples, k)).collect(),
             rankings: each.map(|k| rank_parameters(campaign, samples, k)).collect(),
             worst: others.worst,
             families: others.families,
@@ -88,15 +93,15 @@ impl CampaignResult {
         let chance = self.chance_correlation();
         self.rankings[requirement].iter().filter(move |one| one.correlation.abs() >= chance)
     }
+}
 
-    /// Returns the distribution of the figure of a requirement: each value with the percentage of mechanisms at or below it.
-    pub fn distribution(&self, requirement: usize) -> Vec<[f64; 2]> {
-        let mut values: Vec<f64> =
-            self.values.column(requirement).iter().copied().filter(|v| v.is_finite()).collect();
-        values.sort_by(f64::total_cmp);
-        let all = self.samples().max(1) as f64;
-        values.iter().enumerate().map(|(k, value)| [*value, 100.0 * (k + 1) as f64 / all]).collect()
-    }
+/// Returns each value of the figure of a requirement with the percentage of mechanisms at or below it.
+fn distribution(samples: &[Sample], requirement: usize) -> Vec<[f64; 2]> {
+    let all = samples.iter().map(|sample| sample.values[requirement]);
+    let mut values: Vec<f64> = all.filter(|value| value.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    let count = samples.len().max(1) as f64;
+    values.iter().enumerate().map(|(k, value)| [*value, 100.0 * (k + 1) as f64 / count]).collect()
 }
 
 /// Checks that a project says what a campaign varies and judges: asked before the design, which takes longer.
@@ -120,8 +125,11 @@ fn judged_requirements(project: &Project) -> Vec<Requirement> {
 /// Returns what every loop of a campaign should keep if nothing else is required: a largest sensitivity of at most 2, which leaves a
 /// gain margin of 6 dB and a phase margin of 29 degrees, and closed-loop poles inside the unit circle.
 fn usual_requirements() -> Vec<Requirement> {
-    let require =
-        |figure, limit| Requirement { figure: Figure::Loop(figure), limit, source: USUAL.to_owned() };
+    let require = |figure, limit| Requirement {
+        figure: Figure::Loop(figure),
+        limit,
+        source: USUAL_REQUIREMENT.to_owned(),
+    };
     vec![
         require(LoopFigure::MaxSensitivity, Limit::AtMost(USUAL_SENSITIVITY)),
         require(LoopFigure::PoleRadius, Limit::AtMost(1.0 + DRIFTING_POLE)),
@@ -130,8 +138,6 @@ fn usual_requirements() -> Vec<Requirement> {
 
 /// Largest sensitivity that is reasonable, 1.4 to 2 (K. J. Astrom and R. M. Murray, Feedback Systems, section 12.3).
 const USUAL_SENSITIVITY: f64 = 2.0;
-/// Where requirements come from that no project states.
-const USUAL: &str = "usual, because the project states no requirement";
 
 /// Returns the Monte Carlo campaign of the project's requirements over its variations.
 ///
@@ -200,6 +206,44 @@ pub fn robust_stability(
     let procedure = project_procedure(project, world)?;
     let parameters = &modelled.parameters;
     Ok(counterpoise_verify::structured::robust_stability(parameters, controller, &procedure, &uncertainty)?)
+}
+
+/// Why shards do not make the samples of a campaign.
+#[derive(Debug)]
+pub enum ShardsProblem {
+    /// No shard has some of the samples.
+    Missing {
+        /// How many are missing.
+        count: usize,
+        /// How many the campaign has.
+        all: usize,
+        /// The first that is missing.
+        first: usize,
+        /// The last that is missing.
+        last: usize,
+    },
+    /// A sample comes twice, or there are too many.
+    Inconsistent(counterpoise_verify::Error),
+}
+
+/// Puts the samples of shards together, by number.
+///
+/// # Errors
+/// The shards do not make one campaign.
+pub fn merge_shards(campaign: &Campaign, shards: Vec<Vec<Sample>>) -> Result<Vec<Sample>, ShardsProblem> {
+    match find_missing_samples(&shards, campaign.len()) {
+        Some(missing) => Err(missing),
+        None => robust::merge_shards(campaign, shards).map_err(ShardsProblem::Inconsistent),
+    }
+}
+
+/// Returns which samples no shard has; `None` if all are there.
+fn find_missing_samples(shards: &[Vec<Sample>], all: usize) -> Option<ShardsProblem> {
+    let mut there = vec![false; all];
+    shards.iter().flatten().filter(|sample| sample.index < all).for_each(|sample| there[sample.index] = true);
+    let absent: Vec<usize> = (0..all).filter(|k| !there[*k]).collect();
+    let (first, last) = (*absent.first()?, *absent.last()?);
+    Some(ShardsProblem::Missing { count: absent.len(), all, first, last })
 }
 
 /// Most mechanisms that the search for a worst case tries, a requirement.

@@ -6,6 +6,9 @@ use counterpoise_verify::{
     RestFigure, SightFigure, Source, StepFigure, TriangleFigure, Unmeasured,
 };
 
+/// Where requirements come from that no project states.
+pub(crate) const USUAL_REQUIREMENT: &str = "usual, because the project states no requirement";
+
 /// Returns the name of a figure in a loop, for example `peak hub rate, pitch, feedback, linear plant`.
 pub fn describe_figure(figure: Figure, controlled: ControlledQuantity) -> String {
     match figure {

@@ -11,7 +11,7 @@ use counterpoise_diagnose::localisation::error_hypotheses::Regime;
 use counterpoise_diagnose::localisation::error_map::MapCell;
 use counterpoise_diagnose::localisation::torque_balances::BalanceVisibility;
 use counterpoise_pipeline::recordings::{ColumnRemark, DiagnosedRecordings};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::effects::{describe_effect, experiment_for};
 use super::held_out::HeldOutText;
@@ -40,8 +40,9 @@ pub struct AnswerText {
     pub hypotheses: Vec<Hypothesis>,
     /// What was wrong with the recordings themselves.
     pub qualification: Vec<String>,
-    /// Warnings about the search itself.
-    pub warnings: Vec<String>,
+    /// Warnings about the search itself; serialised as sentences.
+    #[serde(serialize_with = "write_warnings")]
+    pub warnings: Vec<SearchWarning>,
     /// A model without a name of what no known effect explains; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub learned: Option<LearnedText>,
@@ -169,7 +170,7 @@ pub fn describe_answer(answer: &Answer, chart: &LocalisationChart) -> AnswerText
         map: answer.map.iter().map(cell).collect(),
         hypotheses: answer.hypotheses.clone(),
         qualification: answer.qualification.iter().map(describe_remark).collect(),
-        warnings: answer.warnings.iter().map(|warning| describe_warning(*warning).to_owned()).collect(),
+        warnings: answer.warnings.clone(),
         learned: answer.learned.as_ref().map(describe_learned),
         held_out_recordings: Vec::new(),
         chart_summary: describe_chart(chart),
@@ -261,7 +262,12 @@ fn describe_experiment(experiment: NextExperiment) -> ExperimentText {
     }
 }
 
-fn describe_warning(warning: SearchWarning) -> &'static str {
+fn write_warnings<S: Serializer>(warnings: &[SearchWarning], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(warnings.iter().copied().map(describe_warning))
+}
+
+/// Describes a warning about the search itself.
+pub fn describe_warning(warning: SearchWarning) -> &'static str {
     match warning {
         SearchWarning::Stopped => {
             "stopped before the search was finished: the answer is what was found so far"

@@ -50,7 +50,7 @@ use plot_copy::{CopiedPlot, CopyRequest, copy_plot};
 use recording_views::{RecordingView, ReplayRequest, ReplayedFiles, replay_files};
 use report_job::{ReportRequest, write_report};
 use verification::{
-    LoopShapeWorker, PartialVerification, TradeOffWorker, VerificationWorker, loop_shape_worker,
+    LoopViewWorker, PartialVerification, TradeOffWorker, VerificationWorker, loop_view_worker,
     trade_off_worker, verification_worker,
 };
 
@@ -63,7 +63,7 @@ pub struct BackgroundJobs {
     /// Computes error against effort.
     pub effort: TradeOffWorker,
     /// Computes the loop for charts of the plane.
-    pub loop_shape: LoopShapeWorker,
+    pub loop_view: LoopViewWorker,
     /// Measures.
     pub measure: MeasurementWorker,
     /// Exports.
@@ -132,7 +132,7 @@ impl BackgroundJobs {
             design: design_worker(wake),
             verify: verification_worker(wake, &partial),
             effort: trade_off_worker(wake),
-            loop_shape: loop_shape_worker(wake),
+            loop_view: loop_view_worker(wake),
             measure: measurement_worker(wake, &measurement_progress, &partial_campaign),
             export: BackgroundWorker::new(Arc::clone(wake), |request: ExportRequest, token: &CancelToken| {
                 export_code(&request, token)
@@ -211,7 +211,7 @@ impl BackgroundJobs {
             || self.ranking.is_pending()
             || self.restore.is_pending()
             || self.copy.is_pending()
-            || self.loop_shape.is_pending()
+            || self.loop_view.is_pending()
     }
 
     /// Returns how far the diagnosis is, in words.

@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use counterpoise_host::files::ProjectFolder;
 use counterpoise_host::worker::{BackgroundWorker, CancelToken, WakeWindow};
-use counterpoise_pipeline::preview::DesignPreview;
+use counterpoise_pipeline::loop_view::LoopView;
+use counterpoise_pipeline::preview::{DesignPreview, preview_loop};
 use counterpoise_pipeline::studies::trade_off::{EffortPoint, trade_off_points, usual_error_weight_factors};
 use counterpoise_pipeline::{self as pipeline, World};
-use counterpoise_verify::linear::{LoopShape, loop_shape};
 use counterpoise_verify::{Verification, VerifiedController};
 
 use super::error_lines::{ErrorLines, error_lines};
@@ -35,7 +35,7 @@ pub type VerificationWorker =
 pub type TradeOffWorker = BackgroundWorker<Arc<DesignPreview>, Option<Vec<EffortPoint>>>;
 
 /// Computes the loop of a design as charts of the plane show it; the answer is `None` if there is none.
-pub type LoopShapeWorker = BackgroundWorker<Arc<DesignPreview>, Option<LoopShape>>;
+pub type LoopViewWorker = BackgroundWorker<Arc<DesignPreview>, Option<LoopView>>;
 
 /// Shortest time between two partial results: more would cost frames and show nothing new.
 const PARTIAL_INTERVAL: Duration = Duration::from_millis(60);
@@ -81,9 +81,8 @@ pub fn trade_off_worker(wake: &WakeWindow) -> TradeOffWorker {
 }
 
 /// Returns a worker that computes path and root locus of the loop.
-pub fn loop_shape_worker(wake: &WakeWindow) -> LoopShapeWorker {
+pub fn loop_view_worker(wake: &WakeWindow) -> LoopViewWorker {
     BackgroundWorker::new(Arc::clone(wake), |design: Arc<DesignPreview>, _: &CancelToken| {
-        let sample_period_s = design.modelled.parameters.interface.sample_period_s;
-        loop_shape(&design.broken, &design.curves, sample_period_s).ok()
+        preview_loop(&design).ok()
     })
 }

@@ -7,6 +7,7 @@ use counterpoise_pipeline::preview::DesignPreview;
 use counterpoise_pipeline::studies::trade_off::EffortPoint;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::WeightSource;
+use counterpoise_synth::weight::handles::{WeightNumber, form_name, weight_numbers};
 use counterpoise_verify::Source;
 use egui::{RichText, Ui};
 
@@ -16,7 +17,6 @@ use super::design_charts::{
 use super::weight_plot::{PlottedWeight, plotted_weights, show_weight_plot};
 use super::{design_figures, loop_charts, no_controller, widgets};
 use crate::command::{Command, DesignTab};
-use crate::editing::weight_handles::{self, WeightNumber};
 use crate::number_format::format_short;
 use crate::studio::Studio;
 use crate::theme::space;
@@ -41,7 +41,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let why = studio.results.design_errors(revision).map(<[String]>::to_vec);
     let design = studio.results.design_at(revision).map(|(design, age)| (Arc::clone(design), age));
     let effort = studio.results.effort.clone();
-    let shape = studio.results.loop_shape.clone().filter(|shape| shape.revision == revision);
+    let shape = studio.results.loop_view.clone().filter(|shape| shape.revision == revision);
     let view = &mut studio.view;
     let preview = design.as_ref().map(|(design, _)| Arc::clone(design));
     widgets::side_panel("weights", &view.theme, SIDE_WIDTH).show(ui, |ui| {
@@ -131,10 +131,10 @@ fn show_weight(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, wei
     let theme = view.theme;
     ui.horizontal(|ui| {
         ui.label(RichText::new(format!("{} weight", weight.name)).strong().color(weight.colour));
-        ui.label(RichText::new(weight_handles::form_name(weight.weight)).small().color(theme.weak));
+        ui.label(RichText::new(form_name(weight.weight)).small().color(theme.weak));
     });
     egui::Grid::new(&weight.path).num_columns(3).spacing([8.0, 2.0]).show(ui, |ui| {
-        for WeightNumber { key, value } in weight_handles::weight_numbers(weight.weight) {
+        for WeightNumber { key, value } in weight_numbers(weight.weight) {
             widgets::number_field(ui, view, queue, &format!("{}.{key}", weight.path), value);
         }
     });

@@ -4,7 +4,7 @@ use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_diagnose::findings::localisation_chart::ChartRow;
 use counterpoise_diagnose::localisation::error_hypotheses::Regime;
 use counterpoise_report::wording::answer::{
-    AnswerText, FindingText, component_list, describe_verdict, unit_suffix,
+    AnswerText, FindingText, component_list, describe_verdict, describe_warning, unit_suffix,
 };
 use counterpoise_report::wording::capitalise_first;
 use egui::{RichText, Ui};
@@ -113,7 +113,8 @@ fn show_evidence(ui: &mut Ui, theme: &Theme, answer: &AnswerText) {
     if let Some(next) = &answer.next_experiment {
         ui.label(format!("Next experiment: {}; it {}", next.what, next.why));
     }
-    for remark in answer.qualification.iter().chain(&answer.warnings) {
+    let warnings = answer.warnings.iter().map(|warning| -> &str { describe_warning(*warning) });
+    for remark in answer.qualification.iter().map(String::as_str).chain(warnings) {
         ui.label(RichText::new(remark).small().color(theme.weak));
     }
 }

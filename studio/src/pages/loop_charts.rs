@@ -4,14 +4,11 @@
 
 use std::f64::consts::TAU;
 
-use counterpoise_linalg::C64;
-use counterpoise_pipeline::preview::DesignPreview;
-use counterpoise_report::bode::{BodeCurve, ResponsePoint};
-use counterpoise_verify::linear::loop_shape::nichols_points;
-use counterpoise_verify::linear::{
-    Disk, LOCUS_CROSSOVERS, LoopCause, LoopEffect, LoopResponse, LoopShape, MarginKind, RootLocus,
-    largest_sensitivity, margins_on_path,
+use counterpoise_pipeline::loop_view::{
+    ChartPoints, LocusView, LoopPlane, LoopView, MarginPoint, PlaneCurve,
 };
+use counterpoise_pipeline::preview::DesignPreview;
+use counterpoise_verify::linear::{Disk, LOCUS_CROSSOVERS, LoopCause, LoopEffect, LoopResponse, MarginKind};
 use egui::{Rect, Ui};
 
 use super::design_charts::{loop_chart, sensitivity_chart};
@@ -29,26 +26,24 @@ const NYQUIST: [(f64, f64); 2] = [(-3.0, 1.5), (-2.2, 2.2)];
 /// What a cell has beside its plot: margins of the card, heading, numbers and labels of the axes, points.
 const CELL_FRAME: [f32; 2] = [78.0, 84.0];
 
-/// Shows the charts. Without `shape` the paths have the points of the other curves, and the root locus follows in a moment.
+/// Shows the charts. Without `loop_view` the paths have the points of the other curves, and the root locus follows in a moment.
 pub fn show(
     ui: &mut Ui,
     view: &mut StudioView,
     queue: &mut Vec<Command>,
     design: &DesignPreview,
-    shape: Option<&LoopShape>,
+    loop_view: Option<&LoopView>,
 ) {
     let area = widgets::take_remaining_area(ui);
     let cells = widgets::grid_cells(area, 9, 3);
-    let response = shape.map_or(&design.curves.broken.response, |shape| &shape.path.response);
-    let requirements = design.project.verify.as_ref().map_or(&[][..], |verify| &verify.requirements);
-    let largest = largest_sensitivity(requirements);
+    let plane = loop_view.map_or(&design.plane, |view| &view.plane);
     let charts = [
         loop_chart(view, design),
         phase_chart(view, design),
-        nichols_chart(view, design, response, largest),
-        with_equal_scales(nyquist_chart(view, design, response, largest), cells[3]),
+        nichols_chart(view, plane),
+        with_equal_scales(nyquist_chart(view, plane), cells[3]),
         with_equal_scales(
-            locus_chart(view, shape.map(|shape| &shape.locus), design.crossover_hz()),
+            locus_chart(view, loop_view.map(|view| &view.locus), design.crossover_hz()),
             cells[4],
         ),
         sensitivity_chart(view, design),
@@ -88,14 +83,8 @@ fn with_equal_scales(mut chart: Chart, cell: Rect) -> Chart {
 /// Returns the phase of the loop, with the phase margin.
 fn phase_chart(view: &StudioView, design: &DesignPreview) -> Chart {
     let of = |d: &DesignPreview| {
-        let points = d.curves.frequency_hz.iter().zip(&d.curves.broken.response);
-        let curve = BodeCurve::new(
-            "",
-            counterpoise_plot::Colour::First,
-            points.map(|(f, L)| ResponsePoint::new(*f, L.re, L.im)).collect(),
-        );
-        let phase = curve.phase_deg().into_iter();
-        phase.map(|at| [view.units.display_frequency(at.x * TAU), at.y]).collect::<Vec<_>>()
+        let phase = d.loop_response.phase_deg().into_iter();
+        phase.map(|[hz, deg]| [view.units.display_frequency(hz * TAU), deg]).collect::<Vec<_>>()
     };
     let mut chart = Chart::new("Loop phase", view.units.frequency_label(), "phase, deg");
     chart.scales = [AxisScale::Log, AxisScale::Linear];
@@ -111,93 +100,72 @@ fn phase_chart(view: &StudioView, design: &DesignPreview) -> Chart {
     chart
 }
 
-/// A margin as a point of the plane of L, with its size in words.
-struct NamedMargin {
-    response: C64,
-    label: String,
-}
-
-fn named_margins(design: &DesignPreview) -> Vec<NamedMargin> {
-    let named = margins_on_path(&design.margins).into_iter().map(|margin| {
-        let label = match margin.kind {
-            MarginKind::Gain => format!("{:.1} dB", margin.size),
-            MarginKind::Phase => format!("{:.0}\u{b0}", margin.size),
-        };
-        NamedMargin { response: margin.response, label }
+/// Returns the margins as points of a chart, with their sizes in words.
+fn label_margins(plane: &LoopPlane, of: fn(&PlaneCurve) -> &ChartPoints) -> Vec<LabelledPoint> {
+    let label = |margin: &MarginPoint| match margin.kind {
+        MarginKind::Gain => format!("{:.1} dB", margin.size),
+        MarginKind::Phase => format!("{:.0}\u{b0}", margin.size),
+    };
+    let points = plane.margins.iter().flat_map(|margin| {
+        of(&margin.place).iter().map(move |at| LabelledPoint { at: *at, label: label(margin) })
     });
-    named.collect()
+    points.collect()
 }
 
-fn nichols_chart(view: &StudioView, design: &DesignPreview, response: &[C64], largest: f64) -> Chart {
+fn nichols_chart(view: &StudioView, plane: &LoopPlane) -> Chart {
     let mut chart = Chart::new("Nichols", "phase of L, deg", "modulus of L, dB");
     for (slot, kept) in &view.kept {
-        let path = nichols_points(&kept.curves.broken.response);
+        let path = kept.plane.path.nichols.clone();
         chart = chart.with_path(slot.name(), view.theme.kept_colour(*slot), LineDash::Dotted, path);
     }
     chart = chart
-        .with_path(
-            &outline_name(largest),
-            view.theme.weak,
-            LineDash::Dashed,
-            nichols_points(&Disk::of_sensitivity(largest).edge()),
-        )
-        .with_path("L", view.theme.curves[0], LineDash::Solid, nichols_points(response));
-    for NamedMargin { response, label } in named_margins(design) {
-        chart.spots.extend(
-            nichols_points(&[response]).into_iter().map(|at| LabelledPoint { at, label: label.clone() }),
-        );
-    }
+        .with_path(&outline_name(plane), view.theme.weak, LineDash::Dashed, plane.outline.nichols.clone())
+        .with_path("L", view.theme.curves[0], LineDash::Solid, plane.path.nichols.clone());
+    chart.spots.extend(label_margins(plane, |curve| &curve.nichols));
     chart.levels.push(0.0);
     chart.add_mark(-180.0, "");
     chart.range = [Some((-360.0, 0.0)), Some(NICHOLS_DB)];
     chart
 }
 
-fn outline_name(largest: f64) -> String {
-    format!("|S| = {}", format_short(largest))
+fn outline_name(plane: &LoopPlane) -> String {
+    format!("|S| = {}", format_short(plane.largest_sensitivity))
 }
 
-fn plane(points: &[C64]) -> Vec<[f64; 2]> {
-    points.iter().map(|L| [L.re, L.im]).collect()
-}
-
-fn nyquist_chart(view: &StudioView, design: &DesignPreview, response: &[C64], largest: f64) -> Chart {
+fn nyquist_chart(view: &StudioView, plane: &LoopPlane) -> Chart {
     let theme = &view.theme;
     let mut chart = Chart::new("Nyquist", "real part of L", "imaginary part of L");
     for (slot, kept) in &view.kept {
-        let path = plane(&kept.curves.broken.response);
+        let path = kept.plane.path.nyquist.clone();
         chart = chart.with_path(slot.name(), theme.kept_colour(*slot), LineDash::Dotted, path);
     }
-    let unit = Disk { centre: 0.0, radius: 1.0 };
-    chart = chart.with_path("", theme.weak, LineDash::Dotted, plane(&unit.edge())).with_path(
-        &outline_name(largest),
+    chart = chart.with_path("", theme.weak, LineDash::Dotted, plane.unit.nyquist.clone()).with_path(
+        &outline_name(plane),
         theme.weak,
         LineDash::Dashed,
-        plane(&Disk::of_sensitivity(largest).edge()),
+        plane.outline.nyquist.clone(),
     );
-    if let Some(disk) = Disk::of_disk_margin(design.margins.disk.alpha) {
-        chart = chart.with_path("disk margin", theme.curves[3], LineDash::Dashed, plane(&disk.edge()));
+    if let Some(disk) = &plane.disk {
+        chart = chart.with_path("disk margin", theme.curves[3], LineDash::Dashed, disk.nyquist.clone());
     }
-    chart = chart.with_path("L", theme.curves[0], LineDash::Solid, plane(response));
-    for NamedMargin { response, label } in named_margins(design) {
-        chart.spots.push(LabelledPoint { at: [response.re, response.im], label });
-    }
+    chart = chart.with_path("L", theme.curves[0], LineDash::Solid, plane.path.nyquist.clone());
+    chart.spots.extend(label_margins(plane, |curve| &curve.nyquist));
     chart.spots.push(LabelledPoint { at: [-1.0, 0.0], label: "-1".to_owned() });
     chart.range = NYQUIST.map(Some);
     chart
 }
 
 /// Returns the root locus at the equivalents of the poles in continuous time, in the unit of frequencies.
-fn locus_chart(view: &StudioView, locus: Option<&RootLocus>, crossover_hz: f64) -> Chart {
+fn locus_chart(view: &StudioView, locus: Option<&LocusView>, crossover_hz: f64) -> Chart {
     let unit = view.units.frequency_label().replace("frequency, ", "");
     let mut chart =
         Chart::new("Root locus", &format!("real part, {unit}"), &format!("imaginary part, {unit}"));
     let reach = view.units.display_frequency(TAU * LOCUS_CROSSOVERS * crossover_hz.max(0.01));
     chart.range = [Some((-1.2 * reach, 0.3 * reach)), Some((-reach, reach))];
     chart.add_mark(0.0, "");
-    let Some(locus) = locus.map(RootLocus::convert_to_continuous) else { return chart };
-    let shown = |part: f64| part.signum() * view.units.display_frequency(part.abs());
-    let place = |s: &C64| [shown(s.re), shown(s.im)];
+    let Some(locus) = locus else { return chart };
+    let shown = |hz: f64| hz.signum() * view.units.display_frequency(TAU * hz.abs());
+    let place = |at: &[f64; 2]| at.map(shown);
     for branch in &locus.branches {
         let path = branch.iter().map(&place).collect();
         chart = chart.with_path("", view.theme.curves[0], LineDash::Solid, path);

@@ -1,6 +1,5 @@
 //! The page Plant: the mechanism drawn to scale, its parameters, its modes and its friction.
 
-use counterpoise_diagnose::learning::reading::read_elements;
 use counterpoise_models::{ControlledQuantity, Parameters};
 use counterpoise_pipeline::check::RankedAssumptions;
 use counterpoise_pipeline::preview::{DesignPreview, PlantPreview};
@@ -80,12 +79,10 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         (None, Some(comparison)) => Some(response_chart(view, &project.plant, comparison)),
         (None, None) => None,
     });
-    charts.extend(
-        describe_elements(&read_elements(&project.plant.learned))
-            .iter()
-            .take(1)
-            .flat_map(|f| learned_charts(view, f)),
-    );
+    if let Some(plant) = &plant {
+        let functions = describe_elements(&plant.learned);
+        charts.extend(functions.iter().take(1).flat_map(|f| learned_charts(view, f)));
+    }
     for (cell, chart) in widgets::grid_cells(below, 2, 2).iter().zip(&charts) {
         widgets::show_chart(ui, view, queue, *cell, chart);
     }

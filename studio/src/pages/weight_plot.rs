@@ -2,6 +2,7 @@
 
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::WeightSource;
+use counterpoise_synth::weight::handles::{HandlePosition, WeightHandle, WeightNumber, weight_handles};
 use counterpoise_synth::{FeedforwardWeights, Weight};
 use egui::{Color32, Ui};
 
@@ -10,7 +11,7 @@ use super::widgets;
 use crate::charts::chart::{Chart, LineDash, PlotAxis};
 use crate::charts::chart_view::ChartResponse;
 use crate::command::Command;
-use crate::editing::weight_handles::{self, HandlePosition, WeightHandle, WeightNumber};
+use crate::editing::weight_handles::values_when_moved;
 use crate::theme::Theme;
 use crate::view::{ControllerPart, StudioView};
 
@@ -96,7 +97,7 @@ pub fn show_weight_plot(
     chart.range[0] = Some((view.units.display_frequency(low), view.units.display_frequency(high)));
     let shown = widgets::show_chart(ui, view, queue, cell, &chart);
     for weight in &weights {
-        for (index, handle) in weight_handles::weight_handles(weight.weight).iter().enumerate() {
+        for (index, handle) in weight_handles(weight.weight).iter().enumerate() {
             let plotted = PlottedHandle { weight, handle, index, chart: &chart, shown: &shown };
             show_handle(ui, view, queue, &plotted);
         }
@@ -176,8 +177,7 @@ fn show_handle(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, plo
     view.dragging |= response.dragged();
     if let Some(to) = moved {
         let position = plotted.position_at(view, to);
-        for WeightNumber { key, value } in
-            weight_handles::values_when_moved(plotted.weight.weight, plotted.handle, position)
+        for WeightNumber { key, value } in values_when_moved(plotted.weight.weight, plotted.handle, position)
         {
             let path = format!("{}.{key}", plotted.weight.path);
             queue.push(Command::Set { path, value, gesture: Some(view.gesture) });

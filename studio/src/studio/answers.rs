@@ -38,8 +38,8 @@ impl Studio {
         if let Some((revision, Some(value))) = self.jobs.effort.take() {
             self.results.effort = Some(Versioned { revision, value });
         }
-        if let Some((revision, Some(value))) = self.jobs.loop_shape.take() {
-            self.results.loop_shape = Some(Versioned { revision, value });
+        if let Some((revision, Some(value))) = self.jobs.loop_view.take() {
+            self.results.loop_view = Some(Versioned { revision, value });
         }
         self.take_partial_verification();
         self.take_measurements();
@@ -61,7 +61,7 @@ impl Studio {
             Some(Ok(design)) => {
                 self.results.design_time = preview.took;
                 let design = Arc::new(*design);
-                self.jobs.loop_shape.ask(revision, Arc::clone(&design));
+                self.jobs.loop_view.ask(revision, Arc::clone(&design));
                 self.results.design = Some(Versioned { revision, value: design });
                 self.verify_at = Some(Moment::now() + VERIFICATION_DELAY);
             }

@@ -9,6 +9,7 @@
 //! basis could still gain is shown by the value with half of it.
 
 mod basis;
+pub mod problem;
 mod program;
 #[cfg(test)]
 mod tests;
@@ -22,6 +23,7 @@ use crate::tolerance::{BEST_LOOP_LIMIT_KEPT, BEST_LOOP_ROUNDS};
 use crate::tuning::{Clock, Density, Disturbance, LoopGrid, LoopLimits, bilinear_factor};
 use crate::{DesignPlant, Error, Sampling};
 use basis::Basis;
+use problem::BestLoopProblem;
 use program::{Program, Solved};
 
 /// What the best feedback is sought for.
@@ -71,7 +73,7 @@ const COARSE: usize = 4;
 /// Computes the best feedback.
 ///
 /// # Errors
-/// [`Error::System`] for a plant that is not stable, limits that no feedback of the basis keeps, or a program that the solver
+/// [`Error::BestLoop`] for a plant that is not stable, limits that no feedback of the basis keeps, or a program that the solver
 /// gives up; those of the plant.
 pub fn best_loop(task: &BestLoopTask<'_>) -> Result<BestLoop, Error> {
     let ground = Ground::new(task)?;
@@ -101,8 +103,7 @@ impl Ground {
     fn new(task: &BestLoopTask<'_>) -> Result<Self, Error> {
         let system = sampled_plant(task.plant, task.sampling)?;
         if !is_stable(&system)? {
-            let problem = "the plant is not stable without feedback, and the bound needs a stable one";
-            return Err(Error::System { what: "best linear feedback", problem });
+            return Err(Error::BestLoop(BestLoopProblem::UnstablePlant));
         }
         let period_s = task.sampling.period_s;
         let factor = bilinear_factor(task.sampling).unwrap_or(2.0 / period_s);
@@ -135,8 +136,7 @@ impl Ground {
             used.extend(fresh);
             used.sort_unstable();
         }
-        let problem = "no program was solved";
-        last.ok_or(Error::System { what: "best linear feedback", problem })
+        last.ok_or(Error::BestLoop(BestLoopProblem::NothingSolved))
     }
 
     /// The frequencies at which a limit is exceeded.

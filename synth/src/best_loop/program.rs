@@ -9,6 +9,7 @@ use counterpoise_linalg::{C64, Cone, ConeProgram, Mat, Unsolved, qr_r};
 
 use super::Ground;
 use super::basis::Basis;
+use super::problem::BestLoopProblem;
 use crate::Error;
 use crate::tuning::LoopLimits;
 
@@ -140,10 +141,9 @@ fn triangular(rows: &[Vec<f64>]) -> Result<Mat, Error> {
 
 /// Why there is no best feedback.
 fn refusal(why: Unsolved) -> Error {
-    let problem = match why {
-        Unsolved::Malformed => "the program could not be set up",
-        Unsolved::Infeasible => "no linear feedback keeps these limits",
-        Unsolved::NotConverged => "the solver gave up",
-    };
-    Error::System { what: "best linear feedback", problem }
+    Error::BestLoop(match why {
+        Unsolved::Malformed => BestLoopProblem::Malformed,
+        Unsolved::Infeasible => BestLoopProblem::Infeasible,
+        Unsolved::NotConverged => BestLoopProblem::NotConverged,
+    })
 }

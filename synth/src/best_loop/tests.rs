@@ -55,5 +55,5 @@ fn limits_that_no_feedback_keeps_are_refused() {
     // Integral action asks for |KS| of 1/P(0) = 0.25 at zero frequency.
     let limits = LoopLimits { control_peak: 0.1, ..LoopLimits::default() };
     let task = BestLoopTask { plant: &plant, sampling: &sampling, disturbance: &disturbance, limits };
-    assert!(matches!(best_loop(&task), Err(Error::System { .. })));
+    assert!(matches!(best_loop(&task), Err(Error::BestLoop(BestLoopProblem::Infeasible))));
 }

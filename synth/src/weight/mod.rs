@@ -4,6 +4,7 @@
 //! forbids effort there. Only |W(jw)| matters to the cost, so zeros and poles in the right half plane are mirrored.
 
 mod formula;
+pub mod handles;
 pub mod shape;
 #[cfg(test)]
 mod tests;

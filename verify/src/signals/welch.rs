@@ -36,21 +36,14 @@ pub struct Spectra {
     pub coherence: Vec<f64>,
     /// Radius of the disk about `transfer` that holds the truth with the asked probability.
     pub radius: Vec<f64>,
+    /// 20 log10 |Pxy / Pxx|, dB: the disturbance rejection ratio where x is the platform's motion and y the hub's.
+    pub ratio_db: Vec<f64>,
+    /// The lower and upper limit of the ratio in dB; the lower limit is minus infinity where the disk holds 0.
+    pub interval_db: Vec<[f64; 2]>,
+    /// Phase of Pxy / Pxx, degrees from -180 to 180.
+    pub phase_deg: Vec<f64>,
     /// Number of segments that were averaged.
     pub segments: usize,
-}
-
-impl Spectra {
-    /// Returns 20 log10 |Pxy / Pxx|, dB: the disturbance rejection ratio where x is the platform's motion and y the hub's.
-    pub fn ratio_db(&self) -> Vec<f64> {
-        self.transfer.iter().map(|h| 20.0 * h.norm().log10()).collect()
-    }
-
-    /// Returns the lower and upper limit of the ratio in dB; the lower limit is minus infinity where the disk holds 0.
-    pub fn interval_db(&self) -> Vec<(f64, f64)> {
-        let both = self.transfer.iter().zip(&self.radius);
-        both.map(|(h, r)| (20.0 * (h.norm() - r).max(0.0).log10(), 20.0 * (h.norm() + r).log10())).collect()
-    }
 }
 
 /// Averages Hann-windowed segments that overlap by half, each less its mean:
@@ -172,12 +165,20 @@ impl Sums {
         let coherence: Vec<f64> =
             (0..=last).map(|k| coherence_of(self.xx[k], self.yy[k], self.xy[k])).collect();
         let leftover = |k: usize| quantile * (1.0 - coherence[k]).max(0.0) * ratio(self.yy[k], self.xx[k]);
+        let transfer: Vec<Complex64> = (0..=last).map(|k| self.xy[k] * ratio(1.0, self.xx[k])).collect();
+        let radius: Vec<f64> = (0..=last).map(|k| leftover(k).sqrt()).collect();
+        let interval = |(h, r): (&Complex64, &f64)| {
+            [20.0 * (h.norm() - r).max(0.0).log10(), 20.0 * (h.norm() + r).log10()]
+        };
         Spectra {
+            ratio_db: transfer.iter().map(|h| 20.0 * h.norm().log10()).collect(),
+            interval_db: transfer.iter().zip(&radius).map(interval).collect(),
+            phase_deg: transfer.iter().map(|h| h.arg().to_degrees()).collect(),
             frequency_hz: (0..=last).map(|k| k as f64 * spacing_hz).collect(),
             pxx: (0..=last).map(|k| self.xx[k] * one_sided(k)).collect(),
             pyy: (0..=last).map(|k| self.yy[k] * one_sided(k)).collect(),
-            transfer: (0..=last).map(|k| self.xy[k] * ratio(1.0, self.xx[k])).collect(),
-            radius: (0..=last).map(|k| leftover(k).sqrt()).collect(),
+            transfer,
+            radius,
             coherence,
             segments: self.count,
         }
