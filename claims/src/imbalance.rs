@@ -144,7 +144,7 @@ fn predicted_growth(share: f64, heave_by_feedback: f64, normal: f64) -> f64 {
 }
 
 /// Row C14: all conditions together, and the out-of-balance alone.
-struct Redesigned {
+struct RedesignRow {
     words: String,
     factor: f64,
     controller: Controller,
@@ -196,8 +196,8 @@ pub fn redesigned_for_imbalance(tested: &TestedDesign<'_>) -> Result<Claim, Pipe
         all.push(redesign_for(tested, name, &parameters, Source::Both)?);
     }
     let words: Vec<&str> = all.iter().map(|one| one.words.as_str()).collect();
-    let mut designs = vec![DesignAt { factor: 1.0, controller: tested.observed.clone() }];
-    designs.extend(all.iter().map(|one| DesignAt { factor: one.factor, controller: one.controller.clone() }));
+    let mut designs = vec![UnbalancedDesign { factor: 1.0, controller: tested.observed.clone() }];
+    designs.extend(all.iter().map(|one| UnbalancedDesign { factor: one.factor, controller: one.controller.clone() }));
     Ok(Claim {
         id: "C14",
         title: "redesign for each",
@@ -216,7 +216,7 @@ fn redesign_for(
     name: &str,
     parameters: &Parameters,
     source: Source,
-) -> Result<Redesigned, PipelineError> {
+) -> Result<RedesignRow, PipelineError> {
     let mut project = tested.observing_project.clone();
     project.plant = parameters.clone();
     project.model.configuration = None;
@@ -265,23 +265,23 @@ fn redesign_for(
         "{name}: feedback {:.2} dB, pitch {:.2} dB, heave {:.2} dB (its gain law says {law:.2}), error x{after:.2}",
         changes[0], changes[2], changes[1]
     );
-    Ok(Redesigned { words, factor, controller: controller.clone(), criteria })
+    Ok(RedesignRow { words, factor, controller: controller.clone(), criteria })
 }
 
 /// The controller that was designed for an out-of-balance.
-struct DesignAt {
+struct UnbalancedDesign {
     /// The out-of-balance over its normal value.
     factor: f64,
     controller: Controller,
 }
 
 /// Returns the three paths of each design over frequency.
-fn controllers(designs: &[DesignAt]) -> Result<Drawing, PipelineError> {
+fn controllers(designs: &[UnbalancedDesign]) -> Result<Drawing, PipelineError> {
     let drawn = rate_grid([0.1, 50.0]);
     let mut panels = Vec::new();
     for (input, name) in [(1, "feedback"), (3, "heave feedforward"), (2, "pitch feedforward")] {
         let mut curves = Vec::new();
-        for DesignAt { factor, controller } in designs {
+        for UnbalancedDesign { factor, controller } in designs {
             let points = gain_db(&linear(controller)?, input, &drawn)?;
             curves.push(ClaimCurve::line(format!("out-of-balance x{factor}"), points));
         }

@@ -2,7 +2,7 @@
 
 use counterpoise_controller::Controller;
 use counterpoise_models::Parameters;
-use counterpoise_verify::robust::Varied;
+use counterpoise_verify::robust::VariedParameter;
 use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure};
 
 use super::drawing::{ClaimCurve, hub_from, hub_panel, hub_rates, make_figure, time_axis};
@@ -14,7 +14,7 @@ use counterpoise_plot::{Figure as Drawing, Point};
 /// Returns the mechanism with a parameter changed by a factor.
 pub(super) fn change_parameter(
     tested: &TestedDesign<'_>,
-    varied: Varied,
+    varied: VariedParameter,
     factor: f64,
 ) -> Result<Parameters, PipelineError> {
     let mut parameters = tested.parameters().clone();
@@ -25,7 +25,7 @@ pub(super) fn change_parameter(
 /// Step and stabilisation with the observed controller at factors of a parameter.
 fn family(
     tested: &TestedDesign<'_>,
-    varied: Varied,
+    varied: VariedParameter,
     factors: &[f64],
 ) -> Result<Vec<NonlinearBehaviour>, PipelineError> {
     factors
@@ -37,7 +37,7 @@ fn family(
 /// Returns the mechanisms of a family with the observed controller.
 fn members<'a>(
     tested: &'a TestedDesign<'_>,
-    varied: Varied,
+    varied: VariedParameter,
     factors: &[f64],
 ) -> Result<Vec<DrawnMechanism<'a>>, PipelineError> {
     let one = |&factor: &f64| {
@@ -151,14 +151,14 @@ fn friction_observer_figures(tested: &TestedDesign<'_>) -> Result<Vec<Drawing>, 
 /// # Errors
 /// Those of the verification.
 pub fn other_inertia(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
-    let found = family(tested, Varied::HubInertia, &[0.5, 1.0, 2.0])?;
+    let found = family(tested, VariedParameter::HubInertia, &[0.5, 1.0, 2.0])?;
     let whole = beam_inertia_range(tested)?;
     let lumped = tested.parameters().lumped.as_ref();
     let share =
         lumped.map_or(f64::NAN, |l| l.hub_inertia_kg_m2 / (l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2));
     // the hub's factor that doubles the inertia of hub and beam together
     let doubled = tested
-        .behaviour(&change_parameter(tested, Varied::HubInertia, 1.0 + 1.0 / share)?, &tested.observed)?;
+        .behaviour(&change_parameter(tested, VariedParameter::HubInertia, 1.0 + 1.0 / share)?, &tested.observed)?;
     let criteria = inertia_criteria(&found, &doubled, share);
     Ok(Claim {
         id: "C10",
@@ -183,7 +183,7 @@ pub fn other_inertia(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> 
         ),
         drawings: with_family(
             tested,
-            Varied::HubInertia,
+            VariedParameter::HubInertia,
             "hub inertia",
             plot_over_factor(
                 "hub inertia",
@@ -251,7 +251,7 @@ fn inertia_criteria(
 /// Returns the figures over the factor, and the family's time histories.
 fn with_family(
     tested: &TestedDesign<'_>,
-    varied: Varied,
+    varied: VariedParameter,
     name: &str,
     figures: Drawing,
     factors: &[f64],
@@ -266,7 +266,7 @@ fn with_family(
 fn beam_inertia_range(tested: &TestedDesign<'_>) -> Result<(f64, f64), PipelineError> {
     let radius = [Figure::Loop(LoopFigure::PoleRadius)];
     let stable = |factor: f64| -> Result<bool, PipelineError> {
-        let parameters = change_parameter(tested, Varied::BeamInertia, factor)?;
+        let parameters = change_parameter(tested, VariedParameter::BeamInertia, factor)?;
         Ok(tested.figures(&parameters, tested.controller(), &radius)?[0] < 1.0)
     };
     let (mut low, mut high) = (1.0, 1.0);
@@ -285,14 +285,14 @@ fn beam_inertia_range(tested: &TestedDesign<'_>) -> Result<(f64, f64), PipelineE
 /// Those of the verification.
 pub fn other_friction(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let factors = [0.5, 1.0, 2.0];
-    let found = family(tested, Varied::Friction, &factors)?;
+    let found = family(tested, VariedParameter::Friction, &factors)?;
     let mut controllers = Vec::new();
     for factor in [0.5, 2.0] {
-        controllers.push(tested.observing_on(&change_parameter(tested, Varied::Friction, factor)?)?);
+        controllers.push(tested.observing_on(&change_parameter(tested, VariedParameter::Friction, factor)?)?);
     }
     let mut updated = Vec::new();
     for (factor, controller) in [0.5, 2.0].into_iter().zip(&controllers) {
-        updated.push(tested.behaviour(&change_parameter(tested, Varied::Friction, factor)?, controller)?);
+        updated.push(tested.behaviour(&change_parameter(tested, VariedParameter::Friction, factor)?, controller)?);
     }
     let nominal = found[1].residual_rad_s;
     let over = |b: &NonlinearBehaviour| b.residual_rad_s / nominal;
@@ -347,9 +347,9 @@ fn other_friction_figures(
         vec![ClaimCurve::points(name, after(&|b| 1e3 * b.residual_rad_s))],
     ];
     let figures = plot_over_factor("friction", factors, found, &[], others);
-    let mut all = members(tested, Varied::Friction, factors)?;
+    let mut all = members(tested, VariedParameter::Friction, factors)?;
     for (factor, controller) in [0.5, 2.0].into_iter().zip(controllers) {
-        let parameters = change_parameter(tested, Varied::Friction, factor)?;
+        let parameters = change_parameter(tested, VariedParameter::Friction, factor)?;
         all.push(DrawnMechanism {
             name: format!("x{factor}, observer identified anew"),
             parameters,
@@ -367,7 +367,7 @@ fn other_friction_figures(
 /// Those of the verification.
 pub fn other_backlash(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let factors = [0.5, 1.0, 2.0, 5.0];
-    let found = family(tested, Varied::Backlash, &factors)?;
+    let found = family(tested, VariedParameter::Backlash, &factors)?;
     let apart = |of: fn(&NonlinearBehaviour) -> f64| {
         found.iter().map(|b| (of(b) - of(&found[1])).abs()).fold(0.0, f64::max)
     };
@@ -409,7 +409,7 @@ pub fn other_backlash(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError>
         why: String::new(),
         drawings: with_family(
             tested,
-            Varied::Backlash,
+            VariedParameter::Backlash,
             "backlash",
             plot_over_factor("backlash", &factors, &found, &[], Default::default()),
             &factors,

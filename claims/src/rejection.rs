@@ -4,7 +4,7 @@ use counterpoise_controller::Controller;
 use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
 use counterpoise_verify::linear::closed_loop::is_feedforward;
-use counterpoise_verify::robust::{Varied, figures_of};
+use counterpoise_verify::robust::{VariedParameter, figures_of};
 use counterpoise_verify::signals::{Spectra, WelchOptions, rms, welch};
 use counterpoise_verify::{Arrangement, Experiment, Figure, History, Model, Quantity, Source, Value};
 
@@ -184,9 +184,9 @@ pub fn small_amplitude_rejection(tested: &TestedDesign<'_>) -> Result<Claim, Pip
     let (mut rows, mut criteria) = (Vec::new(), Vec::new());
     for hz in BAND_HZ {
         let ratios = |varied, factors: &[f64]| ratios_db(tested, varied, factors, hz);
-        let backlash = ratios(Varied::Backlash, &[1.0, 2.0, 5.0])?;
-        let inertia = ratios(Varied::HubInertia, &added)?;
-        let friction = ratios(Varied::PivotFriction, &torques.map(more))?;
+        let backlash = ratios(VariedParameter::Backlash, &[1.0, 2.0, 5.0])?;
+        let inertia = ratios(VariedParameter::HubInertia, &added)?;
+        let friction = ratios(VariedParameter::PivotFriction, &torques.map(more))?;
         criteria.extend(band_criteria(hz, [&backlash, &inertia, &friction]));
         rows.push([backlash, inertia, friction]);
     }
@@ -277,7 +277,7 @@ fn added_inertia(tested: &TestedDesign<'_>) -> Vec<f64> {
 /// procedure's pitch.
 fn ratios_db(
     tested: &TestedDesign<'_>,
-    varied: Varied,
+    varied: VariedParameter,
     factors: &[f64],
     hz: f64,
 ) -> Result<Vec<f64>, PipelineError> {

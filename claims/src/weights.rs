@@ -26,7 +26,7 @@ const GAINS: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
 type Figures = [f64; 4];
 
 /// A design without integral action.
-struct Lagging {
+struct DesignWithoutIntegral {
     gain: f64,
     figures: Figures,
     designed: DesignStages,
@@ -113,20 +113,20 @@ fn text(f: &Figures) -> String {
 }
 
 /// Designs without integral action over the gain; the family ends if there is no design.
-fn design_lag_family(tested: &TestedDesign<'_>) -> Vec<Lagging> {
+fn design_lag_family(tested: &TestedDesign<'_>) -> Vec<DesignWithoutIntegral> {
     let one = |gain: f64| {
         let weight = Weight::Lag { gain: gain * INTEGRAL_GAIN * CORNER_S, time_s: CORNER_S };
         let designed = with_error(tested, weight).ok()?;
         let figures = figures(&designed);
-        figures.iter().all(|figure| figure.is_finite()).then_some(Lagging { gain, figures, designed })
+        figures.iter().all(|figure| figure.is_finite()).then_some(DesignWithoutIntegral { gain, figures, designed })
     };
     GAINS.into_iter().map_while(one).collect()
 }
 
 fn integral_action_figures(
     integral: &DesignStages,
-    family: &[Lagging],
-    high: Option<&Lagging>,
+    family: &[DesignWithoutIntegral],
+    high: Option<&DesignWithoutIntegral>,
 ) -> Vec<Drawing> {
     let response = |designed: &DesignStages| {
         let history = designed.verified.verification().history(Model::Linear, Experiment::Step)?;

@@ -6,7 +6,7 @@ use crate::common;
 use common::controller;
 use counterpoise_diagnose::fitting::score::assess_recordings;
 use counterpoise_diagnose::learning::reading::Form;
-use counterpoise_diagnose::learning::visited_ranges::Visited;
+use counterpoise_diagnose::learning::visited_ranges::VisitedRanges;
 use counterpoise_diagnose::learning::{LearnedModel, LearningTask, learn_functions};
 use counterpoise_diagnose::library::Component;
 use counterpoise_diagnose::selection::searcher::Searcher;
@@ -62,7 +62,7 @@ fn learn_model(machine: &Parameters) -> Option<(LearnedModel, Parameters)> {
     };
     let before = assess_recordings(&simulator, &Serial, &base).unwrap();
     let signals: Vec<_> = (0..recordings.len()).filter_map(|r| simulator.measured_signals(r)).collect();
-    let visited = Visited::of(&base, &signals);
+    let visited = VisitedRanges::of(&base, &signals);
     let components = [Component::Pivot];
     learn_functions(&LearningTask {
         searcher: &searcher,

@@ -5,7 +5,7 @@ use counterpoise_models::{CONVERTER_RANGE_V, Parameters, Sensor, converter_step_
 use minijinja::{Value, context};
 
 use crate::fixed_point::unit;
-use crate::{fixed_point::Fixed, reading_fields};
+use crate::{fixed_point::FixedPointController, reading_fields};
 
 /// What the converters of a board make of the readings and of the control. Input converters and the output converter take
 /// +/- 10 V, their counts are signed.
@@ -92,7 +92,7 @@ impl Converters {
     }
 
     /// Returns the same in integers: each factor with the bits by which its product is shifted down.
-    pub(crate) fn fixed_block(&self, fixed: &Fixed) -> Value {
+    pub(crate) fn fixed_block(&self, fixed: &FixedPointController) -> Value {
         let fields = reading_fields(&fixed.controller);
         let rows = fields.iter().zip(self.units_per_count()).zip(&fixed.step.inputs);
         let row = |((&(field, says), per_count), bits): ((&(&str, &str), f64), &i32)| {

@@ -48,13 +48,13 @@ mod print;
 mod tolerance;
 
 pub use c99::c99;
-pub use check::{Checked, check_file};
+pub use check::{CheckOutcome, check_file};
 pub use converters::Converters;
 pub use error::Error;
-pub use fixed_point::{Fixed, FixedError, FixedRunner, fixed_c99, plan_fixed_point};
+pub use fixed_point::{FixedPointController, FixedError, FixedRunner, fixed_c99, plan_fixed_point};
 pub use forms::{FormFigures, PathForm, figures_by_form};
 pub use provenance::Provenance;
-pub use ranges::{Adjustable, MeasuredDeviation, Ranges};
+pub use ranges::{AdjustableController, MeasuredDeviation, Ranges};
 pub use rounding::{Deviation, single_precision};
 pub use rust_crate::rust_crate;
 pub use source::ExportSource;

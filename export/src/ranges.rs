@@ -13,19 +13,19 @@ pub(crate) use settings::settings;
 const SETTING_SAMPLES: usize = 4000;
 
 /// A sampled controller whose out-of-balance can be set.
-pub trait Adjustable: SampledController {
+pub trait AdjustableController: SampledController {
     /// Sets the out-of-balance, kg m.
     fn adjust(&mut self, out_of_balance_kg_m: f64);
     /// Returns a copy with the states of this moment.
-    fn clone_boxed(&self) -> Box<dyn Adjustable>;
+    fn clone_boxed(&self) -> Box<dyn AdjustableController>;
 }
 
-impl<N: Number + 'static> Adjustable for Runner<N> {
+impl<N: Number + 'static> AdjustableController for Runner<N> {
     fn adjust(&mut self, out_of_balance_kg_m: f64) {
         self.set_out_of_balance(out_of_balance_kg_m);
     }
 
-    fn clone_boxed(&self) -> Box<dyn Adjustable> {
+    fn clone_boxed(&self) -> Box<dyn AdjustableController> {
         Box::new(self.clone())
     }
 }
@@ -66,7 +66,7 @@ impl Run {
     }
 }
 
-impl Clone for Box<dyn Adjustable> {
+impl Clone for Box<dyn AdjustableController> {
     fn clone(&self) -> Self {
         (**self).clone_boxed()
     }
@@ -162,7 +162,7 @@ impl Ranges {
 
     /// Returns how far a controller is from the reference from which the ranges come, given the readings and settings of its runs;
     /// `start` creates the controller for each run.
-    pub fn measure(&self, start: &dyn Fn() -> Box<dyn Adjustable>) -> MeasuredDeviation {
+    pub fn measure(&self, start: &dyn Fn() -> Box<dyn AdjustableController>) -> MeasuredDeviation {
         play(&self.runs, &Comparison { start }).into_iter().fold(
             MeasuredDeviation::default(),
             |most, state| {
@@ -245,19 +245,19 @@ impl RunVisitor<RunState<Runner>> for LargestValues<'_> {
 
 /// A controller beside the reference.
 struct Comparison<'a> {
-    start: &'a dyn Fn() -> Box<dyn Adjustable>,
+    start: &'a dyn Fn() -> Box<dyn AdjustableController>,
 }
 
-impl RunVisitor<RunState<Box<dyn Adjustable>>> for Comparison<'_> {
-    fn start(&self) -> RunState<Box<dyn Adjustable>> {
+impl RunVisitor<RunState<Box<dyn AdjustableController>>> for Comparison<'_> {
+    fn start(&self) -> RunState<Box<dyn AdjustableController>> {
         RunState::of((self.start)())
     }
 
-    fn set(&self, state: &mut RunState<Box<dyn Adjustable>>, out_of_balance_kg_m: f64) {
+    fn set(&self, state: &mut RunState<Box<dyn AdjustableController>>, out_of_balance_kg_m: f64) {
         state.acting.adjust(out_of_balance_kg_m);
     }
 
-    fn sample(&self, state: &mut RunState<Box<dyn Adjustable>>, run: &Run, k: usize) {
+    fn sample(&self, state: &mut RunState<Box<dyn AdjustableController>>, run: &Run, k: usize) {
         let control_v = state.acting.step(&Readings::from_array(run.readings[k]));
         state.voltages_v.push(run.reference_v[k] - control_v);
     }

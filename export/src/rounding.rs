@@ -70,7 +70,7 @@ pub(crate) struct ExecutedOperation<'a> {
 
 /// What an operation rounds.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Rounded {
+pub(crate) struct OperationRounding {
     /// The part that does not average out, with its sign.
     pub known: f64,
     /// The square of the bound of the rest.
@@ -84,7 +84,7 @@ pub(crate) trait Arithmetic {
     /// Returns for each run what rounded coefficients and readings do to the control of each sample, V.
     fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>>;
     /// Returns what an operation of a line rounds as it was executed.
-    fn rounding_of(&self, line: Line, executed: &ExecutedOperation<'_>) -> Rounded;
+    fn rounding_of(&self, line: Line, executed: &ExecutedOperation<'_>) -> OperationRounding;
 }
 
 /// Returns the deviation of an arithmetic. The worst case takes for every setting of the out-of-balance the impulse

@@ -7,7 +7,7 @@ use counterpoise_simulate::Simulator;
 use counterpoise_verify::{Arrangement, Experiment, Procedure, VerifiedController, nonlinear};
 
 use crate::{
-    Adjustable, Deviation, Fixed, FixedError, FixedRunner, FormFigures, MeasuredDeviation, Ranges,
+    AdjustableController, Deviation, FixedPointController, FixedError, FixedRunner, FormFigures, MeasuredDeviation, Ranges,
     figures_by_form, plan_fixed_point, single_precision,
 };
 
@@ -71,7 +71,7 @@ pub struct Targets {
     /// Double, single and, where it exists, fixed point.
     pub figures: Vec<TargetFigures>,
     /// The fixed-point form, or why there is none.
-    pub fixed: Result<Fixed, FixedError>,
+    pub fixed: Result<FixedPointController, FixedError>,
 }
 
 /// Runs the verification's nonlinear experiments with the controller in each kind of numbers. The fixed-point formats come
@@ -100,7 +100,7 @@ impl Targets {
 /// The fixed-point form with its figures, or why there is none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FixedFigures {
-    fixed: Result<Fixed, FixedError>,
+    fixed: Result<FixedPointController, FixedError>,
     figures: Option<TargetFigures>,
 }
 
@@ -114,7 +114,7 @@ pub fn fixed_form(
     plant: &Plant,
     procedure: &Procedure,
     allowed_v: f64,
-) -> Result<Result<Fixed, FixedError>, counterpoise_verify::Error> {
+) -> Result<Result<FixedPointController, FixedError>, counterpoise_verify::Error> {
     let TargetRuns { controller, known, samples, .. } =
         TargetRuns::record(verified, plant, procedure, &Serial)?;
     Ok(plan_fixed_point(controller, &known, allowed_v, samples))
@@ -175,7 +175,7 @@ impl<'a> TargetRuns<'a> {
     /// Those of the simulator.
     pub fn single(&self) -> Result<TargetFigures, counterpoise_verify::Error> {
         let predicted = single_precision(self.controller, &self.known, self.samples);
-        let acting = || Box::new(self.controller.runner_in::<f32>()) as Box<dyn Adjustable>;
+        let acting = || Box::new(self.controller.runner_in::<f32>()) as Box<dyn AdjustableController>;
         let measured = self.known.measure(&acting);
         self.figures(Deviations { numbers: Numbers::Single, predicted, measured }, &acting)
     }
@@ -189,7 +189,7 @@ impl<'a> TargetRuns<'a> {
         let figures = match &fixed {
             Err(_) => None,
             Ok(form) => {
-                let acting = || Box::new(FixedRunner::new(form)) as Box<dyn Adjustable>;
+                let acting = || Box::new(FixedRunner::new(form)) as Box<dyn AdjustableController>;
                 let (predicted, measured) = (form.deviation, self.known.measure(&acting));
                 let deviations = Deviations { numbers: Numbers::Fixed, predicted, measured };
                 Some(self.figures(deviations, &acting)?)
@@ -206,7 +206,7 @@ impl<'a> TargetRuns<'a> {
     fn figures(
         &self,
         deviations: Deviations,
-        acting: &(dyn Fn() -> Box<dyn Adjustable> + Sync),
+        acting: &(dyn Fn() -> Box<dyn AdjustableController> + Sync),
     ) -> Result<TargetFigures, counterpoise_verify::Error> {
         let experiments: Vec<_> = self.runs.iter().map(|run| run.experiment).collect();
         let sampled = || acting() as Box<dyn SampledController>;

@@ -5,18 +5,18 @@ use std::sync::{Arc, Mutex};
 
 use counterpoise_pool::Pool;
 
-use crate::time_left::TimeLeft;
+use crate::time_left::RemainingTime;
 use crate::worker::{CancelToken, WakeWindow};
 
 /// How far a job is, in words that two threads share.
 #[derive(Debug, Clone, Default)]
-pub struct SharedProgress(Arc<Mutex<Said>>);
+pub struct SharedProgress(Arc<Mutex<LastMessage>>);
 
 /// The last words, and how far a diagnosis is.
 #[derive(Debug, Clone, Default)]
-struct Said {
+struct LastMessage {
     text: String,
-    left: TimeLeft,
+    left: RemainingTime,
 }
 
 impl SharedProgress {

@@ -9,18 +9,18 @@ use crate::mat::Mat;
 
 /// `high + low`, where `low` (absent: zero) is of the size of the rounding error of `high`.
 #[derive(Clone)]
-pub(crate) struct Extended {
+pub(crate) struct ExtendedMatrix {
     pub(crate) high: Mat,
     pub(crate) low: Option<Mat>,
 }
 
-impl From<Mat> for Extended {
+impl From<Mat> for ExtendedMatrix {
     fn from(high: Mat) -> Self {
         Self { high, low: None }
     }
 }
 
-impl Extended {
+impl ExtendedMatrix {
     /// The nearest double matrix.
     pub(crate) fn collapse(&self) -> Mat {
         match &self.low {
@@ -130,12 +130,12 @@ vectorised! {
 const SMALL_PRODUCT: usize = 24 * 24 * 24;
 
 /// `A B` of two double matrices as a sum of two.
-pub(crate) fn exact_product(A: &Mat, B: &Mat) -> Extended {
+pub(crate) fn exact_product(A: &Mat, B: &Mat) -> ExtendedMatrix {
     let (mut high, mut low) = (Mat::zeros(A.nrows(), B.ncols()), Mat::zeros(A.nrows(), B.ncols()));
     if A.nrows() * A.ncols() * B.ncols() < SMALL_PRODUCT {
         sum_terms(A, B, &mut high, &mut low);
         renormalise(&mut high, &mut low);
-        return Extended { high, low: Some(low) };
+        return ExtendedMatrix { high, low: Some(low) };
     }
     sliced_product(A, B, Extent::Whole)
 }
@@ -183,7 +183,7 @@ fn sum_rows<const ROWS: usize>(A: &[f64], m: usize, factors: &[f64], high: &mut 
 }
 
 /// The same by slices and fast products.
-fn sliced_product(A: &Mat, B: &Mat, extent: Extent) -> Extended {
+fn sliced_product(A: &Mat, B: &Mat, extent: Extent) -> ExtendedMatrix {
     // The two products of the first slices with the second ones are summed exactly, too: twice as many terms.
     let inner = 2.0 * A.ncols().max(1) as f64;
     let bits = ((53.0 - inner.log2().ceil()) / 2.0).floor() as i32;
@@ -199,7 +199,7 @@ fn sliced_product(A: &Mat, B: &Mat, extent: Extent) -> Extended {
     extent.add(&mut low, &a.first, &b.third);
     accumulate(&mut high, &mut low, &middle);
     renormalise(&mut high, &mut low);
-    Extended { high, low: Some(low) }
+    ExtendedMatrix { high, low: Some(low) }
 }
 
 #[derive(Clone, Copy)]
@@ -293,7 +293,7 @@ mod tests {
         let n = LARGE_SYMMETRIC + 9;
         let entry =
             |i: usize, j: usize| ((1_i64 << 49) + ((i * 7919 + j * 104_729) % 997) as i64 * 999_983) as f64;
-        let A = Extended {
+        let A = ExtendedMatrix {
             high: Mat::from_fn(n, n, entry),
             low: Some(Mat::from_fn(n, n, |i, j| entry(j, i) * 1e-17)),
         };
@@ -303,7 +303,7 @@ mod tests {
         assert_eq!(half.high, half.high.t());
     }
 
-    fn check(A: &Mat, B: &Mat, product: &Extended) {
+    fn check(A: &Mat, B: &Mat, product: &ExtendedMatrix) {
         let none = Mat::zeros(9, 5);
         let low = product.low.as_ref().unwrap_or(&none);
         for i in 0..9 {

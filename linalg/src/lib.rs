@@ -63,7 +63,7 @@ pub mod transfer_matrix;
 
 pub use balance::{BalancedMatrix, balance};
 pub use boundary::Boundary;
-pub use cone_program::{Cone, ConeProgram, ConeSolution, Unsolved};
+pub use cone_program::{Cone, ConeProgram, ConeSolution, ConeFailure};
 pub use decomposition::{
     CSvd, Svd, cond, csingular_values, csvd, gen_eigenvalues, hessenberg, largest_singular_value, lstsq,
     pinv, rank, rank_tolerance, rcond_one, singular_values, svd, sym_eigen, sym_eigenvalues, sym_gen_eigen,

@@ -1,6 +1,6 @@
 //! From continuous to sampled time.
 
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::scaling::balance;
 use crate::tolerance::{NARROW_UNITS, SAME_SAMPLED, SPREAD_UNITS};
 use crate::zpk::match_poles_and_zeros;

@@ -133,12 +133,12 @@ pub enum Error {
 }
 
 /// Says which operation a refused matrix computation belonged to.
-pub(crate) trait During<T> {
+pub(crate) trait OperationContext<T> {
     /// Returns the same result, with the operation's name in its error.
     fn with_operation(self, what: &'static str) -> Result<T, Error>;
 }
 
-impl<T> During<T> for Result<T, counterpoise_linalg::Error> {
+impl<T> OperationContext<T> for Result<T, counterpoise_linalg::Error> {
     fn with_operation(self, what: &'static str) -> Result<T, Error> {
         self.map_err(|source| Error::Matrix { what, source })
     }

@@ -1,7 +1,7 @@
 //! Frequency response: Hessenberg form once, then one pass over it for each handful of points.
 
 use crate::components::{components, independent_blocks};
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::hessenberg_sweep::{LANES, Lane, sweep};
 use crate::scaling::balance;
 use crate::structure::modes;

@@ -102,8 +102,8 @@ fn beam() -> Beam {
     }
 }
 
-fn lumped_rig() -> Lumped {
-    Lumped {
+fn lumped_rig() -> LumpedStructure {
+    LumpedStructure {
         hub_inertia_kg_m2: 74.1,
         beam_inertia_kg_m2: 271.6,
         stiffness_nm_rad: 3.305e6,

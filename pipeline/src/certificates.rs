@@ -1,6 +1,6 @@
 //! What certifies a design: residuals of its equations, costs predicted and found, and the poles of the sampled loop.
 
-use counterpoise_synth::{Certified, Cost, DisturbanceChannel, Equation, Feedforward};
+use counterpoise_synth::{PartCertificates, Cost, DisturbanceChannel, Equation, Feedforward};
 use counterpoise_verify::Verification;
 
 use crate::SynthesisedDesign;
@@ -58,7 +58,7 @@ fn of_cost(name: &str, cost: Cost) -> Option<Certificate> {
     Some(Certificate { name, value, holds: value < SAME_COST })
 }
 
-fn of_sampled(part: &Certified) -> Vec<Certificate> {
+fn of_sampled(part: &PartCertificates) -> Vec<Certificate> {
     let name = format!("{} in sampled time", describe_part(part.part));
     let mut all = vec![of_equation(&format!("{name}, regulator equation"), &part.regulator)];
     all.extend(part.filter.as_ref().map(|filter| of_equation(&format!("{name}, filter equation"), filter)));

@@ -4,7 +4,7 @@ use counterpoise_export::{File, FormFigures, TargetRuns, Targets};
 use counterpoise_pool::{Pool, join};
 use counterpoise_project::Project;
 use counterpoise_verify::certificate::StabilityCertificate;
-use counterpoise_verify::spectral::{Spectral, spectral_rejections};
+use counterpoise_verify::spectral::{HubRateSpectra, spectral_rejections};
 use counterpoise_verify::{Procedure, VerifiedController};
 
 use crate::certificates::{Certificate, certify_designs};
@@ -12,7 +12,7 @@ use crate::design_views::{DesignViews, design_views};
 use crate::exchange::{VerifiedLoop, verified_loop};
 use crate::export::target_proofs::OperationCounts;
 use crate::export::{
-    ExportedCode, LeftOut, PathForms, TargetCode, every_target, export_by, half_step_v, path_forms,
+    ExportedCode, OmittedCode, PathForms, TargetCode, every_target, export_by, half_step_v, path_forms,
 };
 use crate::loop_view::{LoopView, loop_view};
 use crate::studies::adaptation_trials::{AdaptationTrials, own_trials};
@@ -43,14 +43,14 @@ pub struct DesignStages {
     /// Its code.
     pub files: Vec<File>,
     /// Code that the project asks for and cannot have.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<OmittedCode>,
     /// The traverse axis under this elevation axis, with its code; `None` if the project has none.
     pub traverse: Option<Box<TraverseCode>>,
 }
 
 impl DesignStages {
     /// Returns the code that the project, or that of its traverse axis, asks for and cannot have.
-    pub fn all_left_out(&self) -> impl Iterator<Item = &LeftOut> {
+    pub fn all_left_out(&self) -> impl Iterator<Item = &OmittedCode> {
         self.left_out.iter().chain(self.traverse.iter().flat_map(|axis| &axis.left_out))
     }
 
@@ -97,7 +97,7 @@ pub struct CompletedDesign {
     /// The loop as Nyquist, Nichols and root-locus charts show it.
     pub loop_view: LoopView,
     /// Rejection ratios from the time histories on the road.
-    pub spectra: Vec<Spectral>,
+    pub spectra: Vec<HubRateSpectra>,
     /// The controller in double, single and fixed point.
     pub targets: TargetStudy,
     /// What the linear figures were measured on.

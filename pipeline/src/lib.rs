@@ -63,7 +63,7 @@ pub use design::{
     CompletedDesign, DesignStages, SynthesisStudy, design_project, run_stages, study_synthesis,
 };
 pub use error::PipelineError;
-pub use export::{ExportedCode, LeftOut, export};
+pub use export::{ExportedCode, OmittedCode, export};
 pub use first_design::{
     ChosenWeights, FirstDesignResult, choose_weights, leaves_weights_open, with_chosen_weights,
 };

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use counterpoise_linalg::sparse::StageProgress;
 use counterpoise_models::plant::{Angles, Equilibrium, FrictionLinearisation, LinearPlant, Plant};
 use counterpoise_models::structure::{
-    Condensation, ConfiguredStructure, FeModel, Fitted, pinned_modes, reduce_to_lumped, with_derived_lumped,
+    Condensation, ConfiguredStructure, FeModel, AttachedMasses, pinned_modes, reduce_to_lumped, with_derived_lumped,
 };
 use counterpoise_models::{CONVERTER_RANGE_V, Configuration, Parameters, PointMass};
 use counterpoise_pool::{Pool, Serial};
@@ -178,8 +178,8 @@ fn fitted_parts(
     project: &Project,
     import: &ImportedStructure,
     configuration: Option<&Configuration>,
-) -> Result<Fitted, PipelineError> {
-    let mut out = Fitted::default();
+) -> Result<AttachedMasses, PipelineError> {
+    let mut out = AttachedMasses::default();
     let Some(configuration) = configuration else { return Ok(out) };
     out.hub_inertia_kg_m2 = configuration.added_hub_inertia_kg_m2;
     let of_beam = project.plant.beam.iter().flat_map(|beam| &beam.masses);

@@ -12,7 +12,7 @@ use counterpoise_verify::linear::closed_loop::resolver_use;
 use counterpoise_verify::linear::frequency::grid_hz;
 use counterpoise_verify::linear::plant::Resolver;
 use counterpoise_verify::linear::{
-    self, ArrangedLoop, Closed, Curves, PlantResponse, SampledPlant, arrange_controller,
+    self, ArrangedLoop, ClosedLoop, Curves, PlantResponse, SampledPlant, arrange_controller,
 };
 use counterpoise_verify::{ARRANGEMENTS, Arrangement, Experiment, History, Procedure, Source, Step};
 
@@ -138,7 +138,7 @@ struct SampledViews {
     resolver: Resolver,
     plant: SampledPlant,
     response: PlantResponse,
-    uncontrolled: Closed,
+    uncontrolled: ClosedLoop,
 }
 
 impl PreviewCache {
@@ -212,7 +212,7 @@ impl SampledViews {
     fn new(modelled: &PlantModel, resolver: Resolver) -> Result<Self, PipelineError> {
         let plant = SampledPlant::new(&modelled.linear, &modelled.parameters, resolver)?;
         let response = PlantResponse::of(&plant, grid_hz(plant.sample_period_s))?;
-        let uncontrolled = Closed::new(&plant, None, modelled.plant.body().out_of_balance_kg_m)?;
+        let uncontrolled = ClosedLoop::new(&plant, None, modelled.plant.body().out_of_balance_kg_m)?;
         Ok(Self { resolver, plant, response, uncontrolled })
     }
 }
@@ -291,7 +291,7 @@ fn close_loops(
     let mut loops = vec![ArrangedLoop { arrangement: Arrangement::Uncontrolled, closed: uncontrolled }];
     for arrangement in ARRANGEMENTS.into_iter().skip(1) {
         let acting = arrange_controller(controller, arrangement)?;
-        let closed = Closed::new(&sampled.plant, acting.as_ref(), moment)?;
+        let closed = ClosedLoop::new(&sampled.plant, acting.as_ref(), moment)?;
         loops.push(ArrangedLoop { arrangement, closed });
     }
     Ok(loops)
@@ -360,7 +360,7 @@ impl Responses<'_> {
     }
 
     /// Returns the loop of the feedback alone, closed and broken at the plant's input.
-    fn feedback(&self) -> Result<(&Closed, &StateSpace), PipelineError> {
+    fn feedback(&self) -> Result<(&ClosedLoop, &StateSpace), PipelineError> {
         let [.., ArrangedLoop { closed: feedback, .. }, _] = self.loops else { return Err(missing_loop()) };
         Ok((feedback, feedback.broken.as_ref().ok_or_else(missing_loop)?))
     }

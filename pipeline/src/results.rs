@@ -39,7 +39,7 @@ use crate::plant_views::FrictionView;
 use crate::studies::accuracy::Accuracy;
 use crate::studies::adaptation_trials::AdaptationTrials;
 use crate::studies::comparison::DesignComparison;
-use crate::wording::acceptance::Traceable;
+use crate::wording::acceptance::AcceptanceSource;
 use crate::wording::demanded_rate::describe_demanded_rate;
 use crate::wording::reduction::describe_reduction_warning;
 use crate::{CompletedDesign, PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, TwoAxisStudy};

@@ -20,7 +20,7 @@ use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_simulate::Simulator;
 use counterpoise_synth::tuning::measure_loop;
 use counterpoise_synth::{
-    BestLoop, DesignPlant, Disturbance, FixedStructure, LoopLimits, LoopMeasures, Sampling, Tuned,
+    BestLoop, DesignPlant, Disturbance, FixedStructure, LoopLimits, LoopMeasures, Sampling, TunedDesign,
     TunedFeedback, TuningSubject, TuningTask, Weight, sampled_plant, tune_parameters,
 };
 use counterpoise_verify::signals::{WelchOptions, welch};
@@ -45,7 +45,7 @@ pub struct TunedProject {
     /// The project with a value for every parameter, or with the tuned weights.
     pub project: Project,
     /// What the tuning found.
-    pub tuned: Tuned,
+    pub tuned: TunedDesign,
     /// What the loop was tuned for.
     pub disturbance: Disturbance,
     /// What it must keep.
@@ -230,10 +230,10 @@ pub fn tune_feedback(
     subject: TuningSubject<'_>,
     ground: &TuningGround,
     wanted: &TuningOptions,
-) -> Result<(Tuned, usize), PipelineError> {
+) -> Result<(TunedDesign, usize), PipelineError> {
     let mut plants = ground.plants.clone();
     let checked = plants.len() + ground.mechanisms.len();
-    let task = |plants: &[DesignPlant]| -> Result<Tuned, PipelineError> {
+    let task = |plants: &[DesignPlant]| -> Result<TunedDesign, PipelineError> {
         Ok(tune_parameters(&TuningTask {
             subject,
             plants,
@@ -271,7 +271,7 @@ pub fn tune_feedback(
 
 /// By how much a tuned feedback misses the worst limit on a plant; infinite if the loop is not stable there.
 fn missed_on(
-    tuned: &Tuned,
+    tuned: &TunedDesign,
     plant: &DesignPlant,
     ground: &TuningGround,
     limits: &LoopLimits,

@@ -12,7 +12,7 @@ use counterpoise_verify::{
     verify_two_axes,
 };
 
-use crate::export::{ExportedCode, LeftOut, export_by};
+use crate::export::{ExportedCode, OmittedCode, export_by};
 use crate::traverse_file::{FolderOfFile, check_axes, traverse_project};
 use crate::verify::platform_motion;
 use crate::{PipelineError, PlantModel, ProjectIdentity, SynthesisedDesign, World};
@@ -43,7 +43,7 @@ pub struct TraverseCode {
     /// Its code.
     pub files: Vec<File>,
     /// Code that its project asks for and cannot have.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<OmittedCode>,
 }
 
 /// An axis as the joint verification takes it.

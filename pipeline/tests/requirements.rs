@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use counterpoise_pipeline::{World, run_stages};
 use counterpoise_project::Project;
-use counterpoise_verify::{Figure, Unmeasured, Verdict};
+use counterpoise_verify::{Figure, MissingReason, Verdict};
 
 struct Example;
 
@@ -62,7 +62,7 @@ fn without_a_road_its_figures_say_that_there_is_none() {
     let on_road = |key: &str| key.contains("_road_");
     for (requirement, verdict) in &designed.verified.verification().verdicts {
         let key = requirement.figure.key();
-        let absent = matches!(verdict, Verdict::NotApplicable { why: Unmeasured::NoRoad });
+        let absent = matches!(verdict, Verdict::NotApplicable { why: MissingReason::NoRoad });
         assert_eq!(absent, on_road(&key), "{key}: {verdict:?}");
     }
 }

@@ -5,7 +5,7 @@ use counterpoise_linalg::sparse::VectorEntry;
 use std::path::PathBuf;
 
 use counterpoise_models::{
-    Clock, Drift, FrictionLaw, Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, Lumped,
+    Clock, Drift, FrictionLaw, Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, LumpedStructure,
     MapPoint, Parameters, RegimeVariable, Ripple, Sensor, StribeckCurve, reference,
 };
 use counterpoise_project::resolve::controller::RecordingController;
@@ -126,7 +126,7 @@ fn unusual() -> Parameters {
     plant.interface.output_delay_samples = 6;
     plant.interface.clock = Clock { jitter_s: 2e-5, missed_samples: 1e-3, late_samples: 0.01 };
     plant.interface.missing_codes = 0.02;
-    let lumped: &mut Lumped = plant.lumped.as_mut().unwrap();
+    let lumped: &mut LumpedStructure = plant.lumped.as_mut().unwrap();
     (lumped.position_stiffness_nm_rad, lumped.position_stiffness_centre_rad) = (900.0, -0.04);
     lumped.vertical_offset_kg_m = 3.0;
     plant.learned = vec![

@@ -31,7 +31,7 @@ pub enum Channel {
 
 /// What a loop's sensor measures, or its demand asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Controlled {
+pub enum LoopQuantity {
     /// A rate.
     #[default]
     Rate,
@@ -57,9 +57,9 @@ pub enum Travel {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ChannelUnits {
     /// What the loop's sensor measures, which is the channel `hub_rate`.
-    pub reading: Controlled,
+    pub reading: LoopQuantity,
     /// What the demand asks for.
-    pub demand: Controlled,
+    pub demand: LoopQuantity,
     /// How the axis moves.
     pub travel: Travel,
 }
@@ -67,19 +67,19 @@ pub struct ChannelUnits {
 impl ChannelUnits {
     /// Returns the unit of a channel of the machine.
     pub fn of(self, channel: Channel) -> &'static str {
-        let controlled = |what: Controlled| match (what, self.travel) {
-            (Controlled::Rate, Travel::Turning) => "rad/s",
-            (Controlled::Rate, Travel::Sliding) => "m/s",
-            (Controlled::Position, Travel::Turning) => "rad",
-            (Controlled::Position, Travel::Sliding) => "m",
-            (Controlled::Torque, Travel::Turning) => "N m",
-            (Controlled::Torque, Travel::Sliding) => "N",
-            (Controlled::Current, _) => "A",
+        let controlled = |what: LoopQuantity| match (what, self.travel) {
+            (LoopQuantity::Rate, Travel::Turning) => "rad/s",
+            (LoopQuantity::Rate, Travel::Sliding) => "m/s",
+            (LoopQuantity::Position, Travel::Turning) => "rad",
+            (LoopQuantity::Position, Travel::Sliding) => "m",
+            (LoopQuantity::Torque, Travel::Turning) => "N m",
+            (LoopQuantity::Torque, Travel::Sliding) => "N",
+            (LoopQuantity::Current, _) => "A",
         };
         match channel {
             Channel::Demand => controlled(self.demand),
             Channel::HubRate => controlled(self.reading),
-            Channel::HubPosition => controlled(Controlled::Position),
+            Channel::HubPosition => controlled(LoopQuantity::Position),
             other => other.unit(),
         }
     }

@@ -5,7 +5,7 @@ use crate::time_unit::DoubtfulUnit;
 
 /// Why a column of a file was not read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum Unread {
+pub enum UnreadReason {
     /// It holds something else than real numbers.
     #[error("it holds {holds}, not real numbers")]
     Type {
@@ -81,7 +81,7 @@ pub enum Remark {
         /// The column.
         column: String,
         /// Why.
-        why: Unread,
+        why: UnreadReason,
     },
     /// A column that is not used has nearly the name of a channel, or of time, that was not found.
     NearlyNamed {

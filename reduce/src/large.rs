@@ -10,7 +10,7 @@ use counterpoise_linalg::{
 };
 use counterpoise_lti::{StateSpace, Timebase, is_stable, response_at};
 
-use crate::error::During;
+use crate::error::StepContext;
 use crate::reduction::{bound, choose};
 use crate::tolerance::{IDLE_CONTRIBUTION, MOST_STEPS};
 use crate::{Error, Order, Warning};

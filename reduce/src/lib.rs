@@ -37,11 +37,11 @@ pub mod split;
 pub mod tolerance;
 pub mod weighted_balancing;
 
-pub use balanced_truncation::{Balanced, balred};
+pub use balanced_truncation::{BalancedSystem, balred};
 pub use error::Error;
 pub use large::{LargeReduction, LargeStructure, balred_large, error_at};
 pub use measure::error_norm;
-pub use minimal::{Minimal, minimal_realisation};
+pub use minimal::{MinimalRealisation, minimal_realisation};
 pub use modal::{Residual, modal_truncation};
 pub use reduction::{Method, Order, Reduction, Warning};
 pub use second_order::{SecondOrder, SecondOrderReduction, guyan, modal_basis};

@@ -1,7 +1,7 @@
 //! Structures M x'' + C x' + K x = F u before they become systems: Guyan condensation and modal truncation.
 
 use crate::Error;
-use crate::error::During;
+use crate::error::StepContext;
 use crate::tolerance::{COMPARED_FREQUENCIES, RIGID_RATE};
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::Mat;

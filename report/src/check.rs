@@ -1,7 +1,7 @@
 //! How a project file was read and which values are assumed, in words.
 
 use counterpoise_pipeline::check::{CheckResult, PlantOverview};
-use counterpoise_pipeline::studies::assumptions::{AssumptionEffect, EffectAt};
+use counterpoise_pipeline::studies::assumptions::{AssumptionEffect, EffectAtValue};
 use counterpoise_project::diagnostic::MOST_SHOWN;
 use counterpoise_project::{Assumption, KeyTolerance, SectionStatement, ValueStatement};
 
@@ -237,7 +237,7 @@ pub fn describe_effect(effect: &AssumptionEffect) -> String {
     )
 }
 
-fn change(at: &EffectAt) -> String {
+fn change(at: &EffectAtValue) -> String {
     if !at.is_stable {
         return "the loop is unstable".to_owned();
     }

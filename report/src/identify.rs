@@ -22,7 +22,7 @@ pub fn identification_report(
     units: &AxisUnits,
 ) -> Report {
     let loops: Vec<Figure> =
-        found.loops.iter().map(|l| loop_figure(l, found, Drawn { command, units })).collect();
+        found.loops.iter().map(|l| loop_figure(l, found, DrawingContext { command, units })).collect();
     let (first, others) = loops.split_at(loops.len().min(1));
     let mut sections = Vec::new();
     if !others.is_empty() {
@@ -134,13 +134,13 @@ fn interval_end(value: f64) -> String {
 
 /// What a figure is drawn with.
 #[derive(Clone, Copy)]
-struct Drawn<'a> {
+struct DrawingContext<'a> {
     command: &'a str,
     units: &'a AxisUnits,
 }
 
 /// Control against the rate of the axis, measured and as the identified mechanism needs it.
-fn loop_figure(picture: &FrictionPicture, found: &IdentificationText, drawn: Drawn<'_>) -> Figure {
+fn loop_figure(picture: &FrictionPicture, found: &IdentificationText, drawn: DrawingContext<'_>) -> Figure {
     let rate = drawn.units.rate;
     let points = |k: usize| picture.points.iter().map(move |p| (p[0], p[k]));
     let series = vec![

@@ -1,6 +1,6 @@
 //! The first screen of a verification's report.
 
-use counterpoise_pipeline::wording::acceptance::Traceable;
+use counterpoise_pipeline::wording::acceptance::AcceptanceSource;
 use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
 use counterpoise_verify::verification::WorseFeedforward;
 use counterpoise_verify::{

@@ -9,7 +9,7 @@ use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::plant::SinCos;
 use counterpoise_models::two_axes::{BodyInertia, Coupling, ElevatedBody, PivotPosition, TraverseGyroscope};
 use counterpoise_models::{
-    AmplifierDynamics, Friction, FrictionLaw, Gearbox, Lumped, Plant, Sensor, reference,
+    AmplifierDynamics, Friction, FrictionLaw, Gearbox, LumpedStructure, Plant, Sensor, reference,
 };
 use counterpoise_simulate::{
     AxisScenario, BaseMotion, Controllers, Detail, Firing, Signal, TwoAxisScenario, TwoAxisSimulator,
@@ -27,7 +27,7 @@ struct Axis {
 impl Axis {
     fn plant(&self) -> Result<Plant, counterpoise_models::Error> {
         let mut p = reference::rig();
-        let lumped = Lumped {
+        let lumped = LumpedStructure {
             out_of_balance_kg_m: self.out_of_balance_kg_m,
             vertical_offset_kg_m: self.vertical_offset_kg_m,
             ..Lumped::rigid(self.inertia_kg_m2)

@@ -234,7 +234,7 @@ pub(crate) struct Sensing {
     hub_heave: PlatformSensor,
     platform_gyro: PlatformSensor,
     accelerometer: PlatformSensor,
-    mounted: Mounted,
+    mounted: AccelerometerMounting,
     tachometer: Option<Chain>,
     resolver: Option<Chain>,
     surge: Option<Surge>,
@@ -262,7 +262,7 @@ impl Sensing {
             hub_heave: driven(&sensors.hub_gyro, 0),
             platform_gyro: driven(&sensors.platform_gyro, 1),
             accelerometer: driven(&sensors.platform_accelerometer, 2),
-            mounted: Mounted::of(sensors, parameters.gravity_m_s2),
+            mounted: AccelerometerMounting::of(sensors, parameters.gravity_m_s2),
             tachometer: sensors.motor_tachometer.as_ref().map(|sensor| chain(sensor, 3)),
             resolver: sensors.hub_resolver.as_ref().map(|sensor| chain(sensor, 4)),
             surge: sensors.surge_accelerometer.as_ref().map(|sensor| Surge {
@@ -354,7 +354,7 @@ impl Surge {
 
 /// How the accelerometers are mounted.
 #[derive(Debug, Clone, Copy)]
-struct Mounted {
+struct AccelerometerMounting {
     axis: AccelerometerAxis,
     lever_arm_m: f64,
     gravity_m_s2: f64,
@@ -363,7 +363,7 @@ struct Mounted {
     surge_tilt_rad: f64,
 }
 
-impl Mounted {
+impl AccelerometerMounting {
     fn of(sensors: &Sensors, gravity_m_s2: f64) -> Self {
         let of_surge = sensors.surge_accelerometer.as_ref().map_or(0.0, |sensor| sensor.alignment.tilt_rad);
         Self {

@@ -3,7 +3,7 @@
 
 use counterpoise_models::parameters::cylinder::Lever;
 use counterpoise_models::plant::core::state;
-use counterpoise_models::{Excitation, Friction, FrictionLaw, Linkage, Lumped, Parameters, Plant, reference};
+use counterpoise_models::{Excitation, Friction, FrictionLaw, Linkage, LumpedStructure, Parameters, Plant, reference};
 use counterpoise_simulate::{Detail, Initial, Playback, Scenario, Simulator, TimeHistory};
 
 const INERTIA: f64 = 4.0e3;
@@ -14,7 +14,7 @@ fn machine(lever: Lever) -> Parameters {
     let mut p = reference::rig();
     let none = Friction::plain(FrictionLaw::None, 0.0);
     (p.motor_friction, p.pivot_friction) = (none.clone(), none);
-    (p.beam, p.lumped) = (None, Some(Lumped::rigid(INERTIA)));
+    (p.beam, p.lumped) = (None, Some(LumpedStructure::rigid(INERTIA)));
     p.configurations.clear();
     p.gravity_m_s2 = 0.0;
     reference::put_cylinder(&mut p, lever);

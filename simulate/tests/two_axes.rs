@@ -8,7 +8,7 @@ use counterpoise_models::two_axes::{
     BodyInertia, Coupling, ElevatedBody, ElevationMotion, PivotPosition, TraverseGyroscope,
 };
 use counterpoise_models::{
-    AmplifierDynamics, Friction, FrictionLaw, Gearbox, Lumped, Parameters, Plant, reference,
+    AmplifierDynamics, Friction, FrictionLaw, Gearbox, LumpedStructure, Parameters, Plant, reference,
 };
 use counterpoise_simulate::{
     AxisScenario, BaseMotion, Controllers, Detail, Firing, FurtherMotion, Imperfections, Initial,
@@ -22,7 +22,7 @@ const SAMPLES: usize = 10_000;
 /// One inertia that nothing drives or brakes.
 fn free_plant(inertia: f64, out_of_balance: f64, offset: f64, gravity: f64) -> Plant {
     let mut p = reference::rig();
-    let lumped = Lumped {
+    let lumped = LumpedStructure {
         out_of_balance_kg_m: out_of_balance,
         vertical_offset_kg_m: offset,
         ..Lumped::rigid(inertia)
@@ -120,7 +120,7 @@ const PI_GAINS: ProportionalIntegral = ProportionalIntegral {
 /// The reference rig, and a ring with its drive whose hub carries it.
 fn rigs() -> [Plant; 2] {
     let lumped =
-        Lumped { hub_inertia_kg_m2: 450.0, beam_inertia_kg_m2: 60.0, ..reference::rig().lumped.unwrap() };
+        LumpedStructure { hub_inertia_kg_m2: 450.0, beam_inertia_kg_m2: 60.0, ..reference::rig().lumped.unwrap() };
     let upright = Parameters { gravity_m_s2: 0.0, lumped: Some(lumped), ..reference::rig() };
     [Plant::from_lumped(&reference::rig()).unwrap(), Plant::from_lumped(&upright).unwrap()]
 }

@@ -131,7 +131,7 @@ pub enum Cause {
         /// Relative distance from being met.
         distance: f64,
         /// What does not meet it.
-        from: HiddenFrom,
+        from: HiddenDirection,
         /// The block that it lives in.
         block: ModeBlock,
     },
@@ -219,7 +219,7 @@ pub enum ModeBlock {
 
 /// What does not meet a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum HiddenFrom {
+pub enum HiddenDirection {
     /// No control reaches it, and it is not stable.
     Control,
     /// No measurement shows it, and it is not stable.

@@ -37,7 +37,7 @@ impl Cost {
 
 /// The certificates of one part that was designed in sampled time.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Certified {
+pub struct PartCertificates {
     /// Which part.
     pub part: Part,
     /// Mean square of its weighted signals: as the equations predict it, and as the assembled sampled loop has it.

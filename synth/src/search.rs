@@ -42,12 +42,12 @@ pub struct SearchResult {
     /// Trials made.
     pub trials: usize,
     /// How the search ended.
-    pub ended: Ended,
+    pub ended: SearchEnding,
 }
 
 /// How a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ended {
+pub enum SearchEnding {
     /// No step of the smallest size improves.
     Settled,
     /// The limit of trials was reached.
@@ -83,13 +83,13 @@ pub fn search_specification(
     let problem = Problem { plant, start: &feedback_alone, requirements, sampling, powers };
     let first = problem.attempt([0.0; KNOBS])?;
     let (mut at, mut best, mut trials, mut step) = ([0.0; KNOBS], first, 1, STEPS.0);
-    let mut ended = Ended::Settled;
+    let mut ended = SearchEnding::Settled;
     'search: while step >= STEPS.1 {
         let mut improved = false;
         for direction in directions() {
             let mut walks = true;
             while walks {
-                ended = if trials >= most_trials { Ended::OutOfTrials } else { Ended::Stopped };
+                ended = if trials >= most_trials { SearchEnding::OutOfTrials } else { SearchEnding::Stopped };
                 if trials >= most_trials || !go_on(&best) {
                     break 'search;
                 }
@@ -104,7 +104,7 @@ pub fn search_specification(
                 }
             }
         }
-        ended = Ended::Settled;
+        ended = SearchEnding::Settled;
         step *= if improved { 1.0 } else { 0.5 };
     }
     best.specification = Specification { feedback: best.specification.feedback, ..start.clone() };

@@ -1,6 +1,6 @@
 //! A weight from a table: the stable function of minimum phase whose modulus comes nearest to drawn points.
 
-use counterpoise_linalg::{C64, Cone, ConeProgram, Mat, Unsolved, eigenvalues};
+use counterpoise_linalg::{C64, Cone, ConeProgram, Mat, ConeFailure, eigenvalues};
 
 use crate::tolerance::{LEADING, POSITIVE, TABLE_DEVIATION, TABLE_LEAST_DB, TABLE_MOST_DB};
 use crate::{Error, Weight};
@@ -245,7 +245,7 @@ fn linear_program(rows: Vec<Vec<f64>>, mean: Vec<f64>) -> Result<Option<Vec<f64>
     program.push(rows, vec![0.0; m], Cone::Nonnegative);
     match program.solve() {
         Ok(found) => Ok(Some(found.x)),
-        Err(Unsolved::Malformed) => {
+        Err(ConeFailure::Malformed) => {
             Err(Error::Weight { weight: "table".into(), problem: "the linear program could not be set up" })
         }
         Err(_) => Ok(None),

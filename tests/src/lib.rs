@@ -48,9 +48,9 @@ impl Pool for Threads {
 }
 
 /// The files beside a project.
-pub struct Beside(pub PathBuf);
+pub struct ExampleFolder(pub PathBuf);
 
-impl World for Beside {
+impl World for ExampleFolder {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         std::fs::read(self.0.join(name)).map_err(|error| error.to_string())
     }

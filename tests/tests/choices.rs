@@ -9,9 +9,9 @@ use counterpoise_pipeline::{
 use counterpoise_project::Project;
 use counterpoise_verify::{Figure, Verification};
 
-struct Nothing;
+struct EmptyWorld;
 
-impl World for Nothing {
+impl World for EmptyWorld {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         Err(format!("{name} is not needed"))
     }
@@ -45,7 +45,7 @@ fn make_design(project: &Project) -> (PlantModel, SynthesisedDesign) {
 
 fn verify_project(project: &Project) -> Verification {
     let (modelled, made) = make_design(project);
-    verify(project, &modelled, &made, &Nothing).unwrap().verification().clone()
+    verify(project, &modelled, &made, &EmptyWorld).unwrap().verification().clone()
 }
 
 fn value(found: &Verification, key: &str) -> f64 {

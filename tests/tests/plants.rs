@@ -11,7 +11,7 @@ use counterpoise_pipeline::{
     verify_on,
 };
 use counterpoise_project::{Attachments, Document, Project, SettingValue, StructureChoice};
-use counterpoise_tests::Beside;
+use counterpoise_tests::ExampleFolder;
 use counterpoise_verify::{Figure, Verification};
 
 fn folder(example: &str) -> PathBuf {
@@ -52,7 +52,7 @@ fn verify_on_structure(
     let mut other = project.clone();
     other.model.structure = structure;
     let plant = build_plant_model(&other).unwrap().plant;
-    let procedure = project_procedure(project, &Beside(folder(example))).unwrap();
+    let procedure = project_procedure(project, &ExampleFolder(folder(example))).unwrap();
     verify_on(project, &plant, made, &procedure).unwrap().into_parts().1
 }
 

@@ -19,9 +19,9 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 /// Machines that are tried; `COUNTERPOISE_MACHINES` asks for another number.
 const MACHINES: usize = 5;
 
-struct Nowhere;
+struct EmptyWorld;
 
-impl World for Nowhere {
+impl World for EmptyWorld {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         Err(format!("{name} is not here"))
     }
@@ -184,7 +184,7 @@ fn try_machine(seed: u64) -> TriedMachine {
     let modelled = build_plant_model(&project).unwrap();
     let reduced = reduce_plant(&project, &modelled).unwrap();
     let judged = synthesise(&project, &modelled, &reduced)
-        .and_then(|made| verify(&project, &modelled, &made, &Nowhere));
+        .and_then(|made| verify(&project, &modelled, &made, &EmptyWorld));
     match judged {
         Ok(verified) => {
             let mut wrong = wrong(&project, &first, verified.verification());

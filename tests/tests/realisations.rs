@@ -13,11 +13,11 @@ use counterpoise_project::Project;
 use counterpoise_verify::{Figure, VerifiedController};
 
 use crate::every_example::support;
-use support::{Random, Request, STRICT, Target, folder, is_there, provenance, run, server, write};
+use support::{RandomGenerator, Request, STRICT, Target, folder, is_there, provenance, run, server, write};
 
-struct Nothing;
+struct EmptyWorld;
 
-impl World for Nothing {
+impl World for EmptyWorld {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         Err(format!("{name} is not needed"))
     }
@@ -38,7 +38,7 @@ fn verify_example(changes: &[(&str, &str)]) -> VerifiedController {
     let modelled = build_plant_model(&project).unwrap();
     let reduced = reduce_plant(&project, &modelled).unwrap();
     let made = synthesise(&project, &modelled, &reduced).unwrap();
-    verify(&project, &modelled, &made, &Nothing).unwrap()
+    verify(&project, &modelled, &made, &EmptyWorld).unwrap()
 }
 
 fn gain_margin_db(verified: &VerifiedController) -> f64 {
@@ -48,7 +48,7 @@ fn gain_margin_db(verified: &VerifiedController) -> f64 {
 
 /// Small readings, so that the limiter stays out.
 fn readings() -> Vec<[f64; counterpoise_controller::READINGS]> {
-    let mut random = Random(3);
+    let mut random = RandomGenerator(3);
     (0..1500).map(|_| random.readings().map(|value| 0.02 * value)).collect()
 }
 

@@ -9,7 +9,7 @@ use counterpoise_models::{Parameters, reference};
 use counterpoise_tests::Threads;
 use counterpoise_tests::sealed::row::recordings;
 use counterpoise_tests::sealed::table::upper_bound;
-use counterpoise_tests::sealed::{Family, Sealed, case, controller};
+use counterpoise_tests::sealed::{Family, SealedAnswer, case, controller};
 
 fn seeds() -> std::ops::Range<u64> {
     let asked = std::env::var("COUNTERPOISE_SEEDS").ok();
@@ -19,8 +19,8 @@ fn seeds() -> std::ops::Range<u64> {
 }
 
 /// Whether every concealed effect was named and nothing else, by its name or by that of an equivalent effect.
-fn right(sealed: &Sealed, answer: &Answer) -> bool {
-    let named = |c: &counterpoise_tests::sealed::Concealed| {
+fn right(sealed: &SealedAnswer, answer: &Answer) -> bool {
+    let named = |c: &counterpoise_tests::sealed::ConcealedEffect| {
         answer.findings.iter().any(|f| {
             f.name().names() == (c.component, c.effect)
                 || c.also.contains(&f.name().names())

@@ -54,12 +54,12 @@ fn functions_are_short() {
 struct Exception {
     file: &'static str,
     function: &'static str,
-    why: Why,
+    why: ExceptionReason,
 }
 
 /// Why a function may take a `bool` or a tuple.
 #[derive(Debug, Clone, Copy)]
-enum Why {
+enum ExceptionReason {
     /// A trait of another crate says what it takes.
     Trait,
     /// It makes a named type of a tuple.
@@ -68,27 +68,27 @@ enum Why {
     NumberedLines,
 }
 
-const fn may(file: &'static str, function: &'static str, why: Why) -> Exception {
+const fn may(file: &'static str, function: &'static str, why: ExceptionReason) -> Exception {
     Exception { file, function, why }
 }
 
 /// Every function that takes a `bool` or a tuple and may, with the reason.
 const EXCEPTIONS: [Exception; 15] = [
-    may("host/src/json.rs", "begin_object_key", Why::Trait),
-    may("host/src/json.rs", "begin_array_value", Why::Trait),
-    may("linalg/src/mat.rs", "index", Why::Trait),
-    may("linalg/src/mat.rs", "index_mut", Why::Trait),
-    may("models/src/structure/import/matrix_market.rs", "coordinate", Why::NumberedLines),
-    may("models/src/structure/import/matrix_market.rs", "array", Why::NumberedLines),
-    may("models/src/structure/import/op4.rs", "one", Why::NumberedLines),
-    may("plot/src/bitmap.rs", "draw_rect", Why::Trait),
-    may("plot/src/bitmap.rs", "draw_circle", Why::Trait),
-    may("plot/src/figure.rs", "from", Why::Conversion),
-    may("plot/src/ruler.rs", "map", Why::Trait),
-    may("plot/src/svg.rs", "draw_rect", Why::Trait),
-    may("plot/src/svg.rs", "draw_circle", Why::Trait),
-    may("plot/src/svg.rs", "blit_bitmap", Why::Trait),
-    may("project/src/file/visit.rs", "from", Why::Conversion),
+    may("host/src/json.rs", "begin_object_key", ExceptionReason::Trait),
+    may("host/src/json.rs", "begin_array_value", ExceptionReason::Trait),
+    may("linalg/src/mat.rs", "index", ExceptionReason::Trait),
+    may("linalg/src/mat.rs", "index_mut", ExceptionReason::Trait),
+    may("models/src/structure/import/matrix_market.rs", "coordinate", ExceptionReason::NumberedLines),
+    may("models/src/structure/import/matrix_market.rs", "array", ExceptionReason::NumberedLines),
+    may("models/src/structure/import/op4.rs", "one", ExceptionReason::NumberedLines),
+    may("plot/src/bitmap.rs", "draw_rect", ExceptionReason::Trait),
+    may("plot/src/bitmap.rs", "draw_circle", ExceptionReason::Trait),
+    may("plot/src/figure.rs", "from", ExceptionReason::Conversion),
+    may("plot/src/ruler.rs", "map", ExceptionReason::Trait),
+    may("plot/src/svg.rs", "draw_rect", ExceptionReason::Trait),
+    may("plot/src/svg.rs", "draw_circle", ExceptionReason::Trait),
+    may("plot/src/svg.rs", "blit_bitmap", ExceptionReason::Trait),
+    may("project/src/file/visit.rs", "from", ExceptionReason::Conversion),
 ];
 
 /// Returns the place in the list of the exception that a function of a file is.
@@ -98,7 +98,7 @@ fn exception_of(file: &Path, name: &str) -> Option<usize> {
 }
 
 /// Returns the declared functions of a source: line number, name and the types of its arguments.
-fn declared_functions(code: &str) -> Vec<Declared<'_>> {
+fn declared_functions(code: &str) -> Vec<DeclaredFunction<'_>> {
     let mut found = Vec::new();
     let mut offset = 0;
     for (number, line) in code.lines().enumerate() {
@@ -108,13 +108,13 @@ fn declared_functions(code: &str) -> Vec<Declared<'_>> {
         let Some(place) = words.iter().take(5).position(|word| *word == "fn") else { continue };
         let name = words.get(place + 1).map_or("", |word| word.split(['(', '<']).next().unwrap_or(word));
         let rest = &code[start + line.find("fn ").unwrap_or(0)..];
-        found.push(Declared { line: number + 1, name, types: argument_types(rest) });
+        found.push(DeclaredFunction { line: number + 1, name, types: argument_types(rest) });
     }
     found
 }
 
 /// A function's name and the types of its arguments.
-struct Declared<'a> {
+struct DeclaredFunction<'a> {
     line: usize,
     name: &'a str,
     types: Vec<&'a str>,
@@ -222,7 +222,7 @@ fn mentions(kind: &str, name: &str) -> bool {
 }
 
 /// Returns what is wrong with the arguments of a function: `aliases` are names of tuples that its file knows.
-fn wrong_arguments(found: &Declared<'_>, aliases: &[&str]) -> Vec<&'static str> {
+fn wrong_arguments(found: &DeclaredFunction<'_>, aliases: &[&str]) -> Vec<&'static str> {
     let is_alias = |kind: &str| aliases.iter().any(|name| mentions(kind, name));
     let mut wrong = Vec::new();
     if found.types.contains(&"bool") {
@@ -275,7 +275,7 @@ fn other_words_for_tuples_are_seen() {
     let code = "type Pair = (A, B);\npub(crate) type Table<T> =\n    Vec<(A, T)>;\ntype Callback = fn(A, B);\ntype Row = Vec<A>;\n";
     assert_eq!(tuple_aliases(code), ["Pair", "Table"]);
     assert!(mentions("&[Table<A>]", "Table") && !mentions("&Tables", "Table"));
-    let one = Declared { line: 1, name: "one", types: vec!["&[Pair]", "bool"] };
+    let one = DeclaredFunction { line: 1, name: "one", types: vec!["&[Pair]", "bool"] };
     assert_eq!(wrong_arguments(&one, &["Pair"]).len(), 2);
     assert!(wrong_arguments(&one, &[])[0].starts_with("a bare bool"));
 }
@@ -370,7 +370,7 @@ fn wrong_private_name(name: &str) -> Option<&'static str> {
 }
 
 /// Returns the names of the public functions of a source, and of the functions of its traits, with their lines.
-fn public_functions(code: &str) -> Vec<Declared<'_>> {
+fn public_functions(code: &str) -> Vec<DeclaredFunction<'_>> {
     let mut is_in_trait = false;
     let is_public: Vec<bool> = code
         .lines()

@@ -57,7 +57,7 @@ pub use history::{Experiment, History, HistoryColumn};
 pub use image_motion::Optics;
 pub use line_of_sight::{SightAngles, SightError};
 pub use measure::{MeasuredFigure, Value};
-pub use missing_figures::Unmeasured;
+pub use missing_figures::MissingReason;
 pub use procedure::{HeaveAndPitch, Procedure, Road, RoadColumn, RoadOrigin, Sine, Step, Triangle};
 pub use requirement::{Limit, Requirement, Verdict};
 pub use sight_options::LineOfSight;

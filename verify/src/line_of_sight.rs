@@ -11,7 +11,7 @@ use crate::history::{Experiment, History, integrate};
 use crate::measure::{MeasuredFigure, Value};
 use crate::signals::rms;
 use crate::signals::statistics::subtract_mean;
-use crate::{Arrangement, Figure, LineOfSight, Procedure, SightFigure, Source, Unmeasured};
+use crate::{Arrangement, Figure, LineOfSight, Procedure, SightFigure, Source, MissingReason};
 
 impl Procedure {
     /// Returns the time at the beginning that the figures of the line of sight leave out, s.
@@ -132,16 +132,16 @@ pub(crate) fn figures(
     let values = values(history, procedure.sight_settle_s(), sight);
     let value = |figure: SightFigure| {
         let found = values.iter().find(|(known, _)| *known == figure).map(|(_, value)| *value);
-        found.map_or(Value::Absent { why: Unmeasured::ShortRun }, Value::Is)
+        found.map_or(Value::Absent { why: MissingReason::ShortRun }, Value::Is)
     };
     asked.map(|figure| MeasuredFigure { figure: Figure::Sight(figure), value: value(figure) }).collect()
 }
 
 /// Returns why a figure that a project's `[verify.line_of_sight]` does not have was not measured.
-pub(crate) fn missing_section(figure: SightFigure) -> Unmeasured {
+pub(crate) fn missing_section(figure: SightFigure) -> MissingReason {
     match figure {
-        SightFigure::Coincidence | SightFigure::Wait | SightFigure::Hit => Unmeasured::NoCoincidence,
-        _ => Unmeasured::NoOptics,
+        SightFigure::Coincidence | SightFigure::Wait | SightFigure::Hit => MissingReason::NoCoincidence,
+        _ => MissingReason::NoOptics,
     }
 }
 
@@ -179,11 +179,11 @@ pub(crate) enum LoopHolds {
 
 impl LoopHolds {
     /// Returns why a loop holds no line of sight; `None` if it does.
-    fn unlike_sight(self) -> Option<Unmeasured> {
+    fn unlike_sight(self) -> Option<MissingReason> {
         match self {
             Self::InertialRate => None,
-            Self::Position => Some(Unmeasured::HoldsPosition),
-            Self::Effort => Some(Unmeasured::HoldsEffort),
+            Self::Position => Some(MissingReason::HoldsPosition),
+            Self::Effort => Some(MissingReason::HoldsEffort),
         }
     }
 }

@@ -6,7 +6,7 @@ use crate::history::{Experiment, History};
 use crate::signals::statistics::subtract_mean;
 use crate::signals::{StepFigures, mean, peak, rms, step_figures};
 use crate::{
-    Figure, LoopFigure, Model, Quantity, RestFigure, Source, StepFigure, TriangleFigure, Unmeasured,
+    Figure, LoopFigure, Model, Quantity, RestFigure, Source, StepFigure, TriangleFigure, MissingReason,
 };
 
 /// What a figure turned out to be.
@@ -17,7 +17,7 @@ pub enum Value {
     /// There is no such number.
     Absent {
         /// Why.
-        why: Unmeasured,
+        why: MissingReason,
     },
 }
 
@@ -31,7 +31,7 @@ pub struct MeasuredFigure {
 }
 
 impl Value {
-    fn of(number: Option<f64>, why: Unmeasured) -> Self {
+    fn of(number: Option<f64>, why: MissingReason) -> Self {
         number.filter(|v| !v.is_nan()).map_or(Value::Absent { why }, Value::Is)
     }
 }
@@ -97,7 +97,7 @@ fn step_of(history: &History) -> Vec<MeasuredFigure> {
     let all: Vec<(StepFigure, Value)> = match found {
         Ok(found) => step_values(&found, control),
         Err(error) => {
-            vec![(StepFigure::Overshoot, Value::Absent { why: Unmeasured::StepResponse(Box::new(error)) })]
+            vec![(StepFigure::Overshoot, Value::Absent { why: MissingReason::StepResponse(Box::new(error)) })]
         }
     };
     all.into_iter()
@@ -106,14 +106,14 @@ fn step_of(history: &History) -> Vec<MeasuredFigure> {
 }
 
 fn step_values(found: &StepFigures, control_peak_v: f64) -> Vec<(StepFigure, Value)> {
-    let some = |number: f64| Value::of(Some(number), Unmeasured::NotANumber);
+    let some = |number: f64| Value::of(Some(number), MissingReason::NotANumber);
     vec![
         (StepFigure::Overshoot, some(found.overshoot_percent)),
-        (StepFigure::RiseTime, Value::of(found.rise_time_s, Unmeasured::NoRise)),
-        (StepFigure::PeakTime, Value::of(found.peak_time_s, Unmeasured::NoPeak)),
+        (StepFigure::RiseTime, Value::of(found.rise_time_s, MissingReason::NoRise)),
+        (StepFigure::PeakTime, Value::of(found.peak_time_s, MissingReason::NoPeak)),
         (
             StepFigure::SettlingTime,
-            Value::of(found.settling_time_s.or(Some(f64::INFINITY)), Unmeasured::NotANumber),
+            Value::of(found.settling_time_s.or(Some(f64::INFINITY)), MissingReason::NotANumber),
         ),
         (StepFigure::SteadyStateError, some(found.steady_state_error_percent)),
         (StepFigure::ControlPeak, some(control_peak_v)),
@@ -125,7 +125,7 @@ fn disturbance_of(history: &History, settle_s: f64) -> Vec<MeasuredFigure> {
     let first = history.index_at(settle_s);
     let of = |column: &[f64], what: fn(&[f64]) -> f64| {
         let number = column.get(first..).filter(|part| !part.is_empty()).map(what);
-        Value::of(number, Unmeasured::NoSuchSignal)
+        Value::of(number, MissingReason::NoSuchSignal)
     };
     let all = [
         (Quantity::HubRms, of(history.hub_rate_rad_s(), rms)),
@@ -148,13 +148,13 @@ fn rejection_of(history: &History, source: Source, first: usize) -> Value {
     let size = |column: &[f64]| column.get(first..).filter(|part| !part.is_empty()).map(rms);
     let ratio =
         size(history.hub_rate_rad_s()).zip(size(history.motion(source))).filter(|(_, moved)| *moved > 0.0);
-    Value::of(ratio.map(|(hub, moved)| 20.0 * (hub / moved).log10()), Unmeasured::PlatformStill)
+    Value::of(ratio.map(|(hub, moved)| 20.0 * (hub / moved).log10()), MissingReason::PlatformStill)
 }
 
 fn triangle_of(history: &History, settle_s: f64) -> Vec<MeasuredFigure> {
     let first = history.index_at(settle_s).min(history.len());
     let error = &history.tracking_error_rad_s()[first..];
-    let some = |number: f64| Value::of((!error.is_empty()).then_some(number), Unmeasured::EmptyRecord);
+    let some = |number: f64| Value::of((!error.is_empty()).then_some(number), MissingReason::EmptyRecord);
     let all = [
         (TriangleFigure::ErrorRms, some(rms(error))),
         (TriangleFigure::ErrorPeak, some(peak(error))),
@@ -173,7 +173,7 @@ fn rest_of(history: &History) -> Vec<MeasuredFigure> {
         .map(|(end, start)| (end - start).abs());
     let all = [
         (RestFigure::HubRms, Value::Is(rms(&history.hub_rate_rad_s()[half..]))),
-        (RestFigure::Drift, Value::of(drift, Unmeasured::EmptyRecord)),
+        (RestFigure::Drift, Value::of(drift, MissingReason::EmptyRecord)),
     ];
     all.into_iter().map(|(figure, value)| MeasuredFigure { figure: Figure::Rest(figure), value }).collect()
 }

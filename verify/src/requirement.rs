@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::{Error, Figure, Unmeasured};
+use crate::{Error, Figure, MissingReason};
 
 /// The side on which a figure has to stay.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,7 +48,7 @@ pub enum Verdict {
     /// The figure could not be measured on this plant or with this controller.
     NotApplicable {
         /// Why.
-        why: Unmeasured,
+        why: MissingReason,
     },
 }
 
@@ -92,7 +92,7 @@ impl Limit {
     pub fn judge(self, value: f64) -> Verdict {
         let room = self.distance_to_limit(value);
         if room.is_nan() {
-            Verdict::NotApplicable { why: Unmeasured::NoValue }
+            Verdict::NotApplicable { why: MissingReason::NoValue }
         } else if room >= 0.0 {
             Verdict::Holds { value, limit: self, margin: room }
         } else {

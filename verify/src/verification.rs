@@ -13,12 +13,12 @@ use crate::history::{Experiment, History};
 use crate::line_of_sight;
 use crate::linear::closed_loop::is_feedforward;
 use crate::linear::frequency::compute_rejections;
-use crate::linear::{self, ArrangedLoop, Closed, Curves, SampledPlant, arrange_controller};
+use crate::linear::{self, ArrangedLoop, ClosedLoop, Curves, SampledPlant, arrange_controller};
 use crate::measure::{MeasuredFigure, Value, history_figures, infinite_figures, loop_figures};
 use crate::tolerance::WORSE_FEEDFORWARD;
 use crate::{
     ARRANGEMENTS, Arrangement, Error, Figure, HeaveAndPitch, Model, Procedure, Requirement, Source,
-    Unmeasured, Verdict, nonlinear,
+    MissingReason, Verdict, nonlinear,
 };
 
 /// What was measured, how it was judged, and what it was read from.
@@ -147,17 +147,17 @@ impl Verification {
     }
 
     /// Why a figure was not measured.
-    fn not_run(&self, figure: Figure) -> Unmeasured {
+    fn not_run(&self, figure: Figure) -> MissingReason {
         let simulated = self.evidence.histories.iter().any(|history| history.model == Model::Nonlinear);
         match figure {
-            Figure::Disturbance(_, Source::Road, ..) if !self.saw_a_road() => Unmeasured::NoRoad,
-            Figure::Sight(_) if self.evidence.procedure.line_of_sight.is_none() => Unmeasured::NoLineOfSight,
+            Figure::Disturbance(_, Source::Road, ..) if !self.saw_a_road() => MissingReason::NoRoad,
+            Figure::Sight(_) if self.evidence.procedure.line_of_sight.is_none() => MissingReason::NoLineOfSight,
             Figure::Sight(figure)
                 if self.evidence.procedure.line_of_sight.is_some_and(|sight| !sight.has(figure)) =>
             {
                 line_of_sight::missing_section(figure)
             }
-            Figure::Triangle(..) if !self.saw_a_triangle() => Unmeasured::NoTriangle,
+            Figure::Triangle(..) if !self.saw_a_triangle() => MissingReason::NoTriangle,
             Figure::Step(Model::Nonlinear, _)
             | Figure::Triangle(Model::Nonlinear, _)
             | Figure::Disturbance(Model::Nonlinear, ..)
@@ -165,9 +165,9 @@ impl Verification {
             | Figure::Sight(_)
                 if !simulated =>
             {
-                Unmeasured::LinearPlantAlone
+                MissingReason::LinearPlantAlone
             }
-            _ => Unmeasured::NotRun,
+            _ => MissingReason::NotRun,
         }
     }
 
@@ -384,7 +384,7 @@ fn linear_loops(
     let moment = controller.parts().design_out_of_balance_kg_m;
     let mut loops = Vec::new();
     for arrangement in ARRANGEMENTS {
-        let closed = Closed::new(&sampled, arrange_controller(controller, arrangement)?.as_ref(), moment)?;
+        let closed = ClosedLoop::new(&sampled, arrange_controller(controller, arrangement)?.as_ref(), moment)?;
         loops.push(ArrangedLoop { arrangement, closed });
     }
     let whole = &loops[loops.len() - 1].closed;
@@ -437,7 +437,7 @@ fn rejection_frequencies(procedure: &Procedure, requirements: &[Requirement]) ->
 
 pub(crate) fn rejection_figures(
     sampled: &SampledPlant,
-    closed: &Closed,
+    closed: &ClosedLoop,
     arrangement: Arrangement,
     frequencies: &[f64],
 ) -> Result<Vec<MeasuredFigure>, Error> {
@@ -480,7 +480,7 @@ fn linear_histories(
 /// Runs one experiment on the linear plant. Returns `None` if the closed loop is unstable.
 pub(crate) fn linear_history(
     sampled: &SampledPlant,
-    closed: &Closed,
+    closed: &ClosedLoop,
     procedure: &Procedure,
     experiment: Experiment,
 ) -> Result<Option<History>, Error> {

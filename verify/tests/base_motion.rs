@@ -12,7 +12,7 @@ use counterpoise_verify::line_of_sight::SightAngles;
 use counterpoise_verify::robust::figures_of;
 use counterpoise_verify::{
     Arrangement, Coincidence, ErrorSource, Figure, Limit, LineOfSight, Model, Optics, Procedure, Quantity,
-    Requirement, Road, RoadOrigin, SightFigure, Source, Unmeasured, Value, Verdict, verify,
+    Requirement, Road, RoadOrigin, SightFigure, Source, MissingReason, Value, Verdict, verify,
 };
 use support::{controller, rig};
 
@@ -198,7 +198,7 @@ fn gunner_and_observer_get_their_figures() {
     assert!(easier.value(Figure::Sight(SightFigure::Hit)).unwrap() > value(SightFigure::Hit));
     let without = of(LineOfSight { coincidence: None, ..sight });
     let Verdict::NotApplicable { why } = &without.verdicts[0].1 else { panic!("{:?}", without.verdicts) };
-    assert_eq!(*why, Unmeasured::NoCoincidence);
+    assert_eq!(*why, MissingReason::NoCoincidence);
 }
 
 #[test]
@@ -231,5 +231,5 @@ fn nobody_pays_for_a_budget_that_nobody_asks_for() {
     let found = verified.verification();
     assert_eq!((found.error_budget.as_ref(), found.value(Figure::Sight(SightFigure::Hub))), (None, None));
     let Verdict::NotApplicable { why } = &found.verdicts[0].1 else { panic!("{:?}", found.verdicts) };
-    assert_eq!(*why, Unmeasured::NoLineOfSight);
+    assert_eq!(*why, MissingReason::NoLineOfSight);
 }

@@ -4,7 +4,7 @@
 use crate::support;
 
 use counterpoise_verify::robust::{
-    Campaign, Distribution, Family, Layout, PointLayout, Sense, Variation, Varied, compare_configurations,
+    Campaign, Distribution, Family, Layout, PointLayout, Sense, Variation, VariedParameter, compare_configurations,
     figures_of, merge_shards, one_at_a_time, rank_parameters, summarise_requirement, worst_case,
 };
 use counterpoise_verify::{Figure, Limit, Procedure, Requirement, Value, verify};
@@ -22,9 +22,9 @@ fn campaign(samples: usize) -> Campaign {
     let vary =
         |parameter, low, high| Variation { parameter, distribution: Distribution::Uniform { low, high } };
     let variations = vec![
-        vary(Varied::Inertia, 0.5, 2.0),
-        vary(Varied::TorqueConstant, 0.9, 1.1),
-        vary(Varied::Backlash, 0.0, 2.0),
+        vary(VariedParameter::Inertia, 0.5, 2.0),
+        vary(VariedParameter::TorqueConstant, 0.9, 1.1),
+        vary(VariedParameter::Backlash, 0.0, 2.0),
     ];
     let requirements = vec![
         require("gain_margin_db", Limit::AtLeast(10.0)),
@@ -88,7 +88,7 @@ fn families_and_configurations_are_measured() {
         Figure::from_key("phase_margin_deg").unwrap(),
         Figure::from_key("nonlinear_step_overshoot_percent").unwrap(),
     ];
-    let families = [Family { parameter: Varied::Inertia, factors: vec![0.5, 1.0, 2.0] }];
+    let families = [Family { parameter: VariedParameter::Inertia, factors: vec![0.5, 1.0, 2.0] }];
     let members = one_at_a_time(&rig(), &controller(), &short_procedure(), &figures, &families).unwrap();
     assert_eq!(members.len(), 3);
     assert_eq!(members[1].values, figures_of(&plant(), &controller(), &short_procedure(), &figures).unwrap());
@@ -101,9 +101,9 @@ fn families_and_configurations_are_measured() {
 #[test]
 fn what_matters_in_either_direction_is_found() {
     let variations = vec![
-        Variation { parameter: Varied::Inertia, distribution: Distribution::Uniform { low: 0.9, high: 1.1 } },
+        Variation { parameter: VariedParameter::Inertia, distribution: Distribution::Uniform { low: 0.9, high: 1.1 } },
         Variation {
-            parameter: Varied::TorqueConstant,
+            parameter: VariedParameter::TorqueConstant,
             distribution: Distribution::Uniform { low: 0.9, high: 1.1 },
         },
     ];

@@ -7,7 +7,7 @@ use counterpoise_controller::Controller;
 use counterpoise_recordings::Signals;
 use counterpoise_verify::{
     Arrangement, Coincidence, Experiment, Figure, Limit, LineOfSight, LoopFigure, Model, Optics, Procedure,
-    Quantity, Requirement, Road, RoadOrigin, Source, StepFigure, Triangle, Unmeasured, Verdict, verify,
+    Quantity, Requirement, Road, RoadOrigin, Source, StepFigure, Triangle, MissingReason, Verdict, verify,
     verify_linear,
 };
 use support::{controller, plant};
@@ -62,10 +62,10 @@ fn feedforward_helps_and_control_helps_more_than_none() {
 fn what_was_not_run_cannot_be_judged() {
     let requirements = [require("linear_road_feedback_hub_rms_rad_s", Limit::AtMost(1.0))];
     let found = verify_linear(&plant(), &controller(), &Procedure::default(), &requirements).unwrap();
-    assert!(matches!(&found.verdicts[0].1, Verdict::NotApplicable { why: Unmeasured::NoRoad }));
+    assert!(matches!(&found.verdicts[0].1, Verdict::NotApplicable { why: MissingReason::NoRoad }));
     let simulated = [require("rest_drift_rad", Limit::AtMost(1.0))];
     let found = verify_linear(&plant(), &controller(), &Procedure::default(), &simulated).unwrap();
-    assert!(matches!(&found.verdicts[0].1, Verdict::NotApplicable { why: Unmeasured::LinearPlantAlone }));
+    assert!(matches!(&found.verdicts[0].1, Verdict::NotApplicable { why: MissingReason::LinearPlantAlone }));
     assert!(found.value(Figure::Step(Model::Linear, StepFigure::SteadyStateError)).unwrap() < 0.5);
 }
 
@@ -130,7 +130,7 @@ fn every_figure_can_be_required_and_is_judged_by_how_much() {
             (Verdict::NotApplicable { why }, None) => {
                 // the linear plant has no teeth that part, and a step that stays below the demand no peak
                 let teeth = key.key().starts_with("linear") && key.key().ends_with("gear_open_fraction");
-                let peak = key.key().ends_with("step_peak_time_s") && *why == Unmeasured::NoPeak;
+                let peak = key.key().ends_with("step_peak_time_s") && *why == MissingReason::NoPeak;
                 assert!(teeth || peak, "{key}: {why:?}");
             }
             // a margin without bound

@@ -52,7 +52,7 @@ pub struct SweepOptions {
 const SHARD: usize = 50;
 
 /// A campaign with its name: only files of the same name belong together.
-struct Named {
+struct NamedCampaign {
     designed: DesignStages,
     campaign: Campaign,
     name: String,
@@ -92,7 +92,7 @@ fn print_cost(options: &SweepOptions, cost: Option<String>) {
     }
 }
 
-fn prepare(options: &SweepOptions) -> Result<Named> {
+fn prepare(options: &SweepOptions) -> Result<NamedCampaign> {
     let loaded = projects::load_project(&options.project, Purpose::Sweep)?;
     output::print_warnings(&loaded, options.results.progress());
     campaign_is_stated(&loaded.project)?;
@@ -114,7 +114,7 @@ fn prepare(options: &SweepOptions) -> Result<Named> {
     };
     let identity = ProjectIdentity::of(&loaded.project, &loaded.project_folder());
     let name = format!("{} {} {}", env!("CARGO_PKG_VERSION"), identity.hash, campaign.len());
-    Ok(Named { designed, campaign, name, families, identity, stability })
+    Ok(NamedCampaign { designed, campaign, name, families, identity, stability })
 }
 
 /// One of the parts into which a campaign is divided.
@@ -136,7 +136,7 @@ fn shard_of(text: &str) -> Result<Shard> {
 }
 
 /// Runs a shard unless its file is there and whole.
-fn run_shard(named: &Named, folder: &Path, shard: Shard, pace: &CampaignPace) -> Result<()> {
+fn run_shard(named: &NamedCampaign, folder: &Path, shard: Shard, pace: &CampaignPace) -> Result<()> {
     let range = named.campaign.shard(shard.index, shard.count)?;
     let path = shards::shard_path(folder, shard.index, shard.count);
     if path.exists() {
@@ -156,7 +156,7 @@ fn run_shard(named: &Named, folder: &Path, shard: Shard, pace: &CampaignPace) ->
 }
 
 /// Runs every shard on all processors; what was done before stays done. Says what a large campaign would cost.
-fn run_all(named: &Named, options: &SweepOptions) -> Result<Option<String>> {
+fn run_all(named: &NamedCampaign, options: &SweepOptions) -> Result<Option<String>> {
     let count = named.campaign.len().div_ceil(SHARD);
     let pace = pace(options, named.campaign.len())?;
     let _watch = interrupt::watch_interrupts();
@@ -175,7 +175,7 @@ fn run_all(named: &Named, options: &SweepOptions) -> Result<Option<String>> {
 }
 
 /// Merges, writes the samples and the report, and prints the summary.
-fn finish(named: &Named, options: &SweepOptions) -> CommandResult {
+fn finish(named: &NamedCampaign, options: &SweepOptions) -> CommandResult {
     let mut parts = Vec::new();
     for path in shards::shard_files(&options.output)? {
         parts.push(shards::read_shard(&path, &named.campaign, &named.name)?);
@@ -261,13 +261,13 @@ fn print_stability(found: &CampaignResult) {
 
 /// One sample, for another program.
 #[derive(serde::Serialize)]
-struct One {
+struct OneSample {
     sample: usize,
     factors: Vec<(&'static str, f64)>,
     figures: Vec<(String, f64)>,
 }
 
-fn one_sample(named: &Named, index: usize, changed: &[String], results: &ResultOutput) -> CommandResult {
+fn one_sample(named: &NamedCampaign, index: usize, changed: &[String], results: &ResultOutput) -> CommandResult {
     if index >= named.campaign.len() {
         bail!("the campaign has {} samples: the last is {}", named.campaign.len(), named.campaign.len() - 1);
     }
@@ -280,7 +280,7 @@ fn one_sample(named: &Named, index: usize, changed: &[String], results: &ResultO
     let controlled = named.campaign.controlled_quantity();
     let figures =
         named.campaign.requirements().iter().map(|requirement| requirement.figure.key_in(controlled));
-    let one = One {
+    let one = OneSample {
         sample: index,
         factors: keys.zip(sample.factors.iter().copied()).collect(),
         figures: figures.zip(sample.values.iter().copied()).collect(),

@@ -13,7 +13,7 @@ use counterpoise_pipeline::{
     study_synthesis,
 };
 use counterpoise_project::{Project, Purpose};
-use counterpoise_synth::{Ended, Figures, SearchTrial};
+use counterpoise_synth::{SearchEnding, Figures, SearchTrial};
 use counterpoise_verify::Verdict;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -46,7 +46,7 @@ pub struct SynthOptions {
 
 /// The design and its comparison with alternatives, for another program.
 #[derive(Serialize)]
-struct Whole<'a> {
+struct SynthOutput<'a> {
     #[serde(flatten)]
     synth: &'a SynthResult,
     beside: &'a DesignComparison,
@@ -77,7 +77,7 @@ pub fn run(options: &SynthOptions) -> CommandResult {
     let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
     let controlled = loaded.project.plant.controlled_quantity();
     let tuning = loaded.tuned.as_ref().map(|tuned| TuningResult::of(tuned, controlled));
-    let whole = Whole { synth: &result, beside: &study.comparison, first_design, tuning };
+    let whole = SynthOutput { synth: &result, beside: &study.comparison, first_design, tuning };
     if !output::write_json(&options.outputs.results, &whole)? {
         super::first_design::print_first_design(&loaded);
         super::tuning::print_tuning(&loaded);
@@ -382,9 +382,9 @@ fn search_result(found: &SearchAnswer, verified: Vec<VerifiedPoint>) -> SearchRe
 
 fn print_search(found: &SearchAnswer, result: &SearchResult, gain_unit: &str) {
     let ended = match found.found.ended {
-        Ended::Settled => "no step improves any more",
-        Ended::OutOfTrials => "as many as [synth.search] allows for one answer",
-        Ended::Stopped => "stopped",
+        SearchEnding::Settled => "no step improves any more",
+        SearchEnding::OutOfTrials => "as many as [synth.search] allows for one answer",
+        SearchEnding::Stopped => "stopped",
     };
     say!("{} designs were tried ({ended})", result.trials);
     result.weights.iter().take(2).for_each(|line| say!("{line}"));

@@ -22,7 +22,7 @@ use counterpoise_report::{
 use counterpoise_verify::certificate::{CaseCertificate, StabilityCertificate};
 use counterpoise_verify::difference::{FigureChange, figure_changes};
 use counterpoise_verify::signals::{RoadClass, RoadDrive, Vehicle, iso_road};
-use counterpoise_verify::spectral::{Spectral, spectral_rejections};
+use counterpoise_verify::spectral::{HubRateSpectra, spectral_rejections};
 use counterpoise_verify::structured::{Joints, RobustStability};
 use counterpoise_verify::{Procedure, Triangle, Verification};
 
@@ -102,7 +102,7 @@ pub fn run(options: &VerifyOptions) -> CommandResult {
 
 /// The verdicts and the linear worst case, for another program.
 #[derive(serde::Serialize)]
-struct Shown {
+struct VerifyOutput {
     #[serde(flatten)]
     result: VerifyResult,
     /// Stable within so many times the ranges of the sweep; absent if nothing varies.
@@ -130,7 +130,7 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
     let own = stability.map(|found| RobustnessResult::new("design", joints, Some(found)));
     let robustness = own.into_iter().chain(study.regimes.iter().map(Into::into)).collect();
     let advised = study.advice.iter().map(Into::into).collect();
-    let shown = Shown { result, robust_to_times_the_ranges, robustness, advice: advised };
+    let shown = VerifyOutput { result, robust_to_times_the_ranges, robustness, advice: advised };
     if !output::write_json(&options.results, &shown)? {
         print_verdicts(found);
         let both = study.two_axes.iter().flat_map(two_axes::two_axes_lines);
@@ -157,7 +157,7 @@ struct VerificationStudy {
     identity: ProjectIdentity,
     found: Verification,
     /// Rejection ratios from the time histories on the road.
-    on_road: Vec<Spectral>,
+    on_road: Vec<HubRateSpectra>,
     /// The loop as charts of the plane show it.
     loop_view: LoopView,
     /// What the linear figures were measured on.

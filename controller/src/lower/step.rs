@@ -57,7 +57,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Pr
     let mut pending = Vec::new();
     let mut signals = write_corrections(parts, &mut writer);
     if let Some(projection) = parts.projection {
-        let given = project::Given { readings: &signals.readings, sample_period_s: parts.sample_period_s };
+        let given = project::ProjectionInput { readings: &signals.readings, sample_period_s: parts.sample_period_s };
         let across = project::project_across_beam(projection, &given, states, &mut writer, &mut pending);
         signals.readings[PLATFORM_ACCELERATION] = across;
     }

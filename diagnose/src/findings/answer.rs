@@ -174,7 +174,7 @@ impl FitTable {
 
 /// An effect of which these recordings cannot show whether it is present.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct NotExcited {
+pub struct UnexcitedEffect {
     /// Effect.
     pub effect: EffectName,
     /// Component.
@@ -256,7 +256,7 @@ pub struct Answer {
     /// How the fit improved.
     pub fit: FitTable,
     /// Effects that these recordings do not excite enough to show.
-    pub not_excited: Vec<NotExcited>,
+    pub not_excited: Vec<UnexcitedEffect>,
     /// What to do next.
     pub next_experiment: Option<NextExperiment>,
     /// Balances that these sensors allow, and what each can see.

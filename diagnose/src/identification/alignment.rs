@@ -36,7 +36,7 @@ pub(super) fn sensor_errors(
 }
 
 /// Rows of one recording: the kinematic difference, roll rate, yaw rate, and ones.
-struct Turning {
+struct RotationRows {
     difference: Vec<f64>,
     columns: [Vec<f64>; 3],
     counts: Vec<bool>,
@@ -49,7 +49,7 @@ fn misalignment(p: &Parameters, recordings: &[&Recording]) -> Option<[Option<Est
     if sensors.measured != FeedbackSignal::HubRate || !sensors.platform_gyro.is_fitted() {
         return None;
     }
-    let parts: Vec<Turning> = recordings.iter().filter_map(|recording| turning_rows(p, recording)).collect();
+    let parts: Vec<RotationRows> = recordings.iter().filter_map(|recording| turning_rows(p, recording)).collect();
     let blocks = parts.iter().map(|part| Block {
         columns: part.columns.iter().map(|column| Some(column.as_slice())).collect(),
         target: &part.difference,
@@ -70,7 +70,7 @@ fn misalignment(p: &Parameters, recordings: &[&Recording]) -> Option<[Option<Est
 }
 
 /// Returns the rows of a recording; `None` if it lacks a column, or the platform hardly rolls and yaws.
-fn turning_rows(p: &Parameters, recording: &Recording) -> Option<Turning> {
+fn turning_rows(p: &Parameters, recording: &Recording) -> Option<RotationRows> {
     let period_s = recording.sample_period_s;
     let (chain, kernel) = (Chain::new(p, period_s), Kernel::new(LOW_PASS_S, period_s));
     let column = |channel| recording.samples(channel);
@@ -100,5 +100,5 @@ fn turning_rows(p: &Parameters, recording: &Recording) -> Option<Turning> {
     };
     let counts = (0..count).map(clear).collect();
     let memory = ((MEMORY_S / period_s) as usize).max(1);
-    Some(Turning { difference, columns: [roll, yaw, vec![1.0; count]], counts, memory })
+    Some(RotationRows { difference, columns: [roll, yaw, vec![1.0; count]], counts, memory })
 }

@@ -3,7 +3,7 @@
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
 
-use super::outcome::{GainPoint, IdentifiedAmplifier, Unidentifiable};
+use super::outcome::{GainPoint, IdentifiedAmplifier, GainCurveObstacle};
 use super::problem::Problem;
 use super::regression::Fit;
 use crate::Error;
@@ -28,15 +28,15 @@ pub fn identify_amplifier(
         |reason| Ok(GainCurve { amplifier: IdentifiedAmplifier::NotIdentifiable { reason }, curved: None });
     let knots = knots(p, plain);
     if knots.len() < LEAST_POINTS + 2 {
-        return unseen(Unidentifiable::ControlStaysLarge);
+        return unseen(GainCurveObstacle::ControlStaysLarge);
     }
     let problem = Problem::new(p, states, &knots)?.with_held_viscous(plain.held_viscous);
     let Some(fit) = problem.fit() else {
-        return unseen(Unidentifiable::ConfusedWithFriction);
+        return unseen(GainCurveObstacle::ConfusedWithFriction);
     };
     let points = points(p, &problem, &fit, &knots);
     if points.len() < LEAST_POINTS {
-        return unseen(Unidentifiable::TooUncertain);
+        return unseen(GainCurveObstacle::TooUncertain);
     }
     let departs = points.iter().any(|q| {
         let apart = (q.current_a - q.linear_a).abs();

@@ -28,7 +28,7 @@ mod problem;
 pub use improve::apply_identified;
 pub use outcome::{
     Balance, Estimate, FrictionPicture, GainPoint, Identification, IdentifiedAmplifier, Lobes, Note,
-    SensorErrors, Unidentifiable,
+    SensorErrors, GainCurveObstacle,
 };
 
 use counterpoise_models::Parameters;
@@ -52,15 +52,15 @@ pub fn identify(p: &Parameters, states: &[&[Recording]]) -> Result<Identificatio
     if states.iter().all(|state| state.is_empty()) {
         return Err(Error::NoRecording);
     }
-    let mut found = round(p, states, &Before::of(p))?;
+    let mut found = round(p, states, &PriorValues::of(p))?;
     for _ in 1..ROUNDS {
-        found = round(&improve::apply_except_amplifier(p, &found), states, &Before::of(p))?;
+        found = round(&improve::apply_except_amplifier(p, &found), states, &PriorValues::of(p))?;
     }
     Ok(found)
 }
 
 /// One round, with the beam and the presliding distances of a mechanism.
-fn round(p: &Parameters, states: &[&[Recording]], before: &Before) -> Result<Identification, Error> {
+fn round(p: &Parameters, states: &[&[Recording]], before: &PriorValues) -> Result<Identification, Error> {
     let mut plain = Problem::new(p, states, &[])?;
     let sliding_s = plain.sliding_s();
     if sliding_s < LEAST_SLIDING_S {
@@ -105,7 +105,7 @@ fn negative_viscous(layout: Layout, fit: &regression::Fit) -> Option<Note> {
 }
 
 /// What the project says of the unknowns.
-struct Before {
+struct PriorValues {
     moment: f64,
     inertia: f64,
     coulomb: f64,
@@ -113,7 +113,7 @@ struct Before {
     breakaway: f64,
 }
 
-impl Before {
+impl PriorValues {
     fn of(p: &Parameters) -> Self {
         let ratio = p.gearbox.ratio;
         let lumped = p.lumped.as_ref();

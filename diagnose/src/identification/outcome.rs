@@ -70,7 +70,7 @@ pub struct GainPoint {
 
 /// Why the amplifier's gain curve cannot be identified.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unidentifiable {
+pub enum GainCurveObstacle {
     /// The control stays in the range in which the amplifier is taken as linear.
     ControlStaysLarge,
     /// The curve and friction cannot be told apart.
@@ -144,7 +144,7 @@ pub enum IdentifiedAmplifier {
     /// These recordings do not show it.
     NotIdentifiable {
         /// Why not.
-        reason: Unidentifiable,
+        reason: GainCurveObstacle,
     },
 }
 

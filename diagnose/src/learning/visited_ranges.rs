@@ -11,7 +11,7 @@ use crate::tolerance::learning::{RANGE_MARGIN, RANGE_QUANTILE};
 
 /// The values of the regime variables, recording by recording.
 #[derive(Debug, Clone, Default)]
-pub struct Visited {
+pub struct VisitedRanges {
     recordings: Vec<VisitedRecording>,
     /// RMS torque of the drive at the hub, N m.
     pub drive_torque_nm: f64,
@@ -56,7 +56,7 @@ struct VisitedRecording {
     time: Vec<f64>,
 }
 
-impl Visited {
+impl VisitedRanges {
     /// Returns what recordings visit.
     pub fn of(base: &Parameters, recordings: &[MeasuredSignals]) -> Self {
         let mut torques = Vec::new();

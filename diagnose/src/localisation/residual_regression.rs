@@ -244,7 +244,7 @@ impl<'a> ResidualRegression<'a> {
     /// Returns the variance of each balance on the half that was not fitted, the balances weighted by it.
     fn held_out(&self, columns: &[Vec<f64>]) -> Option<Vec<f64>> {
         let all: Vec<&[f64]> = self.nuisances.iter().chain(columns).map(Vec::as_slice).collect();
-        let parts: Vec<Normal> = self.segments.iter().map(|s| self.normal(s, &all)).collect();
+        let parts: Vec<NormalEquations> = self.segments.iter().map(|s| self.normal(s, &all)).collect();
         let mut left = vec![EXPLAINED_VARIANCE; self.balances.len()];
         for _ in 0..REWEIGHTED_FITS {
             let mut sums = vec![0.0; left.len()];
@@ -259,7 +259,7 @@ impl<'a> ResidualRegression<'a> {
         left.iter().all(|v| v.is_finite()).then_some(left)
     }
 
-    fn normal(&self, segment: &Segment, all: &[&[f64]]) -> Normal {
+    fn normal(&self, segment: &Segment, all: &[&[f64]]) -> NormalEquations {
         let target = &self.target[segment.rows.clone()];
         let columns: Vec<&[f64]> = all.iter().map(|c| &c[segment.rows.clone()]).collect();
         let mut gram = Mat::zeros(all.len(), all.len());
@@ -270,11 +270,11 @@ impl<'a> ResidualRegression<'a> {
             }
         }
         let right = columns.iter().map(|c| dot(c, target)).collect();
-        Normal { gram, right, power: dot(target, target) }
+        NormalEquations { gram, right, power: dot(target, target) }
     }
 
     /// Returns the coefficients fitted to one half of the stretches, the balances weighted by their residual variance.
-    fn fit_half(&self, parts: &[Normal], half: usize, left: &[f64]) -> Option<Vec<f64>> {
+    fn fit_half(&self, parts: &[NormalEquations], half: usize, left: &[f64]) -> Option<Vec<f64>> {
         let count = parts.first()?.right.len();
         let (mut gram, mut right) = (Mat::zeros(count, count), vec![0.0; count]);
         for (segment, part) in self.segments.iter().zip(parts).filter(|(s, _)| s.half == half) {
@@ -310,13 +310,13 @@ fn half_of(row: usize, rows: usize) -> usize {
 }
 
 /// Normal equations of one segment.
-struct Normal {
+struct NormalEquations {
     gram: Mat,
     right: Vec<f64>,
     power: f64,
 }
 
-impl Normal {
+impl NormalEquations {
     /// Returns the sum of squares that coefficients leave.
     fn remaining_squares(&self, x: &[f64]) -> f64 {
         let column = Mat::col(x);

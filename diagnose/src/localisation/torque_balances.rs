@@ -108,12 +108,12 @@ pub(crate) struct Signals<'a> {
 }
 
 /// Rates at which the two frictions count as sliding, rad/s: pivot, motor.
-pub(crate) type Slow = [f64; 2];
+pub(crate) type SlidingRates = [f64; 2];
 
 impl<'a> Signals<'a> {
     /// Computes the signals of a recording; `slow` gives the rates below which the frictions count as at rest, if another reading
     /// of the recording determines them.
-    pub fn new(p: &'a Parameters, m: &MeasuredSignals, slow: Option<Slow>) -> Self {
+    pub fn new(p: &'a Parameters, m: &MeasuredSignals, slow: Option<SlidingRates>) -> Self {
         let inertial = m.with_inertial_rate();
         let m = inertial.as_ref();
         let smooth = |series: &[f64]| low_pass(series, BALANCE_SMOOTHING);
@@ -148,7 +148,7 @@ impl<'a> Signals<'a> {
     }
 
     /// Returns the rates below which the frictions count as at rest, rad/s.
-    pub fn slow_rates(&self) -> Slow {
+    pub fn slow_rates(&self) -> SlidingRates {
         [slow_rate(&self.relative), slow_rate(&self.motor)]
     }
 

@@ -98,7 +98,7 @@ pub enum FixedOperation {
 
 /// A controller in fixed point.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fixed {
+pub struct FixedPointController {
     /// The controller.
     pub controller: Controller,
     /// Fraction bits of the states.

@@ -258,7 +258,7 @@ fn laws(plant: &Plant) -> [(&Friction, Law); 2] {
 }
 
 /// What the laws have in different ways.
-struct Dry {
+struct FrictionConstants {
     kind: &'static str,
     level: Option<StribeckLevel>,
     coulomb_nm: f64,
@@ -273,7 +273,7 @@ struct Dry {
     bristles: usize,
 }
 
-impl Dry {
+impl FrictionConstants {
     fn new(kind: &'static str, level: Option<StribeckLevel>) -> Self {
         Self {
             kind,
@@ -332,7 +332,7 @@ impl Dry {
 }
 
 fn joint(friction: &Friction, law: &Law) -> String {
-    let dry = Dry::of(law);
+    let dry = FrictionConstants::of(law);
     let (shape, exponent, cubic) = curve(friction, dry.level.as_ref());
     let excess = dry.level.map_or(0.0, |level| level.static_nm() - level.coulomb_nm());
     let load = if dry.coulomb_nm > 0.0 { friction.load_coefficient / dry.coulomb_nm } else { 0.0 };

@@ -1,9 +1,9 @@
 //! Lyapunov equations that are singular or nearly so: found out, and solved as well as they can be.
 
 use crate::error::Error;
-use crate::extended_precision::{Extended, exact_product};
+use crate::extended_precision::{ExtendedMatrix, exact_product};
 use crate::mat::{C64, Mat};
-use crate::precise::Precise;
+use crate::precise::LongMatrix;
 use crate::smith;
 use crate::spectrum::Spectrum;
 use crate::sylvester::Kind;
@@ -63,8 +63,8 @@ pub(super) fn refined_trace(operator: &Operator, A: &Mat, [B, C]: [&Mat; 2]) -> 
     let Q = exact_product(B, &B.t());
     let X = operator.solve(&Q.collapse());
     let Some(X) = refine(operator, A, &Q, X) else { return precise_trace(A, [B, C], operator.kind) };
-    let CX = Extended::from(C.clone()).times(&X);
-    let square = CX.times(&Extended::from(C.t())).collapse();
+    let CX = ExtendedMatrix::from(C.clone()).times(&X);
+    let square = CX.times(&ExtendedMatrix::from(C.t())).collapse();
     Some(square.diagonal().iter().sum())
 }
 
@@ -73,14 +73,14 @@ pub(super) fn precise_trace(A: &Mat, [B, C]: [&Mat; 2], kind: Kind) -> Option<f6
     if A.nrows() > PRECISE_STATES {
         return None;
     }
-    let (B, C) = (Precise::from(B), Precise::from(C));
-    let [X] = smith::lyapunov(&Precise::from(&A.t()), [B.times(&B.t())], kind)?;
+    let (B, C) = (LongMatrix::from(B), LongMatrix::from(C));
+    let [X] = smith::lyapunov(&LongMatrix::from(&A.t()), [B.times(&B.t())], kind)?;
     Some(C.times(&X).times(&C.t()).round().diagonal().iter().sum())
 }
 
 /// Adds corrections until they are rounding; `None` if they do not shrink.
-fn refine(operator: &Operator, A: &Mat, Q: &Extended, X: Mat) -> Option<Extended> {
-    let mut X = Extended::from(X);
+fn refine(operator: &Operator, A: &Mat, Q: &ExtendedMatrix, X: Mat) -> Option<ExtendedMatrix> {
+    let mut X = ExtendedMatrix::from(X);
     let mut before = f64::INFINITY;
     for _ in 0..LYAPUNOV_REFINEMENTS {
         let step = operator.solve_any(&residual(A, Q, &X, operator.kind));
@@ -98,8 +98,8 @@ fn refine(operator: &Operator, A: &Mat, Q: &Extended, X: Mat) -> Option<Extended
 }
 
 /// The residual of `X` in twice the working precision.
-fn residual(A: &Mat, Q: &Extended, X: &Extended, kind: Kind) -> Mat {
-    let (left, right) = (Extended::from(A.clone()), Extended::from(A.t()));
+fn residual(A: &Mat, Q: &ExtendedMatrix, X: &ExtendedMatrix, kind: Kind) -> Mat {
+    let (left, right) = (ExtendedMatrix::from(A.clone()), ExtendedMatrix::from(A.t()));
     let sum = match kind {
         Kind::Continuous => left.times(X).add(&X.times(&right)),
         Kind::Discrete => left.times(&X.times(&right)).add(&X.neg()),
@@ -112,6 +112,6 @@ fn solve_precisely(A: &Mat, Q: &Mat, kind: Kind) -> Option<Mat> {
     if A.nrows() > PRECISE_STATES {
         return None;
     }
-    let [X] = smith::lyapunov(&Precise::from(&A.t()), [Precise::from(Q)], kind)?;
+    let [X] = smith::lyapunov(&LongMatrix::from(&A.t()), [LongMatrix::from(Q)], kind)?;
     Some(X.round())
 }

@@ -5,10 +5,10 @@ use crate::mat::Mat;
 use crate::sylvester::Kind;
 use crate::tolerance::EPS;
 
-use super::certify::{Certified, certify};
+use super::certify::{CertifiedSolution, certify};
 use super::continuous::{check_input, fold};
 use super::decide::{Failure, convert_to_callers_units, decide, is_beyond_doubt, unless_lost};
-use super::equation::{Data, Discrete};
+use super::equation::{Data, DiscreteRiccati};
 use super::modes::Modes;
 use super::newton::refine;
 use super::precise::PreciseEquation;
@@ -44,7 +44,7 @@ pub fn dare(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outco
         (A.t() * &XA).norm_fro() + found.X.norm_fro() + last.norm_fro() + Q.norm_fro()
     };
     let gain = |F: &Mat| rescale(F, &ones, &back);
-    solve_in_units(&Discrete(data)).try_map(|found| convert_to_callers_units(found, &units, gain, terms))
+    solve_in_units(&DiscreteRiccati(data)).try_map(|found| convert_to_callers_units(found, &units, gain, terms))
 }
 
 /// The size of `R`, or where that vanishes beside what the cost makes of the input after one step, of `B'QB`.
@@ -56,7 +56,7 @@ fn input_weight(B: &Mat, Q: &Mat, R: &Mat) -> f64 {
 }
 
 /// The equation in units that suit it, with one shift after the other, and in 32 digits if doubles do not settle it.
-fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
+fn solve_in_units(equation: &DiscreteRiccati) -> Outcome<CertifiedSolution> {
     let data = &equation.0;
     let mut refusal = Reason::SingularWeight { rcond: crate::decomposition::rcond_one(&data.R) };
     let mut first = None;
@@ -107,11 +107,11 @@ fn shifted_problem(Data { A, B, Q, R, S }: &Data, shift: f64) -> Option<Problem>
 }
 
 fn attempt(
-    equation: &Discrete,
+    equation: &DiscreteRiccati,
     problem: &Problem,
     shift: f64,
     method: RiccatiMethod,
-) -> Result<Certified, Failure> {
+) -> Result<CertifiedSolution, Failure> {
     let scaled = scale(problem.clone());
     let first = match method {
         RiccatiMethod::Schur => subspace::solve_by_discrete_schur(&scaled.problem),

@@ -4,7 +4,7 @@
 //! residual is computed in twice the working precision and the sum is kept as two doubles, so that the steps contract
 //! until `X` is right to its last bits, whatever the condition of the equation up to 1/eps.
 
-use crate::extended_precision::Extended;
+use crate::extended_precision::ExtendedMatrix;
 use crate::lyapunov::{Operator, dlyap, lyap, transpose_form};
 use crate::mat::Mat;
 use crate::schur::schur;
@@ -35,7 +35,7 @@ pub(super) struct Change {
 /// What Newton's method needs to know of an equation.
 pub(super) trait Equation {
     /// The equation at `X`; `None` if a weight is singular.
-    fn evaluate(&self, X: &Extended) -> Option<Evaluation>;
+    fn evaluate(&self, X: &ExtendedMatrix) -> Option<Evaluation>;
     /// What the step `E` to `X` does, by the identities `K(X+E) = K + W^-1 B'EA_K` and `residual(X+E) = residual(X) + L(E) -
     /// (B'EA_K)'W^-1 B'EA_K`, `A_K = A - BK` (continuous: without `A_K` beside `E`), `W` the weight at `X + E`.
     fn change(&self, before: &Evaluation, E: &Mat, X: &Mat) -> Option<Change>;
@@ -49,7 +49,7 @@ pub(super) trait Equation {
 }
 
 /// A refined solution.
-pub(super) struct Refined {
+pub(super) struct RefinedSolution {
     pub(super) X: Mat,
     /// The gain, from `X` before it was rounded.
     pub(super) gain: Mat,
@@ -72,7 +72,7 @@ pub(super) struct Refined {
 /// # Errors
 /// [`Reason::NoGraph`] where the closed loop has no Schur form or a step cannot be computed, [`Reason::Inaccurate`] where the start is too
 /// far from a solution.
-pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<Refined, Reason> {
+pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<RefinedSolution, Reason> {
     let mut path = Path::from(equation, X).ok_or(Reason::NoGraph)?;
     let mut size = f64::INFINITY;
     let mut steps = 0;
@@ -102,12 +102,12 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<Refined, Reason
         }
     }
     let refined = path.end(equation).ok_or(Reason::NoGraph)?;
-    Ok(Refined { steps, contraction, ..refined })
+    Ok(RefinedSolution { steps, contraction, ..refined })
 }
 
 /// Where Newton's method has come to: `X + ahead`. What the short steps `ahead` do to the equation is computed in working precision.
 struct Path {
-    X: Extended,
+    X: ExtendedMatrix,
     here: Evaluation,
     ahead: Mat,
     /// The residual at `X + ahead`.
@@ -120,7 +120,7 @@ struct Path {
 impl Path {
     fn from(equation: &impl Equation, X: Mat) -> Option<Self> {
         let ahead = Mat::zeros(X.nrows(), X.ncols());
-        let X = Extended::from(X);
+        let X = ExtendedMatrix::from(X);
         let here = equation.evaluate(&X)?;
         let closed = equation.closed_loop(&here.gain);
         let derivative = derivative_of(&closed, equation.kind())?;
@@ -159,7 +159,7 @@ impl Path {
     }
 
     /// The solution, rounded.
-    fn end(self, equation: &impl Equation) -> Option<Refined> {
+    fn end(self, equation: &impl Equation) -> Option<RefinedSolution> {
         let X = self.X.add(&self.ahead.clone().into()).collapse().symmetric_part();
         let rounded = self.X.neg().add(&X.clone().into()).collapse();
         let gain = &self.here.gain + &equation.change(&self.here, &self.ahead, &X)?.gain;
@@ -167,7 +167,7 @@ impl Path {
         let closed = equation.closed_loop(&gain);
         let size = self.closed.norm_fro();
         let operator = if equation.kind() == Kind::Continuous { 2.0 * size } else { 1.0 + size * size };
-        Some(Refined {
+        Some(RefinedSolution {
             residual: residual.symmetric_part(),
             residual_error: equation.residual_error(&gain, &X) + ROUNDING * rounded.norm_fro() * operator,
             terms: self.here.terms,

@@ -247,7 +247,7 @@ fn distance(A: &Mat, M: &Mat, mode: C64) -> f64 {
 
 /// What is known of the eigenvalue of the Hamiltonian matrix nearest to the boundary of stability.
 #[derive(Clone, Copy)]
-pub(super) enum Nearest {
+pub(super) enum NearestEigenvalue {
     /// It has not been computed.
     Unknown,
     /// Its value.
@@ -257,7 +257,7 @@ pub(super) enum Nearest {
 }
 
 /// Returns why a problem that was not solved has no solution.
-pub(super) fn diagnose(modes: &Modes, known: Nearest) -> Option<Reason> {
+pub(super) fn diagnose(modes: &Modes, known: NearestEigenvalue) -> Option<Reason> {
     if let Some(reason) = lost_mode(modes, Nearness::Broad) {
         return Some(reason);
     }
@@ -268,9 +268,9 @@ pub(super) fn diagnose(modes: &Modes, known: Nearest) -> Option<Reason> {
     let size = H.norm_fro();
     let computed = || eigenvalues(&H).ok()?.into_iter().min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()));
     let nearest = match known {
-        Nearest::Immaterial => return None,
-        Nearest::Known(value) => value,
-        Nearest::Unknown => computed()?,
+        NearestEigenvalue::Immaterial => return None,
+        NearestEigenvalue::Known(value) => value,
+        NearestEigenvalue::Unknown => computed()?,
     };
     let distance = nearest.re.abs() / size;
     (distance < HAMILTONIAN_BOUNDARY).then_some(Reason::OnBoundary { eigenvalue: nearest, distance })

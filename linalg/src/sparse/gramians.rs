@@ -6,7 +6,7 @@
 //! Martins (IEEE Trans. Power Syst. 21 (2006) 1218), within a subspace that grows with the iteration.
 
 use super::modes::{ProgressObserver, StageProgress};
-use super::pencil::{QuadraticPencil, Shifted};
+use super::pencil::{QuadraticPencil, ShiftedPencil};
 use super::ritz::{RitzBasis, Weights};
 use crate::decomposition::svd;
 use crate::dense::transpose_times;
@@ -146,7 +146,7 @@ struct Halves {
 /// The solutions `(A - s E)^-1 W` and `(A - s E)'^-1 W` for what remains of both equations, with `A = [0 I; -K -D]` and `E = diag(I, M)`.
 fn solutions(
     pencil: &QuadraticPencil,
-    shifted: &Shifted,
+    shifted: &ShiftedPencil,
     s: C64,
     reach: &Iterate,
     observe: &Iterate,

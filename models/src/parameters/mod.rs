@@ -30,7 +30,7 @@ pub use sensing::{
     Interface, ReadingDelay, Sensor, Sensors, converter_step_v,
 };
 pub use structure::{
-    Beam, BeamSection, Configuration, Link, Lumped, PointMass, SectionShape, StructuralDamping,
+    Beam, BeamSection, Configuration, Link, LumpedStructure, PointMass, SectionShape, StructuralDamping,
 };
 
 /// One axis of a cantilever mechanism on a moving platform.
@@ -45,7 +45,7 @@ pub struct Parameters {
     /// Distributed description of the structure, if it is known.
     pub beam: Option<Beam>,
     /// Two-inertia description of the structure, if it is given; otherwise it is derived from the beam.
-    pub lumped: Option<Lumped>,
+    pub lumped: Option<LumpedStructure>,
     /// Gearbox between motor and hub.
     pub gearbox: Gearbox,
     /// Motor.

@@ -94,7 +94,7 @@ pub struct PointMass {
 /// The structure as hub and beam inertia joined by a torsional spring; one rigid inertia if the spring is infinitely stiff. Further
 /// inertias may follow in a chain.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Lumped {
+pub struct LumpedStructure {
     /// Inertia at the hub, kg m^2.
     pub hub_inertia_kg_m2: f64,
     /// Inertia of the beam, kg m^2; 0 if the structure is one inertia.
@@ -130,7 +130,7 @@ pub struct Link {
     pub damping_nm_s_rad: f64,
 }
 
-impl Lumped {
+impl LumpedStructure {
     /// Returns one rigid, balanced inertia.
     pub fn rigid(inertia_kg_m2: f64) -> Self {
         Self {

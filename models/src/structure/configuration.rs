@@ -1,7 +1,7 @@
 //! The structure of a mechanism in one of its configurations.
 
 use super::damping::{modal_with_stiffness, rayleigh_coefficients, rayleigh_damping};
-use super::fe::{FeModel, FeOptions, Fitted};
+use super::fe::{FeModel, FeOptions, AttachedMasses};
 use super::modes::{Support, undamped_modes};
 use super::reduction::{PinnedStructure, pinned_modes, reduce_to_lumped};
 use crate::Error;
@@ -13,7 +13,7 @@ pub struct ConfiguredStructure {
     /// The beam.
     pub beam: Beam,
     /// What is fitted to it.
-    pub fitted: Fitted,
+    pub fitted: AttachedMasses,
 }
 
 impl ConfiguredStructure {
@@ -23,7 +23,7 @@ impl ConfiguredStructure {
     /// [`Error::NoStructure`] if the mechanism has no beam, [`Error::UnknownMass`] for a mass that it does not have.
     pub fn new(parameters: &Parameters, configuration: Option<&Configuration>) -> Result<Self, Error> {
         let beam = parameters.beam.clone().ok_or(Error::NoStructure)?;
-        let mut fitted = Fitted::default();
+        let mut fitted = AttachedMasses::default();
         if let Some(configuration) = configuration {
             fitted.hub_inertia_kg_m2 = configuration.added_hub_inertia_kg_m2;
             for name in &configuration.masses {

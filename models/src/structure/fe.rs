@@ -78,7 +78,7 @@ impl Default for FeOptions {
 
 /// Mass that is fixed to the structure besides the beam's own.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Fitted {
+pub struct AttachedMasses {
     /// Point masses; one beyond an end of the beam hangs on it by a rigid arm.
     pub masses: Vec<PointMass>,
     /// Moment of inertia without first moment, at the pivot, kg m^2.
@@ -90,7 +90,7 @@ impl FeModel {
     ///
     /// # Errors
     /// [`Error::Parameter`] for a beam, mesh or mass out of range, [`Error::PowerLaw`] as for [`element_matrices`].
-    pub fn beam(beam: &Beam, fitted: &Fitted, options: &FeOptions) -> Result<Self, Error> {
+    pub fn beam(beam: &Beam, fitted: &AttachedMasses, options: &FeOptions) -> Result<Self, Error> {
         let profile = Profile::new(beam)?;
         let nodes = options.mesh.nodes_m(&profile, beam.pivot_m)?;
         let mut out = Self::rigid_body(&nodes, beam.pivot_m);

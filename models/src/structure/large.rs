@@ -9,7 +9,7 @@ use counterpoise_linalg::{Mat, Sparse, sparse::ProgressObserver};
 
 use super::balanced_shapes::BalancedShapes;
 use super::fe::{FeModel, NodeRows};
-use super::sparse_structure::{Clamped, SparseStructure, orthonormal};
+use super::sparse_structure::{ClampedStiffness, SparseStructure, orthonormal};
 use super::supported_modes::SupportedModes;
 use crate::Error;
 use crate::tolerance::{DEPENDENT_SHAPE, FREE, LARGE_STRUCTURE_NODES};
@@ -55,7 +55,7 @@ impl SparseStructure {
     /// asked to stop.
     pub fn condense(&self, wanted: &Condensation, watch: &mut ProgressObserver) -> Result<FeModel, Error> {
         self.check()?;
-        let clamped = Clamped::of(self, watch)?;
+        let clamped = ClampedStiffness::of(self, watch)?;
         let mut shapes = clamped.solve(&self.M.times(&self.rigid_motions()));
         let mut truncation = None;
         match wanted.shapes {
@@ -123,7 +123,7 @@ impl Basis {
     /// the given shapes add to them.
     fn of(
         structure: &SparseStructure,
-        clamped: &Clamped,
+        clamped: &ClampedStiffness,
         kept: &[NodeRows],
         shapes: Mat,
     ) -> Result<Self, Error> {

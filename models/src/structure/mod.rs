@@ -1,7 +1,7 @@
 //! The structure: finite elements of the beam, or matrices from elsewhere, down to a few modes or two inertias.
 //!
 //! In comes [`crate::Beam`] with what is fitted to it (or M, C, K as text); out go frequencies, shapes, effective masses,
-//! the [`crate::plant::Body`] of the plant and the derived [`crate::Lumped`].
+//! the [`crate::plant::Body`] of the plant and the derived [`crate::LumpedStructure`].
 //!
 //! *Invariant*: nothing here knows the drive, a file or time.
 //!
@@ -36,7 +36,7 @@ mod supported_modes;
 
 pub use configuration::{ConfiguredStructure, with_derived_lumped};
 pub use element::{Integration, Theory};
-pub use fe::{FeModel, FeOptions, Fitted, NodeRows, Truncation};
+pub use fe::{FeModel, FeOptions, AttachedMasses, NodeRows, Truncation};
 pub use large::{Condensation, Shapes};
 pub use mesh::Mesh;
 pub use modes::{Direction, Modes, Support, undamped_modes};

@@ -4,7 +4,7 @@ use counterpoise_controller::{COMMON_READINGS, Controller, READING_NAMES};
 use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_verify::linear::SampledPlant;
-use counterpoise_verify::linear::closed_loop::{Closed, arrange_controller, resolver_use};
+use counterpoise_verify::linear::closed_loop::{ClosedLoop, arrange_controller, resolver_use};
 use counterpoise_verify::{
     Arrangement, Experiment, Figure, History, Model, Procedure, Quantity, StepFigure, TriangleFigure,
     Verification, linear_plant,
@@ -147,7 +147,7 @@ fn controllers(
         [(Arrangement::Compensated, "controller"), (Arrangement::Feedback, "controller_feedback_alone")]
     {
         let Some(part) = arrange_controller(controller, arrangement)? else { continue };
-        let closed = Closed::new(sampled, Some(&part), moment)?;
+        let closed = ClosedLoop::new(sampled, Some(&part), moment)?;
         systems.extend(closed.controller.as_ref().map(|system| {
             SystemResult::new(name, system, &READING_NAMES[..COMMON_READINGS], &["control_v"])
         }));

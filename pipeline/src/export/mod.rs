@@ -18,7 +18,7 @@ use counterpoise_verify::{Limit, Procedure, Verdict, VerifiedController};
 use sha2::{Digest, Sha256};
 
 use crate::traverse_file::{FolderOfFile, traverse_project};
-use crate::wording::acceptance::Traceable;
+use crate::wording::acceptance::AcceptanceSource;
 use crate::wording::weights::describe_weights;
 use crate::{PipelineError, PlantModel, World};
 use counterpoise_project::Project;
@@ -32,19 +32,19 @@ pub struct ExportedCode {
     /// Files of code.
     pub files: Vec<File>,
     /// What was left out.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<OmittedCode>,
 }
 
 /// Code that the project asks for and that does not exist.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct LeftOut {
+pub struct OmittedCode {
     /// Which code.
     pub what: String,
     /// Why there is none.
     pub why: String,
 }
 
-impl std::fmt::Display for LeftOut {
+impl std::fmt::Display for OmittedCode {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}: {}", self.what, self.why)
     }
@@ -55,7 +55,7 @@ impl ExportedCode {
     fn add<E: std::fmt::Display>(&mut self, what: &str, made: Result<Vec<File>, E>) {
         match made {
             Ok(files) => self.files.extend(files),
-            Err(why) => self.left_out.push(LeftOut { what: what.to_owned(), why: why.to_string() }),
+            Err(why) => self.left_out.push(OmittedCode { what: what.to_owned(), why: why.to_string() }),
         }
     }
 }

@@ -2,10 +2,10 @@
 
 use counterpoise_controller::{COMMON_READINGS, READING_NAMES};
 use counterpoise_linalg::CMat;
-use counterpoise_verify::structured::closing::ClosedWith;
+use counterpoise_verify::structured::closing::LoopClosure;
 use counterpoise_verify::structured::problem::StatedRange;
 use counterpoise_verify::structured::{
-    Bounds, Destabilising, Joints, Perturbation, RobustStability, UpperBound,
+    Bounds, DestabilisingMechanism, Joints, Perturbation, RobustStability, UpperBound,
 };
 use serde::Serialize;
 
@@ -221,9 +221,9 @@ impl From<&RegimeRobustness> for RobustnessResult {
     }
 }
 
-impl From<&Destabilising> for NearestResult {
-    fn from(found: &Destabilising) -> Self {
-        let factor = |(varied, factor): &(counterpoise_verify::robust::Varied, f64)| FactorResult {
+impl From<&DestabilisingMechanism> for NearestResult {
+    fn from(found: &DestabilisingMechanism) -> Self {
+        let factor = |(varied, factor): &(counterpoise_verify::robust::VariedParameter, f64)| FactorResult {
             key: varied.key(),
             factor: *factor,
         };
@@ -240,7 +240,7 @@ impl From<&Destabilising> for NearestResult {
     }
 }
 
-fn closed_loop_systems(found: &ClosedWith) -> Vec<SystemResult> {
+fn closed_loop_systems(found: &LoopClosure) -> Vec<SystemResult> {
     let readings = &READING_NAMES[..COMMON_READINGS];
     let mut outputs = vec!["hub_rate_rad_s", "tip_rate_rad_s", "motor_rate_rad_s", "current_a", "control_v"];
     outputs.extend(readings);

@@ -7,7 +7,7 @@ mod stage;
 pub use excitation::{TrialLoad, TrialMotion};
 
 pub(super) use excitation::{LOADS, MOTIONS};
-pub(super) use stage::{Acts, Stage, TrialRun};
+pub(super) use stage::{TrialController, Stage, TrialRun};
 
 use counterpoise_models::ControlledQuantity;
 use counterpoise_project::Project;
@@ -234,9 +234,9 @@ fn run_methods(stage: &Stage, methods: &[KeyedMethod]) -> Result<AdaptationTrial
                 });
                 Ok::<_, PipelineError>(found)
             };
-            let (without_rad_s, told_rad_s) = (rms(Acts::Without, "none")?, rms(Acts::Told, "told")?);
+            let (without_rad_s, told_rad_s) = (rms(TrialController::Without, "none")?, rms(TrialController::Told, "told")?);
             for &KeyedMethod { method, key } in methods {
-                let with_rad_s = rms(Acts::Adapts(method), key)?;
+                let with_rad_s = rms(TrialController::Adapts(method), key)?;
                 let spread_rad_s = 0.0;
                 let row = TrialRow {
                     rate,

@@ -24,14 +24,14 @@ pub struct AssumptionEffect {
     /// Its unit.
     pub unit: &'static str,
     /// What happens at the lowest and at the highest usual value.
-    pub at: [EffectAt; 2],
+    pub at: [EffectAtValue; 2],
     /// Largest change of gain margin, sensitivity or residual, dB; infinite if the loop becomes unstable.
     pub largest_change_db: f64,
 }
 
 /// The loop at one value of an assumed quantity. Changes are those from the loop at the assumed value.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct EffectAt {
+pub struct EffectAtValue {
     /// The value.
     pub value: f64,
     /// Whether the closed loop is stable there.
@@ -109,7 +109,7 @@ pub fn assumption_effects(
             let varied = made.as_ref().and_then(|made| figures(&made.plant, synthesised, &procedure).ok());
             let plants = |made: PlantModel| plants_of(&made.plant, controller, &procedure).ok();
             let measured_on = made.filter(|_| is_included).and_then(plants);
-            Some(EffectAt { measured_on, ..compare_figures(value, varied, nominal) })
+            Some(EffectAtValue { measured_on, ..compare_figures(value, varied, nominal) })
         };
         let at = [at(low)?, at(high)?];
         let largest_change_db = at.iter().map(largest).fold(0.0, f64::max);
@@ -164,10 +164,10 @@ fn figures(
 }
 
 /// Returns the changes from the nominal loop to another; `None` for a plant that cannot be built.
-fn compare_figures(value: f64, varied: Option<LoopFigures>, nominal: LoopFigures) -> EffectAt {
+fn compare_figures(value: f64, varied: Option<LoopFigures>, nominal: LoopFigures) -> EffectAtValue {
     let change = |of: fn(&LoopFigures) -> Option<f64>| Some(of(varied.as_ref()?)? - of(&nominal)?);
     let residuals = [change(|f| f.residual_db[0]), change(|f| f.residual_db[1])];
-    EffectAt {
+    EffectAtValue {
         value,
         is_stable: varied.is_some_and(|f| f.is_stable),
         gain_margin_change_db: change(|f| f.gain_margin_db),
@@ -178,7 +178,7 @@ fn compare_figures(value: f64, varied: Option<LoopFigures>, nominal: LoopFigures
     }
 }
 
-fn largest(at: &EffectAt) -> f64 {
+fn largest(at: &EffectAtValue) -> f64 {
     if !at.is_stable {
         return f64::INFINITY;
     }

@@ -8,7 +8,7 @@ use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::alternatives::generalised_plant;
 use counterpoise_synth::{
     Alternative, Design, DesignPlant, DisturbanceChannel, FeedbackWeights, Figures, JointOptimum, Reference,
-    Refusal, Sampled, ScheduleEntry, SourceCost, SynthesisMethod, Weighed, Weight, attempt,
+    Refusal, SampledLoop, ScheduleEntry, SourceCost, SynthesisMethod, ResidualChoice, Weight, attempt,
     check_sampled_loop, design_alternative, discretise, error_at, figure_systems, sampled_loop_figures,
     total_cost,
 };
@@ -277,7 +277,7 @@ struct MeasuredLoop {
     systems: Vec<SystemResult>,
 }
 
-fn measured_loop(made: &SynthesisedDesign, sampled: &Sampled) -> Result<MeasuredLoop, PipelineError> {
+fn measured_loop(made: &SynthesisedDesign, sampled: &SampledLoop) -> Result<MeasuredLoop, PipelineError> {
     let on = figure_systems(&made.design.plant, sampled, &made.sampling)?;
     let systems = vec![
         SystemResult::new("loop", &on.broken, &["control_v"], &["returned_control_v"]),
@@ -298,7 +298,7 @@ fn measured_loop(made: &SynthesisedDesign, sampled: &Sampled) -> Result<Measured
     Ok(MeasuredLoop { figures: loop_figures(made, sampled)?, systems })
 }
 
-fn loop_figures(made: &SynthesisedDesign, sampled: &Sampled) -> Result<LoopFigures, PipelineError> {
+fn loop_figures(made: &SynthesisedDesign, sampled: &SampledLoop) -> Result<LoopFigures, PipelineError> {
     let found: Figures = sampled_loop_figures(&made.design.plant, sampled, &made.sampling, BAND_RAD_S)?;
     Ok(LoopFigures {
         gain_margin_db: found.gain_margin_db,
@@ -506,7 +506,7 @@ fn motions(design: &Design) -> Result<Vec<MotionRow>, PipelineError> {
             continue;
         }
         let at =
-            |gain: f64, output: usize| error_at(&design.plant, design, channel, Weighed { gain, output });
+            |gain: f64, output: usize| error_at(&design.plant, design, channel, ResidualChoice { gain, output });
         let pair = |output: usize| Ok::<_, PipelineError>([at(0.0, output)?, at(1.0, output)?]);
         let (hub_rad_s, tip_rad_s) = (pair(LinearPlant::HUB_RATE)?, pair(LinearPlant::TIP_RATE)?);
         rows.push(MotionRow { disturbance, hub_rad_s, tip_rad_s });

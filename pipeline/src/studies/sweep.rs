@@ -4,7 +4,7 @@ use counterpoise_controller::Controller;
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pool::{Pool, map};
 use counterpoise_verify::robust::{
-    Campaign, FamilyMember, Layout, Ranked, Sample, Sense, Summary, Variation, Worst, compare_configurations,
+    Campaign, FamilyMember, Layout, ParameterInfluence, Sample, Sense, Summary, Variation, WorstMechanism, compare_configurations,
     one_at_a_time, rank_parameters, summarise_requirement, worst_case,
 };
 use counterpoise_verify::structured::{RobustStability, Uncertainty};
@@ -33,9 +33,9 @@ pub struct CampaignResult {
     /// Statistics of each requirement.
     pub summaries: Vec<Summary>,
     /// The variations of each requirement by rank correlation, strongest first.
-    pub rankings: Vec<Vec<Ranked>>,
+    pub rankings: Vec<Vec<ParameterInfluence>>,
     /// The worst case of each requirement; `None` if no mechanism could be judged.
-    pub worst: Vec<Option<Worst>>,
+    pub worst: Vec<Option<WorstMechanism>>,
     /// Each parameter varied alone, and each configuration.
     pub families: Vec<FamilyMember>,
     /// The linear worst case; `None` if nothing that enters the linear loop varies.
@@ -46,7 +46,7 @@ pub struct CampaignResult {
 #[derive(Debug, Clone, Default)]
 pub struct BesideSamples {
     /// The worst case of each requirement.
-    pub worst: Vec<Option<Worst>>,
+    pub worst: Vec<Option<WorstMechanism>>,
     /// Each parameter varied alone, and each configuration.
     pub families: Vec<FamilyMember>,
     /// The linear worst case.
@@ -84,7 +84,7 @@ impl CampaignResult {
     }
 
     /// Returns the variations whose rank correlation with the figure of a requirement stands out from chance, strongest first.
-    pub fn clear_rankings(&self, requirement: usize) -> impl Iterator<Item = &Ranked> {
+    pub fn clear_rankings(&self, requirement: usize) -> impl Iterator<Item = &ParameterInfluence> {
         let chance = self.chance_correlation();
         self.rankings[requirement].iter().filter(move |one| one.correlation.abs() >= chance)
     }
@@ -213,7 +213,7 @@ pub fn worst_cases(
     campaign: &Campaign,
     samples: &[Sample],
     pool: &dyn Pool,
-) -> Result<Vec<Option<Worst>>, PipelineError> {
+) -> Result<Vec<Option<WorstMechanism>>, PipelineError> {
     let judged = |k: usize| samples.iter().any(|sample| !sample.values[k].is_nan());
     let one = |k: usize| judged(k).then(|| worst_case(campaign, samples, k, TRIED)).transpose();
     let found = map(pool, campaign.requirements().len(), one);

@@ -7,7 +7,7 @@ use counterpoise_controller::{
 use counterpoise_lti::{StateSpace, c2d};
 use counterpoise_models::{CONVERTER_RANGE_V, Friction, MapPoint, Parameters, Sensor, Sensors};
 use counterpoise_synth::{
-    DesignPlant, Drive, FrictionSide, ObservedFriction, Sampled, Sampling, check_sampled_loop,
+    DesignPlant, Drive, FrictionSide, ObservedFriction, SampledLoop, Sampling, check_sampled_loop,
     friction_observers,
 };
 
@@ -37,12 +37,12 @@ pub(crate) const HOLD_BAND: f64 = 0.04;
 /// # Errors
 /// Those of the controller.
 pub(crate) fn with_controller_blocks(
-    sampled: Sampled,
+    sampled: SampledLoop,
     asked: &DesignRequest,
     modelled: &PlantModel,
     plant: &DesignPlant,
     sampling: &Sampling,
-) -> Result<Sampled, PipelineError> {
+) -> Result<SampledLoop, PipelineError> {
     let prefilter = prefilter(asked, sampling)?;
     let observers = match &asked.options.observer {
         Some(observer) => observers(observer, &modelled.parameters)?,
@@ -73,7 +73,7 @@ pub(crate) fn with_controller_blocks(
     let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
     let hub_angle_rad = modelled.linear.equilibrium.point.hub_angle_rad;
     let plant = attach_sensors(plant, &modelled.parameters, hub_angle_rad)?;
-    Ok(Sampled { certified: sampled.certified, ..check_sampled_loop(&plant, controller, sampling)? })
+    Ok(SampledLoop { certified: sampled.certified, ..check_sampled_loop(&plant, controller, sampling)? })
 }
 
 /// Returns the projection of heave and surge across the beam, where the machine has both accelerometers and the design a feedforward of
@@ -124,10 +124,10 @@ fn corrections(asked: &DesignRequest, sensors: &Sensors) -> Vec<Correction> {
 ///
 /// # Errors
 /// Those of the controller.
-pub(crate) fn with_reading_limits(sampled: Sampled, sensors: &Sensors) -> Result<Sampled, PipelineError> {
+pub(crate) fn with_reading_limits(sampled: SampledLoop, sensors: &Sensors) -> Result<SampledLoop, PipelineError> {
     let change = |parts: &mut Parts| parts.reading_limits = reading_limits(sensors, parts.reading_limits);
     let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
-    Ok(Sampled { controller, ..sampled })
+    Ok(SampledLoop { controller, ..sampled })
 }
 
 /// Returns the largest good readings: [`BEYOND_FULL_SCALE`] times what a fitted sensor gives at its converter's end. The demand

@@ -11,7 +11,7 @@ use counterpoise_lti::{Discretisation, StateSpace, Timebase, c2d, d2c_tustin, fr
 use counterpoise_models::ControlledQuantity;
 use counterpoise_reduce::{ControllerReduction, Method as Truncation, Order, reduce_controller};
 use counterpoise_synth::{
-    Alternative, Design, DesignFinding, DisturbanceChannel, Reference, Sampled, Sampling, ScheduleEntry,
+    Alternative, Design, DesignFinding, DisturbanceChannel, Reference, SampledLoop, Sampling, ScheduleEntry,
     SynthesisMethod, design, design_alternative, discretise, discretise_schedule,
 };
 
@@ -34,7 +34,7 @@ pub struct SynthesisedDesign {
     /// The continuous design with its certificates.
     pub design: Design,
     /// The sampled controller and its loop.
-    pub sampled: Sampled,
+    pub sampled: SampledLoop,
     /// What a designer should know.
     pub warnings: Vec<DesignFinding>,
     /// How it is sampled.

@@ -24,14 +24,14 @@ pub struct AcceptanceText {
 }
 
 /// A result whose requirements can be traced to runs and to tests.
-pub trait Traceable {
+pub trait AcceptanceSource {
     /// Returns how a requirement on a figure is judged, and the test on the machine that would show whether it holds.
     fn acceptance(&self, figure: &Figure) -> AcceptanceText;
 }
 
-impl Traceable for Verification {
+impl AcceptanceSource for Verification {
     fn acceptance(&self, figure: &Figure) -> AcceptanceText {
-        let of = Judged { procedure: &self.evidence.procedure, controlled: self.controlled_quantity() };
+        let of = LoopProcedure { procedure: &self.evidence.procedure, controlled: self.controlled_quantity() };
         AcceptanceText {
             basis: basis(figure, &of),
             judged_by: judged_by(figure, &of),
@@ -41,12 +41,12 @@ impl Traceable for Verification {
 }
 
 /// A procedure on a loop.
-struct Judged<'a> {
+struct LoopProcedure<'a> {
     procedure: &'a Procedure,
     controlled: ControlledQuantity,
 }
 
-impl Judged<'_> {
+impl LoopProcedure<'_> {
     /// Returns the sensor of the loop.
     fn sensor(&self) -> String {
         if self.controlled == ControlledQuantity::RATE {
@@ -57,7 +57,7 @@ impl Judged<'_> {
 }
 
 /// Returns whether a figure is linear, which holds at any amplitude, or at which amplitude it is nonlinear.
-fn basis(figure: &Figure, of: &Judged<'_>) -> String {
+fn basis(figure: &Figure, of: &LoopProcedure<'_>) -> String {
     let (procedure, unit) = (of.procedure, of.controlled.unit());
     let at = match figure {
         Figure::Loop(_) | Figure::Rejection { .. } => return "linear".to_owned(),
@@ -98,7 +98,7 @@ fn size(source: Source, procedure: &Procedure) -> String {
 }
 
 /// Returns the run of the verification that gives a figure, in words.
-fn judged_by(figure: &Figure, of: &Judged<'_>) -> String {
+fn judged_by(figure: &Figure, of: &LoopProcedure<'_>) -> String {
     let procedure = of.procedure;
     let on = |model: &Model| match model {
         Model::Linear => "linear plant",
@@ -124,7 +124,7 @@ fn judged_by(figure: &Figure, of: &Judged<'_>) -> String {
 }
 
 /// Returns the test on the machine that would show whether a requirement on the figure holds, in words.
-fn acceptance_test(figure: &Figure, of: &Judged<'_>) -> String {
+fn acceptance_test(figure: &Figure, of: &LoopProcedure<'_>) -> String {
     let (procedure, name) = (of.procedure, of.controlled.name());
     match figure {
         Figure::Loop(figure) => of_loop(*figure).to_owned(),
@@ -226,12 +226,12 @@ fn of_loop(figure: LoopFigure) -> &'static str {
     }
 }
 
-fn step(of: &Judged<'_>) -> String {
+fn step(of: &LoopProcedure<'_>) -> String {
     let step = &of.procedure.step;
     format!("step of {} {}, {} s", step.rate_rad_s, of.controlled.unit(), step.duration_s)
 }
 
-fn triangle(of: &Judged<'_>) -> String {
+fn triangle(of: &LoopProcedure<'_>) -> String {
     match of.procedure.triangle {
         Some(triangle) => {
             let unit = of.controlled.unit();
@@ -279,7 +279,7 @@ fn acting_control(arrangement: Arrangement) -> &'static str {
     }
 }
 
-fn recorded_signal(quantity: Quantity, of: &Judged<'_>) -> String {
+fn recorded_signal(quantity: Quantity, of: &LoopProcedure<'_>) -> String {
     let fixed = match quantity {
         Quantity::HubRms | Quantity::HubPeak => return of.sensor(),
         Quantity::Rejection => return format!("{} and the platform's sensors", of.sensor()),
@@ -321,7 +321,7 @@ mod tests {
     #[test]
     fn every_figure_has_a_run_and_a_test_of_its_own_motion() {
         let procedure = &Procedure::default();
-        let procedure = Judged { procedure, controlled: ControlledQuantity::RATE };
+        let procedure = LoopProcedure { procedure, controlled: ControlledQuantity::RATE };
         for figure in Figure::all() {
             assert!(!judged_by(&figure, &procedure).is_empty(), "{figure}");
             let basis = basis(&figure, &procedure);

@@ -3,7 +3,7 @@
 use counterpoise_models::ControlledQuantity;
 use counterpoise_verify::{
     Arrangement, Figure, JointExperiment, JointFigure, JointQuantity, LoopFigure, Model, Quantity,
-    RestFigure, SightFigure, Source, StepFigure, TriangleFigure, Unmeasured,
+    RestFigure, SightFigure, Source, StepFigure, TriangleFigure, MissingReason,
 };
 
 /// Returns the name of a figure in a loop, for example `peak hub rate, pitch, feedback, linear plant`.
@@ -56,38 +56,38 @@ pub fn describe_joint_quantity(quantity: JointQuantity) -> &'static str {
 }
 
 /// Describes why a figure was not measured, or has no number.
-pub fn describe_unmeasured(why: &Unmeasured) -> String {
+pub fn describe_unmeasured(why: &MissingReason) -> String {
     match why {
-        Unmeasured::NoRoad => "this experiment was not run: the verification has no road".to_owned(),
-        Unmeasured::NoTriangle => "this experiment was not run: the verification has no triangle".to_owned(),
-        Unmeasured::LinearPlantAlone => {
+        MissingReason::NoRoad => "this experiment was not run: the verification has no road".to_owned(),
+        MissingReason::NoTriangle => "this experiment was not run: the verification has no triangle".to_owned(),
+        MissingReason::LinearPlantAlone => {
             "this experiment was not run: the linear plant alone was verified".to_owned()
         }
-        Unmeasured::NotRun => "this experiment was not run".to_owned(),
-        Unmeasured::NoLineOfSight => {
+        MissingReason::NotRun => "this experiment was not run".to_owned(),
+        MissingReason::NoLineOfSight => {
             "this figure was not measured: the project has no [verify.line_of_sight]".to_owned()
         }
-        Unmeasured::NoCoincidence => {
+        MissingReason::NoCoincidence => {
             "this figure was not measured: the project has no [verify.line_of_sight.coincidence]".to_owned()
         }
-        Unmeasured::NoOptics => {
+        MissingReason::NoOptics => {
             "this figure was not measured: the project has no [verify.line_of_sight.optics]".to_owned()
         }
-        Unmeasured::HoldsPosition => {
+        MissingReason::HoldsPosition => {
             "the loop holds a position on the platform: its line of sight moves with it".to_owned()
         }
-        Unmeasured::HoldsEffort => {
+        MissingReason::HoldsEffort => {
             "the loop holds a torque, a force or a current: nothing holds a line of sight".to_owned()
         }
-        Unmeasured::NoSuchSignal => "not computed on this plant".to_owned(),
-        Unmeasured::ShortRun => "the run is too short for it".to_owned(),
-        Unmeasured::EmptyRecord => "the record is empty".to_owned(),
-        Unmeasured::NoRise => "the hub never reaches 90 % of the demand".to_owned(),
-        Unmeasured::NoPeak => "the hub never exceeds the demand".to_owned(),
-        Unmeasured::PlatformStill => "the platform does not move".to_owned(),
-        Unmeasured::NotANumber => "not a number".to_owned(),
-        Unmeasured::NoValue => "it could not be measured".to_owned(),
-        Unmeasured::StepResponse(error) => error.to_string(),
+        MissingReason::NoSuchSignal => "not computed on this plant".to_owned(),
+        MissingReason::ShortRun => "the run is too short for it".to_owned(),
+        MissingReason::EmptyRecord => "the record is empty".to_owned(),
+        MissingReason::NoRise => "the hub never reaches 90 % of the demand".to_owned(),
+        MissingReason::NoPeak => "the hub never exceeds the demand".to_owned(),
+        MissingReason::PlatformStill => "the platform does not move".to_owned(),
+        MissingReason::NotANumber => "not a number".to_owned(),
+        MissingReason::NoValue => "it could not be measured".to_owned(),
+        MissingReason::StepResponse(error) => error.to_string(),
     }
 }
 

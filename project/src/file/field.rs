@@ -15,7 +15,7 @@ pub(crate) struct Field {
     /// Unit of the second number of each pair, if it is not that of the first.
     pub second_unit: Option<&'static str>,
     /// By which rule the default stands in for a value that is not known.
-    pub assumed: Option<Assumed>,
+    pub assumed: Option<DefaultRule>,
     /// What to do if the value of a required key is not known.
     pub unknown: &'static str,
     /// Units of another quantity that people write here, each with what to add.
@@ -32,7 +32,7 @@ pub(crate) struct UnitHint {
 
 /// By which rule a default stands in for a value that is not known.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Assumed {
+pub(crate) struct DefaultRule {
     /// The rule, as in "equal to the torque constant".
     pub rule: &'static str,
     /// Why the rule holds, or where it comes from.
@@ -149,7 +149,7 @@ impl Field {
         source: &'static str,
         usual: UsualRange,
     ) -> Self {
-        self.assumed = Some(Assumed { rule, source, usual });
+        self.assumed = Some(DefaultRule { rule, source, usual });
         self
     }
 

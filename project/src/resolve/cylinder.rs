@@ -28,7 +28,7 @@ const REPLACED: [&str; 8] =
     ["gearbox", "belt", "cable", "harmonic_drive", "ball_screw", "motor", "amplifier", "drive"];
 
 /// What `[plant.cylinder]` states, in SI.
-struct Stated {
+struct CylinderKeys {
     area_m2: f64,
     supply_pa: f64,
     volume_m3: f64,
@@ -44,7 +44,7 @@ struct Stated {
     lever: Lever,
 }
 
-impl Stated {
+impl CylinderKeys {
     const BLANK: Self = Self {
         area_m2: f64::NAN,
         supply_pa: f64::NAN,
@@ -123,7 +123,7 @@ pub(super) fn cylinder(v: &mut dyn Visit, presence: Presence, plant: &mut Parame
     if !v.enter(&section, presence) {
         return;
     }
-    let mut stated = plant.cylinder.as_ref().map_or(Stated::BLANK, |cylinder| Stated::of(cylinder, plant));
+    let mut stated = plant.cylinder.as_ref().map_or(CylinderKeys::BLANK, |cylinder| CylinderKeys::of(cylinder, plant));
     keys(v, &mut stated);
     v.leave();
     if presence == Presence::Absent {
@@ -149,7 +149,7 @@ pub(super) fn cylinder(v: &mut dyn Visit, presence: Presence, plant: &mut Parame
     }
 }
 
-fn keys(v: &mut dyn Visit, of: &mut Stated) {
+fn keys(v: &mut dyn Visit, of: &mut CylinderKeys) {
     let positive = |key, unit, meaning| Field::new(key, meaning).unit(unit).limit(ABOVE_0);
     let area = "effective area of the piston: its force per load pressure, the difference between both sides";
     v.number(&positive("area", "m^2", area), &mut of.area_m2);
@@ -180,7 +180,7 @@ fn keys(v: &mut dyn Visit, of: &mut Stated) {
     lever(v, arm, &mut of.lever);
 }
 
-fn valve(v: &mut dyn Visit, of: &mut Stated) {
+fn valve(v: &mut dyn Visit, of: &mut CylinderKeys) {
     let positive = |key, unit, meaning| Field::new(key, meaning).unit(unit).limit(ABOVE_0);
     let flow = "of the fully open valve at rated_pressure_drop";
     v.number(&positive("rated_flow", "m^3/s", flow), &mut of.rated_flow_m3_s);

@@ -123,12 +123,12 @@ impl NamedChoice for SamplingName {
 
 /// What a feedforward knows, by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Known {
+enum FeedforwardKnowledge {
     Exact,
     Measured,
 }
 
-impl NamedChoice for Known {
+impl NamedChoice for FeedforwardKnowledge {
     const NAMES: &'static [(&'static str, Self)] = &[("exact", Self::Exact), ("measured", Self::Measured)];
 }
 
@@ -475,12 +475,12 @@ fn visit_indexed_values(v: &mut dyn Visit, fields: &[SignalField], values: &mut 
 
 /// The rate that a feedforward weighs, by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Weighed {
+enum WeightedRate {
     Hub,
     Tip,
 }
 
-impl NamedChoice for Weighed {
+impl NamedChoice for WeightedRate {
     const NAMES: &'static [(&'static str, Self)] = &[("hub", Self::Hub), ("tip", Self::Tip)];
 }
 
@@ -490,13 +490,13 @@ impl NamedChoice for FeedforwardBasis {
 }
 
 fn visit_weighted_output(v: &mut dyn Visit, part: &mut FeedforwardWeights) {
-    let mut which = if part.output == Some(LinearPlant::TIP_RATE) { Weighed::Tip } else { Weighed::Hub };
+    let mut which = if part.output == Some(LinearPlant::TIP_RATE) { WeightedRate::Tip } else { WeightedRate::Hub };
     choose(
         v,
         &Field::new("output", "the rate that is weighted: that of the hub or of the tip").or_text("hub"),
         &mut which,
     );
-    part.output = (which == Weighed::Tip).then_some(LinearPlant::TIP_RATE);
+    part.output = (which == WeightedRate::Tip).then_some(LinearPlant::TIP_RATE);
     let basis = Field::new("basis", "the plant that it is designed on: alone, or with the feedback closed");
     choose(v, &basis.or_text("open-loop"), &mut part.basis);
 }
@@ -504,8 +504,8 @@ fn visit_weighted_output(v: &mut dyn Visit, part: &mut FeedforwardWeights) {
 fn feedforward(v: &mut dyn Visit, part: &mut FeedforwardWeights, noise_unit: &'static str) {
     visit_weighted_output(v, part);
     let (mut known, mut noise) = match part.knowledge {
-        DisturbanceKnowledge::Exact => (Known::Exact, f64::NAN),
-        DisturbanceKnowledge::Measured { noise } => (Known::Measured, noise),
+        DisturbanceKnowledge::Exact => (FeedforwardKnowledge::Exact, f64::NAN),
+        DisturbanceKnowledge::Measured { noise } => (FeedforwardKnowledge::Measured, noise),
     };
     choose(
         v,
@@ -513,8 +513,8 @@ fn feedforward(v: &mut dyn Visit, part: &mut FeedforwardWeights, noise_unit: &'s
         &mut known,
     );
     part.knowledge = match known {
-        Known::Exact => DisturbanceKnowledge::Exact,
-        Known::Measured => {
+        FeedforwardKnowledge::Exact => DisturbanceKnowledge::Exact,
+        FeedforwardKnowledge::Measured => {
             let field = Field::new("measurement_noise", "spectral density of the noise of its sensor")
                 .unit(noise_unit);
             v.number(&field.limit(Limit::Above(0.0)), &mut noise);

@@ -4,7 +4,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use counterpoise_linalg::{Sparse, sparse::ProgressObserver};
 use counterpoise_models::PointMass;
-use counterpoise_models::structure::fe::Fitted;
+use counterpoise_models::structure::fe::AttachedMasses;
 use counterpoise_models::structure::import::{Dmig, Imported, NodeMap, matrix_market, read_dmig, read_op4};
 use counterpoise_models::structure::{Condensation, FeModel, Shapes};
 
@@ -81,7 +81,7 @@ impl ImportedContent {
     /// As for [`Imported::with_fitted_masses`] and [`Imported::condense`].
     pub fn structure(
         &self,
-        fitted: &Fitted,
+        fitted: &AttachedMasses,
         wanted: &Condensation,
         watch: &mut ProgressObserver,
     ) -> Result<FeModel, counterpoise_models::Error> {
@@ -89,12 +89,12 @@ impl ImportedContent {
             return self.compute_model(fitted, wanted, watch);
         }
         let is_same =
-            |kept: &&Condensed| kept.wanted == *wanted && kept.fitted == *fitted && kept.content == *self;
+            |kept: &&CondensedStructure| kept.wanted == *wanted && kept.fitted == *fitted && kept.content == *self;
         if let Some(kept) = condensed_structures().iter().find(is_same) {
             return Ok(kept.structure.clone());
         }
         let structure = self.compute_model(fitted, wanted, watch)?;
-        let made = Condensed {
+        let made = CondensedStructure {
             content: self.clone(),
             fitted: fitted.clone(),
             wanted: *wanted,
@@ -108,11 +108,11 @@ impl ImportedContent {
 
     fn compute_model(
         &self,
-        fitted: &Fitted,
+        fitted: &AttachedMasses,
         wanted: &Condensation,
         watch: &mut ProgressObserver,
     ) -> Result<FeModel, counterpoise_models::Error> {
-        if *fitted == Fitted::default() {
+        if *fitted == AttachedMasses::default() {
             return self.matrices.condense(&self.map, wanted, watch);
         }
         self.matrices.with_fitted_masses(&self.map, fitted)?.condense(&self.map, wanted, watch)
@@ -120,9 +120,9 @@ impl ImportedContent {
 }
 
 /// A condensed structure and what it was made from.
-struct Condensed {
+struct CondensedStructure {
     content: ImportedContent,
-    fitted: Fitted,
+    fitted: AttachedMasses,
     wanted: Condensation,
     structure: FeModel,
 }
@@ -132,8 +132,8 @@ const KEPT_STRUCTURES: usize = 2;
 
 /// Returns the structures that were condensed last, the newest first. A large one takes seconds, and every edit in the window and every
 /// variation of a study asks for the same one again. The answer depends on nothing but what is compared.
-fn condensed_structures() -> MutexGuard<'static, Vec<Condensed>> {
-    static CONDENSED: Mutex<Vec<Condensed>> = Mutex::new(Vec::new());
+fn condensed_structures() -> MutexGuard<'static, Vec<CondensedStructure>> {
+    static CONDENSED: Mutex<Vec<CondensedStructure>> = Mutex::new(Vec::new());
     CONDENSED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

@@ -54,12 +54,12 @@ impl NamedChoice for Integration {
 
 /// What a linear plant makes of dry friction, by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Dry {
+enum FrictionLinearisationName {
     Viscous,
     DescribingFunction,
 }
 
-impl NamedChoice for Dry {
+impl NamedChoice for FrictionLinearisationName {
     const NAMES: &'static [(&'static str, Self)] =
         &[("viscous", Self::Viscous), ("describing-function", Self::DescribingFunction)];
 }
@@ -146,10 +146,10 @@ pub(crate) fn model(v: &mut dyn Visit, model: &mut PlantSelection) {
 fn friction(v: &mut dyn Visit, friction: &mut FrictionLinearisation) {
     let (mut dry, mut amplitude, mut frequency) = match *friction {
         FrictionLinearisation::Viscous | FrictionLinearisation::Impedances { .. } => {
-            (Dry::Viscous, f64::NAN, f64::NAN)
+            (FrictionLinearisationName::Viscous, f64::NAN, f64::NAN)
         }
         FrictionLinearisation::DescribingFunction { hub_amplitude_rad, frequency_rad_s } => {
-            (Dry::DescribingFunction, hub_amplitude_rad, frequency_rad_s)
+            (FrictionLinearisationName::DescribingFunction, hub_amplitude_rad, frequency_rad_s)
         }
     };
     choose(
@@ -158,8 +158,8 @@ fn friction(v: &mut dyn Visit, friction: &mut FrictionLinearisation) {
         &mut dry,
     );
     *friction = match dry {
-        Dry::Viscous => FrictionLinearisation::Viscous,
-        Dry::DescribingFunction => {
+        FrictionLinearisationName::Viscous => FrictionLinearisation::Viscous,
+        FrictionLinearisationName::DescribingFunction => {
             let above = Limit::Above(0.0);
             v.number(
                 &Field::new("friction_amplitude", "amplitude of the hub's motion on the platform")

@@ -2,7 +2,7 @@
 
 use counterpoise_models::{
     AccelerometerAxis, AxisKind, Clock, DriveLimits, FeedbackSignal, Friction, FrictionLaw, Gearbox,
-    IDEAL_CONVERTER_BITS, Interface, Loads, Lumped, Motor, Parameters, Ripple, Sensor, Sensors, Transmission,
+    IDEAL_CONVERTER_BITS, Interface, Loads, LumpedStructure, Motor, Parameters, Ripple, Sensor, Sensors, Transmission,
 };
 
 use super::axis_words::{Words, turning_of_motor};
@@ -152,19 +152,19 @@ impl NamedChoice for AxisKind {
 }
 
 /// Reads or lists the structure as one rigid, balanced inertia.
-fn one_inertia(v: &mut dyn Visit, lumped: &mut Option<Lumped>) {
+fn one_inertia(v: &mut dyn Visit, lumped: &mut Option<LumpedStructure>) {
     let known = lumped.as_ref().map(|l| l.hub_inertia_kg_m2);
-    let mut inertia = known.filter(|inertia| *lumped == Some(Lumped::rigid(*inertia)));
+    let mut inertia = known.filter(|inertia| *lumped == Some(LumpedStructure::rigid(*inertia)));
     let field = Field::new("inertia", "of a structure that is one rigid, balanced body").unit("kg m^2");
     maybe_number(v, &field.limit(ABOVE_0), &mut inertia);
     if let Some(inertia) = inertia {
-        *lumped = Some(Lumped::rigid(inertia));
+        *lumped = Some(LumpedStructure::rigid(inertia));
     }
 }
 
 /// Reads or lists the structure as one or two inertias with more than that.
-fn described_by_inertias(v: &mut dyn Visit, inertias: &mut Option<Lumped>) {
-    let short = inertias.as_ref().is_some_and(|l| *l == Lumped::rigid(l.hub_inertia_kg_m2));
+fn described_by_inertias(v: &mut dyn Visit, inertias: &mut Option<LumpedStructure>) {
+    let short = inertias.as_ref().is_some_and(|l| *l == LumpedStructure::rigid(l.hub_inertia_kg_m2));
     let section = TableField::optional("lumped", "the structure as one inertia, two, or more in a chain");
     if v.enter(&section, Presence::from(inertias.is_some() && !short)) {
         let mut value = inertias.take().filter(|_| !short).unwrap_or_else(blank_lumped);

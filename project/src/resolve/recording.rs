@@ -1,7 +1,7 @@
 //! The `[recording]` section: how the columns of recordings become channels.
 
 use counterpoise_models::{AxisKind, FeedbackSignal};
-use counterpoise_recordings::{Channel, ChannelSource, ChannelUnits, Controlled, Mapping, Travel};
+use counterpoise_recordings::{Channel, ChannelSource, ChannelUnits, LoopQuantity, Mapping, Travel};
 
 use super::Project;
 use super::controller::RecordingController;
@@ -18,14 +18,14 @@ impl Project {
     pub fn channel_units(&self) -> ChannelUnits {
         let reading = match self.plant.sensors.measured {
             FeedbackSignal::HubRate | FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate => {
-                Controlled::Rate
+                LoopQuantity::Rate
             }
-            FeedbackSignal::HubPosition | FeedbackSignal::MotorPosition => Controlled::Position,
-            FeedbackSignal::Torque => Controlled::Torque,
-            FeedbackSignal::Current => Controlled::Current,
+            FeedbackSignal::HubPosition | FeedbackSignal::MotorPosition => LoopQuantity::Position,
+            FeedbackSignal::Torque => LoopQuantity::Torque,
+            FeedbackSignal::Current => LoopQuantity::Current,
         };
         let positioned = matches!(self.recording_controller, Some(RecordingController::Position(_)));
-        let demand = if positioned { Controlled::Position } else { reading };
+        let demand = if positioned { LoopQuantity::Position } else { reading };
         let travel = match self.plant.axis {
             AxisKind::Rotary => Travel::Turning,
             AxisKind::Linear => Travel::Sliding,

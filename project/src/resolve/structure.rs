@@ -1,7 +1,7 @@
 //! The structure: the beam with its sections and masses, the lumped inertias, the configurations.
 
 use counterpoise_models::{
-    Beam, BeamSection, Configuration, Link, Lumped, PointMass, SectionShape, StructuralDamping,
+    Beam, BeamSection, Configuration, Link, LumpedStructure, PointMass, SectionShape, StructuralDamping,
 };
 
 use super::transmission::assumed_rigid;
@@ -173,8 +173,8 @@ pub(crate) fn blank_beam() -> Beam {
 }
 
 /// Lumped inertias still to be read.
-pub(crate) fn blank_lumped() -> Lumped {
-    Lumped {
+pub(crate) fn blank_lumped() -> LumpedStructure {
+    LumpedStructure {
         hub_inertia_kg_m2: f64::NAN,
         beam_inertia_kg_m2: f64::NAN,
         stiffness_nm_rad: f64::NAN,
@@ -305,7 +305,7 @@ fn mass(v: &mut dyn Visit, mass: &mut PointMass) {
 }
 
 /// Reads or lists the lumped inertias.
-pub(crate) fn lumped_inertias(v: &mut dyn Visit, lumped: &mut Lumped) {
+pub(crate) fn lumped_inertias(v: &mut dyn Visit, lumped: &mut LumpedStructure) {
     v.number(&HUB_INERTIA, &mut lumped.hub_inertia_kg_m2);
     v.number(&BEAM_INERTIA, &mut lumped.beam_inertia_kg_m2);
     let stiffness = assumed_rigid(STIFFNESS, SOFT_BEAM_HZ, lumped.beam_inertia_kg_m2);
@@ -355,7 +355,7 @@ fn as_usual(damping: Field) -> Field {
 }
 
 /// Returns damping at a damping ratio of 0.01 of the free structure; 0 if it is one body.
-fn usual_damping(lumped: &Lumped) -> f64 {
+fn usual_damping(lumped: &LumpedStructure) -> f64 {
     let (hub, beam) = (lumped.hub_inertia_kg_m2, lumped.beam_inertia_kg_m2);
     if lumped.is_rigid() {
         return 0.0;

@@ -1,6 +1,6 @@
 //! The `[sweep]` section: which parameters vary, one at a time and all at once.
 
-use counterpoise_verify::robust::{Distribution, Family, PointLayout, Variation, Varied, varied_parameters};
+use counterpoise_verify::robust::{Distribution, Family, PointLayout, Variation, VariedParameter, varied_parameters};
 
 use super::Project;
 use crate::assumption::KeyTolerance;
@@ -27,13 +27,13 @@ pub struct RobustnessCampaign {
     pub output_error: f64,
 }
 
-impl NamedChoice for Varied {
+impl NamedChoice for VariedParameter {
     const NAMES: &'static [(&'static str, Self)] = &NAMES;
 }
 
 /// The parameters' keys, the other way round.
-const NAMES: [(&str, Varied); varied_parameters::ALL.len()] = {
-    let mut names = [("", Varied::Inertia); varied_parameters::ALL.len()];
+const NAMES: [(&str, VariedParameter); varied_parameters::ALL.len()] = {
+    let mut names = [("", VariedParameter::Inertia); varied_parameters::ALL.len()];
     let mut at = 0;
     while at < names.len() {
         names[at] = (varied_parameters::ALL[at].1, varied_parameters::ALL[at].0);
@@ -91,34 +91,34 @@ const OUTPUT_ERROR: Field = Field::new(
 .or(GAIN_ERROR);
 
 /// The keys of the plant whose tolerances a campaign can vary, with the parameters that they are.
-const TOLERANCES: [(&str, Varied); 27] = [
-    ("plant.inertia", Varied::HubInertia),
-    ("plant.mass", Varied::HubInertia),
-    ("plant.lumped.hub_inertia", Varied::HubInertia),
-    ("plant.lumped.mass", Varied::HubInertia),
-    ("plant.lumped.beam_inertia", Varied::BeamInertia),
-    ("plant.lumped.tip_mass", Varied::BeamInertia),
-    ("plant.lumped.out_of_balance", Varied::OutOfBalance),
-    ("plant.lumped.stiffness", Varied::StructureStiffness),
-    ("plant.lumped.damping", Varied::StructureDamping),
-    ("plant.gearbox.backlash", Varied::Backlash),
-    ("plant.ball_screw.backlash", Varied::Backlash),
-    ("plant.gearbox.stiffness", Varied::GearStiffness),
-    ("plant.belt.stiffness", Varied::GearStiffness),
-    ("plant.cable.stiffness", Varied::GearStiffness),
-    ("plant.harmonic_drive.stiffness", Varied::GearStiffness),
-    ("plant.ball_screw.stiffness", Varied::GearStiffness),
-    ("plant.motor.inertia", Varied::MotorInertia),
-    ("plant.motor.torque_constant", Varied::TorqueConstant),
-    ("plant.motor.resistance", Varied::Resistance),
-    ("plant.friction.motor.coulomb", Varied::MotorFriction),
-    ("plant.friction.pivot.coulomb", Varied::PivotFriction),
-    ("plant.sensors.hub_gyro.natural_frequency", Varied::GyroBandwidth),
-    ("plant.sensors.tachometer.natural_frequency", Varied::GyroBandwidth),
-    ("plant.sensors.encoder.natural_frequency", Varied::GyroBandwidth),
-    ("plant.sensors.resolver.natural_frequency", Varied::GyroBandwidth),
-    ("plant.sensors.platform_accelerometer.gain", Varied::AccelerometerGain),
-    ("plant.sensors.platform_gyro.gain", Varied::PlatformGyroGain),
+const TOLERANCES: [(&str, VariedParameter); 27] = [
+    ("plant.inertia", VariedParameter::HubInertia),
+    ("plant.mass", VariedParameter::HubInertia),
+    ("plant.lumped.hub_inertia", VariedParameter::HubInertia),
+    ("plant.lumped.mass", VariedParameter::HubInertia),
+    ("plant.lumped.beam_inertia", VariedParameter::BeamInertia),
+    ("plant.lumped.tip_mass", VariedParameter::BeamInertia),
+    ("plant.lumped.out_of_balance", VariedParameter::OutOfBalance),
+    ("plant.lumped.stiffness", VariedParameter::StructureStiffness),
+    ("plant.lumped.damping", VariedParameter::StructureDamping),
+    ("plant.gearbox.backlash", VariedParameter::Backlash),
+    ("plant.ball_screw.backlash", VariedParameter::Backlash),
+    ("plant.gearbox.stiffness", VariedParameter::GearStiffness),
+    ("plant.belt.stiffness", VariedParameter::GearStiffness),
+    ("plant.cable.stiffness", VariedParameter::GearStiffness),
+    ("plant.harmonic_drive.stiffness", VariedParameter::GearStiffness),
+    ("plant.ball_screw.stiffness", VariedParameter::GearStiffness),
+    ("plant.motor.inertia", VariedParameter::MotorInertia),
+    ("plant.motor.torque_constant", VariedParameter::TorqueConstant),
+    ("plant.motor.resistance", VariedParameter::Resistance),
+    ("plant.friction.motor.coulomb", VariedParameter::MotorFriction),
+    ("plant.friction.pivot.coulomb", VariedParameter::PivotFriction),
+    ("plant.sensors.hub_gyro.natural_frequency", VariedParameter::GyroBandwidth),
+    ("plant.sensors.tachometer.natural_frequency", VariedParameter::GyroBandwidth),
+    ("plant.sensors.encoder.natural_frequency", VariedParameter::GyroBandwidth),
+    ("plant.sensors.resolver.natural_frequency", VariedParameter::GyroBandwidth),
+    ("plant.sensors.platform_accelerometer.gain", VariedParameter::AccelerometerGain),
+    ("plant.sensors.platform_gyro.gain", VariedParameter::PlatformGyroGain),
 ];
 
 /// Returns the keys whose tolerances a campaign can vary.
@@ -181,7 +181,7 @@ pub(crate) fn sweep(v: &mut dyn Visit, sweep: &mut RobustnessCampaign) {
     v.number(&INPUT_ERROR, &mut sweep.input_error);
     v.number(&OUTPUT_ERROR, &mut sweep.output_error);
     let blank = Variation {
-        parameter: Varied::Inertia,
+        parameter: VariedParameter::Inertia,
         distribution: Distribution::Uniform { low: f64::NAN, high: f64::NAN },
     };
     list(
@@ -191,7 +191,7 @@ pub(crate) fn sweep(v: &mut dyn Visit, sweep: &mut RobustnessCampaign) {
         blank,
         variation,
     );
-    let blank = Family { parameter: Varied::Inertia, factors: Vec::new() };
+    let blank = Family { parameter: VariedParameter::Inertia, factors: Vec::new() };
     list(
         v,
         &TableField::optional("family", "a parameter that varies alone"),

@@ -239,7 +239,7 @@ fn sine(v: &mut dyn Visit, sine: &mut Sine, usual: Sine, unit: &'static str) {
 
 /// A requirement as the file has it: either limit, or both.
 #[derive(Debug, Clone)]
-struct Asked {
+struct StatedRequirement {
     figure: String,
     at_least: Option<f64>,
     at_most: Option<f64>,
@@ -247,24 +247,24 @@ struct Asked {
 }
 
 fn requirements(v: &mut dyn Visit, requirements: &mut Vec<Requirement>, controlled: ControlledQuantity) {
-    let mut asked: Vec<Asked> = requirements.iter().map(|one| asked_of(one, controlled)).collect();
-    let blank = Asked { figure: String::new(), at_least: None, at_most: None, source: String::new() };
+    let mut asked: Vec<StatedRequirement> = requirements.iter().map(|one| asked_of(one, controlled)).collect();
+    let blank = StatedRequirement { figure: String::new(), at_least: None, at_most: None, source: String::new() };
     list(v, &TableField::optional("requirement", "a figure and its limit"), &mut asked, blank, |v, asked| {
         requirement(v, asked, controlled)
     });
     *requirements = asked.iter().flat_map(|one| resolve_requirements(one, controlled)).collect();
 }
 
-fn asked_of(requirement: &Requirement, controlled: ControlledQuantity) -> Asked {
+fn asked_of(requirement: &Requirement, controlled: ControlledQuantity) -> StatedRequirement {
     let (at_least, at_most) = match requirement.limit {
         Bound::AtLeast(value) => (Some(value), None),
         Bound::AtMost(value) => (None, Some(value)),
     };
     let figure = requirement.figure.key_in(controlled);
-    Asked { figure, at_least, at_most, source: requirement.source.clone() }
+    StatedRequirement { figure, at_least, at_most, source: requirement.source.clone() }
 }
 
-fn resolve_requirements(asked: &Asked, controlled: ControlledQuantity) -> Vec<Requirement> {
+fn resolve_requirements(asked: &StatedRequirement, controlled: ControlledQuantity) -> Vec<Requirement> {
     let Ok(figure) = Figure::from_key_in(controlled, &asked.figure) else { return Vec::new() };
     let limits = [asked.at_least.map(Bound::AtLeast), asked.at_most.map(Bound::AtMost)];
     let requirement =
@@ -272,7 +272,7 @@ fn resolve_requirements(asked: &Asked, controlled: ControlledQuantity) -> Vec<Re
     limits.into_iter().flatten().filter_map(requirement).collect()
 }
 
-fn requirement(v: &mut dyn Visit, asked: &mut Asked, controlled: ControlledQuantity) {
+fn requirement(v: &mut dyn Visit, asked: &mut StatedRequirement, controlled: ControlledQuantity) {
     v.text(&Field::new("figure", "name of the figure that is limited"), &mut asked.figure);
     let known = Figure::from_key_in(controlled, &asked.figure);
     if known.is_err() && !asked.figure.is_empty() {

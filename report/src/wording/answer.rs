@@ -3,7 +3,7 @@
 use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::{
     Answer, DiagnosisVerdict, Finding, FindingBasis, FitTable, FittedParameter, Hypothesis, Name,
-    NextExperiment, NotExcited, SearchWarning,
+    NextExperiment, UnexcitedEffect, SearchWarning,
 };
 use counterpoise_diagnose::findings::localisation_chart::LocalisationChart;
 use counterpoise_diagnose::library::{Component, EffectName};
@@ -29,7 +29,7 @@ pub struct AnswerText {
     /// How the fit improved.
     pub fit: FitTable,
     /// Effects of which these recordings cannot tell whether they are there.
-    pub not_excited: Vec<NotExcited>,
+    pub not_excited: Vec<UnexcitedEffect>,
     /// What to do next.
     pub next_experiment: Option<ExperimentText>,
     /// Balances that these sensors allow, and what each can show.

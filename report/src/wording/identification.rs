@@ -2,7 +2,7 @@
 
 use counterpoise_diagnose::identification::{
     Balance, Estimate, FrictionPicture, GainPoint, Identification, IdentifiedAmplifier, Lobes, Note,
-    SensorErrors, Unidentifiable,
+    SensorErrors, GainCurveObstacle,
 };
 use counterpoise_pipeline::recordings::identify::IdentifiedRecordings;
 use serde::Serialize;
@@ -119,13 +119,13 @@ fn describe_amplifier(amplifier: &IdentifiedAmplifier) -> AmplifierText {
         IdentifiedAmplifier::AsInProject { points } => AmplifierText::AsInProject { points: points.clone() },
         IdentifiedAmplifier::NotIdentifiable { reason } => {
             let why = match reason {
-                Unidentifiable::ControlStaysLarge => {
+                GainCurveObstacle::ControlStaysLarge => {
                     "the control stays where the amplifier is taken as linear; recordings near balance take it through small values"
                 }
-                Unidentifiable::ConfusedWithFriction => {
+                GainCurveObstacle::ConfusedWithFriction => {
                     "the curve cannot be distinguished from friction here; recordings at another out-of-balance can"
                 }
-                Unidentifiable::TooUncertain => {
+                GainCurveObstacle::TooUncertain => {
                     "the curve cannot be distinguished from friction to 15 % here; recordings at another out-of-balance can"
                 }
             };

@@ -11,7 +11,7 @@ use counterpoise_models::plant::core::{input, state};
 use counterpoise_models::{Mesh, Plant};
 
 /// Motor state, wind-up, hub angle, hub rate, current; amplifier voltage, tip rate; nothing.
-pub(crate) type Seen = [f64; NARROW];
+pub(crate) type ModeOutputs = [f64; NARROW];
 
 /// Where the voltage is among what is seen.
 pub(crate) const VOLTAGE: usize = OUTPUTS;
@@ -19,7 +19,7 @@ pub(crate) const VOLTAGE: usize = OUTPUTS;
 pub(crate) const TIP: usize = OUTPUTS + 1;
 
 /// Returns what the nonlinear parts see of it.
-pub(crate) fn outputs(seen: &Seen) -> &[f64; OUTPUTS] {
+pub(crate) fn outputs(seen: &ModeOutputs) -> &[f64; OUTPUTS] {
     seen.first_chunk().unwrap_or(&[0.0; OUTPUTS])
 }
 
@@ -62,7 +62,7 @@ pub(crate) struct Hold {
 
 /// x' = A x + B u in one mode, in coordinates z in which A is a block and pairs on the diagonal.
 #[derive(Debug, Clone)]
-pub(crate) struct Linear {
+pub(crate) struct ModeDynamics {
     pub(super) blocks: Vec<Block>,
     firsts: Vec<usize>,
     n: usize,
@@ -149,7 +149,7 @@ impl Span<'_> {
     }
 }
 
-impl Linear {
+impl ModeDynamics {
     /// Returns the core of a plant in a mode, for steps of a sample period and its halves.
     pub fn new(plant: &Plant, mode: &Mode, period_s: f64) -> Self {
         let mut core = plant.core(mode.mesh);
@@ -225,7 +225,7 @@ impl Linear {
     }
 
     /// Returns what is seen at z: what the nonlinear parts see, then voltage and rate of the tip.
-    pub fn see(&self, z: &[f64]) -> Seen {
+    pub fn see(&self, z: &[f64]) -> ModeOutputs {
         let mut seen = [0.0; NARROW];
         self.seen.multiply_add(z, &mut seen);
         seen
@@ -268,7 +268,7 @@ impl Linear {
         self.blocks[0].A.nrows()
     }
 
-    /// Returns the table of a level that `Linear::prepare` has made.
+    /// Returns the table of a level that `ModeDynamics::prepare` has made.
     pub fn table(&self, level: usize) -> Option<&StepTable> {
         self.tables[level].as_ref()
     }

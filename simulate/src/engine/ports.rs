@@ -123,7 +123,7 @@ pub(crate) struct Point<'a> {
     pub further: Option<&'a FurtherPoint>,
     /// Drive of the amplifier, V.
     pub drive_v: f64,
-    pub about: &'a AngleNearby,
+    pub about: &'a NearbyAngle,
 }
 
 /// What the loop's sensor may feel at one instant.
@@ -137,13 +137,13 @@ pub(crate) struct SensorPoint<'a> {
 
 /// Sine and cosine of angles near one whose own are known.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct AngleNearby {
+pub(crate) struct NearbyAngle {
     angle: f64,
     sin: f64,
     cos: f64,
 }
 
-impl AngleNearby {
+impl NearbyAngle {
     pub fn new(angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
         Self { angle, sin, cos }
@@ -477,7 +477,7 @@ impl Ports {
 
     /// Returns the sine and cosine that gravity sees.
     #[inline]
-    pub fn tilt(&self, about: &AngleNearby, hub_angle: f64) -> SinCos {
+    pub fn tilt(&self, about: &NearbyAngle, hub_angle: f64) -> SinCos {
         match self.axis {
             AxisKind::Rotary => about.sin_cos(hub_angle),
             AxisKind::Linear => SinCos { sin: 0.0, cos: 1.0 },
@@ -719,7 +719,7 @@ pub(crate) struct StepSpan<'a> {
     pub memory: &'a FrictionState,
     /// Angles of motor and pivot to which friction has travelled before the step, rad.
     pub travelled: Option<[f64; 2]>,
-    pub about: &'a AngleNearby,
+    pub about: &'a NearbyAngle,
 }
 
 impl StepSpan<'_> {

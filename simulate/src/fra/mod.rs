@@ -155,7 +155,7 @@ struct TestRun {
     simulator: Simulator,
     settled_below: f64,
     /// What acts in place of the controller if there is none.
-    holding: Option<Holding>,
+    holding: Option<ConstantControl>,
 }
 
 impl TestRun {
@@ -174,7 +174,7 @@ impl TestRun {
             ..scenario_of(test, sine, &simulator, settings)
         };
         let point = OperatingPoint { hub_angle_rad: settings.hub_angle_rad, platform_angle_rad: 0.0 };
-        let holding = (test == Test::Plant).then(|| Holding(plant.equilibrium(&point).control_v));
+        let holding = (test == Test::Plant).then(|| ConstantControl(plant.equilibrium(&point).control_v));
         Ok(Self { test, at, window, scenario, simulator, settled_below: settings.settled_below, holding })
     }
 
@@ -337,9 +337,9 @@ fn without_drift(sine: TestSine, plant: &Plant) -> Sine {
 }
 
 /// A constant control.
-struct Holding(f64);
+struct ConstantControl(f64);
 
-impl SampledController for Holding {
+impl SampledController for ConstantControl {
     fn reset(&mut self) {}
 
     fn step(&mut self, _readings: &Readings) -> f64 {

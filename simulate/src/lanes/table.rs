@@ -1,7 +1,7 @@
 //! The matrices of a sample's step for several mechanisms side by side.
 
 use super::number::{LANES, Lane, Lanes, load_registers};
-use crate::engine::linear::Linear;
+use crate::engine::linear::ModeDynamics;
 use crate::engine::tables::{FIXED_INPUTS, MIDDLE_ROWS, OUTPUTS, PORTS, STAGE_ROWS, STAGES};
 use counterpoise_models::friction::Real;
 use pulp::Simd;
@@ -40,9 +40,9 @@ pub(crate) const SEEN: usize = OUTPUTS + 2;
 
 impl LaneTable {
     /// Returns the tables of cores; `None` if they are not of one shape, or without the table of a whole sample.
-    pub fn new(cores: [&Linear; LANES]) -> Option<Self> {
+    pub fn new(cores: [&ModeDynamics; LANES]) -> Option<Self> {
         let (order, head) = (cores[0].order(), cores[0].head());
-        let alike = |core: &&Linear| {
+        let alike = |core: &&ModeDynamics| {
             core.order() == order && core.head() == head && core.table(0).is_some() && !core.has_stuck_joint()
         };
         if !cores.iter().all(alike) {
@@ -159,7 +159,7 @@ fn store<S: Simd>(target: &mut [Lanes], rows: &[Lane<S>]) {
 }
 
 /// The cores whose matrices are put side by side.
-struct Cores<'a>([&'a Linear; LANES]);
+struct Cores<'a>([&'a ModeDynamics; LANES]);
 
 impl Cores<'_> {
     /// Returns an entry of a matrix of each core.

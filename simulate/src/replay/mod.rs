@@ -152,7 +152,7 @@ pub fn replay(parameters: &Parameters, recording: &Recording, control: &ReplayLo
 #[derive(Debug, Clone)]
 pub struct Replayer<'a> {
     recording: &'a Recording,
-    sensed: platform::Sensed,
+    sensed: platform::PlatformSensorInputs,
     platform: PlatformMotion,
     samples: usize,
     steps_per_sample: f64,
@@ -181,7 +181,7 @@ impl<'a> Replayer<'a> {
             let allowed = "the sample period of the interface";
             return Err(Error::Range { what: "sample_period_s", value: recording.sample_period_s, allowed });
         }
-        let sensed = platform::Sensed::new(parameters, recording, None);
+        let sensed = platform::PlatformSensorInputs::new(parameters, recording, None);
         let platform = sensed.motion(parameters, period);
         let fitted = FittedStart::default();
         let (steps_per_sample, imperfections) = (f64::INFINITY, Imperfections::None);
@@ -226,7 +226,7 @@ impl<'a> Replayer<'a> {
     /// Returns the same recording seen by other sensors of the platform: their readings are deconvolved again only if a
     /// sensor's dynamics or noise are others.
     pub fn with_platform_sensors_of(&self, parameters: &Parameters) -> Self {
-        let sensed = platform::Sensed::new(parameters, self.recording, Some(&self.sensed));
+        let sensed = platform::PlatformSensorInputs::new(parameters, self.recording, Some(&self.sensed));
         let platform = sensed.motion(parameters, self.recording.sample_period_s);
         Self { sensed, platform, fitted: self.fitted.clone(), body: self.body.clone(), ..*self }
     }

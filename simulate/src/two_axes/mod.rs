@@ -18,7 +18,7 @@ use crate::engine::stepper::{Checkpoint, Stepper};
 use crate::firing::Firing;
 use crate::history::TimeHistory;
 use crate::motion::{FurtherMotion, MotionSample, PlatformMotion};
-use crate::run::{HUB_ANGLE, Lap, Shown, Simulator};
+use crate::run::{HUB_ANGLE, Lap, PlantSample, Simulator};
 use crate::scenario::{Detail, Initial, Scenario};
 use crate::sensing::Imperfections;
 use crate::signal::Signal;
@@ -305,8 +305,8 @@ impl<'a> Side<'a> {
         shown: Option<f64>,
     ) {
         self.motion = motion;
-        let seen = Shown::of(self.stepper);
-        let shown = Shown { hub_gyro: shown.unwrap_or(seen.hub_gyro), ..seen };
+        let seen = PlantSample::of(self.stepper);
+        let shown = PlantSample { hub_gyro: shown.unwrap_or(seen.hub_gyro), ..seen };
         self.drive_v = self.lap.sample(k, controller, &self.motion, &shown);
         self.lap.limit_current(self.stepper);
         if self.is_detailed {

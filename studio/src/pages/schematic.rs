@@ -1,7 +1,7 @@
 //! A mechanism of two inertias as a chain: amplifier, motor, gear, hub, spring, beam with its out-of-balance.
 
 use counterpoise_models::Parameters;
-use counterpoise_models::parameters::Lumped;
+use counterpoise_models::parameters::LumpedStructure;
 use egui::{Align2, FontId, Pos2, Rect, Stroke, Ui, pos2, vec2};
 
 use crate::number_format::format_short;
@@ -20,7 +20,7 @@ const WHEEL: f32 = 0.62;
 type Angles = [f64; 3];
 
 /// Draws the chain; in a mode, hub and beam swing against each other as they would with a rigid gear mesh.
-pub fn draw_chain(ui: &Ui, view: &StudioView, plant: &Parameters, lumped: &Lumped, room: Rect) {
+pub fn draw_chain(ui: &Ui, view: &StudioView, plant: &Parameters, lumped: &LumpedStructure, room: Rect) {
     let theme = &view.theme;
     let angles = if view.mode > 0 { mode_angles(ui, plant, lumped) } else { [0.0; 3] };
     let unit = (room.height() * 0.21).clamp(26.0, 58.0);
@@ -48,7 +48,7 @@ pub fn draw_chain(ui: &Ui, view: &StudioView, plant: &Parameters, lumped: &Lumpe
 }
 
 /// Returns the angles of hub (with the motor behind the gear) and beam, which swing against each other.
-fn mode_angles(ui: &Ui, plant: &Parameters, lumped: &Lumped) -> Angles {
+fn mode_angles(ui: &Ui, plant: &Parameters, lumped: &LumpedStructure) -> Angles {
     let ratio = plant.gearbox.ratio;
     let near = lumped.hub_inertia_kg_m2 + ratio * ratio * plant.motor.inertia_kg_m2;
     let far = lumped.beam_inertia_kg_m2;
@@ -104,7 +104,7 @@ fn write_captions(
     ui: &Ui,
     view: &StudioView,
     plant: &Parameters,
-    lumped: &Lumped,
+    lumped: &LumpedStructure,
     at: [Pos2; 5],
     below: f32,
 ) {

@@ -1,6 +1,6 @@
 //! The page Verify: verdicts on the full plant while the runs come in, and the evidence behind each one; then export.
 
-use counterpoise_pipeline::wording::acceptance::Traceable;
+use counterpoise_pipeline::wording::acceptance::AcceptanceSource;
 use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_report::error_budget;
 use counterpoise_verify::{Figure, Limit, Verdict, Verification};

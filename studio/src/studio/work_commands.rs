@@ -20,7 +20,7 @@ use crate::versioned_results::Versioned;
 use counterpoise_host::recent_files::RecentList;
 
 /// A design with its verification, both of the project as it stands.
-struct VerifiedNow {
+struct CurrentVerification {
     revision: u64,
     request: VerificationRequest,
     verified: Arc<VerifiedController>,
@@ -44,7 +44,7 @@ impl Studio {
     }
 
     /// Returns the design with its verification if both belong to the project as it stands; otherwise shows what is missing.
-    fn verified_now(&mut self, failure: &str) -> Option<VerifiedNow> {
+    fn verified_now(&mut self, failure: &str) -> Option<CurrentVerification> {
         let (Some(request), Some(of)) = (self.verification_request(), self.results.verified.clone()) else {
             self.view.show_error(format!("{failure}: the design is not verified yet (F5)"));
             return None;
@@ -56,7 +56,7 @@ impl Studio {
             ));
             return None;
         }
-        Some(VerifiedNow { revision: request.revision, request: request.value, verified: of.value })
+        Some(CurrentVerification { revision: request.revision, request: request.value, verified: of.value })
     }
 
     pub(super) fn export(&mut self) {

@@ -9,7 +9,7 @@ use counterpoise_controller::{Readings, Runner, SampledController};
 
 use crate::Error;
 
-pub use recursive::{Recursive, RecursiveSettings};
+pub use recursive::{RecursiveLeastSquares, RecursiveSettings};
 
 /// How control volts become what the drive acts on: the inverse use of an amplifier's measured curve.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -91,18 +91,18 @@ impl WindowedMean {
     }
 }
 
-/// Which estimator sets the out-of-balance of an [`Adaptive`] controller.
+/// Which estimator sets the out-of-balance of an [`AdaptiveController`] controller.
 #[derive(Debug, Clone)]
 pub enum Estimation {
     /// The windowed mean.
     Mean(WindowedMean),
     /// Recursive least squares.
-    Squares(Box<Recursive>),
+    Squares(Box<RecursiveLeastSquares>),
 }
 
 /// A controller whose out-of-balance follows an estimate.
 #[derive(Debug, Clone)]
-pub struct Adaptive {
+pub struct AdaptiveController {
     runner: Runner,
     estimation: Estimation,
     start: Estimation,
@@ -111,7 +111,7 @@ pub struct Adaptive {
     samples: usize,
 }
 
-impl Adaptive {
+impl AdaptiveController {
     /// Returns the controller with its estimator.
     pub fn new(runner: Runner, estimation: Estimation) -> Self {
         let start = estimation.clone();
@@ -131,7 +131,7 @@ impl Adaptive {
     }
 }
 
-impl SampledController for Adaptive {
+impl SampledController for AdaptiveController {
     fn reset(&mut self) {
         self.runner.reset();
         self.estimation = self.start.clone();

@@ -22,7 +22,7 @@ use crate::tolerance::{BEST_LOOP_LIMIT_KEPT, BEST_LOOP_ROUNDS};
 use crate::tuning::{Clock, Density, Disturbance, LoopGrid, LoopLimits, bilinear_factor};
 use crate::{DesignPlant, Error, Sampling};
 use basis::Basis;
-use program::{Program, Solved};
+use program::{Program, ProgramSolution};
 
 /// What the best feedback is sought for.
 #[derive(Debug, Clone, Copy)]
@@ -140,7 +140,7 @@ impl Ground {
     }
 
     /// The frequencies at which a limit is exceeded.
-    fn violated_frequencies(&self, solved: &Solved, limits: &LoopLimits) -> Vec<usize> {
+    fn violated_frequencies(&self, solved: &ProgramSolution, limits: &LoopLimits) -> Vec<usize> {
         let over = |value: f64, limit: f64| value > limit * (1.0 + BEST_LOOP_LIMIT_KEPT);
         let is_over = |&k: &usize| {
             let T = self.P[k] * solved.Q[k];
@@ -151,7 +151,7 @@ impl Ground {
         (0..self.P.len()).filter(is_over).collect()
     }
 
-    fn measure_loop(&self, solved: &Solved, basis: &Basis) -> BestLoop {
+    fn measure_loop(&self, solved: &ProgramSolution, basis: &Basis) -> BestLoop {
         let (mut left, mut effort, mut noise) = (0.0, 0.0, 0.0);
         let (mut ms, mut mt, mut peak) = (0.0_f64, 0.0_f64, 0.0_f64);
         for (k, Q) in solved.Q.iter().enumerate() {

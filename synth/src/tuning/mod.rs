@@ -87,7 +87,7 @@ pub enum TunedFeedback {
 
 /// A tuned feedback.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Tuned {
+pub struct TunedDesign {
     /// The feedback.
     pub feedback: TunedFeedback,
     /// It sampled, from the error to the control.
@@ -102,7 +102,7 @@ pub struct Tuned {
     pub evaluations: usize,
 }
 
-impl Tuned {
+impl TunedDesign {
     /// Returns the tuned structure; one without blocks if weights were tuned.
     pub fn structure(&self) -> FixedStructure {
         match &self.feedback {
@@ -122,7 +122,7 @@ impl Tuned {
 /// # Errors
 /// [`Error::System`] for a structure without open parameters, without plant, a disturbance without power, or a conversion other than
 /// the bilinear map; [`Error::System`] if no start gives a stable loop.
-pub fn tune_parameters(task: &TuningTask<'_>) -> Result<Tuned, Error> {
+pub fn tune_parameters(task: &TuningTask<'_>) -> Result<TunedDesign, Error> {
     let mut search = Search::new(task)?;
     search.descend_from_starts()?;
     search.descend_near_best()?;

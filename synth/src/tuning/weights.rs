@@ -21,7 +21,7 @@ use super::TunedFeedback;
 use super::family::{Family, GridResponse};
 use super::grid::{LoopGrid, LoopPlant};
 use super::limits::hub_path;
-use super::random::Random;
+use super::random::RandomGenerator;
 use super::shape::{PAIR_DAMPING, Root, Shape, control_shape};
 use crate::feedback::{controller_with_observer, observer_gain};
 use crate::tolerance::POLE_STEP;
@@ -251,7 +251,7 @@ impl Family for Weights<'_> {
     }
 
     fn starts(&self, _nominal: &LoopPlant, _grid: &LoopGrid, count: usize, seed: u64) -> Vec<Vec<f64>> {
-        let mut random = Random(seed);
+        let mut random = RandomGenerator(seed);
         let levels = 2 + usize::from(self.recovers);
         let mut all = vec![self.start.clone()];
         for _ in 1..count {

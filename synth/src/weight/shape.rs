@@ -1,6 +1,6 @@
 //! The shape of a weight over frequency: both ends, and where one passes into the other.
 
-use crate::rational::Rational;
+use crate::rational::RationalFunction;
 use crate::weight::Weight;
 
 /// How a weight goes over frequency.
@@ -113,7 +113,7 @@ impl Weight {
     }
 
     /// The rates over which a weight with roots off the origin changes, evenly spaced on a logarithmic axis.
-    fn rates(rational: &Rational) -> Option<Vec<f64>> {
+    fn rates(rational: &RationalFunction) -> Option<Vec<f64>> {
         let moduli =
             rational.zeros.iter().chain(&rational.poles).map(|root| root.norm()).filter(|r| *r > 0.0);
         let (least, most) = moduli.fold((f64::INFINITY, 0.0_f64), |(a, b), r| (a.min(r), b.max(r)));
@@ -123,7 +123,7 @@ impl Weight {
     }
 
     /// The rate at which the modulus leaves that of low frequency by 3 dB; `None` if every root is at the origin.
-    fn corner(&self, rational: &Rational) -> Option<f64> {
+    fn corner(&self, rational: &RationalFunction) -> Option<f64> {
         let (rates, order) = (Self::rates(rational)?, rational.order_at_zero());
         let level = |rate: f64| self.magnitude(rate) / rate.powi(order);
         let start = level(*rates.first()?);
@@ -138,7 +138,7 @@ impl Weight {
     }
 
     /// Where a weight that is level at both ends is largest or smallest between them, if by more than 3 dB.
-    fn extreme(&self, rational: &Rational) -> Option<Transition> {
+    fn extreme(&self, rational: &RationalFunction) -> Option<Transition> {
         if rational.order_at_zero() != 0 || rational.relative_degree() != 0 {
             return None;
         }

@@ -6,7 +6,7 @@ use std::sync::Mutex;
 
 use counterpoise_pipeline::SynthesisedDesign;
 use counterpoise_project::Purpose;
-use counterpoise_synth::{Certified, Sampling, SamplingMethod, discretise};
+use counterpoise_synth::{PartCertificates, Sampling, SamplingMethod, discretise};
 use counterpoise_tests::examples;
 use counterpoise_verify::Verdict;
 
@@ -19,7 +19,7 @@ fn in_sampled_time(made: &SynthesisedDesign) -> Option<String> {
     match discretise(&made.design, &sampling) {
         Err(why) => Some(format!("{why:?}")),
         Ok(sampled) => {
-            let agrees = |part: &Certified| part.cost.relative_difference().is_some_and(|d| d < COST);
+            let agrees = |part: &PartCertificates| part.cost.relative_difference().is_some_and(|d| d < COST);
             sampled.certified.iter().find(|part| !agrees(part)).map(|part| format!("{part:?}"))
         }
     }

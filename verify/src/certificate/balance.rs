@@ -8,7 +8,7 @@ use counterpoise_models::friction::describing::sinusoidal_loop;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, Impedance};
 use counterpoise_models::{Friction, FrictionLaw};
 
-use super::elements::{Elements, Linear, ObserverGain, Sinusoid, quasi_linear, with_mesh};
+use super::elements::{Elements, ElementLoop, ObserverGain, Sinusoid, quasi_linear, with_mesh};
 use super::floor::Subject;
 use crate::Error;
 use crate::linear::SampledPlant;
@@ -16,13 +16,13 @@ use crate::linear::closed_loop::resolver_use;
 use crate::linear::plant::port;
 
 /// A loop with the poles that its describing functions give.
-pub(super) struct Settled {
+pub(super) struct SettledLoop {
     /// The motion for which the describing functions hold.
     pub motion: Sinusoid,
     /// The describing functions.
     pub elements: Elements,
     /// The loop with them.
-    pub linear: Linear,
+    pub linear: ElementLoop,
     /// Its least stable pole.
     pub pole: C64,
     /// The gear's gap.
@@ -102,7 +102,7 @@ pub struct CycleBalance {
 
 impl CycleBalance {
     /// Returns the loop of a settled motion as the result states it.
-    pub(super) fn new(subject: &Subject<'_>, at: &Settled) -> Result<Self, Error> {
+    pub(super) fn new(subject: &Subject<'_>, at: &SettledLoop) -> Result<Self, Error> {
         let parameters = subject.case.plant.parameters();
         let (motion, ratio) = (&at.motion, parameters.gearbox.ratio);
         let body = with_mesh(&subject.case.plant, at.elements.mesh_share)?;

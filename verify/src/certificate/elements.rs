@@ -202,7 +202,7 @@ fn observer_gain(
 }
 
 /// A linear loop at some elements.
-pub(super) struct Linear {
+pub(super) struct ElementLoop {
     pub plant: SampledPlant,
     /// The loop broken at the plant's input, for negative feedback.
     pub broken: StateSpace,
@@ -221,7 +221,7 @@ pub(super) enum Learning {
     Active,
 }
 
-impl Linear {
+impl ElementLoop {
     /// Closes the loop.
     pub fn close(subject: &Subject<'_>, elements: &Elements, learning: Learning) -> Result<Self, Error> {
         let body = with_mesh(&subject.case.plant, elements.mesh_share)?;

@@ -316,7 +316,7 @@ pub fn adds_terms(known: &[FrictionKnowledge], most: StabilityCriterion) -> bool
 
 /// The best multiplier at some rates.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Best {
+pub struct BestMultiplier {
     /// The multiplier.
     pub multiplier: Multiplier,
     /// The rate at which the condition costs most, rad/s: without it another multiplier would hold by more at the others.
@@ -325,7 +325,7 @@ pub struct Best {
     pub bound: f64,
 }
 
-impl Best {
+impl BestMultiplier {
     /// Returns whether no multiplier of the same terms holds at all of these rates by more than the accuracy of the program; a multiplier of 0
     /// holds by nothing.
     pub fn is_hopeless(&self) -> bool {
@@ -347,7 +347,7 @@ pub fn search_multiplier(
     most: StabilityCriterion,
     H: &[Vec<Vec<Taylor>>],
     rates: &[f64],
-) -> Option<Best> {
+) -> Option<BestMultiplier> {
     let size = |at: &Vec<Vec<Taylor>>| {
         at.iter().flatten().map(|entry| entry.value.norm_sqr()).sum::<f64>().sqrt().max(f64::MIN_POSITIVE)
     };
@@ -382,7 +382,7 @@ pub fn search_multiplier(
     let terms = kinds.iter().zip(&solved.x).filter(|(_, weight)| **weight > NEGLIGIBLE_TERM);
     let terms = terms.map(|(of, weight)| MultiplierTerm { joint: of.joint, kind: of.kind, weight: *weight });
     let multiplier = Multiplier { terms: terms.collect(), reference_rad_s, joints };
-    Some(Best { multiplier, costliest_rad_s: *costliest.1, bound: -solved.dual })
+    Some(BestMultiplier { multiplier, costliest_rad_s: *costliest.1, bound: -solved.dual })
 }
 
 /// The cone program: the weights and, last, the least eigenvalue that is to be largest.

@@ -1,7 +1,7 @@
 //! What the harmonic balance predicts: growth over the amplitude, and the stable limit cycles.
 
 use super::balance::CycleBalance;
-use super::cycle::{Balance, Bracketed, Cycle, Growth};
+use super::cycle::{Balance, CycleBracket, Cycle, Growth};
 use super::floor::Subject;
 use super::regime::Teeth;
 use crate::Error;
@@ -19,7 +19,7 @@ pub struct Prediction {
 }
 
 impl Prediction {
-    fn add(&mut self, found: Bracketed) {
+    fn add(&mut self, found: CycleBracket) {
         self.cycles.push(found.cycle);
         self.balances.push(found.balances);
     }

@@ -4,7 +4,7 @@ use counterpoise_lti::{StateSpace, candidate_margins};
 use counterpoise_models::friction::FrictionModel;
 
 use super::CertifiedCase;
-use super::elements::{Elements, Learning, Linear};
+use super::elements::{Elements, Learning, ElementLoop};
 use super::floor::Subject;
 use crate::Error;
 use crate::tolerance::{GRID_LOWEST_HZ, GRID_POINTS, LARGEST_SENSITIVITY, OPEN};
@@ -165,7 +165,7 @@ fn loop_in(subject: &Subject<'_>, regime: Regime, elements: &Elements) -> Result
         }
         _ => Learning::Still,
     };
-    let linear = Linear::close(subject, elements, learning)?;
+    let linear = ElementLoop::close(subject, elements, learning)?;
     let (pole, period_s) = (linear.largest_pole(), linear.plant.sample_period_s);
     let pole_radius = pole.norm();
     let stable = pole_radius < 1.0;

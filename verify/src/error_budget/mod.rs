@@ -24,7 +24,7 @@ use crate::sight_spectrum::{Bands, SightSpectrum};
 use crate::tolerance::LEAST_COMPARED_SIGHT_RAD;
 use crate::{Error, LineOfSight, Procedure, nonlinear};
 use propagation::Propagation;
-use sources::{Switched, switch_off};
+use sources::{BudgetMachine, switch_off};
 
 pub use sources::ErrorSource;
 
@@ -330,8 +330,8 @@ impl Runs<'_> {
         nonlinear::run(&mut simulator, self.controller, &from.procedure, sight_experiment(&from.procedure))
     }
 
-    fn every_source(&self) -> Switched {
-        Switched {
+    fn every_source(&self) -> BudgetMachine {
+        BudgetMachine {
             parameters: self.plant.parameters().clone(),
             body: self.plant.body().clone(),
             procedure: self.procedure.clone(),

@@ -24,7 +24,7 @@ use crate::line_of_sight::SightAngles;
 use crate::linear::closed_loop::resolver_use;
 use crate::linear::noise::{NoiseEntry, NoiseResponse, noise_responses};
 use crate::linear::{
-    Closed, SampledPlant, arrange_controller, simulate_disturbance, surge::acting_arrangement,
+    ClosedLoop, SampledPlant, arrange_controller, simulate_disturbance, surge::acting_arrangement,
 };
 use crate::sight_spectrum::{Bands, SightSpectrum};
 use crate::tolerance::SIGHT_POINTS_A_BAND;
@@ -37,11 +37,11 @@ pub struct Propagation<'a> {
     sight: LineOfSight,
     bands: &'a Bands,
     sampled: SampledPlant,
-    closed: Closed,
+    closed: ClosedLoop,
     /// The loop as surge meets it.
-    closed_for_surge: Closed,
+    closed_for_surge: ClosedLoop,
     torqued: SampledPlant,
-    closed_for_torques: Closed,
+    closed_for_torques: ClosedLoop,
     grid: Grid,
     noise: Vec<NoiseResponse>,
 }
@@ -116,14 +116,14 @@ impl<'a> Propagation<'a> {
         let sampled = SampledPlant::new(&linear, parameters, resolver)?;
         let torqued = SampledPlant::with_torque_inputs(&linear, parameters, resolver)?;
         let moment = controller.parts().design_out_of_balance_kg_m;
-        let closed = Closed::new(&sampled, Some(controller), moment)?;
+        let closed = ClosedLoop::new(&sampled, Some(controller), moment)?;
         if closed.pole_radius() >= 1.0 {
             return Ok(None);
         }
         let meets_surge =
             arrange_controller(controller, acting_arrangement(&sampled, Arrangement::Compensated))?;
-        let closed_for_surge = Closed::new(&sampled, meets_surge.as_ref(), moment)?;
-        let closed_for_torques = Closed::new(&torqued, Some(controller), moment)?;
+        let closed_for_surge = ClosedLoop::new(&sampled, meets_surge.as_ref(), moment)?;
+        let closed_for_torques = ClosedLoop::new(&torqued, Some(controller), moment)?;
         let grid = Grid::of(bands);
         let noise = noise_responses(&sampled, &closed, grid.frequency_hz.clone())?;
         let sight = procedure.line_of_sight.unwrap_or_default();

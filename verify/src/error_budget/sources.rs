@@ -96,14 +96,14 @@ impl ErrorSource {
 
 /// A machine and its motion, from which sources are taken.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Switched {
+pub(super) struct BudgetMachine {
     pub parameters: Parameters,
     pub body: Body,
     pub procedure: Procedure,
 }
 
 /// Takes a source out of the machine or of its motion.
-pub(super) fn switch_off(source: ErrorSource, from: &mut Switched) {
+pub(super) fn switch_off(source: ErrorSource, from: &mut BudgetMachine) {
     let (p, procedure) = (&mut from.parameters, &mut from.procedure);
     match source {
         ErrorSource::Bending => from.body.modes.clear(),

@@ -11,7 +11,7 @@ use crate::{Arrangement, Error};
 
 /// A loop that has been closed.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Closed {
+pub struct ClosedLoop {
     /// (demand, heave, pitch rate) -> (hub rate, tip rate, motor rate, current, control about its holding value).
     pub system: StateSpace,
     /// Its poles, in the z-plane.
@@ -28,10 +28,10 @@ pub struct ArrangedLoop {
     /// How much of the controller acts.
     pub arrangement: Arrangement,
     /// The loop, closed.
-    pub closed: Closed,
+    pub closed: ClosedLoop,
 }
 
-impl Closed {
+impl ClosedLoop {
     /// Closes the loop with `controller`, or leaves it open where there is none.
     ///
     /// # Errors

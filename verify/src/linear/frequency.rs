@@ -5,7 +5,7 @@ use counterpoise_linalg::{C64, CMat};
 use super::loop_responses::{LoopResponse, loop_responses};
 use super::plant::port;
 use super::plant_response::{ACCELEROMETER, HUB_GYRO, PLATFORM_GYRO, PlantResponse, hold};
-use super::{ArrangedLoop, Closed, SampledPlant};
+use super::{ArrangedLoop, ClosedLoop, SampledPlant};
 use crate::{Arrangement, Error, Source};
 
 /// One complex response over frequency.
@@ -137,7 +137,7 @@ fn controller_curves(response: &[CMat]) -> Vec<ResponseCurve> {
 /// A response that does not exist because of a pole.
 pub fn compute_rejections(
     plant: &SampledPlant,
-    closed: &Closed,
+    closed: &ClosedLoop,
     arrangement: Arrangement,
     frequency_hz: &[f64],
 ) -> Result<Vec<Rejection>, Error> {
@@ -186,7 +186,7 @@ fn control_tone(plant: &SampledPlant, K: &CMat, P: &CMat, R: &[C64]) -> C64 {
 /// As [`compute_rejections`].
 pub fn rejection_db(
     plant: &SampledPlant,
-    closed: &Closed,
+    closed: &ClosedLoop,
     source: Source,
     frequency_hz: &[f64],
 ) -> Result<Vec<f64>, Error> {

@@ -3,7 +3,7 @@
 use counterpoise_linalg::C64;
 
 use super::SampledPlant;
-use super::closed_loop::Closed;
+use super::closed_loop::ClosedLoop;
 use super::frequency::break_loop;
 use super::plant::port;
 use super::plant_response::{PlantResponse, hold};
@@ -40,7 +40,7 @@ pub struct NoiseResponse {
 /// A response that does not exist because of a pole on the axis.
 pub fn noise_responses(
     plant: &SampledPlant,
-    closed: &Closed,
+    closed: &ClosedLoop,
     frequency_hz: Vec<f64>,
 ) -> Result<Vec<NoiseResponse>, Error> {
     let at = PlantResponse::of(plant, frequency_hz)?;

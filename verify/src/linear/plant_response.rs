@@ -4,7 +4,7 @@ use counterpoise_linalg::{C64, CMat};
 use counterpoise_lti::{Response, StateSpace};
 
 use super::plant::port;
-use super::{Closed, SampledPlant};
+use super::{ClosedLoop, SampledPlant};
 use crate::Error;
 
 // places of readings in the order of the controller
@@ -37,7 +37,7 @@ impl PlantResponse {
         Ok(Self { frequency_hz, rates_rad_s, continuous, readings })
     }
 
-    pub(super) fn controller(&self, closed: &Closed) -> Result<Option<Vec<CMat>>, Error> {
+    pub(super) fn controller(&self, closed: &ClosedLoop) -> Result<Option<Vec<CMat>>, Error> {
         let K = closed.controller.as_ref();
         K.map(|K| Ok(Response::of(K)?.at_all(&self.rates_rad_s)?)).transpose()
     }

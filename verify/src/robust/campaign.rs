@@ -8,7 +8,7 @@ use counterpoise_models::parameters::Parameters;
 use counterpoise_models::plant::Plant;
 use ndarray::Array2;
 
-use super::{Distribution, PointLayout, Varied, figures_of};
+use super::{Distribution, PointLayout, VariedParameter, figures_of};
 use crate::measure::Value;
 use crate::{Error, Figure, Procedure, Requirement};
 
@@ -16,7 +16,7 @@ use crate::{Error, Figure, Procedure, Requirement};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Variation {
     /// Which parameter.
-    pub parameter: Varied,
+    pub parameter: VariedParameter,
     /// Its factor.
     pub distribution: Distribution,
 }

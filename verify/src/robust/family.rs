@@ -4,7 +4,7 @@ use counterpoise_controller::Controller;
 use counterpoise_models::parameters::Parameters;
 use counterpoise_models::plant::Plant;
 
-use super::{Varied, figures_of};
+use super::{VariedParameter, figures_of};
 use crate::measure::Value;
 use crate::{Error, Figure, Procedure};
 
@@ -12,7 +12,7 @@ use crate::{Error, Figure, Procedure};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Family {
     /// The parameter.
-    pub parameter: Varied,
+    pub parameter: VariedParameter,
     /// Its factors.
     pub factors: Vec<f64>,
 }
@@ -23,7 +23,7 @@ pub enum MemberDifference {
     /// One parameter is multiplied by a factor.
     Scaled {
         /// The parameter.
-        parameter: Varied,
+        parameter: VariedParameter,
         /// Its factor.
         factor: f64,
     },

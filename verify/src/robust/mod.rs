@@ -16,6 +16,6 @@ pub use family::{Family, FamilyMember, MemberDifference, compare_configurations,
 pub use sampling::{Distribution, PointLayout, latin_hypercube};
 pub use selected_figures::{figures_of, history_of};
 pub use sobol::sobol;
-pub use statistics::{Ranked, Sense, Summary, rank_parameters, summarise_requirement};
-pub use varied_parameters::Varied;
-pub use worst::{Worst, worst_case};
+pub use statistics::{ParameterInfluence, Sense, Summary, rank_parameters, summarise_requirement};
+pub use varied_parameters::VariedParameter;
+pub use worst::{WorstMechanism, worst_case};

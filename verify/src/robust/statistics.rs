@@ -26,7 +26,7 @@ pub struct Summary {
 
 /// How strongly a parameter moves a figure.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ranked {
+pub struct ParameterInfluence {
     /// Index of the variation.
     pub variation: usize,
     /// Spearman's rank correlation, -1 to 1, between the figure and what `sense` says.
@@ -74,7 +74,7 @@ pub fn summarise_requirement(campaign: &Campaign, samples: &[Sample], requiremen
 /// Returns the parameters by the size of their rank correlation with the requirement's figure, strongest first. A figure that any
 /// departure from the design spoils (the rejection by a feedforward) has no order in the factor itself: then its distance from 1 is
 /// compared.
-pub fn rank_parameters(campaign: &Campaign, samples: &[Sample], requirement: usize) -> Vec<Ranked> {
+pub fn rank_parameters(campaign: &Campaign, samples: &[Sample], requirement: usize) -> Vec<ParameterInfluence> {
     let judged: Vec<&Sample> = samples.iter().filter(|s| !s.values[requirement].is_nan()).collect();
     let figure = ranks(&judged.iter().map(|s| s.values[requirement]).collect::<Vec<f64>>());
     let one = |variation: usize| {
@@ -87,9 +87,9 @@ pub fn rank_parameters(campaign: &Campaign, samples: &[Sample], requirement: usi
             true => (either, Sense::EitherWay),
             false => (directed, Sense::Directed),
         };
-        Ranked { variation, correlation, sense }
+        ParameterInfluence { variation, correlation, sense }
     };
-    let mut all: Vec<Ranked> = (0..campaign.variations().len()).map(one).collect();
+    let mut all: Vec<ParameterInfluence> = (0..campaign.variations().len()).map(one).collect();
     all.sort_by(|a, b| b.correlation.abs().total_cmp(&a.correlation.abs()));
     all
 }

@@ -6,7 +6,7 @@ use crate::tolerance::{FIRST_QUANTILE_STEP, LAST_QUANTILE_STEP};
 
 /// The worst mechanism that was found.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Worst {
+pub struct WorstMechanism {
     /// The factors of the variations.
     pub factors: Vec<f64>,
     /// The requirement's figure there.
@@ -32,7 +32,7 @@ pub fn worst_case(
     samples: &[Sample],
     requirement: usize,
     most: usize,
-) -> Result<Worst, Error> {
+) -> Result<WorstMechanism, Error> {
     let limit = campaign.requirements()[requirement].limit;
     let judged = samples.iter().filter(|sample| !sample.values[requirement].is_nan());
     let first = judged.min_by(|a, b| {
@@ -52,7 +52,7 @@ pub fn worst_case(
         }
     }
     let factors = search.factors(&at);
-    Ok(Worst {
+    Ok(WorstMechanism {
         factors,
         value,
         start: first.values[requirement],

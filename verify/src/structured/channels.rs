@@ -3,7 +3,7 @@
 use counterpoise_linalg::Mat;
 use counterpoise_models::plant::core::{input, state};
 use counterpoise_models::plant::{Core, Mesh, Plant};
-use counterpoise_models::{FeedbackSignal, Lumped};
+use counterpoise_models::{FeedbackSignal, LumpedStructure};
 
 use super::places::{LinearisedDryFriction, Place};
 use crate::linear::plant::Resolver;
@@ -183,7 +183,7 @@ pub(super) fn channels_of(
 }
 
 /// Returns whether the plant has the part that a place belongs to.
-fn has_part(plant: &Plant, lumped: &Lumped, place: Place) -> bool {
+fn has_part(plant: &Plant, lumped: &LumpedStructure, place: Place) -> bool {
     match place {
         // in a chain these parts act between its inertias, and not between hub and tip
         Place::BeamInertia | Place::StructureStiffness | Place::StructureDamping => {

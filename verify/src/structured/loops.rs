@@ -26,12 +26,12 @@ use super::channels::{Base, Channel, base, channels_of};
 use super::closing::linearise;
 use super::factor::Factor;
 use super::places::{LinearisedDryFriction, Place};
-use super::taylor::{Evaluated, RateInterval, Taylor};
+use super::taylor::{SchurSystem, RateInterval, Taylor};
 use crate::Error;
 use crate::linear::closed_loop::resolver_use;
 use crate::linear::plant::port;
 use crate::linear::plant_response::hold;
-use crate::linear::{Closed, SampledPlant};
+use crate::linear::{ClosedLoop, SampledPlant};
 
 /// Readings that the loop goes through: hub gyroscope, tachometer, resolver.
 const FED_BACK: [usize; 3] = [1, 4, 5];
@@ -40,7 +40,7 @@ const HUB_GYRO: usize = 1;
 
 /// A parameter that is off, with the places where it acts.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Uncertain {
+pub struct UncertainParameter {
     /// Its factor over the deviation.
     pub factor: Factor,
     /// Where it acts.
@@ -86,9 +86,9 @@ pub struct UncertainLoop {
 
 /// The systems of the loop, in balanced coordinates.
 struct Systems {
-    extended: Evaluated,
+    extended: SchurSystem,
     /// From the readings without control to the control, the sampled loop closed; `None` if the loop is algebraically singular.
-    closed: Option<Evaluated>,
+    closed: Option<SchurSystem>,
 }
 
 /// M over an interval of rates: direct + control x reading, where `reading` is the control that a tone of each channel causes in the
@@ -113,7 +113,7 @@ impl UncertainLoop {
         dry: LinearisedDryFriction,
         controller: &Controller,
         at: &OperatingPoint,
-        uncertain: &[Uncertain],
+        uncertain: &[UncertainParameter],
         errors: [f64; 2],
     ) -> Result<Self, Error> {
         let body = Plant::from_lumped(nominal)?;
@@ -121,7 +121,7 @@ impl UncertainLoop {
         let body = body.local_at(&linear.equilibrium);
         let plant = SampledPlant::new(&linear, nominal, resolver_use(controller))?;
         let moment = controller.parts().design_out_of_balance_kg_m;
-        let closed = Closed::new(&plant, Some(controller), moment)?;
+        let closed = ClosedLoop::new(&plant, Some(controller), moment)?;
         let K = closed.controller.ok_or(Error::NoController)?;
         let base = base(&body, drive_slope(&body, &linear), resolver_use(controller), dry.springs);
         let mut structure = PerturbationStructure::default();
@@ -140,7 +140,7 @@ impl UncertainLoop {
         let readings: Vec<usize> = (port::FIRST_READING..plant.sampled.outputs()).collect();
         let extended = extended_system(&base, &channels)?;
         let sampled = plant.sampled.select(&readings, &[port::CONTROL]);
-        let evaluated = |system: &StateSpace| Evaluated::of(&balance(system).0);
+        let evaluated = |system: &StateSpace| SchurSystem::of(&balance(system).0);
         Ok(Self {
             structure,
             extended: Response::of(&extended)?,
@@ -310,7 +310,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::linear::plant::Resolver;
-    use crate::robust::{Distribution, Varied, varied_parameters};
+    use crate::robust::{Distribution, VariedParameter, varied_parameters};
     use crate::structured::places::parameter_places;
     use counterpoise_models::plant::{Angles, FrictionLinearisation};
 
@@ -325,7 +325,7 @@ mod tests {
     }
 
     /// The same with the deviation closed around the extended plant.
-    fn pulled_out(parameters: &Parameters, varied: Varied, factor: Factor, delta: f64, rate: f64) -> C64 {
+    fn pulled_out(parameters: &Parameters, varied: VariedParameter, factor: Factor, delta: f64, rate: f64) -> C64 {
         let body = Plant::from_lumped(parameters).unwrap();
         let at = body.equilibrium(&OperatingPoint::default());
         let linear = body.linearise(&at, FrictionLinearisation::Viscous, Angles::Drop).unwrap();
@@ -349,7 +349,7 @@ mod tests {
     fn a_deviation_closed_around_the_plant_is_the_plant_that_deviates() {
         let rig = counterpoise_models::reference::rig();
         let factor = Factor::of(Distribution::Uniform { low: 0.6, high: 1.9 });
-        let of_sliding_plant = |varied: &Varied| !varied.is_of_controller();
+        let of_sliding_plant = |varied: &VariedParameter| !varied.is_of_controller();
         for (varied, key) in varied_parameters::ALL.into_iter().filter(|(varied, _)| of_sliding_plant(varied))
         {
             for delta in [0.0, 0.8, -0.9] {

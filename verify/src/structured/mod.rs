@@ -31,7 +31,7 @@ pub use blocks::{PerturbationBlock, PerturbationStructure};
 pub use loops::PulledLoop;
 pub use lower::{Perturbation, lower_bound};
 pub use places::Joints;
-pub use problem::{Bounds, Destabilising, Uncertainty};
+pub use problem::{Bounds, DestabilisingMechanism, Uncertainty};
 pub use stability::{BoundProof, RobustStability, robust_stability, robust_stability_in};
 pub use upper::{UpperBound, upper_bound};
 pub use vertices::vertex_bound;

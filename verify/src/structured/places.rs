@@ -2,7 +2,7 @@
 
 use counterpoise_models::parameters::{FrictionLaw, Parameters};
 
-use crate::robust::Varied;
+use crate::robust::VariedParameter;
 use crate::tolerance::STUCK;
 
 /// A place of the linear plant at which a factor acts.
@@ -41,35 +41,35 @@ pub enum Place {
 }
 
 /// Returns the places of a parameter; `None` if it does not enter the loop.
-pub fn parameter_places(varied: Varied) -> &'static [Place] {
+pub fn parameter_places(varied: VariedParameter) -> &'static [Place] {
     match varied {
-        Varied::HubInertia => &[Place::HubInertia],
-        Varied::BeamInertia => &[Place::BeamInertia],
-        Varied::Inertia => &[Place::HubInertia, Place::BeamInertia],
-        Varied::MotorFriction => &[Place::MotorDry],
-        Varied::PivotFriction => &[Place::PivotDry],
-        Varied::Friction => &[Place::MotorDry, Place::PivotDry],
-        Varied::Viscous => &[Place::MotorViscous, Place::PivotViscous],
-        Varied::GearStiffness => &[Place::GearStiffness],
-        Varied::StructureStiffness => &[Place::StructureStiffness],
-        Varied::StructureDamping => &[Place::StructureDamping],
-        Varied::MotorInertia => &[Place::MotorInertia],
-        Varied::TorqueConstant => &[Place::TorqueConstant],
-        Varied::Resistance => &[Place::Resistance],
-        Varied::GyroBandwidth => &[Place::GyroBandwidth],
-        Varied::PreslidingStiffness => &[Place::MotorPresliding, Place::PivotPresliding],
-        Varied::OutOfBalance
-        | Varied::Backlash
-        | Varied::AccelerometerGain
-        | Varied::PlatformGyroGain
-        | Varied::ObserverLevel
-        | Varied::ObserverStiffness
-        | Varied::ObserverGain
-        | Varied::SampleJitter
-        | Varied::MissedSamples
-        | Varied::LateSamples
-        | Varied::MissingCodes
-        | Varied::GyroDrift => &[],
+        VariedParameter::HubInertia => &[Place::HubInertia],
+        VariedParameter::BeamInertia => &[Place::BeamInertia],
+        VariedParameter::Inertia => &[Place::HubInertia, Place::BeamInertia],
+        VariedParameter::MotorFriction => &[Place::MotorDry],
+        VariedParameter::PivotFriction => &[Place::PivotDry],
+        VariedParameter::Friction => &[Place::MotorDry, Place::PivotDry],
+        VariedParameter::Viscous => &[Place::MotorViscous, Place::PivotViscous],
+        VariedParameter::GearStiffness => &[Place::GearStiffness],
+        VariedParameter::StructureStiffness => &[Place::StructureStiffness],
+        VariedParameter::StructureDamping => &[Place::StructureDamping],
+        VariedParameter::MotorInertia => &[Place::MotorInertia],
+        VariedParameter::TorqueConstant => &[Place::TorqueConstant],
+        VariedParameter::Resistance => &[Place::Resistance],
+        VariedParameter::GyroBandwidth => &[Place::GyroBandwidth],
+        VariedParameter::PreslidingStiffness => &[Place::MotorPresliding, Place::PivotPresliding],
+        VariedParameter::OutOfBalance
+        | VariedParameter::Backlash
+        | VariedParameter::AccelerometerGain
+        | VariedParameter::PlatformGyroGain
+        | VariedParameter::ObserverLevel
+        | VariedParameter::ObserverStiffness
+        | VariedParameter::ObserverGain
+        | VariedParameter::SampleJitter
+        | VariedParameter::MissedSamples
+        | VariedParameter::LateSamples
+        | VariedParameter::MissingCodes
+        | VariedParameter::GyroDrift => &[],
     }
 }
 

@@ -7,10 +7,10 @@ use super::loops::PulledLoop;
 use super::nearest::find_nearest;
 use super::places::Joints;
 use super::problem::{
-    Bounds, Destabilising, Direction, Mechanism, Problem, Scanned, StatedRange, Uncertainty,
+    Bounds, DestabilisingMechanism, Direction, Mechanism, Problem, FrequencyBounds, StatedRange, Uncertainty,
 };
 use super::{Perturbation, UpperBound};
-use crate::robust::Varied;
+use crate::robust::VariedParameter;
 use crate::tolerance::WIDEST_RANGES;
 use crate::{Error, Procedure};
 
@@ -24,9 +24,9 @@ pub struct RobustStability {
     /// Where the upper bound is largest, Hz.
     pub worst_hz: f64,
     /// The smallest perturbation that was found to make the loop unstable.
-    pub found: Option<Destabilising>,
+    pub found: Option<DestabilisingMechanism>,
     /// Parameters that do not enter the linear loop.
-    pub left_out: Vec<Varied>,
+    pub left_out: Vec<VariedParameter>,
     /// The sinusoidal hub rate at which dry friction is taken as viscous friction, where it varies, rad/s.
     pub dry_friction_at_rad_s: Option<f64>,
     /// The errors at the plant's input and of the hub gyroscope's reading.
@@ -87,7 +87,7 @@ pub fn robust_stability_in(
     let found = find_nearest(&problem, &scanned)?;
     let worst = scanned.iter().max_by(|a, b| a.upper.beta.total_cmp(&b.upper.beta));
     let (peak, worst_hz) = worst.map_or((0.0, 0.0), |at| (at.upper.beta, at.hz));
-    let bounds = scanned.iter().map(Scanned::bounds).collect();
+    let bounds = scanned.iter().map(FrequencyBounds::bounds).collect();
     Ok(Some(RobustStability {
         bounds,
         guaranteed: 1.0 / peak.max(1.0 / WIDEST_RANGES),
