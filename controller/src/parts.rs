@@ -18,7 +18,7 @@ pub struct Path {
     pub name: String,
     /// The signals u, one an input of `system`.
     pub inputs: Vec<PathSignal>,
-    /// Discrete system with one output, in the realisation in which it is to run (see [`crate::realise::modal_form`]).
+    /// Discrete system with one output, in the realisation in which it is to run (see [`crate::realisation::modal_form`]).
     pub system: StateSpace,
     /// Gain a state on what the limiter cut off; zeros if the path does not wind up.
     pub anti_windup: Vec<f64>,

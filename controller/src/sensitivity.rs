@@ -4,7 +4,7 @@ use counterpoise_linalg::{C64, CMat, Mat, svd};
 use counterpoise_lti::{StateSpace, Timebase, frequency_response, gramian_factors, poles};
 
 use crate::Error;
-use crate::realise::{count_coefficients, modal_form};
+use crate::realisation::{count_coefficients, modal_form};
 use crate::tolerance::{MARGINAL, NEGLIGIBLE, SINGLE_ROUNDING, WORTH};
 
 /// A form in which a path can run.

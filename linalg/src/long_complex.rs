@@ -3,7 +3,7 @@
 use std::ops::{Add, Div, Mul, Sub};
 
 use crate::mat::C64;
-use crate::precise::LongReal;
+use crate::long_matrix::LongReal;
 
 /// A complex number of 32 digits.
 #[derive(Clone, Copy, Debug, Default)]

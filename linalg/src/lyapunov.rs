@@ -10,7 +10,7 @@ use crate::stein_leaf;
 use crate::sylvester::{Kind, check_spectra, middle};
 use crate::tolerance::{CORRECTED_STATES, DOUBTFUL_SEPARATION, MAGNIFIED};
 
-mod doubtful;
+mod singular_equations;
 
 /// Solves `A X + X A' + Q = 0`; all n x n. `X` is symmetric where `Q` is, and positive semidefinite where `A` is stable
 /// and `Q` is positive semidefinite.
@@ -94,8 +94,8 @@ pub fn refined_square_norm(A: &Mat, B: &Mat, C: &Mat, boundary: Boundary) -> Res
     let (form, kind) = (schur(&balanced.A)?, boundary.kind());
     let is_stable = form.eigenvalues().into_iter().all(|l| boundary.excess(l) < 0.0);
     match Operator::new(form, kind) {
-        Ok(operator) if is_stable => Ok(doubtful::refined_trace(&operator, &balanced.A, [&inner, &outer])),
-        _ => Ok(doubtful::precise_trace(&balanced.A, [&inner, &outer], kind)),
+        Ok(operator) if is_stable => Ok(singular_equations::refined_trace(&operator, &balanced.A, [&inner, &outer])),
+        _ => Ok(singular_equations::precise_trace(&balanced.A, [&inner, &outer], kind)),
     }
 }
 
@@ -108,9 +108,9 @@ fn solve(A: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
     let operator = Operator::new(schur(&balanced.A)?, kind)?;
     let X = operator.solve_any(&inner);
     let X = match growth(&operator, &balanced.A, &inner, &X) {
-        Growth::Doubtful => doubtful::settle(operator, &balanced.A, &inner, X)?,
+        Growth::Doubtful => singular_equations::settle(operator, &balanced.A, &inner, X)?,
         Growth::Magnified if A.nrows() <= CORRECTED_STATES => {
-            doubtful::correct_once(&operator, &balanced.A, &inner, X)
+            singular_equations::correct_once(&operator, &balanced.A, &inner, X)
         }
         Growth::Magnified | Growth::Benign => X,
     };

@@ -6,7 +6,7 @@
 use crate::kernel::vectorised;
 use crate::mat::Mat;
 use crate::schur::{DiagonalBlock, blocks};
-use crate::small::solve_complete;
+use crate::small_systems::solve_complete;
 use crate::tolerance::ROUND;
 
 vectorised! {

@@ -4,7 +4,7 @@
 //! the solution proves stability. Source: Smith, SIAM J. Appl. Math. 16 (1968).
 
 use crate::mat::C64;
-use crate::precise::LongMatrix;
+use crate::long_matrix::LongMatrix;
 use crate::schur::eigenvalues;
 use crate::sylvester::Kind;
 use crate::tolerance::{PRECISE_POWER, PRECISE_SQUARINGS, VANISHED_MODULUS};

@@ -7,7 +7,7 @@
 use crate::decomposition::svd;
 use crate::error::{Error, check_shape, check_square};
 use crate::mat::Mat;
-use crate::precise::LongMatrix;
+use crate::long_matrix::LongMatrix;
 
 /// The part of a system that is reached and seen, and the numbers that it rests on.
 #[derive(Clone, Debug)]

@@ -192,7 +192,7 @@ fn solve_block(A: &Mat, B: &Mat, C: &mut Mat, left: DiagonalBlock, right: Diagon
         (0..height).for_each(|p| x[q * height + p] = C[(i + p, j + q)]);
     }
     let mut system = kronecker_system(A, B, left, right, kind);
-    crate::small::solve_complete(&mut system, &mut x, unknowns);
+    crate::small_systems::solve_complete(&mut system, &mut x, unknowns);
     (0..unknowns).for_each(|row| C[(i + row % height, j + row / height)] = x[row]);
 }
 

@@ -3,7 +3,7 @@
 use crate::dense::Factors;
 use crate::error::{Error, check_shape, check_square};
 use crate::mat::{C64, CMat, Mat};
-use crate::precise::LongMatrix;
+use crate::long_matrix::LongMatrix;
 use crate::tolerance::{EPS, PRECISE_TRANSFER_STATES, TRANSFER_REFINEMENTS, TRANSFER_SETTLED};
 
 /// The four matrices of a transfer matrix: `A` n x n, `B` n x m, `C` p x n, `D` p x m.

@@ -2,7 +2,7 @@
 
 use counterpoise_diagnose::learning::reading::{ReadElement, read_elements};
 use counterpoise_models::friction::FrictionModel;
-use counterpoise_models::friction::describing::sinusoidal_loop;
+use counterpoise_models::friction::describing_function::sinusoidal_loop;
 use counterpoise_models::structure::refinement::{
     COLUMNS, REFERENCE, Refinement, RefinementMesh, compare_refinements,
 };

@@ -27,7 +27,7 @@ use counterpoise_verify::signals::{WelchOptions, welch};
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, Source, nonlinear};
 use serde::Serialize;
 
-use crate::exchange::InOwnUnit;
+use crate::exchange::UnitValue;
 use crate::first_design::{with_angles, with_chosen_weights_on};
 use crate::studies::adaptation_choice::with_chosen_adaptation;
 use crate::synth::schedule::other_configurations;
@@ -461,7 +461,7 @@ pub struct LoopMeasuresResult {
     pub effort_v: f64,
     /// RMS of what the loop controls that the disturbance leaves.
     #[serde(flatten)]
-    pub residual: InOwnUnit<f64>,
+    pub residual: UnitValue<f64>,
     /// Slowest decay of a pole of the closed loop, rad/s.
     pub decay_rad_s: f64,
 }
@@ -479,7 +479,7 @@ impl LoopMeasuresResult {
             noise_gain: found.noise_gain,
             control_peak: found.control_peak,
             effort_v: found.effort_v,
-            residual: InOwnUnit::new("residual", controlled, found.residual_rad_s),
+            residual: UnitValue::new("residual", controlled, found.residual_rad_s),
             decay_rad_s: f64::NAN,
         }
     }
@@ -496,7 +496,7 @@ impl LoopMeasuresResult {
             noise_gain: m.noise_gain,
             control_peak: m.control_peak,
             effort_v: m.effort_v,
-            residual: InOwnUnit::new("residual", controlled, m.residual_rad_s),
+            residual: UnitValue::new("residual", controlled, m.residual_rad_s),
             decay_rad_s: m.decay_rad_s,
         }
     }
@@ -518,7 +518,7 @@ pub struct TuningResult {
     pub missed: f64,
     /// Residual that each start reached; absent if it found no loop within the limits.
     #[serde(flatten)]
-    pub starts: InOwnUnit<Vec<Option<f64>>>,
+    pub starts: UnitValue<Vec<Option<f64>>>,
     /// Loops that were evaluated.
     pub evaluations: usize,
 }
@@ -585,7 +585,7 @@ impl TuningResult {
             measures: tuned.measures.iter().map(|m| LoopMeasuresResult::of(m, controlled)).collect(),
             plants: found.plants,
             missed: tuned.missed,
-            starts: InOwnUnit::new("starts", controlled, reached.collect()),
+            starts: UnitValue::new("starts", controlled, reached.collect()),
             evaluations: tuned.evaluations,
         }
     }

@@ -91,7 +91,7 @@ pub struct Series {
     /// Its name in the legend; empty for none.
     pub name: String,
     /// One row a point, columns x and y, in the order in which the points are joined. A series whose x never decreases is thinned
-    /// when it is long ([`MOST_POINTS`](crate::thin::MOST_POINTS)); a path that turns back is drawn whole.
+    /// when it is long ([`MOST_POINTS`](crate::thinning::MOST_POINTS)); a path that turns back is drawn whole.
     pub points: Array2<f64>,
     /// Its colour.
     pub colour: Colour,

@@ -16,7 +16,7 @@ use counterpoise_project::resolve::synthesis_options::{
 use counterpoise_synth::{Drives, Weight};
 use counterpoise_verify::Procedure;
 use counterpoise_verify::certificate::{CaseCertificate, Stability};
-use counterpoise_verify::signals::periodic::fundamental_hz;
+use counterpoise_verify::signals::period::fundamental_hz;
 
 use crate::sealed::Dice;
 use crate::sealed::machine::{Gyro, Machine, Platform, STATES};

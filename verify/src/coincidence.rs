@@ -6,7 +6,7 @@
 //! An instant is not counted if its shot would leave after the end of the record.
 
 use crate::Error;
-use crate::signals::normal::probability_between;
+use crate::signals::normal_distribution::probability_between;
 
 /// The window within which a shot is released, and the target.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -136,7 +136,7 @@ pub const CLEAR_RANK: f64 = 0.1;
 /// Beyond three a factor of 0.33 deviation would turn negative.
 pub const NORMAL_CUT: f64 = 3.0;
 
-// ---- robust::worst ----
+// ---- robust::worst_case ----
 
 /// First step, in quantiles.
 /// A fifth of a range leaves the neighbourhood of the worst sample.
@@ -158,7 +158,7 @@ pub const FEWEST_SAMPLES_A_SEGMENT: usize = 8;
 /// Rise and settling need a few samples to either side.
 pub const FEWEST_STEP_SAMPLES: usize = 10;
 
-// ---- structured::nearest ----
+// ---- structured::nearest_mechanism ----
 
 /// Candidates that are closed exactly.
 /// The largest lower bounds lie at neighbouring frequencies; six span both sides of a peak.

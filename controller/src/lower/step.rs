@@ -65,7 +65,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Pr
     prefilter(parts, &mut signals, states, &mut writer, &mut pending);
     derive(parts, &mut signals, states, &mut writer);
     let observe = |o: &FrictionObserver| {
-        observe::observe(o, signals.slot(o.rate), parts.sample_period_s, states, &mut writer)
+        friction_observers::observe(o, signals.slot(o.rate), parts.sample_period_s, states, &mut writer)
     };
     let dry: Vec<Slot> = parts.observers.iter().map(observe).collect();
     let path_states: Vec<Vec<Slot>> =

@@ -14,7 +14,7 @@
 //! Samples in presliding, at a limit, or missing do not enter, nor those whose filter window touches one. From one
 //! recording at one place the parts of pivot and motor in friction cannot be told apart: only their sum acts.
 
-pub mod improve;
+pub mod improvement;
 pub mod outcome;
 pub mod regression;
 pub mod rows;
@@ -25,7 +25,7 @@ mod breakaway;
 mod gain;
 mod problem;
 
-pub use improve::apply_identified;
+pub use improvement::apply_identified;
 pub use outcome::{
     Balance, Estimate, FrictionPicture, GainPoint, Identification, IdentifiedAmplifier, Lobes, Note,
     SensorErrors, GainCurveObstacle,
@@ -54,7 +54,7 @@ pub fn identify(p: &Parameters, states: &[&[Recording]]) -> Result<Identificatio
     }
     let mut found = round(p, states, &PriorValues::of(p))?;
     for _ in 1..ROUNDS {
-        found = round(&improve::apply_except_amplifier(p, &found), states, &PriorValues::of(p))?;
+        found = round(&improvement::apply_except_amplifier(p, &found), states, &PriorValues::of(p))?;
     }
     Ok(found)
 }

@@ -9,7 +9,7 @@ mod error;
 mod format;
 mod guard;
 mod plan;
-mod predict;
+mod prediction;
 mod runner;
 mod writer;
 

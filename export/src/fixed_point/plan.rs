@@ -6,7 +6,7 @@ use counterpoise_lti::poles;
 
 use crate::Ranges;
 use crate::fixed_point::format::{bits_for, to_integer};
-use crate::fixed_point::predict::predict;
+use crate::fixed_point::prediction::predict;
 use crate::fixed_point::writer::Writer;
 use crate::fixed_point::{FixedPointController, FixedError};
 use crate::ranges::settings;

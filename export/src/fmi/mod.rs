@@ -7,7 +7,7 @@
 //! holds its control. Step the controller first and the plant second, both by one sample period: then the closed loop is
 //! the simulator's, without a further delay.
 
-mod absent;
+mod unused_functions;
 mod controller;
 mod free_functions;
 mod loads;
@@ -20,7 +20,7 @@ pub use controller::controller_unit;
 pub use pack::pack_unit;
 pub use plant::{PlantUnit, PlantUnitError, plant_unit};
 
-use absent::ABSENT;
+use unused_functions::ABSENT;
 use minijinja::{Environment, Value, context};
 
 use crate::{Error, File};

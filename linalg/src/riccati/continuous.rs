@@ -6,13 +6,13 @@ use crate::mat::Mat;
 use crate::sylvester::Kind;
 use crate::tolerance::PRECISE_STATES;
 
-use super::certify::{CertifiedSolution, certify};
-use super::decide::{Failure, Refusal, convert_to_callers_units, decide, is_beyond_doubt, unless_lost};
+use super::certificate::{CertifiedSolution, certify};
+use super::decision::{Failure, Refusal, convert_to_callers_units, decide, is_beyond_doubt, unless_lost};
 use super::doubling::{PARAMETERS, solve_by_doubling};
 use super::equation::{ContinuousRiccati, Data, Quadratic};
 use super::modes::Modes;
 use super::newton::{Equation, refine};
-use super::precise::PreciseEquation;
+use super::long_matrix::PreciseEquation;
 use super::reason::{self, NearestEigenvalue};
 use super::scaling::{Problem, rescale, scale};
 use super::{Outcome, Reason, Riccati, RiccatiMethod, subspace};

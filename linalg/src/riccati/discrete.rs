@@ -5,13 +5,13 @@ use crate::mat::Mat;
 use crate::sylvester::Kind;
 use crate::tolerance::EPS;
 
-use super::certify::{CertifiedSolution, certify};
+use super::certificate::{CertifiedSolution, certify};
 use super::continuous::{check_input, fold};
-use super::decide::{Failure, convert_to_callers_units, decide, is_beyond_doubt, unless_lost};
+use super::decision::{Failure, convert_to_callers_units, decide, is_beyond_doubt, unless_lost};
 use super::equation::{Data, DiscreteRiccati};
 use super::modes::Modes;
 use super::newton::refine;
-use super::precise::PreciseEquation;
+use super::long_matrix::PreciseEquation;
 use super::scaling::{Problem, rescale, scale};
 use super::{Outcome, Reason, Riccati, RiccatiMethod, doubling, reason, subspace};
 

@@ -8,12 +8,12 @@ use crate::decomposition::rcond_one;
 use crate::dense::solve;
 use crate::extended_precision::{ExtendedMatrix, exact_product};
 use crate::mat::Mat;
-use crate::precise::LongMatrix;
+use crate::long_matrix::LongMatrix;
 use crate::sylvester::Kind;
 use crate::tolerance::{EPS, EXTENDED_ERROR, GAIN_CORRECTIONS, GAIN_KNOWN, PRECISE_STATES, RICCATI_REGULAR};
 
 use super::newton::{Change, Equation, Evaluation};
-use super::precise::{LinearisedEquation, PreciseEquation};
+use super::long_matrix::{LinearisedEquation, PreciseEquation};
 
 /// Plant and weights in scaled coordinates; `S` may be all zero.
 pub(super) struct Data {

@@ -4,15 +4,15 @@
 //! problems, structured doubling for large ones, each the fallback of the other), refine by Newton steps whose residual
 //! is computed in twice the working precision, certify, and either hand over or say which mode is in the way.
 
-mod certify;
+mod certificate;
 mod continuous;
-mod decide;
+mod decision;
 mod discrete;
 mod doubling;
 mod equation;
 mod modes;
 mod newton;
-mod precise;
+mod long_solution;
 mod reason;
 mod scaling;
 mod subspace;

@@ -19,7 +19,7 @@
 //! *Invariant*: nothing here knows an inertia or marches a mechanism in time.
 //!
 //! Modules in reading order: [`ranges`], [`properties`], [`real`], [`stribeck`], [`partials`], [`sliding`], [`dahl`], [`lugre`], [`reset`], [`walrath`], [`bristle`],
-//! [`law`], [`model`], [`dry`], [`mod@contact`], [`describing`].
+//! [`law`], [`model`], [`dry`], [`mod@contact`], [`describing_function`].
 //!
 //! ```
 //! use counterpoise_models::{Friction, FrictionLaw, friction::FrictionModel};
@@ -35,7 +35,7 @@ pub mod bristle;
 mod build;
 pub mod contact;
 pub mod dahl;
-pub mod describing;
+pub mod describing_function;
 pub mod dry;
 pub mod law;
 pub mod lugre;

@@ -5,7 +5,7 @@ use super::impedance::Impedance;
 use super::{Core, Equilibrium, Mesh, Plant};
 use crate::Error;
 use crate::friction::FrictionModel;
-use crate::friction::describing::describing_function;
+use crate::friction::describing_function::describing_function;
 use crate::parameters::{AxisKind, Friction};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};

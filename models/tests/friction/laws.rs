@@ -1,7 +1,7 @@
 //! What every law must do, whichever it is.
 
 use super::{assert_close, dahl, lugre, model, reset_integrator};
-use counterpoise_models::friction::describing::sinusoidal_loop;
+use counterpoise_models::friction::describing_function::sinusoidal_loop;
 use counterpoise_models::friction::{FrictionConditions, FrictionModel};
 use counterpoise_models::{Error, Friction, FrictionLaw, Ripple, StribeckCurve};
 

@@ -1,7 +1,7 @@
 //! What the laws have in common: their Coulomb level, presliding stiffness and state at a torque, read and written.
 
 use super::assert_close;
-use counterpoise_models::friction::describing::sinusoidal_loop;
+use counterpoise_models::friction::describing_function::sinusoidal_loop;
 use counterpoise_models::friction::{FrictionModel, Similarity};
 use counterpoise_models::{Friction, FrictionLaw, StribeckCurve};
 

@@ -4,7 +4,7 @@ mod feedback_alone;
 pub mod target_proofs;
 
 use crate::wording::figures::{describe_figure, describe_unmeasured};
-use counterpoise_controller::realise::count_coefficients;
+use counterpoise_controller::realisation::count_coefficients;
 use counterpoise_controller::sensitivity::{RealisationCandidate, RealisationForm, form_candidates};
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
 use counterpoise_export::signal_names;

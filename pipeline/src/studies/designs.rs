@@ -15,7 +15,7 @@ use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Experiment, Procedure, Source, nonlinear};
 use serde::Serialize;
 
-use crate::exchange::InOwnUnit;
+use crate::exchange::UnitValue;
 use crate::tuning::{
     BlockResult, LoopMeasuresResult, TuningGround, WeightsResult, block_results, own_procedure, put_in_place,
     tune_feedback, tuning_ground, weights_result,
@@ -44,7 +44,7 @@ pub struct DesignTable {
     pub disturbance: Vec<[f64; 2]>,
     /// RMS of the white noise of a reading.
     #[serde(flatten)]
-    pub reading_noise: InOwnUnit<f64>,
+    pub reading_noise: UnitValue<f64>,
     /// The designs, the project's own first.
     pub rows: Vec<DesignRow>,
 }
@@ -136,16 +136,16 @@ pub struct LimitsResult {
 pub struct RunFigures {
     /// What the loop controls less the demand after a step of it.
     #[serde(flatten)]
-    pub step: InOwnUnit<f64>,
+    pub step: UnitValue<f64>,
     /// What the loop controls, under the sines of heave and pitch together.
     #[serde(flatten)]
-    pub sines: InOwnUnit<f64>,
+    pub sines: UnitValue<f64>,
     /// The same under the project's own motion; absent without one.
     #[serde(flatten)]
-    pub motion: InOwnUnit<Option<f64>>,
+    pub motion: UnitValue<Option<f64>>,
     /// The same at rest.
     #[serde(flatten)]
-    pub rest: InOwnUnit<f64>,
+    pub rest: UnitValue<f64>,
     /// Control about its mean under the own motion, or under the sines, V.
     pub control_v: f64,
 }
@@ -227,7 +227,7 @@ pub fn design_table(
         }
     };
     let Disturbance { lines: disturbance, reading_noise_rad_s } = ground.disturbance.clone();
-    let reading_noise = InOwnUnit::new("reading_noise", controlled, reading_noise_rad_s);
+    let reading_noise = UnitValue::new("reading_noise", controlled, reading_noise_rad_s);
     let (name, hash) = (identity.name, identity.hash);
     Ok(DesignTable { name, hash, controlled, objective, motion, disturbance, reading_noise, rows })
 }
@@ -416,10 +416,10 @@ impl RowBuilder<'_> {
         };
         let controlled = self.project.plant.controlled_quantity();
         Ok(RunFigures {
-            step: InOwnUnit::new("step", controlled, run(Experiment::Step)?[0]),
-            sines: InOwnUnit::new("sines", controlled, sines[0]),
-            motion: InOwnUnit::new("motion", controlled, motion.map(|found| found[0])),
-            rest: InOwnUnit::new("rest", controlled, run(Experiment::Rest)?[0]),
+            step: UnitValue::new("step", controlled, run(Experiment::Step)?[0]),
+            sines: UnitValue::new("sines", controlled, sines[0]),
+            motion: UnitValue::new("motion", controlled, motion.map(|found| found[0])),
+            rest: UnitValue::new("rest", controlled, run(Experiment::Rest)?[0]),
             control_v: motion.unwrap_or(sines)[1],
         })
     }

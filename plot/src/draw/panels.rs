@@ -14,7 +14,7 @@ use crate::figure::{Aspect, Band, BandPoint, Mark, Panel, Panels, Point, Series}
 use crate::font;
 use crate::ink::{FONT_PX, Ink};
 use crate::ruler::{Margin, Ruler};
-use crate::thin::{MOST_POINTS, thin_points};
+use crate::thinning::{MOST_POINTS, thin_points};
 
 /// Space at the right of panels, and below each.
 const RIGHT: f64 = 18.0;

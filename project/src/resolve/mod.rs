@@ -15,7 +15,7 @@ pub mod design;
 mod digits;
 mod drive;
 mod effort_checks;
-mod elsewhere;
+mod section_hints;
 mod findings;
 pub mod fixed_structure;
 mod format;
@@ -154,7 +154,7 @@ impl Project {
             findings.extend(document.syntax.clone());
         }
         diagnostic::sort(&mut findings);
-        elsewhere::hint_at_sections(&mut findings);
+        section_hints::hint_at_sections(&mut findings);
         let (errors, warnings): (Vec<_>, Vec<_>) =
             findings.into_iter().partition(|d| d.severity == Severity::Error);
         if errors.is_empty() { Ok(ParsedProject { project, warnings, assumptions }) } else { Err(errors) }

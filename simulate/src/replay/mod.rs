@@ -8,7 +8,7 @@
 mod control;
 mod exported_controller;
 mod initial_controller_state;
-mod normal;
+mod normal_equations;
 pub mod platform;
 mod recorded_controller;
 mod recorded_readings;

@@ -9,7 +9,7 @@
 //! If dry friction alone can hold the hub, the teeth may be apart at the start. The fit is then tried with the teeth apart as well,
 //! and the place inside the gap stands where the gear torque stood.
 
-use super::normal::{NormalEquations, squares};
+use super::normal_equations::{NormalEquations, squares};
 use super::{Playback, Replayer, reading_floor};
 use crate::ensemble::{EnsembleRun, SIDE_BY_SIDE, run_ensemble};
 use crate::history::TimeHistory;

@@ -5,7 +5,7 @@
 //! dry friction at motor and pivot, current) that are fitted to its first half by Levenberg and Marquardt's method; a wind-up inside
 //! the gap is one of the states that the fit can find.
 
-use super::normal::{NormalEquations, squares};
+use super::normal_equations::{NormalEquations, squares};
 use super::{Playback, Replay, ReplayLoop, Replayer, reading_floor};
 use crate::firing::Firing;
 use crate::run::{Simulator, holding_control};

@@ -3,13 +3,13 @@
 //! What is estimated goes into the bias and the heave feedforward's gain, nowhere else: the feedback loop does not
 //! contain the estimate, so in the linear model no estimate, however wrong, can make the loop unstable.
 
-mod recursive;
+mod recursive_least_squares;
 
 use counterpoise_controller::{Readings, Runner, SampledController};
 
 use crate::Error;
 
-pub use recursive::{RecursiveLeastSquares, RecursiveSettings};
+pub use recursive_least_squares::{RecursiveLeastSquares, RecursiveSettings};
 
 /// How control volts become what the drive acts on: the inverse use of an amplifier's measured curve.
 #[derive(Debug, Clone, PartialEq, Default)]

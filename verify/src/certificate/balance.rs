@@ -4,7 +4,7 @@
 use counterpoise_linalg::C64;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::friction::FrictionModel;
-use counterpoise_models::friction::describing::sinusoidal_loop;
+use counterpoise_models::friction::describing_function::sinusoidal_loop;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, Impedance};
 use counterpoise_models::{Friction, FrictionLaw};
 

@@ -9,7 +9,7 @@ use counterpoise_simulate::{Initial, Scenario, Signal, Simulator};
 use super::Prediction;
 use super::floor::Subject;
 use crate::Error;
-use crate::signals::periodic::fundamental_hz;
+use crate::signals::period::fundamental_hz;
 use crate::signals::statistics::subtract_mean;
 use crate::signals::{mean, rms};
 use crate::tolerance::{

@@ -19,7 +19,7 @@ pub mod factor;
 pub mod hermitian;
 pub mod loops;
 pub mod lower;
-mod nearest;
+mod nearest_mechanism;
 pub mod places;
 pub mod problem;
 pub mod stability;

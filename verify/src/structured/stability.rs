@@ -4,7 +4,7 @@ use counterpoise_controller::Controller;
 use counterpoise_models::parameters::Parameters;
 
 use super::loops::PulledLoop;
-use super::nearest::find_nearest;
+use super::nearest_mechanism::find_nearest;
 use super::places::Joints;
 use super::problem::{
     Bounds, DestabilisingMechanism, Direction, Mechanism, Problem, FrequencyBounds, StatedRange, Uncertainty,

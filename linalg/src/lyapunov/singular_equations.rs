@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::extended_precision::{ExtendedMatrix, exact_product};
 use crate::mat::{C64, Mat};
-use crate::precise::LongMatrix;
+use crate::long_matrix::LongMatrix;
 use crate::smith;
 use crate::spectrum::Spectrum;
 use crate::sylvester::Kind;

@@ -5,7 +5,7 @@
 //! Sources: Kleinman, IEEE TAC 13 (1968) 114; doubling as in [`super::doubling`].
 
 use crate::mat::Mat;
-use crate::precise::LongMatrix;
+use crate::long_matrix::LongMatrix;
 use crate::schur::eigenvalues;
 use crate::smith::{lyapunov, middle, power_of_two};
 use crate::sylvester::Kind;

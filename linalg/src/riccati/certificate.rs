@@ -2,13 +2,13 @@
 
 use crate::lyapunov::Operator;
 use crate::mat::{C64, Mat};
-use crate::precise::LongMatrix;
+use crate::long_matrix::LongMatrix;
 use crate::schur::eigenvalues;
 use crate::sylvester::Kind;
 use crate::tolerance::{EPS, RICCATI_RESIDUAL, RICCATI_SPECTRUM_MOVES, RICCATI_SPECTRUM_SHARE, ROUNDING};
 
 use super::newton::{Equation, RefinedSolution};
-use super::precise::{self, InverseNorms, PreciseEquation, relative_step};
+use super::long_matrix::{self, InverseNorms, PreciseEquation, relative_step};
 use super::reason::excess;
 use super::scaling::Problem;
 use super::{Reason, Riccati, RiccatiCertificate, RiccatiMethod};
@@ -100,7 +100,7 @@ pub(super) fn certify(
 pub(super) fn certify_precise(
     equation: &(impl Equation + PreciseEquation),
     problem: &Problem,
-    found: precise::Solution,
+    found: long_solution::Solution,
 ) -> Option<CertifiedSolution> {
     let kind = Equation::kind(equation);
     let X = found.X.round().symmetric_part();

@@ -9,10 +9,10 @@ use crate::tolerance::{
     RICCATI_UNDETERMINED, SENSITIVE, TRUSTED_SEPARATION,
 };
 
-use super::certify::{CertifiedSolution, certify_precise};
+use super::certificate::{CertifiedSolution, certify_precise};
 use super::modes::Modes;
 use super::newton::Equation;
-use super::precise::{self, PreciseEquation, relative_step};
+use super::long_matrix::{self, PreciseEquation, relative_step};
 use super::reason::{self, NearestEigenvalue, Nearness};
 use super::scaling::{Problem, ScaledProblem, rescale};
 use super::{Outcome, Reason, Riccati, RiccatiCertificate};
@@ -139,7 +139,7 @@ fn solve_precisely(
     if problem.A.nrows() > PRECISE_STATES {
         return None;
     }
-    certify_precise(equation, problem, precise::solve(equation, start)?)
+    certify_precise(equation, problem, long_solution::solve(equation, start)?)
 }
 
 /// The solution, unless it is so sensitive that a mode may be within reach, or in sight, by rounding alone.
