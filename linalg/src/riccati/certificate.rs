@@ -8,7 +8,7 @@ use crate::sylvester::Kind;
 use crate::tolerance::{EPS, RICCATI_RESIDUAL, RICCATI_SPECTRUM_MOVES, RICCATI_SPECTRUM_SHARE, ROUNDING};
 
 use super::newton::{Equation, RefinedSolution};
-use super::long_matrix::{self, InverseNorms, PreciseEquation, relative_step};
+use super::long_solution::{self, InverseNorms, PreciseEquation, relative_step};
 use super::reason::excess;
 use super::scaling::Problem;
 use super::{Reason, Riccati, RiccatiCertificate, RiccatiMethod};

@@ -12,7 +12,7 @@ use super::doubling::{PARAMETERS, solve_by_doubling};
 use super::equation::{ContinuousRiccati, Data, Quadratic};
 use super::modes::Modes;
 use super::newton::{Equation, refine};
-use super::long_matrix::PreciseEquation;
+use super::long_solution::PreciseEquation;
 use super::reason::{self, NearestEigenvalue};
 use super::scaling::{Problem, rescale, scale};
 use super::{Outcome, Reason, Riccati, RiccatiMethod, subspace};

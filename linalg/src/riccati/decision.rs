@@ -12,7 +12,7 @@ use crate::tolerance::{
 use super::certificate::{CertifiedSolution, certify_precise};
 use super::modes::Modes;
 use super::newton::Equation;
-use super::long_matrix::{self, PreciseEquation, relative_step};
+use super::long_solution::{self, PreciseEquation, relative_step};
 use super::reason::{self, NearestEigenvalue, Nearness};
 use super::scaling::{Problem, ScaledProblem, rescale};
 use super::{Outcome, Reason, Riccati, RiccatiCertificate};

@@ -11,7 +11,7 @@ use super::decision::{Failure, convert_to_callers_units, decide, is_beyond_doubt
 use super::equation::{Data, DiscreteRiccati};
 use super::modes::Modes;
 use super::newton::refine;
-use super::long_matrix::PreciseEquation;
+use super::long_solution::PreciseEquation;
 use super::scaling::{Problem, rescale, scale};
 use super::{Outcome, Reason, Riccati, RiccatiMethod, doubling, reason, subspace};
 

@@ -13,7 +13,7 @@ use crate::sylvester::Kind;
 use crate::tolerance::{EPS, EXTENDED_ERROR, GAIN_CORRECTIONS, GAIN_KNOWN, PRECISE_STATES, RICCATI_REGULAR};
 
 use super::newton::{Change, Equation, Evaluation};
-use super::long_matrix::{LinearisedEquation, PreciseEquation};
+use super::long_solution::{LinearisedEquation, PreciseEquation};
 
 /// Plant and weights in scaled coordinates; `S` may be all zero.
 pub(super) struct Data {
