@@ -1,5 +1,6 @@
 //! The report of an identification: the numbers with their intervals, control against rate, the amplifier's curve.
 
+use crate::tolerance::LEAST_WITH_THREE_DECIMALS;
 use crate::wording::identification::{AmplifierText, IdentificationText};
 use counterpoise_diagnose::identification::{Estimate, FrictionPicture, GainPoint};
 use counterpoise_pipeline::recordings::AxisUnits;
@@ -129,7 +130,7 @@ fn estimates(found: &IdentificationText, units: &AxisUnits) -> ReportTable {
 
 /// Returns the end of an interval with three decimals, or with three digits if those say nothing.
 fn interval_end(value: f64) -> String {
-    if value == 0.0 || value.abs() >= 0.01 { format!("{value:.3}") } else { format!("{value:.2e}") }
+    if value == 0.0 || value.abs() >= LEAST_WITH_THREE_DECIMALS { format!("{value:.3}") } else { format!("{value:.2e}") }
 }
 
 /// What a figure is drawn with.
@@ -230,13 +231,16 @@ fn curve_table(points: &[GainPoint]) -> ReportTable {
 mod tests {
     use super::*;
     use crate::html_page;
-    use counterpoise_diagnose::identification::{Balance, Lobes};
+    use counterpoise_diagnose::identification::{BalanceState, Lobes};
 
     fn example_text() -> IdentificationText {
         let estimate = |value| Estimate::new(value, 0.5, 150.0);
         let turn = |k: i32| f64::from(k) * 0.01;
         IdentificationText {
-            balances: vec![Balance { out_of_balance_kg_m: estimate(186.0), inertia_kg_m2: estimate(150.2) }],
+            balances: vec![BalanceState {
+                out_of_balance_kg_m: estimate(186.0),
+                inertia_kg_m2: estimate(150.2),
+            }],
             coulomb_nm: estimate(130.0),
             viscous_nm_s_rad: estimate(140.0),
             breakaway_nm: None,

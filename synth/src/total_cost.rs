@@ -19,7 +19,7 @@ use counterpoise_lti::{StateSpace, poles};
 
 use crate::feedforward::with_derivatives;
 use crate::finding::Part;
-use crate::tolerance::{GAIN_STEP, NARROWEST_POLE, POLE_AT_ZERO_RAD_S};
+use crate::tolerance::{GAIN_STEP, NARROWEST_POLE, POLE_AT_ZERO_RAD_S, RESONANT_DAMPING};
 use crate::{Assembly, Design, DisturbanceChannel, DisturbanceKnowledge, Error, FeedforwardWeights, Weight};
 
 /// The cost of one source of disturbance in the assembled loop.
@@ -232,7 +232,7 @@ impl CostResponses {
         let count = ((high / low).log10() * PER_DECADE as f64).ceil() as usize;
         let mut rates: Vec<f64> =
             (0..=count).map(|k| low * (high / low).powf(k as f64 / count as f64)).collect();
-        for pole in all.iter().filter(|pole| pole.im > 0.0 && pole.re.abs() < 0.3 * pole.norm()) {
+        for pole in all.iter().filter(|pole| pole.im > 0.0 && pole.re.abs() < RESONANT_DAMPING * pole.norm()) {
             let width = pole.re.abs().max(NARROWEST_POLE * pole.norm());
             let offsets = (-AROUND_POLE..=AROUND_POLE).map(|k| {
                 let share = f64::from(k) / f64::from(AROUND_POLE);

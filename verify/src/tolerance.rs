@@ -396,3 +396,30 @@ pub(crate) const LEAST_COMPARED_SIGHT_RAD: f64 = 0.05e-6;
 
 /// Ratio of the RMS with feedforwards to that without from which on they are called worse; below, the difference is that of two noise records.
 pub(crate) const WORSE_FEEDFORWARD: f64 = 1.01;
+
+// ---- structured::upper ----
+
+/// Ratio of the bracket's ends at which the bisection for the least upper bound of mu stops: a part in ten thousand of a factor on
+/// parameters that are known to percents.
+pub(crate) const BOUND_RATIO: f64 = 1.0001;
+
+// ---- linear::root_locus ----
+
+/// Ratio of two neighbouring gains below which a root locus is not divided further: a step of a part in a thousand in the gain moves a pole by less
+/// than a line's width, unless two poles meet, where no finer step helps.
+pub(crate) const LOCUS_GAIN_RATIO: f64 = 1.001;
+
+// ---- signals::sea ----
+
+/// Argument below which sin x / x is computed by its series to x^2: the next term, x^4 / 120, is then below 1e-18, less than rounding.
+pub(crate) const SINC_SERIES: f64 = 1e-4;
+
+/// Argument below which 3 (sin x - x cos x) / x^3 is computed by its series to x^2: the next term, x^4 / 280, is then below 4e-11; the difference
+/// itself loses 1e-16 / x^3, 1e-10 there.
+pub(crate) const SLOPE_FACTOR_SERIES: f64 = 1e-2;
+
+// ---- error_budget::propagation ----
+
+/// Number of half periods within a time below which 1 - sinc^2 is computed by its series to x^4: the series is then right to 1e-9 of its value,
+/// and the difference itself would lose four of sixteen digits.
+pub(crate) const MEAN_SERIES: f64 = 1e-2;

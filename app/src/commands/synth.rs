@@ -13,7 +13,7 @@ use counterpoise_pipeline::{
     study_synthesis,
 };
 use counterpoise_project::{Project, Purpose};
-use counterpoise_synth::{SearchEnding, Figures, SearchTrial};
+use counterpoise_synth::{Figures, SearchEnding, SearchTrial};
 use counterpoise_verify::Verdict;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -25,6 +25,7 @@ use counterpoise_host::interrupt;
 use counterpoise_host::projects::{self, ProjectOnDisk, ProjectWorld};
 use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_plot::number::short_number;
+use counterpoise_report::alternatives::drop_small_sign;
 use counterpoise_report::trade_off::VerifiedPoint;
 use counterpoise_report::{ReportOrigin, html_page, of_synthesis, trade_off};
 
@@ -181,7 +182,7 @@ fn print_total_cost(beside: &DesignComparison) {
             }
             _ => String::new(),
         };
-        let slope = tidy(row.slope);
+        let slope = drop_small_sign(row.slope);
         say!(
             "  {:18} {:>10}, slope {slope:+.4} per unit of its gain{best}",
             row.part,
@@ -234,7 +235,7 @@ fn print_balance(study: &SynthesisStudy) {
         controlled.milli_unit()
     );
     for row in &beside.balance {
-        let range = |[low, high]: [f64; 2]| format!("{:+.2} .. {:+.2}", tidy(low), tidy(high));
+        let range = |[low, high]: [f64; 2]| format!("{:+.2} .. {:+.2}", drop_small_sign(low), drop_small_sign(high));
         let change = |db: Option<[f64; 2]>| db.map_or("none".to_owned(), range);
         let error = |value: Option<f64>| value.map_or("-".to_owned(), |rate| format!("{:.3}", 1e3 * rate));
         say!("  {} ({:.2} kg m)", row.name, row.out_of_balance_kg_m);
@@ -253,11 +254,6 @@ fn print_balance(study: &SynthesisStudy) {
         say!("    {}", row.conditions);
         say!("    {}", row.law);
     }
-}
-
-/// Without the sign of a zero that is shown.
-fn tidy(db: f64) -> f64 {
-    if db.abs() < 5e-3 { 0.0 } else { db }
 }
 
 /// The search, for another program.

@@ -27,7 +27,7 @@ use crate::linear::{
     ClosedLoop, SampledPlant, arrange_controller, simulate_disturbance, surge::acting_arrangement,
 };
 use crate::sight_spectrum::{Bands, SightSpectrum};
-use crate::tolerance::SIGHT_POINTS_A_BAND;
+use crate::tolerance::{MEAN_SERIES, SIGHT_POINTS_A_BAND};
 use crate::{Arrangement, Error, HeaveAndPitch, LineOfSight, Procedure, Source};
 
 /// The linear loop with what its noise makes.
@@ -265,7 +265,7 @@ impl<'a> Propagation<'a> {
         Torques { motor_nm: vec![0.0; whole.len()], hub_nm: (0..whole.len()).map(hub).collect() }
     }
 
-    /// What the gap takes from the torque of teeth that always touch.
+    /// Returns what the gap takes from the torque of teeth that always touch.
     fn gap_torques(&self, whole: &TimeHistory) -> Torques {
         let gearbox = &self.plant.parameters().gearbox;
         let truth = &whole.truth;
@@ -340,7 +340,7 @@ impl Torques {
 /// Returns 1 - sinc^2: the share of a density that varies within a time, at a number of periods in it.
 fn about_mean(periods: f64) -> f64 {
     let x = PI * periods;
-    if x < 1e-2 * FRAC_PI_2 {
+    if x < MEAN_SERIES * FRAC_PI_2 {
         // the series of 1 - (sin x / x)^2: the difference itself would lose digits
         return x * x / 3.0 * (1.0 - 2.0 * x * x / 15.0);
     }
