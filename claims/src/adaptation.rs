@@ -5,7 +5,9 @@ use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
 use counterpoise_simulate::{Initial, PlatformMotion, Scenario, Signal, Simulator};
 use counterpoise_synth::adaptation::{self, Scale};
-use counterpoise_synth::{AdaptiveController, Estimation, RecursiveLeastSquares, RecursiveSettings, WindowedMean};
+use counterpoise_synth::{
+    AdaptiveController, Estimation, RecursiveLeastSquares, RecursiveSettings, WindowedMean,
+};
 use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
 
@@ -155,8 +157,12 @@ pub fn adapted_feedforward(tested: &TestedDesign<'_>) -> Result<Claim, PipelineE
     let mut panels = Vec::new();
     for (name, machine) in [("linear amplifier", &linear), ("measured amplifier", &curved)] {
         let of = |telling| intervals(tested, machine, telling);
-        let (nobody, mean, squares, truth) =
-            (of(LoadSource::Nobody)?, of(LoadSource::Mean)?, of(LoadSource::Squares)?, of(LoadSource::Truth)?);
+        let (nobody, mean, squares, truth) = (
+            of(LoadSource::Nobody)?,
+            of(LoadSource::Mean)?,
+            of(LoadSource::Squares)?,
+            of(LoadSource::Truth)?,
+        );
         let most = |rates: &[f64]| rates.iter().copied().fold(0.0, f64::max) / truth[0];
         let changed = |rates: &[f64]| rates[1..4].iter().copied().fold(f64::INFINITY, f64::min) / truth[0];
         criteria.extend(adaptation_criteria(name, most(&mean), most(&truth), changed(&nobody)));

@@ -2,7 +2,7 @@
 
 use counterpoise_models::parameters::{Beam, BeamSection, SectionShape};
 use counterpoise_models::structure::{
-    FeModel, FeOptions, AttachedMasses, Integration, Mesh, Support, Theory, undamped_modes,
+    AttachedMasses, FeModel, FeOptions, Integration, Mesh, Support, Theory, undamped_modes,
 };
 
 use super::drawing::{ClaimCurve, CurveStyle, make_figure, make_panel};
@@ -20,7 +20,10 @@ const PRINTED_FINE: [f64; 9] =
 struct PrintedFrequencies(usize, &'static [f64]);
 
 const UNIFORM: [PrintedFrequencies; 4] = [
-    PrintedFrequencies(14, &[0.02660, 0.07309, 0.14513, 0.24804, 0.37300, 0.53523, 0.72310, 0.95422, 1.24417]),
+    PrintedFrequencies(
+        14,
+        &[0.02660, 0.07309, 0.14513, 0.24804, 0.37300, 0.53523, 0.72310, 0.95422, 1.24417],
+    ),
     PrintedFrequencies(3, &[0.02786, 0.08852, 0.18058, 0.34298, 0.53652, 0.96069]),
     PrintedFrequencies(2, &[0.02692, 0.09432, 0.21506, 0.38128]),
     PrintedFrequencies(1, &[0.03789, 0.12943]),
@@ -150,7 +153,11 @@ fn picture(
     Ok(make_figure(title, Axis::linear("flexible mode", ""), vec![panel]).with_caption(&caption))
 }
 
-fn every_column(beam: &Beam, columns: &[PrintedFrequencies], integration: Integration) -> Result<String, PipelineError> {
+fn every_column(
+    beam: &Beam,
+    columns: &[PrintedFrequencies],
+    integration: Integration,
+) -> Result<String, PipelineError> {
     let mut words = Vec::new();
     for column in columns {
         let own = deviations(beam, Mesh::Equal(column.0), integration)?;

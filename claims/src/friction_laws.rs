@@ -498,7 +498,9 @@ struct FitResult {
 }
 
 /// Returns each of two factors up and down, the step's square root taken when nothing is better.
-fn fit_factors(distance: &dyn Fn([f64; 2]) -> Result<f64, PipelineError>) -> Result<FitResult, PipelineError> {
+fn fit_factors(
+    distance: &dyn Fn([f64; 2]) -> Result<f64, PipelineError>,
+) -> Result<FitResult, PipelineError> {
     const FIRST_STEP: f64 = 4.0;
     const LAST_STEP: f64 = 1.1;
     const LEAST: f64 = 1e-3;

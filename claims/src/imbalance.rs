@@ -4,7 +4,7 @@ use counterpoise_controller::Controller;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::plant::OperatingPoint;
 use counterpoise_models::{Configuration, Parameters};
-use counterpoise_verify::{Arrangement, Experiment, Figure, Model, Quantity, Source, StepFigure};
+use counterpoise_verify::{Arrangement, Experiment, Model, PerformanceFigure, Quantity, Source, StepFigure};
 
 use super::drawing::{
     ClaimCurve, frequency_axis, gain_db, hub_from, hub_panel, make_figure, make_panel, time_axis,
@@ -12,7 +12,7 @@ use super::drawing::{
 use super::tested_design::{DrawnMechanism, largest_db, rate_grid};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::{PipelineError, run_stages};
-use counterpoise_plot::{Axis, Figure as Drawing, Point};
+use counterpoise_plot::{Axis, PerformanceFigure as Drawing, Point};
 
 /// Band in which controllers are compared, Hz.
 const BAND_HZ: [f64; 2] = [0.1, 10.0];
@@ -29,8 +29,8 @@ fn moment(parameters: &Parameters) -> f64 {
     parameters.lumped.as_ref().map_or(f64::NAN, |lumped| lumped.out_of_balance_kg_m)
 }
 
-pub(super) fn rms(source: Source, arrangement: Arrangement) -> Figure {
-    Figure::Disturbance(Model::Nonlinear, source, arrangement, Quantity::HubRms)
+pub(super) fn rms(source: Source, arrangement: Arrangement) -> PerformanceFigure {
+    PerformanceFigure::Disturbance(Model::Nonlinear, source, arrangement, Quantity::HubRms)
 }
 
 /// Table 4-1's configurations with another out-of-balance, the balanced one apart.
@@ -50,7 +50,7 @@ fn normal_member<'a>(tested: &'a TestedDesign<'_>) -> DrawnMechanism<'a> {
 /// Those of the verification.
 pub fn other_imbalance(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let wanted = [
-        Figure::Step(Model::Nonlinear, StepFigure::Overshoot),
+        PerformanceFigure::Step(Model::Nonlinear, StepFigure::Overshoot),
         rms(Source::Both, Arrangement::Feedback),
         rms(Source::Both, Arrangement::Compensated),
     ];
@@ -197,7 +197,9 @@ pub fn redesigned_for_imbalance(tested: &TestedDesign<'_>) -> Result<Claim, Pipe
     }
     let words: Vec<&str> = all.iter().map(|one| one.words.as_str()).collect();
     let mut designs = vec![UnbalancedDesign { factor: 1.0, controller: tested.observed.clone() }];
-    designs.extend(all.iter().map(|one| UnbalancedDesign { factor: one.factor, controller: one.controller.clone() }));
+    designs.extend(
+        all.iter().map(|one| UnbalancedDesign { factor: one.factor, controller: one.controller.clone() }),
+    );
     Ok(Claim {
         id: "C14",
         title: "redesign for each",

@@ -3,13 +3,15 @@
 use counterpoise_controller::Controller;
 use counterpoise_models::Parameters;
 use counterpoise_verify::robust::VariedParameter;
-use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure};
+use counterpoise_verify::{
+    Arrangement, Experiment, LoopFigure, Model, PerformanceFigure, Quantity, Source, StepFigure,
+};
 
 use super::drawing::{ClaimCurve, hub_from, hub_panel, hub_rates, make_figure, time_axis};
 use super::tested_design::{DrawnMechanism, NamedLevel, NonlinearBehaviour, plot_over_factor};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_plot::{Figure as Drawing, Point};
+use counterpoise_plot::{PerformanceFigure as Drawing, Point};
 
 /// Returns the mechanism with a parameter changed by a factor.
 pub(super) fn change_parameter(
@@ -60,10 +62,15 @@ fn overshoots(rates: &[NonlinearBehaviour]) -> String {
 /// # Errors
 /// Those of the verification.
 pub fn friction_observer(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
-    let linear = tested.value(Figure::Step(Model::Linear, StepFigure::Overshoot));
+    let linear = tested.value(PerformanceFigure::Step(Model::Linear, StepFigure::Overshoot));
     let plain = tested.behaviour(tested.parameters(), tested.controller())?;
     let observed = tested.behaviour(tested.parameters(), &tested.observed)?;
-    let moving = Figure::Disturbance(Model::Linear, Source::Both, Arrangement::Compensated, Quantity::HubRms);
+    let moving = PerformanceFigure::Disturbance(
+        Model::Linear,
+        Source::Both,
+        Arrangement::Compensated,
+        Quantity::HubRms,
+    );
     let linear_rate = tested.value(moving);
     Ok(Claim {
         id: "C8",
@@ -157,8 +164,10 @@ pub fn other_inertia(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> 
     let share =
         lumped.map_or(f64::NAN, |l| l.hub_inertia_kg_m2 / (l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2));
     // the hub's factor that doubles the inertia of hub and beam together
-    let doubled = tested
-        .behaviour(&change_parameter(tested, VariedParameter::HubInertia, 1.0 + 1.0 / share)?, &tested.observed)?;
+    let doubled = tested.behaviour(
+        &change_parameter(tested, VariedParameter::HubInertia, 1.0 + 1.0 / share)?,
+        &tested.observed,
+    )?;
     let criteria = inertia_criteria(&found, &doubled, share);
     Ok(Claim {
         id: "C10",
@@ -264,7 +273,7 @@ fn with_family(
 /// Returns the factors of the beam's inertia, in steps of 2 % from 1 and no farther than 0.5 and 2, between which the loop stays
 /// stable.
 fn beam_inertia_range(tested: &TestedDesign<'_>) -> Result<(f64, f64), PipelineError> {
-    let radius = [Figure::Loop(LoopFigure::PoleRadius)];
+    let radius = [PerformanceFigure::Loop(LoopFigure::PoleRadius)];
     let stable = |factor: f64| -> Result<bool, PipelineError> {
         let parameters = change_parameter(tested, VariedParameter::BeamInertia, factor)?;
         Ok(tested.figures(&parameters, tested.controller(), &radius)?[0] < 1.0)
@@ -288,11 +297,17 @@ pub fn other_friction(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError>
     let found = family(tested, VariedParameter::Friction, &factors)?;
     let mut controllers = Vec::new();
     for factor in [0.5, 2.0] {
-        controllers.push(tested.observing_on(&change_parameter(tested, VariedParameter::Friction, factor)?)?);
+        controllers.push(tested.observing_on(&change_parameter(
+            tested,
+            VariedParameter::Friction,
+            factor,
+        )?)?);
     }
     let mut updated = Vec::new();
     for (factor, controller) in [0.5, 2.0].into_iter().zip(&controllers) {
-        updated.push(tested.behaviour(&change_parameter(tested, VariedParameter::Friction, factor)?, controller)?);
+        updated.push(
+            tested.behaviour(&change_parameter(tested, VariedParameter::Friction, factor)?, controller)?,
+        );
     }
     let nominal = found[1].residual_rad_s;
     let over = |b: &NonlinearBehaviour| b.residual_rad_s / nominal;

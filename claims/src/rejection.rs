@@ -6,14 +6,16 @@ use counterpoise_models::plant::Plant;
 use counterpoise_verify::linear::closed_loop::is_feedforward;
 use counterpoise_verify::robust::{VariedParameter, figures_of};
 use counterpoise_verify::signals::{Spectra, WelchOptions, rms, welch};
-use counterpoise_verify::{Arrangement, Experiment, Figure, History, Model, Quantity, Source, Value};
+use counterpoise_verify::{
+    Arrangement, Experiment, History, Model, PerformanceFigure, Quantity, Source, Value,
+};
 
 use super::drawing::{ClaimCurve, factor_axis, frequency_axis, make_figure, make_panel, time_axis};
 use super::imbalance::apply_configuration;
 use super::nonlinear::change_parameter;
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_plot::{Axis, Figure as Drawing, Point};
+use counterpoise_plot::{Axis, PerformanceFigure as Drawing, Point};
 
 /// Samples of a segment of the spectra, their confidence, and the band over which a ratio is averaged, Hz.
 const SEGMENT: usize = 4096;
@@ -284,8 +286,12 @@ fn ratios_db(
     let mut small = tested.procedure.clone();
     small.pitch.amplitude /= 3.0;
     small.pitch.frequency_hz = hz;
-    let figure =
-        Figure::Disturbance(Model::Nonlinear, Source::Pitch, Arrangement::Compensated, Quantity::HubRms);
+    let figure = PerformanceFigure::Disturbance(
+        Model::Nonlinear,
+        Source::Pitch,
+        Arrangement::Compensated,
+        Quantity::HubRms,
+    );
     let pitch_rms = small.pitch.amplitude.abs() / std::f64::consts::SQRT_2;
     let mut ratios = Vec::new();
     for &factor in factors {

@@ -200,7 +200,8 @@ fn relative_error(a: &StateSpace, b: &StateSpace, input: usize) -> Result<f64, P
 pub fn lumped_against_elements(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let beam = beam_plant(tested, MODES)?.system;
     let lumped = &tested.designed.modelled.linear.system;
-    let locked = |l: &LumpedStructure| (l.stiffness_nm_rad / l.beam_inertia_kg_m2).sqrt() / std::f64::consts::TAU;
+    let locked =
+        |l: &LumpedStructure| (l.stiffness_nm_rad / l.beam_inertia_kg_m2).sqrt() / std::f64::consts::TAU;
     let first_hz = tested.parameters().lumped.as_ref().map_or(f64::NAN, locked);
     let (low, high) = ([0.1, 0.5 * first_hz], [first_hz, DRAWN_HZ[1]]);
     let (mut below, mut above) = ([0.0; 3], [0.0; 3]);

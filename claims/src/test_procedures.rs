@@ -263,8 +263,10 @@ fn compare_splits(
         run.control_v.iter().zip(&rig.control_v).map(|(a, b)| a - b).collect()
     };
     let friction = rms(&off(&triangle(tested, &split(mechanism, 0.0, 0.0))?));
-    let mut found =
-        RigComparison { off: Vec::new(), loops: vec![NamedTriangle { name: name.to_owned(), run: rig.clone() }] };
+    let mut found = RigComparison {
+        off: Vec::new(),
+        loops: vec![NamedTriangle { name: name.to_owned(), run: rig.clone() }],
+    };
     for share in SPLITS {
         let run = triangle(tested, &split(mechanism, share * total, (1.0 - share) * total))?;
         found.off.push(rms(&off(&run)) / friction);

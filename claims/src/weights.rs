@@ -3,7 +3,9 @@
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, feedback, margins, series, step};
 use counterpoise_synth::{Alternative, SynthesisMethod, Weight, attempt, design_alternative};
-use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Source, StepFigure};
+use counterpoise_verify::{
+    Arrangement, Experiment, LoopFigure, Model, PerformanceFigure, Source, StepFigure,
+};
 
 use super::drawing::{
     ClaimCurve, frequency_axis, gain_db, hub_panel, hub_rates, make_figure, make_panel, points_of, time_axis,
@@ -12,7 +14,7 @@ use super::tested_design::rate_grid;
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::SMALL_ERROR_PERCENT;
 use counterpoise_pipeline::{DesignStages, PipelineError};
-use counterpoise_plot::{Axis, Figure as Drawing, Point};
+use counterpoise_plot::{Axis, PerformanceFigure as Drawing, Point};
 
 /// K1 / a1 of the integrating design, and the corner of the error weight without integral action, s: where the integrating design's own
 /// weight levels off.
@@ -118,7 +120,11 @@ fn design_lag_family(tested: &TestedDesign<'_>) -> Vec<DesignWithoutIntegral> {
         let weight = Weight::Lag { gain: gain * INTEGRAL_GAIN * CORNER_S, time_s: CORNER_S };
         let designed = with_error(tested, weight).ok()?;
         let figures = figures(&designed);
-        figures.iter().all(|figure| figure.is_finite()).then_some(DesignWithoutIntegral { gain, figures, designed })
+        figures.iter().all(|figure| figure.is_finite()).then_some(DesignWithoutIntegral {
+            gain,
+            figures,
+            designed,
+        })
     };
     GAINS.into_iter().map_while(one).collect()
 }
@@ -209,10 +215,10 @@ fn with_error(tested: &TestedDesign<'_>, error: Weight) -> Result<DesignStages, 
 
 fn figures(designed: &DesignStages) -> Figures {
     let wanted = [
-        Figure::Step(Model::Linear, StepFigure::SteadyStateError),
-        Figure::Step(Model::Linear, StepFigure::Overshoot),
-        Figure::Loop(LoopFigure::MaxSensitivity),
-        Figure::Loop(LoopFigure::PhaseMargin),
+        PerformanceFigure::Step(Model::Linear, StepFigure::SteadyStateError),
+        PerformanceFigure::Step(Model::Linear, StepFigure::Overshoot),
+        PerformanceFigure::Loop(LoopFigure::MaxSensitivity),
+        PerformanceFigure::Loop(LoopFigure::PhaseMargin),
     ];
     wanted.map(|figure| designed.verified.verification().value(figure).unwrap_or(f64::NAN))
 }

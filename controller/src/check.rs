@@ -278,13 +278,19 @@ fn learning(estimator: &Estimator) -> Result<(), Error> {
             require(
                 "window (samples)",
                 samples,
-                NumberRequirement { holds: (1.0..=LONGEST_WINDOW).contains(&samples), words: "from 1 to 1000000" },
+                NumberRequirement {
+                    holds: (1.0..=LONGEST_WINDOW).contains(&samples),
+                    words: "from 1 to 1000000",
+                },
             )?;
             let gravity = estimator.gravity_m_s2;
             require(
                 "gravity (m/s^2)",
                 gravity,
-                NumberRequirement { holds: gravity != 0.0, words: "other than 0 for the mean: it goes by gravity" },
+                NumberRequirement {
+                    holds: gravity != 0.0,
+                    words: "other than 0 for the mean: it goes by gravity",
+                },
             )
         }
         Learning::Squares { forget, dead_band_m_s2, deviation, filter_s, inertia_v_s2_rad } => {

@@ -133,7 +133,11 @@ fn sum<N: Number>(constant: Option<&N>, terms: &[FlatTerm<N>], memory: &[N]) -> 
     rest.iter().fold(start, |sum, term| sum.plus(&term.value(memory)))
 }
 
-fn flatten<N: Number>(op: &Operation, place: &dyn Fn(Slot) -> usize, all: &mut Vec<FlatTerm<N>>) -> FlatOperation<N> {
+fn flatten<N: Number>(
+    op: &Operation,
+    place: &dyn Fn(Slot) -> usize,
+    all: &mut Vec<FlatTerm<N>>,
+) -> FlatOperation<N> {
     let into = place(op.into_slot());
     match op {
         Operation::Sum { constant, terms, .. } => {

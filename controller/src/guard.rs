@@ -25,7 +25,7 @@ pub const ALONE: u32 = 0x4_0000;
 /// Bits that one sample leaves to the next.
 pub const STICKY: u32 = RESTARTED | REFUSED | ALONE;
 
-/// Which sensors a controller uses.
+/// Sensors that a controller uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SensorUse {
     /// All that it was designed with.
@@ -34,7 +34,7 @@ pub enum SensorUse {
     FeedbackAlone,
 }
 
-/// What the guard says of a running controller.
+/// State of a running controller as its guard reports it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Status {
     /// Flags: [`REPLACED`], [`UNCHANGED`], [`RESTARTED`], [`REFUSED`], [`ALONE`].
@@ -186,7 +186,7 @@ impl<N: Number> Guard<N> {
 
     /// Takes the control that the step gave and whether its states are plausible; returns the control to put out. When
     /// states were put back to their start, that is the control of the sample before.
-    pub fn give(&mut self, control: N, states: StatePlausibility) -> N {
+    pub fn select_control(&mut self, control: N, states: StatePlausibility) -> N {
         match states {
             StatePlausibility::Yes => self.control = control,
             StatePlausibility::No => self.status.flags |= RESTARTED,
@@ -230,7 +230,7 @@ pub(crate) fn kept_states<N: Number>(groups: &[StateGroup]) -> Vec<StateLimit<N>
 
 /// Flushes states that are too small to matter, keeps estimates within their limits, and says whether all states together
 /// have a plausible size.
-pub(crate) fn tend<N: Number>(states: &mut [N], kept: &[StateLimit<N>]) -> StatePlausibility {
+pub(crate) fn limit_states<N: Number>(states: &mut [N], kept: &[StateLimit<N>]) -> StatePlausibility {
     let mut total = N::from_f64(0.0);
     for state in states.iter_mut() {
         total = total.plus(&state.magnitude());
@@ -244,5 +244,9 @@ pub(crate) fn tend<N: Number>(states: &mut [N], kept: &[StateLimit<N>]) -> State
 
 /// Returns whether a sum of magnitudes is a plausible size of states.
 pub(crate) fn assess_states<N: Number>(total: &N) -> StatePlausibility {
-    if total.to_f64() <= N::from_f64(MOST_STATES).to_f64() { StatePlausibility::Yes } else { StatePlausibility::No }
+    if total.to_f64() <= N::from_f64(MOST_STATES).to_f64() {
+        StatePlausibility::Yes
+    } else {
+        StatePlausibility::No
+    }
 }

@@ -11,7 +11,11 @@ pub(crate) fn count(path: &str, what: &'static str, found: usize, expected: usiz
 }
 
 pub(crate) fn require_positive(what: &str, value: f64) -> Result<(), Error> {
-    require(what, value, NumberRequirement { holds: value > 0.0 && value.is_finite(), words: "positive and finite" })
+    require(
+        what,
+        value,
+        NumberRequirement { holds: value > 0.0 && value.is_finite(), words: "positive and finite" },
+    )
 }
 
 pub(crate) fn at_least_0(what: &str, value: f64) -> Result<(), Error> {

@@ -1,7 +1,7 @@
 //! Runs a controller.
 
 use crate::compiled_program::CompiledProgram;
-use crate::guard::{Guard, StateLimit, StatePlausibility, assess_states, kept_states, tend};
+use crate::guard::{Guard, StateLimit, StatePlausibility, assess_states, kept_states, limit_states};
 use crate::program::OnRestart;
 use crate::{Controller, Number, Programs, Readings, SampledController, SensorUse, Status};
 
@@ -50,11 +50,11 @@ impl<N: Number> Runner<N> {
         let inputs = self.guard.take(&readings.map(N::from_f64));
         let control = self.step.run(&mut self.memory, &inputs).unwrap_or(N::from_f64(0.0));
         let states = self.programs.state_count();
-        let found = tend(&mut self.memory[..states], &self.kept);
+        let found = limit_states(&mut self.memory[..states], &self.kept);
         if found == StatePlausibility::No {
             self.restart();
         }
-        self.guard.give(control, found).to_f64()
+        self.guard.select_control(control, found).to_f64()
     }
 
     /// Sets the out-of-balance, kg m, kept inside the controller's range: gains and bias follow, and the step this

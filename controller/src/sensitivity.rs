@@ -30,7 +30,7 @@ pub struct RealisationCandidate {
     /// Predicted error of the frequency response, RMS, where it is largest; relative to the response or, where that is
     /// larger, to its median.
     pub predicted: f64,
-    /// That error with the coefficients rounded indeed, where it is largest.
+    /// Error with rounded coefficients, where it is largest.
     pub measured: f64,
 }
 

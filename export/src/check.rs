@@ -20,9 +20,9 @@ pub enum CheckOutcome {
     Differs {
         /// Number of the first line that differs, from 1.
         line: usize,
-        /// That line in the file; `None` if the file ends before it.
+        /// First line of the file that differs; `None` if the file ends before it.
         found: Option<String>,
-        /// That line as it would be generated; `None` if it would end before it.
+        /// Generated line in its place; `None` if the generated file ends before it.
         expected: Option<String>,
     },
 }

@@ -7,8 +7,8 @@ use minijinja::{Value, context};
 use crate::fixed_point::unit;
 use crate::{fixed_point::FixedPointController, reading_fields};
 
-/// What the converters of a board make of the readings and of the control. Input converters and the output converter take
-/// +/- 10 V, their counts are signed.
+/// Converters of a board: scales of the readings and of the control. Input converters and the output converter take +/- 10 V, their counts are
+/// signed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Converters {
     /// Bits of the input converters.
@@ -18,7 +18,7 @@ pub struct Converters {
     /// Volts at the converter per unit of each reading, in the order of [`counterpoise_controller::Readings`]. The demand comes
     /// with the scale of the hub gyroscope: what it is compared with.
     pub volts_per_unit: [f64; READINGS],
-    /// Where the figures come from, for the code's comment.
+    /// Source of the figures, for the code's comment.
     pub origin: &'static str,
 }
 

@@ -39,7 +39,7 @@ impl PathForm {
 /// A controller in one form, beside the reference.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FormFigures {
-    /// Which form.
+    /// Form of the realisation.
     pub form: PathForm,
     /// Multiplications of a step.
     pub multiplications: usize,

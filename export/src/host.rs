@@ -77,7 +77,11 @@ pub fn encode_requests(records: &[Record], fixed: Option<&FixedPointController>)
 }
 
 /// Returns the number of samples and how many of the answers differ from the records. Returns `None` if answers are missing.
-pub fn count_differing(records: &[Record], fixed: Option<&FixedPointController>, answers: &[u8]) -> Option<(usize, usize)> {
+pub fn count_differing(
+    records: &[Record],
+    fixed: Option<&FixedPointController>,
+    answers: &[u8],
+) -> Option<(usize, usize)> {
     let scale = fixed.map_or(1.0, |fixed| unit(fixed.control_bits()));
     let mut values =
         answers.chunks_exact(8).map(|chunk| f64::from_ne_bytes(chunk.try_into().unwrap_or([0; 8])));

@@ -51,7 +51,7 @@ pub use c99::c99;
 pub use check::{CheckOutcome, check_file};
 pub use converters::Converters;
 pub use error::Error;
-pub use fixed_point::{FixedPointController, FixedError, FixedRunner, fixed_c99, plan_fixed_point};
+pub use fixed_point::{FixedError, FixedPointController, FixedRunner, fixed_c99, plan_fixed_point};
 pub use forms::{FormFigures, PathForm, figures_by_form};
 pub use provenance::Provenance;
 pub use ranges::{AdjustableController, MeasuredDeviation, Ranges};
@@ -84,10 +84,10 @@ pub enum Precision {
     Single,
 }
 
-/// How code is generated.
+/// Options of generated code.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CodeOptions {
-    /// What every name of the code starts with, and every file: a lower-case identifier.
+    /// Prefix of every name and every file of the code: a lower-case identifier.
     pub name: String,
     /// Numbers of the target.
     pub precision: Precision,

@@ -7,8 +7,8 @@ use counterpoise_simulate::Simulator;
 use counterpoise_verify::{Arrangement, Experiment, Procedure, VerifiedController, nonlinear};
 
 use crate::{
-    AdjustableController, Deviation, FixedPointController, FixedError, FixedRunner, FormFigures, MeasuredDeviation, Ranges,
-    figures_by_form, plan_fixed_point, single_precision,
+    AdjustableController, Deviation, FixedError, FixedPointController, FixedRunner, FormFigures,
+    MeasuredDeviation, Ranges, figures_by_form, plan_fixed_point, single_precision,
 };
 
 /// Margin of the ranges from which formats are chosen: two bits above what the verification's runs reach.
@@ -28,9 +28,9 @@ pub enum Numbers {
 /// The controller in some numbers, in the simulated loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TargetFigures {
-    /// Which numbers.
+    /// Kind of numbers.
     pub numbers: Numbers,
-    /// How far the control can be from the reference for the same readings, predicted; exactly 0 for double.
+    /// Predicted deviation of the control from the reference for the same readings; exactly 0 for double.
     pub predicted: Deviation,
     /// How far it was, for the readings of the verification's runs and at every setting of the out-of-balance at which a gain
     /// has a corner, V: the runs that the prediction holds for.
@@ -55,7 +55,7 @@ pub struct Record {
 /// The closed loop in one experiment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExperimentFigures {
-    /// Which.
+    /// Experiment that it belongs to.
     pub experiment: Experiment,
     /// RMS of demand less hub rate, rad/s.
     pub error_rms_rad_s: f64,

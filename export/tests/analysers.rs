@@ -13,7 +13,9 @@ use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
 use counterpoise_export::{CodeOptions, Ranges, c99, fixed_c99, plan_fixed_point};
 use counterpoise_models::{Plant, reference};
-use support::{RandomGenerator, complete_controller, folder, is_there, provenance, run, typical_controller, write};
+use support::{
+    RandomGenerator, complete_controller, folder, is_there, provenance, run, typical_controller, write,
+};
 
 /// Rules that generated code deviates from, all advisory.
 const DEVIATIONS: [&str; 2] = ["misra-c2012-2.5", "misra-c2012-8.7"];

@@ -13,7 +13,9 @@ use counterpoise_export::{
 };
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
-use support::{RandomGenerator, Request, assert_answers, folder, is_there, path, provenance, run, server_in, write};
+use support::{
+    RandomGenerator, Request, assert_answers, folder, is_there, path, provenance, run, server_in, write,
+};
 
 const SAMPLES: usize = 6000;
 const GRAVITY: f64 = 9.80665;

@@ -13,8 +13,9 @@ use counterpoise_export::{CodeOptions, FixedRunner, Ranges, c99, fixed_c99, plan
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 use support::{
-    RandomGenerator, Request, STRICT, Target, complete_controller, equal_to_the_last_bit, folder, is_there, path,
-    provenance, random_controller, reference, requests, run, server, server_in, typical_controller, write,
+    RandomGenerator, Request, STRICT, Target, complete_controller, equal_to_the_last_bit, folder, is_there,
+    path, provenance, random_controller, reference, requests, run, server, server_in, typical_controller,
+    write,
 };
 
 /// What a broken sensor or wire makes of a reading.

@@ -9,7 +9,8 @@ use std::process::Command;
 use counterpoise_controller::{Controller, READINGS};
 use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::{
-    FixedPointController, FixedError, FixedRunner, Ranges, fixed_c99, plan_fixed_point, single_precision, vectors::LARGEST,
+    FixedError, FixedPointController, FixedRunner, Ranges, fixed_c99, plan_fixed_point, single_precision,
+    vectors::LARGEST,
 };
 use support::{
     RandomGenerator, Request, STRICT, assert_answers, folder, is_there, projecting_controller, provenance,
@@ -225,7 +226,8 @@ fn fixed_c_equals_its_reference_and_never_overflows() {
     let known =
         |controller: &Controller| Ranges::from_readings(controller, &[few_readings(3), few_readings(4)], 4.0);
     let planned = |controller: &Controller| plan_fixed_point(controller, &known(controller), 1.0, FEW);
-    let plans: Vec<FixedPointController> = controllers.iter().filter_map(|controller| planned(controller).ok()).collect();
+    let plans: Vec<FixedPointController> =
+        controllers.iter().filter_map(|controller| planned(controller).ok()).collect();
     assert!(2 * plans.len() >= controllers.len(), "{} of {}", plans.len(), controllers.len());
     let trap =
         ["-fsanitize=undefined", "-fno-sanitize-recover=all", "-std=c99", "-Wall", "-Wextra", "-Wconversion"];

@@ -11,11 +11,12 @@ use counterpoise_controller::{Controller, Number, READINGS};
 use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::board::{CORES, TargetCore};
 use counterpoise_export::{
-    CodeOptions, File, FixedPointController, FixedRunner, Numbers, Precision, Ranges, c99, fixed_c99, plan_fixed_point,
+    CodeOptions, File, FixedPointController, FixedRunner, Numbers, Precision, Ranges, c99, fixed_c99,
+    plan_fixed_point,
 };
 use support::{
-    RandomGenerator, Request, Target, complete_controller, equal_to_the_last_bit, folder, provenance, reference,
-    requests, server, server_in, typical_controller, write,
+    RandomGenerator, Request, Target, complete_controller, equal_to_the_last_bit, folder, provenance,
+    reference, requests, server, server_in, typical_controller, write,
 };
 use target::{build, cost, emulator, tools_are_there};
 

@@ -8,7 +8,7 @@ use counterpoise_pool::Pool;
 use crate::time_left::RemainingTime;
 use crate::worker::{CancelToken, WakeWindow};
 
-/// How far a job is, in words that two threads share.
+/// Progress of a job, in words that two threads share.
 #[derive(Debug, Clone, Default)]
 pub struct SharedProgress(Arc<Mutex<LastMessage>>);
 

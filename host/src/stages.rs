@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use counterpoise_pipeline::StageTime;
 
-/// Whether progress is printed on the error stream.
+/// Display of progress on the error stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ProgressDisplay {
     /// It is printed.

@@ -18,7 +18,7 @@ const ROUND: [(&str, [f64; 2]); 7] = [
 /// The stage that begins a further round once an effect is found.
 const NEXT_ROUND: &str = "naming";
 
-/// How far a diagnosis is.
+/// Progress of a diagnosis, from which the remaining time is estimated.
 #[derive(Debug, Clone)]
 pub struct RemainingTime {
     began: Instant,

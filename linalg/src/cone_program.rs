@@ -12,7 +12,7 @@ use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverSt
 
 use crate::tolerance::CONE_PROGRAM_STEPS;
 
-/// What the slacks of a group of rows must be.
+/// Cone in which the slacks of a group of rows lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cone {
     /// Zero: each row is an equation.

@@ -3,7 +3,7 @@
 //! Products are split into slices whose products are exact in double precision, so that the fast kernels do the work.
 //! Source: Ozaki, Ogita, Oishi and Rump, Error-free transformations of matrix multiplication, Numer. Algorithms 59 (2012).
 
-use crate::dense::{LARGE_SYMMETRIC, add_lower_half, mirror, view};
+use crate::dense::{LARGE_SYMMETRIC, add_lower_half, copy_lower_to_upper, view};
 use crate::kernel::vectorised;
 use crate::mat::Mat;
 
@@ -22,7 +22,7 @@ impl From<Mat> for ExtendedMatrix {
 
 impl ExtendedMatrix {
     /// The nearest double matrix.
-    pub(crate) fn collapse(&self) -> Mat {
+    pub(crate) fn to_double(&self) -> Mat {
         match &self.low {
             None => self.high.clone(),
             Some(low) => &self.high + low,
@@ -62,8 +62,8 @@ impl ExtendedMatrix {
         }
         let half = sliced_product(&self.high, &other.high, Extent::LowerHalf);
         let mut product = self.with_low_parts(other, half, Extent::LowerHalf);
-        mirror(&mut product.high);
-        product.low.as_mut().into_iter().for_each(mirror);
+        copy_lower_to_upper(&mut product.high);
+        product.low.as_mut().into_iter().for_each(copy_lower_to_upper);
         product
     }
 
@@ -298,7 +298,7 @@ mod tests {
             low: Some(Mat::from_fn(n, n, |i, j| entry(j, i) * 1e-17)),
         };
         let (half, whole) = (A.t().symmetric_times(&A), A.t().times(&A));
-        let difference = half.add(&whole.neg()).collapse().norm_fro();
+        let difference = half.add(&whole.neg()).to_double().norm_fro();
         assert!(difference < 1e-29 * whole.high.norm_fro(), "{difference}");
         assert_eq!(half.high, half.high.t());
     }

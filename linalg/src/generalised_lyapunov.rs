@@ -62,18 +62,19 @@ fn lyapunov(A: &Mat, E: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
             break;
         }
     }
-    Ok(X.collapse())
+    Ok(X.to_double())
 }
 
 /// The left-hand side of the equation at `X`.
 fn residual(A: &Mat, E: &Mat, Q: &Mat, X: &ExtendedMatrix, kind: Kind) -> Mat {
-    let times =
-        |left: &Mat, right: &Mat| ExtendedMatrix::from(left.clone()).times(&X.times(&ExtendedMatrix::from(right.t())));
+    let times = |left: &Mat, right: &Mat| {
+        ExtendedMatrix::from(left.clone()).times(&X.times(&ExtendedMatrix::from(right.t())))
+    };
     let sum = match kind {
         Kind::Continuous => times(A, E).add(&times(E, A)),
         Kind::Discrete => times(A, A).add(&times(E, E).neg()),
     };
-    sum.add(&Q.clone().into()).collapse()
+    sum.add(&Q.clone().into()).to_double()
 }
 
 fn check_regular(E: &Mat) -> Result<(), Error> {
@@ -170,7 +171,7 @@ impl GeneralisedEquation<'_> {
                 break;
             }
         }
-        found.X = X.collapse().symmetric_part();
+        found.X = X.to_double().symmetric_part();
         found.F = at.gain;
         let at = self.at(&found.X.clone().into())?;
         let certificate = &mut found.certificate;
@@ -203,10 +204,10 @@ impl GeneralisedEquation<'_> {
         let (moved, weight) = match self.kind {
             Kind::Continuous => (BX.times(&E.clone().into()), R.clone()),
             Kind::Discrete => {
-                (BX.times(&A.clone().into()), BX.times(&B.clone().into()).add(&R.clone().into()).collapse())
+                (BX.times(&A.clone().into()), BX.times(&B.clone().into()).add(&R.clone().into()).to_double())
             }
         };
-        let right = S.map_or_else(|| moved.collapse(), |S| moved.add(&S.t().into()).collapse());
+        let right = S.map_or_else(|| moved.to_double(), |S| moved.add(&S.t().into()).to_double());
         let gain = solve(&weight, &right)?;
         let closed = exact_product(B, &gain).neg().add(&A.clone().into());
         let square = ExtendedMatrix::from(gain.t()).times(&exact_product(R, &gain));
@@ -229,8 +230,8 @@ impl GeneralisedEquation<'_> {
                 (moved.add(&held.neg()), size)
             }
         };
-        let residual = sum.add(&first).collapse().symmetric_part();
-        Ok(Approximation { gain, closed: closed.collapse(), residual, terms: terms + size })
+        let residual = sum.add(&first).to_double().symmetric_part();
+        Ok(Approximation { gain, closed: closed.to_double(), residual, terms: terms + size })
     }
 }
 

@@ -31,14 +31,14 @@ pub fn gsylvester(A: &Mat, B: &Mat, C: &Mat, D: &Mat, E: &Mat) -> Result<Mat, Er
     for _ in 0..GENERALISED_SYLVESTER_REFINEMENTS {
         let first = ExtendedMatrix::from(A.clone()).times(&X.times(&B.clone().into()));
         let second = ExtendedMatrix::from(C.clone()).times(&X.times(&D.clone().into()));
-        let residual = first.add(&second).neg().add(&E.clone().into()).collapse();
+        let residual = first.add(&second).neg().add(&E.clone().into()).to_double();
         let step = reduced.solve(&residual)?;
         X = X.add(&step.clone().into());
         if step.norm_fro() <= EPS * X.high.norm_fro() {
             break;
         }
     }
-    Ok(X.collapse())
+    Ok(X.to_double())
 }
 
 /// `P X + X S = L^-1 E M^-1` with `P = L^-1 L'` and `S = M' M^-1` for the pairs (L, L') and (M, M') that were chosen.

@@ -150,7 +150,7 @@ fn check_stable(form: &Schur, kind: Kind) -> Result<(), Error> {
     }
 }
 
-/// How far an eigenvalue lies beyond the boundary of stability.
+/// Returns how far an eigenvalue lies beyond the boundary of stability.
 fn excess(eigenvalue: C64, kind: Kind) -> f64 {
     match kind {
         Kind::Continuous => Boundary::ImaginaryAxis.excess(eigenvalue),

@@ -11,7 +11,7 @@
 //! `rho` that may be nearly singular (Hammarling 1982; Sorensen and Zhou 2003).
 
 use crate::kernel::vectorised;
-use crate::lyapunov_leaf::{Block, climb, diagonal};
+use crate::lyapunov_leaf::{Block, diagonal, solve_block_column};
 use crate::mat::{C64, Mat};
 use crate::tolerance::EPS;
 
@@ -68,7 +68,7 @@ fn column(T: &Mat, B: &mut Mat, R: &mut Mat, above: &[Block], k: usize, own: &Ow
             target.iter_mut().zip(B.column(j)).for_each(|(x, &b)| *x -= b * factor);
         }
     }
-    climb(T, &mut r, above, &own.alpha);
+    solve_block_column(T, &mut r, above, &own.alpha);
     for c in 0..size {
         for (j, &factor) in own.beta[c].iter().enumerate() {
             B.column_mut(j).iter_mut().zip(r.column(c)).for_each(|(b, &x)| *b -= x * factor);

@@ -40,11 +40,11 @@ mod heap;
 pub mod invariant_subspace;
 mod kernel;
 mod long_complex;
+mod long_matrix;
 pub mod lyapunov;
 mod lyapunov_leaf;
 pub mod mat;
 pub mod pencil_roots;
-mod long_matrix;
 pub mod range_basis;
 pub mod riccati;
 mod scalar;
@@ -63,7 +63,7 @@ pub mod transfer_matrix;
 
 pub use balance::{BalancedMatrix, balance};
 pub use boundary::Boundary;
-pub use cone_program::{Cone, ConeProgram, ConeSolution, ConeFailure};
+pub use cone_program::{Cone, ConeFailure, ConeProgram, ConeSolution};
 pub use decomposition::{
     CSvd, Svd, cond, csingular_values, csvd, gen_eigenvalues, hessenberg, largest_singular_value, lstsq,
     pinv, rank, rank_tolerance, rcond_one, singular_values, svd, sym_eigen, sym_eigenvalues, sym_gen_eigen,

@@ -2,8 +2,8 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
-use crate::mat::C64;
 use crate::long_matrix::LongReal;
+use crate::mat::C64;
 
 /// A complex number of 32 digits.
 #[derive(Clone, Copy, Debug, Default)]

@@ -6,17 +6,17 @@
 
 use crate::decomposition::svd;
 use crate::error::{Error, check_shape, check_square};
-use crate::mat::Mat;
 use crate::long_matrix::LongMatrix;
+use crate::mat::Mat;
 
 /// The part of a system that is reached and seen, and the numbers that it rests on.
 #[derive(Clone, Debug)]
 pub struct MinimalPart {
-    /// How the states act on each other, r x r.
+    /// Dynamics matrix, r x r.
     pub A: Mat,
-    /// How the inputs act on the states, r x m.
+    /// Input matrix, r x m.
     pub B: Mat,
-    /// What the outputs see of the states, p x r.
+    /// Output matrix, p x r.
     pub C: Mat,
     /// Number of states that the inputs reach.
     pub reached: usize,

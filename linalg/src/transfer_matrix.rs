@@ -2,18 +2,18 @@
 
 use crate::dense::Factors;
 use crate::error::{Error, check_shape, check_square};
-use crate::mat::{C64, CMat, Mat};
 use crate::long_matrix::LongMatrix;
+use crate::mat::{C64, CMat, Mat};
 use crate::tolerance::{EPS, PRECISE_TRANSFER_STATES, TRANSFER_REFINEMENTS, TRANSFER_SETTLED};
 
 /// The four matrices of a transfer matrix: `A` n x n, `B` n x m, `C` p x n, `D` p x m.
 #[derive(Clone, Copy, Debug)]
 pub struct StateRealisation<'a> {
-    /// How the states act on each other.
+    /// Dynamics matrix.
     pub A: &'a Mat,
-    /// How the inputs act on the states.
+    /// Input matrix.
     pub B: &'a Mat,
-    /// What the outputs see of the states.
+    /// Output matrix.
     pub C: &'a Mat,
     /// The direct path.
     pub D: &'a Mat,
@@ -38,7 +38,8 @@ pub fn refined_transfer(system: StateRealisation, s: C64) -> Result<CMat, Error>
     check_shape("D", D, p, m)?;
     let entry = |i: usize, j: usize| if i == j { s } else { C64::default() };
     let shifted = CMat::from_fn(n, n, |i, j| entry(i, j) - A[(i, j)]);
-    let (Re, Im) = (LongMatrix::identity(n, s.re).difference(&LongMatrix::from(A)), LongMatrix::identity(n, s.im));
+    let (Re, Im) =
+        (LongMatrix::identity(n, s.re).difference(&LongMatrix::from(A)), LongMatrix::identity(n, s.im));
     let (X, is_settled) = refined_states(&Factors::of(&shifted)?, &Re, &Im, B)?;
     let singular = Error::Singular { what: "sI - A", rcond: 0.0 };
     let X = match is_settled {

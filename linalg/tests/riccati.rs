@@ -195,7 +195,7 @@ fn cases() -> impl Strategy<Value = Case> {
 }
 
 impl Case {
-    /// Whether a refusal can be right: a mode that the input hardly reaches, or many unstable modes to one input.
+    /// Returns whether a refusal can be right: a mode that the input hardly reaches, or many unstable modes to one input.
     fn is_hard(&self) -> bool {
         self.reach < -3.0 || (self.n >= 8 * self.m && self.shift.abs() > 0.5)
     }

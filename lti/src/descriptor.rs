@@ -28,7 +28,7 @@ pub struct Descriptor {
 pub struct ReducedDescriptor {
     /// The finite modes and the direct path.
     pub system: StateSpace,
-    /// What the input's derivatives contribute, each p x m; empty if the system is proper.
+    /// Contributions of the input's derivatives, each p x m; empty if the system is proper.
     pub derivatives: Vec<Mat>,
     /// Number of rounds of constraints that were eliminated: zero if E is invertible, one for an index of one.
     pub rounds: usize,

@@ -7,7 +7,7 @@ use crate::zpk::match_poles_and_zeros;
 use crate::{Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
-/// How a continuous system becomes a sampled one.
+/// Method by which a continuous system becomes a sampled one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Discretisation {
     /// Exact for inputs held constant over each period.

@@ -66,8 +66,9 @@ impl TrackedSystem {
         let outputs: Vec<usize> = (0..self.C.value.nrows()).collect();
         let X = solve_pivots(&self.C.value, pivots, &self.C.value.select(&outputs, &kept))
             .with_operation("zeros")?;
-        let rows =
-            |M: &TrackedMatrix, rows: &[usize]| M.select(rows, &kept).minus_product(&M.select(rows, &gone), &X);
+        let rows = |M: &TrackedMatrix, rows: &[usize]| {
+            M.select(rows, &kept).minus_product(&M.select(rows, &gone), &X)
+        };
         let (A, lost) = (rows(&self.A, &kept), rows(&self.A, &gone));
         let (B, driven) = (self.B.select(&kept, &inputs), self.B.select(&gone, &inputs));
         // x_p + X x vanishes, and so does its derivative.

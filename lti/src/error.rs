@@ -49,7 +49,7 @@ pub enum Error {
     Signal {
         /// The signal's name.
         name: String,
-        /// What is wrong with it.
+        /// Description of the error.
         problem: &'static str,
         /// ", did you mean ...", or nothing.
         hint: String,
@@ -81,7 +81,7 @@ pub enum Error {
     Rational {
         /// Which operation.
         what: &'static str,
-        /// What is wrong.
+        /// Description of the error.
         problem: &'static str,
     },
     /// A number outside what the operation is defined for.
@@ -91,7 +91,7 @@ pub enum Error {
         what: &'static str,
         /// The value that was given.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// A descriptor system whose constraints leave variables undetermined.

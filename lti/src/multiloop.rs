@@ -29,7 +29,7 @@ pub struct MultiloopMargins {
     pub diagonal_proved: DiskMargin,
     /// All channels vary, coupled in any way. Proved: from an upper bound of the norm.
     pub full: DiskMargin,
-    /// Whether the closed loop is stable; without that there are no margins.
+    /// `true` if the closed loop is stable; without that there are no margins.
     pub closed_loop_stable: bool,
 }
 

@@ -148,7 +148,7 @@ fn transpose(X: &CMat) -> CMat {
 struct Vectors {
     X: CMat,
     spaces: Vec<CMat>,
-    /// Whether column k is the conjugate of column k - 1.
+    /// `true` if column k is the conjugate of column k - 1.
     mirrored: Vec<bool>,
 }
 

@@ -59,7 +59,7 @@ pub struct Response {
     parts: Vec<Part>,
     /// p x m.
     D: Mat,
-    /// Whether the dual system is held: one with fewer inputs than outputs is cheaper.
+    /// `true` if the dual system is held: one with fewer inputs than outputs is cheaper.
     dual: bool,
     timebase: Timebase,
 }

@@ -161,7 +161,7 @@ mod tests {
     use crate::poles;
 
     /// Returns a rod of n masses fixed at one end, modal damping `zeta`, in physical units.
-    pub(crate) fn rod(n: usize, k: f64, zeta: f64) -> StateSpace {
+    pub(crate) fn build_rod(n: usize, k: f64, zeta: f64) -> StateSpace {
         let K = Mat::from_fn(n, n, |i, j| match i.abs_diff(j) {
             0 if i + 1 == n => k,
             0 => 2.0 * k,
@@ -180,7 +180,7 @@ mod tests {
     #[test]
     fn the_lowest_frequency_of_an_unscaled_rod_has_all_its_digits() {
         let (n, k) = (100, 1e9);
-        let modal = modes(&rod(n, k, 0.005)).unwrap().unwrap();
+        let modal = modes(&build_rod(n, k, 0.005)).unwrap().unwrap();
         // 2 sqrt(k) sin((2j - 1) pi / (2 (2n + 1))).
         for j in 1..=n {
             let exact =
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn the_modal_system_is_the_same_system() {
-        let g = rod(6, 1e4, 0.02);
+        let g = build_rod(6, 1e4, 0.02);
         let modal = modes(&g).unwrap().unwrap();
         let (a, b) = (poles(&g).unwrap(), poles(&modal).unwrap());
         let far = |p: &crate::C64| b.iter().map(|q| (p - q).norm()).fold(f64::INFINITY, f64::min);
@@ -211,10 +211,10 @@ mod tests {
 
     #[test]
     fn other_systems_are_left_alone() {
-        let mut g = rod(6, 1e4, 0.02);
+        let mut g = build_rod(6, 1e4, 0.02);
         g.A[(8, 9)] += 3.0;
         assert!(modes(&g).unwrap().is_none());
-        let mut g = rod(6, 1e4, 0.02);
+        let mut g = build_rod(6, 1e4, 0.02);
         g.A[(8, 1)] += 1e-9;
         assert!(modes(&g).unwrap().is_none());
     }

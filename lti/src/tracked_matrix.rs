@@ -80,9 +80,9 @@ impl TrackedMatrix {
 /// An entry by which an elimination divides.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pivot {
-    /// Its row, from 0.
+    /// Row, from 0.
     pub row: usize,
-    /// Its column, from 0.
+    /// Column, from 0.
     pub column: usize,
 }
 

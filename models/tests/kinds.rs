@@ -7,8 +7,8 @@ use counterpoise_models::plant::Body;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{
     AmplifierDynamics, Angles, AxisKind, Excitation, FeedbackSignal, Friction, FrictionLaw,
-    FrictionLinearisation, Gearbox, LinearPlant, Link, LumpedStructure, OperatingPoint, Parameters, Plant, Ripple,
-    Transmission, reference,
+    FrictionLinearisation, Gearbox, LinearPlant, Link, LumpedStructure, OperatingPoint, Parameters, Plant,
+    Ripple, Transmission, reference,
 };
 use std::f64::consts::TAU;
 
@@ -20,8 +20,8 @@ fn direct(inertia_kg_m2: f64) -> Parameters {
     p.motor.torque_constant_nm_a = 1.0;
     p.amplifier.dynamics = AmplifierDynamics::TorqueCommand;
     p.amplifier.gain = 0.4;
-    p.motor_friction = Friction::plain(FrictionLaw::None, 0.0);
-    p.pivot_friction = Friction::plain(FrictionLaw::None, 0.0);
+    p.motor_friction = Friction::with_viscous_part(FrictionLaw::None, 0.0);
+    p.pivot_friction = Friction::with_viscous_part(FrictionLaw::None, 0.0);
     p
 }
 
@@ -118,7 +118,8 @@ fn a_rotor_added_to_a_modal_structure_is_a_rotor_added_to_its_hub() {
 fn a_chain_has_the_modes_of_its_matrices() {
     let (inertia, stiffness) = (0.4, 900.0);
     let link = Link { inertia_kg_m2: inertia, stiffness_nm_rad: stiffness, damping_nm_s_rad: 0.5 };
-    let mut three = LumpedStructure { stiffness_nm_rad: stiffness, damping_nm_s_rad: 0.5, ..Lumped::rigid(inertia) };
+    let mut three =
+        LumpedStructure { stiffness_nm_rad: stiffness, damping_nm_s_rad: 0.5, ..LumpedStructure::rigid(inertia) };
     three.beam_inertia_kg_m2 = inertia;
     three.chain = vec![link];
     let body = Body::chain(&three).unwrap();
@@ -328,7 +329,7 @@ fn what_needs_a_mesh_that_gives_says_so() {
     let told = Plant::from_lumped(&p).unwrap_err().to_string();
     assert!(told.contains("gearbox.backlash_rad") && told.contains("gearbox.stiffness"), "{told}");
     let mut p = direct(0.02);
-    p.motor_friction = Friction::plain(FrictionLaw::Coulomb { coulomb_nm: 0.1 }, 0.0);
+    p.motor_friction = Friction::with_viscous_part(FrictionLaw::Coulomb { coulomb_nm: 0.1 }, 0.0);
     p.pivot_friction = p.motor_friction.clone();
     assert!(Plant::from_lumped(&p).unwrap_err().to_string().contains("truly sticks"));
 }

@@ -1,6 +1,6 @@
 //! What certifies a design: residuals of its equations, costs predicted and found, and the poles of the sampled loop.
 
-use counterpoise_synth::{PartCertificates, Cost, DisturbanceChannel, Equation, Feedforward};
+use counterpoise_synth::{Cost, DisturbanceChannel, Equation, Feedforward, PartCertificates};
 use counterpoise_verify::Verification;
 
 use crate::SynthesisedDesign;

@@ -25,7 +25,7 @@ use crate::{
     verify_on,
 };
 
-/// What each stage of the pipeline made, from the plant to the code.
+/// Results of the stages of the pipeline, from the plant to the code.
 #[derive(Debug, Clone)]
 pub struct DesignStages {
     /// The plant.
@@ -34,13 +34,13 @@ pub struct DesignStages {
     pub reduced: ReducedPlant,
     /// The design and its sampled controller.
     pub synthesised: SynthesisedDesign,
-    /// What the verification did to the mechanism.
+    /// Procedure of the verification.
     pub procedure: Procedure,
     /// The controller with its verdicts.
     pub verified: VerifiedController,
-    /// Its stability in every regime.
+    /// Stability in every regime.
     pub stability: StabilityCertificate,
-    /// Its code.
+    /// Code.
     pub files: Vec<File>,
     /// Code that the project asks for and cannot have.
     pub left_out: Vec<OmittedCode>,
@@ -71,7 +71,7 @@ pub struct TargetStudy {
     pub code: Vec<TargetCode>,
     /// Operations of a step.
     pub operations: OperationCounts,
-    /// How sensitive the coefficients of each path are.
+    /// Sensitivity of the coefficients of each path.
     pub forms: Vec<PathForms>,
     /// The controller with its paths in every form.
     pub by_form: Vec<FormFigures>,
@@ -80,11 +80,11 @@ pub struct TargetStudy {
 /// A whole design with everything that a report, a terminal or another program shows of it.
 #[derive(Debug, Clone)]
 pub struct CompletedDesign {
-    /// Which project was designed.
+    /// Identity of the project that was designed.
     pub identity: ProjectIdentity,
-    /// What each stage made.
+    /// Results of the stages.
     pub stages: DesignStages,
-    /// What each weight asks for, in words, one a line.
+    /// Meaning of each weight in words, one a line.
     pub weights: Vec<String>,
     /// Why the weights are what they are, if the project stated none and they were chosen here.
     pub first_design: Option<FirstDesign>,
@@ -100,7 +100,7 @@ pub struct CompletedDesign {
     pub spectra: Vec<HubRateSpectra>,
     /// The controller in double, single and fixed point.
     pub targets: TargetStudy,
-    /// What the linear figures were measured on.
+    /// Loop on which the linear figures were measured.
     pub verified_loop: VerifiedLoop,
     /// The trials of the project's adaptation; `None` if it has none.
     pub adaptation: Option<AdaptationTrials>,
@@ -111,7 +111,7 @@ pub struct CompletedDesign {
 /// A design without its verification and code, with everything that a report, a terminal or another program shows of it.
 #[derive(Debug, Clone)]
 pub struct SynthesisStudy {
-    /// Which project was designed.
+    /// Identity of the project that was designed.
     pub identity: ProjectIdentity,
     /// The plant.
     pub modelled: PlantModel,
@@ -119,7 +119,7 @@ pub struct SynthesisStudy {
     pub reduced: ReducedPlant,
     /// The design and its sampled controller.
     pub synthesised: SynthesisedDesign,
-    /// What each weight asks for, in words, one a line.
+    /// Meaning of each weight in words, one a line.
     pub weights: Vec<String>,
     /// Residuals and costs that certify the design.
     pub certificates: Vec<Certificate>,

@@ -111,8 +111,8 @@ impl DesignPreview {
     }
 }
 
-/// What the last request needed and the next one may need again: its plant, with what that alone contributes to the responses, and
-/// the weights that were chosen.
+/// Values that the last request computed and the next one may reuse: its plant, with what that alone contributes to the responses, and the
+/// weights that were chosen.
 #[derive(Default)]
 pub struct PreviewCache {
     kept: Option<CachedPlant>,

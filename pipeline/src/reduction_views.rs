@@ -5,7 +5,9 @@ use counterpoise_lti::{StateSpace, hankel_values, poles, response};
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::parameters::Beam;
 use counterpoise_models::plant::LinearPlant;
-use counterpoise_models::structure::{FeModel, FeOptions, AttachedMasses, Modes, Profile, Support, undamped_modes};
+use counterpoise_models::structure::{
+    AttachedMasses, FeModel, FeOptions, Modes, Profile, Support, undamped_modes,
+};
 use counterpoise_models::{Friction, Parameters};
 
 use crate::{PlantModel, ReducedPlant};
@@ -89,7 +91,7 @@ pub fn pinned_modes(beam: &Beam) -> Option<PinnedModes> {
     Some(PinnedModes { nodes_m, modes: undamped_modes(&model, Support::Pinned).ok()? })
 }
 
-/// Where friction acts.
+/// Place of a friction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrictionPlace {
     /// At the pivot.

@@ -44,30 +44,30 @@ use crate::{
 pub struct TunedProject {
     /// The project with a value for every parameter, or with the tuned weights.
     pub project: Project,
-    /// What the tuning found.
+    /// Result of the tuning.
     pub tuned: TunedDesign,
-    /// What the loop was tuned for.
+    /// Disturbance for which the loop was tuned.
     pub disturbance: Disturbance,
-    /// What it must keep.
+    /// Limits that it must keep.
     pub limits: LoopLimits,
     /// Plants on which it keeps that.
     pub plants: usize,
 }
 
-/// What the loops of one project are tuned on and for, whatever the structure.
+/// Plants, limits and disturbance for which the loops of one project are tuned, whatever the structure.
 #[derive(Debug, Clone)]
 pub struct TuningGround {
     /// The nominal plant, then those that the project asks for.
     pub plants: Vec<DesignPlant>,
     /// The nominal machine with its angles, on which the loop must be stable.
     pub held: Vec<DesignPlant>,
-    /// What is made least; a band if the project moves nothing.
+    /// Objective that is minimised; a band if the project moves nothing.
     pub objective: TuningObjective,
     /// Mechanisms of the sweep, from which those are taken that turn out to be the worst.
     pub mechanisms: Vec<DesignPlant>,
-    /// How the controller is sampled.
+    /// Sampling of the controller.
     pub sampling: Sampling,
-    /// What acts on the loop.
+    /// Disturbance that acts on the loop.
     pub disturbance: Disturbance,
 }
 
@@ -528,7 +528,7 @@ pub struct TuningResult {
 pub struct BlockResult {
     /// Kind.
     pub kind: &'static str,
-    /// Its parameters by their keys in a project file.
+    /// Parameters by their keys in a project file.
     pub values: Vec<(&'static str, f64)>,
 }
 

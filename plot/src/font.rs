@@ -33,7 +33,7 @@ pub(crate) struct Placement {
 /// How the text of a style lies about its anchor.
 #[derive(Clone, Copy)]
 pub(crate) struct TextLayout {
-    /// What the text is drawn with.
+    /// Ink of the text.
     pub ink: Ink,
     /// Angle by which it rises, degrees.
     pub rise_deg: f64,

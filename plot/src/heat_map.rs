@@ -25,7 +25,7 @@ pub struct HeatMap {
 /// The name of a row, and what stands in place of its cells.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HeatRow {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// Text on grey that covers the cells of a row without values; `None` shows the cells.
     pub cover: Option<String>,

@@ -21,7 +21,7 @@ pub trait Pool: Sync {
     fn processors(&self) -> usize {
         1
     }
-    /// Whether the user asked to stop.
+    /// Returns whether the user asked to stop.
     fn is_cancelled(&self) -> bool {
         false
     }

@@ -12,7 +12,7 @@ pub struct Assumption {
     pub key: String,
     /// The value that is taken; infinite if nothing limits it.
     pub value: f64,
-    /// Its unit; empty for a pure number.
+    /// Unit; empty for a pure number.
     pub unit: &'static str,
     /// What the value means.
     pub meaning: &'static str,
@@ -24,7 +24,7 @@ pub struct Assumption {
     pub usual: Option<[f64; 2]>,
 }
 
-/// How far the value of a key may lie from what is written: evenly distributed within the half-width.
+/// Tolerance of the value of a key: evenly distributed within the half-width.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct KeyTolerance {
     /// Path of the key.
@@ -39,7 +39,7 @@ pub struct KeyTolerance {
     pub kind: ToleranceKind,
 }
 
-/// How a tolerance is written.
+/// Notation of a tolerance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ToleranceKind {

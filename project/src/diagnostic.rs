@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-/// How bad a finding is.
+/// Severity of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
@@ -45,7 +45,7 @@ pub enum DiagnosticKind {
 pub struct Diagnostic {
     /// How bad it is.
     pub severity: Severity,
-    /// Its kind.
+    /// Kind.
     pub problem: DiagnosticKind,
     /// Name of the file.
     pub file: String,

@@ -4,8 +4,8 @@
 use std::ops::ControlFlow;
 
 use counterpoise_linalg::{Sparse, sparse::Entry};
-use counterpoise_models::structure::Condensation;
 use counterpoise_models::structure::AttachedMasses;
+use counterpoise_models::structure::Condensation;
 use counterpoise_models::structure::import::{Dof, Imported, NodeMap};
 use counterpoise_project::resolve::import::ImportedContent;
 
@@ -63,7 +63,7 @@ fn the_same_structure_is_condensed_once() {
     assert_eq!(steps(&content(320, 1e6), &none, 3), 0, "read again, and equal");
     assert!(steps(&plain, &none, 4) > 0, "another number of modes");
     assert!(steps(&stiffer, &none, 3) > 0, "another stiffness");
-    let heavy = AttachedMasses { hub_inertia_kg_m2: 2.0, ..Fitted::default() };
+    let heavy = AttachedMasses { hub_inertia_kg_m2: 2.0, ..AttachedMasses::default() };
     assert!(steps(&plain, &heavy, 3) > 0, "something fitted");
     let mut forget = |_| ControlFlow::Continue(());
     let mut three = || plain.structure(&heavy, &Condensation::modes(3), &mut forget).unwrap();

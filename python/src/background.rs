@@ -26,7 +26,7 @@ enum Message<T> {
 
 type ProgressCallback = Box<dyn Fn(&str, usize, usize) + Send + Sync>;
 
-/// What work is given: the files beside the project, all processors, and somebody to tell how far it is.
+/// World of a computation in the background: the files beside the project, all processors, and a callback for its progress.
 pub struct BackgroundWorld {
     folder: PathBuf,
     tell: ProgressCallback,
@@ -81,7 +81,7 @@ pub fn run<T: Send + 'static>(
     let surroundings = BackgroundWorld { folder, tell: teller(&sender), is_stopped: Arc::clone(&is_stopped) };
     start_thread("counterpoise", STACK, move || {
         let done = job(&surroundings);
-        // nobody listens any more after Ctrl+C
+        // the receiver is gone after Ctrl+C
         let _ = sender.send(Message::Done(done));
     })?;
     let answer = listen(py, receiver, progress);

@@ -239,7 +239,11 @@ fn balanced_reduction<'py>(
     Ok((matrices(py, &found.system)?, found.hankel, found.bound, found.measured_error.value))
 }
 
-fn generalised_plant(given: &SystemMatrices<'_>, measurements: usize, controls: usize) -> PyResult<GeneralisedPlant> {
+fn generalised_plant(
+    given: &SystemMatrices<'_>,
+    measurements: usize,
+    controls: usize,
+) -> PyResult<GeneralisedPlant> {
     GeneralisedPlant::new(given.system()?, controls, measurements).map_err(numerical)
 }
 

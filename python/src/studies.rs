@@ -88,7 +88,11 @@ fn run_sweep(project: &NativeProject, world: &BackgroundWorld) -> anyhow::Result
         stability: robust_stability(project, modelled, verified.controller(), world)?,
     };
     let found = CampaignResult::new(&campaign, &samples, others);
-    Ok(CampaignColumns { passing: found.passing, figures: sweep_figures(&found), samples: Columns::of(&found) })
+    Ok(CampaignColumns {
+        passing: found.passing,
+        figures: sweep_figures(&found),
+        samples: Columns::of(&found),
+    })
 }
 
 /// Puts every method of adaptation to the test in the nonlinear closed loop.

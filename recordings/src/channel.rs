@@ -29,7 +29,7 @@ pub enum Channel {
     PlatformYaw,
 }
 
-/// What a loop's sensor measures, or its demand asks for.
+/// Quantity of a loop's sensor and demand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LoopQuantity {
     /// A rate.
@@ -43,7 +43,7 @@ pub enum LoopQuantity {
     Current,
 }
 
-/// How an axis moves.
+/// Kind of an axis' motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Travel {
     /// It turns: angles in rad.
@@ -53,7 +53,7 @@ pub enum Travel {
     Sliding,
 }
 
-/// What a machine makes of the units of its channels.
+/// Units of the channels of a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ChannelUnits {
     /// What the loop's sensor measures, which is the channel `hub_rate`.

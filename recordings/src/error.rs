@@ -127,7 +127,7 @@ pub enum Error {
         file: String,
         /// The column.
         column: String,
-        /// Its length.
+        /// Length.
         length: usize,
         /// Length of the first column.
         rows: usize,

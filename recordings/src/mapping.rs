@@ -8,7 +8,7 @@ use crate::clock::{UniformSignals, check_length, stack_columns, to_uniform_clock
 use crate::shaping::{Resampling, interpolate_on_clock, lagging_slopes, resample, slopes, unroll};
 use crate::table::TIME_NAMES;
 use crate::tolerance::STATED_PERIOD;
-use crate::{Channel, ChannelUnits, LoopQuantity, Error, Recording, RecordingTable, Remark, Unit};
+use crate::{Channel, ChannelUnits, Error, LoopQuantity, Recording, RecordingTable, Remark, Unit};
 
 /// Most remarks about columns that are listed.
 const MOST_REMARKS: usize = 30;
@@ -39,7 +39,7 @@ pub struct ChannelSource {
     pub clock: Option<String>,
 }
 
-/// How the columns of recordings become channels.
+/// Mapping of the columns of recordings to channels.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mapping {
     /// Sample period of recordings without a time column, and the one on which all others are put, s.
@@ -227,7 +227,8 @@ impl Mapping {
             Channel::HubPosition if self.position_is_read(table) => return Ok(None),
             other => other,
         };
-        let wanted = ColumnPurpose { channel: channel.name(), unit: self.units.of(channel), usual: channel.unit() };
+        let wanted =
+            ColumnPurpose { channel: channel.name(), unit: self.units.of(channel), usual: channel.unit() };
         match self.source_of(from) {
             Some(source) => {
                 let values = convert_column(table, source, &wanted)?;
@@ -249,7 +250,9 @@ impl Mapping {
     fn position_is_read(&self, table: &RecordingTable) -> bool {
         let given =
             |channel: Channel| self.source_of(channel).is_some() || table.find(channel.name()).is_some();
-        self.units.reading == LoopQuantity::Position && !given(Channel::HubRate) && given(Channel::HubPosition)
+        self.units.reading == LoopQuantity::Position
+            && !given(Channel::HubRate)
+            && given(Channel::HubPosition)
     }
 
     /// Returns the time of every row, s; `None` if the file has no time.
@@ -282,9 +285,9 @@ fn limit_remarks(mut remarks: Vec<Remark>) -> Vec<Remark> {
 struct ColumnPurpose {
     /// Name of the channel, for messages.
     channel: &'static str,
-    /// Its unit on this machine.
+    /// Unit on this machine.
     unit: &'static str,
-    /// Its unit in a rate loop of a turning axis, in which every machine's channels may be written.
+    /// Unit in a rate loop of a turning axis, in which every machine's channels may be written.
     usual: &'static str,
 }
 

@@ -15,7 +15,7 @@ pub enum UnreadReason {
     /// It has another length than the columns that were read.
     #[error("it has {length} values, the columns that were read {rows}")]
     Length {
-        /// Its length.
+        /// Length.
         length: usize,
         /// Length of the columns that were read.
         rows: usize,
@@ -23,10 +23,10 @@ pub enum UnreadReason {
     /// It has more than two dimensions, or its dimensions do not match its values.
     #[error("its shape is {}, but a column or a matrix of columns is needed", sizes(shape))]
     Shape {
-        /// Its dimensions.
+        /// Dimensions.
         shape: Vec<u64>,
     },
-    /// Its values cannot be decoded.
+    /// The values cannot be decoded.
     #[error("it cannot be decoded: {why}")]
     Undecodable {
         /// What the reader says.
@@ -112,7 +112,7 @@ pub enum Remark {
         samples: usize,
         /// The first of them, from 1.
         first_row: usize,
-        /// Its value, in the channel's unit.
+        /// Value, in the channel's unit.
         value: f64,
     },
     /// The file's sample period differs from the project's, so the channels were put on the project's.

@@ -161,7 +161,9 @@ mod tests {
         }
         assert_eq!(signals.view().dim(), (count, 2));
         assert!(signals.column(NamedColumn::First).iter().zip(0..).all(|(value, k)| *value == f64::from(k)));
-        assert!(signals.column(NamedColumn::Second).iter().zip(0..).all(|(value, k)| *value == -f64::from(k)));
+        assert!(
+            signals.column(NamedColumn::Second).iter().zip(0..).all(|(value, k)| *value == -f64::from(k))
+        );
         assert!(signals.column(NamedColumn::Third).is_empty() && !signals.has(NamedColumn::Third));
         signals.truncate(2);
         assert_eq!(signals, Signals::stack([&[0.0, 1.0][..], &[0.0, -1.0]]));

@@ -42,13 +42,13 @@ pub enum Error {
         what: &'static str,
         /// The value given.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// Matrices or degrees of freedom that do not fit together.
     #[error("{what}: {found:?} does not fit {expected:?}")]
     Shape {
-        /// Which.
+        /// Name of the item.
         what: &'static str,
         /// The shape that was given.
         found: (usize, usize),

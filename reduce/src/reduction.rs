@@ -4,7 +4,7 @@ use crate::Error;
 use crate::tolerance::PAIRED_VALUES;
 use counterpoise_lti::{Peak, StateSpace};
 
-/// How many states to keep.
+/// Choice of the number of states to keep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Order {
     /// This many in all, poles that must be kept among them.
@@ -21,7 +21,7 @@ pub enum Order {
     },
 }
 
-/// How the smaller system is made.
+/// Method of a reduction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
     /// Balanced truncation in balanced coordinates (Tombs and Postlethwaite 1987).
@@ -52,7 +52,7 @@ pub struct Reduction {
     pub warnings: Vec<Warning>,
 }
 
-/// What a user should know about a reduction.
+/// Warning about a reduction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Warning {
     /// The cut lies between two values of almost the same size: one more or one less state is the better choice.

@@ -60,7 +60,7 @@ pub fn weighted_balred(
 pub struct ControllerReduction {
     /// The reduction; its measured error is weighted, so that a value below one keeps the loop stable to first order.
     pub reduction: Reduction,
-    /// Whether the loop with the reduced controller is stable.
+    /// `true` if the loop with the reduced controller is stable.
     pub closed_loop_stable: bool,
     /// Pole of that loop nearest to, or farthest beyond, the border of stability.
     pub critical_pole: C64,

@@ -22,7 +22,7 @@ use crate::{
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Colour, Figure};
 
-/// What a design's report shows that was found outside the pipeline.
+/// Results of a design that its report shows and that were found outside the pipeline.
 #[derive(Debug, Clone, Copy)]
 pub struct DesignRun<'a> {
     /// Where the report comes from.

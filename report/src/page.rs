@@ -29,7 +29,7 @@ pub struct Report {
 pub struct ProvenanceEntry {
     /// What is told.
     pub name: String,
-    /// What it is.
+    /// Value.
     pub value: String,
 }
 
@@ -40,7 +40,7 @@ impl ProvenanceEntry {
     }
 }
 
-/// Where a report comes from.
+/// Origin of a report: the command and the project.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ReportOrigin {
     /// Path of the project file; empty for none.
@@ -63,11 +63,11 @@ pub struct Headline {
 /// A number with its name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FigureTile {
-    /// What it is.
+    /// Label.
     pub label: String,
-    /// Its value, already formatted.
+    /// Value, already formatted.
     pub value: String,
-    /// Its unit; may be empty.
+    /// Unit; may be empty.
     pub unit: String,
     /// A remark under it, for example its limit; may be empty.
     pub note: String,
@@ -75,7 +75,7 @@ pub struct FigureTile {
     pub tone: OutcomeTone,
 }
 
-/// How something turned out.
+/// Tone of an outcome.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OutcomeTone {
     /// It holds.
@@ -89,7 +89,7 @@ pub enum OutcomeTone {
 /// A part of the evidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReportSection {
-    /// Its heading.
+    /// Heading.
     pub heading: String,
     /// Paragraphs of plain text.
     pub text: Vec<String>,
@@ -104,9 +104,9 @@ pub struct ReportSection {
 pub struct ReportTable {
     /// What it shows; may be empty.
     pub caption: String,
-    /// Its columns.
+    /// Columns.
     pub columns: Vec<ReportColumn>,
-    /// Its rows, each as long as `columns`.
+    /// Rows, each as long as `columns`.
     pub rows: Vec<Vec<ReportCell>>,
 }
 

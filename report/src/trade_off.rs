@@ -23,7 +23,7 @@ pub struct VerifiedPoint {
     pub verdicts: [usize; 3],
     /// Which fail, with their values.
     pub failing: Vec<String>,
-    /// Whether everything holds.
+    /// `true` if everything holds.
     pub holds: bool,
 }
 

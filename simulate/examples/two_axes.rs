@@ -30,14 +30,14 @@ impl Axis {
         let lumped = LumpedStructure {
             out_of_balance_kg_m: self.out_of_balance_kg_m,
             vertical_offset_kg_m: self.vertical_offset_kg_m,
-            ..Lumped::rigid(self.inertia_kg_m2)
+            ..LumpedStructure::rigid(self.inertia_kg_m2)
         };
         (p.beam, p.lumped, p.gearbox) = (None, Some(lumped), Gearbox::DIRECT);
         p.gravity_m_s2 = self.gravity_m_s2;
         p.motor.inertia_kg_m2 = 0.0;
         p.amplifier.dynamics = AmplifierDynamics::TorqueCommand;
-        p.motor_friction = Friction::plain(FrictionLaw::None, 0.0);
-        p.pivot_friction = Friction::plain(FrictionLaw::None, self.viscous_nm_s_rad);
+        p.motor_friction = Friction::with_viscous_part(FrictionLaw::None, 0.0);
+        p.pivot_friction = Friction::with_viscous_part(FrictionLaw::None, self.viscous_nm_s_rad);
         p.sensors.hub_gyro = Sensor::IDEAL;
         Plant::from_lumped(&p)
     }

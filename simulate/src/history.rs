@@ -96,14 +96,14 @@ impl ColumnName for TrueColumn {
     }
 }
 
-/// What the controller read and gave at each sample: an array time x signal.
+/// Readings and control at each sample: an array time x signal.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadingColumns {
     /// The array.
     pub signals: Signals<ReadingColumn>,
 }
 
-/// What was true at each sample: an array time x signal.
+/// True motions and torques at each sample: an array time x signal.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TrueColumns {
     /// The array.

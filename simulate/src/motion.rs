@@ -6,8 +6,7 @@ use crate::signal::{Signal, Sine};
 use crate::tolerance::{ROTOR_SAMPLES, SLOW_SINE_RAD};
 use std::ops::Range;
 
-/// How the platform moves. Rates and accelerations are inertial; heave is the pivot's upward acceleration without
-/// gravity.
+/// Motion of the platform. Rates and accelerations are inertial; heave is the pivot's upward acceleration without gravity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlatformMotion {
     /// Pitch rate, rad/s.

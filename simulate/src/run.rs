@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::drive_limits::LimitedDrive;
 use crate::engine::ports::{Bonds, FrictionState, PlatformPoint};
-use crate::engine::present::Sample;
+use crate::engine::present_plant::Sample;
 use crate::engine::state::PlantState;
 use crate::engine::stepper::Stepper;
 use crate::history::{ReadingColumns, TimeHistory, TrueColumn, TrueColumns};
@@ -259,7 +259,7 @@ impl<'a> Lap<'a> {
         stepper.restart(&state);
         stepper.fire(scenario.firing);
         stepper.limit_current(None);
-        sensing.settle(&motion, stepper.outputs()[HUB_ANGLE]);
+        sensing.settle_sensors(&motion, stepper.outputs()[HUB_ANGLE]);
         let before = holding_control(plant, &state.core);
         let limited = LimitedDrive::new(parameters, before);
         let clock = match scenario.imperfections {
@@ -397,7 +397,7 @@ impl<'a> Lap<'a> {
         }
     }
 
-    /// Returns the current where the plant is, A; 0 if nobody asks.
+    /// Returns the motor's current at the present state, A; 0 if no limit of the drive depends on it.
     pub fn current_a(&self, motion: &MotionSample, stepper: &Stepper) -> f64 {
         if self.limited.is_none() {
             return 0.0;

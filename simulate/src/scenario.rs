@@ -27,7 +27,7 @@ pub struct Scenario {
     pub firing: Firing,
 }
 
-/// Where the mechanism starts.
+/// Initial state of the mechanism.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Initial {
     /// At rest at a hub angle (rad, inertial), the motor holding weight and spring, friction without load, the hub at
@@ -40,12 +40,12 @@ pub enum Initial {
     State(Box<PlantState>),
 }
 
-/// What a run keeps.
+/// Signals that a run records.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Detail {
     /// The readings, the demand and the control: what a recording of the machine has.
     Recording,
-    /// That, and the true motions and torques.
+    /// Readings and control, and the true motions and torques.
     Everything,
 }
 

@@ -11,7 +11,7 @@ use counterpoise_models::{
     AccelerometerAxis, CONVERTER_RANGE_V, Interface, Parameters, Sensor, Sensors, converter_step_v,
 };
 
-/// What of the sensors and converters is simulated. Their dynamics, gains, biases and delays always are.
+/// Imperfections of the sensors and converters that are simulated. Their dynamics, gains, biases and delays always are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Imperfections {
     /// Noise from a seed, and quantised converters.
@@ -60,7 +60,7 @@ impl Converter {
     }
 
     /// Returns a digital reading in steps of its own, if anything is quantised; it does not pass the converter's range.
-    pub fn digital(&self, value: f64, resolution: f64) -> f64 {
+    pub fn quantise(&self, value: f64, resolution: f64) -> f64 {
         if self.step_v == 0.0 { value } else { (value / resolution).round() * resolution }
     }
 }
@@ -145,7 +145,7 @@ impl Chain {
             delayed += drift.next();
         }
         let reading = if resolution > 0.0 {
-            self.converter.digital(delayed, resolution)
+            self.converter.quantise(delayed, resolution)
         } else {
             self.converter.convert(delayed * scale) / scale
         };
@@ -278,7 +278,7 @@ impl Sensing {
     }
 
     /// Puts the platform's sensors where they would be after a long time at a platform state and a hub angle.
-    pub fn settle(&mut self, motion: &MotionSample, hub_angle_rad: f64) {
+    pub fn settle_sensors(&mut self, motion: &MotionSample, hub_angle_rad: f64) {
         let start = motion.at(0.0);
         self.platform_gyro.state = [start.rate, 0.0];
         self.accelerometer.state = [self.mounted.heave_felt(motion, 0.0, hub_angle_rad), 0.0];

@@ -79,7 +79,8 @@ fn kind(random: &mut RandomGenerator) -> Kind {
 fn variant(kind: Kind, random: &mut RandomGenerator) -> Parameters {
     let mut rig = reference::rig();
     let friction = |kind: Kind, number: usize, coulomb: f64, viscous: f64, random: &mut RandomGenerator| {
-        let mut friction = Friction::plain(law(number, coulomb * random.factor(), random), viscous);
+        let mut friction =
+            Friction::with_viscous_part(law(number, coulomb * random.factor(), random), viscous);
         if kind.falls > 0.5 {
             friction.static_ratio = random.draw_between(1.0, 1.6);
             friction.stribeck_rate_rad_s = 0.02 * random.factor();

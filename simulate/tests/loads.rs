@@ -6,8 +6,8 @@ use counterpoise_models::loads::equilibrator::{ATMOSPHERE_PA, Action, Equilibrat
 use counterpoise_models::loads::{EndStops, Recoil};
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{
-    AmplifierDynamics, COPPER_PER_K, Friction, FrictionLaw, Gearbox, LumpedStructure, MotorHeat, Parameters, Plant,
-    RESISTANCE_AT_K, reference,
+    AmplifierDynamics, COPPER_PER_K, Friction, FrictionLaw, Gearbox, LumpedStructure, MotorHeat, Parameters,
+    Plant, RESISTANCE_AT_K, reference,
 };
 use counterpoise_simulate::{Firing, Initial, Playback, Scenario, Simulator, TimeHistory};
 
@@ -16,7 +16,7 @@ const INERTIA: f64 = 40.0;
 /// One rigid inertia without friction, driven by a torque, without weight.
 fn body() -> Parameters {
     let mut p = reference::rig();
-    let none = Friction::plain(FrictionLaw::None, 0.0);
+    let none = Friction::with_viscous_part(FrictionLaw::None, 0.0);
     (p.motor_friction, p.pivot_friction) = (none.clone(), none);
     p.gearbox = Gearbox::DIRECT;
     p.motor.inertia_kg_m2 = 0.0;

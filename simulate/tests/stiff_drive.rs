@@ -37,8 +37,8 @@ fn carriage(law: FrictionLaw) -> Parameters {
     p.amplifier.time_constant_s = LAG_S;
     p.amplifier.bus_voltage_v = 10.0;
     p.interface.output_bits = 24;
-    p.motor_friction = Friction::plain(FrictionLaw::None, 0.0);
-    p.pivot_friction = Friction::plain(law, VISCOUS);
+    p.motor_friction = Friction::with_viscous_part(FrictionLaw::None, 0.0);
+    p.pivot_friction = Friction::with_viscous_part(law, VISCOUS);
     p.sensors.hub_gyro = Sensor { scale_v_unit: 50.0, noise_rms: 5e-5, ..Sensor::IDEAL };
     p
 }

@@ -31,7 +31,7 @@ pub struct OffscreenStudio {
     pub studio: Studio,
     context: egui::Context,
     size: egui::Vec2,
-    theme: Option<crate::theme::Theme>,
+    theme: Option<crate::theme::WindowTheme>,
     /// Changes of the textures in frames of scripts.
     pub textures: egui::TexturesDelta,
     woken: Receiver<()>,

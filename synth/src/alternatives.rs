@@ -9,11 +9,11 @@ use counterpoise_lti::{StateSpace, Timebase, append, series};
 use crate::error_feedback::from_demand_and_reading;
 use crate::tolerance::{ALTERNATIVE_BOUND, SLOWEST_RAD_S};
 use crate::{
-    DesignPlant, Error, FeedbackWeights, GeneralisedPlant, Reference, StateOrigin, Weight, design_feedback, h2syn,
-    hinfsyn, lqg_ltr,
+    DesignPlant, Error, FeedbackWeights, GeneralisedPlant, Reference, StateOrigin, Weight, design_feedback,
+    h2syn, hinfsyn, lqg_ltr,
 };
 
-/// Which method made a controller.
+/// Method by which a controller was made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SynthesisMethod {
     /// The structured H2 design of [`design_feedback()`].

@@ -1,6 +1,6 @@
 //! What limits the bandwidth of a loop.
 
-/// What limits a bandwidth.
+/// Kind of limit of a bandwidth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LimitKind {
     /// A twentieth of the sample rate, lowered by what is not known.
@@ -28,7 +28,7 @@ pub enum LimitKind {
 /// A limit of the bandwidth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BandwidthLimit {
-    /// What limits.
+    /// Kind of the limit.
     pub kind: LimitKind,
     /// The highest bandwidth that it allows, rad/s; infinite if it allows every one that was looked at.
     pub bandwidth_rad_s: f64,

@@ -8,7 +8,7 @@ use crate::Error;
 use crate::cause::{Cause, DesignEquation};
 use crate::finding::{DesignFinding, Part};
 
-/// How well a Riccati equation was solved.
+/// Accuracy of the solution of a Riccati equation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equation {
     /// Norm of the residual relative to the norms of the equation's terms.

@@ -33,7 +33,7 @@ pub fn discretise(design: &Design, sampling: &Sampling) -> Result<SampledLoop, E
 
 type Paths = (Vec<Path>, Vec<PartCertificates>);
 
-/// Whether feedback and feedforwards run as one path.
+/// Returns whether feedback and feedforwards run as one path.
 fn is_joint(design: &Design) -> bool {
     let modules = design.heave.is_some() || design.pitch.is_some();
     design.joint.is_some() || design.specification.assembly == Assembly::Grimble && modules

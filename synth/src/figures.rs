@@ -7,7 +7,7 @@ use counterpoise_lti::{Discretisation, StateSpace, c2d, h2norm, margins};
 
 use crate::{DesignPlant, Error, SampledLoop, Sampling};
 
-/// What a sampled feedback loop does.
+/// Figures of a sampled feedback loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
     /// Smallest gain margin, dB.

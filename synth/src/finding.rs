@@ -5,7 +5,7 @@ use std::fmt;
 use crate::DisturbanceChannel;
 use crate::cause::Cause;
 
-/// Whether a design can go on.
+/// Severity of a finding of a design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FindingSeverity {
     /// The problem has no solution as it is put.
@@ -14,7 +14,7 @@ pub enum FindingSeverity {
     Warning,
 }
 
-/// Which part of the design is concerned.
+/// Part of a design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     /// The plant, its sensors or its delay.
@@ -38,7 +38,7 @@ impl From<DisturbanceChannel> for Part {
     }
 }
 
-/// What a weight weighs.
+/// Signal that a weight weighs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WeightRole {
     /// The error.
@@ -54,7 +54,7 @@ pub enum WeightRole {
 pub struct ConcernedWeight {
     /// What it weighs.
     pub role: WeightRole,
-    /// Its formula in s.
+    /// Formula in s.
     pub formula: String,
 }
 
@@ -69,7 +69,7 @@ pub struct DesignFinding {
     pub weight: Option<ConcernedWeight>,
     /// The frequency that is concerned, rad/s; infinite for "at high frequency".
     pub rate_rad_s: Option<f64>,
-    /// What is wrong.
+    /// Cause.
     pub cause: Cause,
 }
 

@@ -94,7 +94,7 @@ struct Search<'a> {
 impl Search<'_> {
     /// Raises the bound until one seems reachable.
     fn raise_bound(&mut self) -> Result<(), Error> {
-        let mut bound = if self.low.bound > 0.0 { 2.0 * self.low.bound } else { self.normal.guess() };
+        let mut bound = if self.low.bound > 0.0 { 2.0 * self.low.bound } else { self.normal.initial_bound() };
         while self.high.is_none() && self.trials < HINF_TRIALS {
             self.attempt(bound)?;
             bound *= 4.0;

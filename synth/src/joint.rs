@@ -246,7 +246,7 @@ impl Problem {
         Ok(StateSpace::new(A, B, C, D, Timebase::Continuous)?)
     }
 
-    /// What is known, driven by the innovation, and what is not known after all readings: tr(M Y M').
+    /// Returns what is known, driven by the innovation, and what is not known after all readings: tr(M Y M').
     fn predicted_cost(&self, F: &Mat, L: &Mat, Y: &Mat) -> Result<Option<f64>, Error> {
         let ((n, e, u), f) = (self.core.sizes(), self.motions());
         let roots: Vec<f64> = self.noises.iter().map(|density| density.sqrt()).collect();

@@ -15,7 +15,7 @@ pub struct Gain {
     pub gain: Mat,
     /// The solution of the Riccati equation.
     pub X: Mat,
-    /// Its residual and the spectrum of A - BK or A - LC.
+    /// Residual and the spectrum of A - BK or A - LC.
     pub equation: Equation,
 }
 

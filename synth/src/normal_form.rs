@@ -66,7 +66,7 @@ impl NormalForm {
     }
 
     /// A bound to start from where D11 gives none.
-    pub(crate) fn guess(&self) -> f64 {
+    pub(crate) fn initial_bound(&self) -> f64 {
         let size =
             (self.P.C1.norm_fro() * self.P.B1.norm_fro() / self.P.A.norm_fro().max(f64::MIN_POSITIVE)).sqrt();
         if size > 0.0 && size.is_finite() { size } else { 1.0 }
@@ -214,7 +214,9 @@ impl IndefiniteEquation<'_> {
         let Q = (&(&C.t() * C) - &(&cross.t() * &(&R_inverse * &cross))).symmetric_part();
         let solution = match care_g(&folded, &G, &Q)? {
             Solution::Solved(solution) => solution,
-            Solution::Infeasible(Reason::OnBoundary { .. } | Reason::NoGraph) => return Ok(EquationOutcome::Absent),
+            Solution::Infeasible(Reason::OnBoundary { .. } | Reason::NoGraph) => {
+                return Ok(EquationOutcome::Absent);
+            }
             Solution::Infeasible(_) => return Ok(EquationOutcome::Undecided),
         };
         // What is negligible beside A in A - GX is rounding, whatever its sign.

@@ -24,9 +24,10 @@ pub(crate) fn require_solution(
             let from = side(HiddenDirection::Control, HiddenDirection::Measurement);
             (hidden_mode(P, mode, distance, from)?, Some(mode.norm()))
         }
-        Reason::Unobservable { mode, distance } => {
-            (hidden_mode(P, mode, distance, side(HiddenDirection::Cost, HiddenDirection::Noise))?, Some(mode.norm()))
-        }
+        Reason::Unobservable { mode, distance } => (
+            hidden_mode(P, mode, distance, side(HiddenDirection::Cost, HiddenDirection::Noise))?,
+            Some(mode.norm()),
+        ),
         Reason::OnBoundary { eigenvalue, .. } => {
             (Cause::Equation { equation, reason }, Some(eigenvalue.norm()))
         }

@@ -6,7 +6,7 @@ use counterpoise_lti::{StateSpace, Timebase, append, delay::pade, series};
 use crate::tolerance::ROUNDED_SAMPLE;
 use crate::{DisturbanceChannel, Error};
 
-/// What a design starts from
+/// Plant of a design
 ///
 /// ```text
 ///                    heave   pitch, its derivatives

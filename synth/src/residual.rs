@@ -20,7 +20,7 @@ pub fn stabilisation_error(
     error_at(plant, design, channel, ResidualChoice { gain, output: plant.rate })
 }
 
-/// Which residual is meant.
+/// Choice of a residual.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResidualChoice {
     /// Factor on the feedforward's output: 0 leaves the feedback alone.

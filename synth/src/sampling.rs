@@ -10,7 +10,7 @@ use crate::certificate::PartCertificates;
 use crate::finding::{DesignFinding, Part};
 use crate::{DesignPlant, Error};
 
-/// How a controller for sampled time comes about.
+/// Method by which a controller for sampled time is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SamplingMethod {
     /// Each continuous path is converted by itself.
@@ -34,7 +34,7 @@ impl SamplingMethod {
     }
 }
 
-/// What sampling adds to a design.
+/// Sampling of a design: the period, the hold and the converters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampling {
     /// Sample period, s.

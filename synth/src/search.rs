@@ -8,7 +8,7 @@ use crate::{
     DesignPlant, Error, Reference, Requirements, Sampling, Specification, Weight, design, discretise,
 };
 
-/// What a search starts from and what it may spend.
+/// Start and budget of a search.
 #[derive(Debug, Clone, Copy)]
 pub struct SearchTask<'a> {
     /// The plant.
@@ -17,7 +17,7 @@ pub struct SearchTask<'a> {
     pub start: &'a Specification,
     /// What the loop must keep.
     pub requirements: &'a Requirements,
-    /// How the controller is sampled.
+    /// Sampling of the controller.
     pub sampling: &'a Sampling,
     /// Designs at most.
     pub most_trials: usize,
@@ -45,7 +45,7 @@ pub struct SearchResult {
     pub ended: SearchEnding,
 }
 
-/// How a search ended.
+/// Reason for which a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SearchEnding {
     /// No step of the smallest size improves.
@@ -172,7 +172,7 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// Whether no knob is further than [`REACH`], and no corner is moved beyond half the sampling rate, where nothing sees it.
+    /// Returns whether no knob is further than [`REACH`], and no corner is moved beyond half the sampling rate, where nothing sees it.
     fn reaches(&self, knobs: [f64; KNOBS]) -> bool {
         let highest = std::f64::consts::PI / self.sampling.period_s;
         let corner = |weight: &Weight| {

@@ -22,7 +22,7 @@ pub struct Specification {
     pub position_gain: Option<f64>,
 }
 
-/// How the parts are put together.
+/// Structure in which the parts are put together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Assembly {
     /// `u = C0 (r - y) + u_h + u_p`: the feedback also cleans up what the feedforward leaves.
@@ -36,7 +36,7 @@ pub enum Assembly {
     Joint,
 }
 
-/// Where the demand enters the feedback.
+/// Place at which the demand enters the feedback.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Reference {
     /// The controller sees the error r - y alone: one degree of freedom, quick and with overshoot.
@@ -93,10 +93,10 @@ pub enum FeedforwardBasis {
     ClosedLoop,
 }
 
-/// What the feedforward knows of the disturbance.
+/// Knowledge of the disturbance in the feedforward.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DisturbanceKnowledge {
-    /// Its value and its derivatives up to the generator's order, exactly. The sensor is taken as perfect.
+    /// The value and its derivatives up to the generator's order, exactly. The sensor is taken as perfect.
     Exact,
     /// The plant's sensor with white noise of this spectral density, unit^2 s: an optimal filter in front.
     Measured {

@@ -63,7 +63,8 @@ fn the_controllers_estimator_and_the_plain_one_agree() {
     for (gravity, filter_s) in [(9.80665, 0.0), (0.0, 0.0), (0.0, 0.02)] {
         let inertia_v_s2_rad = [346.0 * VOLTS, 160.0 * VOLTS];
         let mut plain =
-            RecursiveLeastSquares::new(RecursiveSettings { filter_s, inertia_v_s2_rad, ..settings(gravity) }).unwrap();
+            RecursiveLeastSquares::new(RecursiveSettings { filter_s, inertia_v_s2_rad, ..settings(gravity) })
+                .unwrap();
         let controller = carrying(
             Learning::Squares {
                 forget: (-PERIOD_S / 2.0_f64).exp(),
@@ -86,7 +87,7 @@ fn the_controllers_estimator_and_the_plain_one_agree() {
     }
 }
 
-/// What the drive has to give at a time: imbalance, dry and viscous friction, in a road-like motion.
+/// Returns what the drive has to give at a time: imbalance, dry and viscous friction, in a road-like motion.
 fn sample(k: usize, out_of_balance: f64, gravity: f64, amplitude: f64) -> (Readings, f64) {
     let t = k as f64 * PERIOD_S;
     let accel = amplitude * ((9.0 * t).sin() + 0.6 * (17.3 * t + 1.0).sin());
@@ -104,7 +105,12 @@ fn sample(k: usize, out_of_balance: f64, gravity: f64, amplitude: f64) -> (Readi
     (readings, VOLTS * (out_of_balance * (gravity * angle.cos() + accel) + friction))
 }
 
-fn run(mut estimator: RecursiveLeastSquares, gravity: f64, amplitude: f64, truth: impl Fn(usize) -> f64) -> Vec<f64> {
+fn run(
+    mut estimator: RecursiveLeastSquares,
+    gravity: f64,
+    amplitude: f64,
+    truth: impl Fn(usize) -> f64,
+) -> Vec<f64> {
     let each = (0..20_000).map(|k| {
         let (readings, control) = sample(k, truth(k), gravity, amplitude);
         estimator.update(&readings, control)

@@ -5,7 +5,8 @@
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{NamedSystem, SignalTerm, StateSpace, Timebase, poles, series};
 use counterpoise_synth::{
-    Cause, Error, GeneralisedPlant, HiddenDirection, ModeBlock, NamedBlock, Ports, StateOrigin, h2syn, hinfsyn,
+    Cause, Error, GeneralisedPlant, HiddenDirection, ModeBlock, NamedBlock, Ports, StateOrigin, h2syn,
+    hinfsyn,
 };
 
 const CONTINUOUS: Timebase = Timebase::Continuous;
@@ -99,7 +100,7 @@ fn plain_plant(A: &Mat, B2: &Mat, C2: &Mat) -> GeneralisedPlant {
 
 #[test]
 fn a_mode_that_nothing_reaches_ends_the_search_at_once_and_is_named() {
-    // An undamped oscillator at 7 rad/s beside the loop, and one that nobody sees.
+    // An undamped oscillator at 7 rad/s beside the loop, and one that no output shows.
     let A = Mat::from_rows(&[&[-1.0, 0.0, 0.0], &[0.0, 0.0, 7.0], &[0.0, -7.0, 0.0]]);
     let (reached, seen) = (Mat::col(&[1.0, 0.0, 1.0]), Mat::row(&[1.0, 1.0, 0.0]));
     let (missed, unseen) = (Mat::col(&[1.0, 0.0, 0.0]), Mat::row(&[1.0, 0.0, 0.0]));

@@ -7,7 +7,8 @@ use common::{rig, thesis_weights, weights};
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{Discretisation, StateSpace, c2d, margins, response::response_at};
 use counterpoise_synth::{
-    Design, DesignPlant, DisturbanceChannel, SampledLoop, Sampling, Specification, design, discretise, preflight,
+    Design, DesignPlant, DisturbanceChannel, SampledLoop, Sampling, Specification, design, discretise,
+    preflight,
 };
 
 const PERIOD_S: f64 = 1e-3;

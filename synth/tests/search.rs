@@ -8,8 +8,8 @@ use counterpoise_lti::{StateSpace, Timebase};
 
 use common::{rig, thesis_weights, weights};
 use counterpoise_synth::{
-    BandSpectrum, Design, DisturbanceChannel, SearchEnding, Error, Requirements, Sampling, SearchResult, SearchTask,
-    Specification, Weight, design, search_specification, stabilisation_error, trade_off,
+    BandSpectrum, Design, DisturbanceChannel, Error, Requirements, Sampling, SearchEnding, SearchResult,
+    SearchTask, Specification, Weight, design, search_specification, stabilisation_error, trade_off,
 };
 
 fn search_rig(start: &Specification, requirements: &Requirements, most: usize) -> SearchResult {

@@ -10,7 +10,7 @@ use counterpoise_pipeline::studies::certificate::certify_controller;
 use counterpoise_pipeline::{build_plant_model, reduce_plant, synthesise};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{
-    AdaptationMethod, AdaptationOptions, AdaptationRuns, AdaptationUse, FrictionModel, ObserverOptions,
+    AdaptationMethod, AdaptationOptions, AdaptationRuns, AdaptationUse, ObserverFriction, ObserverOptions,
     ScheduleLaw, ScheduleOptions,
 };
 use counterpoise_synth::{Drives, Weight};
@@ -28,7 +28,7 @@ const SETTLE_S: f64 = 3.0;
 /// Steps of the independent integrator a sample.
 const STEPS: usize = 16;
 
-/// What a run shows.
+/// Figures of a run.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct RunObservation {
     /// RMS of the hub's rate about its mean, rad/s: over the whole run, and its second half over its first.
@@ -119,7 +119,7 @@ enum Start {
     Burst { volts: f64, hz: f64 },
 }
 
-/// How the certified limit cycle was started in the product's simulator; `None` if none is certified. One that its run from rest meets starts
+/// Returns how the certified limit cycle was started in the product's simulator; `None` if none is certified. One that its run from rest meets starts
 /// at its amplitude.
 fn start(certificate: &CaseCertificate) -> Option<Start> {
     let Stability::LimitCycle { amplitude_rad_s, .. } = certificate.stability else { return None };
@@ -195,7 +195,7 @@ fn observer(plant: &Parameters, dice: &mut Dice) -> ObserverOptions {
         share: dice.uniform(0.4, 1.0),
         motor: Some(motor),
         pivot: Some(pivot),
-        model: FrictionModel::Dahl,
+        model: ObserverFriction::Dahl,
         sign_rate_rad_s: 0.01,
     }
 }
@@ -283,7 +283,7 @@ fn run(
             x = truth.step(from, h, &x, control, [0.0, 0.5, 1.0].map(|c| platform(from + c * h)));
         }
         if !x.iter().all(|value| value.is_finite()) {
-            return RunObservation { rms: f64::INFINITY, growth: f64::INFINITY, ..Seen::default() };
+            return RunObservation { rms: f64::INFINITY, growth: f64::INFINITY, ..RunObservation::default() };
         }
         if t >= SETTLE_S {
             rates.push(x[HUB_RATE]);
@@ -292,7 +292,7 @@ fn run(
     judge_rates(&rates, period)
 }
 
-/// What is added to the control, V.
+/// Returns what is added to the control, V.
 fn added_v(start: Start, t: f64) -> f64 {
     match start {
         Start::Burst { volts, hz } if (0.0..3.0 / hz).contains(&(t - SETTLE_S)) => {

@@ -44,7 +44,7 @@ impl Way {
 pub struct CheckedDiagnosis {
     /// The answer.
     pub answer: Answer,
-    /// Whether the concealed effect is among the findings or their alternatives, or none is found if none is there.
+    /// `true` if the concealed effect is among the findings or their alternatives, or none is found if none is there.
     pub is_right: bool,
 }
 

@@ -7,7 +7,7 @@ use counterpoise_pipeline::{
     PlantModel, SynthesisedDesign, World, build_plant_model, reduce_plant, synthesise, verify,
 };
 use counterpoise_project::Project;
-use counterpoise_verify::{Figure, Verification};
+use counterpoise_verify::{PerformanceFigure, Verification};
 
 struct EmptyWorld;
 
@@ -49,8 +49,10 @@ fn verify_project(project: &Project) -> Verification {
 }
 
 fn value(found: &Verification, key: &str) -> f64 {
-    let figure =
-        Figure::all().into_iter().find(|figure| figure.key() == key).unwrap_or_else(|| panic!("{key}"));
+    let figure = PerformanceFigure::all()
+        .into_iter()
+        .find(|figure| figure.key() == key)
+        .unwrap_or_else(|| panic!("{key}"));
     found.value(figure).unwrap()
 }
 

@@ -192,7 +192,7 @@ fn paths(machine: &Machine) -> Vec<String> {
     named.chain(keys).filter(|path| machine.document.source_text_at(path).is_some()).collect()
 }
 
-/// What is wrong with the answer to a file without one key or section; `Ok` has the project if the file is read.
+/// Returns what is wrong with the answer to a file without one key or section; `Ok` has the project if the file is read.
 fn answer(machine: &Machine, path: &str) -> Result<Option<Project>, String> {
     let without = machine.document.remove(path).unwrap();
     match machine.resolve_document(&without) {
@@ -417,7 +417,8 @@ fn every_kind_is_exported_in_every_language() {
     for machine in designed_kinds() {
         let mut project = machine.project.clone();
         project.export.languages = vec![Language::C99, Language::Rust, Language::Fmi];
-        let exported = export(&project, &machine.modelled, machine.verified_controller(), &EmptyWorld).unwrap();
+        let exported =
+            export(&project, &machine.modelled, machine.verified_controller(), &EmptyWorld).unwrap();
         assert!(exported.left_out.is_empty(), "{}: {:?}", machine.name, exported.left_out);
         assert!(exported.files.len() > 12, "{}", machine.name);
         let measured = project.plant.sensors.measured;

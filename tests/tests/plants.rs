@@ -12,7 +12,7 @@ use counterpoise_pipeline::{
 };
 use counterpoise_project::{Attachments, Document, Project, SettingValue, StructureChoice};
 use counterpoise_tests::ExampleFolder;
-use counterpoise_verify::{Figure, Verification};
+use counterpoise_verify::{PerformanceFigure, Verification};
 
 fn folder(example: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(example)
@@ -57,7 +57,7 @@ fn verify_on_structure(
 }
 
 fn value(found: &Verification, key: &str) -> f64 {
-    let figure = Figure::from_key(key).unwrap();
+    let figure = PerformanceFigure::from_key(key).unwrap();
     found.value(figure).unwrap_or_else(|| panic!("{key} was not measured"))
 }
 

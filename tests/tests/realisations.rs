@@ -10,7 +10,7 @@ use counterpoise_export::{CodeOptions, ExportSource, Ranges, c99, single_precisi
 use counterpoise_pipeline::export::path_forms;
 use counterpoise_pipeline::{World, build_plant_model, reduce_plant, synthesise, verify};
 use counterpoise_project::Project;
-use counterpoise_verify::{Figure, VerifiedController};
+use counterpoise_verify::{PerformanceFigure, VerifiedController};
 
 use crate::every_example::support;
 use support::{RandomGenerator, Request, STRICT, Target, folder, is_there, provenance, run, server, write};
@@ -42,7 +42,8 @@ fn verify_example(changes: &[(&str, &str)]) -> VerifiedController {
 }
 
 fn gain_margin_db(verified: &VerifiedController) -> f64 {
-    let figure = Figure::all().into_iter().find(|figure| figure.key() == "gain_margin_db").unwrap();
+    let figure =
+        PerformanceFigure::all().into_iter().find(|figure| figure.key() == "gain_margin_db").unwrap();
     verified.verification().value(figure).unwrap()
 }
 
@@ -52,7 +53,7 @@ fn readings() -> Vec<[f64; counterpoise_controller::READINGS]> {
     (0..1500).map(|_| random.readings().map(|value| 0.02 * value)).collect()
 }
 
-/// What the C in single precision answers.
+/// Returns what the C in single precision answers.
 fn answers<'a>(controller: impl Into<ExportSource<'a>>, name: &str) -> Vec<f64> {
     let folder = folder(&format!("realisation_{}", name.replace(' ', "_")));
     write(&folder, &c99(controller, &provenance(), &CodeOptions::single("axis")).unwrap());

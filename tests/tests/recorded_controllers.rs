@@ -10,7 +10,7 @@ use counterpoise_controller::{Controller, SampledController};
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_diagnose::recording::remarks::RecordingRemark;
 use counterpoise_export::Ranges;
-use counterpoise_export::fixed_point::{FixedPointController, FixedError, FixedRunner, plan_fixed_point};
+use counterpoise_export::fixed_point::{FixedError, FixedPointController, FixedRunner, plan_fixed_point};
 use counterpoise_export::targets::RANGE_MARGIN;
 use counterpoise_models::Plant;
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};

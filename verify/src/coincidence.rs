@@ -54,7 +54,7 @@ impl Coincidence {
     }
 }
 
-/// What a coincidence window makes of a run.
+/// Shots of a run through a coincidence window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shots {
     /// Share of the time during which the hub's error is within the window.

@@ -19,7 +19,7 @@ pub enum Error {
         what: &'static str,
         /// The value that was given.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// Series that should be of one length, or long enough.

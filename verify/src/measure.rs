@@ -6,10 +6,11 @@ use crate::history::{Experiment, History};
 use crate::signals::statistics::subtract_mean;
 use crate::signals::{StepFigures, mean, peak, rms, step_figures};
 use crate::{
-    Figure, LoopFigure, Model, Quantity, RestFigure, Source, StepFigure, TriangleFigure, MissingReason,
+    LoopFigure, MissingReason, Model, PerformanceFigure, Quantity, RestFigure, Source, StepFigure,
+    TriangleFigure,
 };
 
-/// What a figure turned out to be.
+/// Value of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
     /// A number in the figure's unit; infinite where the figure has no bound (a loop that diverges, a margin without limit).
@@ -25,8 +26,8 @@ pub enum Value {
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredFigure {
     /// Which figure.
-    pub figure: Figure,
-    /// What it is.
+    pub figure: PerformanceFigure,
+    /// Value.
     pub value: Value,
 }
 
@@ -61,7 +62,10 @@ pub fn loop_figures(margins: &Margins, pole_radius: f64) -> Vec<MeasuredFigure> 
         (LoopFigure::Crossover, crossover),
     ];
     all.into_iter()
-        .map(|(figure, value)| MeasuredFigure { figure: Figure::Loop(figure), value: Value::Is(value) })
+        .map(|(figure, value)| MeasuredFigure {
+            figure: PerformanceFigure::Loop(figure),
+            value: Value::Is(value),
+        })
         .collect()
 }
 
@@ -77,14 +81,13 @@ pub fn history_figures(history: &History, settle_s: f64) -> Vec<MeasuredFigure> 
 
 /// Returns the same figures of a history that does not exist because the loop diverges: all infinite.
 pub fn infinite_figures(model: Model, experiment: Experiment) -> Vec<MeasuredFigure> {
-    let all = Figure::all().into_iter().filter(|figure| match (figure, experiment) {
-        (Figure::Step(m, _), Experiment::Step) | (Figure::Triangle(m, _), Experiment::Triangle) => {
-            *m == model
-        }
-        (Figure::Disturbance(m, source, arrangement, _), Experiment::Disturbance(s, a)) => {
+    let all = PerformanceFigure::all().into_iter().filter(|figure| match (figure, experiment) {
+        (PerformanceFigure::Step(m, _), Experiment::Step)
+        | (PerformanceFigure::Triangle(m, _), Experiment::Triangle) => *m == model,
+        (PerformanceFigure::Disturbance(m, source, arrangement, _), Experiment::Disturbance(s, a)) => {
             (*m, *source, *arrangement) == (model, s, a)
         }
-        (Figure::Rest(_), Experiment::Rest) => model == Model::Nonlinear,
+        (PerformanceFigure::Rest(_), Experiment::Rest) => model == Model::Nonlinear,
         _ => false,
     });
     all.map(|figure| MeasuredFigure { figure, value: Value::Is(f64::INFINITY) }).collect()
@@ -101,7 +104,10 @@ fn step_of(history: &History) -> Vec<MeasuredFigure> {
         }
     };
     all.into_iter()
-        .map(|(figure, value)| MeasuredFigure { figure: Figure::Step(history.model, figure), value })
+        .map(|(figure, value)| MeasuredFigure {
+            figure: PerformanceFigure::Step(history.model, figure),
+            value,
+        })
         .collect()
 }
 
@@ -139,7 +145,7 @@ fn disturbance_of(history: &History, settle_s: f64) -> Vec<MeasuredFigure> {
         (Quantity::GearOpen, of(history.contact(), |part| 1.0 - mean(part))),
         (Quantity::Rejection, rejection_of(history, source, first)),
     ];
-    let figure = |quantity| Figure::Disturbance(history.model, source, arrangement, quantity);
+    let figure = |quantity| PerformanceFigure::Disturbance(history.model, source, arrangement, quantity);
     all.into_iter().map(|(quantity, value)| MeasuredFigure { figure: figure(quantity), value }).collect()
 }
 
@@ -160,7 +166,7 @@ fn triangle_of(history: &History, settle_s: f64) -> Vec<MeasuredFigure> {
         (TriangleFigure::ErrorPeak, some(peak(error))),
         (TriangleFigure::ControlPeak, some(peak(&history.control_v()[first..]))),
     ];
-    let figure = |figure| Figure::Triangle(history.model, figure);
+    let figure = |figure| PerformanceFigure::Triangle(history.model, figure);
     all.into_iter().map(|(one, value)| MeasuredFigure { figure: figure(one), value }).collect()
 }
 
@@ -175,5 +181,7 @@ fn rest_of(history: &History) -> Vec<MeasuredFigure> {
         (RestFigure::HubRms, Value::Is(rms(&history.hub_rate_rad_s()[half..]))),
         (RestFigure::Drift, Value::of(drift, MissingReason::EmptyRecord)),
     ];
-    all.into_iter().map(|(figure, value)| MeasuredFigure { figure: Figure::Rest(figure), value }).collect()
+    all.into_iter()
+        .map(|(figure, value)| MeasuredFigure { figure: PerformanceFigure::Rest(figure), value })
+        .collect()
 }

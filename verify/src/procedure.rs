@@ -34,7 +34,7 @@ pub struct Procedure {
     pub rejection_hz: Vec<f64>,
     /// Seed of the sensor noise.
     pub seed: u64,
-    /// How the line of sight is judged; `None` if nobody asks for it.
+    /// How the line of sight is judged; `None` if no figure of it is required.
     pub line_of_sight: Option<LineOfSight>,
 }
 
@@ -93,7 +93,7 @@ impl ColumnName for RoadColumn {
     }
 }
 
-/// Where a platform motion comes from.
+/// Source of a platform motion.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RoadOrigin {
     /// A recording, by the name of its file.
@@ -132,7 +132,7 @@ pub enum RoadOrigin {
 /// Platform motion in samples of one period, straight lines between.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Road {
-    /// Where it comes from.
+    /// Source.
     pub origin: RoadOrigin,
     /// Sample period, s.
     pub sample_period_s: f64,

@@ -20,7 +20,7 @@ use crate::signals::rms;
 use crate::signals::statistics::subtract_mean;
 use crate::{Error, Limit, Step, Verdict};
 
-/// What is done to both axes.
+/// Procedure of both axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointProcedure {
     /// Motion of the base on the ring's axis.
@@ -61,7 +61,7 @@ pub enum JointExperiment {
     Motion,
 }
 
-/// What is measured in a run of both axes: RMS from the settling time on.
+/// Quantity that is measured in a run of both axes: RMS from the settling time on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointQuantity {
     /// Rate of the elevation axis less its demand, rad/s.
@@ -161,7 +161,7 @@ impl JointFigure {
 pub struct JointRequirement {
     /// Which figure.
     pub figure: JointFigure,
-    /// Its limit, in the figure's unit.
+    /// Limit, in the figure's unit.
     pub limit: Limit,
     /// Where the requirement comes from; empty if that is not stated.
     pub source: String,

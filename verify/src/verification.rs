@@ -17,11 +17,11 @@ use crate::linear::{self, ArrangedLoop, ClosedLoop, Curves, SampledPlant, arrang
 use crate::measure::{MeasuredFigure, Value, history_figures, infinite_figures, loop_figures};
 use crate::tolerance::WORSE_FEEDFORWARD;
 use crate::{
-    ARRANGEMENTS, Arrangement, Error, Figure, HeaveAndPitch, Model, Procedure, Requirement, Source,
-    MissingReason, Verdict, nonlinear,
+    ARRANGEMENTS, Arrangement, Error, HeaveAndPitch, MissingReason, Model, PerformanceFigure, Procedure,
+    Requirement, Source, Verdict, nonlinear,
 };
 
-/// What was measured, how it was judged, and what it was read from.
+/// Result of a verification: the measured figures, their verdicts, and the records that they were computed from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verification {
     /// Every figure that was measured.
@@ -102,7 +102,7 @@ impl Verification {
         for model in [Model::Nonlinear, Model::Linear] {
             for source in [Source::Heave, Source::Pitch, Source::Both, Source::Road] {
                 let rms = |arrangement| {
-                    self.value(Figure::Disturbance(model, source, arrangement, Quantity::HubRms))
+                    self.value(PerformanceFigure::Disturbance(model, source, arrangement, Quantity::HubRms))
                 };
                 let both = rms(Arrangement::Feedback).zip(rms(Arrangement::Compensated));
                 let found = both.filter(|(without, with)| *with > WORSE_FEEDFORWARD * without);
@@ -118,7 +118,7 @@ impl Verification {
     }
 
     /// Returns the value of a figure, where it was measured.
-    pub fn value(&self, figure: Figure) -> Option<f64> {
+    pub fn value(&self, figure: PerformanceFigure) -> Option<f64> {
         value_of(&self.figures, figure)
     }
 
@@ -147,22 +147,26 @@ impl Verification {
     }
 
     /// Why a figure was not measured.
-    fn not_run(&self, figure: Figure) -> MissingReason {
+    fn not_run(&self, figure: PerformanceFigure) -> MissingReason {
         let simulated = self.evidence.histories.iter().any(|history| history.model == Model::Nonlinear);
         match figure {
-            Figure::Disturbance(_, Source::Road, ..) if !self.saw_a_road() => MissingReason::NoRoad,
-            Figure::Sight(_) if self.evidence.procedure.line_of_sight.is_none() => MissingReason::NoLineOfSight,
-            Figure::Sight(figure)
+            PerformanceFigure::Disturbance(_, Source::Road, ..) if !self.saw_a_road() => {
+                MissingReason::NoRoad
+            }
+            PerformanceFigure::Sight(_) if self.evidence.procedure.line_of_sight.is_none() => {
+                MissingReason::NoLineOfSight
+            }
+            PerformanceFigure::Sight(figure)
                 if self.evidence.procedure.line_of_sight.is_some_and(|sight| !sight.has(figure)) =>
             {
                 line_of_sight::missing_section(figure)
             }
-            Figure::Triangle(..) if !self.saw_a_triangle() => MissingReason::NoTriangle,
-            Figure::Step(Model::Nonlinear, _)
-            | Figure::Triangle(Model::Nonlinear, _)
-            | Figure::Disturbance(Model::Nonlinear, ..)
-            | Figure::Rest(_)
-            | Figure::Sight(_)
+            PerformanceFigure::Triangle(..) if !self.saw_a_triangle() => MissingReason::NoTriangle,
+            PerformanceFigure::Step(Model::Nonlinear, _)
+            | PerformanceFigure::Triangle(Model::Nonlinear, _)
+            | PerformanceFigure::Disturbance(Model::Nonlinear, ..)
+            | PerformanceFigure::Rest(_)
+            | PerformanceFigure::Sight(_)
                 if !simulated =>
             {
                 MissingReason::LinearPlantAlone
@@ -180,12 +184,12 @@ impl Verification {
     }
 
     fn saw_a_road(&self) -> bool {
-        let on_road = |figure| matches!(figure, Figure::Disturbance(_, Source::Road, ..));
+        let on_road = |figure| matches!(figure, PerformanceFigure::Disturbance(_, Source::Road, ..));
         self.figures.iter().any(|measured| on_road(measured.figure))
     }
 
     fn saw_a_triangle(&self) -> bool {
-        self.figures.iter().any(|measured| matches!(measured.figure, Figure::Triangle(..)))
+        self.figures.iter().any(|measured| matches!(measured.figure, PerformanceFigure::Triangle(..)))
     }
 
     fn judge(&mut self, requirements: &[Requirement]) {
@@ -346,18 +350,18 @@ pub fn frequency_figures(
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrequencyFigures {
     figures: Vec<MeasuredFigure>,
-    /// Whether the closed loop is stable.
+    /// `true` if the closed loop is stable.
     pub is_stable: bool,
 }
 
 impl FrequencyFigures {
     /// Returns the value of a figure, where it was measured.
-    pub fn value(&self, figure: Figure) -> Option<f64> {
+    pub fn value(&self, figure: PerformanceFigure) -> Option<f64> {
         value_of(&self.figures, figure)
     }
 }
 
-fn value_of(figures: &[MeasuredFigure], figure: Figure) -> Option<f64> {
+fn value_of(figures: &[MeasuredFigure], figure: PerformanceFigure) -> Option<f64> {
     figures.iter().find(|measured| measured.figure == figure).and_then(|measured| match measured.value {
         Value::Is(number) => Some(number),
         Value::Absent { .. } => None,
@@ -384,7 +388,8 @@ fn linear_loops(
     let moment = controller.parts().design_out_of_balance_kg_m;
     let mut loops = Vec::new();
     for arrangement in ARRANGEMENTS {
-        let closed = ClosedLoop::new(&sampled, arrange_controller(controller, arrangement)?.as_ref(), moment)?;
+        let closed =
+            ClosedLoop::new(&sampled, arrange_controller(controller, arrangement)?.as_ref(), moment)?;
         loops.push(ArrangedLoop { arrangement, closed });
     }
     let whole = &loops[loops.len() - 1].closed;
@@ -426,7 +431,7 @@ fn linear_part(
 /// The procedure's frequencies and those that requirements name.
 fn rejection_frequencies(procedure: &Procedure, requirements: &[Requirement]) -> Vec<f64> {
     let named = requirements.iter().filter_map(|requirement| match requirement.figure {
-        Figure::Rejection { frequency_hz, .. } => Some(frequency_hz),
+        PerformanceFigure::Rejection { frequency_hz, .. } => Some(frequency_hz),
         _ => None,
     });
     let mut all: Vec<f64> = procedure.rejection_hz.iter().copied().chain(named).collect();
@@ -445,8 +450,11 @@ pub(crate) fn rejection_figures(
     let stable = arrangement == Arrangement::Uncontrolled || closed.pole_radius() < 1.0;
     for rejection in compute_rejections(sampled, closed, arrangement, frequencies)? {
         for (frequency_hz, h) in frequencies.iter().zip(&rejection.response) {
-            let figure =
-                Figure::Rejection { source: rejection.source, arrangement, frequency_hz: *frequency_hz };
+            let figure = PerformanceFigure::Rejection {
+                source: rejection.source,
+                arrangement,
+                frequency_hz: *frequency_hz,
+            };
             let db = if stable { 20.0 * h.norm().log10() } else { f64::INFINITY };
             figures.push(MeasuredFigure { figure, value: Value::Is(db) });
         }
@@ -502,7 +510,7 @@ pub(crate) fn linear_history(
     Ok(Some(history))
 }
 
-/// What is run in an arrangement on the linear plant: nothing to see at rest.
+/// Returns what is run in an arrangement on the linear plant: nothing to see at rest.
 fn experiments(procedure: &Procedure, arrangement: Arrangement) -> Vec<Experiment> {
     let whole = arrangement == Arrangement::Compensated;
     let triangle = procedure.triangle.filter(|_| whole).map(|_| Experiment::Triangle);

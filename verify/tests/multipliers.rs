@@ -7,7 +7,7 @@ use counterpoise_verify::certificate::StabilityCriterion;
 use counterpoise_verify::certificate::multiplier::{
     FrictionKnowledge, Multiplier, ProofOutcome, search_multiplier,
 };
-use counterpoise_verify::structured::taylor::{SchurSystem, RateInterval, Taylor};
+use counterpoise_verify::structured::taylor::{RateInterval, SchurSystem, Taylor};
 
 const RANGE: [f64; 2] = [1e-3, 1e3];
 
@@ -32,7 +32,7 @@ fn shift_sector(system: &SchurSystem, k: f64, over: RateInterval) -> Option<Vec<
     Some(vec![vec![G + Taylor::constant(C64::new(1.0 / k, 0.0), over)]])
 }
 
-/// Whether stability is proved for all nonlinearities of what is known with slopes up to k.
+/// Returns whether stability is proved for all nonlinearities of what is known with slopes up to k.
 fn proves(system: &StateSpace, k: f64, known: FrictionKnowledge, most: StabilityCriterion) -> bool {
     let system = &SchurSystem::of(system).unwrap();
     let mut rates: Vec<f64> =

@@ -17,7 +17,7 @@ use crate::exit::{CommandResult, ExitStatus, verdict_code};
 use crate::options::ResultOutput;
 use crate::output;
 use counterpoise_host::campaign_progress::CampaignPace;
-use counterpoise_host::interrupt::Interrupted;
+use counterpoise_host::interrupt::Interruption;
 use counterpoise_host::projects::{self, ProjectWorld};
 use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_host::workers::{ProgressPool, try_map};
@@ -48,7 +48,7 @@ pub struct SweepOptions {
     pub results: ResultOutput,
 }
 
-/// Samples in a shard where nobody says how many shards there are.
+/// Samples in a shard if the command does not state the number of shards.
 const SHARD: usize = 50;
 
 /// A campaign with its name: only files of the same name belong together.
@@ -164,7 +164,7 @@ fn run_all(named: &NamedCampaign, options: &SweepOptions) -> Result<Option<Strin
         if interrupt::is_stop_requested() {
             pace.finish();
             let kept = options.output.display();
-            return Err(Interrupted(format!(
+            return Err(Interruption(format!(
                 "stopped after {index} of {count} shards, which are kept in {kept}; the same command goes on from there"
             ))
             .into());
@@ -267,7 +267,12 @@ struct OneSample {
     figures: Vec<(String, f64)>,
 }
 
-fn one_sample(named: &NamedCampaign, index: usize, changed: &[String], results: &ResultOutput) -> CommandResult {
+fn one_sample(
+    named: &NamedCampaign,
+    index: usize,
+    changed: &[String],
+    results: &ResultOutput,
+) -> CommandResult {
     if index >= named.campaign.len() {
         bail!("the campaign has {} samples: the last is {}", named.campaign.len(), named.campaign.len() - 1);
     }

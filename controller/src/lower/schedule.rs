@@ -11,7 +11,7 @@ pub(crate) struct Layout {
     pub out_of_balance: Slot,
     /// Bias in force, V.
     pub bias: Option<Slot>,
-    /// What is left of the last change's step, V.
+    /// Remainder of the last change's step, V.
     pub transfer: Option<Slot>,
     /// The estimator's parameters.
     pub estimate: Vec<Slot>,
@@ -162,7 +162,7 @@ fn constant(writer: &mut Writer, name: String, value: f64) -> Slot {
 }
 
 /// Writes gains and bias that belong to the out-of-balance in force.
-pub(crate) fn follow(writer: &mut Writer, parts: &Parts, layout: &Layout) {
+pub(crate) fn write_scheduled_gains(writer: &mut Writer, parts: &Parts, layout: &Layout) {
     let of = layout.out_of_balance;
     for (path, followed) in parts.paths.iter().zip(&layout.paths) {
         let new = gain(writer, &path.name, path.scaling, of, parts.design_out_of_balance_kg_m);
@@ -193,7 +193,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout) -> Program {
         window.iter().for_each(|sum| writer.sum_into(*sum, None, &[]));
     }
     writer.section("gains and bias that belong to it");
-    follow(&mut writer, parts, layout);
+    write_scheduled_gains(&mut writer, parts, layout);
     if let (Some(transfer), Some(before)) = (layout.transfer, before) {
         writer.section("the step this makes is taken out, to fade in");
         let after = slow_part(&mut writer, layout, "after");

@@ -15,7 +15,7 @@ use crate::tolerance::FIT_STEP;
 use crate::tolerance::experiment::{LEAST_FLOOR, OVERSHOOT, STEPS_PER_SAMPLE};
 use counterpoise_pool::{Pool, map};
 
-/// What is planned for.
+/// Input of the planning of an experiment.
 pub struct ExperimentRequest<'a> {
     /// The machines that are left, the likeliest first.
     pub machines: &'a [PossibleMachine],
@@ -27,7 +27,7 @@ pub struct ExperimentRequest<'a> {
     pub limits: Limits,
 }
 
-/// What the machines reach in an experiment, the largest of all.
+/// Largest angle, rate and current of all machines in an experiment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ExperimentExtremes {
     /// Angle from the start, rad.
@@ -45,9 +45,9 @@ pub struct PlannedExperiment {
     pub shape: DemandShape,
     /// The demand as the controller reads it: a rate, or an angle if the loop controls that.
     pub demand: Vec<f64>,
-    /// How well it separates each two machines.
+    /// Separation of each two machines.
     pub separations: Vec<Separation>,
-    /// What the machines reach.
+    /// Largest values that the machines reach.
     pub reached: ExperimentExtremes,
 }
 
@@ -130,7 +130,11 @@ impl ExperimentRequest<'_> {
     }
 
     /// Returns what a machine would record and what it reaches; `None` if it leaves the limits.
-    fn expected_recording(&self, machine: &PossibleMachine, demand: &[f64]) -> Option<(ExpectedSignals, ExperimentExtremes)> {
+    fn expected_recording(
+        &self,
+        machine: &PossibleMachine,
+        demand: &[f64],
+    ) -> Option<(ExpectedSignals, ExperimentExtremes)> {
         let history = self.simulate_machine(&machine.parameters, demand)?;
         let reached = self.reached_limits(&history);
         let limits = &self.limits;

@@ -11,7 +11,7 @@ use crate::tolerance::experiment::REFIT_RIDGE;
 /// A machine that the recordings leave possible.
 #[derive(Debug, Clone)]
 pub struct PossibleMachine {
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// The mechanism.
     pub parameters: Parameters,
@@ -19,7 +19,7 @@ pub struct PossibleMachine {
     pub free: Vec<&'static EffectParameter>,
 }
 
-/// How well an experiment separates two machines.
+/// Separation of two machines by an experiment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Separation {
     /// Index of one machine.
@@ -40,7 +40,11 @@ pub(super) struct ExpectedSignals {
 
 /// Returns how well two machines are separated: half the squared distance of what they record, over the noise, after the one that is not
 /// true was fitted to the other (Hunter, Reiner 1965; Atkinson, Fedorov 1975: T-optimality, linearised).
-pub(super) fn separation(indices: [usize; 2], first: &ExpectedSignals, second: &ExpectedSignals) -> Separation {
+pub(super) fn separation(
+    indices: [usize; 2],
+    first: &ExpectedSignals,
+    second: &ExpectedSignals,
+) -> Separation {
     let log_likelihood_ratio = expected_ratio(first, second).min(expected_ratio(second, first));
     Separation {
         first: indices[0],

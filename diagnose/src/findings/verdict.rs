@@ -2,7 +2,7 @@
 
 use crate::findings::answer::{
     Answer, DiagnosisVerdict, Finding, FindingBasis, FitTable, FittedParameter, Hypothesis, HypothesisValue,
-    Name, NearestEffect, NextExperiment, UnexcitedEffect, Pattern, SearchWarning,
+    Name, NearestEffect, NextExperiment, Pattern, SearchWarning, UnexcitedEffect,
 };
 use crate::findings::channel_fits::fits_by_channel;
 use crate::fitting::output_error::confidence_intervals;
@@ -26,7 +26,7 @@ use crate::tolerance::{
 };
 use counterpoise_models::{AxisKind, Parameters};
 
-/// What the answer is derived from.
+/// Evidence from which the answer is derived.
 pub struct VerdictEvidence<'a> {
     /// Simulator and recordings.
     pub simulator: &'a dyn SimulatorAccess,
@@ -38,9 +38,9 @@ pub struct VerdictEvidence<'a> {
     pub map: Vec<MapCell>,
     /// Balances that the sensors allow.
     pub isolability: Vec<BalanceVisibility>,
-    /// What was wrong with the recordings themselves.
+    /// Remarks on the recordings themselves.
     pub qualification: Vec<RecordingRemark>,
-    /// What is known of the machine's sizes.
+    /// Known sizes of the machine.
     pub sizes: Sizes,
 }
 

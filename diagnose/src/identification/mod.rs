@@ -27,8 +27,8 @@ mod problem;
 
 pub use improvement::apply_identified;
 pub use outcome::{
-    Balance, Estimate, FrictionPicture, GainPoint, Identification, IdentifiedAmplifier, Lobes, Note,
-    SensorErrors, GainCurveObstacle,
+    BalanceState, Estimate, FrictionPicture, GainCurveObstacle, GainPoint, Identification,
+    IdentifiedAmplifier, Lobes, Note, SensorErrors,
 };
 
 use counterpoise_models::Parameters;
@@ -77,7 +77,7 @@ fn round(p: &Parameters, states: &[&[Recording]], before: &PriorValues) -> Resul
     let (problem, fit) = found.curved.as_ref().map_or((&plain, &linear), |(problem, fit)| (problem, fit));
     let layout = problem.layout;
     let estimate = |k: usize, before: f64| Estimate::new(fit.value[k], fit.half_width[k], before);
-    let balance = |s: usize| Balance {
+    let balance = |s: usize| BalanceState {
         out_of_balance_kg_m: estimate(layout.moment(s), before.moment),
         inertia_kg_m2: estimate(layout.inertia(s), before.inertia),
     };
@@ -99,7 +99,7 @@ fn round(p: &Parameters, states: &[&[Recording]], before: &PriorValues) -> Resul
 
 /// Returns that viscous friction came out below zero, if its whole interval is there: friction that falls with speed, a lag that the project
 /// leaves out, or a motion at nearly one speed.
-fn negative_viscous(layout: Layout, fit: &regression::Fit) -> Option<Note> {
+fn negative_viscous(layout: Layout, fit: &regression::RegressionFit) -> Option<Note> {
     let (value, half_width) = (fit.value[layout.viscous()], fit.half_width[layout.viscous()]);
     (value + half_width < 0.0).then_some(Note::NegativeViscous)
 }
@@ -150,7 +150,7 @@ fn lobes(p: &Parameters, problem: &Problem, value: &[f64]) -> Lobes {
 
 fn loops(p: &Parameters, problem: &Problem, value: &[f64]) -> Vec<FrictionPicture> {
     let gain = torque_per_volt(p);
-    let one = |(index, part): (usize, &problem::RecordingPart)| {
+    let one = |(index, part): (usize, &problem::RecordingRows)| {
         let rows = &part.rows;
         let (rates, controls) = (rows.smooth_rate_rad_s(), rows.smooth_control_v());
         let left = problem.residual(index, value);
@@ -174,7 +174,7 @@ fn notes(
     p: &Parameters,
     states: &[&[Recording]],
     amplifier: &IdentifiedAmplifier,
-    fit: &regression::Fit,
+    fit: &regression::RegressionFit,
     layout: Layout,
 ) -> Vec<Note> {
     let mut out = vec![Note::FrictionIsASum, Note::KnownTakenAsExact];

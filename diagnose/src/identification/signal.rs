@@ -31,7 +31,7 @@ impl Kernel {
     }
 
     /// Returns the samples on either side that enter.
-    pub fn half(&self) -> usize {
+    pub fn half_length(&self) -> usize {
         self.smooth.len() / 2
     }
 
@@ -389,7 +389,8 @@ impl<'a> Chain<'a> {
         let (Some(driven), Some(turned), Some(braked)) = (driven, turned, braked) else {
             return joint_rate.iter().map(|w| ratio * w).collect();
         };
-        let forced = shift_later(&driven.run(&self.delayed_drive(drive_v), InputHold::Held), self.late.fract());
+        let forced =
+            shift_later(&driven.run(&self.delayed_drive(drive_v), InputHold::Held), self.late.fract());
         let dry = braked.run(direction, InputHold::Held);
         let forced: Vec<f64> = forced.iter().zip(&dry).map(|(a, b)| a + b).collect();
         let led = turned.run(joint_rate, InputHold::Straight);
@@ -450,7 +451,8 @@ impl<'a> Chain<'a> {
     /// Returns the current (A) that the back-EMF of a motor rate (rad/s) makes.
     pub fn current_of_rate(&self, motor_rate: &[f64]) -> Vec<f64> {
         let filter = Filter::new(&Electrical::of(self.p).system(1), self.period_s);
-        filter.map_or_else(|| vec![0.0; motor_rate.len()], |filter| filter.run(motor_rate, InputHold::Straight))
+        filter
+            .map_or_else(|| vec![0.0; motor_rate.len()], |filter| filter.run(motor_rate, InputHold::Straight))
     }
 
     /// Returns the rate of the mean inertia, the sum of J_k w_k over J: the inertias beyond the hub move as their springs and the

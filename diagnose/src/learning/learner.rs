@@ -6,7 +6,7 @@ use counterpoise_models::{LearnedElement, LearnedPlace, Parameters, RegimeVariab
 
 use crate::findings::channel_fits::{PooledFits, fits_by_channel};
 use crate::fitting::output_error::{
-    Fit, FitSelection, Preference, Problem, confidence_intervals, parameters_of,
+    EffectFit, FitSelection, Preference, Problem, confidence_intervals, parameters_of,
 };
 use crate::fitting::score::{RecordingPart, Score, score_parts};
 use crate::learning::held_out::{HeldOutEquations, flat_preferences, preferences};
@@ -26,7 +26,7 @@ use crate::tolerance::learning::{
 };
 use crate::tolerance::{EXPLAINED, FITTED_SHARE, RIVAL_DECAY};
 
-/// What free functions are fitted to.
+/// Recordings and model to which free functions are fitted.
 pub struct LearningTask<'a> {
     /// Simulator, processors and sizes.
     pub searcher: &'a Searcher<'a>,
@@ -38,7 +38,7 @@ pub struct LearningTask<'a> {
     pub map: &'a [MapCell],
     /// The components that may contain what the model lacks.
     pub components: &'a [Component],
-    /// What the recordings visit.
+    /// Values that the recordings visit.
     pub visited: &'a VisitedRanges,
 }
 
@@ -68,7 +68,7 @@ pub struct LearnedPart {
     pub element: LearnedElement,
     /// Log-likelihood that it gains on held-out data.
     pub log_likelihood_gain: f64,
-    /// What its curve says; `None` if no simple form does.
+    /// Simple form of its curve; `None` if there is none.
     pub reading: Option<CurveReading>,
 }
 
@@ -97,7 +97,7 @@ pub(crate) struct FittedFunctions {
 }
 
 /// What functions are fitted to, and what they are judged by.
-pub(crate) struct Split {
+pub(crate) struct DataSplit {
     pub selection: FitSelection,
     pub parts: Vec<RecordingPart>,
 }
@@ -327,7 +327,7 @@ impl LearningTask<'_> {
 
     /// Returns what functions are fitted to, and what they then predict: the rest of every recording, as far as it stays in the range of what
     /// was fitted. A function of time is fitted to every other recording, whole, and predicts those between.
-    pub(crate) fn split(&self, effects: &[&'static Effect]) -> Option<Split> {
+    pub(crate) fn split(&self, effects: &[&'static Effect]) -> Option<DataSplit> {
         let count = self.before.len();
         let elements: Vec<&LearnedElement> = effects.iter().filter_map(|e| learned_element(e)).collect();
         let compared = |recordings: Vec<usize>, span: Span| FitSelection {
@@ -340,7 +340,7 @@ impl LearningTask<'_> {
             let selection = compared((0..count).step_by(2).collect(), Span::Whole);
             let parts =
                 (1..count).step_by(2).map(|recording| RecordingPart { recording, from: 0.0, to: 1.0 });
-            return (count > 1).then(|| Split { selection, parts: parts.collect() });
+            return (count > 1).then(|| DataSplit { selection, parts: parts.collect() });
         }
         let to = |r: usize, reach: Reach| {
             elements.iter().map(|e| self.visited.share_in_range(e, r, reach)).fold(1.0, f64::min)
@@ -353,11 +353,11 @@ impl LearningTask<'_> {
         let strict = within(Reach::Samples);
         let parts = if strict.is_empty() { within(Reach::Points) } else { strict };
         let selection = compared((0..count).collect(), Span::Head);
-        (!parts.is_empty()).then_some(Split { selection, parts })
+        (!parts.is_empty()).then_some(DataSplit { selection, parts })
     }
 
     /// Assesses a fit on a recording, from the initial state that was fitted with it if there is one.
-    pub(crate) fn assessment(&self, fit: &Fit, recording: usize) -> Option<Assessment> {
+    pub(crate) fn assessment(&self, fit: &EffectFit, recording: usize) -> Option<Assessment> {
         let simulator = self.searcher.simulator;
         match fit.assessment(recording) {
             Some(own) => simulator.assess_from(&fit.parameters, recording, own),
@@ -368,7 +368,7 @@ impl LearningTask<'_> {
     }
 
     /// Assesses a fit on all recordings, and on the parts that it was not fitted to.
-    fn assess_fit(&self, fit: Fit, parts: Vec<RecordingPart>) -> Option<FittedCandidate> {
+    fn assess_fit(&self, fit: EffectFit, parts: Vec<RecordingPart>) -> Option<FittedCandidate> {
         let all = 0..self.before.len();
         let judged: Vec<Assessment> = all.map(|r| self.assessment(&fit, r)).collect::<Option<_>>()?;
         Some(FittedCandidate {
@@ -407,7 +407,7 @@ impl LearningTask<'_> {
     }
 
     /// Returns the roughness of the last function of a fit with which held-out stretches are predicted best.
-    fn best_roughness(&self, fit: &Fit, count: usize) -> Option<f64> {
+    fn best_roughness(&self, fit: &EffectFit, count: usize) -> Option<f64> {
         let effect = fit.effects.last()?;
         let element = learned_element(effect)?;
         let values = fit.values[fit.values.len() - effect.parameters.len()..].to_vec();

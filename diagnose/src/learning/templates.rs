@@ -58,7 +58,7 @@ const HUB_TURN_POINTS: usize = 4;
 pub(crate) struct TemplateContext<'a> {
     /// The mechanism.
     pub base: &'a Parameters,
-    /// What the recordings visit.
+    /// Values that the recordings visit.
     pub visited: &'a VisitedRanges,
     /// The localisation.
     pub map: &'a [MapCell],

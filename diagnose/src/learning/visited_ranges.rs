@@ -28,7 +28,7 @@ pub(crate) enum Reach {
     Points,
 }
 
-/// How far recordings leave the range over which a free function is known.
+/// Share of recordings beyond the range over which a free function is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RangeExceedance {
     /// Name of the function.

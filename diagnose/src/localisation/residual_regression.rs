@@ -12,9 +12,9 @@ use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Channel;
 
-use crate::localisation::error_hypotheses::Quantity;
+use crate::localisation::error_hypotheses::SignalQuantity;
 use crate::localisation::ports::Port;
-use crate::localisation::torque_balances::{Balance, Signals, thin};
+use crate::localisation::torque_balances::{Balance, Signals, trim_ends};
 use crate::localisation::trend::PeriodicTrend;
 use crate::localisation::whitening::Whitener;
 use crate::machine::{RedundantSensors, usable_sensors};
@@ -141,7 +141,7 @@ impl<'a> ResidualRegression<'a> {
 
     /// Returns a quantity at every sample of every recording. One that is mostly noise is taken from the replay, because the noise
     /// that a balance contains would explain itself.
-    pub fn all(&self, quantity: Quantity) -> Series {
+    pub fn all(&self, quantity: SignalQuantity) -> Series {
         let of = |(s, quiet): (&Signals, &Option<Signals>)| match quiet {
             Some(quiet) if quantity.is_mostly_noise() => quantity.of(quiet),
             _ => quantity.of(s),
@@ -156,7 +156,7 @@ impl<'a> ResidualRegression<'a> {
 
     /// Finds how the drive's balance repeats along a variable.
     pub fn repetition(&self, variable: &Series) -> Option<PeriodicTrend> {
-        let along: Vec<f64> = variable.iter().flat_map(|v| thin(v)).collect();
+        let along: Vec<f64> = variable.iter().flat_map(|v| trim_ends(v)).collect();
         PeriodicTrend::of(&self.torque.concat(), &along)
     }
 
@@ -169,7 +169,7 @@ impl<'a> ResidualRegression<'a> {
                     let part = term.port.balance_error(balance, &term.error[r], &self.signals[r]);
                     sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
                 }
-                thin(&sum)
+                trim_ends(&sum)
             };
             (0..self.signals.len()).map(of).collect()
         };
@@ -351,7 +351,8 @@ fn balance_departures(
     let simulated = Signals::new(p, &replay, slow);
     let noisy = Signals::new(p, &add_noise(p, &replay, &recording.assessment), slow);
     let apart = |other: &Signals, balance: Balance| {
-        let pairs = thin(&other.residual(balance)).into_iter().zip(thin(&simulated.residual(balance)));
+        let pairs =
+            trim_ends(&other.residual(balance)).into_iter().zip(trim_ends(&simulated.residual(balance)));
         pairs.map(|(a, b)| a - b).collect()
     };
     let of = |other: &Signals| balances.iter().map(|b| apart(other, *b)).collect();

@@ -255,7 +255,7 @@ pub(crate) fn envelope(series: &[f64], period: f64) -> Vec<f64> {
 }
 
 /// Returns what is kept of a balance: without its ends, at which the low-pass sees half of what it needs.
-pub(crate) fn thin(series: &[f64]) -> Vec<f64> {
+pub(crate) fn trim_ends(series: &[f64]) -> Vec<f64> {
     let margin = BALANCE_MARGIN.min(series.len() / 4);
     series[margin..series.len() - margin].iter().step_by(BALANCE_THINNING).copied().collect()
 }
@@ -276,7 +276,7 @@ mod tests {
     #[test]
     fn the_low_pass_keeps_a_straight_line_and_its_slope() {
         let line: Vec<f64> = (0..400).map(|k| 3.0 * f64::from(k)).collect();
-        let slopes = thin(&derivative(&low_pass(&line, BALANCE_SMOOTHING), 0.5));
+        let slopes = trim_ends(&derivative(&low_pass(&line, BALANCE_SMOOTHING), 0.5));
         assert!(slopes.iter().all(|s| (s - 6.0).abs() < 1e-9));
     }
 }

@@ -77,7 +77,7 @@ impl EffectSignature {
     }
 }
 
-/// What signatures are computed for.
+/// Model and recordings for which signatures are computed.
 pub struct ScreeningContext<'a> {
     /// Simulator and recordings.
     pub simulator: &'a dyn SimulatorAccess,
@@ -87,13 +87,13 @@ pub struct ScreeningContext<'a> {
     pub base: &'a Parameters,
     /// The assessment of every recording.
     pub judged: &'a [Assessment],
-    /// How much is computed for a signature.
+    /// Depth of the computation of a signature.
     pub reach: ScreeningDepth,
-    /// What is known of the machine's sizes.
+    /// Known sizes of the machine.
     pub sizes: Sizes,
 }
 
-/// How much is computed for a signature.
+/// Depth of the computation of a signature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ScreeningDepth {
     /// The signature over the first part of the recordings.
@@ -197,7 +197,11 @@ fn changes(there: &[ChannelResidual], here: &[ChannelResidual]) -> Vec<f64> {
 }
 
 /// Returns the coefficients of the weighted least squares of the residual on the signatures, and the share explained.
-fn regress(here: &WeightedResiduals, signatures: &[Residuals], limits: &[[f64; 2]]) -> Option<(Vec<f64>, f64)> {
+fn regress(
+    here: &WeightedResiduals,
+    signatures: &[Residuals],
+    limits: &[[f64; 2]],
+) -> Option<(Vec<f64>, f64)> {
     let inner = |a: &Residuals, b: &Residuals| -> f64 {
         let recordings = a.iter().zip(b).zip(&here.weights);
         recordings

@@ -8,7 +8,7 @@ use crate::c99::{assignments, line_with, with_guard};
 use crate::comment::comment_text;
 use crate::fixed_point::format::{to_integer, unit};
 use crate::fixed_point::guard::{FixedSettings, SHARE_BITS};
-use crate::fixed_point::{FULL, FixedPointController, FixedOperation, FixedProgram, FixedRunner, FixedTerm};
+use crate::fixed_point::{FULL, FixedOperation, FixedPointController, FixedProgram, FixedRunner, FixedTerm};
 use crate::guard::{flags, guard_bytes, mark_files};
 use crate::print::{Dialect, limit, meaning, state, wrap};
 use crate::vectors::{SHIPPED_SAMPLES, self_test_vectors};

@@ -34,7 +34,7 @@ pub const ACCUMULATOR_BITS: u32 = 62;
 pub struct FixedTerm {
     /// Factor.
     pub factor: i64,
-    /// What it multiplies.
+    /// Slot that the coefficient multiplies.
     pub of: Slot,
 }
 
@@ -109,7 +109,7 @@ pub struct FixedPointController {
     pub step: FixedProgram,
     /// Setting of the out-of-balance.
     pub set_out_of_balance: FixedProgram,
-    /// How far the control can be from the reference.
+    /// Largest deviation of the control from the reference.
     pub deviation: Deviation,
 }
 

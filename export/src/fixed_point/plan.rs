@@ -8,7 +8,7 @@ use crate::Ranges;
 use crate::fixed_point::format::{bits_for, to_integer};
 use crate::fixed_point::prediction::predict;
 use crate::fixed_point::writer::Writer;
-use crate::fixed_point::{FixedPointController, FixedError};
+use crate::fixed_point::{FixedError, FixedPointController};
 use crate::ranges::settings;
 use crate::rounding::Deviation;
 use crate::tolerance::UNSTABLE_MODULUS;

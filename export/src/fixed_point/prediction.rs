@@ -6,8 +6,8 @@ use counterpoise_controller::program::{Operation, Program, Slot};
 use crate::Ranges;
 use crate::fixed_point::format::{to_integer, unit};
 use crate::fixed_point::writer::{OperationError, Writer};
-use crate::fixed_point::{FixedPointController, FixedOperation, FixedProgram};
-use crate::ranges::{Run, RunState, RunVisitor, play};
+use crate::fixed_point::{FixedOperation, FixedPointController, FixedProgram};
+use crate::ranges::{Run, RunState, RunVisitor, play_runs};
 use crate::rounding::{
     Arithmetic, Deviation, ExecutedOperation, Line, OperationRounding, deviation, is_kept, setting_errors,
     state_increment, to_grid,
@@ -83,7 +83,7 @@ impl Arithmetic for FixedPointErrors<'_> {
     }
 
     fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>> {
-        play(runs, &Coefficients(self.fixed)).into_iter().map(|state| state.voltages_v).collect()
+        play_runs(runs, &Coefficients(self.fixed)).into_iter().map(|state| state.voltages_v).collect()
     }
 
     /// Returns what is a whole number of units is not rounded. Quotients are cut towards 0: the half unit that this loses has

@@ -6,7 +6,7 @@ use counterpoise_controller::{GuardSettings, READINGS, Readings, SampledControll
 use crate::AdjustableController;
 use crate::fixed_point::format::{to_integer, unit};
 use crate::fixed_point::guard::FixedGuard;
-use crate::fixed_point::{FixedPointController, FixedOperation, FixedProgram, round_and_limit};
+use crate::fixed_point::{FixedOperation, FixedPointController, FixedProgram, round_and_limit};
 
 /// A fixed-point controller that runs.
 #[derive(Debug, Clone)]

@@ -439,7 +439,7 @@ pub(crate) fn count_delayed_values(plant: &Plant) -> usize {
 }
 
 /// Returns the states at rest with the hub level.
-pub(crate) fn rest(plant: &Plant) -> Vec<String> {
+pub(crate) fn rest_states(plant: &Plant) -> Vec<String> {
     let core = plant.equilibrium(&OperatingPoint::default()).core_state;
     let further = usize::from(plant.parameters().sensors.surge_accelerometer.is_some());
     let beside = vec![0.0; BESIDE + 2 * (FILTERS + further) + usize::from(plant.gear_hysteresis().is_some())];

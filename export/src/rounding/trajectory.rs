@@ -7,7 +7,7 @@ use counterpoise_linalg::sparse::VectorEntry;
 
 use super::tangent::Tangent;
 use super::{Arithmetic, Line, OperationRounding};
-use crate::ranges::{Run, RunVisitor, play};
+use crate::ranges::{Run, RunVisitor, play_runs};
 use crate::tolerance::NEGLIGIBLE_COVARIANCE;
 
 /// The errors of the control of a run, sample by sample.
@@ -27,8 +27,15 @@ pub(crate) struct ErrorTrack {
 ///
 /// with A, E, c, f the derivatives of this sample's step by its states and by an error of each of its operations, b the
 /// known part of the roundings and r the bound of the rest.
-pub(crate) fn follow(controller: &Controller, runs: &[Run], arithmetic: &impl Arithmetic) -> Vec<ErrorTrack> {
-    play(runs, &TrajectoryVisitor { controller, arithmetic }).into_iter().map(|walk| walk.track).collect()
+pub(crate) fn track_errors(
+    controller: &Controller,
+    runs: &[Run],
+    arithmetic: &impl Arithmetic,
+) -> Vec<ErrorTrack> {
+    play_runs(runs, &TrajectoryVisitor { controller, arithmetic })
+        .into_iter()
+        .map(|walk| walk.track)
+        .collect()
 }
 
 struct TrajectoryVisitor<'a, T> {
@@ -86,7 +93,12 @@ impl Walk<'_> {
     }
 }
 
-fn roundings(tangent: &Tangent<'_>, line: Line, arithmetic: &impl Arithmetic, rounded: &mut Vec<OperationRounding>) {
+fn roundings(
+    tangent: &Tangent<'_>,
+    line: Line,
+    arithmetic: &impl Arithmetic,
+    rounded: &mut Vec<OperationRounding>,
+) {
     rounded.clear();
     rounded.extend(tangent.executed_operations().map(|executed| arithmetic.rounding_of(line, &executed)));
 }

@@ -1,14 +1,14 @@
 //! The certificate of a Riccati solution, computed from what is returned.
 
+use crate::long_matrix::LongMatrix;
 use crate::lyapunov::Operator;
 use crate::mat::{C64, Mat};
-use crate::long_matrix::LongMatrix;
 use crate::schur::eigenvalues;
 use crate::sylvester::Kind;
 use crate::tolerance::{EPS, RICCATI_RESIDUAL, RICCATI_SPECTRUM_MOVES, RICCATI_SPECTRUM_SHARE, ROUNDING};
 
-use super::newton::{Equation, RefinedSolution};
 use super::long_solution::{self, InverseNorms, PreciseEquation, relative_step};
+use super::newton::{Equation, RefinedSolution};
 use super::reason::excess;
 use super::scaling::Problem;
 use super::{Reason, Riccati, RiccatiCertificate, RiccatiMethod};

@@ -10,9 +10,9 @@ use super::certificate::{CertifiedSolution, certify};
 use super::decision::{Failure, Refusal, convert_to_callers_units, decide, is_beyond_doubt, unless_lost};
 use super::doubling::{PARAMETERS, solve_by_doubling};
 use super::equation::{ContinuousRiccati, Data, Quadratic};
+use super::long_solution::PreciseEquation;
 use super::modes::Modes;
 use super::newton::{Equation, refine};
-use super::long_solution::PreciseEquation;
 use super::reason::{self, NearestEigenvalue};
 use super::scaling::{Problem, rescale, scale};
 use super::{Outcome, Reason, Riccati, RiccatiMethod, subspace};
@@ -31,7 +31,7 @@ use super::{Outcome, Reason, Riccati, RiccatiMethod, subspace};
 /// [`Outcome::Infeasible`] with the mode in the way.
 pub fn care(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outcome<Riccati>, Error> {
     check_input(A, B, Q, R, S)?;
-    let Some(problem) = fold(A, B, Q, R, S) else {
+    let Some(problem) = remove_cross_term(A, B, Q, R, S) else {
         return Ok(Outcome::Infeasible(Reason::SingularWeight { rcond: crate::decomposition::rcond_one(R) }));
     };
     let scaled = scale(problem);
@@ -92,7 +92,7 @@ pub(super) fn check_input(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -
 }
 
 /// The equation without a cross term: `A - B R^-1 S'`, `B R^-1 B'`, `Q - S R^-1 S'`; `None` for a singular `R`.
-pub(super) fn fold(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Option<Problem> {
+pub(super) fn remove_cross_term(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Option<Problem> {
     let R_inverse = inverse(R).ok().filter(Mat::is_finite)?;
     let G = (B * &R_inverse * B.t()).symmetric_part();
     let Some(S) = S else { return Some(Problem { A: A.clone(), G, Q: Q.clone() }) };
@@ -112,7 +112,10 @@ enum Start {
 
 /// First approximation, refinement, certificate; the next way if one does not lead there, and 32 digits if doubles do not
 /// settle the problem. Everything is in scaled units.
-fn solve_scaled(equation: &(impl Equation + PreciseEquation), problem: &Problem) -> Outcome<CertifiedSolution> {
+fn solve_scaled(
+    equation: &(impl Equation + PreciseEquation),
+    problem: &Problem,
+) -> Outcome<CertifiedSolution> {
     let (usual, others) = PARAMETERS.split_at(1);
     let ways: &[Start] = match problem.A.nrows() {
         ..=LARGE => &[Start::Schur, Start::Doubling(&PARAMETERS)],

@@ -10,20 +10,20 @@ use crate::tolerance::{
 };
 
 use super::certificate::{CertifiedSolution, certify_precise};
+use super::long_solution::{self, PreciseEquation, relative_step};
 use super::modes::Modes;
 use super::newton::Equation;
-use super::long_solution::{self, PreciseEquation, relative_step};
 use super::reason::{self, NearestEigenvalue, Nearness};
 use super::scaling::{Problem, ScaledProblem, rescale};
 use super::{Outcome, Reason, Riccati, RiccatiCertificate};
 
-/// Whether a solution in doubles is accepted without further questions.
+/// Returns whether a solution in doubles is accepted without further questions.
 pub(super) fn is_beyond_doubt(found: &CertifiedSolution, problem: &Problem, kind: Kind) -> bool {
     let size = size(problem, kind).max(found.operator_norm);
     found.solution.certificate.separation > RICCATI_DOUBTFUL_SEPARATION * size && is_accurate(found)
 }
 
-/// Whether the error that is left is small beside each pair of states; of a larger problem, whose solution in 32 digits takes many times as
+/// Returns whether the error that is left is small beside each pair of states; of a larger problem, whose solution in 32 digits takes many times as
 /// long, also if rounding the data changes the solution by more.
 fn is_accurate(found: &CertifiedSolution) -> bool {
     let large = found.solution.X.nrows() > DATA_LIMITED_STATES;
@@ -32,7 +32,7 @@ fn is_accurate(found: &CertifiedSolution) -> bool {
     relative_step(&found.solution.certificate.forward_error, &found.solution.X) <= limit
 }
 
-/// Whether neither the data nor the computation determines a solution: the data to no digit, the computation to less than three. It is what
+/// Returns whether neither the data nor the computation determines a solution: the data to no digit, the computation to less than three. It is what
 /// Newton's method makes of a multiple mode that is out of reach.
 fn is_undetermined(found: &CertifiedSolution, problem: &Problem) -> bool {
     let RiccatiCertificate { forward_error, .. } = &found.solution.certificate;
@@ -40,7 +40,7 @@ fn is_undetermined(found: &CertifiedSolution, problem: &Problem) -> bool {
         && found.normwise_condition(problem) * EPS > RICCATI_UNDETERMINED
 }
 
-/// Whether an approximation that is in doubt is no solution: 32 digits do not lead to one, or the problem is too large for them, and the
+/// Returns whether an approximation that is in doubt is no solution: 32 digits do not lead to one, or the problem is too large for them, and the
 /// residual is not small beside the terms. It may still be rounding beside the factors of the terms if these nearly cancel, as those of a
 /// level just below the norm of a difference of two systems do, for which there is none.
 fn is_spurious(found: &CertifiedSolution) -> bool {

@@ -6,12 +6,12 @@ use crate::sylvester::Kind;
 use crate::tolerance::EPS;
 
 use super::certificate::{CertifiedSolution, certify};
-use super::continuous::{check_input, fold};
+use super::continuous::{check_input, remove_cross_term};
 use super::decision::{Failure, convert_to_callers_units, decide, is_beyond_doubt, unless_lost};
 use super::equation::{Data, DiscreteRiccati};
+use super::long_solution::PreciseEquation;
 use super::modes::Modes;
 use super::newton::refine;
-use super::long_solution::PreciseEquation;
 use super::scaling::{Problem, rescale, scale};
 use super::{Outcome, Reason, Riccati, RiccatiMethod, doubling, reason, subspace};
 
@@ -44,7 +44,8 @@ pub fn dare(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outco
         (A.t() * &XA).norm_fro() + found.X.norm_fro() + last.norm_fro() + Q.norm_fro()
     };
     let gain = |F: &Mat| rescale(F, &ones, &back);
-    solve_in_units(&DiscreteRiccati(data)).try_map(|found| convert_to_callers_units(found, &units, gain, terms))
+    solve_in_units(&DiscreteRiccati(data))
+        .try_map(|found| convert_to_callers_units(found, &units, gain, terms))
 }
 
 /// The size of `R`, or where that vanishes beside what the cost makes of the input after one step, of `B'QB`.
@@ -95,7 +96,7 @@ fn solve_in_units(equation: &DiscreteRiccati) -> Outcome<CertifiedSolution> {
 /// The equation for `Z = X - sI`, its cross term folded away.
 fn shifted_problem(Data { A, B, Q, R, S }: &Data, shift: f64) -> Option<Problem> {
     if shift == 0.0 {
-        return fold(A, B, Q, R, S.as_ref());
+        return remove_cross_term(A, B, Q, R, S.as_ref());
     }
     let Q = (Q + &(A.t() * A - Mat::eye(A.nrows())).scale(shift)).symmetric_part();
     let R = (R + &(B.t() * B).scale(shift)).symmetric_part();
@@ -103,7 +104,7 @@ fn shifted_problem(Data { A, B, Q, R, S }: &Data, shift: f64) -> Option<Problem>
     if let Some(S) = S {
         cross += S;
     }
-    fold(A, B, &Q, &R, Some(&cross))
+    remove_cross_term(A, B, &Q, &R, Some(&cross))
 }
 
 fn attempt(

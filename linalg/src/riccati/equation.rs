@@ -7,13 +7,13 @@
 use crate::decomposition::rcond_one;
 use crate::dense::solve;
 use crate::extended_precision::{ExtendedMatrix, exact_product};
-use crate::mat::Mat;
 use crate::long_matrix::LongMatrix;
+use crate::mat::Mat;
 use crate::sylvester::Kind;
 use crate::tolerance::{EPS, EXTENDED_ERROR, GAIN_CORRECTIONS, GAIN_KNOWN, PRECISE_STATES, RICCATI_REGULAR};
 
-use super::newton::{Change, Equation, Evaluation};
 use super::long_solution::{LinearisedEquation, PreciseEquation};
+use super::newton::{Change, Equation, Evaluation};
 
 /// Plant and weights in scaled coordinates; `S` may be all zero.
 pub(super) struct Data {
@@ -60,7 +60,12 @@ impl Data {
     }
 
     /// `A - B R^-1 S'`, `B R^-1 B'`, `Q - S R^-1 S'` in 32 digits; `None` for a singular `R`.
-    fn fold_precisely(&self, Q: &LongMatrix, R: &LongMatrix, S: Option<&LongMatrix>) -> Option<[LongMatrix; 3]> {
+    fn fold_precisely(
+        &self,
+        Q: &LongMatrix,
+        R: &LongMatrix,
+        S: Option<&LongMatrix>,
+    ) -> Option<[LongMatrix; 3]> {
         let (A, B) = (LongMatrix::from(&self.A), LongMatrix::from(&self.B));
         let G = B.times(&R.solve(&B.t())?).symmetric_part();
         let Some(S) = S else { return Some([A, G, Q.clone()]) };
@@ -94,8 +99,8 @@ impl ContinuousRiccati {
     /// `R^-1 (B'X + S')` from `B'X`
     fn gain_of(&self, BX: &ExtendedMatrix) -> Option<Mat> {
         let right = match &self.0.S {
-            None => BX.collapse(),
-            Some(S) => BX.add(&S.t().into()).collapse(),
+            None => BX.to_double(),
+            Some(S) => BX.add(&S.t().into()).to_double(),
         };
         solve(&self.0.R, &right).ok()
     }
@@ -111,7 +116,7 @@ impl Equation for ContinuousRiccati {
         let terms = 2.0 * AX.high.norm_fro() + KBX.high.norm_fro() + data.Q.norm_fro();
         let half = AX.add(&KBX);
         let total = half.add(&half.t()).add(&data.weights(&gain, &exact_product(&data.R, &gain)));
-        Some(Evaluation { residual: total.collapse().symmetric_part(), terms, gain })
+        Some(Evaluation { residual: total.to_double().symmetric_part(), terms, gain })
     }
 
     fn change(&self, before: &Evaluation, E: &Mat, _: &Mat) -> Option<Change> {
@@ -180,7 +185,7 @@ impl Equation for Quadratic {
         let square = X.times(&GX).neg();
         let terms = 2.0 * AX.high.norm_fro() + square.high.norm_fro() + self.Q.norm_fro();
         let total = AX.add(&AX.t()).add(&square).add(&self.Q.clone().into());
-        Some(Evaluation { residual: total.collapse().symmetric_part(), terms, gain: GX.collapse() })
+        Some(Evaluation { residual: total.to_double().symmetric_part(), terms, gain: GX.to_double() })
     }
 
     fn change(&self, before: &Evaluation, E: &Mat, _: &Mat) -> Option<Change> {
@@ -272,7 +277,7 @@ impl DiscreteRiccati {
         if let Some(S) = &data.S {
             rest = rest.add(&S.t().into());
         }
-        let correction = solve(weight, &rest.collapse()).ok()?;
+        let correction = solve(weight, &rest.to_double()).ok()?;
         Some(Loop { gain, closed, moved, weighted, correction })
     }
 }
@@ -296,7 +301,7 @@ impl Equation for DiscreteRiccati {
         let total =
             moved.add(&X.neg()).add(&data.weights(&at.gain, &at.weighted)).add(&excess.scale(-1.0).into());
         let gain = &at.gain + &at.correction;
-        Some(Evaluation { residual: total.collapse().symmetric_part(), terms, gain })
+        Some(Evaluation { residual: total.to_double().symmetric_part(), terms, gain })
     }
 
     fn change(&self, before: &Evaluation, E: &Mat, X: &Mat) -> Option<Change> {

@@ -4,10 +4,10 @@
 //! and LU factors is needed, so that states whose units differ by many decades keep their digits.
 //! Sources: Kleinman, IEEE TAC 13 (1968) 114; doubling as in [`super::doubling`].
 
-use crate::mat::Mat;
 use crate::long_matrix::LongMatrix;
+use crate::mat::Mat;
 use crate::schur::eigenvalues;
-use crate::smith::{lyapunov, middle, power_of_two};
+use crate::smith::{lyapunov, mean_modulus, power_of_two};
 use crate::sylvester::Kind;
 use crate::tolerance::{
     PRECISE_CONVERGED, PRECISE_DOUBLINGS, PRECISE_FLOOR, PRECISE_NEWTON_STEPS, PRECISE_SETTLED,
@@ -33,7 +33,7 @@ pub(super) trait PreciseEquation {
     fn moduli(&self, K: &Mat, X: &Mat) -> Mat;
     /// The shifts worth trying.
     fn shifts(&self) -> Vec<f64>;
-    /// Which of the two equations it is.
+    /// Returns which of the two equations it is.
     fn kind(&self) -> Kind;
 }
 
@@ -114,8 +114,8 @@ fn common_units(mut problem: Problem) -> (Problem, Vec<f64>) {
 fn parameters(problem: &Problem) -> Vec<f64> {
     let Problem { A, G, Q } = problem;
     let size = A.norm_fro().max((G.norm_fro() * Q.norm_fro()).sqrt()).max(f64::MIN_POSITIVE);
-    let middle =
-        eigenvalues(&super::subspace::hamiltonian(problem)).map_or(size, |values| middle(&values, size));
+    let middle = eigenvalues(&super::subspace::hamiltonian(problem))
+        .map_or(size, |values| mean_modulus(&values, size));
     [1.0, 1.7, 0.3]
         .iter()
         .map(|factor| power_of_two(factor * middle))

@@ -10,9 +10,9 @@ mod decision;
 mod discrete;
 mod doubling;
 mod equation;
+mod long_solution;
 mod modes;
 mod newton;
-mod long_solution;
 mod reason;
 mod scaling;
 mod subspace;
@@ -26,7 +26,7 @@ pub use continuous::{care, care_g};
 pub use discrete::dare;
 pub use reason::Reason;
 
-/// What became of a problem: solved, or without a solution for a reason that is named.
+/// Outcome of a problem: a solution, or the reason why there is none.
 #[derive(Clone, Debug)]
 pub enum Outcome<T> {
     /// The solution.
@@ -82,7 +82,7 @@ pub struct Riccati {
     pub F: Mat,
     /// The eigenvalues of `A - B F` (of `A - G X`), sorted by real part.
     pub closed_loop: Vec<C64>,
-    /// How good the solution is.
+    /// Certificate of the solution.
     pub certificate: RiccatiCertificate,
 }
 
@@ -125,9 +125,9 @@ pub struct RiccatiCertificate {
     pub term_norm: f64,
     /// The factors of the states, powers of two, in whose units the equation was solved.
     pub scale: Vec<f64>,
-    /// Which method gave the first approximation.
+    /// Method that gave the first approximation.
     pub method: RiccatiMethod,
-    /// How many Newton steps refined it.
+    /// Number of Newton steps that refined it.
     pub newton_steps: usize,
 }
 

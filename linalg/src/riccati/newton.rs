@@ -36,7 +36,7 @@ pub(super) struct Change {
 pub(super) trait Equation {
     /// The equation at `X`; `None` if a weight is singular.
     fn evaluate(&self, X: &ExtendedMatrix) -> Option<Evaluation>;
-    /// What the step `E` to `X` does, by the identities `K(X+E) = K + W^-1 B'EA_K` and `residual(X+E) = residual(X) + L(E) -
+    /// Returns what the step `E` to `X` does, by the identities `K(X+E) = K + W^-1 B'EA_K` and `residual(X+E) = residual(X) + L(E) -
     /// (B'EA_K)'W^-1 B'EA_K`, `A_K = A - BK` (continuous: without `A_K` beside `E`), `W` the weight at `X + E`.
     fn change(&self, before: &Evaluation, E: &Mat, X: &Mat) -> Option<Change>;
     /// `A - B K` (`A - K` where no input is known).
@@ -44,7 +44,7 @@ pub(super) trait Equation {
     /// By how much the computed residual at `X` may be off: rounding of the gain `K`, which counts in second order, and of
     /// products whose terms cancel.
     fn residual_error(&self, K: &Mat, X: &Mat) -> f64;
-    /// Which Lyapunov operator the derivative is.
+    /// Returns which Lyapunov operator the derivative is.
     fn kind(&self) -> Kind;
 }
 
@@ -82,9 +82,15 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<RefinedSolution
         let step = careful.unwrap_or_else(|| path.derivative.solve(&path.residual)).symmetric_part();
         let relative = step.norm_fro() / path.X.high.norm_fro().max(f64::MIN_POSITIVE);
         let stuck = relative > 0.5 * size && size < NEWTON_STALE_LOOP;
-        if relative > NEWTON_NEAR_START && path.derivative.reach() >= path.derivative.boundary() {
+        if relative > NEWTON_NEAR_START
+            && path.derivative.outermost_eigenvalue() >= path.derivative.boundary()
+        {
             let residual = path.residual.norm_fro() / path.here.terms.max(f64::MIN_POSITIVE);
-            return Err(Reason::Inaccurate { residual, stability: path.derivative.reach(), hardest: None });
+            return Err(Reason::Inaccurate {
+                residual,
+                stability: path.derivative.outermost_eigenvalue(),
+                hardest: None,
+            });
         }
         if !relative.is_finite() || stuck {
             break;
@@ -160,8 +166,8 @@ impl Path {
 
     /// The solution, rounded.
     fn end(self, equation: &impl Equation) -> Option<RefinedSolution> {
-        let X = self.X.add(&self.ahead.clone().into()).collapse().symmetric_part();
-        let rounded = self.X.neg().add(&X.clone().into()).collapse();
+        let X = self.X.add(&self.ahead.clone().into()).to_double().symmetric_part();
+        let rounded = self.X.neg().add(&X.clone().into()).to_double();
         let gain = &self.here.gain + &equation.change(&self.here, &self.ahead, &X)?.gain;
         let residual = &self.here.residual + &equation.change(&self.here, &rounded, &X)?.residual;
         let closed = equation.closed_loop(&gain);
@@ -181,7 +187,7 @@ impl Path {
     }
 }
 
-/// What a step is short below, relative to `X`: of the continuous equation, whose residual costs half as much, none is.
+/// Returns what a step is short below, relative to `X`: of the continuous equation, whose residual costs half as much, none is.
 fn short_step(kind: Kind) -> f64 {
     if kind == Kind::Continuous { 0.0 } else { NEWTON_SHORT_STEP }
 }

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use super::analysis::Analysis;
 use super::matrix::Sparse;
 use super::modes::ProgressObserver;
-use super::numeric::{Factors, Term, FactorRequest, factorise};
+use super::numeric::{FactorRequest, Factors, Term, factorise};
 use crate::error::Error;
 use crate::mat::Mat;
 

@@ -16,18 +16,18 @@ use crate::mat::{C64, CMat, Mat};
 /// Steps without a contribution after which the iteration ends: shifts are chosen by what a subspace knows, so one alone may deceive.
 const IDLE_STEPS: usize = 2;
 
-/// What drives a structure and what is measured.
+/// Inputs and outputs of a structure.
 #[derive(Debug, Clone, Copy)]
 pub struct StructurePorts<'a> {
-    /// Where the inputs push, n x m.
+    /// Directions of the input forces, n x m.
     pub F: &'a Mat,
-    /// What the outputs see of the positions, p x n.
+    /// Output rows of the positions, p x n.
     pub P: &'a Mat,
-    /// What the outputs see of the velocities, p x n.
+    /// Output rows of the velocities, p x n.
     pub V: &'a Mat,
 }
 
-/// How far the iteration goes.
+/// Accuracy at which the iteration ends.
 #[derive(Debug, Clone, Copy)]
 pub struct GramianAccuracy {
     /// A step whose columns are below this share of the factor contributes nothing.

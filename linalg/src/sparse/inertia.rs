@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use super::analysis::Analysis;
 use super::matrix::{Entry, Sparse};
 use super::modes::ProgressObserver;
-use super::numeric::{Term, FactorRequest, factorise};
+use super::numeric::{FactorRequest, Term, factorise};
 use crate::error::Error;
 use crate::tolerance::PIVOT_GROWTH;
 

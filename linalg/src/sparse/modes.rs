@@ -14,10 +14,10 @@ use crate::tolerance::{COUNTING_GAP, LANCZOS_BLOCK, LANCZOS_BLOCKS, LANCZOS_DEPE
 
 use super::matrix::Sparse;
 
-/// How far a long computation is.
+/// Progress of a long computation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StageProgress {
-    /// What is being done.
+    /// Name of the stage.
     pub stage: &'static str,
     /// Parts that are done.
     pub done: usize,
@@ -28,10 +28,10 @@ pub struct StageProgress {
 /// Called after each part of a long computation; [`ControlFlow::Break`] ends it with [`Error::Cancelled`].
 pub type ProgressObserver<'a> = dyn FnMut(StageProgress) -> ControlFlow<()> + 'a;
 
-/// Which modes are wanted.
+/// Number and accuracy of the modes that are computed.
 #[derive(Debug, Clone, Copy)]
 pub struct ModeRequest<'a> {
-    /// What is being computed, for the progress.
+    /// Name of the computation, for the progress.
     pub stage: &'static str,
     /// Number of modes.
     pub count: usize,

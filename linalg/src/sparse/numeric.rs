@@ -125,11 +125,15 @@ pub(super) fn factorise<T: Number>(
 fn check<T: Number>(pivots: &[T], wanted: FactorRequest) -> Result<(), Error> {
     let is_good = |pivot: &T| {
         let size = pivot.modulus();
-        size > 0.0 && size.is_finite() && (wanted != FactorRequest::PositiveFactors || pivot.real_part() > 0.0)
+        size > 0.0
+            && size.is_finite()
+            && (wanted != FactorRequest::PositiveFactors || pivot.real_part() > 0.0)
     };
     match (pivots.iter().all(is_good), wanted) {
         (true, _) => Ok(()),
-        (false, FactorRequest::PositiveFactors) => Err(Error::NotPositiveDefinite { what: "the sparse matrix" }),
+        (false, FactorRequest::PositiveFactors) => {
+            Err(Error::NotPositiveDefinite { what: "the sparse matrix" })
+        }
         (false, _) => Err(Error::Singular { what: "a sparse matrix", rcond: 0.0 }),
     }
 }

@@ -6,7 +6,7 @@
 use super::analysis::Analysis;
 use super::matrix::{Entry, Sparse};
 use super::modes::ProgressObserver;
-use super::numeric::{Factors, Term, FactorRequest, factorise};
+use super::numeric::{FactorRequest, Factors, Term, factorise};
 use crate::error::Error;
 use crate::mat::{C64, CMat, Mat};
 use crate::tolerance::{SHIFTED_CORRECTIONS, SHIFTED_RESIDUAL, SHIFTED_RESIDUAL_LARGEST};

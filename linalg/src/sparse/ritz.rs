@@ -111,7 +111,11 @@ impl RitzBasis {
     }
 
     /// The structure within the subspace; a large subspace is cut down first.
-    fn project_structure(&mut self, pencil: &QuadraticPencil, weights: &Weights) -> Result<ProjectedStructure, Error> {
+    fn project_structure(
+        &mut self,
+        pencil: &QuadraticPencil,
+        weights: &Weights,
+    ) -> Result<ProjectedStructure, Error> {
         if self.shapes.ncols() > LARGEST_BASIS {
             let count = self.shapes.ncols() - KEPT_SHAPES;
             // The shapes that came first know least of the modes that are still missing.

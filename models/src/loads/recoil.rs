@@ -29,7 +29,7 @@ use super::LoadPoint;
 use super::ranges::{require, require_finite, require_positive};
 use crate::Error;
 
-/// What a machine fires.
+/// Impulse and recoiling mass of a gun.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recoil {
     /// Instants of the shots, s since the start of the run, rising.

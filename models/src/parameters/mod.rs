@@ -72,7 +72,7 @@ pub struct Parameters {
     pub drive_limits: DriveLimits,
 }
 
-/// How the hub moves.
+/// Kind of the hub's motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum AxisKind {
     /// It turns: angles in rad, inertias in kg m^2, torques in N m. The weight's torque follows the angle.

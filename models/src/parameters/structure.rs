@@ -13,7 +13,7 @@ pub struct Beam {
     pub pivot_m: f64,
     /// Damping ratio of flexible mode 1, 2, ... of the structure pinned at its hub.
     pub modal_damping: Vec<f64>,
-    /// What the damping of the structure is made of.
+    /// Damping model of the structure.
     pub damping: StructuralDamping,
     /// Sections, adjoining, in order of position.
     pub sections: Vec<BeamSection>,
@@ -21,7 +21,7 @@ pub struct Beam {
     pub masses: Vec<PointMass>,
 }
 
-/// What the damping of a structure is made of.
+/// Damping model of a structure.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum StructuralDamping {
     /// Damping ratios mode by mode; the last holds for all above: (5-13).

@@ -92,7 +92,12 @@ impl Plant {
     }
 
     /// Returns the plant with the functions' factors at a regime in its parameters, and without functions.
-    fn local(&self, functions: &LearnedFunctions, at: &LearnedRegime, around: FunctionTreatment) -> Option<Self> {
+    fn local(
+        &self,
+        functions: &LearnedFunctions,
+        at: &LearnedRegime,
+        around: FunctionTreatment,
+    ) -> Option<Self> {
         let mut p = self.parameters.clone();
         p.learned.clear();
         for function in &functions.all {

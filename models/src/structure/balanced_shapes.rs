@@ -8,7 +8,7 @@ use counterpoise_linalg as linalg;
 use counterpoise_linalg::{
     Mat, Sparse,
     sparse::{
-        GramianAccuracy, ProgressObserver, QuadraticPencil, StructurePorts, ModeRequest, low_rank_gramians,
+        GramianAccuracy, ModeRequest, ProgressObserver, QuadraticPencil, StructurePorts, low_rank_gramians,
         lowest_modes,
     },
 };

@@ -7,7 +7,7 @@ use super::profile::{CrossSection, Profile};
 use crate::Error;
 use nalgebra::{Matrix4, Vector4};
 
-/// What the element knows of shear and rotary inertia.
+/// Beam theory of an element: with or without shear and rotary inertia.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Theory {
     /// Neither: the thesis' elements.
@@ -17,7 +17,7 @@ pub enum Theory {
     Timoshenko,
 }
 
-/// Where an element takes its cross section from.
+/// Source of an element's cross section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Integration {
     /// The true cross section, by quadrature that is exact for tubes and rectangles of linear dimensions: frequencies are upper bounds.

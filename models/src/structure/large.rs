@@ -14,7 +14,7 @@ use super::supported_modes::SupportedModes;
 use crate::Error;
 use crate::tolerance::{DEPENDENT_SHAPE, FREE, LARGE_STRUCTURE_NODES};
 
-/// Which shapes a condensed structure has besides the static ones.
+/// Shapes of a condensed structure besides the static ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Shapes {
     /// The lowest modes of the structure that is pinned, clamped and free at its hub, to about eight digits.
@@ -24,12 +24,12 @@ pub enum Shapes {
     Balanced,
 }
 
-/// How a large structure is condensed.
+/// Options of the condensation of a large structure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Condensation {
     /// Number of modes that are needed.
     pub modes: usize,
-    /// Which shapes.
+    /// Kind of shapes.
     pub shapes: Shapes,
     /// Damping ratio with which motions are ranked if the structure has no damping matrix.
     pub damping_ratio: f64,

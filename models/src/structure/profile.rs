@@ -15,7 +15,7 @@ pub struct Profile {
     sections: Vec<BeamSection>,
 }
 
-/// What an element needs of the cross section at a place.
+/// Properties of the cross section at a place, as an element needs them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrossSection {
     /// Area A, m^2.
@@ -50,7 +50,10 @@ impl Profile {
         check(
             "beam.poissons_ratio",
             ratio,
-            NumberRequirement { holds: ratio > -1.0 && ratio <= 0.5, words: "must be above -1 and at most 0.5" },
+            NumberRequirement {
+                holds: ratio > -1.0 && ratio <= 0.5,
+                words: "must be above -1 and at most 0.5",
+            },
         )?;
         let out = Self {
             youngs_modulus_pa: beam.youngs_modulus_pa,
@@ -61,7 +64,11 @@ impl Profile {
         };
         out.check_sections()?;
         let inside = out.start_m() <= beam.pivot_m && beam.pivot_m <= out.end_m();
-        check("beam.pivot", beam.pivot_m, NumberRequirement { holds: inside, words: "must lie on the beam" })?;
+        check(
+            "beam.pivot",
+            beam.pivot_m,
+            NumberRequirement { holds: inside, words: "must lie on the beam" },
+        )?;
         Ok(out)
     }
 
@@ -170,7 +177,10 @@ impl Profile {
             check(
                 &path("from"),
                 section.from_m,
-                NumberRequirement { holds: gap.abs() <= ADJOINING * length, words: "must adjoin the section before" },
+                NumberRequirement {
+                    holds: gap.abs() <= ADJOINING * length,
+                    words: "must adjoin the section before",
+                },
             )?;
             [section.from_m, section.to_m].into_iter().try_for_each(|x| self.check_end(i, x, &path))?;
         }
@@ -184,8 +194,16 @@ impl Profile {
             inner,
             NumberRequirement { holds: inner >= 0.0, words: "must not be negative" },
         )?;
-        check(&path("height"), height, NumberRequirement { holds: height >= 0.0, words: "must not be negative" })?;
-        check(&path("width"), width, NumberRequirement { holds: width >= 0.0, words: "must not be negative" })?;
+        check(
+            &path("height"),
+            height,
+            NumberRequirement { holds: height >= 0.0, words: "must not be negative" },
+        )?;
+        check(
+            &path("width"),
+            width,
+            NumberRequirement { holds: width >= 0.0, words: "must not be negative" },
+        )?;
         let at = self.cross_section(i, x_m);
         let solid = outer >= 0.0 && at.area_m2 > 0.0 && at.second_moment_m4 > 0.0;
         let field = match self.sections[i].shape {

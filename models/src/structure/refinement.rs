@@ -1,7 +1,7 @@
 //! How the frequencies of a beam depend on the number and kind of its elements: the columns of the thesis' table 6-1.
 
 use super::element::{Integration, Theory};
-use super::fe::{FeModel, FeOptions, AttachedMasses};
+use super::fe::{AttachedMasses, FeModel, FeOptions};
 use super::mesh::Mesh;
 use super::modes::{Support, undamped_modes};
 use crate::Error;

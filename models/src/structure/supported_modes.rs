@@ -7,7 +7,8 @@ use counterpoise_linalg as linalg;
 use counterpoise_linalg::{
     Mat,
     sparse::{
-        Cut, LowestModes, ModeCounter, ProgressObserver, StageProgress, ModeRequest, highest_cut, lowest_modes,
+        Cut, LowestModes, ModeCounter, ModeRequest, ProgressObserver, StageProgress, highest_cut,
+        lowest_modes,
     },
 };
 
@@ -143,7 +144,7 @@ impl<'a> SupportedModes<'a> {
         Ok(answer?)
     }
 
-    /// Whether the first shape stores no more energy than rounding of K does.
+    /// Returns whether the first shape stores no more energy than rounding of K does.
     fn is_rigid(&self, shapes: &Mat, square: f64) -> bool {
         let shape = shapes.block(0, 0, shapes.nrows(), shapes.ncols().min(1));
         let moduli = shape.map(f64::abs);

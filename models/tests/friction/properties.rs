@@ -34,8 +34,11 @@ fn every_law() -> Vec<(&'static str, Friction)> {
         ),
         ("bristles", FrictionLaw::Bristle { coulomb_nm, bristles: 25, bond_rad: 4e-4 }),
     ];
-    let shared =
-        |law| Friction { static_ratio: STATIC_RATIO, stribeck_rate_rad_s: 1e-3, ..Friction::plain(law, 0.0) };
+    let shared = |law| Friction {
+        static_ratio: STATIC_RATIO,
+        stribeck_rate_rad_s: 1e-3,
+        ..Friction::with_viscous_part(law, 0.0)
+    };
     laws.into_iter().map(|(name, law)| (name, shared(law))).collect()
 }
 

@@ -3,7 +3,7 @@ use counterpoise_linalg::{Mat, Sparse};
 use counterpoise_models::Error;
 use counterpoise_models::structure::import::{Dof, Imported, NodeMap, matrix_market, read_dmig, read_op4};
 use counterpoise_models::structure::{
-    FeModel, AttachedMasses, Integration, Mesh, Support, reduce_to_lumped, undamped_modes,
+    AttachedMasses, FeModel, Integration, Mesh, Support, reduce_to_lumped, undamped_modes,
 };
 use std::fmt::Write;
 

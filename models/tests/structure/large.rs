@@ -1,8 +1,8 @@
 use super::{assert_all, assert_close, options, uniform_beam};
 use counterpoise_linalg::{Mat, Sparse};
 use counterpoise_models::structure::{
-    Condensation, Direction, FeModel, AttachedMasses, Integration, Mesh, NodeRows, Shapes, SparseStructure, Support,
-    pinned_modes, undamped_modes,
+    AttachedMasses, Condensation, Direction, FeModel, Integration, Mesh, NodeRows, Shapes, SparseStructure,
+    Support, pinned_modes, undamped_modes,
 };
 use counterpoise_models::{Error, PointMass};
 use std::ops::ControlFlow;

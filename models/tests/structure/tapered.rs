@@ -4,7 +4,8 @@ use counterpoise_models::{Beam, SectionShape};
 
 fn numbers(tip: f64, elements: usize, integration: Integration, support: Support) -> Vec<f64> {
     let (beam, factor) = cone(tip);
-    let found = frequencies(&beam, &AttachedMasses::default(), &options(Mesh::Equal(elements), integration), support);
+    let found =
+        frequencies(&beam, &AttachedMasses::default(), &options(Mesh::Equal(elements), integration), support);
     found.into_iter().map(|w| w * factor).collect()
 }
 

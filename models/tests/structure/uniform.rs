@@ -1,6 +1,6 @@
 use super::{assert_all, assert_close, frequencies, mass, options, uniform_beam};
 use counterpoise_models::structure::{
-    Direction, FeModel, AttachedMasses, Integration, Mesh, Support, undamped_modes,
+    AttachedMasses, Direction, FeModel, Integration, Mesh, Support, undamped_modes,
 };
 
 const CLAMPED: [f64; 5] = [1.87510406871, 4.69409113297, 7.85475743824, 10.9955407349, 14.137168391];
@@ -26,8 +26,9 @@ fn errors_fall_with_the_fourth_power_from_above() {
         [(Support::Free, &FREE[..]), (Support::Pinned, &PINNED), (Support::Clamped, &CLAMPED)]
     {
         for mode in 0..3 {
-            let error =
-                |n| betas(n, support, &AttachedMasses::default())[mode].powi(2) / betas_of[mode].powi(2) - 1.0;
+            let error = |n| {
+                betas(n, support, &AttachedMasses::default())[mode].powi(2) / betas_of[mode].powi(2) - 1.0
+            };
             let errors = [8, 16, 32].map(error);
             assert!(errors.iter().all(|&e| e > 0.0), "{support:?} {mode}: {errors:?}");
             for pair in errors.windows(2) {
@@ -69,7 +70,7 @@ fn a_hub_inertia_moves_the_pinned_modes_as_published() {
         (10.0, [1.89007648, 4.695058307]),
     ];
     for (hub_inertia_kg_m2, expected) in cases {
-        let fitted = AttachedMasses { hub_inertia_kg_m2, ..Fitted::default() };
+        let fitted = AttachedMasses { hub_inertia_kg_m2, ..AttachedMasses::default() };
         assert_all(&betas(40, Support::Pinned, &fitted), &expected, 1e-6);
     }
 }
@@ -77,7 +78,7 @@ fn a_hub_inertia_moves_the_pinned_modes_as_published() {
 #[test]
 fn a_tip_mass_moves_the_clamped_mode_as_its_characteristic_equation_says() {
     let ratio = 0.7;
-    let fitted = AttachedMasses { masses: vec![mass(1.0, ratio, 0.0)], ..Fitted::default() };
+    let fitted = AttachedMasses { masses: vec![mass(1.0, ratio, 0.0)], ..AttachedMasses::default() };
     let b = betas(40, Support::Clamped, &fitted)[0];
     let residual = 1.0 + b.cos() * b.cosh() + ratio * b * (b.cos() * b.sinh() - b.sin() * b.cosh());
     assert_close(residual, 0.0, 1e-6);
@@ -87,7 +88,7 @@ fn a_tip_mass_moves_the_clamped_mode_as_its_characteristic_equation_says() {
 fn a_mass_on_a_rigid_arm_is_a_mass_with_moment_and_inertia() {
     let options = options(Mesh::Equal(10), Integration::Quadrature);
     let model = |fitted: &AttachedMasses| FeModel::beam(&uniform_beam(), fitted, &options).unwrap();
-    let hung = model(&AttachedMasses { masses: vec![mass(-0.2, 3.0, 0.1)], ..Fitted::default() });
+    let hung = model(&AttachedMasses { masses: vec![mass(-0.2, 3.0, 0.1)], ..AttachedMasses::default() });
     assert_close(hung.mass_kg(), 1.0 + 3.0, 1e-12);
     assert_close(hung.first_moment_kg_m(), 0.5 - 0.6, 1e-12);
     assert_close(hung.inertia_kg_m2(), 1.0 / 3.0 + 3.0 * 0.04 + 0.1, 1e-12);
@@ -96,9 +97,12 @@ fn a_mass_on_a_rigid_arm_is_a_mass_with_moment_and_inertia() {
 #[test]
 fn rigid_motions_are_free_and_carry_the_exact_mass() {
     for mesh in [Mesh::Equal(1), Mesh::Equal(7), Mesh::Nodes(vec![0.0, 0.1, 0.9, 1.0])] {
-        let model =
-            FeModel::beam(&uniform_beam(), &AttachedMasses::default(), &options(mesh, Integration::Quadrature))
-                .unwrap();
+        let model = FeModel::beam(
+            &uniform_beam(),
+            &AttachedMasses::default(),
+            &options(mesh, Integration::Quadrature),
+        )
+        .unwrap();
         for rigid in [&model.heave, &model.pitch] {
             let resisted = (&model.K * &counterpoise_linalg::Mat::col(rigid)).norm_max();
             assert_close(resisted / model.K.norm_max(), 0.0, 1e-13);

@@ -9,21 +9,21 @@
 pub mod balance;
 pub mod controller_file;
 pub mod error_budget;
-pub mod unit_value;
 pub mod pulled_loop;
 pub mod structure;
 pub mod systems;
 pub mod targets;
+pub mod unit_value;
 pub mod verification_data;
 
 pub use balance::BalanceResult;
 pub use controller_file::ControllerResult;
 pub use error_budget::{ErrorBudgetResult, SightValues, error_budget_result};
-pub use unit_value::UnitValue;
 pub use pulled_loop::PulledLoopResult;
 pub use structure::StructureResult;
 pub use systems::{ResponseResult, SignalResult, SystemResult, TransferFunctionResult};
 pub use targets::TargetsResult;
+pub use unit_value::UnitValue;
 pub use verification_data::{HistoryResult, VerifiedLoop, controllers_of, plants_of, verified_loop};
 
 /// Name and version of the schema of every result. The number rises when a key changes its meaning or goes; new keys

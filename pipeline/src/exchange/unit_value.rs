@@ -10,7 +10,7 @@ use serde::{Serialize, Serializer};
 pub struct UnitValue<T> {
     /// The key without its unit.
     pub stem: &'static str,
-    /// What the loop controls.
+    /// Quantity that the loop controls.
     pub controlled: ControlledQuantity,
     /// The value, in the unit of what the loop controls.
     pub value: T,

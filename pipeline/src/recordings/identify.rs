@@ -11,12 +11,12 @@ use super::column_remarks::ColumnRemark;
 use super::read::{GapTreatment, RecordingFile, read_files, recording_controller, unused_columns};
 use crate::PipelineError;
 
-/// What was identified, with what was found on reading each recording.
+/// Result of an identification, with the remarks on each recording.
 #[derive(Debug, Clone)]
 pub struct IdentifiedRecordings {
     /// The identified mechanism.
     pub identified: Identification,
-    /// What was found on reading each recording, with its name.
+    /// Remarks on each recording that was read, with its name.
     pub remarks: Vec<(String, Vec<ColumnRemark>)>,
     /// The units of the values.
     pub units: AxisUnits,

@@ -4,7 +4,7 @@
 //! one and judged on that one, mode after mode: the error that counts is that of the held-out frequencies.
 
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
-use counterpoise_models::structure::{FeModel, FeOptions, AttachedMasses, Mesh, Theory, undamped_modes};
+use counterpoise_models::structure::{AttachedMasses, FeModel, FeOptions, Mesh, Theory, undamped_modes};
 use counterpoise_models::{Beam, PointMass};
 use serde::Serialize;
 
@@ -188,7 +188,7 @@ impl StructureTrials<'_> {
             Some(added) => {
                 let beam = self.project.plant.beam.as_ref().ok_or(counterpoise_models::Error::NoStructure)?;
                 let point = added.place_on(beam);
-                FeModel::beam(beam, &AttachedMasses { masses: vec![point], ..Fitted::default() }, options)?
+                FeModel::beam(beam, &AttachedMasses { masses: vec![point], ..AttachedMasses::default() }, options)?
             }
         };
         let all = undamped_modes(&fe, self.measured.support)?;

@@ -40,9 +40,9 @@ pub struct ReplayedRecording {
     pub file: String,
     /// Measured and simulated, with the length over which it was replayed.
     pub followed: SelectedReplay,
-    /// What was found about the recording itself.
+    /// Remarks on the recording itself.
     pub remarks: Vec<ColumnRemark>,
-    /// Its channels, measured and simulated.
+    /// Channels, measured and simulated.
     pub tracks: Vec<ChannelTrack>,
 }
 

@@ -94,7 +94,7 @@ pub fn compare_channels(recording: &Recording, before: &Replay, after: Option<&R
     COMPARED.into_iter().filter_map(track).collect()
 }
 
-/// What a model makes of a channel of a recording.
+/// Simulation of a channel of a recording by a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedChannel {
     /// The simulated samples.

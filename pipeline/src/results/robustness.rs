@@ -22,7 +22,7 @@ pub struct RobustnessResult {
     pub joints: &'static str,
     /// Stable for all parameters in the stated ranges widened by less than this; `None` if the loop is not stable without any deviation.
     pub guaranteed: Option<f64>,
-    /// Where the upper bound is largest, Hz.
+    /// Frequency at which the upper bound is largest, Hz.
     pub worst_hz: Option<f64>,
     /// Bounds of the structured singular value, by rising frequency.
     pub bounds: Vec<BoundResult>,
@@ -106,14 +106,14 @@ pub struct FactorResult {
     pub factor: f64,
 }
 
-/// What to change where a requirement fails.
+/// Change that would meet a requirement that fails.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AdviceResult {
     /// Key of the figure.
     pub figure: String,
     /// The figure as it is.
     pub value: f64,
-    /// Its limit.
+    /// Limit.
     pub limit: f64,
     /// Change of the figure for a weight that is e times as large.
     pub sensitivities: Vec<SensitivityResult>,
@@ -157,7 +157,7 @@ pub struct ChangeResult {
     pub value: f64,
     /// Change of the gain margin, dB.
     pub gain_margin_change_db: f64,
-    /// Whether the requirement holds then.
+    /// `true` if the requirement holds then.
     pub holds: bool,
     /// The design with that change.
     pub tried: TriedResult,

@@ -30,7 +30,7 @@ pub struct JointVerdictResult {
     pub limit: f64,
     /// `at least` or `at most`.
     pub limit_side: &'static str,
-    /// Where the requirement comes from, as the project file states it; empty if it does not.
+    /// Source of the requirement, as the project file states it; empty if it does not.
     pub source: String,
 }
 

@@ -12,7 +12,9 @@ use counterpoise_simulate::{
     Detail, Imperfections, Initial, PlantState, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
 };
 use counterpoise_synth::adaptation::{Curve, Scale};
-use counterpoise_synth::{AdaptiveController, Estimation, RecursiveLeastSquares, RecursiveSettings, WindowedMean};
+use counterpoise_synth::{
+    AdaptiveController, Estimation, RecursiveLeastSquares, RecursiveSettings, WindowedMean,
+};
 use counterpoise_verify::Procedure;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -31,11 +33,11 @@ use counterpoise_project::resolve::synthesis_options::{
 /// A run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AdaptRun {
-    /// Its letter, as in the source thesis' figure 7-18.
+    /// Letter, as in the source thesis' figure 7-18.
     pub letter: char,
-    /// What is done.
+    /// Description of the run.
     pub says: &'static str,
-    /// Whether the controller follows the estimate.
+    /// `true` if the controller follows the estimate.
     pub adapts: bool,
     /// The parts of the run between changes.
     pub intervals: Vec<AdaptationInterval>,
@@ -87,7 +89,7 @@ pub struct AdaptationInterval {
     pub hub_rms_rad_s: f64,
     /// The same over that of run (a) in the same time.
     pub over_default: f64,
-    /// Whether the adaptation was in force throughout.
+    /// `true` if the adaptation was in force throughout.
     pub adapted: bool,
 }
 
@@ -113,7 +115,7 @@ impl AdaptationInterval {
     }
 }
 
-/// What the adapted intervals of all runs came to.
+/// Summary of the adapted intervals of all runs.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct AdaptedIntervals {
     /// Number of intervals with the adaptation in force throughout.
@@ -248,9 +250,9 @@ enum ActiveController {
 /// Where the out-of-balance stands that a controller uses.
 #[derive(Clone, Copy)]
 struct OutOfBalanceSource {
-    /// Its place among the controller's states.
+    /// Place among the controller's states.
     state: Option<usize>,
-    /// Its value if there is no such state.
+    /// Value if there is no such state.
     design_kg_m: f64,
 }
 
@@ -325,7 +327,8 @@ impl Stage<'_> {
         let states = &self.controller.programs().states;
         let place = states.iter().find(|group| group.name == "out_of_balance_kg_m").map(|group| group.first);
         let source = OutOfBalanceSource { state: place, design_kg_m: moment };
-        let mut noted = OutOfBalanceRecorder { acting: self.acting_controller(plan)?, source, used_kg_m: Vec::new() };
+        let mut noted =
+            OutOfBalanceRecorder { acting: self.acting_controller(plan)?, source, used_kg_m: Vec::new() };
         let (mut intervals, mut trace) = (Vec::new(), Signals::zeros(0, TraceColumn::COUNT));
         for (k, &(start, factor)) in plan.parts.iter().enumerate() {
             let end = plan.parts.get(k + 1).map_or(1.0, |part| part.0);
@@ -429,7 +432,9 @@ impl Stage<'_> {
             None => Ok(ActiveController::Alone(Box::new(runner))),
             Some(estimation) => {
                 let held = held.unwrap_or(0) as usize;
-                Ok(ActiveController::Beside(Box::new(AdaptiveController::new(runner, estimation).hold_estimates(held))))
+                Ok(ActiveController::Beside(Box::new(
+                    AdaptiveController::new(runner, estimation).hold_estimates(held),
+                )))
             }
         }
     }
@@ -443,9 +448,9 @@ impl Stage<'_> {
                 let window = (self.adaptation.window_s / period_s).round() as usize;
                 Some(Estimation::Mean(WindowedMean::new(self.scale(amplifier), window)?))
             }
-            AdaptationMethod::Recursive => {
-                Some(Estimation::Squares(Box::new(RecursiveLeastSquares::new(self.settings(amplifier, period_s))?)))
-            }
+            AdaptationMethod::Recursive => Some(Estimation::Squares(Box::new(RecursiveLeastSquares::new(
+                self.settings(amplifier, period_s),
+            )?))),
         })
     }
 

@@ -8,7 +8,7 @@ use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::alternatives::generalised_plant;
 use counterpoise_synth::{
     Alternative, Design, DesignPlant, DisturbanceChannel, FeedbackWeights, Figures, JointOptimum, Reference,
-    Refusal, SampledLoop, ScheduleEntry, SourceCost, SynthesisMethod, ResidualChoice, Weight, attempt,
+    Refusal, ResidualChoice, SampledLoop, ScheduleEntry, SourceCost, SynthesisMethod, Weight, attempt,
     check_sampled_loop, design_alternative, discretise, error_at, figure_systems, sampled_loop_figures,
     total_cost,
 };
@@ -31,13 +31,13 @@ use counterpoise_project::resolve::synthesis::DesignRequest;
 pub struct DesignComparison {
     /// The feedback as built, and further methods.
     pub methods: Vec<MethodRow>,
-    /// What a lower order of the feedback costs.
+    /// Cost of a lower order of the feedback.
     pub lowered: Option<LoweredRow>,
     /// Hub and tip under each expected disturbance.
     pub motions: Vec<MotionRow>,
     /// States of balance.
     pub balance: Vec<BalanceRow>,
-    /// What they are computed from, row by row.
+    /// Data from which they are computed, row by row.
     pub balance_basis: Vec<BalanceBasis>,
     /// The loop on the structure with the modes that the design does not know.
     pub spillover: Option<Spillover>,
@@ -52,7 +52,7 @@ pub struct BalanceBasis {
     pub controllers: Vec<SystemResult>,
     /// The nominal design on its plant.
     pub nominal: CostBasis,
-    /// Its own design.
+    /// Own design.
     pub redesign: CostBasis,
 }
 
@@ -88,7 +88,7 @@ pub struct PartCostRow {
 pub struct MethodRow {
     /// Method.
     pub method: String,
-    /// Whether the error weight integrates.
+    /// `true` if the error weight integrates.
     pub integral: bool,
     /// States of the feedback.
     pub order: usize,
@@ -117,7 +117,7 @@ pub struct MethodProblem {
     /// The textbook's plant from (noises, weighted control) to (weighted error, weighted control, error), if the method solves it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub generalised: Option<SystemResult>,
-    /// Its controller from the error to the weighted control: the norm is that of the loop of these two.
+    /// Controller from the error to the weighted control: the norm is that of the loop of these two.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on_generalised: Option<SystemResult>,
     /// What the cost of the three-part feedback is computed from: the norm is its root.
@@ -144,7 +144,7 @@ pub struct LoopFigures {
     pub noise_gain: f64,
 }
 
-/// What a lower order of the feedback costs.
+/// Cost of a lower order of the feedback.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LoweredRow {
     /// States before and after.
@@ -505,8 +505,9 @@ fn motions(design: &Design) -> Result<Vec<MotionRow>, PipelineError> {
         if design.part(channel).is_none() {
             continue;
         }
-        let at =
-            |gain: f64, output: usize| error_at(&design.plant, design, channel, ResidualChoice { gain, output });
+        let at = |gain: f64, output: usize| {
+            error_at(&design.plant, design, channel, ResidualChoice { gain, output })
+        };
         let pair = |output: usize| Ok::<_, PipelineError>([at(0.0, output)?, at(1.0, output)?]);
         let (hub_rad_s, tip_rad_s) = (pair(LinearPlant::HUB_RATE)?, pair(LinearPlant::TIP_RATE)?);
         rows.push(MotionRow { disturbance, hub_rad_s, tip_rad_s });

@@ -35,7 +35,7 @@ pub struct DesignTable {
     /// The quantity that the loop controls: every figure of a rate is one of it, in its unit.
     #[serde(skip)]
     pub controlled: ControlledQuantity,
-    /// What the tuned structures make least, in words.
+    /// Objective of the tuned structures, in words.
     pub objective: String,
     /// Motion that the last nonlinear run has, in words.
     pub motion: &'static str,
@@ -52,7 +52,7 @@ pub struct DesignTable {
 /// A design with its figures.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DesignRow {
-    /// Which design.
+    /// Name of the design.
     pub name: String,
     /// The limits that it was tuned under; absent if it was not tuned.
     pub limits: Option<LimitsResult>,
@@ -71,13 +71,13 @@ pub struct DesignRow {
     pub weights: Option<WeightsResult>,
     /// By how much the worst limit is missed, relative to it.
     pub missed: f64,
-    /// How good the bound is, for the row of the best linear feedback.
+    /// Accuracy of the bound, for the row of the best linear feedback.
     pub bound: Option<BoundResult>,
     /// Why there is no controller.
     pub why: Option<String>,
 }
 
-/// How far a bound of the best linear feedback is known.
+/// Gap of a bound of the best linear feedback.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundGap {
     /// By how much the value exceeds the dual bound of the basis, percent of that.
@@ -97,7 +97,7 @@ impl DesignRow {
     }
 }
 
-/// How good the bound of the best linear feedback is.
+/// Bound of the best linear feedback, with its accuracy.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BoundResult {
     /// No feedback in the basis leaves less on the program's grid: in the unit of what the loop controls, or as a share of 1 over a band.
@@ -150,7 +150,7 @@ pub struct RunFigures {
     pub control_v: f64,
 }
 
-/// What a comparison is asked for.
+/// Input of a comparison of designs.
 #[derive(Debug, Clone, Default)]
 pub struct ComparisonRequest {
     /// Limits under which the structures are tuned besides those of the own controller.

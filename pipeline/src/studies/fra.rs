@@ -30,7 +30,7 @@ use crate::{PipelineError, PlantModel, build_plant_model, cannot_hold, reduce_pl
 use counterpoise_project::Project;
 use counterpoise_project::resolve::model::StructureChoice;
 
-/// What is excited, and what is measured.
+/// Loop that is excited and measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LoopUnderTest {
@@ -47,7 +47,7 @@ pub enum LoopUnderTest {
 /// The points of a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasurementPlan {
-    /// What is excited.
+    /// Loop that is excited.
     pub around: LoopUnderTest,
     /// Amplitudes: V for the plant, in the demand's unit for the closed loop, rad/s otherwise.
     pub amplitudes: Vec<f64>,
@@ -57,7 +57,7 @@ pub struct MeasurementPlan {
     pub offset_m: f64,
 }
 
-/// What has to be known with the numbers of a map.
+/// Remark that belongs to the numbers of a response map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MapRemark {
     /// The loop is closed by the controller of the recordings.
@@ -69,16 +69,16 @@ pub enum MapRemark {
     },
 }
 
-/// What a map relates: the quantities of the machine's own loop, with their units.
+/// Input and output of a response map: quantities of the machine's own loop, with their units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct MapSignals {
-    /// What is excited.
+    /// Excited signal.
     pub input: &'static str,
-    /// Its unit.
+    /// Unit.
     pub input_unit: &'static str,
-    /// What is measured.
+    /// Measured signal.
     pub output: &'static str,
-    /// Its unit.
+    /// Unit.
     pub output_unit: &'static str,
 }
 
@@ -98,7 +98,7 @@ impl MapSignals {
 pub struct ResponseMap<Remark = String> {
     /// Name of the machine.
     pub name: String,
-    /// What was excited and measured.
+    /// Loop that was excited and measured.
     pub around: LoopUnderTest,
     /// The signals that it relates, and their units.
     pub signals: MapSignals,
@@ -106,9 +106,9 @@ pub struct ResponseMap<Remark = String> {
     pub recording: Option<String>,
     /// The numbers of its points.
     pub points: MapPoints,
-    /// How long the mechanism was simulated, s.
+    /// Simulated time of the mechanism, s.
     pub simulated_s: f64,
-    /// What has to be known with the numbers.
+    /// Remarks that belong to the numbers.
     pub remarks: Vec<Remark>,
 }
 
@@ -117,7 +117,7 @@ pub struct ResponseMap<Remark = String> {
 pub struct RecordedMap {
     /// The map.
     pub map: ResponseMap<MapRemark>,
-    /// What was found about the columns.
+    /// Remarks on the columns.
     pub columns: Vec<ColumnRemark>,
 }
 
@@ -394,7 +394,8 @@ impl Analyser {
             return Ok(None);
         }
         let per_travel = if p.sensors.measured.is_position() { 1.0 } else { rate };
-        let swing = |found: &ExpectedResponse| (found.relative.norm() * amplitude / per_travel).max(LEAST_SWING_RAD);
+        let swing =
+            |found: &ExpectedResponse| (found.relative.norm() * amplitude / per_travel).max(LEAST_SWING_RAD);
         let mut hub_amplitude_rad = swing(linear);
         for _ in 0..MOST_SWING_TRIALS {
             let friction =
@@ -468,7 +469,7 @@ impl Analyser {
     }
 }
 
-/// What the controller in the loop is taken from.
+/// Source of the controller in the loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoopController {
     /// The simulated mechanism: the designed controller.

@@ -4,11 +4,11 @@ use counterpoise_controller::Controller;
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pool::{Pool, map};
 use counterpoise_verify::robust::{
-    Campaign, FamilyMember, Layout, ParameterInfluence, Sample, Sense, Summary, Variation, WorstMechanism, compare_configurations,
-    one_at_a_time, rank_parameters, summarise_requirement, worst_case,
+    Campaign, FamilyMember, Layout, ParameterInfluence, Sample, Sense, Summary, Variation, WorstMechanism,
+    compare_configurations, one_at_a_time, rank_parameters, summarise_requirement, worst_case,
 };
 use counterpoise_verify::structured::{RobustStability, Uncertainty};
-use counterpoise_verify::{Figure, Limit, LoopFigure, Requirement, VerifiedController};
+use counterpoise_verify::{Limit, LoopFigure, PerformanceFigure, Requirement, VerifiedController};
 use ndarray::Array2;
 
 use crate::tolerance::DRIFTING_POLE;
@@ -22,7 +22,7 @@ pub struct CampaignResult {
     pub requirements: Vec<Requirement>,
     /// What the loop controls, whose names and unit the figures have.
     pub controlled: ControlledQuantity,
-    /// What varied.
+    /// Parameters that varied.
     pub variations: Vec<Variation>,
     /// Factors: one row a mechanism, one column a variation.
     pub factors: Array2<f64>,
@@ -42,7 +42,7 @@ pub struct CampaignResult {
     pub stability: Option<RobustStability>,
 }
 
-/// What is found beside the samples of a campaign.
+/// Results of a campaign beside its samples.
 #[derive(Debug, Clone, Default)]
 pub struct BesideSamples {
     /// The worst case of each requirement.
@@ -120,8 +120,11 @@ fn judged_requirements(project: &Project) -> Vec<Requirement> {
 /// Returns what every loop of a campaign should keep if nothing else is required: a largest sensitivity of at most 2, which leaves a
 /// gain margin of 6 dB and a phase margin of 29 degrees, and closed-loop poles inside the unit circle.
 fn usual_requirements() -> Vec<Requirement> {
-    let require =
-        |figure, limit| Requirement { figure: Figure::Loop(figure), limit, source: USUAL.to_owned() };
+    let require = |figure, limit| Requirement {
+        figure: PerformanceFigure::Loop(figure),
+        limit,
+        source: USUAL.to_owned(),
+    };
     vec![
         require(LoopFigure::MaxSensitivity, Limit::AtMost(USUAL_SENSITIVITY)),
         require(LoopFigure::PoleRadius, Limit::AtMost(1.0 + DRIFTING_POLE)),
@@ -168,7 +171,7 @@ pub fn vary_families(
 ) -> Result<Vec<FamilyMember>, PipelineError> {
     let asked =
         project.campaign().ok_or(PipelineError::Missing { section: "sweep", needed_by: "the families" })?;
-    let figures: Vec<Figure> =
+    let figures: Vec<PerformanceFigure> =
         judged_requirements(project).iter().map(|requirement| requirement.figure).collect();
     let (parameters, controller, procedure) =
         (&modelled.parameters, verified.controller(), project_procedure(project, world)?);

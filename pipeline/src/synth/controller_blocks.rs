@@ -20,7 +20,7 @@ use crate::tolerance::{
 use crate::{PipelineError, PlantModel};
 use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_project::resolve::synthesis_options::{
-    AdaptationMethod, AdaptationOptions, AdaptationUse, Compensation, FrictionModel, ObserverOptions,
+    AdaptationMethod, AdaptationOptions, AdaptationUse, Compensation, ObserverFriction, ObserverOptions,
 };
 
 /// Standard deviation with which parameters other than the imbalance start, V or V s/rad.
@@ -124,7 +124,10 @@ fn corrections(asked: &DesignRequest, sensors: &Sensors) -> Vec<Correction> {
 ///
 /// # Errors
 /// Those of the controller.
-pub(crate) fn with_reading_limits(sampled: SampledLoop, sensors: &Sensors) -> Result<SampledLoop, PipelineError> {
+pub(crate) fn with_reading_limits(
+    sampled: SampledLoop,
+    sensors: &Sensors,
+) -> Result<SampledLoop, PipelineError> {
     let change = |parts: &mut Parts| parts.reading_limits = reading_limits(sensors, parts.reading_limits);
     let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
     Ok(SampledLoop { controller, ..sampled })
@@ -158,7 +161,7 @@ fn prefilter(asked: &DesignRequest, sampling: &Sampling) -> Result<Option<StateS
 /// Observers of the friction at motor and pivot: as identified, or the plant's.
 fn observers(asked: &ObserverOptions, p: &Parameters) -> Result<Vec<FrictionObserver>, PipelineError> {
     let follow = |name: &str, side: FrictionSide, given: &Option<Friction>, of_plant: &Friction| match given {
-        Some(own) => observer_friction(name, side, own, FrictionModel::OwnLaw, asked.sign_rate_rad_s),
+        Some(own) => observer_friction(name, side, own, ObserverFriction::OwnLaw, asked.sign_rate_rad_s),
         None => observer_friction(name, side, of_plant, asked.model, asked.sign_rate_rad_s),
     };
     let pivot = follow("friction_pivot", FrictionSide::Load, &asked.pivot, &p.pivot_friction);

@@ -31,11 +31,11 @@ pub struct DemandedRate {
     pub rate: f64,
     /// Whether the file states it.
     pub origin: RateOrigin,
-    /// Its unit.
+    /// Unit.
     pub unit: &'static str,
 }
 
-/// Where the largest demanded rate comes from.
+/// Origin of the largest demanded rate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RateOrigin {
     /// The file states it.

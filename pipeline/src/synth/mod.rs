@@ -35,9 +35,9 @@ pub struct SynthesisedDesign {
     pub design: Design,
     /// The sampled controller and its loop.
     pub sampled: SampledLoop,
-    /// What a designer should know.
+    /// Warnings for the designer.
     pub warnings: Vec<DesignFinding>,
-    /// How it is sampled.
+    /// Sampling of the controller.
     pub sampling: Sampling,
     /// The other method that made the feedback, where the project names one.
     pub other: Option<Alternative>,
@@ -47,9 +47,9 @@ pub struct SynthesisedDesign {
     pub balance: Vec<ScheduleEntry>,
     /// The largest rate that a loop of position demands; `None` for a loop of rate, or without a limit.
     pub demanded_rate: Option<DemandedRate>,
-    /// What the loop controls.
+    /// Quantity that the loop controls.
     pub controlled: ControlledQuantity,
-    /// What the outputs of the plant are.
+    /// Names of the outputs of the plant.
     pub output_names: Vec<String>,
 }
 

@@ -2,8 +2,8 @@
 
 use counterpoise_linalg::C64;
 use counterpoise_synth::{
-    BandwidthLimit, Cause, ConcernedWeight, DesignEquation, DesignFinding, HiddenDirection, LimitKind, ModeBlock,
-    Part, StatedDensity, Unknown, WeightRole,
+    BandwidthLimit, Cause, ConcernedWeight, DesignEquation, DesignFinding, HiddenDirection, LimitKind,
+    ModeBlock, Part, StatedDensity, Unknown, WeightRole,
 };
 
 /// Describes a finding in one line: the part, the weight and the frequency that are concerned, what is wrong, and what to do.
@@ -188,7 +188,9 @@ fn describe_hidden(from: HiddenDirection, mode: C64, block: &ModeBlock) -> Strin
     match from {
         HiddenDirection::Control => format!("no control reaches {at}, which is not stable"),
         HiddenDirection::Measurement => format!("no measurement shows {at}, which is not stable"),
-        HiddenDirection::Cost => format!("no weighted output shows {at}, which lies on the stability boundary"),
+        HiddenDirection::Cost => {
+            format!("no weighted output shows {at}, which lies on the stability boundary")
+        }
         HiddenDirection::Noise => {
             format!("no disturbance or noise excites {at}, which lies on the stability boundary")
         }

@@ -2,30 +2,32 @@
 
 use counterpoise_models::ControlledQuantity;
 use counterpoise_verify::{
-    Arrangement, Figure, JointExperiment, JointFigure, JointQuantity, LoopFigure, Model, Quantity,
-    RestFigure, SightFigure, Source, StepFigure, TriangleFigure, MissingReason,
+    Arrangement, JointExperiment, JointFigure, JointQuantity, LoopFigure, MissingReason, Model,
+    PerformanceFigure, Quantity, RestFigure, SightFigure, Source, StepFigure, TriangleFigure,
 };
 
 /// Returns the name of a figure in a loop, for example `peak hub rate, pitch, feedback, linear plant`.
-pub fn describe_figure(figure: Figure, controlled: ControlledQuantity) -> String {
+pub fn describe_figure(figure: PerformanceFigure, controlled: ControlledQuantity) -> String {
     match figure {
-        Figure::Loop(figure) => loop_figure(figure).to_owned(),
-        Figure::Step(model, figure) => format!("step {}, {}", step_figure(figure), plant(model)),
-        Figure::Triangle(model, figure) => format!("triangle {}, {}", triangle_figure(figure), plant(model)),
-        Figure::Disturbance(model, source, arrangement, quantity) => {
+        PerformanceFigure::Loop(figure) => loop_figure(figure).to_owned(),
+        PerformanceFigure::Step(model, figure) => format!("step {}, {}", step_figure(figure), plant(model)),
+        PerformanceFigure::Triangle(model, figure) => {
+            format!("triangle {}, {}", triangle_figure(figure), plant(model))
+        }
+        PerformanceFigure::Disturbance(model, source, arrangement, quantity) => {
             let (quantity, moving) = (quantity_name(quantity, controlled), platform_motion(source));
             format!("{quantity}, {moving}, {}, {}", acting_control(arrangement), plant(model))
         }
-        Figure::Rejection { source, arrangement, frequency_hz } => {
+        PerformanceFigure::Rejection { source, arrangement, frequency_hz } => {
             format!(
                 "DRR {} at {frequency_hz} Hz, {}, linear plant",
                 platform_motion(source),
                 acting_control(arrangement)
             )
         }
-        Figure::Rest(RestFigure::HubRms) => format!("RMS {} at rest", controlled.name()),
-        Figure::Rest(RestFigure::Drift) => "drift at rest".to_owned(),
-        Figure::Sight(figure) => sight_figure(figure).to_owned(),
+        PerformanceFigure::Rest(RestFigure::HubRms) => format!("RMS {} at rest", controlled.name()),
+        PerformanceFigure::Rest(RestFigure::Drift) => "drift at rest".to_owned(),
+        PerformanceFigure::Sight(figure) => sight_figure(figure).to_owned(),
     }
 }
 
@@ -59,7 +61,9 @@ pub fn describe_joint_quantity(quantity: JointQuantity) -> &'static str {
 pub fn describe_unmeasured(why: &MissingReason) -> String {
     match why {
         MissingReason::NoRoad => "this experiment was not run: the verification has no road".to_owned(),
-        MissingReason::NoTriangle => "this experiment was not run: the verification has no triangle".to_owned(),
+        MissingReason::NoTriangle => {
+            "this experiment was not run: the verification has no triangle".to_owned()
+        }
         MissingReason::LinearPlantAlone => {
             "this experiment was not run: the linear plant alone was verified".to_owned()
         }
@@ -186,7 +190,7 @@ mod tests {
 
     #[test]
     fn no_two_figures_have_one_name() {
-        let mut names: Vec<String> = Figure::all()
+        let mut names: Vec<String> = PerformanceFigure::all()
             .into_iter()
             .map(|figure| describe_figure(figure, ControlledQuantity::RATE))
             .collect();
@@ -200,10 +204,10 @@ mod tests {
     fn a_figure_has_the_name_of_what_its_loop_controls() {
         let torque = ControlledQuantity { kind: QuantityKind::Effort, ..ControlledQuantity::RATE };
         let boom = ControlledQuantity { drive: DriveQuantity::Pressure, ..ControlledQuantity::RATE };
-        let peak = Figure::from_key("linear_pitch_feedback_current_peak_a").unwrap();
+        let peak = PerformanceFigure::from_key("linear_pitch_feedback_current_peak_a").unwrap();
         let name = describe_figure(peak, torque);
         assert_eq!(describe_figure(peak, boom), name.replace("current", "load pressure"));
-        let rms = Figure::from_key("linear_pitch_feedback_hub_rms_rad_s").unwrap();
+        let rms = PerformanceFigure::from_key("linear_pitch_feedback_hub_rms_rad_s").unwrap();
         assert_eq!(describe_figure(rms, torque), "RMS transmitted torque, pitch, feedback, linear plant");
     }
 }

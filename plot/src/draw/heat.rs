@@ -96,7 +96,11 @@ fn draw_scale<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, map: &HeatMap, top: f64
 }
 
 /// Returns the cells, in a system of coordinates whose unit is a cell.
-fn draw_cells<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, map: &HeatMap, layout: &Layout) -> DrawingResult<DB> {
+fn draw_cells<DB: DrawingBackend>(
+    sheet: &Sheet<'_, DB>,
+    map: &HeatMap,
+    layout: &Layout,
+) -> DrawingResult<DB> {
     let (columns, rows) = (map.columns.len() as f64, map.rows.len() as f64);
     let size = Size { width: columns * layout.cell_width, height: rows * ROW };
     let area = sheet.part((layout.left, layout.top), size);

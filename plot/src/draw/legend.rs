@@ -81,7 +81,12 @@ impl Entry<'_> {
         }
     }
 
-    fn draw_sample<DB: DrawingBackend>(&self, sheet: &Sheet<'_, DB>, from: Point, to: Point) -> DrawingResult<DB> {
+    fn draw_sample<DB: DrawingBackend>(
+        &self,
+        sheet: &Sheet<'_, DB>,
+        from: Point,
+        to: Point,
+    ) -> DrawingResult<DB> {
         match self {
             Entry::Curve(series) => sheet.line(Ink::Curve(series.colour, series.dash), from, to),
             Entry::Region(band) => {

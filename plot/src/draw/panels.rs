@@ -121,7 +121,11 @@ impl Frame<'_> {
     }
 }
 
-fn draw_panel<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, panel: &Panel, frame: &Frame<'_>) -> DrawingResult<DB> {
+fn draw_panel<DB: DrawingBackend>(
+    sheet: &Sheet<'_, DB>,
+    panel: &Panel,
+    frame: &Frame<'_>,
+) -> DrawingResult<DB> {
     let chart = draw_axes(sheet, panel, frame)?;
     for band in &panel.bands {
         draw_band(&chart, band, frame)?;
@@ -226,7 +230,11 @@ fn draw_band<DB: DrawingBackend>(chart: &Chart<'_, DB>, band: &Band, frame: &Fra
     Ok(())
 }
 
-fn draw_guide<DB: DrawingBackend>(chart: &Chart<'_, DB>, mark: &Mark, frame: &Frame<'_>) -> DrawingResult<DB> {
+fn draw_guide<DB: DrawingBackend>(
+    chart: &Chart<'_, DB>,
+    mark: &Mark,
+    frame: &Frame<'_>,
+) -> DrawingResult<DB> {
     let line = match mark {
         Mark::Level { y, .. } => frame.y.place(*y).map(|y| [Point::new(0.0, y), Point::new(1.0, y)]),
         Mark::Instant { x, .. } => frame.x.place(*x).map(|x| [Point::new(x, 0.0), Point::new(x, 1.0)]),

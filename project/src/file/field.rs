@@ -7,7 +7,7 @@ use counterpoise_models::Range;
 pub(crate) struct Field {
     pub key: &'static str,
     pub unit: &'static str,
-    pub limit: Limit,
+    pub limit: NumberRange,
     pub default: Fallback,
     pub meaning: &'static str,
     /// The canonical text has the key even where absence means the same.
@@ -54,7 +54,7 @@ pub(crate) enum UsualRange {
 
 /// The range of a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Limit {
+pub(crate) enum NumberRange {
     Any,
     Above(f64),
     AtLeast(f64),
@@ -78,7 +78,7 @@ pub(crate) enum Fallback {
 pub(crate) struct TableField {
     pub key: &'static str,
     pub need: Need,
-    pub form: Form,
+    pub form: TableForm,
     pub meaning: &'static str,
     /// The smallest content, for a table that must be there; empty if there is none to name.
     pub smallest: &'static str,
@@ -93,7 +93,7 @@ pub(crate) enum Need {
 
 /// How the canonical writer sets a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Form {
+pub(crate) enum TableForm {
     Section,
     Inline,
 }
@@ -104,7 +104,7 @@ impl Field {
         Self {
             key,
             unit: "",
-            limit: Limit::Any,
+            limit: NumberRange::Any,
             default: Fallback::Required,
             meaning,
             shown: false,
@@ -159,7 +159,7 @@ impl Field {
         self
     }
 
-    pub const fn limit(mut self, limit: Limit) -> Self {
+    pub const fn limit(mut self, limit: NumberRange) -> Self {
         self.limit = limit;
         self
     }
@@ -190,15 +190,15 @@ impl Field {
 
 impl TableField {
     pub const fn mandatory(key: &'static str, meaning: &'static str) -> Self {
-        Self { key, need: Need::Required, form: Form::Section, meaning, smallest: "" }
+        Self { key, need: Need::Required, form: TableForm::Section, meaning, smallest: "" }
     }
 
     pub const fn optional(key: &'static str, meaning: &'static str) -> Self {
-        Self { key, need: Need::Optional, form: Form::Section, meaning, smallest: "" }
+        Self { key, need: Need::Optional, form: TableForm::Section, meaning, smallest: "" }
     }
 
     pub const fn inline(key: &'static str, meaning: &'static str) -> Self {
-        Self { key, need: Need::Optional, form: Form::Inline, meaning, smallest: "" }
+        Self { key, need: Need::Optional, form: TableForm::Inline, meaning, smallest: "" }
     }
 
     /// Sets the smallest content, as it is written in a file.
@@ -208,7 +208,7 @@ impl TableField {
     }
 }
 
-impl Limit {
+impl NumberRange {
     /// Returns the limit that stands for a range of the models.
     pub const fn of(range: Range) -> Self {
         match range {

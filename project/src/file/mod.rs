@@ -57,7 +57,7 @@ pub struct Document {
     included: Vec<String>,
     /// The files that were given for the parts.
     given: Attachments,
-    /// Whether the file's own text includes parts.
+    /// `true` if the file's own text includes parts.
     includes: bool,
 }
 

@@ -5,14 +5,14 @@
 
 use counterpoise_models::{Amplifier, AmplifierDynamics, MapPoint, Motor, Parameters, Ripple};
 
-use crate::file::field::{Field, Limit, TableField, UnitHint, UsualRange};
+use crate::file::field::{Field, NumberRange, TableField, UnitHint, UsualRange};
 use crate::file::visit::{NamedChoice, Presence, Visit, choose};
 use crate::tolerance::WHOLE_DELAY;
 
 use super::digits::shortest_that_gives;
 
-const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
-const ABOVE_0: Limit = Limit::Above(0.0);
+const AT_LEAST_0: NumberRange = NumberRange::AtLeast(0.0);
+const ABOVE_0: NumberRange = NumberRange::Above(0.0);
 /// Full scale of the control, V.
 const FULL_V: f64 = 10.0;
 /// Acceleration of the load that a drive without a stated limit has at full scale, rad/s^2 or m/s^2: far above what a servo uses,
@@ -142,7 +142,7 @@ fn takes_of(plant: &Parameters) -> DriveInput {
 }
 
 fn keys(v: &mut dyn Visit, plant: &Parameters, takes: DriveInput) -> DriveKeys {
-    let mut stated = DriveKeys { limit: plant.amplifier.current_limit_a, ..Stated::NONE };
+    let mut stated = DriveKeys { limit: plant.amplifier.current_limit_a, ..DriveKeys::NONE };
     if let AmplifierDynamics::CurrentLoop { bandwidth_rad_s, delay_s } = plant.amplifier.dynamics {
         (stated.bandwidth_rad_s, stated.delay_s) = (bandwidth_rad_s, delay_s);
     }
@@ -213,7 +213,8 @@ fn set(v: &mut dyn Visit, plant: &mut Parameters, takes: DriveInput, stated: &Dr
 fn full_scale_a(v: &mut dyn Visit, plant: &Parameters) -> f64 {
     let (ratio, constant) = (plant.gearbox.ratio, plant.motor.torque_constant_nm_a);
     let rotor = ratio * ratio * plant.motor.inertia_kg_m2;
-    let of_inertia = |l: &counterpoise_models::LumpedStructure| (l.inertia_kg_m2() + rotor) * FULL_SCALE / ratio;
+    let of_inertia =
+        |l: &counterpoise_models::LumpedStructure| (l.inertia_kg_m2() + rotor) * FULL_SCALE / ratio;
     let torque_nm = plant.lumped.as_ref().map_or(UNKNOWN_TORQUE, of_inertia);
     let limit = Field::new("drive.limit", "largest torque of the motor, at 10 V of control").unit("N m");
     let limit = limit.with_assumption(

@@ -9,7 +9,7 @@ use counterpoise_models::structure::import::{Dmig, Imported, NodeMap, matrix_mar
 use counterpoise_models::structure::{Condensation, FeModel, Shapes};
 
 use super::structure::{assumed_ratio, masses};
-use crate::file::field::{Field, Limit};
+use crate::file::field::{Field, NumberRange};
 use crate::file::visit::{Count, NamedChoice, Visit, choose};
 
 /// The structure as matrices from elsewhere.
@@ -53,7 +53,7 @@ pub struct ImportedContent {
     pub map: NodeMap,
 }
 
-/// How matrices are written.
+/// File format of matrices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MatrixFormat {
     /// Matrix Market, one matrix a file.
@@ -88,8 +88,9 @@ impl ImportedContent {
         if !self.matrices.is_large() && wanted.shapes == Shapes::Modes {
             return self.compute_model(fitted, wanted, watch);
         }
-        let is_same =
-            |kept: &&CondensedStructure| kept.wanted == *wanted && kept.fitted == *fitted && kept.content == *self;
+        let is_same = |kept: &&CondensedStructure| {
+            kept.wanted == *wanted && kept.fitted == *fitted && kept.content == *self
+        };
         if let Some(kept) = condensed_structures().iter().find(is_same) {
             return Ok(kept.structure.clone());
         }
@@ -138,7 +139,7 @@ fn condensed_structures() -> MutexGuard<'static, Vec<CondensedStructure>> {
 }
 
 /// Returns an import still to be read.
-pub(crate) fn blank() -> ImportedStructure {
+pub(crate) fn blank_structure() -> ImportedStructure {
     ImportedStructure {
         format: MatrixFormat::MatrixMarket,
         mass: MatrixFile::default(),
@@ -178,7 +179,7 @@ pub(crate) fn import(v: &mut dyn Visit, import: &mut ImportedStructure) {
         "modal_damping",
         "damping ratios of flexible mode 1, 2, ... if there is no damping matrix; 0.01 for every mode if neither is there",
     );
-    let ratios = ratios.limit(Limit::Between(0.0, 1.0)).or_empty();
+    let ratios = ratios.limit(NumberRange::Between(0.0, 1.0)).or_empty();
     v.numbers(&ratios, Count::AtLeastOne, &mut import.modal_damping);
     if import.damping.file.is_empty() {
         assumed_ratio(v, &ratios, &mut import.modal_damping);

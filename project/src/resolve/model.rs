@@ -3,10 +3,10 @@
 use counterpoise_models::plant::{FrictionLinearisation, OperatingPoint};
 use counterpoise_models::structure::{FeOptions, Integration, Mesh, Theory};
 
-use crate::file::field::{Field, Limit};
+use crate::file::field::{Field, NumberRange};
 use crate::file::visit::{NamedChoice, Visit, choose};
 
-/// Which plant is meant.
+/// Selection of the plant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlantSelection {
     /// The description of the structure that is taken.
@@ -23,7 +23,7 @@ pub struct PlantSelection {
     pub friction: FrictionLinearisation,
 }
 
-/// Which description of the structure is taken.
+/// Selection of the description of the structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StructureChoice {
     /// Two inertias.
@@ -93,7 +93,7 @@ pub(crate) fn model(v: &mut dyn Visit, model: &mut PlantSelection) {
     count(
         v,
         &Field::new("modes", "number of flexible modes that are kept of the beam or the matrices")
-            .limit(Limit::Between(0.0, 40.0))
+            .limit(NumberRange::Between(0.0, 40.0))
             .or(f64::from(MODES)),
         &mut model.modes,
     );
@@ -101,7 +101,7 @@ pub(crate) fn model(v: &mut dyn Visit, model: &mut PlantSelection) {
     count(
         v,
         &Field::new("elements", "number of finite elements of the beam")
-            .limit(Limit::Between(2.0, 1000.0))
+            .limit(NumberRange::Between(2.0, 1000.0))
             .or(f64::from(ELEMENTS)),
         elements,
     );
@@ -125,7 +125,7 @@ pub(crate) fn model(v: &mut dyn Visit, model: &mut PlantSelection) {
         &mut name,
     );
     model.configuration = (!name.is_empty()).then_some(name);
-    let (angle, whole_turn) = (Limit::Between(-1.5, 1.5), Limit::Between(-3.15, 3.15));
+    let (angle, whole_turn) = (NumberRange::Between(-1.5, 1.5), NumberRange::Between(-3.15, 3.15));
     v.number(
         &Field::new("hub_angle", "angle of the hub against the horizontal")
             .unit("rad")
@@ -160,7 +160,7 @@ fn friction(v: &mut dyn Visit, friction: &mut FrictionLinearisation) {
     *friction = match dry {
         FrictionLinearisationName::Viscous => FrictionLinearisation::Viscous,
         FrictionLinearisationName::DescribingFunction => {
-            let above = Limit::Above(0.0);
+            let above = NumberRange::Above(0.0);
             v.number(
                 &Field::new("friction_amplitude", "amplitude of the hub's motion on the platform")
                     .unit("rad")

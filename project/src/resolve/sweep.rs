@@ -1,10 +1,12 @@
 //! The `[sweep]` section: which parameters vary, one at a time and all at once.
 
-use counterpoise_verify::robust::{Distribution, Family, PointLayout, Variation, VariedParameter, varied_parameters};
+use counterpoise_verify::robust::{
+    Distribution, Family, PointLayout, Variation, VariedParameter, varied_parameters,
+};
 
 use super::Project;
 use crate::assumption::KeyTolerance;
-use crate::file::field::{Field, Limit, TableField};
+use crate::file::field::{Field, NumberRange, TableField};
 use crate::file::visit::{Count, NamedChoice, Visit, choose, list};
 use crate::tolerance::MOST_CAMPAIGN_SAMPLES;
 
@@ -13,7 +15,7 @@ use crate::tolerance::MOST_CAMPAIGN_SAMPLES;
 pub struct RobustnessCampaign {
     /// Mechanisms of the Monte Carlo campaign.
     pub samples: usize,
-    /// Its seed.
+    /// Seed.
     pub seed: u64,
     /// How its points are laid out.
     pub layout: PointLayout,
@@ -67,27 +69,27 @@ const SHAPE: Field =
     Field::new("distribution", "distribution of the factor; `normal` if `deviation` is given")
         .or_text("uniform")
         .show_default();
-const LOW: Field = Field::new("low", "lowest factor on the parameter").limit(Limit::AtLeast(0.0));
-const HIGH: Field = Field::new("high", "highest factor on the parameter").limit(Limit::Above(0.0));
-const LOWEST_LOG: Field = LOW.limit(Limit::Above(0.0));
+const LOW: Field = Field::new("low", "lowest factor on the parameter").limit(NumberRange::AtLeast(0.0));
+const HIGH: Field = Field::new("high", "highest factor on the parameter").limit(NumberRange::Above(0.0));
+const LOWEST_LOG: Field = LOW.limit(NumberRange::Above(0.0));
 const DEVIATION: Field =
     Field::new("deviation", "standard deviation about 1; the distribution ends at three of them")
-        .limit(Limit::AboveTo(0.0, 0.33));
-const FACTORS: Field =
-    Field::new("factors", "factors on the parameter, each a mechanism of its own").limit(Limit::AtLeast(0.0));
+        .limit(NumberRange::AboveTo(0.0, 0.33));
+const FACTORS: Field = Field::new("factors", "factors on the parameter, each a mechanism of its own")
+    .limit(NumberRange::AtLeast(0.0));
 /// Error of the plant's gain if none is stated.
 const GAIN_ERROR: f64 = 0.1;
 const INPUT_ERROR: Field = Field::new(
     "input_error",
     "relative error, of any phase, at the plant's input in the linear worst case; 0 for none",
 )
-.limit(Limit::Between(0.0, 1.0))
+.limit(NumberRange::Between(0.0, 1.0))
 .or(GAIN_ERROR);
 const OUTPUT_ERROR: Field = Field::new(
     "output_error",
     "relative error, of any phase, of the hub gyroscope's reading in the linear worst case; 0 for none",
 )
-.limit(Limit::Between(0.0, 1.0))
+.limit(NumberRange::Between(0.0, 1.0))
 .or(GAIN_ERROR);
 
 /// The keys of the plant whose tolerances a campaign can vary, with the parameters that they are.
@@ -133,7 +135,7 @@ impl Project {
         let variations = self.variations_within_tolerances();
         let mut campaign = match (&self.sweep, variations.is_empty()) {
             (Some(sweep), _) => sweep.clone(),
-            (None, false) => blank(),
+            (None, false) => blank_campaign(),
             (None, true) => return None,
         };
         for variation in variations {
@@ -159,7 +161,7 @@ fn variation_within(tolerance: &KeyTolerance) -> Option<Variation> {
 }
 
 /// Returns a campaign of which nothing is written.
-pub(crate) fn blank() -> RobustnessCampaign {
+pub(crate) fn blank_campaign() -> RobustnessCampaign {
     RobustnessCampaign {
         samples: 200,
         seed: 1,
@@ -174,7 +176,7 @@ pub(crate) fn blank() -> RobustnessCampaign {
 /// Reads or lists a campaign.
 pub(crate) fn sweep(v: &mut dyn Visit, sweep: &mut RobustnessCampaign) {
     let samples = Field::new("samples", "number of mechanisms in which all parameters vary together")
-        .limit(Limit::Between(1.0, MOST_CAMPAIGN_SAMPLES));
+        .limit(NumberRange::Between(1.0, MOST_CAMPAIGN_SAMPLES));
     super::model::count(v, &samples.or(200.0).show_default(), &mut sweep.samples);
     super::seed::seed(v, "seed of the campaign", &mut sweep.seed);
     choose(v, &POINTS, &mut sweep.layout);

@@ -25,11 +25,11 @@ pub struct UnitMeaning {
     pub factor: f64,
     /// Power of ten of the size in SI units.
     pub exponent: i32,
-    /// What is measured.
+    /// Dimension of the measured quantity.
     pub dimension: Dimension,
 }
 
-/// Whether a unit takes prefixes.
+/// Rule for the prefixes of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PrefixRule {
     /// It does.

@@ -12,11 +12,11 @@ const MOST_COLUMNS: usize = 64;
 /// A named array of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedArray {
-    /// Its name; a field of a structure is `structure.field`.
+    /// Name; a field of a structure is `structure.field`.
     pub name: String,
-    /// Its unit; `None` if the file gives none.
+    /// Unit; `None` if the file gives none.
     pub unit: Option<String>,
-    /// Its values, rows x columns; a vector is a single column.
+    /// Values, rows x columns; a vector is a single column.
     pub values: Array2<f64>,
 }
 

@@ -6,7 +6,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 
 use super::DecodedFile;
 use super::budget::Budget;
-use super::physical::{Holds, Origin, column, holds};
+use super::physical::{Holds, Origin, column, content_of};
 use crate::remark::UnreadReason;
 use crate::{Error, RecordingColumn, Remark};
 
@@ -41,7 +41,7 @@ fn columns(
     for index in 0..schema.num_columns() {
         let description = schema.column(index);
         let is_list = description.max_rep_level() > 0;
-        let what = if is_list { Holds::Other("lists") } else { holds(&description) };
+        let what = if is_list { Holds::Other("lists") } else { content_of(&description) };
         // the innermost name of a list is that of its element; that of a record, one of its fields
         let parts = description.path().parts();
         let outermost = parts.first().filter(|_| is_list).cloned();

@@ -2,7 +2,7 @@
 
 use super::crossing::Margin;
 use super::moments::{MIDDLE, NODES};
-use super::ports::{NearbyAngle, Bonds, FrictionState, PlatformSpan, Point, Ports, StepSpan};
+use super::ports::{Bonds, FrictionState, NearbyAngle, PlatformSpan, Point, Ports, StepSpan};
 use super::strips::Strips;
 use super::tables::{
     FIXED_INPUTS, HOLD_ROWS, OUTPUTS, PORTS, STAGE_ROWS, STAGES, STATE, StepTable, result_length,
@@ -26,7 +26,7 @@ pub(crate) struct HeldInputs {
 pub(crate) struct StepProblem<'a> {
     /// The plant.
     pub plant: &'a Plant,
-    /// Its nonlinear parts.
+    /// Nonlinear parts.
     pub ports: &'a Ports,
     /// The matrices of this step.
     pub table: &'a StepTable,
@@ -44,7 +44,7 @@ pub(crate) struct StepProblem<'a> {
     pub held: HeldInputs,
     /// The platform along it.
     pub platform: &'a PlatformSpan,
-    /// Its start, s.
+    /// Start, s.
     pub time_s: f64,
     /// Defect that is allowed.
     pub tolerance: f64,
@@ -69,7 +69,7 @@ pub(crate) struct Attempt {
     contraction: f64,
     /// Evaluations of the ports.
     pub iterations: usize,
-    /// Whether the ports went on as in the step before.
+    /// `true` if the ports went on as in the step before.
     pub predicted: bool,
     order: usize,
 }
@@ -264,7 +264,8 @@ impl Attempt {
             drive_v: given.held.drive_v,
             about: &self.about,
         };
-        let found = given.ports.middle(given.plant, &self.span(given), &self.memory[0], &mut bonds, &point);
+        let found =
+            given.ports.middle_values(given.plant, &self.span(given), &self.memory[0], &mut bonds, &point);
         let mut worst: f64 = 0.0;
         for p in 0..PORTS {
             let mut expected = MIDDLE[0] * self.start[p];

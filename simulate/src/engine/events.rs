@@ -4,7 +4,7 @@ use super::attempt::Attempt;
 use super::crossing::{Margin, crossing, first_crossing, first_dip};
 use super::linear::{Mode, ModeOutputs, VOLTAGE};
 use super::moments::NODES;
-use super::present::{PresentPlant, Sample};
+use super::present_plant::{PresentPlant, Sample};
 use counterpoise_models::Mesh;
 
 /// A part of a sample.

@@ -13,7 +13,7 @@ use super::crossing::Margin;
 use super::linear::{Hold, dot, outputs};
 use super::moments::NODES;
 use super::ports::NearbyAngle;
-use super::present::{Instant, PresentPlant, Sample};
+use super::present_plant::{Instant, PresentPlant, Sample};
 use super::strips::Strips;
 use super::tables::{OUTPUTS, PORTS};
 use crate::tolerance::{AT_REST_RATE_RAD_S, RATE_ROUNDING_RAD_S};
@@ -112,7 +112,7 @@ impl PresentPlant {
     /// Returns the load of a joint at rest, at a state of the core.
     pub fn load(&self, joint: usize, core: &[f64], ports: &[f64; PORTS], at: &Instant) -> Load {
         let linear = self.linear();
-        let seen = linear.see(core);
+        let seen = linear.outputs_at(core);
         let stick = self.stick_at(joint, outputs(&seen), at);
         Load { stick, torque_nm: holding_torque(&linear.holds[joint], core, ports, at) }
     }
@@ -127,7 +127,7 @@ impl PresentPlant {
             let rate = self.ports.rates(self.outputs(), platform.rate)[joint];
             let state = self.friction().get(joint);
             if state == 0.0 && rate.abs() <= AT_REST_RATE_RAD_S * self.turns[joint] {
-                self.arrest(joint, rate);
+                self.stop_joint(joint, rate);
             } else if state == 0.0 || rate * state.signum() < -self.rate_rounding(joint) {
                 self.slide(joint, rate);
             }
@@ -153,7 +153,7 @@ impl PresentPlant {
         let rate = self.ports.rates(self.outputs(), at.platform.rate)[joint];
         let rounding = self.rate_rounding(joint);
         if rate * state.signum() < -rounding {
-            self.arrest(joint, rate);
+            self.stop_joint(joint, rate);
             self.set_friction(joint, 0.0);
             self.break_away(joint, at);
             return Transition::Changed;

@@ -1,7 +1,7 @@
 //! The linear core in one of its modes: which equations hold while the teeth touch or not, the voltage is at its limit
 //! or not, and either joint sticks or not.
 
-use super::modal::modal;
+use super::modal_transform::modal;
 use super::moments::{Moments, NODES};
 use super::strips::{NARROW, Strips};
 use super::tables::{DEEPEST, LEVELS, OUTPUTS, PORTS, STAGES, StepTable};
@@ -225,7 +225,7 @@ impl ModeDynamics {
     }
 
     /// Returns what is seen at z: what the nonlinear parts see, then voltage and rate of the tip.
-    pub fn see(&self, z: &[f64]) -> ModeOutputs {
+    pub fn outputs_at(&self, z: &[f64]) -> ModeOutputs {
         let mut seen = [0.0; NARROW];
         self.seen.multiply_add(z, &mut seen);
         seen
@@ -264,7 +264,7 @@ impl ModeDynamics {
     }
 
     /// Returns the size of the block before the pairs.
-    pub fn head(&self) -> usize {
+    pub fn leading_size(&self) -> usize {
         self.blocks[0].A.nrows()
     }
 

@@ -236,7 +236,7 @@ pub(crate) struct Ports {
     hub_extras: bool,
     hose: Option<Hose>,
     gear_hysteresis: Option<Hose>,
-    /// Whether the transmission has a kinematic error.
+    /// `true` if the transmission has a kinematic error.
     wavy: bool,
     axis: AxisKind,
     measured: FeedbackSignal,
@@ -244,7 +244,7 @@ pub(crate) struct Ports {
     needs_mesh_torque: bool,
     learned: Option<Box<LearnedFunctions>>,
     loads: Option<Box<Loads>>,
-    /// Whether a hydraulic cylinder drives: the valve's opening then takes the place of the wind-up.
+    /// `true` if a hydraulic cylinder drives: the valve's opening then takes the place of the wind-up.
     has_cylinder: bool,
     /// Lowest and highest current that the drive gives, A; `None` if the amplifier alone limits it.
     current_range_a: Option<[f64; 2]>,
@@ -446,7 +446,7 @@ impl Ports {
     }
 
     /// Returns the port values in the middle of a step, from the first stage on.
-    pub fn middle(
+    pub fn middle_values(
         &self,
         plant: &Plant,
         span: &StepSpan,

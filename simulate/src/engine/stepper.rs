@@ -6,7 +6,7 @@ use super::filter::Filter;
 use super::joints::Transition;
 use super::linear::{Mode, ModeOutputs};
 use super::ports::{PlatformPoint, SensorPoint};
-use super::present::{OrdinaryState, Place, PresentPlant, Sample, StepInput};
+use super::present_plant::{OrdinaryState, Place, PresentPlant, Sample, StepInput};
 use super::state::{Effort, PlantState};
 use super::tables::{DEEPEST, LEVELS, OUTPUTS, StepTable};
 use crate::Error;
@@ -31,7 +31,7 @@ pub(crate) struct Stepper {
     /// The platform at the nodes of the step that was tried.
     nodes: [PlatformPoint; 4],
     period_s: f64,
-    /// Whether any joint truly sticks.
+    /// `true` if any joint truly sticks.
     joints: bool,
     level: usize,
     finest: usize,
@@ -309,7 +309,7 @@ impl Stepper {
         let converged = self.attempt.solve(&given);
         self.nodes = platform.nodes;
         self.effort.iterations += self.attempt.iterations;
-        self.ahead = linear.see(self.attempt.end());
+        self.ahead = linear.outputs_at(self.attempt.end());
         let defect = if self.attempt.predicted { 0.0 } else { self.attempt.defect(&given) * part.share };
         let finest = self.level >= self.finest;
         let fine = converged && defect <= self.tolerance;

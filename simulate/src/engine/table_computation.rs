@@ -77,7 +77,7 @@ fn hold(core: &ModeDynamics, span: &Span) -> Option<Strips> {
 }
 
 fn flow(core: &ModeDynamics, span: &Span) -> Flow {
-    let from = core.head();
+    let from = core.leading_size();
     let phi = |block: usize, i: usize, j: usize| span.at(STAGES)[block].phi(i, j);
     let first = usize::from(from > 0);
     let head = Mat::from_fn(from, from, |i, j| phi(0, i, j));

@@ -22,7 +22,7 @@ use counterpoise_controller::{Readings, SampledController};
 use counterpoise_models::{OperatingPoint, Parameters, Plant};
 use std::f64::consts::TAU;
 
-/// What is excited, and what is measured.
+/// Loop that a frequency response test excites and measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Test {
     /// From the control (V) to the hub gyroscope (rad/s), without a controller: a constant control holds the weight.
@@ -85,7 +85,7 @@ pub struct Measurement {
     pub response: MeasuredResponse,
     /// Relative change of the response from the window before.
     pub last_change: f64,
-    /// Whether that is below what the settings ask for; if not, the motion had not settled when the windows ran out.
+    /// `true` if that is below what the settings ask for; if not, the motion had not settled when the windows ran out.
     pub settled: bool,
     /// How long the mechanism was simulated for this point, s, until it had settled.
     pub simulated_s: f64,

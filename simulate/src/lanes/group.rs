@@ -8,7 +8,7 @@ use super::table::{LaneTable, SEEN};
 use crate::engine::attempt::Continuation;
 use crate::engine::linear::ModeOutputs;
 use crate::engine::ports::{NearbyAngle, PlatformPoint};
-use crate::engine::present::{OrdinaryState, Sample};
+use crate::engine::present_plant::{OrdinaryState, Sample};
 use crate::engine::stepper::Stepper;
 use crate::engine::tables::STAGES;
 use crate::run::PlantSample;
@@ -16,7 +16,7 @@ use crate::scenario::Detail;
 use crate::tolerance::FEWEST_LANES;
 use pulp::Simd;
 
-/// Which registers an ensemble uses.
+/// Kind of registers that an ensemble uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Registers {
     /// The widest that the machine has and the engine is compiled for.

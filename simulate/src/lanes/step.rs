@@ -95,14 +95,14 @@ impl pulp::WithSimd for LaneStep<'_> {
         state.dry_nm = store_registers(&span.ports.dry_torques(&motion, span.friction));
         span.fill_inputs(state, work, &at_start);
         let fixed = setup.table.fixed_outputs(simd, &work.inputs);
-        setup.table.flow(simd, &work.inputs, &mut work.end);
+        setup.table.advance_state(simd, &work.inputs, &mut work.end);
         let guess = span.guess(state, work, outputs[HUB_ANGLE], &at_start);
         let motion = motion.at_angles(load_registers(simd, &state.travelled));
         let begin = IterationStart { outputs, motion, contraction: Lane::new(simd, state.contraction) };
         let tried = span.iterate_ports(&fixed, &begin, guess);
         setup.table.add_ports(simd, &tried.values, &mut work.end);
         let middle = setup.table.middle_outputs(simd, fixed[STAGES], &tried.values);
-        let end = setup.table.see(simd, &work.end);
+        let end = setup.table.outputs_at(simd, &work.end);
         let mut accepted = tried.converged & is_finite(simd, &work.end);
         accepted = accepted & tried.reach.is_at_most(span.splat(NEAR_ANGLE_RAD));
         accepted = accepted & span.is_free_of_events(&tried, &middle, &end, Lane::new(simd, state.offset_nm));
@@ -308,7 +308,11 @@ impl<S: Simd> Span<'_, S> {
 
     /// Evaluates the ports along the step, friction from node to node.
     #[inline(always)]
-    fn ports_along(&self, begin: &IterationStart<S>, stages: &[[Lane<S>; OUTPUTS]; STAGES]) -> PortEvaluation<S> {
+    fn ports_along(
+        &self,
+        begin: &IterationStart<S>,
+        stages: &[[Lane<S>; OUTPUTS]; STAGES],
+    ) -> PortEvaluation<S> {
         let lengths = node_lengths(self.setup.period_s);
         let zero = self.splat(0.0);
         let (mut before, mut friction) = (begin.motion, self.friction);
@@ -335,7 +339,12 @@ impl<S: Simd> Span<'_, S> {
 
     /// Returns how far the ports in the middle are from the cubics through their nodes, relative to their scales.
     #[inline(always)]
-    fn defect(&self, tried: &LaneStepResult<S>, middle: &[Lane<S>; OUTPUTS], at_start: &[Lane<S>; PORTS]) -> Lane<S> {
+    fn defect(
+        &self,
+        tried: &LaneStepResult<S>,
+        middle: &[Lane<S>; OUTPUTS],
+        at_start: &[Lane<S>; PORTS],
+    ) -> Lane<S> {
         let before = self.ports.motion(&self.point(&tried.outputs[1], 1));
         let at = self.point(middle, STAGES + 1);
         let after = self.ports.motion(&at);

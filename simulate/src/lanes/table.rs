@@ -41,9 +41,12 @@ pub(crate) const SEEN: usize = OUTPUTS + 2;
 impl LaneTable {
     /// Returns the tables of cores; `None` if they are not of one shape, or without the table of a whole sample.
     pub fn new(cores: [&ModeDynamics; LANES]) -> Option<Self> {
-        let (order, head) = (cores[0].order(), cores[0].head());
+        let (order, head) = (cores[0].order(), cores[0].leading_size());
         let alike = |core: &&ModeDynamics| {
-            core.order() == order && core.head() == head && core.table(0).is_some() && !core.has_stuck_joint()
+            core.order() == order
+                && core.leading_size() == head
+                && core.table(0).is_some()
+                && !core.has_stuck_joint()
         };
         if !cores.iter().all(alike) {
             return None;
@@ -80,7 +83,7 @@ impl LaneTable {
 
     /// Writes the state at the end that the state and the fixed inputs make.
     #[inline(always)]
-    pub fn flow<S: Simd>(&self, simd: S, inputs: &[Lanes], end: &mut [Lanes]) {
+    pub fn advance_state<S: Simd>(&self, simd: S, inputs: &[Lanes], end: &mut [Lanes]) {
         let (core, drive) = inputs.split_at(self.order);
         let zero = Lane::splat(simd, 0.0);
         let mut table = &self.head_end[..];
@@ -146,7 +149,7 @@ impl LaneTable {
 
     /// Returns what is seen at a state.
     #[inline(always)]
-    pub fn see<S: Simd>(&self, simd: S, state: &[Lanes]) -> [Lane<S>; SEEN] {
+    pub fn outputs_at<S: Simd>(&self, simd: S, state: &[Lanes]) -> [Lane<S>; SEEN] {
         sums(simd, [Lane::splat(simd, 0.0); SEEN], &self.seen, state)
     }
 }

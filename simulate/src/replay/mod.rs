@@ -51,7 +51,7 @@ pub const COMPARED: [Channel; 6] = [
     Channel::HubPosition,
 ];
 
-/// How the control of a replay comes about.
+/// Source of the control of a replay.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ReplayLoop {
     /// The recorded controller acts on the simulated readings; its state at the start is found from the recording.
@@ -115,10 +115,10 @@ struct ReadyVariant<'a> {
     controller: Box<dyn SampledController + 'a>,
 }
 
-/// How well one channel fits.
+/// Fit of one channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChannelFit {
-    /// Which one.
+    /// Channel.
     pub channel: Channel,
     /// RMS of the residual, recorded - simulated, in the channel's unit.
     pub rms_error: f64,

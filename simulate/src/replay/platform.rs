@@ -46,7 +46,7 @@ pub fn platform_motion(parameters: &Parameters, recording: &Recording) -> Platfo
 pub(crate) struct PlatformSensorInputs {
     rate: SensorInput,
     heave: SensorInput,
-    /// That of surge, if the machine has one.
+    /// Input of the sensor of surge, if the machine has one.
     surge: Option<SensorInput>,
     /// Recorded rates about the platform's forward and upward axes, rad/s.
     turning: Option<[Signal; 2]>,

@@ -432,7 +432,11 @@ impl<'a, 'b> Fit<'a, 'b> {
     }
 
     /// Returns the normal equations by forward differences, taken inwards when friction is at its level.
-    fn normal_equations(&mut self, at: &Unknowns, residuals: &[f64]) -> Result<NormalEquations<UNKNOWNS>, Error> {
+    fn normal_equations(
+        &mut self,
+        at: &Unknowns,
+        residuals: &[f64],
+    ) -> Result<NormalEquations<UNKNOWNS>, Error> {
         let free: Vec<usize> = (0..UNKNOWNS).filter(|&k| start_has(self.plant.parameters(), k)).collect();
         let sign = |k: usize| {
             let inwards = matches!(k, MOTOR_DRY | PIVOT_DRY | HOSE) && at[k] > 0.0;

@@ -35,7 +35,7 @@ pub struct SelectedReplay {
     pub divergence: Option<Divergence>,
 }
 
-/// How a recording is replayed.
+/// Mode of the replay of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ReplayMode {
     /// From its start to its end.
@@ -49,7 +49,7 @@ pub enum ReplayMode {
     },
 }
 
-/// How far two runs of one model diverge.
+/// Divergence of two runs of one model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Divergence {
     /// The channel in which they diverge most.

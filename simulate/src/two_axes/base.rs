@@ -4,7 +4,7 @@ use super::quartics::{AT, PLACES};
 use crate::motion::{SignalFollower, quartic, slope};
 use crate::signal::Signal;
 
-/// How the base moves under a traverse ring, in axes fixed to the base: x forward, y to the left, z up.
+/// Motion of the base under a traverse ring, in axes fixed to the base: x forward, y to the left, z up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaseMotion {
     /// Specific force on the ring's axis at the height of the elevation pivot, m/s^2.

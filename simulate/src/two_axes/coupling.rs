@@ -95,7 +95,7 @@ impl Coupler {
     }
 
     /// Returns the ring's motion at the places, from what the traverse axis did on its own base.
-    pub fn ring(
+    pub fn ring_motion(
         &mut self,
         base: &BaseSample,
         motion: &MotionSample,

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub use choices::{BrowsePurpose, DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
 pub use list::{CommandEntry, list_commands};
 
-/// What can be done.
+/// Action of the user.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]

@@ -14,7 +14,7 @@ pub struct HandlePosition {
 /// A handle on a weight.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WeightHandle {
-    /// Its name: "gain", "corner", "corner and damping".
+    /// Name: "gain", "corner", "corner and damping".
     pub name: &'static str,
     /// Where it stands.
     pub position: HandlePosition,
@@ -22,7 +22,7 @@ pub struct WeightHandle {
     pub effect: HandleEffect,
 }
 
-/// What a handle changes when it is moved along the frequency axis or up and down. Keys are below the weight's path.
+/// Keys that a handle changes when it is moved along the frequency axis or up and down. Keys are below the weight's path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum HandleEffect {
     /// Up and down: `gain` in proportion.
@@ -48,9 +48,9 @@ pub enum HandleEffect {
 /// A number of a weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WeightNumber {
-    /// Its key in the table of the weight.
+    /// Key in the table of the weight.
     pub key: &'static str,
-    /// Its value, in the unit of the project file.
+    /// Value, in the unit of the project file.
     pub value: f64,
 }
 

@@ -17,7 +17,7 @@ pub struct ListingRequest {
     pub purpose: BrowsePurpose,
 }
 
-/// What a folder holds, as far as it serves a purpose.
+/// Entries of a folder that serve a purpose.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FolderListing {
     /// What was asked for.

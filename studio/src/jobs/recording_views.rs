@@ -53,9 +53,9 @@ pub struct ReplayedFiles {
 /// A column of a recording's file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ColumnName {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its unit, if the file states one.
+    /// Unit, if the file states one.
     pub unit: Option<String>,
 }
 
@@ -91,7 +91,7 @@ pub struct ChannelView {
     pub improved: Option<SimulatedView>,
 }
 
-/// What a model makes of a channel.
+/// Simulation of a channel by a model.
 #[derive(Debug, Clone)]
 pub struct SimulatedView {
     /// The simulated samples.

@@ -53,10 +53,10 @@ impl OpenProject {
     }
 }
 
-/// How far the window's closing is.
+/// State of the window's closing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum WindowClosing {
-    /// Nobody wants to close it.
+    /// No request to close it.
     #[default]
     No,
     /// It closes when the project is closed.
@@ -73,7 +73,7 @@ pub struct Studio {
     pub view: StudioView,
     /// What is remembered for the user.
     pub user_settings: UserSettings,
-    /// What was computed.
+    /// Computed results.
     pub results: ComputedResults,
     /// The commands that concern files and are not done yet.
     pub file_queue: FileQueue,

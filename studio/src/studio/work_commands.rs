@@ -16,7 +16,7 @@ use crate::jobs::plot_copy::{CopyFormat, CopyRequest, CopyTarget};
 use crate::jobs::recording_views::ReplayRequest;
 use crate::jobs::report_job::ReportRequest;
 use crate::jobs::verification::VerificationRequest;
-use crate::versioned_results::Versioned;
+use crate::versioned_results::VersionedResult;
 use counterpoise_host::recent_files::RecentList;
 
 /// A design with its verification, both of the project as it stands.
@@ -27,11 +27,11 @@ struct CurrentVerification {
 }
 
 impl Studio {
-    fn verification_request(&self) -> Option<Versioned<VerificationRequest>> {
+    fn verification_request(&self) -> Option<VersionedResult<VerificationRequest>> {
         let (opened, of) = (self.opened.as_ref()?, self.results.design.as_ref()?);
         let folder = ProjectFolder(opened.path.parent().unwrap_or(Path::new(".")).to_owned());
         let value = VerificationRequest { design: Arc::clone(&of.value), folder };
-        Some(Versioned { revision: of.revision, value })
+        Some(VersionedResult { revision: of.revision, value })
     }
 
     pub(super) fn verify(&mut self) {

@@ -11,7 +11,7 @@ use crate::Error;
 
 pub use recursive_least_squares::{RecursiveLeastSquares, RecursiveSettings};
 
-/// How control volts become what the drive acts on: the inverse use of an amplifier's measured curve.
+/// Curve from control volts to the quantity that the drive acts on: the inverse use of an amplifier's measured curve.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Curve {
     /// Points (control V, equivalent V of a linear drive), the control increasing; empty for a linear drive. Beyond the
@@ -33,7 +33,7 @@ impl Curve {
     }
 }
 
-/// What both estimators need to know of the machine.
+/// Machine parameters that both estimators need.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scale {
     /// Equivalent volts that hold one kg m at one m/s^2.
@@ -91,7 +91,7 @@ impl WindowedMean {
     }
 }
 
-/// Which estimator sets the out-of-balance of an [`AdaptiveController`] controller.
+/// Estimator that sets the out-of-balance of an [`AdaptiveController`].
 #[derive(Debug, Clone)]
 pub enum Estimation {
     /// The windowed mean.

@@ -24,14 +24,14 @@ use crate::{DesignPlant, Error, Sampling};
 use basis::Basis;
 use program::{Program, ProgramSolution};
 
-/// What the best feedback is sought for.
+/// Input of the search for the best linear feedback.
 #[derive(Debug, Clone, Copy)]
 pub struct BestLoopTask<'a> {
     /// The plant.
     pub plant: &'a DesignPlant,
     /// How a controller would be sampled.
     pub sampling: &'a Sampling,
-    /// What acts on the loop.
+    /// Disturbance that acts on the loop.
     pub disturbance: &'a Disturbance,
     /// What the loop must keep; those of |S|, |T|, |KS|, noise gain and effort are convex and count, margins and poles are left out.
     pub limits: LoopLimits,
@@ -75,9 +75,9 @@ const COARSE: usize = 4;
 /// gives up; those of the plant.
 pub fn best_loop(task: &BestLoopTask<'_>) -> Result<BestLoop, Error> {
     let ground = Ground::new(task)?;
-    let basis = Basis::whole(&ground)?;
+    let basis = Basis::build_full(&ground)?;
     let (found, lower_bound_rad_s) = ground.solve(task, &basis)?;
-    let half = ground.solve(task, &Basis::half(&ground)?);
+    let half = ground.solve(task, &Basis::build_half(&ground)?);
     Ok(BestLoop {
         lower_bound_rad_s,
         half_basis_rad_s: half.ok().map(|found| found.0.residual_rad_s),
@@ -90,7 +90,7 @@ pub(crate) struct Ground {
     pub grid: LoopGrid,
     /// The plant on the grid.
     pub P: Vec<C64>,
-    /// Its gain at zero frequency.
+    /// Gain at zero frequency.
     pub P0: f64,
     pub period_s: f64,
     pub system: StateSpace,

@@ -5,7 +5,7 @@
 //!                       |1 - P Q_k| <= Ms,  |P Q_k| <= Mt,  |Q_k| <= KS  at the used frequencies,   P(0) Q(0) = 1
 //! ```
 
-use counterpoise_linalg::{C64, Cone, ConeProgram, Mat, ConeFailure, qr_r};
+use counterpoise_linalg::{C64, Cone, ConeFailure, ConeProgram, Mat, qr_r};
 
 use super::Ground;
 use super::basis::Basis;

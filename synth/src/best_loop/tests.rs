@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::fixed_structure::{Block, BlockKind, FixedStructure};
-use crate::rational::RationalFunction;
+use crate::rational_function::RationalFunction;
 use crate::tuning::{TuningTask, tune_parameters};
 
 /// A servo with drag and a lag of the drive.

@@ -13,7 +13,7 @@ use counterpoise_lti::StateSpace;
 
 use super::candidate::{MORE_PHASE, SHAPES};
 use super::neighbours::stiffen;
-use super::scan::{Candidate, FurtherShapes, PER_DECADE, Scan, HypothesisRow};
+use super::scan::{Candidate, FurtherShapes, Tried, PER_DECADE, Scan};
 use super::{Circumstances, LimitLoops};
 use crate::bandwidth::{Bandwidth, LimitKind, Unknown};
 use crate::tolerance::HIGHER_BANDWIDTH;
@@ -28,7 +28,7 @@ const MOST_AIMS: i32 = 2 * PER_DECADE;
 const HALVINGS: usize = 3;
 
 /// The candidate of the highest bandwidth among those that miss certain limits and no others.
-type Highest = BTreeMap<Vec<u8>, HypothesisRow>;
+type Highest = BTreeMap<Vec<u8>, Tried>;
 
 /// A bandwidth with its limits, and the loops that show them.
 pub(super) struct BandwidthWithLoops {
@@ -47,7 +47,7 @@ struct HigherLoop {
 ///
 /// # Errors
 /// Those of the design.
-pub(super) fn bandwidth(scan: &mut Scan, found: &HypothesisRow) -> Result<BandwidthWithLoops, Error> {
+pub(super) fn bandwidth(scan: &mut Scan, found: &Tried) -> Result<BandwidthWithLoops, Error> {
     let reached = found.judgement.bandwidth_rad_s;
     let limits = scan.summary();
     // One limit at a time is left out: what misses two is not the answer without either.
@@ -87,7 +87,11 @@ pub(super) fn bandwidth(scan: &mut Scan, found: &HypothesisRow) -> Result<Bandwi
 }
 
 /// Returns a candidate with its loop if its bandwidth is higher than what is reached.
-fn higher_loop(scan: &Scan, tried: Option<&HypothesisRow>, reached_rad_s: f64) -> Result<Option<HigherLoop>, Error> {
+fn higher_loop(
+    scan: &Scan,
+    tried: Option<&Tried>,
+    reached_rad_s: f64,
+) -> Result<Option<HigherLoop>, Error> {
     match tried {
         Some(tried) if tried.judgement.bandwidth_rad_s > reached_rad_s * (1.0 + HIGHER_BANDWIDTH) => {
             let rate_rad_s = tried.judgement.bandwidth_rad_s;
@@ -121,7 +125,7 @@ struct Causes {
 /// Looks for the bandwidths without each limit, and those with each cause of phase lag lifted: three searches that know nothing of each other.
 fn search_in_parallel(
     scan: &mut Scan,
-    found: &HypothesisRow,
+    found: &Tried,
     kinds: &[LimitKind],
 ) -> Result<(Highest, Causes), Error> {
     let given = Given::of(scan);
@@ -158,21 +162,21 @@ impl<'a> Given<'a> {
     }
 
     /// The bandwidth with a much stiffer structure; `None` if it is no higher or there is no mode to stiffen.
-    fn without_modes(&self, found: &HypothesisRow) -> Result<Option<HigherLoop>, Error> {
+    fn without_modes(&self, found: &Tried) -> Result<Option<HigherLoop>, Error> {
         let reached = found.judgement.bandwidth_rad_s;
         let stiff = with_plants(self.circumstances, |plant| stiffen(plant, reached))?;
         if stiff == *self.circumstances { Ok(None) } else { self.loop_above(&stiff, found) }
     }
 
     /// The bandwidth with an ideal sensor and no delay; `None` if it is no higher or they are so already.
-    fn without_lags(&self, found: &HypothesisRow) -> Result<Option<HigherLoop>, Error> {
+    fn without_lags(&self, found: &Tried) -> Result<Option<HigherLoop>, Error> {
         let mut quick = with_plants(self.circumstances, |plant| Ok(without_lags(plant)))?;
         quick.sampling = Sampling { delay_samples: 0, ..quick.sampling };
         if quick == *self.circumstances { Ok(None) } else { self.loop_above(&quick, found) }
     }
 
     /// The highest bandwidth above an answer in other circumstances, where the same is known as in the given ones.
-    fn loop_above(&self, other: &Circumstances, found: &HypothesisRow) -> Result<Option<HigherLoop>, Error> {
+    fn loop_above(&self, other: &Circumstances, found: &Tried) -> Result<Option<HigherLoop>, Error> {
         let mut lifted = Scan::new(other, self.pool)?;
         lifted.unknown.clone_from(&self.unknown);
         lifted.further_shapes = self.further_shapes;

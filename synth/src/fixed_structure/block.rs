@@ -2,7 +2,7 @@
 
 use counterpoise_linalg::C64;
 
-use crate::rational::RationalFunction;
+use crate::rational_function::RationalFunction;
 use crate::weight::quadratic_roots;
 
 /// A block with its parameters, in the order of [`BlockKind::parameters`].
@@ -17,7 +17,7 @@ pub struct Block {
 /// A parameter, all of which are positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BlockParameter {
-    /// Its value; where it is tuned, the first value that is tried.
+    /// Value; where it is tuned, the first value that is tried.
     pub value: Option<f64>,
     /// Lowest and highest value that the tuning may choose; `None` fixes the value, or without a value leaves the range to
     /// the tuning.
@@ -47,7 +47,7 @@ pub enum BlockKind {
     SecondOrderLowPass,
 }
 
-/// What a parameter is.
+/// Kind of a block's parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ParameterName {
     /// Gain, V s/rad.
@@ -232,7 +232,9 @@ impl BlockKind {
             Self::Lead => RationalFunction::new(&[real(-p[0])], &[real(-p[0] * p[1])], p[1]),
             Self::Lag => RationalFunction::new(&[real(-p[0])], &[real(-p[0] / p[1])], 1.0),
             Self::Notch => RationalFunction::new(&pair(p[0], p[1] * p[2]), &pair(p[0], p[1]), 1.0),
-            Self::Biquad => RationalFunction::new(&pair(p[0], p[1]), &pair(p[2], p[3]), (p[2] / p[0]).powi(2)),
+            Self::Biquad => {
+                RationalFunction::new(&pair(p[0], p[1]), &pair(p[2], p[3]), (p[2] / p[0]).powi(2))
+            }
             Self::LowPass => RationalFunction::new(&[], &[real(-p[0])], p[0]),
             Self::SecondOrderLowPass => RationalFunction::new(&[], &pair(p[0], p[1]), p[0] * p[0]),
         }

@@ -15,7 +15,7 @@ pub use block::{Block, BlockKind, BlockParameter, ParameterName};
 
 use crate::Error;
 use crate::error_feedback::from_demand_and_reading;
-use crate::rational::RationalFunction;
+use crate::rational_function::RationalFunction;
 
 /// Blocks in series.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -7,7 +7,7 @@ use counterpoise_lti::{StateSpace, delay_samples};
 use super::DraftedPart;
 use super::held_plant::{Problem, bilinear, discretise_under_hold, remove_delay};
 use super::rows::Rows;
-use crate::certificate::{PartCertificates, Cost};
+use crate::certificate::{Cost, PartCertificates};
 use crate::finding::Part;
 use crate::stage::{Estimate, Extension, SampledNoise, Stage, filter, update_by_reading};
 use crate::{Design, DesignPlant, Error, FeedbackWeights, Reference, Sampling};
@@ -47,8 +47,12 @@ pub(crate) fn feedback(design: &Design, sampling: &Sampling) -> Result<DraftedPa
         predicted: mean(full.predict_cost(&regulator.F, &estimate, &held.noise)?),
         achieved: mean(held.plant.closed_loop_cost(&from_reading, &held.noise, T)?),
     };
-    let certified =
-        PartCertificates { part: Part::Feedback, cost, regulator: regulator.into(), filter: Some(filter.into()) };
+    let certified = PartCertificates {
+        part: Part::Feedback,
+        cost,
+        regulator: regulator.into(),
+        filter: Some(filter.into()),
+    };
     Ok(DraftedPart { system: controller.select(&[0], &[0, 1]), certified })
 }
 
@@ -105,7 +109,7 @@ impl SampledFeedbackProblem {
         })
     }
 
-    /// Whether the error weight has states.
+    /// Returns whether the error weight has states.
     fn weighs(&self) -> bool {
         self.error.order() > 0
     }

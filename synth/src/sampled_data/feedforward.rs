@@ -6,7 +6,7 @@ use counterpoise_lti::{StateSpace, delay_samples};
 use super::DraftedPart;
 use super::held_plant::{Problem, bilinear, discretise_under_hold, pad_columns, remove_delay};
 use super::rows::Rows;
-use crate::certificate::{PartCertificates, Cost, Equation};
+use crate::certificate::{Cost, Equation, PartCertificates};
 use crate::feedforward::with_derivatives;
 use crate::finding::Part;
 use crate::stage::{Estimate, SampledNoise, Stage, filter, update_by_reading};
@@ -227,7 +227,7 @@ impl DisturbedStage {
         Ok((F, solution.into()))
     }
 
-    /// What a reading of the disturbance tells of every state: the covariance between plant and disturbance before a
+    /// Returns what a reading of the disturbance tells of every state: the covariance between plant and disturbance before a
     /// reading obeys P = (A_pp P + A_pf Y) (A_f (I - M C))' + W_pf.
     fn estimate(&self, stage: &Stage, Y: &Mat, f: &[usize], noise: &SampledNoise) -> Result<Estimate, Error> {
         let p: Vec<usize> = (0..stage.order()).filter(|i| !f.contains(i)).collect();

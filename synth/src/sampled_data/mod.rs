@@ -26,6 +26,6 @@ pub(crate) struct DraftedPart {
     /// Feedback: from (demand, rate) to the control. Feedforward: from the measured disturbance to (control, hub rate that
     /// is expected of the sensor).
     pub system: StateSpace,
-    /// Its certificates.
+    /// Certificates.
     pub certified: PartCertificates,
 }

@@ -26,7 +26,7 @@ pub(crate) struct LoopGrid {
 pub(crate) struct LoopPlant {
     /// From the held control to the reading.
     pub system: StateSpace,
-    /// Its response on the grid.
+    /// Response on the grid.
     pub response: Vec<C64>,
 }
 

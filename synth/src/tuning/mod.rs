@@ -25,7 +25,7 @@ mod grid;
 mod limits;
 mod loop_response;
 mod problem;
-mod random;
+mod random_generator;
 mod search;
 mod shape;
 mod starts;
@@ -44,7 +44,7 @@ use crate::fixed_structure::FixedStructure;
 use crate::{DesignPlant, Error, FeedbackWeights, Sampling, SamplingMethod, Specification};
 use search::Search;
 
-/// What is tuned, on what, for what.
+/// Input of a tuning: structure, plants and objective.
 #[derive(Debug, Clone)]
 pub struct TuningTask<'a> {
     /// What is tuned.
@@ -54,7 +54,7 @@ pub struct TuningTask<'a> {
     /// Further plants on which the loop must be stable: the machine with what the linear plant leaves out, such as gravity's
     /// gradient. A loop that only drifts there is stable.
     pub held: &'a [DesignPlant],
-    /// How the controller is sampled.
+    /// Sampling of the controller.
     pub sampling: &'a Sampling,
     /// What acts on the loop: the objective is the rate that it leaves.
     pub disturbance: &'a Disturbance,
@@ -66,7 +66,7 @@ pub struct TuningTask<'a> {
     pub seed: u64,
 }
 
-/// What a tuning moves.
+/// Quantities that a tuning changes.
 #[derive(Debug, Clone, Copy)]
 pub enum TuningSubject<'a> {
     /// The open parameters of a fixed structure.

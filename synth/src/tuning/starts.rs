@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::blocks::Blocks;
 use super::grid::{LoopGrid, LoopPlant};
-use super::random::RandomGenerator;
+use super::random_generator::RandomGenerator;
 use crate::fixed_structure::ParameterName;
 
 /// Crossovers of the starts, over half the sample rate: from a two-thousandth of it to a sixth, beyond which the hold leaves no phase.

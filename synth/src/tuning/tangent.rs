@@ -5,7 +5,7 @@
 //!     under   f_p + g_p' h <= t,    v_i + g_i' h <= s,    s >= 0,    low <= h <= high
 //! ```
 
-use counterpoise_linalg::{Cone, ConeProgram, ConeFailure};
+use counterpoise_linalg::{Cone, ConeFailure, ConeProgram};
 
 use super::evaluation::Evaluation;
 use super::loop_response::Row;

@@ -6,7 +6,7 @@ use counterpoise_linalg::sparse::VectorEntry;
 use super::problem::Problem;
 use super::*;
 use crate::fixed_structure::{Block, BlockKind};
-use crate::rational::RationalFunction;
+use crate::rational_function::RationalFunction;
 
 /// A servo with drag and a structural mode: 40 (s^2/60^2 + ...) / ((s + 0.5)(s^2/80^2 + ...)).
 fn servo(gain: f64, mode: f64) -> DesignPlant {
@@ -151,7 +151,8 @@ fn a_loop_holds_a_pendulum_that_the_plant_without_its_angle_does_not_show() {
     let plant = DesignPlant::ideal(RationalFunction::new(&[], &poles, 120.0).realise().unwrap(), 0, 0);
     let root = (0.0625_f64 + 4.0).sqrt();
     let toppling = [C64::new(-0.25 + root, 0.0), C64::new(-0.25 - root, 0.0), C64::new(-60.0, 0.0)];
-    let held = DesignPlant::ideal(RationalFunction::new(&[C64::ZERO], &toppling, 120.0).realise().unwrap(), 0, 0);
+    let held =
+        DesignPlant::ideal(RationalFunction::new(&[C64::ZERO], &toppling, 120.0).realise().unwrap(), 0, 0);
     let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([3.0, 10.0]));
     let (structure, plants) = (open_structure(&PI_LAG), [plant]);
     let task = |held| TuningTask {

@@ -12,7 +12,7 @@ use counterpoise_linalg::C64;
 use counterpoise_lti::StateSpace;
 
 use crate::Error;
-use crate::rational::RationalFunction;
+use crate::rational_function::RationalFunction;
 
 /// A weight over frequency, in the forms of the source thesis and those that a designer draws.
 #[derive(Debug, Clone, PartialEq)]
@@ -117,8 +117,12 @@ impl Weight {
         match self {
             Weight::Constant { gain } => RationalFunction::new(&[], &[], *gain),
             Weight::Integral { gain, time_s } => RationalFunction::new(&[], &[C64::ZERO], gain / time_s),
-            Weight::Lag { gain, time_s } => RationalFunction::new(&[], &[to_complex(-1.0 / time_s)], gain / time_s),
-            Weight::Lead { gain, time_s } => RationalFunction::new(&[to_complex(-1.0 / time_s)], &[], gain * time_s),
+            Weight::Lag { gain, time_s } => {
+                RationalFunction::new(&[], &[to_complex(-1.0 / time_s)], gain / time_s)
+            }
+            Weight::Lead { gain, time_s } => {
+                RationalFunction::new(&[to_complex(-1.0 / time_s)], &[], gain * time_s)
+            }
             Weight::Quadratic { gain, second_s2, first_s } => polynomial(*gain, *second_s2, *first_s, 1.0),
             Weight::QuadraticFreeAtZero { gain, second_s2, first_s } => {
                 polynomial(*gain, *second_s2, *first_s, 0.0)
@@ -128,9 +132,9 @@ impl Weight {
             Weight::Notch { gain, centre_rad_s, width, factor } => {
                 notch(*gain, *centre_rad_s, *width, *factor)
             }
-            Weight::Product(parts) => {
-                parts.iter().fold(RationalFunction::new(&[], &[], 1.0), |all, part| all.times(&part.rational()))
-            }
+            Weight::Product(parts) => parts
+                .iter()
+                .fold(RationalFunction::new(&[], &[], 1.0), |all, part| all.times(&part.rational())),
             Weight::Table { fitted, .. } => fitted.rational(),
         }
     }

@@ -1,14 +1,14 @@
 //! The shape of a weight over frequency: both ends, and where one passes into the other.
 
-use crate::rational::RationalFunction;
+use crate::rational_function::RationalFunction;
 use crate::weight::Weight;
 
-/// How a weight goes over frequency.
+/// Course of a weight over frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum WeightShape {
     /// The same at every frequency.
     Constant {
-        /// Its modulus.
+        /// Modulus.
         modulus: f64,
     },
     /// It has zeros or poles.
@@ -56,7 +56,7 @@ pub enum HighFrequency {
     },
 }
 
-/// Where a weight passes from one end to the other.
+/// Transition of a weight from one end to the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Transition {
     /// A power of the frequency at all rates: where its modulus is one.
@@ -137,7 +137,7 @@ impl Weight {
         Some(after)
     }
 
-    /// Where a weight that is level at both ends is largest or smallest between them, if by more than 3 dB.
+    /// Returns where a weight that is level at both ends is largest or smallest between them, if by more than 3 dB.
     fn extreme(&self, rational: &RationalFunction) -> Option<Transition> {
         if rational.order_at_zero() != 0 || rational.relative_degree() != 0 {
             return None;

@@ -54,14 +54,14 @@ fn time_problem(problem: &Value) -> (Value, f64) {
     (answer, seconds.min(SECONDS.get()))
 }
 
-/// What a computation returns; its time is that of the problem.
+/// Returns what a computation returns; its time is that of the problem.
 fn measure_time<T>(run: impl FnOnce() -> T) -> T {
     let (found, seconds) = run_clocked(run);
     SECONDS.set(seconds);
     found
 }
 
-/// What a computation returns, and the time that it took, s: the processor's time, or the time of the clock if that is below a millisecond, because
+/// Returns what a computation returns, and the time that it took, s: the processor's time, or the time of the clock if that is below a millisecond, because
 /// reading the processor's time takes some microseconds.
 fn run_clocked<T>(run: impl FnOnce() -> T) -> (T, f64) {
     let (before, start) = (processor_seconds(), Instant::now());

@@ -162,13 +162,18 @@ fn read(sensor: &Gyro, value: f64, heave: f64, bits: u32, dice: &mut Dice) -> f6
     quantise(reading * sensor.volts, bits) / sensor.volts
 }
 
-/// What came out of a sensor some samples ago.
+/// Returns what came out of a sensor some samples ago.
 fn late_reading(history: &[f64], samples: usize) -> f64 {
     history[history.len().saturating_sub(1 + samples)]
 }
 
 /// Runs the machine through an experiment in closed loop with the recorder's own controller and writes it down.
-pub fn record(machine: &Machine, recorder: &Recorder, experiment: &Experiment, dice: &mut Dice) -> WrittenColumns {
+pub fn record(
+    machine: &Machine,
+    recorder: &Recorder,
+    experiment: &Experiment,
+    dice: &mut Dice,
+) -> WrittenColumns {
     let mut integral = 0.0;
     let mut law = |readings: &[f64; 6]| {
         let error = readings[0] - readings[1];

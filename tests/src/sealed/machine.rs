@@ -1,7 +1,7 @@
 //! The mechanism of the reference rig, written apart from the studio's simulator: Runge and Kutta's classical method
 //! at a fixed step, states and friction in forms of its own, for recordings whose truth the diagnosis cannot see.
 
-/// What the machine has; every field in SI units.
+/// Parameters of a sealed machine; every field in SI units.
 #[derive(Debug, Clone)]
 pub struct Machine {
     pub gravity: f64,
@@ -63,11 +63,11 @@ pub const SLIPS: usize = 3;
 pub struct HiddenFunction {
     pub acts: FunctionTarget,
     pub over: FunctionVariable,
-    /// Its terms; they add up.
+    /// Terms; they add up.
     pub terms: Vec<Term>,
 }
 
-/// What a hidden function is: a torque, N m, or what is added to a factor of 1.
+/// Quantity that a hidden function acts on: a torque, N m, or a factor of 1 to which it is added.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FunctionTarget {
     PivotTorque,
@@ -78,7 +78,7 @@ pub enum FunctionTarget {
     GearStiffness,
 }
 
-/// What a hidden function follows.
+/// Variable of a hidden function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FunctionVariable {
     /// The hub's angle on the platform, rad.
@@ -194,7 +194,7 @@ pub struct Gyro {
     pub late: usize,
 }
 
-/// What the platform does at an instant.
+/// Motion of the platform at an instant.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Platform {
     pub angle: f64,
@@ -292,7 +292,8 @@ impl Machine {
         let winding = spin / self.ratio + platform.rate - hub_rate;
         let gear = self.mesh(wound, winding);
         at.load = gear;
-        let gear = gear + self.hidden_sum(FunctionTarget::GearStiffness, at) * (gear - self.gear_damping * winding);
+        let gear =
+            gear + self.hidden_sum(FunctionTarget::GearStiffness, at) * (gear - self.gear_damping * winding);
         let lost = (1.0 - self.mesh_efficiency) * gear;
         let forward = 0.5 * (1.0 + spin / spin.hypot(0.05) * gear.signum());
         let (to_hub, to_motor) = (gear - forward * lost, gear - (1.0 - forward) * lost);

@@ -10,9 +10,11 @@ pub mod table;
 pub mod truth;
 pub mod unnamed_machines;
 
-pub use experiment::{Dice, Experiment, Kind, PERIOD, Recorder, SAMPLES, WrittenColumns, record, record_under};
+pub use experiment::{
+    Dice, Experiment, Kind, PERIOD, Recorder, SAMPLES, WrittenColumns, record, record_under,
+};
 pub use row::{Row, score};
-pub use truth::{ConcealedEffect, Family, SealedAnswer};
+pub use truth::{ConcealedEffect, MachineFamily, SealedAnswer};
 
 use counterpoise_controller::{Controller, ProportionalIntegral, Runner};
 use counterpoise_models::{Parameters, reference};

@@ -6,7 +6,7 @@ use counterpoise_diagnose::library::EffectName;
 use counterpoise_recordings::{Channel, Recording};
 use serde::{Deserialize, Serialize};
 
-use super::{Case, ConcealedEffect, Family, KINDS, PERIOD, SealedAnswer, WrittenColumns};
+use super::{Case, ConcealedEffect, KINDS, MachineFamily, PERIOD, SealedAnswer, WrittenColumns};
 
 /// One machine's score.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -35,7 +35,7 @@ pub struct Row {
     /// Mean ln(RMS / floor) over the channels, data that was not fitted: the model as it was, the improved one.
     pub held_out_before: f64,
     pub held_out_after: f64,
-    /// Whether data that was not fitted got worse.
+    /// `true` if data that was not fitted got worse.
     pub damaged: bool,
     pub seconds: f64,
     /// For each concealed effect, the RMS change that it makes beside the others to the most changed channel, in floors.
@@ -116,7 +116,7 @@ pub fn recording_of(index: usize, written: &WrittenColumns) -> Recording {
 /// Scores an answer.
 pub fn score(seed: u64, case: &Case, answer: &Answer, seconds: f64) -> Row {
     let sealed = &case.sealed;
-    let known = sealed.family != Family::Outside;
+    let known = sealed.family != MachineFamily::Outside;
     let count = |hit: &dyn Fn(&ConcealedEffect) -> bool| sealed.concealed.iter().filter(|c| hit(c)).count();
     let any = |hit: &dyn Fn(&Finding) -> bool| answer.findings.iter().any(hit);
     let names = |c: &str, e: &str| format!("{c} {e}");
@@ -153,7 +153,7 @@ pub fn score(seed: u64, case: &Case, answer: &Answer, seconds: f64) -> Row {
     }
 }
 
-/// Whether a name is the concealed effect's, or one that such recordings cannot tell from it.
+/// Returns whether a name is the concealed effect's, or one that such recordings cannot tell from it.
 fn is(c: &ConcealedEffect, name: Name) -> bool {
     (c.component, c.effect) == name.names() || c.also.contains(&name.names())
 }

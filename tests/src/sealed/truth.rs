@@ -18,9 +18,9 @@ pub struct ConcealedEffect {
     pub also: Vec<(&'static str, &'static str)>,
 }
 
-/// How a machine was drawn.
+/// Family from which a machine was drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Family {
+pub enum MachineFamily {
     Nothing,
     Single,
     Pair,
@@ -31,7 +31,7 @@ pub enum Family {
 /// The sealed answer of one machine.
 #[derive(Debug, Clone)]
 pub struct SealedAnswer {
-    pub family: Family,
+    pub family: MachineFamily,
     pub concealed: Vec<ConcealedEffect>,
     pub noise: f64,
     pub motor_rate: bool,
@@ -137,21 +137,21 @@ pub fn conceal(seed: u64, machine: &mut Machine) -> (SealedAnswer, Vec<Machine>)
     let mut dice = Dice::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5ea1);
     let draw = dice.uniform(0.0, 1.0);
     let family = match draw {
-        d if d < 0.20 => Family::Nothing,
-        d if d < 0.40 => Family::Outside,
-        d if d < 0.55 => Family::Pair,
-        d if d < 0.68 => Family::Instrument,
-        _ => Family::Single,
+        d if d < 0.20 => MachineFamily::Nothing,
+        d if d < 0.40 => MachineFamily::Outside,
+        d if d < 0.55 => MachineFamily::Pair,
+        d if d < 0.68 => MachineFamily::Instrument,
+        _ => MachineFamily::Single,
     };
     let noise = [0.5, 1.0, 3.0][dice.draw_below(3)];
     let sensors = dice.draw_below(3);
     let mut without = vec![machine.clone()];
     let concealed = match family {
-        Family::Nothing => Vec::new(),
-        Family::Outside => vec![outside_effect(machine, &mut dice)],
-        Family::Instrument => vec![instrument(machine, &mut dice)],
-        Family::Single => vec![physics(machine, &mut dice, usize::MAX)],
-        Family::Pair => {
+        MachineFamily::Nothing => Vec::new(),
+        MachineFamily::Outside => vec![outside_effect(machine, &mut dice)],
+        MachineFamily::Instrument => vec![instrument(machine, &mut dice)],
+        MachineFamily::Single => vec![physics(machine, &mut dice, usize::MAX)],
+        MachineFamily::Pair => {
             let first = dice.draw_below(PHYSICS);
             let second = (first + 1 + dice.draw_below(PHYSICS - 1)) % PHYSICS;
             let one = physics(machine, &mut dice, first);
@@ -192,7 +192,7 @@ pub fn conceal_one(which: usize, size: f64, machine: &mut Machine) -> (SealedAns
         let signed = size * sign(&mut dice);
         instrument_of(machine, which - ALL_PHYSICS, size, signed)
     };
-    let family = if which < ALL_PHYSICS { Family::Single } else { Family::Instrument };
+    let family = if which < ALL_PHYSICS { MachineFamily::Single } else { MachineFamily::Instrument };
     let sealed =
         SealedAnswer { family, concealed: vec![concealed], noise: 1.0, motor_rate: true, hub_position: true };
     (sealed, without)
@@ -201,7 +201,13 @@ pub fn conceal_one(which: usize, size: f64, machine: &mut Machine) -> (SealedAns
 /// Returns the answer of a machine that is as its project describes it, with all sensors and the usual noise.
 pub fn unchanged_machine() -> SealedAnswer {
     let concealed = Vec::new();
-    SealedAnswer { family: Family::Nothing, concealed, noise: 1.0, motor_rate: true, hub_position: true }
+    SealedAnswer {
+        family: MachineFamily::Nothing,
+        concealed,
+        noise: 1.0,
+        motor_rate: true,
+        hub_position: true,
+    }
 }
 
 /// A size spread evenly in its logarithm around one that is easily seen.
@@ -308,7 +314,12 @@ fn structure_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Conce
 }
 
 /// One effect with one parameter.
-fn one(component: &'static str, effect: &'static str, parameter: &'static str, value: f64) -> ConcealedEffect {
+fn one(
+    component: &'static str,
+    effect: &'static str,
+    parameter: &'static str,
+    value: f64,
+) -> ConcealedEffect {
     ConcealedEffect { component, effect, parameters: vec![(parameter, value)], size: 1.0, also: Vec::new() }
 }
 

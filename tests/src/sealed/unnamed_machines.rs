@@ -3,11 +3,11 @@
 use counterpoise_models::Parameters;
 
 use super::experiment::{Dice, WrittenColumns};
-use super::machine::{FunctionTarget, HiddenFunction, Machine, FunctionVariable, Term};
+use super::machine::{FunctionTarget, FunctionVariable, HiddenFunction, Machine, Term};
 use super::truth::machine;
 use super::{KINDS, experiment_of, recorded_plainly};
 
-/// What a machine conceals.
+/// Concealed function of a machine.
 pub struct UnnamedMachine {
     /// The kind of shape.
     pub shape: &'static str,
@@ -71,16 +71,30 @@ fn conceal(which: usize, m: &mut Machine, dice: &mut Dice) {
     match which {
         0 => {
             let (centre, width) = (dice.uniform(-0.04, 0.04), dice.uniform(0.008, 0.03));
-            hide(FunctionTarget::PivotLevel, FunctionVariable::Angle, vec![Term::Bump([0.8 * s, centre, width])]);
+            hide(
+                FunctionTarget::PivotLevel,
+                FunctionVariable::Angle,
+                vec![Term::Bump([0.8 * s, centre, width])],
+            );
         }
-        1 => hide(FunctionTarget::PivotLevel, FunctionVariable::Angle, smooth(dice, (0.4 * s).min(0.8), [15.0, 80.0])),
+        1 => hide(
+            FunctionTarget::PivotLevel,
+            FunctionVariable::Angle,
+            smooth(dice, (0.4 * s).min(0.8), [15.0, 80.0]),
+        ),
         2 => hide(FunctionTarget::PivotTorque, FunctionVariable::Angle, vec![Term::Power(-1.5e5 * s, 3)]),
         3 => hide(FunctionTarget::PivotTorque, FunctionVariable::Angle, vec![Term::Power(800.0 * s, 1)]),
         4 => {
             let stop = dice.uniform(0.02, 0.05);
-            hide(FunctionTarget::PivotTorque, FunctionVariable::Angle, vec![Term::Stops([8e3 * s, stop, 0.006])]);
+            hide(
+                FunctionTarget::PivotTorque,
+                FunctionVariable::Angle,
+                vec![Term::Stops([8e3 * s, stop, 0.006])],
+            );
         }
-        5 => hide(FunctionTarget::PivotTorque, FunctionVariable::Angle, vec![Term::Power(1.5e4 * s * sign, 2)]),
+        5 => {
+            hide(FunctionTarget::PivotTorque, FunctionVariable::Angle, vec![Term::Power(1.5e4 * s * sign, 2)])
+        }
         6 => hide(FunctionTarget::PivotTorque, FunctionVariable::Angle, smooth(dice, 60.0 * s, [10.0, 60.0])),
         7 => hide(FunctionTarget::PivotTorque, FunctionVariable::Rate, vec![Term::Power(-1.5e4 * s, 3)]),
         8 => {
@@ -92,7 +106,9 @@ fn conceal(which: usize, m: &mut Machine, dice: &mut Dice) {
             let time = dice.uniform(0.8, 8.0);
             hide(FunctionTarget::PivotLevel, FunctionVariable::Time, vec![Term::Rise([0.6 * s, time])]);
         }
-        10 => hide(FunctionTarget::GearStiffness, FunctionVariable::Load, vec![Term::Power(4e-4 * s * sign, 1)]),
+        10 => {
+            hide(FunctionTarget::GearStiffness, FunctionVariable::Load, vec![Term::Power(4e-4 * s * sign, 1)])
+        }
         _ => {
             let level = |k: usize| 25.0 * s * (1.0 + k as f64);
             m.slips = std::array::from_fn(|k| [level(k), level(k) / (0.004 * 2.5f64.powi(k as i32))]);

@@ -216,7 +216,10 @@ impl<'a> Example<'a> {
         let last = (begins + length..found.len()).rfind(off);
         let angles = found.truth.hub_angle_rad().iter().zip(undisturbed.truth.hub_angle_rad());
         let distance_rad = angles.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
-        FaultRecovery { recovery_s: last.map_or(0.0, |k| (k - begins - length) as f64 * period_s), distance_rad }
+        FaultRecovery {
+            recovery_s: last.map_or(0.0, |k| (k - begins - length) as f64 * period_s),
+            distance_rad,
+        }
     }
 }
 

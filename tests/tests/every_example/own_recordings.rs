@@ -129,7 +129,11 @@ impl<C: SampledController> SampledController for ReadingRecorder<C> {
 }
 
 /// A recording under the fixed-point form of a controller that read so; `None` if it has none.
-fn in_fixed_point(designed: &DesignedExample, plant: &Plant, readings: Vec<[f64; READINGS]>) -> Option<Recording> {
+fn in_fixed_point(
+    designed: &DesignedExample,
+    plant: &Plant,
+    readings: Vec<[f64; READINGS]>,
+) -> Option<Recording> {
     let controller: &Controller = &designed.made.sampled.controller;
     let length = readings.len();
     let ranges = Ranges::from_readings(controller, &[readings], RANGE_MARGIN);
@@ -138,7 +142,7 @@ fn in_fixed_point(designed: &DesignedExample, plant: &Plant, readings: Vec<[f64;
     Some(record(designed, plant, &mut FixedRunner::new(&fixed)))
 }
 
-/// What is wrong with the replays of an example's recordings; `None` if it designs no controller.
+/// Returns what is wrong with the replays of an example's recordings; `None` if it designs no controller.
 fn wrong(path: &Path) -> Option<Vec<String>> {
     let designed = examples::design_example(path)?;
     let procedure = designed.project.verify.as_ref().map(|verify| verify.procedure.step.rate_rad_s.abs());

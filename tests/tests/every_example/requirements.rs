@@ -13,7 +13,7 @@ use counterpoise_verify::Verdict;
 /// Predicted and achieved H2 norm agree within this.
 const COST: f64 = 1e-6;
 
-/// What is wrong with the costs of the same design made again in sampled time.
+/// Returns what is wrong with the costs of the same design made again in sampled time.
 fn in_sampled_time(made: &SynthesisedDesign) -> Option<String> {
     let sampling = Sampling { method: SamplingMethod::SampledData, ..made.sampling.clone() };
     match discretise(&made.design, &sampling) {
@@ -25,7 +25,7 @@ fn in_sampled_time(made: &SynthesisedDesign) -> Option<String> {
     }
 }
 
-/// What is wrong with an example's design; `None` if it asks for none.
+/// Returns what is wrong with an example's design; `None` if it asks for none.
 fn wrong(path: &Path) -> Option<Vec<String>> {
     examples::resolve_example(path, Purpose::Export).unwrap().synth?;
     let designed = examples::design_example(path)?;

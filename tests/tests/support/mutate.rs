@@ -1,4 +1,4 @@
-//! Changes of stored inputs, for tests that feed a reader what nobody meant.
+//! Changes of stored inputs, for tests that give a reader corrupted input.
 #![allow(dead_code)]
 
 use std::path::{Path, PathBuf};

@@ -8,7 +8,7 @@ use counterpoise_models::friction::describing_function::sinusoidal_loop;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, Impedance};
 use counterpoise_models::{Friction, FrictionLaw};
 
-use super::elements::{Elements, ElementLoop, ObserverGain, Sinusoid, quasi_linear, with_mesh};
+use super::elements::{ElementLoop, Elements, ObserverGain, Sinusoid, quasi_linear, with_mesh};
 use super::floor::Subject;
 use crate::Error;
 use crate::linear::SampledPlant;
@@ -23,13 +23,13 @@ pub(super) struct SettledLoop {
     pub elements: Elements,
     /// The loop with them.
     pub linear: ElementLoop,
-    /// Its least stable pole.
+    /// Least stable pole.
     pub pole: C64,
     /// The gear's gap.
     pub mesh: MeshBalance,
 }
 
-/// What the first output of the mechanism is.
+/// Quantity of the first output of the mechanism.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HubOutput {
     /// The hub's rate.

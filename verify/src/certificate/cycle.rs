@@ -9,7 +9,7 @@ use counterpoise_linalg::C64;
 use counterpoise_lti::Response;
 
 use super::balance::{CycleBalance, MeshBalance, SettledLoop};
-use super::elements::{Elements, Learning, ElementLoop, Sinusoid};
+use super::elements::{ElementLoop, Elements, Learning, Sinusoid};
 use super::floor::Subject;
 use super::gap::gap_share;
 use super::regime::{Teeth, teeth_can_part};
@@ -33,7 +33,7 @@ pub struct Cycle {
     pub frequency_error: f64,
 }
 
-/// How fast a sinusoidal motion grows.
+/// Growth of a sinusoidal motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Growth {
     /// Amplitude of the hub's rate, rad/s.
@@ -63,7 +63,7 @@ pub(super) struct CycleBracket {
 }
 
 /// The loop whose balance is sought.
-pub(super) struct Balance<'a> {
+pub(super) struct HarmonicBalance<'a> {
     pub(super) subject: &'a Subject<'a>,
     pub(super) teeth: Teeth,
     /// Torque that presses the teeth together at rest, N m.
@@ -72,7 +72,7 @@ pub(super) struct Balance<'a> {
     pub(super) start_rad_s: f64,
 }
 
-impl<'a> Balance<'a> {
+impl<'a> HarmonicBalance<'a> {
     pub(super) fn new(subject: &'a Subject<'a>) -> Result<Self, Error> {
         let point = &subject.procedure.operating_point;
         let rest = ElementLoop::close(subject, &Elements::at_rest(subject)?, Learning::Still)?;

@@ -29,7 +29,7 @@ pub struct ObserverGain {
     pub integral: f64,
 }
 
-/// What stands for the nonlinear parts.
+/// Linear replacements of the nonlinear parts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Elements {
     /// Friction at the motor shaft.
@@ -215,7 +215,7 @@ pub(super) struct ElementLoop {
 /// What the estimator does in a linear loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Learning {
-    /// Its estimate stands still.
+    /// The estimate stands still.
     Still,
     /// It learns, about the state in which it starts.
     Active,

@@ -4,9 +4,9 @@ use counterpoise_lti::Response;
 
 use super::balance::{MeshBalance, SettledLoop};
 use super::cycle::{
-    Balance, CycleBracket, Cycle, Growth, frequency_error, motor_over_hub, rate_of, third_harmonic,
+    Cycle, CycleBracket, Growth, HarmonicBalance, frequency_error, motor_over_hub, rate_of, third_harmonic,
 };
-use super::elements::{Elements, Learning, ElementLoop, Sinusoid};
+use super::elements::{ElementLoop, Elements, Learning, Sinusoid};
 use super::gap::gap_share;
 use crate::Error;
 use crate::linear::plant::port;
@@ -20,7 +20,7 @@ struct Swing {
     settled: SettledLoop,
 }
 
-impl Balance<'_> {
+impl HarmonicBalance<'_> {
     /// Limit cycles in which the teeth part: sought over the swing of the gear's wind-up, because the same swing of the hub can go with
     /// teeth that stay together and with teeth that part.
     pub(super) fn rattling_cycles(&self) -> Result<Vec<CycleBracket>, Error> {

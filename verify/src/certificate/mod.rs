@@ -59,16 +59,16 @@ pub struct CertifiedCase {
     pub out_of_balance_kg_m: f64,
 }
 
-/// What the certificate says about a case.
+/// Verdict of the certificate on a case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stability {
     /// The loop is stable in every regime, and no motion stays that exceeds two noise floors.
     Stable,
     /// A limit cycle stays.
     LimitCycle {
-        /// Its amplitude: half the range of the hub's rate, rad/s, or of what the loop controls, in its unit.
+        /// Amplitude: half the range of the hub's rate, rad/s, or of what the loop controls, in its unit.
         amplitude_rad_s: f64,
-        /// Its frequency, Hz.
+        /// Frequency, Hz.
         frequency_hz: f64,
     },
     /// The motion grows without bound, or until the drive saturates.
@@ -173,7 +173,7 @@ fn certify_case(subject: &Subject<'_>) -> Result<CaseCertificate, Error> {
     let noise_floor_rad_s = subject.noise_floor_rad_s();
     let regimes = regime::loops(subject)?;
     let prediction = prediction::predict(subject)?;
-    let orbits = orbit::follow(subject, &prediction)?;
+    let orbits = orbit::follow_orbits(subject, &prediction)?;
     let rest = runs::at_rest(subject)?;
     let motion = runs::run_in_motion(subject)?;
     let mut found = CaseCertificate {

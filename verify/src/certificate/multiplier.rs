@@ -25,7 +25,7 @@ use counterpoise_linalg::{C64, CMat, Cone, ConeProgram};
 use crate::structured::taylor::{RateInterval, Taylor};
 use crate::tolerance::{HOPELESS_EIGENVALUE, KERNELS, MULTIPLIER_SPLITS, MULTIPLIER_START, NEGLIGIBLE_TERM};
 
-/// What is known about the friction at a joint.
+/// Known properties of the friction at a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FrictionKnowledge {
     /// It takes energy out of the motion.
@@ -34,7 +34,7 @@ pub enum FrictionKnowledge {
     FunctionOfRate,
     /// It is an odd function that never falls.
     Rises,
-    /// Its torque changes by at most this times the displacement, N m/rad, and never against it.
+    /// The torque changes by at most this times the displacement, N m/rad, and never against it.
     Stiffness(f64),
 }
 
@@ -95,7 +95,7 @@ pub enum TermKind {
 /// N and R of a proof.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Multiplier {
-    /// Its terms.
+    /// Terms.
     pub terms: Vec<MultiplierTerm>,
     /// Rate by which derivatives are divided, rad/s.
     pub reference_rad_s: f64,
@@ -105,7 +105,7 @@ pub struct Multiplier {
 /// H over an interval.
 pub type LoopOverInterval<'a> = dyn Fn(RateInterval) -> Option<Vec<Vec<Taylor>>> + 'a;
 
-/// How a check between points ended.
+/// Outcome of a check between points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ProofOutcome {
     /// It holds at every frequency of the range.

@@ -4,7 +4,7 @@ use counterpoise_lti::{StateSpace, candidate_margins};
 use counterpoise_models::friction::FrictionModel;
 
 use super::CertifiedCase;
-use super::elements::{Elements, Learning, ElementLoop};
+use super::elements::{ElementLoop, Elements, Learning};
 use super::floor::Subject;
 use crate::Error;
 use crate::tolerance::{GRID_LOWEST_HZ, GRID_POINTS, LARGEST_SENSITIVITY, OPEN};
@@ -28,7 +28,7 @@ pub enum Regime {
     TeethOpen,
 }
 
-/// Whether the gear teeth can part.
+/// Rule for the parting of the gear teeth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Teeth {
     /// There is no gap.

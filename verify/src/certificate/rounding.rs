@@ -4,7 +4,7 @@ use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, lft};
 use counterpoise_models::QuantityKind;
 
-use super::elements::{Elements, Learning, ElementLoop};
+use super::elements::{ElementLoop, Elements, Learning};
 use super::floor::{ReadingNoise, Subject};
 use crate::Error;
 use crate::linear::plant::port;

@@ -21,18 +21,19 @@ use counterpoise_models::{Friction, FrictionLaw};
 use super::elements::{ObserverGain, quasi_linear};
 use super::floor::Subject;
 use super::multiplier::{
-    BestMultiplier, FrictionKnowledge, Multiplier, ProofOutcome, StabilityCriterion, adds_terms, search_multiplier,
+    BestMultiplier, FrictionKnowledge, Multiplier, ProofOutcome, StabilityCriterion, adds_terms,
+    search_multiplier,
 };
 use super::regime::{Teeth, grid_rad_s, teeth_can_part};
 use crate::Error;
 use crate::structured::closing::{GainErrors, outermost_pole};
 use crate::structured::factor::Factor;
-use crate::structured::loops::{Pieces, PulledLoop, UncertainParameter, UncertainLoop};
+use crate::structured::loops::{Pieces, PulledLoop, UncertainLoop, UncertainParameter};
 use crate::structured::places::{LinearisedDryFriction, Place, without_dry};
 use crate::structured::taylor::{RateInterval, Taylor};
 use crate::tolerance::{ALIASES, MULTIPLIER_RANGE, MULTIPLIER_ROUNDS};
 
-/// What the sector argument says about a loop.
+/// Result of the sector argument for a loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SectorProof {
     /// The strongest criterion that was needed, or tried in vain.
@@ -65,7 +66,7 @@ impl SectorProof {
     }
 }
 
-/// What is known of a friction; `None` if it may give energy.
+/// Returns what is known of a friction; `None` if it may give energy.
 fn knowledge(friction: &Friction) -> Result<Option<FrictionKnowledge>, Error> {
     let plain = friction.static_ratio <= 1.0;
     if FrictionModel::new(friction)?.is_modulated() {

@@ -28,12 +28,12 @@ use sources::{BudgetMachine, switch_off};
 
 pub use sources::ErrorSource;
 
-/// What one source makes of the error: values in the order of [`crate::line_of_sight::SightError::values`].
+/// Contribution of one source to the error: values in the order of [`crate::line_of_sight::SightError::values`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contribution {
     /// The source.
     pub source: ErrorSource,
-    /// Its share of the mean square, rad^2; negative if it reduces the error of the others.
+    /// Share of the mean square, rad^2; negative if it reduces the error of the others.
     pub share_rad2: [f64; 5],
     /// RMS with this source alone, on the flexible structure, rad.
     pub alone_rad: [f64; 5],
@@ -43,7 +43,7 @@ pub struct Contribution {
     pub linear: Option<LinearContribution>,
 }
 
-/// What the linear loop makes of a source.
+/// Contribution of a source in the linear loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearContribution {
     /// RMS, rad, in the order of [`crate::line_of_sight::SightError::values`].
@@ -352,7 +352,7 @@ impl Runs<'_> {
     }
 }
 
-/// What a mean square grows by between two runs.
+/// Returns what a mean square grows by between two runs.
 fn mean_square_growth(j: usize, [before, after]: [&RunError; 2]) -> f64 {
     after.rad[j].powi(2) - before.rad[j].powi(2)
 }

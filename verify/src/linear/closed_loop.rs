@@ -14,7 +14,7 @@ use crate::{Arrangement, Error};
 pub struct ClosedLoop {
     /// (demand, heave, pitch rate) -> (hub rate, tip rate, motor rate, current, control about its holding value).
     pub system: StateSpace,
-    /// Its poles, in the z-plane.
+    /// Poles, in the z-plane.
     pub poles: Vec<C64>,
     /// The loop broken at the plant's input, for negative feedback: 1 + L is the return difference. Absent without a controller.
     pub broken: Option<StateSpace>,

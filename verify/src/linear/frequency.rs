@@ -4,7 +4,7 @@ use counterpoise_linalg::{C64, CMat};
 
 use super::loop_responses::{LoopResponse, loop_responses};
 use super::plant::port;
-use super::plant_response::{ACCELEROMETER, HUB_GYRO, PLATFORM_GYRO, PlantResponse, hold};
+use super::plant_response::{ACCELEROMETER, HUB_GYRO, PLATFORM_GYRO, PlantResponse, hold_and_delay};
 use super::{ArrangedLoop, ClosedLoop, SampledPlant};
 use crate::{Arrangement, Error, Source};
 
@@ -156,7 +156,7 @@ fn rejection_of(
         let (G, rate) = (&at.continuous[k], at.rates_rad_s[k]);
         let Some(K) = controller else { return G[(port::HUB, input)] };
         let tone = control_tone(plant, &K[k], &at.readings[k], &reading_tones(plant, G, input, rate));
-        G[(port::HUB, input)] + G[(port::HUB, 0)] * hold(plant, rate) * tone
+        G[(port::HUB, input)] + G[(port::HUB, 0)] * hold_and_delay(plant, rate) * tone
     };
     [(Source::Heave, 1), (Source::Pitch, 2)].map(|(source, input)| Rejection {
         source,
@@ -165,7 +165,7 @@ fn rejection_of(
     })
 }
 
-/// What a tone of the platform puts into the readings, without control.
+/// Returns what a tone of the platform puts into the readings, without control.
 fn reading_tones(plant: &SampledPlant, continuous: &CMat, input: usize, rate: f64) -> Vec<C64> {
     let delays = &plant.delays.readings;
     let late = |i: usize| C64::from_polar(1.0, -rate * plant.sample_period_s * delays[i].samples as f64);

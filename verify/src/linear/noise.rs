@@ -6,10 +6,10 @@ use super::SampledPlant;
 use super::closed_loop::ClosedLoop;
 use super::frequency::break_loop;
 use super::plant::port;
-use super::plant_response::{PlantResponse, hold};
+use super::plant_response::{PlantResponse, hold_and_delay};
 use crate::Error;
 
-/// Where noise enters a loop.
+/// Place at which noise enters a loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NoiseEntry {
     /// The reading with this place among the readings ([`counterpoise_controller::READING_NAMES`]), after its delay.
@@ -47,7 +47,8 @@ pub fn noise_responses(
     let Some(K) = at.controller(closed)? else { return Ok(Vec::new()) };
     let broken = break_loop(&K, &at.readings);
     let through = |k: usize, row: usize| {
-        at.continuous[k][(row, 0)] * hold(plant, at.rates_rad_s[k]) / (C64::new(1.0, 0.0) + broken[k])
+        at.continuous[k][(row, 0)] * hold_and_delay(plant, at.rates_rad_s[k])
+            / (C64::new(1.0, 0.0) + broken[k])
     };
     let response = |entry: NoiseEntry| {
         let gain = |k: usize| match entry {

@@ -13,7 +13,7 @@ pub(super) const HUB_GYRO: usize = 1;
 pub(super) const PLATFORM_GYRO: usize = 2;
 pub(super) const ACCELEROMETER: usize = 3;
 
-/// What a plant contributes to its curves: computed once, while controllers come and go.
+/// Contribution of a plant to its curves: computed once for all controllers.
 #[derive(Debug, Clone)]
 pub struct PlantResponse {
     /// Frequencies, Hz.
@@ -50,7 +50,7 @@ fn to_readings(plant: &SampledPlant) -> StateSpace {
 }
 
 /// The hold and the control's delay.
-pub(crate) fn hold(plant: &SampledPlant, rate: f64) -> C64 {
+pub(crate) fn hold_and_delay(plant: &SampledPlant, rate: f64) -> C64 {
     let angle = rate * plant.sample_period_s;
     let j = C64::new(0.0, angle);
     (C64::new(1.0, 0.0) - (-j).exp()) / j * C64::from_polar(1.0, -angle * plant.delays.control as f64)

@@ -6,25 +6,25 @@ use counterpoise_models::plant::Plant;
 
 use super::{VariedParameter, figures_of};
 use crate::measure::Value;
-use crate::{Error, Figure, Procedure};
+use crate::{Error, PerformanceFigure, Procedure};
 
 /// A parameter that varies alone, and its factors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Family {
     /// The parameter.
     pub parameter: VariedParameter,
-    /// Its factors.
+    /// Factors.
     pub factors: Vec<f64>,
 }
 
-/// How a mechanism differs from the nominal one.
+/// Difference of a mechanism from the nominal one.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MemberDifference {
     /// One parameter is multiplied by a factor.
     Scaled {
         /// The parameter.
         parameter: VariedParameter,
-        /// Its factor.
+        /// Factor.
         factor: f64,
     },
     /// It is in the configuration of this name.
@@ -48,7 +48,7 @@ pub fn one_at_a_time(
     nominal: &Parameters,
     controller: &Controller,
     procedure: &Procedure,
-    figures: &[Figure],
+    figures: &[PerformanceFigure],
     families: &[Family],
 ) -> Result<Vec<FamilyMember>, Error> {
     let mut members = Vec::new();
@@ -75,7 +75,7 @@ pub fn compare_configurations(
     nominal: &Parameters,
     controller: &Controller,
     procedure: &Procedure,
-    figures: &[Figure],
+    figures: &[PerformanceFigure],
 ) -> Result<Vec<FamilyMember>, Error> {
     let member = |configuration| {
         let plant = Plant::from_lumped(&nominal.with_configuration(configuration)?)?;

@@ -11,7 +11,7 @@ use crate::linear::closed_loop::resolver_use;
 use crate::linear::{ArrangedLoop, ClosedLoop, SampledPlant, arrange_controller, surge};
 use crate::measure::{MeasuredFigure, Value, history_figures, infinite_figures, loop_figures};
 use crate::verification::{linear_history, linear_plant, rejection_figures};
-use crate::{Arrangement, Error, Figure, Model, Procedure, MissingReason, nonlinear};
+use crate::{Arrangement, Error, MissingReason, Model, PerformanceFigure, Procedure, nonlinear};
 
 /// Measures `wanted`, in that order: infinite where the loop diverges, absent where there is no such number.
 ///
@@ -21,7 +21,7 @@ pub fn figures_of(
     plant: &Plant,
     controller: &Controller,
     procedure: &Procedure,
-    wanted: &[Figure],
+    wanted: &[PerformanceFigure],
 ) -> Result<Vec<Value>, Error> {
     let mut found = Vec::new();
     let mut linear: Option<LinearLoop> = None;
@@ -38,7 +38,7 @@ pub fn figures_of(
         };
         found.extend(measured);
     }
-    let value = |figure: &Figure| {
+    let value = |figure: &PerformanceFigure| {
         let absent = Value::Absent { why: MissingReason::NotRun };
         found
             .iter()
@@ -56,11 +56,13 @@ pub fn history_of(
     plant: &Plant,
     controller: &Controller,
     procedure: &Procedure,
-    figure: &Figure,
+    figure: &PerformanceFigure,
 ) -> Result<Option<History>, Error> {
     match need_of(figure, procedure) {
         Need::Margins | Need::Tone(..) => Ok(None),
-        Need::Linear(experiment) => LinearLoop::new(plant, controller, procedure)?.history(experiment, procedure),
+        Need::Linear(experiment) => {
+            LinearLoop::new(plant, controller, procedure)?.history(experiment, procedure)
+        }
         Need::Simulated(experiment) => {
             match nonlinear::run_history(&mut Simulator::new(plant)?, controller, procedure, experiment) {
                 Err(Error::Simulate(counterpoise_simulate::Error::Diverged { .. })) => Ok(None),
@@ -79,7 +81,7 @@ enum Need {
     Simulated(Experiment),
 }
 
-fn needs(wanted: &[Figure], procedure: &Procedure) -> Vec<Need> {
+fn needs(wanted: &[PerformanceFigure], procedure: &Procedure) -> Vec<Need> {
     let mut needs = Vec::new();
     for figure in wanted {
         let need = need_of(figure, procedure);
@@ -90,21 +92,23 @@ fn needs(wanted: &[Figure], procedure: &Procedure) -> Vec<Need> {
     needs
 }
 
-fn need_of(figure: &Figure, procedure: &Procedure) -> Need {
+fn need_of(figure: &PerformanceFigure, procedure: &Procedure) -> Need {
     let on = |model: Model, experiment| match model {
         Model::Linear => Need::Linear(experiment),
         Model::Nonlinear => Need::Simulated(experiment),
     };
     match *figure {
-        Figure::Loop(_) => Need::Margins,
-        Figure::Step(model, _) => on(model, Experiment::Step),
-        Figure::Triangle(model, _) => on(model, Experiment::Triangle),
-        Figure::Disturbance(model, source, arrangement, _) => {
+        PerformanceFigure::Loop(_) => Need::Margins,
+        PerformanceFigure::Step(model, _) => on(model, Experiment::Step),
+        PerformanceFigure::Triangle(model, _) => on(model, Experiment::Triangle),
+        PerformanceFigure::Disturbance(model, source, arrangement, _) => {
             on(model, Experiment::Disturbance(source, arrangement))
         }
-        Figure::Rejection { arrangement, frequency_hz, .. } => Need::Tone(arrangement, frequency_hz),
-        Figure::Rest(_) => Need::Simulated(Experiment::Rest),
-        Figure::Sight(_) => Need::Simulated(line_of_sight::sight_experiment(procedure)),
+        PerformanceFigure::Rejection { arrangement, frequency_hz, .. } => {
+            Need::Tone(arrangement, frequency_hz)
+        }
+        PerformanceFigure::Rest(_) => Need::Simulated(Experiment::Rest),
+        PerformanceFigure::Sight(_) => Need::Simulated(line_of_sight::sight_experiment(procedure)),
     }
 }
 
@@ -183,7 +187,11 @@ impl<'a> LinearLoop<'a> {
     }
 
     /// Returns the loop of an arrangement with the one that meets surge, where that is another.
-    fn loops_with_surge(&self, arrangement: Arrangement, closed: ClosedLoop) -> Result<Vec<ArrangedLoop>, Error> {
+    fn loops_with_surge(
+        &self,
+        arrangement: Arrangement,
+        closed: ClosedLoop,
+    ) -> Result<Vec<ArrangedLoop>, Error> {
         let meets = surge::acting_arrangement(&self.sampled, arrangement);
         let mut loops = vec![ArrangedLoop { arrangement, closed }];
         if meets != arrangement {

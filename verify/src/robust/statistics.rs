@@ -24,7 +24,7 @@ pub struct Summary {
     pub worst: Option<usize>,
 }
 
-/// How strongly a parameter moves a figure.
+/// Influence of a parameter on a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParameterInfluence {
     /// Index of the variation.
@@ -35,7 +35,7 @@ pub struct ParameterInfluence {
     pub sense: Sense,
 }
 
-/// What of a factor moves a figure.
+/// Property of a factor that correlates with a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sense {
     /// The factor: more of it raises the figure, or lowers it.
@@ -74,7 +74,11 @@ pub fn summarise_requirement(campaign: &Campaign, samples: &[Sample], requiremen
 /// Returns the parameters by the size of their rank correlation with the requirement's figure, strongest first. A figure that any
 /// departure from the design spoils (the rejection by a feedforward) has no order in the factor itself: then its distance from 1 is
 /// compared.
-pub fn rank_parameters(campaign: &Campaign, samples: &[Sample], requirement: usize) -> Vec<ParameterInfluence> {
+pub fn rank_parameters(
+    campaign: &Campaign,
+    samples: &[Sample],
+    requirement: usize,
+) -> Vec<ParameterInfluence> {
     let judged: Vec<&Sample> = samples.iter().filter(|s| !s.values[requirement].is_nan()).collect();
     let figure = ranks(&judged.iter().map(|s| s.values[requirement]).collect::<Vec<f64>>());
     let one = |variation: usize| {

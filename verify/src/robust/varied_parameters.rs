@@ -108,7 +108,12 @@ impl VariedParameter {
 
     /// Returns whether the parameter belongs to the controller, not to the mechanism.
     pub fn is_of_controller(self) -> bool {
-        matches!(self, VariedParameter::ObserverLevel | VariedParameter::ObserverStiffness | VariedParameter::ObserverGain)
+        matches!(
+            self,
+            VariedParameter::ObserverLevel
+                | VariedParameter::ObserverStiffness
+                | VariedParameter::ObserverGain
+        )
     }
 
     /// Returns the controller with its friction observers' parameter multiplied by `factor`; the controller as it is for a
@@ -176,8 +181,12 @@ impl VariedParameter {
                 .flatten()
                 .collect(),
             VariedParameter::OutOfBalance => lumped.map(|l| &mut l.out_of_balance_kg_m).into_iter().collect(),
-            VariedParameter::StructureStiffness => lumped.map(|l| &mut l.stiffness_nm_rad).into_iter().collect(),
-            VariedParameter::StructureDamping => lumped.map(|l| &mut l.damping_nm_s_rad).into_iter().collect(),
+            VariedParameter::StructureStiffness => {
+                lumped.map(|l| &mut l.stiffness_nm_rad).into_iter().collect()
+            }
+            VariedParameter::StructureDamping => {
+                lumped.map(|l| &mut l.damping_nm_s_rad).into_iter().collect()
+            }
             VariedParameter::Viscous => {
                 vec![&mut p.motor_friction.viscous_nm_s_rad, &mut p.pivot_friction.viscous_nm_s_rad]
             }

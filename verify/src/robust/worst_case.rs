@@ -13,11 +13,11 @@ pub struct WorstMechanism {
     pub value: f64,
     /// The figure of the worst sample, where the search began.
     pub start: f64,
-    /// That sample, whose sensor noise the search keeps.
+    /// Number of the worst sample, whose sensor noise the search keeps.
     pub sample: usize,
     /// How many mechanisms were tried.
     pub tried: usize,
-    /// Whether the search ended because its steps grew small, not because of its limit.
+    /// `true` if the search ended because its steps grew small, not because of its limit.
     pub converged: bool,
 }
 

@@ -51,7 +51,7 @@ pub struct LoopClosure {
     pub plant: StateSpace,
     /// The controller with the gain errors before and behind it.
     pub controller: StateSpace,
-    /// What the loop controls.
+    /// Quantity that the loop controls.
     pub controlled: ControlledQuantity,
 }
 

@@ -3,7 +3,7 @@
 use counterpoise_linalg::C64;
 
 use super::Perturbation;
-use super::problem::{DestabilisingMechanism, Direction, Problem, FrequencyBounds, StatedRange};
+use super::problem::{DestabilisingMechanism, Direction, FrequencyBounds, Problem, StatedRange};
 use crate::Error;
 use crate::tolerance::{LIMIT_GAIN, LIMIT_NEARNESS, NEAREST_CANDIDATES};
 
@@ -65,7 +65,11 @@ impl Search<'_, '_> {
     }
 
     /// The least scale at which the candidate destabilises, each parameter also tried at the ends of its range.
-    fn improve_candidate(&self, mut candidate: Direction, near: f64) -> Result<Option<DestabilisingMechanism>, Error> {
+    fn improve_candidate(
+        &self,
+        mut candidate: Direction,
+        near: f64,
+    ) -> Result<Option<DestabilisingMechanism>, Error> {
         let Some(mut scale) = self.limit(&candidate, near)? else { return Ok(None) };
         for k in 0..candidate.deltas.len() {
             for end in [-1.0, 1.0] {
@@ -106,7 +110,11 @@ impl Search<'_, '_> {
         Ok(Some(high))
     }
 
-    fn describe_perturbation(&self, candidate: &Direction, scale: f64) -> Result<DestabilisingMechanism, Error> {
+    fn describe_perturbation(
+        &self,
+        candidate: &Direction,
+        scale: f64,
+    ) -> Result<DestabilisingMechanism, Error> {
         let pole = self.0.pole(candidate, scale)?;
         let factor = |(one, delta): (&StatedRange, &f64)| (one.varied, one.factor.at(scale * delta));
         let factors = self.0.entering.iter().zip(&candidate.deltas).map(factor).collect();
@@ -119,6 +127,9 @@ impl Search<'_, '_> {
     }
 }
 
-fn nearer_of(old: Option<DestabilisingMechanism>, new: Option<DestabilisingMechanism>) -> Option<DestabilisingMechanism> {
+fn nearer_of(
+    old: Option<DestabilisingMechanism>,
+    new: Option<DestabilisingMechanism>,
+) -> Option<DestabilisingMechanism> {
     old.into_iter().chain(new).min_by(|a, b| a.scale.total_cmp(&b.scale))
 }

@@ -73,7 +73,7 @@ pub fn parameter_places(varied: VariedParameter) -> &'static [Place] {
     }
 }
 
-/// What stands for dry friction in a linear plant, at motor and pivot.
+/// Linear replacements of dry friction at motor and pivot.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct LinearisedDryFriction {
     /// Viscous friction, N m s/rad.
@@ -82,7 +82,7 @@ pub struct LinearisedDryFriction {
     pub springs: [f64; 2],
 }
 
-/// Whether friction slides or rests in a linear loop.
+/// State of friction in a linear loop: sliding or at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Joints {
     /// Friction slides: dry friction is viscous friction of the same work.

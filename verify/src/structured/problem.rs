@@ -4,9 +4,9 @@ use counterpoise_controller::Controller;
 use counterpoise_linalg::{C64, CMat};
 use counterpoise_models::parameters::Parameters;
 
-use super::closing::{LoopClosure, GainErrors, close_perturbed_loop, outermost_pole};
+use super::closing::{GainErrors, LoopClosure, close_perturbed_loop, outermost_pole};
 use super::factor::{Factor, Reach};
-use super::loops::{UncertainParameter, UncertainLoop};
+use super::loops::{UncertainLoop, UncertainParameter};
 use super::places::{
     Joints, LinearisedDryFriction, Place, dry_as_viscous, parameter_places, presliding_stiffness, without_dry,
 };
@@ -17,7 +17,7 @@ use crate::tolerance::{
 };
 use crate::{Error, Procedure};
 
-/// What is uncertain about a loop.
+/// Uncertain parameters of a loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
     /// Parameters with their ranges.
@@ -65,7 +65,7 @@ pub struct DestabilisingMechanism {
 pub struct StatedRange {
     /// The parameter.
     pub varied: VariedParameter,
-    /// Its factor over the deviation.
+    /// Factor over the deviation.
     pub factor: Factor,
 }
 

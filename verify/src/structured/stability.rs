@@ -7,7 +7,7 @@ use super::loops::PulledLoop;
 use super::nearest_mechanism::find_nearest;
 use super::places::Joints;
 use super::problem::{
-    Bounds, DestabilisingMechanism, Direction, Mechanism, Problem, FrequencyBounds, StatedRange, Uncertainty,
+    Bounds, DestabilisingMechanism, Direction, FrequencyBounds, Mechanism, Problem, StatedRange, Uncertainty,
 };
 use super::{Perturbation, UpperBound};
 use crate::robust::VariedParameter;
@@ -21,7 +21,7 @@ pub struct RobustStability {
     pub bounds: Vec<Bounds>,
     /// The loop is stable for all parameters in the stated ranges widened by less than this: 1 over the largest upper bound.
     pub guaranteed: f64,
-    /// Where the upper bound is largest, Hz.
+    /// Frequency at which the upper bound is largest, Hz.
     pub worst_hz: f64,
     /// The smallest perturbation that was found to make the loop unstable.
     pub found: Option<DestabilisingMechanism>,
@@ -35,7 +35,7 @@ pub struct RobustStability {
     pub proof: BoundProof,
 }
 
-/// What proves the bounds of a [`RobustStability`], for whoever checks them by other code.
+/// Proof of the bounds of a [`RobustStability`], for a check by other code.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoundProof {
     /// The systems of which M is made.

@@ -15,7 +15,7 @@ pub use matrix_market::matrix_market;
 pub use node_map::{Dof, NodeMap};
 pub use op4::{Op4, read_op4};
 
-use super::fe::{FeModel, AttachedMasses, NodeRows};
+use super::fe::{AttachedMasses, FeModel, NodeRows};
 use super::large::{Condensation, Shapes};
 use super::sparse_structure::SparseStructure;
 use crate::Error;

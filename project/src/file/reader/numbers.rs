@@ -3,7 +3,7 @@
 use super::Reader;
 use crate::assumption::{Assumption, KeyTolerance, ToleranceKind};
 use crate::diagnostic::DiagnosticKind;
-use crate::file::field::{DefaultRule, Fallback, Field, Limit, UnitHint, UsualRange};
+use crate::file::field::{DefaultRule, Fallback, Field, NumberRange, UnitHint, UsualRange};
 use crate::file::source::Remark;
 use crate::file::tree::{Entry, Node, Value};
 use crate::tolerance::NUMBER_SIZES;
@@ -114,7 +114,7 @@ impl<'a> Reader<'a> {
             }
         };
         if !value.is_finite() {
-            let range = if field.limit == Limit::Any {
+            let range = if field.limit == NumberRange::Any {
                 String::new()
             } else {
                 format!("; it {}", field.limit.words(field.unit))

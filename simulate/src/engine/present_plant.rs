@@ -1,9 +1,9 @@
 //! Where the plant is within a run, and the linear cores of the modes in which it has been so far.
 
-use super::attempt::{Attempt, StepProblem, HeldInputs};
-use super::linear::{ModeDynamics, Mode, ModeOutputs, TIP, VOLTAGE, outputs};
+use super::attempt::{Attempt, HeldInputs, StepProblem};
+use super::linear::{Mode, ModeDynamics, ModeOutputs, TIP, VOLTAGE, outputs};
 use super::ports::{
-    NearbyAngle, Bonds, FrictionState, FurtherPoint, PlatformPoint, PlatformSpan, Point, Ports,
+    Bonds, FrictionState, FurtherPoint, NearbyAngle, PlatformPoint, PlatformSpan, Point, Ports,
 };
 use super::state::PlantState;
 use super::tables::{OUTPUTS, PORTS, StepTable};
@@ -125,7 +125,7 @@ impl PresentPlant {
     pub fn restart(&mut self, start: &PlantState) {
         self.changes = 0;
         self.z = self.linear().coordinates(&start.core);
-        self.seen = self.linear().see(&self.z);
+        self.seen = self.linear().outputs_at(&self.z);
         self.friction = start.friction;
         self.bonds = start.bonds.clone();
         self.travelled = None;
@@ -145,7 +145,7 @@ impl PresentPlant {
             *z += a * torque_nm[0] + b * torque_nm[1] + c * torque_nm[2] + d * torque_nm[3];
         }
         let before = *seen;
-        *seen = linear.see(z);
+        *seen = linear.outputs_at(z);
         if let Some([motor, pivot]) = travelled {
             let hub = seen[2] - before[2];
             *pivot += hub;
@@ -260,11 +260,11 @@ impl PresentPlant {
     }
 
     /// Brings a joint to rest: takes its rate relative to the platform by an impulse.
-    pub fn arrest(&mut self, joint: usize, rate: f64) {
+    pub fn stop_joint(&mut self, joint: usize, rate: f64) {
         let Self { cores, core, z, seen, .. } = self;
         let linear = &cores[*core];
         z.iter_mut().zip(&linear.pushes[joint]).for_each(|(z, push)| *z -= rate * push);
-        *seen = linear.see(z);
+        *seen = linear.outputs_at(z);
     }
 
     /// Returns the values of the ports where the plant is.
@@ -362,7 +362,7 @@ impl PresentPlant {
             let Self { cores, core, z, seen, .. } = self;
             let linear = &cores[*core];
             z.iter_mut().zip(&linear.lift).for_each(|(z, lift)| *z += lift * (wanted - voltage));
-            *seen = linear.see(z);
+            *seen = linear.outputs_at(z);
         }
     }
 }

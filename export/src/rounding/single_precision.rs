@@ -8,7 +8,7 @@ use super::{
     state_increment, to_grid,
 };
 use crate::Ranges;
-use crate::ranges::{Run, RunState, RunVisitor, play};
+use crate::ranges::{Run, RunState, RunVisitor, play_runs};
 use crate::tolerance::SMALL_SUMMAND;
 
 /// Half a unit in the last place of single precision, relative.
@@ -47,7 +47,10 @@ impl Arithmetic for SinglePrecision<'_> {
     }
 
     fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>> {
-        play(runs, &StoredCoefficients(self.controller)).into_iter().map(|state| state.voltages_v).collect()
+        play_runs(runs, &StoredCoefficients(self.controller))
+            .into_iter()
+            .map(|state| state.voltages_v)
+            .collect()
     }
 
     fn rounding_of(&self, _: Line, executed: &ExecutedOperation<'_>) -> OperationRounding {
