@@ -43,9 +43,9 @@ pub struct FormFigures {
     pub form: PathForm,
     /// Multiplications of a step.
     pub multiplications: usize,
-    /// How far its control in double is from the reference's for the same readings.
+    /// Deviation of its control in double from the reference's for the same readings.
     pub double: MeasuredDeviation,
-    /// How far in single precision: what its C and Rust do, to the last bit.
+    /// Deviation in single precision: that of its C and Rust, to the last bit.
     pub single: MeasuredDeviation,
 }
 

@@ -39,7 +39,7 @@ pub struct TargetFigures {
     pub measured_rms_v: f64,
     /// Each experiment with the closed loop's hub rate error in these numbers.
     pub experiments: Vec<ExperimentFigures>,
-    /// What the controller read and gave in each experiment's closed loop: code that gives the same moves the plant alike.
+    /// Readings and controls of the controller in each experiment's closed loop: code with the same controls moves the plant in the same way.
     pub closed_loops: Vec<Record>,
 }
 

@@ -45,7 +45,7 @@ impl SharedProgress {
 pub struct CancellablePool<'a> {
     /// Whether to stop.
     pub token: &'a CancelToken,
-    /// Where it is said how far the work is.
+    /// Receiver of the progress.
     pub progress: &'a SharedProgress,
     /// Wakes the window.
     pub wake: &'a WakeWindow,

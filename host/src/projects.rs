@@ -24,11 +24,11 @@ use counterpoise_pipeline::StageTime;
 pub struct ProjectOnDisk {
     /// Path of the file.
     pub path: PathBuf,
-    /// As written.
+    /// Document as written.
     pub document: Document,
-    /// As resolved, with weights and the bands of an adaptation chosen if the file states none and the purpose needs them.
+    /// Project as resolved, with weights and the bands of an adaptation chosen if the file states none and the purpose needs them.
     pub project: Project,
-    /// As the file states it, which differs from `project` if something was chosen.
+    /// Project as the file states it, which differs from `project` if something was chosen.
     pub stated: Project,
     /// Why the chosen weights are what they are; `None` if the file states them or none are needed.
     pub first_design: Option<FirstDesign>,

@@ -14,7 +14,8 @@ fn machine(lever: Lever, valve_rad_s: f64) -> Parameters {
     let mut p = reference::rig();
     let none = Friction::with_viscous_part(FrictionLaw::None, 0.0);
     (p.motor_friction, p.pivot_friction) = (none.clone(), none);
-    (p.beam, p.lumped) = (None, Some(LumpedStructure { out_of_balance_kg_m: 900.0, ..LumpedStructure::rigid(2.5e3) }));
+    (p.beam, p.lumped) =
+        (None, Some(LumpedStructure { out_of_balance_kg_m: 900.0, ..LumpedStructure::rigid(2.5e3) }));
     p.configurations.clear();
     reference::put_cylinder(&mut p, lever);
     p.amplifier.time_constant_s = 1.6 / valve_rad_s;

@@ -118,8 +118,11 @@ fn a_rotor_added_to_a_modal_structure_is_a_rotor_added_to_its_hub() {
 fn a_chain_has_the_modes_of_its_matrices() {
     let (inertia, stiffness) = (0.4, 900.0);
     let link = Link { inertia_kg_m2: inertia, stiffness_nm_rad: stiffness, damping_nm_s_rad: 0.5 };
-    let mut three =
-        LumpedStructure { stiffness_nm_rad: stiffness, damping_nm_s_rad: 0.5, ..LumpedStructure::rigid(inertia) };
+    let mut three = LumpedStructure {
+        stiffness_nm_rad: stiffness,
+        damping_nm_s_rad: 0.5,
+        ..LumpedStructure::rigid(inertia)
+    };
     three.beam_inertia_kg_m2 = inertia;
     three.chain = vec![link];
     let body = Body::chain(&three).unwrap();

@@ -103,7 +103,7 @@ pub enum PipelineError {
     /// A configuration that the project does not have.
     #[error("there is no configuration \"{name}\"; the project has: {known}")]
     Configuration {
-        /// What was asked for.
+        /// Requested name.
         name: String,
         /// What there is.
         known: String,

@@ -24,7 +24,7 @@ pub struct ReducedPlant {
     pub ranked: Vec<f64>,
     /// A priori bound on the largest error over all frequencies and directions.
     pub bound: Option<f64>,
-    /// That error as measured, with the frequency at which it is largest, rad/s.
+    /// Measured error of the reduction, with the frequency at which it is largest, rad/s.
     pub error: Option<(f64, f64)>,
     /// Warnings for the designer.
     pub warnings: Vec<Warning>,

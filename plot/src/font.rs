@@ -37,9 +37,9 @@ pub(crate) struct TextLayout {
     pub ink: Ink,
     /// Angle by which it rises, degrees.
     pub rise_deg: f64,
-    /// How far its base line lies below the anchor, pixels of the figure.
+    /// Distance of its base line below the anchor, pixels of the figure.
     pub below_anchor_px: f64,
-    /// Which point of it the anchor is.
+    /// Point of the text that lies at the anchor.
     pub anchor: HPos,
 }
 

@@ -14,7 +14,7 @@ pub struct Assumption {
     pub value: f64,
     /// Unit; empty for a pure number.
     pub unit: &'static str,
-    /// What the value means.
+    /// Meaning of the value.
     pub meaning: &'static str,
     /// The rule by which it is taken.
     pub rule: &'static str,
@@ -35,7 +35,7 @@ pub struct KeyTolerance {
     pub half_width: f64,
     /// The unit of the key; empty for a pure number.
     pub unit: &'static str,
-    /// How the tolerance is written.
+    /// Notation of the tolerance.
     pub kind: ToleranceKind,
 }
 

@@ -43,7 +43,7 @@ pub enum DiagnosticKind {
 /// One finding in a file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Diagnostic {
-    /// How bad it is.
+    /// Severity.
     pub severity: Severity,
     /// Kind.
     pub problem: DiagnosticKind,
@@ -57,7 +57,7 @@ pub struct Diagnostic {
     pub path: String,
     /// What was read, where it says something.
     pub found: Option<String>,
-    /// What is allowed, or what is wrong.
+    /// Allowed values, or a description of the error.
     pub allowed: String,
     /// What to do.
     pub hint: Option<String>,

@@ -56,11 +56,11 @@ pub enum Travel {
 /// Units of the channels of a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ChannelUnits {
-    /// What the loop's sensor measures, which is the channel `hub_rate`.
+    /// Quantity of the loop's sensor, which is the channel `hub_rate`.
     pub reading: LoopQuantity,
-    /// What the demand asks for.
+    /// Quantity of the demand.
     pub demand: LoopQuantity,
-    /// How the axis moves.
+    /// Kind of the axis' motion.
     pub travel: Travel,
 }
 

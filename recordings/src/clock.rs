@@ -17,7 +17,7 @@ pub struct UniformSignals {
     pub start_s: f64,
     /// The signals, time x signal, each column contiguous in memory; NaN inside gaps.
     pub signals: Array2<f64>,
-    /// What was found about the clock.
+    /// Remarks on the clock.
     pub remarks: Vec<Remark>,
 }
 

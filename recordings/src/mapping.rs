@@ -50,7 +50,7 @@ pub struct Mapping {
     pub time: Option<ChannelSource>,
     /// Channels whose column has another name than the channel.
     pub channels: Vec<(Channel, ChannelSource)>,
-    /// What the machine makes of the units of its channels.
+    /// Units of the machine's channels.
     pub units: ChannelUnits,
 }
 

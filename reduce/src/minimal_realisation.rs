@@ -21,7 +21,7 @@ pub struct MinimalRealisation {
     pub smallest_kept: f64,
     /// The largest singular value counted as zero, likewise.
     pub largest_dropped: f64,
-    /// What a user should know.
+    /// Warnings for the user.
     pub warnings: Vec<Warning>,
 }
 

@@ -48,7 +48,7 @@ pub struct Reduction {
     pub kept: usize,
     /// Poles on or beyond the border of stability that were put back unchanged.
     pub untouched: usize,
-    /// What a user should know.
+    /// Warnings for the user.
     pub warnings: Vec<Warning>,
 }
 

@@ -20,11 +20,11 @@ pub struct SecondOrder {
     pub C: Mat,
     /// Stiffness, symmetric.
     pub K: Mat,
-    /// Where the inputs push.
+    /// Directions of the input forces.
     pub F: Mat,
-    /// What the outputs see of the positions.
+    /// Output rows of the positions.
     pub P: Mat,
-    /// What the outputs see of the velocities.
+    /// Output rows of the velocities.
     pub V: Mat,
 }
 

@@ -175,7 +175,8 @@ fn changes(rows: &[BalanceRow], controlled: ControlledQuantity) -> ReportTable {
         controlled.milli_unit()
     );
     let mut table = ReportTable::new(&caption, &columns);
-    let range = |[low, high]: [f64; 2]| format!("{:+.2} to {:+.2}", drop_small_sign(low), drop_small_sign(high));
+    let range =
+        |[low, high]: [f64; 2]| format!("{:+.2} to {:+.2}", drop_small_sign(low), drop_small_sign(high));
     let change = |db: Option<[f64; 2]>| ReportCell::text(db.map_or("-".to_owned(), range));
     let error = |rate: Option<f64>| rate.map_or(ReportCell::text("-"), |rate| ReportCell::number(1e3 * rate));
     for row in rows {

@@ -130,7 +130,11 @@ fn estimates(found: &IdentificationText, units: &AxisUnits) -> ReportTable {
 
 /// Returns the end of an interval with three decimals, or with three digits if those say nothing.
 fn interval_end(value: f64) -> String {
-    if value == 0.0 || value.abs() >= LEAST_WITH_THREE_DECIMALS { format!("{value:.3}") } else { format!("{value:.2e}") }
+    if value == 0.0 || value.abs() >= LEAST_WITH_THREE_DECIMALS {
+        format!("{value:.3}")
+    } else {
+        format!("{value:.2e}")
+    }
 }
 
 /// What a figure is drawn with.

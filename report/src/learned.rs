@@ -9,7 +9,8 @@ use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 
 /// Returns the section on the free functions that model an unidentified effect.
 pub(super) fn learned_section(learned: &LearnedText) -> ReportSection {
-    functions_section("A model of the unidentified effect", &learned.functions).with_text(learned.summary.clone())
+    functions_section("A model of the unidentified effect", &learned.functions)
+        .with_text(learned.summary.clone())
 }
 
 /// Returns the section on the free functions of a plant; `None` if it has none.

@@ -6,7 +6,7 @@ use counterpoise_plot::Figure;
 /// A whole report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// What the report is about, for example the machine's name.
+    /// Subject of the report, for example the machine's name.
     pub title: String,
     /// One line under the title.
     pub subtitle: String,
@@ -20,7 +20,7 @@ pub struct Report {
     pub glance: Vec<Figure>,
     /// The evidence.
     pub sections: Vec<ReportSection>,
-    /// Where the report comes from: version, project, command.
+    /// Origin of the report: version, project, command.
     pub provenance: Vec<ProvenanceEntry>,
 }
 
@@ -102,7 +102,7 @@ pub struct ReportSection {
 /// A table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReportTable {
-    /// What it shows; may be empty.
+    /// Conclusion; may be empty.
     pub caption: String,
     /// Columns.
     pub columns: Vec<ReportColumn>,

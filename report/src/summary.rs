@@ -256,7 +256,7 @@ fn tone_of(verdict: &Verdict) -> OutcomeTone {
 }
 
 /// Returns the two pictures beside the verdicts: the step, and the liveliest disturbance.
-pub fn summary_figures(found: &Verification) -> Vec<counterpoise_plot::PerformanceFigure> {
+pub fn summary_figures(found: &Verification) -> Vec<counterpoise_plot::Figure> {
     let model = nonlinear_if_run(found);
     let source = if found
         .value(PerformanceFigure::Disturbance(model, Source::Road, Arrangement::Feedback, Quantity::HubRms))

@@ -10,13 +10,13 @@ use crate::engine::state::{Effort, PlantState};
 pub struct TimeHistory {
     /// Sample period, s; sample k is at k periods.
     pub sample_period_s: f64,
-    /// What the controller read and gave.
+    /// Readings and controls of the controller.
     pub readings: ReadingColumns,
-    /// What was true.
+    /// True motions and torques.
     pub truth: TrueColumns,
     /// The state at the end of the run.
     pub final_state: PlantState,
-    /// How much work it was.
+    /// Computing work.
     pub effort: Effort,
 }
 

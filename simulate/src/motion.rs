@@ -15,7 +15,7 @@ pub struct PlatformMotion {
     pub heave_m_s2: Signal,
     /// Platform angle at the start, rad.
     pub initial_angle_rad: f64,
-    /// What else the axis feels; `None` if the platform only heaves and pitches.
+    /// Further motion that acts on the axis; `None` if the platform only heaves and pitches.
     pub further: Option<FurtherMotion>,
 }
 

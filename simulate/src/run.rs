@@ -183,7 +183,7 @@ pub(crate) struct PlantSample {
     pub outputs: [f64; 5],
     /// Voltage of the amplifier and rate of the tip.
     pub voltage_and_tip: [f64; 2],
-    /// What the loop's sensor shows.
+    /// Reading of the loop's sensor.
     pub hub_gyro: f64,
 }
 

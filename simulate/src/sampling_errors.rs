@@ -19,7 +19,7 @@ pub(crate) const SURGE_STREAM: u64 = 16;
 pub(crate) struct SampleError {
     /// When the sensors are read after the instant of an ideal clock, in periods.
     pub offset: f64,
-    /// What becomes of the controller's step.
+    /// Outcome of the controller's step.
     pub step: Step,
 }
 

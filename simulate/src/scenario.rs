@@ -15,13 +15,13 @@ pub struct Scenario {
     pub demand_rad_s: Signal,
     /// Volts added to the control before the output converter.
     pub injection_v: Signal,
-    /// How the platform moves.
+    /// Motion of the platform.
     pub platform: PlatformMotion,
-    /// What of sensors and converters is simulated.
+    /// Imperfections of sensors and converters that are simulated.
     pub imperfections: Imperfections,
-    /// Where the mechanism starts.
+    /// Initial state of the mechanism.
     pub initial: Initial,
-    /// What is kept.
+    /// Signals that are kept.
     pub detail: Detail,
     /// Whether the machine fires its shots.
     pub firing: Firing,

@@ -14,7 +14,7 @@ use counterpoise_host::folders::{FolderItem, ItemKind};
 /// A path that is typed or clicked together.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Browser {
-    /// What the user looks for.
+    /// Kind of file or folder that the user is asked for.
     pub purpose: BrowsePurpose,
     /// The path.
     pub typed: String,

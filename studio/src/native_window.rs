@@ -48,7 +48,7 @@ pub struct StartOptions {
     pub size: Option<[f32; 2]>,
     /// The folder with the studio's own files; `None` for the usual one.
     pub state: Option<PathBuf>,
-    /// Where the studio is shown.
+    /// Surface on which the studio is drawn.
     pub surface: DisplaySurface,
     /// Builds the libraries of FMI units; without it none are built.
     pub library: Option<LibraryBuilder>,

@@ -19,7 +19,7 @@ const LONGEST_WAIT: Duration = Duration::from_millis(200);
 
 /// A frame, cut into triangles.
 pub struct TessellatedFrame {
-    /// What is to be painted, in order.
+    /// Shapes to be painted, in order.
     pub primitives: Vec<egui::ClippedPrimitive>,
     /// Changes of the textures that it is painted with.
     pub textures: egui::TexturesDelta,

@@ -28,7 +28,7 @@ pub struct ComputedResults {
     pub design_failure: Option<VersionedResult<Vec<String>>>,
     /// The last verification.
     pub verified: Option<VersionedResult<Arc<VerifiedController>>>,
-    /// What a running verification has found so far.
+    /// Results of a running verification so far.
     pub partial: Option<VersionedResult<Arc<Verification>>>,
     /// Error against effort around the last design.
     pub effort: Option<VersionedResult<Vec<EffortPoint>>>,
@@ -36,9 +36,9 @@ pub struct ComputedResults {
     pub loop_shape: Option<VersionedResult<LoopShape>>,
     /// The last map of the analyser, and the last campaign.
     pub measurements: Measurements,
-    /// What Plant and Reduce show of the plant of the last design.
+    /// Views in Plant and Reduce of the plant of the last design.
     pub reduction: Option<Arc<ReductionPicture>>,
-    /// What the project file leaves open, ranked, of the last plant that Plant has shown.
+    /// Values that the project file leaves open, ranked, of the last plant that Plant has shown.
     pub ranking: Option<VersionedResult<RankedAssumptions>>,
     /// The modes of the beam that was animated last.
     pub beam_modes: Option<Arc<BeamModes>>,

@@ -30,7 +30,7 @@ pub struct WindowTheme {
     pub text: Color32,
     /// Secondary text.
     pub weak: Color32,
-    /// What is selected, and what can be dragged.
+    /// Selected handle, and handles that can be dragged.
     pub accent: Color32,
     /// A requirement that holds.
     pub good: Color32,

@@ -116,7 +116,7 @@ pub struct StudioView {
     pub chart: Option<Chart>,
     /// The title of the plot that is to show its whole content.
     pub fit_request: Option<String>,
-    /// What the limits of plots belong to beside their axes: the project and the part that is shown.
+    /// Key of the limits of plots beside their axes: the project and the part that is shown.
     pub limits_scope: String,
     /// The mode of the mechanism that is animated; 0 for none.
     pub mode: usize,

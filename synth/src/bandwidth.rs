@@ -21,7 +21,7 @@ pub enum LimitKind {
     Tolerances,
     /// Values that are not stated, over their usual ranges.
     UsualRanges,
-    /// What was asked for.
+    /// The value that was requested.
     Asked,
 }
 
@@ -58,12 +58,12 @@ pub enum Unknown {
 pub struct Bandwidth {
     /// The bandwidth that was reached, rad/s.
     pub bandwidth_rad_s: f64,
-    /// What limits it: the limit whose lifting alone raises it most, or several that only a lifting of all of them raises.
+    /// Deciding limits: the limit whose lifting alone raises it most, or several that only a lifting of all of them raises.
     pub limited_by: Vec<LimitKind>,
     /// Every limit: those whose lifting alone raises the bandwidth first, by how much they do; then by what they allow.
     pub limits: Vec<BandwidthLimit>,
-    /// What is not known.
+    /// Unknown facts.
     pub unknown: Vec<Unknown>,
-    /// What was asked for, rad/s.
+    /// Requested value, rad/s.
     pub asked_rad_s: Option<f64>,
 }

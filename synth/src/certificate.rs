@@ -38,7 +38,7 @@ impl Cost {
 /// The certificates of one part that was designed in sampled time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PartCertificates {
-    /// Which part.
+    /// Part.
     pub part: Part,
     /// Mean square of its weighted signals: as the equations predict it, and as the assembled sampled loop has it.
     pub cost: Cost,

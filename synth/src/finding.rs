@@ -52,7 +52,7 @@ pub enum WeightRole {
 /// A weight that a finding concerns.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ConcernedWeight {
-    /// What it weighs.
+    /// Signal that it weighs.
     pub role: WeightRole,
     /// Formula in s.
     pub formula: String,
@@ -63,7 +63,7 @@ pub struct ConcernedWeight {
 pub struct DesignFinding {
     /// Whether the design can go on.
     pub severity: FindingSeverity,
-    /// Which part is concerned.
+    /// Part that is concerned.
     pub part: Part,
     /// The weight that is concerned.
     pub weight: Option<ConcernedWeight>,

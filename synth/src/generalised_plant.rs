@@ -34,7 +34,7 @@ pub struct GeneralisedPlant {
 pub struct StateOrigin {
     /// Name of the block.
     pub block: String,
-    /// How many states it has.
+    /// Number of states.
     pub states: usize,
 }
 
@@ -59,7 +59,7 @@ pub struct NamedBlock<'a> {
 pub struct Ports<'a> {
     /// Their names, in order.
     pub names: &'a [&'a str],
-    /// How many of them, the last ones, belong to the controller.
+    /// Number of states, the last ones, that belong to the controller.
     pub of_controller: usize,
 }
 
@@ -76,7 +76,7 @@ pub(crate) struct Blocks {
     pub D22: Mat,
     /// Physical state = scale x scaled state, powers of two.
     pub scale: Vec<f64>,
-    /// As [`GeneralisedPlant::origins`].
+    /// Origins of the states, as [`GeneralisedPlant::origins`].
     pub origins: Vec<StateOrigin>,
 }
 

@@ -39,7 +39,7 @@ impl SamplingMethod {
 pub struct Sampling {
     /// Sample period, s.
     pub period_s: f64,
-    /// How each path becomes discrete.
+    /// Discretisation of each path.
     pub method: SamplingMethod,
     /// The form in which each path runs.
     pub form: RealisationForm,

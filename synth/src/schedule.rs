@@ -82,9 +82,9 @@ pub struct ScheduleEntry {
     pub name: String,
     /// Out-of-balance, kg m.
     pub out_of_balance_kg_m: f64,
-    /// Which conditions hold.
+    /// Conditions that hold.
     pub conditions: Conditions,
-    /// What follows for the heave feedforward.
+    /// Consequence for the heave feedforward.
     pub law: HeaveFeedforwardLaw,
     /// The full redesign.
     pub design: Design,

@@ -15,7 +15,7 @@ pub struct SearchTask<'a> {
     pub plant: &'a DesignPlant,
     /// The specification that the search starts from.
     pub start: &'a Specification,
-    /// What the loop must keep.
+    /// Limits that the loop must keep.
     pub requirements: &'a Requirements,
     /// Sampling of the controller.
     pub sampling: &'a Sampling,
@@ -28,9 +28,9 @@ pub struct SearchTask<'a> {
 pub struct SearchTrial {
     /// The specification that was tried.
     pub specification: Specification,
-    /// What its sampled loop does.
+    /// Figures of its sampled loop.
     pub figures: Figures,
-    /// What it misses: 0 where the requirements hold.
+    /// Largest miss of a requirement: 0 if the requirements hold.
     pub missed: f64,
 }
 
@@ -41,7 +41,7 @@ pub struct SearchResult {
     pub best: SearchTrial,
     /// Trials made.
     pub trials: usize,
-    /// How the search ended.
+    /// Reason for which the search ended.
     pub ended: SearchEnding,
 }
 

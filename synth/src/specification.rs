@@ -14,9 +14,9 @@ pub struct Specification {
     pub heave: Option<FeedforwardWeights>,
     /// The feedforward from measured pitch; `None` for a design without it.
     pub pitch: Option<FeedforwardWeights>,
-    /// How the parts are put together.
+    /// Structure in which the parts are put together.
     pub assembly: Assembly,
-    /// Where the demand enters.
+    /// Place at which the demand enters.
     pub reference: Reference,
     /// Gain of the position loop around the rate loop, rate per position, 1/s; `None` if there is one loop.
     pub position_gain: Option<f64>,
@@ -75,7 +75,7 @@ pub struct FeedforwardWeights {
     pub control: Weight,
     /// Shape of the disturbance: its spectrum is |generator|^2, driven by unit white noise. Strictly proper and stable.
     pub generator: Weight,
-    /// What is known of the disturbance.
+    /// Knowledge of the disturbance.
     pub knowledge: DisturbanceKnowledge,
     /// The output whose rate is weighed: the tip, for instance; `None` for the rate that is controlled.
     pub output: Option<usize>,

@@ -232,7 +232,8 @@ impl CostResponses {
         let count = ((high / low).log10() * PER_DECADE as f64).ceil() as usize;
         let mut rates: Vec<f64> =
             (0..=count).map(|k| low * (high / low).powf(k as f64 / count as f64)).collect();
-        for pole in all.iter().filter(|pole| pole.im > 0.0 && pole.re.abs() < RESONANT_DAMPING * pole.norm()) {
+        for pole in all.iter().filter(|pole| pole.im > 0.0 && pole.re.abs() < RESONANT_DAMPING * pole.norm())
+        {
             let width = pole.re.abs().max(NARROWEST_POLE * pole.norm());
             let offsets = (-AROUND_POLE..=AROUND_POLE).map(|k| {
                 let share = f64::from(k) / f64::from(AROUND_POLE);

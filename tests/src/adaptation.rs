@@ -19,9 +19,9 @@ const REMOVED: f64 = 0.8;
 #[derive(Debug, Clone)]
 pub struct Case {
     pub seed: u64,
-    /// What was drawn, in words.
+    /// Description of the sample, in words.
     pub drawn: String,
-    /// Where the default acts; `None` if it is none.
+    /// Motions on which the default acts; `None` if it acts on none.
     pub bands: Option<HoldBands>,
     pub rows: Vec<TrialRow>,
     pub is_refused: bool,

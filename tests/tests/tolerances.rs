@@ -220,7 +220,8 @@ fn compared_numbers(line: &str) -> Vec<&str> {
 fn compared_numbers_stand_in_the_tolerance_file_of_their_crate() {
     let mut wrong = Vec::new();
     for (path, code) in sources_beside_tolerances() {
-        for (number, line) in code.lines().enumerate().filter(|(_, line)| !compared_numbers(line).is_empty()) {
+        for (number, line) in code.lines().enumerate().filter(|(_, line)| !compared_numbers(line).is_empty())
+        {
             wrong.push(format!("{path}:{}: {}", number + 1, line.trim()));
         }
     }
@@ -231,6 +232,7 @@ fn compared_numbers_stand_in_the_tolerance_file_of_their_crate() {
 fn thresholds_are_told_from_counts() {
     let threshold = ["a < 1e-3 * b", "if a.abs() >= 0.01 {", "while high > 1.0001 * low"];
     assert!(threshold.iter().all(|line| !compared_numbers(line).is_empty()));
-    let others = ["a > 0.0", "a < 1.0", "a < 0.5 * b", "\"ms\" => 1e-3,", "Vec<f64> = 0.01", "a // < 0.01", "n >= 2"];
+    let others =
+        ["a > 0.0", "a < 1.0", "a < 0.5 * b", "\"ms\" => 1e-3,", "Vec<f64> = 0.01", "a // < 0.01", "n >= 2"];
     assert!(others.iter().all(|line| compared_numbers(line).is_empty()));
 }

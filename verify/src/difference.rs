@@ -7,9 +7,9 @@ use crate::{PerformanceFigure, Verdict, Verification};
 /// A figure before and after.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FigureChange {
-    /// Which figure.
+    /// Figure.
     pub figure: PerformanceFigure,
-    /// What the loop controls, whose name and unit the figure has.
+    /// Quantity that the loop controls; the figure has its name and unit.
     pub controlled: ControlledQuantity,
     /// Value before; `None` if it was not measured.
     pub before: Option<f64>,

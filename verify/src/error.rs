@@ -7,7 +7,7 @@ pub enum Error {
     /// A figure that does not exist.
     #[error("there is no figure '{key}'{hint}")]
     UnknownFigure {
-        /// What was asked for.
+        /// Requested key.
         key: String,
         /// ", did you mean ...", or nothing.
         hint: String,

@@ -189,7 +189,7 @@ pub enum PerformanceFigure {
     Rejection {
         /// Heave or pitch.
         source: Source,
-        /// How much of the controller acts.
+        /// Part of the controller that acts.
         arrangement: Arrangement,
         /// At which frequency, Hz.
         frequency_hz: f64,

@@ -25,7 +25,7 @@ pub enum Value {
 /// A figure with its value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredFigure {
-    /// Which figure.
+    /// Figure.
     pub figure: PerformanceFigure,
     /// Value.
     pub value: Value,

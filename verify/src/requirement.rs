@@ -16,11 +16,11 @@ pub enum Limit {
 /// One figure and its limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Requirement {
-    /// Which figure.
+    /// Figure.
     pub figure: PerformanceFigure,
     /// Limit, in the figure's unit.
     pub limit: Limit,
-    /// Where the requirement comes from, for example the clause of a specification; empty if that is not stated.
+    /// Source of the requirement, for example the clause of a specification; empty if it is not stated.
     pub source: String,
 }
 

@@ -10,7 +10,7 @@ use crate::{Arrangement, Model, Source, Verification};
 pub struct HubRateSpectra {
     /// Heave (m/s^2) or pitch (rad/s): the motion that the hub rate is compared with.
     pub source: Source,
-    /// How much of the controller acts.
+    /// Part of the controller that acts.
     pub arrangement: Arrangement,
     /// Spectra, transfer, coherence and the radius of confidence.
     pub spectra: Spectra,

@@ -28,9 +28,9 @@ pub struct Verification {
     pub figures: Vec<MeasuredFigure>,
     /// Every requirement with its verdict, in the order given.
     pub verdicts: Vec<(Requirement, Verdict)>,
-    /// What the figures were read from.
+    /// Records from which the figures were read.
     pub evidence: Evidence,
-    /// What the error of the line of sight is made of; `None` if the procedure does not ask for it.
+    /// Error budget of the line of sight; `None` if the procedure does not request it.
     pub error_budget: Option<ErrorBudget>,
 }
 
@@ -53,7 +53,7 @@ pub struct Evidence {
     pub histories: Vec<History>,
     /// What was done to the mechanism.
     pub procedure: Procedure,
-    /// What the loop controls, whose names and unit figures and histories have.
+    /// Quantity that the loop controls; figures and histories have its names and unit.
     pub controlled: ControlledQuantity,
 }
 

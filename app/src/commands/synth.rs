@@ -235,7 +235,8 @@ fn print_balance(study: &SynthesisStudy) {
         controlled.milli_unit()
     );
     for row in &beside.balance {
-        let range = |[low, high]: [f64; 2]| format!("{:+.2} .. {:+.2}", drop_small_sign(low), drop_small_sign(high));
+        let range =
+            |[low, high]: [f64; 2]| format!("{:+.2} .. {:+.2}", drop_small_sign(low), drop_small_sign(high));
         let change = |db: Option<[f64; 2]>| db.map_or("none".to_owned(), range);
         let error = |value: Option<f64>| value.map_or("-".to_owned(), |rate| format!("{:.3}", 1e3 * rate));
         say!("  {} ({:.2} kg m)", row.name, row.out_of_balance_kg_m);

@@ -28,9 +28,7 @@ impl Port {
         let slope = || derivative(error, at.period_s);
         let times = |series: &[f64], factor: f64| series.iter().map(|x| factor * x).collect();
         match (self, balance) {
-            (Self::Hub, Balance::Drive | Balance::Hub) | (Self::Motor, Balance::Drive) => {
-                error.to_vec()
-            }
+            (Self::Hub, Balance::Drive | Balance::Hub) | (Self::Motor, Balance::Drive) => error.to_vec(),
             (Self::Motor, Balance::Twist) => times(&slope(), -1.0 / stiffness),
             (Self::Gear, Balance::Hub) => times(error, -stiffness),
             (Self::Gear, Balance::Twist) => times(&slope(), -1.0),

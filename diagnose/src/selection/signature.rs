@@ -32,7 +32,7 @@ pub struct EffectSignature {
     pub signature: Vec<f64>,
     /// Sum of squares of the signature at a typical size, in units of the floor: what decides detectability.
     pub information: f64,
-    /// That size: the change of the first parameter.
+    /// Size of the effect: the change of its first parameter.
     pub change: f64,
     /// The fitted part of the weighted residual, thinned, for finding effects that act together.
     pub(crate) trace: Vec<f64>,

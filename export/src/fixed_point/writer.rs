@@ -5,8 +5,8 @@ use counterpoise_controller::program::{Operation, Program, ProgramTerm, Slot};
 
 use crate::Ranges;
 use crate::fixed_point::format::{ALL, Span, bits_for, to_integer, unit};
-use crate::tolerance::ACCUMULATOR_SHARE;
 use crate::fixed_point::{ACCUMULATOR_BITS, FixedError, FixedOperation, FixedProgram, FixedTerm};
+use crate::tolerance::ACCUMULATOR_SHARE;
 
 /// One operation's rounding.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

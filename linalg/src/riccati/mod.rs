@@ -115,7 +115,7 @@ pub struct RiccatiCertificate {
     /// Condition number: the largest entry of `data_error / eps`, each over `sqrt(|x_ii x_jj|)`. A change of every entry of the
     /// data by a share e changes `x_ij` by at most `condition e sqrt(|x_ii x_jj|)` to first order.
     pub condition: f64,
-    /// What a change of every entry of the data by a share of eps (2^-52) changes each entry of `X` by, n x n, to first order.
+    /// Change of each entry of `X` due to a change of every entry of the data by a share of eps (2^-52), n x n, to first order.
     pub data_error: Mat,
     /// An estimate of the modulus of the error of each entry of `X`, n x n, for the data taken as exact: the Newton step that is left.
     pub forward_error: Mat,

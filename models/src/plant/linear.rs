@@ -76,7 +76,7 @@ pub struct LinearPlant {
     pub measured: usize,
     /// Names of the outputs, with their units.
     pub output_names: Vec<String>,
-    /// What torques beside those of the system do to the states' rates, n x 2: on the motor shaft, on the hub.
+    /// Effect of further torques on the states' rates, n x 2: on the motor shaft, on the hub.
     pub torque_columns: Mat,
 }
 

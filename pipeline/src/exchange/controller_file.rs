@@ -44,7 +44,7 @@ pub struct ControllerResult {
     pub projection: Option<Projection>,
     /// Filter of the demand; `None` if there is none.
     pub prefilter: Option<SystemResult>,
-    /// How fast a loop of position follows its demand; absent if nothing limits it.
+    /// Limit of the rate with which a loop of position follows its demand; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub demand_limit: Option<DemandLimit>,
     /// The paths, whose outputs are summed.

@@ -123,7 +123,7 @@ pub struct FormResult {
 pub struct CompiledResult {
     /// `c` or `rust`.
     pub language: &'static str,
-    /// As [`NumbersResult::numbers`].
+    /// Kind of numbers, see [`NumbersResult::numbers`].
     pub numbers: &'static str,
     /// Samples compared with its model; `None` if it was not run.
     pub samples: Option<usize>,
@@ -138,7 +138,7 @@ pub struct CompiledResult {
 pub struct CoreResult {
     /// Name of the core.
     pub core: &'static str,
-    /// As [`NumbersResult::numbers`].
+    /// Kind of numbers, see [`NumbersResult::numbers`].
     pub numbers: &'static str,
     /// Most instructions of a step.
     pub step_instructions: u64,

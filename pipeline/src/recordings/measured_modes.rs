@@ -32,7 +32,7 @@ pub struct StructureAnswer {
     pub measured_hz: Vec<f64>,
     /// Frequencies of the model as it is, Hz.
     pub model_hz: Vec<f64>,
-    /// What was tried; the first one is the model as it is, the others best first.
+    /// Trials; the first one is the model as it is, the others best first.
     pub tried: Vec<TriedStructure>,
     /// Others that explain the modes as well as the one that is named.
     pub alternatives: Vec<String>,
@@ -188,7 +188,11 @@ impl StructureTrials<'_> {
             Some(added) => {
                 let beam = self.project.plant.beam.as_ref().ok_or(counterpoise_models::Error::NoStructure)?;
                 let point = added.place_on(beam);
-                FeModel::beam(beam, &AttachedMasses { masses: vec![point], ..AttachedMasses::default() }, options)?
+                FeModel::beam(
+                    beam,
+                    &AttachedMasses { masses: vec![point], ..AttachedMasses::default() },
+                    options,
+                )?
             }
         };
         let all = undamped_modes(&fe, self.measured.support)?;

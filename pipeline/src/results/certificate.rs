@@ -33,7 +33,7 @@ pub struct CaseResult {
     pub name: String,
     /// Out-of-balance that the controller is told, kg m.
     pub out_of_balance_kg_m: f64,
-    /// As [`CertificateResult::stability`].
+    /// Stability, as [`CertificateResult::stability`].
     pub stability: &'static str,
     /// `true` if it is proved by a sector argument.
     pub proved: bool,
@@ -45,7 +45,7 @@ pub struct CaseResult {
     pub regimes: Vec<RegimeResult>,
     /// Limit cycles predicted by harmonic balance.
     pub predicted: Vec<PredictedResult>,
-    /// What the simulator does from near each prediction, and from two other disturbances.
+    /// Simulated motions from near each prediction, and from two other disturbances.
     pub orbits: Vec<OrbitResult>,
     /// Quantity that moves in the runs.
     #[serde(flatten)]
@@ -145,7 +145,7 @@ pub struct TermResult {
     /// `constant` (1), `derivative` (value x jw / reference), `kernel` (-sign / (1 + jw / value)) or `stiffness` (-jw / reference in N,
     /// 2 w^2 / (reference value) in R).
     pub kind: &'static str,
-    /// What the kind says: a sign, a corner in rad/s, or a stiffness in the units of the torques.
+    /// Value of the kind: a sign, a corner in rad/s, or a stiffness in the units of the torques.
     pub value: f64,
     /// Sign of a kernel; 1 for other kinds.
     pub sign: f64,

@@ -54,7 +54,7 @@ pub struct JointHistoryResult {
     pub experiment: &'static str,
     /// Sample period, s.
     pub sample_period_s: f64,
-    /// How often a sample was taken on the average, until the torques between the axes no longer changed.
+    /// Mean number of passes per sample until the torques between the axes no longer changed.
     pub passes_per_sample: f64,
     /// The samples.
     pub signals: Signals<JointColumn>,

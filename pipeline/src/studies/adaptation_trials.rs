@@ -60,7 +60,7 @@ pub struct AdaptationTrials {
     pub rows: Vec<TrialRow>,
     /// Methods that are refused for this project, with the reason.
     pub refused: Vec<MethodRefusal>,
-    /// Where recursive least squares act; absent for other methods.
+    /// Hold bands of recursive least squares; absent for other methods.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bands: Option<HoldBands>,
     /// The hub's rate once the load has settled, of every run.

@@ -22,7 +22,7 @@ use crate::{PipelineError, PlantModel, ReducedPlant, synthesise};
 pub struct WeightAdvice {
     /// The requirement that fails.
     pub requirement: Requirement,
-    /// What the loop controls, whose name and unit the figure has.
+    /// Quantity that the loop controls; the figure has its name and unit.
     pub controlled: ControlledQuantity,
     /// Figure as it is.
     pub value: f64,

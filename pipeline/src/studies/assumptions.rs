@@ -23,7 +23,7 @@ pub struct AssumptionEffect {
     pub value: f64,
     /// Unit.
     pub unit: &'static str,
-    /// What happens at the lowest and at the highest usual value.
+    /// Effects at the lowest and at the highest usual value.
     pub at: [EffectAtValue; 2],
     /// Largest change of gain margin, sensitivity or residual, dB; infinite if the loop becomes unstable.
     pub largest_change_db: f64,

@@ -63,7 +63,7 @@ pub struct TotalCostResult {
     pub total: f64,
     /// Feedback first.
     pub parts: Vec<PartCostRow>,
-    /// What the cost and the motions are computed from; absent for one joint problem.
+    /// Data from which the cost and the motions are computed; absent for one joint problem.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub basis: Option<CostBasis>,
 }
@@ -100,7 +100,7 @@ pub struct MethodRow {
     pub systems: Vec<SystemResult>,
     /// Why there is none.
     pub why: Option<String>,
-    /// What order and norm are computed from; absent if there is no controller, or for a fixed structure.
+    /// Data from which order and norm are computed; absent if there is no controller, or for a fixed structure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub problem: Option<MethodProblem>,
 }
@@ -120,7 +120,7 @@ pub struct MethodProblem {
     /// Controller from the error to the weighted control: the norm is that of the loop of these two.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on_generalised: Option<SystemResult>,
-    /// What the cost of the three-part feedback is computed from: the norm is its root.
+    /// Data of the cost of the three-part feedback: the norm is its root.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub basis: Option<CostBasis>,
 }

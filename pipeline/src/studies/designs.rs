@@ -134,10 +134,10 @@ pub struct LimitsResult {
 /// Figures of the nonlinear closed loop: RMS values after the procedure's settling time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RunFigures {
-    /// What the loop controls less the demand after a step of it.
+    /// Controlled quantity less the demand after a step of the demand.
     #[serde(flatten)]
     pub step: UnitValue<f64>,
-    /// What the loop controls, under the sines of heave and pitch together.
+    /// Response of the controlled quantity to the sines of heave and pitch together.
     #[serde(flatten)]
     pub sines: UnitValue<f64>,
     /// The same under the project's own motion; absent without one.

@@ -20,7 +20,7 @@ use counterpoise_project::Project;
 pub struct CampaignResult {
     /// The requirements that were judged.
     pub requirements: Vec<Requirement>,
-    /// What the loop controls, whose names and unit the figures have.
+    /// Quantity that the loop controls; the figures have its names and unit.
     pub controlled: ControlledQuantity,
     /// Parameters that varied.
     pub variations: Vec<Variation>,
@@ -228,7 +228,7 @@ pub fn worst_cases(
 pub struct RequirementSpread {
     /// The requirement.
     pub requirement: Requirement,
-    /// What the loop controls, whose name and unit the figure has.
+    /// Quantity that the loop controls; the figure has its name and unit.
     pub controlled: ControlledQuantity,
     /// Share that meets it, quantiles and the worst value.
     pub summary: Summary,

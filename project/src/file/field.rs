@@ -16,7 +16,7 @@ pub(crate) struct Field {
     pub second_unit: Option<&'static str>,
     /// By which rule the default stands in for a value that is not known.
     pub assumed: Option<DefaultRule>,
-    /// What to do if the value of a required key is not known.
+    /// Advice for a required key whose value is not known.
     pub unknown: &'static str,
     /// Units of another quantity that people write here, each with what to add.
     pub unit_hints: &'static [UnitHint],
@@ -26,7 +26,7 @@ pub(crate) struct Field {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct UnitHint {
     pub unit: &'static str,
-    /// What to add if a value has this unit.
+    /// Advice for a value in this unit.
     pub add: &'static str,
 }
 
@@ -37,7 +37,7 @@ pub(crate) struct DefaultRule {
     pub rule: &'static str,
     /// Why the rule holds, or where it comes from.
     pub source: &'static str,
-    /// How far the true value usually lies from the default.
+    /// Usual deviation of the true value from the default.
     pub usual: UsualRange,
 }
 

@@ -51,7 +51,7 @@ pub struct Document {
     /// The tree, with its parts in their places as far as they were given.
     pub(crate) entries: Vec<Entry>,
     pub(crate) syntax: Vec<Diagnostic>,
-    /// What is wrong with the parts.
+    /// Errors of the parts.
     pub(crate) inclusion: Vec<Diagnostic>,
     /// Names of the parts.
     included: Vec<String>,

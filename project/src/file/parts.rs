@@ -29,7 +29,7 @@ pub(crate) struct AssembledTree {
     pub entries: Vec<Entry>,
     /// Parts that are named, found or not.
     pub wanted: Vec<String>,
-    /// What is wrong with the parts.
+    /// Errors of the parts.
     pub findings: Vec<Diagnostic>,
 }
 

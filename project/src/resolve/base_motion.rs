@@ -15,7 +15,7 @@ pub struct InertialUnit {
     pub acceleration: [String; 3],
     /// Columns of the rates about them.
     pub rate: [String; 3],
-    /// What the accelerations are.
+    /// Quantities of the accelerations.
     pub reading: UnitReading,
     /// Angles by which the unit is turned from the base's axes about x, then y, then z, rad.
     pub mounting_rad: [f64; 3],

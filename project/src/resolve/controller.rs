@@ -30,7 +30,7 @@ pub struct ControllerSource {
     pub file: String,
     /// Hash of the project that it was exported from; empty if it is not checked.
     pub hash: String,
-    /// What the file holds; `None` if it is not at hand.
+    /// Content of the file; `None` if it is not at hand.
     pub content: Option<Arc<ControllerContent>>,
 }
 

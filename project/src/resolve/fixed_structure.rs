@@ -11,11 +11,11 @@ use crate::file::visit::{Count, NamedChoice, Visit, choose, list, maybe_number, 
 pub struct TuningOptions {
     /// Whether the weights of the H2 feedback are tuned.
     pub weights: TunedWeights,
-    /// What is made least.
+    /// Objective that is minimised.
     pub objective: TuningObjective,
     /// The band of [`TuningObjective::Band`], rad/s.
     pub band_rad_s: [f64; 2],
-    /// What the loop must keep on every plant.
+    /// Limits that the loop must keep on every plant.
     pub limits: LoopLimits,
     /// The plants that one controller must serve besides the nominal one.
     pub plants: Vec<FurtherPlants>,

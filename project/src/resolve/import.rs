@@ -15,7 +15,7 @@ use crate::file::visit::{Count, NamedChoice, Visit, choose};
 /// The structure as matrices from elsewhere.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImportedStructure {
-    /// How the files are written.
+    /// Format of the files.
     pub format: MatrixFormat,
     /// File of the mass matrix.
     pub mass: MatrixFile,
@@ -27,11 +27,11 @@ pub struct ImportedStructure {
     pub node_map: String,
     /// Damping ratio of flexible mode 1, 2, ..., the last holding for all above, if there is no damping matrix.
     pub modal_damping: Vec<f64>,
-    /// Which shapes a structure is condensed to.
+    /// Shapes to which a structure is condensed.
     pub shapes: Shapes,
     /// Masses that a configuration can fit.
     pub masses: Vec<PointMass>,
-    /// What the files hold.
+    /// Content of the files.
     pub content: Option<ImportedContent>,
 }
 

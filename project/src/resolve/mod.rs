@@ -74,23 +74,23 @@ pub struct Project {
     pub plant: Parameters,
     /// The structure as matrices from elsewhere, if there is one.
     pub import: Option<import::ImportedStructure>,
-    /// Which description of the mechanism is taken, and where it stands.
+    /// Description of the mechanism that is taken, and its operating point.
     pub model: PlantSelection,
-    /// How the plant is reduced before the design.
+    /// Options of the reduction of the plant before the design.
     pub reduce: ReductionOptions,
-    /// What is asked of the design.
+    /// Requirements on the design.
     pub synth: Option<DesignRequest>,
-    /// What is done to the loop, and the limits of its figures.
+    /// Procedure of the loop, and the limits of its figures.
     pub verify: Option<VerificationOptions>,
     /// The traverse axis under this elevation axis, if there is one.
     pub traverse: Option<traverse::TraverseAxis>,
-    /// How robustness is tried.
+    /// Options of the test of robustness.
     pub sweep: Option<RobustnessCampaign>,
-    /// What code is generated.
+    /// Code that is generated.
     pub export: ExportRequest,
     /// The controller that was in the loop when recordings were made.
     pub recording_controller: Option<RecordingController>,
-    /// How the columns of recordings become channels.
+    /// Mapping of the columns of recordings to channels.
     pub recording: Mapping,
     /// Natural frequencies measured on the real structure.
     pub measured: Option<measured_modes::MeasuredModes>,

@@ -13,13 +13,13 @@ pub struct PlantSelection {
     pub structure: StructureChoice,
     /// Flexible modes that are kept where the structure is the beam.
     pub modes: usize,
-    /// How the beam is divided into elements; also where lumped inertias are derived from it.
+    /// Division of the beam into elements; also used for lumped inertias that are derived from it.
     pub elements: FeOptions,
     /// Name of the configuration; `None` for the bare mechanism.
     pub configuration: Option<String>,
-    /// Where the mechanism stands.
+    /// Operating point of the mechanism.
     pub operating_point: OperatingPoint,
-    /// What a linear plant makes of dry friction.
+    /// Linear replacement of dry friction.
     pub friction: FrictionLinearisation,
 }
 

@@ -67,7 +67,7 @@ pub struct RoadSource {
 /// A motion made from numbers, the same for the same seed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GeneratedMotion {
-    /// What it is made from.
+    /// Source from which it is generated.
     pub kind: MotionKind,
     /// Duration, fades and seed.
     pub realisation: MotionRealisation,
@@ -94,9 +94,9 @@ pub enum MotionKind {
     },
     /// A drive of a wheeled vehicle over a road of ISO 8608.
     IsoRoad {
-        /// How rough the road is.
+        /// Roughness of the road.
         class: RoadClass,
-        /// How fast the vehicle goes, m/s.
+        /// Speed of the vehicle, m/s.
         speed_m_s: f64,
         /// The vehicle.
         vehicle: Vehicle,

@@ -12,7 +12,7 @@ use crate::file::writer;
 pub struct SectionStatement {
     /// Path of the section.
     pub path: String,
-    /// What the section describes.
+    /// Subject of the section.
     pub meaning: &'static str,
     /// Values.
     pub values: Vec<ValueStatement>,
@@ -27,11 +27,11 @@ pub struct ValueStatement {
     pub value: String,
     /// The unit; empty for a pure number.
     pub unit: &'static str,
-    /// What the value means.
+    /// Meaning of the value.
     pub meaning: &'static str,
     /// Tolerance, if it has one.
     pub tolerance: Option<String>,
-    /// What stands in the file, as it is written there; `None` if the value is a default or follows from other keys.
+    /// Text in the file, as it is written there; `None` if the value is a default or follows from other keys.
     pub written: Option<String>,
 }
 

@@ -17,7 +17,7 @@ pub struct RobustnessCampaign {
     pub samples: usize,
     /// Seed.
     pub seed: u64,
-    /// How its points are laid out.
+    /// Layout of its points.
     pub layout: PointLayout,
     /// Parameters that vary together.
     pub variations: Vec<Variation>,

@@ -23,9 +23,9 @@ pub struct SynthesisOptions {
     pub controller_order: Option<usize>,
     /// Filter of the demand before the controller.
     pub prefilter: Option<Weight>,
-    /// What the controller does about the amplifier's measured curve.
+    /// Compensation of the amplifier's measured curve.
     pub amplifier_curve: Compensation,
-    /// What the controller does about the known gain and bias of the sensors.
+    /// Compensation of the known gain and bias of the sensors.
     pub sensor_errors: Compensation,
     /// Nonlinear observer of friction.
     pub observer: Option<ObserverOptions>,
@@ -39,7 +39,7 @@ pub struct SynthesisOptions {
     pub structure: FixedStructure,
     /// A feedback that was made elsewhere, in place of the H2 feedback.
     pub imported: Option<ImportedController>,
-    /// What the open parameters of the blocks are tuned for.
+    /// Objective of the tuning of the blocks' open parameters.
     pub tuning: Option<TuningOptions>,
 }
 
@@ -80,7 +80,7 @@ pub enum Compensation {
 /// Options of a friction observer: which friction it cancels, and its law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObserverOptions {
-    /// What drives its friction state.
+    /// Signal that drives its friction state.
     pub drives: Drives,
     /// Part that is cancelled, 0 to 1.
     pub share: f64,
@@ -101,7 +101,7 @@ pub struct ScheduleOptions {
     pub configurations: Vec<String>,
     /// Factors factors on the out-of-balance alone; the inertia stays.
     pub factors: Vec<f64>,
-    /// What the exported controller takes.
+    /// Part that the exported controller has.
     pub law: ScheduleLaw,
 }
 
@@ -177,7 +177,7 @@ pub struct AdaptationRuns {
 /// Requirements, and how far the search goes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WeightSearch {
-    /// What the sampled loop must keep.
+    /// Limits that the sampled loop must keep.
     pub requirements: Requirements,
     /// Most designs that are tried for one answer.
     pub trials: usize,

@@ -12,7 +12,7 @@ use crate::file::visit::{NamedChoice, Visit, choose, list, maybe_number};
 pub struct TraverseAxis {
     /// Name of its project file, beside that of the elevation axis.
     pub file: String,
-    /// Where the elevation pivot is on the ring.
+    /// Position of the elevation pivot on the ring.
     pub pivot: PivotPosition,
     /// Elevation at which the traverse project's inertia and out-of-balance include the elevated body, rad; that of the model if absent.
     pub included_at_rad: Option<f64>,

@@ -19,9 +19,9 @@ use crate::tolerance::MOST_UNSTATED_SAMPLES;
 pub struct VerificationOptions {
     /// What is done; operating point and friction are those of the model, and the road is still to be read.
     pub procedure: Procedure,
-    /// Where the size of the step of the demand comes from.
+    /// Source of the size of the step of the demand.
     pub step_size: StepSize,
-    /// Where the platform's motion on a road comes from.
+    /// Source of the platform's motion on a road.
     pub road: Option<PlatformSource>,
     /// Figures with their limits.
     pub requirements: Vec<Requirement>,

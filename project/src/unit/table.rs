@@ -9,11 +9,11 @@ use super::dimension::{BASES, Dimension};
 pub struct NamedUnit {
     /// The name, as it is written.
     pub name: &'static str,
-    /// What it means.
+    /// Meaning.
     pub meaning: UnitMeaning,
     /// Whether it takes prefixes such as `m` and `k`.
     pub prefixes: PrefixRule,
-    /// What else the name can mean: `kg`, `lb` and `oz` are also used for the weight of that mass, and `g` for the acceleration of
+    /// Other meaning of the name: `kg`, `lb` and `oz` are also used for the weight of that mass, and `g` for the acceleration of
     /// gravity.
     pub weight: Option<UnitMeaning>,
 }

@@ -51,7 +51,7 @@ pub struct AnswerText {
     /// The chart of the localisation; not part of the JSON result.
     #[serde(skip)]
     pub chart: LocalisationChart,
-    /// What the chart says; not part of the JSON result.
+    /// Conclusion of the chart; not part of the JSON result.
     #[serde(skip)]
     pub chart_summary: String,
 }
@@ -113,7 +113,7 @@ pub struct DescribedDiagnosis {
 pub struct VerdictText {
     /// Name, as the glossary has it.
     pub name: &'static str,
-    /// What it says of the model and the recordings, without a capital and a full stop.
+    /// Statement on the model and the recordings, without a capital and a full stop.
     pub sentence: &'static str,
 }
 

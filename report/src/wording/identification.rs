@@ -32,7 +32,7 @@ pub struct IdentificationText {
     pub noise_share: f64,
     /// Time that entered, s.
     pub sliding_s: f64,
-    /// What has to be known together with the numbers.
+    /// Remarks that belong to the numbers.
     pub notes: Vec<String>,
     /// Errors of the sensors; absent if the recordings show none.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -32,7 +32,7 @@ pub struct LearnedFunctionText {
     pub place: &'static str,
     /// Quantity that it adds to or multiplies.
     pub quantity: &'static str,
-    /// What it is a function of.
+    /// Variable of the function.
     pub variable: &'static str,
     /// Unit of the variable.
     pub variable_unit: &'static str,
@@ -49,7 +49,7 @@ pub struct LearnedFunctionText {
     pub band: Vec<[f64; 2]>,
     /// Share of the recorded samples nearest to each point.
     pub coverage: Vec<f64>,
-    /// What the curve says.
+    /// Interpretation of the curve.
     pub reading: String,
     /// Over which range it is known.
     pub range: String,

@@ -38,9 +38,9 @@ pub(crate) struct StepProblem<'a> {
     pub bonds: &'a Bonds,
     /// Angles of motor and pivot to which friction has travelled before it, rad.
     pub travelled: Option<[f64; 2]>,
-    /// What the nonlinear parts see at its start.
+    /// Inputs of the nonlinear parts at its start.
     pub outputs: [f64; OUTPUTS],
-    /// What stays over the step.
+    /// Inputs that are constant over the step.
     pub held: HeldInputs,
     /// The platform along it.
     pub platform: &'a PlatformSpan,

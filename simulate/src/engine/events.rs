@@ -10,9 +10,9 @@ use counterpoise_models::Mesh;
 /// A part of a sample.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Part {
-    /// Where it starts, as a fraction of the sample.
+    /// Start, as a fraction of the sample.
     pub start: f64,
-    /// How long it is, as a fraction of the sample.
+    /// Length, as a fraction of the sample.
     pub share: f64,
 }
 
@@ -21,7 +21,7 @@ pub(crate) struct Part {
 pub(crate) struct TriedStep<'a> {
     pub present: &'a PresentPlant,
     pub attempt: &'a Attempt,
-    /// What is seen at the end of the step.
+    /// Observed signals at the end of the step.
     pub ahead: &'a ModeOutputs,
     pub sample: &'a Sample<'a>,
     pub part: Part,

@@ -54,7 +54,7 @@ impl Mode {
 pub(crate) struct Hold {
     pub row: Vec<f64>,
     pub inputs: [f64; input::COUNT],
-    /// Which of them are the ports.
+    /// Places of the ports among them.
     pub ports: [usize; PORTS],
     /// Torque per angular acceleration of the platform, kg m^2.
     pub platform: f64,
@@ -68,15 +68,15 @@ pub(crate) struct ModeDynamics {
     n: usize,
     /// The coordinates z; `None` if they are the physical state itself.
     coordinates: Option<Coordinates>,
-    /// What the nonlinear parts see, from z.
+    /// Rows of the inputs of the nonlinear parts, from z.
     pub outputs: Mat,
     /// That, the voltage and the rate of the tip, stored for products.
     seen: Strips,
     /// z per platform rate that joints at rest carry.
     pub carried: Vec<f64>,
-    /// What holds the joints; for any mode, stuck or not.
+    /// Torques that hold the joints; for any mode, stuck or not.
     pub holds: [Hold; 2],
-    /// Which joints stick.
+    /// Joints that stick.
     pub stuck: [bool; 2],
     /// Change of z that changes the joints' rates by one, as an impulse on the joint does.
     pub pushes: [Vec<f64>; 2],

@@ -383,7 +383,7 @@ pub(crate) struct Place {
 /// What a step is given besides the present.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct StepInput<'a> {
-    /// What stays over the step.
+    /// Inputs that are constant over the step.
     pub held: HeldInputs,
     /// The platform along the step.
     pub platform: &'a PlatformSpan,

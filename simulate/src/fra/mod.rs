@@ -44,9 +44,9 @@ pub struct Settings {
     pub settled_below: f64,
     /// Most windows that are waited for.
     pub most_windows: usize,
-    /// What of sensors and converters is simulated.
+    /// Imperfections of sensors and converters that are simulated.
     pub imperfections: Imperfections,
-    /// Where the mechanism is, rad.
+    /// Angle of the mechanism, rad.
     pub hub_angle_rad: f64,
     /// Heave per pitch acceleration, m: a mechanism mounted that far in front of the simulator's axis.
     pub offset_m: f64,
@@ -87,7 +87,7 @@ pub struct Measurement {
     pub last_change: f64,
     /// `true` if that is below what the settings ask for; if not, the motion had not settled when the windows ran out.
     pub settled: bool,
-    /// How long the mechanism was simulated for this point, s, until it had settled.
+    /// Simulated time for this point, s, until the mechanism had settled.
     pub simulated_s: f64,
 }
 

@@ -87,7 +87,7 @@ impl From<RecordedController> for ReplayLoop {
 /// A recording compared with its simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Replay {
-    /// How well each recorded channel fits.
+    /// Fit of each recorded channel.
     pub channels: Vec<ChannelFit>,
     /// The simulated readings.
     pub simulated: ReadingColumns,

@@ -31,7 +31,7 @@ pub struct SelectedReplay {
     pub replay: Replay,
     /// Over the whole recording or over windows.
     pub mode: ReplayMode,
-    /// How far two runs of the model diverge over the whole recording; `None` in open loop, which feeds no difference back.
+    /// Divergence of two runs of the model over the whole recording; `None` in open loop, which feeds no difference back.
     pub divergence: Option<Divergence>,
 }
 

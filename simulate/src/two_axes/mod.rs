@@ -39,13 +39,13 @@ pub use base::BaseMotion;
 pub struct TwoAxisScenario {
     /// Duration, s; the run has a sample at every whole period before it.
     pub duration_s: f64,
-    /// How the base moves.
+    /// Motion of the base.
     pub base: BaseMotion,
-    /// What is done to the elevation axis.
+    /// Scenario of the elevation axis.
     pub elevation: AxisScenario,
-    /// What is done to the traverse axis.
+    /// Scenario of the traverse axis.
     pub traverse: AxisScenario,
-    /// What is kept.
+    /// Signals that are kept.
     pub detail: Detail,
     /// Whether the machine on the elevation axis fires its shots.
     pub firing: Firing,
@@ -56,9 +56,9 @@ pub struct TwoAxisScenario {
 pub struct AxisScenario {
     /// Demanded rate, rad/s, as the controller reads it.
     pub demand_rad_s: Signal,
-    /// What of sensors and converters is simulated.
+    /// Imperfections of sensors and converters that are simulated.
     pub imperfections: Imperfections,
-    /// Where the axis starts: at rest relative to its base, or in a given state.
+    /// Initial state of the axis: at rest relative to its base, or a given state.
     pub initial: Initial,
 }
 
@@ -103,9 +103,9 @@ pub struct TwoAxisHistory {
     pub elevation: TimeHistory,
     /// The traverse axis; its platform is the base, and its heave the lateral specific force.
     pub traverse: TimeHistory,
-    /// What the two axes do together at each sample: an array time x signal.
+    /// Signals of both axes together at each sample: an array time x signal.
     pub sight: Signals<SightColumn>,
-    /// How often samples were taken, on the average.
+    /// Mean number of passes per sample.
     pub passes_per_sample: f64,
     /// Samples whose torque between the axes still changed by more than the tolerance in the last pass.
     pub unconverged: usize,

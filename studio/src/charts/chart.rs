@@ -13,7 +13,7 @@ pub struct ChartCurve {
     pub points: CurvePoints,
     /// Colour.
     pub colour: Color32,
-    /// How it is stroked.
+    /// Dash pattern.
     pub dash: LineDash,
 }
 
@@ -59,7 +59,7 @@ impl PlotAxis {
 /// A vertical line with a label.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerticalMark {
-    /// Where it stands on the x axis.
+    /// Position on the x axis.
     pub x: f64,
     /// Label.
     pub label: String,
@@ -77,7 +77,7 @@ pub struct LabelledPoint {
 /// A plot as data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
-    /// What the plot shows; also its name for copies and screen readers.
+    /// Title of the plot; also its name for copies and screen readers.
     pub title: String,
     /// The labels of the axes, with units.
     pub labels: [String; 2],

@@ -22,13 +22,13 @@ const LEAST_HEIGHT: f32 = 40.0;
 pub struct ChartStyle<'a> {
     /// Colours.
     pub theme: &'a WindowTheme,
-    /// What the limits belong to beside the chart's own axes: if it changes, the chart is fitted again.
+    /// Key of the limits beside the chart's own axes: if it changes, the chart is fitted again.
     pub scope: &'a str,
 }
 
 /// Response of a chart to the user.
 pub struct ChartResponse {
-    /// Where plot coordinates lie on the screen; logarithmic axes are in decades.
+    /// Transform from plot coordinates to the screen; logarithmic axes are in decades.
     pub transform: PlotTransform,
     /// The plot as a widget.
     pub response: egui::Response,

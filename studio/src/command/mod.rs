@@ -70,7 +70,7 @@ pub enum Command {
     },
     /// Shows files and folders to choose from.
     Browse {
-        /// What the user looks for.
+        /// Kind of file or folder that the user is asked for.
         purpose: BrowsePurpose,
     },
     /// Closes the project; unsaved edits are restored when it is opened again.

@@ -18,7 +18,7 @@ pub struct WeightHandle {
     pub name: &'static str,
     /// Where it stands.
     pub position: HandlePosition,
-    /// What it changes.
+    /// Keys that it changes.
     pub effect: HandleEffect,
 }
 

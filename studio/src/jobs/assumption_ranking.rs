@@ -14,7 +14,7 @@ pub struct RankingRequest {
     pub project: Arc<Project>,
     /// Plant.
     pub modelled: Arc<PlantModel>,
-    /// What its file leaves open.
+    /// Values that its file leaves open.
     pub assumptions: Vec<Assumption>,
 }
 

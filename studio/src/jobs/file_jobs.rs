@@ -138,7 +138,7 @@ pub struct LoadedProject {
     pub origin: ProjectOrigin,
     /// The lock; `None` if another window holds it.
     pub lock: Option<ProjectLock>,
-    /// What the window showed of the project when it was open last.
+    /// View of the project when it was open last.
     pub settings: Option<ProjectSettings>,
 }
 

@@ -104,9 +104,9 @@ pub struct BackgroundJobs {
     pub diagnosis: Option<Result<DescribedDiagnosis, ErrorLines>>,
     /// The mechanism that was diagnosed.
     pub diagnosed_plant: Option<Parameters>,
-    /// What a running verification has found so far.
+    /// Results of a running verification so far.
     pub partial: PartialVerification,
-    /// What a running campaign has found so far.
+    /// Results of a running campaign so far.
     pub partial_campaign: PartialCampaign,
     diagnosis_progress: SharedProgress,
     measurement_progress: SharedProgress,

@@ -86,7 +86,7 @@ pub struct CopiedPlot {
     pub format: CopyFormat,
     /// The title of the plot.
     pub title: String,
-    /// What was done, or why not.
+    /// Result, or why there is none.
     pub outcome: Result<CopyOutcome, String>,
 }
 

@@ -50,8 +50,10 @@ pub fn verification_worker(wake: &WakeWindow, partial: &PartialVerification) -> 
             let mut observer = |found: &Verification| {
                 if last_partial.is_none_or(|at| at.elapsed() > PARTIAL_INTERVAL) {
                     if let Ok(mut slot) = partial.lock() {
-                        *slot =
-                            Some(VersionedResult { revision: request.revision, value: Arc::new(found.clone()) });
+                        *slot = Some(VersionedResult {
+                            revision: request.revision,
+                            value: Arc::new(found.clone()),
+                        });
                     }
                     last_partial = Some(Moment::now());
                     partial_wake();

@@ -25,7 +25,7 @@ pub struct ShownMeasurements<'a> {
     pub measurements: &'a Measurements,
     /// The revision of the project.
     pub revision: u64,
-    /// How far a running measurement is, in words; `None` if none runs.
+    /// Progress of a running measurement, in words; `None` if none runs.
     pub progress: Option<String>,
 }
 

@@ -32,7 +32,9 @@ impl Studio {
             match answer {
                 Ok(Some(found)) => self.take_verification(revision, found),
                 Ok(None) => {}
-                Err(why) => self.results.verification_failure = Some(VersionedResult { revision, value: why }),
+                Err(why) => {
+                    self.results.verification_failure = Some(VersionedResult { revision, value: why })
+                }
             }
         }
         if let Some((revision, Some(value))) = self.jobs.effort.take() {

@@ -69,9 +69,9 @@ pub struct Studio {
     pub state: PathBuf,
     /// The project.
     pub opened: Option<OpenProject>,
-    /// What the window shows.
+    /// View of the window.
     pub view: StudioView,
-    /// What is remembered for the user.
+    /// Settings that are stored for the user.
     pub user_settings: UserSettings,
     /// Computed results.
     pub results: ComputedResults,
@@ -83,7 +83,7 @@ pub struct Studio {
     pub library: LibraryBuilder,
     /// Why a project could not be opened.
     pub open_error: Option<String>,
-    /// How far the window's closing is.
+    /// State of the window's closing.
     pub window_closing: WindowClosing,
     pub(crate) jobs: BackgroundJobs,
     pub(crate) journal: Journal,

@@ -29,7 +29,7 @@ use program::{Program, ProgramSolution};
 pub struct BestLoopTask<'a> {
     /// The plant.
     pub plant: &'a DesignPlant,
-    /// How a controller would be sampled.
+    /// Sampling of a controller.
     pub sampling: &'a Sampling,
     /// Disturbance that acts on the loop.
     pub disturbance: &'a Disturbance,

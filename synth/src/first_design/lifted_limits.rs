@@ -13,7 +13,7 @@ use counterpoise_lti::StateSpace;
 
 use super::candidate::{MORE_PHASE, SHAPES};
 use super::neighbours::stiffen;
-use super::scan::{Candidate, FurtherShapes, TriedFeedback, PER_DECADE, Scan};
+use super::scan::{Candidate, FurtherShapes, PER_DECADE, Scan, TriedFeedback};
 use super::{Circumstances, LimitLoops};
 use crate::bandwidth::{Bandwidth, LimitKind, Unknown};
 use crate::tolerance::HIGHER_BANDWIDTH;
@@ -217,7 +217,12 @@ fn climb_all(scan: &mut Scan, aim_rad_s: f64, kinds: &[LimitKind]) -> Result<Hig
 }
 
 /// Climbs as long as there are candidates that keep every limit but those that are left out.
-fn climb(scan: &mut Scan, from: f64, left_out: &[LimitKind], highest: &mut HighestFeedbacks) -> Result<(), Error> {
+fn climb(
+    scan: &mut Scan,
+    from: f64,
+    left_out: &[LimitKind],
+    highest: &mut HighestFeedbacks,
+) -> Result<(), Error> {
     let step = |k: i32| from * 10f64.powf(f64::from(k) / f64::from(PER_DECADE));
     let (mut low, mut high, mut misses) = (from, None, 0);
     let top = scan.highest_aim();

@@ -305,7 +305,11 @@ impl<'a> Scan<'a> {
     ///
     /// # Errors
     /// Those of the design.
-    pub fn attempt_if_worthwhile(&mut self, aim_rad_s: f64, shape: usize) -> Result<Option<TriedFeedback>, Error> {
+    pub fn attempt_if_worthwhile(
+        &mut self,
+        aim_rad_s: f64,
+        shape: usize,
+    ) -> Result<Option<TriedFeedback>, Error> {
         let FurtherShapes { have_more_phase, damp_the_load } = self.further_shapes;
         if shape < MORE_PHASE || (shape >= DAMPED_LOAD && damp_the_load) {
             return self.attempt(aim_rad_s, shape);

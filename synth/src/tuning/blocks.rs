@@ -88,7 +88,8 @@ fn usual_range(name: ParameterName, grid: &LoopGrid, plant: &LoopPlant) -> [f64;
     let (slowest, fastest) = (3e-5 * top, 0.8 * top);
     match name {
         ParameterName::Gain => {
-            let sizes = grid.rates.iter().zip(&plant.response).filter(|(rate, _)| **rate > GAIN_RANGE_SHARE * top);
+            let sizes =
+                grid.rates.iter().zip(&plant.response).filter(|(rate, _)| **rate > GAIN_RANGE_SHARE * top);
             let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
             for (_, response) in sizes {
                 least = least.min(response.norm());

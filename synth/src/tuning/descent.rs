@@ -16,7 +16,7 @@ pub(crate) struct DescentResult {
     pub at: Vec<f64>,
     /// ln of the residual rate on the worst plant.
     pub objective: f64,
-    /// What the worst limit is exceeded by.
+    /// Excess over the worst limit.
     pub missed: f64,
     /// Objective and penalty.
     pub merit: f64,

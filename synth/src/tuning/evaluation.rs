@@ -16,7 +16,7 @@ use crate::tolerance::{FAR_BELOW_LIMIT, POLE_STEP};
 pub(crate) struct Evaluation {
     /// ln of the residual rate, on each plant.
     pub objectives: Vec<Row>,
-    /// What each limit is exceeded by, relatively; at most 0 where it is kept. Each peak near its limit has a row.
+    /// Relative excess over each limit; at most 0 where it is kept. Each peak near its limit has a row.
     pub limits: Vec<Row>,
     /// The second-order part of the objective on the worst plant (Gauss and Newton's), row by row.
     pub curvature: Vec<Vec<f64>>,

@@ -47,7 +47,7 @@ use search::Search;
 /// Input of a tuning: structure, plants and objective.
 #[derive(Debug, Clone)]
 pub struct TuningTask<'a> {
-    /// What is tuned.
+    /// Subject of the tuning.
     pub subject: TuningSubject<'a>,
     /// The plants that one controller must serve, the nominal one first.
     pub plants: &'a [DesignPlant],
@@ -56,9 +56,9 @@ pub struct TuningTask<'a> {
     pub held: &'a [DesignPlant],
     /// Sampling of the controller.
     pub sampling: &'a Sampling,
-    /// What acts on the loop: the objective is the rate that it leaves.
+    /// Disturbance of the loop: the objective is the rate that it leaves.
     pub disturbance: &'a Disturbance,
-    /// What the loop must keep.
+    /// Limits that the loop must keep.
     pub limits: LoopLimits,
     /// Number of starts, and of restarts near the best answer.
     pub starts: usize,
@@ -90,7 +90,7 @@ pub enum TunedFeedback {
 pub struct TunedDesign {
     /// The feedback.
     pub feedback: TunedFeedback,
-    /// It sampled, from the error to the control.
+    /// Sampled feedback, from the error to the control.
     pub sampled: StateSpace,
     /// The figures of the loop on each plant, computed from state-space systems and not from the grid of the tuning.
     pub measures: Vec<LoopMeasures>,

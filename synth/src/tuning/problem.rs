@@ -16,7 +16,7 @@ use crate::tolerance::DRIFTING_POLE;
 /// The problem; a point is the logarithms of the open parameters.
 pub(crate) struct Problem<'a> {
     pub task: &'a TuningTask<'a>,
-    /// What moves.
+    /// Family of the feedback that moves.
     pub family: Box<dyn FeedbackFamily + 'a>,
     pub grid: LoopGrid,
     pub plants: Vec<LoopPlant>,

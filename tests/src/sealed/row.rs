@@ -13,13 +13,13 @@ use super::{Case, ConcealedEffect, KINDS, MachineFamily, PERIOD, SealedAnswer, W
 pub struct Row {
     pub seed: u64,
     pub family: String,
-    /// What is concealed, `component effect`.
+    /// Concealed effect, as `component effect`.
     pub truth: Vec<String>,
     /// RMS change that it makes to the most changed channel, in floors: below 1 it drowns.
     pub visibility: f64,
     pub noise: f64,
     pub verdict: String,
-    /// What was found, `component effect`.
+    /// Findings, each as `component effect`.
     pub found: Vec<String>,
     /// For each finding with a name: its probability, and whether it is true.
     pub stated: Vec<(f64, bool)>,
@@ -44,7 +44,7 @@ pub struct Row {
     /// For each interval: how far the value is from the truth, in its standard deviations.
     #[serde(default)]
     pub errors: Vec<f64>,
-    /// What the search weighed: the best few of each stage.
+    /// Hypotheses of the search: the best few of each stage.
     #[serde(default)]
     pub evidence: Vec<HypothesisRow>,
     /// Mean ln(RMS / floor) on the last part of every recording, fitted to the first: the model as it was, its parameters

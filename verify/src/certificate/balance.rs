@@ -47,7 +47,7 @@ pub struct JointBalance {
     pub amplitude_rad: f64,
     /// Torque of dry friction over one period of x = A sin(w t), N m: sample k = 1, 2, ... at w t = 2 pi k / count.
     pub torque_nm: Vec<f64>,
-    /// What its first harmonic acts like.
+    /// Equivalent stiffness and damping of its first harmonic.
     pub impedance: Impedance,
     /// Coulomb level, N m, and rest stiffness, N m/rad, of a law of Dahl with the exponent 1; `None` for other laws.
     pub dahl: Option<[f64; 2]>,
@@ -87,7 +87,7 @@ pub struct CycleBalance {
     pub mesh: MeshBalance,
     /// The friction observers, in the controller's order.
     pub observers: Vec<ObserverGain>,
-    /// What the first output of the mechanism is.
+    /// Quantity of the first output of the mechanism.
     pub hub_output: HubOutput,
     /// The mechanism without dry friction: (control, torque on the motor shaft, torque on the hub) to (hub, tip and motor rate, current,
     /// readings).

@@ -68,7 +68,7 @@ impl StabilityCriterion {
 pub struct MultiplierTerm {
     /// Joint.
     pub joint: usize,
-    /// Which term.
+    /// Kind of the term.
     pub kind: TermKind,
     /// Weight, 0 or more.
     pub weight: f64,

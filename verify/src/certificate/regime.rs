@@ -42,7 +42,7 @@ pub enum Teeth {
 /// The loop in a regime.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegimeLoop {
-    /// Which regime.
+    /// Regime.
     pub regime: Regime,
     /// Largest modulus of a pole of the closed loop; below 1 the loop is stable. Poles of constants that nothing changes are left
     /// out, such as the offset between the state of an observer and the friction itself.

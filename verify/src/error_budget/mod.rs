@@ -39,7 +39,7 @@ pub struct Contribution {
     pub alone_rad: [f64; 5],
     /// The share in each band.
     pub share: SightSpectrum,
-    /// What the linear loop makes of the source; `None` if it has no place in a linear loop.
+    /// Contribution of the source in the linear loop; `None` if it has no place there.
     pub linear: Option<LinearContribution>,
 }
 

@@ -25,7 +25,7 @@ pub struct ClosedLoop {
 /// The loop of an arrangement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArrangedLoop {
-    /// How much of the controller acts.
+    /// Part of the controller that acts.
     pub arrangement: Arrangement,
     /// The loop, closed.
     pub closed: ClosedLoop,

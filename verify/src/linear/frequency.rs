@@ -11,7 +11,7 @@ use crate::{Arrangement, Error, Source};
 /// One complex response over frequency.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResponseCurve {
-    /// What it is, for a legend.
+    /// Name, for a legend.
     pub name: String,
     /// One value a frequency of [`Curves::frequency_hz`].
     pub response: Vec<C64>,
@@ -42,7 +42,7 @@ pub struct Curves {
 pub struct Rejection {
     /// Heave or pitch.
     pub source: Source,
-    /// How much of the controller acts.
+    /// Part of the controller that acts.
     pub arrangement: Arrangement,
     /// Hub rate over heave, rad/s per m/s^2, or over pitch rate.
     pub response: Vec<C64>,

@@ -11,7 +11,7 @@ use super::plant_response::{ACCELEROMETER, DEMAND, PLATFORM_GYRO, PlantResponse,
 pub struct LoopResponse {
     /// What drives it.
     pub cause: LoopCause,
-    /// What is observed.
+    /// Observed signal.
     pub effect: LoopEffect,
     /// One value a frequency of [`Curves::frequency_hz`](super::Curves::frequency_hz): rad/s (in a loop of position, rad) or V, over the unit of the cause.
     pub response: Vec<C64>,

@@ -51,7 +51,7 @@ pub struct MarginOnPath {
     pub kind: MarginKind,
     /// Size, dB or degrees.
     pub size: f64,
-    /// Where it is read, rad/s.
+    /// Frequency at which it is read, rad/s.
     pub rate_rad_s: f64,
     /// L there.
     pub response: C64,

@@ -21,7 +21,7 @@ pub enum NoiseEntry {
 /// The rates of hub and tip over one noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoiseResponse {
-    /// Where it enters.
+    /// Place at which it enters.
     pub entry: NoiseEntry,
     /// Hub rate over the noise, one value a frequency.
     pub hub: Vec<C64>,

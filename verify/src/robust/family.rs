@@ -34,7 +34,7 @@ pub enum MemberDifference {
 /// One mechanism of a family, and its figures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FamilyMember {
-    /// How it differs from the nominal mechanism.
+    /// Difference from the nominal mechanism.
     pub difference: MemberDifference,
     /// The figures, in the order asked for.
     pub values: Vec<Value>,

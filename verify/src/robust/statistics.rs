@@ -31,7 +31,7 @@ pub struct ParameterInfluence {
     pub variation: usize,
     /// Spearman's rank correlation, -1 to 1, between the figure and what `sense` says.
     pub correlation: f64,
-    /// What of the factor is compared.
+    /// Property of the factor that is compared.
     pub sense: Sense,
 }
 

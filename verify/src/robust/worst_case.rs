@@ -15,7 +15,7 @@ pub struct WorstMechanism {
     pub start: f64,
     /// Number of the worst sample, whose sensor noise the search keeps.
     pub sample: usize,
-    /// How many mechanisms were tried.
+    /// Number of mechanisms that were tried.
     pub tried: usize,
     /// `true` if the search ended because its steps grew small, not because of its limit.
     pub converged: bool,

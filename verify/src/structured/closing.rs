@@ -20,7 +20,7 @@ use crate::tolerance::NEUTRAL;
 pub struct GainErrors {
     /// Relative error at the plant's input and of the hub gyroscope's reading.
     pub at: [C64; 2],
-    /// Where they have these values, rad/s.
+    /// Frequencies of these values, rad/s.
     pub rate_rad_s: f64,
 }
 

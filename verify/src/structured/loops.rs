@@ -94,7 +94,7 @@ struct Systems {
 /// M over an interval of rates: direct + control x reading, where `reading` is the control that a tone of each channel causes in the
 /// closed loop, and `control` is what a tone of the control does at each channel through the hold.
 pub struct Pieces {
-    /// What goes through the mechanism alone, by rows.
+    /// Direct rows of the mechanism alone.
     pub direct: Vec<Vec<Taylor>>,
     /// Per channel.
     pub control: Vec<Taylor>,

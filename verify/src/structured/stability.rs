@@ -31,7 +31,7 @@ pub struct RobustStability {
     pub dry_friction_at_rad_s: Option<f64>,
     /// The errors at the plant's input and of the hub gyroscope's reading.
     pub errors: [f64; 2],
-    /// What proves the bounds.
+    /// Proof of the bounds.
     pub proof: BoundProof,
 }
 
