@@ -15,7 +15,7 @@ use super::tested_design::{largest_db, rate_grid};
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::{ALIKE_DB, MARGIN_ALIKE_DB, OVERSHOOT_ALIKE, RESIDUAL_ALIKE};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_plot::{Axis, PerformanceFigure as Drawing};
+use counterpoise_plot::{Axis, Figure as Drawing};
 use counterpoise_project::resolve::model::StructureChoice;
 
 /// Control band, Hz.

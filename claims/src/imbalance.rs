@@ -12,7 +12,7 @@ use super::drawing::{
 use super::tested_design::{DrawnMechanism, largest_db, rate_grid};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::{PipelineError, run_stages};
-use counterpoise_plot::{Axis, PerformanceFigure as Drawing, Point};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 /// Band in which controllers are compared, Hz.
 const BAND_HZ: [f64; 2] = [0.1, 10.0];

@@ -72,7 +72,7 @@ pub struct Claim {
 /// Outcome of a claim.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ClaimOutcome {
-    /// As the thesis says.
+    /// The measured values are as the thesis says.
     Holds,
     /// Not as the thesis says, for a reason.
     Differs {

@@ -11,7 +11,7 @@ use super::drawing::{
 };
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_plot::{Axis, PerformanceFigure as Drawing, Point};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 /// By how much the thesis' feedback reduces the peak under pitch.
 const PITCH_FACTOR: f64 = 13.0;

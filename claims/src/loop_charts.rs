@@ -3,7 +3,7 @@
 use counterpoise_controller::Controller;
 use counterpoise_linalg::C64;
 use counterpoise_models::plant::Plant;
-use counterpoise_plot::{Axis, PerformanceFigure as Drawing, Point};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 use counterpoise_simulate::fra::{Settings, Test, TestSine, measure_point};
 use counterpoise_verify::linear::ResponseCurve as Response;
 use counterpoise_verify::{LoopFigure, PerformanceFigure};

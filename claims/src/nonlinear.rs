@@ -11,7 +11,7 @@ use super::drawing::{ClaimCurve, hub_from, hub_panel, hub_rates, make_figure, ti
 use super::tested_design::{DrawnMechanism, NamedLevel, NonlinearBehaviour, plot_over_factor};
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_plot::{PerformanceFigure as Drawing, Point};
+use counterpoise_plot::{Figure as Drawing, Point};
 
 /// Returns the mechanism with a parameter changed by a factor.
 pub(super) fn change_parameter(

@@ -15,7 +15,7 @@ use super::imbalance::apply_configuration;
 use super::nonlinear::change_parameter;
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
-use counterpoise_plot::{Axis, PerformanceFigure as Drawing, Point};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 /// Samples of a segment of the spectra, their confidence, and the band over which a ratio is averaged, Hz.
 const SEGMENT: usize = 4096;

@@ -16,7 +16,7 @@ use super::drawing::{
 };
 use super::friction_identification::{IdentifiedFriction, identify_friction, with_observer};
 use counterpoise_pipeline::{DesignStages, PipelineError, World, run_stages, synthesise};
-use counterpoise_plot::{Axis, PerformanceFigure as Drawing, Point};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 use counterpoise_project::Project;
 
 /// A design that is put to the test.

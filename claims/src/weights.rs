@@ -14,7 +14,7 @@ use super::tested_design::rate_grid;
 use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::SMALL_ERROR_PERCENT;
 use counterpoise_pipeline::{DesignStages, PipelineError};
-use counterpoise_plot::{Axis, PerformanceFigure as Drawing, Point};
+use counterpoise_plot::{Axis, Figure as Drawing, Point};
 
 /// K1 / a1 of the integrating design, and the corner of the error weight without integral action, s: where the integrating design's own
 /// weight levels off.

@@ -30,7 +30,7 @@ pub struct Path {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Scaling {
-    /// It does not.
+    /// The output does not follow the out-of-balance.
     Fixed,
     /// Gain M / design out-of-balance: the gain law.
     WithOutOfBalance,

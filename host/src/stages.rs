@@ -8,7 +8,7 @@ use counterpoise_pipeline::StageTime;
 /// Display of progress on the error stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ProgressDisplay {
-    /// It is printed.
+    /// The progress is printed.
     Shown,
     /// Nothing is printed.
     Quiet,

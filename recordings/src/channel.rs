@@ -46,10 +46,10 @@ pub enum LoopQuantity {
 /// Kind of an axis' motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Travel {
-    /// It turns: angles in rad.
+    /// The axis turns: angles in rad.
     #[default]
     Turning,
-    /// It slides: places in m.
+    /// The axis slides: places in m.
     Sliding,
 }
 

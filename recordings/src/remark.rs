@@ -6,13 +6,13 @@ use crate::time_unit::DoubtfulUnit;
 /// Why a column of a file was not read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum UnreadReason {
-    /// It holds something else than real numbers.
+    /// The column holds something else than real numbers.
     #[error("it holds {holds}, not real numbers")]
     Type {
         /// What it holds, in the plural.
         holds: String,
     },
-    /// It has another length than the columns that were read.
+    /// The column has another length than the columns that were read.
     #[error("it has {length} values, the columns that were read {rows}")]
     Length {
         /// Length.
@@ -20,7 +20,7 @@ pub enum UnreadReason {
         /// Length of the columns that were read.
         rows: usize,
     },
-    /// It has more than two dimensions, or its dimensions do not match its values.
+    /// The column has more than two dimensions, or its dimensions do not match its values.
     #[error("its shape is {}, but a column or a matrix of columns is needed", sizes(shape))]
     Shape {
         /// Dimensions.

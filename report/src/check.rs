@@ -104,9 +104,9 @@ fn understood_sections(sections: &[SectionStatement]) -> Vec<String> {
 /// Where a value comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Origin {
-    /// It is written in the file.
+    /// The value is written in the file.
     File,
-    /// It is a default, or follows from other keys.
+    /// The value is a default, or follows from other keys.
     Elsewhere,
 }
 

@@ -78,11 +78,11 @@ pub struct FigureTile {
 /// Tone of an outcome.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OutcomeTone {
-    /// It holds.
+    /// The requirement holds.
     Good,
-    /// It fails.
+    /// The requirement fails.
     Bad,
-    /// It could not be judged, or there is nothing to judge.
+    /// The requirement could not be assessed, or there is nothing to judge.
     Neutral,
 }
 

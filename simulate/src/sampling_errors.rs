@@ -26,11 +26,11 @@ pub(crate) struct SampleError {
 /// What becomes of the controller's step in a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Step {
-    /// It runs, and its control acts at once.
+    /// The controller runs, and its control acts at once.
     InTime,
-    /// It runs, and its control acts one period later.
+    /// The controller runs, and its control acts one period later.
     Late,
-    /// It does not run.
+    /// The controller does not run.
     Missed,
 }
 

@@ -53,11 +53,11 @@ pub struct ComputedResults {
 /// The state of a verification with respect to the project.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VerificationState {
-    /// It belongs to the project as it stands, and is complete.
+    /// The result belongs to the project as it stands, and is complete.
     Complete,
-    /// It is still running.
+    /// The computation is still running.
     Running,
-    /// It belongs to an older design.
+    /// The result belongs to an older design.
     Stale,
 }
 

@@ -86,7 +86,7 @@ impl WindowTheme {
     /// Applies the theme to a window.
     pub fn apply(&self, ctx: &egui::Context) {
         let dark = *self == DARK;
-        ctx.set_theme(if dark { egui::WindowTheme::Dark } else { egui::WindowTheme::Light });
+        ctx.set_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light });
         let visuals = self.visuals(if dark { Visuals::dark() } else { Visuals::light() });
         ctx.all_styles_mut(|style| {
             style.visuals = visuals.clone();

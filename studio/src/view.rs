@@ -64,9 +64,9 @@ pub enum CloseTarget {
 /// Outcome of a command of the view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ViewCommand {
-    /// It did, and was carried out.
+    /// The command concerned the view and was carried out.
     Applied,
-    /// It concerns something else.
+    /// The command concerns something else.
     NotOfView,
 }
 

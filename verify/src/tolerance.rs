@@ -59,11 +59,11 @@ pub const LONGEST_STRETCH_S: f64 = 10.0;
 pub const MULTIPLE: f64 = 0.9;
 /// Most time for which it is observed, s: twice the 20 s of a run that is to be predicted.
 pub const OBSERVED_S: f64 = 40.0;
-/// It has settled when its RMS changes by less than this share from stretch to stretch.
+/// Relative change of the RMS from stretch to stretch below which a motion has settled.
 pub const SETTLED: f64 = 0.01;
 /// If it has not settled, it still fades where it is below this share of what it was half the time ago.
 pub const STILL_FADES: f64 = 0.8;
-/// It has faded when its RMS is below this many noise floors.
+/// RMS in noise floors below which a motion has faded.
 pub const FADED_FLOORS: f64 = 0.2;
 /// Length of the certificate's own runs at rest and in motion, s.
 pub const RUN_S: f64 = 20.0;

@@ -19,9 +19,9 @@ pub struct Layout {
 /// State of the lever arm of the platform's accelerometer: known or unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LeverArm {
-    /// It is taken as the project has it.
+    /// The lever arm is taken as the project has it.
     Known,
-    /// It is identified.
+    /// The lever arm is identified.
     Unknown,
 }
 

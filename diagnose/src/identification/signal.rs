@@ -84,9 +84,9 @@ struct Filter {
 /// What an input does between samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum InputHold {
-    /// It is held, as a converter does.
+    /// The input is held, as a converter does.
     Held,
-    /// It goes straight to the next sample.
+    /// The input goes straight to the next sample.
     Straight,
 }
 

@@ -62,14 +62,14 @@ pub enum Repetition {
 /// The trend of a function along its regime variable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Trend {
-    /// It has a simple form.
+    /// The trend has a simple form.
     Simple {
         /// The form.
         form: TrendForm,
         /// The range that the recordings cover; `None` if its numbers are not those of the machine itself.
         extent: Option<Extent>,
     },
-    /// It repeats.
+    /// The trend repeats.
     Periodic {
         /// How; `None` if its numbers are not those of the machine itself.
         repetition: Option<Repetition>,

@@ -16,9 +16,9 @@ pub enum HeaveTreatment {
 /// Comparison state of a channel on which something was remarked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Comparison {
-    /// It is compared.
+    /// The channel is compared.
     Compared,
-    /// It is not compared.
+    /// The channel is not compared.
     NotCompared,
 }
 

@@ -19,13 +19,13 @@ use crate::tolerance::recording::{
 /// Most likely cause of a sensor's disagreement with the others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Meaning {
-    /// The sign is swapped.
+    /// The sign of the channel is swapped.
     SignSwapped,
-    /// It is in degrees.
+    /// The channel is in degrees.
     InDegrees,
     /// One is in degrees and the other in radians.
     MixedDegreesAndRadians,
-    /// It is in thousandths.
+    /// The channel is in thousandths.
     InThousandths,
     /// A scale or the gear ratio is wrong.
     WrongScaleOrRatio,
@@ -50,7 +50,7 @@ pub enum Anomaly {
         /// Of how many.
         samples: usize,
     },
-    /// It has one value throughout.
+    /// The channel has one value throughout.
     StuckThroughout {
         /// The value, in the channel's unit.
         value: f64,

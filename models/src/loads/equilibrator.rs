@@ -79,10 +79,10 @@ pub struct Gas {
 /// Direction of a strut's force: pull or push.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Action {
-    /// It pulls its pins together.
+    /// The strut pulls its pins together.
     #[default]
     Pull,
-    /// It pushes them apart.
+    /// The strut pushes them apart.
     Push,
 }
 

@@ -75,10 +75,10 @@ pub struct Parameters {
 /// Kind of the hub's motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum AxisKind {
-    /// It turns: angles in rad, inertias in kg m^2, torques in N m. The weight's torque follows the angle.
+    /// The hub turns: angles in rad, inertias in kg m^2, torques in N m. The weight's torque follows the angle.
     #[default]
     Rotary,
-    /// It slides: places in m, masses in kg, forces in N. The weight is constant: `out_of_balance` is the mass times the
+    /// The hub slides: places in m, masses in kg, forces in N. The weight is constant: `out_of_balance` is the mass times the
     /// sine of the slope.
     Linear,
 }

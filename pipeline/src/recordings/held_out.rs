@@ -66,7 +66,7 @@ pub enum HeldOutOutcome {
     ExplainedBefore,
     /// The fit improves.
     Improved,
-    /// It does not.
+    /// The improved model does not predict it better.
     NotImproved,
 }
 

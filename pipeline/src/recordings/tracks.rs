@@ -22,11 +22,11 @@ pub struct ChannelTrack {
 /// A run of a [`ChannelTrack`]: a column of its array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TrackColumn {
-    /// As recorded.
+    /// Recorded values.
     Measured,
-    /// As simulated by the model as it was.
+    /// Values simulated by the model as it was.
     Before,
-    /// As simulated by the improved model; a track has no such column if there is none.
+    /// Values simulated by the improved model; a track has no such column if there is none.
     After,
 }
 

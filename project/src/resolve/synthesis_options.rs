@@ -71,9 +71,9 @@ pub enum ObserverFriction {
 /// Compensation of a known deviation of the amplifier or of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compensation {
-    /// It does not. The estimator of `adapt` alone knows the amplifier's curve.
+    /// The controller does not compensate. The estimator of `adapt` alone knows the amplifier's curve.
     Absent,
-    /// It does: its last step is the inverse of the amplifier's curve, and its first corrects the readings.
+    /// The controller compensates: its last step is the inverse of the amplifier's curve, and its first corrects the readings.
     Applied,
 }
 
@@ -146,9 +146,9 @@ pub struct AdaptationOptions {
 /// Use of the adaptation in the exported controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AdaptationUse {
-    /// It does.
+    /// The exported controller adapts.
     Exported,
-    /// It does not: the trials of the project leave no motion on which an adaptation helps.
+    /// The exported controller does not adapt: the trials of the project leave no motion on which an adaptation helps.
     LeftOut,
 }
 

@@ -32,9 +32,9 @@ pub struct UnitMeaning {
 /// Rule for the prefixes of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PrefixRule {
-    /// It does.
+    /// The unit takes prefixes.
     Taken,
-    /// It does not.
+    /// The unit takes no prefixes.
     None,
 }
 

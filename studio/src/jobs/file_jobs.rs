@@ -145,9 +145,9 @@ pub struct LoadedProject {
 /// Origin of a loaded project.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ProjectOrigin {
-    /// It was read.
+    /// The file was read.
     Existing,
-    /// It was made just now.
+    /// The file was made just now.
     Created,
 }
 

@@ -91,7 +91,7 @@ fn show_fit(ui: &mut Ui, view: &StudioView, answer: &AnswerText) {
 }
 
 fn show_evidence(ui: &mut Ui, theme: &WindowTheme, answer: &AnswerText) {
-    widgets::show_heading(ui, "Relations that these sensors allow to check");
+    widgets::show_heading(ui, "Equations of torque and motion that these sensors allow");
     for row in &answer.isolability {
         let sees = component_list(&row.sees).replace('_', " ");
         let colour = if row.available { theme.text } else { theme.weak };

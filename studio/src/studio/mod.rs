@@ -59,7 +59,7 @@ pub enum WindowClosing {
     /// No request to close it.
     #[default]
     No,
-    /// It closes when the project is closed.
+    /// The window closes when the project is closed.
     WhenProjectIsClosed,
 }
 

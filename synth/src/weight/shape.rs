@@ -11,7 +11,7 @@ pub enum WeightShape {
         /// Modulus.
         modulus: f64,
     },
-    /// It has zeros or poles.
+    /// The weight has zeros or poles.
     Varying {
         /// Towards zero frequency.
         low: LowFrequency,
@@ -25,31 +25,31 @@ pub enum WeightShape {
 /// A weight towards zero frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LowFrequency {
-    /// It tends to a modulus.
+    /// The weight tends to a modulus.
     Level {
         /// The modulus.
         modulus: f64,
     },
-    /// It has poles at the origin.
+    /// The weight has poles at the origin.
     Unbounded,
-    /// It has zeros at the origin.
+    /// The weight has zeros at the origin.
     Zero,
 }
 
 /// A weight towards infinite frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum HighFrequency {
-    /// It tends to a modulus.
+    /// The weight tends to a modulus.
     Level {
         /// The modulus.
         modulus: f64,
     },
-    /// It rises with a power of the frequency.
+    /// The weight rises with a power of the frequency.
     Rising {
         /// The power.
         power: i32,
     },
-    /// It falls with a power of the frequency.
+    /// The weight falls with a power of the frequency.
     Falling {
         /// The power, positive.
         power: i32,

@@ -28,11 +28,11 @@ use crate::tolerance::{HOPELESS_EIGENVALUE, KERNELS, MULTIPLIER_SPLITS, MULTIPLI
 /// Known properties of the friction at a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FrictionKnowledge {
-    /// It takes energy out of the motion.
+    /// The friction takes energy out of the motion.
     Dissipates,
-    /// It is a function of the rate, of the rate's sign.
+    /// The friction is a function of the rate, of the rate's sign.
     FunctionOfRate,
-    /// It is an odd function that never falls.
+    /// The friction is an odd function that never falls.
     Rises,
     /// The torque changes by at most this times the displacement, N m/rad, and never against it.
     Stiffness(f64),
@@ -108,7 +108,7 @@ pub type LoopOverInterval<'a> = dyn Fn(RateInterval) -> Option<Vec<Vec<Taylor>>>
 /// Outcome of a check between points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ProofOutcome {
-    /// It holds at every frequency of the range.
+    /// The condition holds at every frequency of the range.
     Holds {
         /// Least eigenvalue over the largest modulus of an eigenvalue, over all intervals.
         least: f64,
@@ -117,9 +117,9 @@ pub enum ProofOutcome {
         /// Intervals that were needed.
         intervals: usize,
     },
-    /// It does not hold, or cannot be shown, at this rate, rad/s.
+    /// The condition does not hold, or cannot be shown, at this rate, rad/s.
     FailsAt(f64),
-    /// It holds wherever it was looked at, but so narrowly that [`MULTIPLIER_SPLITS`] intervals did not show it; up to this rate, rad/s.
+    /// The condition holds wherever it was looked at, but so narrowly that [`MULTIPLIER_SPLITS`] intervals did not show it; up to this rate, rad/s.
     Narrow(f64),
 }
 

@@ -79,7 +79,7 @@ pub(crate) mod port {
 pub enum Resolver {
     /// The controller reads the hub's angle.
     Read,
-    /// It does not.
+    /// The controller does not read the angle.
     Unread,
 }
 
