@@ -57,6 +57,16 @@ fn overshoots(rates: &[NonlinearBehaviour]) -> String {
     rates.iter().map(|b| format!("{:.1}", b.overshoot_percent)).collect::<Vec<_>>().join(" / ")
 }
 
+/// Returns the RMS hub rate of the linear plant under heave and pitch with all parts of the controller.
+fn linear_hub_rate(tested: &TestedDesign<'_>) -> f64 {
+    tested.value(PerformanceFigure::Disturbance(
+        Model::Linear,
+        Source::Both,
+        Arrangement::Compensated,
+        Quantity::HubRms,
+    ))
+}
+
 /// Returns row C8: the observer makes the nonlinear plant like the linear one.
 ///
 /// # Errors
@@ -65,13 +75,7 @@ pub fn friction_observer(tested: &TestedDesign<'_>) -> Result<Claim, PipelineErr
     let linear = tested.value(PerformanceFigure::Step(Model::Linear, StepFigure::Overshoot));
     let plain = tested.behaviour(tested.parameters(), tested.controller())?;
     let observed = tested.behaviour(tested.parameters(), &tested.observed)?;
-    let moving = PerformanceFigure::Disturbance(
-        Model::Linear,
-        Source::Both,
-        Arrangement::Compensated,
-        Quantity::HubRms,
-    );
-    let linear_rate = tested.value(moving);
+    let linear_rate = linear_hub_rate(tested);
     Ok(Claim {
         id: "C8",
         title: "friction observer",
