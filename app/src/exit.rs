@@ -15,7 +15,7 @@ impl ExitStatus {
     pub const BAD_INPUT: Self = Self(2);
 }
 
-/// What a command returns.
+/// Result of a command: its exit status or an error.
 pub type CommandResult = Result<ExitStatus>;
 
 /// Returns 0 if all verdicts hold, 1 if some fail.

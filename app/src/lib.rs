@@ -18,7 +18,7 @@ use std::path::PathBuf;
 use arguments::{Arguments, Command};
 use clap::Parser;
 use commands::studio::StudioOptions;
-use counterpoise_host::interrupt::{self, INTERRUPTED, Interrupted};
+use counterpoise_host::interrupt::{self, INTERRUPTED, Interruption};
 use counterpoise_host::terminal::print_message;
 use exit::{CommandResult, ExitStatus};
 
@@ -47,7 +47,7 @@ pub fn run_command_line(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             print_message(&output::error_chain(&error));
             let paths: Vec<PathBuf> = given.iter().map(PathBuf::from).collect();
             examples::describe_missing_example(&paths).iter().for_each(|note| print_message(note));
-            if error.is::<Interrupted>() { ExitStatus(INTERRUPTED) } else { ExitStatus::BAD_INPUT }
+            if error.is::<Interruption>() { ExitStatus(INTERRUPTED) } else { ExitStatus::BAD_INPUT }
         });
     // Work that was asked to stop has handed over what it had; it is not the result that was asked for.
     if interrupt::is_stop_requested() { INTERRUPTED } else { code }

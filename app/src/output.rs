@@ -75,16 +75,16 @@ pub fn write_json<T: Serialize>(results: &ResultOutput, result: &T) -> Result<bo
 
 /// Writes a list as [`write_json`] does; it stands under a key so that the result can state its schema.
 pub fn json_list<T: Serialize>(results: &ResultOutput, key: &'static str, list: &[T]) -> Result<bool> {
-    write_json(results, &Listed { key, list })
+    write_json(results, &KeyedList { key, list })
 }
 
 /// A list under a key.
-struct Listed<'a, T> {
+struct KeyedList<'a, T> {
     key: &'static str,
     list: &'a [T],
 }
 
-impl<T: Serialize> Serialize for Listed<'_, T> {
+impl<T: Serialize> Serialize for KeyedList<'_, T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(1))?;
         map.serialize_entry(self.key, self.list)?;
@@ -134,7 +134,7 @@ mod tests {
         assert_eq!(with(stated.clone()), json_text(&stated).unwrap());
         let inner = serde_json::json!({"a": {"schema": SCHEMA}});
         assert!(with(inner).starts_with("{\n  \"schema\": "));
-        let listed = json_text(&Listed { key: "files", list: &["a.c"] }).unwrap();
+        let listed = json_text(&KeyedList { key: "files", list: &["a.c"] }).unwrap();
         let expected = serde_json::json!({"schema": SCHEMA, "files": ["a.c"]});
         assert_eq!(serde_json::from_str::<serde_json::Value>(&with_schema(listed)).unwrap(), expected);
         assert_eq!(with(serde_json::json!({})), "{}\n");

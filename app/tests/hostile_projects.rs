@@ -1,4 +1,4 @@
-//! Projects and surroundings that mean harm, or that nobody meant: pipes, devices, links and huge numbers in a project file, escape
+//! Hostile and accidental projects and surroundings: pipes, devices, links and huge numbers in a project file, escape
 //! codes in its texts, arguments that are not UTF-8, a lost standard output. The program says what is wrong, soon, with its
 //! documented exit code, and sends no control character to the terminal.
 #![cfg(unix)]

@@ -124,7 +124,7 @@ fn stored_result(name: &str) -> PathBuf {
 }
 
 /// Folders of projects that take less time than the examples.
-struct Quick {
+struct BriefProjects {
     /// The reference rig with a campaign of eight mechanisms; its runs are short unless the results are stored.
     rig: String,
     /// The same with the first requirements alone.
@@ -133,7 +133,7 @@ struct Quick {
     brief: String,
 }
 
-impl Quick {
+impl BriefProjects {
     fn write() -> Self {
         let folder = support::folder("results-page");
         let rig = small_campaign(&folder.join("rig"));
@@ -167,7 +167,7 @@ fn small_campaign(folder: &Path) -> String {
 
 /// Runs the commands of all examples, as many at once as the machine has processors, and returns their results in order.
 fn run_all() -> Vec<Value> {
-    let (quick, next) = (Quick::write(), AtomicUsize::new(0));
+    let (quick, next) = (BriefProjects::write(), AtomicUsize::new(0));
     let results: Vec<OnceLock<Value>> = EXAMPLES.iter().map(|_| OnceLock::new()).collect();
     let work = || {
         while let Some((k, example)) = EXAMPLES.iter().enumerate().nth(next.fetch_add(1, Ordering::Relaxed)) {
@@ -183,7 +183,7 @@ fn run_all() -> Vec<Value> {
 }
 
 /// Runs the command of an example and returns its result.
-fn run(example: &Example, quick: &Quick) -> Value {
+fn run(example: &Example, quick: &BriefProjects) -> Value {
     let out = Path::new(env!("CARGO_TARGET_TMPDIR")).join("results-page").join(example.name);
     let _ = fs::remove_dir_all(&out);
     fs::create_dir_all(&out).unwrap();

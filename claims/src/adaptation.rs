@@ -5,7 +5,9 @@ use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
 use counterpoise_simulate::{Initial, PlatformMotion, Scenario, Signal, Simulator};
 use counterpoise_synth::adaptation::{self, Scale};
-use counterpoise_synth::{Adaptive, Estimation, Recursive, RecursiveSettings, WindowedMean};
+use counterpoise_synth::{
+    AdaptiveController, Estimation, RecursiveLeastSquares, RecursiveSettings, WindowedMean,
+};
 use counterpoise_verify::Sine;
 use counterpoise_verify::signals::rms;
 
@@ -25,7 +27,7 @@ const JUDGED: f64 = 0.5;
 
 /// What tells the controller its out-of-balance.
 #[derive(Clone, Copy, PartialEq)]
-enum Telling {
+enum LoadSource {
     Nobody,
     Mean,
     Squares,
@@ -73,16 +75,16 @@ fn estimation(
     tested: &TestedDesign<'_>,
     scale: Scale,
     start_kg_m: f64,
-    telling: Telling,
+    telling: LoadSource,
 ) -> Result<Estimation, PipelineError> {
     let sample_period_s = tested.parameters().interface.sample_period_s;
-    if telling == Telling::Mean {
+    if telling == LoadSource::Mean {
         return Ok(Estimation::Mean(WindowedMean::new(
             scale,
             (WINDOW_S / sample_period_s).round() as usize,
         )?));
     }
-    let squares = Recursive::new(RecursiveSettings {
+    let squares = RecursiveLeastSquares::new(RecursiveSettings {
         scale,
         memory_s: 3.0,
         sample_period_s,
@@ -102,23 +104,23 @@ fn estimation(
 fn intervals(
     tested: &TestedDesign<'_>,
     base: &Parameters,
-    telling: Telling,
+    telling: LoadSource,
 ) -> Result<Vec<f64>, PipelineError> {
     let moment = nominal_moment(base);
     let mut controller = tested.observed.runner();
     let mut adaptive = match telling {
-        Telling::Mean | Telling::Squares => {
+        LoadSource::Mean | LoadSource::Squares => {
             let estimation = estimation(tested, scale(tested, base, base.gravity_m_s2), moment, telling)?;
-            Some(Adaptive::new(tested.observed.runner(), estimation))
+            Some(AdaptiveController::new(tested.observed.runner(), estimation))
         }
-        Telling::Nobody | Telling::Truth => None,
+        LoadSource::Nobody | LoadSource::Truth => None,
     };
     let mut initial = Initial::Rest { hub_angle_rad: 0.0 };
     let mut found = Vec::new();
     for share in SHARES {
         let mut machine = base.clone();
         machine.lumped.iter_mut().for_each(|lumped| lumped.out_of_balance_kg_m *= share);
-        if telling == Telling::Truth {
+        if telling == LoadSource::Truth {
             controller.set_out_of_balance(share * moment);
         }
         let acting: &mut dyn SampledController = match &mut adaptive {
@@ -155,8 +157,12 @@ pub fn adapted_feedforward(tested: &TestedDesign<'_>) -> Result<Claim, PipelineE
     let mut panels = Vec::new();
     for (name, machine) in [("linear amplifier", &linear), ("measured amplifier", &curved)] {
         let of = |telling| intervals(tested, machine, telling);
-        let (nobody, mean, squares, truth) =
-            (of(Telling::Nobody)?, of(Telling::Mean)?, of(Telling::Squares)?, of(Telling::Truth)?);
+        let (nobody, mean, squares, truth) = (
+            of(LoadSource::Nobody)?,
+            of(LoadSource::Mean)?,
+            of(LoadSource::Squares)?,
+            of(LoadSource::Truth)?,
+        );
         let most = |rates: &[f64]| rates.iter().copied().fold(0.0, f64::max) / truth[0];
         let changed = |rates: &[f64]| rates[1..4].iter().copied().fold(f64::INFINITY, f64::min) / truth[0];
         criteria.extend(adaptation_criteria(name, most(&mean), most(&truth), changed(&nobody)));
@@ -248,8 +254,8 @@ pub fn imbalance_without_gravity(tested: &TestedDesign<'_>) -> Result<Claim, Pip
     for share in [0.37, 0.75, 1.0, 1.48] {
         let mut machine = weightless.clone();
         machine.lumped.iter_mut().for_each(|lumped| lumped.out_of_balance_kg_m *= share);
-        let estimation = estimation(tested, scale(tested, &machine, 0.0), 0.0, Telling::Squares)?;
-        let mut adaptive = Adaptive::new(no_bias.runner(), estimation);
+        let estimation = estimation(tested, scale(tested, &machine, 0.0), 0.0, LoadSource::Squares)?;
+        let mut adaptive = AdaptiveController::new(no_bias.runner(), estimation);
         let initial = Initial::Rest { hub_angle_rad: 0.0 };
         Simulator::new(&Plant::from_lumped(&machine)?)?
             .run(&mut adaptive, &heave_scenario(tested, initial))?;

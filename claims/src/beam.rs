@@ -2,7 +2,7 @@
 
 use counterpoise_models::parameters::{Beam, BeamSection, SectionShape};
 use counterpoise_models::structure::{
-    FeModel, FeOptions, Fitted, Integration, Mesh, Support, Theory, undamped_modes,
+    AttachedMasses, FeModel, FeOptions, Integration, Mesh, Support, Theory, undamped_modes,
 };
 
 use super::drawing::{ClaimCurve, CurveStyle, make_figure, make_panel};
@@ -17,18 +17,21 @@ const PRINTED_FINE: [f64; 9] =
     [0.02762, 0.07565, 0.14695, 0.24476, 0.36401, 0.49938, 0.66354, 0.84169, 1.06295];
 
 /// A column of table 6-1: elements, and the frequencies that the thesis prints, lowest first.
-struct Printed(usize, &'static [f64]);
+struct PrintedFrequencies(usize, &'static [f64]);
 
-const UNIFORM: [Printed; 4] = [
-    Printed(14, &[0.02660, 0.07309, 0.14513, 0.24804, 0.37300, 0.53523, 0.72310, 0.95422, 1.24417]),
-    Printed(3, &[0.02786, 0.08852, 0.18058, 0.34298, 0.53652, 0.96069]),
-    Printed(2, &[0.02692, 0.09432, 0.21506, 0.38128]),
-    Printed(1, &[0.03789, 0.12943]),
+const UNIFORM: [PrintedFrequencies; 4] = [
+    PrintedFrequencies(
+        14,
+        &[0.02660, 0.07309, 0.14513, 0.24804, 0.37300, 0.53523, 0.72310, 0.95422, 1.24417],
+    ),
+    PrintedFrequencies(3, &[0.02786, 0.08852, 0.18058, 0.34298, 0.53652, 0.96069]),
+    PrintedFrequencies(2, &[0.02692, 0.09432, 0.21506, 0.38128]),
+    PrintedFrequencies(1, &[0.03789, 0.12943]),
 ];
-const TAPERED: [Printed; 3] = [
-    Printed(3, &[0.02767, 0.08539, 0.18678, 0.35964, 0.53998, 0.94393]),
-    Printed(2, &[0.02728, 0.08998, 0.21827, 0.43451]),
-    Printed(1, &[0.03615, 0.14492]),
+const TAPERED: [PrintedFrequencies; 3] = [
+    PrintedFrequencies(3, &[0.02767, 0.08539, 0.18678, 0.35964, 0.53998, 0.94393]),
+    PrintedFrequencies(2, &[0.02728, 0.08998, 0.21827, 0.43451]),
+    PrintedFrequencies(1, &[0.03615, 0.14492]),
 ];
 /// The first modes, on which the 14 elements are judged.
 const FIRST_MODES: usize = 5;
@@ -38,7 +41,7 @@ const PLACES: usize = 24;
 /// Free-free flexible frequencies, rad/s.
 fn frequencies(beam: &Beam, mesh: Mesh, integration: Integration) -> Result<Vec<f64>, PipelineError> {
     let options = FeOptions { mesh, theory: Theory::BernoulliEuler, integration };
-    let model = FeModel::beam(beam, &Fitted::default(), &options)?;
+    let model = FeModel::beam(beam, &AttachedMasses::default(), &options)?;
     Ok(undamped_modes(&model, Support::Free)?.flexible_rad_s().to_vec())
 }
 
@@ -49,7 +52,7 @@ fn deviations(beam: &Beam, mesh: Mesh, integration: Integration) -> Result<Vec<f
     Ok(coarse.iter().zip(&fine).map(|(a, b)| 100.0 * (a / b - 1.0)).collect())
 }
 
-fn printed_deviations(column: &Printed) -> Vec<f64> {
+fn printed_deviations(column: &PrintedFrequencies) -> Vec<f64> {
     column.1.iter().zip(&PRINTED_FINE).map(|(a, b)| 100.0 * (a / b - 1.0)).collect()
 }
 
@@ -76,7 +79,7 @@ fn cone(beam: &Beam) -> Option<Beam> {
 }
 
 /// Mode 1 of three elements under other assumptions, each with its deviation in %.
-struct Tried {
+struct BeamAssumptions {
     at_sections: f64,
     cone: f64,
     /// On that cone by the thesis' power-law elements.
@@ -85,7 +88,7 @@ struct Tried {
     range: [f64; 3],
 }
 
-fn try_integration(beam: &Beam, integration: Integration) -> Result<Tried, PipelineError> {
+fn try_integration(beam: &Beam, integration: Integration) -> Result<BeamAssumptions, PipelineError> {
     let first = |beam: &Beam, mesh: Mesh| -> Result<f64, PipelineError> {
         Ok(deviations(beam, mesh, integration)?.first().copied().unwrap_or(f64::NAN))
     };
@@ -94,7 +97,7 @@ fn try_integration(beam: &Beam, integration: Integration) -> Result<Tried, Pipel
     let cone = smooth.as_ref().map_or(Ok(f64::NAN), |cone| first(cone, Mesh::Equal(3)))?;
     let by_law = |cone: &Beam| deviations(cone, Mesh::Equal(3), Integration::PowerLaw).ok()?.first().copied();
     let power_law = smooth.as_ref().and_then(by_law).unwrap_or(f64::NAN);
-    Ok(Tried { at_sections, cone, power_law, range: range(beam, integration)? })
+    Ok(BeamAssumptions { at_sections, cone, power_law, range: range(beam, integration)? })
 }
 
 /// Returns mode 1 of three elements over all places of the two inner nodes.
@@ -123,7 +126,7 @@ fn percent(values: &[f64]) -> String {
 fn picture(
     beam: &Beam,
     name: &str,
-    columns: &[Printed],
+    columns: &[PrintedFrequencies],
     integration: Integration,
 ) -> Result<Drawing, PipelineError> {
     let modes =
@@ -150,7 +153,11 @@ fn picture(
     Ok(make_figure(title, Axis::linear("flexible mode", ""), vec![panel]).with_caption(&caption))
 }
 
-fn every_column(beam: &Beam, columns: &[Printed], integration: Integration) -> Result<String, PipelineError> {
+fn every_column(
+    beam: &Beam,
+    columns: &[PrintedFrequencies],
+    integration: Integration,
+) -> Result<String, PipelineError> {
     let mut words = Vec::new();
     for column in columns {
         let own = deviations(beam, Mesh::Equal(column.0), integration)?;
@@ -244,7 +251,7 @@ pub fn tapered_elements(tested: &TestedDesign<'_>) -> Result<Claim, PipelineErro
     }
     let equal = first(&deviations(beam, Mesh::Equal(3), integration)?);
     let found = try_integration(beam, integration)?;
-    let own = |all: &[Printed], k: usize| mean(&printed_deviations(&all[k]));
+    let own = |all: &[PrintedFrequencies], k: usize| mean(&printed_deviations(&all[k]));
     let why = format!(
         "in mode 1 tapered elements are {}, as claimed; in the mean over all modes they are the worse with 2 and with 1 element, and so they are in the thesis' own table ({:.0} against {:.0} %, {:.0} against {:.0} %). 0.2 % asks for an element without a step inside, which equal lengths do not give on this beam: 3 elements are {equal:+.2} % off with equal lengths, {:+.2} % with nodes where its sections end, {:+.2} % on one smooth cone of the same ends, {:+.2} % there by the thesis' own power-law elements, whose error has either sign",
         if nearer { "closer in every column" } else { "not closer in every column" },
@@ -269,7 +276,7 @@ pub fn tapered_elements(tested: &TestedDesign<'_>) -> Result<Claim, PipelineErro
 }
 
 /// Returns what is asked of a number of elements, of which the modes are off by `tapered` and `uniform` percent.
-fn column_criteria(column: &Printed, tapered: &[f64], uniform: &[f64]) -> [Criterion; 2] {
+fn column_criteria(column: &PrintedFrequencies, tapered: &[f64], uniform: &[f64]) -> [Criterion; 2] {
     let mean = |r: &[f64]| r.iter().map(|x| x.abs()).sum::<f64>() / r.len().max(1) as f64;
     let first = |r: &[f64]| r.first().copied().unwrap_or(f64::NAN);
     let alike = UNIFORM.iter().find(|one| one.0 == column.0);

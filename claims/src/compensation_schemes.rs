@@ -33,7 +33,7 @@ const LAYER_RAD_S: f64 = 0.02;
 const DURATION_S: (f64, f64) = (10.0, 2.0);
 
 /// A controller with a scheme beside it.
-struct With {
+struct CompensatedController {
     runner: Runner,
     scheme: Scheme,
     /// Control that overcomes the dry friction, V.
@@ -42,7 +42,7 @@ struct With {
     sample: u32,
 }
 
-impl SampledController for With {
+impl SampledController for CompensatedController {
     fn reset(&mut self) {
         self.runner.reset();
         self.sample = 0;
@@ -124,13 +124,13 @@ pub fn schemes_of_the_appendix(tested: &TestedDesign<'_>) -> Result<Claim, Pipel
     })
 }
 
-fn with(tested: &TestedDesign<'_>, scheme: Scheme) -> With {
+fn with(tested: &TestedDesign<'_>, scheme: Scheme) -> CompensatedController {
     let p = tested.parameters();
     let torque_per_volt =
         p.amplifier.stall_gain_a_v(&p.motor) * p.motor.torque_constant_nm_a * p.gearbox.ratio;
     let friction_nm = p.pivot_friction.coulomb_nm() + p.gearbox.ratio * p.motor_friction.coulomb_nm();
     let friction_v = friction_nm / torque_per_volt;
-    With {
+    CompensatedController {
         runner: tested.controller().runner(),
         scheme,
         friction_v,

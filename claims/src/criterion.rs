@@ -2,14 +2,14 @@
 
 use counterpoise_plot::number::short_number;
 
-/// What must hold for a row to hold.
+/// Condition on a measured value that a row of the claims states.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Criterion {
     /// The quantity with its unit.
     pub what: String,
-    /// What the thesis says about it, a number where it prints one.
+    /// Statement of the thesis about it, with its number if the thesis prints one.
     pub thesis: String,
-    /// What was measured.
+    /// Measured value.
     pub measured: f64,
     /// The least and the largest value that agree with the thesis.
     pub accepted: (f64, f64),
@@ -19,7 +19,7 @@ pub struct Criterion {
     pub explained: Option<(f64, f64)>,
 }
 
-/// How a measured value stands to what the thesis says.
+/// Comparison of a measured value with the thesis' value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Agreement {
     /// Within the accepted range.

@@ -4,7 +4,9 @@ use counterpoise_controller::Controller;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::plant::Plant;
 use counterpoise_verify::robust::figures_of;
-use counterpoise_verify::{Arrangement, Experiment, Figure, Model, Quantity, Source, StepFigure, Value};
+use counterpoise_verify::{
+    Arrangement, Experiment, Model, PerformanceFigure, Quantity, Source, StepFigure, Value,
+};
 
 use super::drawing::{
     ClaimCurve, frequency_axis, gain_db, hub_from, hub_panel, hub_rates, make_figure, make_panel, time_axis,
@@ -77,9 +79,13 @@ fn on_elements(
     plant: &Plant,
     controller: &Controller,
 ) -> Result<[f64; 2], PipelineError> {
-    let both =
-        Figure::Disturbance(Model::Nonlinear, Source::Both, Arrangement::Compensated, Quantity::HubRms);
-    let wanted = [Figure::Step(Model::Nonlinear, StepFigure::Overshoot), both];
+    let both = PerformanceFigure::Disturbance(
+        Model::Nonlinear,
+        Source::Both,
+        Arrangement::Compensated,
+        Quantity::HubRms,
+    );
+    let wanted = [PerformanceFigure::Step(Model::Nonlinear, StepFigure::Overshoot), both];
     let values = figures_of(plant, controller, &tested.procedure, &wanted)?;
     let number = |k: usize| if let Value::Is(number) = values[k] { number } else { f64::NAN };
     Ok([number(0), 1e3 * number(1)])

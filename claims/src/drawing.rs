@@ -10,15 +10,15 @@ use counterpoise_pipeline::PipelineError;
 /// A curve before its place in a panel decides its colour.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClaimCurve {
-    /// Its name in the legend.
+    /// Name in the legend.
     pub name: String,
     /// In the order in which they are joined.
     pub points: Vec<Point>,
-    /// How it is drawn.
+    /// Style of the curve.
     pub style: CurveStyle,
 }
 
-/// How a curve is drawn.
+/// Style of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CurveStyle {
     /// An unbroken line.

@@ -47,7 +47,7 @@ impl SlidingInertia {
         hz: f64,
         amplitude_rad_s: f64,
     ) -> Result<Self, PipelineError> {
-        let friction = Friction::plain(law, 0.0);
+        let friction = Friction::with_viscous_part(law, 0.0);
         let coulomb = friction.coulomb_nm();
         let rate_rad_s = std::f64::consts::TAU * hz;
         let model = FrictionModel::new(&friction)?;
@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn without_friction_the_inertia_comes_back_to_rest() {
         let sliding = SlidingInertia {
-            model: FrictionModel::new(&Friction::plain(FrictionLaw::None, 0.0)).unwrap(),
+            model: FrictionModel::new(&Friction::with_viscous_part(FrictionLaw::None, 0.0)).unwrap(),
             inertia_kg_m2: 2.0,
             torque_nm: 3.0,
             rate_rad_s: std::f64::consts::TAU,

@@ -123,6 +123,6 @@ fn drawings(figures: &[TargetFigures]) -> Vec<Drawing> {
     ];
     vec![
         make_figure("The control in the loop that each form closes", Axis::linear("sample", ""), panels)
-            .with_caption("Heave and pitch on the nonlinear plant. Friction and converters amplify a difference of one rounding; the plant moves alike."),
+            .with_caption("Heave and pitch on the nonlinear plant. Friction and converters amplify a difference of one rounding; the plant's motion is the same."),
     ]
 }

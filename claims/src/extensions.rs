@@ -2,7 +2,7 @@
 
 use counterpoise_models::Parameters;
 use counterpoise_verify::history::{Experiment, History};
-use counterpoise_verify::robust::Varied;
+use counterpoise_verify::robust::VariedParameter;
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Source};
 
@@ -136,8 +136,8 @@ pub fn inertia_and_imbalance_apart(tested: &TestedDesign<'_>) -> Result<Claim, P
         let mut row = Vec::new();
         for inertia in [0.5, 1.0, 2.0] {
             let mut parameters = tested.parameters().clone();
-            Varied::OutOfBalance.scale(&mut parameters, moment)?;
-            Varied::HubInertia.scale(&mut parameters, inertia)?;
+            VariedParameter::OutOfBalance.scale(&mut parameters, moment)?;
+            VariedParameter::HubInertia.scale(&mut parameters, inertia)?;
             let found = tested.behaviour(&parameters, &tested.observed)?;
             row.push(Cell {
                 overshoot_percent: found.overshoot_percent,

@@ -9,7 +9,7 @@ use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
 use counterpoise_pipeline::PipelineError;
 use counterpoise_project::Project;
-use counterpoise_project::resolve::synthesis_options::{FrictionModel, ObserverOptions};
+use counterpoise_project::resolve::synthesis_options::{ObserverFriction, ObserverOptions};
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::replay::{ReplayLoop, Replayer};
 use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
@@ -66,7 +66,7 @@ pub fn with_observer(project: &Project, found: &IdentifiedFriction) -> Project {
             share: 1.0,
             motor: Some(found.parameters.motor_friction.clone()),
             pivot: Some(found.parameters.pivot_friction.clone()),
-            model: FrictionModel::Dahl,
+            model: ObserverFriction::Dahl,
             sign_rate_rad_s: 5e-3,
         });
     }

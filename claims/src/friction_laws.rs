@@ -24,28 +24,28 @@ const BRISTLE_DAMPING: f64 = 0.3;
 type Map = Vec<Vec<C64>>;
 
 /// A law by its name, from what it shares with all others: level and stiffness at rest.
-type Make = fn(Shared) -> FrictionLaw;
+type LawConstructor = fn(LawConstants) -> FrictionLaw;
 
 /// What the laws share.
 #[derive(Clone, Copy)]
-struct Shared {
+struct LawConstants {
     coulomb_nm: f64,
     stiffness_nm_rad: f64,
     inertia_kg_m2: f64,
 }
 
-impl Shared {
+impl LawConstants {
     fn damping(self) -> f64 {
         2.0 * BRISTLE_DAMPING * (self.stiffness_nm_rad * self.inertia_kg_m2).sqrt()
     }
 }
 
 /// Static laws first, then those with presliding.
-const STATIC: [(&str, Make); 2] = [
+const STATIC: [(&str, LawConstructor); 2] = [
     ("Coulomb", |s| FrictionLaw::Coulomb { coulomb_nm: s.coulomb_nm }),
     ("Karnopp", |s| FrictionLaw::Karnopp { coulomb_nm: s.coulomb_nm, stick_rate_rad_s: 1e-3 }),
 ];
-const DYNAMIC: [(&str, Make); 3] = [
+const DYNAMIC: [(&str, LawConstructor); 3] = [
     ("Dahl", |s| FrictionLaw::Dahl {
         coulomb_nm: s.coulomb_nm,
         rest_stiffness_nm_rad: s.stiffness_nm_rad,
@@ -68,7 +68,7 @@ const DYNAMIC: [(&str, Make); 3] = [
 const BRUSH: (usize, f64) = (12, 2.0);
 
 /// Returns the law of the machine that the laws are compared with.
-fn brush(s: Shared) -> FrictionLaw {
+fn brush(s: LawConstants) -> FrictionLaw {
     FrictionLaw::Bristle {
         coulomb_nm: s.coulomb_nm,
         bristles: BRUSH.0,
@@ -87,14 +87,14 @@ fn free_mechanism(tested: &TestedDesign<'_>) -> Result<Parameters, PipelineError
 }
 
 /// Returns what the pivot's law shares with the others; `None` if it is not Dahl's.
-fn shared_quantities(parameters: &Parameters) -> Option<Shared> {
+fn shared_quantities(parameters: &Parameters) -> Option<LawConstants> {
     let inertia_kg_m2 = parameters.lumped.as_ref().map(|l| l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2)?;
     let pivot = &parameters.pivot_friction;
     if !matches!(pivot.law, FrictionLaw::Dahl { .. }) {
         return None;
     }
     let stiffness_nm_rad = pivot.presliding_stiffness_nm_rad()?;
-    Some(Shared { coulomb_nm: pivot.coulomb_nm(), stiffness_nm_rad, inertia_kg_m2 })
+    Some(LawConstants { coulomb_nm: pivot.coulomb_nm(), stiffness_nm_rad, inertia_kg_m2 })
 }
 
 fn with_law(parameters: &Parameters, law: FrictionLaw) -> Parameters {
@@ -109,15 +109,15 @@ fn map(parameters: &Parameters) -> Result<Map, PipelineError> {
     let settings = Settings { least_duration_s: 1.0, settled_below: 1e-3, ..Settings::default() };
     let one = |share: f64, hz: f64| -> Result<C64, PipelineError> {
         let at = TestSine { frequency_rad_s: std::f64::consts::TAU * hz, amplitude: share * PITCH_RAD_S };
-        Ok(measure_point(&plant, &mut Idle, Test::PlatformToHub, at, &settings)?.response.value)
+        Ok(measure_point(&plant, &mut ZeroControl, Test::PlatformToHub, at, &settings)?.response.value)
     };
     SHARES.iter().map(|&share| FREQUENCIES_HZ.iter().map(|&hz| one(share, hz)).collect()).collect()
 }
 
 /// A control of nothing.
-struct Idle;
+struct ZeroControl;
 
-impl counterpoise_controller::SampledController for Idle {
+impl counterpoise_controller::SampledController for ZeroControl {
     fn reset(&mut self) {}
     fn step(&mut self, _: &counterpoise_controller::Readings) -> f64 {
         0.0
@@ -239,7 +239,7 @@ struct LawDistances {
 /// Returns the rig's map and every law's.
 fn friction_laws_over_amplitude_maps(
     free: &Parameters,
-    shared: Shared,
+    shared: LawConstants,
 ) -> Result<Vec<LawMap>, PipelineError> {
     let mut all =
         vec![LawMap { law: "a brush of bristles (the machine)", map: map(&with_law(free, brush(shared)))? }];
@@ -358,7 +358,7 @@ fn cost_criteria(own: [f64; 2], damped: f64) -> Vec<Criterion> {
 }
 
 /// LuGre's law with so many times the damping of [`DYNAMIC`]'s.
-fn lugre(shared: Shared, times: f64) -> FrictionLaw {
+fn lugre(shared: LawConstants, times: f64) -> FrictionLaw {
     FrictionLaw::Lugre {
         coulomb_nm: shared.coulomb_nm,
         bristle_stiffness_nm_rad: shared.stiffness_nm_rad,
@@ -445,7 +445,7 @@ pub fn fitted_friction_laws(tested: &TestedDesign<'_>) -> Result<Claim, Pipeline
 }
 
 /// Returns what is asked of LuGre and of the reset integrator, fitted.
-fn fitted_criteria(a: &Fitted, b: &Fitted, dahl: f64) -> Vec<Criterion> {
+fn fitted_criteria(a: &FitResult, b: &FitResult, dahl: f64) -> Vec<Criterion> {
     vec![
         Criterion::at_most(
             "LuGre: distance fitted over as matched",
@@ -491,14 +491,16 @@ fn fitted_friction_laws_figure(truth: &Map, maps: [LawMap; 4]) -> Drawing {
 }
 
 /// Where a fit began and ended.
-struct Fitted {
+struct FitResult {
     before: f64,
     after: f64,
     at: [f64; 2],
 }
 
 /// Returns each of two factors up and down, the step's square root taken when nothing is better.
-fn fit_factors(distance: &dyn Fn([f64; 2]) -> Result<f64, PipelineError>) -> Result<Fitted, PipelineError> {
+fn fit_factors(
+    distance: &dyn Fn([f64; 2]) -> Result<f64, PipelineError>,
+) -> Result<FitResult, PipelineError> {
     const FIRST_STEP: f64 = 4.0;
     const LAST_STEP: f64 = 1.1;
     const LEAST: f64 = 1e-3;
@@ -519,5 +521,5 @@ fn fit_factors(distance: &dyn Fn([f64; 2]) -> Result<f64, PipelineError>) -> Res
             step = step.sqrt();
         }
     }
-    Ok(Fitted { before, after, at })
+    Ok(FitResult { before, after, at })
 }

@@ -21,7 +21,7 @@ const ROLL_HZ: f64 = 1.4;
 const DURATION_S: (f64, f64) = (14.0, 4.0);
 
 /// A controller whose gyroscopes also read the roll rate, by the sine of their angles.
-struct Misaligned {
+struct MisalignedController {
     runner: Runner,
     hub_rad: f64,
     platform_rad: f64,
@@ -29,7 +29,7 @@ struct Misaligned {
     sample: u32,
 }
 
-impl SampledController for Misaligned {
+impl SampledController for MisalignedController {
     fn reset(&mut self) {
         self.runner.reset();
         self.sample = 0;
@@ -62,7 +62,7 @@ fn simulate_hub_rate(
     let scenario = Scenario { platform, ..Scenario::at_rest(DURATION_S.0) };
     let runner = tested.observed.runner();
     let period_s = p.interface.sample_period_s;
-    let mut controller = Misaligned { runner, hub_rad, platform_rad, period_s, sample: 0 };
+    let mut controller = MisalignedController { runner, hub_rad, platform_rad, period_s, sample: 0 };
     let run = Simulator::new(&Plant::from_lumped(p)?)?.run(&mut controller, &scenario)?;
     Ok(run.truth.hub_rate_rad_s().to_vec())
 }

@@ -4,7 +4,7 @@ use counterpoise_controller::Controller;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::plant::OperatingPoint;
 use counterpoise_models::{Configuration, Parameters};
-use counterpoise_verify::{Arrangement, Experiment, Figure, Model, Quantity, Source, StepFigure};
+use counterpoise_verify::{Arrangement, Experiment, Model, PerformanceFigure, Quantity, Source, StepFigure};
 
 use super::drawing::{
     ClaimCurve, frequency_axis, gain_db, hub_from, hub_panel, make_figure, make_panel, time_axis,
@@ -29,8 +29,8 @@ fn moment(parameters: &Parameters) -> f64 {
     parameters.lumped.as_ref().map_or(f64::NAN, |lumped| lumped.out_of_balance_kg_m)
 }
 
-pub(super) fn rms(source: Source, arrangement: Arrangement) -> Figure {
-    Figure::Disturbance(Model::Nonlinear, source, arrangement, Quantity::HubRms)
+pub(super) fn rms(source: Source, arrangement: Arrangement) -> PerformanceFigure {
+    PerformanceFigure::Disturbance(Model::Nonlinear, source, arrangement, Quantity::HubRms)
 }
 
 /// Table 4-1's configurations with another out-of-balance, the balanced one apart.
@@ -50,7 +50,7 @@ fn normal_member<'a>(tested: &'a TestedDesign<'_>) -> DrawnMechanism<'a> {
 /// Those of the verification.
 pub fn other_imbalance(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let wanted = [
-        Figure::Step(Model::Nonlinear, StepFigure::Overshoot),
+        PerformanceFigure::Step(Model::Nonlinear, StepFigure::Overshoot),
         rms(Source::Both, Arrangement::Feedback),
         rms(Source::Both, Arrangement::Compensated),
     ];
@@ -144,7 +144,7 @@ fn predicted_growth(share: f64, heave_by_feedback: f64, normal: f64) -> f64 {
 }
 
 /// Row C14: all conditions together, and the out-of-balance alone.
-struct Redesigned {
+struct RedesignRow {
     words: String,
     factor: f64,
     controller: Controller,
@@ -196,8 +196,10 @@ pub fn redesigned_for_imbalance(tested: &TestedDesign<'_>) -> Result<Claim, Pipe
         all.push(redesign_for(tested, name, &parameters, Source::Both)?);
     }
     let words: Vec<&str> = all.iter().map(|one| one.words.as_str()).collect();
-    let mut designs = vec![DesignAt { factor: 1.0, controller: tested.observed.clone() }];
-    designs.extend(all.iter().map(|one| DesignAt { factor: one.factor, controller: one.controller.clone() }));
+    let mut designs = vec![UnbalancedDesign { factor: 1.0, controller: tested.observed.clone() }];
+    designs.extend(
+        all.iter().map(|one| UnbalancedDesign { factor: one.factor, controller: one.controller.clone() }),
+    );
     Ok(Claim {
         id: "C14",
         title: "redesign for each",
@@ -216,7 +218,7 @@ fn redesign_for(
     name: &str,
     parameters: &Parameters,
     source: Source,
-) -> Result<Redesigned, PipelineError> {
+) -> Result<RedesignRow, PipelineError> {
     let mut project = tested.observing_project.clone();
     project.plant = parameters.clone();
     project.model.configuration = None;
@@ -265,23 +267,23 @@ fn redesign_for(
         "{name}: feedback {:.2} dB, pitch {:.2} dB, heave {:.2} dB (its gain law says {law:.2}), error x{after:.2}",
         changes[0], changes[2], changes[1]
     );
-    Ok(Redesigned { words, factor, controller: controller.clone(), criteria })
+    Ok(RedesignRow { words, factor, controller: controller.clone(), criteria })
 }
 
 /// The controller that was designed for an out-of-balance.
-struct DesignAt {
+struct UnbalancedDesign {
     /// The out-of-balance over its normal value.
     factor: f64,
     controller: Controller,
 }
 
 /// Returns the three paths of each design over frequency.
-fn controllers(designs: &[DesignAt]) -> Result<Drawing, PipelineError> {
+fn controllers(designs: &[UnbalancedDesign]) -> Result<Drawing, PipelineError> {
     let drawn = rate_grid([0.1, 50.0]);
     let mut panels = Vec::new();
     for (input, name) in [(1, "feedback"), (3, "heave feedforward"), (2, "pitch feedforward")] {
         let mut curves = Vec::new();
-        for DesignAt { factor, controller } in designs {
+        for UnbalancedDesign { factor, controller } in designs {
             let points = gain_db(&linear(controller)?, input, &drawn)?;
             curves.push(ClaimCurve::line(format!("out-of-balance x{factor}"), points));
         }

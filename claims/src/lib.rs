@@ -53,15 +53,15 @@ use counterpoise_project::Project;
 pub struct Claim {
     /// C1 to C34, and F1 to F4 for what the thesis asks for beyond itself.
     pub id: &'static str,
-    /// What the row is about, in a few words.
+    /// Subject of the row, in a few words.
     pub title: &'static str,
-    /// Where in the thesis.
+    /// Place in the thesis.
     pub source: &'static str,
-    /// What the thesis says.
+    /// Statement of the thesis.
     pub says: &'static str,
-    /// What was measured here.
+    /// Value measured here.
     pub measured: String,
-    /// What must hold for the row to hold; empty if it was not measured.
+    /// Conditions for the row to hold; empty if it was not measured.
     pub criteria: Vec<Criterion>,
     /// Why a value outside its accepted range is as its explanation predicts; empty if every value is inside.
     pub why: String,
@@ -69,10 +69,10 @@ pub struct Claim {
     pub drawings: Vec<Drawing>,
 }
 
-/// How a claim turned out.
+/// Outcome of a claim.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum ClaimOutcome {
-    /// As the thesis says.
+    /// The measured values are as the thesis says.
     Holds,
     /// Not as the thesis says, for a reason.
     Differs {

@@ -3,7 +3,7 @@
 use counterpoise_linalg::C64;
 use counterpoise_verify::linear::ResponseCurve as Response;
 use counterpoise_verify::{
-    Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure, Verification,
+    Arrangement, Experiment, LoopFigure, Model, PerformanceFigure, Quantity, Source, StepFigure, Verification,
 };
 
 use super::drawing::{
@@ -25,9 +25,9 @@ fn verification_of<'a>(tested: &'a TestedDesign<'_>) -> &'a Verification {
 /// # Errors
 /// None beyond the tested design's.
 pub fn margins_and_step(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
-    let step = |figure| tested.value(Figure::Step(Model::Linear, figure));
-    let gain = tested.value(Figure::Loop(LoopFigure::GainMargin));
-    let phase = tested.value(Figure::Loop(LoopFigure::PhaseMargin));
+    let step = |figure| tested.value(PerformanceFigure::Step(Model::Linear, figure));
+    let gain = tested.value(PerformanceFigure::Loop(LoopFigure::GainMargin));
+    let phase = tested.value(PerformanceFigure::Loop(LoopFigure::PhaseMargin));
     let (overshoot, error) = (step(StepFigure::Overshoot), step(StepFigure::SteadyStateError));
     Ok(Claim {
         id: "C5",
@@ -114,7 +114,7 @@ fn degrees(hz: &[f64], curve: &Response) -> Vec<Point> {
 }
 
 fn peak(tested: &TestedDesign<'_>, source: Source, arrangement: Arrangement) -> f64 {
-    tested.value(Figure::Disturbance(Model::Linear, source, arrangement, Quantity::HubPeak))
+    tested.value(PerformanceFigure::Disturbance(Model::Linear, source, arrangement, Quantity::HubPeak))
 }
 
 /// Returns row C6: pitch.
@@ -193,7 +193,7 @@ fn pitch_rejection_why(tested: &TestedDesign<'_>, by_feedforward: f64) -> String
 }
 
 fn crossover_hz(tested: &TestedDesign<'_>) -> f64 {
-    tested.value(Figure::Loop(LoopFigure::Crossover))
+    tested.value(PerformanceFigure::Loop(LoopFigure::Crossover))
 }
 
 fn rejection<'a>(
@@ -259,7 +259,12 @@ fn pitch_rejection_figures(tested: &TestedDesign<'_>) -> Vec<Drawing> {
 /// None beyond the tested design's.
 pub fn heave_rejection(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let rms = |arrangement| {
-        tested.value(Figure::Disturbance(Model::Linear, Source::Heave, arrangement, Quantity::HubRms))
+        tested.value(PerformanceFigure::Disturbance(
+            Model::Linear,
+            Source::Heave,
+            arrangement,
+            Quantity::HubRms,
+        ))
     };
     let ratio = rms(Arrangement::Feedback) / rms(Arrangement::Compensated);
     Ok(Claim {

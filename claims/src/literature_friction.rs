@@ -466,9 +466,9 @@ mod tests {
     use super::*;
 
     /// No dry friction: J w' = d (w_p - w).
-    struct Nothing;
+    struct FrictionlessLaw;
 
-    impl Law for Nothing {
+    impl Law for FrictionlessLaw {
         fn torque(&mut self, _: f64) -> f64 {
             0.0
         }
@@ -479,7 +479,7 @@ mod tests {
         let hub = Hub { inertia_kg_m2: 3.0, viscous_nm_s_rad: 20.0 };
         for hz in FREQUENCIES_HZ {
             let exact = C64::new(20.0, 0.0) / C64::new(20.0, 3.0 * TAU * hz);
-            let found = hub.response(&mut Nothing, hz, 0.1);
+            let found = hub.response(&mut FrictionlessLaw, hz, 0.1);
             assert!((found / exact - 1.0).norm() < 1e-2, "{hz}: {found} {exact}");
         }
     }

@@ -6,7 +6,7 @@ use counterpoise_models::plant::Plant;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 use counterpoise_simulate::fra::{Settings, Test, TestSine, measure_point};
 use counterpoise_verify::linear::ResponseCurve as Response;
-use counterpoise_verify::{Figure, LoopFigure};
+use counterpoise_verify::{LoopFigure, PerformanceFigure};
 
 use super::drawing::{ClaimCurve, frequency_axis, make_figure, make_panel};
 use super::{Claim, Criterion, TestedDesign};
@@ -26,7 +26,7 @@ pub fn nyquist_and_nichols(tested: &TestedDesign<'_>) -> Result<Claim, PipelineE
     let one = C64::new(1.0, 0.0);
     let nearest = loop_gain.response.iter().map(|h| (one + h).norm()).fold(f64::INFINITY, f64::min);
     let closed = loop_gain.response.iter().map(|h| (h / (one + h)).norm()).fold(0.0, f64::max);
-    let value = |figure| tested.value(Figure::Loop(figure));
+    let value = |figure| tested.value(PerformanceFigure::Loop(figure));
     let (ms, mt) = (value(LoopFigure::MaxSensitivity), value(LoopFigure::MaxComplementary));
     Ok(Claim {
         id: "C28",

@@ -2,8 +2,10 @@
 
 use counterpoise_controller::Controller;
 use counterpoise_models::Parameters;
-use counterpoise_verify::robust::Varied;
-use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Quantity, Source, StepFigure};
+use counterpoise_verify::robust::VariedParameter;
+use counterpoise_verify::{
+    Arrangement, Experiment, LoopFigure, Model, PerformanceFigure, Quantity, Source, StepFigure,
+};
 
 use super::drawing::{ClaimCurve, hub_from, hub_panel, hub_rates, make_figure, time_axis};
 use super::tested_design::{DrawnMechanism, NamedLevel, NonlinearBehaviour, plot_over_factor};
@@ -14,7 +16,7 @@ use counterpoise_plot::{Figure as Drawing, Point};
 /// Returns the mechanism with a parameter changed by a factor.
 pub(super) fn change_parameter(
     tested: &TestedDesign<'_>,
-    varied: Varied,
+    varied: VariedParameter,
     factor: f64,
 ) -> Result<Parameters, PipelineError> {
     let mut parameters = tested.parameters().clone();
@@ -25,7 +27,7 @@ pub(super) fn change_parameter(
 /// Step and stabilisation with the observed controller at factors of a parameter.
 fn family(
     tested: &TestedDesign<'_>,
-    varied: Varied,
+    varied: VariedParameter,
     factors: &[f64],
 ) -> Result<Vec<NonlinearBehaviour>, PipelineError> {
     factors
@@ -37,7 +39,7 @@ fn family(
 /// Returns the mechanisms of a family with the observed controller.
 fn members<'a>(
     tested: &'a TestedDesign<'_>,
-    varied: Varied,
+    varied: VariedParameter,
     factors: &[f64],
 ) -> Result<Vec<DrawnMechanism<'a>>, PipelineError> {
     let one = |&factor: &f64| {
@@ -55,16 +57,25 @@ fn overshoots(rates: &[NonlinearBehaviour]) -> String {
     rates.iter().map(|b| format!("{:.1}", b.overshoot_percent)).collect::<Vec<_>>().join(" / ")
 }
 
+/// Returns the RMS hub rate of the linear plant under heave and pitch with all parts of the controller.
+fn linear_hub_rate(tested: &TestedDesign<'_>) -> f64 {
+    tested.value(PerformanceFigure::Disturbance(
+        Model::Linear,
+        Source::Both,
+        Arrangement::Compensated,
+        Quantity::HubRms,
+    ))
+}
+
 /// Returns row C8: the observer makes the nonlinear plant like the linear one.
 ///
 /// # Errors
 /// Those of the verification.
 pub fn friction_observer(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
-    let linear = tested.value(Figure::Step(Model::Linear, StepFigure::Overshoot));
+    let linear = tested.value(PerformanceFigure::Step(Model::Linear, StepFigure::Overshoot));
     let plain = tested.behaviour(tested.parameters(), tested.controller())?;
     let observed = tested.behaviour(tested.parameters(), &tested.observed)?;
-    let moving = Figure::Disturbance(Model::Linear, Source::Both, Arrangement::Compensated, Quantity::HubRms);
-    let linear_rate = tested.value(moving);
+    let linear_rate = linear_hub_rate(tested);
     Ok(Claim {
         id: "C8",
         title: "friction observer",
@@ -151,14 +162,16 @@ fn friction_observer_figures(tested: &TestedDesign<'_>) -> Result<Vec<Drawing>, 
 /// # Errors
 /// Those of the verification.
 pub fn other_inertia(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
-    let found = family(tested, Varied::HubInertia, &[0.5, 1.0, 2.0])?;
+    let found = family(tested, VariedParameter::HubInertia, &[0.5, 1.0, 2.0])?;
     let whole = beam_inertia_range(tested)?;
     let lumped = tested.parameters().lumped.as_ref();
     let share =
         lumped.map_or(f64::NAN, |l| l.hub_inertia_kg_m2 / (l.hub_inertia_kg_m2 + l.beam_inertia_kg_m2));
     // the hub's factor that doubles the inertia of hub and beam together
-    let doubled = tested
-        .behaviour(&change_parameter(tested, Varied::HubInertia, 1.0 + 1.0 / share)?, &tested.observed)?;
+    let doubled = tested.behaviour(
+        &change_parameter(tested, VariedParameter::HubInertia, 1.0 + 1.0 / share)?,
+        &tested.observed,
+    )?;
     let criteria = inertia_criteria(&found, &doubled, share);
     Ok(Claim {
         id: "C10",
@@ -183,7 +196,7 @@ pub fn other_inertia(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> 
         ),
         drawings: with_family(
             tested,
-            Varied::HubInertia,
+            VariedParameter::HubInertia,
             "hub inertia",
             plot_over_factor(
                 "hub inertia",
@@ -251,7 +264,7 @@ fn inertia_criteria(
 /// Returns the figures over the factor, and the family's time histories.
 fn with_family(
     tested: &TestedDesign<'_>,
-    varied: Varied,
+    varied: VariedParameter,
     name: &str,
     figures: Drawing,
     factors: &[f64],
@@ -264,9 +277,9 @@ fn with_family(
 /// Returns the factors of the beam's inertia, in steps of 2 % from 1 and no farther than 0.5 and 2, between which the loop stays
 /// stable.
 fn beam_inertia_range(tested: &TestedDesign<'_>) -> Result<(f64, f64), PipelineError> {
-    let radius = [Figure::Loop(LoopFigure::PoleRadius)];
+    let radius = [PerformanceFigure::Loop(LoopFigure::PoleRadius)];
     let stable = |factor: f64| -> Result<bool, PipelineError> {
-        let parameters = change_parameter(tested, Varied::BeamInertia, factor)?;
+        let parameters = change_parameter(tested, VariedParameter::BeamInertia, factor)?;
         Ok(tested.figures(&parameters, tested.controller(), &radius)?[0] < 1.0)
     };
     let (mut low, mut high) = (1.0, 1.0);
@@ -285,14 +298,20 @@ fn beam_inertia_range(tested: &TestedDesign<'_>) -> Result<(f64, f64), PipelineE
 /// Those of the verification.
 pub fn other_friction(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let factors = [0.5, 1.0, 2.0];
-    let found = family(tested, Varied::Friction, &factors)?;
+    let found = family(tested, VariedParameter::Friction, &factors)?;
     let mut controllers = Vec::new();
     for factor in [0.5, 2.0] {
-        controllers.push(tested.observing_on(&change_parameter(tested, Varied::Friction, factor)?)?);
+        controllers.push(tested.observing_on(&change_parameter(
+            tested,
+            VariedParameter::Friction,
+            factor,
+        )?)?);
     }
     let mut updated = Vec::new();
     for (factor, controller) in [0.5, 2.0].into_iter().zip(&controllers) {
-        updated.push(tested.behaviour(&change_parameter(tested, Varied::Friction, factor)?, controller)?);
+        updated.push(
+            tested.behaviour(&change_parameter(tested, VariedParameter::Friction, factor)?, controller)?,
+        );
     }
     let nominal = found[1].residual_rad_s;
     let over = |b: &NonlinearBehaviour| b.residual_rad_s / nominal;
@@ -347,9 +366,9 @@ fn other_friction_figures(
         vec![ClaimCurve::points(name, after(&|b| 1e3 * b.residual_rad_s))],
     ];
     let figures = plot_over_factor("friction", factors, found, &[], others);
-    let mut all = members(tested, Varied::Friction, factors)?;
+    let mut all = members(tested, VariedParameter::Friction, factors)?;
     for (factor, controller) in [0.5, 2.0].into_iter().zip(controllers) {
-        let parameters = change_parameter(tested, Varied::Friction, factor)?;
+        let parameters = change_parameter(tested, VariedParameter::Friction, factor)?;
         all.push(DrawnMechanism {
             name: format!("x{factor}, observer identified anew"),
             parameters,
@@ -367,7 +386,7 @@ fn other_friction_figures(
 /// Those of the verification.
 pub fn other_backlash(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let factors = [0.5, 1.0, 2.0, 5.0];
-    let found = family(tested, Varied::Backlash, &factors)?;
+    let found = family(tested, VariedParameter::Backlash, &factors)?;
     let apart = |of: fn(&NonlinearBehaviour) -> f64| {
         found.iter().map(|b| (of(b) - of(&found[1])).abs()).fold(0.0, f64::max)
     };
@@ -409,7 +428,7 @@ pub fn other_backlash(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError>
         why: String::new(),
         drawings: with_family(
             tested,
-            Varied::Backlash,
+            VariedParameter::Backlash,
             "backlash",
             plot_over_factor("backlash", &factors, &found, &[], Default::default()),
             &factors,

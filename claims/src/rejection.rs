@@ -4,9 +4,11 @@ use counterpoise_controller::Controller;
 use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
 use counterpoise_verify::linear::closed_loop::is_feedforward;
-use counterpoise_verify::robust::{Varied, figures_of};
+use counterpoise_verify::robust::{VariedParameter, figures_of};
 use counterpoise_verify::signals::{Spectra, WelchOptions, rms, welch};
-use counterpoise_verify::{Arrangement, Experiment, Figure, History, Model, Quantity, Source, Value};
+use counterpoise_verify::{
+    Arrangement, Experiment, History, Model, PerformanceFigure, Quantity, Source, Value,
+};
 
 use super::drawing::{ClaimCurve, factor_axis, frequency_axis, make_figure, make_panel, time_axis};
 use super::imbalance::apply_configuration;
@@ -187,9 +189,9 @@ pub fn small_amplitude_rejection(tested: &TestedDesign<'_>) -> Result<Claim, Pip
     let (mut rows, mut criteria) = (Vec::new(), Vec::new());
     for hz in BAND_HZ {
         let ratios = |varied, factors: &[f64]| ratios_db(tested, varied, factors, hz);
-        let backlash = ratios(Varied::Backlash, &[1.0, 2.0, 5.0])?;
-        let inertia = ratios(Varied::HubInertia, &added)?;
-        let friction = ratios(Varied::PivotFriction, &torques.map(more))?;
+        let backlash = ratios(VariedParameter::Backlash, &[1.0, 2.0, 5.0])?;
+        let inertia = ratios(VariedParameter::HubInertia, &added)?;
+        let friction = ratios(VariedParameter::PivotFriction, &torques.map(more))?;
         criteria.extend(band_criteria(hz, [&backlash, &inertia, &friction]));
         rows.push([backlash, inertia, friction]);
     }
@@ -280,15 +282,19 @@ fn added_inertia(tested: &TestedDesign<'_>) -> Vec<f64> {
 /// procedure's pitch.
 fn ratios_db(
     tested: &TestedDesign<'_>,
-    varied: Varied,
+    varied: VariedParameter,
     factors: &[f64],
     hz: f64,
 ) -> Result<Vec<f64>, PipelineError> {
     let mut small = tested.procedure.clone();
     small.pitch.amplitude /= 3.0;
     small.pitch.frequency_hz = hz;
-    let figure =
-        Figure::Disturbance(Model::Nonlinear, Source::Pitch, Arrangement::Compensated, Quantity::HubRms);
+    let figure = PerformanceFigure::Disturbance(
+        Model::Nonlinear,
+        Source::Pitch,
+        Arrangement::Compensated,
+        Quantity::HubRms,
+    );
     let pitch_rms = small.pitch.amplitude.abs() / std::f64::consts::SQRT_2;
     let mut ratios = Vec::new();
     for &factor in factors {

@@ -1,7 +1,7 @@
 //! Claims on the plant's models: the reduction, and two inertias against finite elements.
 
 use counterpoise_lti::{StateSpace, poles};
-use counterpoise_models::Lumped;
+use counterpoise_models::LumpedStructure;
 use counterpoise_models::plant::{Angles, Body, LinearPlant, Plant};
 use counterpoise_models::structure::{FeModel, NodeRows, Support, pinned_modes, undamped_modes};
 use counterpoise_reduce::{
@@ -200,7 +200,8 @@ fn relative_error(a: &StateSpace, b: &StateSpace, input: usize) -> Result<f64, P
 pub fn lumped_against_elements(tested: &TestedDesign<'_>) -> Result<Claim, PipelineError> {
     let beam = beam_plant(tested, MODES)?.system;
     let lumped = &tested.designed.modelled.linear.system;
-    let locked = |l: &Lumped| (l.stiffness_nm_rad / l.beam_inertia_kg_m2).sqrt() / std::f64::consts::TAU;
+    let locked =
+        |l: &LumpedStructure| (l.stiffness_nm_rad / l.beam_inertia_kg_m2).sqrt() / std::f64::consts::TAU;
     let first_hz = tested.parameters().lumped.as_ref().map_or(f64::NAN, locked);
     let (low, high) = ([0.1, 0.5 * first_hz], [first_hz, DRAWN_HZ[1]]);
     let (mut below, mut above) = ([0.0; 3], [0.0; 3]);
@@ -253,7 +254,7 @@ pub fn lumped_against_elements(tested: &TestedDesign<'_>) -> Result<Claim, Pipel
 }
 
 /// Two inertias with another share of the flexible mode in weight and heave.
-struct Shared {
+struct TwoMassVariant {
     name: &'static str,
     system: StateSpace,
 }
@@ -263,7 +264,7 @@ fn heave_explained(
     tested: &TestedDesign<'_>,
     beam: &StateSpace,
     low: [f64; 2],
-) -> Result<(String, [Shared; 2], f64), PipelineError> {
+) -> Result<(String, [TwoMassVariant; 2], f64), PipelineError> {
     let body = tested.designed.modelled.plant.body();
     let (fe, ratios) = counterpoise_pipeline::finite_elements(tested.project, StructureChoice::Beam)?;
     let elements = pinned_modes(&fe, ratios, 1)?.body;
@@ -277,8 +278,8 @@ fn heave_explained(
     let own = elements.modes.first().map_or(0.0, |mode| mode.load_share_kg_m * mode.hub_shape.signum());
     let own = own * body.modes.first().map_or(1.0, |mode| mode.hub_shape.signum());
     let others = [
-        Shared { name: "two inertias, load on the beam's inertia", system: share(outer)? },
-        Shared { name: "two inertias, the elements' load on the mode", system: share(own)? },
+        TwoMassVariant { name: "two inertias, load on the beam's inertia", system: share(outer)? },
+        TwoMassVariant { name: "two inertias, the elements' load on the mode", system: share(own)? },
     ];
     let db = |system: &StateSpace| largest_db(beam, system, LinearPlant::HEAVE, low);
     let here = db(&tested.designed.modelled.linear.system)?;
@@ -295,7 +296,7 @@ fn compare_plants(
     beam: &StateSpace,
     lumped: &StateSpace,
     low_hz: f64,
-    others: &[Shared],
+    others: &[TwoMassVariant],
 ) -> Result<Vec<Drawing>, PipelineError> {
     let drawn = rate_grid(DRAWN_HZ);
     let mut drawings = Vec::new();

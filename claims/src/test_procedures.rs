@@ -166,7 +166,7 @@ const SPACER: f64 = 5.0;
 const SPLITS: [f64; 5] = [0.0, 1.0, 0.5, 0.3, 0.1];
 
 /// The splits beside a rig: the part of friction's own control by which each is off, and the loops.
-struct Compared {
+struct RigComparison {
     off: Vec<f64>,
     loops: Vec<NamedTriangle>,
 }
@@ -192,7 +192,7 @@ pub fn place_of_friction(tested: &TestedDesign<'_>) -> Result<Claim, PipelineErr
     let own = compare_splits(tested, "the rig", &balanced, total)?;
     let half = split(&balanced, 0.5 * total, 0.5 * total);
     let half = compare_splits(tested, "half and half", &half, total)?;
-    let words = |found: &Compared| {
+    let words = |found: &RigComparison| {
         let one = |(share, off): (&f64, &f64)| format!("{} {:.1}", ratio(*share), 100.0 * off);
         SPLITS.iter().zip(&found.off).map(one).collect::<Vec<_>>().join(", ")
     };
@@ -257,14 +257,16 @@ fn compare_splits(
     name: &str,
     mechanism: &Parameters,
     total: f64,
-) -> Result<Compared, PipelineError> {
+) -> Result<RigComparison, PipelineError> {
     let rig = triangle(tested, mechanism)?;
     let off = |run: &Triangle| -> Vec<f64> {
         run.control_v.iter().zip(&rig.control_v).map(|(a, b)| a - b).collect()
     };
     let friction = rms(&off(&triangle(tested, &split(mechanism, 0.0, 0.0))?));
-    let mut found =
-        Compared { off: Vec::new(), loops: vec![NamedTriangle { name: name.to_owned(), run: rig.clone() }] };
+    let mut found = RigComparison {
+        off: Vec::new(),
+        loops: vec![NamedTriangle { name: name.to_owned(), run: rig.clone() }],
+    };
     for share in SPLITS {
         let run = triangle(tested, &split(mechanism, share * total, (1.0 - share) * total))?;
         found.off.push(rms(&off(&run)) / friction);

@@ -8,7 +8,7 @@ use counterpoise_simulate::Simulator;
 use counterpoise_verify::history::{Experiment, History};
 use counterpoise_verify::robust::figures_of;
 use counterpoise_verify::{
-    Arrangement, Figure, Model, Procedure, Quantity, Source, StepFigure, Value, nonlinear,
+    Arrangement, Model, PerformanceFigure, Procedure, Quantity, Source, StepFigure, Value, nonlinear,
 };
 
 use super::drawing::{
@@ -25,9 +25,9 @@ pub struct TestedDesign<'a> {
     pub project: &'a Project,
     /// Files beside it.
     pub world: &'a (dyn World + Sync),
-    /// Its design.
+    /// Design.
     pub designed: DesignStages,
-    /// What is done to the mechanism.
+    /// Procedure of the verification.
     pub procedure: Procedure,
     /// The friction as it was identified from a recording.
     pub friction: IdentifiedFriction,
@@ -54,7 +54,7 @@ pub struct NonlinearBehaviour {
 
 /// A mechanism and its controller, to be drawn beside others.
 pub struct DrawnMechanism<'a> {
-    /// Its name in the legend.
+    /// Name in the legend.
     pub name: String,
     /// The mechanism.
     pub parameters: Parameters,
@@ -68,9 +68,9 @@ const DRAWN_S: f64 = 0.8;
 /// A level that is drawn across a panel, with its name.
 #[derive(Debug, Clone, Copy)]
 pub struct NamedLevel<'a> {
-    /// Where it stands, in the unit of the panel.
+    /// Position, in the unit of the panel.
     pub y: f64,
-    /// Its name in the legend.
+    /// Name in the legend.
     pub text: &'a str,
 }
 
@@ -131,7 +131,7 @@ impl<'a> TestedDesign<'a> {
     }
 
     /// Returns a figure of the verification, NaN if it was not measured.
-    pub fn value(&self, figure: Figure) -> f64 {
+    pub fn value(&self, figure: PerformanceFigure) -> f64 {
         self.designed.verified.verification().value(figure).unwrap_or(f64::NAN)
     }
 
@@ -153,7 +153,7 @@ impl<'a> TestedDesign<'a> {
         &self,
         parameters: &Parameters,
         controller: &Controller,
-        wanted: &[Figure],
+        wanted: &[PerformanceFigure],
     ) -> Result<Vec<f64>, PipelineError> {
         let values = figures_of(&Plant::from_lumped(parameters)?, controller, &self.procedure, wanted)?;
         Ok(values
@@ -171,9 +171,9 @@ impl<'a> TestedDesign<'a> {
         parameters: &Parameters,
         controller: &Controller,
     ) -> Result<NonlinearBehaviour, PipelineError> {
-        let step = |figure| Figure::Step(Model::Nonlinear, figure);
+        let step = |figure| PerformanceFigure::Step(Model::Nonlinear, figure);
         let under = |quantity| {
-            Figure::Disturbance(Model::Nonlinear, Source::Both, Arrangement::Compensated, quantity)
+            PerformanceFigure::Disturbance(Model::Nonlinear, Source::Both, Arrangement::Compensated, quantity)
         };
         let wanted = [
             step(StepFigure::Overshoot),

@@ -3,7 +3,9 @@
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, feedback, margins, series, step};
 use counterpoise_synth::{Alternative, SynthesisMethod, Weight, attempt, design_alternative};
-use counterpoise_verify::{Arrangement, Experiment, Figure, LoopFigure, Model, Source, StepFigure};
+use counterpoise_verify::{
+    Arrangement, Experiment, LoopFigure, Model, PerformanceFigure, Source, StepFigure,
+};
 
 use super::drawing::{
     ClaimCurve, frequency_axis, gain_db, hub_panel, hub_rates, make_figure, make_panel, points_of, time_axis,
@@ -26,7 +28,7 @@ const GAINS: [f64; 6] = [1.0, 2.0, 4.0, 8.0, 16.0, 32.0];
 type Figures = [f64; 4];
 
 /// A design without integral action.
-struct Lagging {
+struct DesignWithoutIntegral {
     gain: f64,
     figures: Figures,
     designed: DesignStages,
@@ -113,20 +115,24 @@ fn text(f: &Figures) -> String {
 }
 
 /// Designs without integral action over the gain; the family ends if there is no design.
-fn design_lag_family(tested: &TestedDesign<'_>) -> Vec<Lagging> {
+fn design_lag_family(tested: &TestedDesign<'_>) -> Vec<DesignWithoutIntegral> {
     let one = |gain: f64| {
         let weight = Weight::Lag { gain: gain * INTEGRAL_GAIN * CORNER_S, time_s: CORNER_S };
         let designed = with_error(tested, weight).ok()?;
         let figures = figures(&designed);
-        figures.iter().all(|figure| figure.is_finite()).then_some(Lagging { gain, figures, designed })
+        figures.iter().all(|figure| figure.is_finite()).then_some(DesignWithoutIntegral {
+            gain,
+            figures,
+            designed,
+        })
     };
     GAINS.into_iter().map_while(one).collect()
 }
 
 fn integral_action_figures(
     integral: &DesignStages,
-    family: &[Lagging],
-    high: Option<&Lagging>,
+    family: &[DesignWithoutIntegral],
+    high: Option<&DesignWithoutIntegral>,
 ) -> Vec<Drawing> {
     let response = |designed: &DesignStages| {
         let history = designed.verified.verification().history(Model::Linear, Experiment::Step)?;
@@ -209,10 +215,10 @@ fn with_error(tested: &TestedDesign<'_>, error: Weight) -> Result<DesignStages, 
 
 fn figures(designed: &DesignStages) -> Figures {
     let wanted = [
-        Figure::Step(Model::Linear, StepFigure::SteadyStateError),
-        Figure::Step(Model::Linear, StepFigure::Overshoot),
-        Figure::Loop(LoopFigure::MaxSensitivity),
-        Figure::Loop(LoopFigure::PhaseMargin),
+        PerformanceFigure::Step(Model::Linear, StepFigure::SteadyStateError),
+        PerformanceFigure::Step(Model::Linear, StepFigure::Overshoot),
+        PerformanceFigure::Loop(LoopFigure::MaxSensitivity),
+        PerformanceFigure::Loop(LoopFigure::PhaseMargin),
     ];
     wanted.map(|figure| designed.verified.verification().value(figure).unwrap_or(f64::NAN))
 }

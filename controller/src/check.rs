@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use counterpoise_lti::{StateSpace, Timebase};
 
-use crate::range_checks::{Required, at_least_0, count, require, require_finite, require_positive};
+use crate::range_checks::{NumberRequirement, at_least_0, count, require, require_finite, require_positive};
 use crate::signal::{HUB_POSITION, HUB_RATE};
 use crate::tolerance::{HIGHEST_ELEVATION_RAD, LONGEST_WINDOW, SAME_PERIOD};
 use crate::words;
@@ -59,7 +59,7 @@ fn numbers(parts: &Parts) -> Result<(), Error> {
     require(
         "design out-of-balance (kg m)",
         design,
-        Required { holds: inside, words: "inside the range that may be set" },
+        NumberRequirement { holds: inside, words: "inside the range that may be set" },
     )
 }
 
@@ -112,7 +112,7 @@ fn corrections(parts: &Parts) -> Result<(), Error> {
         require(
             "corrected reading",
             each.reading as f64,
-            Required { holds: known, words: "a reading's index, corrected once" },
+            NumberRequirement { holds: known, words: "a reading's index, corrected once" },
         )?;
         require_finite("correction's gain", each.gain)?;
         require_finite("correction's offset", each.offset)?;
@@ -127,7 +127,7 @@ fn projection(parts: &Parts) -> Result<(), Error> {
     require(
         "elevation of the projection's design (rad)",
         angle,
-        Required { holds: inside, words: "within +/- 1.6" },
+        NumberRequirement { holds: inside, words: "within +/- 1.6" },
     )?;
     projection
         .pitch_washout_s
@@ -135,7 +135,7 @@ fn projection(parts: &Parts) -> Result<(), Error> {
     let Some(reading) = projection.angle_reading else { return Ok(()) };
     let is_angle = reading == HUB_RATE || reading == HUB_POSITION;
     let words = "the hub's position, or the loop's own sensor where that is a position";
-    require("reading of the projection's angle", reading as f64, Required { holds: is_angle, words })
+    require("reading of the projection's angle", reading as f64, NumberRequirement { holds: is_angle, words })
 }
 
 fn path(path: &Path, parts: &Parts) -> Result<(), Error> {
@@ -151,7 +151,7 @@ fn path(path: &Path, parts: &Parts) -> Result<(), Error> {
             require(
                 "design out-of-balance (kg m)",
                 design,
-                Required { holds: design != 0.0, words: "other than 0 where a path scales with it" },
+                NumberRequirement { holds: design != 0.0, words: "other than 0 where a path scales with it" },
             )
         }
         Scaling::Scheduled { below_kg_m, at_kg_m, above_kg_m } => {
@@ -210,7 +210,7 @@ fn law(observer: &FrictionObserver) -> Result<(), Error> {
             require(
                 &format!("static ratio of '{name}'"),
                 static_ratio,
-                Required { holds: static_ratio >= 1.0, words: "1 or more" },
+                NumberRequirement { holds: static_ratio >= 1.0, words: "1 or more" },
             )?;
             damped(damping_nm_s_rad).and_then(|()| held())
         }
@@ -229,7 +229,7 @@ fn check_rising(what: &str, points: &[[f64; 2]], column: usize) -> Result<(), Er
         require(
             what,
             after,
-            Required { holds: after > before && after.is_finite(), words: "above the one before" },
+            NumberRequirement { holds: after > before && after.is_finite(), words: "above the one before" },
         )?;
     }
     points.first().map_or(Ok(()), |point| at_least_0(what, point[column]))
@@ -244,7 +244,7 @@ fn rate(signal: PathSignal) -> Result<(), Error> {
             | PathSignal::RelativeRate
             | PathSignal::PlatformRate
     );
-    require("signal of a friction model", f64::NAN, Required { holds: is_rate, words: "a rate" })
+    require("signal of a friction model", f64::NAN, NumberRequirement { holds: is_rate, words: "a rate" })
 }
 
 fn estimator(estimator: &Estimator) -> Result<(), Error> {
@@ -255,11 +255,11 @@ fn estimator(estimator: &Estimator) -> Result<(), Error> {
     require(
         "volts for a kg m at 1 m/s^2",
         volts,
-        Required { holds: volts.is_finite() && volts != 0.0, words: "finite and not 0" },
+        NumberRequirement { holds: volts.is_finite() && volts != 0.0, words: "finite and not 0" },
     )?;
     at_least_0("hold band (kg m)", estimator.hold_band_kg_m)?;
     let limit = estimator.rate_limit_kg_m_s;
-    require("rate limit (kg m/s)", limit, Required { holds: limit > 0.0, words: "positive" })?;
+    require("rate limit (kg m/s)", limit, NumberRequirement { holds: limit > 0.0, words: "positive" })?;
     rate(estimator.rate)
 }
 
@@ -269,7 +269,7 @@ fn learning(estimator: &Estimator) -> Result<(), Error> {
             require(
                 "adaptation step",
                 *step,
-                Required { holds: *step > 0.0 && *step < 2.0, words: "in 0 < step < 2" },
+                NumberRequirement { holds: *step > 0.0 && *step < 2.0, words: "in 0 < step < 2" },
             )?;
             scale.iter().try_for_each(|scale| at_least_0("scale of an estimated parameter", *scale))
         }
@@ -278,20 +278,26 @@ fn learning(estimator: &Estimator) -> Result<(), Error> {
             require(
                 "window (samples)",
                 samples,
-                Required { holds: (1.0..=LONGEST_WINDOW).contains(&samples), words: "from 1 to 1000000" },
+                NumberRequirement {
+                    holds: (1.0..=LONGEST_WINDOW).contains(&samples),
+                    words: "from 1 to 1000000",
+                },
             )?;
             let gravity = estimator.gravity_m_s2;
             require(
                 "gravity (m/s^2)",
                 gravity,
-                Required { holds: gravity != 0.0, words: "other than 0 for the mean: it goes by gravity" },
+                NumberRequirement {
+                    holds: gravity != 0.0,
+                    words: "other than 0 for the mean: it goes by gravity",
+                },
             )
         }
         Learning::Squares { forget, dead_band_m_s2, deviation, filter_s, inertia_v_s2_rad } => {
             require(
                 "what a sample keeps",
                 *forget,
-                Required { holds: *forget > 0.0 && *forget < 1.0, words: "in 0 < forget < 1" },
+                NumberRequirement { holds: *forget > 0.0 && *forget < 1.0, words: "in 0 < forget < 1" },
             )?;
             at_least_0("dead-band (m/s^2)", *dead_band_m_s2)?;
             at_least_0("filter of the estimator (s)", *filter_s)?;

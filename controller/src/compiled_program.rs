@@ -5,7 +5,7 @@ use crate::program::{Operation, Program, ProgramTerm, Slot};
 
 /// One operation with all slots resolved to places of one memory: states, then inputs, then locals.
 #[derive(Debug, Clone)]
-enum Flat<N> {
+enum FlatOperation<N> {
     Sum { into: usize, constant: Option<N>, first: usize, last: usize },
     Product { into: usize, a: usize, b: usize },
     Quotient { into: usize, above: usize, below: usize },
@@ -13,14 +13,14 @@ enum Flat<N> {
     Clamp { into: usize, of: usize, low: N, high: N },
 }
 
-impl<N> Flat<N> {
+impl<N> FlatOperation<N> {
     fn target_place(&self) -> usize {
         match self {
-            Flat::Sum { into, .. }
-            | Flat::Product { into, .. }
-            | Flat::Quotient { into, .. }
-            | Flat::Magnitude { into, .. }
-            | Flat::Clamp { into, .. } => *into,
+            FlatOperation::Sum { into, .. }
+            | FlatOperation::Product { into, .. }
+            | FlatOperation::Quotient { into, .. }
+            | FlatOperation::Magnitude { into, .. }
+            | FlatOperation::Clamp { into, .. } => *into,
         }
     }
 }
@@ -41,8 +41,8 @@ impl<N: Number> FlatTerm<N> {
 
 /// A program made ready to run in the numbers N.
 #[derive(Debug, Clone)]
-pub struct Compiled<N> {
-    operations: Vec<Flat<N>>,
+pub struct CompiledProgram<N> {
+    operations: Vec<FlatOperation<N>>,
     terms: Vec<FlatTerm<N>>,
     states: usize,
     inputs: usize,
@@ -50,7 +50,7 @@ pub struct Compiled<N> {
     output: Option<usize>,
 }
 
-impl<N: Number> Compiled<N> {
+impl<N: Number> CompiledProgram<N> {
     /// Returns the program for a memory of `states` states followed by inputs and locals.
     pub fn new(program: &Program, states: usize) -> Self {
         let inputs = program.inputs.len();
@@ -83,7 +83,7 @@ impl<N: Number> Compiled<N> {
         self.output.map(|place| memory[place].clone())
     }
 
-    /// Runs the program as [`Compiled::run`] does, but after each operation `touch` gets its number and what it wrote, to look at or to change.
+    /// Runs the program as [`CompiledProgram::run`] does, but after each operation `touch` gets its number and what it wrote, to look at or to change.
     pub fn run_touched(
         &self,
         memory: &mut [N],
@@ -108,17 +108,17 @@ impl<N: Number> Compiled<N> {
     }
 
     #[inline]
-    fn execute(&self, operation: &Flat<N>, memory: &mut [N]) {
+    fn execute(&self, operation: &FlatOperation<N>, memory: &mut [N]) {
         match operation {
-            Flat::Sum { into, constant, first, last } => {
+            FlatOperation::Sum { into, constant, first, last } => {
                 memory[*into] = sum(constant.as_ref(), &self.terms[*first..*last], memory);
             }
-            Flat::Product { into, a, b } => memory[*into] = memory[*a].times(&memory[*b]),
-            Flat::Quotient { into, above, below } => {
+            FlatOperation::Product { into, a, b } => memory[*into] = memory[*a].times(&memory[*b]),
+            FlatOperation::Quotient { into, above, below } => {
                 memory[*into] = memory[*above].divide_by(&memory[*below])
             }
-            Flat::Magnitude { into, of } => memory[*into] = memory[*of].magnitude(),
-            Flat::Clamp { into, of, low, high } => memory[*into] = memory[*of].clamp_to(low, high),
+            FlatOperation::Magnitude { into, of } => memory[*into] = memory[*of].magnitude(),
+            FlatOperation::Clamp { into, of, low, high } => memory[*into] = memory[*of].clamp_to(low, high),
         }
     }
 }
@@ -133,7 +133,11 @@ fn sum<N: Number>(constant: Option<&N>, terms: &[FlatTerm<N>], memory: &[N]) -> 
     rest.iter().fold(start, |sum, term| sum.plus(&term.value(memory)))
 }
 
-fn flatten<N: Number>(op: &Operation, place: &dyn Fn(Slot) -> usize, all: &mut Vec<FlatTerm<N>>) -> Flat<N> {
+fn flatten<N: Number>(
+    op: &Operation,
+    place: &dyn Fn(Slot) -> usize,
+    all: &mut Vec<FlatTerm<N>>,
+) -> FlatOperation<N> {
     let into = place(op.into_slot());
     match op {
         Operation::Sum { constant, terms, .. } => {
@@ -143,15 +147,15 @@ fn flatten<N: Number>(op: &Operation, place: &dyn Fn(Slot) -> usize, all: &mut V
                 place: place(term.of),
             };
             all.extend(terms.iter().map(flat));
-            Flat::Sum { into, constant: constant.map(N::from_f64), first, last: all.len() }
+            FlatOperation::Sum { into, constant: constant.map(N::from_f64), first, last: all.len() }
         }
-        Operation::Product { a, b, .. } => Flat::Product { into, a: place(*a), b: place(*b) },
+        Operation::Product { a, b, .. } => FlatOperation::Product { into, a: place(*a), b: place(*b) },
         Operation::Quotient { above, below, .. } => {
-            Flat::Quotient { into, above: place(*above), below: place(*below) }
+            FlatOperation::Quotient { into, above: place(*above), below: place(*below) }
         }
-        Operation::Magnitude { of, .. } => Flat::Magnitude { into, of: place(*of) },
+        Operation::Magnitude { of, .. } => FlatOperation::Magnitude { into, of: place(*of) },
         Operation::Clamp { of, low, high, .. } => {
-            Flat::Clamp { into, of: place(*of), low: N::from_f64(*low), high: N::from_f64(*high) }
+            FlatOperation::Clamp { into, of: place(*of), low: N::from_f64(*low), high: N::from_f64(*high) }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Why a controller is refused.
 
-/// What is wrong with the description of a controller.
+/// Error in the description of a controller.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -9,7 +9,7 @@ pub enum Error {
     Name {
         /// The name.
         name: String,
-        /// What is wrong with it.
+        /// Description of the error.
         problem: &'static str,
     },
     /// A number outside its range.
@@ -19,7 +19,7 @@ pub enum Error {
         what: String,
         /// What was given.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// A count that does not fit the system it belongs to.

@@ -15,7 +15,7 @@ use crate::PathSignal;
 /// [`Learning`]. It acts on the feedforward's gain and the bias only: no estimate can make the linear loop unstable.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Estimator {
-    /// How it learns.
+    /// Law of the learning.
     pub learning: Learning,
     /// Acceleration of gravity along the axis that the imbalance feels, m/s^2; 0 in azimuth or without gravity.
     pub gravity_m_s2: f64,
@@ -36,7 +36,7 @@ pub struct Estimator {
     pub hold_samples: u32,
 }
 
-/// How an [`Estimator`] learns.
+/// Law by which an [`Estimator`] learns.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Learning {

@@ -25,7 +25,7 @@ pub const ALONE: u32 = 0x4_0000;
 /// Bits that one sample leaves to the next.
 pub const STICKY: u32 = RESTARTED | REFUSED | ALONE;
 
-/// Which sensors a controller uses.
+/// Sensors that a controller uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SensorUse {
     /// All that it was designed with.
@@ -34,7 +34,7 @@ pub enum SensorUse {
     FeedbackAlone,
 }
 
-/// What the guard says of a running controller.
+/// State of a running controller as its guard reports it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Status {
     /// Flags: [`REPLACED`], [`UNCHANGED`], [`RESTARTED`], [`REFUSED`], [`ALONE`].
@@ -186,10 +186,10 @@ impl<N: Number> Guard<N> {
 
     /// Takes the control that the step gave and whether its states are plausible; returns the control to put out. When
     /// states were put back to their start, that is the control of the sample before.
-    pub fn give(&mut self, control: N, states: Plausible) -> N {
+    pub fn select_control(&mut self, control: N, states: StatePlausibility) -> N {
         match states {
-            Plausible::Yes => self.control = control,
-            Plausible::No => self.status.flags |= RESTARTED,
+            StatePlausibility::Yes => self.control = control,
+            StatePlausibility::No => self.status.flags |= RESTARTED,
         }
         self.control.clone()
     }
@@ -201,7 +201,7 @@ impl<N: Number> Guard<N> {
 
 /// Whether the states of a controller have a plausible size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Plausible {
+pub(crate) enum StatePlausibility {
     /// They have.
     Yes,
     /// They have not.
@@ -210,19 +210,19 @@ pub(crate) enum Plausible {
 
 /// A state that is kept within limits, in the numbers N.
 #[derive(Debug, Clone)]
-pub(crate) struct Kept<N> {
+pub(crate) struct StateLimit<N> {
     place: usize,
     low: N,
     high: N,
 }
 
 /// Returns the states of a controller that are kept within limits.
-pub(crate) fn kept_states<N: Number>(groups: &[StateGroup]) -> Vec<Kept<N>> {
+pub(crate) fn kept_states<N: Number>(groups: &[StateGroup]) -> Vec<StateLimit<N>> {
     let limited = groups.iter().filter_map(|group| Some((group, group.limits?)));
     let kept = |(group, StateLimits { low, high }): (&StateGroup, StateLimits)| {
         let places = group.first..group.first + group.initial.len();
         places
-            .map(move |place| Kept { place, low: N::from_f64(low), high: N::from_f64(high) })
+            .map(move |place| StateLimit { place, low: N::from_f64(low), high: N::from_f64(high) })
             .collect::<Vec<_>>()
     };
     limited.flat_map(kept).collect()
@@ -230,7 +230,7 @@ pub(crate) fn kept_states<N: Number>(groups: &[StateGroup]) -> Vec<Kept<N>> {
 
 /// Flushes states that are too small to matter, keeps estimates within their limits, and says whether all states together
 /// have a plausible size.
-pub(crate) fn tend<N: Number>(states: &mut [N], kept: &[Kept<N>]) -> Plausible {
+pub(crate) fn limit_states<N: Number>(states: &mut [N], kept: &[StateLimit<N>]) -> StatePlausibility {
     let mut total = N::from_f64(0.0);
     for state in states.iter_mut() {
         total = total.plus(&state.magnitude());
@@ -243,6 +243,10 @@ pub(crate) fn tend<N: Number>(states: &mut [N], kept: &[Kept<N>]) -> Plausible {
 }
 
 /// Returns whether a sum of magnitudes is a plausible size of states.
-pub(crate) fn assess_states<N: Number>(total: &N) -> Plausible {
-    if total.to_f64() <= N::from_f64(MOST_STATES).to_f64() { Plausible::Yes } else { Plausible::No }
+pub(crate) fn assess_states<N: Number>(total: &N) -> StatePlausibility {
+    if total.to_f64() <= N::from_f64(MOST_STATES).to_f64() {
+        StatePlausibility::Yes
+    } else {
+        StatePlausibility::No
+    }
 }

@@ -7,7 +7,7 @@
 //! *Invariant*: nothing here knows how a controller was designed, or what plant it drives; no file, thread or clock.
 //!
 //! Modules in reading order: [`sampled_controller`], [`signal`], [`parts`], [`friction`], [`estimator`], [`controller`], [`program`], [`compiled_program`],
-//! [`number`], [`guard`], [`runner`], `linear`, [`realise`], [`sensitivity`], [`tolerance`] (the numbers that decide), [`words`], [`error`].
+//! [`number`], [`guard`], [`runner`], `linear`, [`realisation`], [`sensitivity`], [`tolerance`] (the numbers that decide), [`words`], [`error`].
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts, Path, PathSignal, Readings, SampledController, Scaling};
@@ -43,7 +43,7 @@ pub mod guard;
 pub mod number;
 pub mod parts;
 pub mod program;
-pub mod realise;
+pub mod realisation;
 pub mod runner;
 pub mod sampled_controller;
 pub mod sensitivity;

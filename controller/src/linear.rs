@@ -3,7 +3,7 @@
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 
-use crate::compiled_program::Compiled;
+use crate::compiled_program::CompiledProgram;
 use crate::number::Dual;
 use crate::signal::COMMON_READINGS;
 use crate::tolerance::LEARNT_AT_REST_S;
@@ -71,7 +71,7 @@ impl Controller {
             slope[i] = 1.0;
             Dual { value, slope }
         };
-        let step = Compiled::<Dual>::new(&programs.step, states);
+        let step = CompiledProgram::<Dual>::new(&programs.step, states);
         let mut memory = vec![Dual::from_f64(0.0); step.memory()];
         for (place, value) in memory.iter_mut().zip(about) {
             *place = Dual::from_f64(*value);

@@ -18,19 +18,19 @@ pub struct Path {
     pub name: String,
     /// The signals u, one an input of `system`.
     pub inputs: Vec<PathSignal>,
-    /// Discrete system with one output, in the realisation in which it is to run (see [`crate::realise::modal_form`]).
+    /// Discrete system with one output, in the realisation in which it is to run (see [`crate::realisation::modal_form`]).
     pub system: StateSpace,
     /// Gain a state on what the limiter cut off; zeros if the path does not wind up.
     pub anti_windup: Vec<f64>,
-    /// How the output follows the out-of-balance.
+    /// Scaling of the output with the out-of-balance.
     pub scaling: Scaling,
 }
 
-/// How a path's output follows the out-of-balance M that is set.
+/// Law by which a path's output follows the out-of-balance M that is set.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Scaling {
-    /// It does not.
+    /// The output does not follow the out-of-balance.
     Fixed,
     /// Gain M / design out-of-balance: the gain law.
     WithOutOfBalance,
@@ -77,7 +77,7 @@ pub struct Projection {
     pub pitch_washout_s: Option<f64>,
 }
 
-/// How fast a loop of position follows its demand.
+/// Limit of the rate with which a loop of position follows its demand.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", content = "most", rename_all = "kebab-case")]
 pub enum DemandLimit {
@@ -99,7 +99,7 @@ pub struct Parts {
     pub projection: Option<Projection>,
     /// Reference prefilter from demand to demand, discrete, one input and one output.
     pub prefilter: Option<StateSpace>,
-    /// How fast a loop of position follows its demand; `None` for a loop of rate, or without a limit.
+    /// Limit of the rate with which a loop of position follows its demand; `None` for a loop of rate, or without a limit.
     pub demand_limit: Option<DemandLimit>,
     /// Transfer paths, in the order in which their outputs are summed.
     pub paths: Vec<Path>,

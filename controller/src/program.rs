@@ -1,6 +1,6 @@
 //! A step of the controller as a straight line of operations: the one meaning that all back ends share.
 
-/// Where a number lives.
+/// Place of a number in a program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Slot {
     /// An argument of the program; never written.
@@ -16,7 +16,7 @@ pub enum Slot {
 pub struct ProgramTerm {
     /// Coefficient; never 0.
     pub coefficient: f64,
-    /// What it multiplies.
+    /// Slot that the coefficient multiplies.
     pub of: Slot,
 }
 
@@ -119,7 +119,7 @@ pub struct StateGroup {
     pub limits: Option<StateLimits>,
 }
 
-/// From the lowest to the highest value of a state.
+/// Range of a state, from its lowest to its highest value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StateLimits {
     /// Lowest.
@@ -128,8 +128,8 @@ pub struct StateLimits {
     pub high: f64,
 }
 
-/// What a restart does to a state. A controller restarts by itself if its states leave every plausible size; a reset, which the
-/// application asks for, puts every state back.
+/// Effect of a restart on a state. A controller restarts by itself if its states leave every plausible size; a reset, which the application
+/// asks for, puts every state back.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OnRestart {
     /// Back to its start.

@@ -11,28 +11,32 @@ pub(crate) fn count(path: &str, what: &'static str, found: usize, expected: usiz
 }
 
 pub(crate) fn require_positive(what: &str, value: f64) -> Result<(), Error> {
-    require(what, value, Required { holds: value > 0.0 && value.is_finite(), words: "positive and finite" })
+    require(
+        what,
+        value,
+        NumberRequirement { holds: value > 0.0 && value.is_finite(), words: "positive and finite" },
+    )
 }
 
 pub(crate) fn at_least_0(what: &str, value: f64) -> Result<(), Error> {
     require(
         what,
         value,
-        Required { holds: value >= 0.0 && value.is_finite(), words: "0 or positive, and finite" },
+        NumberRequirement { holds: value >= 0.0 && value.is_finite(), words: "0 or positive, and finite" },
     )
 }
 
 pub(crate) fn require_finite(what: &str, value: f64) -> Result<(), Error> {
-    require(what, value, Required { holds: value.is_finite(), words: "finite" })
+    require(what, value, NumberRequirement { holds: value.is_finite(), words: "finite" })
 }
 
 /// What is required of a number: whether it holds, and in words that follow "must be".
-pub(crate) struct Required {
+pub(crate) struct NumberRequirement {
     pub holds: bool,
     pub words: &'static str,
 }
 
-pub(crate) fn require(what: &str, value: f64, required: Required) -> Result<(), Error> {
+pub(crate) fn require(what: &str, value: f64, required: NumberRequirement) -> Result<(), Error> {
     if required.holds {
         Ok(())
     } else {

@@ -1,7 +1,7 @@
 //! Runs a controller.
 
-use crate::compiled_program::Compiled;
-use crate::guard::{Guard, Kept, Plausible, assess_states, kept_states, tend};
+use crate::compiled_program::CompiledProgram;
+use crate::guard::{Guard, StateLimit, StatePlausibility, assess_states, kept_states, limit_states};
 use crate::program::OnRestart;
 use crate::{Controller, Number, Programs, Readings, SampledController, SensorUse, Status};
 
@@ -9,11 +9,11 @@ use crate::{Controller, Number, Programs, Readings, SampledController, SensorUse
 #[derive(Debug, Clone)]
 pub struct Runner<N = f64> {
     programs: Programs,
-    step: Compiled<N>,
-    set: Compiled<N>,
+    step: CompiledProgram<N>,
+    set: CompiledProgram<N>,
     memory: Vec<N>,
     guard: Guard<N>,
-    kept: Vec<Kept<N>>,
+    kept: Vec<StateLimit<N>>,
 }
 
 impl Controller {
@@ -33,8 +33,8 @@ impl<N: Number> Runner<N> {
     pub fn new(controller: &Controller) -> Self {
         let programs = controller.programs().clone();
         let states = programs.state_count();
-        let step = Compiled::new(&programs.step, states);
-        let set = Compiled::new(&programs.set_out_of_balance, states);
+        let step = CompiledProgram::new(&programs.step, states);
+        let set = CompiledProgram::new(&programs.set_out_of_balance, states);
         let mut memory = vec![N::from_f64(0.0); step.memory().max(set.memory())];
         for (place, value) in memory.iter_mut().zip(programs.initial()) {
             *place = N::from_f64(value);
@@ -50,11 +50,11 @@ impl<N: Number> Runner<N> {
         let inputs = self.guard.take(&readings.map(N::from_f64));
         let control = self.step.run(&mut self.memory, &inputs).unwrap_or(N::from_f64(0.0));
         let states = self.programs.state_count();
-        let found = tend(&mut self.memory[..states], &self.kept);
-        if found == Plausible::No {
+        let found = limit_states(&mut self.memory[..states], &self.kept);
+        if found == StatePlausibility::No {
             self.restart();
         }
-        self.guard.give(control, found).to_f64()
+        self.guard.select_control(control, found).to_f64()
     }
 
     /// Sets the out-of-balance, kg m, kept inside the controller's range: gains and bias follow, and the step this
@@ -84,7 +84,7 @@ impl<N: Number> Runner<N> {
         let kept = self.programs.states.iter().filter(|group| group.on_restart == OnRestart::Keep);
         let places = kept.flat_map(|group| group.first..group.first + group.initial.len());
         let total = places.fold(N::from_f64(0.0), |sum, place| sum.plus(&self.memory[place].magnitude()));
-        if assess_states(&total) == Plausible::No {
+        if assess_states(&total) == StatePlausibility::No {
             self.put_to_start(OnRestart::Keep);
         }
     }

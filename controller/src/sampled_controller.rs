@@ -1,6 +1,6 @@
 //! What a sampled controller reads, and the control that it returns.
 
-/// What the controller reads at a sample instant: converter readings divided by their scale, in SI units.
+/// Readings of a controller at a sample instant: converter readings divided by their scale, in SI units.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Readings {
     /// Demanded hub rate, rad/s.
@@ -55,7 +55,7 @@ impl SampledController for ProportionalIntegral {
     }
 }
 
-/// Where a position controller takes the rate from.
+/// Source of the rate of a position controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RateSource {
     /// The reading of a rate sensor.
@@ -64,7 +64,7 @@ pub enum RateSource {
     Differences(usize),
 }
 
-/// Where a position controller reads the position.
+/// Source of the position of a position controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PositionSource {
     /// The hub's angle, beside a rate sensor in the loop.
@@ -85,9 +85,9 @@ pub struct PositionController {
     pub ki_v_rad: f64,
     /// Sample period, s.
     pub sample_period_s: f64,
-    /// Where the rate comes from.
+    /// Source of the rate.
     pub rate: RateSource,
-    /// Where the position comes from.
+    /// Source of the position.
     pub position: PositionSource,
     /// Rate before the first sample, rad/s: the differences at the start need positions that were not read.
     pub start_rate_rad_s: f64,

@@ -4,7 +4,7 @@ use counterpoise_linalg::{C64, CMat, Mat, svd};
 use counterpoise_lti::{StateSpace, Timebase, frequency_response, gramian_factors, poles};
 
 use crate::Error;
-use crate::realise::{count_coefficients, modal_form};
+use crate::realisation::{count_coefficients, modal_form};
 use crate::tolerance::{MARGINAL, NEGLIGIBLE, SINGLE_ROUNDING, WORTH};
 
 /// A form in which a path can run.
@@ -30,7 +30,7 @@ pub struct RealisationCandidate {
     /// Predicted error of the frequency response, RMS, where it is largest; relative to the response or, where that is
     /// larger, to its median.
     pub predicted: f64,
-    /// That error with the coefficients rounded indeed, where it is largest.
+    /// Error with rounded coefficients, where it is largest.
     pub measured: f64,
 }
 

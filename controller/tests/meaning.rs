@@ -204,8 +204,8 @@ fn corrections_come_before_everything() {
 
 #[test]
 fn what_cannot_run_is_refused() {
-    type Spoil = fn(&mut Parts);
-    let cases: [(&str, Spoil); 16] = [
+    type Corruption = fn(&mut Parts);
+    let cases: [(&str, Corruption); 16] = [
         ("sample period", |p| p.sample_period_s = 0.0),
         ("control limit", |p| p.limit_v = f64::NAN),
         ("is used twice", |p| p.paths[1].name = "feedback".into()),

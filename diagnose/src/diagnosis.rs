@@ -48,7 +48,7 @@ pub struct Diagnosis {
     pub control: ReplayLoop,
 }
 
-/// What happens if a recorded control is not what the loop's controller makes of the recorded readings.
+/// Treatment of a recorded control that the loop's controller does not compute from the recorded readings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Contradiction {
     /// All recordings are replayed under their recorded control: another controller was in the loop.
@@ -57,14 +57,14 @@ pub enum Contradiction {
     Ignore,
 }
 
-/// What is diagnosed.
+/// Input of a diagnosis: the nominal mechanism, the recordings and the options.
 #[derive(Debug, Clone)]
 pub struct Request<'a> {
     /// The mechanism as the project has it.
     pub base: &'a Parameters,
     /// The controller that was in the loop, or [`ReplayLoop::Open`] if it is not known.
     pub control: ReplayLoop,
-    /// What happens if the recordings contradict that controller.
+    /// Treatment of recordings that contradict that controller.
     pub contradiction: Contradiction,
     /// The recordings of one machine.
     pub recordings: &'a [Recording],

@@ -22,7 +22,7 @@ pub enum Error {
     NoChannel {
         /// What the loop of the machine controls.
         controlled: ControlledQuantity,
-        /// Whether the recorded control is replayed, which needs no demand.
+        /// `true` if the recorded control is replayed, which needs no demand.
         replays_control: bool,
         /// Name of the recording.
         recording: String,

@@ -6,7 +6,7 @@ use crate::findings::answer::{Answer, DiagnosisVerdict, Name};
 use crate::findings::verdict::VerdictEvidence;
 use crate::learning::LearningTask;
 use crate::learning::comparison::{Comparison, is_flexible};
-use crate::learning::visited_ranges::Visited;
+use crate::learning::visited_ranges::VisitedRanges;
 use crate::library::{Component, EffectName};
 use crate::localisation::error_map::rank_components;
 use crate::recording::measured_signals::MeasuredSignals;
@@ -101,7 +101,7 @@ struct Rest {
     base: Parameters,
     before: Vec<Assessment>,
     components: Vec<Component>,
-    visited: Visited,
+    visited: VisitedRanges,
 }
 
 impl Rest {
@@ -114,7 +114,7 @@ impl Rest {
         let simulator = evidence.simulator;
         let signals: Vec<MeasuredSignals> =
             (0..simulator.count()).filter_map(|r| simulator.measured_signals(r)).collect();
-        let visited = Visited::of(&base, &signals);
+        let visited = VisitedRanges::of(&base, &signals);
         Some(Self { base, before, components: rank_components(&evidence.map), visited })
     }
 

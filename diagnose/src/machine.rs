@@ -48,12 +48,12 @@ pub(crate) fn sine(p: &Parameters, angle_rad: f64) -> f64 {
     if p.axis == AxisKind::Linear { 0.0 } else { angle_rad.sin() }
 }
 
-/// Which of the sensors are present that a machine can do without.
+/// Sensors that are present and that a machine can do without.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RedundantSensors {
-    /// Whether the motor's rate was recorded.
+    /// `true` if the motor's rate was recorded.
     pub motor_rate: bool,
-    /// Whether the hub's angle was recorded.
+    /// `true` if the hub's angle was recorded.
     pub hub_position: bool,
 }
 
@@ -116,7 +116,7 @@ pub(crate) fn can_have_textbook(p: &Parameters, effect: &Effect) -> bool {
             || !is_direct(p))
 }
 
-/// Whether a hydraulic cylinder drives in the place of a component, whose effects are then those of another machine.
+/// Returns whether a hydraulic cylinder drives in the place of a component, whose effects are then those of another machine.
 fn replaced_by_cylinder(p: &Parameters, component: Component) -> bool {
     p.cylinder.is_some() && matches!(component, Component::Motor | Component::Amplifier | Component::Gearbox)
 }

@@ -39,7 +39,7 @@ fn every_law() -> [(&'static str, FrictionLaw); 8] {
 fn machine(law: &FrictionLaw) -> Parameters {
     let mut rig = reference::rig();
     let motor_nm = rig.motor_friction.coulomb_nm();
-    rig.pivot_friction = Friction::plain(law.clone(), rig.pivot_friction.viscous_nm_s_rad);
+    rig.pivot_friction = Friction::with_viscous_part(law.clone(), rig.pivot_friction.viscous_nm_s_rad);
     rig.motor_friction.law = law.clone();
     rig.motor_friction.law.set_coulomb_nm(motor_nm);
     rig

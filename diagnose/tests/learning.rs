@@ -5,8 +5,8 @@ use crate::common;
 
 use common::controller;
 use counterpoise_diagnose::fitting::score::assess_recordings;
-use counterpoise_diagnose::learning::reading::Form;
-use counterpoise_diagnose::learning::visited_ranges::Visited;
+use counterpoise_diagnose::learning::reading::CurveForm;
+use counterpoise_diagnose::learning::visited_ranges::VisitedRanges;
 use counterpoise_diagnose::learning::{LearnedModel, LearningTask, learn_functions};
 use counterpoise_diagnose::library::Component;
 use counterpoise_diagnose::selection::searcher::Searcher;
@@ -62,7 +62,7 @@ fn learn_model(machine: &Parameters) -> Option<(LearnedModel, Parameters)> {
     };
     let before = assess_recordings(&simulator, &Serial, &base).unwrap();
     let signals: Vec<_> = (0..recordings.len()).filter_map(|r| simulator.measured_signals(r)).collect();
-    let visited = Visited::of(&base, &signals);
+    let visited = VisitedRanges::of(&base, &signals);
     let components = [Component::Pivot];
     learn_functions(&LearningTask {
         searcher: &searcher,
@@ -89,7 +89,7 @@ fn a_tight_spot_is_modelled_to_the_noise_and_read_with_its_place() {
     assert!(model.worst_held_out[0] > 2.0 && model.worst_held_out[1] < 1.5, "{:?}", model.worst_held_out);
     let reading = part.reading.as_ref().unwrap();
     println!("{reading:?}");
-    assert_eq!(reading.form, Form::Bump);
+    assert_eq!(reading.form, CurveForm::Bump);
     assert!((reading.value("centre") - centre).abs() < 0.004, "{reading:?}");
     assert!((reading.value("height") - height).abs() < 0.2 * height, "{reading:?}");
     // the function is part of the machine that is saved

@@ -90,7 +90,7 @@ pub fn counting_code(name: &str, numbers: Numbers) -> Vec<File> {
     ]
 }
 
-/// What the code costs on a core.
+/// Cost of the code on a core: instructions, cycles and memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CodeCost {
     /// Most instructions of a step over the counter's patterns of readings: rest, both signs, alternating, limiter.

@@ -4,7 +4,7 @@ use crate::File;
 
 /// The outcome of comparing a file with what the project gives now.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Checked {
+pub enum CheckOutcome {
     /// The same text, to the last character.
     Same,
     /// The file carries no project hash: it is no generated file.
@@ -20,35 +20,35 @@ pub enum Checked {
     Differs {
         /// Number of the first line that differs, from 1.
         line: usize,
-        /// That line in the file; `None` if the file ends before it.
+        /// First line of the file that differs; `None` if the file ends before it.
         found: Option<String>,
-        /// That line as it would be generated; `None` if it would end before it.
+        /// Generated line in its place; `None` if the generated file ends before it.
         expected: Option<String>,
     },
 }
 
 /// Compares the text of a file with the one that the project gives now. Only the ends of lines may differ.
-pub fn check_file(found: &str, expected: &File) -> Checked {
+pub fn check_file(found: &str, expected: &File) -> CheckOutcome {
     let own = |text: &str| text.lines().find_map(hash);
     match (own(found), own(&expected.text)) {
-        (None, Some(_)) => return Checked::NotGenerated,
+        (None, Some(_)) => return CheckOutcome::NotGenerated,
         (Some(found), Some(expected)) if found != expected => {
-            return Checked::OtherProject { found, expected };
+            return CheckOutcome::OtherProject { found, expected };
         }
         _ => {}
     }
     let (mut theirs, mut ours) = (found.lines(), expected.text.lines());
     for line in 1.. {
         match (theirs.next(), ours.next()) {
-            (None, None) => return Checked::Same,
+            (None, None) => return CheckOutcome::Same,
             (a, b) if a.map(str::trim_end) == b.map(str::trim_end) => {}
             (found, expected) => {
                 let owned = |line: Option<&str>| line.map(str::to_owned);
-                return Checked::Differs { line, found: owned(found), expected: owned(expected) };
+                return CheckOutcome::Differs { line, found: owned(found), expected: owned(expected) };
             }
         }
     }
-    Checked::Same
+    CheckOutcome::Same
 }
 
 /// Returns the hash in a header's line.
@@ -66,14 +66,14 @@ mod tests {
 
     #[test]
     fn the_same_text_is_the_same_whatever_ends_its_lines() {
-        assert_eq!(check_file(&file().text, &file()), Checked::Same);
-        assert_eq!(check_file(&file().text.replace('\n', "\r\n"), &file()), Checked::Same);
+        assert_eq!(check_file(&file().text, &file()), CheckOutcome::Same);
+        assert_eq!(check_file(&file().text.replace('\n', "\r\n"), &file()), CheckOutcome::Same);
     }
 
     #[test]
     fn an_edited_line_is_named() {
         let edited = file().text.replace('3', "4");
-        let expected = Checked::Differs {
+        let expected = CheckOutcome::Differs {
             line: 3,
             found: Some("int x = 4;".into()),
             expected: Some("int x = 3;".into()),
@@ -81,15 +81,15 @@ mod tests {
         assert_eq!(check_file(&edited, &file()), expected);
         assert!(matches!(
             check_file(&(file().text + "more"), &file()),
-            Checked::Differs { expected: None, .. }
+            CheckOutcome::Differs { expected: None, .. }
         ));
     }
 
     #[test]
     fn another_project_and_another_file_are_told_apart() {
         let other = file().text.replace("ab12", "cd34");
-        let expected = Checked::OtherProject { found: "cd34".into(), expected: "ab12".into() };
+        let expected = CheckOutcome::OtherProject { found: "cd34".into(), expected: "ab12".into() };
         assert_eq!(check_file(&other, &file()), expected);
-        assert_eq!(check_file("int main(void) { return 0; }", &file()), Checked::NotGenerated);
+        assert_eq!(check_file("int main(void) { return 0; }", &file()), CheckOutcome::NotGenerated);
     }
 }

@@ -5,10 +5,10 @@ use counterpoise_models::{CONVERTER_RANGE_V, Parameters, Sensor, converter_step_
 use minijinja::{Value, context};
 
 use crate::fixed_point::unit;
-use crate::{fixed_point::Fixed, reading_fields};
+use crate::{fixed_point::FixedPointController, reading_fields};
 
-/// What the converters of a board make of the readings and of the control. Input converters and the output converter take
-/// +/- 10 V, their counts are signed.
+/// Converters of a board: scales of the readings and of the control. Input converters and the output converter take +/- 10 V, their counts are
+/// signed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Converters {
     /// Bits of the input converters.
@@ -18,7 +18,7 @@ pub struct Converters {
     /// Volts at the converter per unit of each reading, in the order of [`counterpoise_controller::Readings`]. The demand comes
     /// with the scale of the hub gyroscope: what it is compared with.
     pub volts_per_unit: [f64; READINGS],
-    /// Where the figures come from, for the code's comment.
+    /// Source of the figures, for the code's comment.
     pub origin: &'static str,
 }
 
@@ -92,7 +92,7 @@ impl Converters {
     }
 
     /// Returns the same in integers: each factor with the bits by which its product is shifted down.
-    pub(crate) fn fixed_block(&self, fixed: &Fixed) -> Value {
+    pub(crate) fn fixed_block(&self, fixed: &FixedPointController) -> Value {
         let fields = reading_fields(&fixed.controller);
         let rows = fields.iter().zip(self.units_per_count()).zip(&fixed.step.inputs);
         let row = |((&(field, says), per_count), bits): ((&(&str, &str), f64), &i32)| {

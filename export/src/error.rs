@@ -9,7 +9,7 @@ pub enum Error {
     Name {
         /// The name.
         name: String,
-        /// What is wrong with it.
+        /// Description of the error.
         problem: &'static str,
     },
     /// A number that single precision cannot hold.

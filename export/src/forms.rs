@@ -6,7 +6,7 @@ use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, poles};
 
 use crate::tolerance::ANTI_WINDUP_SHARE;
-use crate::{Adjustable, MeasuredDeviation, Ranges};
+use crate::{AdjustableController, MeasuredDeviation, Ranges};
 
 /// A form that every path of a controller is brought to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,13 +39,13 @@ impl PathForm {
 /// A controller in one form, beside the reference.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FormFigures {
-    /// Which form.
+    /// Form of the realisation.
     pub form: PathForm,
     /// Multiplications of a step.
     pub multiplications: usize,
-    /// How far its control in double is from the reference's for the same readings.
+    /// Deviation of its control in double from the reference's for the same readings.
     pub double: MeasuredDeviation,
-    /// How far in single precision: what its C and Rust do, to the last bit.
+    /// Deviation in single precision: that of its C and Rust, to the last bit.
     pub single: MeasuredDeviation,
 }
 
@@ -56,8 +56,8 @@ pub struct FormFigures {
 pub fn figures_by_form(controller: &Controller, known: &Ranges) -> Vec<FormFigures> {
     let of = |form: PathForm| {
         let other = convert_to_form(controller, form)?;
-        let double = || Box::new(other.runner()) as Box<dyn Adjustable>;
-        let single = || Box::new(other.runner_in::<f32>()) as Box<dyn Adjustable>;
+        let double = || Box::new(other.runner()) as Box<dyn AdjustableController>;
+        let single = || Box::new(other.runner_in::<f32>()) as Box<dyn AdjustableController>;
         Some(FormFigures {
             form,
             multiplications: other.programs().step.multiplications(),

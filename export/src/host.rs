@@ -6,7 +6,7 @@
 
 use counterpoise_controller::{READING_NAMES, READINGS};
 
-use crate::fixed_point::{Fixed, to_integer, unit};
+use crate::fixed_point::{FixedPointController, to_integer, unit};
 use crate::targets::Record;
 use crate::{File, Numbers};
 
@@ -67,7 +67,7 @@ pub fn including_file(name: &str, included: &str) -> File {
 
 /// Returns samples as bytes for the replaying programs: every record begins with a sample of no numbers. In fixed point the
 /// readings are integers in their formats.
-pub fn encode_requests(records: &[Record], fixed: Option<&Fixed>) -> Vec<u8> {
+pub fn encode_requests(records: &[Record], fixed: Option<&FixedPointController>) -> Vec<u8> {
     let number = |value: f64, i: usize| match fixed {
         None => value,
         Some(fixed) => fixed.step.inputs.get(i).map_or(0.0, |bits| to_integer(value, *bits) as f64),
@@ -83,7 +83,11 @@ pub fn encode_requests(records: &[Record], fixed: Option<&Fixed>) -> Vec<u8> {
 }
 
 /// Returns the number of samples and how many of the answers differ from the records. Returns `None` if answers are missing.
-pub fn count_differing(records: &[Record], fixed: Option<&Fixed>, answers: &[u8]) -> Option<(usize, usize)> {
+pub fn count_differing(
+    records: &[Record],
+    fixed: Option<&FixedPointController>,
+    answers: &[u8],
+) -> Option<(usize, usize)> {
     let scale = fixed.map_or(1.0, |fixed| unit(fixed.control_bits()));
     let mut values =
         answers.chunks_exact(8).map(|chunk| f64::from_ne_bytes(chunk.try_into().unwrap_or([0; 8])));

@@ -48,13 +48,13 @@ mod print;
 mod tolerance;
 
 pub use c99::c99;
-pub use check::{Checked, check_file};
+pub use check::{CheckOutcome, check_file};
 pub use converters::Converters;
 pub use error::Error;
-pub use fixed_point::{Fixed, FixedError, FixedRunner, fixed_c99, plan_fixed_point};
+pub use fixed_point::{FixedError, FixedPointController, FixedRunner, fixed_c99, plan_fixed_point};
 pub use forms::{FormFigures, PathForm, figures_by_form};
 pub use provenance::Provenance;
-pub use ranges::{Adjustable, MeasuredDeviation, Ranges};
+pub use ranges::{AdjustableController, MeasuredDeviation, Ranges};
 pub use rounding::{Deviation, single_precision};
 pub use rust_crate::rust_crate;
 pub use source::ExportSource;
@@ -84,10 +84,10 @@ pub enum Precision {
     Single,
 }
 
-/// How code is generated.
+/// Options of generated code.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CodeOptions {
-    /// What every name of the code starts with, and every file: a lower-case identifier.
+    /// Prefix of every name and every file of the code: a lower-case identifier.
     pub name: String,
     /// Numbers of the target.
     pub precision: Precision,

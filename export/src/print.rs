@@ -29,7 +29,7 @@ pub(crate) struct Printer<'a> {
     pub program: &'a Program,
     /// Type of a real in the target code.
     pub real: &'a str,
-    /// What stands before the name of an input: a struct's name and an arrow, or nothing.
+    /// Text before the name of an input: a struct's name and an arrow, or nothing.
     pub input_prefix: &'a str,
 }
 

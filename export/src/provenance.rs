@@ -3,7 +3,7 @@
 use crate::comment::comment_text;
 use crate::{Converters, ExportSource};
 
-/// What the header of generated code says of its origin. All of it is handed in: this crate knows no clock and no file.
+/// Origin of generated code, as its header states it. All of it is handed in: this crate knows no clock and no file.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Provenance {
     /// Program and version that generated the code.
@@ -16,9 +16,9 @@ pub struct Provenance {
     pub weights: Vec<String>,
     /// The verdicts, one a line.
     pub verdicts: Vec<String>,
-    /// What the first two readings hold, if they are not the demanded and the measured rate of the hub.
+    /// Quantities of the first two readings, if they are not the demanded and the measured rate of the hub.
     pub loop_signals: Option<String>,
-    /// What is certified of the loop when feedback works alone, one a line.
+    /// Certified properties of the loop with feedback alone, one a line.
     pub feedback_alone: Vec<String>,
     /// The converters that the readings come from and the control goes to.
     pub converters: Converters,

@@ -13,24 +13,24 @@ pub(crate) use settings::settings;
 const SETTING_SAMPLES: usize = 4000;
 
 /// A sampled controller whose out-of-balance can be set.
-pub trait Adjustable: SampledController {
+pub trait AdjustableController: SampledController {
     /// Sets the out-of-balance, kg m.
     fn adjust(&mut self, out_of_balance_kg_m: f64);
     /// Returns a copy with the states of this moment.
-    fn clone_boxed(&self) -> Box<dyn Adjustable>;
+    fn clone_boxed(&self) -> Box<dyn AdjustableController>;
 }
 
-impl<N: Number + 'static> Adjustable for Runner<N> {
+impl<N: Number + 'static> AdjustableController for Runner<N> {
     fn adjust(&mut self, out_of_balance_kg_m: f64) {
         self.set_out_of_balance(out_of_balance_kg_m);
     }
 
-    fn clone_boxed(&self) -> Box<dyn Adjustable> {
+    fn clone_boxed(&self) -> Box<dyn AdjustableController> {
         Box::new(self.clone())
     }
 }
 
-/// How far a controller was from the reference.
+/// Measured deviation of a controller from the reference.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MeasuredDeviation {
     /// Largest difference of a control, V.
@@ -53,7 +53,7 @@ pub struct Ranges {
 pub(crate) struct Run {
     /// Readings, one row a sample.
     pub readings: Vec<[f64; READINGS]>,
-    /// What is set half way, kg m; nothing leaves the design's.
+    /// Out-of-balance that is set half way, kg m; `None` leaves the design's.
     pub set_kg_m: Option<f64>,
     /// The reference's control at every sample, V.
     pub reference_v: Vec<f64>,
@@ -66,7 +66,7 @@ impl Run {
     }
 }
 
-impl Clone for Box<dyn Adjustable> {
+impl Clone for Box<dyn AdjustableController> {
     fn clone(&self) -> Self {
         (**self).clone_boxed()
     }
@@ -98,7 +98,7 @@ impl<A> RunState<A> {
 
 /// Plays runs; returns the state after each. Runs in which the out-of-balance is set follow the run without, whose beginning they
 /// share: up to the setting they are played once.
-pub(crate) fn play<S: Clone>(runs: &[Run], visitor: &impl RunVisitor<S>) -> Vec<S> {
+pub(crate) fn play_runs<S: Clone>(runs: &[Run], visitor: &impl RunVisitor<S>) -> Vec<S> {
     let mut ends = Vec::with_capacity(runs.len());
     let mut at_setting: Option<S> = None;
     for (i, run) in runs.iter().enumerate() {
@@ -143,7 +143,7 @@ impl Ranges {
             Self { states, inputs, largest: vec![0.0; count], runs: runs(controller, histories) };
         let largest_values =
             LargestValues { controller, largest: RefCell::new(std::mem::take(&mut ranges.largest)) };
-        let controls = play(&ranges.runs, &largest_values);
+        let controls = play_runs(&ranges.runs, &largest_values);
         ranges.largest = largest_values.largest.into_inner();
         for (run, state) in ranges.runs.iter_mut().zip(controls) {
             run.reference_v = state.voltages_v;
@@ -162,8 +162,8 @@ impl Ranges {
 
     /// Returns how far a controller is from the reference from which the ranges come, given the readings and settings of its runs;
     /// `start` creates the controller for each run.
-    pub fn measure(&self, start: &dyn Fn() -> Box<dyn Adjustable>) -> MeasuredDeviation {
-        play(&self.runs, &Comparison { start }).into_iter().fold(
+    pub fn measure(&self, start: &dyn Fn() -> Box<dyn AdjustableController>) -> MeasuredDeviation {
+        play_runs(&self.runs, &Comparison { start }).into_iter().fold(
             MeasuredDeviation::default(),
             |most, state| {
                 let mut found = MeasuredDeviation::default();
@@ -245,19 +245,19 @@ impl RunVisitor<RunState<Runner>> for LargestValues<'_> {
 
 /// A controller beside the reference.
 struct Comparison<'a> {
-    start: &'a dyn Fn() -> Box<dyn Adjustable>,
+    start: &'a dyn Fn() -> Box<dyn AdjustableController>,
 }
 
-impl RunVisitor<RunState<Box<dyn Adjustable>>> for Comparison<'_> {
-    fn start(&self) -> RunState<Box<dyn Adjustable>> {
+impl RunVisitor<RunState<Box<dyn AdjustableController>>> for Comparison<'_> {
+    fn start(&self) -> RunState<Box<dyn AdjustableController>> {
         RunState::of((self.start)())
     }
 
-    fn set(&self, state: &mut RunState<Box<dyn Adjustable>>, out_of_balance_kg_m: f64) {
+    fn set(&self, state: &mut RunState<Box<dyn AdjustableController>>, out_of_balance_kg_m: f64) {
         state.acting.adjust(out_of_balance_kg_m);
     }
 
-    fn sample(&self, state: &mut RunState<Box<dyn Adjustable>>, run: &Run, k: usize) {
+    fn sample(&self, state: &mut RunState<Box<dyn AdjustableController>>, run: &Run, k: usize) {
         let control_v = state.acting.step(&Readings::from_array(run.readings[k]));
         state.voltages_v.push(run.reference_v[k] - control_v);
     }

@@ -1,7 +1,7 @@
 //! How far rounding can carry the control away from the reference.
 
 mod gains;
-mod single;
+mod single_precision;
 mod tangent;
 mod trajectory;
 
@@ -9,28 +9,24 @@ use counterpoise_controller::Controller;
 use counterpoise_controller::program::{OnRestart, Operation, Slot};
 
 use gains::Gains;
-pub use single::single_precision;
+pub use single_precision::single_precision;
 use trajectory::ErrorTrack;
 
 use crate::Ranges;
 use crate::ranges::{Run, larger_bound, settings};
 use crate::tolerance::SECOND_ORDER;
+pub use crate::tolerance::{LIKELY_BOUND_EXCEEDANCE, LIKELY_BOUND_FACTOR};
 
-/// Multiple of the root of the sum of squares in the likely bound.
-pub const CONFIDENCE: f64 = 6.0;
-/// 2 exp(-CONFIDENCE^2 / 2): how probable it is that a sample leaves the likely bound.
-pub const CHANCE: f64 = 3.05e-8;
-
-/// What rounding does to the control, predicted to first order.
+/// Deviation of the control that rounding causes, predicted to first order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Deviation {
     /// Where the step is linear but for its limiter: no sample deviates more than this, V, whatever the readings, as long as
     /// every number stays within its range and the limiter is inactive. With a friction observer, an estimator or a drive's
     /// curve the same sum with the derivatives at rest: a measure, not a bound. Never less than [`Deviation::likely_v`].
     pub worst_v: f64,
-    /// No sample of the runs that the ranges come from deviates more than this, V, but with a probability of [`CHANCE`] a
+    /// No sample of the runs that the ranges come from deviates more than this, V, but with a probability of [`LIKELY_BOUND_EXCEEDANCE`] a
     /// sample, when the rounding errors of the operations have mean 0: what rounded coefficients do in these runs, plus
-    /// [`CONFIDENCE`] times the root of the sum of the squared bounds of every rounding on the way (Higham and Mary 2019,
+    /// [`LIKELY_BOUND_FACTOR`] times the root of the sum of the squared bounds of every rounding on the way (Higham and Mary 2019,
     /// a Hoeffding bound), each bound from the number that was rounded at that time, and carried on by the derivatives of
     /// every step as it ran: estimators, observers and limits as they were. What is added to a state at rest rounds the same way
     /// again and again: that part is known, and carried on with its sign.
@@ -61,7 +57,7 @@ pub(crate) enum Line {
 
 /// An operation with what it read and wrote.
 pub(crate) struct ExecutedOperation<'a> {
-    /// Its number in its line.
+    /// Number in its line.
     pub number: usize,
     pub operation: &'a Operation,
     pub read: &'a [f64],
@@ -70,7 +66,7 @@ pub(crate) struct ExecutedOperation<'a> {
 
 /// What an operation rounds.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Rounded {
+pub(crate) struct OperationRounding {
     /// The part that does not average out, with its sign.
     pub known: f64,
     /// The square of the bound of the rest.
@@ -84,7 +80,7 @@ pub(crate) trait Arithmetic {
     /// Returns for each run what rounded coefficients and readings do to the control of each sample, V.
     fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>>;
     /// Returns what an operation of a line rounds as it was executed.
-    fn rounding_of(&self, line: Line, executed: &ExecutedOperation<'_>) -> Rounded;
+    fn rounding_of(&self, line: Line, executed: &ExecutedOperation<'_>) -> OperationRounding;
 }
 
 /// Returns the deviation of an arithmetic. The worst case takes for every setting of the out-of-balance the impulse
@@ -105,7 +101,7 @@ pub(crate) fn deviation(
     let errors = arithmetic.worst_errors();
     let at_rest =
         all.map(|set| Gains::of(controller, set, samples).constant(&errors)).fold(0.0, larger_bound);
-    let tracks = trajectory::follow(controller, ranges.runs(), arithmetic);
+    let tracks = trajectory::track_errors(controller, ranges.runs(), arithmetic);
     let coefficients = arithmetic.coefficients(ranges.runs()).into_iter();
     let along = coefficients.zip(tracks).map(|(coefficients, track)| run_deviation(coefficients, track));
     let (likely, rms_v) = along.fold((0.0, 0.0), |a, b| (larger_bound(a.0, b.0), larger_bound(a.1, b.1)));
@@ -122,7 +118,7 @@ fn run_deviation(coefficients: Vec<f64>, track: ErrorTrack) -> (f64, f64) {
     let known = coefficients.into_iter().zip(track.mean_v).map(|(a, b)| a + b);
     let (mut likely, mut squares) = (0.0, 0.0);
     for (known, square) in known.zip(&track.squares_v2) {
-        likely = larger_bound(likely, known.abs() + CONFIDENCE * square.sqrt());
+        likely = larger_bound(likely, known.abs() + LIKELY_BOUND_FACTOR * square.sqrt());
         squares += known * known + square / 3.0;
     }
     (likely, (squares / track.squares_v2.len().max(1) as f64).sqrt())

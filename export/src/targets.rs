@@ -7,8 +7,8 @@ use counterpoise_simulate::Simulator;
 use counterpoise_verify::{Arrangement, Experiment, Procedure, VerifiedController, nonlinear};
 
 use crate::{
-    Adjustable, Deviation, Fixed, FixedError, FixedRunner, FormFigures, MeasuredDeviation, Ranges,
-    figures_by_form, plan_fixed_point, single_precision,
+    AdjustableController, Deviation, FixedError, FixedPointController, FixedRunner, FormFigures,
+    MeasuredDeviation, Ranges, figures_by_form, plan_fixed_point, single_precision,
 };
 
 /// Margin of the ranges from which formats are chosen: two bits above what the verification's runs reach.
@@ -28,9 +28,9 @@ pub enum Numbers {
 /// The controller in some numbers, in the simulated loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TargetFigures {
-    /// Which numbers.
+    /// Kind of numbers.
     pub numbers: Numbers,
-    /// How far the control can be from the reference for the same readings, predicted; exactly 0 for double.
+    /// Predicted deviation of the control from the reference for the same readings; exactly 0 for double.
     pub predicted: Deviation,
     /// How far it was, for the readings of the verification's runs and at every setting of the out-of-balance at which a gain
     /// has a corner, V: the runs that the prediction holds for.
@@ -39,7 +39,7 @@ pub struct TargetFigures {
     pub measured_rms_v: f64,
     /// Each experiment with the closed loop's hub rate error in these numbers.
     pub experiments: Vec<ExperimentFigures>,
-    /// What the controller read and gave in each experiment's closed loop: code that gives the same moves the plant alike.
+    /// Readings and controls of the controller in each experiment's closed loop: code with the same controls moves the plant in the same way.
     pub closed_loops: Vec<Record>,
 }
 
@@ -55,7 +55,7 @@ pub struct Record {
 /// The closed loop in one experiment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExperimentFigures {
-    /// Which.
+    /// Experiment that it belongs to.
     pub experiment: Experiment,
     /// RMS of demand less hub rate, rad/s.
     pub error_rms_rad_s: f64,
@@ -71,7 +71,7 @@ pub struct Targets {
     /// Double, single and, where it exists, fixed point.
     pub figures: Vec<TargetFigures>,
     /// The fixed-point form, or why there is none.
-    pub fixed: Result<Fixed, FixedError>,
+    pub fixed: Result<FixedPointController, FixedError>,
 }
 
 /// Runs the verification's nonlinear experiments with the controller in each kind of numbers. The fixed-point formats come
@@ -100,7 +100,7 @@ impl Targets {
 /// The fixed-point form with its figures, or why there is none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FixedFigures {
-    fixed: Result<Fixed, FixedError>,
+    fixed: Result<FixedPointController, FixedError>,
     figures: Option<TargetFigures>,
 }
 
@@ -114,7 +114,7 @@ pub fn fixed_form(
     plant: &Plant,
     procedure: &Procedure,
     allowed_v: f64,
-) -> Result<Result<Fixed, FixedError>, counterpoise_verify::Error> {
+) -> Result<Result<FixedPointController, FixedError>, counterpoise_verify::Error> {
     let TargetRuns { controller, known, samples, .. } =
         TargetRuns::record(verified, plant, procedure, &Serial)?;
     Ok(plan_fixed_point(controller, &known, allowed_v, samples))
@@ -175,7 +175,7 @@ impl<'a> TargetRuns<'a> {
     /// Those of the simulator.
     pub fn single(&self) -> Result<TargetFigures, counterpoise_verify::Error> {
         let predicted = single_precision(self.controller, &self.known, self.samples);
-        let acting = || Box::new(self.controller.runner_in::<f32>()) as Box<dyn Adjustable>;
+        let acting = || Box::new(self.controller.runner_in::<f32>()) as Box<dyn AdjustableController>;
         let measured = self.known.measure(&acting);
         self.figures(Deviations { numbers: Numbers::Single, predicted, measured }, &acting)
     }
@@ -189,7 +189,7 @@ impl<'a> TargetRuns<'a> {
         let figures = match &fixed {
             Err(_) => None,
             Ok(form) => {
-                let acting = || Box::new(FixedRunner::new(form)) as Box<dyn Adjustable>;
+                let acting = || Box::new(FixedRunner::new(form)) as Box<dyn AdjustableController>;
                 let (predicted, measured) = (form.deviation, self.known.measure(&acting));
                 let deviations = Deviations { numbers: Numbers::Fixed, predicted, measured };
                 Some(self.figures(deviations, &acting)?)
@@ -206,7 +206,7 @@ impl<'a> TargetRuns<'a> {
     fn figures(
         &self,
         deviations: Deviations,
-        acting: &(dyn Fn() -> Box<dyn Adjustable> + Sync),
+        acting: &(dyn Fn() -> Box<dyn AdjustableController> + Sync),
     ) -> Result<TargetFigures, counterpoise_verify::Error> {
         let experiments: Vec<_> = self.runs.iter().map(|run| run.experiment).collect();
         let sampled = || acting() as Box<dyn SampledController>;

@@ -24,3 +24,13 @@ pub const MOST_BRISTLES: f64 = 1e5;
 
 /// How many times smaller than a sum a summand must be, to be rounded to the sum's grid.
 pub const SMALL_SUMMAND: f64 = 8.0;
+
+/// Share of the accumulator's range that the largest sum of a fixed-point operation may take: one percent is kept for the rounding of its summands,
+/// which the bound of the sum leaves out.
+pub(crate) const ACCUMULATOR_SHARE: f64 = 0.99;
+
+/// Multiple of the root of the sum of squares in the likely bound of the rounding error: six standard deviations.
+pub const LIKELY_BOUND_FACTOR: f64 = 6.0;
+/// Probability that a sample leaves the likely bound: 2 exp(-f^2 / 2) for the factor f above
+/// (W. Hoeffding, Probability inequalities for sums of bounded random variables, 1963).
+pub const LIKELY_BOUND_EXCEEDANCE: f64 = 3.05e-8;

@@ -14,7 +14,7 @@ pub struct Vector {
     pub set_out_of_balance_kg_m: Option<f64>,
     /// The readings.
     pub readings: [f64; READINGS],
-    /// What the controller answers, V.
+    /// Control of the controller, V.
     pub control_v: f64,
 }
 

@@ -13,7 +13,9 @@ use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
 use counterpoise_export::{CodeOptions, Ranges, c99, fixed_c99, plan_fixed_point};
 use counterpoise_models::{Plant, reference};
-use support::{Random, complete_controller, folder, is_there, provenance, run, typical_controller, write};
+use support::{
+    RandomGenerator, complete_controller, folder, is_there, provenance, run, typical_controller, write,
+};
 
 /// Rules that generated code deviates from, all advisory.
 const DEVIATIONS: [&str; 2] = ["misra-c2012-2.5", "misra-c2012-8.7"];
@@ -21,7 +23,7 @@ const DEVIATIONS: [&str; 2] = ["misra-c2012-2.5", "misra-c2012-8.7"];
 /// Returns a folder for each kind of generated C.
 fn generate_folders(test: &str) -> Vec<PathBuf> {
     let controller = typical_controller();
-    let mut random = Random(3);
+    let mut random = RandomGenerator(3);
     let history: Vec<[f64; READINGS]> =
         (0..2000).map(|_| random.readings().map(|value| 0.05 * value)).collect();
     let known = Ranges::from_readings(&controller, &[history], 4.0);

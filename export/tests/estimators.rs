@@ -13,7 +13,9 @@ use counterpoise_export::{
 };
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
-use support::{Random, Request, assert_answers, folder, is_there, path, provenance, run, server_in, write};
+use support::{
+    RandomGenerator, Request, assert_answers, folder, is_there, path, provenance, run, server_in, write,
+};
 
 const SAMPLES: usize = 6000;
 const GRAVITY: f64 = 9.80665;
@@ -65,7 +67,7 @@ fn kinds() -> Vec<(&'static str, Controller)> {
 /// Returns a platform that heaves and pitches under a hub that is held, with noise; the rate error drives the control
 /// slowly.
 fn motion(seed: u64) -> Vec<[f64; READINGS]> {
-    let mut random = Random(seed);
+    let mut random = RandomGenerator(seed);
     let mut noise = |size: f64| size * random.signed_unit();
     (0..SAMPLES)
         .map(|k| {
@@ -131,7 +133,7 @@ fn no_reading_brings_a_divisor_to_0() {
     let trap = ["-fsanitize=undefined", "-fno-sanitize-recover=all", "server.c", "-o", "server"];
     let sources = names.iter().map(|name| format!("{name}.c"));
     run(Command::new("cc").current_dir(&folder).args(flags).args(trap).args(sources));
-    let mut random = Random(5);
+    let mut random = RandomGenerator(5);
     let mut asked = Vec::new();
     for k in 0..1500 {
         for which in 0..plans.len() {

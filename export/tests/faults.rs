@@ -13,8 +13,9 @@ use counterpoise_export::{CodeOptions, FixedRunner, Ranges, c99, fixed_c99, plan
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 use support::{
-    Random, Request, STRICT, Target, complete_controller, equal_to_the_last_bit, folder, is_there, path,
-    provenance, random_controller, reference, requests, run, server, server_in, typical_controller, write,
+    RandomGenerator, Request, STRICT, Target, complete_controller, equal_to_the_last_bit, folder, is_there,
+    path, provenance, random_controller, reference, requests, run, server, server_in, typical_controller,
+    write,
 };
 
 /// What a broken sensor or wire makes of a reading.
@@ -22,7 +23,7 @@ const BROKEN: [f64; 9] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e9, -1e9,
 
 /// Irregular requests of which one reading in ten is broken, and one setting in three.
 fn faulty(controllers: usize, samples: usize) -> Vec<(usize, Request)> {
-    let mut random = Random(17);
+    let mut random = RandomGenerator(17);
     let mut asked = requests(controllers, samples);
     let mut broken = |value: &mut f64, share: f64| {
         if random.unit() < share {
@@ -96,7 +97,7 @@ fn fixed_point_answers_any_integer_as_its_reference_does() {
     if !is_there("cc") {
         return support::report_skip("no C compiler");
     }
-    let mut random = Random(3);
+    let mut random = RandomGenerator(3);
     let history: Vec<[f64; READINGS]> =
         (0..2000).map(|_| random.readings().map(|value| 0.05 * value)).collect();
     let controller = typical_controller();
@@ -150,7 +151,7 @@ fn a_reset_cures_everything() {
         cured.reset();
         assert_eq!(cured.status(), Default::default());
         assert_eq!(cured.states(), fresh.states());
-        let mut random = Random(5);
+        let mut random = RandomGenerator(5);
         for _ in 0..50 {
             let readings = random.readings();
             let (a, b) = (cured.step_array(&readings), fresh.step_array(&readings));

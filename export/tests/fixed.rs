@@ -9,10 +9,11 @@ use std::process::Command;
 use counterpoise_controller::{Controller, READINGS};
 use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::{
-    Fixed, FixedError, FixedRunner, Ranges, fixed_c99, plan_fixed_point, single_precision, vectors::LARGEST,
+    FixedError, FixedPointController, FixedRunner, Ranges, fixed_c99, plan_fixed_point, single_precision,
+    vectors::LARGEST,
 };
 use support::{
-    Random, Request, STRICT, assert_answers, folder, is_there, projecting_controller, provenance,
+    RandomGenerator, Request, STRICT, assert_answers, folder, is_there, projecting_controller, provenance,
     random_controller, run, server_in, typical_controller, write,
 };
 
@@ -22,7 +23,7 @@ const FEW: usize = 250;
 
 /// Returns readings as of a loop at work: a slow and a fast part, well inside the converters.
 fn history(seed: u64, size: f64) -> Vec<[f64; READINGS]> {
-    let mut random = Random(seed);
+    let mut random = RandomGenerator(seed);
     let mut slow = [0.0; READINGS];
     (0..SAMPLES)
         .map(|_| {
@@ -195,7 +196,7 @@ fn what_cannot_be_planned_says_why() {
     assert!(matches!(refused, Err(FixedError::TooCoarse { allowed_v: 1e-12, .. })));
 }
 
-fn build(test: &str, plans: &[Fixed], flags: &[&str]) -> PathBuf {
+fn build(test: &str, plans: &[FixedPointController], flags: &[&str]) -> PathBuf {
     let folder = folder(test);
     let mut names = Vec::new();
     let mut sources = vec!["server.c".to_owned()];
@@ -225,12 +226,13 @@ fn fixed_c_equals_its_reference_and_never_overflows() {
     let known =
         |controller: &Controller| Ranges::from_readings(controller, &[few_readings(3), few_readings(4)], 4.0);
     let planned = |controller: &Controller| plan_fixed_point(controller, &known(controller), 1.0, FEW);
-    let plans: Vec<Fixed> = controllers.iter().filter_map(|controller| planned(controller).ok()).collect();
+    let plans: Vec<FixedPointController> =
+        controllers.iter().filter_map(|controller| planned(controller).ok()).collect();
     assert!(2 * plans.len() >= controllers.len(), "{} of {}", plans.len(), controllers.len());
     let trap =
         ["-fsanitize=undefined", "-fno-sanitize-recover=all", "-std=c99", "-Wall", "-Wextra", "-Wconversion"];
     let program = build("fixed_trapped", &plans, &[&trap[..], &["-Werror", "-pedantic"]].concat());
-    let mut random = Random(5);
+    let mut random = RandomGenerator(5);
     let mut asked = Vec::new();
     for k in 0..200 {
         for which in 0..plans.len() {

@@ -15,7 +15,7 @@ use counterpoise_export::{
     CodeOptions, Converters, File, Provenance, Ranges, c99, fixed_c99, plan_fixed_point,
 };
 use counterpoise_models::reference;
-use support::{Random, STRICT, folder, is_there, provenance, run, typical_controller, write};
+use support::{RandomGenerator, STRICT, folder, is_there, provenance, run, typical_controller, write};
 
 const SAMPLES: usize = 400;
 
@@ -66,7 +66,7 @@ fn origin() -> Provenance {
 
 /// Counts of small readings, sample by sample.
 fn counts() -> Vec<[i32; COMMON_READINGS]> {
-    let mut random = Random(11);
+    let mut random = RandomGenerator(11);
     let per_count = converters().units_per_count();
     let sample = |readings: [f64; READINGS]| {
         std::array::from_fn(|i| (0.02 * readings[i] / per_count[i]).round() as i32)

@@ -260,7 +260,7 @@ fn friction_that_sticks_at_motor_and_pivot() {
     let sticking = |law: FrictionLaw, ratio: f64, viscous: f64| Friction {
         static_ratio: ratio,
         stribeck_rate_rad_s: 0.05,
-        ..Friction::plain(law, viscous)
+        ..Friction::with_viscous_part(law, viscous)
     };
     let stribeck = |coulomb_nm| FrictionLaw::Stribeck { coulomb_nm, curve: StribeckCurve::Gaussian };
     all_equal(&[
@@ -426,7 +426,7 @@ fn driven_by_cylinder(p: &mut Parameters, lever: Lever) {
     reference::put_cylinder(p, lever);
     p.cylinder.as_mut().unwrap().overlap_l_s = 0.01;
     let seals = FrictionLaw::Dahl { coulomb_nm: 300.0, rest_stiffness_nm_rad: 3e6, exponent: 1.0 };
-    p.motor_friction = Friction::plain(seals, 2500.0);
+    p.motor_friction = Friction::with_viscous_part(seals, 2500.0);
 }
 
 #[test]

@@ -11,22 +11,23 @@ use counterpoise_controller::{Controller, Number, READINGS};
 use counterpoise_export::ExportSource::Unverified;
 use counterpoise_export::board::{CORES, TargetCore};
 use counterpoise_export::{
-    CodeOptions, File, Fixed, FixedRunner, Numbers, Precision, Ranges, c99, fixed_c99, plan_fixed_point,
+    CodeOptions, File, FixedPointController, FixedRunner, Numbers, Precision, Ranges, c99, fixed_c99,
+    plan_fixed_point,
 };
 use support::{
-    Random, Request, Target, complete_controller, equal_to_the_last_bit, folder, provenance, reference,
-    requests, server, server_in, typical_controller, write,
+    RandomGenerator, Request, Target, complete_controller, equal_to_the_last_bit, folder, provenance,
+    reference, requests, server, server_in, typical_controller, write,
 };
 use target::{build, cost, emulator, tools_are_there};
 
 fn known_ranges(controller: &Controller) -> Ranges {
-    let mut random = Random(3);
+    let mut random = RandomGenerator(3);
     let history: Vec<[f64; READINGS]> =
         (0..2000).map(|_| random.readings().map(|value| 0.05 * value)).collect();
     Ranges::from_readings(controller, &[history], 4.0)
 }
 
-fn fixed_controller(controller: &Controller) -> Fixed {
+fn fixed_controller(controller: &Controller) -> FixedPointController {
     plan_fixed_point(controller, &known_ranges(controller), 1e-2, 2000).unwrap()
 }
 
@@ -114,7 +115,7 @@ fn fixed_point_answers_are_equal() {
     let fixed = fixed_controller(&typical_controller());
     let files = fixed_c99(Unverified(&fixed.controller), &fixed, &provenance(), "controller_0").unwrap();
     let main = server_in(&["controller_0".into()], |_| "int32_t".into());
-    let mut random = Random(8);
+    let mut random = RandomGenerator(8);
     let mut runner = FixedRunner::new(&fixed);
     let integers: Vec<[f64; READINGS]> =
         (0..600).map(|_| std::array::from_fn(|_| (2147483647.0 * random.signed_unit()).round())).collect();

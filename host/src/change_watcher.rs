@@ -21,13 +21,13 @@ struct WatchState {
 
 /// What the thread and its owner share.
 #[derive(Default)]
-struct Shared {
+struct SharedWatch {
     state: Mutex<WatchState>,
     /// Told when the watcher ends.
     end: Condvar,
 }
 
-impl Shared {
+impl SharedWatch {
     fn lock(&self) -> MutexGuard<'_, WatchState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -35,14 +35,14 @@ impl Shared {
 
 /// Watches the times of files and folders.
 pub struct ChangeWatcher {
-    shared: Arc<Shared>,
+    shared: Arc<SharedWatch>,
     thread: Option<std::thread::JoinHandle<()>>,
 }
 
 impl ChangeWatcher {
     /// Starts the thread; it watches nothing yet.
     pub fn new(wake: WakeWindow) -> Self {
-        let shared = Arc::new(Shared::default());
+        let shared = Arc::new(SharedWatch::default());
         let own = Arc::clone(&shared);
         let thread = std::thread::spawn(move || watch(&own, &wake));
         Self { shared, thread: Some(thread) }
@@ -78,7 +78,7 @@ fn modification_times(paths: &[PathBuf]) -> Vec<Option<SystemTime>> {
     paths.iter().map(|path| std::fs::metadata(path).and_then(|m| m.modified()).ok()).collect()
 }
 
-fn watch(shared: &Shared, wake: &WakeWindow) {
+fn watch(shared: &SharedWatch, wake: &WakeWindow) {
     let mut state = shared.lock();
     while !state.has_ended {
         state = shared.end.wait_timeout(state, INTERVAL).unwrap_or_else(PoisonError::into_inner).0;

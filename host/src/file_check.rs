@@ -24,14 +24,14 @@ pub struct FileCheck {
     pub modified: Option<SystemTime>,
 }
 
-/// What a check has found.
+/// Result of a check of a file on disk.
 #[derive(Debug)]
 pub struct FileCheckResult {
     /// The file.
     pub path: PathBuf,
     /// The time of its last change.
     pub modified: Option<SystemTime>,
-    /// Its content, if it was changed since the last check.
+    /// Content, if it was changed since the last check.
     pub content: Option<Vec<u8>>,
     /// Recordings in its folder.
     pub nearby_recordings: Vec<PathBuf>,

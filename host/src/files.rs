@@ -110,7 +110,7 @@ pub fn open_file(path: &Path) -> io::Result<(fs::File, u64)> {
 }
 
 /// Reads a file that the project in a folder names. As [`read_file`], and no symbolic link below that folder is followed: a project that was
-/// received from somebody else reaches no file through one.
+/// received from another person reaches no file through one.
 ///
 /// # Errors
 /// As [`read_file`].
@@ -276,9 +276,9 @@ fn new_partial(folder: &Path, path: &Path) -> io::Result<tempfile::NamedTempFile
 /// A file that is to be written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileToWrite<'a> {
-    /// Where it goes.
+    /// Destination.
     pub path: PathBuf,
-    /// Its content.
+    /// Content.
     pub bytes: &'a [u8],
 }
 
@@ -332,7 +332,7 @@ pub fn scratch_folder() -> io::Result<tempfile::TempDir> {
     builder.tempdir()
 }
 
-/// What the pipeline needs from outside: the files beside the project.
+/// World of the pipeline that reads the files beside the project.
 #[derive(Debug, Clone)]
 pub struct ProjectFolder(pub PathBuf);
 

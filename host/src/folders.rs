@@ -20,11 +20,11 @@ pub enum ItemKind {
 /// A file or folder in a list.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FolderItem {
-    /// Its kind.
+    /// Kind.
     pub kind: ItemKind,
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its path.
+    /// Path.
     pub path: PathBuf,
     /// Size of a file in bytes.
     pub bytes: u64,

@@ -10,7 +10,7 @@ pub const INTERRUPTED: u8 = 130;
 /// Work that ended because the user asked it to stop; says what was kept.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
-pub struct Interrupted(pub String);
+pub struct Interruption(pub String);
 
 /// Installs a handler: from here on, Ctrl-C ends the program with [`INTERRUPTED`], but while work is [watched](watch_interrupts). Where no
 /// handler can be set, the system ends the program, as it would have.

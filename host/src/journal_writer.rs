@@ -13,7 +13,7 @@ use crate::files::{Disk, write_on};
 use crate::project_lock::ProjectLock;
 use crate::worker::WakeWindow;
 
-/// What becomes of a journal that ends.
+/// Treatment of a journal that ends: it is kept or removed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JournalEnding {
     /// Something was not saved: it is restored when the project is opened again.

@@ -46,7 +46,7 @@ fn is_large_text(path: &Path, limit: u64) -> bool {
 
 /// A large recording that is being read, with a bar that says how far.
 pub struct LargeRecording {
-    parts: CsvParts<BufReader<Counted>>,
+    parts: CsvParts<BufReader<CountedFile>>,
     path: PathBuf,
     bar: ProgressBar,
 }
@@ -63,7 +63,7 @@ impl LargeRecording {
         let style =
             ProgressStyle::with_template("{bar:30} {bytes}/{total_bytes}, {elapsed} gone, {eta} to go")?;
         bar.set_style(style);
-        let counted = Counted { file, bar: bar.clone(), line: 0 };
+        let counted = CountedFile { file, bar: bar.clone(), line: 0 };
         let reader = BufReader::with_capacity(1 << 20, counted);
         let parts = CsvParts::new(reader, &path.display().to_string(), rows).with_context(told)?;
         Ok(Self { parts, path: path.to_owned(), bar })
@@ -86,13 +86,13 @@ impl Iterator for LargeRecording {
 const LONGEST_LINE: usize = 16 << 20;
 
 /// A file whose bytes are counted as they are read.
-struct Counted {
+struct CountedFile {
     file: std::fs::File,
     bar: ProgressBar,
     line: usize,
 }
 
-impl Read for Counted {
+impl Read for CountedFile {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let count = self.file.read(buffer)?;
         self.bar.inc(count as u64);

@@ -5,18 +5,18 @@ use std::sync::{Arc, Mutex};
 
 use counterpoise_pool::Pool;
 
-use crate::time_left::TimeLeft;
+use crate::time_left::RemainingTime;
 use crate::worker::{CancelToken, WakeWindow};
 
-/// How far a job is, in words that two threads share.
+/// Progress of a job, in words that two threads share.
 #[derive(Debug, Clone, Default)]
-pub struct SharedProgress(Arc<Mutex<Said>>);
+pub struct SharedProgress(Arc<Mutex<LastMessage>>);
 
 /// The last words, and how far a diagnosis is.
 #[derive(Debug, Clone, Default)]
-struct Said {
+struct LastMessage {
     text: String,
-    left: TimeLeft,
+    left: RemainingTime,
 }
 
 impl SharedProgress {
@@ -45,7 +45,7 @@ impl SharedProgress {
 pub struct CancellablePool<'a> {
     /// Whether to stop.
     pub token: &'a CancelToken,
-    /// Where it is said how far the work is.
+    /// Receiver of the progress.
     pub progress: &'a SharedProgress,
     /// Wakes the window.
     pub wake: &'a WakeWindow,

@@ -24,17 +24,17 @@ use counterpoise_pipeline::StageTime;
 pub struct ProjectOnDisk {
     /// Path of the file.
     pub path: PathBuf,
-    /// As written.
+    /// Document as written.
     pub document: Document,
-    /// As resolved, with weights and the bands of an adaptation chosen if the file states none and the purpose needs them.
+    /// Project as resolved, with weights and the bands of an adaptation chosen if the file states none and the purpose needs them.
     pub project: Project,
-    /// As the file states it, which differs from `project` if something was chosen.
+    /// Project as the file states it, which differs from `project` if something was chosen.
     pub stated: Project,
     /// Why the chosen weights are what they are; `None` if the file states them or none are needed.
     pub first_design: Option<FirstDesign>,
-    /// How the open parameters of a feedback of fixed structure were tuned; `None` if there are none.
+    /// Result of the tuning of the open parameters of a fixed structure; `None` if there are none.
     pub tuned: Option<TunedProject>,
-    /// What is suspicious in it.
+    /// Warnings about the file.
     pub warnings: Vec<Diagnostic>,
     /// Defaults that stand in for what the file does not have.
     pub assumptions: Vec<Assumption>,
@@ -186,7 +186,7 @@ pub fn write_file(path: &Path, content: &[u8]) -> Result<()> {
     files::write_file(path, content).with_context(|| format!("cannot write {}", path.display()))
 }
 
-/// What the pipeline needs from outside: the files beside the project, and a clock that measures its stages.
+/// World of the pipeline that reads the files beside the project and measures the time of each stage.
 pub struct ProjectWorld {
     folder: PathBuf,
     stages: StagePrinter,

@@ -5,10 +5,10 @@ use std::time::Instant;
 
 use counterpoise_pipeline::StageTime;
 
-/// Whether progress is printed on the error stream.
+/// Display of progress on the error stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ProgressDisplay {
-    /// It is printed.
+    /// The progress is printed.
     Shown,
     /// Nothing is printed.
     Quiet,

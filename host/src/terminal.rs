@@ -36,7 +36,7 @@ pub fn error_causes(error: &anyhow::Error) -> Vec<String> {
     lines
 }
 
-/// Writes lines to the standard error stream, harmless, each cut at `LONGEST_LINE`. Nobody can be told that this stream is lost.
+/// Writes lines to the standard error stream, harmless, each cut at `LONGEST_LINE`. An error of this stream is ignored, because no other stream is left for it.
 pub fn print_message(text: &str) {
     use std::io::Write;
     let lines: Vec<String> = text.split('\n').map(cut).collect();

@@ -18,21 +18,21 @@ const ROUND: [(&str, [f64; 2]); 7] = [
 /// The stage that begins a further round once an effect is found.
 const NEXT_ROUND: &str = "naming";
 
-/// How far a diagnosis is.
+/// Progress of a diagnosis, from which the remaining time is estimated.
 #[derive(Debug, Clone)]
-pub struct TimeLeft {
+pub struct RemainingTime {
     began: Instant,
     rounds: usize,
     share: f64,
 }
 
-impl Default for TimeLeft {
+impl Default for RemainingTime {
     fn default() -> Self {
         Self { began: Instant::now(), rounds: 0, share: 0.0 }
     }
 }
 
-impl TimeLeft {
+impl RemainingTime {
     /// Takes in that a stage has done so many of its parts. Each effect that is found adds a round to what is expected, and takes the share
     /// that was done back.
     pub fn update(&mut self, stage: &str, done: usize, of: usize) {
@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn the_share_rises_within_a_round_and_a_further_effect_takes_a_part_back() {
-        let mut left = TimeLeft::default();
+        let mut left = RemainingTime::default();
         left.update("examining", 0, 1);
         assert_eq!(left.remaining_after(Duration::from_secs(1)), None);
         for round in 0..3 {
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn the_time_left_is_extrapolated_from_the_time_gone() {
-        let mut left = TimeLeft::default();
+        let mut left = RemainingTime::default();
         left.update("scanning", 0, 10);
         left.update("sizing", 1, 2);
         // (0.40 + 0.62) / 2 = 0.51 is done after 5.1 s

@@ -34,14 +34,14 @@ struct State<I, O> {
     ended: bool,
 }
 
-struct Shared<I, O> {
+struct SharedQueue<I, O> {
     state: Mutex<State<I, O>>,
     asked: Condvar,
 }
 
 /// One thread that does one kind of work.
 pub struct BackgroundWorker<I, O> {
-    shared: Arc<Shared<I, O>>,
+    shared: Arc<SharedQueue<I, O>>,
 }
 
 impl<I: Send + 'static, O: Send + 'static> BackgroundWorker<I, O> {
@@ -49,7 +49,7 @@ impl<I: Send + 'static, O: Send + 'static> BackgroundWorker<I, O> {
     pub fn new(wake: WakeWindow, mut work: impl FnMut(I, &CancelToken) -> O + Send + 'static) -> Self {
         let state =
             State { asked: None, running: None, token: CancelToken::default(), answer: None, ended: false };
-        let shared = Arc::new(Shared { state: Mutex::new(state), asked: Condvar::new() });
+        let shared = Arc::new(SharedQueue { state: Mutex::new(state), asked: Condvar::new() });
         let own = Arc::clone(&shared);
         std::thread::spawn(move || {
             while let Some((revision, input, token)) = own.next() {
@@ -101,7 +101,7 @@ impl<I, O> Drop for BackgroundWorker<I, O> {
     }
 }
 
-impl<I, O> Shared<I, O> {
+impl<I, O> SharedQueue<I, O> {
     fn lock(&self) -> MutexGuard<'_, State<I, O>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::interrupt;
 use crate::stages::ProgressDisplay;
-use crate::time_left::TimeLeft;
+use crate::time_left::RemainingTime;
 
 /// All processors of this machine, without a word about how far the work is.
 pub struct QuietPool;
@@ -79,7 +79,7 @@ pub struct ProgressPool {
 /// The line on the terminal, and how far the work is.
 struct Line {
     bar: ProgressBar,
-    left: TimeLeft,
+    left: RemainingTime,
 }
 
 /// Parts of the bar.
@@ -96,7 +96,7 @@ impl ProgressPool {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(120));
-        Self { bar: Mutex::new(Line { bar, left: TimeLeft::default() }) }
+        Self { bar: Mutex::new(Line { bar, left: RemainingTime::default() }) }
     }
 
     /// Takes the line away.

@@ -4,7 +4,7 @@
 #[path = "../tests/common/mod.rs"]
 mod common;
 
-use common::Random;
+use common::RandomGenerator;
 use counterpoise_linalg::{Mat, care, dare, expm, lyap, lyap_factor, schur};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 
@@ -15,7 +15,7 @@ fn at_sizes(criterion: &mut Criterion, name: &str, run: impl Fn(&Mat, &Mat)) {
     let mut group = criterion.benchmark_group(name);
     group.sample_size(20);
     for n in SIZES {
-        let mut random = Random::new(n as u64);
+        let mut random = RandomGenerator::new(n as u64);
         let (A, B) = (random.stable(n, 0.2), random.matrix(n, 2));
         group.bench_with_input(BenchmarkId::from_parameter(n), &n, |bencher, _| bencher.iter(|| run(&A, &B)));
     }

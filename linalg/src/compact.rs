@@ -85,7 +85,7 @@ vectorised! {
     }
 }
 
-/// Where the entry of largest modulus is.
+/// Returns where the entry of largest modulus is.
 #[inline(always)]
 fn largest(entries: &[f64]) -> usize {
     let mut best = 0;

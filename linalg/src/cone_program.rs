@@ -12,7 +12,7 @@ use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverSt
 
 use crate::tolerance::CONE_PROGRAM_STEPS;
 
-/// What the slacks of a group of rows must be.
+/// Cone in which the slacks of a group of rows lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cone {
     /// Zero: each row is an equation.
@@ -35,7 +35,7 @@ pub struct ConeProgram {
 
 /// Why a program has no solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unsolved {
+pub enum ConeFailure {
     /// The program is not well formed: rows of different lengths, or fewer bounds than rows.
     Malformed,
     /// No point keeps every row.
@@ -91,19 +91,19 @@ impl ConeProgram {
     /// Solves the program.
     ///
     /// # Errors
-    /// [`Unsolved`]: why there is no solution.
-    pub fn solve(&self) -> Result<ConeSolution, Unsolved> {
+    /// [`ConeFailure`]: why there is no solution.
+    pub fn solve(&self) -> Result<ConeSolution, ConeFailure> {
         let n = self.variables();
         let has_shape = self.rows.len() == self.bound.len() && self.rows.iter().all(|row| row.len() == n);
         if !has_shape {
-            return Err(Unsolved::Malformed);
+            return Err(ConeFailure::Malformed);
         }
         let settings = DefaultSettingsBuilder::default().verbose(false).max_iter(CONE_PROGRAM_STEPS).build();
-        let settings = settings.map_err(|_| Unsolved::Malformed)?;
+        let settings = settings.map_err(|_| ConeFailure::Malformed)?;
         let P = self.quadratic.as_ref().map_or_else(|| CscMatrix::zeros((n, n)), CscMatrix::from);
         let A = CscMatrix::from(&self.rows);
         let set_up = DefaultSolver::new(&P, &self.cost, &A, &self.bound, &self.cones, settings);
-        let mut solver = set_up.map_err(|_| Unsolved::Malformed)?;
+        let mut solver = set_up.map_err(|_| ConeFailure::Malformed)?;
         solver.solve();
         match solver.solution.status {
             SolverStatus::Solved | SolverStatus::AlmostSolved => {
@@ -111,9 +111,9 @@ impl ConeProgram {
                 Ok(ConeSolution { x: found.x.clone(), prices: found.z.clone(), dual: found.obj_val_dual })
             }
             SolverStatus::PrimalInfeasible | SolverStatus::AlmostPrimalInfeasible => {
-                Err(Unsolved::Infeasible)
+                Err(ConeFailure::Infeasible)
             }
-            _ => Err(Unsolved::NotConverged),
+            _ => Err(ConeFailure::NotConverged),
         }
     }
 }
@@ -148,10 +148,10 @@ mod tests {
     fn a_program_without_a_solution_says_why() {
         let mut program = ConeProgram::new(vec![1.0]);
         program.push(vec![vec![1.0]], vec![-1.0], Cone::Nonnegative);
-        assert_eq!(program.solve(), Err(Unsolved::NotConverged), "x <= -1 has no least value");
+        assert_eq!(program.solve(), Err(ConeFailure::NotConverged), "x <= -1 has no least value");
         program.push(vec![vec![-1.0]], vec![0.0], Cone::Nonnegative);
-        assert_eq!(program.solve(), Err(Unsolved::Infeasible), "x >= 0 as well");
+        assert_eq!(program.solve(), Err(ConeFailure::Infeasible), "x >= 0 as well");
         program.push(vec![vec![1.0, 0.0]], vec![0.0], Cone::Zero);
-        assert_eq!(program.solve(), Err(Unsolved::Malformed));
+        assert_eq!(program.solve(), Err(ConeFailure::Malformed));
     }
 }

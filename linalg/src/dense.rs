@@ -68,7 +68,7 @@ pub(crate) fn add_lower_half(out: &mut Mat, A: MatRef<'_, f64>, B: MatRef<'_, f6
 }
 
 /// Copies the lower half of a square matrix to the upper one.
-pub(crate) fn mirror(M: &mut Mat) {
+pub(crate) fn copy_lower_to_upper(M: &mut Mat) {
     let n = M.nrows();
     for top in (0..n).step_by(STRIP) {
         for j in top + 1..n {
@@ -82,7 +82,7 @@ pub(crate) fn mirror(M: &mut Mat) {
 pub(crate) fn symmetric_product(A: MatRef<'_, f64>, B: &Mat) -> Mat {
     let mut out = Mat::zeros(A.nrows(), B.ncols());
     add_lower_half(&mut out, A, view(B));
-    mirror(&mut out);
+    copy_lower_to_upper(&mut out);
     out
 }
 

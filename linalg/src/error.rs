@@ -93,7 +93,7 @@ pub enum Error {
     NoConvergence {
         /// Which iteration.
         what: &'static str,
-        /// Its limit.
+        /// Limit.
         limit: usize,
     },
     /// A large computation does not fit into memory.
@@ -109,7 +109,7 @@ pub enum Error {
         "{what} leaves the range of numbers (1e308): choose units in which the entries are nearer to one"
     )]
     OutOfRange {
-        /// What was computed.
+        /// Name of the computation.
         what: &'static str,
     },
     /// The caller asked to stop.
@@ -132,7 +132,7 @@ pub enum Error {
     },
 }
 
-/// Whether `matrix` has the shape that the equation needs.
+/// Returns whether `matrix` has the shape that the equation needs.
 pub(crate) fn check_shape<T: Scalar>(
     what: &'static str,
     matrix: &Dense<T>,
@@ -146,7 +146,7 @@ pub(crate) fn check_shape<T: Scalar>(
     check_finite(what, matrix)
 }
 
-/// Whether `matrix` is square and finite.
+/// Returns whether `matrix` is square and finite.
 pub(crate) fn check_square<T: Scalar>(what: &'static str, matrix: &Dense<T>) -> Result<(), Error> {
     if !matrix.is_square() {
         return Err(Error::NotSquare { what, rows: matrix.nrows(), cols: matrix.ncols() });
@@ -154,7 +154,7 @@ pub(crate) fn check_square<T: Scalar>(what: &'static str, matrix: &Dense<T>) -> 
     check_finite(what, matrix)
 }
 
-/// Whether every entry is finite.
+/// Returns whether every entry is finite.
 pub(crate) fn check_finite<T: Scalar>(what: &'static str, matrix: &Dense<T>) -> Result<(), Error> {
     if matrix.is_finite() {
         return Ok(());
@@ -174,7 +174,7 @@ pub(crate) fn check_range<T: Scalar>(what: &'static str, matrix: Dense<T>) -> Re
     if matrix.is_finite() { Ok(matrix) } else { Err(Error::OutOfRange { what }) }
 }
 
-/// Whether `matrix` is square, finite and symmetric.
+/// Returns whether `matrix` is square, finite and symmetric.
 pub(crate) fn check_symmetric(what: &'static str, matrix: &Dense<f64>) -> Result<(), Error> {
     check_square(what, matrix)?;
     let size = matrix.norm_max();

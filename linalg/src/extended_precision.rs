@@ -3,26 +3,26 @@
 //! Products are split into slices whose products are exact in double precision, so that the fast kernels do the work.
 //! Source: Ozaki, Ogita, Oishi and Rump, Error-free transformations of matrix multiplication, Numer. Algorithms 59 (2012).
 
-use crate::dense::{LARGE_SYMMETRIC, add_lower_half, mirror, view};
+use crate::dense::{LARGE_SYMMETRIC, add_lower_half, copy_lower_to_upper, view};
 use crate::kernel::vectorised;
 use crate::mat::Mat;
 
 /// `high + low`, where `low` (absent: zero) is of the size of the rounding error of `high`.
 #[derive(Clone)]
-pub(crate) struct Extended {
+pub(crate) struct ExtendedMatrix {
     pub(crate) high: Mat,
     pub(crate) low: Option<Mat>,
 }
 
-impl From<Mat> for Extended {
+impl From<Mat> for ExtendedMatrix {
     fn from(high: Mat) -> Self {
         Self { high, low: None }
     }
 }
 
-impl Extended {
+impl ExtendedMatrix {
     /// The nearest double matrix.
-    pub(crate) fn collapse(&self) -> Mat {
+    pub(crate) fn to_double(&self) -> Mat {
         match &self.low {
             None => self.high.clone(),
             Some(low) => &self.high + low,
@@ -62,8 +62,8 @@ impl Extended {
         }
         let half = sliced_product(&self.high, &other.high, Extent::LowerHalf);
         let mut product = self.with_low_parts(other, half, Extent::LowerHalf);
-        mirror(&mut product.high);
-        product.low.as_mut().into_iter().for_each(mirror);
+        copy_lower_to_upper(&mut product.high);
+        product.low.as_mut().into_iter().for_each(copy_lower_to_upper);
         product
     }
 
@@ -130,12 +130,12 @@ vectorised! {
 const SMALL_PRODUCT: usize = 24 * 24 * 24;
 
 /// `A B` of two double matrices as a sum of two.
-pub(crate) fn exact_product(A: &Mat, B: &Mat) -> Extended {
+pub(crate) fn exact_product(A: &Mat, B: &Mat) -> ExtendedMatrix {
     let (mut high, mut low) = (Mat::zeros(A.nrows(), B.ncols()), Mat::zeros(A.nrows(), B.ncols()));
     if A.nrows() * A.ncols() * B.ncols() < SMALL_PRODUCT {
         sum_terms(A, B, &mut high, &mut low);
         renormalise(&mut high, &mut low);
-        return Extended { high, low: Some(low) };
+        return ExtendedMatrix { high, low: Some(low) };
     }
     sliced_product(A, B, Extent::Whole)
 }
@@ -183,7 +183,7 @@ fn sum_rows<const ROWS: usize>(A: &[f64], m: usize, factors: &[f64], high: &mut 
 }
 
 /// The same by slices and fast products.
-fn sliced_product(A: &Mat, B: &Mat, extent: Extent) -> Extended {
+fn sliced_product(A: &Mat, B: &Mat, extent: Extent) -> ExtendedMatrix {
     // The two products of the first slices with the second ones are summed exactly, too: twice as many terms.
     let inner = 2.0 * A.ncols().max(1) as f64;
     let bits = ((53.0 - inner.log2().ceil()) / 2.0).floor() as i32;
@@ -199,7 +199,7 @@ fn sliced_product(A: &Mat, B: &Mat, extent: Extent) -> Extended {
     extent.add(&mut low, &a.first, &b.third);
     accumulate(&mut high, &mut low, &middle);
     renormalise(&mut high, &mut low);
-    Extended { high, low: Some(low) }
+    ExtendedMatrix { high, low: Some(low) }
 }
 
 #[derive(Clone, Copy)]
@@ -293,17 +293,17 @@ mod tests {
         let n = LARGE_SYMMETRIC + 9;
         let entry =
             |i: usize, j: usize| ((1_i64 << 49) + ((i * 7919 + j * 104_729) % 997) as i64 * 999_983) as f64;
-        let A = Extended {
+        let A = ExtendedMatrix {
             high: Mat::from_fn(n, n, entry),
             low: Some(Mat::from_fn(n, n, |i, j| entry(j, i) * 1e-17)),
         };
         let (half, whole) = (A.t().symmetric_times(&A), A.t().times(&A));
-        let difference = half.add(&whole.neg()).collapse().norm_fro();
+        let difference = half.add(&whole.neg()).to_double().norm_fro();
         assert!(difference < 1e-29 * whole.high.norm_fro(), "{difference}");
         assert_eq!(half.high, half.high.t());
     }
 
-    fn check(A: &Mat, B: &Mat, product: &Extended) {
+    fn check(A: &Mat, B: &Mat, product: &ExtendedMatrix) {
         let none = Mat::zeros(9, 5);
         let low = product.low.as_ref().unwrap_or(&none);
         for i in 0..9 {

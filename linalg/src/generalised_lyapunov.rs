@@ -6,7 +6,7 @@
 use crate::decomposition::rcond_one;
 use crate::dense::solve;
 use crate::error::{Error, check_range, check_shape, check_square};
-use crate::extended_precision::{Extended, exact_product};
+use crate::extended_precision::{ExtendedMatrix, exact_product};
 use crate::lyapunov::{dlyap, lyap};
 use crate::mat::Mat;
 use crate::riccati::{Outcome, Riccati, care, dare};
@@ -47,7 +47,7 @@ fn lyapunov(A: &Mat, E: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
             Kind::Discrete => dlyap(&reduced, &right),
         }
     };
-    let mut X = Extended::from(standard(Q)?);
+    let mut X = ExtendedMatrix::from(standard(Q)?);
     let mut last = f64::INFINITY;
     for _ in 0..GENERALISED_REFINEMENTS {
         let step = standard(&residual(A, E, Q, &X, kind))?;
@@ -62,18 +62,19 @@ fn lyapunov(A: &Mat, E: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
             break;
         }
     }
-    Ok(X.collapse())
+    Ok(X.to_double())
 }
 
 /// The left-hand side of the equation at `X`.
-fn residual(A: &Mat, E: &Mat, Q: &Mat, X: &Extended, kind: Kind) -> Mat {
-    let times =
-        |left: &Mat, right: &Mat| Extended::from(left.clone()).times(&X.times(&Extended::from(right.t())));
+fn residual(A: &Mat, E: &Mat, Q: &Mat, X: &ExtendedMatrix, kind: Kind) -> Mat {
+    let times = |left: &Mat, right: &Mat| {
+        ExtendedMatrix::from(left.clone()).times(&X.times(&ExtendedMatrix::from(right.t())))
+    };
     let sum = match kind {
         Kind::Continuous => times(A, E).add(&times(E, A)),
         Kind::Discrete => times(A, A).add(&times(E, E).neg()),
     };
-    sum.add(&Q.clone().into()).collapse()
+    sum.add(&Q.clone().into()).to_double()
 }
 
 fn check_regular(E: &Mat) -> Result<(), Error> {
@@ -130,11 +131,11 @@ fn riccati(A: &Mat, E: &Mat, B: &Mat, weights: &CostWeights, kind: Kind) -> Resu
         Kind::Continuous => care(&reduced, B, &Q, weights.R, S.as_ref())?,
         Kind::Discrete => dare(&reduced, B, &Q, weights.R, S.as_ref())?,
     };
-    let equation = Generalised { A, E, B, weights, kind };
+    let equation = GeneralisedEquation { A, E, B, weights, kind };
     answer.try_map(|found| equation.refine_solution(found))
 }
 
-struct Generalised<'a> {
+struct GeneralisedEquation<'a> {
     A: &'a Mat,
     E: &'a Mat,
     B: &'a Mat,
@@ -143,17 +144,17 @@ struct Generalised<'a> {
 }
 
 /// The equation at an approximation.
-struct At {
+struct Approximation {
     gain: Mat,
     closed: Mat,
     residual: Mat,
     terms: f64,
 }
 
-impl Generalised<'_> {
+impl GeneralisedEquation<'_> {
     /// The solution after Newton steps on the original equation, with the certificate's residual and error computed from it.
     fn refine_solution(&self, mut found: Riccati) -> Result<Riccati, Error> {
-        let mut X = Extended::from(found.X.clone());
+        let mut X = ExtendedMatrix::from(found.X.clone());
         let mut last = f64::INFINITY;
         let mut at = self.at(&X)?;
         for _ in 0..GENERALISED_REFINEMENTS {
@@ -170,7 +171,7 @@ impl Generalised<'_> {
                 break;
             }
         }
-        found.X = X.collapse().symmetric_part();
+        found.X = X.to_double().symmetric_part();
         found.F = at.gain;
         let at = self.at(&found.X.clone().into())?;
         let certificate = &mut found.certificate;
@@ -187,7 +188,7 @@ impl Generalised<'_> {
     }
 
     /// The Newton step: the solution of the closed loop's Lyapunov equation.
-    fn step(&self, at: &At) -> Result<Mat, Error> {
+    fn step(&self, at: &Approximation) -> Result<Mat, Error> {
         let step = match self.kind {
             Kind::Continuous => glyap(&at.closed.t(), &self.E.t(), &at.residual)?,
             Kind::Discrete => gdlyap(&at.closed.t(), &self.E.t(), &at.residual)?,
@@ -196,21 +197,21 @@ impl Generalised<'_> {
     }
 
     /// Gain, closed loop and residual at `X`; the residual as a completed square, which needs no inverse in more than working precision.
-    fn at(&self, X: &Extended) -> Result<At, Error> {
+    fn at(&self, X: &ExtendedMatrix) -> Result<Approximation, Error> {
         let (A, E, B) = (self.A, self.E, self.B);
         let CostWeights { Q, R, S } = *self.weights;
-        let BX = Extended::from(B.t()).times(X);
+        let BX = ExtendedMatrix::from(B.t()).times(X);
         let (moved, weight) = match self.kind {
             Kind::Continuous => (BX.times(&E.clone().into()), R.clone()),
             Kind::Discrete => {
-                (BX.times(&A.clone().into()), BX.times(&B.clone().into()).add(&R.clone().into()).collapse())
+                (BX.times(&A.clone().into()), BX.times(&B.clone().into()).add(&R.clone().into()).to_double())
             }
         };
-        let right = S.map_or_else(|| moved.collapse(), |S| moved.add(&S.t().into()).collapse());
+        let right = S.map_or_else(|| moved.to_double(), |S| moved.add(&S.t().into()).to_double());
         let gain = solve(&weight, &right)?;
         let closed = exact_product(B, &gain).neg().add(&A.clone().into());
-        let square = Extended::from(gain.t()).times(&exact_product(R, &gain));
-        let mut sum = Extended::from(Q.clone()).add(&square);
+        let square = ExtendedMatrix::from(gain.t()).times(&exact_product(R, &gain));
+        let mut sum = ExtendedMatrix::from(Q.clone()).add(&square);
         if let Some(S) = S {
             let cross = exact_product(S, &gain).neg();
             sum = sum.add(&cross).add(&cross.t());
@@ -223,14 +224,14 @@ impl Generalised<'_> {
                 (half.add(&half.t()), 2.0 * (A.t() * &XE.high).norm_fro())
             }
             Kind::Discrete => {
-                let held = Extended::from(E.t()).times(&XE);
+                let held = ExtendedMatrix::from(E.t()).times(&XE);
                 let moved = closed.t().times(&X.times(&closed));
                 let size = (A.t() * &X.high * A).norm_fro() + held.high.norm_fro();
                 (moved.add(&held.neg()), size)
             }
         };
-        let residual = sum.add(&first).collapse().symmetric_part();
-        Ok(At { gain, closed: closed.collapse(), residual, terms: terms + size })
+        let residual = sum.add(&first).to_double().symmetric_part();
+        Ok(Approximation { gain, closed: closed.to_double(), residual, terms: terms + size })
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::decomposition::rcond_one;
 use crate::dense::solve;
 use crate::error::{Error, check_shape, check_square};
-use crate::extended_precision::Extended;
+use crate::extended_precision::ExtendedMatrix;
 use crate::mat::Mat;
 use crate::sylvester::sylvester;
 use crate::tolerance::{EPS, GENERALISED_SYLVESTER_REFINEMENTS};
@@ -26,30 +26,30 @@ pub fn gsylvester(A: &Mat, B: &Mat, C: &Mat, D: &Mat, E: &Mat) -> Result<Mat, Er
     {
         check_shape(what, matrix, rows, columns)?;
     }
-    let reduced = Reduced::of(A, B, C, D)?;
-    let mut X = Extended::from(reduced.solve(E)?);
+    let reduced = ReducedEquation::of(A, B, C, D)?;
+    let mut X = ExtendedMatrix::from(reduced.solve(E)?);
     for _ in 0..GENERALISED_SYLVESTER_REFINEMENTS {
-        let first = Extended::from(A.clone()).times(&X.times(&B.clone().into()));
-        let second = Extended::from(C.clone()).times(&X.times(&D.clone().into()));
-        let residual = first.add(&second).neg().add(&E.clone().into()).collapse();
+        let first = ExtendedMatrix::from(A.clone()).times(&X.times(&B.clone().into()));
+        let second = ExtendedMatrix::from(C.clone()).times(&X.times(&D.clone().into()));
+        let residual = first.add(&second).neg().add(&E.clone().into()).to_double();
         let step = reduced.solve(&residual)?;
         X = X.add(&step.clone().into());
         if step.norm_fro() <= EPS * X.high.norm_fro() {
             break;
         }
     }
-    Ok(X.collapse())
+    Ok(X.to_double())
 }
 
 /// `P X + X S = L^-1 E M^-1` with `P = L^-1 L'` and `S = M' M^-1` for the pairs (L, L') and (M, M') that were chosen.
-struct Reduced {
+struct ReducedEquation {
     left: Mat,
     right: Mat,
     P: Mat,
     S: Mat,
 }
 
-impl Reduced {
+impl ReducedEquation {
     /// `A` and `D` inverted, or `C` and `B`: whichever pair is the better conditioned one.
     fn of(A: &Mat, B: &Mat, C: &Mat, D: &Mat) -> Result<Self, Error> {
         let (ad, cb) = (rcond_one(A).min(rcond_one(D)), rcond_one(C).min(rcond_one(B)));

@@ -40,7 +40,7 @@ pub fn dlyap_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
 /// # Errors
 /// Wrong shapes, entries that are not finite, or [`Error::NotStable`] with the eigenvalue.
 pub fn lyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
-    let form = Prepared::of(A, Kind::Continuous)?;
+    let form = BalancedSchur::of(A, Kind::Continuous)?;
     Ok((form.gramian_factor(B)?, form.output_in_basis(C)?))
 }
 
@@ -50,7 +50,7 @@ pub fn lyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
 /// # Errors
 /// Wrong shapes, entries that are not finite, or [`Error::NotStable`] with the eigenvalue.
 pub fn dlyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
-    let form = Prepared::of(A, Kind::Discrete)?;
+    let form = BalancedSchur::of(A, Kind::Discrete)?;
     Ok((form.gramian_factor(B)?, form.output_in_basis(C)?))
 }
 
@@ -59,7 +59,7 @@ pub fn dlyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
 /// # Errors
 /// As for [`lyap_factor`].
 pub fn lyap_square_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
-    Prepared::of(A, Kind::Continuous)?.gramian_factor(B)
+    BalancedSchur::of(A, Kind::Continuous)?.gramian_factor(B)
 }
 
 /// Returns a square factor `L`, `P = L L'`, as [`dlyap_factor`] but not triangular.
@@ -67,22 +67,22 @@ pub fn lyap_square_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
 /// # Errors
 /// As for [`dlyap_factor`].
 pub fn dlyap_square_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
-    Prepared::of(A, Kind::Discrete)?.gramian_factor(B)
+    BalancedSchur::of(A, Kind::Discrete)?.gramian_factor(B)
 }
 
 fn factor(A: &Mat, B: &Mat, kind: Kind) -> Result<Mat, Error> {
-    let square = Prepared::of(A, kind)?.gramian_factor(B)?;
+    let square = BalancedSchur::of(A, kind)?.gramian_factor(B)?;
     Ok(qr_r(&square.t())?.t())
 }
 
 /// A stable matrix, balanced (`A = D Ab D^-1`), in Schur form `Ab = U T U'`.
-struct Prepared {
+struct BalancedSchur {
     scale: Vec<f64>,
     form: Schur,
     kind: Kind,
 }
 
-impl Prepared {
+impl BalancedSchur {
     fn of(A: &Mat, kind: Kind) -> Result<Self, Error> {
         check_square("A", A)?;
         let balanced = crate::balance::balance_all(A)?;
@@ -150,7 +150,7 @@ fn check_stable(form: &Schur, kind: Kind) -> Result<(), Error> {
     }
 }
 
-/// How far an eigenvalue lies beyond the boundary of stability.
+/// Returns how far an eigenvalue lies beyond the boundary of stability.
 fn excess(eigenvalue: C64, kind: Kind) -> f64 {
     match kind {
         Kind::Continuous => Boundary::ImaginaryAxis.excess(eigenvalue),

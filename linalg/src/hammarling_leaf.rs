@@ -11,7 +11,7 @@
 //! `rho` that may be nearly singular (Hammarling 1982; Sorensen and Zhou 2003).
 
 use crate::kernel::vectorised;
-use crate::lyapunov_leaf::{Block, climb, diagonal};
+use crate::lyapunov_leaf::{Block, diagonal, solve_block_column};
 use crate::mat::{C64, Mat};
 use crate::tolerance::EPS;
 
@@ -33,7 +33,7 @@ vectorised! {
 }
 
 /// A diagonal block's own factor and what it makes of the block and of its row of the right-hand side.
-struct Own {
+struct OwnFactor {
     /// Column by column.
     rho: [[f64; 2]; 2],
     alpha: Block,
@@ -42,7 +42,7 @@ struct Own {
 }
 
 #[inline(always)]
-fn real_block(T: &Mat, B: &Mat, k: usize) -> Option<Own> {
+fn real_block(T: &Mat, B: &Mat, k: usize) -> Option<OwnFactor> {
     let row = B.row_vec(k);
     let size = row.iter().map(|e| e * e).sum::<f64>().sqrt();
     if size == 0.0 {
@@ -50,12 +50,12 @@ fn real_block(T: &Mat, B: &Mat, k: usize) -> Option<Own> {
     }
     let gain = (-2.0 * T[(k, k)]).sqrt();
     let beta = row.iter().map(|e| e * (gain / size)).collect();
-    Some(Own { rho: [[size / gain, 0.0], [0.0; 2]], alpha: Block::real(T[(k, k)]), beta: vec![beta] })
+    Some(OwnFactor { rho: [[size / gain, 0.0], [0.0; 2]], alpha: Block::real(T[(k, k)]), beta: vec![beta] })
 }
 
 /// The columns of `R` of the block at `k`, and what they take out of the right-hand side; `above` are the blocks above it.
 #[inline(always)]
-fn column(T: &Mat, B: &mut Mat, R: &mut Mat, above: &[Block], k: usize, own: &Own) {
+fn column(T: &Mat, B: &mut Mat, R: &mut Mat, above: &[Block], k: usize, own: &OwnFactor) {
     let size = own.alpha.size;
     let mut r = Mat::zeros(k, size);
     for c in 0..size {
@@ -68,7 +68,7 @@ fn column(T: &Mat, B: &mut Mat, R: &mut Mat, above: &[Block], k: usize, own: &Ow
             target.iter_mut().zip(B.column(j)).for_each(|(x, &b)| *x -= b * factor);
         }
     }
-    climb(T, &mut r, above, &own.alpha);
+    solve_block_column(T, &mut r, above, &own.alpha);
     for c in 0..size {
         for (j, &factor) in own.beta[c].iter().enumerate() {
             B.column_mut(j).iter_mut().zip(r.column(c)).for_each(|(b, &x)| *b -= x * factor);
@@ -82,7 +82,7 @@ fn column(T: &Mat, B: &mut Mat, R: &mut Mat, above: &[Block], k: usize, own: &Ow
 /// The complex pair at `k`: its complex triangular form `Z' tau Z = [l1 t; 0 l2]` is factored entry by entry, and the
 /// complex factor turned into a real one by a unitary matrix.
 #[inline(always)]
-fn pair(T: &Mat, B: &Mat, k: usize) -> Option<Own> {
+fn pair(T: &Mat, B: &Mat, k: usize) -> Option<OwnFactor> {
     let (a, b, c) = (T[(k, k)], T[(k, k + 1)], T[(k + 1, k)]);
     let omega = b.abs().sqrt() * c.abs().sqrt();
     let norm = b.hypot(omega);
@@ -120,7 +120,7 @@ struct ComplexFactor {
 
 /// `Z [rho11 rho12; 0 rho22] = rho Q` with a real `rho` and a unitary `Q`; `alpha` and `beta` turned by `Q` and brought to standard form.
 #[inline(always)]
-fn made_real([x, w]: [f64; 2], [a, omega]: [f64; 2], factor: &ComplexFactor) -> Own {
+fn made_real([x, w]: [f64; 2], [a, omega]: [f64; 2], factor: &ComplexFactor) -> OwnFactor {
     let (p, q, s) = (factor.rho11, factor.rho12, factor.rho22);
     let (beta1, beta2) = (&factor.beta1, &factor.beta2);
     let j = C64::new(0.0, 1.0);
@@ -146,7 +146,7 @@ fn made_real([x, w]: [f64; 2], [a, omega]: [f64; 2], factor: &ComplexFactor) -> 
 
 /// A rotation makes the diagonal entries of `alpha` equal.
 #[inline(always)]
-fn standard(rho: [[f64; 2]; 2], [p, q, r, t]: [f64; 4], [beta1, beta2]: [Vec<f64>; 2]) -> Own {
+fn standard(rho: [[f64; 2]; 2], [p, q, r, t]: [f64; 4], [beta1, beta2]: [Vec<f64>; 2]) -> OwnFactor {
     let (apart, sum) = (p - t, q + r);
     let size = apart.hypot(sum);
     let (c, s) = if size > 0.0 {
@@ -162,7 +162,7 @@ fn standard(rho: [[f64; 2]; 2], [p, q, r, t]: [f64; 4], [beta1, beta2]: [Vec<f64
     let off = c * c * q - s * s * r + c * s * (t - p);
     let below = c * c * r - s * s * q + c * s * (t - p);
     let alpha = Block::pair(0, pair_entries(0.5 * (p + t), off, below));
-    Own { rho: [[r11, r21], [r12, r22]], alpha, beta: vec![beta1, beta2] }
+    OwnFactor { rho: [[r11, r21], [r12, r22]], alpha, beta: vec![beta1, beta2] }
 }
 
 /// Entries of a complex pair: where rounding made its eigenvalues real, a relative change of eps makes them a pair again.

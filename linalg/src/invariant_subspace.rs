@@ -5,7 +5,7 @@ use crate::mat::Mat;
 use crate::schur::Schur;
 use crate::sylvester::sylvester;
 
-/// How well a part of a spectrum is determined (Bai, Demmel and McKenney, ACM TOMS 19, 1993).
+/// Condition of an invariant subspace (Bai, Demmel and McKenney, ACM TOMS 19, 1993).
 #[derive(Clone, Copy, Debug)]
 pub struct Subspace {
     /// Norm of the spectral projector (an upper bound): a change of `A` by `e` moves the mean of the part's eigenvalues by

@@ -40,17 +40,17 @@ mod heap;
 pub mod invariant_subspace;
 mod kernel;
 mod long_complex;
+mod long_matrix;
 pub mod lyapunov;
 mod lyapunov_leaf;
 pub mod mat;
 pub mod pencil_roots;
-mod precise;
 pub mod range_basis;
 pub mod riccati;
 mod scalar;
 pub mod schur;
 mod simple_roots;
-mod small;
+mod small_systems;
 mod smith;
 pub mod sparse;
 mod spectrum;
@@ -63,7 +63,7 @@ pub mod transfer_matrix;
 
 pub use balance::{BalancedMatrix, balance};
 pub use boundary::Boundary;
-pub use cone_program::{Cone, ConeProgram, ConeSolution, Unsolved};
+pub use cone_program::{Cone, ConeFailure, ConeProgram, ConeSolution};
 pub use decomposition::{
     CSvd, Svd, cond, csingular_values, csvd, gen_eigenvalues, hessenberg, largest_singular_value, lstsq,
     pinv, rank, rank_tolerance, rcond_one, singular_values, svd, sym_eigen, sym_eigenvalues, sym_gen_eigen,

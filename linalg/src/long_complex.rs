@@ -2,14 +2,14 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
+use crate::long_matrix::LongReal;
 use crate::mat::C64;
-use crate::precise::Long;
 
 /// A complex number of 32 digits.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LongComplex {
-    pub(crate) re: Long,
-    pub(crate) im: Long,
+    pub(crate) re: LongReal,
+    pub(crate) im: LongReal,
 }
 
 impl LongComplex {
@@ -35,7 +35,7 @@ impl LongComplex {
 
     /// Returns its product with a real number.
     pub(crate) fn times(self, factor: f64) -> Self {
-        let factor = Long::from(factor);
+        let factor = LongReal::from(factor);
         Self { re: self.re * factor, im: self.im * factor }
     }
 }
@@ -66,11 +66,11 @@ impl Div for LongComplex {
     fn div(self, other: Self) -> Self {
         // The divisor is brought to size one first, so that its square neither overflows nor vanishes.
         let power = (-other.size().log2().round()).clamp(-1000.0, 1000.0).exp2();
-        let scaled = |x: Long| Long { high: x.high * power, low: x.low * power };
+        let scaled = |x: LongReal| LongReal { high: x.high * power, low: x.low * power };
         let other = Self { re: scaled(other.re), im: scaled(other.im) };
         let square = other.re * other.re + other.im * other.im;
         let top = self * Self { re: other.re, im: -other.im };
-        let out = |x: Long| scaled(x / square);
+        let out = |x: LongReal| scaled(x / square);
         Self { re: out(top.re), im: out(top.im) }
     }
 }

@@ -7,10 +7,10 @@ use crate::lyapunov_leaf;
 use crate::mat::{C64, Mat};
 use crate::schur::{Schur, schur};
 use crate::stein_leaf;
-use crate::sylvester::{Kind, check_spectra, middle};
+use crate::sylvester::{Kind, check_spectra, splitting_row};
 use crate::tolerance::{CORRECTED_STATES, DOUBTFUL_SEPARATION, MAGNIFIED};
 
-mod doubtful;
+mod singular_equations;
 
 /// Solves `A X + X A' + Q = 0`; all n x n. `X` is symmetric where `Q` is, and positive semidefinite where `A` is stable
 /// and `Q` is positive semidefinite.
@@ -94,8 +94,10 @@ pub fn refined_square_norm(A: &Mat, B: &Mat, C: &Mat, boundary: Boundary) -> Res
     let (form, kind) = (schur(&balanced.A)?, boundary.kind());
     let is_stable = form.eigenvalues().into_iter().all(|l| boundary.excess(l) < 0.0);
     match Operator::new(form, kind) {
-        Ok(operator) if is_stable => Ok(doubtful::refined_trace(&operator, &balanced.A, [&inner, &outer])),
-        _ => Ok(doubtful::precise_trace(&balanced.A, [&inner, &outer], kind)),
+        Ok(operator) if is_stable => {
+            Ok(singular_equations::refined_trace(&operator, &balanced.A, [&inner, &outer]))
+        }
+        _ => Ok(singular_equations::precise_trace(&balanced.A, [&inner, &outer], kind)),
     }
 }
 
@@ -108,9 +110,9 @@ fn solve(A: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
     let operator = Operator::new(schur(&balanced.A)?, kind)?;
     let X = operator.solve_any(&inner);
     let X = match growth(&operator, &balanced.A, &inner, &X) {
-        Growth::Doubtful => doubtful::settle(operator, &balanced.A, &inner, X)?,
+        Growth::Doubtful => singular_equations::refine_or_refuse(operator, &balanced.A, &inner, X)?,
         Growth::Magnified if A.nrows() <= CORRECTED_STATES => {
-            doubtful::correct_once(&operator, &balanced.A, &inner, X)
+            singular_equations::correct_once(&operator, &balanced.A, &inner, X)
         }
         Growth::Magnified | Growth::Benign => X,
     };
@@ -175,7 +177,7 @@ impl Operator {
     }
 
     /// Returns the largest real part, in discrete time the largest modulus, of an eigenvalue of the matrix.
-    pub(crate) fn reach(&self) -> f64 {
+    pub(crate) fn outermost_eigenvalue(&self) -> f64 {
         let of = |l: &C64| if self.kind == Kind::Continuous { l.re } else { l.norm() };
         self.form.eigenvalues().iter().map(of).fold(f64::NEG_INFINITY, f64::max)
     }
@@ -234,12 +236,12 @@ fn discrete(T: &Mat, S: &Mat, Q: &Mat) -> Mat {
         return X;
     }
     if m >= n {
-        let k = middle(T);
+        let k = splitting_row(T);
         let lower = discrete(&T.block(k, k, m - k, m - k), S, &Q.block(k, 0, m - k, n));
         let rest = Q.block(0, 0, k, n) + &(&T.block(0, k, k, m - k) * &lower) * &S.t();
         return discrete(&T.block(0, 0, k, k), S, &rest).vstack(&lower);
     }
-    let k = middle(S);
+    let k = splitting_row(S);
     let right = discrete(T, &S.block(k, k, n - k, n - k), &Q.block(0, k, m, n - k));
     let rest = Q.block(0, 0, m, k) + T * &(&right * S.block(0, k, k, n - k).t());
     discrete(T, &S.block(0, 0, k, k), &rest).hstack(&right)
@@ -253,7 +255,7 @@ fn symmetric_discrete(T: &Mat, Q: &Mat) -> Mat {
         stein_leaf::solve_symmetric(T, &mut X);
         return X;
     }
-    let k = middle(T);
+    let k = splitting_row(T);
     let (T11, T12, T22) = (T.block(0, 0, k, k), T.block(0, k, k, n - k), T.block(k, k, n - k, n - k));
     let X22 = symmetric_discrete(&T22, &Q.block(k, k, n - k, n - k));
     let moved = &T12 * &X22;
@@ -275,7 +277,7 @@ fn solve_symmetric(T: &Mat, C: &Mat) -> Mat {
         lyapunov_leaf::solve_symmetric(T, &mut X);
         return X;
     }
-    let k = middle(T);
+    let k = splitting_row(T);
     let (T11, T12, T22) = (T.block(0, 0, k, k), T.block(0, k, k, n - k), T.block(k, k, n - k, n - k));
     let X22 = solve_symmetric(&T22, &C.block(k, k, n - k, n - k));
     let X12 = against_transpose(&T11, &T22, &(C.block(0, k, k, n - k) - &T12 * &X22));
@@ -293,12 +295,12 @@ fn against_transpose(T: &Mat, S: &Mat, C: &Mat) -> Mat {
         return X;
     }
     if m >= n {
-        let k = middle(T);
+        let k = splitting_row(T);
         let lower = against_transpose(&T.block(k, k, m - k, m - k), S, &C.block(k, 0, m - k, n));
         let rest = C.block(0, 0, k, n) - &T.block(0, k, k, m - k) * &lower;
         return against_transpose(&T.block(0, 0, k, k), S, &rest).vstack(&lower);
     }
-    let k = middle(S);
+    let k = splitting_row(S);
     let right = against_transpose(T, &S.block(k, k, n - k, n - k), &C.block(0, k, m, n - k));
     let rest = C.block(0, 0, m, k) - &right * S.block(0, k, k, n - k).t();
     against_transpose(T, &S.block(0, 0, k, k), &rest).hstack(&right)

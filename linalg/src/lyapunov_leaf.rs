@@ -6,7 +6,7 @@
 use crate::kernel::vectorised;
 use crate::mat::Mat;
 use crate::schur::{DiagonalBlock, blocks};
-use crate::small::solve_complete;
+use crate::small_systems::solve_complete;
 use crate::tolerance::ROUND;
 
 vectorised! {
@@ -18,7 +18,7 @@ vectorised! {
             for column in right.range() {
                 take_columns(S, X, right.end(), column, m);
             }
-            climb(T, X, &rows, right);
+            solve_block_column(T, X, &rows, right);
         }
     }
 }
@@ -32,7 +32,7 @@ vectorised! {
                 take_columns(T, X, right.end(), column, right.end());
                 take_rows_below(T, X, right.end(), column);
             }
-            climb(T, X, &all[..=index], right);
+            solve_block_column(T, X, &all[..=index], right);
             for column in right.range() {
                 (0..right.end()).for_each(|i| X[(column, i)] = X[(i, column)]);
             }
@@ -67,7 +67,7 @@ fn take_rows_below(T: &Mat, X: &mut Mat, end: usize, column: usize) {
 
 /// The block column of `right`, from its lowest row block upwards.
 #[inline(always)]
-pub(crate) fn climb(T: &Mat, X: &mut Mat, rows: &[Block], right: &Block) {
+pub(crate) fn solve_block_column(T: &Mat, X: &mut Mat, rows: &[Block], right: &Block) {
     for left in rows.iter().rev() {
         solve_block(X, left, right);
         for column in right.range() {
@@ -109,7 +109,7 @@ impl Block {
         self.at..self.end()
     }
 
-    /// Whether the scaled coordinate is good: a block far from a rotation is left to elimination.
+    /// Returns whether the scaled coordinate is good: a block far from a rotation is left to elimination.
     pub(crate) fn is_round(&self) -> bool {
         (1.0 / ROUND..ROUND).contains(&self.scale)
     }

@@ -71,7 +71,7 @@ fn iterate(M: &Mat, E: &[f64], mut roots: Vec<LongComplex>) -> Option<Vec<C64>> 
 /// An eigenvalue whose digits do not decide on which side of the boundary it lies.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct DoubtfulMode {
-    /// Its approximation.
+    /// Approximation.
     pub eigenvalue: C64,
     /// By how much rounding may move it across the boundary.
     pub across: f64,

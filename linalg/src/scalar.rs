@@ -8,7 +8,7 @@ use crate::kernel::vectorised;
 /// A double-precision complex number.
 pub type C64 = num_complex::Complex<f64>;
 
-/// What an entry of a matrix must be able to do.
+/// Operations of an entry of a matrix.
 pub trait Scalar:
     Copy
     + PartialEq
@@ -33,7 +33,7 @@ pub trait Scalar:
     fn conjugate(self) -> Self;
     /// The sum of the squared moduli, which may overflow.
     fn sum_of_squares(data: &[Self]) -> f64;
-    /// Whether every entry is finite.
+    /// Returns whether every entry is finite.
     fn all_finite(data: &[Self]) -> bool;
     /// `C += A B` for column-major data; `A` is m x k, `B` is k x n.
     fn gemm(m: usize, k: usize, n: usize, a: &[Self], b: &[Self], c: &mut [Self]);

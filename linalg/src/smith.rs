@@ -3,28 +3,32 @@
 //! The powers of the matrix (of its Cayley transform in continuous time) tend to zero if and only if it is stable, so that
 //! the solution proves stability. Source: Smith, SIAM J. Appl. Math. 16 (1968).
 
+use crate::long_matrix::LongMatrix;
 use crate::mat::C64;
-use crate::precise::Precise;
 use crate::schur::eigenvalues;
 use crate::sylvester::Kind;
 use crate::tolerance::{PRECISE_POWER, PRECISE_SQUARINGS, VANISHED_MODULUS};
 
 /// `E` with `F'E + E F + P = 0` or `F'E F - E + P = 0` for each `P`; `None` if `F` is not stable.
-pub(crate) fn lyapunov<const K: usize>(F: &Precise, right: [Precise; K], kind: Kind) -> Option<[Precise; K]> {
+pub(crate) fn lyapunov<const K: usize>(
+    F: &LongMatrix,
+    right: [LongMatrix; K],
+    kind: Kind,
+) -> Option<[LongMatrix; K]> {
     if kind == Kind::Discrete {
         return smith(F.clone(), right);
     }
     let n = F.high.nrows();
     let size = F.high.norm_fro().max(f64::MIN_POSITIVE);
-    let gamma = power_of_two(eigenvalues(&F.high).map_or(size, |values| middle(&values, size)));
-    let inverse = F.difference(&Precise::identity(n, gamma)).solve(&Precise::identity(n, 1.0))?;
-    let turned = Precise::identity(n, 1.0).plus(&inverse.scale(2.0 * gamma));
+    let gamma = power_of_two(eigenvalues(&F.high).map_or(size, |values| mean_modulus(&values, size)));
+    let inverse = F.difference(&LongMatrix::identity(n, gamma)).solve(&LongMatrix::identity(n, 1.0))?;
+    let turned = LongMatrix::identity(n, 1.0).plus(&inverse.scale(2.0 * gamma));
     let moved = right.map(|P| inverse.t().times(&P.times(&inverse)).scale(2.0 * gamma));
     smith(turned, moved)
 }
 
 /// The sum of `(F^k)' P F^k` over all k, by squaring; `None` if the powers do not tend to zero.
-fn smith<const K: usize>(mut F: Precise, mut sums: [Precise; K]) -> Option<[Precise; K]> {
+fn smith<const K: usize>(mut F: LongMatrix, mut sums: [LongMatrix; K]) -> Option<[LongMatrix; K]> {
     for _ in 0..PRECISE_SQUARINGS {
         let transposed = F.t();
         sums = sums.map(|X| X.plus(&transposed.times(&X.times(&F))));
@@ -41,7 +45,7 @@ fn smith<const K: usize>(mut F: Precise, mut sums: [Precise; K]) -> Option<[Prec
 }
 
 /// The geometric mean of the smallest and the largest modulus, those below 1e-12 of `size` left out.
-pub(crate) fn middle(values: &[C64], size: f64) -> f64 {
+pub(crate) fn mean_modulus(values: &[C64], size: f64) -> f64 {
     let moduli = values.iter().map(|l| l.norm()).filter(|&l| l > VANISHED_MODULUS * size);
     let (low, high) =
         moduli.fold((size, VANISHED_MODULUS * size), |(low, high), l| (l.min(low), l.max(high)));

@@ -62,14 +62,14 @@ impl Spectrum {
         self.form.eigenvalues().into_iter().filter(|l| l.im >= 0.0).collect()
     }
 
-    /// How `M`, n x m, reaches a mode.
-    pub(crate) fn reach(&self, M: &Mat, mode: C64) -> Reach {
+    /// Returns how `M`, n x m, reaches a mode.
+    pub(crate) fn reachability(&self, M: &Mat, mode: C64) -> Reach {
         let back: Vec<f64> = self.scale.iter().map(|d| 1.0 / d).collect();
         acts_on(M, mode, &self.left_vector(mode), &back)
     }
 
-    /// How `M`, n x m, sees a mode: its reach for the transposed matrix.
-    pub(crate) fn sight(&self, M: &Mat, mode: C64) -> Reach {
+    /// Returns how `M`, n x m, sees a mode: its reach for the transposed matrix.
+    pub(crate) fn observability(&self, M: &Mat, mode: C64) -> Reach {
         let triangle = Triangle::of(&self.form.T, mode, EPS * self.size);
         let x = triangle.solve_right(vec![C64::new(1.0, 0.0); self.form.T.nrows()]);
         acts_on(M, mode, &self.transform_vector(&triangle.solve_right(x)), &self.scale)
@@ -103,7 +103,7 @@ impl Spectrum {
     }
 
     /// By how much rounding the entries of `A` may move an eigenvalue.
-    pub(crate) fn movement(&self, mode: C64) -> f64 {
+    pub(crate) fn rounding_error(&self, mode: C64) -> f64 {
         self.movements(mode, Boundary::ImaginaryAxis).by_entries
     }
 
@@ -157,7 +157,7 @@ impl Spectrum {
     }
 }
 
-/// How `M` acts on a mode with the eigenvector `inner` of the balanced matrix, whose entries are to be multiplied by `scale`.
+/// Returns how `M` acts on a mode with the eigenvector `inner` of the balanced matrix, whose entries are to be multiplied by `scale`.
 fn acts_on(M: &Mat, mode: C64, inner: &[C64], scale: &[f64]) -> Reach {
     let v: Vec<C64> = inner.iter().zip(scale).map(|(e, d)| e * d).collect();
     let length = v.iter().map(|e| e.norm_sqr()).sum::<f64>().sqrt();
@@ -311,10 +311,10 @@ mod tests {
             let spectrum = Spectrum::of(&A).unwrap();
             let mut last = Mat::zeros(n, 1);
             last[(n - 1, 0)] = 1.0;
-            let reach = spectrum.reach(&last, C64::default());
+            let reach = spectrum.reachability(&last, C64::default());
             assert!((reach.normwise - 1.0).abs() < 1e-12, "{n}: {}", reach.normwise);
             assert!(
-                spectrum.movement(C64::default()) >= 0.0
+                spectrum.rounding_error(C64::default()) >= 0.0
                     && spectrum.eigenvalues_on_boundary(Boundary::ImaginaryAxis).len() <= n
             );
         }
@@ -324,9 +324,9 @@ mod tests {
     fn a_mode_out_of_reach_is_found_in_any_units() {
         let A = Mat::from_rows(&[&[2.0, 0.0, 0.0], &[1e9, -1.0, 3e-7], &[4e8, 5.0, -2.0]]);
         let spectrum = Spectrum::of(&A).unwrap();
-        let reach = spectrum.reach(&Mat::col(&[0.0, 1.0, 1e6]), C64::new(2.0, 0.0));
+        let reach = spectrum.reachability(&Mat::col(&[0.0, 1.0, 1e6]), C64::new(2.0, 0.0));
         assert!(reach.entrywise < 1e-15, "{}", reach.entrywise);
-        assert!(spectrum.reach(&Mat::col(&[1e-3, 1.0, 1e6]), C64::new(2.0, 0.0)).entrywise > 0.99);
+        assert!(spectrum.reachability(&Mat::col(&[1e-3, 1.0, 1e6]), C64::new(2.0, 0.0)).entrywise > 0.99);
     }
 
     #[test]

@@ -28,5 +28,5 @@ pub fn boundary_eigenvalues(A: &Mat, boundary: Boundary) -> Result<Vec<C64>, Err
 pub fn is_clear_of_boundary(A: &Mat, boundary: Boundary) -> Result<bool, Error> {
     let spectrum = Spectrum::of(A)?;
     let modes = spectrum.modes();
-    Ok(modes.into_iter().all(|l| boundary.excess(l).abs() > spectrum.movement(l)))
+    Ok(modes.into_iter().all(|l| boundary.excess(l).abs() > spectrum.rounding_error(l)))
 }

@@ -6,17 +6,17 @@
 
 use crate::decomposition::svd;
 use crate::error::{Error, check_shape, check_square};
+use crate::long_matrix::LongMatrix;
 use crate::mat::Mat;
-use crate::precise::Precise;
 
 /// The part of a system that is reached and seen, and the numbers that it rests on.
 #[derive(Clone, Debug)]
 pub struct MinimalPart {
-    /// How the states act on each other, r x r.
+    /// Dynamics matrix, r x r.
     pub A: Mat,
-    /// How the inputs act on the states, r x m.
+    /// Input matrix, r x m.
     pub B: Mat,
-    /// What the outputs see of the states, p x r.
+    /// Output matrix, p x r.
     pub C: Mat,
     /// Number of states that the inputs reach.
     pub reached: usize,
@@ -63,9 +63,9 @@ pub fn minimal_part(A: &Mat, B: &Mat, C: &Mat, tolerance: f64) -> Result<Minimal
 
 /// A system on its way to staircase form.
 struct Staircase {
-    A: Precise,
-    B: Precise,
-    C: Precise,
+    A: LongMatrix,
+    B: LongMatrix,
+    C: LongMatrix,
     tolerance: f64,
     smallest_kept: f64,
     largest_dropped: f64,
@@ -99,7 +99,7 @@ impl Staircase {
     }
 
     /// Returns the transformation after which the first states alone are driven; `None` if nothing is driven.
-    fn stair(&mut self, driving: &Precise, size: f64) -> Result<Option<Stair>, Error> {
+    fn stair(&mut self, driving: &LongMatrix, size: f64) -> Result<Option<Stair>, Error> {
         let (rows, cols) = driving.high.shape();
         // A square matrix, so that all left singular vectors are computed.
         let padded = driving.round().hstack(&Mat::zeros(rows, rows.saturating_sub(cols)));
@@ -112,14 +112,14 @@ impl Staircase {
             return Ok(None);
         }
         let singular = Error::Singular { what: "a matrix of singular vectors", rcond: 0.0 };
-        let (U, V) = (Precise::from(&parts.U), Precise::from(&parts.V.block(0, 0, cols, rank)));
-        let inverse = U.solve(&Precise::identity(rows, 1.0)).ok_or(singular.clone())?;
+        let (U, V) = (LongMatrix::from(&parts.U), LongMatrix::from(&parts.V.block(0, 0, cols, rank)));
+        let inverse = U.solve(&LongMatrix::identity(rows, 1.0)).ok_or(singular.clone())?;
         let image = inverse.times(&driving.times(&V));
         let (top, bottom) = (image.block(0, 0, rank, rank), image.block(rank, 0, rows - rank, rank));
         // What the rounded singular vectors leave below is a multiple of what stands above.
         let multiple = top.t().solve(&bottom.t()).ok_or(singular)?.t();
         let lower = |sign: f64| {
-            let mut L = Precise::identity(rows, 1.0);
+            let mut L = LongMatrix::identity(rows, 1.0);
             L.set_block(rank, 0, &multiple.scale(sign));
             L
         };
@@ -129,15 +129,15 @@ impl Staircase {
 
 /// A change of coordinates `x = T z` of the last states, after which the first `rank` of them alone are driven.
 struct Stair {
-    T: Precise,
-    inverse: Precise,
+    T: LongMatrix,
+    inverse: LongMatrix,
     rank: usize,
 }
 
 /// Returns the identity of size `n` with a matrix in the place of its last rows and columns.
-fn embed_in_identity(T: &Precise, n: usize) -> Precise {
+fn embed_in_identity(T: &LongMatrix, n: usize) -> LongMatrix {
     let first = n - T.high.nrows();
-    let mut whole = Precise::identity(n, 1.0);
+    let mut whole = LongMatrix::identity(n, 1.0);
     whole.set_block(first, first, T);
     whole
 }

@@ -18,7 +18,7 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    /// What is left between two eigenvalues: zero if they make the equation singular.
+    /// Returns what is left between two eigenvalues: zero if they make the equation singular.
     pub(crate) fn gap(self, first: C64, second: C64) -> f64 {
         match self {
             Self::Continuous => (first + second).norm(),
@@ -91,14 +91,14 @@ pub(crate) fn solve_triangular(A: &Mat, B: &Mat, C: &mut Mat, kind: Kind) {
         return base(A, B, C, kind);
     }
     if m >= n {
-        split_rows(A, B, C, kind, middle(A));
+        split_rows(A, B, C, kind, splitting_row(A));
     } else {
-        split_columns(A, B, C, kind, middle(B));
+        split_columns(A, B, C, kind, splitting_row(B));
     }
 }
 
 /// A row near the middle that does not cut a 2 x 2 block.
-pub(crate) fn middle(T: &Mat) -> usize {
+pub(crate) fn splitting_row(T: &Mat) -> usize {
     let half = T.nrows() / 2;
     if T[(half, half - 1)] != 0.0 { half + 1 } else { half }
 }
@@ -192,7 +192,7 @@ fn solve_block(A: &Mat, B: &Mat, C: &mut Mat, left: DiagonalBlock, right: Diagon
         (0..height).for_each(|p| x[q * height + p] = C[(i + p, j + q)]);
     }
     let mut system = kronecker_system(A, B, left, right, kind);
-    crate::small::solve_complete(&mut system, &mut x, unknowns);
+    crate::small_systems::solve_complete(&mut system, &mut x, unknowns);
     (0..unknowns).for_each(|row| C[(i + row % height, j + row / height)] = x[row]);
 }
 

@@ -2,18 +2,18 @@
 
 use crate::dense::Factors;
 use crate::error::{Error, check_shape, check_square};
+use crate::long_matrix::LongMatrix;
 use crate::mat::{C64, CMat, Mat};
-use crate::precise::Precise;
 use crate::tolerance::{EPS, PRECISE_TRANSFER_STATES, TRANSFER_REFINEMENTS, TRANSFER_SETTLED};
 
 /// The four matrices of a transfer matrix: `A` n x n, `B` n x m, `C` p x n, `D` p x m.
 #[derive(Clone, Copy, Debug)]
 pub struct StateRealisation<'a> {
-    /// How the states act on each other.
+    /// Dynamics matrix.
     pub A: &'a Mat,
-    /// How the inputs act on the states.
+    /// Input matrix.
     pub B: &'a Mat,
-    /// What the outputs see of the states.
+    /// Output matrix.
     pub C: &'a Mat,
     /// The direct path.
     pub D: &'a Mat,
@@ -38,7 +38,8 @@ pub fn refined_transfer(system: StateRealisation, s: C64) -> Result<CMat, Error>
     check_shape("D", D, p, m)?;
     let entry = |i: usize, j: usize| if i == j { s } else { C64::default() };
     let shifted = CMat::from_fn(n, n, |i, j| entry(i, j) - A[(i, j)]);
-    let (Re, Im) = (Precise::identity(n, s.re).difference(&Precise::from(A)), Precise::identity(n, s.im));
+    let (Re, Im) =
+        (LongMatrix::identity(n, s.re).difference(&LongMatrix::from(A)), LongMatrix::identity(n, s.im));
     let (X, is_settled) = refined_states(&Factors::of(&shifted)?, &Re, &Im, B)?;
     let singular = Error::Singular { what: "sI - A", rcond: 0.0 };
     let X = match is_settled {
@@ -46,21 +47,21 @@ pub fn refined_transfer(system: StateRealisation, s: C64) -> Result<CMat, Error>
         false if n <= PRECISE_TRANSFER_STATES => precise_states(&Re, &Im, B).ok_or(singular)?,
         false => return Err(singular),
     };
-    let C = Precise::from(C);
-    let (re, im) = (C.times(&X.0).plus(&Precise::from(D)).round(), C.times(&X.1).round());
+    let C = LongMatrix::from(C);
+    let (re, im) = (C.times(&X.0).plus(&LongMatrix::from(D)).round(), C.times(&X.1).round());
     Ok(CMat::from_fn(p, m, |i, j| C64::new(re[(i, j)], im[(i, j)])))
 }
 
 /// Real and imaginary part of `(Re + j Im)^-1 B` by corrections of a solution in doubles, and whether they settled to a rounding of a double.
 fn refined_states(
     factors: &Factors<C64>,
-    Re: &Precise,
-    Im: &Precise,
+    Re: &LongMatrix,
+    Im: &LongMatrix,
     B: &Mat,
-) -> Result<((Precise, Precise), bool), Error> {
+) -> Result<((LongMatrix, LongMatrix), bool), Error> {
     let (n, m) = B.shape();
-    let mut rest = (Precise::from(B), Precise::from(&Mat::zeros(n, m)));
-    let mut X = (Precise::from(&Mat::zeros(n, m)), Precise::from(&Mat::zeros(n, m)));
+    let mut rest = (LongMatrix::from(B), LongMatrix::from(&Mat::zeros(n, m)));
+    let mut X = (LongMatrix::from(&Mat::zeros(n, m)), LongMatrix::from(&Mat::zeros(n, m)));
     let (mut last, mut is_settled) = (f64::INFINITY, false);
     for _ in 0..=TRANSFER_REFINEMENTS {
         let (re, im) = (rest.0.round(), rest.1.round());
@@ -72,11 +73,11 @@ fn refined_states(
             break;
         }
         last = size;
-        let part = |of: fn(&C64) -> f64| Precise::from(&Mat::from_fn(n, m, |i, j| of(&step[(i, j)])));
+        let part = |of: fn(&C64) -> f64| LongMatrix::from(&Mat::from_fn(n, m, |i, j| of(&step[(i, j)])));
         X = (X.0.plus(&part(|z| z.re)), X.1.plus(&part(|z| z.im)));
         let real = Re.times(&X.0).difference(&Im.times(&X.1));
         let imaginary = Re.times(&X.1).plus(&Im.times(&X.0));
-        rest = (Precise::from(B).difference(&real), imaginary.scale(-1.0));
+        rest = (LongMatrix::from(B).difference(&real), imaginary.scale(-1.0));
         if size <= TRANSFER_SETTLED * X.0.high.norm_fro().hypot(X.1.high.norm_fro()) {
             break;
         }
@@ -85,11 +86,11 @@ fn refined_states(
 }
 
 /// The same by the real equations `[Re -Im; Im Re] [X; Y] = [B; 0]` in 32 digits; `None` if a pivot is zero.
-fn precise_states(Re: &Precise, Im: &Precise, B: &Mat) -> Option<(Precise, Precise)> {
+fn precise_states(Re: &LongMatrix, Im: &LongMatrix, B: &Mat) -> Option<(LongMatrix, LongMatrix)> {
     let (n, m) = B.shape();
     let upper = Re.hstack(&Im.scale(-1.0)).t();
     let M = upper.hstack(&Im.hstack(Re).t()).t();
-    let X = M.solve(&Precise::from(&B.vstack(&Mat::zeros(n, m))))?;
+    let X = M.solve(&LongMatrix::from(&B.vstack(&Mat::zeros(n, m))))?;
     Some((X.block(0, 0, n, m), X.block(n, 0, n, m)))
 }
 

@@ -3,7 +3,7 @@
 
 use crate::common;
 
-use common::{Random, difference};
+use common::{RandomGenerator, difference};
 use counterpoise_linalg::{
     Error, Mat, balance, dlyap, dlyap_factor, dsylvester, expm, expm_integral, gsylvester, inverse, lyap,
     lyap_factor, lyap_factors, sylvester, van_loan_accumulated, van_loan_cost, van_loan_noise,
@@ -11,7 +11,7 @@ use counterpoise_linalg::{
 
 #[test]
 fn sylvester_passes_its_definition() {
-    let mut random = Random::new(1);
+    let mut random = RandomGenerator::new(1);
     for (m, n) in [(1, 1), (1, 2), (3, 2), (7, 5), (20, 40), (50, 33)] {
         let (A, B, C) = (random.stable(m, 0.3), random.stable(n, 0.3), random.matrix(m, n));
         let X = sylvester(&A, &B, &C).unwrap();
@@ -25,7 +25,7 @@ fn sylvester_passes_its_definition() {
 
 #[test]
 fn generalised_sylvester_passes_its_definition() {
-    let mut random = Random::new(12);
+    let mut random = RandomGenerator::new(12);
     for (m, n) in [(1, 1), (4, 3), (12, 20)] {
         let (A, C, B, D) =
             (random.matrix(m, m), random.matrix(m, m), random.matrix(n, n), random.matrix(n, n));
@@ -55,7 +55,7 @@ fn equations_without_a_unique_solution_name_the_eigenvalues() {
 
 #[test]
 fn lyapunov_passes_its_definition_and_is_symmetric() {
-    let mut random = Random::new(2);
+    let mut random = RandomGenerator::new(2);
     for n in [1, 2, 5, 16, 17, 45, 90] {
         let A = random.stable(n, 0.1);
         let B = random.matrix(n, 2);
@@ -72,7 +72,7 @@ fn lyapunov_passes_its_definition_and_is_symmetric() {
 
 #[test]
 fn discrete_lyapunov_passes_its_definition() {
-    let mut random = Random::new(3);
+    let mut random = RandomGenerator::new(3);
     for n in [1, 2, 6, 21, 50] {
         let A = expm(&random.stable(n, 0.1).scale(0.7)).unwrap();
         let B = random.matrix(n, 3);
@@ -145,7 +145,7 @@ fn exponential_closed_forms() {
 
 #[test]
 fn exponential_and_its_inverse() {
-    let mut random = Random::new(4);
+    let mut random = RandomGenerator::new(4);
     for (n, size) in [(3, 1e-3), (5, 0.2), (9, 1.0), (20, 2.0), (40, 8.0)] {
         let A = random.matrix(n, n).scale(size / (n as f64).sqrt());
         let (E, inverse) = (expm(&A).unwrap(), expm(&-&A).unwrap());
@@ -165,7 +165,7 @@ fn hold_of_a_double_integrator() {
 #[test]
 fn sampled_cost_agrees_with_the_lyapunov_solution() {
     // integral to h = P - Phi' P Phi with A'P + PA + Q = 0.
-    let mut random = Random::new(5);
+    let mut random = RandomGenerator::new(5);
     for (n, h) in [(4, 0.05), (8, 3.0), (6, 40.0)] {
         let A = random.stable(n, 0.2);
         let Q = Mat::eye(n);

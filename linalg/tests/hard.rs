@@ -3,7 +3,7 @@
 
 use crate::common;
 
-use common::{Random, solve_care, solved_discrete, solved_g};
+use common::{RandomGenerator, solve_care, solved_discrete, solved_g};
 use counterpoise_linalg::{
     Boundary, Error, Mat, Outcome, Reason, Riccati, boundary_eigenvalues, care, dare, dlyap, inverse, lyap,
     lyap_factor, lyap_separation,
@@ -102,7 +102,7 @@ fn a_reflected_diagonal_over_twelve_decades() {
 
 #[test]
 fn the_certificate_can_be_recomputed_in_the_callers_units() {
-    let mut random = Random::new(5);
+    let mut random = RandomGenerator::new(5);
     let unit: Vec<f64> = (0..5).map(|k| 10f64.powi(3 * k - 6)).collect();
     let A = random.matrix(5, 5);
     let A = Mat::from_fn(5, 5, |i, j| A[(i, j)] * unit[i] / unit[j]);
@@ -198,7 +198,7 @@ fn empty_problems_have_empty_solutions() {
 #[test]
 fn a_mode_out_of_reach_is_refused_quickly_by_name() {
     let n = 40;
-    let mut random = Random::new(3);
+    let mut random = RandomGenerator::new(3);
     let mut A = random.matrix(n, n);
     (0..n - 1).for_each(|j| A[(n - 1, j)] = 0.0);
     A[(n - 1, n - 1)] = 0.5;

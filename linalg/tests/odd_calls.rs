@@ -4,11 +4,11 @@
 use crate::common;
 use crate::odd::{Call, assert_none_panics, judge, panicking};
 
-use common::Random;
+use common::RandomGenerator;
 use counterpoise_linalg::*;
 
 /// A matrix of odd shape with odd entries.
-fn odd_matrix(random: &mut Random, usual: (usize, usize)) -> Mat {
+fn odd_matrix(random: &mut RandomGenerator, usual: (usize, usize)) -> Mat {
     let mut size = |n: usize| match (random.uniform() * 12.0) as usize {
         0 => 0,
         1 => 1,
@@ -32,12 +32,12 @@ fn odd_matrix(random: &mut Random, usual: (usize, usize)) -> Mat {
     })
 }
 
-fn square(random: &mut Random, n: usize) -> Mat {
+fn square(random: &mut RandomGenerator, n: usize) -> Mat {
     odd_matrix(random, (n, n))
 }
 
 /// A square matrix that is symmetric more often than not.
-fn mostly_symmetric_matrix(random: &mut Random, n: usize) -> Mat {
+fn mostly_symmetric_matrix(random: &mut RandomGenerator, n: usize) -> Mat {
     let M = square(random, n);
     if M.is_square() && random.uniform() < 0.9 { &M + &M.t() } else { M }
 }
@@ -54,7 +54,7 @@ struct Data {
 
 impl Data {
     fn of(seed: u64) -> Self {
-        let mut random = Random::new(seed);
+        let mut random = RandomGenerator::new(seed);
         let n = (random.uniform() * 5.0) as usize;
         let m = (random.uniform() * 3.0) as usize;
         Self {

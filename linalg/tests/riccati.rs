@@ -3,7 +3,7 @@
 
 use crate::common;
 
-use common::{Random, difference};
+use common::{RandomGenerator, difference};
 use counterpoise_linalg::{Mat, Outcome, Reason, Riccati, care, care_g, dare, eigenvalues, expm_integral};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -60,7 +60,7 @@ fn doyles_example() {
 #[test]
 fn cross_terms_are_honoured() {
     // With Q = S R^-1 S' and a stable A - B R^-1 S' the solution is zero and F = R^-1 S'.
-    let mut random = Random::new(8);
+    let mut random = RandomGenerator::new(8);
     let (A0, B, S) = (random.stable(6, 0.5), random.matrix(6, 2), random.matrix(6, 2));
     let R = Mat::diag(&[2.0, 0.5]);
     let F = Mat::diag(&[0.5, 2.0]) * S.t();
@@ -126,7 +126,7 @@ fn stable_modes_out_of_reach_and_sight_do_no_harm() {
 
 #[test]
 fn discrete_tends_to_continuous() {
-    let mut random = Random::new(11);
+    let mut random = RandomGenerator::new(11);
     let (A, B, Q, R) = (random.matrix(5, 5), random.matrix(5, 2), Mat::eye(5), Mat::eye(2));
     let continuous = care(&A, &B, &Q, &R, None).unwrap().solution().unwrap();
     let mut errors = Vec::new();
@@ -195,14 +195,14 @@ fn cases() -> impl Strategy<Value = Case> {
 }
 
 impl Case {
-    /// Whether a refusal can be right: a mode that the input hardly reaches, or many unstable modes to one input.
+    /// Returns whether a refusal can be right: a mode that the input hardly reaches, or many unstable modes to one input.
     fn is_hard(&self) -> bool {
         self.reach < -3.0 || (self.n >= 8 * self.m && self.shift.abs() > 0.5)
     }
 
     /// A random system in units spread over `10^(+-spread)`, one mode reached only by `10^reach`.
     fn system(&self) -> (Mat, Mat, Mat) {
-        let mut random = Random::new(self.seed);
+        let mut random = RandomGenerator::new(self.seed);
         let (n, m) = (self.n, self.m);
         let mut A = random.matrix(n, n).scale(1.0 / (n as f64).sqrt()) + Mat::eye(n).scale(self.shift);
         let mut B = random.matrix(n, m);

@@ -3,7 +3,7 @@
 
 use crate::common;
 
-use common::{Random, difference};
+use common::{RandomGenerator, difference};
 use counterpoise_linalg::{Mat, Schur, balance, eigenvalues, schur};
 
 fn defects(A: &Mat, form: &Schur) -> f64 {
@@ -27,7 +27,7 @@ fn is_standard(T: &Mat) -> bool {
 
 #[test]
 fn random_matrices_have_a_schur_form() {
-    let mut random = Random::new(1);
+    let mut random = RandomGenerator::new(1);
     for n in [1, 2, 3, 4, 5, 8, 13, 30, 60, 150] {
         let A = random.matrix(n, n);
         let form = schur(&A).unwrap();
@@ -38,7 +38,7 @@ fn random_matrices_have_a_schur_form() {
 
 #[test]
 fn reordering_keeps_the_form_and_sorts_it() {
-    let mut random = Random::new(2);
+    let mut random = RandomGenerator::new(2);
     for n in [2, 3, 4, 7, 12, 25, 60] {
         let A = random.matrix(n, n);
         let mut form = schur(&A).unwrap();
@@ -106,7 +106,7 @@ fn eigenvalues_are_sorted_and_right() {
 
 #[test]
 fn eigenvalues_are_those_of_the_schur_form_to_the_last_bit() {
-    let mut random = Random::new(5);
+    let mut random = RandomGenerator::new(5);
     for n in [1, 2, 3, 7, 30, 66, 90] {
         let A = random.matrix(n, n);
         let mut expected = schur(&balance(&A).unwrap().A).unwrap().eigenvalues();
@@ -117,7 +117,7 @@ fn eigenvalues_are_those_of_the_schur_form_to_the_last_bit() {
 
 #[test]
 fn balancing_is_exact_and_rescues_bad_units() {
-    let mut random = Random::new(3);
+    let mut random = RandomGenerator::new(3);
     let good = random.matrix(9, 9);
     let A = Mat::from_fn(9, 9, |i, j| good[(i, j)] * 2f64.powi(6 * (i as i32 - j as i32)));
     let balanced = balance(&A).unwrap();

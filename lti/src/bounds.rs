@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::level::Level;
 use crate::peak::Peak;
 use crate::response::point_of_rate;

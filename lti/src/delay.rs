@@ -1,6 +1,6 @@
 //! Delays: a rational approximation in continuous time, exact in whole samples.
 
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::tolerance::MOST_DELAY_STATES;
 use crate::{Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;

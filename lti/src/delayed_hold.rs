@@ -3,7 +3,7 @@
 use crate::connect::series;
 use crate::delay::delay_samples;
 use crate::discretise::needs_continuous;
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::tolerance::WHOLE_PERIODS;
 use crate::{Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;

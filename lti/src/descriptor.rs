@@ -1,8 +1,8 @@
 //! Descriptor systems, brought to state space: circuits, constrained mechanisms and other models whose E is singular.
 
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::tolerance::{DESCRIPTOR_SWEEPS, IMPROPER};
-use crate::tracked_matrix::{Pivot, Tracked, eliminate, solve_pivots};
+use crate::tracked_matrix::{Pivot, TrackedMatrix, eliminate, solve_pivots};
 use crate::{Error, Mat, StateSpace};
 use counterpoise_linalg as linalg;
 
@@ -28,7 +28,7 @@ pub struct Descriptor {
 pub struct ReducedDescriptor {
     /// The finite modes and the direct path.
     pub system: StateSpace,
-    /// What the input's derivatives contribute, each p x m; empty if the system is proper.
+    /// Contributions of the input's derivatives, each p x m; empty if the system is proper.
     pub derivatives: Vec<Mat>,
     /// Number of rounds of constraints that were eliminated: zero if E is invertible, one for an index of one.
     pub rounds: usize,
@@ -87,11 +87,11 @@ impl Descriptor {
 
 /// What is left of the system: E x' = A x + B\[0\] u + B\[1\] u' + ..., y = C x + D\[0\] u + D\[1\] u' + ...
 struct Pencil {
-    E: Tracked,
-    A: Tracked,
-    B: Vec<Tracked>,
-    C: Tracked,
-    D: Vec<Tracked>,
+    E: TrackedMatrix,
+    A: TrackedMatrix,
+    B: Vec<TrackedMatrix>,
+    C: TrackedMatrix,
+    D: Vec<TrackedMatrix>,
 }
 
 impl Pencil {
@@ -107,11 +107,11 @@ impl Pencil {
         let rows = |M: &Mat| Mat::from_fn(M.nrows(), M.ncols(), |i, j| r[i] * M[(i, j)]);
         let cols = |M: &Mat| Mat::from_fn(M.nrows(), M.ncols(), |i, j| M[(i, j)] * c[j]);
         let pencil = Self {
-            E: Tracked::of(cols(&rows(&E.scale(rate)))),
-            A: Tracked::of(cols(&rows(A))),
-            B: vec![Tracked::of(rows(&g.system.B))],
-            C: Tracked::of(cols(&g.system.C)),
-            D: vec![Tracked::of(g.system.D.clone())],
+            E: TrackedMatrix::of(cols(&rows(&E.scale(rate)))),
+            A: TrackedMatrix::of(cols(&rows(A))),
+            B: vec![TrackedMatrix::of(rows(&g.system.B))],
+            C: TrackedMatrix::of(cols(&g.system.C)),
+            D: vec![TrackedMatrix::of(g.system.D.clone())],
         };
         (pencil, rate)
     }
@@ -120,7 +120,7 @@ impl Pencil {
     fn round(&mut self) -> Result<bool, Error> {
         let n = self.A.value.nrows();
         let (mut free, mut cols): (Vec<usize>, Vec<usize>) = ((0..n).collect(), (0..n).collect());
-        let mut others: Vec<&mut Tracked> = vec![&mut self.A];
+        let mut others: Vec<&mut TrackedMatrix> = vec![&mut self.A];
         others.extend(self.B.iter_mut());
         eliminate(&mut self.E, &mut others, &mut free, &mut cols);
         if free.is_empty() {
@@ -138,7 +138,7 @@ impl Pencil {
         let (mut static_, mut dynamic): (Vec<usize>, Vec<usize>) =
             (0..self.A.value.ncols()).partition(|&j| self.E.column_is_zero(j));
         let mut rows = free.to_vec();
-        let mut others: Vec<&mut Tracked> = self.B.iter_mut().collect();
+        let mut others: Vec<&mut TrackedMatrix> = self.B.iter_mut().collect();
         let mut pivots = eliminate(&mut self.A, &mut others, &mut rows, &mut static_);
         pivots.extend(eliminate(&mut self.A, &mut others, &mut rows, &mut dynamic));
         if rows.is_empty() { Ok(pivots) } else { Err(Error::SingularPencil { equations: rows.len() }) }
@@ -150,7 +150,7 @@ impl Pencil {
         let gone: Vec<usize> = pivots.iter().map(|pivot| pivot.column).collect();
         let rest: Vec<usize> = (0..n).filter(|j| !gone.contains(j)).collect();
         let rows: Vec<usize> = (0..n).filter(|i| free.binary_search(i).is_err()).collect();
-        let all = |M: &Tracked| (0..M.value.nrows()).collect::<Vec<_>>();
+        let all = |M: &TrackedMatrix| (0..M.value.nrows()).collect::<Vec<_>>();
         let right = self.A.value.select(&all(&self.A), &rest);
         let X = solve_pivots(&self.A.value, pivots, &right).with_operation("index reduction")?;
         let mut inputs = Vec::new();
@@ -174,8 +174,8 @@ impl Pencil {
     }
 
     /// B\[k\] -= left right; a derivative of the input that appears for the first time is appended.
-    fn add_input(&mut self, k: usize, left: &Tracked, right: &Mat) {
-        let product = Tracked::of(Mat::zeros(left.value.nrows(), right.ncols()));
+    fn add_input(&mut self, k: usize, left: &TrackedMatrix, right: &Mat) {
+        let product = TrackedMatrix::of(Mat::zeros(left.value.nrows(), right.ncols()));
         if k == self.B.len() {
             self.B.push(product);
         }
@@ -183,9 +183,9 @@ impl Pencil {
     }
 
     /// D\[k\] -= left right, as [`Pencil::add_input`].
-    fn add_output(&mut self, k: usize, left: &Tracked, right: &Mat) {
+    fn add_output(&mut self, k: usize, left: &TrackedMatrix, right: &Mat) {
         if k == self.D.len() {
-            self.D.push(Tracked::of(Mat::zeros(left.value.nrows(), right.ncols())));
+            self.D.push(TrackedMatrix::of(Mat::zeros(left.value.nrows(), right.ncols())));
         }
         self.D[k] = self.D[k].minus_product(left, right);
     }
@@ -199,10 +199,10 @@ impl Pencil {
                 linalg::solve(&self.E.value, M).with_operation("index reduction")
             }
         };
-        let A = Tracked::of(by_E(&self.A.value)?);
+        let A = TrackedMatrix::of(by_E(&self.A.value)?);
         let mut B = Vec::new();
         for b in &self.B {
-            B.push(Tracked::of(by_E(&b.value)?));
+            B.push(TrackedMatrix::of(by_E(&b.value)?));
         }
         while B.len() > 1 {
             let k = B.len() - 1;
@@ -223,7 +223,7 @@ impl Pencil {
 }
 
 /// Returns the gains of the derivatives in units of time, up to the last that is not rounding error.
-fn derivatives(D: &[Tracked], rate: f64) -> Vec<Mat> {
+fn derivatives(D: &[TrackedMatrix], rate: f64) -> Vec<Mat> {
     let largest = D.iter().map(|gain| gain.value.norm_max()).fold(0.0, f64::max);
     let clean = |value: f64| if value.abs() > IMPROPER * IMPROPER * largest { value } else { 0.0 };
     let mut found: Vec<Mat> =

@@ -1,13 +1,13 @@
 //! From continuous to sampled time.
 
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::scaling::balance;
 use crate::tolerance::{NARROW_UNITS, SAME_SAMPLED, SPREAD_UNITS};
 use crate::zpk::match_poles_and_zeros;
 use crate::{Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
-/// How a continuous system becomes a sampled one.
+/// Method by which a continuous system becomes a sampled one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Discretisation {
     /// Exact for inputs held constant over each period.

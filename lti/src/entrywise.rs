@@ -4,19 +4,19 @@
 //! gains many decades apart do not blur the ranks, as they blur singular values.
 
 use crate::components::components;
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::root_order::sort_roots;
 use crate::scaling::balance;
-use crate::tracked_matrix::{Pivot, Tracked, eliminate, solve_pivots};
+use crate::tracked_matrix::{Pivot, TrackedMatrix, eliminate, solve_pivots};
 use crate::{C64, Error, Mat, StateSpace};
 use counterpoise_linalg as linalg;
 
 /// The matrices of a system that remember what their entries were summed from.
 struct TrackedSystem {
-    A: Tracked,
-    B: Tracked,
-    C: Tracked,
-    D: Tracked,
+    A: TrackedMatrix,
+    B: TrackedMatrix,
+    C: TrackedMatrix,
+    D: TrackedMatrix,
 }
 
 /// Returns the finite invariant zeros, sorted by real, then imaginary part.
@@ -24,7 +24,7 @@ struct TrackedSystem {
 /// # Errors
 /// Returns [`Error::Matrix`] if a decomposition fails.
 pub(crate) fn entrywise_zeros(g: &StateSpace) -> Result<Vec<C64>, Error> {
-    let whole = [&g.A, &g.B, &g.C, &g.D].map(|M| Tracked::of(M.clone()));
+    let whole = [&g.A, &g.B, &g.C, &g.D].map(|M| TrackedMatrix::of(M.clone()));
     let [A, B, C, D] = whole;
     let rows = TrackedSystem { A, B, C, D }.compress()?;
     let square = rows.dual().compress()?.dual();
@@ -66,8 +66,9 @@ impl TrackedSystem {
         let outputs: Vec<usize> = (0..self.C.value.nrows()).collect();
         let X = solve_pivots(&self.C.value, pivots, &self.C.value.select(&outputs, &kept))
             .with_operation("zeros")?;
-        let rows =
-            |M: &Tracked, rows: &[usize]| M.select(rows, &kept).minus_product(&M.select(rows, &gone), &X);
+        let rows = |M: &TrackedMatrix, rows: &[usize]| {
+            M.select(rows, &kept).minus_product(&M.select(rows, &gone), &X)
+        };
         let (A, lost) = (rows(&self.A, &kept), rows(&self.A, &gone));
         let (B, driven) = (self.B.select(&kept, &inputs), self.B.select(&gone, &inputs));
         // x_p + X x vanishes, and so does its derivative.

@@ -49,7 +49,7 @@ pub enum Error {
     Signal {
         /// The signal's name.
         name: String,
-        /// What is wrong with it.
+        /// Description of the error.
         problem: &'static str,
         /// ", did you mean ...", or nothing.
         hint: String,
@@ -81,7 +81,7 @@ pub enum Error {
     Rational {
         /// Which operation.
         what: &'static str,
-        /// What is wrong.
+        /// Description of the error.
         problem: &'static str,
     },
     /// A number outside what the operation is defined for.
@@ -91,7 +91,7 @@ pub enum Error {
         what: &'static str,
         /// The value that was given.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// A descriptor system whose constraints leave variables undetermined.
@@ -133,12 +133,12 @@ pub enum Error {
 }
 
 /// Says which operation a refused matrix computation belonged to.
-pub(crate) trait During<T> {
+pub(crate) trait OperationContext<T> {
     /// Returns the same result, with the operation's name in its error.
     fn with_operation(self, what: &'static str) -> Result<T, Error>;
 }
 
-impl<T> During<T> for Result<T, counterpoise_linalg::Error> {
+impl<T> OperationContext<T> for Result<T, counterpoise_linalg::Error> {
     fn with_operation(self, what: &'static str) -> Result<T, Error> {
         self.map_err(|source| Error::Matrix { what, source })
     }

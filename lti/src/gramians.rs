@@ -1,6 +1,6 @@
 //! Gramians, as matrices and as factors, and the Hankel values.
 
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::roots::{is_stable_pole, poles};
 use crate::{Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::components::components;
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::roots::poles_on_boundary;
 use crate::tolerance::{
     ABSENT_RESIDUE, CONTOUR_POINTS, CONTOUR_RADIUS, MOST_HIDDEN_MODES, NEAR_CENTRE, SAME_BOUNDARY_POLE,

@@ -1,6 +1,6 @@
 //! The frequencies at which a singular value of a response takes a given level, and the search for peaks between them.
 
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::peak::{Peak, largest_gains};
 use crate::response::Response;
 use crate::tolerance::{

@@ -11,7 +11,7 @@ use crate::tolerance::{CERTAIN_SIGN, NEGLIGIBLE_GAIN, REAL_CROSSING, UNIT_CROSSI
 use crate::zpk::needs_siso;
 use crate::{C64, Error, Mat, StateSpace, Timebase, response};
 
-/// What a change of gain does at a crossing of the negative real axis.
+/// Effect of a change of gain at a crossing of the negative real axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GainChange {
     /// The loop reaches the critical point when its gain rises by the factor (above one).
@@ -29,7 +29,7 @@ pub struct GainMargin {
     pub db: f64,
     /// Frequency in rad/s; 0, pi/T or infinite for a crossing at the end of the axis.
     pub rate_rad_s: f64,
-    /// Which way.
+    /// Direction of the change.
     pub change: GainChange,
 }
 
@@ -74,7 +74,7 @@ pub struct Margins {
     pub mt: Peak,
     /// The disk margin.
     pub disk: DiskMargin,
-    /// Whether every closed-loop pole is stable.
+    /// `true` if every closed-loop pole is stable.
     pub closed_loop_stable: bool,
     /// The closed-loop pole that is nearest to, or farthest beyond, the border of stability; `None` for a loop with a delay, which
     /// has infinitely many.

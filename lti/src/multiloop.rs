@@ -4,7 +4,7 @@
 //! passes through (2 + d)/(2 - d), and the closed loop stays stable for all perturbations smaller than the margin.
 
 use crate::connect::feedback;
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::margins::DiskMargin;
 use crate::norms::{linfnorm, linfnorm_bounds};
 use crate::peak::Peak;
@@ -29,7 +29,7 @@ pub struct MultiloopMargins {
     pub diagonal_proved: DiskMargin,
     /// All channels vary, coupled in any way. Proved: from an upper bound of the norm.
     pub full: DiskMargin,
-    /// Whether the closed loop is stable; without that there are no margins.
+    /// `true` if the closed loop is stable; without that there are no margins.
     pub closed_loop_stable: bool,
 }
 
@@ -82,12 +82,12 @@ fn inverses(scales: &[f64]) -> Vec<f64> {
 }
 
 /// The peak over frequency of the smallest scaled norm, and the scales there.
-struct Structured {
+struct ScaledPeak {
     peak: Peak,
     scales: Vec<f64>,
 }
 
-fn structured_margin(g: &StateSpace) -> Result<Structured, Error> {
+fn structured_margin(g: &StateSpace) -> Result<ScaledPeak, Error> {
     let response = Response::of(g)?;
     let rates = grid(g)?;
     let mut values = Vec::with_capacity(rates.len());
@@ -98,11 +98,11 @@ fn structured_margin(g: &StateSpace) -> Result<Structured, Error> {
     let best = (0..rates.len()).max_by(|&a, &b| value(a).total_cmp(&value(b))).unwrap_or(0);
     let direct = smallest_norm(&g.D.to_complex())?;
     let mut out =
-        Structured { peak: Peak { value: direct.norm, rate_rad_s: f64::INFINITY }, scales: direct.scales };
+        ScaledPeak { peak: Peak { value: direct.norm, rate_rad_s: f64::INFINITY }, scales: direct.scales };
     let near = |k: &usize| value(*k) >= HIGH_SUMMIT * value(best) && is_summit(&values, *k);
     for k in (0..rates.len()).filter(near) {
         let ends = [rates[k.saturating_sub(1)], rates[(k + 1).min(rates.len() - 1)]];
-        let top = Structured {
+        let top = ScaledPeak {
             peak: Peak { value: values[k].norm, rate_rad_s: rates[k] },
             scales: values[k].scales.clone(),
         };
@@ -123,14 +123,14 @@ fn is_summit(values: &[ScaledNorm], k: usize) -> bool {
 fn climb(
     response: &Response,
     [mut low, mut high]: [f64; 2],
-    mut top: Structured,
-) -> Result<Structured, Error> {
+    mut top: ScaledPeak,
+) -> Result<ScaledPeak, Error> {
     for _ in 0..MULTILOOP_ROUNDS {
         let rates: Vec<f64> = (1..8).map(|k| low + (high - low) * f64::from(k) / 8.0).collect();
         for (H, &rate_rad_s) in response.at_all(&rates)?.iter().zip(&rates) {
             let ScaledNorm { norm: value, scales } = smallest_norm(H)?;
             if value > top.peak.value {
-                top = Structured { peak: Peak { value, rate_rad_s }, scales };
+                top = ScaledPeak { peak: Peak { value, rate_rad_s }, scales };
             }
         }
         let below = rates.iter().copied().filter(|&rate| rate < top.peak.rate_rad_s);

@@ -19,7 +19,7 @@ pub struct NamedSystem {
 /// A summand of a sum of named signals: `factor * signal`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SignalTerm<'a> {
-    /// What the signal is multiplied by.
+    /// Factor of the signal.
     pub factor: f64,
     /// The name of the signal.
     pub signal: &'a str,
@@ -106,7 +106,7 @@ fn drivers(driven: &[String]) -> Result<BTreeMap<&str, usize>, Error> {
     Ok(drivers)
 }
 
-/// Whether somebody listens to every external input.
+/// Checks that a block uses every external input.
 fn check_heard(inputs: &[&str], wanted: &[&str], outputs: &[&str]) -> Result<(), Error> {
     let wanted: Vec<String> = wanted.iter().map(|name| name.to_string()).collect();
     let deaf = inputs.iter().find(|&&name| !wanted.iter().any(|w| w == name) && !outputs.contains(&name));

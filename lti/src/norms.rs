@@ -2,7 +2,7 @@
 
 use crate::bounds::{is_kept_by_riccati, is_nowhere, with_care};
 use crate::discretise::d2c_tustin;
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::hidden_modes::{has_lone_boundary_pole, without_hidden_modes};
 use crate::level::{Level, climb_between, search_everywhere, with_middles};
 use crate::peak::{Peak, largest_gains};

@@ -1,6 +1,6 @@
 //! The largest value of a function of frequency, and the gains of a response among which it is sought.
 
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::response::Response;
 use crate::{CMat, Error};
 use counterpoise_linalg as linalg;

@@ -3,7 +3,7 @@
 //! Source: Kautsky, Nichols and Van Dooren, Robust pole assignment in linear state feedback, Int. J. Control 41 (1985) 1129,
 //! method 0: each eigenvector in turn is chosen, within the space that its pole allows, as orthogonal to all others as can be.
 
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::root_order::sort_roots;
 use crate::tolerance::{PLACEMENT_RANK, PLACEMENT_SETTLED, PLACEMENT_SWEEPS, SAME_POLE};
 use crate::{C64, CMat, Error, Mat};
@@ -148,7 +148,7 @@ fn transpose(X: &CMat) -> CMat {
 struct Vectors {
     X: CMat,
     spaces: Vec<CMat>,
-    /// Whether column k is the conjugate of column k - 1.
+    /// `true` if column k is the conjugate of column k - 1.
     mirrored: Vec<bool>,
 }
 

@@ -1,7 +1,7 @@
 //! Frequency response: Hessenberg form once, then one pass over it for each handful of points.
 
 use crate::components::{components, independent_blocks};
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::hessenberg_sweep::{LANES, Lane, sweep};
 use crate::scaling::balance;
 use crate::structure::modes;
@@ -59,7 +59,7 @@ pub struct Response {
     parts: Vec<Part>,
     /// p x m.
     D: Mat,
-    /// Whether the dual system is held: one with fewer inputs than outputs is cheaper.
+    /// `true` if the dual system is held: one with fewer inputs than outputs is cheaper.
     dual: bool,
     timebase: Timebase,
 }

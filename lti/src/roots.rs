@@ -2,7 +2,7 @@
 
 use crate::components::components;
 use crate::entrywise::entrywise_zeros;
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::root_order::sort_roots;
 use crate::scaling::balance;
 use crate::tolerance::{

@@ -1,7 +1,7 @@
 //! A whole H2 problem in sampled time: dynamics, cost and noise.
 
 use crate::discretise::{QuadraticCost, SampledCost, sampled_cost};
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::{Error, Mat};
 use counterpoise_linalg as linalg;
 

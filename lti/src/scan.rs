@@ -28,7 +28,7 @@ pub(crate) struct Scan {
     pub limits: Limits,
     /// Gains at which neighbours are close where the phase is near -180 degrees.
     close_gains: Range<f64>,
-    /// Whether the gain grows beyond all bounds towards rest: the roots have more poles than zeros at the origin.
+    /// `true` if the gain grows beyond all bounds towards rest: the roots have more poles than zeros at the origin.
     grows_towards_rest: bool,
     pub points: Vec<Point>,
 }

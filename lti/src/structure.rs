@@ -9,7 +9,7 @@
 //!
 //! the modes are computed instead, each frequency from its Rayleigh quotient in twice the working precision.
 
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::tolerance::UNCOUPLED;
 use crate::{Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
@@ -42,7 +42,7 @@ pub(crate) fn modes(g: &StateSpace) -> Result<Option<StateSpace>, Error> {
         return Ok(None);
     }
     let squares: Vec<f64> = (0..n / 2).map(|k| rayleigh(&K, X.column(k))).collect();
-    let modal = Modal { X, squares, damping: G.diagonal(), rate };
+    let modal = ModalForm { X, squares, damping: G.diagonal(), rate };
     modal.system(g, &positions, &speeds).map(Some)
 }
 
@@ -72,14 +72,14 @@ fn pairs(A: &Mat) -> Option<Vec<(usize, usize)>> {
     (2 * speeds.len() == n && pairs.len() == half).then_some(pairs)
 }
 
-struct Modal {
+struct ModalForm {
     X: Mat,
     squares: Vec<f64>,
     damping: Vec<f64>,
     rate: Mat,
 }
 
-impl Modal {
+impl ModalForm {
     fn system(&self, g: &StateSpace, positions: &[usize], speeds: &[usize]) -> Result<StateSpace, Error> {
         let count = self.squares.len();
         let inputs: Vec<usize> = (0..g.inputs()).collect();
@@ -107,9 +107,9 @@ impl Modal {
 
 /// x'Kx / x'x in twice the working precision.
 fn rayleigh(K: &Mat, x: &[f64]) -> f64 {
-    let (mut energy, mut size) = (Double::default(), Double::default());
+    let (mut energy, mut size) = (LongReal::default(), LongReal::default());
     for (j, &xj) in x.iter().enumerate() {
-        let mut row = Double::default();
+        let mut row = LongReal::default();
         for (&k, &xi) in K.column(j).iter().zip(x).filter(|(k, _)| **k != 0.0) {
             row.add_product(k, xi);
         }
@@ -127,12 +127,12 @@ fn rayleigh(K: &Mat, x: &[f64]) -> f64 {
 
 /// An unevaluated sum of two doubles (Dekker 1971).
 #[derive(Debug, Clone, Copy, Default)]
-struct Double {
+struct LongReal {
     high: f64,
     low: f64,
 }
 
-impl Double {
+impl LongReal {
     /// self += a b, with the rounding errors of product and sum kept.
     fn add_product(&mut self, a: f64, b: f64) {
         let product = a * b;
@@ -161,7 +161,7 @@ mod tests {
     use crate::poles;
 
     /// Returns a rod of n masses fixed at one end, modal damping `zeta`, in physical units.
-    pub(crate) fn rod(n: usize, k: f64, zeta: f64) -> StateSpace {
+    pub(crate) fn build_rod(n: usize, k: f64, zeta: f64) -> StateSpace {
         let K = Mat::from_fn(n, n, |i, j| match i.abs_diff(j) {
             0 if i + 1 == n => k,
             0 => 2.0 * k,
@@ -180,7 +180,7 @@ mod tests {
     #[test]
     fn the_lowest_frequency_of_an_unscaled_rod_has_all_its_digits() {
         let (n, k) = (100, 1e9);
-        let modal = modes(&rod(n, k, 0.005)).unwrap().unwrap();
+        let modal = modes(&build_rod(n, k, 0.005)).unwrap().unwrap();
         // 2 sqrt(k) sin((2j - 1) pi / (2 (2n + 1))).
         for j in 1..=n {
             let exact =
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn the_modal_system_is_the_same_system() {
-        let g = rod(6, 1e4, 0.02);
+        let g = build_rod(6, 1e4, 0.02);
         let modal = modes(&g).unwrap().unwrap();
         let (a, b) = (poles(&g).unwrap(), poles(&modal).unwrap());
         let far = |p: &crate::C64| b.iter().map(|q| (p - q).norm()).fold(f64::INFINITY, f64::min);
@@ -211,10 +211,10 @@ mod tests {
 
     #[test]
     fn other_systems_are_left_alone() {
-        let mut g = rod(6, 1e4, 0.02);
+        let mut g = build_rod(6, 1e4, 0.02);
         g.A[(8, 9)] += 3.0;
         assert!(modes(&g).unwrap().is_none());
-        let mut g = rod(6, 1e4, 0.02);
+        let mut g = build_rod(6, 1e4, 0.02);
         g.A[(8, 1)] += 1e-9;
         assert!(modes(&g).unwrap().is_none());
     }

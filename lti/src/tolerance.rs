@@ -46,7 +46,7 @@ pub const IMPROPER: f64 = 1e-9;
 /// evaluation.
 pub const NEAR_AXIS: f64 = 1e-6;
 
-/// As [`NEAR_AXIS`], relative to the norm of the Hamiltonian.
+/// Distance of [`NEAR_AXIS`], relative to the norm of the Hamiltonian.
 pub const NEAR_AXIS_NORM: f64 = 1e-12;
 
 /// Frequencies closer than this, relative, are one.

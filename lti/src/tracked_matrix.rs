@@ -5,14 +5,14 @@ use crate::tolerance::CANCELLED;
 use counterpoise_linalg::{self as linalg, Mat};
 
 #[derive(Debug, Clone)]
-pub(crate) struct Tracked {
+pub(crate) struct TrackedMatrix {
     /// The entries.
     pub value: Mat,
     /// The largest sums of magnitudes that made them.
     size: Mat,
 }
 
-impl Tracked {
+impl TrackedMatrix {
     /// Takes data as they are given: nothing has cancelled yet.
     pub fn of(value: Mat) -> Self {
         let size = value.map(f64::abs);
@@ -80,17 +80,17 @@ impl Tracked {
 /// An entry by which an elimination divides.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pivot {
-    /// Its row, from 0.
+    /// Row, from 0.
     pub row: usize,
-    /// Its column, from 0.
+    /// Column, from 0.
     pub column: usize,
 }
 
 /// Gauss' elimination of `rows` of M with complete pivoting among `cols`; the same row operations are applied to
 /// `others`. Pivots leave both lists: rows that remain are zero in these columns. Returns the pivots.
 pub(crate) fn eliminate(
-    M: &mut Tracked,
-    others: &mut [&mut Tracked],
+    M: &mut TrackedMatrix,
+    others: &mut [&mut TrackedMatrix],
     rows: &mut Vec<usize>,
     cols: &mut Vec<usize>,
 ) -> Vec<Pivot> {

@@ -1,7 +1,7 @@
 //! Zeros, poles and gain: what a person reads and what a weight is written as.
 
 use crate::connect::series;
-use crate::error::During;
+use crate::error::OperationContext;
 use crate::response::Response;
 use crate::root_order::sort_roots;
 use crate::roots::{poles, zeros};

@@ -11,7 +11,7 @@ const FIRST_GRID: usize = 100;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder = std::env::args().nth(1).ok_or("name the folder")?;
-    let fe = ConfiguredStructure::new(&rig(), None)?.fe(&FeOptions::default())?;
+    let fe = ConfiguredStructure::new(&rig(), None)?.build_fe_model(&FeOptions::default())?;
     let market = |A: &counterpoise_linalg::Mat| {
         let n = A.nrows();
         let lower: Vec<(usize, usize)> =

@@ -33,11 +33,11 @@ pub struct BaseState {
 pub struct Traverse {
     /// Angle about the base's z axis at the start, rad, positive to the left.
     pub angle_rad: f64,
-    /// Its rate relative to the base, rad/s.
+    /// Rate relative to the base, rad/s.
     pub rate_rad_s: f64,
 }
 
-/// What the elevation axis feels of the base's motion at one instant.
+/// Motion of the base that acts on the elevation axis at one instant.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct FeltMotion {
     /// Upward acceleration s_Z - g, m/s^2.
@@ -52,7 +52,7 @@ pub struct FeltMotion {
     pub yaw_rate_rad_s: f64,
 }
 
-/// How an inertial measurement unit is mounted on the base.
+/// Mounting of an inertial measurement unit on the base.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mounting {
     /// From the unit's axes to those of the base.
@@ -191,12 +191,12 @@ pub fn base_of_felt(
     on_ring(forward).into_iter().enumerate().map(of).collect()
 }
 
-/// How the axes that do not turn are chosen at the start.
+/// Choice of the axes that do not turn at the start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Level {
     /// The base is level at the start.
     Known,
-    /// The mean of the specific force points upward: for a recording, whose attitude at the start nobody measured.
+    /// The mean of the specific force points upward: for a recording whose initial attitude was not measured.
     ByMean,
 }
 

@@ -19,7 +19,7 @@ pub enum Error {
     Parameter {
         /// Which parameter, with its path.
         parameter: String,
-        /// Its value.
+        /// Value.
         value: f64,
         /// What is required of it, as a phrase that follows "it": "must be above 0".
         allowed: Cow<'static, str>,

@@ -5,11 +5,11 @@
 pub struct Linkage {
     /// Distance of the pin on the elevated mass from the pivot, m.
     pub arm_m: f64,
-    /// Its angle from the beam, rad.
+    /// Angle from the beam, rad.
     pub arm_angle_rad: f64,
     /// Distance of the pin on the platform from the pivot, m.
     pub anchor_m: f64,
-    /// Its angle above forward, rad.
+    /// Angle above forward, rad.
     pub anchor_angle_rad: f64,
 }
 

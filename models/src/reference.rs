@@ -102,8 +102,8 @@ fn beam() -> Beam {
     }
 }
 
-fn lumped_rig() -> Lumped {
-    Lumped {
+fn lumped_rig() -> LumpedStructure {
+    LumpedStructure {
         hub_inertia_kg_m2: 74.1,
         beam_inertia_kg_m2: 271.6,
         stiffness_nm_rad: 3.305e6,
@@ -146,7 +146,10 @@ fn amplifier() -> Amplifier {
 }
 
 fn dahl(coulomb_nm: f64, rest_stiffness_nm_rad: f64, viscous_nm_s_rad: f64) -> Friction {
-    Friction::plain(FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad, exponent: 1.0 }, viscous_nm_s_rad)
+    Friction::with_viscous_part(
+        FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad, exponent: 1.0 },
+        viscous_nm_s_rad,
+    )
 }
 
 fn sensors() -> Sensors {

@@ -33,22 +33,22 @@ pub struct ElevatedBody {
     pub vertical_offset_kg_m: f64,
     /// Inertia at the pivot.
     pub inertia: BodyInertia,
-    /// Where the pivot is, from the ring's axis.
+    /// Position of the pivot, from the ring's axis.
     pub pivot: PivotPosition,
     /// Elevation at which the parameters of the traverse axis include the body.
     pub included_at: SinCos,
 }
 
-/// What couples the axes.
+/// Inertias and offsets that couple the two axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coupling {
     /// The elevated body as the traverse ring feels it.
     pub body: ElevatedBody,
-    /// Where the gyroscope of the traverse axis is.
+    /// Place of the gyroscope of the traverse axis.
     pub gyroscope: TraverseGyroscope,
 }
 
-/// Where the gyroscope of the traverse axis is.
+/// Place of the gyroscope of the traverse axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TraverseGyroscope {
     /// On the ring: it reads the ring's rate R about its own axis.
@@ -108,7 +108,7 @@ pub struct ElevationMotion {
     pub tilt: SinCos,
     /// Inertial rate about the elevation axis, rad/s.
     pub rate_rad_s: f64,
-    /// Its derivative, rad/s^2.
+    /// Derivative, rad/s^2.
     pub acceleration_rad_s2: f64,
 }
 

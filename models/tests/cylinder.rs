@@ -4,7 +4,7 @@
 use counterpoise_models::parameters::cylinder::Lever;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{
-    Angles, Excitation, Friction, FrictionLaw, FrictionLinearisation, LinearPlant, Linkage, Lumped,
+    Angles, Excitation, Friction, FrictionLaw, FrictionLinearisation, LinearPlant, Linkage, LumpedStructure,
     OperatingPoint, Parameters, Plant, reference,
 };
 
@@ -12,9 +12,10 @@ const PINS: Linkage = Linkage { arm_m: 0.6, arm_angle_rad: -0.3, anchor_m: 1.3, 
 
 fn machine(lever: Lever, valve_rad_s: f64) -> Parameters {
     let mut p = reference::rig();
-    let none = Friction::plain(FrictionLaw::None, 0.0);
+    let none = Friction::with_viscous_part(FrictionLaw::None, 0.0);
     (p.motor_friction, p.pivot_friction) = (none.clone(), none);
-    (p.beam, p.lumped) = (None, Some(Lumped { out_of_balance_kg_m: 900.0, ..Lumped::rigid(2.5e3) }));
+    (p.beam, p.lumped) =
+        (None, Some(LumpedStructure { out_of_balance_kg_m: 900.0, ..LumpedStructure::rigid(2.5e3) }));
     p.configurations.clear();
     reference::put_cylinder(&mut p, lever);
     p.amplifier.time_constant_s = 1.6 / valve_rad_s;

@@ -7,21 +7,21 @@ use counterpoise_models::plant::Body;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{
     AmplifierDynamics, Angles, AxisKind, Excitation, FeedbackSignal, Friction, FrictionLaw,
-    FrictionLinearisation, Gearbox, LinearPlant, Link, Lumped, OperatingPoint, Parameters, Plant, Ripple,
-    Transmission, reference,
+    FrictionLinearisation, Gearbox, LinearPlant, Link, LumpedStructure, OperatingPoint, Parameters, Plant,
+    Ripple, Transmission, reference,
 };
 use std::f64::consts::TAU;
 
 /// One inertia on a motor that takes a torque, 0.4 N m/V.
 fn direct(inertia_kg_m2: f64) -> Parameters {
     let mut p = reference::rig();
-    (p.beam, p.lumped, p.gearbox) = (None, Some(Lumped::rigid(inertia_kg_m2)), Gearbox::DIRECT);
+    (p.beam, p.lumped, p.gearbox) = (None, Some(LumpedStructure::rigid(inertia_kg_m2)), Gearbox::DIRECT);
     p.motor.inertia_kg_m2 = 0.0;
     p.motor.torque_constant_nm_a = 1.0;
     p.amplifier.dynamics = AmplifierDynamics::TorqueCommand;
     p.amplifier.gain = 0.4;
-    p.motor_friction = Friction::plain(FrictionLaw::None, 0.0);
-    p.pivot_friction = Friction::plain(FrictionLaw::None, 0.0);
+    p.motor_friction = Friction::with_viscous_part(FrictionLaw::None, 0.0);
+    p.pivot_friction = Friction::with_viscous_part(FrictionLaw::None, 0.0);
     p
 }
 
@@ -118,7 +118,11 @@ fn a_rotor_added_to_a_modal_structure_is_a_rotor_added_to_its_hub() {
 fn a_chain_has_the_modes_of_its_matrices() {
     let (inertia, stiffness) = (0.4, 900.0);
     let link = Link { inertia_kg_m2: inertia, stiffness_nm_rad: stiffness, damping_nm_s_rad: 0.5 };
-    let mut three = Lumped { stiffness_nm_rad: stiffness, damping_nm_s_rad: 0.5, ..Lumped::rigid(inertia) };
+    let mut three = LumpedStructure {
+        stiffness_nm_rad: stiffness,
+        damping_nm_s_rad: 0.5,
+        ..LumpedStructure::rigid(inertia)
+    };
     three.beam_inertia_kg_m2 = inertia;
     three.chain = vec![link];
     let body = Body::chain(&three).unwrap();
@@ -141,7 +145,7 @@ fn a_chain_has_the_modes_of_its_matrices() {
 fn a_chain_with_one_part_less_is_the_structure_without_it() {
     let two = reference::rig().lumped.unwrap();
     let light = Link { inertia_kg_m2: 1e-9, stiffness_nm_rad: 1e3, damping_nm_s_rad: 0.0 };
-    let three = Body::chain(&Lumped { chain: vec![light], ..two.clone() }).unwrap();
+    let three = Body::chain(&LumpedStructure { chain: vec![light], ..two.clone() }).unwrap();
     let (found, expected) = (three.modes[0], Body::from_lumped(&two).modes[0]);
     for (found, expected) in [
         (found.frequency_rad_s, expected.frequency_rad_s),
@@ -157,7 +161,7 @@ fn a_chain_with_one_part_less_is_the_structure_without_it() {
         stiffness_nm_rad: two.stiffness_nm_rad,
         damping_nm_s_rad: two.damping_nm_s_rad,
     };
-    let hub_alone = Lumped {
+    let hub_alone = LumpedStructure {
         beam_inertia_kg_m2: 0.0,
         stiffness_nm_rad: f64::INFINITY,
         damping_nm_s_rad: 0.0,
@@ -328,7 +332,7 @@ fn what_needs_a_mesh_that_gives_says_so() {
     let told = Plant::from_lumped(&p).unwrap_err().to_string();
     assert!(told.contains("gearbox.backlash_rad") && told.contains("gearbox.stiffness"), "{told}");
     let mut p = direct(0.02);
-    p.motor_friction = Friction::plain(FrictionLaw::Coulomb { coulomb_nm: 0.1 }, 0.0);
+    p.motor_friction = Friction::with_viscous_part(FrictionLaw::Coulomb { coulomb_nm: 0.1 }, 0.0);
     p.pivot_friction = p.motor_friction.clone();
     assert!(Plant::from_lumped(&p).unwrap_err().to_string().contains("truly sticks"));
 }

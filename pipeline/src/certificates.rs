@@ -1,6 +1,6 @@
 //! What certifies a design: residuals of its equations, costs predicted and found, and the poles of the sampled loop.
 
-use counterpoise_synth::{Certified, Cost, DisturbanceChannel, Equation, Feedforward, Part};
+use counterpoise_synth::{Cost, DisturbanceChannel, Equation, Feedforward, Part, PartCertificates};
 use counterpoise_verify::Verification;
 
 use crate::SynthesisedDesign;
@@ -99,7 +99,7 @@ fn of_cost(part: CertifiedPart, cost: Cost) -> Option<Certificate> {
     Some(Certificate { quantity: CertifiedQuantity::CostDifference(part), value, holds: value < SAME_COST })
 }
 
-fn of_sampled(certified: &Certified) -> Vec<Certificate> {
+fn of_sampled(certified: &PartCertificates) -> Vec<Certificate> {
     let part = CertifiedPart::Sampled(certified.part);
     let filter = certified.filter.as_ref();
     let mut all = vec![of_equation(part, CertifiedEquation::Regulator, &certified.regulator)];

@@ -4,7 +4,7 @@ use counterpoise_export::{File, FormFigures, TargetRuns, Targets};
 use counterpoise_pool::{Pool, join};
 use counterpoise_project::Project;
 use counterpoise_verify::certificate::StabilityCertificate;
-use counterpoise_verify::spectral::{Spectral, spectral_rejections};
+use counterpoise_verify::spectral::{HubRateSpectra, spectral_rejections};
 use counterpoise_verify::{Procedure, VerifiedController};
 
 use crate::certificates::{Certificate, certify_designs};
@@ -12,7 +12,7 @@ use crate::design_views::{DesignViews, design_views};
 use crate::exchange::{VerifiedLoop, verified_loop};
 use crate::export::target_proofs::OperationCounts;
 use crate::export::{
-    ExportedCode, LeftOut, PathForms, TargetCode, every_target, export_by, half_step_v, path_forms,
+    ExportedCode, OmittedCode, PathForms, TargetCode, every_target, export_by, half_step_v, path_forms,
 };
 use crate::loop_view::{LoopView, loop_view};
 use crate::sight_views::{SightView, view_sight};
@@ -26,7 +26,7 @@ use crate::{
     verify_on,
 };
 
-/// What each stage of the pipeline made, from the plant to the code.
+/// Results of the stages of the pipeline, from the plant to the code.
 #[derive(Debug, Clone)]
 pub struct DesignStages {
     /// The plant.
@@ -35,23 +35,23 @@ pub struct DesignStages {
     pub reduced: ReducedPlant,
     /// The design and its sampled controller.
     pub synthesised: SynthesisedDesign,
-    /// What the verification did to the mechanism.
+    /// Procedure of the verification.
     pub procedure: Procedure,
     /// The controller with its verdicts.
     pub verified: VerifiedController,
-    /// Its stability in every regime.
+    /// Stability in every regime.
     pub stability: StabilityCertificate,
-    /// Its code.
+    /// Code.
     pub files: Vec<File>,
     /// Code that the project asks for and cannot have.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<OmittedCode>,
     /// The traverse axis under this elevation axis, with its code; `None` if the project has none.
     pub traverse: Option<Box<TraverseCode>>,
 }
 
 impl DesignStages {
     /// Returns the code that the project, or that of its traverse axis, asks for and cannot have.
-    pub fn all_left_out(&self) -> impl Iterator<Item = &LeftOut> {
+    pub fn all_left_out(&self) -> impl Iterator<Item = &OmittedCode> {
         self.left_out.iter().chain(self.traverse.iter().flat_map(|axis| &axis.left_out))
     }
 
@@ -72,7 +72,7 @@ pub struct TargetStudy {
     pub code: Vec<TargetCode>,
     /// Operations of a step.
     pub operations: OperationCounts,
-    /// How sensitive the coefficients of each path are.
+    /// Sensitivity of the coefficients of each path.
     pub forms: Vec<PathForms>,
     /// The controller with its paths in every form.
     pub by_form: Vec<FormFigures>,
@@ -81,11 +81,11 @@ pub struct TargetStudy {
 /// A whole design with everything that a report, a terminal or another program shows of it.
 #[derive(Debug, Clone)]
 pub struct CompletedDesign {
-    /// Which project was designed.
+    /// Identity of the project that was designed.
     pub identity: ProjectIdentity,
-    /// What each stage made.
+    /// Results of the stages.
     pub stages: DesignStages,
-    /// What each weight asks for, in words, one a line.
+    /// Meaning of each weight in words, one a line.
     pub weights: Vec<String>,
     /// Why the weights are what they are, if the project stated none and they were chosen here.
     pub first_design: Option<FirstDesign>,
@@ -100,10 +100,10 @@ pub struct CompletedDesign {
     /// The spectrum of the line of sight at each place; empty if the verification did not ask for it.
     pub sight_views: Vec<SightView>,
     /// Rejection ratios from the time histories on the road.
-    pub spectra: Vec<Spectral>,
+    pub spectra: Vec<HubRateSpectra>,
     /// The controller in double, single and fixed point.
     pub targets: TargetStudy,
-    /// What the linear figures were measured on.
+    /// Loop on which the linear figures were measured.
     pub verified_loop: VerifiedLoop,
     /// The trials of the project's adaptation; `None` if it has none.
     pub adaptation: Option<AdaptationTrials>,
@@ -114,7 +114,7 @@ pub struct CompletedDesign {
 /// A design without its verification and code, with everything that a report, a terminal or another program shows of it.
 #[derive(Debug, Clone)]
 pub struct SynthesisStudy {
-    /// Which project was designed.
+    /// Identity of the project that was designed.
     pub identity: ProjectIdentity,
     /// The plant.
     pub modelled: PlantModel,
@@ -122,7 +122,7 @@ pub struct SynthesisStudy {
     pub reduced: ReducedPlant,
     /// The design and its sampled controller.
     pub synthesised: SynthesisedDesign,
-    /// What each weight asks for, in words, one a line.
+    /// Meaning of each weight in words, one a line.
     pub weights: Vec<String>,
     /// Residuals and costs that certify the design.
     pub certificates: Vec<Certificate>,

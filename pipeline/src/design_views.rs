@@ -206,13 +206,13 @@ fn weights_of(part: &'static str, weights: &[NamedWeight<'_>]) -> WeightResponse
 }
 
 /// A controller taken from a design; `None` if the design has none of its kind.
-type ControllerOf = fn(&Design) -> Option<StateSpace>;
+type ControllerSelector = fn(&Design) -> Option<StateSpace>;
 
 fn controller_families(balance: &[ScheduleEntry]) -> Result<Vec<ControllerFamily>, PipelineError> {
     if balance.len() < 2 {
         return Ok(Vec::new());
     }
-    let kinds: [(&'static str, &'static str, usize, ControllerOf); 3] = [
+    let kinds: [(&'static str, &'static str, usize, ControllerSelector); 3] = [
         ("Feedback", "V s/rad", 1, |d| Some(d.feedback_controller())),
         ("Heave feedforward", "V s^2/m", 0, |d| d.feedforward_controller(DisturbanceChannel::Heave)),
         ("Pitch feedforward", "V s/rad", 0, |d| d.feedforward_controller(DisturbanceChannel::Pitch)),

@@ -88,7 +88,7 @@ pub enum PipelineError {
     ControllerUnstable {
         /// Name of the file.
         file: String,
-        /// What was found.
+        /// Findings.
         findings: Vec<DesignFinding>,
     },
     /// A controller in sampled time that oscillates at half the sample rate.
@@ -103,7 +103,7 @@ pub enum PipelineError {
     /// A configuration that the project does not have.
     #[error("there is no configuration \"{name}\"; the project has: {known}")]
     Configuration {
-        /// What was asked for.
+        /// Requested name.
         name: String,
         /// What there is.
         known: String,
@@ -179,11 +179,11 @@ pub enum PipelineError {
     /// A file that the project names.
     #[error("the file \"{name}\", which [{section}] names: {problem}")]
     File {
-        /// Its name.
+        /// Name.
         name: String,
         /// The section that names it.
         section: &'static str,
-        /// What is wrong.
+        /// Description of the error.
         problem: String,
     },
     /// The mechanism was refused.

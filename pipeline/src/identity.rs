@@ -5,7 +5,7 @@ use counterpoise_project::Project;
 use crate::World;
 use crate::export::project_hash;
 
-/// Which project a result belongs to.
+/// Project to which a result belongs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ProjectIdentity {
     /// Name of the mechanism.

@@ -67,7 +67,7 @@ pub use design::{
     CompletedDesign, DesignStages, SynthesisStudy, design_project, run_stages, study_synthesis,
 };
 pub use error::PipelineError;
-pub use export::{ExportedCode, LeftOut, export};
+pub use export::{ExportedCode, OmittedCode, export};
 pub use first_design::{
     ChosenWeights, FirstDesignResult, choose_weights, leaves_weights_open, with_chosen_weights,
 };
@@ -88,7 +88,7 @@ pub use two_axes::{
 };
 pub use verify::{project_procedure, verify, verify_linear_on, verify_on, verify_watched};
 
-/// What the pipeline needs from outside, handed in: files beside the project, and an observer of the steps.
+/// Access of the pipeline to its surroundings: the files beside the project, and an observer of the stages.
 pub trait World {
     /// Returns the bytes of a file beside the project file.
     ///
@@ -113,13 +113,13 @@ pub trait World {
 pub enum PipelineStage {
     /// The plant is built and linearised.
     Model,
-    /// Its order is reduced.
+    /// The order is reduced.
     Reduce,
     /// The controller is designed and sampled.
     Synthesise,
     /// The sampled controller is verified.
     Verify,
-    /// Its code is written.
+    /// The code is written.
     Export,
 }
 
@@ -136,12 +136,12 @@ impl PipelineStage {
     }
 }
 
-/// What a stage took, as measured by whoever runs the pipeline.
+/// Time of a stage, as measured by the program that runs the pipeline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StageTime {
     /// The stage.
     pub name: String,
-    /// Its time, ms.
+    /// Time, ms.
     pub milliseconds: f64,
 }
 

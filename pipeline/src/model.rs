@@ -5,7 +5,8 @@ use std::ops::ControlFlow;
 use counterpoise_linalg::sparse::StageProgress;
 use counterpoise_models::plant::{Angles, Equilibrium, FrictionLinearisation, LinearPlant, Plant};
 use counterpoise_models::structure::{
-    Condensation, ConfiguredStructure, FeModel, Fitted, pinned_modes, reduce_to_lumped, with_derived_lumped,
+    AttachedMasses, Condensation, ConfiguredStructure, FeModel, pinned_modes, reduce_to_lumped,
+    with_derived_lumped,
 };
 use counterpoise_models::{CONVERTER_RANGE_V, Configuration, Parameters, PointMass};
 use counterpoise_pool::{Pool, Serial};
@@ -23,9 +24,9 @@ pub struct PlantModel {
     pub parameters: Parameters,
     /// The nonlinear plant.
     pub plant: Plant,
-    /// Its linearisation where it stands.
+    /// Linearisation where it stands.
     pub linear: LinearPlant,
-    /// Its linearisation there with the rate of what the loop's sensor measures in place of the position, for the inner loop of a
+    /// Linearisation there with the rate of what the loop's sensor measures in place of the position, for the inner loop of a
     /// cascade; `None` if the sensor measures a rate.
     pub rate: Option<LinearPlant>,
     /// The finite elements that it was made from, if it was.
@@ -159,7 +160,7 @@ pub fn finite_elements_watched<'a>(
     }
     let structure = ConfiguredStructure::new(&project.plant, configuration)?;
     let ratios = project.plant.beam.as_ref().map_or(&[] as &[f64], |beam| &beam.modal_damping);
-    Ok((structure.fe(&project.model.elements)?, ratios))
+    Ok((structure.build_fe_model(&project.model.elements)?, ratios))
 }
 
 /// Returns which finite elements a project has: those that its model takes, else its beam's, else imported
@@ -178,8 +179,8 @@ fn fitted_parts(
     project: &Project,
     import: &ImportedStructure,
     configuration: Option<&Configuration>,
-) -> Result<Fitted, PipelineError> {
-    let mut out = Fitted::default();
+) -> Result<AttachedMasses, PipelineError> {
+    let mut out = AttachedMasses::default();
     let Some(configuration) = configuration else { return Ok(out) };
     out.hub_inertia_kg_m2 = configuration.added_hub_inertia_kg_m2;
     let of_beam = project.plant.beam.iter().flat_map(|beam| &beam.masses);

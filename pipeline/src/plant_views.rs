@@ -2,7 +2,7 @@
 
 use counterpoise_diagnose::learning::reading::{ReadElement, read_elements};
 use counterpoise_models::friction::FrictionModel;
-use counterpoise_models::friction::describing::sinusoidal_loop;
+use counterpoise_models::friction::describing_function::sinusoidal_loop;
 use counterpoise_models::structure::refinement::{
     COLUMNS, REFERENCE, Refinement, RefinementMesh, compare_refinements,
 };
@@ -23,7 +23,7 @@ pub struct PlantViews {
     /// The finite elements of which these are the modes; none without a flexible structure.
     #[serde(skip)]
     pub elements: Option<FeModel>,
-    /// What few elements make of the beam; none without a beam.
+    /// Frequencies of the beam with few elements; none without a beam.
     pub meshes: Option<MeshComparison>,
     /// Friction at the motor and at the pivot, if there is any.
     pub frictions: Vec<FrictionView>,
@@ -32,12 +32,12 @@ pub struct PlantViews {
     pub learned: Vec<ReadElement>,
 }
 
-/// What few elements make of a beam, free at both ends, beside many: the columns of the thesis' table 6-1.
+/// Comparison of a beam of few elements with one of many, free at both ends: the columns of the thesis' table 6-1.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MeshComparison {
     /// Elements of the model that is compared with.
     pub reference: usize,
-    /// Its flexible frequencies, Hz.
+    /// Flexible frequencies, Hz.
     pub reference_hz: Vec<f64>,
     /// The columns of the table.
     pub columns: Vec<MeshColumn>,

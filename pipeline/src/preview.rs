@@ -13,7 +13,7 @@ use counterpoise_verify::linear::closed_loop::resolver_use;
 use counterpoise_verify::linear::frequency::grid_hz;
 use counterpoise_verify::linear::plant::Resolver;
 use counterpoise_verify::linear::{
-    self, ArrangedLoop, Closed, Curves, PlantResponse, SampledPlant, arrange_controller,
+    self, ArrangedLoop, ClosedLoop, Curves, PlantResponse, SampledPlant, arrange_controller,
 };
 use counterpoise_verify::{
     ARRANGEMENTS, Arrangement, Experiment, History, Procedure, Requirement, Source, Step,
@@ -122,8 +122,8 @@ impl DesignPreview {
     }
 }
 
-/// What the last request needed and the next one may need again: its plant, with what that alone contributes to the responses, and
-/// the weights that were chosen.
+/// Values that the last request computed and the next one may reuse: its plant, with what that alone contributes to the responses, and the
+/// weights that were chosen.
 #[derive(Default)]
 pub struct PreviewCache {
     kept: Option<CachedPlant>,
@@ -149,7 +149,7 @@ struct SampledViews {
     resolver: Resolver,
     plant: SampledPlant,
     response: PlantResponse,
-    uncontrolled: Closed,
+    uncontrolled: ClosedLoop,
 }
 
 impl PreviewCache {
@@ -223,7 +223,7 @@ impl SampledViews {
     fn new(modelled: &PlantModel, resolver: Resolver) -> Result<Self, PipelineError> {
         let plant = SampledPlant::new(&modelled.linear, &modelled.parameters, resolver)?;
         let response = PlantResponse::of(&plant, grid_hz(plant.sample_period_s))?;
-        let uncontrolled = Closed::new(&plant, None, modelled.plant.body().out_of_balance_kg_m)?;
+        let uncontrolled = ClosedLoop::new(&plant, None, modelled.plant.body().out_of_balance_kg_m)?;
         Ok(Self { resolver, plant, response, uncontrolled })
     }
 }
@@ -321,7 +321,7 @@ fn close_loops(
     let mut loops = vec![ArrangedLoop { arrangement: Arrangement::Uncontrolled, closed: uncontrolled }];
     for arrangement in ARRANGEMENTS.into_iter().skip(1) {
         let acting = arrange_controller(controller, arrangement)?;
-        let closed = Closed::new(&sampled.plant, acting.as_ref(), moment)?;
+        let closed = ClosedLoop::new(&sampled.plant, acting.as_ref(), moment)?;
         loops.push(ArrangedLoop { arrangement, closed });
     }
     Ok(loops)
@@ -390,7 +390,7 @@ impl Responses<'_> {
     }
 
     /// Returns the loop of the feedback alone, closed and broken at the plant's input.
-    fn feedback(&self) -> Result<(&Closed, &StateSpace), PipelineError> {
+    fn feedback(&self) -> Result<(&ClosedLoop, &StateSpace), PipelineError> {
         let [.., ArrangedLoop { closed: feedback, .. }, _] = self.loops else { return Err(missing_loop()) };
         Ok((feedback, feedback.broken.as_ref().ok_or_else(missing_loop)?))
     }

@@ -18,15 +18,15 @@ pub struct ReducedPlant {
     pub system: StateSpace,
     /// The plant before.
     pub before: StateSpace,
-    /// What the outputs are.
+    /// Names of the outputs.
     pub output_names: Vec<String>,
     /// Values by which states were ranked, largest first; empty if the method ranks none.
     pub ranked: Vec<f64>,
     /// A priori bound on the largest error over all frequencies and directions.
     pub bound: Option<f64>,
-    /// That error as measured, with the frequency at which it is largest, rad/s.
+    /// Measured error of the reduction, with the frequency at which it is largest, rad/s.
     pub error: Option<(f64, f64)>,
-    /// What a designer should know.
+    /// Warnings for the designer.
     pub warnings: Vec<Warning>,
 }
 

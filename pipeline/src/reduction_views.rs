@@ -5,7 +5,9 @@ use counterpoise_lti::{StateSpace, hankel_values, poles, response};
 use counterpoise_models::friction::FrictionModel;
 use counterpoise_models::parameters::Beam;
 use counterpoise_models::plant::LinearPlant;
-use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Modes, Profile, Support, undamped_modes};
+use counterpoise_models::structure::{
+    AttachedMasses, FeModel, FeOptions, Modes, Profile, Support, undamped_modes,
+};
 use counterpoise_models::{Friction, Parameters};
 
 use crate::{PlantModel, ReducedPlant};
@@ -84,12 +86,12 @@ pub struct PinnedModes {
 /// Returns the modes of a beam that is pinned at the hub, or `None` if its finite-element model cannot be built.
 pub fn pinned_modes(beam: &Beam) -> Option<PinnedModes> {
     let options = FeOptions::default();
-    let model = FeModel::beam(beam, &Fitted::default(), &options).ok()?;
+    let model = FeModel::beam(beam, &AttachedMasses::default(), &options).ok()?;
     let nodes_m = options.mesh.nodes_m(&Profile::new(beam).ok()?, beam.pivot_m).ok()?;
     Some(PinnedModes { nodes_m, modes: undamped_modes(&model, Support::Pinned).ok()? })
 }
 
-/// Where friction acts.
+/// Place of a friction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrictionPlace {
     /// At the pivot.

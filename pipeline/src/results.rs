@@ -40,7 +40,7 @@ use crate::plant_views::FrictionView;
 use crate::studies::accuracy::Accuracy;
 use crate::studies::adaptation_trials::AdaptationTrials;
 use crate::studies::comparison::DesignComparison;
-use crate::wording::acceptance::Traceable;
+use crate::wording::acceptance::AcceptanceSource;
 use crate::wording::certificates::describe_certified_quantity;
 use crate::wording::serialisation::{write_demanded_rate, write_design_findings, write_reduction_warnings};
 use crate::{

@@ -20,14 +20,14 @@ use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_simulate::Simulator;
 use counterpoise_synth::tuning::measure_loop;
 use counterpoise_synth::{
-    BestLoop, DesignPlant, Disturbance, FixedStructure, LoopLimits, LoopMeasures, Sampling, Tuned,
+    BestLoop, DesignPlant, Disturbance, FixedStructure, LoopLimits, LoopMeasures, Sampling, TunedDesign,
     TunedFeedback, TuningSubject, TuningTask, Weight, sampled_plant, tune_parameters,
 };
 use counterpoise_verify::signals::{WelchOptions, welch};
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, Source, nonlinear};
 use serde::Serialize;
 
-use crate::exchange::InOwnUnit;
+use crate::exchange::UnitValue;
 use crate::first_design::{with_angles, with_chosen_weights_on};
 use crate::studies::adaptation_choice::with_chosen_adaptation;
 use crate::synth::schedule::other_configurations;
@@ -44,30 +44,30 @@ use crate::{
 pub struct TunedProject {
     /// The project with a value for every parameter, or with the tuned weights.
     pub project: Project,
-    /// What the tuning found.
-    pub tuned: Tuned,
-    /// What the loop was tuned for.
+    /// Result of the tuning.
+    pub tuned: TunedDesign,
+    /// Disturbance for which the loop was tuned.
     pub disturbance: Disturbance,
-    /// What it must keep.
+    /// Limits that it must keep.
     pub limits: LoopLimits,
     /// Plants on which it keeps that.
     pub plants: usize,
 }
 
-/// What the loops of one project are tuned on and for, whatever the structure.
+/// Plants, limits and disturbance for which the loops of one project are tuned, whatever the structure.
 #[derive(Debug, Clone)]
 pub struct TuningGround {
     /// The nominal plant, then those that the project asks for.
     pub plants: Vec<DesignPlant>,
     /// The nominal machine with its angles, on which the loop must be stable.
     pub held: Vec<DesignPlant>,
-    /// What is made least; a band if the project moves nothing.
+    /// Objective that is minimised; a band if the project moves nothing.
     pub objective: TuningObjective,
     /// Mechanisms of the sweep, from which those are taken that turn out to be the worst.
     pub mechanisms: Vec<DesignPlant>,
-    /// How the controller is sampled.
+    /// Sampling of the controller.
     pub sampling: Sampling,
-    /// What acts on the loop.
+    /// Disturbance that acts on the loop.
     pub disturbance: Disturbance,
 }
 
@@ -230,10 +230,10 @@ pub fn tune_feedback(
     subject: TuningSubject<'_>,
     ground: &TuningGround,
     wanted: &TuningOptions,
-) -> Result<(Tuned, usize), PipelineError> {
+) -> Result<(TunedDesign, usize), PipelineError> {
     let mut plants = ground.plants.clone();
     let checked = plants.len() + ground.mechanisms.len();
-    let task = |plants: &[DesignPlant]| -> Result<Tuned, PipelineError> {
+    let task = |plants: &[DesignPlant]| -> Result<TunedDesign, PipelineError> {
         Ok(tune_parameters(&TuningTask {
             subject,
             plants,
@@ -271,7 +271,7 @@ pub fn tune_feedback(
 
 /// By how much a tuned feedback misses the worst limit on a plant; infinite if the loop is not stable there.
 fn missed_on(
-    tuned: &Tuned,
+    tuned: &TunedDesign,
     plant: &DesignPlant,
     ground: &TuningGround,
     limits: &LoopLimits,
@@ -461,7 +461,7 @@ pub struct LoopMeasuresResult {
     pub effort_v: f64,
     /// RMS of what the loop controls that the disturbance leaves.
     #[serde(flatten)]
-    pub residual: InOwnUnit<f64>,
+    pub residual: UnitValue<f64>,
     /// Slowest decay of a pole of the closed loop, rad/s.
     pub decay_rad_s: f64,
 }
@@ -479,7 +479,7 @@ impl LoopMeasuresResult {
             noise_gain: found.noise_gain,
             control_peak: found.control_peak,
             effort_v: found.effort_v,
-            residual: InOwnUnit::new("residual", controlled, found.residual_rad_s),
+            residual: UnitValue::new("residual", controlled, found.residual_rad_s),
             decay_rad_s: f64::NAN,
         }
     }
@@ -496,7 +496,7 @@ impl LoopMeasuresResult {
             noise_gain: m.noise_gain,
             control_peak: m.control_peak,
             effort_v: m.effort_v,
-            residual: InOwnUnit::new("residual", controlled, m.residual_rad_s),
+            residual: UnitValue::new("residual", controlled, m.residual_rad_s),
             decay_rad_s: m.decay_rad_s,
         }
     }
@@ -518,7 +518,7 @@ pub struct TuningResult {
     pub missed: f64,
     /// Residual that each start reached; absent if it found no loop within the limits.
     #[serde(flatten)]
-    pub starts: InOwnUnit<Vec<Option<f64>>>,
+    pub starts: UnitValue<Vec<Option<f64>>>,
     /// Loops that were evaluated.
     pub evaluations: usize,
 }
@@ -528,7 +528,7 @@ pub struct TuningResult {
 pub struct BlockResult {
     /// Kind.
     pub kind: &'static str,
-    /// Its parameters by their keys in a project file.
+    /// Parameters by their keys in a project file.
     pub values: Vec<(&'static str, f64)>,
 }
 
@@ -585,7 +585,7 @@ impl TuningResult {
             measures: tuned.measures.iter().map(|m| LoopMeasuresResult::of(m, controlled)).collect(),
             plants: found.plants,
             missed: tuned.missed,
-            starts: InOwnUnit::new("starts", controlled, reached.collect()),
+            starts: UnitValue::new("starts", controlled, reached.collect()),
             evaluations: tuned.evaluations,
         }
     }

@@ -12,7 +12,7 @@ use counterpoise_verify::{
     verify_two_axes,
 };
 
-use crate::export::{ExportedCode, LeftOut, export_by};
+use crate::export::{ExportedCode, OmittedCode, export_by};
 use crate::traverse_file::{FolderOfFile, check_axes, traverse_project};
 use crate::verify::platform_motion;
 use crate::{PipelineError, PlantModel, ProjectIdentity, SynthesisedDesign, World};
@@ -21,17 +21,17 @@ use crate::{build_plant_model, choose_and_tune, project_procedure, reduce_plant,
 /// The traverse axis of a project, designed and verified alone.
 #[derive(Debug, Clone)]
 pub struct TraverseDesign {
-    /// Its project, with nothing left open.
+    /// Project, with nothing left open.
     pub project: Project,
-    /// Which project that is.
+    /// Identity of that project.
     pub identity: ProjectIdentity,
-    /// Its plant.
+    /// Plant.
     pub modelled: PlantModel,
-    /// Its design.
+    /// Design.
     pub synthesised: SynthesisedDesign,
-    /// What was done to it alone.
+    /// Procedure of its verification alone.
     pub procedure: Procedure,
-    /// Its controller, verified alone.
+    /// Controller, verified alone.
     pub verified: VerifiedController,
 }
 
@@ -40,22 +40,22 @@ pub struct TraverseDesign {
 pub struct TraverseCode {
     /// The axis.
     pub design: TraverseDesign,
-    /// Its code.
+    /// Code.
     pub files: Vec<File>,
     /// Code that its project asks for and cannot have.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<OmittedCode>,
 }
 
 /// An axis as the joint verification takes it.
 #[derive(Debug, Clone, Copy)]
 pub struct DesignedAxis<'a> {
-    /// Its project.
+    /// Project.
     pub project: &'a Project,
-    /// Its plant.
+    /// Plant.
     pub plant: &'a Plant,
-    /// Its design.
+    /// Design.
     pub synthesised: &'a SynthesisedDesign,
-    /// What is done to it alone.
+    /// Procedure of its verification alone.
     pub procedure: &'a Procedure,
 }
 

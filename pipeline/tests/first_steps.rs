@@ -1,11 +1,11 @@
-//! What a first design makes of a step of the demand that nobody stated, of a sensor's delay and of tolerances.
+//! What a first design makes of a step of the demand that the project does not state, of a sensor's delay and of tolerances.
 
 use counterpoise_controller::Controller;
 use counterpoise_pipeline::first_design::ChosenWeights;
 use counterpoise_pipeline::{build_plant_model, reduce_plant, synthesise, with_chosen_weights};
 use counterpoise_project::{Attachments, Document, Project, Purpose};
 use counterpoise_synth::{LimitKind, Unknown};
-use counterpoise_verify::{Figure, LoopFigure, Procedure, frequency_figures};
+use counterpoise_verify::{LoopFigure, PerformanceFigure, Procedure, frequency_figures};
 
 /// A stage on a linear motor: 40 kg, 1020 N, a scale of 1 nm.
 const STAGE: &str = "format = 2
@@ -79,7 +79,7 @@ fn verified_margins(text: &str) -> [f64; 3] {
     let found = frequency_figures(&made.plant, controller, &Procedure::default()).unwrap();
     assert!(found.is_stable);
     [LoopFigure::GainMargin, LoopFigure::PhaseMargin, LoopFigure::MaxSensitivity]
-        .map(|figure| found.value(Figure::Loop(figure)).unwrap())
+        .map(|figure| found.value(PerformanceFigure::Loop(figure)).unwrap())
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn a_first_design_holds_for_the_tolerances_of_its_file() {
             let text = turret(&format!("{}", 0.02 * inertia), &format!("{}", 0.5 * torque), "\"1 ms\"");
             let plant = build_plant_model(&read(&text).1).unwrap().plant;
             let found = frequency_figures(&plant, controller, &Procedure::default()).unwrap();
-            let peak = found.value(Figure::Loop(LoopFigure::MaxSensitivity)).unwrap();
+            let peak = found.value(PerformanceFigure::Loop(LoopFigure::MaxSensitivity)).unwrap();
             if found.is_stable { peak } else { f64::INFINITY }
         };
         ends.map(sensitivity).fold(0.0, f64::max)

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use counterpoise_pipeline::{World, run_stages};
 use counterpoise_project::Project;
-use counterpoise_verify::{Figure, Unmeasured, Verdict};
+use counterpoise_verify::{MissingReason, PerformanceFigure, Verdict};
 
 struct Example;
 
@@ -29,7 +29,7 @@ fn with_every_figure(drop_road: &str) -> Project {
          [verify.line_of_sight.coincidence]\nwindow = 5e-3\ntarget = 5e-3\n\n\
          [verify.line_of_sight.optics]\nfocal_length = 0.1\nspatial_frequency = 3e4\n\n"
     );
-    for figure in Figure::all() {
+    for figure in PerformanceFigure::all() {
         let key = figure.key();
         write!(all, "[[verify.requirement]]\nfigure = \"{key}\"\nat_most = 1e6\n\n").unwrap();
         write!(all, "[[verify.requirement]]\nfigure = \"{key}\"\nat_least = 1e6\n\n").unwrap();
@@ -41,7 +41,7 @@ fn with_every_figure(drop_road: &str) -> Project {
 fn a_project_file_can_require_every_figure_and_each_gets_its_verdict() {
     let designed = run_stages(&with_every_figure(""), &Example).unwrap();
     let verdicts = &designed.verified.verification().verdicts;
-    assert_eq!(verdicts.len(), 2 * Figure::all().len());
+    assert_eq!(verdicts.len(), 2 * PerformanceFigure::all().len());
     for pair in verdicts.chunks(2) {
         let key = pair[0].0.figure.key();
         match (&pair[0].1, &pair[1].1) {
@@ -62,7 +62,7 @@ fn without_a_road_its_figures_say_that_there_is_none() {
     let on_road = |key: &str| key.contains("_road_");
     for (requirement, verdict) in &designed.verified.verification().verdicts {
         let key = requirement.figure.key();
-        let absent = matches!(verdict, Verdict::NotApplicable { why: Unmeasured::NoRoad });
+        let absent = matches!(verdict, Verdict::NotApplicable { why: MissingReason::NoRoad });
         assert_eq!(absent, on_road(&key), "{key}: {verdict:?}");
     }
 }

@@ -9,15 +9,15 @@ use crate::heat_map::HeatMap;
 pub struct Figure {
     /// One line that says what is shown.
     pub title: String,
-    /// What the reader should take from it; may be empty.
+    /// Conclusion for the reader; may be empty.
     pub caption: String,
     /// The command that produces this figure again; may be empty.
     pub command: String,
-    /// What is drawn.
+    /// Content.
     pub content: Content,
 }
 
-/// What a figure draws.
+/// Content of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Content {
     /// Curves in panels over one shared x axis.
@@ -37,7 +37,7 @@ pub struct Panels {
     pub aspect: Aspect,
 }
 
-/// Whether the lengths of the two axes of a panel can be compared.
+/// Relation of the lengths of the two axes of a panel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Aspect {
     /// Each axis fills its side of the panel.
@@ -66,15 +66,15 @@ pub struct Panel {
 pub struct Axis {
     /// The quantity.
     pub label: String,
-    /// Its unit; empty for a pure number.
+    /// Unit; empty for a pure number.
     pub unit: String,
-    /// How values are laid along it.
+    /// Scale of the axis.
     pub scale: Scale,
-    /// Its ends; `None` takes them from the data.
+    /// Ends; `None` takes them from the data.
     pub range: Option<(f64, f64)>,
 }
 
-/// How values are laid along an axis.
+/// Scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
     /// Evenly, with ticks at 1, 2 or 5 times a power of ten.
@@ -88,23 +88,23 @@ pub enum Scale {
 /// A curve. Points that are not finite break it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// Its name in the legend; empty for none.
+    /// Name in the legend; empty for none.
     pub name: String,
     /// One row a point, columns x and y, in the order in which the points are joined. A series whose x never decreases is thinned
-    /// when it is long ([`MOST_POINTS`](crate::thin::MOST_POINTS)); a path that turns back is drawn whole.
+    /// when it is long ([`MOST_POINTS`](crate::thinning::MOST_POINTS)); a path that turns back is drawn whole.
     pub points: Array2<f64>,
-    /// Its colour.
+    /// Colour.
     pub colour: Colour,
-    /// Its dash.
+    /// Dash.
     pub dash: Dash,
 }
 
 /// A point of a curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// Where along x, in the unit of that axis.
+    /// Position along x, in the unit of that axis.
     pub x: f64,
-    /// Where along y, in the unit of that axis.
+    /// Position along y, in the unit of that axis.
     pub y: f64,
 }
 
@@ -124,7 +124,7 @@ impl From<(f64, f64)> for Point {
 /// The two edges of a band at a place along x.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BandPoint {
-    /// Where along x, in the unit of that axis.
+    /// Position along x, in the unit of that axis.
     pub x: f64,
     /// Lower edge, in the unit of the y axis.
     pub lower: f64,
@@ -141,11 +141,11 @@ impl From<(f64, f64, f64)> for BandPoint {
 /// A shaded region between two curves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Band {
-    /// Its name in the legend; empty for none.
+    /// Name in the legend; empty for none.
     pub name: String,
     /// One row a point, columns x, lower edge and upper edge.
     pub points: Array2<f64>,
-    /// Its colour.
+    /// Colour.
     pub colour: Colour,
 }
 
@@ -160,7 +160,7 @@ pub enum Mark {
         y: f64,
         /// What it is; empty for no entry in the legend.
         text: String,
-        /// Its colour.
+        /// Colour.
         colour: Colour,
     },
     /// A cross at a point.
@@ -171,7 +171,7 @@ pub enum Mark {
         y: f64,
         /// What it is; empty for no entry in the legend.
         text: String,
-        /// Its colour.
+        /// Colour.
         colour: Colour,
     },
     /// A thin line across the panel at a height.
@@ -209,7 +209,7 @@ pub enum Colour {
     Muted,
 }
 
-/// How a curve is dashed.
+/// Dash pattern of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dash {
     /// Unbroken.

@@ -33,13 +33,13 @@ pub(crate) struct Placement {
 /// How the text of a style lies about its anchor.
 #[derive(Clone, Copy)]
 pub(crate) struct TextLayout {
-    /// What the text is drawn with.
+    /// Ink of the text.
     pub ink: Ink,
     /// Angle by which it rises, degrees.
     pub rise_deg: f64,
-    /// How far its base line lies below the anchor, pixels of the figure.
+    /// Distance of its base line below the anchor, pixels of the figure.
     pub below_anchor_px: f64,
-    /// Which point of it the anchor is.
+    /// Point of the text that lies at the anchor.
     pub anchor: HPos,
 }
 

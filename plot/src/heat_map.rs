@@ -5,9 +5,9 @@ use ndarray::Array2;
 /// Rows and columns of shares, each a coloured cell with its number in per cent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatMap {
-    /// What the colour means; it stands beside the scale of colours.
+    /// Meaning of the colour; it stands beside the scale of colours.
     pub meaning: String,
-    /// What a framed cell means.
+    /// Meaning of a framed cell.
     pub frame_meaning: String,
     /// Heading over the names of the rows.
     pub heading: String,
@@ -25,7 +25,7 @@ pub struct HeatMap {
 /// The name of a row, and what stands in place of its cells.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HeatRow {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// Text on grey that covers the cells of a row without values; `None` shows the cells.
     pub cover: Option<String>,

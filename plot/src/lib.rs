@@ -10,7 +10,7 @@
 //!
 //! *Invariant*: data in, bytes out; no file, no clock, no number that depends on the machine, and no knowledge of what a figure means.
 //!
-//! Modules in reading order: [`figure`], [`heat_map`], [`number`], [`ticks`], [`ruler`], [`thin`], [`theme`], `ink`, [`css`], `font`, `clip`,
+//! Modules in reading order: [`figure`], [`heat_map`], [`number`], [`ticks`], [`ruler`], [`thinning`], [`theme`], `ink`, [`css`], `font`, `clip`,
 //! `draw`, [`svg`], `dashes`, [`bitmap`](mod@bitmap), [`error`].
 //!
 //! ```
@@ -38,7 +38,7 @@ pub mod number;
 pub mod ruler;
 pub mod svg;
 pub mod theme;
-pub mod thin;
+pub mod thinning;
 pub mod ticks;
 mod tolerance;
 

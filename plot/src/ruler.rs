@@ -22,7 +22,7 @@ pub struct Ruler {
     scale: Scale,
 }
 
-/// Whether an axis ends where the data end, or leaves some room.
+/// Room between the ends of the data and the ends of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Margin {
     /// The axis ends where the data end.

@@ -87,7 +87,7 @@ struct Svg {
     path: Option<(Ink, String)>,
 }
 
-type Drawn = Result<(), DrawingErrorKind<Infallible>>;
+type DrawingResult = Result<(), DrawingErrorKind<Infallible>>;
 
 impl Svg {
     /// Writes an element with the colours of an ink and more attributes.
@@ -134,20 +134,25 @@ impl DrawingBackend for Svg {
         self.size
     }
 
-    fn ensure_prepared(&mut self) -> Drawn {
+    fn ensure_prepared(&mut self) -> DrawingResult {
         Ok(())
     }
 
-    fn present(&mut self) -> Drawn {
+    fn present(&mut self) -> DrawingResult {
         self.end_path();
         Ok(())
     }
 
-    fn draw_pixel(&mut self, (x, y): BackendCoord, colour: BackendColor) -> Drawn {
+    fn draw_pixel(&mut self, (x, y): BackendCoord, colour: BackendColor) -> DrawingResult {
         self.draw_rect((x, y), (x + 1, y + 1), &colour, true)
     }
 
-    fn draw_line<S: BackendStyle>(&mut self, from: BackendCoord, to: BackendCoord, style: &S) -> Drawn {
+    fn draw_line<S: BackendStyle>(
+        &mut self,
+        from: BackendCoord,
+        to: BackendCoord,
+        style: &S,
+    ) -> DrawingResult {
         self.draw_path([from, to], style)
     }
 
@@ -157,7 +162,7 @@ impl DrawingBackend for Svg {
         to: BackendCoord,
         style: &S,
         _fill: bool,
-    ) -> Drawn {
+    ) -> DrawingResult {
         let opacity = match style.color().alpha {
             1.0 => String::new(),
             alpha => format!(" fill-opacity=\"{alpha:.2}\""),
@@ -176,7 +181,7 @@ impl DrawingBackend for Svg {
         &mut self,
         path: I,
         style: &S,
-    ) -> Drawn {
+    ) -> DrawingResult {
         let mut steps = String::new();
         for (k, (x, y)) in path.into_iter().enumerate() {
             let letter = if k == 0 { 'M' } else { 'L' };
@@ -192,7 +197,7 @@ impl DrawingBackend for Svg {
         radius: u32,
         style: &S,
         _fill: bool,
-    ) -> Drawn {
+    ) -> DrawingResult {
         let (x, y, radius) = (tenths(centre.0), tenths(centre.1), tenths(radius as i32));
         self.element(
             "circle",
@@ -206,7 +211,7 @@ impl DrawingBackend for Svg {
         &mut self,
         corners: I,
         style: &S,
-    ) -> Drawn {
+    ) -> DrawingResult {
         let corners: Vec<String> =
             corners.into_iter().map(|(x, y)| format!("{},{}", tenths(x), tenths(y))).collect();
         self.element(
@@ -217,7 +222,7 @@ impl DrawingBackend for Svg {
         Ok(())
     }
 
-    fn draw_text<T: BackendTextStyle>(&mut self, text: &str, style: &T, at: BackendCoord) -> Drawn {
+    fn draw_text<T: BackendTextStyle>(&mut self, text: &str, style: &T, at: BackendCoord) -> DrawingResult {
         self.end_path();
         let TextLayout { ink, rise_deg: rise, below_anchor_px: down, anchor } = TextLayout::of(style);
         let (x, y) = (f64::from(at.0) / UNIT, f64::from(at.1) / UNIT);
@@ -250,7 +255,7 @@ impl DrawingBackend for Svg {
         Ok(font::box_of(text, style))
     }
 
-    fn blit_bitmap(&mut self, _: BackendCoord, _: (u32, u32), _: &[u8]) -> Drawn {
+    fn blit_bitmap(&mut self, _: BackendCoord, _: (u32, u32), _: &[u8]) -> DrawingResult {
         // figures hold no bitmaps
         Ok(())
     }

@@ -13,7 +13,7 @@ pub enum Theme {
     Dark,
 }
 
-/// What a colour is for.
+/// Meaning of a colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// Behind a page.

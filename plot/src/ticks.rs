@@ -14,7 +14,7 @@ const SHORT_DECADES: std::ops::RangeInclusive<i32> = -3..=4;
 /// A tick and its text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tick {
-    /// Where it stands, in the unit of the axis.
+    /// Position, in the unit of the axis.
     pub value: f64,
     /// What it says.
     pub text: String,

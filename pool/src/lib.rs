@@ -21,7 +21,7 @@ pub trait Pool: Sync {
     fn processors(&self) -> usize {
         1
     }
-    /// Whether the user asked to stop.
+    /// Returns whether the user asked to stop.
     fn is_cancelled(&self) -> bool {
         false
     }
@@ -101,9 +101,9 @@ mod tests {
     use super::*;
 
     /// Does every other job, as a pool that was asked to stop may.
-    struct Stopped;
+    struct StoppedPool;
 
-    impl Pool for Stopped {
+    impl Pool for StoppedPool {
         fn run(&self, count: usize, job: &(dyn Fn(usize) + Sync)) {
             (0..count).step_by(2).for_each(job);
         }
@@ -111,6 +111,6 @@ mod tests {
 
     #[test]
     fn a_job_that_the_pool_leaves_out_is_done_all_the_same() {
-        assert_eq!(map_all(&Stopped, 5, |k| 10 * k), [0, 10, 20, 30, 40]);
+        assert_eq!(map_all(&StoppedPool, 5, |k| 10 * k), [0, 10, 20, 30, 40]);
     }
 }

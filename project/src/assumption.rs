@@ -13,9 +13,9 @@ pub struct Assumption {
     pub key: String,
     /// The value that is taken; infinite if nothing limits it.
     pub value: f64,
-    /// Its unit; empty for a pure number.
+    /// Unit; empty for a pure number.
     pub unit: &'static str,
-    /// What the value means.
+    /// Meaning of the value.
     pub meaning: &'static str,
     /// The rule by which it is taken.
     pub rule: &'static str,
@@ -25,7 +25,7 @@ pub struct Assumption {
     pub usual: Option<[f64; 2]>,
 }
 
-/// How far the value of a key may lie from what is written: evenly distributed within the half-width.
+/// Tolerance of the value of a key: evenly distributed within the half-width.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct KeyTolerance {
     /// Path of the key.
@@ -36,11 +36,11 @@ pub struct KeyTolerance {
     pub half_width: f64,
     /// The unit of the key; empty for a pure number.
     pub unit: &'static str,
-    /// How the tolerance is written.
+    /// Notation of the tolerance.
     pub kind: ToleranceKind,
 }
 
-/// How a tolerance is written.
+/// Notation of a tolerance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ToleranceKind {

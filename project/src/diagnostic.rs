@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
-/// How bad a finding is.
+/// Severity of a finding.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
@@ -43,9 +43,9 @@ pub enum DiagnosticKind {
 /// One finding in a file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Diagnostic {
-    /// How bad it is.
+    /// Severity.
     pub severity: Severity,
-    /// Its kind.
+    /// Kind.
     pub problem: DiagnosticKind,
     /// Name of the file.
     pub file: String,
@@ -57,7 +57,7 @@ pub struct Diagnostic {
     pub path: String,
     /// What was read, where it says something.
     pub found: Option<String>,
-    /// What is allowed, or what is wrong.
+    /// Allowed values, or a description of the error.
     pub allowed: String,
     /// What to do.
     pub hint: Option<String>,

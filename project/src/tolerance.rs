@@ -53,7 +53,7 @@ pub(crate) const MOST_TILT_RAD: f64 = 0.8;
 pub(crate) const MOST_CAMPAIGN_SAMPLES: f64 = 1e7;
 
 /// Most samples of a run whose length is not written: a machine that is sampled at 100 kHz moves in a tenth of the time of one at
-/// 10 kHz, and what nobody asked for shall not take minutes. Machines that are sampled at 4 kHz or more slowly move for the usual time.
+/// 10 kHz, and a default shall not take minutes. Machines that are sampled at 4 kHz or more slowly move for the usual time.
 pub(crate) const MOST_UNSTATED_SAMPLES: f64 = 4e4;
 
 /// Deviation of a fitted weight from a point of its table that is allowed, dB: so far a first-order weight is from its

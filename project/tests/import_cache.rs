@@ -4,8 +4,8 @@
 use std::ops::ControlFlow;
 
 use counterpoise_linalg::{Sparse, sparse::Entry};
+use counterpoise_models::structure::AttachedMasses;
 use counterpoise_models::structure::Condensation;
-use counterpoise_models::structure::Fitted;
 use counterpoise_models::structure::import::{Dof, Imported, NodeMap};
 use counterpoise_project::resolve::import::ImportedContent;
 
@@ -44,7 +44,7 @@ fn content(elements: usize, stiffness: f64) -> ImportedContent {
 }
 
 /// Returns the number of steps that making the structure took.
-fn steps(content: &ImportedContent, fitted: &Fitted, modes: usize) -> usize {
+fn steps(content: &ImportedContent, fitted: &AttachedMasses, modes: usize) -> usize {
     let mut count = 0;
     let mut watch = |_| {
         count += 1;
@@ -57,13 +57,13 @@ fn steps(content: &ImportedContent, fitted: &Fitted, modes: usize) -> usize {
 #[test]
 fn the_same_structure_is_condensed_once() {
     let (plain, stiffer) = (content(320, 1e6), content(320, 1.5e6));
-    let none = Fitted::default();
+    let none = AttachedMasses::default();
     assert!(steps(&plain, &none, 3) > 0);
     assert_eq!(steps(&plain, &none, 3), 0);
     assert_eq!(steps(&content(320, 1e6), &none, 3), 0, "read again, and equal");
     assert!(steps(&plain, &none, 4) > 0, "another number of modes");
     assert!(steps(&stiffer, &none, 3) > 0, "another stiffness");
-    let heavy = Fitted { hub_inertia_kg_m2: 2.0, ..Fitted::default() };
+    let heavy = AttachedMasses { hub_inertia_kg_m2: 2.0, ..AttachedMasses::default() };
     assert!(steps(&plain, &heavy, 3) > 0, "something fitted");
     let mut forget = |_| ControlFlow::Continue(());
     let mut three = || plain.structure(&heavy, &Condensation::modes(3), &mut forget).unwrap();

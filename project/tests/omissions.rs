@@ -3,7 +3,7 @@
 
 use counterpoise_project::resolve::synthesis::LoopKind;
 use counterpoise_project::{Attachments, Document, Project};
-use counterpoise_verify::robust::Varied;
+use counterpoise_verify::robust::VariedParameter;
 
 const GOOD: &str = include_str!("data/rig.toml");
 
@@ -135,7 +135,7 @@ fn tolerances_of_every_kind_of_machine_are_varied() {
     let parsed = Project::parse(&text, "slide.toml").unwrap();
     assert!(parsed.warnings.is_empty(), "{:?}", parsed.warnings);
     let varied: Vec<_> = parsed.project.campaign().unwrap().variations.iter().map(|v| v.parameter).collect();
-    assert_eq!(varied, [Varied::HubInertia, Varied::GearStiffness]);
+    assert_eq!(varied, [VariedParameter::HubInertia, VariedParameter::GearStiffness]);
 }
 
 #[test]

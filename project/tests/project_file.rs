@@ -5,14 +5,14 @@ use counterpoise_linalg::sparse::VectorEntry;
 use std::path::PathBuf;
 
 use counterpoise_models::{
-    Clock, Drift, FrictionLaw, Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, Lumped,
+    Clock, Drift, FrictionLaw, Interpolation, LearnedElement, LearnedPlace, LearnedQuantity, LumpedStructure,
     MapPoint, Parameters, RegimeVariable, Ripple, Sensor, StribeckCurve, reference,
 };
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::{Document, PlatformSource, Project, SettingValue, StructureChoice};
 use counterpoise_recordings::{Channel, ChannelSource};
 use counterpoise_synth::Weight;
-use counterpoise_verify::{Figure, Limit, LoopFigure, Requirement};
+use counterpoise_verify::{Limit, LoopFigure, PerformanceFigure, Requirement};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -81,7 +81,8 @@ fn design_sections_mean_what_they_say() {
     assert!((generator.magnitude(0.0) - 1.0).abs() < 1e-14);
     assert!((generator.magnitude(20.0) - 1.0 / 1.4).abs() < 1e-12, "{}", generator.magnitude(20.0));
     let verify = project.verify.unwrap();
-    let margin = Requirement::new(Figure::Loop(LoopFigure::GainMargin), Limit::AtLeast(12.0)).unwrap();
+    let margin =
+        Requirement::new(PerformanceFigure::Loop(LoopFigure::GainMargin), Limit::AtLeast(12.0)).unwrap();
     assert_eq!((verify.requirements.len(), &verify.requirements[0]), (5, &margin));
     let Some(PlatformSource::Recording(road)) = verify.road else { panic!("the road is recorded") };
     assert_eq!(road.recording, "road.parquet");
@@ -126,7 +127,7 @@ fn unusual() -> Parameters {
     plant.interface.output_delay_samples = 6;
     plant.interface.clock = Clock { jitter_s: 2e-5, missed_samples: 1e-3, late_samples: 0.01 };
     plant.interface.missing_codes = 0.02;
-    let lumped: &mut Lumped = plant.lumped.as_mut().unwrap();
+    let lumped: &mut LumpedStructure = plant.lumped.as_mut().unwrap();
     (lumped.position_stiffness_nm_rad, lumped.position_stiffness_centre_rad) = (900.0, -0.04);
     lumped.vertical_offset_kg_m = 3.0;
     plant.learned = vec![

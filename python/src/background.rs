@@ -24,12 +24,12 @@ enum Message<T> {
     Done(anyhow::Result<T>),
 }
 
-type Tell = Box<dyn Fn(&str, usize, usize) + Send + Sync>;
+type ProgressCallback = Box<dyn Fn(&str, usize, usize) + Send + Sync>;
 
-/// What work is given: the files beside the project, all processors, and somebody to tell how far it is.
+/// World of a computation in the background: the files beside the project, all processors, and a callback for its progress.
 pub struct BackgroundWorld {
     folder: PathBuf,
-    tell: Tell,
+    tell: ProgressCallback,
     is_stopped: Arc<AtomicBool>,
 }
 
@@ -81,7 +81,7 @@ pub fn run<T: Send + 'static>(
     let surroundings = BackgroundWorld { folder, tell: teller(&sender), is_stopped: Arc::clone(&is_stopped) };
     start_thread("counterpoise", STACK, move || {
         let done = job(&surroundings);
-        // nobody listens any more after Ctrl+C
+        // the receiver is gone after Ctrl+C
         let _ = sender.send(Message::Done(done));
     })?;
     let answer = listen(py, receiver, progress);
@@ -91,7 +91,7 @@ pub fn run<T: Send + 'static>(
     answer
 }
 
-fn teller<T: Send + 'static>(sender: &Sender<Message<T>>) -> Tell {
+fn teller<T: Send + 'static>(sender: &Sender<Message<T>>) -> ProgressCallback {
     let sender = Mutex::new(sender.clone());
     Box::new(move |stage, done, of| {
         if let Ok(sender) = sender.lock() {

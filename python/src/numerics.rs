@@ -11,7 +11,7 @@ use counterpoise_lti as lti;
 use counterpoise_lti::{StateSpace, Timebase, h2norm, linfnorm_bounds, margins};
 use counterpoise_pipeline::wording::design_findings::describe_synthesis_error;
 use counterpoise_reduce::{Method, Order, balred};
-use counterpoise_synth::{Generalised, h2syn, hinfsyn};
+use counterpoise_synth::{GeneralisedPlant, h2syn, hinfsyn};
 use ndarray::{Array2, ShapeBuilder};
 use numpy::{Complex64, PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -21,9 +21,9 @@ use crate::failures::numerical;
 
 type Array<'py> = PyReadonlyArray2<'py, f64>;
 type Complex<'py> = Bound<'py, PyArray1<Complex64>>;
-type Owned<'py> = Bound<'py, PyArray2<f64>>;
+type ArrayObject<'py> = Bound<'py, PyArray2<f64>>;
 /// Matrices, Hankel values, bound, measured error.
-type Reduced<'py> = ([Owned<'py>; 4], Vec<f64>, Option<f64>, f64);
+type ReductionTuple<'py> = ([ArrayObject<'py>; 4], Vec<f64>, Option<f64>, f64);
 
 /// Which of two equations is meant.
 #[pyclass(eq, from_py_object, module = "counterpoise._native")]
@@ -68,7 +68,7 @@ fn matrix(array: &Array<'_>) -> Mat {
 }
 
 /// An array of the matrix's entries as they lie, column by column.
-fn array<'py>(py: Python<'py>, matrix: &Mat) -> PyResult<Owned<'py>> {
+fn array<'py>(py: Python<'py>, matrix: &Mat) -> PyResult<ArrayObject<'py>> {
     let shape = (matrix.nrows(), matrix.ncols()).f();
     let owned = Array2::from_shape_vec(shape, matrix.as_slice().to_vec()).map_err(numerical)?;
     Ok(PyArray2::from_owned_array(py, owned))
@@ -85,9 +85,9 @@ fn complex<'py>(py: Python<'py>, values: &[C64]) -> Complex<'py> {
 
 /// A system as a tuple: A, B, C, D and the sample period in s, `None` in continuous time.
 #[derive(FromPyObject)]
-struct Given<'py>(Array<'py>, Array<'py>, Array<'py>, Array<'py>, Option<f64>);
+struct SystemMatrices<'py>(Array<'py>, Array<'py>, Array<'py>, Array<'py>, Option<f64>);
 
-impl Given<'_> {
+impl SystemMatrices<'_> {
     fn system(&self) -> PyResult<StateSpace> {
         let Self(A, B, C, D, period_s) = self;
         let timebase = period_s.map_or(Timebase::Continuous, |period_s| Timebase::Discrete { period_s });
@@ -95,7 +95,7 @@ impl Given<'_> {
     }
 }
 
-fn matrices<'py>(py: Python<'py>, g: &StateSpace) -> PyResult<[Owned<'py>; 4]> {
+fn matrices<'py>(py: Python<'py>, g: &StateSpace) -> PyResult<[ArrayObject<'py>; 4]> {
     Ok([array(py, &g.A)?, array(py, &g.B)?, array(py, &g.C)?, array(py, &g.D)?])
 }
 
@@ -110,7 +110,7 @@ fn riccati<'py>(
     S: Option<Array<'py>>,
     E: Option<Array<'py>>,
     time: Time,
-) -> PyResult<(Owned<'py>, Complex<'py>, Owned<'py>, Bound<'py, PyDict>)> {
+) -> PyResult<(ArrayObject<'py>, Complex<'py>, ArrayObject<'py>, Bound<'py, PyDict>)> {
     let (A, B, Q, R) = (matrix(&A), matrix(&B), matrix(&Q), matrix(&R));
     let (S, E) = (S.as_ref().map(matrix), E.as_ref().map(matrix));
     let solved = py.detach(|| match (&E, time) {
@@ -149,7 +149,7 @@ fn lyapunov<'py>(
     Q: Array<'py>,
     E: Option<Array<'py>>,
     time: Time,
-) -> PyResult<Owned<'py>> {
+) -> PyResult<ArrayObject<'py>> {
     let (A, Q, E) = (matrix(&A), matrix(&Q), E.as_ref().map(matrix));
     let solved = py.detach(|| match (&E, time) {
         (None, Time::Continuous) => lyap(&A, &Q),
@@ -168,7 +168,7 @@ fn two_sided<'py>(
     B: Array<'py>,
     C: Array<'py>,
     time: Time,
-) -> PyResult<Owned<'py>> {
+) -> PyResult<ArrayObject<'py>> {
     let (A, B, C) = (matrix(&A), matrix(&B), matrix(&C));
     let solved = py.detach(|| match time {
         Time::Continuous => sylvester(&A, &B, &C.scale(-1.0)),
@@ -179,7 +179,7 @@ fn two_sided<'py>(
 
 /// The largest gain over frequency, from below and from above, and where it is, rad/s.
 #[pyfunction]
-fn peak_gain(py: Python<'_>, given: Given<'_>, tolerance: f64) -> PyResult<(f64, f64, f64)> {
+fn peak_gain(py: Python<'_>, given: SystemMatrices<'_>, tolerance: f64) -> PyResult<(f64, f64, f64)> {
     let g = given.system()?;
     let found = py.detach(|| linfnorm_bounds(&g, tolerance)).map_err(numerical)?;
     Ok((found.lower.value, found.upper, found.lower.rate_rad_s))
@@ -187,28 +187,28 @@ fn peak_gain(py: Python<'_>, given: Given<'_>, tolerance: f64) -> PyResult<(f64,
 
 /// The H2 norm.
 #[pyfunction]
-fn h2_norm(py: Python<'_>, given: Given<'_>) -> PyResult<f64> {
+fn h2_norm(py: Python<'_>, given: SystemMatrices<'_>) -> PyResult<f64> {
     let g = given.system()?;
     py.detach(|| h2norm(&g)).map_err(numerical)
 }
 
 /// The poles.
 #[pyfunction]
-fn poles<'py>(py: Python<'py>, given: Given<'py>) -> PyResult<Complex<'py>> {
+fn poles<'py>(py: Python<'py>, given: SystemMatrices<'py>) -> PyResult<Complex<'py>> {
     let g = given.system()?;
     Ok(complex(py, &py.detach(|| lti::poles(&g)).map_err(numerical)?))
 }
 
 /// The finite invariant zeros.
 #[pyfunction]
-fn zeros<'py>(py: Python<'py>, given: Given<'py>) -> PyResult<Complex<'py>> {
+fn zeros<'py>(py: Python<'py>, given: SystemMatrices<'py>) -> PyResult<Complex<'py>> {
     let g = given.system()?;
     Ok(complex(py, &py.detach(|| lti::zeros(&g)).map_err(numerical)?))
 }
 
 /// All margins of a loop of one input and output under negative feedback.
 #[pyfunction]
-fn loop_margins<'py>(py: Python<'py>, given: Given<'py>) -> PyResult<Bound<'py, PyDict>> {
+fn loop_margins<'py>(py: Python<'py>, given: SystemMatrices<'py>) -> PyResult<Bound<'py, PyDict>> {
     let g = given.system()?;
     let found = py.detach(|| margins(&g)).map_err(numerical)?;
     let dict = PyDict::new(py);
@@ -226,10 +226,10 @@ fn loop_margins<'py>(py: Python<'py>, given: Given<'py>) -> PyResult<Bound<'py, 
 #[pyfunction]
 fn balanced_reduction<'py>(
     py: Python<'py>,
-    given: Given<'py>,
+    given: SystemMatrices<'py>,
     order: usize,
     kept: Kept,
-) -> PyResult<Reduced<'py>> {
+) -> PyResult<ReductionTuple<'py>> {
     let g = given.system()?;
     let method = match kept {
         Kept::HighFrequencies => Method::SquareRoot,
@@ -239,18 +239,22 @@ fn balanced_reduction<'py>(
     Ok((matrices(py, &found.system)?, found.hankel, found.bound, found.measured_error.value))
 }
 
-fn generalised_plant(given: &Given<'_>, measurements: usize, controls: usize) -> PyResult<Generalised> {
-    Generalised::new(given.system()?, controls, measurements).map_err(numerical)
+fn generalised_plant(
+    given: &SystemMatrices<'_>,
+    measurements: usize,
+    controls: usize,
+) -> PyResult<GeneralisedPlant> {
+    GeneralisedPlant::new(given.system()?, controls, measurements).map_err(numerical)
 }
 
 /// The controller u = K y that makes the H2 norm smallest, and that norm.
 #[pyfunction]
 fn h2_synthesis<'py>(
     py: Python<'py>,
-    given: Given<'py>,
+    given: SystemMatrices<'py>,
     measurements: usize,
     controls: usize,
-) -> PyResult<([Owned<'py>; 4], f64)> {
+) -> PyResult<([ArrayObject<'py>; 4], f64)> {
     let plant = generalised_plant(&given, measurements, controls)?;
     let found = py.detach(|| h2syn(&plant)).map_err(no_controller)?;
     Ok((matrices(py, &found.controller)?, found.achieved_norm))
@@ -261,11 +265,11 @@ fn h2_synthesis<'py>(
 #[pyfunction]
 fn hinf_synthesis<'py>(
     py: Python<'py>,
-    given: Given<'py>,
+    given: SystemMatrices<'py>,
     measurements: usize,
     controls: usize,
     tolerance: f64,
-) -> PyResult<([Owned<'py>; 4], f64, f64)> {
+) -> PyResult<([ArrayObject<'py>; 4], f64, f64)> {
     let plant = generalised_plant(&given, measurements, controls)?;
     let found = py.detach(|| hinfsyn(&plant, tolerance)).map_err(no_controller)?;
     Ok((matrices(py, &found.controller)?, found.achieved_norm, found.unreachable))

@@ -133,13 +133,13 @@ impl NativeProject {
     /// Warnings and assumptions of the file, as JSON.
     fn check(&self, py: Python<'_>) -> PyResult<String> {
         #[derive(Serialize)]
-        struct Checked {
+        struct CheckOutput {
             warnings: Vec<counterpoise_project::Diagnostic>,
             assumptions: Vec<counterpoise_project::Assumption>,
         }
         self.json(py, None, |project, _| {
             let loaded = project.load_for(Purpose::Model)?;
-            Ok(Checked { warnings: loaded.warnings, assumptions: loaded.assumptions })
+            Ok(CheckOutput { warnings: loaded.warnings, assumptions: loaded.assumptions })
         })
     }
 

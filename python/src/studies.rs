@@ -31,7 +31,7 @@ use crate::project::NativeProject;
 
 /// A campaign: every requirement over it, and its samples as columns.
 #[derive(Serialize)]
-struct Swept {
+struct CampaignColumns {
     passing: usize,
     figures: Vec<SweepFigure>,
     samples: Columns,
@@ -71,7 +71,7 @@ pub fn sweep(
     project.json(py, progress, run_sweep)
 }
 
-fn run_sweep(project: &NativeProject, world: &BackgroundWorld) -> anyhow::Result<Swept> {
+fn run_sweep(project: &NativeProject, world: &BackgroundWorld) -> anyhow::Result<CampaignColumns> {
     let loaded = project.load_for(Purpose::Sweep)?;
     let project = &loaded.project;
     campaign_is_stated(project)?;
@@ -87,7 +87,11 @@ fn run_sweep(project: &NativeProject, world: &BackgroundWorld) -> anyhow::Result
         stability: robust_stability(project, modelled, verified.controller(), world)?,
     };
     let found = CampaignResult::new(&campaign, &samples, others);
-    Ok(Swept { passing: found.passing, figures: sweep_figures(&found), samples: Columns::of(&found) })
+    Ok(CampaignColumns {
+        passing: found.passing,
+        figures: sweep_figures(&found),
+        samples: Columns::of(&found),
+    })
 }
 
 /// Puts every method of adaptation to the test in the nonlinear closed loop.

@@ -29,9 +29,9 @@ pub enum Channel {
     PlatformYaw,
 }
 
-/// What a loop's sensor measures, or its demand asks for.
+/// Quantity of a loop's sensor and demand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Controlled {
+pub enum LoopQuantity {
     /// A rate.
     #[default]
     Rate,
@@ -43,43 +43,43 @@ pub enum Controlled {
     Current,
 }
 
-/// How an axis moves.
+/// Kind of an axis' motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Travel {
-    /// It turns: angles in rad.
+    /// The axis turns: angles in rad.
     #[default]
     Turning,
-    /// It slides: places in m.
+    /// The axis slides: places in m.
     Sliding,
 }
 
-/// What a machine makes of the units of its channels.
+/// Units of the channels of a machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ChannelUnits {
-    /// What the loop's sensor measures, which is the channel `hub_rate`.
-    pub reading: Controlled,
-    /// What the demand asks for.
-    pub demand: Controlled,
-    /// How the axis moves.
+    /// Quantity of the loop's sensor, which is the channel `hub_rate`.
+    pub reading: LoopQuantity,
+    /// Quantity of the demand.
+    pub demand: LoopQuantity,
+    /// Kind of the axis' motion.
     pub travel: Travel,
 }
 
 impl ChannelUnits {
     /// Returns the unit of a channel of the machine.
     pub fn of(self, channel: Channel) -> &'static str {
-        let controlled = |what: Controlled| match (what, self.travel) {
-            (Controlled::Rate, Travel::Turning) => "rad/s",
-            (Controlled::Rate, Travel::Sliding) => "m/s",
-            (Controlled::Position, Travel::Turning) => "rad",
-            (Controlled::Position, Travel::Sliding) => "m",
-            (Controlled::Torque, Travel::Turning) => "N m",
-            (Controlled::Torque, Travel::Sliding) => "N",
-            (Controlled::Current, _) => "A",
+        let controlled = |what: LoopQuantity| match (what, self.travel) {
+            (LoopQuantity::Rate, Travel::Turning) => "rad/s",
+            (LoopQuantity::Rate, Travel::Sliding) => "m/s",
+            (LoopQuantity::Position, Travel::Turning) => "rad",
+            (LoopQuantity::Position, Travel::Sliding) => "m",
+            (LoopQuantity::Torque, Travel::Turning) => "N m",
+            (LoopQuantity::Torque, Travel::Sliding) => "N",
+            (LoopQuantity::Current, _) => "A",
         };
         match channel {
             Channel::Demand => controlled(self.demand),
             Channel::HubRate => controlled(self.reading),
-            Channel::HubPosition => controlled(Controlled::Position),
+            Channel::HubPosition => controlled(LoopQuantity::Position),
             other => other.unit(),
         }
     }

@@ -10,14 +10,14 @@ const LARGEST: u64 = 1 << 30;
 
 /// Signals on one uniform clock.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Uniform {
+pub struct UniformSignals {
     /// Sample period, s.
     pub period_s: f64,
     /// Time of the first sample, s.
     pub start_s: f64,
     /// The signals, time x signal, each column contiguous in memory; NaN inside gaps.
     pub signals: Array2<f64>,
-    /// What was found about the clock.
+    /// Remarks on the clock.
     pub remarks: Vec<Remark>,
 }
 
@@ -45,7 +45,7 @@ pub fn to_uniform_clock(
     time_s: ArrayView1<'_, f64>,
     wanted_s: Option<f64>,
     signals: Array2<f64>,
-) -> Result<Uniform, Error> {
+) -> Result<UniformSignals, Error> {
     let found = Steps::of(file, time_s, &signals)?;
     let Steps { rows, steps_s, median_s, .. } = &found;
     let regular: Vec<f64> = steps_s.iter().copied().filter(|s| *s < GAP_PERIODS * median_s).collect();
@@ -70,7 +70,7 @@ pub fn to_uniform_clock(
     }
     let signals =
         if is_uneven { interpolate_signals(time_s, rows, period_s, signals.view()) } else { signals };
-    Ok(Uniform { period_s, start_s: time_s[first], signals, remarks })
+    Ok(UniformSignals { period_s, start_s: time_s[first], signals, remarks })
 }
 
 impl Steps {

@@ -1,6 +1,6 @@
 //! What can be wrong with a recording.
 
-use crate::Unread;
+use crate::UnreadReason;
 
 /// The ways in which a recording can be refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -110,7 +110,7 @@ pub enum Error {
         /// The first column that was not read.
         column: String,
         /// Why.
-        why: Unread,
+        why: UnreadReason,
     },
     /// Two columns of one name.
     #[error("{file}: two columns are named \"{column}\": give every column a name of its own")]
@@ -127,7 +127,7 @@ pub enum Error {
         file: String,
         /// The column.
         column: String,
-        /// Its length.
+        /// Length.
         length: usize,
         /// Length of the first column.
         rows: usize,

@@ -34,12 +34,12 @@ mod time_unit;
 mod tolerance;
 pub mod unit;
 
-pub use channel::{Channel, ChannelUnits, Controlled, Travel};
+pub use channel::{Channel, ChannelUnits, LoopQuantity, Travel};
 pub use decode::{CsvParts, NamedArray, is_text, read_arrays};
 pub use error::Error;
 pub use mapping::{ChannelSource, Mapping};
 pub use recording::Recording;
-pub use remark::{Remark, Unread};
+pub use remark::{Remark, UnreadReason};
 pub use shaping::repeat_last;
 pub use signals::{ColumnName, Signals};
 pub use table::{RecordingColumn, RecordingTable};

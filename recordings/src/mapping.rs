@@ -4,11 +4,11 @@ use crate::time_unit::doubtful_unit;
 use ndarray::{Array1, Array2, ArrayViewMut1};
 
 use crate::checks::{check_time_unit, find_missing, nearly_named, without_infinities, without_outliers};
-use crate::clock::{Uniform, check_length, stack_columns, to_uniform_clock};
+use crate::clock::{UniformSignals, check_length, stack_columns, to_uniform_clock};
 use crate::shaping::{Resampling, interpolate_on_clock, lagging_slopes, resample, slopes, unroll};
 use crate::table::TIME_NAMES;
 use crate::tolerance::STATED_PERIOD;
-use crate::{Channel, ChannelUnits, Controlled, Error, Recording, RecordingTable, Remark, Unit};
+use crate::{Channel, ChannelUnits, Error, LoopQuantity, Recording, RecordingTable, Remark, Unit};
 
 /// Most remarks about columns that are listed.
 const MOST_REMARKS: usize = 30;
@@ -39,7 +39,7 @@ pub struct ChannelSource {
     pub clock: Option<String>,
 }
 
-/// How the columns of recordings become channels.
+/// Mapping of the columns of recordings to channels.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mapping {
     /// Sample period of recordings without a time column, and the one on which all others are put, s.
@@ -50,7 +50,7 @@ pub struct Mapping {
     pub time: Option<ChannelSource>,
     /// Channels whose column has another name than the channel.
     pub channels: Vec<(Channel, ChannelSource)>,
-    /// What the machine makes of the units of its channels.
+    /// Units of the machine's channels.
     pub units: ChannelUnits,
 }
 
@@ -133,7 +133,7 @@ impl Mapping {
         let mut remarks = limit_remarks(remarks);
         remarks.extend(odd);
         let signals = stack_columns(signals.iter().map(|values| values.view()));
-        let Uniform { period_s, start_s, mut signals, remarks: of_clock } =
+        let UniformSignals { period_s, start_s, mut signals, remarks: of_clock } =
             self.put_on_clock(table, time_s, signals)?;
         remarks.extend(of_clock);
         let columns = channels.iter().zip(signals.columns());
@@ -165,12 +165,12 @@ impl Mapping {
         table: &RecordingTable,
         time_s: Option<Array1<f64>>,
         signals: Array2<f64>,
-    ) -> Result<Uniform, Error> {
+    ) -> Result<UniformSignals, Error> {
         match (time_s, self.sample_period_s) {
             (Some(time_s), wanted_s) => to_uniform_clock(&table.name, time_s.view(), wanted_s, signals),
             (None, Some(period_s)) => {
                 let remarks = vec![Remark::PeriodAssumed { period_s }];
-                Ok(Uniform { period_s, start_s: 0.0, signals, remarks })
+                Ok(UniformSignals { period_s, start_s: 0.0, signals, remarks })
             }
             (None, None) => Err(Error::NoTime { file: table.name.clone() }),
         }
@@ -227,7 +227,8 @@ impl Mapping {
             Channel::HubPosition if self.position_is_read(table) => return Ok(None),
             other => other,
         };
-        let wanted = Wanted { channel: channel.name(), unit: self.units.of(channel), usual: channel.unit() };
+        let wanted =
+            ColumnPurpose { channel: channel.name(), unit: self.units.of(channel), usual: channel.unit() };
         match self.source_of(from) {
             Some(source) => {
                 let values = convert_column(table, source, &wanted)?;
@@ -249,7 +250,9 @@ impl Mapping {
     fn position_is_read(&self, table: &RecordingTable) -> bool {
         let given =
             |channel: Channel| self.source_of(channel).is_some() || table.find(channel.name()).is_some();
-        self.units.reading == Controlled::Position && !given(Channel::HubRate) && given(Channel::HubPosition)
+        self.units.reading == LoopQuantity::Position
+            && !given(Channel::HubRate)
+            && given(Channel::HubPosition)
     }
 
     /// Returns the time of every row, s; `None` if the file has no time.
@@ -257,7 +260,7 @@ impl Mapping {
         let column = TIME_NAMES.into_iter().find(|name| table.find(name).is_some());
         let by_name = column.map(ChannelSource::from_column);
         let Some(source) = self.time.as_ref().or(by_name.as_ref()) else { return Ok(None) };
-        let time_s = convert_column(table, source, &Wanted::TIME)?;
+        let time_s = convert_column(table, source, &ColumnPurpose::TIME)?;
         let has_unit = source.unit.is_some() || table.column(&source.column)?.unit.is_some();
         if let Some(project_s) = self.sample_period_s.filter(|_| !has_unit && source.scale == 1.0) {
             check_time_unit(&table.name, &time_s, project_s)?;
@@ -279,16 +282,16 @@ fn limit_remarks(mut remarks: Vec<Remark>) -> Vec<Remark> {
 }
 
 /// What a column is wanted for.
-struct Wanted {
+struct ColumnPurpose {
     /// Name of the channel, for messages.
     channel: &'static str,
-    /// Its unit on this machine.
+    /// Unit on this machine.
     unit: &'static str,
-    /// Its unit in a rate loop of a turning axis, in which every machine's channels may be written.
+    /// Unit in a rate loop of a turning axis, in which every machine's channels may be written.
     usual: &'static str,
 }
 
-impl Wanted {
+impl ColumnPurpose {
     const TIME: Self = Self { channel: "time", unit: "s", usual: "s" };
 }
 
@@ -296,7 +299,7 @@ impl Wanted {
 fn convert_column(
     table: &RecordingTable,
     source: &ChannelSource,
-    wanted: &Wanted,
+    wanted: &ColumnPurpose,
 ) -> Result<Array1<f64>, Error> {
     let column = table.column(&source.column)?;
     let of_column = source.unit_of_column(wanted.unit);
@@ -328,6 +331,6 @@ fn on_file_clock(
     time_s: Option<&Array1<f64>>,
 ) -> Result<Array1<f64>, Error> {
     let (Some(clock), Some(time_s)) = (&source.clock, time_s) else { return Ok(values) };
-    let own_s = convert_column(table, &ChannelSource::from_column(clock), &Wanted::TIME)?;
+    let own_s = convert_column(table, &ChannelSource::from_column(clock), &ColumnPurpose::TIME)?;
     Ok(interpolate_on_clock(values.view(), own_s.view(), time_s.view()))
 }

@@ -20,7 +20,7 @@ pub struct Recording {
     pub sample_period_s: f64,
     /// Time of the first sample on the file's clock, s.
     pub start_s: f64,
-    /// What the user of the recording should know.
+    /// Remarks for the user of the recording.
     pub remarks: Vec<Remark>,
     /// The samples, time x channel, each column contiguous in memory; a channel that is shorter than others ends in NaN.
     signals: Array2<f64>,

@@ -5,28 +5,28 @@ use crate::time_unit::DoubtfulUnit;
 
 /// Why a column of a file was not read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum Unread {
-    /// It holds something else than real numbers.
+pub enum UnreadReason {
+    /// The column holds something else than real numbers.
     #[error("it holds {holds}, not real numbers")]
     Type {
         /// What it holds, in the plural.
         holds: String,
     },
-    /// It has another length than the columns that were read.
+    /// The column has another length than the columns that were read.
     #[error("it has {length} values, the columns that were read {rows}")]
     Length {
-        /// Its length.
+        /// Length.
         length: usize,
         /// Length of the columns that were read.
         rows: usize,
     },
-    /// It has more than two dimensions, or its dimensions do not match its values.
+    /// The column has more than two dimensions, or its dimensions do not match its values.
     #[error("its shape is {}, but a column or a matrix of columns is needed", sizes(shape))]
     Shape {
-        /// Its dimensions.
+        /// Dimensions.
         shape: Vec<u64>,
     },
-    /// Its values cannot be decoded.
+    /// The values cannot be decoded.
     #[error("it cannot be decoded: {why}")]
     Undecodable {
         /// What the reader says.
@@ -81,7 +81,7 @@ pub enum Remark {
         /// The column.
         column: String,
         /// Why.
-        why: Unread,
+        why: UnreadReason,
     },
     /// A column that is not used has nearly the name of a channel, or of time, that was not found.
     NearlyNamed {
@@ -112,7 +112,7 @@ pub enum Remark {
         samples: usize,
         /// The first of them, from 1.
         first_row: usize,
-        /// Its value, in the channel's unit.
+        /// Value, in the channel's unit.
         value: f64,
     },
     /// The file's sample period differs from the project's, so the channels were put on the project's.

@@ -139,13 +139,13 @@ mod tests {
     use super::*;
 
     #[derive(Debug, Clone, Copy)]
-    enum Named {
+    enum NamedColumn {
         First,
         Second,
         Third,
     }
 
-    impl ColumnName for Named {
+    impl ColumnName for NamedColumn {
         fn index(self) -> usize {
             self as usize
         }
@@ -153,24 +153,26 @@ mod tests {
 
     #[test]
     fn pushed_samples_stand_in_their_columns_however_many_there_are() {
-        let mut signals = Signals::<Named>::with_room(2, 2);
+        let mut signals = Signals::<NamedColumn>::with_room(2, 2);
         let count = 3 * FIRST_ROOM;
         for k in 0..count {
             signals.push([k as f64]);
-            signals.set_newest(Named::Second, -(k as f64));
+            signals.set_newest(NamedColumn::Second, -(k as f64));
         }
         assert_eq!(signals.view().dim(), (count, 2));
-        assert!(signals.column(Named::First).iter().zip(0..).all(|(value, k)| *value == f64::from(k)));
-        assert!(signals.column(Named::Second).iter().zip(0..).all(|(value, k)| *value == -f64::from(k)));
-        assert!(signals.column(Named::Third).is_empty() && !signals.has(Named::Third));
+        assert!(signals.column(NamedColumn::First).iter().zip(0..).all(|(value, k)| *value == f64::from(k)));
+        assert!(
+            signals.column(NamedColumn::Second).iter().zip(0..).all(|(value, k)| *value == -f64::from(k))
+        );
+        assert!(signals.column(NamedColumn::Third).is_empty() && !signals.has(NamedColumn::Third));
         signals.truncate(2);
         assert_eq!(signals, Signals::stack([&[0.0, 1.0][..], &[0.0, -1.0]]));
     }
 
     #[test]
     fn a_shorter_column_ends_in_nan() {
-        let signals = Signals::<Named>::stack([&[1.0, 2.0][..], &[3.0]]);
-        assert!(signals.column(Named::Second)[1].is_nan());
+        let signals = Signals::<NamedColumn>::stack([&[1.0, 2.0][..], &[3.0]]);
+        assert!(signals.column(NamedColumn::Second)[1].is_nan());
         assert_eq!(signals.len(), 2);
     }
 }

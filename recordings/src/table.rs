@@ -16,7 +16,7 @@ pub struct RecordingTable {
     pub name: String,
     /// Columns in the file's order.
     pub columns: Vec<RecordingColumn>,
-    /// What was left out of the file.
+    /// Parts of the file that were left out.
     pub remarks: Vec<Remark>,
 }
 

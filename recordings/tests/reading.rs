@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;
 
 use counterpoise_recordings::{
-    Channel, ChannelSource, ChannelUnits, Controlled, Mapping, Recording, RecordingTable, Remark, Travel,
+    Channel, ChannelSource, ChannelUnits, LoopQuantity, Mapping, Recording, RecordingTable, Remark, Travel,
     Unit,
 };
 use proptest::prelude::*;
@@ -352,8 +352,11 @@ fn the_time_of_plot_juggler_is_the_time() {
 #[test]
 fn a_position_loop_reads_its_position_in_the_units_of_its_axis() {
     let table = read("time [s],demand [mm],hub_position [mm],control [V]\n0,1,2,0\n0.1,1,3,0\n0.2,1,4,0\n");
-    let units =
-        ChannelUnits { reading: Controlled::Position, demand: Controlled::Position, travel: Travel::Sliding };
+    let units = ChannelUnits {
+        reading: LoopQuantity::Position,
+        demand: LoopQuantity::Position,
+        travel: Travel::Sliding,
+    };
     let recording = Mapping { units, ..Mapping::default() }.apply(&table).unwrap();
     assert_eq!(recording.samples(Channel::HubRate), Some(&[2e-3, 3e-3, 4e-3][..]));
     assert_eq!(

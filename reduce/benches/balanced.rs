@@ -3,7 +3,7 @@
 
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
-use counterpoise_reduce::{Balanced, Method, Order, balred};
+use counterpoise_reduce::{BalancedSystem, Method, Order, balred};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::hint::black_box;
 
@@ -30,7 +30,7 @@ fn bench_balanced(criterion: &mut Criterion) {
     for n in [20, 50, 100, 200, 400] {
         let g = structure(n / 2);
         group.bench_with_input(BenchmarkId::new("truncation", n), &g, |bench, g| {
-            bench.iter(|| Balanced::of(black_box(g)).and_then(|b| b.reduce(n / 5, Method::SquareRoot)));
+            bench.iter(|| BalancedSystem::of(black_box(g)).and_then(|b| b.reduce(n / 5, Method::SquareRoot)));
         });
         if n <= 100 {
             group.bench_with_input(BenchmarkId::new("with its error measured", n), &g, |bench, g| {

@@ -1,6 +1,6 @@
 //! Balanced truncation and its singular perturbation, on the stable part.
 
-use crate::error::During;
+use crate::error::StepContext;
 use crate::measure::error_norm;
 use crate::reduction::{bound, choose, count_above_rounding};
 use crate::split::split_stable;
@@ -12,7 +12,7 @@ use counterpoise_lti::{StateSpace, Timebase, gramian_factors, parallel};
 
 /// A stable system with the factors of its Gramians P = R R', Q = L L' and the decomposition L'R = U S V'.
 #[derive(Debug, Clone)]
-pub struct Balanced {
+pub struct BalancedSystem {
     system: StateSpace,
     R: Mat,
     L: Mat,
@@ -21,7 +21,7 @@ pub struct Balanced {
     values: Vec<f64>,
 }
 
-impl Balanced {
+impl BalancedSystem {
     /// Prepares a stable system: two factored Lyapunov equations and a singular value decomposition.
     ///
     /// # Errors
@@ -56,7 +56,7 @@ impl Balanced {
         count_above_rounding(&self.values)
     }
 
-    /// Returns the system of order `r` by the given method; r at most [`Balanced::numerical_order`].
+    /// Returns the system of order `r` by the given method; r at most [`BalancedSystem::numerical_order`].
     ///
     /// # Errors
     /// [`Error::Rounding`] where r is larger; [`Error::Matrix`] where the projection is singular.
@@ -135,7 +135,7 @@ fn residualise(g: &StateSpace, r: usize) -> Result<StateSpace, Error> {
 pub fn balred(g: &StateSpace, order: Order, method: Method) -> Result<Reduction, Error> {
     let parts = split_stable(g)?;
     let untouched = parts.second.order();
-    let balanced = Balanced::of(&parts.first)?;
+    let balanced = BalancedSystem::of(&parts.first)?;
     let hankel = balanced.hankel().to_vec();
     let (kept, mut warnings) = choose(&hankel, order, untouched)?;
     let reduced = balanced.reduce(kept, method)?;

@@ -42,13 +42,13 @@ pub enum Error {
         what: &'static str,
         /// The value given.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// Matrices or degrees of freedom that do not fit together.
     #[error("{what}: {found:?} does not fit {expected:?}")]
     Shape {
-        /// Which.
+        /// Name of the item.
         what: &'static str,
         /// The shape that was given.
         found: (usize, usize),
@@ -68,12 +68,12 @@ pub enum Error {
 }
 
 /// Says which step a refused matrix computation belonged to.
-pub(crate) trait During<T> {
+pub(crate) trait StepContext<T> {
     /// Returns the same result, with the step's name in its error.
     fn with_step(self, what: &'static str) -> Result<T, Error>;
 }
 
-impl<T> During<T> for Result<T, linalg::Error> {
+impl<T> StepContext<T> for Result<T, linalg::Error> {
     fn with_step(self, what: &'static str) -> Result<T, Error> {
         self.map_err(|source| Error::Matrix { what, source })
     }

@@ -10,7 +10,7 @@ use counterpoise_linalg::{
 };
 use counterpoise_lti::{StateSpace, Timebase, is_stable, response_at};
 
-use crate::error::During;
+use crate::error::StepContext;
 use crate::reduction::{bound, choose};
 use crate::tolerance::{IDLE_CONTRIBUTION, MOST_STEPS};
 use crate::{Error, Order, Warning};
@@ -28,11 +28,11 @@ pub struct LargeStructure {
     pub C: Sparse,
     /// Stiffness, symmetric positive definite: the structure is held.
     pub K: Sparse,
-    /// Where the inputs push.
+    /// Directions of the input forces.
     pub F: Mat,
-    /// What the outputs see of the positions.
+    /// Output rows of the positions.
     pub P: Mat,
-    /// What the outputs see of the velocities.
+    /// Output rows of the velocities.
     pub V: Mat,
 }
 
@@ -50,7 +50,7 @@ pub struct LargeReduction {
     pub kept: usize,
     /// Factorisations that the Gramians took.
     pub steps: usize,
-    /// What a user should know.
+    /// Warnings for the user.
     pub warnings: Vec<Warning>,
 }
 

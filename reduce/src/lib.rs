@@ -7,8 +7,8 @@
 //! *Invariant*: nothing here knows a weight's purpose, a machine, a file, a thread or a clock. Poles on or beyond the
 //! border of stability are never reduced: they are split off first and put back unchanged.
 //!
-//! Modules in reading order: [`reduction`], [`split`](mod@split), [`balanced_truncation`], [`weighted_balancing`], [`modal`], [`second_order`],
-//! [`large`] (structures with sparse matrices), [`minimal`](mod@minimal), [`measure`], [`tolerance`] (the numbers that decide),
+//! Modules in reading order: [`reduction`], [`split`](mod@split), [`balanced_truncation`], [`weighted_balancing`], [`modal_truncation`], [`second_order`],
+//! [`large`] (structures with sparse matrices), [`minimal_realisation`](mod@minimal_realisation), [`measure`], [`tolerance`] (the numbers that decide),
 //! [`error`].
 //!
 //! ```
@@ -29,20 +29,20 @@ pub mod balanced_truncation;
 pub mod error;
 pub mod large;
 pub mod measure;
-pub mod minimal;
-pub mod modal;
+pub mod minimal_realisation;
+pub mod modal_truncation;
 pub mod reduction;
 pub mod second_order;
 pub mod split;
 pub mod tolerance;
 pub mod weighted_balancing;
 
-pub use balanced_truncation::{Balanced, balred};
+pub use balanced_truncation::{BalancedSystem, balred};
 pub use error::Error;
 pub use large::{LargeReduction, LargeStructure, balred_large, error_at};
 pub use measure::error_norm;
-pub use minimal::{Minimal, minimal_realisation};
-pub use modal::{Residual, modal_truncation};
+pub use minimal_realisation::{MinimalRealisation, minimal_realisation};
+pub use modal_truncation::{Residual, modal_truncation};
 pub use reduction::{Method, Order, Reduction, Warning};
 pub use second_order::{SecondOrder, SecondOrderReduction, guyan, modal_basis};
 pub use split::{Split, split_by, split_stable};

@@ -4,7 +4,7 @@ use crate::Error;
 use crate::tolerance::PAIRED_VALUES;
 use counterpoise_lti::{Peak, StateSpace};
 
-/// How many states to keep.
+/// Choice of the number of states to keep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Order {
     /// This many in all, poles that must be kept among them.
@@ -21,7 +21,7 @@ pub enum Order {
     },
 }
 
-/// How the smaller system is made.
+/// Method of a reduction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Method {
     /// Balanced truncation in balanced coordinates (Tombs and Postlethwaite 1987).
@@ -48,11 +48,11 @@ pub struct Reduction {
     pub kept: usize,
     /// Poles on or beyond the border of stability that were put back unchanged.
     pub untouched: usize,
-    /// What a user should know.
+    /// Warnings for the user.
     pub warnings: Vec<Warning>,
 }
 
-/// What a user should know about a reduction.
+/// Warning about a reduction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Warning {
     /// The cut lies between two values of almost the same size: one more or one less state is the better choice.

@@ -1,7 +1,7 @@
 //! Structures M x'' + C x' + K x = F u before they become systems: Guyan condensation and modal truncation.
 
 use crate::Error;
-use crate::error::During;
+use crate::error::StepContext;
 use crate::tolerance::{COMPARED_FREQUENCIES, RIGID_RATE};
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::Mat;
@@ -20,11 +20,11 @@ pub struct SecondOrder {
     pub C: Mat,
     /// Stiffness, symmetric.
     pub K: Mat,
-    /// Where the inputs push.
+    /// Directions of the input forces.
     pub F: Mat,
-    /// What the outputs see of the positions.
+    /// Output rows of the positions.
     pub P: Mat,
-    /// What the outputs see of the velocities.
+    /// Output rows of the velocities.
     pub V: Mat,
 }
 

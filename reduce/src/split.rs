@@ -1,7 +1,7 @@
 //! A system as the sum of two that share no poles: stable and the rest, slow and fast.
 
 use crate::Error;
-use crate::error::During;
+use crate::error::StepContext;
 use crate::tolerance::{BORDER, BORDER_NORM, CLUSTER_REACH, REORDERING_SHIFT, SUSPECT_POLE};
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::{Boundary, C64, Mat, Schur};

@@ -1,6 +1,6 @@
 //! Frequency-weighted balancing (Enns 1984), and the reduction of a controller that keeps its loop.
 
-use crate::balanced_truncation::Balanced;
+use crate::balanced_truncation::BalancedSystem;
 use crate::reduction::choose;
 use crate::split::split_stable;
 use crate::tolerance::EXACT_NORM;
@@ -43,7 +43,7 @@ pub fn weighted_balred(
     let R = driven.block(weights.input.order(), 0, n, driven.ncols());
     let seen = obsv_factor(&series(&stable, weights.output)?)?;
     let L = seen.block(0, 0, n, seen.ncols());
-    let balanced = Balanced::from_factors(stable.clone(), R, L)?;
+    let balanced = BalancedSystem::from_factors(stable.clone(), R, L)?;
     let hankel = balanced.hankel().to_vec();
     let untouched = parts.second.order();
     let (kept, warnings) = choose(&hankel, order, untouched)?;
@@ -60,7 +60,7 @@ pub fn weighted_balred(
 pub struct ControllerReduction {
     /// The reduction; its measured error is weighted, so that a value below one keeps the loop stable to first order.
     pub reduction: Reduction,
-    /// Whether the loop with the reduced controller is stable.
+    /// `true` if the loop with the reduced controller is stable.
     pub closed_loop_stable: bool,
     /// Pole of that loop nearest to, or farthest beyond, the border of stability.
     pub critical_pole: C64,

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{Descriptor, StateSpace, Timebase, frequency_response, is_stable, response_at};
-use counterpoise_reduce::{Balanced, Method, Order, balred};
+use counterpoise_reduce::{BalancedSystem, Method, Order, balred};
 
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/benchmarks/reduction")
@@ -28,7 +28,7 @@ fn load(name: &str) -> Option<(StateSpace, HashMap<String, Mat>)> {
 /// The reference values themselves are good to 1e-12 to 1e-11 of the largest.
 fn check(name: &str, order: usize, digits: f64) {
     let Some((g, found)) = load(name) else { return };
-    let balanced = Balanced::of(&g).unwrap();
+    let balanced = BalancedSystem::of(&g).unwrap();
     let reference = &found["hsv"];
     let largest = reference[(0, 0)];
     for (k, value) in balanced.hankel().iter().enumerate() {

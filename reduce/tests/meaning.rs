@@ -7,7 +7,7 @@ use counterpoise_lti::{
     parallel, poles, response_at, series,
 };
 use counterpoise_reduce::{
-    Balanced, Error, Method, Order, Residual, SecondOrder, Warning, balred, guyan, minimal_realisation,
+    BalancedSystem, Error, Method, Order, Residual, SecondOrder, Warning, balred, guyan, minimal_realisation,
     modal_basis, modal_truncation, reduce_controller, split_stable,
 };
 
@@ -141,7 +141,7 @@ fn a_minimal_realisation_has_the_known_order_and_shows_its_gap() {
 fn more_states_than_rounding_leaves_are_refused_with_the_number_there_is() {
     // 1/(s + 1) twice in parallel: two states, one of them never reached.
     let lag = zpk(&[], &[re(-1.0)], 1.0);
-    let balanced = Balanced::of(&parallel(&lag, &lag).unwrap()).unwrap();
+    let balanced = BalancedSystem::of(&parallel(&lag, &lag).unwrap()).unwrap();
     assert_eq!(balanced.numerical_order(), 1);
     for method in [Method::SquareRoot, Method::BalancingFree, Method::MatchDc] {
         assert!(dcgain(&balanced.reduce(1, method).unwrap()).is_ok());

@@ -84,8 +84,8 @@ fn call_all(seed: u64) -> Vec<&'static str> {
     let go_on = || |_| ControlFlow::Continue(());
     let calls: Vec<Call> = vec![
         ("balred", Box::new(|| judge(balred(&g, order, method)))),
-        ("Balanced", Box::new(|| judge(Balanced::of(&g).map(|b| b.reduce(count, method))))),
-        ("from_factors", Box::new(|| judge(Balanced::from_factors(g.clone(), h.B.clone(), h.C.t())))),
+        ("Balanced", Box::new(|| judge(BalancedSystem::of(&g).map(|b| b.reduce(count, method))))),
+        ("from_factors", Box::new(|| judge(BalancedSystem::from_factors(g.clone(), h.B.clone(), h.C.t())))),
         ("minimal", Box::new(|| judge(minimal_realisation(&g, tolerance)))),
         ("split", Box::new(|| judge(split_stable(&g).map(|parts| parts.sum())))),
         ("split_by", Box::new(|| judge(split_by(&g, |pole: C64| pole.im > 0.0)))),

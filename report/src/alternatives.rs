@@ -10,6 +10,7 @@ use counterpoise_pipeline::synth::schedule::BalanceRow;
 
 use crate::bode::{BodeCurve, PhasePanel, bode_figure};
 use crate::designs::noise_gain_column;
+use crate::tolerance::SHOWN_AS_ZERO_DB;
 use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Colour, Dash, Figure};
@@ -174,7 +175,8 @@ fn changes(rows: &[BalanceRow], controlled: ControlledQuantity) -> ReportTable {
         controlled.milli_unit()
     );
     let mut table = ReportTable::new(&caption, &columns);
-    let range = |[low, high]: [f64; 2]| format!("{:+.2} to {:+.2}", tidy(low), tidy(high));
+    let range =
+        |[low, high]: [f64; 2]| format!("{:+.2} to {:+.2}", drop_small_sign(low), drop_small_sign(high));
     let change = |db: Option<[f64; 2]>| ReportCell::text(db.map_or("-".to_owned(), range));
     let error = |rate: Option<f64>| rate.map_or(ReportCell::text("-"), |rate| ReportCell::number(1e3 * rate));
     for row in rows {
@@ -210,9 +212,9 @@ fn laws(rows: &[BalanceRow]) -> ReportTable {
     table
 }
 
-/// Without the sign of a zero that is shown.
-fn tidy(db: f64) -> f64 {
-    if db.abs() < 5e-3 { 0.0 } else { db }
+/// Returns a figure in decibels, or 0 if two decimals show it as 0: it is then written without a sign.
+pub fn drop_small_sign(db: f64) -> f64 {
+    if db.abs() < SHOWN_AS_ZERO_DB { 0.0 } else { db }
 }
 
 fn spillover(found: &Spillover) -> ReportSection {

@@ -1,7 +1,7 @@
 //! How a project file was read and which values are assumed, in words.
 
 use counterpoise_pipeline::check::{CheckResult, PlantOverview};
-use counterpoise_pipeline::studies::assumptions::{AssumptionEffect, EffectAt};
+use counterpoise_pipeline::studies::assumptions::{AssumptionEffect, EffectAtValue};
 use counterpoise_pipeline::wording::check::describe_check_problem;
 use counterpoise_project::diagnostic::MOST_SHOWN;
 use counterpoise_project::{Assumption, KeyTolerance, SectionStatement, ValueStatement};
@@ -105,9 +105,9 @@ fn understood_sections(sections: &[SectionStatement]) -> Vec<String> {
 /// Where a value comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Origin {
-    /// It is written in the file.
+    /// The value is written in the file.
     File,
-    /// It is a default, or follows from other keys.
+    /// The value is a default, or follows from other keys.
     Elsewhere,
 }
 
@@ -238,7 +238,7 @@ pub fn describe_effect(effect: &AssumptionEffect) -> String {
     )
 }
 
-fn change(at: &EffectAt) -> String {
+fn change(at: &EffectAtValue) -> String {
     if !at.is_stable {
         return "the loop is unstable".to_owned();
     }

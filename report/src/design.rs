@@ -24,12 +24,12 @@ use crate::{
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Colour, Figure};
 
-/// What a design's report shows that was found outside the pipeline.
+/// Results of a design that its report shows and that were found outside the pipeline.
 #[derive(Debug, Clone, Copy)]
 pub struct DesignRun<'a> {
-    /// Where the report comes from.
+    /// Origin of the report.
     pub origin: &'a ReportOrigin,
-    /// What each stage took.
+    /// Times of the stages.
     pub times: &'a [StageTime],
     /// The compiled code, compared with its model.
     pub proofs: &'a [CompiledCodeTest],

@@ -119,12 +119,12 @@ fn row(change: &FigureChange) -> Vec<ReportCell> {
 mod tests {
     #![allow(clippy::unwrap_used)]
 
-    use counterpoise_verify::Figure;
+    use counterpoise_verify::PerformanceFigure;
 
     use super::*;
 
     fn change(before: f64, after: f64, verdicts: [bool; 2]) -> FigureChange {
-        let figure = Figure::from_key("gain_margin_db").unwrap();
+        let figure = PerformanceFigure::from_key("gain_margin_db").unwrap();
         let [held, holds] = verdicts.map(Some);
         let controlled = counterpoise_models::ControlledQuantity::RATE;
         FigureChange { figure, controlled, before: Some(before), after: Some(after), held, holds }

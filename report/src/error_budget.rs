@@ -2,7 +2,7 @@
 
 use counterpoise_pipeline::sight_views::SightView;
 use counterpoise_plot::number::short_number;
-use counterpoise_verify::{ErrorBudget, Figure, SightFigure, Verification};
+use counterpoise_verify::{ErrorBudget, PerformanceFigure, SightFigure, Verification};
 
 use crate::error_budget_figures::sight_figure;
 use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
@@ -66,7 +66,7 @@ pub fn budget_lines(found: &Verification) -> Vec<String> {
 /// Returns what the error of the line of sight means to a gunner and to an observer, as far as the verification asks for it.
 fn purposes(found: &Verification) -> Vec<String> {
     let sight = found.evidence.procedure.line_of_sight.unwrap_or_default();
-    let value = |figure| found.value(Figure::Sight(figure));
+    let value = |figure| found.value(PerformanceFigure::Sight(figure));
     let mut all = Vec::new();
     let fired = [SightFigure::Coincidence, SightFigure::Wait, SightFigure::Hit].map(value);
     if let (Some(asked), [Some(inside), Some(wait_s), Some(hit)]) = (sight.coincidence, fired) {

@@ -1,5 +1,6 @@
 //! The report of an identification: the numbers with their intervals, control against rate, the amplifier's curve.
 
+use crate::tolerance::LEAST_WITH_THREE_DECIMALS;
 use crate::wording::identification::{AmplifierText, IdentificationText};
 use counterpoise_diagnose::identification::{Estimate, FrictionPicture, GainPoint};
 use counterpoise_pipeline::recordings::AxisUnits;
@@ -22,7 +23,7 @@ pub fn identification_report(
     units: &AxisUnits,
 ) -> Report {
     let loops: Vec<Figure> =
-        found.loops.iter().map(|l| loop_figure(l, found, Drawn { command, units })).collect();
+        found.loops.iter().map(|l| loop_figure(l, found, DrawingContext { command, units })).collect();
     let (first, others) = loops.split_at(loops.len().min(1));
     let mut sections = Vec::new();
     if !others.is_empty() {
@@ -129,18 +130,22 @@ fn estimates(found: &IdentificationText, units: &AxisUnits) -> ReportTable {
 
 /// Returns the end of an interval with three decimals, or with three digits if those say nothing.
 fn interval_end(value: f64) -> String {
-    if value == 0.0 || value.abs() >= 0.01 { format!("{value:.3}") } else { format!("{value:.2e}") }
+    if value == 0.0 || value.abs() >= LEAST_WITH_THREE_DECIMALS {
+        format!("{value:.3}")
+    } else {
+        format!("{value:.2e}")
+    }
 }
 
 /// What a figure is drawn with.
 #[derive(Clone, Copy)]
-struct Drawn<'a> {
+struct DrawingContext<'a> {
     command: &'a str,
     units: &'a AxisUnits,
 }
 
 /// Control against the rate of the axis, measured and as the identified mechanism needs it.
-fn loop_figure(picture: &FrictionPicture, found: &IdentificationText, drawn: Drawn<'_>) -> Figure {
+fn loop_figure(picture: &FrictionPicture, found: &IdentificationText, drawn: DrawingContext<'_>) -> Figure {
     let rate = drawn.units.rate;
     let points = |k: usize| picture.points.iter().map(move |p| (p[0], p[k]));
     let series = vec![
@@ -230,13 +235,16 @@ fn curve_table(points: &[GainPoint]) -> ReportTable {
 mod tests {
     use super::*;
     use crate::html_page;
-    use counterpoise_diagnose::identification::{Balance, Lobes};
+    use counterpoise_diagnose::identification::{BalanceState, Lobes};
 
     fn example_text() -> IdentificationText {
         let estimate = |value| Estimate::new(value, 0.5, 150.0);
         let turn = |k: i32| f64::from(k) * 0.01;
         IdentificationText {
-            balances: vec![Balance { out_of_balance_kg_m: estimate(186.0), inertia_kg_m2: estimate(150.2) }],
+            balances: vec![BalanceState {
+                out_of_balance_kg_m: estimate(186.0),
+                inertia_kg_m2: estimate(150.2),
+            }],
             coulomb_nm: estimate(130.0),
             viscous_nm_s_rad: estimate(140.0),
             breakaway_nm: None,

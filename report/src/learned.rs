@@ -7,9 +7,10 @@ use counterpoise_diagnose::learning::reading::ReadElement;
 use crate::wording::learned::{LearnedFunctionText, LearnedText, describe_elements};
 use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 
-/// Returns the section on a model without a name.
+/// Returns the section on the free functions that model an unidentified effect.
 pub(super) fn learned_section(learned: &LearnedText) -> ReportSection {
-    functions_section("A model of what has no name", &learned.functions).with_text(learned.summary.clone())
+    functions_section("A model of the unidentified effect", &learned.functions)
+        .with_text(learned.summary.clone())
 }
 
 /// Returns the section on the free functions of a plant; `None` if it has none.
@@ -26,7 +27,7 @@ fn functions_section(title: &str, functions: &[LearnedFunctionText]) -> ReportSe
         ReportColumn::Text("reading"),
         ReportColumn::Text("range"),
     ];
-    let mut table = ReportTable::new("Modelled, without a name", &columns);
+    let mut table = ReportTable::new("Free functions in place of an unidentified effect", &columns);
     for function in functions {
         let texts =
             [function.place, function.quantity, function.variable, &function.reading, &function.range];

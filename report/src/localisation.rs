@@ -13,8 +13,8 @@ use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 /// Returns the section on localisation.
 pub(super) fn localisation_section(answer: &AnswerText) -> ReportSection {
     let mut balances = ReportTable::new(
-        "Balances that these sensors allow, and the components that each can see",
-        &[ReportColumn::Text("balance"), ReportColumn::Text("available"), ReportColumn::Text("sees")],
+        "Equations of torque and motion that these sensors allow, and the components that each depends on",
+        &[ReportColumn::Text("equation"), ReportColumn::Text("available"), ReportColumn::Text("depends on")],
     );
     for row in &answer.isolability {
         let available = if row.available { "yes" } else { "no" };

@@ -6,7 +6,7 @@ use counterpoise_plot::Figure;
 /// A whole report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Report {
-    /// What the report is about, for example the machine's name.
+    /// Subject of the report, for example the machine's name.
     pub title: String,
     /// One line under the title.
     pub subtitle: String,
@@ -20,7 +20,7 @@ pub struct Report {
     pub glance: Vec<Figure>,
     /// The evidence.
     pub sections: Vec<ReportSection>,
-    /// Where the report comes from: version, project, command.
+    /// Origin of the report: version, project, command.
     pub provenance: Vec<ProvenanceEntry>,
 }
 
@@ -29,7 +29,7 @@ pub struct Report {
 pub struct ProvenanceEntry {
     /// What is told.
     pub name: String,
-    /// What it is.
+    /// Value.
     pub value: String,
 }
 
@@ -40,7 +40,7 @@ impl ProvenanceEntry {
     }
 }
 
-/// Where a report comes from.
+/// Origin of a report: the command and the project.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ReportOrigin {
     /// Path of the project file; empty for none.
@@ -63,11 +63,11 @@ pub struct Headline {
 /// A number with its name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FigureTile {
-    /// What it is.
+    /// Label.
     pub label: String,
-    /// Its value, already formatted.
+    /// Value, already formatted.
     pub value: String,
-    /// Its unit; may be empty.
+    /// Unit; may be empty.
     pub unit: String,
     /// A remark under it, for example its limit; may be empty.
     pub note: String,
@@ -75,21 +75,21 @@ pub struct FigureTile {
     pub tone: OutcomeTone,
 }
 
-/// How something turned out.
+/// Tone of an outcome.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OutcomeTone {
-    /// It holds.
+    /// The requirement holds.
     Good,
-    /// It fails.
+    /// The requirement fails.
     Bad,
-    /// It could not be judged, or there is nothing to judge.
+    /// The requirement could not be assessed, or there is nothing to judge.
     Neutral,
 }
 
 /// A part of the evidence.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReportSection {
-    /// Its heading.
+    /// Heading.
     pub heading: String,
     /// Paragraphs of plain text.
     pub text: Vec<String>,
@@ -102,11 +102,11 @@ pub struct ReportSection {
 /// A table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReportTable {
-    /// What it shows; may be empty.
+    /// Conclusion; may be empty.
     pub caption: String,
-    /// Its columns.
+    /// Columns.
     pub columns: Vec<ReportColumn>,
-    /// Its rows, each as long as `columns`.
+    /// Rows, each as long as `columns`.
     pub rows: Vec<Vec<ReportCell>>,
 }
 

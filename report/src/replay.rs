@@ -26,7 +26,7 @@ pub fn replay_report(
     let worst = worst_track(replayed.iter().flat_map(|one| &one.tracks));
     Report {
         title: title.to_owned(),
-        subtitle: "what the model does under what was recorded".to_owned(),
+        subtitle: "simulation of the recordings with the model".to_owned(),
         headline: headline(result),
         tiles: tiles(result),
         verdicts: ways(result),

@@ -11,7 +11,7 @@ use counterpoise_verify::signals::welch::Spectra;
 use crate::tolerance::COHERENT;
 use crate::{OutcomeTone, ReportCell, ReportColumn, ReportSection, ReportTable};
 use counterpoise_pipeline::recordings::tracks::{ChannelTrack, TrackColumn};
-use counterpoise_plot::thin::MOST_POINTS;
+use counterpoise_plot::thinning::MOST_POINTS;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
 /// Recordings whose loops, and channels whose spectra are drawn.

@@ -1,6 +1,6 @@
 //! The linear worst case: how far all stated ranges may be widened together, in words and as a section.
 
-use counterpoise_verify::structured::{Destabilising, RobustStability};
+use counterpoise_verify::structured::{DestabilisingMechanism, RobustStability};
 
 use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 use counterpoise_plot::number::short_number;
@@ -50,7 +50,7 @@ fn errors(found: &RobustStability) -> String {
 }
 
 /// Returns the nearest mechanism at the limit of stability.
-fn describe_nearest(found: &Destabilising) -> String {
+fn describe_nearest(found: &DestabilisingMechanism) -> String {
     let mut parts: Vec<String> = found
         .factors
         .iter()
@@ -69,7 +69,7 @@ fn describe_nearest(found: &Destabilising) -> String {
 
 /// Returns the errors of gain that are not zero, as modulus and angle, each with its name.
 fn gain_errors(
-    found: &Destabilising,
+    found: &DestabilisingMechanism,
     names: [&'static str; 2],
 ) -> impl Iterator<Item = (&'static str, String)> {
     names.into_iter().zip(found.errors).filter(|(_, error)| error.norm() > 0.0).map(|(name, error)| {
@@ -112,7 +112,7 @@ fn bounds(found: &RobustStability) -> Figure {
     Figure::new("Structured singular value", Axis::logarithmic("frequency", "Hz"), vec![panel])
 }
 
-fn table(found: &Destabilising) -> ReportTable {
+fn table(found: &DestabilisingMechanism) -> ReportTable {
     let columns = [ReportColumn::Text("parameter"), ReportColumn::Number("factor at the limit")];
     let mut table = ReportTable::new("The nearest mechanism at the limit of stability", &columns);
     for (varied, factor) in &found.factors {

@@ -1,7 +1,7 @@
 //! The rejection ratio from time histories, as a section.
 
 use counterpoise_models::ControlledQuantity;
-use counterpoise_verify::spectral::{CONFIDENCE, Spectral};
+use counterpoise_verify::spectral::{CONFIDENCE, HubRateSpectra};
 use counterpoise_verify::{Arrangement, Source};
 
 use crate::ReportSection;
@@ -12,7 +12,7 @@ const BAND_HZ: (f64, f64) = (0.3, 12.0);
 
 /// Returns the hub rate over pitch and over heave on the road, with confidence and coherence; nothing without
 /// a road.
-pub fn spectra_section(all: &[Spectral], controlled: ControlledQuantity) -> Option<ReportSection> {
+pub fn spectra_section(all: &[HubRateSpectra], controlled: ControlledQuantity) -> Option<ReportSection> {
     if all.is_empty() {
         return None;
     }
@@ -38,7 +38,7 @@ pub fn spectra_section(all: &[Spectral], controlled: ControlledQuantity) -> Opti
     ]))
 }
 
-fn figure(title: &str, unit: &str, all: &[&Spectral]) -> Figure {
+fn figure(title: &str, unit: &str, all: &[&HubRateSpectra]) -> Figure {
     let ratio = all.iter().map(|one| line(one, &one.spectra.ratio_db)).collect();
     let bands = all.iter().filter(|one| one.arrangement != Arrangement::Uncontrolled).map(|one| band(one));
     let coherence = all.iter().map(|one| line(one, &one.spectra.coherence)).collect();
@@ -59,13 +59,13 @@ fn is_drawn(hz: f64) -> bool {
     (BAND_HZ.0..=BAND_HZ.1).contains(&hz)
 }
 
-fn line(one: &Spectral, values: &[f64]) -> Series {
+fn line(one: &HubRateSpectra, values: &[f64]) -> Series {
     let (name, colour) = dress(one.arrangement);
     let pairs = one.spectra.frequency_hz.iter().copied().zip(values.iter().copied());
     Series::solid_line(name, colour, pairs.filter(|(hz, value)| is_drawn(*hz) && value.is_finite()))
 }
 
-fn band(one: &Spectral) -> Band {
+fn band(one: &HubRateSpectra) -> Band {
     let (_, colour) = dress(one.arrangement);
     let edges = one.spectra.frequency_hz.iter().copied().zip(&one.spectra.interval_db);
     let points = edges.map(|(hz, [low, high])| (hz, *low, *high));

@@ -1,11 +1,11 @@
 //! The first screen of a verification's report.
 
-use counterpoise_pipeline::wording::acceptance::Traceable;
+use counterpoise_pipeline::wording::acceptance::AcceptanceSource;
 use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
 use counterpoise_verify::verification::WorseFeedforward;
 use counterpoise_verify::{
-    Arrangement, Experiment, Figure, Limit, LoopFigure, Model, Quantity, Requirement, Source, StepFigure,
-    Verdict, Verification,
+    Arrangement, Experiment, Limit, LoopFigure, Model, PerformanceFigure, Quantity, Requirement, Source,
+    StepFigure, Verdict, Verification,
 };
 
 use crate::evidence::{disturbance_figure, step_figure};
@@ -153,14 +153,16 @@ pub fn traceability_section(found: &Verification) -> Option<ReportSection> {
 /// Returns the numbers that a reader wants first.
 pub fn summary_tiles(found: &Verification) -> Vec<FigureTile> {
     let model = nonlinear_if_run(found);
-    let hub = |source| Figure::Disturbance(model, source, Arrangement::Compensated, Quantity::HubRms);
-    let drr = |source| Figure::Disturbance(model, source, Arrangement::Compensated, Quantity::Rejection);
+    let hub =
+        |source| PerformanceFigure::Disturbance(model, source, Arrangement::Compensated, Quantity::HubRms);
+    let drr =
+        |source| PerformanceFigure::Disturbance(model, source, Arrangement::Compensated, Quantity::Rejection);
     let on_road = format!("{} on the road", found.controlled_quantity().name());
     let wanted = [
-        ("gain margin, linear", Figure::Loop(LoopFigure::GainMargin)),
-        ("phase margin, linear", Figure::Loop(LoopFigure::PhaseMargin)),
-        ("sensitivity Ms, linear", Figure::Loop(LoopFigure::MaxSensitivity)),
-        ("step overshoot", Figure::Step(model, StepFigure::Overshoot)),
+        ("gain margin, linear", PerformanceFigure::Loop(LoopFigure::GainMargin)),
+        ("phase margin, linear", PerformanceFigure::Loop(LoopFigure::PhaseMargin)),
+        ("sensitivity Ms, linear", PerformanceFigure::Loop(LoopFigure::MaxSensitivity)),
+        ("step overshoot", PerformanceFigure::Step(model, StepFigure::Overshoot)),
         ("DRR pitch", drr(Source::Pitch)),
         ("DRR heave", drr(Source::Heave)),
         (on_road.as_str(), hub(Source::Road)),
@@ -173,7 +175,7 @@ pub fn nonlinear_if_run(found: &Verification) -> Model {
     if found.history(Model::Nonlinear, Experiment::Step).is_some() { Model::Nonlinear } else { Model::Linear }
 }
 
-fn tile(found: &Verification, label: &str, figure: Figure) -> Option<FigureTile> {
+fn tile(found: &Verification, label: &str, figure: PerformanceFigure) -> Option<FigureTile> {
     let value = found.value(figure)?;
     let judged = found.verdicts.iter().find(|(requirement, _)| requirement.figure == figure);
     let tone = judged.map_or(OutcomeTone::Neutral, |(_, verdict)| tone_of(verdict));
@@ -183,10 +185,10 @@ fn tile(found: &Verification, label: &str, figure: Figure) -> Option<FigureTile>
     let limit = judged.map(|(requirement, _)| words_of(scale_limit(requirement.limit, scale)));
     let value = scale * value;
     let kind_of = match figure {
-        Figure::Disturbance(Model::Nonlinear, ..) => "RMS, nonlinear, all feedforwards",
-        Figure::Disturbance(Model::Linear, ..) => "RMS, linear, all feedforwards",
-        Figure::Step(Model::Nonlinear, _) => "nonlinear plant",
-        Figure::Step(Model::Linear, _) => "linear plant",
+        PerformanceFigure::Disturbance(Model::Nonlinear, ..) => "RMS, nonlinear, all feedforwards",
+        PerformanceFigure::Disturbance(Model::Linear, ..) => "RMS, linear, all feedforwards",
+        PerformanceFigure::Step(Model::Nonlinear, _) => "nonlinear plant",
+        PerformanceFigure::Step(Model::Linear, _) => "linear plant",
         _ => "",
     };
     let note = match (limit, rejection_note(found, figure)) {
@@ -204,14 +206,16 @@ fn tile(found: &Verification, label: &str, figure: Figure) -> Option<FigureTile>
 }
 
 /// At which amplitude a rejection ratio holds, with the linear one beside the nonlinear one; `None` for any other figure.
-fn rejection_note(found: &Verification, figure: Figure) -> Option<String> {
-    let Figure::Disturbance(model, source, arrangement, Quantity::Rejection) = figure else { return None };
+fn rejection_note(found: &Verification, figure: PerformanceFigure) -> Option<String> {
+    let PerformanceFigure::Disturbance(model, source, arrangement, Quantity::Rejection) = figure else {
+        return None;
+    };
     let history = found.history(model, Experiment::Disturbance(source, arrangement))?;
     let unit = if source == Source::Heave { "m/s\u{B2}" } else { "rad/s" };
     if model == Model::Linear {
         return Some("linear, at any amplitude".to_owned());
     }
-    let beside = Figure::Disturbance(Model::Linear, source, arrangement, Quantity::Rejection);
+    let beside = PerformanceFigure::Disturbance(Model::Linear, source, arrangement, Quantity::Rejection);
     let linear = found.value(beside).map_or(String::new(), |db| format!("; linear {} dB", short_number(db)));
     Some(format!("nonlinear, at {} {unit}{linear}", short_number(history.motion_amplitude()?)))
 }
@@ -255,7 +259,7 @@ fn tone_of(verdict: &Verdict) -> OutcomeTone {
 pub fn summary_figures(found: &Verification) -> Vec<counterpoise_plot::Figure> {
     let model = nonlinear_if_run(found);
     let source = if found
-        .value(Figure::Disturbance(model, Source::Road, Arrangement::Feedback, Quantity::HubRms))
+        .value(PerformanceFigure::Disturbance(model, Source::Road, Arrangement::Feedback, Quantity::HubRms))
         .is_some()
     {
         Source::Road

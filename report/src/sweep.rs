@@ -2,7 +2,7 @@
 
 use counterpoise_pipeline::studies::sweep::CampaignResult;
 use counterpoise_pipeline::wording::figures::describe_figure;
-use counterpoise_verify::robust::{MemberDifference, Sense, Summary, Worst};
+use counterpoise_verify::robust::{MemberDifference, Sense, Summary, WorstMechanism};
 use counterpoise_verify::{Limit, Requirement, Value, Verification};
 
 use serde::Serialize;
@@ -140,7 +140,7 @@ pub fn sweep_figures(found: &CampaignResult) -> Vec<SweepFigure> {
     found.summaries.iter().enumerate().map(row).collect()
 }
 
-fn worst_of(found: &CampaignResult, requirement: usize, worst: &Worst) -> WorstCase {
+fn worst_of(found: &CampaignResult, requirement: usize, worst: &WorstMechanism) -> WorstCase {
     let keys = found.variations.iter().map(|variation| variation.parameter.key());
     WorstCase {
         value: worst.value,
@@ -154,7 +154,7 @@ fn worst_of(found: &CampaignResult, requirement: usize, worst: &Worst) -> WorstC
 }
 
 /// Returns the options of `counterpoise sweep` that run a worst case again.
-pub fn rerun_options(found: &CampaignResult, worst: &Worst) -> String {
+pub fn rerun_options(found: &CampaignResult, worst: &WorstMechanism) -> String {
     let both = found.variations.iter().zip(&worst.factors);
     let words: Vec<String> =
         both.map(|(variation, factor)| format!("{}={factor:.6}", variation.parameter.key())).collect();

@@ -10,10 +10,11 @@ use counterpoise_pipeline::export::target_proofs::{
 };
 use counterpoise_verify::{Experiment, Source};
 
+use crate::tolerance::COST_SHOWN_AS_ZERO_DB;
 use crate::wording::capitalise_first;
 use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 
-/// What the section shows.
+/// Evidence on the targets that the section shows.
 #[derive(Debug, Clone, Copy)]
 pub struct TargetEvidence<'a> {
     /// The controller in every kind of numbers.
@@ -22,7 +23,7 @@ pub struct TargetEvidence<'a> {
     pub proofs: &'a [CompiledCodeTest],
     /// Instructions and memory.
     pub costs: &'a StepCosts,
-    /// What the loop controls.
+    /// Quantity that the loop controls.
     pub controlled: ControlledQuantity,
 }
 
@@ -140,10 +141,9 @@ fn loop_row(evidence: &TargetEvidence<'_>, i: usize) -> Vec<ReportCell> {
             CodeAgreement::NotRun(_) => ReportCell::text("not run"),
         });
         if !proof.rust && figures.numbers != Numbers::Double {
-            // Less than 0.0005 dB either way prints as 0, without a sign.
             let cost = match each.cost_db {
                 None => "\u{2013}".to_owned(),
-                Some(cost) if cost.abs() < 5e-4 => "0.000".to_owned(),
+                Some(cost) if cost.abs() < COST_SHOWN_AS_ZERO_DB => "0.000".to_owned(),
                 Some(cost) => format!("{cost:+.3}"),
             };
             cells.push(ReportCell::text(cost));

@@ -21,3 +21,12 @@ pub(crate) const DEPTH_DB: f64 = 120.0;
 /// Coherence above which a response estimated from a recording is drawn: at 0.5 noise has as much power as the response, and the estimate's
 /// standard deviation is as large as the estimate over few averages (J. Bendat and A. Piersol, Random Data, section 9.1).
 pub(crate) const COHERENT: f64 = 0.5;
+
+/// Figure in decibels below which two decimals show 0: it is written without a sign.
+pub(crate) const SHOWN_AS_ZERO_DB: f64 = 0.005;
+
+/// The same with three decimals, for the cost of an arithmetic.
+pub(crate) const COST_SHOWN_AS_ZERO_DB: f64 = 5e-4;
+
+/// Magnitude below which three decimals leave fewer than two digits: the number is written with an exponent.
+pub(crate) const LEAST_WITH_THREE_DECIMALS: f64 = 0.01;

@@ -21,9 +21,9 @@ pub struct VerifiedPoint {
     pub rejection: f64,
     /// Verdicts that hold, that fail, and that do not apply.
     pub verdicts: [usize; 3],
-    /// Which fail, with their values.
+    /// Requirements that fail, with their values.
     pub failing: Vec<String>,
-    /// Whether everything holds.
+    /// `true` if everything holds.
     pub holds: bool,
 }
 

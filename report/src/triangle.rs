@@ -4,7 +4,7 @@ use counterpoise_models::{ControlledQuantity, QuantityKind};
 use counterpoise_verify::{Experiment, History, HistoryColumn, Model, Verification};
 
 use crate::ReportSection;
-use counterpoise_plot::thin::MOST_POINTS;
+use counterpoise_plot::thinning::MOST_POINTS;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Point, Series};
 
 const MODELS: [(Model, &str, Colour, Dash); 2] = [

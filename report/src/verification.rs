@@ -3,11 +3,11 @@
 use counterpoise_pipeline::loop_view::LoopView;
 use counterpoise_pipeline::sight_views::SightView;
 use counterpoise_verify::Verification;
-use counterpoise_verify::spectral::Spectral;
+use counterpoise_verify::spectral::HubRateSpectra;
 
 use crate::{ProvenanceEntry, Report, ReportSection, error_budget, evidence, loop_charts, spectra, summary};
 
-/// What a verification does not know about itself.
+/// Context of a verification: what the verification itself does not contain.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct VerificationContext {
     /// The machine's name.
@@ -26,7 +26,11 @@ pub struct VerificationContext {
 
 /// Returns the report: the verdicts on the first screen, then the evidence, then what `context` adds. `on_road` are the rejection ratios
 /// from the time histories on the road.
-pub fn of_verification(found: &Verification, on_road: &[Spectral], context: VerificationContext) -> Report {
+pub fn of_verification(
+    found: &Verification,
+    on_road: &[HubRateSpectra],
+    context: VerificationContext,
+) -> Report {
     let mut sections = evidence::evidence_sections(found);
     if let Some(view) = &context.loop_view {
         sections.insert(1, loop_charts::charts_section(found, view));

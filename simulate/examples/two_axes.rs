@@ -9,7 +9,7 @@ use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::plant::SinCos;
 use counterpoise_models::two_axes::{BodyInertia, Coupling, ElevatedBody, PivotPosition, TraverseGyroscope};
 use counterpoise_models::{
-    AmplifierDynamics, Friction, FrictionLaw, Gearbox, Lumped, Plant, Sensor, reference,
+    AmplifierDynamics, Friction, FrictionLaw, Gearbox, LumpedStructure, Plant, Sensor, reference,
 };
 use counterpoise_simulate::{
     AxisScenario, BaseMotion, Controllers, Detail, Firing, Signal, TwoAxisScenario, TwoAxisSimulator,
@@ -27,17 +27,17 @@ struct Axis {
 impl Axis {
     fn plant(&self) -> Result<Plant, counterpoise_models::Error> {
         let mut p = reference::rig();
-        let lumped = Lumped {
+        let lumped = LumpedStructure {
             out_of_balance_kg_m: self.out_of_balance_kg_m,
             vertical_offset_kg_m: self.vertical_offset_kg_m,
-            ..Lumped::rigid(self.inertia_kg_m2)
+            ..LumpedStructure::rigid(self.inertia_kg_m2)
         };
         (p.beam, p.lumped, p.gearbox) = (None, Some(lumped), Gearbox::DIRECT);
         p.gravity_m_s2 = self.gravity_m_s2;
         p.motor.inertia_kg_m2 = 0.0;
         p.amplifier.dynamics = AmplifierDynamics::TorqueCommand;
-        p.motor_friction = Friction::plain(FrictionLaw::None, 0.0);
-        p.pivot_friction = Friction::plain(FrictionLaw::None, self.viscous_nm_s_rad);
+        p.motor_friction = Friction::with_viscous_part(FrictionLaw::None, 0.0);
+        p.pivot_friction = Friction::with_viscous_part(FrictionLaw::None, self.viscous_nm_s_rad);
         p.sensors.hub_gyro = Sensor::IDEAL;
         Plant::from_lumped(&p)
     }

@@ -4,7 +4,7 @@
 //! `lanes` for the method. What a variant leaves has the same bytes as [`Simulator::run`] gives, whatever runs beside it.
 
 use crate::Error;
-use crate::engine::present::Sample;
+use crate::engine::present_plant::Sample;
 use crate::engine::stepper::Stepper;
 use crate::history::{ReadingColumns, TimeHistory};
 use crate::lanes::group::LaneGroup;
@@ -24,9 +24,9 @@ pub const SIDE_BY_SIDE: usize = LANES;
 pub struct EnsembleRun<'a> {
     /// The simulator of its plant.
     pub simulator: &'a mut Simulator,
-    /// Its controller; it is used as it is handed in.
+    /// Controller; it is used as it is handed in.
     pub controller: &'a mut dyn SampledController,
-    /// Its scenario.
+    /// Scenario.
     pub scenario: &'a Scenario,
     /// When it is asked whether it goes on.
     pub watch: Option<RunObserver<'a>>,

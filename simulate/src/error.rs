@@ -15,7 +15,7 @@ pub enum Error {
     Range {
         /// Which number.
         what: &'static str,
-        /// Its value.
+        /// Value.
         value: f64,
         /// What is allowed, as a phrase that follows "must be".
         allowed: &'static str,

@@ -1,6 +1,6 @@
 //! Whether a machine that recoils fires in a run.
 
-/// Whether a machine that recoils fires.
+/// State of a recoiling machine: firing or not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Firing {
     /// At the instants that its parameters state: on duty, and in recordings.

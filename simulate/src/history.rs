@@ -10,13 +10,13 @@ use crate::engine::state::{Effort, PlantState};
 pub struct TimeHistory {
     /// Sample period, s; sample k is at k periods.
     pub sample_period_s: f64,
-    /// What the controller read and gave.
+    /// Readings and controls of the controller.
     pub readings: ReadingColumns,
-    /// What was true.
+    /// True motions and torques.
     pub truth: TrueColumns,
     /// The state at the end of the run.
     pub final_state: PlantState,
-    /// How much work it was.
+    /// Computing work.
     pub effort: Effort,
 }
 
@@ -96,14 +96,14 @@ impl ColumnName for TrueColumn {
     }
 }
 
-/// What the controller read and gave at each sample: an array time x signal.
+/// Readings and control at each sample: an array time x signal.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadingColumns {
     /// The array.
     pub signals: Signals<ReadingColumn>,
 }
 
-/// What was true at each sample: an array time x signal.
+/// True motions and torques at each sample: an array time x signal.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct TrueColumns {
     /// The array.

@@ -6,8 +6,7 @@ use crate::signal::{Signal, Sine};
 use crate::tolerance::{ROTOR_SAMPLES, SLOW_SINE_RAD};
 use std::ops::Range;
 
-/// How the platform moves. Rates and accelerations are inertial; heave is the pivot's upward acceleration without
-/// gravity.
+/// Motion of the platform. Rates and accelerations are inertial; heave is the pivot's upward acceleration without gravity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlatformMotion {
     /// Pitch rate, rad/s.
@@ -16,7 +15,7 @@ pub struct PlatformMotion {
     pub heave_m_s2: Signal,
     /// Platform angle at the start, rad.
     pub initial_angle_rad: f64,
-    /// What else the axis feels; `None` if the platform only heaves and pitches.
+    /// Further motion that acts on the axis; `None` if the platform only heaves and pitches.
     pub further: Option<FurtherMotion>,
 }
 
@@ -84,16 +83,16 @@ pub(crate) struct MotionTrack<'a> {
     period_s: f64,
     first_s: f64,
     next: usize,
-    rate: Followed<'a>,
-    heave: Followed<'a>,
+    rate: SignalFollower<'a>,
+    heave: SignalFollower<'a>,
     /// Surge, roll rate, yaw rate.
-    further: Option<[Followed<'a>; 3]>,
+    further: Option<[SignalFollower<'a>; 3]>,
 }
 
 impl<'a> MotionTrack<'a> {
     /// Returns the track from a time on.
     pub fn new(platform: &'a PlatformMotion, period_s: f64, first_s: f64) -> Self {
-        let follow = |signal: &'a Signal| Followed::new(signal, period_s);
+        let follow = |signal: &'a Signal| SignalFollower::new(signal, period_s);
         Self {
             period_s,
             first_s,
@@ -126,13 +125,13 @@ impl<'a> MotionTrack<'a> {
 
 /// A signal that is followed from sample to sample.
 #[derive(Debug, Clone)]
-pub(crate) enum Followed<'a> {
+pub(crate) enum SignalFollower<'a> {
     Constant(f64),
     Sines(Vec<Rotor>),
     Other(&'a Signal),
 }
 
-impl<'a> Followed<'a> {
+impl<'a> SignalFollower<'a> {
     pub fn new(signal: &'a Signal, period_s: f64) -> Self {
         match signal {
             Signal::Constant(value) => Self::Constant(*value),

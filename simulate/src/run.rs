@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::drive_limits::LimitedDrive;
 use crate::engine::ports::{Bonds, FrictionState, PlatformPoint};
-use crate::engine::present::Sample;
+use crate::engine::present_plant::Sample;
 use crate::engine::state::PlantState;
 use crate::engine::stepper::Stepper;
 use crate::history::{ReadingColumns, TimeHistory, TrueColumn, TrueColumns};
@@ -109,7 +109,7 @@ impl Simulator {
                 break;
             }
             let motion = lap.track.sample(lap.angle);
-            let drive_v = lap.sample(k, controller, &motion, &Shown::of(stepper));
+            let drive_v = lap.sample(k, controller, &motion, &PlantSample::of(stepper));
             lap.limit_current(stepper);
             let sample = Sample { drive_v, start_s: lap.time(k), motion: &motion };
             if scenario.detail == Detail::Everything {
@@ -170,7 +170,7 @@ pub(crate) fn require_positive(what: &'static str, value: f64) -> Result<(), Err
 
 /// What a controller made of a sample.
 #[derive(Debug, Clone, Copy)]
-struct Given {
+struct ControllerSample {
     readings: Readings,
     request_v: f64,
     control_v: f64,
@@ -178,16 +178,16 @@ struct Given {
 
 /// What a sample shows of a plant.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Shown {
+pub(crate) struct PlantSample {
     /// Motor state, wind-up, hub angle, hub rate, current.
     pub outputs: [f64; 5],
     /// Voltage of the amplifier and rate of the tip.
     pub voltage_and_tip: [f64; 2],
-    /// What the loop's sensor shows.
+    /// Reading of the loop's sensor.
     pub hub_gyro: f64,
 }
 
-impl Shown {
+impl PlantSample {
     /// Returns what a plant shows.
     pub fn of(stepper: &Stepper) -> Self {
         Self {
@@ -220,7 +220,7 @@ pub(crate) struct Lap<'a> {
     drive_v: f64,
     clock: Option<ErrantClock>,
     /// What the controller read, asked for and gave last: what a missed sample repeats.
-    last: Option<Given>,
+    last: Option<ControllerSample>,
     /// The control of the sample before, as the interface delays it.
     before_v: f64,
     readings: ReadingColumns,
@@ -259,7 +259,7 @@ impl<'a> Lap<'a> {
         stepper.restart(&state);
         stepper.fire(scenario.firing);
         stepper.limit_current(None);
-        sensing.settle(&motion, stepper.outputs()[HUB_ANGLE]);
+        sensing.settle_sensors(&motion, stepper.outputs()[HUB_ANGLE]);
         let before = holding_control(plant, &state.core);
         let limited = LimitedDrive::new(parameters, before);
         let clock = match scenario.imperfections {
@@ -302,7 +302,7 @@ impl<'a> Lap<'a> {
         k: usize,
         controller: &mut dyn SampledController,
         motion: &MotionSample,
-        shown: &Shown,
+        shown: &PlantSample,
     ) -> f64 {
         let time = self.time(k);
         let platform = motion.at(0.0);
@@ -319,7 +319,7 @@ impl<'a> Lap<'a> {
             (Step::Missed, Some(last)) => last,
             _ => {
                 let request_v = controller.step(&readings) + self.scenario.injection_v.at(time);
-                Given { readings, request_v, control_v: self.output.convert(request_v) }
+                ControllerSample { readings, request_v, control_v: self.output.convert(request_v) }
             }
         };
         self.last = Some(given);
@@ -397,7 +397,7 @@ impl<'a> Lap<'a> {
         }
     }
 
-    /// Returns the current where the plant is, A; 0 if nobody asks.
+    /// Returns the motor's current at the present state, A; 0 if no limit of the drive depends on it.
     pub fn current_a(&self, motion: &MotionSample, stepper: &Stepper) -> f64 {
         if self.limited.is_none() {
             return 0.0;
@@ -437,7 +437,7 @@ impl<'a> Lap<'a> {
         ]);
     }
 
-    fn log_truth(&mut self, platform: &PlatformPoint, motor_rate: f64, shown: &Shown) {
+    fn log_truth(&mut self, platform: &PlatformPoint, motor_rate: f64, shown: &PlantSample) {
         let [_, wind_up, hub_angle, hub_rate, current] = shown.outputs;
         let lever = self.plant.lever_at(hub_angle - platform.angle).map(|lever| lever.arm_m);
         // with a cylinder the valve's opening stands there

@@ -19,18 +19,18 @@ pub(crate) const SURGE_STREAM: u64 = 16;
 pub(crate) struct SampleError {
     /// When the sensors are read after the instant of an ideal clock, in periods.
     pub offset: f64,
-    /// What becomes of the controller's step.
+    /// Outcome of the controller's step.
     pub step: Step,
 }
 
 /// What becomes of the controller's step in a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Step {
-    /// It runs, and its control acts at once.
+    /// The controller runs, and its control acts at once.
     InTime,
-    /// It runs, and its control acts one period later.
+    /// The controller runs, and its control acts one period later.
     Late,
-    /// It does not run.
+    /// The controller does not run.
     Missed,
 }
 

@@ -15,19 +15,19 @@ pub struct Scenario {
     pub demand_rad_s: Signal,
     /// Volts added to the control before the output converter.
     pub injection_v: Signal,
-    /// How the platform moves.
+    /// Motion of the platform.
     pub platform: PlatformMotion,
-    /// What of sensors and converters is simulated.
+    /// Imperfections of sensors and converters that are simulated.
     pub imperfections: Imperfections,
-    /// Where the mechanism starts.
+    /// Initial state of the mechanism.
     pub initial: Initial,
-    /// What is kept.
+    /// Signals that are kept.
     pub detail: Detail,
     /// Whether the machine fires its shots.
     pub firing: Firing,
 }
 
-/// Where the mechanism starts.
+/// Initial state of the mechanism.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Initial {
     /// At rest at a hub angle (rad, inertial), the motor holding weight and spring, friction without load, the hub at
@@ -40,12 +40,12 @@ pub enum Initial {
     State(Box<PlantState>),
 }
 
-/// What a run keeps.
+/// Signals that a run records.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Detail {
     /// The readings, the demand and the control: what a recording of the machine has.
     Recording,
-    /// That, and the true motions and torques.
+    /// Readings and control, and the true motions and torques.
     Everything,
 }
 

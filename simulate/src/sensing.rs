@@ -11,7 +11,7 @@ use counterpoise_models::{
     AccelerometerAxis, CONVERTER_RANGE_V, Interface, Parameters, Sensor, Sensors, converter_step_v,
 };
 
-/// What of the sensors and converters is simulated. Their dynamics, gains, biases and delays always are.
+/// Imperfections of the sensors and converters that are simulated. Their dynamics, gains, biases and delays always are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Imperfections {
     /// Noise from a seed, and quantised converters.
@@ -60,7 +60,7 @@ impl Converter {
     }
 
     /// Returns a digital reading in steps of its own, if anything is quantised; it does not pass the converter's range.
-    pub fn digital(&self, value: f64, resolution: f64) -> f64 {
+    pub fn quantise(&self, value: f64, resolution: f64) -> f64 {
         if self.step_v == 0.0 { value } else { (value / resolution).round() * resolution }
     }
 }
@@ -145,7 +145,7 @@ impl Chain {
             delayed += drift.next();
         }
         let reading = if resolution > 0.0 {
-            self.converter.digital(delayed, resolution)
+            self.converter.quantise(delayed, resolution)
         } else {
             self.converter.convert(delayed * scale) / scale
         };
@@ -234,7 +234,7 @@ pub(crate) struct Sensing {
     hub_heave: PlatformSensor,
     platform_gyro: PlatformSensor,
     accelerometer: PlatformSensor,
-    mounted: Mounted,
+    mounted: AccelerometerMounting,
     tachometer: Option<Chain>,
     resolver: Option<Chain>,
     surge: Option<Surge>,
@@ -262,7 +262,7 @@ impl Sensing {
             hub_heave: driven(&sensors.hub_gyro, 0),
             platform_gyro: driven(&sensors.platform_gyro, 1),
             accelerometer: driven(&sensors.platform_accelerometer, 2),
-            mounted: Mounted::of(sensors, parameters.gravity_m_s2),
+            mounted: AccelerometerMounting::of(sensors, parameters.gravity_m_s2),
             tachometer: sensors.motor_tachometer.as_ref().map(|sensor| chain(sensor, 3)),
             resolver: sensors.hub_resolver.as_ref().map(|sensor| chain(sensor, 4)),
             surge: sensors.surge_accelerometer.as_ref().map(|sensor| Surge {
@@ -278,7 +278,7 @@ impl Sensing {
     }
 
     /// Puts the platform's sensors where they would be after a long time at a platform state and a hub angle.
-    pub fn settle(&mut self, motion: &MotionSample, hub_angle_rad: f64) {
+    pub fn settle_sensors(&mut self, motion: &MotionSample, hub_angle_rad: f64) {
         let start = motion.at(0.0);
         self.platform_gyro.state = [start.rate, 0.0];
         self.accelerometer.state = [self.mounted.heave_felt(motion, 0.0, hub_angle_rad), 0.0];
@@ -354,7 +354,7 @@ impl Surge {
 
 /// How the accelerometers are mounted.
 #[derive(Debug, Clone, Copy)]
-struct Mounted {
+struct AccelerometerMounting {
     axis: AccelerometerAxis,
     lever_arm_m: f64,
     gravity_m_s2: f64,
@@ -363,7 +363,7 @@ struct Mounted {
     surge_tilt_rad: f64,
 }
 
-impl Mounted {
+impl AccelerometerMounting {
     fn of(sensors: &Sensors, gravity_m_s2: f64) -> Self {
         let of_surge = sensors.surge_accelerometer.as_ref().map_or(0.0, |sensor| sensor.alignment.tilt_rad);
         Self {

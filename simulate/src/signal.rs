@@ -91,7 +91,7 @@ impl Signal {
         let index = positions[0] as usize;
         let inside = positions[0] > 0.0 && index + 1 < values.len();
         if inside && positions.iter().all(|position| *position as usize == index) {
-            let between = Between::new(values, index);
+            let between = CubicSegment::new(values, index);
             positions.map(|position| between.at(position))
         } else {
             positions.map(|position| smooth(values, position))
@@ -153,17 +153,17 @@ fn smooth(values: &[f64], position: f64) -> f64 {
     if index >= last {
         return values[last];
     }
-    Between::new(values, index).at(position)
+    CubicSegment::new(values, index).at(position)
 }
 
 /// The cubic between two neighbouring values.
-struct Between {
+struct CubicSegment {
     index: usize,
     /// Coefficients of the powers of the fraction.
     c: [f64; 4],
 }
 
-impl Between {
+impl CubicSegment {
     /// Returns the cubic from the value at an index to the next, which exists.
     #[inline]
     fn new(values: &[f64], index: usize) -> Self {

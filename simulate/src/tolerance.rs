@@ -11,7 +11,7 @@ pub const TOLERANCE: f64 = 2e-5;
 /// How far below the tolerance the defect must be for the next step to be twice as long: 2^-6, so that the longer step passes if
 /// its defect grows with no more than the sixth power of its length.
 pub(crate) const LENGTHEN_BELOW: f64 = 1.0 / 64.0;
-/// Leading bits of the way to an event that are gone before the event is predicted again. More bits are fewer predictions
+/// Fraction of the predicted time to step before predicting the event again, in bits: 1 - 2^-5 of it. More bits are fewer predictions
 /// and shorter steps after a prediction that was off.
 pub(crate) const EVENT_BITS: u32 = 5;
 /// Changes of joints in a sample from which on their instants are found to the shortest ordinary step only: a joint that

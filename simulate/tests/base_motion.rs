@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use counterpoise_models::{
-    AccelerometerAxis, AmplifierDynamics, Friction, FrictionLaw, Gearbox, Lumped, Parameters, Plant, Sensor,
-    reference,
+    AccelerometerAxis, AmplifierDynamics, Friction, FrictionLaw, Gearbox, LumpedStructure, Parameters, Plant,
+    Sensor, reference,
 };
 use counterpoise_simulate::{
     FurtherMotion, Initial, PlatformMotion, Playback, Scenario, Signal, Simulator, TimeHistory,
@@ -14,12 +14,16 @@ const G: f64 = 9.80665;
 /// One inertia of 12 kg m^2 that nothing drives or brakes, nose-heavy by 1.5 kg m and with 0.4 kg m above its pivot.
 fn free_machine() -> Parameters {
     let mut p = reference::rig();
-    let lumped = Lumped { out_of_balance_kg_m: 1.5, vertical_offset_kg_m: 0.4, ..Lumped::rigid(12.0) };
+    let lumped = LumpedStructure {
+        out_of_balance_kg_m: 1.5,
+        vertical_offset_kg_m: 0.4,
+        ..LumpedStructure::rigid(12.0)
+    };
     (p.beam, p.lumped, p.gearbox) = (None, Some(lumped), Gearbox::DIRECT);
     p.motor.inertia_kg_m2 = 0.0;
     p.amplifier.dynamics = AmplifierDynamics::TorqueCommand;
-    p.motor_friction = Friction::plain(FrictionLaw::None, 0.0);
-    p.pivot_friction = Friction::plain(FrictionLaw::None, 0.0);
+    p.motor_friction = Friction::with_viscous_part(FrictionLaw::None, 0.0);
+    p.pivot_friction = Friction::with_viscous_part(FrictionLaw::None, 0.0);
     p
 }
 

@@ -4,7 +4,7 @@
 use counterpoise_models::{Plant, reference};
 use counterpoise_simulate::convergence::{convergence_cases, study_convergence};
 
-/// What the error must show: the least order with steps as they are, and, with events found, the most that it may be at the longest
+/// Returns what the error must show: the least order with steps as they are, and, with events found, the most that it may be at the longest
 /// step (eight milliseconds) and at the shortest (an eighth).
 fn demanded_orders(name: &str) -> (f64, [f64; 2]) {
     match name {

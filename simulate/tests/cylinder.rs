@@ -3,7 +3,9 @@
 
 use counterpoise_models::parameters::cylinder::Lever;
 use counterpoise_models::plant::core::state;
-use counterpoise_models::{Excitation, Friction, FrictionLaw, Linkage, Lumped, Parameters, Plant, reference};
+use counterpoise_models::{
+    Excitation, Friction, FrictionLaw, Linkage, LumpedStructure, Parameters, Plant, reference,
+};
 use counterpoise_simulate::{Detail, Initial, Playback, Scenario, Simulator, TimeHistory};
 
 const INERTIA: f64 = 4.0e3;
@@ -12,9 +14,9 @@ const PINS: Linkage = Linkage { arm_m: 0.6, arm_angle_rad: -0.3, anchor_m: 1.3, 
 /// An elevated mass with a cylinder of 25 cm^2 at 20 MPa.
 fn machine(lever: Lever) -> Parameters {
     let mut p = reference::rig();
-    let none = Friction::plain(FrictionLaw::None, 0.0);
+    let none = Friction::with_viscous_part(FrictionLaw::None, 0.0);
     (p.motor_friction, p.pivot_friction) = (none.clone(), none);
-    (p.beam, p.lumped) = (None, Some(Lumped::rigid(INERTIA)));
+    (p.beam, p.lumped) = (None, Some(LumpedStructure::rigid(INERTIA)));
     p.configurations.clear();
     p.gravity_m_s2 = 0.0;
     reference::put_cylinder(&mut p, lever);
@@ -36,7 +38,7 @@ fn run(p: &Parameters, angle_rad: f64, controls_v: &[f64]) -> TimeHistory {
 fn a_valve_that_is_fully_open_moves_the_load_as_the_orifice_equation_says() {
     let mut p = machine(Lever::Constant(0.5));
     let viscous = 2.0e4;
-    p.pivot_friction = Friction::plain(FrictionLaw::None, viscous);
+    p.pivot_friction = Friction::with_viscous_part(FrictionLaw::None, viscous);
     for (control, overlap) in [(10.0_f64, 0.0), (-10.0, 0.05), (25.0, 0.05)] {
         p.cylinder.as_mut().unwrap().overlap_l_s = overlap;
         let history = run(&p, 0.0, &[control; 1500]);
@@ -121,7 +123,7 @@ fn the_simulator_solves_the_definition_of_the_plant() {
     p.lumped.as_mut().unwrap().out_of_balance_kg_m = 1200.0;
     p.cylinder.as_mut().unwrap().overlap_l_s = 0.02;
     let seals = FrictionLaw::Dahl { coulomb_nm: 900.0, rest_stiffness_nm_rad: 3e6, exponent: 1.0 };
-    p.motor_friction = Friction::plain(seals, 2500.0);
+    p.motor_friction = Friction::with_viscous_part(seals, 2500.0);
     let plant = Plant::from_lumped(&p).unwrap();
     let period = p.interface.sample_period_s;
     let controls: Vec<f64> = (0..800)

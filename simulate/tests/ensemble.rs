@@ -8,9 +8,9 @@ use counterpoise_simulate::{
 };
 
 /// Numbers between 0 and 1, the same for one seed (Marsaglia's xorshift).
-struct Random(u64);
+struct RandomGenerator(u64);
 
-impl Random {
+impl RandomGenerator {
     fn next(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -33,7 +33,7 @@ impl Random {
 }
 
 /// The kinds of laws that take part: the last three never do.
-fn law(kind: usize, coulomb_nm: f64, random: &mut Random) -> FrictionLaw {
+fn law(kind: usize, coulomb_nm: f64, random: &mut RandomGenerator) -> FrictionLaw {
     let stiffness = coulomb_nm * 2000.0 * random.factor();
     match kind {
         0 => FrictionLaw::None,
@@ -65,7 +65,7 @@ struct Kind {
     rigid: f64,
 }
 
-fn kind(random: &mut Random) -> Kind {
+fn kind(random: &mut RandomGenerator) -> Kind {
     Kind {
         motor_law: random.draw_below(7),
         pivot_law: random.draw_below(6),
@@ -76,10 +76,11 @@ fn kind(random: &mut Random) -> Kind {
     }
 }
 
-fn variant(kind: Kind, random: &mut Random) -> Parameters {
+fn variant(kind: Kind, random: &mut RandomGenerator) -> Parameters {
     let mut rig = reference::rig();
-    let friction = |kind: Kind, number: usize, coulomb: f64, viscous: f64, random: &mut Random| {
-        let mut friction = Friction::plain(law(number, coulomb * random.factor(), random), viscous);
+    let friction = |kind: Kind, number: usize, coulomb: f64, viscous: f64, random: &mut RandomGenerator| {
+        let mut friction =
+            Friction::with_viscous_part(law(number, coulomb * random.factor(), random), viscous);
         if kind.falls > 0.5 {
             friction.static_ratio = random.draw_between(1.0, 1.6);
             friction.stribeck_rate_rad_s = 0.02 * random.factor();
@@ -107,7 +108,7 @@ fn variant(kind: Kind, random: &mut Random) -> Parameters {
     rig
 }
 
-fn scenario(random: &mut Random) -> Scenario {
+fn scenario(random: &mut RandomGenerator) -> Scenario {
     let recorded = (0..400).map(|k| 0.2 * (0.02 * f64::from(k)).sin() * random.next()).collect();
     let rate = match random.draw_below(3) {
         0 => Signal::sine(0.3 * random.next(), 60.0 * random.next()),
@@ -135,7 +136,7 @@ fn scenario(random: &mut Random) -> Scenario {
 /// One run: its plant, its controller, its scenario.
 type Run = (Plant, ProportionalIntegral, Scenario);
 
-fn runs(random: &mut Random, count: usize) -> Vec<Run> {
+fn runs(random: &mut RandomGenerator, count: usize) -> Vec<Run> {
     let kind = kind(random);
     let shared = scenario(random);
     let shares = random.next() > 0.5;
@@ -189,7 +190,7 @@ fn text(history: Result<&TimeHistory, &counterpoise_simulate::Error>) -> String 
 #[test]
 fn a_variant_leaves_the_same_bytes_alone_and_in_any_ensemble() {
     for seed in 1..=60 {
-        let mut random = Random(seed * 0x9e37_79b9_7f4a_7c15);
+        let mut random = RandomGenerator(seed * 0x9e37_79b9_7f4a_7c15);
         let count = 1 + random.draw_below(9);
         let runs = runs(&mut random, count);
         let expected: Vec<String> = runs.iter().map(run_alone).collect();
@@ -208,7 +209,7 @@ fn a_variant_leaves_the_same_bytes_alone_and_in_any_ensemble() {
 
 #[test]
 fn a_watched_variant_ends_where_it_would_alone() {
-    let mut random = Random(7);
+    let mut random = RandomGenerator(7);
     let runs: Vec<Run> = runs(&mut random, 4);
     let mut simulators: Vec<Simulator> =
         runs.iter().map(|(plant, ..)| Simulator::new(plant).unwrap()).collect();

@@ -6,8 +6,8 @@ use counterpoise_models::loads::equilibrator::{ATMOSPHERE_PA, Action, Equilibrat
 use counterpoise_models::loads::{EndStops, Recoil};
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{
-    AmplifierDynamics, COPPER_PER_K, Friction, FrictionLaw, Gearbox, Lumped, MotorHeat, Parameters, Plant,
-    RESISTANCE_AT_K, reference,
+    AmplifierDynamics, COPPER_PER_K, Friction, FrictionLaw, Gearbox, LumpedStructure, MotorHeat, Parameters,
+    Plant, RESISTANCE_AT_K, reference,
 };
 use counterpoise_simulate::{Firing, Initial, Playback, Scenario, Simulator, TimeHistory};
 
@@ -16,12 +16,12 @@ const INERTIA: f64 = 40.0;
 /// One rigid inertia without friction, driven by a torque, without weight.
 fn body() -> Parameters {
     let mut p = reference::rig();
-    let none = Friction::plain(FrictionLaw::None, 0.0);
+    let none = Friction::with_viscous_part(FrictionLaw::None, 0.0);
     (p.motor_friction, p.pivot_friction) = (none.clone(), none);
     p.gearbox = Gearbox::DIRECT;
     p.motor.inertia_kg_m2 = 0.0;
     p.beam = None;
-    p.lumped = Some(Lumped::rigid(INERTIA));
+    p.lumped = Some(LumpedStructure::rigid(INERTIA));
     p.configurations.clear();
     p.gravity_m_s2 = 0.0;
     p.amplifier.dynamics = AmplifierDynamics::TorqueCommand;
@@ -147,7 +147,7 @@ fn recoil() -> Recoil {
 #[test]
 fn a_shot_gives_its_impulse() {
     let mut p = body();
-    p.lumped = Some(Lumped::rigid(1e5));
+    p.lumped = Some(LumpedStructure::rigid(1e5));
     p.loads.recoil = Some(recoil());
     let history = run(&p, 0.0, 0.0, 1.0, 0.0);
     let momentum = |time_s: f64| 1e5 * history.truth.hub_rate_rad_s()[(1e3 * time_s) as usize];
@@ -164,7 +164,7 @@ fn a_shot_gives_its_impulse() {
 #[test]
 fn the_recoiling_mass_takes_its_weight_with_it() {
     let mut p = body();
-    p.lumped = Some(Lumped::rigid(1e5));
+    p.lumped = Some(LumpedStructure::rigid(1e5));
     p.gravity_m_s2 = 9.80665;
     let flat = Recoil { height_m: 0.0, bore_offset_m: 0.0, shots_s: vec![0.0205], ..recoil() };
     p.loads.recoil = Some(flat.clone());
@@ -189,7 +189,7 @@ impl SampledController for Constant {
 #[test]
 fn a_drive_folds_its_current_back_to_the_lasting_one() {
     let mut p = body();
-    p.lumped = Some(Lumped::rigid(1e6));
+    p.lumped = Some(LumpedStructure::rigid(1e6));
     p.amplifier.current_limit_a = 9.0;
     (p.drive_limits.continuous_current_a, p.drive_limits.overload_time_s) = (4.0, 2.0);
     let plant = Plant::from_lumped(&p).unwrap();
@@ -222,7 +222,7 @@ fn a_winding_warms_by_its_closed_form_and_holds_its_limit() {
         limit_k: 390.0,
     };
     let mut p = body();
-    p.lumped = Some(Lumped::rigid(1e6));
+    p.lumped = Some(LumpedStructure::rigid(1e6));
     p.motor.resistance_ohm = 2.0;
     p.drive_limits.heat = Some(heat);
     p.amplifier.current_limit_a = 9.0;

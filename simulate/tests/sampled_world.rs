@@ -18,12 +18,12 @@ fn controller() -> ProportionalIntegral {
 }
 
 /// A controller that counts its steps.
-struct Counting {
+struct StepCounter {
     inner: ProportionalIntegral,
     steps: usize,
 }
 
-impl SampledController for Counting {
+impl SampledController for StepCounter {
     fn reset(&mut self) {}
 
     fn step(&mut self, readings: &Readings) -> f64 {
@@ -77,7 +77,7 @@ fn jitter_reads_a_moving_platform_at_other_instants() {
 fn missed_samples_leave_the_control_as_it_is() {
     let mut rig = reference::rig();
     rig.interface.clock.missed_samples = 0.1;
-    let mut counting = Counting { inner: controller(), steps: 0 };
+    let mut counting = StepCounter { inner: controller(), steps: 0 };
     let history = run(&Plant::from_lumped(&rig).unwrap(), &mut counting, &moving(4.0)).unwrap();
     let share = 1.0 - counting.steps as f64 / 4000.0;
     assert!((share - 0.1).abs() < 0.02, "{share}");

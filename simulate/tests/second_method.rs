@@ -243,8 +243,8 @@ fn the_order_of_convergence_is_that_of_the_nodes() {
 #[test]
 fn energy_balances() {
     let frictionless: Change = |rig| {
-        rig.motor_friction = Friction::plain(FrictionLaw::None, 0.0);
-        rig.pivot_friction = Friction::plain(FrictionLaw::None, 0.0);
+        rig.motor_friction = Friction::with_viscous_part(FrictionLaw::None, 0.0);
+        rig.pivot_friction = Friction::with_viscous_part(FrictionLaw::None, 0.0);
     };
     let coulomb: Change = |rig| {
         rig.motor_friction.law = FrictionLaw::Coulomb { coulomb_nm: 0.065 };

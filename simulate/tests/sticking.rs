@@ -29,8 +29,8 @@ fn one_mass(inertia: f64, law: FrictionLaw, static_ratio: f64) -> Parameters {
     lumped.beam_inertia_kg_m2 = 1e-3;
     lumped.out_of_balance_kg_m = 100.0;
     rig.gearbox.backlash_rad = 2.0;
-    rig.motor_friction = Friction::plain(FrictionLaw::None, 0.0);
-    rig.pivot_friction = Friction { static_ratio, ..Friction::plain(law, 0.0) };
+    rig.motor_friction = Friction::with_viscous_part(FrictionLaw::None, 0.0);
+    rig.pivot_friction = Friction { static_ratio, ..Friction::with_viscous_part(law, 0.0) };
     rig
 }
 
@@ -158,12 +158,12 @@ fn split(law: impl Fn(f64, f64) -> FrictionLaw, ratio: f64, at_motor: f64) -> Pl
         let (turns, viscous) = (rig.gearbox.ratio, rig.pivot_friction.viscous_nm_s_rad);
         let part = |share: f64, turns: f64, viscous: f64| {
             if share == 0.0 {
-                return Friction::plain(FrictionLaw::None, viscous);
+                return Friction::with_viscous_part(FrictionLaw::None, viscous);
             }
             Friction {
                 static_ratio: ratio,
                 stribeck_rate_rad_s: 0.01 * turns,
-                ..Friction::plain(law(117.0 * share / turns, 5e-4 * turns), viscous)
+                ..Friction::with_viscous_part(law(117.0 * share / turns, 5e-4 * turns), viscous)
             }
         };
         rig.motor_friction = part(at_motor, turns, rig.motor_friction.viscous_nm_s_rad);
@@ -304,8 +304,8 @@ fn a_torque_pulse_shorter_than_a_sample_breaks_away() {
             rig.lumped.as_mut().unwrap().out_of_balance_kg_m = 0.0;
             rig.gearbox.backlash_rad = 0.0;
             rig.gearbox.damping_nm_s_rad = 0.0;
-            rig.motor_friction = Friction::plain(FrictionLaw::None, 0.0);
-            rig.pivot_friction = Friction::plain(FrictionLaw::Coulomb { coulomb_nm: 117.0 }, 0.0);
+            rig.motor_friction = Friction::with_viscous_part(FrictionLaw::None, 0.0);
+            rig.pivot_friction = Friction::with_viscous_part(FrictionLaw::Coulomb { coulomb_nm: 117.0 }, 0.0);
             rig.interface.sample_period_s = period;
         });
         let mut start = Simulator::new(&plant).unwrap().rest(0.0, 0.0, 0.0);

@@ -1,7 +1,7 @@
 //! A drive so stiff that it moves as one mass: simulation and replay against Euler's method on that mass.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_models::{Friction, FrictionLaw, Lumped, Parameters, Plant, Sensor, reference};
+use counterpoise_models::{Friction, FrictionLaw, LumpedStructure, Parameters, Plant, Sensor, reference};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::{Playback, ReplayLoop, Scenario, Simulator, replay};
 
@@ -14,7 +14,7 @@ const LAG_S: f64 = 1e-4;
 /// A carriage on a ball screw: 2e8 N/m between two halves of the mass, and no resolver.
 fn carriage(law: FrictionLaw) -> Parameters {
     let mut p = reference::rig();
-    p.lumped = Some(Lumped {
+    p.lumped = Some(LumpedStructure {
         hub_inertia_kg_m2: 45.0,
         beam_inertia_kg_m2: 0.109,
         stiffness_nm_rad: 1e6,
@@ -37,8 +37,8 @@ fn carriage(law: FrictionLaw) -> Parameters {
     p.amplifier.time_constant_s = LAG_S;
     p.amplifier.bus_voltage_v = 10.0;
     p.interface.output_bits = 24;
-    p.motor_friction = Friction::plain(FrictionLaw::None, 0.0);
-    p.pivot_friction = Friction::plain(law, VISCOUS);
+    p.motor_friction = Friction::with_viscous_part(FrictionLaw::None, 0.0);
+    p.pivot_friction = Friction::with_viscous_part(law, VISCOUS);
     p.sensors.hub_gyro = Sensor { scale_v_unit: 50.0, noise_rms: 5e-5, ..Sensor::IDEAL };
     p
 }

@@ -8,7 +8,7 @@ use counterpoise_models::two_axes::{
     BodyInertia, Coupling, ElevatedBody, ElevationMotion, PivotPosition, TraverseGyroscope,
 };
 use counterpoise_models::{
-    AmplifierDynamics, Friction, FrictionLaw, Gearbox, Lumped, Parameters, Plant, reference,
+    AmplifierDynamics, Friction, FrictionLaw, Gearbox, LumpedStructure, Parameters, Plant, reference,
 };
 use counterpoise_simulate::{
     AxisScenario, BaseMotion, Controllers, Detail, Firing, FurtherMotion, Imperfections, Initial,
@@ -22,21 +22,21 @@ const SAMPLES: usize = 10_000;
 /// One inertia that nothing drives or brakes.
 fn free_plant(inertia: f64, out_of_balance: f64, offset: f64, gravity: f64) -> Plant {
     let mut p = reference::rig();
-    let lumped = Lumped {
+    let lumped = LumpedStructure {
         out_of_balance_kg_m: out_of_balance,
         vertical_offset_kg_m: offset,
-        ..Lumped::rigid(inertia)
+        ..LumpedStructure::rigid(inertia)
     };
     (p.beam, p.lumped, p.gearbox) = (None, Some(lumped), Gearbox::DIRECT);
     p.gravity_m_s2 = gravity;
     p.motor.inertia_kg_m2 = 0.0;
     p.amplifier.dynamics = AmplifierDynamics::TorqueCommand;
-    p.motor_friction = Friction::plain(FrictionLaw::None, 0.0);
-    p.pivot_friction = Friction::plain(FrictionLaw::None, 0.0);
+    p.motor_friction = Friction::with_viscous_part(FrictionLaw::None, 0.0);
+    p.pivot_friction = Friction::with_viscous_part(FrictionLaw::None, 0.0);
     Plant::from_lumped(&p).unwrap()
 }
 
-/// What is conserved along a free motion, from its start: the largest change of energy and of angular momentum, relative to the
+/// Returns what is conserved along a free motion, from its start: the largest change of energy and of angular momentum, relative to the
 /// kinetic energy and the angular momentum at the start.
 fn drift(inertia: BodyInertia, pivot: PivotPosition) -> ([f64; 2], TwoAxisHistory) {
     let (elevation, traverse) = (free_plant(12.0, 1.5, 0.4, G), free_plant(30.0, 0.7, 0.0, 0.0));
@@ -119,8 +119,11 @@ const PI_GAINS: ProportionalIntegral = ProportionalIntegral {
 
 /// The reference rig, and a ring with its drive whose hub carries it.
 fn rigs() -> [Plant; 2] {
-    let lumped =
-        Lumped { hub_inertia_kg_m2: 450.0, beam_inertia_kg_m2: 60.0, ..reference::rig().lumped.unwrap() };
+    let lumped = LumpedStructure {
+        hub_inertia_kg_m2: 450.0,
+        beam_inertia_kg_m2: 60.0,
+        ..reference::rig().lumped.unwrap()
+    };
     let upright = Parameters { gravity_m_s2: 0.0, lumped: Some(lumped), ..reference::rig() };
     [Plant::from_lumped(&reference::rig()).unwrap(), Plant::from_lumped(&upright).unwrap()]
 }

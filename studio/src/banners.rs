@@ -5,7 +5,7 @@ use egui::{RichText, Ui};
 use crate::command::{BrowsePurpose, Command};
 use crate::studio::Studio;
 use crate::text_difference::{DifferenceLine, line_differences};
-use crate::theme::{Theme, space};
+use crate::theme::{WindowTheme, space};
 
 /// Largest height of the shown difference, points.
 const DIFFERENCE_HEIGHT: f32 = 220.0;
@@ -46,7 +46,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     studio.view.shows_difference = shows_difference;
 }
 
-fn show_read_only_banner(ui: &mut Ui, theme: &Theme, queue: &mut Vec<Command>, path: &std::path::Path) {
+fn show_read_only_banner(ui: &mut Ui, theme: &WindowTheme, queue: &mut Vec<Command>, path: &std::path::Path) {
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
         ui.horizontal_wrapped(|ui| {
@@ -65,7 +65,7 @@ fn show_read_only_banner(ui: &mut Ui, theme: &Theme, queue: &mut Vec<Command>, p
 }
 
 /// Shows which lines differ between the file and the project.
-fn show_difference(ui: &mut Ui, theme: &Theme, theirs: &str, mine: &str) {
+fn show_difference(ui: &mut Ui, theme: &WindowTheme, theirs: &str, mine: &str) {
     let lines = line_differences(theirs, mine);
     ui.label(RichText::new("- in the file     + here").small().monospace().color(theme.weak));
     egui::ScrollArea::vertical().id_salt("difference").max_height(DIFFERENCE_HEIGHT).show(ui, |ui| {

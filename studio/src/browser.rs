@@ -14,7 +14,7 @@ use counterpoise_host::folders::{FolderItem, ItemKind};
 /// A path that is typed or clicked together.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Browser {
-    /// What the user looks for.
+    /// Kind of file or folder that the user is asked for.
     pub purpose: BrowsePurpose,
     /// The path.
     pub typed: String,
@@ -24,11 +24,11 @@ pub struct Browser {
     pub picked: Vec<PathBuf>,
     /// The content of the folder.
     pub listing: Option<FolderListing>,
-    /// Whether the text was set by a click, so that the cursor belongs at its end.
+    /// `true` if the text was set by a click, so that the cursor belongs at its end.
     pub is_text_replaced: bool,
 }
 
-/// What the browser's button does.
+/// Action of the browser's button.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BrowserAction {
     /// The words on the button.

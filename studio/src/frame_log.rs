@@ -18,7 +18,7 @@ pub struct FrameTiming {
     pub pipeline_ms: f64,
     /// From the change to the end of the frame that shows it.
     pub change_to_drawn_ms: f64,
-    /// That frame alone: layout and triangles.
+    /// Time of this frame alone: layout and triangles.
     pub frame_ms: f64,
 }
 

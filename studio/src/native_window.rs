@@ -25,7 +25,7 @@ enum UnsavedWork {
     BeingSaved,
 }
 
-/// Where the studio is shown.
+/// Surface on which the studio is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DisplaySurface {
     /// In a window.
@@ -35,7 +35,7 @@ pub enum DisplaySurface {
     Headless,
 }
 
-/// How the studio is started.
+/// Options with which the studio is started.
 #[derive(Debug, Clone, Default)]
 pub struct StartOptions {
     /// The project to open.
@@ -48,7 +48,7 @@ pub struct StartOptions {
     pub size: Option<[f32; 2]>,
     /// The folder with the studio's own files; `None` for the usual one.
     pub state: Option<PathBuf>,
-    /// Where the studio is shown.
+    /// Surface on which the studio is drawn.
     pub surface: DisplaySurface,
     /// Builds the libraries of FMI units; without it none are built.
     pub library: Option<LibraryBuilder>,
@@ -68,7 +68,7 @@ pub enum Error {
     Script {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Description of the error.
         why: String,
     },
 }
@@ -144,8 +144,8 @@ struct NativeWindow {
     studio: Studio,
     script: Script,
     log: FrameLog,
-    theme: Option<crate::theme::Theme>,
-    /// Whether the window closes as soon as everything is saved.
+    theme: Option<crate::theme::WindowTheme>,
+    /// `true` if the window closes as soon as everything is saved.
     closes_after_save: bool,
     title: String,
 }

@@ -19,7 +19,7 @@ const LONGEST_WAIT: Duration = Duration::from_millis(200);
 
 /// A frame, cut into triangles.
 pub struct TessellatedFrame {
-    /// What is to be painted, in order.
+    /// Shapes to be painted, in order.
     pub primitives: Vec<egui::ClippedPrimitive>,
     /// Changes of the textures that it is painted with.
     pub textures: egui::TexturesDelta,
@@ -31,7 +31,7 @@ pub struct OffscreenStudio {
     pub studio: Studio,
     context: egui::Context,
     size: egui::Vec2,
-    theme: Option<crate::theme::Theme>,
+    theme: Option<crate::theme::WindowTheme>,
     /// Changes of the textures in frames of scripts.
     pub textures: egui::TexturesDelta,
     woken: Receiver<()>,

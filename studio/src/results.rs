@@ -11,53 +11,53 @@ use counterpoise_verify::{Verification, VerifiedController};
 
 use crate::jobs::measurements::Measurements;
 use crate::jobs::plant_pictures::{BeamModes, ReductionPicture};
-use crate::versioned_results::{Freshness, Versioned};
+use crate::versioned_results::{Freshness, VersionedResult};
 
 /// Everything that was computed.
 #[derive(Debug, Clone, Default)]
 pub struct ComputedResults {
     /// The last design that succeeded.
-    pub design: Option<Versioned<Arc<DesignPreview>>>,
+    pub design: Option<VersionedResult<Arc<DesignPreview>>>,
     /// Time that this design took.
     pub design_time: Duration,
     /// The plant of the last project that could be modelled.
-    pub plant: Option<Versioned<PlantPreview>>,
+    pub plant: Option<VersionedResult<PlantPreview>>,
     /// Why a revision could not be modelled.
-    pub plant_failure: Option<Versioned<Vec<String>>>,
+    pub plant_failure: Option<VersionedResult<Vec<String>>>,
     /// Why there is no design for a revision.
-    pub design_failure: Option<Versioned<Vec<String>>>,
+    pub design_failure: Option<VersionedResult<Vec<String>>>,
     /// The last verification.
-    pub verified: Option<Versioned<Arc<VerifiedController>>>,
-    /// What a running verification has found so far.
-    pub partial: Option<Versioned<Arc<Verification>>>,
+    pub verified: Option<VersionedResult<Arc<VerifiedController>>>,
+    /// Results of a running verification so far.
+    pub partial: Option<VersionedResult<Arc<Verification>>>,
     /// Error against effort around the last design.
-    pub effort: Option<Versioned<Vec<EffortPoint>>>,
+    pub effort: Option<VersionedResult<Vec<EffortPoint>>>,
     /// The loop of the last design as charts of the plane show it.
-    pub loop_view: Option<Versioned<LoopView>>,
+    pub loop_view: Option<VersionedResult<LoopView>>,
     /// The last map of the analyser, and the last campaign.
     pub measurements: Measurements,
-    /// What Plant and Reduce show of the plant of the last design.
+    /// Views in Plant and Reduce of the plant of the last design.
     pub reduction: Option<Arc<ReductionPicture>>,
-    /// What the project file leaves open, ranked, of the last plant that Plant has shown.
-    pub ranking: Option<Versioned<RankedAssumptions>>,
+    /// Values that the project file leaves open, ranked, of the last plant that Plant has shown.
+    pub ranking: Option<VersionedResult<RankedAssumptions>>,
     /// The modes of the beam that was animated last.
     pub beam_modes: Option<Arc<BeamModes>>,
     /// Why a revision could not be verified.
-    pub verification_failure: Option<Versioned<Vec<String>>>,
-    /// Whether a design is being made.
+    pub verification_failure: Option<VersionedResult<Vec<String>>>,
+    /// `true` if a design is being made.
     pub designing: bool,
-    /// Whether a verification runs.
+    /// `true` if a verification runs.
     pub verifying: bool,
 }
 
 /// The state of a verification with respect to the project.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum VerificationState {
-    /// It belongs to the project as it stands, and is complete.
+    /// The result belongs to the project as it stands, and is complete.
     Complete,
-    /// It is still running.
+    /// The computation is still running.
     Running,
-    /// It belongs to an older design.
+    /// The result belongs to an older design.
     Stale,
 }
 

@@ -142,9 +142,9 @@ impl ProjectSettings {
 /// A file to be written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SettingsFile {
-    /// Its path.
+    /// Path.
     pub path: PathBuf,
-    /// Its content.
+    /// Content.
     pub content: Vec<u8>,
 }
 

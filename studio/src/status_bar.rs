@@ -4,7 +4,7 @@ use egui::{Color32, RichText, Ui};
 
 use crate::command::Command;
 use crate::studio::Studio;
-use crate::theme::Theme;
+use crate::theme::WindowTheme;
 use crate::versioned_results::Freshness;
 use crate::view::NoticeKind;
 
@@ -47,7 +47,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     });
 }
 
-fn current_status(studio: &Studio, theme: &Theme) -> Status {
+fn current_status(studio: &Studio, theme: &WindowTheme) -> Status {
     if let Some(path) = studio.file_queue.path_being_opened() {
         return status(format!("opening {}", path.display()), theme.accent);
     }

@@ -15,7 +15,7 @@ pub mod space {
 
 /// Colours by what they mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Theme {
+pub struct WindowTheme {
     /// Behind everything.
     pub ground: Color32,
     /// A card or a panel on it.
@@ -30,7 +30,7 @@ pub struct Theme {
     pub text: Color32,
     /// Secondary text.
     pub weak: Color32,
-    /// What is selected, and what can be dragged.
+    /// Selected handle, and handles that can be dragged.
     pub accent: Color32,
     /// A requirement that holds.
     pub good: Color32,
@@ -49,7 +49,7 @@ const fn rgb(value: u32) -> Color32 {
 }
 
 /// The theme for a dark room.
-pub const DARK: Theme = Theme {
+pub const DARK: WindowTheme = WindowTheme {
     ground: rgb(0x12_15_1a),
     card: rgb(0x1a_1e_25),
     field: rgb(0x25_2b_34),
@@ -66,7 +66,7 @@ pub const DARK: Theme = Theme {
 };
 
 /// The theme for a bright room.
-pub const LIGHT: Theme = Theme {
+pub const LIGHT: WindowTheme = WindowTheme {
     ground: rgb(0xf2_f4_f7),
     card: rgb(0xff_ff_ff),
     field: rgb(0xe9_ed_f2),
@@ -82,7 +82,7 @@ pub const LIGHT: Theme = Theme {
     kept: [rgb(0xb8_35_7a), rgb(0x6b_7a_00), rgb(0x4a_6a_94)],
 };
 
-impl Theme {
+impl WindowTheme {
     /// Applies the theme to a window.
     pub fn apply(&self, ctx: &egui::Context) {
         let dark = *self == DARK;

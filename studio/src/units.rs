@@ -54,7 +54,7 @@ pub struct DisplayUnits {
 pub struct DisplayUnit {
     /// The unit as it is written.
     pub name: String,
-    /// What a value in SI is multiplied by.
+    /// Factor of a value in SI.
     pub factor: f64,
 }
 

@@ -2,14 +2,14 @@
 
 /// A result and the revision of the project that it came from.
 #[derive(Debug, Clone)]
-pub struct Versioned<T> {
+pub struct VersionedResult<T> {
     /// The revision.
     pub revision: u64,
     /// The result.
     pub value: T,
 }
 
-/// Whether a result belongs to the project as it stands.
+/// Relation of a result to the project as it stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Freshness {
     /// The result belongs to the project as it stands.
@@ -18,7 +18,7 @@ pub enum Freshness {
     Stale,
 }
 
-impl<T> Versioned<T> {
+impl<T> VersionedResult<T> {
     /// Returns whether the result belongs to this revision of the project.
     pub fn freshness(&self, project_revision: u64) -> Freshness {
         if self.revision == project_revision { Freshness::Current } else { Freshness::Stale }

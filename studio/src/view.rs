@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::browser::Browser;
 use crate::charts::chart::Chart;
 use crate::command::{Command, DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
-use crate::theme::{DARK, LIGHT, Theme};
+use crate::theme::{DARK, LIGHT, WindowTheme};
 use crate::units::DisplayUnits;
 
 /// The part of the controller whose weights are shown.
@@ -30,7 +30,7 @@ pub enum ControllerPart {
 pub struct StatusNotice {
     /// The message.
     pub text: String,
-    /// Its kind.
+    /// Kind.
     pub severity: NoticeKind,
 }
 
@@ -52,7 +52,7 @@ pub struct PaletteState {
     pub selected: usize,
 }
 
-/// What is closed when the question about unsaved edits is answered.
+/// Target of the question about unsaved edits: the project or the window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CloseTarget {
     /// The project.
@@ -61,12 +61,12 @@ pub enum CloseTarget {
     Window,
 }
 
-/// Whether a command concerned the view.
+/// Outcome of a command of the view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ViewCommand {
-    /// It did, and was carried out.
+    /// The command concerned the view and was carried out.
     Applied,
-    /// It concerns something else.
+    /// The command concerns something else.
     NotOfView,
 }
 
@@ -75,7 +75,7 @@ pub struct StudioView {
     /// The page.
     pub page: Page,
     /// Colours.
-    pub theme: Theme,
+    pub theme: WindowTheme,
     /// Units.
     pub units: DisplayUnits,
     /// The tab of the page Design.
@@ -94,9 +94,9 @@ pub struct StudioView {
     pub trial_moment_kg_m: Option<f64>,
     /// Number of the last gesture.
     pub gesture: u64,
-    /// Whether a handle is being dragged.
+    /// `true` if a handle is being dragged.
     pub dragging: bool,
-    /// Whether a widget had the keyboard focus at the end of the last frame: Esc then belongs to it.
+    /// `true` if a widget had the keyboard focus at the end of the last frame: Esc then belongs to it.
     pub had_keyboard_focus: bool,
     /// The message at the foot of the window.
     pub notice: Option<StatusNotice>,
@@ -104,7 +104,7 @@ pub struct StudioView {
     pub palette: Option<PaletteState>,
     /// The question about unsaved edits, while it is asked.
     pub close_question: Option<CloseTarget>,
-    /// Whether the difference to the file on disk is shown.
+    /// `true` if the difference to the file on disk is shown.
     pub shows_difference: bool,
     /// The recording that is shown.
     pub recording: usize,
@@ -116,7 +116,7 @@ pub struct StudioView {
     pub chart: Option<Chart>,
     /// The title of the plot that is to show its whole content.
     pub fit_request: Option<String>,
-    /// What the limits of plots belong to beside their axes: the project and the part that is shown.
+    /// Key of the limits of plots beside their axes: the project and the part that is shown.
     pub limits_scope: String,
     /// The mode of the mechanism that is animated; 0 for none.
     pub mode: usize,

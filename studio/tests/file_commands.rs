@@ -103,9 +103,9 @@ fn a_project_saved_under_another_name_takes_its_files_along_and_the_old_one_stay
 
 /// A file that is dropped.
 #[derive(Debug)]
-struct Dropped(PathBuf);
+struct FileDrop(PathBuf);
 
-impl egui::DroppedFile for Dropped {
+impl egui::DroppedFile for FileDrop {
     fn path(&self) -> &Path {
         &self.0
     }
@@ -117,7 +117,7 @@ impl egui::DroppedFile for Dropped {
 
 fn let_fall(bench: &mut StudioHarness, paths: &[PathBuf]) {
     for path in paths {
-        bench.input_mut().dropped_files.push(Arc::new(Dropped(path.clone())));
+        bench.input_mut().dropped_files.push(Arc::new(FileDrop(path.clone())));
     }
     bench.run_steps(2);
     rest(bench);

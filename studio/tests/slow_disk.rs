@@ -21,12 +21,12 @@ const FRAMES: usize = 100;
 
 /// A disk that can be held: until it is let go no read ends, and no wait for what was written.
 #[derive(Default)]
-struct Held {
+struct HeldDisk {
     is_held: Mutex<bool>,
     changed: Condvar,
 }
 
-impl Held {
+impl HeldDisk {
     fn hold(&self) {
         *self.is_held.lock().unwrap() = true;
     }
@@ -41,7 +41,7 @@ impl Held {
     }
 }
 
-impl Disk for Held {
+impl Disk for HeldDisk {
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         self.wait();
         std::fs::read(path)
@@ -53,7 +53,7 @@ impl Disk for Held {
     }
 }
 
-fn open_on(disk: &Arc<Held>, folder: &Path) -> StudioHarness {
+fn open_on(disk: &Arc<HeldDisk>, folder: &Path) -> StudioHarness {
     let disk = Arc::clone(disk) as Arc<dyn Disk>;
     let mut studio = Studio::with_disk(&folder.join("state"), Arc::new(|| {}), disk);
     studio.run(&Command::Open { path: folder.to_owned() });
@@ -76,8 +76,8 @@ fn wait_for_journal(folder: &Path, text: &str) {
 }
 
 /// Returns a copy of the reference rig, open in a window at rest, on a disk that is not held yet.
-fn open_rig(name: &str) -> (PathBuf, Arc<Held>, StudioHarness) {
-    let (folder, disk) = (rig(name), Arc::new(Held::default()));
+fn open_rig(name: &str) -> (PathBuf, Arc<HeldDisk>, StudioHarness) {
+    let (folder, disk) = (rig(name), Arc::new(HeldDisk::default()));
     let mut bench = open_on(&disk, &folder);
     rest(&mut bench);
     (folder, disk, bench)
@@ -170,7 +170,7 @@ fn the_end_of_the_studio_waits_for_a_save_under_way() {
 #[test]
 fn the_project_stays_until_another_is_read_and_what_cannot_be_read_changes_nothing() {
     let (folder, other) = (rig("slow-open"), rig("slow-other"));
-    let disk = Arc::new(Held::default());
+    let disk = Arc::new(HeldDisk::default());
     let mut bench = open_on(&disk, &folder);
     rest(&mut bench);
     bench.state_mut().run(&gain(27.0));

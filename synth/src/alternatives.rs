@@ -9,11 +9,11 @@ use counterpoise_lti::{StateSpace, Timebase, append, series};
 use crate::error_feedback::from_demand_and_reading;
 use crate::tolerance::{ALTERNATIVE_BOUND, SLOWEST_RAD_S};
 use crate::{
-    DesignPlant, Error, FeedbackWeights, Generalised, Reference, StateOrigin, Weight, design_feedback, h2syn,
-    hinfsyn, lqg_ltr,
+    DesignPlant, Error, FeedbackWeights, GeneralisedPlant, Reference, StateOrigin, Weight, design_feedback,
+    h2syn, hinfsyn, lqg_ltr,
 };
 
-/// Which method made a controller.
+/// Method by which a controller was made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SynthesisMethod {
     /// The structured H2 design of [`design_feedback()`].
@@ -88,7 +88,7 @@ pub fn design_alternative(
 ///
 /// # Errors
 /// [`Error`] for a plant or weights that are not ones.
-pub fn generalised_plant(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Generalised, Error> {
+pub fn generalised_plant(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<GeneralisedPlant, Error> {
     let seen = plant.measured_plant()?;
     let mut inputs: Vec<usize> = weights.disturbances.iter().map(|entry| entry.index).collect();
     let mut densities: Vec<f64> = weights.disturbances.iter().map(|entry| entry.value.sqrt()).collect();
@@ -113,7 +113,7 @@ pub fn generalised_plant(plant: &DesignPlant, weights: &FeedbackWeights) -> Resu
     let summed = series(&passed, &StateSpace::gain(sum, Timebase::Continuous)?)?;
     let weighted = series(&summed, &append(&textbook(&weights.error).realise()?, &wires(2)?)?)?;
     let of_error = weighted.order() - inverse.order() - seen.order();
-    Generalised::new(weighted, 1, 1)?.of_blocks(vec![
+    GeneralisedPlant::new(weighted, 1, 1)?.of_blocks(vec![
         StateOrigin::new("the control weight", inverse.order()),
         StateOrigin::new("the plant", seen.order()),
         StateOrigin::new("the error weight", of_error),

@@ -10,7 +10,7 @@ use counterpoise_lti::StateSpace;
 ///     e    = - C x_p            z1   = C_e x_e + D_e e     x_e' = A_e x_e + B_e e
 ///     z2   = v                  z3   = M x_p
 /// ```
-pub(crate) struct Augmented {
+pub(crate) struct AugmentedPlant {
     /// Plant state matrix, n x n.
     pub A: Mat,
     /// Control column, n x 1.
@@ -25,7 +25,7 @@ pub(crate) struct Augmented {
     pub control: StateSpace,
 }
 
-impl Augmented {
+impl AugmentedPlant {
     /// Orders of plant, error weight and inverse control weight.
     pub fn sizes(&self) -> (usize, usize, usize) {
         (self.A.nrows(), self.error.order(), self.control.order())

@@ -1,6 +1,6 @@
 //! What limits the bandwidth of a loop.
 
-/// What limits a bandwidth.
+/// Kind of limit of a bandwidth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LimitKind {
     /// A twentieth of the sample rate, lowered by what is not known.
@@ -21,14 +21,14 @@ pub enum LimitKind {
     Tolerances,
     /// Values that are not stated, over their usual ranges.
     UsualRanges,
-    /// What was asked for.
+    /// The value that was requested.
     Asked,
 }
 
 /// A limit of the bandwidth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BandwidthLimit {
-    /// What limits.
+    /// Kind of the limit.
     pub kind: LimitKind,
     /// The highest bandwidth that it allows, rad/s; infinite if it allows every one that was looked at.
     pub bandwidth_rad_s: f64,
@@ -58,12 +58,12 @@ pub enum Unknown {
 pub struct Bandwidth {
     /// The bandwidth that was reached, rad/s.
     pub bandwidth_rad_s: f64,
-    /// What limits it: the limit whose lifting alone raises it most, or several that only a lifting of all of them raises.
+    /// Deciding limits: the limit whose lifting alone raises it most, or several that only a lifting of all of them raises.
     pub limited_by: Vec<LimitKind>,
     /// Every limit: those whose lifting alone raises the bandwidth first, by how much they do; then by what they allow.
     pub limits: Vec<BandwidthLimit>,
-    /// What is not known.
+    /// Unknown facts.
     pub unknown: Vec<Unknown>,
-    /// What was asked for, rad/s.
+    /// Requested value, rad/s.
     pub asked_rad_s: Option<f64>,
 }

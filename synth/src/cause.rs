@@ -4,7 +4,7 @@ use counterpoise_linalg::{C64, Reason};
 
 use crate::bandwidth::BandwidthLimit;
 
-/// What is wrong, with its numbers.
+/// Cause of a refusal, with its numbers.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Cause {
@@ -66,9 +66,9 @@ pub enum Cause {
     },
     /// A spectral density that is not positive where it must be.
     Density {
-        /// Which.
+        /// Stated density that is meant.
         of: StatedDensity,
-        /// Its value.
+        /// Value.
         value: f64,
     },
     /// Nothing disturbs the loop: the observer would not listen to the measurement.
@@ -126,12 +126,12 @@ pub enum Cause {
     ReferenceWithoutStates,
     /// A mode of a generalised plant that one side of the problem does not meet.
     ModeHidden {
-        /// Its eigenvalue.
+        /// Eigenvalue.
         mode: C64,
         /// Relative distance from being met.
         distance: f64,
         /// What does not meet it.
-        from: HiddenFrom,
+        from: HiddenDirection,
         /// The block that it lives in.
         block: ModeBlock,
     },
@@ -144,17 +144,17 @@ pub enum Cause {
     },
     /// A control without weight: D12 lacks full column rank.
     ControlUnweighed {
-        /// Its number, from 1: the one with most of the direction that is free.
+        /// Number, from 1: the one with most of the direction that is free.
         control: usize,
     },
     /// A measurement without noise: D21 lacks full row rank.
     MeasurementNoiseless {
-        /// Its number, from 1: the one with most of the direction that is free of noise.
+        /// Number, from 1: the one with most of the direction that is free of noise.
         measurement: usize,
     },
     /// White noise reaches the weighted outputs directly: D11 is not zero.
     NoiseReachesCost {
-        /// Its largest entry.
+        /// Largest entry.
         gain: f64,
     },
     /// No H-infinity bound was found that a controller reaches.
@@ -194,15 +194,15 @@ pub enum StatedDensity {
 pub enum DesignEquation {
     /// The Riccati equation of the regulator.
     Regulator,
-    /// That of the filter.
+    /// Riccati equation of the filter.
     Filter,
-    /// That of the regulator in sampled time.
+    /// Riccati equation of the regulator in sampled time.
     SampledRegulator,
-    /// That of the filter in sampled time.
+    /// Riccati equation of the filter in sampled time.
     SampledFilter,
-    /// That of the filter which sees the sensors of several disturbances together.
+    /// Riccati equation of the filter of the sensors of several disturbances together.
     JointFilter,
-    /// That of the filter of a measured disturbance.
+    /// Riccati equation of the filter of a measured disturbance.
     DisturbanceFilter,
 }
 
@@ -217,9 +217,9 @@ pub enum ModeBlock {
     Plant,
 }
 
-/// What does not meet a mode.
+/// Signal that a hidden mode does not meet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum HiddenFrom {
+pub enum HiddenDirection {
     /// No control reaches it, and it is not stable.
     Control,
     /// No measurement shows it, and it is not stable.

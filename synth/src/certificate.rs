@@ -8,7 +8,7 @@ use crate::Error;
 use crate::cause::{Cause, DesignEquation};
 use crate::finding::{DesignFinding, Part};
 
-/// How well a Riccati equation was solved.
+/// Accuracy of the solution of a Riccati equation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equation {
     /// Norm of the residual relative to the norms of the equation's terms.
@@ -37,8 +37,8 @@ impl Cost {
 
 /// The certificates of one part that was designed in sampled time.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Certified {
-    /// Which part.
+pub struct PartCertificates {
+    /// Part.
     pub part: Part,
     /// Mean square of its weighted signals: as the equations predict it, and as the assembled sampled loop has it.
     pub cost: Cost,

@@ -1,6 +1,6 @@
 //! The two disturbances that a design knows.
 
-/// Which disturbance is meant.
+/// Channel of a disturbance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum DisturbanceChannel {
     /// The vertical motion of the pivot.

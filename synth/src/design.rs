@@ -23,7 +23,7 @@ pub struct Design {
     pub heave: Option<Feedforward>,
     /// The pitch feedforward.
     pub pitch: Option<Feedforward>,
-    /// How they are put together, and where the demand enters.
+    /// Structure of the loop, and the place at which the demand enters.
     pub specification: Specification,
     /// The plant it was designed for.
     pub plant: DesignPlant,

@@ -6,9 +6,9 @@ use counterpoise_lti::{StateSpace, c2d};
 
 use crate::anti_windup::{anti_windup, anti_windup_of};
 use crate::cascade::from_error_and_reading;
-use crate::certificate::Certified;
-use crate::sampled_data::{self, Drafted};
-use crate::sampling::{Sampled, Sampling, SamplingMethod, check_sampled_loop, sampled_plant};
+use crate::certificate::PartCertificates;
+use crate::sampled_data::{self, DraftedPart};
+use crate::sampling::{SampledLoop, Sampling, SamplingMethod, check_sampled_loop, sampled_plant};
 use crate::{Assembly, Design, DisturbanceChannel, Error, Reference};
 
 /// Returns the design as a sampled controller.
@@ -20,7 +20,7 @@ use crate::{Assembly, Design, DisturbanceChannel, Error, Reference};
 /// # Errors
 /// [`Error`] for a period or limit that is none, or a feedforward with exact knowledge of derivatives that no sensor
 /// reads; [`Error::Refused`] for a sampled loop that is not stable, or a sampled problem without solution.
-pub fn discretise(design: &Design, sampling: &Sampling) -> Result<Sampled, Error> {
+pub fn discretise(design: &Design, sampling: &Sampling) -> Result<SampledLoop, Error> {
     let mut parts = Parts::new(sampling.period_s, sampling.limit_v);
     let certified;
     (parts.paths, certified) = paths(design, sampling)?;
@@ -28,12 +28,12 @@ pub fn discretise(design: &Design, sampling: &Sampling) -> Result<Sampled, Error
     parts.out_of_balance_range_kg_m = sampling.out_of_balance_range_kg_m;
     parts.bias_v_per_kg_m = sampling.bias_v_per_kg_m;
     parts.transfer_time_s = sampling.transfer_time_s;
-    Ok(Sampled { certified, ..check_sampled_loop(&design.plant, Controller::new(parts)?, sampling)? })
+    Ok(SampledLoop { certified, ..check_sampled_loop(&design.plant, Controller::new(parts)?, sampling)? })
 }
 
-type Paths = (Vec<Path>, Vec<Certified>);
+type Paths = (Vec<Path>, Vec<PartCertificates>);
 
-/// Whether feedback and feedforwards run as one path.
+/// Returns whether feedback and feedforwards run as one path.
 fn is_joint(design: &Design) -> bool {
     let modules = design.heave.is_some() || design.pitch.is_some();
     design.joint.is_some() || design.specification.assembly == Assembly::Grimble && modules
@@ -62,8 +62,8 @@ fn paths(design: &Design, sampling: &Sampling) -> Result<Paths, Error> {
 
 /// The parts as designed in sampled time.
 struct Drafts {
-    feedback: Drafted,
-    modules: Vec<(DisturbanceChannel, Drafted)>,
+    feedback: DraftedPart,
+    modules: Vec<(DisturbanceChannel, DraftedPart)>,
 }
 
 fn drafts(design: &Design, sampling: &Sampling) -> Result<Drafts, Error> {
@@ -98,7 +98,7 @@ impl Drafts {
 }
 
 /// A module with its certificates, if it was designed in sampled time; `None` if the design has no such module.
-type HeaveModule = Option<(StateSpace, Option<Certified>)>;
+type HeaveModule = Option<(StateSpace, Option<PartCertificates>)>;
 
 /// The heave feedforward of a design for sampled time, in the form in which it runs; `None` if it has none.
 ///

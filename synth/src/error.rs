@@ -28,7 +28,7 @@ pub enum Error {
         what: &'static str,
         /// The value that was given.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// An index that names no input or output of the plant.
@@ -57,7 +57,7 @@ pub enum Error {
     System {
         /// Which system.
         what: &'static str,
-        /// What is wrong with it.
+        /// Description of the error.
         problem: &'static str,
     },
 }

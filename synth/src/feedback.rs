@@ -15,7 +15,7 @@ use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_linalg::{C64, Mat, Riccati, care, eigenvalues};
 use counterpoise_lti::{StateSpace, Timebase};
 
-use crate::augmented_plant::Augmented;
+use crate::augmented_plant::AugmentedPlant;
 use crate::cause::DesignEquation;
 use crate::certificate::{Cost, Equation, mean_square, riccati};
 use crate::finding::Part;
@@ -43,7 +43,7 @@ pub struct Feedback {
 
 /// The augmented problem with the plant's disturbances.
 struct Problem {
-    core: Augmented,
+    core: AugmentedPlant,
     /// Columns of the white disturbances, scaled to unit density.
     Gw: Mat,
 }
@@ -123,7 +123,7 @@ fn problem(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Problem, Er
         Gw = Gw.hstack(&column(index).scale(density.sqrt()));
     }
     let row = weights.combination_row(outputs - 1);
-    let core = Augmented {
+    let core = AugmentedPlant {
         B: column(plant.control),
         C: system.C.block(0, 0, 1, n),
         further: &row * &system.C.block(1, 0, outputs - 1, n),

@@ -5,9 +5,9 @@ use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::response::Response;
 use counterpoise_lti::{Discretisation, StateSpace, c2d, h2norm, margins};
 
-use crate::{DesignPlant, Error, Sampled, Sampling};
+use crate::{DesignPlant, Error, SampledLoop, Sampling};
 
-/// What a sampled feedback loop does.
+/// Figures of a sampled feedback loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
     /// Smallest gain margin, dB.
@@ -45,7 +45,7 @@ pub struct FigureSystems {
 /// As [`sampled_loop_figures`].
 pub fn figure_systems(
     plant: &DesignPlant,
-    sampled: &Sampled,
+    sampled: &SampledLoop,
     sampling: &Sampling,
 ) -> Result<FigureSystems, Error> {
     Ok(FigureSystems {
@@ -66,7 +66,7 @@ pub(crate) const BAND_POINTS: usize = 24;
 /// [`Error`] where the plant is not one, or a decomposition fails.
 pub fn sampled_loop_figures(
     plant: &DesignPlant,
-    sampled: &Sampled,
+    sampled: &SampledLoop,
     sampling: &Sampling,
     band_rad_s: [f64; 2],
 ) -> Result<Figures, Error> {
@@ -93,7 +93,7 @@ fn hold_system(plant: &DesignPlant, sampling: &Sampling) -> Result<StateSpace, E
 }
 
 /// From (demand, hub rate) to the control.
-fn controller(sampled: &Sampled, sampling: &Sampling) -> Result<StateSpace, Error> {
+fn controller(sampled: &SampledLoop, sampling: &Sampling) -> Result<StateSpace, Error> {
     let linear = sampled.controller.linear(sampling.out_of_balance_kg_m)?;
     let reading = |signal: PathSignal, fallback: usize| signal.reading().unwrap_or(fallback);
     let inputs = [reading(PathSignal::Demand, 0), reading(PathSignal::HubRate, 1)];
@@ -123,7 +123,7 @@ pub(crate) fn reachable_states(A: &Mat, mut from: Vec<usize>) -> Vec<usize> {
 }
 
 /// Peak of the true rate and of the control after a unit step of the demand.
-fn step(plant: &DesignPlant, sampled: &Sampled, sampling: &Sampling) -> Result<(f64, f64), Error> {
+fn step(plant: &DesignPlant, sampled: &SampledLoop, sampling: &Sampling) -> Result<(f64, f64), Error> {
     let (P, K) = (hold_system(plant, sampling)?, controller(sampled, sampling)?);
     let (mut x, mut q) = (Mat::zeros(P.order(), 1), Mat::zeros(K.order(), 1));
     let (mut peak, mut largest) = (0.0_f64, 0.0_f64);
@@ -138,7 +138,7 @@ fn step(plant: &DesignPlant, sampled: &Sampled, sampling: &Sampling) -> Result<(
     Ok((peak, largest))
 }
 
-fn noise_gain(plant: &DesignPlant, sampled: &Sampled, sampling: &Sampling) -> Result<f64, Error> {
+fn noise_gain(plant: &DesignPlant, sampled: &SampledLoop, sampling: &Sampling) -> Result<f64, Error> {
     let seen = hold_system(plant, sampling)?.select(&[0], &[0]);
     let K = controller(sampled, sampling)?.select(&[0], &[1]);
     Ok(h2norm(&counterpoise_lti::feedback(&K, &seen.negate())?)?)

@@ -5,7 +5,7 @@ use std::fmt;
 use crate::DisturbanceChannel;
 use crate::cause::Cause;
 
-/// Whether a design can go on.
+/// Severity of a finding of a design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FindingSeverity {
     /// The problem has no solution as it is put.
@@ -14,7 +14,7 @@ pub enum FindingSeverity {
     Warning,
 }
 
-/// Which part of the design is concerned.
+/// Part of a design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     /// The plant, its sensors or its delay.
@@ -38,7 +38,7 @@ impl From<DisturbanceChannel> for Part {
     }
 }
 
-/// What a weight weighs.
+/// Signal that a weight weighs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WeightRole {
     /// The error.
@@ -52,9 +52,9 @@ pub enum WeightRole {
 /// A weight that a finding concerns.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ConcernedWeight {
-    /// What it weighs.
+    /// Signal that it weighs.
     pub role: WeightRole,
-    /// Its formula in s.
+    /// Formula in s.
     pub formula: String,
 }
 
@@ -63,13 +63,13 @@ pub struct ConcernedWeight {
 pub struct DesignFinding {
     /// Whether the design can go on.
     pub severity: FindingSeverity,
-    /// Which part is concerned.
+    /// Part that is concerned.
     pub part: Part,
     /// The weight that is concerned.
     pub weight: Option<ConcernedWeight>,
     /// The frequency that is concerned, rad/s; infinite for "at high frequency".
     pub rate_rad_s: Option<f64>,
-    /// What is wrong.
+    /// Cause.
     pub cause: Cause,
 }
 

@@ -18,7 +18,7 @@ use crate::tolerance::{FULL_RANK, SAME_SHARE};
 ///     u ---> |       | ---> y         y  = C2 x + D21 w + D22 u
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Generalised {
+pub struct GeneralisedPlant {
     /// From (w, u) to (z, y), continuous.
     pub system: StateSpace,
     /// Number of controls u, the last inputs.
@@ -34,7 +34,7 @@ pub struct Generalised {
 pub struct StateOrigin {
     /// Name of the block.
     pub block: String,
-    /// How many states it has.
+    /// Number of states.
     pub states: usize,
 }
 
@@ -59,7 +59,7 @@ pub struct NamedBlock<'a> {
 pub struct Ports<'a> {
     /// Their names, in order.
     pub names: &'a [&'a str],
-    /// How many of them, the last ones, belong to the controller.
+    /// Number of states, the last ones, that belong to the controller.
     pub of_controller: usize,
 }
 
@@ -76,7 +76,7 @@ pub(crate) struct Blocks {
     pub D22: Mat,
     /// Physical state = scale x scaled state, powers of two.
     pub scale: Vec<f64>,
-    /// As [`Generalised::origins`].
+    /// Origins of the states, as [`GeneralisedPlant::origins`].
     pub origins: Vec<StateOrigin>,
 }
 
@@ -109,7 +109,7 @@ impl Blocks {
     }
 }
 
-impl Generalised {
+impl GeneralisedPlant {
     /// Returns the generalised plant with its last `controls` inputs and `measurements` outputs.
     ///
     /// # Errors
@@ -145,7 +145,7 @@ impl Generalised {
     /// to the controller are the controls, those of `outputs` the measurements. Refusals name the blocks.
     ///
     /// # Errors
-    /// As [`counterpoise_lti::connect`](fn@counterpoise_lti::connect) and [`Generalised::new`].
+    /// As [`counterpoise_lti::connect`](fn@counterpoise_lti::connect) and [`GeneralisedPlant::new`].
     pub fn connect_by_name(
         blocks: &[NamedBlock<'_>],
         inputs: Ports<'_>,

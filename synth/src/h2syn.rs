@@ -8,7 +8,7 @@ use crate::cause::Cause;
 use crate::cause::DesignEquation;
 use crate::certificate::Equation;
 use crate::finding::{DesignFinding, Part};
-use crate::generalised_plant::{Blocks, Generalised, absorb_direct_path};
+use crate::generalised_plant::{Blocks, GeneralisedPlant, absorb_direct_path};
 use crate::origin::require_solution;
 
 /// An H2 controller with its certificates.
@@ -45,7 +45,7 @@ pub struct H2 {
 ///
 /// # Errors
 /// [`Error`] where a decomposition fails. A plant that breaks a condition is [`Error::Refused`] and says which.
-pub fn h2syn(plant: &Generalised) -> Result<H2, Error> {
+pub fn h2syn(plant: &GeneralisedPlant) -> Result<H2, Error> {
     plant.check_regular()?;
     let P = plant.blocks();
     if P.D11.norm_max() != 0.0 {

@@ -7,9 +7,9 @@ use crate::Error;
 use crate::cause::Cause;
 use crate::error::attempt;
 use crate::finding::{DesignFinding, Part};
-use crate::generalised_plant::Generalised;
+use crate::generalised_plant::GeneralisedPlant;
 use crate::h2syn::h2syn;
-use crate::normal_form::{Attempt, Normal};
+use crate::normal_form::{Attempt, NormalForm};
 use crate::tolerance::{
     HINF_FIRST_RAISE, HINF_NORM, HINF_NOTHING, HINF_ROUNDED_UP, HINF_TRIALS, HINF_VERIFIED,
 };
@@ -47,12 +47,12 @@ pub struct HInfinity {
 /// # Errors
 /// [`Error::Range`] for a tolerance that is not positive, [`Error`] where a decomposition fails. A plant that breaks a
 /// condition is [`Error::Refused`] and says which.
-pub fn hinfsyn(plant: &Generalised, tolerance: f64) -> Result<HInfinity, Error> {
+pub fn hinfsyn(plant: &GeneralisedPlant, tolerance: f64) -> Result<HInfinity, Error> {
     if !(tolerance > 0.0 && tolerance.is_finite()) {
         return Err(Error::Range { what: "tolerance", value: tolerance, allowed: "positive" });
     }
     plant.check_regular()?;
-    let normal = Normal::of(plant)?;
+    let normal = NormalForm::of(plant)?;
     let low = End { bound: normal.lower_bound()?, attempt: Attempt::Unreachable };
     let mut search = Search { plant, normal: &normal, unreachable: low.bound, low, high: None, trials: 0 };
     search.raise_bound()?;
@@ -66,7 +66,7 @@ pub fn hinfsyn(plant: &Generalised, tolerance: f64) -> Result<HInfinity, Error> 
 }
 
 /// The mode in the way where no bound is kept: as the bound grows the equations become those of H2, which name it.
-fn obstacle(plant: &Generalised) -> Result<Option<Vec<DesignFinding>>, Error> {
+fn obstacle(plant: &GeneralisedPlant) -> Result<Option<Vec<DesignFinding>>, Error> {
     let mut limit = plant.clone();
     let system = &mut limit.system;
     let (p, m) = (system.outputs() - plant.measurements, system.inputs() - plant.controls);
@@ -82,8 +82,8 @@ struct End {
 }
 
 struct Search<'a> {
-    plant: &'a Generalised,
-    normal: &'a Normal,
+    plant: &'a GeneralisedPlant,
+    normal: &'a NormalForm,
     low: End,
     high: Option<End>,
     /// The largest bound that is certainly not reachable.
@@ -94,7 +94,7 @@ struct Search<'a> {
 impl Search<'_> {
     /// Raises the bound until one seems reachable.
     fn raise_bound(&mut self) -> Result<(), Error> {
-        let mut bound = if self.low.bound > 0.0 { 2.0 * self.low.bound } else { self.normal.guess() };
+        let mut bound = if self.low.bound > 0.0 { 2.0 * self.low.bound } else { self.normal.initial_bound() };
         while self.high.is_none() && self.trials < HINF_TRIALS {
             self.attempt(bound)?;
             bound *= 4.0;

@@ -15,7 +15,7 @@ use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_linalg::{C64, Mat, care, eigenvalues, sylvester};
 use counterpoise_lti::{StateSpace, Timebase};
 
-use crate::augmented_plant::Augmented;
+use crate::augmented_plant::AugmentedPlant;
 use crate::cause::DesignEquation;
 use crate::certificate::{Cost, Equation, mean_square, riccati};
 use crate::feedforward::with_derivatives;
@@ -49,7 +49,7 @@ pub struct JointOptimum {
 
 /// The problem, all disturbances in.
 struct Problem {
-    core: Augmented,
+    core: AugmentedPlant,
     /// \[plant; motions\].
     A: Mat,
     /// Control on them.
@@ -123,7 +123,7 @@ impl Problem {
             G = G.hstack(&column(index).scale(density.sqrt()));
         }
         let further = &weights.combination_row(outputs - 1) * &system.C.block(1, 0, outputs - 1, n);
-        let core = Augmented {
+        let core = AugmentedPlant {
             A: system.A.clone(),
             B: column(plant.control),
             C: system.C.block(0, 0, 1, n),
@@ -246,7 +246,7 @@ impl Problem {
         Ok(StateSpace::new(A, B, C, D, Timebase::Continuous)?)
     }
 
-    /// What is known, driven by the innovation, and what is not known after all readings: tr(M Y M').
+    /// Returns what is known, driven by the innovation, and what is not known after all readings: tr(M Y M').
     fn predicted_cost(&self, F: &Mat, L: &Mat, Y: &Mat) -> Result<Option<f64>, Error> {
         let ((n, e, u), f) = (self.core.sizes(), self.motions());
         let roots: Vec<f64> = self.noises.iter().map(|density| density.sqrt()).collect();

@@ -8,7 +8,7 @@
 //! is solved before [`preflight()`] has said that it can be.
 //!
 //! Modules in reading order:
-//! - what is asked: [`weight`] (with [`rational`]; [`table`] fits one to drawn points), [`channel`], [`plant`], [`specification`];
+//! - what is asked: [`weight`] (with [`rational_function`]; [`table`] fits one to drawn points), [`channel`], [`plant`], [`specification`];
 //! - whether it can be had: [`preflight`](mod@preflight), [`finding`], [`cause`], [`refusal`], [`error`];
 //! - the design: [`feedback`](mod@feedback), [`error_feedback`] (one that sees the error alone), [`cascade`], [`feedforward`](mod@feedforward), [`design`](mod@design), [`certificate`],
 //!   [`joint`] optimum of all parts, [`residual`], [`total_cost`](mod@total_cost);
@@ -76,7 +76,7 @@ mod origin;
 pub mod plant;
 pub mod preflight;
 pub mod ramp;
-pub mod rational;
+pub mod rational_function;
 pub mod refusal;
 pub mod requirements;
 pub mod residual;
@@ -93,13 +93,15 @@ pub mod total_cost;
 pub mod tuning;
 pub mod weight;
 
-pub use adaptation::{Adaptive, Estimation, Recursive, RecursiveSettings, WindowedMean};
+pub use adaptation::{
+    AdaptiveController, Estimation, RecursiveLeastSquares, RecursiveSettings, WindowedMean,
+};
 pub use alternatives::{Alternative, SynthesisMethod, design_alternative};
 pub use bandwidth::{Bandwidth, BandwidthLimit, LimitKind, Unknown};
 pub use best_loop::problem::BestLoopProblem;
 pub use best_loop::{BestLoop, BestLoopTask, best_loop};
-pub use cause::{Cause, DesignEquation, HiddenFrom, ModeBlock, StatedDensity};
-pub use certificate::{Certified, Cost, Equation};
+pub use cause::{Cause, DesignEquation, HiddenDirection, ModeBlock, StatedDensity};
+pub use certificate::{Cost, Equation, PartCertificates};
 pub use channel::DisturbanceChannel;
 pub use design::{Design, design};
 pub use discretise::discretise;
@@ -113,31 +115,31 @@ pub use first_design::{
     UsualReading, first_design, first_design_on,
 };
 pub use fixed_structure::{Block, BlockKind, BlockParameter, FixedStructure, ParameterName};
-pub use generalised_plant::{Generalised, NamedBlock, Ports, StateOrigin};
+pub use generalised_plant::{GeneralisedPlant, NamedBlock, Ports, StateOrigin};
 pub use h2syn::{H2, h2syn};
 pub use hinfsyn::{HInfinity, hinfsyn};
 pub use joint::{JointOptimum, joint_optimum};
-pub use lqg::{Gain, Recovered, kalman, lqg_ltr, lqr, observer_controller};
+pub use lqg::{Gain, LqgLtrDesign, kalman, lqg_ltr, lqr, observer_controller};
 pub use observer::{Drive, Drives, FrictionSide, ObservedFriction, friction_observers};
 pub use plant::{DesignPlant, LateReading, RateLoop};
 pub use preflight::preflight;
 pub use ramp::control_of_ramp;
-pub use rational::Rational;
+pub use rational_function::RationalFunction;
 pub use refusal::Refusal;
 pub use requirements::{BandSpectrum, Requirements};
-pub use residual::{Weighed, error_at, stabilisation_error};
-pub use sampling::{Sampled, Sampling, SamplingMethod, check_sampled_loop, sampled_loop, sampled_plant};
-pub use schedule::{Conditions, Configuration, HeaveFeedforwardLaw, ScheduleEntry, design_schedule};
+pub use residual::{ResidualChoice, error_at, stabilisation_error};
+pub use sampling::{SampledLoop, Sampling, SamplingMethod, check_sampled_loop, sampled_loop, sampled_plant};
+pub use schedule::{Conditions, HeaveFeedforwardLaw, ScheduleConfiguration, ScheduleEntry, design_schedule};
 pub use scheduled_controller::discretise_schedule;
-pub use search::{Ended, SearchResult, SearchTask, SearchTrial, search_specification, trade_off};
+pub use search::{SearchEnding, SearchResult, SearchTask, SearchTrial, search_specification, trade_off};
 pub use specification::{
     Assembly, DisturbanceKnowledge, FeedbackWeights, FeedforwardBasis, FeedforwardWeights, Reference,
     Specification,
 };
-pub use table::{Fit, TablePoint, fit_table};
+pub use table::{TablePoint, WeightFit, fit_table};
 pub use total_cost::{SourceCost, TotalCost, total_cost};
 pub use tuning::{
-    Disturbance, LoopLimits, LoopMeasures, Tuned, TunedFeedback, TuningSubject, TuningTask,
+    Disturbance, LoopLimits, LoopMeasures, TunedDesign, TunedFeedback, TuningSubject, TuningTask,
     measure_controller, tune_parameters,
 };
 pub use weight::Weight;

@@ -15,7 +15,7 @@ pub struct Gain {
     pub gain: Mat,
     /// The solution of the Riccati equation.
     pub X: Mat,
-    /// Its residual and the spectrum of A - BK or A - LC.
+    /// Residual and the spectrum of A - BK or A - LC.
     pub equation: Equation,
 }
 
@@ -84,7 +84,7 @@ pub fn observer_controller(g: &StateSpace, K: &Mat, L: &Mat) -> Result<StateSpac
 
 /// An LQG/LTR design.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Recovered {
+pub struct LqgLtrDesign {
     /// From y to u, the shaping filter included: closes the loop with the plant by u = K y.
     pub controller: StateSpace,
     /// The loop of the state feedback that is recovered, cut at the shaped plant's input: K (sI - A)^-1 B.
@@ -111,7 +111,7 @@ pub fn lqg_ltr(
     shape: &StateSpace,
     control_weight: f64,
     recovery: f64,
-) -> Result<Recovered, Error> {
+) -> Result<LqgLtrDesign, Error> {
     for (what, value) in [("control weight", control_weight), ("recovery", recovery)] {
         if !(value > 0.0 && value.is_finite()) {
             return Err(Error::Range { what, value, allowed: "positive" });
@@ -127,5 +127,5 @@ pub fn lqg_ltr(
     let target =
         StateSpace::new(shaped.A.clone(), shaped.B.clone(), regulator.gain.clone(), D, shaped.timebase)?;
     let closed_loop = [regulator.equation.spectrum.as_slice(), filter.equation.spectrum.as_slice()].concat();
-    Ok(Recovered { controller: series(&inner, shape)?, target, regulator, filter, closed_loop })
+    Ok(LqgLtrDesign { controller: series(&inner, shape)?, target, regulator, filter, closed_loop })
 }

@@ -6,7 +6,7 @@ use counterpoise_linalg::{
 use counterpoise_lti::{StateSpace, Timebase};
 
 use crate::Error;
-use crate::generalised_plant::{Blocks, Generalised, absorb_direct_path};
+use crate::generalised_plant::{Blocks, GeneralisedPlant, absorb_direct_path};
 use crate::tolerance::HINF_INDEFINITE;
 
 /// What a bound turned out to be.
@@ -21,7 +21,7 @@ pub(crate) enum Attempt {
 }
 
 /// The plant in the form D12 = \[0; I\], D21 = \[0 I\], by rotations of w and z and scalings of u and y.
-pub(crate) struct Normal {
+pub(crate) struct NormalForm {
     P: Blocks,
     /// u = U u_normal.
     U: Mat,
@@ -29,8 +29,8 @@ pub(crate) struct Normal {
     Y: Mat,
 }
 
-impl Normal {
-    pub(crate) fn of(plant: &Generalised) -> Result<Self, Error> {
+impl NormalForm {
+    pub(crate) fn of(plant: &GeneralisedPlant) -> Result<Self, Error> {
         let P = plant.blocks();
         let (z, U) = rotation(&P.D12)?;
         let (w, Y) = rotation(&P.D21.t())?;
@@ -66,7 +66,7 @@ impl Normal {
     }
 
     /// A bound to start from where D11 gives none.
-    pub(crate) fn guess(&self) -> f64 {
+    pub(crate) fn initial_bound(&self) -> f64 {
         let size =
             (self.P.C1.norm_fro() * self.P.B1.norm_fro() / self.P.A.norm_fro().max(f64::MIN_POSITIVE)).sqrt();
         if size > 0.0 && size.is_finite() { size } else { 1.0 }
@@ -80,8 +80,8 @@ impl Normal {
     /// Solves both equations at a bound.
     pub(crate) fn attempt(&self, bound: f64) -> Result<Attempt, Error> {
         let (X, Y) = match (self.regulator(bound)?, self.filter(bound)?) {
-            (Solved::Found { X, .. }, Solved::Found { X: Y, .. }) => (X, Y),
-            (Solved::Absent, _) | (_, Solved::Absent) => return Ok(Attempt::Unreachable),
+            (EquationOutcome::Found { X, .. }, EquationOutcome::Found { X: Y, .. }) => (X, Y),
+            (EquationOutcome::Absent, _) | (_, EquationOutcome::Absent) => return Ok(Attempt::Unreachable),
             _ => return Ok(Attempt::Undecided),
         };
         Ok(Attempt::Margin(spectral_radius(&(&Y * &X))?.ln() - 2.0 * bound.ln()))
@@ -89,27 +89,27 @@ impl Normal {
 
     /// The central controller at a bound; `None` if there is none.
     pub(crate) fn central_controller(&self, bound: f64) -> Result<Option<StateSpace>, Error> {
-        let Solved::Found { X, gain: F } = self.regulator(bound)? else { return Ok(None) };
-        let Solved::Found { X: Y, gain: L } = self.filter(bound)? else { return Ok(None) };
+        let EquationOutcome::Found { X, gain: F } = self.regulator(bound)? else { return Ok(None) };
+        let EquationOutcome::Found { X: Y, gain: L } = self.filter(bound)? else { return Ok(None) };
         let Z = &Mat::eye(X.nrows()) - &(&Y * &X).scale(1.0 / (bound * bound));
         let Ok(Z) = inverse(&Z) else { return Ok(None) };
         self.assemble(bound, &F, &L.t(), &Z)
     }
 
     /// X and F = -R^-1 (D1.'C1 + B'X), on all inputs.
-    fn regulator(&self, bound: f64) -> Result<Solved, Error> {
+    fn regulator(&self, bound: f64) -> Result<EquationOutcome, Error> {
         let P = &self.P;
         let (B, D) = (P.B1.hstack(&P.B2), P.D11.hstack(&P.D12));
-        let equation = Indefinite { A: &P.A, B: &B, C: &P.C1, D: &D, disturbed: P.B1.ncols() };
+        let equation = IndefiniteEquation { A: &P.A, B: &B, C: &P.C1, D: &D, disturbed: P.B1.ncols() };
         equation.solve(bound)
     }
 
     /// Y and the transpose of L = -(B1 D.1' + Y C') R^-1, on all outputs: the same problem transposed.
-    fn filter(&self, bound: f64) -> Result<Solved, Error> {
+    fn filter(&self, bound: f64) -> Result<EquationOutcome, Error> {
         let P = &self.P;
         let (C, D) = (P.C1.vstack(&P.C2), P.D11.vstack(&P.D21));
         let (A, B, C1, D) = (P.A.t(), C.t(), P.B1.t(), D.t());
-        let equation = Indefinite { A: &A, B: &B, C: &C1, D: &D, disturbed: P.C1.nrows() };
+        let equation = IndefiniteEquation { A: &A, B: &B, C: &C1, D: &D, disturbed: P.C1.nrows() };
         equation.solve(bound)
     }
 
@@ -180,7 +180,7 @@ fn root(M: &Mat) -> Result<Option<Mat>, Error> {
 }
 
 /// What became of one of the two equations.
-enum Solved {
+enum EquationOutcome {
     /// The solution, and F = -R^-1 (D'C + B'X).
     Found { X: Mat, gain: Mat },
     /// There is certainly no positive semidefinite stabilising solution.
@@ -190,7 +190,7 @@ enum Solved {
 }
 
 /// A'X + XA + C'C - (XB + C'D) R^-1 (B'X + D'C) = 0 with R = D'D - diag(g^2 I, 0).
-struct Indefinite<'a> {
+struct IndefiniteEquation<'a> {
     A: &'a Mat,
     B: &'a Mat,
     C: &'a Mat,
@@ -199,33 +199,35 @@ struct Indefinite<'a> {
     disturbed: usize,
 }
 
-impl Indefinite<'_> {
+impl IndefiniteEquation<'_> {
     /// The stabilising solution at a bound g.
-    fn solve(&self, bound: f64) -> Result<Solved, Error> {
+    fn solve(&self, bound: f64) -> Result<EquationOutcome, Error> {
         let Self { A, B, C, D, disturbed } = *self;
         let mut R = &D.t() * D;
         for i in 0..disturbed {
             R[(i, i)] -= bound * bound;
         }
-        let Ok(R_inverse) = inverse(&R) else { return Ok(Solved::Undecided) };
+        let Ok(R_inverse) = inverse(&R) else { return Ok(EquationOutcome::Undecided) };
         let cross = &D.t() * C;
         let folded = A - &(B * &(&R_inverse * &cross));
         let G = (B * &(&R_inverse * &B.t())).symmetric_part();
         let Q = (&(&C.t() * C) - &(&cross.t() * &(&R_inverse * &cross))).symmetric_part();
         let solution = match care_g(&folded, &G, &Q)? {
             Solution::Solved(solution) => solution,
-            Solution::Infeasible(Reason::OnBoundary { .. } | Reason::NoGraph) => return Ok(Solved::Absent),
-            Solution::Infeasible(_) => return Ok(Solved::Undecided),
+            Solution::Infeasible(Reason::OnBoundary { .. } | Reason::NoGraph) => {
+                return Ok(EquationOutcome::Absent);
+            }
+            Solution::Infeasible(_) => return Ok(EquationOutcome::Undecided),
         };
         // What is negligible beside A in A - GX is rounding, whatever its sign.
         let negligible = HINF_INDEFINITE * folded.norm_fro() / G.norm_fro().max(f64::MIN_POSITIVE);
         let values = sym_eigenvalues(&solution.X.symmetric_part())?;
         let largest = values.iter().copied().fold(0.0, |a: f64, b| a.max(b.abs()));
         if values.iter().any(|value| *value < -(HINF_INDEFINITE * largest).max(negligible)) {
-            return Ok(Solved::Absent);
+            return Ok(EquationOutcome::Absent);
         }
         let gain = -&(&R_inverse * &(&cross + &(&B.t() * &solution.X)));
-        Ok(Solved::Found { X: solution.X, gain })
+        Ok(EquationOutcome::Found { X: solution.X, gain })
     }
 }
 

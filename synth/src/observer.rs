@@ -4,7 +4,7 @@ use counterpoise_controller::{FrictionObserver, ObserverLaw, PathSignal};
 
 use crate::Error;
 
-/// On which side of the gear a friction acts.
+/// Side of the gear on which a friction acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FrictionSide {
     /// At the motor shaft: levels are torques there, per angle of the shaft.
@@ -18,9 +18,9 @@ pub enum FrictionSide {
 pub struct ObservedFriction {
     /// A lower-case identifier.
     pub name: String,
-    /// Where it acts.
+    /// Side of the gear on which it acts.
     pub side: FrictionSide,
-    /// Its law, with rates and damping of the side where it acts.
+    /// Law, with rates and damping of the side where it acts.
     pub law: ObserverLaw,
     /// Coulomb level, N m.
     pub coulomb_nm: f64,
@@ -32,7 +32,7 @@ pub struct ObservedFriction {
     pub viscous_nm_s_rad: f64,
 }
 
-/// How the drive turns volts into torque at the hub.
+/// Gain and dynamics of the drive from volts to torque at the hub.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
     /// Motor turns per hub turn.
@@ -41,7 +41,7 @@ pub struct Drive {
     pub stall_nm_v: f64,
 }
 
-/// What drives the observer's friction state.
+/// Signal that drives the observer's friction state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Drives {
     /// The measured rate of the hub relative to the platform: feedback.

@@ -4,7 +4,7 @@ use counterpoise_linalg as linalg;
 use counterpoise_linalg::{C64, CMat, Mat, Reason, csvd};
 
 use crate::Error;
-use crate::cause::{Cause, DesignEquation, HiddenFrom};
+use crate::cause::{Cause, DesignEquation, HiddenDirection};
 use crate::finding::{DesignFinding, Part};
 use crate::generalised_plant::Blocks;
 
@@ -21,12 +21,13 @@ pub(crate) fn require_solution(
     let side = |regulator, filter| if equation == DesignEquation::Regulator { regulator } else { filter };
     let (cause, rate) = match reason {
         Reason::Uncontrollable { mode, distance } => {
-            let from = side(HiddenFrom::Control, HiddenFrom::Measurement);
+            let from = side(HiddenDirection::Control, HiddenDirection::Measurement);
             (hidden_mode(P, mode, distance, from)?, Some(mode.norm()))
         }
-        Reason::Unobservable { mode, distance } => {
-            (hidden_mode(P, mode, distance, side(HiddenFrom::Cost, HiddenFrom::Noise))?, Some(mode.norm()))
-        }
+        Reason::Unobservable { mode, distance } => (
+            hidden_mode(P, mode, distance, side(HiddenDirection::Cost, HiddenDirection::Noise))?,
+            Some(mode.norm()),
+        ),
         Reason::OnBoundary { eigenvalue, .. } => {
             (Cause::Equation { equation, reason }, Some(eigenvalue.norm()))
         }
@@ -39,21 +40,21 @@ pub(crate) fn require_solution(
     Err(Error::refusal(vec![finding]))
 }
 
-fn hidden_mode(P: &Blocks, mode: C64, distance: f64, from: HiddenFrom) -> Result<Cause, Error> {
+fn hidden_mode(P: &Blocks, mode: C64, distance: f64, from: HiddenDirection) -> Result<Cause, Error> {
     Ok(Cause::ModeHidden { mode, distance, from, block: P.block_of(&direction(P, mode, from)?) })
 }
 
 /// The moduli of the mode's direction, an entry a state: a left eigenvector that the inputs do not reach or a right one
 /// that the outputs do not show.
-fn direction(P: &Blocks, mode: C64, from: HiddenFrom) -> Result<Vec<f64>, Error> {
+fn direction(P: &Blocks, mode: C64, from: HiddenDirection) -> Result<Vec<f64>, Error> {
     match from {
-        HiddenFrom::Control => missed_moduli(&P.A.t(), &P.B2.t(), mode),
-        HiddenFrom::Measurement => missed_moduli(&P.A, &P.C2, mode),
-        HiddenFrom::Cost => {
+        HiddenDirection::Control => missed_moduli(&P.A.t(), &P.B2.t(), mode),
+        HiddenDirection::Measurement => missed_moduli(&P.A, &P.C2, mode),
+        HiddenDirection::Cost => {
             let (A, C) = without(&P.A, &P.B2, &P.C1, &P.D12)?;
             missed_moduli(&A, &C, mode)
         }
-        HiddenFrom::Noise => {
+        HiddenDirection::Noise => {
             let (A, C) = without(&P.A.t(), &P.C2.t(), &P.B1.t(), &P.D21.t())?;
             missed_moduli(&A, &C, mode)
         }

@@ -6,7 +6,7 @@ use counterpoise_lti::{StateSpace, Timebase, append, delay::pade, series};
 use crate::tolerance::ROUNDED_SAMPLE;
 use crate::{DisturbanceChannel, Error};
 
-/// What a design starts from
+/// Plant of a design
 ///
 /// ```text
 ///                    heave   pitch, its derivatives
@@ -20,13 +20,13 @@ use crate::{DisturbanceChannel, Error};
 pub struct DesignPlant {
     /// The linear plant, continuous, without direct path from the control to the rate.
     pub system: StateSpace,
-    /// Which input is the control.
+    /// Input that is the control.
     pub control: usize,
-    /// Which inputs heave acts on: heave itself, then its derivatives in order.
+    /// Inputs on which heave acts: heave itself, then its derivatives in order.
     pub heave: Vec<usize>,
-    /// Which inputs pitch acts on: the pitch rate, then its derivatives in order.
+    /// Inputs on which pitch acts: the pitch rate, then its derivatives in order.
     pub pitch: Vec<usize>,
-    /// Which output is the rate that is measured and controlled.
+    /// Output that is the measured and controlled rate.
     pub rate: usize,
     /// Measured rate over true rate, one input and one output; `None` if the sensor is perfect.
     pub hub_sensor: Option<StateSpace>,

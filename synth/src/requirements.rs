@@ -7,7 +7,7 @@ use crate::feedforward::with_derivatives;
 use crate::figures::{BAND_POINTS, Figures, band_rate, rejection};
 use crate::{DesignPlant, DisturbanceChannel, Error, Specification};
 
-/// What the feedback loop must keep. Infinite or zero limits ask for nothing.
+/// Limits that the feedback loop must keep. Infinite or zero limits ask for nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Requirements {
     /// Smallest gain margin, dB.
@@ -30,7 +30,7 @@ pub struct Requirements {
     pub spectrum: BandSpectrum,
 }
 
-/// By what the share of a disturbance that is left is averaged over the band.
+/// Spectrum by which the remaining share of a disturbance is averaged over the band.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum BandSpectrum {
     /// Alike everywhere on the logarithmic axis.

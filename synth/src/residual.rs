@@ -17,12 +17,12 @@ pub fn stabilisation_error(
     channel: DisturbanceChannel,
     gain: f64,
 ) -> Result<f64, Error> {
-    error_at(plant, design, channel, Weighed { gain, output: plant.rate })
+    error_at(plant, design, channel, ResidualChoice { gain, output: plant.rate })
 }
 
-/// Which residual is meant.
+/// Choice of a residual.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Weighed {
+pub struct ResidualChoice {
     /// Factor on the feedforward's output: 0 leaves the feedback alone.
     pub gain: f64,
     /// The plant's output whose RMS is wanted.
@@ -37,7 +37,7 @@ pub fn error_at(
     plant: &DesignPlant,
     design: &Design,
     channel: DisturbanceChannel,
-    Weighed { gain, output }: Weighed,
+    ResidualChoice { gain, output }: ResidualChoice,
 ) -> Result<f64, Error> {
     let count = plant.system.outputs();
     if output >= count {

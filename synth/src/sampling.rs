@@ -6,11 +6,11 @@ use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{Discretisation, StateSpace, c2d, delay_samples, poles, series};
 
 use crate::cause::Cause;
-use crate::certificate::Certified;
+use crate::certificate::PartCertificates;
 use crate::finding::{DesignFinding, Part};
 use crate::{DesignPlant, Error};
 
-/// How a controller for sampled time comes about.
+/// Method by which a controller for sampled time is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SamplingMethod {
     /// Each continuous path is converted by itself.
@@ -34,12 +34,12 @@ impl SamplingMethod {
     }
 }
 
-/// What sampling adds to a design.
+/// Sampling of a design: the period, the hold and the converters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sampling {
     /// Sample period, s.
     pub period_s: f64,
-    /// How each path becomes discrete.
+    /// Discretisation of each path.
     pub method: SamplingMethod,
     /// The form in which each path runs.
     pub form: RealisationForm,
@@ -88,7 +88,7 @@ impl Sampling {
 
 /// A sampled controller with the loop it makes.
 #[derive(Debug, Clone)]
-pub struct Sampled {
+pub struct SampledLoop {
     /// The controller, in the realisation in which it runs.
     pub controller: Controller,
     /// The loop cut at the control, from control to the negative of the control that comes back: feed it to `margins`.
@@ -96,10 +96,10 @@ pub struct Sampled {
     /// Poles of the closed sampled loop.
     pub closed_loop: Vec<C64>,
     /// The certificates of the parts that were designed in sampled time; empty with [`SamplingMethod::Emulation`].
-    pub certified: Vec<Certified>,
+    pub certified: Vec<PartCertificates>,
 }
 
-impl Sampled {
+impl SampledLoop {
     /// Returns the largest relative difference between predicted and achieved cost over the parts designed in sampled time;
     /// `None` if there are none, or none of them has both.
     pub fn worst_cost_difference(&self) -> Option<f64> {
@@ -115,7 +115,7 @@ pub fn check_sampled_loop(
     plant: &DesignPlant,
     controller: Controller,
     sampling: &Sampling,
-) -> Result<Sampled, Error> {
+) -> Result<SampledLoop, Error> {
     let loop_gain = sampled_loop(plant, &controller, sampling)?;
     let closed = counterpoise_lti::feedback(&loop_gain, &StateSpace::gain(Mat::eye(1), loop_gain.timebase)?)?;
     let closed_loop = poles(&closed)?;
@@ -126,7 +126,7 @@ pub fn check_sampled_loop(
             let rate = (pole.arg() / sampling.period_s).abs();
             Err(Error::refusal(vec![DesignFinding::refusal(Part::Feedback, cause).at(rate)]))
         }
-        _ => Ok(Sampled { controller, loop_gain, closed_loop, certified: Vec::new() }),
+        _ => Ok(SampledLoop { controller, loop_gain, closed_loop, certified: Vec::new() }),
     }
 }
 

@@ -14,12 +14,12 @@ use crate::{Design, DesignPlant, DisturbanceChannel, Error, Specification, desig
 
 /// A state of the machine: masses fitted, plant linearised with them.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Configuration {
-    /// Its name.
+pub struct ScheduleConfiguration {
+    /// Name.
     pub name: String,
-    /// Its out-of-balance, kg m.
+    /// Out-of-balance, kg m.
     pub out_of_balance_kg_m: f64,
-    /// Its plant, with states and signals in the order of the nominal one.
+    /// Plant, with states and signals in the order of the nominal one.
     pub plant: DesignPlant,
 }
 
@@ -53,10 +53,10 @@ impl Conditions {
     }
 }
 
-/// What to do with the heave feedforward in a configuration.
+/// Treatment of the heave feedforward in a configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum HeaveFeedforwardLaw {
-    /// Its gain times the ratio of the out-of-balances; exact by theory.
+    /// The gain times the ratio of the out-of-balances; exact by theory.
     ExactGain {
         /// M over the nominal M.
         factor: f64,
@@ -78,13 +78,13 @@ pub enum HeaveFeedforwardLaw {
 /// One configuration of the schedule.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScheduleEntry {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its out-of-balance, kg m.
+    /// Out-of-balance, kg m.
     pub out_of_balance_kg_m: f64,
-    /// Which conditions hold.
+    /// Conditions that hold.
     pub conditions: Conditions,
-    /// What follows for the heave feedforward.
+    /// Consequence for the heave feedforward.
     pub law: HeaveFeedforwardLaw,
     /// The full redesign.
     pub design: Design,
@@ -107,8 +107,8 @@ pub struct ScheduleEntry {
 /// # Errors
 /// [`Error`] for plants that do not match the nominal one; [`Error::Refused`] for a configuration without solution.
 pub fn design_schedule(
-    nominal: &Configuration,
-    others: &[Configuration],
+    nominal: &ScheduleConfiguration,
+    others: &[ScheduleConfiguration],
     specification: &Specification,
 ) -> Result<Vec<ScheduleEntry>, Error> {
     let base = design(&nominal.plant, specification)?;
@@ -121,8 +121,8 @@ pub fn design_schedule(
 }
 
 fn entry(
-    nominal: &Configuration,
-    here: &Configuration,
+    nominal: &ScheduleConfiguration,
+    here: &ScheduleConfiguration,
     base: &Design,
     design: Design,
 ) -> Result<ScheduleEntry, Error> {

@@ -2,10 +2,10 @@
 
 use counterpoise_controller::{Controller, Path, PathSignal, Scaling};
 
-use crate::certificate::Certified;
+use crate::certificate::PartCertificates;
 use crate::discretise::heave_module;
 use crate::finding::Part;
-use crate::{Design, Error, Sampled, Sampling, ScheduleEntry, check_sampled_loop, discretise};
+use crate::{Design, Error, SampledLoop, Sampling, ScheduleEntry, check_sampled_loop, discretise};
 
 /// Returns one controller for the whole schedule: the nominal feedback and pitch feedforward, and the redesigned heave
 /// feedforwards interpolated over the out-of-balance.
@@ -17,7 +17,7 @@ pub fn discretise_schedule(
     nominal: &Design,
     entries: &[ScheduleEntry],
     sampling: &Sampling,
-) -> Result<Sampled, Error> {
+) -> Result<SampledLoop, Error> {
     let base = discretise(nominal, sampling)?;
     let mut sorted: Vec<&ScheduleEntry> = entries.iter().collect();
     sorted.sort_by(|a, b| a.out_of_balance_kg_m.total_cmp(&b.out_of_balance_kg_m));
@@ -27,7 +27,7 @@ pub fn discretise_schedule(
     let at = |index: usize| sorted.get(index).map(|entry| entry.out_of_balance_kg_m);
     let mut paths: Vec<Path> =
         base.controller.parts().paths.iter().filter(|p| p.name != "heave").cloned().collect();
-    let mut certified: Vec<Certified> =
+    let mut certified: Vec<PartCertificates> =
         base.certified.iter().filter(|found| found.part != Part::Heave).cloned().collect();
     for (index, entry) in sorted.iter().enumerate() {
         let Some((system, proof)) = heave_module(&entry.design, sampling)? else { continue };
@@ -47,5 +47,5 @@ pub fn discretise_schedule(
         });
     }
     let controller: Controller = base.controller.with(|parts| parts.paths = paths)?;
-    Ok(Sampled { certified, ..check_sampled_loop(&nominal.plant, controller, sampling)? })
+    Ok(SampledLoop { certified, ..check_sampled_loop(&nominal.plant, controller, sampling)? })
 }

@@ -8,16 +8,16 @@ use crate::{
     DesignPlant, Error, Reference, Requirements, Sampling, Specification, Weight, design, discretise,
 };
 
-/// What a search starts from and what it may spend.
+/// Start and budget of a search.
 #[derive(Debug, Clone, Copy)]
 pub struct SearchTask<'a> {
     /// The plant.
     pub plant: &'a DesignPlant,
     /// The specification that the search starts from.
     pub start: &'a Specification,
-    /// What the loop must keep.
+    /// Limits that the loop must keep.
     pub requirements: &'a Requirements,
-    /// How the controller is sampled.
+    /// Sampling of the controller.
     pub sampling: &'a Sampling,
     /// Designs at most.
     pub most_trials: usize,
@@ -28,9 +28,9 @@ pub struct SearchTask<'a> {
 pub struct SearchTrial {
     /// The specification that was tried.
     pub specification: Specification,
-    /// What its sampled loop does.
+    /// Figures of its sampled loop.
     pub figures: Figures,
-    /// What it misses: 0 where the requirements hold.
+    /// Largest miss of a requirement: 0 if the requirements hold.
     pub missed: f64,
 }
 
@@ -41,13 +41,13 @@ pub struct SearchResult {
     pub best: SearchTrial,
     /// Trials made.
     pub trials: usize,
-    /// How the search ended.
-    pub ended: Ended,
+    /// Reason for which the search ended.
+    pub ended: SearchEnding,
 }
 
-/// How a search ended.
+/// Reason for which a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ended {
+pub enum SearchEnding {
     /// No step of the smallest size improves.
     Settled,
     /// The limit of trials was reached.
@@ -83,13 +83,13 @@ pub fn search_specification(
     let problem = Problem { plant, start: &feedback_alone, requirements, sampling, powers };
     let first = problem.attempt([0.0; KNOBS])?;
     let (mut at, mut best, mut trials, mut step) = ([0.0; KNOBS], first, 1, STEPS.0);
-    let mut ended = Ended::Settled;
+    let mut ended = SearchEnding::Settled;
     'search: while step >= STEPS.1 {
         let mut improved = false;
         for direction in directions() {
             let mut walks = true;
             while walks {
-                ended = if trials >= most_trials { Ended::OutOfTrials } else { Ended::Stopped };
+                ended = if trials >= most_trials { SearchEnding::OutOfTrials } else { SearchEnding::Stopped };
                 if trials >= most_trials || !go_on(&best) {
                     break 'search;
                 }
@@ -104,7 +104,7 @@ pub fn search_specification(
                 }
             }
         }
-        ended = Ended::Settled;
+        ended = SearchEnding::Settled;
         step *= if improved { 1.0 } else { 0.5 };
     }
     best.specification = Specification { feedback: best.specification.feedback, ..start.clone() };
@@ -172,7 +172,7 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// Whether no knob is further than [`REACH`], and no corner is moved beyond half the sampling rate, where nothing sees it.
+    /// Returns whether no knob is further than [`REACH`], and no corner is moved beyond half the sampling rate, where nothing sees it.
     fn reaches(&self, knobs: [f64; KNOBS]) -> bool {
         let highest = std::f64::consts::PI / self.sampling.period_s;
         let corner = |weight: &Weight| {

@@ -14,15 +14,15 @@ pub struct Specification {
     pub heave: Option<FeedforwardWeights>,
     /// The feedforward from measured pitch; `None` for a design without it.
     pub pitch: Option<FeedforwardWeights>,
-    /// How the parts are put together.
+    /// Structure in which the parts are put together.
     pub assembly: Assembly,
-    /// Where the demand enters.
+    /// Place at which the demand enters.
     pub reference: Reference,
     /// Gain of the position loop around the rate loop, rate per position, 1/s; `None` if there is one loop.
     pub position_gain: Option<f64>,
 }
 
-/// How the parts are put together.
+/// Structure in which the parts are put together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Assembly {
     /// `u = C0 (r - y) + u_h + u_p`: the feedback also cleans up what the feedforward leaves.
@@ -36,7 +36,7 @@ pub enum Assembly {
     Joint,
 }
 
-/// Where the demand enters the feedback.
+/// Place at which the demand enters the feedback.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Reference {
     /// The controller sees the error r - y alone: one degree of freedom, quick and with overshoot.
@@ -75,7 +75,7 @@ pub struct FeedforwardWeights {
     pub control: Weight,
     /// Shape of the disturbance: its spectrum is |generator|^2, driven by unit white noise. Strictly proper and stable.
     pub generator: Weight,
-    /// What is known of the disturbance.
+    /// Knowledge of the disturbance.
     pub knowledge: DisturbanceKnowledge,
     /// The output whose rate is weighed: the tip, for instance; `None` for the rate that is controlled.
     pub output: Option<usize>,
@@ -93,10 +93,10 @@ pub enum FeedforwardBasis {
     ClosedLoop,
 }
 
-/// What the feedforward knows of the disturbance.
+/// Knowledge of the disturbance in the feedforward.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DisturbanceKnowledge {
-    /// Its value and its derivatives up to the generator's order, exactly. The sensor is taken as perfect.
+    /// The value and its derivatives up to the generator's order, exactly. The sensor is taken as perfect.
     Exact,
     /// The plant's sensor with white noise of this spectral density, unit^2 s: an optimal filter in front.
     Measured {

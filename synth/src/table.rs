@@ -1,6 +1,6 @@
 //! A weight from a table: the stable function of minimum phase whose modulus comes nearest to drawn points.
 
-use counterpoise_linalg::{C64, Cone, ConeProgram, Mat, Unsolved, eigenvalues};
+use counterpoise_linalg::{C64, Cone, ConeFailure, ConeProgram, Mat, eigenvalues};
 
 use crate::tolerance::{LEADING, POSITIVE, TABLE_DEVIATION, TABLE_LEAST_DB, TABLE_MOST_DB};
 use crate::{Error, Weight};
@@ -34,7 +34,7 @@ impl From<[f64; 2]> for TablePoint {
 
 /// A fitted weight and how far it is from the table.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fit {
+pub struct WeightFit {
     /// The weight: as many zeros as poles, all in the left half plane.
     pub weight: Weight,
     /// Largest deviation from a point of the table, dB.
@@ -59,7 +59,7 @@ pub const HIGHEST_ORDER: usize = 8;
 /// # Errors
 /// [`Error::Range`] for fewer points than the order needs, frequencies that do not increase, moduli that are not positive, an
 /// order of 0 or above [`HIGHEST_ORDER`]. [`Error::Weight`] where no function of that order comes within 80 dB.
-pub fn fit_table(table: &[TablePoint], order: usize) -> Result<Fit, Error> {
+pub fn fit_table(table: &[TablePoint], order: usize) -> Result<WeightFit, Error> {
     check(table, order)?;
     let problem = Problem::new(table, order);
     let (mut low, mut high) = (TABLE_LEAST_DB, TABLE_MOST_DB);
@@ -78,7 +78,7 @@ pub fn fit_table(table: &[TablePoint], order: usize) -> Result<Fit, Error> {
     let weight = problem.weight(&P, &Q)?;
     let deviation = |at: &TablePoint| 20.0 * (weight.magnitude(at.rate_rad_s) / at.modulus).log10().abs();
     let worst_db = table.iter().map(deviation).fold(0.0, f64::max);
-    Ok(Fit { weight, worst_db })
+    Ok(WeightFit { weight, worst_db })
 }
 
 fn check(table: &[TablePoint], order: usize) -> Result<(), Error> {
@@ -245,7 +245,7 @@ fn linear_program(rows: Vec<Vec<f64>>, mean: Vec<f64>) -> Result<Option<Vec<f64>
     program.push(rows, vec![0.0; m], Cone::Nonnegative);
     match program.solve() {
         Ok(found) => Ok(Some(found.x)),
-        Err(Unsolved::Malformed) => {
+        Err(ConeFailure::Malformed) => {
             Err(Error::Weight { weight: "table".into(), problem: "the linear program could not be set up" })
         }
         Err(_) => Ok(None),

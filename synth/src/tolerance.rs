@@ -156,7 +156,7 @@ pub(crate) const TANGENT_RIDGE: f64 = 1e-6;
 /// Directions of a basis below this, relative to the strongest, are left out: rounding has them.
 pub(crate) const WEAKEST_DIRECTION: f64 = 1e-9;
 
-/// Least deviation from a table at which the bisection looks, dB: below it nobody sees a difference.
+/// Least deviation from a table at which the bisection looks, dB: a smaller deviation is below the width of a line in a chart.
 pub(crate) const TABLE_LEAST_DB: f64 = 1e-4;
 
 /// Largest deviation from a table at which the bisection looks, dB: beyond it the function has nothing to do with the table.
@@ -209,3 +209,10 @@ pub const REGION_REACH: f64 = 2.0;
 
 /// A delay of so little more than whole samples is one of whole samples: the quotient of two decimal numbers is rounded.
 pub const ROUNDED_SAMPLE: f64 = 1e-6;
+
+/// Share of the highest frequency of the tuning grid below which the plant's response does not widen the range of an open gain: three decades below
+/// half the sampling rate the response of an integrating plant grows without limit, and no crossover lies there.
+pub(crate) const GAIN_RANGE_SHARE: f64 = 1e-3;
+/// Damping ratio below which a pole's resonance gets frequencies of its own in the grid of the total cost: at 0.3 the peak of a second-order
+/// system is 1.75 times its static gain (1 / (2 zeta sqrt(1 - zeta^2))), which the even grid still resolves.
+pub(crate) const RESONANT_DAMPING: f64 = 0.3;

@@ -19,7 +19,7 @@ use counterpoise_lti::{StateSpace, poles};
 
 use crate::feedforward::with_derivatives;
 use crate::finding::Part;
-use crate::tolerance::{GAIN_STEP, NARROWEST_POLE, POLE_AT_ZERO_RAD_S};
+use crate::tolerance::{GAIN_STEP, NARROWEST_POLE, POLE_AT_ZERO_RAD_S, RESONANT_DAMPING};
 use crate::{Assembly, Design, DisturbanceChannel, DisturbanceKnowledge, Error, FeedforwardWeights, Weight};
 
 /// The cost of one source of disturbance in the assembled loop.
@@ -61,7 +61,7 @@ const HALF_WIDTHS: f64 = 30.0;
 /// # Errors
 /// Those of the responses.
 pub fn total_cost(design: &Design) -> Result<TotalCost, Error> {
-    let assembled = Assembled::new(design)?;
+    let assembled = CostResponses::new(design)?;
     let rates = assembled.rates(design)?;
     let of_feedback = |gain: f64| assembled.feedback_source(design, &rates, gain);
     let mut channels = Vec::new();
@@ -127,13 +127,13 @@ struct Point {
 
 /// What a source moves without control: the hub's rate and the rate that is weighed.
 #[derive(Clone, Copy)]
-struct Moved {
+struct OpenLoopRates {
     hub: C64,
     weighed: C64,
 }
 
 /// The loop's responses that every source needs.
-struct Assembled {
+struct CostResponses {
     /// Design plant behind its delay, from every input to every true output.
     plant: Response,
     control: usize,
@@ -199,7 +199,7 @@ impl ChannelSource {
     }
 }
 
-impl Assembled {
+impl CostResponses {
     fn new(design: &Design) -> Result<Self, Error> {
         let (system, feedback) =
             (design.plant.delayed_plant()?, design.feedback_controller().select(&[0], &[1]));
@@ -232,7 +232,8 @@ impl Assembled {
         let count = ((high / low).log10() * PER_DECADE as f64).ceil() as usize;
         let mut rates: Vec<f64> =
             (0..=count).map(|k| low * (high / low).powf(k as f64 / count as f64)).collect();
-        for pole in all.iter().filter(|pole| pole.im > 0.0 && pole.re.abs() < 0.3 * pole.norm()) {
+        for pole in all.iter().filter(|pole| pole.im > 0.0 && pole.re.abs() < RESONANT_DAMPING * pole.norm())
+        {
             let width = pole.re.abs().max(NARROWEST_POLE * pole.norm());
             let offsets = (-AROUND_POLE..=AROUND_POLE).map(|k| {
                 let share = f64::from(k) / f64::from(AROUND_POLE);
@@ -279,13 +280,13 @@ impl Assembled {
                     .sum()
             };
             let module = source.module_for(&disturbance, rate)?;
-            let given = Moved { hub: direct(self.rate), weighed: direct(source.rate) };
+            let given = OpenLoopRates { hub: direct(self.rate), weighed: direct(source.rate) };
             let at = Point { rate, share, gain: feedback_gain };
             self.add(&mut cost, source, at, &plant, given, module)?;
             if let DisturbanceKnowledge::Measured { noise } = source.weights.knowledge {
                 let of_noise = source.module.at(rate)?;
                 let module = [of_noise[(0, 0)], of_noise[(1, 0)]].map(|value| value * noise.sqrt());
-                let none = Moved { hub: C64::ZERO, weighed: C64::ZERO };
+                let none = OpenLoopRates { hub: C64::ZERO, weighed: C64::ZERO };
                 self.add(&mut cost, source, at, &plant, none, module)?;
             }
             Ok(())
@@ -300,7 +301,7 @@ impl Assembled {
         source: &ChannelSource,
         Point { rate, share, gain }: Point,
         plant: &CMat,
-        given: Moved,
+        given: OpenLoopRates,
         module: [C64; 2],
     ) -> Result<(), Error> {
         let H = scalar(self.hub_sensor.as_ref(), rate)?;

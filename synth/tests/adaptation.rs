@@ -6,7 +6,7 @@ use counterpoise_controller::{
 };
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
-use counterpoise_synth::adaptation::{Curve, Recursive, RecursiveSettings, Scale, WindowedMean};
+use counterpoise_synth::adaptation::{Curve, RecursiveLeastSquares, RecursiveSettings, Scale, WindowedMean};
 
 const VOLTS: f64 = 1.0 / 516.0;
 const PERIOD_S: f64 = 1e-3;
@@ -63,7 +63,8 @@ fn the_controllers_estimator_and_the_plain_one_agree() {
     for (gravity, filter_s) in [(9.80665, 0.0), (0.0, 0.0), (0.0, 0.02)] {
         let inertia_v_s2_rad = [346.0 * VOLTS, 160.0 * VOLTS];
         let mut plain =
-            Recursive::new(RecursiveSettings { filter_s, inertia_v_s2_rad, ..settings(gravity) }).unwrap();
+            RecursiveLeastSquares::new(RecursiveSettings { filter_s, inertia_v_s2_rad, ..settings(gravity) })
+                .unwrap();
         let controller = carrying(
             Learning::Squares {
                 forget: (-PERIOD_S / 2.0_f64).exp(),
@@ -86,7 +87,7 @@ fn the_controllers_estimator_and_the_plain_one_agree() {
     }
 }
 
-/// What the drive has to give at a time: imbalance, dry and viscous friction, in a road-like motion.
+/// Returns what the drive has to give at a time: imbalance, dry and viscous friction, in a road-like motion.
 fn sample(k: usize, out_of_balance: f64, gravity: f64, amplitude: f64) -> (Readings, f64) {
     let t = k as f64 * PERIOD_S;
     let accel = amplitude * ((9.0 * t).sin() + 0.6 * (17.3 * t + 1.0).sin());
@@ -104,7 +105,12 @@ fn sample(k: usize, out_of_balance: f64, gravity: f64, amplitude: f64) -> (Readi
     (readings, VOLTS * (out_of_balance * (gravity * angle.cos() + accel) + friction))
 }
 
-fn run(mut estimator: Recursive, gravity: f64, amplitude: f64, truth: impl Fn(usize) -> f64) -> Vec<f64> {
+fn run(
+    mut estimator: RecursiveLeastSquares,
+    gravity: f64,
+    amplitude: f64,
+    truth: impl Fn(usize) -> f64,
+) -> Vec<f64> {
     let each = (0..20_000).map(|k| {
         let (readings, control) = sample(k, truth(k), gravity, amplitude);
         estimator.update(&readings, control)
@@ -115,23 +121,23 @@ fn run(mut estimator: Recursive, gravity: f64, amplitude: f64, truth: impl Fn(us
 #[test]
 fn recursive_least_squares_follows_a_step_of_the_imbalance_through_friction() {
     let truth = |k: usize| if k < 8_000 { 151.67 } else { 57.0 };
-    let found = run(Recursive::new(settings(9.80665)).unwrap(), 9.80665, 1.0, truth);
+    let found = run(RecursiveLeastSquares::new(settings(9.80665)).unwrap(), 9.80665, 1.0, truth);
     assert!((found[7_999] - 151.67).abs() < 0.5, "{}", found[7_999]);
     assert!((found[19_999] - 57.0).abs() < 1.0, "{}", found[19_999]);
 }
 
 #[test]
 fn without_gravity_the_lateral_acceleration_is_enough_and_without_either_nothing_moves() {
-    let found = run(Recursive::new(settings(0.0)).unwrap(), 0.0, 1.0, |_| 90.0);
+    let found = run(RecursiveLeastSquares::new(settings(0.0)).unwrap(), 0.0, 1.0, |_| 90.0);
     assert!((found[19_999] - 90.0).abs() < 0.5, "{}", found[19_999]);
-    let still = run(Recursive::new(settings(0.0)).unwrap(), 0.0, 0.01, |_| 90.0);
+    let still = run(RecursiveLeastSquares::new(settings(0.0)).unwrap(), 0.0, 0.01, |_| 90.0);
     assert!(still.iter().all(|estimate| *estimate == 150.0));
 }
 
 #[test]
 fn the_estimate_moves_no_faster_than_its_limit() {
     let limited = RecursiveSettings { rate_limit_kg_m_s: 10.0, ..settings(9.80665) };
-    let found = run(Recursive::new(limited).unwrap(), 9.80665, 1.0, |_| 20.0);
+    let found = run(RecursiveLeastSquares::new(limited).unwrap(), 9.80665, 1.0, |_| 20.0);
     assert!(found.windows(2).all(|pair| (pair[1] - pair[0]).abs() <= 10.0 * PERIOD_S * (1.0 + 1e-9)));
 }
 
@@ -154,7 +160,7 @@ fn a_curved_drive_is_seen_through_its_curve() {
     assert_eq!((curve.at(-12.0), curve.at(-5.0), curve.at(5.0), curve.at(11.0)), (-10.0, -4.0, 6.0, 13.0));
     let mut with = settings(9.80665);
     with.scale.curve = Curve { points: vec![(0.0, 0.0), (2.0, 1.0), (4.0, 4.0)] };
-    let mut estimator = Recursive::new(with).unwrap();
+    let mut estimator = RecursiveLeastSquares::new(with).unwrap();
     let inverse = |volts: f64| if volts < 1.0 { 2.0 * volts } else { 2.0 + (volts - 1.0) / 1.5 };
     for k in 0..20_000 {
         let (readings, volts) = sample(k, 151.67, 9.80665, 1.0);

@@ -11,7 +11,7 @@ use counterpoise_lti::{Discretisation, StateSpace, c2d, h2norm, lft, response::r
 use counterpoise_models::LinearPlant;
 use counterpoise_synth::{
     Assembly, Cause, Design, DesignPlant, DisturbanceChannel, DisturbanceKnowledge, FeedforwardBasis,
-    Sampled, Sampling, SamplingMethod, Specification, Weight, design, discretise, stabilisation_error,
+    SampledLoop, Sampling, SamplingMethod, Specification, Weight, design, discretise, stabilisation_error,
     total_cost,
 };
 
@@ -67,7 +67,7 @@ fn the_joint_controller_runs_sampled_with_all_three_signals() {
 }
 
 /// Largest true rate over a demand that saturates the control.
-fn saturated_peak(sampled: &Sampled, demand: f64) -> f64 {
+fn saturated_peak(sampled: &SampledLoop, demand: f64) -> f64 {
     let undelayed = DesignPlant { pade_order: 0, ..rig() };
     let seen = undelayed.measured_plant().unwrap().select(&[0, 1], &[0]);
     let P = c2d(&seen, 1e-3, Discretisation::ZeroOrderHold).unwrap();
@@ -95,7 +95,7 @@ fn the_limiter_does_not_wind_the_integrator_up() {
     // 3 V hold 0.5 rad/s at most: a demand of 0.4 rad/s is on the limit for long.
     let with = saturated_peak(&sampled, 0.4);
     let bare: Controller = sampled.controller.with(|parts| parts.paths[0].anti_windup.fill(0.0)).unwrap();
-    let without = saturated_peak(&Sampled { controller: bare, ..sampled }, 0.4);
+    let without = saturated_peak(&SampledLoop { controller: bare, ..sampled }, 0.4);
     assert!(with < 1.08 * 0.4 && without > with + 0.02, "{with} with, {without} without");
 }
 

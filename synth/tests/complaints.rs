@@ -5,7 +5,8 @@
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{NamedSystem, SignalTerm, StateSpace, Timebase, poles, series};
 use counterpoise_synth::{
-    Cause, Error, Generalised, HiddenFrom, ModeBlock, NamedBlock, Ports, StateOrigin, h2syn, hinfsyn,
+    Cause, Error, GeneralisedPlant, HiddenDirection, ModeBlock, NamedBlock, Ports, StateOrigin, h2syn,
+    hinfsyn,
 };
 
 const CONTINUOUS: Timebase = Timebase::Continuous;
@@ -16,7 +17,7 @@ fn first_order(pole: f64, gain: f64) -> StateSpace {
 }
 
 /// An unstable plant (its pole at +2) whose output is judged by two weights and measured with noise.
-fn by_name() -> Generalised {
+fn by_name() -> GeneralisedPlant {
     let plant = NamedSystem::new(first_order(2.0, 1.0), &["drive"], &["rate"]).unwrap();
     let drive =
         NamedSystem::sum("drive", &[SignalTerm::new(1.0, "u"), SignalTerm::new(1.0, "w")], CONTINUOUS)
@@ -37,7 +38,7 @@ fn by_name() -> Generalised {
     ];
     let inputs = Ports { names: &["w", "n", "u"], of_controller: 1 };
     let outputs = Ports { names: &["z1", "z2", "z3", "y"], of_controller: 1 };
-    Generalised::connect_by_name(&blocks, inputs, outputs).unwrap()
+    GeneralisedPlant::connect_by_name(&blocks, inputs, outputs).unwrap()
 }
 
 /// The same written as other tools stack it: each row with a plant of its own.
@@ -73,11 +74,11 @@ fn blocks_connected_by_name_share_their_plant() {
 fn blocks_stacked_with_a_plant_each_are_refused_with_the_mode_that_is_there_thrice() {
     let copies = ["copy 1", "slow weight", "copy 2", "fast weight", "copy 3"];
     let origins = copies.map(|name| StateOrigin::new(name, 1)).to_vec();
-    let plant = Generalised::new(stacked_system(), 1, 1).unwrap().of_blocks(origins).unwrap();
+    let plant = GeneralisedPlant::new(stacked_system(), 1, 1).unwrap().of_blocks(origins).unwrap();
     for found in [causes(&h2syn(&plant).err().unwrap()), causes(&hinfsyn(&plant, 1e-3).err().unwrap())] {
         assert!(
             found.iter().any(
-                |cause| matches!(cause, Cause::ModeHidden { mode, from: HiddenFrom::Control, block: ModeBlock::Named(block), .. }
+                |cause| matches!(cause, Cause::ModeHidden { mode, from: HiddenDirection::Control, block: ModeBlock::Named(block), .. }
                 if (mode - 2.0).norm() < 1e-6 && block.starts_with("copy"))
             ),
             "{found:?}"
@@ -86,7 +87,7 @@ fn blocks_stacked_with_a_plant_each_are_refused_with_the_mode_that_is_there_thri
 }
 
 /// x' = A x + w + B2 u, y = C2 x + n, both judged.
-fn plain_plant(A: &Mat, B2: &Mat, C2: &Mat) -> Generalised {
+fn plain_plant(A: &Mat, B2: &Mat, C2: &Mat) -> GeneralisedPlant {
     let n = A.nrows();
     let (I, o) = (Mat::eye(n), Mat::zeros(n, 1));
     let B = I.hstack(&o).hstack(B2);
@@ -94,12 +95,12 @@ fn plain_plant(A: &Mat, B2: &Mat, C2: &Mat) -> Generalised {
     let mut D = Mat::zeros(n + 2, n + 2);
     (D[(n, n + 1)], D[(n + 1, n)]) = (1.0, 1.0);
     let system = StateSpace::new(A.clone(), B, C, D, CONTINUOUS).unwrap();
-    Generalised::new(system, 1, 1).unwrap()
+    GeneralisedPlant::new(system, 1, 1).unwrap()
 }
 
 #[test]
 fn a_mode_that_nothing_reaches_ends_the_search_at_once_and_is_named() {
-    // An undamped oscillator at 7 rad/s beside the loop, and one that nobody sees.
+    // An undamped oscillator at 7 rad/s beside the loop, and one that no output shows.
     let A = Mat::from_rows(&[&[-1.0, 0.0, 0.0], &[0.0, 0.0, 7.0], &[0.0, -7.0, 0.0]]);
     let (reached, seen) = (Mat::col(&[1.0, 0.0, 1.0]), Mat::row(&[1.0, 1.0, 0.0]));
     let (missed, unseen) = (Mat::col(&[1.0, 0.0, 0.0]), Mat::row(&[1.0, 0.0, 0.0]));

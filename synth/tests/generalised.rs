@@ -4,24 +4,24 @@
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase, append, h2norm, hinfnorm, series};
 use counterpoise_synth::{
-    Cause, Error, Generalised, H2, HInfinity, HiddenFrom, ModeBlock, Weight, h2syn, hinfsyn,
+    Cause, Error, GeneralisedPlant, H2, HInfinity, HiddenDirection, ModeBlock, Weight, h2syn, hinfsyn,
 };
 
 fn rows(rows: &[&[f64]]) -> Mat {
     Mat::from_rows(rows)
 }
 
-fn generalised_plant(blocks: [&Mat; 4], controls: usize, measurements: usize) -> Generalised {
+fn generalised_plant(blocks: [&Mat; 4], controls: usize, measurements: usize) -> GeneralisedPlant {
     let [A, B, C, D] = blocks.map(Clone::clone);
     let system = StateSpace::new(A, B, C, D, Timebase::Continuous).unwrap();
-    Generalised::new(system, controls, measurements).unwrap()
+    GeneralisedPlant::new(system, controls, measurements).unwrap()
 }
 
-fn h2(plant: &Generalised) -> H2 {
+fn h2(plant: &GeneralisedPlant) -> H2 {
     h2syn(plant).unwrap()
 }
 
-fn hinf(plant: &Generalised, tolerance: f64) -> HInfinity {
+fn hinf(plant: &GeneralisedPlant, tolerance: f64) -> HInfinity {
     hinfsyn(plant, tolerance).unwrap()
 }
 
@@ -68,7 +68,7 @@ fn the_scalar_problem_has_its_closed_form() {
 }
 
 /// An aircraft or helicopter of the COMPleib collection with states disturbed, and noise of density s^2 added.
-fn compleib(A: &Mat, inputs: (&Mat, &Mat), (C1, D12, C): (&Mat, &Mat, &Mat), s: f64) -> Generalised {
+fn compleib(A: &Mat, inputs: (&Mat, &Mat), (C1, D12, C): (&Mat, &Mat, &Mat), s: f64) -> GeneralisedPlant {
     let (B1, B) = inputs;
     let (n, w, y, u) = (A.nrows(), B1.ncols(), C.nrows(), B.ncols());
     let D21 = Mat::zeros(y, w).hstack(&Mat::eye(y).scale(s));
@@ -124,7 +124,7 @@ fn the_helicopter_of_compleib_costs_what_the_collection_s_data_give() {
 }
 
 /// Skogestad and Postlethwaite's S/KS problem: w the disturbance at the output, z = (Wp (w + G u), Wu u), y = -(w + G u).
-fn mixed_sensitivity() -> Generalised {
+fn mixed_sensitivity() -> GeneralisedPlant {
     let real = |value: f64| C64::new(value, 0.0);
     let G = Weight::ZeroPoleGain {
         zeros: vec![],
@@ -138,7 +138,7 @@ fn mixed_sensitivity() -> Generalised {
     let plant = series(&gain(&[&[1.0, 0.0], &[0.0, 1.0], &[0.0, 1.0]]), &plant).unwrap();
     let sums = series(&plant, &gain(&[&[1.0, 1.0, 0.0], &[0.0, 0.0, 1.0], &[-1.0, -1.0, 0.0]])).unwrap();
     let weights = append(&Wp.realise().unwrap(), &gain(&[&[1.0, 0.0], &[0.0, 1.0]])).unwrap();
-    Generalised::new(series(&sums, &weights).unwrap(), 1, 1).unwrap()
+    GeneralisedPlant::new(series(&sums, &weights).unwrap(), 1, 1).unwrap()
 }
 
 #[test]
@@ -196,7 +196,7 @@ fn broken_conditions_are_named() {
         generalised_plant([&rows(&[&[1.0]]), &rows(&[&[1.0, 0.0, 0.0]]), &C, &D(1.0, 1.0, 0.0)], 1, 1);
     let outcome = h2syn(&unreachable).unwrap_err();
     let is_hidden = |error: &Error| match &error.findings()[0].cause {
-        Cause::ModeHidden { mode, from: HiddenFrom::Control, block, .. } => {
+        Cause::ModeHidden { mode, from: HiddenDirection::Control, block, .. } => {
             (mode - 1.0).norm() < 1e-6 && *block == ModeBlock::State(1)
         }
         _ => false,
@@ -216,7 +216,7 @@ fn a_plant_whose_disturbance_can_be_cancelled_has_a_controller() {
         Mat::from_rows(&[&[0.0, 1.0], &[1.0, 0.0]]),
         Timebase::Continuous,
     );
-    let found = hinf(&Generalised::new(system.unwrap(), 1, 1).unwrap(), 1e-4);
+    let found = hinf(&GeneralisedPlant::new(system.unwrap(), 1, 1).unwrap(), 1e-4);
     assert!(found.achieved_norm < 1e-9 && found.unreachable < 1e-9, "{found:?}");
     let pole = found.controller.A[(0, 0)];
     let gain = found.controller.B[(0, 0)] * found.controller.C[(0, 0)];

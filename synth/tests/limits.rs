@@ -102,9 +102,9 @@ fn sensor(w: f64) -> StateSpace {
 }
 
 /// Marsaglia's xorshift generator.
-struct Random(u64);
+struct RandomGenerator(u64);
 
-impl Random {
+impl RandomGenerator {
     /// A number between two, even in its logarithm.
     fn draw_between(&mut self, low: f64, high: f64) -> f64 {
         self.0 ^= self.0 << 13;
@@ -141,7 +141,7 @@ const FEW: usize = 6;
 fn relaxing_the_limit_that_is_named_raises_the_bandwidth() {
     let asked = std::env::var("COUNTERPOISE_LIMITS").ok().and_then(|text| text.parse().ok());
     let count: usize = asked.unwrap_or(FEW);
-    let mut random = Random(20_261_125);
+    let mut random = RandomGenerator(20_261_125);
     let (mut wrong, mut named) = (Vec::new(), std::collections::BTreeMap::new());
     let (mut unnamed, mut silent) = (0, 0);
     for _ in 0..count {

@@ -78,7 +78,7 @@ fn from_matrices(seed: u64) -> Vec<&'static str> {
     let mut state = seed;
     let (g, h) = (system(&mut state), system(&mut state));
     let (controls, measurements) = (size(&mut state, 4.0), size(&mut state, 4.0));
-    let generalised = Generalised::new(g.clone(), controls, measurements).ok();
+    let generalised = GeneralisedPlant::new(g.clone(), controls, measurements).ok();
     let (x, y) = (odd_number(&mut state), odd_number(&mut state));
     let square = |S: &Mat| S * &S.t();
     let (Q, R) = (square(&g.A), square(&h.D));

@@ -7,7 +7,8 @@ use common::{rig, thesis_weights, weights};
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{Discretisation, StateSpace, c2d, margins, response::response_at};
 use counterpoise_synth::{
-    Design, DesignPlant, DisturbanceChannel, Sampled, Sampling, Specification, design, discretise, preflight,
+    Design, DesignPlant, DisturbanceChannel, SampledLoop, Sampling, Specification, design, discretise,
+    preflight,
 };
 
 const PERIOD_S: f64 = 1e-3;
@@ -16,13 +17,13 @@ fn design_rig(specification: &Specification) -> Design {
     design(&rig(), specification).unwrap()
 }
 
-fn discretise_design(design: &Design) -> Sampled {
+fn discretise_design(design: &Design) -> SampledLoop {
     let sampling = Sampling { out_of_balance_kg_m: 151.67, ..Sampling::new(PERIOD_S, 10.0) };
     discretise(design, &sampling).unwrap()
 }
 
 /// True hub rate after a unit step of the demand, sample by sample.
-fn step(sampled: &Sampled, samples: usize) -> Vec<f64> {
+fn step(sampled: &SampledLoop, samples: usize) -> Vec<f64> {
     let undelayed = DesignPlant { pade_order: 0, ..rig() };
     let seen = undelayed.measured_plant().unwrap().select(&[0, 1], &[0]);
     let P = c2d(&seen, PERIOD_S, Discretisation::ZeroOrderHold).unwrap();

@@ -17,7 +17,7 @@ fn sampling(period_s: f64, delay_samples: usize, method: SamplingMethod) -> Samp
     Sampling { method, delay_samples, ..Sampling::new(period_s, 10.0) }
 }
 
-fn discretise_with(design: &Design, sampling: &Sampling) -> Sampled {
+fn discretise_with(design: &Design, sampling: &Sampling) -> SampledLoop {
     discretise(design, sampling).unwrap()
 }
 
@@ -55,7 +55,7 @@ fn variants() -> Vec<(&'static str, Specification)> {
 }
 
 /// Relative distance of the three sampled parts from the continuous ones at 20 rad/s.
-fn distances(design: &Design, made: &Sampled) -> [f64; 3] {
+fn distances(design: &Design, made: &SampledLoop) -> [f64; 3] {
     let (rate, linear) = (20.0, made.controller.linear(0.0).unwrap());
     let continuous = |system: StateSpace, input: usize| response_at(&system, rate).unwrap()[(0, input)];
     let forward = |channel| continuous(design.feedforward_controller(channel).unwrap(), 0);

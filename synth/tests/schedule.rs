@@ -7,35 +7,39 @@ use common::{plant, rig, weights};
 use counterpoise_lti::response::response_at;
 use counterpoise_models::reference;
 use counterpoise_synth::{
-    Configuration, Design, DisturbanceChannel, HeaveFeedforwardLaw, Sampling, ScheduleEntry, design,
+    Design, DisturbanceChannel, HeaveFeedforwardLaw, Sampling, ScheduleConfiguration, ScheduleEntry, design,
     design_schedule, discretise_schedule, stabilisation_error,
 };
 
-fn nominal() -> Configuration {
-    Configuration { name: "normal".into(), out_of_balance_kg_m: 151.67, plant: rig() }
+fn nominal() -> ScheduleConfiguration {
+    ScheduleConfiguration { name: "normal".into(), out_of_balance_kg_m: 151.67, plant: rig() }
 }
 
 /// The configurations of the reference rig, with masses fitted and inertia changed with them.
-fn table() -> Vec<Configuration> {
+fn table() -> Vec<ScheduleConfiguration> {
     let rig = reference::rig();
     let fitted = rig.configurations.iter().map(|configuration| {
         let parameters = rig.with_configuration(configuration).unwrap();
         let out_of_balance_kg_m = parameters.lumped.as_ref().unwrap().out_of_balance_kg_m;
-        Configuration { name: configuration.name.clone(), out_of_balance_kg_m, plant: plant(&parameters) }
+        ScheduleConfiguration {
+            name: configuration.name.clone(),
+            out_of_balance_kg_m,
+            plant: plant(&parameters),
+        }
     });
     fitted.collect()
 }
 
 /// The nominal plant with its heave column scaled: inertia kept.
-fn same_inertia(factor: f64) -> Configuration {
+fn same_inertia(factor: f64) -> ScheduleConfiguration {
     let mut plant = rig();
     for state in 0..plant.system.order() {
         plant.system.B[(state, 1)] *= factor;
     }
-    Configuration { name: format!("{factor}"), out_of_balance_kg_m: 151.67 * factor, plant }
+    ScheduleConfiguration { name: format!("{factor}"), out_of_balance_kg_m: 151.67 * factor, plant }
 }
 
-fn entries(others: &[Configuration]) -> Vec<ScheduleEntry> {
+fn entries(others: &[ScheduleConfiguration]) -> Vec<ScheduleEntry> {
     design_schedule(&nominal(), others, &weights()).unwrap()
 }
 

@@ -8,8 +8,8 @@ use counterpoise_lti::{StateSpace, Timebase};
 
 use common::{rig, thesis_weights, weights};
 use counterpoise_synth::{
-    BandSpectrum, Design, DisturbanceChannel, Ended, Error, Requirements, Sampling, SearchResult, SearchTask,
-    Specification, Weight, design, search_specification, stabilisation_error, trade_off,
+    BandSpectrum, Design, DisturbanceChannel, Error, Requirements, Sampling, SearchEnding, SearchResult,
+    SearchTask, Specification, Weight, design, search_specification, stabilisation_error, trade_off,
 };
 
 fn search_rig(start: &Specification, requirements: &Requirements, most: usize) -> SearchResult {
@@ -59,8 +59,8 @@ fn a_search_can_be_stopped_and_is_bounded() {
         most_trials: 1000,
     };
     let stopped = search_specification(&task, &mut go_on).unwrap();
-    assert_eq!((stopped.ended, stopped.trials), (Ended::Stopped, 5));
-    assert_eq!(search_rig(&weights(), &requirements, 9).ended, Ended::OutOfTrials);
+    assert_eq!((stopped.ended, stopped.trials), (SearchEnding::Stopped, 5));
+    assert_eq!(search_rig(&weights(), &requirements, 9).ended, SearchEnding::OutOfTrials);
 }
 
 #[test]

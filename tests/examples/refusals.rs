@@ -14,9 +14,9 @@ fn processor_time_s() -> f64 {
 }
 
 /// Numbers of a seed.
-struct Random(u64);
+struct RandomGenerator(u64);
 
-impl Random {
+impl RandomGenerator {
     fn next_uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
@@ -56,7 +56,7 @@ fn without_first_row(B: &Mat) -> Mat {
 }
 
 fn problems(states: usize) {
-    let mut random = Random(states as u64);
+    let mut random = RandomGenerator(states as u64);
     let (A, B, C) =
         (random.matrix(states, states), random.matrix(states, states / 3), random.matrix(states, states));
     let (Q, R) = (&C * &C.t(), Mat::eye(states / 3));

@@ -8,7 +8,7 @@ use counterpoise_project::{Attachments, Document, Project, SettingValue};
 
 use crate::sealed::Dice;
 use crate::workspace::root;
-use crate::{Beside, decide_choices};
+use crate::{ExampleFolder, decide_choices};
 
 /// Two runs of the same controller that differ in noise alone differ by less than this share.
 const NOISE: f64 = 0.001;
@@ -19,9 +19,9 @@ const REMOVED: f64 = 0.8;
 #[derive(Debug, Clone)]
 pub struct Case {
     pub seed: u64,
-    /// What was drawn, in words.
+    /// Description of the sample, in words.
     pub drawn: String,
-    /// Where the default acts; `None` if it is none.
+    /// Motions on which the default acts; `None` if it acts on none.
     pub bands: Option<HoldBands>,
     pub rows: Vec<TrialRow>,
     pub is_refused: bool,
@@ -58,7 +58,7 @@ pub fn trial(seed: u64, noise: u64) -> Option<Case> {
     let folder = root().join("examples/reference-rig");
     let text = std::fs::read(folder.join("project.toml")).ok()?;
     let (document, drawn) = draw_mechanism(Document::from_bytes(&text, "project.toml").ok()?, seed)?;
-    let beside = Beside(folder);
+    let beside = ExampleFolder(folder);
     let stated = Project::resolve(&document, &Attachments::none()).ok()?.project;
     let project = decide_choices(stated, &beside);
     let modelled = build_plant_model(&project).ok()?;

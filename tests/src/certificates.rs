@@ -10,13 +10,13 @@ use counterpoise_pipeline::studies::certificate::certify_controller;
 use counterpoise_pipeline::{build_plant_model, reduce_plant, synthesise};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis_options::{
-    AdaptationMethod, AdaptationOptions, AdaptationRuns, AdaptationUse, FrictionModel, ObserverOptions,
+    AdaptationMethod, AdaptationOptions, AdaptationRuns, AdaptationUse, ObserverFriction, ObserverOptions,
     ScheduleLaw, ScheduleOptions,
 };
 use counterpoise_synth::{Drives, Weight};
 use counterpoise_verify::Procedure;
 use counterpoise_verify::certificate::{CaseCertificate, Stability};
-use counterpoise_verify::signals::periodic::fundamental_hz;
+use counterpoise_verify::signals::period::fundamental_hz;
 
 use crate::sealed::Dice;
 use crate::sealed::machine::{Gyro, Machine, Platform, STATES};
@@ -28,9 +28,9 @@ const SETTLE_S: f64 = 3.0;
 /// Steps of the independent integrator a sample.
 const STEPS: usize = 16;
 
-/// What a run shows.
+/// Figures of a run.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Seen {
+pub struct RunObservation {
     /// RMS of the hub's rate about its mean, rad/s: over the whole run, and its second half over its first.
     pub rms: f64,
     pub growth: f64,
@@ -45,10 +45,10 @@ pub struct Row {
     pub seed: u64,
     pub blocks: String,
     pub certificate: CaseCertificate,
-    pub rest: Seen,
-    pub motion: Seen,
+    pub rest: RunObservation,
+    pub motion: RunObservation,
     /// If a limit cycle is certified: what stays after the mechanism was set moving at its amplitude.
-    pub kicked: Option<Seen>,
+    pub kicked: Option<RunObservation>,
 }
 
 impl Row {
@@ -119,7 +119,7 @@ enum Start {
     Burst { volts: f64, hz: f64 },
 }
 
-/// How the certified limit cycle was started in the product's simulator; `None` if none is certified. One that its run from rest meets starts
+/// Returns how the certified limit cycle was started in the product's simulator; `None` if none is certified. One that its run from rest meets starts
 /// at its amplitude.
 fn start(certificate: &CaseCertificate) -> Option<Start> {
     let Stability::LimitCycle { amplitude_rad_s, .. } = certificate.stability else { return None };
@@ -195,7 +195,7 @@ fn observer(plant: &Parameters, dice: &mut Dice) -> ObserverOptions {
         share: dice.uniform(0.4, 1.0),
         motor: Some(motor),
         pivot: Some(pivot),
-        model: FrictionModel::Dahl,
+        model: ObserverFriction::Dahl,
         sign_rate_rad_s: 0.01,
     }
 }
@@ -243,7 +243,7 @@ fn run(
     platform: &dyn Fn(f64) -> Platform,
     start: Start,
     dice: &mut Dice,
-) -> Seen {
+) -> RunObservation {
     let (period, mut runner, mut x) = (p.interface.sample_period_s, controller.runner(), truth.at_rest());
     let samples = ((SETTLE_S + RUN_S) / period) as usize;
     let mut rates = Vec::with_capacity(samples);
@@ -283,7 +283,7 @@ fn run(
             x = truth.step(from, h, &x, control, [0.0, 0.5, 1.0].map(|c| platform(from + c * h)));
         }
         if !x.iter().all(|value| value.is_finite()) {
-            return Seen { rms: f64::INFINITY, growth: f64::INFINITY, ..Seen::default() };
+            return RunObservation { rms: f64::INFINITY, growth: f64::INFINITY, ..RunObservation::default() };
         }
         if t >= SETTLE_S {
             rates.push(x[HUB_RATE]);
@@ -292,7 +292,7 @@ fn run(
     judge_rates(&rates, period)
 }
 
-/// What is added to the control, V.
+/// Returns what is added to the control, V.
 fn added_v(start: Start, t: f64) -> f64 {
     match start {
         Start::Burst { volts, hz } if (0.0..3.0 / hz).contains(&(t - SETTLE_S)) => {
@@ -324,7 +324,7 @@ fn read(Channel { volts, noise }: Channel, value: f64, bits: u32, dice: &mut Dic
     quantise((value + noise * dice.normal()) * volts, bits) / volts
 }
 
-fn judge_rates(rates: &[f64], period: f64) -> Seen {
+fn judge_rates(rates: &[f64], period: f64) -> RunObservation {
     let rms = |part: &[f64]| {
         let mean = part.iter().sum::<f64>() / part.len() as f64;
         (part.iter().map(|rate| (rate - mean).powi(2)).sum::<f64>() / part.len() as f64).sqrt()
@@ -350,7 +350,7 @@ fn judge_rates(rates: &[f64], period: f64) -> Seen {
     let crossed = if count > 1 { f64::from(count - 1) / ((last - first) * period) } else { 0.0 };
     // harmonics can cross the band as well
     let hz = fundamental_hz(late, period).filter(|hz| *hz < 0.9 * crossed).unwrap_or(crossed);
-    Seen { rms: rms(rates), growth: rms(late) / rms(early), amplitude: 0.5 * (high - low), hz }
+    RunObservation { rms: rms(rates), growth: rms(late) / rms(early), amplitude: 0.5 * (high - low), hz }
 }
 
 /// Returns whether the friction of a base project is what the independent simulator has.

@@ -11,7 +11,7 @@ use counterpoise_project::{Attachments, Diagnostic, Document, Project, Purpose};
 use counterpoise_verify::VerifiedController;
 
 use crate::workspace::root;
-use crate::{Beside, decide_choices};
+use crate::{ExampleFolder, decide_choices};
 
 /// Returns every project file below `examples/`, sorted by path.
 pub fn files() -> Vec<PathBuf> {
@@ -69,8 +69,8 @@ pub fn name(path: &Path) -> String {
 }
 
 /// Returns the folder of an example, from which its other files are read.
-pub fn world(path: &Path) -> Beside {
-    Beside(path.parent().unwrap().to_owned())
+pub fn world(path: &Path) -> ExampleFolder {
+    ExampleFolder(path.parent().unwrap().to_owned())
 }
 
 /// Reads the project of an example with the files that it names.
@@ -94,7 +94,7 @@ pub fn attachments(document: &Document, folder: &Path) -> Attachments {
 
 /// An example with the design of its controller.
 #[derive(Debug)]
-pub struct Designed {
+pub struct DesignedExample {
     /// The project, with everything decided that its file leaves to the program.
     pub project: Project,
     /// The plant.
@@ -104,11 +104,11 @@ pub struct Designed {
 }
 
 /// What this program has computed of each example; several suites ask for it, and the first one computes it.
-struct Kept<T>(Mutex<BTreeMap<PathBuf, Arc<Once<T>>>>);
+struct ExampleCache<T>(Mutex<BTreeMap<PathBuf, Arc<CacheCell<T>>>>);
 
-type Once<T> = OnceLock<Option<Arc<T>>>;
+type CacheCell<T> = OnceLock<Option<Arc<T>>>;
 
-impl<T> Kept<T> {
+impl<T> ExampleCache<T> {
     const fn none() -> Self {
         Self(Mutex::new(BTreeMap::new()))
     }
@@ -120,11 +120,11 @@ impl<T> Kept<T> {
     }
 }
 
-static DESIGNS: Kept<Designed> = Kept::none();
-static VERIFIED: Kept<VerifiedController> = Kept::none();
+static DESIGNS: ExampleCache<DesignedExample> = ExampleCache::none();
+static VERIFIED: ExampleCache<VerifiedController> = ExampleCache::none();
 
 /// Returns the design of an example whose machine is to be controlled; it is computed once in a program. Returns `None` for an example that asks for no design and tells of recordings or of measured modes instead.
-pub fn design_example(path: &Path) -> Option<Arc<Designed>> {
+pub fn design_example(path: &Path) -> Option<Arc<DesignedExample>> {
     DESIGNS.or_compute(path, || compute(path))
 }
 
@@ -139,7 +139,7 @@ pub fn verify_example(path: &Path) -> Option<Arc<VerifiedController>> {
     })
 }
 
-fn compute(path: &Path) -> Option<Designed> {
+fn compute(path: &Path) -> Option<DesignedExample> {
     let project = resolve_example(path, Purpose::Model).unwrap();
     let tells_of_data = project.recording_controller.is_some()
         || project.measured.is_some()
@@ -150,5 +150,5 @@ fn compute(path: &Path) -> Option<Designed> {
     let project = decide_choices(resolve_example(path, Purpose::Export).unwrap(), &world(path));
     let modelled = build_plant_model(&project).unwrap();
     let made = synthesise(&project, &modelled, &reduce_plant(&project, &modelled).unwrap()).unwrap();
-    Some(Designed { project, modelled, made })
+    Some(DesignedExample { project, modelled, made })
 }

@@ -41,10 +41,10 @@ impl Way {
 }
 
 /// A diagnosis with whether it is right.
-pub struct Diagnosed {
+pub struct CheckedDiagnosis {
     /// The answer.
     pub answer: Answer,
-    /// Whether the concealed effect is among the findings or their alternatives, or none is found if none is there.
+    /// `true` if the concealed effect is among the findings or their alternatives, or none is found if none is there.
     pub is_right: bool,
 }
 
@@ -89,7 +89,7 @@ fn rig(effect: &PracticeEffect) -> (Document, Parameters) {
 }
 
 /// Records the machine with a practice effect, and diagnoses it.
-pub fn record_and_diagnose(effect: &PracticeEffect, way: Way, pool: &dyn Pool) -> Diagnosed {
+pub fn record_and_diagnose(effect: &PracticeEffect, way: Way, pool: &dyn Pool) -> CheckedDiagnosis {
     let (document, nominal) = rig(effect);
     let project = Project::resolve(&document, &Attachments::none()).unwrap().project;
     let (case, control): (Case, ReplayLoop) = match way {
@@ -112,5 +112,5 @@ pub fn record_and_diagnose(effect: &PracticeEffect, way: Way, pool: &dyn Pool) -
         Some(concealed) => answer.findings.iter().any(|finding| offers(concealed, finding)),
         None => answer.verdict == DiagnosisVerdict::Consistent,
     };
-    Diagnosed { answer, is_right }
+    CheckedDiagnosis { answer, is_right }
 }

@@ -1,6 +1,6 @@
 //! Suites that cross crates: the map, the golden projects, the pipeline from project file to code, the sealed machines.
 //!
-//! The suites are in `tests/tests`; comparisons with tools that somebody else wrote are in `tests/peers`.
+//! The suites are in `tests/tests`; comparisons with tools that other people wrote are in `tests/peers`.
 //!
 //! *Invariant*: nothing here is used by the product.
 #![allow(missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
@@ -38,7 +38,7 @@ pub fn run_in_parallel(count: usize, job: &(dyn Fn(usize) + Sync)) {
     });
 }
 
-/// As many threads as the machine has, for a diagnosis.
+/// Pool with as many threads as the machine has, for a diagnosis.
 pub struct Threads;
 
 impl Pool for Threads {
@@ -48,9 +48,9 @@ impl Pool for Threads {
 }
 
 /// The files beside a project.
-pub struct Beside(pub PathBuf);
+pub struct ExampleFolder(pub PathBuf);
 
-impl World for Beside {
+impl World for ExampleFolder {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         std::fs::read(self.0.join(name)).map_err(|error| error.to_string())
     }

@@ -13,7 +13,7 @@ use counterpoise_pipeline::{build_plant_model, project_procedure, reduce_plant, 
 use counterpoise_project::{Attachments, Document, Project, SettingValue};
 use counterpoise_tests::adaptation::trial;
 use counterpoise_tests::workspace::root;
-use counterpoise_tests::{Beside, decide_choices};
+use counterpoise_tests::{ExampleFolder, decide_choices};
 
 /// The share of the hub rate added by a changed load that an adaptation must remove.
 const REMOVED: f64 = 0.8;
@@ -34,7 +34,7 @@ fn adapting(method: &str) -> Project {
 fn trials(project: &Project) -> (AdaptationTrials, VerifyResult) {
     let modelled = build_plant_model(project).unwrap();
     let made = synthesise(project, &modelled, &reduce_plant(project, &modelled).unwrap()).unwrap();
-    let beside = Beside(folder());
+    let beside = ExampleFolder(folder());
     let procedure = project_procedure(project, &beside).unwrap();
     let tried = own_trials(project, &modelled, &made, &procedure).unwrap().unwrap();
     let verified = verify(project, &modelled, &made, &beside).unwrap();
@@ -45,7 +45,7 @@ fn trials(project: &Project) -> (AdaptationTrials, VerifyResult) {
 
 #[test]
 fn the_default_is_nowhere_worse_than_none_and_removes_what_a_changed_load_adds() {
-    let (tried, result) = trials(&decide_choices(adapting("recursive"), &Beside(folder())));
+    let (tried, result) = trials(&decide_choices(adapting("recursive"), &ExampleFolder(folder())));
     assert!(tried.bands.unwrap().is_exported);
     assert_eq!(tried.rows.len(), 12);
     assert!(tried.refused.is_empty() && result.adaptation_trials.is_some());
@@ -89,7 +89,7 @@ const PROJECTS: [(&str, bool); 6] = [
 ];
 
 /// An example with the default adaptation.
-fn adapting_by_default((name, observes): (&str, bool)) -> (Project, Beside) {
+fn adapting_by_default((name, observes): (&str, bool)) -> (Project, ExampleFolder) {
     let file = root().join("examples").join(name);
     let mut document = Document::from_bytes(&fs::read(&file).unwrap(), name).unwrap();
     for section in ["synth.adaptation", "synth.schedule", "synth.observer"] {
@@ -99,7 +99,7 @@ fn adapting_by_default((name, observes): (&str, bool)) -> (Project, Beside) {
     if observes {
         document = document.set("synth.observer.share", &SettingValue::Number(0.9)).unwrap();
     }
-    let beside = Beside(file.parent().unwrap().to_owned());
+    let beside = ExampleFolder(file.parent().unwrap().to_owned());
     let project = Project::resolve(&document, &Attachments::none()).unwrap().project;
     (decide_choices(project, &beside), beside)
 }

@@ -4,7 +4,7 @@
 use counterpoise_pipeline::studies::certificate::certify_controller;
 use counterpoise_pipeline::{build_plant_model, reduce_plant, synthesise};
 use counterpoise_project::Project;
-use counterpoise_project::resolve::synthesis_options::{FrictionModel, ObserverOptions};
+use counterpoise_project::resolve::synthesis_options::{ObserverFriction, ObserverOptions};
 use counterpoise_synth::Drives;
 use counterpoise_tests::certificates::trial;
 use counterpoise_verify::Procedure;
@@ -84,7 +84,7 @@ fn an_observer_of_twice_the_friction_is_certified_to_hunt() {
         share: 1.0,
         motor: Some(identified.motor_friction),
         pivot: Some(identified.pivot_friction),
-        model: FrictionModel::Dahl,
+        model: ObserverFriction::Dahl,
         sign_rate_rad_s: 0.01,
     });
     let found = certify_project(&project);

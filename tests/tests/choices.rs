@@ -7,11 +7,11 @@ use counterpoise_pipeline::{
     PlantModel, SynthesisedDesign, World, build_plant_model, reduce_plant, synthesise, verify,
 };
 use counterpoise_project::Project;
-use counterpoise_verify::{Figure, Verification};
+use counterpoise_verify::{PerformanceFigure, Verification};
 
-struct Nothing;
+struct EmptyWorld;
 
-impl World for Nothing {
+impl World for EmptyWorld {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         Err(format!("{name} is not needed"))
     }
@@ -45,12 +45,14 @@ fn make_design(project: &Project) -> (PlantModel, SynthesisedDesign) {
 
 fn verify_project(project: &Project) -> Verification {
     let (modelled, made) = make_design(project);
-    verify(project, &modelled, &made, &Nothing).unwrap().verification().clone()
+    verify(project, &modelled, &made, &EmptyWorld).unwrap().verification().clone()
 }
 
 fn value(found: &Verification, key: &str) -> f64 {
-    let figure =
-        Figure::all().into_iter().find(|figure| figure.key() == key).unwrap_or_else(|| panic!("{key}"));
+    let figure = PerformanceFigure::all()
+        .into_iter()
+        .find(|figure| figure.key() == key)
+        .unwrap_or_else(|| panic!("{key}"));
     found.value(figure).unwrap()
 }
 

@@ -377,9 +377,9 @@ const REFUSED: [(&str, &str, &[&str]); 6] = [
     ),
 ];
 
-struct Nowhere;
+struct EmptyWorld;
 
-impl World for Nowhere {
+impl World for EmptyWorld {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         Err(format!("there is no {name}"))
     }
@@ -400,7 +400,7 @@ fn every_machine_of_a_data_sheet_is_designed_and_its_loop_is_stable() {
         assert!(text.lines().count() <= 16, "{name} is a short file");
         let made = read(text).map_err(|errors| errors.join("; ")).and_then(|project| {
             let chosen = with_chosen_weights(&project).map_err(|error| error.to_string())?.unwrap();
-            run_stages(&chosen.project, &Nowhere).map_err(|error| error.to_string())
+            run_stages(&chosen.project, &EmptyWorld).map_err(|error| error.to_string())
         });
         match made {
             Err(error) => wrong.push(format!("{name}: {error}")),

@@ -8,7 +8,7 @@ use counterpoise_pipeline::{
 };
 use counterpoise_project::{Attachments, Document, FurtherPlants, Project};
 use counterpoise_synth::{BlockKind, LoopLimits};
-use counterpoise_tests::Beside;
+use counterpoise_tests::ExampleFolder;
 use counterpoise_tests::examples::attachments;
 
 fn folder() -> PathBuf {
@@ -30,7 +30,7 @@ fn project(name: &str) -> Project {
 #[test]
 fn a_tuned_structure_is_verified_exported_and_saved_like_any_controller() {
     let stated = project("tuned.toml");
-    let world = Beside(folder());
+    let world = ExampleFolder(folder());
     let (modelled, reduced) = (
         build_plant_model(&stated).unwrap(),
         reduce_plant(&stated, &build_plant_model(&stated).unwrap()).unwrap(),
@@ -65,7 +65,7 @@ const STARTS: usize = if cfg!(feature = "evidence") { 6 } else { 3 };
 fn tuned_weights_are_verified_and_saved_like_any_weights() {
     let mut stated = project("tuned-weights.toml");
     stated.synth.as_mut().unwrap().options.tuning.as_mut().unwrap().starts = STARTS;
-    let world = Beside(folder());
+    let world = ExampleFolder(folder());
     let tuned = with_tuned_structure(&stated, &world).unwrap().expect("weights to tune");
     assert_eq!(tuned.tuned.missed, 0.0, "{:?}", tuned.tuned.measures);
     let stages = run_stages(&tuned.project, &world).unwrap();
@@ -103,6 +103,6 @@ fn one_controller_keeps_its_limits_on_the_sweep() {
     tuning.plants = vec![FurtherPlants::Sweep];
     tuning.limits = LoopLimits { max_sensitivity: 1.6, max_complementary: 1.5, ..LoopLimits::default() };
     (tuning.starts, project.sweep.as_mut().unwrap().samples) = (3, 30);
-    let tuned = with_tuned_structure(&project, &Beside(folder())).unwrap().unwrap();
+    let tuned = with_tuned_structure(&project, &ExampleFolder(folder())).unwrap().unwrap();
     assert_eq!((tuned.tuned.missed, tuned.plants), (0.0, 31));
 }

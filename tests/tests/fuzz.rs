@@ -1,4 +1,4 @@
-//! Readers fed what nobody meant: project files, recordings of five formats, texts for comments of generated code. Nothing panics,
+//! Readers with corrupted input: project files, recordings of five formats, texts for comments of generated code. Nothing panics,
 //! nothing hangs, and no text leaves its comment.
 //!
 //! `FUZZ_SECONDS=600 cargo test --release -p counterpoise-tests --test all fuzz -- --nocapture` runs each for ten minutes; another
@@ -92,7 +92,7 @@ fn hdf5_recordings() {
     recordings("h5");
 }
 
-/// Whether a table has one column of a name.
+/// Returns whether a table has one column of a name.
 fn is_unique(name: &str, table: &RecordingTable) -> bool {
     table.columns.iter().filter(|column| column.name == name).count() == 1
 }

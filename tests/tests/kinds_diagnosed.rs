@@ -397,7 +397,7 @@ impl Machine {
         counterpoise_diagnose::diagnose(machine, control, recordings, &Serial).unwrap()
     }
 
-    /// Whether a residual in noise floors is that of a replay of the machine itself: a loop that the effect takes near its limit of stability makes more
+    /// Returns whether a residual in noise floors is that of a replay of the machine itself: a loop that the effect takes near its limit of stability makes more
     /// of the noise than the floors hold.
     fn is_replayed(&self, residual: f64, truth: &Parameters, recordings: &[Recording]) -> bool {
         let own = || worst_reading(&self.diagnosed_as(truth, recordings).answer.fit.before);
@@ -490,7 +490,7 @@ fn a_concealed_effect_is_named_on_every_kind() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Whether an error of the out-of-balance weighs less than a hundredth of the friction: the start of an integrated angle leaves as much.
+/// Returns whether an error of the out-of-balance weighs less than a hundredth of the friction: the start of an integrated angle leaves as much.
 fn is_negligible(p: &Parameters, name: &str, error: f64) -> bool {
     let friction_nm = p.pivot_friction.coulomb_nm() + p.gearbox.ratio * p.motor_friction.coulomb_nm();
     name == "out-of-balance" && p.gravity_m_s2 * error.abs() < 0.01 * friction_nm

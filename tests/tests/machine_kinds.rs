@@ -192,7 +192,7 @@ fn paths(machine: &Machine) -> Vec<String> {
     named.chain(keys).filter(|path| machine.document.source_text_at(path).is_some()).collect()
 }
 
-/// What is wrong with the answer to a file without one key or section; `Ok` has the project if the file is read.
+/// Returns what is wrong with the answer to a file without one key or section; `Ok` has the project if the file is read.
 fn answer(machine: &Machine, path: &str) -> Result<Option<Project>, String> {
     let without = machine.document.remove(path).unwrap();
     match machine.resolve_document(&without) {
@@ -238,7 +238,7 @@ struct DesignedKind {
 impl DesignedKind {
     /// Returns the verified controller; it is computed once.
     fn verified_controller(&self) -> &VerifiedController {
-        self.verified.get_or_init(|| verify(&self.project, &self.modelled, &self.made, &Nowhere).unwrap())
+        self.verified.get_or_init(|| verify(&self.project, &self.modelled, &self.made, &EmptyWorld).unwrap())
     }
 }
 
@@ -255,9 +255,9 @@ fn designed_kinds() -> impl Iterator<Item = &'static DesignedKind> {
 }
 
 /// Marsaglia's xorshift generator, for a sample that is the same in every run.
-struct Random(u64);
+struct RandomGenerator(u64);
 
-impl Random {
+impl RandomGenerator {
     fn draw_below(&mut self, n: usize) -> usize {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -313,7 +313,7 @@ fn a_file_without_one_key_that_is_read_is_designed_or_refused_with_what_to_chang
             }
         }
     }
-    let (mut random, mut wrong) = (Random(20_261_123), Vec::new());
+    let (mut random, mut wrong) = (RandomGenerator(20_261_123), Vec::new());
     let count = if std::env::var_os("EVERY_KEY").is_some() { left.len() } else { SAMPLE };
     for _ in 0..count {
         let (name, project) = left.swap_remove(random.draw_below(left.len()));
@@ -404,9 +404,9 @@ fn every_kind_replays_what_it_recorded_under_its_own_controller() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-struct Nowhere;
+struct EmptyWorld;
 
-impl World for Nowhere {
+impl World for EmptyWorld {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         Err(format!("there is no {name}"))
     }
@@ -417,7 +417,8 @@ fn every_kind_is_exported_in_every_language() {
     for machine in designed_kinds() {
         let mut project = machine.project.clone();
         project.export.languages = vec![Language::C99, Language::Rust, Language::Fmi];
-        let exported = export(&project, &machine.modelled, machine.verified_controller(), &Nowhere).unwrap();
+        let exported =
+            export(&project, &machine.modelled, machine.verified_controller(), &EmptyWorld).unwrap();
         assert!(exported.left_out.is_empty(), "{}: {:?}", machine.name, exported.left_out);
         assert!(exported.files.len() > 12, "{}", machine.name);
         let measured = project.plant.sensors.measured;

@@ -11,8 +11,8 @@ use counterpoise_pipeline::{
     verify_on,
 };
 use counterpoise_project::{Attachments, Document, Project, SettingValue, StructureChoice};
-use counterpoise_tests::Beside;
-use counterpoise_verify::{Figure, Verification};
+use counterpoise_tests::ExampleFolder;
+use counterpoise_verify::{PerformanceFigure, Verification};
 
 fn folder(example: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(example)
@@ -52,12 +52,12 @@ fn verify_on_structure(
     let mut other = project.clone();
     other.model.structure = structure;
     let plant = build_plant_model(&other).unwrap().plant;
-    let procedure = project_procedure(project, &Beside(folder(example))).unwrap();
+    let procedure = project_procedure(project, &ExampleFolder(folder(example))).unwrap();
     verify_on(project, &plant, made, &procedure).unwrap().into_parts().1
 }
 
 fn value(found: &Verification, key: &str) -> f64 {
-    let figure = Figure::from_key(key).unwrap();
+    let figure = PerformanceFigure::from_key(key).unwrap();
     found.value(figure).unwrap_or_else(|| panic!("{key} was not measured"))
 }
 

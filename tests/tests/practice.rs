@@ -114,7 +114,7 @@ fn left_out_friction_is_named_sized_and_its_improved_model_fits_what_it_has_not_
     assert!(largest_ratio(&improved, &folder.join("unseen")) < 1.5);
 }
 
-/// What a machine has more than its project says, entered by hand: keys of the project file and their values.
+/// Returns what a machine has more than its project says, entered by hand: keys of the project file and their values.
 fn truth(machine: &str) -> Vec<(&'static str, SettingValue)> {
     let number = |key, value| (key, SettingValue::Number(value));
     match machine {

@@ -12,16 +12,16 @@ use counterpoise_pipeline::{
     with_chosen_weights,
 };
 use counterpoise_project::Project;
-use counterpoise_verify::{Figure, LoopFigure, Model, RestFigure, Sine, StepFigure, Verification};
+use counterpoise_verify::{LoopFigure, Model, PerformanceFigure, RestFigure, Sine, StepFigure, Verification};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 /// Machines that are tried; `COUNTERPOISE_MACHINES` asks for another number.
 const MACHINES: usize = 5;
 
-struct Nowhere;
+struct EmptyWorld;
 
-impl World for Nowhere {
+impl World for EmptyWorld {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         Err(format!("{name} is not here"))
     }
@@ -82,9 +82,11 @@ fn machine(dice: &mut Dice) -> Project {
         true => FrictionLaw::Dahl { coulomb_nm: level, rest_stiffness_nm_rad: 2e3 * level, exponent: 1.0 },
         false => FrictionLaw::None,
     };
-    p.pivot_friction = Friction::plain(law(dry), p.pivot_friction.viscous_nm_s_rad * size);
-    p.motor_friction =
-        Friction::plain(FrictionLaw::None, p.motor_friction.viscous_nm_s_rad * size / scale.powi(2));
+    p.pivot_friction = Friction::with_viscous_part(law(dry), p.pivot_friction.viscous_nm_s_rad * size);
+    p.motor_friction = Friction::with_viscous_part(
+        FrictionLaw::None,
+        p.motor_friction.viscous_nm_s_rad * size / scale.powi(2),
+    );
     p.interface.sample_period_s = dice.one_of(&[2.5e-4, 1e-3, 4e-3]);
     p.interface.output_delay_samples = dice.one_of(&[0, 0, 1, 5, 20]);
     p.sensors.hub_gyro.noise_rms = dice.one_of(&[0.0, 1e-5, 2e-4, 2e-3]);
@@ -124,10 +126,10 @@ fn falling_rad_s(plant: &Parameters) -> f64 {
     (plant.gravity_m_s2 * lumped.vertical_offset_kg_m / inertia).sqrt()
 }
 
-/// What is wrong with a first design; empty if nothing is.
+/// Returns what is wrong with a first design; empty if nothing is.
 fn wrong(project: &Project, first: &FirstDesignResult, found: &Verification) -> Vec<String> {
-    let value = |figure: Figure| found.value(figure).unwrap_or(f64::NAN);
-    let of_loop = |figure: LoopFigure| value(Figure::Loop(figure));
+    let value = |figure: PerformanceFigure| found.value(figure).unwrap_or(f64::NAN);
+    let of_loop = |figure: LoopFigure| value(PerformanceFigure::Loop(figure));
     let mut wrong = Vec::new();
     let mut need = |holds: bool, what: String| {
         if !holds {
@@ -145,9 +147,9 @@ fn wrong(project: &Project, first: &FirstDesignResult, found: &Verification) -> 
     need(of_loop(LoopFigure::MaxSensitivity) <= 1.72, format!("Ms {}", of_loop(LoopFigure::MaxSensitivity)));
     need(of_loop(LoopFigure::PhaseMargin) >= 39.0, format!("phase {}", of_loop(LoopFigure::PhaseMargin)));
     need(of_loop(LoopFigure::PoleRadius) < 1.0, format!("pole {}", of_loop(LoopFigure::PoleRadius)));
-    let step = |figure| value(Figure::Step(Model::Nonlinear, figure));
+    let step = |figure| value(PerformanceFigure::Step(Model::Nonlinear, figure));
     let demand = project.verify.as_ref().unwrap().procedure.step.rate_rad_s;
-    let rest = value(Figure::Rest(RestFigure::HubRms));
+    let rest = value(PerformanceFigure::Rest(RestFigure::HubRms));
     need(rest < 0.3 * demand + 4.0 * project.plant.sensors.hub_gyro.noise_rms, format!("at rest {rest}"));
     let ramp = GRAVITY_RAMP * (falling_rad_s(&project.plant) / first.bandwidth_rad_s).powi(2);
     let overshoot = step(StepFigure::Overshoot);
@@ -184,7 +186,7 @@ fn try_machine(seed: u64) -> TriedMachine {
     let modelled = build_plant_model(&project).unwrap();
     let reduced = reduce_plant(&project, &modelled).unwrap();
     let judged = synthesise(&project, &modelled, &reduced)
-        .and_then(|made| verify(&project, &modelled, &made, &Nowhere));
+        .and_then(|made| verify(&project, &modelled, &made, &EmptyWorld));
     match judged {
         Ok(verified) => {
             let mut wrong = wrong(&project, &first, verified.verification());

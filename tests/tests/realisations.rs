@@ -10,14 +10,14 @@ use counterpoise_export::{CodeOptions, ExportSource, Ranges, c99, single_precisi
 use counterpoise_pipeline::export::path_forms;
 use counterpoise_pipeline::{World, build_plant_model, reduce_plant, synthesise, verify};
 use counterpoise_project::Project;
-use counterpoise_verify::{Figure, VerifiedController};
+use counterpoise_verify::{PerformanceFigure, VerifiedController};
 
 use crate::every_example::support;
-use support::{Random, Request, STRICT, Target, folder, is_there, provenance, run, server, write};
+use support::{RandomGenerator, Request, STRICT, Target, folder, is_there, provenance, run, server, write};
 
-struct Nothing;
+struct EmptyWorld;
 
-impl World for Nothing {
+impl World for EmptyWorld {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         Err(format!("{name} is not needed"))
     }
@@ -38,21 +38,22 @@ fn verify_example(changes: &[(&str, &str)]) -> VerifiedController {
     let modelled = build_plant_model(&project).unwrap();
     let reduced = reduce_plant(&project, &modelled).unwrap();
     let made = synthesise(&project, &modelled, &reduced).unwrap();
-    verify(&project, &modelled, &made, &Nothing).unwrap()
+    verify(&project, &modelled, &made, &EmptyWorld).unwrap()
 }
 
 fn gain_margin_db(verified: &VerifiedController) -> f64 {
-    let figure = Figure::all().into_iter().find(|figure| figure.key() == "gain_margin_db").unwrap();
+    let figure =
+        PerformanceFigure::all().into_iter().find(|figure| figure.key() == "gain_margin_db").unwrap();
     verified.verification().value(figure).unwrap()
 }
 
 /// Small readings, so that the limiter stays out.
 fn readings() -> Vec<[f64; counterpoise_controller::READINGS]> {
-    let mut random = Random(3);
+    let mut random = RandomGenerator(3);
     (0..1500).map(|_| random.readings().map(|value| 0.02 * value)).collect()
 }
 
-/// What the C in single precision answers.
+/// Returns what the C in single precision answers.
 fn answers<'a>(controller: impl Into<ExportSource<'a>>, name: &str) -> Vec<f64> {
     let folder = folder(&format!("realisation_{}", name.replace(' ', "_")));
     write(&folder, &c99(controller, &provenance(), &CodeOptions::single("axis")).unwrap());

@@ -10,7 +10,7 @@ use counterpoise_controller::{Controller, SampledController};
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_diagnose::recording::remarks::RecordingRemark;
 use counterpoise_export::Ranges;
-use counterpoise_export::fixed_point::{Fixed, FixedError, FixedRunner, plan_fixed_point};
+use counterpoise_export::fixed_point::{FixedError, FixedPointController, FixedRunner, plan_fixed_point};
 use counterpoise_export::targets::RANGE_MARGIN;
 use counterpoise_models::Plant;
 use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
@@ -143,7 +143,7 @@ fn recordings_under_single_and_fixed_point_code_are_replayed_by_the_controller_o
 }
 
 /// The controller's fixed-point form for the readings of its own recording.
-fn fixed_point(plant: &Plant, controller: &Controller) -> Result<Fixed, FixedError> {
+fn fixed_point(plant: &Plant, controller: &Controller) -> Result<FixedPointController, FixedError> {
     let recording = record(plant, &mut controller.runner());
     let channels = [
         Channel::Demand,

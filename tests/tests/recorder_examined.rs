@@ -62,7 +62,7 @@ fn of(r: &mut Recording, column: RecorderColumn) -> &mut [f64] {
 
 /// What a recorder may do to a column.
 #[derive(Debug, Clone, Copy)]
-enum Wrong {
+enum RecorderFault {
     Times(f64),
     StuckFrom(usize),
     ClippedAt(f64),
@@ -74,7 +74,7 @@ enum Wrong {
     Plus(f64),
 }
 
-fn spoil(series: &mut [f64], wrong: Wrong) {
+fn spoil(series: &mut [f64], wrong: RecorderFault) {
     let was = series.to_vec();
     let mean = was.iter().sum::<f64>() / was.len() as f64;
     let top = was.iter().fold(0.0, |a: f64, v| a.max((v - mean).abs()));
@@ -85,15 +85,15 @@ fn spoil(series: &mut [f64], wrong: Wrong) {
     };
     for (k, value) in series.iter_mut().enumerate() {
         *value = match wrong {
-            Wrong::Times(gain) => gain * *value,
-            Wrong::StuckFrom(from) => was[k.min(from)],
-            Wrong::ClippedAt(share) => (*value - mean).clamp(-share * top, share * top) + mean,
-            Wrong::Late(samples) => was[k.saturating_sub(samples)],
-            Wrong::Early(samples) => was[(k + samples).min(was.len() - 1)],
-            Wrong::Slow(share) => at(k as f64 * (1.0 - share)),
-            Wrong::Steps(step) => (*value / step).round() * step,
-            Wrong::Every(samples) => was[k / samples * samples],
-            Wrong::Plus(bias) => *value + bias,
+            RecorderFault::Times(gain) => gain * *value,
+            RecorderFault::StuckFrom(from) => was[k.min(from)],
+            RecorderFault::ClippedAt(share) => (*value - mean).clamp(-share * top, share * top) + mean,
+            RecorderFault::Late(samples) => was[k.saturating_sub(samples)],
+            RecorderFault::Early(samples) => was[(k + samples).min(was.len() - 1)],
+            RecorderFault::Slow(share) => at(k as f64 * (1.0 - share)),
+            RecorderFault::Steps(step) => (*value / step).round() * step,
+            RecorderFault::Every(samples) => was[k / samples * samples],
+            RecorderFault::Plus(bias) => *value + bias,
         };
     }
 }
@@ -106,9 +106,9 @@ fn one_of(some: usize) -> usize {
 }
 
 /// The faults, each in all recordings or in some, with the component and effect that must be named.
-fn cases() -> Vec<(RecorderColumn, Wrong, Vec<usize>, &'static str, &'static str)> {
+fn cases() -> Vec<(RecorderColumn, RecorderFault, Vec<usize>, &'static str, &'static str)> {
     use RecorderColumn::*;
-    use Wrong::*;
+    use RecorderFault::*;
     let degrees = 180.0 / std::f64::consts::PI;
     let mut out = Vec::new();
     let mut case = |column: RecorderColumn, wrong, effect| {

@@ -18,13 +18,13 @@ use counterpoise_report::wording::recordings::{describe_anomaly, describe_repair
 use counterpoise_simulate::replay::{ReplayLoop, replay};
 
 /// What a recorder made of a table is said to be, and its parts that can be replayed.
-struct Told {
+struct RecorderFindings {
     remarks: Vec<String>,
     parts: Vec<Recording>,
     project: Project,
 }
 
-impl Told {
+impl RecorderFindings {
     fn says(&self, what: &str) -> bool {
         self.remarks.iter().any(|remark| remark.contains(what))
     }
@@ -45,7 +45,7 @@ impl Told {
 }
 
 /// The triangle of a machine as modelled with a fault put in.
-fn with(fault: impl Fn(&mut RecordingTable)) -> Option<Told> {
+fn with(fault: impl Fn(&mut RecordingTable)) -> Option<RecorderFindings> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/practice/p08");
     let Ok(bytes) = fs::read(folder.join("triangle.parquet")) else {
         panic!("{} is not here", folder.display());
@@ -67,7 +67,7 @@ fn with(fault: impl Fn(&mut RecordingTable)) -> Option<Told> {
             here.into_iter().map(|r| format!("{}: {}", r.channel.name(), describe_anomaly(&r.anomaly))),
         );
     }
-    Some(Told { remarks, parts: repaired.parts, project })
+    Some(RecorderFindings { remarks, parts: repaired.parts, project })
 }
 
 fn column<'a>(table: &'a mut RecordingTable, name: &str) -> &'a mut RecordingColumn {

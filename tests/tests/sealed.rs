@@ -9,7 +9,7 @@ use counterpoise_models::{Parameters, reference};
 use counterpoise_tests::Threads;
 use counterpoise_tests::sealed::row::recordings;
 use counterpoise_tests::sealed::table::upper_bound;
-use counterpoise_tests::sealed::{Family, Sealed, case, controller};
+use counterpoise_tests::sealed::{MachineFamily, SealedAnswer, case, controller};
 
 fn seeds() -> std::ops::Range<u64> {
     let asked = std::env::var("COUNTERPOISE_SEEDS").ok();
@@ -18,9 +18,9 @@ fn seeds() -> std::ops::Range<u64> {
     bounds.and_then(parse).unwrap_or(5..6)
 }
 
-/// Whether every concealed effect was named and nothing else, by its name or by that of an equivalent effect.
-fn right(sealed: &Sealed, answer: &Answer) -> bool {
-    let named = |c: &counterpoise_tests::sealed::Concealed| {
+/// Returns whether every concealed effect was named and nothing else, by its name or by that of an equivalent effect.
+fn right(sealed: &SealedAnswer, answer: &Answer) -> bool {
+    let named = |c: &counterpoise_tests::sealed::ConcealedEffect| {
         answer.findings.iter().any(|f| {
             f.name().names() == (c.component, c.effect)
                 || c.also.contains(&f.name().names())
@@ -28,8 +28,8 @@ fn right(sealed: &Sealed, answer: &Answer) -> bool {
         })
     };
     match sealed.family {
-        Family::Nothing => answer.findings.is_empty(),
-        Family::Outside => answer.findings.iter().all(|f| f.effect.name() == "unknown"),
+        MachineFamily::Nothing => answer.findings.is_empty(),
+        MachineFamily::Outside => answer.findings.iter().all(|f| f.effect.name() == "unknown"),
         _ => answer.findings.len() == sealed.concealed.len() && sealed.concealed.iter().all(named),
     }
 }

@@ -1,4 +1,4 @@
-//! The code stays tidy: short functions, names of functions and modules that say what is done and what is there, `lib.rs` pages that list their modules, no dependency that is not used.
+//! The code stays tidy: short functions, names of functions, types and modules that say what is done and what is there, `lib.rs` pages that list their modules, no dependency that is not used.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
@@ -54,12 +54,12 @@ fn functions_are_short() {
 struct Exception {
     file: &'static str,
     function: &'static str,
-    why: Why,
+    why: ExceptionReason,
 }
 
 /// Why a function may take a `bool` or a tuple.
 #[derive(Debug, Clone, Copy)]
-enum Why {
+enum ExceptionReason {
     /// A trait of another crate says what it takes.
     Trait,
     /// It makes a named type of a tuple.
@@ -68,27 +68,27 @@ enum Why {
     NumberedLines,
 }
 
-const fn may(file: &'static str, function: &'static str, why: Why) -> Exception {
+const fn may(file: &'static str, function: &'static str, why: ExceptionReason) -> Exception {
     Exception { file, function, why }
 }
 
 /// Every function that takes a `bool` or a tuple and may, with the reason.
 const EXCEPTIONS: [Exception; 15] = [
-    may("host/src/json.rs", "begin_object_key", Why::Trait),
-    may("host/src/json.rs", "begin_array_value", Why::Trait),
-    may("linalg/src/mat.rs", "index", Why::Trait),
-    may("linalg/src/mat.rs", "index_mut", Why::Trait),
-    may("models/src/structure/import/matrix_market.rs", "coordinate", Why::NumberedLines),
-    may("models/src/structure/import/matrix_market.rs", "array", Why::NumberedLines),
-    may("models/src/structure/import/op4.rs", "one", Why::NumberedLines),
-    may("plot/src/bitmap.rs", "draw_rect", Why::Trait),
-    may("plot/src/bitmap.rs", "draw_circle", Why::Trait),
-    may("plot/src/figure.rs", "from", Why::Conversion),
-    may("plot/src/ruler.rs", "map", Why::Trait),
-    may("plot/src/svg.rs", "draw_rect", Why::Trait),
-    may("plot/src/svg.rs", "draw_circle", Why::Trait),
-    may("plot/src/svg.rs", "blit_bitmap", Why::Trait),
-    may("project/src/file/visit.rs", "from", Why::Conversion),
+    may("host/src/json.rs", "begin_object_key", ExceptionReason::Trait),
+    may("host/src/json.rs", "begin_array_value", ExceptionReason::Trait),
+    may("linalg/src/mat.rs", "index", ExceptionReason::Trait),
+    may("linalg/src/mat.rs", "index_mut", ExceptionReason::Trait),
+    may("models/src/structure/import/matrix_market.rs", "coordinate", ExceptionReason::NumberedLines),
+    may("models/src/structure/import/matrix_market.rs", "array", ExceptionReason::NumberedLines),
+    may("models/src/structure/import/op4.rs", "one", ExceptionReason::NumberedLines),
+    may("plot/src/bitmap.rs", "draw_rect", ExceptionReason::Trait),
+    may("plot/src/bitmap.rs", "draw_circle", ExceptionReason::Trait),
+    may("plot/src/figure.rs", "from", ExceptionReason::Conversion),
+    may("plot/src/ruler.rs", "map", ExceptionReason::Trait),
+    may("plot/src/svg.rs", "draw_rect", ExceptionReason::Trait),
+    may("plot/src/svg.rs", "draw_circle", ExceptionReason::Trait),
+    may("plot/src/svg.rs", "blit_bitmap", ExceptionReason::Trait),
+    may("project/src/file/visit.rs", "from", ExceptionReason::Conversion),
 ];
 
 /// Returns the place in the list of the exception that a function of a file is.
@@ -98,7 +98,7 @@ fn exception_of(file: &Path, name: &str) -> Option<usize> {
 }
 
 /// Returns the declared functions of a source: line number, name and the types of its arguments.
-fn declared_functions(code: &str) -> Vec<Declared<'_>> {
+fn declared_functions(code: &str) -> Vec<DeclaredFunction<'_>> {
     let mut found = Vec::new();
     let mut offset = 0;
     for (number, line) in code.lines().enumerate() {
@@ -108,13 +108,13 @@ fn declared_functions(code: &str) -> Vec<Declared<'_>> {
         let Some(place) = words.iter().take(5).position(|word| *word == "fn") else { continue };
         let name = words.get(place + 1).map_or("", |word| word.split(['(', '<']).next().unwrap_or(word));
         let rest = &code[start + line.find("fn ").unwrap_or(0)..];
-        found.push(Declared { line: number + 1, name, types: argument_types(rest) });
+        found.push(DeclaredFunction { line: number + 1, name, types: argument_types(rest) });
     }
     found
 }
 
 /// A function's name and the types of its arguments.
-struct Declared<'a> {
+struct DeclaredFunction<'a> {
     line: usize,
     name: &'a str,
     types: Vec<&'a str>,
@@ -222,7 +222,7 @@ fn mentions(kind: &str, name: &str) -> bool {
 }
 
 /// Returns what is wrong with the arguments of a function: `aliases` are names of tuples that its file knows.
-fn wrong_arguments(found: &Declared<'_>, aliases: &[&str]) -> Vec<&'static str> {
+fn wrong_arguments(found: &DeclaredFunction<'_>, aliases: &[&str]) -> Vec<&'static str> {
     let is_alias = |kind: &str| aliases.iter().any(|name| mentions(kind, name));
     let mut wrong = Vec::new();
     if found.types.contains(&"bool") {
@@ -275,7 +275,7 @@ fn other_words_for_tuples_are_seen() {
     let code = "type Pair = (A, B);\npub(crate) type Table<T> =\n    Vec<(A, T)>;\ntype Callback = fn(A, B);\ntype Row = Vec<A>;\n";
     assert_eq!(tuple_aliases(code), ["Pair", "Table"]);
     assert!(mentions("&[Table<A>]", "Table") && !mentions("&Tables", "Table"));
-    let one = Declared { line: 1, name: "one", types: vec!["&[Pair]", "bool"] };
+    let one = DeclaredFunction { line: 1, name: "one", types: vec!["&[Pair]", "bool"] };
     assert_eq!(wrong_arguments(&one, &["Pair"]).len(), 2);
     assert!(wrong_arguments(&one, &[])[0].starts_with("a bare bool"));
 }
@@ -370,7 +370,7 @@ fn wrong_private_name(name: &str) -> Option<&'static str> {
 }
 
 /// Returns the names of the public functions of a source, and of the functions of its traits, with their lines.
-fn public_functions(code: &str) -> Vec<Declared<'_>> {
+fn public_functions(code: &str) -> Vec<DeclaredFunction<'_>> {
     let mut is_in_trait = false;
     let is_public: Vec<bool> = code
         .lines()
@@ -408,7 +408,78 @@ fn functions_are_not_named_by_participles_or_prepositions() {
     }
 }
 
-/// A module whose name is a participle and that may be called so.
+/// Adjectives, adverbs, pronouns and verbs that stood alone as names of types and modules. `sparse` and `dense` are not here: textbooks call such a
+/// matrix so.
+const NO_NOUNS: [&str; 60] = [
+    "absent",
+    "acting",
+    "adaptive",
+    "adjustable",
+    "begin",
+    "best",
+    "counting",
+    "decide",
+    "destabilising",
+    "double",
+    "doubtful",
+    "dry",
+    "elsewhere",
+    "faulty",
+    "flat",
+    "highest",
+    "holding",
+    "idle",
+    "improve",
+    "indefinite",
+    "lagging",
+    "local",
+    "long",
+    "minimal",
+    "modal",
+    "nearest",
+    "normal",
+    "nothing",
+    "now",
+    "nowhere",
+    "observe",
+    "once",
+    "one",
+    "ordinary",
+    "outermost",
+    "own",
+    "periodic",
+    "plausible",
+    "precise",
+    "predict",
+    "present",
+    "quick",
+    "random",
+    "rational",
+    "realise",
+    "recoiling",
+    "recursive",
+    "single",
+    "slow",
+    "standing",
+    "tell",
+    "telling",
+    "thin",
+    "traceable",
+    "turning",
+    "uncertain",
+    "unidentifiable",
+    "upward",
+    "worst",
+    "wrong",
+];
+
+/// Returns whether a word names nothing: a participle, a preposition, or one of the words in the list above.
+fn is_no_noun(word: &str) -> bool {
+    let idioms = ["at", "from", "of", "with", "which", "whole", "why"];
+    is_participle(word) || [&PREPOSITIONS_AND_ADVERBS[..], &NO_NOUNS, &idioms].concat().contains(&word)
+}
+
+/// A module whose name is no noun and that may be called so.
 struct AllowedModule {
     folder: &'static str,
     name: &'static str,
@@ -426,7 +497,7 @@ enum ModuleReason {
     Evidence,
 }
 
-/// Every module whose name is a participle and that may be called so, with the reason.
+/// Every module whose name is no noun and that may be called so, with the reason.
 const ALLOWED_MODULES: [AllowedModule; 3] = [
     AllowedModule { folder: "report", name: "learned", why: ModuleReason::Section },
     AllowedModule { folder: "tests", name: "sealed", why: ModuleReason::Evidence },
@@ -446,7 +517,7 @@ fn modules_are_called_by_nouns() {
     let (mut wrong, mut needed) = (Vec::new(), Vec::new());
     for folder in members() {
         for (file, code) in sources(&folder) {
-            for (line, name) in declared_modules(&code).filter(|(_, name)| is_participle(name)) {
+            for (line, name) in declared_modules(&code).filter(|(_, name)| is_no_noun(name)) {
                 let is_this = |one: &AllowedModule| (one.folder, one.name) == (folder.as_str(), name);
                 match ALLOWED_MODULES.iter().position(is_this) {
                     Some(at) => needed.push(at),
@@ -462,6 +533,87 @@ fn modules_are_called_by_nouns() {
             "no module of {folder} is called {name} ({why:?}): leave it out of the list"
         );
     }
+}
+
+/// A type whose name is no noun and that may be called so.
+struct AllowedType {
+    name: &'static str,
+    why: TypeReason,
+}
+
+/// Why a type may be called so.
+#[derive(Debug, Clone, Copy)]
+enum TypeReason {
+    /// Its name is part of the hash of every project that has such a value: another name would change the provenance of code that was exported.
+    Hash,
+    /// The package for Python has a class of this name.
+    Python,
+}
+
+/// Every type whose name is no noun and that may be called so, with the reason.
+const ALLOWED_TYPES: [AllowedType; 2] = [
+    AllowedType { name: "Imported", why: TypeReason::Hash },
+    AllowedType { name: "Kept", why: TypeReason::Python },
+];
+
+/// Returns the types that a source declares, private ones too: their lines and names.
+fn declared_types(code: &str) -> impl Iterator<Item = (usize, &str)> {
+    code.lines().enumerate().filter_map(|(number, line)| {
+        let words: Vec<&str> = line.split_whitespace().take_while(|word| !word.starts_with("//")).collect();
+        let kinds = ["struct", "enum", "trait", "type", "union"];
+        let place = words.iter().take(4).position(|word| kinds.contains(word))?;
+        let is_declared = words[..place].iter().all(|word| word.starts_with("pub") || word.ends_with(')'));
+        let name = words.get(place + 1)?.split(['<', '(', '{', ';', ':']).next()?;
+        let is_type = name.starts_with(|letter: char| letter.is_ascii_uppercase());
+        (is_declared && is_type).then_some((number + 1, name))
+    })
+}
+
+/// Returns the last word of the name of a type, in lower case, and whether it is the only one.
+fn last_word(name: &str) -> (String, bool) {
+    let at = name.rfind(|letter: char| letter.is_ascii_uppercase()).unwrap_or(0);
+    (name[at..].to_ascii_lowercase(), at == 0)
+}
+
+/// Returns whether the name of a type is no noun: a single word that is none, or several words of which the last one is a participle or a
+/// preposition.
+fn is_wrong_type_name(name: &str) -> bool {
+    let (word, is_alone) = last_word(name);
+    if is_alone {
+        return is_no_noun(&word);
+    }
+    let ends = ["at", "from", "now", "of", "with"];
+    is_participle(&word) || PREPOSITIONS_AND_ADVERBS.contains(&word.as_str()) || ends.contains(&word.as_str())
+}
+
+#[test]
+fn types_are_called_by_nouns() {
+    let (mut wrong, mut needed) = (Vec::new(), Vec::new());
+    for folder in members() {
+        for (file, code) in sources(&folder) {
+            for (line, name) in declared_types(&code).filter(|(_, name)| is_wrong_type_name(name)) {
+                match ALLOWED_TYPES.iter().position(|allowed| allowed.name == name) {
+                    Some(at) => needed.push(at),
+                    None => wrong.push(format!("{}:{line}: {name}", file.display())),
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "name what a value of the type is, by a noun:\n{}", wrong.join("\n"));
+    for (at, AllowedType { name, why }) in ALLOWED_TYPES.iter().enumerate() {
+        assert!(needed.contains(&at), "no type is called {name} ({why:?}): leave it out of the list");
+    }
+}
+
+#[test]
+fn nouns_are_told_from_other_words() {
+    let wrong = ["Held", "Nearest", "With", "DesignAt", "HiddenFrom", "NotExcited", "TimeLeft", "Tried"];
+    assert!(wrong.iter().all(|name| is_wrong_type_name(name)));
+    let right = ["Feed", "HeldOutRecording", "Mat", "Sparse", "RemainingTime", "Speed", "C64", "NearbyAngle"];
+    assert!(!right.iter().any(|name| is_wrong_type_name(name)));
+    let code = "pub(crate) struct One<T> {\n}\nstruct Two(f64);\n// struct Three\nlet type_of = 1;\npub type Four = f64;\n";
+    let names: Vec<&str> = declared_types(code).map(|(_, name)| name).collect();
+    assert_eq!(names, ["One", "Two", "Four"]);
 }
 
 #[test]

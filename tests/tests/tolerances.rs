@@ -191,3 +191,48 @@ fn small_numbers_stand_in_the_tolerance_file_of_their_crate() {
     }
     assert!(wrong.is_empty(), "numbers that may decide, outside of a tolerance file:\n{}", wrong.join("\n"));
 }
+
+/// Returns the number that a text begins with, as it is written; `None` if it begins with none.
+fn leading_number(text: &str) -> Option<&str> {
+    let is_exponent = |at: usize| text[..at].ends_with('e');
+    let belongs = |(at, letter): (usize, char)| {
+        letter.is_ascii_digit() || matches!(letter, '.' | '_' | 'e') || (letter == '-' && is_exponent(at))
+    };
+    let end = text.char_indices().find(|one| !belongs(*one)).map_or(text.len(), |(at, _)| at);
+    text.starts_with(|letter: char| letter.is_ascii_digit()).then_some(&text[..end])
+}
+
+/// Returns whether a number decides rather than counts: it lies between 0 and 0.1, or it is a ratio just above 1.
+fn reads_like_a_threshold(number: &str) -> bool {
+    let value: f64 = number.replace('_', "").parse().unwrap_or(0.0);
+    value > 0.0 && value < 0.1 || value > 1.0 && value < 1.1
+}
+
+/// Returns the numbers that a line of code compares something with and that read like a threshold.
+fn compared_numbers(line: &str) -> Vec<&str> {
+    let code = line.split("//").next().unwrap();
+    let signs = code.match_indices(['<', '>']).filter(|(at, _)| !code[..*at].ends_with(['=', '-']));
+    let after = signs.map(|(at, _)| code[at + 1..].trim_start_matches('=').trim_start());
+    after.filter_map(leading_number).filter(|number| reads_like_a_threshold(number)).collect()
+}
+
+#[test]
+fn compared_numbers_stand_in_the_tolerance_file_of_their_crate() {
+    let mut wrong = Vec::new();
+    for (path, code) in sources_beside_tolerances() {
+        for (number, line) in code.lines().enumerate().filter(|(_, line)| !compared_numbers(line).is_empty())
+        {
+            wrong.push(format!("{path}:{}: {}", number + 1, line.trim()));
+        }
+    }
+    assert!(wrong.is_empty(), "numbers that decide, outside of a tolerance file:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn thresholds_are_told_from_counts() {
+    let threshold = ["a < 1e-3 * b", "if a.abs() >= 0.01 {", "while high > 1.0001 * low"];
+    assert!(threshold.iter().all(|line| !compared_numbers(line).is_empty()));
+    let others =
+        ["a > 0.0", "a < 1.0", "a < 0.5 * b", "\"ms\" => 1e-3,", "Vec<f64> = 0.01", "a // < 0.01", "n >= 2"];
+    assert!(others.iter().all(|line| compared_numbers(line).is_empty()));
+}

@@ -6,7 +6,7 @@
 //! An instant is not counted if its shot would leave after the end of the record.
 
 use crate::Error;
-use crate::signals::normal::probability_between;
+use crate::signals::normal_distribution::probability_between;
 
 /// The window within which a shot is released, and the target.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,7 +54,7 @@ impl Coincidence {
     }
 }
 
-/// What a coincidence window makes of a run.
+/// Shots of a run through a coincidence window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shots {
     /// Share of the time during which the hub's error is within the window.

@@ -2,22 +2,22 @@
 
 use counterpoise_models::ControlledQuantity;
 
-use crate::{Figure, Verdict, Verification};
+use crate::{PerformanceFigure, Verdict, Verification};
 
 /// A figure before and after.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FigureChange {
-    /// Which figure.
-    pub figure: Figure,
-    /// What the loop controls, whose name and unit the figure has.
+    /// Figure.
+    pub figure: PerformanceFigure,
+    /// Quantity that the loop controls; the figure has its name and unit.
     pub controlled: ControlledQuantity,
-    /// Its value before; `None` if it was not measured.
+    /// Value before; `None` if it was not measured.
     pub before: Option<f64>,
-    /// Its value after; `None` if it was not measured.
+    /// Value after; `None` if it was not measured.
     pub after: Option<f64>,
-    /// Whether its requirements held before; none without one that could be judged.
+    /// `true` if its requirements held before; none without one that could be judged.
     pub held: Option<bool>,
-    /// Whether its requirements hold after.
+    /// `true` if its requirements hold after.
     pub holds: Option<bool>,
 }
 
@@ -46,10 +46,10 @@ impl FigureChange {
 
 /// Returns every figure of either verification, in the order of the second, those of the first alone at the end.
 pub fn figure_changes(before: &Verification, after: &Verification) -> Vec<FigureChange> {
-    let mut figures: Vec<Figure> = after.figures.iter().map(|measured| measured.figure).collect();
+    let mut figures: Vec<PerformanceFigure> = after.figures.iter().map(|measured| measured.figure).collect();
     let gone = before.figures.iter().map(|measured| measured.figure);
     figures.extend(gone.filter(|figure| after.figures.iter().all(|m| m.figure != *figure)));
-    let change = |figure: Figure| FigureChange {
+    let change = |figure: PerformanceFigure| FigureChange {
         figure,
         controlled: after.controlled_quantity(),
         before: before.value(figure),
@@ -60,7 +60,7 @@ pub fn figure_changes(before: &Verification, after: &Verification) -> Vec<Figure
     figures.into_iter().map(change).collect()
 }
 
-fn verdict_holds(found: &Verification, figure: Figure) -> Option<bool> {
+fn verdict_holds(found: &Verification, figure: PerformanceFigure) -> Option<bool> {
     let judged = found.verdicts.iter().filter(|(requirement, _)| requirement.figure == figure);
     judged
         .filter_map(|(_, verdict)| match verdict {

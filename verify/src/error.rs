@@ -7,7 +7,7 @@ pub enum Error {
     /// A figure that does not exist.
     #[error("there is no figure '{key}'{hint}")]
     UnknownFigure {
-        /// What was asked for.
+        /// Requested key.
         key: String,
         /// ", did you mean ...", or nothing.
         hint: String,
@@ -19,7 +19,7 @@ pub enum Error {
         what: &'static str,
         /// The value that was given.
         value: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// Series that should be of one length, or long enough.

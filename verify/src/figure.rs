@@ -7,7 +7,7 @@ use counterpoise_models::ControlledQuantity;
 use crate::Error;
 use crate::spelling::nearest_key;
 
-/// Which plant a figure is measured on.
+/// Plant on which a figure is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Model {
     /// The plant linearised about its operating point, sampled exactly.
@@ -16,7 +16,7 @@ pub enum Model {
     Nonlinear,
 }
 
-/// What moves the platform.
+/// Motion of the platform.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Source {
     /// Heave alone.
@@ -29,7 +29,7 @@ pub enum Source {
     Road,
 }
 
-/// How much of the controller acts.
+/// Part of the controller that acts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Arrangement {
     /// Only the constant voltage that holds the out-of-balance: without it the mechanism would fall.
@@ -95,7 +95,7 @@ pub enum TriangleFigure {
     ControlPeak,
 }
 
-/// What is measured while the platform moves.
+/// Quantity that is measured while the platform moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Quantity {
     /// RMS of the hub's inertial rate.
@@ -169,13 +169,13 @@ impl SightFigure {
         Self::HubTransferLoss,
         Self::TipTransferLoss,
     ];
-    /// Those that are an RMS of an angle, which an error budget divides.
+    /// Figures that are an RMS of an angle, which an error budget divides.
     pub const ANGLES: [Self; 5] = [Self::Hub, Self::HubJitter, Self::Tip, Self::TipJitter, Self::Bending];
 }
 
 /// Anything that a requirement can limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Figure {
+pub enum PerformanceFigure {
     /// Margins and poles of the loop.
     Loop(LoopFigure),
     /// A step of the demand.
@@ -189,7 +189,7 @@ pub enum Figure {
     Rejection {
         /// Heave or pitch.
         source: Source,
-        /// How much of the controller acts.
+        /// Part of the controller that acts.
         arrangement: Arrangement,
         /// At which frequency, Hz.
         frequency_hz: f64,
@@ -205,7 +205,7 @@ pub enum Figure {
 struct Words {
     /// In a project file.
     key: &'static str,
-    /// Its unit; empty for a pure number and for a part without one.
+    /// Unit; empty for a pure number and for a part without one.
     unit: &'static str,
 }
 
@@ -299,47 +299,49 @@ fn words<K: PartialEq>(table: &[Row<K>], of: &K) -> Words {
     table.iter().find(|row| row.of == *of).map_or(Words::default(), |row| row.words)
 }
 
-impl Figure {
+impl PerformanceFigure {
     /// Returns the figure's name in a project file, for example `nonlinear_road_feedback_hub_rms_rad_s` or
-    /// `pitch_compensated_drr_db at 1.5 Hz`. [`Figure::from_key`] is its inverse.
+    /// `pitch_compensated_drr_db at 1.5 Hz`. [`PerformanceFigure::from_key`] is its inverse.
     pub fn key(&self) -> String {
         match self {
-            Figure::Loop(figure) => words(&LOOP, figure).key.to_owned(),
-            Figure::Step(model, figure) => {
+            PerformanceFigure::Loop(figure) => words(&LOOP, figure).key.to_owned(),
+            PerformanceFigure::Step(model, figure) => {
                 format!("{}_step_{}", words(&MODELS, model).key, words(&STEP, figure).key)
             }
-            Figure::Triangle(model, figure) => {
+            PerformanceFigure::Triangle(model, figure) => {
                 format!("{}_triangle_{}", words(&MODELS, model).key, words(&TRIANGLE, figure).key)
             }
-            Figure::Disturbance(model, source, arrangement, quantity) => format!(
+            PerformanceFigure::Disturbance(model, source, arrangement, quantity) => format!(
                 "{}_{}_{}_{}",
                 words(&MODELS, model).key,
                 words(&SOURCES, source).key,
                 words(&ARRANGEMENT_NAMES, arrangement).key,
                 words(&QUANTITIES, quantity).key
             ),
-            Figure::Rejection { source, arrangement, frequency_hz } => {
+            PerformanceFigure::Rejection { source, arrangement, frequency_hz } => {
                 format!(
                     "{}_{}_drr_db at {frequency_hz} Hz",
                     words(&SOURCES, source).key,
                     words(&ARRANGEMENT_NAMES, arrangement).key
                 )
             }
-            Figure::Rest(figure) => words(&REST, figure).key.to_owned(),
-            Figure::Sight(figure) => words(&SIGHT, figure).key.to_owned(),
+            PerformanceFigure::Rest(figure) => words(&REST, figure).key.to_owned(),
+            PerformanceFigure::Sight(figure) => words(&SIGHT, figure).key.to_owned(),
         }
     }
 
     /// Returns whether the figure is read from responses over frequency: a margin, a sensitivity or a rejection at a frequency.
     pub fn is_over_frequency(&self) -> bool {
         match self {
-            Figure::Loop(figure) => !matches!(figure, LoopFigure::PoleRadius | LoopFigure::Crossover),
-            Figure::Rejection { .. } => true,
+            PerformanceFigure::Loop(figure) => {
+                !matches!(figure, LoopFigure::PoleRadius | LoopFigure::Crossover)
+            }
+            PerformanceFigure::Rejection { .. } => true,
             _ => false,
         }
     }
 
-    /// Returns the figure's name in the project file and in the results of a loop: [`Figure::key`] with the quantity that the loop controls and
+    /// Returns the figure's name in the project file and in the results of a loop: [`PerformanceFigure::key`] with the quantity that the loop controls and
     /// its unit, for example `nonlinear_road_feedback_torque_rms_nm`.
     pub fn key_in(&self, controlled: ControlledQuantity) -> String {
         controlled.named_figure(&self.key())
@@ -348,7 +350,7 @@ impl Figure {
     /// Returns the figure with the given key in a loop: its own, or that of a loop of rate, which older files have.
     ///
     /// # Errors
-    /// As [`Figure::from_key`].
+    /// As [`PerformanceFigure::from_key`].
     pub fn from_key_in(controlled: ControlledQuantity, key: &str) -> Result<Self, Error> {
         let own = Self::all().into_iter().find(|figure| figure.key_in(controlled) == key);
         own.map_or_else(|| Self::from_key(key), Ok)
@@ -385,48 +387,51 @@ impl Figure {
 
     /// Returns every figure; the DRR at 1 Hz stands for the DRR at any frequency.
     pub fn all() -> Vec<Self> {
-        let mut out: Vec<Self> = LOOP.iter().map(|row| Figure::Loop(row.of)).collect();
+        let mut out: Vec<Self> = LOOP.iter().map(|row| PerformanceFigure::Loop(row.of)).collect();
         for Row { of: model, .. } in MODELS {
-            out.extend(STEP.iter().map(|row| Figure::Step(model, row.of)));
-            out.extend(TRIANGLE.iter().map(|row| Figure::Triangle(model, row.of)));
+            out.extend(STEP.iter().map(|row| PerformanceFigure::Step(model, row.of)));
+            out.extend(TRIANGLE.iter().map(|row| PerformanceFigure::Triangle(model, row.of)));
         }
         for Row { of: model, .. } in MODELS {
             for Row { of: source, .. } in SOURCES {
                 for Row { of: arrangement, .. } in ARRANGEMENT_NAMES {
                     out.extend(
-                        QUANTITIES.iter().map(|row| Figure::Disturbance(model, source, arrangement, row.of)),
+                        QUANTITIES
+                            .iter()
+                            .map(|row| PerformanceFigure::Disturbance(model, source, arrangement, row.of)),
                     );
                 }
             }
         }
         out.extend(rejections(1.0));
-        out.extend(REST.iter().map(|row| Figure::Rest(row.of)));
-        out.extend(SIGHT.iter().map(|row| Figure::Sight(row.of)));
+        out.extend(REST.iter().map(|row| PerformanceFigure::Rest(row.of)));
+        out.extend(SIGHT.iter().map(|row| PerformanceFigure::Sight(row.of)));
         out
     }
 
     /// Returns the unit in a loop; empty for a pure number.
     pub fn unit(&self, controlled: ControlledQuantity) -> &'static str {
         match self {
-            Figure::Loop(figure) => words(&LOOP, figure).unit,
-            Figure::Step(_, figure) => words(&STEP, figure).unit,
-            Figure::Triangle(_, TriangleFigure::ErrorRms | TriangleFigure::ErrorPeak)
-            | Figure::Disturbance(_, _, _, Quantity::HubRms | Quantity::HubPeak)
-            | Figure::Rest(RestFigure::HubRms) => controlled.unit(),
-            Figure::Disturbance(_, _, _, Quantity::TipRms | Quantity::TipPeak) => controlled.tip_unit(),
-            Figure::Disturbance(_, _, _, Quantity::CurrentPeak) => controlled.drive_unit(),
-            Figure::Disturbance(_, _, _, Quantity::TravelPeak) | Figure::Rest(RestFigure::Drift) => {
-                controlled.travel_unit()
+            PerformanceFigure::Loop(figure) => words(&LOOP, figure).unit,
+            PerformanceFigure::Step(_, figure) => words(&STEP, figure).unit,
+            PerformanceFigure::Triangle(_, TriangleFigure::ErrorRms | TriangleFigure::ErrorPeak)
+            | PerformanceFigure::Disturbance(_, _, _, Quantity::HubRms | Quantity::HubPeak)
+            | PerformanceFigure::Rest(RestFigure::HubRms) => controlled.unit(),
+            PerformanceFigure::Disturbance(_, _, _, Quantity::TipRms | Quantity::TipPeak) => {
+                controlled.tip_unit()
             }
-            Figure::Triangle(_, figure) => words(&TRIANGLE, figure).unit,
-            Figure::Disturbance(_, _, _, quantity) => words(&QUANTITIES, quantity).unit,
-            Figure::Rejection { .. } => "dB",
-            Figure::Sight(figure) => words(&SIGHT, figure).unit,
+            PerformanceFigure::Disturbance(_, _, _, Quantity::CurrentPeak) => controlled.drive_unit(),
+            PerformanceFigure::Disturbance(_, _, _, Quantity::TravelPeak)
+            | PerformanceFigure::Rest(RestFigure::Drift) => controlled.travel_unit(),
+            PerformanceFigure::Triangle(_, figure) => words(&TRIANGLE, figure).unit,
+            PerformanceFigure::Disturbance(_, _, _, quantity) => words(&QUANTITIES, quantity).unit,
+            PerformanceFigure::Rejection { .. } => "dB",
+            PerformanceFigure::Sight(figure) => words(&SIGHT, figure).unit,
         }
     }
 }
 
-impl fmt::Display for Figure {
+impl fmt::Display for PerformanceFigure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.key())
     }
@@ -434,15 +439,15 @@ impl fmt::Display for Figure {
 
 /// The error for a key that no figure has.
 fn unknown_figure(key: &str) -> Error {
-    let close = nearest_key(key, Figure::all().iter().map(Figure::key));
+    let close = nearest_key(key, PerformanceFigure::all().iter().map(PerformanceFigure::key));
     let hint = close.map_or(String::new(), |best| format!(", did you mean '{best}'?"));
     Error::UnknownFigure { key: key.to_owned(), hint }
 }
 
-fn rejections(frequency_hz: f64) -> Vec<Figure> {
+fn rejections(frequency_hz: f64) -> Vec<PerformanceFigure> {
     let mut out = Vec::new();
     for source in [Source::Heave, Source::Pitch] {
-        out.extend(ARRANGEMENT_NAMES.iter().map(|row| Figure::Rejection {
+        out.extend(ARRANGEMENT_NAMES.iter().map(|row| PerformanceFigure::Rejection {
             source,
             arrangement: row.of,
             frequency_hz,
@@ -459,10 +464,10 @@ mod tests {
 
     #[test]
     fn every_key_finds_its_figure_and_no_two_are_alike() {
-        let all = Figure::all();
-        let mut keys: Vec<String> = all.iter().map(Figure::key).collect();
+        let all = PerformanceFigure::all();
+        let mut keys: Vec<String> = all.iter().map(PerformanceFigure::key).collect();
         for figure in &all {
-            assert_eq!(Figure::from_key(&figure.key()).unwrap(), *figure);
+            assert_eq!(PerformanceFigure::from_key(&figure.key()).unwrap(), *figure);
         }
         keys.sort();
         keys.dedup();
@@ -471,27 +476,30 @@ mod tests {
 
     #[test]
     fn a_drr_is_named_with_its_frequency() {
-        let figure = Figure::from_key("pitch_compensated_drr_db at 1.5 Hz").unwrap();
-        let expected = Figure::Rejection {
+        let figure = PerformanceFigure::from_key("pitch_compensated_drr_db at 1.5 Hz").unwrap();
+        let expected = PerformanceFigure::Rejection {
             source: Source::Pitch,
             arrangement: Arrangement::Compensated,
             frequency_hz: 1.5,
         };
         assert_eq!(figure, expected);
-        assert!(matches!(Figure::from_key("pitch_compensated_drr_db at -1 Hz"), Err(Error::Range { .. })));
+        assert!(matches!(
+            PerformanceFigure::from_key("pitch_compensated_drr_db at -1 Hz"),
+            Err(Error::Range { .. })
+        ));
     }
 
     #[test]
     fn a_figure_has_the_key_and_the_unit_of_what_its_loop_controls() {
         let of = |kind, axis| ControlledQuantity { kind, axis, ..ControlledQuantity::RATE };
         let torque = of(QuantityKind::Effort, AxisKind::Rotary);
-        let peak = Figure::from_key("linear_pitch_feedback_current_peak_a").unwrap();
+        let peak = PerformanceFigure::from_key("linear_pitch_feedback_current_peak_a").unwrap();
         assert_eq!((peak.key_in(torque), peak.unit(torque)), (peak.key(), "A"));
         let boom = ControlledQuantity { drive: DriveQuantity::Pressure, ..ControlledQuantity::RATE };
         assert_eq!(peak.key_in(boom), "linear_pitch_feedback_load_pressure_peak_mpa");
         assert_eq!(peak.unit(boom), "MPa");
-        assert_eq!(Figure::from_key_in(boom, &peak.key_in(boom)), Ok(peak));
-        let rms = Figure::from_key("linear_pitch_feedback_hub_rms_rad_s").unwrap();
+        assert_eq!(PerformanceFigure::from_key_in(boom, &peak.key_in(boom)), Ok(peak));
+        let rms = PerformanceFigure::from_key("linear_pitch_feedback_hub_rms_rad_s").unwrap();
         assert_eq!(
             (rms.unit(torque), rms.key_in(torque).as_str()),
             ("N m", "linear_pitch_feedback_torque_rms_nm")
@@ -500,21 +508,24 @@ mod tests {
             [QuantityKind::Rate, QuantityKind::Position, QuantityKind::Effort, QuantityKind::Current]
         {
             for controlled in [of(quantity, AxisKind::Rotary), of(quantity, AxisKind::Linear)] {
-                let mut keys: Vec<String> = Figure::all().iter().map(|f| f.key_in(controlled)).collect();
-                for (figure, key) in Figure::all().iter().zip(&keys) {
-                    assert_eq!(Figure::from_key_in(controlled, key).unwrap(), *figure);
-                    assert_eq!(Figure::from_key_in(controlled, &figure.key()).unwrap(), *figure);
+                let mut keys: Vec<String> =
+                    PerformanceFigure::all().iter().map(|f| f.key_in(controlled)).collect();
+                for (figure, key) in PerformanceFigure::all().iter().zip(&keys) {
+                    assert_eq!(PerformanceFigure::from_key_in(controlled, key).unwrap(), *figure);
+                    assert_eq!(PerformanceFigure::from_key_in(controlled, &figure.key()).unwrap(), *figure);
                 }
                 keys.sort();
                 keys.dedup();
-                assert_eq!(keys.len(), Figure::all().len());
+                assert_eq!(keys.len(), PerformanceFigure::all().len());
             }
         }
     }
 
     #[test]
     fn a_misspelt_figure_is_answered_with_the_nearest() {
-        let Err(Error::UnknownFigure { hint, .. }) = Figure::from_key("gain_margn_db") else { panic!() };
+        let Err(Error::UnknownFigure { hint, .. }) = PerformanceFigure::from_key("gain_margn_db") else {
+            panic!()
+        };
         assert_eq!(hint, ", did you mean 'gain_margin_db'?");
     }
 }

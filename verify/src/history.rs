@@ -4,9 +4,9 @@ use counterpoise_models::FeedbackSignal;
 use counterpoise_recordings::{Channel, ColumnName, Recording, Signals};
 
 use crate::tolerance::SAME_INSTANT_S;
-use crate::{Arrangement, Figure, Model, Source};
+use crate::{Arrangement, Model, PerformanceFigure, Source};
 
-/// What was done to the mechanism.
+/// Experiment on the mechanism.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Experiment {
     /// A step of the demand, with the whole controller.
@@ -22,14 +22,16 @@ pub enum Experiment {
 impl Experiment {
     /// Returns the run with the whole controller that shows a figure: that of its platform motion, or the step of the demand for a figure of the
     /// loop or the line of sight.
-    pub fn from_figure(figure: Figure) -> Self {
+    pub fn from_figure(figure: PerformanceFigure) -> Self {
         match figure {
-            Figure::Disturbance(_, source, ..) | Figure::Rejection { source, .. } => {
+            PerformanceFigure::Disturbance(_, source, ..) | PerformanceFigure::Rejection { source, .. } => {
                 Self::Disturbance(source, Arrangement::Compensated)
             }
-            Figure::Rest(_) => Self::Rest,
-            Figure::Triangle(..) => Self::Triangle,
-            Figure::Step(..) | Figure::Loop(_) | Figure::Sight(_) => Self::Step,
+            PerformanceFigure::Rest(_) => Self::Rest,
+            PerformanceFigure::Triangle(..) => Self::Triangle,
+            PerformanceFigure::Step(..) | PerformanceFigure::Loop(_) | PerformanceFigure::Sight(_) => {
+                Self::Step
+            }
         }
     }
 }
@@ -65,7 +67,7 @@ impl ColumnName for HistoryColumn {
     }
 }
 
-/// What happened: an array time x signal, with a named column for each signal.
+/// Record of a run: an array time x signal, with a named column for each signal.
 ///
 /// A loop of a position, a torque or a current has that quantity in the columns of demand and hub rate, in its unit.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,8 +10,8 @@
 //! [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
-//! use counterpoise_verify::{Figure, Limit, Requirement, Verdict};
-//! let requirement = Requirement::new(Figure::from_key("gain_margin_db")?, Limit::AtLeast(12.0))?;
+//! use counterpoise_verify::{PerformanceFigure, Limit, Requirement, Verdict};
+//! let requirement = Requirement::new(PerformanceFigure::from_key("gain_margin_db")?, Limit::AtLeast(12.0))?;
 //! assert!(matches!(requirement.judge(13.0), Verdict::Holds { .. }));
 //! # Ok::<(), counterpoise_verify::Error>(())
 //! ```
@@ -50,14 +50,14 @@ pub use error_budget::{
     BudgetRun, Contribution, ErrorBudget, ErrorSource, LinearContribution, budget_angles, error_budget,
 };
 pub use figure::{
-    ARRANGEMENTS, Arrangement, Figure, LoopFigure, Model, Quantity, RestFigure, SightFigure, Source,
-    StepFigure, TriangleFigure,
+    ARRANGEMENTS, Arrangement, LoopFigure, Model, PerformanceFigure, Quantity, RestFigure, SightFigure,
+    Source, StepFigure, TriangleFigure,
 };
 pub use history::{Experiment, History, HistoryColumn};
 pub use image_motion::Optics;
 pub use line_of_sight::{SightAngles, SightError};
 pub use measure::{MeasuredFigure, Value};
-pub use missing_figures::Unmeasured;
+pub use missing_figures::MissingReason;
 pub use procedure::{HeaveAndPitch, Procedure, Road, RoadColumn, RoadOrigin, Sine, Step, Triangle};
 pub use requirement::{Limit, Requirement, Verdict};
 pub use sight_options::LineOfSight;

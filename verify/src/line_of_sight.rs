@@ -1,7 +1,7 @@
 //! The line of sight: the inertial angle of the stabilised axis less the one that is demanded, at the hub and at the tip.
 //!
 //! In a loop of rate the demand is a rate, so the error of the angle is the integral of demand less rate. Its mean over the run says nothing:
-//! nobody told the loop where to point. The RMS is therefore about the mean. Jitter is what blurs one exposure of a sensor: the RMS of
+//! a loop of rate has no demanded direction. The RMS is therefore about the mean. Jitter is what blurs one exposure of a sensor: the RMS of
 //! the angle about its mean within each exposure.
 
 use counterpoise_models::{Plant, QuantityKind};
@@ -11,7 +11,7 @@ use crate::history::{Experiment, History, integrate};
 use crate::measure::{MeasuredFigure, Value};
 use crate::signals::rms;
 use crate::signals::statistics::subtract_mean;
-use crate::{Arrangement, Figure, LineOfSight, Procedure, SightFigure, Source, Unmeasured};
+use crate::{Arrangement, LineOfSight, MissingReason, PerformanceFigure, Procedure, SightFigure, Source};
 
 impl Procedure {
     /// Returns the time at the beginning that the figures of the line of sight leave out, s.
@@ -111,7 +111,7 @@ pub fn sight_error(history: &History, settle_s: f64, sight: LineOfSight) -> Sigh
     SightAngles::of(history, settle_s).map(|angles| angles.error(sight.exposure_s)).unwrap_or_default()
 }
 
-/// Returns the figures of the line of sight from the run on which it is judged; none if nobody asks for them.
+/// Returns the figures of the line of sight from the run on which it is judged; none if the project requires none.
 pub(crate) fn figures(
     history: &History,
     procedure: &Procedure,
@@ -124,7 +124,7 @@ pub(crate) fn figures(
     let asked = SightFigure::ALL.into_iter().filter(|figure| sight.has(*figure));
     if let Some(why) = loop_holds.unlike_sight() {
         let absent = |figure| MeasuredFigure {
-            figure: Figure::Sight(figure),
+            figure: PerformanceFigure::Sight(figure),
             value: Value::Absent { why: why.clone() },
         };
         return asked.map(absent).collect();
@@ -132,16 +132,18 @@ pub(crate) fn figures(
     let values = values(history, procedure.sight_settle_s(), sight);
     let value = |figure: SightFigure| {
         let found = values.iter().find(|(known, _)| *known == figure).map(|(_, value)| *value);
-        found.map_or(Value::Absent { why: Unmeasured::ShortRun }, Value::Is)
+        found.map_or(Value::Absent { why: MissingReason::ShortRun }, Value::Is)
     };
-    asked.map(|figure| MeasuredFigure { figure: Figure::Sight(figure), value: value(figure) }).collect()
+    asked
+        .map(|figure| MeasuredFigure { figure: PerformanceFigure::Sight(figure), value: value(figure) })
+        .collect()
 }
 
 /// Returns why a figure that a project's `[verify.line_of_sight]` does not have was not measured.
-pub(crate) fn missing_section(figure: SightFigure) -> Unmeasured {
+pub(crate) fn missing_section(figure: SightFigure) -> MissingReason {
     match figure {
-        SightFigure::Coincidence | SightFigure::Wait | SightFigure::Hit => Unmeasured::NoCoincidence,
-        _ => Unmeasured::NoOptics,
+        SightFigure::Coincidence | SightFigure::Wait | SightFigure::Hit => MissingReason::NoCoincidence,
+        _ => MissingReason::NoOptics,
     }
 }
 
@@ -179,11 +181,11 @@ pub(crate) enum LoopHolds {
 
 impl LoopHolds {
     /// Returns why a loop holds no line of sight; `None` if it does.
-    fn unlike_sight(self) -> Option<Unmeasured> {
+    fn unlike_sight(self) -> Option<MissingReason> {
         match self {
             Self::InertialRate => None,
-            Self::Position => Some(Unmeasured::HoldsPosition),
-            Self::Effort => Some(Unmeasured::HoldsEffort),
+            Self::Position => Some(MissingReason::HoldsPosition),
+            Self::Effort => Some(MissingReason::HoldsEffort),
         }
     }
 }
@@ -208,7 +210,8 @@ pub(crate) fn infinite_figures(procedure: &Procedure, ran: Experiment) -> Vec<Me
         SightFigure::HubTransferLoss | SightFigure::TipTransferLoss => 1.0,
         _ => f64::INFINITY,
     };
-    let measured = |figure| MeasuredFigure { figure: Figure::Sight(figure), value: Value::Is(worst(figure)) };
+    let measured =
+        |figure| MeasuredFigure { figure: PerformanceFigure::Sight(figure), value: Value::Is(worst(figure)) };
     SightFigure::ALL.into_iter().filter(|figure| sight.has(*figure)).map(measured).collect()
 }
 

@@ -6,10 +6,11 @@ use crate::history::{Experiment, History};
 use crate::signals::statistics::subtract_mean;
 use crate::signals::{StepFigures, mean, peak, rms, step_figures};
 use crate::{
-    Figure, LoopFigure, Model, Quantity, RestFigure, Source, StepFigure, TriangleFigure, Unmeasured,
+    LoopFigure, MissingReason, Model, PerformanceFigure, Quantity, RestFigure, Source, StepFigure,
+    TriangleFigure,
 };
 
-/// What a figure turned out to be.
+/// Value of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
     /// A number in the figure's unit; infinite where the figure has no bound (a loop that diverges, a margin without limit).
@@ -17,21 +18,21 @@ pub enum Value {
     /// There is no such number.
     Absent {
         /// Why.
-        why: Unmeasured,
+        why: MissingReason,
     },
 }
 
 /// A figure with its value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredFigure {
-    /// Which figure.
-    pub figure: Figure,
-    /// What it is.
+    /// Figure.
+    pub figure: PerformanceFigure,
+    /// Value.
     pub value: Value,
 }
 
 impl Value {
-    fn of(number: Option<f64>, why: Unmeasured) -> Self {
+    fn of(number: Option<f64>, why: MissingReason) -> Self {
         number.filter(|v| !v.is_nan()).map_or(Value::Absent { why }, Value::Is)
     }
 }
@@ -61,7 +62,10 @@ pub fn loop_figures(margins: &Margins, pole_radius: f64) -> Vec<MeasuredFigure> 
         (LoopFigure::Crossover, crossover),
     ];
     all.into_iter()
-        .map(|(figure, value)| MeasuredFigure { figure: Figure::Loop(figure), value: Value::Is(value) })
+        .map(|(figure, value)| MeasuredFigure {
+            figure: PerformanceFigure::Loop(figure),
+            value: Value::Is(value),
+        })
         .collect()
 }
 
@@ -77,14 +81,13 @@ pub fn history_figures(history: &History, settle_s: f64) -> Vec<MeasuredFigure> 
 
 /// Returns the same figures of a history that does not exist because the loop diverges: all infinite.
 pub fn infinite_figures(model: Model, experiment: Experiment) -> Vec<MeasuredFigure> {
-    let all = Figure::all().into_iter().filter(|figure| match (figure, experiment) {
-        (Figure::Step(m, _), Experiment::Step) | (Figure::Triangle(m, _), Experiment::Triangle) => {
-            *m == model
-        }
-        (Figure::Disturbance(m, source, arrangement, _), Experiment::Disturbance(s, a)) => {
+    let all = PerformanceFigure::all().into_iter().filter(|figure| match (figure, experiment) {
+        (PerformanceFigure::Step(m, _), Experiment::Step)
+        | (PerformanceFigure::Triangle(m, _), Experiment::Triangle) => *m == model,
+        (PerformanceFigure::Disturbance(m, source, arrangement, _), Experiment::Disturbance(s, a)) => {
             (*m, *source, *arrangement) == (model, s, a)
         }
-        (Figure::Rest(_), Experiment::Rest) => model == Model::Nonlinear,
+        (PerformanceFigure::Rest(_), Experiment::Rest) => model == Model::Nonlinear,
         _ => false,
     });
     all.map(|figure| MeasuredFigure { figure, value: Value::Is(f64::INFINITY) }).collect()
@@ -97,23 +100,26 @@ fn step_of(history: &History) -> Vec<MeasuredFigure> {
     let all: Vec<(StepFigure, Value)> = match found {
         Ok(found) => step_values(&found, control),
         Err(error) => {
-            vec![(StepFigure::Overshoot, Value::Absent { why: Unmeasured::StepResponse(Box::new(error)) })]
+            vec![(StepFigure::Overshoot, Value::Absent { why: MissingReason::StepResponse(Box::new(error)) })]
         }
     };
     all.into_iter()
-        .map(|(figure, value)| MeasuredFigure { figure: Figure::Step(history.model, figure), value })
+        .map(|(figure, value)| MeasuredFigure {
+            figure: PerformanceFigure::Step(history.model, figure),
+            value,
+        })
         .collect()
 }
 
 fn step_values(found: &StepFigures, control_peak_v: f64) -> Vec<(StepFigure, Value)> {
-    let some = |number: f64| Value::of(Some(number), Unmeasured::NotANumber);
+    let some = |number: f64| Value::of(Some(number), MissingReason::NotANumber);
     vec![
         (StepFigure::Overshoot, some(found.overshoot_percent)),
-        (StepFigure::RiseTime, Value::of(found.rise_time_s, Unmeasured::NoRise)),
-        (StepFigure::PeakTime, Value::of(found.peak_time_s, Unmeasured::NoPeak)),
+        (StepFigure::RiseTime, Value::of(found.rise_time_s, MissingReason::NoRise)),
+        (StepFigure::PeakTime, Value::of(found.peak_time_s, MissingReason::NoPeak)),
         (
             StepFigure::SettlingTime,
-            Value::of(found.settling_time_s.or(Some(f64::INFINITY)), Unmeasured::NotANumber),
+            Value::of(found.settling_time_s.or(Some(f64::INFINITY)), MissingReason::NotANumber),
         ),
         (StepFigure::SteadyStateError, some(found.steady_state_error_percent)),
         (StepFigure::ControlPeak, some(control_peak_v)),
@@ -125,7 +131,7 @@ fn disturbance_of(history: &History, settle_s: f64) -> Vec<MeasuredFigure> {
     let first = history.index_at(settle_s);
     let of = |column: &[f64], what: fn(&[f64]) -> f64| {
         let number = column.get(first..).filter(|part| !part.is_empty()).map(what);
-        Value::of(number, Unmeasured::NoSuchSignal)
+        Value::of(number, MissingReason::NoSuchSignal)
     };
     let all = [
         (Quantity::HubRms, of(history.hub_rate_rad_s(), rms)),
@@ -139,7 +145,7 @@ fn disturbance_of(history: &History, settle_s: f64) -> Vec<MeasuredFigure> {
         (Quantity::GearOpen, of(history.contact(), |part| 1.0 - mean(part))),
         (Quantity::Rejection, rejection_of(history, source, first)),
     ];
-    let figure = |quantity| Figure::Disturbance(history.model, source, arrangement, quantity);
+    let figure = |quantity| PerformanceFigure::Disturbance(history.model, source, arrangement, quantity);
     all.into_iter().map(|(quantity, value)| MeasuredFigure { figure: figure(quantity), value }).collect()
 }
 
@@ -148,19 +154,19 @@ fn rejection_of(history: &History, source: Source, first: usize) -> Value {
     let size = |column: &[f64]| column.get(first..).filter(|part| !part.is_empty()).map(rms);
     let ratio =
         size(history.hub_rate_rad_s()).zip(size(history.motion(source))).filter(|(_, moved)| *moved > 0.0);
-    Value::of(ratio.map(|(hub, moved)| 20.0 * (hub / moved).log10()), Unmeasured::PlatformStill)
+    Value::of(ratio.map(|(hub, moved)| 20.0 * (hub / moved).log10()), MissingReason::PlatformStill)
 }
 
 fn triangle_of(history: &History, settle_s: f64) -> Vec<MeasuredFigure> {
     let first = history.index_at(settle_s).min(history.len());
     let error = &history.tracking_error_rad_s()[first..];
-    let some = |number: f64| Value::of((!error.is_empty()).then_some(number), Unmeasured::EmptyRecord);
+    let some = |number: f64| Value::of((!error.is_empty()).then_some(number), MissingReason::EmptyRecord);
     let all = [
         (TriangleFigure::ErrorRms, some(rms(error))),
         (TriangleFigure::ErrorPeak, some(peak(error))),
         (TriangleFigure::ControlPeak, some(peak(&history.control_v()[first..]))),
     ];
-    let figure = |figure| Figure::Triangle(history.model, figure);
+    let figure = |figure| PerformanceFigure::Triangle(history.model, figure);
     all.into_iter().map(|(one, value)| MeasuredFigure { figure: figure(one), value }).collect()
 }
 
@@ -173,7 +179,9 @@ fn rest_of(history: &History) -> Vec<MeasuredFigure> {
         .map(|(end, start)| (end - start).abs());
     let all = [
         (RestFigure::HubRms, Value::Is(rms(&history.hub_rate_rad_s()[half..]))),
-        (RestFigure::Drift, Value::of(drift, Unmeasured::EmptyRecord)),
+        (RestFigure::Drift, Value::of(drift, MissingReason::EmptyRecord)),
     ];
-    all.into_iter().map(|(figure, value)| MeasuredFigure { figure: Figure::Rest(figure), value }).collect()
+    all.into_iter()
+        .map(|(figure, value)| MeasuredFigure { figure: PerformanceFigure::Rest(figure), value })
+        .collect()
 }

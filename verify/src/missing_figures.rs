@@ -4,7 +4,7 @@ use crate::Error;
 
 /// Why a figure was not measured, or has no number.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Unmeasured {
+pub enum MissingReason {
     /// The procedure has no road.
     NoRoad,
     /// The procedure has no triangle.

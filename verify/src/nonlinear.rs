@@ -13,22 +13,22 @@ use crate::linear::arrange_controller;
 use crate::{Arrangement, Error, Model, Procedure, Source, line_of_sight};
 
 /// What acts on the mechanism: the controller, or the voltage that holds it.
-enum Acting {
+enum MechanismInput {
     Runner(Box<Runner>),
     Constant(f64),
 }
 
-impl SampledController for Acting {
+impl SampledController for MechanismInput {
     fn reset(&mut self) {
-        if let Acting::Runner(runner) = self {
+        if let MechanismInput::Runner(runner) = self {
             runner.reset();
         }
     }
 
     fn step(&mut self, readings: &Readings) -> f64 {
         match self {
-            Acting::Runner(runner) => runner.step(readings),
-            Acting::Constant(volts) => *volts,
+            MechanismInput::Runner(runner) => runner.step(readings),
+            MechanismInput::Constant(volts) => *volts,
         }
     }
 }
@@ -73,8 +73,8 @@ pub fn run(
         Experiment::Step | Experiment::Triangle | Experiment::Rest => Arrangement::Compensated,
     };
     let mut acting = match arrange_controller(controller, arrangement)? {
-        Some(controller) => Acting::Runner(Box::new(controller.runner())),
-        None => Acting::Constant(holding_v(simulator.plant(), &procedure.operating_point)),
+        Some(controller) => MechanismInput::Runner(Box::new(controller.runner())),
+        None => MechanismInput::Constant(holding_v(simulator.plant(), &procedure.operating_point)),
     };
     run_of(simulator, &mut acting, procedure, experiment)
 }

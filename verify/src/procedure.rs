@@ -11,9 +11,9 @@ use crate::{Error, LineOfSight, Source};
 /// Everything that a verification does.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Procedure {
-    /// Where the mechanism stands.
+    /// Operating point of the mechanism.
     pub operating_point: OperatingPoint,
-    /// What the linear plant makes of dry friction.
+    /// Linear replacement of dry friction.
     pub friction: FrictionLinearisation,
     /// The step of the demand.
     pub step: Step,
@@ -25,7 +25,7 @@ pub struct Procedure {
     pub pitch: Sine,
     /// The platform's motion on a road, where there is one.
     pub road: Option<Road>,
-    /// How long the platform heaves and pitches, s.
+    /// Duration of heave and pitch of the platform, s.
     pub duration_s: f64,
     /// Statistics leave out this much at the beginning, for what starts abruptly rings; on the nonlinear plant the step comes
     /// after it, s.
@@ -34,7 +34,7 @@ pub struct Procedure {
     pub rejection_hz: Vec<f64>,
     /// Seed of the sensor noise.
     pub seed: u64,
-    /// How the line of sight is judged; `None` if nobody asks for it.
+    /// Options for the figures of the line of sight; `None` if no figure of it is required.
     pub line_of_sight: Option<LineOfSight>,
 }
 
@@ -93,16 +93,16 @@ impl ColumnName for RoadColumn {
     }
 }
 
-/// Where a platform motion comes from.
+/// Source of a platform motion.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RoadOrigin {
     /// A recording, by the name of its file.
     Recording(String),
     /// A drive over a road of a class of ISO 8608.
     IsoRoad {
-        /// How rough the road is.
+        /// Roughness of the road.
         class: RoadClass,
-        /// How fast the vehicle goes, m/s.
+        /// Speed of the vehicle, m/s.
         speed_m_s: f64,
     },
     /// A ship at sea.
@@ -132,7 +132,7 @@ pub enum RoadOrigin {
 /// Platform motion in samples of one period, straight lines between.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Road {
-    /// Where it comes from.
+    /// Source.
     pub origin: RoadOrigin,
     /// Sample period, s.
     pub sample_period_s: f64,

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::{Error, Figure, Unmeasured};
+use crate::{Error, MissingReason, PerformanceFigure};
 
 /// The side on which a figure has to stay.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,22 +16,22 @@ pub enum Limit {
 /// One figure and its limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Requirement {
-    /// Which figure.
-    pub figure: Figure,
-    /// Its limit, in the figure's unit.
+    /// Figure.
+    pub figure: PerformanceFigure,
+    /// Limit, in the figure's unit.
     pub limit: Limit,
-    /// Where the requirement comes from, for example the clause of a specification; empty if that is not stated.
+    /// Source of the requirement, for example the clause of a specification; empty if it is not stated.
     pub source: String,
 }
 
-/// What became of a requirement.
+/// Verdict on a requirement.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Verdict {
     /// The figure is on the right side of its limit.
     Holds {
-        /// What was measured.
+        /// Measured value.
         value: f64,
-        /// What was asked.
+        /// Requested limit.
         limit: Limit,
         /// By how much there is room, at least 0.
         margin: f64,
@@ -40,7 +40,7 @@ pub enum Verdict {
     Fails {
         /// What was measured; NaN never occurs.
         value: f64,
-        /// What was asked.
+        /// Requested limit.
         limit: Limit,
         /// By how much it falls short, above 0.
         by: f64,
@@ -48,7 +48,7 @@ pub enum Verdict {
     /// The figure could not be measured on this plant or with this controller.
     NotApplicable {
         /// Why.
-        why: Unmeasured,
+        why: MissingReason,
     },
 }
 
@@ -92,7 +92,7 @@ impl Limit {
     pub fn judge(self, value: f64) -> Verdict {
         let room = self.distance_to_limit(value);
         if room.is_nan() {
-            Verdict::NotApplicable { why: Unmeasured::NoValue }
+            Verdict::NotApplicable { why: MissingReason::NoValue }
         } else if room >= 0.0 {
             Verdict::Holds { value, limit: self, margin: room }
         } else {
@@ -112,7 +112,7 @@ impl Requirement {
     ///
     /// # Errors
     /// [`Error::Range`] where the limit is NaN or infinite.
-    pub fn new(figure: Figure, limit: Limit) -> Result<Self, Error> {
+    pub fn new(figure: PerformanceFigure, limit: Limit) -> Result<Self, Error> {
         if !limit.value().is_finite() {
             return Err(Error::Range {
                 what: "limit of a requirement",
@@ -143,7 +143,7 @@ mod tests {
     #[test]
     fn a_verdict_says_by_how_much() {
         let requirement =
-            Requirement::new(Figure::Loop(LoopFigure::GainMargin), Limit::AtLeast(12.0)).unwrap();
+            Requirement::new(PerformanceFigure::Loop(LoopFigure::GainMargin), Limit::AtLeast(12.0)).unwrap();
         assert_eq!(
             requirement.judge(13.5),
             Verdict::Holds { value: 13.5, limit: Limit::AtLeast(12.0), margin: 1.5 }

@@ -4,7 +4,7 @@ use crate::coincidence::Coincidence;
 use crate::image_motion::Optics;
 use crate::{Error, SightFigure};
 
-/// How the line of sight is judged.
+/// Options for the figures of the line of sight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineOfSight {
     /// Length of one exposure, s.
@@ -13,7 +13,7 @@ pub struct LineOfSight {
     pub settle_s: Option<f64>,
     /// The window within which shots are released; `None` if none are.
     pub coincidence: Option<Coincidence>,
-    /// The optics whose image moves; `None` if nobody looks.
+    /// The optics whose image moves; `None` without a camera.
     pub optics: Option<Optics>,
 }
 

@@ -7,10 +7,10 @@ use crate::{Arrangement, Model, Source, Verification};
 
 /// Hub rate over one motion of the platform, on the nonlinear plant on the road.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Spectral {
+pub struct HubRateSpectra {
     /// Heave (m/s^2) or pitch (rad/s): the motion that the hub rate is compared with.
     pub source: Source,
-    /// How much of the controller acts.
+    /// Part of the controller that acts.
     pub arrangement: Arrangement,
     /// Spectra, transfer, coherence and the radius of confidence.
     pub spectra: Spectra,
@@ -21,7 +21,7 @@ pub const CONFIDENCE: f64 = 0.95;
 
 /// Returns the ratios of every arrangement that was run on the road; none without a road, or where the record is too short. Heave and
 /// pitch of a vehicle go together, so each ratio carries a part of the other: where they are coherent, it tells of both.
-pub fn spectral_rejections(found: &Verification) -> Vec<Spectral> {
+pub fn spectral_rejections(found: &Verification) -> Vec<HubRateSpectra> {
     let mut all = Vec::new();
     for source in [Source::Pitch, Source::Heave] {
         for arrangement in crate::ARRANGEMENTS {
@@ -31,12 +31,12 @@ pub fn spectral_rejections(found: &Verification) -> Vec<Spectral> {
     all
 }
 
-fn one(found: &Verification, source: Source, arrangement: Arrangement) -> Option<Spectral> {
+fn one(found: &Verification, source: Source, arrangement: Arrangement) -> Option<HubRateSpectra> {
     let history = found.history(Model::Nonlinear, Experiment::Disturbance(Source::Road, arrangement))?;
     let x = history.motion(source);
     let most = 2 * x.len() / (FEWEST_SEGMENTS + 1);
     let segment = if most >= LONGEST_SEGMENT { LONGEST_SEGMENT } else { most / 2 * 2 };
     let options = WelchOptions { segment, confidence: CONFIDENCE };
     let spectra = welch(x, history.hub_rate_rad_s(), found.evidence.sample_period_s, options).ok()?;
-    Some(Spectral { source, arrangement, spectra })
+    Some(HubRateSpectra { source, arrangement, spectra })
 }

@@ -59,11 +59,11 @@ pub const LONGEST_STRETCH_S: f64 = 10.0;
 pub const MULTIPLE: f64 = 0.9;
 /// Most time for which it is observed, s: twice the 20 s of a run that is to be predicted.
 pub const OBSERVED_S: f64 = 40.0;
-/// It has settled when its RMS changes by less than this share from stretch to stretch.
+/// Relative change of the RMS from stretch to stretch below which a motion has settled.
 pub const SETTLED: f64 = 0.01;
 /// If it has not settled, it still fades where it is below this share of what it was half the time ago.
 pub const STILL_FADES: f64 = 0.8;
-/// It has faded when its RMS is below this many noise floors.
+/// RMS in noise floors below which a motion has faded.
 pub const FADED_FLOORS: f64 = 0.2;
 /// Length of the certificate's own runs at rest and in motion, s.
 pub const RUN_S: f64 = 20.0;
@@ -136,7 +136,7 @@ pub const CLEAR_RANK: f64 = 0.1;
 /// Beyond three a factor of 0.33 deviation would turn negative.
 pub const NORMAL_CUT: f64 = 3.0;
 
-// ---- robust::worst ----
+// ---- robust::worst_case ----
 
 /// First step, in quantiles.
 /// A fifth of a range leaves the neighbourhood of the worst sample.
@@ -158,7 +158,7 @@ pub const FEWEST_SAMPLES_A_SEGMENT: usize = 8;
 /// Rise and settling need a few samples to either side.
 pub const FEWEST_STEP_SAMPLES: usize = 10;
 
-// ---- structured::nearest ----
+// ---- structured::nearest_mechanism ----
 
 /// Candidates that are closed exactly.
 /// The largest lower bounds lie at neighbouring frequencies; six span both sides of a peak.
@@ -396,3 +396,30 @@ pub(crate) const LEAST_COMPARED_SIGHT_RAD: f64 = 0.05e-6;
 
 /// Ratio of the RMS with feedforwards to that without from which on they are called worse; below, the difference is that of two noise records.
 pub(crate) const WORSE_FEEDFORWARD: f64 = 1.01;
+
+// ---- structured::upper ----
+
+/// Ratio of the bracket's ends at which the bisection for the least upper bound of mu stops: a part in ten thousand of a factor on
+/// parameters that are known to percents.
+pub(crate) const BOUND_RATIO: f64 = 1.0001;
+
+// ---- linear::root_locus ----
+
+/// Ratio of two neighbouring gains below which a root locus is not divided further: a step of a part in a thousand in the gain moves a pole by less
+/// than a line's width, unless two poles meet, where no finer step helps.
+pub(crate) const LOCUS_GAIN_RATIO: f64 = 1.001;
+
+// ---- signals::sea ----
+
+/// Argument below which sin x / x is computed by its series to x^2: the next term, x^4 / 120, is then below 1e-18, less than rounding.
+pub(crate) const SINC_SERIES: f64 = 1e-4;
+
+/// Argument below which 3 (sin x - x cos x) / x^3 is computed by its series to x^2: the next term, x^4 / 280, is then below 4e-11; the difference
+/// itself loses 1e-16 / x^3, 1e-10 there.
+pub(crate) const SLOPE_FACTOR_SERIES: f64 = 1e-2;
+
+// ---- error_budget::propagation ----
+
+/// Number of half periods within a time below which 1 - sinc^2 is computed by its series to x^4: the series is then right to 1e-9 of its value,
+/// and the difference itself would lose four of sixteen digits.
+pub(crate) const MEAN_SERIES: f64 = 1e-2;

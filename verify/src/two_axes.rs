@@ -20,7 +20,7 @@ use crate::signals::rms;
 use crate::signals::statistics::subtract_mean;
 use crate::{Error, Limit, Step, Verdict};
 
-/// What is done to both axes.
+/// Procedure of both axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointProcedure {
     /// Motion of the base on the ring's axis.
@@ -61,7 +61,7 @@ pub enum JointExperiment {
     Motion,
 }
 
-/// What is measured in a run of both axes: RMS from the settling time on.
+/// Quantity that is measured in a run of both axes: RMS from the settling time on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointQuantity {
     /// Rate of the elevation axis less its demand, rad/s.
@@ -159,18 +159,18 @@ impl JointFigure {
 /// A figure of both axes and its limit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointRequirement {
-    /// Which figure.
+    /// Figure.
     pub figure: JointFigure,
-    /// Its limit, in the figure's unit.
+    /// Limit, in the figure's unit.
     pub limit: Limit,
-    /// Where the requirement comes from; empty if that is not stated.
+    /// Source of the requirement; empty if it is not stated.
     pub source: String,
 }
 
 /// A figure with its value with both axes, and with each axis alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointValue {
-    /// Which figure.
+    /// Figure.
     pub figure: JointFigure,
     /// With both axes.
     pub together: f64,
@@ -181,7 +181,7 @@ pub struct JointValue {
 /// A run of both axes in samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointRun {
-    /// Which run.
+    /// Run.
     pub experiment: JointExperiment,
     /// Everything that the simulator keeps.
     pub history: TwoAxisHistory,
@@ -212,7 +212,7 @@ pub struct JointMachine<'a> {
     pub plants: AxisPair<&'a Plant>,
     /// Their controllers.
     pub controllers: AxisPair<&'a Controller>,
-    /// What couples them.
+    /// Coupling of the axes.
     pub coupling: Coupling,
 }
 

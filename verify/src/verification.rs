@@ -13,24 +13,24 @@ use crate::history::{Experiment, History};
 use crate::line_of_sight;
 use crate::linear::closed_loop::is_feedforward;
 use crate::linear::frequency::compute_rejections;
-use crate::linear::{self, ArrangedLoop, Closed, Curves, SampledPlant, arrange_controller};
+use crate::linear::{self, ArrangedLoop, ClosedLoop, Curves, SampledPlant, arrange_controller};
 use crate::measure::{MeasuredFigure, Value, history_figures, infinite_figures, loop_figures};
 use crate::tolerance::WORSE_FEEDFORWARD;
 use crate::{
-    ARRANGEMENTS, Arrangement, Error, Figure, HeaveAndPitch, Model, Procedure, Requirement, Source,
-    Unmeasured, Verdict, nonlinear,
+    ARRANGEMENTS, Arrangement, Error, HeaveAndPitch, MissingReason, Model, PerformanceFigure, Procedure,
+    Requirement, Source, Verdict, nonlinear,
 };
 
-/// What was measured, how it was judged, and what it was read from.
+/// Result of a verification: the measured figures, their verdicts, and the records that they were computed from.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verification {
     /// Every figure that was measured.
     pub figures: Vec<MeasuredFigure>,
     /// Every requirement with its verdict, in the order given.
     pub verdicts: Vec<(Requirement, Verdict)>,
-    /// What the figures were read from.
+    /// Records from which the figures were read.
     pub evidence: Evidence,
-    /// What the error of the line of sight is made of; `None` if the procedure does not ask for it.
+    /// Error budget of the line of sight; `None` if the procedure does not request it.
     pub error_budget: Option<ErrorBudget>,
 }
 
@@ -53,7 +53,7 @@ pub struct Evidence {
     pub histories: Vec<History>,
     /// What was done to the mechanism.
     pub procedure: Procedure,
-    /// What the loop controls, whose names and unit figures and histories have.
+    /// Quantity that the loop controls; figures and histories have its names and unit.
     pub controlled: ControlledQuantity,
 }
 
@@ -109,7 +109,7 @@ impl Verification {
         for model in [Model::Nonlinear, Model::Linear] {
             for source in [Source::Heave, Source::Pitch, Source::Both, Source::Road] {
                 let rms = |arrangement| {
-                    self.value(Figure::Disturbance(model, source, arrangement, Quantity::HubRms))
+                    self.value(PerformanceFigure::Disturbance(model, source, arrangement, Quantity::HubRms))
                 };
                 let both = rms(Arrangement::Feedback).zip(rms(Arrangement::Compensated));
                 let found = both.filter(|(without, with)| *with > WORSE_FEEDFORWARD * without);
@@ -125,7 +125,7 @@ impl Verification {
     }
 
     /// Returns the value of a figure, where it was measured.
-    pub fn value(&self, figure: Figure) -> Option<f64> {
+    pub fn value(&self, figure: PerformanceFigure) -> Option<f64> {
         value_of(&self.figures, figure)
     }
 
@@ -154,27 +154,31 @@ impl Verification {
     }
 
     /// Why a figure was not measured.
-    fn not_run(&self, figure: Figure) -> Unmeasured {
+    fn not_run(&self, figure: PerformanceFigure) -> MissingReason {
         let simulated = self.evidence.histories.iter().any(|history| history.model == Model::Nonlinear);
         match figure {
-            Figure::Disturbance(_, Source::Road, ..) if !self.saw_a_road() => Unmeasured::NoRoad,
-            Figure::Sight(_) if self.evidence.procedure.line_of_sight.is_none() => Unmeasured::NoLineOfSight,
-            Figure::Sight(figure)
+            PerformanceFigure::Disturbance(_, Source::Road, ..) if !self.saw_a_road() => {
+                MissingReason::NoRoad
+            }
+            PerformanceFigure::Sight(_) if self.evidence.procedure.line_of_sight.is_none() => {
+                MissingReason::NoLineOfSight
+            }
+            PerformanceFigure::Sight(figure)
                 if self.evidence.procedure.line_of_sight.is_some_and(|sight| !sight.has(figure)) =>
             {
                 line_of_sight::missing_section(figure)
             }
-            Figure::Triangle(..) if !self.saw_a_triangle() => Unmeasured::NoTriangle,
-            Figure::Step(Model::Nonlinear, _)
-            | Figure::Triangle(Model::Nonlinear, _)
-            | Figure::Disturbance(Model::Nonlinear, ..)
-            | Figure::Rest(_)
-            | Figure::Sight(_)
+            PerformanceFigure::Triangle(..) if !self.saw_a_triangle() => MissingReason::NoTriangle,
+            PerformanceFigure::Step(Model::Nonlinear, _)
+            | PerformanceFigure::Triangle(Model::Nonlinear, _)
+            | PerformanceFigure::Disturbance(Model::Nonlinear, ..)
+            | PerformanceFigure::Rest(_)
+            | PerformanceFigure::Sight(_)
                 if !simulated =>
             {
-                Unmeasured::LinearPlantAlone
+                MissingReason::LinearPlantAlone
             }
-            _ => Unmeasured::NotRun,
+            _ => MissingReason::NotRun,
         }
     }
 
@@ -187,12 +191,12 @@ impl Verification {
     }
 
     fn saw_a_road(&self) -> bool {
-        let on_road = |figure| matches!(figure, Figure::Disturbance(_, Source::Road, ..));
+        let on_road = |figure| matches!(figure, PerformanceFigure::Disturbance(_, Source::Road, ..));
         self.figures.iter().any(|measured| on_road(measured.figure))
     }
 
     fn saw_a_triangle(&self) -> bool {
-        self.figures.iter().any(|measured| matches!(measured.figure, Figure::Triangle(..)))
+        self.figures.iter().any(|measured| matches!(measured.figure, PerformanceFigure::Triangle(..)))
     }
 
     fn judge(&mut self, requirements: &[Requirement]) {
@@ -353,18 +357,18 @@ pub fn frequency_figures(
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrequencyFigures {
     figures: Vec<MeasuredFigure>,
-    /// Whether the closed loop is stable.
+    /// `true` if the closed loop is stable.
     pub is_stable: bool,
 }
 
 impl FrequencyFigures {
     /// Returns the value of a figure, where it was measured.
-    pub fn value(&self, figure: Figure) -> Option<f64> {
+    pub fn value(&self, figure: PerformanceFigure) -> Option<f64> {
         value_of(&self.figures, figure)
     }
 }
 
-fn value_of(figures: &[MeasuredFigure], figure: Figure) -> Option<f64> {
+fn value_of(figures: &[MeasuredFigure], figure: PerformanceFigure) -> Option<f64> {
     figures.iter().find(|measured| measured.figure == figure).and_then(|measured| match measured.value {
         Value::Is(number) => Some(number),
         Value::Absent { .. } => None,
@@ -391,7 +395,8 @@ fn linear_loops(
     let moment = controller.parts().design_out_of_balance_kg_m;
     let mut loops = Vec::new();
     for arrangement in ARRANGEMENTS {
-        let closed = Closed::new(&sampled, arrange_controller(controller, arrangement)?.as_ref(), moment)?;
+        let closed =
+            ClosedLoop::new(&sampled, arrange_controller(controller, arrangement)?.as_ref(), moment)?;
         loops.push(ArrangedLoop { arrangement, closed });
     }
     let whole = &loops[loops.len() - 1].closed;
@@ -433,7 +438,7 @@ fn linear_part(
 /// The procedure's frequencies and those that requirements name.
 fn rejection_frequencies(procedure: &Procedure, requirements: &[Requirement]) -> Vec<f64> {
     let named = requirements.iter().filter_map(|requirement| match requirement.figure {
-        Figure::Rejection { frequency_hz, .. } => Some(frequency_hz),
+        PerformanceFigure::Rejection { frequency_hz, .. } => Some(frequency_hz),
         _ => None,
     });
     let mut all: Vec<f64> = procedure.rejection_hz.iter().copied().chain(named).collect();
@@ -444,7 +449,7 @@ fn rejection_frequencies(procedure: &Procedure, requirements: &[Requirement]) ->
 
 pub(crate) fn rejection_figures(
     sampled: &SampledPlant,
-    closed: &Closed,
+    closed: &ClosedLoop,
     arrangement: Arrangement,
     frequencies: &[f64],
 ) -> Result<Vec<MeasuredFigure>, Error> {
@@ -452,8 +457,11 @@ pub(crate) fn rejection_figures(
     let stable = arrangement == Arrangement::Uncontrolled || closed.pole_radius() < 1.0;
     for rejection in compute_rejections(sampled, closed, arrangement, frequencies)? {
         for (frequency_hz, h) in frequencies.iter().zip(&rejection.response) {
-            let figure =
-                Figure::Rejection { source: rejection.source, arrangement, frequency_hz: *frequency_hz };
+            let figure = PerformanceFigure::Rejection {
+                source: rejection.source,
+                arrangement,
+                frequency_hz: *frequency_hz,
+            };
             let db = if stable { 20.0 * h.norm().log10() } else { f64::INFINITY };
             figures.push(MeasuredFigure { figure, value: Value::Is(db) });
         }
@@ -487,7 +495,7 @@ fn linear_histories(
 /// Runs one experiment on the linear plant. Returns `None` if the closed loop is unstable.
 pub(crate) fn linear_history(
     sampled: &SampledPlant,
-    closed: &Closed,
+    closed: &ClosedLoop,
     procedure: &Procedure,
     experiment: Experiment,
 ) -> Result<Option<History>, Error> {
@@ -509,7 +517,7 @@ pub(crate) fn linear_history(
     Ok(Some(history))
 }
 
-/// What is run in an arrangement on the linear plant: nothing to see at rest.
+/// Returns what is run in an arrangement on the linear plant: nothing to see at rest.
 fn experiments(procedure: &Procedure, arrangement: Arrangement) -> Vec<Experiment> {
     let whole = arrangement == Arrangement::Compensated;
     let triangle = procedure.triangle.filter(|_| whole).map(|_| Experiment::Triangle);

@@ -11,8 +11,9 @@ use counterpoise_recordings::Signals;
 use counterpoise_verify::line_of_sight::SightAngles;
 use counterpoise_verify::robust::figures_of;
 use counterpoise_verify::{
-    Arrangement, Coincidence, ErrorSource, Figure, Limit, LineOfSight, Model, Optics, Procedure, Quantity,
-    Requirement, Road, RoadOrigin, SightFigure, Source, Unmeasured, Value, Verdict, verify,
+    Arrangement, Coincidence, ErrorSource, Limit, LineOfSight, MissingReason, Model, Optics,
+    PerformanceFigure, Procedure, Quantity, Requirement, Road, RoadOrigin, SightFigure, Source, Value,
+    Verdict, verify,
 };
 use support::{controller, rig};
 
@@ -50,8 +51,10 @@ fn procedure(road: Road) -> Procedure {
 fn smooth(axis: AccelerometerAxis) -> Parameters {
     let mut p = rig();
     let (motor, pivot) = (p.motor_friction.viscous_nm_s_rad, p.pivot_friction.viscous_nm_s_rad);
-    (p.motor_friction, p.pivot_friction) =
-        (Friction::plain(FrictionLaw::None, motor), Friction::plain(FrictionLaw::None, pivot));
+    (p.motor_friction, p.pivot_friction) = (
+        Friction::with_viscous_part(FrictionLaw::None, motor),
+        Friction::with_viscous_part(FrictionLaw::None, pivot),
+    );
     p.gearbox.backlash_rad = 0.0;
     p.sensors.accelerometer_axis = axis;
     p
@@ -69,7 +72,8 @@ fn fitting(axis: AccelerometerAxis) -> Controller {
 fn hub_rms(axis: AccelerometerAxis, model: Model, road: Road) -> f64 {
     let plant = Plant::from_lumped(&smooth(axis)).unwrap();
     let found = verify(&plant, &fitting(axis), &procedure(road), &[]).unwrap();
-    let figure = Figure::Disturbance(model, Source::Road, Arrangement::Compensated, Quantity::HubRms);
+    let figure =
+        PerformanceFigure::Disturbance(model, Source::Road, Arrangement::Compensated, Quantity::HubRms);
     found.verification().value(figure).unwrap()
 }
 
@@ -107,7 +111,8 @@ fn projected_figure(model: Model, elevation_rad: f64, road: Road) -> f64 {
     let operating_point = OperatingPoint { hub_angle_rad: elevation_rad, platform_angle_rad: 0.0 };
     let asked = Procedure { operating_point, ..procedure(road) };
     let found = verify(&Plant::from_lumped(&p).unwrap(), &acting, &asked, &[]).unwrap();
-    let figure = Figure::Disturbance(model, Source::Road, Arrangement::Compensated, Quantity::HubRms);
+    let figure =
+        PerformanceFigure::Disturbance(model, Source::Road, Arrangement::Compensated, Quantity::HubRms);
     found.verification().value(figure).unwrap()
 }
 
@@ -128,7 +133,8 @@ fn a_sweep_has_surge_in_its_linear_figures() {
     for axis in [AccelerometerAxis::Vertical, AccelerometerAxis::Elevated] {
         let plant = Plant::from_lumped(&smooth(axis)).unwrap();
         for arrangement in [Arrangement::Uncontrolled, Arrangement::Feedback, Arrangement::Compensated] {
-            let figure = Figure::Disturbance(Model::Linear, Source::Road, arrangement, Quantity::HubRms);
+            let figure =
+                PerformanceFigure::Disturbance(Model::Linear, Source::Road, arrangement, Quantity::HubRms);
             let found = figures_of(&plant, &fitting(axis), &procedure(road()), &[figure]).unwrap();
             let whole = verify(&plant, &fitting(axis), &procedure(road()), &[]).unwrap();
             let wanted = Value::Is(whole.verification().value(figure).unwrap());
@@ -141,7 +147,7 @@ fn a_sweep_has_surge_in_its_linear_figures() {
 fn the_error_budget_adds_up_to_the_simulated_error() {
     let plant = Plant::from_lumped(&rig()).unwrap();
     let asked = Procedure { line_of_sight: Some(LineOfSight::default()), ..procedure(road()) };
-    let figure = Figure::Sight(SightFigure::Hub);
+    let figure = PerformanceFigure::Sight(SightFigure::Hub);
     let limit = [Requirement::new(figure, Limit::AtMost(1.0)).unwrap()];
     let verified = verify(&plant, &controller(), &asked, &limit).unwrap();
     let found = verified.verification();
@@ -172,11 +178,12 @@ fn gunner_and_observer_get_their_figures() {
     };
     let of = |sight: LineOfSight| {
         let asked = Procedure { line_of_sight: Some(sight), ..procedure(road()) };
-        let limit = [Requirement::new(Figure::Sight(SightFigure::Hit), Limit::AtLeast(0.0)).unwrap()];
+        let limit =
+            [Requirement::new(PerformanceFigure::Sight(SightFigure::Hit), Limit::AtLeast(0.0)).unwrap()];
         verify(&plant, &controller(), &asked, &limit).unwrap().into_parts().1
     };
     let found = of(sight);
-    let value = |figure| found.value(Figure::Sight(figure)).unwrap();
+    let value = |figure| found.value(PerformanceFigure::Sight(figure)).unwrap();
     assert!(matches!(found.verdicts[0].1, Verdict::Holds { .. }), "{:?}", found.verdicts);
     let history = found
         .history(
@@ -195,10 +202,10 @@ fn gunner_and_observer_get_their_figures() {
     assert!(value(SightFigure::Bending) < value(SightFigure::Tip));
     let larger = Coincidence { target_rad: 3e-3, ..coincidence };
     let easier = of(LineOfSight { coincidence: Some(larger), ..sight });
-    assert!(easier.value(Figure::Sight(SightFigure::Hit)).unwrap() > value(SightFigure::Hit));
+    assert!(easier.value(PerformanceFigure::Sight(SightFigure::Hit)).unwrap() > value(SightFigure::Hit));
     let without = of(LineOfSight { coincidence: None, ..sight });
     let Verdict::NotApplicable { why } = &without.verdicts[0].1 else { panic!("{:?}", without.verdicts) };
-    assert_eq!(*why, Unmeasured::NoCoincidence);
+    assert_eq!(*why, MissingReason::NoCoincidence);
 }
 
 #[test]
@@ -226,10 +233,13 @@ fn in_a_linear_loop_the_sources_superpose() {
 #[test]
 fn nobody_pays_for_a_budget_that_nobody_asks_for() {
     let plant = Plant::from_lumped(&smooth(AccelerometerAxis::Vertical)).unwrap();
-    let limit = [Requirement::new(Figure::Sight(SightFigure::Hub), Limit::AtMost(1.0)).unwrap()];
+    let limit = [Requirement::new(PerformanceFigure::Sight(SightFigure::Hub), Limit::AtMost(1.0)).unwrap()];
     let verified = verify(&plant, &controller(), &procedure(road()), &limit).unwrap();
     let found = verified.verification();
-    assert_eq!((found.error_budget.as_ref(), found.value(Figure::Sight(SightFigure::Hub))), (None, None));
+    assert_eq!(
+        (found.error_budget.as_ref(), found.value(PerformanceFigure::Sight(SightFigure::Hub))),
+        (None, None)
+    );
     let Verdict::NotApplicable { why } = &found.verdicts[0].1 else { panic!("{:?}", found.verdicts) };
-    assert_eq!(*why, Unmeasured::NoLineOfSight);
+    assert_eq!(*why, MissingReason::NoLineOfSight);
 }

@@ -8,7 +8,7 @@ use counterpoise_models::plant::{Angles, FrictionLinearisation, OperatingPoint};
 use counterpoise_verify::linear::frequency::{Curves, compute_rejections};
 use counterpoise_verify::linear::plant::Resolver;
 use counterpoise_verify::linear::{
-    ArrangedLoop, Closed, LoopCause, LoopEffect, SampledPlant, arrange_controller, simulate_disturbance,
+    ArrangedLoop, ClosedLoop, LoopCause, LoopEffect, SampledPlant, arrange_controller, simulate_disturbance,
     simulate_step,
 };
 use counterpoise_verify::signals::step_figures;
@@ -25,9 +25,9 @@ fn sampled_plant() -> SampledPlant {
     SampledPlant::new(&linear, &rig(), Resolver::Unread).unwrap()
 }
 
-fn close_loop(plant: &SampledPlant, arrangement: Arrangement) -> Closed {
+fn close_loop(plant: &SampledPlant, arrangement: Arrangement) -> ClosedLoop {
     let controller = arrange_controller(&controller(), arrangement).unwrap();
-    Closed::new(plant, controller.as_ref(), 151.67).unwrap()
+    ClosedLoop::new(plant, controller.as_ref(), 151.67).unwrap()
 }
 
 /// The complex amplitude of the last `cycles` periods of a series.

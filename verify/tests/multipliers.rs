@@ -7,7 +7,7 @@ use counterpoise_verify::certificate::StabilityCriterion;
 use counterpoise_verify::certificate::multiplier::{
     FrictionKnowledge, Multiplier, ProofOutcome, search_multiplier,
 };
-use counterpoise_verify::structured::taylor::{Evaluated, RateInterval, Taylor};
+use counterpoise_verify::structured::taylor::{RateInterval, SchurSystem, Taylor};
 
 const RANGE: [f64; 2] = [1e-3, 1e3];
 
@@ -27,14 +27,14 @@ fn transfer(numerator: &[f64], denominator: &[f64]) -> StateSpace {
 }
 
 /// G + 1 / k: a nonlinearity of slopes from 0 to k round G is one of slopes from 0 to infinity round this.
-fn shift_sector(system: &Evaluated, k: f64, over: RateInterval) -> Option<Vec<Vec<Taylor>>> {
+fn shift_sector(system: &SchurSystem, k: f64, over: RateInterval) -> Option<Vec<Vec<Taylor>>> {
     let G = system.evaluate_over(over)?[0][0];
     Some(vec![vec![G + Taylor::constant(C64::new(1.0 / k, 0.0), over)]])
 }
 
-/// Whether stability is proved for all nonlinearities of what is known with slopes up to k.
+/// Returns whether stability is proved for all nonlinearities of what is known with slopes up to k.
 fn proves(system: &StateSpace, k: f64, known: FrictionKnowledge, most: StabilityCriterion) -> bool {
-    let system = &Evaluated::of(system).unwrap();
+    let system = &SchurSystem::of(system).unwrap();
     let mut rates: Vec<f64> =
         (0..160).map(|i| RANGE[0] * (RANGE[1] / RANGE[0]).powf(f64::from(i) / 159.0)).collect();
     for _ in 0..8 {

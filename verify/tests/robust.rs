@@ -4,10 +4,11 @@
 use crate::support;
 
 use counterpoise_verify::robust::{
-    Campaign, Distribution, Family, Layout, PointLayout, Sense, Variation, Varied, compare_configurations,
-    figures_of, merge_shards, one_at_a_time, rank_parameters, summarise_requirement, worst_case,
+    Campaign, Distribution, Family, Layout, PointLayout, Sense, Variation, VariedParameter,
+    compare_configurations, figures_of, merge_shards, one_at_a_time, rank_parameters, summarise_requirement,
+    worst_case,
 };
-use counterpoise_verify::{Figure, Limit, Procedure, Requirement, Value, verify};
+use counterpoise_verify::{Limit, PerformanceFigure, Procedure, Requirement, Value, verify};
 use support::{controller, plant, rig};
 
 fn short_procedure() -> Procedure {
@@ -15,16 +16,16 @@ fn short_procedure() -> Procedure {
 }
 
 fn require(key: &str, limit: Limit) -> Requirement {
-    Requirement::new(Figure::from_key(key).unwrap(), limit).unwrap()
+    Requirement::new(PerformanceFigure::from_key(key).unwrap(), limit).unwrap()
 }
 
 fn campaign(samples: usize) -> Campaign {
     let vary =
         |parameter, low, high| Variation { parameter, distribution: Distribution::Uniform { low, high } };
     let variations = vec![
-        vary(Varied::Inertia, 0.5, 2.0),
-        vary(Varied::TorqueConstant, 0.9, 1.1),
-        vary(Varied::Backlash, 0.0, 2.0),
+        vary(VariedParameter::Inertia, 0.5, 2.0),
+        vary(VariedParameter::TorqueConstant, 0.9, 1.1),
+        vary(VariedParameter::Backlash, 0.0, 2.0),
     ];
     let requirements = vec![
         require("gain_margin_db", Limit::AtLeast(10.0)),
@@ -44,7 +45,7 @@ fn campaign(samples: usize) -> Campaign {
 #[test]
 fn a_few_figures_are_those_of_the_whole_verification() {
     let verified = verify(&plant(), &controller(), &short_procedure(), &[]).unwrap();
-    let wanted: Vec<Figure> =
+    let wanted: Vec<PerformanceFigure> =
         verified.verification().figures.iter().map(|measured| measured.figure).collect();
     let values = figures_of(&plant(), &controller(), &short_procedure(), &wanted).unwrap();
     for (measured, value) in verified.verification().figures.iter().zip(&values) {
@@ -85,10 +86,10 @@ fn the_ranking_finds_what_matters_and_the_search_does_not_lose() {
 #[test]
 fn families_and_configurations_are_measured() {
     let figures = [
-        Figure::from_key("phase_margin_deg").unwrap(),
-        Figure::from_key("nonlinear_step_overshoot_percent").unwrap(),
+        PerformanceFigure::from_key("phase_margin_deg").unwrap(),
+        PerformanceFigure::from_key("nonlinear_step_overshoot_percent").unwrap(),
     ];
-    let families = [Family { parameter: Varied::Inertia, factors: vec![0.5, 1.0, 2.0] }];
+    let families = [Family { parameter: VariedParameter::Inertia, factors: vec![0.5, 1.0, 2.0] }];
     let members = one_at_a_time(&rig(), &controller(), &short_procedure(), &figures, &families).unwrap();
     assert_eq!(members.len(), 3);
     assert_eq!(members[1].values, figures_of(&plant(), &controller(), &short_procedure(), &figures).unwrap());
@@ -101,9 +102,12 @@ fn families_and_configurations_are_measured() {
 #[test]
 fn what_matters_in_either_direction_is_found() {
     let variations = vec![
-        Variation { parameter: Varied::Inertia, distribution: Distribution::Uniform { low: 0.9, high: 1.1 } },
         Variation {
-            parameter: Varied::TorqueConstant,
+            parameter: VariedParameter::Inertia,
+            distribution: Distribution::Uniform { low: 0.9, high: 1.1 },
+        },
+        Variation {
+            parameter: VariedParameter::TorqueConstant,
             distribution: Distribution::Uniform { low: 0.9, high: 1.1 },
         },
     ];

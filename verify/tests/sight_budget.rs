@@ -52,7 +52,7 @@ fn procedure_at_rest() -> Procedure {
 
 fn smooth() -> Parameters {
     let mut p = rig();
-    let none = Friction::plain(FrictionLaw::None, 0.0);
+    let none = Friction::with_viscous_part(FrictionLaw::None, 0.0);
     (p.motor_friction, p.pivot_friction) = (none.clone(), none);
     p.gearbox.backlash_rad = 0.0;
     (p.interface.input_bits, p.interface.output_bits) = (40, 40);

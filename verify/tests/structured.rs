@@ -5,7 +5,7 @@ use crate::support;
 
 use counterpoise_linalg::{C64, CMat};
 use counterpoise_verify::Procedure;
-use counterpoise_verify::robust::{Distribution, Variation, Varied};
+use counterpoise_verify::robust::{Distribution, Variation, VariedParameter};
 use counterpoise_verify::structured::factor::Reach;
 use counterpoise_verify::structured::{
     PerturbationBlock, PerturbationStructure, Uncertainty, lower_bound, robust_stability, upper_bound,
@@ -180,7 +180,7 @@ fn a_published_margin_of_three_real_parameters_is_found() {
     assert!(lower <= upper, "lower {lower}");
 }
 
-fn vary(parameter: Varied, low: f64, high: f64) -> Variation {
+fn vary(parameter: VariedParameter, low: f64, high: f64) -> Variation {
     Variation { parameter, distribution: Distribution::Uniform { low, high } }
 }
 
@@ -192,26 +192,26 @@ const WIDEST_GAP: f64 = 2.2;
 #[test]
 fn the_loop_closed_with_the_worst_mechanism_is_at_its_limit() {
     let cases = [
-        vec![vary(Varied::Inertia, 0.5, 2.0)],
-        vec![vary(Varied::TorqueConstant, 0.8, 1.2), vary(Varied::GyroBandwidth, 0.5, 1.5)],
+        vec![vary(VariedParameter::Inertia, 0.5, 2.0)],
+        vec![vary(VariedParameter::TorqueConstant, 0.8, 1.2), vary(VariedParameter::GyroBandwidth, 0.5, 1.5)],
         vec![
-            vary(Varied::HubInertia, 0.5, 2.0),
-            vary(Varied::Inertia, 0.8, 1.25),
-            vary(Varied::StructureStiffness, 0.7, 1.3),
+            vary(VariedParameter::HubInertia, 0.5, 2.0),
+            vary(VariedParameter::Inertia, 0.8, 1.25),
+            vary(VariedParameter::StructureStiffness, 0.7, 1.3),
         ],
         vec![
-            vary(Varied::GearStiffness, 0.5, 1.5),
-            vary(Varied::MotorInertia, 0.5, 1.5),
-            vary(Varied::Resistance, 0.5, 2.0),
+            vary(VariedParameter::GearStiffness, 0.5, 1.5),
+            vary(VariedParameter::MotorInertia, 0.5, 1.5),
+            vary(VariedParameter::Resistance, 0.5, 2.0),
         ],
         vec![
-            vary(Varied::HubInertia, 0.8, 1.25),
-            vary(Varied::Friction, 0.5, 2.0),
-            vary(Varied::Viscous, 0.5, 2.0),
-            vary(Varied::StructureDamping, 0.5, 2.0),
-            vary(Varied::GearStiffness, 0.8, 1.2),
-            vary(Varied::TorqueConstant, 0.9, 1.1),
-            vary(Varied::Backlash, 0.0, 3.0),
+            vary(VariedParameter::HubInertia, 0.8, 1.25),
+            vary(VariedParameter::Friction, 0.5, 2.0),
+            vary(VariedParameter::Viscous, 0.5, 2.0),
+            vary(VariedParameter::StructureDamping, 0.5, 2.0),
+            vary(VariedParameter::GearStiffness, 0.8, 1.2),
+            vary(VariedParameter::TorqueConstant, 0.9, 1.1),
+            vary(VariedParameter::Backlash, 0.0, 3.0),
         ],
     ];
     for (k, variations) in cases.into_iter().enumerate() {

@@ -6,14 +6,14 @@ use crate::support;
 use counterpoise_controller::Controller;
 use counterpoise_recordings::Signals;
 use counterpoise_verify::{
-    Arrangement, Coincidence, Experiment, Figure, Limit, LineOfSight, LoopFigure, Model, Optics, Procedure,
-    Quantity, Requirement, Road, RoadOrigin, Source, StepFigure, Triangle, Unmeasured, Verdict, verify,
-    verify_linear,
+    Arrangement, Coincidence, Experiment, Limit, LineOfSight, LoopFigure, MissingReason, Model, Optics,
+    PerformanceFigure, Procedure, Quantity, Requirement, Road, RoadOrigin, Source, StepFigure, Triangle,
+    Verdict, verify, verify_linear,
 };
 use support::{controller, plant};
 
 fn require(key: &str, limit: Limit) -> Requirement {
-    Requirement::new(Figure::from_key(key).unwrap(), limit).unwrap()
+    Requirement::new(PerformanceFigure::from_key(key).unwrap(), limit).unwrap()
 }
 
 /// The same controller with its feedback `factor` times as strong.
@@ -26,12 +26,12 @@ fn stronger(factor: f64) -> Controller {
 #[test]
 fn margins_are_those_that_a_stronger_loop_uses_up() {
     let found = verify_linear(&plant(), &controller(), &Procedure::default(), &[]).unwrap();
-    let db = found.value(Figure::Loop(LoopFigure::GainMargin)).unwrap();
+    let db = found.value(PerformanceFigure::Loop(LoopFigure::GainMargin)).unwrap();
     let factor = 10f64.powf(db / 20.0);
     for (share, stable) in [(0.995, true), (1.005, false)] {
         let other = verify_linear(&plant(), &stronger(share * factor), &Procedure::default(), &[]).unwrap();
         assert_eq!(other.evidence.margins.closed_loop_stable, stable, "{share}");
-        assert_eq!(other.value(Figure::Loop(LoopFigure::PoleRadius)).unwrap() < 1.0, stable);
+        assert_eq!(other.value(PerformanceFigure::Loop(LoopFigure::PoleRadius)).unwrap() < 1.0, stable);
     }
 }
 
@@ -51,7 +51,14 @@ fn an_unstable_loop_fails_and_is_not_an_error() {
 fn feedforward_helps_and_control_helps_more_than_none() {
     let found = verify_linear(&plant(), &controller(), &Procedure::default(), &[]).unwrap();
     let rms = |arrangement| {
-        found.value(Figure::Disturbance(Model::Linear, Source::Heave, arrangement, Quantity::HubRms)).unwrap()
+        found
+            .value(PerformanceFigure::Disturbance(
+                Model::Linear,
+                Source::Heave,
+                arrangement,
+                Quantity::HubRms,
+            ))
+            .unwrap()
     };
     let (none, feedback, both) =
         (rms(Arrangement::Uncontrolled), rms(Arrangement::Feedback), rms(Arrangement::Compensated));
@@ -62,11 +69,11 @@ fn feedforward_helps_and_control_helps_more_than_none() {
 fn what_was_not_run_cannot_be_judged() {
     let requirements = [require("linear_road_feedback_hub_rms_rad_s", Limit::AtMost(1.0))];
     let found = verify_linear(&plant(), &controller(), &Procedure::default(), &requirements).unwrap();
-    assert!(matches!(&found.verdicts[0].1, Verdict::NotApplicable { why: Unmeasured::NoRoad }));
+    assert!(matches!(&found.verdicts[0].1, Verdict::NotApplicable { why: MissingReason::NoRoad }));
     let simulated = [require("rest_drift_rad", Limit::AtMost(1.0))];
     let found = verify_linear(&plant(), &controller(), &Procedure::default(), &simulated).unwrap();
-    assert!(matches!(&found.verdicts[0].1, Verdict::NotApplicable { why: Unmeasured::LinearPlantAlone }));
-    assert!(found.value(Figure::Step(Model::Linear, StepFigure::SteadyStateError)).unwrap() < 0.5);
+    assert!(matches!(&found.verdicts[0].1, Verdict::NotApplicable { why: MissingReason::LinearPlantAlone }));
+    assert!(found.value(PerformanceFigure::Step(Model::Linear, StepFigure::SteadyStateError)).unwrap() < 0.5);
 }
 
 const TRIANGLE: Triangle = Triangle { rate_rad_s: 0.15, period_s: 2.0 };
@@ -102,7 +109,7 @@ fn every_figure_can_be_required_and_is_judged_by_how_much() {
     };
     let first = verify(&plant(), &controller(), &procedure, &[]).unwrap();
     let (mut asked, mut expected) = (Vec::new(), Vec::new());
-    for figure in Figure::all() {
+    for figure in PerformanceFigure::all() {
         let value = first.verification().value(figure).filter(|value| value.is_finite());
         let limit = value.unwrap_or(1.0);
         let room = 0.1 * limit.abs().max(1e-6);
@@ -130,7 +137,7 @@ fn every_figure_can_be_required_and_is_judged_by_how_much() {
             (Verdict::NotApplicable { why }, None) => {
                 // the linear plant has no teeth that part, and a step that stays below the demand no peak
                 let teeth = key.key().starts_with("linear") && key.key().ends_with("gear_open_fraction");
-                let peak = key.key().ends_with("step_peak_time_s") && *why == Unmeasured::NoPeak;
+                let peak = key.key().ends_with("step_peak_time_s") && *why == MissingReason::NoPeak;
                 assert!(teeth || peak, "{key}: {why:?}");
             }
             // a margin without bound
@@ -140,7 +147,7 @@ fn every_figure_can_be_required_and_is_judged_by_how_much() {
             other => panic!("{key}: {other:?}"),
         }
     }
-    assert_eq!(verdicts.len(), 4 * Figure::all().len());
+    assert_eq!(verdicts.len(), 4 * PerformanceFigure::all().len());
 }
 
 /// A mechanism without what is not linear.
@@ -188,15 +195,21 @@ fn a_whole_verification_measures_everything_twice_alike() {
     let (first, second) = (run(), run());
     assert_eq!(first, second);
     let found = first.verification();
-    for figure in Figure::all() {
+    for figure in PerformanceFigure::all() {
         let road = matches!(
             figure,
-            Figure::Disturbance(_, Source::Road, ..) | Figure::Triangle(..) | Figure::Sight(_)
+            PerformanceFigure::Disturbance(_, Source::Road, ..)
+                | PerformanceFigure::Triangle(..)
+                | PerformanceFigure::Sight(_)
         );
         let present = found.figures.iter().any(|measured| measured.figure == figure);
         assert_eq!(present, !road, "{figure}");
     }
-    let open =
-        Figure::Disturbance(Model::Nonlinear, Source::Both, Arrangement::Compensated, Quantity::GearOpen);
+    let open = PerformanceFigure::Disturbance(
+        Model::Nonlinear,
+        Source::Both,
+        Arrangement::Compensated,
+        Quantity::GearOpen,
+    );
     assert_eq!(found.value(open), Some(0.0), "gravity preloads the gear");
 }

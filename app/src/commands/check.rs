@@ -29,7 +29,7 @@ pub struct CheckOptions {
 
 /// The errors of a file, as JSON.
 #[derive(Serialize)]
-struct Refused<'a> {
+struct FileErrors<'a> {
     file: &'a str,
     errors: &'a [Diagnostic],
 }
@@ -50,7 +50,7 @@ pub fn run(options: &CheckOptions) -> CommandResult {
             Ok(ExitStatus::SUCCESS)
         }
         Err(errors) => {
-            let refused = Refused { file: document.name(), errors: &errors };
+            let refused = FileErrors { file: document.name(), errors: &errors };
             if output::write_json(&options.results, &refused)? {
                 return Ok(ExitStatus::BAD_INPUT);
             }

@@ -113,7 +113,7 @@ pub fn run(options: &ClaimsOptions) -> CommandResult {
     Ok(verdict_code(rows.iter().map(|claim| claim.finding() != ClaimOutcome::Fails)))
 }
 
-/// The mechanism of the claims where nobody names another.
+/// Project on which the claims are measured if the command names none.
 const RIG: &str = "examples/reference-rig";
 
 /// Returns the project that was asked for; otherwise the reference rig, which is written into a scratch folder if it is not there.
@@ -130,7 +130,7 @@ fn project_of(options: &ClaimsOptions, scratch: &Path) -> Result<PathBuf> {
     Ok(folder)
 }
 
-/// Where the page goes where nobody says: rows alone do not take the place of the whole table.
+/// Returns the file of the page if the command names none. A page of selected rows has a name of its own and does not replace the whole table.
 fn page_of(only: &[String]) -> PathBuf {
     let name: String = only.iter().map(|id| format!("-{}", id.trim().to_uppercase())).collect();
     PathBuf::from(format!("out/claims{name}.html"))

@@ -36,7 +36,7 @@ pub struct CompareOptions {
 
 /// The table with the time of each design, for another program.
 #[derive(Serialize)]
-struct Timed<'a> {
+struct TimedTable<'a> {
     #[serde(flatten)]
     table: &'a DesignTable,
     /// Time of each row's design without its simulation, s; it differs from run to run.
@@ -66,7 +66,7 @@ pub fn run(options: &CompareOptions) -> CommandResult {
             html_page(&designs::comparison_report(&table, &times_s, &origin)).as_bytes(),
         )?;
     }
-    if !output::write_json(&options.results, &Timed { table: &table, design_time_s: &times_s })? {
+    if !output::write_json(&options.results, &TimedTable { table: &table, design_time_s: &times_s })? {
         print(&table, &times_s);
         options.markdown.iter().for_each(|path| say!("table   {}", path.display()));
         options.report.iter().for_each(|path| say!("report  {}", path.display()));

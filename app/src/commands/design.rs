@@ -12,7 +12,7 @@ use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::export::target_proofs::{CodeAgreement, CompiledCodeTest, StepCosts};
 use counterpoise_pipeline::results::{DesignResult, ResultContents};
 use counterpoise_pipeline::studies::advice::KeptDesigns;
-use counterpoise_pipeline::wording::acceptance::Traceable;
+use counterpoise_pipeline::wording::acceptance::AcceptanceSource;
 use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
 use counterpoise_pipeline::{DesignStages, FirstDesignResult, TwoAxisStudy, World, design_project};
 use counterpoise_pool::Pool;
@@ -48,7 +48,7 @@ pub struct DesignOptions {
 
 /// The results for another program, and why the weights are what they are if they were chosen.
 #[derive(Serialize)]
-struct Whole<'a> {
+struct DesignOutput<'a> {
     #[serde(flatten)]
     design: &'a DesignResult,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -85,7 +85,7 @@ pub fn run(options: &DesignOptions) -> CommandResult {
     if let Some(traverse) = &designed.stages.traverse {
         export::write_traverse(&options.output, traverse)?;
     }
-    if !output::write_json(&options.results, &Whole { design: &result, first_design })? {
+    if !output::write_json(&options.results, &DesignOutput { design: &result, first_design })? {
         first_design::print_first_design(&loaded);
         print(options, &designed.stages);
         print_two_axes(&designed);

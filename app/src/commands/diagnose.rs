@@ -168,10 +168,10 @@ fn print(answer: &AnswerText) {
         answer.qualification.iter().for_each(|remark| say!("  {remark}"));
         say!();
     }
-    say!("balances that these sensors allow:");
+    say!("equations of torque and motion that these sensors allow:");
     for row in &answer.isolability {
         say!(
-            "  {:<8} {:<4} sees {}",
+            "  {:<8} {:<4} depends on {}",
             row.balance.name(),
             if row.available { "yes" } else { "no" },
             component_list(&row.sees)
@@ -211,7 +211,7 @@ fn print_finding(finding: &FindingText) {
 }
 
 fn print_learned(learned: &LearnedText) {
-    say!("modelled, without a name:");
+    say!("free functions in place of an unidentified effect:");
     for function in &learned.functions {
         say!("  {}", function.reading);
         say!("    {}", function.range);

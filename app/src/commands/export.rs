@@ -4,7 +4,7 @@ use crate::output::say;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use counterpoise_export::{Checked, File, check_file};
+use counterpoise_export::{CheckOutcome, File, check_file};
 use counterpoise_host::terminal::print_message;
 use counterpoise_host::{code_files, files};
 use counterpoise_pipeline::exchange::ControllerResult;
@@ -151,12 +151,12 @@ fn text_outcome(text: &str, expected: Option<&File>) -> (bool, String) {
     };
     let line = |line: Option<String>| line.unwrap_or_else(|| "(end of file)".to_owned());
     match check_file(text, expected) {
-        Checked::Same => (true, "is what the project gives".to_owned()),
-        Checked::NotGenerated => (false, "is no generated file".to_owned()),
-        Checked::OtherProject { found, expected } => {
+        CheckOutcome::Same => (true, "is what the project gives".to_owned()),
+        CheckOutcome::NotGenerated => (false, "is no generated file".to_owned()),
+        CheckOutcome::OtherProject { found, expected } => {
             (false, format!("was generated from project {found}; the project is now {expected}"))
         }
-        Checked::Differs { line: number, found, expected } => (
+        CheckOutcome::Differs { line: number, found, expected } => (
             false,
             format!("line {number} was changed\n  found:    {}\n  expected: {}", line(found), line(expected)),
         ),

@@ -19,7 +19,7 @@ use crate::exit::{CommandResult, ExitStatus, verdict_code};
 use crate::options::ResultOutput;
 use crate::output;
 use counterpoise_host::campaign_progress::CampaignPace;
-use counterpoise_host::interrupt::Interrupted;
+use counterpoise_host::interrupt::Interruption;
 use counterpoise_host::projects::{self, ProjectWorld};
 use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_host::workers::{ProgressPool, try_map};
@@ -50,11 +50,11 @@ pub struct SweepOptions {
     pub results: ResultOutput,
 }
 
-/// Samples in a shard where nobody says how many shards there are.
+/// Samples in a shard if the command does not state the number of shards.
 const SHARD: usize = 50;
 
 /// A campaign with its name: only files of the same name belong together.
-struct Named {
+struct NamedCampaign {
     designed: DesignStages,
     campaign: Campaign,
     name: String,
@@ -94,7 +94,7 @@ fn print_cost(options: &SweepOptions, cost: Option<String>) {
     }
 }
 
-fn prepare(options: &SweepOptions) -> Result<Named> {
+fn prepare(options: &SweepOptions) -> Result<NamedCampaign> {
     let loaded = projects::load_project(&options.project, Purpose::Sweep)?;
     output::print_warnings(&loaded, options.results.progress());
     campaign_is_stated(&loaded.project)?;
@@ -116,7 +116,7 @@ fn prepare(options: &SweepOptions) -> Result<Named> {
     };
     let identity = ProjectIdentity::of(&loaded.project, &loaded.project_folder());
     let name = format!("{} {} {}", env!("CARGO_PKG_VERSION"), identity.hash, campaign.len());
-    Ok(Named { designed, campaign, name, families, identity, stability })
+    Ok(NamedCampaign { designed, campaign, name, families, identity, stability })
 }
 
 /// One of the parts into which a campaign is divided.
@@ -138,7 +138,7 @@ fn shard_of(text: &str) -> Result<Shard> {
 }
 
 /// Runs a shard unless its file is there and whole.
-fn run_shard(named: &Named, folder: &Path, shard: Shard, pace: &CampaignPace) -> Result<()> {
+fn run_shard(named: &NamedCampaign, folder: &Path, shard: Shard, pace: &CampaignPace) -> Result<()> {
     let range = named.campaign.shard(shard.index, shard.count)?;
     let path = shards::shard_path(folder, shard.index, shard.count);
     if path.exists() {
@@ -158,7 +158,7 @@ fn run_shard(named: &Named, folder: &Path, shard: Shard, pace: &CampaignPace) ->
 }
 
 /// Runs every shard on all processors; what was done before stays done. Says what a large campaign would cost.
-fn run_all(named: &Named, options: &SweepOptions) -> Result<Option<String>> {
+fn run_all(named: &NamedCampaign, options: &SweepOptions) -> Result<Option<String>> {
     let count = named.campaign.len().div_ceil(SHARD);
     let pace = pace(options, named.campaign.len())?;
     let _watch = interrupt::watch_interrupts();
@@ -166,7 +166,7 @@ fn run_all(named: &Named, options: &SweepOptions) -> Result<Option<String>> {
         if interrupt::is_stop_requested() {
             pace.finish();
             let kept = options.output.display();
-            return Err(Interrupted(format!(
+            return Err(Interruption(format!(
                 "stopped after {index} of {count} shards, which are kept in {kept}; the same command goes on from there"
             ))
             .into());
@@ -177,7 +177,7 @@ fn run_all(named: &Named, options: &SweepOptions) -> Result<Option<String>> {
 }
 
 /// Merges, writes the samples and the report, and prints the summary.
-fn finish(named: &Named, options: &SweepOptions) -> CommandResult {
+fn finish(named: &NamedCampaign, options: &SweepOptions) -> CommandResult {
     let mut parts = Vec::new();
     for path in shards::shard_files(&options.output)? {
         parts.push(shards::read_shard(&path, &named.campaign, &named.name)?);
@@ -261,13 +261,18 @@ fn print_stability(found: &CampaignResult) {
 
 /// One sample, for another program.
 #[derive(serde::Serialize)]
-struct One {
+struct OneSample {
     sample: usize,
     factors: Vec<(&'static str, f64)>,
     figures: Vec<(String, f64)>,
 }
 
-fn one_sample(named: &Named, index: usize, changed: &[String], results: &ResultOutput) -> CommandResult {
+fn one_sample(
+    named: &NamedCampaign,
+    index: usize,
+    changed: &[String],
+    results: &ResultOutput,
+) -> CommandResult {
     if index >= named.campaign.len() {
         bail!("the campaign has {} samples: the last is {}", named.campaign.len(), named.campaign.len() - 1);
     }
@@ -280,7 +285,7 @@ fn one_sample(named: &Named, index: usize, changed: &[String], results: &ResultO
     let controlled = named.campaign.controlled_quantity();
     let figures =
         named.campaign.requirements().iter().map(|requirement| requirement.figure.key_in(controlled));
-    let one = One {
+    let one = OneSample {
         sample: index,
         factors: keys.zip(sample.factors.iter().copied()).collect(),
         figures: figures.zip(sample.values.iter().copied()).collect(),

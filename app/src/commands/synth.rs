@@ -15,7 +15,7 @@ use counterpoise_pipeline::{
     study_synthesis,
 };
 use counterpoise_project::{Project, Purpose};
-use counterpoise_synth::{Ended, Figures, SearchTrial};
+use counterpoise_synth::{Figures, SearchEnding, SearchTrial};
 use counterpoise_verify::Verdict;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -27,6 +27,7 @@ use counterpoise_host::interrupt;
 use counterpoise_host::projects::{self, ProjectOnDisk, ProjectWorld};
 use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_plot::number::short_number;
+use counterpoise_report::alternatives::drop_small_sign;
 use counterpoise_report::trade_off::VerifiedPoint;
 use counterpoise_report::{ReportOrigin, html_page, of_synthesis, trade_off};
 
@@ -48,7 +49,7 @@ pub struct SynthOptions {
 
 /// The design and its comparison with alternatives, for another program.
 #[derive(Serialize)]
-struct Whole<'a> {
+struct SynthOutput<'a> {
     #[serde(flatten)]
     synth: &'a SynthResult,
     beside: &'a DesignComparison,
@@ -79,7 +80,7 @@ pub fn run(options: &SynthOptions) -> CommandResult {
     let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
     let controlled = loaded.project.plant.controlled_quantity();
     let tuning = loaded.tuned.as_ref().map(|tuned| TuningResult::of(tuned, controlled));
-    let whole = Whole { synth: &result, beside: &study.comparison, first_design, tuning };
+    let whole = SynthOutput { synth: &result, beside: &study.comparison, first_design, tuning };
     if !output::write_json(&options.outputs.results, &whole)? {
         super::first_design::print_first_design(&loaded);
         super::tuning::print_tuning(&loaded);
@@ -183,7 +184,7 @@ fn print_total_cost(beside: &DesignComparison) {
             }
             _ => String::new(),
         };
-        let slope = tidy(row.slope);
+        let slope = drop_small_sign(row.slope);
         say!(
             "  {:18} {:>10}, slope {slope:+.4} per unit of its gain{best}",
             row.part,
@@ -236,7 +237,8 @@ fn print_balance(study: &SynthesisStudy) {
         controlled.milli_unit()
     );
     for row in &beside.balance {
-        let range = |[low, high]: [f64; 2]| format!("{:+.2} .. {:+.2}", tidy(low), tidy(high));
+        let range =
+            |[low, high]: [f64; 2]| format!("{:+.2} .. {:+.2}", drop_small_sign(low), drop_small_sign(high));
         let change = |db: Option<[f64; 2]>| db.map_or("none".to_owned(), range);
         let error = |value: Option<f64>| value.map_or("-".to_owned(), |rate| format!("{:.3}", 1e3 * rate));
         say!("  {} ({:.2} kg m)", row.name, row.out_of_balance_kg_m);
@@ -255,11 +257,6 @@ fn print_balance(study: &SynthesisStudy) {
         say!("    {}", row.conditions);
         say!("    {}", row.law);
     }
-}
-
-/// Without the sign of a zero that is shown.
-fn tidy(db: f64) -> f64 {
-    if db.abs() < 5e-3 { 0.0 } else { db }
 }
 
 /// The search, for another program.
@@ -384,9 +381,9 @@ fn search_result(found: &SearchAnswer, verified: Vec<VerifiedPoint>) -> SearchRe
 
 fn print_search(found: &SearchAnswer, result: &SearchResult, gain_unit: &str) {
     let ended = match found.found.ended {
-        Ended::Settled => "no step improves any more",
-        Ended::OutOfTrials => "as many as [synth.search] allows for one answer",
-        Ended::Stopped => "stopped",
+        SearchEnding::Settled => "no step improves any more",
+        SearchEnding::OutOfTrials => "as many as [synth.search] allows for one answer",
+        SearchEnding::Stopped => "stopped",
     };
     say!("{} designs were tried ({ended})", result.trials);
     result.weights.iter().take(2).for_each(|line| say!("{line}"));

@@ -97,7 +97,7 @@ pub fn run(options: &VerifyOptions) -> CommandResult {
 
 /// The verdicts and the linear worst case, for another program.
 #[derive(serde::Serialize)]
-struct Shown {
+struct VerifyOutput {
     #[serde(flatten)]
     result: VerifyResult,
     /// Stable within so many times the ranges of the sweep; absent if nothing varies.
@@ -125,7 +125,7 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
     let own = stability.map(|found| RobustnessResult::new("design", joints, Some(found)));
     let robustness = own.into_iter().chain(study.regimes.iter().map(Into::into)).collect();
     let advised = study.advice.iter().map(Into::into).collect();
-    let shown = Shown { result, robust_to_times_the_ranges, robustness, advice: advised };
+    let shown = VerifyOutput { result, robust_to_times_the_ranges, robustness, advice: advised };
     if !output::write_json(&options.results, &shown)? {
         print_verdicts(found);
         let both = study.two_axes.iter().flat_map(two_axes::two_axes_lines);

@@ -1,6 +1,6 @@
 //! The estimator of the out-of-balance in a step.
 
-use crate::lower::regressors::{EstimatorInputs, fall, regressors, write_unexplained};
+use crate::lower::regressors::{EstimatorInputs, regressors, write_gravity_change, write_unexplained};
 use crate::lower::schedule::{self, settable_moments};
 use crate::lower::squares::squares;
 use crate::lower::{Limits, States, Writer};
@@ -51,7 +51,7 @@ fn gradient(
 /// can prove its quotient.
 fn mean(inputs: &EstimatorInputs<'_>, estimator: &Estimator, window: u32, writer: &mut Writer) {
     let (p, Some([sum, fallen, count])) = (inputs.layout.estimate[0], inputs.layout.window) else { return };
-    let falls = fall(inputs, estimator, writer);
+    let falls = write_gravity_change(inputs, estimator, writer);
     let lift = writer.local("lift_m_s2");
     writer.sum_into(lift, Some(estimator.gravity_m_s2), &falls);
     let explained = writer.product("explained_v", p, lift);
@@ -111,7 +111,7 @@ fn follow(inputs: &EstimatorInputs<'_>, estimator: &Estimator, states: &mut Stat
     let sum = writer.sum("unbounded_kg_m", &[1.0 * layout.out_of_balance, 1.0 * way]);
     let bounded = writer.clamp("bounded_kg_m", sum, settable_moments(parts));
     writer.copy(layout.out_of_balance, bounded);
-    schedule::follow(writer, parts, layout);
+    schedule::write_scheduled_gains(writer, parts, layout);
     if let (Some(transfer), Some(before)) = (transfer, before) {
         let after = schedule::slow_part(writer, layout, "after");
         let sum = writer.sum("new_transfer_v", &[1.0 * before, -1.0 * after, 1.0 * transfer]);

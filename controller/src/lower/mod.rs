@@ -5,7 +5,7 @@
 
 mod curve;
 mod estimate;
-mod observe;
+mod friction_observers;
 mod project;
 mod regressors;
 mod schedule;

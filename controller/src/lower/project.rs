@@ -8,7 +8,7 @@ use crate::signal::{PLATFORM_ACCELERATION, PLATFORM_RATE, PLATFORM_SURGE};
 use crate::tolerance::HIGHEST_ELEVATION_RAD;
 
 /// What a projection is given.
-pub(super) struct Given<'a> {
+pub(super) struct ProjectionInput<'a> {
     /// The corrected readings.
     pub readings: &'a [Slot; READINGS],
     /// Sample period, s.
@@ -18,7 +18,7 @@ pub(super) struct Given<'a> {
 /// Writes a_z cos(theta) - a_x sin(theta), and returns where it stands.
 pub(super) fn project_across_beam(
     projection: Projection,
-    given: &Given<'_>,
+    given: &ProjectionInput<'_>,
     states: &mut States,
     writer: &mut Writer,
     pending: &mut Vec<Update>,
@@ -43,7 +43,7 @@ pub(super) fn project_across_beam(
 /// Writes the platform's pitch angle: phi + T (rate - phi / washout), by the implicit step of its lag.
 fn pitch(
     washout_s: f64,
-    given: &Given<'_>,
+    given: &ProjectionInput<'_>,
     states: &mut States,
     writer: &mut Writer,
     pending: &mut Vec<Update>,

@@ -11,14 +11,14 @@ pub(crate) struct EstimatorInputs<'a> {
     pub parts: &'a Parts,
     /// States of the out-of-balance.
     pub layout: &'a Layout,
-    /// Where a signal is found.
+    /// Slot of a signal.
     pub signal: &'a dyn Fn(PathSignal) -> Slot,
     /// The limited control, in volts of a linear drive.
     pub control: Slot,
 }
 
 /// Writes the terms of g (cos(theta) - 1): the cosine by its series, whose error is below 2e-5 up to 1 rad.
-pub(super) fn fall(
+pub(super) fn write_gravity_change(
     inputs: &EstimatorInputs<'_>,
     estimator: &Estimator,
     writer: &mut Writer,
@@ -39,7 +39,7 @@ fn lift(inputs: &EstimatorInputs<'_>, estimator: &Estimator, writer: &mut Writer
     let lift = writer.local("lift_m_s2");
     let heave = (inputs.signal)(PathSignal::PlatformAcceleration);
     let terms: Vec<ProgramTerm> =
-        std::iter::once(1.0 * heave).chain(fall(inputs, estimator, writer)).collect();
+        std::iter::once(1.0 * heave).chain(write_gravity_change(inputs, estimator, writer)).collect();
     writer.sum_into(lift, Some(estimator.gravity_m_s2), &terms);
     lift
 }

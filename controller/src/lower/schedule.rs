@@ -11,19 +11,19 @@ pub(crate) struct Layout {
     pub out_of_balance: Slot,
     /// Bias in force, V.
     pub bias: Option<Slot>,
-    /// What is left of the last change's step, V.
+    /// Remainder of the last change's step, V.
     pub transfer: Option<Slot>,
     /// The estimator's parameters.
     pub estimate: Vec<Slot>,
     /// Of a mean over windows: sum of the control, of what gravity's share falls short, and samples so far.
     pub window: Option<[Slot; 3]>,
     /// Gain in force and last output of each path that follows the out-of-balance.
-    pub paths: Vec<Option<Followed>>,
+    pub paths: Vec<Option<ScheduledPath>>,
 }
 
 /// A path that follows the out-of-balance.
 #[derive(Clone, Copy)]
-pub(crate) struct Followed {
+pub(crate) struct ScheduledPath {
     /// Gain in force.
     pub gain: Slot,
     /// The path's output before its gain in the last step, V.
@@ -36,14 +36,14 @@ pub(crate) fn layout(parts: &Parts, states: &mut States) -> Layout {
     let out_of_balance = states.scalar("out_of_balance_kg_m", design, OnRestart::Keep);
     let bias = (parts.bias_v_per_kg_m != 0.0)
         .then(|| states.scalar("bias_v", parts.bias_v_per_kg_m * design, OnRestart::Keep));
-    let paths: Vec<Option<Followed>> = parts
+    let paths: Vec<Option<ScheduledPath>> = parts
         .paths
         .iter()
         .map(|path| {
             let initial = initial_gain(path.scaling, design)?;
             let gain = states.scalar(&format!("{}_gain", path.name), initial, OnRestart::Keep);
             let last = states.scalar(&format!("{}_last_v", path.name), 0.0, OnRestart::Restart);
-            Some(Followed { gain, last })
+            Some(ScheduledPath { gain, last })
         })
         .collect();
     let follows = bias.is_some() || paths.iter().any(Option::is_some);
@@ -108,7 +108,7 @@ fn initial_gain(scaling: Scaling, design: f64) -> Option<f64> {
 }
 
 fn evaluate(program: &Program, out_of_balance: f64) -> f64 {
-    let compiled = crate::compiled_program::Compiled::<f64>::new(program, 2);
+    let compiled = crate::compiled_program::CompiledProgram::<f64>::new(program, 2);
     let mut memory = vec![0.0; compiled.memory()];
     if let Some(place) = memory.get_mut(1) {
         *place = out_of_balance;
@@ -162,7 +162,7 @@ fn constant(writer: &mut Writer, name: String, value: f64) -> Slot {
 }
 
 /// Writes gains and bias that belong to the out-of-balance in force.
-pub(crate) fn follow(writer: &mut Writer, parts: &Parts, layout: &Layout) {
+pub(crate) fn write_scheduled_gains(writer: &mut Writer, parts: &Parts, layout: &Layout) {
     let of = layout.out_of_balance;
     for (path, followed) in parts.paths.iter().zip(&layout.paths) {
         let new = gain(writer, &path.name, path.scaling, of, parts.design_out_of_balance_kg_m);
@@ -193,7 +193,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout) -> Program {
         window.iter().for_each(|sum| writer.sum_into(*sum, None, &[]));
     }
     writer.section("gains and bias that belong to it");
-    follow(&mut writer, parts, layout);
+    write_scheduled_gains(&mut writer, parts, layout);
     if let (Some(transfer), Some(before)) = (layout.transfer, before) {
         writer.section("the step this makes is taken out, to fade in");
         let after = slow_part(&mut writer, layout, "after");

@@ -23,7 +23,7 @@ pub(crate) fn squares(
     let mut phi = regressors(inputs, estimator, writer).to_vec();
     let mut control = inputs.control;
     if *filter_s > 0.0 {
-        let filtered = Filtered { inputs, filter_s: *filter_s, inertia: *inertia_v_s2_rad };
+        let filtered = FilteredSignals { inputs, filter_s: *filter_s, inertia: *inertia_v_s2_rad };
         (control, phi) = filtered.write(&phi, states, writer);
     }
     if n > 3 {
@@ -53,13 +53,13 @@ pub(crate) fn squares(
 }
 
 /// Control and regressors after the same lag.
-struct Filtered<'a> {
+struct FilteredSignals<'a> {
     inputs: &'a EstimatorInputs<'a>,
     filter_s: f64,
     inertia: [f64; 2],
 }
 
-impl Filtered<'_> {
+impl FilteredSignals<'_> {
     /// Writes the control less what the inertias take, and the regressors.
     fn write(&self, phi: &[Slot], states: &mut States, writer: &mut Writer) -> (Slot, Vec<Slot>) {
         let hub = (self.inputs.signal)(PathSignal::HubRate);

@@ -6,7 +6,7 @@ use crate::lower::estimate;
 use crate::lower::regressors::EstimatorInputs;
 use crate::lower::schedule::Layout;
 use crate::lower::{
-    Limits, PREFILTER_STATES, PREVIOUS_CONTROL, States, Update, Writer, curve, observe, project,
+    Limits, PREFILTER_STATES, PREVIOUS_CONTROL, States, Update, Writer, curve, friction_observers, project,
     reading_names,
 };
 use crate::program::{OnRestart, Program, ProgramTerm, Slot};
@@ -57,7 +57,8 @@ pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Pr
     let mut pending = Vec::new();
     let mut signals = write_corrections(parts, &mut writer);
     if let Some(projection) = parts.projection {
-        let given = project::Given { readings: &signals.readings, sample_period_s: parts.sample_period_s };
+        let given =
+            project::ProjectionInput { readings: &signals.readings, sample_period_s: parts.sample_period_s };
         let across = project::project_across_beam(projection, &given, states, &mut writer, &mut pending);
         signals.readings[PLATFORM_ACCELERATION] = across;
     }
@@ -65,7 +66,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Pr
     prefilter(parts, &mut signals, states, &mut writer, &mut pending);
     derive(parts, &mut signals, states, &mut writer);
     let observe = |o: &FrictionObserver| {
-        observe::observe(o, signals.slot(o.rate), parts.sample_period_s, states, &mut writer)
+        friction_observers::observe(o, signals.slot(o.rate), parts.sample_period_s, states, &mut writer)
     };
     let dry: Vec<Slot> = parts.observers.iter().map(observe).collect();
     let path_states: Vec<Vec<Slot>> =

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::tolerance::experiment::{LEVELS, MULTISINE_LINES, MULTISINE_RANGE_HZ, STAIRS, SWEEP_PERIODS};
 
-/// What an experiment must not exceed.
+/// Limits of an experiment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Angle from the start to either side, rad.
@@ -38,9 +38,9 @@ pub enum DemandShape {
 /// A demand of the menu.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Demand {
-    /// Its shape.
+    /// Shape.
     pub shape: DemandShape,
-    /// Its size, as a share of the largest that the limits allow.
+    /// Size, as a share of the largest that the limits allow.
     pub level: f64,
     /// Rate at each sample, rad/s.
     pub rate_rad_s: Vec<f64>,

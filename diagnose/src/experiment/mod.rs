@@ -8,5 +8,5 @@ pub mod plan;
 pub mod separation;
 
 pub use menu::{Demand, DemandShape, Limits};
-pub use plan::{ExperimentPlan, ExperimentRequest, PlannedExperiment, Reached, choose_experiment};
+pub use plan::{ExperimentExtremes, ExperimentPlan, ExperimentRequest, PlannedExperiment, choose_experiment};
 pub use separation::{PossibleMachine, Separation};

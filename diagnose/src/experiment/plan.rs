@@ -9,13 +9,13 @@ use counterpoise_simulate::{
 };
 
 use super::menu::{Demand, DemandShape, Limits, list_demands};
-use super::separation::{Expected, PossibleMachine, Separation, separation};
+use super::separation::{ExpectedSignals, PossibleMachine, Separation, separation};
 use crate::library::EffectParameter;
 use crate::tolerance::FIT_STEP;
 use crate::tolerance::experiment::{LEAST_FLOOR, OVERSHOOT, STEPS_PER_SAMPLE};
 use counterpoise_pool::{Pool, map};
 
-/// What is planned for.
+/// Input of the planning of an experiment.
 pub struct ExperimentRequest<'a> {
     /// The machines that are left, the likeliest first.
     pub machines: &'a [PossibleMachine],
@@ -27,9 +27,9 @@ pub struct ExperimentRequest<'a> {
     pub limits: Limits,
 }
 
-/// What the machines reach in an experiment, the largest of all.
+/// Largest angle, rate and current of all machines in an experiment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Reached {
+pub struct ExperimentExtremes {
     /// Angle from the start, rad.
     pub angle_rad: f64,
     /// Rate, rad/s.
@@ -45,10 +45,10 @@ pub struct PlannedExperiment {
     pub shape: DemandShape,
     /// The demand as the controller reads it: a rate, or an angle if the loop controls that.
     pub demand: Vec<f64>,
-    /// How well it separates each two machines.
+    /// Separation of each two machines.
     pub separations: Vec<Separation>,
-    /// What the machines reach.
-    pub reached: Reached,
+    /// Largest values that the machines reach.
+    pub reached: ExperimentExtremes,
 }
 
 impl PlannedExperiment {
@@ -115,7 +115,7 @@ impl ExperimentRequest<'_> {
     /// Simulates a demand with every machine; `None` if one of them leaves the limits or cannot be simulated.
     fn try_demand(&self, demand: &Demand) -> Option<PlannedExperiment> {
         let demanded = self.demand_readings(demand);
-        let mut reached = Reached::default();
+        let mut reached = ExperimentExtremes::default();
         let mut expected = Vec::new();
         for possible in self.machines {
             let (one, farthest) = self.expected_recording(possible, &demanded)?;
@@ -130,7 +130,11 @@ impl ExperimentRequest<'_> {
     }
 
     /// Returns what a machine would record and what it reaches; `None` if it leaves the limits.
-    fn expected_recording(&self, machine: &PossibleMachine, demand: &[f64]) -> Option<(Expected, Reached)> {
+    fn expected_recording(
+        &self,
+        machine: &PossibleMachine,
+        demand: &[f64],
+    ) -> Option<(ExpectedSignals, ExperimentExtremes)> {
         let history = self.simulate_machine(&machine.parameters, demand)?;
         let reached = self.reached_limits(&history);
         let limits = &self.limits;
@@ -148,7 +152,7 @@ impl ExperimentRequest<'_> {
             Some(changed.iter().zip(&signals).map(|(a, b)| a - b).collect::<Vec<f64>>())
         };
         let slopes = machine.free.iter().filter_map(slope).collect();
-        Some((Expected { signals, slopes }, reached))
+        Some((ExpectedSignals { signals, slopes }, reached))
     }
 
     fn simulate_machine(&self, parameters: &Parameters, demand: &[f64]) -> Option<TimeHistory> {
@@ -168,10 +172,10 @@ impl ExperimentRequest<'_> {
         simulator.run(self.controller.at_rest().as_mut(), &scenario).ok()
     }
 
-    fn reached_limits(&self, history: &TimeHistory) -> Reached {
+    fn reached_limits(&self, history: &TimeHistory) -> ExperimentExtremes {
         let peak =
             |series: &[f64], from: f64| series.iter().fold(0.0, |most: f64, v| most.max((v - from).abs()));
-        Reached {
+        ExperimentExtremes {
             angle_rad: peak(history.truth.hub_angle_rad(), self.start_angle_rad),
             rate_rad_s: peak(history.truth.hub_rate_rad_s(), 0.0),
             current_a: peak(history.truth.current_a(), 0.0),

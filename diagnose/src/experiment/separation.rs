@@ -11,7 +11,7 @@ use crate::tolerance::experiment::REFIT_RIDGE;
 /// A machine that the recordings leave possible.
 #[derive(Debug, Clone)]
 pub struct PossibleMachine {
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// The mechanism.
     pub parameters: Parameters,
@@ -19,7 +19,7 @@ pub struct PossibleMachine {
     pub free: Vec<&'static EffectParameter>,
 }
 
-/// How well an experiment separates two machines.
+/// Separation of two machines by an experiment.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Separation {
     /// Index of one machine.
@@ -33,14 +33,18 @@ pub struct Separation {
 }
 
 /// What a machine would record, over the noise floors, and how that changes with each of its free parameters.
-pub(super) struct Expected {
+pub(super) struct ExpectedSignals {
     pub signals: Vec<f64>,
     pub slopes: Vec<Vec<f64>>,
 }
 
 /// Returns how well two machines are separated: half the squared distance of what they record, over the noise, after the one that is not
 /// true was fitted to the other (Hunter, Reiner 1965; Atkinson, Fedorov 1975: T-optimality, linearised).
-pub(super) fn separation(indices: [usize; 2], first: &Expected, second: &Expected) -> Separation {
+pub(super) fn separation(
+    indices: [usize; 2],
+    first: &ExpectedSignals,
+    second: &ExpectedSignals,
+) -> Separation {
     let log_likelihood_ratio = expected_ratio(first, second).min(expected_ratio(second, first));
     Separation {
         first: indices[0],
@@ -51,7 +55,7 @@ pub(super) fn separation(indices: [usize; 2], first: &Expected, second: &Expecte
 }
 
 /// Returns the expected log-likelihood ratio if one machine is true and the rival is fitted to it.
-fn expected_ratio(truth: &Expected, rival: &Expected) -> f64 {
+fn expected_ratio(truth: &ExpectedSignals, rival: &ExpectedSignals) -> f64 {
     let difference: Vec<f64> = truth.signals.iter().zip(&rival.signals).map(|(t, r)| t - r).collect();
     let all = dot(&difference, &difference);
     let count = rival.slopes.len();
@@ -96,9 +100,9 @@ mod tests {
     fn what_a_parameter_explains_does_not_separate() {
         let signals =
             |of: &dyn Fn(f64) -> f64| (0..200).map(|k| of(f64::from(k) * 0.05)).collect::<Vec<f64>>();
-        let truth = Expected { signals: signals(&|t| 3.0 * t), slopes: Vec::new() };
-        let line = Expected { signals: signals(&|_| 0.0), slopes: vec![signals(&|t| t)] };
-        let wave = Expected { signals: signals(&|_| 0.0), slopes: vec![signals(&|t| t.sin())] };
+        let truth = ExpectedSignals { signals: signals(&|t| 3.0 * t), slopes: Vec::new() };
+        let line = ExpectedSignals { signals: signals(&|_| 0.0), slopes: vec![signals(&|t| t)] };
+        let wave = ExpectedSignals { signals: signals(&|_| 0.0), slopes: vec![signals(&|t| t.sin())] };
         assert!(expected_ratio(&truth, &line) < 1e-3);
         assert!(expected_ratio(&truth, &wave) > 1e3);
         assert_eq!(separation([0, 1], &truth, &line).probability, 0.0);

@@ -60,7 +60,7 @@ impl Name {
     }
 }
 
-/// What a finding rests on.
+/// Evidence of a finding.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FindingBasis {
     /// An effect of the library that was fitted in the simulator.
@@ -81,21 +81,21 @@ pub enum FindingBasis {
     InstrumentFault(InstrumentFault),
 }
 
-/// What a mismatch depends on.
+/// Variable on which a mismatch depends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pattern {
     /// The variable that it follows.
     pub regime: Regime,
     /// Share of what can be explained that an error along that variable explains, 0 to 1.
     pub explained: f64,
-    /// What the error looks like along it.
+    /// Course of the error along the variable.
     pub trend: Option<Trend>,
 }
 
 /// The known effect that is nearest to explaining a mismatch.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NearestEffect {
-    /// Its name.
+    /// Name.
     pub name: Name,
     /// Share of the distance from the noise floor that it explains, 0 to 1.
     pub share: f64,
@@ -110,7 +110,7 @@ pub struct Finding {
     pub component: Component,
     /// Probability that the effect, by this name, is in the machine.
     pub probability: f64,
-    /// What it rests on.
+    /// Evidence.
     pub basis: FindingBasis,
     /// Fitted parameters.
     pub parameters: Vec<FittedParameter>,
@@ -142,7 +142,7 @@ impl Finding {
     }
 }
 
-/// How the fit improved.
+/// Table of the improvement of the fit.
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]
 pub struct FitTable {
     /// All data, the model as it was.
@@ -174,16 +174,16 @@ impl FitTable {
 
 /// An effect of which these recordings cannot show whether it is present.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct NotExcited {
+pub struct UnexcitedEffect {
     /// Effect.
     pub effect: EffectName,
     /// Component.
     pub component: Component,
     /// Smallest change of its first parameter that these recordings would show; `None` if no reasonable change affects them.
     pub smallest_detectable: Option<f64>,
-    /// That parameter.
+    /// Parameter whose size is meant.
     pub parameter: &'static str,
-    /// Its unit.
+    /// Unit.
     pub unit: &'static str,
 }
 
@@ -232,7 +232,7 @@ pub struct Hypothesis {
     pub component: Component,
     /// Effects that were fitted together with it.
     pub beside: Vec<Name>,
-    /// Its fitted parameters.
+    /// Fitted parameters.
     pub values: Vec<HypothesisValue>,
     /// Share of the power of the residual that it leaves on held-out data, mean over recordings and channels.
     pub power_left: f64,
@@ -242,7 +242,7 @@ pub struct Hypothesis {
     pub distance: f64,
     /// Largest RMS / floor left.
     pub worst: f64,
-    /// Whether it was accepted.
+    /// `true` if it was accepted.
     pub accepted: bool,
 }
 
@@ -253,11 +253,11 @@ pub struct Answer {
     pub verdict: DiagnosisVerdict,
     /// Findings, most important first; empty if the verdict is consistent.
     pub findings: Vec<Finding>,
-    /// How the fit improved.
+    /// Improvement of the fit.
     pub fit: FitTable,
     /// Effects that these recordings do not excite enough to show.
-    pub not_excited: Vec<NotExcited>,
-    /// What to do next.
+    pub not_excited: Vec<UnexcitedEffect>,
+    /// Proposed next experiment.
     pub next_experiment: Option<NextExperiment>,
     /// Balances that these sensors allow, and what each can see.
     pub isolability: Vec<BalanceVisibility>,
@@ -265,11 +265,11 @@ pub struct Answer {
     pub map: Vec<MapCell>,
     /// Evidence: everything that was tried.
     pub hypotheses: Vec<Hypothesis>,
-    /// What was wrong with the recordings themselves.
+    /// Remarks on the recordings themselves.
     pub qualification: Vec<RecordingRemark>,
     /// Warnings of the search itself.
     pub warnings: Vec<SearchWarning>,
-    /// What models, without a name, what no effect of the library explains; `None` if nothing is left over, or no free function
+    /// Free functions that model what no effect of the library explains; `None` if nothing is left over, or no free function
     /// predicts it.
     pub learned: Option<LearnedModel>,
 }

@@ -25,17 +25,17 @@ impl PooledFit {
 
 /// The fit of one channel by its name.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ChannelFit {
+pub struct NamedChannelFit {
     /// The channel.
     pub channel: Channel,
-    /// Its fit.
+    /// Fit.
     pub fit: PooledFit,
 }
 
 /// Fit of every channel, over all recordings, in the order of the channels' names: tables and results list them so.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PooledFits {
-    fits: Vec<ChannelFit>,
+    fits: Vec<NamedChannelFit>,
 }
 
 impl PooledFits {
@@ -60,9 +60,9 @@ impl PooledFits {
     }
 }
 
-impl FromIterator<ChannelFit> for PooledFits {
-    fn from_iter<I: IntoIterator<Item = ChannelFit>>(fits: I) -> Self {
-        let mut fits: Vec<ChannelFit> = fits.into_iter().collect();
+impl FromIterator<NamedChannelFit> for PooledFits {
+    fn from_iter<I: IntoIterator<Item = NamedChannelFit>>(fits: I) -> Self {
+        let mut fits: Vec<NamedChannelFit> = fits.into_iter().collect();
         fits.sort_by_key(|each| each.channel.name());
         Self { fits }
     }
@@ -87,7 +87,7 @@ pub(crate) fn fits_by_channel(score: &Score) -> PooledFits {
         *sum = (sum.0 + cell.rms_error.powi(2), sum.1 + cell.floor.powi(2), sum.2 + 1.0);
     }
     let fit = |(e, f, n): (f64, f64, f64)| PooledFit { rms_error: (e / n).sqrt(), floor: (f / n).sqrt() };
-    sums.into_iter().map(|(channel, sum)| ChannelFit { channel, fit: fit(sum) }).collect()
+    sums.into_iter().map(|(channel, sum)| NamedChannelFit { channel, fit: fit(sum) }).collect()
 }
 
 #[cfg(test)]
@@ -98,7 +98,7 @@ mod tests {
     fn results_list_the_channels_in_the_order_of_their_names() {
         let fit = PooledFit { rms_error: 1.0, floor: 0.5 };
         let scored = [Channel::Control, Channel::HubRate, Channel::MotorRate, Channel::HubPosition];
-        let fits: PooledFits = scored.into_iter().map(|channel| ChannelFit { channel, fit }).collect();
+        let fits: PooledFits = scored.into_iter().map(|channel| NamedChannelFit { channel, fit }).collect();
         let names: Vec<&str> = fits.iter().map(|(channel, _)| channel.name()).collect();
         assert_eq!(names, ["control", "hub_position", "hub_rate", "motor_rate"]);
     }

@@ -11,7 +11,7 @@ use crate::localisation::torque_balances::BalanceVisibility;
 pub struct ChartRow {
     /// The component.
     pub component: Component,
-    /// Whether a balance that these sensors allow sees it.
+    /// `true` if a balance that these sensors allow sees it.
     pub seen: bool,
     /// Shares of the best cell's gain, 0 to 1, in the order of [`Regime::ALL`]; `None` if no error along that variable is tried at
     /// the component.
@@ -20,7 +20,7 @@ pub struct ChartRow {
     pub found: Vec<Regime>,
 }
 
-/// Whether the search, which follows the localisation, agrees with its best cell.
+/// Agreement of the search, which follows the localisation, with its best cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SearchAgreement {
     /// It found the effect of the best cell, or there is nothing to compare.

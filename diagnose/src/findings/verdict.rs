@@ -2,7 +2,7 @@
 
 use crate::findings::answer::{
     Answer, DiagnosisVerdict, Finding, FindingBasis, FitTable, FittedParameter, Hypothesis, HypothesisValue,
-    Name, NearestEffect, NextExperiment, NotExcited, Pattern, SearchWarning,
+    Name, NearestEffect, NextExperiment, Pattern, SearchWarning, UnexcitedEffect,
 };
 use crate::findings::channel_fits::fits_by_channel;
 use crate::fitting::output_error::confidence_intervals;
@@ -26,7 +26,7 @@ use crate::tolerance::{
 };
 use counterpoise_models::{AxisKind, Parameters};
 
-/// What the answer is derived from.
+/// Evidence from which the answer is derived.
 pub struct VerdictEvidence<'a> {
     /// Simulator and recordings.
     pub simulator: &'a dyn SimulatorAccess,
@@ -38,9 +38,9 @@ pub struct VerdictEvidence<'a> {
     pub map: Vec<MapCell>,
     /// Balances that the sensors allow.
     pub isolability: Vec<BalanceVisibility>,
-    /// What was wrong with the recordings themselves.
+    /// Remarks on the recordings themselves.
     pub qualification: Vec<RecordingRemark>,
-    /// What is known of the machine's sizes.
+    /// Known sizes of the machine.
     pub sizes: Sizes,
 }
 
@@ -360,15 +360,15 @@ fn whole_turns(phase: f64) -> f64 {
 }
 
 /// Returns the effects whose smallest detectable size is larger than a size that would matter.
-fn not_excited(signatures: &[EffectSignature]) -> Vec<NotExcited> {
-    let mut out: Vec<NotExcited> = Vec::new();
+fn not_excited(signatures: &[EffectSignature]) -> Vec<UnexcitedEffect> {
+    let mut out: Vec<UnexcitedEffect> = Vec::new();
     for look in signatures {
         let definition = &look.effect.parameters[0];
         let smallest = look.change * (2.0 * GAIN_NEEDED / look.information.max(LEAST_INFORMATION)).sqrt();
         let known =
             out.iter().any(|n| n.effect == look.effect.effect && n.component == look.effect.component);
         if !known && smallest > EXCITED_MULTIPLE * look.change {
-            out.push(NotExcited {
+            out.push(UnexcitedEffect {
                 effect: look.effect.effect,
                 component: look.effect.component,
                 smallest_detectable: (smallest < LARGEST_REPORTED_MULTIPLE * look.change).then_some(smallest),

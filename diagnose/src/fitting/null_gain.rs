@@ -8,7 +8,7 @@
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
 
-use crate::fitting::output_error::{Fit, from_variable, to_variable};
+use crate::fitting::output_error::{EffectFit, from_variable, to_variable};
 use crate::library::{EffectParameter, ParameterMapping};
 use crate::recording::series::dot;
 use crate::simulator_access::{Assessment, SimulatorAccess, Span};
@@ -27,7 +27,7 @@ struct NoiseProjection {
 pub(crate) fn mean_null_gain(
     simulator: &dyn SimulatorAccess,
     pool: &dyn Pool,
-    fit: &Fit,
+    fit: &EffectFit,
     assessments: &[Assessment],
 ) -> f64 {
     let Some(newest) = fit.effects.last() else { return 0.0 };

@@ -30,12 +30,12 @@ struct PlacedVariant {
     variant: MechanismVariant,
 }
 
-/// Which recordings a fit may see.
+/// Recordings that a fit may use.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitSelection {
     /// Recordings.
     pub recordings: Vec<usize>,
-    /// How much of each.
+    /// Part of each recording.
     pub span: Span,
     /// Largest number of iterations.
     pub iterations: usize,
@@ -67,7 +67,7 @@ impl FitSelection {
 
 /// A fitted set of effects.
 #[derive(Debug, Clone)]
-pub struct Fit {
+pub struct EffectFit {
     /// The effects, in the order in which they were found.
     pub effects: Vec<&'static Effect>,
     /// The values of their parameters, effect after effect.
@@ -80,13 +80,13 @@ pub struct Fit {
     pub information: Mat,
     /// Scatter of the cost's gradient, stretch of time by stretch: what the noise, coloured as it is, does to it.
     pub scatter: Mat,
-    /// Whether the iteration limit was reached before the cost settled.
+    /// `true` if the iteration limit was reached before the cost settled.
     pub limit_reached: bool,
     /// The recordings that were fitted, each with its assessment without residuals.
     pub assessments: Vec<(usize, Assessment)>,
 }
 
-impl Fit {
+impl EffectFit {
     /// Returns the assessment of a recording that was fitted, from the initial state that was found with it.
     pub fn assessment(&self, recording: usize) -> Option<&Assessment> {
         self.assessments.iter().find(|(index, _)| *index == recording).map(|(_, near)| near)
@@ -129,7 +129,7 @@ pub struct Problem<'a> {
     pub simulator: &'a dyn SimulatorAccess,
     /// Processors.
     pub pool: &'a dyn Pool,
-    /// Which recordings the fit may use.
+    /// Recordings that the fit may use.
     pub selection: &'a FitSelection,
     /// The mechanism without the effects.
     pub base: &'a Parameters,
@@ -137,7 +137,7 @@ pub struct Problem<'a> {
     pub effects: Vec<&'static Effect>,
     /// The assessments of the recordings for a similar mechanism; empty if there are none.
     pub assessments: &'a [Assessment],
-    /// What is preferred of the parameters whatever the recordings say; empty if nothing is.
+    /// Prior preferences for the parameters; empty if there are none.
     pub preferences: &'a [Preference],
 }
 
@@ -146,7 +146,7 @@ pub struct Problem<'a> {
 pub struct Preference {
     /// Weight of each parameter's value, with the parameter's place.
     pub weights: Vec<(usize, f64)>,
-    /// What the combination should be.
+    /// Preferred value of the combination.
     pub target: f64,
 }
 
@@ -170,7 +170,7 @@ impl Problem<'_> {
     /// Fits from the given parameter values, together with the recordings' initial states. The fit is repeated with the initial
     /// states estimated anew at what was found, because one that is far off is not found from nearby; it ends when that changes
     /// nothing.
-    pub fn fit(&self, start: &[f64]) -> Option<Fit> {
+    pub fn fit(&self, start: &[f64]) -> Option<EffectFit> {
         let near = |index: usize| self.assessments.get(index);
         let mut best = self.descend(start, self.selection.iterations, self.assess_near(start, &near)?)?;
         for _ in 0..self.selection.restarts {
@@ -217,7 +217,7 @@ impl Problem<'_> {
         })
     }
 
-    fn descend(&self, start: &[f64], iterations: usize, near: Vec<Assessment>) -> Option<Fit> {
+    fn descend(&self, start: &[f64], iterations: usize, near: Vec<Assessment>) -> Option<EffectFit> {
         let free = parameters_of(&self.effects);
         let x: Vec<f64> = free.iter().zip(start).map(|(k, &v)| to_variable(k, v)).collect();
         let shifts = vec![StartShift::default(); near.len()];
@@ -248,7 +248,7 @@ impl Problem<'_> {
         let parameters = apply_effects(self.base, &self.effects, &values);
         let effects = self.effects.clone();
         let assessments = self.assessments_at(&parameters, &now, &near);
-        Some(Fit {
+        Some(EffectFit {
             effects,
             values,
             parameters,
@@ -497,7 +497,7 @@ impl Problem<'_> {
 }
 
 /// Returns whether both fits ran every recording in the same way, so that their costs can be compared.
-fn runs_alike(a: &Fit, b: &Fit) -> bool {
+fn runs_alike(a: &EffectFit, b: &EffectFit) -> bool {
     a.assessments.iter().zip(&b.assessments).all(|(a, b)| a.1.source == b.1.source)
 }
 
@@ -536,7 +536,7 @@ fn mean_square(residuals: &[Vec<f64>]) -> f64 {
 /// the slopes; to it comes what two simulators of the same mechanism differ by.
 ///
 /// `samples` is the number of residuals that the fit saw, `inflation` how many of them carry the information of one.
-pub fn confidence_intervals(fit: &Fit, samples: usize, inflation: f64) -> Vec<[f64; 2]> {
+pub fn confidence_intervals(fit: &EffectFit, samples: usize, inflation: f64) -> Vec<[f64; 2]> {
     let covariance = inverse(&fit.information).ok();
     let sandwich = covariance.as_ref().map(|c| &(c * &fit.scatter) * c);
     let scale = fit.cost.max(1.0) * inflation / samples.max(1) as f64;

@@ -26,7 +26,7 @@ pub struct ResidualTest {
 pub struct CrossCorrelation {
     /// The signal.
     pub with: Channel,
-    /// Its largest value over the lags, with its sign.
+    /// Largest value over the lags, with its sign.
     pub largest: f64,
     /// Lag of the residual behind the signal there, samples.
     pub lag: isize,
@@ -44,9 +44,9 @@ impl CrossCorrelation {
 /// A signal that drives the machine.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredSignal<'a> {
-    /// Its channel.
+    /// Channel.
     pub channel: Channel,
-    /// Its values, one a sample of the residual.
+    /// Values, one a sample of the residual.
     pub values: &'a [f64],
 }
 

@@ -14,7 +14,7 @@ use counterpoise_recordings::{Channel, Recording, repeat_last};
 
 use super::outcome::{Estimate, SensorErrors};
 use super::problem::Layout;
-use super::regression::{Block, Fit, fit_rows};
+use super::regression::{Block, RegressionFit, fit_rows};
 use super::signal::{Chain, Kernel};
 use crate::recording::series::rms;
 use crate::tolerance::identification::{LEAST_TURNING_RAD_S, LOW_PASS_S, MEMORY_S};
@@ -23,7 +23,7 @@ use crate::tolerance::identification::{LEAST_TURNING_RAD_S, LOW_PASS_S, MEMORY_S
 pub(super) fn sensor_errors(
     p: &Parameters,
     states: &[&[Recording]],
-    balance: &Fit,
+    balance: &RegressionFit,
     layout: Layout,
 ) -> SensorErrors {
     let known = p.sensors.accelerometer_lever_arm_m;
@@ -36,7 +36,7 @@ pub(super) fn sensor_errors(
 }
 
 /// Rows of one recording: the kinematic difference, roll rate, yaw rate, and ones.
-struct Turning {
+struct RotationRows {
     difference: Vec<f64>,
     columns: [Vec<f64>; 3],
     counts: Vec<bool>,
@@ -49,7 +49,8 @@ fn misalignment(p: &Parameters, recordings: &[&Recording]) -> Option<[Option<Est
     if sensors.measured != FeedbackSignal::HubRate || !sensors.platform_gyro.is_fitted() {
         return None;
     }
-    let parts: Vec<Turning> = recordings.iter().filter_map(|recording| turning_rows(p, recording)).collect();
+    let parts: Vec<RotationRows> =
+        recordings.iter().filter_map(|recording| turning_rows(p, recording)).collect();
     let blocks = parts.iter().map(|part| Block {
         columns: part.columns.iter().map(|column| Some(column.as_slice())).collect(),
         target: &part.difference,
@@ -70,7 +71,7 @@ fn misalignment(p: &Parameters, recordings: &[&Recording]) -> Option<[Option<Est
 }
 
 /// Returns the rows of a recording; `None` if it lacks a column, or the platform hardly rolls and yaws.
-fn turning_rows(p: &Parameters, recording: &Recording) -> Option<Turning> {
+fn turning_rows(p: &Parameters, recording: &Recording) -> Option<RotationRows> {
     let period_s = recording.sample_period_s;
     let (chain, kernel) = (Chain::new(p, period_s), Kernel::new(LOW_PASS_S, period_s));
     let column = |channel| recording.samples(channel);
@@ -94,11 +95,11 @@ fn turning_rows(p: &Parameters, recording: &Recording) -> Option<Turning> {
         kernel.slope(&chain.as_gyro(&chain.reading_of(sensors.hub_resolver.as_ref()?, &filled(position))));
     let difference = kernel.smooth(&apart).iter().zip(turned).map(|(apart, rate)| apart - rate).collect();
     let [roll, yaw] = rates.map(|rate| kernel.smooth(&chain.as_gyro(&chain.as_late(&rate))));
-    let half = kernel.half();
+    let half = kernel.half_length();
     let clear = |k: usize| {
         k >= 2 * half && k + half < count && whole[k - half..=k + half].iter().all(|is_whole| *is_whole)
     };
     let counts = (0..count).map(clear).collect();
     let memory = ((MEMORY_S / period_s) as usize).max(1);
-    Some(Turning { difference, columns: [roll, yaw, vec![1.0; count]], counts, memory })
+    Some(RotationRows { difference, columns: [roll, yaw, vec![1.0; count]], counts, memory })
 }

@@ -5,7 +5,7 @@ use counterpoise_recordings::Recording;
 
 use super::outcome::Estimate;
 use super::problem::Problem;
-use super::regression::{Fit, student_95};
+use super::regression::{RegressionFit, student_95};
 use super::rows::Rows;
 use crate::Error;
 use crate::tolerance::identification::{BREAKAWAY_DEVIATION_S, LEAST_REVERSALS};
@@ -17,7 +17,7 @@ pub fn identify_breakaway(
     p: &Parameters,
     states: &[&[Recording]],
     problem: &Problem,
-    fit: &Fit,
+    fit: &RegressionFit,
     before: f64,
 ) -> Result<Option<Estimate>, Error> {
     let short = Problem::with_low_pass(p, states, &problem.knots_v, BREAKAWAY_DEVIATION_S)?;

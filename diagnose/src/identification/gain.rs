@@ -3,18 +3,18 @@
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
 
-use super::outcome::{GainPoint, IdentifiedAmplifier, Unidentifiable};
+use super::outcome::{GainCurveObstacle, GainPoint, IdentifiedAmplifier};
 use super::problem::Problem;
-use super::regression::Fit;
+use super::regression::RegressionFit;
 use crate::Error;
 use crate::tolerance::identification::*;
 
 /// The amplifier, and the problem with its curve where the curve departs from the project's.
 pub struct GainCurve {
-    /// What the recordings say of it.
+    /// Result of the recordings for it.
     pub amplifier: IdentifiedAmplifier,
     /// The problem and its solution with the curve.
-    pub curved: Option<(Problem, Fit)>,
+    pub curved: Option<(Problem, RegressionFit)>,
 }
 
 /// Identifies the curve.
@@ -22,21 +22,21 @@ pub fn identify_amplifier(
     p: &Parameters,
     states: &[&[Recording]],
     plain: &Problem,
-    linear: &Fit,
+    linear: &RegressionFit,
 ) -> Result<GainCurve, Error> {
     let unseen =
         |reason| Ok(GainCurve { amplifier: IdentifiedAmplifier::NotIdentifiable { reason }, curved: None });
     let knots = knots(p, plain);
     if knots.len() < LEAST_POINTS + 2 {
-        return unseen(Unidentifiable::ControlStaysLarge);
+        return unseen(GainCurveObstacle::ControlStaysLarge);
     }
     let problem = Problem::new(p, states, &knots)?.with_held_viscous(plain.held_viscous);
     let Some(fit) = problem.fit() else {
-        return unseen(Unidentifiable::ConfusedWithFriction);
+        return unseen(GainCurveObstacle::ConfusedWithFriction);
     };
     let points = points(p, &problem, &fit, &knots);
     if points.len() < LEAST_POINTS {
-        return unseen(Unidentifiable::TooUncertain);
+        return unseen(GainCurveObstacle::TooUncertain);
     }
     let departs = points.iter().any(|q| {
         let apart = (q.current_a - q.linear_a).abs();
@@ -56,7 +56,7 @@ fn knots(p: &Parameters, plain: &Problem) -> Vec<f64> {
     let top = LINEAR_FROM_SHARE * p.amplifier.input_limit_v;
     let spacing = top / KNOTS as f64;
     let time = |knot: f64| -> f64 {
-        let near = |part: &super::problem::RecordingPart| {
+        let near = |part: &super::problem::RecordingRows| {
             let rows = part.rows.control_v().iter().zip(&part.rows.sliding);
             let count = rows.filter(|(u, s)| **s && (u.abs() - knot).abs() < 0.5 * spacing).count();
             count as f64 * part.rows.period_s
@@ -71,7 +71,7 @@ fn knots(p: &Parameters, plain: &Problem) -> Vec<f64> {
 }
 
 /// Returns the points that are known well enough to be reported.
-fn points(p: &Parameters, problem: &Problem, fit: &Fit, knots: &[f64]) -> Vec<GainPoint> {
+fn points(p: &Parameters, problem: &Problem, fit: &RegressionFit, knots: &[f64]) -> Vec<GainPoint> {
     let gain = p.amplifier.stall_gain_a_v(&p.motor);
     let point = |k: usize| {
         let (input_v, unknown) = (knots[k + 1], problem.layout.knot(k));

@@ -14,7 +14,7 @@
 //! Samples in presliding, at a limit, or missing do not enter, nor those whose filter window touches one. From one
 //! recording at one place the parts of pivot and motor in friction cannot be told apart: only their sum acts.
 
-pub mod improve;
+pub mod improvement;
 pub mod outcome;
 pub mod regression;
 pub mod rows;
@@ -25,10 +25,10 @@ mod breakaway;
 mod gain;
 mod problem;
 
-pub use improve::apply_identified;
+pub use improvement::apply_identified;
 pub use outcome::{
-    Balance, Estimate, FrictionPicture, GainPoint, Identification, IdentifiedAmplifier, Lobes, Note,
-    SensorErrors, Unidentifiable,
+    BalanceState, Estimate, FrictionPicture, GainCurveObstacle, GainPoint, Identification,
+    IdentifiedAmplifier, Lobes, Note, SensorErrors,
 };
 
 use counterpoise_models::Parameters;
@@ -52,15 +52,15 @@ pub fn identify(p: &Parameters, states: &[&[Recording]]) -> Result<Identificatio
     if states.iter().all(|state| state.is_empty()) {
         return Err(Error::NoRecording);
     }
-    let mut found = round(p, states, &Before::of(p))?;
+    let mut found = round(p, states, &PriorValues::of(p))?;
     for _ in 1..ROUNDS {
-        found = round(&improve::apply_except_amplifier(p, &found), states, &Before::of(p))?;
+        found = round(&improvement::apply_except_amplifier(p, &found), states, &PriorValues::of(p))?;
     }
     Ok(found)
 }
 
 /// One round, with the beam and the presliding distances of a mechanism.
-fn round(p: &Parameters, states: &[&[Recording]], before: &Before) -> Result<Identification, Error> {
+fn round(p: &Parameters, states: &[&[Recording]], before: &PriorValues) -> Result<Identification, Error> {
     let mut plain = Problem::new(p, states, &[])?;
     let sliding_s = plain.sliding_s();
     if sliding_s < LEAST_SLIDING_S {
@@ -77,7 +77,7 @@ fn round(p: &Parameters, states: &[&[Recording]], before: &Before) -> Result<Ide
     let (problem, fit) = found.curved.as_ref().map_or((&plain, &linear), |(problem, fit)| (problem, fit));
     let layout = problem.layout;
     let estimate = |k: usize, before: f64| Estimate::new(fit.value[k], fit.half_width[k], before);
-    let balance = |s: usize| Balance {
+    let balance = |s: usize| BalanceState {
         out_of_balance_kg_m: estimate(layout.moment(s), before.moment),
         inertia_kg_m2: estimate(layout.inertia(s), before.inertia),
     };
@@ -99,13 +99,13 @@ fn round(p: &Parameters, states: &[&[Recording]], before: &Before) -> Result<Ide
 
 /// Returns that viscous friction came out below zero, if its whole interval is there: friction that falls with speed, a lag that the project
 /// leaves out, or a motion at nearly one speed.
-fn negative_viscous(layout: Layout, fit: &regression::Fit) -> Option<Note> {
+fn negative_viscous(layout: Layout, fit: &regression::RegressionFit) -> Option<Note> {
     let (value, half_width) = (fit.value[layout.viscous()], fit.half_width[layout.viscous()]);
     (value + half_width < 0.0).then_some(Note::NegativeViscous)
 }
 
 /// What the project says of the unknowns.
-struct Before {
+struct PriorValues {
     moment: f64,
     inertia: f64,
     coulomb: f64,
@@ -113,7 +113,7 @@ struct Before {
     breakaway: f64,
 }
 
-impl Before {
+impl PriorValues {
     fn of(p: &Parameters) -> Self {
         let ratio = p.gearbox.ratio;
         let lumped = p.lumped.as_ref();
@@ -150,7 +150,7 @@ fn lobes(p: &Parameters, problem: &Problem, value: &[f64]) -> Lobes {
 
 fn loops(p: &Parameters, problem: &Problem, value: &[f64]) -> Vec<FrictionPicture> {
     let gain = torque_per_volt(p);
-    let one = |(index, part): (usize, &problem::RecordingPart)| {
+    let one = |(index, part): (usize, &problem::RecordingRows)| {
         let rows = &part.rows;
         let (rates, controls) = (rows.smooth_rate_rad_s(), rows.smooth_control_v());
         let left = problem.residual(index, value);
@@ -174,7 +174,7 @@ fn notes(
     p: &Parameters,
     states: &[&[Recording]],
     amplifier: &IdentifiedAmplifier,
-    fit: &regression::Fit,
+    fit: &regression::RegressionFit,
     layout: Layout,
 ) -> Vec<Note> {
     let mut out = vec![Note::FrictionIsASum, Note::KnownTakenAsExact];

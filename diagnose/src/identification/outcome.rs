@@ -22,7 +22,7 @@ impl Estimate {
 
 /// The mechanism in one state of balance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Balance {
+pub struct BalanceState {
     /// First moment of mass about the pivot, kg m, positive nose-heavy.
     pub out_of_balance_kg_m: Estimate,
     /// Moment of inertia about the pivot without the rotor's, kg m^2.
@@ -60,9 +60,9 @@ pub struct GainPoint {
     pub input_v: f64,
     /// Stalled current, A.
     pub current_a: f64,
-    /// Its 95 % interval, A.
+    /// 95 % interval, A.
     pub ci95_a: [f64; 2],
-    /// What the linear amplifier would give, A.
+    /// Current of the linear amplifier, A.
     pub linear_a: f64,
     /// RMS of the single readings near the input about the curve, A.
     pub scatter_a: f64,
@@ -70,7 +70,7 @@ pub struct GainPoint {
 
 /// Why the amplifier's gain curve cannot be identified.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unidentifiable {
+pub enum GainCurveObstacle {
     /// The control stays in the range in which the amplifier is taken as linear.
     ControlStaysLarge,
     /// The curve and friction cannot be told apart.
@@ -79,7 +79,7 @@ pub enum Unidentifiable {
     TooUncertain,
 }
 
-/// What has to be known together with the identified values.
+/// Condition under which the identified values hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Note {
     /// Friction is the sum of pivot and motor.
@@ -128,15 +128,15 @@ impl SensorErrors {
     }
 }
 
-/// What the recordings say of the amplifier.
+/// Result of the identification of the amplifier.
 #[derive(Debug, Clone, PartialEq)]
 pub enum IdentifiedAmplifier {
-    /// Its gain curve departs from the project's; the mechanism was identified together with it.
+    /// The gain curve departs from the project's; the mechanism was identified together with it.
     Curve {
         /// The curve, by rising input.
         points: Vec<GainPoint>,
     },
-    /// Its gain curve was seen, and is the project's.
+    /// The gain curve was seen, and is the project's.
     AsInProject {
         /// The curve, by rising input.
         points: Vec<GainPoint>,
@@ -144,7 +144,7 @@ pub enum IdentifiedAmplifier {
     /// These recordings do not show it.
     NotIdentifiable {
         /// Why not.
-        reason: Unidentifiable,
+        reason: GainCurveObstacle,
     },
 }
 
@@ -152,7 +152,7 @@ pub enum IdentifiedAmplifier {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identification {
     /// One for each state of balance, in the order given.
-    pub balances: Vec<Balance>,
+    pub balances: Vec<BalanceState>,
     /// Coulomb friction, pivot + N x motor, N m.
     pub coulomb_nm: Estimate,
     /// Viscous friction, pivot + N^2 x motor, N m s/rad.
@@ -172,7 +172,7 @@ pub struct Identification {
     pub noise_share: f64,
     /// Time that entered, s.
     pub sliding_s: f64,
-    /// What has to be known with the numbers.
+    /// Remarks that belong to the numbers.
     pub notes: Vec<Note>,
     /// Errors of the sensors.
     pub sensors: SensorErrors,

@@ -3,12 +3,12 @@
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Recording;
 
-use super::regression::{Block, Fit, fit_rows};
+use super::regression::{Block, RegressionFit, fit_rows};
 use super::rows::{Maker, RowColumn, Rows};
 use crate::Error;
 use crate::tolerance::identification::{LOW_PASS_S, MEMORY_S};
 
-/// Where each unknown stands: moments of all states, inertias of all states, Coulomb, viscous, knots, the accelerometer's lever arm.
+/// Places of the unknowns: moments of all states, inertias of all states, Coulomb, viscous, knots, the accelerometer's lever arm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layout {
     states: usize,
@@ -16,12 +16,12 @@ pub struct Layout {
     lever_arm: LeverArm,
 }
 
-/// Whether the lever arm of the platform's accelerometer is an unknown.
+/// State of the lever arm of the platform's accelerometer: known or unknown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LeverArm {
-    /// It is taken as the project has it.
+    /// The lever arm is taken as the project has it.
     Known,
-    /// It is identified.
+    /// The lever arm is identified.
     Unknown,
 }
 
@@ -62,21 +62,21 @@ impl Layout {
 }
 
 /// One recording's rows.
-pub struct RecordingPart {
+pub struct RecordingRows {
     /// Name of the recording.
     pub name: String,
-    /// Its state of balance.
+    /// State of balance.
     pub state: usize,
-    /// Its rows.
+    /// Rows.
     pub rows: Rows,
 }
 
 /// All rows.
 pub struct Problem {
-    /// Where the unknowns stand.
+    /// Places of the unknowns.
     pub layout: Layout,
     /// The recordings.
-    pub parts: Vec<RecordingPart>,
+    pub parts: Vec<RecordingRows>,
     /// Knots of the amplifier's map with both ends, V; empty where its change is no unknown.
     pub knots_v: Vec<f64>,
     /// The viscous friction if it is no unknown, N m s/rad at the output.
@@ -101,12 +101,12 @@ impl Problem {
         for (state, recordings) in states.iter().enumerate() {
             for recording in *recordings {
                 let rows = maker.rows(recording)?;
-                parts.push(RecordingPart { name: recording.name.clone(), state, rows });
+                parts.push(RecordingRows { name: recording.name.clone(), state, rows });
             }
         }
         // with several states each has a moment of its own on which the arm's torque depends
         let shows =
-            states.len() == 1 && parts.iter().any(|part: &RecordingPart| part.rows.lever_arm.is_some());
+            states.len() == 1 && parts.iter().any(|part: &RecordingRows| part.rows.lever_arm.is_some());
         let lever_arm = if shows { LeverArm::Unknown } else { LeverArm::Known };
         let layout = Layout { states: states.len(), knots: knots_v.len().saturating_sub(2), lever_arm };
         Ok(Self { layout, parts, knots_v: knots_v.to_vec(), held_viscous: None })
@@ -129,14 +129,14 @@ impl Problem {
 
     /// Returns the time that the joint slides, s.
     pub fn sliding_s(&self) -> f64 {
-        let of = |part: &RecordingPart| {
+        let of = |part: &RecordingRows| {
             part.rows.sliding.iter().filter(|s| **s).count() as f64 * part.rows.period_s
         };
         self.parts.iter().map(of).sum()
     }
 
     /// Solves the least squares; returns `None` if the unknowns cannot be told apart.
-    pub fn fit(&self) -> Option<Fit> {
+    pub fn fit(&self) -> Option<RegressionFit> {
         let blocks: Vec<Block> = self.parts.iter().map(|part| self.block(part)).collect();
         fit_rows(&blocks)
     }
@@ -152,7 +152,7 @@ impl Problem {
         (0..block.target.len()).map(|k| block.target[k] - sum(k)).collect()
     }
 
-    fn block<'a>(&self, part: &'a RecordingPart) -> Block<'a> {
+    fn block<'a>(&self, part: &'a RecordingRows) -> Block<'a> {
         let (layout, rows) = (self.layout, &part.rows);
         let mut columns: Vec<Option<&[f64]>> = vec![None; layout.count()];
         let (mut noise, mut shared) = (vec![0.0; layout.count()], vec![0.0; layout.count()]);

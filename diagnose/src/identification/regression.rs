@@ -8,7 +8,7 @@ use crate::tolerance::identification::{NORMAL_95, WORST_CONDITION};
 pub struct Block<'a> {
     /// One column an unknown; `None` if the unknown is not in this recording.
     pub columns: Vec<Option<&'a [f64]>>,
-    /// What they sum to.
+    /// Value of the sum.
     pub target: &'a [f64],
     /// The rows that count.
     pub counts: &'a [bool],
@@ -20,9 +20,9 @@ pub struct Block<'a> {
     pub memory: usize,
 }
 
-/// What came out.
+/// Result of a regression.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fit {
+pub struct RegressionFit {
     /// The unknowns.
     pub value: Vec<f64>,
     /// Half widths of their 95 % intervals.
@@ -44,7 +44,7 @@ pub struct Fit {
 /// Bartlett's weights over L rows in time, written as sums over windows (Econometrica 55, 1987). The quantile grows with
 /// 1 / (number of independent windows). An unknown whose column is 0 throughout is not a number. Returns `None` if the other columns
 /// cannot be told apart.
-pub fn fit_rows(blocks: &[Block]) -> Option<Fit> {
+pub fn fit_rows(blocks: &[Block]) -> Option<RegressionFit> {
     let n = blocks.first()?.columns.len();
     let mut normal = Mat::zeros(n, n);
     let mut right = Mat::zeros(n, 1);
@@ -68,7 +68,7 @@ pub fn fit_rows(blocks: &[Block]) -> Option<Fit> {
     let rows: f64 = blocks.iter().map(count_samples).sum();
     let unseen = |i: usize| if seen.contains(&i) { 0.0 } else { f64::NAN };
     let value = value.iter().enumerate().map(|(i, v)| v + unseen(i)).collect();
-    Some(Fit {
+    Some(RegressionFit {
         half_width: (0..n).map(|i| quantile * covariance[(i, i)].max(0.0).sqrt()).collect(),
         value,
         residual_rms: (power / rows.max(1.0)).sqrt(),

@@ -370,7 +370,7 @@ impl Maker<'_> {
         };
         let mut bad_so_far = vec![0_usize; turning.len() + 1];
         (0..turning.len()).for_each(|k| bad_so_far[k + 1] = bad_so_far[k] + usize::from(!good(k)));
-        let half = kernel.half();
+        let half = kernel.half_length();
         let clear = |k: usize| {
             k >= half && k + half < turning.len() && bad_so_far[k + half + 1] == bad_so_far[k - half]
         };

@@ -6,7 +6,7 @@ use crate::recording::series::derivative;
 use crate::tolerance::identification::KERNEL_POWER;
 use crate::tolerance::recording::ON_SAMPLE;
 use counterpoise_linalg::{Mat, expm_integral, solve};
-use counterpoise_models::{AmplifierDynamics, Link, Lumped, Parameters, parameters::Sensor};
+use counterpoise_models::{AmplifierDynamics, Link, LumpedStructure, Parameters, parameters::Sensor};
 
 /// A symmetric low-pass of compact support, and the exact derivative of what it passes.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +31,7 @@ impl Kernel {
     }
 
     /// Returns the samples on either side that enter.
-    pub fn half(&self) -> usize {
+    pub fn half_length(&self) -> usize {
         self.smooth.len() / 2
     }
 
@@ -83,10 +83,10 @@ struct Filter {
 
 /// What an input does between samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Between {
-    /// It is held, as a converter does.
+enum InputHold {
+    /// The input is held, as a converter does.
     Held,
-    /// It goes straight to the next sample.
+    /// The input goes straight to the next sample.
     Straight,
 }
 
@@ -133,14 +133,14 @@ impl Filter {
         })
     }
 
-    fn run(&self, input: &[f64], between: Between) -> Vec<f64> {
+    fn run(&self, input: &[f64], between: InputHold) -> Vec<f64> {
         let mut x = self.start.scale(input.first().copied().unwrap_or(0.0));
         let mut shown_before = self.output_of(&x);
         let mut out = Vec::with_capacity(input.len());
         for (k, u) in input.iter().enumerate() {
             let (before, shown) = match between {
-                Between::Straight => (*u, self.output_of(&x)),
-                Between::Held => {
+                InputHold::Straight => (*u, self.output_of(&x)),
+                InputHold::Held => {
                     let after = self.output_of(&self.apply_half_period(&self.half_mean, &x, *u));
                     let shown = 0.5 * (shown_before + after);
                     let middle = self.apply_half_period(&self.half, &x, *u);
@@ -150,7 +150,7 @@ impl Filter {
             };
             out.push(shown + self.direct * 0.5 * (before + u));
             let next = input.get(k + 1).copied().unwrap_or(*u);
-            let rise = if between == Between::Held { 0.0 } else { next - u };
+            let rise = if between == InputHold::Held { 0.0 } else { next - u };
             x = self.next_state(&x, *u, rise);
         }
         out
@@ -306,7 +306,7 @@ impl<'a> Chain<'a> {
     pub fn as_gyro(&self, series: &[f64]) -> Vec<f64> {
         let lagged =
             self.gyro().and_then(|(A, B)| Filter::new(&System::with_output_state(A, B, 0), self.period_s));
-        lagged.map_or_else(|| series.to_vec(), |filter| filter.run(series, Between::Straight))
+        lagged.map_or_else(|| series.to_vec(), |filter| filter.run(series, InputHold::Straight))
     }
 
     /// Returns state matrix and input of the gyroscope, the reading first; `None` if it is ideal.
@@ -346,7 +346,7 @@ impl<'a> Chain<'a> {
             }
         };
         let filter = Filter::new(&system, self.period_s);
-        let made = filter.map_or_else(|| vec![0.0; late.len()], |filter| filter.run(&late, Between::Held));
+        let made = filter.map_or_else(|| vec![0.0; late.len()], |filter| filter.run(&late, InputHold::Held));
         shift_later(&made, self.late.fract())
     }
 
@@ -389,10 +389,11 @@ impl<'a> Chain<'a> {
         let (Some(driven), Some(turned), Some(braked)) = (driven, turned, braked) else {
             return joint_rate.iter().map(|w| ratio * w).collect();
         };
-        let forced = shift_later(&driven.run(&self.delayed_drive(drive_v), Between::Held), self.late.fract());
-        let dry = braked.run(direction, Between::Held);
+        let forced =
+            shift_later(&driven.run(&self.delayed_drive(drive_v), InputHold::Held), self.late.fract());
+        let dry = braked.run(direction, InputHold::Held);
         let forced: Vec<f64> = forced.iter().zip(&dry).map(|(a, b)| a + b).collect();
-        let led = turned.run(joint_rate, Between::Straight);
+        let led = turned.run(joint_rate, InputHold::Straight);
         self.as_gyro(&forced).iter().zip(&led).map(|(a, b)| a + b).collect()
     }
 
@@ -450,7 +451,8 @@ impl<'a> Chain<'a> {
     /// Returns the current (A) that the back-EMF of a motor rate (rad/s) makes.
     pub fn current_of_rate(&self, motor_rate: &[f64]) -> Vec<f64> {
         let filter = Filter::new(&Electrical::of(self.p).system(1), self.period_s);
-        filter.map_or_else(|| vec![0.0; motor_rate.len()], |filter| filter.run(motor_rate, Between::Straight))
+        filter
+            .map_or_else(|| vec![0.0; motor_rate.len()], |filter| filter.run(motor_rate, InputHold::Straight))
     }
 
     /// Returns the rate of the mean inertia, the sum of J_k w_k over J: the inertias beyond the hub move as their springs and the
@@ -462,7 +464,7 @@ impl<'a> Chain<'a> {
         let Some(filter) = Filter::new(&beyond_the_hub(l), self.period_s) else {
             return hub_rate.to_vec();
         };
-        let beyond = filter.run(hub_rate, Between::Straight);
+        let beyond = filter.run(hub_rate, InputHold::Straight);
         hub_rate.iter().zip(&beyond).map(|(h, b)| (1.0 - share) * h + share * b).collect()
     }
 }
@@ -483,7 +485,7 @@ fn shift_later(series: &[f64], samples: f64) -> Vec<f64> {
 
 /// Returns the system from the hub's rate to the mean rate of the inertias beyond it. States: of each inertia, the twist of its spring
 /// and its rate.
-fn beyond_the_hub(l: &Lumped) -> System {
+fn beyond_the_hub(l: &LumpedStructure) -> System {
     let first = Link {
         inertia_kg_m2: l.beam_inertia_kg_m2,
         stiffness_nm_rad: l.stiffness_nm_rad,

@@ -15,7 +15,7 @@ use crate::tolerance::learning::{
 };
 use crate::tolerance::{AMBIGUOUS, SEARCH_ITERATIONS};
 
-/// What a comparison on held-out data says.
+/// Result of a comparison on held-out data.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Comparison {
     /// Log-likelihood by which the free function predicts held-out data better than the effects of the library.

@@ -62,7 +62,7 @@ struct Group {
 }
 
 /// The normal equations of a function, group by group.
-pub(crate) struct HeldOut {
+pub(crate) struct HeldOutEquations {
     groups: Vec<Group>,
     /// Median curvature of the cost by a value, as the fit has it.
     pub curvature: f64,
@@ -70,7 +70,7 @@ pub(crate) struct HeldOut {
     scaled_curvature: f64,
 }
 
-impl HeldOut {
+impl HeldOutEquations {
     /// Groups the stretches of all recordings; every channel counts by its own size.
     pub fn new(slopes: &Slopes, near: &[Assessment]) -> Self {
         let count = slopes.columns.len();

@@ -6,13 +6,13 @@ use counterpoise_models::{LearnedElement, LearnedPlace, Parameters, RegimeVariab
 
 use crate::findings::channel_fits::{PooledFits, fits_by_channel};
 use crate::fitting::output_error::{
-    Fit, FitSelection, Preference, Problem, confidence_intervals, parameters_of,
+    EffectFit, FitSelection, Preference, Problem, confidence_intervals, parameters_of,
 };
 use crate::fitting::score::{RecordingPart, Score, score_parts};
-use crate::learning::held_out::{HeldOut, flat_preferences, preferences};
+use crate::learning::held_out::{HeldOutEquations, flat_preferences, preferences};
 use crate::learning::reading::{CurveReading, read_curve};
 use crate::learning::templates::{Template, TemplateContext, is_at};
-use crate::learning::visited_ranges::{Reach, Visited};
+use crate::learning::visited_ranges::{Reach, VisitedRanges};
 use crate::library::{Component, Effect, learned_element};
 use crate::localisation::error_map::MapCell;
 use crate::recording::series::correlation_time;
@@ -26,7 +26,7 @@ use crate::tolerance::learning::{
 };
 use crate::tolerance::{EXPLAINED, FITTED_SHARE, RIVAL_DECAY};
 
-/// What free functions are fitted to.
+/// Recordings and model to which free functions are fitted.
 pub struct LearningTask<'a> {
     /// Simulator, processors and sizes.
     pub searcher: &'a Searcher<'a>,
@@ -38,8 +38,8 @@ pub struct LearningTask<'a> {
     pub map: &'a [MapCell],
     /// The components that may contain what the model lacks.
     pub components: &'a [Component],
-    /// What the recordings visit.
-    pub visited: &'a Visited,
+    /// Values that the recordings visit.
+    pub visited: &'a VisitedRanges,
 }
 
 /// A model without a name: free functions that were fitted in the simulator.
@@ -68,13 +68,13 @@ pub struct LearnedPart {
     pub element: LearnedElement,
     /// Log-likelihood that it gains on held-out data.
     pub log_likelihood_gain: f64,
-    /// What its curve says; `None` if no simple form does.
+    /// Simple form of its curve; `None` if there is none.
     pub reading: Option<CurveReading>,
 }
 
 /// A function that was fitted, with the model that has it.
 #[derive(Clone)]
-pub(crate) struct Learned {
+pub(crate) struct FunctionFit {
     pub candidate: FittedCandidate,
     /// For each function, how rough it may be and the cost's curvature by its values.
     smoothness: Vec<Smoothness>,
@@ -92,12 +92,12 @@ struct TriedPlace {
 
 /// Free functions that were fitted, with what each gains.
 pub(crate) struct FittedFunctions {
-    pub learned: Learned,
+    pub learned: FunctionFit,
     gains: Vec<f64>,
 }
 
 /// What functions are fitted to, and what they are judged by.
-pub(crate) struct Split {
+pub(crate) struct DataSplit {
     pub selection: FitSelection,
     pub parts: Vec<RecordingPart>,
 }
@@ -168,7 +168,7 @@ impl LearningTask<'_> {
 
     /// Returns the effective number of parameters of free functions: the trace of the matrix that maps residuals to fitted values (Hastie,
     /// Tibshirani, Friedman 2009, 5.4.1), which smoothness makes smaller than the number of points.
-    pub(crate) fn effective_parameters(&self, learned: &Learned) -> f64 {
+    pub(crate) fn effective_parameters(&self, learned: &FunctionFit) -> f64 {
         let fit = &learned.candidate.fit;
         let preferences = self.preferences(&fit.effects, &learned.smoothness, Span::Whole);
         let cells = &learned.candidate.whole.cells;
@@ -186,7 +186,7 @@ impl LearningTask<'_> {
     }
 
     /// Returns the model with one more function; `None` if none is worth having.
-    fn next(&self, present: Option<&Learned>) -> Option<Learned> {
+    fn next(&self, present: Option<&FunctionFit>) -> Option<FunctionFit> {
         let searcher = self.searcher;
         let now = present.map_or(self.base, |p| &p.candidate.fit.parameters);
         let assessed = match present {
@@ -195,7 +195,7 @@ impl LearningTask<'_> {
         };
         let context = self.context(now);
         let ranked = self.rank_templates(&context, &assessed);
-        let mut best: Option<(Template, Learned)> = None;
+        let mut best: Option<(Template, FunctionFit)> = None;
         let mut places = Vec::new();
         for (template, _) in ranked {
             let Some(tried) = self.try_template(&context, template, present, &assessed) else { continue };
@@ -211,7 +211,7 @@ impl LearningTask<'_> {
         let fine = self.refine_element(&context, template, &coarse, present, &assessed);
         let chosen = fine.filter(|fine| merit(&fine.candidate) > merit(&coarse.candidate)).unwrap_or(coarse);
         let tried = present.map_or(places, |p| p.tried.clone());
-        let chosen = Learned { tried, ..chosen };
+        let chosen = FunctionFit { tried, ..chosen };
         let worth = self.worth(&chosen.candidate, present.map(|p| &p.candidate));
         worth.then(|| self.fitted_to_all(chosen))
     }
@@ -249,7 +249,7 @@ impl LearningTask<'_> {
         let selection = FitSelection::all(assessed.len());
         let problem = self.problem(context.base, vec![effect], &selection, assessed, &[]);
         let slopes = problem.slopes(&element.values, assessed)?;
-        let held_out = HeldOut::new(&slopes, assessed);
+        let held_out = HeldOutEquations::new(&slopes, assessed);
         let shares = ROUGHNESS.iter().map(|rough| held_out.share(&element, &element.values, *rough));
         Some(shares.fold(f64::NEG_INFINITY, f64::max))
     }
@@ -259,9 +259,9 @@ impl LearningTask<'_> {
         &self,
         context: &TemplateContext,
         template: Template,
-        present: Option<&Learned>,
+        present: Option<&FunctionFit>,
         assessed: &[Assessment],
-    ) -> Option<Learned> {
+    ) -> Option<FunctionFit> {
         let element = context.element(template, FITTED_POINTS)?;
         self.fit_element(context, &element, present, assessed)
     }
@@ -271,10 +271,10 @@ impl LearningTask<'_> {
         &self,
         context: &TemplateContext,
         template: Template,
-        coarse: &Learned,
-        present: Option<&Learned>,
+        coarse: &FunctionFit,
+        present: Option<&FunctionFit>,
         assessed: &[Assessment],
-    ) -> Option<Learned> {
+    ) -> Option<FunctionFit> {
         let element = context.element(template, FINE_POINTS)?;
         let effect = coarse.candidate.fit.effects.last()?;
         let (known, count) = (learned_element(effect)?, effect.parameters.len());
@@ -294,9 +294,9 @@ impl LearningTask<'_> {
         &self,
         context: &TemplateContext,
         element: &LearnedElement,
-        present: Option<&Learned>,
+        present: Option<&FunctionFit>,
         assessed: &[Assessment],
-    ) -> Option<Learned> {
+    ) -> Option<FunctionFit> {
         let start = element.values.clone();
         let neutral = LearnedElement {
             values: vec![element.quantity.neutral(); element.points.len()],
@@ -307,7 +307,7 @@ impl LearningTask<'_> {
         let whole = FitSelection::all(assessed.len());
         let problem = self.problem(context.base, vec![effect], &whole, assessed, &[]);
         let slopes = problem.slopes(&neutral.values, assessed)?;
-        let curvature = HeldOut::new(&slopes, assessed).curvature;
+        let curvature = HeldOutEquations::new(&slopes, assessed).curvature;
         let mut smoothness = present.map_or_else(Vec::new, |p| p.smoothness.clone());
         smoothness.push(Smoothness { roughness: USUAL_ROUGHNESS, curvature });
         let mut effects = present.map_or_else(Vec::new, |p| p.candidate.fit.effects.clone());
@@ -322,12 +322,12 @@ impl LearningTask<'_> {
             self.best_roughness(&fit, assessed.len()).unwrap_or(USUAL_ROUGHNESS);
         let wanted = self.preferences(&effects, &smoothness, split.selection.span);
         let again = self.problem(self.base, effects, &split.selection, &near, &wanted).fit(&fit.values)?;
-        Some(Learned { candidate: self.assess_fit(again, split.parts)?, smoothness, tried: Vec::new() })
+        Some(FunctionFit { candidate: self.assess_fit(again, split.parts)?, smoothness, tried: Vec::new() })
     }
 
     /// Returns what functions are fitted to, and what they then predict: the rest of every recording, as far as it stays in the range of what
     /// was fitted. A function of time is fitted to every other recording, whole, and predicts those between.
-    pub(crate) fn split(&self, effects: &[&'static Effect]) -> Option<Split> {
+    pub(crate) fn split(&self, effects: &[&'static Effect]) -> Option<DataSplit> {
         let count = self.before.len();
         let elements: Vec<&LearnedElement> = effects.iter().filter_map(|e| learned_element(e)).collect();
         let compared = |recordings: Vec<usize>, span: Span| FitSelection {
@@ -340,7 +340,7 @@ impl LearningTask<'_> {
             let selection = compared((0..count).step_by(2).collect(), Span::Whole);
             let parts =
                 (1..count).step_by(2).map(|recording| RecordingPart { recording, from: 0.0, to: 1.0 });
-            return (count > 1).then(|| Split { selection, parts: parts.collect() });
+            return (count > 1).then(|| DataSplit { selection, parts: parts.collect() });
         }
         let to = |r: usize, reach: Reach| {
             elements.iter().map(|e| self.visited.share_in_range(e, r, reach)).fold(1.0, f64::min)
@@ -353,11 +353,11 @@ impl LearningTask<'_> {
         let strict = within(Reach::Samples);
         let parts = if strict.is_empty() { within(Reach::Points) } else { strict };
         let selection = compared((0..count).collect(), Span::Head);
-        (!parts.is_empty()).then_some(Split { selection, parts })
+        (!parts.is_empty()).then_some(DataSplit { selection, parts })
     }
 
     /// Assesses a fit on a recording, from the initial state that was fitted with it if there is one.
-    pub(crate) fn assessment(&self, fit: &Fit, recording: usize) -> Option<Assessment> {
+    pub(crate) fn assessment(&self, fit: &EffectFit, recording: usize) -> Option<Assessment> {
         let simulator = self.searcher.simulator;
         match fit.assessment(recording) {
             Some(own) => simulator.assess_from(&fit.parameters, recording, own),
@@ -368,7 +368,7 @@ impl LearningTask<'_> {
     }
 
     /// Assesses a fit on all recordings, and on the parts that it was not fitted to.
-    fn assess_fit(&self, fit: Fit, parts: Vec<RecordingPart>) -> Option<FittedCandidate> {
+    fn assess_fit(&self, fit: EffectFit, parts: Vec<RecordingPart>) -> Option<FittedCandidate> {
         let all = 0..self.before.len();
         let judged: Vec<Assessment> = all.map(|r| self.assessment(&fit, r)).collect::<Option<_>>()?;
         Some(FittedCandidate {
@@ -407,7 +407,7 @@ impl LearningTask<'_> {
     }
 
     /// Returns the roughness of the last function of a fit with which held-out stretches are predicted best.
-    fn best_roughness(&self, fit: &Fit, count: usize) -> Option<f64> {
+    fn best_roughness(&self, fit: &EffectFit, count: usize) -> Option<f64> {
         let effect = fit.effects.last()?;
         let element = learned_element(effect)?;
         let values = fit.values[fit.values.len() - effect.parameters.len()..].to_vec();
@@ -415,13 +415,13 @@ impl LearningTask<'_> {
         let whole = FitSelection::all(count);
         let problem = self.problem(&fit.parameters, vec![effect], &whole, &near, &[]);
         let slopes = problem.slopes(&values, &near)?;
-        let held_out = HeldOut::new(&slopes, &near);
+        let held_out = HeldOutEquations::new(&slopes, &near);
         let share = |rough: &f64| held_out.share(element, &values, *rough);
         ROUGHNESS.iter().copied().max_by(|a, b| share(a).total_cmp(&share(b)))
     }
 
     /// Fits all functions of a model to all recordings, whole; the held-out figures stay those of the fit to the first parts.
-    fn fitted_to_all(&self, learned: Learned) -> Learned {
+    fn fitted_to_all(&self, learned: FunctionFit) -> FunctionFit {
         let selection = FitSelection {
             iterations: FINAL_ITERATIONS,
             restarts: 1,
@@ -433,7 +433,7 @@ impl LearningTask<'_> {
         let problem = self.problem(self.base, effects, &selection, near, &wanted);
         let again = problem.fit(&learned.candidate.fit.values);
         match again.and_then(|fit| self.searcher.replace_fit(&learned.candidate, fit)) {
-            Some(candidate) => Learned { candidate, ..learned },
+            Some(candidate) => FunctionFit { candidate, ..learned },
             None => learned,
         }
     }
@@ -452,9 +452,9 @@ impl LearningTask<'_> {
 
     /// Returns whether a function predicts held-out data better than another; one at a component that was located counts as better among
     /// equals.
-    fn is_better(&self, tried: &Learned, best: &Learned, template: Template) -> bool {
+    fn is_better(&self, tried: &FunctionFit, best: &FunctionFit, template: Template) -> bool {
         let ahead = merit(&tried.candidate) - merit(&best.candidate);
-        let place = |learned: &Learned| {
+        let place = |learned: &FunctionFit| {
             learned.candidate.fit.effects.last().and_then(|e| learned_element(e)).map(|e| e.place)
         };
         let located = |place: LearnedPlace| self.components.first().is_some_and(|c| is_at(*c, place));

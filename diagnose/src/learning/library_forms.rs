@@ -8,7 +8,7 @@ use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, Paramet
 use crate::fitting::output_error::FitSelection;
 use crate::fitting::score::score_parts;
 use crate::learning::learner::{FittedFunctions, LearningTask};
-use crate::learning::reading::{CurveReading, Form, read_curve};
+use crate::learning::reading::{CurveForm, CurveReading, read_curve};
 use crate::library::{Component, Effect, EffectName, find_effects, learned_element};
 use crate::selection::candidate::FittedCandidate;
 use crate::tolerance::{AMBIGUOUS, PARAMETER_PRICE, SEARCH_ITERATIONS};
@@ -32,34 +32,34 @@ fn library_forms(element: &LearnedElement, reading: &CurveReading, base: &Parame
         _ => (&base.pivot_friction, Component::Pivot),
     };
     let found = match (element.place, element.quantity, element.variable, reading.form) {
-        (Pivot, Torque, Angle, Form::Linear) => {
+        (Pivot, Torque, Angle, CurveForm::Linear) => {
             let stiffness = -of("slope");
             let centre = if stiffness == 0.0 { 0.0 } else { of("level") / stiffness };
             Some((Component::Structure, EffectName::PositionStiffness, vec![stiffness, centre]))
         }
-        (_, Torque, Rate, Form::Linear) => {
+        (_, Torque, Rate, CurveForm::Linear) => {
             Some((component, EffectName::Viscous, vec![friction.viscous_nm_s_rad - of("slope")]))
         }
-        (_, Torque, Rate, Form::Sign) => {
+        (_, Torque, Rate, CurveForm::Sign) => {
             Some((component, EffectName::Coulomb, vec![friction.coulomb_nm() - of("step")]))
         }
-        (_, FrictionLevel, _, Form::Constant) => {
+        (_, FrictionLevel, _, CurveForm::Constant) => {
             Some((component, EffectName::Coulomb, vec![friction.coulomb_nm() * of("level")]))
         }
-        (Pivot, FrictionLevel, Angle, Form::Sine) => {
+        (Pivot, FrictionLevel, Angle, CurveForm::Sine) => {
             Some((Component::Pivot, EffectName::PositionDependentFriction, ripple()))
         }
-        (Pivot, FrictionLevel, Time, Form::ExponentialApproach) => {
+        (Pivot, FrictionLevel, Time, CurveForm::ExponentialApproach) => {
             Some((Component::Pivot, EffectName::WarmUp, vec![-of("rise") / level, of("constant")]))
         }
-        (_, FrictionLevel, Load, Form::Linear) => {
+        (_, FrictionLevel, Load, CurveForm::Linear) => {
             Some((component, EffectName::LoadDependentFriction, vec![of("slope") * friction.coulomb_nm()]))
         }
-        (Motor, Torque, Turn, Form::Sine) => Some((Component::Motor, EffectName::Cogging, ripple())),
-        (Motor, TorqueConstant, Turn, Form::Sine) => {
+        (Motor, Torque, Turn, CurveForm::Sine) => Some((Component::Motor, EffectName::Cogging, ripple())),
+        (Motor, TorqueConstant, Turn, CurveForm::Sine) => {
             Some((Component::Motor, EffectName::TorqueRipple, ripple()))
         }
-        (Motor, TorqueConstant, _, Form::Constant) => Some((
+        (Motor, TorqueConstant, _, CurveForm::Constant) => Some((
             Component::Motor,
             EffectName::TorqueConstant,
             vec![base.motor.torque_constant_nm_a * of("level")],

@@ -13,7 +13,7 @@ use crate::tolerance::learning::{
 
 /// A simple form of a curve over a variable x.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub enum CurveForm {
     /// level.
     Constant,
     /// level + slope x.
@@ -47,12 +47,12 @@ pub struct FormParameter {
     pub half_width: f64,
 }
 
-/// What a curve says.
+/// Interpretation of a fitted curve: its form and its parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurveReading {
     /// The form.
-    pub form: Form,
-    /// Its parameters.
+    pub form: CurveForm,
+    /// Parameters.
     pub parameters: Vec<FormParameter>,
     /// Share of the curve's variation that the form explains, 0 to 1.
     pub explained: f64,
@@ -97,7 +97,7 @@ struct Curve {
 
 /// A form with its inner parameters at given values, fitted in the others.
 struct FittedForm {
-    form: Form,
+    form: CurveForm,
     inner: Vec<f64>,
     linear: Vec<f64>,
     deviation: Vec<f64>,
@@ -124,7 +124,7 @@ pub fn read_elements(elements: &[LearnedElement]) -> Vec<ReadElement> {
 /// Returns the simple form that a curve has; `None` if none explains most of it, or if it has too few points.
 pub fn read_curve(element: &LearnedElement) -> Option<CurveReading> {
     let curve = Curve::of(element)?;
-    let constant = curve.fit_best_form(Form::Constant)?;
+    let constant = curve.fit_best_form(CurveForm::Constant)?;
     let total = constant.misfit;
     let count = curve.x.len() as f64;
     let forms = forms_over(element.variable).iter().filter_map(|form| curve.fit_best_form(*form));
@@ -135,7 +135,7 @@ pub fn read_curve(element: &LearnedElement) -> Option<CurveReading> {
     };
     let best = forms.chain([constant]).min_by(|a, b| price(a).total_cmp(&price(b)))?;
     let explained = if total > 0.0 { 1.0 - best.misfit / total } else { 1.0 };
-    let flat = best.form == Form::Constant;
+    let flat = best.form == CurveForm::Constant;
     let within_noise = best.misfit < count;
     // a level that is not told from the one that changes nothing says nothing
     let off = (best.linear[0] - element.quantity.neutral()).abs() > NORMAL_95 * best.deviation[0];
@@ -147,19 +147,21 @@ pub fn read_curve(element: &LearnedElement) -> Option<CurveReading> {
 }
 
 /// Returns the forms that make sense over a variable, the shortest first.
-fn forms_over(variable: RegimeVariable) -> &'static [Form] {
+fn forms_over(variable: RegimeVariable) -> &'static [CurveForm] {
     match variable {
-        RegimeVariable::Turn => &[Form::Sine, Form::Bump],
-        RegimeVariable::Time => &[Form::Linear, Form::ExponentialApproach, Form::Sine, Form::Quadratic],
+        RegimeVariable::Turn => &[CurveForm::Sine, CurveForm::Bump],
+        RegimeVariable::Time => {
+            &[CurveForm::Linear, CurveForm::ExponentialApproach, CurveForm::Sine, CurveForm::Quadratic]
+        }
         _ => &[
-            Form::Linear,
-            Form::Sign,
-            Form::DeadZone,
-            Form::Quadratic,
-            Form::Cubic,
-            Form::Saturation,
-            Form::Sine,
-            Form::Bump,
+            CurveForm::Linear,
+            CurveForm::Sign,
+            CurveForm::DeadZone,
+            CurveForm::Quadratic,
+            CurveForm::Cubic,
+            CurveForm::Saturation,
+            CurveForm::Sine,
+            CurveForm::Bump,
         ],
     }
 }
@@ -188,7 +190,7 @@ impl Curve {
     }
 
     /// Returns a form fitted to the curve: its inner parameters by a grid that is refined twice, the others by least squares.
-    fn fit_best_form(&self, form: Form) -> Option<FittedForm> {
+    fn fit_best_form(&self, form: CurveForm) -> Option<FittedForm> {
         let mut grids: Vec<[f64; 2]> = self.inner_ranges(form);
         let mut best: Option<FittedForm> = None;
         for _ in 0..if grids.is_empty() { 1 } else { 3 } {
@@ -209,16 +211,20 @@ impl Curve {
     }
 
     /// Returns the ranges of the parameters that do not enter linearly.
-    fn inner_ranges(&self, form: Form) -> Vec<[f64; 2]> {
+    fn inner_ranges(&self, form: CurveForm) -> Vec<[f64; 2]> {
         let range = self.high - self.low;
         let widths = [SMALLEST_WIDTH * range, range];
         let reach = self.low.abs().max(self.high.abs());
         match form {
-            Form::Constant | Form::Linear | Form::Sign | Form::Quadratic | Form::Cubic => Vec::new(),
-            Form::DeadZone => vec![[0.02 * reach, 0.9 * reach]],
-            Form::Saturation | Form::Bump => vec![[self.low, self.high], widths],
-            Form::ExponentialApproach => vec![widths],
-            Form::Sine => vec![[std::f64::consts::TAU * 0.75 / range, self.fastest_sine()]],
+            CurveForm::Constant
+            | CurveForm::Linear
+            | CurveForm::Sign
+            | CurveForm::Quadratic
+            | CurveForm::Cubic => Vec::new(),
+            CurveForm::DeadZone => vec![[0.02 * reach, 0.9 * reach]],
+            CurveForm::Saturation | CurveForm::Bump => vec![[self.low, self.high], widths],
+            CurveForm::ExponentialApproach => vec![widths],
+            CurveForm::Sine => vec![[std::f64::consts::TAU * 0.75 / range, self.fastest_sine()]],
         }
     }
 
@@ -229,22 +235,22 @@ impl Curve {
             .min(ORDERS_AT_MOST / (self.high - self.low) * std::f64::consts::TAU)
     }
 
-    fn row(&self, form: Form, inner: &[f64], x: f64) -> Vec<f64> {
+    fn row(&self, form: CurveForm, inner: &[f64], x: f64) -> Vec<f64> {
         match form {
-            Form::Constant => vec![1.0],
-            Form::Linear => vec![1.0, x],
-            Form::Sign => vec![1.0, if x == 0.0 { 0.0 } else { x.signum() }],
-            Form::DeadZone => vec![1.0, (x.abs() - inner[0]).max(0.0) * x.signum()],
-            Form::Quadratic => vec![1.0, x, x * x],
-            Form::Cubic => vec![1.0, x, x * x * x],
-            Form::Saturation => vec![1.0, ((x - inner[0]) / inner[1]).clamp(-1.0, 1.0)],
-            Form::ExponentialApproach => vec![1.0, 1.0 - (-(x - self.low) / inner[0]).exp()],
-            Form::Sine => vec![1.0, (inner[0] * x).sin(), (inner[0] * x).cos()],
-            Form::Bump => vec![1.0, (-((x - inner[0]) / inner[1]).powi(2)).exp()],
+            CurveForm::Constant => vec![1.0],
+            CurveForm::Linear => vec![1.0, x],
+            CurveForm::Sign => vec![1.0, if x == 0.0 { 0.0 } else { x.signum() }],
+            CurveForm::DeadZone => vec![1.0, (x.abs() - inner[0]).max(0.0) * x.signum()],
+            CurveForm::Quadratic => vec![1.0, x, x * x],
+            CurveForm::Cubic => vec![1.0, x, x * x * x],
+            CurveForm::Saturation => vec![1.0, ((x - inner[0]) / inner[1]).clamp(-1.0, 1.0)],
+            CurveForm::ExponentialApproach => vec![1.0, 1.0 - (-(x - self.low) / inner[0]).exp()],
+            CurveForm::Sine => vec![1.0, (inner[0] * x).sin(), (inner[0] * x).cos()],
+            CurveForm::Bump => vec![1.0, (-((x - inner[0]) / inner[1]).powi(2)).exp()],
         }
     }
 
-    fn fit_form(&self, form: Form, inner: Vec<f64>) -> Option<FittedForm> {
+    fn fit_form(&self, form: CurveForm, inner: Vec<f64>) -> Option<FittedForm> {
         let rows: Vec<Vec<f64>> = self.x.iter().map(|x| self.row(form, &inner, *x)).collect();
         let count = rows[0].len();
         let sum = |of: &dyn Fn(usize) -> f64| (0..self.x.len()).map(|k| self.weight[k] * of(k)).sum::<f64>();
@@ -293,16 +299,16 @@ impl Curve {
         };
         let level = linear("level", 0);
         match best.form {
-            Form::Constant => vec![level],
-            Form::Linear => vec![level, linear("slope", 1)],
-            Form::Sign => vec![level, linear("step", 1)],
-            Form::DeadZone => vec![level, linear("slope", 1), inner("distance", 0)],
-            Form::Quadratic => vec![level, linear("slope", 1), linear("bend", 2)],
-            Form::Cubic => vec![level, linear("slope", 1), linear("cubic", 2)],
-            Form::Saturation => vec![level, linear("rise", 1), inner("centre", 0), inner("width", 1)],
-            Form::ExponentialApproach => vec![level, linear("rise", 1), inner("constant", 0)],
-            Form::Bump => vec![level, linear("height", 1), inner("centre", 0), inner("width", 1)],
-            Form::Sine => {
+            CurveForm::Constant => vec![level],
+            CurveForm::Linear => vec![level, linear("slope", 1)],
+            CurveForm::Sign => vec![level, linear("step", 1)],
+            CurveForm::DeadZone => vec![level, linear("slope", 1), inner("distance", 0)],
+            CurveForm::Quadratic => vec![level, linear("slope", 1), linear("bend", 2)],
+            CurveForm::Cubic => vec![level, linear("slope", 1), linear("cubic", 2)],
+            CurveForm::Saturation => vec![level, linear("rise", 1), inner("centre", 0), inner("width", 1)],
+            CurveForm::ExponentialApproach => vec![level, linear("rise", 1), inner("constant", 0)],
+            CurveForm::Bump => vec![level, linear("height", 1), inner("centre", 0), inner("width", 1)],
+            CurveForm::Sine => {
                 let (sin, cos) = (best.linear[1], best.linear[2]);
                 let half_width = 1.96 * best.deviation[1].max(best.deviation[2]);
                 let amplitude = FormParameter { name: "amplitude", value: sin.hypot(cos), half_width };

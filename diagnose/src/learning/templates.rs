@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, Parameters, RegimeVariable};
 
-use crate::learning::visited_ranges::Visited;
+use crate::learning::visited_ranges::VisitedRanges;
 use crate::library::{Component, Effect, make_learned_effect};
 use crate::localisation::error_hypotheses::Regime;
 use crate::localisation::error_map::MapCell;
@@ -58,8 +58,8 @@ const HUB_TURN_POINTS: usize = 4;
 pub(crate) struct TemplateContext<'a> {
     /// The mechanism.
     pub base: &'a Parameters,
-    /// What the recordings visit.
-    pub visited: &'a Visited,
+    /// Values that the recordings visit.
+    pub visited: &'a VisitedRanges,
     /// The localisation.
     pub map: &'a [MapCell],
     /// Turns of the motor, as the model counts them, per turn of the machine's own motor.

@@ -12,7 +12,7 @@ use crate::tolerance::learning::{RANGE_MARGIN, RANGE_QUANTILE};
 
 /// The values of the regime variables, recording by recording.
 #[derive(Debug, Clone, Default)]
-pub struct Visited {
+pub struct VisitedRanges {
     recordings: Vec<Signals<VisitedColumn>>,
     /// RMS torque of the drive at the hub, N m.
     pub drive_torque_nm: f64,
@@ -29,7 +29,7 @@ pub(crate) enum Reach {
     Points,
 }
 
-/// How far recordings leave the range over which a free function is known.
+/// Share of recordings beyond the range over which a free function is known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RangeExceedance {
     /// Name of the function.
@@ -69,7 +69,7 @@ impl ColumnName for VisitedColumn {
     }
 }
 
-impl Visited {
+impl VisitedRanges {
     /// Returns what recordings visit.
     pub fn of(base: &Parameters, recordings: &[MeasuredSignals]) -> Self {
         let mut torques = Vec::new();

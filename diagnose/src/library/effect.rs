@@ -5,7 +5,7 @@ use counterpoise_models::{LearnedElement, Parameters};
 use super::names::{Component, EffectName};
 use super::{amplifier_map, learned_values};
 
-/// How a parameter's value is mapped to the variable of the fit.
+/// Mapping of a parameter's value to the variable of the fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ParameterMapping {
     /// The value over its typical size.
@@ -29,11 +29,11 @@ pub struct EffectParameter {
     pub size: f64,
     /// Mapping to the variable of the fit.
     pub mapping: ParameterMapping,
-    /// Where the value is found in the mechanism's parameters.
+    /// Access to the value in the mechanism's parameters.
     pub access: Access,
 }
 
-/// Where a parameter is found in the parameters of a mechanism.
+/// Access to a parameter in the parameters of a mechanism.
 #[derive(Debug, Clone, Copy)]
 pub enum Access {
     /// One number of its own.
@@ -81,7 +81,7 @@ impl EffectParameter {
     }
 }
 
-/// Whether an effect is physics that the model knows with another value, or physics that it lacks.
+/// Kind of an effect: physics that the model knows with another value, or physics that it lacks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EffectKind {
     /// The right physics with another value.

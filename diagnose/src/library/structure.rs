@@ -2,13 +2,13 @@
 
 use super::effect::{Effect, EffectKind, parameter};
 use super::names::{Component, EffectName};
-use counterpoise_models::{Lumped, Parameters};
+use counterpoise_models::{LumpedStructure, Parameters};
 
-fn lumped_value(p: &Parameters, read: fn(&Lumped) -> f64) -> f64 {
+fn lumped_value(p: &Parameters, read: fn(&LumpedStructure) -> f64) -> f64 {
     p.lumped.as_ref().map_or(0.0, read)
 }
 
-fn lumped_set(p: &mut Parameters, write: impl FnOnce(&mut Lumped)) {
+fn lumped_set(p: &mut Parameters, write: impl FnOnce(&mut LumpedStructure)) {
     if let Some(structure) = p.lumped.as_mut() {
         write(structure);
     }

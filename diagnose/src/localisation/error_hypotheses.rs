@@ -8,11 +8,11 @@ use crate::localisation::ports::Port;
 use crate::localisation::torque_balances::{BalanceColumn as B, BalanceSignals, envelope};
 use crate::recording::series::derivative;
 use Port::{Accelerometer, Gear, Hub, HubGyro, Motor, PlatformGyro};
-use Quantity as Q;
+use SignalQuantity as Q;
 
 /// A quantity that the signals give at every sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Quantity {
+pub(crate) enum SignalQuantity {
     One,
     Time,
     Rate,
@@ -52,19 +52,19 @@ pub(crate) enum Quantity {
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Law {
     /// A free function of the first times the second.
-    Free(Port, Quantity, Quantity),
+    Free(Port, SignalQuantity, SignalQuantity),
     /// A sine of time times a quantity, of any phase in every recording.
-    Sine(Port, Quantity),
+    Sine(Port, SignalQuantity),
     /// A sine of the first, the phase common to all recordings, times the second.
-    Repeats(Port, Quantity, Quantity),
+    Repeats(Port, SignalQuantity, SignalQuantity),
     /// A sine of the motor's angle times a quantity.
-    Turns(Port, Quantity),
+    Turns(Port, SignalQuantity),
     /// Any multiple of each, at its port.
-    Fixed(&'static [(Port, Quantity)]),
+    Fixed(&'static [(Port, SignalQuantity)]),
     /// Any multiple of that one of them that gains most.
-    OneOf(Port, &'static [Quantity]),
+    OneOf(Port, &'static [SignalQuantity]),
     /// Multiples of several ports' errors that come together.
-    Together(&'static [(Port, Quantity)]),
+    Together(&'static [(Port, SignalQuantity)]),
 }
 
 /// An error hypothesis: a component, a regime variable, and the form of the error.
@@ -153,9 +153,9 @@ pub(crate) fn regimes_of(component: Component, effect: EffectName) -> &'static [
 }
 
 /// Time constants of a lag in the drive, ms.
-const LAGS: &[Quantity] = &[Q::Lagged(1), Q::Lagged(2), Q::Lagged(4), Q::Lagged(8), Q::Lagged(16)];
+const LAGS: &[SignalQuantity] = &[Q::Lagged(1), Q::Lagged(2), Q::Lagged(4), Q::Lagged(8), Q::Lagged(16)];
 /// Samples by which the control may be late.
-const DELAYS: &[Quantity] =
+const DELAYS: &[SignalQuantity] =
     &[Q::Late(1), Q::Late(2), Q::Late(3), Q::Late(4), Q::Late(6), Q::Late(8), Q::Late(11), Q::Late(15)];
 
 /// Every error hypothesis.
@@ -219,7 +219,7 @@ pub(crate) const ERROR_HYPOTHESES: &[ErrorHypothesis] = &[
     ),
 ];
 
-impl Quantity {
+impl SignalQuantity {
     /// Returns its value at every sample of a recording.
     pub fn of(self, s: &BalanceSignals) -> Vec<f64> {
         match self {

@@ -9,10 +9,10 @@ use counterpoise_models::Parameters;
 
 use crate::library::Component;
 use crate::localisation::error_hypotheses::{
-    COMPONENTS, ERROR_HYPOTHESES, ErrorHypothesis, Law, Quantity, Regime,
+    COMPONENTS, ERROR_HYPOTHESES, ErrorHypothesis, Law, Regime, SignalQuantity,
 };
 use crate::localisation::free_functions::{
-    KnotSpacing, classify_knot_function, hat_series, place_knots, sines, turns, waves,
+    KnotSpacing, best_motor_order, classify_knot_function, hat_series, place_knots, sines, waves,
 };
 use crate::localisation::residual_regression::{AssessedReplay, ErrorTerm, ResidualRegression, Series};
 use crate::localisation::torque_balances::BalanceVisibility;
@@ -20,7 +20,7 @@ use crate::localisation::trend::{Repetition, Trend};
 use crate::tolerance::{AMBIGUOUS, GAIN_NEEDED};
 use counterpoise_pool::{Pool, map};
 
-/// What an error at one component would explain that is a free function of one regime variable.
+/// Gain that an error at one component explains if it is a free function of one regime variable.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapCell {
     /// Component.
@@ -31,7 +31,7 @@ pub struct MapCell {
     pub explained: f64,
     /// Log-likelihood gained on held-out data.
     pub log_likelihood_gain: f64,
-    /// What that function looks like; `None` if the variable explains little or the function has no simple form.
+    /// Course of that function; `None` if the variable explains little or the function has no simple form.
     pub trend: Option<Trend>,
 }
 
@@ -92,7 +92,7 @@ struct FittedHypothesis {
 
 impl FittedHypothesis {
     fn of(regression: &ResidualRegression, hypothesis: &ErrorHypothesis) -> Option<Self> {
-        let all = |q: Quantity| regression.all(q);
+        let all = |q: SignalQuantity| regression.all(q);
         let plain = |columns| Self { columns, knots: Vec::new(), repeats: None };
         match hypothesis.law {
             Law::Free(port, variable, carrier) => {
@@ -143,7 +143,7 @@ impl FittedHypothesis {
                 (regression.columns(port, &series), found.trend(variable.unit()))
             }
             Law::Turns(port, carrier) => {
-                let (order, columns) = turns(regression, port, &regression.all(carrier))?;
+                let (order, columns) = best_motor_order(regression, port, &regression.all(carrier))?;
                 (columns, Trend::Periodic { repetition: Some(Repetition::WithMotorTurn { order }) })
             }
             _ => return None,

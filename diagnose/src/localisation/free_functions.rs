@@ -1,6 +1,6 @@
 //! Free functions of one variable: piecewise linear on knots, sines of time and of the motor's angle.
 
-use crate::localisation::error_hypotheses::Quantity;
+use crate::localisation::error_hypotheses::SignalQuantity;
 use crate::localisation::ports::Port;
 use crate::localisation::residual_regression::{ResidualRegression, Series};
 use crate::localisation::trend::{Trend, classify_function};
@@ -76,7 +76,7 @@ pub(crate) fn classify_knot_function(
 /// Returns the frequency that explains most of the drive's balance, Hz, its phase free in every recording, and its sines and
 /// cosines there.
 pub(crate) fn sines(regression: &ResidualRegression, carrier: &Series) -> Option<(f64, Vec<Series>)> {
-    let times = regression.all(Quantity::Time);
+    let times = regression.all(SignalQuantity::Time);
     let longest = times.iter().filter_map(|t| t.last().copied()).fold(0.0, f64::max);
     if longest <= 0.0 {
         return None;
@@ -117,12 +117,12 @@ pub(crate) fn waves(turn: f64, variable: &Series, carrier: &Series) -> [Series; 
 }
 
 /// Returns the order at which a sine of the motor's angle at a port gains most, and its two columns.
-pub(crate) fn turns(
+pub(crate) fn best_motor_order(
     regression: &ResidualRegression,
     port: Port,
     carrier: &Series,
 ) -> Option<(f64, Vec<Vec<f64>>)> {
-    let angle = regression.all(Quantity::MotorAngle);
+    let angle = regression.all(SignalQuantity::MotorAngle);
     let at = |order: &f64| {
         let columns = regression.columns(port, &waves(*order, &angle, carrier));
         Some((regression.gain(&columns)?, *order, columns))
@@ -135,7 +135,7 @@ pub(crate) fn turns(
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::localisation::trend::{Extent, Form};
+    use crate::localisation::trend::{Extent, TrendForm};
 
     #[test]
     fn a_function_on_knots_is_the_straight_line_between_them() {
@@ -148,7 +148,7 @@ mod tests {
         }
         let trend = classify_knot_function(&knots, &knots, &variable[0], "rad");
         let extent = Some(Extent { low: 0.0, high: variable[0][99], unit: "rad" });
-        assert_eq!(trend, Some(Trend::Simple { form: Form::Proportional, extent }));
+        assert_eq!(trend, Some(Trend::Simple { form: TrendForm::Proportional, extent }));
         assert!(place_knots(&vec![vec![1.0; 5]], KnotSpacing::Even).is_none());
     }
 }

@@ -12,9 +12,9 @@ use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Channel;
 
-use crate::localisation::error_hypotheses::Quantity;
+use crate::localisation::error_hypotheses::SignalQuantity;
 use crate::localisation::ports::Port;
-use crate::localisation::torque_balances::{Balance, BalanceSignals, thin};
+use crate::localisation::torque_balances::{Balance, BalanceSignals, trim_ends};
 use crate::localisation::trend::PeriodicTrend;
 use crate::localisation::whitening::Whitener;
 use crate::machine::{RedundantSensors, usable_sensors};
@@ -142,7 +142,7 @@ impl<'a> ResidualRegression<'a> {
 
     /// Returns a quantity at every sample of every recording. One that is mostly noise is taken from the replay, because the noise
     /// that a balance contains would explain itself.
-    pub fn all(&self, quantity: Quantity) -> Series {
+    pub fn all(&self, quantity: SignalQuantity) -> Series {
         let of = |(s, quiet): (&BalanceSignals, &Option<BalanceSignals>)| match quiet {
             Some(quiet) if quantity.is_mostly_noise() => quantity.of(quiet),
             _ => quantity.of(s),
@@ -157,7 +157,7 @@ impl<'a> ResidualRegression<'a> {
 
     /// Finds how the drive's balance repeats along a variable.
     pub fn repetition(&self, variable: &Series) -> Option<PeriodicTrend> {
-        let along: Vec<f64> = variable.iter().flat_map(|v| thin(v)).collect();
+        let along: Vec<f64> = variable.iter().flat_map(|v| trim_ends(v)).collect();
         PeriodicTrend::of(&self.torque.concat(), &along)
     }
 
@@ -170,7 +170,7 @@ impl<'a> ResidualRegression<'a> {
                     let part = term.port.balance_error(balance, &term.error[r], &self.signals[r]);
                     sum.iter_mut().zip(part).for_each(|(s, p)| *s += p);
                 }
-                thin(&sum)
+                trim_ends(&sum)
             };
             (0..self.signals.len()).map(of).collect()
         };
@@ -245,7 +245,7 @@ impl<'a> ResidualRegression<'a> {
     /// Returns the variance of each balance on the half that was not fitted, the balances weighted by it.
     fn held_out(&self, columns: &[Vec<f64>]) -> Option<Vec<f64>> {
         let all: Vec<&[f64]> = self.nuisances.iter().chain(columns).map(Vec::as_slice).collect();
-        let parts: Vec<Normal> = self.segments.iter().map(|s| self.normal(s, &all)).collect();
+        let parts: Vec<NormalEquations> = self.segments.iter().map(|s| self.normal(s, &all)).collect();
         let mut left = vec![EXPLAINED_VARIANCE; self.balances.len()];
         for _ in 0..REWEIGHTED_FITS {
             let mut sums = vec![0.0; left.len()];
@@ -260,7 +260,7 @@ impl<'a> ResidualRegression<'a> {
         left.iter().all(|v| v.is_finite()).then_some(left)
     }
 
-    fn normal(&self, segment: &Segment, all: &[&[f64]]) -> Normal {
+    fn normal(&self, segment: &Segment, all: &[&[f64]]) -> NormalEquations {
         let target = &self.target[segment.rows.clone()];
         let columns: Vec<&[f64]> = all.iter().map(|c| &c[segment.rows.clone()]).collect();
         let mut gram = Mat::zeros(all.len(), all.len());
@@ -271,11 +271,11 @@ impl<'a> ResidualRegression<'a> {
             }
         }
         let right = columns.iter().map(|c| dot(c, target)).collect();
-        Normal { gram, right, power: dot(target, target) }
+        NormalEquations { gram, right, power: dot(target, target) }
     }
 
     /// Returns the coefficients fitted to one half of the stretches, the balances weighted by their residual variance.
-    fn fit_half(&self, parts: &[Normal], half: usize, left: &[f64]) -> Option<Vec<f64>> {
+    fn fit_half(&self, parts: &[NormalEquations], half: usize, left: &[f64]) -> Option<Vec<f64>> {
         let count = parts.first()?.right.len();
         let (mut gram, mut right) = (Mat::zeros(count, count), vec![0.0; count]);
         for (segment, part) in self.segments.iter().zip(parts).filter(|(s, _)| s.half == half) {
@@ -311,13 +311,13 @@ fn half_of(row: usize, rows: usize) -> usize {
 }
 
 /// Normal equations of one segment.
-struct Normal {
+struct NormalEquations {
     gram: Mat,
     right: Vec<f64>,
     power: f64,
 }
 
-impl Normal {
+impl NormalEquations {
     /// Returns the sum of squares that coefficients leave.
     fn remaining_squares(&self, x: &[f64]) -> f64 {
         let column = Mat::col(x);
@@ -352,7 +352,8 @@ fn balance_departures(
     let simulated = BalanceSignals::new(p, &replay, slow);
     let noisy = BalanceSignals::new(p, &add_noise(p, &replay, &recording.assessment), slow);
     let apart = |other: &BalanceSignals, balance: Balance| {
-        let pairs = thin(&other.residual(balance)).into_iter().zip(thin(&simulated.residual(balance)));
+        let pairs =
+            trim_ends(&other.residual(balance)).into_iter().zip(trim_ends(&simulated.residual(balance)));
         pairs.map(|(a, b)| a - b).collect()
     };
     let of = |other: &BalanceSignals| balances.iter().map(|b| apart(other, *b)).collect();

@@ -135,12 +135,12 @@ pub(crate) struct BalanceSignals<'a> {
 }
 
 /// Rates at which the two frictions count as sliding, rad/s: pivot, motor.
-pub(crate) type Slow = [f64; 2];
+pub(crate) type SlidingRates = [f64; 2];
 
 impl<'a> BalanceSignals<'a> {
     /// Computes the signals of a recording; `slow` gives the rates below which the frictions count as at rest, if another reading
     /// of the recording determines them.
-    pub fn new(p: &'a Parameters, m: &MeasuredSignals, slow: Option<Slow>) -> Self {
+    pub fn new(p: &'a Parameters, m: &MeasuredSignals, slow: Option<SlidingRates>) -> Self {
         let inertial = m.with_inertial_rate();
         let m = inertial.as_ref();
         let smooth = |series: &[f64]| low_pass(series, BALANCE_SMOOTHING);
@@ -190,7 +190,7 @@ impl<'a> BalanceSignals<'a> {
     }
 
     /// Returns the rates below which the frictions count as at rest, rad/s.
-    pub fn slow_rates(&self) -> Slow {
+    pub fn slow_rates(&self) -> SlidingRates {
         [slow_rate(self.column(BalanceColumn::Relative)), slow_rate(self.column(BalanceColumn::Motor))]
     }
 
@@ -306,7 +306,7 @@ pub(crate) fn envelope(series: &[f64], period: f64) -> Vec<f64> {
 }
 
 /// Returns what is kept of a balance: without its ends, at which the low-pass sees half of what it needs.
-pub(crate) fn thin(series: &[f64]) -> Vec<f64> {
+pub(crate) fn trim_ends(series: &[f64]) -> Vec<f64> {
     let margin = BALANCE_MARGIN.min(series.len() / 4);
     series[margin..series.len() - margin].iter().step_by(BALANCE_THINNING).copied().collect()
 }
@@ -327,7 +327,7 @@ mod tests {
     #[test]
     fn the_low_pass_keeps_a_straight_line_and_its_slope() {
         let line: Vec<f64> = (0..400).map(|k| 3.0 * f64::from(k)).collect();
-        let slopes = thin(&derivative(&low_pass(&line, BALANCE_SMOOTHING), 0.5));
+        let slopes = trim_ends(&derivative(&low_pass(&line, BALANCE_SMOOTHING), 0.5));
         assert!(slopes.iter().all(|s| (s - 6.0).abs() < 1e-9));
     }
 }

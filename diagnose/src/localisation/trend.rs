@@ -22,7 +22,7 @@ pub struct Extent {
 
 /// A simple form of a function of one variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Form {
+pub enum TrendForm {
     /// The same throughout.
     Constant,
     /// In proportion to the variable.
@@ -33,7 +33,7 @@ pub enum Form {
     Even,
 }
 
-/// How something repeats.
+/// Period with which a trend repeats.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Repetition {
     /// Along a variable.
@@ -62,14 +62,14 @@ pub enum Repetition {
 /// The trend of a function along its regime variable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Trend {
-    /// It has a simple form.
+    /// The trend has a simple form.
     Simple {
         /// The form.
-        form: Form,
+        form: TrendForm,
         /// The range that the recordings cover; `None` if its numbers are not those of the machine itself.
         extent: Option<Extent>,
     },
-    /// It repeats.
+    /// The trend repeats.
     Periodic {
         /// How; `None` if its numbers are not those of the machine itself.
         repetition: Option<Repetition>,
@@ -93,11 +93,14 @@ pub(crate) fn classify_function(function: &[f64], variable: &[f64], unit: &'stat
     let simple_trend = |form| Trend::Simple { form, extent: Some(Extent { low, high, unit }) };
     let mean = function.iter().sum::<f64>() / function.len().max(1) as f64;
     if rms(&remove_mean(function)) < CONSTANT_TREND * mean.abs() {
-        return Some(simple_trend(Form::Constant));
+        return Some(simple_trend(TrendForm::Constant));
     }
     let [straight, odd, even] = simple(function, variable);
-    let forms =
-        [(Form::Proportional, straight + PROPORTIONAL_PREFERENCE), (Form::Odd, odd), (Form::Even, even)];
+    let forms = [
+        (TrendForm::Proportional, straight + PROPORTIONAL_PREFERENCE),
+        (TrendForm::Odd, odd),
+        (TrendForm::Even, even),
+    ];
     let best = forms.into_iter().max_by(|a, b| a.1.total_cmp(&b.1));
     best.filter(|(_, share)| *share > TREND_SHARE).map(|(form, _)| simple_trend(form))
 }
@@ -227,11 +230,11 @@ mod tests {
     #[test]
     fn proportional_odd_and_even_are_told_apart() {
         for (f, expected) in [
-            ((|v| 2.0 * v) as fn(f64) -> f64, Form::Proportional),
-            (|v: f64| v.signum() + 0.2 * v, Form::Odd),
-            (|v: f64| v * v, Form::Even),
-            (|v: f64| v * v * v, Form::Odd),
-            (|v: f64| 9.0 + v, Form::Constant),
+            ((|v| 2.0 * v) as fn(f64) -> f64, TrendForm::Proportional),
+            (|v: f64| v.signum() + 0.2 * v, TrendForm::Odd),
+            (|v: f64| v * v, TrendForm::Even),
+            (|v: f64| v * v * v, TrendForm::Odd),
+            (|v: f64| 9.0 + v, TrendForm::Constant),
         ] {
             let (residual, variable) = residual_of(f);
             let trend = classify_function(&residual, &variable, "");

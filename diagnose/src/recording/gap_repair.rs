@@ -11,7 +11,7 @@ use counterpoise_recordings::{Channel, Recording};
 
 use crate::recording::series::rms;
 
-/// What was done to a channel, or to all of a recording, to repair it.
+/// Repair of a channel or of a whole recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Repair {
     /// Readings that stand still while the mechanism moves are not compared.
@@ -43,7 +43,7 @@ pub enum Repair {
     },
 }
 
-/// What was repaired.
+/// Kind of data that a repair changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RepairedPart {
     /// The clock: the recording as a whole.
@@ -67,7 +67,7 @@ impl RepairedPart {
 pub struct RepairedRecording {
     /// The parts that can be replayed: the recording itself if it is whole, none if nothing is left.
     pub parts: Vec<Recording>,
-    /// What was done, each with what was repaired.
+    /// Repairs, each with the part that was repaired.
     pub repairs: Vec<(RepairedPart, Repair)>,
 }
 

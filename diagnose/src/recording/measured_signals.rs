@@ -36,9 +36,9 @@ impl ColumnName for MeasuredColumn {
 pub struct MeasuredSignals {
     /// Sample period, s.
     pub period_s: f64,
-    /// What the loop's sensor measures, which is recorded as the hub rate.
+    /// Quantity of the loop's sensor, which is recorded as the hub rate.
     pub measured: FeedbackSignal,
-    /// Which of the columns were recorded that a machine can do without.
+    /// Recorded columns that a machine can do without.
     pub recorded: RedundantSensors,
     /// The samples, in all columns of [`MeasuredColumn`].
     pub signals: Signals<MeasuredColumn>,

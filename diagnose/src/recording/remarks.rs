@@ -4,7 +4,7 @@ use crate::recording::gap_repair::{Repair, RepairedPart};
 use crate::recording::instrument_faults::InstrumentFault;
 use crate::recording::sanity_checks::{ControlMismatch, SanityRemark};
 
-/// What was done with a recording whose platform moves and whose heave was not recorded.
+/// Treatment of a recording whose platform moves and whose heave was not recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HeaveTreatment {
     /// The heave is taken as none.
@@ -13,12 +13,12 @@ pub enum HeaveTreatment {
     LeftOut,
 }
 
-/// Whether a channel on which something was remarked is still compared.
+/// Comparison state of a channel on which something was remarked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Comparison {
-    /// It is compared.
+    /// The channel is compared.
     Compared,
-    /// It is not compared.
+    /// The channel is not compared.
     NotCompared,
 }
 

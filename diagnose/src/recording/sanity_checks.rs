@@ -16,22 +16,22 @@ use crate::tolerance::recording::{
     REPORTED_OFFSET_S, SLOPE_AGREEMENT, SLOPE_COHERENCE, WRONG_SLOPE,
 };
 
-/// What a sensor's disagreement with the others most likely means.
+/// Most likely cause of a sensor's disagreement with the others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Meaning {
-    /// Its sign is swapped.
+    /// The sign of the channel is swapped.
     SignSwapped,
-    /// It is in degrees.
+    /// The channel is in degrees.
     InDegrees,
     /// One is in degrees and the other in radians.
     MixedDegreesAndRadians,
-    /// It is in thousandths.
+    /// The channel is in thousandths.
     InThousandths,
     /// A scale or the gear ratio is wrong.
     WrongScaleOrRatio,
 }
 
-/// Whether readings stay at an extreme of the channel or between.
+/// Place at which readings stand still: at an extreme of the channel or between.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Standstill {
     /// At an extreme.
@@ -40,7 +40,7 @@ pub enum Standstill {
     Stuck,
 }
 
-/// What is unusual about a channel.
+/// Anomaly of a channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Anomaly {
     /// Samples are missing or not numbers.
@@ -50,7 +50,7 @@ pub enum Anomaly {
         /// Of how many.
         samples: usize,
     },
-    /// It has one value throughout.
+    /// The channel has one value throughout.
     StuckThroughout {
         /// The value, in the channel's unit.
         value: f64,
@@ -92,12 +92,12 @@ pub enum Anomaly {
         /// What it most likely means.
         meaning: Meaning,
     },
-    /// Its clock has an offset.
+    /// The clock has an offset.
     ClockOffset {
         /// How much later than the gyroscopes it is, s.
         late_s: f64,
     },
-    /// Its clock runs fast or slow.
+    /// The clock runs fast or slow.
     ClockDrift {
         /// How much later than the gyroscopes it is at the start, s.
         start_s: f64,
@@ -127,7 +127,7 @@ pub struct SanityRemark {
     pub recording: String,
     /// The channel.
     pub channel: Channel,
-    /// What was seen.
+    /// Anomaly that was found.
     pub anomaly: Anomaly,
 }
 

@@ -1,6 +1,6 @@
 //! A candidate model, fitted and assessed, and the ranking of several.
 
-use crate::fitting::output_error::{Fit, parameters_of};
+use crate::fitting::output_error::{EffectFit, parameters_of};
 use crate::fitting::score::{RecordingPart, Score};
 use crate::library::Effect;
 use crate::simulator_access::Assessment;
@@ -12,14 +12,14 @@ use crate::tolerance::{
 #[derive(Debug, Clone)]
 pub struct FittedCandidate {
     /// All effects of the model, fitted together; the new one is the last.
-    pub fit: Fit,
+    pub fit: EffectFit,
     /// Fit of every recording, whole.
     pub whole: Score,
     /// Fit of what the candidate was not fitted to.
     pub held_out: Score,
     /// Fit of the model before, on the same data.
     pub held_out_before: Score,
-    /// What the candidate was not fitted to.
+    /// Data that the candidate was not fitted to.
     pub held_out_parts: Vec<RecordingPart>,
     /// The assessments of the recordings, without residuals.
     pub assessments: Vec<Assessment>,

@@ -8,7 +8,7 @@ use counterpoise_linalg::{Mat, lstsq};
 use counterpoise_models::Parameters;
 
 use crate::library::EffectName;
-use crate::localisation::torque_balances::{Balance, BalanceColumn, BalanceSignals, integral, thin};
+use crate::localisation::torque_balances::{Balance, BalanceColumn, BalanceSignals, integral, trim_ends};
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::dot;
 use crate::tolerance::selection::{
@@ -38,7 +38,7 @@ impl BalanceOverAngle {
     pub fn new(base: &Parameters, measured: &MeasuredSignals, effect: EffectName) -> Option<Self> {
         let signals = BalanceSignals::new(base, measured, None);
         let kept = |series: &[f64]| {
-            let thinned = thin(series);
+            let thinned = trim_ends(series);
             let step = thinned.len().div_ceil(ORDER_SPECTRUM_SAMPLES).max(1);
             thinned.into_iter().step_by(step).collect::<Vec<f64>>()
         };

@@ -15,7 +15,7 @@ pub struct SearchOutcome {
     pub rivals: Vec<Vec<FittedCandidate>>,
     /// Every stage.
     pub stages: Vec<Stage>,
-    /// Whether the user stopped the search.
+    /// `true` if the user stopped the search.
     pub cancelled: bool,
 }
 

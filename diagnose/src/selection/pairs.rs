@@ -15,7 +15,7 @@ pub struct Pair {
     pub members: [usize; 2],
     /// Share of the weighted residual that their signatures explain together.
     pub explained: f64,
-    /// What each member's change counts for beside the other.
+    /// Weight of each member's change beside the other.
     pub shares: [f64; 2],
 }
 

@@ -7,7 +7,7 @@ use crate::tolerance::selection::{
 };
 use counterpoise_models::Parameters;
 
-use crate::fitting::output_error::Fit;
+use crate::fitting::output_error::EffectFit;
 use crate::library::{Component, Effect, EffectName, ParameterMapping, find_effects, find_scan_range};
 use crate::selection::order_spectrum::{BalanceOverAngle, OrderRange};
 use crate::selection::perturbations::{Perturbation, perturbation_towards, ripple_perturbation};
@@ -127,7 +127,7 @@ pub(crate) fn covers_a_period(order: f64, travel: f64) -> bool {
 
 /// Returns whether every ripple of motor and gearbox in a fit repeats over the travel. A fit may stretch one until it is a piece of
 /// a sine, which is any smooth function of the position.
-pub(crate) fn repeats(simulator: &dyn SimulatorAccess, fit: &Fit) -> bool {
+pub(crate) fn ripples_repeat(simulator: &dyn SimulatorAccess, fit: &EffectFit) -> bool {
     all_repeat(&fit.effects, &fit.values, simulator.travel_rad() * fit.parameters.gearbox.ratio)
 }
 

@@ -1,7 +1,7 @@
 //! What is done to accepted effects: they are fitted to everything, refined, exchanged for better ones, and dropped if the others
 //! explain as much without them.
 
-use crate::fitting::output_error::{Fit, FitSelection, apply_effects, parameters_of};
+use crate::fitting::output_error::{EffectFit, FitSelection, apply_effects, parameters_of};
 use crate::library::{Effect, find_refinement};
 use crate::selection::candidate::FittedCandidate;
 use crate::selection::outcome::SearchOutcome;
@@ -162,7 +162,7 @@ impl Searcher<'_> {
         let fit = self.fit(effects, &start, &selection, &[])?;
         let (again, as_it_is) = (self.replace_fit(candidate, fit)?, self.score_model(&kept)?);
         if as_it_is.level() < again.whole.level() {
-            let fit = Fit { values: start, parameters: kept, ..again.fit };
+            let fit = EffectFit { values: start, parameters: kept, ..again.fit };
             return Some(FittedCandidate { fit, whole: as_it_is, ..candidate.clone() });
         }
         Some(again)

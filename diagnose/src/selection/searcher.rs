@@ -2,17 +2,17 @@
 
 use counterpoise_models::Parameters;
 
-use crate::fitting::output_error::{Fit, FitSelection, Problem};
+use crate::fitting::output_error::{EffectFit, FitSelection, Problem};
 use crate::fitting::score::{Score, assess_recordings, score_parts};
 use crate::library::Effect;
 use crate::selection::candidate::{FittedCandidate, held_out_parts, whole_parts};
-use crate::selection::parameter_scan::repeats;
+use crate::selection::parameter_scan::ripples_repeat;
 use crate::selection::sizes::Sizes;
 use crate::simulator_access::{Assessment, SimulatorAccess};
 use crate::tolerance::selection::{ROUNDED_ORDER_COST, WHOLE_ORDER};
 use counterpoise_pool::{Pool, map};
 
-/// What the search works on.
+/// Data and state of the search for effects.
 pub struct Searcher<'a> {
     /// The simulator, with the recordings.
     pub simulator: &'a dyn SimulatorAccess,
@@ -24,7 +24,7 @@ pub struct Searcher<'a> {
     pub effects: Vec<&'static Effect>,
     /// Effects with values found by other means, to be fitted from there at the first stage.
     pub seeds: Vec<(&'static Effect, Vec<f64>)>,
-    /// What is known of the machine's sizes.
+    /// Known sizes of the machine.
     pub sizes: Sizes,
 }
 
@@ -32,7 +32,7 @@ impl Searcher<'_> {
     /// Assesses a fit on all recordings, and on what it was not fitted to.
     pub(crate) fn assess_fit(
         &self,
-        fit: Fit,
+        fit: EffectFit,
         fitted: &[usize],
         before: &[Assessment],
     ) -> Option<FittedCandidate> {
@@ -65,12 +65,12 @@ impl Searcher<'_> {
     /// Builds a candidate from a fit and its assessments; returns `None` for a ripple that does not repeat.
     pub(crate) fn build_candidate(
         &self,
-        fit: Fit,
+        fit: EffectFit,
         judged: &[Assessment],
         fitted: &[usize],
         before: &[Assessment],
     ) -> Option<FittedCandidate> {
-        if !repeats(self.simulator, &fit) {
+        if !ripples_repeat(self.simulator, &fit) {
             return None;
         }
         let parts = held_out_parts(self.simulator.count(), fitted);
@@ -93,7 +93,7 @@ impl Searcher<'_> {
         effects: Vec<&'static Effect>,
         start: &[f64],
         selection: &FitSelection,
-    ) -> Option<Fit> {
+    ) -> Option<EffectFit> {
         let base = &fixed.fit.parameters;
         let assessments = &fixed.assessments;
         let problem = Problem {
@@ -117,7 +117,7 @@ impl Searcher<'_> {
         start: &[f64],
         selection: &FitSelection,
         assessments: &[Assessment],
-    ) -> Option<Fit> {
+    ) -> Option<EffectFit> {
         let (simulator, pool, base) = (self.simulator, self.pool, self.base);
         let problem = Problem { simulator, pool, selection, base, effects, assessments, preferences: &[] };
         let fit = problem.fit(start)?;
@@ -126,8 +126,8 @@ impl Searcher<'_> {
 
     /// Returns a candidate with another fit of its effects to all recordings, assessed from the initial states that were found with
     /// it.
-    pub(crate) fn replace_fit(&self, candidate: &FittedCandidate, fit: Fit) -> Option<FittedCandidate> {
-        if !repeats(self.simulator, &fit) {
+    pub(crate) fn replace_fit(&self, candidate: &FittedCandidate, fit: EffectFit) -> Option<FittedCandidate> {
+        if !ripples_repeat(self.simulator, &fit) {
             return None;
         }
         let judged = self.assess_model(&fit.parameters, &|r| fit.assessment(r))?;
@@ -145,7 +145,7 @@ impl Searcher<'_> {
 }
 
 /// Rounds a ripple's order that is close to a whole number, because teeth and poles are counted, and fits again.
-fn round_ripple_orders(problem: &Problem, fit: Fit) -> Fit {
+fn round_ripple_orders(problem: &Problem, fit: EffectFit) -> EffectFit {
     let mut start = fit.values.clone();
     let mut first = 0;
     let mut moved = false;

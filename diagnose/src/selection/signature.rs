@@ -32,7 +32,7 @@ pub struct EffectSignature {
     pub signature: Vec<f64>,
     /// Sum of squares of the signature at a typical size, in units of the floor: what decides detectability.
     pub information: f64,
-    /// That size: the change of the first parameter.
+    /// Size of the effect: the change of its first parameter.
     pub change: f64,
     /// The fitted part of the weighted residual, thinned, for finding effects that act together.
     pub(crate) trace: Vec<f64>,
@@ -77,7 +77,7 @@ impl EffectSignature {
     }
 }
 
-/// What signatures are computed for.
+/// Model and recordings for which signatures are computed.
 pub struct ScreeningContext<'a> {
     /// Simulator and recordings.
     pub simulator: &'a dyn SimulatorAccess,
@@ -87,13 +87,13 @@ pub struct ScreeningContext<'a> {
     pub base: &'a Parameters,
     /// The assessment of every recording.
     pub judged: &'a [Assessment],
-    /// How much is computed for a signature.
+    /// Depth of the computation of a signature.
     pub reach: ScreeningDepth,
-    /// What is known of the machine's sizes.
+    /// Known sizes of the machine.
     pub sizes: Sizes,
 }
 
-/// How much is computed for a signature.
+/// Depth of the computation of a signature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ScreeningDepth {
     /// The signature over the first part of the recordings.
@@ -111,7 +111,7 @@ pub fn is_close(judged: &[Assessment]) -> bool {
 pub(crate) type Residuals = Vec<Vec<f64>>;
 
 /// Returns what a combination of signatures explains of the weighted residual, thinned.
-fn trace(here: &Weighted, signatures: &[Residuals], coefficients: &[f64]) -> Vec<f64> {
+fn trace(here: &WeightedResiduals, signatures: &[Residuals], coefficients: &[f64]) -> Vec<f64> {
     let of = |s: &Residuals, r: usize, k: usize| s[r].get(k).copied().unwrap_or(0.0);
     let taken = |r: usize, k: usize| signatures.iter().zip(coefficients).map(|(s, c)| -c * of(s, r, k)).sum();
     let series = thin_weighted(here, taken);
@@ -122,18 +122,18 @@ fn trace(here: &Weighted, signatures: &[Residuals], coefficients: &[f64]) -> Vec
     thin_weighted(here, |r, k| of(&signatures[0], r, k))
 }
 
-pub(crate) fn thin_weighted(here: &Weighted, value: impl Fn(usize, usize) -> f64) -> Vec<f64> {
+pub(crate) fn thin_weighted(here: &WeightedResiduals, value: impl Fn(usize, usize) -> f64) -> Vec<f64> {
     let of = |r: usize| (0..here.residuals[r].len()).step_by(TRACE_STRIDE).map(move |k| (r, k));
     (0..here.residuals.len()).flat_map(of).map(|(r, k)| here.weights[r][k] * value(r, k)).collect()
 }
 
 /// Residuals with the weights that make every channel of every recording count equally.
-pub(crate) struct Weighted {
+pub(crate) struct WeightedResiduals {
     pub residuals: Residuals,
     pub weights: Residuals,
 }
 
-pub(crate) fn weight_residuals(judged: &[Assessment]) -> Weighted {
+pub(crate) fn weight_residuals(judged: &[Assessment]) -> WeightedResiduals {
     let weights = |j: &Assessment| -> Vec<f64> {
         let weight = |(c, m): (usize, &ChannelResidual)| {
             let size = m.relative_rms().max(1.0).max(1.0 / j.weight(c));
@@ -142,7 +142,7 @@ pub(crate) fn weight_residuals(judged: &[Assessment]) -> Weighted {
         j.channels.iter().enumerate().flat_map(weight).collect()
     };
     let residuals = |j: &Assessment| j.channels.iter().flat_map(|m| m.residual.iter().copied()).collect();
-    Weighted {
+    WeightedResiduals {
         residuals: judged.iter().map(residuals).collect(),
         weights: judged.iter().map(weights).collect(),
     }
@@ -151,7 +151,7 @@ pub(crate) fn weight_residuals(judged: &[Assessment]) -> Weighted {
 /// Computes the signature of one perturbation in some recordings; returns `None` if the mechanism cannot be simulated.
 pub(crate) fn measure_signature(
     scene: &ScreeningContext,
-    here: &Weighted,
+    here: &WeightedResiduals,
     perturbation: &Perturbation,
     recordings: &[usize],
     span: Span,
@@ -197,7 +197,11 @@ fn changes(there: &[ChannelResidual], here: &[ChannelResidual]) -> Vec<f64> {
 }
 
 /// Returns the coefficients of the weighted least squares of the residual on the signatures, and the share explained.
-fn regress(here: &Weighted, signatures: &[Residuals], limits: &[[f64; 2]]) -> Option<(Vec<f64>, f64)> {
+fn regress(
+    here: &WeightedResiduals,
+    signatures: &[Residuals],
+    limits: &[[f64; 2]],
+) -> Option<(Vec<f64>, f64)> {
     let inner = |a: &Residuals, b: &Residuals| -> f64 {
         let recordings = a.iter().zip(b).zip(&here.weights);
         recordings

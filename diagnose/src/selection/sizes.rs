@@ -2,10 +2,10 @@
 
 use crate::tolerance::{GAIN_NEEDED, TEXTBOOK_GAIN_NEEDED};
 
-/// What is known of a machine's sizes.
+/// Typical sizes of a machine's quantities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sizes {
-    /// Whether the library's typical sizes are typical of the machine: one like the reference rig.
+    /// `true` if the library's typical sizes are typical of the machine: one like the reference rig.
     pub typical: bool,
     /// Turns of the motor, as the model counts them, per turn of the machine's own motor.
     pub motor_turns: f64,

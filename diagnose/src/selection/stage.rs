@@ -68,7 +68,7 @@ pub(crate) enum StageBreadth {
 
 /// The assessments of every recording for the present model.
 #[derive(Clone, Copy)]
-struct Standing<'a> {
+struct StageAssessments<'a> {
     /// From the initial states at which effects are screened.
     screened_from: &'a [Assessment],
     /// From the initial states against which candidates are compared.
@@ -92,7 +92,7 @@ impl Searcher<'_> {
         };
         let hides = !self.sizes.typical && plain.sought.iter().zip(&plain.fitted).any(thrown_off);
         let from = if hides || is_close(&plain.fitted) { &plain.fitted } else { &plain.sought };
-        let against = Standing { screened_from: from, judged_against: &plain.fitted };
+        let against = StageAssessments { screened_from: from, judged_against: &plain.fitted };
         self.screen_and_fit(None, against, StageBreadth::Full)
     }
 
@@ -101,7 +101,7 @@ impl Searcher<'_> {
         let judged = self.assess_model(&present.fit.parameters, &|r| present.assessments.get(r));
         match judged.or_else(|| assess_recordings(self.simulator, self.pool, &present.fit.parameters)) {
             Some(judged) => {
-                let against = Standing { screened_from: &judged, judged_against: &judged };
+                let against = StageAssessments { screened_from: &judged, judged_against: &judged };
                 self.screen_and_fit(Some(present), against, breadth)
             }
             None => Stage { candidates: Vec::new(), signatures: Vec::new() },
@@ -112,10 +112,10 @@ impl Searcher<'_> {
     fn screen_and_fit(
         &self,
         present: Option<&FittedCandidate>,
-        against: Standing,
+        against: StageAssessments,
         breadth: StageBreadth,
     ) -> Stage {
-        let Standing { screened_from: from, judged_against: judged } = against;
+        let StageAssessments { screened_from: from, judged_against: judged } = against;
         let model = present.map_or(self.base, |c| &c.fit.parameters);
         let taken: Vec<&Effect> = present.map_or(Vec::new(), |c| c.fit.effects.clone());
         let free: Vec<&'static Effect> =

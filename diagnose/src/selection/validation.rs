@@ -3,7 +3,7 @@
 use counterpoise_models::Parameters;
 
 use crate::fitting::null_gain::mean_null_gain;
-use crate::fitting::output_error::{Fit, FitSelection};
+use crate::fitting::output_error::{EffectFit, FitSelection};
 use crate::fitting::score::{RecordingPart, Score, score_parts};
 use crate::selection::baseline::log_excess;
 use crate::selection::candidate::{FittedCandidate, whole_parts};
@@ -90,7 +90,7 @@ impl Searcher<'_> {
     }
 
     /// Returns whether recordings to which a candidate was fitted again do not tell the new values from the candidate's own.
-    fn leave_values_open(&self, candidate: &FittedCandidate, fit: &Fit, recordings: &[usize]) -> bool {
+    fn leave_values_open(&self, candidate: &FittedCandidate, fit: &EffectFit, recordings: &[usize]) -> bool {
         let head = RecordingPart { recording: 0, from: 0.0, to: FITTED_SHARE };
         let score_of = |parameters: &Parameters, r: usize, near: Option<&Assessment>| {
             score_parts(&[self.simulator.assess_from(parameters, r, near?)?], &[head])
@@ -112,7 +112,7 @@ impl Searcher<'_> {
     }
 
     /// Fits the candidate to the first part of some recordings.
-    fn refit_to(&self, candidate: &FittedCandidate, recordings: Vec<usize>) -> Option<Fit> {
+    fn refit_to(&self, candidate: &FittedCandidate, recordings: Vec<usize>) -> Option<EffectFit> {
         if candidate.fit.values.len() > JOINT_PARAMETERS {
             return Some(candidate.fit.clone());
         }

@@ -40,7 +40,7 @@ pub struct MechanismVariant {
     pub shift: StartShift,
 }
 
-/// How much of a recording is replayed.
+/// Part of a recording that is replayed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Span {
     /// All of it.
@@ -49,7 +49,7 @@ pub enum Span {
     Head,
 }
 
-/// How well one mechanism reproduces one recording.
+/// Fit of one mechanism to one recording.
 #[derive(Debug, Clone)]
 pub struct Assessment {
     /// Channels.
@@ -59,11 +59,11 @@ pub struct Assessment {
     pub divergence: Vec<f64>,
     /// The initial state, if the simulator has one.
     pub start: Option<PlantState>,
-    /// Where the control of the run came from.
+    /// Source of the control of the run.
     pub source: ControlSource,
 }
 
-/// Where the control of a run comes from.
+/// Source of the control of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ControlSource {
     /// The recording's controller acts on the simulated hub.

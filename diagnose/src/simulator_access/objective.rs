@@ -56,7 +56,7 @@ pub struct RecordingReplays<'a> {
     /// RMS of each scored channel's own noise, recording by recording.
     floors: Vec<[f64; SCORED.len()]>,
     control_floor: f64,
-    /// Whether the hub is made to follow its own recorded rate, recording by recording.
+    /// `true` if the hub is made to follow its own recorded rate, recording by recording.
     followed: Vec<bool>,
     /// The assessment of every recording for the mechanism that the replays were made with, which is asked for repeatedly.
     standing: Vec<OnceLock<Option<Assessment>>>,

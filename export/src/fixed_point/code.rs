@@ -8,7 +8,7 @@ use crate::c99::{assignments, line_with, with_guard};
 use crate::comment::comment_text;
 use crate::fixed_point::format::{to_integer, unit};
 use crate::fixed_point::guard::{FixedSettings, SHARE_BITS};
-use crate::fixed_point::{FULL, Fixed, FixedOperation, FixedProgram, FixedRunner, FixedTerm};
+use crate::fixed_point::{FULL, FixedOperation, FixedPointController, FixedProgram, FixedRunner, FixedTerm};
 use crate::guard::{flags, guard_bytes, mark_files};
 use crate::print::{Dialect, limit, meaning, state, wrap};
 use crate::vectors::{SHIPPED_SAMPLES, self_test_vectors};
@@ -21,7 +21,7 @@ use crate::{Error, ExportSource, File, Provenance, Ranges, check_name, reading_f
 /// [`Error::Name`], and [`Error::OtherController`] where the plan was made for another controller than the source.
 pub fn fixed_c99<'a>(
     source: impl Into<ExportSource<'a>>,
-    fixed: &Fixed,
+    fixed: &FixedPointController,
     provenance: &Provenance,
     name: &str,
 ) -> Result<Vec<File>, Error> {
@@ -49,7 +49,7 @@ pub fn fixed_c99<'a>(
     Ok(mark_files(templates.into_iter().map(fill).collect::<Result<_, Error>>()?))
 }
 
-fn data(fixed: &Fixed, provenance: &[String], name: &str) -> minijinja::Value {
+fn data(fixed: &FixedPointController, provenance: &[String], name: &str) -> minijinja::Value {
     let programs = fixed.controller.programs();
     let guard = FixedSettings::of(fixed);
     let readings: Vec<(&str, i32, &str, String)> = reading_fields(&fixed.controller)
@@ -108,7 +108,7 @@ fn formats(bits: &[i32]) -> String {
     bits.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
 }
 
-fn initial(fixed: &Fixed, which: OnRestart) -> Vec<String> {
+fn initial(fixed: &FixedPointController, which: OnRestart) -> Vec<String> {
     let programs = fixed.controller.programs();
     let groups = programs.states.iter().filter(|group| group.on_restart == which);
     groups
@@ -119,7 +119,7 @@ fn initial(fixed: &Fixed, which: OnRestart) -> Vec<String> {
         .collect()
 }
 
-fn rows(fixed: &Fixed) -> Vec<String> {
+fn rows(fixed: &FixedPointController) -> Vec<String> {
     let mut runner = FixedRunner::new(fixed);
     let row = |vector: &crate::vectors::Vector| {
         let set =
@@ -142,7 +142,7 @@ fn rows(fixed: &Fixed) -> Vec<String> {
 }
 
 struct Printer<'a> {
-    fixed: &'a Fixed,
+    fixed: &'a FixedPointController,
     name: &'a str,
     program: &'a Program,
     fixed_program: &'a FixedProgram,

@@ -12,7 +12,7 @@ use counterpoise_controller::signal::{DEMAND, HUB_RATE};
 use counterpoise_controller::{GuardSettings, READINGS, SensorUse, Status};
 
 use crate::fixed_point::format::to_integer;
-use crate::fixed_point::{FULL, Fixed, round_and_limit};
+use crate::fixed_point::{FULL, FixedPointController, round_and_limit};
 
 /// Fraction bits of the share of the other sensors.
 pub(crate) const SHARE_BITS: u32 = 30;
@@ -34,7 +34,7 @@ pub(crate) struct FixedSettings {
 
 impl FixedSettings {
     /// Returns the settings of a controller.
-    pub fn of(fixed: &Fixed) -> Self {
+    pub fn of(fixed: &FixedPointController) -> Self {
         let settings = GuardSettings::of(fixed.controller.parts());
         let bits = &fixed.step.inputs;
         let limit = |i: usize| match bits.get(i).copied().unwrap_or(UNMOVED_BITS) {
@@ -63,7 +63,7 @@ pub(crate) struct FixedGuard {
 
 impl FixedGuard {
     /// Returns the guard at its start.
-    pub fn new(fixed: &Fixed) -> Self {
+    pub fn new(fixed: &FixedPointController) -> Self {
         Self {
             settings: FixedSettings::of(fixed),
             good: [0; READINGS],

@@ -9,7 +9,7 @@ mod error;
 mod format;
 mod guard;
 mod plan;
-mod predict;
+mod prediction;
 mod runner;
 mod writer;
 
@@ -34,7 +34,7 @@ pub const ACCUMULATOR_BITS: u32 = 62;
 pub struct FixedTerm {
     /// Factor.
     pub factor: i64,
-    /// What it multiplies.
+    /// Slot that the coefficient multiplies.
     pub of: Slot,
 }
 
@@ -98,7 +98,7 @@ pub enum FixedOperation {
 
 /// A controller in fixed point.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fixed {
+pub struct FixedPointController {
     /// The controller.
     pub controller: Controller,
     /// Fraction bits of the states.
@@ -109,7 +109,7 @@ pub struct Fixed {
     pub step: FixedProgram,
     /// Setting of the out-of-balance.
     pub set_out_of_balance: FixedProgram,
-    /// How far the control can be from the reference.
+    /// Largest deviation of the control from the reference.
     pub deviation: Deviation,
 }
 

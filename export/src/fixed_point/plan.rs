@@ -6,9 +6,9 @@ use counterpoise_lti::poles;
 
 use crate::Ranges;
 use crate::fixed_point::format::{bits_for, to_integer};
-use crate::fixed_point::predict::predict;
+use crate::fixed_point::prediction::predict;
 use crate::fixed_point::writer::Writer;
-use crate::fixed_point::{Fixed, FixedError};
+use crate::fixed_point::{FixedError, FixedPointController};
 use crate::ranges::settings;
 use crate::rounding::Deviation;
 use crate::tolerance::UNSTABLE_MODULUS;
@@ -24,7 +24,7 @@ pub fn plan_fixed_point(
     ranges: &Ranges,
     allowed_v: f64,
     samples: usize,
-) -> Result<Fixed, FixedError> {
+) -> Result<FixedPointController, FixedError> {
     let programs = controller.programs();
     let states = (0..programs.state_count()).map(|i| {
         let largest = ranges.of(Slot::State(i)).max(programs.initial().get(i).map_or(0.0, |v| v.abs()));
@@ -44,7 +44,7 @@ pub fn plan_fixed_point(
     let initial =
         programs.initial().iter().zip(&states).map(|(value, bits)| to_integer(*value, *bits)).collect();
     let errors = std::mem::take(&mut step.errors);
-    let mut fixed = Fixed {
+    let mut fixed = FixedPointController {
         controller: controller.clone(),
         initial,
         step: step.finish(),

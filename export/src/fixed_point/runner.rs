@@ -3,15 +3,15 @@
 use counterpoise_controller::program::Slot;
 use counterpoise_controller::{GuardSettings, READINGS, Readings, SampledController, SensorUse, Status};
 
-use crate::Adjustable;
+use crate::AdjustableController;
 use crate::fixed_point::format::{to_integer, unit};
 use crate::fixed_point::guard::FixedGuard;
-use crate::fixed_point::{Fixed, FixedOperation, FixedProgram, round_and_limit};
+use crate::fixed_point::{FixedOperation, FixedPointController, FixedProgram, round_and_limit};
 
 /// A fixed-point controller that runs.
 #[derive(Debug, Clone)]
 pub struct FixedRunner {
-    fixed: Fixed,
+    fixed: FixedPointController,
     states: Vec<i64>,
     locals: Vec<i64>,
     guard: FixedGuard,
@@ -24,7 +24,7 @@ const BEYOND: i64 = -(1 << 31);
 
 impl FixedRunner {
     /// Returns the controller at its start.
-    pub fn new(fixed: &Fixed) -> Self {
+    pub fn new(fixed: &FixedPointController) -> Self {
         let count = fixed.step.locals.len().max(fixed.set_out_of_balance.locals.len());
         Self {
             fixed: fixed.clone(),
@@ -39,7 +39,7 @@ impl FixedRunner {
     /// its own.
     pub fn step_integers(&mut self, readings: &[i64; READINGS]) -> i64 {
         let taken = self.guard.take(readings);
-        self.run(Which::Step, &taken);
+        self.run(EntryPoint::Step, &taken);
         let output = self.fixed.controller.programs().step.output;
         output.map_or(0, |slot| self.read(slot, &taken))
     }
@@ -75,7 +75,7 @@ impl FixedRunner {
 
     /// Sets the out-of-balance in its integer format.
     pub fn set_integer(&mut self, out_of_balance: i64) {
-        self.run(Which::Set, &[out_of_balance]);
+        self.run(EntryPoint::Set, &[out_of_balance]);
     }
 
     /// Returns the states as real numbers, in the order of the controller's.
@@ -83,7 +83,7 @@ impl FixedRunner {
         self.states.iter().zip(&self.fixed.states).map(|(value, bits)| *value as f64 * unit(*bits)).collect()
     }
 
-    fn run(&mut self, which: Which, inputs: &[i64]) {
+    fn run(&mut self, which: EntryPoint, inputs: &[i64]) {
         let count = self.program(which).operations.len();
         for number in 0..count {
             let (into, value) = self.evaluate(&self.program(which).operations[number], inputs);
@@ -95,10 +95,10 @@ impl FixedRunner {
         }
     }
 
-    fn program(&self, which: Which) -> &FixedProgram {
+    fn program(&self, which: EntryPoint) -> &FixedProgram {
         match which {
-            Which::Step => &self.fixed.step,
-            Which::Set => &self.fixed.set_out_of_balance,
+            EntryPoint::Step => &self.fixed.step,
+            EntryPoint::Set => &self.fixed.set_out_of_balance,
         }
     }
 
@@ -130,12 +130,12 @@ impl FixedRunner {
 }
 
 #[derive(Debug, Clone, Copy)]
-enum Which {
+enum EntryPoint {
     Step,
     Set,
 }
 
-impl Fixed {
+impl FixedPointController {
     /// Returns the fraction bits of the control.
     pub fn control_bits(&self) -> i32 {
         match self.controller.programs().step.output {
@@ -158,12 +158,12 @@ impl SampledController for FixedRunner {
     }
 }
 
-impl Adjustable for FixedRunner {
+impl AdjustableController for FixedRunner {
     fn adjust(&mut self, out_of_balance_kg_m: f64) {
         self.set_out_of_balance(out_of_balance_kg_m);
     }
 
-    fn clone_boxed(&self) -> Box<dyn Adjustable> {
+    fn clone_boxed(&self) -> Box<dyn AdjustableController> {
         Box::new(self.clone())
     }
 }

@@ -6,6 +6,7 @@ use counterpoise_controller::program::{Operation, Program, ProgramTerm, Slot};
 use crate::Ranges;
 use crate::fixed_point::format::{ALL, Span, bits_for, to_integer, unit};
 use crate::fixed_point::{ACCUMULATOR_BITS, FixedError, FixedOperation, FixedProgram, FixedTerm};
+use crate::tolerance::ACCUMULATOR_SHARE;
 
 /// One operation's rounding.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -206,7 +207,7 @@ impl<'a> Writer<'a> {
             });
             each.sum::<f64>() + constant.abs() * f64::from(scale).exp2()
         };
-        while total(scale) >= 0.99 * f64::from(ACCUMULATOR_BITS).exp2() {
+        while total(scale) >= ACCUMULATOR_SHARE * f64::from(ACCUMULATOR_BITS).exp2() {
             scale -= 1;
         }
         scale

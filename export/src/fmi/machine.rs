@@ -258,7 +258,7 @@ fn laws(plant: &Plant) -> [(&Friction, Law); 2] {
 }
 
 /// What the laws have in different ways.
-struct Dry {
+struct FrictionConstants {
     kind: &'static str,
     level: Option<StribeckLevel>,
     coulomb_nm: f64,
@@ -273,7 +273,7 @@ struct Dry {
     bristles: usize,
 }
 
-impl Dry {
+impl FrictionConstants {
     fn new(kind: &'static str, level: Option<StribeckLevel>) -> Self {
         Self {
             kind,
@@ -332,7 +332,7 @@ impl Dry {
 }
 
 fn joint(friction: &Friction, law: &Law) -> String {
-    let dry = Dry::of(law);
+    let dry = FrictionConstants::of(law);
     let (shape, exponent, cubic) = curve(friction, dry.level.as_ref());
     let excess = dry.level.map_or(0.0, |level| level.static_nm() - level.coulomb_nm());
     let load = if dry.coulomb_nm > 0.0 { friction.load_coefficient / dry.coulomb_nm } else { 0.0 };
@@ -439,7 +439,7 @@ pub(crate) fn count_delayed_values(plant: &Plant) -> usize {
 }
 
 /// Returns the states at rest with the hub level.
-pub(crate) fn rest(plant: &Plant) -> Vec<String> {
+pub(crate) fn rest_states(plant: &Plant) -> Vec<String> {
     let core = plant.equilibrium(&OperatingPoint::default()).core_state;
     let further = usize::from(plant.parameters().sensors.surge_accelerometer.is_some());
     let beside = vec![0.0; BESIDE + 2 * (FILTERS + further) + usize::from(plant.gear_hysteresis().is_some())];

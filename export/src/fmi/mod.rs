@@ -7,21 +7,21 @@
 //! holds its control. Step the controller first and the plant second, both by one sample period: then the closed loop is
 //! the simulator's, without a further delay.
 
-mod absent;
 mod controller;
 mod free_functions;
 mod loads;
 mod machine;
 mod pack;
 mod plant;
+mod unused_functions;
 
 pub use crate::tolerance::{MOST_BRISTLES, MOST_DELAY_SAMPLES};
 pub use controller::controller_unit;
 pub use pack::pack_unit;
 pub use plant::{PlantUnit, PlantUnitError, plant_unit};
 
-use absent::ABSENT;
 use minijinja::{Environment, Value, context};
+use unused_functions::ABSENT;
 
 use crate::{Error, File};
 

@@ -67,7 +67,7 @@ pub fn plant_unit(asked: PlantUnit, provenance: &Provenance) -> Result<Vec<File>
         parameters => machine::parameters(plant), ripples => machine::ripples(plant),
         ideal_current => machine::ideal_current(plant), modes => machine::modes(plant),
         map => machine::map(plant), joints => machine::joints(plant), sensors => machine::sensors(plant),
-        rest => machine::rest(plant), sizes => machine::sizes(plant), reversal => machine::POWER_REVERSAL_RATE,
+        rest => machine::rest_states(plant), sizes => machine::sizes(plant), reversal => machine::POWER_REVERSAL_RATE,
     };
     let mut environment = Environment::new();
     environment

@@ -1,7 +1,7 @@
 //! What an error of an operation does to later controls at rest: impulse responses, summed over time.
 
 use crate::tolerance::NEGLIGIBLE_SENSITIVITY;
-use counterpoise_controller::compiled_program::Compiled;
+use counterpoise_controller::compiled_program::CompiledProgram;
 use counterpoise_controller::number::Dual;
 use counterpoise_controller::{Controller, Number, Runner};
 use counterpoise_linalg::sparse::VectorEntry;
@@ -41,7 +41,7 @@ impl ErrorSystem {
             slope[i] = 1.0;
             Dual { value, slope }
         };
-        let step = Compiled::<Dual>::new(&programs.step, n);
+        let step = CompiledProgram::<Dual>::new(&programs.step, n);
         let mut memory = vec![Dual::from_f64(0.0); step.memory()];
         for (i, (place, value)) in memory.iter_mut().zip(start(controller, set_kg_m)).enumerate() {
             *place = unit(i, value);

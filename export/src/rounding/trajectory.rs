@@ -6,8 +6,8 @@ use counterpoise_controller::Controller;
 use counterpoise_linalg::sparse::VectorEntry;
 
 use super::tangent::Tangent;
-use super::{Arithmetic, Line, Rounded};
-use crate::ranges::{Run, RunVisitor, play};
+use super::{Arithmetic, Line, OperationRounding};
+use crate::ranges::{Run, RunVisitor, play_runs};
 use crate::tolerance::NEGLIGIBLE_COVARIANCE;
 
 /// The errors of the control of a run, sample by sample.
@@ -27,8 +27,15 @@ pub(crate) struct ErrorTrack {
 ///
 /// with A, E, c, f the derivatives of this sample's step by its states and by an error of each of its operations, b the
 /// known part of the roundings and r the bound of the rest.
-pub(crate) fn follow(controller: &Controller, runs: &[Run], arithmetic: &impl Arithmetic) -> Vec<ErrorTrack> {
-    play(runs, &TrajectoryVisitor { controller, arithmetic }).into_iter().map(|walk| walk.track).collect()
+pub(crate) fn track_errors(
+    controller: &Controller,
+    runs: &[Run],
+    arithmetic: &impl Arithmetic,
+) -> Vec<ErrorTrack> {
+    play_runs(runs, &TrajectoryVisitor { controller, arithmetic })
+        .into_iter()
+        .map(|walk| walk.track)
+        .collect()
 }
 
 struct TrajectoryVisitor<'a, T> {
@@ -64,7 +71,7 @@ struct Walk<'a> {
     step: Tangent<'a>,
     set: Tangent<'a>,
     states: Vec<f64>,
-    rounded: Vec<Rounded>,
+    rounded: Vec<OperationRounding>,
     errors: Errors,
     track: ErrorTrack,
 }
@@ -86,7 +93,12 @@ impl Walk<'_> {
     }
 }
 
-fn roundings(tangent: &Tangent<'_>, line: Line, arithmetic: &impl Arithmetic, rounded: &mut Vec<Rounded>) {
+fn roundings(
+    tangent: &Tangent<'_>,
+    line: Line,
+    arithmetic: &impl Arithmetic,
+    rounded: &mut Vec<OperationRounding>,
+) {
     rounded.clear();
     rounded.extend(tangent.executed_operations().map(|executed| arithmetic.rounding_of(line, &executed)));
 }
@@ -110,7 +122,7 @@ impl Errors {
     }
 
     /// Known error and sum of squares of what a row of derivatives gives.
-    fn of(&self, row: &[VectorEntry], rounded: &[Rounded]) -> (f64, f64) {
+    fn of(&self, row: &[VectorEntry], rounded: &[OperationRounding]) -> (f64, f64) {
         let (mut mean, mut squares) = (0.0, 0.0);
         for &VectorEntry { index: i, value: a } in row {
             match i.checked_sub(self.n) {
@@ -129,7 +141,7 @@ impl Errors {
         (mean, squares.max(0.0))
     }
 
-    fn advance(&mut self, tangent: &Tangent<'_>, rounded: &[Rounded]) {
+    fn advance(&mut self, tangent: &Tangent<'_>, rounded: &[OperationRounding]) {
         let n = self.n;
         let mean = |i: usize| {
             let each = tangent.state(i).iter().map(|entry| match entry.index.checked_sub(n) {

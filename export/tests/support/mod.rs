@@ -10,7 +10,7 @@ use counterpoise_controller::{
     COMMON_READINGS, Controller, Correction, Estimator, FrictionObserver, Learning, Number, ObserverLaw,
     Parts, Path, PathSignal, Projection, READINGS, Readings, SampledController, Scaling,
 };
-use counterpoise_export::{File, Fixed, FixedRunner, Provenance};
+use counterpoise_export::{File, FixedPointController, FixedRunner, Provenance};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 
@@ -68,7 +68,7 @@ pub const STRICT: [&str; 10] = [
 /// Returns a controller like a design's: feedback with integrator and pairs, heave that scales, pitch, prefilter,
 /// friction.
 pub fn typical_controller() -> Controller {
-    let mut random = Random(7);
+    let mut random = RandomGenerator(7);
     let mut parts = Parts::new(1e-3, 10.0);
     parts.design_out_of_balance_kg_m = 151.67;
     parts.out_of_balance_range_kg_m = (-50.0, 300.0);
@@ -150,7 +150,7 @@ pub fn path(name: &str, inputs: Vec<PathSignal>, system: StateSpace) -> Path {
 }
 
 /// Returns a stable system of first and second order sections.
-pub fn modal(random: &mut Random, order: usize, inputs: usize) -> StateSpace {
+pub fn modal(random: &mut RandomGenerator, order: usize, inputs: usize) -> StateSpace {
     let mut A = Mat::zeros(order, order);
     let mut k = 0;
     while k < order {
@@ -173,7 +173,7 @@ pub fn modal(random: &mut Random, order: usize, inputs: usize) -> StateSpace {
 
 /// Returns a full, badly scaled system: a modal one in coordinates that mix its states, in units from 1e-8 to
 /// 1e8.
-pub fn badly_scaled(random: &mut Random, order: usize, inputs: usize) -> StateSpace {
+pub fn badly_scaled(random: &mut RandomGenerator, order: usize, inputs: usize) -> StateSpace {
     let base = modal(random, order, inputs);
     let mixed = Mat::from_fn(order, order, |i, j| f64::from(i == j) + 0.05 * random.signed_unit());
     let unit: Vec<f64> = (0..order).map(|_| 10.0_f64.powf(8.0 * random.signed_unit())).collect();
@@ -186,7 +186,7 @@ pub fn badly_scaled(random: &mut Random, order: usize, inputs: usize) -> StateSp
 
 /// Returns a random controller: of 200 seeds five of each order from 1 to 40, two of them badly scaled.
 pub fn random_controller(seed: u64) -> Controller {
-    let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
+    let mut random = RandomGenerator(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
     let mut parts = Parts::new(1e-3, 1.0 + 9.0 * random.unit());
     parts.design_out_of_balance_kg_m = 1.0 + 200.0 * random.unit();
     parts.out_of_balance_range_kg_m = (-400.0, 400.0);
@@ -222,9 +222,9 @@ pub fn random_controller(seed: u64) -> Controller {
 }
 
 /// Marsaglia's xorshift generator.
-pub struct Random(pub u64);
+pub struct RandomGenerator(pub u64);
 
-impl Random {
+impl RandomGenerator {
     /// Between 0 and 1.
     pub fn unit(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
@@ -268,7 +268,7 @@ pub enum Request {
 }
 
 /// Integers to every plan's own runner and to its C in the program at once: each answer is the same.
-pub fn assert_answers(plans: &[Fixed], program: &FilePath, asked: &[(usize, Request)]) {
+pub fn assert_answers(plans: &[FixedPointController], program: &FilePath, asked: &[(usize, Request)]) {
     let answers = Target::start(program).ask_all(asked);
     let mut runners: Vec<FixedRunner> = plans.iter().map(FixedRunner::new).collect();
     for ((which, request), answer) in asked.iter().zip(&answers) {
@@ -385,12 +385,12 @@ impl SampledController for InLoop {
 /// A fixed-point target as a controller of the simulated loop.
 pub struct FixedInLoop {
     target: Target,
-    fixed: Fixed,
+    fixed: FixedPointController,
 }
 
 impl FixedInLoop {
     /// Returns a target that serves the code of this form.
-    pub fn new(target: Target, fixed: &Fixed) -> Self {
+    pub fn new(target: Target, fixed: &FixedPointController) -> Self {
         Self { target, fixed: fixed.clone() }
     }
 }
@@ -426,7 +426,7 @@ pub fn provenance() -> Provenance {
 
 /// Irregular requests: samples, resets, changes of the out-of-balance.
 pub fn requests(controllers: usize, samples: usize) -> Vec<(usize, Request)> {
-    let mut random = Random(99);
+    let mut random = RandomGenerator(99);
     let mut all = Vec::new();
     for k in 0..samples {
         for which in 0..controllers {

@@ -7,7 +7,7 @@ use counterpoise_export::host::{
     C_COMPILER, C_FLAGS, CODE_FOLDER, RUST_COMPILER, RUST_CRATE, RUST_LIBRARY, RUST_PROGRAM, c_replay,
     count_differing, encode_requests, including_file, rust_replay,
 };
-use counterpoise_export::{File, Fixed, Numbers, TargetFigures, Targets};
+use counterpoise_export::{File, FixedPointController, Numbers, TargetFigures, Targets};
 use counterpoise_pipeline::export::TargetCode;
 use counterpoise_pipeline::export::target_proofs::{CodeAgreement, CompiledCodeTest};
 use counterpoise_project::Language;
@@ -101,7 +101,7 @@ fn run_silent(command: &mut Command, folder: &Path) -> Result<(), String> {
 /// Returns samples replayed, and those answered otherwise.
 fn replay_closed_loops(
     figures: &TargetFigures,
-    fixed: Option<&Fixed>,
+    fixed: Option<&FixedPointController>,
     folder: &Path,
 ) -> Option<(usize, usize)> {
     let bytes = encode_requests(&figures.closed_loops, fixed);

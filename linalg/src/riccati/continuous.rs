@@ -6,14 +6,14 @@ use crate::mat::Mat;
 use crate::sylvester::Kind;
 use crate::tolerance::PRECISE_STATES;
 
-use super::certify::{Certified, certify};
-use super::decide::{Failure, Refusal, convert_to_callers_units, decide, is_beyond_doubt, unless_lost};
+use super::certificate::{CertifiedSolution, certify};
+use super::decision::{Failure, Refusal, convert_to_callers_units, decide, is_beyond_doubt, unless_lost};
 use super::doubling::{PARAMETERS, solve_by_doubling};
-use super::equation::{Continuous, Data, Quadratic};
+use super::equation::{ContinuousRiccati, Data, Quadratic};
+use super::long_solution::PreciseEquation;
 use super::modes::Modes;
 use super::newton::{Equation, refine};
-use super::precise::PreciseEquation;
-use super::reason::{self, Nearest};
+use super::reason::{self, NearestEigenvalue};
 use super::scaling::{Problem, rescale, scale};
 use super::{Outcome, Reason, Riccati, RiccatiMethod, subspace};
 
@@ -31,13 +31,13 @@ use super::{Outcome, Reason, Riccati, RiccatiMethod, subspace};
 /// [`Outcome::Infeasible`] with the mode in the way.
 pub fn care(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outcome<Riccati>, Error> {
     check_input(A, B, Q, R, S)?;
-    let Some(problem) = fold(A, B, Q, R, S) else {
+    let Some(problem) = remove_cross_term(A, B, Q, R, S) else {
         return Ok(Outcome::Infeasible(Reason::SingularWeight { rcond: crate::decomposition::rcond_one(R) }));
     };
     let scaled = scale(problem);
     let (d, back) = (&scaled.scale, scaled.inverse());
     let ones = vec![1.0; R.nrows()];
-    let equation = Continuous(Data {
+    let equation = ContinuousRiccati(Data {
         A: rescale(A, &back, d),
         B: rescale(B, &back, &ones),
         Q: rescale(Q, d, d),
@@ -92,7 +92,7 @@ pub(super) fn check_input(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -
 }
 
 /// The equation without a cross term: `A - B R^-1 S'`, `B R^-1 B'`, `Q - S R^-1 S'`; `None` for a singular `R`.
-pub(super) fn fold(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Option<Problem> {
+pub(super) fn remove_cross_term(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Option<Problem> {
     let R_inverse = inverse(R).ok().filter(Mat::is_finite)?;
     let G = (B * &R_inverse * B.t()).symmetric_part();
     let Some(S) = S else { return Some(Problem { A: A.clone(), G, Q: Q.clone() }) };
@@ -112,7 +112,10 @@ enum Start {
 
 /// First approximation, refinement, certificate; the next way if one does not lead there, and 32 digits if doubles do not
 /// settle the problem. Everything is in scaled units.
-fn solve_scaled(equation: &(impl Equation + PreciseEquation), problem: &Problem) -> Outcome<Certified> {
+fn solve_scaled(
+    equation: &(impl Equation + PreciseEquation),
+    problem: &Problem,
+) -> Outcome<CertifiedSolution> {
     let (usual, others) = PARAMETERS.split_at(1);
     let ways: &[Start] = match problem.A.nrows() {
         ..=LARGE => &[Start::Schur, Start::Doubling(&PARAMETERS)],
@@ -121,7 +124,7 @@ fn solve_scaled(equation: &(impl Equation + PreciseEquation), problem: &Problem)
         _ => &[Start::Doubling(usual), Start::Doubling(others), Start::Schur],
     };
     let modes = Modes::of(problem, Kind::Continuous);
-    let mut nearest = Nearest::Unknown;
+    let mut nearest = NearestEigenvalue::Unknown;
     let mut refusal = Reason::NoGraph;
     for (tried, way) in ways.iter().enumerate() {
         match attempt(equation, &modes, *way, &mut nearest) {
@@ -129,7 +132,7 @@ fn solve_scaled(equation: &(impl Equation + PreciseEquation), problem: &Problem)
             Ok(found) => return decide(equation, &modes, Some(found), Refusal { reason: refusal, nearest }),
             Err(Failure::Certain(reason)) => return Outcome::Infeasible(reason),
             Err(Failure::Hopeless(reason)) => {
-                let refusal = Refusal { reason, nearest: Nearest::Immaterial };
+                let refusal = Refusal { reason, nearest: NearestEigenvalue::Immaterial };
                 return decide(equation, &modes, None, refusal);
             }
             Err(Failure::Doubtful(reason)) => refusal = reason,
@@ -157,14 +160,14 @@ fn attempt(
     equation: &(impl Equation + PreciseEquation),
     modes: &Modes,
     way: Start,
-    nearest: &mut Nearest,
-) -> Result<Certified, Failure> {
+    nearest: &mut NearestEigenvalue,
+) -> Result<CertifiedSolution, Failure> {
     let problem = modes.problem;
     let (first, method) = match way {
         Start::Schur => {
             let start = subspace::solve_by_schur(problem);
             if let Some(value) = start.nearest.filter(|_| problem.A.nrows() > PRECISE_STATES) {
-                *nearest = Nearest::Known(value);
+                *nearest = NearestEigenvalue::Known(value);
             }
             (start.first, RiccatiMethod::Schur)
         }

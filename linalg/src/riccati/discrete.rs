@@ -5,13 +5,13 @@ use crate::mat::Mat;
 use crate::sylvester::Kind;
 use crate::tolerance::EPS;
 
-use super::certify::{Certified, certify};
-use super::continuous::{check_input, fold};
-use super::decide::{Failure, convert_to_callers_units, decide, is_beyond_doubt, unless_lost};
-use super::equation::{Data, Discrete};
+use super::certificate::{CertifiedSolution, certify};
+use super::continuous::{check_input, remove_cross_term};
+use super::decision::{Failure, convert_to_callers_units, decide, is_beyond_doubt, unless_lost};
+use super::equation::{Data, DiscreteRiccati};
+use super::long_solution::PreciseEquation;
 use super::modes::Modes;
 use super::newton::refine;
-use super::precise::PreciseEquation;
 use super::scaling::{Problem, rescale, scale};
 use super::{Outcome, Reason, Riccati, RiccatiMethod, doubling, reason, subspace};
 
@@ -44,7 +44,8 @@ pub fn dare(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outco
         (A.t() * &XA).norm_fro() + found.X.norm_fro() + last.norm_fro() + Q.norm_fro()
     };
     let gain = |F: &Mat| rescale(F, &ones, &back);
-    solve_in_units(&Discrete(data)).try_map(|found| convert_to_callers_units(found, &units, gain, terms))
+    solve_in_units(&DiscreteRiccati(data))
+        .try_map(|found| convert_to_callers_units(found, &units, gain, terms))
 }
 
 /// The size of `R`, or where that vanishes beside what the cost makes of the input after one step, of `B'QB`.
@@ -56,7 +57,7 @@ fn input_weight(B: &Mat, Q: &Mat, R: &Mat) -> f64 {
 }
 
 /// The equation in units that suit it, with one shift after the other, and in 32 digits if doubles do not settle it.
-fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
+fn solve_in_units(equation: &DiscreteRiccati) -> Outcome<CertifiedSolution> {
     let data = &equation.0;
     let mut refusal = Reason::SingularWeight { rcond: crate::decomposition::rcond_one(&data.R) };
     let mut first = None;
@@ -95,7 +96,7 @@ fn solve_in_units(equation: &Discrete) -> Outcome<Certified> {
 /// The equation for `Z = X - sI`, its cross term folded away.
 fn shifted_problem(Data { A, B, Q, R, S }: &Data, shift: f64) -> Option<Problem> {
     if shift == 0.0 {
-        return fold(A, B, Q, R, S.as_ref());
+        return remove_cross_term(A, B, Q, R, S.as_ref());
     }
     let Q = (Q + &(A.t() * A - Mat::eye(A.nrows())).scale(shift)).symmetric_part();
     let R = (R + &(B.t() * B).scale(shift)).symmetric_part();
@@ -103,15 +104,15 @@ fn shifted_problem(Data { A, B, Q, R, S }: &Data, shift: f64) -> Option<Problem>
     if let Some(S) = S {
         cross += S;
     }
-    fold(A, B, &Q, &R, Some(&cross))
+    remove_cross_term(A, B, &Q, &R, Some(&cross))
 }
 
 fn attempt(
-    equation: &Discrete,
+    equation: &DiscreteRiccati,
     problem: &Problem,
     shift: f64,
     method: RiccatiMethod,
-) -> Result<Certified, Failure> {
+) -> Result<CertifiedSolution, Failure> {
     let scaled = scale(problem.clone());
     let first = match method {
         RiccatiMethod::Schur => subspace::solve_by_discrete_schur(&scaled.problem),

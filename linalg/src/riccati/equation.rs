@@ -6,14 +6,14 @@
 
 use crate::decomposition::rcond_one;
 use crate::dense::solve;
-use crate::extended_precision::{Extended, exact_product};
+use crate::extended_precision::{ExtendedMatrix, exact_product};
+use crate::long_matrix::LongMatrix;
 use crate::mat::Mat;
-use crate::precise::Precise;
 use crate::sylvester::Kind;
 use crate::tolerance::{EPS, EXTENDED_ERROR, GAIN_CORRECTIONS, GAIN_KNOWN, PRECISE_STATES, RICCATI_REGULAR};
 
+use super::long_solution::{LinearisedEquation, PreciseEquation};
 use super::newton::{Change, Equation, Evaluation};
-use super::precise::{Linearised, PreciseEquation};
 
 /// Plant and weights in scaled coordinates; `S` may be all zero.
 pub(super) struct Data {
@@ -26,9 +26,9 @@ pub(super) struct Data {
 
 impl Data {
     /// `K'RK - SK - K'S'`, which both equations share, and `Q`; from `RK`.
-    fn weights(&self, K: &Mat, RK: &Extended) -> Extended {
-        let mut sum = Extended::from(self.Q.clone());
-        sum = sum.add(&Extended::from(K.t()).times(RK));
+    fn weights(&self, K: &Mat, RK: &ExtendedMatrix) -> ExtendedMatrix {
+        let mut sum = ExtendedMatrix::from(self.Q.clone());
+        sum = sum.add(&ExtendedMatrix::from(K.t()).times(RK));
         if let Some(S) = &self.S {
             let cross = exact_product(S, K).neg();
             sum = sum.add(&cross).add(&cross.t());
@@ -37,31 +37,36 @@ impl Data {
     }
 
     /// `Q + K'RK - SK - K'S'` in 32 digits.
-    fn precise_weights(&self, K: &Precise) -> Precise {
-        let mut sum = Precise::from(&self.Q).plus(&K.t().times(&Precise::from(&self.R).times(K)));
+    fn precise_weights(&self, K: &LongMatrix) -> LongMatrix {
+        let mut sum = LongMatrix::from(&self.Q).plus(&K.t().times(&LongMatrix::from(&self.R).times(K)));
         if let Some(S) = &self.S {
-            let cross = Precise::from(S).times(K);
+            let cross = LongMatrix::from(S).times(K);
             sum = sum.difference(&cross).difference(&cross.t());
         }
         sum
     }
 
     /// `M + S'` in 32 digits.
-    fn with_cross(&self, M: Precise) -> Precise {
+    fn with_cross(&self, M: LongMatrix) -> LongMatrix {
         match &self.S {
             None => M,
-            Some(S) => M.plus(&Precise::from(&S.t())),
+            Some(S) => M.plus(&LongMatrix::from(&S.t())),
         }
     }
 
     /// `A - B K` in 32 digits.
-    fn precise_closed(&self, K: &Precise) -> Precise {
-        Precise::from(&self.A).difference(&Precise::from(&self.B).times(K))
+    fn precise_closed(&self, K: &LongMatrix) -> LongMatrix {
+        LongMatrix::from(&self.A).difference(&LongMatrix::from(&self.B).times(K))
     }
 
     /// `A - B R^-1 S'`, `B R^-1 B'`, `Q - S R^-1 S'` in 32 digits; `None` for a singular `R`.
-    fn fold_precisely(&self, Q: &Precise, R: &Precise, S: Option<&Precise>) -> Option<[Precise; 3]> {
-        let (A, B) = (Precise::from(&self.A), Precise::from(&self.B));
+    fn fold_precisely(
+        &self,
+        Q: &LongMatrix,
+        R: &LongMatrix,
+        S: Option<&LongMatrix>,
+    ) -> Option<[LongMatrix; 3]> {
+        let (A, B) = (LongMatrix::from(&self.A), LongMatrix::from(&self.B));
         let G = B.times(&R.solve(&B.t())?).symmetric_part();
         let Some(S) = S else { return Some([A, G, Q.clone()]) };
         let K = R.solve(&S.t())?;
@@ -88,30 +93,30 @@ impl Data {
 }
 
 /// `A'X + XA - (XB+S) R^-1 (B'X+S') + Q = 0`
-pub(super) struct Continuous(pub(super) Data);
+pub(super) struct ContinuousRiccati(pub(super) Data);
 
-impl Continuous {
+impl ContinuousRiccati {
     /// `R^-1 (B'X + S')` from `B'X`
-    fn gain_of(&self, BX: &Extended) -> Option<Mat> {
+    fn gain_of(&self, BX: &ExtendedMatrix) -> Option<Mat> {
         let right = match &self.0.S {
-            None => BX.collapse(),
-            Some(S) => BX.add(&S.t().into()).collapse(),
+            None => BX.to_double(),
+            Some(S) => BX.add(&S.t().into()).to_double(),
         };
         solve(&self.0.R, &right).ok()
     }
 }
 
-impl Equation for Continuous {
-    fn evaluate(&self, X: &Extended) -> Option<Evaluation> {
+impl Equation for ContinuousRiccati {
+    fn evaluate(&self, X: &ExtendedMatrix) -> Option<Evaluation> {
         let data = &self.0;
-        let AX = Extended::from(data.A.t()).times(X);
-        let BX = Extended::from(data.B.t()).times(X);
+        let AX = ExtendedMatrix::from(data.A.t()).times(X);
+        let BX = ExtendedMatrix::from(data.B.t()).times(X);
         let gain = self.gain_of(&BX)?;
-        let KBX = Extended::from(gain.t()).times(&BX).neg();
+        let KBX = ExtendedMatrix::from(gain.t()).times(&BX).neg();
         let terms = 2.0 * AX.high.norm_fro() + KBX.high.norm_fro() + data.Q.norm_fro();
         let half = AX.add(&KBX);
         let total = half.add(&half.t()).add(&data.weights(&gain, &exact_product(&data.R, &gain)));
-        Some(Evaluation { residual: total.collapse().symmetric_part(), terms, gain })
+        Some(Evaluation { residual: total.to_double().symmetric_part(), terms, gain })
     }
 
     fn change(&self, before: &Evaluation, E: &Mat, _: &Mat) -> Option<Change> {
@@ -135,15 +140,15 @@ impl Equation for Continuous {
     }
 }
 
-impl PreciseEquation for Continuous {
-    fn linearise(&self, X: &Precise) -> Option<Linearised> {
+impl PreciseEquation for ContinuousRiccati {
+    fn linearise(&self, X: &LongMatrix) -> Option<LinearisedEquation> {
         let data = &self.0;
-        let right = data.with_cross(Precise::from(&data.B.t()).times(X));
-        let gain = Precise::from(&data.R).solve(&right)?;
+        let right = data.with_cross(LongMatrix::from(&data.B.t()).times(X));
+        let gain = LongMatrix::from(&data.R).solve(&right)?;
         let closed = data.precise_closed(&gain);
         let half = X.times(&closed);
         let residual = half.plus(&half.t()).plus(&data.precise_weights(&gain)).symmetric_part();
-        Some(Linearised { residual, closed, gain })
+        Some(LinearisedEquation { residual, closed, gain })
     }
 
     fn moduli(&self, K: &Mat, X: &Mat) -> Mat {
@@ -151,10 +156,10 @@ impl PreciseEquation for Continuous {
         half.t() + half + self.0.weight_moduli(K)
     }
 
-    fn fold_shift(&self, _: f64) -> Option<[Precise; 3]> {
+    fn fold_shift(&self, _: f64) -> Option<[LongMatrix; 3]> {
         let data = &self.0;
-        let cross = data.S.as_ref().map(Precise::from);
-        data.fold_precisely(&Precise::from(&data.Q), &Precise::from(&data.R), cross.as_ref())
+        let cross = data.S.as_ref().map(LongMatrix::from);
+        data.fold_precisely(&LongMatrix::from(&data.Q), &LongMatrix::from(&data.R), cross.as_ref())
     }
 
     fn shifts(&self) -> Vec<f64> {
@@ -174,13 +179,13 @@ pub(super) struct Quadratic {
 }
 
 impl Equation for Quadratic {
-    fn evaluate(&self, X: &Extended) -> Option<Evaluation> {
-        let AX = Extended::from(self.A.t()).times(X);
-        let GX = Extended::from(self.G.clone()).times(X);
+    fn evaluate(&self, X: &ExtendedMatrix) -> Option<Evaluation> {
+        let AX = ExtendedMatrix::from(self.A.t()).times(X);
+        let GX = ExtendedMatrix::from(self.G.clone()).times(X);
         let square = X.times(&GX).neg();
         let terms = 2.0 * AX.high.norm_fro() + square.high.norm_fro() + self.Q.norm_fro();
         let total = AX.add(&AX.t()).add(&square).add(&self.Q.clone().into());
-        Some(Evaluation { residual: total.collapse().symmetric_part(), terms, gain: GX.collapse() })
+        Some(Evaluation { residual: total.to_double().symmetric_part(), terms, gain: GX.to_double() })
     }
 
     fn change(&self, before: &Evaluation, E: &Mat, _: &Mat) -> Option<Change> {
@@ -204,13 +209,13 @@ impl Equation for Quadratic {
 }
 
 impl PreciseEquation for Quadratic {
-    fn linearise(&self, X: &Precise) -> Option<Linearised> {
-        let gain = Precise::from(&self.G).times(X);
-        let closed = Precise::from(&self.A).difference(&gain);
+    fn linearise(&self, X: &LongMatrix) -> Option<LinearisedEquation> {
+        let gain = LongMatrix::from(&self.G).times(X);
+        let closed = LongMatrix::from(&self.A).difference(&gain);
         let half = X.times(&closed);
         let square = X.times(&gain);
-        let residual = half.plus(&half.t()).plus(&square).plus(&Precise::from(&self.Q)).symmetric_part();
-        Some(Linearised { residual, closed, gain })
+        let residual = half.plus(&half.t()).plus(&square).plus(&LongMatrix::from(&self.Q)).symmetric_part();
+        Some(LinearisedEquation { residual, closed, gain })
     }
 
     fn moduli(&self, _: &Mat, X: &Mat) -> Mat {
@@ -219,8 +224,8 @@ impl PreciseEquation for Quadratic {
         half.t() + half + moduli(&self.Q) + &x * &moduli(&self.G) * &x
     }
 
-    fn fold_shift(&self, _: f64) -> Option<[Precise; 3]> {
-        Some([&self.A, &self.G, &self.Q].map(Precise::from))
+    fn fold_shift(&self, _: f64) -> Option<[LongMatrix; 3]> {
+        Some([&self.A, &self.G, &self.Q].map(LongMatrix::from))
     }
 
     fn shifts(&self) -> Vec<f64> {
@@ -233,22 +238,22 @@ impl PreciseEquation for Quadratic {
 }
 
 /// `A'XA - X - (A'XB+S)(R+B'XB)^-1(B'XA+S') + Q = 0`
-pub(super) struct Discrete(pub(super) Data);
+pub(super) struct DiscreteRiccati(pub(super) Data);
 
 /// The closed loop of the discrete equation with some gain.
 struct Loop {
     gain: Mat,
     /// `A - B K`
-    closed: Extended,
+    closed: ExtendedMatrix,
     /// `X (A - B K)`
-    moved: Extended,
+    moved: ExtendedMatrix,
     /// `R K`
-    weighted: Extended,
+    weighted: ExtendedMatrix,
     /// The gain that belongs to `X` less this one.
     correction: Mat,
 }
 
-impl Discrete {
+impl DiscreteRiccati {
     /// `(R + B'XB)^-1 (B'XA + S')` in working precision.
     fn first_gain(&self, X: &Mat, weight: &Mat) -> Option<Mat> {
         let data = &self.0;
@@ -263,23 +268,23 @@ impl Discrete {
 
     /// The loop with `gain`; its correction solves `W dK = B'X(A - BK) + S' - RK`, which is small and computed in twice the working
     /// precision.
-    fn close(&self, X: &Extended, weight: &Mat, gain: Mat) -> Option<Loop> {
+    fn close(&self, X: &ExtendedMatrix, weight: &Mat, gain: Mat) -> Option<Loop> {
         let data = &self.0;
         let closed = exact_product(&data.B, &gain).neg().add(&data.A.clone().into());
         let moved = X.times(&closed);
         let weighted = exact_product(&data.R, &gain);
-        let mut rest = Extended::from(data.B.t()).times(&moved).add(&weighted.neg());
+        let mut rest = ExtendedMatrix::from(data.B.t()).times(&moved).add(&weighted.neg());
         if let Some(S) = &data.S {
             rest = rest.add(&S.t().into());
         }
-        let correction = solve(weight, &rest.collapse()).ok()?;
+        let correction = solve(weight, &rest.to_double()).ok()?;
         Some(Loop { gain, closed, moved, weighted, correction })
     }
 }
 
-impl Equation for Discrete {
+impl Equation for DiscreteRiccati {
     /// A gain `K` that is not quite that of `X` leaves `dK'W dK` more than the residual, `dK` being its correction.
-    fn evaluate(&self, X: &Extended) -> Option<Evaluation> {
+    fn evaluate(&self, X: &ExtendedMatrix) -> Option<Evaluation> {
         let data = &self.0;
         let weight = self.weight(&X.high);
         let mut at = self.close(X, &weight, self.first_gain(&X.high, &weight)?)?;
@@ -296,7 +301,7 @@ impl Equation for Discrete {
         let total =
             moved.add(&X.neg()).add(&data.weights(&at.gain, &at.weighted)).add(&excess.scale(-1.0).into());
         let gain = &at.gain + &at.correction;
-        Some(Evaluation { residual: total.collapse().symmetric_part(), terms, gain })
+        Some(Evaluation { residual: total.to_double().symmetric_part(), terms, gain })
     }
 
     fn change(&self, before: &Evaluation, E: &Mat, X: &Mat) -> Option<Change> {
@@ -323,16 +328,16 @@ impl Equation for Discrete {
     }
 }
 
-impl PreciseEquation for Discrete {
-    fn linearise(&self, X: &Precise) -> Option<Linearised> {
+impl PreciseEquation for DiscreteRiccati {
+    fn linearise(&self, X: &LongMatrix) -> Option<LinearisedEquation> {
         let data = &self.0;
-        let BX = Precise::from(&data.B.t()).times(X);
-        let weight = BX.times(&Precise::from(&data.B)).plus(&Precise::from(&data.R));
-        let gain = weight.solve(&data.with_cross(BX.times(&Precise::from(&data.A))))?;
+        let BX = LongMatrix::from(&data.B.t()).times(X);
+        let weight = BX.times(&LongMatrix::from(&data.B)).plus(&LongMatrix::from(&data.R));
+        let gain = weight.solve(&data.with_cross(BX.times(&LongMatrix::from(&data.A))))?;
         let closed = data.precise_closed(&gain);
         let moved = closed.t().times(&X.times(&closed));
         let residual = moved.difference(X).plus(&data.precise_weights(&gain)).symmetric_part();
-        Some(Linearised { residual, closed, gain })
+        Some(LinearisedEquation { residual, closed, gain })
     }
 
     fn moduli(&self, K: &Mat, X: &Mat) -> Mat {
@@ -342,15 +347,15 @@ impl PreciseEquation for Discrete {
         half.t() + half + data.weight_moduli(K)
     }
 
-    fn fold_shift(&self, shift: f64) -> Option<[Precise; 3]> {
+    fn fold_shift(&self, shift: f64) -> Option<[LongMatrix; 3]> {
         let data = &self.0;
-        let (A, B) = (Precise::from(&data.A), Precise::from(&data.B));
-        let (mut Q, mut R) = (Precise::from(&data.Q), Precise::from(&data.R));
+        let (A, B) = (LongMatrix::from(&data.A), LongMatrix::from(&data.B));
+        let (mut Q, mut R) = (LongMatrix::from(&data.Q), LongMatrix::from(&data.R));
         if shift == 0.0 {
-            let cross = data.S.as_ref().map(Precise::from);
+            let cross = data.S.as_ref().map(LongMatrix::from);
             return data.fold_precisely(&Q, &R, cross.as_ref());
         }
-        let scaled = Precise::identity(data.A.nrows(), shift);
+        let scaled = LongMatrix::identity(data.A.nrows(), shift);
         Q = Q.plus(&A.t().times(&scaled.times(&A))).difference(&scaled).symmetric_part();
         R = R.plus(&B.t().times(&scaled.times(&B))).symmetric_part();
         let cross = data.with_cross(B.t().times(&scaled.times(&A))).t();

@@ -4,15 +4,15 @@
 //! problems, structured doubling for large ones, each the fallback of the other), refine by Newton steps whose residual
 //! is computed in twice the working precision, certify, and either hand over or say which mode is in the way.
 
-mod certify;
+mod certificate;
 mod continuous;
-mod decide;
+mod decision;
 mod discrete;
 mod doubling;
 mod equation;
+mod long_solution;
 mod modes;
 mod newton;
-mod precise;
 mod reason;
 mod scaling;
 mod subspace;
@@ -26,7 +26,7 @@ pub use continuous::{care, care_g};
 pub use discrete::dare;
 pub use reason::Reason;
 
-/// What became of a problem: solved, or without a solution for a reason that is named.
+/// Outcome of a problem: a solution, or the reason why there is none.
 #[derive(Clone, Debug)]
 pub enum Outcome<T> {
     /// The solution.
@@ -82,7 +82,7 @@ pub struct Riccati {
     pub F: Mat,
     /// The eigenvalues of `A - B F` (of `A - G X`), sorted by real part.
     pub closed_loop: Vec<C64>,
-    /// How good the solution is.
+    /// Certificate of the solution.
     pub certificate: RiccatiCertificate,
 }
 
@@ -115,7 +115,7 @@ pub struct RiccatiCertificate {
     /// Condition number: the largest entry of `data_error / eps`, each over `sqrt(|x_ii x_jj|)`. A change of every entry of the
     /// data by a share e changes `x_ij` by at most `condition e sqrt(|x_ii x_jj|)` to first order.
     pub condition: f64,
-    /// What a change of every entry of the data by a share of eps (2^-52) changes each entry of `X` by, n x n, to first order.
+    /// Change of each entry of `X` due to a change of every entry of the data by a share of eps (2^-52), n x n, to first order.
     pub data_error: Mat,
     /// An estimate of the modulus of the error of each entry of `X`, n x n, for the data taken as exact: the Newton step that is left.
     pub forward_error: Mat,
@@ -125,9 +125,9 @@ pub struct RiccatiCertificate {
     pub term_norm: f64,
     /// The factors of the states, powers of two, in whose units the equation was solved.
     pub scale: Vec<f64>,
-    /// Which method gave the first approximation.
+    /// Method that gave the first approximation.
     pub method: RiccatiMethod,
-    /// How many Newton steps refined it.
+    /// Number of Newton steps that refined it.
     pub newton_steps: usize,
 }
 

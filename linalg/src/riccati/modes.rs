@@ -71,19 +71,19 @@ impl<'a> Mode<'a> {
     }
 
     /// By how much rounding the entries of `A` may move it.
-    pub(super) fn movement(self) -> f64 {
-        self.owner.spectrum.movement(self.value())
+    pub(super) fn rounding_error(self) -> f64 {
+        self.owner.spectrum.rounding_error(self.value())
     }
 
-    /// How the input reaches it.
-    pub(super) fn reach(self) -> &'a Reach {
-        let make = || self.owner.spectrum.reach(&self.problem.G, self.value());
+    /// Returns how the input reaches it.
+    pub(super) fn reachability(self) -> &'a Reach {
+        let make = || self.owner.spectrum.reachability(&self.problem.G, self.value());
         self.owner.reaches[self.index].get_or_init(make)
     }
 
-    /// How the cost sees it.
-    pub(super) fn sight(self) -> &'a Reach {
-        let make = || self.owner.spectrum.sight(&self.problem.Q, self.value());
+    /// Returns how the cost sees it.
+    pub(super) fn observability(self) -> &'a Reach {
+        let make = || self.owner.spectrum.observability(&self.problem.Q, self.value());
         self.owner.sights[self.index].get_or_init(make)
     }
 }

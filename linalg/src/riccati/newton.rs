@@ -4,7 +4,7 @@
 //! residual is computed in twice the working precision and the sum is kept as two doubles, so that the steps contract
 //! until `X` is right to its last bits, whatever the condition of the equation up to 1/eps.
 
-use crate::extended_precision::Extended;
+use crate::extended_precision::ExtendedMatrix;
 use crate::lyapunov::{Operator, dlyap, lyap, transpose_form};
 use crate::mat::Mat;
 use crate::schur::schur;
@@ -35,8 +35,8 @@ pub(super) struct Change {
 /// What Newton's method needs to know of an equation.
 pub(super) trait Equation {
     /// The equation at `X`; `None` if a weight is singular.
-    fn evaluate(&self, X: &Extended) -> Option<Evaluation>;
-    /// What the step `E` to `X` does, by the identities `K(X+E) = K + W^-1 B'EA_K` and `residual(X+E) = residual(X) + L(E) -
+    fn evaluate(&self, X: &ExtendedMatrix) -> Option<Evaluation>;
+    /// Returns what the step `E` to `X` does, by the identities `K(X+E) = K + W^-1 B'EA_K` and `residual(X+E) = residual(X) + L(E) -
     /// (B'EA_K)'W^-1 B'EA_K`, `A_K = A - BK` (continuous: without `A_K` beside `E`), `W` the weight at `X + E`.
     fn change(&self, before: &Evaluation, E: &Mat, X: &Mat) -> Option<Change>;
     /// `A - B K` (`A - K` where no input is known).
@@ -44,12 +44,12 @@ pub(super) trait Equation {
     /// By how much the computed residual at `X` may be off: rounding of the gain `K`, which counts in second order, and of
     /// products whose terms cancel.
     fn residual_error(&self, K: &Mat, X: &Mat) -> f64;
-    /// Which Lyapunov operator the derivative is.
+    /// Returns which Lyapunov operator the derivative is.
     fn kind(&self) -> Kind;
 }
 
 /// A refined solution.
-pub(super) struct Refined {
+pub(super) struct RefinedSolution {
     pub(super) X: Mat,
     /// The gain, from `X` before it was rounded.
     pub(super) gain: Mat,
@@ -72,7 +72,7 @@ pub(super) struct Refined {
 /// # Errors
 /// [`Reason::NoGraph`] where the closed loop has no Schur form or a step cannot be computed, [`Reason::Inaccurate`] where the start is too
 /// far from a solution.
-pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<Refined, Reason> {
+pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<RefinedSolution, Reason> {
     let mut path = Path::from(equation, X).ok_or(Reason::NoGraph)?;
     let mut size = f64::INFINITY;
     let mut steps = 0;
@@ -82,9 +82,15 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<Refined, Reason
         let step = careful.unwrap_or_else(|| path.derivative.solve(&path.residual)).symmetric_part();
         let relative = step.norm_fro() / path.X.high.norm_fro().max(f64::MIN_POSITIVE);
         let stuck = relative > 0.5 * size && size < NEWTON_STALE_LOOP;
-        if relative > NEWTON_NEAR_START && path.derivative.reach() >= path.derivative.boundary() {
+        if relative > NEWTON_NEAR_START
+            && path.derivative.outermost_eigenvalue() >= path.derivative.boundary()
+        {
             let residual = path.residual.norm_fro() / path.here.terms.max(f64::MIN_POSITIVE);
-            return Err(Reason::Inaccurate { residual, stability: path.derivative.reach(), hardest: None });
+            return Err(Reason::Inaccurate {
+                residual,
+                stability: path.derivative.outermost_eigenvalue(),
+                hardest: None,
+            });
         }
         if !relative.is_finite() || stuck {
             break;
@@ -102,12 +108,12 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<Refined, Reason
         }
     }
     let refined = path.end(equation).ok_or(Reason::NoGraph)?;
-    Ok(Refined { steps, contraction, ..refined })
+    Ok(RefinedSolution { steps, contraction, ..refined })
 }
 
 /// Where Newton's method has come to: `X + ahead`. What the short steps `ahead` do to the equation is computed in working precision.
 struct Path {
-    X: Extended,
+    X: ExtendedMatrix,
     here: Evaluation,
     ahead: Mat,
     /// The residual at `X + ahead`.
@@ -120,7 +126,7 @@ struct Path {
 impl Path {
     fn from(equation: &impl Equation, X: Mat) -> Option<Self> {
         let ahead = Mat::zeros(X.nrows(), X.ncols());
-        let X = Extended::from(X);
+        let X = ExtendedMatrix::from(X);
         let here = equation.evaluate(&X)?;
         let closed = equation.closed_loop(&here.gain);
         let derivative = derivative_of(&closed, equation.kind())?;
@@ -159,15 +165,15 @@ impl Path {
     }
 
     /// The solution, rounded.
-    fn end(self, equation: &impl Equation) -> Option<Refined> {
-        let X = self.X.add(&self.ahead.clone().into()).collapse().symmetric_part();
-        let rounded = self.X.neg().add(&X.clone().into()).collapse();
+    fn end(self, equation: &impl Equation) -> Option<RefinedSolution> {
+        let X = self.X.add(&self.ahead.clone().into()).to_double().symmetric_part();
+        let rounded = self.X.neg().add(&X.clone().into()).to_double();
         let gain = &self.here.gain + &equation.change(&self.here, &self.ahead, &X)?.gain;
         let residual = &self.here.residual + &equation.change(&self.here, &rounded, &X)?.residual;
         let closed = equation.closed_loop(&gain);
         let size = self.closed.norm_fro();
         let operator = if equation.kind() == Kind::Continuous { 2.0 * size } else { 1.0 + size * size };
-        Some(Refined {
+        Some(RefinedSolution {
             residual: residual.symmetric_part(),
             residual_error: equation.residual_error(&gain, &X) + ROUNDING * rounded.norm_fro() * operator,
             terms: self.here.terms,
@@ -181,7 +187,7 @@ impl Path {
     }
 }
 
-/// What a step is short below, relative to `X`: of the continuous equation, whose residual costs half as much, none is.
+/// Returns what a step is short below, relative to `X`: of the continuous equation, whose residual costs half as much, none is.
 fn short_step(kind: Kind) -> f64 {
     if kind == Kind::Continuous { 0.0 } else { NEWTON_SHORT_STEP }
 }

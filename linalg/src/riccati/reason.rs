@@ -39,19 +39,19 @@ pub enum Reason {
     OnBoundary {
         /// The eigenvalue, up to rounding.
         eigenvalue: C64,
-        /// Its distance from the boundary, relative to the norm of the matrix.
+        /// Distance from the boundary, relative to the norm of the matrix.
         distance: f64,
     },
     /// The stable subspace exists but gives no finite solution.
     NoGraph,
     /// `R` (in discrete time `R + B'XB`) is singular.
     SingularWeight {
-        /// Its reciprocal condition number.
+        /// Reciprocal condition number.
         rcond: f64,
     },
     /// An approximation was found, and it is not good enough to be handed over.
     Inaccurate {
-        /// Its relative residual.
+        /// Relative residual.
         residual: f64,
         /// The largest real part (modulus in discrete time) of its closed loop.
         stability: f64,
@@ -131,15 +131,16 @@ pub(super) fn lost_mode(modes: &Modes, nearness: Nearness) -> Option<Reason> {
     let broad = HAMILTONIAN_BOUNDARY * boundary_scale(A.norm_fro(), kind);
     let near = |mode: Mode| match nearness {
         Nearness::Broad => broad,
-        Nearness::Rounding => mode.movement(),
+        Nearness::Rounding => mode.rounding_error(),
     };
     let candidates: Vec<Mode> = modes.all().filter(|m| excess(m.value(), kind) > -near(*m)).collect();
-    let reached = least(candidates.iter().map(|m| m.reach()), |mode| distance(A, G, mode), A.nrows());
+    let reached = least(candidates.iter().map(|m| m.reachability()), |mode| distance(A, G, mode), A.nrows());
     if let Some((mode, reach)) = reached.filter(|(_, reach)| *reach < n * LOST_MODE) {
         return Some(Reason::Uncontrollable { mode, distance: reach });
     }
     let candidates: Vec<Mode> = modes.all().filter(|m| excess(m.value(), kind).abs() < near(*m)).collect();
-    let seen = least(candidates.iter().map(|m| m.sight()), |mode| distance(&A.t(), Q, mode), A.nrows());
+    let seen =
+        least(candidates.iter().map(|m| m.observability()), |mode| distance(&A.t(), Q, mode), A.nrows());
     let (mode, sight) = seen.filter(|(_, sight)| *sight < n * LOST_MODE)?;
     Some(Reason::Unobservable { mode, distance: sight })
 }
@@ -148,7 +149,7 @@ pub(super) fn lost_mode(modes: &Modes, nearness: Nearness) -> Option<Reason> {
 pub(super) fn certainly_lost(modes: &Modes) -> Option<Reason> {
     let n = modes.problem.A.nrows() as f64;
     let unstable = modes.all().filter(|m| excess(m.value(), modes.kind) >= 0.0);
-    let mut reaches = unstable.map(Mode::reach);
+    let mut reaches = unstable.map(Mode::reachability);
     let lost = reaches.find(|reach| reach.normwise.max(reach.entrywise) < n * LOST_MODE)?;
     // The normwise distance of a mode at the end of the range of doubles is not known.
     let distance = if lost.normwise.is_nan() { lost.entrywise } else { lost.normwise };
@@ -173,12 +174,12 @@ pub(super) fn certainly_unsolvable(modes: &Modes, X: &Mat) -> Option<Reason> {
 /// Returns a mode that lies on the imaginary axis as far as the entries of `A` say, and that the cost does not see for certain.
 fn certainly_unseen(modes: &Modes) -> Option<Reason> {
     let n = modes.problem.A.nrows() as f64;
-    let sights = modes.modes_on_boundary(Boundary::ImaginaryAxis).into_iter().map(Mode::sight);
+    let sights = modes.modes_on_boundary(Boundary::ImaginaryAxis).into_iter().map(Mode::observability);
     let mut unseen = sights.filter(|sight| sight.normwise.max(sight.entrywise) < n * LOST_MODE);
     unseen.next().map(|sight| Reason::Unobservable { mode: sight.mode, distance: sight.normwise })
 }
 
-/// Whether an approximation that Newton's method could not follow is larger than doubles can tell from infinity: what is left of the stable
+/// Returns whether an approximation that Newton's method could not follow is larger than doubles can tell from infinity: what is left of the stable
 /// subspace's upper half, which every other method in doubles inverts, is then rounding.
 pub(super) fn is_beyond_doubles(first: &Mat, modes: &Modes) -> bool {
     let feedback = first.norm_fro() * modes.problem.G.norm_fro();
@@ -195,7 +196,7 @@ pub(super) fn is_suspicious(first: &Mat, modes: &Modes) -> bool {
 pub(super) fn hardest_mode(modes: &Modes) -> Option<(C64, f64)> {
     let Problem { A, G, .. } = modes.problem;
     let candidates: Vec<Mode> = modes.all().filter(|m| excess(m.value(), modes.kind) >= 0.0).collect();
-    least(candidates.iter().map(|m| m.reach()), |mode| distance(A, G, mode), A.nrows())
+    least(candidates.iter().map(|m| m.reachability()), |mode| distance(A, G, mode), A.nrows())
 }
 
 /// The mode that is reached (or seen) least, and its relative distance from reach, which a small problem's best candidates have by
@@ -214,7 +215,7 @@ fn least<'a>(
     list.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// How far beyond the stability boundary an eigenvalue lies.
+/// Returns how far beyond the stability boundary an eigenvalue lies.
 pub(super) fn excess(eigenvalue: C64, kind: Kind) -> f64 {
     match kind {
         Kind::Continuous => eigenvalue.re,
@@ -247,17 +248,17 @@ fn distance(A: &Mat, M: &Mat, mode: C64) -> f64 {
 
 /// What is known of the eigenvalue of the Hamiltonian matrix nearest to the boundary of stability.
 #[derive(Clone, Copy)]
-pub(super) enum Nearest {
+pub(super) enum NearestEigenvalue {
     /// It has not been computed.
     Unknown,
-    /// Its value.
+    /// The value.
     Known(C64),
     /// It is not what is in the way.
     Immaterial,
 }
 
 /// Returns why a problem that was not solved has no solution.
-pub(super) fn diagnose(modes: &Modes, known: Nearest) -> Option<Reason> {
+pub(super) fn diagnose(modes: &Modes, known: NearestEigenvalue) -> Option<Reason> {
     if let Some(reason) = lost_mode(modes, Nearness::Broad) {
         return Some(reason);
     }
@@ -268,9 +269,9 @@ pub(super) fn diagnose(modes: &Modes, known: Nearest) -> Option<Reason> {
     let size = H.norm_fro();
     let computed = || eigenvalues(&H).ok()?.into_iter().min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()));
     let nearest = match known {
-        Nearest::Immaterial => return None,
-        Nearest::Known(value) => value,
-        Nearest::Unknown => computed()?,
+        NearestEigenvalue::Immaterial => return None,
+        NearestEigenvalue::Known(value) => value,
+        NearestEigenvalue::Unknown => computed()?,
     };
     let distance = nearest.re.abs() / size;
     (distance < HAMILTONIAN_BOUNDARY).then_some(Reason::OnBoundary { eigenvalue: nearest, distance })

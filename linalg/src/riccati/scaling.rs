@@ -16,13 +16,13 @@ pub(super) struct Problem {
 }
 
 /// A problem in the state `x = D z`, and the diagonal of `D`.
-pub(super) struct Scaled {
+pub(super) struct ScaledProblem {
     pub(super) problem: Problem,
     pub(super) scale: Vec<f64>,
 }
 
 /// Lowers the norm of the Hamiltonian matrix `[A -G; -Q -A']` state by state.
-pub(super) fn scale(mut problem: Problem) -> Scaled {
+pub(super) fn scale(mut problem: Problem) -> ScaledProblem {
     let n = problem.A.nrows();
     keep_freed_blocks(n);
     let mut scale = vec![1.0; n];
@@ -34,10 +34,10 @@ pub(super) fn scale(mut problem: Problem) -> Scaled {
             break;
         }
     }
-    Scaled { problem, scale }
+    ScaledProblem { problem, scale }
 }
 
-impl Scaled {
+impl ScaledProblem {
     /// The solution in the caller's units: `D^-1 Z D^-1`.
     pub(super) fn restore(&self, Z: &Mat) -> Mat {
         let inverse = self.inverse();

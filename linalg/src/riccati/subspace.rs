@@ -43,7 +43,7 @@ fn stable_graph(mut form: Schur) -> Option<Mat> {
     if count != n {
         return None;
     }
-    graph(&form.U, n).ok()
+    solution_from_subspace(&form.U, n).ok()
 }
 
 /// `[A -G; -Q -A']`.
@@ -53,7 +53,7 @@ pub(super) fn hamiltonian(problem: &Problem) -> Mat {
 }
 
 /// `U2 U1^-1` of the leading columns `[U1; U2]`, made symmetric.
-pub(super) fn graph(U: &Mat, n: usize) -> Result<Mat, Error> {
+pub(super) fn solution_from_subspace(U: &Mat, n: usize) -> Result<Mat, Error> {
     let (upper, lower) = (U.block(0, 0, n, n), U.block(n, 0, n, n));
     let X = solve(&upper.t(), &lower.t())?;
     Ok(X.symmetric_part())

@@ -125,7 +125,7 @@ impl Iteration<'_> {
         }
     }
 
-    /// Whether two small subdiagonals in a row let the sweep start at `m`.
+    /// Returns whether two small subdiagonals in a row let the sweep start at `m`.
     #[inline(always)]
     fn may_start(&self, m: usize, v: [f64; 3]) -> bool {
         let H = &self.H;

@@ -175,7 +175,7 @@ impl Schur {
 /// A block on the diagonal of a quasi-triangular matrix.
 #[derive(Clone, Copy)]
 pub(crate) struct DiagonalBlock {
-    /// Its first row.
+    /// First row.
     pub(crate) start: usize,
     /// One for a real eigenvalue, two for a complex pair.
     pub(crate) size: usize,

@@ -23,7 +23,7 @@ impl Schur {
     }
 
     /// Solves for the unknowns of a block and takes their share from the rows above it.
-    fn eliminate(&self, block: &Inverted, x: &mut [C64]) {
+    fn eliminate(&self, block: &BlockInverse, x: &mut [C64]) {
         let (above, own) = x.split_at_mut(block.top);
         if block.size == 1 {
             own[0] *= block.entries[0];
@@ -39,7 +39,7 @@ impl Schur {
     }
 
     /// The blocks of `s I - T` on the diagonal, each inverted.
-    fn inverted_blocks(&self, s: C64) -> Option<Vec<Inverted>> {
+    fn inverted_blocks(&self, s: C64) -> Option<Vec<BlockInverse>> {
         let (T, n) = (&self.T, self.T.nrows());
         let zero = C64::new(0.0, 0.0);
         let mut blocks = Vec::with_capacity(n);
@@ -58,7 +58,7 @@ impl Schur {
             if !entries.iter().all(|entry| entry.is_finite()) {
                 return None;
             }
-            blocks.push(Inverted { top, size, entries });
+            blocks.push(BlockInverse { top, size, entries });
             top += size;
         }
         Some(blocks)
@@ -66,7 +66,7 @@ impl Schur {
 }
 
 /// The inverse of a block on the diagonal, by rows; of a single entry the first.
-struct Inverted {
+struct BlockInverse {
     top: usize,
     size: usize,
     entries: [C64; 4],

@@ -82,7 +82,7 @@ fn exchange_basis(local: &Mat, first: usize) -> Mat {
             }
         }
     }
-    crate::small::solve_complete(&mut system, &mut right, first * second);
+    crate::small_systems::solve_complete(&mut system, &mut right, first * second);
     let mut basis = Mat::zeros(size, second);
     for j in 0..second {
         for i in 0..first {
@@ -90,7 +90,7 @@ fn exchange_basis(local: &Mat, first: usize) -> Mat {
         }
         basis[(first + j, j)] = 1.0;
     }
-    crate::small::full_q(basis)
+    crate::small_systems::full_q(basis)
 }
 
 #[inline(always)]

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use super::analysis::Analysis;
 use super::matrix::Sparse;
 use super::modes::ProgressObserver;
-use super::numeric::{Factors, Term, Wanted, factorise};
+use super::numeric::{FactorRequest, Factors, Term, factorise};
 use crate::error::Error;
 use crate::mat::Mat;
 
@@ -39,7 +39,7 @@ impl SparseCholesky {
     ) -> Result<Self, Error> {
         A.check_symmetric("the sparse matrix")?;
         let terms = [Term { factor: 1.0, matrix: A }];
-        let factors = factorise(&analysis, &terms, Wanted::PositiveFactors, stage, watch)?;
+        let factors = factorise(&analysis, &terms, FactorRequest::PositiveFactors, stage, watch)?;
         Ok(Self { analysis, factors })
     }
 

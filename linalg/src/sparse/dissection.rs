@@ -286,12 +286,12 @@ impl<'a> Refinement<'a> {
         1 - pulled.count() as i32
     }
 
-    /// What is made small: the separator, and among equal ones the difference of the parts.
+    /// Returns what is made small: the separator, and among equal ones the difference of the parts.
     fn cost(&self) -> (usize, usize) {
         (self.sizes[2], self.sizes[0].abs_diff(self.sizes[1]))
     }
 
-    /// Whether the separator became better.
+    /// Returns whether the separator became better.
     fn run(mut self) -> bool {
         let start = self.cost();
         let (mut best, mut kept) = (start, 0);

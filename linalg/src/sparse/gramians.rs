@@ -6,7 +6,7 @@
 //! Martins (IEEE Trans. Power Syst. 21 (2006) 1218), within a subspace that grows with the iteration.
 
 use super::modes::{ProgressObserver, StageProgress};
-use super::pencil::{QuadraticPencil, Shifted};
+use super::pencil::{QuadraticPencil, ShiftedPencil};
 use super::ritz::{RitzBasis, Weights};
 use crate::decomposition::svd;
 use crate::dense::transpose_times;
@@ -16,18 +16,18 @@ use crate::mat::{C64, CMat, Mat};
 /// Steps without a contribution after which the iteration ends: shifts are chosen by what a subspace knows, so one alone may deceive.
 const IDLE_STEPS: usize = 2;
 
-/// What drives a structure and what is measured.
+/// Inputs and outputs of a structure.
 #[derive(Debug, Clone, Copy)]
 pub struct StructurePorts<'a> {
-    /// Where the inputs push, n x m.
+    /// Directions of the input forces, n x m.
     pub F: &'a Mat,
-    /// What the outputs see of the positions, p x n.
+    /// Output rows of the positions, p x n.
     pub P: &'a Mat,
-    /// What the outputs see of the velocities, p x n.
+    /// Output rows of the velocities, p x n.
     pub V: &'a Mat,
 }
 
-/// How far the iteration goes.
+/// Accuracy at which the iteration ends.
 #[derive(Debug, Clone, Copy)]
 pub struct GramianAccuracy {
     /// A step whose columns are below this share of the factor contributes nothing.
@@ -146,7 +146,7 @@ struct Halves {
 /// The solutions `(A - s E)^-1 W` and `(A - s E)'^-1 W` for what remains of both equations, with `A = [0 I; -K -D]` and `E = diag(I, M)`.
 fn solutions(
     pencil: &QuadraticPencil,
-    shifted: &Shifted,
+    shifted: &ShiftedPencil,
     s: C64,
     reach: &Iterate,
     observe: &Iterate,

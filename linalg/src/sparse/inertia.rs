@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use super::analysis::Analysis;
 use super::matrix::{Entry, Sparse};
 use super::modes::ProgressObserver;
-use super::numeric::{Term, Wanted, factorise};
+use super::numeric::{FactorRequest, Term, factorise};
 use crate::error::Error;
 use crate::tolerance::PIVOT_GROWTH;
 
@@ -53,7 +53,7 @@ impl<'a> ModeCounter<'a> {
     pub fn count_below(&self, limit: f64, watch: &mut ProgressObserver) -> Result<Vec<usize>, Error> {
         let terms = [Term { factor: 1.0, matrix: self.K }, Term { factor: -limit, matrix: self.M }];
         let stage = "counting the modes";
-        let pivots = factorise(&self.analysis, &terms, Wanted::Pivots, stage, watch)?.pivots;
+        let pivots = factorise(&self.analysis, &terms, FactorRequest::Pivots, stage, watch)?.pivots;
         let of_row = |row: usize| pivots[self.analysis.place[row] as usize];
         let diagonal = |row: usize| self.K.at(row, row) - limit * self.M.at(row, row);
         let growth = (0..pivots.len()).map(|row| of_row(row).abs() / diagonal(row).abs());

@@ -21,5 +21,5 @@ pub use cholesky::SparseCholesky;
 pub use gramians::{BalancedDirections, GramianAccuracy, LowRankGramians, StructurePorts, low_rank_gramians};
 pub use inertia::{ModeCounter, count_below};
 pub use matrix::{Entry, Sparse, VectorEntry};
-pub use modes::{Cut, LowestModes, ProgressObserver, StageProgress, Wanted, highest_cut, lowest_modes};
-pub use pencil::{QuadraticPencil, Shifted};
+pub use modes::{Cut, LowestModes, ModeRequest, ProgressObserver, StageProgress, highest_cut, lowest_modes};
+pub use pencil::{QuadraticPencil, ShiftedPencil};

@@ -14,10 +14,10 @@ use crate::tolerance::{COUNTING_GAP, LANCZOS_BLOCK, LANCZOS_BLOCKS, LANCZOS_DEPE
 
 use super::matrix::Sparse;
 
-/// How far a long computation is.
+/// Progress of a long computation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StageProgress {
-    /// What is being done.
+    /// Name of the stage.
     pub stage: &'static str,
     /// Parts that are done.
     pub done: usize,
@@ -28,10 +28,10 @@ pub struct StageProgress {
 /// Called after each part of a long computation; [`ControlFlow::Break`] ends it with [`Error::Cancelled`].
 pub type ProgressObserver<'a> = dyn FnMut(StageProgress) -> ControlFlow<()> + 'a;
 
-/// Which modes are wanted.
+/// Number and accuracy of the modes that are computed.
 #[derive(Debug, Clone, Copy)]
-pub struct Wanted<'a> {
-    /// What is being computed, for the progress.
+pub struct ModeRequest<'a> {
+    /// Name of the computation, for the progress.
     pub stage: &'static str,
     /// Number of modes.
     pub count: usize,
@@ -48,7 +48,7 @@ pub struct LowestModes {
     pub squares: Vec<f64>,
     /// The shapes, `X' M X = I`.
     pub shapes: Mat,
-    /// The residual of each mode, as in [`Wanted::tolerance`]: the relative error of `w^2` is at most about its square.
+    /// The residual of each mode, as in [`ModeRequest::tolerance`]: the relative error of `w^2` is at most about its square.
     pub residuals: Vec<f64>,
     /// Solutions with `K` that it took.
     pub solutions: usize,
@@ -107,7 +107,7 @@ impl LowestModes {
 pub fn lowest_modes(
     solve: &dyn Fn(&Mat) -> Result<Mat, Error>,
     M: &Sparse,
-    wanted: &Wanted,
+    wanted: &ModeRequest,
     watch: &mut ProgressObserver,
 ) -> Result<LowestModes, Error> {
     let mut lanczos = Lanczos {
@@ -235,7 +235,7 @@ impl Lanczos<'_> {
     }
 
     /// The approximations in the basis, and how well each satisfies its equation.
-    fn ritz(&self, coupling: &Mat, wanted: &Wanted) -> Result<LowestModes, Error> {
+    fn ritz(&self, coupling: &Mat, wanted: &ModeRequest) -> Result<LowestModes, Error> {
         let (values, S) = sym_eigen(&self.projected)?;
         let size = values.len();
         let last = coupling.ncols();
@@ -281,7 +281,7 @@ mod tests {
         let M = Sparse::from_dense(&Mat::eye(side * side));
         let factor = SparseCholesky::of(&K).unwrap();
         let rigid = Mat::zeros(side * side, 0);
-        let wanted = Wanted { stage: "modes", count: 8, tolerance: 1e-9, rigid: &rigid };
+        let wanted = ModeRequest { stage: "modes", count: 8, tolerance: 1e-9, rigid: &rigid };
         let found =
             lowest_modes(&|F| Ok(factor.solve(F)), &M, &wanted, &mut |_| ControlFlow::Continue(())).unwrap();
         let part = |k: usize| 2.0 - 2.0 * (k as f64 * std::f64::consts::PI / (side + 1) as f64).cos();
@@ -300,7 +300,7 @@ mod tests {
         let M = Sparse::from_dense(&Mat::eye(100));
         let factor = SparseCholesky::of(&K).unwrap();
         let rigid = Mat::zeros(100, 0);
-        let wanted = Wanted { stage: "modes", count: 8, tolerance: 1e-9, rigid: &rigid };
+        let wanted = ModeRequest { stage: "modes", count: 8, tolerance: 1e-9, rigid: &rigid };
         let answer = lowest_modes(&|F| Ok(factor.solve(F)), &M, &wanted, &mut |_| ControlFlow::Break(()));
         assert_eq!(answer, Err(Error::Cancelled { what: "modes" }));
     }

@@ -62,7 +62,7 @@ pub(super) struct Term<'a, T> {
 
 /// What is wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Wanted {
+pub(super) enum FactorRequest {
     /// The factors of a positive definite matrix.
     PositiveFactors,
     /// The factors.
@@ -86,7 +86,7 @@ pub(super) struct Factors<T> {
 pub(super) fn factorise<T: Number>(
     analysis: &Analysis,
     terms: &[Term<T>],
-    wanted: Wanted,
+    wanted: FactorRequest,
     stage: &'static str,
     watch: &mut ProgressObserver,
 ) -> Result<Factors<T>, Error> {
@@ -107,7 +107,7 @@ pub(super) fn factorise<T: Number>(
         pivots.extend(found);
         check(&pivots[pivots.len() - cols..], wanted)?;
         run.update(s, &panel)?;
-        if wanted != Wanted::Pivots {
+        if wanted != FactorRequest::Pivots {
             run.panels[s] = panel;
         }
         done += analysis.panel(s).operations();
@@ -122,14 +122,18 @@ pub(super) fn factorise<T: Number>(
     Ok(Factors { panels: run.panels, pivots })
 }
 
-fn check<T: Number>(pivots: &[T], wanted: Wanted) -> Result<(), Error> {
+fn check<T: Number>(pivots: &[T], wanted: FactorRequest) -> Result<(), Error> {
     let is_good = |pivot: &T| {
         let size = pivot.modulus();
-        size > 0.0 && size.is_finite() && (wanted != Wanted::PositiveFactors || pivot.real_part() > 0.0)
+        size > 0.0
+            && size.is_finite()
+            && (wanted != FactorRequest::PositiveFactors || pivot.real_part() > 0.0)
     };
     match (pivots.iter().all(is_good), wanted) {
         (true, _) => Ok(()),
-        (false, Wanted::PositiveFactors) => Err(Error::NotPositiveDefinite { what: "the sparse matrix" }),
+        (false, FactorRequest::PositiveFactors) => {
+            Err(Error::NotPositiveDefinite { what: "the sparse matrix" })
+        }
         (false, _) => Err(Error::Singular { what: "a sparse matrix", rcond: 0.0 }),
     }
 }

@@ -6,7 +6,7 @@
 use super::analysis::Analysis;
 use super::matrix::{Entry, Sparse};
 use super::modes::ProgressObserver;
-use super::numeric::{Factors, Term, Wanted, factorise};
+use super::numeric::{FactorRequest, Factors, Term, factorise};
 use crate::error::Error;
 use crate::mat::{C64, CMat, Mat};
 use crate::tolerance::{SHIFTED_CORRECTIONS, SHIFTED_RESIDUAL, SHIFTED_RESIDUAL_LARGEST};
@@ -57,13 +57,13 @@ impl<'a> QuadraticPencil<'a> {
         s: C64,
         stage: &'static str,
         watch: &mut ProgressObserver,
-    ) -> Result<Shifted<'_>, Error> {
+    ) -> Result<ShiftedPencil<'_>, Error> {
         let factors = if s.im == 0.0 {
             Kind::Real(self.factorise([s.re * s.re, s.re, 1.0], stage, watch)?)
         } else {
             Kind::Complex(self.factorise([s * s, s, C64::new(1.0, 0.0)], stage, watch)?)
         };
-        Ok(Shifted { pencil: self, s, factors })
+        Ok(ShiftedPencil { pencil: self, s, factors })
     }
 
     fn factorise<T: super::numeric::Number>(
@@ -77,7 +77,7 @@ impl<'a> QuadraticPencil<'a> {
             Term { factor: of_damping, matrix: self.D },
             Term { factor: of_stiffness, matrix: self.K },
         ];
-        factorise(&self.analysis, &terms, Wanted::Factors, stage, watch)
+        factorise(&self.analysis, &terms, FactorRequest::Factors, stage, watch)
     }
 }
 
@@ -89,13 +89,13 @@ enum Kind {
 
 /// The factors of `s^2 M + s D + K` at one `s`.
 #[derive(Debug)]
-pub struct Shifted<'a> {
+pub struct ShiftedPencil<'a> {
     pencil: &'a QuadraticPencil<'a>,
     s: C64,
     factors: Kind,
 }
 
-impl Shifted<'_> {
+impl ShiftedPencil<'_> {
     /// Returns the solutions for the given right-hand sides.
     ///
     /// # Errors

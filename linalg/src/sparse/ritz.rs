@@ -1,6 +1,6 @@
 //! The poles of a large structure that a subspace knows, and which of them matters most.
 
-use super::pencil::{QuadraticPencil, Shifted};
+use super::pencil::{QuadraticPencil, ShiftedPencil};
 use crate::dense::{csolve, transpose_times};
 use crate::error::Error;
 use crate::mat::{C64, CMat, Mat};
@@ -38,7 +38,7 @@ struct Pole {
 }
 
 /// The structure within the subspace, and what remains of the equations there.
-struct Projected {
+struct ProjectedStructure {
     damping: Mat,
     stiffness: Mat,
     position: CMat,
@@ -51,7 +51,7 @@ impl RitzBasis {
     /// The space of the shapes under static loads and under the inertia of those shapes, several times.
     pub(super) fn of_static_shapes(
         pencil: &QuadraticPencil,
-        factors: &Shifted,
+        factors: &ShiftedPencil,
         loads: &Mat,
     ) -> Result<Self, Error> {
         let mut out = Self { shapes: Mat::zeros(loads.nrows(), 0), first: None };
@@ -111,7 +111,11 @@ impl RitzBasis {
     }
 
     /// The structure within the subspace; a large subspace is cut down first.
-    fn project_structure(&mut self, pencil: &QuadraticPencil, weights: &Weights) -> Result<Projected, Error> {
+    fn project_structure(
+        &mut self,
+        pencil: &QuadraticPencil,
+        weights: &Weights,
+    ) -> Result<ProjectedStructure, Error> {
         if self.shapes.ncols() > LARGEST_BASIS {
             let count = self.shapes.ncols() - KEPT_SHAPES;
             // The shapes that came first know least of the modes that are still missing.
@@ -119,7 +123,7 @@ impl RitzBasis {
         }
         let Q = &self.shapes;
         let onto = |A: &Mat| transpose_times(Q, A);
-        Ok(Projected {
+        Ok(ProjectedStructure {
             damping: onto(&pencil.D.times(Q))?.symmetric_part(),
             stiffness: onto(&pencil.K.times(Q))?.symmetric_part(),
             position: onto(&pencil.M.times(weights.reach_position))?.to_complex(),
@@ -130,7 +134,7 @@ impl RitzBasis {
     }
 }
 
-impl Projected {
+impl ProjectedStructure {
     /// The poles on and above the real axis.
     fn poles(&self) -> Result<Vec<Pole>, Error> {
         let q = self.stiffness.nrows();

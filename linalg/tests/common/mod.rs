@@ -4,9 +4,9 @@
 use counterpoise_linalg::{Error, Mat, Outcome, Riccati, care, care_g, dare};
 
 /// A small portable generator (SplitMix64).
-pub struct Random(u64);
+pub struct RandomGenerator(u64);
 
-impl Random {
+impl RandomGenerator {
     pub fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(1))
     }

@@ -1,4 +1,4 @@
-//! Odd arguments for routines that must not panic: matrices of any scale, numbers that nobody expects, and the judgement of the calls.
+//! Odd arguments for routines that must not panic: matrices of any scale, extreme and special numbers, and the assessment of the calls.
 
 // each of the crates that share this module uses a part of it
 #![allow(dead_code)]

@@ -20,7 +20,7 @@ use nalgebra::SMatrix;
 /// A joint with true stick at the beginning of a step.
 #[derive(Debug, Clone, Copy)]
 pub struct Joint<'a> {
-    /// Its friction.
+    /// Friction.
     pub friction: &'a FrictionModel,
     /// The factor on the Coulomb level.
     pub level: f64,

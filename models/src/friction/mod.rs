@@ -19,12 +19,12 @@
 //! *Invariant*: nothing here knows an inertia or marches a mechanism in time.
 //!
 //! Modules in reading order: [`ranges`], [`properties`], [`real`], [`stribeck`], [`partials`], [`sliding`], [`dahl`], [`lugre`], [`reset`], [`walrath`], [`bristle`],
-//! [`law`], [`model`], [`dry`], [`mod@contact`], [`describing`].
+//! [`law`], [`model`], [`dry_friction`], [`mod@contact`], [`describing_function`].
 //!
 //! ```
 //! use counterpoise_models::{Friction, FrictionLaw, friction::FrictionModel};
 //! let law = FrictionLaw::Dahl { coulomb_nm: 2.0, rest_stiffness_nm_rad: 1e3, exponent: 1.0 };
-//! let model = FrictionModel::new(&Friction::plain(law, 0.5))?;
+//! let model = FrictionModel::new(&Friction::with_viscous_part(law, 0.5))?;
 //! let mut torque = [0.0];
 //! model.advance(0.1, 1.0, 1.0, &mut torque); // 0.1 rad at 0.1 rad/s
 //! assert!((model.torque(0.1, 1.0, &torque) - model.steady_torque(0.1)).abs() < 1e-12);
@@ -35,8 +35,8 @@ pub mod bristle;
 mod build;
 pub mod contact;
 pub mod dahl;
-pub mod describing;
-pub mod dry;
+pub mod describing_function;
+pub mod dry_friction;
 pub mod law;
 pub mod lugre;
 pub mod model;
@@ -52,7 +52,7 @@ pub mod walrath;
 pub use bristle::Bristle;
 pub use contact::{Contact, Joint, contact_torques};
 pub use dahl::Dahl;
-pub use dry::{DryFriction, SmoothLaw};
+pub use dry_friction::{DryFriction, SmoothLaw};
 pub use law::Law;
 pub use lugre::Lugre;
 pub use model::{FrictionConditions, FrictionModel};

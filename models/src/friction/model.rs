@@ -27,7 +27,7 @@ pub struct FrictionModel {
     warm_up_time_s: f64,
 }
 
-/// What the level of dry friction may depend on besides the rate.
+/// Conditions besides the rate on which the level of dry friction may depend.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FrictionConditions {
     /// Angle between the bodies, rad.

@@ -40,7 +40,7 @@ impl Sliding {
     }
 }
 
-/// What a law that truly sticks can hold at rest.
+/// Torques that a law with true sticking can hold at rest.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stick {
     /// Torque up to which a motion in the positive direction is held, N m (positive).

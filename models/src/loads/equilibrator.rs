@@ -29,19 +29,19 @@ pub const ATMOSPHERE_PA: f64 = 101_325.0;
 pub struct Equilibrator {
     /// Distance of the pin on the elevated mass from the trunnion, m.
     pub arm_m: f64,
-    /// Its angle from the beam, rad.
+    /// Angle from the beam, rad.
     pub arm_angle_rad: f64,
     /// Distance of the pin on the platform from the trunnion, m.
     pub anchor_m: f64,
-    /// Its angle above forward, rad.
+    /// Angle above forward, rad.
     pub anchor_angle_rad: f64,
     /// Factor on the force; 1 as stated.
     pub factor: f64,
-    /// What makes the force.
+    /// Law of the force.
     pub force: Force,
 }
 
-/// What makes the force of an equilibrator.
+/// Law of the force of an equilibrator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Force {
     /// A coil spring that pulls.
@@ -76,13 +76,13 @@ pub struct Gas {
     pub temperature_k: f64,
 }
 
-/// Whether a strut pulls or pushes.
+/// Direction of a strut's force: pull or push.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Action {
-    /// It pulls its pins together.
+    /// The strut pulls its pins together.
     #[default]
     Pull,
-    /// It pushes them apart.
+    /// The strut pushes them apart.
     Push,
 }
 

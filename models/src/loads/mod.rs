@@ -16,14 +16,14 @@ pub use recoil::Recoil;
 
 use crate::Error;
 
-/// What loads a mechanism; nothing by default.
+/// Loads of a mechanism; none by default.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Loads {
     /// A spring or a gas strut that holds the out-of-balance.
     pub equilibrator: Option<Equilibrator>,
     /// Stops at the ends of the travel.
     pub end_stops: Option<EndStops>,
-    /// What the machine fires.
+    /// Impulse of the shots and the recoiling mass.
     pub recoil: Option<Recoil>,
 }
 

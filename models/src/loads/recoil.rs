@@ -29,7 +29,7 @@ use super::LoadPoint;
 use super::ranges::{require, require_finite, require_positive};
 use crate::Error;
 
-/// What a machine fires.
+/// Impulse and recoiling mass of a gun.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recoil {
     /// Instants of the shots, s since the start of the run, rising.
@@ -54,7 +54,7 @@ pub struct Recoil {
 
 /// The recoiling mass at an instant.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Recoiling {
+pub struct RecoilState {
     /// Way back, m.
     pub way_m: f64,
     /// Rate of it, m/s.
@@ -78,19 +78,19 @@ impl Recoil {
 
     /// Returns the recoiling mass at an instant of a run; it stands between shots.
     #[inline]
-    pub fn at(&self, time_s: f64) -> Recoiling {
+    pub fn at(&self, time_s: f64) -> RecoilState {
         let shot = self.shots_s.iter().rev().find(|shot| **shot < time_s);
-        shot.map_or(Recoiling::default(), |shot| self.mass_after_shot(time_s - shot))
+        shot.map_or(RecoilState::default(), |shot| self.mass_after_shot(time_s - shot))
     }
 
     /// Returns the recoiling mass at a time after a shot.
-    fn mass_after_shot(&self, time_s: f64) -> Recoiling {
+    fn mass_after_shot(&self, time_s: f64) -> RecoilState {
         let (shot_time, stopping) = (self.shot_time_s, self.stopping_s());
         let (impulse, mass) = (self.impulse_ns, self.mass_kg);
         let started = 0.5 * impulse * shot_time / mass;
         if time_s < shot_time {
             let angle = PI * time_s / shot_time;
-            return Recoiling {
+            return RecoilState {
                 way_m: 0.5 * impulse / mass * (time_s - shot_time / PI * angle.sin()),
                 rate_m_s: 0.5 * impulse / mass * (1.0 - angle.cos()),
                 shot_n: 0.5 * PI * impulse / shot_time * angle.sin(),
@@ -100,7 +100,7 @@ impl Recoil {
         let since = time_s - shot_time;
         if since < stopping {
             let angle = PI * since / stopping;
-            return Recoiling {
+            return RecoilState {
                 way_m: started + 0.5 * impulse / mass * (since + stopping / PI * angle.sin()),
                 rate_m_s: 0.5 * impulse / mass * (1.0 + angle.cos()),
                 shot_n: 0.0,
@@ -109,12 +109,12 @@ impl Recoil {
         }
         let z = (since - stopping) / self.run_out_s;
         if z >= 1.0 {
-            return Recoiling::default();
+            return RecoilState::default();
         }
         let length = self.length_m;
         let slope = -length / self.run_out_s * 30.0 * z * z * (1.0 - z) * (1.0 - z);
         let bend = -length / (self.run_out_s * self.run_out_s) * 60.0 * z * (1.0 - z) * (1.0 - 2.0 * z);
-        Recoiling {
+        RecoilState {
             way_m: length * (1.0 - z * z * z * (10.0 - z * (15.0 - 6.0 * z))),
             rate_m_s: slope,
             shot_n: 0.0,

@@ -5,7 +5,7 @@
 
 use super::{AxisKind, FeedbackSignal, Parameters};
 
-/// What kind of quantity a loop controls.
+/// Kind of quantity that a loop controls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum QuantityKind {
     /// A rate: rad/s, or m/s on a sliding axis.
@@ -19,7 +19,7 @@ pub enum QuantityKind {
     Current,
 }
 
-/// What the drive makes its torque or force of.
+/// Input quantity of the drive, from which it makes its torque or force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum DriveQuantity {
     /// The motor's current, A.
@@ -32,11 +32,11 @@ pub enum DriveQuantity {
 /// The quantity that a loop controls, on the axis that it moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct ControlledQuantity {
-    /// Its kind.
+    /// Kind.
     pub kind: QuantityKind,
     /// Whether the axis turns or slides.
     pub axis: AxisKind,
-    /// What the drive makes its torque or force of.
+    /// Input quantity of the drive.
     pub drive: DriveQuantity,
 }
 

@@ -24,7 +24,7 @@ pub const L_PER_M3: f64 = 1e3;
 /// root would have an infinite slope (M. Jelali and A. Kroll, *Hydraulic Servo-systems*, Springer 2003, section 3.2).
 pub const LAMINAR_SHARE: f64 = 1e-4;
 
-/// What a cylinder and its valve have beside the places of a motor.
+/// Parameters of a cylinder and its valve, beside those in the places of a motor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cylinder {
     /// Supply pressure less that of the tank, MPa.
@@ -39,11 +39,11 @@ pub struct Cylinder {
     pub valve_damping: f64,
     /// Pressure drop over the whole valve at which its flow is rated, MPa.
     pub rated_drop_mpa: f64,
-    /// How the piston turns the hub.
+    /// Lever of the piston on the hub.
     pub lever: Lever,
 }
 
-/// How a piston turns the hub: a constant lever, or a triangle of pins.
+/// Lever of a piston on the hub: a constant one, or a triangle of pins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Lever {
     /// The same at every angle, m.

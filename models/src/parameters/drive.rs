@@ -2,7 +2,7 @@
 
 use super::Ripple;
 
-/// What lies between motor and hub; every kind has the same parameters, some of them 0.
+/// Transmission between motor and hub; every kind has the same parameters, some of them 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Transmission {
     /// Nothing: the motor sits on the hub's axis.
@@ -26,7 +26,7 @@ pub enum Transmission {
 /// Transmission between motor and hub; stiffness, damping and backlash at the output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gearbox {
-    /// What it is.
+    /// Kind.
     pub kind: Transmission,
     /// Motor turns per hub turn.
     pub ratio: f64,
@@ -110,11 +110,11 @@ pub struct Amplifier {
     pub dead_zone_v: f64,
     /// Current is clipped to +/- this, A; infinite if there is no limit.
     pub current_limit_a: f64,
-    /// What lies between its input and the motor's current.
+    /// Dynamics between its input and the motor's current.
     pub dynamics: AmplifierDynamics,
 }
 
-/// What lies between an amplifier's input and the motor's current.
+/// Dynamics between an amplifier's input and the motor's current.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum AmplifierDynamics {
     /// The amplifier's lag, both feedbacks, the armature and its back-EMF.

@@ -9,11 +9,11 @@ pub struct LearnedElement {
     pub name: String,
     /// The component at which it acts.
     pub place: LearnedPlace,
-    /// What it adds or multiplies.
+    /// Quantity that it adds to or multiplies.
     pub quantity: LearnedQuantity,
     /// The variable that it is a function of.
     pub variable: RegimeVariable,
-    /// How it goes from point to point.
+    /// Interpolation between the points.
     pub interpolation: Interpolation,
     /// Values of the variable, rising, in SI units.
     pub points: Vec<f64>,
@@ -54,7 +54,7 @@ pub enum LearnedPlace {
     Gearbox,
 }
 
-/// What a free function adds or multiplies.
+/// Quantity that a free function adds to or multiplies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LearnedQuantity {
     /// An added torque, N m: on the hub (pivot), on the shaft (motor), or on the hub with its reaction on the motor (gearbox). It is
@@ -89,7 +89,7 @@ pub enum RegimeVariable {
     Time,
 }
 
-/// How a free function goes from point to point.
+/// Interpolation of a free function between its points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Interpolation {
     /// A cubic spline with two continuous derivatives, without curvature at its ends.

@@ -107,8 +107,7 @@ impl FrictionLaw {
     }
 }
 
-/// How dry friction falls from its level at rest to its Coulomb level as the rate grows;
-/// x is the rate over `stribeck_rate_rad_s`.
+/// Fall of dry friction from its level at rest to its Coulomb level as the rate grows; x is the rate over `stribeck_rate_rad_s`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StribeckCurve {
     /// exp(-|x|).
@@ -131,7 +130,7 @@ pub enum StribeckCurve {
 
 impl Friction {
     /// Returns a Dahl or other law with a viscous part and nothing else.
-    pub fn plain(law: FrictionLaw, viscous_nm_s_rad: f64) -> Self {
+    pub fn with_viscous_part(law: FrictionLaw, viscous_nm_s_rad: f64) -> Self {
         Self {
             law,
             viscous_nm_s_rad,

@@ -30,7 +30,7 @@ pub use sensing::{
     Interface, ReadingDelay, Sensor, Sensors, converter_step_v,
 };
 pub use structure::{
-    Beam, BeamSection, Configuration, Link, Lumped, PointMass, SectionShape, StructuralDamping,
+    Beam, BeamSection, Configuration, Link, LumpedStructure, PointMass, SectionShape, StructuralDamping,
 };
 
 /// One axis of a cantilever mechanism on a moving platform.
@@ -45,7 +45,7 @@ pub struct Parameters {
     /// Distributed description of the structure, if it is known.
     pub beam: Option<Beam>,
     /// Two-inertia description of the structure, if it is given; otherwise it is derived from the beam.
-    pub lumped: Option<Lumped>,
+    pub lumped: Option<LumpedStructure>,
     /// Gearbox between motor and hub.
     pub gearbox: Gearbox,
     /// Motor.
@@ -72,13 +72,13 @@ pub struct Parameters {
     pub drive_limits: DriveLimits,
 }
 
-/// How the hub moves.
+/// Kind of the hub's motion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum AxisKind {
-    /// It turns: angles in rad, inertias in kg m^2, torques in N m. The weight's torque follows the angle.
+    /// The hub turns: angles in rad, inertias in kg m^2, torques in N m. The weight's torque follows the angle.
     #[default]
     Rotary,
-    /// It slides: places in m, masses in kg, forces in N. The weight is constant: `out_of_balance` is the mass times the
+    /// The hub slides: places in m, masses in kg, forces in N. The weight is constant: `out_of_balance` is the mass times the
     /// sine of the slope.
     Linear,
 }

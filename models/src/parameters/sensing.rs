@@ -4,7 +4,7 @@ use counterpoise_lti::{StateSpace, pade};
 
 use crate::tolerance::{NEGLIGIBLE_REST, REST_ORDER};
 
-/// What the sensor of the controlled output measures: the controller's first reading, and what a demand demands.
+/// Quantity that the sensor of the controlled output measures: the controller's first reading, and the quantity of the demand.
 ///
 /// Values of the motor are divided by the ratio, so that every reading of the loop is one of the hub's side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -52,7 +52,7 @@ impl FeedbackSignal {
 pub struct Sensors {
     /// Sensor of the controlled output: a rate gyroscope on the hub, unless `measured` says otherwise.
     pub hub_gyro: Sensor,
-    /// What that sensor measures.
+    /// Quantity that the sensor measures.
     pub measured: FeedbackSignal,
     /// Rate gyroscope on the platform (inertial rate); [`Sensor::ABSENT`] if none is fitted.
     pub platform_gyro: Sensor,
@@ -136,13 +136,13 @@ pub struct Sensor {
     pub resolution: f64,
     /// Slow errors of the reading.
     pub drift: Drift,
-    /// Where its axis points instead of where it should.
+    /// Deviation of its axis from the nominal one.
     pub alignment: Alignment,
     /// Time between two readings of its own, s, to whole samples of the controller, which sees the last one in between. 0: a reading each sample.
     pub own_period_s: f64,
 }
 
-/// How a sensor's axis lies off the nominal one. Every number is 0 for a sensor that is aligned.
+/// Deviation of a sensor's axis from the nominal one. Every number is 0 for a sensor that is aligned.
 ///
 /// A gyroscope reads rate + c_r w_f + c_y w_u, with the inertial rates w_f about the forward and w_u about the upward axis of what carries it: the
 /// platform, or the elevated mass along the beam and its normal. A small misalignment by an angle has that angle as its sensitivity, and the
@@ -173,7 +173,7 @@ pub struct Drift {
     pub rate_random_walk: f64,
 }
 
-/// What the clock of a real controller does: every number is 0 for an ideal one.
+/// Errors of the clock of a real controller: every number is 0 for an ideal one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clock {
     /// RMS of the distance of the instants at which sensors are read from those of an ideal clock, s.

@@ -13,7 +13,7 @@ pub struct Beam {
     pub pivot_m: f64,
     /// Damping ratio of flexible mode 1, 2, ... of the structure pinned at its hub.
     pub modal_damping: Vec<f64>,
-    /// What the damping of the structure is made of.
+    /// Damping model of the structure.
     pub damping: StructuralDamping,
     /// Sections, adjoining, in order of position.
     pub sections: Vec<BeamSection>,
@@ -21,7 +21,7 @@ pub struct Beam {
     pub masses: Vec<PointMass>,
 }
 
-/// What the damping of a structure is made of.
+/// Damping model of a structure.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum StructuralDamping {
     /// Damping ratios mode by mode; the last holds for all above: (5-13).
@@ -94,7 +94,7 @@ pub struct PointMass {
 /// The structure as hub and beam inertia joined by a torsional spring; one rigid inertia if the spring is infinitely stiff. Further
 /// inertias may follow in a chain.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Lumped {
+pub struct LumpedStructure {
     /// Inertia at the hub, kg m^2.
     pub hub_inertia_kg_m2: f64,
     /// Inertia of the beam, kg m^2; 0 if the structure is one inertia.
@@ -130,7 +130,7 @@ pub struct Link {
     pub damping_nm_s_rad: f64,
 }
 
-impl Lumped {
+impl LumpedStructure {
     /// Returns one rigid, balanced inertia.
     pub fn rigid(inertia_kg_m2: f64) -> Self {
         Self {

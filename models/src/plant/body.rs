@@ -13,7 +13,7 @@
 //! modal mass (kg m^2, so that q_k has the unit rad). Undamped cross terms are absent: damping is modal.
 
 use crate::Error;
-use crate::parameters::Lumped;
+use crate::parameters::LumpedStructure;
 use counterpoise_linalg::{Mat, sym_gen_eigen};
 
 /// The structure in pinned-free modal coordinates; the module's documentation has the equations.
@@ -53,8 +53,8 @@ impl Body {
     /// ```
     ///
     /// (the out-of-balance torque acts on the hub). Inertias and stiffness must be positive. A rigid structure
-    /// ([`Lumped::is_rigid`]) is one inertia without a mode.
-    pub fn from_lumped(lumped: &Lumped) -> Self {
+    /// ([`LumpedStructure::is_rigid`]) is one inertia without a mode.
+    pub fn from_lumped(lumped: &LumpedStructure) -> Self {
         let (hub, beam) = (lumped.hub_inertia_kg_m2, lumped.beam_inertia_kg_m2);
         let total = hub + beam;
         if lumped.is_rigid() {
@@ -88,7 +88,7 @@ impl Body {
     ///
     /// # Errors
     /// [`Error::Linalg`] if the eigenproblem has no solution.
-    pub fn chain(lumped: &Lumped) -> Result<Self, Error> {
+    pub fn chain(lumped: &LumpedStructure) -> Result<Self, Error> {
         if lumped.chain.is_empty() {
             return Ok(Self::from_lumped(lumped));
         }

@@ -43,7 +43,7 @@ pub mod input {
     pub const COUNT: usize = 7;
 }
 
-/// Whether the gear's teeth touch.
+/// Contact state of the gear's teeth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Mesh {
     /// The mesh is a spring and a damper on the wind-up.

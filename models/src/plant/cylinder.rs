@@ -29,7 +29,7 @@ pub struct CylinderPoint {
     pub force_n: f64,
 }
 
-/// What a cylinder adds to the linear core.
+/// Rows that a cylinder adds to the linear core.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct CylinderParts {
     /// Into the cylinder, L/s.

@@ -9,7 +9,7 @@ use crate::loads::LoadPoint;
 use crate::parameters::LearnedPlace;
 use crate::tolerance::POWER_REVERSAL_RATE;
 
-/// What acts on the plant at an instant.
+/// Inputs that act on the plant at an instant.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Excitation {
     /// Time since the start, s (for the warm-up of friction).

@@ -6,7 +6,7 @@ use super::{Mesh, Plant};
 use crate::parameters::AmplifierDynamics;
 use crate::tolerance::KINEMATIC_ITERATIONS;
 
-/// Where the mechanism is held.
+/// Operating point at which the mechanism is held.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct OperatingPoint {
     /// Hub angle, rad, inertial.

@@ -161,7 +161,7 @@ fn curvatures(points: &[f64], values: &[f64]) -> Vec<f64> {
     bends
 }
 
-/// Where a plant is, as its free functions see it.
+/// Regime variables of a plant, as its free functions use them.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct LearnedRegime {
     /// Time since the start, s.
@@ -201,11 +201,11 @@ pub struct LearnedFunctions {
 pub struct LearnedFunction {
     /// The component at which it acts.
     pub place: LearnedPlace,
-    /// What it adds or multiplies.
+    /// Quantity that it adds to or multiplies.
     pub quantity: LearnedQuantity,
     /// The variable that it is a function of.
     pub variable: RegimeVariable,
-    /// Its values.
+    /// Values.
     pub table: LearnedTable,
 }
 
@@ -353,9 +353,9 @@ pub(super) fn check(parameters: &Parameters) -> Result<(), Error> {
 pub struct LearnedRefusal {
     /// The key of the element, with the index in its list.
     pub key: String,
-    /// Its value; the length of a list that is too long or too short; 0 for a word.
+    /// Value; the length of a list that is too long or too short; 0 for a word.
     pub value: f64,
-    /// What is required of it, as a phrase that follows "it".
+    /// Allowed values, as a phrase that follows "it".
     pub allowed: &'static str,
 }
 

@@ -7,7 +7,7 @@
 //! w is the hub's rate on the platform, and -T acts on the hub. Bent further, T comes nearer to T_max as an exponential of the
 //! angle; bent back, it falls along the spring k. In small motion it is a spring, in large motion a friction.
 
-use crate::parameters::{Gearbox, Lumped};
+use crate::parameters::{Gearbox, LumpedStructure};
 
 /// A spring that yields.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,7 +20,7 @@ pub struct Hose {
 
 impl Hose {
     /// Returns the hose of a structure; `None` if its torque or its stiffness is 0.
-    pub fn of(lumped: &Lumped) -> Option<Self> {
+    pub fn of(lumped: &LumpedStructure) -> Option<Self> {
         let hose =
             Self { level_nm: lumped.hysteresis_nm, stiffness_nm_rad: lumped.hysteresis_stiffness_nm_rad };
         (hose.level_nm > 0.0 && hose.stiffness_nm_rad > 0.0).then_some(hose)

@@ -5,12 +5,12 @@ use super::impedance::Impedance;
 use super::{Core, Equilibrium, Mesh, Plant};
 use crate::Error;
 use crate::friction::FrictionModel;
-use crate::friction::describing::describing_function;
+use crate::friction::describing_function::describing_function;
 use crate::parameters::{AxisKind, Friction};
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 
-/// What takes the place of dry friction.
+/// Linear replacement of dry friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FrictionLinearisation {
     /// Nothing: the viscous part alone.
@@ -20,7 +20,7 @@ pub enum FrictionLinearisation {
     DescribingFunction {
         /// Amplitude of the hub's relative motion, rad.
         hub_amplitude_rad: f64,
-        /// Its frequency, rad/s.
+        /// Frequency, rad/s.
         frequency_rad_s: f64,
     },
     /// A stiffness and a damping at each joint: of presliding at rest, of steady sliding, or of one harmonic at the joint's own
@@ -33,7 +33,7 @@ pub enum FrictionLinearisation {
     },
 }
 
-/// Whether angles stay among the states.
+/// Treatment of the angles among the states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Angles {
     /// No angle, hence no free integrator: gravity's gradient, the position spring and friction's stiffness are left
@@ -66,17 +66,17 @@ pub enum Angles {
 pub struct LinearPlant {
     /// The system, continuous.
     pub system: StateSpace,
-    /// What each state is, with its unit.
+    /// Names of the states, with their units.
     pub state_names: Vec<String>,
-    /// Where it holds.
+    /// Equilibrium at which it holds.
     pub equilibrium: Equilibrium,
     /// The armature current, A.
     pub current: OutputRow,
-    /// Which output the loop's sensor measures.
+    /// Output that the loop's sensor measures.
     pub measured: usize,
-    /// What each output is, with its unit.
+    /// Names of the outputs, with their units.
     pub output_names: Vec<String>,
-    /// What torques beside those of the system do to the states' rates, n x 2: on the motor shaft, on the hub.
+    /// Effect of further torques on the states' rates, n x 2: on the motor shaft, on the hub.
     pub torque_columns: Mat,
 }
 
@@ -367,7 +367,7 @@ fn move_gradient(core: &mut Core, relative: usize, angles: &[f64]) {
     }
 }
 
-/// What the platform's rate moves of an output by moving the state.
+/// Returns what the platform's rate moves of an output by moving the state.
 fn carried_part(states: &[f64], carried: &[f64]) -> f64 {
     states.iter().zip(carried).map(|(row, c)| row * c).sum()
 }

@@ -13,7 +13,7 @@ use crate::tolerance::{LEARNED_ITERATIONS, LEAST_LEVEL};
 /// Whether a local plant has a function's slope along its own angle or rate, as small motion feels it, or its value alone, as a
 /// machine at rest does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Around {
+enum FunctionTreatment {
     SmallMotion,
     Rest,
 }
@@ -44,7 +44,7 @@ impl Plant {
         (0..LEARNED_ITERATIONS).fold(from, |before, _| {
             let at = self.regime_at(&before);
             let added = functions.constant_torques(&at);
-            match self.local(functions, &at, Around::Rest) {
+            match self.local(functions, &at, FunctionTreatment::Rest) {
                 Some(local) => local.equilibrium_under(&before.point, added),
                 None => before,
             }
@@ -59,7 +59,7 @@ impl Plant {
     pub(super) fn linearise_learned(&self, at: &Equilibrium) -> Option<(Self, [Impedance; 2])> {
         let functions = self.learned.as_ref()?;
         let regime = self.regime_at(at);
-        let local = self.local(functions, &regime, Around::SmallMotion)?;
+        let local = self.local(functions, &regime, FunctionTreatment::SmallMotion)?;
         let mut added = [Impedance::default(); 2];
         for function in functions.all.iter().filter(|f| f.quantity == LearnedQuantity::Torque) {
             let slope = function.table.slope_at(functions.variable(function, &regime));
@@ -92,7 +92,12 @@ impl Plant {
     }
 
     /// Returns the plant with the functions' factors at a regime in its parameters, and without functions.
-    fn local(&self, functions: &LearnedFunctions, at: &LearnedRegime, around: Around) -> Option<Self> {
+    fn local(
+        &self,
+        functions: &LearnedFunctions,
+        at: &LearnedRegime,
+        around: FunctionTreatment,
+    ) -> Option<Self> {
         let mut p = self.parameters.clone();
         p.learned.clear();
         for function in &functions.all {
@@ -110,14 +115,14 @@ struct Tangent {
     variable: f64,
     value: f64,
     slope: f64,
-    around: Around,
+    around: FunctionTreatment,
 }
 
 impl LearnedFunction {
     /// Puts the function's value and slope at a place of its variable into ordinary parameters.
     fn apply(&self, p: &mut Parameters, at: &Tangent) {
         let Tangent { variable, value, slope, .. } = *at;
-        let moves = at.around == Around::SmallMotion;
+        let moves = at.around == FunctionTreatment::SmallMotion;
         let of_angle = moves && self.variable == RegimeVariable::Angle;
         let of_rate = moves && self.variable == RegimeVariable::Rate;
         let (gear, factor) = (&mut p.gearbox, value.max(0.0));

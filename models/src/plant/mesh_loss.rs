@@ -1,6 +1,6 @@
 //! Torques at both sides of the mesh.
 
-/// What an imperfect mesh adds at either side.
+/// Torques that an imperfect mesh adds at either side.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct MeshLoss {
     /// Torque added at the motor shaft, N m.

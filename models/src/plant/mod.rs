@@ -8,7 +8,7 @@ mod amplifier;
 pub mod body;
 pub mod core;
 pub mod cylinder;
-mod dry;
+mod drag;
 pub mod dynamics;
 pub mod equilibrium;
 pub mod free_functions;

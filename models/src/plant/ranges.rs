@@ -2,7 +2,7 @@
 
 use super::{Body, Plant};
 use crate::friction::{FrictionModel, Law};
-use crate::parameters::{Amplifier, AmplifierDynamics, Lumped, Parameters, Sensor};
+use crate::parameters::{Amplifier, AmplifierDynamics, LumpedStructure, Parameters, Sensor};
 use crate::tolerance::MOST_CONVERTER_BITS;
 use crate::{Error, Range};
 
@@ -19,7 +19,7 @@ pub(super) fn check(parameters: &Parameters) -> Result<(), Error> {
 }
 
 /// Refuses a two-inertia structure that has no finite, damped mode.
-pub(super) fn check_lumped(parameters: &Parameters, lumped: &Lumped) -> Result<(), Error> {
+pub(super) fn check_lumped(parameters: &Parameters, lumped: &LumpedStructure) -> Result<(), Error> {
     require_positive(
         "lumped.hub_inertia_kg_m2",
         lumped.hub_inertia_kg_m2 + parameters.reflected_inertia_kg_m2(),

@@ -8,14 +8,14 @@ use counterpoise_linalg as linalg;
 use counterpoise_linalg::{
     Mat, Sparse,
     sparse::{
-        GramianAccuracy, ProgressObserver, QuadraticPencil, StructurePorts, Wanted, low_rank_gramians,
+        GramianAccuracy, ModeRequest, ProgressObserver, QuadraticPencil, StructurePorts, low_rank_gramians,
         lowest_modes,
     },
 };
 
 use super::damping::{DampedFrequency, Rayleigh, rayleigh_coefficients};
 use super::fe::Truncation;
-use super::sparse_structure::{Clamped, SparseStructure, orthonormal};
+use super::sparse_structure::{ClampedStiffness, SparseStructure, orthonormal};
 use crate::Error;
 use crate::tolerance::{
     GRAMIAN_CONTRIBUTION, GRAMIAN_STEPS, LEAST_RATIO, MODE_RESIDUAL, RAYLEIGH_SPAN, SHAPE_NOISE, SPARE_MODES,
@@ -34,7 +34,7 @@ impl BalancedShapes {
     /// [`Error::Parameter`] if a mode is not damped, or those of the factors.
     pub(super) fn of(
         structure: &SparseStructure,
-        clamped: &Clamped,
+        clamped: &ClampedStiffness,
         modes: usize,
         damping_ratio: f64,
         watch: &mut ProgressObserver,
@@ -84,7 +84,7 @@ impl BalancedShapes {
 }
 
 /// The loads on the unknowns that are free with the hub clamped, each made so large that it does the same work on its static shape.
-fn loads(structure: &SparseStructure, clamped: &Clamped) -> Result<Mat, Error> {
+fn loads(structure: &SparseStructure, clamped: &ClampedStiffness) -> Result<Mat, Error> {
     let n = structure.heave.len();
     let mut all = structure.M.times(&structure.rigid_motions());
     if structure.tip != structure.hub {
@@ -104,13 +104,13 @@ fn loads(structure: &SparseStructure, clamped: &Clamped) -> Result<Mat, Error> {
 /// Rayleigh damping with the given ratio at the lowest frequency of the clamped structure and far above it. Only the choice of shapes rests on it.
 fn proportional(
     structure: &SparseStructure,
-    clamped: &Clamped,
+    clamped: &ClampedStiffness,
     ratio: f64,
     watch: &mut ProgressObserver,
 ) -> Result<Sparse, Error> {
     let none = Mat::zeros(structure.heave.len(), 0);
     let stage = "lowest mode of the clamped structure";
-    let wanted = Wanted { stage, count: 1, tolerance: MODE_RESIDUAL.sqrt(), rigid: &none };
+    let wanted = ModeRequest { stage, count: 1, tolerance: MODE_RESIDUAL.sqrt(), rigid: &none };
     let lowest = lowest_modes(&|loads| Ok(clamped.solve(loads)), &structure.M, &wanted, watch)?;
     let frequency_rad_s = lowest.squares.first().copied().unwrap_or(1.0).sqrt();
     let ratio = ratio.max(LEAST_RATIO);

@@ -1,7 +1,7 @@
 //! The structure of a mechanism in one of its configurations.
 
 use super::damping::{modal_with_stiffness, rayleigh_coefficients, rayleigh_damping};
-use super::fe::{FeModel, FeOptions, Fitted};
+use super::fe::{AttachedMasses, FeModel, FeOptions};
 use super::modes::{Support, undamped_modes};
 use super::reduction::{PinnedStructure, pinned_modes, reduce_to_lumped};
 use crate::Error;
@@ -12,8 +12,8 @@ use crate::parameters::{Beam, Configuration, Parameters, StructuralDamping};
 pub struct ConfiguredStructure {
     /// The beam.
     pub beam: Beam,
-    /// What is fitted to it.
-    pub fitted: Fitted,
+    /// Masses that are fitted to it.
+    pub fitted: AttachedMasses,
 }
 
 impl ConfiguredStructure {
@@ -23,7 +23,7 @@ impl ConfiguredStructure {
     /// [`Error::NoStructure`] if the mechanism has no beam, [`Error::UnknownMass`] for a mass that it does not have.
     pub fn new(parameters: &Parameters, configuration: Option<&Configuration>) -> Result<Self, Error> {
         let beam = parameters.beam.clone().ok_or(Error::NoStructure)?;
-        let mut fitted = Fitted::default();
+        let mut fitted = AttachedMasses::default();
         if let Some(configuration) = configuration {
             fitted.hub_inertia_kg_m2 = configuration.added_hub_inertia_kg_m2;
             for name in &configuration.masses {
@@ -41,7 +41,7 @@ impl ConfiguredStructure {
     ///
     /// # Errors
     /// As for [`FeModel::beam`], [`rayleigh_coefficients`] and [`undamped_modes`].
-    pub fn fe(&self, options: &FeOptions) -> Result<FeModel, Error> {
+    pub fn build_fe_model(&self, options: &FeOptions) -> Result<FeModel, Error> {
         let mut model = FeModel::beam(&self.beam, &self.fitted, options)?;
         model.C = match self.beam.damping {
             StructuralDamping::Modal => None,
@@ -61,7 +61,7 @@ impl ConfiguredStructure {
     /// # Errors
     /// As for [`FeModel::beam`] and [`pinned_modes`].
     pub fn pinned_modes(&self, options: &FeOptions, modes: usize) -> Result<PinnedStructure, Error> {
-        pinned_modes(&self.fe(options)?, &self.beam.modal_damping, modes)
+        pinned_modes(&self.build_fe_model(options)?, &self.beam.modal_damping, modes)
     }
 }
 
@@ -74,6 +74,6 @@ pub fn with_derived_lumped(parameters: &Parameters, options: &FeOptions) -> Resu
         return Ok(parameters.clone());
     }
     let structure = ConfiguredStructure::new(parameters, None)?;
-    let derived = reduce_to_lumped(&structure.fe(options)?, &structure.beam.modal_damping)?;
+    let derived = reduce_to_lumped(&structure.build_fe_model(options)?, &structure.beam.modal_damping)?;
     Ok(Parameters { lumped: Some(derived), ..parameters.clone() })
 }

@@ -7,7 +7,7 @@ use super::profile::{CrossSection, Profile};
 use crate::Error;
 use nalgebra::{Matrix4, Vector4};
 
-/// What the element knows of shear and rotary inertia.
+/// Beam theory of an element: with or without shear and rotary inertia.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Theory {
     /// Neither: the thesis' elements.
@@ -17,7 +17,7 @@ pub enum Theory {
     Timoshenko,
 }
 
-/// Where an element takes its cross section from.
+/// Source of an element's cross section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Integration {
     /// The true cross section, by quadrature that is exact for tubes and rectangles of linear dimensions: frequencies are upper bounds.
@@ -133,7 +133,7 @@ pub struct ElementShape {
 
 /// The four shape functions at a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Local {
+pub struct ShapeValues {
     /// Deflection w.
     pub deflection: Vector4<f64>,
     /// Rotation theta, 1/m for the deflections' functions.
@@ -163,7 +163,7 @@ impl ElementShape {
     }
 
     /// Returns the shape functions at x.
-    pub fn at(&self, x_m: f64) -> Local {
+    pub fn at(&self, x_m: f64) -> ShapeValues {
         let (l, p) = (self.length_m, self.shear_share);
         let x = (x_m - self.from_m) / l;
         let scale = 1.0 / (1.0 + p);
@@ -171,7 +171,7 @@ impl ElementShape {
         let slope = 6.0 * (x - x * x) * scale / l;
         let bend = (6.0 - 12.0 * x) * scale / (l * l);
         let lean = 0.5 * p * (x - x * x);
-        Local {
+        ShapeValues {
             deflection: Vector4::new(
                 1.0 - third * scale,
                 l * (x * (1.0 - x) * (1.0 - x) + lean) * scale,

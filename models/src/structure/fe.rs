@@ -32,11 +32,11 @@ pub struct FeModel {
     pub tip: NodeRows,
     /// Distance of the tip from the pivot, m.
     pub tip_arm_m: f64,
-    /// What was left out if the model was condensed to balanced shapes.
+    /// Part that was left out if the model was condensed to balanced shapes.
     pub truncation: Option<Truncation>,
 }
 
-/// What the balanced shapes leave out.
+/// Part of a structure that the balanced shapes leave out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Truncation {
     /// Hankel values that were kept; two belong to a lightly damped mode.
@@ -48,7 +48,7 @@ pub struct Truncation {
     pub steps: usize,
 }
 
-/// Which unknowns belong to a node.
+/// Unknowns that belong to a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NodeRows {
     /// Index of its deflection.
@@ -57,14 +57,14 @@ pub struct NodeRows {
     pub rotation: usize,
 }
 
-/// How a beam is made into finite elements.
+/// Options of the finite-element model of a beam.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FeOptions {
-    /// Where the nodes lie.
+    /// Places of the nodes.
     pub mesh: Mesh,
     /// Shear and rotary inertia.
     pub theory: Theory,
-    /// Where elements take their cross section from.
+    /// Source of the elements' cross sections.
     pub integration: Integration,
 }
 
@@ -78,7 +78,7 @@ impl Default for FeOptions {
 
 /// Mass that is fixed to the structure besides the beam's own.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Fitted {
+pub struct AttachedMasses {
     /// Point masses; one beyond an end of the beam hangs on it by a rigid arm.
     pub masses: Vec<PointMass>,
     /// Moment of inertia without first moment, at the pivot, kg m^2.
@@ -90,7 +90,7 @@ impl FeModel {
     ///
     /// # Errors
     /// [`Error::Parameter`] for a beam, mesh or mass out of range, [`Error::PowerLaw`] as for [`element_matrices`].
-    pub fn beam(beam: &Beam, fitted: &Fitted, options: &FeOptions) -> Result<Self, Error> {
+    pub fn beam(beam: &Beam, fitted: &AttachedMasses, options: &FeOptions) -> Result<Self, Error> {
         let profile = Profile::new(beam)?;
         let nodes = options.mesh.nodes_m(&profile, beam.pivot_m)?;
         let mut out = Self::rigid_body(&nodes, beam.pivot_m);

@@ -9,12 +9,12 @@ use counterpoise_linalg::{Mat, Sparse, sparse::ProgressObserver};
 
 use super::balanced_shapes::BalancedShapes;
 use super::fe::{FeModel, NodeRows};
-use super::sparse_structure::{Clamped, SparseStructure, orthonormal};
+use super::sparse_structure::{ClampedStiffness, SparseStructure, orthonormal};
 use super::supported_modes::SupportedModes;
 use crate::Error;
 use crate::tolerance::{DEPENDENT_SHAPE, FREE, LARGE_STRUCTURE_NODES};
 
-/// Which shapes a condensed structure has besides the static ones.
+/// Shapes of a condensed structure besides the static ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Shapes {
     /// The lowest modes of the structure that is pinned, clamped and free at its hub, to about eight digits.
@@ -24,12 +24,12 @@ pub enum Shapes {
     Balanced,
 }
 
-/// How a large structure is condensed.
+/// Options of the condensation of a large structure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Condensation {
     /// Number of modes that are needed.
     pub modes: usize,
-    /// Which shapes.
+    /// Kind of shapes.
     pub shapes: Shapes,
     /// Damping ratio with which motions are ranked if the structure has no damping matrix.
     pub damping_ratio: f64,
@@ -55,7 +55,7 @@ impl SparseStructure {
     /// asked to stop.
     pub fn condense(&self, wanted: &Condensation, watch: &mut ProgressObserver) -> Result<FeModel, Error> {
         self.check()?;
-        let clamped = Clamped::of(self, watch)?;
+        let clamped = ClampedStiffness::of(self, watch)?;
         let mut shapes = clamped.solve(&self.M.times(&self.rigid_motions()));
         let mut truncation = None;
         match wanted.shapes {
@@ -123,7 +123,7 @@ impl Basis {
     /// the given shapes add to them.
     fn of(
         structure: &SparseStructure,
-        clamped: &Clamped,
+        clamped: &ClampedStiffness,
         kept: &[NodeRows],
         shapes: Mat,
     ) -> Result<Self, Error> {

@@ -4,7 +4,7 @@ use super::profile::Profile;
 use crate::Error;
 use crate::tolerance::{AT_PIVOT, MOST_ELEMENTS};
 
-/// How a beam is cut into elements.
+/// Division of a beam into elements.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mesh {
     /// This many elements of equal length, wherever sections and pivot lie.

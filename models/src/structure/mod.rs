@@ -1,7 +1,7 @@
 //! The structure: finite elements of the beam, or matrices from elsewhere, down to a few modes or two inertias.
 //!
 //! In comes [`crate::Beam`] with what is fitted to it (or M, C, K as text); out go frequencies, shapes, effective masses,
-//! the [`crate::plant::Body`] of the plant and the derived [`crate::Lumped`].
+//! the [`crate::plant::Body`] of the plant and the derived [`crate::LumpedStructure`].
 //!
 //! *Invariant*: nothing here knows the drive, a file or time.
 //!
@@ -9,10 +9,10 @@
 //! [`reduction`], [`refinement`], [`configuration`], [`sparse_structure`], `supported_modes`, [`balanced_shapes`], [`large`], [`import`].
 //!
 //! ```
-//! use counterpoise_models::structure::{FeModel, FeOptions, Fitted, reduce_to_lumped};
+//! use counterpoise_models::structure::{FeModel, FeOptions, AttachedMasses, reduce_to_lumped};
 //! let rig = counterpoise_models::reference::rig();
 //! let beam = rig.beam.ok_or(counterpoise_models::Error::NoStructure)?;
-//! let model = FeModel::beam(&beam, &Fitted::default(), &FeOptions::default())?;
+//! let model = FeModel::beam(&beam, &AttachedMasses::default(), &FeOptions::default())?;
 //! let two_inertias = reduce_to_lumped(&model, &beam.modal_damping)?;
 //! assert!((two_inertias.hub_inertia_kg_m2 - 74.1).abs() < 0.1);
 //! # Ok::<(), counterpoise_models::Error>(())
@@ -36,7 +36,7 @@ mod supported_modes;
 
 pub use configuration::{ConfiguredStructure, with_derived_lumped};
 pub use element::{Integration, Theory};
-pub use fe::{FeModel, FeOptions, Fitted, NodeRows, Truncation};
+pub use fe::{AttachedMasses, FeModel, FeOptions, NodeRows, Truncation};
 pub use large::{Condensation, Shapes};
 pub use mesh::Mesh;
 pub use modes::{Direction, Modes, Support, undamped_modes};

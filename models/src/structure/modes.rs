@@ -5,7 +5,7 @@ use crate::Error;
 use crate::tolerance::FREE;
 use counterpoise_linalg::{Mat, sym_gen_eigen};
 
-/// How the structure is held.
+/// Support of the structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Support {
     /// Not at all: two rigid modes.
@@ -28,7 +28,7 @@ pub enum Direction {
 /// The undamped modes of a structure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Modes {
-    /// How the structure was held.
+    /// Support of the structure.
     pub support: Support,
     /// Number of rigid modes, which come first and have frequency 0.
     pub rigid: usize,

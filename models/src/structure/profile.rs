@@ -15,7 +15,7 @@ pub struct Profile {
     sections: Vec<BeamSection>,
 }
 
-/// What an element needs of the cross section at a place.
+/// Properties of the cross section at a place, as an element needs them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrossSection {
     /// Area A, m^2.
@@ -39,18 +39,21 @@ impl Profile {
         check(
             "beam.youngs_modulus",
             beam.youngs_modulus_pa,
-            Required { holds: beam.youngs_modulus_pa > 0.0, words: "must be positive" },
+            NumberRequirement { holds: beam.youngs_modulus_pa > 0.0, words: "must be positive" },
         )?;
         check(
             "beam.density",
             beam.density_kg_m3,
-            Required { holds: beam.density_kg_m3 > 0.0, words: "must be positive" },
+            NumberRequirement { holds: beam.density_kg_m3 > 0.0, words: "must be positive" },
         )?;
         let ratio = beam.poissons_ratio;
         check(
             "beam.poissons_ratio",
             ratio,
-            Required { holds: ratio > -1.0 && ratio <= 0.5, words: "must be above -1 and at most 0.5" },
+            NumberRequirement {
+                holds: ratio > -1.0 && ratio <= 0.5,
+                words: "must be above -1 and at most 0.5",
+            },
         )?;
         let out = Self {
             youngs_modulus_pa: beam.youngs_modulus_pa,
@@ -61,7 +64,11 @@ impl Profile {
         };
         out.check_sections()?;
         let inside = out.start_m() <= beam.pivot_m && beam.pivot_m <= out.end_m();
-        check("beam.pivot", beam.pivot_m, Required { holds: inside, words: "must lie on the beam" })?;
+        check(
+            "beam.pivot",
+            beam.pivot_m,
+            NumberRequirement { holds: inside, words: "must lie on the beam" },
+        )?;
         Ok(out)
     }
 
@@ -153,7 +160,7 @@ impl Profile {
         check(
             "beam.section",
             0.0,
-            Required { holds: !self.sections.is_empty(), words: "at least one is needed" },
+            NumberRequirement { holds: !self.sections.is_empty(), words: "at least one is needed" },
         )?;
         let length = self.end_m() - self.start_m();
         for (i, section) in self.sections.iter().enumerate() {
@@ -161,7 +168,7 @@ impl Profile {
             check(
                 &path("to"),
                 section.to_m,
-                Required {
+                NumberRequirement {
                     holds: section.to_m > section.from_m,
                     words: "must lie beyond the section's start",
                 },
@@ -170,7 +177,10 @@ impl Profile {
             check(
                 &path("from"),
                 section.from_m,
-                Required { holds: gap.abs() <= ADJOINING * length, words: "must adjoin the section before" },
+                NumberRequirement {
+                    holds: gap.abs() <= ADJOINING * length,
+                    words: "must adjoin the section before",
+                },
             )?;
             [section.from_m, section.to_m].into_iter().try_for_each(|x| self.check_end(i, x, &path))?;
         }
@@ -182,10 +192,18 @@ impl Profile {
         check(
             &path("inner_diameter"),
             inner,
-            Required { holds: inner >= 0.0, words: "must not be negative" },
+            NumberRequirement { holds: inner >= 0.0, words: "must not be negative" },
         )?;
-        check(&path("height"), height, Required { holds: height >= 0.0, words: "must not be negative" })?;
-        check(&path("width"), width, Required { holds: width >= 0.0, words: "must not be negative" })?;
+        check(
+            &path("height"),
+            height,
+            NumberRequirement { holds: height >= 0.0, words: "must not be negative" },
+        )?;
+        check(
+            &path("width"),
+            width,
+            NumberRequirement { holds: width >= 0.0, words: "must not be negative" },
+        )?;
         let at = self.cross_section(i, x_m);
         let solid = outer >= 0.0 && at.area_m2 > 0.0 && at.second_moment_m4 > 0.0;
         let field = match self.sections[i].shape {
@@ -196,7 +214,7 @@ impl Profile {
         check(
             &path(field),
             at.area_m2,
-            Required { holds: solid || self.is_point(i, x_m), words: "leaves no cross section" },
+            NumberRequirement { holds: solid || self.is_point(i, x_m), words: "leaves no cross section" },
         )
     }
 
@@ -238,12 +256,12 @@ fn cowper(m: f64, poissons_ratio: f64) -> f64 {
 }
 
 /// What is required of a number: whether it holds, and in words.
-struct Required {
+struct NumberRequirement {
     holds: bool,
     words: &'static str,
 }
 
-fn check(parameter: &str, value: f64, required: Required) -> Result<(), Error> {
+fn check(parameter: &str, value: f64, required: NumberRequirement) -> Result<(), Error> {
     if required.holds && value.is_finite() {
         return Ok(());
     }

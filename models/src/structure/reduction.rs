@@ -3,7 +3,7 @@
 use super::fe::FeModel;
 use super::modes::{Direction, Modes, Support, undamped_modes};
 use crate::Error;
-use crate::parameters::Lumped;
+use crate::parameters::LumpedStructure;
 use crate::plant::{Body, BodyMode};
 use counterpoise_linalg::Mat;
 
@@ -120,7 +120,7 @@ pub fn locked_modes(model: &FeModel, count: usize) -> Result<LockedStructure, Er
 ///
 /// # Errors
 /// As for [`pinned_modes`] and [`locked_modes`].
-pub fn reduce_to_lumped(model: &FeModel, damping_ratios: &[f64]) -> Result<Lumped, Error> {
+pub fn reduce_to_lumped(model: &FeModel, damping_ratios: &[f64]) -> Result<LumpedStructure, Error> {
     let pinned = undamped_modes(model, Support::Pinned)?;
     let locked = undamped_modes(model, Support::Clamped)?;
     let (wp, wc) = (pinned.flexible_rad_s()[0], locked.flexible_rad_s()[0]);
@@ -128,7 +128,7 @@ pub fn reduce_to_lumped(model: &FeModel, damping_ratios: &[f64]) -> Result<Lumpe
     let hub = inertia * (wc / wp).powi(2);
     let beam = inertia - hub;
     let ratio = damping_ratio(model, &pinned, damping_ratios, 0);
-    Ok(Lumped {
+    Ok(LumpedStructure {
         hub_inertia_kg_m2: hub,
         beam_inertia_kg_m2: beam,
         stiffness_nm_rad: beam * wc * wc,

@@ -1,7 +1,7 @@
 //! How the frequencies of a beam depend on the number and kind of its elements: the columns of the thesis' table 6-1.
 
 use super::element::{Integration, Theory};
-use super::fe::{FeModel, FeOptions, Fitted};
+use super::fe::{AttachedMasses, FeModel, FeOptions};
 use super::mesh::Mesh;
 use super::modes::{Support, undamped_modes};
 use crate::Error;
@@ -67,6 +67,6 @@ pub fn compare_refinements(beam: &Beam, columns: &[RefinementMesh]) -> Result<Re
 
 fn frequencies(beam: &Beam, integration: Integration, elements: usize) -> Result<Vec<f64>, Error> {
     let options = FeOptions { mesh: Mesh::Sections(elements), theory: Theory::BernoulliEuler, integration };
-    let model = FeModel::beam(beam, &Fitted::default(), &options)?;
+    let model = FeModel::beam(beam, &AttachedMasses::default(), &options)?;
     Ok(undamped_modes(&model, Support::Free)?.flexible_rad_s().to_vec())
 }

@@ -55,13 +55,13 @@ impl SparseStructure {
 }
 
 /// The stiffness with the hub clamped, factorised.
-pub(super) struct Clamped {
+pub(super) struct ClampedStiffness {
     factor: SparseCholesky,
     free: Vec<usize>,
     size: usize,
 }
 
-impl Clamped {
+impl ClampedStiffness {
     pub(super) fn of(structure: &SparseStructure, watch: &mut ProgressObserver) -> Result<Self, Error> {
         let (size, hub) = (structure.heave.len(), structure.hub);
         let free: Vec<usize> = (0..size).filter(|&i| i != hub.deflection && i != hub.rotation).collect();

@@ -7,12 +7,13 @@ use counterpoise_linalg as linalg;
 use counterpoise_linalg::{
     Mat,
     sparse::{
-        Cut, LowestModes, ModeCounter, ProgressObserver, StageProgress, Wanted, highest_cut, lowest_modes,
+        Cut, LowestModes, ModeCounter, ModeRequest, ProgressObserver, StageProgress, highest_cut,
+        lowest_modes,
     },
 };
 
 use super::modes::Support;
-use super::sparse_structure::{Clamped, SparseStructure, orthonormal};
+use super::sparse_structure::{ClampedStiffness, SparseStructure, orthonormal};
 use crate::Error;
 use crate::tolerance::{CUT_SHARES, DEPENDENT_SHAPE, MODE_RESIDUAL, MODE_SEARCHES, RIGID_MODE, SPARE_MODES};
 
@@ -31,7 +32,7 @@ struct Search {
 /// The search for the modes of all three supports.
 pub(super) struct SupportedModes<'a> {
     structure: &'a SparseStructure,
-    clamped: &'a Clamped,
+    clamped: &'a ClampedStiffness,
     searches: [Search; 3],
     counter: ModeCounter<'a>,
 }
@@ -43,7 +44,7 @@ impl<'a> SupportedModes<'a> {
     /// [`Error::MovesFreely`], or those of the iteration and of the factors.
     pub(super) fn of(
         structure: &'a SparseStructure,
-        clamped: &'a Clamped,
+        clamped: &'a ClampedStiffness,
         modes: usize,
         watch: &mut ProgressObserver,
     ) -> Result<[LowestModes; 3], Error> {
@@ -91,7 +92,7 @@ impl<'a> SupportedModes<'a> {
         count: usize,
         watch: &mut ProgressObserver,
     ) -> Result<LowestModes, Error> {
-        let wanted = Wanted { stage: search.stage, count, tolerance: MODE_RESIDUAL, rigid: known };
+        let wanted = ModeRequest { stage: search.stage, count, tolerance: MODE_RESIDUAL, rigid: known };
         let solve = |loads: &Mat| Ok(self.clamped.solve(loads));
         Ok(lowest_modes(&solve, &self.structure.M, &wanted, watch)?)
     }
@@ -143,7 +144,7 @@ impl<'a> SupportedModes<'a> {
         Ok(answer?)
     }
 
-    /// Whether the first shape stores no more energy than rounding of K does.
+    /// Returns whether the first shape stores no more energy than rounding of K does.
     fn is_rigid(&self, shapes: &Mat, square: f64) -> bool {
         let shape = shapes.block(0, 0, shapes.nrows(), shapes.ncols().min(1));
         let moduli = shape.map(f64::abs);

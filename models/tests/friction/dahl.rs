@@ -1,6 +1,6 @@
 use super::{assert_close, dahl, model};
 use counterpoise_models::FrictionLaw;
-use counterpoise_models::friction::describing::{describing_function, sinusoidal_loop};
+use counterpoise_models::friction::describing_function::{describing_function, sinusoidal_loop};
 
 #[test]
 fn the_steady_loop_has_its_closed_form() {

@@ -26,7 +26,7 @@ fn held_positions(
 #[test]
 fn dahl_holds_at_its_elastic_offset() {
     let law = FrictionLaw::Dahl { coulomb_nm: 2.0, rest_stiffness_nm_rad: 1e3, exponent: 1.0 };
-    let friction = FrictionModel::new(&Friction::plain(law, 5.0)).unwrap();
+    let friction = FrictionModel::new(&Friction::with_viscous_part(law, 5.0)).unwrap();
     let (early, late) = held_positions(&friction, 1e4, 1e-2, |t| -1.2 * (-t / 20.0).exp_m1());
     assert_close(late, early, 1e-12);
     let offset = -2e-3 * (1.0 - 1.2 / 2.0_f64).ln();

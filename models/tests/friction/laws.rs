@@ -1,7 +1,7 @@
 //! What every law must do, whichever it is.
 
 use super::{assert_close, dahl, lugre, model, reset_integrator};
-use counterpoise_models::friction::describing::sinusoidal_loop;
+use counterpoise_models::friction::describing_function::sinusoidal_loop;
 use counterpoise_models::friction::{FrictionConditions, FrictionModel};
 use counterpoise_models::{Error, Friction, FrictionLaw, Ripple, StribeckCurve};
 
@@ -115,7 +115,7 @@ fn partials_are_the_derivatives() {
 
 #[test]
 fn the_level_follows_angle_load_and_time() {
-    let plain = Friction::plain(stribeck_dahl(), 0.0);
+    let plain = Friction::with_viscous_part(stribeck_dahl(), 0.0);
     let friction = FrictionModel::new(&Friction {
         position_ripple: Ripple { amplitude: 0.2, order: 3.0, phase_rad: 0.0 },
         load_coefficient: 0.05,
@@ -133,14 +133,16 @@ fn the_level_follows_angle_load_and_time() {
 #[test]
 fn asymmetry_scales_each_direction() {
     let friction =
-        FrictionModel::new(&Friction { asymmetry: 0.1, ..Friction::plain(stribeck_dahl(), 0.5) }).unwrap();
+        FrictionModel::new(&Friction { asymmetry: 0.1, ..Friction::with_viscous_part(stribeck_dahl(), 0.5) })
+            .unwrap();
     assert_close(friction.steady_torque(2.0), 1.1 + 1.0, 1e-14);
     assert_close(friction.steady_torque(-2.0), -0.9 - 1.0, 1e-14);
 }
 
 #[test]
 fn viscous_friction_may_differ_between_the_directions() {
-    let parameters = Friction { viscous_asymmetry: -0.25, ..Friction::plain(FrictionLaw::None, 2.0) };
+    let parameters =
+        Friction { viscous_asymmetry: -0.25, ..Friction::with_viscous_part(FrictionLaw::None, 2.0) };
     let friction = FrictionModel::new(&parameters).unwrap();
     assert_close(friction.steady_torque(3.0), 4.5, 1e-14);
     assert_close(friction.steady_torque(-3.0), -7.5, 1e-14);
@@ -152,7 +154,7 @@ fn viscous_friction_may_differ_between_the_directions() {
 
 #[test]
 fn parameters_out_of_range_are_refused_by_name() {
-    let plain = Friction::plain(stribeck_dahl(), 0.0);
+    let plain = Friction::with_viscous_part(stribeck_dahl(), 0.0);
     let cases = [
         (Friction { viscous_nm_s_rad: -1.0, ..plain.clone() }, "friction.viscous_nm_s_rad"),
         (Friction { asymmetry: 1.0, ..plain.clone() }, "friction.asymmetry"),
@@ -188,5 +190,7 @@ fn parameters_out_of_range_are_refused_by_name() {
 fn a_polynomial_that_turns_negative_is_refused() {
     let curve = StribeckCurve::Polynomial { coefficients: [0.0, -12.0, 12.0] };
     let law = FrictionLaw::Stribeck { coulomb_nm: 1.0, curve };
-    assert!(FrictionModel::new(&Friction { static_ratio: 1.5, ..Friction::plain(law, 0.0) }).is_err());
+    assert!(
+        FrictionModel::new(&Friction { static_ratio: 1.5, ..Friction::with_viscous_part(law, 0.0) }).is_err()
+    );
 }

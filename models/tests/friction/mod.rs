@@ -14,7 +14,12 @@ use counterpoise_models::{Friction, FrictionLaw};
 
 /// A model of a law with a static ratio that has fallen at a rate, without drag.
 pub(crate) fn model(law: FrictionLaw, static_ratio: f64, stribeck_rate_rad_s: f64) -> FrictionModel {
-    FrictionModel::new(&Friction { static_ratio, stribeck_rate_rad_s, ..Friction::plain(law, 0.0) }).unwrap()
+    FrictionModel::new(&Friction {
+        static_ratio,
+        stribeck_rate_rad_s,
+        ..Friction::with_viscous_part(law, 0.0)
+    })
+    .unwrap()
 }
 
 /// The LuGre set of Canudas de Wit et al. 1995, table 1.
@@ -24,7 +29,8 @@ pub(crate) fn lugre() -> FrictionModel {
         bristle_stiffness_nm_rad: 1e5,
         bristle_damping_nm_s_rad: 1e5_f64.sqrt(),
     };
-    let friction = Friction { static_ratio: 1.5, stribeck_rate_rad_s: 1e-3, ..Friction::plain(law, 0.4) };
+    let friction =
+        Friction { static_ratio: 1.5, stribeck_rate_rad_s: 1e-3, ..Friction::with_viscous_part(law, 0.4) };
     FrictionModel::new(&friction).unwrap()
 }
 

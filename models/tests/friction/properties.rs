@@ -1,7 +1,7 @@
 //! What the laws have in common: their Coulomb level, presliding stiffness and state at a torque, read and written.
 
 use super::assert_close;
-use counterpoise_models::friction::describing::sinusoidal_loop;
+use counterpoise_models::friction::describing_function::sinusoidal_loop;
 use counterpoise_models::friction::{FrictionModel, Similarity};
 use counterpoise_models::{Friction, FrictionLaw, StribeckCurve};
 
@@ -34,8 +34,11 @@ fn every_law() -> Vec<(&'static str, Friction)> {
         ),
         ("bristles", FrictionLaw::Bristle { coulomb_nm, bristles: 25, bond_rad: 4e-4 }),
     ];
-    let shared =
-        |law| Friction { static_ratio: STATIC_RATIO, stribeck_rate_rad_s: 1e-3, ..Friction::plain(law, 0.0) };
+    let shared = |law| Friction {
+        static_ratio: STATIC_RATIO,
+        stribeck_rate_rad_s: 1e-3,
+        ..Friction::with_viscous_part(law, 0.0)
+    };
     laws.into_iter().map(|(name, law)| (name, shared(law))).collect()
 }
 

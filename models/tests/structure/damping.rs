@@ -3,11 +3,13 @@ use counterpoise_linalg::{Mat, eigenvalues};
 use counterpoise_models::structure::damping::{
     modal_damping, modal_with_stiffness, rayleigh_coefficients, rayleigh_damping, state_matrix,
 };
-use counterpoise_models::structure::{FeModel, Fitted, Integration, Mesh, Modes, Support, undamped_modes};
+use counterpoise_models::structure::{
+    AttachedMasses, FeModel, Integration, Mesh, Modes, Support, undamped_modes,
+};
 
 fn model() -> (FeModel, Modes) {
     let options = options(Mesh::Equal(4), Integration::Quadrature);
-    let model = FeModel::beam(&uniform_beam(), &Fitted::default(), &options).unwrap();
+    let model = FeModel::beam(&uniform_beam(), &AttachedMasses::default(), &options).unwrap();
     let modes = undamped_modes(&model, Support::Clamped).unwrap();
     (model, modes)
 }

@@ -3,7 +3,7 @@ use counterpoise_linalg::{Mat, Sparse};
 use counterpoise_models::Error;
 use counterpoise_models::structure::import::{Dof, Imported, NodeMap, matrix_market, read_dmig, read_op4};
 use counterpoise_models::structure::{
-    FeModel, Fitted, Integration, Mesh, Support, reduce_to_lumped, undamped_modes,
+    AttachedMasses, FeModel, Integration, Mesh, Support, reduce_to_lumped, undamped_modes,
 };
 use std::fmt::Write;
 
@@ -12,7 +12,7 @@ const ELEMENTS: usize = 6;
 fn model() -> FeModel {
     let mut beam = uniform_beam();
     beam.pivot_m = 0.5;
-    FeModel::beam(&beam, &Fitted::default(), &options(Mesh::Equal(ELEMENTS), Integration::Quadrature))
+    FeModel::beam(&beam, &AttachedMasses::default(), &options(Mesh::Equal(ELEMENTS), Integration::Quadrature))
         .unwrap()
 }
 
@@ -352,7 +352,7 @@ fn what_is_fitted_to_imported_matrices_is_what_is_fitted_to_the_beam() {
     let sparse = |A: &Mat| Sparse::from_dense(&map_matrix(A, &map));
     let imported = Imported::from_row_order(&map, sparse(&bare.M), None, sparse(&bare.K));
     let mass = super::mass(-0.2, 3.0, 0.1);
-    let fitted = Fitted { masses: vec![mass], hub_inertia_kg_m2: 0.7 };
+    let fitted = AttachedMasses { masses: vec![mass], hub_inertia_kg_m2: 0.7 };
     let made = imported.with_fitted_masses(&map, &fitted).unwrap().structure(&map).unwrap();
     let (arm, pivot) = (-0.2 - map.position(map.pivot).unwrap(), bare.inertia_kg_m2());
     assert_close(made.mass_kg(), bare.mass_kg() + 3.0, 1e-12);

@@ -13,7 +13,7 @@ mod timoshenko;
 mod uniform;
 
 use counterpoise_models::structure::{
-    FeModel, FeOptions, Fitted, Integration, Mesh, Support, Theory, undamped_modes,
+    AttachedMasses, FeModel, FeOptions, Integration, Mesh, Support, Theory, undamped_modes,
 };
 use counterpoise_models::{Beam, BeamSection, PointMass, SectionShape, StructuralDamping};
 
@@ -50,7 +50,12 @@ pub(crate) fn options(mesh: Mesh, integration: Integration) -> FeOptions {
 }
 
 /// Flexible frequencies of a beam.
-pub(crate) fn frequencies(beam: &Beam, fitted: &Fitted, options: &FeOptions, support: Support) -> Vec<f64> {
+pub(crate) fn frequencies(
+    beam: &Beam,
+    fitted: &AttachedMasses,
+    options: &FeOptions,
+    support: Support,
+) -> Vec<f64> {
     let model = FeModel::beam(beam, fitted, options).unwrap();
     undamped_modes(&model, support).unwrap().flexible_rad_s().to_vec()
 }

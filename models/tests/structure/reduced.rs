@@ -2,13 +2,14 @@ use super::{assert_close, options, uniform_beam};
 use counterpoise_linalg::{Mat, solve, sym_gen_eigen};
 use counterpoise_models::plant::Body;
 use counterpoise_models::structure::{
-    FeModel, Fitted, Integration, Mesh, Support, locked_modes, pinned_modes, reduce_to_lumped, undamped_modes,
+    AttachedMasses, FeModel, Integration, Mesh, Support, locked_modes, pinned_modes, reduce_to_lumped,
+    undamped_modes,
 };
 
 fn model() -> FeModel {
     let mut beam = uniform_beam();
     beam.pivot_m = 0.3;
-    let fitted = Fitted { hub_inertia_kg_m2: 0.05, masses: vec![super::mass(-0.1, 0.2, 0.01)] };
+    let fitted = AttachedMasses { hub_inertia_kg_m2: 0.05, masses: vec![super::mass(-0.1, 0.2, 0.01)] };
     FeModel::beam(&beam, &fitted, &options(Mesh::Pivoted(8), Integration::Quadrature)).unwrap()
 }
 
@@ -66,7 +67,8 @@ fn the_locked_form_has_the_pinned_frequencies() {
 fn weight_bends_the_locked_beam_as_its_modes_say() {
     let beam = uniform_beam();
     let model =
-        FeModel::beam(&beam, &Fitted::default(), &options(Mesh::Equal(10), Integration::Quadrature)).unwrap();
+        FeModel::beam(&beam, &AttachedMasses::default(), &options(Mesh::Equal(10), Integration::Quadrature))
+            .unwrap();
     let form = locked_modes(&model, usize::MAX).unwrap();
     let sag: f64 =
         form.modes.iter().map(|m| -m.load_share_kg_m * m.tip_deflection_m / m.frequency_rad_s.powi(2)).sum();

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 #[test]
 fn the_beam_has_the_stated_inertia_moment_and_frequencies() {
     let structure = ConfiguredStructure::new(&rig(), None).unwrap();
-    let model = structure.fe(&FeOptions::default()).unwrap();
+    let model = structure.build_fe_model(&FeOptions::default()).unwrap();
     assert_close(model.inertia_kg_m2(), 345.7, 0.05);
     assert_close(model.first_moment_kg_m(), 151.67, 0.005);
     assert_close(undamped_modes(&model, Support::Pinned).unwrap().flexible_rad_s()[0] / TAU, 37.9, 0.05);
@@ -20,7 +20,8 @@ fn the_beam_has_the_stated_inertia_moment_and_frequencies() {
 
 #[test]
 fn frequencies_are_those_of_an_independent_program() {
-    let model = ConfiguredStructure::new(&rig(), None).unwrap().fe(&FeOptions::default()).unwrap();
+    let model =
+        ConfiguredStructure::new(&rig(), None).unwrap().build_fe_model(&FeOptions::default()).unwrap();
     let cases = [
         (Support::Free, [37.9218352, 106.059864, 211.282733, 358.175963]),
         (Support::Pinned, [37.9168922, 103.301924, 198.434032, 332.694206]),
@@ -38,9 +39,11 @@ fn frequencies_are_those_of_an_independent_program() {
 fn the_derived_two_inertias_are_the_given_ones() {
     let rig = rig();
     let structure = ConfiguredStructure::new(&rig, None).unwrap();
-    let derived =
-        reduce_to_lumped(&structure.fe(&FeOptions::default()).unwrap(), &structure.beam.modal_damping)
-            .unwrap();
+    let derived = reduce_to_lumped(
+        &structure.build_fe_model(&FeOptions::default()).unwrap(),
+        &structure.beam.modal_damping,
+    )
+    .unwrap();
     let given = rig.lumped.clone().unwrap();
     for (derived, given, relative) in [
         (derived.hub_inertia_kg_m2, given.hub_inertia_kg_m2, 1e-3),
@@ -59,8 +62,10 @@ fn the_derived_two_inertias_are_the_given_ones() {
 fn each_configuration_has_its_inertia_and_moment() {
     let rig = rig();
     for configuration in &rig.configurations {
-        let model =
-            ConfiguredStructure::new(&rig, Some(configuration)).unwrap().fe(&FeOptions::default()).unwrap();
+        let model = ConfiguredStructure::new(&rig, Some(configuration))
+            .unwrap()
+            .build_fe_model(&FeOptions::default())
+            .unwrap();
         let lumped = rig.with_configuration(configuration).unwrap().lumped.unwrap();
         let inertia = lumped.hub_inertia_kg_m2 + lumped.beam_inertia_kg_m2;
         assert_close(model.inertia_kg_m2() / inertia, 1.0, 3e-4);

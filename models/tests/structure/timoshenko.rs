@@ -1,7 +1,9 @@
 use super::{assert_close, frequencies, uniform_beam, unit_beam};
 use counterpoise_linalg::sym_gen_eigen;
 use counterpoise_models::SectionShape;
-use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Integration, Mesh, Support, Theory};
+use counterpoise_models::structure::{
+    AttachedMasses, FeModel, FeOptions, Integration, Mesh, Support, Theory,
+};
 
 fn options(elements: usize, theory: Theory) -> FeOptions {
     FeOptions { mesh: Mesh::Equal(elements), theory, integration: Integration::Quadrature }
@@ -20,7 +22,8 @@ fn a_thick_hinged_beam_has_the_closed_form() {
     let (area, second) = (1.0, 0.01);
     let beam = unit_beam(SectionShape::Given { area_m2: [area; 2], second_moment_m4: [second; 2] });
     let frequencies = |n: usize| {
-        let model = FeModel::beam(&beam, &Fitted::default(), &options(n, Theory::Timoshenko)).unwrap();
+        let model =
+            FeModel::beam(&beam, &AttachedMasses::default(), &options(n, Theory::Timoshenko)).unwrap();
         let free: Vec<usize> = (0..2 * n + 2).filter(|&i| i != 0 && i != 2 * n).collect();
         let (values, _) =
             sym_gen_eigen(&model.K.select(&free, &free), &model.M.select(&free, &free)).unwrap();
@@ -38,13 +41,15 @@ fn a_thick_hinged_beam_has_the_closed_form() {
 #[test]
 fn a_slender_beam_is_bernoulli_eulers() {
     let beam = unit_beam(SectionShape::Given { area_m2: [1.0; 2], second_moment_m4: [1e-8; 2] });
-    let of = |theory| frequencies(&beam, &Fitted::default(), &options(10, theory), Support::Free)[0];
+    let of = |theory| frequencies(&beam, &AttachedMasses::default(), &options(10, theory), Support::Free)[0];
     assert_close(of(Theory::Timoshenko) / of(Theory::BernoulliEuler), 1.0, 1e-5);
 }
 
 #[test]
 fn shear_and_rotary_inertia_lower_every_frequency() {
-    let of = |theory| frequencies(&uniform_beam(), &Fitted::default(), &options(10, theory), Support::Pinned);
+    let of = |theory| {
+        frequencies(&uniform_beam(), &AttachedMasses::default(), &options(10, theory), Support::Pinned)
+    };
     let (with, without) = (of(Theory::Timoshenko), of(Theory::BernoulliEuler));
     assert!(with.iter().zip(&without).take(5).all(|(a, b)| a < b));
 }

@@ -1,20 +1,20 @@
 use super::{assert_all, assert_close, frequencies, mass, options, uniform_beam};
 use counterpoise_models::structure::{
-    Direction, FeModel, Fitted, Integration, Mesh, Support, undamped_modes,
+    AttachedMasses, Direction, FeModel, Integration, Mesh, Support, undamped_modes,
 };
 
 const CLAMPED: [f64; 5] = [1.87510406871, 4.69409113297, 7.85475743824, 10.9955407349, 14.137168391];
 const FREE: [f64; 5] = [4.73004074486, 7.8532046241, 10.995607838, 14.1371654913, 17.2787596574];
 const PINNED: [f64; 4] = [3.92660231205, 7.06858274563, 10.2101761228, 13.3517687778];
 
-fn betas(elements: usize, support: Support, fitted: &Fitted) -> Vec<f64> {
+fn betas(elements: usize, support: Support, fitted: &AttachedMasses) -> Vec<f64> {
     let options = options(Mesh::Equal(elements), Integration::Quadrature);
     frequencies(&uniform_beam(), fitted, &options, support).into_iter().map(f64::sqrt).collect()
 }
 
 #[test]
 fn frequencies_are_the_closed_forms() {
-    let bare = Fitted::default();
+    let bare = AttachedMasses::default();
     assert_all(&betas(40, Support::Clamped, &bare), &CLAMPED, 6e-6);
     assert_all(&betas(40, Support::Free, &bare), &FREE, 1.3e-5);
     assert_all(&betas(40, Support::Pinned, &bare), &PINNED, 5e-6);
@@ -26,8 +26,9 @@ fn errors_fall_with_the_fourth_power_from_above() {
         [(Support::Free, &FREE[..]), (Support::Pinned, &PINNED), (Support::Clamped, &CLAMPED)]
     {
         for mode in 0..3 {
-            let error =
-                |n| betas(n, support, &Fitted::default())[mode].powi(2) / betas_of[mode].powi(2) - 1.0;
+            let error = |n| {
+                betas(n, support, &AttachedMasses::default())[mode].powi(2) / betas_of[mode].powi(2) - 1.0
+            };
             let errors = [8, 16, 32].map(error);
             assert!(errors.iter().all(|&e| e > 0.0), "{support:?} {mode}: {errors:?}");
             for pair in errors.windows(2) {
@@ -48,7 +49,7 @@ fn free_errors_are_the_published_ones() {
         (32, [3.3e-7, 2.5e-6]),
     ];
     for (elements, published) in cases {
-        let found = betas(elements, Support::Free, &Fitted::default());
+        let found = betas(elements, Support::Free, &AttachedMasses::default());
         for mode in 0..2 {
             let error = (found[mode] / FREE[mode]).powi(2) - 1.0;
             assert!(
@@ -69,7 +70,7 @@ fn a_hub_inertia_moves_the_pinned_modes_as_published() {
         (10.0, [1.89007648, 4.695058307]),
     ];
     for (hub_inertia_kg_m2, expected) in cases {
-        let fitted = Fitted { hub_inertia_kg_m2, ..Fitted::default() };
+        let fitted = AttachedMasses { hub_inertia_kg_m2, ..AttachedMasses::default() };
         assert_all(&betas(40, Support::Pinned, &fitted), &expected, 1e-6);
     }
 }
@@ -77,7 +78,7 @@ fn a_hub_inertia_moves_the_pinned_modes_as_published() {
 #[test]
 fn a_tip_mass_moves_the_clamped_mode_as_its_characteristic_equation_says() {
     let ratio = 0.7;
-    let fitted = Fitted { masses: vec![mass(1.0, ratio, 0.0)], ..Fitted::default() };
+    let fitted = AttachedMasses { masses: vec![mass(1.0, ratio, 0.0)], ..AttachedMasses::default() };
     let b = betas(40, Support::Clamped, &fitted)[0];
     let residual = 1.0 + b.cos() * b.cosh() + ratio * b * (b.cos() * b.sinh() - b.sin() * b.cosh());
     assert_close(residual, 0.0, 1e-6);
@@ -86,8 +87,8 @@ fn a_tip_mass_moves_the_clamped_mode_as_its_characteristic_equation_says() {
 #[test]
 fn a_mass_on_a_rigid_arm_is_a_mass_with_moment_and_inertia() {
     let options = options(Mesh::Equal(10), Integration::Quadrature);
-    let model = |fitted: &Fitted| FeModel::beam(&uniform_beam(), fitted, &options).unwrap();
-    let hung = model(&Fitted { masses: vec![mass(-0.2, 3.0, 0.1)], ..Fitted::default() });
+    let model = |fitted: &AttachedMasses| FeModel::beam(&uniform_beam(), fitted, &options).unwrap();
+    let hung = model(&AttachedMasses { masses: vec![mass(-0.2, 3.0, 0.1)], ..AttachedMasses::default() });
     assert_close(hung.mass_kg(), 1.0 + 3.0, 1e-12);
     assert_close(hung.first_moment_kg_m(), 0.5 - 0.6, 1e-12);
     assert_close(hung.inertia_kg_m2(), 1.0 / 3.0 + 3.0 * 0.04 + 0.1, 1e-12);
@@ -96,9 +97,12 @@ fn a_mass_on_a_rigid_arm_is_a_mass_with_moment_and_inertia() {
 #[test]
 fn rigid_motions_are_free_and_carry_the_exact_mass() {
     for mesh in [Mesh::Equal(1), Mesh::Equal(7), Mesh::Nodes(vec![0.0, 0.1, 0.9, 1.0])] {
-        let model =
-            FeModel::beam(&uniform_beam(), &Fitted::default(), &options(mesh, Integration::Quadrature))
-                .unwrap();
+        let model = FeModel::beam(
+            &uniform_beam(),
+            &AttachedMasses::default(),
+            &options(mesh, Integration::Quadrature),
+        )
+        .unwrap();
         for rigid in [&model.heave, &model.pitch] {
             let resisted = (&model.K * &counterpoise_linalg::Mat::col(rigid)).norm_max();
             assert_close(resisted / model.K.norm_max(), 0.0, 1e-13);
@@ -112,7 +116,7 @@ fn rigid_motions_are_free_and_carry_the_exact_mass() {
 #[test]
 fn modes_are_orthonormal_and_effective_masses_add_up() {
     let options = options(Mesh::Equal(12), Integration::Quadrature);
-    let model = FeModel::beam(&uniform_beam(), &Fitted::default(), &options).unwrap();
+    let model = FeModel::beam(&uniform_beam(), &AttachedMasses::default(), &options).unwrap();
     for support in [Support::Free, Support::Pinned, Support::Clamped] {
         let found = undamped_modes(&model, support).unwrap();
         let gram = &found.shapes.t() * &(&model.M * &found.shapes);
@@ -131,7 +135,7 @@ fn modes_are_orthonormal_and_effective_masses_add_up() {
 #[test]
 fn every_unknown_carries_its_share_of_the_mass() {
     let options = options(Mesh::Equal(4), Integration::Quadrature);
-    let model = FeModel::beam(&uniform_beam(), &Fitted::default(), &options).unwrap();
+    let model = FeModel::beam(&uniform_beam(), &AttachedMasses::default(), &options).unwrap();
     let carried = model.carried_moments();
     let shares = [0.125, 0.25, 0.25, 0.25, 0.125];
     shares.iter().enumerate().for_each(|(i, share)| assert_close(carried[2 * i], *share, 1e-14));
@@ -144,8 +148,8 @@ fn what_has_no_hub_node_cannot_be_pinned() {
     let mut beam = uniform_beam();
     beam.pivot_m = 0.3;
     let options = options(Mesh::Equal(4), Integration::Quadrature);
-    let model = FeModel::beam(&beam, &Fitted::default(), &options).unwrap();
+    let model = FeModel::beam(&beam, &AttachedMasses::default(), &options).unwrap();
     assert_eq!(undamped_modes(&model, Support::Pinned), Err(counterpoise_models::Error::NoHubNode));
     let pivoted = super::options(Mesh::Pivoted(4), Integration::Quadrature);
-    assert!(FeModel::beam(&beam, &Fitted::default(), &pivoted).unwrap().hub.is_some());
+    assert!(FeModel::beam(&beam, &AttachedMasses::default(), &pivoted).unwrap().hub.is_some());
 }

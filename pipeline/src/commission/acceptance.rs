@@ -5,7 +5,7 @@ use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::reading_floor;
 use counterpoise_verify::measure::{Value, history_figures};
 use counterpoise_verify::{
-    Arrangement, Experiment, Figure, History, Limit, Model, Quantity, Requirement, RestFigure,
+    Arrangement, Experiment, History, Limit, Model, PerformanceFigure, Quantity, Requirement, RestFigure,
     TriangleFigure, Verdict, Verification,
 };
 
@@ -75,7 +75,7 @@ pub enum FigureSource {
 #[derive(Debug, Clone, PartialEq)]
 pub struct MachineVerdict {
     /// The figure.
-    pub figure: Figure,
+    pub figure: PerformanceFigure,
     /// Its limit.
     pub limit: Limit,
     /// What shows it.
@@ -143,23 +143,27 @@ fn judge(
 }
 
 /// Whether the sensors of a machine show a figure of a run with the whole controller.
-fn shows_in_recording(figure: Figure) -> bool {
+fn shows_in_recording(figure: PerformanceFigure) -> bool {
     match figure {
-        Figure::Step(model, _) | Figure::Triangle(model, _) => model == Model::Nonlinear,
-        Figure::Rest(_) => true,
-        Figure::Disturbance(model, _, arrangement, quantity) => {
+        PerformanceFigure::Step(model, _) | PerformanceFigure::Triangle(model, _) => {
+            model == Model::Nonlinear
+        }
+        PerformanceFigure::Rest(_) => true,
+        PerformanceFigure::Disturbance(model, _, arrangement, quantity) => {
             let is_read = !matches!(
                 quantity,
                 Quantity::TipRms | Quantity::TipPeak | Quantity::CurrentPeak | Quantity::GearOpen
             );
             model == Model::Nonlinear && arrangement == Arrangement::Compensated && is_read
         }
-        Figure::Loop(_) | Figure::Rejection { .. } | Figure::Sight(_) => false,
+        PerformanceFigure::Loop(_) | PerformanceFigure::Rejection { .. } | PerformanceFigure::Sight(_) => {
+            false
+        }
     }
 }
 
 fn measure(
-    figure: Figure,
+    figure: PerformanceFigure,
     experiment: Experiment,
     recording: &Recording,
     project: &Project,
@@ -175,12 +179,15 @@ fn measure(
 }
 
 /// Returns an RMS of the hub's motion without the noise that the sensor's data sheet states: the reading is the motion and the noise.
-fn without_noise(figure: Figure, value: f64, project: &Project) -> f64 {
+fn without_noise(figure: PerformanceFigure, value: f64, project: &Project) -> f64 {
     let is_rms = match figure {
-        Figure::Rest(figure) => figure == RestFigure::HubRms,
-        Figure::Triangle(_, figure) => figure == TriangleFigure::ErrorRms,
-        Figure::Disturbance(.., quantity) => quantity == Quantity::HubRms,
-        Figure::Step(..) | Figure::Loop(_) | Figure::Rejection { .. } | Figure::Sight(_) => false,
+        PerformanceFigure::Rest(figure) => figure == RestFigure::HubRms,
+        PerformanceFigure::Triangle(_, figure) => figure == TriangleFigure::ErrorRms,
+        PerformanceFigure::Disturbance(.., quantity) => quantity == Quantity::HubRms,
+        PerformanceFigure::Step(..)
+        | PerformanceFigure::Loop(_)
+        | PerformanceFigure::Rejection { .. }
+        | PerformanceFigure::Sight(_) => false,
     };
     if !is_rms {
         return value;

@@ -157,7 +157,7 @@ impl RoundSummary {
     /// Begins the summary of a round with its design.
     pub fn begin(round: usize, controller_hash: &str, stages: &DesignStages) -> Self {
         let verification = stages.verified.verification();
-        let figure = |figure| verification.value(counterpoise_verify::Figure::Loop(figure));
+        let figure = |figure| verification.value(counterpoise_verify::PerformanceFigure::Loop(figure));
         Self {
             round,
             controller_hash: controller_hash.to_owned(),

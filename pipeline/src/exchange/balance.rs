@@ -39,7 +39,7 @@ pub struct BalanceResult {
     /// The valve of a cylinder; `None` with a motor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub valve: Option<ValveBalance>,
-    /// Whether free functions of a diagnosis add torques, which are not part of this balance.
+    /// `true` if free functions of a diagnosis add torques, which are not part of this balance.
     pub has_free_functions: bool,
 }
 

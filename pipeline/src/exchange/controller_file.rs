@@ -44,16 +44,16 @@ pub struct ControllerResult {
     pub projection: Option<Projection>,
     /// Filter of the demand; `None` if there is none.
     pub prefilter: Option<SystemResult>,
-    /// How fast a loop of position follows its demand; absent if nothing limits it.
+    /// Limit of the rate with which a loop of position follows its demand; absent if there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub demand_limit: Option<DemandLimit>,
     /// The paths, whose outputs are summed.
     pub paths: Vec<PathResult>,
     /// Friction observers, summed after the paths.
     pub observers: Vec<FrictionObserver>,
-    /// Whether the controller estimates the out-of-balance while it runs.
+    /// `true` if the controller estimates the out-of-balance while it runs.
     pub estimates_out_of_balance: bool,
-    /// Its estimator of the out-of-balance; `None` if it has none.
+    /// Estimator of the out-of-balance; `None` if it has none.
     pub estimator: Option<Estimator>,
     /// The inverse of the drive's curve as pairs (volts of a linear drive, control), V; empty if the drive is linear.
     pub drive_curve: Vec<[f64; 2]>,
@@ -64,12 +64,12 @@ pub struct ControllerResult {
 /// A path of the controller.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PathResult {
-    /// Its system, from its signals to volts.
+    /// System, from its signals to volts.
     #[serde(flatten)]
     pub system: SystemResult,
     /// Gain a state on what the limiter cut off.
     pub anti_windup: Vec<f64>,
-    /// How the output follows the out-of-balance.
+    /// Scaling of the output with the out-of-balance.
     pub scaling: Scaling,
 }
 

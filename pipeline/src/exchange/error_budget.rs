@@ -29,7 +29,7 @@ pub struct SightValues {
     pub tip_against_hub: f64,
 }
 
-/// How the line of sight is judged.
+/// Procedure by which the line of sight is assessed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SightProcedureResult {
     /// Name of the time history on which it is judged.
@@ -41,7 +41,7 @@ pub struct SightProcedureResult {
     /// The window within which shots are released; absent if none are.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coincidence: Option<CoincidenceResult>,
-    /// The optics whose image moves; absent if nobody looks.
+    /// The optics whose image moves; absent without a camera.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub optics: Option<OpticsResult>,
 }
@@ -90,7 +90,7 @@ impl SightProcedureResult {
     }
 }
 
-/// What the error of the line of sight is made of.
+/// Error budget of the line of sight: the contribution of every source.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ErrorBudgetResult {
     /// RMS with all sources, rad.
@@ -146,23 +146,23 @@ pub struct SightBands {
     pub tip_against_hub: Vec<f64>,
 }
 
-/// What one source makes of the error.
+/// Contribution of one source to the error.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ContributionResult {
     /// The source.
     pub source: &'static str,
-    /// Its share of the mean square, rad^2; negative if it reduces the error of the others.
+    /// Share of the mean square, rad^2; negative if it reduces the error of the others.
     pub share_rad2: SightValues,
     /// RMS with this source alone, rad.
     pub alone_rad: SightValues,
     /// The share in each band, rad^2.
     pub share_bands_rad2: SightBands,
-    /// What the linear loop makes of the source; absent if it has no place in a linear loop.
+    /// Contribution of the source in the linear loop; absent if it has no place there.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub linear: Option<LinearContributionResult>,
 }
 
-/// What the linear loop makes of a source.
+/// Contribution of a source in the linear loop.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LinearContributionResult {
     /// RMS, rad.

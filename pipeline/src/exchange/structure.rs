@@ -16,7 +16,7 @@ pub struct StructureResult {
     /// The finite elements whose modes these are; absent if the plant has none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub elements: Option<ElementsResult>,
-    /// What few elements make of the bare beam; absent without a beam.
+    /// Frequencies of the bare beam with few elements; absent without a beam.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub meshes: Option<MeshComparison>,
     /// The bare beam of which those meshes are made.
@@ -85,9 +85,9 @@ pub struct BeamResult {
 /// A section of a beam; dimensions are those at its near and at its far end, linear between them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SectionResult {
-    /// Where it begins, m.
+    /// Beginning, m.
     pub from_m: f64,
-    /// Where it ends, m.
+    /// End, m.
     pub to_m: f64,
     /// `tube`, `rectangle` or `given`.
     pub shape: &'static str,

@@ -19,7 +19,7 @@ pub struct SignalResult {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(non_snake_case)]
 pub struct SystemResult {
-    /// What it is.
+    /// Name.
     pub name: String,
     /// Sample time, s; 0 in continuous time.
     pub sample_time_s: f64,
@@ -42,7 +42,7 @@ pub struct SystemResult {
 /// A transfer function of s with one input and one output.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TransferFunctionResult {
-    /// What it is, for example `feedback.error`.
+    /// Name, for example `feedback.error`.
     pub name: String,
     /// Coefficients of the numerator, highest power of s first.
     pub numerator: Vec<f64>,
@@ -59,7 +59,7 @@ pub struct TransferFunctionResult {
 /// A frequency response.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ResponseResult {
-    /// What it is.
+    /// Name.
     pub name: String,
     /// Frequencies, Hz.
     pub frequency_hz: Vec<f64>,
@@ -220,7 +220,7 @@ pub fn stored_frequencies_hz() -> Vec<f64> {
 
 /// A controller as it is stored, and its system.
 pub(crate) struct StoredController {
-    /// What is stored.
+    /// Stored result.
     pub result: SystemResult,
     /// The system.
     pub system: StateSpace,

@@ -59,13 +59,13 @@ pub struct NumbersResult {
 /// `error_rms_rad_s` in a loop of torque.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TargetRunResult {
-    /// What the loop controls.
+    /// Quantity that the loop controls.
     pub controlled: ControlledQuantity,
     /// The experiment, by the name of its time history.
     pub experiment: String,
     /// RMS of demand less hub rate, rad/s.
     pub error_rms_rad_s: f64,
-    /// That against double, dB; `None` if the loop in double has no error.
+    /// Closed-loop error relative to double, dB; `None` if the loop in double has no error.
     pub cost_db: Option<f64>,
     /// Demand less hub rate, rad/s, at the controller's sample time; absent unless time histories were asked for.
     pub errors_rad_s: Vec<f64>,
@@ -91,13 +91,13 @@ pub struct PathFormResult {
     pub path: String,
     /// `modal` or `balanced`.
     pub form: &'static str,
-    /// Whether the exported controller has it.
+    /// `true` if the exported controller has it.
     pub is_in_use: bool,
     /// Coefficients that a step multiplies by.
     pub coefficients: usize,
     /// Error of the frequency response with coefficients in single precision, predicted.
     pub predicted: f64,
-    /// That error, measured.
+    /// Error, measured.
     pub measured: f64,
     /// The path in this form.
     pub system: SystemResult,
@@ -123,7 +123,7 @@ pub struct FormResult {
 pub struct CompiledResult {
     /// `c` or `rust`.
     pub language: &'static str,
-    /// As [`NumbersResult::numbers`].
+    /// Kind of numbers, see [`NumbersResult::numbers`].
     pub numbers: &'static str,
     /// Samples compared with its model; `None` if it was not run.
     pub samples: Option<usize>,
@@ -133,12 +133,12 @@ pub struct CompiledResult {
     pub why: Option<String>,
 }
 
-/// What the code costs on a core.
+/// Cost of the code on a core.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CoreResult {
     /// Name of the core.
     pub core: &'static str,
-    /// As [`NumbersResult::numbers`].
+    /// Kind of numbers, see [`NumbersResult::numbers`].
     pub numbers: &'static str,
     /// Most instructions of a step.
     pub step_instructions: u64,

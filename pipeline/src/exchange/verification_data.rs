@@ -4,10 +4,10 @@ use counterpoise_controller::{COMMON_READINGS, Controller, READING_NAMES};
 use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::{LinearPlant, Plant};
 use counterpoise_verify::linear::SampledPlant;
-use counterpoise_verify::linear::closed_loop::{Closed, arrange_controller, resolver_use};
+use counterpoise_verify::linear::closed_loop::{ClosedLoop, arrange_controller, resolver_use};
 use counterpoise_verify::{
-    Arrangement, Experiment, Figure, History, Model, Procedure, Quantity, StepFigure, TriangleFigure,
-    Verification, linear_plant,
+    Arrangement, Experiment, History, Model, PerformanceFigure, Procedure, Quantity, StepFigure,
+    TriangleFigure, Verification, linear_plant,
 };
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -16,7 +16,7 @@ use super::BalanceResult;
 use super::systems::{ResponseResult, SystemResult};
 use crate::PipelineError;
 
-/// What the linear figures of a verification are measured on.
+/// Loop on which the linear figures of a verification are measured.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct VerifiedLoop {
     /// The continuous plant with its sensors, the sampled plant, the controller with and without feedforwards, and the loop broken at the
@@ -30,7 +30,7 @@ pub struct VerifiedLoop {
     pub holding_v: f64,
     /// First moment of mass about the pivot, kg m.
     pub out_of_balance_kg_m: f64,
-    /// How the holding control is found.
+    /// Balance from which the holding control follows.
     pub balance: BalanceResult,
     /// Time after which a disturbance is judged, s.
     pub settle_s: f64,
@@ -40,7 +40,7 @@ pub struct VerifiedLoop {
 /// controls: `transmitted_torque_nm` for `hub_rate_rad_s` in a loop of torque.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HistoryResult {
-    /// What the loop controls.
+    /// Quantity that the loop controls.
     pub controlled: ControlledQuantity,
     /// Sample time, s.
     pub sample_time_s: f64,
@@ -147,7 +147,7 @@ fn controllers(
         [(Arrangement::Compensated, "controller"), (Arrangement::Feedback, "controller_feedback_alone")]
     {
         let Some(part) = arrange_controller(controller, arrangement)? else { continue };
-        let closed = Closed::new(sampled, Some(&part), moment)?;
+        let closed = ClosedLoop::new(sampled, Some(&part), moment)?;
         systems.extend(closed.controller.as_ref().map(|system| {
             SystemResult::new(name, system, &READING_NAMES[..COMMON_READINGS], &["control_v"])
         }));
@@ -197,11 +197,16 @@ pub fn history_results(found: &Verification) -> Vec<HistoryResult> {
 /// Returns the name of a time history: the beginning of the keys of its experiment's figures.
 pub(super) fn history_name(model: Model, experiment: Experiment) -> String {
     let (key, ending) = match experiment {
-        Experiment::Step => (Figure::Step(model, StepFigure::Overshoot).key(), "_overshoot_percent"),
-        Experiment::Triangle => (Figure::Triangle(model, TriangleFigure::ErrorRms).key(), "_error_rms_rad_s"),
-        Experiment::Disturbance(source, arrangement) => {
-            (Figure::Disturbance(model, source, arrangement, Quantity::HubRms).key(), "_hub_rms_rad_s")
+        Experiment::Step => {
+            (PerformanceFigure::Step(model, StepFigure::Overshoot).key(), "_overshoot_percent")
         }
+        Experiment::Triangle => {
+            (PerformanceFigure::Triangle(model, TriangleFigure::ErrorRms).key(), "_error_rms_rad_s")
+        }
+        Experiment::Disturbance(source, arrangement) => (
+            PerformanceFigure::Disturbance(model, source, arrangement, Quantity::HubRms).key(),
+            "_hub_rms_rad_s",
+        ),
         Experiment::Rest => ("rest".to_owned(), ""),
     };
     key.trim_end_matches(ending).to_owned()
@@ -216,8 +221,11 @@ pub fn response_results(found: &Verification) -> Vec<ResponseResult> {
     let broken = [("loop".to_owned(), &curves.broken.response)];
     let sensitivities = curves.sensitivities.iter().map(|c| (c.name.clone(), &c.response));
     let rejection = curves.rejection.iter().map(|one| {
-        let figure =
-            Figure::Rejection { source: one.source, arrangement: one.arrangement, frequency_hz: 1.0 };
+        let figure = PerformanceFigure::Rejection {
+            source: one.source,
+            arrangement: one.arrangement,
+            frequency_hz: 1.0,
+        };
         let key = figure.key();
         let stem = key.split("_drr_db").next().unwrap_or_default();
         (format!("{} over platform, {stem}", found.controlled_quantity().name()), &one.response)

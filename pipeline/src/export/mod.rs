@@ -3,7 +3,7 @@
 mod feedback_alone;
 pub mod target_proofs;
 
-use counterpoise_controller::realise::count_coefficients;
+use counterpoise_controller::realisation::count_coefficients;
 use counterpoise_controller::sensitivity::{RealisationCandidate, RealisationForm, form_candidates};
 use counterpoise_export::fmi::{PlantUnit, controller_unit, plant_unit};
 use counterpoise_export::signal_names;
@@ -30,19 +30,19 @@ pub struct ExportedCode {
     /// Files of code.
     pub files: Vec<File>,
     /// What was left out.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<OmittedCode>,
 }
 
 /// Code that the project asks for and that does not exist.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct LeftOut {
+pub struct OmittedCode {
     /// Which code.
     pub what: String,
     /// Why there is none.
     pub why: String,
 }
 
-impl std::fmt::Display for LeftOut {
+impl std::fmt::Display for OmittedCode {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}: {}", self.what, self.why)
     }
@@ -53,7 +53,7 @@ impl ExportedCode {
     fn add<E: std::fmt::Display>(&mut self, what: &str, made: Result<Vec<File>, E>) {
         match made {
             Ok(files) => self.files.extend(files),
-            Err(why) => self.left_out.push(LeftOut { what: what.to_owned(), why: why.to_string() }),
+            Err(why) => self.left_out.push(OmittedCode { what: what.to_owned(), why: why.to_string() }),
         }
     }
 }

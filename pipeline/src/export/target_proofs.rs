@@ -3,18 +3,18 @@
 use counterpoise_export::Numbers;
 use counterpoise_export::board::CodeCost;
 
-/// What the code in some numbers costs on a core.
+/// Cost on a core of the code in one kind of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CoreCost {
     /// Name of the core.
     pub core: &'static str,
     /// Numbers of the code.
     pub numbers: Numbers,
-    /// What was counted.
+    /// Counted cost.
     pub cost: CodeCost,
 }
 
-/// What was counted, and what was not.
+/// Counted costs of a step, and the reasons for those that were not counted.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct StepCosts {
     /// Each core with each kind of numbers.
@@ -42,7 +42,7 @@ impl OperationCounts {
     }
 }
 
-/// Whether compiled code answers as its model does.
+/// Agreement of compiled code with its model.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum CodeAgreement {
     /// To the last bit, in every sample.
@@ -66,8 +66,8 @@ pub enum CodeAgreement {
 pub struct CompiledCodeTest {
     /// Rust, else C.
     pub rust: bool,
-    /// Its numbers.
+    /// Numbers.
     pub numbers: Numbers,
-    /// What it answered.
+    /// Answers of the program.
     pub answered: CodeAgreement,
 }

@@ -22,7 +22,7 @@ use counterpoise_synth::{
     LimitKind, LimitLoops, RequiredMargins, Weight, first_design_on,
 };
 use counterpoise_verify::certificate::elements::rest_impedances;
-use counterpoise_verify::{Figure, Limit, LoopFigure, Sine};
+use counterpoise_verify::{Limit, LoopFigure, PerformanceFigure, Sine};
 use serde::Serialize;
 
 use crate::exchange::SystemResult;
@@ -253,13 +253,13 @@ fn margins(project: &Project) -> RequiredMargins {
     let requirements = project.verify.iter().flat_map(|asked| &asked.requirements);
     for requirement in requirements {
         match (requirement.figure, requirement.limit) {
-            (Figure::Loop(LoopFigure::GainMargin), Limit::AtLeast(db)) => {
+            (PerformanceFigure::Loop(LoopFigure::GainMargin), Limit::AtLeast(db)) => {
                 margins.gain_db = margins.gain_db.max(db + MARGINS_TO_SPARE * db.abs());
             }
-            (Figure::Loop(LoopFigure::PhaseMargin), Limit::AtLeast(deg)) => {
+            (PerformanceFigure::Loop(LoopFigure::PhaseMargin), Limit::AtLeast(deg)) => {
                 margins.phase_deg = margins.phase_deg.max(deg + MARGINS_TO_SPARE * deg.abs());
             }
-            (Figure::Loop(LoopFigure::MaxSensitivity), Limit::AtMost(ms)) => {
+            (PerformanceFigure::Loop(LoopFigure::MaxSensitivity), Limit::AtMost(ms)) => {
                 margins.max_sensitivity =
                     margins.max_sensitivity.min(1.0 + (ms - 1.0) * (1.0 - MARGINS_TO_SPARE));
             }

@@ -11,7 +11,7 @@ use counterpoise_lti::frequency_response;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_synth::DesignPlant;
-use counterpoise_verify::robust::{Distribution, Varied};
+use counterpoise_verify::robust::{Distribution, VariedParameter};
 
 use super::with_angles;
 use crate::synth::design_plant;
@@ -23,7 +23,7 @@ const SHARE_OF_CLOCK: f64 = 0.05;
 /// A parameter and the factor on it.
 #[derive(Clone, Copy)]
 struct ScaledParameter {
-    parameter: Varied,
+    parameter: VariedParameter,
     factor: f64,
 }
 

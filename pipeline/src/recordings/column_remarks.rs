@@ -30,7 +30,7 @@ pub enum ColumnRemark {
     Anomaly {
         /// The channel.
         channel: Channel,
-        /// What is wrong.
+        /// Anomaly that was found.
         anomaly: Anomaly,
     },
     /// The recording leaves the range over which a free function of the mechanism is known.
@@ -55,7 +55,7 @@ pub struct BeyondRange {
     pub missing: usize,
     /// Row of the first, from 1.
     pub first_row: usize,
-    /// Its value, in the channel's unit.
+    /// Value, in the channel's unit.
     pub value: f64,
     /// Range of the converter, in the channel's unit: readings lie between minus and plus this.
     pub limit: f64,

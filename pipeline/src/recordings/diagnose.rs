@@ -28,13 +28,13 @@ pub struct DiagnosedRecordings {
     pub control: ReplayLoop,
     /// Recordings without the demand, for which the project's recording controller could not be run.
     pub without_demand: Vec<String>,
-    /// What was found on reading each recording, with its name.
+    /// Remarks on each recording that was read, with its name.
     pub remarks: Vec<(String, Vec<ColumnRemark>)>,
     /// The chart of the localisation.
     pub chart: LocalisationChart,
     /// Channels measured and simulated, by the model as it was and by the improved one.
     pub tracks: Vec<ChannelTrack>,
-    /// What both models leave unexplained.
+    /// Residuals of both models.
     pub residuals: ResidualStudy,
 }
 

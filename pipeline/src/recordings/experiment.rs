@@ -16,7 +16,7 @@ use super::read::recording_controller;
 use crate::PipelineError;
 use crate::configuration::apply_configuration;
 
-/// What the JSON result of a diagnosis says of the machines that are left.
+/// Machines that the JSON result of a diagnosis leaves possible.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct DiagnosisFindings {
     /// The findings.
@@ -33,7 +33,7 @@ pub struct FoundEffect {
     pub effect: String,
     /// Name of the component.
     pub component: String,
-    /// Its fitted parameters.
+    /// Fitted parameters.
     #[serde(default)]
     pub parameters: Vec<NamedValue>,
     /// Effects that cannot be distinguished from it.
@@ -55,7 +55,7 @@ pub struct NamedEffect {
 pub struct NamedValue {
     /// Name of the parameter.
     pub name: String,
-    /// Its value.
+    /// Value.
     pub value: f64,
 }
 
@@ -69,7 +69,7 @@ pub struct TriedEffect {
     /// Effects that were fitted with it.
     #[serde(default)]
     pub beside: Vec<NamedEffect>,
-    /// Its fitted parameters.
+    /// Fitted parameters.
     pub values: Vec<NamedValue>,
     /// Log-likelihood that it gains on held-out data.
     pub log_likelihood_gain: f64,

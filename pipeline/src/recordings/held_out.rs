@@ -17,11 +17,11 @@ use crate::tolerance::RESIDUAL_ABOVE_FLOOR;
 pub struct HeldOutRecording {
     /// Name of the recording.
     pub file: String,
-    /// Its channels that both models were compared in.
+    /// Channels that both models were compared in.
     pub channels: Vec<HeldOutFit>,
     /// Length of the windows over which both were replayed, s; `None` from start to end.
     pub window_s: Option<f64>,
-    /// What was found about the recording.
+    /// Remarks on the recording.
     pub remarks: Vec<ColumnRemark>,
 }
 
@@ -45,7 +45,7 @@ impl HeldOutFit {
     }
 }
 
-/// How much better the improved model predicts a held-out recording.
+/// Improvement of the prediction of a held-out recording by the improved model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldOutComparison {
     /// Largest RMS of a channel's residual over its noise floor, with the model as it was.
@@ -55,18 +55,18 @@ pub struct HeldOutComparison {
     /// Share of the residual's power that the improved model removes, mean over the channels that were above their noise floor; 0 if
     /// none was.
     pub power_removed: f64,
-    /// What follows.
+    /// Outcome.
     pub outcome: HeldOutOutcome,
 }
 
-/// What a held-out recording says of the improved model.
+/// Outcome of the improved model on a held-out recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HeldOutOutcome {
     /// The model as it was explains the recording: there is nothing to improve.
     ExplainedBefore,
     /// The fit improves.
     Improved,
-    /// It does not.
+    /// The improved model does not predict it better.
     NotImproved,
 }
 

@@ -11,7 +11,7 @@ use super::column_remarks::ColumnRemark;
 use super::read::{GapTreatment, RecordingFile, read_files, recording_controller, unused_columns};
 use crate::PipelineError;
 
-/// What was identified, with what was found on reading each recording.
+/// Result of an identification, with the remarks on each recording.
 #[derive(Debug, Clone)]
 pub struct IdentifiedRecordings {
     /// The identified mechanism.

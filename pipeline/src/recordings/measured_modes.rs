@@ -4,7 +4,7 @@
 //! one and judged on that one, mode after mode: the error that counts is that of the held-out frequencies.
 
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
-use counterpoise_models::structure::{FeModel, FeOptions, Fitted, Mesh, Theory, undamped_modes};
+use counterpoise_models::structure::{AttachedMasses, FeModel, FeOptions, Mesh, Theory, undamped_modes};
 use counterpoise_models::{Beam, PointMass};
 use serde::Serialize;
 
@@ -32,7 +32,7 @@ pub struct StructureAnswer {
     pub measured_hz: Vec<f64>,
     /// Frequencies of the model as it is, Hz.
     pub model_hz: Vec<f64>,
-    /// What was tried; the first one is the model as it is, the others best first.
+    /// Trials; the first one is the model as it is, the others best first.
     pub tried: Vec<TriedStructure>,
     /// Others that explain the modes as well as the one that is named.
     pub alternatives: Vec<String>,
@@ -63,10 +63,10 @@ pub fn diagnose_structure(
     measured: &MeasuredModes,
 ) -> Result<StructureDiagnosis, PipelineError> {
     let trials = StructureTrials { project, measured };
-    let mut tried: Vec<Tried> = Vec::new();
+    let mut tried: Vec<StructureFit> = Vec::new();
     for hypothesis in hypotheses(measured.modes_hz.len()) {
         if let Some(structure) = trials.try_hypothesis(hypothesis)? {
-            tried.push(Tried { hypothesis, structure });
+            tried.push(StructureFit { hypothesis, structure });
         }
     }
     let as_it_is = tried.remove(0);
@@ -188,7 +188,11 @@ impl StructureTrials<'_> {
             Some(added) => {
                 let beam = self.project.plant.beam.as_ref().ok_or(counterpoise_models::Error::NoStructure)?;
                 let point = added.place_on(beam);
-                FeModel::beam(beam, &Fitted { masses: vec![point], ..Fitted::default() }, options)?
+                FeModel::beam(
+                    beam,
+                    &AttachedMasses { masses: vec![point], ..AttachedMasses::default() },
+                    options,
+                )?
             }
         };
         let all = undamped_modes(&fe, self.measured.support)?;
@@ -262,14 +266,14 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// A hypothesis and what it explains.
-struct Tried {
+struct StructureFit {
     hypothesis: Hypothesis,
     structure: TriedStructure,
 }
 
 /// Returns the simplest hypothesis that no more complicated one beats by far, where it beats the model as it
 /// is.
-fn choose_hypothesis<'a>(as_it_is: &Tried, tried: &'a [Tried]) -> Option<&'a Tried> {
+fn choose_hypothesis<'a>(as_it_is: &StructureFit, tried: &'a [StructureFit]) -> Option<&'a StructureFit> {
     if as_it_is.structure.left_out_percent < 100.0 * EXPLAINED_STRUCTURE {
         return None;
     }
@@ -286,10 +290,10 @@ fn choose_hypothesis<'a>(as_it_is: &Tried, tried: &'a [Tried]) -> Option<&'a Tri
 fn answer(
     measured: &MeasuredModes,
     as_it_is: &TriedStructure,
-    tried: &[Tried],
-    chosen: Option<&Tried>,
+    tried: &[StructureFit],
+    chosen: Option<&StructureFit>,
 ) -> StructureAnswer {
-    let alike = |one: &&Tried| {
+    let alike = |one: &&StructureFit| {
         chosen.is_some_and(|best| {
             one.hypothesis.change != best.hypothesis.change
                 && one.structure.left_out_percent < ALIKE_HYPOTHESES * best.structure.left_out_percent

@@ -16,7 +16,7 @@ use crate::{PipelineError, build_plant_model, reduce_plant, synthesise};
 pub struct RecordingFile {
     /// Name of the file, as messages quote it.
     pub name: String,
-    /// Its content.
+    /// Content.
     pub bytes: Vec<u8>,
 }
 
@@ -27,9 +27,9 @@ pub struct ReadRecording {
     pub file: String,
     /// The recording.
     pub recording: Recording,
-    /// What was found about its columns.
+    /// Remarks on its columns.
     pub remarks: Vec<ColumnRemark>,
-    /// Whether demand, control and hub rate are the samples that were written, not made from other columns or resampled.
+    /// `true` if demand, control and hub rate are the samples that were written, not made from other columns or resampled.
     pub keeps_samples: bool,
 }
 
@@ -45,7 +45,7 @@ pub(super) fn unused_columns<'a>(read: impl IntoIterator<Item = &'a ReadRecordin
     read.into_iter().flat_map(unused).collect()
 }
 
-/// What happens to gaps and stuck sensors.
+/// Treatment of gaps and of stuck sensors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GapTreatment {
     /// Short gaps are filled; a long one splits the recording; a channel whose sensor is stuck loses those samples.

@@ -1,7 +1,7 @@
 //! Recordings replayed on the project's model.
 
 use counterpoise_diagnose::fitting::fitted_start::fit_start;
-use counterpoise_diagnose::learning::visited_ranges::Visited;
+use counterpoise_diagnose::learning::visited_ranges::VisitedRanges;
 use counterpoise_diagnose::recording::measured_signals::read_signals;
 use counterpoise_diagnose::recording::sanity_checks::{SanityRemark, check_signals};
 use counterpoise_diagnose::tolerance::{EXPLAINED, SAMPLES_AT_MOST};
@@ -40,9 +40,9 @@ pub struct ReplayedRecording {
     pub file: String,
     /// Measured and simulated, with the length over which it was replayed.
     pub followed: SelectedReplay,
-    /// What was found about the recording itself.
+    /// Remarks on the recording itself.
     pub remarks: Vec<ColumnRemark>,
-    /// Its channels, measured and simulated.
+    /// Channels, measured and simulated.
     pub tracks: Vec<ChannelTrack>,
 }
 
@@ -189,7 +189,7 @@ fn anomalies(plant: &Parameters, recording: &Recording) -> Vec<ColumnRemark> {
     let mut all: Vec<ColumnRemark> =
         check_signals(&recording.name, &signals, ratio).into_iter().map(remark).collect();
     if !plant.learned.is_empty() {
-        let visited = Visited::of(plant, std::slice::from_ref(&signals));
+        let visited = VisitedRanges::of(plant, std::slice::from_ref(&signals));
         let beyond = plant.learned.iter().filter_map(|element| visited.range_exceedance(element));
         all.extend(beyond.map(ColumnRemark::RangeExceeded));
     }

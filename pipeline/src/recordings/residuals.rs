@@ -30,7 +30,7 @@ pub struct ResidualSpectra {
     pub recording: String,
     /// The channel.
     pub channel: Channel,
-    /// As measured.
+    /// Measured spectra.
     pub measured: Spectra,
     /// Residual of the model as it was; `None` if the recording is too short.
     pub before: Option<Spectra>,
@@ -43,11 +43,11 @@ pub struct ResidualSpectra {
 pub struct ControlResponse {
     /// Name of the recording.
     pub recording: String,
-    /// As measured.
+    /// Measured spectra.
     pub measured: Spectra,
-    /// As the model simulates it; `None` if the recording is too short.
+    /// Simulation by the model; `None` if the recording is too short.
     pub before: Option<Spectra>,
-    /// As the improved model simulates it; `None` if there is none.
+    /// Simulation by the improved model; `None` if there is none.
     pub after: Option<Spectra>,
 }
 

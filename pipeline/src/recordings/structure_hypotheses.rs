@@ -45,7 +45,7 @@ pub(crate) enum Scale {
 /// A hypothesis that was tried.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TriedStructure {
-    /// What was tried, in words.
+    /// Description of the trial.
     pub what: String,
     /// Fitted numbers with their names.
     pub parameters: Vec<(String, f64)>,

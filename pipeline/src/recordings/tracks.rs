@@ -26,11 +26,11 @@ pub struct ChannelTrack {
 /// A run of a [`ChannelTrack`]: a column of its array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TrackColumn {
-    /// As recorded.
+    /// Recorded values.
     Measured,
-    /// As simulated by the model as it was.
+    /// Values simulated by the model as it was.
     Before,
-    /// As simulated by the improved model; a track has no such column if there is none.
+    /// Values simulated by the improved model; a track has no such column if there is none.
     After,
 }
 
@@ -113,7 +113,7 @@ pub fn compare_channels(recording: &Recording, before: &Replay, after: Option<&R
     COMPARED.into_iter().filter_map(track).collect()
 }
 
-/// What a model makes of a channel of a recording.
+/// Simulation of a channel of a recording by a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedChannel {
     /// The simulated samples.

@@ -38,7 +38,7 @@ pub struct JointResult {
     pub joint: &'static str,
     /// Amplitude of the relative angle, rad.
     pub amplitude_rad: f64,
-    /// What the first harmonic acts like: stiffness, N m/rad.
+    /// Equivalent stiffness of the first harmonic, N m/rad.
     pub stiffness_nm_rad: f64,
     /// And damping, N m s/rad.
     pub damping_nm_s_rad: f64,

@@ -16,7 +16,7 @@ use crate::exchange::{PulledLoopResult, SystemResult};
 pub struct CertificateResult {
     /// `stable`, `limit cycle`, `unstable` or `not predicted`: that of the worst case.
     pub stability: &'static str,
-    /// Whether stability is proved in every case.
+    /// `true` if stability is proved in every case.
     pub proved: bool,
     /// Name of the worst case.
     pub worst_case: String,
@@ -33,9 +33,9 @@ pub struct CaseResult {
     pub name: String,
     /// Out-of-balance that the controller is told, kg m.
     pub out_of_balance_kg_m: f64,
-    /// As [`CertificateResult::stability`].
+    /// Stability, as [`CertificateResult::stability`].
     pub stability: &'static str,
-    /// Whether it is proved by a sector argument.
+    /// `true` if it is proved by a sector argument.
     pub proved: bool,
     /// The sector argument; `None` if none applies.
     pub sector: Option<SectorResult>,
@@ -45,9 +45,9 @@ pub struct CaseResult {
     pub regimes: Vec<RegimeResult>,
     /// Limit cycles predicted by harmonic balance.
     pub predicted: Vec<PredictedResult>,
-    /// What the simulator does from near each prediction, and from two other disturbances.
+    /// Simulated motions from near each prediction, and from two other disturbances.
     pub orbits: Vec<OrbitResult>,
-    /// What moves in the runs.
+    /// Quantity that moves in the runs.
     #[serde(flatten)]
     pub motion: MotionResult,
 }
@@ -56,7 +56,7 @@ pub struct CaseResult {
 /// which then stands at the end of the keys.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionResult {
-    /// What the loop controls.
+    /// Quantity that the loop controls.
     pub controlled: ControlledQuantity,
     /// RMS in a run of 20 s at rest, with noise.
     pub rest_rms_rad_s: f64,
@@ -104,7 +104,7 @@ fn plural_of(controlled: ControlledQuantity) -> &'static str {
 /// A sector argument.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SectorResult {
-    /// Whether it is a proof.
+    /// `true` if it is a proof.
     pub holds: bool,
     /// `passivity`, `circle`, `popov` or `zames-falb`: the strongest criterion that it needs, or that was tried.
     pub criterion: &'static str,
@@ -145,7 +145,7 @@ pub struct TermResult {
     /// `constant` (1), `derivative` (value x jw / reference), `kernel` (-sign / (1 + jw / value)) or `stiffness` (-jw / reference in N,
     /// 2 w^2 / (reference value) in R).
     pub kind: &'static str,
-    /// What the kind says: a sign, a corner in rad/s, or a stiffness in the units of the torques.
+    /// Value of the kind: a sign, a corner in rad/s, or a stiffness in the units of the torques.
     pub value: f64,
     /// Sign of a kernel; 1 for other kinds.
     pub sign: f64,
@@ -188,7 +188,7 @@ impl From<&SectorProof> for SectorResult {
 /// A limit cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CycleResult {
-    /// What the loop controls.
+    /// Quantity that the loop controls.
     pub controlled: ControlledQuantity,
     /// Amplitude of the hub rate, rad/s, or of what else the loop controls, in its unit.
     pub amplitude_rad_s: f64,
@@ -214,7 +214,7 @@ pub struct RegimeResult {
     pub pole_radius: f64,
     /// Growth of that motion, 1/s.
     pub growth_per_s: f64,
-    /// Its frequency, Hz.
+    /// Frequency, Hz.
     pub frequency_hz: f64,
     /// Gain margin, dB; `None` if no gain destabilises.
     pub gain_margin_db: Option<f64>,
@@ -236,7 +236,7 @@ pub struct PredictedResult {
     /// Relative difference between the frequency of the pole and the one for which the describing functions hold, the larger of both sides;
     /// `None` if growth does not turn into fading between them.
     pub frequency_error: Option<f64>,
-    /// Whether the loop is enough of a low-pass for the prediction to hold, and its describing functions hold for its frequency.
+    /// `true` if the loop is enough of a low-pass for the prediction to hold, and its describing functions hold for its frequency.
     pub reliable: bool,
     /// The loop with its describing functions at the last amplitude that grows, and at the first that fades.
     pub balances: Vec<CycleBalanceResult>,
@@ -245,13 +245,13 @@ pub struct PredictedResult {
 /// A motion on the simulator.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OrbitResult {
-    /// What the loop controls.
+    /// Quantity that the loop controls.
     pub controlled: ControlledQuantity,
     /// Amplitude at its start, rad/s of the hub rate or the unit of what else the loop controls.
     pub start_rad_s: f64,
     /// Amplitude that stays, rad/s or the unit of what else the loop controls; 0 if the motion faded, `None` if it diverged.
     pub amplitude_rad_s: Option<f64>,
-    /// Its frequency, Hz.
+    /// Frequency, Hz.
     pub frequency_hz: f64,
     /// The motion about its mean over the last stretch that was followed, at the sample time of the loop; absent unless time histories were
     /// asked for.

@@ -9,7 +9,7 @@ use crate::studies::advice::KeptDesigns;
 use crate::studies::assumptions::{LoopSystems, effects_on_design, with_those_of_design};
 use crate::{CompletedDesign, PipelineError};
 
-/// What a complete result is made of beside the design.
+/// Parts of a complete result beside the design.
 #[derive(Debug, Clone, Copy)]
 pub struct ResultContents<'a> {
     /// The values that the project does not state.

@@ -2,10 +2,10 @@
 
 use counterpoise_controller::{COMMON_READINGS, READING_NAMES};
 use counterpoise_linalg::CMat;
-use counterpoise_verify::structured::closing::ClosedWith;
+use counterpoise_verify::structured::closing::LoopClosure;
 use counterpoise_verify::structured::problem::StatedRange;
 use counterpoise_verify::structured::{
-    Bounds, Destabilising, Joints, Perturbation, RobustStability, UpperBound,
+    Bounds, DestabilisingMechanism, Joints, Perturbation, RobustStability, UpperBound,
 };
 use serde::Serialize;
 
@@ -22,7 +22,7 @@ pub struct RobustnessResult {
     pub joints: &'static str,
     /// Stable for all parameters in the stated ranges widened by less than this; `None` if the loop is not stable without any deviation.
     pub guaranteed: Option<f64>,
-    /// Where the upper bound is largest, Hz.
+    /// Frequency at which the upper bound is largest, Hz.
     pub worst_hz: Option<f64>,
     /// Bounds of the structured singular value, by rising frequency.
     pub bounds: Vec<BoundResult>,
@@ -106,14 +106,14 @@ pub struct FactorResult {
     pub factor: f64,
 }
 
-/// What to change where a requirement fails.
+/// Change that would meet a requirement that fails.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AdviceResult {
     /// Key of the figure.
     pub figure: String,
     /// The figure as it is.
     pub value: f64,
-    /// Its limit.
+    /// Limit.
     pub limit: f64,
     /// Change of the figure for a weight that is e times as large.
     pub sensitivities: Vec<SensitivityResult>,
@@ -157,7 +157,7 @@ pub struct ChangeResult {
     pub value: f64,
     /// Change of the gain margin, dB.
     pub gain_margin_change_db: f64,
-    /// Whether the requirement holds then.
+    /// `true` if the requirement holds then.
     pub holds: bool,
     /// The design with that change.
     pub tried: TriedResult,
@@ -221,9 +221,9 @@ impl From<&RegimeRobustness> for RobustnessResult {
     }
 }
 
-impl From<&Destabilising> for NearestResult {
-    fn from(found: &Destabilising) -> Self {
-        let factor = |(varied, factor): &(counterpoise_verify::robust::Varied, f64)| FactorResult {
+impl From<&DestabilisingMechanism> for NearestResult {
+    fn from(found: &DestabilisingMechanism) -> Self {
+        let factor = |(varied, factor): &(counterpoise_verify::robust::VariedParameter, f64)| FactorResult {
             key: varied.key(),
             factor: *factor,
         };
@@ -240,7 +240,7 @@ impl From<&Destabilising> for NearestResult {
     }
 }
 
-fn closed_loop_systems(found: &ClosedWith) -> Vec<SystemResult> {
+fn closed_loop_systems(found: &LoopClosure) -> Vec<SystemResult> {
     let readings = &READING_NAMES[..COMMON_READINGS];
     let mut outputs = vec!["hub_rate_rad_s", "tip_rate_rad_s", "motor_rate_rad_s", "current_a", "control_v"];
     outputs.extend(readings);

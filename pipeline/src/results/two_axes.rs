@@ -30,7 +30,7 @@ pub struct JointVerdictResult {
     pub limit: f64,
     /// `at least` or `at most`.
     pub limit_side: &'static str,
-    /// Where the requirement comes from, as the project file states it; empty if it does not.
+    /// Source of the requirement, as the project file states it; empty if it does not.
     pub source: String,
 }
 
@@ -54,7 +54,7 @@ pub struct JointHistoryResult {
     pub experiment: &'static str,
     /// Sample period, s.
     pub sample_period_s: f64,
-    /// How often a sample was taken on the average, until the torques between the axes no longer changed.
+    /// Mean number of passes per sample until the torques between the axes no longer changed.
     pub passes_per_sample: f64,
     /// The samples.
     pub signals: Signals<JointColumn>,

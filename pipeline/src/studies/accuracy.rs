@@ -14,7 +14,7 @@ const LENGTHS: usize = 7;
 pub struct Accuracy {
     /// The law, or `contact`.
     pub name: &'static str,
-    /// Whether the law truly sticks.
+    /// `true` if the law truly sticks.
     pub sticks: bool,
     /// Lengths of the steps, s, from the longest.
     pub step_s: Vec<f64>,

@@ -12,7 +12,9 @@ use counterpoise_simulate::{
     Detail, Imperfections, Initial, PlantState, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
 };
 use counterpoise_synth::adaptation::{Curve, Scale};
-use counterpoise_synth::{Adaptive, Estimation, Recursive, RecursiveSettings, WindowedMean};
+use counterpoise_synth::{
+    AdaptiveController, Estimation, RecursiveLeastSquares, RecursiveSettings, WindowedMean,
+};
 use counterpoise_verify::Procedure;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -31,11 +33,11 @@ use counterpoise_project::resolve::synthesis_options::{
 /// A run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AdaptRun {
-    /// Its letter, as in the source thesis' figure 7-18.
+    /// Letter, as in the source thesis' figure 7-18.
     pub letter: char,
-    /// What is done.
+    /// Description of the run.
     pub says: &'static str,
-    /// Whether the controller follows the estimate.
+    /// `true` if the controller follows the estimate.
     pub adapts: bool,
     /// The parts of the run between changes.
     pub intervals: Vec<AdaptationInterval>,
@@ -87,7 +89,7 @@ pub struct AdaptationInterval {
     pub hub_rms_rad_s: f64,
     /// The same over that of run (a) in the same time.
     pub over_default: f64,
-    /// Whether the adaptation was in force throughout.
+    /// `true` if the adaptation was in force throughout.
     pub adapted: bool,
 }
 
@@ -113,7 +115,7 @@ impl AdaptationInterval {
     }
 }
 
-/// What the adapted intervals of all runs came to.
+/// Summary of the adapted intervals of all runs.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct AdaptedIntervals {
     /// Number of intervals with the adaptation in force throughout.
@@ -240,28 +242,28 @@ fn plans(adaptation: &AdaptationOptions) -> Vec<Plan> {
 }
 
 /// What acts: the controller alone, or with an estimator beside it.
-enum Acting {
+enum ActiveController {
     Alone(Box<counterpoise_controller::Runner>),
-    Beside(Box<Adaptive>),
+    Beside(Box<AdaptiveController>),
 }
 
 /// Where the out-of-balance stands that a controller uses.
 #[derive(Clone, Copy)]
 struct OutOfBalanceSource {
-    /// Its place among the controller's states.
+    /// Place among the controller's states.
     state: Option<usize>,
-    /// Its value if there is no such state.
+    /// Value if there is no such state.
     design_kg_m: f64,
 }
 
 /// The controller with a note of the out-of-balance that it uses.
-struct Noted {
-    acting: Acting,
+struct OutOfBalanceRecorder {
+    acting: ActiveController,
     source: OutOfBalanceSource,
     used_kg_m: Vec<f64>,
 }
 
-impl SampledController for Noted {
+impl SampledController for OutOfBalanceRecorder {
     fn reset(&mut self) {
         self.acting.reset();
     }
@@ -290,29 +292,29 @@ fn extend_trace(
     }
 }
 
-impl SampledController for Acting {
+impl SampledController for ActiveController {
     fn reset(&mut self) {
         match self {
-            Acting::Alone(runner) => runner.reset(),
-            Acting::Beside(adaptive) => adaptive.reset(),
+            ActiveController::Alone(runner) => runner.reset(),
+            ActiveController::Beside(adaptive) => adaptive.reset(),
         }
     }
 
     fn step(&mut self, readings: &counterpoise_controller::Readings) -> f64 {
         match self {
-            Acting::Alone(runner) => runner.step(readings),
-            Acting::Beside(adaptive) => adaptive.step(readings),
+            ActiveController::Alone(runner) => runner.step(readings),
+            ActiveController::Beside(adaptive) => adaptive.step(readings),
         }
     }
 }
 
-impl Acting {
+impl ActiveController {
     /// Returns the out-of-balance in force.
     fn used_kg_m(&self, source: OutOfBalanceSource) -> f64 {
         let OutOfBalanceSource { state: place, design_kg_m: design } = source;
         match self {
-            Acting::Alone(runner) => place.and_then(|k| runner.state(k)).unwrap_or(design),
-            Acting::Beside(adaptive) => adaptive.history_kg_m().last().copied().unwrap_or(design),
+            ActiveController::Alone(runner) => place.and_then(|k| runner.state(k)).unwrap_or(design),
+            ActiveController::Beside(adaptive) => adaptive.history_kg_m().last().copied().unwrap_or(design),
         }
     }
 }
@@ -325,7 +327,8 @@ impl Stage<'_> {
         let states = &self.controller.programs().states;
         let place = states.iter().find(|group| group.name == "out_of_balance_kg_m").map(|group| group.first);
         let source = OutOfBalanceSource { state: place, design_kg_m: moment };
-        let mut noted = Noted { acting: self.acting_controller(plan)?, source, used_kg_m: Vec::new() };
+        let mut noted =
+            OutOfBalanceRecorder { acting: self.acting_controller(plan)?, source, used_kg_m: Vec::new() };
         let (mut intervals, mut trace) = (Vec::new(), Signals::zeros(0, TraceColumn::COUNT));
         for (k, &(start, factor)) in plan.parts.iter().enumerate() {
             let end = plan.parts.get(k + 1).map_or(1.0, |part| part.0);
@@ -375,7 +378,7 @@ impl Stage<'_> {
     fn part(
         &self,
         plant: &Plant,
-        acting: &mut Noted,
+        acting: &mut OutOfBalanceRecorder,
         [start, end]: [f64; 2],
         state: Option<PlantState>,
         angle: f64,
@@ -409,7 +412,7 @@ impl Stage<'_> {
 
     /// Returns the exported controller with its own estimator, held until its time. Where the amplifier's curve is left in
     /// the loop, an estimator beside the controller knows it.
-    fn acting_controller(&self, plan: &Plan) -> Result<Acting, PipelineError> {
+    fn acting_controller(&self, plan: &Plan) -> Result<ActiveController, PipelineError> {
         let held = plan.from.map(|from| (from * self.adaptation.trial.duration_s / self.period_s()) as u32);
         let beside =
             plan.amplifier == Amplifier::Curved && self.undo == Compensation::Absent && held.is_some();
@@ -426,10 +429,12 @@ impl Stage<'_> {
         });
         let runner = controller.map_err(counterpoise_synth::Error::from)?.runner();
         match self.estimation(plan.amplifier)?.filter(|_| beside) {
-            None => Ok(Acting::Alone(Box::new(runner))),
+            None => Ok(ActiveController::Alone(Box::new(runner))),
             Some(estimation) => {
                 let held = held.unwrap_or(0) as usize;
-                Ok(Acting::Beside(Box::new(Adaptive::new(runner, estimation).hold_estimates(held))))
+                Ok(ActiveController::Beside(Box::new(
+                    AdaptiveController::new(runner, estimation).hold_estimates(held),
+                )))
             }
         }
     }
@@ -443,9 +448,9 @@ impl Stage<'_> {
                 let window = (self.adaptation.window_s / period_s).round() as usize;
                 Some(Estimation::Mean(WindowedMean::new(self.scale(amplifier), window)?))
             }
-            AdaptationMethod::Recursive => {
-                Some(Estimation::Squares(Box::new(Recursive::new(self.settings(amplifier, period_s))?)))
-            }
+            AdaptationMethod::Recursive => Some(Estimation::Squares(Box::new(RecursiveLeastSquares::new(
+                self.settings(amplifier, period_s),
+            )?))),
         })
     }
 

@@ -14,8 +14,8 @@ use counterpoise_project::resolve::synthesis_options::{AdaptationMethod, Adaptat
 use counterpoise_verify::Procedure;
 
 use super::adaptation_trials::{
-    Acts, LOADS, MOTIONS, RECURSIVE, Stage, TrialLoad, TrialMotion, TrialRow, TrialRun, adaptation_options,
-    rms_or_infinite, set_spreads,
+    LOADS, MOTIONS, RECURSIVE, Stage, TrialController, TrialLoad, TrialMotion, TrialRow, TrialRun,
+    adaptation_options, rms_or_infinite, set_spreads,
 };
 use crate::synth::controller_blocks::HOLD_BAND;
 use crate::tolerance::LEAST_DEAD_BAND_M_S2;
@@ -104,7 +104,7 @@ fn is_helped(motion: TrialMotion, base: &[TrialRow]) -> bool {
 struct Job {
     motion: TrialMotion,
     load: TrialLoad,
-    acts: Acts,
+    acts: TrialController,
 }
 
 struct Search<'a> {
@@ -173,7 +173,9 @@ impl Search<'_> {
     /// Returns the trials without adaptation, and with the load known.
     fn base(&self) -> Result<Vec<TrialRow>, PipelineError> {
         let all = MOTIONS.iter().flat_map(|motion| LOADS.iter().map(move |load| (*motion, *load)));
-        let each = |(motion, load)| [Acts::Without, Acts::Told].map(|acts| Job { motion, load, acts });
+        let each = |(motion, load)| {
+            [TrialController::Without, TrialController::Told].map(|acts| Job { motion, load, acts })
+        };
         let jobs: Vec<Job> = all.flat_map(each).collect();
         let runs = self.runs(self.adaptation, &jobs)?;
         let mut rows: Vec<TrialRow> = jobs
@@ -237,4 +239,4 @@ impl Search<'_> {
     }
 }
 
-const ADAPTS: Acts = Acts::Adapts(AdaptationMethod::Recursive);
+const ADAPTS: TrialController = TrialController::Adapts(AdaptationMethod::Recursive);

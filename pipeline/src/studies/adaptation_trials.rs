@@ -7,7 +7,7 @@ mod stage;
 pub use excitation::{TrialLoad, TrialMotion};
 
 pub(super) use excitation::{LOADS, MOTIONS};
-pub(super) use stage::{Acts, Stage, TrialRun};
+pub(super) use stage::{Stage, TrialController, TrialRun};
 
 use counterpoise_models::ControlledQuantity;
 use counterpoise_project::Project;
@@ -42,14 +42,14 @@ pub struct TrialRow {
     pub spread_rad_s: f64,
 }
 
-/// Where the estimate of recursive least squares is followed.
+/// Hold bands of the estimate of recursive least squares.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct HoldBands {
     /// RMS of the platform's acceleration below which the estimate is not changed, m/s^2.
     pub dead_band_m_s2: f64,
     /// Share of the design's out-of-balance within which it is not followed.
     pub hold_band: f64,
-    /// Whether the exported controller adapts: it does not where no trial shows that it helps.
+    /// `true` if the exported controller adapts: it does not where no trial shows that it helps.
     pub is_exported: bool,
 }
 
@@ -60,7 +60,7 @@ pub struct AdaptationTrials {
     pub rows: Vec<TrialRow>,
     /// Methods that are refused for this project, with the reason.
     pub refused: Vec<MethodRefusal>,
-    /// Where recursive least squares act; absent for other methods.
+    /// Hold bands of recursive least squares; absent for other methods.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bands: Option<HoldBands>,
     /// The hub's rate once the load has settled, of every run.
@@ -114,7 +114,7 @@ pub(super) const RECURSIVE: &str = "recursive";
 pub struct KeyedMethod {
     /// The method.
     pub method: AdaptationMethod,
-    /// Its key.
+    /// Key.
     pub key: &'static str,
 }
 
@@ -234,9 +234,10 @@ fn run_methods(stage: &Stage, methods: &[KeyedMethod]) -> Result<AdaptationTrial
                 });
                 Ok::<_, PipelineError>(found)
             };
-            let (without_rad_s, told_rad_s) = (rms(Acts::Without, "none")?, rms(Acts::Told, "told")?);
+            let (without_rad_s, told_rad_s) =
+                (rms(TrialController::Without, "none")?, rms(TrialController::Told, "told")?);
             for &KeyedMethod { method, key } in methods {
-                let with_rad_s = rms(Acts::Adapts(method), key)?;
+                let with_rad_s = rms(TrialController::Adapts(method), key)?;
                 let spread_rad_s = 0.0;
                 let row = TrialRow {
                     rate,

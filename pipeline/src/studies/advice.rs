@@ -10,7 +10,9 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_project::Project;
 use counterpoise_synth::{Specification, Weight};
 use counterpoise_verify::robust::{figures_of, history_of};
-use counterpoise_verify::{Figure, LoopFigure, Procedure, Requirement, Value, Verdict, Verification};
+use counterpoise_verify::{
+    LoopFigure, PerformanceFigure, Procedure, Requirement, Value, Verdict, Verification,
+};
 
 use crate::exchange::{HistoryResult, SystemResult, controllers_of};
 use crate::{PipelineError, PlantModel, ReducedPlant, synthesise};
@@ -20,9 +22,9 @@ use crate::{PipelineError, PlantModel, ReducedPlant, synthesise};
 pub struct WeightAdvice {
     /// The requirement that fails.
     pub requirement: Requirement,
-    /// What the loop controls, whose name and unit the figure has.
+    /// Quantity that the loop controls; the figure has its name and unit.
     pub controlled: ControlledQuantity,
-    /// Its figure as it is.
+    /// Figure as it is.
     pub value: f64,
     /// The sensitivity to each weight.
     pub sensitivities: Vec<WeightSensitivity>,
@@ -66,7 +68,7 @@ pub struct TriedDesign {
     pub history: Option<HistoryResult>,
 }
 
-/// What is kept of the designs that are tried.
+/// Designs that a trial keeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum KeptDesigns {
     /// Their linear systems.
@@ -86,7 +88,7 @@ pub struct TriedChange {
     pub value: f64,
     /// Change of the gain margin, dB.
     pub gain_margin_db: f64,
-    /// Whether the requirement holds then.
+    /// `true` if the requirement holds then.
     pub holds: bool,
     /// The design.
     pub tried: TriedDesign,
@@ -94,7 +96,7 @@ pub struct TriedChange {
 
 /// A parameter of the weights.
 struct WeightParameter {
-    /// Its key in the project file.
+    /// Key in the project file.
     key: &'static str,
     /// Multiplies it by a factor.
     scale: fn(&mut Specification, f64),
@@ -178,7 +180,7 @@ impl WeightTrials<'_> {
         value: f64,
         parameters: &[WeightParameter],
     ) -> Result<WeightAdvice, PipelineError> {
-        let figures = [requirement.figure, Figure::Loop(LoopFigure::GainMargin)];
+        let figures = [requirement.figure, PerformanceFigure::Loop(LoopFigure::GainMargin)];
         let designed = self.design_controller(None)?;
         let before = designed.map(|controller| self.measure_figures(&figures, &controller)).transpose()?;
         let Some(before) = before.flatten() else {
@@ -246,7 +248,7 @@ impl WeightTrials<'_> {
     /// controller.
     fn try_change(
         &self,
-        figures: &[Figure],
+        figures: &[PerformanceFigure],
         change: &WeightChange<'_>,
     ) -> Result<Option<(Vec<f64>, TriedDesign)>, PipelineError> {
         let Some(controller) = self.design_controller(Some(change))? else { return Ok(None) };
@@ -272,7 +274,7 @@ impl WeightTrials<'_> {
     /// Returns figures under a controller; `None` if one of them is not a finite number.
     fn measure_figures(
         &self,
-        figures: &[Figure],
+        figures: &[PerformanceFigure],
         controller: &Controller,
     ) -> Result<Option<Vec<f64>>, PipelineError> {
         let values = figures_of(&self.modelled.plant, controller, self.procedure, figures)?;

@@ -4,7 +4,7 @@
 use counterpoise_models::plant::Plant;
 use counterpoise_pool::{Pool, map_all};
 use counterpoise_project::{Assumption, Project};
-use counterpoise_verify::{Arrangement, Figure, LoopFigure, Procedure, Source, frequency_figures};
+use counterpoise_verify::{Arrangement, LoopFigure, PerformanceFigure, Procedure, Source, frequency_figures};
 use serde::Serialize;
 
 use crate::exchange::{VerifiedLoop, plants_of, verified_loop};
@@ -14,27 +14,27 @@ use crate::{DesignStages, PipelineError, PlantModel, SynthesisedDesign, build_pl
 /// Frequency at which the residual of heave and pitch is compared, Hz: within the band that feedback and feedforward reject.
 const RESIDUAL_HZ: f64 = 1.0;
 
-/// How much an assumption matters.
+/// Effect of an assumption on the loop.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AssumptionEffect {
     /// Path of the absent key.
     pub key: String,
     /// The assumed value.
     pub value: f64,
-    /// Its unit.
+    /// Unit.
     pub unit: &'static str,
-    /// What happens at the lowest and at the highest usual value.
-    pub at: [EffectAt; 2],
+    /// Effects at the lowest and at the highest usual value.
+    pub at: [EffectAtValue; 2],
     /// Largest change of gain margin, sensitivity or residual, dB; infinite if the loop becomes unstable.
     pub largest_change_db: f64,
 }
 
 /// The loop at one value of an assumed quantity. Changes are those from the loop at the assumed value.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct EffectAt {
+pub struct EffectAtValue {
     /// The value.
     pub value: f64,
-    /// Whether the closed loop is stable there.
+    /// `true` if the closed loop is stable there.
     pub is_stable: bool,
     /// Change of the gain margin, dB; `None` if one of the two has none.
     pub gain_margin_change_db: Option<f64>,
@@ -49,8 +49,8 @@ pub struct EffectAt {
     pub measured_on: Option<VerifiedLoop>,
 }
 
-/// Whether a result contains the systems from which its effects can be recomputed. They are asked for by whoever writes the result for
-/// another program: two sampled plants for each assumption take as long as the effects themselves.
+/// Systems of a loop from which the effects of a result can be recomputed, if the result contains them. They are asked for by whoever writes
+/// the result for another program: two sampled plants for each assumption take as long as the effects themselves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoopSystems {
     /// The plants at both ends of each usual range, and the loop at the assumed values.
@@ -109,7 +109,7 @@ pub fn assumption_effects(
             let varied = made.as_ref().and_then(|made| figures(&made.plant, synthesised, &procedure).ok());
             let plants = |made: PlantModel| plants_of(&made.plant, controller, &procedure).ok();
             let measured_on = made.filter(|_| is_included).and_then(plants);
-            Some(EffectAt { measured_on, ..compare_figures(value, varied, nominal) })
+            Some(EffectAtValue { measured_on, ..compare_figures(value, varied, nominal) })
         };
         let at = [at(low)?, at(high)?];
         let largest_change_db = at.iter().map(largest).fold(0.0, f64::max);
@@ -148,10 +148,13 @@ fn figures(
     procedure: &Procedure,
 ) -> Result<LoopFigures, PipelineError> {
     let found = frequency_figures(plant, &synthesised.sampled.controller, procedure)?;
-    let of = |figure| found.value(Figure::Loop(figure)).filter(|value| value.is_finite());
+    let of = |figure| found.value(PerformanceFigure::Loop(figure)).filter(|value| value.is_finite());
     let residual = |source| {
-        let figure =
-            Figure::Rejection { source, arrangement: Arrangement::Compensated, frequency_hz: RESIDUAL_HZ };
+        let figure = PerformanceFigure::Rejection {
+            source,
+            arrangement: Arrangement::Compensated,
+            frequency_hz: RESIDUAL_HZ,
+        };
         found.value(figure).filter(|value| value.is_finite())
     };
     Ok(LoopFigures {
@@ -164,10 +167,10 @@ fn figures(
 }
 
 /// Returns the changes from the nominal loop to another; `None` for a plant that cannot be built.
-fn compare_figures(value: f64, varied: Option<LoopFigures>, nominal: LoopFigures) -> EffectAt {
+fn compare_figures(value: f64, varied: Option<LoopFigures>, nominal: LoopFigures) -> EffectAtValue {
     let change = |of: fn(&LoopFigures) -> Option<f64>| Some(of(varied.as_ref()?)? - of(&nominal)?);
     let residuals = [change(|f| f.residual_db[0]), change(|f| f.residual_db[1])];
-    EffectAt {
+    EffectAtValue {
         value,
         is_stable: varied.is_some_and(|f| f.is_stable),
         gain_margin_change_db: change(|f| f.gain_margin_db),
@@ -178,7 +181,7 @@ fn compare_figures(value: f64, varied: Option<LoopFigures>, nominal: LoopFigures
     }
 }
 
-fn largest(at: &EffectAt) -> f64 {
+fn largest(at: &EffectAtValue) -> f64 {
     if !at.is_stable {
         return f64::INFINITY;
     }

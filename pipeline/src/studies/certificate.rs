@@ -9,7 +9,7 @@ use counterpoise_verify::structured::{Joints, RobustStability, Uncertainty, robu
 use crate::synth::schedule::with_factor;
 use crate::{PipelineError, PlantModel, SynthesisedDesign, build_plant_model};
 
-/// How far the ranges of the sweep may be widened in one case and one regime of friction.
+/// Factor by which the ranges of the sweep may be widened in one case and one regime of friction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegimeRobustness {
     /// The case's name.

@@ -8,7 +8,7 @@ use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::alternatives::generalised_plant;
 use counterpoise_synth::{
     Alternative, Design, DesignPlant, DisturbanceChannel, FeedbackWeights, Figures, JointOptimum, Reference,
-    Refusal, Sampled, ScheduleEntry, SourceCost, SynthesisMethod, Weighed, Weight, attempt,
+    Refusal, ResidualChoice, SampledLoop, ScheduleEntry, SourceCost, SynthesisMethod, Weight, attempt,
     check_sampled_loop, design_alternative, discretise, error_at, figure_systems, sampled_loop_figures,
     total_cost,
 };
@@ -31,13 +31,13 @@ use counterpoise_project::resolve::synthesis::DesignRequest;
 pub struct DesignComparison {
     /// The feedback as built, and further methods.
     pub methods: Vec<MethodRow>,
-    /// What a lower order of the feedback costs.
+    /// Cost of a lower order of the feedback.
     pub lowered: Option<LoweredRow>,
     /// Hub and tip under each expected disturbance.
     pub motions: Vec<MotionRow>,
     /// States of balance.
     pub balance: Vec<BalanceRow>,
-    /// What they are computed from, row by row.
+    /// Data from which they are computed, row by row.
     pub balance_basis: Vec<BalanceBasis>,
     /// The loop on the structure with the modes that the design does not know.
     pub spillover: Option<Spillover>,
@@ -52,7 +52,7 @@ pub struct BalanceBasis {
     pub controllers: Vec<SystemResult>,
     /// The nominal design on its plant.
     pub nominal: CostBasis,
-    /// Its own design.
+    /// Own design.
     pub redesign: CostBasis,
 }
 
@@ -63,7 +63,7 @@ pub struct TotalCostResult {
     pub total: f64,
     /// Feedback first.
     pub parts: Vec<PartCostRow>,
-    /// What the cost and the motions are computed from; absent for one joint problem.
+    /// Data from which the cost and the motions are computed; absent for one joint problem.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub basis: Option<CostBasis>,
 }
@@ -88,7 +88,7 @@ pub struct PartCostRow {
 pub struct MethodRow {
     /// Method.
     pub method: String,
-    /// Whether the error weight integrates.
+    /// `true` if the error weight integrates.
     pub integral: bool,
     /// States of the feedback.
     pub order: usize,
@@ -100,7 +100,7 @@ pub struct MethodRow {
     pub systems: Vec<SystemResult>,
     /// Why there is none.
     pub why: Option<String>,
-    /// What order and norm are computed from; absent if there is no controller, or for a fixed structure.
+    /// Data from which order and norm are computed; absent if there is no controller, or for a fixed structure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub problem: Option<MethodProblem>,
 }
@@ -117,10 +117,10 @@ pub struct MethodProblem {
     /// The textbook's plant from (noises, weighted control) to (weighted error, weighted control, error), if the method solves it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub generalised: Option<SystemResult>,
-    /// Its controller from the error to the weighted control: the norm is that of the loop of these two.
+    /// Controller from the error to the weighted control: the norm is that of the loop of these two.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub on_generalised: Option<SystemResult>,
-    /// What the cost of the three-part feedback is computed from: the norm is its root.
+    /// Data of the cost of the three-part feedback: the norm is its root.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub basis: Option<CostBasis>,
 }
@@ -144,7 +144,7 @@ pub struct LoopFigures {
     pub noise_gain: f64,
 }
 
-/// What a lower order of the feedback costs.
+/// Cost of a lower order of the feedback.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LoweredRow {
     /// States before and after.
@@ -277,7 +277,7 @@ struct MeasuredLoop {
     systems: Vec<SystemResult>,
 }
 
-fn measured_loop(made: &SynthesisedDesign, sampled: &Sampled) -> Result<MeasuredLoop, PipelineError> {
+fn measured_loop(made: &SynthesisedDesign, sampled: &SampledLoop) -> Result<MeasuredLoop, PipelineError> {
     let on = figure_systems(&made.design.plant, sampled, &made.sampling)?;
     let systems = vec![
         SystemResult::new("loop", &on.broken, &["control_v"], &["returned_control_v"]),
@@ -298,7 +298,7 @@ fn measured_loop(made: &SynthesisedDesign, sampled: &Sampled) -> Result<Measured
     Ok(MeasuredLoop { figures: loop_figures(made, sampled)?, systems })
 }
 
-fn loop_figures(made: &SynthesisedDesign, sampled: &Sampled) -> Result<LoopFigures, PipelineError> {
+fn loop_figures(made: &SynthesisedDesign, sampled: &SampledLoop) -> Result<LoopFigures, PipelineError> {
     let found: Figures = sampled_loop_figures(&made.design.plant, sampled, &made.sampling, BAND_RAD_S)?;
     Ok(LoopFigures {
         gain_margin_db: found.gain_margin_db,
@@ -505,8 +505,9 @@ fn motions(design: &Design) -> Result<Vec<MotionRow>, PipelineError> {
         if design.part(channel).is_none() {
             continue;
         }
-        let at =
-            |gain: f64, output: usize| error_at(&design.plant, design, channel, Weighed { gain, output });
+        let at = |gain: f64, output: usize| {
+            error_at(&design.plant, design, channel, ResidualChoice { gain, output })
+        };
         let pair = |output: usize| Ok::<_, PipelineError>([at(0.0, output)?, at(1.0, output)?]);
         let (hub_rad_s, tip_rad_s) = (pair(LinearPlant::HUB_RATE)?, pair(LinearPlant::TIP_RATE)?);
         rows.push(MotionRow { disturbance, hub_rad_s, tip_rad_s });

@@ -19,7 +19,7 @@ pub struct CostBasis {
     pub plant: SystemResult,
     /// The feedback from the measured rate to the control.
     pub feedback: SystemResult,
-    /// Which input is the control, and which true output is controlled.
+    /// Input that is the control, and true output that is controlled.
     pub control_input: usize,
     /// Number of that output among the true outputs.
     pub rate_output: usize,

@@ -15,7 +15,7 @@ use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Experiment, Procedure, Source, nonlinear};
 use serde::Serialize;
 
-use crate::exchange::InOwnUnit;
+use crate::exchange::UnitValue;
 use crate::tuning::{
     BlockResult, LoopMeasuresResult, TuningGround, WeightsResult, block_results, own_procedure, put_in_place,
     tune_feedback, tuning_ground, weights_result,
@@ -36,7 +36,7 @@ pub struct DesignTable {
     /// The quantity that the loop controls: every figure of a rate is one of it, in its unit.
     #[serde(skip)]
     pub controlled: ControlledQuantity,
-    /// What the tuned structures make least, in words.
+    /// Objective of the tuned structures, in words.
     pub objective: String,
     /// Motion that the last nonlinear run has, in words.
     pub motion: &'static str,
@@ -45,7 +45,7 @@ pub struct DesignTable {
     pub disturbance: Vec<[f64; 2]>,
     /// RMS of the white noise of a reading.
     #[serde(flatten)]
-    pub reading_noise: InOwnUnit<f64>,
+    pub reading_noise: UnitValue<f64>,
     /// The designs, the project's own first.
     pub rows: Vec<DesignRow>,
 }
@@ -53,7 +53,7 @@ pub struct DesignTable {
 /// A design with its figures.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DesignRow {
-    /// Which design.
+    /// Name of the design.
     pub name: String,
     /// The limits that it was tuned under; absent if it was not tuned.
     pub limits: Option<LimitsResult>,
@@ -72,13 +72,13 @@ pub struct DesignRow {
     pub weights: Option<WeightsResult>,
     /// By how much the worst limit is missed, relative to it.
     pub missed: f64,
-    /// How good the bound is, for the row of the best linear feedback.
+    /// Accuracy of the bound, for the row of the best linear feedback.
     pub bound: Option<BoundResult>,
     /// Why there is no controller.
     pub why: Option<String>,
 }
 
-/// How far a bound of the best linear feedback is known.
+/// Gap of a bound of the best linear feedback.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundGap {
     /// By how much the value exceeds the dual bound of the basis, percent of that.
@@ -98,7 +98,7 @@ impl DesignRow {
     }
 }
 
-/// How good the bound of the best linear feedback is.
+/// Bound of the best linear feedback, with its accuracy.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BoundResult {
     /// No feedback in the basis leaves less on the program's grid: in the unit of what the loop controls, or as a share of 1 over a band.
@@ -135,23 +135,23 @@ pub struct LimitsResult {
 /// Figures of the nonlinear closed loop: RMS values after the procedure's settling time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct RunFigures {
-    /// What the loop controls less the demand after a step of it.
+    /// Controlled quantity less the demand after a step of the demand.
     #[serde(flatten)]
-    pub step: InOwnUnit<f64>,
-    /// What the loop controls, under the sines of heave and pitch together.
+    pub step: UnitValue<f64>,
+    /// Response of the controlled quantity to the sines of heave and pitch together.
     #[serde(flatten)]
-    pub sines: InOwnUnit<f64>,
+    pub sines: UnitValue<f64>,
     /// The same under the project's own motion; absent without one.
     #[serde(flatten)]
-    pub motion: InOwnUnit<Option<f64>>,
+    pub motion: UnitValue<Option<f64>>,
     /// The same at rest.
     #[serde(flatten)]
-    pub rest: InOwnUnit<f64>,
+    pub rest: UnitValue<f64>,
     /// Control about its mean under the own motion, or under the sines, V.
     pub control_v: f64,
 }
 
-/// What a comparison is asked for.
+/// Input of a comparison of designs.
 #[derive(Debug, Clone, Default)]
 pub struct ComparisonRequest {
     /// Limits under which the structures are tuned besides those of the own controller.
@@ -223,7 +223,7 @@ pub fn design_table(
         TuningObjective::Band => describe_band_objective(wanted.band_rad_s),
     };
     let Disturbance { lines: disturbance, reading_noise_rad_s } = ground.disturbance.clone();
-    let reading_noise = InOwnUnit::new("reading_noise", controlled, reading_noise_rad_s);
+    let reading_noise = UnitValue::new("reading_noise", controlled, reading_noise_rad_s);
     let (name, hash) = (identity.name, identity.hash);
     Ok(DesignTable { name, hash, controlled, objective, motion, disturbance, reading_noise, rows })
 }
@@ -412,10 +412,10 @@ impl RowBuilder<'_> {
         };
         let controlled = self.project.plant.controlled_quantity();
         Ok(RunFigures {
-            step: InOwnUnit::new("step", controlled, run(Experiment::Step)?[0]),
-            sines: InOwnUnit::new("sines", controlled, sines[0]),
-            motion: InOwnUnit::new("motion", controlled, motion.map(|found| found[0])),
-            rest: InOwnUnit::new("rest", controlled, run(Experiment::Rest)?[0]),
+            step: UnitValue::new("step", controlled, run(Experiment::Step)?[0]),
+            sines: UnitValue::new("sines", controlled, sines[0]),
+            motion: UnitValue::new("motion", controlled, motion.map(|found| found[0])),
+            rest: UnitValue::new("rest", controlled, run(Experiment::Rest)?[0]),
             control_v: motion.unwrap_or(sines)[1],
         })
     }

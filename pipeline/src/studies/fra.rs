@@ -30,7 +30,7 @@ use crate::{PipelineError, PlantModel, build_plant_model, cannot_hold, reduce_pl
 use counterpoise_project::Project;
 use counterpoise_project::resolve::model::StructureChoice;
 
-/// What is excited, and what is measured.
+/// Loop that is excited and measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LoopUnderTest {
@@ -47,7 +47,7 @@ pub enum LoopUnderTest {
 /// The points of a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasurementPlan {
-    /// What is excited.
+    /// Loop that is excited.
     pub around: LoopUnderTest,
     /// Amplitudes: V for the plant, in the demand's unit for the closed loop, rad/s otherwise.
     pub amplitudes: Vec<f64>,
@@ -57,7 +57,7 @@ pub struct MeasurementPlan {
     pub offset_m: f64,
 }
 
-/// What has to be known with the numbers of a map.
+/// Remark that belongs to the numbers of a response map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MapRemark {
     /// The loop is closed by the controller of the recordings.
@@ -69,16 +69,16 @@ pub enum MapRemark {
     },
 }
 
-/// What a map relates: the quantities of the machine's own loop, with their units.
+/// Input and output of a response map: quantities of the machine's own loop, with their units.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct MapSignals {
-    /// What is excited.
+    /// Excited signal.
     pub input: &'static str,
-    /// Its unit.
+    /// Unit.
     pub input_unit: &'static str,
-    /// What is measured.
+    /// Measured signal.
     pub output: &'static str,
-    /// Its unit.
+    /// Unit.
     pub output_unit: &'static str,
 }
 
@@ -98,7 +98,7 @@ impl MapSignals {
 pub struct ResponseMap<Remark = String> {
     /// Name of the machine.
     pub name: String,
-    /// What was excited and measured.
+    /// Loop that was excited and measured.
     pub around: LoopUnderTest,
     /// The signals that it relates, and their units.
     pub signals: MapSignals,
@@ -106,9 +106,9 @@ pub struct ResponseMap<Remark = String> {
     pub recording: Option<String>,
     /// The numbers of its points.
     pub points: MapPoints,
-    /// How long the mechanism was simulated, s.
+    /// Simulated time of the mechanism, s.
     pub simulated_s: f64,
-    /// What has to be known with the numbers.
+    /// Remarks that belong to the numbers.
     pub remarks: Vec<Remark>,
 }
 
@@ -117,7 +117,7 @@ pub struct ResponseMap<Remark = String> {
 pub struct RecordedMap {
     /// The map.
     pub map: ResponseMap<MapRemark>,
-    /// What was found about the columns.
+    /// Remarks on the columns.
     pub columns: Vec<ColumnRemark>,
 }
 
@@ -162,7 +162,7 @@ impl LoopUnderTest {
 
 /// The controller in the loop.
 #[derive(Debug, Clone)]
-enum Acting {
+enum AnalysedController {
     /// None is needed.
     Absent,
     /// The designed one, with its linear part.
@@ -175,7 +175,7 @@ enum Acting {
 #[derive(Debug, Clone)]
 pub struct Analyser {
     plant: Plant,
-    acting: Acting,
+    acting: AnalysedController,
     point: OperatingPoint,
     around: LoopUnderTest,
     offset_m: f64,
@@ -206,7 +206,7 @@ impl Analyser {
             _ => modelled.plant.clone(),
         };
         let acting = match plan.around {
-            LoopUnderTest::Plant | LoopUnderTest::Disconnected => Acting::Absent,
+            LoopUnderTest::Plant | LoopUnderTest::Disconnected => AnalysedController::Absent,
             LoopUnderTest::Closed | LoopUnderTest::Disturbance => {
                 acting_controller(project, modelled, on, &mut remarks)?
             }
@@ -376,25 +376,26 @@ impl Analyser {
 
     fn runner(&self) -> Box<dyn SampledController> {
         match &self.acting {
-            Acting::Absent => Box::new(Nothing),
-            Acting::Designed(controller, _) => Box::new(controller.runner()),
-            Acting::Recorded(controller) => Box::new(controller.clone()),
+            AnalysedController::Absent => Box::new(IdleController),
+            AnalysedController::Designed(controller, _) => Box::new(controller.runner()),
+            AnalysedController::Recorded(controller) => Box::new(controller.clone()),
         }
     }
 
     /// Returns the describing function at the hub amplitude that it leads to itself, by damped iteration.
     fn describing_response(
         &self,
-        linear: &Expected,
+        linear: &ExpectedResponse,
         rate: f64,
         amplitude: f64,
-    ) -> Result<Option<Expected>, PipelineError> {
+    ) -> Result<Option<ExpectedResponse>, PipelineError> {
         let p = self.plant.parameters();
         if [&p.motor_friction.law, &p.pivot_friction.law].iter().all(|law| **law == FrictionLaw::None) {
             return Ok(None);
         }
         let per_travel = if p.sensors.measured.is_position() { 1.0 } else { rate };
-        let swing = |found: &Expected| (found.relative.norm() * amplitude / per_travel).max(LEAST_SWING_RAD);
+        let swing =
+            |found: &ExpectedResponse| (found.relative.norm() * amplitude / per_travel).max(LEAST_SWING_RAD);
         let mut hub_amplitude_rad = swing(linear);
         for _ in 0..MOST_SWING_TRIALS {
             let friction =
@@ -414,15 +415,15 @@ impl Analyser {
         &self,
         friction: FrictionLinearisation,
         rate: f64,
-    ) -> Result<Expected, PipelineError> {
+    ) -> Result<ExpectedResponse, PipelineError> {
         let equilibrium = self.plant.equilibrium(&self.point);
         // the outputs of a loop of position are positions, which the plant shows only in that form
         let is_position = self.plant.parameters().sensors.measured.is_position();
         let angles = if is_position { Angles::Position } else { Angles::Keep };
         let linear = self.plant.linearise(&equilibrium, friction, angles)?;
         let resolver = match &self.acting {
-            Acting::Designed(controller, _) => resolver_use(controller),
-            Acting::Absent | Acting::Recorded(_) => Resolver::Unread,
+            AnalysedController::Designed(controller, _) => resolver_use(controller),
+            AnalysedController::Absent | AnalysedController::Recorded(_) => Resolver::Unread,
         };
         let sampled = SampledPlant::new(&linear, self.plant.parameters(), resolver)?.sampled;
         let period = self.plant.parameters().interface.sample_period_s;
@@ -433,10 +434,10 @@ impl Analyser {
             |tones: &[C64]| gains.iter().zip(&tones[FIRST_READING..]).map(|(k, r)| k * r).sum::<C64>();
         let closed = C64::new(1.0, 0.0) - through(&control);
         Ok(match self.around {
-            LoopUnderTest::Plant => Expected { response: control[HUB_GYRO], relative: control[HUB] },
+            LoopUnderTest::Plant => ExpectedResponse { response: control[HUB_GYRO], relative: control[HUB] },
             LoopUnderTest::Closed => {
                 let u = gains[0] / closed;
-                Expected { response: control[HUB_GYRO] * u, relative: control[HUB] * u }
+                ExpectedResponse { response: control[HUB_GYRO] * u, relative: control[HUB] * u }
             }
             LoopUnderTest::Disturbance | LoopUnderTest::Disconnected => {
                 let share = C64::new(0.0, rate * self.offset_m);
@@ -444,7 +445,7 @@ impl Analyser {
                 let u = through(&tone) / closed;
                 let response = (tone[HUB_GYRO] + control[HUB_GYRO] * u) / tone[PLATFORM_GYRO];
                 let platform = if is_position { 0.0 } else { 1.0 };
-                Expected { response, relative: tone[HUB] + control[HUB] * u - platform }
+                ExpectedResponse { response, relative: tone[HUB] + control[HUB] * u - platform }
             }
         })
     }
@@ -453,12 +454,12 @@ impl Analyser {
     fn gains(&self, rate: f64, period: f64) -> Result<Vec<C64>, PipelineError> {
         let mut gains = vec![C64::new(0.0, 0.0); counterpoise_controller::COMMON_READINGS];
         match &self.acting {
-            Acting::Absent => {}
-            Acting::Designed(_, linear) => {
+            AnalysedController::Absent => {}
+            AnalysedController::Designed(_, linear) => {
                 let from_readings = response_at(linear, rate)?;
                 gains.iter_mut().enumerate().for_each(|(i, gain)| *gain = from_readings[(0, i)]);
             }
-            Acting::Recorded(pi) => {
+            AnalysedController::Recorded(pi) => {
                 let z = C64::from_polar(1.0, rate * period);
                 gains[0] = pi.kp_v_s_rad + pi.ki_v_rad * pi.sample_period_s / (z - 1.0);
                 gains[1] = -gains[0];
@@ -468,7 +469,7 @@ impl Analyser {
     }
 }
 
-/// What the controller in the loop is taken from.
+/// Source of the controller in the loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoopController {
     /// The simulated mechanism: the designed controller.
@@ -478,7 +479,7 @@ pub enum LoopController {
 }
 
 /// What a linear model gives.
-struct Expected {
+struct ExpectedResponse {
     /// The response as the instrument reads it.
     response: C64,
     /// Hub rate relative to the platform, in a loop of position its position there, per unit of excitation.
@@ -503,9 +504,9 @@ fn column(all: &counterpoise_linalg::CMat, input: usize) -> Vec<C64> {
 }
 
 /// A controller that does nothing: the test without one does not ask it.
-struct Nothing;
+struct IdleController;
 
-impl SampledController for Nothing {
+impl SampledController for IdleController {
     fn reset(&mut self) {}
 
     fn step(&mut self, _readings: &counterpoise_controller::Readings) -> f64 {
@@ -518,18 +519,18 @@ fn acting_controller(
     modelled: &PlantModel,
     on: LoopController,
     remarks: &mut Vec<MapRemark>,
-) -> Result<Acting, PipelineError> {
+) -> Result<AnalysedController, PipelineError> {
     let recorded = project.recording_controller.as_ref().and_then(|c| c.as_proportional_integral());
     if let Some(pi) = recorded.filter(|_| on == LoopController::Recording || project.synth.is_none()) {
         remarks.push(MapRemark::RecordingController);
-        return Ok(Acting::Recorded(pi.clone()));
+        return Ok(AnalysedController::Recorded(pi.clone()));
     }
     let made = synthesise(project, modelled, &reduce_plant(project, modelled)?)?;
     let controller = made.sampled.controller;
     let linear = controller
         .linear(modelled.plant.body().out_of_balance_kg_m)
         .map_err(counterpoise_verify::Error::from)?;
-    Ok(Acting::Designed(Box::new(controller), linear))
+    Ok(AnalysedController::Designed(Box::new(controller), linear))
 }
 
 /// Returns the plant without a motor, balanced: nothing would hold a weight.

@@ -52,7 +52,7 @@ pub struct ResponseMapPoint {
     pub cycles: usize,
     /// Relative change of the response from the window before; none on a recording.
     pub last_change: Option<f64>,
-    /// Whether the motion had settled; on a recording, whether it was excited at this frequency at all.
+    /// `true` if the motion had settled; on a recording, whether it was excited at this frequency at all.
     pub settled: bool,
     /// The linear model without dry friction.
     pub linear: [f64; 2],

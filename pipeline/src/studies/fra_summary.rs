@@ -119,7 +119,7 @@ impl<Remark> ResponseMap<Remark> {
     }
 }
 
-/// How long the measuring of a map took.
+/// Time that the measurement of a map took.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuringPace {
     /// Threads that it was measured on.
@@ -147,7 +147,7 @@ pub struct MapTotals {
     pub points: usize,
     /// Points that had not settled, or were not excited on a recording.
     pub unsettled: usize,
-    /// How long the mechanism was simulated, s.
+    /// Simulated time of the mechanism, s.
     pub simulated_s: f64,
 }
 

@@ -19,14 +19,14 @@ use counterpoise_project::resolve::synthesis_options::WeightSearch;
 pub struct TradeOffPoint {
     /// The limit of the largest sensitivity Ms.
     pub ms_limit: f64,
-    /// What was found under it.
+    /// Result under it.
     pub found: SearchResult,
 }
 
 /// The answer of a search.
 #[derive(Debug, Clone)]
 pub struct SearchAnswer {
-    /// What was found.
+    /// Result.
     pub found: SearchResult,
     /// The trade-off between rejection and sensitivity, in the order of the project's limits.
     pub curve: Vec<TradeOffPoint>,
@@ -36,7 +36,7 @@ pub struct SearchAnswer {
     pub missed_on_full_plant: f64,
     /// The project with the weights that were found.
     pub project: Project,
-    /// What each of those weights asks for, in words, one a line.
+    /// Meaning of each of those weights in words, one a line.
     pub weights: Vec<String>,
     /// Their frequency responses.
     pub weight_responses: Vec<WeightResponses>,
@@ -109,7 +109,7 @@ fn better_point(curve: &[TradeOffPoint], found: &SearchResult, wanted: &Requirem
 pub struct JudgedWeights {
     /// The limit of Ms under which they were found; none for the answer itself.
     pub ms_limit: Option<f64>,
-    /// What was found.
+    /// Result.
     pub found: SearchResult,
     /// The verified controller.
     pub verified: VerifiedController,

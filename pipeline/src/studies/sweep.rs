@@ -5,11 +5,11 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_pool::{Pool, map};
 use counterpoise_verify::robust;
 use counterpoise_verify::robust::{
-    Campaign, FamilyMember, Layout, Ranked, Sample, Sense, Summary, Variation, Worst, compare_configurations,
-    one_at_a_time, rank_parameters, summarise_requirement, worst_case,
+    Campaign, FamilyMember, Layout, ParameterInfluence, Sample, Sense, Summary, Variation, WorstMechanism,
+    compare_configurations, one_at_a_time, rank_parameters, summarise_requirement, worst_case,
 };
 use counterpoise_verify::structured::{RobustStability, Uncertainty};
-use counterpoise_verify::{Figure, Limit, LoopFigure, Requirement, VerifiedController};
+use counterpoise_verify::{Limit, LoopFigure, PerformanceFigure, Requirement, VerifiedController};
 use ndarray::Array2;
 
 use crate::tolerance::DRIFTING_POLE;
@@ -22,9 +22,9 @@ use counterpoise_project::Project;
 pub struct CampaignResult {
     /// The requirements that were judged.
     pub requirements: Vec<Requirement>,
-    /// What the loop controls, whose names and unit the figures have.
+    /// Quantity that the loop controls; the figures have its names and unit.
     pub controlled: ControlledQuantity,
-    /// What varied.
+    /// Parameters that varied.
     pub variations: Vec<Variation>,
     /// Factors: one row a mechanism, one column a variation.
     pub factors: Array2<f64>,
@@ -37,20 +37,20 @@ pub struct CampaignResult {
     /// Distribution of the figure of each requirement: each value with the percentage of mechanisms at or below it.
     pub distributions: Vec<Vec<[f64; 2]>>,
     /// The variations of each requirement by rank correlation, strongest first.
-    pub rankings: Vec<Vec<Ranked>>,
+    pub rankings: Vec<Vec<ParameterInfluence>>,
     /// The worst case of each requirement; `None` if no mechanism could be judged.
-    pub worst: Vec<Option<Worst>>,
+    pub worst: Vec<Option<WorstMechanism>>,
     /// Each parameter varied alone, and each configuration.
     pub families: Vec<FamilyMember>,
     /// The linear worst case; `None` if nothing that enters the linear loop varies.
     pub stability: Option<RobustStability>,
 }
 
-/// What is found beside the samples of a campaign.
+/// Results of a campaign beside its samples.
 #[derive(Debug, Clone, Default)]
 pub struct BesideSamples {
     /// The worst case of each requirement.
-    pub worst: Vec<Option<Worst>>,
+    pub worst: Vec<Option<WorstMechanism>>,
     /// Each parameter varied alone, and each configuration.
     pub families: Vec<FamilyMember>,
     /// The linear worst case.
@@ -89,7 +89,7 @@ impl CampaignResult {
     }
 
     /// Returns the variations whose rank correlation with the figure of a requirement stands out from chance, strongest first.
-    pub fn clear_rankings(&self, requirement: usize) -> impl Iterator<Item = &Ranked> {
+    pub fn clear_rankings(&self, requirement: usize) -> impl Iterator<Item = &ParameterInfluence> {
         let chance = self.chance_correlation();
         self.rankings[requirement].iter().filter(move |one| one.correlation.abs() >= chance)
     }
@@ -126,7 +126,7 @@ fn judged_requirements(project: &Project) -> Vec<Requirement> {
 /// gain margin of 6 dB and a phase margin of 29 degrees, and closed-loop poles inside the unit circle.
 fn usual_requirements() -> Vec<Requirement> {
     let require = |figure, limit| Requirement {
-        figure: Figure::Loop(figure),
+        figure: PerformanceFigure::Loop(figure),
         limit,
         source: USUAL_REQUIREMENT.to_owned(),
     };
@@ -174,7 +174,7 @@ pub fn vary_families(
 ) -> Result<Vec<FamilyMember>, PipelineError> {
     let asked =
         project.campaign().ok_or(PipelineError::Missing { section: "sweep", needed_by: "the families" })?;
-    let figures: Vec<Figure> =
+    let figures: Vec<PerformanceFigure> =
         judged_requirements(project).iter().map(|requirement| requirement.figure).collect();
     let (parameters, controller, procedure) =
         (&modelled.parameters, verified.controller(), project_procedure(project, world)?);
@@ -257,7 +257,7 @@ pub fn worst_cases(
     campaign: &Campaign,
     samples: &[Sample],
     pool: &dyn Pool,
-) -> Result<Vec<Option<Worst>>, PipelineError> {
+) -> Result<Vec<Option<WorstMechanism>>, PipelineError> {
     let judged = |k: usize| samples.iter().any(|sample| !sample.values[k].is_nan());
     let one = |k: usize| judged(k).then(|| worst_case(campaign, samples, k, TRIED)).transpose();
     let found = map(pool, campaign.requirements().len(), one);
@@ -269,7 +269,7 @@ pub fn worst_cases(
 pub struct RequirementSpread {
     /// The requirement.
     pub requirement: Requirement,
-    /// What the loop controls, whose name and unit the figure has.
+    /// Quantity that the loop controls; the figure has its name and unit.
     pub controlled: ControlledQuantity,
     /// Share that meets it, quantiles and the worst value.
     pub summary: Summary,

@@ -12,7 +12,7 @@ use counterpoise_project::Project;
 pub struct EffortPoint {
     /// Factor on the error weight of the project; 1 is the design itself.
     pub factor: f64,
-    /// What the sampled feedback loop then does.
+    /// Figures of the sampled feedback loop.
     pub figures: Figures,
 }
 

@@ -4,7 +4,7 @@ use counterpoise_project::{Project, StructureChoice};
 use counterpoise_verify::certificate::StabilityCertificate;
 use counterpoise_verify::difference::{FigureChange, figure_changes};
 use counterpoise_verify::signals::{RoadClass, RoadDrive, Vehicle, iso_road};
-use counterpoise_verify::spectral::{Spectral, spectral_rejections};
+use counterpoise_verify::spectral::{HubRateSpectra, spectral_rejections};
 use counterpoise_verify::structured::RobustStability;
 use counterpoise_verify::{Road, Triangle, Verification};
 
@@ -53,7 +53,7 @@ pub struct VerificationStudy {
     /// The verification.
     pub found: Verification,
     /// Rejection ratios from the time histories on the road.
-    pub on_road: Vec<Spectral>,
+    pub on_road: Vec<HubRateSpectra>,
     /// The loop as charts of the plane show it.
     pub loop_view: LoopView,
     /// What the linear figures were measured on.

@@ -7,7 +7,7 @@ use counterpoise_controller::{
 use counterpoise_lti::{StateSpace, c2d};
 use counterpoise_models::{CONVERTER_RANGE_V, Friction, MapPoint, Parameters, Sensor, Sensors};
 use counterpoise_synth::{
-    DesignPlant, Drive, FrictionSide, ObservedFriction, Sampled, Sampling, check_sampled_loop,
+    DesignPlant, Drive, FrictionSide, ObservedFriction, SampledLoop, Sampling, check_sampled_loop,
     friction_observers,
 };
 
@@ -20,7 +20,7 @@ use crate::tolerance::{
 use crate::{PipelineError, PlantModel};
 use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_project::resolve::synthesis_options::{
-    AdaptationMethod, AdaptationOptions, AdaptationUse, Compensation, FrictionModel, ObserverOptions,
+    AdaptationMethod, AdaptationOptions, AdaptationUse, Compensation, ObserverFriction, ObserverOptions,
 };
 
 /// Standard deviation with which parameters other than the imbalance start, V or V s/rad.
@@ -37,12 +37,12 @@ pub(crate) const HOLD_BAND: f64 = 0.04;
 /// # Errors
 /// Those of the controller.
 pub(crate) fn with_controller_blocks(
-    sampled: Sampled,
+    sampled: SampledLoop,
     asked: &DesignRequest,
     modelled: &PlantModel,
     plant: &DesignPlant,
     sampling: &Sampling,
-) -> Result<Sampled, PipelineError> {
+) -> Result<SampledLoop, PipelineError> {
     let prefilter = prefilter(asked, sampling)?;
     let observers = match &asked.options.observer {
         Some(observer) => observers(observer, &modelled.parameters)?,
@@ -73,7 +73,7 @@ pub(crate) fn with_controller_blocks(
     let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
     let hub_angle_rad = modelled.linear.equilibrium.point.hub_angle_rad;
     let plant = attach_sensors(plant, &modelled.parameters, hub_angle_rad)?;
-    Ok(Sampled { certified: sampled.certified, ..check_sampled_loop(&plant, controller, sampling)? })
+    Ok(SampledLoop { certified: sampled.certified, ..check_sampled_loop(&plant, controller, sampling)? })
 }
 
 /// Returns the projection of heave and surge across the beam, where the machine has both accelerometers and the design a feedforward of
@@ -124,10 +124,13 @@ fn corrections(asked: &DesignRequest, sensors: &Sensors) -> Vec<Correction> {
 ///
 /// # Errors
 /// Those of the controller.
-pub(crate) fn with_reading_limits(sampled: Sampled, sensors: &Sensors) -> Result<Sampled, PipelineError> {
+pub(crate) fn with_reading_limits(
+    sampled: SampledLoop,
+    sensors: &Sensors,
+) -> Result<SampledLoop, PipelineError> {
     let change = |parts: &mut Parts| parts.reading_limits = reading_limits(sensors, parts.reading_limits);
     let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
-    Ok(Sampled { controller, ..sampled })
+    Ok(SampledLoop { controller, ..sampled })
 }
 
 /// Returns the largest good readings: [`BEYOND_FULL_SCALE`] times what a fitted sensor gives at its converter's end. The demand
@@ -158,7 +161,7 @@ fn prefilter(asked: &DesignRequest, sampling: &Sampling) -> Result<Option<StateS
 /// Observers of the friction at motor and pivot: as identified, or the plant's.
 fn observers(asked: &ObserverOptions, p: &Parameters) -> Result<Vec<FrictionObserver>, PipelineError> {
     let follow = |name: &str, side: FrictionSide, given: &Option<Friction>, of_plant: &Friction| match given {
-        Some(own) => observer_friction(name, side, own, FrictionModel::OwnLaw, asked.sign_rate_rad_s),
+        Some(own) => observer_friction(name, side, own, ObserverFriction::OwnLaw, asked.sign_rate_rad_s),
         None => observer_friction(name, side, of_plant, asked.model, asked.sign_rate_rad_s),
     };
     let pivot = follow("friction_pivot", FrictionSide::Load, &asked.pivot, &p.pivot_friction);

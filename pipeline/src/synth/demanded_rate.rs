@@ -9,7 +9,7 @@ use counterpoise_controller::{DemandLimit, Parts};
 use counterpoise_lti::margins;
 use counterpoise_models::{AmplifierDynamics, AxisKind};
 use counterpoise_project::resolve::synthesis::{DesignRequest, LoopKind};
-use counterpoise_synth::{Design, Sampled, Sampling, control_of_ramp};
+use counterpoise_synth::{Design, SampledLoop, Sampling, control_of_ramp};
 
 use super::torque_per_volt;
 use crate::tolerance::LEAST_LEFT;
@@ -31,11 +31,11 @@ pub struct DemandedRate {
     pub rate: f64,
     /// Whether the file states it.
     pub origin: RateOrigin,
-    /// Its unit.
+    /// Unit.
     pub unit: &'static str,
 }
 
-/// Where the largest demanded rate comes from.
+/// Origin of the largest demanded rate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RateOrigin {
     /// The file states it.
@@ -52,7 +52,7 @@ pub(crate) fn demanded_rate(
     asked: &DesignRequest,
     modelled: &PlantModel,
     design: &Design,
-    sampled: &Sampled,
+    sampled: &SampledLoop,
     sampling: &Sampling,
 ) -> Result<Option<DemandedRate>, PipelineError> {
     let p = &modelled.parameters;
@@ -106,10 +106,10 @@ fn no_load_rate(modelled: &PlantModel) -> f64 {
 /// # Errors
 /// Those of the controller.
 pub(crate) fn with_demand_limit(
-    sampled: Sampled,
+    sampled: SampledLoop,
     asked: &DesignRequest,
     limit: Option<DemandedRate>,
-) -> Result<Sampled, PipelineError> {
+) -> Result<SampledLoop, PipelineError> {
     let Some(DemandedRate { rate, .. }) = limit else { return Ok(sampled) };
     let demand_limit = match asked.specification.position_gain {
         Some(gain) if asked.loop_kind == LoopKind::Cascade => DemandLimit::Error(rate / gain),
@@ -117,5 +117,5 @@ pub(crate) fn with_demand_limit(
     };
     let change = |parts: &mut Parts| parts.demand_limit = Some(demand_limit);
     let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
-    Ok(Sampled { controller, ..sampled })
+    Ok(SampledLoop { controller, ..sampled })
 }

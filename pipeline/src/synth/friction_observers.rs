@@ -7,7 +7,7 @@ use counterpoise_models::{Friction, FrictionLaw, StribeckCurve};
 use counterpoise_synth::{FrictionSide, ObservedFriction};
 
 use crate::tolerance::SAME_FRICTION_LEVEL;
-use counterpoise_project::resolve::synthesis_options::FrictionModel;
+use counterpoise_project::resolve::synthesis_options::ObserverFriction;
 
 /// Stiffness at rest; a law without one breaks away within this angle in the observer, rad.
 const BREAKAWAY_RAD: f64 = 5e-4;
@@ -23,7 +23,7 @@ pub(crate) fn observer_friction(
     name: &str,
     side: FrictionSide,
     friction: &Friction,
-    model: FrictionModel,
+    model: ObserverFriction,
     sign_rate_rad_s: f64,
 ) -> Option<ObservedFriction> {
     let coulomb_nm = friction.coulomb_nm();
@@ -31,8 +31,8 @@ pub(crate) fn observer_friction(
         return None;
     }
     let (law, rest_stiffness_nm_rad, curve) = match model {
-        FrictionModel::Dahl => (ObserverLaw::Dahl, rest_stiffness_nm_rad(&friction.law), None),
-        FrictionModel::OwnLaw => by_itself(friction, sign_rate_rad_s),
+        ObserverFriction::Dahl => (ObserverLaw::Dahl, rest_stiffness_nm_rad(&friction.law), None),
+        ObserverFriction::OwnLaw => by_itself(friction, sign_rate_rad_s),
     };
     let level = curve.map_or(Vec::new(), |curve| level(friction, curve));
     Some(ObservedFriction {

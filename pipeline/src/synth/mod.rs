@@ -11,7 +11,7 @@ use counterpoise_lti::{Discretisation, StateSpace, Timebase, c2d, d2c_tustin, fr
 use counterpoise_models::ControlledQuantity;
 use counterpoise_reduce::{ControllerReduction, Method as Truncation, Order, reduce_controller};
 use counterpoise_synth::{
-    Alternative, Design, DesignFinding, DisturbanceChannel, Reference, Sampled, Sampling, ScheduleEntry,
+    Alternative, Design, DesignFinding, DisturbanceChannel, Reference, SampledLoop, Sampling, ScheduleEntry,
     SynthesisMethod, design, design_alternative, discretise, discretise_schedule,
 };
 
@@ -34,10 +34,10 @@ pub struct SynthesisedDesign {
     /// The continuous design with its certificates.
     pub design: Design,
     /// The sampled controller and its loop.
-    pub sampled: Sampled,
-    /// What a designer should know.
+    pub sampled: SampledLoop,
+    /// Warnings for the designer.
     pub warnings: Vec<DesignFinding>,
-    /// How it is sampled.
+    /// Sampling of the controller.
     pub sampling: Sampling,
     /// The other method that made the feedback, where the project names one.
     pub other: Option<Alternative>,
@@ -47,9 +47,9 @@ pub struct SynthesisedDesign {
     pub balance: Vec<ScheduleEntry>,
     /// The largest rate that a loop of position demands; `None` for a loop of rate, or without a limit.
     pub demanded_rate: Option<DemandedRate>,
-    /// What the loop controls.
+    /// Quantity that the loop controls.
     pub controlled: ControlledQuantity,
-    /// What the outputs of the plant are.
+    /// Names of the outputs of the plant.
     pub output_names: Vec<String>,
 }
 

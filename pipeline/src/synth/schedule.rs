@@ -1,7 +1,7 @@
 //! The schedule over out-of-balance: the plant in each state of balance, and what becomes of the three controllers.
 
 use counterpoise_models::plant::{Body, Plant};
-use counterpoise_synth::{Configuration, HeaveFeedforwardLaw, ScheduleEntry, design_schedule};
+use counterpoise_synth::{HeaveFeedforwardLaw, ScheduleConfiguration, ScheduleEntry, design_schedule};
 use serde::Serialize;
 
 use crate::model::of_rate;
@@ -15,13 +15,13 @@ use counterpoise_project::resolve::synthesis_options::{ScheduleLaw, ScheduleOpti
 /// A state of balance with what becomes of the controllers there.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct BalanceRow {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// Out-of-balance, kg m.
     pub out_of_balance_kg_m: f64,
-    /// Which conditions of the gain law hold, in words.
+    /// Conditions of the gain law that hold, in words.
     pub conditions: String,
-    /// What follows for the heave feedforward, in words.
+    /// Consequence for the heave feedforward, in words.
     pub law: String,
     /// Change of the feedback, lowest and highest over 0.1 to 20 Hz, dB.
     pub feedback_db: [f64; 2],
@@ -61,7 +61,7 @@ pub(crate) fn other_configurations(
     asked: &DesignRequest,
     modelled: &PlantModel,
     wanted: &ScheduleOptions,
-) -> Result<Vec<Configuration>, PipelineError> {
+) -> Result<Vec<ScheduleConfiguration>, PipelineError> {
     let mut others = Vec::new();
     for name in &wanted.configurations {
         let mut project = project.clone();
@@ -81,9 +81,9 @@ fn make_configuration(
     asked: &DesignRequest,
     name: &str,
     modelled: &PlantModel,
-) -> Result<Configuration, PipelineError> {
+) -> Result<ScheduleConfiguration, PipelineError> {
     let reduced = reduce_plant(project, modelled)?;
-    Ok(Configuration {
+    Ok(ScheduleConfiguration {
         name: name.to_owned(),
         out_of_balance_kg_m: modelled.plant.body().out_of_balance_kg_m,
         plant: design_plant(asked, modelled, &reduced)?,

@@ -8,11 +8,11 @@ use counterpoise_models::ControlledQuantity;
 
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{
-    Arrangement, Figure, LoopFigure, Model, Procedure, Quantity, RestFigure, RoadOrigin, SightFigure, Source,
-    Verification,
+    Arrangement, LoopFigure, Model, PerformanceFigure, Procedure, Quantity, RestFigure, RoadOrigin,
+    SightFigure, Source, Verification,
 };
 
-/// How a requirement on a figure is judged, in words.
+/// Description of the assessment of a requirement on a figure.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AcceptanceText {
     /// Whether the figure is linear, or nonlinear at which amplitude, for example `nonlinear at heave 2 m/s^2, 1.5 Hz`.
@@ -24,14 +24,15 @@ pub struct AcceptanceText {
 }
 
 /// A result whose requirements can be traced to runs and to tests.
-pub trait Traceable {
+pub trait AcceptanceSource {
     /// Returns how a requirement on a figure is judged, and the test on the machine that would show whether it holds.
-    fn acceptance(&self, figure: &Figure) -> AcceptanceText;
+    fn acceptance(&self, figure: &PerformanceFigure) -> AcceptanceText;
 }
 
-impl Traceable for Verification {
-    fn acceptance(&self, figure: &Figure) -> AcceptanceText {
-        let of = Judged { procedure: &self.evidence.procedure, controlled: self.controlled_quantity() };
+impl AcceptanceSource for Verification {
+    fn acceptance(&self, figure: &PerformanceFigure) -> AcceptanceText {
+        let of =
+            LoopProcedure { procedure: &self.evidence.procedure, controlled: self.controlled_quantity() };
         AcceptanceText {
             basis: basis(figure, &of),
             judged_by: judged_by(figure, &of),
@@ -41,12 +42,12 @@ impl Traceable for Verification {
 }
 
 /// A procedure on a loop.
-struct Judged<'a> {
+struct LoopProcedure<'a> {
     procedure: &'a Procedure,
     controlled: ControlledQuantity,
 }
 
-impl Judged<'_> {
+impl LoopProcedure<'_> {
     /// Returns the sensor of the loop.
     fn sensor(&self) -> String {
         if self.controlled == ControlledQuantity::RATE {
@@ -57,21 +58,21 @@ impl Judged<'_> {
 }
 
 /// Returns whether a figure is linear, which holds at any amplitude, or at which amplitude it is nonlinear.
-fn basis(figure: &Figure, of: &Judged<'_>) -> String {
+fn basis(figure: &PerformanceFigure, of: &LoopProcedure<'_>) -> String {
     let (procedure, unit) = (of.procedure, of.controlled.unit());
     let at = match figure {
-        Figure::Loop(_) | Figure::Rejection { .. } => return "linear".to_owned(),
-        Figure::Step(Model::Linear, _)
-        | Figure::Triangle(Model::Linear, _)
-        | Figure::Disturbance(Model::Linear, ..) => return "linear".to_owned(),
-        Figure::Step(..) => format!("at a step of {} {unit}", procedure.step.rate_rad_s),
-        Figure::Triangle(..) => match procedure.triangle {
+        PerformanceFigure::Loop(_) | PerformanceFigure::Rejection { .. } => return "linear".to_owned(),
+        PerformanceFigure::Step(Model::Linear, _)
+        | PerformanceFigure::Triangle(Model::Linear, _)
+        | PerformanceFigure::Disturbance(Model::Linear, ..) => return "linear".to_owned(),
+        PerformanceFigure::Step(..) => format!("at a step of {} {unit}", procedure.step.rate_rad_s),
+        PerformanceFigure::Triangle(..) => match procedure.triangle {
             Some(triangle) => format!("at a triangle of {} {unit}", triangle.rate_rad_s),
             None => "at a triangle".to_owned(),
         },
-        Figure::Disturbance(_, source, ..) => format!("at {}", size(*source, procedure)),
-        Figure::Rest(_) => "at rest".to_owned(),
-        Figure::Sight(_) => format!("at {}", size(sight_source(procedure), procedure)),
+        PerformanceFigure::Disturbance(_, source, ..) => format!("at {}", size(*source, procedure)),
+        PerformanceFigure::Rest(_) => "at rest".to_owned(),
+        PerformanceFigure::Sight(_) => format!("at {}", size(sight_source(procedure), procedure)),
     };
     format!("nonlinear {at}")
 }
@@ -98,50 +99,52 @@ fn size(source: Source, procedure: &Procedure) -> String {
 }
 
 /// Returns the run of the verification that gives a figure, in words.
-fn judged_by(figure: &Figure, of: &Judged<'_>) -> String {
+fn judged_by(figure: &PerformanceFigure, of: &LoopProcedure<'_>) -> String {
     let procedure = of.procedure;
     let on = |model: &Model| match model {
         Model::Linear => "linear plant",
         Model::Nonlinear => "nonlinear simulation",
     };
     match figure {
-        Figure::Loop(LoopFigure::PoleRadius) => "poles of the sampled linear loop".to_owned(),
-        Figure::Loop(_) => "frequency response of the sampled linear loop, broken at the control".to_owned(),
-        Figure::Step(model, _) => format!("{}, {}", on(model), step(of)),
-        Figure::Triangle(model, _) => format!("{}, {}", on(model), triangle(of)),
-        Figure::Disturbance(model, source, arrangement, _) => {
+        PerformanceFigure::Loop(LoopFigure::PoleRadius) => "poles of the sampled linear loop".to_owned(),
+        PerformanceFigure::Loop(_) => {
+            "frequency response of the sampled linear loop, broken at the control".to_owned()
+        }
+        PerformanceFigure::Step(model, _) => format!("{}, {}", on(model), step(of)),
+        PerformanceFigure::Triangle(model, _) => format!("{}, {}", on(model), triangle(of)),
+        PerformanceFigure::Disturbance(model, source, arrangement, _) => {
             format!("{}, {}, {}", on(model), motion(*source, procedure), acting_control(*arrangement))
         }
-        Figure::Rejection { frequency_hz, arrangement, .. } => {
+        PerformanceFigure::Rejection { frequency_hz, arrangement, .. } => {
             format!(
                 "frequency response of the linear loop at {frequency_hz} Hz, {}",
                 acting_control(*arrangement)
             )
         }
-        Figure::Rest(_) => format!("nonlinear simulation, {} s at rest", procedure.duration_s),
-        Figure::Sight(_) => format!("nonlinear simulation, {}", sight_run(procedure)),
+        PerformanceFigure::Rest(_) => format!("nonlinear simulation, {} s at rest", procedure.duration_s),
+        PerformanceFigure::Sight(_) => format!("nonlinear simulation, {}", sight_run(procedure)),
     }
 }
 
 /// Returns the test on the machine that would show whether a requirement on the figure holds, in words.
-fn acceptance_test(figure: &Figure, of: &Judged<'_>) -> String {
+fn acceptance_test(figure: &PerformanceFigure, of: &LoopProcedure<'_>) -> String {
     let (procedure, name) = (of.procedure, of.controlled.name());
     match figure {
-        Figure::Loop(figure) => of_loop(*figure).to_owned(),
-        Figure::Step(..) => format!(
+        PerformanceFigure::Loop(figure) => of_loop(*figure).to_owned(),
+        PerformanceFigure::Step(..) => format!(
             "with the platform still, demand a {}; record demand, {name} and control at every sample",
             step(of)
         ),
-        Figure::Triangle(..) => format!(
+        PerformanceFigure::Triangle(..) => format!(
             "with the platform still, demand a {}; record demand, {name} and control at every sample",
             triangle(of)
         ),
-        Figure::Disturbance(_, source, arrangement, quantity) => {
+        PerformanceFigure::Disturbance(_, source, arrangement, quantity) => {
             let run = format!("{}, {}", motion(*source, procedure), acting_control(*arrangement));
             let settled = format!("from {} s on", procedure.settle_s);
             format!("move the platform: {run}; record {} {settled}", recorded_signal(*quantity, of))
         }
-        Figure::Rejection { source, arrangement, frequency_hz } => {
+        PerformanceFigure::Rejection { source, arrangement, frequency_hz } => {
             let moved = if *source == Source::Heave { "heave" } else { "pitch" };
             format!(
                 "move the platform in {moved} as a sine of {frequency_hz} Hz at a large and at a small amplitude, {}; compare {} \
@@ -150,7 +153,7 @@ fn acceptance_test(figure: &Figure, of: &Judged<'_>) -> String {
                 of.sensor().trim_start_matches("the ")
             )
         }
-        Figure::Rest(figure) => {
+        PerformanceFigure::Rest(figure) => {
             let what = match figure {
                 RestFigure::HubRms => of.sensor(),
                 RestFigure::Drift => "the hub's position".to_owned(),
@@ -160,7 +163,7 @@ fn acceptance_test(figure: &Figure, of: &Judged<'_>) -> String {
                 procedure.duration_s
             )
         }
-        Figure::Sight(figure) => sight_test(*figure, procedure),
+        PerformanceFigure::Sight(figure) => sight_test(*figure, procedure),
     }
 }
 
@@ -226,12 +229,12 @@ fn of_loop(figure: LoopFigure) -> &'static str {
     }
 }
 
-fn step(of: &Judged<'_>) -> String {
+fn step(of: &LoopProcedure<'_>) -> String {
     let step = &of.procedure.step;
     format!("step of {} {}, {} s", step.rate_rad_s, of.controlled.unit(), step.duration_s)
 }
 
-fn triangle(of: &Judged<'_>) -> String {
+fn triangle(of: &LoopProcedure<'_>) -> String {
     match of.procedure.triangle {
         Some(triangle) => {
             let unit = of.controlled.unit();
@@ -279,7 +282,7 @@ fn acting_control(arrangement: Arrangement) -> &'static str {
     }
 }
 
-fn recorded_signal(quantity: Quantity, of: &Judged<'_>) -> String {
+fn recorded_signal(quantity: Quantity, of: &LoopProcedure<'_>) -> String {
     let fixed = match quantity {
         Quantity::HubRms | Quantity::HubPeak => return of.sensor(),
         Quantity::Rejection => return format!("{} and the platform's sensors", of.sensor()),
@@ -321,15 +324,19 @@ mod tests {
     #[test]
     fn every_figure_has_a_run_and_a_test_of_its_own_motion() {
         let procedure = &Procedure::default();
-        let procedure = Judged { procedure, controlled: ControlledQuantity::RATE };
-        for figure in Figure::all() {
+        let procedure = LoopProcedure { procedure, controlled: ControlledQuantity::RATE };
+        for figure in PerformanceFigure::all() {
             assert!(!judged_by(&figure, &procedure).is_empty(), "{figure}");
             let basis = basis(&figure, &procedure);
             assert!(basis == "linear" || basis.starts_with("nonlinear at "), "{figure}: {basis}");
             assert!(acceptance_test(&figure, &procedure).len() > 20, "{figure}");
         }
-        let both =
-            Figure::Disturbance(Model::Nonlinear, Source::Both, Arrangement::Compensated, Quantity::HubRms);
+        let both = PerformanceFigure::Disturbance(
+            Model::Nonlinear,
+            Source::Both,
+            Arrangement::Compensated,
+            Quantity::HubRms,
+        );
         assert_eq!(basis(&both, &procedure), "nonlinear at heave 2 m/s^2, 1.5 Hz, and pitch 0.2 rad/s, 1 Hz");
         let run = "nonlinear simulation, heave 2 m/s^2 at 1.5 Hz and pitch 0.2 rad/s at 1 Hz, 10 s, the whole controller";
         assert_eq!(judged_by(&both, &procedure), run);

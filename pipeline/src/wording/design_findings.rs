@@ -2,8 +2,8 @@
 
 use counterpoise_linalg::C64;
 use counterpoise_synth::{
-    BandwidthLimit, Cause, ConcernedWeight, DesignEquation, DesignFinding, HiddenFrom, LimitKind, ModeBlock,
-    Part, StatedDensity, Unknown, WeightRole,
+    BandwidthLimit, Cause, ConcernedWeight, DesignEquation, DesignFinding, HiddenDirection, LimitKind,
+    ModeBlock, Part, StatedDensity, Unknown, WeightRole,
 };
 
 /// Describes a finding in one line: the part, the weight and the frequency that are concerned, what is wrong, and what to do.
@@ -174,7 +174,7 @@ fn describe_equation(equation: DesignEquation) -> &'static str {
     }
 }
 
-fn describe_hidden(from: HiddenFrom, mode: C64, block: &ModeBlock) -> String {
+fn describe_hidden(from: HiddenDirection, mode: C64, block: &ModeBlock) -> String {
     let block = match block {
         ModeBlock::Named(name) => name.clone(),
         ModeBlock::State(number) => format!("state {number}"),
@@ -186,10 +186,12 @@ fn describe_hidden(from: HiddenFrom, mode: C64, block: &ModeBlock) -> String {
         format!("the mode {:.6} +/- {:.6}j of {block}", mode.re, mode.im.abs())
     };
     match from {
-        HiddenFrom::Control => format!("no control reaches {at}, which is not stable"),
-        HiddenFrom::Measurement => format!("no measurement shows {at}, which is not stable"),
-        HiddenFrom::Cost => format!("no weighted output shows {at}, which lies on the stability boundary"),
-        HiddenFrom::Noise => {
+        HiddenDirection::Control => format!("no control reaches {at}, which is not stable"),
+        HiddenDirection::Measurement => format!("no measurement shows {at}, which is not stable"),
+        HiddenDirection::Cost => {
+            format!("no weighted output shows {at}, which lies on the stability boundary")
+        }
+        HiddenDirection::Noise => {
             format!("no disturbance or noise excites {at}, which lies on the stability boundary")
         }
     }
@@ -316,16 +318,16 @@ fn suggest_remedy_in_plant(cause: &Cause) -> &'static str {
     }
 }
 
-fn suggest_remedy_for_hidden(from: HiddenFrom) -> &'static str {
+fn suggest_remedy_for_hidden(from: HiddenDirection) -> &'static str {
     match from {
-        HiddenFrom::Control => {
+        HiddenDirection::Control => {
             "let a control act on it, or leave it out; a block that is there twice is connected once, by name"
         }
-        HiddenFrom::Measurement => {
+        HiddenDirection::Measurement => {
             "measure it, or leave it out; a block that is there twice is connected once, by name"
         }
-        HiddenFrom::Cost => "weigh an output that shows it, or move a weight's pole off the axis",
-        HiddenFrom::Noise => {
+        HiddenDirection::Cost => "weigh an output that shows it, or move a weight's pole off the axis",
+        HiddenDirection::Noise => {
             "let a disturbance excite it, if only a little, or move a weight's pole off the axis"
         }
     }
@@ -350,7 +352,7 @@ mod tests {
     #[test]
     fn a_mode_that_nothing_reaches_is_named_with_its_block() {
         let (mode, block) = (C64::new(1.0, 0.0), ModeBlock::State(1));
-        let cause = Cause::ModeHidden { mode, distance: 1e-12, from: HiddenFrom::Control, block };
+        let cause = Cause::ModeHidden { mode, distance: 1e-12, from: HiddenDirection::Control, block };
         let text = describe_cause(&cause);
         assert!(
             text.starts_with("no control reaches the mode 1.000000 of state 1, which is not stable"),

@@ -1,7 +1,7 @@
 //! The loop with feedback alone in words: the lines about it in the header of the exported code.
 
 use crate::wording::figures::describe_figure;
-use counterpoise_verify::{Figure, Limit, Verdict, Verification};
+use counterpoise_verify::{Limit, PerformanceFigure, Verdict, Verification};
 
 use crate::PipelineError;
 
@@ -17,7 +17,7 @@ pub(crate) fn describe_feedback_alone(found: &Verification) -> Vec<String> {
         vec![if stable { "the linear loop is stable" } else { "the linear loop is UNSTABLE" }.to_owned()];
     let of = found.controlled_quantity();
     let loops = found.figures.iter().map(|measured| measured.figure);
-    let loops = loops.filter(|figure| matches!(figure, Figure::Loop(_)));
+    let loops = loops.filter(|figure| matches!(figure, PerformanceFigure::Loop(_)));
     let said = loops.filter_map(|figure| Some((figure, found.value(figure)?)));
     lines.extend(
         said.map(|(figure, value)| {

@@ -2,33 +2,35 @@
 
 use counterpoise_models::ControlledQuantity;
 use counterpoise_verify::{
-    Arrangement, Figure, JointExperiment, JointFigure, JointQuantity, LoopFigure, Model, Quantity,
-    RestFigure, SightFigure, Source, StepFigure, TriangleFigure, Unmeasured,
+    Arrangement, JointExperiment, JointFigure, JointQuantity, LoopFigure, MissingReason, Model,
+    PerformanceFigure, Quantity, RestFigure, SightFigure, Source, StepFigure, TriangleFigure,
 };
 
 /// Where requirements come from that no project states.
 pub(crate) const USUAL_REQUIREMENT: &str = "usual, because the project states no requirement";
 
 /// Returns the name of a figure in a loop, for example `peak hub rate, pitch, feedback, linear plant`.
-pub fn describe_figure(figure: Figure, controlled: ControlledQuantity) -> String {
+pub fn describe_figure(figure: PerformanceFigure, controlled: ControlledQuantity) -> String {
     match figure {
-        Figure::Loop(figure) => loop_figure(figure).to_owned(),
-        Figure::Step(model, figure) => format!("step {}, {}", step_figure(figure), plant(model)),
-        Figure::Triangle(model, figure) => format!("triangle {}, {}", triangle_figure(figure), plant(model)),
-        Figure::Disturbance(model, source, arrangement, quantity) => {
+        PerformanceFigure::Loop(figure) => loop_figure(figure).to_owned(),
+        PerformanceFigure::Step(model, figure) => format!("step {}, {}", step_figure(figure), plant(model)),
+        PerformanceFigure::Triangle(model, figure) => {
+            format!("triangle {}, {}", triangle_figure(figure), plant(model))
+        }
+        PerformanceFigure::Disturbance(model, source, arrangement, quantity) => {
             let (quantity, moving) = (quantity_name(quantity, controlled), platform_motion(source));
             format!("{quantity}, {moving}, {}, {}", acting_control(arrangement), plant(model))
         }
-        Figure::Rejection { source, arrangement, frequency_hz } => {
+        PerformanceFigure::Rejection { source, arrangement, frequency_hz } => {
             format!(
                 "DRR {} at {frequency_hz} Hz, {}, linear plant",
                 platform_motion(source),
                 acting_control(arrangement)
             )
         }
-        Figure::Rest(RestFigure::HubRms) => format!("RMS {} at rest", controlled.name()),
-        Figure::Rest(RestFigure::Drift) => "drift at rest".to_owned(),
-        Figure::Sight(figure) => sight_figure(figure).to_owned(),
+        PerformanceFigure::Rest(RestFigure::HubRms) => format!("RMS {} at rest", controlled.name()),
+        PerformanceFigure::Rest(RestFigure::Drift) => "drift at rest".to_owned(),
+        PerformanceFigure::Sight(figure) => sight_figure(figure).to_owned(),
     }
 }
 
@@ -59,38 +61,40 @@ pub fn describe_joint_quantity(quantity: JointQuantity) -> &'static str {
 }
 
 /// Describes why a figure was not measured, or has no number.
-pub fn describe_unmeasured(why: &Unmeasured) -> String {
+pub fn describe_unmeasured(why: &MissingReason) -> String {
     match why {
-        Unmeasured::NoRoad => "this experiment was not run: the verification has no road".to_owned(),
-        Unmeasured::NoTriangle => "this experiment was not run: the verification has no triangle".to_owned(),
-        Unmeasured::LinearPlantAlone => {
+        MissingReason::NoRoad => "this experiment was not run: the verification has no road".to_owned(),
+        MissingReason::NoTriangle => {
+            "this experiment was not run: the verification has no triangle".to_owned()
+        }
+        MissingReason::LinearPlantAlone => {
             "this experiment was not run: the linear plant alone was verified".to_owned()
         }
-        Unmeasured::NotRun => "this experiment was not run".to_owned(),
-        Unmeasured::NoLineOfSight => {
+        MissingReason::NotRun => "this experiment was not run".to_owned(),
+        MissingReason::NoLineOfSight => {
             "this figure was not measured: the project has no [verify.line_of_sight]".to_owned()
         }
-        Unmeasured::NoCoincidence => {
+        MissingReason::NoCoincidence => {
             "this figure was not measured: the project has no [verify.line_of_sight.coincidence]".to_owned()
         }
-        Unmeasured::NoOptics => {
+        MissingReason::NoOptics => {
             "this figure was not measured: the project has no [verify.line_of_sight.optics]".to_owned()
         }
-        Unmeasured::HoldsPosition => {
+        MissingReason::HoldsPosition => {
             "the loop holds a position on the platform: its line of sight moves with it".to_owned()
         }
-        Unmeasured::HoldsEffort => {
+        MissingReason::HoldsEffort => {
             "the loop holds a torque, a force or a current: nothing holds a line of sight".to_owned()
         }
-        Unmeasured::NoSuchSignal => "not computed on this plant".to_owned(),
-        Unmeasured::ShortRun => "the run is too short for it".to_owned(),
-        Unmeasured::EmptyRecord => "the record is empty".to_owned(),
-        Unmeasured::NoRise => "the hub never reaches 90 % of the demand".to_owned(),
-        Unmeasured::NoPeak => "the hub never exceeds the demand".to_owned(),
-        Unmeasured::PlatformStill => "the platform does not move".to_owned(),
-        Unmeasured::NotANumber => "not a number".to_owned(),
-        Unmeasured::NoValue => "it could not be measured".to_owned(),
-        Unmeasured::StepResponse(error) => error.to_string(),
+        MissingReason::NoSuchSignal => "not computed on this plant".to_owned(),
+        MissingReason::ShortRun => "the run is too short for it".to_owned(),
+        MissingReason::EmptyRecord => "the record is empty".to_owned(),
+        MissingReason::NoRise => "the hub never reaches 90 % of the demand".to_owned(),
+        MissingReason::NoPeak => "the hub never exceeds the demand".to_owned(),
+        MissingReason::PlatformStill => "the platform does not move".to_owned(),
+        MissingReason::NotANumber => "not a number".to_owned(),
+        MissingReason::NoValue => "it could not be measured".to_owned(),
+        MissingReason::StepResponse(error) => error.to_string(),
     }
 }
 
@@ -189,7 +193,7 @@ mod tests {
 
     #[test]
     fn no_two_figures_have_one_name() {
-        let mut names: Vec<String> = Figure::all()
+        let mut names: Vec<String> = PerformanceFigure::all()
             .into_iter()
             .map(|figure| describe_figure(figure, ControlledQuantity::RATE))
             .collect();
@@ -203,10 +207,10 @@ mod tests {
     fn a_figure_has_the_name_of_what_its_loop_controls() {
         let torque = ControlledQuantity { kind: QuantityKind::Effort, ..ControlledQuantity::RATE };
         let boom = ControlledQuantity { drive: DriveQuantity::Pressure, ..ControlledQuantity::RATE };
-        let peak = Figure::from_key("linear_pitch_feedback_current_peak_a").unwrap();
+        let peak = PerformanceFigure::from_key("linear_pitch_feedback_current_peak_a").unwrap();
         let name = describe_figure(peak, torque);
         assert_eq!(describe_figure(peak, boom), name.replace("current", "load pressure"));
-        let rms = Figure::from_key("linear_pitch_feedback_hub_rms_rad_s").unwrap();
+        let rms = PerformanceFigure::from_key("linear_pitch_feedback_hub_rms_rad_s").unwrap();
         assert_eq!(describe_figure(rms, torque), "RMS transmitted torque, pitch, feedback, linear plant");
     }
 }

@@ -3,7 +3,7 @@
 use counterpoise_models::{AxisKind, FeedbackSignal, Parameters};
 use counterpoise_verify::{Limit, Verdict, Verification};
 
-use super::acceptance::Traceable;
+use super::acceptance::AcceptanceSource;
 use super::figures::{describe_figure, describe_unmeasured};
 
 /// Describes the verdict on every requirement, one a line.

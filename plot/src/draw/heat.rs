@@ -6,7 +6,7 @@ use plotters::drawing::DrawingArea;
 use plotters::element::{Rectangle, Text};
 use plotters_backend::DrawingBackend;
 
-use super::{CENTRE, Drawn, LEFT, MARGIN, RIGHT, Sheet, Size, WIDTH};
+use super::{CENTRE, DrawingResult, LEFT, MARGIN, RIGHT, Sheet, Size, WIDTH};
 use crate::font;
 use crate::heat_map::{HeatMap, HeatRow};
 use crate::ink::{FONT_PX, Ink};
@@ -54,7 +54,7 @@ pub(super) fn height(map: &HeatMap) -> f64 {
 }
 
 /// Draws the map with its scale.
-pub(super) fn draw<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, map: &HeatMap, top: f64) -> Drawn<DB> {
+pub(super) fn draw<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, map: &HeatMap, top: f64) -> DrawingResult<DB> {
     draw_scale(sheet, map, top)?;
     let mut layout = Layout::new(map);
     layout.top += top;
@@ -74,7 +74,7 @@ pub(super) fn draw<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, map: &HeatMap, top
 }
 
 /// Returns the scale of colours with what it means.
-fn draw_scale<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, map: &HeatMap, top: f64) -> Drawn<DB> {
+fn draw_scale<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, map: &HeatMap, top: f64) -> DrawingResult<DB> {
     for k in 0..=10 {
         let x = MARGIN + SCALE_CELL * f64::from(k);
         let corners = [sheet.point((x, top + 8.0)), sheet.point((x + SCALE_CELL, top + 20.0))];
@@ -96,7 +96,11 @@ fn draw_scale<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, map: &HeatMap, top: f64
 }
 
 /// Returns the cells, in a system of coordinates whose unit is a cell.
-fn draw_cells<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, map: &HeatMap, layout: &Layout) -> Drawn<DB> {
+fn draw_cells<DB: DrawingBackend>(
+    sheet: &Sheet<'_, DB>,
+    map: &HeatMap,
+    layout: &Layout,
+) -> DrawingResult<DB> {
     let (columns, rows) = (map.columns.len() as f64, map.rows.len() as f64);
     let size = Size { width: columns * layout.cell_width, height: rows * ROW };
     let area = sheet.part((layout.left, layout.top), size);
@@ -124,7 +128,7 @@ fn draw_row<DB: DrawingBackend>(
     map: &HeatMap,
     k: usize,
     row: &HeatRow,
-) -> Drawn<DB> {
+) -> DrawingResult<DB> {
     let (y, columns) = (k as f64, map.columns.len());
     if let Some(cover) = &row.cover {
         let edge = 1.0 / ROW;

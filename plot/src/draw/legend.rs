@@ -2,7 +2,7 @@
 
 use plotters_backend::DrawingBackend;
 
-use super::{Drawn, LEFT, MARGIN, Sheet, WIDTH};
+use super::{DrawingResult, LEFT, MARGIN, Sheet, WIDTH};
 use crate::figure::{Band, Mark, Panel, Point, Series};
 use crate::font;
 use crate::ink::{FONT_PX, Ink};
@@ -57,7 +57,7 @@ impl<'a> Legend<'a> {
         self.rows as f64 * ROW + 12.0
     }
 
-    pub fn draw<DB: DrawingBackend>(&self, sheet: &Sheet<'_, DB>, top: f64) -> Drawn<DB> {
+    pub fn draw<DB: DrawingBackend>(&self, sheet: &Sheet<'_, DB>, top: f64) -> DrawingResult<DB> {
         for (at, entry) in &self.entries {
             let (from, to) = (Point::new(at.x, top + at.y), Point::new(at.x + SAMPLE, top + at.y));
             entry.draw_sample(sheet, from, to)?;
@@ -81,7 +81,12 @@ impl Entry<'_> {
         }
     }
 
-    fn draw_sample<DB: DrawingBackend>(&self, sheet: &Sheet<'_, DB>, from: Point, to: Point) -> Drawn<DB> {
+    fn draw_sample<DB: DrawingBackend>(
+        &self,
+        sheet: &Sheet<'_, DB>,
+        from: Point,
+        to: Point,
+    ) -> DrawingResult<DB> {
         match self {
             Entry::Curve(series) => sheet.line(Ink::Curve(series.colour, series.dash), from, to),
             Entry::Region(band) => {

@@ -32,7 +32,7 @@ pub(crate) enum Setting {
 }
 
 /// The result of drawing on a backend.
-type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
+type DrawingResult<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorType>>;
 
 /// Width and height, pixels.
 #[derive(Debug, Clone, Copy)]
@@ -56,7 +56,7 @@ pub(crate) fn draw<DB: DrawingBackend>(
     unit: f64,
     figure: &Figure,
     setting: Setting,
-) -> Drawn<DB> {
+) -> DrawingResult<DB> {
     let sheet = Sheet { area, unit };
     if setting == Setting::Alone {
         let Size { width, height } = size(figure, setting);
@@ -102,30 +102,30 @@ impl<DB: DrawingBackend> Sheet<'_, DB> {
         self.area.clone().shrink(self.point(corner), (self.units(size.width), self.units(size.height)))
     }
 
-    fn line(&self, ink: Ink, from: impl Into<Point>, to: impl Into<Point>) -> Drawn<DB> {
+    fn line(&self, ink: Ink, from: impl Into<Point>, to: impl Into<Point>) -> DrawingResult<DB> {
         self.area.draw(&PathElement::new(vec![self.point(from), self.point(to)], ink.style()))
     }
 
-    fn rectangle(&self, ink: Ink, from: impl Into<Point>, to: impl Into<Point>) -> Drawn<DB> {
+    fn rectangle(&self, ink: Ink, from: impl Into<Point>, to: impl Into<Point>) -> DrawingResult<DB> {
         self.area.draw(&Rectangle::new([self.point(from), self.point(to)], ink.style()))
     }
 
-    fn polygon(&self, ink: Ink, corners: &[Point]) -> Drawn<DB> {
+    fn polygon(&self, ink: Ink, corners: &[Point]) -> DrawingResult<DB> {
         let corners: Vec<(i32, i32)> = corners.iter().map(|at| self.point(*at)).collect();
         self.area.draw(&Polygon::new(corners, ink.style()))
     }
 
-    fn ring(&self, ink: Ink, centre: impl Into<Point>, radius: f64) -> Drawn<DB> {
+    fn ring(&self, ink: Ink, centre: impl Into<Point>, radius: f64) -> DrawingResult<DB> {
         self.area.draw(&Circle::new(self.point(centre), self.units(radius), ink.style()))
     }
 
-    fn cross(&self, ink: Ink, centre: Point, radius: f64) -> Drawn<DB> {
+    fn cross(&self, ink: Ink, centre: Point, radius: f64) -> DrawingResult<DB> {
         let Point { x, y } = centre;
         self.line(ink, (x - radius, y - radius), (x + radius, y + radius))?;
         self.line(ink, (x - radius, y + radius), (x + radius, y - radius))
     }
 
-    fn text(&self, ink: Ink, at: impl Into<Point>, pos: Pos, text: &str) -> Drawn<DB> {
+    fn text(&self, ink: Ink, at: impl Into<Point>, pos: Pos, text: &str) -> DrawingResult<DB> {
         self.area.draw_text(text, &ink.text(self.unit, pos), self.point(at))
     }
 }

@@ -8,13 +8,13 @@ use plotters_backend::DrawingBackend;
 use plotters_backend::text_anchor::Pos;
 
 use super::legend::{Legend, RING};
-use super::{Drawn, Sheet, Size, WIDTH};
+use super::{DrawingResult, Sheet, Size, WIDTH};
 use crate::clip;
 use crate::figure::{Aspect, Band, BandPoint, Mark, Panel, Panels, Point, Series};
 use crate::font;
 use crate::ink::{FONT_PX, Ink};
 use crate::ruler::{Margin, Ruler};
-use crate::thin::{MOST_POINTS, thin_points};
+use crate::thinning::{MOST_POINTS, thin_points};
 
 /// Space at the right of panels, and below each.
 const RIGHT: f64 = 18.0;
@@ -47,7 +47,7 @@ fn height_of(panel: &Panel) -> f64 {
 }
 
 /// Draws the panels with their legend.
-pub(super) fn draw<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, all: &Panels, top: f64) -> Drawn<DB> {
+pub(super) fn draw<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, all: &Panels, top: f64) -> DrawingResult<DB> {
     let legend = Legend::new(&all.panels);
     legend.draw(sheet, top)?;
     let x = Ruler::new(&all.x, abscissae(all), Margin::Tight);
@@ -121,7 +121,11 @@ impl Frame<'_> {
     }
 }
 
-fn draw_panel<DB: DrawingBackend>(sheet: &Sheet<'_, DB>, panel: &Panel, frame: &Frame<'_>) -> Drawn<DB> {
+fn draw_panel<DB: DrawingBackend>(
+    sheet: &Sheet<'_, DB>,
+    panel: &Panel,
+    frame: &Frame<'_>,
+) -> DrawingResult<DB> {
     let chart = draw_axes(sheet, panel, frame)?;
     for band in &panel.bands {
         draw_band(&chart, band, frame)?;
@@ -176,7 +180,7 @@ fn draw_series<DB: DrawingBackend>(
     series: &Series,
     frame: &Frame<'_>,
     dot: f64,
-) -> Drawn<DB> {
+) -> DrawingResult<DB> {
     let style = Ink::Curve(series.colour, series.dash).style();
     let x = series.points.index_axis(Dimension(1), 0);
     let turns_back = x.iter().zip(x.iter().skip(1)).any(|(now, next)| next < now);
@@ -207,7 +211,7 @@ fn runs<T: Copy>(places: impl Iterator<Item = Option<T>>) -> Vec<Vec<T>> {
     runs
 }
 
-fn draw_band<DB: DrawingBackend>(chart: &Chart<'_, DB>, band: &Band, frame: &Frame<'_>) -> Drawn<DB> {
+fn draw_band<DB: DrawingBackend>(chart: &Chart<'_, DB>, band: &Band, frame: &Frame<'_>) -> DrawingResult<DB> {
     let edges = band.points.rows().into_iter().map(|row| {
         let Point { x, y: upper } = frame.place(row[0], row[2])?;
         // on a logarithmic axis a lower edge at or below zero lies below the panel
@@ -226,7 +230,11 @@ fn draw_band<DB: DrawingBackend>(chart: &Chart<'_, DB>, band: &Band, frame: &Fra
     Ok(())
 }
 
-fn draw_guide<DB: DrawingBackend>(chart: &Chart<'_, DB>, mark: &Mark, frame: &Frame<'_>) -> Drawn<DB> {
+fn draw_guide<DB: DrawingBackend>(
+    chart: &Chart<'_, DB>,
+    mark: &Mark,
+    frame: &Frame<'_>,
+) -> DrawingResult<DB> {
     let line = match mark {
         Mark::Level { y, .. } => frame.y.place(*y).map(|y| [Point::new(0.0, y), Point::new(1.0, y)]),
         Mark::Instant { x, .. } => frame.x.place(*x).map(|x| [Point::new(x, 0.0), Point::new(x, 1.0)]),
@@ -243,7 +251,7 @@ fn draw_symbol<DB: DrawingBackend>(
     mark: &Mark,
     frame: &Frame<'_>,
     radius: i32,
-) -> Drawn<DB> {
+) -> DrawingResult<DB> {
     let (Mark::Point { x, y, colour, .. } | Mark::Cross { x, y, colour, .. }) = mark else { return Ok(()) };
     let seen = frame.place(*x, *y).map(|place| clip::polyline(&[place])).unwrap_or_default();
     if seen.is_empty() {

@@ -7,7 +7,7 @@ use counterpoise_models::Range;
 pub(crate) struct Field {
     pub key: &'static str,
     pub unit: &'static str,
-    pub limit: Limit,
+    pub limit: NumberRange,
     pub default: Fallback,
     pub meaning: &'static str,
     /// The canonical text has the key even where absence means the same.
@@ -15,8 +15,8 @@ pub(crate) struct Field {
     /// Unit of the second number of each pair, if it is not that of the first.
     pub second_unit: Option<&'static str>,
     /// By which rule the default stands in for a value that is not known.
-    pub assumed: Option<Assumed>,
-    /// What to do if the value of a required key is not known.
+    pub assumed: Option<DefaultRule>,
+    /// Advice for a required key whose value is not known.
     pub unknown: &'static str,
     /// Units of another quantity that people write here, each with what to add.
     pub unit_hints: &'static [UnitHint],
@@ -26,18 +26,18 @@ pub(crate) struct Field {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct UnitHint {
     pub unit: &'static str,
-    /// What to add if a value has this unit.
+    /// Advice for a value in this unit.
     pub add: &'static str,
 }
 
 /// By which rule a default stands in for a value that is not known.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Assumed {
+pub(crate) struct DefaultRule {
     /// The rule, as in "equal to the torque constant".
     pub rule: &'static str,
     /// Why the rule holds, or where it comes from.
     pub source: &'static str,
-    /// How far the true value usually lies from the default.
+    /// Usual deviation of the true value from the default.
     pub usual: UsualRange,
 }
 
@@ -54,7 +54,7 @@ pub(crate) enum UsualRange {
 
 /// The range of a number.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Limit {
+pub(crate) enum NumberRange {
     Any,
     Above(f64),
     AtLeast(f64),
@@ -78,7 +78,7 @@ pub(crate) enum Fallback {
 pub(crate) struct TableField {
     pub key: &'static str,
     pub need: Need,
-    pub form: Form,
+    pub form: TableForm,
     pub meaning: &'static str,
     /// The smallest content, for a table that must be there; empty if there is none to name.
     pub smallest: &'static str,
@@ -93,7 +93,7 @@ pub(crate) enum Need {
 
 /// How the canonical writer sets a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Form {
+pub(crate) enum TableForm {
     Section,
     Inline,
 }
@@ -104,7 +104,7 @@ impl Field {
         Self {
             key,
             unit: "",
-            limit: Limit::Any,
+            limit: NumberRange::Any,
             default: Fallback::Required,
             meaning,
             shown: false,
@@ -149,7 +149,7 @@ impl Field {
         source: &'static str,
         usual: UsualRange,
     ) -> Self {
-        self.assumed = Some(Assumed { rule, source, usual });
+        self.assumed = Some(DefaultRule { rule, source, usual });
         self
     }
 
@@ -159,7 +159,7 @@ impl Field {
         self
     }
 
-    pub const fn limit(mut self, limit: Limit) -> Self {
+    pub const fn limit(mut self, limit: NumberRange) -> Self {
         self.limit = limit;
         self
     }
@@ -190,15 +190,15 @@ impl Field {
 
 impl TableField {
     pub const fn mandatory(key: &'static str, meaning: &'static str) -> Self {
-        Self { key, need: Need::Required, form: Form::Section, meaning, smallest: "" }
+        Self { key, need: Need::Required, form: TableForm::Section, meaning, smallest: "" }
     }
 
     pub const fn optional(key: &'static str, meaning: &'static str) -> Self {
-        Self { key, need: Need::Optional, form: Form::Section, meaning, smallest: "" }
+        Self { key, need: Need::Optional, form: TableForm::Section, meaning, smallest: "" }
     }
 
     pub const fn inline(key: &'static str, meaning: &'static str) -> Self {
-        Self { key, need: Need::Optional, form: Form::Inline, meaning, smallest: "" }
+        Self { key, need: Need::Optional, form: TableForm::Inline, meaning, smallest: "" }
     }
 
     /// Sets the smallest content, as it is written in a file.
@@ -208,7 +208,7 @@ impl TableField {
     }
 }
 
-impl Limit {
+impl NumberRange {
     /// Returns the limit that stands for a range of the models.
     pub const fn of(range: Range) -> Self {
         match range {

@@ -1,6 +1,6 @@
 //! The reference of all keys, from the same walk that reads them: what is said there cannot differ from what is read.
 
-use super::field::{Fallback, Field, Limit, Need, TableField};
+use super::field::{Fallback, Field, Need, NumberRange, TableField};
 use super::visit::{Count, Presence, Visit};
 
 /// A table of the reference.
@@ -217,14 +217,14 @@ fn absence_text(field: &Field) -> String {
     }
 }
 
-fn range(limit: Limit) -> String {
+fn range(limit: NumberRange) -> String {
     match limit {
-        Limit::Any => "any number".to_owned(),
-        Limit::Above(low) => format!("> {low}"),
-        Limit::AtLeast(low) => format!(">= {low}"),
-        Limit::Between(low, high) => format!("{low} to {high}"),
-        Limit::AboveTo(low, high) => format!("> {low}, <= {high}"),
-        Limit::Not0 => "not 0".to_owned(),
+        NumberRange::Any => "any number".to_owned(),
+        NumberRange::Above(low) => format!("> {low}"),
+        NumberRange::AtLeast(low) => format!(">= {low}"),
+        NumberRange::Between(low, high) => format!("{low} to {high}"),
+        NumberRange::AboveTo(low, high) => format!("> {low}, <= {high}"),
+        NumberRange::Not0 => "not 0".to_owned(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Lists the fields of resolved sections in canonical order, with path, value and comment.
 
-use super::field::{Fallback, Field, Form, TableField};
+use super::field::{Fallback, Field, TableField, TableForm};
 use super::setting::SettingValue;
 use super::visit::{Count, Presence, Visit};
 
@@ -8,7 +8,7 @@ use super::visit::{Count, Presence, Visit};
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Line {
     /// A table starts.
-    Open { path: String, form: Form, item: bool, meaning: &'static str },
+    Open { path: String, form: TableForm, item: bool, meaning: &'static str },
     /// A table ends.
     Close,
     /// A key with its value; `usual` if it is what absence means.
@@ -154,7 +154,7 @@ impl Visit for Lister {
     fn enter_item(&mut self, index: usize) {
         let meaning = self.meanings.last().copied().unwrap_or_default();
         let path = self.paths.enter_item(index);
-        self.lines.push(Line::Open { path, form: Form::Section, item: true, meaning });
+        self.lines.push(Line::Open { path, form: TableForm::Section, item: true, meaning });
     }
 
     fn leave_list(&mut self) {

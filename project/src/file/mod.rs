@@ -51,13 +51,13 @@ pub struct Document {
     /// The tree, with its parts in their places as far as they were given.
     pub(crate) entries: Vec<Entry>,
     pub(crate) syntax: Vec<Diagnostic>,
-    /// What is wrong with the parts.
+    /// Errors of the parts.
     pub(crate) inclusion: Vec<Diagnostic>,
     /// Names of the parts.
     included: Vec<String>,
     /// The files that were given for the parts.
     given: Attachments,
-    /// Whether the file's own text includes parts.
+    /// `true` if the file's own text includes parts.
     includes: bool,
 }
 

@@ -24,12 +24,12 @@ const MOST_FINDINGS: usize = 100;
 const ROAD_RECORDING: &str = "verify.road.recording";
 
 /// A tree with its parts in place.
-pub(crate) struct Assembled {
+pub(crate) struct AssembledTree {
     pub source: Source,
     pub entries: Vec<Entry>,
     /// Parts that are named, found or not.
     pub wanted: Vec<String>,
-    /// What is wrong with the parts.
+    /// Errors of the parts.
     pub findings: Vec<Diagnostic>,
 }
 
@@ -46,7 +46,7 @@ pub(crate) fn has_parts(entries: &[Entry]) -> bool {
 }
 
 /// Puts the parts of a tree in their places.
-pub(crate) fn assemble(source: &Source, entries: &[Entry], given: &Attachments) -> Assembled {
+pub(crate) fn assemble(source: &Source, entries: &[Entry], given: &Attachments) -> AssembledTree {
     let own = normal("", source.name().rsplit(['/', '\\']).next().unwrap_or_default()).unwrap_or_default();
     let mut assembly =
         Assembly { source: source.clone(), given, wanted: BTreeSet::new(), findings: Vec::new(), count: 0 };
@@ -54,7 +54,7 @@ pub(crate) fn assemble(source: &Source, entries: &[Entry], given: &Attachments) 
     let entries = assembly.expand_includes(entries.to_vec(), &place);
     let Assembly { source, wanted, mut findings, .. } = assembly;
     findings.truncate(MOST_FINDINGS);
-    Assembled { source, entries, wanted: wanted.into_iter().collect(), findings }
+    AssembledTree { source, entries, wanted: wanted.into_iter().collect(), findings }
 }
 
 /// The parts on the way to a project.

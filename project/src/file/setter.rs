@@ -10,7 +10,7 @@ pub(crate) struct Setter<'p> {
     path: &'p str,
     value: f64,
     paths: Paths,
-    /// Whether the number was met.
+    /// `true` if the number was met.
     pub is_set: bool,
     /// Path of the damping of what was rigid before its stiffness was set: it gets the damping of a compliance of which nothing is known.
     undamped: Option<String>,

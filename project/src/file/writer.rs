@@ -1,6 +1,6 @@
 //! The canonical text of a project: sections in a fixed order, a comment with unit and meaning beside each key.
 
-use super::field::Form;
+use super::field::TableForm;
 use super::lister::Line;
 use super::setting::SettingValue;
 
@@ -14,7 +14,7 @@ pub(crate) fn canonical_text(lines: &[Line]) -> String {
     let mut at = 0;
     while at < lines.len() {
         at = match &lines[at] {
-            Line::Open { form: Form::Inline, .. } => inline(lines, at, &mut text),
+            Line::Open { form: TableForm::Inline, .. } => inline(lines, at, &mut text),
             Line::Open { path, item, meaning, .. } => {
                 if *item || speaks(lines, at) {
                     let name = without_indices(path);
@@ -44,7 +44,7 @@ pub(crate) fn as_written(setting: &SettingValue, tolerance: &Option<String>) -> 
 
 /// Returns whether a section needs its own header: it has a key of its own, or nothing at all inside it.
 fn speaks(lines: &[Line], open: usize) -> bool {
-    !matches!(lines.get(open + 1), Some(Line::Open { form: Form::Section, .. }))
+    !matches!(lines.get(open + 1), Some(Line::Open { form: TableForm::Section, .. }))
         && (own_values(lines, open)
             || !lines[open + 1..close(lines, open)].iter().any(|l| matches!(l, Line::Open { .. })))
 }
@@ -52,7 +52,7 @@ fn speaks(lines: &[Line], open: usize) -> bool {
 fn own_values(lines: &[Line], open: usize) -> bool {
     lines[open + 1..]
         .iter()
-        .take_while(|l| !matches!(l, Line::Open { form: Form::Section, .. } | Line::Close))
+        .take_while(|l| !matches!(l, Line::Open { form: TableForm::Section, .. } | Line::Close))
         .any(is_written)
 }
 

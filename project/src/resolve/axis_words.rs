@@ -2,7 +2,7 @@
 
 use counterpoise_models::{AxisKind, Parameters, Transmission};
 
-use crate::file::field::{Assumed, Field, TableField};
+use crate::file::field::{DefaultRule, Field, TableField};
 use crate::file::visit::{Count, Presence, Visit};
 
 /// Keys of a turning axis with those of a sliding one.
@@ -74,7 +74,7 @@ impl<'a> Words<'a> {
                 key: sliding_key(field.key),
                 unit: self.axis.unit(field.unit),
                 meaning: sliding_text(field.meaning),
-                assumed: field.assumed.map(|assumed| Assumed {
+                assumed: field.assumed.map(|assumed| DefaultRule {
                     rule: sliding_text(assumed.rule),
                     source: sliding_text(assumed.source),
                     ..assumed

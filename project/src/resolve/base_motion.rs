@@ -3,7 +3,7 @@
 use counterpoise_models::base_motion::Traverse;
 use counterpoise_verify::signals::six_axes::SixAxes;
 
-use crate::file::field::{Field, Limit};
+use crate::file::field::{Field, NumberRange};
 use crate::file::visit::{Count, NamedChoice, Visit, choose, maybe_number};
 
 /// A recording of an inertial measurement unit on the base.
@@ -15,7 +15,7 @@ pub struct InertialUnit {
     pub acceleration: [String; 3],
     /// Columns of the rates about them.
     pub rate: [String; 3],
-    /// What the accelerations are.
+    /// Quantities of the accelerations.
     pub reading: UnitReading,
     /// Angles by which the unit is turned from the base's axes about x, then y, then z, rad.
     pub mounting_rad: [f64; 3],
@@ -33,7 +33,7 @@ pub struct InertialUnit {
     pub fade_s: f64,
 }
 
-/// What the accelerometers of a unit give.
+/// Quantities that the accelerometers of an inertial unit give.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum UnitReading {
     /// Acceleration less gravity, in axes that turn with the base: what a strapped-down accelerometer reads.
@@ -47,12 +47,12 @@ impl NamedChoice for UnitReading {
         &[("specific-force", Self::SpecificForce), ("acceleration", Self::Acceleration)];
 }
 
-const ABOVE_0: Limit = Limit::Above(0.0);
-const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
-const LEVER: Limit = Limit::Between(-100.0, 100.0);
+const ABOVE_0: NumberRange = NumberRange::Above(0.0);
+const AT_LEAST_0: NumberRange = NumberRange::AtLeast(0.0);
+const LEVER: NumberRange = NumberRange::Between(-100.0, 100.0);
 
 /// Returns a unit of which nothing is known yet.
-pub(super) fn blank() -> InertialUnit {
+pub(super) fn blank_inertial_unit() -> InertialUnit {
     InertialUnit {
         recording: String::new(),
         acceleration: Default::default(),
@@ -87,13 +87,13 @@ pub(super) fn inertial_unit(v: &mut dyn Visit, unit: &mut InertialUnit) {
     );
     choose(v, &reading.or_text("specific-force"), &mut unit.reading);
     let angles = "angles by which the unit is turned from the base's axes about x, then y, then z";
-    three(
+    read_three_numbers(
         v,
-        &Field::new("mounting", angles).unit("rad").limit(Limit::Between(-7.0, 7.0)),
+        &Field::new("mounting", angles).unit("rad").limit(NumberRange::Between(-7.0, 7.0)),
         &mut unit.mounting_rad,
     );
     let arm = "from the unit to the pivot along x, y and z of the base";
-    three(v, &Field::new("lever_arm", arm).unit("m").limit(LEVER), &mut unit.lever_arm_m);
+    read_three_numbers(v, &Field::new("lever_arm", arm).unit("m").limit(LEVER), &mut unit.lever_arm_m);
     visit_traverse(v, &mut unit.traverse);
     let low_pass =
         Field::new("low_pass", "frequency above which motion is removed").unit("Hz").limit(ABOVE_0);
@@ -123,7 +123,7 @@ fn columns(v: &mut dyn Visit, key: &'static str, meaning: &'static str, names: &
 }
 
 /// Three numbers, 0 if the key is absent.
-pub(super) fn three(v: &mut dyn Visit, field: &Field, value: &mut [f64; 3]) {
+pub(super) fn read_three_numbers(v: &mut dyn Visit, field: &Field, value: &mut [f64; 3]) {
     let mut list = if *value == [0.0; 3] { Vec::new() } else { value.to_vec() };
     v.numbers(&field.or_empty(), Count::Exactly(3), &mut list);
     *value = <[f64; 3]>::try_from(list).unwrap_or([0.0; 3]);
@@ -132,12 +132,12 @@ pub(super) fn three(v: &mut dyn Visit, field: &Field, value: &mut [f64; 3]) {
 pub(super) fn visit_traverse(v: &mut dyn Visit, traverse: &mut Traverse) {
     let angle = "angle of the ring on which the elevation axis stands, at the start, positive to the left";
     v.number(
-        &Field::new("traverse_angle", angle).unit("rad").limit(Limit::Between(-7.0, 7.0)).or(0.0),
+        &Field::new("traverse_angle", angle).unit("rad").limit(NumberRange::Between(-7.0, 7.0)).or(0.0),
         &mut traverse.angle_rad,
     );
     let rate = "rate of that ring relative to the base";
     v.number(
-        &Field::new("traverse_rate", rate).unit("rad/s").limit(Limit::Between(-20.0, 20.0)).or(0.0),
+        &Field::new("traverse_rate", rate).unit("rad/s").limit(NumberRange::Between(-20.0, 20.0)).or(0.0),
         &mut traverse.rate_rad_s,
     );
 }
@@ -183,7 +183,7 @@ pub(super) fn six_axes(v: &mut dyn Visit, motion: &mut SixAxes) {
     }
     let coherence = "coherence (magnitude squared) between the spectra of any two axes";
     v.number(
-        &Field::new("coherence", coherence).limit(Limit::Between(0.0, 1.0)).or(0.0),
+        &Field::new("coherence", coherence).limit(NumberRange::Between(0.0, 1.0)).or(0.0),
         &mut motion.coherence,
     );
     visit_traverse(v, &mut motion.traverse);

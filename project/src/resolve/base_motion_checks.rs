@@ -88,7 +88,7 @@ pub(super) fn check_projection(findings: &mut Findings<'_>, project: &Project) {
 }
 
 /// A slide does not feel surge, roll and yaw: the axis' equations have heave alone.
-pub(super) fn slide(findings: &mut Findings<'_>, project: &Project) {
+pub(super) fn check_slide(findings: &mut Findings<'_>, project: &Project) {
     let road = project.verify.as_ref().and_then(|verify| verify.road.as_ref());
     let Some(PlatformSource::Recording(source)) = road else { return };
     if project.plant.axis == AxisKind::Linear && !source.surge.is_empty() {

@@ -2,14 +2,14 @@
 
 use counterpoise_models::{Beam, Parameters, SectionShape};
 
-use super::findings::{Findings, duplicates};
+use super::findings::{Findings, report_duplicates};
 use crate::diagnostic::{DiagnosticKind, Severity};
 use crate::file::source::Remark;
 use crate::tolerance::{ADJOINING_SHARE, BEAM_AGREEMENT, BEAM_OVERHANG};
 
 pub(super) fn sections(findings: &mut Findings<'_>, beam: &Beam) {
     const LIST: &str = "plant.beam.section";
-    duplicates(findings, LIST, beam.sections.iter().map(|s| s.name.as_str()));
+    report_duplicates(findings, LIST, beam.sections.iter().map(|s| s.name.as_str()));
     let length = length(beam);
     for (index, section) in beam.sections.iter().enumerate() {
         if section.to_m <= section.from_m {
@@ -71,7 +71,7 @@ fn length(beam: &Beam) -> f64 {
 
 pub(super) fn masses(findings: &mut Findings<'_>, beam: &Beam) {
     const LIST: &str = "plant.beam.mass";
-    duplicates(findings, LIST, beam.masses.iter().map(|m| m.name.as_str()));
+    report_duplicates(findings, LIST, beam.masses.iter().map(|m| m.name.as_str()));
     let (Some(first), Some(last)) = (beam.sections.first(), beam.sections.last()) else { return };
     if beam.pivot_m < first.from_m || beam.pivot_m > last.to_m {
         // The beam lacks a section, which is reported at its pivot.

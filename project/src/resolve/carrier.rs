@@ -4,11 +4,11 @@ use counterpoise_models::base_motion::Traverse;
 use counterpoise_verify::signals::sea::{Sea, Ship, WaveShape, Waves};
 use counterpoise_verify::signals::{Sides, Vehicle};
 
-use super::base_motion::{three, visit_traverse};
-use crate::file::field::{Field, Limit};
+use super::base_motion::{read_three_numbers, visit_traverse};
+use crate::file::field::{Field, NumberRange};
 use crate::file::visit::{NamedChoice, Visit, choose, maybe_number};
 
-const ABOVE_0: Limit = Limit::Above(0.0);
+const ABOVE_0: NumberRange = NumberRange::Above(0.0);
 
 impl NamedChoice for WaveShape {
     const NAMES: &'static [(&'static str, Self)] =
@@ -153,18 +153,21 @@ pub(super) fn sea(v: &mut dyn Visit, sea: &mut Sea) {
     );
     let height = "significant height of the waves, four times the standard deviation of the surface";
     v.number(
-        &Field::new("significant_height", height).unit("m").limit(Limit::Between(0.01, 30.0)),
+        &Field::new("significant_height", height).unit("m").limit(NumberRange::Between(0.01, 30.0)),
         &mut waves.significant_height_m,
     );
     v.number(
         &Field::new("peak_period", "period of the peak of the waves' spectrum")
             .unit("s")
-            .limit(Limit::Between(1.0, 40.0)),
+            .limit(NumberRange::Between(1.0, 40.0)),
         &mut waves.peak_period_s,
     );
     let heading = "from the ship's course to the direction in which the waves go: 0 with the ship, pi against it, pi/2 from its right side";
     v.number(
-        &Field::new("heading", heading).unit("rad").limit(Limit::Between(-7.0, 7.0)).or(std::f64::consts::PI),
+        &Field::new("heading", heading)
+            .unit("rad")
+            .limit(NumberRange::Between(-7.0, 7.0))
+            .or(std::f64::consts::PI),
         &mut waves.heading_rad,
     );
     let mut positive = |key, meaning, unit, value: &mut f64| {
@@ -175,11 +178,11 @@ pub(super) fn sea(v: &mut dyn Visit, sea: &mut Sea) {
     positive("draught", "draught of the ship", "m", &mut ship.draught_m);
     positive("roll_period", "natural period of the ship's roll", "s", &mut ship.roll_period_s);
     let damping = Field::new("roll_damping", "damping ratio of the ship's roll");
-    v.number(&damping.limit(Limit::Between(0.01, 1.0)).or(ROLL_DAMPING), &mut ship.roll_damping);
+    v.number(&damping.limit(NumberRange::Between(0.01, 1.0)).or(ROLL_DAMPING), &mut ship.roll_damping);
     let speed = Field::new("ship_speed", "speed of the ship").unit("m/s");
-    v.number(&speed.limit(Limit::Between(0.0, 40.0)).or(0.0), &mut ship.speed_m_s);
+    v.number(&speed.limit(NumberRange::Between(0.0, 40.0)).or(0.0), &mut ship.speed_m_s);
     let pivot = "place of the pivot from the middle of the waterline: forward, to the left and up";
-    let place = Field::new("pivot", pivot).unit("m").limit(Limit::Between(-500.0, 500.0));
-    three(v, &place, &mut ship.pivot_m);
+    let place = Field::new("pivot", pivot).unit("m").limit(NumberRange::Between(-500.0, 500.0));
+    read_three_numbers(v, &place, &mut ship.pivot_m);
     visit_traverse(v, ring);
 }

@@ -5,7 +5,7 @@ use counterpoise_models::{AxisKind, FeedbackSignal};
 use counterpoise_synth::{Assembly, FeedforwardBasis, SamplingMethod, SynthesisMethod};
 
 use super::synthesis::{DesignRequest, LoopKind};
-use crate::file::field::{Field, Limit};
+use crate::file::field::{Field, NumberRange};
 use crate::file::visit::{NamedChoice, Visit, choose, maybe_number};
 
 impl NamedChoice for LoopKind {
@@ -27,7 +27,7 @@ const GAIN: Field = Field::new(
      they aim at",
 )
 .unit("rad/s")
-.limit(Limit::Above(0.0));
+.limit(NumberRange::Above(0.0));
 
 /// Reads or lists what the loop controls.
 pub(super) fn loop_kind(v: &mut dyn Visit, synth: &mut DesignRequest, measured: FeedbackSignal) {
@@ -63,7 +63,7 @@ pub(super) fn loop_kind(v: &mut dyn Visit, synth: &mut DesignRequest, measured: 
     }
 }
 
-/// What the loop of a sensor controls if nothing else is said.
+/// Returns what the loop of a sensor controls if nothing else is said.
 fn usual_kind(measured: FeedbackSignal) -> LoopKind {
     match measured {
         FeedbackSignal::HubRate | FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate => LoopKind::Rate,
@@ -78,7 +78,7 @@ const RATE_LIMIT: Field = Field::new(
     "largest rate that the loop demands, however large the step; 0 for no limit; if absent, half of the rate that the drive can take up \
      and brake again without saturating",
 )
-.limit(Limit::AtLeast(0.0));
+.limit(NumberRange::AtLeast(0.0));
 
 /// Reads or lists the largest rate that a loop of position demands.
 pub(super) fn rate_limit(v: &mut dyn Visit, synth: &mut DesignRequest, axis: AxisKind) {

@@ -8,7 +8,7 @@ use counterpoise_recordings::{Channel, ChannelUnits, Mapping, Unit};
 
 use super::controller::RecordingController;
 use super::design::ReductionMethod;
-use super::findings::{Findings, duplicates};
+use super::findings::{Findings, report_duplicates};
 use super::model::StructureChoice;
 use super::sensor::IDEAL_SCALE;
 use super::synthesis::LoopKind;
@@ -23,7 +23,7 @@ use crate::tolerance::{MOST_SENSOR_DELAY_SAMPLES, ROUNDED_PERIOD, SAME_SAMPLE_PE
 const DESCRIPTIONS: [&str; 5] = ["plant.inertia", "plant.mass", "plant.lumped", "plant.beam", "plant.import"];
 
 /// Returns all findings about values that do not fit each other.
-pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
+pub(crate) fn check_project(document: &Document, project: &Project) -> Vec<Diagnostic> {
     let mut findings = Findings::new(document);
     let plant = &project.plant;
     let described = DESCRIPTIONS.iter().any(|path| document.has(path));
@@ -40,7 +40,7 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
         beam_checks::masses(&mut findings, beam);
     }
     let imported = project.import.iter().flat_map(|import| &import.masses);
-    duplicates(&mut findings, "plant.import.mass", imported.map(|mass| mass.name.as_str()));
+    report_duplicates(&mut findings, "plant.import.mass", imported.map(|mass| mass.name.as_str()));
     configurations(&mut findings, project);
     structure(&mut findings, project);
     map(&mut findings, plant);
@@ -49,13 +49,13 @@ pub(crate) fn all(document: &Document, project: &Project) -> Vec<Diagnostic> {
     rotor(&mut findings, plant);
     feedforwards(&mut findings, project);
     cascade(&mut findings, project);
-    effort_checks::effort(&mut findings, project);
+    effort_checks::check_effort_loop(&mut findings, project);
     cylinder::fitting(&mut findings, project);
     delays(&mut findings, plant);
     own_periods(&mut findings, plant);
     coarse_readings(&mut findings, plant);
     base_motion_checks::check_elevated(&mut findings, project);
-    base_motion_checks::slide(&mut findings, project);
+    base_motion_checks::check_slide(&mut findings, project);
     base_motion_checks::check_projection(&mut findings, project);
     recorded_period(&mut findings, project);
     imported_period(&mut findings, project);
@@ -110,7 +110,7 @@ fn configurations(findings: &mut Findings<'_>, project: &Project) {
     if is_without_structure(project) {
         return;
     }
-    duplicates(findings, LIST, plant.configurations.iter().map(|c| c.name.as_str()));
+    report_duplicates(findings, LIST, plant.configurations.iter().map(|c| c.name.as_str()));
     let of_beam = plant.beam.iter().flat_map(|b| &b.masses);
     let of_import = project.import.iter().flat_map(|i| &i.masses);
     let known: Vec<&str> = of_beam.chain(of_import).map(|m| m.name.as_str()).collect();

@@ -6,7 +6,7 @@ use counterpoise_controller::{PositionController, PositionSource, ProportionalIn
 
 use super::controller_file::{ControllerContent, parse};
 
-use crate::file::field::{Field, Limit};
+use crate::file::field::{Field, NumberRange};
 use crate::file::visit::{NamedChoice, Visit, choose};
 use crate::tolerance::MOST_RATE_SAMPLES;
 
@@ -30,7 +30,7 @@ pub struct ControllerSource {
     pub file: String,
     /// Hash of the project that it was exported from; empty if it is not checked.
     pub hash: String,
-    /// What the file holds; `None` if it is not at hand.
+    /// Content of the file; `None` if it is not at hand.
     pub content: Option<Arc<ControllerContent>>,
 }
 
@@ -63,7 +63,7 @@ impl NamedChoice for Kind {
 }
 
 /// Returns a controller that is still to be read.
-pub(crate) fn blank() -> RecordingController {
+pub(crate) fn blank_recording_controller() -> RecordingController {
     RecordingController::ProportionalIntegral(blank_proportional_integral())
 }
 
@@ -172,7 +172,8 @@ fn position_controller(v: &mut dyn Visit, controller: &mut PositionController) {
     };
     let meaning =
         "samples over which the position is differenced to get the rate; 0 for the reading of a rate sensor";
-    let field = Field::new("rate_samples", meaning).limit(Limit::Between(0.0, MOST_RATE_SAMPLES)).or(1.0);
+    let field =
+        Field::new("rate_samples", meaning).limit(NumberRange::Between(0.0, MOST_RATE_SAMPLES)).or(1.0);
     v.whole_number(&field, &mut samples);
     controller.rate =
         if samples == 0 { RateSource::Measured } else { RateSource::Differences(samples as usize) };

@@ -61,11 +61,11 @@ struct System {
     B: Vec<Vec<f64>>,
     C: Vec<Vec<f64>>,
     D: Vec<Vec<f64>>,
-    inputs: Vec<Named>,
+    inputs: Vec<NamedFormat>,
 }
 
 #[derive(Deserialize)]
-struct Named {
+struct NamedFormat {
     name: String,
 }
 
@@ -122,7 +122,7 @@ fn reading_limits(file: &ControllerFile) -> Result<[f64; READINGS], String> {
 
 impl FilePath {
     fn path(&self) -> Result<Path, String> {
-        let signal = |input: &Named| {
+        let signal = |input: &NamedFormat| {
             let known = serde_json::from_value(serde_json::Value::String(input.name.clone()));
             known.map_err(|error| format!("an input of \"{}\": {error}", self.system.name))
         };

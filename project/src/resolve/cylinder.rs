@@ -9,12 +9,12 @@ use super::digits::round_to_digits;
 use super::findings::Findings;
 use super::{Project, drive};
 use crate::diagnostic::{DiagnosticKind, Severity};
-use crate::file::field::{Field, Limit, TableField, UsualRange};
+use crate::file::field::{Field, NumberRange, TableField, UsualRange};
 use crate::file::source::Remark;
 use crate::file::visit::{Presence, Visit, maybe_number, visit_optional};
 use crate::tolerance::LEAST_LEVER;
 
-const ABOVE_0: Limit = Limit::Above(0.0);
+const ABOVE_0: NumberRange = NumberRange::Above(0.0);
 /// Effective bulk modulus of oil with hoses and a little air, Pa (H. Merritt, *Hydraulic Control Systems*, Wiley 1967, section 2-4: 100 000 psi).
 const BULK_MODULUS_PA: f64 = 6.9e8;
 /// Pressure drop at which servo valves are rated, Pa (ISO 10770-1).
@@ -28,7 +28,7 @@ const REPLACED: [&str; 8] =
     ["gearbox", "belt", "cable", "harmonic_drive", "ball_screw", "motor", "amplifier", "drive"];
 
 /// What `[plant.cylinder]` states, in SI.
-struct Stated {
+struct CylinderKeys {
     area_m2: f64,
     supply_pa: f64,
     volume_m3: f64,
@@ -44,7 +44,7 @@ struct Stated {
     lever: Lever,
 }
 
-impl Stated {
+impl CylinderKeys {
     const BLANK: Self = Self {
         area_m2: f64::NAN,
         supply_pa: f64::NAN,
@@ -123,7 +123,8 @@ pub(super) fn cylinder(v: &mut dyn Visit, presence: Presence, plant: &mut Parame
     if !v.enter(&section, presence) {
         return;
     }
-    let mut stated = plant.cylinder.as_ref().map_or(Stated::BLANK, |cylinder| Stated::of(cylinder, plant));
+    let mut stated =
+        plant.cylinder.as_ref().map_or(CylinderKeys::BLANK, |cylinder| CylinderKeys::of(cylinder, plant));
     keys(v, &mut stated);
     v.leave();
     if presence == Presence::Absent {
@@ -149,7 +150,7 @@ pub(super) fn cylinder(v: &mut dyn Visit, presence: Presence, plant: &mut Parame
     }
 }
 
-fn keys(v: &mut dyn Visit, of: &mut Stated) {
+fn keys(v: &mut dyn Visit, of: &mut CylinderKeys) {
     let positive = |key, unit, meaning| Field::new(key, meaning).unit(unit).limit(ABOVE_0);
     let area = "effective area of the piston: its force per load pressure, the difference between both sides";
     v.number(&positive("area", "m^2", area), &mut of.area_m2);
@@ -180,7 +181,7 @@ fn keys(v: &mut dyn Visit, of: &mut Stated) {
     lever(v, arm, &mut of.lever);
 }
 
-fn valve(v: &mut dyn Visit, of: &mut Stated) {
+fn valve(v: &mut dyn Visit, of: &mut CylinderKeys) {
     let positive = |key, unit, meaning| Field::new(key, meaning).unit(unit).limit(ABOVE_0);
     let flow = "of the fully open valve at rated_pressure_drop";
     v.number(&positive("rated_flow", "m^3/s", flow), &mut of.rated_flow_m3_s);
@@ -193,7 +194,7 @@ fn valve(v: &mut dyn Visit, of: &mut Stated) {
     let damping = positive("valve_damping", "", "damping ratio of the spool").or(VALVE_DAMPING);
     v.number(&damping, &mut of.valve_damping);
     let overlap = "share of the full opening within which the lands cover the ports and nothing flows";
-    v.number(&Field::new("overlap", overlap).limit(Limit::Between(0.0, 0.5)).or(0.0), &mut of.overlap);
+    v.number(&Field::new("overlap", overlap).limit(NumberRange::Between(0.0, 0.5)).or(0.0), &mut of.overlap);
 }
 
 /// Reads or lists the lever: a number, or the pins of a triangle. Tables come after the other keys.

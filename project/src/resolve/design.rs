@@ -18,10 +18,10 @@ use super::model::count;
 use super::synthesis::{DesignRequest, WeightSource, blank_feedback, blank_feedforward};
 use super::synthesis_options::{self, SynthesisOptions};
 use super::weight::weight;
-use crate::file::field::{Field, Limit, TableField};
+use crate::file::field::{Field, NumberRange, TableField};
 use crate::file::visit::{NamedChoice, Visit, choose, maybe_number, table, visit_optional};
 
-/// How the plant is reduced before the design.
+/// Options of the reduction of the plant before the design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ReductionOptions {
     /// Method.
@@ -45,7 +45,7 @@ pub enum ReductionMethod {
     Balanced,
 }
 
-/// What code is generated.
+/// Code that an export generates.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExportRequest {
     /// Languages.
@@ -123,16 +123,16 @@ impl NamedChoice for SamplingName {
 
 /// What a feedforward knows, by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Known {
+enum FeedforwardKnowledge {
     Exact,
     Measured,
 }
 
-impl NamedChoice for Known {
+impl NamedChoice for FeedforwardKnowledge {
     const NAMES: &'static [(&'static str, Self)] = &[("exact", Self::Exact), ("measured", Self::Measured)];
 }
 
-const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
+const AT_LEAST_0: NumberRange = NumberRange::AtLeast(0.0);
 
 impl Default for ReductionOptions {
     fn default() -> Self {
@@ -157,7 +157,7 @@ pub(crate) fn reduce(v: &mut dyn Visit, reduce: &mut ReductionOptions) {
     count(
         v,
         &Field::new("order", "number of states that are kept; 0 lets the method choose")
-            .limit(Limit::Between(0.0, 10_000.0))
+            .limit(NumberRange::Between(0.0, 10_000.0))
             .or(0.0),
         &mut order,
     );
@@ -195,7 +195,7 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut DesignRequest, measured: Feed
 fn assembly_and_form(v: &mut dyn Visit, synth: &mut DesignRequest) {
     let asked = "bandwidth that chosen weights aim at (highest frequency at which the loop's gain is 1); only without \
                  `[synth.feedback]`, which states weights";
-    let bandwidth = Field::new("bandwidth", asked).unit("rad/s").limit(Limit::Above(0.0));
+    let bandwidth = Field::new("bandwidth", asked).unit("rad/s").limit(NumberRange::Above(0.0));
     maybe_number(v, &bandwidth, &mut synth.bandwidth_rad_s);
     let specification = &mut synth.specification;
     choose(
@@ -211,12 +211,12 @@ fn assembly_and_form(v: &mut dyn Visit, synth: &mut DesignRequest) {
         &mut specification.reference,
     );
     let delay = Field::new("delay_samples", "delay of the plant that is designed for, in sample periods")
-        .limit(Limit::Between(0.0, 100.0));
+        .limit(NumberRange::Between(0.0, 100.0));
     v.number(&delay.or(1.0).show_default(), &mut synth.delay_samples);
     count(
         v,
         &Field::new("pade_order", "order of the Pade approximation of the delay")
-            .limit(Limit::Between(0.0, 8.0))
+            .limit(NumberRange::Between(0.0, 8.0))
             .or(2.0)
             .show_default(),
         &mut synth.pade_order,
@@ -389,7 +389,7 @@ fn discretisation(v: &mut dyn Visit, method: &mut SamplingMethod) {
             let field =
                 Field::new("prewarp", "frequency at which the sampled and the continuous controller agree")
                     .unit("rad/s")
-                    .limit(Limit::Above(0.0));
+                    .limit(NumberRange::Above(0.0));
             maybe_number(v, &field, &mut prewarp_rad_s);
             SamplingMethod::Emulation(Discretisation::Tustin { prewarp_rad_s })
         }
@@ -403,7 +403,7 @@ fn discretisation(v: &mut dyn Visit, method: &mut SamplingMethod) {
 fn feedback(v: &mut dyn Visit, feedback: &mut FeedbackWeights) {
     let noise = Field::new("measurement_noise", "spectral density of the noise of the measured rate")
         .unit("(rad/s)^2 s");
-    v.number(&noise.limit(Limit::Above(0.0)), &mut feedback.measurement_noise);
+    v.number(&noise.limit(NumberRange::Above(0.0)), &mut feedback.measurement_noise);
     let recovery =
         Field::new("loop_recovery", "spectral density of a fictitious noise on the control").unit("V^2 s");
     v.number(&recovery.limit(AT_LEAST_0).or(0.0), &mut feedback.loop_recovery);
@@ -475,12 +475,12 @@ fn visit_indexed_values(v: &mut dyn Visit, fields: &[SignalField], values: &mut 
 
 /// The rate that a feedforward weighs, by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Weighed {
+enum WeightedRate {
     Hub,
     Tip,
 }
 
-impl NamedChoice for Weighed {
+impl NamedChoice for WeightedRate {
     const NAMES: &'static [(&'static str, Self)] = &[("hub", Self::Hub), ("tip", Self::Tip)];
 }
 
@@ -490,13 +490,14 @@ impl NamedChoice for FeedforwardBasis {
 }
 
 fn visit_weighted_output(v: &mut dyn Visit, part: &mut FeedforwardWeights) {
-    let mut which = if part.output == Some(LinearPlant::TIP_RATE) { Weighed::Tip } else { Weighed::Hub };
+    let mut which =
+        if part.output == Some(LinearPlant::TIP_RATE) { WeightedRate::Tip } else { WeightedRate::Hub };
     choose(
         v,
         &Field::new("output", "the rate that is weighted: that of the hub or of the tip").or_text("hub"),
         &mut which,
     );
-    part.output = (which == Weighed::Tip).then_some(LinearPlant::TIP_RATE);
+    part.output = (which == WeightedRate::Tip).then_some(LinearPlant::TIP_RATE);
     let basis = Field::new("basis", "the plant that it is designed on: alone, or with the feedback closed");
     choose(v, &basis.or_text("open-loop"), &mut part.basis);
 }
@@ -504,8 +505,8 @@ fn visit_weighted_output(v: &mut dyn Visit, part: &mut FeedforwardWeights) {
 fn feedforward(v: &mut dyn Visit, part: &mut FeedforwardWeights, noise_unit: &'static str) {
     visit_weighted_output(v, part);
     let (mut known, mut noise) = match part.knowledge {
-        DisturbanceKnowledge::Exact => (Known::Exact, f64::NAN),
-        DisturbanceKnowledge::Measured { noise } => (Known::Measured, noise),
+        DisturbanceKnowledge::Exact => (FeedforwardKnowledge::Exact, f64::NAN),
+        DisturbanceKnowledge::Measured { noise } => (FeedforwardKnowledge::Measured, noise),
     };
     choose(
         v,
@@ -513,11 +514,11 @@ fn feedforward(v: &mut dyn Visit, part: &mut FeedforwardWeights, noise_unit: &'s
         &mut known,
     );
     part.knowledge = match known {
-        Known::Exact => DisturbanceKnowledge::Exact,
-        Known::Measured => {
+        FeedforwardKnowledge::Exact => DisturbanceKnowledge::Exact,
+        FeedforwardKnowledge::Measured => {
             let field = Field::new("measurement_noise", "spectral density of the noise of its sensor")
                 .unit(noise_unit);
-            v.number(&field.limit(Limit::Above(0.0)), &mut noise);
+            v.number(&field.limit(NumberRange::Above(0.0)), &mut noise);
             DisturbanceKnowledge::Measured { noise }
         }
     };

@@ -5,14 +5,14 @@
 
 use counterpoise_models::{Amplifier, AmplifierDynamics, MapPoint, Motor, Parameters, Ripple};
 
-use crate::file::field::{Field, Limit, TableField, UnitHint, UsualRange};
+use crate::file::field::{Field, NumberRange, TableField, UnitHint, UsualRange};
 use crate::file::visit::{NamedChoice, Presence, Visit, choose};
 use crate::tolerance::WHOLE_DELAY;
 
 use super::digits::shortest_that_gives;
 
-const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
-const ABOVE_0: Limit = Limit::Above(0.0);
+const AT_LEAST_0: NumberRange = NumberRange::AtLeast(0.0);
+const ABOVE_0: NumberRange = NumberRange::Above(0.0);
 /// Full scale of the control, V.
 const FULL_V: f64 = 10.0;
 /// Acceleration of the load that a drive without a stated limit has at full scale, rad/s^2 or m/s^2: far above what a servo uses,
@@ -30,13 +30,13 @@ const OF_TORQUE: UnitHint = UnitHint { unit: "N m", add: "a drive that takes a t
 
 /// What a drive takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Takes {
+enum DriveInput {
     Torque,
     Current,
     Voltage,
 }
 
-impl NamedChoice for Takes {
+impl NamedChoice for DriveInput {
     const NAMES: &'static [(&'static str, Self)] =
         &[("torque", Self::Torque), ("current", Self::Current), ("voltage", Self::Voltage)];
 }
@@ -87,7 +87,7 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
     }
     let mut word = String::new();
     if v.shorthand("drive", &mut word) {
-        let Some((_, takes)) = Takes::NAMES.iter().find(|(name, _)| *name == word) else {
+        let Some((_, takes)) = DriveInput::NAMES.iter().find(|(name, _)| *name == word) else {
             v.complain(
                 "drive",
                 "must be \"torque\", \"current\" or \"voltage\", or a section [plant.drive]",
@@ -95,13 +95,13 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
             );
             return;
         };
-        return set(v, plant, *takes, &Stated::NONE);
+        return set(v, plant, *takes, &DriveKeys::NONE);
     }
     let section = TableField::optional("drive", "a drive that takes a torque, a current or a voltage");
     let usual = plant.amplifier.dynamics == AmplifierDynamics::TorqueCommand
         && plant.amplifier.current_limit_a == f64::INFINITY;
     if !v.enter(&section, Presence::from(!usual)) {
-        return set(v, plant, Takes::Torque, &Stated::NONE);
+        return set(v, plant, DriveInput::Torque, &DriveKeys::NONE);
     }
     let mut takes = takes_of(plant);
     let kind = Field::new("kind", "what the drive takes").or_text("torque").show_default();
@@ -110,7 +110,7 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
     v.leave();
     // Without a motor, a transmission that has a stiffness asks for the motor first.
     let asks_for_motor = !plant.gearbox.is_rigid() && !v.has("motor");
-    if takes == Takes::Voltage && !asks_for_motor && !v.has("motor.resistance") {
+    if takes == DriveInput::Voltage && !asks_for_motor && !v.has("motor.resistance") {
         let hint = "add `resistance` to [plant.motor]; if none is known, measure it between two terminals, or divide a voltage by the current at stall";
         v.complain(
             "drive",
@@ -122,38 +122,38 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
 }
 
 /// What `[plant.drive]` states.
-struct Stated {
+struct DriveKeys {
     /// Of the torque, N m, or of the current, A; infinite if it is not stated.
     limit: f64,
     bandwidth_rad_s: f64,
     delay_s: f64,
 }
 
-impl Stated {
+impl DriveKeys {
     const NONE: Self = Self { limit: f64::INFINITY, bandwidth_rad_s: f64::INFINITY, delay_s: 0.0 };
 }
 
-fn takes_of(plant: &Parameters) -> Takes {
+fn takes_of(plant: &Parameters) -> DriveInput {
     match plant.amplifier.dynamics {
-        AmplifierDynamics::TorqueCommand => Takes::Torque,
-        AmplifierDynamics::CurrentCommand | AmplifierDynamics::CurrentLoop { .. } => Takes::Current,
-        AmplifierDynamics::Modelled | AmplifierDynamics::IdealCurrent => Takes::Voltage,
+        AmplifierDynamics::TorqueCommand => DriveInput::Torque,
+        AmplifierDynamics::CurrentCommand | AmplifierDynamics::CurrentLoop { .. } => DriveInput::Current,
+        AmplifierDynamics::Modelled | AmplifierDynamics::IdealCurrent => DriveInput::Voltage,
     }
 }
 
-fn keys(v: &mut dyn Visit, plant: &Parameters, takes: Takes) -> Stated {
-    let mut stated = Stated { limit: plant.amplifier.current_limit_a, ..Stated::NONE };
+fn keys(v: &mut dyn Visit, plant: &Parameters, takes: DriveInput) -> DriveKeys {
+    let mut stated = DriveKeys { limit: plant.amplifier.current_limit_a, ..DriveKeys::NONE };
     if let AmplifierDynamics::CurrentLoop { bandwidth_rad_s, delay_s } = plant.amplifier.dynamics {
         (stated.bandwidth_rad_s, stated.delay_s) = (bandwidth_rad_s, delay_s);
     }
     match takes {
-        Takes::Torque => {
+        DriveInput::Torque => {
             stated.limit = torque_limit_nm(plant);
             let limit = Field::new("limit", "largest torque of the motor, at 10 V of control; with `kind` current the largest current in A, with voltage the largest voltage in V").unit("N m");
             let limit = limit.with_unit_hints(&[OF_CURRENT, OF_VOLTAGE]);
             v.number(&limit.limit(ABOVE_0).or(f64::INFINITY), &mut stated.limit);
         }
-        Takes::Current => {
+        DriveInput::Current => {
             let limit = Field::new("limit", "largest current, at 10 V of control").unit("A");
             let limit = limit.with_unit_hints(&[OF_TORQUE, OF_VOLTAGE]);
             v.number(&limit.limit(ABOVE_0).or(f64::INFINITY), &mut stated.limit);
@@ -162,7 +162,7 @@ fn keys(v: &mut dyn Visit, plant: &Parameters, takes: Takes) -> Stated {
             let delay = Field::new("delay", "of the current loop, taken as whole sample periods, rounded up");
             v.number(&delay.unit("s").limit(AT_LEAST_0).or(0.0), &mut stated.delay_s);
         }
-        Takes::Voltage => {
+        DriveInput::Voltage => {
             let limit = Field::new("limit", "largest voltage, at 10 V of control").unit("V").limit(ABOVE_0);
             let limit = limit.with_unit_hints(&[OF_TORQUE, OF_CURRENT]).or(f64::INFINITY).with_assumption(
                 "unlimited; a volt of control is a volt at the motor, and the control ends at 10 V",
@@ -183,28 +183,28 @@ fn torque_limit_nm(plant: &Parameters) -> f64 {
 }
 
 /// Makes the amplifier of what is stated.
-fn set(v: &mut dyn Visit, plant: &mut Parameters, takes: Takes, stated: &Stated) {
+fn set(v: &mut dyn Visit, plant: &mut Parameters, takes: DriveInput, stated: &DriveKeys) {
     let blank = blank_amplifier();
     let stated_limit = stated.limit.is_finite();
-    if takes == Takes::Voltage {
+    if takes == DriveInput::Voltage {
         let gain = if stated_limit { stated.limit / FULL_V } else { 1.0 };
         let dynamics = AmplifierDynamics::Modelled;
         plant.amplifier = Amplifier { gain, bus_voltage_v: stated.limit, dynamics, ..blank };
         return;
     }
     let current_limit_a = match takes {
-        Takes::Torque => stated.limit / plant.motor.torque_constant_nm_a,
-        Takes::Current | Takes::Voltage => stated.limit,
+        DriveInput::Torque => stated.limit / plant.motor.torque_constant_nm_a,
+        DriveInput::Current | DriveInput::Voltage => stated.limit,
     };
     let full_a = if stated_limit { current_limit_a } else { full_scale_a(v, plant) };
     let lagging = stated.bandwidth_rad_s.is_finite() || stated.delay_s > 0.0;
     let dynamics = match takes {
-        Takes::Current if lagging => {
+        DriveInput::Current if lagging => {
             let bandwidth_rad_s = stated.bandwidth_rad_s.min(1.0 / counterpoise_models::IDEAL_LAG_S);
             AmplifierDynamics::CurrentLoop { bandwidth_rad_s, delay_s: stated.delay_s }
         }
-        Takes::Current => AmplifierDynamics::CurrentCommand,
-        Takes::Torque | Takes::Voltage => AmplifierDynamics::TorqueCommand,
+        DriveInput::Current => AmplifierDynamics::CurrentCommand,
+        DriveInput::Torque | DriveInput::Voltage => AmplifierDynamics::TorqueCommand,
     };
     plant.amplifier = Amplifier { gain: full_a / FULL_V, current_limit_a, dynamics, ..blank };
 }
@@ -213,7 +213,8 @@ fn set(v: &mut dyn Visit, plant: &mut Parameters, takes: Takes, stated: &Stated)
 fn full_scale_a(v: &mut dyn Visit, plant: &Parameters) -> f64 {
     let (ratio, constant) = (plant.gearbox.ratio, plant.motor.torque_constant_nm_a);
     let rotor = ratio * ratio * plant.motor.inertia_kg_m2;
-    let of_inertia = |l: &counterpoise_models::Lumped| (l.inertia_kg_m2() + rotor) * FULL_SCALE / ratio;
+    let of_inertia =
+        |l: &counterpoise_models::LumpedStructure| (l.inertia_kg_m2() + rotor) * FULL_SCALE / ratio;
     let torque_nm = plant.lumped.as_ref().map_or(UNKNOWN_TORQUE, of_inertia);
     let limit = Field::new("drive.limit", "largest torque of the motor, at 10 V of control").unit("N m");
     let limit = limit.with_assumption(

@@ -9,7 +9,7 @@ use crate::diagnostic::{DiagnosticKind, Severity};
 use crate::file::source::Remark;
 
 /// Checks a loop whose sensor measures a torque, a force or a current.
-pub(super) fn effort(findings: &mut Findings<'_>, project: &Project) {
+pub(super) fn check_effort_loop(findings: &mut Findings<'_>, project: &Project) {
     let plant = &project.plant;
     let key = match plant.sensors.measured {
         FeedbackSignal::Torque => "plant.sensors.torque",
@@ -56,7 +56,7 @@ fn no_current(plant: &Parameters) -> Option<(&'static str, &'static str)> {
     }
 }
 
-/// Whether a constant torque would turn the machine ever faster.
+/// Returns whether a constant torque would turn the machine ever faster.
 fn runs_away(plant: &Parameters) -> bool {
     let is_braked = plant.motor_friction.viscous_nm_s_rad > 0.0
         || plant.pivot_friction.viscous_nm_s_rad > 0.0

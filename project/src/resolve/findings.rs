@@ -37,7 +37,11 @@ impl<'a> Findings<'a> {
 }
 
 /// Adds a finding for every name in a list that is taken already.
-pub(super) fn duplicates<'n>(findings: &mut Findings<'_>, list: &str, names: impl Iterator<Item = &'n str>) {
+pub(super) fn report_duplicates<'n>(
+    findings: &mut Findings<'_>,
+    list: &str,
+    names: impl Iterator<Item = &'n str>,
+) {
     let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
     for (index, name) in names.enumerate().filter(|(_, name)| !name.is_empty()) {
         if let Some(first) = seen.get(name) {

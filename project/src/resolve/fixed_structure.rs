@@ -3,19 +3,19 @@
 use counterpoise_synth::{Block, BlockKind, BlockParameter, LoopLimits, ParameterName};
 
 use super::model::count;
-use crate::file::field::{Field, Limit, TableField};
+use crate::file::field::{Field, NumberRange, TableField};
 use crate::file::visit::{Count, NamedChoice, Visit, choose, list, maybe_number, pair};
 
-/// What the open parameters of a structure, or the weights, are tuned for.
+/// Objective and limits of a tuning of open parameters or of weights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TuningOptions {
     /// Whether the weights of the H2 feedback are tuned.
     pub weights: TunedWeights,
-    /// What is made least.
+    /// Objective that is minimised.
     pub objective: TuningObjective,
     /// The band of [`TuningObjective::Band`], rad/s.
     pub band_rad_s: [f64; 2],
-    /// What the loop must keep on every plant.
+    /// Limits that the loop must keep on every plant.
     pub limits: LoopLimits,
     /// The plants that one controller must serve besides the nominal one.
     pub plants: Vec<FurtherPlants>,
@@ -25,7 +25,7 @@ pub struct TuningOptions {
     pub seed: u32,
 }
 
-/// Whether the weights of the H2 feedback are those of the file, or tuned from there.
+/// Origin of the weights of the H2 feedback: those of the file, or tuned from there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TunedWeights {
     /// As the file states them.
@@ -36,7 +36,7 @@ pub enum TunedWeights {
     Tuned,
 }
 
-/// What a tuning makes least.
+/// Quantity that a tuning minimises.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TuningObjective {
     /// The hub rate that the project's own motion, friction and noise leave.
@@ -81,8 +81,8 @@ impl NamedChoice for FurtherPlants {
     const NAMES: &'static [(&'static str, Self)] = &[("schedule", Self::Schedule), ("sweep", Self::Sweep)];
 }
 
-const ABOVE_0: Limit = Limit::Above(0.0);
-const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
+const ABOVE_0: NumberRange = NumberRange::Above(0.0);
+const AT_LEAST_0: NumberRange = NumberRange::AtLeast(0.0);
 const KIND: Field =
     Field::new("kind", "kind of the block; the signal passes the blocks in their order in the file");
 
@@ -168,7 +168,7 @@ fn fields(name: ParameterName) -> (Field, Field) {
     };
     let between =
         "lowest and highest value that the tuning may choose; a value beside it is where the tuning starts";
-    let limit = if name == Ratio { Limit::AtLeast(1.0) } else { ABOVE_0 };
+    let limit = if name == Ratio { NumberRange::AtLeast(1.0) } else { ABOVE_0 };
     (
         Field::new(key, meaning).unit(unit).limit(limit),
         Field::new(range, between).unit(unit).limit(limit).or_empty(),
@@ -196,13 +196,13 @@ pub(crate) fn tuning(v: &mut dyn Visit, tuning: &mut TuningOptions) {
         "starts",
         "number of points from which the tuning starts, and of restarts near the best answer",
     );
-    count(v, &starts.limit(Limit::Between(1.0, 1000.0)).or(12.0), &mut tuning.starts);
+    count(v, &starts.limit(NumberRange::Between(1.0, 1000.0)).or(12.0), &mut tuning.starts);
     let seed = Field::new("seed", "seed of the random part of the starts").limit(AT_LEAST_0);
     v.whole_number(&seed.or(1.0), &mut tuning.seed);
 }
 
 fn limits(v: &mut dyn Visit, limits: &mut LoopLimits) {
-    let above_1 = Limit::Above(1.0);
+    let above_1 = NumberRange::Above(1.0);
     let ms = Field::new("max_sensitivity", "largest sensitivity").limit(above_1).or(1.4);
     v.number(&ms.show_default(), &mut limits.max_sensitivity);
     let mt = Field::new("max_complementary", "largest complementary sensitivity").limit(above_1).or(1.4);
@@ -225,7 +225,7 @@ fn limits(v: &mut dyn Visit, limits: &mut LoopLimits) {
     let decay = Field::new("decay", "slowest decay of a pole of the closed loop").unit("rad/s");
     v.number(&decay.limit(AT_LEAST_0).or(0.0), &mut limits.decay_rad_s);
     let damping = Field::new("damping", "smallest damping ratio of the poles up to twice the crossover");
-    v.number(&damping.limit(Limit::Between(0.0, 0.99)).or(0.0), &mut limits.damping);
+    v.number(&damping.limit(NumberRange::Between(0.0, 0.99)).or(0.0), &mut limits.damping);
 }
 
 /// A limit that is infinite if it is not written.

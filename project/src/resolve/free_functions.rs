@@ -5,7 +5,7 @@ use counterpoise_models::{
 };
 
 use super::axis_words::Words;
-use crate::file::field::{Field, Limit, TableField};
+use crate::file::field::{Field, NumberRange, TableField};
 use crate::file::visit::{Count, NamedChoice, Visit, choose, list};
 
 impl NamedChoice for LearnedPlace {
@@ -61,7 +61,7 @@ const VALUES: Field =
     Field::new("values", "values at the points: N m for a torque (at the motor on its shaft), else factors");
 const HALF_WIDTH: Field = Field::new("half_width", "half width of the 95 % band at each point").or_empty();
 const COVERAGE: Field = Field::new("coverage", "share of the recorded samples nearest to each point")
-    .limit(Limit::AtLeast(0.0))
+    .limit(NumberRange::AtLeast(0.0))
     .or_empty();
 
 /// Reads or lists the free functions.
@@ -94,7 +94,7 @@ fn function(v: &mut dyn Visit, axis: AxisKind, element: &mut LearnedElement) {
     words.numbers(&POINTS.unit(element.variable.unit()), Count::AtLeastOne, &mut element.points);
     words.numbers(&VALUES.unit(value_unit), Count::AtLeastOne, &mut element.values);
     words.numbers(
-        &HALF_WIDTH.unit(value_unit).limit(Limit::AtLeast(0.0)),
+        &HALF_WIDTH.unit(value_unit).limit(NumberRange::AtLeast(0.0)),
         Count::AtLeastOne,
         &mut element.half_width,
     );

@@ -3,7 +3,7 @@
 use counterpoise_models::friction::ranges;
 use counterpoise_models::{Friction, FrictionLaw, Ripple, StribeckCurve};
 
-use crate::file::field::{Field, Limit, TableField};
+use crate::file::field::{Field, NumberRange, TableField};
 use crate::file::visit::{Count, NamedChoice, Presence, Visit, choose};
 
 /// The name of a law.
@@ -57,79 +57,81 @@ impl NamedChoice for Curve {
 const MODEL: Field = Field::new("model", "law of the dry friction").or_text("none").show_default();
 const COULOMB: Field = Field::new("coulomb", "level of the dry friction while sliding")
     .unit("N m")
-    .limit(Limit::of(ranges::COULOMB));
+    .limit(NumberRange::of(ranges::COULOMB));
 const REST_STIFFNESS: Field = Field::new("rest_stiffness", "stiffness of the friction at rest (presliding)")
     .unit("N m/rad")
-    .limit(Limit::of(ranges::REST_STIFFNESS));
+    .limit(NumberRange::of(ranges::REST_STIFFNESS));
 const EXPONENT: Field =
-    Field::new("exponent", "exponent of the Dahl law").limit(Limit::of(ranges::EXPONENT)).or(1.0);
+    Field::new("exponent", "exponent of the Dahl law").limit(NumberRange::of(ranges::EXPONENT)).or(1.0);
 const BRISTLE_STIFFNESS: Field = Field::new("bristle_stiffness", "stiffness of the bristles")
     .unit("N m/rad")
-    .limit(Limit::of(ranges::BRISTLE_STIFFNESS));
+    .limit(NumberRange::of(ranges::BRISTLE_STIFFNESS));
 const BRISTLE_DAMPING: Field = Field::new("bristle_damping", "damping of the bristles")
     .unit("N m s/rad")
-    .limit(Limit::of(ranges::BRISTLE_DAMPING));
+    .limit(NumberRange::of(ranges::BRISTLE_DAMPING));
 const DEFLECTION: Field = Field::new("deflection", "deflection at which the bond breaks")
     .unit("rad")
-    .limit(Limit::of(ranges::DEFLECTION));
+    .limit(NumberRange::of(ranges::DEFLECTION));
 const DAMPING: Field =
-    Field::new("damping", "damping of the bond").unit("N m s/rad").limit(Limit::of(ranges::DAMPING));
+    Field::new("damping", "damping of the bond").unit("N m s/rad").limit(NumberRange::of(ranges::DAMPING));
 const CURVE: Field = Field::new("curve", "how the level falls as the rate rises").or_text("gaussian");
 const CURVE_EXPONENT: Field =
-    Field::new("curve_exponent", "exponent of the curve").limit(Limit::of(ranges::CURVE_EXPONENT));
+    Field::new("curve_exponent", "exponent of the curve").limit(NumberRange::of(ranges::CURVE_EXPONENT));
 const COEFFICIENTS: Field = Field::new(
     "coefficients",
     "coefficients c1, c2, c3 of the polynomial in the rate divided by stribeck_rate",
 );
 const STICK_RATE: Field = Field::new("stick_rate", "half-width of the band of rates that counts as rest")
     .unit("rad/s")
-    .limit(Limit::of(ranges::STICK_RATE));
+    .limit(NumberRange::of(ranges::STICK_RATE));
 const TIME_CONSTANT: Field = Field::new("time_constant", "time constant of the lag of the dry friction")
     .unit("s")
-    .limit(Limit::of(ranges::TIME_CONSTANT));
+    .limit(NumberRange::of(ranges::TIME_CONSTANT));
 const SMOOTHING_RATE: Field = Field::new("smoothing_rate", "rate over which the sign is smoothed")
     .unit("rad/s")
-    .limit(Limit::of(ranges::SMOOTHING_RATE));
-const BRISTLES: Field = Field::new("bristles", "number of bristles").limit(Limit::of(ranges::BRISTLES));
+    .limit(NumberRange::of(ranges::SMOOTHING_RATE));
+const BRISTLES: Field = Field::new("bristles", "number of bristles").limit(NumberRange::of(ranges::BRISTLES));
 const BOND: Field =
-    Field::new("bond", "deflection at which a bond breaks").unit("rad").limit(Limit::of(ranges::BOND));
+    Field::new("bond", "deflection at which a bond breaks").unit("rad").limit(NumberRange::of(ranges::BOND));
 
-const VISCOUS: Field =
-    Field::new("viscous", "viscous coefficient").unit("N m s/rad").limit(Limit::of(ranges::VISCOUS)).or(0.0);
+const VISCOUS: Field = Field::new("viscous", "viscous coefficient")
+    .unit("N m s/rad")
+    .limit(NumberRange::of(ranges::VISCOUS))
+    .or(0.0);
 const STATIC_RATIO: Field = Field::new("static_ratio", "ratio of the breakaway level to the Coulomb level")
-    .limit(Limit::of(ranges::STATIC_RATIO_OF_BREAKAWAY))
+    .limit(NumberRange::of(ranges::STATIC_RATIO_OF_BREAKAWAY))
     .or(1.0);
 const STRIBECK_RATE: Field =
     Field::new("stribeck_rate", "rate at which the excess over the sliding level has fallen to 1/e")
         .unit("rad/s")
-        .limit(Limit::of(ranges::STRIBECK_RATE))
+        .limit(NumberRange::of(ranges::STRIBECK_RATE))
         .or(0.01);
 const ASYMMETRY: Field = Field::new(
     "asymmetry",
     "half the difference between the Coulomb levels of the two directions, as a fraction",
 )
-.limit(Limit::of(ranges::ASYMMETRY))
+.limit(NumberRange::of(ranges::ASYMMETRY))
 .or(0.0);
 const VISCOUS_ASYMMETRY: Field = Field::new(
     "viscous_asymmetry",
     "half the difference between the viscous coefficients of the two directions, as a fraction",
 )
-.limit(Limit::of(ranges::ASYMMETRY))
+.limit(NumberRange::of(ranges::ASYMMETRY))
 .or(0.0);
 const QUADRATIC: Field = Field::new("quadratic", "coefficient of quadratic drag")
     .unit("N m s^2/rad^2")
-    .limit(Limit::of(ranges::QUADRATIC))
+    .limit(NumberRange::of(ranges::QUADRATIC))
     .or(0.0);
 const LOAD: Field = Field::new("load_coefficient", "relative growth of the Coulomb level per N m of load")
-    .limit(Limit::of(ranges::LOAD_COEFFICIENT))
+    .limit(NumberRange::of(ranges::LOAD_COEFFICIENT))
     .or(0.0);
 const WARM_UP: Field =
     Field::new("warm_up", "fraction by which the Coulomb level changes as the joint warms up")
-        .limit(Limit::of(ranges::WARM_UP))
+        .limit(NumberRange::of(ranges::WARM_UP))
         .or(0.0);
 const WARM_UP_TIME: Field = Field::new("warm_up_time", "time constant of the warm-up")
     .unit("s")
-    .limit(Limit::of(ranges::WARM_UP_TIME))
+    .limit(NumberRange::of(ranges::WARM_UP_TIME))
     .or(1.0);
 const POSITION_RIPPLE: TableField =
     TableField::inline("position_ripple", "variation of the Coulomb level with the angle, as a fraction");
@@ -157,7 +159,10 @@ pub(crate) fn ripple(v: &mut dyn Visit, section: &TableField, value: &mut Ripple
         return;
     }
     v.number(&amplitude, &mut value.amplitude);
-    v.number(&Field::new("order", "periods per turn").limit(Limit::AtLeast(0.0)).or(1.0), &mut value.order);
+    v.number(
+        &Field::new("order", "periods per turn").limit(NumberRange::AtLeast(0.0)).or(1.0),
+        &mut value.order,
+    );
     v.number(&Field::new("phase", "phase at angle zero").unit("rad").or(0.0), &mut value.phase_rad);
     v.leave();
 }
@@ -171,7 +176,7 @@ pub(crate) fn identified_friction(v: &mut dyn Visit, value: &mut Friction) {
 
 /// Returns an identified friction still to be read.
 pub(crate) fn blank_identified() -> Friction {
-    Friction::plain(blank(Law::Dahl), 0.0)
+    Friction::with_viscous_part(blank(Law::Dahl), 0.0)
 }
 
 /// Reads or lists the law of a joint. Where none is named, a stiffness at rest means Dahl's law, a level alone Coulomb's, and

@@ -4,18 +4,18 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use counterpoise_linalg::{Sparse, sparse::ProgressObserver};
 use counterpoise_models::PointMass;
-use counterpoise_models::structure::fe::Fitted;
+use counterpoise_models::structure::fe::AttachedMasses;
 use counterpoise_models::structure::import::{Dmig, Imported, NodeMap, matrix_market, read_dmig, read_op4};
 use counterpoise_models::structure::{Condensation, FeModel, Shapes};
 
 use super::structure::{assumed_ratio, masses};
-use crate::file::field::{Field, Limit};
+use crate::file::field::{Field, NumberRange};
 use crate::file::visit::{Count, NamedChoice, Visit, choose};
 
 /// The structure as matrices from elsewhere.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImportedStructure {
-    /// How the files are written.
+    /// Format of the files.
     pub format: MatrixFormat,
     /// File of the mass matrix.
     pub mass: MatrixFile,
@@ -27,11 +27,11 @@ pub struct ImportedStructure {
     pub node_map: String,
     /// Damping ratio of flexible mode 1, 2, ..., the last holding for all above, if there is no damping matrix.
     pub modal_damping: Vec<f64>,
-    /// Which shapes a structure is condensed to.
+    /// Shapes to which a structure is condensed.
     pub shapes: Shapes,
     /// Masses that a configuration can fit.
     pub masses: Vec<PointMass>,
-    /// What the files hold.
+    /// Content of the files.
     pub content: Option<ImportedContent>,
 }
 
@@ -53,7 +53,7 @@ pub struct ImportedContent {
     pub map: NodeMap,
 }
 
-/// How matrices are written.
+/// File format of matrices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MatrixFormat {
     /// Matrix Market, one matrix a file.
@@ -81,20 +81,21 @@ impl ImportedContent {
     /// As for [`Imported::with_fitted_masses`] and [`Imported::condense`].
     pub fn structure(
         &self,
-        fitted: &Fitted,
+        fitted: &AttachedMasses,
         wanted: &Condensation,
         watch: &mut ProgressObserver,
     ) -> Result<FeModel, counterpoise_models::Error> {
         if !self.matrices.is_large() && wanted.shapes == Shapes::Modes {
             return self.compute_model(fitted, wanted, watch);
         }
-        let is_same =
-            |kept: &&Condensed| kept.wanted == *wanted && kept.fitted == *fitted && kept.content == *self;
+        let is_same = |kept: &&CondensedStructure| {
+            kept.wanted == *wanted && kept.fitted == *fitted && kept.content == *self
+        };
         if let Some(kept) = condensed_structures().iter().find(is_same) {
             return Ok(kept.structure.clone());
         }
         let structure = self.compute_model(fitted, wanted, watch)?;
-        let made = Condensed {
+        let made = CondensedStructure {
             content: self.clone(),
             fitted: fitted.clone(),
             wanted: *wanted,
@@ -108,11 +109,11 @@ impl ImportedContent {
 
     fn compute_model(
         &self,
-        fitted: &Fitted,
+        fitted: &AttachedMasses,
         wanted: &Condensation,
         watch: &mut ProgressObserver,
     ) -> Result<FeModel, counterpoise_models::Error> {
-        if *fitted == Fitted::default() {
+        if *fitted == AttachedMasses::default() {
             return self.matrices.condense(&self.map, wanted, watch);
         }
         self.matrices.with_fitted_masses(&self.map, fitted)?.condense(&self.map, wanted, watch)
@@ -120,9 +121,9 @@ impl ImportedContent {
 }
 
 /// A condensed structure and what it was made from.
-struct Condensed {
+struct CondensedStructure {
     content: ImportedContent,
-    fitted: Fitted,
+    fitted: AttachedMasses,
     wanted: Condensation,
     structure: FeModel,
 }
@@ -132,13 +133,13 @@ const KEPT_STRUCTURES: usize = 2;
 
 /// Returns the structures that were condensed last, the newest first. A large one takes seconds, and every edit in the window and every
 /// variation of a study asks for the same one again. The answer depends on nothing but what is compared.
-fn condensed_structures() -> MutexGuard<'static, Vec<Condensed>> {
-    static CONDENSED: Mutex<Vec<Condensed>> = Mutex::new(Vec::new());
+fn condensed_structures() -> MutexGuard<'static, Vec<CondensedStructure>> {
+    static CONDENSED: Mutex<Vec<CondensedStructure>> = Mutex::new(Vec::new());
     CONDENSED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Returns an import still to be read.
-pub(crate) fn blank() -> ImportedStructure {
+pub(crate) fn blank_structure() -> ImportedStructure {
     ImportedStructure {
         format: MatrixFormat::MatrixMarket,
         mass: MatrixFile::default(),
@@ -178,7 +179,7 @@ pub(crate) fn import(v: &mut dyn Visit, import: &mut ImportedStructure) {
         "modal_damping",
         "damping ratios of flexible mode 1, 2, ... if there is no damping matrix; 0.01 for every mode if neither is there",
     );
-    let ratios = ratios.limit(Limit::Between(0.0, 1.0)).or_empty();
+    let ratios = ratios.limit(NumberRange::Between(0.0, 1.0)).or_empty();
     v.numbers(&ratios, Count::AtLeastOne, &mut import.modal_damping);
     if import.damping.file.is_empty() {
         assumed_ratio(v, &ratios, &mut import.modal_damping);

@@ -5,11 +5,11 @@ use counterpoise_models::loads::equilibrator::{Action, Force, Gas};
 use counterpoise_models::loads::{EndStops, Equilibrator, Recoil};
 use counterpoise_models::{AxisKind, DriveLimits, MotorHeat, Parameters};
 
-use crate::file::field::{Field, Limit, TableField};
+use crate::file::field::{Field, NumberRange, TableField};
 use crate::file::visit::{Count, NamedChoice, Presence, Visit, choose, visit_optional};
 
-const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
-const ABOVE_0: Limit = Limit::Above(0.0);
+const AT_LEAST_0: NumberRange = NumberRange::AtLeast(0.0);
+const ABOVE_0: NumberRange = NumberRange::Above(0.0);
 /// Temperature of the charge of a gas, and of a machine at rest, K: 20 degrees Celsius.
 const ROOM_K: f64 = 293.15;
 /// Polytropic exponent of strokes that are neither fast nor slow; between 1 (isothermal) and 1.4 (adiabatic).

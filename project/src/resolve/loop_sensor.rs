@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use super::axis_words::{Words, turning_of_motor};
 use super::digits::shortest_that_gives;
 use super::sensor::{IDEAL_SCALE, gyroscope, sensor};
-use crate::file::field::{Field, Limit, TableField, UsualRange};
+use crate::file::field::{Field, NumberRange, TableField, UsualRange};
 use crate::file::visit::{NamedChoice, Presence, Visit, choose};
 
 /// A loop's sensor of which nothing is written: ideal, with a range beyond every motion.
@@ -197,7 +197,7 @@ fn resolution(v: &mut dyn Visit, plant: &mut Parameters, place: Place) {
     if scale_of_a_slide {
         let step = Field::new("resolution", "step of the linear scale")
             .unit("m")
-            .limit(Limit::Above(0.0))
+            .limit(NumberRange::Above(0.0))
             .or(IDEAL_STEP_M)
             .with_assumption(
                 "1 pm: steps that nothing feels",
@@ -209,7 +209,8 @@ fn resolution(v: &mut dyn Visit, plant: &mut Parameters, place: Place) {
     }
     let turn = if place == Place::Motor { TAU / plant.gearbox.ratio } else { TAU };
     let mut counts = (turn / known).round();
-    let field = Field::new("counts", "steps a turn").unit(COUNTS).limit(Limit::AtLeast(1.0)).or(IDEAL_COUNTS);
+    let field =
+        Field::new("counts", "steps a turn").unit(COUNTS).limit(NumberRange::AtLeast(1.0)).or(IDEAL_COUNTS);
     let field = field.with_assumption(
         "2^32: steps that nothing feels",
         "an ideal encoder",

@@ -2,7 +2,7 @@
 
 use counterpoise_models::structure::Support;
 
-use crate::file::field::{Field, Limit};
+use crate::file::field::{Field, NumberRange};
 use crate::file::visit::{Count, NamedChoice, Visit, choose};
 
 /// Natural frequencies measured on the real structure.
@@ -10,7 +10,7 @@ use crate::file::visit::{Count, NamedChoice, Visit, choose};
 pub struct MeasuredModes {
     /// Flexible modes in rising order, Hz.
     pub modes_hz: Vec<f64>,
-    /// How the structure was held.
+    /// Support of the structure.
     pub support: Support,
 }
 
@@ -20,14 +20,14 @@ impl NamedChoice for Support {
 }
 
 /// Still to be read.
-pub(crate) fn blank() -> MeasuredModes {
+pub(crate) fn blank_modes() -> MeasuredModes {
     MeasuredModes { modes_hz: Vec::new(), support: Support::Free }
 }
 
 /// Reads or lists the measurement.
 pub(crate) fn measured_modes(v: &mut dyn Visit, measured: &mut MeasuredModes) {
     let modes = Field::new("modes", "natural frequencies of the flexible modes, in rising order").unit("Hz");
-    v.numbers(&modes.limit(Limit::Above(0.0)), Count::AtLeastOne, &mut measured.modes_hz);
+    v.numbers(&modes.limit(NumberRange::Above(0.0)), Count::AtLeastOne, &mut measured.modes_hz);
     let rising = measured.modes_hz.windows(2).all(|two| two[0] < two[1]);
     if !rising {
         v.complain("modes", "must rise from mode to mode", None);

@@ -15,7 +15,6 @@ pub mod design;
 mod digits;
 mod drive;
 mod effort_checks;
-mod elsewhere;
 mod findings;
 pub mod fixed_structure;
 mod format;
@@ -31,6 +30,7 @@ mod plant;
 pub mod platform;
 pub mod purpose;
 mod recording;
+mod section_hints;
 mod seed;
 mod sensor;
 pub mod statements;
@@ -51,7 +51,7 @@ use counterpoise_recordings::Mapping;
 
 use crate::assumption::{Assumption, KeyTolerance};
 use crate::diagnostic::{self, Diagnostic, DiagnosticKind, Severity};
-use crate::file::field::{Field, Limit, TableField};
+use crate::file::field::{Field, NumberRange, TableField};
 use crate::file::guide::{Guide, WALKS};
 use crate::file::lister::{Line, Lister};
 use crate::file::reader::Reader;
@@ -74,23 +74,23 @@ pub struct Project {
     pub plant: Parameters,
     /// The structure as matrices from elsewhere, if there is one.
     pub import: Option<import::ImportedStructure>,
-    /// Which description of the mechanism is taken, and where it stands.
+    /// Description of the mechanism that is taken, and its operating point.
     pub model: PlantSelection,
-    /// How the plant is reduced before the design.
+    /// Options of the reduction of the plant before the design.
     pub reduce: ReductionOptions,
-    /// What is asked of the design.
+    /// Requirements on the design.
     pub synth: Option<DesignRequest>,
-    /// What is done to the loop, and the limits of its figures.
+    /// Procedure of the loop, and the limits of its figures.
     pub verify: Option<VerificationOptions>,
     /// The traverse axis under this elevation axis, if there is one.
     pub traverse: Option<traverse::TraverseAxis>,
-    /// How robustness is tried.
+    /// Options of the test of robustness.
     pub sweep: Option<RobustnessCampaign>,
-    /// What code is generated.
+    /// Code that is generated.
     pub export: ExportRequest,
     /// The controller that was in the loop when recordings were made.
     pub recording_controller: Option<RecordingController>,
-    /// How the columns of recordings become channels.
+    /// Mapping of the columns of recordings to channels.
     pub recording: Mapping,
     /// Natural frequencies measured on the real structure.
     pub measured: Option<measured_modes::MeasuredModes>,
@@ -103,7 +103,7 @@ pub struct Project {
 pub struct ParsedProject {
     /// The project.
     pub project: Project,
-    /// What is allowed but likely to be a mistake.
+    /// Warnings: values that are allowed but likely to be a mistake.
     pub warnings: Vec<Diagnostic>,
     /// Defaults that stand in for physical quantities that the file does not have.
     pub assumptions: Vec<Assumption>,
@@ -143,7 +143,7 @@ impl Project {
         let news = if plain { News::Unused } else { News::Used };
         let (mut findings, assumptions) = (reader.findings, reader.assumptions);
         findings.extend(format::judge_format(document, format, news));
-        findings.extend(checks::all(document, &project));
+        findings.extend(checks::check_project(document, &project));
         if !document.has("plant") {
             // everything that refers to the machine follows from its absence
             findings
@@ -154,7 +154,7 @@ impl Project {
             findings.extend(document.syntax.clone());
         }
         diagnostic::sort(&mut findings);
-        elsewhere::hint_at_sections(&mut findings);
+        section_hints::hint_at_sections(&mut findings);
         let (errors, warnings): (Vec<_>, Vec<_>) =
             findings.into_iter().partition(|d| d.severity == Severity::Error);
         if errors.is_empty() { Ok(ParsedProject { project, warnings, assumptions }) } else { Err(errors) }
@@ -250,7 +250,7 @@ impl Project {
 
     fn blank() -> Self {
         Self {
-            plant: plant::blank(),
+            plant: plant::blank_parameters(),
             import: None,
             model: PlantSelection::default(),
             reduce: ReductionOptions::default(),
@@ -272,7 +272,7 @@ fn file(v: &mut dyn Visit, project: &mut Project) -> u32 {
     let mut format = FORMAT;
     v.whole_number(
         &Field::new("format", "format of this file")
-            .limit(Limit::AtLeast(0.0))
+            .limit(NumberRange::AtLeast(0.0))
             .or(f64::from(FORMAT))
             .show_default(),
         &mut format,
@@ -280,7 +280,7 @@ fn file(v: &mut dyn Visit, project: &mut Project) -> u32 {
     table(v, &TableField::mandatory("plant", "the mechanism"), project, |v, project| {
         plant::plant(v, &mut project.plant);
         let section = TableField::optional("import", "the structure as matrices of a finite-element package");
-        visit_optional(v, &section, &mut project.import, import::blank(), import::import);
+        visit_optional(v, &section, &mut project.import, import::blank_structure(), import::import);
     });
     designs(v, project);
     recordings(v, project);
@@ -321,16 +321,16 @@ fn designs(v: &mut dyn Visit, project: &mut Project) {
     let section = TableField::optional("verify", "tests of the loop, and requirements");
     let controlled = project.plant.controlled_quantity();
     let period_s = project.plant.interface.sample_period_s;
-    visit_optional(v, &section, &mut project.verify, verify::blank(period_s), |v, verification| {
+    visit_optional(v, &section, &mut project.verify, verify::blank_options(period_s), |v, verification| {
         verify::verify(v, verification, controlled, period_s);
     });
     let section = TableField::optional(
         "traverse",
         "the traverse axis under this elevation axis, verified together with it",
     );
-    visit_optional(v, &section, &mut project.traverse, traverse::blank(), traverse::visit_traverse_axis);
+    visit_optional(v, &section, &mut project.traverse, traverse::blank_axis(), traverse::visit_traverse_axis);
     let section = TableField::optional("sweep", "robustness campaign");
-    visit_optional(v, &section, &mut project.sweep, sweep::blank(), sweep::sweep);
+    visit_optional(v, &section, &mut project.sweep, sweep::blank_campaign(), sweep::sweep);
     if let Some(verification) = &mut project.verify {
         verification.procedure.operating_point = project.model.operating_point;
         verification.procedure.friction = project.model.friction;
@@ -350,7 +350,7 @@ fn recordings(v: &mut dyn Visit, project: &mut Project) {
         v,
         &section,
         &mut project.recording_controller,
-        controller::blank(),
+        controller::blank_recording_controller(),
         controller::recording_controller,
     );
     let period_s = project.plant.interface.sample_period_s;
@@ -371,7 +371,7 @@ fn recordings(v: &mut dyn Visit, project: &mut Project) {
         v,
         &section,
         &mut project.measured,
-        measured_modes::blank(),
+        measured_modes::blank_modes(),
         measured_modes::measured_modes,
     );
 }

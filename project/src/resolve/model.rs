@@ -3,27 +3,27 @@
 use counterpoise_models::plant::{FrictionLinearisation, OperatingPoint};
 use counterpoise_models::structure::{FeOptions, Integration, Mesh, Theory};
 
-use crate::file::field::{Field, Limit};
+use crate::file::field::{Field, NumberRange};
 use crate::file::visit::{NamedChoice, Visit, choose};
 
-/// Which plant is meant.
+/// Selection of the plant.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlantSelection {
     /// The description of the structure that is taken.
     pub structure: StructureChoice,
     /// Flexible modes that are kept where the structure is the beam.
     pub modes: usize,
-    /// How the beam is divided into elements; also where lumped inertias are derived from it.
+    /// Division of the beam into elements; also used for lumped inertias that are derived from it.
     pub elements: FeOptions,
     /// Name of the configuration; `None` for the bare mechanism.
     pub configuration: Option<String>,
-    /// Where the mechanism stands.
+    /// Operating point of the mechanism.
     pub operating_point: OperatingPoint,
-    /// What a linear plant makes of dry friction.
+    /// Linear replacement of dry friction.
     pub friction: FrictionLinearisation,
 }
 
-/// Which description of the structure is taken.
+/// Selection of the description of the structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StructureChoice {
     /// Two inertias.
@@ -54,12 +54,12 @@ impl NamedChoice for Integration {
 
 /// What a linear plant makes of dry friction, by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Dry {
+enum FrictionLinearisationName {
     Viscous,
     DescribingFunction,
 }
 
-impl NamedChoice for Dry {
+impl NamedChoice for FrictionLinearisationName {
     const NAMES: &'static [(&'static str, Self)] =
         &[("viscous", Self::Viscous), ("describing-function", Self::DescribingFunction)];
 }
@@ -93,7 +93,7 @@ pub(crate) fn model(v: &mut dyn Visit, model: &mut PlantSelection) {
     count(
         v,
         &Field::new("modes", "number of flexible modes that are kept of the beam or the matrices")
-            .limit(Limit::Between(0.0, 40.0))
+            .limit(NumberRange::Between(0.0, 40.0))
             .or(f64::from(MODES)),
         &mut model.modes,
     );
@@ -101,7 +101,7 @@ pub(crate) fn model(v: &mut dyn Visit, model: &mut PlantSelection) {
     count(
         v,
         &Field::new("elements", "number of finite elements of the beam")
-            .limit(Limit::Between(2.0, 1000.0))
+            .limit(NumberRange::Between(2.0, 1000.0))
             .or(f64::from(ELEMENTS)),
         elements,
     );
@@ -125,7 +125,7 @@ pub(crate) fn model(v: &mut dyn Visit, model: &mut PlantSelection) {
         &mut name,
     );
     model.configuration = (!name.is_empty()).then_some(name);
-    let (angle, whole_turn) = (Limit::Between(-1.5, 1.5), Limit::Between(-3.15, 3.15));
+    let (angle, whole_turn) = (NumberRange::Between(-1.5, 1.5), NumberRange::Between(-3.15, 3.15));
     v.number(
         &Field::new("hub_angle", "angle of the hub against the horizontal")
             .unit("rad")
@@ -146,10 +146,10 @@ pub(crate) fn model(v: &mut dyn Visit, model: &mut PlantSelection) {
 fn friction(v: &mut dyn Visit, friction: &mut FrictionLinearisation) {
     let (mut dry, mut amplitude, mut frequency) = match *friction {
         FrictionLinearisation::Viscous | FrictionLinearisation::Impedances { .. } => {
-            (Dry::Viscous, f64::NAN, f64::NAN)
+            (FrictionLinearisationName::Viscous, f64::NAN, f64::NAN)
         }
         FrictionLinearisation::DescribingFunction { hub_amplitude_rad, frequency_rad_s } => {
-            (Dry::DescribingFunction, hub_amplitude_rad, frequency_rad_s)
+            (FrictionLinearisationName::DescribingFunction, hub_amplitude_rad, frequency_rad_s)
         }
     };
     choose(
@@ -158,9 +158,9 @@ fn friction(v: &mut dyn Visit, friction: &mut FrictionLinearisation) {
         &mut dry,
     );
     *friction = match dry {
-        Dry::Viscous => FrictionLinearisation::Viscous,
-        Dry::DescribingFunction => {
-            let above = Limit::Above(0.0);
+        FrictionLinearisationName::Viscous => FrictionLinearisation::Viscous,
+        FrictionLinearisationName::DescribingFunction => {
+            let above = NumberRange::Above(0.0);
             v.number(
                 &Field::new("friction_amplitude", "amplitude of the hub's motion on the platform")
                     .unit("rad")

@@ -2,7 +2,8 @@
 
 use counterpoise_models::{
     AccelerometerAxis, AxisKind, Clock, DriveLimits, FeedbackSignal, Friction, FrictionLaw, Gearbox,
-    IDEAL_CONVERTER_BITS, Interface, Loads, Lumped, Motor, Parameters, Ripple, Sensor, Sensors, Transmission,
+    IDEAL_CONVERTER_BITS, Interface, Loads, LumpedStructure, Motor, Parameters, Ripple, Sensor, Sensors,
+    Transmission,
 };
 
 use super::axis_words::{Words, turning_of_motor};
@@ -11,15 +12,15 @@ use super::friction::{friction, ripple};
 use super::sensor::{accelerometer, gyroscope, sensor};
 use super::structure::{beam, blank_beam, blank_configuration, blank_lumped, configuration, lumped_inertias};
 use super::{cylinder, drive, loads, loop_sensor, transmission};
-use crate::file::field::{Field, Limit, TableField, UsualRange};
+use crate::file::field::{Field, NumberRange, TableField, UsualRange};
 use crate::file::visit::{NamedChoice, Presence, Visit, choose, list, maybe_number, table, visit_optional};
 use crate::tolerance::{MOST_CONTROL_DELAY_SAMPLES, MOST_CONVERTER_BITS, MOST_ERRANT};
 
-const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
-const ABOVE_0: Limit = Limit::Above(0.0);
+const AT_LEAST_0: NumberRange = NumberRange::AtLeast(0.0);
+const ABOVE_0: NumberRange = NumberRange::Above(0.0);
 
 /// Returns a mechanism still to be read.
-pub(crate) fn blank() -> Parameters {
+pub(crate) fn blank_parameters() -> Parameters {
     Parameters {
         name: String::new(),
         axis: AxisKind::Rotary,
@@ -30,8 +31,8 @@ pub(crate) fn blank() -> Parameters {
         motor: blank_motor(),
         amplifier: drive::blank_amplifier(),
         cylinder: None,
-        motor_friction: Friction::plain(FrictionLaw::None, 0.0),
-        pivot_friction: Friction::plain(FrictionLaw::None, 0.0),
+        motor_friction: Friction::with_viscous_part(FrictionLaw::None, 0.0),
+        pivot_friction: Friction::with_viscous_part(FrictionLaw::None, 0.0),
         sensors: Sensors {
             hub_gyro: loop_sensor::UNKNOWN,
             measured: FeedbackSignal::HubRate,
@@ -152,19 +153,19 @@ impl NamedChoice for AxisKind {
 }
 
 /// Reads or lists the structure as one rigid, balanced inertia.
-fn one_inertia(v: &mut dyn Visit, lumped: &mut Option<Lumped>) {
+fn one_inertia(v: &mut dyn Visit, lumped: &mut Option<LumpedStructure>) {
     let known = lumped.as_ref().map(|l| l.hub_inertia_kg_m2);
-    let mut inertia = known.filter(|inertia| *lumped == Some(Lumped::rigid(*inertia)));
+    let mut inertia = known.filter(|inertia| *lumped == Some(LumpedStructure::rigid(*inertia)));
     let field = Field::new("inertia", "of a structure that is one rigid, balanced body").unit("kg m^2");
     maybe_number(v, &field.limit(ABOVE_0), &mut inertia);
     if let Some(inertia) = inertia {
-        *lumped = Some(Lumped::rigid(inertia));
+        *lumped = Some(LumpedStructure::rigid(inertia));
     }
 }
 
 /// Reads or lists the structure as one or two inertias with more than that.
-fn described_by_inertias(v: &mut dyn Visit, inertias: &mut Option<Lumped>) {
-    let short = inertias.as_ref().is_some_and(|l| *l == Lumped::rigid(l.hub_inertia_kg_m2));
+fn described_by_inertias(v: &mut dyn Visit, inertias: &mut Option<LumpedStructure>) {
+    let short = inertias.as_ref().is_some_and(|l| *l == LumpedStructure::rigid(l.hub_inertia_kg_m2));
     let section = TableField::optional("lumped", "the structure as one inertia, two, or more in a chain");
     if v.enter(&section, Presence::from(inertias.is_some() && !short)) {
         let mut value = inertias.take().filter(|_| !short).unwrap_or_else(blank_lumped);
@@ -222,7 +223,7 @@ fn motor(v: &mut dyn Visit, motor: &mut Motor) {
     );
     v.number(&inductance, &mut motor.inductance_h);
     let coupling = Field::new("platform_coupling", "sense in which the platform turns the rotor: -1, 0 or 1");
-    v.number(&coupling.limit(Limit::Between(-1.0, 1.0)).or(0.0), &mut motor.platform_coupling);
+    v.number(&coupling.limit(NumberRange::Between(-1.0, 1.0)).or(0.0), &mut motor.platform_coupling);
     ripple(
         v,
         &TableField::inline("cogging", "cogging torque on the shaft, periodic in its angle"),
@@ -241,7 +242,7 @@ fn motor(v: &mut dyn Visit, motor: &mut Motor) {
 }
 
 fn frictions(v: &mut dyn Visit, plant: &mut Parameters) {
-    let none = Friction::plain(FrictionLaw::None, 0.0);
+    let none = Friction::with_viscous_part(FrictionLaw::None, 0.0);
     let there = plant.motor_friction != none || plant.pivot_friction != none;
     if !v.enter(&TableField::optional("friction", "friction at motor and pivot"), Presence::from(there)) {
         (plant.motor_friction, plant.pivot_friction) = (none.clone(), none);
@@ -261,7 +262,7 @@ fn frictions(v: &mut dyn Visit, plant: &mut Parameters) {
 }
 
 fn one_friction(v: &mut dyn Visit, section: &TableField, value: &mut Friction) {
-    let none = Friction::plain(FrictionLaw::None, 0.0);
+    let none = Friction::with_viscous_part(FrictionLaw::None, 0.0);
     if v.enter(section, Presence::from(*value != none)) {
         friction(v, value);
         v.leave();
@@ -271,9 +272,9 @@ fn one_friction(v: &mut dyn Visit, section: &TableField, value: &mut Friction) {
 }
 
 fn sensors(v: &mut dyn Visit, plant: &mut Parameters) {
-    let there = plant.sensors != blank().sensors;
+    let there = plant.sensors != blank_parameters().sensors;
     if !v.enter(&TableField::optional("sensors", "sensors"), Presence::from(there)) {
-        plant.sensors = blank().sensors;
+        plant.sensors = blank_parameters().sensors;
         return;
     }
     loop_sensor::loop_sensor(v, plant);
@@ -334,7 +335,7 @@ fn visit_sensor(
 fn clock(v: &mut dyn Visit, clock: &mut Clock) {
     let jitter = Field::new("sample_jitter", "RMS of the jitter of the instants at which sensors are read");
     v.number(&jitter.unit("s").limit(AT_LEAST_0).or(0.0), &mut clock.jitter_s);
-    let share = |key, meaning| Field::new(key, meaning).limit(Limit::Between(0.0, MOST_ERRANT)).or(0.0);
+    let share = |key, meaning| Field::new(key, meaning).limit(NumberRange::Between(0.0, MOST_ERRANT)).or(0.0);
     let missed = "share of the samples in which the controller does not run and its control stays";
     v.number(&share("missed_samples", missed), &mut clock.missed_samples);
     let late = "share of the samples whose control acts one period later";
@@ -346,10 +347,10 @@ fn interface(v: &mut dyn Visit, interface: &mut Interface) {
         &Field::new("sample_period", "sample period of the controller")
             .if_unknown("take a twentieth of the time in which the loop is to settle, or what the target's timer gives")
             .unit("s")
-            .limit(Limit::AboveTo(0.0, 1.0)),
+            .limit(NumberRange::AboveTo(0.0, 1.0)),
         &mut interface.sample_period_s,
     );
-    let bits = Limit::Between(1.0, MOST_CONVERTER_BITS);
+    let bits = NumberRange::Between(1.0, MOST_CONVERTER_BITS);
     let fine = |key| {
         Field::new(key, "over +/- 10 V")
             .unit("bits")
@@ -365,7 +366,7 @@ fn interface(v: &mut dyn Visit, interface: &mut Interface) {
     v.whole_number(&fine("output_bits"), &mut interface.output_bits);
     let mut delay = u32::try_from(interface.output_delay_samples).unwrap_or(u32::MAX);
     let field = Field::new("output_delay_samples", "whole sample periods by which the control is delayed")
-        .limit(Limit::Between(0.0, MOST_CONTROL_DELAY_SAMPLES))
+        .limit(NumberRange::Between(0.0, MOST_CONTROL_DELAY_SAMPLES))
         .or(0.0)
         .with_assumption(
             "none, as if the control acted at once",
@@ -376,5 +377,5 @@ fn interface(v: &mut dyn Visit, interface: &mut Interface) {
     interface.output_delay_samples = delay as usize;
     clock(v, &mut interface.clock);
     let missing = Field::new("missing_codes", "share of the codes that the input converters never give");
-    v.number(&missing.limit(Limit::Between(0.0, MOST_ERRANT)).or(0.0), &mut interface.missing_codes);
+    v.number(&missing.limit(NumberRange::Between(0.0, MOST_ERRANT)).or(0.0), &mut interface.missing_codes);
 }

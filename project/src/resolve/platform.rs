@@ -12,10 +12,10 @@ use counterpoise_verify::signals::{RoadClass, Vehicle};
 use super::base_motion::{self, InertialUnit};
 use super::carrier;
 use super::seed::seed;
-use crate::file::field::{Field, Limit};
+use crate::file::field::{Field, NumberRange};
 use crate::file::visit::{NamedChoice, Visit, choose, maybe_number};
 
-/// Where the platform's motion comes from.
+/// Source of the platform's motion.
 #[derive(Debug, Clone, PartialEq)]
 pub enum PlatformSource {
     /// A recording of a platform in motion.
@@ -67,13 +67,13 @@ pub struct RoadSource {
 /// A motion made from numbers, the same for the same seed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GeneratedMotion {
-    /// What it is made from.
+    /// Source from which it is generated.
     pub kind: MotionKind,
     /// Duration, fades and seed.
     pub realisation: MotionRealisation,
 }
 
-/// What a motion is made from.
+/// Source from which a motion is generated.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MotionKind {
     /// Independent heave and pitch of given spectra.
@@ -94,9 +94,9 @@ pub enum MotionKind {
     },
     /// A drive of a wheeled vehicle over a road of ISO 8608.
     IsoRoad {
-        /// How rough the road is.
+        /// Roughness of the road.
         class: RoadClass,
-        /// How fast the vehicle goes, m/s.
+        /// Speed of the vehicle, m/s.
         speed_m_s: f64,
         /// The vehicle.
         vehicle: Vehicle,
@@ -136,8 +136,8 @@ impl NamedChoice for RoadClass {
         &[("A", Self::A), ("B", Self::B), ("C", Self::C), ("D", Self::D), ("E", Self::E)];
 }
 
-const ABOVE_0: Limit = Limit::Above(0.0);
-const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
+const ABOVE_0: NumberRange = NumberRange::Above(0.0);
+const AT_LEAST_0: NumberRange = NumberRange::AtLeast(0.0);
 /// Duration where the file does not say, s.
 const DURATION_S: f64 = 30.0;
 
@@ -164,7 +164,7 @@ impl GeneratedMotion {
 }
 
 /// Returns a recording of which nothing is known yet.
-pub(crate) fn blank() -> PlatformSource {
+pub(crate) fn blank_source() -> PlatformSource {
     PlatformSource::Recording(blank_recording())
 }
 
@@ -205,7 +205,7 @@ fn blank_of(kind: Kind) -> PlatformSource {
         PlatformSource::Made(GeneratedMotion { kind, realisation })
     };
     match kind {
-        Kind::Recording => blank(),
+        Kind::Recording => blank_source(),
         Kind::Spectrum => made(MotionKind::Spectrum { heave_psd: empty(), pitch_psd: empty() }),
         Kind::Simulator => {
             made(MotionKind::Simulator { offset_m: f64::NAN, sines: empty(), pitch_psd: empty() })
@@ -219,7 +219,7 @@ fn blank_of(kind: Kind) -> PlatformSource {
             coherence: 0.0,
             traverse: Traverse::default(),
         }))),
-        Kind::InertialUnit => PlatformSource::InertialUnit(base_motion::blank()),
+        Kind::InertialUnit => PlatformSource::InertialUnit(base_motion::blank_inertial_unit()),
     }
 }
 

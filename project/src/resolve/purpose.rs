@@ -5,7 +5,7 @@ use crate::diagnostic::{Diagnostic, DiagnosticKind, Severity};
 use crate::file::Document;
 use crate::file::source::Remark;
 
-/// What a project file is read for: each command needs only its own sections.
+/// Purpose for which a project file is read: each command needs only its own sections.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
     /// Model and frequency responses of the plant.

@@ -1,11 +1,11 @@
 //! The `[recording]` section: how the columns of recordings become channels.
 
 use counterpoise_models::{AxisKind, FeedbackSignal};
-use counterpoise_recordings::{Channel, ChannelSource, ChannelUnits, Controlled, Mapping, Travel};
+use counterpoise_recordings::{Channel, ChannelSource, ChannelUnits, LoopQuantity, Mapping, Travel};
 
 use super::Project;
 use super::controller::RecordingController;
-use crate::file::field::{Field, Limit, TableField};
+use crate::file::field::{Field, NumberRange, TableField};
 use crate::file::visit::{Presence, Visit, maybe_number, table};
 
 impl Project {
@@ -18,14 +18,14 @@ impl Project {
     pub fn channel_units(&self) -> ChannelUnits {
         let reading = match self.plant.sensors.measured {
             FeedbackSignal::HubRate | FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate => {
-                Controlled::Rate
+                LoopQuantity::Rate
             }
-            FeedbackSignal::HubPosition | FeedbackSignal::MotorPosition => Controlled::Position,
-            FeedbackSignal::Torque => Controlled::Torque,
-            FeedbackSignal::Current => Controlled::Current,
+            FeedbackSignal::HubPosition | FeedbackSignal::MotorPosition => LoopQuantity::Position,
+            FeedbackSignal::Torque => LoopQuantity::Torque,
+            FeedbackSignal::Current => LoopQuantity::Current,
         };
         let positioned = matches!(self.recording_controller, Some(RecordingController::Position(_)));
-        let demand = if positioned { Controlled::Position } else { reading };
+        let demand = if positioned { LoopQuantity::Position } else { reading };
         let travel = match self.plant.axis {
             AxisKind::Rotary => Travel::Turning,
             AxisKind::Linear => Travel::Sliding,
@@ -41,12 +41,12 @@ pub(crate) fn recording(v: &mut dyn Visit, mapping: &mut Mapping) {
         "sample period of recordings without a time column; other recordings are resampled to it",
     )
     .unit("s")
-    .limit(Limit::Above(0.0));
+    .limit(NumberRange::Above(0.0));
     maybe_number(v, &period, &mut mapping.sample_period_s);
     let windows =
         Field::new("windows", "parts that are used, each by its beginning and end after the first sample")
             .unit("s")
-            .limit(Limit::AtLeast(0.0))
+            .limit(NumberRange::AtLeast(0.0))
             .or_empty();
     v.pairs(&windows, &mut mapping.windows_s);
     table(v, &TableField::optional("channels", "columns by the channel that they hold"), mapping, channels);
@@ -81,7 +81,7 @@ fn source(v: &mut dyn Visit, channel: &'static str, present: Option<ChannelSourc
     );
     source.unit = (!unit.is_empty()).then_some(unit);
     v.number(
-        &Field::new("scale", "factor; a negative one turns the sign").limit(Limit::Not0).or(1.0),
+        &Field::new("scale", "factor; a negative one turns the sign").limit(NumberRange::Not0).or(1.0),
         &mut source.scale,
     );
     v.number(&Field::new("offset", "added after the factor").or(0.0), &mut source.offset);
@@ -102,12 +102,12 @@ fn shaping(v: &mut dyn Visit, source: &mut ChannelSource) {
         "wraps_at",
         "number of counts after which the counter starts again at 0: the channel is unwrapped",
     );
-    maybe_number(v, &field.limit(Limit::Above(0.0)), &mut source.wraps_at);
+    maybe_number(v, &field.limit(NumberRange::Above(0.0)), &mut source.wraps_at);
     let field =
         Field::new("slope_over", "the channel is the slope of the column, as the difference over this time");
-    maybe_number(v, &field.unit("s").limit(Limit::Above(0.0)), &mut source.slope_over_s);
+    maybe_number(v, &field.unit("s").limit(NumberRange::Above(0.0)), &mut source.slope_over_s);
     let field = Field::new("slope_lag", "the channel is the slope of the column, filtered with this lag");
-    maybe_number(v, &field.unit("s").limit(Limit::Above(0.0)), &mut source.slope_lag_s);
+    maybe_number(v, &field.unit("s").limit(NumberRange::Above(0.0)), &mut source.slope_lag_s);
     let mut clock = source.clock.take().unwrap_or_default();
     let field = Field::new("clock", "column with the times of this column, if it has a clock of its own");
     v.text(&field.or_text(""), &mut clock);

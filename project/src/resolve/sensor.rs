@@ -3,12 +3,12 @@
 use counterpoise_models::{Drift, Sensor};
 
 use crate::assumption::LATEST_USUAL_READING_S;
-use crate::file::field::{Field, Limit, UsualRange};
+use crate::file::field::{Field, NumberRange, UsualRange};
 use crate::file::visit::Visit;
 use crate::tolerance::MOST_TILT_RAD;
 
-const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
-const ABOVE_0: Limit = Limit::Above(0.0);
+const AT_LEAST_0: NumberRange = NumberRange::AtLeast(0.0);
+const ABOVE_0: NumberRange = NumberRange::Above(0.0);
 /// Volts per unit of a sensor of which nothing is known: its range is beyond every motion.
 pub(super) const IDEAL_SCALE: f64 = 1e-3;
 
@@ -44,7 +44,7 @@ pub(super) fn sensor(v: &mut dyn Visit, sensor: &mut Sensor, unit: &'static str)
     let noise = Field::new("noise", "RMS of the noise, white at the sample rate");
     v.number(&noise.unit(unit).limit(AT_LEAST_0).or(0.0), &mut sensor.noise_rms);
     v.number(
-        &Field::new("gain", "factor on the reading; 1 is no error").limit(Limit::Not0).or(1.0),
+        &Field::new("gain", "factor on the reading; 1 is no error").limit(NumberRange::Not0).or(1.0),
         &mut sensor.gain,
     );
     v.number(&Field::new("bias", "constant error of the reading").unit(unit).or(0.0), &mut sensor.bias);
@@ -85,7 +85,10 @@ pub(super) fn accelerometer(v: &mut dyn Visit, accelerometer: &mut Sensor) {
     sensor(v, accelerometer, "m/s^2");
     let tilt = "angle of its axis about the elevation axis, positive nose-up: it then reads other shares of heave, surge and gravity";
     v.number(
-        &Field::new("tilt", tilt).unit("rad").limit(Limit::Between(-MOST_TILT_RAD, MOST_TILT_RAD)).or(0.0),
+        &Field::new("tilt", tilt)
+            .unit("rad")
+            .limit(NumberRange::Between(-MOST_TILT_RAD, MOST_TILT_RAD))
+            .or(0.0),
         &mut accelerometer.alignment.tilt_rad,
     );
 }

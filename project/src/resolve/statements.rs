@@ -12,26 +12,26 @@ use crate::file::writer;
 pub struct SectionStatement {
     /// Path of the section.
     pub path: String,
-    /// What the section describes.
+    /// Subject of the section.
     pub meaning: &'static str,
-    /// Its values.
+    /// Values.
     pub values: Vec<ValueStatement>,
 }
 
 /// A value of a project.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ValueStatement {
-    /// Its key in the section.
+    /// Key in the section.
     pub key: String,
     /// The value in the unit of the key, as a project file spells it.
     pub value: String,
     /// The unit; empty for a pure number.
     pub unit: &'static str,
-    /// What the value means.
+    /// Meaning of the value.
     pub meaning: &'static str,
-    /// Its tolerance, if it has one.
+    /// Tolerance, if it has one.
     pub tolerance: Option<String>,
-    /// What stands in the file, as it is written there; `None` if the value is a default or follows from other keys.
+    /// Text in the file, as it is written there; `None` if the value is a default or follows from other keys.
     pub written: Option<String>,
 }
 

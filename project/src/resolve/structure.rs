@@ -1,20 +1,20 @@
 //! The structure: the beam with its sections and masses, the lumped inertias, the configurations.
 
 use counterpoise_models::{
-    Beam, BeamSection, Configuration, Link, Lumped, PointMass, SectionShape, StructuralDamping,
+    Beam, BeamSection, Configuration, Link, LumpedStructure, PointMass, SectionShape, StructuralDamping,
 };
 
 use super::transmission::assumed_rigid;
-use crate::file::field::{Field, Limit, TableField, UsualRange};
+use crate::file::field::{Field, NumberRange, TableField, UsualRange};
 use crate::file::visit::{Count, NamedChoice, Visit, choose, list, pair};
 
 const YOUNGS_MODULUS: Field =
-    Field::new("youngs_modulus", "Young's modulus").unit("Pa").limit(Limit::Above(0.0));
+    Field::new("youngs_modulus", "Young's modulus").unit("Pa").limit(NumberRange::Above(0.0));
 const POISSONS_RATIO: Field = Field::new("poissons_ratio", "Poisson's ratio, used if shear is modelled")
-    .limit(Limit::Between(-0.999, 0.5))
+    .limit(NumberRange::Between(-0.999, 0.5))
     .or(0.3);
 const DENSITY: Field =
-    Field::new("density", "density of the material").unit("kg/m^3").limit(Limit::Above(0.0));
+    Field::new("density", "density of the material").unit("kg/m^3").limit(NumberRange::Above(0.0));
 const PIVOT: Field = Field::new("pivot", "position of the hub pivot along the axis; x grows towards the tip")
     .unit("m")
     .or(0.0);
@@ -22,19 +22,20 @@ const MODAL_DAMPING: Field = Field::new(
     "modal_damping",
     "damping ratios of flexible mode 1, 2, ... of the structure pinned at its hub; 0.01 for every mode if absent",
 )
-.limit(Limit::Between(0.0, 1.0))
+.limit(NumberRange::Between(0.0, 1.0))
 .or_empty();
 const DAMPING_LAW: Field = Field::new(
     "damping",
     "law of the damping above the last ratio that is given: constant (`modal`) or growing with the frequency (`modal-stiffness`)",
 )
 .or_text("modal");
-const RAYLEIGH_FIRST: Field =
-    Field::new("rayleigh_first", "frequency and damping ratio").units("rad/s", "").limit(Limit::AtLeast(0.0));
+const RAYLEIGH_FIRST: Field = Field::new("rayleigh_first", "frequency and damping ratio")
+    .units("rad/s", "")
+    .limit(NumberRange::AtLeast(0.0));
 const RAYLEIGH_SECOND: Field =
     Field::new("rayleigh_second", "a higher frequency and the damping ratio there")
         .units("rad/s", "")
-        .limit(Limit::AtLeast(0.0));
+        .limit(NumberRange::AtLeast(0.0));
 const SECTIONS: TableField = TableField::mandatory("section", "a section of the beam");
 const MASSES: TableField = TableField::optional("mass", "a mass that can be fitted");
 
@@ -44,51 +45,51 @@ const TO: Field = Field::new("to", "position of the far end along the axis").uni
 const SHAPE: Field = Field::new("shape", "how the cross section is given").or_text("tube");
 const OUTER: Field = Field::new("outer_diameter", "outer diameter at the near and the far end")
     .unit("m")
-    .limit(Limit::Above(0.0));
+    .limit(NumberRange::Above(0.0));
 const INNER: Field =
     Field::new("inner_diameter", "inner diameter at the near and the far end; 0 for a solid section")
         .unit("m")
-        .limit(Limit::AtLeast(0.0));
+        .limit(NumberRange::AtLeast(0.0));
 const HEIGHT: Field =
     Field::new("height", "height in the plane of bending at the near and the far end; 0 for a point")
         .unit("m")
-        .limit(Limit::AtLeast(0.0));
+        .limit(NumberRange::AtLeast(0.0));
 const WIDTH: Field =
-    Field::new("width", "width at the near and the far end").unit("m").limit(Limit::AtLeast(0.0));
+    Field::new("width", "width at the near and the far end").unit("m").limit(NumberRange::AtLeast(0.0));
 const AREA: Field =
-    Field::new("area", "area at the near and the far end").unit("m^2").limit(Limit::Above(0.0));
+    Field::new("area", "area at the near and the far end").unit("m^2").limit(NumberRange::Above(0.0));
 const SECOND_MOMENT: Field = Field::new("second_moment", "second moment of area at the near and the far end")
     .unit("m^4")
-    .limit(Limit::Above(0.0));
+    .limit(NumberRange::Above(0.0));
 
 const POSITION: Field = Field::new("position", "position along the axis").unit("m");
-const MASS: Field = Field::new("mass", "mass").unit("kg").limit(Limit::Above(0.0));
+const MASS: Field = Field::new("mass", "mass").unit("kg").limit(NumberRange::Above(0.0));
 const OWN_INERTIA: Field =
-    Field::new("inertia", "own moment of inertia").unit("kg m^2").limit(Limit::AtLeast(0.0)).or(0.0);
+    Field::new("inertia", "own moment of inertia").unit("kg m^2").limit(NumberRange::AtLeast(0.0)).or(0.0);
 
 const HUB_INERTIA: Field =
-    Field::new("hub_inertia", "inertia at the hub").unit("kg m^2").limit(Limit::Above(0.0));
+    Field::new("hub_inertia", "inertia at the hub").unit("kg m^2").limit(NumberRange::Above(0.0));
 const BEAM_INERTIA: Field = Field::new("beam_inertia", "inertia of the beam; 0 if the structure is one body")
     .unit("kg m^2")
-    .limit(Limit::AtLeast(0.0))
+    .limit(NumberRange::AtLeast(0.0))
     .or(0.0);
 const STIFFNESS: Field = Field::new("stiffness", "hub to beam; rigid if absent")
     .unit("N m/rad")
-    .limit(Limit::Above(0.0))
+    .limit(NumberRange::Above(0.0))
     .or(f64::INFINITY);
 /// Lowest usual frequency of a beam on its hub while the hub is held, Hz: a first design must hold a beam as soft as this if the file does not state how stiff
 /// it is. The beam of the reference rig swings at 17 Hz.
 const SOFT_BEAM_HZ: f64 = 10.0;
 const DAMPING: Field = Field::new("damping", "hub to beam; damping ratio 0.01 if absent")
     .unit("N m s/rad")
-    .limit(Limit::AtLeast(0.0));
+    .limit(NumberRange::AtLeast(0.0));
 const LINK_INERTIA: Field =
-    Field::new("inertia", "of this part of the chain").unit("kg m^2").limit(Limit::Above(0.0));
+    Field::new("inertia", "of this part of the chain").unit("kg m^2").limit(NumberRange::Above(0.0));
 const LINK_STIFFNESS: Field =
-    Field::new("stiffness", "to the part before").unit("N m/rad").limit(Limit::Above(0.0));
+    Field::new("stiffness", "to the part before").unit("N m/rad").limit(NumberRange::Above(0.0));
 const LINK_DAMPING: Field = Field::new("damping", "to the part before; damping ratio 0.01 if absent")
     .unit("N m s/rad")
-    .limit(Limit::AtLeast(0.0));
+    .limit(NumberRange::AtLeast(0.0));
 const OUT_OF_BALANCE: Field =
     Field::new("out_of_balance", "first moment of mass about the pivot, positive nose-heavy")
         .unit("kg m")
@@ -114,19 +115,19 @@ const HYSTERESIS: Field = Field::new(
     "largest torque of a hose between hub and platform whose bending has hysteresis",
 )
 .unit("N m")
-.limit(Limit::AtLeast(0.0))
+.limit(NumberRange::AtLeast(0.0))
 .or(0.0);
 const HYSTERESIS_STIFFNESS: Field =
     Field::new("hysteresis_stiffness", "stiffness of that hose where its bending is reversed")
         .unit("N m/rad")
-        .limit(Limit::AtLeast(0.0))
+        .limit(NumberRange::AtLeast(0.0))
         .or(0.0);
 
 const FITTED: Field = Field::new("masses", "names of the fitted masses").or_empty();
 const ADDED_INERTIA: Field =
     Field::new("added_hub_inertia", "inertia added at the hub, without a first moment")
         .unit("kg m^2")
-        .limit(Limit::AtLeast(0.0))
+        .limit(NumberRange::AtLeast(0.0))
         .or(0.0);
 
 /// How a cross section is given.
@@ -173,8 +174,8 @@ pub(crate) fn blank_beam() -> Beam {
 }
 
 /// Lumped inertias still to be read.
-pub(crate) fn blank_lumped() -> Lumped {
-    Lumped {
+pub(crate) fn blank_lumped() -> LumpedStructure {
+    LumpedStructure {
         hub_inertia_kg_m2: f64::NAN,
         beam_inertia_kg_m2: f64::NAN,
         stiffness_nm_rad: f64::NAN,
@@ -305,7 +306,7 @@ fn mass(v: &mut dyn Visit, mass: &mut PointMass) {
 }
 
 /// Reads or lists the lumped inertias.
-pub(crate) fn lumped_inertias(v: &mut dyn Visit, lumped: &mut Lumped) {
+pub(crate) fn lumped_inertias(v: &mut dyn Visit, lumped: &mut LumpedStructure) {
     v.number(&HUB_INERTIA, &mut lumped.hub_inertia_kg_m2);
     v.number(&BEAM_INERTIA, &mut lumped.beam_inertia_kg_m2);
     let stiffness = assumed_rigid(STIFFNESS, SOFT_BEAM_HZ, lumped.beam_inertia_kg_m2);
@@ -355,7 +356,7 @@ fn as_usual(damping: Field) -> Field {
 }
 
 /// Returns damping at a damping ratio of 0.01 of the free structure; 0 if it is one body.
-fn usual_damping(lumped: &Lumped) -> f64 {
+fn usual_damping(lumped: &LumpedStructure) -> f64 {
     let (hub, beam) = (lumped.hub_inertia_kg_m2, lumped.beam_inertia_kg_m2);
     if lumped.is_rigid() {
         return 0.0;

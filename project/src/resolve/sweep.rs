@@ -1,10 +1,12 @@
 //! The `[sweep]` section: which parameters vary, one at a time and all at once.
 
-use counterpoise_verify::robust::{Distribution, Family, PointLayout, Variation, Varied, varied_parameters};
+use counterpoise_verify::robust::{
+    Distribution, Family, PointLayout, Variation, VariedParameter, varied_parameters,
+};
 
 use super::Project;
 use crate::assumption::KeyTolerance;
-use crate::file::field::{Field, Limit, TableField};
+use crate::file::field::{Field, NumberRange, TableField};
 use crate::file::visit::{Count, NamedChoice, Visit, choose, list};
 use crate::tolerance::MOST_CAMPAIGN_SAMPLES;
 
@@ -13,9 +15,9 @@ use crate::tolerance::MOST_CAMPAIGN_SAMPLES;
 pub struct RobustnessCampaign {
     /// Mechanisms of the Monte Carlo campaign.
     pub samples: usize,
-    /// Its seed.
+    /// Seed.
     pub seed: u64,
-    /// How its points are laid out.
+    /// Layout of its points.
     pub layout: PointLayout,
     /// Parameters that vary together.
     pub variations: Vec<Variation>,
@@ -27,13 +29,13 @@ pub struct RobustnessCampaign {
     pub output_error: f64,
 }
 
-impl NamedChoice for Varied {
+impl NamedChoice for VariedParameter {
     const NAMES: &'static [(&'static str, Self)] = &NAMES;
 }
 
 /// The parameters' keys, the other way round.
-const NAMES: [(&str, Varied); varied_parameters::ALL.len()] = {
-    let mut names = [("", Varied::Inertia); varied_parameters::ALL.len()];
+const NAMES: [(&str, VariedParameter); varied_parameters::ALL.len()] = {
+    let mut names = [("", VariedParameter::Inertia); varied_parameters::ALL.len()];
     let mut at = 0;
     while at < names.len() {
         names[at] = (varied_parameters::ALL[at].1, varied_parameters::ALL[at].0);
@@ -67,58 +69,58 @@ const SHAPE: Field =
     Field::new("distribution", "distribution of the factor; `normal` if `deviation` is given")
         .or_text("uniform")
         .show_default();
-const LOW: Field = Field::new("low", "lowest factor on the parameter").limit(Limit::AtLeast(0.0));
-const HIGH: Field = Field::new("high", "highest factor on the parameter").limit(Limit::Above(0.0));
-const LOWEST_LOG: Field = LOW.limit(Limit::Above(0.0));
+const LOW: Field = Field::new("low", "lowest factor on the parameter").limit(NumberRange::AtLeast(0.0));
+const HIGH: Field = Field::new("high", "highest factor on the parameter").limit(NumberRange::Above(0.0));
+const LOWEST_LOG: Field = LOW.limit(NumberRange::Above(0.0));
 const DEVIATION: Field =
     Field::new("deviation", "standard deviation about 1; the distribution ends at three of them")
-        .limit(Limit::AboveTo(0.0, 0.33));
-const FACTORS: Field =
-    Field::new("factors", "factors on the parameter, each a mechanism of its own").limit(Limit::AtLeast(0.0));
+        .limit(NumberRange::AboveTo(0.0, 0.33));
+const FACTORS: Field = Field::new("factors", "factors on the parameter, each a mechanism of its own")
+    .limit(NumberRange::AtLeast(0.0));
 /// Error of the plant's gain if none is stated.
 const GAIN_ERROR: f64 = 0.1;
 const INPUT_ERROR: Field = Field::new(
     "input_error",
     "relative error, of any phase, at the plant's input in the linear worst case; 0 for none",
 )
-.limit(Limit::Between(0.0, 1.0))
+.limit(NumberRange::Between(0.0, 1.0))
 .or(GAIN_ERROR);
 const OUTPUT_ERROR: Field = Field::new(
     "output_error",
     "relative error, of any phase, of the hub gyroscope's reading in the linear worst case; 0 for none",
 )
-.limit(Limit::Between(0.0, 1.0))
+.limit(NumberRange::Between(0.0, 1.0))
 .or(GAIN_ERROR);
 
 /// The keys of the plant whose tolerances a campaign can vary, with the parameters that they are.
-const TOLERANCES: [(&str, Varied); 27] = [
-    ("plant.inertia", Varied::HubInertia),
-    ("plant.mass", Varied::HubInertia),
-    ("plant.lumped.hub_inertia", Varied::HubInertia),
-    ("plant.lumped.mass", Varied::HubInertia),
-    ("plant.lumped.beam_inertia", Varied::BeamInertia),
-    ("plant.lumped.tip_mass", Varied::BeamInertia),
-    ("plant.lumped.out_of_balance", Varied::OutOfBalance),
-    ("plant.lumped.stiffness", Varied::StructureStiffness),
-    ("plant.lumped.damping", Varied::StructureDamping),
-    ("plant.gearbox.backlash", Varied::Backlash),
-    ("plant.ball_screw.backlash", Varied::Backlash),
-    ("plant.gearbox.stiffness", Varied::GearStiffness),
-    ("plant.belt.stiffness", Varied::GearStiffness),
-    ("plant.cable.stiffness", Varied::GearStiffness),
-    ("plant.harmonic_drive.stiffness", Varied::GearStiffness),
-    ("plant.ball_screw.stiffness", Varied::GearStiffness),
-    ("plant.motor.inertia", Varied::MotorInertia),
-    ("plant.motor.torque_constant", Varied::TorqueConstant),
-    ("plant.motor.resistance", Varied::Resistance),
-    ("plant.friction.motor.coulomb", Varied::MotorFriction),
-    ("plant.friction.pivot.coulomb", Varied::PivotFriction),
-    ("plant.sensors.hub_gyro.natural_frequency", Varied::GyroBandwidth),
-    ("plant.sensors.tachometer.natural_frequency", Varied::GyroBandwidth),
-    ("plant.sensors.encoder.natural_frequency", Varied::GyroBandwidth),
-    ("plant.sensors.resolver.natural_frequency", Varied::GyroBandwidth),
-    ("plant.sensors.platform_accelerometer.gain", Varied::AccelerometerGain),
-    ("plant.sensors.platform_gyro.gain", Varied::PlatformGyroGain),
+const TOLERANCES: [(&str, VariedParameter); 27] = [
+    ("plant.inertia", VariedParameter::HubInertia),
+    ("plant.mass", VariedParameter::HubInertia),
+    ("plant.lumped.hub_inertia", VariedParameter::HubInertia),
+    ("plant.lumped.mass", VariedParameter::HubInertia),
+    ("plant.lumped.beam_inertia", VariedParameter::BeamInertia),
+    ("plant.lumped.tip_mass", VariedParameter::BeamInertia),
+    ("plant.lumped.out_of_balance", VariedParameter::OutOfBalance),
+    ("plant.lumped.stiffness", VariedParameter::StructureStiffness),
+    ("plant.lumped.damping", VariedParameter::StructureDamping),
+    ("plant.gearbox.backlash", VariedParameter::Backlash),
+    ("plant.ball_screw.backlash", VariedParameter::Backlash),
+    ("plant.gearbox.stiffness", VariedParameter::GearStiffness),
+    ("plant.belt.stiffness", VariedParameter::GearStiffness),
+    ("plant.cable.stiffness", VariedParameter::GearStiffness),
+    ("plant.harmonic_drive.stiffness", VariedParameter::GearStiffness),
+    ("plant.ball_screw.stiffness", VariedParameter::GearStiffness),
+    ("plant.motor.inertia", VariedParameter::MotorInertia),
+    ("plant.motor.torque_constant", VariedParameter::TorqueConstant),
+    ("plant.motor.resistance", VariedParameter::Resistance),
+    ("plant.friction.motor.coulomb", VariedParameter::MotorFriction),
+    ("plant.friction.pivot.coulomb", VariedParameter::PivotFriction),
+    ("plant.sensors.hub_gyro.natural_frequency", VariedParameter::GyroBandwidth),
+    ("plant.sensors.tachometer.natural_frequency", VariedParameter::GyroBandwidth),
+    ("plant.sensors.encoder.natural_frequency", VariedParameter::GyroBandwidth),
+    ("plant.sensors.resolver.natural_frequency", VariedParameter::GyroBandwidth),
+    ("plant.sensors.platform_accelerometer.gain", VariedParameter::AccelerometerGain),
+    ("plant.sensors.platform_gyro.gain", VariedParameter::PlatformGyroGain),
 ];
 
 /// Returns the keys whose tolerances a campaign can vary.
@@ -132,7 +134,7 @@ pub struct VariedTolerance {
     /// Place among the tolerances of the project.
     pub place: usize,
     /// The parameter.
-    pub parameter: Varied,
+    pub parameter: VariedParameter,
     /// Half-width over the value.
     pub relative: f64,
 }
@@ -144,7 +146,7 @@ impl Project {
         let variations = self.variations_within_tolerances();
         let mut campaign = match (&self.sweep, variations.is_empty()) {
             (Some(sweep), _) => sweep.clone(),
-            (None, false) => blank(),
+            (None, false) => blank_campaign(),
             (None, true) => return None,
         };
         for variation in variations {
@@ -182,7 +184,7 @@ fn variation_within(tolerance: &KeyTolerance) -> Option<Variation> {
 }
 
 /// Returns a campaign of which nothing is written.
-pub(crate) fn blank() -> RobustnessCampaign {
+pub(crate) fn blank_campaign() -> RobustnessCampaign {
     RobustnessCampaign {
         samples: 200,
         seed: 1,
@@ -197,14 +199,14 @@ pub(crate) fn blank() -> RobustnessCampaign {
 /// Reads or lists a campaign.
 pub(crate) fn sweep(v: &mut dyn Visit, sweep: &mut RobustnessCampaign) {
     let samples = Field::new("samples", "number of mechanisms in which all parameters vary together")
-        .limit(Limit::Between(1.0, MOST_CAMPAIGN_SAMPLES));
+        .limit(NumberRange::Between(1.0, MOST_CAMPAIGN_SAMPLES));
     super::model::count(v, &samples.or(200.0).show_default(), &mut sweep.samples);
     super::seed::seed(v, "seed of the campaign", &mut sweep.seed);
     choose(v, &POINTS, &mut sweep.layout);
     v.number(&INPUT_ERROR, &mut sweep.input_error);
     v.number(&OUTPUT_ERROR, &mut sweep.output_error);
     let blank = Variation {
-        parameter: Varied::Inertia,
+        parameter: VariedParameter::Inertia,
         distribution: Distribution::Uniform { low: f64::NAN, high: f64::NAN },
     };
     list(
@@ -214,7 +216,7 @@ pub(crate) fn sweep(v: &mut dyn Visit, sweep: &mut RobustnessCampaign) {
         blank,
         variation,
     );
-    let blank = Family { parameter: Varied::Inertia, factors: Vec::new() };
+    let blank = Family { parameter: VariedParameter::Inertia, factors: Vec::new() };
     list(
         v,
         &TableField::optional("family", "a parameter that varies alone"),

@@ -9,7 +9,7 @@ use counterpoise_synth::{
 use super::synthesis_options::SynthesisOptions;
 use super::weight::blank_weight;
 
-/// What is asked of a design.
+/// Options of a design.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignRequest {
     /// Weights and assembly. Inputs and outputs are numbered as those of [`LinearPlant`](counterpoise_models::plant::LinearPlant).
@@ -18,7 +18,7 @@ pub struct DesignRequest {
     pub weights: WeightSource,
     /// Bandwidth that chosen weights aim at, rad/s; `None` asks for the highest.
     pub bandwidth_rad_s: Option<f64>,
-    /// What the loop controls.
+    /// Quantity that the loop controls.
     pub loop_kind: LoopKind,
     /// Largest rate that a loop of position demands, rad/s or m/s; 0 for no limit, `None` for what the drive allows.
     pub rate_limit: Option<f64>,
@@ -26,7 +26,7 @@ pub struct DesignRequest {
     pub delay_samples: f64,
     /// Order of the Pade approximation of that delay.
     pub pade_order: usize,
-    /// How the controller is sampled.
+    /// Sampling of the controller.
     pub discretisation: SamplingMethod,
     /// The form in which each path runs.
     pub form: RealisationForm,
@@ -36,7 +36,7 @@ pub struct DesignRequest {
     pub options: SynthesisOptions,
 }
 
-/// What the loop controls.
+/// Quantity that the loop controls.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LoopKind {
     /// The rate that the loop's sensor measures.
@@ -44,7 +44,7 @@ pub enum LoopKind {
     Rate,
     /// The position that the loop's sensor measures.
     Position,
-    /// That position, by a proportional loop around a loop of its rate.
+    /// The position, by a proportional loop around a loop of its rate.
     Cascade,
     /// The torque or the force that a sensor between transmission and load measures.
     Torque,
@@ -52,7 +52,7 @@ pub enum LoopKind {
     Current,
 }
 
-/// Where the feedback's weights come from.
+/// Source of the feedback's weights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum WeightSource {
     /// They are to be chosen for the highest bandwidth, or for the one that is asked for.

@@ -9,7 +9,7 @@ use super::friction::{blank_identified, identified_friction};
 use super::imported_controller::{ImportedController, imported_controller};
 use super::model::count;
 use super::weight::{blank_weight, weight};
-use crate::file::field::{Field, Limit, TableField};
+use crate::file::field::{Field, NumberRange, TableField};
 use crate::file::visit::{Count, NamedChoice, Visit, choose, maybe_number, pair, table, visit_optional};
 
 /// Options of a design besides the weights of its three parts.
@@ -23,9 +23,9 @@ pub struct SynthesisOptions {
     pub controller_order: Option<usize>,
     /// Filter of the demand before the controller.
     pub prefilter: Option<Weight>,
-    /// What the controller does about the amplifier's measured curve.
+    /// Compensation of the amplifier's measured curve.
     pub amplifier_curve: Compensation,
-    /// What the controller does about the known gain and bias of the sensors.
+    /// Compensation of the known gain and bias of the sensors.
     pub sensor_errors: Compensation,
     /// Nonlinear observer of friction.
     pub observer: Option<ObserverOptions>,
@@ -39,7 +39,7 @@ pub struct SynthesisOptions {
     pub structure: FixedStructure,
     /// A feedback that was made elsewhere, in place of the H2 feedback.
     pub imported: Option<ImportedController>,
-    /// What the open parameters of the blocks are tuned for.
+    /// Objective of the tuning of the blocks' open parameters.
     pub tuning: Option<TuningOptions>,
 }
 
@@ -61,26 +61,26 @@ impl SynthesisOptions {
 
 /// The friction law that an observer follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FrictionModel {
+pub enum ObserverFriction {
     /// Dahl's law with the same level and stiffness at rest.
     Dahl,
     /// The friction's own law.
     OwnLaw,
 }
 
-/// Whether the controller compensates for a known deviation of the amplifier or of a sensor.
+/// Compensation of a known deviation of the amplifier or of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compensation {
-    /// It does not. The estimator of `adapt` alone knows the amplifier's curve.
+    /// The controller does not compensate. The estimator of `adapt` alone knows the amplifier's curve.
     Absent,
-    /// It does: its last step is the inverse of the amplifier's curve, and its first corrects the readings.
+    /// The controller compensates: its last step is the inverse of the amplifier's curve, and its first corrects the readings.
     Applied,
 }
 
-/// Which friction an observer cancels, and how.
+/// Options of a friction observer: which friction it cancels, and its law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObserverOptions {
-    /// What drives its friction state.
+    /// Signal that drives its friction state.
     pub drives: Drives,
     /// Part that is cancelled, 0 to 1.
     pub share: f64,
@@ -89,7 +89,7 @@ pub struct ObserverOptions {
     /// Friction at the pivot, as identified; `None` takes the plant's.
     pub pivot: Option<Friction>,
     /// The law by which the plant's friction is followed.
-    pub model: FrictionModel,
+    pub model: ObserverFriction,
     /// Rate below which the sign of a law that truly sticks is softened, rad/s.
     pub sign_rate_rad_s: f64,
 }
@@ -101,11 +101,11 @@ pub struct ScheduleOptions {
     pub configurations: Vec<String>,
     /// Factors factors on the out-of-balance alone; the inertia stays.
     pub factors: Vec<f64>,
-    /// What the exported controller takes.
+    /// Part that the exported controller has.
     pub law: ScheduleLaw,
 }
 
-/// What the exported controller takes of a schedule.
+/// Part of a schedule that the exported controller has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ScheduleLaw {
     /// The gain law where it stands in for every redesign, else the redesigns, interpolated.
@@ -116,7 +116,7 @@ pub enum ScheduleLaw {
     Redesign,
 }
 
-/// How the out-of-balance is estimated from the control.
+/// Options of the estimation of the out-of-balance from the control.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AdaptationOptions {
     /// Method.
@@ -143,12 +143,12 @@ pub struct AdaptationOptions {
     pub use_in_code: AdaptationUse,
 }
 
-/// Whether the exported controller adapts.
+/// Use of the adaptation in the exported controller.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AdaptationUse {
-    /// It does.
+    /// The exported controller adapts.
     Exported,
-    /// It does not: the trials of the project leave no motion on which an adaptation helps.
+    /// The exported controller does not adapt: the trials of the project leave no motion on which an adaptation helps.
     LeftOut,
 }
 
@@ -177,7 +177,7 @@ pub struct AdaptationRuns {
 /// Requirements, and how far the search goes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WeightSearch {
-    /// What the sampled loop must keep.
+    /// Limits that the sampled loop must keep.
     pub requirements: Requirements,
     /// Most designs that are tried for one answer.
     pub trials: usize,
@@ -203,7 +203,7 @@ impl NamedChoice for Drives {
         &[("measured-rate", Self::MeasuredRate), ("demand", Self::Demand)];
 }
 
-impl NamedChoice for FrictionModel {
+impl NamedChoice for ObserverFriction {
     const NAMES: &'static [(&'static str, Self)] = &[("dahl", Self::Dahl), ("plant", Self::OwnLaw)];
 }
 
@@ -245,8 +245,8 @@ impl Default for SynthesisOptions {
     }
 }
 
-const ABOVE_0: Limit = Limit::Above(0.0);
-const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
+const ABOVE_0: NumberRange = NumberRange::Above(0.0);
+const AT_LEAST_0: NumberRange = NumberRange::AtLeast(0.0);
 
 /// Reads or lists the keys of `[synth]` that are not the three parts'.
 pub(crate) fn keys(v: &mut dyn Visit, options: &mut SynthesisOptions) {
@@ -255,7 +255,7 @@ pub(crate) fn keys(v: &mut dyn Visit, options: &mut SynthesisOptions) {
     methods(v, &mut options.alternatives);
     let mut order = options.controller_order.unwrap_or(0);
     let field = Field::new("controller_order", "number of states that the feedback keeps; 0 keeps all");
-    count(v, &field.limit(Limit::Between(0.0, 1000.0)).or(0.0), &mut order);
+    count(v, &field.limit(NumberRange::Between(0.0, 1000.0)).or(0.0), &mut order);
     options.controller_order = (order > 0).then_some(order);
     let curve = "the gain curve `plant.amplifier.map` (in `adapt`, that of the trial): `undo` makes its inverse the last step of the controller";
     choose(v, &Field::new("amplifier_curve", curve).or_text("leave"), &mut options.amplifier_curve);
@@ -313,7 +313,7 @@ fn blank_observer() -> ObserverOptions {
         share: 1.0,
         motor: None,
         pivot: None,
-        model: FrictionModel::Dahl,
+        model: ObserverFriction::Dahl,
         sign_rate_rad_s: 5e-3,
     }
 }
@@ -322,7 +322,7 @@ fn observer(v: &mut dyn Visit, observer: &mut ObserverOptions) {
     let drives = "the rate that drives the friction model: measured (feedback) or demanded (feedforward)";
     choose(v, &Field::new("drives", drives).or_text("measured-rate"), &mut observer.drives);
     let share =
-        Field::new("share", "fraction of the level that is cancelled").limit(Limit::Between(0.0, 1.0));
+        Field::new("share", "fraction of the level that is cancelled").limit(NumberRange::Between(0.0, 1.0));
     v.number(&share.or(1.0).show_default(), &mut observer.share);
     let law = "the law by which the plant's friction is followed: Dahl's law with its level and stiffness, or its own";
     choose(v, &Field::new("law", law).or_text("dahl"), &mut observer.model);
@@ -386,7 +386,7 @@ fn adaptation(v: &mut dyn Visit, a: &mut AdaptationOptions) {
     choose(v, &Field::new("method", method).or_text("recursive").show_default(), &mut a.method);
     match a.method {
         AdaptationMethod::Gradient => {
-            let step = Field::new("step", "normalised step").limit(Limit::AboveTo(0.0, 1.9));
+            let step = Field::new("step", "normalised step").limit(NumberRange::AboveTo(0.0, 1.9));
             v.number(&step.or(usual.step), &mut a.step);
         }
         AdaptationMethod::WindowedMean => {
@@ -408,7 +408,11 @@ fn adaptation(v: &mut dyn Visit, a: &mut AdaptationOptions) {
             let filter = Field::new("filter", filter).unit("s").limit(AT_LEAST_0);
             v.number(&filter.or(usual.filter_s), &mut a.filter_s);
             let hold = "share of the design's out-of-balance by which the estimate may differ before it is followed; chosen by the same trials, else 0.04";
-            maybe_number(v, &Field::new("hold_band", hold).limit(Limit::Between(0.0, 1.0)), &mut a.hold_band);
+            maybe_number(
+                v,
+                &Field::new("hold_band", hold).limit(NumberRange::Between(0.0, 1.0)),
+                &mut a.hold_band,
+            );
         }
     }
     if a.method != AdaptationMethod::WindowedMean {
@@ -470,10 +474,10 @@ fn search(v: &mut dyn Visit, search: &mut WeightSearch) {
     let spectrum = "weight of the average of the rejection: the same over the band, or the rate that the expected heave and pitch cause";
     choose(v, &Field::new("spectrum", spectrum).or_text("flat"), &mut asked.spectrum);
     let trials = Field::new("trials", "largest number of designs that are tried for one answer");
-    count(v, &trials.limit(Limit::Between(1.0, 100_000.0)).or(300.0), &mut search.trials);
+    count(v, &trials.limit(NumberRange::Between(1.0, 100_000.0)).or(300.0), &mut search.trials);
     let limits =
         Field::new("trade_off", "limits of the largest sensitivity, one for each point of the trade-off");
-    v.numbers(&limits.limit(Limit::Above(1.0)).or_empty(), Count::AtLeastOne, &mut search.ms_limits);
+    v.numbers(&limits.limit(NumberRange::Above(1.0)).or_empty(), Count::AtLeastOne, &mut search.ms_limits);
 }
 
 /// A limit that is infinite if it is not written.

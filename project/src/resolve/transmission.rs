@@ -4,11 +4,11 @@ use counterpoise_models::{AxisKind, Gearbox, Parameters, Ripple, Transmission};
 use std::f64::consts::TAU;
 
 use super::friction::ripple;
-use crate::file::field::{Field, Limit, TableField, UsualRange};
+use crate::file::field::{Field, NumberRange, TableField, UsualRange};
 use crate::file::visit::{Presence, Visit};
 
-const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
-const ABOVE_0: Limit = Limit::Above(0.0);
+const AT_LEAST_0: NumberRange = NumberRange::AtLeast(0.0);
+const ABOVE_0: NumberRange = NumberRange::Above(0.0);
 /// Damping ratio of a compliance of which nothing is known.
 const DAMPING_RATIO: f64 = 0.01;
 /// Periods of a harmonic drive's error a turn of its wave generator, whose two lobes are alike.
@@ -28,7 +28,7 @@ const BACKLASH: Field =
     Field::new("backlash", "total gap at the output").unit("rad").limit(AT_LEAST_0).or(0.0);
 const EFFICIENCY: Field =
     Field::new("mesh_efficiency", "fraction of the torque through it that arrives while it drives")
-        .limit(Limit::AboveTo(0.0, 1.0))
+        .limit(NumberRange::AboveTo(0.0, 1.0))
         .or(1.0);
 const RATIO: Field = Field::new("ratio", "motor turns per hub turn").limit(ABOVE_0);
 

@@ -4,7 +4,7 @@ use counterpoise_models::two_axes::{BodyInertia, PivotPosition, TraverseGyroscop
 use counterpoise_verify::{JointFigure, JointRequirement, Limit as Bound};
 
 use crate::diagnostic::nearest_name;
-use crate::file::field::{Field, Limit, TableField};
+use crate::file::field::{Field, NumberRange, TableField};
 use crate::file::visit::{NamedChoice, Visit, choose, list, maybe_number};
 
 /// The traverse axis under the elevation axis.
@@ -12,11 +12,11 @@ use crate::file::visit::{NamedChoice, Visit, choose, list, maybe_number};
 pub struct TraverseAxis {
     /// Name of its project file, beside that of the elevation axis.
     pub file: String,
-    /// Where the elevation pivot is on the ring.
+    /// Position of the elevation pivot on the ring.
     pub pivot: PivotPosition,
     /// Elevation at which the traverse project's inertia and out-of-balance include the elevated body, rad; that of the model if absent.
     pub included_at_rad: Option<f64>,
-    /// Where the gyroscope of the traverse axis is.
+    /// Place of the gyroscope of the traverse axis.
     pub gyroscope: TraverseGyroscope,
     /// Moment of inertia of the elevated body about its beam, kg m^2; 0 if absent, as a slender beam has it.
     pub beam_inertia_kg_m2: Option<f64>,
@@ -53,11 +53,11 @@ impl NamedChoice for Place {
 }
 
 /// Farthest that a pivot is from the ring's axis, m.
-const FARTHEST_M: Limit = Limit::Between(-100.0, 100.0);
-const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
+const FARTHEST_M: NumberRange = NumberRange::Between(-100.0, 100.0);
+const AT_LEAST_0: NumberRange = NumberRange::AtLeast(0.0);
 
 /// Returns a traverse axis of which nothing is known yet.
-pub(super) fn blank() -> TraverseAxis {
+pub(super) fn blank_axis() -> TraverseAxis {
     TraverseAxis {
         file: String::new(),
         pivot: PivotPosition::default(),
@@ -89,7 +89,7 @@ pub(super) fn visit_traverse_axis(v: &mut dyn Visit, axis: &mut TraverseAxis) {
     let left = Field::new("pivot_left", "the elevated body's plane to the left of the ring's axis").unit("m");
     v.number(&left.limit(FARTHEST_M).or(0.0), &mut axis.pivot.left_m);
     let included = "elevation at which the traverse project's inertia and out-of-balance include the elevated body; that of [model] if absent";
-    let included = Field::new("included_at", included).unit("rad").limit(Limit::Between(-7.0, 7.0));
+    let included = Field::new("included_at", included).unit("rad").limit(NumberRange::Between(-7.0, 7.0));
     maybe_number(v, &included, &mut axis.included_at_rad);
     gyroscope(v, &mut axis.gyroscope);
     let beam =
@@ -153,7 +153,10 @@ fn requirement(v: &mut dyn Visit, asked: &mut WrittenRequirement) {
         v.complain("figure", "there is no such figure of both axes", hint);
     }
     let unit = known.map_or("", |figure| figure.quantity.unit());
-    v.number(&Field::new("at_most", "upper limit").unit(unit).limit(Limit::Above(0.0)), &mut asked.at_most);
+    v.number(
+        &Field::new("at_most", "upper limit").unit(unit).limit(NumberRange::Above(0.0)),
+        &mut asked.at_most,
+    );
     let source = "where the requirement comes from, for example the clause of a specification";
     v.text(&Field::new("source", source).or_text(""), &mut asked.source);
 }

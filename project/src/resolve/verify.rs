@@ -2,31 +2,32 @@
 
 use counterpoise_models::ControlledQuantity;
 use counterpoise_verify::{
-    Coincidence, Figure, Limit as Bound, LineOfSight, Optics, Procedure, Requirement, Sine, Step, Triangle,
+    Coincidence, Limit as Bound, LineOfSight, Optics, PerformanceFigure, Procedure, Requirement, Sine, Step,
+    Triangle,
 };
 
 use super::model::PlantSelection;
 use super::platform::{self, PlatformSource};
 use super::seed::seed;
 use crate::diagnostic::nearest_name;
-use crate::file::field::{Field, Limit, TableField};
+use crate::file::field::{Field, NumberRange, TableField};
 use crate::file::visit::{Count, Visit, list, maybe_number, table, visit_optional};
 use crate::tolerance::MOST_UNSTATED_SAMPLES;
 
-/// What a verification does and asks.
+/// Procedure and requirements of a verification.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerificationOptions {
     /// What is done; operating point and friction are those of the model, and the road is still to be read.
     pub procedure: Procedure,
-    /// Where the size of the step of the demand comes from.
+    /// Source of the size of the step of the demand.
     pub step_size: StepSize,
-    /// Where the platform's motion on a road comes from.
+    /// Source of the platform's motion on a road.
     pub road: Option<PlatformSource>,
     /// Figures with their limits.
     pub requirements: Vec<Requirement>,
 }
 
-/// Where the size of the step of the demand comes from.
+/// Source of the size of the step of the demand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StepSize {
     /// The file states it: a first design takes such a step within the control's limit.
@@ -35,8 +36,8 @@ pub enum StepSize {
     Usual,
 }
 
-const ABOVE_0: Limit = Limit::Above(0.0);
-const AT_LEAST_0: Limit = Limit::AtLeast(0.0);
+const ABOVE_0: NumberRange = NumberRange::Above(0.0);
+const AT_LEAST_0: NumberRange = NumberRange::AtLeast(0.0);
 
 /// Returns the usual procedure of a loop with a sample period: shorter runs if the samples are quick.
 fn usual_procedure(sample_period_s: f64) -> Procedure {
@@ -51,7 +52,7 @@ fn usual_procedure(sample_period_s: f64) -> Procedure {
 }
 
 /// Returns a verification of which nothing is written: the usual procedure without requirements.
-pub(crate) fn blank(sample_period_s: f64) -> VerificationOptions {
+pub(crate) fn blank_options(sample_period_s: f64) -> VerificationOptions {
     VerificationOptions {
         procedure: usual_procedure(sample_period_s),
         step_size: StepSize::Usual,
@@ -62,7 +63,7 @@ pub(crate) fn blank(sample_period_s: f64) -> VerificationOptions {
 
 /// Returns what is verified where a file has no section for it: the usual procedure where the model stands.
 pub(crate) fn usual_verification(model: &PlantSelection, sample_period_s: f64) -> VerificationOptions {
-    let mut verification = blank(sample_period_s);
+    let mut verification = blank_options(sample_period_s);
     verification.procedure.operating_point = model.operating_point;
     verification.procedure.friction = model.friction;
     verification
@@ -113,7 +114,7 @@ pub(crate) fn verify(
             "motion of the platform: recorded, from a spectrum, on a motion simulator, or over a road",
         ),
         &mut verification.road,
-        platform::blank(),
+        platform::blank_source(),
         platform::platform,
     );
     visit_optional(
@@ -197,7 +198,7 @@ fn step(v: &mut dyn Visit, step: &mut Step, size: &mut StepSize, defaults: StepD
     let StepDefaults { unit, usual } = defaults;
     let mut stated = (*size == StepSize::Stated).then_some(step.rate_rad_s);
     let what = "size of the step, in the unit of what the loop controls; if absent 0.1, or what the control's limit lets a first design take at once if that is less";
-    maybe_number(v, &Field::new("rate", what).unit(unit).limit(Limit::Not0), &mut stated);
+    maybe_number(v, &Field::new("rate", what).unit(unit).limit(NumberRange::Not0), &mut stated);
     *size = stated.map_or(StepSize::Usual, |_| StepSize::Stated);
     step.rate_rad_s = stated.unwrap_or(usual.rate_rad_s);
     v.number(
@@ -216,7 +217,7 @@ const TRIANGLE: Triangle = Triangle { rate_rad_s: 0.1, period_s: 4.0 };
 fn triangle(v: &mut dyn Visit, triangle: &mut Triangle, controlled: &'static str) {
     let rate = Field::new("rate", "peak of the triangle, in the unit of what the loop controls")
         .unit(controlled)
-        .limit(Limit::Not0);
+        .limit(NumberRange::Not0);
     v.number(&rate.or(TRIANGLE.rate_rad_s).show_default(), &mut triangle.rate_rad_s);
     let period = Field::new("period", "period of the triangle").unit("s").limit(ABOVE_0);
     v.number(&period.or(TRIANGLE.period_s).show_default(), &mut triangle.period_s);
@@ -239,7 +240,7 @@ fn sine(v: &mut dyn Visit, sine: &mut Sine, usual: Sine, unit: &'static str) {
 
 /// A requirement as the file has it: either limit, or both.
 #[derive(Debug, Clone)]
-struct Asked {
+struct StatedRequirement {
     figure: String,
     at_least: Option<f64>,
     at_most: Option<f64>,
@@ -247,36 +248,39 @@ struct Asked {
 }
 
 fn requirements(v: &mut dyn Visit, requirements: &mut Vec<Requirement>, controlled: ControlledQuantity) {
-    let mut asked: Vec<Asked> = requirements.iter().map(|one| asked_of(one, controlled)).collect();
-    let blank = Asked { figure: String::new(), at_least: None, at_most: None, source: String::new() };
+    let mut asked: Vec<StatedRequirement> =
+        requirements.iter().map(|one| asked_of(one, controlled)).collect();
+    let blank =
+        StatedRequirement { figure: String::new(), at_least: None, at_most: None, source: String::new() };
     list(v, &TableField::optional("requirement", "a figure and its limit"), &mut asked, blank, |v, asked| {
         requirement(v, asked, controlled)
     });
     *requirements = asked.iter().flat_map(|one| resolve_requirements(one, controlled)).collect();
 }
 
-fn asked_of(requirement: &Requirement, controlled: ControlledQuantity) -> Asked {
+fn asked_of(requirement: &Requirement, controlled: ControlledQuantity) -> StatedRequirement {
     let (at_least, at_most) = match requirement.limit {
         Bound::AtLeast(value) => (Some(value), None),
         Bound::AtMost(value) => (None, Some(value)),
     };
     let figure = requirement.figure.key_in(controlled);
-    Asked { figure, at_least, at_most, source: requirement.source.clone() }
+    StatedRequirement { figure, at_least, at_most, source: requirement.source.clone() }
 }
 
-fn resolve_requirements(asked: &Asked, controlled: ControlledQuantity) -> Vec<Requirement> {
-    let Ok(figure) = Figure::from_key_in(controlled, &asked.figure) else { return Vec::new() };
+fn resolve_requirements(asked: &StatedRequirement, controlled: ControlledQuantity) -> Vec<Requirement> {
+    let Ok(figure) = PerformanceFigure::from_key_in(controlled, &asked.figure) else { return Vec::new() };
     let limits = [asked.at_least.map(Bound::AtLeast), asked.at_most.map(Bound::AtMost)];
     let requirement =
         |limit| Requirement::new(figure, limit).ok().map(|found| found.with_source(&asked.source));
     limits.into_iter().flatten().filter_map(requirement).collect()
 }
 
-fn requirement(v: &mut dyn Visit, asked: &mut Asked, controlled: ControlledQuantity) {
+fn requirement(v: &mut dyn Visit, asked: &mut StatedRequirement, controlled: ControlledQuantity) {
     v.text(&Field::new("figure", "name of the figure that is limited"), &mut asked.figure);
-    let known = Figure::from_key_in(controlled, &asked.figure);
+    let known = PerformanceFigure::from_key_in(controlled, &asked.figure);
     if known.is_err() && !asked.figure.is_empty() {
-        let keys: Vec<String> = Figure::all().iter().map(|figure| figure.key_in(controlled)).collect();
+        let keys: Vec<String> =
+            PerformanceFigure::all().iter().map(|figure| figure.key_in(controlled)).collect();
         let hint = nearest_name(&asked.figure, keys.iter().map(String::as_str))
             .map(|name| format!("did you mean \"{name}\"?"));
         v.complain("figure", "there is no such figure", hint);

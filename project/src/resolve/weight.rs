@@ -5,7 +5,7 @@ use counterpoise_synth::Weight;
 
 use super::digits::round_to_digits;
 use super::model::count;
-use crate::file::field::{Field, Limit, TableField};
+use crate::file::field::{Field, NumberRange, TableField};
 use crate::file::visit::{NamedChoice, Visit, choose, list};
 use crate::tolerance::FITTED_WEIGHT_DB;
 
@@ -46,31 +46,33 @@ impl NamedChoice for Form {
 }
 
 const FORM: Field = Field::new("form", "form of the weight");
-const GAIN: Field = Field::new("gain", "factor K").limit(Limit::Not0);
-const TIME: Field =
-    Field::new("time", "time constant a: the corner frequency is 1/a").unit("s").limit(Limit::Above(0.0));
+const GAIN: Field = Field::new("gain", "factor K").limit(NumberRange::Not0);
+const TIME: Field = Field::new("time", "time constant a: the corner frequency is 1/a")
+    .unit("s")
+    .limit(NumberRange::Above(0.0));
 const SECOND: Field =
-    Field::new("second", "coefficient b of the term b s^2").unit("s^2").limit(Limit::AtLeast(0.0));
+    Field::new("second", "coefficient b of the term b s^2").unit("s^2").limit(NumberRange::AtLeast(0.0));
 const FIRST: Field =
-    Field::new("first", "coefficient a of the term a s").unit("s").limit(Limit::AtLeast(0.0));
-const LOW: Field = Field::new("low", "modulus at zero frequency").limit(Limit::Above(0.0));
-const HIGH: Field = Field::new("high", "modulus at infinity").limit(Limit::Above(0.0));
+    Field::new("first", "coefficient a of the term a s").unit("s").limit(NumberRange::AtLeast(0.0));
+const LOW: Field = Field::new("low", "modulus at zero frequency").limit(NumberRange::Above(0.0));
+const HIGH: Field = Field::new("high", "modulus at infinity").limit(NumberRange::Above(0.0));
 const CORNER: Field =
     Field::new("corner", "corner frequency, where the modulus is the geometric mean of `low` and `high`")
         .unit("rad/s")
-        .limit(Limit::Above(0.0));
-const CENTRE: Field = Field::new("centre", "centre of the notch").unit("rad/s").limit(Limit::Above(0.0));
-const WIDTH: Field = Field::new("width", "half-width relative to the centre").limit(Limit::Above(0.0));
+        .limit(NumberRange::Above(0.0));
+const CENTRE: Field =
+    Field::new("centre", "centre of the notch").unit("rad/s").limit(NumberRange::Above(0.0));
+const WIDTH: Field = Field::new("width", "half-width relative to the centre").limit(NumberRange::Above(0.0));
 const FACTOR: Field = Field::new("factor", "modulus at the centre: below 1 it is a notch, above 1 a peak")
-    .limit(Limit::Above(0.0));
+    .limit(NumberRange::Above(0.0));
 const PI_CORNER: Field = Field::new("corner", "K (s + corner) / s: integral below, constant above")
     .unit("rad/s")
-    .limit(Limit::Above(0.0));
+    .limit(NumberRange::Above(0.0));
 const NATURAL: Field =
     Field::new("natural_frequency", "natural frequency w of K w^2 / (s^2 + 2 z w s + w^2)")
         .unit("rad/s")
-        .limit(Limit::Above(0.0));
-const DAMPING: Field = Field::new("damping_ratio", "damping ratio z").limit(Limit::AboveTo(0.0, 1.0));
+        .limit(NumberRange::Above(0.0));
+const DAMPING: Field = Field::new("damping_ratio", "damping ratio z").limit(NumberRange::AboveTo(0.0, 1.0));
 const ZEROS: Field =
     Field::new("zeros", "real and imaginary parts, conjugates included").unit("rad/s").or_empty();
 const POLES: Field =
@@ -78,10 +80,10 @@ const POLES: Field =
 const POINTS: Field =
     Field::new("points", "frequency and modulus, in rising order, or the name of a CSV file")
         .units("rad/s", "")
-        .limit(Limit::Above(0.0));
+        .limit(NumberRange::Above(0.0));
 const ORDER: Field =
     Field::new("order", "order of the stable, minimum-phase function that is fitted to the points")
-        .limit(Limit::Between(1.0, 8.0))
+        .limit(NumberRange::Between(1.0, 8.0))
         .or(2.0);
 const PART: TableField = TableField::mandatory("part", "a factor of the product");
 

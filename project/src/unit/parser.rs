@@ -13,11 +13,11 @@ pub struct Unit {
     pub factor: f64,
     /// Power of ten of the size in SI units.
     pub exponent: i32,
-    /// What is measured.
+    /// Dimension of the measured quantity.
     pub dimension: Dimension,
 }
 
-/// What `kg`, `lb`, `oz` and `g` stand for.
+/// Meaning of the units `kg`, `lb`, `oz` and `g`: mass or force.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MassOrForce {
     /// Masses.

@@ -9,11 +9,11 @@ use super::dimension::{BASES, Dimension};
 pub struct NamedUnit {
     /// The name, as it is written.
     pub name: &'static str,
-    /// What it means.
+    /// Meaning.
     pub meaning: UnitMeaning,
     /// Whether it takes prefixes such as `m` and `k`.
     pub prefixes: PrefixRule,
-    /// What else the name can mean: `kg`, `lb` and `oz` are also used for the weight of that mass, and `g` for the acceleration of
+    /// Other meaning of the name: `kg`, `lb` and `oz` are also used for the weight of that mass, and `g` for the acceleration of
     /// gravity.
     pub weight: Option<UnitMeaning>,
 }
@@ -25,16 +25,16 @@ pub struct UnitMeaning {
     pub factor: f64,
     /// Power of ten of the size in SI units.
     pub exponent: i32,
-    /// What is measured.
+    /// Dimension of the measured quantity.
     pub dimension: Dimension,
 }
 
-/// Whether a unit takes prefixes.
+/// Rule for the prefixes of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PrefixRule {
-    /// It does.
+    /// The unit takes prefixes.
     Taken,
-    /// It does not.
+    /// The unit takes no prefixes.
     None,
 }
 

@@ -2,8 +2,8 @@
 
 use ndarray::{Array2, ArrayView1};
 
-use super::Decoded;
-use crate::remark::Unread;
+use super::DecodedFile;
+use crate::remark::UnreadReason;
 use crate::{Channel, RecordingColumn, Remark};
 
 /// An array with more columns than this is not a set of channels, and does not decide which length the table has.
@@ -12,11 +12,11 @@ const MOST_COLUMNS: usize = 64;
 /// A named array of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedArray {
-    /// Its name; a field of a structure is `structure.field`.
+    /// Name; a field of a structure is `structure.field`.
     pub name: String,
-    /// Its unit; `None` if the file gives none.
+    /// Unit; `None` if the file gives none.
     pub unit: Option<String>,
-    /// Its values, rows x columns; a vector is a single column.
+    /// Values, rows x columns; a vector is a single column.
     pub values: Array2<f64>,
 }
 
@@ -29,18 +29,18 @@ pub(super) struct DecodedArrays {
 
 impl DecodedArrays {
     /// Adds an array that is not read.
-    pub(super) fn note_unread(&mut self, column: &str, why: Unread) {
+    pub(super) fn note_unread(&mut self, column: &str, why: UnreadReason) {
         self.remarks.push(Remark::Unread { column: column.to_owned(), why });
     }
 
     /// Adds an array that is not read because of what it holds.
     pub(super) fn holds(&mut self, column: &str, holds: &str) {
-        self.note_unread(column, Unread::Type { holds: holds.to_owned() });
+        self.note_unread(column, UnreadReason::Type { holds: holds.to_owned() });
     }
 
     /// Returns the arrays as columns of one length: that of a time column, else the most frequent (the longer one of two that are
     /// equally frequent). A matrix gives the columns `name_1` to `name_k` along its longer dimension.
-    pub(super) fn columns(mut self) -> Decoded {
+    pub(super) fn columns(mut self) -> DecodedFile {
         let rows = rows(&self.arrays);
         let mut columns = Vec::new();
         for array in std::mem::take(&mut self.arrays) {
@@ -51,7 +51,7 @@ impl DecodedArrays {
                 self.note_unread(&array.name, array.left_out(rows));
             }
         }
-        Decoded { columns, remarks: self.remarks }
+        DecodedFile { columns, remarks: self.remarks }
     }
 }
 
@@ -105,11 +105,11 @@ impl NamedArray {
         }
     }
 
-    fn left_out(&self, rows: usize) -> Unread {
+    fn left_out(&self, rows: usize) -> UnreadReason {
         let (length, count) = self.extent();
         match count {
-            0 | 1 => Unread::Length { length, rows },
-            _ => Unread::Shape { shape: self.values.shape().iter().map(|n| *n as u64).collect() },
+            0 | 1 => UnreadReason::Length { length, rows },
+            _ => UnreadReason::Shape { shape: self.values.shape().iter().map(|n| *n as u64).collect() },
         }
     }
 }

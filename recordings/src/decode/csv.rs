@@ -1,9 +1,9 @@
 //! CSV: one header row with the names and units of the columns, then one row per sample; commas, semicolons or tabs separate
 //! cells; # starts a comment. A column of texts, without a single number, is left out.
 
-use super::Decoded;
+use super::DecodedFile;
 use super::budget::Budget;
-use crate::remark::Unread;
+use crate::remark::UnreadReason;
 use crate::{Error, RecordingColumn, RecordingTable, Remark};
 
 /// The cells of one column.
@@ -31,7 +31,7 @@ const VALUES_OF_A_PART: usize = 5_000_000;
 const ROWS_OF_A_COUNT: usize = 4096;
 
 /// Returns the columns of a CSV file.
-pub(super) fn read(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
+pub(super) fn read(bytes: &[u8], file: &str) -> Result<DecodedFile, Error> {
     let unreadable = |e: csv::Error| unreadable_error(file, &e);
     let mut budget = Budget::new(file, bytes.len());
     let bytes = bytes.strip_prefix("\u{feff}".as_bytes()).unwrap_or(bytes);
@@ -50,12 +50,12 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
         }
         row(&record.map_err(unreadable)?, delimiter, &mut columns, file)?;
     }
-    Kept::of(headings).decode_part(columns, file)
+    TextColumns::of(headings).decode_part(columns, file)
 }
 
 /// The columns of a file, which may be read in parts.
 #[derive(Debug)]
-struct Kept {
+struct TextColumns {
     headings: Vec<String>,
     /// What the columns held so far, without their values.
     held: Vec<Cells>,
@@ -63,7 +63,7 @@ struct Kept {
     kept: Vec<bool>,
 }
 
-impl Kept {
+impl TextColumns {
     fn of(headings: Vec<String>) -> Self {
         let held = vec![Cells::default(); headings.len()];
         Self { headings, held, kept: Vec::new() }
@@ -74,8 +74,8 @@ impl Kept {
     ///
     /// # Errors
     /// [`Error::Cell`] if a column of numbers has a cell that is none, in this part or an earlier one.
-    fn decode_part(&mut self, columns: Vec<Cells>, file: &str) -> Result<Decoded, Error> {
-        let mut found = Decoded::default();
+    fn decode_part(&mut self, columns: Vec<Cells>, file: &str) -> Result<DecodedFile, Error> {
+        let mut found = DecodedFile::default();
         for (k, mut cells) in columns.into_iter().enumerate() {
             cells.follow(&self.held[k]);
             let holds_texts = cells.holds_texts(&self.headings[k], file)?;
@@ -97,7 +97,7 @@ impl Kept {
 
 /// Returns the remark on a column of texts.
 fn texts(column: String) -> Remark {
-    Remark::Unread { column, why: Unread::Type { holds: "texts".to_owned() } }
+    Remark::Unread { column, why: UnreadReason::Type { holds: "texts".to_owned() } }
 }
 
 impl Cells {
@@ -208,7 +208,7 @@ fn number(cell: &str, delimiter: u8) -> Option<f64> {
 pub struct CsvParts<R> {
     reader: csv::Reader<R>,
     delimiter: u8,
-    columns: Kept,
+    columns: TextColumns,
     name: String,
     rows: usize,
     read: usize,
@@ -238,7 +238,7 @@ impl<R: std::io::BufRead> CsvParts<R> {
         refuse_numbers(&headings, delimiter, name)?;
         let rows = rows.min(VALUES_OF_A_PART / headings.len().max(1)).max(1);
         let record = csv::StringRecord::new();
-        let (name, columns) = (name.to_owned(), Kept::of(headings));
+        let (name, columns) = (name.to_owned(), TextColumns::of(headings));
         Ok(Self { reader, delimiter, columns, name, rows, read: 0, record })
     }
 
@@ -261,7 +261,7 @@ impl<R: std::io::BufRead> CsvParts<R> {
         }
         let name = format!("{}, rows {} to {}", self.name, self.read + 1, self.read + count);
         self.read += count;
-        let Decoded { columns, remarks } = self.columns.decode_part(columns, &self.name)?;
+        let DecodedFile { columns, remarks } = self.columns.decode_part(columns, &self.name)?;
         RecordingTable { name, columns, remarks }.into_checked().map(Some)
     }
 }

@@ -9,7 +9,7 @@ use ndarray::{Array2, ShapeBuilder};
 
 use super::arrays::{DecodedArrays, NamedArray};
 use super::budget::Budget;
-use crate::remark::Unread;
+use crate::remark::UnreadReason;
 use crate::table::{TIME_NAMES, name_and_unit};
 use crate::{Channel, Error};
 
@@ -118,7 +118,7 @@ impl Reader<'_> {
             }
         }
         let why = "it holds a link, and links are not followed; of its data sets only those with the name of a channel are read";
-        self.found.note_unread(&format!("{path}*"), Unread::Undecodable { why: why.to_owned() });
+        self.found.note_unread(&format!("{path}*"), UnreadReason::Undecodable { why: why.to_owned() });
         Ok(())
     }
 
@@ -132,7 +132,7 @@ impl Reader<'_> {
         {
             if holds_word(bytes, channel.name().as_bytes()) {
                 let why = "it is no data set; if it is a link, save the data set itself".to_owned();
-                self.found.note_unread(channel.name(), Unread::Undecodable { why });
+                self.found.note_unread(channel.name(), UnreadReason::Undecodable { why });
             }
         }
     }
@@ -173,7 +173,7 @@ impl Reader<'_> {
             return self.array(name, unit, 0, 1, Vec::new()).map_err(Stop::Ours);
         }
         let Some((rows, columns)) = self.rows_and_columns(&shape) else {
-            self.found.note_unread(&name, Unread::Shape { shape });
+            self.found.note_unread(&name, UnreadReason::Shape { shape });
             return Ok(());
         };
         match set.read_f64() {
@@ -185,7 +185,7 @@ impl Reader<'_> {
                 Err(Stop::Ours(Error::Checksum { file, column: name, why: damage.to_string() }))
             }
             Err(other) if is_unsupported(&other) => {
-                self.found.note_unread(&name, Unread::Undecodable { why: other.to_string() });
+                self.found.note_unread(&name, UnreadReason::Undecodable { why: other.to_string() });
                 Ok(())
             }
             Err(other) => Err(Stop::Ours(self.damaged_column(&name, &other.to_string()))),

@@ -11,7 +11,7 @@ use super::arrays::{DecodedArrays, NamedArray};
 use super::budget::Budget;
 use super::elements::{ByteOrder, COMPRESSED, Element, Elements};
 use crate::Error;
-use crate::remark::Unread;
+use crate::remark::UnreadReason;
 
 /// Bytes before the first element.
 const HEADER: usize = 128;
@@ -154,7 +154,7 @@ impl Reader<'_> {
             [rows] => (rows, 1),
             [rows, columns] => (rows, columns),
             _ => {
-                self.found.note_unread(&name, Unread::Shape { shape: dimensions.to_vec() });
+                self.found.note_unread(&name, UnreadReason::Shape { shape: dimensions.to_vec() });
                 return Ok(());
             }
         };

@@ -32,7 +32,7 @@ const TEXT: usize = 1024;
 
 /// The columns of a file, and what was left out.
 #[derive(Debug, Default)]
-pub(crate) struct Decoded {
+pub(crate) struct DecodedFile {
     pub(crate) columns: Vec<RecordingColumn>,
     pub(crate) remarks: Vec<Remark>,
 }
@@ -44,7 +44,7 @@ impl RecordingTable {
     /// # Errors
     /// Returns what is wrong with the file, with row, column and value where they are known.
     pub fn read(bytes: &[u8], name: &str) -> Result<Self, Error> {
-        let Decoded { columns, remarks } = decode(bytes, name)?;
+        let DecodedFile { columns, remarks } = decode(bytes, name)?;
         Self { name: name.to_owned(), columns, remarks }.into_checked()
     }
 }
@@ -83,7 +83,7 @@ fn decode_arrays(bytes: &[u8], file: &str) -> Option<Result<DecodedArrays, Error
 
 /// Returns the columns of a file, whose format is recognised by its first bytes: Parquet, MATLAB version 5 or 7.3, HDF5, NumPy,
 /// else CSV.
-pub(crate) fn decode(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
+pub(crate) fn decode(bytes: &[u8], file: &str) -> Result<DecodedFile, Error> {
     if let Some(found) = decode_arrays(bytes, file) {
         Ok(found?.columns())
     } else if bytes.starts_with(PARQUET) {

@@ -11,7 +11,7 @@ use super::arrays::{DecodedArrays, NamedArray};
 use super::budget::Budget;
 use super::zip;
 use crate::Error;
-use crate::remark::Unread;
+use crate::remark::UnreadReason;
 
 /// First bytes of an array.
 pub(super) const MAGIC: &[u8] = b"\x93NUMPY";
@@ -115,7 +115,7 @@ impl Reader<'_> {
             [rows] => (rows, 1),
             [rows, columns] if header.fields.len() == 1 => (rows, columns),
             _ => {
-                self.found.note_unread(name, Unread::Shape { shape: header.shape });
+                self.found.note_unread(name, UnreadReason::Shape { shape: header.shape });
                 return Ok(());
             }
         };

@@ -4,14 +4,14 @@ use bytes::Bytes;
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 
-use super::Decoded;
+use super::DecodedFile;
 use super::budget::Budget;
-use super::physical::{Holds, Origin, column, holds};
-use crate::remark::Unread;
+use super::physical::{Holds, Origin, column, content_of};
+use crate::remark::UnreadReason;
 use crate::{Error, RecordingColumn, Remark};
 
 /// Returns the columns of a Parquet file. The library panics over some damaged pages; that too is an error.
-pub(super) fn read(bytes: &[u8], file: &str) -> Result<Decoded, Error> {
+pub(super) fn read(bytes: &[u8], file: &str) -> Result<DecodedFile, Error> {
     let unreadable = |why: String| Error::Unreadable { file: file.to_owned(), kind: "Parquet", why };
     let opened = || {
         let reader = SerializedFileReader::new(Bytes::copy_from_slice(bytes))?;
@@ -29,7 +29,7 @@ fn columns(
     reader: &SerializedFileReader<Bytes>,
     file: &str,
     mut budget: Budget<'_>,
-) -> Result<Decoded, Error> {
+) -> Result<DecodedFile, Error> {
     let metadata = reader.metadata();
     let schema = metadata.file_metadata().schema_descr_ptr();
     let rows = metadata
@@ -37,17 +37,17 @@ fn columns(
         .iter()
         .map(|group| group.num_rows().unsigned_abs())
         .fold(0, u64::saturating_add);
-    let (mut decoded, mut origin) = (Decoded::default(), Origin::default());
+    let (mut decoded, mut origin) = (DecodedFile::default(), Origin::default());
     for index in 0..schema.num_columns() {
         let description = schema.column(index);
         let is_list = description.max_rep_level() > 0;
-        let what = if is_list { Holds::Other("lists") } else { holds(&description) };
+        let what = if is_list { Holds::Other("lists") } else { content_of(&description) };
         // the innermost name of a list is that of its element; that of a record, one of its fields
         let parts = description.path().parts();
         let outermost = parts.first().filter(|_| is_list).cloned();
         let name = &outermost.unwrap_or_else(|| parts.join("."));
         if let Holds::Other(what) = what {
-            let why = Unread::Type { holds: what.to_owned() };
+            let why = UnreadReason::Type { holds: what.to_owned() };
             decoded.remarks.push(Remark::Unread { column: name.to_owned(), why });
             continue;
         }

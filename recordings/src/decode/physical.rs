@@ -70,7 +70,7 @@ impl Origin {
 }
 
 /// Returns what a column holds, by its logical type, else by its converted and physical types.
-pub(super) fn holds(column: &ColumnDescriptor) -> Holds {
+pub(super) fn content_of(column: &ColumnDescriptor) -> Holds {
     let is_read = match column.physical_type() {
         Type::INT32 | Type::INT64 => true,
         Type::FIXED_LEN_BYTE_ARRAY => usize::try_from(column.type_length()).is_ok_and(|n| n <= DECIMAL_BYTES),

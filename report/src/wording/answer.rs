@@ -3,7 +3,7 @@
 use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::{
     Answer, DiagnosisVerdict, Finding, FindingBasis, FitTable, FittedParameter, Hypothesis, Name,
-    NextExperiment, NotExcited, SearchWarning,
+    NextExperiment, SearchWarning, UnexcitedEffect,
 };
 use counterpoise_diagnose::findings::localisation_chart::LocalisationChart;
 use counterpoise_diagnose::library::{Component, EffectName};
@@ -26,11 +26,11 @@ pub struct AnswerText {
     pub verdict: DiagnosisVerdict,
     /// Findings, most important first; none if the verdict is consistent.
     pub findings: Vec<FindingText>,
-    /// How the fit improved.
+    /// Improvement of the fit.
     pub fit: FitTable,
     /// Effects of which these recordings cannot tell whether they are there.
-    pub not_excited: Vec<NotExcited>,
-    /// What to do next.
+    pub not_excited: Vec<UnexcitedEffect>,
+    /// Proposed next experiment.
     pub next_experiment: Option<ExperimentText>,
     /// Balances that these sensors allow, and what each can show.
     pub isolability: Vec<BalanceVisibility>,
@@ -38,7 +38,7 @@ pub struct AnswerText {
     pub map: Vec<CellText>,
     /// Evidence: everything that was tried.
     pub hypotheses: Vec<Hypothesis>,
-    /// What was wrong with the recordings themselves.
+    /// Remarks on the recordings themselves.
     pub qualification: Vec<String>,
     /// Warnings about the search itself; serialised as sentences.
     #[serde(serialize_with = "write_warnings")]
@@ -52,7 +52,7 @@ pub struct AnswerText {
     /// The chart of the localisation; not part of the JSON result.
     #[serde(skip)]
     pub chart: LocalisationChart,
-    /// What the chart says; not part of the JSON result.
+    /// Conclusion of the chart; not part of the JSON result.
     #[serde(skip)]
     pub chart_summary: String,
 }
@@ -85,7 +85,7 @@ pub struct ExperimentText {
     pub why: String,
 }
 
-/// What an error at one component would explain that is a free function of one regime variable.
+/// Gain that an error at one component explains if it is a free function of one regime variable.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CellText {
     /// Component.
@@ -112,9 +112,9 @@ pub struct DescribedDiagnosis {
 /// A verdict in words.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct VerdictText {
-    /// Its name, as the glossary has it.
+    /// Name, as the glossary has it.
     pub name: &'static str,
-    /// What it says of the model and the recordings, without a capital and a full stop.
+    /// Statement on the model and the recordings, without a capital and a full stop.
     pub sentence: &'static str,
 }
 
@@ -230,7 +230,7 @@ pub fn describe_finding(finding: &Finding) -> FindingText {
 /// Parameters of an effect whose values its explanation gives.
 const PARAMETERS_IN_EXPLANATION: usize = 4;
 
-/// When a fitted effect shows, and its explanation.
+/// Returns when a fitted effect shows, and its explanation.
 fn describe_fitted_effect(finding: &Finding, worst_before: f64, worst_after: f64) -> (String, String) {
     let first = finding.parameters.first().map_or("", |parameter| parameter.name);
     let text = describe_effect(finding.component, finding.effect, first);

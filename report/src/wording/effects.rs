@@ -2,7 +2,7 @@
 
 use counterpoise_diagnose::library::{Component, EffectName};
 
-/// How one entry of the library is described.
+/// Description of one entry of the library.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct EffectText {
     /// Component.
@@ -11,7 +11,7 @@ pub struct EffectText {
     pub effect: EffectName,
     /// Name of its first parameter, which tells entries of one name apart.
     pub parameter: &'static str,
-    /// Its equation in words and symbols.
+    /// Equation in words and symbols.
     pub equation: &'static str,
     /// The regime in which it shows; follows "it shows".
     pub regime: &'static str,

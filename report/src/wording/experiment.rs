@@ -11,7 +11,7 @@ pub struct ExperimentPlanText {
     pub machines: Vec<String>,
     /// The demand of the best experiment.
     pub what: String,
-    /// How well it separates each two machines.
+    /// Separation of each two machines.
     pub separations: Vec<SeparationText>,
     /// Largest angle from the start that a machine reaches, rad.
     pub reached_angle_rad: f64,
@@ -23,7 +23,7 @@ pub struct ExperimentPlanText {
     pub others: Vec<OtherExperiment>,
 }
 
-/// How well two machines are separated.
+/// Separation of two machines, in words.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct SeparationText {
     /// Index of one machine, from 0.
@@ -39,7 +39,7 @@ pub struct SeparationText {
 /// Another experiment.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OtherExperiment {
-    /// Its demand.
+    /// Demand.
     pub what: String,
     /// Expected log-likelihood ratio of the two machines that are hardest to separate.
     pub log_likelihood_ratio: f64,

@@ -58,7 +58,7 @@ mod tests {
     #[test]
     fn remarks_say_what_to_do() {
         let column = || "Hub_Position".to_owned();
-        let why = counterpoise_recordings::Unread::Shape { shape: vec![40, 2, 2] };
+        let why = counterpoise_recordings::UnreadReason::Shape { shape: vec![40, 2, 2] };
         let unread = describe_file_remark(&Remark::Unread { column: column(), why });
         assert_eq!(
             unread,

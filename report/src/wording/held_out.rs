@@ -13,7 +13,7 @@ use super::recordings::describe_column_remark;
 pub struct HeldOutText {
     /// Name of the recording.
     pub file: String,
-    /// Its channels.
+    /// Channels.
     pub channels: BTreeMap<&'static str, HeldOutChannel>,
     /// Length of the windows over which it was replayed, s; absent from start to end.
     #[serde(skip_serializing_if = "Option::is_none")]

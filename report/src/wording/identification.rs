@@ -1,8 +1,8 @@
 //! What was identified, with its notes in sentences.
 
 use counterpoise_diagnose::identification::{
-    Balance, Estimate, FrictionPicture, GainPoint, Identification, IdentifiedAmplifier, Lobes, Note,
-    SensorErrors, Unidentifiable,
+    BalanceState, Estimate, FrictionPicture, GainCurveObstacle, GainPoint, Identification,
+    IdentifiedAmplifier, Lobes, Note, SensorErrors,
 };
 use counterpoise_pipeline::recordings::identify::IdentifiedRecordings;
 use serde::Serialize;
@@ -13,7 +13,7 @@ use super::recordings::describe_column_remark;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct IdentificationText {
     /// One for each state of balance, in the order given.
-    pub balances: Vec<Balance>,
+    pub balances: Vec<BalanceState>,
     /// Coulomb friction, pivot + N x motor, N m.
     pub coulomb_nm: Estimate,
     /// Viscous friction, pivot + N^2 x motor, N m s/rad.
@@ -32,7 +32,7 @@ pub struct IdentificationText {
     pub noise_share: f64,
     /// Time that entered, s.
     pub sliding_s: f64,
-    /// What has to be known together with the numbers.
+    /// Remarks that belong to the numbers.
     pub notes: Vec<String>,
     /// Errors of the sensors; absent if the recordings show none.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -53,16 +53,16 @@ impl IdentificationText {
     }
 }
 
-/// What the recordings say of the amplifier.
+/// Result of the identification of the amplifier, in words.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "outcome", rename_all = "snake_case")]
 pub enum AmplifierText {
-    /// Its gain curve departs from the project's; the mechanism was identified together with it.
+    /// The gain curve departs from the project's; the mechanism was identified together with it.
     Curve {
         /// The curve, by rising input.
         points: Vec<GainPoint>,
     },
-    /// Its gain curve was seen, and is the project's.
+    /// The gain curve was seen, and is the project's.
     AsInProject {
         /// The curve, by rising input.
         points: Vec<GainPoint>,
@@ -119,13 +119,13 @@ fn describe_amplifier(amplifier: &IdentifiedAmplifier) -> AmplifierText {
         IdentifiedAmplifier::AsInProject { points } => AmplifierText::AsInProject { points: points.clone() },
         IdentifiedAmplifier::NotIdentifiable { reason } => {
             let why = match reason {
-                Unidentifiable::ControlStaysLarge => {
+                GainCurveObstacle::ControlStaysLarge => {
                     "the control stays where the amplifier is taken as linear; recordings near balance take it through small values"
                 }
-                Unidentifiable::ConfusedWithFriction => {
+                GainCurveObstacle::ConfusedWithFriction => {
                     "the curve cannot be distinguished from friction here; recordings at another out-of-balance can"
                 }
-                Unidentifiable::TooUncertain => {
+                GainCurveObstacle::TooUncertain => {
                     "the curve cannot be distinguished from friction to 15 % here; recordings at another out-of-balance can"
                 }
             };

@@ -1,14 +1,14 @@
-//! A model without a name in sentences: what a free function acts on, over which range, and what its curve says.
+//! Free functions that model an unidentified effect, in sentences: what a free function acts on, over which range, and what its curve says.
 
 use counterpoise_diagnose::findings::channel_fits::PooledFits;
-use counterpoise_diagnose::learning::reading::{CurveReading, Form, ReadElement};
+use counterpoise_diagnose::learning::reading::{CurveForm, CurveReading, ReadElement};
 use counterpoise_diagnose::learning::visited_ranges::RangeExceedance;
 use counterpoise_diagnose::learning::{LearnedModel, LearnedPart};
 use counterpoise_models::{LearnedElement, LearnedPlace, LearnedQuantity, RegimeVariable};
 use counterpoise_plot::number::short_number;
 use serde::Serialize;
 
-/// A model without a name.
+/// Free functions that model an unidentified effect, in words.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LearnedText {
     /// One sentence on what it explains.
@@ -30,9 +30,9 @@ pub struct LearnedText {
 pub struct LearnedFunctionText {
     /// The component at which it acts.
     pub place: &'static str,
-    /// What it adds or multiplies.
+    /// Quantity that it adds to or multiplies.
     pub quantity: &'static str,
-    /// What it is a function of.
+    /// Variable of the function.
     pub variable: &'static str,
     /// Unit of the variable.
     pub variable_unit: &'static str,
@@ -49,13 +49,13 @@ pub struct LearnedFunctionText {
     pub band: Vec<[f64; 2]>,
     /// Share of the recorded samples nearest to each point.
     pub coverage: Vec<f64>,
-    /// What the curve says.
+    /// Interpretation of the curve.
     pub reading: String,
     /// Over which range it is known.
     pub range: String,
 }
 
-/// Describes a model without a name.
+/// Describes free functions that model an unidentified effect.
 pub fn describe_learned(model: &LearnedModel) -> LearnedText {
     let [before, after] = model.worst_held_out;
     LearnedText {
@@ -198,17 +198,17 @@ pub fn describe_reading(element: &LearnedElement, reading: Option<&CurveReading>
     let sized = |name: &str| (reading.value(name), reading.half_width(name));
     let factor = element.quantity.is_factor();
     match reading.form {
-        Form::Constant => {
+        CurveForm::Constant => {
             let (level, half) = sized("level");
             let off = change(element, level - element.quantity.neutral(), half);
             format!("{subject} is off by {off} wherever the recordings go")
         }
-        Form::Linear if factor => describe_proportional(element, &subject, reading),
-        Form::Linear => line(element, &subject, reading),
-        Form::DeadZone => stops(element, &subject, reading),
-        Form::Cubic => cubic(element, &subject, reading),
-        Form::Sine => sine(element, &subject, reading),
-        Form::Quadratic => {
+        CurveForm::Linear if factor => describe_proportional(element, &subject, reading),
+        CurveForm::Linear => line(element, &subject, reading),
+        CurveForm::DeadZone => stops(element, &subject, reading),
+        CurveForm::Cubic => cubic(element, &subject, reading),
+        CurveForm::Sine => sine(element, &subject, reading),
+        CurveForm::Quadratic => {
             let bend = short_number(reading.value("bend"));
             format!(
                 "{subject} bends with the square of the {}: {bend} per ({})^2",
@@ -216,7 +216,7 @@ pub fn describe_reading(element: &LearnedElement, reading: Option<&CurveReading>
                 element.variable.unit()
             )
         }
-        Form::Bump | Form::Sign | Form::Saturation | Form::ExponentialApproach => {
+        CurveForm::Bump | CurveForm::Sign | CurveForm::Saturation | CurveForm::ExponentialApproach => {
             step(element, &subject, reading)
         }
     }
@@ -240,19 +240,19 @@ fn step(element: &LearnedElement, subject: &str, reading: &CurveReading) -> Stri
     let rises = |name: &str| if reading.value(name) > 0.0 { "rises" } else { "falls" };
     let at = |name: &str| describe_value(element.variable, reading.value(name));
     match reading.form {
-        Form::Sign => format!(
+        CurveForm::Sign => format!(
             "{subject} changes its sign with the {}: {} either way",
             variable(element.variable),
             of("step")
         ),
-        Form::Saturation => format!(
+        CurveForm::Saturation => format!(
             "{subject} {} by {} within {} of {}, and stays there",
             rises("rise"),
             of("rise"),
             at("width"),
             at("centre")
         ),
-        Form::ExponentialApproach => format!(
+        CurveForm::ExponentialApproach => format!(
             "{subject} {} by {} with a constant of {} +- {} {}",
             rises("rise"),
             of("rise"),

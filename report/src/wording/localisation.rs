@@ -3,17 +3,17 @@
 use counterpoise_diagnose::findings::answer::Pattern;
 use counterpoise_diagnose::findings::localisation_chart::{LocalisationChart, SearchAgreement};
 use counterpoise_diagnose::localisation::error_map::MapCell;
-use counterpoise_diagnose::localisation::trend::{Extent, Form, Repetition, Trend};
+use counterpoise_diagnose::localisation::trend::{Extent, Repetition, Trend, TrendForm};
 
 /// Describes what a function of a regime variable looks like.
 pub fn describe_trend(trend: Trend) -> String {
     match trend {
         Trend::Simple { form, extent } => {
             let form = match form {
-                Form::Constant => "the same throughout",
-                Form::Proportional => "in proportion to it",
-                Form::Odd => "odd in it",
-                Form::Even => "even in it",
+                TrendForm::Constant => "the same throughout",
+                TrendForm::Proportional => "in proportion to it",
+                TrendForm::Odd => "odd in it",
+                TrendForm::Even => "even in it",
             };
             match extent {
                 Some(extent) => format!("{form}, {}", describe_extent(extent)),
@@ -63,7 +63,7 @@ pub fn describe_chart(chart: &LocalisationChart) -> String {
             " The search identified no effect: what shows here is too small for one."
         }
         SearchAgreement::FoundAnother => {
-            " The search then identified an effect of another cell (ringed): the balances are simpler than the simulator, and its fits decide."
+            " The search then identified an effect of another cell (ringed): the equations of torque and motion are simpler than the simulator, and its fits decide."
         }
     };
     format!("{}{agreement}", describe_best_cell(chart))
@@ -71,8 +71,8 @@ pub fn describe_chart(chart: &LocalisationChart) -> String {
 
 fn describe_best_cell(chart: &LocalisationChart) -> String {
     let Some(best) = &chart.best else {
-        return "No cell stands out: an error at any component, along any of these variables, explains no more than chance may. \
-                What is left in the balances is noise."
+        return "No cell stands out: an error at any component, along any of these variables, explains no more than noise alone may. \
+                The residual of the equations of torque and motion is noise."
             .to_owned();
     };
     let words = |name: &str| name.replace('_', " ");
@@ -80,7 +80,7 @@ fn describe_best_cell(chart: &LocalisationChart) -> String {
         Some((last, some)) if !some.is_empty() => {
             let some: Vec<String> = some.iter().map(|component| words(component.name())).collect();
             format!(
-                "The balances cannot tell {} and {} apart; the fits in the simulator may.",
+                "The equations of torque and motion cannot separate {} and {}; the fits in the simulator may.",
                 some.join(", "),
                 words(last.name())
             )
@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn trends_are_described_with_their_extent() {
         let extent = Extent { low: -1.0, high: 1.0, unit: "N m" };
-        let odd = Trend::Simple { form: Form::Odd, extent: Some(extent) };
+        let odd = Trend::Simple { form: TrendForm::Odd, extent: Some(extent) };
         assert_eq!(describe_trend(odd), "odd in it, over -1.000 to 1.000 N m");
         let along = Repetition::Along { period: 0.31, half_width: 0.001, extent };
         let periodic = Trend::Periodic { repetition: Some(along) };

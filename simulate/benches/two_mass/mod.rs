@@ -74,7 +74,11 @@ fn friction(law: u32, levels: [f64; 4], stribeck: f64, viscous: f64) -> Friction
         },
     };
     let ratio = if matches!(law, FrictionLaw::Dahl { .. }) { 1.0 } else { 1.3 };
-    Friction { static_ratio: ratio, stribeck_rate_rad_s: stribeck, ..Friction::plain(law, viscous) }
+    Friction {
+        static_ratio: ratio,
+        stribeck_rate_rad_s: stribeck,
+        ..Friction::with_viscous_part(law, viscous)
+    }
 }
 
 fn parameters(law: u32, stiffness: u32) -> Parameters {

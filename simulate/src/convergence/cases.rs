@@ -9,7 +9,7 @@ use counterpoise_models::{Friction, FrictionLaw, Plant, StribeckCurve};
 pub struct Case {
     /// The law of friction at its pivot, or `contact`.
     pub name: &'static str,
-    /// Whether the law truly sticks.
+    /// `true` if the law truly sticks.
     pub sticks: bool,
     /// The machine.
     pub plant: Plant,
@@ -95,11 +95,12 @@ fn laws(coulomb_nm: f64) -> Vec<(&'static str, FrictionLaw, f64)> {
 fn with_law(plant: &Plant, law: FrictionLaw, static_ratio: f64) -> Result<Plant, Error> {
     let mut parameters = plant.parameters().clone();
     let viscous = |f: &Friction| f.viscous_nm_s_rad;
-    parameters.motor_friction = Friction::plain(FrictionLaw::None, viscous(&parameters.motor_friction));
+    parameters.motor_friction =
+        Friction::with_viscous_part(FrictionLaw::None, viscous(&parameters.motor_friction));
     parameters.pivot_friction = Friction {
         static_ratio,
         stribeck_rate_rad_s: FALLEN_RAD_S,
-        ..Friction::plain(law, viscous(&parameters.pivot_friction))
+        ..Friction::with_viscous_part(law, viscous(&parameters.pivot_friction))
     };
     Ok(Plant::with_whole_body(&parameters, plant.body().clone())?)
 }

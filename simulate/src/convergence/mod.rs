@@ -7,7 +7,7 @@
 //! which [`Convergence::finding_events`] tells. [`convergence_cases`] has every law of friction, and contact.
 
 mod cases;
-mod second;
+mod second_method;
 
 pub use cases::{Case, convergence_cases};
 
@@ -71,7 +71,7 @@ pub fn study_convergence(plant: &Plant, control_v: f64, lengths: usize) -> Resul
     let second = |steps: usize| -> Result<Vec<f64>, Error> {
         let (plant, control) = prepare_plant(plant, control_v, longest_s)?;
         let start = Simulator::new(&plant)?.rest(0.0, 0.0, PLATFORM.0);
-        second::hub_rates(&plant, control, &start.core, longest_s, steps)
+        second_method::hub_rates(&plant, control, &start.core, longest_s, steps)
     };
     let fine = second(SECOND_STEPS)?;
     let coarse = second(SECOND_STEPS / 2)?;

@@ -2,7 +2,7 @@
 
 use super::crossing::Margin;
 use super::moments::{MIDDLE, NODES};
-use super::ports::{AngleNearby, Bonds, FrictionState, PlatformSpan, Point, Ports, StepSpan};
+use super::ports::{Bonds, FrictionState, NearbyAngle, PlatformSpan, Point, Ports, StepSpan};
 use super::strips::Strips;
 use super::tables::{
     FIXED_INPUTS, HOLD_ROWS, OUTPUTS, PORTS, STAGE_ROWS, STAGES, STATE, StepTable, result_length,
@@ -14,7 +14,7 @@ use counterpoise_models::Plant;
 
 /// What stays over a step.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Held {
+pub(crate) struct HeldInputs {
     /// Drive of the amplifier, V.
     pub drive_v: f64,
     /// Torque of half the gap, N m.
@@ -23,10 +23,10 @@ pub(crate) struct Held {
 
 /// What a step is given.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Given<'a> {
+pub(crate) struct StepProblem<'a> {
     /// The plant.
     pub plant: &'a Plant,
-    /// Its nonlinear parts.
+    /// Nonlinear parts.
     pub ports: &'a Ports,
     /// The matrices of this step.
     pub table: &'a StepTable,
@@ -38,13 +38,13 @@ pub(crate) struct Given<'a> {
     pub bonds: &'a Bonds,
     /// Angles of motor and pivot to which friction has travelled before it, rad.
     pub travelled: Option<[f64; 2]>,
-    /// What the nonlinear parts see at its start.
+    /// Inputs of the nonlinear parts at its start.
     pub outputs: [f64; OUTPUTS],
-    /// What stays over the step.
-    pub held: Held,
+    /// Inputs that are constant over the step.
+    pub held: HeldInputs,
     /// The platform along it.
     pub platform: &'a PlatformSpan,
-    /// Its start, s.
+    /// Start, s.
     pub time_s: f64,
     /// Defect that is allowed.
     pub tolerance: f64,
@@ -61,15 +61,15 @@ pub(crate) struct Attempt {
     memory: [FrictionState; STAGES],
     bonds: Bonds,
     travelled: [f64; 2],
-    about: AngleNearby,
-    before: Before,
+    about: NearbyAngle,
+    before: PreviousStep,
     /// Torque of another axis at the stages of the step before, N m.
     other: [f64; STAGES],
     /// Factor from the change in one iteration to that in the next.
     contraction: f64,
     /// Evaluations of the ports.
     pub iterations: usize,
-    /// Whether the ports went on as in the step before.
+    /// `true` if the ports went on as in the step before.
     pub predicted: bool,
     order: usize,
 }
@@ -85,8 +85,8 @@ impl Attempt {
             memory: [FrictionState::default(); STAGES],
             bonds: Bonds::default(),
             travelled: [0.0; 2],
-            about: AngleNearby::new(0.0),
-            before: Before::default(),
+            about: NearbyAngle::new(0.0),
+            before: PreviousStep::default(),
             other: [0.0; STAGES],
             contraction: 1.0,
             iterations: 0,
@@ -97,13 +97,13 @@ impl Attempt {
 
     /// Takes the step, in the widest registers of the machine and with the same sums in the same order on every machine; says
     /// whether the ports have converged.
-    pub fn solve(&mut self, given: &Given) -> bool {
+    pub fn solve(&mut self, given: &StepProblem) -> bool {
         pulp::Arch::new().dispatch(Solution { attempt: self, given })
     }
 
     /// Takes the step in the registers of the function that it becomes part of.
     #[inline(always)]
-    pub fn solve_inline(&mut self, given: &Given) -> bool {
+    pub fn solve_inline(&mut self, given: &StepProblem) -> bool {
         self.outputs[0] = given.outputs;
         self.about = self.about.move_to(self.outputs[0][2]);
         let first = Point {
@@ -129,7 +129,7 @@ impl Attempt {
 
     /// First values of the ports at the stages: the torques as the step before would go on, the load as the platform
     /// has it.
-    fn guess(&mut self, given: &Given) {
+    fn guess(&mut self, given: &StepProblem) {
         let weights = self.before.weights(given.table.step_s);
         let quiet = [0, 1].map(|p| self.before.change(p) < QUIET * given.ports.scales[p]);
         let tilt = given.ports.tilt(&self.about, self.outputs[0][2]);
@@ -187,7 +187,7 @@ impl Attempt {
         self.before.keep(step_s, values);
     }
 
-    fn fill_inputs(&mut self, given: &Given) {
+    fn fill_inputs(&mut self, given: &StepProblem) {
         let n = self.order;
         self.inputs[..n].copy_from_slice(given.core);
         self.inputs[n..n + 2].copy_from_slice(&[given.held.drive_v, given.held.offset_nm]);
@@ -198,7 +198,7 @@ impl Attempt {
     }
 
     #[inline(always)]
-    fn iterate(&mut self, given: &Given) -> bool {
+    fn iterate(&mut self, given: &StepProblem) -> bool {
         let allowed = (ITERATION_SHARE * given.tolerance).min(ITERATION_TOLERANCE);
         let mut last = f64::INFINITY;
         self.predicted = false;
@@ -220,7 +220,7 @@ impl Attempt {
 
     /// Evaluates the ports along the step; returns their largest change.
     #[inline(always)]
-    fn iteration(&mut self, given: &Given) -> f64 {
+    fn iteration(&mut self, given: &StepProblem) -> f64 {
         let mut rows = [0.0; STAGE_ROWS];
         rows.copy_from_slice(&self.result[..STAGE_ROWS]);
         given.table.stages.multiply_add_inline(&self.values, &mut rows);
@@ -238,7 +238,7 @@ impl Attempt {
         change
     }
 
-    fn span<'a>(&'a self, given: &Given<'a>) -> StepSpan<'a> {
+    fn span<'a>(&'a self, given: &StepProblem<'a>) -> StepSpan<'a> {
         StepSpan {
             time_s: given.time_s,
             step_s: given.table.step_s,
@@ -252,7 +252,7 @@ impl Attempt {
     }
 
     /// Returns how far the ports in the middle of the step are from the cubics through their nodes, relative to their scales.
-    pub fn defect(&self, given: &Given) -> f64 {
+    pub fn defect(&self, given: &StepProblem) -> f64 {
         let mut bonds = given.bonds.clone();
         let middle = self.middle_outputs();
         let time_s = given.time_s + 0.5 * given.table.step_s;
@@ -264,7 +264,8 @@ impl Attempt {
             drive_v: given.held.drive_v,
             about: &self.about,
         };
-        let found = given.ports.middle(given.plant, &self.span(given), &self.memory[0], &mut bonds, &point);
+        let found =
+            given.ports.middle_values(given.plant, &self.span(given), &self.memory[0], &mut bonds, &point);
         let mut worst: f64 = 0.0;
         for p in 0..PORTS {
             let mut expected = MIDDLE[0] * self.start[p];
@@ -374,7 +375,7 @@ pub(crate) struct Continuation {
     /// Factor from the change in one iteration to that in the next.
     pub contraction: f64,
     /// The angle whose sine is known.
-    pub about: AngleNearby,
+    pub about: NearbyAngle,
 }
 
 /// A continuation with the length of the step before; 0 at the start of a run.
@@ -388,7 +389,7 @@ pub(crate) struct Resumption {
 /// A step that is compiled for every width of registers.
 struct Solution<'a, 'b> {
     attempt: &'a mut Attempt,
-    given: &'a Given<'b>,
+    given: &'a StepProblem<'b>,
 }
 
 impl pulp::NullaryFnOnce for Solution<'_, '_> {
@@ -402,14 +403,14 @@ impl pulp::NullaryFnOnce for Solution<'_, '_> {
 
 /// The torques at the inner nodes and at the end of the step before.
 #[derive(Debug, Clone, Copy, Default)]
-struct Before {
+struct PreviousStep {
     step_s: f64,
     values: [[f64; 2]; STAGES],
     /// Weights for a step of the same length.
     same: [[f64; STAGES]; STAGES],
 }
 
-impl Before {
+impl PreviousStep {
     fn keep(&mut self, step_s: f64, values: [[f64; 2]; STAGES]) {
         if self.step_s == 0.0 {
             self.same = extrapolation(1.0);
@@ -436,7 +437,7 @@ impl Before {
     }
 }
 
-/// Returns the weights of the torques before for a step of the same length as the one before; see [`Before::weights`].
+/// Returns the weights of the torques before for a step of the same length as the one before; see [`PreviousStep::weights`].
 pub(crate) fn repeated_weights() -> [[f64; STAGES]; STAGES] {
     extrapolation(1.0)
 }

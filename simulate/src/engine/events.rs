@@ -2,27 +2,27 @@
 
 use super::attempt::Attempt;
 use super::crossing::{Margin, crossing, first_crossing, first_dip};
-use super::linear::{Mode, Seen, VOLTAGE};
+use super::linear::{Mode, ModeOutputs, VOLTAGE};
 use super::moments::NODES;
-use super::present::{Present, Sample};
+use super::present_plant::{PresentPlant, Sample};
 use counterpoise_models::Mesh;
 
 /// A part of a sample.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Part {
-    /// Where it starts, as a fraction of the sample.
+    /// Start, as a fraction of the sample.
     pub start: f64,
-    /// How long it is, as a fraction of the sample.
+    /// Length, as a fraction of the sample.
     pub share: f64,
 }
 
 /// A step that was tried, and what is seen at its ends.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TriedStep<'a> {
-    pub present: &'a Present,
+    pub present: &'a PresentPlant,
     pub attempt: &'a Attempt,
-    /// What is seen at the end of the step.
-    pub ahead: &'a Seen,
+    /// Observed signals at the end of the step.
+    pub ahead: &'a ModeOutputs,
     pub sample: &'a Sample<'a>,
     pub part: Part,
     pub mode: &'a Mode,
@@ -53,7 +53,7 @@ impl TriedStep<'_> {
     /// Returns the fraction of the step at which the voltage reaches or leaves the bus limit; infinite if it does not.
     fn bus_event(&self) -> f64 {
         let bus = self.present.bus_voltage_v();
-        let holds = |seen: &Seen| {
+        let holds = |seen: &ModeOutputs| {
             if self.mode.held == 0.0 {
                 bus - seen[VOLTAGE].abs()
             } else {

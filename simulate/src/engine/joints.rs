@@ -12,8 +12,8 @@ use super::attempt::Attempt;
 use super::crossing::Margin;
 use super::linear::{Hold, dot, outputs};
 use super::moments::NODES;
-use super::ports::AngleNearby;
-use super::present::{Instant, Present, Sample};
+use super::ports::NearbyAngle;
+use super::present_plant::{Instant, PresentPlant, Sample};
 use super::strips::Strips;
 use super::tables::{OUTPUTS, PORTS};
 use crate::tolerance::{AT_REST_RATE_RAD_S, RATE_ROUNDING_RAD_S};
@@ -66,7 +66,7 @@ fn sliding_margin(state: f64, rate: f64, band: f64, rounding: f64) -> f64 {
     if state.abs() > 1.0 { along.min(band - rate.abs() + rounding) } else { along - band }
 }
 
-impl Present {
+impl PresentPlant {
     /// Rate of a joint that is zero but for rounding, rad/s.
     fn rate_rounding(&self, joint: usize) -> f64 {
         RATE_ROUNDING_RAD_S * self.turns[joint]
@@ -104,7 +104,7 @@ impl Present {
 
     /// Returns what a joint can hold where its nonlinear parts see these outputs.
     fn stick_at(&self, joint: usize, outputs: &[f64; OUTPUTS], at: &Instant) -> Stick {
-        let about = AngleNearby::new(outputs[2]);
+        let about = NearbyAngle::new(outputs[2]);
         let none = Stick { positive_nm: 0.0, negative_nm: 0.0, rest_rate_rad_s: 0.0 };
         self.ports.stick(&self.plant, joint, &at.point(outputs, &about)).unwrap_or(none)
     }
@@ -112,7 +112,7 @@ impl Present {
     /// Returns the load of a joint at rest, at a state of the core.
     pub fn load(&self, joint: usize, core: &[f64], ports: &[f64; PORTS], at: &Instant) -> Load {
         let linear = self.linear();
-        let seen = linear.see(core);
+        let seen = linear.outputs_at(core);
         let stick = self.stick_at(joint, outputs(&seen), at);
         Load { stick, torque_nm: holding_torque(&linear.holds[joint], core, ports, at) }
     }
@@ -127,7 +127,7 @@ impl Present {
             let rate = self.ports.rates(self.outputs(), platform.rate)[joint];
             let state = self.friction().get(joint);
             if state == 0.0 && rate.abs() <= AT_REST_RATE_RAD_S * self.turns[joint] {
-                self.arrest(joint, rate);
+                self.stop_joint(joint, rate);
             } else if state == 0.0 || rate * state.signum() < -self.rate_rounding(joint) {
                 self.slide(joint, rate);
             }
@@ -153,7 +153,7 @@ impl Present {
         let rate = self.ports.rates(self.outputs(), at.platform.rate)[joint];
         let rounding = self.rate_rounding(joint);
         if rate * state.signum() < -rounding {
-            self.arrest(joint, rate);
+            self.stop_joint(joint, rate);
             self.set_friction(joint, 0.0);
             self.break_away(joint, at);
             return Transition::Changed;

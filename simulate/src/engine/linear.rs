@@ -1,7 +1,7 @@
 //! The linear core in one of its modes: which equations hold while the teeth touch or not, the voltage is at its limit
 //! or not, and either joint sticks or not.
 
-use super::modal::modal;
+use super::modal_transform::modal;
 use super::moments::{Moments, NODES};
 use super::strips::{NARROW, Strips};
 use super::tables::{DEEPEST, LEVELS, OUTPUTS, PORTS, STAGES, StepTable};
@@ -11,7 +11,7 @@ use counterpoise_models::plant::core::{input, state};
 use counterpoise_models::{Mesh, Plant};
 
 /// Motor state, wind-up, hub angle, hub rate, current; amplifier voltage, tip rate; nothing.
-pub(crate) type Seen = [f64; NARROW];
+pub(crate) type ModeOutputs = [f64; NARROW];
 
 /// Where the voltage is among what is seen.
 pub(crate) const VOLTAGE: usize = OUTPUTS;
@@ -19,7 +19,7 @@ pub(crate) const VOLTAGE: usize = OUTPUTS;
 pub(crate) const TIP: usize = OUTPUTS + 1;
 
 /// Returns what the nonlinear parts see of it.
-pub(crate) fn outputs(seen: &Seen) -> &[f64; OUTPUTS] {
+pub(crate) fn outputs(seen: &ModeOutputs) -> &[f64; OUTPUTS] {
     seen.first_chunk().unwrap_or(&[0.0; OUTPUTS])
 }
 
@@ -54,7 +54,7 @@ impl Mode {
 pub(crate) struct Hold {
     pub row: Vec<f64>,
     pub inputs: [f64; input::COUNT],
-    /// Which of them are the ports.
+    /// Places of the ports among them.
     pub ports: [usize; PORTS],
     /// Torque per angular acceleration of the platform, kg m^2.
     pub platform: f64,
@@ -62,21 +62,21 @@ pub(crate) struct Hold {
 
 /// x' = A x + B u in one mode, in coordinates z in which A is a block and pairs on the diagonal.
 #[derive(Debug, Clone)]
-pub(crate) struct Linear {
+pub(crate) struct ModeDynamics {
     pub(super) blocks: Vec<Block>,
     firsts: Vec<usize>,
     n: usize,
     /// The coordinates z; `None` if they are the physical state itself.
     coordinates: Option<Coordinates>,
-    /// What the nonlinear parts see, from z.
+    /// Rows of the inputs of the nonlinear parts, from z.
     pub outputs: Mat,
     /// That, the voltage and the rate of the tip, stored for products.
     seen: Strips,
     /// z per platform rate that joints at rest carry.
     pub carried: Vec<f64>,
-    /// What holds the joints; for any mode, stuck or not.
+    /// Torques that hold the joints; for any mode, stuck or not.
     pub holds: [Hold; 2],
-    /// Which joints stick.
+    /// Joints that stick.
     pub stuck: [bool; 2],
     /// Change of z that changes the joints' rates by one, as an impulse on the joint does.
     pub pushes: [Vec<f64>; 2],
@@ -149,7 +149,7 @@ impl Span<'_> {
     }
 }
 
-impl Linear {
+impl ModeDynamics {
     /// Returns the core of a plant in a mode, for steps of a sample period and its halves.
     pub fn new(plant: &Plant, mode: &Mode, period_s: f64) -> Self {
         let mut core = plant.core(mode.mesh);
@@ -225,7 +225,7 @@ impl Linear {
     }
 
     /// Returns what is seen at z: what the nonlinear parts see, then voltage and rate of the tip.
-    pub fn see(&self, z: &[f64]) -> Seen {
+    pub fn outputs_at(&self, z: &[f64]) -> ModeOutputs {
         let mut seen = [0.0; NARROW];
         self.seen.multiply_add(z, &mut seen);
         seen
@@ -264,11 +264,11 @@ impl Linear {
     }
 
     /// Returns the size of the block before the pairs.
-    pub fn head(&self) -> usize {
+    pub fn leading_size(&self) -> usize {
         self.blocks[0].A.nrows()
     }
 
-    /// Returns the table of a level that `Linear::prepare` has made.
+    /// Returns the table of a level that `ModeDynamics::prepare` has made.
     pub fn table(&self, level: usize) -> Option<&StepTable> {
         self.tables[level].as_ref()
     }

@@ -15,8 +15,8 @@
 //! joint comes to rest or breaks away, shorter and shorter steps end at that instant. The control is held between
 //! samples, and most samples of a smooth motion are one step.
 //!
-//! Modules in reading order: [`modal`], [`moments`], [`strips`], [`tables`], [`linear`] (the core in its modes), [`table_computation`],
-//! [`ports`], [`state`], [`crossing`], [`attempt`] (one step), [`present`] (where the plant is), [`joints`] (true stick),
+//! Modules in reading order: [`modal_transform`], [`moments`], [`strips`], [`tables`], [`linear`] (the core in its modes), [`table_computation`],
+//! [`ports`], [`state`], [`crossing`], [`attempt`] (one step), [`present_plant`] (where the plant is), [`joints`] (true stick),
 //! [`events`], [`filter`], [`stepper`]. Each uses only modules before it in this list.
 
 pub(crate) mod attempt;
@@ -25,10 +25,10 @@ pub(crate) mod events;
 pub(crate) mod filter;
 pub(crate) mod joints;
 pub(crate) mod linear;
-pub(crate) mod modal;
+pub(crate) mod modal_transform;
 pub(crate) mod moments;
 pub(crate) mod ports;
-pub(crate) mod present;
+pub(crate) mod present_plant;
 pub(crate) mod state;
 pub(crate) mod stepper;
 pub(crate) mod strips;

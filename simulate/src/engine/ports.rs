@@ -123,7 +123,7 @@ pub(crate) struct Point<'a> {
     pub further: Option<&'a FurtherPoint>,
     /// Drive of the amplifier, V.
     pub drive_v: f64,
-    pub about: &'a AngleNearby,
+    pub about: &'a NearbyAngle,
 }
 
 /// What the loop's sensor may feel at one instant.
@@ -137,13 +137,13 @@ pub(crate) struct SensorPoint<'a> {
 
 /// Sine and cosine of angles near one whose own are known.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct AngleNearby {
+pub(crate) struct NearbyAngle {
     angle: f64,
     sin: f64,
     cos: f64,
 }
 
-impl AngleNearby {
+impl NearbyAngle {
     pub fn new(angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
         Self { angle, sin, cos }
@@ -236,7 +236,7 @@ pub(crate) struct Ports {
     hub_extras: bool,
     hose: Option<Hose>,
     gear_hysteresis: Option<Hose>,
-    /// Whether the transmission has a kinematic error.
+    /// `true` if the transmission has a kinematic error.
     wavy: bool,
     axis: AxisKind,
     measured: FeedbackSignal,
@@ -244,7 +244,7 @@ pub(crate) struct Ports {
     needs_mesh_torque: bool,
     learned: Option<Box<LearnedFunctions>>,
     loads: Option<Box<Loads>>,
-    /// Whether a hydraulic cylinder drives: the valve's opening then takes the place of the wind-up.
+    /// `true` if a hydraulic cylinder drives: the valve's opening then takes the place of the wind-up.
     has_cylinder: bool,
     /// Lowest and highest current that the drive gives, A; `None` if the amplifier alone limits it.
     current_range_a: Option<[f64; 2]>,
@@ -446,7 +446,7 @@ impl Ports {
     }
 
     /// Returns the port values in the middle of a step, from the first stage on.
-    pub fn middle(
+    pub fn middle_values(
         &self,
         plant: &Plant,
         span: &StepSpan,
@@ -477,7 +477,7 @@ impl Ports {
 
     /// Returns the sine and cosine that gravity sees.
     #[inline]
-    pub fn tilt(&self, about: &AngleNearby, hub_angle: f64) -> SinCos {
+    pub fn tilt(&self, about: &NearbyAngle, hub_angle: f64) -> SinCos {
         match self.axis {
             AxisKind::Rotary => about.sin_cos(hub_angle),
             AxisKind::Linear => SinCos { sin: 0.0, cos: 1.0 },
@@ -719,7 +719,7 @@ pub(crate) struct StepSpan<'a> {
     pub memory: &'a FrictionState,
     /// Angles of motor and pivot to which friction has travelled before the step, rad.
     pub travelled: Option<[f64; 2]>,
-    pub about: &'a AngleNearby,
+    pub about: &'a NearbyAngle,
 }
 
 impl StepSpan<'_> {

@@ -2,7 +2,7 @@
 
 use super::ports::{Bonds, FrictionState};
 
-/// What moves: the states of the plant between samples.
+/// State of the plant between samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlantState {
     /// States of the linear core, as [`counterpoise_models::plant::core::state`] has them.
@@ -15,7 +15,7 @@ pub struct PlantState {
     pub hub_gyro: [f64; 2],
 }
 
-/// How much work a run was, and whether any of it was done below the accuracy asked for.
+/// Computing work of a run, and whether any of it was done below the requested accuracy.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Effort {
     /// Steps taken.

@@ -1,12 +1,12 @@
 //! The steps within a sample: how long they are, and which events end them.
 
-use super::attempt::{Attempt, Continuation, Held, Resumption};
+use super::attempt::{Attempt, Continuation, HeldInputs, Resumption};
 use super::events::{Part, TriedStep};
 use super::filter::Filter;
 use super::joints::Transition;
-use super::linear::{Mode, Seen};
+use super::linear::{Mode, ModeOutputs};
 use super::ports::{PlatformPoint, SensorPoint};
-use super::present::{Ordinary, Place, Present, Sample, StepInput};
+use super::present_plant::{OrdinaryState, Place, PresentPlant, Sample, StepInput};
 use super::state::{Effort, PlantState};
 use super::tables::{DEEPEST, LEVELS, OUTPUTS, StepTable};
 use crate::Error;
@@ -23,15 +23,15 @@ const TICKS: u32 = 1 << DEEPEST;
 /// Steps a plant from sample to sample.
 #[derive(Debug, Clone)]
 pub(crate) struct Stepper {
-    present: Present,
+    present: PresentPlant,
     attempt: Attempt,
     /// What is seen at the end of the step that was tried.
-    ahead: Seen,
+    ahead: ModeOutputs,
     filter: Filter,
     /// The platform at the nodes of the step that was tried.
     nodes: [PlatformPoint; 4],
     period_s: f64,
-    /// Whether any joint truly sticks.
+    /// `true` if any joint truly sticks.
     joints: bool,
     level: usize,
     finest: usize,
@@ -49,7 +49,7 @@ pub(crate) struct Checkpoint {
 }
 
 /// What came of a step that was tried.
-enum Tried {
+enum StepOutcome {
     Good { defect: f64 },
     Event { fraction: f64, depth: usize },
     Rough,
@@ -65,14 +65,14 @@ struct Approach {
 impl Stepper {
     /// Returns a stepper whose steps leave a defect of at most `tolerance`, relative to the ports' scales.
     pub fn new(plant: &Plant, period_s: f64, tolerance: f64) -> Result<Self, Error> {
-        let present = Present::new(plant, period_s)?;
+        let present = PresentPlant::new(plant, period_s)?;
         let ports = &present.ports;
         Ok(Self {
             finest: if ports.has_bristles() { BRISTLE_LEVELS } else { LEVELS },
             joints: ports.sticks(0) || ports.sticks(1),
             present,
             attempt: Attempt::new(plant.core_order()),
-            ahead: Seen::default(),
+            ahead: ModeOutputs::default(),
             filter: Filter::new(&plant.parameters().sensors.hub_gyro, period_s),
             nodes: [PlatformPoint::default(); 4],
             period_s,
@@ -93,13 +93,13 @@ impl Stepper {
 
     /// Returns where the plant is and what its next step continues from, if that step is a whole sample in the ordinary mode after another
     /// such step; `None` otherwise.
-    pub fn smooth(&self) -> Option<(Ordinary<'_>, Continuation)> {
+    pub fn smooth(&self) -> Option<(OrdinaryState<'_>, Continuation)> {
         let from = self.attempt.continuation(self.period_s).filter(|_| self.level == 0 && !self.joints)?;
         Some((self.present.ordinary_state()?, from))
     }
 
     /// Goes on from a whole sample in the ordinary mode.
-    pub fn go_on_from(&mut self, at: &Ordinary, from: &Continuation) {
+    pub fn go_on_from(&mut self, at: &OrdinaryState, from: &Continuation) {
         self.level = 0;
         self.present.go_on_from(at);
         self.attempt.continue_from(self.period_s, from);
@@ -117,7 +117,7 @@ impl Stepper {
     }
 
     /// Returns the plant where it is, with its cores and nonlinear parts.
-    pub fn present_plant(&self) -> &Present {
+    pub fn present_plant(&self) -> &PresentPlant {
         &self.present
     }
 
@@ -138,7 +138,7 @@ impl Stepper {
 
     /// Lets a machine that recoils fire, or not, in the runs that follow.
     pub fn fire(&mut self, firing: Firing) {
-        let Present { plant, ports, .. } = &mut self.present;
+        let PresentPlant { plant, ports, .. } = &mut self.present;
         if plant.loads().is_some() {
             ports.fire(plant, firing);
         }
@@ -248,7 +248,7 @@ impl Stepper {
             self.present.enter(&mode, self.level);
             let deepest = if self.present.changes - before > MANY_CHANGES { LEVELS } else { DEEPEST };
             match self.try_step(sample, tick, &mode, deepest) {
-                Tried::Good { defect } => {
+                StepOutcome::Good { defect } => {
                     if let Some(table) = self.present.linear().table(self.level) {
                         let part = Part { start: fraction(tick), share: fraction(TICKS >> self.level) };
                         observer(&mut self.attempt, table, part);
@@ -260,8 +260,8 @@ impl Stepper {
                         Transition::None => self.choose_level(&mut approach, defect),
                     }
                 }
-                Tried::Event { fraction, depth } => approach = self.approach(fraction, depth),
-                Tried::Rough => {
+                StepOutcome::Event { fraction, depth } => approach = self.approach(fraction, depth),
+                StepOutcome::Rough => {
                     approach = Approach::default();
                     self.level += 1;
                     self.effort.rejected += 1;
@@ -294,13 +294,13 @@ impl Stepper {
         }
     }
 
-    fn try_step(&mut self, sample: &Sample, tick: u32, mode: &Mode, deepest: usize) -> Tried {
+    fn try_step(&mut self, sample: &Sample, tick: u32, mode: &Mode, deepest: usize) -> StepOutcome {
         let linear = self.present.linear();
-        let Some(table) = linear.table(self.level) else { return Tried::Rough };
+        let Some(table) = linear.table(self.level) else { return StepOutcome::Rough };
         let part = Part { start: fraction(tick), share: fraction(TICKS >> self.level) };
         let platform = sample.motion.span(part.start, part.share);
         let step = StepInput {
-            held: Held { drive_v: sample.drive_v, offset_nm: mode.offset },
+            held: HeldInputs { drive_v: sample.drive_v, offset_nm: mode.offset },
             platform: &platform,
             time_s: sample.start_s + part.start * self.period_s,
             tolerance: self.tolerance,
@@ -309,22 +309,22 @@ impl Stepper {
         let converged = self.attempt.solve(&given);
         self.nodes = platform.nodes;
         self.effort.iterations += self.attempt.iterations;
-        self.ahead = linear.see(self.attempt.end());
+        self.ahead = linear.outputs_at(self.attempt.end());
         let defect = if self.attempt.predicted { 0.0 } else { self.attempt.defect(&given) * part.share };
         let finest = self.level >= self.finest;
         let fine = converged && defect <= self.tolerance;
         if !(finest || converged) {
-            return Tried::Rough;
+            return StepOutcome::Rough;
         }
         if let Some(event) = self.event(sample, part, mode, deepest) {
             return event;
         }
         self.effort.forced += usize::from(finest && !fine);
-        if finest || fine { Tried::Good { defect } } else { Tried::Rough }
+        if finest || fine { StepOutcome::Good { defect } } else { StepOutcome::Rough }
     }
 
     /// Returns the first event of the step that was tried, if its instant is still to be found more closely.
-    fn event(&self, sample: &Sample, part: Part, mode: &Mode, deepest: usize) -> Option<Tried> {
+    fn event(&self, sample: &Sample, part: Part, mode: &Mode, deepest: usize) -> Option<StepOutcome> {
         let tried = TriedStep {
             present: &self.present,
             attempt: &self.attempt,
@@ -337,13 +337,13 @@ impl Stepper {
         if self.joints && self.level < deepest {
             let fraction = tried.joint_event();
             if fraction <= 1.0 {
-                return Some(Tried::Event { fraction, depth: deepest });
+                return Some(StepOutcome::Event { fraction, depth: deepest });
             }
         }
         if self.level < self.contact {
             let fraction = tried.contact_event();
             if fraction <= 1.0 {
-                return Some(Tried::Event { fraction, depth: self.contact });
+                return Some(StepOutcome::Event { fraction, depth: self.contact });
             }
         }
         None
@@ -436,14 +436,14 @@ mod tests {
     #[test]
     fn a_step_has_the_same_bits_in_registers_of_every_width() {
         let plant = Plant::from_lumped(&reference::rig()).unwrap();
-        let mut present = Present::new(&plant, 1e-3).unwrap();
+        let mut present = PresentPlant::new(&plant, 1e-3).unwrap();
         present.restart(&Simulator::new(&plant).unwrap().rest(0.01, 0.0, 0.0));
         let platform = PlatformMotion { pitch_rate_rad_s: Signal::sine(0.1, 8.0), ..PlatformMotion::STILL };
         for level in [0, 5] {
             let mode = present.mode(5.0);
             present.enter(&mode, level);
             let span = platform.sample(0.0, 1e-3, 0.0).span(0.0, fraction(TICKS >> level));
-            let held = Held { drive_v: 5.0, offset_nm: mode.offset };
+            let held = HeldInputs { drive_v: 5.0, offset_nm: mode.offset };
             let step = StepInput { held, platform: &span, time_s: 0.0, tolerance: 1e-5 };
             let given = present.start_step(present.linear().table(level).unwrap(), &step);
             let (mut wide, mut narrow) = (Attempt::new(plant.core_order()), Attempt::new(plant.core_order()));

@@ -1,6 +1,6 @@
 //! The tables of a core, computed from the moments of its blocks.
 
-use super::linear::{Chain, Linear, Span};
+use super::linear::{Chain, ModeDynamics, Span};
 use super::moments::{MIDDLE, NODES, cardinal_weights};
 use super::strips::{Strips, pad_rows};
 use super::tables::{
@@ -11,7 +11,7 @@ use counterpoise_linalg::Mat;
 use counterpoise_models::plant::core::input;
 use nalgebra::Matrix2;
 
-impl Linear {
+impl ModeDynamics {
     /// Makes the table of a level, if it is not there yet.
     pub fn prepare(&mut self, level: usize) {
         if self.tables[level].is_some() {
@@ -32,7 +32,7 @@ impl Linear {
 }
 
 /// Returns the table of a step.
-fn step_table(core: &Linear, span: &Span) -> StepTable {
+fn step_table(core: &ModeDynamics, span: &Span) -> StepTable {
     let n = core.order();
     let end = Answers::new(core, span, STAGES);
     let eye = Mat::eye(n);
@@ -60,7 +60,7 @@ fn step_table(core: &Linear, span: &Span) -> StepTable {
 }
 
 /// See [`StepTable::hold`].
-fn hold(core: &Linear, span: &Span) -> Option<Strips> {
+fn hold(core: &ModeDynamics, span: &Span) -> Option<Strips> {
     if core.stuck == [false; 2] {
         return None;
     }
@@ -76,8 +76,8 @@ fn hold(core: &Linear, span: &Span) -> Option<Strips> {
     Some(Strips::new(&all))
 }
 
-fn flow(core: &Linear, span: &Span) -> Flow {
-    let from = core.head();
+fn flow(core: &ModeDynamics, span: &Span) -> Flow {
+    let from = core.leading_size();
     let phi = |block: usize, i: usize, j: usize| span.at(STAGES)[block].phi(i, j);
     let first = usize::from(from > 0);
     let head = Mat::from_fn(from, from, |i, j| phi(0, i, j));
@@ -93,7 +93,7 @@ struct Answers {
 }
 
 impl Answers {
-    fn new(core: &Linear, span: &Span, node: usize) -> Self {
+    fn new(core: &ModeDynamics, span: &Span, node: usize) -> Self {
         let n = core.order();
         let mut answers = Self {
             Phi: Mat::zeros(n, n),
@@ -127,7 +127,7 @@ impl Answers {
     }
 
     /// Joints that stick move with the platform: the state is beside y, which flows, by carried x rate.
-    fn carry(&mut self, core: &Linear, node: usize) {
+    fn carry(&mut self, core: &ModeDynamics, node: usize) {
         if core.carried.iter().all(|&c| c == 0.0) {
             return;
         }

@@ -22,7 +22,7 @@ use counterpoise_controller::{Readings, SampledController};
 use counterpoise_models::{OperatingPoint, Parameters, Plant};
 use std::f64::consts::TAU;
 
-/// What is excited, and what is measured.
+/// Loop that a frequency response test excites and measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Test {
     /// From the control (V) to the hub gyroscope (rad/s), without a controller: a constant control holds the weight.
@@ -44,9 +44,9 @@ pub struct Settings {
     pub settled_below: f64,
     /// Most windows that are waited for.
     pub most_windows: usize,
-    /// What of sensors and converters is simulated.
+    /// Imperfections of sensors and converters that are simulated.
     pub imperfections: Imperfections,
-    /// Where the mechanism is, rad.
+    /// Angle of the mechanism, rad.
     pub hub_angle_rad: f64,
     /// Heave per pitch acceleration, m: a mechanism mounted that far in front of the simulator's axis.
     pub offset_m: f64,
@@ -85,9 +85,9 @@ pub struct Measurement {
     pub response: MeasuredResponse,
     /// Relative change of the response from the window before.
     pub last_change: f64,
-    /// Whether that is below what the settings ask for; if not, the motion had not settled when the windows ran out.
+    /// `true` if that is below what the settings ask for; if not, the motion had not settled when the windows ran out.
     pub settled: bool,
-    /// How long the mechanism was simulated for this point, s, until it had settled.
+    /// Simulated time for this point, s, until the mechanism had settled.
     pub simulated_s: f64,
 }
 
@@ -155,7 +155,7 @@ struct TestRun {
     simulator: Simulator,
     settled_below: f64,
     /// What acts in place of the controller if there is none.
-    holding: Option<Holding>,
+    holding: Option<ConstantControl>,
 }
 
 impl TestRun {
@@ -174,7 +174,7 @@ impl TestRun {
             ..scenario_of(test, sine, &simulator, settings)
         };
         let point = OperatingPoint { hub_angle_rad: settings.hub_angle_rad, platform_angle_rad: 0.0 };
-        let holding = (test == Test::Plant).then(|| Holding(plant.equilibrium(&point).control_v));
+        let holding = (test == Test::Plant).then(|| ConstantControl(plant.equilibrium(&point).control_v));
         Ok(Self { test, at, window, scenario, simulator, settled_below: settings.settled_below, holding })
     }
 
@@ -337,9 +337,9 @@ fn without_drift(sine: TestSine, plant: &Plant) -> Sine {
 }
 
 /// A constant control.
-struct Holding(f64);
+struct ConstantControl(f64);
 
-impl SampledController for Holding {
+impl SampledController for ConstantControl {
     fn reset(&mut self) {}
 
     fn step(&mut self, _readings: &Readings) -> f64 {

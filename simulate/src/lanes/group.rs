@@ -6,17 +6,17 @@ use super::state::{LaneState, SmoothState};
 use super::step::{LaneInput, LaneSetup, LaneStep, LaneWork};
 use super::table::{LaneTable, SEEN};
 use crate::engine::attempt::Continuation;
-use crate::engine::linear::Seen;
-use crate::engine::ports::{AngleNearby, PlatformPoint};
-use crate::engine::present::{Ordinary, Sample};
+use crate::engine::linear::ModeOutputs;
+use crate::engine::ports::{NearbyAngle, PlatformPoint};
+use crate::engine::present_plant::{OrdinaryState, Sample};
 use crate::engine::stepper::Stepper;
 use crate::engine::tables::STAGES;
-use crate::run::Shown;
+use crate::run::PlantSample;
 use crate::scenario::Detail;
 use crate::tolerance::FEWEST_LANES;
 use pulp::Simd;
 
-/// Which registers an ensemble uses.
+/// Kind of registers that an ensemble uses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Registers {
     /// The widest that the machine has and the engine is compiled for.
@@ -111,12 +111,12 @@ impl LaneGroup {
     }
 
     /// Returns what a mechanism shows.
-    pub fn outputs_of(&self, lane: usize, stepper: &Stepper) -> Shown {
+    pub fn outputs_of(&self, lane: usize, stepper: &Stepper) -> PlantSample {
         if !self.present[lane] {
-            return Shown::of(stepper);
+            return PlantSample::of(stepper);
         }
         let [outputs @ .., voltage, tip_rate] = self.state.seen.map(|values| values[lane]);
-        Shown { outputs, voltage_and_tip: [voltage, tip_rate], hub_gyro: self.state.gyro[0][lane] }
+        PlantSample { outputs, voltage_and_tip: [voltage, tip_rate], hub_gyro: self.state.gyro[0][lane] }
     }
 
     /// Puts a mechanism into its stepper.
@@ -125,9 +125,9 @@ impl LaneGroup {
             return;
         }
         let state = self.state.take(lane, &mut self.core);
-        let mut seen = Seen::default();
+        let mut seen = ModeOutputs::default();
         seen[..SEEN].copy_from_slice(&state.seen);
-        let at = Ordinary {
+        let at = OrdinaryState {
             core: state.core,
             seen: &seen,
             friction: state.friction,
@@ -135,7 +135,7 @@ impl LaneGroup {
             gyro: state.gyro,
             offset_nm: state.offset_nm,
         };
-        let about = AngleNearby::from_parts(state.about);
+        let about = NearbyAngle::from_parts(state.about);
         stepper
             .go_on_from(&at, &Continuation { before: state.before, contraction: state.contraction, about });
     }

@@ -39,7 +39,7 @@ pub(crate) struct LanePlatform<R> {
     pub heave: R,
 }
 
-/// Sine and cosine of angles near one whose own are known, as [`crate::engine::ports::AngleNearby`] has them.
+/// Sine and cosine of angles near one whose own are known, as [`crate::engine::ports::NearbyAngle`] has them.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LaneAngle<R> {
     pub angle: R,

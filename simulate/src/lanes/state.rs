@@ -9,13 +9,13 @@ use crate::engine::tables::STAGES;
 pub(crate) struct LaneState {
     /// The cores in their coordinates.
     pub core: Vec<Lanes>,
-    /// What is seen of them: outputs, voltage, rate of the tip.
+    /// Observed signals: outputs, voltage, rate of the tip.
     pub seen: [Lanes; SEEN],
     /// Dry friction at motor and pivot.
     pub friction: [Lanes; 2],
     /// Angles of motor and pivot to which friction has travelled, rad.
     pub travelled: [Lanes; 2],
-    /// What the loop's sensors show, and its derivative.
+    /// Readings of the loop's sensors, and the derivative.
     pub gyro: [Lanes; 2],
     /// Torques at the stages of the step before.
     pub before: [[Lanes; 2]; STAGES],

@@ -95,14 +95,14 @@ impl pulp::WithSimd for LaneStep<'_> {
         state.dry_nm = store_registers(&span.ports.dry_torques(&motion, span.friction));
         span.fill_inputs(state, work, &at_start);
         let fixed = setup.table.fixed_outputs(simd, &work.inputs);
-        setup.table.flow(simd, &work.inputs, &mut work.end);
+        setup.table.advance_state(simd, &work.inputs, &mut work.end);
         let guess = span.guess(state, work, outputs[HUB_ANGLE], &at_start);
         let motion = motion.at_angles(load_registers(simd, &state.travelled));
-        let begin = Begin { outputs, motion, contraction: Lane::new(simd, state.contraction) };
+        let begin = IterationStart { outputs, motion, contraction: Lane::new(simd, state.contraction) };
         let tried = span.iterate_ports(&fixed, &begin, guess);
         setup.table.add_ports(simd, &tried.values, &mut work.end);
         let middle = setup.table.middle_outputs(simd, fixed[STAGES], &tried.values);
-        let end = setup.table.see(simd, &work.end);
+        let end = setup.table.outputs_at(simd, &work.end);
         let mut accepted = tried.converged & is_finite(simd, &work.end);
         accepted = accepted & tried.reach.is_at_most(span.splat(NEAR_ANGLE_RAD));
         accepted = accepted & span.is_free_of_events(&tried, &middle, &end, Lane::new(simd, state.offset_nm));
@@ -172,7 +172,7 @@ struct Span<'a, S: Simd> {
 }
 
 /// What a step came to.
-struct Tried<S: Simd> {
+struct LaneStepResult<S: Simd> {
     /// What the nonlinear parts see at the nodes.
     outputs: [[Lane<S>; OUTPUTS]; STAGES + 1],
     /// The ports at the stages.
@@ -190,7 +190,7 @@ struct Tried<S: Simd> {
 }
 
 /// What one evaluation of the ports along the step gives.
-struct Along<S: Simd> {
+struct PortEvaluation<S: Simd> {
     values: [Lane<S>; PORT_COLUMNS],
     friction: [[Lane<S>; 2]; 2],
     travelled: [Lane<S>; 2],
@@ -261,14 +261,14 @@ impl<S: Simd> Span<'_, S> {
     fn iterate_ports(
         &self,
         fixed: &[[Lane<S>; OUTPUTS]; STAGES + 1],
-        begin: &Begin<S>,
+        begin: &IterationStart<S>,
         guess: [Lane<S>; PORT_COLUMNS],
-    ) -> Tried<S> {
+    ) -> LaneStepResult<S> {
         let allowed = self.splat((ITERATION_SHARE * self.setup.tolerance).min(ITERATION_TOLERANCE));
         let foreseen = self.splat(self.setup.tolerance.min(PREDICTED));
         let mut last = self.splat(f64::INFINITY);
         let mut old = guess;
-        let mut tried = Tried {
+        let mut tried = LaneStepResult {
             outputs: [begin.outputs; STAGES + 1],
             values: store_registers(&guess),
             friction: [self.friction; 2],
@@ -308,11 +308,15 @@ impl<S: Simd> Span<'_, S> {
 
     /// Evaluates the ports along the step, friction from node to node.
     #[inline(always)]
-    fn ports_along(&self, begin: &Begin<S>, stages: &[[Lane<S>; OUTPUTS]; STAGES]) -> Along<S> {
+    fn ports_along(
+        &self,
+        begin: &IterationStart<S>,
+        stages: &[[Lane<S>; OUTPUTS]; STAGES],
+    ) -> PortEvaluation<S> {
         let lengths = node_lengths(self.setup.period_s);
         let zero = self.splat(0.0);
         let (mut before, mut friction) = (begin.motion, self.friction);
-        let mut along = Along {
+        let mut along = PortEvaluation {
             values: [zero; PORT_COLUMNS],
             friction: [friction; 2],
             travelled: [zero; 2],
@@ -335,7 +339,12 @@ impl<S: Simd> Span<'_, S> {
 
     /// Returns how far the ports in the middle are from the cubics through their nodes, relative to their scales.
     #[inline(always)]
-    fn defect(&self, tried: &Tried<S>, middle: &[Lane<S>; OUTPUTS], at_start: &[Lane<S>; PORTS]) -> Lane<S> {
+    fn defect(
+        &self,
+        tried: &LaneStepResult<S>,
+        middle: &[Lane<S>; OUTPUTS],
+        at_start: &[Lane<S>; PORTS],
+    ) -> Lane<S> {
         let before = self.ports.motion(&self.point(&tried.outputs[1], 1));
         let at = self.point(middle, STAGES + 1);
         let after = self.ports.motion(&at);
@@ -358,7 +367,7 @@ impl<S: Simd> Span<'_, S> {
     #[inline(always)]
     fn is_free_of_events(
         &self,
-        tried: &Tried<S>,
+        tried: &LaneStepResult<S>,
         middle: &[Lane<S>; OUTPUTS],
         end: &[Lane<S>; SEEN],
         offset_nm: Lane<S>,
@@ -379,7 +388,7 @@ impl<S: Simd> Span<'_, S> {
     #[inline(always)]
     fn commit(
         &self,
-        tried: &Tried<S>,
+        tried: &LaneStepResult<S>,
         end: &[Lane<S>; SEEN],
         accepted: LaneMask<S>,
         state: &mut LaneState,
@@ -410,7 +419,7 @@ impl<S: Simd> Span<'_, S> {
 
     /// Returns what the loop's sensor shows at the end of the step, and its derivative.
     #[inline(always)]
-    fn lane_readings(&self, tried: &Tried<S>, state: &LaneState) -> [Lane<S>; 2] {
+    fn lane_readings(&self, tried: &LaneStepResult<S>, state: &LaneState) -> [Lane<S>; 2] {
         let mut felt = [self.splat(0.0); STAGES + 1];
         for (k, felt) in felt.iter_mut().enumerate() {
             *felt = self.ports.sensor_reading(&tried.outputs[k], &self.platform[k]);
@@ -428,20 +437,20 @@ impl<S: Simd> Span<'_, S> {
 }
 
 /// Where the iteration begins.
-struct Begin<S: Simd> {
+struct IterationStart<S: Simd> {
     outputs: [Lane<S>; OUTPUTS],
     /// The relative motions there, with the angles to which friction has travelled.
     motion: LaneMotion<S>,
     contraction: Lane<S>,
 }
 
-impl<S: Simd> Tried<S> {
+impl<S: Simd> LaneStepResult<S> {
     /// Keeps an evaluation in the lanes that had not converged before it; `old` are the values of the ports.
     #[inline(always)]
     fn keep(
         &mut self,
         stages: &[[Lane<S>; OUTPUTS]; STAGES],
-        along: &Along<S>,
+        along: &PortEvaluation<S>,
         old: &mut [Lane<S>; PORT_COLUMNS],
     ) {
         let converged = self.converged;

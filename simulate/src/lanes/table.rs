@@ -1,7 +1,7 @@
 //! The matrices of a sample's step for several mechanisms side by side.
 
 use super::number::{LANES, Lane, Lanes, load_registers};
-use crate::engine::linear::Linear;
+use crate::engine::linear::ModeDynamics;
 use crate::engine::tables::{FIXED_INPUTS, MIDDLE_ROWS, OUTPUTS, PORTS, STAGE_ROWS, STAGES};
 use counterpoise_models::friction::Real;
 use pulp::Simd;
@@ -40,10 +40,13 @@ pub(crate) const SEEN: usize = OUTPUTS + 2;
 
 impl LaneTable {
     /// Returns the tables of cores; `None` if they are not of one shape, or without the table of a whole sample.
-    pub fn new(cores: [&Linear; LANES]) -> Option<Self> {
-        let (order, head) = (cores[0].order(), cores[0].head());
-        let alike = |core: &&Linear| {
-            core.order() == order && core.head() == head && core.table(0).is_some() && !core.has_stuck_joint()
+    pub fn new(cores: [&ModeDynamics; LANES]) -> Option<Self> {
+        let (order, head) = (cores[0].order(), cores[0].leading_size());
+        let alike = |core: &&ModeDynamics| {
+            core.order() == order
+                && core.leading_size() == head
+                && core.table(0).is_some()
+                && !core.has_stuck_joint()
         };
         if !cores.iter().all(alike) {
             return None;
@@ -80,7 +83,7 @@ impl LaneTable {
 
     /// Writes the state at the end that the state and the fixed inputs make.
     #[inline(always)]
-    pub fn flow<S: Simd>(&self, simd: S, inputs: &[Lanes], end: &mut [Lanes]) {
+    pub fn advance_state<S: Simd>(&self, simd: S, inputs: &[Lanes], end: &mut [Lanes]) {
         let (core, drive) = inputs.split_at(self.order);
         let zero = Lane::splat(simd, 0.0);
         let mut table = &self.head_end[..];
@@ -146,7 +149,7 @@ impl LaneTable {
 
     /// Returns what is seen at a state.
     #[inline(always)]
-    pub fn see<S: Simd>(&self, simd: S, state: &[Lanes]) -> [Lane<S>; SEEN] {
+    pub fn outputs_at<S: Simd>(&self, simd: S, state: &[Lanes]) -> [Lane<S>; SEEN] {
         sums(simd, [Lane::splat(simd, 0.0); SEEN], &self.seen, state)
     }
 }
@@ -159,7 +162,7 @@ fn store<S: Simd>(target: &mut [Lanes], rows: &[Lane<S>]) {
 }
 
 /// The cores whose matrices are put side by side.
-struct Cores<'a>([&'a Linear; LANES]);
+struct Cores<'a>([&'a ModeDynamics; LANES]);
 
 impl Cores<'_> {
     /// Returns an entry of a matrix of each core.

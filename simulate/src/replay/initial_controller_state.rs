@@ -9,7 +9,7 @@ use counterpoise_models::CONVERTER_RANGE_V;
 use counterpoise_recordings::{Channel, Recording};
 use nalgebra::{DMatrix, DVector};
 
-use super::normal::squares;
+use super::normal_equations::squares;
 use super::recorded_readings::recorded_readings;
 use crate::tolerance::{
     CONTROLLER_STATE_ITERATIONS, CONTROLLER_STATE_NOISE_V, CONTROLLER_STATE_SAMPLES, CONTROLLER_STATE_STEP,

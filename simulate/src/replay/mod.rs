@@ -8,7 +8,7 @@
 mod control;
 mod exported_controller;
 mod initial_controller_state;
-mod normal;
+mod normal_equations;
 pub mod platform;
 mod recorded_controller;
 mod recorded_readings;
@@ -51,7 +51,7 @@ pub const COMPARED: [Channel; 6] = [
     Channel::HubPosition,
 ];
 
-/// How the control of a replay comes about.
+/// Source of the control of a replay.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ReplayLoop {
     /// The recorded controller acts on the simulated readings; its state at the start is found from the recording.
@@ -87,7 +87,7 @@ impl From<RecordedController> for ReplayLoop {
 /// A recording compared with its simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Replay {
-    /// How well each recorded channel fits.
+    /// Fit of each recorded channel.
     pub channels: Vec<ChannelFit>,
     /// The simulated readings.
     pub simulated: ReadingColumns,
@@ -115,10 +115,10 @@ struct ReadyVariant<'a> {
     controller: Box<dyn SampledController + 'a>,
 }
 
-/// How well one channel fits.
+/// Fit of one channel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ChannelFit {
-    /// Which one.
+    /// Channel.
     pub channel: Channel,
     /// RMS of the residual, recorded - simulated, in the channel's unit.
     pub rms_error: f64,
@@ -152,7 +152,7 @@ pub fn replay(parameters: &Parameters, recording: &Recording, control: &ReplayLo
 #[derive(Debug, Clone)]
 pub struct Replayer<'a> {
     recording: &'a Recording,
-    sensed: platform::Sensed,
+    sensed: platform::PlatformSensorInputs,
     platform: PlatformMotion,
     samples: usize,
     steps_per_sample: f64,
@@ -181,7 +181,7 @@ impl<'a> Replayer<'a> {
             let allowed = "the sample period of the interface";
             return Err(Error::Range { what: "sample_period_s", value: recording.sample_period_s, allowed });
         }
-        let sensed = platform::Sensed::new(parameters, recording, None);
+        let sensed = platform::PlatformSensorInputs::new(parameters, recording, None);
         let platform = sensed.motion(parameters, period);
         let fitted = FittedStart::default();
         let (steps_per_sample, imperfections) = (f64::INFINITY, Imperfections::None);
@@ -226,7 +226,7 @@ impl<'a> Replayer<'a> {
     /// Returns the same recording seen by other sensors of the platform: their readings are deconvolved again only if a
     /// sensor's dynamics or noise are others.
     pub fn with_platform_sensors_of(&self, parameters: &Parameters) -> Self {
-        let sensed = platform::Sensed::new(parameters, self.recording, Some(&self.sensed));
+        let sensed = platform::PlatformSensorInputs::new(parameters, self.recording, Some(&self.sensed));
         let platform = sensed.motion(parameters, self.recording.sample_period_s);
         Self { sensed, platform, fitted: self.fitted.clone(), body: self.body.clone(), ..*self }
     }

@@ -37,17 +37,17 @@ pub fn reading_floor(sensor: &Sensor, interface: &Interface) -> f64 {
 /// Rate and heave come from a smoother that deconvolves the sensor and shrinks to a constant if there is nothing
 /// but noise. A platform without the sensor is still.
 pub fn platform_motion(parameters: &Parameters, recording: &Recording) -> PlatformMotion {
-    Sensed::new(parameters, recording, None).motion(parameters, recording.sample_period_s)
+    PlatformSensorInputs::new(parameters, recording, None).motion(parameters, recording.sample_period_s)
 }
 
 /// What the platform's sensors were given, before their gain, bias and delay are taken out: the costly part, which many
 /// mechanisms share.
 #[derive(Debug, Clone)]
-pub(crate) struct Sensed {
-    rate: Deconvolved,
-    heave: Deconvolved,
-    /// That of surge, if the machine has one.
-    surge: Option<Deconvolved>,
+pub(crate) struct PlatformSensorInputs {
+    rate: SensorInput,
+    heave: SensorInput,
+    /// Input of the sensor of surge, if the machine has one.
+    surge: Option<SensorInput>,
     /// Recorded rates about the platform's forward and upward axes, rad/s.
     turning: Option<[Signal; 2]>,
     /// Mean of the recorded hub position, rad; 0 if it was not recorded.
@@ -56,7 +56,7 @@ pub(crate) struct Sensed {
 
 /// The input of one sensor, and the dynamics that were taken out.
 #[derive(Debug, Clone)]
-struct Deconvolved {
+struct SensorInput {
     dynamics: Sensor,
     noise: f64,
     input: Option<Vec<f64>>,
@@ -69,7 +69,7 @@ struct Column<'a> {
     period_s: f64,
 }
 
-impl Deconvolved {
+impl SensorInput {
     /// Deconvolves the readings, unless that was done before for the same dynamics and noise.
     fn new(sensor: &Sensor, interface: &Interface, readings: &Column, before: Option<&Self>) -> Self {
         let noise = reading_floor(sensor, interface);
@@ -103,7 +103,7 @@ impl Deconvolved {
     }
 }
 
-impl Sensed {
+impl PlatformSensorInputs {
     /// Deconvolves both sensors' readings; what was done before for the same dynamics is kept.
     pub(crate) fn new(parameters: &Parameters, recording: &Recording, before: Option<&Self>) -> Self {
         let (sensors, interface) = (&parameters.sensors, &parameters.interface);
@@ -115,12 +115,12 @@ impl Sensed {
         let surge = Column { values: recording.samples(Channel::PlatformSurge), period_s };
         let forward = before.and_then(|b| b.surge.as_ref());
         Self {
-            rate: Deconvolved::new(&sensors.platform_gyro, interface, &rate, gyro),
-            heave: Deconvolved::new(&sensors.platform_accelerometer, interface, &heave, accelerometer),
+            rate: SensorInput::new(&sensors.platform_gyro, interface, &rate, gyro),
+            heave: SensorInput::new(&sensors.platform_accelerometer, interface, &heave, accelerometer),
             surge: sensors
                 .surge_accelerometer
                 .as_ref()
-                .map(|sensor| Deconvolved::new(sensor, interface, &surge, forward)),
+                .map(|sensor| SensorInput::new(sensor, interface, &surge, forward)),
             turning: turning_rates(recording),
             elevation_rad: mean_position(recording),
         }
@@ -132,7 +132,7 @@ impl Sensed {
         let rate = self.rate.corrected_input(&sensors.platform_gyro, period_s);
         let heave = self.heave.corrected_input(&sensors.platform_accelerometer, period_s);
         let surge = self.surge.as_ref().zip(sensors.surge_accelerometer.as_ref());
-        let mut felt = Felt {
+        let mut felt = PlatformInputs {
             rate,
             heave,
             surge: surge.and_then(|(found, sensor)| found.corrected_input(sensor, period_s)),
@@ -172,7 +172,7 @@ fn turning_rates(recording: &Recording) -> Option<[Signal; 2]> {
 }
 
 /// What the platform's sensors felt; `None` for one that was not recorded.
-struct Felt {
+struct PlatformInputs {
     /// Pitch rate, rad/s.
     rate: Option<Vec<f64>>,
     /// Heave, m/s^2.
@@ -181,7 +181,7 @@ struct Felt {
     surge: Option<Vec<f64>>,
 }
 
-impl Felt {
+impl PlatformInputs {
     /// Takes what a misaligned gyroscope reads about other axes out of the pitch rate. The axes of the recorded rates and those of the platform
     /// differ by its pitch angle, which is small beside the misalignment itself.
     fn take_cross_axis_out(&mut self, parameters: &Parameters, turning: Option<&[Signal; 2]>, period_s: f64) {

@@ -9,7 +9,7 @@
 //! If dry friction alone can hold the hub, the teeth may be apart at the start. The fit is then tried with the teeth apart as well,
 //! and the place inside the gap stands where the gear torque stood.
 
-use super::normal::{Normal, squares};
+use super::normal_equations::{NormalEquations, squares};
 use super::{Playback, Replayer, reading_floor};
 use crate::ensemble::{EnsembleRun, SIDE_BY_SIDE, run_ensemble};
 use crate::history::TimeHistory;
@@ -432,7 +432,11 @@ impl<'a, 'b> Fit<'a, 'b> {
     }
 
     /// Returns the normal equations by forward differences, taken inwards when friction is at its level.
-    fn normal_equations(&mut self, at: &Unknowns, residuals: &[f64]) -> Result<Normal<UNKNOWNS>, Error> {
+    fn normal_equations(
+        &mut self,
+        at: &Unknowns,
+        residuals: &[f64],
+    ) -> Result<NormalEquations<UNKNOWNS>, Error> {
         let free: Vec<usize> = (0..UNKNOWNS).filter(|&k| start_has(self.plant.parameters(), k)).collect();
         let sign = |k: usize| {
             let inwards = matches!(k, MOTOR_DRY | PIVOT_DRY | HOSE) && at[k] > 0.0;
@@ -448,6 +452,6 @@ impl<'a, 'b> Fit<'a, 'b> {
         for (k, shifted) in free.into_iter().zip(self.residuals_of_each(&moved)?) {
             columns[k] = shifted.iter().zip(residuals).map(|(a, b)| sign(k) * (a - b)).collect();
         }
-        Ok(Normal::of(&columns, residuals))
+        Ok(NormalEquations::of(&columns, residuals))
     }
 }

@@ -31,11 +31,11 @@ pub struct SelectedReplay {
     pub replay: Replay,
     /// Over the whole recording or over windows.
     pub mode: ReplayMode,
-    /// How far two runs of the model diverge over the whole recording; `None` in open loop, which feeds no difference back.
+    /// Divergence of two runs of the model over the whole recording; `None` in open loop, which feeds no difference back.
     pub divergence: Option<Divergence>,
 }
 
-/// How a recording is replayed.
+/// Mode of the replay of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ReplayMode {
     /// From its start to its end.
@@ -49,7 +49,7 @@ pub enum ReplayMode {
     },
 }
 
-/// How far two runs of one model diverge.
+/// Divergence of two runs of one model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Divergence {
     /// The channel in which they diverge most.

@@ -5,7 +5,7 @@
 //! dry friction at motor and pivot, current) that are fitted to its first half by Levenberg and Marquardt's method; a wind-up inside
 //! the gap is one of the states that the fit can find.
 
-use super::normal::{Normal, squares};
+use super::normal_equations::{NormalEquations, squares};
 use super::{Playback, Replay, ReplayLoop, Replayer, reading_floor};
 use crate::firing::Firing;
 use crate::run::{Simulator, holding_control};
@@ -277,7 +277,7 @@ impl<'a, 'b> Windows<'a, 'b> {
         trial: &Trial,
         from: usize,
         seen: usize,
-    ) -> Result<Normal<UNKNOWNS>, Error> {
+    ) -> Result<NormalEquations<UNKNOWNS>, Error> {
         let mut columns: Vec<Vec<f64>> = Vec::with_capacity(UNKNOWNS);
         for k in 0..UNKNOWNS {
             let inwards = match k {
@@ -291,7 +291,7 @@ impl<'a, 'b> Windows<'a, 'b> {
             let shifted = self.residuals(near, &moved, from, seen)?;
             columns.push(shifted.iter().zip(trial.residuals).map(|(a, b)| sign * (a - b)).collect());
         }
-        Ok(Normal::of(&columns, trial.residuals))
+        Ok(NormalEquations::of(&columns, trial.residuals))
     }
 }
 

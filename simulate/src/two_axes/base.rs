@@ -1,10 +1,10 @@
 //! The motion of the base under a traverse ring, sample by sample.
 
 use super::quartics::{AT, PLACES};
-use crate::motion::{Followed, quartic, slope};
+use crate::motion::{SignalFollower, quartic, slope};
 use crate::signal::Signal;
 
-/// How the base moves under a traverse ring, in axes fixed to the base: x forward, y to the left, z up.
+/// Motion of the base under a traverse ring, in axes fixed to the base: x forward, y to the left, z up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BaseMotion {
     /// Specific force on the ring's axis at the height of the elevation pivot, m/s^2.
@@ -49,13 +49,13 @@ pub(super) struct BasePoint {
 pub(super) struct BaseTrack<'a> {
     period_s: f64,
     next: usize,
-    force: [Followed<'a>; 3],
-    rate: [Followed<'a>; 3],
+    force: [SignalFollower<'a>; 3],
+    rate: [SignalFollower<'a>; 3],
 }
 
 impl<'a> BaseTrack<'a> {
     pub fn new(base: &'a BaseMotion, period_s: f64) -> Self {
-        let follow = |signal: &'a Signal| Followed::new(signal, period_s);
+        let follow = |signal: &'a Signal| SignalFollower::new(signal, period_s);
         Self {
             period_s,
             next: 0,

@@ -3,7 +3,7 @@
 
 use super::base::{BasePoint, BaseSample};
 use super::quartics::{AT, PLACES, Quartics, Trace};
-use crate::engine::ports::AngleNearby;
+use crate::engine::ports::NearbyAngle;
 use crate::motion::MotionSample;
 use counterpoise_models::Plant;
 use counterpoise_models::plant::SinCos;
@@ -30,10 +30,10 @@ pub(super) struct Coupler {
     /// Inertia about the normal less that about the beam, as the elevation plant has it, kg m^2.
     slender_kg_m2: f64,
     is_slender: bool,
-    traverse: AngleNearby,
-    yaw: AngleNearby,
-    pitch: AngleNearby,
-    elevation: AngleNearby,
+    traverse: NearbyAngle,
+    yaw: NearbyAngle,
+    pitch: NearbyAngle,
+    elevation: NearbyAngle,
     /// Torque on the elevation axis per change of what it feels of the base.
     sensitivity: Sensitivity,
 }
@@ -54,7 +54,7 @@ impl Coupler {
         let gearbox = &parameters.gearbox;
         let stiffness = if gearbox.is_rigid() { 0.0 } else { gearbox.stiffness_nm_rad };
         let damping = if gearbox.is_rigid() { 0.0 } else { gearbox.damping_nm_s_rad };
-        let zero = AngleNearby::new(0.0);
+        let zero = NearbyAngle::new(0.0);
         Self {
             quartics: Quartics::new(),
             is_slender: body.inertia.is_slender(slender),
@@ -95,7 +95,7 @@ impl Coupler {
     }
 
     /// Returns the ring's motion at the places, from what the traverse axis did on its own base.
-    pub fn ring(
+    pub fn ring_motion(
         &mut self,
         base: &BaseSample,
         motion: &MotionSample,
@@ -105,7 +105,7 @@ impl Coupler {
         let mut ring = [RingMotion::default(); PLACES];
         for k in 0..PLACES {
             let angle = traverse.angle_rad[k] - motion.at(AT[k]).angle;
-            let up = Upward { rate_rad_s: traverse.rate_rad_s[k], turn_rad_s2: turns[k] / self.period_s };
+            let up = RingRate { rate_rad_s: traverse.rate_rad_s[k], turn_rad_s2: turns[k] / self.period_s };
             ring[k] = ring_at(&base.places[k], self.traverse.follow(angle), up);
         }
         ring
@@ -206,14 +206,14 @@ impl Coupler {
 
 /// The ring's motion about its own axis.
 #[derive(Debug, Clone, Copy)]
-struct Upward {
+struct RingRate {
     rate_rad_s: f64,
     turn_rad_s2: f64,
 }
 
 /// Returns the motion of a ring that is turned by an angle on its base.
 #[inline]
-fn ring_at(base: &BasePoint, SinCos { sin, cos }: SinCos, up: Upward) -> RingMotion {
+fn ring_at(base: &BasePoint, SinCos { sin, cos }: SinCos, up: RingRate) -> RingMotion {
     let turned = |[x, y, _]: [f64; 3]| [x * cos + y * sin, y * cos - x * sin];
     let ([forward, left], [roll, pitch]) = (turned(base.force), turned(base.rate));
     let [roll_turn, pitch_turn] = turned(base.turn);

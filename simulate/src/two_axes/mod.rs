@@ -13,12 +13,12 @@ mod quartics;
 
 use crate::Error;
 use crate::engine::filter::Filter;
-use crate::engine::present::Sample;
+use crate::engine::present_plant::Sample;
 use crate::engine::stepper::{Checkpoint, Stepper};
 use crate::firing::Firing;
 use crate::history::TimeHistory;
 use crate::motion::{FurtherMotion, MotionSample, PlatformMotion};
-use crate::run::{HUB_ANGLE, Lap, Shown, Simulator};
+use crate::run::{HUB_ANGLE, Lap, PlantSample, Simulator};
 use crate::scenario::{Detail, Initial, Scenario};
 use crate::sensing::Imperfections;
 use crate::signal::Signal;
@@ -39,26 +39,26 @@ pub use base::BaseMotion;
 pub struct TwoAxisScenario {
     /// Duration, s; the run has a sample at every whole period before it.
     pub duration_s: f64,
-    /// How the base moves.
+    /// Motion of the base.
     pub base: BaseMotion,
-    /// What is done to the elevation axis.
+    /// Scenario of the elevation axis.
     pub elevation: AxisScenario,
-    /// What is done to the traverse axis.
+    /// Scenario of the traverse axis.
     pub traverse: AxisScenario,
-    /// What is kept.
+    /// Signals that are kept.
     pub detail: Detail,
     /// Whether the machine on the elevation axis fires its shots.
     pub firing: Firing,
 }
 
-/// What is done to one axis in a run of both.
+/// Inputs of one axis in a run of both.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AxisScenario {
     /// Demanded rate, rad/s, as the controller reads it.
     pub demand_rad_s: Signal,
-    /// What of sensors and converters is simulated.
+    /// Imperfections of sensors and converters that are simulated.
     pub imperfections: Imperfections,
-    /// Where the axis starts: at rest relative to its base, or in a given state.
+    /// Initial state of the axis: at rest relative to its base, or a given state.
     pub initial: Initial,
 }
 
@@ -96,16 +96,16 @@ impl ColumnName for SightColumn {
     }
 }
 
-/// What a run of both axes leaves.
+/// Record of a run of both axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TwoAxisHistory {
     /// The elevation axis; its platform is the ring.
     pub elevation: TimeHistory,
     /// The traverse axis; its platform is the base, and its heave the lateral specific force.
     pub traverse: TimeHistory,
-    /// What the two axes do together at each sample: an array time x signal.
+    /// Signals of both axes together at each sample: an array time x signal.
     pub sight: Signals<SightColumn>,
-    /// How often samples were taken, on the average.
+    /// Mean number of passes per sample.
     pub passes_per_sample: f64,
     /// Samples whose torque between the axes still changed by more than the tolerance in the last pass.
     pub unconverged: usize,
@@ -221,7 +221,7 @@ impl Starts {
         let rate_rad_s = [base.places[0].rate[2]; PLACES];
         let angle_rad = [initial_angle_rad(of.traverse.plant(), &scenario.traverse.initial); PLACES];
         let trace = Trace { angle_rad, rate_rad_s, ..Trace::default() };
-        let ring = coupler.ring(&base, &traverse, &trace);
+        let ring = coupler.ring_motion(&base, &traverse, &trace);
         let pitch = scenario.base.initial_pitch_rad;
         let elevation = coupler.elevation_motion(&ring, pitch, &[0.0; PLACES]);
         let of_axis = |axis: &AxisScenario, motion: &MotionSample, firing: Firing| Scenario {
@@ -305,8 +305,8 @@ impl<'a> Side<'a> {
         shown: Option<f64>,
     ) {
         self.motion = motion;
-        let seen = Shown::of(self.stepper);
-        let shown = Shown { hub_gyro: shown.unwrap_or(seen.hub_gyro), ..seen };
+        let seen = PlantSample::of(self.stepper);
+        let shown = PlantSample { hub_gyro: shown.unwrap_or(seen.hub_gyro), ..seen };
         self.drive_v = self.lap.sample(k, controller, &self.motion, &shown);
         self.lap.limit_current(self.stepper);
         if self.is_detailed {
@@ -349,7 +349,7 @@ struct Run<'a> {
     gyroscope: CrossGyroscope,
     /// Torque of the elevated body at the places of the sample before.
     torque_nm: [f64; PLACES],
-    /// Its mean over that sample less the one that acted: what the next sample makes up for, so that errors of the impulse do not add up.
+    /// Mean over that sample less the one that acted: what the next sample makes up for, so that errors of the impulse do not add up.
     carried_nm: f64,
     /// Elevation relative to the ring there, rad.
     elevation_rad: [f64; PLACES],
@@ -404,7 +404,7 @@ impl<'a> Run<'a> {
         self.lower.read(k, controllers.traverse, self.motion_under(&below, &torque), shown);
         self.lower.advance(k);
         for pass in 1.. {
-            let ring = self.coupler.ring(base, &self.lower.motion, &self.lower.trace);
+            let ring = self.coupler.ring_motion(base, &self.lower.motion, &self.lower.trace);
             let changed = self.move_elevation(k, pass, &ring, &mut elevation, controllers);
             let found = self.coupler.torque(&ring, &elevation, &self.upper.trace);
             let (mut error, mut change) = ([0.0; PLACES], 0.0_f64);
@@ -450,7 +450,7 @@ impl<'a> Run<'a> {
             rate_rad_s: [outputs[HUB_ANGLE + 1]; PLACES],
             ..Trace::default()
         };
-        let ring = self.coupler.ring(base, below, &trace);
+        let ring = self.coupler.ring_motion(base, below, &trace);
         let elevation = self.upper.stepper.outputs()[HUB_ANGLE] - self.upper.lap.angle;
         let [cross, ..] = self.coupler.cross_rates(&ring, &[elevation; PLACES]);
         if self.gyroscope.place == TraverseGyroscope::ElevatedMass {

@@ -100,7 +100,7 @@ pub(super) struct Trace {
     pub rate_rad_s: [f64; PLACES],
     /// Places that are known.
     pub known: usize,
-    /// Whether one step took the sample.
+    /// `true` if one step took the sample.
     pub is_whole: bool,
 }
 

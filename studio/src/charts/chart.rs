@@ -7,17 +7,17 @@ use super::curve_points::CurvePoints;
 /// A curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartCurve {
-    /// Its name; a curve without one is not in the legend.
+    /// Name; a curve without one is not in the legend.
     pub name: String,
-    /// Its points, in the units of the axes.
+    /// Points, in the units of the axes.
     pub points: CurvePoints,
-    /// Its colour.
+    /// Colour.
     pub colour: Color32,
-    /// How it is stroked.
+    /// Dash pattern.
     pub dash: LineDash,
 }
 
-/// How a curve is stroked, so that it can be read without colour.
+/// Dash pattern of a curve, so that it can be read without colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LineDash {
     /// Unbroken.
@@ -59,25 +59,25 @@ impl PlotAxis {
 /// A vertical line with a label.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerticalMark {
-    /// Where it stands on the x axis.
+    /// Position on the x axis.
     pub x: f64,
-    /// Its label.
+    /// Label.
     pub label: String,
 }
 
 /// A point with a label.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LabelledPoint {
-    /// Its coordinates.
+    /// Coordinates.
     pub at: [f64; 2],
-    /// Its label.
+    /// Label.
     pub label: String,
 }
 
 /// A plot as data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
-    /// What the plot shows; also its name for copies and screen readers.
+    /// Title of the plot; also its name for copies and screen readers.
     pub title: String,
     /// The labels of the axes, with units.
     pub labels: [String; 2],

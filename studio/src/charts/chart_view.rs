@@ -8,7 +8,7 @@ use super::chart::{AxisScale, Chart, ChartCurve, LineDash, PlotAxis};
 use super::line_simplification::simplify_line;
 use super::plot_limits::PlotLimits;
 use crate::number_format::format_short;
-use crate::theme::Theme;
+use crate::theme::WindowTheme;
 
 /// Height of the row with title and legend, points.
 const HEADING_HEIGHT: f32 = 20.0;
@@ -17,18 +17,18 @@ const CARD_MARGIN: f32 = 18.0;
 /// Least height of a plot, points.
 const LEAST_HEIGHT: f32 = 40.0;
 
-/// How a chart is shown.
+/// Style of a chart.
 #[derive(Debug, Clone, Copy)]
 pub struct ChartStyle<'a> {
     /// Colours.
-    pub theme: &'a Theme,
-    /// What the limits belong to beside the chart's own axes: if it changes, the chart is fitted again.
+    pub theme: &'a WindowTheme,
+    /// Key of the limits beside the chart's own axes: if it changes, the chart is fitted again.
     pub scope: &'a str,
 }
 
-/// What showing a chart returns.
+/// Response of a chart to the user.
 pub struct ChartResponse {
-    /// Where plot coordinates lie on the screen; logarithmic axes are in decades.
+    /// Transform from plot coordinates to the screen; logarithmic axes are in decades.
     pub transform: PlotTransform,
     /// The plot as a widget.
     pub response: egui::Response,
@@ -60,7 +60,7 @@ pub fn show_chart(ui: &mut Ui, chart: &Chart, style: ChartStyle, size: Vec2) -> 
 }
 
 /// Shows title and legend in one row; if they do not fit, the legend has a row of its own.
-fn show_heading(ui: &mut Ui, chart: &Chart, theme: &Theme, limits: &PlotLimits) {
+fn show_heading(ui: &mut Ui, chart: &Chart, theme: &WindowTheme, limits: &PlotLimits) {
     let cursor = cursor_position(ui, chart);
     let entries = legend_entries(chart, cursor);
     let width = |ui: &Ui, text: &str, size: f32| {
@@ -126,7 +126,7 @@ fn legend_entries(chart: &Chart, cursor: Option<f64>) -> Vec<LegendEntry<'_>> {
 }
 
 /// Shows a legend from the right to the left.
-fn show_legend<'a>(ui: &mut Ui, entries: impl Iterator<Item = &'a LegendEntry<'a>>, theme: &Theme) {
+fn show_legend<'a>(ui: &mut Ui, entries: impl Iterator<Item = &'a LegendEntry<'a>>, theme: &WindowTheme) {
     for LegendEntry { curve, text } in entries {
         ui.label(egui::RichText::new(text).small().color(theme.weak));
         draw_swatch(ui, curve);
@@ -169,7 +169,7 @@ fn keep_cursor(ui: &Ui, chart: &Chart, transform: &PlotTransform, response: &egu
 fn show_plot(
     ui: &mut Ui,
     chart: &Chart,
-    theme: &Theme,
+    theme: &WindowTheme,
     size: Vec2,
     limits: &mut PlotLimits,
 ) -> (PlotTransform, egui::Response) {
@@ -204,7 +204,7 @@ fn show_plot(
     (shown.transform, response)
 }
 
-fn axis_hints<'a>(chart: &Chart, axis: PlotAxis, theme: &Theme) -> AxisHints<'a> {
+fn axis_hints<'a>(chart: &Chart, axis: PlotAxis, theme: &WindowTheme) -> AxisHints<'a> {
     let hints = if axis == PlotAxis::X { AxisHints::new_x() } else { AxisHints::new_y() };
     let format_tick = match chart.scales[axis.index()] {
         AxisScale::Linear => format_linear_tick,
@@ -218,7 +218,7 @@ fn axis_hints<'a>(chart: &Chart, axis: PlotAxis, theme: &Theme) -> AxisHints<'a>
         .tick_label_font(egui::FontId::proportional(11.0))
 }
 
-fn draw_chart<'a>(plot: &mut egui_plot::PlotUi<'a>, chart: &'a Chart, theme: &Theme, size: Vec2) {
+fn draw_chart<'a>(plot: &mut egui_plot::PlotUi<'a>, chart: &'a Chart, theme: &WindowTheme, size: Vec2) {
     for level in &chart.levels {
         let y = chart.plot_coordinate(PlotAxis::Y, *level);
         let colour = theme.weak.gamma_multiply(0.6);
@@ -264,7 +264,7 @@ fn draw_line<'a>(
     plot.line(line.color(curve.colour).width(1.6).style(style));
 }
 
-fn draw_spots(plot: &mut egui_plot::PlotUi<'_>, chart: &Chart, theme: &Theme) {
+fn draw_spots(plot: &mut egui_plot::PlotUi<'_>, chart: &Chart, theme: &WindowTheme) {
     for spot in &chart.spots {
         let place =
             [chart.plot_coordinate(PlotAxis::X, spot.at[0]), chart.plot_coordinate(PlotAxis::Y, spot.at[1])];
@@ -284,7 +284,7 @@ const LEFT_LABEL_FROM: f64 = 0.7;
 /// Share of the width within which two labels would overlap.
 const LABEL_WIDTH: f64 = 0.16;
 
-fn draw_marks(plot: &mut egui_plot::PlotUi<'_>, chart: &Chart, theme: &Theme) {
+fn draw_marks(plot: &mut egui_plot::PlotUi<'_>, chart: &Chart, theme: &WindowTheme) {
     let bounds = plot.plot_bounds();
     let mut labelled: Vec<f64> = Vec::new();
     for mark in &chart.marks {

@@ -14,7 +14,7 @@ pub fn decimate(points: &[[f64; 2]], [low, high]: [f64; 2], pixels: usize) -> Co
     if seen.len() <= 4 * stretches {
         return Cow::Borrowed(seen);
     }
-    let kept = counterpoise_plot::thin::thin_points(aview2(seen), stretches);
+    let kept = counterpoise_plot::thinning::thin_points(aview2(seen), stretches);
     Cow::Owned(kept.into_iter().map(|k| seen[k]).collect())
 }
 

@@ -69,7 +69,7 @@ pub enum DesignSlot {
     C,
 }
 
-/// What the user looks for among files and folders.
+/// Kind of file or folder that the user is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum BrowsePurpose {

@@ -7,9 +7,9 @@ use super::{BrowsePurpose, Command, DesignSlot, DesignTab, DiagnosisTab, Page, V
 /// A command as menus and the command palette show it.
 #[derive(Debug, Clone)]
 pub struct CommandEntry {
-    /// Its name.
+    /// Name.
     pub name: Cow<'static, str>,
-    /// Its shortcut, as `Ctrl+Z`; empty if it has none.
+    /// Shortcut, as `Ctrl+Z`; empty if it has none.
     pub shortcut: &'static str,
     /// The command.
     pub command: Command,

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub use choices::{BrowsePurpose, DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
 pub use list::{CommandEntry, list_commands};
 
-/// What can be done.
+/// Action of the user.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -70,7 +70,7 @@ pub enum Command {
     },
     /// Shows files and folders to choose from.
     Browse {
-        /// What the user looks for.
+        /// Kind of file or folder that the user is asked for.
         purpose: BrowsePurpose,
     },
     /// Closes the project; unsaved edits are restored when it is opened again.

@@ -22,7 +22,7 @@ use crate::command::Command;
 pub struct JournalHeader {
     /// The project file.
     pub project: PathBuf,
-    /// Its text when the journal began.
+    /// Text when the journal began.
     pub text: String,
 }
 

@@ -28,12 +28,12 @@ pub struct Session {
     saved: String,
 }
 
-/// Which way the history can be walked.
+/// Availability of undo and redo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct UndoAvailability {
-    /// Whether there is a step to undo.
+    /// `true` if there is a step to undo.
     pub undo: bool,
-    /// Whether there is a step to redo.
+    /// `true` if there is a step to redo.
     pub redo: bool,
 }
 

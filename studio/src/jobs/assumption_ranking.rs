@@ -12,9 +12,9 @@ use counterpoise_project::{Assumption, Project};
 pub struct RankingRequest {
     /// The project.
     pub project: Arc<Project>,
-    /// Its plant.
+    /// Plant.
     pub modelled: Arc<PlantModel>,
-    /// What its file leaves open.
+    /// Values that its file leaves open.
     pub assumptions: Vec<Assumption>,
 }
 

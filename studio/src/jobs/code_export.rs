@@ -10,7 +10,7 @@ use counterpoise_verify::VerifiedController;
 
 use super::verification::VerificationRequest;
 
-/// What is to be exported.
+/// Input of an export.
 #[derive(Debug, Clone)]
 pub struct ExportRequest {
     /// The design and its folder.
@@ -23,7 +23,7 @@ pub struct ExportRequest {
     pub library: LibraryBuilder,
 }
 
-/// What an export wrote, and what it left out.
+/// Files that an export wrote, and the code that it left out.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct WrittenCode {
     /// The files.

@@ -15,7 +15,7 @@ use counterpoise_report::wording::recordings::describe_recordings_error;
 
 use super::error_lines::ErrorLines;
 
-/// What is to be diagnosed.
+/// Input of a diagnosis.
 #[derive(Debug, Clone)]
 pub struct DiagnosisRequest {
     /// The project.

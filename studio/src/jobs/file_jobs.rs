@@ -58,7 +58,7 @@ pub enum FileJob {
     },
 }
 
-/// What a save does if another program has changed the file.
+/// Behaviour of a save if another program has changed the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Overwrite {
     /// It writes only if the file still holds this text, or is absent.
@@ -67,7 +67,7 @@ pub enum Overwrite {
     Always,
 }
 
-/// What a job has done, or why not.
+/// Result of a file job.
 #[derive(Debug)]
 pub enum FileJobResult {
     /// A project was read.
@@ -76,7 +76,7 @@ pub enum FileJobResult {
     Reread {
         /// The file.
         path: PathBuf,
-        /// Its text with its time, or why it cannot be read.
+        /// Text with its time, or why it cannot be read.
         found: Result<DiskText, String>,
     },
     /// A project was written.
@@ -101,7 +101,7 @@ pub struct DiskText {
     pub modified: Option<SystemTime>,
 }
 
-/// What came of a save.
+/// Outcome of a save.
 #[derive(Debug)]
 pub enum SaveOutcome {
     /// The file was written.
@@ -138,16 +138,16 @@ pub struct LoadedProject {
     pub origin: ProjectOrigin,
     /// The lock; `None` if another window holds it.
     pub lock: Option<ProjectLock>,
-    /// What the window showed of the project when it was open last.
+    /// View of the project when it was open last.
     pub settings: Option<ProjectSettings>,
 }
 
-/// Where a loaded project comes from.
+/// Origin of a loaded project.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ProjectOrigin {
-    /// It was read.
+    /// The file was read.
     Existing,
-    /// It was made just now.
+    /// The file was made just now.
     Created,
 }
 

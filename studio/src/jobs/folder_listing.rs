@@ -13,14 +13,14 @@ use crate::command::BrowsePurpose;
 pub struct ListingRequest {
     /// The folder.
     pub folder: PathBuf,
-    /// What the user looks for.
+    /// Kind of file or folder that the user is asked for.
     pub purpose: BrowsePurpose,
 }
 
-/// What a folder holds, as far as it serves a purpose.
+/// Entries of a folder that serve a purpose.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FolderListing {
-    /// What was asked for.
+    /// Request.
     pub request: ListingRequest,
     /// Folders first, each kind by name; or why the folder cannot be listed.
     pub items: Result<Vec<FolderItem>, String>,

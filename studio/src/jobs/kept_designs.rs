@@ -23,7 +23,7 @@ pub struct KeptRequest {
 /// A kept design that was computed again.
 #[derive(Debug, Clone)]
 pub struct RestoredDesign {
-    /// Its slot.
+    /// Slot.
     pub slot: DesignSlot,
     /// The design.
     pub design: Arc<DesignPreview>,

@@ -15,18 +15,18 @@ use counterpoise_verify::robust::{Campaign, Sample};
 
 use super::error_lines::{ErrorLines, error_lines};
 use super::verification::VerificationRequest;
-use crate::versioned_results::Versioned;
+use crate::versioned_results::VersionedResult;
 
 /// The last measurements.
 #[derive(Debug, Clone, Default)]
 pub struct Measurements {
     /// The analyser's map, or why there is none.
-    pub map: Option<Versioned<Result<Box<ResponseMap>, ErrorLines>>>,
+    pub map: Option<VersionedResult<Result<Box<ResponseMap>, ErrorLines>>>,
     /// The campaign, or why there is none.
-    pub campaign: Option<Versioned<Result<CampaignView, ErrorLines>>>,
+    pub campaign: Option<VersionedResult<Result<CampaignView, ErrorLines>>>,
 }
 
-/// What is to be measured.
+/// Kind and input of a measurement.
 #[derive(Debug, Clone)]
 pub enum MeasurementRequest {
     /// The analyser's map from platform rate to hub rate.
@@ -35,7 +35,7 @@ pub enum MeasurementRequest {
     Campaign(VerificationRequest, Arc<VerifiedController>),
 }
 
-/// What was measured.
+/// Result of a measurement.
 #[derive(Debug, Clone)]
 pub enum MeasurementResult {
     /// The map.
@@ -55,7 +55,7 @@ pub struct CampaignView {
     pub total: usize,
 }
 
-/// What a running campaign has found so far.
+/// Results of a running campaign so far.
 pub type PartialCampaign = Arc<Mutex<Option<CampaignView>>>;
 
 /// Measures.

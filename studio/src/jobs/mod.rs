@@ -35,7 +35,7 @@ use counterpoise_report::wording::answer::DescribedDiagnosis;
 
 use crate::editing::session::Session;
 use crate::settings::{SettingsFile, write_settings};
-use crate::versioned_results::Versioned;
+use crate::versioned_results::VersionedResult;
 use assumption_ranking::{RankingRequest, answer_ranking};
 use code_export::{ExportRequest, WrittenCode, export_code};
 use diagnosis::{DiagnosisWorker, diagnosis_worker};
@@ -99,20 +99,20 @@ pub struct BackgroundJobs {
     /// The recordings to diagnose.
     pub recordings: Vec<PathBuf>,
     /// The recordings with their replays, of a revision of the project.
-    pub recording_views: Option<Versioned<Vec<RecordingView>>>,
+    pub recording_views: Option<VersionedResult<Vec<RecordingView>>>,
     /// The last diagnosis, or why there is none.
     pub diagnosis: Option<Result<DescribedDiagnosis, ErrorLines>>,
     /// The mechanism that was diagnosed.
     pub diagnosed_plant: Option<Parameters>,
-    /// What a running verification has found so far.
+    /// Results of a running verification so far.
     pub partial: PartialVerification,
-    /// What a running campaign has found so far.
+    /// Results of a running campaign so far.
     pub partial_campaign: PartialCampaign,
     diagnosis_progress: SharedProgress,
     measurement_progress: SharedProgress,
 }
 
-/// What has come of a diagnosis since the last frame.
+/// Event of a diagnosis since the last frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DiagnosisNews {
     /// Nothing.
@@ -228,7 +228,7 @@ impl BackgroundJobs {
     pub fn take_diagnosis(&mut self) -> DiagnosisNews {
         if let Some((revision, Some(replayed))) = self.replay.take() {
             self.recordings = replayed.files;
-            self.recording_views = Some(Versioned { revision, value: replayed.views });
+            self.recording_views = Some(VersionedResult { revision, value: replayed.views });
         }
         match self.diagnose.take() {
             Some((_, answer)) => {

@@ -36,7 +36,7 @@ impl ReductionPicture {
 pub struct BeamModes {
     /// The beam.
     pub beam: Beam,
-    /// Its modes; `None` if they cannot be computed.
+    /// Modes; `None` if they cannot be computed.
     pub modes: Option<PinnedModes>,
 }
 

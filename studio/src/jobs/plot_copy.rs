@@ -41,7 +41,7 @@ impl CopyFormat {
     }
 }
 
-/// Where a plot goes.
+/// Destination of a plot.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum CopyTarget {
     /// Into the clipboard.
@@ -50,7 +50,7 @@ pub enum CopyTarget {
     File(PathBuf),
 }
 
-/// What goes into the clipboard.
+/// Content for the clipboard.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ClipboardContent {
     /// Numbers or a drawing.
@@ -66,11 +66,11 @@ pub struct CopyRequest {
     pub chart: Chart,
     /// The format.
     pub format: CopyFormat,
-    /// Where it goes.
+    /// Destination.
     pub target: CopyTarget,
 }
 
-/// What was done with a plot.
+/// Outcome of a copy of a plot.
 #[derive(Debug, Clone)]
 pub enum CopyOutcome {
     /// The content is ready for the clipboard.
@@ -86,7 +86,7 @@ pub struct CopiedPlot {
     pub format: CopyFormat,
     /// The title of the plot.
     pub title: String,
-    /// What was done, or why not.
+    /// Result, or why there is none.
     pub outcome: Result<CopyOutcome, String>,
 }
 

@@ -53,9 +53,9 @@ pub struct ReplayedFiles {
 /// A column of a recording's file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ColumnName {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its unit, if the file states one.
+    /// Unit, if the file states one.
     pub unit: Option<String>,
 }
 
@@ -68,13 +68,13 @@ pub struct RecordingView {
     pub name: String,
     /// The columns of the file.
     pub columns: Vec<ColumnName>,
-    /// What the user should know about the recording.
+    /// Remarks on the recording for the user.
     pub remarks: Vec<String>,
     /// Why the recording cannot be read or replayed.
     pub errors: Vec<String>,
     /// Channels.
     pub channels: Vec<ChannelView>,
-    /// How well the project's model fits, as the command line prints it; `None` if the recording cannot be replayed.
+    /// Fit of the project's model, as the command line prints it; `None` if the recording cannot be replayed.
     pub fit: Option<RecordingResult>,
 }
 
@@ -85,13 +85,13 @@ pub struct ChannelView {
     pub channel: Channel,
     /// The recorded samples.
     pub measured: Arc<MinMaxPyramid>,
-    /// What the project's model makes of it; `None` for an input of the model.
+    /// Simulation by the project's model; `None` for an input of the model.
     pub model: Option<SimulatedView>,
-    /// What the diagnosed model makes of it.
+    /// Simulation by the diagnosed model.
     pub improved: Option<SimulatedView>,
 }
 
-/// What a model makes of a channel.
+/// Simulation of a channel by a model.
 #[derive(Debug, Clone)]
 pub struct SimulatedView {
     /// The simulated samples.

@@ -13,9 +13,9 @@ use counterpoise_pipeline::{self as pipeline, World};
 use counterpoise_verify::{Verification, VerifiedController};
 
 use super::error_lines::{ErrorLines, error_lines};
-use crate::versioned_results::Versioned;
+use crate::versioned_results::VersionedResult;
 
-/// What is to be verified.
+/// Input of a verification.
 #[derive(Debug, Clone)]
 pub struct VerificationRequest {
     /// The design.
@@ -24,12 +24,12 @@ pub struct VerificationRequest {
     pub folder: ProjectFolder,
 }
 
-/// What a running verification has found so far.
-pub type PartialVerification = Arc<Mutex<Option<Versioned<Arc<Verification>>>>>;
+/// Results of a running verification so far.
+pub type PartialVerification = Arc<Mutex<Option<VersionedResult<Arc<Verification>>>>>;
 
 /// Verifies; the answer is `None` if the job was cancelled.
 pub type VerificationWorker =
-    BackgroundWorker<Versioned<VerificationRequest>, Result<Option<VerifiedController>, ErrorLines>>;
+    BackgroundWorker<VersionedResult<VerificationRequest>, Result<Option<VerifiedController>, ErrorLines>>;
 
 /// Computes error against effort around a design; the answer is `None` if the job was cancelled or there is no such curve.
 pub type TradeOffWorker = BackgroundWorker<Arc<DesignPreview>, Option<Vec<EffortPoint>>>;
@@ -45,13 +45,15 @@ pub fn verification_worker(wake: &WakeWindow, partial: &PartialVerification) -> 
     let (partial, partial_wake) = (Arc::clone(partial), Arc::clone(wake));
     BackgroundWorker::new(
         Arc::clone(wake),
-        move |request: Versioned<VerificationRequest>, token: &CancelToken| {
+        move |request: VersionedResult<VerificationRequest>, token: &CancelToken| {
             let (design, mut last_partial) = (&request.value.design, None::<Moment>);
             let mut observer = |found: &Verification| {
                 if last_partial.is_none_or(|at| at.elapsed() > PARTIAL_INTERVAL) {
                     if let Ok(mut slot) = partial.lock() {
-                        *slot =
-                            Some(Versioned { revision: request.revision, value: Arc::new(found.clone()) });
+                        *slot = Some(VersionedResult {
+                            revision: request.revision,
+                            value: Arc::new(found.clone()),
+                        });
                     }
                     last_partial = Some(Moment::now());
                     partial_wake();

@@ -6,7 +6,7 @@ use egui::{Color32, Pos2, Rect, Stroke, Ui, pos2, vec2};
 
 use crate::jobs::plant_pictures::BeamModes;
 use crate::number_format::format_short;
-use crate::theme::Theme;
+use crate::theme::WindowTheme;
 use crate::view::StudioView;
 
 /// Maps metres to the screen: x along the beam, y up.
@@ -67,7 +67,7 @@ fn half_heights(shape: &SectionShape) -> [f64; 2] {
 
 fn draw_section(
     ui: &Ui,
-    theme: &Theme,
+    theme: &WindowTheme,
     frame: &DrawingScale,
     section: &BeamSection,
     shape: &dyn Fn(f64) -> f64,
@@ -91,7 +91,7 @@ fn draw_section(
 }
 
 /// The hub with its gear wheel, the pinion and the ground they stand on.
-fn draw_pivot(ui: &Ui, theme: &Theme, at: Pos2, scale: f32) {
+fn draw_pivot(ui: &Ui, theme: &WindowTheme, at: Pos2, scale: f32) {
     let painter = ui.painter();
     let wheel = (0.10 * scale).clamp(14.0, 34.0);
     painter.circle(at, wheel, Color32::TRANSPARENT, Stroke::new(1.5, theme.accent));
@@ -107,7 +107,7 @@ fn draw_pivot(ui: &Ui, theme: &Theme, at: Pos2, scale: f32) {
     draw_text(ui, pinion + vec2(64.0, 0.0), "motor and gear", theme.weak);
 }
 
-fn draw_ruler(ui: &Ui, theme: &Theme, frame: &DrawingScale, from: f64, to: f64, y: f32) {
+fn draw_ruler(ui: &Ui, theme: &WindowTheme, frame: &DrawingScale, from: f64, to: f64, y: f32) {
     let stroke = Stroke::new(1.0, theme.weak);
     ui.painter().line_segment([pos2(frame.at(from, 0.0).x, y), pos2(frame.at(to, 0.0).x, y)], stroke);
     let mut metre = from.ceil();

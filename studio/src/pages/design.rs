@@ -20,7 +20,7 @@ use crate::command::{Command, DesignTab};
 use crate::number_format::format_short;
 use crate::studio::Studio;
 use crate::theme::space;
-use crate::versioned_results::{Freshness, Versioned};
+use crate::versioned_results::{Freshness, VersionedResult};
 use crate::view::{ControllerPart, StudioView};
 
 /// Width of the panel with weights and figures, points.
@@ -185,7 +185,7 @@ fn show_plots(
     queue: &mut Vec<Command>,
     project: &Project,
     design: &DesignPreview,
-    effort: Option<&Versioned<Vec<EffortPoint>>>,
+    effort: Option<&VersionedResult<Vec<EffortPoint>>>,
 ) {
     let area = widgets::take_remaining_area(ui);
     let cells = widgets::design_page_cells(area);

@@ -6,7 +6,7 @@ use counterpoise_verify::{Arrangement, History, Source};
 
 use super::frequency_charts::{frequency_chart, magnitude_points, mark_margins};
 use crate::charts::chart::{AxisScale, Chart, LabelledPoint, LineDash};
-use crate::versioned_results::Versioned;
+use crate::versioned_results::VersionedResult;
 use crate::view::StudioView;
 
 /// Adds the kept designs to a chart, each in its colour.
@@ -87,7 +87,7 @@ pub fn control_chart(view: &StudioView, design: &DesignPreview) -> Chart {
 const EFFORT_MARGIN: f64 = 1.25;
 
 /// Returns error against effort over the error weight, with the design itself.
-pub fn effort_chart(view: &StudioView, effort: Option<&Versioned<Vec<EffortPoint>>>) -> Chart {
+pub fn effort_chart(view: &StudioView, effort: Option<&VersionedResult<Vec<EffortPoint>>>) -> Chart {
     let mut chart =
         Chart::new("Error against effort", "control for unit noise, V s/rad", "residual disturbance");
     chart.scales = [AxisScale::Log; 2];

@@ -7,7 +7,7 @@ use egui::{RichText, Ui};
 use super::kept_designs;
 use crate::command::{Command, DesignSlot};
 use crate::number_format::format_short;
-use crate::theme::Theme;
+use crate::theme::WindowTheme;
 use crate::view::StudioView;
 
 /// The unit of a figure.
@@ -64,7 +64,7 @@ pub fn show(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, design
 }
 
 fn show_row(ui: &mut Ui, view: &StudioView, design: &DesignPreview, row: &FigureRow) {
-    let theme: &Theme = &view.theme;
+    let theme: &WindowTheme = &view.theme;
     let controlled = view.units.display_unit(design.synthesised.controlled.unit());
     let (unit, factor) = match row.unit {
         FigureUnit::Fixed(unit) => (unit, 1.0),

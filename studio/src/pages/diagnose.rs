@@ -9,7 +9,7 @@ use crate::jobs::BackgroundJobs;
 use crate::jobs::recording_views::{ChannelView, RecordingView};
 use crate::studio::Studio;
 use crate::theme::space;
-use crate::versioned_results::Versioned;
+use crate::versioned_results::VersionedResult;
 use crate::view::StudioView;
 
 /// Width of the panel with recordings and channels, points.
@@ -142,7 +142,7 @@ fn show_add_buttons(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>, jo
 
 fn selected_recording<'a>(
     view: &StudioView,
-    views: Option<&'a Versioned<Vec<RecordingView>>>,
+    views: Option<&'a VersionedResult<Vec<RecordingView>>>,
 ) -> Option<&'a RecordingView> {
     let all = &views?.value;
     all.get(view.recording.min(all.len().saturating_sub(1)))

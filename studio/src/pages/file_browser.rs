@@ -10,7 +10,7 @@ use super::recent_places::{self, RecentPlace, list_recent_places, show_recent_pl
 use crate::browser::{Browser, BrowserAction};
 use crate::command::{BrowsePurpose, Command};
 use crate::studio::Studio;
-use crate::theme::{Theme, space};
+use crate::theme::{WindowTheme, space};
 use counterpoise_host::folders::{FolderItem, ItemKind};
 
 /// Width and height of the list, points.
@@ -20,7 +20,7 @@ pub const WIDTH: f32 = recent_places::WIDTH + LIST[0] + space::MEDIUM;
 
 /// What the browser is shown with.
 struct BrowserContext<'a> {
-    theme: Theme,
+    theme: WindowTheme,
     open_error: Option<&'a str>,
     places: Vec<RecentPlace>,
     added_recordings: &'a [PathBuf],
@@ -191,7 +191,13 @@ fn show_list(ui: &mut Ui, browser: &mut Browser, queue: &mut Vec<Command>, about
 }
 
 /// Shows one item as a button.
-fn show_item(ui: &mut Ui, browser: &Browser, item: &FolderItem, row: usize, theme: &Theme) -> egui::Response {
+fn show_item(
+    ui: &mut Ui,
+    browser: &Browser,
+    item: &FolderItem,
+    row: usize,
+    theme: &WindowTheme,
+) -> egui::Response {
     let is_selected = browser.selected == Some(row);
     let is_ticked = browser.picked.contains(&item.path);
     let (text, colour, right) = match item.kind {

@@ -12,7 +12,7 @@ use egui::{RichText, Ui};
 use super::widgets;
 use crate::command::Command;
 use crate::number_format::format_short;
-use crate::theme::{Theme, space};
+use crate::theme::{WindowTheme, space};
 use crate::units::DisplayUnit;
 use crate::view::StudioView;
 
@@ -35,7 +35,7 @@ pub fn show_answer(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>, ans
     show_in_card(ui, theme, |ui| show_evidence(ui, theme, answer));
 }
 
-fn show_in_card(ui: &mut Ui, theme: &Theme, content: impl FnOnce(&mut Ui)) {
+fn show_in_card(ui: &mut Ui, theme: &WindowTheme, content: impl FnOnce(&mut Ui)) {
     theme.card().show(ui, |ui| {
         ui.set_width(ui.available_width());
         content(ui);
@@ -43,7 +43,7 @@ fn show_in_card(ui: &mut Ui, theme: &Theme, content: impl FnOnce(&mut Ui)) {
     ui.add_space(space::MEDIUM);
 }
 
-fn show_finding(ui: &mut Ui, theme: &Theme, finding: &FindingText) {
+fn show_finding(ui: &mut Ui, theme: &WindowTheme, finding: &FindingText) {
     let name = format!("{} {}", finding.component, finding.effect).replace('_', " ");
     widgets::show_heading(ui, &format!("{name}   {:.0} %", 100.0 * finding.probability));
     ui.label(format!("{} It shows {}.", finding.explanation, finding.when));
@@ -90,8 +90,8 @@ fn show_fit(ui: &mut Ui, view: &StudioView, answer: &AnswerText) {
     });
 }
 
-fn show_evidence(ui: &mut Ui, theme: &Theme, answer: &AnswerText) {
-    widgets::show_heading(ui, "Relations that these sensors allow to check");
+fn show_evidence(ui: &mut Ui, theme: &WindowTheme, answer: &AnswerText) {
+    widgets::show_heading(ui, "Equations of torque and motion that these sensors allow");
     for row in &answer.isolability {
         let sees = component_list(&row.sees).replace('_', " ");
         let colour = if row.available { theme.text } else { theme.weak };
@@ -120,7 +120,7 @@ fn show_evidence(ui: &mut Ui, theme: &Theme, answer: &AnswerText) {
 }
 
 /// Shows the localisation: how much an error at each component explains along one variable.
-pub fn show_localisation(ui: &mut Ui, theme: &Theme, answer: &AnswerText) {
+pub fn show_localisation(ui: &mut Ui, theme: &WindowTheme, answer: &AnswerText) {
     show_in_card(ui, theme, |ui| {
         show_legend(ui, theme, answer);
         egui::Grid::new("localisation").spacing([2.0, 2.0]).show(ui, |ui| {
@@ -137,7 +137,7 @@ pub fn show_localisation(ui: &mut Ui, theme: &Theme, answer: &AnswerText) {
 }
 
 /// Shows what the map says, and what the colours mean.
-fn show_legend(ui: &mut Ui, theme: &Theme, answer: &AnswerText) {
+fn show_legend(ui: &mut Ui, theme: &WindowTheme, answer: &AnswerText) {
     widgets::show_heading(ui, "What an error at each component explains, along one variable");
     ui.label(&answer.chart_summary);
     ui.horizontal(|ui| {
@@ -158,7 +158,7 @@ fn show_legend(ui: &mut Ui, theme: &Theme, answer: &AnswerText) {
 }
 
 /// Shows the row of a component; one that no sensor relation covers has its name only.
-fn show_row(ui: &mut Ui, theme: &Theme, one: &ChartRow) {
+fn show_row(ui: &mut Ui, theme: &WindowTheme, one: &ChartRow) {
     let name = one.component.name().replace('_', " ");
     if one.seen {
         ui.label(name);
@@ -174,7 +174,7 @@ fn show_row(ui: &mut Ui, theme: &Theme, one: &ChartRow) {
 }
 
 /// Shows one cell, the more intense the more it explains; a dash stands for an error that is not considered.
-fn show_cell(ui: &mut Ui, theme: &Theme, share: Option<f64>, ring: egui::Stroke) {
+fn show_cell(ui: &mut Ui, theme: &WindowTheme, share: Option<f64>, ring: egui::Stroke) {
     let frame =
         egui::Frame::new().fill(intensity_colour(theme, share.unwrap_or(0.0))).stroke(ring).inner_margin(3);
     frame.show(ui, |ui| {
@@ -184,12 +184,12 @@ fn show_cell(ui: &mut Ui, theme: &Theme, share: Option<f64>, ring: egui::Stroke)
     });
 }
 
-fn intensity_colour(theme: &Theme, share: f64) -> egui::Color32 {
+fn intensity_colour(theme: &WindowTheme, share: f64) -> egui::Color32 {
     theme.accent.gamma_multiply(0.75 * share.clamp(0.0, 1.0) as f32)
 }
 
 /// Shows the shape of the residual along the variables that explain it.
-fn show_shapes(ui: &mut Ui, theme: &Theme, answer: &AnswerText) {
+fn show_shapes(ui: &mut Ui, theme: &WindowTheme, answer: &AnswerText) {
     for found in answer.map.iter().filter(|cell| !cell.shape.is_empty()) {
         let text =
             format!("{} along {}: {}", found.component.name().replace('_', " "), found.regime, found.shape);
@@ -198,7 +198,7 @@ fn show_shapes(ui: &mut Ui, theme: &Theme, answer: &AnswerText) {
 }
 
 /// Shows all hypotheses that were fitted.
-pub fn show_hypotheses(ui: &mut Ui, theme: &Theme, answer: &AnswerText) {
+pub fn show_hypotheses(ui: &mut Ui, theme: &WindowTheme, answer: &AnswerText) {
     show_in_card(ui, theme, |ui| {
         widgets::show_heading(ui, "Hypotheses, fitted to part of the data and compared on the rest");
         egui::Grid::new("hypotheses").num_columns(5).striped(true).spacing([22.0, 3.0]).show(ui, |ui| {

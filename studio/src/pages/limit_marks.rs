@@ -1,7 +1,8 @@
 //! The limit of the selected requirement, drawn into the charts from which its figure is read.
 
 use counterpoise_verify::{
-    Figure, HistoryColumn, Limit, LoopFigure, Quantity, Requirement, Source, StepFigure, Verification,
+    HistoryColumn, Limit, LoopFigure, PerformanceFigure, Quantity, Requirement, Source, StepFigure,
+    Verification,
 };
 
 use crate::charts::chart::Chart;
@@ -20,19 +21,22 @@ pub fn mark_history_limit(view: &StudioView, found: &Verification, column: Histo
     let limit = requirement.limit.value();
     let mut both = |value: f64| chart.levels.extend([value, -value]);
     match (requirement.figure, column) {
-        (Figure::Disturbance(_, _, _, Quantity::HubPeak), HistoryColumn::HubRate)
-        | (Figure::Disturbance(_, _, _, Quantity::TipPeak), HistoryColumn::TipRate) => {
+        (PerformanceFigure::Disturbance(_, _, _, Quantity::HubPeak), HistoryColumn::HubRate)
+        | (PerformanceFigure::Disturbance(_, _, _, Quantity::TipPeak), HistoryColumn::TipRate) => {
             both(view.units.display_unit(requirement.figure.unit(found.controlled_quantity())).factor * limit)
         }
-        (Figure::Disturbance(_, _, _, Quantity::CurrentPeak), HistoryColumn::Current)
-        | (Figure::Disturbance(_, _, _, Quantity::ControlPeak), HistoryColumn::Control)
-        | (Figure::Step(_, StepFigure::ControlPeak), HistoryColumn::Control) => both(limit),
-        (Figure::Step(model, StepFigure::Overshoot), HistoryColumn::HubRate) => {
+        (PerformanceFigure::Disturbance(_, _, _, Quantity::CurrentPeak), HistoryColumn::Current)
+        | (PerformanceFigure::Disturbance(_, _, _, Quantity::ControlPeak), HistoryColumn::Control)
+        | (PerformanceFigure::Step(_, StepFigure::ControlPeak), HistoryColumn::Control) => both(limit),
+        (PerformanceFigure::Step(model, StepFigure::Overshoot), HistoryColumn::HubRate) => {
             let factor = view.units.display_unit(found.controlled_quantity().unit()).factor;
             chart.levels.push(factor * found.highest_allowed_rad_s(model, limit));
         }
         (
-            Figure::Step(_, StepFigure::RiseTime | StepFigure::PeakTime | StepFigure::SettlingTime),
+            PerformanceFigure::Step(
+                _,
+                StepFigure::RiseTime | StepFigure::PeakTime | StepFigure::SettlingTime,
+            ),
             HistoryColumn::HubRate,
         ) => {
             chart.add_mark(limit, "limit");
@@ -43,8 +47,9 @@ pub fn mark_history_limit(view: &StudioView, found: &Verification, column: Histo
 
 /// Marks the limit of a disturbance rejection in its chart.
 pub fn mark_rejection_limit(view: &StudioView, found: &Verification, shown: Source, chart: &mut Chart) {
-    if let Some(Requirement { figure: Figure::Rejection { source, frequency_hz, .. }, limit, .. }) =
-        selected_requirement(view, found)
+    if let Some(Requirement {
+        figure: PerformanceFigure::Rejection { source, frequency_hz, .. }, limit, ..
+    }) = selected_requirement(view, found)
         && *source == shown
     {
         let (rate, at) = (std::f64::consts::TAU * frequency_hz, limit.value());
@@ -57,7 +62,7 @@ pub fn mark_rejection_limit(view: &StudioView, found: &Verification, shown: Sour
 pub fn mark_sensitivity_limit(view: &StudioView, found: &Verification, chart: &mut Chart) {
     let figure = selected_requirement(view, found).map(|r| (r.figure, r.limit));
     if let Some((
-        Figure::Loop(LoopFigure::MaxSensitivity | LoopFigure::MaxComplementary),
+        PerformanceFigure::Loop(LoopFigure::MaxSensitivity | LoopFigure::MaxComplementary),
         Limit::AtMost(most) | Limit::AtLeast(most),
     )) = figure
     {

@@ -15,17 +15,17 @@ use crate::charts::chart::{Chart, LineDash};
 use crate::command::Command;
 use crate::jobs::measurements::{CampaignView, Measurements};
 use crate::number_format::format_short;
-use crate::theme::{Theme, space};
+use crate::theme::{WindowTheme, space};
 use crate::versioned_results::Freshness;
 use crate::view::StudioView;
 
-/// What was measured, and how far a running measurement is.
+/// Results of measurements, and the progress of a running one.
 pub struct ShownMeasurements<'a> {
     /// The last measurements.
     pub measurements: &'a Measurements,
     /// The revision of the project.
     pub revision: u64,
-    /// How far a running measurement is, in words; `None` if none runs.
+    /// Progress of a running measurement, in words; `None` if none runs.
     pub progress: Option<String>,
 }
 
@@ -39,7 +39,7 @@ struct StartButton {
 /// Shows the button that starts a measurement, how far it is, and whether the last one belongs to an older design.
 fn show_start(
     ui: &mut Ui,
-    theme: &Theme,
+    theme: &WindowTheme,
     queue: &mut Vec<Command>,
     button: StartButton,
     progress: Option<&str>,

@@ -3,10 +3,10 @@
 use egui::{RichText, Ui};
 
 use crate::command::{Command, Page};
-use crate::theme::{Theme, space};
+use crate::theme::{WindowTheme, space};
 
 /// Shows that the project has no controller, and what can be done with it.
-pub fn show(ui: &mut Ui, theme: &Theme, queue: &mut Vec<Command>, task: &str) {
+pub fn show(ui: &mut Ui, theme: &WindowTheme, queue: &mut Vec<Command>, task: &str) {
     ui.add_space(ui.available_height() * 0.3);
     ui.vertical_centered(|ui| {
         ui.label(RichText::new("A model without a controller").heading());

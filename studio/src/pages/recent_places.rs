@@ -8,7 +8,7 @@ use egui::{RichText, Ui};
 use crate::browser::Browser;
 use crate::command::{BrowsePurpose, Command};
 use crate::studio::Studio;
-use crate::theme::{Theme, space};
+use crate::theme::{WindowTheme, space};
 use counterpoise_host::recent_files::RecentList;
 
 /// Width of the list of recent places, points.
@@ -52,7 +52,7 @@ pub(super) fn show_recent_places(
     ui: &mut Ui,
     browser: &mut Browser,
     queue: &mut Vec<Command>,
-    theme: &Theme,
+    theme: &WindowTheme,
     places: &[RecentPlace],
 ) {
     let projects = browser.purpose == BrowsePurpose::Project;
@@ -84,7 +84,7 @@ pub(super) fn show_recent_places(
 const PATH_LETTERS: usize = 30;
 
 /// Lays out a name over the end of its path.
-fn place_layout(name: &str, path: &Path, theme: &Theme) -> egui::text::LayoutJob {
+fn place_layout(name: &str, path: &Path, theme: &WindowTheme) -> egui::text::LayoutJob {
     let whole = path.parent().unwrap_or(path).display().to_string();
     let most: Vec<char> = whole.chars().collect();
     let end: String = most[most.len().saturating_sub(PATH_LETTERS)..].iter().collect();

@@ -1,11 +1,11 @@
 //! A mechanism of two inertias as a chain: amplifier, motor, gear, hub, spring, beam with its out-of-balance.
 
 use counterpoise_models::Parameters;
-use counterpoise_models::parameters::Lumped;
+use counterpoise_models::parameters::LumpedStructure;
 use egui::{Align2, FontId, Pos2, Rect, Stroke, Ui, pos2, vec2};
 
 use crate::number_format::format_short;
-use crate::theme::Theme;
+use crate::theme::WindowTheme;
 use crate::view::StudioView;
 
 /// Angle through which the lighter side swings on the screen, rad: clearly visible.
@@ -20,7 +20,7 @@ const WHEEL: f32 = 0.62;
 type Angles = [f64; 3];
 
 /// Draws the chain; in a mode, hub and beam swing against each other as they would with a rigid gear mesh.
-pub fn draw_chain(ui: &Ui, view: &StudioView, plant: &Parameters, lumped: &Lumped, room: Rect) {
+pub fn draw_chain(ui: &Ui, view: &StudioView, plant: &Parameters, lumped: &LumpedStructure, room: Rect) {
     let theme = &view.theme;
     let angles = if view.mode > 0 { mode_angles(ui, plant, lumped) } else { [0.0; 3] };
     let unit = (room.height() * 0.21).clamp(26.0, 58.0);
@@ -48,7 +48,7 @@ pub fn draw_chain(ui: &Ui, view: &StudioView, plant: &Parameters, lumped: &Lumpe
 }
 
 /// Returns the angles of hub (with the motor behind the gear) and beam, which swing against each other.
-fn mode_angles(ui: &Ui, plant: &Parameters, lumped: &Lumped) -> Angles {
+fn mode_angles(ui: &Ui, plant: &Parameters, lumped: &LumpedStructure) -> Angles {
     let ratio = plant.gearbox.ratio;
     let near = lumped.hub_inertia_kg_m2 + ratio * ratio * plant.motor.inertia_kg_m2;
     let far = lumped.beam_inertia_kg_m2;
@@ -66,14 +66,14 @@ struct Disc {
     radius: f32,
 }
 
-fn draw_disc(ui: &Ui, theme: &Theme, Disc { centre, radius }: Disc, angle: f64) {
+fn draw_disc(ui: &Ui, theme: &WindowTheme, Disc { centre, radius }: Disc, angle: f64) {
     ui.painter().circle(centre, radius, theme.field, Stroke::new(1.5, theme.text));
     let spoke = vec2(angle.cos() as f32, -(angle.sin()) as f32) * radius;
     ui.painter().line_segment([centre - spoke, centre + spoke], Stroke::new(1.0, theme.weak));
     ui.painter().circle_filled(centre, 3.0, theme.accent);
 }
 
-fn draw_spring(ui: &Ui, theme: &Theme, from: Pos2, to: Pos2) {
+fn draw_spring(ui: &Ui, theme: &WindowTheme, from: Pos2, to: Pos2) {
     const TURNS: usize = 7;
     let (stroke, along) = (Stroke::new(1.5, theme.text), to - from);
     let mut points = vec![from];
@@ -93,7 +93,7 @@ fn draw_spring(ui: &Ui, theme: &Theme, from: Pos2, to: Pos2) {
 }
 
 /// Draws the out-of-balance as a weight on the beam's rim, on its side.
-fn draw_weight(ui: &Ui, theme: &Theme, Disc { centre, radius }: Disc, angle: f64, moment: f64) {
+fn draw_weight(ui: &Ui, theme: &WindowTheme, Disc { centre, radius }: Disc, angle: f64, moment: f64) {
     let side = if moment < 0.0 { -1.0 } else { 1.0 };
     let arm = vec2(angle.cos() as f32, -(angle.sin()) as f32) * (side * radius);
     let fill = theme.curves[1].gamma_multiply(0.35);
@@ -104,7 +104,7 @@ fn write_captions(
     ui: &Ui,
     view: &StudioView,
     plant: &Parameters,
-    lumped: &Lumped,
+    lumped: &LumpedStructure,
     at: [Pos2; 5],
     below: f32,
 ) {

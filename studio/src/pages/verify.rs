@@ -1,9 +1,9 @@
 //! The page Verify: verdicts on the full plant while the runs come in, and the evidence behind each one; then export.
 
-use counterpoise_pipeline::wording::acceptance::Traceable;
+use counterpoise_pipeline::wording::acceptance::AcceptanceSource;
 use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_report::error_budget;
-use counterpoise_verify::{Figure, Limit, Verdict, Verification};
+use counterpoise_verify::{Limit, PerformanceFigure, Verdict, Verification};
 use egui::{RichText, Ui};
 
 use super::measurements::{self, ShownMeasurements};
@@ -203,6 +203,6 @@ fn draw_verdict_sign(ui: &Ui, at: egui::Pos2, verdict: &Verdict, colour: egui::C
 }
 
 /// Returns the tab that shows what a figure is read from.
-fn evidence_tab(figure: Figure) -> VerificationTab {
+fn evidence_tab(figure: PerformanceFigure) -> VerificationTab {
     if figure.is_over_frequency() { VerificationTab::Rejection } else { VerificationTab::Histories }
 }

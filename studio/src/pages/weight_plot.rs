@@ -12,14 +12,14 @@ use crate::charts::chart::{Chart, LineDash, PlotAxis};
 use crate::charts::chart_view::ChartResponse;
 use crate::command::Command;
 use crate::editing::weight_handles::values_when_moved;
-use crate::theme::Theme;
+use crate::theme::WindowTheme;
 use crate::view::{ControllerPart, StudioView};
 
 /// A weight of the part that is shown.
 pub struct PlottedWeight<'a> {
     /// The path of its section in the project file.
     pub path: String,
-    /// Its name.
+    /// Name.
     pub name: &'static str,
     /// The weight.
     pub weight: &'a Weight,
@@ -33,7 +33,7 @@ pub struct PlottedWeight<'a> {
 pub fn plotted_weights<'a>(
     project: &'a Project,
     part: ControllerPart,
-    theme: &Theme,
+    theme: &WindowTheme,
 ) -> Vec<PlottedWeight<'a>> {
     let Some(synth) = &project.synth else { return Vec::new() };
     let s = &synth.specification;

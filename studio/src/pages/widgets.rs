@@ -8,7 +8,7 @@ use crate::command::{BrowsePurpose, Command};
 use crate::editing::key_reference::find_key;
 use crate::editing::weight_handles::round_to_three_digits;
 use crate::number_format::format_short;
-use crate::theme::{Theme, space};
+use crate::theme::{WindowTheme, space};
 use crate::view::StudioView;
 
 /// Width from which a grid has one more column, points: there four columns are as wide as three on a usual screen.
@@ -139,7 +139,7 @@ fn key_in_words(key: &str) -> String {
 }
 
 /// Lays out the name of a figure; if it has several parts, the first stands over the others.
-pub fn figure_name_layout(figure: &str, theme: &Theme) -> egui::text::LayoutJob {
+pub fn figure_name_layout(figure: &str, theme: &WindowTheme) -> egui::text::LayoutJob {
     let format = |size, colour| egui::TextFormat::simple(egui::FontId::proportional(size), colour);
     let mut job = egui::text::LayoutJob::default();
     let (head, rest) = figure.split_once(", ").unwrap_or((figure, ""));
@@ -152,7 +152,7 @@ pub fn figure_name_layout(figure: &str, theme: &Theme) -> egui::text::LayoutJob 
 }
 
 /// Shows what to do while there is nothing to show.
-pub fn show_placeholder(ui: &mut Ui, theme: &Theme, title: &str, text: &str) {
+pub fn show_placeholder(ui: &mut Ui, theme: &WindowTheme, title: &str, text: &str) {
     ui.add_space(ui.available_height() * 0.3);
     ui.vertical_centered(|ui| {
         ui.label(RichText::new(title).heading());
@@ -165,7 +165,7 @@ pub fn show_placeholder(ui: &mut Ui, theme: &Theme, title: &str, text: &str) {
 const MOST_REASONS: usize = 6;
 
 /// Shows why there is no result.
-pub fn show_error_list(ui: &mut Ui, theme: &Theme, title: &str, reasons: &[String]) {
+pub fn show_error_list(ui: &mut Ui, theme: &WindowTheme, title: &str, reasons: &[String]) {
     theme.card().stroke(egui::Stroke::new(1.0, theme.bad)).show(ui, |ui| {
         ui.set_width(ui.available_width());
         ui.label(RichText::new(title).strong().color(theme.bad));
@@ -188,7 +188,7 @@ pub fn take_remaining_area(ui: &mut Ui) -> Rect {
 }
 
 /// Returns a side panel in the style of the studio.
-pub fn side_panel(id: &'static str, theme: &Theme, width: f32) -> egui::Panel {
+pub fn side_panel(id: &'static str, theme: &WindowTheme, width: f32) -> egui::Panel {
     let frame = egui::Frame::new().fill(theme.ground).inner_margin(egui::Margin {
         left: 0,
         right: 8,

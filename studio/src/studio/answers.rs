@@ -14,7 +14,7 @@ use crate::jobs::kept_designs::RestoredDesign;
 use crate::jobs::live_design::TimedPreview;
 use crate::jobs::measurements::MeasurementResult;
 use crate::jobs::plot_copy::{CopiedPlot, CopyOutcome};
-use crate::versioned_results::Versioned;
+use crate::versioned_results::VersionedResult;
 
 /// Time from the last change to the verification on the full plant: shorter would verify in the middle of typing.
 const VERIFICATION_DELAY: Duration = Duration::from_millis(120);
@@ -32,14 +32,16 @@ impl Studio {
             match answer {
                 Ok(Some(found)) => self.take_verification(revision, found),
                 Ok(None) => {}
-                Err(why) => self.results.verification_failure = Some(Versioned { revision, value: why }),
+                Err(why) => {
+                    self.results.verification_failure = Some(VersionedResult { revision, value: why })
+                }
             }
         }
         if let Some((revision, Some(value))) = self.jobs.effort.take() {
-            self.results.effort = Some(Versioned { revision, value });
+            self.results.effort = Some(VersionedResult { revision, value });
         }
         if let Some((revision, Some(value))) = self.jobs.loop_view.take() {
-            self.results.loop_view = Some(Versioned { revision, value });
+            self.results.loop_view = Some(VersionedResult { revision, value });
         }
         self.take_partial_verification();
         self.take_measurements();
@@ -56,29 +58,29 @@ impl Studio {
 
     fn take_preview(&mut self, revision: u64, preview: TimedPreview) {
         (self.results.plant_failure, self.results.design_failure) = (None, None);
-        self.results.plant = Some(Versioned { revision, value: preview.plant });
+        self.results.plant = Some(VersionedResult { revision, value: preview.plant });
         match preview.design {
             Some(Ok(design)) => {
                 self.results.design_time = preview.took;
                 let design = Arc::new(*design);
                 self.jobs.loop_view.ask(revision, Arc::clone(&design));
-                self.results.design = Some(Versioned { revision, value: design });
+                self.results.design = Some(VersionedResult { revision, value: design });
                 self.verify_at = Some(Moment::now() + VERIFICATION_DELAY);
             }
-            Some(Err(why)) => self.results.design_failure = Some(Versioned { revision, value: why }),
+            Some(Err(why)) => self.results.design_failure = Some(VersionedResult { revision, value: why }),
             None => (self.results.design, self.results.verified) = (None, None),
         }
     }
 
     /// Takes over why the project cannot be modelled, and therefore has no design either.
     pub(super) fn take_project_errors(&mut self, revision: u64, why: Vec<String>) {
-        self.results.plant_failure = Some(Versioned { revision, value: why.clone() });
-        self.results.design_failure = Some(Versioned { revision, value: why });
+        self.results.plant_failure = Some(VersionedResult { revision, value: why.clone() });
+        self.results.design_failure = Some(VersionedResult { revision, value: why });
     }
 
     fn take_verification(&mut self, revision: u64, found: VerifiedController) {
         (self.results.verification_failure, self.results.partial) = (None, None);
-        self.results.verified = Some(Versioned { revision, value: Arc::new(found) });
+        self.results.verified = Some(VersionedResult { revision, value: Arc::new(found) });
     }
 
     fn take_partial_verification(&mut self) {
@@ -91,10 +93,10 @@ impl Studio {
         let measurements = &mut self.results.measurements;
         match self.jobs.measure.take() {
             Some((revision, MeasurementResult::Map(value))) => {
-                measurements.map = Some(Versioned { revision, value });
+                measurements.map = Some(VersionedResult { revision, value });
             }
             Some((revision, MeasurementResult::Campaign(value))) => {
-                measurements.campaign = Some(Versioned { revision, value });
+                measurements.campaign = Some(VersionedResult { revision, value });
             }
             None => {}
         }
@@ -102,7 +104,7 @@ impl Studio {
         if let (Some(found), Some(of)) = (partial, &self.results.verified)
             && self.jobs.measure.is_busy()
         {
-            measurements.campaign = Some(Versioned { revision: of.revision, value: Ok(found) });
+            measurements.campaign = Some(VersionedResult { revision: of.revision, value: Ok(found) });
         }
     }
 
@@ -145,7 +147,7 @@ impl Studio {
             self.results.reduction = Some(Arc::new(picture));
         }
         if let Some((revision, value)) = self.jobs.ranking.take() {
-            self.results.ranking = Some(Versioned { revision, value });
+            self.results.ranking = Some(VersionedResult { revision, value });
         }
         if let Some((_, modes)) = self.jobs.beam_modes.take() {
             self.results.beam_modes = Some(Arc::new(modes));

@@ -53,13 +53,13 @@ impl OpenProject {
     }
 }
 
-/// How far the window's closing is.
+/// State of the window's closing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum WindowClosing {
-    /// Nobody wants to close it.
+    /// No request to close it.
     #[default]
     No,
-    /// It closes when the project is closed.
+    /// The window closes when the project is closed.
     WhenProjectIsClosed,
 }
 
@@ -69,11 +69,11 @@ pub struct Studio {
     pub state: PathBuf,
     /// The project.
     pub opened: Option<OpenProject>,
-    /// What the window shows.
+    /// View of the window.
     pub view: StudioView,
-    /// What is remembered for the user.
+    /// Settings that are stored for the user.
     pub user_settings: UserSettings,
-    /// What was computed.
+    /// Computed results.
     pub results: ComputedResults,
     /// The commands that concern files and are not done yet.
     pub file_queue: FileQueue,
@@ -83,7 +83,7 @@ pub struct Studio {
     pub library: LibraryBuilder,
     /// Why a project could not be opened.
     pub open_error: Option<String>,
-    /// How far the window's closing is.
+    /// State of the window's closing.
     pub window_closing: WindowClosing,
     pub(crate) jobs: BackgroundJobs,
     pub(crate) journal: Journal,

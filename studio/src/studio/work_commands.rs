@@ -16,22 +16,22 @@ use crate::jobs::plot_copy::{CopyFormat, CopyRequest, CopyTarget};
 use crate::jobs::recording_views::ReplayRequest;
 use crate::jobs::report_job::ReportRequest;
 use crate::jobs::verification::VerificationRequest;
-use crate::versioned_results::Versioned;
+use crate::versioned_results::VersionedResult;
 use counterpoise_host::recent_files::RecentList;
 
 /// A design with its verification, both of the project as it stands.
-struct VerifiedNow {
+struct CurrentVerification {
     revision: u64,
     request: VerificationRequest,
     verified: Arc<VerifiedController>,
 }
 
 impl Studio {
-    fn verification_request(&self) -> Option<Versioned<VerificationRequest>> {
+    fn verification_request(&self) -> Option<VersionedResult<VerificationRequest>> {
         let (opened, of) = (self.opened.as_ref()?, self.results.design.as_ref()?);
         let folder = ProjectFolder(opened.path.parent().unwrap_or(Path::new(".")).to_owned());
         let value = VerificationRequest { design: Arc::clone(&of.value), folder };
-        Some(Versioned { revision: of.revision, value })
+        Some(VersionedResult { revision: of.revision, value })
     }
 
     pub(super) fn verify(&mut self) {
@@ -44,7 +44,7 @@ impl Studio {
     }
 
     /// Returns the design with its verification if both belong to the project as it stands; otherwise shows what is missing.
-    fn verified_now(&mut self, failure: &str) -> Option<VerifiedNow> {
+    fn verified_now(&mut self, failure: &str) -> Option<CurrentVerification> {
         let (Some(request), Some(of)) = (self.verification_request(), self.results.verified.clone()) else {
             self.view.show_error(format!("{failure}: the design is not verified yet (F5)"));
             return None;
@@ -56,7 +56,7 @@ impl Studio {
             ));
             return None;
         }
-        Some(VerifiedNow { revision: request.revision, request: request.value, verified: of.value })
+        Some(CurrentVerification { revision: request.revision, request: request.value, verified: of.value })
     }
 
     pub(super) fn export(&mut self) {

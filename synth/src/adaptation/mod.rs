@@ -3,15 +3,15 @@
 //! What is estimated goes into the bias and the heave feedforward's gain, nowhere else: the feedback loop does not
 //! contain the estimate, so in the linear model no estimate, however wrong, can make the loop unstable.
 
-mod recursive;
+mod recursive_least_squares;
 
 use counterpoise_controller::{Readings, Runner, SampledController};
 
 use crate::Error;
 
-pub use recursive::{Recursive, RecursiveSettings};
+pub use recursive_least_squares::{RecursiveLeastSquares, RecursiveSettings};
 
-/// How control volts become what the drive acts on: the inverse use of an amplifier's measured curve.
+/// Curve from control volts to the quantity that the drive acts on: the inverse use of an amplifier's measured curve.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Curve {
     /// Points (control V, equivalent V of a linear drive), the control increasing; empty for a linear drive. Beyond the
@@ -33,7 +33,7 @@ impl Curve {
     }
 }
 
-/// What both estimators need to know of the machine.
+/// Machine parameters that both estimators need.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scale {
     /// Equivalent volts that hold one kg m at one m/s^2.
@@ -91,18 +91,18 @@ impl WindowedMean {
     }
 }
 
-/// Which estimator sets the out-of-balance of an [`Adaptive`] controller.
+/// Estimator that sets the out-of-balance of an [`AdaptiveController`].
 #[derive(Debug, Clone)]
 pub enum Estimation {
     /// The windowed mean.
     Mean(WindowedMean),
     /// Recursive least squares.
-    Squares(Box<Recursive>),
+    Squares(Box<RecursiveLeastSquares>),
 }
 
 /// A controller whose out-of-balance follows an estimate.
 #[derive(Debug, Clone)]
-pub struct Adaptive {
+pub struct AdaptiveController {
     runner: Runner,
     estimation: Estimation,
     start: Estimation,
@@ -111,7 +111,7 @@ pub struct Adaptive {
     samples: usize,
 }
 
-impl Adaptive {
+impl AdaptiveController {
     /// Returns the controller with its estimator.
     pub fn new(runner: Runner, estimation: Estimation) -> Self {
         let start = estimation.clone();
@@ -131,7 +131,7 @@ impl Adaptive {
     }
 }
 
-impl SampledController for Adaptive {
+impl SampledController for AdaptiveController {
     fn reset(&mut self) {
         self.runner.reset();
         self.estimation = self.start.clone();

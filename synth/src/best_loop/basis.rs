@@ -15,9 +15,9 @@ const POLES_BETWEEN: [f64; 2] = [1.0e-4, 0.05];
 
 /// A function from which the basis is made.
 struct RawFunction {
-    /// Its values on the grid.
+    /// Values on the grid.
     on_grid: Vec<C64>,
-    /// Its value at zero frequency.
+    /// Value at zero frequency.
     at_zero: f64,
 }
 
@@ -31,12 +31,12 @@ pub(crate) struct Basis {
 
 impl Basis {
     /// Returns the whole basis.
-    pub fn whole(ground: &Ground) -> Result<Self, Error> {
+    pub fn build_full(ground: &Ground) -> Result<Self, Error> {
         Self::new(ground, DELAYS, POLES)
     }
 
     /// Returns half of the basis.
-    pub fn half(ground: &Ground) -> Result<Self, Error> {
+    pub fn build_half(ground: &Ground) -> Result<Self, Error> {
         Self::new(ground, DELAYS / 2, POLES / 2)
     }
 

@@ -24,16 +24,16 @@ use crate::tuning::{Clock, Density, Disturbance, LoopGrid, LoopLimits, bilinear_
 use crate::{DesignPlant, Error, Sampling};
 use basis::Basis;
 use problem::BestLoopProblem;
-use program::{Program, Solved};
+use program::{Program, ProgramSolution};
 
-/// What the best feedback is sought for.
+/// Input of the search for the best linear feedback.
 #[derive(Debug, Clone, Copy)]
 pub struct BestLoopTask<'a> {
     /// The plant.
     pub plant: &'a DesignPlant,
-    /// How a controller would be sampled.
+    /// Sampling of a controller.
     pub sampling: &'a Sampling,
-    /// What acts on the loop.
+    /// Disturbance that acts on the loop.
     pub disturbance: &'a Disturbance,
     /// What the loop must keep; those of |S|, |T|, |KS|, noise gain and effort are convex and count, margins and poles are left out.
     pub limits: LoopLimits,
@@ -77,9 +77,9 @@ const COARSE: usize = 4;
 /// gives up; those of the plant.
 pub fn best_loop(task: &BestLoopTask<'_>) -> Result<BestLoop, Error> {
     let ground = Ground::new(task)?;
-    let basis = Basis::whole(&ground)?;
+    let basis = Basis::build_full(&ground)?;
     let (found, lower_bound_rad_s) = ground.solve(task, &basis)?;
-    let half = ground.solve(task, &Basis::half(&ground)?);
+    let half = ground.solve(task, &Basis::build_half(&ground)?);
     Ok(BestLoop {
         lower_bound_rad_s,
         half_basis_rad_s: half.ok().map(|found| found.0.residual_rad_s),
@@ -92,7 +92,7 @@ pub(crate) struct Ground {
     pub grid: LoopGrid,
     /// The plant on the grid.
     pub P: Vec<C64>,
-    /// Its gain at zero frequency.
+    /// Gain at zero frequency.
     pub P0: f64,
     pub period_s: f64,
     pub system: StateSpace,
@@ -140,7 +140,7 @@ impl Ground {
     }
 
     /// The frequencies at which a limit is exceeded.
-    fn violated_frequencies(&self, solved: &Solved, limits: &LoopLimits) -> Vec<usize> {
+    fn violated_frequencies(&self, solved: &ProgramSolution, limits: &LoopLimits) -> Vec<usize> {
         let over = |value: f64, limit: f64| value > limit * (1.0 + BEST_LOOP_LIMIT_KEPT);
         let is_over = |&k: &usize| {
             let T = self.P[k] * solved.Q[k];
@@ -151,7 +151,7 @@ impl Ground {
         (0..self.P.len()).filter(is_over).collect()
     }
 
-    fn measure_loop(&self, solved: &Solved, basis: &Basis) -> BestLoop {
+    fn measure_loop(&self, solved: &ProgramSolution, basis: &Basis) -> BestLoop {
         let (mut left, mut effort, mut noise) = (0.0, 0.0, 0.0);
         let (mut ms, mut mt, mut peak) = (0.0_f64, 0.0_f64, 0.0_f64);
         for (k, Q) in solved.Q.iter().enumerate() {

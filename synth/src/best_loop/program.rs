@@ -5,7 +5,7 @@
 //!                       |1 - P Q_k| <= Ms,  |P Q_k| <= Mt,  |Q_k| <= KS  at the used frequencies,   P(0) Q(0) = 1
 //! ```
 
-use counterpoise_linalg::{C64, Cone, ConeProgram, Mat, Unsolved, qr_r};
+use counterpoise_linalg::{C64, Cone, ConeFailure, ConeProgram, Mat, qr_r};
 
 use super::Ground;
 use super::basis::Basis;
@@ -21,7 +21,7 @@ pub(crate) struct Program<'a> {
 }
 
 /// Its answer.
-pub(crate) struct Solved {
+pub(crate) struct ProgramSolution {
     /// Q on the whole grid.
     pub Q: Vec<C64>,
     /// Value of the dual program.
@@ -30,7 +30,7 @@ pub(crate) struct Solved {
 
 impl Program<'_> {
     /// Solves the program with the limits of |S|, |T| and |KS| at the given frequencies.
-    pub fn solve(&self, used: &[usize]) -> Result<Solved, Error> {
+    pub fn solve(&self, used: &[usize]) -> Result<ProgramSolution, Error> {
         let n = self.basis.size();
         // The residual is scaled to the order of 1, by what would be left without feedback.
         let scale = self.ground.grid.power.iter().sum::<f64>().sqrt();
@@ -46,7 +46,7 @@ impl Program<'_> {
         }
         let found = cones.solve().map_err(refusal)?;
         let at = |k: usize| (0..n).map(|j| self.basis.columns[j][k] * found.x[j]).sum();
-        Ok(Solved { Q: (0..self.ground.P.len()).map(at).collect(), dual: found.dual * scale })
+        Ok(ProgramSolution { Q: (0..self.ground.P.len()).map(at).collect(), dual: found.dual * scale })
     }
 
     /// P(0) Q(0) = 1: no steady error.
@@ -140,10 +140,10 @@ fn triangular(rows: &[Vec<f64>]) -> Result<Mat, Error> {
 }
 
 /// Why there is no best feedback.
-fn refusal(why: Unsolved) -> Error {
+fn refusal(why: ConeFailure) -> Error {
     Error::BestLoop(match why {
-        Unsolved::Malformed => BestLoopProblem::Malformed,
-        Unsolved::Infeasible => BestLoopProblem::Infeasible,
-        Unsolved::NotConverged => BestLoopProblem::NotConverged,
+        ConeFailure::Malformed => BestLoopProblem::Malformed,
+        ConeFailure::Infeasible => BestLoopProblem::Infeasible,
+        ConeFailure::NotConverged => BestLoopProblem::NotConverged,
     })
 }

@@ -2,13 +2,13 @@
 
 use super::*;
 use crate::fixed_structure::{Block, BlockKind, FixedStructure};
-use crate::rational::Rational;
+use crate::rational_function::RationalFunction;
 use crate::tuning::{TuningTask, tune_parameters};
 
 /// A servo with drag and a lag of the drive.
 fn servo() -> DesignPlant {
     let poles = [C64::new(-0.5, 0.0), C64::new(-40.0, 0.0)];
-    DesignPlant::ideal(Rational::new(&[], &poles, 80.0).realise().unwrap(), 0, 0)
+    DesignPlant::ideal(RationalFunction::new(&[], &poles, 80.0).realise().unwrap(), 0, 0)
 }
 
 #[test]

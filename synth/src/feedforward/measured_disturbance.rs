@@ -48,7 +48,7 @@ impl Problem {
         }
     }
 
-    /// What the estimation error of the plant's state costs: it is driven by w and by the noise, through the filter.
+    /// Returns what the estimation error of the plant's state costs: it is driven by w and by the noise, through the filter.
     /// `None` if it is not bounded.
     fn error_cost(&self, system: &StateSpace, L: &Mat, Lx: &Mat, density: f64) -> Result<Option<f64>, Error> {
         let (open, entering) = self.uncontrolled_plant();
@@ -80,7 +80,7 @@ impl Problem {
         Ok(StateSpace::new(A, B, C, Mat::zeros(3, 1), Timebase::Continuous)?)
     }
 
-    /// What the solutions predict: the full-information loop on \[x; x_d\] driven by the innovation, plus what the
+    /// Returns what the solutions predict: the full-information loop on \[x; x_d\] driven by the innovation, plus what the
     /// estimation error costs. Equal to tr(L' X_j L V) + ..., without that formula's cancellation.
     pub(super) fn measured_cost(&self, regulator: &Regulator, filter: &Filter) -> Result<Option<f64>, Error> {
         let innovation = filter.Lx.vstack(&filter.L.block(0, 0, self.generator.order(), 1));

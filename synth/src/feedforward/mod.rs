@@ -15,7 +15,7 @@ mod measured_disturbance;
 use counterpoise_linalg::{Mat, Riccati, care, inverse, lyap, sylvester};
 use counterpoise_lti::{StateSpace, Timebase};
 
-use crate::augmented_plant::Augmented;
+use crate::augmented_plant::AugmentedPlant;
 use crate::cause::DesignEquation;
 use crate::certificate::{Cost, Equation, mean_square, riccati};
 use crate::finding::Part;
@@ -45,7 +45,7 @@ pub struct Feedforward {
 
 /// The problem of one channel.
 struct Problem {
-    core: Augmented,
+    core: AugmentedPlant,
     /// The disturbance's columns, on \[x_p; x_e; x_u\], times C_d: from x_d.
     ECd: Mat,
     generator: StateSpace,
@@ -137,7 +137,7 @@ fn problem(
         });
     }
     let generator = with_derivatives(&weights.generator.realise()?, columns.len())?;
-    let core = Augmented {
+    let core = AugmentedPlant {
         B: system.B.block(0, plant.control, n, 1),
         C: system.C.block(weighed, 0, 1, n),
         further: Mat::zeros(0, n),

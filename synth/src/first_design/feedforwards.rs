@@ -2,7 +2,7 @@
 
 use super::Circumstances;
 use super::candidate::round_weight;
-use super::scan::Tried;
+use super::scan::TriedFeedback;
 use crate::error::attempt;
 use crate::finding::DesignFinding;
 use crate::{
@@ -32,7 +32,7 @@ const ROLL_OFF_DAMPING: f64 = 0.7;
 /// Those of the design.
 pub(super) fn with_feedforwards(
     given: &Circumstances,
-    found: &Tried,
+    found: &TriedFeedback,
 ) -> Result<(Specification, Vec<DesignFinding>), Error> {
     let mut specification = Specification {
         feedback: found.weights.clone(),
@@ -77,7 +77,7 @@ fn with_one(base: &Specification, channel: DisturbanceChannel, weights: Feedforw
 
 /// Steady volts cost in heave, where they hold a weight, and are free in pitch, where they cancel a drag.
 fn feedforward(
-    found: &Tried,
+    found: &TriedFeedback,
     channel: DisturbanceChannel,
     motion: &ExpectedMotion,
     basis: FeedforwardBasis,

@@ -13,7 +13,7 @@ use counterpoise_lti::StateSpace;
 
 use super::candidate::{MORE_PHASE, SHAPES};
 use super::neighbours::stiffen;
-use super::scan::{Candidate, FurtherShapes, PER_DECADE, Scan, Tried};
+use super::scan::{Candidate, FurtherShapes, PER_DECADE, Scan, TriedFeedback};
 use super::{Circumstances, LimitLoops};
 use crate::bandwidth::{Bandwidth, LimitKind, Unknown};
 use crate::tolerance::HIGHER_BANDWIDTH;
@@ -28,7 +28,7 @@ const MOST_AIMS: i32 = 2 * PER_DECADE;
 const HALVINGS: usize = 3;
 
 /// The candidate of the highest bandwidth among those that miss certain limits and no others.
-type Highest = BTreeMap<Vec<u8>, Tried>;
+type HighestFeedbacks = BTreeMap<Vec<u8>, TriedFeedback>;
 
 /// A bandwidth with its limits, and the loops that show them.
 pub(super) struct BandwidthWithLoops {
@@ -47,7 +47,7 @@ struct HigherLoop {
 ///
 /// # Errors
 /// Those of the design.
-pub(super) fn bandwidth(scan: &mut Scan, found: &Tried) -> Result<BandwidthWithLoops, Error> {
+pub(super) fn bandwidth(scan: &mut Scan, found: &TriedFeedback) -> Result<BandwidthWithLoops, Error> {
     let reached = found.judgement.bandwidth_rad_s;
     let limits = scan.summary();
     // One limit at a time is left out: what misses two is not the answer without either.
@@ -87,7 +87,11 @@ pub(super) fn bandwidth(scan: &mut Scan, found: &Tried) -> Result<BandwidthWithL
 }
 
 /// Returns a candidate with its loop if its bandwidth is higher than what is reached.
-fn higher_loop(scan: &Scan, tried: Option<&Tried>, reached_rad_s: f64) -> Result<Option<HigherLoop>, Error> {
+fn higher_loop(
+    scan: &Scan,
+    tried: Option<&TriedFeedback>,
+    reached_rad_s: f64,
+) -> Result<Option<HigherLoop>, Error> {
     match tried {
         Some(tried) if tried.judgement.bandwidth_rad_s > reached_rad_s * (1.0 + HIGHER_BANDWIDTH) => {
             let rate_rad_s = tried.judgement.bandwidth_rad_s;
@@ -98,7 +102,7 @@ fn higher_loop(scan: &Scan, tried: Option<&Tried>, reached_rad_s: f64) -> Result
 }
 
 /// The fewest limits that only together keep the candidates from being the answer, the highest bandwidth first.
-fn joint_limits(missed: &Highest, kinds: impl Iterator<Item = LimitKind> + Clone) -> Vec<LimitKind> {
+fn joint_limits(missed: &HighestFeedbacks, kinds: impl Iterator<Item = LimitKind> + Clone) -> Vec<LimitKind> {
     let several = missed.iter().filter(|(set, _)| set.len() > 1);
     let fewest = several.min_by(|a, b| {
         a.0.len()
@@ -121,10 +125,10 @@ struct Causes {
 /// Looks for the bandwidths without each limit, and those with each cause of phase lag lifted: three searches that know nothing of each other.
 fn search_in_parallel(
     scan: &mut Scan,
-    found: &Tried,
+    found: &TriedFeedback,
     kinds: &[LimitKind],
-) -> Result<(Highest, Causes), Error> {
-    let given = Given::of(scan);
+) -> Result<(HighestFeedbacks, Causes), Error> {
+    let given = SharedSearch::of(scan);
     let pool = scan.pool;
     let (limits, structure, lags) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
     let searched = Mutex::new(scan);
@@ -144,35 +148,35 @@ fn search_in_parallel(
 }
 
 /// What the searches in other circumstances take from that in the given ones.
-struct Given<'a> {
+struct SharedSearch<'a> {
     circumstances: &'a Circumstances,
     unknown: Vec<Unknown>,
     further_shapes: FurtherShapes,
     pool: &'a dyn Pool,
 }
 
-impl<'a> Given<'a> {
+impl<'a> SharedSearch<'a> {
     fn of(scan: &Scan<'a>) -> Self {
         let Scan { circumstances, further_shapes, pool, .. } = *scan;
         Self { circumstances, unknown: scan.unknown.clone(), further_shapes, pool }
     }
 
     /// The bandwidth with a much stiffer structure; `None` if it is no higher or there is no mode to stiffen.
-    fn without_modes(&self, found: &Tried) -> Result<Option<HigherLoop>, Error> {
+    fn without_modes(&self, found: &TriedFeedback) -> Result<Option<HigherLoop>, Error> {
         let reached = found.judgement.bandwidth_rad_s;
         let stiff = with_plants(self.circumstances, |plant| stiffen(plant, reached))?;
         if stiff == *self.circumstances { Ok(None) } else { self.loop_above(&stiff, found) }
     }
 
     /// The bandwidth with an ideal sensor and no delay; `None` if it is no higher or they are so already.
-    fn without_lags(&self, found: &Tried) -> Result<Option<HigherLoop>, Error> {
+    fn without_lags(&self, found: &TriedFeedback) -> Result<Option<HigherLoop>, Error> {
         let mut quick = with_plants(self.circumstances, |plant| Ok(without_lags(plant)))?;
         quick.sampling = Sampling { delay_samples: 0, ..quick.sampling };
         if quick == *self.circumstances { Ok(None) } else { self.loop_above(&quick, found) }
     }
 
     /// The highest bandwidth above an answer in other circumstances, where the same is known as in the given ones.
-    fn loop_above(&self, other: &Circumstances, found: &Tried) -> Result<Option<HigherLoop>, Error> {
+    fn loop_above(&self, other: &Circumstances, found: &TriedFeedback) -> Result<Option<HigherLoop>, Error> {
         let mut lifted = Scan::new(other, self.pool)?;
         lifted.unknown.clone_from(&self.unknown);
         lifted.further_shapes = self.further_shapes;
@@ -201,8 +205,8 @@ fn without_lags(plant: &DesignPlant) -> DesignPlant {
 }
 
 /// Climbs from an aim once for the candidates that keep everything and once for each limit that may be left out.
-fn climb_all(scan: &mut Scan, aim_rad_s: f64, kinds: &[LimitKind]) -> Result<Highest, Error> {
-    let mut highest = Highest::new();
+fn climb_all(scan: &mut Scan, aim_rad_s: f64, kinds: &[LimitKind]) -> Result<HighestFeedbacks, Error> {
+    let mut highest = HighestFeedbacks::new();
     if kinds.is_empty() {
         climb(scan, aim_rad_s, &[], &mut highest)?;
     }
@@ -213,7 +217,12 @@ fn climb_all(scan: &mut Scan, aim_rad_s: f64, kinds: &[LimitKind]) -> Result<Hig
 }
 
 /// Climbs as long as there are candidates that keep every limit but those that are left out.
-fn climb(scan: &mut Scan, from: f64, left_out: &[LimitKind], highest: &mut Highest) -> Result<(), Error> {
+fn climb(
+    scan: &mut Scan,
+    from: f64,
+    left_out: &[LimitKind],
+    highest: &mut HighestFeedbacks,
+) -> Result<(), Error> {
     let step = |k: i32| from * 10f64.powf(f64::from(k) / f64::from(PER_DECADE));
     let (mut low, mut high, mut misses) = (from, None, 0);
     let top = scan.highest_aim();
@@ -246,7 +255,7 @@ fn has_loop(
     scan: &mut Scan,
     aims: &[f64],
     left_out: &[LimitKind],
-    highest: &mut Highest,
+    highest: &mut HighestFeedbacks,
 ) -> Result<bool, Error> {
     let Some(&aim) = aims.first() else { return Ok(false) };
     let usual = |aim: &f64| {

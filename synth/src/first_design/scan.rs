@@ -28,7 +28,7 @@ pub(super) struct Candidate {
 
 /// A feedback that was tried.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Tried {
+pub(super) struct TriedFeedback {
     pub aim_rad_s: f64,
     /// Number of its shape.
     shape: usize,
@@ -81,8 +81,8 @@ pub(super) struct Scan<'a> {
     judge: Judge<'a>,
     gain: PlantGain,
     pub unknown: Vec<Unknown>,
-    tried: Vec<Tried>,
-    best: Option<Tried>,
+    tried: Vec<TriedFeedback>,
+    best: Option<TriedFeedback>,
     /// The shapes that are tried beside the usual ones.
     pub further_shapes: FurtherShapes,
     /// A candidate that misses so many limits already is judged no further.
@@ -90,9 +90,9 @@ pub(super) struct Scan<'a> {
     pub pool: &'a dyn Pool,
     /// Every feedback that was designed, by the bits of its aim and its shape; `None` if there is none, its loop is not stable or, where one
     /// miss is too many, its sensitivity is seen to be too large.
-    attempts: BTreeMap<(u64, usize), Option<Tried>>,
+    attempts: BTreeMap<(u64, usize), Option<TriedFeedback>>,
     /// Candidates that were judged before the search asked for them. It does not know of those that it never asks for.
-    ahead: BTreeMap<(u64, usize), Result<Option<Tried>, Error>>,
+    ahead: BTreeMap<(u64, usize), Result<Option<TriedFeedback>, Error>>,
 }
 
 impl<'a> Scan<'a> {
@@ -227,7 +227,7 @@ impl<'a> Scan<'a> {
     }
 
     /// Closes in on the aim above a feedback that keeps everything, and takes the result if its bandwidth is higher than the answer's.
-    fn take_if_higher(&mut self, found: Tried, above: Option<f64>) -> Result<(), Error> {
+    fn take_if_higher(&mut self, found: TriedFeedback, above: Option<f64>) -> Result<(), Error> {
         let closer = self.close_in(found, above)?;
         if closer.judgement.bandwidth_rad_s > self.best_bandwidth() {
             self.best = Some(closer);
@@ -287,7 +287,7 @@ impl<'a> Scan<'a> {
 
     /// Halves the stretch between an aim that keeps everything and one above it that does not, if there is one. Returns the highest that keeps
     /// everything.
-    fn close_in(&mut self, found: Tried, above: Option<f64>) -> Result<Tried, Error> {
+    fn close_in(&mut self, found: TriedFeedback, above: Option<f64>) -> Result<TriedFeedback, Error> {
         let Some(mut high) = above else { return Ok(found) };
         let mut best = found;
         for _ in 0..HALVINGS {
@@ -305,7 +305,11 @@ impl<'a> Scan<'a> {
     ///
     /// # Errors
     /// Those of the design.
-    pub fn attempt_if_worthwhile(&mut self, aim_rad_s: f64, shape: usize) -> Result<Option<Tried>, Error> {
+    pub fn attempt_if_worthwhile(
+        &mut self,
+        aim_rad_s: f64,
+        shape: usize,
+    ) -> Result<Option<TriedFeedback>, Error> {
         let FurtherShapes { have_more_phase, damp_the_load } = self.further_shapes;
         if shape < MORE_PHASE || (shape >= DAMPED_LOAD && damp_the_load) {
             return self.attempt(aim_rad_s, shape);
@@ -331,7 +335,7 @@ impl<'a> Scan<'a> {
     ///
     /// # Errors
     /// Those of the design.
-    pub fn attempt(&mut self, aim_rad_s: f64, shape: usize) -> Result<Option<Tried>, Error> {
+    pub fn attempt(&mut self, aim_rad_s: f64, shape: usize) -> Result<Option<TriedFeedback>, Error> {
         let key = (aim_rad_s.to_bits(), shape);
         if let Some(known) = self.attempts.get(&key) {
             return Ok(known.clone());
@@ -344,7 +348,7 @@ impl<'a> Scan<'a> {
         Ok(found)
     }
 
-    fn judge_aim(&self, aim_rad_s: f64, shape: usize) -> Result<Option<Tried>, Error> {
+    fn judge_aim(&self, aim_rad_s: f64, shape: usize) -> Result<Option<TriedFeedback>, Error> {
         let weights = SHAPES.get(shape).and_then(|s| weights(self.circumstances, &self.gain, aim_rad_s, *s));
         let Some(weights) = weights else { return Ok(None) };
         let position_gain = position_gain(self.circumstances, aim_rad_s);
@@ -357,7 +361,7 @@ impl<'a> Scan<'a> {
         let judged = self.judge.judge(&controller, |found| {
             self.most_missed < usize::MAX && self.missed_limits(found).len() >= self.most_missed
         })?;
-        Ok(judged.map(|judgement| Tried { aim_rad_s, shape, weights, position_gain, judgement }))
+        Ok(judged.map(|judgement| TriedFeedback { aim_rad_s, shape, weights, position_gain, judgement }))
     }
 
     /// The feedback of weights, with the position loop about it if the plant has one.
@@ -372,7 +376,7 @@ impl<'a> Scan<'a> {
     ///
     /// # Errors
     /// Those of the design.
-    pub fn loops(&self, tried: &Tried) -> Result<Vec<StateSpace>, Error> {
+    pub fn loops(&self, tried: &TriedFeedback) -> Result<Vec<StateSpace>, Error> {
         self.judge.loops(&self.controller(&tried.weights, tried.position_gain)?)
     }
 
@@ -406,7 +410,7 @@ impl<'a> Scan<'a> {
     }
 
     /// Returns the answer; `None` if nothing keeps everything.
-    pub fn best_design(&self) -> Option<Tried> {
+    pub fn best_design(&self) -> Option<TriedFeedback> {
         self.best.clone()
     }
 
@@ -425,7 +429,7 @@ impl<'a> Scan<'a> {
     }
 
     /// The feedback of the highest bandwidth that was seen to keep a limit.
-    fn highest_keeping(&self, kind: LimitKind) -> Option<&Tried> {
+    fn highest_keeping(&self, kind: LimitKind) -> Option<&TriedFeedback> {
         let keeping = self.tried.iter().chain(&self.best).filter(|tried| self.keeps(kind, &tried.judgement));
         keeping.max_by(|a, b| a.judgement.bandwidth_rad_s.total_cmp(&b.judgement.bandwidth_rad_s))
     }
@@ -449,7 +453,7 @@ impl<'a> Scan<'a> {
     ///
     /// # Errors
     /// Those of the design.
-    pub fn nominal_loop(&self, tried: &Tried) -> Result<StateSpace, Error> {
+    pub fn nominal_loop(&self, tried: &TriedFeedback) -> Result<StateSpace, Error> {
         self.judge.nominal_loop(&self.controller(&tried.weights, tried.position_gain)?)
     }
 

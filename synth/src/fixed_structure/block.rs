@@ -2,7 +2,7 @@
 
 use counterpoise_linalg::C64;
 
-use crate::rational::Rational;
+use crate::rational_function::RationalFunction;
 use crate::weight::quadratic_roots;
 
 /// A block with its parameters, in the order of [`BlockKind::parameters`].
@@ -17,7 +17,7 @@ pub struct Block {
 /// A parameter, all of which are positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BlockParameter {
-    /// Its value; where it is tuned, the first value that is tried.
+    /// Value; where it is tuned, the first value that is tried.
     pub value: Option<f64>,
     /// Lowest and highest value that the tuning may choose; `None` fixes the value, or without a value leaves the range to
     /// the tuning.
@@ -47,7 +47,7 @@ pub enum BlockKind {
     SecondOrderLowPass,
 }
 
-/// What a parameter is.
+/// Kind of a block's parameter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ParameterName {
     /// Gain, V s/rad.
@@ -215,26 +215,28 @@ impl BlockKind {
     }
 
     /// Returns the gain, zeros and poles.
-    pub fn rational(self, p: &[f64]) -> Rational {
+    pub fn rational(self, p: &[f64]) -> RationalFunction {
         let real = |value: f64| C64::new(value, 0.0);
         let pair = |frequency: f64, damping: f64| {
             quadratic_roots(2.0 * damping * frequency, frequency * frequency).to_vec()
         };
         match self {
-            Self::Gain => Rational::new(&[], &[], p[0]),
-            Self::ProportionalIntegral => Rational::new(&[real(-p[1])], &[C64::ZERO], p[0]),
+            Self::Gain => RationalFunction::new(&[], &[], p[0]),
+            Self::ProportionalIntegral => RationalFunction::new(&[real(-p[1])], &[C64::ZERO], p[0]),
             Self::ProportionalIntegralDerivative => {
                 // (t + T) s^2 + (1 + c t) s + c over t s (s + 1/t).
                 let second = p[2] + p[3];
                 let zeros = quadratic_roots((1.0 + p[1] * p[3]) / second, p[1] / second);
-                Rational::new(&zeros, &[C64::ZERO, real(-1.0 / p[3])], p[0] * second / p[3])
+                RationalFunction::new(&zeros, &[C64::ZERO, real(-1.0 / p[3])], p[0] * second / p[3])
             }
-            Self::Lead => Rational::new(&[real(-p[0])], &[real(-p[0] * p[1])], p[1]),
-            Self::Lag => Rational::new(&[real(-p[0])], &[real(-p[0] / p[1])], 1.0),
-            Self::Notch => Rational::new(&pair(p[0], p[1] * p[2]), &pair(p[0], p[1]), 1.0),
-            Self::Biquad => Rational::new(&pair(p[0], p[1]), &pair(p[2], p[3]), (p[2] / p[0]).powi(2)),
-            Self::LowPass => Rational::new(&[], &[real(-p[0])], p[0]),
-            Self::SecondOrderLowPass => Rational::new(&[], &pair(p[0], p[1]), p[0] * p[0]),
+            Self::Lead => RationalFunction::new(&[real(-p[0])], &[real(-p[0] * p[1])], p[1]),
+            Self::Lag => RationalFunction::new(&[real(-p[0])], &[real(-p[0] / p[1])], 1.0),
+            Self::Notch => RationalFunction::new(&pair(p[0], p[1] * p[2]), &pair(p[0], p[1]), 1.0),
+            Self::Biquad => {
+                RationalFunction::new(&pair(p[0], p[1]), &pair(p[2], p[3]), (p[2] / p[0]).powi(2))
+            }
+            Self::LowPass => RationalFunction::new(&[], &[real(-p[0])], p[0]),
+            Self::SecondOrderLowPass => RationalFunction::new(&[], &pair(p[0], p[1]), p[0] * p[0]),
         }
     }
 }

@@ -15,7 +15,7 @@ pub use block::{Block, BlockKind, BlockParameter, ParameterName};
 
 use crate::Error;
 use crate::error_feedback::from_demand_and_reading;
-use crate::rational::Rational;
+use crate::rational_function::RationalFunction;
 
 /// Blocks in series.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -46,9 +46,9 @@ impl FixedStructure {
     ///
     /// # Errors
     /// As [`FixedStructure::values`].
-    pub fn rational(&self) -> Result<Rational, Error> {
+    pub fn rational(&self) -> Result<RationalFunction, Error> {
         let values = self.values()?;
-        let one = Rational::new(&[], &[], 1.0);
+        let one = RationalFunction::new(&[], &[], 1.0);
         Ok(self
             .blocks
             .iter()

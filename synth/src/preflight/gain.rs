@@ -4,7 +4,7 @@ use counterpoise_linalg::C64;
 use counterpoise_lti::StateSpace;
 use counterpoise_lti::response::Response;
 
-use crate::{Error, Rational, Weight};
+use crate::{Error, RationalFunction, Weight};
 
 /// Frequencies at which gains are compared: decades from 10^LOWEST to 10^HIGHEST rad/s, so many points each.
 const LOWEST: i32 = -3;
@@ -39,7 +39,7 @@ impl Gain {
 
     /// Returns the highest frequency of the grid at which error weight times gain exceeds the control weight.
     pub fn crossover(&self, error: &Weight, control: &Weight) -> Option<f64> {
-        let (error, control): (Rational, Rational) = (error.rational(), control.rational());
+        let (error, control): (RationalFunction, RationalFunction) = (error.rational(), control.rational());
         let exceeds = |rate: f64, gain: f64| {
             let s = C64::new(0.0, rate);
             error.at(s).norm() * gain > control.at(s).norm()

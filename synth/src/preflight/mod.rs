@@ -85,7 +85,7 @@ fn check_feedback(
     Ok(findings)
 }
 
-/// What can be said of a pair of weights alone.
+/// Returns what can be said of a pair of weights alone.
 fn weight_forms(part: Part, error: &Weight, control: &Weight) -> Vec<DesignFinding> {
     let mut findings = Vec::new();
     for (role, weight) in [(WeightRole::Error, error), (WeightRole::Control, control)] {
@@ -179,7 +179,7 @@ fn against_plant(
     Ok(findings)
 }
 
-/// Where the plant itself acts at the frequency, it is the sensor that is blind.
+/// Returns where the plant itself acts at the frequency, it is the sensor that is blind.
 fn name_blind_sensor(findings: &mut [DesignFinding], truth: &Gain) -> Result<(), Error> {
     for finding in findings.iter_mut() {
         let blind = matches!(finding.cause, Cause::PlantZeroAtErrorPole { .. });
@@ -219,7 +219,7 @@ fn noise_reaches(
     Ok(findings)
 }
 
-/// What delay and right half plane zeros say of the crossover that the weights ask for.
+/// Returns what delay and right half plane zeros say of the crossover that the weights ask for.
 fn limits(plant: &DesignPlant, weights: &FeedbackWeights, gain: &Gain) -> Result<Vec<DesignFinding>, Error> {
     let Some(crossover_rad_s) = gain.crossover(&weights.error, &weights.control) else {
         return Ok(Vec::new());
@@ -244,7 +244,7 @@ fn limits(plant: &DesignPlant, weights: &FeedbackWeights, gain: &Gain) -> Result
     Ok(findings)
 }
 
-/// Whether the response vanishes at what was computed as a zero: the eigenvalues of a plant with fast modes round to others
+/// Returns whether the response vanishes at what was computed as a zero: the eigenvalues of a plant with fast modes round to others
 /// near the origin, where the response is as large as beside them.
 fn vanishes(response: &Response, zero: C64) -> bool {
     match response.at_points(&[zero, zero * 1.5]) {
@@ -264,7 +264,7 @@ fn axis_roots(roots: &[C64]) -> Vec<f64> {
     roots.iter().filter(|root| root.re == 0.0 && root.im >= 0.0).map(|root| root.im).collect()
 }
 
-/// Whether \[A - pI, B\] has full rank: B reaches the mode p. What the units of the states hide (a stiff ball screw in metres and
+/// Returns whether \[A - pI, B\] has full rank: B reaches the mode p. What the units of the states hide (a stiff ball screw in metres and
 /// newtons) shows once these are scaled.
 fn reaches(A: &Mat, B: &Mat, pole: C64) -> Result<bool, Error> {
     if has_full_rank(A, B, pole)? {

@@ -4,10 +4,10 @@ use counterpoise_linalg::Mat;
 use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_lti::{StateSpace, delay_samples};
 
-use super::Drafted;
+use super::DraftedPart;
 use super::held_plant::{Problem, bilinear, discretise_under_hold, remove_delay};
 use super::rows::Rows;
-use crate::certificate::{Certified, Cost};
+use crate::certificate::{Cost, PartCertificates};
 use crate::finding::Part;
 use crate::stage::{Estimate, Extension, SampledNoise, Stage, filter, update_by_reading};
 use crate::{Design, DesignPlant, Error, FeedbackWeights, Reference, Sampling};
@@ -25,9 +25,9 @@ use crate::{Design, DesignPlant, Error, FeedbackWeights, Reference, Sampling};
 ///
 /// # Errors
 /// As [`crate::design_feedback()`]; a problem without solution is [`Error::Refused`].
-pub(crate) fn feedback(design: &Design, sampling: &Sampling) -> Result<Drafted, Error> {
+pub(crate) fn feedback(design: &Design, sampling: &Sampling) -> Result<DraftedPart, Error> {
     let weights = &design.specification.feedback;
-    let held = Held::feedback(&design.plant, weights, sampling)?;
+    let held = SampledFeedbackProblem::feedback(&design.plant, weights, sampling)?;
     let full = held.full_stage();
     let regulator = full.regulator(Part::Feedback)?;
     let filter = filter(&held.plant.A, &held.noise, Part::Feedback)?;
@@ -47,13 +47,17 @@ pub(crate) fn feedback(design: &Design, sampling: &Sampling) -> Result<Drafted, 
         predicted: mean(full.predict_cost(&regulator.F, &estimate, &held.noise)?),
         achieved: mean(held.plant.closed_loop_cost(&from_reading, &held.noise, T)?),
     };
-    let certified =
-        Certified { part: Part::Feedback, cost, regulator: regulator.into(), filter: Some(filter.into()) };
-    Ok(Drafted { system: controller.select(&[0], &[0, 1]), certified })
+    let certified = PartCertificates {
+        part: Part::Feedback,
+        cost,
+        regulator: regulator.into(),
+        filter: Some(filter.into()),
+    };
+    Ok(DraftedPart { system: controller.select(&[0], &[0, 1]), certified })
 }
 
 /// The feedback's problem under the hold.
-struct Held {
+struct SampledFeedbackProblem {
     /// Plant and sensor; inputs (control as it arrives, output s of the error weight if it has states).
     plant: Stage,
     noise: SampledNoise,
@@ -65,7 +69,7 @@ struct Held {
     period_s: f64,
 }
 
-impl Held {
+impl SampledFeedbackProblem {
     fn feedback(plant: &DesignPlant, weights: &FeedbackWeights, sampling: &Sampling) -> Result<Self, Error> {
         let T = sampling.period_s;
         let system = remove_delay(plant).measured_plant()?;
@@ -105,7 +109,7 @@ impl Held {
         })
     }
 
-    /// Whether the error weight has states.
+    /// Returns whether the error weight has states.
     fn weighs(&self) -> bool {
         self.error.order() > 0
     }

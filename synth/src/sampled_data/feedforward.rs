@@ -3,10 +3,10 @@
 use counterpoise_linalg::{Mat, dsylvester};
 use counterpoise_lti::{StateSpace, delay_samples};
 
-use super::Drafted;
+use super::DraftedPart;
 use super::held_plant::{Problem, bilinear, discretise_under_hold, pad_columns, remove_delay};
 use super::rows::Rows;
-use crate::certificate::{Certified, Cost, Equation};
+use crate::certificate::{Cost, Equation, PartCertificates};
 use crate::feedforward::with_derivatives;
 use crate::finding::Part;
 use crate::stage::{Estimate, SampledNoise, Stage, filter, update_by_reading};
@@ -33,12 +33,12 @@ pub(crate) fn feedforward(
     channel: DisturbanceChannel,
     feedback: &StateSpace,
     sampling: &Sampling,
-) -> Result<Option<Drafted>, Error> {
+) -> Result<Option<DraftedPart>, Error> {
     let Some(weights) = design.specification.feedforward(channel) else { return Ok(None) };
     let (closed, part) = (weights.basis == FeedforwardBasis::ClosedLoop, Part::from(channel));
     let with_sensor = closed || design.specification.assembly == Assembly::Grimble;
     let feels = if with_sensor { HubSensor::Inside } else { HubSensor::Outside };
-    let driven = Driven::new(&design.plant, weights, channel, feels, sampling)?;
+    let driven = DisturbedStage::new(&design.plant, weights, channel, feels, sampling)?;
     let around = closed.then(|| feedback.select(&[0], &[1]));
     let stage = driven.stage(around.as_ref());
     Ok(Some(driven.solve(stage, part, sampling.period_s)?))
@@ -54,7 +54,7 @@ enum HubSensor {
 }
 
 /// Plant, error weight, disturbance and its sensor under the hold: states \[x_p; x_e; x_d; x_s\].
-struct Driven {
+struct DisturbedStage {
     stage: Stage,
     noise: SampledNoise,
     /// The hub rate as the feedback's sensor reads it, on the first states.
@@ -84,7 +84,7 @@ fn measured_without_delay(plant: &DesignPlant, hub_sensor: HubSensor) -> Result<
     bare.measured_plant()
 }
 
-impl Driven {
+impl DisturbedStage {
     fn new(
         plant: &DesignPlant,
         weights: &FeedforwardWeights,
@@ -150,7 +150,7 @@ impl Driven {
         }
     }
 
-    fn solve(&self, stage: Stage, part: Part, T: f64) -> Result<Drafted, Error> {
+    fn solve(&self, stage: Stage, part: Part, T: f64) -> Result<DraftedPart, Error> {
         let k = stage.order();
         let noise = SampledNoise {
             process: self
@@ -169,8 +169,8 @@ impl Driven {
             achieved: mean(stage.closed_loop_cost(&module.select(&[0, 2], &[0]), &noise, T)?),
         };
         let (regulator, filter) = (solution.regulator, solution.filter);
-        let certified = Certified { part, cost, regulator, filter };
-        Ok(Drafted { system: module.select(&[0, 1], &[0]), certified })
+        let certified = PartCertificates { part, cost, regulator, filter };
+        Ok(DraftedPart { system: module.select(&[0, 1], &[0]), certified })
     }
 
     fn equations(
@@ -227,7 +227,7 @@ impl Driven {
         Ok((F, solution.into()))
     }
 
-    /// What a reading of the disturbance tells of every state: the covariance between plant and disturbance before a
+    /// Returns what a reading of the disturbance tells of every state: the covariance between plant and disturbance before a
     /// reading obeys P = (A_pp P + A_pf Y) (A_f (I - M C))' + W_pf.
     fn estimate(&self, stage: &Stage, Y: &Mat, f: &[usize], noise: &SampledNoise) -> Result<Estimate, Error> {
         let p: Vec<usize> = (0..stage.order()).filter(|i| !f.contains(i)).collect();

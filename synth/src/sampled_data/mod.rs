@@ -16,16 +16,16 @@ mod rows;
 
 use counterpoise_lti::StateSpace;
 
-use crate::certificate::Certified;
+use crate::certificate::PartCertificates;
 
 pub(crate) use feedback::feedback;
 pub(crate) use feedforward::feedforward;
 
 /// A part of the controller in sampled time.
-pub(crate) struct Drafted {
+pub(crate) struct DraftedPart {
     /// Feedback: from (demand, rate) to the control. Feedforward: from the measured disturbance to (control, hub rate that
     /// is expected of the sensor).
     pub system: StateSpace,
-    /// Its certificates.
-    pub certified: Certified,
+    /// Certificates.
+    pub certified: PartCertificates,
 }

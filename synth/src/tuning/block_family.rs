@@ -6,14 +6,14 @@ use counterpoise_linalg::C64;
 use counterpoise_lti::StateSpace;
 
 use super::blocks::Blocks;
-use super::family::{Family, GridResponse};
+use super::family::{FeedbackFamily, GridResponse};
 use super::grid::{LoopGrid, LoopPlant};
 use super::starts::placed_starts;
 use super::{TunedFeedback, sampled_structure};
 use crate::Error;
 use crate::fixed_structure::ParameterName;
 
-impl Family for Blocks<'_> {
+impl FeedbackFamily for Blocks<'_> {
     fn ranges(&self) -> &[[f64; 2]] {
         &self.ranges
     }

@@ -4,7 +4,7 @@ use counterpoise_linalg::C64;
 
 use super::grid::{LoopGrid, LoopPlant};
 use crate::fixed_structure::{BlockParameter, FixedStructure, ParameterName};
-use crate::tolerance::LEAST_RESPONSE;
+use crate::tolerance::{GAIN_RANGE_SHARE, LEAST_RESPONSE};
 use crate::{Error, Sampling};
 
 /// A parameter that moves.
@@ -12,7 +12,7 @@ pub(crate) struct OpenParameter {
     /// Block and place in it.
     pub block: usize,
     pub place: usize,
-    /// What it is.
+    /// Kind.
     pub name: ParameterName,
     /// The first value that the file states.
     pub stated: Option<f64>,
@@ -88,7 +88,8 @@ fn usual_range(name: ParameterName, grid: &LoopGrid, plant: &LoopPlant) -> [f64;
     let (slowest, fastest) = (3e-5 * top, 0.8 * top);
     match name {
         ParameterName::Gain => {
-            let sizes = grid.rates.iter().zip(&plant.response).filter(|(rate, _)| **rate > 1e-3 * top);
+            let sizes =
+                grid.rates.iter().zip(&plant.response).filter(|(rate, _)| **rate > GAIN_RANGE_SHARE * top);
             let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
             for (_, response) in sizes {
                 least = least.min(response.norm());

@@ -5,10 +5,10 @@ use std::f64::consts::PI;
 use counterpoise_linalg::C64;
 
 use super::LoopLimits;
-use super::loop_response::{LoopResponse, Row};
+use super::loop_response::{Row, TuningResponse};
 
 /// A row for each crossing of the negative real axis and of the unit circle that a margin speaks of.
-pub(crate) fn crossings(response: &LoopResponse<'_>, limits: &LoopLimits) -> Vec<Row> {
+pub(crate) fn crossings(response: &TuningResponse<'_>, limits: &LoopLimits) -> Vec<Row> {
     let mut rows = Vec::new();
     for k in 1..response.L.len() {
         if limits.gain_margin_db > 0.0 {
@@ -22,12 +22,12 @@ pub(crate) fn crossings(response: &LoopResponse<'_>, limits: &LoopLimits) -> Vec
 }
 
 /// dL in a parameter.
-fn loop_derivative(response: &LoopResponse<'_>, k: usize, parameter: usize) -> C64 {
+fn loop_derivative(response: &TuningResponse<'_>, k: usize, parameter: usize) -> C64 {
     response.L[k] * response.slopes[k][parameter]
 }
 
-/// Where L crosses the negative real axis between k - 1 and k: what the gain margin there lacks, relatively.
-fn gain_row(response: &LoopResponse<'_>, k: usize, limit_db: f64) -> Option<Row> {
+/// Returns where L crosses the negative real axis between k - 1 and k: what the gain margin there lacks, relatively.
+fn gain_row(response: &TuningResponse<'_>, k: usize, limit_db: f64) -> Option<Row> {
     let (a, b) = (response.L[k - 1], response.L[k]);
     if (a.im < 0.0) == (b.im < 0.0) {
         return None;
@@ -52,8 +52,8 @@ fn gain_row(response: &LoopResponse<'_>, k: usize, limit_db: f64) -> Option<Row>
     Some(Row { value: 1.0 - db.abs() / limit_db, slope })
 }
 
-/// Where |L| crosses 1 between k - 1 and k: what phase and delay margin lack there, relatively.
-fn phase_rows(response: &LoopResponse<'_>, k: usize, limits: &LoopLimits) -> Vec<Row> {
+/// Returns where |L| crosses 1 between k - 1 and k: what phase and delay margin lack there, relatively.
+fn phase_rows(response: &TuningResponse<'_>, k: usize, limits: &LoopLimits) -> Vec<Row> {
     let (a, b) = (response.L[k - 1], response.L[k]);
     let (la, lb) = (a.norm().ln(), b.norm().ln());
     if (la < 0.0) == (lb < 0.0) {

@@ -11,12 +11,12 @@ use crate::tolerance::{
 
 /// Where a descent ended.
 #[derive(Debug, Clone)]
-pub(crate) struct Descended {
+pub(crate) struct DescentResult {
     /// Logarithms of the open parameters.
     pub at: Vec<f64>,
     /// ln of the residual rate on the worst plant.
     pub objective: f64,
-    /// What the worst limit is exceeded by.
+    /// Excess over the worst limit.
     pub missed: f64,
     /// Objective and penalty.
     pub merit: f64,
@@ -28,7 +28,7 @@ pub(crate) struct Descended {
 ///
 /// # Errors
 /// [`Error::System`] if a program cannot be set up.
-pub(crate) fn descend(problem: &Problem<'_>, start: &[f64]) -> Result<Option<Descended>, Error> {
+pub(crate) fn descend(problem: &Problem<'_>, start: &[f64]) -> Result<Option<DescentResult>, Error> {
     let Some(mut at) = stable_start(problem, start) else { return Ok(None) };
     let Ok(mut found) = problem.evaluate(&at) else { return Ok(None) };
     let (mut radius, mut evaluations, mut settled) = (REGION_FIRST, 1, f64::INFINITY);
@@ -69,7 +69,7 @@ pub(crate) fn descend(problem: &Problem<'_>, start: &[f64]) -> Result<Option<Des
         }
     }
     let (objective, missed) = (found.objective(), found.worst_exceedance());
-    Ok(Some(Descended { at, objective, missed, merit: objective + PENALTY * missed, evaluations }))
+    Ok(Some(DescentResult { at, objective, missed, merit: objective + PENALTY * missed, evaluations }))
 }
 
 /// The loop at a point and by how much its merit is less; `None` if it is not less, the loop is not stable, or there is none.

@@ -2,7 +2,7 @@
 
 use crate::Error;
 
-/// What acts on a loop. The rate that it leaves is the square root of `sum power |S|^2 + noise^2 mean |T|^2`.
+/// Disturbance that acts on a loop. The rate that it leaves is the square root of `sum power |S|^2 + noise^2 mean |T|^2`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Disturbance {
     /// Frequency in rad/s and power in (rad/s)^2 of each line of the rate that would be there without feedback.

@@ -5,8 +5,8 @@ use counterpoise_linalg::C64;
 use super::crossings::crossings;
 use super::family::GridResponse;
 use super::grid::LoopPlant;
-use super::limits::{decays, pole_region};
-use super::loop_response::{LoopResponse, Row};
+use super::limits::{decay_rates, pole_region};
+use super::loop_response::{Row, TuningResponse};
 use super::problem::Problem;
 use crate::Error;
 use crate::tolerance::{FAR_BELOW_LIMIT, POLE_STEP};
@@ -16,7 +16,7 @@ use crate::tolerance::{FAR_BELOW_LIMIT, POLE_STEP};
 pub(crate) struct Evaluation {
     /// ln of the residual rate, on each plant.
     pub objectives: Vec<Row>,
-    /// What each limit is exceeded by, relatively; at most 0 where it is kept. Each peak near its limit has a row.
+    /// Relative excess over each limit; at most 0 where it is kept. Each peak near its limit has a row.
     pub limits: Vec<Row>,
     /// The second-order part of the objective on the worst plant (Gauss and Newton's), row by row.
     pub curvature: Vec<Vec<f64>>,
@@ -59,7 +59,7 @@ impl Problem<'_> {
     }
 
     /// ln of the residual rate.
-    fn residual(&self, response: &LoopResponse<'_>) -> Row {
+    fn residual(&self, response: &TuningResponse<'_>) -> Row {
         let noise = self.task.disturbance.reading_noise_rad_s.powi(2);
         let (mut sum, mut slope) = (0.0, vec![0.0; self.family.ranges().len()]);
         for k in 0..response.S.len() {
@@ -76,7 +76,7 @@ impl Problem<'_> {
     }
 
     /// sum power |dS|^2 / sum power |S|^2.
-    fn curvature(&self, response: &LoopResponse<'_>) -> Vec<Vec<f64>> {
+    fn curvature(&self, response: &TuningResponse<'_>) -> Vec<Vec<f64>> {
         let n = self.family.ranges().len();
         let (mut sum, mut all) = (0.0, vec![vec![0.0; n]; n]);
         for k in 0..response.S.len() {
@@ -98,7 +98,7 @@ impl Problem<'_> {
     }
 
     /// A row for each peak of |S|, |T| and |KS| that is near its limit.
-    fn peaks(&self, response: &LoopResponse<'_>) -> Vec<Row> {
+    fn peaks(&self, response: &TuningResponse<'_>) -> Vec<Row> {
         let count = response.S.len();
         let limits = [self.limits.max_sensitivity, self.limits.max_complementary, self.limits.control_peak];
         let mut rows = Vec::new();
@@ -125,7 +125,7 @@ impl Problem<'_> {
     }
 
     /// Noise gain and effort.
-    fn mean_squares(&self, response: &LoopResponse<'_>) -> Vec<Row> {
+    fn mean_squares(&self, response: &TuningResponse<'_>) -> Vec<Row> {
         let pairs = [(self.limits.noise_gain, &self.grid.share), (self.limits.effort_v, &self.grid.power)];
         let mut rows = Vec::new();
         for (limit, weights) in pairs.into_iter().filter(|(limit, _)| limit.is_finite()) {
@@ -158,7 +158,9 @@ impl Problem<'_> {
             {
                 let (_, damping) = pole_region(poles, &plant.system, crossover_rad_s);
                 damped = damped.max(1.0 - damping / asked[1]);
-                worst.extend(decays(poles, &plant.system).into_iter().map(|decay| 1.0 - decay / asked[0]));
+                worst.extend(
+                    decay_rates(poles, &plant.system).into_iter().map(|decay| 1.0 - decay / asked[0]),
+                );
             }
             worst.sort_by(|a, b| b.total_cmp(a));
             let mut all = [f64::NEG_INFINITY; SLOWEST + 1];
@@ -195,9 +197,9 @@ fn respond<'a>(
     plant: &LoopPlant,
     K: &[C64],
     slopes: &'a [Vec<C64>],
-) -> LoopResponse<'a> {
+) -> TuningResponse<'a> {
     let L: Vec<C64> = plant.response.iter().zip(K).map(|(P, K)| P * K).collect();
     let S: Vec<C64> = L.iter().map(|L| (C64::ONE + L).inv()).collect();
     let effort = K.iter().zip(&S).map(|(K, S)| (K * S).norm()).collect();
-    LoopResponse { rates: &problem.grid.rates, L, S, effort, slopes }
+    TuningResponse { rates: &problem.grid.rates, L, S, effort, slopes }
 }

@@ -16,29 +16,29 @@ pub(crate) struct GridResponse {
 }
 
 /// A family of feedbacks. A point is the logarithms of the open parameters.
-pub(crate) trait Family {
+pub(crate) trait FeedbackFamily {
     /// Logarithms of the lowest and the highest value of each open parameter.
     fn ranges(&self) -> &[[f64; 2]];
 
     /// K at each frequency of the grid.
     ///
     /// # Errors
-    /// As [`Family::unchecked_feedback`].
+    /// As [`FeedbackFamily::unchecked_feedback`].
     fn gain(&self, at: &[f64], grid: &LoopGrid) -> Result<Vec<C64>, Error>;
 
     /// K and the slopes of ln K.
     ///
     /// # Errors
-    /// As [`Family::gain`].
+    /// As [`FeedbackFamily::gain`].
     fn response(&self, at: &[f64], grid: &LoopGrid) -> Result<GridResponse, Error>;
 
     /// The sampled feedback from the error to the control, as it runs.
     ///
     /// # Errors
-    /// As [`Family::unchecked_feedback`], and those of the conversion.
+    /// As [`FeedbackFamily::unchecked_feedback`], and those of the conversion.
     fn sampled_feedback(&self, at: &[f64]) -> Result<StateSpace, Error>;
 
-    /// The feedback of [`Family::sampled_feedback`] in any realisation and without its checks: what slopes are differences of.
+    /// The feedback of [`FeedbackFamily::sampled_feedback`] in any realisation and without its checks: what slopes are differences of.
     ///
     /// # Errors
     /// [`Error::Refused`] if the family has no feedback at the point.

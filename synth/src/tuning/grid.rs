@@ -14,7 +14,7 @@ use crate::tolerance::{LIGHTLY_DAMPED, NARROWEST_ROOT, SAME_FREQUENCY};
 pub(crate) struct LoopGrid {
     /// Frequencies, rad/s, rising.
     pub rates: Vec<f64>,
-    /// Where a continuous controller has the response of the sampled one.
+    /// Frequencies at which a continuous controller has the response of the sampled one.
     pub s: Vec<C64>,
     /// Share of the power of a white noise.
     pub share: Vec<f64>,
@@ -26,7 +26,7 @@ pub(crate) struct LoopGrid {
 pub(crate) struct LoopPlant {
     /// From the held control to the reading.
     pub system: StateSpace,
-    /// Its response on the grid.
+    /// Response on the grid.
     pub response: Vec<C64>,
 }
 

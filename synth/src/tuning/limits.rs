@@ -11,7 +11,7 @@ use crate::sampling::sampled_plant;
 use crate::tolerance::{CONTROL_PEAK, FASTEST_POLE, LIMIT_TIGHTENING, REGION_REACH};
 use crate::{DesignPlant, Error, Sampling};
 
-/// What a loop must keep. An infinite upper or a zero lower limit asks for nothing.
+/// Limits that a loop must keep. An infinite upper or a zero lower limit asks for nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopLimits {
     /// Largest |S|.
@@ -234,7 +234,7 @@ pub(crate) fn pole_region(poles: &[C64], system: &StateSpace, crossover_rad_s: f
 }
 
 /// Decays of the poles of a sampled loop, rad/s.
-pub(crate) fn decays(poles: &[C64], system: &StateSpace) -> Vec<f64> {
+pub(crate) fn decay_rates(poles: &[C64], system: &StateSpace) -> Vec<f64> {
     let period_s = match system.timebase {
         Timebase::Discrete { period_s } => period_s,
         Timebase::Continuous => 1.0,

@@ -10,7 +10,7 @@ pub(crate) struct Row {
 }
 
 /// The loop of one plant on the grid.
-pub(crate) struct LoopResponse<'a> {
+pub(crate) struct TuningResponse<'a> {
     pub rates: &'a [f64],
     pub L: Vec<C64>,
     pub S: Vec<C64>,

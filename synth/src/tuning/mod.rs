@@ -25,7 +25,7 @@ mod grid;
 mod limits;
 mod loop_response;
 mod problem;
-mod random;
+mod random_generator;
 mod search;
 mod shape;
 mod starts;
@@ -44,21 +44,21 @@ use crate::fixed_structure::FixedStructure;
 use crate::{DesignPlant, Error, FeedbackWeights, Sampling, SamplingMethod, Specification};
 use search::Search;
 
-/// What is tuned, on what, for what.
+/// Input of a tuning: structure, plants and objective.
 #[derive(Debug, Clone)]
 pub struct TuningTask<'a> {
-    /// What is tuned.
+    /// Subject of the tuning.
     pub subject: TuningSubject<'a>,
     /// The plants that one controller must serve, the nominal one first.
     pub plants: &'a [DesignPlant],
     /// Further plants on which the loop must be stable: the machine with what the linear plant leaves out, such as gravity's
     /// gradient. A loop that only drifts there is stable.
     pub held: &'a [DesignPlant],
-    /// How the controller is sampled.
+    /// Sampling of the controller.
     pub sampling: &'a Sampling,
-    /// What acts on the loop: the objective is the rate that it leaves.
+    /// Disturbance of the loop: the objective is the rate that it leaves.
     pub disturbance: &'a Disturbance,
-    /// What the loop must keep.
+    /// Limits that the loop must keep.
     pub limits: LoopLimits,
     /// Number of starts, and of restarts near the best answer.
     pub starts: usize,
@@ -66,7 +66,7 @@ pub struct TuningTask<'a> {
     pub seed: u64,
 }
 
-/// What a tuning moves.
+/// Quantities that a tuning changes.
 #[derive(Debug, Clone, Copy)]
 pub enum TuningSubject<'a> {
     /// The open parameters of a fixed structure.
@@ -87,10 +87,10 @@ pub enum TunedFeedback {
 
 /// A tuned feedback.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Tuned {
+pub struct TunedDesign {
     /// The feedback.
     pub feedback: TunedFeedback,
-    /// It sampled, from the error to the control.
+    /// Sampled feedback, from the error to the control.
     pub sampled: StateSpace,
     /// The figures of the loop on each plant, computed from state-space systems and not from the grid of the tuning.
     pub measures: Vec<LoopMeasures>,
@@ -102,7 +102,7 @@ pub struct Tuned {
     pub evaluations: usize,
 }
 
-impl Tuned {
+impl TunedDesign {
     /// Returns the tuned structure; one without blocks if weights were tuned.
     pub fn structure(&self) -> FixedStructure {
         match &self.feedback {
@@ -122,7 +122,7 @@ impl Tuned {
 /// # Errors
 /// [`Error::System`] for a structure without open parameters, without plant, a disturbance without power, or a conversion other than
 /// the bilinear map; [`Error::System`] if no start gives a stable loop.
-pub fn tune_parameters(task: &TuningTask<'_>) -> Result<Tuned, Error> {
+pub fn tune_parameters(task: &TuningTask<'_>) -> Result<TunedDesign, Error> {
     let mut search = Search::new(task)?;
     search.descend_from_starts()?;
     search.descend_near_best()?;

@@ -5,7 +5,7 @@ use counterpoise_lti::response::Response;
 use counterpoise_lti::{StateSpace, feedback, poles, series};
 
 use super::blocks::Blocks;
-use super::family::Family;
+use super::family::FeedbackFamily;
 use super::grid::{Clock, Density, LoopGrid, LoopPlant};
 use super::weights::Weights;
 use super::{LoopLimits, TuningSubject, TuningTask, bilinear_factor};
@@ -16,8 +16,8 @@ use crate::tolerance::DRIFTING_POLE;
 /// The problem; a point is the logarithms of the open parameters.
 pub(crate) struct Problem<'a> {
     pub task: &'a TuningTask<'a>,
-    /// What moves.
-    pub family: Box<dyn Family + 'a>,
+    /// Family of the feedback that moves.
+    pub family: Box<dyn FeedbackFamily + 'a>,
     pub grid: LoopGrid,
     pub plants: Vec<LoopPlant>,
     /// The sampled plants on which the loop must be stable alone.
@@ -45,7 +45,7 @@ impl<'a> Problem<'a> {
             let of = Response::of(&system)?.at_all(&grid.rates)?;
             plants.push(LoopPlant { response: of.iter().map(|H| H[(0, 0)]).collect(), system });
         }
-        let family: Box<dyn Family + 'a> = match task.subject {
+        let family: Box<dyn FeedbackFamily + 'a> = match task.subject {
             TuningSubject::Structure(structure) => {
                 Box::new(Blocks::new(structure, task.sampling, &grid, &plants[0])?)
             }
@@ -71,7 +71,7 @@ impl<'a> Problem<'a> {
         self.closed_poles(&K).map(inside).unwrap_or(false) && self.holds(&K).unwrap_or(false)
     }
 
-    /// Whether the loop holds the machine with what the linear plant leaves out.
+    /// Returns whether the loop holds the machine with what the linear plant leaves out.
     fn holds(&self, K: &StateSpace) -> Result<bool, Error> {
         for plant in &self.held {
             let drifts = |pole: &C64| (pole - C64::ONE).norm() < DRIFTING_POLE;

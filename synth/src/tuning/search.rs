@@ -1,11 +1,11 @@
 //! The stages of a tuning: from several starts, near the best answer, with the limit of the decay brought in by steps, and with the limits on
 //! the grid tightened until the figures of the state-space systems keep them.
 
-use super::descent::{Descended, descend};
+use super::descent::{DescentResult, descend};
 use super::grid::LoopPlant;
 use super::problem::Problem;
 use super::starts::perturb_point;
-use super::{LoopMeasures, Tuned, TuningTask, measure_loop};
+use super::{LoopMeasures, TunedDesign, TuningTask, measure_loop};
 use crate::Error;
 use crate::tolerance::LIMIT_KEPT;
 
@@ -18,13 +18,13 @@ const SHARES: [f64; 5] = [0.0, 0.3, 0.55, 0.8, 1.0];
 pub(super) struct Search<'a> {
     task: &'a TuningTask<'a>,
     problem: Problem<'a>,
-    best: Option<Descended>,
+    best: Option<DescentResult>,
     starts_rad_s: Vec<f64>,
     evaluations: usize,
 }
 
 /// The figures of a loop on each plant, and by how much the worst limit is missed.
-struct Judged {
+struct JudgedMeasures {
     measures: Vec<LoopMeasures>,
     missed: f64,
 }
@@ -91,7 +91,7 @@ impl<'a> Search<'a> {
     ///
     /// # Errors
     /// [`Error::System`] if no start gave a stable loop; those of the figures.
-    pub fn keep_limits(mut self) -> Result<Tuned, Error> {
+    pub fn keep_limits(mut self) -> Result<TunedDesign, Error> {
         let problem =
             "no start gives a stable loop: widen the ranges of the parameters, or add a block with a gain";
         let mut best = self.best.take().ok_or(Error::System { what: "tuning", problem })?;
@@ -109,7 +109,7 @@ impl<'a> Search<'a> {
             (best, judged) = (next, next_judged);
         }
         let family = &self.problem.family;
-        Ok(Tuned {
+        Ok(TunedDesign {
             feedback: family.feedback(&best.at),
             sampled: family.sampled_feedback(&best.at)?,
             measures: judged.measures,
@@ -119,29 +119,29 @@ impl<'a> Search<'a> {
         })
     }
 
-    fn descend_from(&mut self, start: &[f64]) -> Result<Option<Descended>, Error> {
+    fn descend_from(&mut self, start: &[f64]) -> Result<Option<DescentResult>, Error> {
         let found = descend(&self.problem, start)?;
         self.evaluations += found.as_ref().map_or(0, |found| found.evaluations);
         Ok(found)
     }
 
-    fn keep_better(&mut self, found: Option<Descended>) {
+    fn keep_better(&mut self, found: Option<DescentResult>) {
         let Some(found) = found else { return };
         if self.best.as_ref().is_none_or(|best| found.merit < best.merit) {
             self.best = Some(found);
         }
     }
 
-    fn judge_point(&self, at: &[f64]) -> Result<Judged, Error> {
+    fn judge_point(&self, at: &[f64]) -> Result<JudgedMeasures, Error> {
         let K = self.problem.family.sampled_feedback(at)?;
         let measure = |plant: &LoopPlant| measure_loop(&plant.system, &K, self.task.disturbance);
         let measures = self.problem.plants.iter().map(measure).collect::<Result<Vec<_>, Error>>()?;
         let missed = measures.iter().map(|each| self.task.limits.worst_shortfall(each)).fold(0.0, f64::max);
-        Ok(Judged { measures, missed })
+        Ok(JudgedMeasures { measures, missed })
     }
 }
 
-fn kept_residual(found: Option<&Descended>) -> f64 {
+fn kept_residual(found: Option<&DescentResult>) -> f64 {
     match found {
         Some(found) if found.missed <= LIMIT_KEPT => found.objective.exp(),
         _ => f64::INFINITY,

@@ -94,7 +94,7 @@ impl Shape {
     }
 
     /// Returns the geometric mean of the corners; `None` without any.
-    pub fn corner(&self) -> Option<f64> {
+    pub fn mean_corner(&self) -> Option<f64> {
         let rate = |root: &Root| match *root {
             Root::Origin => None,
             Root::Real { rate } | Root::Pair { rate, .. } => Some(rate.ln()),
@@ -112,7 +112,7 @@ pub(super) fn control_shape(weight: &Weight, half: f64) -> Shape {
     {
         return stated;
     }
-    let rate = stated.corner().unwrap_or(CONTROL_PAIR.1 * half).min(CONTROL_PAIR.1 * half);
+    let rate = stated.mean_corner().unwrap_or(CONTROL_PAIR.1 * half).min(CONTROL_PAIR.1 * half);
     let pair = |rate: f64| vec![Root::Pair { rate, damping: PAIR_DAMPING }];
     // The same modulus far below the corner.
     let modulus = weight.magnitude(1e-3 * rate) * CONTROL_PAIR.0.powi(2);

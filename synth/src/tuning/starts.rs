@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::blocks::Blocks;
 use super::grid::{LoopGrid, LoopPlant};
-use super::random::Random;
+use super::random_generator::RandomGenerator;
 use crate::fixed_structure::ParameterName;
 
 /// Crossovers of the starts, over half the sample rate: from a two-thousandth of it to a sixth, beyond which the hold leaves no phase.
@@ -23,7 +23,7 @@ pub(crate) fn placed_starts(
 ) -> Vec<Vec<f64>> {
     let half = PI / family.sampling.period_s;
     let resonances = resonances(nominal, grid);
-    let mut random = Random(seed);
+    let mut random = RandomGenerator(seed);
     let mut all = Vec::new();
     if family.open.iter().all(|open| open.stated.is_some()) {
         all.push(family.open.iter().map(|open| open.stated.unwrap_or(1.0).ln()).collect());
@@ -41,7 +41,7 @@ pub(crate) fn placed_starts(
 
 /// A point near an answer, from which a descent may find a better one.
 pub(crate) fn perturb_point(at: &[f64], seed: u64) -> Vec<f64> {
-    let mut random = Random(seed);
+    let mut random = RandomGenerator(seed);
     at.iter().enumerate().map(|(n, value)| value + SPREAD * random.next_symmetric(n)).collect()
 }
 

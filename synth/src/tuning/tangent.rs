@@ -5,7 +5,7 @@
 //!     under   f_p + g_p' h <= t,    v_i + g_i' h <= s,    s >= 0,    low <= h <= high
 //! ```
 
-use counterpoise_linalg::{Cone, ConeProgram, Unsolved};
+use counterpoise_linalg::{Cone, ConeFailure, ConeProgram};
 
 use super::evaluation::Evaluation;
 use super::loop_response::Row;
@@ -65,7 +65,7 @@ pub(crate) fn tangent_step(found: &Evaluation, low: &[f64], high: &[f64]) -> Res
     program.push(rows, bound, Cone::Nonnegative);
     let h = match program.solve() {
         Ok(found) => found.x[..n].to_vec(),
-        Err(Unsolved::Malformed) => {
+        Err(ConeFailure::Malformed) => {
             return Err(Error::System { what: "tuning", problem: "the tangent program could not be set up" });
         }
         Err(_) => return Ok(None),

@@ -6,7 +6,7 @@ use counterpoise_linalg::sparse::VectorEntry;
 use super::problem::Problem;
 use super::*;
 use crate::fixed_structure::{Block, BlockKind};
-use crate::rational::Rational;
+use crate::rational_function::RationalFunction;
 
 /// A servo with drag and a structural mode: 40 (s^2/60^2 + ...) / ((s + 0.5)(s^2/80^2 + ...)).
 fn servo(gain: f64, mode: f64) -> DesignPlant {
@@ -17,7 +17,7 @@ fn servo(gain: f64, mode: f64) -> DesignPlant {
     let mut poles = pair(mode, 0.02);
     poles.push(C64::new(-0.5, 0.0));
     let zeros = pair(0.75 * mode, 0.02);
-    let system = Rational::new(&zeros, &poles, gain * (4.0_f64 / 3.0).powi(2)).realise().unwrap();
+    let system = RationalFunction::new(&zeros, &poles, gain * (4.0_f64 / 3.0).powi(2)).realise().unwrap();
     DesignPlant::ideal(system, 0, 0)
 }
 
@@ -148,10 +148,11 @@ fn one_controller_for_two_plants_keeps_the_limits_on_both() {
 fn a_loop_holds_a_pendulum_that_the_plant_without_its_angle_does_not_show() {
     // 2 / (s + 0.5) and the same with gravity that topples it: 2 s / (s^2 + 0.5 s - 4).
     let poles = [C64::new(-0.5, 0.0), C64::new(-60.0, 0.0)];
-    let plant = DesignPlant::ideal(Rational::new(&[], &poles, 120.0).realise().unwrap(), 0, 0);
+    let plant = DesignPlant::ideal(RationalFunction::new(&[], &poles, 120.0).realise().unwrap(), 0, 0);
     let root = (0.0625_f64 + 4.0).sqrt();
     let toppling = [C64::new(-0.25 + root, 0.0), C64::new(-0.25 - root, 0.0), C64::new(-60.0, 0.0)];
-    let held = DesignPlant::ideal(Rational::new(&[C64::ZERO], &toppling, 120.0).realise().unwrap(), 0, 0);
+    let held =
+        DesignPlant::ideal(RationalFunction::new(&[C64::ZERO], &toppling, 120.0).realise().unwrap(), 0, 0);
     let (sampling, disturbance) = (Sampling::new(2e-3, 10.0), Disturbance::of_band([3.0, 10.0]));
     let (structure, plants) = (open_structure(&PI_LAG), [plant]);
     let task = |held| TuningTask {

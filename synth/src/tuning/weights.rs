@@ -18,10 +18,10 @@ use counterpoise_lti::response::Response;
 use counterpoise_lti::{Discretisation, StateSpace, c2d};
 
 use super::TunedFeedback;
-use super::family::{Family, GridResponse};
+use super::family::{FeedbackFamily, GridResponse};
 use super::grid::{LoopGrid, LoopPlant};
 use super::limits::hub_path;
-use super::random::Random;
+use super::random_generator::RandomGenerator;
 use super::shape::{PAIR_DAMPING, Root, Shape, control_shape};
 use crate::feedback::{controller_with_observer, observer_gain};
 use crate::tolerance::POLE_STEP;
@@ -118,7 +118,7 @@ impl<'a> Weights<'a> {
         }
         let half = PI / sampling.period_s;
         let (mut error, control) = (Shape::of(&stated.error), control_shape(&stated.control, half));
-        let rate = error.corner().map_or(NO_CORNER * half, |corner| FURTHER_CENTRE * corner);
+        let rate = error.mean_corner().map_or(NO_CORNER * half, |corner| FURTHER_CENTRE * corner);
         error.zeros.push(Root::Pair { rate: rate * FURTHER_DISTANCE, damping: PAIR_DAMPING });
         error.poles.push(Root::Pair { rate, damping: PAIR_DAMPING });
         let about = |value: f64, reach: f64| (value.ln(), [value.ln() - reach, value.ln() + reach]);
@@ -208,7 +208,7 @@ fn on_grid(system: &StateSpace, grid: &LoopGrid) -> Result<Vec<C64>, Error> {
     Ok(Response::of(system)?.at_all(&grid.rates)?.iter().map(|H| H[(0, 0)]).collect())
 }
 
-impl Family for Weights<'_> {
+impl FeedbackFamily for Weights<'_> {
     fn ranges(&self) -> &[[f64; 2]] {
         &self.ranges
     }
@@ -251,7 +251,7 @@ impl Family for Weights<'_> {
     }
 
     fn starts(&self, _nominal: &LoopPlant, _grid: &LoopGrid, count: usize, seed: u64) -> Vec<Vec<f64>> {
-        let mut random = Random(seed);
+        let mut random = RandomGenerator(seed);
         let levels = 2 + usize::from(self.recovers);
         let mut all = vec![self.start.clone()];
         for _ in 1..count {

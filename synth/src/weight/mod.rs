@@ -13,7 +13,7 @@ use counterpoise_linalg::C64;
 use counterpoise_lti::StateSpace;
 
 use crate::Error;
-use crate::rational::Rational;
+use crate::rational_function::RationalFunction;
 
 /// A weight over frequency, in the forms of the source thesis and those that a designer draws.
 #[derive(Debug, Clone, PartialEq)]
@@ -114,24 +114,28 @@ impl Weight {
     }
 
     /// Returns the weight as gain, zeros and poles, as it was written: nothing mirrored.
-    pub fn rational(&self) -> Rational {
+    pub fn rational(&self) -> RationalFunction {
         match self {
-            Weight::Constant { gain } => Rational::new(&[], &[], *gain),
-            Weight::Integral { gain, time_s } => Rational::new(&[], &[C64::ZERO], gain / time_s),
-            Weight::Lag { gain, time_s } => Rational::new(&[], &[to_complex(-1.0 / time_s)], gain / time_s),
-            Weight::Lead { gain, time_s } => Rational::new(&[to_complex(-1.0 / time_s)], &[], gain * time_s),
+            Weight::Constant { gain } => RationalFunction::new(&[], &[], *gain),
+            Weight::Integral { gain, time_s } => RationalFunction::new(&[], &[C64::ZERO], gain / time_s),
+            Weight::Lag { gain, time_s } => {
+                RationalFunction::new(&[], &[to_complex(-1.0 / time_s)], gain / time_s)
+            }
+            Weight::Lead { gain, time_s } => {
+                RationalFunction::new(&[to_complex(-1.0 / time_s)], &[], gain * time_s)
+            }
             Weight::Quadratic { gain, second_s2, first_s } => polynomial(*gain, *second_s2, *first_s, 1.0),
             Weight::QuadraticFreeAtZero { gain, second_s2, first_s } => {
                 polynomial(*gain, *second_s2, *first_s, 0.0)
             }
-            Weight::ZeroPoleGain { zeros, poles, gain } => Rational::new(zeros, poles, *gain),
+            Weight::ZeroPoleGain { zeros, poles, gain } => RationalFunction::new(zeros, poles, *gain),
             Weight::Shelf { low, high, corner_rad_s } => shelf(*low, *high, *corner_rad_s),
             Weight::Notch { gain, centre_rad_s, width, factor } => {
                 notch(*gain, *centre_rad_s, *width, *factor)
             }
-            Weight::Product(parts) => {
-                parts.iter().fold(Rational::new(&[], &[], 1.0), |all, part| all.times(&part.rational()))
-            }
+            Weight::Product(parts) => parts
+                .iter()
+                .fold(RationalFunction::new(&[], &[], 1.0), |all, part| all.times(&part.rational())),
             Weight::Table { fitted, .. } => fitted.rational(),
         }
     }
@@ -179,7 +183,7 @@ impl Weight {
         self.realise_rational(&inverse)
     }
 
-    fn realise_rational(&self, rational: &Rational) -> Result<StateSpace, Error> {
+    fn realise_rational(&self, rational: &RationalFunction) -> Result<StateSpace, Error> {
         if !rational.is_finite() {
             return Err(self.weight_error("it is zero, or one of its numbers is not finite"));
         }
@@ -196,14 +200,14 @@ fn to_complex(value: f64) -> C64 {
 }
 
 /// `gain (b s^2 + a s + c)`, of lower degree where b or a is zero.
-fn polynomial(gain: f64, b: f64, a: f64, c: f64) -> Rational {
+fn polynomial(gain: f64, b: f64, a: f64, c: f64) -> RationalFunction {
     if b != 0.0 {
-        return Rational::new(&quadratic_roots(a / b, c / b), &[], gain * b);
+        return RationalFunction::new(&quadratic_roots(a / b, c / b), &[], gain * b);
     }
     if a != 0.0 {
-        Rational::new(&[to_complex(-c / a)], &[], gain * a)
+        RationalFunction::new(&[to_complex(-c / a)], &[], gain * a)
     } else {
-        Rational::new(&[], &[], gain * c)
+        RationalFunction::new(&[], &[], gain * c)
     }
 }
 
@@ -219,12 +223,12 @@ pub(crate) fn quadratic_roots(p: f64, q: f64) -> [C64; 2] {
 }
 
 /// `high (s + w sqrt(low / high)) / (s + w sqrt(high / low))`.
-fn shelf(low: f64, high: f64, corner_rad_s: f64) -> Rational {
+fn shelf(low: f64, high: f64, corner_rad_s: f64) -> RationalFunction {
     let ratio = (low / high).abs().sqrt();
-    Rational::new(&[to_complex(-corner_rad_s * ratio)], &[to_complex(-corner_rad_s / ratio)], high)
+    RationalFunction::new(&[to_complex(-corner_rad_s * ratio)], &[to_complex(-corner_rad_s / ratio)], high)
 }
 
-fn notch(gain: f64, centre: f64, width: f64, factor: f64) -> Rational {
+fn notch(gain: f64, centre: f64, width: f64, factor: f64) -> RationalFunction {
     let roots = |damping: f64| quadratic_roots(2.0 * damping * centre, centre * centre);
-    Rational::new(&roots(width * factor), &roots(width), gain)
+    RationalFunction::new(&roots(width * factor), &roots(width), gain)
 }

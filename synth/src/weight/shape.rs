@@ -1,17 +1,17 @@
 //! The shape of a weight over frequency: both ends, and where one passes into the other.
 
-use crate::rational::Rational;
+use crate::rational_function::RationalFunction;
 use crate::weight::Weight;
 
-/// How a weight goes over frequency.
+/// Course of a weight over frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum WeightShape {
     /// The same at every frequency.
     Constant {
-        /// Its modulus.
+        /// Modulus.
         modulus: f64,
     },
-    /// It has zeros or poles.
+    /// The weight has zeros or poles.
     Varying {
         /// Towards zero frequency.
         low: LowFrequency,
@@ -25,38 +25,38 @@ pub enum WeightShape {
 /// A weight towards zero frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LowFrequency {
-    /// It tends to a modulus.
+    /// The weight tends to a modulus.
     Level {
         /// The modulus.
         modulus: f64,
     },
-    /// It has poles at the origin.
+    /// The weight has poles at the origin.
     Unbounded,
-    /// It has zeros at the origin.
+    /// The weight has zeros at the origin.
     Zero,
 }
 
 /// A weight towards infinite frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum HighFrequency {
-    /// It tends to a modulus.
+    /// The weight tends to a modulus.
     Level {
         /// The modulus.
         modulus: f64,
     },
-    /// It rises with a power of the frequency.
+    /// The weight rises with a power of the frequency.
     Rising {
         /// The power.
         power: i32,
     },
-    /// It falls with a power of the frequency.
+    /// The weight falls with a power of the frequency.
     Falling {
         /// The power, positive.
         power: i32,
     },
 }
 
-/// Where a weight passes from one end to the other.
+/// Transition of a weight from one end to the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Transition {
     /// A power of the frequency at all rates: where its modulus is one.
@@ -113,7 +113,7 @@ impl Weight {
     }
 
     /// The rates over which a weight with roots off the origin changes, evenly spaced on a logarithmic axis.
-    fn rates(rational: &Rational) -> Option<Vec<f64>> {
+    fn rates(rational: &RationalFunction) -> Option<Vec<f64>> {
         let moduli =
             rational.zeros.iter().chain(&rational.poles).map(|root| root.norm()).filter(|r| *r > 0.0);
         let (least, most) = moduli.fold((f64::INFINITY, 0.0_f64), |(a, b), r| (a.min(r), b.max(r)));
@@ -123,7 +123,7 @@ impl Weight {
     }
 
     /// The rate at which the modulus leaves that of low frequency by 3 dB; `None` if every root is at the origin.
-    fn corner(&self, rational: &Rational) -> Option<f64> {
+    fn corner(&self, rational: &RationalFunction) -> Option<f64> {
         let (rates, order) = (Self::rates(rational)?, rational.order_at_zero());
         let level = |rate: f64| self.magnitude(rate) / rate.powi(order);
         let start = level(*rates.first()?);
@@ -137,8 +137,8 @@ impl Weight {
         Some(after)
     }
 
-    /// Where a weight that is level at both ends is largest or smallest between them, if by more than 3 dB.
-    fn extreme(&self, rational: &Rational) -> Option<Transition> {
+    /// Returns where a weight that is level at both ends is largest or smallest between them, if by more than 3 dB.
+    fn extreme(&self, rational: &RationalFunction) -> Option<Transition> {
         if rational.order_at_zero() != 0 || rational.relative_degree() != 0 {
             return None;
         }

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use counterpoise_linalg::{Mat, care, lyap};
 use counterpoise_lti::{Discretisation, StateSpace, Timebase, c2d, frequency_response};
-use counterpoise_reduce::{Balanced, Method};
-use counterpoise_synth::{Generalised, h2syn, hinfsyn};
+use counterpoise_reduce::{BalancedSystem, Method};
+use counterpoise_synth::{GeneralisedPlant, h2syn, hinfsyn};
 
 use crate::files;
 
@@ -23,7 +23,7 @@ pub struct Problem {
     /// Frequencies in rad/s, one column.
     rates: Mat,
     plant: StateSpace,
-    generalised: Generalised,
+    generalised: GeneralisedPlant,
     meta: serde_json::Value,
 }
 
@@ -57,12 +57,12 @@ fn generalised_plant(
     (B1, B2): (&Mat, &Mat),
     (C1, C2): (&Mat, &Mat),
     (D12, D21): (&Mat, &Mat),
-) -> Generalised {
+) -> GeneralisedPlant {
     let D11 = Mat::zeros(C1.nrows(), B1.ncols());
     let D22 = Mat::zeros(C2.nrows(), B2.ncols());
     let D = Mat::from_blocks(&[&[&D11, D12], &[D21, &D22]]);
     let system = system(A, &B1.hstack(B2), &C1.vstack(C2), D);
-    Generalised::new(system, B2.ncols(), C2.nrows()).expect("shapes that fit")
+    GeneralisedPlant::new(system, B2.ncols(), C2.nrows()).expect("shapes that fit")
 }
 
 fn system(A: &Mat, B: &Mat, C: &Mat, D: Mat) -> StateSpace {
@@ -114,8 +114,8 @@ fn sampled_plant(p: &Problem, method: Discretisation) -> Result<Answer, String> 
 fn reduced_plant(p: &Problem) -> Result<Answer, String> {
     let order = p.setting("bt_order") as usize;
     // Of 400 states of `rand` fewer than the order asked for carry anything above rounding.
-    let shortened = |b: Balanced| b.reduce(order.min(b.numerical_order()), Method::SquareRoot);
-    let G = Balanced::of(&p.plant).and_then(shortened).map_err(text)?;
+    let shortened = |b: BalancedSystem| b.reduce(order.min(b.numerical_order()), Method::SquareRoot);
+    let G = BalancedSystem::of(&p.plant).and_then(shortened).map_err(text)?;
     Ok(vec![("Ar", G.A), ("Br", G.B), ("Cr", G.C), ("Dr", G.D)])
 }
 

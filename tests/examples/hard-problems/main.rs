@@ -18,7 +18,7 @@ use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
 use counterpoise_reduce::{
     LargeStructure, Method, Order, balred, balred_large, error_at, minimal_realisation,
 };
-use counterpoise_synth::{Error as SynthesisError, Generalised, HInfinity, hinfsyn};
+use counterpoise_synth::{Error as SynthesisError, GeneralisedPlant, HInfinity, hinfsyn};
 use serde_json::{Map, Value, json};
 
 type Answer = Result<Value, String>;
@@ -54,14 +54,14 @@ fn time_problem(problem: &Value) -> (Value, f64) {
     (answer, seconds.min(SECONDS.get()))
 }
 
-/// What a computation returns; its time is that of the problem.
+/// Returns what a computation returns; its time is that of the problem.
 fn measure_time<T>(run: impl FnOnce() -> T) -> T {
     let (found, seconds) = run_clocked(run);
     SECONDS.set(seconds);
     found
 }
 
-/// What a computation returns, and the time that it took, s: the processor's time, or the time of the clock if that is below a millisecond, because
+/// Returns what a computation returns, and the time that it took, s: the processor's time, or the time of the clock if that is below a millisecond, because
 /// reading the processor's time takes some microseconds.
 fn run_clocked<T>(run: impl FnOnce() -> T) -> (T, f64) {
     let (before, start) = (processor_seconds(), Instant::now());
@@ -300,7 +300,7 @@ fn reduction(problem: &Value) -> Answer {
 
 fn hinfinity(problem: &Value) -> Answer {
     let count = |key| problem[key].as_u64().unwrap_or(0) as usize;
-    let plant = text(Generalised::new(system(problem)?, count("controls"), count("measurements")))?;
+    let plant = text(GeneralisedPlant::new(system(problem)?, count("controls"), count("measurements")))?;
     let found = match hinfsyn(&plant, number(problem, "tolerance", 1e-6)) {
         Err(why @ SynthesisError::Refused(_)) => {
             return Ok(json!({ "refused": describe_synthesis_error(&why) }));

@@ -6,7 +6,7 @@
 
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_tests::Threads;
-use counterpoise_tests::exported_loop::{Diagnosed, Way, record_and_diagnose};
+use counterpoise_tests::exported_loop::{CheckedDiagnosis, Way, record_and_diagnose};
 use counterpoise_tests::sealed::PRACTICE;
 
 fn main() {
@@ -28,7 +28,7 @@ fn main() {
 }
 
 /// The verdict, what was found with its parameters, and whether it is right.
-fn cell(one: &Diagnosed) -> String {
+fn cell(one: &CheckedDiagnosis) -> String {
     let answer = &one.answer;
     let found = answer.findings.iter().map(|finding| {
         let (component, effect) = finding.name().names();

@@ -16,7 +16,7 @@ use counterpoise_pool::Serial;
 use counterpoise_tests::sealed::oracle::compare_fits;
 use counterpoise_tests::sealed::row::{recordings, score};
 use counterpoise_tests::sealed::truth::{ALL, conceal, machine};
-use counterpoise_tests::sealed::{Family, Row, case, case_of, controller, nominal_of, table};
+use counterpoise_tests::sealed::{MachineFamily, Row, case, case_of, controller, nominal_of, table};
 
 fn main() -> std::io::Result<()> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -90,9 +90,9 @@ fn parse_seeds(seeds: &str) -> Option<Vec<u64>> {
     Some(ranges.into_iter().flat_map(|range| range.start..range.end.min(last)).collect())
 }
 
-/// Whether the machine of a seed has nothing concealed.
+/// Returns whether the machine of a seed has nothing concealed.
 fn has_nothing(seed: u64) -> bool {
-    seed < FIRST_EFFECT && conceal(seed, &mut machine(&reference::rig())).0.family == Family::Nothing
+    seed < FIRST_EFFECT && conceal(seed, &mut machine(&reference::rig())).0.family == MachineFamily::Nothing
 }
 
 /// The seed of the machine with the first effect of the vocabulary alone.
@@ -110,7 +110,7 @@ fn row(seed: u64) -> Result<Row, counterpoise_diagnose::Error> {
     let clock = std::time::Instant::now();
     let found = diagnose(&nominal, &controller(), &recordings(&case), &Serial)?;
     let mut row = score(seed, &case, &found.answer, clock.elapsed().as_secs_f64());
-    if case.sealed.family != Family::Nothing {
+    if case.sealed.family != MachineFamily::Nothing {
         row.split = compare_fits(&nominal, &case, &found.answer)?;
     }
     Ok(row)

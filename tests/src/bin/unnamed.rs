@@ -23,7 +23,7 @@ const POWER_LEFT: f64 = 0.05;
 /// One machine's score.
 struct Score {
     shape: &'static str,
-    /// Whether something was claimed.
+    /// `true` if something was claimed.
     claimed: bool,
     modelled: bool,
     before: f64,

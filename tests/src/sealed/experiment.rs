@@ -38,7 +38,7 @@ pub struct Recorder {
 
 /// The columns that a recorder writes.
 #[derive(Debug, Clone, Default)]
-pub struct Written {
+pub struct WrittenColumns {
     pub demand: Vec<f64>,
     pub control: Vec<f64>,
     pub hub_rate: Vec<f64>,
@@ -162,13 +162,18 @@ fn read(sensor: &Gyro, value: f64, heave: f64, bits: u32, dice: &mut Dice) -> f6
     quantise(reading * sensor.volts, bits) / sensor.volts
 }
 
-/// What came out of a sensor some samples ago.
+/// Returns what came out of a sensor some samples ago.
 fn late_reading(history: &[f64], samples: usize) -> f64 {
     history[history.len().saturating_sub(1 + samples)]
 }
 
 /// Runs the machine through an experiment in closed loop with the recorder's own controller and writes it down.
-pub fn record(machine: &Machine, recorder: &Recorder, experiment: &Experiment, dice: &mut Dice) -> Written {
+pub fn record(
+    machine: &Machine,
+    recorder: &Recorder,
+    experiment: &Experiment,
+    dice: &mut Dice,
+) -> WrittenColumns {
     let mut integral = 0.0;
     let mut law = |readings: &[f64; 6]| {
         let error = readings[0] - readings[1];
@@ -187,8 +192,8 @@ pub fn record_under(
     law: &mut dyn FnMut(&[f64; 6]) -> f64,
     experiment: &Experiment,
     dice: &mut Dice,
-) -> Written {
-    let mut out = Written::default();
+) -> WrittenColumns {
+    let mut out = WrittenColumns::default();
     let mut x = machine.at_rest();
     let mut pending = vec![recorder.bias; machine.delay_samples];
     let mut past: [Vec<f64>; 3] = Default::default();

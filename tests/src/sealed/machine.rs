@@ -1,7 +1,7 @@
 //! The mechanism of the reference rig, written apart from the studio's simulator: Runge and Kutta's classical method
 //! at a fixed step, states and friction in forms of its own, for recordings whose truth the diagnosis cannot see.
 
-/// What the machine has; every field in SI units.
+/// Parameters of a sealed machine; every field in SI units.
 #[derive(Debug, Clone)]
 pub struct Machine {
     pub gravity: f64,
@@ -36,8 +36,8 @@ pub struct Machine {
     pub amplifier_curve: Vec<[f64; 2]>,
     pub dead_zone: f64,
     pub current_limit: f64,
-    pub motor_friction: Dry,
-    pub pivot_friction: Dry,
+    pub motor_friction: DahlFriction,
+    pub pivot_friction: DahlFriction,
     pub quadratic_drag: f64,
     pub delay_samples: usize,
     pub hub_gyro: Gyro,
@@ -50,7 +50,7 @@ pub struct Machine {
     /// Relative loss of drive torque per second of running, up to a fifth.
     pub fading: f64,
     /// Functions that no formula of the library equals.
-    pub hidden: Vec<Hidden>,
+    pub hidden: Vec<HiddenFunction>,
     /// Levels, N m, and stiffnesses, N m/rad, of elements that stretch and then slip, between hub and platform.
     pub slips: [[f64; 2]; SLIPS],
 }
@@ -60,16 +60,16 @@ pub const SLIPS: usize = 3;
 
 /// A function of one variable, somewhere in the machine.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Hidden {
-    pub acts: Acts,
-    pub over: Over,
-    /// Its terms; they add up.
+pub struct HiddenFunction {
+    pub acts: FunctionTarget,
+    pub over: FunctionVariable,
+    /// Terms; they add up.
     pub terms: Vec<Term>,
 }
 
-/// What a hidden function is: a torque, N m, or what is added to a factor of 1.
+/// Quantity that a hidden function acts on: a torque, N m, or a factor of 1 to which it is added.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Acts {
+pub enum FunctionTarget {
     PivotTorque,
     PivotLevel,
     MotorTorque,
@@ -78,9 +78,9 @@ pub enum Acts {
     GearStiffness,
 }
 
-/// What a hidden function follows.
+/// Variable of a hidden function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Over {
+pub enum FunctionVariable {
     /// The hub's angle on the platform, rad.
     Angle,
     /// The hub's rate on the platform, rad/s.
@@ -123,7 +123,7 @@ impl Term {
     }
 }
 
-impl Hidden {
+impl HiddenFunction {
     fn at(&self, x: f64) -> f64 {
         self.terms.iter().map(|term| term.at(x)).sum()
     }
@@ -141,14 +141,14 @@ struct Regimes {
 
 impl Machine {
     /// Sum of the hidden functions of one kind.
-    fn hidden_sum(&self, acts: Acts, at: Regimes) -> f64 {
-        let value = |h: &Hidden| {
+    fn hidden_sum(&self, acts: FunctionTarget, at: Regimes) -> f64 {
+        let value = |h: &HiddenFunction| {
             h.at(match h.over {
-                Over::Angle => at.angle,
-                Over::Rate => at.rate,
-                Over::Shaft => at.shaft,
-                Over::Load => at.load,
-                Over::Time => at.time,
+                FunctionVariable::Angle => at.angle,
+                FunctionVariable::Rate => at.rate,
+                FunctionVariable::Shaft => at.shaft,
+                FunctionVariable::Load => at.load,
+                FunctionVariable::Time => at.time,
             })
         };
         self.hidden.iter().filter(|h| h.acts == acts).map(value).sum()
@@ -157,7 +157,7 @@ impl Machine {
 
 /// Dry friction by Dahl's law with exponent 1, Stribeck level, asymmetry, and viscous part.
 #[derive(Debug, Clone)]
-pub struct Dry {
+pub struct DahlFriction {
     pub level: f64,
     pub stiffness: f64,
     pub viscous: f64,
@@ -194,7 +194,7 @@ pub struct Gyro {
     pub late: usize,
 }
 
-/// What the platform does at an instant.
+/// Motion of the platform at an instant.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Platform {
     pub angle: f64,
@@ -207,7 +207,7 @@ pub struct Platform {
 /// friction torques, three sensors of two states, the hose's torque, those of the elements that slip.
 pub const STATES: usize = 17 + SLIPS;
 
-impl Dry {
+impl DahlFriction {
     /// Level at a rate and place.
     fn at(&self, rate: f64, place: Place) -> f64 {
         let stribeck = 1.0 + (self.static_ratio - 1.0) * (-(rate / self.stribeck_rate).powi(2)).exp();
@@ -286,18 +286,19 @@ impl Machine {
         let sliding = hub_rate - platform.rate;
         let mut at = Regimes { angle: hub - platform.angle, rate: sliding, shaft, load: 0.0, time: t };
         let own = self.torque_constant * (1.0 + wave(self.torque_ripple));
-        let constant = own * (1.0 + self.hidden_sum(Acts::TorqueConstant, at));
+        let constant = own * (1.0 + self.hidden_sum(FunctionTarget::TorqueConstant, at));
         let drive = constant * fade * amps.clamp(-self.current_limit, self.current_limit);
         let wound = shaft / self.ratio + platform.angle - hub;
         let winding = spin / self.ratio + platform.rate - hub_rate;
         let gear = self.mesh(wound, winding);
         at.load = gear;
-        let gear = gear + self.hidden_sum(Acts::GearStiffness, at) * (gear - self.gear_damping * winding);
+        let gear =
+            gear + self.hidden_sum(FunctionTarget::GearStiffness, at) * (gear - self.gear_damping * winding);
         let lost = (1.0 - self.mesh_efficiency) * gear;
         let forward = 0.5 * (1.0 + spin / spin.hypot(0.05) * gear.signum());
         let (to_hub, to_motor) = (gear - forward * lost, gear - (1.0 - forward) * lost);
         d[2] = spin;
-        d[3] = (drive + wave(self.cogging) + self.hidden_sum(Acts::MotorTorque, at)
+        d[3] = (drive + wave(self.cogging) + self.hidden_sum(FunctionTarget::MotorTorque, at)
             - motor_dry
             - self.motor_friction.viscous * spin
             - to_motor / self.ratio)
@@ -309,16 +310,16 @@ impl Machine {
         let cable = self.spring * stretch + self.spring_cubic * stretch.powi(3) + x[16];
         let drag = self.pivot_friction.viscous * sliding + self.quadratic_drag * sliding * sliding.abs();
         let slipping: f64 = x[17..].iter().sum();
-        let free = self.hidden_sum(Acts::PivotTorque, at) - slipping;
+        let free = self.hidden_sum(FunctionTarget::PivotTorque, at) - slipping;
         let hum = free + self.hum[0] * (std::f64::consts::TAU * self.hum[1] * t + self.hum[2]).sin();
         d[4] = hub_rate;
         d[5] = (to_hub + wave(self.mesh_ripple) + hum - twist - pivot_dry - drag - weight - cable)
             / self.hub_inertia;
         d[6] = beam_rate;
         d[7] = twist / self.beam_inertia;
-        let of_motor = Place { more: self.hidden_sum(Acts::MotorLevel, at), ..Place::default() };
+        let of_motor = Place { more: self.hidden_sum(FunctionTarget::MotorLevel, at), ..Place::default() };
         d[8] = self.motor_friction.slope(motor_dry, spin, of_motor);
-        let more = self.hidden_sum(Acts::PivotLevel, at);
+        let more = self.hidden_sum(FunctionTarget::PivotLevel, at);
         let place = Place { angle: hub - platform.angle, load: gear, time: t, more };
         d[9] = self.pivot_friction.slope(pivot_dry, sliding, place);
         d[16] = self.hose(x[16], sliding);

@@ -10,9 +10,11 @@ pub mod table;
 pub mod truth;
 pub mod unnamed_machines;
 
-pub use experiment::{Dice, Experiment, Kind, PERIOD, Recorder, SAMPLES, Written, record, record_under};
+pub use experiment::{
+    Dice, Experiment, Kind, PERIOD, Recorder, SAMPLES, WrittenColumns, record, record_under,
+};
 pub use row::{Row, score};
-pub use truth::{Concealed, Family, Sealed};
+pub use truth::{ConcealedEffect, MachineFamily, SealedAnswer};
 
 use counterpoise_controller::{Controller, ProportionalIntegral, Runner};
 use counterpoise_models::{Parameters, reference};
@@ -21,11 +23,11 @@ use machine::Machine;
 /// One machine: what the diagnosis sees, and what it does not.
 pub struct Case {
     /// Recordings, one of each of [`KINDS`].
-    pub recordings: Vec<Written>,
+    pub recordings: Vec<WrittenColumns>,
     /// For each concealed effect: the same experiments on the machine without it, the same noise.
-    pub without: Vec<Vec<Written>>,
+    pub without: Vec<Vec<WrittenColumns>>,
     /// The sealed answer.
-    pub sealed: Sealed,
+    pub sealed: SealedAnswer,
 }
 
 /// The kinds of experiment of every machine, in order.
@@ -76,7 +78,7 @@ fn record_case(
     seed: u64,
     nominal: &Parameters,
     machine: &Machine,
-    sealed: Sealed,
+    sealed: SealedAnswer,
     without: &[Machine],
 ) -> Case {
     let [kp, ki, bias] = GAINS;
@@ -89,7 +91,7 @@ fn record_case(
         let (experiment, mut dice) = experiment_of(seed, k);
         record(machine, &recorder, &experiment, &mut dice)
     };
-    let all = |machine: &Machine| (0..KINDS.len()).map(|k| one(machine, k)).collect::<Vec<Written>>();
+    let all = |machine: &Machine| (0..KINDS.len()).map(|k| one(machine, k)).collect::<Vec<WrittenColumns>>();
     Case { recordings: all(machine), without: without.iter().map(all).collect(), sealed }
 }
 
@@ -99,7 +101,7 @@ fn recorded_plainly(
     machine: &Machine,
     experiment: &Experiment,
     dice: &mut Dice,
-) -> Written {
+) -> WrittenColumns {
     let [kp, ki, bias] = GAINS;
     record(machine, &truth::recorder(nominal, kp, ki, bias), experiment, dice)
 }
@@ -130,7 +132,7 @@ pub fn case_under(which: Option<usize>, size: f64, nominal: &Parameters, control
             &mut dice,
         )
     };
-    let all = |machine: &Machine| (0..KINDS.len()).map(|k| one(machine, k)).collect::<Vec<Written>>();
+    let all = |machine: &Machine| (0..KINDS.len()).map(|k| one(machine, k)).collect::<Vec<WrittenColumns>>();
     Case { recordings: all(&machine), without: without.iter().map(all).collect(), sealed }
 }
 

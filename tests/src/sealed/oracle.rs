@@ -8,7 +8,7 @@ use counterpoise_models::Parameters;
 use counterpoise_pool::Serial;
 
 use super::row::recordings;
-use super::{Case, Family, controller};
+use super::{Case, MachineFamily, controller};
 
 /// Parameters of the model as it is that a refit of it may change: component, effect.
 const ORDINARY: [(&str, &str); 8] = [
@@ -28,7 +28,7 @@ const ORDINARY: [(&str, &str); 8] = [
 /// # Errors
 /// As the diagnosis itself.
 pub fn compare_fits(base: &Parameters, case: &Case, answer: &Answer) -> Result<[Option<f64>; 4], Error> {
-    let known = case.sealed.family != Family::Outside;
+    let known = case.sealed.family != MachineFamily::Outside;
     let structures =
         [Structure::default(), ordinary_structure(base), found_structure(answer), truth(base, case)];
     let left = refit(base, &controller(), &recordings(case), &structures, &Serial)?;

@@ -6,20 +6,20 @@ use counterpoise_diagnose::library::EffectName;
 use counterpoise_recordings::{Channel, Recording};
 use serde::{Deserialize, Serialize};
 
-use super::{Case, Concealed, Family, KINDS, PERIOD, Sealed, Written};
+use super::{Case, ConcealedEffect, KINDS, MachineFamily, PERIOD, SealedAnswer, WrittenColumns};
 
 /// One machine's score.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Row {
     pub seed: u64,
     pub family: String,
-    /// What is concealed, `component effect`.
+    /// Concealed effect, as `component effect`.
     pub truth: Vec<String>,
     /// RMS change that it makes to the most changed channel, in floors: below 1 it drowns.
     pub visibility: f64,
     pub noise: f64,
     pub verdict: String,
-    /// What was found, `component effect`.
+    /// Findings, each as `component effect`.
     pub found: Vec<String>,
     /// For each finding with a name: its probability, and whether it is true.
     pub stated: Vec<(f64, bool)>,
@@ -35,7 +35,7 @@ pub struct Row {
     /// Mean ln(RMS / floor) over the channels, data that was not fitted: the model as it was, the improved one.
     pub held_out_before: f64,
     pub held_out_after: f64,
-    /// Whether data that was not fitted got worse.
+    /// `true` if data that was not fitted got worse.
     pub damaged: bool,
     pub seconds: f64,
     /// For each concealed effect, the RMS change that it makes beside the others to the most changed channel, in floors.
@@ -44,9 +44,9 @@ pub struct Row {
     /// For each interval: how far the value is from the truth, in its standard deviations.
     #[serde(default)]
     pub errors: Vec<f64>,
-    /// What the search weighed: the best few of each stage.
+    /// Hypotheses of the search: the best few of each stage.
     #[serde(default)]
-    pub evidence: Vec<Tried>,
+    pub evidence: Vec<HypothesisRow>,
     /// Mean ln(RMS / floor) on the last part of every recording, fitted to the first: the model as it was, its parameters
     /// refitted, what was found, the truth.
     #[serde(default)]
@@ -55,7 +55,7 @@ pub struct Row {
 
 /// A hypothesis that was fitted: what the search weighed.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Tried {
+pub struct HypothesisRow {
     pub stage: usize,
     pub name: String,
     pub beside: usize,
@@ -68,11 +68,11 @@ pub struct Tried {
 /// Hypotheses kept of each stage.
 const KEPT: usize = 6;
 
-fn tried_hypotheses(answer: &Answer) -> Vec<Tried> {
-    let mut out: Vec<Tried> = Vec::new();
+fn tried_hypotheses(answer: &Answer) -> Vec<HypothesisRow> {
+    let mut out: Vec<HypothesisRow> = Vec::new();
     for h in &answer.hypotheses {
         if out.iter().filter(|t| t.stage == h.stage).count() < KEPT {
-            out.push(Tried {
+            out.push(HypothesisRow {
                 stage: h.stage,
                 name: format!("{} {}", h.component, h.effect),
                 beside: h.beside.len(),
@@ -88,7 +88,7 @@ fn tried_hypotheses(answer: &Answer) -> Vec<Tried> {
 
 /// Returns what the diagnosis is handed of a machine.
 pub fn recordings(case: &Case) -> Vec<Recording> {
-    let one = |(index, written): (usize, &Written)| {
+    let one = |(index, written): (usize, &WrittenColumns)| {
         let mut recording = recording_of(index, written);
         if !case.sealed.motor_rate {
             recording.remove(Channel::MotorRate);
@@ -102,7 +102,7 @@ pub fn recordings(case: &Case) -> Vec<Recording> {
 }
 
 /// Returns the recording of the k-th of [`KINDS`], with all sensors.
-pub fn recording_of(index: usize, written: &Written) -> Recording {
+pub fn recording_of(index: usize, written: &WrittenColumns) -> Recording {
     Recording::new(format!("{:?}", KINDS[index]), PERIOD)
         .with(Channel::Demand, written.demand.clone())
         .with(Channel::Control, written.control.clone())
@@ -116,8 +116,8 @@ pub fn recording_of(index: usize, written: &Written) -> Recording {
 /// Scores an answer.
 pub fn score(seed: u64, case: &Case, answer: &Answer, seconds: f64) -> Row {
     let sealed = &case.sealed;
-    let known = sealed.family != Family::Outside;
-    let count = |hit: &dyn Fn(&Concealed) -> bool| sealed.concealed.iter().filter(|c| hit(c)).count();
+    let known = sealed.family != MachineFamily::Outside;
+    let count = |hit: &dyn Fn(&ConcealedEffect) -> bool| sealed.concealed.iter().filter(|c| hit(c)).count();
     let any = |hit: &dyn Fn(&Finding) -> bool| answer.findings.iter().any(hit);
     let names = |c: &str, e: &str| format!("{c} {e}");
     let errors = errors(sealed, answer);
@@ -153,22 +153,22 @@ pub fn score(seed: u64, case: &Case, answer: &Answer, seconds: f64) -> Row {
     }
 }
 
-/// Whether a name is the concealed effect's, or one that such recordings cannot tell from it.
-fn is(c: &Concealed, name: Name) -> bool {
+/// Returns whether a name is the concealed effect's, or one that such recordings cannot tell from it.
+fn is(c: &ConcealedEffect, name: Name) -> bool {
     (c.component, c.effect) == name.names() || c.also.contains(&name.names())
 }
 
 /// Returns whether a finding has the concealed effect's name, or offers it as an alternative.
-pub fn offers(c: &Concealed, f: &Finding) -> bool {
+pub fn offers(c: &ConcealedEffect, f: &Finding) -> bool {
     is(c, f.name()) || f.alternatives.iter().any(|a| is(c, *a))
 }
 
-fn stated_probability(sealed: &Sealed, f: &Finding) -> (f64, bool) {
+fn stated_probability(sealed: &SealedAnswer, f: &Finding) -> (f64, bool) {
     (f.probability, sealed.concealed.iter().any(|c| is(c, f.name())))
 }
 
 /// Errors of the parameters of the findings with the right name, in their standard deviations.
-fn errors(sealed: &Sealed, answer: &Answer) -> Vec<f64> {
+fn errors(sealed: &SealedAnswer, answer: &Answer) -> Vec<f64> {
     let mut errors = Vec::new();
     for c in &sealed.concealed {
         let finding = answer.findings.iter().find(|f| f.name().names() == (c.component, c.effect));

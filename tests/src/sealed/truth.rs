@@ -3,11 +3,11 @@
 use counterpoise_models::{FrictionLaw, Parameters, Sensor};
 
 use super::experiment::{Dice, Recorder};
-use super::machine::{Dry, Gyro, Machine, SLIPS};
+use super::machine::{DahlFriction, Gyro, Machine, SLIPS};
 
 /// Something that the project does not know.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Concealed {
+pub struct ConcealedEffect {
     pub component: &'static str,
     pub effect: &'static str,
     /// Name and true value of each parameter that a diagnosis should find.
@@ -18,9 +18,9 @@ pub struct Concealed {
     pub also: Vec<(&'static str, &'static str)>,
 }
 
-/// How a machine was drawn.
+/// Family from which a machine was drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Family {
+pub enum MachineFamily {
     Nothing,
     Single,
     Pair,
@@ -30,9 +30,9 @@ pub enum Family {
 
 /// The sealed answer of one machine.
 #[derive(Debug, Clone)]
-pub struct Sealed {
-    pub family: Family,
-    pub concealed: Vec<Concealed>,
+pub struct SealedAnswer {
+    pub family: MachineFamily,
+    pub concealed: Vec<ConcealedEffect>,
     pub noise: f64,
     pub motor_rate: bool,
     pub hub_position: bool,
@@ -88,11 +88,11 @@ pub fn machine(p: &Parameters) -> Machine {
     }
 }
 
-fn dry_friction(friction: &counterpoise_models::Friction) -> Dry {
+fn dry_friction(friction: &counterpoise_models::Friction) -> DahlFriction {
     let FrictionLaw::Dahl { coulomb_nm, rest_stiffness_nm_rad, .. } = friction.law else {
         panic!("the sealed machines have Dahl friction")
     };
-    Dry {
+    DahlFriction {
         level: coulomb_nm,
         stiffness: rest_stiffness_nm_rad,
         viscous: friction.viscous_nm_s_rad,
@@ -133,25 +133,25 @@ pub fn recorder(p: &Parameters, kp: f64, ki: f64, bias: f64) -> Recorder {
 }
 
 /// Draws what a seed conceals and puts it into the machine; also the machines that lack one concealed effect each.
-pub fn conceal(seed: u64, machine: &mut Machine) -> (Sealed, Vec<Machine>) {
+pub fn conceal(seed: u64, machine: &mut Machine) -> (SealedAnswer, Vec<Machine>) {
     let mut dice = Dice::new(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5ea1);
     let draw = dice.uniform(0.0, 1.0);
     let family = match draw {
-        d if d < 0.20 => Family::Nothing,
-        d if d < 0.40 => Family::Outside,
-        d if d < 0.55 => Family::Pair,
-        d if d < 0.68 => Family::Instrument,
-        _ => Family::Single,
+        d if d < 0.20 => MachineFamily::Nothing,
+        d if d < 0.40 => MachineFamily::Outside,
+        d if d < 0.55 => MachineFamily::Pair,
+        d if d < 0.68 => MachineFamily::Instrument,
+        _ => MachineFamily::Single,
     };
     let noise = [0.5, 1.0, 3.0][dice.draw_below(3)];
     let sensors = dice.draw_below(3);
     let mut without = vec![machine.clone()];
     let concealed = match family {
-        Family::Nothing => Vec::new(),
-        Family::Outside => vec![outside_effect(machine, &mut dice)],
-        Family::Instrument => vec![instrument(machine, &mut dice)],
-        Family::Single => vec![physics(machine, &mut dice, usize::MAX)],
-        Family::Pair => {
+        MachineFamily::Nothing => Vec::new(),
+        MachineFamily::Outside => vec![outside_effect(machine, &mut dice)],
+        MachineFamily::Instrument => vec![instrument(machine, &mut dice)],
+        MachineFamily::Single => vec![physics(machine, &mut dice, usize::MAX)],
+        MachineFamily::Pair => {
             let first = dice.draw_below(PHYSICS);
             let second = (first + 1 + dice.draw_below(PHYSICS - 1)) % PHYSICS;
             let one = physics(machine, &mut dice, first);
@@ -166,7 +166,7 @@ pub fn conceal(seed: u64, machine: &mut Machine) -> (Sealed, Vec<Machine>) {
             gyro.noise *= noise;
         }
     }
-    (Sealed { family, concealed, noise, motor_rate: sensors != 1, hub_position: sensors != 2 }, without)
+    (SealedAnswer { family, concealed, noise, motor_rate: sensors != 1, hub_position: sensors != 2 }, without)
 }
 
 /// Number of kinds of physics that the seeds draw from.
@@ -183,7 +183,7 @@ pub const SHOW_WHEN_BALANCED: [usize; 3] = [8, 10, 23];
 pub const ALL: usize = ALL_PHYSICS + ALL_INSTRUMENTS;
 
 /// Puts one given effect of a given size into the machine; also the machine without it. All sensors, usual noise.
-pub fn conceal_one(which: usize, size: f64, machine: &mut Machine) -> (Sealed, Vec<Machine>) {
+pub fn conceal_one(which: usize, size: f64, machine: &mut Machine) -> (SealedAnswer, Vec<Machine>) {
     let mut dice = Dice::new(0xe0_0000 + which as u64);
     let without = vec![machine.clone()];
     let concealed = if which < ALL_PHYSICS {
@@ -192,16 +192,22 @@ pub fn conceal_one(which: usize, size: f64, machine: &mut Machine) -> (Sealed, V
         let signed = size * sign(&mut dice);
         instrument_of(machine, which - ALL_PHYSICS, size, signed)
     };
-    let family = if which < ALL_PHYSICS { Family::Single } else { Family::Instrument };
+    let family = if which < ALL_PHYSICS { MachineFamily::Single } else { MachineFamily::Instrument };
     let sealed =
-        Sealed { family, concealed: vec![concealed], noise: 1.0, motor_rate: true, hub_position: true };
+        SealedAnswer { family, concealed: vec![concealed], noise: 1.0, motor_rate: true, hub_position: true };
     (sealed, without)
 }
 
 /// Returns the answer of a machine that is as its project describes it, with all sensors and the usual noise.
-pub fn unchanged_machine() -> Sealed {
+pub fn unchanged_machine() -> SealedAnswer {
     let concealed = Vec::new();
-    Sealed { family: Family::Nothing, concealed, noise: 1.0, motor_rate: true, hub_position: true }
+    SealedAnswer {
+        family: MachineFamily::Nothing,
+        concealed,
+        noise: 1.0,
+        motor_rate: true,
+        hub_position: true,
+    }
 }
 
 /// A size spread evenly in its logarithm around one that is easily seen.
@@ -214,20 +220,20 @@ fn sign(dice: &mut Dice) -> f64 {
 }
 
 /// Any kind of physics, or a given one, of any size.
-fn physics(m: &mut Machine, dice: &mut Dice, which: usize) -> Concealed {
+fn physics(m: &mut Machine, dice: &mut Dice, which: usize) -> ConcealedEffect {
     let s = size(dice);
     let which = if which == usize::MAX { dice.draw_below(PHYSICS) } else { which };
     physics_of(m, dice, which, s)
 }
 
-fn physics_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
+fn physics_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> ConcealedEffect {
     let concealed = match which {
         0..=5 => friction_of(m, dice, which, s),
         6..=11 => drive_of(m, dice, which, s),
         12..=14 => structure_of(m, dice, which, s),
         _ => further_effect(m, dice, which, s),
     };
-    Concealed { size: s, ..concealed }
+    ConcealedEffect { size: s, ..concealed }
 }
 
 /// Changes `value` by `share` of it, up or down.
@@ -236,7 +242,7 @@ fn scale_value(dice: &mut Dice, value: &mut f64, share: f64) -> f64 {
     *value
 }
 
-fn friction_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
+fn friction_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> ConcealedEffect {
     let pivot = &mut m.pivot_friction;
     match which {
         0 => one("pivot", "coulomb", "coulomb", scale_value(dice, &mut pivot.level, 0.4 * s)),
@@ -263,7 +269,7 @@ fn friction_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concea
     }
 }
 
-fn drive_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
+fn drive_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> ConcealedEffect {
     match which {
         6 => {
             m.cogging = [0.12 * s, [4.0, 6.0, 8.0, 12.0, 24.0][dice.draw_below(5)], dice.uniform(-3.0, 3.0)];
@@ -283,17 +289,17 @@ fn drive_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed
         10 => {
             m.dead_zone = 0.1 * s;
             let dead_zone = one("amplifier", "dead_zone", "dead_zone", m.dead_zone);
-            Concealed { also: vec![("amplifier", "gain_curve")], ..dead_zone }
+            ConcealedEffect { also: vec![("amplifier", "gain_curve")], ..dead_zone }
         }
         _ => {
             m.delay_samples = 1 + (5.0 * s) as usize;
             let delay = one("control", "delay", "delay", m.delay_samples as f64);
-            Concealed { also: vec![("hub_gyro", "delay")], ..delay }
+            ConcealedEffect { also: vec![("hub_gyro", "delay")], ..delay }
         }
     }
 }
 
-fn structure_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
+fn structure_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> ConcealedEffect {
     match which {
         12 => {
             m.moment += 40.0 * s * sign(dice);
@@ -308,12 +314,17 @@ fn structure_of(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Conce
 }
 
 /// One effect with one parameter.
-fn one(component: &'static str, effect: &'static str, parameter: &'static str, value: f64) -> Concealed {
-    Concealed { component, effect, parameters: vec![(parameter, value)], size: 1.0, also: Vec::new() }
+fn one(
+    component: &'static str,
+    effect: &'static str,
+    parameter: &'static str,
+    value: f64,
+) -> ConcealedEffect {
+    ConcealedEffect { component, effect, parameters: vec![(parameter, value)], size: 1.0, also: Vec::new() }
 }
 
 /// The rest of the vocabulary: what modulates friction, ripples, and the amplifier's limits.
-fn further_effect(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
+fn further_effect(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> ConcealedEffect {
     let order = [4.0, 6.0, 8.0, 12.0, 24.0][dice.draw_below(5)];
     let phase = dice.uniform(-3.0, 3.0);
     match which {
@@ -354,7 +365,7 @@ fn further_effect(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Con
     }
 }
 
-fn drive_or_structure(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> Concealed {
+fn drive_or_structure(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) -> ConcealedEffect {
     match which {
         23 => {
             let (depth, corner) = ((0.3 * s).min(0.8), dice.uniform(0.4, 1.4));
@@ -395,23 +406,23 @@ fn drive_or_structure(m: &mut Machine, dice: &mut Dice, which: usize, s: f64) ->
 /// Number of kinds of faults that `instrument` can put in.
 const INSTRUMENTS: usize = 12;
 
-fn instrument(m: &mut Machine, dice: &mut Dice) -> Concealed {
+fn instrument(m: &mut Machine, dice: &mut Dice) -> ConcealedEffect {
     let s = size(dice);
     let signed = s * sign(dice);
     let which = dice.draw_below(INSTRUMENTS);
     instrument_of(m, which, s, signed)
 }
 
-fn instrument_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Concealed {
+fn instrument_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> ConcealedEffect {
     let concealed = match which {
         0 | 1 | 7..=9 => hub_gyro_of(m, which, s, signed),
         4..=6 | 11 => heave_or_clock_of(m, which, s, signed),
         _ => platform_gyro_of(m, which, s, signed),
     };
-    Concealed { size: s, ..concealed }
+    ConcealedEffect { size: s, ..concealed }
 }
 
-fn hub_gyro_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Concealed {
+fn hub_gyro_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> ConcealedEffect {
     match which {
         0 => {
             m.hub_gyro.gain = 1.0 + 0.1 * signed;
@@ -428,7 +439,7 @@ fn hub_gyro_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Concealed 
         8 => {
             m.hub_gyro.late = 1 + (5.0 * s) as usize;
             let late = one("hub_gyro", "delay", "delay", m.hub_gyro.late as f64 * 1e-3);
-            Concealed { also: vec![("control", "delay")], ..late }
+            ConcealedEffect { also: vec![("control", "delay")], ..late }
         }
         _ => {
             m.hub_gyro.per_heave = 3e-3 * signed;
@@ -437,7 +448,7 @@ fn hub_gyro_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Concealed 
     }
 }
 
-fn heave_or_clock_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Concealed {
+fn heave_or_clock_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> ConcealedEffect {
     match which {
         4 => {
             m.accelerometer.gain = 1.0 + 0.2 * signed;
@@ -458,7 +469,7 @@ fn heave_or_clock_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Conc
     }
 }
 
-fn platform_gyro_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Concealed {
+fn platform_gyro_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> ConcealedEffect {
     match which {
         2 => {
             m.platform_gyro.gain = 1.0 + 0.15 * signed;
@@ -484,7 +495,7 @@ fn platform_gyro_of(m: &mut Machine, which: usize, s: f64, signed: f64) -> Conce
 }
 
 /// Physics that no entry of the library has.
-fn outside_effect(m: &mut Machine, dice: &mut Dice) -> Concealed {
+fn outside_effect(m: &mut Machine, dice: &mut Dice) -> ConcealedEffect {
     let s = 10f64.powf(dice.uniform(-0.5, 0.5));
     let component = match dice.draw_below(3) {
         0 => {
@@ -500,5 +511,5 @@ fn outside_effect(m: &mut Machine, dice: &mut Dice) -> Concealed {
             "motor"
         }
     };
-    Concealed { component, effect: "unknown", parameters: Vec::new(), size: s, also: Vec::new() }
+    ConcealedEffect { component, effect: "unknown", parameters: Vec::new(), size: s, also: Vec::new() }
 }

@@ -7,7 +7,9 @@ use counterpoise_models::Plant;
 use counterpoise_pipeline::project_procedure;
 use counterpoise_tests::examples;
 use counterpoise_verify::robust::figures_of;
-use counterpoise_verify::{Figure, LineOfSight, Procedure, Road, SightFigure, Value, error_budget};
+use counterpoise_verify::{
+    LineOfSight, PerformanceFigure, Procedure, Road, SightFigure, Value, error_budget,
+};
 
 /// The shares and the simulated error agree within this, as a share of the error.
 const SUM: f64 = 0.05;
@@ -23,7 +25,7 @@ fn cut(road: &Road) -> Road {
     road
 }
 
-/// What is wrong with the budget of an example, and the number of its sources; `None` if its loop holds no rate.
+/// Returns what is wrong with the budget of an example, and the number of its sources; `None` if its loop holds no rate.
 fn budget(path: &Path) -> Option<Result<usize, String>> {
     let designed = examples::design_example(path)?;
     let whole = project_procedure(&designed.project, &examples::world(path)).unwrap();
@@ -36,7 +38,7 @@ fn budget(path: &Path) -> Option<Result<usize, String>> {
     };
     let (plant, controller): (&Plant, _) = (&designed.modelled.plant, &designed.made.sampled.controller);
     let budget = error_budget(plant, controller, &asked).unwrap()?;
-    let figures = SightFigure::ANGLES.map(Figure::Sight);
+    let figures = SightFigure::ANGLES.map(PerformanceFigure::Sight);
     let simulated = figures_of(plant, controller, &asked, &figures).unwrap();
     let mut wrong = Vec::new();
     for ((figure, value), sum) in figures.iter().zip(simulated).zip(budget.sum_rad()) {

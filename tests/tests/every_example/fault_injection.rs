@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::sync::Mutex;
 
-use counterpoise_controller::compiled_program::Compiled;
+use counterpoise_controller::compiled_program::CompiledProgram;
 use counterpoise_controller::{COMMON_READINGS, Controller, READINGS, Readings, SampledController};
 use counterpoise_export::{FixedRunner, Ranges, plan_fixed_point};
 use counterpoise_models::plant::Plant;
@@ -55,7 +55,7 @@ fn lengths() -> [&'static [usize]; 2] {
 }
 
 /// A controller whose readings pass a faulty channel.
-struct Faulty {
+struct FaultyController {
     inner: Box<dyn SampledController>,
     limit_v: f64,
     channel: usize,
@@ -65,7 +65,7 @@ struct Faulty {
     held: f64,
 }
 
-impl SampledController for Faulty {
+impl SampledController for FaultyController {
     fn reset(&mut self) {
         self.inner.reset();
     }
@@ -134,7 +134,7 @@ pub fn readings(run: &TimeHistory) -> Vec<[f64; READINGS]> {
 /// The bare programs give the same controls for good readings, to the last bit: the guard changes nothing.
 fn guard_is_transparent(controller: &Controller, history: &[[f64; READINGS]]) {
     let programs = controller.programs();
-    let step = Compiled::<f64>::new(&programs.step, programs.state_count());
+    let step = CompiledProgram::<f64>::new(&programs.step, programs.state_count());
     let mut memory = vec![0.0; step.memory()];
     memory[..programs.state_count()].copy_from_slice(&programs.initial());
     let mut runner = controller.runner();
@@ -202,12 +202,12 @@ impl<'a> Example<'a> {
         (channel, kind, length): (usize, Kind, usize),
         inner: Box<dyn SampledController>,
         undisturbed: &TimeHistory,
-    ) -> After {
+    ) -> FaultRecovery {
         let period_s = self.controller.sample_period_s();
         let begins = (BEGINS_S / period_s) as usize;
         let limit_v = self.controller.limit_v() * (1.0 + 1e-6);
         let samples = begins..begins + length;
-        let mut faulty = Faulty { inner, limit_v, channel, kind, samples, now: 0, held: 0.0 };
+        let mut faulty = FaultyController { inner, limit_v, channel, kind, samples, now: 0, held: 0.0 };
         let found = self.drive(&mut faulty);
         let off = |k: &usize| {
             let (a, b) = (found.truth.hub_rate_rad_s()[*k], undisturbed.truth.hub_rate_rad_s()[*k]);
@@ -216,12 +216,15 @@ impl<'a> Example<'a> {
         let last = (begins + length..found.len()).rfind(off);
         let angles = found.truth.hub_angle_rad().iter().zip(undisturbed.truth.hub_angle_rad());
         let distance_rad = angles.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
-        After { recovery_s: last.map_or(0.0, |k| (k - begins - length) as f64 * period_s), distance_rad }
+        FaultRecovery {
+            recovery_s: last.map_or(0.0, |k| (k - begins - length) as f64 * period_s),
+            distance_rad,
+        }
     }
 }
 
 /// What follows a fault.
-struct After {
+struct FaultRecovery {
     /// How long the hub still moves otherwise than without the fault, after the fault has ended, s.
     recovery_s: f64,
     /// How far it went from where it would have been, rad.

@@ -107,9 +107,9 @@ fn the_loop_that_fmpy_closes_is_the_simulated_one_for_examples() {
 }
 
 /// The examples tried here need no file beside their own.
-struct Nothing;
+struct EmptyWorld;
 
-impl World for Nothing {
+impl World for EmptyWorld {
     fn read(&self, name: &str) -> Result<Vec<u8>, String> {
         Err(format!("{name} is not needed"))
     }
@@ -124,13 +124,13 @@ fn a_plant_without_a_unit_leaves_the_rest_of_the_code_there() {
     let modelled = build_plant_model(&project).unwrap();
     let reduced = reduce_plant(&project, &modelled).unwrap();
     let made = synthesise(&project, &modelled, &reduced).unwrap();
-    let verified = verify(&project, &modelled, &made, &Nothing).unwrap();
-    let whole = export(&project, &modelled, &verified, &Nothing).unwrap();
+    let verified = verify(&project, &modelled, &made, &EmptyWorld).unwrap();
+    let whole = export(&project, &modelled, &verified, &EmptyWorld).unwrap();
     assert!(whole.left_out.is_empty());
     let mut parameters = modelled.plant.parameters().clone();
     parameters.interface.output_delay_samples = 20_000;
     let late = PlantModel { plant: Plant::from_lumped(&parameters).unwrap(), ..modelled };
-    let rest = export(&project, &late, &verified, &Nothing).unwrap();
+    let rest = export(&project, &late, &verified, &EmptyWorld).unwrap();
     let units = |files: &[File], name: &str| files.iter().filter(|file| file.name.contains(name)).count();
     assert_eq!((units(&whole.files, "_plant/"), units(&rest.files, "_plant/")), (5, 0));
     assert_eq!(rest.files.len() + 5, whole.files.len());

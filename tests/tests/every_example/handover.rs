@@ -31,7 +31,7 @@ trait Target: SampledController {
     fn set(&mut self, out_of_balance_kg_m: f64);
     fn hand_over(&mut self);
     fn says(&self) -> Status;
-    /// What must be said after the handover.
+    /// Returns what must be said after the handover.
     fn expected_status(&self) -> u32;
 }
 

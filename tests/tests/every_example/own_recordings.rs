@@ -16,7 +16,7 @@ use counterpoise_project::{Attachments, Document, Project, Purpose, SettingValue
 use counterpoise_recordings::Recording;
 use counterpoise_simulate::signal::{Signal, Sine};
 use counterpoise_simulate::{Detail, Firing, Imperfections, Initial, PlatformMotion, Scenario, Simulator};
-use counterpoise_tests::examples::{self, Designed};
+use counterpoise_tests::examples::{self, DesignedExample};
 use counterpoise_tests::exported_loop::controller_file;
 
 /// Ratio of residual to noise floor up to which a replay is that of the machine itself.
@@ -36,7 +36,7 @@ fn sines(all: &[(f64, f64)]) -> Signal {
 }
 
 /// The machine with a recorder's converters and noise where its file states ideal ones.
-fn recorded_plant(designed: &Designed, step: f64) -> Plant {
+fn recorded_plant(designed: &DesignedExample, step: f64) -> Plant {
     let mut parameters = designed.modelled.parameters.clone();
     parameters.interface.output_bits = parameters.interface.output_bits.min(16);
     let sensor = &mut parameters.sensors.hub_gyro;
@@ -51,7 +51,7 @@ fn recorded_plant(designed: &Designed, step: f64) -> Plant {
 }
 
 /// A recording under a controller: demand, heave and pitch together, as large as the example's own experiments make them.
-fn record(designed: &Designed, plant: &Plant, controller: &mut dyn SampledController) -> Recording {
+fn record(designed: &DesignedExample, plant: &Plant, controller: &mut dyn SampledController) -> Recording {
     let procedure = designed.project.verify.as_ref().map(|verify| &verify.procedure);
     let step = procedure.map_or(0.1, |procedure| procedure.step.rate_rad_s.abs());
     let size = |of: f64| [(0.4 * of, 0.8), (0.2 * of, 2.9)];
@@ -80,7 +80,7 @@ fn record(designed: &Designed, plant: &Plant, controller: &mut dyn SampledContro
 }
 
 /// The project of an example that says that its recordings were made under the controller of a file.
-fn replaying(path: &Path, designed: &Designed, plant: &Plant) -> Project {
+fn replaying(path: &Path, designed: &DesignedExample, plant: &Plant) -> Project {
     let text = |value: &str| SettingValue::Text(value.to_owned());
     let name = path.file_name().unwrap().to_str().unwrap();
     let document = Document::from_bytes(&std::fs::read(path).unwrap(), name).unwrap();
@@ -111,12 +111,12 @@ fn replay_recording(project: &Project, recording: Recording) -> ReplayedRecordin
 }
 
 /// A controller that keeps what it read.
-struct Kept<C> {
+struct ReadingRecorder<C> {
     controller: C,
     readings: Vec<[f64; READINGS]>,
 }
 
-impl<C: SampledController> SampledController for Kept<C> {
+impl<C: SampledController> SampledController for ReadingRecorder<C> {
     fn reset(&mut self) {
         self.controller.reset();
         self.readings.clear();
@@ -129,7 +129,11 @@ impl<C: SampledController> SampledController for Kept<C> {
 }
 
 /// A recording under the fixed-point form of a controller that read so; `None` if it has none.
-fn in_fixed_point(designed: &Designed, plant: &Plant, readings: Vec<[f64; READINGS]>) -> Option<Recording> {
+fn in_fixed_point(
+    designed: &DesignedExample,
+    plant: &Plant,
+    readings: Vec<[f64; READINGS]>,
+) -> Option<Recording> {
     let controller: &Controller = &designed.made.sampled.controller;
     let length = readings.len();
     let ranges = Ranges::from_readings(controller, &[readings], RANGE_MARGIN);
@@ -138,14 +142,14 @@ fn in_fixed_point(designed: &Designed, plant: &Plant, readings: Vec<[f64; READIN
     Some(record(designed, plant, &mut FixedRunner::new(&fixed)))
 }
 
-/// What is wrong with the replays of an example's recordings; `None` if it designs no controller.
+/// Returns what is wrong with the replays of an example's recordings; `None` if it designs no controller.
 fn wrong(path: &Path) -> Option<Vec<String>> {
     let designed = examples::design_example(path)?;
     let procedure = designed.project.verify.as_ref().map(|verify| verify.procedure.step.rate_rad_s.abs());
     let plant = recorded_plant(&designed, procedure.unwrap_or(0.1));
     let project = replaying(path, &designed, &plant);
     let controller = &designed.made.sampled.controller;
-    let mut kept = Kept { controller: controller.runner(), readings: Vec::new() };
+    let mut kept = ReadingRecorder { controller: controller.runner(), readings: Vec::new() };
     let double = record(&designed, &plant, &mut kept);
     let name = examples::name(path);
     let mut recordings = vec![("double", double)];

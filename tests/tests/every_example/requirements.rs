@@ -6,26 +6,26 @@ use std::sync::Mutex;
 
 use counterpoise_pipeline::SynthesisedDesign;
 use counterpoise_project::Purpose;
-use counterpoise_synth::{Certified, Sampling, SamplingMethod, discretise};
+use counterpoise_synth::{PartCertificates, Sampling, SamplingMethod, discretise};
 use counterpoise_tests::examples;
 use counterpoise_verify::Verdict;
 
 /// Predicted and achieved H2 norm agree within this.
 const COST: f64 = 1e-6;
 
-/// What is wrong with the costs of the same design made again in sampled time.
+/// Returns what is wrong with the costs of the same design made again in sampled time.
 fn in_sampled_time(made: &SynthesisedDesign) -> Option<String> {
     let sampling = Sampling { method: SamplingMethod::SampledData, ..made.sampling.clone() };
     match discretise(&made.design, &sampling) {
         Err(why) => Some(format!("{why:?}")),
         Ok(sampled) => {
-            let agrees = |part: &Certified| part.cost.relative_difference().is_some_and(|d| d < COST);
+            let agrees = |part: &PartCertificates| part.cost.relative_difference().is_some_and(|d| d < COST);
             sampled.certified.iter().find(|part| !agrees(part)).map(|part| format!("{part:?}"))
         }
     }
 }
 
-/// What is wrong with an example's design; `None` if it asks for none.
+/// Returns what is wrong with an example's design; `None` if it asks for none.
 fn wrong(path: &Path) -> Option<Vec<String>> {
     examples::resolve_example(path, Purpose::Export).unwrap().synth?;
     let designed = examples::design_example(path)?;

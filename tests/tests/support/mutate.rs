@@ -1,4 +1,4 @@
-//! Changes of stored inputs, for tests that feed a reader what nobody meant.
+//! Changes of stored inputs, for tests that give a reader corrupted input.
 #![allow(dead_code)]
 
 use std::path::{Path, PathBuf};
@@ -6,9 +6,9 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 /// Marsaglia's xorshift generator.
-pub struct Random(pub u64);
+pub struct RandomGenerator(pub u64);
 
-impl Random {
+impl RandomGenerator {
     /// A whole number below `n`.
     pub fn draw_below(&mut self, n: usize) -> usize {
         self.0 ^= self.0 << 13;
@@ -40,7 +40,7 @@ pub fn corpus(folders: &[&str], endings: &[&str]) -> Vec<(PathBuf, Vec<u8>)> {
 }
 
 /// One of the inputs with some changes: bits, bytes, cuts, repetitions, pieces of another input, words that readers look for.
-pub fn mutate_input(corpus: &[(PathBuf, Vec<u8>)], words: &[&[u8]], random: &mut Random) -> Vec<u8> {
+pub fn mutate_input(corpus: &[(PathBuf, Vec<u8>)], words: &[&[u8]], random: &mut RandomGenerator) -> Vec<u8> {
     let mut bytes = corpus[random.draw_below(corpus.len())].1.clone();
     for _ in 0..1 + random.draw_below(4) {
         if bytes.is_empty() {
@@ -108,7 +108,7 @@ pub fn fuzz(target: &str, corpus: &[(PathBuf, Vec<u8>)], words: &[&[u8]], read: 
         }
     };
     corpus.iter().for_each(|(_, bytes)| one(bytes));
-    let mut random = Random(0x2545_F491_4F6C_DD1D ^ seed);
+    let mut random = RandomGenerator(0x2545_F491_4F6C_DD1D ^ seed);
     let (begun, mut count) = (Instant::now(), corpus.len());
     while begun.elapsed() < Duration::from_secs(seconds) {
         one(&mutate_input(corpus, words, &mut random));

@@ -4,11 +4,11 @@
 use counterpoise_linalg::C64;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::friction::FrictionModel;
-use counterpoise_models::friction::describing::sinusoidal_loop;
+use counterpoise_models::friction::describing_function::sinusoidal_loop;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, Impedance};
 use counterpoise_models::{Friction, FrictionLaw};
 
-use super::elements::{Elements, Linear, ObserverGain, Sinusoid, quasi_linear, with_mesh};
+use super::elements::{ElementLoop, Elements, ObserverGain, Sinusoid, quasi_linear, with_mesh};
 use super::floor::Subject;
 use crate::Error;
 use crate::linear::SampledPlant;
@@ -16,20 +16,20 @@ use crate::linear::closed_loop::resolver_use;
 use crate::linear::plant::port;
 
 /// A loop with the poles that its describing functions give.
-pub(super) struct Settled {
+pub(super) struct SettledLoop {
     /// The motion for which the describing functions hold.
     pub motion: Sinusoid,
     /// The describing functions.
     pub elements: Elements,
     /// The loop with them.
-    pub linear: Linear,
-    /// Its least stable pole.
+    pub linear: ElementLoop,
+    /// Least stable pole.
     pub pole: C64,
     /// The gear's gap.
     pub mesh: MeshBalance,
 }
 
-/// What the first output of the mechanism is.
+/// Quantity of the first output of the mechanism.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum HubOutput {
     /// The hub's rate.
@@ -47,7 +47,7 @@ pub struct JointBalance {
     pub amplitude_rad: f64,
     /// Torque of dry friction over one period of x = A sin(w t), N m: sample k = 1, 2, ... at w t = 2 pi k / count.
     pub torque_nm: Vec<f64>,
-    /// What its first harmonic acts like.
+    /// Equivalent stiffness and damping of its first harmonic.
     pub impedance: Impedance,
     /// Coulomb level, N m, and rest stiffness, N m/rad, of a law of Dahl with the exponent 1; `None` for other laws.
     pub dahl: Option<[f64; 2]>,
@@ -87,7 +87,7 @@ pub struct CycleBalance {
     pub mesh: MeshBalance,
     /// The friction observers, in the controller's order.
     pub observers: Vec<ObserverGain>,
-    /// What the first output of the mechanism is.
+    /// Quantity of the first output of the mechanism.
     pub hub_output: HubOutput,
     /// The mechanism without dry friction: (control, torque on the motor shaft, torque on the hub) to (hub, tip and motor rate, current,
     /// readings).
@@ -102,7 +102,7 @@ pub struct CycleBalance {
 
 impl CycleBalance {
     /// Returns the loop of a settled motion as the result states it.
-    pub(super) fn new(subject: &Subject<'_>, at: &Settled) -> Result<Self, Error> {
+    pub(super) fn new(subject: &Subject<'_>, at: &SettledLoop) -> Result<Self, Error> {
         let parameters = subject.case.plant.parameters();
         let (motion, ratio) = (&at.motion, parameters.gearbox.ratio);
         let body = with_mesh(&subject.case.plant, at.elements.mesh_share)?;

@@ -8,8 +8,8 @@
 use counterpoise_linalg::C64;
 use counterpoise_lti::Response;
 
-use super::balance::{CycleBalance, MeshBalance, Settled};
-use super::elements::{Elements, Learning, Linear, Sinusoid};
+use super::balance::{CycleBalance, MeshBalance, SettledLoop};
+use super::elements::{ElementLoop, Elements, Learning, Sinusoid};
 use super::floor::Subject;
 use super::gap::gap_share;
 use super::regime::{Teeth, teeth_can_part};
@@ -33,7 +33,7 @@ pub struct Cycle {
     pub frequency_error: f64,
 }
 
-/// How fast a sinusoidal motion grows.
+/// Growth of a sinusoidal motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Growth {
     /// Amplitude of the hub's rate, rad/s.
@@ -57,13 +57,13 @@ impl Cycle {
 }
 
 /// A predicted limit cycle with the loops below and above it.
-pub(super) struct Bracketed {
+pub(super) struct CycleBracket {
     pub cycle: Cycle,
     pub balances: Vec<CycleBalance>,
 }
 
 /// The loop whose balance is sought.
-pub(super) struct Balance<'a> {
+pub(super) struct HarmonicBalance<'a> {
     pub(super) subject: &'a Subject<'a>,
     pub(super) teeth: Teeth,
     /// Torque that presses the teeth together at rest, N m.
@@ -72,10 +72,10 @@ pub(super) struct Balance<'a> {
     pub(super) start_rad_s: f64,
 }
 
-impl<'a> Balance<'a> {
+impl<'a> HarmonicBalance<'a> {
     pub(super) fn new(subject: &'a Subject<'a>) -> Result<Self, Error> {
         let point = &subject.procedure.operating_point;
-        let rest = Linear::close(subject, &Elements::at_rest(subject)?, Learning::Still)?;
+        let rest = ElementLoop::close(subject, &Elements::at_rest(subject)?, Learning::Still)?;
         let period_s = rest.plant.sample_period_s;
         let start_rad_s = rest.least_stable_pole().map_or(1.0, |pole| rate_of(pole, period_s));
         Ok(Self {
@@ -88,7 +88,7 @@ impl<'a> Balance<'a> {
 
     /// The growth at an amplitude, the frequency sought from `from_rad_s`; `None` if nothing oscillates.
     pub(super) fn growth(&self, rate_rad_s: f64, from_rad_s: f64) -> Result<Option<Growth>, Error> {
-        let Some(Settled { pole, .. }) = self.settle_frequency(rate_rad_s, from_rad_s)? else {
+        let Some(SettledLoop { pole, .. }) = self.settle_frequency(rate_rad_s, from_rad_s)? else {
             return Ok(None);
         };
         let period_s = self.subject.case.plant.parameters().interface.sample_period_s;
@@ -100,7 +100,7 @@ impl<'a> Balance<'a> {
     }
 
     /// The loop at an amplitude whose describing functions have the frequency of its own pole.
-    fn settle_frequency(&self, rate_rad_s: f64, from_rad_s: f64) -> Result<Option<Settled>, Error> {
+    fn settle_frequency(&self, rate_rad_s: f64, from_rad_s: f64) -> Result<Option<SettledLoop>, Error> {
         let ratio = self.subject.case.plant.parameters().gearbox.ratio;
         let mut motion = Sinusoid { rate_rad_s, frequency_rad_s: from_rad_s, motor_over_hub: ratio };
         let mut found = None;
@@ -108,12 +108,12 @@ impl<'a> Balance<'a> {
             let mut elements = Elements::harmonic(self.subject, &motion)?;
             let mesh = self.mesh(&motion);
             elements.mesh_share = mesh.share;
-            let linear = Linear::close(self.subject, &elements, Learning::Still)?;
+            let linear = ElementLoop::close(self.subject, &elements, Learning::Still)?;
             let Some(pole) = linear.least_stable_pole() else { return Ok(None) };
             let (frequency, used) = (rate_of(pole, linear.plant.sample_period_s), motion);
             motion.frequency_rad_s = frequency;
             motion.motor_over_hub = motor_over_hub(&linear, frequency)?.unwrap_or(ratio);
-            found = Some(Settled { motion: used, elements, linear, pole, mesh });
+            found = Some(SettledLoop { motion: used, elements, linear, pole, mesh });
         }
         Ok(found)
     }
@@ -143,7 +143,7 @@ impl<'a> Balance<'a> {
     }
 
     /// The limit cycle between an amplitude at which the motion grows and one at which it fades.
-    pub(super) fn cycle(&self, grows: Growth, fades: Growth) -> Result<Bracketed, Error> {
+    pub(super) fn cycle(&self, grows: Growth, fades: Growth) -> Result<CycleBracket, Error> {
         let (mut low, mut high) = (grows, fades);
         for _ in 0..CYCLE_HALVINGS {
             let middle = (low.rate_rad_s * high.rate_rad_s).sqrt();
@@ -163,13 +163,13 @@ impl<'a> Balance<'a> {
             third_harmonic: third.unwrap_or(0.0),
             frequency_error: frequency_error(&sides),
         };
-        Bracketed::new(self.subject, cycle, &sides)
+        CycleBracket::new(self.subject, cycle, &sides)
     }
 }
 
-impl Bracketed {
+impl CycleBracket {
     /// Returns a limit cycle with the loops below and above it.
-    pub(super) fn new(subject: &Subject<'_>, cycle: Cycle, sides: &[Settled]) -> Result<Self, Error> {
+    pub(super) fn new(subject: &Subject<'_>, cycle: Cycle, sides: &[SettledLoop]) -> Result<Self, Error> {
         let balances = sides.iter().map(|side| CycleBalance::new(subject, side));
         Ok(Self { cycle, balances: balances.collect::<Result<_, _>>()? })
     }
@@ -177,13 +177,13 @@ impl Bracketed {
 
 /// Returns the largest relative difference between the frequency of the pole and the one for which the describing functions hold, below and
 /// above a limit cycle; infinite if growth does not turn into fading between them.
-pub(super) fn frequency_error(sides: &[Settled]) -> f64 {
+pub(super) fn frequency_error(sides: &[SettledLoop]) -> f64 {
     let [below, above] = sides else { return f64::INFINITY };
-    let growth = |at: &Settled| at.pole.norm().ln() / at.linear.plant.sample_period_s;
+    let growth = |at: &SettledLoop| at.pole.norm().ln() / at.linear.plant.sample_period_s;
     if growth(below) <= STEADY_GROWTH || growth(above) > STEADY_GROWTH {
         return f64::INFINITY;
     }
-    let error = |at: &Settled| {
+    let error = |at: &SettledLoop| {
         (rate_of(at.pole, at.linear.plant.sample_period_s) / at.motion.frequency_rad_s - 1.0).abs()
     };
     error(below).max(error(above))
@@ -195,7 +195,7 @@ pub(super) fn rate_of(pole: C64, period_s: f64) -> f64 {
 }
 
 /// |L(3 w)| / |L(w)|, with the hold's own fall beyond half the sample rate taken as complete.
-pub(super) fn third_harmonic(linear: &Linear, rate: f64) -> Result<f64, Error> {
+pub(super) fn third_harmonic(linear: &ElementLoop, rate: f64) -> Result<f64, Error> {
     if 3.0 * rate * linear.plant.sample_period_s >= std::f64::consts::PI {
         return Ok(0.0);
     }
@@ -204,7 +204,7 @@ pub(super) fn third_harmonic(linear: &Linear, rate: f64) -> Result<f64, Error> {
 }
 
 /// The amplitude of the motor's motion over the hub's under the control alone; `None` if the hub does not move.
-pub(super) fn motor_over_hub(linear: &Linear, frequency_rad_s: f64) -> Result<Option<f64>, Error> {
+pub(super) fn motor_over_hub(linear: &ElementLoop, frequency_rad_s: f64) -> Result<Option<f64>, Error> {
     let response = Response::of(&linear.plant.continuous)?.at(frequency_rad_s)?;
     let (hub, motor) = (response[(port::HUB, 0)].norm(), response[(port::MOTOR, 0)].norm());
     Ok((hub > 0.0).then(|| motor / hub))

@@ -29,7 +29,7 @@ pub struct ObserverGain {
     pub integral: f64,
 }
 
-/// What stands for the nonlinear parts.
+/// Linear replacements of the nonlinear parts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Elements {
     /// Friction at the motor shaft.
@@ -202,7 +202,7 @@ fn observer_gain(
 }
 
 /// A linear loop at some elements.
-pub(super) struct Linear {
+pub(super) struct ElementLoop {
     pub plant: SampledPlant,
     /// The loop broken at the plant's input, for negative feedback.
     pub broken: StateSpace,
@@ -215,13 +215,13 @@ pub(super) struct Linear {
 /// What the estimator does in a linear loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Learning {
-    /// Its estimate stands still.
+    /// The estimate stands still.
     Still,
     /// It learns, about the state in which it starts.
     Active,
 }
 
-impl Linear {
+impl ElementLoop {
     /// Closes the loop.
     pub fn close(subject: &Subject<'_>, elements: &Elements, learning: Learning) -> Result<Self, Error> {
         let body = with_mesh(&subject.case.plant, elements.mesh_share)?;

@@ -9,7 +9,7 @@ use crate::Procedure;
 use crate::signals::rms;
 use crate::signals::statistics::subtract_mean;
 
-/// What a reading is uncertain by, and what keeps the loop moving without being a motion: in rad/s in a loop of the hub's rate, in the unit
+/// Uncertainty of a reading, and the noise that keeps the loop moving without being a motion: in rad/s in a loop of the hub's rate, in the unit
 /// of what it controls in every other loop.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ReadingNoise {

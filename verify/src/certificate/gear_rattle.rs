@@ -2,11 +2,11 @@
 
 use counterpoise_lti::Response;
 
-use super::balance::{MeshBalance, Settled};
+use super::balance::{MeshBalance, SettledLoop};
 use super::cycle::{
-    Balance, Bracketed, Cycle, Growth, frequency_error, motor_over_hub, rate_of, third_harmonic,
+    Cycle, CycleBracket, Growth, HarmonicBalance, frequency_error, motor_over_hub, rate_of, third_harmonic,
 };
-use super::elements::{Elements, Learning, Linear, Sinusoid};
+use super::elements::{ElementLoop, Elements, Learning, Sinusoid};
 use super::gap::gap_share;
 use crate::Error;
 use crate::linear::plant::port;
@@ -17,13 +17,13 @@ struct Swing {
     swing_rad: f64,
     growth: Growth,
     third_harmonic: f64,
-    settled: Settled,
+    settled: SettledLoop,
 }
 
-impl Balance<'_> {
+impl HarmonicBalance<'_> {
     /// Limit cycles in which the teeth part: sought over the swing of the gear's wind-up, because the same swing of the hub can go with
     /// teeth that stay together and with teeth that part.
-    pub(super) fn rattling_cycles(&self) -> Result<Vec<Bracketed>, Error> {
+    pub(super) fn rattling_cycles(&self) -> Result<Vec<CycleBracket>, Error> {
         let gearbox = &self.subject.case.plant.parameters().gearbox;
         let (gap, pressed) = (gearbox.backlash_rad, self.pressed_wind_up_rad());
         let least = if pressed > 0.0 { pressed } else { 0.5 * gap };
@@ -44,7 +44,7 @@ impl Balance<'_> {
     }
 
     /// The limit cycle between a swing that grows and one that fades.
-    fn rattling_cycle(&self, grows: Swing, fades: Swing) -> Result<Bracketed, Error> {
+    fn rattling_cycle(&self, grows: Swing, fades: Swing) -> Result<CycleBracket, Error> {
         let (mut low, mut high) = (grows, fades);
         for _ in 0..CYCLE_HALVINGS {
             let Some(middle) = self.swing_growth((low.swing_rad * high.swing_rad).sqrt())? else { break };
@@ -58,7 +58,7 @@ impl Balance<'_> {
             third_harmonic,
             frequency_error: frequency_error(&sides),
         };
-        Bracketed::new(self.subject, cycle, &sides)
+        CycleBracket::new(self.subject, cycle, &sides)
     }
 
     /// The growth at a swing of the wind-up; `None` if nothing oscillates.
@@ -74,7 +74,7 @@ impl Balance<'_> {
         for _ in 0..2 * FREQUENCY_ROUNDS {
             let mut elements = Elements::harmonic(self.subject, &motion)?;
             elements.mesh_share = share;
-            let linear = Linear::close(self.subject, &elements, Learning::Still)?;
+            let linear = ElementLoop::close(self.subject, &elements, Learning::Still)?;
             let Some(pole) = linear.least_stable_pole() else { return Ok(None) };
             let (period_s, used) = (linear.plant.sample_period_s, motion);
             let frequency = rate_of(pole, period_s);
@@ -87,7 +87,7 @@ impl Balance<'_> {
             };
             let (pressed_rad, gap_rad) = (self.pressed_wind_up_rad(), gearbox.backlash_rad);
             let mesh = MeshBalance { wind_up_rad: swing_rad, pressed_rad, gap_rad, share };
-            found = Some(Settled { motion: used, elements, linear, pole, mesh });
+            found = Some(SettledLoop { motion: used, elements, linear, pole, mesh });
         }
         let Some(settled) = found else { return Ok(None) };
         let period_s = settled.linear.plant.sample_period_s;
@@ -102,7 +102,7 @@ impl Balance<'_> {
 }
 
 /// The swing of the wind-up over that of the hub under the control alone.
-fn hub_swing(linear: &Linear, ratio: f64, frequency_rad_s: f64) -> Result<f64, Error> {
+fn hub_swing(linear: &ElementLoop, ratio: f64, frequency_rad_s: f64) -> Result<f64, Error> {
     let response = Response::of(&linear.plant.continuous)?.at(frequency_rad_s)?;
     let (hub, motor) = (response[(port::HUB, 0)], response[(port::MOTOR, 0)]);
     Ok((motor / hub / ratio - 1.0).norm().max(f64::MIN_POSITIVE))

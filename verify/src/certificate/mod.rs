@@ -59,16 +59,16 @@ pub struct CertifiedCase {
     pub out_of_balance_kg_m: f64,
 }
 
-/// What the certificate says about a case.
+/// Verdict of the certificate on a case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stability {
     /// The loop is stable in every regime, and no motion stays that exceeds two noise floors.
     Stable,
     /// A limit cycle stays.
     LimitCycle {
-        /// Its amplitude: half the range of the hub's rate, rad/s, or of what the loop controls, in its unit.
+        /// Amplitude: half the range of the hub's rate, rad/s, or of what the loop controls, in its unit.
         amplitude_rad_s: f64,
-        /// Its frequency, Hz.
+        /// Frequency, Hz.
         frequency_hz: f64,
     },
     /// The motion grows without bound, or until the drive saturates.
@@ -84,7 +84,7 @@ pub struct CaseCertificate {
     pub name: String,
     /// The rate of its axis, in which limit cycles are predicted and disturbances start.
     pub rate: ControlledQuantity,
-    /// What the loop controls: the motion of the runs and the noise floor are of this quantity, in its unit.
+    /// Quantity that the loop controls: the motion of the runs and the noise floor are of it, in its unit.
     pub controlled: ControlledQuantity,
     /// The out-of-balance that the controller is told, kg m.
     pub out_of_balance_kg_m: f64,
@@ -92,9 +92,9 @@ pub struct CaseCertificate {
     pub stability: Stability,
     /// The linear loop in each regime.
     pub regimes: Vec<RegimeLoop>,
-    /// What the harmonic balance predicts.
+    /// Limit cycles that the harmonic balance predicts.
     pub prediction: Prediction,
-    /// What the simulator does from near each predicted limit cycle, and from two other disturbances.
+    /// Simulated motions from near each predicted limit cycle, and from two other disturbances.
     pub orbits: Vec<Orbit>,
     /// The proof by a sector argument; `None` if none applies.
     pub sector: Option<SectorProof>,
@@ -105,7 +105,7 @@ pub struct CaseCertificate {
     /// Noise floor of the hub's rate, rad/s: RMS of the hub gyroscope's noise and quantisation. That of another controlled quantity is in its
     /// unit, with what rounding keeps up.
     pub noise_floor_rad_s: f64,
-    /// What the noise floor is made of.
+    /// Parts of the noise floor.
     pub noise: ReadingNoise,
 }
 
@@ -173,7 +173,7 @@ fn certify_case(subject: &Subject<'_>) -> Result<CaseCertificate, Error> {
     let noise_floor_rad_s = subject.noise_floor_rad_s();
     let regimes = regime::loops(subject)?;
     let prediction = prediction::predict(subject)?;
-    let orbits = orbit::follow(subject, &prediction)?;
+    let orbits = orbit::follow_orbits(subject, &prediction)?;
     let rest = runs::at_rest(subject)?;
     let motion = runs::run_in_motion(subject)?;
     let mut found = CaseCertificate {

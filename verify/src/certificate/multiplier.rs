@@ -25,16 +25,16 @@ use counterpoise_linalg::{C64, CMat, Cone, ConeProgram};
 use crate::structured::taylor::{RateInterval, Taylor};
 use crate::tolerance::{HOPELESS_EIGENVALUE, KERNELS, MULTIPLIER_SPLITS, MULTIPLIER_START, NEGLIGIBLE_TERM};
 
-/// What is known about the friction at a joint.
+/// Known properties of the friction at a joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FrictionKnowledge {
-    /// It takes energy out of the motion.
+    /// The friction takes energy out of the motion.
     Dissipates,
-    /// It is a function of the rate, of the rate's sign.
+    /// The friction is a function of the rate, of the rate's sign.
     FunctionOfRate,
-    /// It is an odd function that never falls.
+    /// The friction is an odd function that never falls.
     Rises,
-    /// Its torque changes by at most this times the displacement, N m/rad, and never against it.
+    /// The torque changes by at most this times the displacement, N m/rad, and never against it.
     Stiffness(f64),
 }
 
@@ -68,7 +68,7 @@ impl StabilityCriterion {
 pub struct MultiplierTerm {
     /// Joint.
     pub joint: usize,
-    /// Which term.
+    /// Kind of the term.
     pub kind: TermKind,
     /// Weight, 0 or more.
     pub weight: f64,
@@ -95,7 +95,7 @@ pub enum TermKind {
 /// N and R of a proof.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Multiplier {
-    /// Its terms.
+    /// Terms.
     pub terms: Vec<MultiplierTerm>,
     /// Rate by which derivatives are divided, rad/s.
     pub reference_rad_s: f64,
@@ -105,10 +105,10 @@ pub struct Multiplier {
 /// H over an interval.
 pub type LoopOverInterval<'a> = dyn Fn(RateInterval) -> Option<Vec<Vec<Taylor>>> + 'a;
 
-/// How a check between points ended.
+/// Outcome of a check between points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ProofOutcome {
-    /// It holds at every frequency of the range.
+    /// The condition holds at every frequency of the range.
     Holds {
         /// Least eigenvalue over the largest modulus of an eigenvalue, over all intervals.
         least: f64,
@@ -117,9 +117,9 @@ pub enum ProofOutcome {
         /// Intervals that were needed.
         intervals: usize,
     },
-    /// It does not hold, or cannot be shown, at this rate, rad/s.
+    /// The condition does not hold, or cannot be shown, at this rate, rad/s.
     FailsAt(f64),
-    /// It holds wherever it was looked at, but so narrowly that [`MULTIPLIER_SPLITS`] intervals did not show it; up to this rate, rad/s.
+    /// The condition holds wherever it was looked at, but so narrowly that [`MULTIPLIER_SPLITS`] intervals did not show it; up to this rate, rad/s.
     Narrow(f64),
 }
 
@@ -316,7 +316,7 @@ pub fn adds_terms(known: &[FrictionKnowledge], most: StabilityCriterion) -> bool
 
 /// The best multiplier at some rates.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Best {
+pub struct BestMultiplier {
     /// The multiplier.
     pub multiplier: Multiplier,
     /// The rate at which the condition costs most, rad/s: without it another multiplier would hold by more at the others.
@@ -325,7 +325,7 @@ pub struct Best {
     pub bound: f64,
 }
 
-impl Best {
+impl BestMultiplier {
     /// Returns whether no multiplier of the same terms holds at all of these rates by more than the accuracy of the program; a multiplier of 0
     /// holds by nothing.
     pub fn is_hopeless(&self) -> bool {
@@ -347,7 +347,7 @@ pub fn search_multiplier(
     most: StabilityCriterion,
     H: &[Vec<Vec<Taylor>>],
     rates: &[f64],
-) -> Option<Best> {
+) -> Option<BestMultiplier> {
     let size = |at: &Vec<Vec<Taylor>>| {
         at.iter().flatten().map(|entry| entry.value.norm_sqr()).sum::<f64>().sqrt().max(f64::MIN_POSITIVE)
     };
@@ -382,7 +382,7 @@ pub fn search_multiplier(
     let terms = kinds.iter().zip(&solved.x).filter(|(_, weight)| **weight > NEGLIGIBLE_TERM);
     let terms = terms.map(|(of, weight)| MultiplierTerm { joint: of.joint, kind: of.kind, weight: *weight });
     let multiplier = Multiplier { terms: terms.collect(), reference_rad_s, joints };
-    Some(Best { multiplier, costliest_rad_s: *costliest.1, bound: -solved.dual })
+    Some(BestMultiplier { multiplier, costliest_rad_s: *costliest.1, bound: -solved.dual })
 }
 
 /// The cone program: the weights and, last, the least eigenvalue that is to be largest.

@@ -9,7 +9,7 @@ use counterpoise_simulate::{Initial, Scenario, Signal, Simulator};
 use super::Prediction;
 use super::floor::Subject;
 use crate::Error;
-use crate::signals::periodic::fundamental_hz;
+use crate::signals::period::fundamental_hz;
 use crate::signals::statistics::subtract_mean;
 use crate::signals::{mean, rms};
 use crate::tolerance::{
@@ -17,7 +17,7 @@ use crate::tolerance::{
     STILL_FADES, STRETCH_PERIODS, STRETCH_S,
 };
 
-/// What became of a disturbance: of the hub's rate, or what else the loop controls, in its unit.
+/// Course of a disturbance of the hub's rate, or of what else the loop controls, in its unit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Orbit {
     /// Amplitude of the hub's rate at which it started, rad/s.
@@ -44,7 +44,7 @@ struct Start {
 }
 
 /// Follows the motion from near each predicted limit cycle, and from a small and a large disturbance at the frequency that fades least.
-pub(super) fn follow(subject: &Subject<'_>, prediction: &Prediction) -> Result<Vec<Orbit>, Error> {
+pub(super) fn follow_orbits(subject: &Subject<'_>, prediction: &Prediction) -> Result<Vec<Orbit>, Error> {
     let floor = subject.noise_floor_rad_s();
     let slowest = prediction
         .growth
@@ -179,13 +179,13 @@ impl Stretches {
         Ok(())
     }
 
-    /// Whether the last two stretches moved alike.
+    /// Returns whether the last two stretches moved alike.
     fn has_settled(&self) -> bool {
         let [.., earlier, last] = self.before_rad_s[..] else { return false };
         [earlier, last].iter().all(|before| (self.settling_rms / before - 1.0).abs() < SETTLED)
     }
 
-    /// Whether the motion has fallen distinctly since half as many stretches ago.
+    /// Returns whether the motion has fallen distinctly since half as many stretches ago.
     fn fades(&self) -> bool {
         let earlier = self.before_rad_s.get(self.before_rad_s.len() / 2);
         earlier.is_some_and(|before| self.settling_rms < STILL_FADES * before)

@@ -1,13 +1,13 @@
 //! What the harmonic balance predicts: growth over the amplitude, and the stable limit cycles.
 
 use super::balance::CycleBalance;
-use super::cycle::{Balance, Bracketed, Cycle, Growth};
+use super::cycle::{Cycle, CycleBracket, Growth, HarmonicBalance};
 use super::floor::Subject;
 use super::regime::Teeth;
 use crate::Error;
 use crate::tolerance::{AMPLITUDES_PER_DECADE, LEAST_AMPLITUDE_FLOORS, MOST_AMPLITUDE_RAD_S, STEADY_GROWTH};
 
-/// What the harmonic balance predicts.
+/// Limit cycles that the harmonic balance predicts.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Prediction {
     /// Growth over the amplitude, by rising amplitude.
@@ -19,7 +19,7 @@ pub struct Prediction {
 }
 
 impl Prediction {
-    fn add(&mut self, found: Bracketed) {
+    fn add(&mut self, found: CycleBracket) {
         self.cycles.push(found.cycle);
         self.balances.push(found.balances);
     }
@@ -27,7 +27,7 @@ impl Prediction {
 
 /// Predicts the limit cycles of a case.
 pub(super) fn predict(subject: &Subject<'_>) -> Result<Prediction, Error> {
-    let balance = Balance::new(subject)?;
+    let balance = HarmonicBalance::new(subject)?;
     // the floor of a loop of position, torque or current may be any number beside a rate
     let floor = subject.rate_of(subject.noise_floor_rad_s(), balance.start_rad_s / std::f64::consts::TAU);
     let least = (LEAST_AMPLITUDE_FLOORS * floor).min(0.1 * MOST_AMPLITUDE_RAD_S);

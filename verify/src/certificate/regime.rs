@@ -4,7 +4,7 @@ use counterpoise_lti::{StateSpace, candidate_margins};
 use counterpoise_models::friction::FrictionModel;
 
 use super::CertifiedCase;
-use super::elements::{Elements, Learning, Linear};
+use super::elements::{ElementLoop, Elements, Learning};
 use super::floor::Subject;
 use crate::Error;
 use crate::tolerance::{GRID_LOWEST_HZ, GRID_POINTS, LARGEST_SENSITIVITY, OPEN};
@@ -28,7 +28,7 @@ pub enum Regime {
     TeethOpen,
 }
 
-/// Whether the gear teeth can part.
+/// Rule for the parting of the gear teeth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Teeth {
     /// There is no gap.
@@ -42,7 +42,7 @@ pub enum Teeth {
 /// The loop in a regime.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RegimeLoop {
-    /// Which regime.
+    /// Regime.
     pub regime: Regime,
     /// Largest modulus of a pole of the closed loop; below 1 the loop is stable. Poles of constants that nothing changes are left
     /// out, such as the offset between the state of an observer and the friction itself.
@@ -165,7 +165,7 @@ fn loop_in(subject: &Subject<'_>, regime: Regime, elements: &Elements) -> Result
         }
         _ => Learning::Still,
     };
-    let linear = Linear::close(subject, elements, learning)?;
+    let linear = ElementLoop::close(subject, elements, learning)?;
     let (pole, period_s) = (linear.largest_pole(), linear.plant.sample_period_s);
     let pole_radius = pole.norm();
     let stable = pole_radius < 1.0;

@@ -4,7 +4,7 @@ use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, lft};
 use counterpoise_models::QuantityKind;
 
-use super::elements::{Elements, Learning, Linear};
+use super::elements::{ElementLoop, Elements, Learning};
 use super::floor::{ReadingNoise, Subject};
 use crate::Error;
 use crate::linear::plant::port;
@@ -30,7 +30,7 @@ pub(super) fn reading_noise(subject: &Subject<'_>) -> Result<ReadingNoise, Error
 /// unstable at rest passes on no noise that could be told from its motion: there the share alone counts.
 fn rounding(subject: &Subject<'_>) -> Result<f64, Error> {
     let arithmetic = ROUNDED_STEP * subject.procedure.step.rate_rad_s.abs();
-    let linear = Linear::close(subject, &Elements::at_rest(subject)?, Learning::Still)?;
+    let linear = ElementLoop::close(subject, &Elements::at_rest(subject)?, Learning::Still)?;
     if linear.largest_pole().norm() >= 1.0 {
         return Ok(arithmetic);
     }

@@ -21,18 +21,19 @@ use counterpoise_models::{Friction, FrictionLaw};
 use super::elements::{ObserverGain, quasi_linear};
 use super::floor::Subject;
 use super::multiplier::{
-    Best, FrictionKnowledge, Multiplier, ProofOutcome, StabilityCriterion, adds_terms, search_multiplier,
+    BestMultiplier, FrictionKnowledge, Multiplier, ProofOutcome, StabilityCriterion, adds_terms,
+    search_multiplier,
 };
 use super::regime::{Teeth, grid_rad_s, teeth_can_part};
 use crate::Error;
 use crate::structured::closing::{GainErrors, outermost_pole};
 use crate::structured::factor::Factor;
-use crate::structured::loops::{Pieces, PulledLoop, Uncertain, UncertainLoop};
+use crate::structured::loops::{Pieces, PulledLoop, UncertainLoop, UncertainParameter};
 use crate::structured::places::{LinearisedDryFriction, Place, without_dry};
 use crate::structured::taylor::{RateInterval, Taylor};
 use crate::tolerance::{ALIASES, MULTIPLIER_RANGE, MULTIPLIER_ROUNDS};
 
-/// What the sector argument says about a loop.
+/// Result of the sector argument for a loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SectorProof {
     /// The strongest criterion that was needed, or tried in vain.
@@ -65,7 +66,7 @@ impl SectorProof {
     }
 }
 
-/// What is known of a friction; `None` if it may give energy.
+/// Returns what is known of a friction; `None` if it may give energy.
 fn knowledge(friction: &Friction) -> Result<Option<FrictionKnowledge>, Error> {
     let plain = friction.static_ratio <= 1.0;
     if FrictionModel::new(friction)?.is_modulated() {
@@ -125,10 +126,10 @@ pub(super) fn prove(subject: &Subject<'_>) -> Result<Option<SectorProof>, Error>
         return Ok(None);
     }
     let whole = Factor { centre: 1.0, a: 1.0, b: 0.0 };
-    let joint = |place| Uncertain { factor: whole, places: vec![place] };
+    let joint = |place| UncertainParameter { factor: whole, places: vec![place] };
     let joints = [joint(Place::MotorDry), joint(Place::PivotDry)];
     let pulled = UncertainLoop::new(&nominal, rates, &controller, point, &joints, [0.0; 2])?;
-    let scaled = Scaled::new(&pulled, [motor, pivot])?;
+    let scaled = ScaledLoop::new(&pulled, [motor, pivot])?;
     Ok(Some(scaled.prove(teeth)?))
 }
 
@@ -136,13 +137,13 @@ pub(super) fn prove(subject: &Subject<'_>) -> Result<Option<SectorProof>, Error>
 const COARSER: usize = 4;
 
 /// The loop with the torques and rates of the joints in units in which its diagonal reaches 1.
-struct Scaled<'a> {
+struct ScaledLoop<'a> {
     pulled: &'a UncertainLoop,
     units: [f64; 2],
     known: [FrictionKnowledge; 2],
 }
 
-impl<'a> Scaled<'a> {
+impl<'a> ScaledLoop<'a> {
     fn new(pulled: &'a UncertainLoop, known: [FrictionKnowledge; 2]) -> Result<Self, Error> {
         let all = pulled.at(&grid_rad_s(pulled.sample_period_s()))?;
         let units = [0, 1].map(|k| {
@@ -244,7 +245,7 @@ impl<'a> Scaled<'a> {
     }
 
     /// The best multiplier at some rates; `None` at a pole or if the solver gives up.
-    fn best_multiplier(&self, most: StabilityCriterion, rates: &[f64]) -> Option<Best> {
+    fn best_multiplier(&self, most: StabilityCriterion, rates: &[f64]) -> Option<BestMultiplier> {
         let point = |rate: &f64| self.at(RateInterval { middle_rad_s: *rate, half_rad_s: 0.0 });
         let all = rates.iter().map(point).collect::<Option<Vec<_>>>()?;
         search_multiplier(&self.known, most, &all, rates)

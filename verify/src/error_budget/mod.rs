@@ -24,26 +24,26 @@ use crate::sight_spectrum::{Bands, SightSpectrum};
 use crate::tolerance::LEAST_COMPARED_SIGHT_RAD;
 use crate::{Error, LineOfSight, Procedure, nonlinear};
 use propagation::Propagation;
-use sources::{Switched, switch_off};
+use sources::{BudgetMachine, switch_off};
 
 pub use sources::ErrorSource;
 
-/// What one source makes of the error: values in the order of [`crate::line_of_sight::SightError::values`].
+/// Contribution of one source to the error: values in the order of [`crate::line_of_sight::SightError::values`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contribution {
     /// The source.
     pub source: ErrorSource,
-    /// Its share of the mean square, rad^2; negative if it reduces the error of the others.
+    /// Share of the mean square, rad^2; negative if it reduces the error of the others.
     pub share_rad2: [f64; 5],
     /// RMS with this source alone, on the flexible structure, rad.
     pub alone_rad: [f64; 5],
     /// The share in each band.
     pub share: SightSpectrum,
-    /// What the linear loop makes of the source; `None` if it has no place in a linear loop.
+    /// Contribution of the source in the linear loop; `None` if it has no place there.
     pub linear: Option<LinearContribution>,
 }
 
-/// What the linear loop makes of a source.
+/// Contribution of a source in the linear loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearContribution {
     /// RMS, rad, in the order of [`crate::line_of_sight::SightError::values`].
@@ -330,8 +330,8 @@ impl Runs<'_> {
         nonlinear::run(&mut simulator, self.controller, &from.procedure, sight_experiment(&from.procedure))
     }
 
-    fn every_source(&self) -> Switched {
-        Switched {
+    fn every_source(&self) -> BudgetMachine {
+        BudgetMachine {
             parameters: self.plant.parameters().clone(),
             body: self.plant.body().clone(),
             procedure: self.procedure.clone(),
@@ -352,7 +352,7 @@ impl Runs<'_> {
     }
 }
 
-/// What a mean square grows by between two runs.
+/// Returns what a mean square grows by between two runs.
 fn mean_square_growth(j: usize, [before, after]: [&RunError; 2]) -> f64 {
     after.rad[j].powi(2) - before.rad[j].powi(2)
 }

@@ -24,10 +24,10 @@ use crate::line_of_sight::SightAngles;
 use crate::linear::closed_loop::resolver_use;
 use crate::linear::noise::{NoiseEntry, NoiseResponse, noise_responses};
 use crate::linear::{
-    Closed, SampledPlant, arrange_controller, simulate_disturbance, surge::acting_arrangement,
+    ClosedLoop, SampledPlant, arrange_controller, simulate_disturbance, surge::acting_arrangement,
 };
 use crate::sight_spectrum::{Bands, SightSpectrum};
-use crate::tolerance::SIGHT_POINTS_A_BAND;
+use crate::tolerance::{MEAN_SERIES, SIGHT_POINTS_A_BAND};
 use crate::{Arrangement, Error, HeaveAndPitch, LineOfSight, Procedure, Source};
 
 /// The linear loop with what its noise makes.
@@ -37,11 +37,11 @@ pub struct Propagation<'a> {
     sight: LineOfSight,
     bands: &'a Bands,
     sampled: SampledPlant,
-    closed: Closed,
+    closed: ClosedLoop,
     /// The loop as surge meets it.
-    closed_for_surge: Closed,
+    closed_for_surge: ClosedLoop,
     torqued: SampledPlant,
-    closed_for_torques: Closed,
+    closed_for_torques: ClosedLoop,
     grid: Grid,
     noise: Vec<NoiseResponse>,
 }
@@ -116,14 +116,14 @@ impl<'a> Propagation<'a> {
         let sampled = SampledPlant::new(&linear, parameters, resolver)?;
         let torqued = SampledPlant::with_torque_inputs(&linear, parameters, resolver)?;
         let moment = controller.parts().design_out_of_balance_kg_m;
-        let closed = Closed::new(&sampled, Some(controller), moment)?;
+        let closed = ClosedLoop::new(&sampled, Some(controller), moment)?;
         if closed.pole_radius() >= 1.0 {
             return Ok(None);
         }
         let meets_surge =
             arrange_controller(controller, acting_arrangement(&sampled, Arrangement::Compensated))?;
-        let closed_for_surge = Closed::new(&sampled, meets_surge.as_ref(), moment)?;
-        let closed_for_torques = Closed::new(&torqued, Some(controller), moment)?;
+        let closed_for_surge = ClosedLoop::new(&sampled, meets_surge.as_ref(), moment)?;
+        let closed_for_torques = ClosedLoop::new(&torqued, Some(controller), moment)?;
         let grid = Grid::of(bands);
         let noise = noise_responses(&sampled, &closed, grid.frequency_hz.clone())?;
         let sight = procedure.line_of_sight.unwrap_or_default();
@@ -265,7 +265,7 @@ impl<'a> Propagation<'a> {
         Torques { motor_nm: vec![0.0; whole.len()], hub_nm: (0..whole.len()).map(hub).collect() }
     }
 
-    /// What the gap takes from the torque of teeth that always touch.
+    /// Returns what the gap takes from the torque of teeth that always touch.
     fn gap_torques(&self, whole: &TimeHistory) -> Torques {
         let gearbox = &self.plant.parameters().gearbox;
         let truth = &whole.truth;
@@ -340,7 +340,7 @@ impl Torques {
 /// Returns 1 - sinc^2: the share of a density that varies within a time, at a number of periods in it.
 fn about_mean(periods: f64) -> f64 {
     let x = PI * periods;
-    if x < 1e-2 * FRAC_PI_2 {
+    if x < MEAN_SERIES * FRAC_PI_2 {
         // the series of 1 - (sin x / x)^2: the difference itself would lose digits
         return x * x / 3.0 * (1.0 - 2.0 * x * x / 15.0);
     }

@@ -28,15 +28,15 @@ pub enum ErrorSource {
     Ripple,
     /// Noise, bias and drift of the gyroscope in the loop.
     HubGyro,
-    /// Those of the gyroscope on the platform.
+    /// Errors of the gyroscope on the platform.
     PlatformGyro,
-    /// Those of the accelerometer of heave.
+    /// Errors of the accelerometer of heave.
     Accelerometer,
-    /// Those of the accelerometer of surge.
+    /// Errors of the accelerometer of surge.
     SurgeAccelerometer,
-    /// Those of the motor's tachometer.
+    /// Errors of the motor's tachometer.
     MotorTachometer,
-    /// Those of the hub's resolver.
+    /// Errors of the hub's resolver.
     HubResolver,
     /// Steps of the converters and missing codes.
     Quantisation,
@@ -96,14 +96,14 @@ impl ErrorSource {
 
 /// A machine and its motion, from which sources are taken.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Switched {
+pub(super) struct BudgetMachine {
     pub parameters: Parameters,
     pub body: Body,
     pub procedure: Procedure,
 }
 
 /// Takes a source out of the machine or of its motion.
-pub(super) fn switch_off(source: ErrorSource, from: &mut Switched) {
+pub(super) fn switch_off(source: ErrorSource, from: &mut BudgetMachine) {
     let (p, procedure) = (&mut from.parameters, &mut from.procedure);
     match source {
         ErrorSource::Bending => from.body.modes.clear(),
@@ -138,7 +138,7 @@ pub(super) fn switch_off(source: ErrorSource, from: &mut Switched) {
 const FINEST_BITS: u32 = 32;
 
 fn remove_friction(p: &mut Parameters) {
-    let none = Friction::plain(FrictionLaw::None, 0.0);
+    let none = Friction::with_viscous_part(FrictionLaw::None, 0.0);
     (p.motor_friction, p.pivot_friction) = (none.clone(), none);
     p.gearbox.hysteresis_nm = 0.0;
     if let Some(lumped) = &mut p.lumped {

@@ -11,10 +11,10 @@ use crate::{Arrangement, Error};
 
 /// A loop that has been closed.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Closed {
+pub struct ClosedLoop {
     /// (demand, heave, pitch rate) -> (hub rate, tip rate, motor rate, current, control about its holding value).
     pub system: StateSpace,
-    /// Its poles, in the z-plane.
+    /// Poles, in the z-plane.
     pub poles: Vec<C64>,
     /// The loop broken at the plant's input, for negative feedback: 1 + L is the return difference. Absent without a controller.
     pub broken: Option<StateSpace>,
@@ -25,13 +25,13 @@ pub struct Closed {
 /// The loop of an arrangement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArrangedLoop {
-    /// How much of the controller acts.
+    /// Part of the controller that acts.
     pub arrangement: Arrangement,
     /// The loop, closed.
-    pub closed: Closed,
+    pub closed: ClosedLoop,
 }
 
-impl Closed {
+impl ClosedLoop {
     /// Closes the loop with `controller`, or leaves it open where there is none.
     ///
     /// # Errors

@@ -4,14 +4,14 @@ use counterpoise_linalg::{C64, CMat};
 
 use super::loop_responses::{LoopResponse, loop_responses};
 use super::plant::port;
-use super::plant_response::{ACCELEROMETER, HUB_GYRO, PLATFORM_GYRO, PlantResponse, hold};
-use super::{ArrangedLoop, Closed, SampledPlant};
+use super::plant_response::{ACCELEROMETER, HUB_GYRO, PLATFORM_GYRO, PlantResponse, hold_and_delay};
+use super::{ArrangedLoop, ClosedLoop, SampledPlant};
 use crate::{Arrangement, Error, Source};
 
 /// One complex response over frequency.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ResponseCurve {
-    /// What it is, for a legend.
+    /// Name, for a legend.
     pub name: String,
     /// One value a frequency of [`Curves::frequency_hz`].
     pub response: Vec<C64>,
@@ -42,7 +42,7 @@ pub struct Curves {
 pub struct Rejection {
     /// Heave or pitch.
     pub source: Source,
-    /// How much of the controller acts.
+    /// Part of the controller that acts.
     pub arrangement: Arrangement,
     /// Hub rate over heave, rad/s per m/s^2, or over pitch rate.
     pub response: Vec<C64>,
@@ -137,7 +137,7 @@ fn controller_curves(response: &[CMat]) -> Vec<ResponseCurve> {
 /// A response that does not exist because of a pole.
 pub fn compute_rejections(
     plant: &SampledPlant,
-    closed: &Closed,
+    closed: &ClosedLoop,
     arrangement: Arrangement,
     frequency_hz: &[f64],
 ) -> Result<Vec<Rejection>, Error> {
@@ -156,7 +156,7 @@ fn rejection_of(
         let (G, rate) = (&at.continuous[k], at.rates_rad_s[k]);
         let Some(K) = controller else { return G[(port::HUB, input)] };
         let tone = control_tone(plant, &K[k], &at.readings[k], &reading_tones(plant, G, input, rate));
-        G[(port::HUB, input)] + G[(port::HUB, 0)] * hold(plant, rate) * tone
+        G[(port::HUB, input)] + G[(port::HUB, 0)] * hold_and_delay(plant, rate) * tone
     };
     [(Source::Heave, 1), (Source::Pitch, 2)].map(|(source, input)| Rejection {
         source,
@@ -165,7 +165,7 @@ fn rejection_of(
     })
 }
 
-/// What a tone of the platform puts into the readings, without control.
+/// Returns what a tone of the platform puts into the readings, without control.
 fn reading_tones(plant: &SampledPlant, continuous: &CMat, input: usize, rate: f64) -> Vec<C64> {
     let delays = &plant.delays.readings;
     let late = |i: usize| C64::from_polar(1.0, -rate * plant.sample_period_s * delays[i].samples as f64);
@@ -186,7 +186,7 @@ fn control_tone(plant: &SampledPlant, K: &CMat, P: &CMat, R: &[C64]) -> C64 {
 /// As [`compute_rejections`].
 pub fn rejection_db(
     plant: &SampledPlant,
-    closed: &Closed,
+    closed: &ClosedLoop,
     source: Source,
     frequency_hz: &[f64],
 ) -> Result<Vec<f64>, Error> {

@@ -4,20 +4,20 @@ use counterpoise_linalg::{C64, CMat};
 
 use super::SampledPlant;
 use super::plant::port;
-use super::plant_response::{ACCELEROMETER, DEMAND, PLATFORM_GYRO, PlantResponse, hold};
+use super::plant_response::{ACCELEROMETER, DEMAND, PLATFORM_GYRO, PlantResponse, hold_and_delay};
 
 /// One response of the closed loop beside its sensitivities.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopResponse {
     /// What drives it.
     pub cause: LoopCause,
-    /// What is observed.
+    /// Observed signal.
     pub effect: LoopEffect,
     /// One value a frequency of [`Curves::frequency_hz`](super::Curves::frequency_hz): rad/s (in a loop of position, rad) or V, over the unit of the cause.
     pub response: Vec<C64>,
 }
 
-/// What drives a loop.
+/// Input of a loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoopCause {
     /// The demand.
@@ -28,7 +28,7 @@ pub enum LoopCause {
     Noise(usize),
 }
 
-/// What is observed of a loop.
+/// Output of a loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoopEffect {
     /// The hub's rate; its position in a loop of position.
@@ -49,7 +49,7 @@ pub(super) fn loop_responses(
     broken: &[C64],
 ) -> Vec<LoopResponse> {
     let sensitivity = |k: usize| C64::new(1.0, 0.0) / (C64::new(1.0, 0.0) + broken[k]);
-    let held = |k: usize| at.continuous[k][(port::HUB, 0)] * hold(plant, at.rates_rad_s[k]);
+    let held = |k: usize| at.continuous[k][(port::HUB, 0)] * hold_and_delay(plant, at.rates_rad_s[k]);
     let over = |value: &dyn Fn(usize) -> C64| (0..broken.len()).map(value).collect();
     let mut all = vec![
         LoopResponse {

@@ -6,14 +6,14 @@ use counterpoise_lti::{Margins, Response, StateSpace};
 use super::root_locus::root_locus;
 use super::{Curves, RootLocus};
 use crate::tolerance::{LOWEST_PATH_GAIN, MOST_PATH_POINTS, PATH_LOGARITHM, PATH_STEP, SAME_FREQUENCY};
-use crate::{Error, Figure, LoopFigure, Requirement};
+use crate::{Error, LoopFigure, PerformanceFigure, Requirement};
 
 /// The loop broken at the plant's input, as charts of the whole loop show it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopShape {
-    /// Its frequency response.
+    /// Frequency response.
     pub path: LoopPath,
-    /// Its root locus.
+    /// Root locus.
     pub locus: RootLocus,
 }
 
@@ -29,9 +29,9 @@ pub struct LoopPath {
 /// A disk of the plane of L.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Disk {
-    /// Its centre on the real axis.
+    /// Centre on the real axis.
     pub centre: f64,
-    /// Its radius.
+    /// Radius.
     pub radius: f64,
 }
 
@@ -47,11 +47,11 @@ pub enum MarginKind {
 /// A margin, with the value of L at which it is read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MarginOnPath {
-    /// Which margin.
+    /// Kind of the margin.
     pub kind: MarginKind,
-    /// Its size, dB or degrees.
+    /// Size, dB or degrees.
     pub size: f64,
-    /// Where it is read, rad/s.
+    /// Frequency at which it is read, rad/s.
     pub rate_rad_s: f64,
     /// L there.
     pub response: C64,
@@ -116,7 +116,7 @@ pub fn loop_path(broken: &StateSpace, coarse: &LoopPath) -> Result<LoopPath, Err
     Ok(path)
 }
 
-/// Whether a straight line between two neighbours would show in a Nyquist or in a Nichols chart.
+/// Returns whether a straight line between two neighbours would show in a Nyquist or in a Nichols chart.
 fn is_far(a: C64, b: C64) -> bool {
     let is_seen = a.norm() > LOWEST_PATH_GAIN && b.norm() > LOWEST_PATH_GAIN;
     chordal(a, b) > PATH_STEP || (is_seen && (b / a).ln().norm() > PATH_LOGARITHM)
@@ -172,7 +172,8 @@ pub const USUAL_SENSITIVITY: f64 = 2.0;
 /// Returns the largest sensitivity that the requirements allow, or the usual one.
 pub fn largest_sensitivity(requirements: &[Requirement]) -> f64 {
     let limit = |requirement: &Requirement| {
-        (requirement.figure == Figure::Loop(LoopFigure::MaxSensitivity)).then(|| requirement.limit.value())
+        (requirement.figure == PerformanceFigure::Loop(LoopFigure::MaxSensitivity))
+            .then(|| requirement.limit.value())
     };
     requirements.iter().find_map(limit).filter(|ms| *ms > 1.0).unwrap_or(USUAL_SENSITIVITY)
 }

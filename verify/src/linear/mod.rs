@@ -16,7 +16,7 @@ pub mod root_locus;
 pub mod surge;
 pub mod time;
 
-pub use closed_loop::{ArrangedLoop, Closed, arrange_controller};
+pub use closed_loop::{ArrangedLoop, ClosedLoop, arrange_controller};
 pub use frequency::{Curves, ResponseCurve, rejection_db};
 pub use loop_responses::{LoopCause, LoopEffect, LoopResponse};
 pub use loop_shape::{

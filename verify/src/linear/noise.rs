@@ -3,13 +3,13 @@
 use counterpoise_linalg::C64;
 
 use super::SampledPlant;
-use super::closed_loop::Closed;
+use super::closed_loop::ClosedLoop;
 use super::frequency::break_loop;
 use super::plant::port;
-use super::plant_response::{PlantResponse, hold};
+use super::plant_response::{PlantResponse, hold_and_delay};
 use crate::Error;
 
-/// Where noise enters a loop.
+/// Place at which noise enters a loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NoiseEntry {
     /// The reading with this place among the readings ([`counterpoise_controller::READING_NAMES`]), after its delay.
@@ -21,7 +21,7 @@ pub enum NoiseEntry {
 /// The rates of hub and tip over one noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NoiseResponse {
-    /// Where it enters.
+    /// Place at which it enters.
     pub entry: NoiseEntry,
     /// Hub rate over the noise, one value a frequency.
     pub hub: Vec<C64>,
@@ -40,14 +40,15 @@ pub struct NoiseResponse {
 /// A response that does not exist because of a pole on the axis.
 pub fn noise_responses(
     plant: &SampledPlant,
-    closed: &Closed,
+    closed: &ClosedLoop,
     frequency_hz: Vec<f64>,
 ) -> Result<Vec<NoiseResponse>, Error> {
     let at = PlantResponse::of(plant, frequency_hz)?;
     let Some(K) = at.controller(closed)? else { return Ok(Vec::new()) };
     let broken = break_loop(&K, &at.readings);
     let through = |k: usize, row: usize| {
-        at.continuous[k][(row, 0)] * hold(plant, at.rates_rad_s[k]) / (C64::new(1.0, 0.0) + broken[k])
+        at.continuous[k][(row, 0)] * hold_and_delay(plant, at.rates_rad_s[k])
+            / (C64::new(1.0, 0.0) + broken[k])
     };
     let response = |entry: NoiseEntry| {
         let gain = |k: usize| match entry {

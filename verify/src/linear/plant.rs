@@ -36,15 +36,15 @@ pub struct SampledPlant {
     pub sample_period_s: f64,
     /// The control that holds the mechanism at its operating point, V.
     pub holding_v: f64,
-    /// What the loop controls.
+    /// Quantity that the loop controls.
     pub controlled: ControlledQuantity,
-    /// Whether hub and tip are positions and not rates: the loop's sensor measures one.
+    /// `true` if hub and tip are positions and not rates: the loop's sensor measures one.
     pub controls_position: bool,
-    /// Whether the loop controls a torque or a current, which is then in the place of the hub's rate.
+    /// `true` if the loop controls a torque or a current, which is then in the place of the hub's rate.
     pub controls_effort: bool,
     /// The hub's angle at the operating point, rad.
     pub hub_angle_rad: f64,
-    /// Whether the platform's accelerometer feels surge as the out-of-balance does.
+    /// `true` if the platform's accelerometer feels surge as the out-of-balance does.
     pub surge_is_measured: bool,
     /// Delays: of the control, then of the readings, in samples.
     pub(crate) delays: Delays,
@@ -74,12 +74,12 @@ pub(crate) mod port {
     pub const FIRST_READING: usize = 5;
 }
 
-/// Whether the hub's angle is a state: only where the controller reads it, for it is an integrator that nothing else sees.
+/// Use of the hub's angle: it is a state only if the controller reads it, for it is an integrator that nothing else sees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Resolver {
     /// The controller reads the hub's angle.
     Read,
-    /// It does not.
+    /// The controller does not read the angle.
     Unread,
 }
 

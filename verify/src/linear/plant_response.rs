@@ -4,7 +4,7 @@ use counterpoise_linalg::{C64, CMat};
 use counterpoise_lti::{Response, StateSpace};
 
 use super::plant::port;
-use super::{Closed, SampledPlant};
+use super::{ClosedLoop, SampledPlant};
 use crate::Error;
 
 // places of readings in the order of the controller
@@ -13,7 +13,7 @@ pub(super) const HUB_GYRO: usize = 1;
 pub(super) const PLATFORM_GYRO: usize = 2;
 pub(super) const ACCELEROMETER: usize = 3;
 
-/// What a plant contributes to its curves: computed once, while controllers come and go.
+/// Contribution of a plant to its curves: computed once for all controllers.
 #[derive(Debug, Clone)]
 pub struct PlantResponse {
     /// Frequencies, Hz.
@@ -37,7 +37,7 @@ impl PlantResponse {
         Ok(Self { frequency_hz, rates_rad_s, continuous, readings })
     }
 
-    pub(super) fn controller(&self, closed: &Closed) -> Result<Option<Vec<CMat>>, Error> {
+    pub(super) fn controller(&self, closed: &ClosedLoop) -> Result<Option<Vec<CMat>>, Error> {
         let K = closed.controller.as_ref();
         K.map(|K| Ok(Response::of(K)?.at_all(&self.rates_rad_s)?)).transpose()
     }
@@ -50,7 +50,7 @@ fn to_readings(plant: &SampledPlant) -> StateSpace {
 }
 
 /// The hold and the control's delay.
-pub(crate) fn hold(plant: &SampledPlant, rate: f64) -> C64 {
+pub(crate) fn hold_and_delay(plant: &SampledPlant, rate: f64) -> C64 {
     let angle = rate * plant.sample_period_s;
     let j = C64::new(0.0, angle);
     (C64::new(1.0, 0.0) - (-j).exp()) / j * C64::from_polar(1.0, -angle * plant.delays.control as f64)

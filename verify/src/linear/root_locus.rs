@@ -4,7 +4,9 @@ use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, poles, zeros};
 
 use crate::Error;
-use crate::tolerance::{LOCUS_GAINS_PER_DECADE, LOCUS_STEP, MOST_LOCUS_GAINS, NEAREST_POLE};
+use crate::tolerance::{
+    LOCUS_GAIN_RATIO, LOCUS_GAINS_PER_DECADE, LOCUS_STEP, MOST_LOCUS_GAINS, NEAREST_POLE,
+};
 
 /// The poles of 1 + k L over the gain k: for k = 0 those of L, for k = 1 those of the loop as it is; for large k they end in the zeros
 /// of L or leave.
@@ -144,7 +146,10 @@ fn follow(
         // relative to the distance from z = 1, where the slow poles of a loop lie that is sampled fast
         let step = |(a, b): (&C64, &C64)| (a - b).norm() / ((a - 1.0).norm() + NEAREST_POLE);
         let farthest = last.poles.iter().zip(&matched).map(step).fold(0.0, f64::max);
-        if farthest > LOCUS_STEP && found.len() + ahead.len() < most && next.gain > 1.001 * last.gain {
+        if farthest > LOCUS_STEP
+            && found.len() + ahead.len() < most
+            && next.gain > LOCUS_GAIN_RATIO * last.gain
+        {
             let between = (last.gain * next.gain).sqrt();
             ahead.push(next);
             ahead.push(Point { gain: between, poles: closed(between)? });

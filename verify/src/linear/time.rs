@@ -4,7 +4,7 @@ use counterpoise_linalg::Mat;
 use counterpoise_lti::lsim;
 
 use super::plant::port;
-use super::{Closed, SampledPlant};
+use super::{ClosedLoop, SampledPlant};
 use crate::history::{Experiment, History, HistoryColumn, integrate};
 use crate::procedure::{Step, Triangle};
 use crate::{Arrangement, Error, HeaveAndPitch, Model, Source};
@@ -13,7 +13,7 @@ use crate::{Arrangement, Error, HeaveAndPitch, Model, Source};
 ///
 /// # Errors
 /// Those of the simulation.
-pub fn simulate_step(plant: &SampledPlant, closed: &Closed, step: Step) -> Result<History, Error> {
+pub fn simulate_step(plant: &SampledPlant, closed: &ClosedLoop, step: Step) -> Result<History, Error> {
     run(plant, closed, Experiment::Step, step.duration_s, |_| LoopInputs::demand(step.rate_rad_s))
 }
 
@@ -23,7 +23,7 @@ pub fn simulate_step(plant: &SampledPlant, closed: &Closed, step: Step) -> Resul
 /// Those of the simulation.
 pub fn simulate_triangle(
     plant: &SampledPlant,
-    closed: &Closed,
+    closed: &ClosedLoop,
     triangle: Triangle,
     duration_s: f64,
 ) -> Result<History, Error> {
@@ -37,7 +37,7 @@ pub fn simulate_triangle(
 /// Those of the simulation.
 pub fn simulate_disturbance(
     plant: &SampledPlant,
-    closed: &Closed,
+    closed: &ClosedLoop,
     source: Source,
     arrangement: Arrangement,
     duration_s: f64,
@@ -60,7 +60,7 @@ impl LoopInputs {
         Self { demand_rad_s, platform: HeaveAndPitch::default() }
     }
 
-    /// The inputs in the order of [`Closed::system`].
+    /// The inputs in the order of [`ClosedLoop::system`].
     fn array(&self) -> [f64; 3] {
         [self.demand_rad_s, self.platform.heave_m_s2, self.platform.pitch_rate_rad_s]
     }
@@ -68,7 +68,7 @@ impl LoopInputs {
 
 fn run(
     plant: &SampledPlant,
-    closed: &Closed,
+    closed: &ClosedLoop,
     experiment: Experiment,
     duration_s: f64,
     inputs: impl Fn(f64) -> LoopInputs,

@@ -8,16 +8,16 @@ use counterpoise_models::parameters::Parameters;
 use counterpoise_models::plant::Plant;
 use ndarray::Array2;
 
-use super::{Distribution, PointLayout, Varied, figures_of};
+use super::{Distribution, PointLayout, VariedParameter, figures_of};
 use crate::measure::Value;
-use crate::{Error, Figure, Procedure, Requirement};
+use crate::{Error, PerformanceFigure, Procedure, Requirement};
 
 /// A parameter and how its factor is distributed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Variation {
-    /// Which parameter.
-    pub parameter: Varied,
-    /// Its factor.
+    /// Parameter.
+    pub parameter: VariedParameter,
+    /// Factor.
     pub distribution: Distribution,
 }
 
@@ -36,7 +36,7 @@ pub struct Campaign {
 /// One mechanism of the campaign, and its figures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sample {
-    /// Its number.
+    /// Number.
     pub index: usize,
     /// The factor of each variation.
     pub factors: Vec<f64>,
@@ -44,7 +44,7 @@ pub struct Sample {
     pub values: Vec<f64>,
 }
 
-/// How the mechanisms of a campaign are laid out.
+/// Layout of the mechanisms of a campaign.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Layout {
     /// Number of mechanisms.
@@ -174,7 +174,8 @@ impl Campaign {
     /// # Errors
     /// As [`figures_of`].
     pub fn run_with(&self, index: usize, factors: Vec<f64>) -> Result<Sample, Error> {
-        let figures: Vec<Figure> = self.requirements.iter().map(|requirement| requirement.figure).collect();
+        let figures: Vec<PerformanceFigure> =
+            self.requirements.iter().map(|requirement| requirement.figure).collect();
         let values = self.values_at(&factors, index, &figures)?;
         Ok(Sample { index, factors, values })
     }
@@ -183,7 +184,12 @@ impl Campaign {
     ///
     /// # Errors
     /// As [`figures_of`].
-    pub fn values_at(&self, factors: &[f64], index: usize, figures: &[Figure]) -> Result<Vec<f64>, Error> {
+    pub fn values_at(
+        &self,
+        factors: &[f64],
+        index: usize,
+        figures: &[PerformanceFigure],
+    ) -> Result<Vec<f64>, Error> {
         let plant = Plant::from_lumped(&self.parameters(factors)?)?;
         let controller = self.controller(factors)?;
         let seed = self.procedure.seed.wrapping_add(index as u64);

@@ -4,27 +4,27 @@ use counterpoise_controller::Controller;
 use counterpoise_models::parameters::Parameters;
 use counterpoise_models::plant::Plant;
 
-use super::{Varied, figures_of};
+use super::{VariedParameter, figures_of};
 use crate::measure::Value;
-use crate::{Error, Figure, Procedure};
+use crate::{Error, PerformanceFigure, Procedure};
 
 /// A parameter that varies alone, and its factors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Family {
     /// The parameter.
-    pub parameter: Varied,
-    /// Its factors.
+    pub parameter: VariedParameter,
+    /// Factors.
     pub factors: Vec<f64>,
 }
 
-/// How a mechanism differs from the nominal one.
+/// Difference of a mechanism from the nominal one.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MemberDifference {
     /// One parameter is multiplied by a factor.
     Scaled {
         /// The parameter.
-        parameter: Varied,
-        /// Its factor.
+        parameter: VariedParameter,
+        /// Factor.
         factor: f64,
     },
     /// It is in the configuration of this name.
@@ -34,7 +34,7 @@ pub enum MemberDifference {
 /// One mechanism of a family, and its figures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FamilyMember {
-    /// How it differs from the nominal mechanism.
+    /// Difference from the nominal mechanism.
     pub difference: MemberDifference,
     /// The figures, in the order asked for.
     pub values: Vec<Value>,
@@ -48,7 +48,7 @@ pub fn one_at_a_time(
     nominal: &Parameters,
     controller: &Controller,
     procedure: &Procedure,
-    figures: &[Figure],
+    figures: &[PerformanceFigure],
     families: &[Family],
 ) -> Result<Vec<FamilyMember>, Error> {
     let mut members = Vec::new();
@@ -75,7 +75,7 @@ pub fn compare_configurations(
     nominal: &Parameters,
     controller: &Controller,
     procedure: &Procedure,
-    figures: &[Figure],
+    figures: &[PerformanceFigure],
 ) -> Result<Vec<FamilyMember>, Error> {
     let member = |configuration| {
         let plant = Plant::from_lumped(&nominal.with_configuration(configuration)?)?;

@@ -7,7 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use crate::Error;
 use crate::tolerance::NORMAL_CUT;
 
-/// How a factor is distributed.
+/// Distribution of a factor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Distribution {
     /// Evenly between two factors.
@@ -31,7 +31,7 @@ pub enum Distribution {
     },
 }
 
-/// How the points of a campaign are laid out.
+/// Layout of the points of a campaign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PointLayout {
     /// Each coordinate once in each of as many strata as there are samples.

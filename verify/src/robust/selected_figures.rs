@@ -8,10 +8,10 @@ use counterpoise_simulate::Simulator;
 use crate::history::{Experiment, History};
 use crate::line_of_sight;
 use crate::linear::closed_loop::resolver_use;
-use crate::linear::{ArrangedLoop, Closed, SampledPlant, arrange_controller, surge};
+use crate::linear::{ArrangedLoop, ClosedLoop, SampledPlant, arrange_controller, surge};
 use crate::measure::{MeasuredFigure, Value, history_figures, infinite_figures, loop_figures};
 use crate::verification::{linear_history, linear_plant, rejection_figures};
-use crate::{Arrangement, Error, Figure, Model, Procedure, Unmeasured, nonlinear};
+use crate::{Arrangement, Error, MissingReason, Model, PerformanceFigure, Procedure, nonlinear};
 
 /// Measures `wanted`, in that order: infinite where the loop diverges, absent where there is no such number.
 ///
@@ -21,10 +21,10 @@ pub fn figures_of(
     plant: &Plant,
     controller: &Controller,
     procedure: &Procedure,
-    wanted: &[Figure],
+    wanted: &[PerformanceFigure],
 ) -> Result<Vec<Value>, Error> {
     let mut found = Vec::new();
-    let mut linear: Option<Linear> = None;
+    let mut linear: Option<LinearLoop> = None;
     let mut simulator = Simulator::new(plant)?;
     for need in needs(wanted, procedure) {
         let measured = match need {
@@ -32,14 +32,14 @@ pub fn figures_of(
                 simulate_figures(&mut simulator, controller, procedure, experiment)?
             }
             other => {
-                let loops = linear.get_or_insert(Linear::new(plant, controller, procedure)?);
+                let loops = linear.get_or_insert(LinearLoop::new(plant, controller, procedure)?);
                 loops.measure(other, procedure)?
             }
         };
         found.extend(measured);
     }
-    let value = |figure: &Figure| {
-        let absent = Value::Absent { why: Unmeasured::NotRun };
+    let value = |figure: &PerformanceFigure| {
+        let absent = Value::Absent { why: MissingReason::NotRun };
         found
             .iter()
             .find(|measured| measured.figure == *figure)
@@ -56,11 +56,13 @@ pub fn history_of(
     plant: &Plant,
     controller: &Controller,
     procedure: &Procedure,
-    figure: &Figure,
+    figure: &PerformanceFigure,
 ) -> Result<Option<History>, Error> {
     match need_of(figure, procedure) {
         Need::Margins | Need::Tone(..) => Ok(None),
-        Need::Linear(experiment) => Linear::new(plant, controller, procedure)?.history(experiment, procedure),
+        Need::Linear(experiment) => {
+            LinearLoop::new(plant, controller, procedure)?.history(experiment, procedure)
+        }
         Need::Simulated(experiment) => {
             match nonlinear::run_history(&mut Simulator::new(plant)?, controller, procedure, experiment) {
                 Err(Error::Simulate(counterpoise_simulate::Error::Diverged { .. })) => Ok(None),
@@ -79,7 +81,7 @@ enum Need {
     Simulated(Experiment),
 }
 
-fn needs(wanted: &[Figure], procedure: &Procedure) -> Vec<Need> {
+fn needs(wanted: &[PerformanceFigure], procedure: &Procedure) -> Vec<Need> {
     let mut needs = Vec::new();
     for figure in wanted {
         let need = need_of(figure, procedure);
@@ -90,21 +92,23 @@ fn needs(wanted: &[Figure], procedure: &Procedure) -> Vec<Need> {
     needs
 }
 
-fn need_of(figure: &Figure, procedure: &Procedure) -> Need {
+fn need_of(figure: &PerformanceFigure, procedure: &Procedure) -> Need {
     let on = |model: Model, experiment| match model {
         Model::Linear => Need::Linear(experiment),
         Model::Nonlinear => Need::Simulated(experiment),
     };
     match *figure {
-        Figure::Loop(_) => Need::Margins,
-        Figure::Step(model, _) => on(model, Experiment::Step),
-        Figure::Triangle(model, _) => on(model, Experiment::Triangle),
-        Figure::Disturbance(model, source, arrangement, _) => {
+        PerformanceFigure::Loop(_) => Need::Margins,
+        PerformanceFigure::Step(model, _) => on(model, Experiment::Step),
+        PerformanceFigure::Triangle(model, _) => on(model, Experiment::Triangle),
+        PerformanceFigure::Disturbance(model, source, arrangement, _) => {
             on(model, Experiment::Disturbance(source, arrangement))
         }
-        Figure::Rejection { arrangement, frequency_hz, .. } => Need::Tone(arrangement, frequency_hz),
-        Figure::Rest(_) => Need::Simulated(Experiment::Rest),
-        Figure::Sight(_) => Need::Simulated(line_of_sight::sight_experiment(procedure)),
+        PerformanceFigure::Rejection { arrangement, frequency_hz, .. } => {
+            Need::Tone(arrangement, frequency_hz)
+        }
+        PerformanceFigure::Rest(_) => Need::Simulated(Experiment::Rest),
+        PerformanceFigure::Sight(_) => Need::Simulated(line_of_sight::sight_experiment(procedure)),
     }
 }
 
@@ -130,21 +134,21 @@ fn simulate_figures(
 }
 
 /// The linear plant with the controller that closes it.
-struct Linear<'a> {
+struct LinearLoop<'a> {
     sampled: SampledPlant,
     controller: &'a Controller,
 }
 
-impl<'a> Linear<'a> {
+impl<'a> LinearLoop<'a> {
     fn new(plant: &Plant, controller: &'a Controller, procedure: &Procedure) -> Result<Self, Error> {
         let linear = linear_plant(plant, procedure)?;
         let sampled = SampledPlant::new(&linear, plant.parameters(), resolver_use(controller))?;
         Ok(Self { sampled, controller })
     }
 
-    fn close_loop(&self, arrangement: Arrangement) -> Result<Closed, Error> {
+    fn close_loop(&self, arrangement: Arrangement) -> Result<ClosedLoop, Error> {
         let moment = self.controller.parts().design_out_of_balance_kg_m;
-        Closed::new(&self.sampled, arrange_controller(self.controller, arrangement)?.as_ref(), moment)
+        ClosedLoop::new(&self.sampled, arrange_controller(self.controller, arrangement)?.as_ref(), moment)
     }
 
     fn measure(&self, need: Need, procedure: &Procedure) -> Result<Vec<MeasuredFigure>, Error> {
@@ -183,7 +187,11 @@ impl<'a> Linear<'a> {
     }
 
     /// Returns the loop of an arrangement with the one that meets surge, where that is another.
-    fn loops_with_surge(&self, arrangement: Arrangement, closed: Closed) -> Result<Vec<ArrangedLoop>, Error> {
+    fn loops_with_surge(
+        &self,
+        arrangement: Arrangement,
+        closed: ClosedLoop,
+    ) -> Result<Vec<ArrangedLoop>, Error> {
         let meets = surge::acting_arrangement(&self.sampled, arrangement);
         let mut loops = vec![ArrangedLoop { arrangement, closed }];
         if meets != arrangement {

@@ -24,18 +24,18 @@ pub struct Summary {
     pub worst: Option<usize>,
 }
 
-/// How strongly a parameter moves a figure.
+/// Influence of a parameter on a figure.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ranked {
+pub struct ParameterInfluence {
     /// Index of the variation.
     pub variation: usize,
     /// Spearman's rank correlation, -1 to 1, between the figure and what `sense` says.
     pub correlation: f64,
-    /// What of the factor is compared.
+    /// Property of the factor that is compared.
     pub sense: Sense,
 }
 
-/// What of a factor moves a figure.
+/// Property of a factor that correlates with a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sense {
     /// The factor: more of it raises the figure, or lowers it.
@@ -74,7 +74,11 @@ pub fn summarise_requirement(campaign: &Campaign, samples: &[Sample], requiremen
 /// Returns the parameters by the size of their rank correlation with the requirement's figure, strongest first. A figure that any
 /// departure from the design spoils (the rejection by a feedforward) has no order in the factor itself: then its distance from 1 is
 /// compared.
-pub fn rank_parameters(campaign: &Campaign, samples: &[Sample], requirement: usize) -> Vec<Ranked> {
+pub fn rank_parameters(
+    campaign: &Campaign,
+    samples: &[Sample],
+    requirement: usize,
+) -> Vec<ParameterInfluence> {
     let judged: Vec<&Sample> = samples.iter().filter(|s| !s.values[requirement].is_nan()).collect();
     let figure = ranks(&judged.iter().map(|s| s.values[requirement]).collect::<Vec<f64>>());
     let one = |variation: usize| {
@@ -87,9 +91,9 @@ pub fn rank_parameters(campaign: &Campaign, samples: &[Sample], requirement: usi
             true => (either, Sense::EitherWay),
             false => (directed, Sense::Directed),
         };
-        Ranked { variation, correlation, sense }
+        ParameterInfluence { variation, correlation, sense }
     };
-    let mut all: Vec<Ranked> = (0..campaign.variations().len()).map(one).collect();
+    let mut all: Vec<ParameterInfluence> = (0..campaign.variations().len()).map(one).collect();
     all.sort_by(|a, b| b.correlation.abs().total_cmp(&a.correlation.abs()));
     all
 }

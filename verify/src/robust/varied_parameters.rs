@@ -7,7 +7,7 @@ use crate::Error;
 
 /// A parameter, or parameters that vary together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Varied {
+pub enum VariedParameter {
     /// Inertia at the hub.
     HubInertia,
     /// Inertia of the beam.
@@ -65,37 +65,37 @@ pub enum Varied {
 }
 
 /// Every parameter with its key in a project file.
-pub const ALL: [(Varied, &str); 27] = [
-    (Varied::HubInertia, "hub_inertia"),
-    (Varied::BeamInertia, "beam_inertia"),
-    (Varied::Inertia, "inertia"),
-    (Varied::OutOfBalance, "out_of_balance"),
-    (Varied::MotorFriction, "motor_friction"),
-    (Varied::PivotFriction, "pivot_friction"),
-    (Varied::Friction, "friction"),
-    (Varied::Viscous, "viscous"),
-    (Varied::Backlash, "backlash"),
-    (Varied::GearStiffness, "gear_stiffness"),
-    (Varied::StructureStiffness, "structure_stiffness"),
-    (Varied::StructureDamping, "structure_damping"),
-    (Varied::MotorInertia, "motor_inertia"),
-    (Varied::TorqueConstant, "torque_constant"),
-    (Varied::Resistance, "resistance"),
-    (Varied::GyroBandwidth, "gyro_bandwidth"),
-    (Varied::AccelerometerGain, "accelerometer_gain"),
-    (Varied::PlatformGyroGain, "platform_gyro_gain"),
-    (Varied::PreslidingStiffness, "presliding_stiffness"),
-    (Varied::ObserverLevel, "observer_level"),
-    (Varied::ObserverStiffness, "observer_stiffness"),
-    (Varied::ObserverGain, "observer_gain"),
-    (Varied::SampleJitter, "sample_jitter"),
-    (Varied::MissedSamples, "missed_samples"),
-    (Varied::LateSamples, "late_samples"),
-    (Varied::MissingCodes, "missing_codes"),
-    (Varied::GyroDrift, "gyro_drift"),
+pub const ALL: [(VariedParameter, &str); 27] = [
+    (VariedParameter::HubInertia, "hub_inertia"),
+    (VariedParameter::BeamInertia, "beam_inertia"),
+    (VariedParameter::Inertia, "inertia"),
+    (VariedParameter::OutOfBalance, "out_of_balance"),
+    (VariedParameter::MotorFriction, "motor_friction"),
+    (VariedParameter::PivotFriction, "pivot_friction"),
+    (VariedParameter::Friction, "friction"),
+    (VariedParameter::Viscous, "viscous"),
+    (VariedParameter::Backlash, "backlash"),
+    (VariedParameter::GearStiffness, "gear_stiffness"),
+    (VariedParameter::StructureStiffness, "structure_stiffness"),
+    (VariedParameter::StructureDamping, "structure_damping"),
+    (VariedParameter::MotorInertia, "motor_inertia"),
+    (VariedParameter::TorqueConstant, "torque_constant"),
+    (VariedParameter::Resistance, "resistance"),
+    (VariedParameter::GyroBandwidth, "gyro_bandwidth"),
+    (VariedParameter::AccelerometerGain, "accelerometer_gain"),
+    (VariedParameter::PlatformGyroGain, "platform_gyro_gain"),
+    (VariedParameter::PreslidingStiffness, "presliding_stiffness"),
+    (VariedParameter::ObserverLevel, "observer_level"),
+    (VariedParameter::ObserverStiffness, "observer_stiffness"),
+    (VariedParameter::ObserverGain, "observer_gain"),
+    (VariedParameter::SampleJitter, "sample_jitter"),
+    (VariedParameter::MissedSamples, "missed_samples"),
+    (VariedParameter::LateSamples, "late_samples"),
+    (VariedParameter::MissingCodes, "missing_codes"),
+    (VariedParameter::GyroDrift, "gyro_drift"),
 ];
 
-impl Varied {
+impl VariedParameter {
     /// Returns the key in a project file.
     pub fn key(self) -> &'static str {
         ALL.iter().find(|row| row.0 == self).map_or("", |row| row.1)
@@ -108,7 +108,12 @@ impl Varied {
 
     /// Returns whether the parameter belongs to the controller, not to the mechanism.
     pub fn is_of_controller(self) -> bool {
-        matches!(self, Varied::ObserverLevel | Varied::ObserverStiffness | Varied::ObserverGain)
+        matches!(
+            self,
+            VariedParameter::ObserverLevel
+                | VariedParameter::ObserverStiffness
+                | VariedParameter::ObserverGain
+        )
     }
 
     /// Returns the controller with its friction observers' parameter multiplied by `factor`; the controller as it is for a
@@ -124,8 +129,8 @@ impl Varied {
         Ok(controller.with(|parts| {
             for observer in &mut parts.observers {
                 match self {
-                    Varied::ObserverLevel => observer.coulomb_nm *= factor,
-                    Varied::ObserverStiffness => observer.rest_stiffness_nm_rad *= factor,
+                    VariedParameter::ObserverLevel => observer.coulomb_nm *= factor,
+                    VariedParameter::ObserverStiffness => observer.rest_stiffness_nm_rad *= factor,
                     _ => {
                         observer.volts_per_nm *= factor;
                         observer.viscous_v_s_rad *= factor;
@@ -143,23 +148,23 @@ impl Varied {
     pub fn scale(self, parameters: &mut Parameters, factor: f64) -> Result<(), Error> {
         check(factor)?;
         match self {
-            Varied::PreslidingStiffness if factor == 0.0 => {
+            VariedParameter::PreslidingStiffness if factor == 0.0 => {
                 return Err(Error::Range {
                     what: "factor of the presliding stiffness",
                     value: factor,
                     allowed: "above 0",
                 });
             }
-            Varied::PreslidingStiffness => {
+            VariedParameter::PreslidingStiffness => {
                 parameters.motor_friction.scale_presliding_stiffness(factor);
                 parameters.pivot_friction.scale_presliding_stiffness(factor);
             }
-            Varied::Friction => {
-                Varied::MotorFriction.scale(parameters, factor)?;
-                Varied::PivotFriction.scale(parameters, factor)?;
+            VariedParameter::Friction => {
+                VariedParameter::MotorFriction.scale(parameters, factor)?;
+                VariedParameter::PivotFriction.scale(parameters, factor)?;
             }
-            Varied::MotorFriction => parameters.motor_friction.law.scale_coulomb(factor),
-            Varied::PivotFriction => parameters.pivot_friction.law.scale_coulomb(factor),
+            VariedParameter::MotorFriction => parameters.motor_friction.law.scale_coulomb(factor),
+            VariedParameter::PivotFriction => parameters.pivot_friction.law.scale_coulomb(factor),
             _ => self.places(parameters).into_iter().for_each(|place| *place *= factor),
         }
         Ok(())
@@ -168,44 +173,48 @@ impl Varied {
     fn places(self, p: &mut Parameters) -> Vec<&mut f64> {
         let lumped = p.lumped.as_mut();
         match self {
-            Varied::HubInertia => lumped.map(|l| &mut l.hub_inertia_kg_m2).into_iter().collect(),
-            Varied::BeamInertia => lumped.map(|l| &mut l.beam_inertia_kg_m2).into_iter().collect(),
-            Varied::Inertia => lumped
+            VariedParameter::HubInertia => lumped.map(|l| &mut l.hub_inertia_kg_m2).into_iter().collect(),
+            VariedParameter::BeamInertia => lumped.map(|l| &mut l.beam_inertia_kg_m2).into_iter().collect(),
+            VariedParameter::Inertia => lumped
                 .map(|l| [&mut l.hub_inertia_kg_m2, &mut l.beam_inertia_kg_m2])
                 .into_iter()
                 .flatten()
                 .collect(),
-            Varied::OutOfBalance => lumped.map(|l| &mut l.out_of_balance_kg_m).into_iter().collect(),
-            Varied::StructureStiffness => lumped.map(|l| &mut l.stiffness_nm_rad).into_iter().collect(),
-            Varied::StructureDamping => lumped.map(|l| &mut l.damping_nm_s_rad).into_iter().collect(),
-            Varied::Viscous => {
+            VariedParameter::OutOfBalance => lumped.map(|l| &mut l.out_of_balance_kg_m).into_iter().collect(),
+            VariedParameter::StructureStiffness => {
+                lumped.map(|l| &mut l.stiffness_nm_rad).into_iter().collect()
+            }
+            VariedParameter::StructureDamping => {
+                lumped.map(|l| &mut l.damping_nm_s_rad).into_iter().collect()
+            }
+            VariedParameter::Viscous => {
                 vec![&mut p.motor_friction.viscous_nm_s_rad, &mut p.pivot_friction.viscous_nm_s_rad]
             }
-            Varied::Backlash => vec![&mut p.gearbox.backlash_rad],
-            Varied::GearStiffness => vec![&mut p.gearbox.stiffness_nm_rad],
-            Varied::MotorInertia => vec![&mut p.motor.inertia_kg_m2],
-            Varied::TorqueConstant => vec![&mut p.motor.torque_constant_nm_a],
-            Varied::Resistance => vec![&mut p.motor.resistance_ohm],
-            Varied::GyroBandwidth => vec![&mut p.sensors.hub_gyro.natural_frequency_rad_s],
-            Varied::AccelerometerGain => vec![&mut p.sensors.platform_accelerometer.gain],
-            Varied::PlatformGyroGain => vec![&mut p.sensors.platform_gyro.gain],
-            Varied::SampleJitter => vec![&mut p.interface.clock.jitter_s],
-            Varied::MissedSamples => vec![&mut p.interface.clock.missed_samples],
-            Varied::LateSamples => vec![&mut p.interface.clock.late_samples],
-            Varied::MissingCodes => vec![&mut p.interface.missing_codes],
-            Varied::GyroDrift => [&mut p.sensors.hub_gyro.drift, &mut p.sensors.platform_gyro.drift]
+            VariedParameter::Backlash => vec![&mut p.gearbox.backlash_rad],
+            VariedParameter::GearStiffness => vec![&mut p.gearbox.stiffness_nm_rad],
+            VariedParameter::MotorInertia => vec![&mut p.motor.inertia_kg_m2],
+            VariedParameter::TorqueConstant => vec![&mut p.motor.torque_constant_nm_a],
+            VariedParameter::Resistance => vec![&mut p.motor.resistance_ohm],
+            VariedParameter::GyroBandwidth => vec![&mut p.sensors.hub_gyro.natural_frequency_rad_s],
+            VariedParameter::AccelerometerGain => vec![&mut p.sensors.platform_accelerometer.gain],
+            VariedParameter::PlatformGyroGain => vec![&mut p.sensors.platform_gyro.gain],
+            VariedParameter::SampleJitter => vec![&mut p.interface.clock.jitter_s],
+            VariedParameter::MissedSamples => vec![&mut p.interface.clock.missed_samples],
+            VariedParameter::LateSamples => vec![&mut p.interface.clock.late_samples],
+            VariedParameter::MissingCodes => vec![&mut p.interface.missing_codes],
+            VariedParameter::GyroDrift => [&mut p.sensors.hub_gyro.drift, &mut p.sensors.platform_gyro.drift]
                 .into_iter()
                 .flat_map(|drift| {
                     [&mut drift.angle_random_walk, &mut drift.bias_instability, &mut drift.rate_random_walk]
                 })
                 .collect(),
-            Varied::MotorFriction
-            | Varied::PivotFriction
-            | Varied::Friction
-            | Varied::PreslidingStiffness
-            | Varied::ObserverLevel
-            | Varied::ObserverStiffness
-            | Varied::ObserverGain => Vec::new(),
+            VariedParameter::MotorFriction
+            | VariedParameter::PivotFriction
+            | VariedParameter::Friction
+            | VariedParameter::PreslidingStiffness
+            | VariedParameter::ObserverLevel
+            | VariedParameter::ObserverStiffness
+            | VariedParameter::ObserverGain => Vec::new(),
         }
     }
 }
@@ -235,15 +244,15 @@ mod tests {
             varied.scale(&mut other, 1.5).unwrap();
             assert_eq!(same, rig, "{key}");
             assert_eq!(other == rig, varied.is_of_controller(), "{key}");
-            assert_eq!(Varied::from_key(key), Some(varied));
+            assert_eq!(VariedParameter::from_key(key), Some(varied));
         }
     }
 
     #[test]
     fn friction_can_be_taken_away_but_not_made_negative() {
         let mut rig = counterpoise_models::reference::rig();
-        Varied::Friction.scale(&mut rig, 0.0).unwrap();
+        VariedParameter::Friction.scale(&mut rig, 0.0).unwrap();
         assert_eq!(rig.pivot_friction.law, FrictionLaw::None);
-        assert!(Varied::Friction.scale(&mut rig, -1.0).is_err());
+        assert!(VariedParameter::Friction.scale(&mut rig, -1.0).is_err());
     }
 }

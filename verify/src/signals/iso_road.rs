@@ -23,11 +23,11 @@ pub use crate::road_class::RoadClass;
 /// A drive over a road.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RoadDrive {
-    /// How rough the road is.
+    /// Roughness of the road.
     pub class: RoadClass,
-    /// How fast the vehicle goes, m/s.
+    /// Speed of the vehicle, m/s.
     pub speed_m_s: f64,
-    /// How long, s.
+    /// Duration, s.
     pub duration_s: f64,
     /// Period of the samples, s.
     pub sample_period_s: f64,

@@ -1,12 +1,12 @@
 //! What is read from sampled signals: step figures, spectra and rejection ratios, filters for platform motion.
 //!
-//! Modules in reading order: [`step`], [`welch`](mod@welch), [`filter`], [`vehicle`], [`four_wheels`], [`iso_road`](mod@iso_road), [`spectrum`], [`six_axes`], [`sea`], [`periodic`], [`statistics`], `normal`.
+//! Modules in reading order: [`step`], [`welch`](mod@welch), [`filter`], [`vehicle`], [`four_wheels`], [`iso_road`](mod@iso_road), [`spectrum`], [`six_axes`], [`sea`], [`period`], [`statistics`], `normal`.
 
 pub mod filter;
 pub mod four_wheels;
 pub mod iso_road;
-pub(crate) mod normal;
-pub mod periodic;
+pub(crate) mod normal_distribution;
+pub mod period;
 pub mod sea;
 pub mod six_axes;
 pub mod spectrum;

@@ -19,6 +19,7 @@ use counterpoise_models::base_motion::Traverse;
 
 use super::six_axes::{BaseSeries, felt_road, phases};
 use super::spectrum::{MotionRealisation, SINES, check, range_error, window};
+use crate::tolerance::{SINC_SERIES, SLOPE_FACTOR_SERIES};
 use crate::{Error, Road, RoadOrigin};
 
 /// Shape of the spectrum of the waves' height.
@@ -164,12 +165,12 @@ impl Ship {
 }
 
 fn sinc(x: f64) -> f64 {
-    if x.abs() < 1e-4 { 1.0 - x * x / 6.0 } else { x.sin() / x }
+    if x.abs() < SINC_SERIES { 1.0 - x * x / 6.0 } else { x.sin() / x }
 }
 
 /// 3 (sin x - x cos x) / x^3, which is 1 for long waves.
 fn slope_factor(x: f64) -> f64 {
-    if x.abs() < 1e-2 { 1.0 - x * x / 10.0 } else { 3.0 * (x.sin() - x * x.cos()) / x.powi(3) }
+    if x.abs() < SLOPE_FACTOR_SERIES { 1.0 - x * x / 10.0 } else { 3.0 * (x.sin() - x * x.cos()) / x.powi(3) }
 }
 
 impl Sea {

@@ -24,7 +24,7 @@ pub struct MotionTone {
     pub phase_rad: f64,
 }
 
-/// How long a motion lasts, and how it begins and ends.
+/// Duration of a motion, and how it begins and ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionRealisation {
     /// Duration, s.

@@ -19,7 +19,7 @@ pub struct Vehicle {
     pub half_base_m: f64,
     /// Distance of the mechanism's pivot in front of the centre of mass, m.
     pub pivot_m: f64,
-    /// Its two sides, if it has four wheels: it then rolls. `None` if both sides see the same road.
+    /// Two sides, if it has four wheels: it then rolls. `None` if both sides see the same road.
     pub sides: Option<Sides>,
 }
 
@@ -38,7 +38,7 @@ impl Vehicle {
     };
 }
 
-/// What a vehicle with four wheels has beside [`Vehicle`].
+/// Parameters of a vehicle with four wheels beside those of [`Vehicle`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sides {
     /// Distance of the left wheels from the right ones, m.

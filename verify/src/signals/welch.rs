@@ -12,7 +12,7 @@ use crate::tolerance::{FEWEST_DEGREES_OF_FREEDOM, FEWEST_SAMPLES_A_SEGMENT};
 /// Squared correlation of neighbouring Hann segments that overlap by half: (1/6)^2.
 const OVERLAP_CORRELATION: f64 = 1.0 / 36.0;
 
-/// How the record is cut.
+/// Division of a record into segments.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WelchOptions {
     /// Samples in a segment; even.

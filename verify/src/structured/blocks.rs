@@ -27,7 +27,7 @@ impl PerturbationBlock {
 /// A block-diagonal structure.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct PerturbationStructure {
-    /// Its blocks, from top to bottom.
+    /// Blocks, from top to bottom.
     pub blocks: Vec<PerturbationBlock>,
 }
 

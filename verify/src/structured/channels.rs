@@ -3,7 +3,7 @@
 use counterpoise_linalg::Mat;
 use counterpoise_models::plant::core::{input, state};
 use counterpoise_models::plant::{Core, Mesh, Plant};
-use counterpoise_models::{FeedbackSignal, Lumped};
+use counterpoise_models::{FeedbackSignal, LumpedStructure};
 
 use super::places::{LinearisedDryFriction, Place};
 use crate::linear::plant::Resolver;
@@ -28,7 +28,7 @@ pub(super) struct Base {
 }
 
 /// The core with the gyroscope behind it and, where the controller reads it, the hub's angle.
-pub(super) fn base(plant: &Plant, slope_per_drive: f64, resolver: Resolver, springs: [f64; 2]) -> Base {
+pub(super) fn build_base(plant: &Plant, slope_per_drive: f64, resolver: Resolver, springs: [f64; 2]) -> Base {
     let core = plant.core(Mesh::Touching);
     let (n, gyro) = (plant.core_order(), &plant.parameters().sensors.hub_gyro);
     let (first, second, angle) = (n, n + 1, n + 2);
@@ -61,7 +61,7 @@ pub(super) fn base(plant: &Plant, slope_per_drive: f64, resolver: Resolver, spri
     Base { A, control, readings }
 }
 
-/// What the drive's strongest state receives of it; 1 if the drive has no state, whose slope is then the control's own.
+/// Returns what the drive's strongest state receives of it; 1 if the drive has no state, whose slope is then the control's own.
 pub(super) fn drive_gain(plant: &Plant, core: &Core) -> f64 {
     if plant.drive_states().next().is_none() {
         return 1.0;
@@ -69,7 +69,7 @@ pub(super) fn drive_gain(plant: &Plant, core: &Core) -> f64 {
     plant.drive_states().map(|index| core.B[(index, input::DRIVE)]).sum()
 }
 
-/// What the loop's sensor feels, as a row over the states of [`base`]; `angle` is the place of the hub's angle on the platform.
+/// Returns what the loop's sensor feels, as a row over the states of [`build_base`]; `angle` is the place of the hub's angle on the platform.
 fn measured_row(plant: &Plant, angle: usize) -> Vec<f64> {
     let n = plant.core_order();
     let wide = |mut row: Vec<f64>| {
@@ -183,7 +183,7 @@ pub(super) fn channels_of(
 }
 
 /// Returns whether the plant has the part that a place belongs to.
-fn has_part(plant: &Plant, lumped: &Lumped, place: Place) -> bool {
+fn has_part(plant: &Plant, lumped: &LumpedStructure, place: Place) -> bool {
     match place {
         // in a chain these parts act between its inertias, and not between hub and tip
         Place::BeamInertia | Place::StructureStiffness | Place::StructureDamping => {

@@ -20,7 +20,7 @@ use crate::tolerance::NEUTRAL;
 pub struct GainErrors {
     /// Relative error at the plant's input and of the hub gyroscope's reading.
     pub at: [C64; 2],
-    /// Where they have these values, rad/s.
+    /// Frequencies of these values, rad/s.
     pub rate_rad_s: f64,
 }
 
@@ -46,12 +46,12 @@ pub(super) fn linearise(
 
 /// A perturbed mechanism as it is sampled, and what closes the loop around it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ClosedWith {
+pub struct LoopClosure {
     /// The sampled plant: the control is its last input, the readings are its last outputs.
     pub plant: StateSpace,
     /// The controller with the gain errors before and behind it.
     pub controller: StateSpace,
-    /// What the loop controls.
+    /// Quantity that the loop controls.
     pub controlled: ControlledQuantity,
 }
 
@@ -65,7 +65,7 @@ pub fn close_perturbed_loop(
     controller: &Controller,
     at: &OperatingPoint,
     errors: &GainErrors,
-) -> Result<ClosedWith, Error> {
+) -> Result<LoopClosure, Error> {
     let body = Plant::from_lumped(parameters)?;
     let linear = linearise(&body, at, dry)?;
     let plant = SampledPlant::new(&linear, parameters, resolver_use(controller))?;
@@ -75,7 +75,7 @@ pub fn close_perturbed_loop(
     let discrete = Timebase::Discrete { period_s };
     let before = append(&StateSpace::gain(Mat::eye(1), discrete)?, &output?)?;
     let readings = append(&before, &StateSpace::gain(Mat::eye(COMMON_READINGS - 2), discrete)?)?;
-    Ok(ClosedWith {
+    Ok(LoopClosure {
         controller: series(&series(&readings, &K)?, &input?)?,
         plant: plant.sampled,
         controlled: parameters.controlled_quantity(),

@@ -22,16 +22,16 @@ use counterpoise_models::plant::core::state;
 use counterpoise_models::plant::{LinearPlant, OperatingPoint, Plant};
 
 use super::blocks::{PerturbationBlock, PerturbationStructure};
-use super::channels::{Base, Channel, base, channels_of};
+use super::channels::{Base, Channel, build_base, channels_of};
 use super::closing::linearise;
 use super::factor::Factor;
 use super::places::{LinearisedDryFriction, Place};
-use super::taylor::{Evaluated, RateInterval, Taylor};
+use super::taylor::{RateInterval, SchurSystem, Taylor};
 use crate::Error;
 use crate::linear::closed_loop::resolver_use;
 use crate::linear::plant::port;
-use crate::linear::plant_response::hold;
-use crate::linear::{Closed, SampledPlant};
+use crate::linear::plant_response::hold_and_delay;
+use crate::linear::{ClosedLoop, SampledPlant};
 
 /// Readings that the loop goes through: hub gyroscope, tachometer, resolver.
 const FED_BACK: [usize; 3] = [1, 4, 5];
@@ -40,10 +40,10 @@ const HUB_GYRO: usize = 1;
 
 /// A parameter that is off, with the places where it acts.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Uncertain {
-    /// Its factor over the deviation.
+pub struct UncertainParameter {
+    /// Factor over the deviation.
     pub factor: Factor,
-    /// Where it acts.
+    /// Places at which it acts.
     pub places: Vec<Place>,
 }
 
@@ -65,7 +65,7 @@ pub struct PulledLoop {
     pub reading_delays_samples: Vec<usize>,
     /// Relative errors at the plant's input and of the hub gyroscope's reading.
     pub errors: [f64; 2],
-    /// What the loop controls.
+    /// Quantity that the loop controls.
     pub controlled: ControlledQuantity,
 }
 
@@ -86,15 +86,15 @@ pub struct UncertainLoop {
 
 /// The systems of the loop, in balanced coordinates.
 struct Systems {
-    extended: Evaluated,
+    extended: SchurSystem,
     /// From the readings without control to the control, the sampled loop closed; `None` if the loop is algebraically singular.
-    closed: Option<Evaluated>,
+    closed: Option<SchurSystem>,
 }
 
 /// M over an interval of rates: direct + control x reading, where `reading` is the control that a tone of each channel causes in the
 /// closed loop, and `control` is what a tone of the control does at each channel through the hold.
 pub struct Pieces {
-    /// What goes through the mechanism alone, by rows.
+    /// Direct rows of the mechanism alone.
     pub direct: Vec<Vec<Taylor>>,
     /// Per channel.
     pub control: Vec<Taylor>,
@@ -113,7 +113,7 @@ impl UncertainLoop {
         dry: LinearisedDryFriction,
         controller: &Controller,
         at: &OperatingPoint,
-        uncertain: &[Uncertain],
+        uncertain: &[UncertainParameter],
         errors: [f64; 2],
     ) -> Result<Self, Error> {
         let body = Plant::from_lumped(nominal)?;
@@ -121,9 +121,9 @@ impl UncertainLoop {
         let body = body.local_at(&linear.equilibrium);
         let plant = SampledPlant::new(&linear, nominal, resolver_use(controller))?;
         let moment = controller.parts().design_out_of_balance_kg_m;
-        let closed = Closed::new(&plant, Some(controller), moment)?;
+        let closed = ClosedLoop::new(&plant, Some(controller), moment)?;
         let K = closed.controller.ok_or(Error::NoController)?;
-        let base = base(&body, drive_slope(&body, &linear), resolver_use(controller), dry.springs);
+        let base = build_base(&body, drive_slope(&body, &linear), resolver_use(controller), dry.springs);
         let mut structure = PerturbationStructure::default();
         let mut channels = Vec::new();
         for one in uncertain {
@@ -140,7 +140,7 @@ impl UncertainLoop {
         let readings: Vec<usize> = (port::FIRST_READING..plant.sampled.outputs()).collect();
         let extended = extended_system(&base, &channels)?;
         let sampled = plant.sampled.select(&readings, &[port::CONTROL]);
-        let evaluated = |system: &StateSpace| Evaluated::of(&balance(system).0);
+        let evaluated = |system: &StateSpace| SchurSystem::of(&balance(system).0);
         Ok(Self {
             structure,
             extended: Response::of(&extended)?,
@@ -227,7 +227,7 @@ impl UncertainLoop {
         let tone = |i: usize, j: usize| {
             FED_BACK.iter().position(|fed| *fed == i).map_or(zero, |row| G[(m + row, j)] * late(i))
         };
-        let held = hold(&self.plant, rate);
+        let held = hold_and_delay(&self.plant, rate);
         let kinds: Vec<usize> = (0..2).filter(|k| self.errors[*k] > 0.0).collect();
         let size = m + kinds.len();
         let mut M = CMat::zeros(size, size);
@@ -291,7 +291,7 @@ fn extended_system(base: &Base, channels: &[UncertainChannel]) -> Result<StateSp
     Ok(StateSpace::new(A, B, C.select(&all_rows, &kept), D, Timebase::Continuous)?)
 }
 
-/// What the drive's states receive of the control, or the slope of the amplifier's map if it has none.
+/// Returns what the drive's states receive of the control, or the slope of the amplifier's map if it has none.
 fn drive_slope(plant: &Plant, linear: &LinearPlant) -> f64 {
     match plant.drive_states().count() {
         0 => plant.drive_slope(&linear.equilibrium),
@@ -300,7 +300,7 @@ fn drive_slope(plant: &Plant, linear: &LinearPlant) -> f64 {
     }
 }
 
-/// Whether a state has dynamics: the places of sensors that are not there stay empty.
+/// Returns whether a state has dynamics: the places of sensors that are not there stay empty.
 fn has_dynamics(base: &Base, s: usize) -> bool {
     (0..base.A.nrows()).any(|j| base.A[(s, j)] != 0.0 || base.A[(j, s)] != 0.0)
 }
@@ -310,7 +310,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::linear::plant::Resolver;
-    use crate::robust::{Distribution, Varied, varied_parameters};
+    use crate::robust::{Distribution, VariedParameter, varied_parameters};
     use crate::structured::places::parameter_places;
     use counterpoise_models::plant::{Angles, FrictionLinearisation};
 
@@ -325,12 +325,18 @@ mod tests {
     }
 
     /// The same with the deviation closed around the extended plant.
-    fn pulled_out(parameters: &Parameters, varied: Varied, factor: Factor, delta: f64, rate: f64) -> C64 {
+    fn pulled_out(
+        parameters: &Parameters,
+        varied: VariedParameter,
+        factor: Factor,
+        delta: f64,
+        rate: f64,
+    ) -> C64 {
         let body = Plant::from_lumped(parameters).unwrap();
         let at = body.equilibrium(&OperatingPoint::default());
         let linear = body.linearise(&at, FrictionLinearisation::Viscous, Angles::Drop).unwrap();
         let slope = linear.system.B[(state::CURRENT, 0)] + linear.system.B[(state::VOLTAGE, 0)];
-        let base = base(&body, slope, Resolver::Unread, [0.0; 2]);
+        let base = build_base(&body, slope, Resolver::Unread, [0.0; 2]);
         let channels: Vec<UncertainChannel> = parameter_places(varied)
             .iter()
             .flat_map(|place| channels_of(*place, &body, &base, &LinearisedDryFriction::default()))
@@ -349,7 +355,7 @@ mod tests {
     fn a_deviation_closed_around_the_plant_is_the_plant_that_deviates() {
         let rig = counterpoise_models::reference::rig();
         let factor = Factor::of(Distribution::Uniform { low: 0.6, high: 1.9 });
-        let of_sliding_plant = |varied: &Varied| !varied.is_of_controller();
+        let of_sliding_plant = |varied: &VariedParameter| !varied.is_of_controller();
         for (varied, key) in varied_parameters::ALL.into_iter().filter(|(varied, _)| of_sliding_plant(varied))
         {
             for delta in [0.0, 0.8, -0.9] {

@@ -98,7 +98,7 @@ impl<'a> Iteration<'a> {
         out
     }
 
-    /// Whether it has settled: M b = beta a with b = Delta a.
+    /// Returns whether it has settled: M b = beta a with b = Delta a.
     fn converged_perturbation(&self, beta: f64) -> Option<Perturbation> {
         let image = times(self.M, &self.b);
         let off: Vec<C64> = image.iter().zip(&self.a).map(|(y, a)| y - a * beta).collect();

@@ -2,7 +2,7 @@
 
 use counterpoise_models::parameters::{FrictionLaw, Parameters};
 
-use crate::robust::Varied;
+use crate::robust::VariedParameter;
 use crate::tolerance::STUCK;
 
 /// A place of the linear plant at which a factor acts.
@@ -41,39 +41,39 @@ pub enum Place {
 }
 
 /// Returns the places of a parameter; `None` if it does not enter the loop.
-pub fn parameter_places(varied: Varied) -> &'static [Place] {
+pub fn parameter_places(varied: VariedParameter) -> &'static [Place] {
     match varied {
-        Varied::HubInertia => &[Place::HubInertia],
-        Varied::BeamInertia => &[Place::BeamInertia],
-        Varied::Inertia => &[Place::HubInertia, Place::BeamInertia],
-        Varied::MotorFriction => &[Place::MotorDry],
-        Varied::PivotFriction => &[Place::PivotDry],
-        Varied::Friction => &[Place::MotorDry, Place::PivotDry],
-        Varied::Viscous => &[Place::MotorViscous, Place::PivotViscous],
-        Varied::GearStiffness => &[Place::GearStiffness],
-        Varied::StructureStiffness => &[Place::StructureStiffness],
-        Varied::StructureDamping => &[Place::StructureDamping],
-        Varied::MotorInertia => &[Place::MotorInertia],
-        Varied::TorqueConstant => &[Place::TorqueConstant],
-        Varied::Resistance => &[Place::Resistance],
-        Varied::GyroBandwidth => &[Place::GyroBandwidth],
-        Varied::PreslidingStiffness => &[Place::MotorPresliding, Place::PivotPresliding],
-        Varied::OutOfBalance
-        | Varied::Backlash
-        | Varied::AccelerometerGain
-        | Varied::PlatformGyroGain
-        | Varied::ObserverLevel
-        | Varied::ObserverStiffness
-        | Varied::ObserverGain
-        | Varied::SampleJitter
-        | Varied::MissedSamples
-        | Varied::LateSamples
-        | Varied::MissingCodes
-        | Varied::GyroDrift => &[],
+        VariedParameter::HubInertia => &[Place::HubInertia],
+        VariedParameter::BeamInertia => &[Place::BeamInertia],
+        VariedParameter::Inertia => &[Place::HubInertia, Place::BeamInertia],
+        VariedParameter::MotorFriction => &[Place::MotorDry],
+        VariedParameter::PivotFriction => &[Place::PivotDry],
+        VariedParameter::Friction => &[Place::MotorDry, Place::PivotDry],
+        VariedParameter::Viscous => &[Place::MotorViscous, Place::PivotViscous],
+        VariedParameter::GearStiffness => &[Place::GearStiffness],
+        VariedParameter::StructureStiffness => &[Place::StructureStiffness],
+        VariedParameter::StructureDamping => &[Place::StructureDamping],
+        VariedParameter::MotorInertia => &[Place::MotorInertia],
+        VariedParameter::TorqueConstant => &[Place::TorqueConstant],
+        VariedParameter::Resistance => &[Place::Resistance],
+        VariedParameter::GyroBandwidth => &[Place::GyroBandwidth],
+        VariedParameter::PreslidingStiffness => &[Place::MotorPresliding, Place::PivotPresliding],
+        VariedParameter::OutOfBalance
+        | VariedParameter::Backlash
+        | VariedParameter::AccelerometerGain
+        | VariedParameter::PlatformGyroGain
+        | VariedParameter::ObserverLevel
+        | VariedParameter::ObserverStiffness
+        | VariedParameter::ObserverGain
+        | VariedParameter::SampleJitter
+        | VariedParameter::MissedSamples
+        | VariedParameter::LateSamples
+        | VariedParameter::MissingCodes
+        | VariedParameter::GyroDrift => &[],
     }
 }
 
-/// What stands for dry friction in a linear plant, at motor and pivot.
+/// Linear replacements of dry friction at motor and pivot.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct LinearisedDryFriction {
     /// Viscous friction, N m s/rad.
@@ -82,7 +82,7 @@ pub struct LinearisedDryFriction {
     pub springs: [f64; 2],
 }
 
-/// Whether friction slides or rests in a linear loop.
+/// State of friction in a linear loop: sliding or at rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Joints {
     /// Friction slides: dry friction is viscous friction of the same work.

@@ -4,20 +4,20 @@ use counterpoise_controller::Controller;
 use counterpoise_linalg::{C64, CMat};
 use counterpoise_models::parameters::Parameters;
 
-use super::closing::{ClosedWith, GainErrors, close_perturbed_loop, outermost_pole};
+use super::closing::{GainErrors, LoopClosure, close_perturbed_loop, outermost_pole};
 use super::factor::{Factor, Reach};
-use super::loops::{Uncertain, UncertainLoop};
+use super::loops::{UncertainLoop, UncertainParameter};
 use super::places::{
     Joints, LinearisedDryFriction, Place, dry_as_viscous, parameter_places, presliding_stiffness, without_dry,
 };
 use super::{Perturbation, PerturbationBlock, UpperBound, lower_bound, upper_bound, vertex_bound};
-use crate::robust::{Variation, Varied};
+use crate::robust::{Variation, VariedParameter};
 use crate::tolerance::{
     MU_HIGH_PEAK, MU_LOWEST_HZ, MU_POINTS, MU_REFINEMENTS, MU_SEARCHED, MU_SPARSE, MU_STEEP,
 };
 use crate::{Error, Procedure};
 
-/// What is uncertain about a loop.
+/// Uncertain parameters of a loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
     /// Parameters with their ranges.
@@ -41,11 +41,11 @@ pub struct Bounds {
 
 /// A mechanism with which the loop is at its limit of stability, closed exactly as it is sampled.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Destabilising {
+pub struct DestabilisingMechanism {
     /// By how much the stated ranges are widened to hold it.
     pub scale: f64,
     /// Factor of each parameter that enters the loop.
-    pub factors: Vec<(Varied, f64)>,
+    pub factors: Vec<(VariedParameter, f64)>,
     /// Relative errors at the plant's input and of the hub gyroscope's reading at its frequency.
     pub errors: [C64; 2],
     /// The closed loop's pole at the limit.
@@ -54,18 +54,18 @@ pub struct Destabilising {
     pub frequency_hz: f64,
     /// The deviation of each parameter over its stated range, and of the two errors: between -1 and 1, or complex of size 1 at most.
     pub deltas: Vec<f64>,
-    /// See [`Destabilising::deltas`].
+    /// See [`DestabilisingMechanism::deltas`].
     pub phases: [C64; 2],
     /// The perturbed plant as it is sampled, and the controller with the errors before and behind it: the loop that has the pole.
-    pub closed: ClosedWith,
+    pub closed: LoopClosure,
 }
 
 /// A stated range of a parameter as a factor over a deviation between -1 and 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StatedRange {
     /// The parameter.
-    pub varied: Varied,
-    /// Its factor over the deviation.
+    pub varied: VariedParameter,
+    /// Factor over the deviation.
     pub factor: Factor,
 }
 
@@ -84,7 +84,7 @@ pub(super) struct Problem<'a> {
     pub(super) pulled: UncertainLoop,
     /// Parameters that enter the loop, in the order of its blocks.
     pub(super) entering: Vec<StatedRange>,
-    pub(super) left_out: Vec<Varied>,
+    pub(super) left_out: Vec<VariedParameter>,
     joints: Joints,
     /// Viscous friction in the place of dry friction, at motor and pivot.
     dry: [f64; 2],
@@ -93,20 +93,20 @@ pub(super) struct Problem<'a> {
 }
 
 /// What was found at a frequency.
-pub(super) struct Scanned {
+pub(super) struct FrequencyBounds {
     pub(super) hz: f64,
     pub(super) upper: UpperBound,
     pub(super) lower: Option<Perturbation>,
 }
 
-impl Scanned {
+impl FrequencyBounds {
     pub(super) fn bounds(&self) -> Bounds {
         let lower = self.lower.as_ref().map_or(0.0, |found| found.beta);
         Bounds { frequency_hz: self.hz, upper: self.upper.beta, lower }
     }
 }
 
-fn is_dry(varied: Varied) -> bool {
+fn is_dry(varied: VariedParameter) -> bool {
     parameter_places(varied).iter().any(|place| matches!(place, Place::MotorDry | Place::PivotDry))
 }
 
@@ -145,7 +145,7 @@ impl<'a> Problem<'a> {
             |one: &Variation| StatedRange { varied: one.parameter, factor: Factor::of(one.distribution) };
         let all: Vec<StatedRange> = uncertainty.variations.iter().map(range).collect();
         let moves = |one: &&StatedRange| one.factor.a != one.factor.b;
-        let of = |one: &StatedRange| Uncertain {
+        let of = |one: &StatedRange| UncertainParameter {
             factor: one.factor,
             places: parameter_places(one.varied).to_vec(),
         };
@@ -170,7 +170,7 @@ impl<'a> Problem<'a> {
         };
         let (nominal, dry) = problem.perturb_mechanism(&vec![0.0; all.len()], 1.0)?;
         let loop_of = |some: &[StatedRange]| {
-            let uncertain: Vec<Uncertain> = some.iter().map(of).collect();
+            let uncertain: Vec<UncertainParameter> = some.iter().map(of).collect();
             UncertainLoop::new(&nominal, dry, controller, &procedure.operating_point, &uncertain, errors)
         };
         let mut entering = Vec::new();
@@ -224,14 +224,14 @@ impl<'a> Problem<'a> {
     }
 
     /// The loop closed with a perturbation.
-    pub(super) fn close_loop_at(&self, direction: &Direction, scale: f64) -> Result<ClosedWith, Error> {
+    pub(super) fn close_loop_at(&self, direction: &Direction, scale: f64) -> Result<LoopClosure, Error> {
         let (parameters, dry) = self.perturb_mechanism(&direction.deltas, scale)?;
         let errors = self.gain_errors(direction, scale);
         close_perturbed_loop(&parameters, &dry, self.controller, &self.procedure.operating_point, &errors)
     }
 
     /// Bounds over a grid that is refined about the peaks of the upper bound.
-    pub(super) fn scan(&self) -> Result<Vec<Scanned>, Error> {
+    pub(super) fn scan(&self) -> Result<Vec<FrequencyBounds>, Error> {
         let highest = 0.49 / self.pulled.sample_period_s();
         let ratio = (highest / MU_LOWEST_HZ).ln() / (MU_POINTS - 1) as f64;
         let first: Vec<f64> = (0..MU_POINTS).map(|k| MU_LOWEST_HZ * (ratio * k as f64).exp()).collect();
@@ -251,7 +251,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Searches over the parameters where the upper bound leaves room for a perturbation smaller than the best so far.
-    fn raise_lower(&self, all: &mut [Scanned]) -> Result<(), Error> {
+    fn raise_lower(&self, all: &mut [FrequencyBounds]) -> Result<(), Error> {
         let mut order: Vec<usize> = (0..all.len()).collect();
         order.sort_by(|a, b| all[*b].upper.beta.total_cmp(&all[*a].upper.beta));
         let mut best = all.iter().map(|at| at.bounds().lower).fold(0.0, f64::max);
@@ -274,21 +274,21 @@ impl<'a> Problem<'a> {
         Ok(())
     }
 
-    fn bound_grid(&self, hz: &[f64], near: Option<&UpperBound>) -> Result<Vec<Scanned>, Error> {
+    fn bound_grid(&self, hz: &[f64], near: Option<&UpperBound>) -> Result<Vec<FrequencyBounds>, Error> {
         let rates: Vec<f64> = hz.iter().map(|f| std::f64::consts::TAU * f).collect();
         let structure = &self.pulled.structure;
         let mut last = near.cloned();
         let mut one = |(hz, M): (&f64, &CMat)| {
             let upper = upper_bound(M, structure, last.as_ref());
             last = Some(upper.clone());
-            Scanned { hz: *hz, lower: lower_bound(M, structure), upper }
+            FrequencyBounds { hz: *hz, lower: lower_bound(M, structure), upper }
         };
         Ok(hz.iter().zip(&self.pulled.at(&rates)?).map(&mut one).collect())
     }
 }
 
 /// Frequencies between neighbours of the highest peaks where the bound is steep.
-fn refined_frequencies(all: &[Scanned]) -> Vec<f64> {
+fn refined_frequencies(all: &[FrequencyBounds]) -> Vec<f64> {
     let upper = |k: usize| all[k].upper.beta;
     let peak = all.iter().map(|at| at.upper.beta).fold(0.0, f64::max);
     let mut between = Vec::new();

@@ -4,13 +4,13 @@ use counterpoise_controller::Controller;
 use counterpoise_models::parameters::Parameters;
 
 use super::loops::PulledLoop;
-use super::nearest::find_nearest;
+use super::nearest_mechanism::find_nearest;
 use super::places::Joints;
 use super::problem::{
-    Bounds, Destabilising, Direction, Mechanism, Problem, Scanned, StatedRange, Uncertainty,
+    Bounds, DestabilisingMechanism, Direction, FrequencyBounds, Mechanism, Problem, StatedRange, Uncertainty,
 };
 use super::{Perturbation, UpperBound};
-use crate::robust::Varied;
+use crate::robust::VariedParameter;
 use crate::tolerance::WIDEST_RANGES;
 use crate::{Error, Procedure};
 
@@ -21,21 +21,21 @@ pub struct RobustStability {
     pub bounds: Vec<Bounds>,
     /// The loop is stable for all parameters in the stated ranges widened by less than this: 1 over the largest upper bound.
     pub guaranteed: f64,
-    /// Where the upper bound is largest, Hz.
+    /// Frequency at which the upper bound is largest, Hz.
     pub worst_hz: f64,
     /// The smallest perturbation that was found to make the loop unstable.
-    pub found: Option<Destabilising>,
+    pub found: Option<DestabilisingMechanism>,
     /// Parameters that do not enter the linear loop.
-    pub left_out: Vec<Varied>,
+    pub left_out: Vec<VariedParameter>,
     /// The sinusoidal hub rate at which dry friction is taken as viscous friction, where it varies, rad/s.
     pub dry_friction_at_rad_s: Option<f64>,
     /// The errors at the plant's input and of the hub gyroscope's reading.
     pub errors: [f64; 2],
-    /// What proves the bounds.
+    /// Proof of the bounds.
     pub proof: BoundProof,
 }
 
-/// What proves the bounds of a [`RobustStability`], for whoever checks them by other code.
+/// Proof of the bounds of a [`RobustStability`], for a check by other code.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoundProof {
     /// The systems of which M is made.
@@ -87,7 +87,7 @@ pub fn robust_stability_in(
     let found = find_nearest(&problem, &scanned)?;
     let worst = scanned.iter().max_by(|a, b| a.upper.beta.total_cmp(&b.upper.beta));
     let (peak, worst_hz) = worst.map_or((0.0, 0.0), |at| (at.upper.beta, at.hz));
-    let bounds = scanned.iter().map(Scanned::bounds).collect();
+    let bounds = scanned.iter().map(FrequencyBounds::bounds).collect();
     Ok(Some(RobustStability {
         bounds,
         guaranteed: 1.0 / peak.max(1.0 / WIDEST_RANGES),

@@ -131,7 +131,7 @@ impl Mul<f64> for Taylor {
 }
 
 /// A system whose response is asked for over many intervals, in the coordinates of its real Schur form.
-pub struct Evaluated {
+pub struct SchurSystem {
     form: Schur,
     /// n x m.
     B: CMat,
@@ -142,7 +142,7 @@ pub struct Evaluated {
     timebase: Timebase,
 }
 
-impl Evaluated {
+impl SchurSystem {
     /// Transforms a system, which should be balanced: rounding is relative to its largest entries.
     ///
     /// # Errors
@@ -213,7 +213,7 @@ mod tests {
             let system =
                 StateSpace::new(A, Mat::col(&[0.3, 1.0]), Mat::row(&[5.0, 1.0]), Mat::row(&[0.2]), timebase)
                     .unwrap();
-            let evaluated = Evaluated::of(&system).unwrap();
+            let evaluated = SchurSystem::of(&system).unwrap();
             // Beside the resonance at 20 rad/s, whose half-width is 0.4, the wide interval has no finite bound: it is halved.
             for (middle_rad_s, half_rad_s) in
                 [(2.0, 0.2), (15.0, 0.2), (19.9, 0.2), (19.9, 0.01), (40.0, 0.2)]

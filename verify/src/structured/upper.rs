@@ -15,7 +15,7 @@ use super::PerturbationStructure;
 use super::blocks::PerturbationBlock;
 use super::hermitian::Factor;
 use crate::tolerance::{
-    SCALING_BEHIND, SCALING_DECREMENT, SCALING_FIRST, SCALING_FLOOR, SCALING_GAIN, SCALING_NEAR,
+    BOUND_RATIO, SCALING_BEHIND, SCALING_DECREMENT, SCALING_FIRST, SCALING_FLOOR, SCALING_GAIN, SCALING_NEAR,
     SCALING_NEWTON, SCALING_REGULAR, SCALING_SHORTEST_STEP, SCALING_STEPS,
 };
 
@@ -124,9 +124,9 @@ impl Entry {
 /// A direction of D or of G.
 #[derive(Debug, Clone)]
 struct Direction {
-    /// Whether it belongs to G.
+    /// `true` if it belongs to G.
     of_G: bool,
-    /// Its entries, both triangles.
+    /// Entries, both triangles.
     entries: Vec<Entry>,
 }
 
@@ -211,7 +211,7 @@ impl<'a> Search<'a> {
     fn least(&self) -> f64 {
         let slack = Slack::of(self.M, &self.D, &self.G);
         let (mut low, mut high) = (self.floor.min(0.5 * self.gamma), self.gamma);
-        while high > 1.0001 * low {
+        while high > BOUND_RATIO * low {
             let middle = if high > 4.0 * low { (low * high).sqrt() } else { 0.5 * (low + high) };
             match slack.factor(middle) {
                 Some(_) => high = middle,

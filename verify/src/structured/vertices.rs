@@ -167,17 +167,17 @@ impl<'a> Search<'a> {
 
 /// An eigenvalue and its modulus.
 #[derive(Clone, Copy)]
-struct Outermost {
+struct OutermostEigenvalue {
     eigenvalue: C64,
     radius: f64,
 }
 
 /// The eigenvalue of largest modulus of S diag(1, turn).
-fn largest(S: &CMat, turn: C64) -> Outermost {
+fn largest(S: &CMat, turn: C64) -> OutermostEigenvalue {
     let (a, b, c, d) = (S[(0, 0)], S[(0, 1)] * turn, S[(1, 0)], S[(1, 1)] * turn);
     let (half, product) = (0.5 * (a + d), a * d - b * c);
     let root = (half * half - product).sqrt();
-    let [plus, minus] =
-        [half + root, half - root].map(|eigenvalue| Outermost { eigenvalue, radius: eigenvalue.norm() });
+    let [plus, minus] = [half + root, half - root]
+        .map(|eigenvalue| OutermostEigenvalue { eigenvalue, radius: eigenvalue.norm() });
     if plus.radius > minus.radius { plus } else { minus }
 }

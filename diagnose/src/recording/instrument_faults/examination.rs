@@ -26,7 +26,7 @@ use crate::tolerance::recording::{
 pub struct ExaminedRecordings {
     /// The recordings: columns that cannot be repaired are missing, useless readings are not numbers.
     pub recordings: Vec<Recording>,
-    /// What was wrong.
+    /// Faults that were found.
     pub faults: Vec<InstrumentFault>,
     /// The columns that each recording had.
     written: Vec<Vec<RecorderColumn>>,

@@ -155,7 +155,7 @@ fn is_exact(identity: &Identity, base: &Parameters) -> bool {
     identity.of != RecorderColumn::Control || identity.left < CONTROLLER_IDENTITY_MULTIPLE * noise
 }
 
-/// How a origin's gain shows in a ratio: 1 above, -1 below, 0 not at all.
+/// Returns how a origin's gain shows in a ratio: 1 above, -1 below, 0 not at all.
 fn share(ratio: &Ratio, origin: FactorOrigin) -> i32 {
     let is = |column: RecorderColumn| match origin {
         FactorOrigin::Written(c) => c == column,

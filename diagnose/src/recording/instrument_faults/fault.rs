@@ -4,7 +4,7 @@ use super::column::RecorderColumn;
 use crate::tolerance::recording::SAME_UNIT_FACTOR;
 use crate::tolerance::recording::UNIT_FACTOR_REACH;
 
-/// What is wrong with a column.
+/// Kind of a fault of a recorded column.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FaultKind {
     /// Written with another factor: a unit, a sign, a gain.
@@ -75,19 +75,19 @@ pub enum FaultKind {
 pub struct InstrumentFault {
     /// The column.
     pub column: RecorderColumn,
-    /// What is wrong.
+    /// Kind of the fault.
     pub kind: FaultKind,
     /// Names of the recordings in which it was seen.
     pub recordings: Vec<String>,
-    /// Whether that is all of them.
+    /// `true` if that is all of them.
     pub everywhere: bool,
-    /// What was done about it.
+    /// Treatment of the fault.
     pub treatment: Treatment,
     /// Columns that could be at fault in its place.
     pub or: Vec<RecorderColumn>,
 }
 
-/// What was done about a fault.
+/// Treatment of a fault: the column is corrected or left out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Treatment {
     /// The column is used as it is.
@@ -183,7 +183,7 @@ pub(super) fn intended_factor(gain: f64, doubt: f64) -> f64 {
     }
 }
 
-/// Whether a gain is exactly that of a unit or a sign.
+/// Returns whether a gain is exactly that of a unit or a sign.
 pub(super) fn is_known(gain: f64) -> bool {
     gain == -1.0 || UnitMistake::of_gain(gain).is_some()
 }

@@ -34,9 +34,9 @@ pub(super) struct Ratio {
 pub(super) struct Identity {
     pub of: RecorderColumn,
     pub ratios: Vec<Ratio>,
-    /// How far the column runs before the gyroscopes, s, and the doubt of it.
+    /// Lead of the column before the gyroscopes, s, and its uncertainty.
     pub lead_s: (f64, f64),
-    /// What has to be added to the gyroscopes, and the doubt of it.
+    /// Offset to be added to the gyroscopes, and its uncertainty.
     pub constant: (f64, f64),
     /// Share that is left.
     pub share: f64,

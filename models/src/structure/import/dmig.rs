@@ -8,9 +8,9 @@ use counterpoise_linalg::{Sparse, sparse::Entry};
 /// A matrix of DMIG entries.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dmig {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Whether each entry stands for its mirror image too (IFO = 6).
+    /// `true` if each entry stands for its mirror image too (IFO = 6).
     pub symmetric: bool,
     /// Row, column and value of each entry.
     pub entries: Vec<(Dof, Dof, f64)>,

@@ -15,7 +15,7 @@ pub use matrix_market::matrix_market;
 pub use node_map::{Dof, NodeMap};
 pub use op4::{Op4, read_op4};
 
-use super::fe::{FeModel, Fitted, NodeRows};
+use super::fe::{AttachedMasses, FeModel, NodeRows};
 use super::large::{Condensation, Shapes};
 use super::sparse_structure::SparseStructure;
 use crate::Error;
@@ -182,7 +182,7 @@ impl Imported {
     ///
     /// # Errors
     /// [`Error::Import`] if the grid that carries a mass lacks a row that it needs.
-    pub fn with_fitted_masses(&self, map: &NodeMap, fitted: &Fitted) -> Result<Self, Error> {
+    pub fn with_fitted_masses(&self, map: &NodeMap, fitted: &AttachedMasses) -> Result<Self, Error> {
         let mut out = self.clone();
         for mass in &fitted.masses {
             let grid = self.carrier(map, mass.position_m)?;

@@ -13,7 +13,7 @@ pub struct Dof {
     pub component: u8,
 }
 
-/// Where the nodes lie, and what the rows mean.
+/// Places of the nodes, and the meaning of the rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NodeMap {
     /// Component of the upward deflection.

@@ -7,9 +7,9 @@ use counterpoise_linalg::{Sparse, sparse::Entry};
 /// A matrix of an OP4 text.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Op4 {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its entries.
+    /// Entries.
     pub matrix: Sparse,
 }
 

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::PipelineError;
 
-/// How the platform moves in a trial.
+/// Motion of the platform in a trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TrialMotion {
@@ -20,7 +20,7 @@ pub enum TrialMotion {
     Multisine,
 }
 
-/// What the load does, and what the estimate starts from.
+/// Load in a trial, and the initial value of the estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum TrialLoad {

@@ -15,7 +15,7 @@ use crate::{PipelineError, PlantModel};
 
 /// What acts in a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Acts {
+pub(crate) enum TrialController {
     Without,
     Told,
     Adapts(AdaptationMethod),
@@ -65,18 +65,18 @@ impl Stage<'_> {
         &self,
         platform: &PlatformMotion,
         load: TrialLoad,
-        acts: Acts,
+        acts: TrialController,
     ) -> Result<TrialRun, PipelineError> {
         let mut watched = self.monitored_controller(acts)?;
         let design = self.modelled.plant.body().out_of_balance_kg_m;
-        if load == TrialLoad::WrongStart && acts != Acts::Told {
+        if load == TrialLoad::WrongStart && acts != TrialController::Told {
             watched.runner.set_out_of_balance((1.0 - CHANGE) * design);
         }
         let mut state: Option<PlantState> = None;
         let mut angle = self.procedure.operating_point.platform_angle_rad;
         let mut rates = Vec::new();
         for part in load_parts(load) {
-            if acts == Acts::Told {
+            if acts == TrialController::Told {
                 watched.runner.set_out_of_balance(part.factor * design);
             }
             let plant = scale_imbalance(&self.modelled.plant, part.factor)?;
@@ -101,15 +101,15 @@ impl Stage<'_> {
         Ok(TrialRun { hub_rate_rad_s: rates.split_off(first), peak_rms_m_s2 })
     }
 
-    fn monitored_controller(&self, acts: Acts) -> Result<MonitoredController, PipelineError> {
+    fn monitored_controller(&self, acts: TrialController) -> Result<MonitoredController, PipelineError> {
         let own = match acts {
-            Acts::Adapts(method) => {
+            TrialController::Adapts(method) => {
                 let adaptation = AdaptationOptions { method, ..self.adaptation.clone() };
                 let synth = self.project.synth.as_ref();
                 let observer = synth.and_then(|asked| asked.options.observer.as_ref());
                 Some(estimator(&adaptation, self.modelled, observer))
             }
-            Acts::Without | Acts::Told => None,
+            TrialController::Without | TrialController::Told => None,
         };
         let controller = self.controller.with(|parts| parts.estimator = own);
         let controller = controller.map_err(counterpoise_synth::Error::from)?;

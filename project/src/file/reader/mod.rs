@@ -128,7 +128,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// A complaint of a key that nobody wrote: what stands in its place does not fit what is written around it.
+    /// Reports an error of a key that the file does not have: its default does not fit the keys around it.
     /// Said only where nothing else is wrong in its table: a value that could not be read is no ground to judge others.
     /// A complaint of no key is one of the section itself.
     fn complain_of_default(&mut self, key: &str, allowed: &str, hint: Option<String>) {

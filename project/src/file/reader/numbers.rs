@@ -3,7 +3,7 @@
 use super::Reader;
 use crate::assumption::{Assumption, KeyTolerance, ToleranceKind};
 use crate::diagnostic::DiagnosticKind;
-use crate::file::field::{Assumed, Fallback, Field, Limit, UnitHint, UsualRange};
+use crate::file::field::{DefaultRule, Fallback, Field, NumberRange, UnitHint, UsualRange};
 use crate::file::source::Remark;
 use crate::file::tree::{Entry, Node, Value};
 use crate::tolerance::NUMBER_SIZES;
@@ -114,7 +114,7 @@ impl<'a> Reader<'a> {
             }
         };
         if !value.is_finite() {
-            let range = if field.limit == Limit::Any {
+            let range = if field.limit == NumberRange::Any {
                 String::new()
             } else {
                 format!("; it {}", field.limit.words(field.unit))
@@ -167,7 +167,7 @@ impl<'a> Reader<'a> {
         if silent || self.assumptions.len() >= super::MOST_FINDINGS {
             return;
         }
-        let Assumed { rule, source, usual } = field.assumed.unwrap_or_else(|| usual_rule(value));
+        let DefaultRule { rule, source, usual } = field.assumed.unwrap_or_else(|| usual_rule(value));
         let usual = match usual {
             UsualRange::Factors(low, high) => Some([value * low, value * high]),
             UsualRange::Values(low, high) => Some([low, high]),
@@ -185,7 +185,7 @@ fn meant_by_unit(text: &str, field: &Field) -> Option<String> {
 }
 
 /// Returns the rule of a default that has none of its own: an ideal element.
-fn usual_rule(value: f64) -> Assumed {
+fn usual_rule(value: f64) -> DefaultRule {
     let (rule, source) = if value == 0.0 {
         ("none, as in an ideal machine", "what is left out is ideal")
     } else if value.is_infinite() {
@@ -193,7 +193,7 @@ fn usual_rule(value: f64) -> Assumed {
     } else {
         ("the default of the key", "a typical value")
     };
-    Assumed { rule, source, usual: UsualRange::Unknown }
+    DefaultRule { rule, source, usual: UsualRange::Unknown }
 }
 
 fn in_unit(unit: &str) -> String {

@@ -9,41 +9,41 @@ use crate::tolerance::{
     RICCATI_UNDETERMINED, SENSITIVE, TRUSTED_SEPARATION,
 };
 
-use super::certify::{Certified, certify_precise};
+use super::certificate::{CertifiedSolution, certify_precise};
+use super::long_solution::{self, PreciseEquation, relative_step};
 use super::modes::Modes;
 use super::newton::Equation;
-use super::precise::{self, PreciseEquation, relative_step};
-use super::reason::{self, Nearest, Nearness};
-use super::scaling::{Problem, Scaled, rescale};
+use super::reason::{self, NearestEigenvalue, Nearness};
+use super::scaling::{Problem, ScaledProblem, rescale};
 use super::{Outcome, Reason, Riccati, RiccatiCertificate};
 
-/// Whether a solution in doubles is accepted without further questions.
-pub(super) fn is_beyond_doubt(found: &Certified, problem: &Problem, kind: Kind) -> bool {
+/// Returns whether a solution in doubles is accepted without further questions.
+pub(super) fn is_beyond_doubt(found: &CertifiedSolution, problem: &Problem, kind: Kind) -> bool {
     let size = size(problem, kind).max(found.operator_norm);
     found.solution.certificate.separation > RICCATI_DOUBTFUL_SEPARATION * size && is_accurate(found)
 }
 
-/// Whether the error that is left is small beside each pair of states; of a larger problem, whose solution in 32 digits takes many times as
+/// Returns whether the error that is left is small beside each pair of states; of a larger problem, whose solution in 32 digits takes many times as
 /// long, also if rounding the data changes the solution by more.
-fn is_accurate(found: &Certified) -> bool {
+fn is_accurate(found: &CertifiedSolution) -> bool {
     let large = found.solution.X.nrows() > DATA_LIMITED_STATES;
     let by_data = EPS * found.solution.certificate.condition;
     let limit = if large { RICCATI_ERROR.max(by_data) } else { RICCATI_ERROR };
     relative_step(&found.solution.certificate.forward_error, &found.solution.X) <= limit
 }
 
-/// Whether neither the data nor the computation determines a solution: the data to no digit, the computation to less than three. It is what
+/// Returns whether neither the data nor the computation determines a solution: the data to no digit, the computation to less than three. It is what
 /// Newton's method makes of a multiple mode that is out of reach.
-fn is_undetermined(found: &Certified, problem: &Problem) -> bool {
+fn is_undetermined(found: &CertifiedSolution, problem: &Problem) -> bool {
     let RiccatiCertificate { forward_error, .. } = &found.solution.certificate;
     relative_step(forward_error, &found.solution.X) > SENSITIVE
         && found.normwise_condition(problem) * EPS > RICCATI_UNDETERMINED
 }
 
-/// Whether an approximation that is in doubt is no solution: 32 digits do not lead to one, or the problem is too large for them, and the
+/// Returns whether an approximation that is in doubt is no solution: 32 digits do not lead to one, or the problem is too large for them, and the
 /// residual is not small beside the terms. It may still be rounding beside the factors of the terms if these nearly cancel, as those of a
 /// level just below the norm of a difference of two systems do, for which there is none.
-fn is_spurious(found: &Certified) -> bool {
+fn is_spurious(found: &CertifiedSolution) -> bool {
     found.solution.certificate.relative_residual > RICCATI_RESIDUAL
 }
 
@@ -56,12 +56,12 @@ fn size(problem: &Problem, kind: Kind) -> f64 {
 pub(super) struct Refusal {
     pub(super) reason: Reason,
     /// What is known of the eigenvalue of the Hamiltonian matrix nearest to the boundary.
-    pub(super) nearest: Nearest,
+    pub(super) nearest: NearestEigenvalue,
 }
 
 impl From<Reason> for Refusal {
     fn from(reason: Reason) -> Self {
-        Self { reason, nearest: Nearest::Unknown }
+        Self { reason, nearest: NearestEigenvalue::Unknown }
     }
 }
 
@@ -73,14 +73,14 @@ impl From<Reason> for Refusal {
 pub(super) fn unless_lost(
     first: &Mat,
     modes: &Modes,
-    solve: impl FnOnce(fn(Reason) -> Failure) -> Result<Certified, Failure>,
-) -> Result<Certified, Failure> {
+    solve: impl FnOnce(fn(Reason) -> Failure) -> Result<CertifiedSolution, Failure>,
+) -> Result<CertifiedSolution, Failure> {
     let lost = || reason::certainly_lost(modes).map(Failure::Certain);
     if reason::is_beyond_doubles(first, modes) {
         return lost().map_or_else(|| solve(Failure::from_hopeless), Err);
     }
     let found = solve(Failure::from);
-    let is_determined = |c: &Certified| EPS * c.solution.certificate.condition <= RICCATI_DETERMINED;
+    let is_determined = |c: &CertifiedSolution| EPS * c.solution.certificate.condition <= RICCATI_DETERMINED;
     if !reason::is_suspicious(first, modes) || found.as_ref().is_ok_and(is_determined) {
         return found;
     }
@@ -91,11 +91,11 @@ pub(super) fn unless_lost(
 pub(super) fn decide(
     equation: &(impl Equation + PreciseEquation),
     modes: &Modes,
-    found: Option<Certified>,
+    found: Option<CertifiedSolution>,
     refusal: Refusal,
-) -> Outcome<Certified> {
+) -> Outcome<CertifiedSolution> {
     let (problem, kind) = (modes.problem, modes.kind);
-    let separated = |c: &Certified| {
+    let separated = |c: &CertifiedSolution| {
         let large = problem.A.nrows() > DATA_LIMITED_STATES;
         let separation = c.solution.certificate.separation;
         separation > TRUSTED_SEPARATION * size(problem, kind) || large && c.contraction <= NEWTON_CONTRACTS
@@ -108,7 +108,7 @@ pub(super) fn decide(
     };
     if found.is_none()
         && kind == Kind::Continuous
-        && matches!(refusal.nearest, Nearest::Unknown)
+        && matches!(refusal.nearest, NearestEigenvalue::Unknown)
         && let Some(reason) = reason::certainly_on_boundary(problem)
     {
         return Outcome::Infeasible(reason);
@@ -135,15 +135,15 @@ fn solve_precisely(
     equation: &(impl Equation + PreciseEquation),
     problem: &Problem,
     start: Option<&Mat>,
-) -> Option<Certified> {
+) -> Option<CertifiedSolution> {
     if problem.A.nrows() > PRECISE_STATES {
         return None;
     }
-    certify_precise(equation, problem, precise::solve(equation, start)?)
+    certify_precise(equation, problem, long_solution::solve(equation, start)?)
 }
 
 /// The solution, unless it is so sensitive that a mode may be within reach, or in sight, by rounding alone.
-fn accept(found: Certified, modes: &Modes, limit: f64) -> Outcome<Certified> {
+fn accept(found: CertifiedSolution, modes: &Modes, limit: f64) -> Outcome<CertifiedSolution> {
     let lost = if found.normwise_condition(modes.problem) * EPS > limit {
         reason::lost_mode(modes, Nearness::Rounding)
     } else {
@@ -168,12 +168,12 @@ fn explain_refusal(refusal: Refusal, modes: &Modes) -> Reason {
 
 /// The solution in the caller's units, if they hold it; `terms` gives the sum of the norms of the equation's terms there.
 pub(super) fn convert_to_callers_units(
-    found: Certified,
-    units: &Scaled,
+    found: CertifiedSolution,
+    units: &ScaledProblem,
     gain: impl FnOnce(&Mat) -> Mat,
     terms: impl FnOnce(&Riccati) -> f64,
 ) -> Result<Riccati, Error> {
-    let Certified { mut solution, residual, .. } = found;
+    let CertifiedSolution { mut solution, residual, .. } = found;
     let (d, certificate) = (&units.scale, &mut solution.certificate);
     solution.X = units.restore(&solution.X);
     solution.F = gain(&solution.F);

@@ -6,16 +6,16 @@ use counterpoise_controller::program::{Operation, Program, Slot};
 use crate::Ranges;
 use crate::fixed_point::format::{to_integer, unit};
 use crate::fixed_point::writer::{OperationError, Writer};
-use crate::fixed_point::{Fixed, FixedOperation, FixedProgram};
-use crate::ranges::{Run, RunState, RunVisitor, play};
+use crate::fixed_point::{FixedOperation, FixedPointController, FixedProgram};
+use crate::ranges::{Run, RunState, RunVisitor, play_runs};
 use crate::rounding::{
-    Arithmetic, Deviation, ExecutedOperation, Line, Rounded, deviation, is_kept, setting_errors,
+    Arithmetic, Deviation, ExecutedOperation, Line, OperationRounding, deviation, is_kept, setting_errors,
     state_increment, to_grid,
 };
 
 /// Returns how far the control can be from the reference.
 pub(crate) fn predict(
-    fixed: &Fixed,
+    fixed: &FixedPointController,
     ranges: &Ranges,
     errors: Vec<OperationError>,
     set: &Writer<'_>,
@@ -30,12 +30,12 @@ pub(crate) fn predict(
     let kept = setting_errors(controller, ranges, &error);
     let readings = fixed.step.inputs.iter().map(|bits| OperationError::of_rounding(0.5 * unit(*bits)));
     let errors = errors.into_iter().chain(readings).collect();
-    let quantised = Quantised { fixed, errors, set: set.errors(), kept };
+    let quantised = FixedPointErrors { fixed, errors, set: set.errors(), kept };
     deviation(controller, ranges, &quantised, samples)
 }
 
 /// Returns the largest error of each state after a setting, or at the start.
-fn left_by_setting(fixed: &Fixed, set: &Writer<'_>) -> Vec<f64> {
+fn left_by_setting(fixed: &FixedPointController, set: &Writer<'_>) -> Vec<f64> {
     let program = &fixed.controller.programs().set_out_of_balance;
     let mut states: Vec<f64> = fixed.states.iter().map(|bits| 0.5 * unit(*bits)).collect();
     let mut locals = vec![0.0; program.locals.len()];
@@ -69,33 +69,33 @@ fn inherited_error(operation: &Operation, set: &Writer<'_>, error: &dyn Fn(&Slot
 }
 
 /// Errors in fixed point.
-struct Quantised<'a> {
-    fixed: &'a Fixed,
+struct FixedPointErrors<'a> {
+    fixed: &'a FixedPointController,
     errors: Vec<OperationError>,
     set: &'a [OperationError],
     kept: Vec<f64>,
 }
 
-impl Arithmetic for Quantised<'_> {
+impl Arithmetic for FixedPointErrors<'_> {
     fn worst_errors(&self) -> Vec<f64> {
         let kept = self.kept.iter().copied().chain(std::iter::repeat(0.0));
         self.errors.iter().zip(kept).map(|(error, kept)| error.worst + kept).collect()
     }
 
     fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>> {
-        play(runs, &Coefficients(self.fixed)).into_iter().map(|state| state.voltages_v).collect()
+        play_runs(runs, &Coefficients(self.fixed)).into_iter().map(|state| state.voltages_v).collect()
     }
 
     /// Returns what is a whole number of units is not rounded. Quotients are cut towards 0: the half unit that this loses has
     /// the sign of the quotient.
-    fn rounding_of(&self, line: Line, executed: &ExecutedOperation<'_>) -> Rounded {
+    fn rounding_of(&self, line: Line, executed: &ExecutedOperation<'_>) -> OperationRounding {
         let ExecutedOperation { number, operation, read, written: value } = *executed;
         let error = match line {
             Line::Step => self.errors[number],
             Line::Set => self.set[number],
         };
         if (value / unit(error.bits)).fract() == 0.0 {
-            return Rounded::default();
+            return OperationRounding::default();
         }
         let known = match state_increment(operation, read) {
             Some((state, rest)) if error.squares > 0.0 && self.fixed.states[state] <= error.bits => {
@@ -103,23 +103,23 @@ impl Arithmetic for Quantised<'_> {
             }
             _ => -value.signum() * error.steady,
         };
-        Rounded { known, square: error.squares }
+        OperationRounding { known, square: error.squares }
     }
 }
 
 /// The controller with rounded coefficients, and how far its control was from the reference's, V.
-struct Coefficients<'a>(&'a Fixed);
+struct Coefficients<'a>(&'a FixedPointController);
 
-impl<'a> RunVisitor<RunState<Unrounded<'a>>> for Coefficients<'a> {
-    fn start(&self) -> RunState<Unrounded<'a>> {
-        RunState::of(Unrounded::new(self.0))
+impl<'a> RunVisitor<RunState<UnroundedController<'a>>> for Coefficients<'a> {
+    fn start(&self) -> RunState<UnroundedController<'a>> {
+        RunState::of(UnroundedController::new(self.0))
     }
 
-    fn set(&self, state: &mut RunState<Unrounded<'a>>, out_of_balance_kg_m: f64) {
+    fn set(&self, state: &mut RunState<UnroundedController<'a>>, out_of_balance_kg_m: f64) {
         state.acting.set_out_of_balance(out_of_balance_kg_m);
     }
 
-    fn sample(&self, state: &mut RunState<Unrounded<'a>>, run: &Run, k: usize) {
+    fn sample(&self, state: &mut RunState<UnroundedController<'a>>, run: &Run, k: usize) {
         state.voltages_v.push(state.acting.step(&run.readings[k]) - run.reference_v[k]);
     }
 }
@@ -127,14 +127,14 @@ impl<'a> RunVisitor<RunState<Unrounded<'a>>> for Coefficients<'a> {
 /// A fixed-point controller whose coefficients, start and readings are rounded and nothing else: numbers are real multiples
 /// of their units.
 #[derive(Clone)]
-struct Unrounded<'a> {
-    fixed: &'a Fixed,
+struct UnroundedController<'a> {
+    fixed: &'a FixedPointController,
     states: Vec<f64>,
     locals: Vec<f64>,
 }
 
-impl<'a> Unrounded<'a> {
-    fn new(fixed: &'a Fixed) -> Self {
+impl<'a> UnroundedController<'a> {
+    fn new(fixed: &'a FixedPointController) -> Self {
         let states = fixed.initial.iter().map(|value| *value as f64).collect();
         let count = fixed.step.locals.len().max(fixed.set_out_of_balance.locals.len());
         Self { fixed, states, locals: vec![0.0; count] }

@@ -5,7 +5,7 @@ use counterpoise_controller::Readings;
 use super::Scale;
 use crate::Error;
 
-/// Settings of [`Recursive`].
+/// Settings of [`RecursiveLeastSquares`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecursiveSettings {
     /// The machine.
@@ -42,7 +42,7 @@ pub struct RecursiveSettings {
 /// where a variance grows from 9 to 10 times its start. The controller's own estimator
 /// ([`counterpoise_controller::Learning::Squares`]) is the same with the covariance in factors.
 #[derive(Debug, Clone)]
-pub struct Recursive {
+pub struct RecursiveLeastSquares {
     settings: RecursiveSettings,
     parameters: [f64; SIZE],
     covariance: [[f64; SIZE]; SIZE],
@@ -60,7 +60,7 @@ const WIND_UP: (f64, f64) = (9.0, 10.0);
 /// The mean square over that of the dead-band at which learning is whole.
 const WHOLE: f64 = 1.21;
 
-impl Recursive {
+impl RecursiveLeastSquares {
     /// Returns the estimator at its start.
     ///
     /// # Errors

@@ -7,18 +7,18 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::extended_precision::Extended;
+use crate::extended_precision::ExtendedMatrix;
 use crate::kernel::vectorised;
 use crate::mat::Mat;
 
 /// A number of about 32 decimal digits: `high + low`, `low` at most half a unit in the last place of `high`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Long {
+pub(crate) struct LongReal {
     pub(crate) high: f64,
     pub(crate) low: f64,
 }
 
-impl Long {
+impl LongReal {
     #[inline(always)]
     fn from_parts(high: f64, low: f64) -> Self {
         let sum = high + low;
@@ -37,20 +37,20 @@ impl Long {
     }
 }
 
-impl From<f64> for Long {
+impl From<f64> for LongReal {
     fn from(high: f64) -> Self {
         Self { high, low: 0.0 }
     }
 }
 
-impl Neg for Long {
+impl Neg for LongReal {
     type Output = Self;
     fn neg(self) -> Self {
         Self { high: -self.high, low: -self.low }
     }
 }
 
-impl Add for Long {
+impl Add for LongReal {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -58,7 +58,7 @@ impl Add for Long {
     }
 }
 
-impl Sub for Long {
+impl Sub for LongReal {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
@@ -66,7 +66,7 @@ impl Sub for Long {
     }
 }
 
-impl Mul for Long {
+impl Mul for LongReal {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
@@ -74,7 +74,7 @@ impl Mul for Long {
     }
 }
 
-impl Div for Long {
+impl Div for LongReal {
     type Output = Self;
     /// Three steps of long division in doubles.
     fn div(self, other: Self) -> Self {
@@ -86,35 +86,35 @@ impl Div for Long {
     }
 }
 
-/// A matrix of [`Long`] numbers.
+/// A matrix of [`LongReal`] numbers.
 #[derive(Clone, Debug)]
-pub(crate) struct Precise {
+pub(crate) struct LongMatrix {
     pub(crate) high: Mat,
     pub(crate) low: Mat,
 }
 
-impl From<&Mat> for Precise {
+impl From<&Mat> for LongMatrix {
     fn from(high: &Mat) -> Self {
         Self { high: high.clone(), low: Mat::zeros(high.nrows(), high.ncols()) }
     }
 }
 
-impl From<&Extended> for Precise {
-    fn from(sum: &Extended) -> Self {
+impl From<&ExtendedMatrix> for LongMatrix {
+    fn from(sum: &ExtendedMatrix) -> Self {
         let low = sum.low.clone().unwrap_or_else(|| Mat::zeros(sum.high.nrows(), sum.high.ncols()));
         Self { high: sum.high.clone(), low }
     }
 }
 
-impl Precise {
+impl LongMatrix {
     /// The identity times a number.
     pub(crate) fn identity(n: usize, factor: f64) -> Self {
         Self::from(&Mat::eye(n).scale(factor))
     }
 
     /// The entry (i, j).
-    pub(crate) fn at(&self, i: usize, j: usize) -> Long {
-        Long { high: self.high[(i, j)], low: self.low[(i, j)] }
+    pub(crate) fn at(&self, i: usize, j: usize) -> LongReal {
+        LongReal { high: self.high[(i, j)], low: self.low[(i, j)] }
     }
 
     /// The nearest matrix of doubles.
@@ -197,14 +197,14 @@ impl Precise {
             if pivot.high == 0.0 || !pivot.high.is_finite() {
                 return None;
             }
-            let multipliers: Vec<Long> = (k + 1..n).map(|i| factors.at(i, k) / pivot).collect();
+            let multipliers: Vec<LongReal> = (k + 1..n).map(|i| factors.at(i, k) / pivot).collect();
             let multipliers = Column::of(&multipliers);
             eliminate(&mut factors.high, &mut factors.low, &multipliers, k, k + 1..n, k + 1);
             eliminate(&mut X.high, &mut X.low, &multipliers, k, k + 1..n, 0);
         }
         for k in (0..n).rev() {
             X.divide_row(k, factors.at(k, k));
-            let column: Vec<Long> = (0..k).map(|i| factors.at(i, k)).collect();
+            let column: Vec<LongReal> = (0..k).map(|i| factors.at(i, k)).collect();
             eliminate(&mut X.high, &mut X.low, &Column::of(&column), k, 0..k, 0);
         }
         X.high.is_finite().then_some(X)
@@ -219,7 +219,7 @@ impl Precise {
         }
     }
 
-    fn divide_row(&mut self, k: usize, pivot: Long) {
+    fn divide_row(&mut self, k: usize, pivot: LongReal) {
         for j in 0..self.high.ncols() {
             let quotient = self.at(k, j) / pivot;
             (self.high[(k, j)], self.low[(k, j)]) = (quotient.high, quotient.low);
@@ -234,24 +234,24 @@ struct Column {
 }
 
 impl Column {
-    fn of(entries: &[Long]) -> Self {
+    fn of(entries: &[LongReal]) -> Self {
         Self { high: entries.iter().map(|e| e.high).collect(), low: entries.iter().map(|e| e.low).collect() }
     }
 }
 
 /// `x += factor v`, entry by entry.
 #[inline(always)]
-fn add_multiple(x_high: &mut [f64], x_low: &mut [f64], v_high: &[f64], v_low: &[f64], factor: Long) {
+fn add_multiple(x_high: &mut [f64], x_low: &mut [f64], v_high: &[f64], v_low: &[f64], factor: LongReal) {
     let entries = x_high.iter_mut().zip(x_low).zip(v_high.iter().zip(v_low));
     for ((high, low), (&a, &b)) in entries {
-        let sum = Long { high: *high, low: *low }.plus_product(Long { high: a, low: b }, factor);
+        let sum = LongReal { high: *high, low: *low }.plus_product(LongReal { high: a, low: b }, factor);
         (*high, *low) = (sum.high, sum.low);
     }
 }
 
 vectorised! {
     fn add_into<'a>(high: &'a mut Mat, low: &'a mut Mat, other: &'a Mat, rest: &'a Mat, sign: f64) -> () {
-        add_multiple(high.as_mut_slice(), low.as_mut_slice(), other.as_slice(), rest.as_slice(), Long { high: sign, low: 0.0 });
+        add_multiple(high.as_mut_slice(), low.as_mut_slice(), other.as_slice(), rest.as_slice(), LongReal { high: sign, low: 0.0 });
     }
 }
 
@@ -260,7 +260,7 @@ vectorised! {
         for j in 0..B.ncols() {
             let out = (high.column_mut(j), low.column_mut(j));
             for k in 0..A.ncols() {
-                let factor = Long { high: B[(k, j)], low: b[(k, j)] };
+                let factor = LongReal { high: B[(k, j)], low: b[(k, j)] };
                 if factor.high != 0.0 {
                     add_multiple(&mut *out.0, &mut *out.1, A.column(k), a.column(k), factor);
                 }
@@ -273,7 +273,7 @@ vectorised! {
     /// Takes `multipliers` times row `k` out of the rows `rows` of every column from `first` on.
     fn eliminate<'a>(high: &'a mut Mat, low: &'a mut Mat, multipliers: &'a Column, k: usize, rows: std::ops::Range<usize>, first: usize) -> () {
         for j in first..high.ncols() {
-            let factor = Long { high: -high[(k, j)], low: -low[(k, j)] };
+            let factor = LongReal { high: -high[(k, j)], low: -low[(k, j)] };
             if factor.high != 0.0 {
                 let target = (&mut high.column_mut(j)[rows.clone()], &mut low.column_mut(j)[rows.clone()]);
                 add_multiple(target.0, target.1, &multipliers.high, &multipliers.low, factor);
@@ -291,21 +291,21 @@ mod tests {
     fn a_hilbert_system_keeps_its_digits() {
         // The condition number of the Hilbert matrix of size 12 is 1.7e16: doubles keep nothing.
         let n = 12;
-        let entry = |i: usize, j: usize| Long::from(1.0) / Long::from((i + j + 1) as f64);
-        let H = Precise {
+        let entry = |i: usize, j: usize| LongReal::from(1.0) / LongReal::from((i + j + 1) as f64);
+        let H = LongMatrix {
             high: Mat::from_fn(n, n, |i, j| entry(i, j).high),
             low: Mat::from_fn(n, n, |i, j| entry(i, j).low),
         };
-        let exact = Precise::from(&Mat::from_fn(n, 3, |i, j| (i * i + 7 * j) as f64 - 20.0));
+        let exact = LongMatrix::from(&Mat::from_fn(n, 3, |i, j| (i * i + 7 * j) as f64 - 20.0));
         let found = H.solve(&H.times(&exact)).unwrap();
         assert!(found.difference(&exact).round().norm_max() < 1e-11, "{:?}", found.difference(&exact).high);
-        assert!(Precise::from(&Mat::zeros(2, 2)).solve(&Precise::identity(2, 1.0)).is_none());
+        assert!(LongMatrix::from(&Mat::zeros(2, 2)).solve(&LongMatrix::identity(2, 1.0)).is_none());
     }
 
     #[test]
     fn a_quotient_has_32_digits() {
-        let third = Long::from(1.0) / Long::from(3.0);
-        let rest = Long::from(1.0) - third * Long::from(3.0);
+        let third = LongReal::from(1.0) / LongReal::from(3.0);
+        let rest = LongReal::from(1.0) - third * LongReal::from(3.0);
         assert!(rest.high.abs() < 1e-31, "{rest:?}");
     }
 }

@@ -1,20 +1,20 @@
 //! The certificate of a Riccati solution, computed from what is returned.
 
+use crate::long_matrix::LongMatrix;
 use crate::lyapunov::Operator;
 use crate::mat::{C64, Mat};
-use crate::precise::Precise;
 use crate::schur::eigenvalues;
 use crate::sylvester::Kind;
 use crate::tolerance::{EPS, RICCATI_RESIDUAL, RICCATI_SPECTRUM_MOVES, RICCATI_SPECTRUM_SHARE, ROUNDING};
 
-use super::newton::{Equation, Refined};
-use super::precise::{self, InverseNorms, PreciseEquation, relative_step};
+use super::long_solution::{self, InverseNorms, PreciseEquation, relative_step};
+use super::newton::{Equation, RefinedSolution};
 use super::reason::excess;
 use super::scaling::Problem;
 use super::{Reason, Riccati, RiccatiCertificate, RiccatiMethod};
 
 /// A solution in scaled units with its residual.
-pub(super) struct Certified {
+pub(super) struct CertifiedSolution {
     pub(super) solution: Riccati,
     /// The residual of the solution as it is returned.
     pub(super) residual: Mat,
@@ -22,23 +22,23 @@ pub(super) struct Certified {
     pub(super) operator_norm: f64,
     /// The ratio of the last Newton step to the one before it.
     pub(super) contraction: f64,
-    normwise: Normwise,
+    normwise: ConditionBasis,
 }
 
 /// What Kenney and Hewer's condition number is computed from, if it is asked for.
-enum Normwise {
+enum ConditionBasis {
     /// The norms of the inverse Lyapunov operator applied to `I` and to `X^2`.
     Norms(InverseNorms),
     /// The first of them, and the operator.
     Operator(f64, Operator),
 }
 
-impl Certified {
+impl CertifiedSolution {
     /// Kenney and Hewer's condition number in scaled units, of changes that are small beside the norms of the data.
     pub(super) fn normwise_condition(&self, problem: &Problem) -> f64 {
         match &self.normwise {
-            Normwise::Norms(norms) => condition(problem, *norms, &self.solution.X),
-            Normwise::Operator(h0, derivative) => normwise(problem, derivative, *h0, &self.solution.X),
+            ConditionBasis::Norms(norms) => condition(problem, *norms, &self.solution.X),
+            ConditionBasis::Operator(h0, derivative) => normwise(problem, derivative, *h0, &self.solution.X),
         }
     }
 }
@@ -47,9 +47,9 @@ impl Certified {
 pub(super) fn certify(
     equation: &(impl Equation + PreciseEquation),
     problem: &Problem,
-    refined: Refined,
+    refined: RefinedSolution,
     method: RiccatiMethod,
-) -> Result<Certified, Reason> {
+) -> Result<CertifiedSolution, Reason> {
     let kind = Equation::kind(equation);
     let h0 = refined.derivative.solve_inner(&Mat::eye(problem.A.nrows())).norm_fro();
     // For a stable operator the solution for the identity attains the norm of the inverse, so that the separation is exact in the 2-norm
@@ -86,8 +86,8 @@ pub(super) fn certify(
         newton_steps: refined.steps,
     };
     let solution = Riccati { X: refined.X, F: refined.gain, closed_loop, certificate };
-    let normwise = Normwise::Operator(h0, refined.derivative);
-    Ok(Certified {
+    let normwise = ConditionBasis::Operator(h0, refined.derivative);
+    Ok(CertifiedSolution {
         solution,
         residual: refined.residual,
         operator_norm,
@@ -100,14 +100,14 @@ pub(super) fn certify(
 pub(super) fn certify_precise(
     equation: &(impl Equation + PreciseEquation),
     problem: &Problem,
-    found: precise::Solution,
-) -> Option<Certified> {
+    found: long_solution::Solution,
+) -> Option<CertifiedSolution> {
     let kind = Equation::kind(equation);
     let X = found.X.round().symmetric_part();
-    let residual = equation.linearise(&Precise::from(&X))?.residual.high;
+    let residual = equation.linearise(&LongMatrix::from(&X))?.residual.high;
     let size = equation.evaluate(&X.clone().into())?.terms;
     let remaining = residual.norm_fro();
-    let rounding = found.X.difference(&Precise::from(&X)).high;
+    let rounding = found.X.difference(&LongMatrix::from(&X)).high;
     let certificate = RiccatiCertificate {
         relative_residual: if size > 0.0 { remaining / size } else { 0.0 },
         backward_error: remaining / data_size(problem, &X),
@@ -122,12 +122,12 @@ pub(super) fn certify_precise(
         method: RiccatiMethod::Precise,
         newton_steps: found.steps,
     };
-    let normwise = Normwise::Norms(found.inverse_norms);
+    let normwise = ConditionBasis::Norms(found.inverse_norms);
     let mut closed_loop = eigenvalues(&found.closed.round()).ok()?;
     closed_loop.iter_mut().for_each(|l| *l = mirror_inside(*l, kind));
     let solution = Riccati { X, F: found.gain.round(), closed_loop, certificate };
     let operator_norm = operator_norm(found.closed.high.norm_fro(), kind);
-    Some(Certified { solution, residual, operator_norm, contraction: 0.0, normwise })
+    Some(CertifiedSolution { solution, residual, operator_norm, contraction: 0.0, normwise })
 }
 
 /// A bound of the norm of the Lyapunov operator of a closed loop of the given norm.
@@ -172,7 +172,7 @@ fn data_size(problem: &Problem, X: &Mat) -> f64 {
 
 /// The eigenvalues of the closed loop, sorted: those of the operator, unless the closed loop has moved since; `h0` is the norm of the inverse
 /// operator applied to `I`.
-fn spectrum(equation: &impl Equation, refined: &Refined, h0: f64) -> Vec<C64> {
+fn spectrum(equation: &impl Equation, refined: &RefinedSolution, h0: f64) -> Vec<C64> {
     let change = refined.moved * refined.derivative.form.T.norm_fro();
     if (refined.moved > RICCATI_SPECTRUM_MOVES || change * h0 > RICCATI_SPECTRUM_SHARE)
         && let Ok(sorted) = eigenvalues(&equation.closed_loop(&refined.gain))

@@ -1,9 +1,9 @@
 //! The random factors of the starts.
 
 /// A small portable generator (SplitMix64, Steele, Lea and Flood 2014).
-pub(crate) struct Random(pub u64);
+pub(crate) struct RandomGenerator(pub u64);
 
-impl Random {
+impl RandomGenerator {
     /// Returns a number from -1 to 1.
     pub fn next_symmetric(&mut self, salt: usize) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15).wrapping_add(salt as u64);

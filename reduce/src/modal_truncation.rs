@@ -5,7 +5,7 @@ use crate::split::split_by;
 use crate::{Error, Reduction};
 use counterpoise_lti::{StateSpace, Timebase, dcgain, hankel_values, is_stable};
 
-/// What becomes of the fast modes.
+/// Treatment of the fast modes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Residual {
     /// Nothing is left of them.

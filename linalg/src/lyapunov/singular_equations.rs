@@ -1,9 +1,9 @@
 //! Lyapunov equations that are singular or nearly so: found out, and solved as well as they can be.
 
 use crate::error::Error;
-use crate::extended_precision::{Extended, exact_product};
+use crate::extended_precision::{ExtendedMatrix, exact_product};
+use crate::long_matrix::LongMatrix;
 use crate::mat::{C64, Mat};
-use crate::precise::Precise;
 use crate::smith;
 use crate::spectrum::Spectrum;
 use crate::sylvester::Kind;
@@ -14,17 +14,17 @@ use super::{Operator, is_symmetric, nearest_pair};
 /// Refines `X`, a solution for the balanced `A`, or says which eigenvalues make the equation singular.
 ///
 /// First residuals in twice the working precision, and if they do not converge the whole equation in 32 digits.
-pub(super) fn settle(operator: Operator, A: &Mat, Q: &Mat, X: Mat) -> Result<Mat, Error> {
+pub(super) fn refine_or_refuse(operator: Operator, A: &Mat, Q: &Mat, X: Mat) -> Result<Mat, Error> {
     let kind = operator.kind;
     let Some((first, second)) = nearest_pair(&operator.form.eigenvalues(), kind) else { return Ok(X) };
     let separation = kind.gap(first, second);
     let equation = if kind == Kind::Continuous { "A X + X A' + Q = 0" } else { "A X A' - X + Q = 0" };
     let meeting = Error::CommonEigenvalue { equation, first, second, separation };
-    let refined = refine(&operator, A, &Q.clone().into(), X).map(|X| X.collapse());
+    let refined = refine(&operator, A, &Q.clone().into(), X).map(|X| X.to_double());
     let Operator { form, .. } = operator;
     let spectrum = Spectrum::from_form(A.clone(), form, vec![1.0; A.nrows()]);
-    let moved =
-        spectrum.movement(first) * weight(second, kind) + spectrum.movement(second) * weight(first, kind);
+    let moved = spectrum.rounding_error(first) * weight(second, kind)
+        + spectrum.rounding_error(second) * weight(first, kind);
     // A mode and its conjugate, or a real one with itself, meet on the boundary of stability.
     let is_apart = |spectrum: &Spectrum| {
         first.conj() == second
@@ -53,7 +53,7 @@ fn weight(other: C64, kind: Kind) -> f64 {
     if kind == Kind::Continuous { 1.0 } else { other.norm() }
 }
 
-/// Whether an eigenvalue is another one or its conjugate.
+/// Returns whether an eigenvalue is another one or its conjugate.
 fn is_one_of(eigenvalue: C64, other: C64) -> bool {
     eigenvalue == other || eigenvalue == other.conj()
 }
@@ -61,10 +61,10 @@ fn is_one_of(eigenvalue: C64, other: C64) -> bool {
 /// The trace of `C X C'` for the solution `X` for the balanced `A` and `Q = B B'`, refined, or of an equation in 32 digits; `None` if neither settles.
 pub(super) fn refined_trace(operator: &Operator, A: &Mat, [B, C]: [&Mat; 2]) -> Option<f64> {
     let Q = exact_product(B, &B.t());
-    let X = operator.solve(&Q.collapse());
+    let X = operator.solve(&Q.to_double());
     let Some(X) = refine(operator, A, &Q, X) else { return precise_trace(A, [B, C], operator.kind) };
-    let CX = Extended::from(C.clone()).times(&X);
-    let square = CX.times(&Extended::from(C.t())).collapse();
+    let CX = ExtendedMatrix::from(C.clone()).times(&X);
+    let square = CX.times(&ExtendedMatrix::from(C.t())).to_double();
     Some(square.diagonal().iter().sum())
 }
 
@@ -73,14 +73,14 @@ pub(super) fn precise_trace(A: &Mat, [B, C]: [&Mat; 2], kind: Kind) -> Option<f6
     if A.nrows() > PRECISE_STATES {
         return None;
     }
-    let (B, C) = (Precise::from(B), Precise::from(C));
-    let [X] = smith::lyapunov(&Precise::from(&A.t()), [B.times(&B.t())], kind)?;
+    let (B, C) = (LongMatrix::from(B), LongMatrix::from(C));
+    let [X] = smith::lyapunov(&LongMatrix::from(&A.t()), [B.times(&B.t())], kind)?;
     Some(C.times(&X).times(&C.t()).round().diagonal().iter().sum())
 }
 
 /// Adds corrections until they are rounding; `None` if they do not shrink.
-fn refine(operator: &Operator, A: &Mat, Q: &Extended, X: Mat) -> Option<Extended> {
-    let mut X = Extended::from(X);
+fn refine(operator: &Operator, A: &Mat, Q: &ExtendedMatrix, X: Mat) -> Option<ExtendedMatrix> {
+    let mut X = ExtendedMatrix::from(X);
     let mut before = f64::INFINITY;
     for _ in 0..LYAPUNOV_REFINEMENTS {
         let step = operator.solve_any(&residual(A, Q, &X, operator.kind));
@@ -98,13 +98,13 @@ fn refine(operator: &Operator, A: &Mat, Q: &Extended, X: Mat) -> Option<Extended
 }
 
 /// The residual of `X` in twice the working precision.
-fn residual(A: &Mat, Q: &Extended, X: &Extended, kind: Kind) -> Mat {
-    let (left, right) = (Extended::from(A.clone()), Extended::from(A.t()));
+fn residual(A: &Mat, Q: &ExtendedMatrix, X: &ExtendedMatrix, kind: Kind) -> Mat {
+    let (left, right) = (ExtendedMatrix::from(A.clone()), ExtendedMatrix::from(A.t()));
     let sum = match kind {
         Kind::Continuous => left.times(X).add(&X.times(&right)),
         Kind::Discrete => left.times(&X.times(&right)).add(&X.neg()),
     };
-    let sum = sum.add(Q).collapse();
+    let sum = sum.add(Q).to_double();
     if is_symmetric(&Q.high) { sum.symmetric_part() } else { sum }
 }
 
@@ -112,6 +112,6 @@ fn solve_precisely(A: &Mat, Q: &Mat, kind: Kind) -> Option<Mat> {
     if A.nrows() > PRECISE_STATES {
         return None;
     }
-    let [X] = smith::lyapunov(&Precise::from(&A.t()), [Precise::from(Q)], kind)?;
+    let [X] = smith::lyapunov(&LongMatrix::from(&A.t()), [LongMatrix::from(Q)], kind)?;
     Some(X.round())
 }

@@ -1,9 +1,9 @@
 //! Where the plant is within a run, and the linear cores of the modes in which it has been so far.
 
-use super::attempt::{Attempt, Given, Held};
-use super::linear::{Linear, Mode, Seen, TIP, VOLTAGE, outputs};
+use super::attempt::{Attempt, HeldInputs, StepProblem};
+use super::linear::{Mode, ModeDynamics, ModeOutputs, TIP, VOLTAGE, outputs};
 use super::ports::{
-    AngleNearby, Bonds, FrictionState, FurtherPoint, PlatformPoint, PlatformSpan, Point, Ports,
+    Bonds, FrictionState, FurtherPoint, NearbyAngle, PlatformPoint, PlatformSpan, Point, Ports,
 };
 use super::state::PlantState;
 use super::tables::{OUTPUTS, PORTS, StepTable};
@@ -35,7 +35,7 @@ pub(crate) struct Instant {
 
 impl Instant {
     /// Returns what the ports see at this instant beside some outputs of the core.
-    pub fn point<'a>(&'a self, outputs: &'a [f64; OUTPUTS], about: &'a AngleNearby) -> Point<'a> {
+    pub fn point<'a>(&'a self, outputs: &'a [f64; OUTPUTS], about: &'a NearbyAngle) -> Point<'a> {
         Point {
             time_s: self.time_s,
             outputs,
@@ -49,10 +49,10 @@ impl Instant {
 
 /// Where a plant is whose teeth touch, whose voltage is free and whose joints do not stick.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Ordinary<'a> {
+pub(crate) struct OrdinaryState<'a> {
     /// State of the core in its coordinates.
     pub core: &'a [f64],
-    pub seen: &'a Seen,
+    pub seen: &'a ModeOutputs,
     /// Dry friction at motor and pivot.
     pub friction: [f64; 2],
     /// Angles of motor and pivot to which friction has travelled, rad.
@@ -65,7 +65,7 @@ pub(crate) struct Ordinary<'a> {
 
 /// Where the plant is, with all that its next step needs to know of it.
 #[derive(Debug, Clone)]
-pub(crate) struct Present {
+pub(crate) struct PresentPlant {
     pub plant: Plant,
     pub ports: Ports,
     /// Turns of each joint per turn of the hub.
@@ -74,11 +74,11 @@ pub(crate) struct Present {
     pub changes: usize,
     period_s: f64,
     /// The cores that were needed so far, the one at hand first of them all at the start.
-    cores: Vec<Linear>,
+    cores: Vec<ModeDynamics>,
     index: [Option<usize>; Mode::COUNT],
     core: usize,
     z: Vec<f64>,
-    seen: Seen,
+    seen: ModeOutputs,
     friction: FrictionState,
     bonds: Bonds,
     /// Angles of motor and pivot to which friction has travelled, rad; those of the core at the start.
@@ -96,7 +96,7 @@ struct HubAnswers {
     rows: Vec<[f64; 4]>,
 }
 
-impl Present {
+impl PresentPlant {
     /// Returns a plant with all states at 0.
     pub fn new(plant: &Plant, period_s: f64) -> Result<Self, Error> {
         let mode = Mode { mesh: Mesh::Touching, offset: 0.0, held: 0.0, stuck: [false; 2] };
@@ -108,11 +108,11 @@ impl Present {
             turns: [plant.parameters().gearbox.ratio, 1.0],
             changes: 0,
             period_s,
-            cores: vec![Linear::new(plant, &mode, period_s)],
+            cores: vec![ModeDynamics::new(plant, &mode, period_s)],
             index,
             core: 0,
             z: vec![0.0; plant.core_order()],
-            seen: Seen::default(),
+            seen: ModeOutputs::default(),
             friction: FrictionState::default(),
             bonds: Bonds::default(),
             travelled: None,
@@ -125,7 +125,7 @@ impl Present {
     pub fn restart(&mut self, start: &PlantState) {
         self.changes = 0;
         self.z = self.linear().coordinates(&start.core);
-        self.seen = self.linear().see(&self.z);
+        self.seen = self.linear().outputs_at(&self.z);
         self.friction = start.friction;
         self.bonds = start.bonds.clone();
         self.travelled = None;
@@ -145,7 +145,7 @@ impl Present {
             *z += a * torque_nm[0] + b * torque_nm[1] + c * torque_nm[2] + d * torque_nm[3];
         }
         let before = *seen;
-        *seen = linear.see(z);
+        *seen = linear.outputs_at(z);
         if let Some([motor, pivot]) = travelled {
             let hub = seen[2] - before[2];
             *pivot += hub;
@@ -187,7 +187,7 @@ impl Present {
     }
 
     /// Returns the core that every run begins with: the teeth touch, the voltage is free, no joint sticks.
-    pub fn first_core(&self) -> &Linear {
+    pub fn first_core(&self) -> &ModeDynamics {
         &self.cores[0]
     }
 
@@ -198,12 +198,12 @@ impl Present {
 
     /// Returns the state of the core in its coordinates, dry friction and its travel, if the mode is that of [`Self::first_core`] and the
     /// voltage below its limit.
-    pub fn ordinary_state(&self) -> Option<Ordinary<'_>> {
+    pub fn ordinary_state(&self) -> Option<OrdinaryState<'_>> {
         let (mesh, offset_nm) = self.plant.mesh(self.seen[1]);
         let is_ordinary =
             self.core == 0 && mesh == Mesh::Touching && self.seen[VOLTAGE].abs() < self.bus_voltage_v();
         let travelled = self.travelled.filter(|_| is_ordinary)?;
-        Some(Ordinary {
+        Some(OrdinaryState {
             core: &self.z,
             seen: &self.seen,
             friction: [self.friction.motor, self.friction.pivot],
@@ -214,7 +214,7 @@ impl Present {
     }
 
     /// Goes on from a state in the mode of [`Self::first_core`].
-    pub fn go_on_from(&mut self, from: &Ordinary) {
+    pub fn go_on_from(&mut self, from: &OrdinaryState) {
         self.core = 0;
         self.z.copy_from_slice(from.core);
         self.seen = *from.seen;
@@ -224,7 +224,7 @@ impl Present {
     }
 
     /// Returns what is seen: motor state, wind-up, hub angle, hub rate, current; voltage, rate of the tip.
-    pub fn all_outputs(&self) -> &Seen {
+    pub fn all_outputs(&self) -> &ModeOutputs {
         &self.seen
     }
 
@@ -239,7 +239,7 @@ impl Present {
     }
 
     /// Returns the core of the mode that was entered last.
-    pub fn linear(&self) -> &Linear {
+    pub fn linear(&self) -> &ModeDynamics {
         &self.cores[self.core]
     }
 
@@ -260,22 +260,22 @@ impl Present {
     }
 
     /// Brings a joint to rest: takes its rate relative to the platform by an impulse.
-    pub fn arrest(&mut self, joint: usize, rate: f64) {
+    pub fn stop_joint(&mut self, joint: usize, rate: f64) {
         let Self { cores, core, z, seen, .. } = self;
         let linear = &cores[*core];
         z.iter_mut().zip(&linear.pushes[joint]).for_each(|(z, push)| *z -= rate * push);
-        *seen = linear.see(z);
+        *seen = linear.outputs_at(z);
     }
 
     /// Returns the values of the ports where the plant is.
     pub fn ports_at(&self, at: &Instant) -> [f64; PORTS] {
-        let about = AngleNearby::new(self.seen[2]);
+        let about = NearbyAngle::new(self.seen[2]);
         self.ports.at(&self.plant, &at.point(self.outputs(), &about), &self.friction)
     }
 
     /// Returns the dry friction torques at the motor and at the pivot where the plant is, N m; 0 for joints at rest.
     pub fn dry_torques(&self, at: &Instant) -> [f64; 2] {
-        let about = AngleNearby::new(self.seen[2]);
+        let about = NearbyAngle::new(self.seen[2]);
         self.ports.dry_torques(&self.plant, &at.point(self.outputs(), &about), &self.friction)
     }
 
@@ -302,7 +302,7 @@ impl Present {
     }
 
     /// Returns tau_a V' as it would be with a free voltage, V.
-    pub fn voltage_push(&self, seen: &Seen, drive_v: f64) -> f64 {
+    pub fn voltage_push(&self, seen: &ModeOutputs, drive_v: f64) -> f64 {
         let amplifier = &self.plant.parameters().amplifier;
         amplifier.gain * (drive_v - amplifier.current_feedback_v_a * seen[4]) - seen[VOLTAGE]
     }
@@ -317,7 +317,7 @@ impl Present {
         let core = match self.index[mode.index()] {
             Some(core) => core,
             None => {
-                self.cores.push(Linear::new(&self.plant, mode, self.period_s));
+                self.cores.push(ModeDynamics::new(&self.plant, mode, self.period_s));
                 self.index[mode.index()] = Some(self.cores.len() - 1);
                 self.cores.len() - 1
             }
@@ -331,8 +331,8 @@ impl Present {
     }
 
     /// Returns the input of a step from here.
-    pub fn start_step<'a>(&'a self, table: &'a StepTable, step: &StepInput<'a>) -> Given<'a> {
-        Given {
+    pub fn start_step<'a>(&'a self, table: &'a StepTable, step: &StepInput<'a>) -> StepProblem<'a> {
+        StepProblem {
             plant: &self.plant,
             ports: &self.ports,
             table,
@@ -349,7 +349,7 @@ impl Present {
     }
 
     /// Takes the step that was tried last, at whose end `ahead` is seen.
-    pub fn take(&mut self, attempt: &Attempt, ahead: &Seen, mode: &Mode) {
+    pub fn take(&mut self, attempt: &Attempt, ahead: &ModeOutputs, mode: &Mode) {
         self.z.copy_from_slice(attempt.end());
         self.friction = attempt.friction();
         self.bonds.copy(attempt.bonds());
@@ -362,7 +362,7 @@ impl Present {
             let Self { cores, core, z, seen, .. } = self;
             let linear = &cores[*core];
             z.iter_mut().zip(&linear.lift).for_each(|(z, lift)| *z += lift * (wanted - voltage));
-            *seen = linear.see(z);
+            *seen = linear.outputs_at(z);
         }
     }
 }
@@ -372,7 +372,7 @@ impl Present {
 pub(crate) struct Place {
     core: usize,
     z: Vec<f64>,
-    seen: Seen,
+    seen: ModeOutputs,
     friction: FrictionState,
     bonds: Bonds,
     travelled: Option<[f64; 2]>,
@@ -383,8 +383,8 @@ pub(crate) struct Place {
 /// What a step is given besides the present.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct StepInput<'a> {
-    /// What stays over the step.
-    pub held: Held,
+    /// Inputs that are constant over the step.
+    pub held: HeldInputs,
     /// The platform along the step.
     pub platform: &'a PlatformSpan,
     /// Start of the step, s.

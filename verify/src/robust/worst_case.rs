@@ -6,18 +6,18 @@ use crate::tolerance::{FIRST_QUANTILE_STEP, LAST_QUANTILE_STEP};
 
 /// The worst mechanism that was found.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Worst {
+pub struct WorstMechanism {
     /// The factors of the variations.
     pub factors: Vec<f64>,
     /// The requirement's figure there.
     pub value: f64,
     /// The figure of the worst sample, where the search began.
     pub start: f64,
-    /// That sample, whose sensor noise the search keeps.
+    /// Number of the worst sample, whose sensor noise the search keeps.
     pub sample: usize,
-    /// How many mechanisms were tried.
+    /// Number of mechanisms that were tried.
     pub tried: usize,
-    /// Whether the search ended because its steps grew small, not because of its limit.
+    /// `true` if the search ended because its steps grew small, not because of its limit.
     pub converged: bool,
 }
 
@@ -32,7 +32,7 @@ pub fn worst_case(
     samples: &[Sample],
     requirement: usize,
     most: usize,
-) -> Result<Worst, Error> {
+) -> Result<WorstMechanism, Error> {
     let limit = campaign.requirements()[requirement].limit;
     let judged = samples.iter().filter(|sample| !sample.values[requirement].is_nan());
     let first = judged.min_by(|a, b| {
@@ -52,7 +52,7 @@ pub fn worst_case(
         }
     }
     let factors = search.factors(&at);
-    Ok(Worst {
+    Ok(WorstMechanism {
         factors,
         value,
         start: first.values[requirement],

@@ -4,12 +4,12 @@ use crate::tolerance::INDISTINCT;
 use nalgebra::{SMatrix, SVector};
 
 /// J'J and -J'r.
-pub(super) struct Normal<const N: usize> {
+pub(super) struct NormalEquations<const N: usize> {
     matrix: SMatrix<f64, N, N>,
     right: SVector<f64, N>,
 }
 
-impl<const N: usize> Normal<N> {
+impl<const N: usize> NormalEquations<N> {
     /// From the columns of J, as many as there are unknowns, and the residuals.
     pub(super) fn of(columns: &[Vec<f64>], residuals: &[f64]) -> Self {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();

@@ -8,7 +8,7 @@ use crate::tolerance::REAL_ROOT;
 
 /// `gain prod(s - z) / prod(s - p)`, never expanded.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rational {
+pub struct RationalFunction {
     /// Zeros, rad/s.
     pub zeros: Vec<C64>,
     /// Poles, rad/s.
@@ -17,7 +17,7 @@ pub struct Rational {
     pub gain: f64,
 }
 
-impl Rational {
+impl RationalFunction {
     /// Returns the function with the given roots.
     pub fn new(zeros: &[C64], poles: &[C64], gain: f64) -> Self {
         Self { zeros: zeros.to_vec(), poles: poles.to_vec(), gain }
@@ -187,7 +187,7 @@ mod tests {
     fn a_cascade_of_mixed_sections_has_the_function_s_response() {
         let zeros = [C64::new(-2.0, 5.0), C64::new(-2.0, -5.0), C64::new(-30.0, 0.0)];
         let poles = [C64::new(-0.1, 0.0), C64::new(-7.0, 0.0), C64::new(-1.0, 90.0), C64::new(-1.0, -90.0)];
-        let function = Rational::new(&zeros, &poles, 4.0);
+        let function = RationalFunction::new(&zeros, &poles, 4.0);
         let system = function.realise().unwrap();
         assert_eq!(system.order(), 4);
         for rate in [0.01, 1.0, 5.0, 90.0, 1e3] {
@@ -200,7 +200,7 @@ mod tests {
     #[test]
     fn complex_zeros_over_real_poles_share_a_section() {
         let zeros = [C64::new(-2.0, 5.0), C64::new(-2.0, -5.0)];
-        let function = Rational::new(&zeros, &[C64::new(-1.0, 0.0), C64::new(-50.0, 0.0)], 2.0);
+        let function = RationalFunction::new(&zeros, &[C64::new(-1.0, 0.0), C64::new(-50.0, 0.0)], 2.0);
         let system = function.realise().unwrap();
         let found = response_at(&system, 3.0).unwrap()[(0, 0)];
         assert!((found - function.at(C64::new(0.0, 3.0))).norm() < 1e-12);
@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn unpaired_roots_are_refused() {
-        assert!(Rational::new(&[], &[C64::new(-1.0, 1.0)], 1.0).realise().is_err());
-        assert!(Rational::new(&[C64::ONE, C64::ONE], &[C64::ONE], 1.0).realise().is_err());
+        assert!(RationalFunction::new(&[], &[C64::new(-1.0, 1.0)], 1.0).realise().is_err());
+        assert!(RationalFunction::new(&[C64::ONE, C64::ONE], &[C64::ONE], 1.0).realise().is_err());
     }
 }

@@ -11,14 +11,14 @@ use crate::tolerance::{
 use counterpoise_linalg::{C64, Mat, balance, inverse, schur, solve};
 
 /// x = V z, z = W x, W A V = blocks: one of `head` states, then pairs.
-pub(crate) struct Modal {
+pub(crate) struct ModalTransform {
     pub V: Mat,
     pub W: Mat,
     pub blocks: Vec<Mat>,
 }
 
 /// Returns the coordinates of a matrix; `None` if it is small, or does not fall apart well.
-pub(crate) fn modal(A: &Mat) -> Option<Modal> {
+pub(crate) fn modal(A: &Mat) -> Option<ModalTransform> {
     let n = A.nrows();
     if n < FEWEST_MODAL_STATES {
         return None;
@@ -37,11 +37,11 @@ pub(crate) fn modal(A: &Mat) -> Option<Modal> {
     let size = |first: usize| if first == 0 { head } else { 2 };
     let blocks = firsts.iter().map(|&k| form.T.block(k, k, size(k), size(k))).collect();
     let W = inverse(&V).ok()?;
-    let modal = Modal { V, W, blocks }.refine_coordinates(A)?.refine_coordinates(A)?;
+    let modal = ModalTransform { V, W, blocks }.refine_coordinates(A)?.refine_coordinates(A)?;
     modal.holds(A, &balanced.scale).then_some(modal)
 }
 
-impl Modal {
+impl ModalTransform {
     /// Returns the coordinates after a step of Newton's method on W A V = blocks. The form that they come from is right to the
     /// rounding of the fastest mode; the rows of slow states, which hold only small numbers, then are as well.
     fn refine_coordinates(self, A: &Mat) -> Option<Self> {

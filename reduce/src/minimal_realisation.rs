@@ -1,6 +1,6 @@
 //! Minimal realisation: the states that the input reaches and the output sees, with the gap at which it was cut.
 
-use crate::error::During;
+use crate::error::StepContext;
 use crate::tolerance::{CERTAIN_GAP, PRECISE_STATES, SAFE_GAP};
 use crate::{Error, Warning};
 use counterpoise_linalg as linalg;
@@ -10,7 +10,7 @@ use counterpoise_lti::scaling::balance;
 
 /// A minimal realisation and the numbers it rests on.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Minimal {
+pub struct MinimalRealisation {
     /// The realisation.
     pub system: StateSpace,
     /// States that no input reaches.
@@ -21,7 +21,7 @@ pub struct Minimal {
     pub smallest_kept: f64,
     /// The largest singular value counted as zero, likewise.
     pub largest_dropped: f64,
-    /// What a user should know.
+    /// Warnings for the user.
     pub warnings: Vec<Warning>,
 }
 
@@ -34,7 +34,7 @@ pub struct Minimal {
 ///
 /// # Errors
 /// [`Error::Range`] for a tolerance outside (0, 1), [`Error::Matrix`].
-pub fn minimal_realisation(g: &StateSpace, tolerance: f64) -> Result<Minimal, Error> {
+pub fn minimal_realisation(g: &StateSpace, tolerance: f64) -> Result<MinimalRealisation, Error> {
     if !(tolerance > 0.0 && tolerance < 1.0) {
         return Err(Error::Range { what: "tolerance", value: tolerance, allowed: "between 0 and 1" });
     }
@@ -50,19 +50,19 @@ pub fn minimal_realisation(g: &StateSpace, tolerance: f64) -> Result<Minimal, Er
     if g.order() <= PRECISE_STATES && gap.kept < CERTAIN_GAP * gap.dropped.max(f64::EPSILON) {
         return in_32_digits(&scaled, tolerance);
     }
-    Ok(Minimal::with_gap(seen, unreachable, unseen, &gap))
+    Ok(MinimalRealisation::with_gap(seen, unreachable, unseen, &gap))
 }
 
 /// Returns the part of a scaled system that is reachable and seen, by staircases in 32 digits.
-fn in_32_digits(g: &StateSpace, tolerance: f64) -> Result<Minimal, Error> {
+fn in_32_digits(g: &StateSpace, tolerance: f64) -> Result<MinimalRealisation, Error> {
     let part = linalg::minimal_part(&g.A, &g.B, &g.C, tolerance).with_step("staircase")?;
     let gap = Gap { kept: part.smallest_kept, dropped: part.largest_dropped };
     let (unreachable, unseen) = (g.order() - part.reached, part.reached - part.A.nrows());
     let system = StateSpace::new(part.A, part.B, part.C, g.D.clone(), g.timebase)?;
-    Ok(Minimal::with_gap(system, unreachable, unseen, &gap))
+    Ok(MinimalRealisation::with_gap(system, unreachable, unseen, &gap))
 }
 
-impl Minimal {
+impl MinimalRealisation {
     /// Returns a realisation with a warning if the gap leaves its order in doubt.
     fn with_gap(system: StateSpace, unreachable: usize, unseen: usize, gap: &Gap) -> Self {
         let doubtful = gap.dropped > 0.0 && gap.kept < SAFE_GAP * gap.dropped;

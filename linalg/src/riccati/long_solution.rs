@@ -4,44 +4,44 @@
 //! and LU factors is needed, so that states whose units differ by many decades keep their digits.
 //! Sources: Kleinman, IEEE TAC 13 (1968) 114; doubling as in [`super::doubling`].
 
+use crate::long_matrix::LongMatrix;
 use crate::mat::Mat;
-use crate::precise::Precise;
 use crate::schur::eigenvalues;
-use crate::smith::{lyapunov, middle, power_of_two};
+use crate::smith::{lyapunov, mean_modulus, power_of_two};
 use crate::sylvester::Kind;
 use crate::tolerance::{
     PRECISE_CONVERGED, PRECISE_DOUBLINGS, PRECISE_FLOOR, PRECISE_NEWTON_STEPS, PRECISE_SETTLED,
 };
 
-use super::scaling::{Problem, Scaled, scale};
+use super::scaling::{Problem, ScaledProblem, scale};
 
 /// The equation near an approximation `X`.
-pub(super) struct Linearised {
-    pub(super) residual: Precise,
-    pub(super) closed: Precise,
-    pub(super) gain: Precise,
+pub(super) struct LinearisedEquation {
+    pub(super) residual: LongMatrix,
+    pub(super) closed: LongMatrix,
+    pub(super) gain: LongMatrix,
 }
 
 /// What this method needs to know of an equation.
 pub(super) trait PreciseEquation {
     /// Returns residual, closed loop and gain at `X`; `None` if a weight is singular.
-    fn linearise(&self, X: &Precise) -> Option<Linearised>;
+    fn linearise(&self, X: &LongMatrix) -> Option<LinearisedEquation>;
     /// Returns the equation without input as `A`, `G`, `Q`, for `X - shift I`; `None` if a weight is singular.
-    fn fold_shift(&self, shift: f64) -> Option<[Precise; 3]>;
+    fn fold_shift(&self, shift: f64) -> Option<[LongMatrix; 3]>;
     /// Returns the sum of the moduli of all products in the residual at `X` with the gain `K`: what a change of every entry of the data by a
     /// share e may change the residual by, over e.
     fn moduli(&self, K: &Mat, X: &Mat) -> Mat;
     /// The shifts worth trying.
     fn shifts(&self) -> Vec<f64>;
-    /// Which of the two equations it is.
+    /// Returns which of the two equations it is.
     fn kind(&self) -> Kind;
 }
 
 /// A solution in 32 digits with the figures of its certificate.
 pub(super) struct Solution {
-    pub(super) X: Precise,
-    pub(super) gain: Precise,
-    pub(super) closed: Precise,
+    pub(super) X: LongMatrix,
+    pub(super) gain: LongMatrix,
+    pub(super) closed: LongMatrix,
     /// The last Newton step: an estimate of the error that is left.
     pub(super) last_step: Mat,
     pub(super) inverse_norms: InverseNorms,
@@ -61,7 +61,7 @@ pub(super) struct InverseNorms {
 
 /// Solves the equation, from `start` if that leads to the stabilising solution, else from the doubling's approximations.
 pub(super) fn solve(equation: &impl PreciseEquation, start: Option<&Mat>) -> Option<Solution> {
-    let given = start.and_then(|X| refine(equation, Precise::from(X)));
+    let given = start.and_then(|X| refine(equation, LongMatrix::from(X)));
     given
         .or_else(|| equation.shifts().into_iter().find_map(|shift| approximations(equation, shift)))
         .or_else(|| refine(equation, stabilising_start(equation)?))
@@ -71,15 +71,15 @@ pub(super) fn solve(equation: &impl PreciseEquation, start: Option<&Mat>) -> Opt
 /// `(A + b I) Z + Z (A + b I)' = 2 G` and `b` exceeds the norm of `A`.
 ///
 /// Source: Bass; see Kleinman, or Armstrong, IEEE TAC 20 (1975) 153.
-fn stabilising_start(equation: &impl PreciseEquation) -> Option<Precise> {
+fn stabilising_start(equation: &impl PreciseEquation) -> Option<LongMatrix> {
     if equation.kind() == Kind::Discrete {
         return None;
     }
     let [A, G, _] = equation.fold_shift(0.0)?;
     let n = A.high.nrows();
-    let shift = Precise::identity(n, power_of_two(2.0 * A.high.norm_fro().max(f64::MIN_POSITIVE)));
+    let shift = LongMatrix::identity(n, power_of_two(2.0 * A.high.norm_fro().max(f64::MIN_POSITIVE)));
     let [Z] = lyapunov(&A.plus(&shift).t().scale(-1.0), [G.scale(2.0)], Kind::Continuous)?;
-    Some(Z.solve(&Precise::identity(n, 1.0))?.symmetric_part())
+    Some(Z.solve(&LongMatrix::identity(n, 1.0))?.symmetric_part())
 }
 
 /// The solution from the doubling's approximations of the equation shifted by `shift`.
@@ -89,8 +89,8 @@ fn approximations(equation: &impl PreciseEquation, shift: f64) -> Option<Solutio
     let (units, d) = common_units(Problem { A: data[0].round(), G: data[1].round(), Q: data[2].round() });
     let (d, back) = (&d, d.iter().map(|d| 1.0 / d).collect::<Vec<_>>());
     let [A, G, Q] = [data[0].rescale(&back, d), data[1].rescale(&back, &back), data[2].rescale(d, d)];
-    let offset = Precise::identity(n, shift);
-    let finish = |Z: Precise| refine(equation, Z.rescale(&back, &back).plus(&offset));
+    let offset = LongMatrix::identity(n, shift);
+    let finish = |Z: LongMatrix| refine(equation, Z.rescale(&back, &back).plus(&offset));
     match equation.kind() {
         Kind::Discrete => double([A, G, Q]).and_then(finish),
         Kind::Continuous => {
@@ -106,7 +106,7 @@ fn common_units(mut problem: Problem) -> (Problem, Vec<f64>) {
     let factor = if ratio.is_normal() { power_of_two(ratio) } else { 1.0 };
     problem.G = problem.G.scale(1.0 / (factor * factor));
     problem.Q = problem.Q.scale(factor * factor);
-    let Scaled { problem, scale } = scale(problem);
+    let ScaledProblem { problem, scale } = scale(problem);
     (problem, scale.iter().map(|d| d * factor).collect())
 }
 
@@ -114,8 +114,8 @@ fn common_units(mut problem: Problem) -> (Problem, Vec<f64>) {
 fn parameters(problem: &Problem) -> Vec<f64> {
     let Problem { A, G, Q } = problem;
     let size = A.norm_fro().max((G.norm_fro() * Q.norm_fro()).sqrt()).max(f64::MIN_POSITIVE);
-    let middle =
-        eigenvalues(&super::subspace::hamiltonian(problem)).map_or(size, |values| middle(&values, size));
+    let middle = eigenvalues(&super::subspace::hamiltonian(problem))
+        .map_or(size, |values| mean_modulus(&values, size));
     [1.0, 1.7, 0.3]
         .iter()
         .map(|factor| power_of_two(factor * middle))
@@ -124,24 +124,24 @@ fn parameters(problem: &Problem) -> Vec<f64> {
 }
 
 /// The discrete equation with the same solution, by the Cayley transform with parameter `gamma`.
-fn cayley(A: &Precise, G: &Precise, Q: &Precise, gamma: f64) -> Option<[Precise; 3]> {
+fn cayley(A: &LongMatrix, G: &LongMatrix, Q: &LongMatrix, gamma: f64) -> Option<[LongMatrix; 3]> {
     let n = A.high.nrows();
-    let shifted = A.difference(&Precise::identity(n, gamma));
-    let forward = shifted.solve(&G.hstack(&Precise::identity(n, 1.0)))?;
+    let shifted = A.difference(&LongMatrix::identity(n, gamma));
+    let forward = shifted.solve(&G.hstack(&LongMatrix::identity(n, 1.0)))?;
     let (AG, inverse) = (forward.columns(0, n), forward.columns(n, n));
     let W = shifted.t().plus(&Q.times(&AG));
-    let right = W.solve(&Q.times(&inverse).hstack(&Precise::identity(n, 1.0)))?;
+    let right = W.solve(&Q.times(&inverse).hstack(&LongMatrix::identity(n, 1.0)))?;
     let W_inverse = right.columns(n, n);
-    let turned = Precise::identity(n, 1.0).plus(&W_inverse.t().scale(2.0 * gamma));
+    let turned = LongMatrix::identity(n, 1.0).plus(&W_inverse.t().scale(2.0 * gamma));
     let gain = AG.times(&W_inverse).scale(2.0 * gamma).symmetric_part();
     Some([turned, gain, right.columns(0, n).scale(2.0 * gamma).symmetric_part()])
 }
 
 /// Doubles `X = A'X (I + G X)^-1 A + Q` until `Q`, which tends to `X`, stands still.
-fn double([mut A, mut G, mut Q]: [Precise; 3]) -> Option<Precise> {
+fn double([mut A, mut G, mut Q]: [LongMatrix; 3]) -> Option<LongMatrix> {
     let n = A.high.nrows();
     for _ in 0..PRECISE_DOUBLINGS {
-        let middle = Precise::identity(n, 1.0).plus(&G.times(&Q));
+        let middle = LongMatrix::identity(n, 1.0).plus(&G.times(&Q));
         let solved = middle.solve(&A.hstack(&G))?;
         let (next, driven) = (solved.columns(0, n), solved.columns(n, n));
         let transposed = A.t();
@@ -175,10 +175,10 @@ pub(super) fn relative_step(step: &Mat, X: &Mat) -> f64 {
 }
 
 /// Newton's method from an approximation whose closed loop is stable; `None` if it is not, or no step is small enough.
-fn refine(equation: &impl PreciseEquation, mut X: Precise) -> Option<Solution> {
+fn refine(equation: &impl PreciseEquation, mut X: LongMatrix) -> Option<Solution> {
     let mut size = f64::INFINITY;
     for steps in 1..=PRECISE_NEWTON_STEPS {
-        let Linearised { residual, closed, gain } = equation.linearise(&X)?;
+        let LinearisedEquation { residual, closed, gain } = equation.linearise(&X)?;
         let [step] = lyapunov(&closed, [residual], equation.kind())?;
         let step = step.symmetric_part();
         let relative = relative_step(&step.high, &X.high);
@@ -201,15 +201,15 @@ fn refine(equation: &impl PreciseEquation, mut X: Precise) -> Option<Solution> {
 
 fn conclude(
     equation: &impl PreciseEquation,
-    X: Precise,
-    gain: Precise,
-    closed: Precise,
+    X: LongMatrix,
+    gain: LongMatrix,
+    closed: LongMatrix,
     last_step: Mat,
     steps: usize,
 ) -> Option<Solution> {
-    let square = Precise::from(&(&X.high * &X.high));
-    let moduli = Precise::from(&equation.moduli(&gain.high, &X.high));
-    let identity = Precise::identity(X.high.nrows(), 1.0);
+    let square = LongMatrix::from(&(&X.high * &X.high));
+    let moduli = LongMatrix::from(&equation.moduli(&gain.high, &X.high));
+    let identity = LongMatrix::identity(X.high.nrows(), 1.0);
     let [one, two, change] = lyapunov(&closed, [identity, square, moduli], equation.kind())?;
     let inverse_norms = InverseNorms { of_identity: one.high.norm_fro(), of_square: two.high.norm_fro() };
     Some(Solution { X, gain, closed, last_step, inverse_norms, data_change: change.high, steps })

@@ -3,7 +3,7 @@
 use counterpoise_linalg::C64;
 
 use super::Perturbation;
-use super::problem::{Destabilising, Direction, Problem, Scanned, StatedRange};
+use super::problem::{DestabilisingMechanism, Direction, FrequencyBounds, Problem, StatedRange};
 use crate::Error;
 use crate::tolerance::{LIMIT_GAIN, LIMIT_NEARNESS, NEAREST_CANDIDATES};
 
@@ -13,8 +13,8 @@ use crate::tolerance::{LIMIT_GAIN, LIMIT_NEARNESS, NEAREST_CANDIDATES};
 /// Those of the closed loop.
 pub(super) fn find_nearest(
     problem: &Problem<'_>,
-    scanned: &[Scanned],
-) -> Result<Option<Destabilising>, Error> {
+    scanned: &[FrequencyBounds],
+) -> Result<Option<DestabilisingMechanism>, Error> {
     Search(problem).search(scanned)
 }
 
@@ -22,8 +22,8 @@ struct Search<'a, 'b>(&'a Problem<'b>);
 
 impl Search<'_, '_> {
     /// Closes the loop with the perturbations of the largest lower bounds, and keeps the one that needs least.
-    fn search(&self, scanned: &[Scanned]) -> Result<Option<Destabilising>, Error> {
-        let mut ordered: Vec<&Scanned> = scanned.iter().filter(|at| at.lower.is_some()).collect();
+    fn search(&self, scanned: &[FrequencyBounds]) -> Result<Option<DestabilisingMechanism>, Error> {
+        let mut ordered: Vec<&FrequencyBounds> = scanned.iter().filter(|at| at.lower.is_some()).collect();
         ordered.sort_by(|a, b| b.bounds().lower.total_cmp(&a.bounds().lower));
         let mut best = None;
         for at in ordered.into_iter().take(NEAREST_CANDIDATES) {
@@ -38,7 +38,7 @@ impl Search<'_, '_> {
     }
 
     /// Without complex errors: the parameters' ends that bring a pole furthest out, one parameter at a time.
-    fn ascend_parameters(&self, scale: f64) -> Result<Option<Destabilising>, Error> {
+    fn ascend_parameters(&self, scale: f64) -> Result<Option<DestabilisingMechanism>, Error> {
         let count = self.0.entering.len();
         let mut candidate = Direction::none(count);
         let mut best = 0.0;
@@ -65,7 +65,11 @@ impl Search<'_, '_> {
     }
 
     /// The least scale at which the candidate destabilises, each parameter also tried at the ends of its range.
-    fn improve_candidate(&self, mut candidate: Direction, near: f64) -> Result<Option<Destabilising>, Error> {
+    fn improve_candidate(
+        &self,
+        mut candidate: Direction,
+        near: f64,
+    ) -> Result<Option<DestabilisingMechanism>, Error> {
         let Some(mut scale) = self.limit(&candidate, near)? else { return Ok(None) };
         for k in 0..candidate.deltas.len() {
             for end in [-1.0, 1.0] {
@@ -106,7 +110,11 @@ impl Search<'_, '_> {
         Ok(Some(high))
     }
 
-    fn describe_perturbation(&self, candidate: &Direction, scale: f64) -> Result<Destabilising, Error> {
+    fn describe_perturbation(
+        &self,
+        candidate: &Direction,
+        scale: f64,
+    ) -> Result<DestabilisingMechanism, Error> {
         let pole = self.0.pole(candidate, scale)?;
         let factor = |(one, delta): (&StatedRange, &f64)| (one.varied, one.factor.at(scale * delta));
         let factors = self.0.entering.iter().zip(&candidate.deltas).map(factor).collect();
@@ -115,10 +123,13 @@ impl Search<'_, '_> {
         let frequency_hz = pole.arg().abs() / (std::f64::consts::TAU * period_s);
         let (deltas, phases) = (candidate.deltas.clone(), candidate.phases);
         let closed = self.0.close_loop_at(candidate, scale)?;
-        Ok(Destabilising { scale, factors, errors, pole, frequency_hz, deltas, phases, closed })
+        Ok(DestabilisingMechanism { scale, factors, errors, pole, frequency_hz, deltas, phases, closed })
     }
 }
 
-fn nearer_of(old: Option<Destabilising>, new: Option<Destabilising>) -> Option<Destabilising> {
+fn nearer_of(
+    old: Option<DestabilisingMechanism>,
+    new: Option<DestabilisingMechanism>,
+) -> Option<DestabilisingMechanism> {
     old.into_iter().chain(new).min_by(|a, b| a.scale.total_cmp(&b.scale))
 }

@@ -23,7 +23,7 @@ pub(super) fn hub_rates(
     stretch_s: f64,
     substeps: usize,
 ) -> Result<Vec<f64>, Error> {
-    let second = Second::new(plant, control_v)?;
+    let second = SecondMethod::new(plant, control_v)?;
     let mut now = second.begin(start);
     let step_s = stretch_s / substeps as f64;
     let row = plant.hub_rate_row();
@@ -65,21 +65,21 @@ enum Memory {
 }
 
 #[derive(Clone)]
-struct Now {
+struct IntegrationState {
     /// The core, then a state of each friction, then what else the plant remembers.
     y: Vec<f64>,
     memory: [Memory; 2],
     switches: usize,
 }
 
-struct Second<'a> {
+struct SecondMethod<'a> {
     plant: &'a Plant,
     smooth: Plant,
     joints: [Joint; 2],
     control_v: f64,
 }
 
-impl<'a> Second<'a> {
+impl<'a> SecondMethod<'a> {
     fn new(plant: &'a Plant, control_v: f64) -> Result<Self, Error> {
         let mut parameters = plant.parameters().clone();
         let without = |f: &Friction| Friction { law: FrictionLaw::None, load_coefficient: 0.0, ..f.clone() };
@@ -100,7 +100,7 @@ impl<'a> Second<'a> {
         Ok(Self { plant, smooth, joints, control_v })
     }
 
-    fn begin(&self, core: &[f64]) -> Now {
+    fn begin(&self, core: &[f64]) -> IntegrationState {
         let mut y = core.to_vec();
         y.resize(self.smooth.order(), 0.0);
         let memory = [0, 1].map(|k| match self.joints[k].model.law() {
@@ -108,7 +108,7 @@ impl<'a> Second<'a> {
             Law::Bristle(law) => Memory::Bonds(vec![0.0; 2 * law.bristles], self.angle(k, &y, 0.0)),
             _ => Memory::Smooth,
         });
-        Now { y, memory, switches: 0 }
+        IntegrationState { y, memory, switches: 0 }
     }
 
     /// Returns the relative angle of a joint, rad.
@@ -224,7 +224,7 @@ impl<'a> Second<'a> {
     }
 
     /// Returns what switches: while it stays the same the equations are smooth.
-    fn switches(&self, now: &Now, y: &[f64], time_s: f64) -> [i32; SWITCHES] {
+    fn switches(&self, now: &IntegrationState, y: &[f64], time_s: f64) -> [i32; SWITCHES] {
         let mut out = [0; SWITCHES];
         if self.plant.mesh(y[state::WINDUP]).0 == Mesh::Touching {
             out[0] = sign(y[state::WINDUP]);
@@ -238,7 +238,7 @@ impl<'a> Second<'a> {
         out
     }
 
-    fn joint_switches(&self, joint: usize, now: &Now, y: &[f64], time_s: f64) -> [i32; 2] {
+    fn joint_switches(&self, joint: usize, now: &IntegrationState, y: &[f64], time_s: f64) -> [i32; 2] {
         let (model, rate) = (&self.joints[joint].model, self.rate(joint, y));
         match &now.memory[joint] {
             Memory::Smooth if model.states() == 1 => {
@@ -265,7 +265,7 @@ impl<'a> Second<'a> {
     }
 
     /// Returns the sign of the torque that a joint at rest cannot hold; 0 if it holds.
-    fn breakaway_sign(&self, joint: usize, now: &Now, y: &[f64], time_s: f64) -> i32 {
+    fn breakaway_sign(&self, joint: usize, now: &IntegrationState, y: &[f64], time_s: f64) -> i32 {
         let mut slope = self.free_slope(y, time_s);
         if joint == 1 {
             let torque = match &now.memory[0] {
@@ -281,7 +281,7 @@ impl<'a> Second<'a> {
     }
 
     /// Takes a step, halved if something switches in it.
-    fn step(&self, now: &mut Now, time_s: f64, step_s: f64, depth: u32) {
+    fn step(&self, now: &mut IntegrationState, time_s: f64, step_s: f64, depth: u32) {
         let next = self.classical_step(now, time_s, step_s);
         let end = time_s + step_s;
         let switched = self.switches(now, &now.y, time_s) != self.switches(now, &next, end);
@@ -296,7 +296,7 @@ impl<'a> Second<'a> {
     }
 
     /// What a joint's friction remembers after a step.
-    fn settle(&self, now: &mut Now, joint: usize, time_s: f64) {
+    fn settle(&self, now: &mut IntegrationState, joint: usize, time_s: f64) {
         let rate = self.rate(joint, &now.y);
         let angle = self.angle(joint, &now.y, time_s);
         let order = self.core_order();
@@ -321,7 +321,7 @@ impl<'a> Second<'a> {
     }
 
     /// Takes the rate of a joint by an impulse and lets it rest.
-    fn arrest(&self, now: &mut Now, joint: usize, rate: f64) {
+    fn arrest(&self, now: &mut IntegrationState, joint: usize, rate: f64) {
         let at = &self.joints[joint];
         let impulse = rate / dot(&at.rate, &at.push);
         now.y.iter_mut().zip(&at.push).for_each(|(y, p)| *y -= p * impulse);
@@ -329,7 +329,7 @@ impl<'a> Second<'a> {
     }
 
     /// Lets a joint at rest slide if it cannot hold.
-    fn leave(&self, now: &mut Now, joint: usize, time_s: f64) {
+    fn leave(&self, now: &mut IntegrationState, joint: usize, time_s: f64) {
         match self.breakaway_sign(joint, now, &now.y, time_s) {
             0 => {}
             direction => now.memory[joint] = Memory::Slides(f64::from(direction)),
@@ -337,7 +337,7 @@ impl<'a> Second<'a> {
     }
 
     /// Returns the state after one step of the classical Runge-Kutta method.
-    fn classical_step(&self, now: &Now, time_s: f64, h: f64) -> Vec<f64> {
+    fn classical_step(&self, now: &IntegrationState, time_s: f64, h: f64) -> Vec<f64> {
         let moved = |slope: &[f64], part: f64| -> Vec<f64> {
             now.y.iter().zip(slope).map(|(y, s)| y + part * h * s).collect()
         };

@@ -4,11 +4,11 @@ use counterpoise_controller::program::{Operation, ProgramTerm, Slot};
 use counterpoise_controller::{Controller, Number, Runner};
 
 use super::{
-    Arithmetic, Deviation, ExecutedOperation, Line, Rounded, deviation, is_kept, setting_errors,
+    Arithmetic, Deviation, ExecutedOperation, Line, OperationRounding, deviation, is_kept, setting_errors,
     state_increment, to_grid,
 };
 use crate::Ranges;
-use crate::ranges::{Run, RunState, RunVisitor, play};
+use crate::ranges::{Run, RunState, RunVisitor, play_runs};
 use crate::tolerance::SMALL_SUMMAND;
 
 /// Half a unit in the last place of single precision, relative.
@@ -25,16 +25,16 @@ const KEPT_ROUNDINGS: f64 = 3.0;
 /// there, in arithmetic that rounds nothing else; half a unit in the last place is taken of the number that is rounded, at
 /// the time when it is.
 pub fn single_precision(controller: &Controller, ranges: &Ranges, samples: usize) -> Deviation {
-    deviation(controller, ranges, &Single { controller, ranges }, samples)
+    deviation(controller, ranges, &SinglePrecision { controller, ranges }, samples)
 }
 
 /// Errors in single precision.
-struct Single<'a> {
+struct SinglePrecision<'a> {
     controller: &'a Controller,
     ranges: &'a Ranges,
 }
 
-impl Arithmetic for Single<'_> {
+impl Arithmetic for SinglePrecision<'_> {
     fn worst_errors(&self) -> Vec<f64> {
         let operations = self.controller.programs().step.operations();
         let own = operations
@@ -47,10 +47,13 @@ impl Arithmetic for Single<'_> {
     }
 
     fn coefficients(&self, runs: &[Run]) -> Vec<Vec<f64>> {
-        play(runs, &StoredCoefficients(self.controller)).into_iter().map(|state| state.voltages_v).collect()
+        play_runs(runs, &StoredCoefficients(self.controller))
+            .into_iter()
+            .map(|state| state.voltages_v)
+            .collect()
     }
 
-    fn rounding_of(&self, _: Line, executed: &ExecutedOperation<'_>) -> Rounded {
+    fn rounding_of(&self, _: Line, executed: &ExecutedOperation<'_>) -> OperationRounding {
         let ExecutedOperation { operation, read, written: value, .. } = *executed;
         let square = match operation {
             Operation::Sum { constant, terms, .. } => sum(*constant, terms, read),
@@ -64,28 +67,28 @@ impl Arithmetic for Single<'_> {
             }
             _ => 0.0,
         };
-        Rounded { known, square }
+        OperationRounding { known, square }
     }
 }
 
 /// The controller with coefficients in single precision, and how far its control was from the reference's, V.
 struct StoredCoefficients<'a>(&'a Controller);
 
-impl RunVisitor<RunState<Runner<Stored>>> for StoredCoefficients<'_> {
-    fn start(&self) -> RunState<Runner<Stored>> {
-        RunState::of(self.0.runner_in::<Stored>())
+impl RunVisitor<RunState<Runner<StoredNumber>>> for StoredCoefficients<'_> {
+    fn start(&self) -> RunState<Runner<StoredNumber>> {
+        RunState::of(self.0.runner_in::<StoredNumber>())
     }
 
-    fn set(&self, state: &mut RunState<Runner<Stored>>, out_of_balance_kg_m: f64) {
+    fn set(&self, state: &mut RunState<Runner<StoredNumber>>, out_of_balance_kg_m: f64) {
         state.acting.set_out_of_balance(out_of_balance_kg_m);
     }
 
-    fn sample(&self, state: &mut RunState<Runner<Stored>>, run: &Run, k: usize) {
+    fn sample(&self, state: &mut RunState<Runner<StoredNumber>>, run: &Run, k: usize) {
         state.voltages_v.push(state.acting.step_array(&run.readings[k]) - run.reference_v[k]);
     }
 }
 
-impl Single<'_> {
+impl SinglePrecision<'_> {
     /// Returns the error of each operation that comes from what a setting left wrong.
     fn setting_errors(&self) -> Vec<f64> {
         let error = |slot: &Slot| match is_kept(self.controller, *slot) {
@@ -165,9 +168,9 @@ fn is_power_of_two(value: f64) -> bool {
 
 /// A number in double that was stored in single precision: what [`Number::from_f64`] takes is rounded, arithmetic is not.
 #[derive(Debug, Clone, Copy)]
-struct Stored(f64);
+struct StoredNumber(f64);
 
-impl Number for Stored {
+impl Number for StoredNumber {
     const FLUSHED_BELOW: f64 = 0.0;
 
     fn from_f64(value: f64) -> Self {

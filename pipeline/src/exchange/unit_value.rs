@@ -7,23 +7,23 @@ use serde::{Serialize, Serializer};
 /// A value of what the loop controls. Flattened into a result it is one entry whose key ends in the unit: `residual_nm` in a loop of torque
 /// for `residual_rad_s` in one of rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct InOwnUnit<T> {
+pub struct UnitValue<T> {
     /// The key without its unit.
     pub stem: &'static str,
-    /// What the loop controls.
+    /// Quantity that the loop controls.
     pub controlled: ControlledQuantity,
     /// The value, in the unit of what the loop controls.
     pub value: T,
 }
 
-impl<T> InOwnUnit<T> {
+impl<T> UnitValue<T> {
     /// Returns a value of a quantity, whose key begins with a stem.
     pub const fn new(stem: &'static str, controlled: ControlledQuantity, value: T) -> Self {
         Self { stem, controlled, value }
     }
 }
 
-impl<T: Serialize> Serialize for InOwnUnit<T> {
+impl<T: Serialize> Serialize for UnitValue<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(1))?;
         map.serialize_entry(&self.controlled.key_of(self.stem), &self.value)?;
@@ -41,13 +41,13 @@ mod tests {
     struct Figures {
         before: f64,
         #[serde(flatten)]
-        residual: InOwnUnit<Option<f64>>,
+        residual: UnitValue<Option<f64>>,
         after: f64,
     }
 
     fn written_figures(kind: QuantityKind, value: Option<f64>) -> String {
         let controlled = ControlledQuantity { kind, ..ControlledQuantity::default() };
-        let residual = InOwnUnit::new("residual", controlled, value);
+        let residual = UnitValue::new("residual", controlled, value);
         serde_json::to_string(&Figures { before: 1.5, residual, after: 2.5 }).expect("figures are plain data")
     }
 

@@ -80,7 +80,7 @@ fn separate(start: &StateSpace, mut form: Schur, closeness: f64) -> Result<Reali
 
 /// An eigenvalue, and the label of the cluster that it belongs to.
 #[derive(Debug, Clone, Copy)]
-struct Labelled {
+struct LabelledEigenvalue {
     value: C64,
     label: usize,
 }
@@ -108,14 +108,14 @@ fn gather(form: &mut Schur, closeness: f64) -> Vec<usize> {
     form.eigenvalues().iter().map(|value| nearest_label(&labels, *value).unwrap_or(0)).collect()
 }
 
-fn nearest_label(labels: &[Labelled], value: C64) -> Option<usize> {
-    let distance = |each: &Labelled| (each.value - value).norm();
+fn nearest_label(labels: &[LabelledEigenvalue], value: C64) -> Option<usize> {
+    let distance = |each: &LabelledEigenvalue| (each.value - value).norm();
     labels.iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).map(|each| each.label)
 }
 
 /// Labels so that eigenvalues nearer than `closeness` times their distance from 1 (and conjugates) share one.
-fn cluster(values: &[C64], closeness: f64) -> Vec<Labelled> {
-    let mut labelled: Vec<Labelled> = Vec::new();
+fn cluster(values: &[C64], closeness: f64) -> Vec<LabelledEigenvalue> {
+    let mut labelled: Vec<LabelledEigenvalue> = Vec::new();
     for &value in values {
         let upper = |v: C64| C64::new(v.re, v.im.abs());
         let size = (value - 1.0).norm();
@@ -125,7 +125,7 @@ fn cluster(values: &[C64], closeness: f64) -> Vec<Labelled> {
         };
         let found = labelled.iter().find(|other| near(other.value)).map(|other| other.label);
         let next = labelled.iter().map(|each| each.label + 1).max().unwrap_or(0);
-        labelled.push(Labelled { value, label: found.unwrap_or(next) });
+        labelled.push(LabelledEigenvalue { value, label: found.unwrap_or(next) });
     }
     labelled
 }
