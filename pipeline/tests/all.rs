@@ -2,6 +2,7 @@
 //! `cargo test --release -p counterpoise-pipeline --test all NAME` runs one.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod commission;
 mod first_steps;
 mod fra;
 mod inertial_unit;
