@@ -5,6 +5,7 @@
 mod support;
 
 mod check;
+mod commission;
 mod exit_codes;
 mod hostile_projects;
 mod improved;

@@ -92,14 +92,14 @@ pub fn write_request(folder: &Path, request: &MachineRequest, run: &PlannedRun) 
     let mut texts = vec![
         File {
             name: DEMAND.to_owned(),
-            text: columns_text(&run.request, &[("demand", &run.request.demand)]),
+            text: columns_text(&run.request, &[TextColumn { name: "demand", values: &run.request.demand }]),
         },
         File { name: PREDICTED.to_owned(), text: predicted_text(run) },
     ];
     if run.request.moves_base() {
         let columns = [
-            ("platform_rate", run.request.platform_rate_rad_s.as_slice()),
-            ("platform_accel", run.request.platform_accel_m_s2.as_slice()),
+            TextColumn { name: "platform_rate", values: &run.request.platform_rate_rad_s },
+            TextColumn { name: "platform_accel", values: &run.request.platform_accel_m_s2 },
         ];
         texts.push(File { name: MOTION.to_owned(), text: columns_text(&run.request, &columns) });
     }
@@ -133,13 +133,20 @@ pub fn request_of(
     }
 }
 
-fn columns_text(request: &RunRequest, columns: &[(&str, &[f64])]) -> String {
-    let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+/// A column of a text.
+#[derive(Clone, Copy)]
+struct TextColumn<'a> {
+    name: &'a str,
+    values: &'a [f64],
+}
+
+fn columns_text(request: &RunRequest, columns: &[TextColumn<'_>]) -> String {
+    let names: Vec<&str> = columns.iter().map(|column| column.name).collect();
     let mut text = format!("time [s],{}\n", names.join(","));
     for k in 0..request.demand.len() {
         let _ = write!(text, "{:.9e}", k as f64 * request.sample_period_s);
-        for (_, values) in columns {
-            let _ = write!(text, ",{:.17e}", values.get(k).copied().unwrap_or(0.0));
+        for column in columns {
+            let _ = write!(text, ",{:.17e}", column.values.get(k).copied().unwrap_or(0.0));
         }
         text.push('\n');
     }

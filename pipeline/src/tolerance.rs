@@ -199,3 +199,6 @@ pub(crate) const MOST_EFFECTS: usize = 2;
 
 /// Share of the residual that must be left or less for an effect to be added.
 pub(crate) const EFFECT_GAIN: f64 = 0.7;
+
+/// Relative difference of sample periods that are the same: that of a decimal with seven digits.
+pub(crate) const SAME_CLOCK: f64 = 1e-6;

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use counterpoise_diagnose::experiment::Limits;
 use counterpoise_pipeline::commission::{
-    PlannedRun, RecordedRun, ReplayUse, StopReason, judge_requirements, judge_run, plan_runs, simulate_run,
-    stop_before_update, under_controller, update_model,
+    PlannedRun, RecordedRun, ReplayUse, StopReason, assign_controller, judge_requirements, judge_run,
+    plan_runs, simulate_run, stop_before_update, update_model,
 };
 use counterpoise_pipeline::first_design::with_chosen_weights;
 use counterpoise_pipeline::recordings::RecordingFile;
@@ -71,7 +71,7 @@ fn play_round(machine: &str) -> PlayedRound {
         controller: stages.verified.controller().clone(),
         project_hash: "drawn".to_owned(),
     });
-    let planned = plan_runs(&under_controller(&chosen, &content), &stages, LIMITS, &Serial).unwrap();
+    let planned = plan_runs(&assign_controller(&chosen, &content), &stages, LIMITS, &Serial).unwrap();
     assert!(planned.left_out.is_empty());
     let plant = build_plant_model(&project(machine)).unwrap().plant;
     let record = |(seed, run): (usize, PlannedRun)| {

@@ -14,8 +14,8 @@ use counterpoise_host::projects::{self, ProjectOnDisk, ProjectWorld};
 use counterpoise_host::workers::ProgressPool;
 use counterpoise_host::{code_files, files};
 use counterpoise_pipeline::commission::{
-    PlannedRun, RecordedRun, ReplayUse, RoundSummary, StopReason, judge_requirements, judge_run, plan_runs,
-    stop_after_update, stop_before_update, under_controller, update_model,
+    PlannedRun, RecordedRun, ReplayUse, RoundSummary, StopReason, assign_controller, judge_requirements,
+    judge_run, plan_runs, stop_after_update, stop_before_update, update_model,
 };
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::identity::ProjectIdentity;
@@ -197,7 +197,7 @@ impl Round<'_> {
         let hash = designed.content.project_hash.clone();
         let mut summary = RoundSummary::begin(self.number, &hash, &designed.stages);
         let workers = ProgressPool::new(self.options.results.progress());
-        let project = under_controller(&self.loaded.project, &designed.content);
+        let project = assign_controller(&self.loaded.project, &designed.content);
         let planned = plan_runs(&project, &designed.stages, self.options.limits(), &workers)?;
         workers.finish();
         summary.left_out.extend(planned.left_out.iter().map(|run| run.name.to_owned()));
@@ -288,7 +288,7 @@ impl Round<'_> {
             bail!("{} has {samples} samples, the request {wanted}", file.name);
         }
         let (period_s, asked_s) = (first.recording.sample_period_s, run.request.sample_period_s);
-        if (period_s / asked_s - 1.0).abs() > SAME_PERIOD {
+        if !run.request.has_clock_of(&first.recording) {
             bail!("{} has a sample period of {period_s} s, the request {asked_s} s", file.name);
         }
         Ok(RecordedRun { run: run.clone(), recording: first.recording })
@@ -299,6 +299,3 @@ impl Round<'_> {
         replayed.map(|run| read_recording_file(&self.folder.join(run.name))).collect()
     }
 }
-
-/// Relative difference of sample periods that are the same: that of a decimal with seven digits.
-const SAME_PERIOD: f64 = 1e-6;

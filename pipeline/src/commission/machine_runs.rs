@@ -8,6 +8,7 @@ use counterpoise_simulate::{
 };
 
 use crate::PipelineError;
+use crate::tolerance::SAME_CLOCK;
 
 /// What a machine is asked to run: demand and motion of the base, sample by sample.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +42,11 @@ impl RunRequest {
     /// Returns whether the base moves.
     pub fn moves_base(&self) -> bool {
         !self.platform_rate_rad_s.is_empty()
+    }
+
+    /// Returns whether a recording has the sample period of the run.
+    pub fn has_clock_of(&self, recording: &Recording) -> bool {
+        (recording.sample_period_s / self.sample_period_s - 1.0).abs() <= SAME_CLOCK
     }
 
     /// Returns the scenario of the run, with noise from a seed.

@@ -102,7 +102,7 @@ struct Residuals {
 }
 
 /// Factors on the values, with the residuals and the covariance that belong to them.
-struct Fitted {
+struct FactorFit {
     factors: Vec<f64>,
     residuals: Residuals,
     covariance: Mat,
@@ -186,7 +186,7 @@ impl Problem<'_> {
     }
 
     /// Takes damped Gauss-Newton steps until the cost settles (D. Marquardt, J. SIAM 11 (1963), 431).
-    fn solve(&self, mut factors: Vec<f64>, mut residuals: Residuals) -> Result<Fitted, PipelineError> {
+    fn solve(&self, mut factors: Vec<f64>, mut residuals: Residuals) -> Result<FactorFit, PipelineError> {
         let (mut covariance, mut damping) = (self.prior_covariance(), FIRST_DAMPING);
         for _ in 0..POSTERIOR_STEPS {
             if factors.is_empty() {
@@ -205,7 +205,7 @@ impl Problem<'_> {
                 break;
             }
         }
-        Ok(Fitted { factors, residuals, covariance })
+        Ok(FactorFit { factors, residuals, covariance })
     }
 
     /// Returns the step of the least damping, from a given one on, that lowers the cost; `None` if none does.
@@ -282,7 +282,7 @@ impl Problem<'_> {
         Mat::from_fn(n, n, |i, j| if i == j { 1.0 / self.prior_weight(i) } else { 0.0 })
     }
 
-    fn posterior(&self, fitted: &Fitted, residual_before: f64) -> Result<Posterior, PipelineError> {
+    fn posterior(&self, fitted: &FactorFit, residual_before: f64) -> Result<Posterior, PipelineError> {
         let mut project = Project { plant: self.plant_at(&fitted.factors)?, ..self.project.clone() };
         let mut values = Vec::new();
         for (k, unknown) in self.unknowns.iter().enumerate() {

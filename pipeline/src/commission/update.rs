@@ -100,7 +100,7 @@ fn add_effects(
 }
 
 /// Returns a project whose recordings are made under an exported controller.
-pub fn under_controller(project: &Project, content: &Arc<ControllerContent>) -> Project {
+pub fn assign_controller(project: &Project, content: &Arc<ControllerContent>) -> Project {
     let source = ControllerSource {
         file: "controller.json".to_owned(),
         hash: content.project_hash.clone(),
@@ -109,7 +109,7 @@ pub fn under_controller(project: &Project, content: &Arc<ControllerContent>) -> 
     Project { recording_controller: Some(RecordingController::Exported(source)), ..project.clone() }
 }
 
-/// Updates the model of a project by recordings that were made under one exported controller.
+/// Returns the model of a project, updated by recordings that were made under one exported controller.
 ///
 /// The values that are known within tolerances are fitted first. If the model then leaves more than the noise, the recordings are diagnosed, and what the diagnosis
 /// found, or nearly found, is tried beside the file's own values, which are fitted together with it.
@@ -122,7 +122,7 @@ pub fn update_model(
     files: &[RecordingFile],
     pool: &dyn Pool,
 ) -> Result<ModelUpdate, PipelineError> {
-    let recorded_under = |project: &Project| under_controller(project, content);
+    let recorded_under = |project: &Project| assign_controller(project, content);
     let given = recorded_under(project);
     let in_loop = recording_controller(&given)?;
     let read = read_files(&given, in_loop.as_ref(), files, GapTreatment::Repaired)?;
