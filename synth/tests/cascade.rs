@@ -97,6 +97,7 @@ fn a_first_design_chooses_both_loops_and_the_whole_keeps_the_margins() {
         within_tolerances: Vec::new(),
         within_usual_ranges: Vec::new(),
         with_usual_delay: Vec::new(),
+        others_at_usual_ends: Vec::new(),
         usual_reading: UsualReading::default(),
         load_output: None,
         sampling: sampling.clone(),

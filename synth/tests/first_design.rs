@@ -22,6 +22,7 @@ fn circumstances(plant: DesignPlant, sampling: Sampling) -> Circumstances {
         within_tolerances: Vec::new(),
         within_usual_ranges: Vec::new(),
         with_usual_delay: Vec::new(),
+        others_at_usual_ends: Vec::new(),
         usual_reading: UsualReading::default(),
         sampling,
         control_limit: ControlLimit::OfDrive,

@@ -53,6 +53,7 @@ impl Machine {
             within_tolerances: Vec::new(),
             within_usual_ranges: Vec::new(),
             with_usual_delay: Vec::new(),
+            others_at_usual_ends: Vec::new(),
             usual_reading: UsualReading::default(),
             load_output: None,
             sampling: Sampling { delay_samples, ..Sampling::new(self.period_s, 10.0) },

@@ -30,7 +30,7 @@ use crate::synth::{design_plant, sampling};
 use crate::tolerance::{ALLOWS_MORE, MARGINS_TO_SPARE};
 use crate::wording::design_findings::{describe_design_finding, describe_limit, describe_unknown};
 use crate::{PipelineError, PlantModel, ReducedPlant, build_plant_model, reduce_plant};
-use usual_ranges::OpenValues;
+use usual_ranges::{AnglesOfPlant, OpenValues};
 
 /// A project whose weights were chosen.
 #[derive(Debug, Clone)]
@@ -114,10 +114,17 @@ fn choose_weights_on(
 fn first_design_of(given: &Circumstances, pool: &dyn Pool) -> Result<FirstDesign, SynthesisError> {
     match first_design_on(given, pool) {
         Err(SynthesisError::Refused(_))
-            if !given.within_usual_ranges.is_empty() || !given.with_usual_delay.is_empty() =>
+            if !given.within_usual_ranges.is_empty()
+                || !given.with_usual_delay.is_empty()
+                || !given.others_at_usual_ends.is_empty() =>
         {
-            let (within_usual_ranges, with_usual_delay) = (Vec::new(), Vec::new());
-            first_design_of(&Circumstances { within_usual_ranges, with_usual_delay, ..given.clone() }, pool)
+            let given = Circumstances {
+                within_usual_ranges: Vec::new(),
+                with_usual_delay: Vec::new(),
+                others_at_usual_ends: Vec::new(),
+                ..given.clone()
+            };
+            first_design_of(&given, pool)
         }
         Err(SynthesisError::Refused(_)) if given.others.len() > 1 => {
             let others = given.others.iter().take(1).cloned().collect();
@@ -171,13 +178,23 @@ fn circumstances(
     let plant = design_plant(asked, modelled, reduced)?;
     let open = OpenValues::of(project);
     let nominal = with_angles(project, modelled, &plant)?;
+    let mut others_at_usual_ends =
+        open.plants_at_ends(project, asked, reduced, &nominal, AnglesOfPlant::Included)?;
+    others_at_usual_ends.extend(open.plants_with_delay(p, &nominal)?);
     let reading = &p.sensors.hub_gyro;
     let motions = project.verify.as_ref().map(|asked| &asked.procedure);
     // A feedforward acts on the load's rate, which a loop of torque or current does not hold.
     let opposed = motions.filter(|_| !p.sensors.measured.is_effort());
     Ok(Circumstances {
-        within_usual_ranges: open.plants_at_ends(project, asked, reduced, &nominal)?,
-        with_usual_delay: open.plants_with_delay(p, &nominal)?,
+        within_usual_ranges: open.plants_at_ends(
+            project,
+            asked,
+            reduced,
+            &plant,
+            AnglesOfPlant::AsDesigned,
+        )?,
+        with_usual_delay: open.plants_with_delay(p, &plant)?,
+        others_at_usual_ends,
         others: plants_beside(modelled, &plant, nominal)?,
         within_tolerances: tolerance_corners::plants_within_tolerances(project, asked, reduced)?,
         usual_reading: open.usual_reading(p),

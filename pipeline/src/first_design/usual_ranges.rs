@@ -50,14 +50,18 @@ impl OpenValues {
         asked: &DesignRequest,
         reduced: &ReducedPlant,
         nominal: &DesignPlant,
+        angles: AnglesOfPlant,
     ) -> Result<Vec<DesignPlant>, PipelineError> {
         let of_modes = self.assumptions.iter().filter(|assumption| MODES.contains(&last_part(assumption)));
         let ends = of_modes.flat_map(|assumption| {
             let ends = assumption.usual.into_iter().flatten();
             ends.filter(|end| end.is_finite() && *end != assumption.value).map(|end| (&assumption.key, end))
         });
-        let mut plants: Vec<DesignPlant> =
-            ends.filter_map(|(key, value)| plant_with(project, asked, reduced, key, value)).collect();
+        let mut plants: Vec<DesignPlant> = ends
+            .filter_map(|(key, value)| {
+                plant_with(project, asked, reduced, angles, &ChangedValue { key, value })
+            })
+            .collect();
         plants.retain(|plant| plant != nominal);
         let delay_s = usual_delay_s(&project.plant);
         if delay_s > 0.0 {
@@ -165,16 +169,34 @@ fn delay_control(plant: &DesignPlant, machine: &Parameters) -> Result<DesignPlan
     Ok(DesignPlant { late_reading: Some(LateReading { delay_s, ..late_reading }), ..plant.clone() })
 }
 
+/// Whether a plant has the hub's angles among its states, where gravity's gradient and a spring act.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum AnglesOfPlant {
+    /// As the design takes it.
+    AsDesigned,
+    /// With the angles.
+    Included,
+}
+
+/// A value of the file that is changed.
+struct ChangedValue<'a> {
+    key: &'a str,
+    value: f64,
+}
+
 /// Returns the plant of the design with a value of the file changed; `None` if there is none.
 fn plant_with(
     project: &Project,
     asked: &DesignRequest,
     reduced: &ReducedPlant,
-    key: &str,
-    value: f64,
+    angles: AnglesOfPlant,
+    changed: &ChangedValue<'_>,
 ) -> Option<DesignPlant> {
-    let changed = project.with_number(key, value)?;
+    let changed = project.with_number(changed.key, changed.value)?;
     let made = build_plant_model(&changed).ok()?;
     let plant = design_plant(asked, &made, reduced).ok()?;
-    with_angles(&changed, &made, &plant).ok()
+    match angles {
+        AnglesOfPlant::AsDesigned => Some(plant),
+        AnglesOfPlant::Included => with_angles(&changed, &made, &plant).ok(),
+    }
 }

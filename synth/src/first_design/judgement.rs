@@ -132,6 +132,10 @@ impl<'a> Judge<'a> {
                 within_usual_ranges.push(UsualPlant { held, max_sensitivity: NEIGHBOUR_MS });
             }
         }
+        let with_angles = all(&circumstances.others_at_usual_ends)?;
+        let with_angles =
+            with_angles.into_iter().map(|held| UsualPlant { held, max_sensitivity: NEIGHBOUR_MS });
+        within_usual_ranges.extend(with_angles);
         let with_usual_delay = all(&circumstances.with_usual_delay)?;
         for plant in &circumstances.with_usual_delay {
             let shifted = all(&shifted_modes(plant, &light_modes(plant)?)?)?;

@@ -70,6 +70,9 @@ pub struct Circumstances {
     /// The same machine with what is not stated, and sets its modes or its lags, at the ends of its usual range, which the loop must hold with the
     /// largest sensitivity of its margins.
     pub within_usual_ranges: Vec<DesignPlant>,
+    /// The same with what the linear plant leaves out (gravity's gradient, a spring), which the loop must hold with the largest sensitivity of
+    /// `others`.
+    pub others_at_usual_ends: Vec<DesignPlant>,
     /// The same machine with the largest usual delay of its control, if none is stated: the loop must keep its margins with it, be slow enough
     /// for its sample rate, and bear shifted modes.
     pub with_usual_delay: Vec<DesignPlant>,
