@@ -15,7 +15,7 @@ use counterpoise_synth::{DesignPlant, LateReading, UsualReading};
 
 use super::with_angles;
 use crate::synth::design_plant;
-use crate::{PipelineError, ReducedPlant, build_plant_model};
+use crate::{PipelineError, ReducedPlant, build_plant_model, reduce_plant};
 
 /// Last parts of the keys whose values set modes.
 const MODES: [&str; 2] = ["stiffness", "bulk_modulus"];
@@ -194,9 +194,10 @@ fn plant_with(
 ) -> Option<DesignPlant> {
     let changed = project.with_number(changed.key, changed.value)?;
     let made = build_plant_model(&changed).ok()?;
-    let plant = design_plant(asked, &made, reduced).ok()?;
     match angles {
-        AnglesOfPlant::AsDesigned => Some(plant),
-        AnglesOfPlant::Included => with_angles(&changed, &made, &plant).ok(),
+        AnglesOfPlant::AsDesigned => design_plant(asked, &made, &reduce_plant(&changed, &made).ok()?).ok(),
+        AnglesOfPlant::Included => {
+            with_angles(&changed, &made, &design_plant(asked, &made, reduced).ok()?).ok()
+        }
     }
 }
