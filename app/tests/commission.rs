@@ -1,11 +1,10 @@
 //! Commissioning: rounds in a folder, with the exported C in the loop of a simulated machine; what was stopped goes on.
 
 use std::fs;
-use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::support::folder;
+use crate::support::{folder, report_skip};
 
 /// A sight as drawn, whose step the machine must follow.
 const DRAWN: &str = r#"
@@ -43,9 +42,7 @@ fn said(output: &Output) -> String {
 #[test]
 fn a_commissioning_runs_the_exported_code_and_goes_on_where_it_stopped() {
     if Command::new("cc").arg("--version").output().is_err() {
-        // The line goes past the capture of a test's output, so that `.ci/skips` sees it.
-        let _ = writeln!(std::io::stderr(), "skipped: no C compiler");
-        return;
+        return report_skip("no C compiler");
     }
     let folder = folder("commission");
     fs::write(folder.join("drawn.toml"), DRAWN).unwrap();

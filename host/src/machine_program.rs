@@ -89,19 +89,19 @@ pub enum RunEnd {
 /// # Errors
 /// A file that cannot be written.
 pub fn write_request(folder: &Path, request: &MachineRequest, run: &PlannedRun) -> Result<()> {
+    let asked = &run.request;
+    let text = |columns: &[TextColumn<'_>]| columns_text(asked.sample_period_s, columns, ALL_DIGITS);
+    let demand = text(&[TextColumn::new("demand", &asked.demand)]);
     let mut texts = vec![
-        File {
-            name: DEMAND.to_owned(),
-            text: columns_text(&run.request, &[TextColumn { name: "demand", values: &run.request.demand }]),
-        },
+        File { name: DEMAND.to_owned(), text: demand },
         File { name: PREDICTED.to_owned(), text: predicted_text(run) },
     ];
-    if run.request.moves_base() {
-        let columns = [
-            TextColumn { name: "platform_rate", values: &run.request.platform_rate_rad_s },
-            TextColumn { name: "platform_accel", values: &run.request.platform_accel_m_s2 },
-        ];
-        texts.push(File { name: MOTION.to_owned(), text: columns_text(&run.request, &columns) });
+    if asked.moves_base() {
+        let motion = text(&[
+            TextColumn::new("platform_rate", &asked.platform_rate_rad_s),
+            TextColumn::new("platform_accel", &asked.platform_accel_m_s2),
+        ]);
+        texts.push(File { name: MOTION.to_owned(), text: motion });
     }
     // The request stands last: a folder with one is whole.
     texts.push(File { name: REQUEST.to_owned(), text: json_text(request)? });
@@ -134,42 +134,50 @@ pub fn request_of(
 }
 
 /// A column of a text.
-#[derive(Clone, Copy)]
 struct TextColumn<'a> {
-    name: &'a str,
+    name: String,
     values: &'a [f64],
 }
 
-fn columns_text(request: &RunRequest, columns: &[TextColumn<'_>]) -> String {
-    let names: Vec<&str> = columns.iter().map(|column| column.name).collect();
+impl<'a> TextColumn<'a> {
+    fn new(name: impl Into<String>, values: &'a [f64]) -> Self {
+        Self { name: name.into(), values }
+    }
+}
+
+/// Returns columns on one clock as CSV, with as many digits behind the point as are asked for.
+fn columns_text(sample_period_s: f64, columns: &[TextColumn<'_>], digits: usize) -> String {
+    let names: Vec<&str> = columns.iter().map(|column| column.name.as_str()).collect();
     let mut text = format!("time [s],{}\n", names.join(","));
-    for k in 0..request.demand.len() {
-        let _ = write!(text, "{:.9e}", k as f64 * request.sample_period_s);
+    for k in 0..columns.first().map_or(0, |first| first.values.len()) {
+        let _ = write!(text, "{:.9e}", k as f64 * sample_period_s);
         for column in columns {
-            let _ = write!(text, ",{:.17e}", column.values.get(k).copied().unwrap_or(0.0));
+            let _ = write!(text, ",{:.digits$e}", column.values.get(k).copied().unwrap_or(f64::NAN));
         }
         text.push('\n');
     }
     text
 }
 
+/// Digits behind the point of a number that is read back as it was.
+const ALL_DIGITS: usize = 17;
+/// Those of a prediction.
+const SHOWN_DIGITS: usize = 9;
+
 fn predicted_text(run: &PlannedRun) -> String {
-    let mut text = String::from("time [s]");
-    for channel in &run.predicted {
-        let name = channel.channel.name();
-        let _ = write!(text, ",{name},{name}_low,{name}_high");
-    }
-    text.push('\n');
-    for k in 0..run.request.demand.len() {
-        let _ = write!(text, "{:.9e}", k as f64 * run.request.sample_period_s);
-        for channel in &run.predicted {
-            let at = |values: &[f64]| values.get(k).copied().unwrap_or(f64::NAN);
-            let [value, low, high] = [at(&channel.values), at(&channel.low), at(&channel.high)];
-            let _ = write!(text, ",{value:.9e},{low:.9e},{high:.9e}");
-        }
-        text.push('\n');
-    }
-    text
+    let columns: Vec<TextColumn<'_>> = run
+        .predicted
+        .iter()
+        .flat_map(|channel| {
+            let name = channel.channel.name();
+            [
+                TextColumn::new(name, &channel.values),
+                TextColumn::new(format!("{name}_low"), &channel.low),
+                TextColumn::new(format!("{name}_high"), &channel.high),
+            ]
+        })
+        .collect();
+    columns_text(run.request.sample_period_s, &columns, SHOWN_DIGITS)
 }
 
 /// Returns whether a machine program has answered in a folder.
@@ -252,18 +260,9 @@ fn read_columns(path: &Path) -> Result<Recording> {
 /// # Errors
 /// A file that cannot be written.
 pub fn write_answer(folder: &Path, recording: &Recording, answer: &MachineAnswer) -> Result<()> {
-    let recorded: Vec<Channel> = Channel::ALL.into_iter().filter(|one| recording.has(*one)).collect();
-    let names: Vec<&str> = recorded.iter().map(|channel| channel.name()).collect();
-    let samples: Vec<&[f64]> =
-        recorded.iter().map(|one| recording.samples(*one).unwrap_or_default()).collect();
-    let mut text = format!("time [s],{}\n", names.join(","));
-    for k in 0..samples.first().map_or(0, |first| first.len()) {
-        let _ = write!(text, "{:.9e}", k as f64 * recording.sample_period_s);
-        for values in &samples {
-            let _ = write!(text, ",{:.17e}", values[k]);
-        }
-        text.push('\n');
-    }
+    let column = |channel: Channel| Some(TextColumn::new(channel.name(), recording.samples(channel)?));
+    let columns: Vec<TextColumn<'_>> = Channel::ALL.into_iter().filter_map(column).collect();
+    let text = columns_text(recording.sample_period_s, &columns, ALL_DIGITS);
     for (name, text) in [(RECORDING, text), (ANSWER, json_text(answer)?)] {
         let path = folder.join(name);
         files::write_file(&path, text.as_bytes())

@@ -5,8 +5,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Error, Result, bail};
 use clap::Args;
-use counterpoise_diagnose::experiment::Limits;
-use counterpoise_export::{File, host::machine_step};
+use counterpoise_export::host::machine_step;
 use counterpoise_host::machine_program::{
     RunEnd, RunLimits, has_answer, read_answer, read_recording_file, request_of, run_machine, write_request,
 };
@@ -28,7 +27,7 @@ use counterpoise_report::html_page;
 use counterpoise_report::wording::recordings::describe_recordings_error;
 use serde::Serialize;
 
-use crate::commands::experiment::{parse_positive, seconds};
+use crate::commands::experiment::{MotionLimits, parse_seconds};
 use crate::exit::{CommandResult, verdict_code};
 use crate::options::ResultOutput;
 use crate::output::{self, say};
@@ -44,17 +43,11 @@ pub struct CommissionOptions {
     /// Rounds at most
     #[arg(long, value_name = "ROUNDS", default_value = "5")]
     pub rounds: usize,
-    /// Largest angle from the start to either side, rad (m on a linear axis)
-    #[arg(long, value_name = "ANGLE", value_parser = parse_positive)]
-    pub angle: f64,
-    /// Largest rate in either direction, rad/s (m/s)
-    #[arg(long, value_name = "RATE", value_parser = parse_positive)]
-    pub rate: f64,
-    /// Largest current in either direction, A; no limit if absent
-    #[arg(long, value_name = "CURRENT", value_parser = parse_positive)]
-    pub current: Option<f64>,
+    /// What the machine must not pass.
+    #[command(flatten)]
+    pub limits: MotionLimits,
     /// Duration of the experiment that tells machines apart, s
-    #[arg(long, value_name = "DURATION", default_value = "10", value_parser = seconds)]
+    #[arg(long, value_name = "DURATION", default_value = "10", value_parser = parse_seconds)]
     pub duration: f64,
     /// Folder for the rounds; a commissioning that was stopped goes on where it was
     #[arg(short, long, default_value = "commission")]
@@ -65,17 +58,9 @@ pub struct CommissionOptions {
 }
 
 impl CommissionOptions {
-    fn limits(&self) -> Limits {
-        Limits {
-            angle_rad: self.angle,
-            rate_rad_s: self.rate,
-            current_a: self.current.unwrap_or(f64::INFINITY),
-            duration_s: self.duration,
-        }
-    }
-
     fn run_limits(&self) -> RunLimits {
-        RunLimits { angle_rad: self.angle, rate_rad_s: self.rate, current_a: self.current }
+        let limits = &self.limits;
+        RunLimits { angle_rad: limits.angle, rate_rad_s: limits.rate, current_a: limits.current }
     }
 
     fn round_folder(&self, round: usize) -> PathBuf {
@@ -118,7 +103,7 @@ pub fn run(options: &CommissionOptions) -> CommandResult {
     let last = rounds.last_mut().context("--rounds must be at least 1")?;
     last.stop.get_or_insert(StopReason::RoundsOver);
     let met = matches!(last.stop, Some(StopReason::RequirementsMet | StopReason::ModelExplains));
-    let page = commission_report(&given_name(&path), &rounds);
+    let page = commission_report(&path.display().to_string(), &rounds);
     projects::write_file(&options.output.join("story.html"), html_page(&page).as_bytes())?;
     if !output::write_json(&options.results, &Story { rounds: &rounds })? {
         rounds
@@ -160,10 +145,6 @@ fn finished_round(folder: &Path) -> Result<Option<RoundSummary>> {
     summary.map(Some).with_context(|| format!("{} is not the result of a round", path.display()))
 }
 
-fn given_name(path: &Path) -> String {
-    path.display().to_string()
-}
-
 fn print_round(options: &CommissionOptions, summary: &RoundSummary) {
     if options.results.json.is_none() {
         describe_round(summary).iter().for_each(|line| say!("{line}"));
@@ -184,9 +165,17 @@ struct DesignedRound {
     content: Arc<ControllerContent>,
 }
 
+/// What a machine left of the experiments of a round.
+#[derive(Default)]
+struct RecordedRuns {
+    runs: Vec<RecordedRun>,
+    /// The files of those that can be replayed.
+    replayed: Vec<RecordingFile>,
+}
+
 /// How the experiments of a round ended.
 enum RunsEnd {
-    Complete(Vec<RecordedRun>),
+    Complete(RecordedRuns),
     Stopped(StopReason),
 }
 
@@ -198,22 +187,21 @@ impl Round<'_> {
         let mut summary = RoundSummary::begin(self.number, &hash, &designed.stages);
         let workers = ProgressPool::new(self.options.results.progress());
         let project = assign_controller(&self.loaded.project, &designed.content);
-        let planned = plan_runs(&project, &designed.stages, self.options.limits(), &workers)?;
+        let limits = self.options.limits.experiment_limits(self.options.duration);
+        let planned = plan_runs(&project, &designed.stages, limits, &workers)?;
         workers.finish();
         summary.left_out.extend(planned.left_out.iter().map(|run| run.name.to_owned()));
-        let runs = planned.runs;
-        let recorded = match self.run_experiments(&runs, &hash, &mut summary)? {
+        let recorded = match self.run_experiments(&planned.runs, &hash, &mut summary)? {
             RunsEnd::Complete(recorded) => recorded,
             RunsEnd::Stopped(stop) => return self.finish(summary, Some(stop)),
         };
-        let verdicts = judge_requirements(&self.loaded.project, &designed.stages, &recorded);
+        let verdicts = judge_requirements(&self.loaded.project, &designed.stages, &recorded.runs);
         summary.add_verdicts(&self.loaded.project, &verdicts);
         if let Some(stop) = stop_before_update(&verdicts) {
             return self.finish(summary, Some(stop));
         }
         let workers = ProgressPool::new(self.options.results.progress());
-        let files = self.recording_files(&runs)?;
-        let update = update_model(&self.loaded.stated, &designed.content, &files, &workers);
+        let update = update_model(&self.loaded.stated, &designed.content, &recorded.replayed, &workers);
         workers.finish();
         let update = update.map_err(|error| Error::msg(describe_recordings_error(&error)))?;
         summary.add_update(&update);
@@ -240,7 +228,7 @@ impl Round<'_> {
         let identity = ProjectIdentity::of(&project, &world);
         let controller = stages.verified.controller();
         let result = ControllerResult::new(&identity, controller);
-        let step = File { name: "machine_step.c".to_owned(), ..machine_step(&project.export.options.name) };
+        let step = machine_step(&project.export.options.name);
         code_files::write_with_controller(&self.folder.join("controller"), &stages.files, &result, &[step])?;
         let content = ControllerContent { controller: controller.clone(), project_hash: identity.hash };
         Ok(DesignedRound { stages, content: Arc::new(content) })
@@ -256,7 +244,7 @@ impl Round<'_> {
         if runs.is_empty() {
             return Ok(RunsEnd::Stopped(StopReason::NoExperiment));
         }
-        let mut recorded = Vec::new();
+        let mut recorded = RecordedRuns::default();
         for run in runs {
             let folder = self.folder.join(run.name);
             let request = request_of(run, self.number, self.options.run_limits(), hash);
@@ -272,7 +260,10 @@ impl Round<'_> {
                 let (run, why) = (run.name.to_owned(), answer.reason);
                 return Ok(RunsEnd::Stopped(StopReason::Aborted { run, why }));
             }
-            recorded.push(recording);
+            recorded.runs.push(recording);
+            if run.replay == ReplayUse::Replayed {
+                recorded.replayed.push(file);
+            }
         }
         Ok(RunsEnd::Complete(recorded))
     }
@@ -292,10 +283,5 @@ impl Round<'_> {
             bail!("{} has a sample period of {period_s} s, the request {asked_s} s", file.name);
         }
         Ok(RecordedRun { run: run.clone(), recording: first.recording })
-    }
-
-    fn recording_files(&self, runs: &[PlannedRun]) -> Result<Vec<RecordingFile>> {
-        let replayed = runs.iter().filter(|run| run.replay == ReplayUse::Replayed);
-        replayed.map(|run| read_recording_file(&self.folder.join(run.name))).collect()
     }
 }

@@ -23,17 +23,11 @@ pub struct ExperimentOptions {
     pub project: PathBuf,
     /// JSON result of a diagnosis of this project; without it the plan is for the effects that machines most often lack
     pub findings: Option<PathBuf>,
-    /// Largest angle from the start to either side, rad (m on a linear axis)
-    #[arg(long, value_name = "ANGLE", value_parser = parse_positive)]
-    pub angle: f64,
-    /// Largest rate in either direction, rad/s (m/s)
-    #[arg(long, value_name = "RATE", value_parser = parse_positive)]
-    pub rate: f64,
-    /// Largest current in either direction, A; no limit if absent
-    #[arg(long, value_name = "CURRENT", value_parser = parse_positive)]
-    pub current: Option<f64>,
+    /// What the machine must not pass.
+    #[command(flatten)]
+    pub limits: MotionLimits,
     /// Duration, s
-    #[arg(long, value_name = "DURATION", default_value = "10", value_parser = seconds)]
+    #[arg(long, value_name = "DURATION", default_value = "10", value_parser = parse_seconds)]
     pub duration: f64,
     /// CSV file for the demand
     #[arg(short, long, value_name = "FILE", default_value = "demand.csv")]
@@ -43,8 +37,34 @@ pub struct ExperimentOptions {
     pub results: ResultOutput,
 }
 
+/// What a machine must not pass in an experiment.
+#[derive(Args)]
+pub struct MotionLimits {
+    /// Largest angle from the start to either side, rad (m on a linear axis)
+    #[arg(long, value_name = "ANGLE", value_parser = parse_positive)]
+    pub angle: f64,
+    /// Largest rate in either direction, rad/s (m/s)
+    #[arg(long, value_name = "RATE", value_parser = parse_positive)]
+    pub rate: f64,
+    /// Largest current in either direction, A; no limit if absent
+    #[arg(long, value_name = "CURRENT", value_parser = parse_positive)]
+    pub current: Option<f64>,
+}
+
+impl MotionLimits {
+    /// Returns the limits of an experiment of a duration in s.
+    pub fn experiment_limits(&self, duration_s: f64) -> Limits {
+        Limits {
+            angle_rad: self.angle,
+            rate_rad_s: self.rate,
+            current_a: self.current.unwrap_or(f64::INFINITY),
+            duration_s,
+        }
+    }
+}
+
 /// Returns a finite number above 0.
-pub(crate) fn parse_positive(text: &str) -> Result<f64, String> {
+fn parse_positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number > 0.0 && number.is_finite() => Ok(number),
         _ => Err("must be a number above 0, such as 0.1".to_owned()),
@@ -55,7 +75,7 @@ pub(crate) fn parse_positive(text: &str) -> Result<f64, String> {
 const LONGEST_S: f64 = 600.0;
 
 /// Returns a duration that can be planned.
-pub(crate) fn seconds(text: &str) -> Result<f64, String> {
+pub(crate) fn parse_seconds(text: &str) -> Result<f64, String> {
     match parse_positive(text)? {
         duration if duration <= LONGEST_S => Ok(duration),
         _ => Err(format!("must be at most {LONGEST_S} s: a longer experiment is this one, repeated")),
@@ -73,12 +93,7 @@ pub fn run(options: &ExperimentOptions) -> CommandResult {
         })
     });
     let findings = findings.transpose()?;
-    let limits = Limits {
-        angle_rad: options.angle,
-        rate_rad_s: options.rate,
-        current_a: options.current.unwrap_or(f64::INFINITY),
-        duration_s: options.duration,
-    };
+    let limits = options.limits.experiment_limits(options.duration);
     let workers = ProgressPool::new(options.results.progress());
     let planned = plan_experiment(&loaded.project, findings.as_ref(), limits, &workers);
     workers.finish();

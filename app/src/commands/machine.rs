@@ -61,9 +61,9 @@ pub fn run(options: &MachineOptions) -> CommandResult {
 fn passed_limit(run: &MachineRun, request: &MachineRequest) -> String {
     let limits = &request.limits;
     let all = [
-        ("angle", run.largest_angle_rad, limits.angle_rad, "rad"),
-        ("rate", run.largest_rate_rad_s, limits.rate_rad_s, "rad/s"),
-        ("current", run.largest_current_a, limits.current_a.unwrap_or(f64::INFINITY), "A"),
+        ("angle", run.reached.angle_rad, limits.angle_rad, "rad"),
+        ("rate", run.reached.rate_rad_s, limits.rate_rad_s, "rad/s"),
+        ("current", run.reached.current_a, limits.current_a.unwrap_or(f64::INFINITY), "A"),
     ];
     let passed = all.into_iter().find(|(_, reached, limit, _)| reached > limit);
     passed.map_or(String::new(), |(name, reached, limit, unit)| {

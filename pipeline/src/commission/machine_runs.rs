@@ -1,6 +1,7 @@
 //! One experiment on a simulated machine.
 
 use counterpoise_controller::SampledController;
+use counterpoise_diagnose::experiment::ExperimentExtremes;
 use counterpoise_models::{Parameters, Plant};
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::{
@@ -30,12 +31,8 @@ pub struct RunRequest {
 pub struct MachineRun {
     /// What its sensors and its controller leave.
     pub recording: Recording,
-    /// Largest distance of the hub from its start, rad.
-    pub largest_angle_rad: f64,
-    /// Largest rate of the hub, rad/s.
-    pub largest_rate_rad_s: f64,
-    /// Largest current, A.
-    pub largest_current_a: f64,
+    /// The largest angle, rate and current of the machine itself.
+    pub reached: ExperimentExtremes,
 }
 
 impl RunRequest {
@@ -95,9 +92,11 @@ impl MachineRun {
         let start = truth.hub_angle_rad().first().copied().unwrap_or(0.0);
         Self {
             recording,
-            largest_angle_rad: peak(&mut truth.hub_angle_rad().iter().map(|angle| angle - start)),
-            largest_rate_rad_s: peak(&mut truth.hub_rate_rad_s().iter().copied()),
-            largest_current_a: peak(&mut truth.current_a().iter().copied()),
+            reached: ExperimentExtremes {
+                angle_rad: peak(&mut truth.hub_angle_rad().iter().map(|angle| angle - start)),
+                rate_rad_s: peak(&mut truth.hub_rate_rad_s().iter().copied()),
+                current_a: peak(&mut truth.current_a().iter().copied()),
+            },
         }
     }
 }

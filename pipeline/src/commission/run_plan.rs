@@ -1,7 +1,7 @@
 //! The experiments of a round, with what the model predicts of each.
 
 use counterpoise_controller::Controller;
-use counterpoise_diagnose::experiment::Limits;
+use counterpoise_diagnose::experiment::{ExperimentExtremes, Limits};
 use counterpoise_models::{Parameters, Plant};
 use counterpoise_pool::{Pool, map};
 use counterpoise_project::Project;
@@ -30,7 +30,7 @@ pub struct PlannedRun {
     /// What the model predicts.
     pub predicted: Vec<PredictedChannel>,
     /// What the model reaches: angle, rate and current.
-    pub reached: Reach,
+    pub reached: ExperimentExtremes,
 }
 
 /// The experiments of a round.
@@ -49,17 +49,6 @@ pub enum ReplayUse {
     Replayed,
     /// The base moves, and no sensor reads how: the recording shows figures alone.
     FiguresAlone,
-}
-
-/// The largest motion that a model predicts.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Reach {
-    /// Angle from the start, rad.
-    pub angle_rad: f64,
-    /// Rate, rad/s.
-    pub rate_rad_s: f64,
-    /// Current, A.
-    pub current_a: f64,
 }
 
 /// What the model predicts of a channel, at each sample.
@@ -92,8 +81,7 @@ pub fn plan_runs(
     let mut runs = Vec::new();
     for experiment in machine_experiments(project, procedure) {
         let request = request_of(plant, controller, procedure, experiment)?;
-        let floors = Floors { parameters: plant.parameters() };
-        let Some(run) = predict(plant, &machines, controller, request, &floors, pool)? else { continue };
+        let Some(run) = predict(plant, &machines, controller, request, pool) else { continue };
         runs.push(PlannedRun { name: run_name(experiment), experiment: Some(experiment), ..run });
     }
     // A machine on which no demand within the limits tells anything apart is known well enough for its verification's experiments.
@@ -107,8 +95,7 @@ pub fn plan_runs(
             platform_accel_m_s2: Vec::new(),
             start_angle_rad: project.model.operating_point.hub_angle_rad,
         };
-        let floors = Floors { parameters: plant.parameters() };
-        runs.extend(predict(plant, &machines, controller, request, &floors, pool)?);
+        runs.extend(predict(plant, &machines, controller, request, pool));
     }
     let (runs, left_out) = runs.into_iter().partition(|run: &PlannedRun| {
         run.reached.angle_rad <= limits.angle_rad
@@ -180,17 +167,10 @@ fn machines_within_tolerances(project: &Project) -> Vec<Plant> {
     machines
 }
 
-/// The noise floors of a machine's readings.
-struct Floors<'a> {
-    parameters: &'a Parameters,
-}
-
-impl Floors<'_> {
-    fn of(&self, channel: Channel) -> f64 {
-        let interface = &self.parameters.interface;
-        sensor_of(self.parameters, channel)
-            .map_or(interface.control_step_v(), |sensor| reading_floor(sensor, interface))
-    }
+/// Returns the noise floor of a machine's reading, or the step of its control.
+fn noise_floor(machine: &Parameters, channel: Channel) -> f64 {
+    let interface = &machine.interface;
+    sensor_of(machine, channel).map_or(interface.control_step_v(), |sensor| reading_floor(sensor, interface))
 }
 
 /// Returns a run with its prediction; `None` if the model's own motion diverges.
@@ -199,24 +179,21 @@ fn predict(
     machines: &[Plant],
     controller: &Controller,
     request: RunRequest,
-    floors: &Floors<'_>,
     pool: &dyn Pool,
-) -> Result<Option<PlannedRun>, PipelineError> {
+) -> Option<PlannedRun> {
     // The model twice, with other noise: how far two runs of one machine differ.
     let all: Vec<&Plant> = [plant, plant].into_iter().chain(machines).collect();
     let ran: Vec<Option<MachineRun>> = map(pool, all.len(), |k| {
         simulate_run(all[k], &mut controller.runner(), &request, SEED + k.min(1) as u64).ok()
     });
     let mut ran = ran.into_iter();
-    let (Some(nominal), Some(repeated)) = (ran.next().flatten(), ran.next().flatten()) else {
-        return Ok(None);
-    };
+    let (nominal, repeated) = (ran.next().flatten()?, ran.next().flatten()?);
     let others: Vec<Recording> = ran.flatten().map(|run| run.recording).collect();
     let recorded = Channel::ALL.into_iter().filter(|channel| nominal.recording.has(*channel));
     let predicted = recorded.map(|channel| {
         let values = nominal.recording.samples(channel).unwrap_or_default().to_vec();
-        let floor =
-            BAND_FLOORS * floors.of(channel).max(deviation(&nominal.recording, &repeated.recording, channel));
+        let repeats = deviation(&nominal.recording, &repeated.recording, channel);
+        let floor = BAND_FLOORS * noise_floor(plant.parameters(), channel).max(repeats);
         let at = |k: usize, pick: fn(f64, f64) -> f64| {
             let of_others = others.iter().filter_map(|other| other.samples(channel)?.get(k).copied());
             of_others.fold(values[k], pick)
@@ -225,14 +202,9 @@ fn predict(
         let high = (0..values.len()).map(|k| at(k, f64::max) + floor).collect();
         PredictedChannel { channel, values, low, high }
     });
-    let reached = Reach {
-        angle_rad: nominal.largest_angle_rad,
-        rate_rad_s: nominal.largest_rate_rad_s,
-        current_a: nominal.largest_current_a,
-    };
     let predicted = predicted.collect();
-    let replay = replay_use(plant.parameters(), &request);
-    Ok(Some(PlannedRun { name: IDENTIFICATION, experiment: None, replay, request, predicted, reached }))
+    let (replay, reached) = (replay_use(plant.parameters(), &request), nominal.reached);
+    Some(PlannedRun { name: IDENTIFICATION, experiment: None, replay, request, predicted, reached })
 }
 
 /// Returns the RMS of what noise makes of a channel: two runs of one machine differ by its square root of two times.

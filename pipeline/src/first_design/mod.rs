@@ -30,7 +30,7 @@ use crate::synth::{design_plant, sampling};
 use crate::tolerance::{ALLOWS_MORE, MARGINS_TO_SPARE};
 use crate::wording::design_findings::{describe_design_finding, describe_limit, describe_unknown};
 use crate::{PipelineError, PlantModel, ReducedPlant, build_plant_model, reduce_plant};
-use usual_ranges::{AnglesOfPlant, OpenValues};
+use usual_ranges::{BothPlants, OpenValues};
 
 /// A project whose weights were chosen.
 #[derive(Debug, Clone)]
@@ -177,24 +177,19 @@ fn circumstances(
     let p = &modelled.parameters;
     let plant = design_plant(asked, modelled, reduced)?;
     let open = OpenValues::of(project);
-    let nominal = with_angles(project, modelled, &plant)?;
-    let mut others_at_usual_ends =
-        open.plants_at_ends(project, asked, reduced, &nominal, AnglesOfPlant::Included)?;
-    others_at_usual_ends.extend(open.plants_with_delay(p, &nominal)?);
+    let with_angles = with_angles(project, modelled, &plant)?;
+    let nominal = BothPlants { as_designed: plant, with_angles };
+    let mut at_ends = open.plants_at_ends(project, asked, &nominal)?;
+    at_ends.with_angles.extend(open.plants_with_delay(p, &nominal.with_angles)?);
+    let BothPlants { as_designed: plant, with_angles: nominal } = nominal;
     let reading = &p.sensors.hub_gyro;
     let motions = project.verify.as_ref().map(|asked| &asked.procedure);
     // A feedforward acts on the load's rate, which a loop of torque or current does not hold.
     let opposed = motions.filter(|_| !p.sensors.measured.is_effort());
     Ok(Circumstances {
-        within_usual_ranges: open.plants_at_ends(
-            project,
-            asked,
-            reduced,
-            &plant,
-            AnglesOfPlant::AsDesigned,
-        )?,
+        within_usual_ranges: at_ends.as_designed,
         with_usual_delay: open.plants_with_delay(p, &plant)?,
-        others_at_usual_ends,
+        others_at_usual_ends: at_ends.with_angles,
         others: plants_beside(modelled, &plant, nominal)?,
         within_tolerances: tolerance_corners::plants_within_tolerances(project, asked, reduced)?,
         usual_reading: open.usual_reading(p),

@@ -15,7 +15,7 @@ use counterpoise_synth::{DesignPlant, LateReading, UsualReading};
 
 use super::with_angles;
 use crate::synth::design_plant;
-use crate::{PipelineError, ReducedPlant, build_plant_model, reduce_plant};
+use crate::{PipelineError, build_plant_model, reduce_plant};
 
 /// Last parts of the keys whose values set modes.
 const MODES: [&str; 2] = ["stiffness", "bulk_modulus"];
@@ -40,7 +40,7 @@ impl OpenValues {
         Self { assumptions: project.assumptions() }
     }
 
-    /// Returns the plants at the ends of the usual ranges of what is left open, given the plant as it is modelled, with its angles. A plant that cannot be built is left out.
+    /// Returns the plants at the ends of the usual ranges of what is left open, given the plant as it is modelled. A plant that cannot be built is left out.
     ///
     /// # Errors
     /// Those of the approximation of a delay.
@@ -48,34 +48,22 @@ impl OpenValues {
         &self,
         project: &Project,
         asked: &DesignRequest,
-        reduced: &ReducedPlant,
-        nominal: &DesignPlant,
-        angles: AnglesOfPlant,
-    ) -> Result<Vec<DesignPlant>, PipelineError> {
+        nominal: &BothPlants,
+    ) -> Result<PlantsAtEnds, PipelineError> {
         let of_modes = self.assumptions.iter().filter(|assumption| MODES.contains(&last_part(assumption)));
         let ends = of_modes.flat_map(|assumption| {
             let ends = assumption.usual.into_iter().flatten();
             ends.filter(|end| end.is_finite() && *end != assumption.value).map(|end| (&assumption.key, end))
         });
-        let mut plants: Vec<DesignPlant> = ends
-            .filter_map(|(key, value)| {
-                plant_with(project, asked, reduced, angles, &ChangedValue { key, value })
-            })
-            .collect();
-        plants.retain(|plant| plant != nominal);
-        let delay_s = usual_delay_s(&project.plant);
-        if delay_s > 0.0 {
-            let late =
-                plants.iter().chain([nominal]).map(|plant| delay_reading(plant, &project.plant, delay_s));
-            let late = late.collect::<Result<Vec<_>, _>>()?;
-            plants.extend(late);
-        }
-        if project.plant.interface.output_delay_samples == 0 {
-            let delayed = plants.iter().map(|plant| delay_control(plant, &project.plant));
-            let delayed = delayed.collect::<Result<Vec<_>, _>>()?;
-            plants.extend(delayed);
-        }
-        Ok(plants)
+        let ends: Vec<BothPlants> =
+            ends.filter_map(|(key, value)| plant_with(project, asked, key, value)).collect();
+        let of_form = |form: fn(&BothPlants) -> &DesignPlant| {
+            with_usual_delays(&project.plant, form(nominal), ends.iter().map(form))
+        };
+        Ok(PlantsAtEnds {
+            as_designed: of_form(|plants| &plants.as_designed)?,
+            with_angles: of_form(|plants| &plants.with_angles)?,
+        })
     }
 
     /// Returns the plant whose control acts a sample later, if no delay of the control is stated.
@@ -169,35 +157,45 @@ fn delay_control(plant: &DesignPlant, machine: &Parameters) -> Result<DesignPlan
     Ok(DesignPlant { late_reading: Some(LateReading { delay_s, ..late_reading }), ..plant.clone() })
 }
 
-/// Whether a plant has the hub's angles among its states, where gravity's gradient and a spring act.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum AnglesOfPlant {
-    /// As the design takes it.
-    AsDesigned,
-    /// With the angles.
-    Included,
+/// A plant as the design takes it, and with the hub's angles among its states, where gravity's gradient and a spring act.
+pub(super) struct BothPlants {
+    pub as_designed: DesignPlant,
+    pub with_angles: DesignPlant,
 }
 
-/// A value of the file that is changed.
-struct ChangedValue<'a> {
-    key: &'a str,
-    value: f64,
+/// The plants at the ends of usual ranges, in both forms.
+pub(super) struct PlantsAtEnds {
+    pub as_designed: Vec<DesignPlant>,
+    pub with_angles: Vec<DesignPlant>,
 }
 
-/// Returns the plant of the design with a value of the file changed; `None` if there is none.
-fn plant_with(
-    project: &Project,
-    asked: &DesignRequest,
-    reduced: &ReducedPlant,
-    angles: AnglesOfPlant,
-    changed: &ChangedValue<'_>,
-) -> Option<DesignPlant> {
-    let changed = project.with_number(changed.key, changed.value)?;
-    let made = build_plant_model(&changed).ok()?;
-    match angles {
-        AnglesOfPlant::AsDesigned => design_plant(asked, &made, &reduce_plant(&changed, &made).ok()?).ok(),
-        AnglesOfPlant::Included => {
-            with_angles(&changed, &made, &design_plant(asked, &made, reduced).ok()?).ok()
-        }
+/// Returns plants that differ from the nominal one, then these and the nominal one with a usual delay of the reading, then all with one of the control,
+/// where no such delay is known.
+fn with_usual_delays<'a>(
+    machine: &Parameters,
+    nominal: &DesignPlant,
+    ends: impl Iterator<Item = &'a DesignPlant>,
+) -> Result<Vec<DesignPlant>, PipelineError> {
+    let mut plants: Vec<DesignPlant> = ends.filter(|plant| *plant != nominal).cloned().collect();
+    let delay_s = usual_delay_s(machine);
+    if delay_s > 0.0 {
+        let late = plants.iter().chain([nominal]).map(|plant| delay_reading(plant, machine, delay_s));
+        let late = late.collect::<Result<Vec<_>, _>>()?;
+        plants.extend(late);
     }
+    if machine.interface.output_delay_samples == 0 {
+        let delayed = plants.iter().map(|plant| delay_control(plant, machine));
+        let delayed = delayed.collect::<Result<Vec<_>, _>>()?;
+        plants.extend(delayed);
+    }
+    Ok(plants)
+}
+
+/// Returns the plants of the design with a value of the file changed; `None` if there are none.
+fn plant_with(project: &Project, asked: &DesignRequest, key: &str, value: f64) -> Option<BothPlants> {
+    let changed = project.with_number(key, value)?;
+    let made = build_plant_model(&changed).ok()?;
+    let as_designed = design_plant(asked, &made, &reduce_plant(&changed, &made).ok()?).ok()?;
+    let with_angles = with_angles(&changed, &made, &as_designed).ok()?;
+    Some(BothPlants { as_designed, with_angles })
 }

@@ -160,10 +160,8 @@ impl Project {
     /// Returns the tolerances of parameters that can be varied, in the order of the file.
     pub fn varied_tolerances(&self) -> Vec<VariedTolerance> {
         let varied = |(place, tolerance): (usize, &KeyTolerance)| {
-            let Distribution::Uniform { high, .. } = variation_within(tolerance)?.distribution else {
-                return None;
-            };
-            let parameter = variation_within(tolerance)?.parameter;
+            let Variation { parameter, distribution } = variation_within(tolerance)?;
+            let Distribution::Uniform { high, .. } = distribution else { return None };
             Some(VariedTolerance { place, parameter, relative: high - 1.0 })
         };
         self.tolerances.iter().enumerate().filter_map(varied).collect()
