@@ -61,7 +61,7 @@ pub fn describe_limitation(first: &FirstDesignResult) -> String {
 
 fn sentences(first: &FirstDesignResult) -> Vec<String> {
     let mut lines = vec![format!(
-        "The project file states no weights, so they are chosen for the highest bandwidth (the highest frequency at which the loop's gain is 1). \
+        "The project file states no weights, so they are chosen for the highest bandwidth (the lowest frequency at which the loop's gain falls to 1). \
          The bandwidth is {} rad/s ({} Hz), limited by: {}.",
         short_number(first.bandwidth_rad_s),
         short_number(first.bandwidth_rad_s / TAU),

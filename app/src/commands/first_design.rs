@@ -15,7 +15,7 @@ pub fn print_first_design(loaded: &ProjectOnDisk) {
     let Some(first) = &loaded.first_design else { return };
     let result = FirstDesignResult::from(first);
     say!(
-        "the file states no weights: they are chosen for the highest bandwidth (where the loop's gain is last 1)"
+        "the file states no weights: they are chosen for the highest bandwidth (where the loop's gain first falls to 1)"
     );
     say!(
         "bandwidth {} rad/s ({} Hz), limited by: {}",

@@ -317,7 +317,7 @@ const UNKNOWN_NOISE: f64 = 1e-3;
 /// A first design as plain data.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FirstDesignResult {
-    /// Bandwidth that was reached (highest frequency at which the loop's gain is 1), rad/s.
+    /// Bandwidth that was reached (lowest frequency at which the loop's gain falls to 1), rad/s.
     pub bandwidth_rad_s: f64,
     /// Bandwidth that was asked for, rad/s.
     pub asked_rad_s: Option<f64>,

@@ -193,7 +193,7 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut DesignRequest, measured: Feed
 
 /// Reads or lists how the controller is put together, sampled and run.
 fn assembly_and_form(v: &mut dyn Visit, synth: &mut DesignRequest) {
-    let asked = "bandwidth that chosen weights aim at (highest frequency at which the loop's gain is 1); only without \
+    let asked = "bandwidth that chosen weights aim at (lowest frequency at which the loop's gain falls to 1); only without \
                  `[synth.feedback]`, which states weights";
     let bandwidth = Field::new("bandwidth", asked).unit("rad/s").limit(NumberRange::Above(0.0));
     maybe_number(v, &bandwidth, &mut synth.bandwidth_rad_s);

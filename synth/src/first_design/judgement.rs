@@ -36,7 +36,7 @@ impl Default for RequiredMargins {
 /// What a sampled loop does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopJudgement {
-    /// Highest frequency at which the loop's gain is 1, rad/s.
+    /// Lowest frequency at which the loop's gain falls to 1, rad/s: disturbances are attenuated up to it.
     pub bandwidth_rad_s: f64,
     /// Highest frequency at which the closed loop has fallen by no more than 3 dB, rad/s.
     pub closed_loop_rad_s: f64,
@@ -155,7 +155,7 @@ impl<'a> Judge<'a> {
         })
     }
 
-    /// Judges a continuous controller from (demand, reading) to the control; `None` if its sampled loop is not stable or never reaches a gain of 1.
+    /// Judges a continuous controller from (demand, reading) to the control; `None` if its sampled loop is not stable or its gain never falls to 1.
     /// Shifted plants and those of other circumstances are left out, and their sensitivity is taken as the plant's, if `is_out` says so of the rest.
     ///
     /// # Errors
@@ -171,16 +171,16 @@ impl<'a> Judge<'a> {
         let both = sampled_controller(controller, sampling)?;
         let K = both.select(&[0], &[1]);
         let Some(nominal) = stable_margins(&self.held, &K)? else { return Ok(None) };
-        let crossover = nominal.phase.iter().map(|margin| margin.rate_rad_s).fold(0.0, f64::max);
-        if crossover == 0.0 {
+        let Some(bandwidth_rad_s) = lowest_fall(&series(&self.held, &K.negate())?, &nominal)? else {
             return Ok(None);
-        }
+        };
+        let crossover = nominal.phase.iter().map(|margin| margin.rate_rad_s).fold(0.0, f64::max);
         // The density of the noise is what the coarser samples keep.
         let thinned = (self.circumstances.sampling.period_s / sampling.period_s).sqrt();
         let gain = thinned * noise_gain(&self.held, &K)?;
-        let step_gain = step_peak(&self.held, &both, crossover, sampling)?;
+        let step_gain = step_peak(&self.held, &both, bandwidth_rad_s, sampling)?;
         let mut found = LoopJudgement {
-            bandwidth_rad_s: crossover,
+            bandwidth_rad_s,
             closed_loop_rad_s: closed_loop_bandwidth(&self.held, &K, crossover)?,
             gain_margin_db: nominal.gain_margin_db(),
             phase_margin_deg: nominal.phase_margin().map_or(f64::INFINITY, |margin| margin.deg.abs()),
@@ -391,6 +391,22 @@ fn sampled_controller(controller: &StateSpace, sampling: &Sampling) -> Result<St
         method => method,
     };
     Ok(c2d(&controller.select(&[0], &[0, 1]), sampling.period_s, method)?)
+}
+
+/// Returns the lowest frequency at which the gain of a loop falls to 1, rad/s; `None` if it never does. At a resonance far above it the gain may
+/// rise above 1 once more and fall again.
+fn lowest_fall(loop_gain: &StateSpace, margins: &CandidateMargins) -> Result<Option<f64>, Error> {
+    let mut below = None;
+    for margin in &margins.phase {
+        let rate = margin.rate_rad_s;
+        let between = below.map_or(0.5 * rate, |below: f64| (below * rate).sqrt());
+        let response = frequency_response(loop_gain, &[between]);
+        if response.map_or(f64::INFINITY, |values| values[0][(0, 0)].norm()) > 1.0 {
+            return Ok(Some(rate));
+        }
+        below = Some(rate);
+    }
+    Ok(None)
 }
 
 fn stable_margins(plant: &StateSpace, K: &StateSpace) -> Result<Option<CandidateMargins>, Error> {

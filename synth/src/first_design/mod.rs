@@ -11,7 +11,8 @@
 //! In a cascade the weights aim at the bandwidth of the rate loop, the position loop has a fixed share of it, and the judged loop is
 //! the whole cascade at the plant's input.
 //!
-//! *Bandwidth* is the highest frequency at which the loop's gain is 1. It never exceeds a twentieth of the sample rate
+//! *Bandwidth* is the lowest frequency at which the loop's gain falls to 1: a resonance at which it rises above 1 once more
+//! makes no loop quick. It never exceeds a twentieth of the sample rate
 //! (nor does the frequency at which the closed loop has fallen by 3 dB), and each fact of the loop that is not known
 //! lowers that ceiling ([`tolerance::CAUTION`](crate::tolerance::CAUTION)).
 //!
