@@ -10,7 +10,7 @@ use crate::preflight::gain::Gain;
 use crate::tolerance::{SLOWEST_RAD_S, ZERO_GAIN};
 use crate::{
     Assembly, DesignFinding, DesignPlant, DisturbanceChannel, Error, Feedback, Feedforward, FeedforwardBasis,
-    FeedforwardWeights, JointOptimum, Specification, Weight, design_feedback, design_feedforward,
+    FeedforwardWeights, JointOptimum, LightModes, Specification, Weight, design_feedback, design_feedforward,
     joint_optimum, preflight,
 };
 
@@ -32,7 +32,7 @@ pub struct Design {
     /// All parts as one problem, if the assembly is [`Assembly::Joint`]; there are then no feedforwards apart.
     pub joint: Option<JointOptimum>,
     /// A feedback controller from (demand, measured rate) to the control in place of the three-part one's: another
-    /// method's, one of lower order, or that of a cascade.
+    /// method's, one of lower order, that of a cascade, or one for the plant with stiff modes.
     pub substitute: Option<StateSpace>,
 }
 
@@ -54,7 +54,10 @@ pub fn design(plant: &DesignPlant, specification: &Specification) -> Result<Desi
         return Err(Error::refusal(findings));
     }
     let feedback = design_feedback(plant, &specification.feedback, specification.reference)?;
-    let substitute = with_position_loop(whole, &feedback.controller, specification.position_gain)?;
+    let cascade = with_position_loop(whole, &feedback.controller, specification.position_gain)?;
+    // The cost of a feedback for stiff modes is that of another plant.
+    let for_stiff_modes = specification.feedback.modes == LightModes::Stiffened;
+    let substitute = cascade.or_else(|| for_stiff_modes.then(|| feedback.controller.clone()));
     let (mut parts, mut warnings, mut solvable) = ([None, None], findings, specification.clone());
     for (part, channel) in parts.iter_mut().zip([DisturbanceChannel::Heave, DisturbanceChannel::Pitch]) {
         let Some(weights) = specification.feedforward(channel) else { continue };

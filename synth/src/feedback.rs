@@ -19,7 +19,7 @@ use crate::augmented_plant::AugmentedPlant;
 use crate::cause::DesignEquation;
 use crate::certificate::{Cost, Equation, mean_square, riccati};
 use crate::finding::Part;
-use crate::{DesignPlant, Error, FeedbackWeights, Reference};
+use crate::{DesignPlant, Error, FeedbackWeights, LightModes, Reference};
 
 /// The feedback part with its certificates.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +48,7 @@ struct Problem {
     Gw: Mat,
 }
 
-/// Designs the feedback part
+/// Designs the feedback part, on the plant with stiff modes if the weights say so
 ///
 /// ```text
 ///     A'X + XA - XBB'X + C'C = 0      on [x_p; x_e; x_u],  F = B'X
@@ -106,6 +106,10 @@ pub(crate) fn controller_with_observer(
 }
 
 fn problem(plant: &DesignPlant, weights: &FeedbackWeights) -> Result<Problem, Error> {
+    if weights.modes == LightModes::Stiffened {
+        let kept = FeedbackWeights { modes: LightModes::Kept, ..weights.clone() };
+        return problem(&plant.with_stiff_modes()?, &kept);
+    }
     let system = plant.measured_plant()?;
     let (n, inputs, outputs) = (system.order(), system.inputs(), system.outputs());
     if system.D[(0, plant.control)] != 0.0 {

@@ -37,6 +37,7 @@
 //!     measurement_noise: 1e-4,
 //!     disturbances: vec![VectorEntry::new(1, 1.0)],
 //!     loop_recovery: 0.0,
+//!     modes: LightModes::Kept,
 //! };
 //! let part = design_feedback(&plant, &weights, Reference::Error)?;
 //! assert!(part.closed_loop.iter().all(|pole| pole.re < 0.0));
@@ -70,6 +71,7 @@ pub mod h2syn;
 pub mod hinfsyn;
 pub mod joint;
 pub mod lqg;
+mod modes;
 mod normal_form;
 pub mod observer;
 mod origin;
@@ -133,8 +135,8 @@ pub use schedule::{Conditions, HeaveFeedforwardLaw, ScheduleConfiguration, Sched
 pub use scheduled_controller::discretise_schedule;
 pub use search::{SearchEnding, SearchResult, SearchTask, SearchTrial, search_specification, trade_off};
 pub use specification::{
-    Assembly, DisturbanceKnowledge, FeedbackWeights, FeedforwardBasis, FeedforwardWeights, Reference,
-    Specification,
+    Assembly, DisturbanceKnowledge, FeedbackWeights, FeedforwardBasis, FeedforwardWeights, LightModes,
+    Reference, Specification,
 };
 pub use table::{TablePoint, WeightFit, fit_table};
 pub use total_cost::{SourceCost, TotalCost, total_cost};

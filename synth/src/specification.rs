@@ -64,6 +64,19 @@ pub struct FeedbackWeights {
     /// Spectral density of a fictitious white noise on the control, V^2 s: the more, the more of the state feedback's
     /// margins the loop recovers, at the cost of noise.
     pub loop_recovery: f64,
+    /// The lightly damped modes in the plant that the feedback is designed on.
+    pub modes: LightModes,
+}
+
+/// The lightly damped modes in the plant that a feedback is designed on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LightModes {
+    /// They are in the plant: the observer follows them.
+    #[default]
+    Kept,
+    /// They are far quicker and well damped, as those of a much stiffer structure: the observer follows no lightly damped mode. The loop is judged on
+    /// the plant as it is.
+    Stiffened,
 }
 
 /// Weights and model of one feedforward part.

@@ -6,7 +6,7 @@ use counterpoise_linalg::Mat;
 use counterpoise_lti::{Discretisation, StateSpace, Timebase, c2d, margins};
 use counterpoise_synth::cascade::difference_lag;
 use counterpoise_synth::{
-    Assembly, Circumstances, ControlLimit, DesignPlant, FeedbackWeights, RateLoop, Reference,
+    Assembly, Circumstances, ControlLimit, DesignPlant, FeedbackWeights, LightModes, RateLoop, Reference,
     RequiredMargins, Sampling, Specification, UsualReading, Weight, design, discretise, first_design,
 };
 
@@ -48,6 +48,7 @@ fn specification() -> Specification {
             measurement_noise: 1e-8,
             disturbances: Vec::new(),
             loop_recovery: 1e-4,
+            modes: LightModes::Kept,
         },
         heave: None,
         pitch: None,

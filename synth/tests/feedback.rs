@@ -4,7 +4,9 @@
 use counterpoise_linalg::sparse::VectorEntry;
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase, poles, response::response_at};
-use counterpoise_synth::{DesignPlant, Feedback, FeedbackWeights, Reference, Weight, design_feedback};
+use counterpoise_synth::{
+    DesignPlant, Feedback, FeedbackWeights, LightModes, Reference, Weight, design_feedback,
+};
 
 fn system(A: &[&[f64]], B: &[&[f64]], C: &[&[f64]]) -> StateSpace {
     let (A, B, C) = (Mat::from_rows(A), Mat::from_rows(B), Mat::from_rows(C));
@@ -44,6 +46,7 @@ fn weights() -> FeedbackWeights {
         measurement_noise: 1e-4,
         disturbances: vec![VectorEntry::new(1, 1.0)],
         loop_recovery: 0.01,
+        modes: LightModes::Kept,
     }
 }
 
@@ -58,6 +61,7 @@ fn the_scalar_problem_has_its_closed_form() {
             measurement_noise: 0.25,
             disturbances: vec![VectorEntry::new(1, 1.0)],
             loop_recovery: 0.0,
+            modes: LightModes::Kept,
         };
         let part = design_feedback(&plant, &weights, Reference::Error).unwrap();
         for cost in [part.cost.predicted, part.cost.achieved] {
@@ -92,6 +96,7 @@ fn doyle_s_gain_margins_are_as_printed() {
             measurement_noise: 1.0,
             disturbances: vec![VectorEntry::new(1, q)],
             loop_recovery: 0.0,
+            modes: LightModes::Kept,
         };
         let part = design_feedback(&plant, &weights, Reference::Error).unwrap();
         let d = 2.0 + (4.0 + q).sqrt();

@@ -31,6 +31,7 @@ fn circumstances(plant: DesignPlant, sampling: Sampling) -> Circumstances {
         holding_v: 0.0,
         demand_step: 0.0,
         margins: RequiredMargins::default(),
+        may_stiffen_modes: true,
         position_gain: None,
         asked_rad_s: None,
         heave: None,

@@ -63,6 +63,7 @@ impl Machine {
             holding_v: 0.0,
             demand_step: self.demand_step,
             margins: RequiredMargins::default(),
+            may_stiffen_modes: true,
             position_gain: None,
             asked_rad_s: None,
             heave: None,

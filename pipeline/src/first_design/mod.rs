@@ -204,6 +204,7 @@ fn circumstances(
         holding_v: modelled.linear.equilibrium.control_v,
         demand_step: motions.map_or(0.0, |procedure| procedure.step.rate_rad_s),
         margins: margins(project),
+        may_stiffen_modes: asked.may_stiffen_modes(),
         position_gain: asked.specification.position_gain,
         asked_rad_s: asked.bandwidth_rad_s,
         heave: opposed.and_then(|m| motion(&m.heave, &p.sensors.platform_accelerometer, modelled)),

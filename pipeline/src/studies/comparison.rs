@@ -7,10 +7,10 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::alternatives::generalised_plant;
 use counterpoise_synth::{
-    Alternative, Design, DesignPlant, DisturbanceChannel, FeedbackWeights, Figures, JointOptimum, Reference,
-    Refusal, ResidualChoice, SampledLoop, ScheduleEntry, SourceCost, SynthesisMethod, Weight, attempt,
-    check_sampled_loop, design_alternative, discretise, error_at, figure_systems, sampled_loop_figures,
-    total_cost,
+    Alternative, Design, DesignPlant, DisturbanceChannel, FeedbackWeights, Figures, JointOptimum, LightModes,
+    Reference, Refusal, ResidualChoice, SampledLoop, ScheduleEntry, SourceCost, SynthesisMethod, Weight,
+    attempt, check_sampled_loop, design_alternative, discretise, error_at, figure_systems,
+    sampled_loop_figures, total_cost,
 };
 use serde::Serialize;
 
@@ -443,6 +443,9 @@ fn three_part(
 ) -> Result<MethodProblem, PipelineError> {
     let mut design = made.design.clone();
     design.specification.feedback = weights.clone();
+    if weights.modes == LightModes::Stiffened {
+        design.plant = design.plant.with_stiff_modes()?;
+    }
     Ok(MethodProblem {
         feedback: SystemResult::new(
             "feedback",

@@ -11,8 +11,8 @@ use counterpoise_lti::{Discretisation, StateSpace, Timebase, c2d, d2c_tustin, fr
 use counterpoise_models::ControlledQuantity;
 use counterpoise_reduce::{ControllerReduction, Method as Truncation, Order, reduce_controller};
 use counterpoise_synth::{
-    Alternative, Design, DesignFinding, DisturbanceChannel, Reference, SampledLoop, Sampling, ScheduleEntry,
-    SynthesisMethod, design, design_alternative, discretise, discretise_schedule,
+    Alternative, Design, DesignFinding, DisturbanceChannel, LightModes, Reference, SampledLoop, Sampling,
+    ScheduleEntry, SynthesisMethod, design, design_alternative, discretise, discretise_schedule,
 };
 
 use crate::synth::controller_blocks::{with_controller_blocks, with_reading_limits};
@@ -56,7 +56,10 @@ pub struct SynthesisedDesign {
 impl SynthesisedDesign {
     /// Returns whether the feedback is one of fixed structure: no equation was solved for it.
     pub fn has_fixed_structure(&self) -> bool {
-        self.design.substitute.is_some() && self.other.is_none() && self.lowered.is_none()
+        let specification = &self.design.specification;
+        let has_equation =
+            specification.feedback.modes == LightModes::Stiffened && specification.position_gain.is_none();
+        self.design.substitute.is_some() && self.other.is_none() && self.lowered.is_none() && !has_equation
     }
 }
 

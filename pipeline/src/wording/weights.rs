@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use counterpoise_project::resolve::synthesis::DesignRequest;
-use counterpoise_synth::Weight;
 use counterpoise_synth::weight::shape::{HighFrequency, LowFrequency, Transition, WeightShape};
+use counterpoise_synth::{LightModes, Weight};
 
 use crate::tuning::block_results;
 
@@ -23,6 +23,12 @@ pub fn describe_weights(synth: &DesignRequest) -> Vec<String> {
     if lines.is_empty() {
         lines.push(format!("feedback: {}", describe_weight(&s.feedback.error, "measured error")));
         lines.push(format!("feedback: {}", describe_weight(&s.feedback.control, "control")));
+        if s.feedback.modes == LightModes::Stiffened {
+            lines.push(
+                "feedback: designed as if the structure were much stiffer: its observer follows no lightly damped mode"
+                    .to_owned(),
+            );
+        }
     }
     if let Some(gain) = s.position_gain {
         lines.push(format!(

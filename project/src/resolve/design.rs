@@ -8,8 +8,8 @@ use counterpoise_lti::{Discretisation, Timebase};
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_models::{AxisKind, FeedbackSignal};
 use counterpoise_synth::{
-    Assembly, DisturbanceKnowledge, FeedbackWeights, FeedforwardBasis, FeedforwardWeights, Reference,
-    SamplingMethod,
+    Assembly, DisturbanceKnowledge, FeedbackWeights, FeedforwardBasis, FeedforwardWeights, LightModes,
+    Reference, SamplingMethod,
 };
 
 use super::cascade;
@@ -75,6 +75,10 @@ impl NamedChoice for ReductionMethod {
         ("guyan", Self::Guyan),
         ("balanced", Self::Balanced),
     ];
+}
+
+impl NamedChoice for LightModes {
+    const NAMES: &'static [(&'static str, Self)] = &[("kept", Self::Kept), ("stiffened", Self::Stiffened)];
 }
 
 impl NamedChoice for Assembly {
@@ -186,6 +190,9 @@ pub(crate) fn synth(v: &mut dyn Visit, synth: &mut DesignRequest, measured: Feed
     }
     if synth.specification.assembly == Assembly::Joint {
         joint_problem_exists(v, synth);
+    }
+    if synth.specification.feedback.modes == LightModes::Stiffened {
+        modes_can_be_stiffened(v, synth);
     }
     cascade::problem_exists(v, synth);
     fixed_feedback_stands_alone(v, synth);
@@ -358,6 +365,16 @@ fn joint_problem_exists(v: &mut dyn Visit, synth: &DesignRequest) {
     }
 }
 
+/// Complains where modes are stiffened for a feedback that must know the plant as it is.
+fn modes_can_be_stiffened(v: &mut dyn Visit, synth: &DesignRequest) {
+    if synth.may_stiffen_modes() {
+        return;
+    }
+    let problem = "must be \"kept\" but with method = \"three-part\", assembly = \"simple-add\", a discretisation that converts the controller, and \
+                   without [synth.schedule]";
+    v.complain("feedback.modes", problem, Some("remove the key".to_owned()));
+}
+
 /// Complains where a feedback that is not the three-part one is to be designed in sampled time.
 fn sampled_problem_exists(v: &mut dyn Visit, options: &SynthesisOptions) {
     let problem = if options.method != counterpoise_synth::SynthesisMethod::ThreePart {
@@ -400,6 +417,9 @@ fn discretisation(v: &mut dyn Visit, method: &mut SamplingMethod) {
     };
 }
 
+const STIFFENED: &str = "the lightly damped modes in the plant that the feedback is designed on: as they are, or far quicker and well damped, as if the structure were \
+                         much stiffer: the observer then follows none of them; the loop is judged on the plant as it is";
+
 fn feedback(v: &mut dyn Visit, feedback: &mut FeedbackWeights) {
     let noise = Field::new("measurement_noise", "spectral density of the noise of the measured rate")
         .unit("(rad/s)^2 s");
@@ -407,6 +427,8 @@ fn feedback(v: &mut dyn Visit, feedback: &mut FeedbackWeights) {
     let recovery =
         Field::new("loop_recovery", "spectral density of a fictitious noise on the control").unit("V^2 s");
     v.number(&recovery.limit(AT_LEAST_0).or(0.0), &mut feedback.loop_recovery);
+    let modes = Field::new("modes", STIFFENED).or_text("kept");
+    choose(v, &modes, &mut feedback.modes);
     visit_indexed_values(v, &DISTURBANCES, &mut feedback.disturbances);
     visit_indexed_values(v, &COMBINATION, &mut feedback.combination);
     table(v, &TableField::mandatory("error", "weight on the measured error"), &mut feedback.error, weight);

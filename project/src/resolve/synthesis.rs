@@ -2,8 +2,8 @@
 
 use counterpoise_controller::sensitivity::RealisationForm;
 use counterpoise_synth::{
-    Assembly, DisturbanceKnowledge, FeedbackWeights, FeedforwardBasis, FeedforwardWeights, Reference,
-    SamplingMethod, Specification, Weight,
+    Assembly, DisturbanceKnowledge, FeedbackWeights, FeedforwardBasis, FeedforwardWeights, LightModes,
+    Reference, SamplingMethod, Specification, SynthesisMethod, Weight,
 };
 
 use super::synthesis_options::SynthesisOptions;
@@ -62,6 +62,16 @@ pub enum WeightSource {
     Stated,
 }
 
+impl DesignRequest {
+    /// Returns whether the feedback may be designed as if the structure were much stiffer: no other part of the design relies on its cost.
+    pub fn may_stiffen_modes(&self) -> bool {
+        self.options.method == SynthesisMethod::ThreePart
+            && self.specification.assembly == Assembly::SimpleAdd
+            && self.discretisation != SamplingMethod::SampledData
+            && self.options.schedule.is_none()
+    }
+}
+
 impl Default for DesignRequest {
     /// Returns a design of which nothing is stated.
     fn default() -> Self {
@@ -107,6 +117,7 @@ pub(super) fn blank_feedback() -> FeedbackWeights {
         measurement_noise: f64::NAN,
         disturbances: Vec::new(),
         loop_recovery: 0.0,
+        modes: LightModes::Kept,
     }
 }
 

@@ -9,7 +9,7 @@ use counterpoise_lti::{StateSpace, zeros};
 
 use super::Circumstances;
 use crate::tolerance::{BLIND_BELOW, BLIND_FALL, BLIND_SPAN, LIGHTLY_DAMPED};
-use crate::{Error, FeedbackWeights, Weight};
+use crate::{Error, FeedbackWeights, LightModes, Weight};
 
 /// Multiples of the bandwidth that shape the weights.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,8 +22,25 @@ pub(super) struct Shape {
     roll_off: f64,
     /// Whether control is dear at the modes that are lightly damped.
     modes: Modes,
+    /// The lightly damped modes in the plant that the feedback is designed on.
+    in_plant: LightModes,
     /// At the slowest lightly damped zero, the cost of what the load does over that of the control that moves it; 0 leaves the load out.
     load: f64,
+}
+
+impl Shape {
+    /// Returns the shapes with each multiple smaller and larger by a factor.
+    pub fn variations(&self, factor: f64) -> [Self; 6] {
+        let Self { integral, observer, roll_off, .. } = *self;
+        [
+            Self { integral: integral / factor, ..*self },
+            Self { integral: integral * factor, ..*self },
+            Self { observer: observer / factor, ..*self },
+            Self { observer: observer * factor, ..*self },
+            Self { roll_off: roll_off / factor, ..*self },
+            Self { roll_off: roll_off * factor, ..*self },
+        ]
+    }
 }
 
 /// What the control weight does at lightly damped modes.
@@ -35,14 +52,22 @@ enum Modes {
     Dear,
 }
 
-const USUAL: Shape = Shape { integral: 5.0, observer: 4.0, roll_off: 4.0, modes: Modes::Plain, load: 0.0 };
+const USUAL: Shape = Shape {
+    integral: 5.0,
+    observer: 4.0,
+    roll_off: 4.0,
+    modes: Modes::Plain,
+    in_plant: LightModes::Kept,
+    load: 0.0,
+};
 const QUICK: Shape = Shape { integral: 8.0, observer: 8.0, roll_off: 8.0, ..USUAL };
 const QUICKEST: Shape = Shape { integral: 16.0, observer: 16.0, roll_off: 16.0, ..USUAL };
 
 /// Shapes that are tried in order: the usual one, one with more phase at the cost of noise, one that attenuates modes, and
 /// one with the roll-off of the quickest filter and little integral action for long delays. The usual one leaves a loop of
-/// one integrator 57 degrees of phase. Then those that attenuate modes and leave more phase, and those that damp the load.
-pub(super) const SHAPES: [Shape; 15] = [
+/// one integrator 57 degrees of phase. Then those that attenuate modes and leave more phase, those that damp the load, and the first eight
+/// for the plant with stiff modes.
+pub(super) const SHAPES: [Shape; 23] = [
     USUAL,
     QUICK,
     QUICKEST,
@@ -58,6 +83,14 @@ pub(super) const SHAPES: [Shape; 15] = [
     Shape { load: 10.0, ..QUICK },
     Shape { load: 10.0, ..QUICKEST },
     Shape { modes: Modes::Dear, load: 1.0, ..QUICKEST },
+    Shape { in_plant: LightModes::Stiffened, ..USUAL },
+    Shape { in_plant: LightModes::Stiffened, ..QUICK },
+    Shape { in_plant: LightModes::Stiffened, ..QUICKEST },
+    Shape { integral: 8.0, modes: Modes::Dear, in_plant: LightModes::Stiffened, ..USUAL },
+    Shape { integral: 12.0, observer: 2.5, modes: Modes::Dear, in_plant: LightModes::Stiffened, ..USUAL },
+    Shape { modes: Modes::Dear, in_plant: LightModes::Stiffened, ..QUICKEST },
+    Shape { roll_off: 8.0, modes: Modes::Dear, in_plant: LightModes::Stiffened, ..QUICKEST },
+    Shape { roll_off: 4.0, modes: Modes::Dear, in_plant: LightModes::Stiffened, ..QUICKEST },
 ];
 /// The shapes that attenuate modes with the usual observer: 3 and 4.
 pub(super) const DEAR: std::ops::Range<usize> = 3..5;
@@ -67,6 +100,9 @@ pub(super) const MORE_PHASE: usize = 5;
 /// The shapes from here on damp the load where the reading has a lightly damped zero. Regulators without it put poles on such a zero, where the
 /// reading shows nothing of them: a load that is a little heavier, or a transmission a little softer, then makes the loop unstable.
 pub(super) const DAMPED_LOAD: usize = 8;
+/// The shapes from here on are for the plant with stiff modes: their observer follows no lightly damped mode, and costs less phase than
+/// one that follows a mode which the feedback cannot damp.
+pub(super) const STIFF_MODES: usize = 15;
 
 /// Factor on the control weight at a lightly damped mode: 20 dB.
 const PEAK: f64 = 10.0;
@@ -170,6 +206,7 @@ pub(super) fn weights(
         measurement_noise: round_weight(measurement_noise),
         disturbances: Vec::new(),
         loop_recovery: round_weight(loop_recovery),
+        modes: shape.in_plant,
     })
 }
 

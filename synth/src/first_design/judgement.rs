@@ -9,7 +9,7 @@ use counterpoise_lti::{
 };
 
 use super::Circumstances;
-use super::neighbours::{light_modes, shifted_modes};
+use crate::modes::{light_modes, shifted_modes};
 use crate::sampling::sampled_plant;
 use crate::tolerance::{CEILING, DRIFTING_POLE, NEIGHBOUR_MS, NOISE_SHARE, SEEN_ABOVE};
 use crate::{DesignPlant, Error, Sampling};
@@ -156,7 +156,8 @@ impl<'a> Judge<'a> {
     }
 
     /// Judges a continuous controller from (demand, reading) to the control; `None` if its sampled loop is not stable or its gain never falls to 1.
-    /// Shifted plants and those of other circumstances are left out, and their sensitivity is taken as the plant's, if `is_out` says so of the rest.
+    /// Shifted plants and those of other circumstances are left out, and their sensitivity is taken as the plant's, if `is_out` says so of what is
+    /// judged before them.
     ///
     /// # Errors
     /// Those of the discretisation and the margins.
@@ -198,9 +199,15 @@ impl<'a> Judge<'a> {
         if is_out(&found) {
             return Ok(Some(found));
         }
-        found.sensitivity_of_others = self.sensitivity_of_others(&K, found.max_sensitivity)?;
-        found.sensitivity_within_tolerances = self.sensitivity_within_tolerances(&K, &found)?;
+        found.sensitivity_of_others = self.sensitivity_of_others(&K, &found)?;
         found.shifted_sensitivity = self.shifted_sensitivity(&K, &found)?;
+        if is_out(&found) {
+            return Ok(Some(found));
+        }
+        found.sensitivity_within_tolerances = self.sensitivity_within_tolerances(&K, &found)?;
+        if is_out(&found) {
+            return Ok(Some(found));
+        }
         found.share_within_usual_ranges = self.share_over_usual_ranges(&K, &found)?;
         Ok(Some(found))
     }
@@ -263,6 +270,9 @@ impl<'a> Judge<'a> {
     /// The largest sensitivity over the plants at the ends of what is usual, over what is allowed with each, and what the margins with a usual delay
     /// of the control need over what they have; above 1, that of the first plant that exceeds it.
     fn share_over_usual_ranges(&self, K: &StateSpace, nominal: &LoopJudgement) -> Result<f64, Error> {
+        if let Some(seen) = self.seen_above_usual_ranges(K, nominal)? {
+            return Ok(seen);
+        }
         let mut worst = 0.0_f64;
         for UsualPlant { held, max_sensitivity } in &self.within_usual_ranges {
             if worst > 1.0 {
@@ -278,6 +288,20 @@ impl<'a> Judge<'a> {
             worst = worst.max(self.share_of_margins(held, K, nominal)?);
         }
         Ok(worst)
+    }
+
+    /// The share of a plant at an end of what is usual that a few frequencies show to exceed what is allowed; `None` if they show none.
+    fn seen_above_usual_ranges(&self, K: &StateSpace, nominal: &LoopJudgement) -> Result<Option<f64>, Error> {
+        let required = self.circumstances.margins.max_sensitivity;
+        let with_delay = self.with_usual_delay.iter().map(|held| (held, required));
+        let at_ends = self.within_usual_ranges.iter().map(|usual| (&usual.held, usual.max_sensitivity));
+        for (held, allowed) in at_ends.chain(with_delay) {
+            let share = largest_sensitivity(held, K, rates_near_peaks(nominal))? / allowed;
+            if share > 1.0 + SEEN_ABOVE {
+                return Ok(Some(share));
+            }
+        }
+        Ok(None)
     }
 
     /// The largest share of the required margins, and of the highest frequency of the closed loop, that a loop with another plant uses up;
@@ -308,11 +332,13 @@ impl<'a> Judge<'a> {
 
     /// The largest sensitivity over the plant and those with what the linear plant leaves out; infinite if the loop with one of them is not
     /// stable, while one that only drifts is held.
-    fn sensitivity_of_others(&self, K: &StateSpace, nominal: f64) -> Result<f64, Error> {
-        let mut worst = nominal;
+    fn sensitivity_of_others(&self, K: &StateSpace, nominal: &LoopJudgement) -> Result<f64, Error> {
+        let mut worst = nominal.max_sensitivity;
         for plant in &self.others {
-            let Some(loop_gain) = held_loop(plant, K)? else { return Ok(f64::INFINITY) };
-            worst = worst.max(candidate_sensitivity(&loop_gain)?.value);
+            if worst > NEIGHBOUR_MS {
+                break;
+            }
+            worst = worst.max(sensitivity_beside(plant, K, rates_near_peaks(nominal), held_loop)?);
         }
         Ok(worst)
     }

@@ -12,10 +12,10 @@ use std::sync::{Mutex, OnceLock};
 use counterpoise_lti::StateSpace;
 
 use super::candidate::{MORE_PHASE, SHAPES};
-use super::neighbours::stiffen;
 use super::scan::{Candidate, FurtherShapes, PER_DECADE, Scan, TriedFeedback};
 use super::{Circumstances, LimitLoops};
 use crate::bandwidth::{Bandwidth, LimitKind, Unknown};
+use crate::modes::stiffen;
 use crate::tolerance::HIGHER_BANDWIDTH;
 use crate::{DesignPlant, Error, Sampling};
 use counterpoise_pool::Pool;

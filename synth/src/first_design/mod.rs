@@ -3,7 +3,7 @@
 //! The feedback's weights follow from one number, the bandwidth that they aim at (`candidate`): an error weight that
 //! integrates below a fifth of it and is the inverse of the plant's gain at it, a control weight that rises above it, and
 //! noises that make the observer a few times as quick. For each aim the *sampled* loop is judged (`judgement`): margins,
-//! the same margins with every lightly damped mode shifted (`neighbours`), the control that noise and quantisation cost,
+//! the same margins with every lightly damped mode shifted ([`crate::modes`]), the control that noise and quantisation cost,
 //! and the control that a step of the demand takes. The highest aim that keeps everything is the answer. Every limit
 //! is told with the bandwidth up to which it alone would have allowed the loop, and with the bandwidth if it alone were lifted (`lifted_limits`):
 //! what limits is what raises the bandwidth when it is lifted.
@@ -25,7 +25,6 @@ mod candidate;
 mod feedforwards;
 mod judgement;
 mod lifted_limits;
-mod neighbours;
 mod scan;
 
 pub use feedforwards::ExpectedMotion;
@@ -96,6 +95,8 @@ pub struct Circumstances {
     pub demand_step: f64,
     /// Margins that the loop must keep.
     pub margins: RequiredMargins,
+    /// Whether the feedback may be designed on the plant with stiff modes.
+    pub may_stiffen_modes: bool,
     /// Gain of the position loop that is asked for, 1/s; `None` chooses it. Only a plant with a rate loop has one.
     pub position_gain: Option<f64>,
     /// The bandwidth that is asked for, rad/s; `None` asks for the highest.

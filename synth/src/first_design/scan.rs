@@ -6,15 +6,17 @@ use std::sync::OnceLock;
 
 use counterpoise_lti::StateSpace;
 
-use super::candidate::{DAMPED_LOAD, DEAR, MORE_PHASE, PlantGain, SHAPES, position_gain, weights};
+use super::candidate::{
+    DAMPED_LOAD, DEAR, MORE_PHASE, PlantGain, SHAPES, STIFF_MODES, Shape, position_gain, weights,
+};
 use super::judgement::{Judge, LoopJudgement};
-use super::neighbours::{light_modes, shifted_modes};
 use super::{Circumstances, ControlLimit};
 use crate::bandwidth::{BandwidthLimit, LimitKind, Unknown};
 use crate::cascade::with_position_loop;
 use crate::error::attempt;
+use crate::modes::{light_modes, shifted_modes};
 use crate::tolerance::{CAUTION, CEILING, CLOCK_SHARE, FAR_ABOVE_CEILING};
-use crate::{Error, FeedbackWeights, Reference, design_feedback};
+use crate::{Error, FeedbackWeights, LightModes, Reference, design_feedback};
 use counterpoise_pool::Pool;
 
 /// A feedback to be tried.
@@ -51,6 +53,8 @@ pub(super) struct FurtherShapes {
     have_more_phase: bool,
     /// Those that damp the load.
     damp_the_load: bool,
+    /// Those for the plant with stiff modes.
+    stiffen_modes: bool,
 }
 
 /// Each of some shapes at each of some aims.
@@ -68,6 +72,12 @@ fn step_of_aims() -> f64 {
 pub(super) const PER_DECADE: i32 = 10;
 /// Highest aim over the ceiling: a little beyond, so that limits above it are told too.
 const REACH: f64 = 3.0;
+/// A bandwidth is at most this many times its aim.
+const ABOVE_AIM: f64 = 1.35;
+/// Highest aim of the shapes for stiff modes, over the bandwidth of the others.
+const STIFF_REACH: f64 = 3.0;
+/// Bandwidth of a design for stiff modes over that of one for the plant as it is, at least, for the first to be taken.
+const CLEARLY_QUICKER: f64 = 1.05;
 /// Decades of aims.
 const DECADES: i32 = 5;
 /// Halvings of the stretch between the answer and the aim above it: a tenth of a decade becomes 0.7 %.
@@ -75,11 +85,20 @@ const HALVINGS: usize = 5;
 /// No loop with a delay reaches a bandwidth of this over the delay: it would cost 115 degrees.
 const DELAY_REACH: f64 = 2.0;
 
+/// Factors by which the multiples of the answer's shape are varied.
+const VARIATIONS: [f64; 2] = [1.5, 1.2];
+/// Share of the ceiling above which the answer is not refined.
+const NEAR_CEILING: f64 = 0.97;
+/// Relative rise of the bandwidth that makes a variation the answer.
+const RISE: f64 = 0.01;
+
 /// The search over the aim.
 pub(super) struct Scan<'a> {
     pub circumstances: &'a Circumstances,
     judge: Judge<'a>,
     gain: PlantGain,
+    /// The shapes by number: those of every search, then those that a refinement tried.
+    shapes: Vec<Shape>,
     pub unknown: Vec<Unknown>,
     tried: Vec<TriedFeedback>,
     best: Option<TriedFeedback>,
@@ -87,6 +106,8 @@ pub(super) struct Scan<'a> {
     pub further_shapes: FurtherShapes,
     /// A candidate that misses so many limits already is judged no further.
     most_missed: usize,
+    /// Whether a candidate that is no quicker than the answer is judged no further.
+    improves_only: bool,
     pub pool: &'a dyn Pool,
     /// Every feedback that was designed, by the bits of its aim and its shape; `None` if there is none, its loop is not stable or, where one
     /// miss is too many, its sensitivity is seen to be too large.
@@ -112,11 +133,13 @@ impl<'a> Scan<'a> {
             circumstances,
             judge,
             gain,
+            shapes: SHAPES.to_vec(),
             unknown,
             tried: Vec::new(),
             best: None,
             further_shapes: FurtherShapes::default(),
             most_missed,
+            improves_only: false,
             pool,
             attempts,
             ahead: BTreeMap::new(),
@@ -143,14 +166,13 @@ impl<'a> Scan<'a> {
         let highest = self.highest_aim();
         let descent = self.descent(highest);
         for (at, &Candidate { aim_rad_s: aim, shape }) in descent.iter().enumerate() {
-            if aim <= self.best_bandwidth() {
+            if ABOVE_AIM * aim <= self.best_bandwidth() {
                 break;
             }
             self.look_ahead(descent[at..].iter().copied());
             let Some(tried) = self.attempt(aim, shape)? else { continue };
             self.tried.push(tried.clone());
-            let is_promising = tried.judgement.bandwidth_rad_s * step_of_aims() > self.best_bandwidth();
-            if is_promising && self.keeps_all(&tried.judgement) {
+            if self.is_promising(&tried.judgement) && self.keeps_all(&tried.judgement) {
                 let above =
                     descent[..at].iter().rev().map(|tried| tried.aim_rad_s).find(|other| *other != aim);
                 self.take_if_higher(tried, above)?;
@@ -160,7 +182,53 @@ impl<'a> Scan<'a> {
             self.attenuate_modes(highest)?;
         }
         let is_slow = self.best.is_none() || self.is_free_of_clock();
-        if is_slow && self.gain.load.is_some() { self.damp_load(highest) } else { Ok(()) }
+        if is_slow && self.gain.load.is_some() {
+            self.damp_load(highest)?;
+        }
+        let may_leave_out = self.circumstances.may_stiffen_modes && !self.gain.modes.is_empty();
+        if may_leave_out {
+            self.stiffen_modes(highest)?;
+        }
+        self.refine()
+    }
+
+    /// Varies the multiples of the answer's shape, one after the other, as long as the bandwidth rises.
+    fn refine(&mut self) -> Result<(), Error> {
+        if self.best_bandwidth() > NEAR_CEILING * self.ceiling() {
+            return Ok(());
+        }
+        self.judge_improvements(true);
+        for factor in VARIATIONS {
+            while self.vary(factor)? {}
+        }
+        self.judge_improvements(false);
+        // What was judged no further than its first miss is not known to the search for what limits the answer.
+        let known = SHAPES.len();
+        self.attempts.retain(|(_, shape), _| *shape < known);
+        Ok(())
+    }
+
+    /// Varies each multiple of the answer's shape by a factor either way. Returns whether the bandwidth rose.
+    fn vary(&mut self, factor: f64) -> Result<bool, Error> {
+        let Some(start) = self.best.clone() else { return Ok(false) };
+        let from = self.shapes.len();
+        let varied = self.shapes[start.shape].variations(factor);
+        self.shapes.extend(varied);
+        let aims = [start.aim_rad_s * step_of_aims().sqrt(), start.aim_rad_s];
+        for shape in from..self.shapes.len() {
+            for aim_rad_s in aims {
+                let upcoming = (shape..self.shapes.len())
+                    .flat_map(|shape| aims.map(|aim_rad_s| Candidate { aim_rad_s, shape }));
+                self.look_ahead(upcoming.skip_while(|next| next.aim_rad_s != aim_rad_s));
+                let Some(tried) = self.attempt(aim_rad_s, shape)? else { continue };
+                let is_higher = tried.judgement.bandwidth_rad_s > (1.0 + RISE) * self.best_bandwidth();
+                if is_higher && self.keeps_all(&tried.judgement) {
+                    self.take_if_higher(tried, Some(aim_rad_s * step_of_aims()))?;
+                    break;
+                }
+            }
+        }
+        Ok(self.best_bandwidth() > (1.0 + RISE) * start.judgement.bandwidth_rad_s)
     }
 
     /// Whether the answer is far below what the clock allows.
@@ -182,11 +250,53 @@ impl<'a> Scan<'a> {
     /// Tries the shapes that damp the load, from the highest aim down to the answer.
     fn damp_load(&mut self, highest_rad_s: f64) -> Result<(), Error> {
         self.further_shapes.damp_the_load = true;
-        let (shapes, lowest) = (DAMPED_LOAD..SHAPES.len(), highest_rad_s * 10f64.powi(-DECADES));
+        let (shapes, lowest) = (DAMPED_LOAD..STIFF_MODES, highest_rad_s * 10f64.powi(-DECADES));
         self.descend(highest_rad_s, lowest, shapes.clone(), |aim_rad_s| {
             at_aims(&[aim_rad_s], shapes.clone())
         })?;
         self.further_shapes.damp_the_load = self.has_answer_among(shapes);
+        Ok(())
+    }
+
+    /// Tries the shapes for the plant with stiff modes, from the highest aim down to the answer.
+    fn stiffen_modes(&mut self, highest_rad_s: f64) -> Result<(), Error> {
+        self.further_shapes.stiffen_modes = true;
+        self.judge_improvements(true);
+        let before = self.best.clone();
+        let (shapes, lowest) = (STIFF_MODES..SHAPES.len(), highest_rad_s * 10f64.powi(-DECADES));
+        // Nobody has seen such a shape reach much more than those that follow the modes.
+        let highest_rad_s = match self.best_bandwidth() {
+            0.0 => highest_rad_s,
+            best => highest_rad_s.min(STIFF_REACH * best),
+        };
+        let mut aim_rad_s = highest_rad_s;
+        while ABOVE_AIM * aim_rad_s > self.best_bandwidth() && aim_rad_s > lowest {
+            for shape in shapes.clone() {
+                self.look_ahead((shape..SHAPES.len()).map(|shape| Candidate { aim_rad_s, shape }));
+                let Some(found) = self.attempt(aim_rad_s, shape)? else { continue };
+                if !self.keeps_all(&found.judgement) || !self.is_promising(&found.judgement) {
+                    continue;
+                }
+                if found.judgement.bandwidth_rad_s > self.best_bandwidth() {
+                    self.best = Some(found);
+                } else {
+                    self.take_if_higher(found, Some(aim_rad_s * step_of_aims()))?;
+                }
+            }
+            aim_rad_s /= step_of_aims();
+        }
+        if let Some(found) = self.best.clone().filter(|found| shapes.contains(&found.shape)) {
+            let above = found.aim_rad_s * step_of_aims();
+            self.take_if_higher(found, Some(above))?;
+        }
+        self.judge_improvements(false);
+        self.attempts.retain(|(_, shape), _| !shapes.contains(shape));
+        // A design on the plant as it is has costs that are those of the loop: it gives way to one that is clearly quicker.
+        let quickest = before.as_ref().map_or(0.0, |before| before.judgement.bandwidth_rad_s);
+        if self.best_bandwidth() < CLEARLY_QUICKER * quickest {
+            self.best = before;
+        }
+        self.further_shapes.stiffen_modes = self.has_answer_among(shapes);
         Ok(())
     }
 
@@ -200,7 +310,7 @@ impl<'a> Scan<'a> {
         upcoming: impl Fn(f64) -> Vec<Candidate>,
     ) -> Result<(), Error> {
         let mut aim = highest_rad_s;
-        while aim > self.best_bandwidth().max(lowest_rad_s) {
+        while ABOVE_AIM * aim > self.best_bandwidth() && aim > lowest_rad_s {
             self.look_ahead(upcoming(aim).into_iter());
             for shape in shapes.clone() {
                 self.improve(aim, shape)?;
@@ -218,9 +328,7 @@ impl<'a> Scan<'a> {
     /// the answer.
     fn improve(&mut self, aim_rad_s: f64, shape: usize) -> Result<(), Error> {
         let Some(found) = self.attempt_if_worthwhile(aim_rad_s, shape)? else { return Ok(()) };
-        // Between two aims the bandwidth rises no more than the aim.
-        let is_promising = found.judgement.bandwidth_rad_s * step_of_aims() > self.best_bandwidth();
-        if is_promising && self.keeps_all(&found.judgement) {
+        if self.is_promising(&found.judgement) && self.keeps_all(&found.judgement) {
             self.take_if_higher(found, Some(aim_rad_s * step_of_aims()))?;
         }
         Ok(())
@@ -233,6 +341,12 @@ impl<'a> Scan<'a> {
             self.best = Some(closer);
         }
         Ok(())
+    }
+
+    /// Whether a loop, or one of an aim closely above, may have a higher bandwidth than the answer: between two aims the bandwidth rises no more
+    /// than the aim.
+    fn is_promising(&self, found: &LoopJudgement) -> bool {
+        found.bandwidth_rad_s * step_of_aims() > self.best_bandwidth()
     }
 
     /// The bandwidth of the best feedback so far, rad/s; 0 if there is none.
@@ -285,6 +399,12 @@ impl<'a> Scan<'a> {
         self.ahead.clear();
     }
 
+    /// Judges candidates from now on no further than their first miss, or that they are no quicker than the answer; or each of them to its end.
+    fn judge_improvements(&mut self, improves_only: bool) {
+        self.improves_only = improves_only;
+        self.judge_up_to(if improves_only { 1 } else { usize::MAX });
+    }
+
     /// Halves the stretch between an aim that keeps everything and one above it that does not, if there is one. Returns the highest that keeps
     /// everything.
     fn close_in(&mut self, found: TriedFeedback, above: Option<f64>) -> Result<TriedFeedback, Error> {
@@ -293,7 +413,13 @@ impl<'a> Scan<'a> {
         for _ in 0..HALVINGS {
             let middle = (best.aim_rad_s * high).sqrt();
             match self.attempt(middle, best.shape)? {
-                Some(tried) if self.keeps_all(&tried.judgement) => best = tried,
+                Some(tried)
+                    if self.keeps_all(&tried.judgement)
+                        && (!self.improves_only
+                            || tried.judgement.bandwidth_rad_s > self.best_bandwidth()) =>
+                {
+                    best = tried;
+                }
                 _ => high = middle,
             }
         }
@@ -310,8 +436,14 @@ impl<'a> Scan<'a> {
         aim_rad_s: f64,
         shape: usize,
     ) -> Result<Option<TriedFeedback>, Error> {
-        let FurtherShapes { have_more_phase, damp_the_load } = self.further_shapes;
-        if shape < MORE_PHASE || (shape >= DAMPED_LOAD && damp_the_load) {
+        let FurtherShapes { have_more_phase, damp_the_load, stiffen_modes } = self.further_shapes;
+        let is_tried = match shape {
+            ..MORE_PHASE => true,
+            DAMPED_LOAD..STIFF_MODES => damp_the_load,
+            STIFF_MODES.. => stiffen_modes,
+            _ => false,
+        };
+        if is_tried {
             return self.attempt(aim_rad_s, shape);
         }
         if shape >= DAMPED_LOAD || !have_more_phase {
@@ -349,17 +481,24 @@ impl<'a> Scan<'a> {
     }
 
     fn judge_aim(&self, aim_rad_s: f64, shape: usize) -> Result<Option<TriedFeedback>, Error> {
-        let weights = SHAPES.get(shape).and_then(|s| weights(self.circumstances, &self.gain, aim_rad_s, *s));
+        let weights =
+            self.shapes.get(shape).and_then(|s| weights(self.circumstances, &self.gain, aim_rad_s, *s));
         let Some(weights) = weights else { return Ok(None) };
         let position_gain = position_gain(self.circumstances, aim_rad_s);
-        let Ok(controller) = attempt(self.controller(&weights, position_gain))? else {
-            return Ok(None);
+        let controller = match (self.controller(&weights, position_gain), weights.modes) {
+            (Ok(controller), _) => controller,
+            // A plant that is nothing but its modes may have no design with them moved.
+            (Err(_), LightModes::Stiffened) => return Ok(None),
+            (Err(error), LightModes::Kept) => return attempt(Err(error)).map(|_: Result<(), _>| None),
         };
         if self.most_missed == 1 && self.judge.exceeds_sensitivity(&controller, aim_rad_s)? {
             return Ok(None);
         }
         let judged = self.judge.judge(&controller, |found| {
-            self.most_missed < usize::MAX && self.missed_limits(found).len() >= self.most_missed
+            let is_slow = self.improves_only && !self.is_promising(found);
+            let misses_too_many =
+                self.most_missed < usize::MAX && self.missed_limits(found).len() >= self.most_missed;
+            is_slow || misses_too_many
         })?;
         Ok(judged.map(|judgement| TriedFeedback { aim_rad_s, shape, weights, position_gain, judgement }))
     }

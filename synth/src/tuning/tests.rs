@@ -201,7 +201,7 @@ fn fixed_parameters_stay_and_ranges_hold() {
 
 /// H2 weights for the servo: an integrating error weight, and white torque at the control.
 fn servo_weights() -> Specification {
-    use crate::{Assembly, Reference, Weight};
+    use crate::{Assembly, LightModes, Reference, Weight};
     let feedback = FeedbackWeights {
         error: Weight::ZeroPoleGain { zeros: vec![C64::new(-3.0, 0.0)], poles: vec![C64::ZERO], gain: 3.0 },
         control: Weight::Lead { gain: 1.0, time_s: 0.01 },
@@ -209,6 +209,7 @@ fn servo_weights() -> Specification {
         measurement_noise: 1e-4,
         disturbances: vec![VectorEntry::new(0, 1e-2)],
         loop_recovery: 1e-3,
+        modes: LightModes::Kept,
     };
     let (assembly, reference) = (Assembly::SimpleAdd, Reference::Error);
     Specification { feedback, heave: None, pitch: None, assembly, reference, position_gain: None }

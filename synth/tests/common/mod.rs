@@ -7,7 +7,7 @@ use counterpoise_models::{
 };
 use counterpoise_synth::{
     Assembly, DesignPlant, DisturbanceKnowledge, FeedbackWeights, FeedforwardBasis, FeedforwardWeights,
-    Reference, Specification, Weight,
+    LightModes, Reference, Specification, Weight,
 };
 
 /// The lumped reference rig, held at 0 rad, viscous friction, with its sensors and one sample of delay.
@@ -50,6 +50,7 @@ pub fn weights() -> Specification {
             measurement_noise: 4e-11,
             disturbances: vec![],
             loop_recovery: 3.6e-4,
+            modes: LightModes::Kept,
         },
         heave: Some(heave()),
         pitch: Some(pitch()),

@@ -1,4 +1,4 @@
-//! Plants beside the plant: every lightly damped mode a little off, and less damped.
+//! Lightly damped modes of a plant, and plants whose modes are elsewhere: a little off and less damped, or those of a much stiffer structure.
 
 use counterpoise_linalg::{C64, CMat, CSvd, Mat, csvd};
 use counterpoise_lti::poles;
@@ -11,7 +11,7 @@ use crate::{DesignPlant, Error};
 ///
 /// # Errors
 /// Those of the eigenvalues.
-pub(super) fn light_modes(plant: &DesignPlant) -> Result<Vec<C64>, Error> {
+pub(crate) fn light_modes(plant: &DesignPlant) -> Result<Vec<C64>, Error> {
     let mut found: Vec<C64> = poles(&plant.system)?
         .into_iter()
         .filter(|pole| pole.im > 0.0 && pole.re.abs() < LIGHTLY_DAMPED * pole.norm())
@@ -24,7 +24,7 @@ pub(super) fn light_modes(plant: &DesignPlant) -> Result<Vec<C64>, Error> {
 ///
 /// # Errors
 /// Those of the decompositions.
-pub(super) fn shifted_modes(plant: &DesignPlant, modes: &[C64]) -> Result<Vec<DesignPlant>, Error> {
+pub(crate) fn shifted_modes(plant: &DesignPlant, modes: &[C64]) -> Result<Vec<DesignPlant>, Error> {
     if modes.is_empty() {
         return Ok(Vec::new());
     }
@@ -37,7 +37,7 @@ pub(super) fn shifted_modes(plant: &DesignPlant, modes: &[C64]) -> Result<Vec<De
 ///
 /// # Errors
 /// Those of the decompositions.
-pub(super) fn stiffen(plant: &DesignPlant, beyond_rad_s: f64) -> Result<DesignPlant, Error> {
+pub(crate) fn stiffen(plant: &DesignPlant, beyond_rad_s: f64) -> Result<DesignPlant, Error> {
     let mut modes = light_modes(plant)?;
     modes.retain(|mode| mode.norm() > beyond_rad_s);
     let mut stiff = move_modes(plant, &modes, |mode| C64::from_polar(STIFFER * mode.norm(), STIFF_ANGLE))?;
