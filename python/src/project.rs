@@ -87,12 +87,12 @@ impl NativeProject {
         self.document.text()
     }
 
-    /// What stands at a path of keys as it is written; `None` if nothing is there.
+    /// Returns the text at a path of keys as it is written; `None` if nothing is there.
     fn source_text(&self, key: &str) -> Option<String> {
         self.document.source_text_at(key)
     }
 
-    /// Whether a text, quoted, stands at a path of keys.
+    /// Returns whether a text, quoted, stands at a path of keys.
     fn is_text(&self, key: &str) -> bool {
         self.document.is_text(key)
     }

@@ -40,7 +40,7 @@ pub struct ReplayOptions {
     /// SECONDS; `none` follows it from start to end; `auto` uses half a second, or a half or a quarter of that, if the machine hunts, otherwise `none`
     #[arg(long, value_name = "auto|none|SECONDS", default_value = "auto", value_parser = windows)]
     pub windows: ReplayLength,
-    /// Where report and results go.
+    /// The destinations of report and results.
     #[command(flatten)]
     pub outputs: CommandOutputs,
 }

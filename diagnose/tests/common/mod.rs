@@ -1,4 +1,4 @@
-//! What the tests of the diagnosis share.
+//! The common ground of the tests of the diagnosis.
 
 use counterpoise_controller::ProportionalIntegral;
 

@@ -14,7 +14,7 @@ use super::replay::{ReplayLength, ReplayedRecording, replay, replay_one};
 use crate::PipelineError;
 use crate::configuration::apply_configuration;
 
-/// What drives the plant of a replay.
+/// The source that drives the plant of a replay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ReplayControl {
     /// The controller that was in the loop when the recordings were made; the recorded control if the project names none.
@@ -24,10 +24,10 @@ pub enum ReplayControl {
     RecordedControl,
 }
 
-/// How recordings are replayed.
+/// The settings of a replay.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ReplaySettings {
-    /// What drives the plant.
+    /// The source that drives the plant.
     pub control: ReplayControl,
     /// Over what length a recording is replayed.
     pub length: ReplayLength,

@@ -1,4 +1,4 @@
-//! What the tests of the window share.
+//! The common ground of the tests of the window.
 #![allow(dead_code)]
 
 use std::io::Write;

@@ -163,7 +163,7 @@ impl<'a> Scan<'a> {
         if is_slow && self.gain.load.is_some() { self.damp_load(highest) } else { Ok(()) }
     }
 
-    /// Whether the answer is far below what the clock allows.
+    /// Returns whether the answer is far below what the clock allows.
     fn is_free_of_clock(&self) -> bool {
         self.best.is_some() && self.best_bandwidth() < CLOCK_SHARE * self.sample_ceiling()
     }
