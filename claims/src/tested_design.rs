@@ -1,4 +1,4 @@
-//! The common ground of the rows: the design of the project's mechanism, variants of it, and the experiments on them.
+//! Data that the rows share: the design of the project's mechanism, variants of it, and the experiments on them.
 
 use counterpoise_controller::Controller;
 use counterpoise_lti::{Response, StateSpace};

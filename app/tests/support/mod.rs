@@ -1,4 +1,4 @@
-//! The common ground of the tests of the command line: folders, the example with a quick campaign, the program, and what is passed over.
+//! Helpers that the tests of the command line share: folders, the example with a quick campaign, the program, and what is passed over.
 #![allow(dead_code)]
 
 use std::fs;

@@ -1,4 +1,4 @@
-//! The common ground of the tests of the diagnosis.
+//! Helpers that the tests of the diagnosis share.
 
 use counterpoise_controller::ProportionalIntegral;
 

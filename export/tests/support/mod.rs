@@ -1,4 +1,4 @@
-//! The common ground of the tests of generated code: controllers, a compiler, a program to talk to.
+//! Helpers that the tests of generated code share: controllers, a compiler, a program to talk to.
 #![allow(dead_code, non_snake_case)]
 
 use std::io::{Read, Write};

@@ -1,4 +1,4 @@
-//! The common ground of the tests of the window.
+//! Helpers that the tests of the window share.
 #![allow(dead_code)]
 
 use std::io::Write;
