@@ -1,4 +1,4 @@
-//! What the program carries: the commit it was built from, and the examples of the manual.
+//! The contents that the program carries: the commit it was built from, and the examples of the manual.
 
 use std::env::var;
 use std::fmt::Write as _;

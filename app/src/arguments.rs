@@ -15,7 +15,7 @@ use crate::commands::{
 };
 use crate::options::DiagnoseOptions;
 
-/// What `--version` prints; `-V` prints the version alone.
+/// The text that `--version` prints; `-V` prints the version alone.
 const LONG_VERSION: &str = concat!(
     env!("CARGO_PKG_VERSION"),
     "\ncommit:   ",
@@ -27,7 +27,7 @@ const LONG_VERSION: &str = concat!(
 #[derive(Parser)]
 #[command(name = "counterpoise", version, long_version = LONG_VERSION, about, max_term_width = 100)]
 pub struct Arguments {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Option<Command>,
 }

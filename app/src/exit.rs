@@ -1,4 +1,4 @@
-//! What a command returns to the shell.
+//! The exit codes that a command returns to the shell.
 
 use anyhow::Result;
 

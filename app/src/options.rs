@@ -6,7 +6,7 @@ use clap::Args;
 use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_pipeline::studies::assumptions::LoopSystems;
 
-/// Where a result goes.
+/// The destination of a result.
 #[derive(Args, Clone)]
 pub struct ResultOutput {
     /// Print the result as JSON (to standard output, or to FILE)
@@ -29,13 +29,13 @@ impl ResultOutput {
     }
 }
 
-/// Where a report and a result go.
+/// The destinations of a report and a result.
 #[derive(Args, Clone)]
 pub struct CommandOutputs {
     /// Write a report with pictures to this HTML file
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
-    /// Where results go.
+    /// The destination of results.
     #[command(flatten)]
     pub results: ResultOutput,
 }
@@ -55,7 +55,7 @@ pub struct DiagnoseOptions {
     /// improves
     #[arg(long, value_name = "RECORDING", num_args = 1..)]
     pub held_out: Vec<PathBuf>,
-    /// Where report and results go.
+    /// The destinations of report and results.
     #[command(flatten)]
     pub outputs: CommandOutputs,
 }

@@ -1,4 +1,4 @@
-//! What is printed: results for a person or a machine, errors with their cause, times of stages.
+//! The printed output: results for a person or a machine, errors with their cause, times of stages.
 
 use std::io::Write;
 use std::path::Path;

@@ -25,7 +25,7 @@ const WINDOW_S: f64 = 2.0;
 /// RMS over this last part of each interval.
 const JUDGED: f64 = 0.5;
 
-/// What tells the controller its out-of-balance.
+/// The source of the controller's out-of-balance.
 #[derive(Clone, Copy, PartialEq)]
 enum LoadSource {
     Nobody,

@@ -12,7 +12,7 @@ use super::{Claim, Criterion, TestedDesign};
 use crate::tolerance::STOPPED_RAD_S;
 use counterpoise_pipeline::PipelineError;
 
-/// What is added to the control of the design without observer.
+/// The term that is added to the control of the design without observer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Scheme {
     /// Nothing.
@@ -29,7 +29,7 @@ enum Scheme {
 const DITHER_HZ: f64 = 60.0;
 /// Rate error within which the switching term is proportional, rad/s.
 const LAYER_RAD_S: f64 = 0.02;
-/// How long the platform moves and from when the hub is judged, s.
+/// Time over which the platform moves, and from which the hub is judged, s.
 const DURATION_S: (f64, f64) = (10.0, 2.0);
 
 /// A controller with a scheme beside it.

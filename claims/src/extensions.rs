@@ -1,4 +1,4 @@
-//! What the thesis asks for beyond itself: the tip, and inertia apart from out-of-balance.
+//! The extensions that the thesis asks for: the tip, and inertia apart from out-of-balance.
 
 use counterpoise_models::Parameters;
 use counterpoise_verify::history::{Experiment, History};
@@ -184,7 +184,7 @@ pub fn inertia_and_imbalance_apart(tested: &TestedDesign<'_>) -> Result<Claim, P
     })
 }
 
-/// What a mechanism with another inertia and out-of-balance does.
+/// Figures of a mechanism with another inertia and out-of-balance.
 struct Cell {
     overshoot_percent: f64,
     /// RMS hub rate, mrad/s.

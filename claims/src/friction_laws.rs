@@ -26,7 +26,7 @@ type Map = Vec<Vec<C64>>;
 /// A law by its name, from what it shares with all others: level and stiffness at rest.
 type LawConstructor = fn(LawConstants) -> FrictionLaw;
 
-/// What the laws share.
+/// The parameters that the laws share.
 #[derive(Clone, Copy)]
 struct LawConstants {
     coulomb_nm: f64,
@@ -229,7 +229,7 @@ struct LawMap {
     map: Map,
 }
 
-/// How far the map of a law is from that of the machine.
+/// Distance of the map of a law from that of the machine.
 struct LawDistances {
     law: &'static str,
     /// At each amplitude, dB.
@@ -366,7 +366,7 @@ fn lugre(shared: LawConstants, times: f64) -> FrictionLaw {
     }
 }
 
-/// How long is simulated to count the work, s.
+/// Time that is simulated to count the work, s.
 const WORKED_S: f64 = 10.0;
 
 fn cost_of_friction_laws_figure(counts: [[usize; 3]; 2]) -> Drawing {
@@ -490,7 +490,7 @@ fn fitted_friction_laws_figure(truth: &Map, maps: [LawMap; 4]) -> Drawing {
     make_figure("Two laws fitted to the Dahl-like rig's map", x, vec![panel])
 }
 
-/// Where a fit began and ended.
+/// Start and end of a fit.
 struct FitResult {
     before: f64,
     after: f64,

@@ -17,7 +17,7 @@ const ANGLE_RAD: f64 = std::f64::consts::PI / 180.0;
 /// Roll rate of the platform, rad/s, and its frequency, Hz: beside the pitch of the procedure, not a multiple of it.
 const ROLL_RAD_S: f64 = 0.3;
 const ROLL_HZ: f64 = 1.4;
-/// How long the platform moves, and from when whole cycles of roll are judged, s.
+/// Time over which the platform moves, and from which whole cycles of roll are judged, s.
 const DURATION_S: (f64, f64) = (14.0, 4.0);
 
 /// A controller whose gyroscopes also read the roll rate, by the sine of their angles.

@@ -277,7 +277,7 @@ fn unit(v: Vec<f64>) -> Option<Vec<f64>> {
     (length > LEAST_LENGTH).then(|| v.into_iter().map(|x| x / length).collect())
 }
 
-/// What was measured of the laws.
+/// The measurements of the laws.
 struct FrictionMeasurement {
     /// Distance of the maps from Dahl's at each amplitude, dB.
     bliman_sorine: Vec<f64>,

@@ -21,7 +21,7 @@ use counterpoise_plot::{Axis, Figure as Drawing, Point};
 const SEGMENT: usize = 4096;
 const CONFIDENCE: f64 = 0.95;
 const AVERAGED_HZ: (f64, f64) = (0.5, 3.0);
-/// What is drawn, Hz.
+/// Range of frequency that is drawn, Hz.
 const DRAWN_HZ: (f64, f64) = (0.24, 10.0);
 
 /// A plant on the road with one arrangement of the controller.

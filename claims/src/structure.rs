@@ -18,7 +18,7 @@ use counterpoise_project::resolve::model::StructureChoice;
 
 /// The band in which the reduction is judged, Hz.
 const REDUCED_HZ: [f64; 2] = [0.1, 20.0];
-/// What is drawn, Hz.
+/// Range of frequency that is drawn, Hz.
 const DRAWN_HZ: [f64; 2] = [0.1, 400.0];
 /// Flexible modes of the finite-element plant: with drive and rigid body this makes the thesis' order 21.
 const MODES: usize = 8;

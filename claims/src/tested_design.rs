@@ -1,4 +1,4 @@
-//! What the rows share: the design of the project's mechanism, variants of it, and the experiments on them.
+//! Data that the rows share: the design of the project's mechanism, variants of it, and the experiments on them.
 
 use counterpoise_controller::Controller;
 use counterpoise_lti::{Response, StateSpace};
@@ -62,7 +62,7 @@ pub struct DrawnMechanism<'a> {
     pub controller: &'a Controller,
 }
 
-/// How much of a step is drawn, s.
+/// Part of a step that is drawn, s.
 const DRAWN_S: f64 = 0.8;
 
 /// A level that is drawn across a panel, with its name.

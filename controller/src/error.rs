@@ -15,9 +15,9 @@ pub enum Error {
     /// A number outside its range.
     #[error("{what} is {value}: it must be {allowed}")]
     Range {
-        /// What the number is.
+        /// The name of the number.
         what: String,
-        /// What was given.
+        /// The value that was given.
         value: f64,
         /// Allowed values.
         allowed: &'static str,
@@ -27,11 +27,11 @@ pub enum Error {
     Count {
         /// Name of the path.
         path: String,
-        /// What is counted.
+        /// The name of what is counted.
         what: &'static str,
-        /// How many were given.
+        /// The count that was given.
         found: usize,
-        /// How many are needed.
+        /// The count that is needed.
         expected: usize,
     },
     /// A system that is not sampled with the controller's period.

@@ -65,7 +65,7 @@ pub enum Learning {
     /// the mean square of the platform's acceleration falls from 1.21 to 1 times `dead_band_m_s2`^2, and forgetting fades out
     /// where a variance grows from 9 to 10 times its start. What one sample tells counts at most 1e9 times all before.
     Squares {
-        /// What a sample keeps of the weight of those before it, 0 < forget < 1.
+        /// The share of the weight of those before it that a sample keeps, 0 < forget < 1.
         forget: f64,
         /// Below this RMS of the platform's acceleration the estimate stands still, m/s^2; 0 for none. Gravity does not count.
         dead_band_m_s2: f64,

@@ -1,4 +1,4 @@
-//! What a running controller does about readings, settings and states that cannot be right.
+//! The response of a running controller to readings, settings and states that cannot be right.
 //!
 //! A reading that is not a number, or beyond its limit, is replaced by the last good one. A reading or state too small to
 //! matter becomes 0, so that no step is slowed down by subnormal numbers. If the states leave every plausible size, they
@@ -199,12 +199,12 @@ impl<N: Number> Guard<N> {
     }
 }
 
-/// Whether the states of a controller have a plausible size.
+/// The plausibility of the sizes of a controller's states.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum StatePlausibility {
-    /// They have.
+    /// They are plausible.
     Yes,
-    /// They have not.
+    /// They are not plausible.
     No,
 }
 

@@ -1,4 +1,4 @@
-//! What a controller is made of: plain data, checked when a controller is built from it.
+//! The parts of a controller: plain data, checked when a controller is built from it.
 
 use counterpoise_lti::StateSpace;
 use serde::{Deserialize, Serialize};

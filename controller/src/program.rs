@@ -113,7 +113,7 @@ pub struct StateGroup {
     pub length: Option<usize>,
     /// Value of each at the start.
     pub initial: Vec<f64>,
-    /// Whether a restart puts the states back to the start, or leaves them as set.
+    /// The treatment of the states on a restart: put back to the start, or left as set.
     pub on_restart: OnRestart,
     /// Within what the states are kept after each step; `None` if the program itself keeps them bounded.
     pub limits: Option<StateLimits>,

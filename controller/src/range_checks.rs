@@ -1,4 +1,4 @@
-//! What is required of a number or a count, and the error if it does not hold.
+//! The requirements on a number or a count, and the error if one does not hold.
 
 use crate::Error;
 
@@ -30,7 +30,7 @@ pub(crate) fn require_finite(what: &str, value: f64) -> Result<(), Error> {
     require(what, value, NumberRequirement { holds: value.is_finite(), words: "finite" })
 }
 
-/// What is required of a number: whether it holds, and in words that follow "must be".
+/// A requirement on a number: whether it holds, and its statement in words that follow "must be".
 pub(crate) struct NumberRequirement {
     pub holds: bool,
     pub words: &'static str,

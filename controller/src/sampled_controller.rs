@@ -1,4 +1,4 @@
-//! What a sampled controller reads, and the control that it returns.
+//! The readings of a sampled controller, and the control that it returns.
 
 /// Readings of a controller at a sample instant: converter readings divided by their scale, in SI units.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

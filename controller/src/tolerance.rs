@@ -17,7 +17,7 @@ pub const INTEGRATOR: f64 = 1e-12;
 /// Distances of eigenvalues, relative to their distance from 1, below which modes are kept together, tried in turn until the
 /// condition number is below [`MODAL_CONDITION`].
 pub(crate) const CLUSTERS: [f64; 6] = [0.0, 1e-6, 1e-4, 1e-2, 1e-1, 1.0];
-/// How many times less sensitive the balanced form must be to be worth its products.
+/// Factor by which the balanced form must be less sensitive to be worth its products.
 pub const WORTH: f64 = 10.0;
 /// Hankel values below this, relative to the largest, are rounding errors of the path: their states are left out.
 pub(crate) const NEGLIGIBLE: f64 = 1e-12;

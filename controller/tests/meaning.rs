@@ -1,4 +1,4 @@
-//! What a controller must mean, whatever carries it out.
+//! The meaning of a controller, whatever carries it out.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
 use counterpoise_controller::{

@@ -1,4 +1,4 @@
-//! What can be wrong with a request to this crate.
+//! The errors of a request to this crate.
 
 use counterpoise_models::{ControlledQuantity, QuantityKind};
 use counterpoise_recordings::Channel;
@@ -20,7 +20,7 @@ pub enum Error {
         shown_channels(*controlled)
     )]
     NoChannel {
-        /// What the loop of the machine controls.
+        /// The quantity that the loop of the machine controls.
         controlled: ControlledQuantity,
         /// `true` if the recorded control is replayed, which needs no demand.
         replays_control: bool,
@@ -36,7 +36,7 @@ pub enum Error {
         identifying_channels(*controlled)
     )]
     NotIdentifiable {
-        /// What the loop of the machine controls.
+        /// The quantity that the loop of the machine controls.
         controlled: ControlledQuantity,
         /// Name of the recording.
         recording: String,
@@ -66,7 +66,7 @@ pub enum Error {
     /// Nothing of the recordings can be replayed.
     #[error("nothing of these recordings can be replayed")]
     Unusable {
-        /// What was found wrong with them.
+        /// The faults that were found in them.
         remarks: Vec<RecordingRemark>,
     },
     /// The user asked to stop.

@@ -1,4 +1,4 @@
-//! Which model explains the recordings: effects of the library, a free function, or both.
+//! The model that explains the recordings: effects of the library, a free function, or both.
 
 use counterpoise_models::Parameters;
 
@@ -96,7 +96,7 @@ fn compare(searcher: &Searcher, evidence: &VerdictEvidence, named: &FittedCandid
     task.compare(named)
 }
 
-/// What is left to be modelled beside the named effects.
+/// The part that is left to be modelled beside the named effects.
 struct Rest {
     base: Parameters,
     before: Vec<Assessment>,

@@ -1,4 +1,4 @@
-//! What a machine has: its drive in the steady state, how gravity acts on it, the effects that it can have and the balances that its
+//! The properties of a machine: its drive in the steady state, how gravity acts on it, the effects that it can have and the balances that its
 //! motions can be put into.
 //!
 //! A part that a machine lacks is exact in the simulator: a rigid transmission, a single inertia, a drive that takes a torque. What

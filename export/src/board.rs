@@ -1,4 +1,4 @@
-//! What counts the cost of a step on a Cortex-M, real or emulated: programs and command lines; nothing is run here.
+//! The program that counts the cost of a step on a Cortex-M, real or emulated: programs and command lines; nothing is run here.
 
 use crate::host::CODE_FOLDER;
 use crate::{File, Numbers};

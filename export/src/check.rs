@@ -1,4 +1,4 @@
-//! Whether a generated file is still what the project gives.
+//! The check that a generated file is still what the project gives.
 
 use crate::File;
 

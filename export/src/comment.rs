@@ -10,7 +10,7 @@
 /// XML, in templates and in Markdown tables too.
 const PUNCTUATION: &str = " .,:;()[]+-=_%^'#!~/@";
 
-/// What stands in the place of a character that a comment may not hold.
+/// The character that stands in the place of one that a comment may not hold.
 const SUBSTITUTE: char = '_';
 
 /// Returns the text as one line that is harmless inside a comment of every generated language.
@@ -33,7 +33,7 @@ fn is_harmless(c: char) -> bool {
 mod tests {
     use super::*;
 
-    /// What could end or reopen a comment in C, C++, Rust or XML, or hide text from a reader.
+    /// The sequences that could end or reopen a comment in C, C++, Rust or XML, or hide text from a reader.
     const HOSTILE: [&str; 12] =
         ["*/", "/*", "\\", "??/", "\n", "\r", "\u{2028}", "\u{2029}", "\u{85}", "-->", "\u{202e}", "\0"];
 

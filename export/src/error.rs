@@ -15,7 +15,7 @@ pub enum Error {
     /// A number that single precision cannot hold.
     #[error("{what} = {value:e} is out of the range of single precision")]
     SingleRange {
-        /// Where the number stands.
+        /// The place of the number.
         what: String,
         /// The number.
         value: f64,

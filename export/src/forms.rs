@@ -52,7 +52,7 @@ pub struct FormFigures {
 /// Returns the controller in every form, for the readings and settings of runs; a form that a path cannot have is
 /// left out.
 ///
-/// Where a run leaves all range the figures are infinite.
+/// If a run leaves all range the figures are infinite.
 pub fn figures_by_form(controller: &Controller, known: &Ranges) -> Vec<FormFigures> {
     let of = |form: PathForm| {
         let other = convert_to_form(controller, form)?;

@@ -1,4 +1,4 @@
-//! What the printed guard of a controller needs: limits of the readings, states to look after, and the mark of the set.
+//! The data that the printed guard of a controller needs: limits of the readings, states to look after, and the mark of the set.
 
 use counterpoise_controller::guard::{ALONE, REFUSED, RESTARTED, STICKY};
 use counterpoise_controller::program::{OnRestart, StateGroup};
@@ -70,7 +70,7 @@ fn limited_state(group: &StateGroup, text: &dyn Fn(f64) -> String) -> Option<Val
     Some(context! { name => group.name.as_str(), low => text(limits.low), high => text(limits.high) })
 }
 
-/// What stands in the files of a set until their mark is known.
+/// The text that stands in the files of a set until their mark is known.
 pub(crate) const MARK: &str = "@SET@";
 
 /// Puts the mark of a set into its files: a hash of all of them (FNV-1a, 64 bits). A file that is compiled with one of another

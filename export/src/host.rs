@@ -1,4 +1,4 @@
-//! What replays recorded readings through the generated code on this machine: programs and command lines; nothing is run
+//! The programs that replay recorded readings through the generated code on this machine: programs and command lines; nothing is run
 //! here.
 //!
 //! Code that answers every reading of a closed loop's run as its model does moves the plant as the model does: the first

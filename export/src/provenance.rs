@@ -1,4 +1,6 @@
-//! Where generated code comes from: handed in, written into every header.
+//! The origin of generated code: handed in, written into every header.
+
+use counterpoise_verify::Verification;
 
 use crate::comment::comment_text;
 use crate::{Converters, ExportSource};
@@ -28,7 +30,7 @@ impl Provenance {
     /// Returns the lines of the header, with what the source says of its verification.
     pub(crate) fn header(&self, source: ExportSource) -> Vec<String> {
         let mut lines = self.lines();
-        lines.push(source.line());
+        lines.push(verification_line(source.verification()));
         lines.iter().flat_map(|line| wrap_line(line)).map(|line| comment_text(&line)).collect()
     }
 
@@ -45,6 +47,15 @@ impl Provenance {
         lines.extend(self.feedback_alone.iter().map(|line| format!("feedback-alone: {line}")));
         lines.iter().map(|line| comment_text(line)).collect()
     }
+}
+
+/// Returns the line that says whether the controller was verified, and with which verdicts.
+fn verification_line(verification: Option<&Verification>) -> String {
+    let Some(verification) = verification else {
+        return "verified: NO. For tests and experiments only.".to_owned();
+    };
+    let (hold, fail, open) = verification.counts();
+    format!("verified: {hold} requirements hold, {fail} fail, {open} could not be judged")
 }
 
 /// Longest line of a header's text.

@@ -1,4 +1,4 @@
-//! How large every number of a step becomes, from runs of the controller and from what can be set.
+//! The range of every number of a step, from runs of the controller and from what can be set.
 
 mod settings;
 
@@ -72,7 +72,7 @@ impl Clone for Box<dyn AdjustableController> {
     }
 }
 
-/// What happens to a state along a run.
+/// The visitor of a run.
 pub(crate) trait RunVisitor<S> {
     /// The state before the first sample.
     fn start(&self) -> S;

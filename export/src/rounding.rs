@@ -1,4 +1,4 @@
-//! How far rounding can carry the control away from the reference.
+//! The deviation of the control from the reference by rounding.
 
 mod gains;
 mod single_precision;
@@ -20,7 +20,7 @@ pub use crate::tolerance::{LIKELY_BOUND_EXCEEDANCE, LIKELY_BOUND_FACTOR};
 /// Deviation of the control that rounding causes, predicted to first order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Deviation {
-    /// Where the step is linear but for its limiter: no sample deviates more than this, V, whatever the readings, as long as
+    /// If the step is linear but for its limiter: no sample deviates more than this, V, whatever the readings, as long as
     /// every number stays within its range and the limiter is inactive. With a friction observer, an estimator or a drive's
     /// curve the same sum with the derivatives at rest: a measure, not a bound. Never less than [`Deviation::likely_v`].
     pub worst_v: f64,
@@ -64,7 +64,7 @@ pub(crate) struct ExecutedOperation<'a> {
     pub written: f64,
 }
 
-/// What an operation rounds.
+/// The rounding of an operation.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct OperationRounding {
     /// The part that does not average out, with its sign.
@@ -73,7 +73,7 @@ pub(crate) struct OperationRounding {
     pub square: f64,
 }
 
-/// What an arithmetic must tell for its deviation to be predicted.
+/// The facts that an arithmetic must tell for its deviation to be predicted.
 pub(crate) trait Arithmetic {
     /// Returns the largest error of each operation of a step, then of each reading, whatever the readings.
     fn worst_errors(&self) -> Vec<f64>;

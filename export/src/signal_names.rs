@@ -1,4 +1,4 @@
-//! What the first two readings are called in the code of a loop of position, torque or current.
+//! The names of the first two readings in the code of a loop of position, torque or current.
 //!
 //! The code of a controller is generated with the names of a rate loop. Another loop runs the same operations on other
 //! quantities; its files have these quantities' names, units and meanings in place of the rates'.
@@ -7,10 +7,10 @@ use counterpoise_models::{AxisKind, ControlledQuantity, QuantityKind};
 
 use crate::File;
 
-/// What a quantity is called.
+/// The names of a quantity.
 struct Words {
     controlled: ControlledQuantity,
-    /// What of it is measured, after the quantity.
+    /// The part of it that is measured, after the quantity.
     of: &'static str,
     /// Name and definition of a unit that FMI units of a turning axis lack.
     definition: Option<(&'static str, &'static str)>,

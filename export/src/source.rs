@@ -1,7 +1,7 @@
-//! What may be exported: a verified controller, or one that says it is not.
+//! The source of an export: a verified controller, or one that says it is not.
 
 use counterpoise_controller::Controller;
-use counterpoise_verify::VerifiedController;
+use counterpoise_verify::{Verification, VerifiedController};
 
 /// A controller to be turned into code.
 #[derive(Debug, Clone, Copy)]
@@ -27,14 +27,11 @@ impl<'a> ExportSource<'a> {
         }
     }
 
-    /// Returns the line of the header that says whether the controller was verified.
-    pub(crate) fn line(&self) -> String {
+    /// Returns the verification that the controller passed through; `None` if it was not verified.
+    pub(crate) fn verification(&self) -> Option<&'a Verification> {
         match self {
-            ExportSource::Verified(verified) => {
-                let (hold, fail, open) = verified.verification().counts();
-                format!("verified: {hold} requirements hold, {fail} fail, {open} could not be judged")
-            }
-            ExportSource::Unverified(_) => "verified: NO. For tests and experiments only.".to_owned(),
+            ExportSource::Verified(verified) => Some(verified.verification()),
+            ExportSource::Unverified(_) => None,
         }
     }
 }

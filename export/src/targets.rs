@@ -1,4 +1,4 @@
-//! What smaller numbers cost: the controller in double, single and fixed point, side by side in the simulated loop.
+//! The cost of smaller numbers: the controller in double, single and fixed point, side by side in the simulated loop.
 
 use counterpoise_controller::{Controller, READINGS, Readings, SampledController};
 use counterpoise_models::plant::Plant;
@@ -32,7 +32,7 @@ pub struct TargetFigures {
     pub numbers: Numbers,
     /// Predicted deviation of the control from the reference for the same readings; exactly 0 for double.
     pub predicted: Deviation,
-    /// How far it was, for the readings of the verification's runs and at every setting of the out-of-balance at which a gain
+    /// The deviation that was measured, for the readings of the verification's runs and at every setting of the out-of-balance at which a gain
     /// has a corner, V: the runs that the prediction holds for.
     pub measured_v: f64,
     /// RMS of that difference in the run where it is largest, V.
@@ -261,7 +261,7 @@ impl Run {
     }
 }
 
-/// How far the control deviates from the reference in some numbers: what was predicted, and what was measured on recorded readings.
+/// The deviation of the control from the reference in some numbers: what was predicted, and what was measured on recorded readings.
 struct Deviations {
     numbers: Numbers,
     predicted: Deviation,

@@ -22,7 +22,7 @@ pub const MOST_DELAY_SAMPLES: f64 = 1e4;
 /// Most bristles of a joint of the plant's unit: each is computed in every step.
 pub const MOST_BRISTLES: f64 = 1e5;
 
-/// How many times smaller than a sum a summand must be, to be rounded to the sum's grid.
+/// Factor by which a summand must be smaller than a sum, to be rounded to the sum's grid.
 pub const SMALL_SUMMAND: f64 = 8.0;
 
 /// Share of the accumulator's range that the largest sum of a fixed-point operation may take: one percent is kept for the rounding of its summands,

@@ -18,7 +18,7 @@ use support::{
     write,
 };
 
-/// What a broken sensor or wire makes of a reading.
+/// The fault that a broken sensor or wire makes of a reading.
 const BROKEN: [f64; 9] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e9, -1e9, 1e300, -0.0, 1e-310, -3e-45];
 
 /// Irregular requests of which one reading in ten is broken, and one setting in three.

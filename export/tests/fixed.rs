@@ -97,7 +97,7 @@ fn the_typical_controller_in_single_precision_keeps_its_prediction() {
     assert!(rms < 3.0 * predicted.rms_v && rms > 0.1 * predicted.rms_v);
 }
 
-/// What became of a random controller in fixed point and in single precision.
+/// The outcome of a random controller in fixed point and in single precision.
 #[derive(Debug, Default)]
 struct Score {
     kept: usize,

@@ -23,7 +23,7 @@ const HOSTILE: [&str; 10] = [
     "\r\n*/\0",
 ];
 
-/// What could end a comment, open one, continue a line, or reach a template engine.
+/// The texts that could end a comment, open one, continue a line, or reach a template engine.
 const FORBIDDEN: [&str; 12] =
     ["*/", "/*", "\\", "??/", "\u{2028}", "\u{2029}", "\u{85}", "\r", "\0", "-->", "<script", "{{"];
 

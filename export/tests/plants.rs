@@ -27,7 +27,7 @@ use support::{STRICT, folder, is_there, provenance, run, write};
 
 /// Samples of a run.
 const SAMPLES: usize = 1000;
-/// How much shorter the C's shortest step is when it is refined; its tolerance is smaller by the square of that.
+/// Factor by which the C's shortest step is shorter when it is refined; its tolerance is smaller by the square of that.
 const REFINED: f64 = 8.0;
 /// Parts of a sample period that the refined simulator's longest step is one of.
 const PARTS: usize = 4;
@@ -45,7 +45,7 @@ struct Machine {
     control_v: f64,
 }
 
-/// What is compared: readings and truths, sample by sample.
+/// The signals that are compared: readings and truths, sample by sample.
 type Columns = Vec<[f64; COLUMNS]>;
 /// Readings and truths; the last one is the second accelerometer, 0 for a machine without one.
 const COLUMNS: usize = 9;

@@ -1,4 +1,4 @@
-//! How far a long campaign is, what is left of it, and what a larger one would cost on this machine.
+//! The progress of a long campaign, what is left of it, and what a larger one would cost on this machine.
 
 use std::io::IsTerminal;
 use std::sync::Mutex;

@@ -19,7 +19,7 @@ struct WatchState {
     has_ended: bool,
 }
 
-/// What the thread and its owner share.
+/// The state that the thread and its owner share.
 #[derive(Default)]
 struct SharedWatch {
     state: Mutex<WatchState>,

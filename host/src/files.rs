@@ -236,7 +236,7 @@ pub fn write_on(disk: &dyn Disk, path: &Path, content: &[u8]) -> io::Result<()> 
     Ok(())
 }
 
-/// What stands where a file is to be written.
+/// The present contents of the place to which a file is to be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Place {
     /// Nothing, or a file that can be replaced.

@@ -60,7 +60,7 @@ struct Writer {
     path: Option<PathBuf>,
     /// The journal's file, once it has been begun on disk.
     file: Option<File>,
-    /// What is not written yet; it starts with the header if there is no file.
+    /// The text that is not written yet; it starts with the header if there is no file.
     pending: String,
     syncer: Syncer,
     wake: WakeWindow,

@@ -1,4 +1,4 @@
-//! Where the studio keeps the journal of a project, and whether it holds edits that were never saved.
+//! The place of the studio's journal of a project, and whether it holds edits that were never saved.
 
 use std::fs;
 use std::io::{BufRead, BufReader};

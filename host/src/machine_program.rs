@@ -37,7 +37,7 @@ pub struct RunLimits {
     pub current_a: Option<f64>,
 }
 
-/// What a machine program is asked to do, as `request.json` holds it.
+/// The request to a machine program, as `request.json` holds it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MachineRequest {
     /// Version of the protocol.
@@ -60,21 +60,21 @@ pub struct MachineRequest {
     pub columns: Vec<String>,
 }
 
-/// What a machine program answers, as `answer.json` holds it.
+/// The answer of a machine program, as `answer.json` holds it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MachineAnswer {
     /// Version of the protocol.
     pub protocol: u32,
     /// Hash of the controller that ran.
     pub controller_hash: String,
-    /// How the run ended.
+    /// The end of the run.
     pub ended: RunEnd,
     /// Why, if it did not come to its end.
     #[serde(default)]
     pub reason: String,
 }
 
-/// How a run ended.
+/// The end of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RunEnd {

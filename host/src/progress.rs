@@ -43,7 +43,7 @@ impl SharedProgress {
 
 /// All processors; the work stops when its token says so.
 pub struct CancellablePool<'a> {
-    /// Whether to stop.
+    /// The request to stop.
     pub token: &'a CancelToken,
     /// Receiver of the progress.
     pub progress: &'a SharedProgress,

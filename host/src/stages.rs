@@ -1,4 +1,4 @@
-//! What each stage of the pipeline took.
+//! The time that each stage of the pipeline took.
 
 use std::sync::Mutex;
 use std::time::Instant;

@@ -1,4 +1,4 @@
-//! How long a diagnosis still takes, from how far it is and how long it took to come there.
+//! The time that a diagnosis still takes, from its progress and the time that it took so far.
 
 use crate::tolerance::EXTRAPOLATED_FROM_SHARE;
 use std::time::{Duration, Instant};

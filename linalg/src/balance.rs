@@ -14,7 +14,7 @@ pub struct BalancedMatrix {
     pub scale: Vec<f64>,
 }
 
-/// Which entries off the diagonal count as couplings of a state.
+/// The entries off the diagonal that count as couplings of a state.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Couplings {
     /// All of them: units may differ by any factor.

@@ -11,7 +11,7 @@ pub enum Error {
     /// A matrix has the wrong size for the equation.
     #[error("{what} is {rows} x {cols}, the equation needs {needed_rows} x {needed_cols}")]
     Shape {
-        /// Which matrix.
+        /// The matrix.
         what: &'static str,
         /// Rows it has.
         rows: usize,
@@ -25,7 +25,7 @@ pub enum Error {
     /// A matrix must be square.
     #[error("{what} must be square, it is {rows} x {cols}")]
     NotSquare {
-        /// Which matrix.
+        /// The matrix.
         what: &'static str,
         /// Rows it has.
         rows: usize,
@@ -35,7 +35,7 @@ pub enum Error {
     /// An entry is infinite or not a number.
     #[error("{what} has the entry {value} at row {row}, column {col}")]
     NotFinite {
-        /// Which matrix.
+        /// The matrix.
         what: &'static str,
         /// Row, from 0.
         row: usize,
@@ -47,7 +47,7 @@ pub enum Error {
     /// A matrix must be symmetric.
     #[error("{what} is not symmetric: the relative difference from its transpose is {relative:.1e}")]
     NotSymmetric {
-        /// Which matrix.
+        /// The matrix.
         what: &'static str,
         /// `norm(M - M') / norm(M)`.
         relative: f64,
@@ -55,7 +55,7 @@ pub enum Error {
     /// A matrix that must be inverted is singular to working precision.
     #[error("{what} is singular to working precision (reciprocal condition {rcond:.1e})")]
     Singular {
-        /// Which matrix.
+        /// The matrix.
         what: &'static str,
         /// Estimated reciprocal condition number.
         rcond: f64,
@@ -63,13 +63,13 @@ pub enum Error {
     /// A matrix must be positive definite.
     #[error("{what} is not positive definite")]
     NotPositiveDefinite {
-        /// Which matrix.
+        /// The matrix.
         what: &'static str,
     },
     /// A factored Lyapunov equation needs a stable matrix.
     #[error("{what} is not stable: it has the eigenvalue {eigenvalue}")]
     NotStable {
-        /// Which matrix.
+        /// The matrix.
         what: &'static str,
         /// The offending eigenvalue.
         eigenvalue: C64,
@@ -79,19 +79,19 @@ pub enum Error {
         "{equation} has no unique solution: the eigenvalues {first} and {second} meet (separation {separation:.1e})"
     )]
     CommonEigenvalue {
-        /// Which equation.
+        /// The equation.
         equation: &'static str,
         /// Eigenvalue of the first matrix.
         first: C64,
         /// Eigenvalue of the second matrix that it meets.
         second: C64,
-        /// What is left between them.
+        /// The gap that is left between them.
         separation: f64,
     },
     /// An iteration reached its limit.
     #[error("{what} did not converge within {limit} iterations")]
     NoConvergence {
-        /// Which iteration.
+        /// The iteration.
         what: &'static str,
         /// Limit.
         limit: usize,
@@ -99,7 +99,7 @@ pub enum Error {
     /// A large computation does not fit into memory.
     #[error("{what} with {rows} rows do not fit into memory: reduce the model before it is imported")]
     TooLarge {
-        /// What does not fit.
+        /// The argument that does not fit.
         what: &'static str,
         /// Rows of the matrix.
         rows: usize,
@@ -115,7 +115,7 @@ pub enum Error {
     /// The caller asked to stop.
     #[error("the computation was cancelled ({what})")]
     Cancelled {
-        /// What was being computed.
+        /// The result that was being computed.
         what: &'static str,
     },
     /// Two eigenvalues are too close to change places without spoiling the matrix.

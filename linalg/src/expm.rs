@@ -184,7 +184,7 @@ fn hold_integral(A: &Mat, B: &Mat) -> Result<(Mat, Mat), Error> {
 /// Source: Van Loan, IEEE Trans. Automat. Control 23 (1978). With `A = [A0 B0; 0 0]` this gives the exact sampled
 /// weights of a zero-order-hold design, cross terms included.
 ///
-/// Where `A h` is large the exponential of the block matrix grows with the unstable `-A'`; the interval is then halved
+/// If `A h` is large, the exponential of the block matrix grows with the unstable `-A'`; the interval is then halved
 /// until it is harmless and `W(2h) = W(h) + Phi(h)' W(h) Phi(h)` doubles it again.
 ///
 /// # Errors

@@ -79,7 +79,7 @@ impl ExtendedMatrix {
     }
 }
 
-/// Which entries of a product are computed.
+/// The entries of a product that are computed.
 #[derive(Clone, Copy)]
 enum Extent {
     Whole,

@@ -1,4 +1,4 @@
-//! How well a part of a spectrum and its invariant subspace are determined.
+//! The conditioning of a part of a spectrum and of its invariant subspace.
 
 use crate::error::Error;
 use crate::mat::Mat;

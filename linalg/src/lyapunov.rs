@@ -120,7 +120,7 @@ fn solve(A: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
     check_range("the solution of the Lyapunov equation", X)
 }
 
-/// How a solution compares with the data.
+/// The comparison of a solution with the data.
 enum Growth {
     /// It is of their size.
     Benign,

@@ -14,7 +14,7 @@ use crate::mat::Mat;
 pub struct RangeBasis {
     rows: usize,
     reflectors: Vec<Reflector>,
-    /// What turns the first rows after the reflections; orthogonal.
+    /// The matrix that turns the first rows after the reflections; orthogonal.
     top: Mat,
     rank: usize,
 }

@@ -1,4 +1,4 @@
-//! What an entry of a matrix can do, and the product of two matrices of such entries.
+//! The operations of an entry of a matrix, and the product of two matrices of such entries.
 
 use std::fmt;
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};

@@ -18,7 +18,7 @@ pub(crate) struct Spectrum {
     size: f64,
 }
 
-/// How the input acts on one mode, from the left eigenvector `v` of the mode.
+/// The action of the input on one mode, from the left eigenvector `v` of the mode.
 pub(crate) struct Reach {
     pub(crate) mode: C64,
     /// `norm(v'M)` relative to `norm(v)` and the norm of `M`: an upper bound of the distance from losing the mode.

@@ -8,7 +8,7 @@ use crate::mat::{C64, Mat};
 use crate::schur::{DiagonalBlock, Schur, blocks, schur};
 use crate::tolerance::EPS;
 
-/// Which of the two equations.
+/// The equation, of two.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Kind {
     /// `A X + X B = C`

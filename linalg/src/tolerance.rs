@@ -183,7 +183,7 @@ pub const SHIFTED_RESIDUAL_LARGEST: f64 = 1e-6;
 /// Iterations of the interior-point method allowed for a convex program: Clarabel's own default; most programs take 10 to 30.
 pub const CONE_PROGRAM_STEPS: u32 = 200;
 
-/// How far beside an eigenvalue its shape is sought, relative to it.
+/// Distance from an eigenvalue at which its shape is sought, relative to it.
 pub const RITZ_SHIFT_OFFSET: f64 = 1e-9;
 
 /// A pole whose distance from the imaginary axis is below this share of its size has no damping but rounding.
@@ -239,7 +239,7 @@ pub const DOUBLING_GROWING: f64 = 0.3;
 /// Above this relative correction the closed loop is computed anew before the next step.
 pub const NEWTON_STALE_LOOP: f64 = 1e-4;
 
-/// What a step below this share of the solution does to the residual is computed in working precision: its rounding errors are then below
+/// The change that a step below this share of the solution makes to the residual is computed in working precision: its rounding errors are then below
 /// 2^-80 of the norms, five digits below those of the solution's own entries.
 pub const NEWTON_SHORT_STEP: f64 = 1e-9;
 
@@ -292,7 +292,7 @@ pub const AXIS_ROUNDING: f64 = 1e3 * EPS;
 /// Moduli of eigenvalues below this share of the size of the data are those of zero: four digits above rounding.
 pub const VANISHED_MODULUS: f64 = 1e-12;
 
-/// How far equal approximations of eigenvalues of a pencil are moved apart, relatively: far enough for the iteration to separate them, near
+/// Distance by which equal approximations of eigenvalues of a pencil are moved apart, relatively: far enough for the iteration to separate them, near
 /// enough to stay close.
 pub const PENCIL_APART: f64 = 1e-4;
 

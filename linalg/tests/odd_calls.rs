@@ -42,7 +42,7 @@ fn mostly_symmetric_matrix(random: &mut RandomGenerator, n: usize) -> Mat {
     if M.is_square() && random.uniform() < 0.9 { &M + &M.t() } else { M }
 }
 
-/// What the routines are called with.
+/// The arguments that the routines are called with.
 struct Data {
     A: Mat,
     B: Mat,

@@ -164,7 +164,7 @@ fn bad_input_is_an_error() {
     assert!(dare(&A, &B, &A, &Mat::eye(2), None).is_err());
 }
 
-/// What a random problem looks like.
+/// The dimensions of a random problem.
 #[derive(Debug, Clone)]
 struct Case {
     seed: u64,

@@ -1,4 +1,4 @@
-//! What makes the L-infinity norm certain: values of the response computed with care, and levels that it does not reach.
+//! Certificates of the L-infinity norm: values of the response computed with care, and levels that it does not reach.
 
 use std::f64::consts::PI;
 

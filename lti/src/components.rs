@@ -1,4 +1,4 @@
-//! Which states act on which: a system made of blocks in series is block triangular, and is computed block by block.
+//! The dependence of states on each other: a system made of blocks in series is block triangular, and is computed block by block.
 //!
 //! An integrator behind a plant keeps its pole at exactly zero, and a slow weight its digits beside a fast structure.
 

@@ -1,4 +1,4 @@
-//! Where a resolved response crosses the real axis or a gain of one, and its limit at rest.
+//! The frequencies at which a resolved response crosses the real axis or a gain of one, and its limit at rest.
 
 use crate::C64;
 use crate::response::Point;

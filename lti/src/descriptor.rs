@@ -85,7 +85,7 @@ impl Descriptor {
     }
 }
 
-/// What is left of the system: E x' = A x + B\[0\] u + B\[1\] u' + ..., y = C x + D\[0\] u + D\[1\] u' + ...
+/// The rest of the system: E x' = A x + B\[0\] u + B\[1\] u' + ..., y = C x + D\[0\] u + D\[1\] u' + ...
 struct Pencil {
     E: TrackedMatrix,
     A: TrackedMatrix,

@@ -1,4 +1,4 @@
-//! What can be wrong with a request to this crate.
+//! The errors of a request to this crate.
 
 /// Every way in which a request to this crate can be refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -7,7 +7,7 @@ pub enum Error {
     /// Matrices whose sizes do not make a system, or two systems whose signals do not fit.
     #[error("{what}: {found:?} does not fit {expected:?}")]
     Shape {
-        /// Which matrix or connection.
+        /// The matrix or connection.
         what: &'static str,
         /// The shape that was given.
         found: (usize, usize),
@@ -17,13 +17,13 @@ pub enum Error {
     /// An entry that is NaN or infinite.
     #[error("{what} holds a number that is not finite")]
     NotFinite {
-        /// Which matrix.
+        /// The matrix.
         what: &'static str,
     },
     /// Two systems on different timebases, or an operation that needs the other kind of time.
     #[error("{what}: timebase {found} where {expected} is needed")]
     Timebase {
-        /// Which operation.
+        /// The operation.
         what: &'static str,
         /// The timebase that was given.
         found: String,
@@ -39,7 +39,7 @@ pub enum Error {
     /// A loop closed around a direct path that has no unique solution.
     #[error("{what}: the algebraic loop is singular (reciprocal condition {rcond:.1e})")]
     AlgebraicLoop {
-        /// Which connection.
+        /// The connection.
         what: &'static str,
         /// Reciprocal condition number of the loop matrix.
         rcond: f64,
@@ -57,7 +57,7 @@ pub enum Error {
     /// A system with one input and one output is needed.
     #[error("{what} needs one input and one output, not {inputs} and {outputs}")]
     NotSiso {
-        /// Which operation.
+        /// The operation.
         what: &'static str,
         /// Number of inputs that was given.
         inputs: usize,
@@ -67,7 +67,7 @@ pub enum Error {
     /// The question has no finite answer because of a pole.
     #[error("{what}: pole {re:.6e} {im:+.6e}i {problem}")]
     Pole {
-        /// Which operation.
+        /// The operation.
         what: &'static str,
         /// Real part of the pole.
         re: f64,
@@ -79,7 +79,7 @@ pub enum Error {
     /// More zeros than poles, complex roots without their conjugates, or a leading coefficient of zero.
     #[error("{what}: {problem}")]
     Rational {
-        /// Which operation.
+        /// The operation.
         what: &'static str,
         /// Description of the error.
         problem: &'static str,
@@ -87,7 +87,7 @@ pub enum Error {
     /// A number outside what the operation is defined for.
     #[error("{what} = {value} must be {allowed}")]
     Range {
-        /// Which argument.
+        /// The argument.
         what: &'static str,
         /// The value that was given.
         value: f64,
@@ -97,7 +97,7 @@ pub enum Error {
     /// A descriptor system whose constraints leave variables undetermined.
     #[error("s E - A is singular for every s: {equations} of its equations say nothing about the variables")]
     SingularPencil {
-        /// How many equations are left over.
+        /// Number of equations that are left over.
         equations: usize,
     },
     /// A descriptor system that differentiates its input.
@@ -105,9 +105,9 @@ pub enum Error {
         "output {output} contains derivative {derivative} of input {input} (both counted from 0): no proper system has this transfer function"
     )]
     Improper {
-        /// Which output, from 0.
+        /// The output, counted from 0.
         output: usize,
-        /// Which input, from 0.
+        /// The input, counted from 0.
         input: usize,
         /// Order of the derivative.
         derivative: usize,
@@ -115,9 +115,9 @@ pub enum Error {
     /// An iteration that reached its limit without its tolerance.
     #[error("{what} did not converge in {iterations} iterations (last change {change:.1e})")]
     NotConverged {
-        /// Which iteration.
+        /// The iteration.
         what: &'static str,
-        /// How many steps were taken.
+        /// Number of steps that were taken.
         iterations: usize,
         /// The last relative change.
         change: f64,
@@ -125,7 +125,7 @@ pub enum Error {
     /// A matrix computation was refused.
     #[error("{what}: {source}")]
     Matrix {
-        /// Which operation.
+        /// The operation.
         what: &'static str,
         /// The reason.
         source: counterpoise_linalg::Error,

@@ -2,7 +2,7 @@
 
 use crate::{C64, Mat};
 
-/// How many points are worked on side by side if there are many. A lane's numbers do not depend on how many others there are.
+/// Number of points that are worked on side by side if there are many. A lane's numbers do not depend on how many others there are.
 pub(crate) const LANES: usize = 8;
 
 /// One complex number for each point, real and imaginary parts apart so that the compiler vectorises.

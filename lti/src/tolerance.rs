@@ -1,6 +1,6 @@
 //! The numbers that decide in linear systems, in one place: what each decides, and why it has this size.
 //!
-//! Where a comment names no source, the number was set on the loops of `lti/tests` and on the reference rig's; the closed forms,
+//! If a comment names no source, the number was set on the loops of `lti/tests` and on the reference rig's; the closed forms,
 //! the benchmarks of the literature and the second methods of those tests hold with it.
 
 // ---- where the grid of a loop ends ----

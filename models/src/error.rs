@@ -17,11 +17,11 @@ pub enum Error {
     /// A parameter outside the range in which the mechanism makes sense.
     #[error("{parameter} is {value}: it {allowed}")]
     Parameter {
-        /// Which parameter, with its path.
+        /// The parameter, with its path.
         parameter: String,
         /// Value.
         value: f64,
-        /// What is required of it, as a phrase that follows "it": "must be above 0".
+        /// The requirement on it, as a phrase that follows "it": "must be above 0".
         allowed: Cow<'static, str>,
     },
     /// The structure is described neither as a beam nor as lumped inertias.
@@ -55,7 +55,7 @@ pub enum Error {
         "the stiffness matrix leaves more motions free than heave and pitch ({support} still moves without stress): hold the other directions in the finite-element package before the matrices are written"
     )]
     MovesFreely {
-        /// Which support was analysed.
+        /// The support that was analysed.
         support: &'static str,
     },
     /// A file of matrices that cannot be read.
@@ -63,7 +63,7 @@ pub enum Error {
     Import {
         /// Line, from 1.
         line: usize,
-        /// What is wrong there.
+        /// The problem there.
         what: String,
     },
     /// A matrix operation failed.

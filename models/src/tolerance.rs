@@ -82,7 +82,7 @@ pub(crate) const DEPENDENT_SHAPE: f64 = 1e-7;
 /// Damping ratio below which balanced shapes are sought with this one: what ranks lightly damped modes does not depend on a common ratio, and
 /// smaller ones cost digits.
 pub(crate) const LEAST_RATIO: f64 = 1e-3;
-/// Where proportional damping has its second frequency, relative to the lowest mode: between, the ratio stays above a third of the one given.
+/// Second frequency of proportional damping, relative to the lowest mode: between, the ratio stays above a third of the one given.
 pub(crate) const RAYLEIGH_SPAN: f64 = 30.0;
 
 /// A step of the iteration for the Gramians that contributes less than this share is idle: shapes need fewer digits than Hankel values.

@@ -1,4 +1,4 @@
-//! What can be wrong between two axes.
+//! The contradictions between two axes.
 
 /// Why two axes do not fit together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

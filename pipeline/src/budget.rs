@@ -1,4 +1,4 @@
-//! What a run takes, estimated before anything is allocated.
+//! The memory that a run takes, estimated before anything is allocated.
 
 use crate::PipelineError;
 use crate::tolerance::MOST_BYTES;

@@ -1,4 +1,4 @@
-//! What certifies a design: residuals of its equations, costs predicted and found, and the poles of the sampled loop.
+//! The certificates of a design: residuals of its equations, costs predicted and found, and the poles of the sampled loop.
 
 use counterpoise_synth::{Cost, DisturbanceChannel, Equation, Feedforward, Part, PartCertificates};
 use counterpoise_verify::Verification;
@@ -10,15 +10,15 @@ use crate::tolerance::SOLVED_RESIDUAL;
 /// A number that certifies the design, with whether it is as it must be.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Certificate {
-    /// What was computed.
+    /// The quantity that was computed.
     pub quantity: CertifiedQuantity,
     /// Its value.
     pub value: f64,
-    /// Whether the value is within its limit.
+    /// `true` if the value is within its limit.
     pub holds: bool,
 }
 
-/// What a number that certifies a design is.
+/// The kind of a number that certifies a design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CertifiedQuantity {
     /// The residual of an equation, relative to its terms.

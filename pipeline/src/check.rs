@@ -1,4 +1,4 @@
-//! How a project file was read, and which values are assumed.
+//! The reading of a project file, and the values that are assumed.
 
 use counterpoise_diagnose::learning::reading::{ReadElement, read_elements};
 use counterpoise_models::AxisKind;
@@ -16,7 +16,7 @@ use crate::studies::sweep::campaign_is_stated;
 use crate::wording::serialisation::write_check_problems;
 use crate::{PipelineError, PlantModel, build_plant_model, choose_weights, reduce_plant, synthesise};
 
-/// How a project file was read, and which values are assumed.
+/// The reading of a project file, and the values that are assumed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CheckResult {
     /// The file.
@@ -33,14 +33,14 @@ pub struct CheckResult {
     pub sections: Vec<SectionStatement>,
     /// Values with tolerances.
     pub tolerances: Vec<KeyTolerance>,
-    /// What is assumed because the file does not state it.
+    /// The values that are assumed because the file does not state it.
     pub assumptions: Vec<Assumption>,
-    /// How much the assumptions with a usual range matter, the largest effect first; empty without a design.
+    /// The effects of the assumptions with a usual range, the largest effect first; empty without a design.
     pub effects: Vec<AssumptionEffect>,
     /// Why the plant cannot be built, or why there is no design by which assumptions could be judged; serialised as sentences.
     #[serde(serialize_with = "write_check_problems")]
     pub problems: Vec<CheckProblem>,
-    /// What is allowed but likely to be a mistake.
+    /// The entries that are allowed but likely to be mistakes.
     pub warnings: Vec<Diagnostic>,
     /// The commands for which the file has all sections.
     pub commands: Vec<&'static str>,
@@ -49,7 +49,7 @@ pub struct CheckResult {
 /// The plant in a few numbers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PlantOverview {
-    /// Whether it slides: it then has kg for kg m^2 and for kg m.
+    /// `true` if it slides: it then has kg for kg m^2 and for kg m.
     #[serde(skip)]
     pub is_sliding: bool,
     /// Order of the linear plant.
@@ -120,12 +120,12 @@ pub fn check_project(document: &Document, parsed: &ParsedProject, systems: LoopS
     }
 }
 
-/// What a file leaves open, and how much it matters.
+/// The values that a file leaves open, and how much they matter.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RankedAssumptions {
     /// All assumptions, those of the design included.
     pub assumptions: Vec<Assumption>,
-    /// How much those of the plant matter that have a usual range, the largest effect first: what is first is worth measuring next.
+    /// The effects of those of the plant that have a usual range, the largest effect first: what is first is worth measuring next.
     pub effects: Vec<AssumptionEffect>,
     /// The loop at the assumed values, from which effects are counted; `None` without effects, or if the systems are left out.
     pub assumed_loop: Option<VerifiedLoop>,

@@ -1,6 +1,6 @@
-//! What can be in the way of a check.
+//! The problems that prevent a check.
 
-/// What is in the way of a check.
+/// A problem that prevents a check.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum CheckProblem {
     /// The plant cannot be built.

@@ -145,7 +145,7 @@ pub fn run_stages(project: &Project, world: &dyn World) -> Result<DesignStages, 
     made.export(project, world, verified?, stability?)
 }
 
-/// What the stages up to the sampled controller made, and what its verification will do to the mechanism.
+/// The results of the stages up to the sampled controller, and what its verification will do to the mechanism.
 struct SampledDesign {
     modelled: PlantModel,
     reduced: ReducedPlant,
@@ -232,7 +232,7 @@ impl SampledDesign {
     }
 }
 
-/// What is computed of a sampled design side by side.
+/// The results that are computed of a sampled design side by side.
 struct StudiedDesign {
     verified: VerifiedController,
     stability: StabilityCertificate,

@@ -105,7 +105,7 @@ pub enum PipelineError {
     Configuration {
         /// Requested name.
         name: String,
-        /// What there is.
+        /// The names that exist.
         known: String,
     },
     /// A run that would take more memory than any usual machine has to spare.
@@ -170,7 +170,7 @@ pub enum PipelineError {
     Reduction {
         /// The method.
         method: &'static str,
-        /// What is wrong, and what to do.
+        /// The problem, and what to do.
         problem: String,
     },
     /// Weights that make no solvable problem, every reason.
@@ -229,7 +229,7 @@ pub enum PipelineError {
     NothingToReplay {
         /// Name of the recording.
         recording: String,
-        /// What was found in it.
+        /// The remarks about it.
         remarks: Vec<ColumnRemark>,
     },
     /// The model cannot replay a recording.

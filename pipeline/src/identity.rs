@@ -1,4 +1,4 @@
-//! Which project a result belongs to.
+//! The project that a result belongs to.
 
 use counterpoise_project::Project;
 

@@ -28,11 +28,11 @@ pub struct PlaneCurve {
 /// A margin, at the point of L where it is read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MarginPoint {
-    /// Which margin.
+    /// The margin.
     pub kind: MarginKind,
     /// Its size, dB or degrees.
     pub size: f64,
-    /// Where it is read, Hz.
+    /// The frequency at which it is read, Hz.
     pub frequency_hz: f64,
     /// The point.
     pub place: PlaneCurve,
@@ -62,7 +62,7 @@ pub struct LoopPlane {
     pub largest_sensitivity: f64,
     /// The same, dB.
     pub largest_sensitivity_db: f64,
-    /// Where the sensitivity has that value.
+    /// The frequency at which the sensitivity has that value.
     pub outline: PlaneCurve,
     /// The disk of the disk margin that the loop touches, by the size of that margin; `None` if it is no disk.
     pub disk: Option<PlaneCurve>,

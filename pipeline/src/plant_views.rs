@@ -1,4 +1,4 @@
-//! What a reader wants to see of a plant: the modes of its structure, and its friction at motor and pivot.
+//! The views of a plant for a reader: the modes of its structure, and its friction at motor and pivot.
 
 use counterpoise_diagnose::learning::reading::{ReadElement, read_elements};
 use counterpoise_models::friction::FrictionModel;

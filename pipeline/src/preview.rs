@@ -327,7 +327,7 @@ fn close_loops(
     Ok(loops)
 }
 
-/// What the responses are computed from.
+/// The systems that the responses are computed from.
 struct Responses<'a> {
     project: &'a Project,
     sampled: &'a SampledViews,

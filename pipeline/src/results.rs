@@ -59,7 +59,7 @@ pub struct ModelResult {
     pub name: String,
     /// Order of the linear plant.
     pub order: usize,
-    /// What each state is.
+    /// The name of each state.
     pub states: Vec<String>,
     /// Poles of the linear plant, rad/s.
     pub poles_rad_s: Vec<ComplexPair>,
@@ -67,15 +67,15 @@ pub struct ModelResult {
     pub holding_v: f64,
     /// First moment of mass about the pivot, kg m.
     pub out_of_balance_kg_m: f64,
-    /// How the holding control is found.
+    /// The way in which the holding control is found.
     pub balance: BalanceResult,
     /// The linear plant.
     pub plant: SystemResult,
     /// Hub rate for each input.
     pub responses: Vec<ResponseResult>,
-    /// What is assumed because the project file does not state it; empty unless the file's reader handed it in.
+    /// The values that are assumed because the project file does not state it; empty unless the file's reader handed it in.
     pub assumptions: Vec<Assumption>,
-    /// What the loop loses or gains if an assumption is wrong by its usual range, the largest effect first; empty if there is no design.
+    /// The loss or gain of the loop if an assumption is wrong by its usual range, the largest effect first; empty if there is no design.
     pub assumption_effects: Vec<AssumptionEffect>,
     /// The loop at the assumed values, from which effects are counted; absent if there are none.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -104,7 +104,7 @@ pub struct ReduceResult {
     pub bound: Option<f64>,
     /// Largest error as measured, and its frequency in rad/s.
     pub error: Option<ComplexPair>,
-    /// What a designer should know; serialised as sentences.
+    /// The notes for the designer; serialised as sentences.
     #[serde(serialize_with = "write_reduction_warnings")]
     pub warnings: Vec<Warning>,
     /// The plant before the reduction.
@@ -135,7 +135,7 @@ pub struct SynthResult {
     /// The largest rate that a loop of position demands, and why, serialised as a sentence; absent for a loop of rate.
     #[serde(skip_serializing_if = "Option::is_none", serialize_with = "write_demanded_rate")]
     pub demanded_rate: Option<DemandedRate>,
-    /// What a designer should know; serialised as sentences.
+    /// The notes for the designer; serialised as sentences.
     #[serde(serialize_with = "write_design_findings")]
     pub warnings: Vec<DesignFinding>,
     /// The design plant with sensor and delay: the measured rate, then every true output.
@@ -172,7 +172,7 @@ pub struct FigureResult {
     pub value: Option<f64>,
     /// Unit.
     pub unit: &'static str,
-    /// Whether it is linear, or nonlinear at which amplitude.
+    /// The basis: linear, or nonlinear with its amplitude.
     pub basis: String,
 }
 
@@ -181,7 +181,7 @@ pub struct FigureResult {
 pub struct VerdictResult {
     /// Key of the figure.
     pub figure: String,
-    /// Whether the figure is linear, or nonlinear at which amplitude.
+    /// The basis of the figure: linear, or nonlinear with its amplitude.
     pub basis: String,
     /// `holds`, `fails` or `not applicable`.
     pub verdict: &'static str,
@@ -193,7 +193,7 @@ pub struct VerdictResult {
     pub limit_side: &'static str,
     /// Why it is not applicable.
     pub why: Option<String>,
-    /// Where the requirement comes from, as the project file states it; empty if it does not.
+    /// The origin of the requirement, as the project file states it; empty if it does not.
     pub source: String,
     /// The run that judged it.
     pub judged_by: String,
@@ -206,7 +206,7 @@ pub struct VerdictResult {
 pub struct VerifyResult {
     /// Name and version of the schema.
     pub schema: &'static str,
-    /// Whether no requirement fails and the loop is stable.
+    /// `true` if no requirement fails and the loop is stable.
     pub passes: bool,
     /// Verdicts, in the order of the project file.
     pub verdicts: Vec<VerdictResult>,
@@ -218,16 +218,16 @@ pub struct VerifyResult {
     /// Trials of the project's adaptation; absent if it has none or they were not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub adaptation_trials: Option<AdaptationTrials>,
-    /// How the line of sight is judged; absent if it was not asked.
+    /// The options by which the line of sight is judged; absent if it was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sight_procedure: Option<SightProcedureResult>,
-    /// What the error of the line of sight is made of; absent if it was not asked.
+    /// The contributions to the error of the line of sight; absent if it was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_budget: Option<ErrorBudgetResult>,
     /// The traverse axis alone, and both axes together; absent if the project has no traverse axis.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub two_axes: Option<TwoAxesResult>,
-    /// What the linear figures are measured on.
+    /// The systems that the linear figures are measured on.
     #[serde(flatten)]
     pub measured_on: VerifiedLoop,
     /// Frequency responses.
@@ -242,7 +242,7 @@ pub struct VerifyResult {
 pub struct TwoAxesResult {
     /// Name of the traverse axis' machine.
     pub name: String,
-    /// Whether no requirement of the traverse axis or of both axes fails.
+    /// `true` if no requirement of the traverse axis or of both axes fails.
     pub passes: bool,
     /// The verification of the traverse axis alone.
     pub traverse: Box<VerifyResult>,
@@ -300,11 +300,11 @@ impl VerifyResult {
 /// A number that certifies a design.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DesignCertificateResult {
-    /// What was computed.
+    /// The quantity that was computed.
     pub name: String,
     /// Its value.
     pub value: f64,
-    /// Whether it is within its limit.
+    /// `true` if it is within its limit.
     pub holds: bool,
 }
 
@@ -321,7 +321,7 @@ pub struct DesignResult {
     pub synth: SynthResult,
     /// The verification.
     pub verify: VerifyResult,
-    /// What each weight asks for, in words.
+    /// The demand of each weight, in words.
     pub weights_in_words: Vec<String>,
     /// Residuals, costs and poles that certify the design.
     pub certificates: Vec<DesignCertificateResult>,
@@ -340,7 +340,7 @@ pub struct DesignResult {
 pub struct ChannelResult {
     /// RMS error.
     pub rms_error: f64,
-    /// What noise and quantisation leave of a perfect model, RMS.
+    /// The residual of a perfect model under noise and quantisation, RMS.
     pub floor: f64,
     /// RMS error over the noise floor; not part of the JSON, whose reader divides.
     #[serde(skip)]
@@ -361,17 +361,17 @@ pub struct RecordingResult {
     /// Length of a window, s.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub window_s: Option<f64>,
-    /// What replay over the whole length left, where the recording was followed over windows.
+    /// The residuals of the replay over the whole length, where the recording was followed over windows.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub free: BTreeMap<&'static str, ChannelResult>,
-    /// How far two runs of the model itself diverge over the whole length.
+    /// The divergence of two runs of the model itself over the whole length.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub parting: Option<PartingResult>,
-    /// What was found about the recording itself.
+    /// The remarks about the recording itself.
     pub remarks: Vec<String>,
 }
 
-/// How far two runs of one model diverge that differ in noise and in the unknown part of their initial state.
+/// The divergence of two runs of one model that differ in noise and in the unknown part of their initial state.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct PartingResult {
     /// The channel in which they diverge most.

@@ -99,7 +99,7 @@ fn shape_column(
     Ok(from_rest(&scaled, period, source.fade_s))
 }
 
-/// Which part of a column is taken.
+/// The part of a column that is taken.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Stretch {
     /// Frequency above which motion is removed, Hz; `None` leaves it.

@@ -21,7 +21,7 @@ pub struct SightView {
     pub sources: Vec<SourceView>,
 }
 
-/// What one source does to the line of sight at a place.
+/// The effect of one source on the line of sight at a place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SourceView {
     /// Name of the source.

@@ -1,6 +1,6 @@
 //! The open parameters of a feedback of fixed structure, or the weights of the H2 feedback: tuned for the project's own motion, friction and noise.
 //!
-//! What acts on the loop is estimated: the nonlinear closed loop with the file's H2 feedback and its feedforwards moves as the
+//! The motions that act on the loop are estimated: the nonlinear closed loop with the file's H2 feedback and its feedforwards moves as the
 //! project says (its road, or its sines), and the spectrum of the hub rate over |S|^2 of that loop is the disturbance at the output that any
 //! other feedback would meet. It holds what the feedforwards leave and what friction adds.
 

@@ -175,7 +175,7 @@ fn joint_procedure(
     })
 }
 
-/// What tells the seed of the traverse axis' noise from that of the elevation axis where both files have the same.
+/// The number that tells the seed of the traverse axis' noise from that of the elevation axis where both files have the same.
 const TRAVERSE_NOISE: u64 = 1 << 40;
 
 /// Motion of the base in samples.

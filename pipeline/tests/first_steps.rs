@@ -1,4 +1,4 @@
-//! What a first design makes of a step of the demand that the project does not state, of a sensor's delay and of tolerances.
+//! The response of a first design to a step of the demand that the project does not state, of a sensor's delay and of tolerances.
 
 use counterpoise_controller::Controller;
 use counterpoise_pipeline::first_design::ChosenWeights;

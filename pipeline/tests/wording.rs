@@ -1,4 +1,4 @@
-//! What a reader is told about weights and requirements.
+//! The words about weights and requirements.
 
 use counterpoise_pipeline::wording::weights::describe_weight;
 use counterpoise_synth::Weight;

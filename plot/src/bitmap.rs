@@ -23,7 +23,7 @@ use crate::theme::{Role, Theme};
 const OVERSAMPLING: usize = 3;
 /// Limits of the scale: below, text cannot be read; above, a figure takes more than a gigabyte while it is drawn.
 const SCALES: (f64, f64) = (0.5, 6.0);
-/// How much wider bold letters' stems are, as a part of the font's size.
+/// Additional width of the stems of bold letters, as a part of the font's size.
 const BOLD: f64 = 0.05;
 
 /// A picture in memory.
@@ -146,7 +146,7 @@ impl<'a> Brush<'a> {
     }
 }
 
-/// How lines end.
+/// The ends of lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Caps {
     Flat,

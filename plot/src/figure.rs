@@ -1,4 +1,4 @@
-//! What a figure is made of.
+//! The parts of a figure.
 
 use ndarray::{Array2, ArrayView1};
 
@@ -33,7 +33,7 @@ pub struct Panels {
     pub x: Axis,
     /// From top to bottom.
     pub panels: Vec<Panel>,
-    /// Whether the lengths of the two axes can be compared.
+    /// The relation of the lengths of the two axes.
     pub aspect: Aspect,
 }
 
@@ -154,38 +154,38 @@ pub struct Band {
 pub enum Mark {
     /// A ring about a point.
     Point {
-        /// Where along x.
+        /// Place along x.
         x: f64,
-        /// Where along y.
+        /// Place along y.
         y: f64,
-        /// What it is; empty for no entry in the legend.
+        /// Text in the legend; empty for no entry in the legend.
         text: String,
         /// Colour.
         colour: Colour,
     },
     /// A cross at a point.
     Cross {
-        /// Where along x.
+        /// Place along x.
         x: f64,
-        /// Where along y.
+        /// Place along y.
         y: f64,
-        /// What it is; empty for no entry in the legend.
+        /// Text in the legend; empty for no entry in the legend.
         text: String,
         /// Colour.
         colour: Colour,
     },
     /// A thin line across the panel at a height.
     Level {
-        /// Where along y.
+        /// Place along y.
         y: f64,
-        /// What it is; empty for no entry in the legend.
+        /// Text in the legend; empty for no entry in the legend.
         text: String,
     },
     /// A thin line down the panel.
     Instant {
-        /// Where along x.
+        /// Place along x.
         x: f64,
-        /// What it is; empty for no entry in the legend.
+        /// Text in the legend; empty for no entry in the legend.
         text: String,
     },
 }

@@ -13,13 +13,13 @@ use crate::ink::Ink;
 const BYTES: &[u8] = include_bytes!("../fonts/DejaVuSans.subset.ttf");
 /// Units of the font in the height of its letters' square.
 const UNITS: f32 = 2048.0;
-/// How far letters reach above and below the base line, as parts of the font's size.
+/// Heights to which letters reach above and below the base line, as parts of the font's size.
 const ASCENT: f64 = 0.8;
 const DESCENT: f64 = 0.22;
 /// Height of the middle of digits and capital letters above the base line, as a part of the font's size.
 const MIDDLE: f64 = 0.36;
 
-/// How a line of text lies on a picture: where its base line starts, its size, and its direction.
+/// Position of a line of text on a picture: the start of its base line, its size, and its direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Placement {
     /// Start of the base line.
@@ -30,7 +30,7 @@ pub(crate) struct Placement {
     pub direction: (f64, f64),
 }
 
-/// How the text of a style lies about its anchor.
+/// Position of the text of a style about its anchor.
 #[derive(Clone, Copy)]
 pub(crate) struct TextLayout {
     /// Ink of the text.

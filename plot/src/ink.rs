@@ -1,4 +1,4 @@
-//! What is drawn with what: each kind of line, area and text has one appearance.
+//! The appearance of what is drawn: each kind of line, area and text has one appearance.
 //!
 //! Plotters knows colours, not classes. A drawing therefore names its inks by colours that are numbers of [`Ink`]s, and the
 //! backends look them up: as CSS classes, as attributes, or as colours of a theme.
@@ -35,7 +35,7 @@ pub(crate) enum Ink {
     Guide,
     /// A cell of a heat map; its strength is the opacity.
     Cell,
-    /// What covers the cells of a row.
+    /// The area that covers the cells of a row.
     Cover,
     /// The frame of a cell that is pointed out.
     CellFrame,
@@ -47,7 +47,7 @@ pub(crate) enum Ink {
     Band(Colour),
 }
 
-/// How an ink looks. Lengths are pixels of the figure.
+/// The appearance of an ink. Lengths are pixels of the figure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Appearance {
     /// The colour of lines, if there are any.

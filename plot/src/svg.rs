@@ -69,7 +69,7 @@ fn opening_tag(figure: &Figure, width: u32, height: u32, paint: Paint) -> String
     )
 }
 
-/// How an element gets its colours.
+/// The way in which an element gets its colours.
 #[derive(Debug, Clone, Copy)]
 enum Paint {
     /// From the classes of the page's style.

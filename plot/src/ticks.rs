@@ -1,4 +1,4 @@
-//! Where an axis has its ticks, and what they say.
+//! The places of an axis' ticks, and their labels.
 //!
 //! One algorithm for every axis of the product: pages, exported pictures and the window. Each function takes the range of the
 //! axis and the number of intervals for which there is room.
@@ -16,7 +16,7 @@ const SHORT_DECADES: std::ops::RangeInclusive<i32> = -3..=4;
 pub struct Tick {
     /// Position, in the unit of the axis.
     pub value: f64,
-    /// What it says.
+    /// The label.
     pub text: String,
 }
 

@@ -1,4 +1,4 @@
-//! What a file leaves open: values that are assumed, and how far values may lie from what is written.
+//! The values that a file leaves open: values that are assumed, and how far values may lie from what is written.
 
 use crate::file::SettingValue;
 use serde::Serialize;

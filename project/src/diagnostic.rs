@@ -55,11 +55,11 @@ pub struct Diagnostic {
     pub column: usize,
     /// Path of the key, as in `plant.beam.section[0].from` (items count from 0); empty for the file as a whole.
     pub path: String,
-    /// What was read, where it says something.
+    /// The text that was read, if it says something.
     pub found: Option<String>,
     /// Allowed values, or a description of the error.
     pub allowed: String,
-    /// What to do.
+    /// The remedy.
     pub hint: Option<String>,
 }
 

@@ -7,7 +7,7 @@ use counterpoise_project::unit::{read_quantity, rewrite_quantity};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-/// What is written, the unit of the key, and the value in it (NIST SP 811, SI brochure).
+/// The text that is written, the unit of the key, and the value in it (NIST SP 811, SI brochure).
 const CONVERSIONS: &[(&str, &str, f64)] = &[
     ("1500 mm", "m", 1.5),
     ("12 cm", "m", 0.12),

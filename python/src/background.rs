@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 
 use crate::failures::exception;
 
-/// How often the interpreter is asked whether Ctrl+C was pressed.
+/// Interval at which the interpreter is asked whether Ctrl+C was pressed.
 const LISTEN: Duration = Duration::from_millis(50);
 /// Stack of the working thread: as the main thread of a program has it.
 const STACK: usize = 8 << 20;

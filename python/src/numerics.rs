@@ -25,7 +25,7 @@ type ArrayObject<'py> = Bound<'py, PyArray2<f64>>;
 /// Matrices, Hankel values, bound, measured error.
 type ReductionTuple<'py> = ([ArrayObject<'py>; 4], Vec<f64>, Option<f64>, f64);
 
-/// Which of two equations is meant.
+/// The equation that is meant, of two.
 #[pyclass(eq, from_py_object, module = "counterpoise._native")]
 #[derive(Clone, Copy, PartialEq)]
 pub enum Time {
@@ -35,7 +35,7 @@ pub enum Time {
     Discrete,
 }
 
-/// Where a reduced system is exact.
+/// The frequency at which a reduced system is exact.
 #[pyclass(eq, from_py_object, module = "counterpoise._native")]
 #[derive(Clone, Copy, PartialEq)]
 pub enum Kept {

@@ -6,9 +6,7 @@ use anyhow::Context;
 use counterpoise_host::code_files;
 use counterpoise_host::projects::{self, ProjectOnDisk};
 use counterpoise_pipeline::exchange::ControllerResult;
-use counterpoise_pipeline::recordings::diagnose::diagnose;
-use counterpoise_pipeline::recordings::read::{GapTreatment, loop_of, read_files, recording_controller};
-use counterpoise_pipeline::recordings::replay::{ReplayLength, replay};
+use counterpoise_pipeline::recordings::{ProjectReplayer, ReplaySettings, diagnose};
 use counterpoise_pipeline::results::{DesignResult, ModelResult, ReduceResult, ReplayResult, SynthResult};
 use counterpoise_pipeline::{self as pipeline, ProjectIdentity, design_project, run_stages, study_synthesis};
 use counterpoise_project::{Attachments, Document, Purpose, SettingValue};
@@ -89,12 +87,12 @@ impl NativeProject {
         self.document.text()
     }
 
-    /// What stands at a path of keys as it is written; `None` if nothing is there.
+    /// Returns the text at a path of keys as it is written; `None` if nothing is there.
     fn source_text(&self, key: &str) -> Option<String> {
         self.document.source_text_at(key)
     }
 
-    /// Whether a text, quoted, stands at a path of keys.
+    /// Returns whether a text, quoted, stands at a path of keys.
     fn is_text(&self, key: &str) -> bool {
         self.document.is_text(key)
     }
@@ -201,12 +199,10 @@ impl NativeProject {
             let loaded = project.load_for(Purpose::Replay)?;
             let files = projects::read_recordings(&recordings)?;
             let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
-            let controller = recording_controller(&loaded.project).map_err(refused)?;
-            let read = read_files(&loaded.project, controller.as_ref(), &files, GapTreatment::Repaired)
-                .map_err(refused)?;
-            let control = loop_of(&loaded.project, controller.as_ref());
-            let replayed =
-                replay(&loaded.project, &read, &control, ReplayLength::Automatic).map_err(refused)?;
+            let replayer =
+                ProjectReplayer::new(&loaded.project, ReplaySettings::default()).map_err(refused)?;
+            let read = replayer.read_files(&files).map_err(refused)?;
+            let replayed = replayer.replay(&read).map_err(refused)?;
             Ok(ReplayResult { recordings: replayed.iter().map(describe_replay).collect() })
         })
     }

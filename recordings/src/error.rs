@@ -1,4 +1,4 @@
-//! What can be wrong with a recording.
+//! The errors of recordings.
 
 use crate::UnreadReason;
 
@@ -11,9 +11,9 @@ pub enum Error {
     Unreadable {
         /// The file.
         file: String,
-        /// What it seems to be.
+        /// The format that it seems to have.
         kind: &'static str,
-        /// What the reader says.
+        /// The message of the reader.
         why: String,
     },
     /// The first bytes are neither text nor those of a format that is read.
@@ -49,7 +49,7 @@ pub enum Error {
         file: String,
         /// The column.
         column: String,
-        /// What the reader says.
+        /// The message of the reader.
         why: String,
     },
     /// A CSV file whose first row holds numbers.
@@ -76,7 +76,7 @@ pub enum Error {
         line: u64,
         /// Name of the column.
         column: String,
-        /// What stands there.
+        /// The text that stands there.
         value: String,
     },
     /// A row with more or fewer cells than the header.

@@ -6,7 +6,7 @@
 //!
 //! *Invariant*: nothing here knows a model of the machine, a path or a file system: bytes are handed in.
 //!
-//! Modules in reading order: [`unit`](mod@unit) and [`channel`] (what is measured), [`table`] (columns as written, from the decoders in
+//! Modules in reading order: [`unit`](mod@unit) (with the table of units by name) and [`channel`] (what is measured), [`table`] (columns as written, from the decoders in
 //! `decode`), [`mapping`] (which column is which channel, with `shaping`, `checks` and `time_unit`), [`clock`] (uniform time), [`signals`] (one array with named columns), [`recording`], [`error`], [`remark`].
 //!
 //! ```

@@ -1,4 +1,4 @@
-//! Which column of a file is which channel of the mechanism, and how its numbers become the channel's.
+//! The assignment of a file's columns to the mechanism's channels, and the conversion of their numbers.
 
 use crate::time_unit::doubtful_unit;
 use ndarray::{Array1, Array2, ArrayViewMut1};
@@ -281,7 +281,7 @@ fn limit_remarks(mut remarks: Vec<Remark>) -> Vec<Remark> {
     remarks
 }
 
-/// What a column is wanted for.
+/// The purpose that a column is wanted for.
 struct ColumnPurpose {
     /// Name of the channel, for messages.
     channel: &'static str,

@@ -9,7 +9,7 @@ pub enum UnreadReason {
     /// The column holds something else than real numbers.
     #[error("it holds {holds}, not real numbers")]
     Type {
-        /// What it holds, in the plural.
+        /// The contents, in the plural.
         holds: String,
     },
     /// The column has another length than the columns that were read.
@@ -29,7 +29,7 @@ pub enum UnreadReason {
     /// The values cannot be decoded.
     #[error("it cannot be decoded: {why}")]
     Undecodable {
-        /// What the reader says.
+        /// The message of the reader.
         why: String,
     },
 }

@@ -1,4 +1,4 @@
-//! What is made of a column beyond a factor and an offset: unrolled counters, slopes, another clock, another rate.
+//! Operations on a column beyond a factor and an offset: unrolled counters, slopes, another clock, another rate.
 
 use crate::tolerance::SAME_PLACE_SAMPLES;
 use crate::tolerance::WINDOW_SHIFT_SAMPLES;
@@ -84,7 +84,7 @@ fn interpolate_samples(known: &[Sample], t: f64) -> f64 {
     }
 }
 
-/// How the samples of a channel are put on another clock.
+/// The way in which the samples of a channel are put on another clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Resampling {
     /// A value that holds until the next one: averaged over the new sample that it is held for.

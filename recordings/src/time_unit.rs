@@ -1,4 +1,4 @@
-//! Whether time has the unit that it seems to have.
+//! Check of the unit that time seems to have.
 
 use crate::tolerance::{FAR_FROM_PERIOD, MATCHES_PERIOD};
 

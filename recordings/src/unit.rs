@@ -1,4 +1,8 @@
-//! Units as headers write them: products and quotients of named units with prefixes, to SI.
+//! Units as headers write them: products and quotients of named units with prefixes, to SI. [`table`] has the units by name.
+
+pub mod table;
+
+use table::{BASES, NamedUnit, UnitMeaning, find_named_unit};
 
 /// A unit: its size in SI, and its dimensions.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -8,47 +12,6 @@ pub struct Unit {
     /// Exponents of metre, kilogram, second, ampere, radian, kelvin.
     pub dimension: [i32; 6],
 }
-
-/// Name, size and dimensions of a unit that takes prefixes.
-const PREFIXED: &[(&str, f64, [i32; 6])] = &[
-    ("rad", 1.0, [0, 0, 0, 0, 1, 0]),
-    ("ohm", 1.0, [2, 1, -3, -2, 0, 0]),
-    ("Hz", 1.0, [0, 0, -1, 0, 0, 0]),
-    ("Pa", 1.0, [-1, 1, -2, 0, 0, 0]),
-    ("m", 1.0, [1, 0, 0, 0, 0, 0]),
-    ("s", 1.0, [0, 0, 1, 0, 0, 0]),
-    ("A", 1.0, [0, 0, 0, 1, 0, 0]),
-    ("V", 1.0, [2, 1, -3, -1, 0, 0]),
-    ("N", 1.0, [1, 1, -2, 0, 0, 0]),
-    ("W", 1.0, [2, 1, -3, 0, 0, 0]),
-    ("H", 1.0, [2, 1, -2, -2, 0, 0]),
-    ("K", 1.0, [0, 0, 0, 0, 0, 1]),
-    ("g", STANDARD_GRAVITY, [1, 0, -2, 0, 0, 0]),
-];
-
-/// Units that take no prefix.
-const PLAIN: &[(&str, f64, [i32; 6])] = &[
-    ("1", 1.0, [0; 6]),
-    ("count", 1.0, [0; 6]),
-    ("counts", 1.0, [0; 6]),
-    ("%", 0.01, [0; 6]),
-    ("deg", std::f64::consts::PI / 180.0, [0, 0, 0, 0, 1, 0]),
-    ("°", std::f64::consts::PI / 180.0, [0, 0, 0, 0, 1, 0]),
-    ("rev", std::f64::consts::TAU, [0, 0, 0, 0, 1, 0]),
-    ("rpm", std::f64::consts::TAU / 60.0, [0, 0, -1, 0, 1, 0]),
-    ("arcmin", std::f64::consts::PI / 10_800.0, [0, 0, 0, 0, 1, 0]),
-    ("arcsec", std::f64::consts::PI / 648_000.0, [0, 0, 0, 0, 1, 0]),
-    ("kg", 1.0, [0, 1, 0, 0, 0, 0]),
-    ("min", 60.0, [0, 0, 1, 0, 0, 0]),
-    ("h", 3600.0, [0, 0, 1, 0, 0, 0]),
-    ("Nm", 1.0, [2, 1, -2, 0, 0, 0]),
-];
-
-const PREFIXES: &[(&str, f64)] =
-    &[("n", 1e-9), ("u", 1e-6), ("µ", 1e-6), ("μ", 1e-6), ("m", 1e-3), ("c", 1e-2), ("k", 1e3), ("M", 1e6)];
-
-/// Standard acceleration of gravity, m/s^2: in recordings `g` means this, not the gram.
-const STANDARD_GRAVITY: f64 = 9.80665;
 
 impl Unit {
     /// The unit of a bare number.
@@ -110,15 +73,15 @@ fn superscript(written: &str) -> (&str, i32) {
         .unwrap_or((written, 1))
 }
 
+/// The unit whose name means the acceleration of gravity in recordings, not the gram.
+const GRAVITY: &str = "g";
+
 fn find_unit(name: &str) -> Option<Unit> {
-    let unit = |factor, dimension: &[i32; 6]| Unit { factor, dimension: *dimension };
-    let exact = PLAIN.iter().chain(PREFIXED).find(|(known, ..)| *known == name);
-    if let Some((_, factor, dimension)) = exact {
-        return Some(unit(*factor, dimension));
-    }
-    PREFIXES.iter().find_map(|(prefix, scale)| {
-        let rest = name.strip_prefix(prefix)?;
-        let (_, factor, dimension) = PREFIXED.iter().find(|(known, ..)| *known == rest)?;
-        Some(unit(scale * factor, dimension))
-    })
+    let (NamedUnit { name, meaning, weight, .. }, prefix) = find_named_unit(name)?;
+    let UnitMeaning { factor, exponent, dimension } =
+        weight.as_ref().filter(|_| *name == GRAVITY).unwrap_or(meaning);
+    // Recordings take counts, bits and cycles as numbers. A level in decibels is none.
+    let [m, kg, s, a, kelvin, rad, _, _, _, decibel]: [i32; BASES] = *dimension;
+    let unit = Unit { factor: factor * 10f64.powi(exponent + prefix), dimension: [m, kg, s, a, rad, kelvin] };
+    (decibel == 0).then_some(unit)
 }

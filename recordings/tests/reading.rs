@@ -52,10 +52,15 @@ fn units_in_si() {
     close("kN m", 1e3);
     close("N m s/rad", 1.0);
     close("kg m^2", 1.0);
+    close("in/s", 0.0254);
+    close("turns/s", TAU);
+    close("oz in", 0.028_349_523_125 * 0.0254);
+    close("count", 1.0);
     assert!(Unit::parse("N m").unwrap().is_like(&Unit::parse("kg m^2/s^2").unwrap()));
     assert!(Unit::parse("V").unwrap().is_like(&Unit::parse("ohm A").unwrap()));
     assert!(Unit::parse("H").unwrap().is_like(&Unit::parse("ohm s").unwrap()));
     assert!(!Unit::parse("rpm").unwrap().is_like(&Unit::parse("Hz").unwrap()));
+    assert_eq!(size("dB"), None, "a level is no number");
     assert_eq!([size("furlong"), size("rad/"), size("m^x"), size("k")], [None, Some(1.0), None, None]);
 }
 
@@ -106,8 +111,8 @@ fn damaged_csv_names_row_column_and_value() {
             "run.csv: column \"hub_rate\" is in [Hz], but hub_rate is in [rad/s]",
         ),
         (
-            "time [s],hub_rate [turns/h]\n0,1\n1,2\n2,2\n",
-            "run.csv: column \"hub_rate\": unit [turns/h] is not known",
+            "time [s],hub_rate [furlongs/h]\n0,1\n1,2\n2,2\n",
+            "run.csv: column \"hub_rate\": unit [furlongs/h] is not known",
         ),
     ];
     for (text, wanted) in table {

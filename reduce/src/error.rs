@@ -1,4 +1,4 @@
-//! What can be wrong with a request to this crate.
+//! The errors of a request to this crate.
 
 use counterpoise_linalg as linalg;
 
@@ -12,7 +12,7 @@ pub enum Error {
     /// A matrix computation was refused.
     #[error("{what}: {source}")]
     Matrix {
-        /// Which step.
+        /// The step.
         what: &'static str,
         /// The reason.
         source: linalg::Error,
@@ -38,7 +38,7 @@ pub enum Error {
     /// A number outside what the operation is defined for.
     #[error("{what} = {value} must be {allowed}")]
     Range {
-        /// Which argument.
+        /// The argument.
         what: &'static str,
         /// The value given.
         value: f64,
@@ -58,7 +58,7 @@ pub enum Error {
     /// A weight or a loop that must be stable is not.
     #[error("{what} has the pole {re:.4e} {im:+.4e}i: a stable one is needed")]
     Unstable {
-        /// Which system.
+        /// The system.
         what: &'static str,
         /// Real part of the pole.
         re: f64,

@@ -1,4 +1,4 @@
-//! What a reduction is asked for and what it answers.
+//! The request for a reduction and its result.
 
 use crate::Error;
 use crate::tolerance::PAIRED_VALUES;
@@ -83,7 +83,7 @@ pub enum Warning {
     },
     /// The iteration for the Gramians of a large structure ended before its steps became small.
     GramiansUnfinished {
-        /// What the last step contributed, as a share of the factor.
+        /// Contribution of the last step, as a share of the factor.
         share: f64,
     },
     /// The gap at which a realisation was cut is too small to be sure of the order.

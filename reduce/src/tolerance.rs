@@ -1,6 +1,6 @@
 //! The numbers that decide in the reductions, in one place: what each decides, and why it has this size.
 //!
-//! Where a comment names no source, the number was set on the systems of `reduce/tests` (the benchmarks of the literature among them),
+//! If a comment names no source, the number was set on the systems of `reduce/tests` (the benchmarks of the literature among them),
 //! which hold with it.
 
 // ---- error of a reduction ----

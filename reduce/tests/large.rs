@@ -13,7 +13,7 @@ use counterpoise_reduce::{
     Error, LargeReduction, LargeStructure, Method, Order, Warning, balred, balred_large, error_at,
 };
 
-/// Where the damping of a chain comes from.
+/// The origin of a chain's damping.
 #[derive(Clone, Copy)]
 enum Damping {
     /// alpha M + beta K.

@@ -1,4 +1,4 @@
-//! What each reduction promises: what is kept is kept, bounds hold, known orders are found, structures keep their modes.
+//! The promises of each reduction: what is kept is kept, bounds hold, known orders are found, structures keep their modes.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, non_snake_case)]
 
 use counterpoise_linalg::{C64, Mat};

@@ -83,7 +83,7 @@ pub fn trial_section(tried: &AdaptationTrials) -> ReportSection {
 pub const LEFT_OUT_BY_TRIALS: &str = "the controller is exported without adaptation: on each motion some trial is worse with it than without, or the mechanism has no gravity \
      and a changed load adds nothing that could be removed (`counterpoise adapt` shows the trials)";
 
-/// How an adaptation is exported that trials leave out.
+/// The way to export an adaptation that trials leave out.
 pub const EXPORTED_BY_BANDS: &str =
     "state `dead_band` or `hold_band` in [synth.adaptation] to export it with those";
 

@@ -1,4 +1,4 @@
-//! What to change where a requirement fails, in words.
+//! The changes that meet a requirement that fails, in words.
 
 use counterpoise_pipeline::studies::advice::{TriedChange, WeightAdvice, WeightSensitivity};
 use counterpoise_plot::number::short_number;

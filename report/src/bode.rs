@@ -18,7 +18,7 @@ pub struct BodeCurve {
     pub response: FrequencyResponse,
 }
 
-/// Whether the phase is drawn.
+/// The place of the phase in a diagram.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PhasePanel {
     /// In a panel of its own under the magnitude.
@@ -33,7 +33,7 @@ pub fn response_of(name: &str, points: impl IntoIterator<Item = [f64; 3]>) -> Fr
     FrequencyResponse { name: name.to_owned(), points: Array2::from(points) }
 }
 
-/// What is shown below the lowest mark, dB.
+/// The range shown below the lowest mark, dB.
 const BELOW_MARK_DB: f64 = 20.0;
 
 impl BodeCurve {

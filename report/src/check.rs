@@ -1,4 +1,4 @@
-//! How a project file was read and which values are assumed, in words.
+//! The reading of a project file and the values that are assumed, in words.
 
 use counterpoise_pipeline::check::{CheckResult, PlantOverview};
 use counterpoise_pipeline::studies::assumptions::{AssumptionEffect, EffectAtValue};
@@ -102,7 +102,7 @@ fn understood_sections(sections: &[SectionStatement]) -> Vec<String> {
     sections.chunk_by(is_alike).flat_map(|alike| first_lines(alike, MOST_ALIKE, section)).collect()
 }
 
-/// Where a value comes from.
+/// The origin of a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Origin {
     /// The value is written in the file.

@@ -168,7 +168,7 @@ fn verdict_table(rounds: &[RoundSummary]) -> ReportTable {
     table
 }
 
-/// How the tolerances shrink; nothing if no value has one.
+/// Returns the section on how the tolerances shrink; nothing if no value has one.
 fn tolerances_section(rounds: &[RoundSummary]) -> Option<ReportSection> {
     let first = rounds.iter().find(|round| !round.values.is_empty())?;
     let figures = first.values.iter().map(|value| tolerance_figure(&value.key, rounds));

@@ -13,7 +13,7 @@ use crate::{
     ReportTable,
 };
 
-/// What each column of the table is: name of the controlled quantity, a thousandth of its unit, unit of a gain from a reading to the control.
+/// The columns of the table: name of the controlled quantity, a thousandth of its unit, unit of a gain from a reading to the control.
 macro_rules! heads {
     ($name:literal, $milli:literal, $gain:literal) => {
         [

@@ -137,7 +137,7 @@ fn interval_end(value: f64) -> String {
     }
 }
 
-/// What a figure is drawn with.
+/// The context that a figure is drawn in.
 #[derive(Clone, Copy)]
 struct DrawingContext<'a> {
     command: &'a str,

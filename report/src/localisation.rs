@@ -56,7 +56,7 @@ fn row(row: &ChartRow) -> HeatRow {
     HeatRow { name: name_in_words(row.component.name()), cover }
 }
 
-/// What a cell is.
+/// The kind of a cell.
 const HOW: &str = "This is a first look, before the search, and nothing is named by it. At each component an error is let in that is a \
                    free function of one variable, times what errors there scale with: friction with the direction of sliding, a \
                    motor's loss with its torque. A cell is the log-likelihood that it gains, in all balances at once, on stretches \

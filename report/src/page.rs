@@ -1,4 +1,4 @@
-//! What a report is made of.
+//! The parts of a report.
 
 use counterpoise_pipeline::ProjectIdentity;
 use counterpoise_plot::Figure;
@@ -27,7 +27,7 @@ pub struct Report {
 /// One thing that a report says about where it comes from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ProvenanceEntry {
-    /// What is told.
+    /// The text.
     pub name: String,
     /// Value.
     pub value: String,
@@ -56,7 +56,7 @@ pub struct Headline {
     pub tone: OutcomeTone,
     /// For example "All 12 requirements hold".
     pub text: String,
-    /// What else has to be said in the same breath; may be empty.
+    /// A qualification that belongs to the same sentence; may be empty.
     pub detail: String,
 }
 

@@ -1,4 +1,4 @@
-//! What a diagnosis left unexplained, in pictures: loops of control against rate, spectra of the residuals, responses, correlations.
+//! Pictures of what a diagnosis left unexplained: loops of control against rate, spectra of the residuals, responses, correlations.
 
 use counterpoise_diagnose::fitting::residual_tests::ResidualTest;
 use counterpoise_models::{ControlledQuantity, QuantityKind};
@@ -73,7 +73,7 @@ fn track<'a>(tracks: &'a [ChannelTrack], recording: &str, channel: Channel) -> O
     tracks.iter().find(|t| t.recording == recording && t.channel == channel)
 }
 
-/// Which run of a track is meant, with its name and colour.
+/// The run of a track that is meant, with its name and colour.
 type Run = (&'static str, Colour, TrackColumn);
 
 const RUNS: [Run; 3] = [

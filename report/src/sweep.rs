@@ -111,7 +111,7 @@ pub struct SweepFigure {
 pub struct WorstCase {
     /// The figure.
     pub value: f64,
-    /// Whether it meets the requirement.
+    /// `true` if it meets the requirement.
     pub meets: bool,
     /// The sample from which the search started, whose noise it kept.
     pub sample: usize,
@@ -119,9 +119,9 @@ pub struct WorstCase {
     pub factors: Vec<(&'static str, f64)>,
     /// Options of `counterpoise sweep` that run it again.
     pub options: String,
-    /// How many mechanisms were tried.
+    /// Number of mechanisms that were tried.
     pub tried: usize,
-    /// Whether the search ended because its steps grew small, not because of its limit.
+    /// `true` if the search ended because its steps grew small, not because of its limit.
     pub converged: bool,
 }
 

@@ -52,7 +52,7 @@ pub fn targets_section(evidence: &TargetEvidence<'_>) -> ReportSection {
     }
 }
 
-/// What the predictions of rounding mean.
+/// The meaning of the predictions of rounding.
 const ROUNDING: &str = "Predicted: what every operation rounds is carried on by the derivatives of each step as it ran, estimators, \
                         observers and limits included; a sample exceeds it with a probability of 3e-8. Worst case: every rounding \
                         of a run goes the same way, with every number at the end of its range and the limiter inactive; a bound \

@@ -28,7 +28,7 @@ pub struct EnsembleRun<'a> {
     pub controller: &'a mut dyn SampledController,
     /// Scenario.
     pub scenario: &'a Scenario,
-    /// When it is asked whether it goes on.
+    /// The times at which it is asked whether it goes on.
     pub watch: Option<RunObserver<'a>>,
 }
 
@@ -129,7 +129,7 @@ fn run_group(mut group: LaneGroup, mut runs: [Run; LANES]) -> [Result<TimeHistor
 /// One variant of a group.
 struct Run<'a> {
     stepper: &'a mut Stepper,
-    /// What acts, and the scenario; `None` in a lane without a variant.
+    /// The controller that acts, and the scenario; `None` in a lane without a variant.
     asked: Option<(&'a mut dyn SampledController, &'a Scenario)>,
     watch: Option<Question<'a>>,
     progress: LaneState<'a>,
@@ -138,7 +138,7 @@ struct Run<'a> {
 /// Samples from one question to the next, and the question: see [`RunObserver`].
 type Question<'a> = (usize, &'a mut dyn FnMut(&ReadingColumns) -> bool);
 
-/// How far a run is.
+/// The progress of a run.
 enum LaneState<'a> {
     UnderWay(Box<Lap<'a>>),
     Ended(Box<Result<TimeHistory, Error>>),

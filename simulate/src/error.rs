@@ -13,27 +13,27 @@ pub enum Error {
     /// A number outside its range.
     #[error("{what} is {value}: it must be {allowed}")]
     Range {
-        /// Which number.
+        /// The number.
         what: &'static str,
         /// Value.
         value: f64,
-        /// What is allowed, as a phrase that follows "must be".
+        /// The allowed range, as a phrase that follows "must be".
         allowed: &'static str,
     },
     /// A list whose length does not fit.
     #[error("{what} has {found} entries, but {expected} are needed")]
     Length {
-        /// Which list.
+        /// The list.
         what: &'static str,
-        /// How many there are.
+        /// Number of its items.
         found: usize,
-        /// How many are needed.
+        /// Number of items that is needed.
         expected: usize,
     },
     /// A recording without a channel that is needed.
     #[error("the recording has no {channel}, which this replay needs")]
     NoChannel {
-        /// Which channel.
+        /// The channel.
         channel: &'static str,
     },
     /// The run asked for more steps than it was allowed.
@@ -43,7 +43,7 @@ pub enum Error {
     Effort {
         /// When.
         time_s: f64,
-        /// How many were allowed until the end.
+        /// Number that was allowed until the end.
         steps: usize,
     },
     /// The state grew beyond all bounds.

@@ -1,4 +1,4 @@
-//! Whether a machine that recoils fires in a run.
+//! The shots of a machine that recoils, in a run.
 
 /// State of a recoiling machine: firing or not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

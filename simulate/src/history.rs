@@ -1,4 +1,4 @@
-//! What a run leaves: one value a sample in every column.
+//! The history of a run: one value a sample in every column.
 
 use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, ColumnName, Recording, Signals};

@@ -295,7 +295,7 @@ fn from_middle([c0, c1, c2, c3, c4]: [f64; 5]) -> [f64; 5] {
     ]
 }
 
-/// Where a quartic is fitted over a sample: never at the ends, where a step may lie.
+/// The places at which a quartic is fitted over a sample: never at the ends, where a step may lie.
 const POINTS: [f64; 5] =
     [0.024_471_741_852_423, 0.206_107_373_853_763, 0.5, 0.793_892_626_146_237, 0.975_528_258_147_577];
 

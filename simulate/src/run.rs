@@ -16,7 +16,7 @@ use counterpoise_controller::{Readings, SampledController};
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{AmplifierDynamics, FeedbackSignal, Mesh, OperatingPoint, Plant};
 
-/// Which of the stepper's outputs is the hub's angle.
+/// Index of the hub's angle among the stepper's outputs.
 pub(crate) const HUB_ANGLE: usize = 2;
 
 /// A plant ready to run again and again: its stored matrices are kept from run to run.
@@ -168,7 +168,7 @@ pub(crate) fn require_positive(what: &'static str, value: f64) -> Result<(), Err
     }
 }
 
-/// What a controller made of a sample.
+/// The control that a controller made of a sample.
 #[derive(Debug, Clone, Copy)]
 struct ControllerSample {
     readings: Readings,
@@ -176,7 +176,7 @@ struct ControllerSample {
     control_v: f64,
 }
 
-/// What a sample shows of a plant.
+/// The values that a sample shows of a plant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PlantSample {
     /// Motor state, wind-up, hub angle, hub rate, current.
@@ -219,7 +219,7 @@ pub(crate) struct Lap<'a> {
     /// Drive that has acted until now, V.
     drive_v: f64,
     clock: Option<ErrantClock>,
-    /// What the controller read, asked for and gave last: what a missed sample repeats.
+    /// The readings, the demand and the control of the last step: what a missed sample repeats.
     last: Option<ControllerSample>,
     /// The control of the sample before, as the interface delays it.
     before_v: f64,

@@ -1,4 +1,4 @@
-//! What is not ideal in a sampled loop: the clock's errors, the codes that a converter misses, and the drift of gyroscopes.
+//! The imperfections of a sampled loop: the clock's errors, the codes that a converter misses, and the drift of gyroscopes.
 //!
 //! Everything is drawn from the run's seed, each source from a stream of its own, so that one source does not change another.
 
@@ -14,16 +14,16 @@ pub(crate) const DRIFT_STREAM: u64 = 2;
 /// Stream of the white noise of the surge accelerometer: fitting one leaves the noise of the other sensors as it was.
 pub(crate) const SURGE_STREAM: u64 = 16;
 
-/// What happens to one sample.
+/// The imperfections of one sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SampleError {
-    /// When the sensors are read after the instant of an ideal clock, in periods.
+    /// Instant at which the sensors are read after the instant of an ideal clock, in periods.
     pub offset: f64,
     /// Outcome of the controller's step.
     pub step: Step,
 }
 
-/// What becomes of the controller's step in a sample.
+/// The fate of the controller's step in a sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Step {
     /// The controller runs, and its control acts at once.

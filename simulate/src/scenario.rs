@@ -1,4 +1,4 @@
-//! What is done to the mechanism in a run.
+//! The inputs of the mechanism in a run.
 
 use crate::engine::state::PlantState;
 use crate::firing::Firing;
@@ -23,7 +23,7 @@ pub struct Scenario {
     pub initial: Initial,
     /// Signals that are kept.
     pub detail: Detail,
-    /// Whether the machine fires its shots.
+    /// The shots of the machine.
     pub firing: Firing,
 }
 

@@ -65,7 +65,7 @@ impl Converter {
     }
 }
 
-/// When a sensor is read, and with which noise.
+/// The instant at which a sensor is read, and its noise.
 #[derive(Debug, Clone, Copy)]
 struct Instant {
     /// Noise of unit variance.
@@ -352,7 +352,7 @@ impl Surge {
     }
 }
 
-/// How the accelerometers are mounted.
+/// The mounting of the accelerometers.
 #[derive(Debug, Clone, Copy)]
 struct AccelerometerMounting {
     axis: AccelerometerAxis,

@@ -1,6 +1,6 @@
 //! The numbers that decide in the simulator, in one place: what each decides, why it has this size, and what another size costs.
 //!
-//! Where a comment gives no source, the number was chosen for the reference rig and its relatives; the tests of the crate
+//! If a comment gives no source, the number was chosen for the reference rig and its relatives; the tests of the crate
 //! (order of convergence, second method, sticking, replay) hold with it.
 
 // ---- steps ----
@@ -8,7 +8,7 @@
 /// Defect of a step that a run allows, relative to the plant's dry friction and a tenth of its weight torque: it
 /// leaves errors of about 1e-5 of the motion over 10 s on the reference rig.
 pub const TOLERANCE: f64 = 2e-5;
-/// How far below the tolerance the defect must be for the next step to be twice as long: 2^-6, so that the longer step passes if
+/// Factor by which the defect must be below the tolerance for the next step to be twice as long: 2^-6, so that the longer step passes if
 /// its defect grows with no more than the sixth power of its length.
 pub(crate) const LENGTHEN_BELOW: f64 = 1.0 / 64.0;
 /// Fraction of the predicted time to step before predicting the event again, in bits: 1 - 2^-5 of it. More bits are fewer predictions

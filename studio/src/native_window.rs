@@ -17,7 +17,7 @@ use crate::settings::UserSettings;
 use crate::studio::{Studio, WindowClosing};
 use crate::view::CloseTarget;
 
-/// What the project's session holds that is not in its file.
+/// The edits in the project's session that are not in its file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum UnsavedWork {
     Nothing,

@@ -1,4 +1,4 @@
-//! What was computed, by the revision that it came from.
+//! The computed results, by the revision that they came from.
 
 use std::sync::Arc;
 use std::time::Duration;

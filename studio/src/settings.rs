@@ -1,4 +1,4 @@
-//! What the studio remembers: theme, units, zoom and size for each user; page, tabs and kept designs for each project.
+//! The settings that the studio remembers: theme, units, zoom and size for each user; page, tabs and kept designs for each project.
 //!
 //! The user's settings are one file in the studio's own folder; those of a project stand beside its journal.
 

@@ -1,4 +1,4 @@
-//! What the window shows: neither the project nor a result, and never undone.
+//! The view of the window: neither the project nor a result, and never undone.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

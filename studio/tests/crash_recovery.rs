@@ -16,7 +16,7 @@ use counterpoise_studio::studio::Studio;
 /// In the environment of the process that is killed: the folder that it works in.
 const FOLDER: &str = "COUNTERPOISE_KILLED_SESSION";
 const KILLS: u32 = 30;
-/// What a crash may take.
+/// The edits that a crash may take.
 const LOSS: Duration = Duration::from_secs(1);
 /// Every so many edits the session saves.
 const SAVES: u32 = 17;

@@ -1,4 +1,4 @@
-//! What a dragged weight takes, from the change to the drawn frame, without a renderer; and long recordings. Figures are printed
+//! The time that a dragged weight takes, from the change to the drawn frame, without a renderer; and long recordings. Figures are printed
 //! (`-- --nocapture`), for a loaded machine tells nothing.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 

@@ -1,4 +1,4 @@
-//! What the window shows while work runs and after it: names for a screen reader, streamed runs, campaigns, packed units, copies.
+//! The contents of the window while work runs and after it: names for a screen reader, streamed runs, campaigns, packed units, copies.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use crate::common;

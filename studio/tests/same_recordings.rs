@@ -1,22 +1,28 @@
-//! The studio and the command line answer alike about recordings: the same JSON, to the last byte.
+//! The studio and the command line answer alike about recordings: what the command writes with `--json` is, byte for byte, what the studio has. Only
+//! `replay` and `diagnose` are compared, because the studio does not identify.
+//!
+//! `counterpoise` is another package, whose program may be old or missing when these tests run. Its library is all of the program, so each command runs in a
+//! process of its own, which is this one started again.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use crate::common;
 
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
+use std::process::{Command as Process, Stdio};
 use std::sync::Arc;
 
 use common::{settle, studio};
 use counterpoise_controller::{Readings, SampledController};
+use counterpoise_host::json::json_text;
 use counterpoise_host::worker::CancelToken;
 use counterpoise_host::{files, projects};
 use counterpoise_pipeline::build_plant_model;
-use counterpoise_pipeline::recordings::read::{loop_of, recording_controller};
-use counterpoise_pipeline::recordings::{GapTreatment, ReplayLength, diagnose, read_files, replay};
+use counterpoise_pipeline::exchange::SCHEMA;
+use counterpoise_pipeline::recordings::{GapTreatment, read_files};
+use counterpoise_pipeline::results::ReplayResult;
 use counterpoise_project::{Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_report::wording::answer::describe_diagnosed_recordings;
-use counterpoise_report::wording::recordings::describe_replay;
 use counterpoise_simulate::{Imperfections, Initial, Scenario, Simulator};
 use counterpoise_studio::command::Command;
 use counterpoise_studio::jobs::recording_views::{ReplayRequest, replay_files};
@@ -26,37 +32,73 @@ use serde::Serialize;
 const EXAMPLES: [(&str, &[&str]); 2] =
     [("left-out-friction", &[".", "unseen"]), ("amplifier-curve", &["balanced", "midpoint"])];
 
-fn json(value: &impl Serialize) -> String {
-    serde_json::to_string_pretty(value).unwrap()
-}
+/// Examples whose recordings other people published. They lie beside the checkout, so they are replayed only if `EVERY_EXAMPLE` is set.
+const PUBLISHED: &str = "real-recordings";
+
+/// The environment variable with the arguments of [`command_line_in_a_process_of_its_own`], one a line.
+const ARGUMENTS: &str = "COUNTERPOISE_TEST_ARGUMENTS";
 
 fn example(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples").join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().join("examples").join(name)
 }
 
-/// The JSON of recordings replayed in the studio, and as the command line replays them.
-fn both_ways(folder: &Path, paths: Vec<PathBuf>) -> [String; 2] {
-    let project = projects::load_project(folder, Purpose::Model).unwrap().project;
-    let controller = recording_controller(&project).unwrap();
-    let controller = controller.as_ref();
-    let files = projects::read_recordings(&paths).unwrap();
-    let read = read_files(&project, controller, &files, GapTreatment::Repaired).unwrap();
-    let expected = replay(&project, &read, &loop_of(&project, controller), ReplayLength::Automatic).unwrap();
-    let expected: Vec<_> = expected.iter().map(describe_replay).collect();
-    let project = Arc::new(project);
-    let ask = ReplayRequest { project, folder: folder.to_owned(), paths, improved: None };
-    let seen = replay_files(&ask, &CancelToken::default()).unwrap().views;
-    let found: Vec<_> = seen.iter().map(|one| one.fit.clone().unwrap()).collect();
-    assert!(!found.is_empty());
-    [json(&found), json(&expected)]
+/// The command line of [`write_json`]; nothing if the tests are run as such.
+#[test]
+fn command_line_in_a_process_of_its_own() {
+    let Ok(arguments) = std::env::var(ARGUMENTS) else { return };
+    let words = std::iter::once("counterpoise").chain(arguments.lines());
+    std::process::exit(counterpoise::run_command_line(words.map(OsString::from)).into());
 }
 
-/// Returns what is replayed of a folder: its first recording, or the folder itself if `EVERY_EXAMPLE` is set, as in `.ci/evidence`.
+/// Returns what a command of the command line writes with `--json`.
+fn write_json(words: &[&str], project: &Path, recordings: &[PathBuf]) -> String {
+    let scratch = files::scratch_folder().unwrap();
+    let output = scratch.path().join("result.json");
+    let paths = std::iter::once(project).chain(recordings.iter().map(PathBuf::as_path));
+    let mut arguments: Vec<&OsStr> = words.iter().map(OsStr::new).collect();
+    arguments.extend(paths.chain([Path::new("--json"), output.as_path()]).map(Path::as_os_str));
+    let mut process = Process::new(std::env::current_exe().unwrap());
+    process.args(["--exact", "same_recordings::command_line_in_a_process_of_its_own", "--nocapture"]);
+    process.env(ARGUMENTS, arguments.join(OsStr::new("\n"))).stdout(Stdio::null());
+    let status = process.status().unwrap();
+    assert!(status.success(), "{arguments:?}: {status}");
+    std::fs::read_to_string(output).unwrap()
+}
+
+/// Returns the text that the command line writes of a result.
+fn written_by_command(result: &impl Serialize) -> String {
+    json_text(result).unwrap().replacen("{\n", &format!("{{\n  \"schema\": \"{SCHEMA}\",\n"), 1)
+}
+
+/// The JSON of recordings replayed in the studio, and as the command line replays them. `path` is a project file or its folder.
+fn both_ways(path: &Path, recordings: Vec<PathBuf>) -> [String; 2] {
+    let loaded = projects::load_project(path, Purpose::Model).unwrap();
+    // Without a controller of the recordings the command line asks for `--open-loop`; the studio plays the recorded control back.
+    let open: &[&str] =
+        if loaded.project.recording_controller.is_none() { &["replay", "--open-loop"] } else { &["replay"] };
+    let expected = write_json(open, path, &recordings);
+    let folder = loaded.path.parent().unwrap().to_owned();
+    let ask = ReplayRequest { project: Arc::new(loaded.project), folder, paths: recordings, improved: None };
+    let views = replay_files(&ask, &CancelToken::default()).unwrap().views;
+    assert!(!views.is_empty());
+    let errors: Vec<_> = views.iter().flat_map(|view| &view.errors).collect();
+    let fit = |view: &counterpoise_studio::jobs::recording_views::RecordingView| view.fit.clone();
+    let recordings =
+        views.iter().map(fit).collect::<Option<Vec<_>>>().unwrap_or_else(|| panic!("{errors:?}"));
+    [written_by_command(&ReplayResult { recordings }), expected]
+}
+
+/// Returns whether everything is replayed and diagnosed from start to end, as in `.ci/evidence`.
+fn is_complete() -> bool {
+    std::env::var_os("EVERY_EXAMPLE").is_some()
+}
+
+/// Returns what is replayed of a folder: its first recording, or the folder itself if `EVERY_EXAMPLE` is set.
 fn choose_recording(folder: &Path) -> PathBuf {
-    match std::env::var_os("EVERY_EXAMPLE") {
-        Some(_) => folder.to_owned(),
-        None => PathBuf::from(&projects::read_recordings(&[folder.to_owned()]).unwrap()[0].name),
+    if is_complete() {
+        return folder.to_owned();
     }
+    PathBuf::from(&projects::read_recordings(&[folder.to_owned()]).unwrap()[0].name)
 }
 
 #[test]
@@ -68,6 +110,22 @@ fn a_replay_in_the_studio_is_the_replay_of_the_command_line() {
             assert_eq!(found, expected, "{name}/{inside}");
         }
     }
+}
+
+#[test]
+fn published_recordings_replay_in_the_studio_as_on_the_command_line() {
+    if !is_complete() {
+        return;
+    }
+    let recordings = example("../../shared/recordings/real");
+    let mut replayed = 0;
+    for file in project_files().into_iter().filter(|file| file.starts_with(example(PUBLISHED))) {
+        let machine = recordings.join(file.parent().unwrap().file_name().unwrap());
+        let [found, expected] = both_ways(&file, vec![machine]);
+        assert_eq!(found, expected, "{}", file.display());
+        replayed += 1;
+    }
+    assert!(replayed >= 8, "{replayed}");
 }
 
 /// Control without a controller: two sines, in volts.
@@ -107,22 +165,53 @@ fn record_machine(project: &Project) -> String {
     excerpt(&history.readings.recording("run", period_s), history.readings.control_v().len())
 }
 
-/// Every other example, on a recording that its own machine made.
+/// Returns the project files of all examples. That of a traverse axis is a part of another project.
+fn project_files() -> Vec<PathBuf> {
+    let (mut found, mut folders) = (Vec::new(), vec![example("")]);
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|end| end == "toml") && !path.ends_with("traverse.toml") {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    found
+}
+
+/// Returns a copy of a project file beside it in a folder of its own, without the names of columns: the recordings of [`record_machine`] have those of the
+/// channels.
+fn without_mapping(file: &Path, scratch: &Path) -> PathBuf {
+    let mut table: toml::Table = std::fs::read_to_string(file).unwrap().parse().unwrap();
+    table.remove("recording");
+    let path = scratch.join("project.toml");
+    files::write_file(&path, table.to_string().as_bytes()).unwrap();
+    path
+}
+
+/// Every other project of the examples, on a recording that its own machine made.
 #[test]
 fn every_example_replays_in_the_studio_as_on_the_command_line() {
-    let all = std::fs::read_dir(example(".")).unwrap().map(|entry| entry.unwrap().path());
-    let with_recordings = |path: &Path| EXAMPLES.iter().any(|(name, _)| path.ends_with(name));
+    let with_recordings = |path: &Path| EXAMPLES.iter().any(|(name, _)| path.starts_with(example(name)));
     let scratch = files::scratch_folder().unwrap();
     let mut replayed = 0;
-    for folder in all.filter(|path| path.join("project.toml").exists() && !with_recordings(path)) {
-        let project = projects::load_project(&folder, Purpose::Model).unwrap().project;
-        let path = scratch.path().join(format!("{replayed}.csv"));
-        files::write_file(&path, record_machine(&project).as_bytes()).unwrap();
-        let [found, expected] = both_ways(&folder, vec![path]);
-        assert_eq!(found, expected, "{}", folder.display());
+    for file in project_files().into_iter().filter(|path| !with_recordings(path)) {
+        let project = projects::load_project(&file, Purpose::Model).unwrap().project;
+        let of_example = scratch.path().join(replayed.to_string());
+        let recording = of_example.join("run.csv");
+        files::write_file(&recording, record_machine(&project).as_bytes()).unwrap();
+        let own = if project.recording.channels.is_empty() {
+            file.clone()
+        } else {
+            without_mapping(&file, &of_example)
+        };
+        let [found, expected] = both_ways(&own, vec![recording]);
+        assert_eq!(found, expected, "{}", file.display());
         replayed += 1;
     }
-    assert!(replayed >= 11, "{replayed}");
+    assert!(replayed >= 29, "{replayed}");
 }
 
 /// One recording lacks the demand: it alone is replayed under its recorded control, in the studio as on the command line.
@@ -145,8 +234,9 @@ fn a_recording_without_the_demand_does_not_change_how_the_others_are_replayed() 
     let [found, expected] = both_ways(&folder, vec![with, without]);
     assert_eq!(found, expected);
     let parse = |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap();
-    assert_eq!(parse(&found)[0], parse(&alone)[0]);
-    assert_ne!(parse(&found)[0]["channels"]["hub_rate"], parse(&found)[1]["channels"]["hub_rate"]);
+    let of = |text: &str, k: usize| parse(text)["recordings"][k].clone();
+    assert_eq!(of(&found, 0), of(&alone, 0));
+    assert_ne!(of(&found, 0)["channels"]["hub_rate"], of(&found, 1)["channels"]["hub_rate"]);
 }
 
 /// Recordings under a controller that another state of the project exported: the note of the command line stands first.
@@ -165,7 +255,7 @@ fn a_replay_in_the_studio_says_if_another_project_exported_the_controller() {
     let identity = counterpoise_pipeline::ProjectIdentity { name: "rig".to_owned(), hash: "0123".to_owned() };
     let controller =
         counterpoise_pipeline::exchange::ControllerResult::new(&identity, &made.sampled.controller);
-    files::write_file(&folder.join("controller.json"), json(&controller).as_bytes()).unwrap();
+    files::write_file(&folder.join("controller.json"), json_text(&controller).unwrap().as_bytes()).unwrap();
     let named = "\n[recording_controller]\nkind = \"exported\"\nfile = \"controller.json\"\n";
     let text = format!("{whole}{named}");
     files::write_file(&folder.join("project.toml"), text.as_bytes()).unwrap();
@@ -204,29 +294,35 @@ fn excerpt(recording: &Recording, samples: usize) -> String {
     text
 }
 
+/// Returns a folder with the project of an example, and in it what is diagnosed of one of its recordings: its start, or all of it if
+/// `EVERY_EXAMPLE` is set.
+fn recording_to_diagnose(example_folder: &Path, recording: &str, folder: &Path) -> PathBuf {
+    let project = projects::load_project(example_folder, Purpose::Model).unwrap().project;
+    let file = projects::read_recordings(&[example_folder.join(recording)]).unwrap();
+    let whole = read_files(&project, None, &file, GapTreatment::AsWritten).unwrap().remove(0).recording;
+    let written = std::fs::read(example_folder.join("project.toml")).unwrap();
+    files::write_file(&folder.join("project.toml"), &written).unwrap();
+    let path = folder.join("start.csv");
+    let samples = if is_complete() { whole.len() } else { 1500 };
+    files::write_file(&path, excerpt(&whole, samples).as_bytes()).unwrap();
+    path
+}
+
 #[test]
 fn a_diagnosis_in_the_studio_is_the_diagnosis_of_the_command_line() {
-    let folder = std::env::temp_dir().join(format!("counterpoise-same-diagnosis-{}", std::process::id()));
-    let source = example("left-out-friction");
-    let project = projects::load_project(&source, Purpose::Model).unwrap().project;
-    let files = projects::read_recordings(&[source.join("triangle.parquet")]).unwrap();
-    let whole = read_files(&project, None, &files, GapTreatment::AsWritten).unwrap();
-    files::write_file(&folder.join("project.toml"), &std::fs::read(source.join("project.toml")).unwrap())
-        .unwrap();
-    files::write_file(&folder.join("start.csv"), excerpt(&whole[0].recording, 1500).as_bytes()).unwrap();
-    let paths = vec![folder.join("start.csv")];
-    let workers =
-        counterpoise_host::workers::ProgressPool::new(counterpoise_host::stages::ProgressDisplay::Quiet);
-    let expected = diagnose(&project, &projects::read_recordings(&paths).unwrap(), &workers).unwrap();
-    let mut window = studio(&folder);
-    settle(&mut window);
-    window.run(&Command::Recordings { paths });
-    settle(&mut window);
-    window.run(&Command::Diagnose);
-    settle(&mut window);
-    let found = window.jobs().diagnosis.as_ref().unwrap().as_ref().unwrap();
-    assert_eq!(json(&found.answer), json(&describe_diagnosed_recordings(&expected).answer));
-    assert!(found.diagnosis.improved == expected.diagnosis.improved);
-    drop(window);
-    std::fs::remove_dir_all(folder).unwrap();
+    for (name, folders) in EXAMPLES {
+        let recording = Path::new(folders[0]).join("triangle.parquet");
+        let scratch = files::scratch_folder().unwrap();
+        let folder = scratch.path().to_owned();
+        let paths = vec![recording_to_diagnose(&example(name), &recording.display().to_string(), &folder)];
+        let expected = write_json(&["diagnose"], &folder, &paths);
+        let mut window = studio(&folder);
+        settle(&mut window);
+        window.run(&Command::Recordings { paths });
+        settle(&mut window);
+        window.run(&Command::Diagnose);
+        settle(&mut window);
+        let found = window.jobs().diagnosis.as_ref().unwrap().as_ref().unwrap();
+        assert_eq!(written_by_command(&found.answer), expected, "{name}");
+    }
 }

@@ -1,4 +1,4 @@
-//! What makes the studio safe with work: conflicts on disk, locks, unsaved edits, Esc, limits of plots, settings, and rest.
+//! The safety of the studio with work: conflicts on disk, locks, unsaved edits, Esc, limits of plots, settings, and rest.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use crate::common;

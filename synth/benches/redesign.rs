@@ -1,4 +1,4 @@
-//! What a dragged slider costs: redesign, sampled controller, margins, step.
+//! The cost of a dragged slider: redesign, sampled controller, margins, step.
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case, missing_docs)]
 
 #[path = "../tests/common/mod.rs"]

@@ -133,7 +133,7 @@ fn textbook(weight: &Weight) -> Weight {
     Weight::ZeroPoleGain { zeros: rational.zeros, poles, gain }
 }
 
-/// Where the direct part of an error weight ends in a textbook's plant, rad/s.
+/// Rate at which the direct part of an error weight ends in a textbook's plant, rad/s.
 const FAST_RAD_S: f64 = 1e4;
 
 /// H_r^-1 K from the error, with the demand's path.

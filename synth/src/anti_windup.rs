@@ -1,4 +1,4 @@
-//! How a controller's states follow the limited control.
+//! The way in which a controller's states follow the limited control.
 
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::{Mat, dare};

@@ -1,4 +1,4 @@
-//! What limits the bandwidth of a loop.
+//! The limits of a loop's bandwidth.
 
 /// Kind of limit of a bandwidth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,7 +15,7 @@ pub enum LimitKind {
     Quantisation,
     /// The control's limit, at the step of the demand.
     Control,
-    /// What the linear plant leaves out and the loop must hold all the same: dry friction at rest, gravity's gradient.
+    /// The forces that the linear plant leaves out and the loop must hold all the same: dry friction at rest, gravity's gradient.
     AtRest,
     /// Values of the machine that are known within tolerances.
     Tolerances,

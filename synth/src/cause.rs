@@ -1,4 +1,4 @@
-//! What can be wrong with a design's problem, with its numbers.
+//! The faults of a design's problem, with its numbers.
 
 use counterpoise_linalg::{C64, Reason};
 
@@ -54,7 +54,7 @@ pub enum Cause {
     GeneratorTooRough {
         /// Poles in excess of zeros.
         relative_degree: i32,
-        /// How many are needed.
+        /// Number that is needed.
         needed: usize,
     },
     /// Exact knowledge of a disturbance whose states are not all known.
@@ -102,14 +102,14 @@ pub enum Cause {
     DelayLimits {
         /// The delay, s.
         delay_s: f64,
-        /// Where the weights cross, rad/s.
+        /// Rate at which the weights cross, rad/s.
         crossover_rad_s: f64,
     },
     /// The weights ask for a crossover beyond a zero in the right half plane.
     ZeroLimits {
         /// The zero.
         zero: C64,
-        /// Where the weights cross, rad/s.
+        /// Rate at which the weights cross, rad/s.
         crossover_rad_s: f64,
     },
     /// A feedforward is asked for a disturbance that the plant has no input for.
@@ -130,14 +130,14 @@ pub enum Cause {
         mode: C64,
         /// Relative distance from being met.
         distance: f64,
-        /// What does not meet it.
+        /// The part that does not meet it.
         from: HiddenDirection,
         /// The block that it lives in.
         block: ModeBlock,
     },
     /// A matrix equation without a stabilising solution.
     Equation {
-        /// Which equation.
+        /// The equation.
         equation: DesignEquation,
         /// Why.
         reason: Reason,

@@ -1,4 +1,4 @@
-//! What proves a design: residuals, spectra, and the cost that the assembled loop really has.
+//! The certificate of a design: residuals, spectra, and the cost that the assembled loop really has.
 
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::C64;

@@ -1,4 +1,4 @@
-//! What can be wrong with a request to this crate, and how a caller separates a problem without a solution from bad input.
+//! The errors of a request to this crate, and how a caller separates a problem without a solution from bad input.
 
 use crate::best_loop::problem::BestLoopProblem;
 use crate::finding::DesignFinding;
@@ -24,7 +24,7 @@ pub enum Error {
     /// A number outside what is allowed.
     #[error("{what} = {value} must be {allowed}")]
     Range {
-        /// Which number.
+        /// The number.
         what: &'static str,
         /// The value that was given.
         value: f64,
@@ -34,11 +34,11 @@ pub enum Error {
     /// An index that names no input or output of the plant.
     #[error("{what} is number {index}, but the plant has {count}")]
     Index {
-        /// What the index names.
+        /// The name of what is indexed.
         what: &'static str,
         /// The index that was given, from 0.
         index: usize,
-        /// How many there are.
+        /// Number that there is.
         count: usize,
     },
     /// A weight that has no realisation of the kind that is asked for.
@@ -46,7 +46,7 @@ pub enum Error {
     Weight {
         /// The weight as a formula.
         weight: String,
-        /// What is in the way.
+        /// The obstacle.
         problem: &'static str,
     },
     /// There is no best linear feedback.
@@ -55,7 +55,7 @@ pub enum Error {
     /// A system whose kind does not fit its place.
     #[error("{what}: {problem}")]
     System {
-        /// Which system.
+        /// The system.
         what: &'static str,
         /// Description of the error.
         problem: &'static str,

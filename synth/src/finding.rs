@@ -1,4 +1,4 @@
-//! What stands in a design's way: which part, which weight, at which frequency, and what is wrong.
+//! The obstacles of a design: which part, which weight, at which frequency, and what is wrong.
 
 use std::fmt;
 
@@ -61,7 +61,7 @@ pub struct ConcernedWeight {
 /// One thing that stands in a design's way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DesignFinding {
-    /// Whether the design can go on.
+    /// The severity: whether the design can go on.
     pub severity: FindingSeverity,
     /// Part that is concerned.
     pub part: Part,

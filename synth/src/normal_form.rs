@@ -9,7 +9,7 @@ use crate::Error;
 use crate::generalised_plant::{Blocks, GeneralisedPlant, absorb_direct_path};
 use crate::tolerance::HINF_INDEFINITE;
 
-/// What a bound turned out to be.
+/// The outcome of a bound.
 #[derive(Clone, Copy)]
 pub(crate) enum Attempt {
     /// ln rho(XY) - 2 ln g, negative if the bound is reachable.
@@ -179,7 +179,7 @@ fn root(M: &Mat) -> Result<Option<Mat>, Error> {
     Ok(Some(&V * &(&Mat::diag(&roots) * &V.t())))
 }
 
-/// What became of one of the two equations.
+/// The outcome of one of the two equations.
 enum EquationOutcome {
     /// The solution, and F = -R^-1 (D'C + B'X).
     Found { X: Mat, gain: Mat },

@@ -1,4 +1,4 @@
-//! Where in a generalised plant the mode lives that leaves a Riccati equation without a solution.
+//! The place in a generalised plant of the mode that leaves a Riccati equation without a solution.
 
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::{C64, CMat, Mat, Reason, csvd};

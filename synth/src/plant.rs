@@ -31,7 +31,7 @@ pub struct DesignPlant {
     pub rate: usize,
     /// Measured rate over true rate, one input and one output; `None` if the sensor is perfect.
     pub hub_sensor: Option<StateSpace>,
-    /// What a sampled loop takes in place of that sensor if its readings are late: an approximation of a delay is not exact where a resonance
+    /// The sensor that a sampled loop takes in place of that one if its readings are late: an approximation of a delay is not exact where a resonance
     /// turns the phase fast. `None` if they are not late.
     pub late_reading: Option<LateReading>,
     /// Measured heave over true heave.

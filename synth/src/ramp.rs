@@ -1,4 +1,4 @@
-//! What a ramp of the demand asks of the control.
+//! The control that a ramp of the demand asks for.
 
 use counterpoise_controller::{Controller, PathSignal};
 use counterpoise_lti::StateSpace;

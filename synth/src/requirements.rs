@@ -1,4 +1,4 @@
-//! What a search asks of the feedback loop.
+//! The requirements of a search on the feedback loop.
 
 use counterpoise_lti::StateSpace;
 use counterpoise_lti::response::Response;

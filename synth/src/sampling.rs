@@ -1,4 +1,4 @@
-//! What sampling adds to a design, and the sampled loop that a controller makes.
+//! The additions of sampling to a design, and the sampled loop that a controller makes.
 
 use counterpoise_controller::sensitivity::RealisationForm;
 use counterpoise_controller::{Controller, PathSignal};

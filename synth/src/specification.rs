@@ -1,4 +1,4 @@
-//! What the designer asks for: the weights of the three parts and how the parts are put together.
+//! The specification of the designer: the weights of the three parts and how the parts are put together.
 
 use counterpoise_linalg::Mat;
 use counterpoise_linalg::sparse::VectorEntry;

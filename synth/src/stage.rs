@@ -50,7 +50,7 @@ pub(crate) struct SampledNoise {
     pub unavoidable: f64,
 }
 
-/// What is known of the state after a reading: x = x_before + gain (reading - expected).
+/// The estimate of the state after a reading: x = x_before + gain (reading - expected).
 pub(crate) struct Estimate {
     /// k x 1.
     pub gain: Mat,

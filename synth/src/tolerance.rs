@@ -29,7 +29,7 @@ pub const EQUAL: f64 = 1e-9;
 /// Largest deviation in the band up to which the gain law stands in for a redesign, relative to the redesigned module: a
 /// cancellation that is 2 % off still removes 34 dB, more than accelerometer and drive are known to.
 pub const GAIN_LAW: f64 = 0.02;
-/// Where the poles on the axis of an error weight go in a textbook's plant, rad/s: its equations need them to decay, and at
+/// Place to which the poles on the axis of an error weight go in a textbook's plant, rad/s: its equations need them to decay, and at
 /// a thousandth of a radian per second they do so in a quarter of an hour.
 pub const SLOWEST_RAD_S: f64 = 1e-3;
 /// Relative accuracy of the H-infinity bound of an alternative design: 0.01 dB.
@@ -47,7 +47,7 @@ pub const LIGHTLY_DAMPED: f64 = 0.3;
 pub const MODE_SHIFT: f64 = 0.15;
 /// Largest sensitivity that the loop may have with its modes shifted: half the distance to instability is left.
 pub const NEIGHBOUR_MS: f64 = 2.0;
-/// How far above a limit the sensitivity at a few frequencies must be to count as above it, relative to it: beyond every rounding.
+/// Distance above a limit that the sensitivity at a few frequencies must be to count as above it, relative to it: beyond every rounding.
 pub const SEEN_ABOVE: f64 = 1e-6;
 /// Share of the control's limit that the noise of the readings may take, as RMS: three deviations are 15 % of the range.
 pub const NOISE_SHARE: f64 = 0.05;

@@ -125,7 +125,7 @@ struct Point {
     gain: f64,
 }
 
-/// What a source moves without control: the hub's rate and the rate that is weighed.
+/// The signals that a source moves without control: the hub's rate and the rate that is weighed.
 #[derive(Clone, Copy)]
 struct OpenLoopRates {
     hub: C64,

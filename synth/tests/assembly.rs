@@ -1,4 +1,4 @@
-//! How the parts are put together, what the limiter does, and the tip's motion.
+//! The assembly of the parts, the action of the limiter, and the tip's motion.
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 
 use crate::common;

@@ -1,4 +1,4 @@
-//! What users of other tools complain of, one test each: stacked blocks that become unstabilisable, refusals without a
+//! The complaints of users of other tools, one test each: stacked blocks that become unstabilisable, refusals without a
 //! reason, searches that hang where nothing is feasible.
 #![allow(clippy::unwrap_used, clippy::panic, non_snake_case)]
 

@@ -1,4 +1,4 @@
-//! What a ramp of the demand asks of the control, against closed forms.
+//! The control that a ramp of the demand asks for, against closed forms.
 #![allow(clippy::unwrap_used, missing_docs, non_snake_case)]
 
 use counterpoise_controller::{Controller, Parts, Path, PathSignal, Scaling};

@@ -108,7 +108,7 @@ pub fn trial(seed: u64, base: &Project) -> Option<Row> {
     Some(Row { seed, blocks, certificate, rest, motion, kicked })
 }
 
-/// How the motion of a run starts, once the controller has settled.
+/// The start of the motion of a run, once the controller has settled.
 #[derive(Debug, Clone, Copy)]
 enum Start {
     /// Not at all.
@@ -313,7 +313,7 @@ fn quantise(value: f64, bits: u32) -> f64 {
     ((value / step).round() * step).clamp(-10.0, 10.0)
 }
 
-/// What a sensor makes of a unit, V, and its noise, units.
+/// The reading of a sensor per unit, V, and its noise, units.
 #[derive(Clone, Copy)]
 struct Channel {
     volts: f64,

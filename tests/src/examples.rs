@@ -76,7 +76,7 @@ pub fn world(path: &Path) -> ExampleFolder {
 /// Reads the project of an example with the files that it names.
 ///
 /// # Errors
-/// What is wrong with the file for this purpose.
+/// The problem of the file for this purpose.
 pub fn resolve_example(path: &Path, purpose: Purpose) -> Result<Project, Vec<Diagnostic>> {
     let document = Document::from_bytes(&std::fs::read(path).unwrap(), &path.display().to_string())?;
     let attached = attachments(&document, path.parent().unwrap());
@@ -103,7 +103,7 @@ pub struct DesignedExample {
     pub made: SynthesisedDesign,
 }
 
-/// What this program has computed of each example; several suites ask for it, and the first one computes it.
+/// The results that this program has computed of each example; several suites ask for it, and the first one computes it.
 struct ExampleCache<T>(Mutex<BTreeMap<PathBuf, Arc<CacheCell<T>>>>);
 
 type CacheCell<T> = OnceLock<Option<Arc<T>>>;

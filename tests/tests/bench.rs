@@ -75,7 +75,7 @@ fn with_the_amplifiers_curve_in_the_loop_the_lowest_out_of_balance_comes_back_le
     }
 }
 
-/// How near to the truth the estimate comes without gravity, kg m.
+/// Distance from the truth at which the estimate ends without gravity, kg m.
 const NEAR_KG_M: f64 = 4.0;
 
 #[test]
@@ -116,7 +116,7 @@ fn every_method_gives_a_loop_with_the_same_figures() {
     assert!(found.methods.iter().all(|row| row.figures.is_some()));
 }
 
-/// What is replaced in the reference rig's file, by what, and words that the refusal must hold.
+/// The text that is replaced in the reference rig's file, by what, and words that the refusal must hold.
 const REFUSED: [(&str, &str, &[&str]); 13] = [
     (
         "form = \"lead\"\ngain = 1.0\ntime = 0.005                 # s",

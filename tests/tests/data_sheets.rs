@@ -314,7 +314,7 @@ const MACHINES: [(&str, &str); 23] = [
     ),
 ];
 
-/// What is wrong with a file, the file, and what the one sentence about it must name.
+/// The fault of a file, the file, and what the one sentence about it must name.
 const REFUSED: [(&str, &str, &[&str]); 6] = [
     (
         "an accelerometer alone",

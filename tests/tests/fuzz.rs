@@ -143,7 +143,7 @@ fn generate_files(controller: &Controller, plant: &Plant, text: &str) -> Vec<Fil
     files
 }
 
-/// What no text of a project may add to a file: what ends a comment, an attribute or a line, in any of the languages.
+/// The sequences that no text of a project may add to a file: those that end a comment, an attribute or a line, in any of the languages.
 const ENDS: [&str; 18] = [
     "*/", "/*", "??/", "\\", "\u{2028}", "\u{2029}", "\u{85}", "\r", "\0", "\u{b}", "\u{c}", "\"", "<",
     "-->", "]]>", "&", "{", "(*",

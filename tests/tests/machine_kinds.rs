@@ -430,7 +430,7 @@ fn every_kind_is_exported_in_every_language() {
     }
 }
 
-/// What a loop of a rate in rad/s calls its figures and signals.
+/// The names of figures and signals of a loop of a rate in rad/s.
 const OF_A_RATE: [&str; 6] =
     ["hub rate", "hub_rate_rad_s", "hub_rms_rad_s", "hub_peak_rad_s", "demand_rad_s", "[rad/s]</th>"];
 

@@ -159,7 +159,7 @@ fn wrong(project: &Project, first: &FirstDesignResult, found: &Verification) -> 
     wrong
 }
 
-/// What became of a machine.
+/// The outcome of a machine.
 enum TriedMachine {
     /// A design that is limited by a kind of limit, and what is wrong with it.
     Designed { limited_by: String, wrong: Vec<String> },

@@ -60,7 +60,7 @@ fn of(r: &mut Recording, column: RecorderColumn) -> &mut [f64] {
     column.of_mut(r).unwrap()
 }
 
-/// What a recorder may do to a column.
+/// The faults that a recorder may add to a column.
 #[derive(Debug, Clone, Copy)]
 enum RecorderFault {
     Times(f64),

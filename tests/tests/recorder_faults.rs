@@ -17,7 +17,7 @@ use counterpoise_report::wording::file_remarks::describe_file_remark;
 use counterpoise_report::wording::recordings::{describe_anomaly, describe_repair};
 use counterpoise_simulate::replay::{ReplayLoop, replay};
 
-/// What a recorder made of a table is said to be, and its parts that can be replayed.
+/// The description of what a recorder made of a table, and its parts that can be replayed.
 struct RecorderFindings {
     remarks: Vec<String>,
     parts: Vec<Recording>,

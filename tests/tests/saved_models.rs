@@ -40,7 +40,7 @@ fn project() -> (Document, Project) {
     (document, project)
 }
 
-/// How many recordings a diagnosis has, and their length in s.
+/// Number of recordings of a diagnosis, and their length in s.
 const RECORDED: (usize, f64) = if cfg!(feature = "evidence") { (3, 4.0) } else { (2, 3.0) };
 
 /// Triangle waves of two periods, and a slower one of another size, from rest.

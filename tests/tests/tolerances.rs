@@ -13,7 +13,7 @@ const SMALL_NUMBERS: [&str; 14] = [
     "recordings/src/clock.rs",
     "recordings/src/decode/numpy.rs",
     "recordings/src/time_unit.rs",
-    "recordings/src/unit.rs",
+    "recordings/src/unit/table.rs",
     "report/src/targets.rs",
     "studio/src/number_format.rs",
     "studio/src/pages/weight_plot.rs",

@@ -1,4 +1,4 @@
-//! What changed from one verification to another.
+//! The changes from one verification to another.
 
 use counterpoise_models::ControlledQuantity;
 

@@ -1,4 +1,4 @@
-//! What can be wrong with a request to this crate.
+//! The errors of a request to this crate.
 
 /// Every way in which a request to this crate can be refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -15,7 +15,7 @@ pub enum Error {
     /// A number outside what the operation is defined for.
     #[error("{what} = {value} must be {allowed}")]
     Range {
-        /// Which argument.
+        /// The argument.
         what: &'static str,
         /// The value that was given.
         value: f64,
@@ -25,17 +25,17 @@ pub enum Error {
     /// Series that should be of one length, or long enough.
     #[error("{what}: {found} samples where {needed} are needed")]
     Length {
-        /// Which series.
+        /// The series.
         what: &'static str,
-        /// How many samples were given.
+        /// Number of samples that were given.
         found: usize,
-        /// How many are needed.
+        /// Number that is needed.
         needed: usize,
     },
     /// A series that holds NaN or an infinite number.
     #[error("{what}[{index}] = {value} is not finite")]
     NotFinite {
-        /// Which series.
+        /// The series.
         what: &'static str,
         /// Where.
         index: usize,

@@ -57,7 +57,7 @@ pub enum HistoryColumn {
     Current,
     /// Hub angle relative to the platform from its start, rad.
     Travel,
-    /// Whether the gear teeth touch: 1 or 0; the linear plant has no such column, which is why it stands last.
+    /// Contact of the gear teeth: 1 or 0; the linear plant has no such column, which is why it stands last.
     Contact,
 }
 
@@ -74,7 +74,7 @@ impl ColumnName for HistoryColumn {
 pub struct History {
     /// On which plant.
     pub model: Model,
-    /// What was done.
+    /// The procedure.
     pub experiment: Experiment,
     /// The signals; those of the linear plant end before [`HistoryColumn::Contact`].
     pub signals: Signals<HistoryColumn>,

@@ -1,4 +1,4 @@
-//! What motion of the line of sight takes from an image: the modulation transfer function of motion during an exposure.
+//! The loss of an image by motion of the line of sight: the modulation transfer function of motion during an exposure.
 //!
 //! A detector that integrates while its image moves by x(t) multiplies the modulation at a spatial frequency by |mean of exp(2 pi i f x(t))| over
 //! the exposure, whatever the motion is (O. Hadar, I. Dror and N. S. Kopeika, Optical Engineering 33(2), 1994: the transform of the histogram of

@@ -168,7 +168,7 @@ fn values(history: &History, settle_s: f64, sight: LineOfSight) -> Vec<(SightFig
     all
 }
 
-/// What the loop holds still.
+/// The quantity that the loop holds still.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum LoopHolds {
     /// A rate: the columns of a history are inertial rates.

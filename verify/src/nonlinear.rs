@@ -12,7 +12,7 @@ use crate::history::{Experiment, History, HistoryColumn, integrate};
 use crate::linear::arrange_controller;
 use crate::{Arrangement, Error, Model, Procedure, Source, line_of_sight};
 
-/// What acts on the mechanism: the controller, or the voltage that holds it.
+/// The source that acts on the mechanism: the controller, or the voltage that holds it.
 enum MechanismInput {
     Runner(Box<Runner>),
     Constant(f64),
@@ -191,7 +191,7 @@ fn moving(procedure: &Procedure, source: Source, still: PlatformMotion) -> Platf
     PlatformMotion { heave_m_s2, pitch_rate_rad_s, further, ..still }
 }
 
-/// What the loop's sensor shows at rest, from which demands and histories count; `None` in a loop of rate, where that is zero.
+/// The reading of the loop's sensor at rest, from which demands and histories count; `None` in a loop of rate, where that is zero.
 struct Start {
     measured: FeedbackSignal,
     reading: Option<f64>,

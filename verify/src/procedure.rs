@@ -1,4 +1,4 @@
-//! What a verification does to the mechanism: the step, the platform's motion, the frequencies that are looked at.
+//! The procedure of a verification: the step, the platform's motion, the frequencies that are looked at.
 
 use counterpoise_models::plant::{FrictionLinearisation, OperatingPoint};
 use counterpoise_recordings::{ColumnName, Signals};

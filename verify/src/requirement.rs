@@ -38,7 +38,7 @@ pub enum Verdict {
     },
     /// The figure is on the wrong side.
     Fails {
-        /// What was measured; NaN never occurs.
+        /// The measured value; NaN never occurs.
         value: f64,
         /// Requested limit.
         limit: Limit,

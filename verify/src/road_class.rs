@@ -1,4 +1,4 @@
-//! How rough a road is, by the classes of ISO 8608.
+//! The roughness of a road, by the classes of ISO 8608.
 
 /// Roughness class of ISO 8608.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

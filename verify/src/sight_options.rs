@@ -1,4 +1,4 @@
-//! How the line of sight is judged: exposure, settling time, window of coincidence, optics.
+//! The options by which the line of sight is judged: exposure, settling time, window of coincidence, optics.
 
 use crate::coincidence::Coincidence;
 use crate::image_motion::Optics;

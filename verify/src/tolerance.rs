@@ -219,7 +219,7 @@ pub const POWER_RESIDUAL: f64 = 1e-6;
 
 // ---- structured::factor ----
 
-/// How far towards a factor of 0 or of infinity a deviation goes.
+/// Distance to which a deviation goes towards a factor of 0 or of infinity.
 /// At the end itself a parameter is 0 or infinite, which makes no mechanism.
 pub const INSIDE_REACH: f64 = 0.999;
 
@@ -279,7 +279,7 @@ pub const SCALING_NEWTON: usize = 25;
 /// Inside the region of quadratic convergence of a self-concordant barrier, 0.25 (Y. Nesterov and A. Nemirovskii, 1994).
 pub const SCALING_DECREMENT: f64 = 0.05;
 
-/// How far the next bound stays behind what the centre proves.
+/// Distance by which the next bound stays behind what the centre proves.
 /// Between 0, which is no progress, and 1, which is the bound that is already proved.
 pub const SCALING_BEHIND: f64 = 0.25;
 

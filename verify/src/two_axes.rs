@@ -81,7 +81,7 @@ pub enum JointQuantity {
 pub struct JointFigure {
     /// In which run.
     pub experiment: JointExperiment,
-    /// What of it.
+    /// The part of it.
     pub quantity: JointQuantity,
 }
 

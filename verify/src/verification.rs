@@ -51,7 +51,7 @@ pub struct Evidence {
     pub curves: Curves,
     /// Time histories: linear first.
     pub histories: Vec<History>,
-    /// What was done to the mechanism.
+    /// The procedure that was applied to the mechanism.
     pub procedure: Procedure,
     /// Quantity that the loop controls; figures and histories have its names and unit.
     pub controlled: ControlledQuantity,

@@ -184,7 +184,7 @@ fn vary(parameter: VariedParameter, low: f64, high: f64) -> Variation {
     Variation { parameter, distribution: Distribution::Uniform { low, high } }
 }
 
-/// What may lie between the bound that holds for certain and the nearest mechanism that was found.
+/// The gap that may lie between the bound that holds for certain and the nearest mechanism that was found.
 const WIDEST_GAP: f64 = 2.2;
 
 /// With a perturbation that was found at a frequency of M, the sampled loop has a pole on the unit circle at that frequency: the

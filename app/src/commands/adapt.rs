@@ -21,7 +21,7 @@ use counterpoise_host::projects::{self, ProjectWorld};
 pub struct AdaptOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// Where report and results go.
+    /// The destinations of report and results.
     #[command(flatten)]
     pub outputs: CommandOutputs,
 }

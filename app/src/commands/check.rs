@@ -22,7 +22,7 @@ pub struct CheckOptions {
     /// Rewrite a file of an older format in the present one, with its comments; nothing else of it changes
     #[arg(long)]
     pub migrate: bool,
-    /// Where results go.
+    /// The destination of results.
     #[command(flatten)]
     pub results: ResultOutput,
 }

@@ -32,7 +32,7 @@ pub struct ClaimsOptions {
     /// Write table and figures as a page to this HTML file [default: out/claims.html, or out/claims-ID-....html with --only]
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
-    /// Where results go.
+    /// The destination of results.
     #[command(flatten)]
     pub results: ResultOutput,
 }

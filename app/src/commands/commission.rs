@@ -43,7 +43,7 @@ pub struct CommissionOptions {
     /// Rounds at most
     #[arg(long, value_name = "ROUNDS", default_value = "5")]
     pub rounds: usize,
-    /// What the machine must not pass.
+    /// The limits that the machine must not pass.
     #[command(flatten)]
     pub limits: MotionLimits,
     /// Duration of the experiment that tells machines apart, s
@@ -52,7 +52,7 @@ pub struct CommissionOptions {
     /// Folder for the rounds; a commissioning that was stopped goes on where it was
     #[arg(short, long, default_value = "commission")]
     pub output: PathBuf,
-    /// Where results go.
+    /// The destination of results.
     #[command(flatten)]
     pub results: ResultOutput,
 }
@@ -165,7 +165,7 @@ struct DesignedRound {
     content: Arc<ControllerContent>,
 }
 
-/// What a machine left of the experiments of a round.
+/// The recordings that a machine left of the experiments of a round.
 #[derive(Default)]
 struct RecordedRuns {
     runs: Vec<RecordedRun>,
@@ -173,7 +173,7 @@ struct RecordedRuns {
     replayed: Vec<RecordingFile>,
 }
 
-/// How the experiments of a round ended.
+/// The end of the experiments of a round.
 enum RunsEnd {
     Complete(RecordedRuns),
     Stopped(StopReason),

@@ -29,7 +29,7 @@ pub struct CompareOptions {
     /// Write a report to this HTML file
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
-    /// Where results go.
+    /// The destination of results.
     #[command(flatten)]
     pub results: ResultOutput,
 }

@@ -41,7 +41,7 @@ pub struct DesignOptions {
     /// With --json: also the time histories of every experiment, from which the nonlinear figures can be recomputed (tens of megabytes)
     #[arg(long, requires = "json")]
     pub histories: bool,
-    /// Where results go.
+    /// The destination of results.
     #[command(flatten)]
     pub results: ResultOutput,
 }
@@ -126,11 +126,11 @@ fn print_adaptation(designed: &counterpoise_pipeline::CompletedDesign) {
     action.for_each(|action| print_message(&format!("adaptation: {action}")));
 }
 
-/// What compilers and the compiled code said.
+/// The answers of compilers and of the compiled code.
 struct CompiledCode {
-    /// How many compiled codes answer otherwise than their model.
+    /// Number of compiled codes that answer otherwise than their model.
     differing: usize,
-    /// What the user must know.
+    /// The notes for the user.
     said: Vec<String>,
 }
 

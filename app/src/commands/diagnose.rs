@@ -4,10 +4,7 @@ use crate::output::say;
 use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::{DiagnosisVerdict, FitTable, Hypothesis};
 use counterpoise_diagnose::findings::channel_fits::PooledFits;
-use counterpoise_pipeline::configuration::apply_configuration;
-use counterpoise_pipeline::recordings::read::{control_for, recording_controller};
-use counterpoise_pipeline::recordings::replay::{ReplayLength, replay_one};
-use counterpoise_pipeline::recordings::{GapTreatment, RecordingFile, diagnose, read_files, replay_held_out};
+use counterpoise_pipeline::recordings::{RecordingFile, diagnose, replay_held_out, replay_improved};
 use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_pipeline::{RedesignComparison, verify_redesign};
@@ -81,13 +78,8 @@ fn confirm(
     found: &Diagnosis,
 ) -> anyhow::Result<Vec<RecordingResult>> {
     let refused = |error| anyhow::Error::msg(describe_recordings_error(&error));
-    let controller = recording_controller(&loaded.project).map_err(refused)?;
-    let read =
-        read_files(&loaded.project, controller.as_ref(), files, GapTreatment::Repaired).map_err(refused)?;
-    let control = control_for(&loaded.project, controller.as_ref(), read.iter().map(|item| &item.recording));
-    let improved = apply_configuration(&loaded.project, &found.improved).map_err(refused)?;
-    let one = |item| replay_one(&improved, item, &control, ReplayLength::Automatic).map_err(refused);
-    read.iter().map(|item| Ok(describe_replay(&one(item)?))).collect()
+    let replayed = replay_improved(&loaded.project, &found.improved, files).map_err(refused)?;
+    Ok(replayed.iter().map(describe_replay).collect())
 }
 
 fn print_confirmation(replayed: &[RecordingResult]) {

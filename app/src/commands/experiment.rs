@@ -23,7 +23,7 @@ pub struct ExperimentOptions {
     pub project: PathBuf,
     /// JSON result of a diagnosis of this project; without it the plan is for the effects that machines most often lack
     pub findings: Option<PathBuf>,
-    /// What the machine must not pass.
+    /// The limits that the machine must not pass.
     #[command(flatten)]
     pub limits: MotionLimits,
     /// Duration, s
@@ -32,12 +32,12 @@ pub struct ExperimentOptions {
     /// CSV file for the demand
     #[arg(short, long, value_name = "FILE", default_value = "demand.csv")]
     pub output: PathBuf,
-    /// Where results go.
+    /// The destination of results.
     #[command(flatten)]
     pub results: ResultOutput,
 }
 
-/// What a machine must not pass in an experiment.
+/// The limits that a machine must not pass in an experiment.
 #[derive(Args)]
 pub struct MotionLimits {
     /// Largest angle from the start to either side, rad (m on a linear axis)

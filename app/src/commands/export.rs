@@ -28,7 +28,7 @@ pub struct ExportOptions {
     /// Write nothing; check whether these generated files are still what the project gives
     #[arg(long, value_name = "FILE", num_args = 1..)]
     pub check: Vec<PathBuf>,
-    /// Where results go.
+    /// The destination of results.
     #[command(flatten)]
     pub results: ResultOutput,
 }
@@ -75,7 +75,7 @@ pub(crate) fn holds(axis: &TraverseCode) -> bool {
     axis.design.verified.verification().passes() && axis.left_out.is_empty()
 }
 
-/// What became of a file that was checked.
+/// The outcome of a file that was checked.
 #[derive(Serialize)]
 struct CheckedCode {
     file: String,

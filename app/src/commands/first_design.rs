@@ -1,4 +1,4 @@
-//! What is printed of weights that were chosen.
+//! The printed lines on weights that were chosen.
 
 use counterpoise_host::projects::ProjectOnDisk;
 use counterpoise_pipeline::FirstDesignResult;

@@ -53,7 +53,7 @@ pub struct FraOptions {
     /// Measure the map again on 1, 2, 4, ... threads, and print how the time falls
     #[arg(long, conflicts_with = "recording")]
     pub scaling: bool,
-    /// Where report and results go.
+    /// The destinations of report and results.
     #[command(flatten)]
     pub outputs: CommandOutputs,
 }
@@ -199,7 +199,7 @@ fn scaling(
     Ok(paces)
 }
 
-/// How fast a map was, and how its time falls with the threads.
+/// The time that a map took, and its fall with the threads.
 fn tell_speed(maps: &[ResponseMap], speed: &[MeasuringPace]) {
     let MapTotals { points, simulated_s, .. } = MapTotals::of(maps);
     for pace in speed {

@@ -33,7 +33,7 @@ pub struct IdentifyOptions {
     /// Write the project file with the identified values
     #[arg(long, value_name = "FILE")]
     pub save: Option<PathBuf>,
-    /// Where report and results go.
+    /// The destinations of report and results.
     #[command(flatten)]
     pub outputs: CommandOutputs,
 }

@@ -28,7 +28,7 @@ pub struct ModelOptions {
     /// Write a report with mode shapes, friction characteristics and the simulator's own error to this HTML file
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
-    /// Where results go.
+    /// The destination of results.
     #[command(flatten)]
     pub results: ResultOutput,
 }

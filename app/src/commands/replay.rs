@@ -10,16 +10,14 @@ use counterpoise_host::terminal::print_message;
 use counterpoise_host::workers::{QuietPool, try_map_stream};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::recordings::controller_origin::other_export;
-use counterpoise_pipeline::recordings::read::{loop_of, read_table, recording_controller, without_demand};
-use counterpoise_pipeline::recordings::{GapTreatment, ReadRecording, ReplayLength, read_files, replay};
+use counterpoise_pipeline::recordings::{ProjectReplayer, ReplayControl, ReplayLength, ReplaySettings};
 use counterpoise_pipeline::results::{RecordingResult, ReplayResult};
 use counterpoise_pool::Pool;
-use counterpoise_project::{Project, Purpose};
+use counterpoise_project::Purpose;
 use counterpoise_report::wording::recordings::{
     describe_other_export, describe_played_back, describe_recordings_error, describe_replay,
     describe_replay_mode,
 };
-use counterpoise_simulate::replay::RecordedController;
 use indicatif::ProgressBar;
 use std::path::{Path, PathBuf};
 
@@ -42,7 +40,7 @@ pub struct ReplayOptions {
     /// SECONDS; `none` follows it from start to end; `auto` uses half a second, or a half or a quarter of that, if the machine hunts, otherwise `none`
     #[arg(long, value_name = "auto|none|SECONDS", default_value = "auto", value_parser = windows)]
     pub windows: ReplayLength,
-    /// Where report and results go.
+    /// The destinations of report and results.
     #[command(flatten)]
     pub outputs: CommandOutputs,
 }
@@ -70,18 +68,16 @@ pub fn run(options: &ReplayOptions) -> CommandResult {
     }
     let BySize { whole, in_parts } = split_by_size(&options.recordings, READ_AT_ONCE);
     let files = if whole.is_empty() { Vec::new() } else { projects::read_recordings(&whole)? };
-    let controller = recording_controller(&loaded.project).map_err(recordings_error)?;
-    let controller = controller.as_ref();
-    let read =
-        read_files(&loaded.project, controller, &files, GapTreatment::Repaired).map_err(recordings_error)?;
-    if !options.open_loop {
-        tell_missing_demand(&loaded.project, &read);
-    }
-    let control = loop_of(&loaded.project, controller.filter(|_| !options.open_loop));
-    let replayed = replay(&loaded.project, &read, &control, options.windows).map_err(recordings_error)?;
+    let control =
+        if options.open_loop { ReplayControl::RecordedControl } else { ReplayControl::RecordingController };
+    let settings = ReplaySettings { control, length: options.windows };
+    let replayer = ProjectReplayer::new(&loaded.project, settings).map_err(recordings_error)?;
+    let read = replayer.read_files(&files).map_err(recordings_error)?;
+    tell_missing_demand(&replayer.without_demand(&read));
+    let replayed = replayer.replay(&read).map_err(recordings_error)?;
     let mut result = ReplayResult { recordings: replayed.iter().map(describe_replay).collect() };
     for path in &in_parts {
-        result.recordings.extend(replay_in_parts(&loaded.project, controller, path, options)?);
+        result.recordings.extend(replay_in_parts(&replayer, path, options)?);
     }
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise replay {}", loaded.path.display());
@@ -101,8 +97,7 @@ const PARTS_AT_ONCE: usize = 8;
 /// Replays a recording that is too large to be read at once: as many parts at a time as there are processors, of which the figures
 /// alone are kept. Every part starts from states of its own, as the parts of a recording with gaps do.
 fn replay_in_parts(
-    project: &Project,
-    controller: Option<&RecordedController>,
+    replayer: &ProjectReplayer,
     path: &Path,
     options: &ReplayOptions,
 ) -> anyhow::Result<Vec<RecordingResult>> {
@@ -115,10 +110,7 @@ fn replay_in_parts(
     let bar = if options.outputs.results.quiet { ProgressBar::hidden() } else { ProgressBar::new(0) };
     let parts = LargeRecording::open(path, ROWS_OF_A_PART, bar)?;
     let one = |table| -> anyhow::Result<Vec<RecordingResult>> {
-        let read = read_table(project, controller, &table).map_err(recordings_error)?;
-        drop(table);
-        let control = loop_of(project, controller.filter(|_| !options.open_loop));
-        let replayed = replay(project, &read, &control, options.windows).map_err(recordings_error)?;
+        let replayed = replayer.replay_table(table).map_err(recordings_error)?;
         Ok(replayed.iter().map(describe_replay).collect())
     };
     // While one processor reads the next part, the others replay those before it.
@@ -135,9 +127,8 @@ pub(super) fn tell_other_export(loaded: &ProjectOnDisk) {
 }
 
 /// Says which recordings are replayed under their recorded control because the demand is missing.
-fn tell_missing_demand(project: &Project, read: &[ReadRecording]) {
-    let missing = without_demand(project, read);
-    if let Some(remark) = describe_played_back(&missing) {
+fn tell_missing_demand(missing: &[String]) {
+    if let Some(remark) = describe_played_back(missing) {
         print_message(&format!("note: {remark}"));
     }
 }

@@ -19,7 +19,7 @@ use counterpoise_host::projects::{self, ProjectOnDisk};
 pub struct StageOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// Where results go.
+    /// The destination of results.
     #[command(flatten)]
     pub results: ResultOutput,
 }

@@ -45,7 +45,7 @@ pub struct SweepOptions {
     /// Other factors for that sample, for example friction=2,backlash=0 (the report prints those of a worst case)
     #[arg(long, value_name = "KEY=FACTOR,...", requires = "sample", value_delimiter = ',')]
     pub factors: Vec<String>,
-    /// Where results go.
+    /// The destination of results.
     #[command(flatten)]
     pub results: ResultOutput,
 }

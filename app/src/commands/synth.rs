@@ -42,7 +42,7 @@ pub struct SynthOptions {
     /// Write the project with its weights, or with the values of its blocks: those that were chosen or tuned if the file states none, or with --search those that were found
     #[arg(long, value_name = "FILE")]
     pub save: Option<PathBuf>,
-    /// Where report and results go.
+    /// The destinations of report and results.
     #[command(flatten)]
     pub outputs: CommandOutputs,
 }

@@ -1,4 +1,4 @@
-//! What is printed of a feedback that was tuned.
+//! The printed lines on a feedback that was tuned.
 
 use counterpoise_host::projects::ProjectOnDisk;
 use counterpoise_pipeline::tuning::TuningResult;

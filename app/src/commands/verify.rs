@@ -56,7 +56,7 @@ pub struct VerifyOptions {
     /// With --json: also the time histories of every experiment, from which the nonlinear figures can be recomputed (tens of megabytes)
     #[arg(long, requires = "json")]
     pub histories: bool,
-    /// Where results go.
+    /// The destination of results.
     #[command(flatten)]
     pub results: ResultOutput,
 }
@@ -105,7 +105,7 @@ struct VerifyOutput {
     robust_to_times_the_ranges: Option<f64>,
     /// The linear worst case in each case and regime of friction, the design's own sliding first; empty if nothing varies.
     robustness: Vec<RobustnessResult>,
-    /// What to change where a requirement fails.
+    /// The changes that meet a requirement that fails.
     advice: Vec<AdviceResult>,
 }
 

@@ -1,4 +1,4 @@
-//! What the tests of the command line share: folders, the example with a quick campaign, the program, and what is passed over.
+//! Helpers that the tests of the command line share: folders, the example with a quick campaign, the program, and what is passed over.
 #![allow(dead_code)]
 
 use std::fs;

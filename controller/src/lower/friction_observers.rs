@@ -5,7 +5,7 @@ use crate::program::{OnRestart, Slot};
 use crate::tolerance::{BREAKS_FROM, FARTHEST, POWER_POINTS, TANH_AT};
 use crate::{FrictionObserver, ObserverLaw};
 
-/// What an observer's step is made of.
+/// The parts of an observer's step.
 struct Step<'a> {
     observer: &'a FrictionObserver,
     rate: Slot,

@@ -7,7 +7,7 @@ use crate::program::{OnRestart, ProgramTerm, Slot};
 use crate::signal::{PLATFORM_ACCELERATION, PLATFORM_RATE, PLATFORM_SURGE};
 use crate::tolerance::HIGHEST_ELEVATION_RAD;
 
-/// What a projection is given.
+/// The inputs of a projection.
 pub(super) struct ProjectionInput<'a> {
     /// The corrected readings.
     pub readings: &'a [Slot; READINGS],

@@ -1,11 +1,11 @@
-//! What an estimator of the out-of-balance explains the control by.
+//! The regressors by which an estimator of the out-of-balance explains the control.
 
 use crate::lower::Writer;
 use crate::lower::schedule::Layout;
 use crate::program::{ProgramTerm, Slot};
 use crate::{Estimator, Parts, PathSignal};
 
-/// What an estimator is given in a sample.
+/// The inputs of an estimator in a sample.
 pub(crate) struct EstimatorInputs<'a> {
     /// The parts that it belongs to.
     pub parts: &'a Parts,

@@ -90,7 +90,7 @@ impl FilteredSignals<'_> {
 
 /// A dead-band on the mean square of the platform's acceleration.
 struct DeadBand {
-    /// What a sample keeps of the mean square before it.
+    /// The share of the mean square before it that a sample keeps.
     forget: f64,
     /// RMS of the acceleration below which the estimate stands still, m/s^2.
     rms_m_s2: f64,

@@ -13,7 +13,7 @@ use crate::program::{OnRestart, Program, ProgramTerm, Slot};
 use crate::signal::PLATFORM_ACCELERATION;
 use crate::{DemandLimit, FrictionObserver, Parts, Path, PathSignal, READINGS};
 
-/// Where each signal of this step is found.
+/// The place of each signal of this step.
 struct Signals {
     readings: [Slot; READINGS],
     rate_error: Option<Slot>,
@@ -39,7 +39,7 @@ struct PathSlots<'a> {
     u: &'a [Slot],
 }
 
-/// What the limiter cut off, and the gain of each state on it.
+/// The part that the limiter cut off, and the gain of each state on it.
 struct AntiWindup<'a> {
     excess: Slot,
     gains: &'a [f64],

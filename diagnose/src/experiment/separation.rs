@@ -1,4 +1,4 @@
-//! What two machines would record in an experiment, and how sure a decision between them would be.
+//! The recordings that two machines would make in an experiment, and the certainty of a decision between them.
 
 use counterpoise_linalg::{Mat, solve};
 use counterpoise_models::Parameters;
@@ -32,7 +32,7 @@ pub struct Separation {
     pub probability: f64,
 }
 
-/// What a machine would record, over the noise floors, and how that changes with each of its free parameters.
+/// The recording that a machine would make, over the noise floors, and how that changes with each of its free parameters.
 pub(super) struct ExpectedSignals {
     pub signals: Vec<f64>,
     pub slopes: Vec<Vec<f64>>,

@@ -1,4 +1,4 @@
-//! What the diagnosis finds: plain data, without sentences.
+//! The findings of the diagnosis: plain data, without sentences.
 
 use serde::Serialize;
 
@@ -72,7 +72,7 @@ pub enum FindingBasis {
     },
     /// No effect of the library explains the residual.
     NoKnownEffect {
-        /// What the mismatch depends on; `None` if that was not found.
+        /// The variable that the mismatch depends on; `None` if that was not found.
         pattern: Option<Pattern>,
         /// The known effect that explains most.
         nearest: Option<NearestEffect>,

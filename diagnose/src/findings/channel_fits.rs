@@ -1,4 +1,4 @@
-//! How well a model fits the recordings, channel by channel.
+//! The fit of a model to the recordings, channel by channel.
 
 use std::collections::BTreeMap;
 

@@ -40,7 +40,7 @@ pub struct LocalisationChart {
     pub best: Option<MapCell>,
     /// The components that these recordings cannot tell apart, the most probable first: see [`rank_components`].
     pub likeliest: Vec<Component>,
-    /// Whether the search agrees.
+    /// The agreement of the search.
     pub agreement: SearchAgreement,
 }
 

@@ -1,4 +1,4 @@
-//! What a diagnosis finds: the verdict, the findings with their intervals, and what the recordings cannot tell.
+//! The findings of a diagnosis: the verdict, the findings with their intervals, and what the recordings cannot tell.
 //!
 //! Modules in reading order: [`channel_fits`], how well a model fits; [`answer`], the data; [`instrument_findings`], faults of instruments as findings; [`verdict`], from a search to an answer; [`localisation_chart`], component by
 //! regime; [`axis_units`], the units of a linear axis; [`similarity`], machines of another size.

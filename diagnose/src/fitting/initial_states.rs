@@ -9,7 +9,7 @@ use counterpoise_simulate::replay::START_FREEDOMS;
 use crate::recording::series::dot;
 use crate::simulator_access::StartShift;
 
-/// What the degrees of freedom of one recording's initial state do to its residuals.
+/// The effects of the degrees of freedom of one recording's initial state on its residuals.
 pub(crate) struct StartColumns {
     columns: Vec<Option<Vec<f64>>>,
     normal: Mat,

@@ -1,4 +1,4 @@
-//! How well a mechanism explains the recordings, as numbers that can be compared.
+//! The quality of a mechanism as an explanation of the recordings, as numbers that can be compared.
 
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Channel;

@@ -104,7 +104,7 @@ fn negative_viscous(layout: Layout, fit: &regression::RegressionFit) -> Option<N
     (value + half_width < 0.0).then_some(Note::NegativeViscous)
 }
 
-/// What the project says of the unknowns.
+/// The project's values of the unknowns.
 struct PriorValues {
     moment: f64,
     inertia: f64,

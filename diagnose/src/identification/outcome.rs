@@ -1,4 +1,4 @@
-//! What was identified: plain data.
+//! The identified values: plain data.
 
 use serde::Serialize;
 
@@ -88,7 +88,7 @@ pub enum Note {
     KnownTakenAsExact,
     /// The torque balance leaves more than noise.
     SomethingElseActs {
-        /// What it leaves, as a share of the Coulomb friction.
+        /// The residual, as a share of the Coulomb friction.
         share: f64,
     },
     /// The motor's rate was not recorded.

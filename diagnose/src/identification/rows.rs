@@ -39,7 +39,7 @@ pub enum RowColumn {
     SmoothHubRate,
     /// Direction of sliding, 1 or -1.
     Direction,
-    /// What a knot of a change of the amplifier's map takes from the torque of the map as it is, N m per V. There is a column for each knot,
+    /// The share of a knot of a change of the amplifier's map in the torque of the map as it is, N m per V. There is a column for each knot,
     /// which is why these stand last.
     Knot(usize),
 }
@@ -71,21 +71,21 @@ impl ColumnName for RowColumn {
 pub struct Rows {
     /// The torque, the regressors and the signals that they are chosen by.
     pub signals: Signals<RowColumn>,
-    /// Whether the row is sliding throughout the filter's window.
+    /// `true` if the row is sliding throughout the filter's window.
     pub sliding: Vec<bool>,
-    /// Whether the joint has not yet slid its presliding distance since it turned.
+    /// `true` if the joint has not yet slid its presliding distance since it turned.
     pub turning: Vec<bool>,
     /// Variance of the noise in rate and acceleration after the filter.
     pub noise: [f64; 2],
     /// Covariance of that noise with the noise in the torque: the motor's rate follows from the same reading if it has no sensor.
     pub noise_in_torque: [f64; 2],
-    /// What the accelerometer's lever arm does; `None` if the recording does not show it.
+    /// The effect of the accelerometer's lever arm; `None` if the recording does not show it.
     pub lever_arm: Option<LeverArmColumn>,
     /// Sample period, s.
     pub period_s: f64,
 }
 
-/// What a longer lever arm of the accelerometer changes: the reading then holds more of the pitch acceleration, and less of heave acts on the
+/// The effect of a longer lever arm of the accelerometer: the reading then holds more of the pitch acceleration, and less of heave acts on the
 /// out-of-balance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeverArmColumn {
@@ -95,7 +95,7 @@ pub struct LeverArmColumn {
     pub noise: f64,
 }
 
-/// How rows are made: the mechanism, the low-pass (its standard deviation, s), the knots of the amplifier's map (V).
+/// The data from which rows are made: the mechanism, the low-pass (its standard deviation, s), the knots of the amplifier's map (V).
 pub struct Maker<'a> {
     /// The mechanism.
     pub p: &'a Parameters,
@@ -134,9 +134,9 @@ impl ColumnName for ChannelColumn {
 /// The channels of a recording without gaps, missing ones filled in by what they mean.
 struct Channels {
     signals: Signals<ChannelColumn>,
-    /// What makes the noise of the hub's rate.
+    /// The source of the noise of the hub's rate.
     noise: RateNoise,
-    /// Whether the recording has every channel in a sample.
+    /// `true` for the samples in which the recording has every channel.
     whole: Vec<bool>,
 }
 
@@ -167,7 +167,7 @@ impl Channels {
     }
 }
 
-/// What makes the noise of the hub's rate.
+/// The source of the noise of the hub's rate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum RateNoise {
     /// A sensor of the rate: white noise, which the low-pass lets through in part.

@@ -81,7 +81,7 @@ struct Filter {
     direct: f64,
 }
 
-/// What an input does between samples.
+/// The course of an input between samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum InputHold {
     /// The input is held, as a converter does.

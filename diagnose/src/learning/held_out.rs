@@ -1,4 +1,4 @@
-//! What a free function promises on stretches that did not choose it, by linear algebra on slopes that were simulated once, and how smooth
+//! The promise of a free function on stretches that did not choose it, by linear algebra on slopes that were simulated once, and how smooth
 //! it should be.
 
 use counterpoise_linalg::{Mat, solve};

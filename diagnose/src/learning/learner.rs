@@ -96,13 +96,13 @@ pub(crate) struct FittedFunctions {
     gains: Vec<f64>,
 }
 
-/// What functions are fitted to, and what they are judged by.
+/// The data that functions are fitted to, and those that they are judged by.
 pub(crate) struct DataSplit {
     pub selection: FitSelection,
     pub parts: Vec<RecordingPart>,
 }
 
-/// How rough a function may be.
+/// The roughness that a function may have.
 #[derive(Debug, Clone, Copy)]
 struct Smoothness {
     roughness: f64,

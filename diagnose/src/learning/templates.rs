@@ -54,7 +54,7 @@ const TURN_POINTS: usize = 2;
 /// The same over a turn of the hub: a motor without a gear has its cogging there, and its harmonics.
 const HUB_TURN_POINTS: usize = 4;
 
-/// What templates are made for.
+/// The purpose of templates.
 pub(crate) struct TemplateContext<'a> {
     /// The mechanism.
     pub base: &'a Parameters,

@@ -20,7 +20,7 @@ pub struct VisitedRanges {
     stiffness: f64,
 }
 
-/// How far the first parts of recordings are taken to tell of a function.
+/// The extent to which the first parts of recordings are taken to tell of a function.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Reach {
     /// As far as their samples go.

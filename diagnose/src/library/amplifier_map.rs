@@ -13,7 +13,7 @@ pub(super) fn fraction(p: &Parameters, input_v: f64) -> f64 {
 pub(super) struct CurvePoint<'a> {
     /// Inputs of all points of the curve, V, rising.
     pub inputs_v: &'a [f64],
-    /// Which of them.
+    /// The index among them.
     pub point: usize,
 }
 

@@ -47,14 +47,14 @@ pub enum Access {
     Curve {
         /// Inputs of all points of the curve, V, rising.
         inputs_v: &'static [f64],
-        /// Which of them.
+        /// The index among them.
         point: usize,
     },
     /// A value of a free function.
     Learned {
         /// The function.
         element: &'static LearnedElement,
-        /// Which of its points.
+        /// The index among its points.
         point: usize,
     },
 }

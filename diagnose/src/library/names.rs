@@ -76,7 +76,7 @@ named! {
 }
 
 named! {
-    /// What a finding is called: an effect of the library, a fault of an instrument, or something unknown.
+    /// The name of a finding: an effect of the library, a fault of an instrument, or something unknown.
     EffectName {
         /// First moment of mass along the beam.
         OutOfBalance = "out_of_balance",

@@ -86,7 +86,7 @@ struct FittedHypothesis {
     columns: Vec<Vec<f64>>,
     /// Knots of a free function.
     knots: Vec<f64>,
-    /// How it repeats.
+    /// Its periodic trend.
     repeats: Option<Trend>,
 }
 

@@ -10,7 +10,7 @@ use crate::tolerance::localisation::{
     TIME_FREQUENCIES_TRIED, TIME_FREQUENCY_REFINEMENTS,
 };
 
-/// How the knots of a free function lie along its variable.
+/// The spacing of the knots of a free function along its variable.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum KnotSpacing {
     /// As many samples between any two.

@@ -1,7 +1,7 @@
 //! The regression of how recordings depart from their replay: the balances of the one less the same balances of the other,
 //! whitened.
 //!
-//! What the balances simplify is in both, so that it cancels. What an error at a port would do to the balances is a column of the
+//! The simplifications of the balances are in both, so that they cancel. What an error at a port would do to the balances is a column of the
 //! regression; how much of the departure the columns explain is measured on held-out stretches.
 
 use crate::tolerance::identification::NORMAL_95;
@@ -39,7 +39,7 @@ pub struct AssessedReplay {
 /// An error at a port, one value a sample.
 #[derive(Clone, Copy)]
 pub(crate) struct ErrorTerm<'a> {
-    /// Where it acts.
+    /// The port at which it acts.
     pub port: Port,
     /// The error.
     pub error: &'a Series,
@@ -52,7 +52,7 @@ struct Segment {
     rows: std::ops::Range<usize>,
 }
 
-/// How recordings depart from their replay.
+/// The departures of recordings from their replay.
 pub(crate) struct ResidualRegression<'a> {
     /// The recordings' signals.
     pub signals: Vec<BalanceSignals<'a>>,

@@ -24,12 +24,12 @@ use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::{derivative, low_pass, moving_mean};
 use crate::tolerance::localisation::LEAST_RMS_RATE_RAD_S;
 
-/// What a balance can show.
+/// The quantities that a balance can show.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct BalanceVisibility {
     /// The balance.
     pub balance: Balance,
-    /// Whether these sensors allow it.
+    /// `true` if these sensors allow it.
     pub available: bool,
     /// Components whose errors show in it.
     pub sees: Vec<Component>,
@@ -46,7 +46,7 @@ named! {
         Angle = "angle",
         /// Everything that makes torque, on either side of the gear.
         Drive = "drive",
-        /// What acts on the hub side of the gear.
+        /// The torque on the hub side of the gear.
         Hub = "hub",
     }
 }
@@ -129,7 +129,7 @@ impl ColumnName for BalanceColumn {
 pub(crate) struct BalanceSignals<'a> {
     pub p: &'a Parameters,
     pub period_s: f64,
-    /// Whether the motor's rate was measured; otherwise it is the hub's through a rigid gear.
+    /// `true` if the motor's rate was measured; otherwise it is the hub's through a rigid gear.
     pub motor_measured: bool,
     signals: Signals<BalanceColumn>,
 }

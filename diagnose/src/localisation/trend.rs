@@ -1,4 +1,4 @@
-//! What an unnamed error looks like: its shape along one regime variable.
+//! The trend of an unnamed error: its shape along one regime variable.
 
 use crate::recording::series::{correlation_time, dot, rms};
 use crate::tolerance::identification::NORMAL_95;

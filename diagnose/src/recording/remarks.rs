@@ -1,4 +1,4 @@
-//! What is to be reported about the recordings themselves.
+//! The remarks about the recordings themselves.
 
 use crate::recording::gap_repair::{Repair, RepairedPart};
 use crate::recording::instrument_faults::InstrumentFault;
@@ -29,14 +29,14 @@ pub enum RecordingRemark {
     OtherController {
         /// Name of the recording.
         recording: String,
-        /// How far the recorded control is from that of the project's controller.
+        /// The distance of the recorded control from that of the project's controller.
         mismatch: ControlMismatch,
     },
     /// The platform moves, and its heave was not recorded.
     UnknownHeave {
         /// Name of the recording.
         recording: String,
-        /// What was done with it.
+        /// The treatment of it.
         treatment: HeaveTreatment,
     },
     /// A fault of a sensor or of the recorder.
@@ -45,16 +45,16 @@ pub enum RecordingRemark {
     Repaired {
         /// Name of the recording.
         recording: String,
-        /// What was repaired.
+        /// The part that was repaired.
         part: RepairedPart,
-        /// What was done.
+        /// The repair.
         repair: Repair,
     },
     /// A check found something unusual.
     Checked {
-        /// What it found.
+        /// The anomaly.
         remark: SanityRemark,
-        /// Whether the channel is still compared.
+        /// The use of the channel: still compared or left out.
         comparison: Comparison,
     },
     /// Only the first part of a recording is used.

@@ -45,7 +45,7 @@ pub enum Standstill {
 pub enum Anomaly {
     /// Samples are missing or not numbers.
     Missing {
-        /// How many.
+        /// Number of samples.
         missing: usize,
         /// Of how many.
         samples: usize,
@@ -64,7 +64,7 @@ pub enum Anomaly {
     },
     /// One long run of equal readings.
     LongRun {
-        /// Whether at an extreme.
+        /// The place of the standstill: at an extreme or not.
         standstill: Standstill,
         /// The value, in the channel's unit.
         value: f64,
@@ -80,26 +80,26 @@ pub enum Anomaly {
     },
     /// The gyroscopes disagree with motor and resolver, which agree with each other.
     GyroscopesDisagree {
-        /// What the gyroscopes give over what the others give.
+        /// The ratio of what the gyroscopes give to what the others give.
         ratio: f64,
-        /// What it most likely means.
+        /// The most likely meaning.
         meaning: Meaning,
     },
     /// The channel disagrees with the gyroscopes.
     Disagrees {
-        /// What it gives over what the gyroscopes give.
+        /// The ratio of what it gives to what the gyroscopes give.
         ratio: f64,
-        /// What it most likely means.
+        /// The most likely meaning.
         meaning: Meaning,
     },
     /// The clock has an offset.
     ClockOffset {
-        /// How much later than the gyroscopes it is, s.
+        /// The delay behind the gyroscopes, s.
         late_s: f64,
     },
     /// The clock runs fast or slow.
     ClockDrift {
-        /// How much later than the gyroscopes it is at the start, s.
+        /// The delay behind the gyroscopes at the start, s.
         start_s: f64,
         /// The same at the end, s.
         end_s: f64,

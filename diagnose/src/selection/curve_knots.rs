@@ -1,4 +1,4 @@
-//! Where the knots of the amplifier's curve lie, chosen by held-out stretches.
+//! The places of the knots of the amplifier's curve, chosen by held-out stretches.
 //!
 //! A curve that was found with its knots at the usual inputs bends there, and the machine's elsewhere. What each knot of a fine
 //! curve does to the residuals is computed by the simulator once; from then on every choice of knots is a linear fit. The

@@ -1,6 +1,6 @@
 //! Orders at which a torque repeats with the motor's angle, read from the balance of the drive.
 //!
-//! What is left of the balance after everything smooth is regressed on sine and cosine of the angle times each order of a grid, as a
+//! The rest of the balance after everything smooth is regressed on sine and cosine of the angle times each order of a grid, as a
 //! Lomb-Scargle periodogram does over time (Lomb 1976; Scargle 1982). A list of usual orders cannot hold those of every motor:
 //! slots and poles make 72 or 168 periods a turn too.
 
@@ -26,9 +26,9 @@ pub(crate) struct OrderRange {
 pub(crate) struct BalanceOverAngle {
     /// Angle of the motor, rad.
     angle: Vec<f64>,
-    /// What is left of the balance, N m.
+    /// The rest of the balance, N m.
     residual: Vec<f64>,
-    /// What the repeating factor multiplies.
+    /// The signal that the repeating factor multiplies.
     carrier: Vec<f64>,
 }
 

@@ -1,4 +1,4 @@
-//! What is done to accepted effects: they are fitted to everything, refined, exchanged for better ones, and dropped if the others
+//! The refinement of accepted effects: they are fitted to everything, refined, exchanged for better ones, and dropped if the others
 //! explain as much without them.
 
 use crate::fitting::output_error::{EffectFit, FitSelection, apply_effects, parameters_of};

@@ -1,4 +1,4 @@
-//! What the search works on, with what every step of it needs: fits of effects, and assessments of the recordings.
+//! The data that the search works on, with what every step of it needs: fits of effects, and assessments of the recordings.
 
 use counterpoise_models::Parameters;
 

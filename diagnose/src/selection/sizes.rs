@@ -1,4 +1,4 @@
-//! What is known of the sizes of a machine, and what an effect must gain there.
+//! The known sizes of a machine, and the gain that an effect must have there.
 
 use crate::tolerance::{GAIN_NEEDED, TEXTBOOK_GAIN_NEEDED};
 

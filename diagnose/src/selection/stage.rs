@@ -57,7 +57,7 @@ impl Stage {
     }
 }
 
-/// How widely a stage searches.
+/// The extent of a stage's search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum StageBreadth {
     /// For the next effect.

@@ -1,4 +1,4 @@
-//! What the diagnosis asks of a simulator.
+//! The requests of the diagnosis to a simulator.
 
 use crate::tolerance::fitting::DIVERGENCE_DOUBT;
 use counterpoise_models::Parameters;

@@ -1,4 +1,4 @@
-//! What the diagnosis asks of a simulator.
+//! The simulator as the diagnosis uses it.
 //!
 //! Modules in reading order: `access`, the questions; [`objective`], the simulator that answers them by
 //! replays of the recordings.

@@ -75,7 +75,7 @@ pub const RECOMPUTED_CONTROL_MULTIPLE: f64 = 3.0;
 pub const GYROSCOPE_GAINS: (f64, f64) = (0.5, 2.0);
 /// A broken identity counts as no more than this.
 pub const BROKEN_IDENTITY_AT_MOST: f64 = 3.0;
-/// What an exchange must leave of what was broken, and of each identity.
+/// The share that an exchange must leave of what was broken, and of each identity.
 pub const EXCHANGE_REMAINDER: (f64, f64) = (0.5, 0.7);
 /// Relative and absolute difference up to which two explanations are taken as equivalent.
 pub const EQUIVALENT_EXPLANATIONS: (f64, f64) = (1.1, 0.01);

@@ -1,4 +1,4 @@
-//! What the tests of the diagnosis share.
+//! Helpers that the tests of the diagnosis share.
 
 use counterpoise_controller::ProportionalIntegral;
 

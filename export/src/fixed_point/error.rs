@@ -61,7 +61,7 @@ pub enum FixedError {
         worst_v: f64,
         /// Samples of the prediction.
         samples: usize,
-        /// What is allowed, V.
+        /// The allowed deviation, V.
         allowed_v: f64,
     },
 }

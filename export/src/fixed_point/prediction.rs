@@ -1,4 +1,4 @@
-//! How far fixed point is from the reference: errors of its operations, and a run in its coefficients without rounding.
+//! The deviation of fixed point from the reference: errors of its operations, and a run in its coefficients without rounding.
 
 use counterpoise_controller::READINGS;
 use counterpoise_controller::program::{Operation, Program, Slot};

@@ -19,7 +19,7 @@ pub struct FixedRunner {
     reading_limits: [f64; READINGS],
 }
 
-/// What a reading that is no number, or beyond its limit, becomes: an integer beyond every format.
+/// The value that a reading takes that is no number, or beyond its limit: an integer beyond every format.
 const BEYOND: i64 = -(1 << 31);
 
 impl FixedRunner {

@@ -257,7 +257,7 @@ fn laws(plant: &Plant) -> [(&Friction, Law); 2] {
         .map(|f| (f, FrictionModel::new(f).map_or(Law::None, |model| *model.law())))
 }
 
-/// What the laws have in different ways.
+/// The properties that the laws have in different ways.
 struct FrictionConstants {
     kind: &'static str,
     level: Option<StribeckLevel>,

@@ -65,7 +65,7 @@ impl Variable {
     }
 }
 
-/// What the parts of a unit share.
+/// The data that the parts of a unit share.
 pub(crate) struct Unit<'a> {
     /// Name of the unit and of its functions.
     pub name: &'a str,

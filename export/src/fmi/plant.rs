@@ -24,11 +24,11 @@ pub enum PlantUnitError {
     /// More than the unit's fixed memory holds.
     #[error("{what} = {value}: the generated plant keeps at most {most}")]
     Memory {
-        /// What there is too much of.
+        /// The name of what there is too much of.
         what: &'static str,
-        /// How many.
+        /// Number that there is.
         value: f64,
-        /// How many the unit holds.
+        /// Number that the unit holds.
         most: f64,
     },
     /// The unit could not be written.
@@ -98,7 +98,7 @@ pub fn plant_unit(asked: PlantUnit, provenance: &Provenance) -> Result<Vec<File>
     Ok(files)
 }
 
-/// What the unit is, and where errors of sampling belong. The unit is exact at its communication points; when they are, and whether one is
+/// The description of the unit, and the place of errors of sampling. The unit is exact at its communication points; when they are, and whether one is
 /// missed, is the importer's choice, so a jitter inside the unit would be added to the importer's own.
 const DESCRIPTION: &str = "nonlinear plant of a stabilised, out-of-balance servo mechanism; outputs are sensor signals before sampling: the \
     importing tool adds what belongs to the sampling side (noise, drift, converter steps and missing codes to the outputs; jitter, late and \

@@ -1,4 +1,4 @@
-//! What the out-of-balance can be set to, and how large that can make gains and bias.
+//! The values to which the out-of-balance can be set, and the largest gains and bias that follow.
 
 use counterpoise_controller::program::{OnRestart, Operation, Slot};
 use counterpoise_controller::{Controller, Scaling};

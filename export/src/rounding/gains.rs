@@ -1,4 +1,4 @@
-//! What an error of an operation does to later controls at rest: impulse responses, summed over time.
+//! The effect of an operation's error on later controls at rest: impulse responses, summed over time.
 
 use crate::tolerance::NEGLIGIBLE_SENSITIVITY;
 use counterpoise_controller::compiled_program::CompiledProgram;

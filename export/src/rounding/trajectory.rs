@@ -1,4 +1,4 @@
-//! What rounding does along a run: the errors of every sample carried on by the derivatives of the step as it ran.
+//! The effect of rounding along a run: the errors of every sample carried on by the derivatives of the step as it ran.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! What the tests of generated code share: controllers, a compiler, a program to talk to.
+//! Helpers that the tests of generated code share: controllers, a compiler, a program to talk to.
 #![allow(dead_code, non_snake_case)]
 
 use std::io::{Read, Write};
@@ -256,7 +256,7 @@ pub struct Target {
     from: ChildStdout,
 }
 
-/// What a target is asked to do.
+/// The request to a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Request {
     /// Back to the start.

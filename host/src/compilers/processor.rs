@@ -1,4 +1,4 @@
-//! What the generated code costs on a target: cross-compiled and run in an emulator, where this machine has them.
+//! The cost of the generated code on a target: cross-compiled and run in an emulator, where this machine has them.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -1,4 +1,4 @@
-//! Whether the generated code, compiled on this machine, answers as its model does in every closed loop that was run.
+//! Proof that the generated code, compiled on this machine, answers as its model does in every closed loop that was run.
 
 use std::path::Path;
 use std::process::{Command, Stdio};

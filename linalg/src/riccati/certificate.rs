@@ -25,7 +25,7 @@ pub(super) struct CertifiedSolution {
     normwise: ConditionBasis,
 }
 
-/// What Kenney and Hewer's condition number is computed from, if it is asked for.
+/// The data that Kenney and Hewer's condition number is computed from, if it is asked for.
 enum ConditionBasis {
     /// The norms of the inverse Lyapunov operator applied to `I` and to `X^2`.
     Norms(InverseNorms),

@@ -55,7 +55,7 @@ fn size(problem: &Problem, kind: Kind) -> f64 {
 /// Why doubles gave no solution, as far as the solvers know.
 pub(super) struct Refusal {
     pub(super) reason: Reason,
-    /// What is known of the eigenvalue of the Hamiltonian matrix nearest to the boundary.
+    /// The facts that are known of the eigenvalue of the Hamiltonian matrix nearest to the boundary.
     pub(super) nearest: NearestEigenvalue,
 }
 

@@ -42,7 +42,7 @@ pub(super) fn solve_by_doubling(modes: &Modes, parameters: &[f64]) -> Result<Opt
     Ok(None)
 }
 
-/// What became of a doubling iteration.
+/// The outcome of a doubling iteration.
 pub(super) enum Doubling {
     /// It stands still: an approximation of the solution.
     Settled(Mat),

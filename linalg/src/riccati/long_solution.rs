@@ -22,7 +22,7 @@ pub(super) struct LinearisedEquation {
     pub(super) gain: LongMatrix,
 }
 
-/// What this method needs to know of an equation.
+/// The data that this method needs of an equation.
 pub(super) trait PreciseEquation {
     /// Returns residual, closed loop and gain at `X`; `None` if a weight is singular.
     fn linearise(&self, X: &LongMatrix) -> Option<LinearisedEquation>;

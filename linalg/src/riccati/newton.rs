@@ -26,13 +26,13 @@ pub(super) struct Evaluation {
     pub(super) gain: Mat,
 }
 
-/// What a step does to gain and residual, to working precision.
+/// The change of gain and residual by a step, to working precision.
 pub(super) struct Change {
     pub(super) gain: Mat,
     pub(super) residual: Mat,
 }
 
-/// What Newton's method needs to know of an equation.
+/// The data that Newton's method needs of an equation.
 pub(super) trait Equation {
     /// The equation at `X`; `None` if a weight is singular.
     fn evaluate(&self, X: &ExtendedMatrix) -> Option<Evaluation>;
@@ -60,7 +60,7 @@ pub(super) struct RefinedSolution {
     pub(super) terms: f64,
     /// The Lyapunov operator of the closed loop's transpose.
     pub(super) derivative: Operator,
-    /// How far the closed loop is from that of the operator, relative to its norm.
+    /// The distance of the closed loop from that of the operator, relative to its norm.
     pub(super) moved: f64,
     pub(super) steps: usize,
     /// The ratio of the last step to the one before it, zero if there was one step: small if the derivative was computed well.
@@ -111,7 +111,7 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<RefinedSolution
     Ok(RefinedSolution { steps, contraction, ..refined })
 }
 
-/// Where Newton's method has come to: `X + ahead`. What the short steps `ahead` do to the equation is computed in working precision.
+/// The iterate of Newton's method: `X + ahead`. What the short steps `ahead` do to the equation is computed in working precision.
 struct Path {
     X: ExtendedMatrix,
     here: Evaluation,

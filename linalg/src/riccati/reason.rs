@@ -114,7 +114,7 @@ impl fmt::Display for Eigenvalue {
     }
 }
 
-/// Which modes count as on the stability boundary.
+/// The modes that count as on the stability boundary.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Nearness {
     /// Those that rounding the entries of `A` may move there: to judge a problem that has been solved.
@@ -246,7 +246,7 @@ fn distance(A: &Mat, M: &Mat, mode: C64) -> f64 {
     }
 }
 
-/// What is known of the eigenvalue of the Hamiltonian matrix nearest to the boundary of stability.
+/// The facts that are known of the eigenvalue of the Hamiltonian matrix nearest to the boundary of stability.
 #[derive(Clone, Copy)]
 pub(super) enum NearestEigenvalue {
     /// It has not been computed.

@@ -10,7 +10,7 @@ use crate::schur::{Schur, schur};
 
 use super::scaling::Problem;
 
-/// What the ordered Schur form of the Hamiltonian matrix gave.
+/// The result of the ordered Schur form of the Hamiltonian matrix.
 #[derive(Default)]
 pub(super) struct SchurStart {
     /// A first approximation of the stabilising solution; `None` if the subspace does not have the right dimension or is no graph.

@@ -26,7 +26,7 @@ vectorised! {
     }
 }
 
-/// What the iteration keeps up to date.
+/// The matrices that the iteration keeps up to date.
 #[derive(Clone, Copy, PartialEq)]
 enum Scope {
     /// The whole matrix and the transformation.

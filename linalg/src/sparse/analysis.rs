@@ -1,4 +1,4 @@
-//! What the factors of a sparse symmetric matrix look like, before they are computed.
+//! The structure of the factors of a sparse symmetric matrix, before they are computed.
 
 use faer::Side;
 use faer::sparse::SymbolicSparseColMatRef;
@@ -20,13 +20,13 @@ const SMALL: usize = 2000;
 pub struct Analysis {
     /// The unknown that is eliminated as the k-th.
     pub(super) order: Vec<u32>,
-    /// When each unknown is eliminated.
+    /// The place of each unknown in the order of elimination.
     pub(super) place: Vec<u32>,
     /// The first column of each block, and the end of the last.
     firsts: Vec<usize>,
     /// The rows below the columns of each block, rising.
     rows: Vec<u32>,
-    /// Where the rows of each block start.
+    /// The start of the rows of each block.
     starts: Vec<usize>,
     /// The block of each column.
     pub(super) block: Vec<u32>,

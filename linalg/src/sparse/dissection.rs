@@ -27,7 +27,7 @@ const ROUNDS: usize = 4;
 /// Moves without a smaller separator after which a round of refinement ends, as a share of the separator, and at least so many.
 const PATIENCE: (f64, usize) = (0.5, 60);
 
-/// Where a vertex lies.
+/// The place of a vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Side {
     First,

@@ -1,4 +1,4 @@
-//! How many eigenvalues of a sparse symmetric pencil lie below a limit: the check that no mode was missed.
+//! The number of eigenvalues of a sparse symmetric pencil lie below a limit: the check that no mode was missed.
 //!
 //! By Sylvester's law of inertia `K - limit M` has as many negative eigenvalues as the diagonal of its factors `L D L'` has negative
 //! entries. Source: Parlett, The Symmetric Eigenvalue Problem (SIAM 1998), section 3.3.

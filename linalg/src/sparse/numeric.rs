@@ -60,7 +60,7 @@ pub(super) struct Term<'a, T> {
     pub(super) matrix: &'a Sparse,
 }
 
-/// What is wanted.
+/// The result that is wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum FactorRequest {
     /// The factors of a positive definite matrix.

@@ -14,7 +14,7 @@ const KRYLOV_BLOCKS: usize = 5;
 const LARGEST_BASIS: usize = 90;
 const KEPT_SHAPES: usize = 50;
 
-/// What remains of the two equations, for which the next shift is sought.
+/// The residual of the two equations, for which the next shift is sought.
 #[derive(Clone, Copy)]
 pub(super) struct Weights<'a> {
     pub(super) reach_position: &'a Mat,
@@ -33,7 +33,7 @@ pub(super) struct RitzBasis {
 /// A pole of the structure within the subspace.
 struct Pole {
     value: C64,
-    /// What its mode contributes to what is missing of either Gramian.
+    /// The contribution of its mode to what is missing of either Gramian.
     contributions: [f64; 2],
 }
 

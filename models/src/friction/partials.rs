@@ -1,4 +1,4 @@
-//! How a law with one state moves a little.
+//! The partial derivatives of a law with one state.
 
 /// Partial derivatives of a law with one state z: dz/dt and the torque, by the rate w and by z.
 ///

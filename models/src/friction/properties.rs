@@ -1,4 +1,4 @@
-//! What the laws have in common: the Coulomb level, the presliding stiffness, and the state that carries a torque at rest.
+//! The common properties of the laws: the Coulomb level, the presliding stiffness, and the state that carries a torque at rest.
 //!
 //! Other crates read and write these quantities here only, so that each is defined once and for every law.
 

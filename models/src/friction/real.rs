@@ -10,7 +10,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub trait Real:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// Where a condition holds.
+    /// The lanes in which a condition holds.
     type Mask: Copy;
 
     /// Returns a constant, in every lane.

@@ -9,7 +9,7 @@ use super::stribeck::StribeckLevel;
 /// the modulus that the print lacks). With a band of rates that counts as rest it is Karnopp's (D. Karnopp,
 /// "Computer simulation of stick-slip friction in mechanical dynamic systems", ASME JDSMC 107, 1985).
 ///
-/// What holds at rest is a matter of the whole mechanism: the simulator asks for the [`Stick`] and applies
+/// The torque at rest is a matter of the whole mechanism: the simulator asks for the [`Stick`] and applies
 /// [`Stick::holding_torque_nm`] to the torque that would otherwise move the joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sliding {

@@ -58,7 +58,7 @@ pub enum Force {
 /// A gas in a cylinder.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gas {
-    /// Whether it pulls or pushes.
+    /// The direction: it pulls or pushes.
     pub acts: Action,
     /// Absolute pressure of the charge, Pa.
     pub pressure_pa: f64,

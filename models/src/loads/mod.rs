@@ -1,4 +1,4 @@
-//! What loads a mechanism beside its weight, its base and its friction: an equilibrator, the stops at the ends of its travel, and the recoil
+//! The loads of a mechanism beside its weight, its base and its friction: an equilibrator, the stops at the ends of its travel, and the recoil
 //! of what it fires.
 //!
 //! Each acts as a torque on the hub that is a function of time, of the hub's angle and rate on the platform, and of the load on its mass.

@@ -1,4 +1,4 @@
-//! What a loop controls: the quantity, its unit, and its names in tables and in results.
+//! The quantity that a loop controls: the quantity, its unit, and its names in tables and in results.
 //!
 //! Figures, signals and readings were named for a loop of the hub's rate. A loop of something else has them of its own quantity, with
 //! the names from here.
@@ -13,7 +13,7 @@ pub enum QuantityKind {
     Rate,
     /// An angle, rad, or a position, m.
     Position,
-    /// What the transmission passes: a torque, N m, or a force, N.
+    /// The effort that the transmission passes: a torque, N m, or a force, N.
     Effort,
     /// The motor's current, A.
     Current,
@@ -34,7 +34,7 @@ pub enum DriveQuantity {
 pub struct ControlledQuantity {
     /// Kind.
     pub kind: QuantityKind,
-    /// Whether the axis turns or slides.
+    /// The motion of the axis: it turns or slides.
     pub axis: AxisKind,
     /// Input quantity of the drive.
     pub drive: DriveQuantity,
@@ -60,7 +60,7 @@ impl FeedbackSignal {
     }
 }
 
-/// What a quantity is called.
+/// The names of a quantity.
 struct Words {
     /// In a sentence, for example "hub angle".
     name: &'static str,
@@ -71,9 +71,9 @@ struct Words {
     milli_unit: &'static str,
     /// The unit at the end of a key.
     suffix: &'static str,
-    /// What comes before the suffix in a key, for example "hub_angle".
+    /// The part of a key before the suffix, for example "hub_angle".
     signal: &'static str,
-    /// What stands for the hub in the key of a figure, for example "hub" in `hub_rms_rad`.
+    /// The word for the hub in the key of a figure, for example "hub" in `hub_rms_rad`.
     stem: &'static str,
 }
 

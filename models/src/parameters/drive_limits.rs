@@ -1,4 +1,4 @@
-//! What a drive can do for long: limits of its rate, of its power and of its heat.
+//! The limits of what a drive can do for long: limits of its rate, of its power and of its heat.
 
 use super::{Amplifier, Motor};
 

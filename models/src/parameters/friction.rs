@@ -70,7 +70,7 @@ pub enum FrictionLaw {
     Stribeck {
         /// Coulomb level, N m.
         coulomb_nm: f64,
-        /// How the level falls from `static_ratio` x Coulomb to Coulomb.
+        /// The fall of the level from `static_ratio` x Coulomb to Coulomb.
         curve: StribeckCurve,
     },
     /// Karnopp: stick inside a band of rates, Coulomb outside; breaks away at `static_ratio` x Coulomb.

@@ -1,4 +1,4 @@
-//! What a mechanism is made of: plain data in SI units, checked when a plant is built from it.
+//! The parameters of a mechanism: plain data in SI units, checked when a plant is built from it.
 //!
 //! Frames and signs: angles are positive nose-up; `out_of_balance` is the first moment of mass about the pivot,
 //! positive nose-heavy; gear quantities are at the output (hub) side, motor quantities at the motor shaft.
@@ -38,7 +38,7 @@ pub use structure::{
 pub struct Parameters {
     /// Name of the machine.
     pub name: String,
-    /// Whether the hub turns or slides.
+    /// The motion of the hub: it turns or slides.
     pub axis: AxisKind,
     /// Acceleration of gravity, m/s^2.
     pub gravity_m_s2: f64,

@@ -39,7 +39,7 @@ pub mod input {
     pub const MESH_TORQUE: usize = 5;
     /// Flow into a hydraulic cylinder beside that of the linear valve, L/s.
     pub const FLOW: usize = 6;
-    /// How many there are.
+    /// Number of states.
     pub const COUNT: usize = 7;
 }
 

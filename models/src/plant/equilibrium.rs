@@ -28,7 +28,7 @@ pub struct Equilibrium {
     pub current_a: f64,
     /// Gear torque at the output, N m.
     pub mesh_torque_nm: f64,
-    /// Whether the teeth touch: they do unless no torque passes and there is a gap.
+    /// The contact of the teeth: they touch unless no torque passes and there is a gap.
     pub mesh: Mesh,
     /// Motor angle relative to the platform, rad.
     pub motor_angle_rad: f64,

@@ -10,7 +10,7 @@ use super::mesh_loss::MeshLoss;
 use crate::parameters::{Friction, LearnedPlace, LearnedQuantity, Parameters, RegimeVariable};
 use crate::tolerance::{LEARNED_ITERATIONS, LEAST_LEVEL};
 
-/// Whether a local plant has a function's slope along its own angle or rate, as small motion feels it, or its value alone, as a
+/// The choice whether a local plant has a function's slope along its own angle or rate, as small motion feels it, or its value alone, as a
 /// machine at rest does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum FunctionTreatment {

@@ -1,4 +1,4 @@
-//! Where the nodes of a beam lie.
+//! The places of the nodes of a beam.
 
 use super::profile::Profile;
 use crate::Error;

@@ -104,7 +104,7 @@ impl Modes {
 
 /// K v = lambda M v, rising, for as many lambda as unknowns have mass.
 ///
-/// Where some have none, M v = mu (K + s M) v with a shift s of the order of the first flexible lambda, and
+/// If some have none, M v = mu (K + s M) v with a shift s of the order of the first flexible lambda, and
 /// lambda = 1 / mu - s.
 fn pencil(K: &Mat, M: &Mat) -> Result<(Vec<f64>, Mat), Error> {
     let n = M.nrows();

@@ -255,7 +255,7 @@ fn cowper(m: f64, poissons_ratio: f64) -> f64 {
     6.0 * (1.0 + nu) * round / ((7.0 + 6.0 * nu) * round + (20.0 + 12.0 * nu) * m * m)
 }
 
-/// What is required of a number: whether it holds, and in words.
+/// A requirement on a number: whether it holds, and in words.
 struct NumberRequirement {
     holds: bool,
     words: &'static str,

@@ -1,4 +1,4 @@
-//! How the frequencies of a beam depend on the number and kind of its elements: the columns of the thesis' table 6-1.
+//! The dependence of a beam's frequencies on the number and kind of its elements: the columns of the thesis' table 6-1.
 
 use super::element::{Integration, Theory};
 use super::fe::{AttachedMasses, FeModel, FeOptions};

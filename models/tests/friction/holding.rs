@@ -1,4 +1,4 @@
-//! What holds under a constant torque, what creeps, and what drifts under dither.
+//! The laws that hold under a constant torque, those that creep, and those that drift under dither.
 
 use super::{Mass, assert_close, dahl, lugre, model, reset_integrator};
 use counterpoise_models::friction::FrictionModel;

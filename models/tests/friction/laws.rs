@@ -1,4 +1,4 @@
-//! What every law must do, whichever it is.
+//! The duties of every law, whichever it is.
 
 use super::{assert_close, dahl, lugre, model, reset_integrator};
 use counterpoise_models::friction::describing_function::sinusoidal_loop;

@@ -86,7 +86,7 @@ impl<'a> Mass<'a> {
     }
 }
 
-/// Whether a figure agrees with a reference to the reference's last printed digit.
+/// Asserts that a figure agrees with a reference to the reference's last printed digit.
 pub(crate) fn assert_close(figure: f64, reference: f64, tolerance: f64) {
     assert!(
         (figure - reference).abs() <= tolerance,

@@ -1,4 +1,4 @@
-//! What the laws have in common: their Coulomb level, presliding stiffness and state at a torque, read and written.
+//! The common properties of the laws: their Coulomb level, presliding stiffness and state at a torque, read and written.
 
 use super::assert_close;
 use counterpoise_models::friction::describing_function::sinusoidal_loop;

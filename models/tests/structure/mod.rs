@@ -71,7 +71,7 @@ pub(crate) fn assert_close(figure: f64, reference: f64, tolerance: f64) {
     );
 }
 
-/// Whether figures agree relatively, one by one.
+/// Asserts that figures agree relatively, one by one.
 pub(crate) fn assert_all(figures: &[f64], references: &[f64], relative: f64) {
     for (figure, reference) in figures.iter().zip(references) {
         assert_close(figure / reference, 1.0, relative);

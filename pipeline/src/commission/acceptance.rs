@@ -62,7 +62,7 @@ pub fn judge_run(run: &PlannedRun, recording: &Recording) -> RunJudgement {
     RunJudgement { channels: run.predicted.iter().filter_map(judge).collect() }
 }
 
-/// What shows a required figure.
+/// The evidence for a required figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FigureSource {
     /// A recording of the machine.
@@ -71,14 +71,14 @@ pub enum FigureSource {
     Model,
 }
 
-/// What became of a requirement on the machine.
+/// The outcome of a requirement on the machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MachineVerdict {
     /// The figure.
     pub figure: PerformanceFigure,
     /// Its limit.
     pub limit: Limit,
-    /// What shows it.
+    /// The evidence.
     pub source: FigureSource,
     /// Its value on the model; `None` if it has none.
     pub predicted: Option<f64>,
@@ -142,7 +142,7 @@ fn judge(
     }
 }
 
-/// Whether the sensors of a machine show a figure of a run with the whole controller.
+/// Returns whether the sensors of a machine show a figure of a run with the whole controller.
 fn shows_in_recording(figure: PerformanceFigure) -> bool {
     match figure {
         PerformanceFigure::Step(model, _) | PerformanceFigure::Triangle(model, _) => {

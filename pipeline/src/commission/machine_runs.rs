@@ -11,7 +11,7 @@ use counterpoise_simulate::{
 use crate::PipelineError;
 use crate::tolerance::SAME_CLOCK;
 
-/// What a machine is asked to run: demand and motion of the base, sample by sample.
+/// The request of a run: demand and motion of the base, sample by sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunRequest {
     /// Sample period, s.
@@ -29,7 +29,7 @@ pub struct RunRequest {
 /// A run of a simulated machine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MachineRun {
-    /// What its sensors and its controller leave.
+    /// The recording of its sensors and its controller.
     pub recording: Recording,
     /// The largest angle, rate and current of the machine itself.
     pub reached: ExperimentExtremes,
@@ -101,7 +101,7 @@ impl MachineRun {
     }
 }
 
-/// Whether a machine records a channel.
+/// The presence of a channel in a machine's recordings.
 fn is_fitted(machine: &Parameters, channel: Channel) -> bool {
     let sensors = &machine.sensors;
     match channel {

@@ -1,4 +1,4 @@
-//! What recordings leave of tolerances: the most probable values within them, and how far these may be off.
+//! The tolerances that recordings leave: the most probable values within them, and how far these may be off.
 //!
 //! Each value that is known within a tolerance becomes a factor on it. The residuals of the recordings, replayed in the simulator and divided by their noise
 //! floors, and the tolerances as a prior, give a least-squares problem that Gauss-Newton steps solve; their matrix gives the covariance
@@ -25,7 +25,7 @@ use crate::tolerance::{
     POSTERIOR_SETTLED, POSTERIOR_STEPS,
 };
 
-/// What recordings leave of the tolerances of a project.
+/// The tolerances of a project that recordings leave.
 #[derive(Debug, Clone)]
 pub struct Posterior {
     /// The project with the fitted values and what is left of their tolerances.
@@ -53,7 +53,7 @@ pub struct FittedValue {
     pub half_width_before: f64,
     /// The value after.
     pub value: f64,
-    /// What is left of the tolerance: two standard deviations, and no more than before.
+    /// The rest of the tolerance: two standard deviations, and no more than before.
     pub half_width: f64,
 }
 

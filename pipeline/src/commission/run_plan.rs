@@ -23,13 +23,13 @@ pub struct PlannedRun {
     pub name: &'static str,
     /// The experiment of the verification that it is; `None` for the one that is planned to tell machines apart.
     pub experiment: Option<Experiment>,
-    /// Whether the recording can be replayed.
+    /// The use of the recording for a replay.
     pub replay: ReplayUse,
-    /// What the machine is to do.
+    /// The request to the machine.
     pub request: RunRequest,
-    /// What the model predicts.
+    /// The prediction of the model.
     pub predicted: Vec<PredictedChannel>,
-    /// What the model reaches: angle, rate and current.
+    /// The extremes that the model reaches: angle, rate and current.
     pub reached: ExperimentExtremes,
 }
 
@@ -42,7 +42,7 @@ pub struct PlannedRuns {
     pub left_out: Vec<PlannedRun>,
 }
 
-/// Whether the recording of a run can be replayed on a model.
+/// The use of the recording of a run for a replay on a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReplayUse {
     /// It can: the base stands still, or its motion is recorded.
@@ -51,7 +51,7 @@ pub enum ReplayUse {
     FiguresAlone,
 }
 
-/// What the model predicts of a channel, at each sample.
+/// The prediction of a channel by the model, at each sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PredictedChannel {
     /// The channel.

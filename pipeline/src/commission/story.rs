@@ -32,9 +32,9 @@ pub struct RoundSummary {
     pub residual_before: Option<f64>,
     /// The same with the updated model.
     pub residual_after: Option<f64>,
-    /// What was added to the model because no value explains it.
+    /// The effects that were added to the model because no value explains it.
     pub findings: Vec<FindingSummary>,
-    /// Whether the updated model explains the recordings.
+    /// `true` if the updated model explains the recordings.
     pub is_explained: bool,
     /// Why the commissioning ends with this round; `None` if it goes on.
     pub stop: Option<StopReason>,
@@ -49,7 +49,7 @@ pub struct RunSummary {
     pub duration_s: f64,
     /// Each channel, recorded against predicted.
     pub channels: Vec<ChannelSummary>,
-    /// Whether a channel left its predicted band.
+    /// `true` if a channel left its predicted band.
     pub leaves_band: bool,
 }
 
@@ -79,7 +79,7 @@ pub struct RequirementSummary {
     pub predicted: Option<f64>,
     /// On the machine; `None` if no experiment shows it.
     pub measured: Option<f64>,
-    /// Whether it holds, by the recording where there is one and by the model otherwise.
+    /// `true` if it holds, by the recording where there is one and by the model otherwise.
     pub holds: bool,
 }
 
@@ -96,7 +96,7 @@ pub struct ValueSummary {
     pub half_width_before: f64,
     /// After it.
     pub after: f64,
-    /// What is left of the tolerance.
+    /// The rest of the tolerance.
     pub half_width_after: f64,
 }
 
@@ -144,7 +144,7 @@ pub enum StopReason {
     Aborted {
         /// The experiment.
         run: String,
-        /// What the machine says.
+        /// The message of the machine.
         why: String,
     },
     /// No experiment keeps the limits, by the model's own prediction.
@@ -285,7 +285,7 @@ pub fn stop_after_update(
     })
 }
 
-/// Whether an update changes the model, or what is known of it, by more than the fit resolves.
+/// Returns whether an update changes the model, or what is known of it, by more than the fit resolves.
 fn is_changed(before: &Project, update: &ModelUpdate) -> bool {
     let is_found = !update.posterior.effects.is_empty() && update.project.plant != before.plant;
     let moves = update.posterior.values.iter().any(|value| {

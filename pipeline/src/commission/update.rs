@@ -20,9 +20,9 @@ use crate::tolerance::{EFFECT_GAIN, EXPLAINED_FLOORS, MOST_CANDIDATES, MOST_EFFE
 pub struct ModelUpdate {
     /// The project with the updated model and tolerances.
     pub project: Project,
-    /// What is left of the tolerances.
+    /// The rest of the tolerances.
     pub posterior: Posterior,
-    /// What no value within the tolerances explains, if there was anything.
+    /// The diagnosis of what no value within the tolerances explains, if there was anything.
     pub diagnosed: Option<Box<DiagnosedRecordings>>,
     /// Largest residual of a channel over its noise floor with the updated model.
     pub residual: f64,

@@ -1,4 +1,4 @@
-//! What a verification measured its figures on: the sampled plant, the controller, the loop, and the time histories.
+//! The data that a verification measured its figures on: the sampled plant, the controller, the loop, and the time histories.
 
 use counterpoise_controller::{COMMON_READINGS, Controller, READING_NAMES};
 use counterpoise_models::ControlledQuantity;

@@ -1,4 +1,4 @@
-//! What is certified of the loop that remains when the exported code hands over to feedback alone.
+//! The certificate of the loop that remains when the exported code hands over to feedback alone.
 
 use counterpoise_verify::{Procedure, Verification, VerifiedController, verify_linear};
 

@@ -29,14 +29,14 @@ use counterpoise_project::resolve::platform::PlatformSource;
 pub struct ExportedCode {
     /// Files of code.
     pub files: Vec<File>,
-    /// What was left out.
+    /// The target that was left out.
     pub left_out: Vec<OmittedCode>,
 }
 
 /// Code that the project asks for and that does not exist.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct OmittedCode {
-    /// Which code.
+    /// The code.
     pub what: String,
     /// Why there is none.
     pub why: String,
@@ -130,7 +130,7 @@ pub struct TargetCode {
     pub language: Language,
     /// The numbers.
     pub numbers: Numbers,
-    /// What every name of the code starts with.
+    /// The prefix of every name of the code.
     pub name: String,
     /// Number of readings that it takes.
     pub readings: usize,
@@ -172,7 +172,7 @@ pub fn every_target(
     Ok(all)
 }
 
-/// How sensitive each path's coefficients are: the forms that it could have, and the one that it has.
+/// The sensitivity of each path's coefficients: the forms that it could have, and the one that it has.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathForms {
     /// Name of the path.

@@ -1,4 +1,4 @@
-//! What compilers and emulators answered about the generated code, as data. They are run elsewhere.
+//! The answers of compilers and emulators about the generated code, as data. They are run elsewhere.
 
 use counterpoise_export::Numbers;
 use counterpoise_export::board::CodeCost;

@@ -322,7 +322,7 @@ pub struct FirstDesignResult {
     pub bandwidth_rad_s: f64,
     /// Bandwidth that was asked for, rad/s.
     pub asked_rad_s: Option<f64>,
-    /// What limits it: what raises the bandwidth most when it alone is lifted, or several that only do so together.
+    /// The limits of it: what raises the bandwidth most when it alone is lifted, or several that only do so together.
     pub limited_by: String,
     /// Every limit with the highest bandwidth that it alone would allow, and the bandwidth without it.
     pub limits: Vec<LimitRow>,
@@ -330,7 +330,7 @@ pub struct FirstDesignResult {
     pub required: RequiredMarginsResult,
     /// Sample period of the controller, s.
     pub sample_period_s: f64,
-    /// What is not known and lowered the ceiling.
+    /// The unknown values that lowered the ceiling.
     pub unknown: Vec<String>,
     /// Gain margin, dB.
     pub gain_margin_db: f64,
@@ -360,7 +360,7 @@ pub struct RequiredMarginsResult {
 /// A limit of the bandwidth.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LimitRow {
-    /// What limits.
+    /// The limit.
     pub limit: String,
     /// The highest bandwidth that it alone would allow, rad/s; absent if it allows every one that was looked at.
     pub bandwidth_rad_s: Option<f64>,

@@ -1,4 +1,4 @@
-//! What a project file leaves open, at the worst that is usual, for a first design to hold.
+//! The values that a project file leaves open, at the worst that is usual, for a first design to hold.
 //!
 //! A transmission whose stiffness is not stated is rigid in model and simulator, and a sensor has neither noise nor lag. A loop that is as quick as they allow may be
 //! unstable, or drown in noise, on the machine. So the loop must hold the machine with the softest transmission and the latest sensor that are usual, and its
@@ -29,7 +29,7 @@ const LATEST_USUAL_COUNT_S: f64 = 1e-4;
 /// Order of the approximation of a delay that is usual: its phase is right to 1e-5 rad up to the inverse of the delay.
 const DELAY_ORDER: usize = 3;
 
-/// What a project leaves open.
+/// The values that a project leaves open.
 pub(super) struct OpenValues {
     assumptions: Vec<Assumption>,
 }

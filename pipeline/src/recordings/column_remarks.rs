@@ -1,4 +1,4 @@
-//! What was found about the columns of a recording while it was read.
+//! Remarks about the columns of a recording while it was read.
 
 use counterpoise_diagnose::learning::visited_ranges::RangeExceedance;
 use counterpoise_diagnose::recording::gap_repair::{Repair, RepairedPart};
@@ -14,14 +14,14 @@ pub enum ColumnRemark {
     BeyondRange {
         /// The channel.
         channel: Channel,
-        /// How many, and where.
+        /// The number of samples, and their place.
         found: BeyondRange,
     },
     /// Repaired.
     Repair {
-        /// What was repaired.
+        /// The part that was repaired.
         part: RepairedPart,
-        /// What was done.
+        /// The repair.
         repair: Repair,
     },
     /// The recorded control is not what the project's recording controller makes of the recorded measurements.

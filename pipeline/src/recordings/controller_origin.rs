@@ -1,4 +1,4 @@
-//! Which export the file with the recordings' controller comes from.
+//! The export that the file with the recordings' controller comes from.
 
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;

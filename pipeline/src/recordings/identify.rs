@@ -18,7 +18,7 @@ pub struct IdentifiedRecordings {
     pub identified: Identification,
     /// The project's mechanism with the identified values of the first state of balance.
     pub improved: Parameters,
-    /// What was found on reading each recording, with its name.
+    /// Remarks on each recording, with its name.
     pub remarks: Vec<(String, Vec<ColumnRemark>)>,
     /// The units of the values.
     pub units: AxisUnits,

@@ -1,4 +1,4 @@
-//! What a structure's model lacks, from natural frequencies measured on the real one.
+//! Diagnosis of what a structure's model lacks, from natural frequencies measured on the real one.
 //!
 //! Every hypothesis changes the finite elements of the project's beam by at most two numbers. It is fitted to all modes but
 //! one and judged on that one, mode after mode: the error that counts is that of the held-out frequencies.
@@ -16,7 +16,7 @@ use counterpoise_project::Project;
 use counterpoise_project::resolve::measured_modes::MeasuredModes;
 use counterpoise_project::resolve::model::StructureChoice;
 
-/// How many times finer the mesh of the hypothesis "too few elements" is.
+/// Factor by which the mesh of the hypothesis "too few elements" is.
 const FINER: usize = 4;
 /// Masses that are tried at an end of the beam, as shares of the beam's own, in equal ratios.
 const MASSES: (f64, f64, usize) = (1e-3, 0.5, 40);

@@ -1,10 +1,11 @@
-//! From recordings of a machine to a better model: the one way that the command line and the studio both take.
+//! From recordings of a machine to a better model: the one way that command line, studio and the package for Python all take.
 //!
-//! [`read`](mod@read) reads files as the project maps their columns; [`replay`](mod@replay) simulates what was recorded;
+//! [`project_replayer`] leads from files to replays: [`read`](mod@read) reads them as the project maps their columns, and
+//! [`replay`](mod@replay) simulates what was recorded;
 //! [`diagnose`](mod@diagnose) finds what the model lacks; [`identify`](mod@identify) measures by triangle waves. Files are handed
 //! in as names and bytes.
 //!
-//! Modules in reading order: [`read`](mod@read), [`replay`](mod@replay), [`diagnose`](mod@diagnose), [`identify`](mod@identify),
+//! Modules in reading order: [`read`](mod@read), [`replay`](mod@replay), [`project_replayer`], [`diagnose`](mod@diagnose), [`identify`](mod@identify),
 //! [`experiment`] (the next one, which separates what a diagnosis leaves), [`held_out`] (recordings that no diagnosis was given, before and after),
 //! [`tracks`] (channels as measured and as simulated), [`residuals`] (what the models leave unexplained), [`redesign`] (what an improved model means for the design),
 //! [`converter_range`] (readings that cannot be), [`controller_origin`] (which export the recordings' controller comes from),
@@ -18,6 +19,7 @@ pub mod experiment;
 pub mod held_out;
 pub mod identify;
 pub mod measured_modes;
+pub mod project_replayer;
 pub mod read;
 pub mod redesign;
 pub mod replay;
@@ -29,5 +31,6 @@ pub use column_remarks::{ColumnRemark, UnusedColumn};
 pub use diagnose::{DiagnosedRecordings, diagnose};
 pub use held_out::{HeldOutRecording, replay_held_out};
 pub use identify::{AxisUnits, identify};
+pub use project_replayer::{ProjectReplayer, ReplayControl, ReplaySettings, replay_improved};
 pub use read::{GapTreatment, ReadRecording, RecordingFile, read_files};
 pub use replay::{ReplayLength, ReplayedRecording, replay};

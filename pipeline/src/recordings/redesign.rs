@@ -1,4 +1,4 @@
-//! What an improved model means for the controller: the project's design on it, and a design of its own.
+//! The consequence of an improved model for the controller: the project's design on it, and a design of its own.
 
 use counterpoise_models::Parameters;
 use counterpoise_verify::Verification;

@@ -1,4 +1,4 @@
-//! What a model leaves unexplained in recordings: spectra and tests of the residuals, and responses measured and simulated.
+//! The part of recordings that a model leaves unexplained: spectra and tests of the residuals, and responses measured and simulated.
 
 use counterpoise_diagnose::fitting::residual_tests::{MeasuredSignal, ResidualTest, test_residual};
 use counterpoise_recordings::Channel;

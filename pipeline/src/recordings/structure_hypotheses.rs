@@ -1,4 +1,4 @@
-//! What the model of a structure may lack, and what trying it gave.
+//! The parts that the model of a structure may lack, and the result of trying each.
 
 use serde::Serialize;
 
@@ -29,11 +29,11 @@ pub(crate) enum End {
 pub(crate) struct Hypothesis {
     /// The change.
     pub(crate) change: Change,
-    /// Whether the stiffness is fitted with it.
+    /// The treatment of the stiffness.
     pub(crate) scaled: Scale,
 }
 
-/// Whether the stiffness of the whole beam is fitted as well.
+/// The treatment of the stiffness of the whole beam.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scale {
     /// The stiffness is that of the project.

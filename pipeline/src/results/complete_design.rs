@@ -14,9 +14,9 @@ use crate::{CompletedDesign, PipelineError};
 pub struct ResultContents<'a> {
     /// The values that the project does not state.
     pub assumptions: &'a [Assumption],
-    /// Whether the systems are included from which the effects of the assumptions can be recomputed.
+    /// The treatment of the systems from which the effects of the assumptions can be recomputed.
     pub systems: LoopSystems,
-    /// Whether the time histories are kept, those of the error budget's runs among them.
+    /// The treatment of the time histories, those of the error budget's runs among them.
     pub kept: KeptDesigns,
 }
 

@@ -1,4 +1,4 @@
-//! How exactly the simulator moves this plant: its error over the step, for every law of friction and for contact.
+//! The accuracy of the simulator on this plant: its error over the step, for every law of friction and for contact.
 
 use counterpoise_pool::{Pool, map};
 use counterpoise_simulate::convergence::{Case, convergence_cases, study_convergence};

@@ -145,20 +145,20 @@ impl AdaptedIntervals {
 
 /// Share of an interval that is left to the estimate before the RMS is taken.
 const SETTLE: f64 = 0.4;
-/// When the single change comes, when a late adaptation starts, when an early one does; as shares of the run.
+/// The instants of the single change, of the start of a late adaptation and of an early one; as shares of the run.
 const CHANGE: f64 = 0.3;
 const LATE: f64 = 0.7;
 const EARLY: f64 = 0.03;
 /// A trace has every so manieth sample.
 const EVERY: usize = 10;
 
-/// What is done in a run.
+/// The plan of a run.
 struct Plan {
     letter: char,
     says: &'static str,
     /// Start of each part as a share of the run, and the factor in it.
     parts: Vec<(f64, f64)>,
-    /// When adaptation starts, as a share of the run.
+    /// Instant at which adaptation starts, as a share of the run.
     from: Option<f64>,
     amplifier: Amplifier,
 }
@@ -241,13 +241,13 @@ fn plans(adaptation: &AdaptationOptions) -> Vec<Plan> {
     plans
 }
 
-/// What acts: the controller alone, or with an estimator beside it.
+/// The controller that acts: the controller alone, or with an estimator beside it.
 enum ActiveController {
     Alone(Box<counterpoise_controller::Runner>),
     Beside(Box<AdaptiveController>),
 }
 
-/// Where the out-of-balance stands that a controller uses.
+/// The place of the out-of-balance that a controller uses.
 #[derive(Clone, Copy)]
 struct OutOfBalanceSource {
     /// Place among the controller's states.

@@ -1,4 +1,4 @@
-//! Where an adaptation acts whose project states neither dead-band nor hold band: trials choose both, so that no trial is worse than without
+//! The bands of an adaptation whose project states neither dead-band nor hold band: trials choose both, so that no trial is worse than without
 //! adaptation.
 //!
 //! A correct estimate can be worse than a wrong one. The torque that is left of the imbalance, dM a, adds to that of friction, and where both are
@@ -84,7 +84,7 @@ impl Candidate {
     }
 }
 
-/// What speaks for a candidate, the most important first.
+/// The merits of a candidate, the most important first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Merit {
     /// Trials in which enough of what the load adds is removed.

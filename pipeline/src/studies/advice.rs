@@ -1,4 +1,4 @@
-//! What to change where a requirement fails: the sensitivity of its figure to each weight, and the change of one weight that meets it.
+//! The changes that meet a requirement that fails: the sensitivity of its figure to each weight, and the change of one weight that meets it.
 //!
 //! Each weight in turn is changed by 5 %, the controller designed and sampled again, and the figure measured again. The slope, in the
 //! logarithm of the weight, gives the change that should be enough; that design is made and measured as well, so that what is advised
@@ -105,7 +105,7 @@ struct WeightParameter {
 /// Step of the difference quotient, and the widest change that is tried, as factors.
 const STEP: f64 = 1.05;
 const WIDEST: f64 = 3.0;
-/// What is aimed at beyond the limit, as a share of what is missing: the figure bends.
+/// Distance beyond the limit that is aimed at, as a share of what is missing: the figure bends.
 const BEYOND: f64 = 1.15;
 /// Weights whose changes are tried: those that promise to meet the requirement with the smallest change.
 const TRIED: usize = 3;

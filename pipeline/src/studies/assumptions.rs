@@ -1,4 +1,4 @@
-//! How much each assumption of a project matters: the design as it stands, on plants in which one assumed value is wrong by its
+//! The effect of each assumption of a project: the design as it stands, on plants in which one assumed value is wrong by its
 //! usual range.
 
 use counterpoise_models::plant::Plant;

@@ -14,7 +14,7 @@ use crate::{PipelineError, PlantModel, SynthesisedDesign, build_plant_model};
 pub struct RegimeRobustness {
     /// The case's name.
     pub case: String,
-    /// Whether friction slides or rests.
+    /// The state of friction: sliding or at rest.
     pub joints: Joints,
     /// The bounds; `None` if the nominal loop is unstable there, or nothing that enters it varies.
     pub found: Option<RobustStability>,

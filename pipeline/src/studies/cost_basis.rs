@@ -1,4 +1,4 @@
-//! What the total cost of an assembled loop is computed from, as plain data: with these systems and densities, and with the weights, another
+//! The basis of the total cost of an assembled loop, as plain data: with these systems and densities, and with the weights, another
 //! program computes the cost and its slopes again.
 
 use counterpoise_linalg::sparse::VectorEntry;

@@ -40,7 +40,7 @@ pub struct DesignTable {
     pub objective: String,
     /// Motion that the last nonlinear run has, in words.
     pub motion: &'static str,
-    /// What acts on the linear loop: frequency in rad/s and power of each line at the output without feedback, in the square of the
+    /// The disturbance of the linear loop: frequency in rad/s and power of each line at the output without feedback, in the square of the
     /// unit of what the loop controls.
     pub disturbance: Vec<[f64; 2]>,
     /// RMS of the white noise of a reading.
@@ -290,7 +290,7 @@ fn variants(asked: &DesignRequest) -> Vec<(&'static str, DesignRequest)> {
     all
 }
 
-/// What every row is made with.
+/// The common inputs of every row.
 struct RowBuilder<'a> {
     project: &'a Project,
     modelled: &'a PlantModel,

@@ -478,7 +478,7 @@ pub enum LoopController {
     Recording,
 }
 
-/// What a linear model gives.
+/// The responses of a linear model.
 struct ExpectedResponse {
     /// The response as the instrument reads it.
     response: C64,

@@ -1,4 +1,4 @@
-//! What a map of frequency responses relates and where it has its points, unless something else is asked for.
+//! The signals that a map of frequency responses relates, and its points, unless something else is asked for.
 
 use counterpoise_models::CONVERTER_RANGE_V;
 use counterpoise_project::Project;

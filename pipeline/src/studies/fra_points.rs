@@ -27,7 +27,7 @@ pub struct MapPoints {
     pub distortion: Array2<f64>,
     /// Relative change of the response from the window before, frequency x amplitude; `None` on a recording.
     pub last_change: Option<Array2<f64>>,
-    /// Whether the motion had settled, or the recording was excited, frequency x amplitude.
+    /// `true` if the motion had settled, or if the recording was excited, frequency x amplitude.
     pub settled: Array2<bool>,
 }
 

@@ -1,4 +1,4 @@
-//! What a measured map shows as a whole: the points of each amplitude, how far the linear models are off, and where the joint sticks.
+//! The summary of a measured map: the points of each amplitude, how far the linear models are off, and where the joint sticks.
 
 use super::fra::ResponseMap;
 use super::fra_points::{ResponseMapPoint, gain_db};

@@ -32,7 +32,7 @@ pub struct SearchAnswer {
     pub curve: Vec<TradeOffPoint>,
     /// The figures of what was found on the plant as it was before reduction.
     pub on_full_plant: Figures,
-    /// What the best trial misses there, 0 if the requirements hold.
+    /// The shortfall of the best trial there, 0 if the requirements hold.
     pub missed_on_full_plant: f64,
     /// The project with the weights that were found.
     pub project: Project,

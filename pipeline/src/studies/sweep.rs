@@ -213,9 +213,9 @@ pub fn robust_stability(
 pub enum ShardsProblem {
     /// No shard has some of the samples.
     Missing {
-        /// How many are missing.
+        /// Number of missing samples.
         count: usize,
-        /// How many the campaign has.
+        /// Number of samples of the campaign.
         all: usize,
         /// The first that is missing.
         first: usize,
@@ -295,7 +295,7 @@ pub struct StrongestParameter {
     pub key: &'static str,
     /// Rank correlation of the figure with the parameter.
     pub correlation: f64,
-    /// Whether the figure follows the parameter itself or its distance from the design value.
+    /// The dependence of the figure: on the parameter itself or on its distance from the design value.
     pub sense: Sense,
 }
 

@@ -32,7 +32,7 @@ pub enum VerifiedPlant {
     Structure(StructureChoice),
 }
 
-/// What a verification does differently from the project.
+/// The differences of a verification from the project.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerificationOptions {
     /// The plant that the controller is verified on; the controller stays the project's.
@@ -41,7 +41,7 @@ pub struct VerificationOptions {
     pub road: Option<Road>,
     /// A triangle of the demanded rate; `None` takes the project's.
     pub triangle: Option<Triangle>,
-    /// What is kept of the designs that the advice tries.
+    /// The part that is kept of the designs that the advice tries.
     pub kept: KeptDesigns,
 }
 
@@ -56,7 +56,7 @@ pub struct VerificationStudy {
     pub on_road: Vec<HubRateSpectra>,
     /// The loop as charts of the plane show it.
     pub loop_view: LoopView,
-    /// What the linear figures were measured on.
+    /// The systems that the linear figures were measured on.
     pub measured_on: VerifiedLoop,
     /// The linear worst case of the ranges of the project's sweep.
     pub stability: Option<RobustStability>,
@@ -64,9 +64,9 @@ pub struct VerificationStudy {
     pub certificate: Option<StabilityCertificate>,
     /// The linear worst case in the other regimes and cases.
     pub regimes: Vec<RegimeRobustness>,
-    /// What to change where a requirement fails.
+    /// The changes that meet a requirement that fails.
     pub advice: Vec<WeightAdvice>,
-    /// What the error of the line of sight is made of, with the angles of its runs if time histories are kept.
+    /// The contributions to the error of the line of sight, with the angles of its runs if time histories are kept.
     pub budget: Option<ErrorBudgetResult>,
     /// The spectrum of the line of sight at each place; empty if the verification did not ask for it.
     pub sight_views: Vec<SightView>,

@@ -29,7 +29,7 @@ const NO_BANDWIDTH_SAMPLES: f64 = 100.0;
 pub struct DemandedRate {
     /// In rad/s, or in m/s of a linear axis.
     pub rate: f64,
-    /// Whether the file states it.
+    /// The origin of the limit: the file or the drive.
     pub origin: RateOrigin,
     /// Unit.
     pub unit: &'static str,

@@ -68,7 +68,7 @@ fn rate_loop(
     Ok(Some(RateLoop { plant, period_s }))
 }
 
-/// How a design takes the delays of readings: in whole samples of the controller, as a Padé approximation.
+/// The treatment of the delays of readings in a design: in whole samples of the controller, as a Padé approximation.
 #[derive(Clone, Copy)]
 struct SensorDelays {
     period_s: f64,

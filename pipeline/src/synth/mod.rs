@@ -41,7 +41,7 @@ pub struct SynthesisedDesign {
     pub sampling: Sampling,
     /// The other method that made the feedback, where the project names one.
     pub other: Option<Alternative>,
-    /// What was left out of the feedback to reach its order, where the project asks for one.
+    /// The states that were left out of the feedback to reach its order, where the project asks for one.
     pub lowered: Option<LowerOrderFeedback>,
     /// The designs over out-of-balance, nominal first; empty without schedule.
     pub balance: Vec<ScheduleEntry>,

@@ -15,7 +15,7 @@ use counterpoise_verify::{
 /// Description of the assessment of a requirement on a figure.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct AcceptanceText {
-    /// Whether the figure is linear, or nonlinear at which amplitude, for example `nonlinear at heave 2 m/s^2, 1.5 Hz`.
+    /// The basis of the figure: linear, or nonlinear with its amplitude, for example `nonlinear at heave 2 m/s^2, 1.5 Hz`.
     pub basis: String,
     /// The run of the verification that gives the figure.
     pub judged_by: String,

@@ -1,4 +1,4 @@
-//! What is in the way of a check in words. The JSON result carries them.
+//! The problem that prevents a check, in words. The JSON result carries them.
 
 use crate::check_problem::CheckProblem;
 

@@ -4,7 +4,7 @@ use counterpoise_project::Assumption;
 
 use crate::synth::demanded_rate::{DemandedRate, RateOrigin};
 
-/// What the limit rests on if the file does not state it.
+/// The basis of the limit if the file does not state it.
 const HALF_OF_DRIVE: &str = "half of what the drive can take up and brake without saturating";
 
 /// Describes the largest demanded rate and where it comes from.

@@ -1,4 +1,4 @@
-//! What stands in a design's way, in words that a designer can act on: which weight, at which frequency, and what to do.
+//! The obstacles of a design, in words that a designer can act on: which weight, at which frequency, and what to do.
 
 use counterpoise_linalg::C64;
 use counterpoise_synth::{

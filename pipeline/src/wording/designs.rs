@@ -1,4 +1,4 @@
-//! What the table of designs compares, in words. The JSON result carries them.
+//! The rows and columns of the table of designs, in words. The JSON result carries them.
 
 use counterpoise_models::ControlledQuantity;
 use counterpoise_verify::Road;

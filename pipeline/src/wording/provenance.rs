@@ -1,4 +1,4 @@
-//! Where exported code comes from, in words: lines in its header.
+//! The origin of exported code, in words: lines in its header.
 
 use counterpoise_models::{AxisKind, FeedbackSignal, Parameters};
 use counterpoise_verify::{Limit, Verdict, Verification};

@@ -1,4 +1,4 @@
-//! What the weights of a specification ask for.
+//! The demands of a specification's weights, in words.
 
 use std::f64::consts::TAU;
 

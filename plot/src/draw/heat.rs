@@ -26,7 +26,7 @@ const RISE: (f64, f64) = (0.62, 0.79);
 
 type Cells<DB> = DrawingArea<DB, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-/// Where the cells stand.
+/// The place of the cells.
 struct Layout {
     left: f64,
     top: f64,

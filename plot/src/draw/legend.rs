@@ -9,7 +9,7 @@ use crate::ink::{FONT_PX, Ink};
 
 /// Height of a row.
 const ROW: f64 = 20.0;
-/// Where the first sample starts, and its length.
+/// Start of the first sample, and its length.
 const LEFT_EDGE: f64 = 20.0;
 const SAMPLE: f64 = 26.0;
 /// Space between a sample and its name, and after the name.

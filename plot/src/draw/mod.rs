@@ -22,7 +22,7 @@ const TITLE: f64 = 26.0;
 /// Space at the left and the right of titles, legends and scales.
 const MARGIN: f64 = 12.0;
 
-/// Where a figure stands.
+/// The place of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Setting {
     /// On a page that has a ground of its own and writes the title itself.

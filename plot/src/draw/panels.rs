@@ -100,7 +100,7 @@ fn left_margin(rulers: &[Ruler]) -> f64 {
     ticks.map(|tick| font::width(&tick.text, FONT_PX)).fold(20.0, f64::max) + LABEL
 }
 
-/// Where a panel stands, its axes, and the label of the x axis if it has one.
+/// The place of a panel, its axes, and the label of the x axis if it has one.
 struct Frame<'a> {
     top: f64,
     left: f64,

@@ -11,7 +11,7 @@ pub enum EditError {
     /// The text is not TOML, so that nothing in it can be set.
     #[error("the file is not TOML: {why}")]
     NotToml {
-        /// What the parser says.
+        /// The message of the parser.
         why: String,
     },
     /// The path does not name a key.
@@ -37,7 +37,7 @@ pub enum EditError {
         part: String,
         /// The index asked for, from 0.
         index: usize,
-        /// How many items there are.
+        /// Number of items.
         length: usize,
     },
     /// A value that stands in a part, which other projects may share.

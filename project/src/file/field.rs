@@ -1,4 +1,4 @@
-//! What a key of the file holds: its unit, range, default and meaning.
+//! The description of a key of the file: its unit, range, default and meaning.
 
 use counterpoise_models::Range;
 
@@ -41,7 +41,7 @@ pub(crate) struct DefaultRule {
     pub usual: UsualRange,
 }
 
-/// How far the true value usually lies from a default.
+/// The usual distance of the true value from a default.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum UsualRange {
     /// From the first to the second multiple of the default.
@@ -63,7 +63,7 @@ pub(crate) enum NumberRange {
     Not0,
 }
 
-/// What a key that is not written means.
+/// The meaning of a key that is not written.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Fallback {
     /// The key must be written.
@@ -73,7 +73,7 @@ pub(crate) enum Fallback {
     Empty,
 }
 
-/// How a table stands in the file.
+/// The form of a table in the file.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TableField {
     pub key: &'static str,
@@ -84,14 +84,14 @@ pub(crate) struct TableField {
     pub smallest: &'static str,
 }
 
-/// Whether a table must be there.
+/// The need for a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Need {
     Required,
     Optional,
 }
 
-/// How the canonical writer sets a table.
+/// The form in which the canonical writer sets a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum TableForm {
     Section,

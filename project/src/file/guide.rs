@@ -15,7 +15,7 @@ struct Section {
 #[derive(Debug, Clone, PartialEq)]
 struct Condition {
     key: &'static str,
-    /// How many names the choice has.
+    /// Number of names of the choice.
     count: usize,
     /// Those under which the key exists.
     names: Vec<&'static str>,
@@ -43,7 +43,7 @@ pub(crate) struct Guide {
     sections: Vec<Section>,
 }
 
-/// Where a name means something.
+/// The place in which a name means something.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Places {
     /// Paths of the sections that have a key of this name.

@@ -66,7 +66,7 @@ struct Assembly<'a> {
     count: usize,
 }
 
-/// Where a table stands: its path, and the files that led to it, the innermost last.
+/// The place of a table: its path, and the files that led to it, the innermost last.
 #[derive(Clone)]
 struct Place {
     path: String,

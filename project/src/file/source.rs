@@ -25,7 +25,7 @@ struct Text {
     lines: Vec<usize>,
 }
 
-/// What is said about a place of the text.
+/// A message about a place of the text.
 pub(crate) struct Remark {
     pub problem: DiagnosticKind,
     pub path: String,

@@ -11,7 +11,7 @@ pub(crate) struct Node {
     pub value: Value,
 }
 
-/// What a value can be.
+/// The kinds of values.
 #[derive(Debug, Clone)]
 pub(crate) enum Value {
     Number(f64),
@@ -123,7 +123,7 @@ pub(crate) fn find<'e>(entries: &'e [Entry], path: &str) -> (Option<&'e Node>, L
     (nearest, Lookup::Exact)
 }
 
-/// Whether a search found the thing itself.
+/// The result of a search: the thing itself or not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Lookup {
     /// The thing itself.

@@ -2,14 +2,14 @@
 
 use super::field::{Field, TableField};
 
-/// How many items a list of numbers holds.
+/// The number of items of a list of numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Count {
     AtLeastOne,
     Exactly(usize),
 }
 
-/// Whether the structure holds what a table describes.
+/// The presence in the structure of what a table describes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Presence {
     Present,
@@ -22,7 +22,7 @@ impl From<bool> for Presence {
     }
 }
 
-/// What is done with each key: read it into the field, or list the field's value.
+/// The operation on each key: read it into the field, or list the field's value.
 pub(crate) trait Visit {
     fn number(&mut self, field: &Field, value: &mut f64);
     fn whole_number(&mut self, field: &Field, value: &mut u32);

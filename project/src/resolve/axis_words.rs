@@ -11,7 +11,7 @@ const KEYS: [(&str, &str); 3] = [("inertia", "mass"), ("hub_inertia", "mass"), (
 /// Keys whose unit is that of an angle or a frequency on every axis.
 const TURNING: [&str; 3] = ["natural_frequency", "bandwidth", "phase"];
 
-/// What the text of a turning axis says with what that of a sliding one does.
+/// The words of a turning axis with those of a sliding one.
 const TEXTS: [(&str, &str); 18] = [
     ("inertia at the hub", "mass that slides, with the nut or the carriage"),
     ("inertia added at the hub, without a first moment", "mass added to the slide, without weight along it"),

@@ -1,4 +1,4 @@
-//! What the elevated accelerometer and the motion of the base need of the rest of the project.
+//! The needs of the elevated accelerometer and of the motion of the base of the rest of the project.
 
 use counterpoise_models::{AccelerometerAxis, AxisKind, CONVERTER_RANGE_V, Sensor};
 

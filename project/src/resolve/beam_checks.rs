@@ -1,4 +1,4 @@
-//! What no single key of the beam can say: sections must adjoin, masses lie on it, and lumped inertias agree with it.
+//! The checks of the beam that no single key allows: sections must adjoin, masses lie on it, and lumped inertias agree with it.
 
 use counterpoise_models::{Beam, Parameters, SectionShape};
 

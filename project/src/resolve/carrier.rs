@@ -1,4 +1,4 @@
-//! What carries the platform in `[verify.road]`: the vehicle on a road, and the ship in a sea.
+//! The carrier of the platform in `[verify.road]`: the vehicle on a road, and the ship in a sea.
 
 use counterpoise_models::base_motion::Traverse;
 use counterpoise_verify::signals::sea::{Sea, Ship, WaveShape, Waves};

@@ -1,4 +1,4 @@
-//! What the loop controls: the rate, the position, the torque or the current that its sensor measures, or rate and position in a cascade.
+//! The quantity that the loop controls: the rate, the position, the torque or the current that its sensor measures, or rate and position in a cascade.
 
 use counterpoise_lti::Discretisation;
 use counterpoise_models::{AxisKind, FeedbackSignal};

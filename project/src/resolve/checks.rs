@@ -1,4 +1,4 @@
-//! What no single key can say: names that must differ or exist, sections that must adjoin, descriptions that must agree.
+//! The checks that no single key allows: names that must differ or exist, sections that must adjoin, descriptions that must agree.
 
 use std::collections::BTreeSet;
 

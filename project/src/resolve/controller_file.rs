@@ -72,7 +72,7 @@ struct NamedFormat {
 /// Returns the controller in the text of a `controller.json`.
 ///
 /// # Errors
-/// What is wrong with it, in words: no JSON, a key that is missing or of another type, or numbers that make no controller.
+/// The problem with it, in words: no JSON, a key that is missing or of another type, or numbers that make no controller.
 pub(crate) fn parse(text: &str) -> Result<ControllerContent, String> {
     let file: ControllerFile = serde_json::from_str(text).map_err(|error| {
         format!("{error}: this is not a controller.json of this version of counterpoise; export it again")

@@ -27,7 +27,7 @@ const VALVE_DAMPING: f64 = 0.7;
 const REPLACED: [&str; 8] =
     ["gearbox", "belt", "cable", "harmonic_drive", "ball_screw", "motor", "amplifier", "drive"];
 
-/// What `[plant.cylinder]` states, in SI.
+/// The statements of `[plant.cylinder]`, in SI.
 struct CylinderKeys {
     area_m2: f64,
     supply_pa: f64,
@@ -234,7 +234,7 @@ fn has_no_lever(pins: &Linkage, angle_rad: f64) -> bool {
     Lever::Linkage(*pins).at(angle_rad).arm_m < LEAST_LEVER * pins.arm_m.min(pins.anchor_m)
 }
 
-/// What no single key of a cylinder can say: its lever where the hub stands and may go, and what else only a motor has.
+/// The checks of a cylinder that no single key allows: its lever where the hub stands and may go, and what else only a motor has.
 pub(super) fn fitting(findings: &mut Findings<'_>, project: &Project) {
     let plant = &project.plant;
     let Some(cylinder) = &plant.cylinder else { return };

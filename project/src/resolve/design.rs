@@ -105,7 +105,7 @@ impl NamedChoice for RealisationForm {
         &[("least-sensitive", Self::LeastSensitive), ("modal", Self::Modal), ("balanced", Self::Balanced)];
 }
 
-/// How a controller is sampled, by name.
+/// The discretisation of a controller, by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum SamplingName {
     Tustin,
@@ -125,7 +125,7 @@ impl NamedChoice for SamplingName {
     ];
 }
 
-/// What a feedforward knows, by name.
+/// The knowledge of a feedforward, by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum FeedforwardKnowledge {
     Exact,

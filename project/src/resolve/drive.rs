@@ -21,14 +21,14 @@ const FULL_SCALE: f64 = 1000.0;
 /// Torque of such a drive if no inertia is stated as a number, N m.
 const UNKNOWN_TORQUE: f64 = 10.0;
 
-/// What a limit in the unit of another kind of drive means.
+/// The meaning of a limit in the unit of another kind of drive.
 const OF_CURRENT: UnitHint =
     UnitHint { unit: "A", add: "a drive with a largest current is a current loop: add kind = \"current\"" };
 const OF_VOLTAGE: UnitHint =
     UnitHint { unit: "V", add: "a drive with a largest voltage: add kind = \"voltage\"" };
 const OF_TORQUE: UnitHint = UnitHint { unit: "N m", add: "a drive that takes a torque: kind = \"torque\"" };
 
-/// What a drive takes.
+/// The command that a drive takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum DriveInput {
     Torque,
@@ -121,7 +121,7 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
     set(v, plant, takes, &stated);
 }
 
-/// What `[plant.drive]` states.
+/// The statements of `[plant.drive]`.
 struct DriveKeys {
     /// Of the torque, N m, or of the current, A; infinite if it is not stated.
     limit: f64,

@@ -1,4 +1,4 @@
-//! What a loop of torque, force or current needs: something between motor and sensor that has a state, and something that holds the machine.
+//! The needs of a loop of torque, force or current: something between motor and sensor that has a state, and something that holds the machine.
 
 use counterpoise_models::parameters::AmplifierDynamics;
 use counterpoise_models::{FeedbackSignal, Parameters};

@@ -9,7 +9,7 @@ use crate::file::visit::{Count, NamedChoice, Visit, choose, list, maybe_number, 
 /// Objective and limits of a tuning of open parameters or of weights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TuningOptions {
-    /// Whether the weights of the H2 feedback are tuned.
+    /// The treatment of the weights of the H2 feedback: tuned or as stated.
     pub weights: TunedWeights,
     /// Objective that is minimised.
     pub objective: TuningObjective,

@@ -4,7 +4,7 @@ use crate::diagnostic::{self, Diagnostic, DiagnosticKind, Severity};
 use crate::file::source::Remark;
 use crate::file::{Document, FORMAT, format_is_newer};
 
-/// Whether a file uses what came with the present format.
+/// The use of what came with the present format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum News {
     /// It has quantities, tolerances or parts.

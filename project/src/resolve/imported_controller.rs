@@ -20,7 +20,7 @@ use crate::file::visit::Visit;
 pub struct ImportedController {
     /// Name of the file.
     pub file: String,
-    /// What holds the controller in the file; empty if nothing else in the file could be one.
+    /// The name of the variable that holds the controller in the file; empty if nothing else in the file could be one.
     pub name: String,
     /// The controller; `None` if the file is not at hand.
     pub system: Option<Arc<StateSpace>>,
@@ -50,7 +50,7 @@ pub(crate) fn imported_controller(v: &mut dyn Visit, controller: &mut ImportedCo
 /// Returns the controller in a file, which has one input and one output.
 ///
 /// # Errors
-/// What is wrong with the file, in words.
+/// The problem with the file, in words.
 pub fn parse_controller(bytes: &[u8], file: &str, name: &str) -> Result<StateSpace, String> {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let is_json = bytes.iter().find(|byte| !byte.is_ascii_whitespace()).is_some_and(|byte| *byte == b'{');
@@ -58,7 +58,7 @@ pub fn parse_controller(bytes: &[u8], file: &str, name: &str) -> Result<StateSpa
     find_candidate(&content, name)?.system()
 }
 
-/// What a file holds, by whole names.
+/// The contents of a file, by whole names.
 #[derive(Default)]
 struct Content {
     arrays: BTreeMap<String, Array2<f64>>,
@@ -136,7 +136,7 @@ struct CandidateArrays<'a> {
     unread: BTreeMap<&'a str, &'a str>,
 }
 
-/// What the parts of a controller may be called, the usual name first.
+/// The names of the parts of a controller, the usual name first.
 const NAMES: [&[&str]; 10] = [
     &["A"],
     &["B"],

@@ -1,4 +1,4 @@
-//! What loads a machine beside its weight, and what its drive can do for long: `[plant.equilibrator]`, `[plant.end_stops]`, `[plant.recoil]` and
+//! The loads of a machine beside its weight, and the limits of what its drive can do for long: `[plant.equilibrator]`, `[plant.end_stops]`, `[plant.recoil]` and
 //! `[plant.drive_limits]`.
 
 use counterpoise_models::loads::equilibrator::{Action, Force, Gas};
@@ -19,7 +19,7 @@ impl NamedChoice for Action {
     const NAMES: &'static [(&'static str, Self)] = &[("pull", Self::Pull), ("push", Self::Push)];
 }
 
-/// What makes the force of an equilibrator.
+/// The source of the force of an equilibrator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     Spring,

@@ -33,7 +33,7 @@ pub(super) fn section_of(sensors: &Sensors) -> &'static str {
     section_of_analogue(sensors.measured)
 }
 
-/// Where a sensor sits.
+/// The place of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
     Load,

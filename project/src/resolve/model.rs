@@ -52,7 +52,7 @@ impl NamedChoice for Integration {
     ];
 }
 
-/// What a linear plant makes of dry friction, by name.
+/// The treatment of dry friction in a linear plant, by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum FrictionLinearisationName {
     Viscous,

@@ -331,7 +331,7 @@ fn visit_sensor(
     }
 }
 
-/// What a real clock does.
+/// The errors of a real clock.
 fn clock(v: &mut dyn Visit, clock: &mut Clock) {
     let jitter = Field::new("sample_jitter", "RMS of the jitter of the instants at which sensors are read");
     v.number(&jitter.unit("s").limit(AT_LEAST_0).or(0.0), &mut clock.jitter_s);

@@ -107,7 +107,7 @@ pub enum MotionKind {
     SixAxes(Box<SixAxes>),
 }
 
-/// What a motion is made from, by name.
+/// The source of a motion, by name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     Recording,

@@ -1,4 +1,4 @@
-//! What a project file is read for, and the sections that must then be there.
+//! The purposes that a project file is read for, and the sections that must then be there.
 
 use super::Project;
 use crate::diagnostic::{Diagnostic, DiagnosticKind, Severity};
@@ -34,7 +34,7 @@ pub enum Purpose {
     Sweep,
 }
 
-/// What to add to a file that does not say under which controller its recordings are made.
+/// The keys to add to a file that does not say under which controller its recordings are made.
 const RECORDED_UNDER: &str = "for recordings under this project's own design add recording_controller = { kind = \"project\" }, under an exported one { kind = \"exported\", file = \"controller.json\" }";
 
 impl Purpose {

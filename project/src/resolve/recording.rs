@@ -90,7 +90,7 @@ fn source(v: &mut dyn Visit, channel: &'static str, present: Option<ChannelSourc
     Some(source)
 }
 
-/// What is made of a column beyond a factor and an offset.
+/// The operations on a column beyond a factor and an offset.
 fn shaping(v: &mut dyn Visit, source: &mut ChannelSource) {
     let mut plus = source.plus.take().unwrap_or_default();
     let field = Field::new("plus", "name of another column that is added before the factor").or_text("");

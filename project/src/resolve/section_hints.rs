@@ -1,4 +1,4 @@
-//! Where a key that is unknown in its section belongs.
+//! The sections to which keys belong that are unknown in theirs.
 
 use std::sync::OnceLock;
 

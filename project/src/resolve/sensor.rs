@@ -1,4 +1,4 @@
-//! What every sensor has, whatever it measures.
+//! The keys that every sensor has, whatever it measures.
 
 use counterpoise_models::{Drift, Sensor};
 

@@ -1,4 +1,4 @@
-//! What a project states, value by value.
+//! The statements of a project, value by value.
 
 use serde::Serialize;
 

@@ -130,7 +130,7 @@ const ADDED_INERTIA: Field =
         .limit(NumberRange::AtLeast(0.0))
         .or(0.0);
 
-/// How a cross section is given.
+/// The form in which a cross section is given.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Shape {
     Tube,

@@ -1,4 +1,4 @@
-//! What is asked of a design, as plain data.
+//! The request for a design, as plain data.
 
 use counterpoise_controller::sensitivity::RealisationForm;
 use counterpoise_synth::{
@@ -14,7 +14,7 @@ use super::weight::blank_weight;
 pub struct DesignRequest {
     /// Weights and assembly. Inputs and outputs are numbered as those of [`LinearPlant`](counterpoise_models::plant::LinearPlant).
     pub specification: Specification,
-    /// Whether the file states the feedback's weights.
+    /// The source of the feedback's weights.
     pub weights: WeightSource,
     /// Bandwidth that chosen weights aim at, rad/s; `None` asks for the highest.
     pub bandwidth_rad_s: Option<f64>,

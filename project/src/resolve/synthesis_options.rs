@@ -139,7 +139,7 @@ pub struct AdaptationOptions {
     pub rate_limit_kg_m_s: f64,
     /// The runs in which it is tried.
     pub trial: AdaptationRuns,
-    /// Whether the exported controller adapts.
+    /// The use of the adaptation in the exported controller.
     pub use_in_code: AdaptationUse,
 }
 

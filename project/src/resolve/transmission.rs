@@ -1,4 +1,4 @@
-//! What lies between motor and hub, each kind a section of its own; none of them: the motor sits on the hub's axis.
+//! The parts between motor and hub, each kind a section of its own; none of them: the motor sits on the hub's axis.
 
 use counterpoise_models::{AxisKind, Gearbox, Parameters, Ripple, Transmission};
 use std::f64::consts::TAU;

@@ -40,7 +40,7 @@ impl TraverseAxis {
     }
 }
 
-/// Where the gyroscope of the traverse axis is, as a file spells it.
+/// The place of the gyroscope of the traverse axis, as a file spells it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Place {
     Ring,

@@ -17,7 +17,7 @@ use crate::tolerance::MOST_UNSTATED_SAMPLES;
 /// Procedure and requirements of a verification.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VerificationOptions {
-    /// What is done; operating point and friction are those of the model, and the road is still to be read.
+    /// The procedure; operating point and friction are those of the model, and the road is still to be read.
     pub procedure: Procedure,
     /// Source of the size of the step of the demand.
     pub step_size: StepSize,
@@ -187,7 +187,7 @@ fn rejection(v: &mut dyn Visit, frequencies: &mut Vec<f64>) {
     }
 }
 
-/// What a step is without anything written.
+/// The step if nothing is written.
 struct StepDefaults {
     /// Unit of what the loop controls.
     unit: &'static str,

@@ -160,7 +160,7 @@ impl StarterKind {
 /// Returns a starting file with an answer filled in: a bare number, or a number with its unit.
 ///
 /// # Errors
-/// What is wrong with the answer, in words.
+/// The problem with the answer, in words.
 pub fn with_answer(document: &Document, path: &str, answer: &str) -> Result<Document, String> {
     let answer = answer.trim();
     let setting = answer.parse().map_or_else(|_| SettingValue::Text(answer.to_owned()), SettingValue::Number);

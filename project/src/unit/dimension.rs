@@ -2,8 +2,7 @@
 
 use std::fmt;
 
-/// Number of base units.
-pub const BASES: usize = 10;
+use counterpoise_recordings::unit::table::BASES;
 
 /// Symbols of the base units, in the order of the exponents. Cycle, bit, count and decibel are kept apart from pure numbers, so
 /// that `14 bit` is not taken for a ratio.

@@ -9,14 +9,15 @@
 //! left out of rates, viscous coefficients and back-EMF constants, where the SI writes `1/s`, `N m s` and `V s`. The hertz counts
 //! cycles: a frequency in `Hz` becomes 2 pi times as many `rad/s`, and a density per `Hz` is one times seconds.
 //!
-//! Modules in reading order: [`dimension`], [`table`] (the units by name), [`parser`] (products, quotients, powers), [`quantity`]
+//! The units by name stand in [`counterpoise_recordings::unit::table`], because recordings have them, too.
+//!
+//! Modules in reading order: [`dimension`], [`parser`] (products, quotients, powers), [`quantity`]
 //! (number and unit together), `scale` (from one unit to another).
 
 pub mod dimension;
 pub mod parser;
 pub mod quantity;
 mod scale;
-pub mod table;
 
 pub use dimension::Dimension;
 pub use parser::{MassOrForce, Unit, UnitError};

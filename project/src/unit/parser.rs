@@ -2,8 +2,9 @@
 
 use std::str::Chars;
 
+use counterpoise_recordings::unit::table::{BASES, UNITS, UnitMeaning, find_named_unit};
+
 use super::dimension::Dimension;
-use super::table::{PREFIXES, PrefixRule, UNITS, UnitMeaning};
 use crate::diagnostic::nearest_name;
 
 /// A unit: `factor` times ten to the power `exponent`, in SI units.
@@ -74,7 +75,7 @@ const LARGEST_POWER: i32 = 9;
 
 impl Unit {
     /// The unit of a number without unit.
-    pub const ONE: Self = Self { factor: 1.0, exponent: 0, dimension: Dimension([0; 10]) };
+    pub const ONE: Self = Self { factor: 1.0, exponent: 0, dimension: Dimension([0; BASES]) };
 
     /// Reads a unit such as `rad/s`, `kg cm^2`, `N m s/rad`, `(m/s^2)^2 s`, `oz-in/A`; the empty text is [`Unit::ONE`].
     ///
@@ -107,21 +108,12 @@ impl Unit {
 
     fn of(meaning: UnitMeaning, prefix: i32) -> Self {
         let UnitMeaning { factor, exponent, dimension } = meaning;
-        Self { factor, exponent: exponent + prefix, dimension }
+        Self { factor, exponent: exponent + prefix, dimension: Dimension(dimension) }
     }
 
     /// Returns the unit of a name, with or without prefix.
     fn find_unit(name: &str, reading: MassOrForce) -> Option<Self> {
-        let exact = UNITS.iter().find(|unit| unit.name == name).map(|unit| (unit, 0));
-        let prefixed = || {
-            PREFIXES.iter().find_map(|(prefix, power)| {
-                let rest = name.strip_prefix(prefix)?;
-                let takes =
-                    |unit: &&super::table::NamedUnit| unit.prefixes == PrefixRule::Taken && unit.name == rest;
-                UNITS.iter().find(takes).map(|unit| (unit, *power))
-            })
-        };
-        let (unit, prefix) = exact.or_else(prefixed)?;
+        let (unit, prefix) = find_named_unit(name)?;
         let meaning = match (reading, unit.weight) {
             (MassOrForce::Weight, Some(weight)) => weight,
             _ => unit.meaning,
@@ -143,7 +135,7 @@ const JOINED_FIRST: [&str; 8] = ["Nm", "N", "g", "lb", "oz", "lbf", "ozf", "V"];
 /// The units behind them, the longer ones first.
 const JOINED_SECOND: [&str; 6] = ["cm", "mm", "in", "ft", "m", "s"];
 
-/// Whether a factor stands above or below the line.
+/// The place of a factor: above or below the line.
 #[derive(Clone, Copy, PartialEq)]
 enum Side {
     Above,

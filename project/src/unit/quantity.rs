@@ -44,9 +44,9 @@ pub enum QuantityError {
         wanted: String,
         /// The unit that was written.
         written: String,
-        /// What it measures.
+        /// The quantity that it measures.
         found: String,
-        /// What was probably meant.
+        /// The unit that was probably meant.
         meant: Option<String>,
     },
 }

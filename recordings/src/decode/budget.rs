@@ -1,12 +1,12 @@
-//! How much memory the columns of a file may take: checked by an estimate before anything is allocated.
+//! Limits of the memory that the columns of a file may take: checked by an estimate before anything is allocated.
 
 use crate::Error;
 
-/// What any file may take, bytes: a quarter of an hour of nine channels at a kilohertz takes a quarter of this.
+/// Memory that any file may take, bytes: a quarter of an hour of nine channels at a kilohertz takes a quarter of this.
 const SMALLEST: u64 = 256 << 20;
 /// Times its own size that a file may take. Compressed recordings take up to about 20 times, constant channels more.
 const EXPANSION: u64 = 200;
-/// What no file may exceed, bytes: its columns are copied once when they become channels.
+/// Memory that no file may exceed, bytes: its columns are copied once when they become channels.
 const LARGEST: u64 = 1 << 30;
 /// Bytes of a value.
 const VALUE: u64 = 8;

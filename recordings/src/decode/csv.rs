@@ -10,7 +10,7 @@ use crate::{Error, RecordingColumn, RecordingTable, Remark};
 #[derive(Debug, Default, Clone)]
 struct Cells {
     values: Vec<f64>,
-    /// How many of them hold a number.
+    /// Number of those that hold a number.
     numbers: usize,
     /// The first that holds something else.
     text: Option<Text>,
@@ -57,9 +57,9 @@ pub(super) fn read(bytes: &[u8], file: &str) -> Result<DecodedFile, Error> {
 #[derive(Debug)]
 struct TextColumns {
     headings: Vec<String>,
-    /// What the columns held so far, without their values.
+    /// The contents of the columns so far, without their values.
     held: Vec<Cells>,
-    /// Which columns the first part has, and so all others.
+    /// The columns that the first part has, and so all others.
     kept: Vec<bool>,
 }
 

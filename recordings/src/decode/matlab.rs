@@ -39,7 +39,7 @@ struct Reader<'a> {
     found: DecodedArrays,
 }
 
-/// Where an array lies: its name is empty for one at the top, which has a name of its own.
+/// The path of an array: its name is empty for one at the top, which has a name of its own.
 struct Place<'a> {
     field: Option<&'a str>,
     depth: usize,

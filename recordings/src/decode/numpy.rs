@@ -61,7 +61,7 @@ struct Reader<'a> {
     found: DecodedArrays,
 }
 
-/// What the header of an array says.
+/// The header of an array.
 struct Header {
     fields: Vec<Field>,
     columns_first: Order,
@@ -92,7 +92,7 @@ enum Bytes {
     HighestFirst,
 }
 
-/// What a field holds.
+/// The contents of a field.
 #[derive(Clone, PartialEq)]
 enum Kind {
     Float,

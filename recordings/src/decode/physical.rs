@@ -1,4 +1,4 @@
-//! What a column of a Parquet file holds, and its stored values as numbers.
+//! The contents of a column of a Parquet file, and its stored values as numbers.
 
 use bytes::Bytes;
 use half::f16;
@@ -9,7 +9,7 @@ use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::schema::types::ColumnDescriptor;
 
-/// What a column holds.
+/// The kind of a column's values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Holds {
     /// Numbers as stored.

@@ -79,9 +79,9 @@ pub struct FindingText {
 /// The experiment that would say more.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ExperimentText {
-    /// What to do.
+    /// The experiment to run.
     pub what: String,
-    /// What it separates.
+    /// The effects that it separates.
     pub why: String,
 }
 

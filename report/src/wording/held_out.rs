@@ -20,7 +20,7 @@ pub struct HeldOutText {
     pub window_s: Option<f64>,
     /// Share of the residual's power that the improved model removes, mean over the channels that were above their noise floor.
     pub power_removed: f64,
-    /// Whether and how much the improved model fits better, and what was found about the recording.
+    /// The improvement of the fit by the improved model, and what was found about the recording.
     pub remarks: Vec<String>,
 }
 

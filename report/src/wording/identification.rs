@@ -1,4 +1,4 @@
-//! What was identified, with its notes in sentences.
+//! The identified values, with their notes in sentences.
 
 use counterpoise_diagnose::identification::{
     BalanceState, Estimate, FrictionPicture, GainCurveObstacle, GainPoint, Identification,

@@ -1,4 +1,4 @@
-//! What is wrong with recordings, in sentences.
+//! Faults of recordings, in sentences.
 
 use counterpoise_diagnose::Error;
 use counterpoise_diagnose::recording::gap_repair::Repair;

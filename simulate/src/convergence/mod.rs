@@ -1,4 +1,4 @@
-//! How the integrator's error falls with its step, against a second method.
+//! The fall of the integrator's error with its step, against a second method.
 //!
 //! [`study_convergence`] moves a plant under a constant control on a platform that pitches steadily and heaves, with steps of one
 //! length only, and compares the hub rate at the end of every longest step with the classical Runge-Kutta method by far shorter

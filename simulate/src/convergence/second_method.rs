@@ -51,7 +51,7 @@ struct Joint {
     turns: f64,
 }
 
-/// What a joint's friction remembers.
+/// The memory of a joint's friction.
 #[derive(Clone)]
 enum Memory {
     /// Nothing, or a state that is integrated with the others.
@@ -295,7 +295,7 @@ impl<'a> SecondMethod<'a> {
         [0, 1].into_iter().for_each(|joint| self.settle(now, joint, end));
     }
 
-    /// What a joint's friction remembers after a step.
+    /// The memory of a joint's friction after a step.
     fn settle(&self, now: &mut IntegrationState, joint: usize, time_s: f64) {
         let rate = self.rate(joint, &now.y);
         let angle = self.angle(joint, &now.y, time_s);

@@ -12,7 +12,7 @@ use crate::tolerance::{
 };
 use counterpoise_models::Plant;
 
-/// What stays over a step.
+/// The values that stay over a step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct HeldInputs {
     /// Drive of the amplifier, V.
@@ -21,7 +21,7 @@ pub(crate) struct HeldInputs {
     pub offset_nm: f64,
 }
 
-/// What a step is given.
+/// The inputs of a step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct StepProblem<'a> {
     /// The plant.
@@ -367,7 +367,7 @@ impl Attempt {
     }
 }
 
-/// What a step continues from beside the state of the plant.
+/// The values that a step continues from beside the state of the plant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Continuation {
     /// Torques at motor and hub at the stages of the step before.

@@ -1,6 +1,6 @@
-//! Where along a step a quantity first falls below zero.
+//! The place along a step at which a quantity first falls below zero.
 
-/// How far something is from happening at a fraction of a step: negative beyond it.
+/// The distance of an event at a fraction of a step: negative beyond it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Margin {
     /// Fraction of the step.

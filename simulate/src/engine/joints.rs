@@ -34,7 +34,7 @@ impl Load {
     }
 }
 
-/// What a committed step led to.
+/// The result of a committed step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Transition {
     /// Every joint stays as it was.

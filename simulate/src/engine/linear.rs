@@ -13,9 +13,9 @@ use counterpoise_models::{Mesh, Plant};
 /// Motor state, wind-up, hub angle, hub rate, current; amplifier voltage, tip rate; nothing.
 pub(crate) type ModeOutputs = [f64; NARROW];
 
-/// Where the voltage is among what is seen.
+/// Index of the voltage among what is seen.
 pub(crate) const VOLTAGE: usize = OUTPUTS;
-/// Where the tip rate is among what is seen.
+/// Index of the tip rate among what is seen.
 pub(crate) const TIP: usize = OUTPUTS + 1;
 
 /// Returns what the nonlinear parts see of it.
@@ -31,7 +31,7 @@ pub(crate) struct Mode {
     pub offset: f64,
     /// Sign of the bus limit at which the voltage is held; 0 if it is free.
     pub held: f64,
-    /// Whether the motor's and the pivot's friction stick.
+    /// `true` if the motor's and if the pivot's friction sticks.
     pub stuck: [bool; 2],
 }
 

@@ -1,4 +1,4 @@
-//! How a linear core moves over a time, exactly: its exponential, and the answer to polynomial inputs.
+//! The exact motion of a linear core over a time: its exponential, and the answer to polynomial inputs.
 
 use crate::tolerance::{SERIES_NORM, SERIES_TERMS};
 use counterpoise_linalg::Mat;

@@ -9,7 +9,7 @@ use counterpoise_models::friction::{Bristle, FrictionConditions, FrictionModel, 
 use counterpoise_models::plant::{CylinderPoint, Hose, JointMotion, LearnedFunctions, LearnedRegime, SinCos};
 use counterpoise_models::{AxisKind, FeedbackSignal, LearnedPlace, LoadPoint, Loads, Parameters, Plant};
 
-/// Which output is which (see [`OUTPUTS`]).
+/// The indices of the outputs (see [`OUTPUTS`]).
 const MOTOR: usize = 0;
 const WINDUP: usize = 1;
 const HUB_ANGLE: usize = 2;
@@ -51,7 +51,7 @@ pub(crate) struct PlatformPoint {
     pub heave: f64,
 }
 
-/// What a platform does beside heave and pitch.
+/// The motion of a platform beside heave and pitch.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct FurtherPoint {
     pub surge: f64,
@@ -102,7 +102,7 @@ impl Bonds {
     }
 }
 
-/// What the ports give along a step.
+/// The values of the ports along a step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PortSpan {
     /// Values at the stages, stage by stage.
@@ -113,7 +113,7 @@ pub(crate) struct PortSpan {
     pub travelled: [f64; 2],
 }
 
-/// Where the nonlinear parts are evaluated.
+/// The places at which the nonlinear parts are evaluated.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Point<'a> {
     pub time_s: f64,
@@ -126,7 +126,7 @@ pub(crate) struct Point<'a> {
     pub about: &'a NearbyAngle,
 }
 
-/// What the loop's sensor may feel at one instant.
+/// The quantities that the loop's sensor may feel at one instant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SensorPoint<'a> {
     pub outputs: &'a [f64; OUTPUTS],
@@ -191,7 +191,7 @@ impl NearbyAngle {
 struct Interval {
     /// Time at which the level of friction is taken, s: the start of the step.
     level_at_s: f64,
-    /// How long it is, s.
+    /// Its length, s.
     length_s: f64,
 }
 

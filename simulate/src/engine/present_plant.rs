@@ -1,4 +1,4 @@
-//! Where the plant is within a run, and the linear cores of the modes in which it has been so far.
+//! The state of the plant within a run, and the linear cores of the modes in which it has been so far.
 
 use super::attempt::{Attempt, HeldInputs, StepProblem};
 use super::linear::{Mode, ModeDynamics, ModeOutputs, TIP, VOLTAGE, outputs};
@@ -47,7 +47,7 @@ impl Instant {
     }
 }
 
-/// Where a plant is whose teeth touch, whose voltage is free and whose joints do not stick.
+/// The mode of a plant whose teeth touch, whose voltage is free and whose joints do not stick.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct OrdinaryState<'a> {
     /// State of the core in its coordinates.
@@ -63,7 +63,7 @@ pub(crate) struct OrdinaryState<'a> {
     pub offset_nm: f64,
 }
 
-/// Where the plant is, with all that its next step needs to know of it.
+/// The state of the plant, with all that its next step needs to know of it.
 #[derive(Debug, Clone)]
 pub(crate) struct PresentPlant {
     pub plant: Plant,
@@ -91,7 +91,7 @@ pub(crate) struct PresentPlant {
 /// The answers of a core's states to a torque on the hub over a sample, at its nodes.
 #[derive(Debug, Clone, Default)]
 struct HubAnswers {
-    /// Which core they are of.
+    /// The core to which they belong.
     core: Option<usize>,
     rows: Vec<[f64; 4]>,
 }
@@ -367,7 +367,7 @@ impl PresentPlant {
     }
 }
 
-/// Where a plant was at an instant of a run: what changes along it.
+/// The state of a plant at an instant of a run: what changes along it.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Place {
     core: usize,
@@ -380,7 +380,7 @@ pub(crate) struct Place {
     changes: usize,
 }
 
-/// What a step is given besides the present.
+/// The inputs of a step besides the present.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct StepInput<'a> {
     /// Inputs that are constant over the step.

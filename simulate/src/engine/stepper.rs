@@ -25,7 +25,7 @@ const TICKS: u32 = 1 << DEEPEST;
 pub(crate) struct Stepper {
     present: PresentPlant,
     attempt: Attempt,
-    /// What is seen at the end of the step that was tried.
+    /// The outputs at the end of the step that was tried.
     ahead: ModeOutputs,
     filter: Filter,
     /// The platform at the nodes of the step that was tried.
@@ -40,7 +40,7 @@ pub(crate) struct Stepper {
     effort: Effort,
 }
 
-/// Where a run was at the start of a sample.
+/// The state of a run at the start of a sample.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Checkpoint {
     place: Place,
@@ -48,7 +48,7 @@ pub(crate) struct Checkpoint {
     level: usize,
 }
 
-/// What came of a step that was tried.
+/// The result of a step that was tried.
 enum StepOutcome {
     Good { defect: f64 },
     Event { fraction: f64, depth: usize },

@@ -4,7 +4,7 @@
 use super::strips::{Strips, pad_rows};
 use nalgebra::Matrix2;
 
-/// What the nonlinear parts see at a node: motor state, wind-up, hub angle, hub rate, current.
+/// The inputs of the nonlinear parts at a node: motor state, wind-up, hub angle, hub rate, current.
 pub(crate) const OUTPUTS: usize = 5;
 /// Nonlinear inputs ("ports"): torque at the motor (flow into a cylinder), torque at the hub, load.
 pub(crate) const PORTS: usize = 3;
@@ -14,7 +14,7 @@ pub(crate) const STAGES: usize = 3;
 pub(crate) const STAGE_ROWS: usize = 16;
 /// Rows of the outputs in the middle, padded.
 pub(crate) const MIDDLE_ROWS: usize = 8;
-/// Where the state begins in a result.
+/// Index at which the state begins in a result.
 pub(crate) const STATE: usize = STAGE_ROWS + MIDDLE_ROWS;
 /// Halvings of a sample period down to the shortest step that smoothness may ask for.
 pub(crate) const LEVELS: usize = 8;

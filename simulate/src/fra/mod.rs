@@ -154,7 +154,7 @@ struct TestRun {
     scenario: Scenario,
     simulator: Simulator,
     settled_below: f64,
-    /// What acts in place of the controller if there is none.
+    /// The source that acts in place of the controller if there is none.
     holding: Option<ConstantControl>,
 }
 
@@ -207,7 +207,7 @@ impl TestRun {
     }
 }
 
-/// Whether the motion has settled, asked at the end of every window: one run serves them all.
+/// The test that the motion has settled, asked at the end of every window: one run serves them all.
 struct Settling<'a> {
     test: Test,
     window: &'a Window,

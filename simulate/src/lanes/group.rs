@@ -31,7 +31,7 @@ pub(crate) struct LaneGroup {
     setup: LaneSetup,
     state: LaneState,
     work: LaneWork,
-    /// Which mechanisms are in their lanes; the others are in their steppers.
+    /// The mechanisms that are in their lanes; the others are in their steppers.
     present: [bool; LANES],
     core: Vec<f64>,
     registers: Registers,

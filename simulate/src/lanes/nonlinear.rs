@@ -70,7 +70,7 @@ impl<S: Simd> LaneMotion<S> {
     }
 }
 
-/// Where the nonlinear parts are evaluated.
+/// The places at which the nonlinear parts are evaluated.
 #[derive(Clone, Copy)]
 pub(crate) struct LanePoint<'a, S: Simd> {
     pub outputs: &'a [Lane<S>; OUTPUTS],

@@ -17,7 +17,7 @@ pub(crate) struct Lane<S: Simd> {
     value: S::f64s,
 }
 
-/// Where a condition holds.
+/// The lanes in which a condition holds.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LaneMask<S: Simd> {
     simd: S,

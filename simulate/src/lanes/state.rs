@@ -1,4 +1,4 @@
-//! Where several mechanisms are between samples, side by side.
+//! The states of several mechanisms between samples, side by side.
 
 use super::number::{LANES, Lanes};
 use super::table::SEEN;
@@ -31,7 +31,7 @@ pub(crate) struct LaneState {
     pub iterations: Lanes,
 }
 
-/// Where one mechanism is: a lane of [`LaneState`].
+/// The state of one mechanism: a lane of [`LaneState`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SmoothState<'a> {
     pub core: &'a [f64],

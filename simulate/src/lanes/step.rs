@@ -24,7 +24,7 @@ const PORT_COLUMNS: usize = STAGES * PORTS;
 const WINDUP: usize = 1;
 const HUB_ANGLE: usize = 2;
 
-/// What stays the same from step to step.
+/// The values that stay the same from step to step.
 #[derive(Debug, Clone)]
 pub(crate) struct LaneSetup {
     pub table: LaneTable,
@@ -39,7 +39,7 @@ pub(crate) struct LaneSetup {
     pub tolerance: f64,
 }
 
-/// What acts over the step.
+/// The inputs over the step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct LaneInput<'a> {
     pub plants: [&'a Plant; LANES],
@@ -171,9 +171,9 @@ struct Span<'a, S: Simd> {
     friction: [Lane<S>; 2],
 }
 
-/// What a step came to.
+/// The result of a step.
 struct LaneStepResult<S: Simd> {
-    /// What the nonlinear parts see at the nodes.
+    /// The inputs of the nonlinear parts at the nodes.
     outputs: [[Lane<S>; OUTPUTS]; STAGES + 1],
     /// The ports at the stages.
     values: [Lanes; PORT_COLUMNS],
@@ -185,11 +185,11 @@ struct LaneStepResult<S: Simd> {
     /// Largest distance of a hub angle from the one whose sine is known, rad.
     reach: Lane<S>,
     converged: LaneMask<S>,
-    /// Where the ports went on as in the step before.
+    /// The lanes in which the ports went on as in the step before.
     predicted: LaneMask<S>,
 }
 
-/// What one evaluation of the ports along the step gives.
+/// The result of one evaluation of the ports along the step.
 struct PortEvaluation<S: Simd> {
     values: [Lane<S>; PORT_COLUMNS],
     friction: [[Lane<S>; 2]; 2],
@@ -436,7 +436,7 @@ impl<S: Simd> Span<'_, S> {
     }
 }
 
-/// Where the iteration begins.
+/// The start of the iteration.
 struct IterationStart<S: Simd> {
     outputs: [Lane<S>; OUTPUTS],
     /// The relative motions there, with the angles to which friction has travelled.

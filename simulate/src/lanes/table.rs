@@ -35,7 +35,7 @@ pub(crate) struct LaneTable {
     seen: Vec<Lanes>,
 }
 
-/// What is seen of a core: outputs, voltage, rate of the tip.
+/// The outputs of a core: outputs, voltage, rate of the tip.
 pub(crate) const SEEN: usize = OUTPUTS + 2;
 
 impl LaneTable {

@@ -15,7 +15,7 @@ pub struct ExportedController {
     controller: Controller,
     /// RMS of the control for white noise of RMS 1 on each reading, V per unit.
     noise_gains: [f64; READINGS],
-    /// Whether the control depends on each reading.
+    /// `true` for each reading on which the control depends.
     reads: [bool; READINGS],
 }
 

@@ -39,7 +39,7 @@ struct Fit<'a> {
     controller: &'a Controller,
     read: &'a [Readings],
     control: &'a [f64],
-    /// How far each state moves while the controller follows the recorded readings: the standard deviation expected of its start.
+    /// The motion of each state while the controller follows the recorded readings: the standard deviation expected of its start.
     spread: Vec<f64>,
 }
 

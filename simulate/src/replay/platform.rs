@@ -40,7 +40,7 @@ pub fn platform_motion(parameters: &Parameters, recording: &Recording) -> Platfo
     PlatformSensorInputs::new(parameters, recording, None).motion(parameters, recording.sample_period_s)
 }
 
-/// What the platform's sensors were given, before their gain, bias and delay are taken out: the costly part, which many
+/// The motion that the platform's sensors were given, before their gain, bias and delay are taken out: the costly part, which many
 /// mechanisms share.
 #[derive(Debug, Clone)]
 pub(crate) struct PlatformSensorInputs {
@@ -171,7 +171,7 @@ fn turning_rates(recording: &Recording) -> Option<[Signal; 2]> {
     Some(channels.map(signal))
 }
 
-/// What the platform's sensors felt; `None` for one that was not recorded.
+/// The motion that the platform's sensors felt; `None` for one that was not recorded.
 struct PlatformInputs {
     /// Pitch rate, rad/s.
     rate: Option<Vec<f64>>,

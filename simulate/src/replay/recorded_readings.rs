@@ -1,4 +1,4 @@
-//! What a controller read in a recording.
+//! The readings of a controller in a recording.
 
 use counterpoise_controller::{READINGS, Readings};
 use counterpoise_recordings::{Channel, Recording};

@@ -49,7 +49,7 @@ struct Model {
     prior: Vector,
 }
 
-/// What the filter leaves for the smoother.
+/// The results of the filter for the smoother.
 struct Pass {
     predicted: Vec<Vector>,
     covariance: Vec<Square>,

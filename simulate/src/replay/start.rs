@@ -138,9 +138,9 @@ struct Fit<'a, 'b> {
     channels: Vec<(Channel, f64)>,
     /// Sizes of the unknowns' steps.
     steps: Unknowns,
-    /// Where the fit started.
+    /// The start of the fit.
     anchor: Unknowns,
-    /// Whether the teeth touch at the start; if they do not, the gear's unknown is the place inside the gap.
+    /// The contact of the teeth at the start; if they do not touch, the gear's unknown is the place inside the gap.
     mesh: Mesh,
 }
 

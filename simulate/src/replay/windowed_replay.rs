@@ -1,4 +1,4 @@
-//! Which replay says something about the model: one over the whole recording, or one over short windows.
+//! The choice of the replay that says something about the model: one over the whole recording, or one over short windows.
 //!
 //! Two runs of the same model that differ only in noise and in what is not known of their start diverge: by less than a noise floor
 //! if the closed loop forgets its start, by many if the machine hunts. The residual of a free replay of a hunting machine is no

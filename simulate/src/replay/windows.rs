@@ -115,7 +115,7 @@ struct Windows<'a, 'b> {
     platform_rad: Vec<f64>,
     channels: Vec<(Channel, f64)>,
     steps: Move,
-    /// How far the seven may be off where a window ends, as the fit expects.
+    /// The uncertainty of the seven at the end of a window, as the fit expects.
     spread: Move,
 }
 

@@ -1,4 +1,4 @@
-//! What each axis feels of the other over a sample: the ring's motion as motion of the base of the elevation axis, and the torque of the elevated body
+//! The effect of each axis on the other over a sample: the ring's motion as motion of the base of the elevation axis, and the torque of the elevated body
 //! on the traverse axis.
 
 use super::base::{BasePoint, BaseSample};
@@ -9,7 +9,7 @@ use counterpoise_models::Plant;
 use counterpoise_models::plant::SinCos;
 use counterpoise_models::two_axes::{ElevatedBody, ElevationMotion, RingMotion};
 
-/// Where the torque of another axis is among what a base does beside heave and pitch.
+/// Index of the torque of another axis among what a base does beside heave and pitch.
 const OTHER: usize = 3;
 
 /// Torque of the elevated body on the traverse axis at the places of a sample.

@@ -47,7 +47,7 @@ pub struct TwoAxisScenario {
     pub traverse: AxisScenario,
     /// Signals that are kept.
     pub detail: Detail,
-    /// Whether the machine on the elevation axis fires its shots.
+    /// The shots of the machine on the elevation axis.
     pub firing: Firing,
 }
 
@@ -529,7 +529,7 @@ impl<'a> Run<'a> {
 struct CrossGyroscope {
     place: TraverseGyroscope,
     filter: Filter,
-    /// What it shows, and its derivative; `None` on the ring, where the traverse axis has its own.
+    /// The value that it shows, and its derivative; `None` on the ring, where the traverse axis has its own.
     shown: Option<[f64; 2]>,
 }
 

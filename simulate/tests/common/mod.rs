@@ -1,4 +1,4 @@
-//! What the tests of the simulator share: the practice recordings, and the controller of their loop.
+//! Helpers that the tests of the simulator share: the practice recordings, and the controller of their loop.
 
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_recordings::{Mapping, Recording, RecordingTable};

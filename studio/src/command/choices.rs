@@ -1,4 +1,4 @@
-//! What commands choose from: pages, tabs, slots and purposes.
+//! The choices of commands: pages, tabs, slots and purposes.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! What the project file's reference says about a key: unit, allowed range, meaning. File, page and window have this one source.
+//! The project file's reference of a key: unit, allowed range, meaning. File, page and window have this one source.
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;

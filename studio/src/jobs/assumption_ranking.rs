@@ -1,4 +1,4 @@
-//! What the project file leaves open, ranked by how much it matters.
+//! The values that the project file leaves open, ranked by how much they matter.
 
 use std::sync::Arc;
 

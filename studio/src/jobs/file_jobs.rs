@@ -42,7 +42,7 @@ pub enum FileJob {
         path: PathBuf,
         /// The text.
         text: String,
-        /// What happens if another program has changed the file.
+        /// The treatment of a file if another program has changed the file.
         overwrite: Overwrite,
     },
     /// Writes a project to another file, with the files that it names.
@@ -85,7 +85,7 @@ pub enum FileJobResult {
         path: PathBuf,
         /// The text.
         text: String,
-        /// What came of it.
+        /// The outcome.
         outcome: SaveOutcome,
     },
 }
@@ -134,7 +134,7 @@ pub struct LoadedProject {
     pub modified: Option<SystemTime>,
     /// Recordings in its folder.
     pub nearby_recordings: Vec<PathBuf>,
-    /// Whether the project was made just now or read.
+    /// The origin of the project: made just now or read.
     pub origin: ProjectOrigin,
     /// The lock; `None` if another window holds it.
     pub lock: Option<ProjectLock>,

@@ -1,4 +1,4 @@
-//! What runs outside the window's thread: each kind of work has a worker of its own, and no frame waits for one.
+//! The work outside the window's thread: each kind of work has a worker of its own, and no frame waits for one.
 //!
 //! Modules in reading order: [`error_lines`], [`live_design`], [`verification`], [`measurements`], [`code_export`],
 //! [`report_job`], [`kept_designs`], [`plant_pictures`], [`assumption_ranking`],

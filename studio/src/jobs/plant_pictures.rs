@@ -1,4 +1,4 @@
-//! What Plant and Reduce show of a plant, with the plant that it belongs to.
+//! The pictures of a plant on Plant and Reduce, with the plant that it belongs to.
 
 use std::sync::Arc;
 

@@ -7,13 +7,10 @@ use counterpoise_host::files::{self, ProjectFolder, recording_files};
 use counterpoise_host::worker::CancelToken;
 use counterpoise_models::Parameters;
 use counterpoise_pipeline::recordings::controller_origin::other_export;
-use counterpoise_pipeline::recordings::read::{
-    loop_of, read_recording, read_table_and_recordings, recording_controller, without_demand,
-};
-use counterpoise_pipeline::recordings::replay::replay_one;
+use counterpoise_pipeline::recordings::read::read_table_and_recordings;
 use counterpoise_pipeline::recordings::tracks::{SimulatedChannel, simulate_channel};
 use counterpoise_pipeline::recordings::{
-    GapTreatment, ReadRecording, RecordingFile, ReplayLength, ReplayedRecording, replay,
+    ProjectReplayer, ReadRecording, RecordingFile, ReplaySettings, ReplayedRecording,
 };
 use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_pipeline::{PipelineError, with_recorded_design};
@@ -23,7 +20,7 @@ use counterpoise_report::wording::recordings::{
     describe_column_remark, describe_other_export, describe_played_back, describe_recordings_error,
     describe_replay,
 };
-use counterpoise_simulate::replay::{RecordedController, Replay};
+use counterpoise_simulate::replay::Replay;
 
 use crate::charts::min_max_pyramid::MinMaxPyramid;
 use crate::editing::session::file_name;
@@ -106,7 +103,11 @@ pub struct SimulatedView {
 pub fn replay_files(request: &ReplayRequest, token: &CancelToken) -> Option<ReplayedFiles> {
     let (files, mut views) = (recording_files(&request.paths), Vec::new());
     let decided = with_recorded_design(&request.project, &ProjectFolder(request.folder.clone()));
-    let controller = decided.and_then(|own| recording_controller(own.as_ref().unwrap_or(&request.project)));
+    let decided = decided.map(|own| own.unwrap_or_else(|| (*request.project).clone()));
+    let replayer = decided.as_ref().map_err(describe_recordings_error).and_then(|project| {
+        ProjectReplayer::new(project, ReplaySettings::default())
+            .map_err(|error| describe_recordings_error(&error))
+    });
     let note = other_export(&request.project, &ProjectFolder(request.folder.clone()));
     let note = note.as_ref().map(describe_other_export);
     for path in &files {
@@ -118,7 +119,7 @@ pub fn replay_files(request: &ReplayRequest, token: &CancelToken) -> Option<Repl
                     }
                     views.extend(recording_views(
                         request,
-                        &controller,
+                        &replayer,
                         FileRecording { path, table: &table, recording },
                     ));
                 }
@@ -173,7 +174,7 @@ struct FileRecording<'a> {
 /// Returns the parts of a recording that can be replayed, each with its replay.
 fn recording_views(
     request: &ReplayRequest,
-    controller: &Result<Option<RecordedController>, PipelineError>,
+    replayer: &Result<ProjectReplayer, String>,
     FileRecording { path, table, recording }: FileRecording,
 ) -> Vec<RecordingView> {
     let blank = RecordingView {
@@ -185,39 +186,32 @@ fn recording_views(
         channels: Vec::new(),
         fit: None,
     };
-    let project = &request.project;
-    let refused = |error: &PipelineError| {
-        vec![RecordingView { errors: vec![describe_recordings_error(error)], ..blank.clone() }]
+    let refused = |error: String| vec![RecordingView { errors: vec![error], ..blank.clone() }];
+    let replayer = match replayer {
+        Ok(replayer) => replayer,
+        Err(error) => return refused(error.clone()),
     };
-    let controller = match controller {
-        Ok(controller) => controller.as_ref(),
-        Err(error) => return refused(error),
-    };
-    match read_recording(project, controller, recording, GapTreatment::Repaired) {
-        Ok(parts) => {
-            parts.iter().map(|part| replayed_view(request, controller, part, blank.clone())).collect()
-        }
-        Err(error) => refused(&error),
+    match replayer.read_recording(recording) {
+        Ok(parts) => parts.iter().map(|part| replayed_view(request, replayer, part, blank.clone())).collect(),
+        Err(error) => refused(describe_recordings_error(&error)),
     }
 }
 
 fn replayed_view(
     request: &ReplayRequest,
-    controller: Option<&RecordedController>,
+    replayer: &ProjectReplayer,
     item: &ReadRecording,
     blank: RecordingView,
 ) -> RecordingView {
     let mut errors = Vec::new();
-    let control = loop_of(&request.project, controller);
     let mut kept = |made: Result<ReplayedRecording, PipelineError>| {
         made.map_err(|error| errors.push(describe_recordings_error(&error))).ok()
     };
-    let length = ReplayLength::Automatic;
-    let modelled = replay(&request.project, std::slice::from_ref(item), &control, length);
+    let modelled = replayer.replay(std::slice::from_ref(item));
     let model = kept(modelled.map(|mut made| made.remove(0)));
     let improved = request.improved.as_deref();
-    let improved = improved.and_then(|plant| kept(replay_one(plant, item, &control, length)));
-    let demand = describe_played_back(&without_demand(&request.project, [item]));
+    let improved = improved.and_then(|plant| kept(replayer.replay_on(plant, item)));
+    let demand = describe_played_back(&replayer.without_demand([item]));
     let found = model.as_ref().map_or(&item.remarks, |made| &made.remarks);
     let replays = [&model, &improved].map(|made| made.as_ref().map(|made| &made.followed.replay));
     RecordingView {

@@ -18,7 +18,7 @@ const LIST: [f32; 2] = [530.0, 300.0];
 /// Whole width of a browser, points.
 pub const WIDTH: f32 = recent_places::WIDTH + LIST[0] + space::MEDIUM;
 
-/// What the browser is shown with.
+/// The context that the browser is shown in.
 struct BrowserContext<'a> {
     theme: WindowTheme,
     open_error: Option<&'a str>,
@@ -113,7 +113,7 @@ fn show_path_field(ui: &mut Ui, browser: &mut Browser, queue: &mut Vec<Command>,
     });
 }
 
-/// What the keys do to the list.
+/// The action of the keys on the list.
 #[derive(Default)]
 struct ListKeys {
     rows: isize,
@@ -226,7 +226,7 @@ fn size_in_words(bytes: u64) -> String {
     }
 }
 
-/// Whether the browser stays open.
+/// The state of the browser: it stays open or not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum BrowserChoice {
     Stay,

@@ -23,7 +23,7 @@ use crate::view::StudioView;
 const NICHOLS_DB: (f64, f64) = (-40.0, 40.0);
 /// Ends of the Nyquist chart on each axis.
 const NYQUIST: [(f64, f64); 2] = [(-3.0, 1.5), (-2.2, 2.2)];
-/// What a cell has beside its plot: margins of the card, heading, numbers and labels of the axes, points.
+/// Height of a cell beside its plot: margins of the card, heading, numbers and labels of the axes, points.
 const CELL_FRAME: [f32; 2] = [78.0, 84.0];
 
 /// Shows the charts. Without `loop_view` the paths have the points of the other curves, and the root locus follows in a moment.

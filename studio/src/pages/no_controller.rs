@@ -1,4 +1,4 @@
-//! What the pages show of a project without a controller: a model, perhaps with recordings, is an ordinary project.
+//! The pages of a project without a controller: a model, perhaps with recordings, is an ordinary project.
 
 use egui::{RichText, Ui};
 

@@ -18,7 +18,7 @@ struct MappedQuantity<'a> {
     is_found: bool,
 }
 
-/// What a quantity without a chosen column is taken from.
+/// The source of a quantity without a chosen column.
 const BY_NAME: &str = "by its name";
 
 /// Shows which column of a recording is the time and which is which channel.

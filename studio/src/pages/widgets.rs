@@ -1,4 +1,4 @@
-//! What the pages are made of: cells, plots that can be copied, numbers with units, messages.
+//! The widgets of the pages: cells, plots that can be copied, numbers with units, messages.
 
 use egui::{Rect, RichText, Ui, Vec2, vec2};
 

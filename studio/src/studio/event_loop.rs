@@ -1,4 +1,4 @@
-//! What the studio does by itself in each frame: it asks for what is due, and checks the file and the journal.
+//! The actions of the studio by itself in each frame: it asks for what is due, and checks the file and the journal.
 
 use counterpoise_host::clock::Moment;
 use std::path::{Path, PathBuf};

@@ -26,7 +26,7 @@ use counterpoise_host::journal_writer::JournalEnding;
 use counterpoise_host::project_lock::ProjectLock;
 use counterpoise_host::recent_files::RecentList;
 
-/// What to do if nothing can be written.
+/// The advice if nothing can be written.
 const SAVE_FAILURE_ADVICE: &str =
     "Nothing is lost: make room and save again (Ctrl+S), or save under another name (Ctrl+Shift+S)";
 

@@ -1,4 +1,4 @@
-//! What the studio remembers of its windows, kept up to date on disk.
+//! The settings that the studio remembers of its windows, kept up to date on disk.
 
 use super::Studio;
 use crate::settings::{
@@ -45,7 +45,7 @@ impl Studio {
     }
 }
 
-/// Whether the settings differ from those that were written last.
+/// The comparison of the settings with those that were written last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum SettingsChange {
     Unchanged,

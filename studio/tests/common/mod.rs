@@ -1,4 +1,4 @@
-//! What the tests of the window share.
+//! Helpers that the tests of the window share.
 #![allow(dead_code)]
 
 use std::io::Write;

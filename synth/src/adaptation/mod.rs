@@ -1,6 +1,6 @@
 //! The out-of-balance estimated while the machine runs, and the controller that uses it.
 //!
-//! What is estimated goes into the bias and the heave feedforward's gain, nowhere else: the feedback loop does not
+//! The estimate goes into the bias and the heave feedforward's gain, nowhere else: the feedback loop does not
 //! contain the estimate, so in the linear model no estimate, however wrong, can make the loop unstable.
 
 mod recursive_least_squares;

@@ -35,7 +35,7 @@ pub struct BestLoopTask<'a> {
     pub sampling: &'a Sampling,
     /// Disturbance that acts on the loop.
     pub disturbance: &'a Disturbance,
-    /// What the loop must keep; those of |S|, |T|, |KS|, noise gain and effort are convex and count, margins and poles are left out.
+    /// The limits that the loop must keep; those of |S|, |T|, |KS|, noise gain and effort are convex and count, margins and poles are left out.
     pub limits: LoopLimits,
 }
 
@@ -87,7 +87,7 @@ pub fn best_loop(task: &BestLoopTask<'_>) -> Result<BestLoop, Error> {
     })
 }
 
-/// What every program of a task starts from.
+/// The data that every program of a task starts from.
 pub(crate) struct Ground {
     pub grid: LoopGrid,
     /// The plant on the grid.

@@ -20,7 +20,7 @@ pub(super) struct Shape {
     observer: f64,
     /// The control weight rises above this many times the bandwidth.
     roll_off: f64,
-    /// Whether control is dear at the modes that are lightly damped.
+    /// The weight of control at the modes that are lightly damped.
     modes: Modes,
     /// The lightly damped modes in the plant that the feedback is designed on.
     in_plant: LightModes,
@@ -43,7 +43,7 @@ impl Shape {
     }
 }
 
-/// What the control weight does at lightly damped modes.
+/// The form of the control weight at lightly damped modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Modes {
     /// Nothing.
@@ -122,11 +122,11 @@ const SPREAD: f64 = 1.5;
 /// The plant's gain as the weights need it.
 pub(super) struct PlantGain {
     response: Response,
-    /// Whether the measured signal shows nothing of a steady control.
+    /// `true` if the measured signal shows nothing of a steady control.
     is_blind_at_zero: bool,
     /// Lightly damped modes, rad/s, rising.
     pub modes: Vec<f64>,
-    /// What the load does where the reading shows nothing of it.
+    /// The motion of the load where the reading shows nothing of it.
     pub load: Option<LoadGain>,
 }
 
@@ -166,7 +166,7 @@ impl PlantGain {
         (points.sum::<f64>() / f64::from(2 * POINTS + 1)).exp()
     }
 
-    /// How fast the modulus falls with frequency, as a power between 0 and 3.
+    /// The fall of the modulus with frequency, as a power between 0 and 3.
     fn slope(&self, rate_rad_s: f64) -> f64 {
         let (below, above) = (self.mean_modulus(rate_rad_s / 2.0), self.mean_modulus(rate_rad_s * 2.0));
         ((below / above).ln() / 4f64.ln()).clamp(0.0, 3.0)

@@ -1,4 +1,4 @@
-//! What a sampled loop does, against what it must keep.
+//! The figures of a sampled loop, against the limits that it must keep.
 
 use std::f64::consts::PI;
 
@@ -33,7 +33,7 @@ impl Default for RequiredMargins {
     }
 }
 
-/// What a sampled loop does.
+/// The figures of a sampled loop.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopJudgement {
     /// Lowest frequency at which the loop's gain falls to 1, rad/s: disturbances are attenuated up to it.
@@ -361,49 +361,49 @@ fn coarsen_sampling(sampling: &Sampling, plant: &DesignPlant) -> Sampling {
 const MOST_DELAY_SAMPLES: usize = 24;
 
 impl LoopJudgement {
-    /// Whether the margins hold.
+    /// Returns whether the margins hold.
     pub(super) fn keeps_margins(&self, required: &RequiredMargins) -> bool {
         self.gain_margin_db >= required.gain_db
             && self.phase_margin_deg >= required.phase_deg
             && self.max_sensitivity <= required.max_sensitivity
     }
 
-    /// Whether the loop bears shifted modes.
+    /// Returns whether the loop bears shifted modes.
     pub(super) fn bears_shifted_modes(&self) -> bool {
         self.shifted_sensitivity <= NEIGHBOUR_MS
     }
 
-    /// Whether the loop holds the machine with what the linear plant leaves out.
+    /// Returns whether the loop holds the machine with what the linear plant leaves out.
     pub(super) fn holds_others(&self) -> bool {
         self.sensitivity_of_others <= NEIGHBOUR_MS
     }
 
-    /// Whether the loop bears values at the ends of their tolerances.
+    /// Returns whether the loop bears values at the ends of their tolerances.
     pub(super) fn bears_tolerances(&self) -> bool {
         self.sensitivity_within_tolerances <= NEIGHBOUR_MS
     }
 
-    /// Whether the loop bears what is not stated at the ends of its usual range.
+    /// Returns whether the loop bears what is not stated at the ends of its usual range.
     pub(super) fn bears_usual_ranges(&self) -> bool {
         self.share_within_usual_ranges <= 1.0
     }
 
-    /// Whether noise leaves the control's range to its work.
+    /// Returns whether noise leaves the control's range to its work.
     pub(super) fn bears_noise(&self, limit_v: f64) -> bool {
         self.noise_v <= NOISE_SHARE * limit_v
     }
 
-    /// Whether quantisation does.
+    /// Returns whether quantisation leaves the control's range to its work.
     pub(super) fn bears_quantisation(&self, limit_v: f64) -> bool {
         self.quantisation_v <= NOISE_SHARE * limit_v
     }
 
-    /// Whether the step of the demand stays inside the control's limit.
+    /// Returns whether the step of the demand stays inside the control's limit.
     pub(super) fn bears_step(&self, room_v: f64) -> bool {
         self.step_v <= room_v
     }
 
-    /// Whether the loop is slow enough for its sample rate.
+    /// Returns whether the loop is slow enough for its sample rate.
     pub(super) fn bears_sampling(&self, sampling: &Sampling) -> bool {
         self.bandwidth_rad_s.max(self.closed_loop_rad_s) <= CEILING * sampling.rate_rad_s()
     }

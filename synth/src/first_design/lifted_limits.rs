@@ -1,4 +1,4 @@
-//! What limits a bandwidth: the limits are lifted one by one, and the loop is looked for again above the answer.
+//! The limits of a bandwidth: the limits are lifted one by one, and the loop is looked for again above the answer.
 //!
 //! A limit that is a rule (noise, quantisation, the control's limit, the sample rate, what was asked for) is lifted by leaving the
 //! rule out: candidates count that miss it and no other. Margins and shifted modes are rules with two possible causes, so the causes
@@ -147,7 +147,7 @@ fn search_in_parallel(
     Ok((missed, Causes { structure, lags }))
 }
 
-/// What the searches in other circumstances take from that in the given ones.
+/// The data that the searches in other circumstances take from that in the given ones.
 struct SharedSearch<'a> {
     circumstances: &'a Circumstances,
     unknown: Vec<Unknown>,
@@ -250,7 +250,7 @@ fn climb(
     Ok(())
 }
 
-/// Whether some shape keeps every limit but those that are left out at the first of the aims of a climb.
+/// Returns whether some shape keeps every limit but those that are left out at the first of the aims of a climb.
 fn has_loop(
     scan: &mut Scan,
     aims: &[f64],

@@ -39,7 +39,7 @@ use crate::{DesignPlant, Error, Sampling, Specification};
 use counterpoise_pool::{Pool, Serial};
 use scan::Scan;
 
-/// Where the limit of a control comes from.
+/// The origin of the limit of a control.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ControlLimit {
     /// From what the drive can give.
@@ -48,7 +48,7 @@ pub enum ControlLimit {
     OfConverter,
 }
 
-/// What a reading usually has at worst if nothing is known of it; 0 if nothing is usual.
+/// The usual worst of a reading if nothing is known of it; 0 if nothing is usual.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct UsualReading {
     /// RMS noise, in the unit of the measured signal.
@@ -57,7 +57,7 @@ pub struct UsualReading {
     pub step: f64,
 }
 
-/// What is known of a loop beyond its linear plant. Numbers of 0 are not known.
+/// The known facts of a loop beyond its linear plant. Numbers of 0 are not known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Circumstances {
     /// The plant. Its `rate` is the signal that is measured and controlled, a rate or a position.
@@ -81,9 +81,9 @@ pub struct Circumstances {
     /// The output of the plant (of its inner loop, if it has one) that is the load's motion, where a sensor measures something else; `None` if
     /// nothing but the measured signal is known.
     pub load_output: Option<usize>,
-    /// How the controller is sampled.
+    /// The sampling of the controller.
     pub sampling: Sampling,
-    /// Where the limit of the control comes from.
+    /// The origin of the limit of the control.
     pub control_limit: ControlLimit,
     /// RMS noise of a reading, in the unit of the measured signal.
     pub noise_rms: f64,
@@ -129,7 +129,7 @@ pub struct FirstDesign {
     pub specification: Specification,
     /// The bandwidth with its limits.
     pub bandwidth: Bandwidth,
-    /// What the sampled feedback loop does.
+    /// The figures of the sampled feedback loop.
     pub judgement: LoopJudgement,
     /// The sampled loops that were judged, broken at the control: that of the plant, then those of the plants with shifted modes.
     pub loops: Vec<StateSpace>,

@@ -231,7 +231,7 @@ impl<'a> Scan<'a> {
         Ok(self.best_bandwidth() > (1.0 + RISE) * start.judgement.bandwidth_rad_s)
     }
 
-    /// Whether the answer is far below what the clock allows.
+    /// Returns whether the answer is far below what the clock allows.
     fn is_free_of_clock(&self) -> bool {
         self.best.is_some() && self.best_bandwidth() < CLOCK_SHARE * self.sample_ceiling()
     }

@@ -1,4 +1,4 @@
-//! Whether a feedforward's weights and generator make a solvable problem.
+//! The check that a feedforward's weights and generator make a solvable problem.
 
 use counterpoise_linalg::C64;
 use counterpoise_lti::{StateSpace, poles};

@@ -44,7 +44,7 @@ pub(crate) fn feedforward(
     Ok(Some(driven.solve(stage, part, sampling.period_s)?))
 }
 
-/// Whether the hub sensor belongs to the plant of a feedforward.
+/// The place of the hub sensor in the plant of a feedforward.
 #[derive(Clone, Copy, PartialEq)]
 enum HubSensor {
     /// A feedback reads it inside the plant, or what it would read is expected.

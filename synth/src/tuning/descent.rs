@@ -9,7 +9,7 @@ use crate::tolerance::{
     REGION_LAST, START_HALVINGS, STEP_GOOD, STEP_TAKEN,
 };
 
-/// Where a descent ended.
+/// The end of a descent.
 #[derive(Debug, Clone)]
 pub(crate) struct DescentResult {
     /// Logarithms of the open parameters.

@@ -1,4 +1,4 @@
-//! What acts on the loop that is tuned: a line spectrum at the plant's output, and the noise of the reading.
+//! The disturbance of the loop that is tuned: a line spectrum at the plant's output, and the noise of the reading.
 
 use crate::Error;
 

@@ -1,4 +1,4 @@
-//! What a tuning moves: a family of sampled feedbacks over the logarithms of its parameters.
+//! The family that a tuning moves: a family of sampled feedbacks over the logarithms of its parameters.
 
 use counterpoise_linalg::C64;
 use counterpoise_lti::StateSpace;

@@ -30,7 +30,7 @@ pub(crate) struct LoopPlant {
     pub response: Vec<C64>,
 }
 
-/// How a continuous controller is sampled.
+/// The sampling of a continuous controller.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Clock {
     /// Sample period, s.
@@ -39,7 +39,7 @@ pub(crate) struct Clock {
     pub factor: f64,
 }
 
-/// How dense a grid is.
+/// The density of a grid.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Density {
     /// Frequencies per decade.

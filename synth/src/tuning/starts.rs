@@ -1,4 +1,4 @@
-//! Where the tuning starts.
+//! The starts of the tuning.
 
 use std::f64::consts::PI;
 

@@ -52,7 +52,7 @@ pub(crate) struct Weights<'a> {
     position_gain: Option<f64>,
     error: Shape,
     control: Shape,
-    /// Where the tuning starts: error gain, noise of the measurement, loop recovery if there is any, then the roots of the error and of the
+    /// The start of the tuning: error gain, noise of the measurement, loop recovery if there is any, then the roots of the error and of the
     /// control weight.
     start: Vec<f64>,
     ranges: Vec<[f64; 2]>,

@@ -16,13 +16,13 @@ pub struct HandlePosition {
 pub struct WeightHandle {
     /// Its name: "gain", "corner", "corner and damping".
     pub name: &'static str,
-    /// Where it stands.
+    /// Its place.
     pub position: HandlePosition,
-    /// What it changes.
+    /// The keys that it changes.
     pub effect: HandleEffect,
 }
 
-/// What a handle changes when it is moved along the frequency axis or up and down. Keys are below the weight's path.
+/// The change of a handle when it is moved along the frequency axis or up and down. Keys are below the weight's path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum HandleEffect {
     /// Up and down: `gain` in proportion.

@@ -15,7 +15,7 @@ pub enum WeightShape {
     Varying {
         /// Towards zero frequency.
         low: LowFrequency,
-        /// Where it changes.
+        /// The place of the change.
         transition: Transition,
         /// Towards infinite frequency.
         high: HighFrequency,
@@ -64,7 +64,7 @@ pub enum Transition {
         /// The rate, rad/s.
         rate_rad_s: f64,
     },
-    /// Where its modulus leaves that of low frequency by 3 dB.
+    /// The rate at which its modulus leaves that of low frequency by 3 dB.
     Corner {
         /// The rate, rad/s.
         rate_rad_s: f64,

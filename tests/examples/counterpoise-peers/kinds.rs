@@ -1,4 +1,4 @@
-//! What is solved for each kind.
+//! The problem that is solved for each kind.
 #![allow(non_snake_case)]
 
 use std::path::Path;

@@ -38,7 +38,7 @@ fn main() {
 }
 
 thread_local! {
-    /// How long the last call of [`measure_time`] took, s; infinite if there was none.
+    /// Time that the last call of [`measure_time`] took, s; infinite if there was none.
     static SECONDS: Cell<f64> = const { Cell::new(f64::INFINITY) };
 }
 

@@ -1,9 +1,10 @@
 """Numbers of every example before and after a change of the program: equal to the last bit, through a map of renamed keys.
 
-usage: same_numbers.py OLD_PROGRAM OLD_EXAMPLES NEW_PROGRAM NEW_EXAMPLES [--list]
+usage: same_numbers.py OLD_PROGRAM OLD_EXAMPLES NEW_PROGRAM NEW_EXAMPLES [--list] [--only EXAMPLE] [--published FOLDER]
 
-Each example that both folders have is run by both programs (`model`, `reduce`, `synth`, `verify`, `fra` and `adapt`, each with --json, and `export`; `replay`,
-`identify` and `diagnose` where recordings lie beside it). A command that an example does not allow is left out. The numbers of both
+Each project file of an example that both folders have is run by both programs (`model`, `reduce`, `synth`, `verify`, `fra` and `adapt`, each with --json, and
+`export`; `replay`, `identify` and `diagnose` where recordings lie beside it or in its folders). A command that a project does not allow is left out. Recordings that
+other people published are no part of the examples: with --published they are taken from FOLDER, where each machine of `real-recordings` has a folder of them. The numbers of both
 results are compared by their places. `renamed_keys.toml` beside this script says under which name a number stands now. Of the exported C
 files the numeric literals are compared, in their order; names and comments do not count. Printed for each example: how many numbers are equal, differ, stand only before, stand only now.
 With --list every number that differs is listed, with both values, and every place that stands only before. `worst` is the largest relative
@@ -58,19 +59,35 @@ class Renaming:
         return place
 
 
-def recordings(example):
-    """Returns the recordings of an example's machine: the road of a verification is none."""
-    files = sorted(str(path) for path in pathlib.Path(example).glob("*.parquet"))
-    return files if len(files) > 1 else []
+def recordings(project, published):
+    """Returns the recordings of a project's machine; the road of a verification, a single file, is none."""
+    folder = project.parent
+    if published and folder.parent.name == "real-recordings":
+        return sorted(str(path) for path in (published / folder.name).glob("*.parquet"))
+    if project.name != "project.toml":
+        return []
+    beside, below = sorted(map(str, folder.glob("*.parquet"))), sorted(map(str, folder.rglob("*.parquet")))
+    return next((files for files in (beside, below) if len(files) > 1), [])
 
 
-def numbers(program, example, command):
-    files = recordings(example) if command in OF_RECORDINGS else []
-    run = subprocess.run([program, command, example, *files, "--json", "--quiet"], capture_output=True, text=True)
+def numbers(program, project, command, published):
+    files = recordings(project, published) if command in OF_RECORDINGS else []
+    run = subprocess.run([program, command, project, *files, "--json", "--quiet"], capture_output=True, text=True)
     try:
         return dict(leaves(json.loads(run.stdout)))
     except json.JSONDecodeError:
         return None
+
+
+def projects(folder):
+    """Returns the project files below a folder, from it; that of a traverse axis is a part of another project."""
+    files = (path.relative_to(folder) for path in folder.rglob("*.toml"))
+    return sorted(path for path in files if path.name != "traverse.toml")
+
+
+def option(name):
+    """Returns what follows an option of the command line; None if it is not given."""
+    return sys.argv[sys.argv.index(name) + 1] if name in sys.argv else None
 
 
 def literals(program, example):
@@ -82,17 +99,23 @@ def literals(program, example):
 
 def main():
     old_program, old_examples, new_program, new_examples = sys.argv[1:5]
-    names = sorted(p.name for p in pathlib.Path(old_examples).iterdir() if (pathlib.Path(new_examples) / p.name / "project.toml").exists())
+    published = option("--published")
+    published = published and pathlib.Path(published)
+    both_have = [file for file in projects(pathlib.Path(old_examples)) if (pathlib.Path(new_examples) / file).exists()]
     differing = 0
-    for name in names:
-        renaming = Renaming(pathlib.Path(__file__).with_name("renamed_keys.toml"), name)
-        before, after = (f"{folder}/{name}" for folder in (old_examples, new_examples))
-        for command in COMMANDS + (OF_RECORDINGS if recordings(after) else ()):
-            old, new = numbers(old_program, before, command), numbers(new_program, after, command)
+    for file in both_have:
+        example = file.parts[0]
+        if option("--only") not in (None, example):
+            continue
+        name = str(file.parent if file.name == "project.toml" else file.with_suffix(""))
+        renaming = Renaming(pathlib.Path(__file__).with_name("renamed_keys.toml"), example)
+        before, after = (pathlib.Path(folder) / file for folder in (old_examples, new_examples))
+        for command in COMMANDS + (OF_RECORDINGS if recordings(after, published) else ()):
+            old, new = numbers(old_program, before, command, published), numbers(new_program, after, command, published)
             if old is None and new is None:
                 continue
             if old is None or new is None:
-                print(f"{name:24} {command:8} no JSON: before {old is not None}, now {new is not None}")
+                print(f"{name:30} {command:8} no JSON: before {old is not None}, now {new is not None}")
                 continue
             old = {renaming.apply(place): value for place, value in old.items()}
             both = old.keys() & new.keys()
@@ -100,17 +123,17 @@ def main():
             differing += len(unequal)
             only_old, only_new = len(old.keys() - both), len(new.keys() - both)
             worst = max((abs(old[p] - new[p]) / max(abs(old[p]), abs(new[p])) for p in unequal), default=0.0)
-            print(f"{name:24} {command:8} {len(both) - len(unequal):7} equal {len(unequal):6} differ {only_old:6} only before {only_new:7} only now, worst {worst:.0e}")
+            print(f"{name:30} {command:8} {len(both) - len(unequal):7} equal {len(unequal):6} differ {only_old:6} only before {only_new:7} only now, worst {worst:.0e}")
             if "--list" in sys.argv:
                 for place in unequal:
                     print("    ", ".".join(place), old[place], new[place])
                 for place in sorted({re.sub(r"\.\d+", ".*", ".".join(place)) for place in old.keys() - both}):
                     print("     only before:", place)
         old, new = literals(old_program, before), literals(new_program, after)
-        for file in sorted(old.keys() & new.keys()):
-            same = old[file] == new[file]
+        for code in sorted(old.keys() & new.keys()):
+            same = old[code] == new[code]
             differing += not same
-            print(f"{name:24} {file:24} {len(old[file])} literals {'equal' if same else f'DIFFER ({len(new[file])} now)'}")
+            print(f"{name:30} {code:24} {len(old[code])} literals {'equal' if same else f'DIFFER ({len(new[code])} now)'}")
     print(f"{differing} differences")
     sys.exit(differing > 0)
 

@@ -1,4 +1,4 @@
-//! What the diagnosis says of one sealed machine, with everything that it tried, beside the truth.
+//! The answer of the diagnosis on one sealed machine, with everything that it tried, beside the truth.
 //!
 //! `cargo run --release -p counterpoise-tests --bin sealed_machine -- 13`; `e12:0.7` is the machine with the effect numbered 12 alone, of
 //! size 0.7.

@@ -1,4 +1,4 @@
-//! How well physics without a name is modelled: machines whose shapes the library does not have, recorded by the independent simulator.
+//! The quality of models of physics without a name: machines whose shapes the library does not have, recorded by the independent simulator.
 //!
 //! `cargo run --release -p counterpoise-tests --bin unnamed -- 1..41` diagnoses the machines of a range of seeds, one line each, and prints
 //! the summary; every fourth machine conceals nothing. Single seeds are given as `7`.

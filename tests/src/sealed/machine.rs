@@ -171,13 +171,13 @@ pub struct DahlFriction {
     pub warming: [f64; 2],
 }
 
-/// Where a friction acts: what its level may depend on beside the rate.
+/// The place of a friction: what its level may depend on beside the rate.
 #[derive(Debug, Clone, Copy, Default)]
 struct Place {
     angle: f64,
     load: f64,
     time: f64,
-    /// What hidden functions add to a factor of 1.
+    /// The part that hidden functions add to a factor of 1.
     more: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What the diagnosis is measured against: the truth's own structure refitted, and the model as it was with its
+//! The references of the diagnosis: the truth's own structure refitted, and the model as it was with its
 //! parameters refitted.
 
 use counterpoise_diagnose::findings::answer::Answer;

@@ -1,4 +1,4 @@
-//! How one answer stands to its sealed truth: a line of the score.
+//! The comparison of one answer with its sealed truth: a line of the score.
 
 use counterpoise_diagnose::findings::answer::{Answer, DiagnosisVerdict, Finding, Name};
 use counterpoise_diagnose::findings::channel_fits::{PooledFit, PooledFits};

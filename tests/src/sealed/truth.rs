@@ -1,4 +1,4 @@
-//! Which machine a seed gives: what it has that its project does not know, concealed from the diagnosis.
+//! The machine that a seed gives: what it has that its project does not know, concealed from the diagnosis.
 
 use counterpoise_models::{FrictionLaw, Parameters, Sensor};
 

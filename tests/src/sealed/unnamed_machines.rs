@@ -15,7 +15,7 @@ pub struct UnnamedMachine {
     pub recordings: Vec<WrittenColumns>,
 }
 
-/// What a machine without concealed physics is called.
+/// The name of a machine without concealed physics.
 pub const NOTHING: &str = "nothing";
 
 /// The kinds of shape, in the order in which seeds go through them; every fourth seed conceals nothing.

@@ -104,7 +104,7 @@ fn a_processor_in_the_simulated_loop_moves_the_rig_as_the_reference_does() {
     assert_eq!(found, drive(&plant, &mut controller.runner_in::<f32>(), 1.0));
 }
 
-/// What a smaller arithmetic costs: in volts before the converter, and in the hub's motion.
+/// The cost of a smaller arithmetic: in volts before the converter, and in the hub's motion.
 #[test]
 fn single_and_fixed_move_the_rig_nearly_as_the_reference_does() {
     let (plant, controller) = reference_rig();
@@ -187,7 +187,7 @@ const SHIFTS_ENCODER: (&str, Numbers) = ("servo-pendulum_project", Numbers::Sing
 /// cascade. They read the code of every example if it is asked for.
 const ANALYSED: [&str; 2] = [REFERENCE, "servo-pendulum_project"];
 
-/// How many times a prediction may exceed what is measured.
+/// Factor by which a prediction may exceed what is measured.
 const LOOSE: f64 = 20.0;
 
 struct Design {

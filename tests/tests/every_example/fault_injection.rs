@@ -17,13 +17,13 @@ type Start<'a> = Box<dyn Fn() -> Box<dyn SampledController> + 'a>;
 
 /// Time after the end of a short fault within which the hub moves again as without it, s.
 const RECOVERY_S: f64 = 0.6;
-/// What is added for each second that a fault lasts, s: while the measured output is held, the integral action winds up, and
+/// Time that is added for each second that a fault lasts, s: while the measured output is held, the integral action winds up, and
 /// its return takes a time in proportion.
 const RECOVERY_PER_FAULT: f64 = 2.0;
 /// A loop of position that limits its demanded rate brings the machine back at that rate, from wherever it has run to. So long is
 /// its simulation, relative to the time that other machines may take.
 const RETURN_SIMULATED: f64 = 12.0;
-/// When a fault begins, s.
+/// Instant at which a fault begins, s.
 const BEGINS_S: f64 = 0.5;
 /// Largest difference of the hub's rate from the run without a fault that counts as recovered, rad/s.
 const RECOVERED_RAD_S: f64 = 2e-3;
@@ -31,7 +31,7 @@ const RECOVERED_RAD_S: f64 = 2e-3;
 /// Examples with a controller, at least.
 pub const EXAMPLES: usize = 8;
 
-/// What a fault makes of a reading.
+/// The effect of a fault on a reading.
 #[derive(Debug, Clone, Copy)]
 enum Kind {
     NoNumber,
@@ -99,7 +99,7 @@ pub fn scenario(duration_s: f64) -> Scenario {
     Scenario { demand_rad_s: Signal::step(0.02, 0.1), platform, ..Scenario::at_rest(duration_s) }
 }
 
-/// What of an example's design is tried.
+/// The part of an example's design that is tried.
 struct Design {
     plant: Plant,
     controller: Controller,
@@ -223,11 +223,11 @@ impl<'a> Example<'a> {
     }
 }
 
-/// What follows a fault.
+/// The consequence of a fault.
 struct FaultRecovery {
-    /// How long the hub still moves otherwise than without the fault, after the fault has ended, s.
+    /// Time for which the hub still moves otherwise than without the fault, after the fault has ended, s.
     recovery_s: f64,
-    /// How far it went from where it would have been, rad.
+    /// Distance by which it went from where it would have been, rad.
     distance_rad: f64,
 }
 

@@ -15,7 +15,7 @@ use counterpoise_tests::examples;
 
 use crate::every_example::fault_injection::{EXAMPLES, readings, scenario};
 
-/// When the sensor sticks, s.
+/// Instant at which the sensor sticks, s.
 const STICKS_S: f64 = 0.5;
 /// Time from the handover until the hub moves as the loop of feedback alone does, s.
 const SETTLES_S: f64 = 0.5;

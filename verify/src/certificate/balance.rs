@@ -1,4 +1,4 @@
-//! What a predicted limit cycle rests on: the linear loop in which every nonlinear part is its describing function, on both sides of the
+//! The basis of a predicted limit cycle: the linear loop in which every nonlinear part is its describing function, on both sides of the
 //! amplitude at which growth turns into fading, with the friction pulled out so that other code can put it in again.
 
 use counterpoise_linalg::C64;

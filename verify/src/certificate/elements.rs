@@ -1,4 +1,4 @@
-//! What stands for the nonlinear parts of the loop in one regime: an impedance at each joint, a share of the gear's stiffness, and a
+//! The substitutes of the nonlinear parts of the loop in one regime: an impedance at each joint, a share of the gear's stiffness, and a
 //! linear path for each friction observer.
 
 use counterpoise_controller::{Controller, FrictionObserver, Parts, Path, PathSignal, Scaling};
@@ -212,7 +212,7 @@ pub(super) struct ElementLoop {
     pub poles: Vec<C64>,
 }
 
-/// What the estimator does in a linear loop.
+/// The action of the estimator in a linear loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Learning {
     /// The estimate stands still.

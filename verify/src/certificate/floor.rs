@@ -33,7 +33,7 @@ pub(crate) struct Subject<'a> {
     pub(crate) case: &'a CertifiedCase,
     pub(crate) controller: &'a Controller,
     pub(crate) procedure: &'a Procedure,
-    /// What its noise floor is made of.
+    /// The contributions to its noise floor.
     pub(crate) noise: ReadingNoise,
 }
 

@@ -119,7 +119,7 @@ struct Stretches {
     state: counterpoise_simulate::PlantState,
     stretch_s: f64,
     time_s: f64,
-    /// What the motion is seen to settle or to fade by, of the stretches before.
+    /// The stretches by which the motion is seen to settle or to fade, of the stretches before.
     before_rad_s: Vec<f64>,
     /// The same of the last stretch.
     settling_rms: f64,

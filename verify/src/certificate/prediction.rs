@@ -1,4 +1,4 @@
-//! What the harmonic balance predicts: growth over the amplitude, and the stable limit cycles.
+//! The prediction of the harmonic balance: growth over the amplitude, and the stable limit cycles.
 
 use super::balance::CycleBalance;
 use super::cycle::{Cycle, CycleBracket, Growth, HarmonicBalance};

@@ -1,4 +1,4 @@
-//! What a loop's noise floor is made of: the noise and the step of its reading, and what rounding keeps up.
+//! The contributions to a loop's noise floor: the noise and the step of its reading, and what rounding keeps up.
 
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, lft};

@@ -48,7 +48,7 @@ pub struct SectorProof {
     pub range_hz: [f64; 2],
     /// Bound of what passes through the aliases of a frequency; below 1 they change nothing.
     pub aliases: f64,
-    /// Whether the gear teeth stay together by assumption: there is a gap, and the weight presses them together.
+    /// The assumption that the gear teeth stay together: there is a gap, and the weight presses them together.
     pub teeth: Teeth,
     /// The multiplier that proves it; `None` if none was found.
     pub multiplier: Option<Multiplier>,

@@ -1,4 +1,4 @@
-//! What the linear loop makes of each source of the line of sight's error.
+//! The propagation through the linear loop of each source of the line of sight's error.
 //!
 //! - Heave, pitch and surge are the recorded motion, marched through the sampled linear loop.
 //! - Roll and yaw, dry friction, backlash, ripple and recoil act as torques. Their torques in the run with all sources are marched through the linear

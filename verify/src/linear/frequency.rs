@@ -30,7 +30,7 @@ pub struct Curves {
     pub broken: ResponseCurve,
     /// 1 / (1 + L) and L / (1 + L).
     pub sensitivities: Vec<ResponseCurve>,
-    /// What the loop makes of its demand, of a disturbance of the control, and of the noise of each sensor that the feedback reads: with
+    /// The responses of the loop to its demand, of a disturbance of the control, and of the noise of each sensor that the feedback reads: with
     /// the two sensitivities, the gang of six.
     pub loop_responses: Vec<LoopResponse>,
     /// Hub rate over platform motion.

@@ -9,7 +9,7 @@ use super::plant_response::{ACCELEROMETER, DEMAND, PLATFORM_GYRO, PlantResponse,
 /// One response of the closed loop beside its sensitivities.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopResponse {
-    /// What drives it.
+    /// The input that drives it.
     pub cause: LoopCause,
     /// Observed signal.
     pub effect: LoopEffect,

@@ -1,4 +1,4 @@
-//! What noise of the readings and of the control makes of the hub and of the tip, by the linear loop.
+//! The motion of the hub and of the tip under noise of the readings and of the control, by the linear loop.
 
 use counterpoise_linalg::C64;
 

@@ -50,7 +50,7 @@ pub struct SampledPlant {
     pub(crate) delays: Delays,
 }
 
-/// How late signals are: the control by whole samples, readings by whole samples and a rest. The rests are part of the continuous
+/// The delays of signals: the control by whole samples, readings by whole samples and a rest. The rests are part of the continuous
 /// system.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Delays {
@@ -83,7 +83,7 @@ pub enum Resolver {
     Unread,
 }
 
-/// What drives a plant beside its control.
+/// The inputs of a plant beside its control.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Drivers {
     /// Heave and pitch rate, which the platform's sensors feel.

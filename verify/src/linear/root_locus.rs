@@ -1,4 +1,4 @@
-//! Where the poles of the closed loop go while its gain varies.
+//! The paths of the closed loop's poles while its gain varies.
 
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, poles, zeros};

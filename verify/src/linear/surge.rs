@@ -1,4 +1,4 @@
-//! What surge adds to a history of the linear loop.
+//! The addition of surge to a history of the linear loop.
 
 use super::{ArrangedLoop, SampledPlant};
 use crate::history::{Experiment, History, HistoryColumn};

@@ -72,7 +72,7 @@ pub fn history_of(
     }
 }
 
-/// What has to be done for a figure.
+/// The work that a figure needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Need {
     Margins,

@@ -1,4 +1,4 @@
-//! What a campaign says: shares, quantiles, and which parameter matters.
+//! The statistics of a campaign: shares, quantiles, and which parameter matters.
 
 use super::{Campaign, Sample};
 use crate::tolerance::CLEAR_RANK;

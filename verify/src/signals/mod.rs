@@ -1,4 +1,4 @@
-//! What is read from sampled signals: step figures, spectra and rejection ratios, filters for platform motion.
+//! The figures that are read from sampled signals: step figures, spectra and rejection ratios, filters for platform motion.
 //!
 //! Modules in reading order: [`step`], [`welch`](mod@welch), [`filter`], [`vehicle`], [`four_wheels`], [`iso_road`](mod@iso_road), [`spectrum`], [`six_axes`], [`sea`], [`period`], [`statistics`], `normal`.
 

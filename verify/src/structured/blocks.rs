@@ -7,7 +7,7 @@ use std::ops::Range;
 pub enum PerturbationBlock {
     /// A real number, repeated so many times: a parameter that enters at as many places.
     Real {
-        /// How many times, at least 1.
+        /// Number of repetitions, at least 1.
         repeated: usize,
     },
     /// A complex number: dynamics of which only a size is known.

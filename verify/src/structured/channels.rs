@@ -1,4 +1,4 @@
-//! What a deviation of each place adds to the plant.
+//! The addition of each place's deviation to the plant.
 
 use counterpoise_linalg::Mat;
 use counterpoise_models::plant::core::{input, state};
@@ -11,7 +11,7 @@ use crate::linear::plant::Resolver;
 /// A signal that a deviation adds, and what it is proportional to.
 pub(super) struct Channel {
     pub(super) place: (Place, usize),
-    /// What a unit of the signal adds to x'.
+    /// The addition of a unit of the signal to x'.
     pub(super) column: Vec<f64>,
     /// z as a row over x.
     pub(super) row: Vec<f64>,
@@ -214,7 +214,7 @@ fn gyroscope(base: &Base, first: usize) -> Vec<(Vec<f64>, Vec<f64>, Vec<f64>)> {
     [first, first + 1].map(|k| (one_at(size, k), base.A.row_vec(k), vec![0.0; size])).into()
 }
 
-/// What a unit of torque adds to x'.
+/// The addition of a unit of torque to x'.
 struct Torques {
     hub: Vec<f64>,
     tip: Vec<f64>,

@@ -106,7 +106,7 @@ impl<'a> Iteration<'a> {
     }
 }
 
-/// Which vector of the power iteration is turned by the perturbation.
+/// The vector of the power iteration that is turned by the perturbation.
 #[derive(Debug, Clone, Copy)]
 enum Turn {
     /// z, from w.

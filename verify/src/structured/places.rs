@@ -1,4 +1,4 @@
-//! Where a parameter enters the linear plant.
+//! The places at which a parameter enters the linear plant.
 
 use counterpoise_models::parameters::{FrictionLaw, Parameters};
 

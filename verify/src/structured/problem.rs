@@ -92,7 +92,7 @@ pub(super) struct Problem<'a> {
     pub(super) errors: [f64; 2],
 }
 
-/// What was found at a frequency.
+/// The bounds at a frequency.
 pub(super) struct FrequencyBounds {
     pub(super) hz: f64,
     pub(super) upper: UpperBound,

@@ -1,4 +1,4 @@
-//! How far the stated ranges of all parameters together may be widened before the loop can become unstable.
+//! The factor by which the stated ranges of all parameters together may be widened before the loop can become unstable.
 
 use counterpoise_controller::Controller;
 use counterpoise_models::parameters::Parameters;

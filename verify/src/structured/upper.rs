@@ -37,7 +37,7 @@ impl UpperBound {
     }
 }
 
-/// What is positive definite if a pair proves a bound: gamma D - M* D M - j (G M - M* G), for every gamma.
+/// The matrix that is positive definite if a pair proves a bound: gamma D - M* D M - j (G M - M* G), for every gamma.
 struct Slack<'a> {
     D: &'a CMat,
     /// M* D M.

@@ -17,7 +17,7 @@ use super::identities::{
 use super::regression::delay_series;
 use crate::recording::series::{derivative, deviation};
 
-/// How late a column is.
+/// The delay of a column.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lateness {
     /// Late by this, s.

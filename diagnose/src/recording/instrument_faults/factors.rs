@@ -1,4 +1,4 @@
-//! Which column is written with a wrong factor, or which two are exchanged: the smallest mistake after which every identity of
+//! Detection of a column that is written with a wrong factor, or of two that are exchanged: the smallest mistake after which every identity of
 //! every recording holds.
 
 use crate::tolerance::recording::{
@@ -30,7 +30,7 @@ pub(super) struct FoundMistake {
     pub or: Vec<RecorderColumn>,
 }
 
-/// Where a factor comes from: a column as it was written, or the hub's gyroscope itself, which the controller reads.
+/// The origin of a factor: a column as it was written, or the hub's gyroscope itself, which the controller reads.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum FactorOrigin {
     Written(RecorderColumn),

@@ -1,4 +1,4 @@
-//! What can be wrong with a column of a recording.
+//! The faults of a column of a recording.
 
 use super::column::RecorderColumn;
 use crate::tolerance::recording::SAME_UNIT_FACTOR;
@@ -39,7 +39,7 @@ pub enum FaultKind {
     Stuck {
         /// The first time, s.
         from_s: f64,
-        /// How long in all, s.
+        /// The time in all, s.
         for_s: f64,
         /// Value.
         value: f64,

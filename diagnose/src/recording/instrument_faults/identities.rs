@@ -1,4 +1,4 @@
-//! What the columns of one recording must satisfy, whatever the mechanism's physics.
+//! The identities that the columns of one recording must satisfy, whatever the mechanism's physics.
 //!
 //! ```text
 //!     motor_rate / N     = hub_rate - platform_rate + lag x (their slopes) + J / K x hub_rate''
@@ -29,7 +29,7 @@ pub(super) struct Ratio {
     pub doubt: f64,
 }
 
-/// What one identity says.
+/// The result of one identity.
 #[derive(Debug, Clone)]
 pub(super) struct Identity {
     pub of: RecorderColumn,

@@ -7,7 +7,7 @@ use counterpoise_linalg::{Mat, inverse};
 pub(super) struct Regression {
     /// The coefficients.
     pub value: Vec<f64>,
-    /// How far each may be off if all that is left were systematic: RMS left over the RMS of what its column alone brings.
+    /// The uncertainty of each if all that is left were systematic: RMS left over the RMS of what its column alone brings.
     pub doubt: Vec<f64>,
     /// RMS of what is left.
     pub left: f64,

@@ -25,7 +25,7 @@ pub fn matrix_market(text: &str) -> Result<Sparse, Error> {
     }
 }
 
-/// How a text lists the entries.
+/// The form in which a text lists the entries.
 #[derive(Debug, Clone, Copy)]
 enum Layout {
     /// Row, column and value of each.
@@ -43,7 +43,7 @@ struct Shape {
 
 struct Header {
     layout: Layout,
-    /// What the entry across the diagonal is multiplied by: 0 for a general matrix.
+    /// The factor of the entry across the diagonal: 0 for a general matrix.
     mirror: f64,
 }
 

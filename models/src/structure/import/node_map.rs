@@ -1,4 +1,4 @@
-//! Which node and direction each row of an imported matrix belongs to, and where the nodes lie.
+//! The node and direction that each row of an imported matrix belongs to, and the places of the nodes.
 
 use super::text::{integer, line_error, parse_real};
 use crate::Error;

@@ -1,4 +1,4 @@
-//! What the readers share: lines that count from 1, and numbers as FORTRAN writes them.
+//! Helpers that the readers share: lines that count from 1, and numbers as FORTRAN writes them.
 
 use crate::Error;
 use crate::tolerance::MOST_ROWS;

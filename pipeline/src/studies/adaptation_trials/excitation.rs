@@ -43,11 +43,11 @@ pub(crate) const LOADS: [TrialLoad; 4] =
 pub(super) const CHANGE: f64 = 0.3;
 /// Length of a trial, s; its times are no whole number of any period.
 const LENGTH_S: f64 = 47.3;
-/// When a slow change ends, s.
+/// Instant at which a slow change ends, s.
 const SETTLED_S: f64 = 23.7;
 /// From when the hub rate is measured, s.
 pub(super) const MEASURED_S: f64 = 31.1;
-/// When the load begins to change, s.
+/// Instant at which the load begins to change, s.
 const CHANGE_S: f64 = 7.9;
 /// Steps of a slow change.
 const SLOW_STEPS: usize = 10;

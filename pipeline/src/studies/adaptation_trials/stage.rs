@@ -13,7 +13,7 @@ use crate::synth::controller_blocks::estimator;
 use crate::synth::schedule::scale_imbalance;
 use crate::{PipelineError, PlantModel};
 
-/// What acts in a run.
+/// The controller that acts in a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum TrialController {
     Without,
@@ -29,7 +29,7 @@ pub(crate) struct Stage<'a> {
     pub procedure: &'a Procedure,
 }
 
-/// What a run of a trial shows.
+/// The figures of a run of a trial.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct TrialRun {
     /// The hub's rate after the load has settled; empty if the motion diverges.

@@ -1,4 +1,4 @@
-//! What the reader does with each key: look it up, judge it, fill the field.
+//! The reading of keys: look it up, judge it, fill the field.
 
 use super::{Frame, List, NOTHING, Reader};
 use crate::diagnostic::{DiagnosticKind, did_you_mean, is_control};

@@ -37,7 +37,7 @@ struct Frame<'a> {
     known: Vec<String>,
     /// Something above is wrong already: say nothing of what is missing or not known here.
     silent: bool,
-    /// What must be here and is not; forgiven where a misspelt key was meant for it.
+    /// The keys that must be here and are not; forgiven where a misspelt key was meant for it.
     missing: Vec<(String, Diagnostic)>,
     /// The keys that are known here have been listed.
     listed: bool,
@@ -63,7 +63,7 @@ struct List<'a> {
 const NOTHING: &[Entry] = &[];
 /// Most findings that are kept: a file with more is no project file.
 const MOST_FINDINGS: usize = 1000;
-/// What to do if a physical quantity without default is not known.
+/// The remedy if a physical quantity without default is not known.
 const ESTIMATE: &str = "nothing is assumed for it, but an estimate will do, with how far it may be off: { value = ..., tolerance = 0.3 }";
 /// Most known keys that a finding lists.
 const MOST_KNOWN: usize = 24;

@@ -1,4 +1,4 @@
-//! How the reader takes numbers: bare, with a unit, or with a tolerance; and what it notes of them.
+//! The reading of numbers: bare, with a unit, or with a tolerance; and what it notes of them.
 
 use super::Reader;
 use crate::assumption::{Assumption, KeyTolerance, ToleranceKind};

@@ -1,8 +1,9 @@
-//! The units by name.
+//! The units by name: the one table of recordings and of the project file.
 
 use std::f64::consts::PI;
 
-use super::dimension::{BASES, Dimension};
+/// Number of base units: metre, kilogram, second, ampere, kelvin, radian, cycle, bit, count and decibel.
+pub const BASES: usize = 10;
 
 /// A unit with a name of its own: `factor` times ten to the power `exponent`, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,7 +12,7 @@ pub struct NamedUnit {
     pub name: &'static str,
     /// Meaning.
     pub meaning: UnitMeaning,
-    /// Whether it takes prefixes such as `m` and `k`.
+    /// The rule for prefixes such as `m` and `k`.
     pub prefixes: PrefixRule,
     /// Other meaning of the name: `kg`, `lb` and `oz` are also used for the weight of that mass, and `g` for the acceleration of
     /// gravity.
@@ -25,8 +26,8 @@ pub struct UnitMeaning {
     pub factor: f64,
     /// Power of ten of the size in SI units.
     pub exponent: i32,
-    /// Dimension of the measured quantity.
-    pub dimension: Dimension,
+    /// Exponents of the base units in the measured quantity.
+    pub dimension: [i32; BASES],
 }
 
 /// Rule for the prefixes of a unit.
@@ -39,7 +40,7 @@ pub enum PrefixRule {
 }
 
 /// Prefixes with their powers of ten.
-pub(super) const PREFIXES: [(&str, i32); 12] = [
+pub const PREFIXES: [(&str, i32); 12] = [
     ("p", -12),
     ("n", -9),
     ("u", -6),
@@ -59,7 +60,7 @@ const fn base(m: i32, kg: i32, s: i32, a: i32) -> [i32; BASES] {
 }
 
 const fn unit(name: &'static str, factor: f64, exponent: i32, dimension: [i32; BASES]) -> NamedUnit {
-    let meaning = UnitMeaning { factor, exponent, dimension: Dimension(dimension) };
+    let meaning = UnitMeaning { factor, exponent, dimension };
     NamedUnit { name, meaning, prefixes: PrefixRule::None, weight: None }
 }
 
@@ -70,7 +71,7 @@ const fn si(name: &'static str, dimension: [i32; BASES]) -> NamedUnit {
 
 /// Returns a unit of mass, whose name also stands for the weight of that mass under standard gravity.
 const fn mass(name: &'static str, factor: f64, exponent: i32) -> NamedUnit {
-    let weight = UnitMeaning { factor: factor * STANDARD_GRAVITY, exponent, dimension: Dimension(FORCE) };
+    let weight = UnitMeaning { factor: factor * STANDARD_GRAVITY, exponent, dimension: FORCE };
     NamedUnit { weight: Some(weight), ..unit(name, factor, exponent, base(0, 1, 0, 0)) }
 }
 
@@ -108,11 +109,7 @@ pub const UNITS: &[NamedUnit] = &[
     unit("cc", 1.0, -6, base(3, 0, 0, 0)),
     NamedUnit {
         prefixes: PrefixRule::Taken,
-        weight: Some(UnitMeaning {
-            factor: STANDARD_GRAVITY,
-            exponent: 0,
-            dimension: Dimension(base(1, 0, -2, 0)),
-        }),
+        weight: Some(UnitMeaning { factor: STANDARD_GRAVITY, exponent: 0, dimension: base(1, 0, -2, 0) }),
         ..unit("g", 1.0, -3, base(0, 1, 0, 0))
     },
     mass("kg", 1.0, 0),
@@ -202,4 +199,17 @@ impl NamedUnit {
         self.meaning.exponent += power;
         self
     }
+}
+
+/// Returns the unit of a name with or without prefix, and the power of ten of the prefix; `None` if no unit has the name.
+pub fn find_named_unit(name: &str) -> Option<(&'static NamedUnit, i32)> {
+    let exact = UNITS.iter().find(|unit| unit.name == name).map(|unit| (unit, 0));
+    let prefixed = || {
+        PREFIXES.iter().find_map(|(prefix, power)| {
+            let rest = name.strip_prefix(prefix)?;
+            let takes = |unit: &&NamedUnit| unit.prefixes == PrefixRule::Taken && unit.name == rest;
+            UNITS.iter().find(takes).map(|unit| (unit, *power))
+        })
+    };
+    exact.or_else(prefixed)
 }
