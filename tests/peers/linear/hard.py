@@ -20,7 +20,7 @@ sys.path.insert(0, HERE)
 import hard_families, hard_references  # noqa: E402
 
 TARGET = os.environ.get('CARGO_TARGET_DIR', os.path.join(ROOT, 'target'))
-PROGRAM = os.environ.get('HP') or os.path.join(TARGET, 'release', 'examples', 'hard-problems')
+PROGRAM = os.path.join(TARGET, 'release', 'examples', 'hard-problems')
 EPS = np.finfo(float).eps
 FLOOR = dict.fromkeys(('zeros', 'margins', 'linfnorm', 'h2norm', 'descriptor'), 1e-10)  # an answer in doubles is not judged below this
 
