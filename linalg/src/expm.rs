@@ -75,7 +75,7 @@ const COEFFICIENTS_13: [f64; 14] = [
 
 fn pade(A: &Mat) -> Result<Mat, Error> {
     let structure = Structure::of(A);
-    let Scaled { A, squarings, degree } = scale_for_approximant(A, structure.longest_path);
+    let ScaledMatrix { A, squarings, degree } = scale_for_approximant(A, structure.longest_path);
     let (W, V) = approximant(&A, degree);
     let U = &A * &W;
     let mut X = solve(&(&V - &U), &(&V + &U))?;
@@ -87,7 +87,7 @@ fn pade(A: &Mat) -> Result<Mat, Error> {
 }
 
 /// A matrix over a power of two, the exponent, and the degree of the approximant that is good for it.
-struct Scaled {
+struct ScaledMatrix {
     A: Mat,
     squarings: i32,
     degree: usize,
@@ -95,7 +95,7 @@ struct Scaled {
 
 /// Returns the matrix over the least power of two, with the lowest degree, for which the approximant is good to double precision beside the norm, and
 /// entry by entry along chains of up to `chain` steps.
-fn scale_for_approximant(A: &Mat, chain: usize) -> Scaled {
+fn scale_for_approximant(A: &Mat, chain: usize) -> ScaledMatrix {
     let norm = A.norm_one();
     let mut squarings = (norm / LARGEST).log2().ceil().max(0.0) as i32;
     let degree = loop {
@@ -110,7 +110,7 @@ fn scale_for_approximant(A: &Mat, chain: usize) -> Scaled {
         }
         squarings += 1;
     };
-    Scaled { A: A.scale((-squarings as f64).exp2()), squarings, degree }
+    ScaledMatrix { A: A.scale((-squarings as f64).exp2()), squarings, degree }
 }
 
 /// Returns the binary logarithm of the relative error of the entry at the end of a chain of equal steps, exp(x) of which holds x^d / d!.
@@ -206,7 +206,7 @@ pub fn expm_integral(A: &Mat, B: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
 fn hold_integral(A: &Mat, B: &Mat) -> Result<(Mat, Mat), Error> {
     let (n, m) = B.shape();
     let structure = Structure::of(A);
-    let Scaled { A, squarings, degree } = scale_for_approximant(A, structure.longest_path + 1);
+    let ScaledMatrix { A, squarings, degree } = scale_for_approximant(A, structure.longest_path + 1);
     let B = B.scale((-squarings as f64).exp2());
     let (W, V) = approximant(&A, degree);
     let U = &A * &W;
