@@ -5,12 +5,14 @@ use crate::dense::solve;
 use crate::error::{Error, check_finite, check_shape, check_square};
 use crate::kernel::vectorised;
 use crate::mat::Mat;
-use crate::tolerance::EXPM_BALANCE_GAIN;
+use crate::structure::Structure;
+use crate::tolerance::{EXPM_BALANCE_GAIN, EXPM_ENTRY};
 
 /// Returns the exponential of a square matrix.
 ///
 /// Method: balancing by powers of two (kept only where it lowers the 1-norm), scaling and squaring with the diagonal Pade
-/// approximant of degree 3 to 13 (Higham, SIAM J. Matrix Anal. 26, 2005). Cost up to about (14 + 2 s) n^3.
+/// approximant of degree 3 to 13 (Higham, SIAM J. Matrix Anal. 26, 2005). The degree suits the norm and the longest chain of states that
+/// act on each other, so that the small entries of long chains are right, too. Cost up to about (14 + 2 s) n^3.
 ///
 /// # Errors
 /// Not square, or not finite. An exponential that overflows is [`Error::NotFinite`].
@@ -72,27 +74,64 @@ const COEFFICIENTS_13: [f64; 14] = [
 ];
 
 fn pade(A: &Mat) -> Result<Mat, Error> {
-    let (A, squarings) = scale_for_approximant(A);
-    let (W, V) = approximant(&A);
+    let structure = Structure::of(A);
+    let ScaledMatrix { A, squarings, degree } = scale_for_approximant(A, structure.longest_path);
+    let (W, V) = approximant(&A, degree);
     let U = &A * &W;
     let mut X = solve(&(&V - &U), &(&V + &U))?;
+    structure.clear_unreached(&mut X);
     for _ in 0..squarings {
         X = &X * &X;
     }
     Ok(X)
 }
 
-/// The matrix over the power of two for which the approximant of the largest degree is good, and the exponent.
-fn scale_for_approximant(A: &Mat) -> (Mat, i32) {
-    let squarings = (A.norm_one() / LARGEST).log2().ceil().max(0.0) as i32;
-    (A.scale((-squarings as f64).exp2()), squarings)
+/// A matrix over a power of two, the exponent, and the degree of the approximant that is good for it.
+struct ScaledMatrix {
+    A: Mat,
+    squarings: i32,
+    degree: usize,
 }
 
-/// `W` and `V` of the lowest degree that is good to double precision.
-fn approximant(A: &Mat) -> (Mat, Mat) {
+/// Returns the matrix over the least power of two, with the lowest degree, for which the approximant is good to double precision beside the norm, and
+/// entry by entry along chains of up to `chain` steps.
+fn scale_for_approximant(A: &Mat, chain: usize) -> ScaledMatrix {
     let norm = A.norm_one();
-    let degree = DEGREES.iter().find(|(limit, _)| norm <= *limit);
-    degree.map_or_else(|| degree_13(A), |(_, coefficients)| low_degree(A, coefficients))
+    let mut squarings = (norm / LARGEST).log2().ceil().max(0.0) as i32;
+    let degree = loop {
+        let scaled = norm * (-squarings as f64).exp2();
+        let is_good = |&(degree, limit): &(usize, f64)| {
+            let is_accurate = chain_error(degree, scaled, squarings, chain) <= EXPM_ENTRY.log2();
+            scaled.is_nan() || (scaled <= limit && is_accurate)
+        };
+        let limits = DEGREES.iter().map(|(limit, b)| (b.len() - 1, *limit)).chain([(13, f64::INFINITY)]);
+        if let Some((degree, _)) = limits.into_iter().find(is_good) {
+            break degree;
+        }
+        squarings += 1;
+    };
+    ScaledMatrix { A: A.scale((-squarings as f64).exp2()), squarings, degree }
+}
+
+/// Returns the binary logarithm of the relative error of the entry at the end of a chain of equal steps, exp(x) of which holds x^d / d!.
+///
+/// The approximant of degree m misses 1 / C(2m, m) of the power 2m + 1. Of the d steps of the chain, or of 2m + 1 steps if it is shorter, those that
+/// fall into one of 2^s factors have this error. As logarithms, because a large matrix to the power 2m + 1 is beyond the largest double.
+fn chain_error(degree: usize, scaled: f64, squarings: i32, chain: usize) -> f64 {
+    let missed = 2 * degree + 1;
+    let share: f64 = (1..=degree).map(|k| k as f64 / (degree + k) as f64).product();
+    let ratio: f64 = if chain < missed {
+        (chain + 1..=missed).map(|k| scaled.log2() + f64::from(squarings) - (k as f64).log2()).sum()
+    } else {
+        (1..=missed).map(|k| ((chain - missed + k) as f64 / k as f64).log2()).sum()
+    };
+    share.log2() + ratio - 2.0 * degree as f64 * f64::from(squarings)
+}
+
+/// `W` and `V` of one degree.
+fn approximant(A: &Mat, degree: usize) -> (Mat, Mat) {
+    let lower = DEGREES.iter().find(|(_, b)| b.len() == degree + 1);
+    lower.map_or_else(|| degree_13(A), |(_, coefficients)| low_degree(A, coefficients))
 }
 
 /// `W` and `V` of `A` for one degree: the odd part of the numerator is `A W`, the even part `V`.
@@ -141,7 +180,7 @@ vectorised! {
 ///
 /// Method: the exponential of `[A B; 0 0] h` (Van Loan) by its Pade approximant, of which the first n rows are computed
 /// only; with `A W` and `V` the odd and the even part of the numerator, `(V - A W) [Phi - I, Gamma] = 2 [A W, W B]`. `A` is
-/// balanced by powers of two, the size of `B` plays no part.
+/// balanced by powers of two, the size of `B` plays no part. The degree is chosen as for [`expm`].
 ///
 /// # Errors
 /// Wrong shapes, entries that are not finite.
@@ -166,12 +205,15 @@ pub fn expm_integral(A: &Mat, B: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
 /// `exp(A)` and the integral of `exp(A s) B` from 0 to 1.
 fn hold_integral(A: &Mat, B: &Mat) -> Result<(Mat, Mat), Error> {
     let (n, m) = B.shape();
-    let (A, squarings) = scale_for_approximant(A);
+    let structure = Structure::of(A);
+    let ScaledMatrix { A, squarings, degree } = scale_for_approximant(A, structure.longest_path + 1);
     let B = B.scale((-squarings as f64).exp2());
-    let (W, V) = approximant(&A);
+    let (W, V) = approximant(&A, degree);
     let U = &A * &W;
     let change = solve(&(&V - &U), &U.hstack(&(&W * &B)).scale(2.0))?;
     let (mut Phi, mut Gamma) = (change.block(0, 0, n, n) + Mat::eye(n), change.block(0, n, n, m));
+    structure.clear_unreached(&mut Phi);
+    structure.clear_unreached_by(&B, &mut Gamma);
     for _ in 0..squarings {
         Gamma = &Gamma + &(&Phi * &Gamma);
         Phi = &Phi * &Phi;

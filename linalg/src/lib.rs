@@ -57,6 +57,7 @@ mod spectrum;
 pub mod stability;
 pub mod staircase;
 mod stein_leaf;
+mod structure;
 pub mod sylvester;
 pub mod tolerance;
 pub mod transfer_matrix;
@@ -77,7 +78,9 @@ pub use hammarling::{
     dlyap_factor, dlyap_factors, dlyap_square_factor, lyap_factor, lyap_factors, lyap_square_factor,
 };
 pub use invariant_subspace::Subspace;
-pub use lyapunov::{dlyap, dlyap_separation, lyap, lyap_separation, refined_square_norm};
+pub use lyapunov::{
+    dlyap, dlyap_separation, lyap, lyap_separation, precise_gramian_factors, refined_square_norm,
+};
 pub use mat::{C64, CMat, Mat};
 pub use pencil_roots::pencil_roots;
 pub use range_basis::RangeBasis;

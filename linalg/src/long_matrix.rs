@@ -10,6 +10,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use crate::extended_precision::ExtendedMatrix;
 use crate::kernel::vectorised;
 use crate::mat::Mat;
+use crate::tolerance::LONG_PIVOT;
 
 /// A number of about 32 decimal digits: `high + low`, `low` at most half a unit in the last place of `high`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,6 +24,12 @@ impl LongReal {
     fn from_parts(high: f64, low: f64) -> Self {
         let sum = high + low;
         Self { high: sum, low: low - (sum - high) }
+    }
+
+    /// Returns the root of a positive number: that of doubles and one step of Newton's method.
+    fn square_root(self) -> Self {
+        let first = Self::from(self.high.sqrt());
+        first + (self - first * first) / Self::from(2.0 * first.high)
     }
 
     /// Returns `self + a b`.
@@ -210,6 +217,29 @@ impl LongMatrix {
         X.high.is_finite().then_some(X)
     }
 
+    /// The lower triangular factor `L`, `L L' = self`, of a positive semidefinite matrix; a direction that is left with rounding errors only
+    /// gets a column of zeros.
+    pub(crate) fn semidefinite_factor(&self) -> Self {
+        let n = self.high.nrows();
+        let (mut rest, mut L) = (self.clone(), Self::from(&Mat::zeros(n, n)));
+        for k in 0..n {
+            let pivot = rest.at(k, k);
+            if pivot.high.is_nan() || pivot.high <= LONG_PIVOT * self.high[(k, k)] {
+                continue;
+            }
+            let root = pivot.square_root();
+            let column: Vec<LongReal> = (k..n).map(|i| rest.at(i, k) / root).collect();
+            for (i, entry) in (k..n).zip(&column) {
+                (L.high[(i, k)], L.low[(i, k)]) = (entry.high, entry.low);
+                for (j, other) in (k..n).zip(&column) {
+                    let left = rest.at(i, j) - *entry * *other;
+                    (rest.high[(i, j)], rest.low[(i, j)]) = (left.high, left.low);
+                }
+            }
+        }
+        L
+    }
+
     fn exchange(&mut self, a: usize, b: usize) {
         if a == b {
             return;
@@ -300,6 +330,18 @@ mod tests {
         let found = H.solve(&H.times(&exact)).unwrap();
         assert!(found.difference(&exact).round().norm_max() < 1e-11, "{:?}", found.difference(&exact).high);
         assert!(LongMatrix::from(&Mat::zeros(2, 2)).solve(&LongMatrix::identity(2, 1.0)).is_none());
+    }
+
+    #[test]
+    fn a_semidefinite_matrix_is_the_square_of_its_factor() {
+        // Columns over nine decades, the last a sum of the others: one direction is left with nothing.
+        let W = Mat::from_fn(5, 4, |i, j| ((3 * i + 5 * j) % 7) as f64 * 10f64.powi(-3 * j as i32));
+        let W = W.hstack(&(&W * &Mat::col(&[1.0, 1.0, 1.0, 1.0])));
+        let P = LongMatrix::from(&W.t()).times(&LongMatrix::from(&W));
+        let L = P.semidefinite_factor();
+        let rest = L.times(&L.t()).difference(&P).round();
+        let size = |i: usize| P.high[(i, i)].sqrt();
+        assert!((0..5).all(|i| (0..5).all(|j| rest[(i, j)].abs() <= 1e-27 * size(i) * size(j))), "{rest:?}");
     }
 
     #[test]

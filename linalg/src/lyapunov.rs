@@ -101,6 +101,32 @@ pub fn refined_square_norm(A: &Mat, B: &Mat, C: &Mat, boundary: Boundary) -> Res
     }
 }
 
+/// Returns lower triangular factors of both Gramians, `P = R R'` and `Q = L L'`, of the equations of [`lyap_factors`](crate::lyap_factors) or, if the
+/// boundary of stability is the unit circle, of [`dlyap_factors`](crate::dlyap_factors). `A` n x n, `B` n x m, `C` p x n. Equations and factors are computed in 32 digits, so that lightly
+/// damped modes keep their digits; `None` if `A` is not stable in 32 digits or n is above 64.
+///
+/// # Errors
+/// Wrong shapes, or entries that are not finite.
+pub fn precise_gramian_factors(
+    A: &Mat,
+    B: &Mat,
+    C: &Mat,
+    boundary: Boundary,
+) -> Result<Option<(Mat, Mat)>, Error> {
+    check_square("A", A)?;
+    check_shape("B", B, A.nrows(), B.ncols())?;
+    check_shape("C", C, C.nrows(), A.ncols())?;
+    let balanced = crate::balance::balance_all(A)?;
+    let d = &balanced.scale;
+    let inner = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] / d[i]);
+    let outer = Mat::from_fn(C.nrows(), C.ncols(), |i, j| C[(i, j)] * d[j]);
+    let factors = singular_equations::precise_factors(&balanced.A, [&inner, &outer], boundary.kind());
+    let Some([R, L]) = factors else { return Ok(None) };
+    let R = Mat::from_fn(R.nrows(), R.ncols(), |i, j| R[(i, j)] * d[i]);
+    let L = Mat::from_fn(L.nrows(), L.ncols(), |i, j| L[(i, j)] / d[i]);
+    Ok(Some((check_range("the factor of a Gramian", R)?, check_range("the factor of a Gramian", L)?)))
+}
+
 fn solve(A: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
     check_square("A", A)?;
     check_shape("Q", Q, A.nrows(), A.ncols())?;

@@ -61,6 +61,10 @@ fn correct_eigenvalue(M: &Mat, E: &[f64], start: C64) -> Option<C64> {
     // Column `largest` of the eigenvector stays 1, and the correction of the eigenvalue takes its place.
     let bordered =
         Factors::of(n, |i, j| if j == largest { -x[i] * E[i] } else { shifted_entry(M, E, start, i, j) })?;
+    if bordered.is_singular {
+        // Two eigenvalues share an eigenvector, as far as doubles tell: corrections would be of any size.
+        return None;
+    }
     let mut x: Vec<LongComplex> = x.into_iter().map(LongComplex::of).collect();
     let mut s = LongComplex::of(start);
     let mut last = f64::INFINITY;
@@ -127,6 +131,8 @@ struct Factors {
     order: Vec<usize>,
     rows: Vec<f64>,
     columns: Vec<f64>,
+    /// Whether a pivot vanished.
+    is_singular: bool,
 }
 
 impl Factors {
@@ -144,7 +150,7 @@ impl Factors {
         if !rows.iter().chain(&columns).all(|scale| scale.is_normal()) {
             return None;
         }
-        let mut factors = Self { n, entries, order: (0..n).collect(), rows, columns };
+        let mut factors = Self { n, entries, order: (0..n).collect(), rows, columns, is_singular: false };
         (0..n).for_each(|k| factors.eliminate(k));
         Some(factors)
     }
@@ -159,6 +165,7 @@ impl Factors {
         }
         if self.entries[k * n + k].norm() < f64::EPSILON {
             self.entries[k * n + k] = C64::new(f64::EPSILON, 0.0);
+            self.is_singular = true;
         }
         let (above, below) = self.entries.split_at_mut((k + 1) * n);
         let top = &above[k * n..];

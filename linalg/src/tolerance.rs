@@ -331,3 +331,11 @@ pub const SAFE_ENTRIES: (f64, f64) = (1e-100, 1e140);
 
 /// A column below this is zero beside [`SAFE_ENTRIES`]: the square of the smallest of them is far above.
 pub const ZERO_COLUMN: f64 = 1e-280;
+
+/// Relative error that the approximant of an exponential may make in the entry at the end of a chain of states without ways around: some thousand
+/// roundings, so that matrices of short chains keep the approximant that their norm asks for.
+pub const EXPM_ENTRY: f64 = 1e-12;
+
+/// A remainder below this share of a diagonal entry counts as zero when a positive semidefinite matrix is factored in 32 digits: 2^-96, what 32 digits
+/// leave after the cancellations of some ten states.
+pub const LONG_PIVOT: f64 = 1.3e-29;

@@ -5,8 +5,8 @@ use crate::common;
 
 use common::{RandomGenerator, solve_care, solved_discrete, solved_g};
 use counterpoise_linalg::{
-    Boundary, Error, Mat, Outcome, Reason, Riccati, boundary_eigenvalues, care, dare, dlyap, inverse, lyap,
-    lyap_factor, lyap_separation,
+    Boundary, Error, Mat, Outcome, Reason, Riccati, boundary_eigenvalues, care, dare, dlyap, expm, inverse,
+    lyap, lyap_factor, lyap_separation,
 };
 
 /// Every entry against the exact one, relative to the states' own sizes.
@@ -285,4 +285,22 @@ fn a_free_body_beside_a_light_mass_has_a_double_pole_on_the_boundary() {
     ]);
     let A = Mat::from_blocks(&[&[&Mat::zeros(4, 4), &Mat::eye(4)], &[&-K, &-D]]);
     assert_eq!(boundary_eigenvalues(&A, Boundary::ImaginaryAxis).unwrap().len(), 2);
+}
+
+#[test]
+fn the_far_corner_of_the_exponential_of_a_chain_keeps_its_digits() {
+    // exp(h J) of a Jordan block with the eigenvalue -1 holds exp(-h) h^d / d! on the diagonal d.
+    for (n, h) in [(5, 1e-3), (9, 3e-4), (12, 1e-6), (12, 0.5), (40, 1e-2), (90, 1.0)] {
+        let J = Mat::from_fn(n, n, |i, j| match (i == j, j == i + 1) {
+            (true, _) => -h,
+            (_, true) => h,
+            _ => 0.0,
+        });
+        let E = expm(&J).unwrap();
+        let mut exact = (-h).exp();
+        for d in 0..n {
+            assert!((E[(0, d)] / exact - 1.0).abs() < 1e-11, "{n} {h} {d}: {:e} {exact:e}", E[(0, d)]);
+            exact *= h / (d + 1) as f64;
+        }
+    }
 }

@@ -1,8 +1,9 @@
 //! Gramians, as matrices and as factors, and the Hankel values.
 
 use crate::error::OperationContext;
-use crate::roots::{is_stable_pole, poles};
-use crate::{Error, Mat, StateSpace, Timebase};
+use crate::roots::{boundary, is_stable_pole, poles};
+use crate::tolerance::{MAGNIFIED_GRAMIAN, PRECISE_SIZE, SUSPECT_POLE};
+use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
 /// Returns the controllability Gramian P: `A P + P A' + B B' = 0`, or `A P A' - P + B B' = 0`.
@@ -45,7 +46,8 @@ pub fn obsv_factor(g: &StateSpace) -> Result<Mat, Error> {
     ctrb_factor(&g.dual())
 }
 
-/// Returns both factors, of P and of Q, from one Schur form.
+/// Returns both factors, of P and of Q, from one Schur form; those of a system with up to 32 states whose modes beside the boundary of stability
+/// have lost digits, from equations solved in 32 digits.
 ///
 /// # Errors
 /// [`Error::Pole`] for a system that is not stable.
@@ -55,9 +57,40 @@ pub fn gramian_factors(g: &StateSpace) -> Result<(Mat, Mat), Error> {
         Timebase::Discrete { .. } => linalg::dlyap_factors(&g.A, &g.B, &g.C),
     };
     match factors {
-        Err(linalg::Error::NotStable { .. }) => Err(instability_error("Gramians", g)?),
-        other => other.with_operation("Gramians"),
+        Err(linalg::Error::NotStable { eigenvalue, .. }) => {
+            let precise = if is_lightly_damped(g, eigenvalue)? { precise_factors(g)? } else { None };
+            precise.map_or_else(|| Err(instability_error("Gramians", g)?), Ok)
+        }
+        other => {
+            let (R, L) = other.with_operation("Gramians")?;
+            let is_magnified = is_magnified(g, &R, &g.B) || is_magnified(g, &L, &g.C);
+            let precise = if is_magnified { precise_factors(g)? } else { None };
+            Ok(precise.unwrap_or((R, L)))
+        }
     }
+}
+
+/// Returns the factors of both Gramians from equations solved in 32 digits; `None` if these say that the system is not stable.
+fn precise_factors(g: &StateSpace) -> Result<Option<(Mat, Mat)>, Error> {
+    linalg::precise_gramian_factors(&g.A, &g.B, &g.C, boundary(g.timebase)).with_operation("Gramians")
+}
+
+/// Returns whether a Gramian of a small system is so much larger than the data that its modes beside the boundary have lost digits.
+pub(crate) fn is_magnified(g: &StateSpace, factor: &Mat, data: &Mat) -> bool {
+    let size = if g.timebase == Timebase::Continuous { g.A.norm_fro() } else { 1.0 };
+    g.order() <= PRECISE_SIZE
+        && factor.norm_fro().powi(2) * size > MAGNIFIED_GRAMIAN * data.norm_fro().powi(2)
+}
+
+/// Returns whether an eigenvalue of a small system that is not stable in doubles is not on the boundary of stability as far as the entries of A can tell,
+/// so that only its rounding may have moved it there.
+pub(crate) fn is_lightly_damped(g: &StateSpace, eigenvalue: C64) -> Result<bool, Error> {
+    let boundary = boundary(g.timebase);
+    let is_near = boundary.excess(eigenvalue).abs() <= SUSPECT_POLE * g.A.norm_fro().max(eigenvalue.norm());
+    if g.order() > PRECISE_SIZE || !is_near {
+        return Ok(false);
+    }
+    Ok(linalg::boundary_eigenvalues(&g.A, boundary).with_operation("Gramians")?.is_empty())
 }
 
 /// Returns the Hankel values, largest first: the square roots of the eigenvalues of P Q, from the factors.

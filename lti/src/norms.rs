@@ -3,16 +3,14 @@
 use crate::bounds::{is_kept_by_riccati, is_nowhere, with_care};
 use crate::discretise::d2c_tustin;
 use crate::error::OperationContext;
+use crate::gramians::{is_lightly_damped, is_magnified};
 use crate::hidden_modes::{has_lone_boundary_pole, without_hidden_modes};
 use crate::level::{Level, climb_between, search_everywhere, with_middles};
 use crate::peak::{Peak, largest_gains};
 use crate::response::Response;
 use crate::roots::{boundary, examine_poles, is_stable, poles};
 use crate::scaling::balance;
-use crate::tolerance::{
-    FIRST_SAME_RATE, HAMILTONIAN_STEPS, LARGEST_EXCESS, MAGNIFIED_GRAMIAN, NORM_POLE_ON_AXIS, PRECISE_SIZE,
-    SUSPECT_POLE,
-};
+use crate::tolerance::{FIRST_SAME_RATE, HAMILTONIAN_STEPS, LARGEST_EXCESS, NORM_POLE_ON_AXIS, PRECISE_SIZE};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
@@ -52,7 +50,7 @@ fn square_norm(g: &StateSpace) -> Result<Option<f64>, Error> {
         Err(linalg::Error::NotStable { eigenvalue, .. }) => lightly_damped_norm(g, eigenvalue),
         other => {
             let factor = other.with_operation("Gramian")?;
-            if is_magnified(g, &factor)
+            if is_magnified(g, &factor, &g.B)
                 && let Some(norm) = refined_norm(g)?
             {
                 return Ok(Some(norm));
@@ -65,12 +63,6 @@ fn square_norm(g: &StateSpace) -> Result<Option<f64>, Error> {
     }
 }
 
-/// Returns whether the Gramian of a small system is so much larger than the data that its modes beside the boundary have lost digits.
-fn is_magnified(g: &StateSpace, factor: &Mat) -> bool {
-    let size = if g.timebase == Timebase::Continuous { g.A.norm_fro() } else { 1.0 };
-    g.order() <= PRECISE_SIZE && factor.norm_fro().powi(2) * size > MAGNIFIED_GRAMIAN * g.B.norm_fro().powi(2)
-}
-
 /// Returns the H2 norm with a refined Gramian; `None` if it does not settle.
 fn refined_norm(g: &StateSpace) -> Result<Option<f64>, Error> {
     let found =
@@ -81,13 +73,7 @@ fn refined_norm(g: &StateSpace) -> Result<Option<f64>, Error> {
 
 /// Returns the H2 norm of a small system of which an eigenvalue in doubles is not stable, if that is the rounding of the eigenvalue; `None` otherwise.
 fn lightly_damped_norm(g: &StateSpace, eigenvalue: C64) -> Result<Option<f64>, Error> {
-    let boundary = boundary(g.timebase);
-    let is_near = boundary.excess(eigenvalue).abs() <= SUSPECT_POLE * g.A.norm_fro().max(eigenvalue.norm());
-    if g.order() > PRECISE_SIZE || !is_near {
-        return Ok(None);
-    }
-    let is_clear = linalg::boundary_eigenvalues(&g.A, boundary).with_operation("H2 norm")?.is_empty();
-    if is_clear { refined_norm(g) } else { Ok(None) }
+    if is_lightly_damped(g, eigenvalue)? { refined_norm(g) } else { Ok(None) }
 }
 
 /// Returns the H-infinity norm: the peak of the largest singular value for a stable system, infinite for

@@ -275,3 +275,51 @@ fn a_margin_at_rest_is_found_where_an_integrator_meets_a_zero_there() {
     let two = margins(&zpk(&[-1.0], &[0.0, 0.0, -100.0], 50.0)).unwrap();
     assert!(two.gain.iter().all(|margin| margin.rate_rad_s > 0.0), "{two:?}");
 }
+
+#[test]
+fn two_equal_zeros_of_a_chain_keep_their_digits() {
+    // A force on the last mass is seen at the first through two springs with a dashpot each: a zero at -k/c of each, equal up to rounding.
+    let (k, c): ([f64; 2], [f64; 2]) = ([4.084096, 154.1068], [1.693534e-8, 6.390278e-7]);
+    let share = c[0] / k[0];
+    for c in [c, k.map(|k| share * k)] {
+        let rows = |u: [f64; 2]| {
+            Mat::from_rows(&[&[-3.0 * u[0], u[0], 0.0], &[u[0], -u[0] - u[1], u[1]], &[0.0, u[1], -u[1]]])
+        };
+        let A = Mat::from_blocks(&[&[&Mat::zeros(3, 3), &Mat::eye(3)], &[&rows(k), &rows(c)]]);
+        let (mut B, mut C) = (Mat::zeros(6, 1), Mat::zeros(1, 6));
+        (B[(5, 0)], C[(0, 0)]) = (0.4, 100.0);
+        let g = StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Continuous).unwrap();
+        let found = zeros(&g).unwrap();
+        let mut exact = [-k[0] / c[0], -k[1] / c[1]];
+        exact.sort_by(f64::total_cmp);
+        assert_eq!(found.len(), 2, "{found:?}");
+        for (zero, exact) in found.iter().zip(exact) {
+            assert!((zero - exact).norm() <= 1e-14 * exact.abs(), "{zero} {exact}");
+        }
+    }
+}
+
+#[test]
+fn the_end_of_a_long_chain_of_lags_keeps_its_digits_when_sampled() {
+    // The hold of n equal lags: state k after the first takes the integral of exp(-t) t^k / k!, its series here.
+    let hold = |k: i32, h: f64| {
+        let term = |j: i32| (1..=k + j).fold(1.0, |p, i| p * h / f64::from(i)) * h / f64::from(k + 1 + j);
+        let choose = |j: i32| (1..=j).fold(1.0, |p, i| p * f64::from(k + i) / f64::from(i));
+        (0..20).map(|j| if j % 2 == 0 { 1.0 } else { -1.0 } * choose(j) * term(j)).sum::<f64>()
+    };
+    for (n, h) in [(9, 3e-4), (9, 0.02)] {
+        let A = Mat::from_fn(n, n, |i, j| match (i == j, i == j + 1) {
+            (true, _) => -1.0,
+            (_, true) => 1.0,
+            _ => 0.0,
+        });
+        let B = Mat::from_fn(n, 1, |i, _| if i == 0 { 1.0 } else { 0.0 });
+        let g = StateSpace::new(A, B, Mat::eye(n), Mat::zeros(n, 1), Timebase::Continuous).unwrap();
+        let sampled = c2d(&g, h, Discretisation::ZeroOrderHold).unwrap();
+        for k in 0..n {
+            let exact = hold(k as i32, h);
+            let found = sampled.B[(k, 0)];
+            assert!((found / exact - 1.0).abs() < 1e-12, "{n} {h} {k}: {found:e} {exact:e}");
+        }
+    }
+}

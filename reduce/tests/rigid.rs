@@ -87,3 +87,22 @@ fn a_slow_mode_beside_a_fast_one_is_stable() {
     let parts = split_stable(&g.unwrap()).unwrap();
     assert_eq!((parts.first.order(), parts.second.order()), (4, 0));
 }
+
+#[test]
+fn hardly_damped_modes_keep_their_hankel_values() {
+    // Force and displacement of one of two masses between three springs: 0.5/(s^2 + d w^2 s + w^2) for w^2 = 1 and 3, whose
+    // Hankel values are 0.5/(2 d w^3), twice each, up to a share d.
+    for damping in [f64::exp2(-20.0), f64::exp2(-30.0), f64::exp2(-36.0)] {
+        let K = Mat::from_rows(&[&[-2.0, 1.0], &[1.0, -2.0]]);
+        let A = Mat::from_blocks(&[&[&Mat::zeros(2, 2), &Mat::eye(2)], &[&K, &K.scale(damping)]]);
+        let (B, C) = (Mat::col(&[0.0, 0.0, 1.0, 0.0]), Mat::row(&[1.0, 0.0, 0.0, 0.0]));
+        let g = StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Continuous).unwrap();
+        let reduced = balred(&g, Order::States(2), Method::SquareRoot).unwrap();
+        assert_eq!((reduced.untouched, reduced.kept), (0, 2));
+        let slow = 0.25 / damping;
+        let fast = slow / 27_f64.sqrt();
+        for (found, exact) in reduced.hankel.iter().zip([slow, slow, fast, fast]) {
+            assert!((found / exact - 1.0).abs() < 2.0 * damping + 1e-10, "{damping:e}: {found:e} {exact:e}");
+        }
+    }
+}

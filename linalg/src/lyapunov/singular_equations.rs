@@ -78,6 +78,17 @@ pub(super) fn precise_trace(A: &Mat, [B, C]: [&Mat; 2], kind: Kind) -> Option<f6
     Some(C.times(&X).times(&C.t()).round().diagonal().iter().sum())
 }
 
+/// The factors of both Gramians in 32 digits; `None` if `A` is not stable or has more than 64 rows.
+pub(super) fn precise_factors(A: &Mat, [B, C]: [&Mat; 2], kind: Kind) -> Option<[Mat; 2]> {
+    if A.nrows() > PRECISE_STATES {
+        return None;
+    }
+    let gramian = |F: &Mat, W: &LongMatrix| smith::lyapunov(&LongMatrix::from(F), [W.times(&W.t())], kind);
+    let [P] = gramian(&A.t(), &LongMatrix::from(B))?;
+    let [Q] = gramian(A, &LongMatrix::from(&C.t()))?;
+    Some([P, Q].map(|X| X.symmetric_part().semidefinite_factor().round()))
+}
+
 /// Adds corrections until they are rounding; `None` if they do not shrink.
 fn refine(operator: &Operator, A: &Mat, Q: &ExtendedMatrix, X: Mat) -> Option<ExtendedMatrix> {
     let mut X = ExtendedMatrix::from(X);

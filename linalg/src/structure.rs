@@ -1,0 +1,97 @@
+//! Chains of states that act on each other.
+
+use std::collections::VecDeque;
+
+use crate::mat::Mat;
+
+/// What the places of the zeros of a matrix say of its powers.
+pub(crate) struct Structure {
+    /// The largest number of steps, each along an entry other than zero, that the shortest way from one state to another takes.
+    pub(crate) longest_path: usize,
+    /// For each state those that it never acts on, in whose rows every power of the matrix has a zero.
+    unreached: Vec<Vec<usize>>,
+}
+
+impl Structure {
+    /// Returns the structure of a square matrix: one breadth-first search from each state, n times the number of entries at most and n^2 operations
+    /// if no entry is zero.
+    pub(crate) fn of(A: &Mat) -> Self {
+        let n = A.nrows();
+        let targets: Vec<Vec<usize>> =
+            (0..n).map(|j| (0..n).filter(|&i| i != j && A[(i, j)] != 0.0).collect()).collect();
+        let steps = (0..n).map(|start| count_steps(&targets, start));
+        let mut structure = Self { longest_path: 0, unreached: Vec::with_capacity(n) };
+        for steps in steps {
+            let depth = steps.iter().flatten().copied().max().unwrap_or(0);
+            structure.longest_path = structure.longest_path.max(depth);
+            structure.unreached.push((0..n).filter(|&i| steps[i].is_none()).collect());
+        }
+        structure
+    }
+
+    /// Sets the entries of a function of the matrix to zero where every power has a zero: pivoting leaves rounding errors there, which are
+    /// not small beside the entries of states in other units.
+    pub(crate) fn clear_unreached(&self, M: &mut Mat) {
+        for (j, rows) in self.unreached.iter().enumerate() {
+            rows.iter().for_each(|&i| M[(i, j)] = 0.0);
+        }
+    }
+
+    /// Does the same for a function of the matrix times `B`.
+    pub(crate) fn clear_unreached_by(&self, B: &Mat, M: &mut Mat) {
+        if self.unreached.iter().all(Vec::is_empty) {
+            return;
+        }
+        for k in 0..B.ncols() {
+            let sources: Vec<usize> = (0..B.nrows()).filter(|&j| B[(j, k)] != 0.0).collect();
+            for i in 0..B.nrows() {
+                if sources.iter().all(|&j| self.unreached[j].contains(&i)) {
+                    M[(i, k)] = 0.0;
+                }
+            }
+        }
+    }
+}
+
+/// Returns the number of steps to each state; `None` for one that is not reached.
+fn count_steps(targets: &[Vec<usize>], start: usize) -> Vec<Option<usize>> {
+    let n = targets.len();
+    let mut steps = vec![None; n];
+    steps[start] = Some(0);
+    let (mut queue, mut reached) = (VecDeque::from([(start, 0)]), 1);
+    while let Some((j, count)) = queue.pop_front().filter(|_| reached < n) {
+        for &i in &targets[j] {
+            if steps[i].is_none() {
+                steps[i] = Some(count + 1);
+                reached += 1;
+                queue.push_back((i, count + 1));
+            }
+        }
+    }
+    steps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chain_a_ring_and_a_full_matrix_have_their_depths() {
+        let depth = |A: &Mat| Structure::of(A).longest_path;
+        let chain = Mat::from_fn(7, 7, |i, j| if i == j + 1 || i == j { 1.0 } else { 0.0 });
+        let ring = Mat::from_fn(7, 7, |i, j| if i == (j + 1) % 7 { 1.0 } else { 0.0 });
+        assert_eq!([depth(&chain), depth(&ring)], [6, 6]);
+        assert_eq!([depth(&Mat::from_fn(7, 7, |_, _| 1.0)), depth(&Mat::eye(3))], [1, 0]);
+        assert_eq!(depth(&Mat::zeros(0, 0)), 0);
+    }
+
+    #[test]
+    fn what_no_state_reaches_is_cleared() {
+        let A = Mat::from_rows(&[&[1.0, 0.0], &[1.0, 1.0]]);
+        let (mut M, mut N) = (Mat::from_fn(2, 2, |_, _| 5.0), Mat::from_fn(2, 2, |_, _| 5.0));
+        Structure::of(&A).clear_unreached(&mut M);
+        assert_eq!(M, Mat::from_rows(&[&[5.0, 0.0], &[5.0, 5.0]]));
+        Structure::of(&A).clear_unreached_by(&Mat::from_rows(&[&[0.0, 1.0], &[1.0, 0.0]]), &mut N);
+        assert_eq!(N, Mat::from_rows(&[&[0.0, 5.0], &[5.0, 5.0]]));
+    }
+}
