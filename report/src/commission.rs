@@ -70,8 +70,8 @@ pub fn describe_round(round: &RoundSummary) -> Vec<String> {
 
 fn loop_text(round: &RoundSummary) -> String {
     let mut text = String::new();
-    if let Some(rate) = round.bandwidth_rad_s {
-        text += &format!(", bandwidth {} rad/s", short_number(rate));
+    if let Some(rate) = round.crossover_rad_s {
+        text += &format!(", highest crossover {} rad/s", short_number(rate));
     }
     if let Some(margin) = round.gain_margin_db {
         text += &format!(", gain margin {} dB", short_number(margin));

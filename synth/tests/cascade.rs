@@ -108,6 +108,7 @@ fn a_first_design_chooses_both_loops_and_the_whole_keeps_the_margins() {
         holding_v: 0.0,
         demand_step: 1e-3,
         margins: RequiredMargins::default(),
+        may_stiffen_modes: true,
         position_gain: None,
         asked_rad_s: None,
         heave: None,

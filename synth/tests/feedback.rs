@@ -205,3 +205,28 @@ fn integral_action_leaves_no_steady_error_even_when_the_plant_is_not_as_modelled
         assert!((closed - C64::ONE).norm() < 1e-5, "{reference:?}: {closed}");
     }
 }
+
+#[test]
+fn a_feedback_for_stiff_modes_is_that_of_the_plant_whose_modes_are_elsewhere() {
+    let (plant, kept) = (servo(), weights());
+    let stiffened = FeedbackWeights { modes: LightModes::Stiffened, ..kept.clone() };
+    let stiff = plant.with_stiff_modes().unwrap();
+    let slowest_light = |plant: &DesignPlant| {
+        let light = |pole: &C64| pole.im != 0.0 && pole.re.abs() < 0.3 * pole.norm();
+        poles(&plant.system)
+            .unwrap()
+            .into_iter()
+            .filter(light)
+            .map(|pole| pole.norm())
+            .fold(f64::INFINITY, f64::min)
+    };
+    assert!(slowest_light(&plant) < 80.0 && slowest_light(&stiff).is_infinite());
+    // Far below its mode the plant stays what it is.
+    let [before, after] = [&plant, &stiff].map(|plant| response_at(&plant.system, 0.5).unwrap()[(0, 0)]);
+    assert!((after / before - C64::ONE).norm() < 1e-2, "{before} {after}");
+    let design = |plant: &DesignPlant, weights: &FeedbackWeights| {
+        design_feedback(plant, weights, Reference::Error).unwrap().controller
+    };
+    assert_eq!(design(&plant, &stiffened), design(&stiff, &kept));
+    assert_ne!(design(&plant, &stiffened), design(&plant, &kept));
+}

@@ -139,10 +139,12 @@ fn wrong(project: &Project, first: &FirstDesignResult, found: &Verification) -> 
     let ceiling = TAU / project.plant.interface.sample_period_s / 20.0;
     let crossover = TAU * of_loop(LoopFigure::Crossover);
     need(crossover <= ceiling, format!("crossover {crossover} above {ceiling}"));
-    need((crossover / first.bandwidth_rad_s - 1.0).abs() < 0.02, format!("crossover {crossover}"));
+    // At a resonance above the bandwidth the gain may rise above 1 once more.
+    let bandwidth = first.bandwidth_rad_s;
+    need(bandwidth < 1.02 * crossover, format!("bandwidth {bandwidth} above crossover {crossover}"));
     for row in &first.limits {
-        let above = row.bandwidth_rad_s.is_none_or(|limit| crossover <= 1.01 * limit);
-        need(above, format!("crossover {crossover} above the limit {row:?}"));
+        let above = row.bandwidth_rad_s.is_none_or(|limit| bandwidth <= 1.01 * limit);
+        need(above, format!("bandwidth {bandwidth} above the limit {row:?}"));
     }
     need(of_loop(LoopFigure::MaxSensitivity) <= 1.72, format!("Ms {}", of_loop(LoopFigure::MaxSensitivity)));
     need(of_loop(LoopFigure::PhaseMargin) >= 39.0, format!("phase {}", of_loop(LoopFigure::PhaseMargin)));

@@ -16,8 +16,8 @@ pub struct RoundSummary {
     pub round: usize,
     /// Hash of the controller that ran.
     pub controller_hash: String,
-    /// Bandwidth of its loop on the model, rad/s.
-    pub bandwidth_rad_s: Option<f64>,
+    /// Highest frequency at which the gain of its loop on the model is 1, rad/s.
+    pub crossover_rad_s: Option<f64>,
     /// Its gain margin on the model, dB.
     pub gain_margin_db: Option<f64>,
     /// Each experiment.
@@ -161,7 +161,7 @@ impl RoundSummary {
         Self {
             round,
             controller_hash: controller_hash.to_owned(),
-            bandwidth_rad_s: figure(counterpoise_verify::LoopFigure::Crossover)
+            crossover_rad_s: figure(counterpoise_verify::LoopFigure::Crossover)
                 .map(|hertz| std::f64::consts::TAU * hertz),
             gain_margin_db: figure(counterpoise_verify::LoopFigure::GainMargin),
             runs: Vec::new(),

@@ -1,6 +1,6 @@
 //! The exact motion of a linear core over a time: its exponential, and the answer to polynomial inputs.
 
-use crate::tolerance::{SERIES_NORM, SERIES_TERMS};
+use crate::tolerance::{MOST_HALVINGS, SERIES_NORM, SERIES_TERMS};
 use counterpoise_linalg::Mat;
 
 /// Nodes of a step, as fractions of it: the four points of Lobatto's rule. A polynomial through them integrates with
@@ -35,6 +35,9 @@ impl Moments {
             time *= 0.5;
             halvings += 1;
         }
+        if halvings > MOST_HALVINGS {
+            return Self::family_by_changes(A, B, time, halvings, count);
+        }
         let mut now = Self::series(A, B, time);
         for _ in 0..halvings {
             now = now.double_time(time);
@@ -49,14 +52,35 @@ impl Moments {
         family
     }
 
+    /// Returns what [`Self::family`] does, for a core with a motion so quick that beside it, over the time of the series, the slow motion is
+    /// below the rounding error of one: `Phi - I` is doubled, by `2 (Phi - I) + (Phi - I)^2`, and keeps its digits.
+    fn family_by_changes(A: &Mat, B: &Mat, series_s: f64, halvings: usize, count: usize) -> Vec<Self> {
+        let mut time = series_s;
+        let mut change = Self::series_from(A, B, time, Mat::zeros(A.nrows(), A.nrows()));
+        let mut family = Vec::with_capacity(count);
+        for doublings in 0..halvings + count {
+            if doublings >= halvings {
+                family.push(change.add_identity());
+            }
+            change = change.double_change(time);
+            time *= 2.0;
+        }
+        family
+    }
+
     fn series(A: &Mat, B: &Mat, time: f64) -> Self {
+        Self::series_from(A, B, time, Mat::eye(A.nrows()))
+    }
+
+    /// Returns the moments by the power series, with Phi - I on top of a matrix.
+    fn series_from(A: &Mat, B: &Mat, time: f64, start: Mat) -> Self {
         let (n, c) = (A.nrows(), B.ncols());
         let rows = |M: &Mat| -> Vec<f64> { (0..n).flat_map(|i| M.row_vec(i)).collect() };
         let (a, b) = (rows(A), rows(B));
-        let mut phi = rows(&Mat::eye(n));
+        let mut phi = rows(&start);
         let mut forced = vec![0.0; n * TERMS * c];
         // powers of A t over the factorial
-        let mut power = phi.clone();
+        let mut power = rows(&Mat::eye(n));
         for m in 0..SERIES_TERMS {
             let answer = product(&power, &b, n, c);
             let mut factor = time;
@@ -81,8 +105,32 @@ impl Moments {
     }
 
     fn double_time(&self, time: f64) -> Self {
-        let (n, c) = (self.order, self.inputs);
-        let mut forced = product(&self.phi, &self.forced, n, TERMS * c);
+        let n = self.order;
+        let forced = product(&self.phi, &self.forced, n, TERMS * self.inputs);
+        let phi = product(&self.phi, &self.phi, n, n);
+        Self { phi, forced: self.add_shifted(forced, time), ..*self }
+    }
+
+    /// Doubles the time of moments that hold Phi - I in the place of Phi.
+    fn double_change(&self, time: f64) -> Self {
+        let n = self.order;
+        let mut forced = product(&self.phi, &self.forced, n, TERMS * self.inputs);
+        forced.iter_mut().zip(&self.forced).for_each(|(new, old)| *new += old);
+        let mut phi = product(&self.phi, &self.phi, n, n);
+        phi.iter_mut().zip(&self.phi).for_each(|(new, old)| *new += 2.0 * old);
+        Self { phi, forced: self.add_shifted(forced, time), ..*self }
+    }
+
+    /// Returns moments that hold Phi, of such that hold Phi - I.
+    fn add_identity(&self) -> Self {
+        let mut phi = self.phi.clone();
+        phi.iter_mut().step_by(self.order + 1).for_each(|entry| *entry += 1.0);
+        Self { phi, forced: self.forced.clone(), ..*self }
+    }
+
+    /// Adds the answers to the first half of a doubled time to those of its second half.
+    fn add_shifted(&self, mut forced: Vec<f64>, time: f64) -> Vec<f64> {
+        let c = self.inputs;
         let factors = [1.0, time, time * time / 2.0, time * time * time / 6.0];
         for (new, old) in forced.chunks_exact_mut(TERMS * c).zip(self.forced.chunks_exact(TERMS * c)) {
             for k in 0..TERMS {
@@ -93,7 +141,7 @@ impl Moments {
                 }
             }
         }
-        Self { order: n, inputs: c, phi: product(&self.phi, &self.phi, n, n), forced }
+        forced
     }
 
     /// Returns the number of states.
@@ -179,6 +227,22 @@ mod tests {
             }
             let middle = c[0] + 0.5 * (c[1] + 0.5 * (c[2] + 0.5 * c[3]));
             assert!((middle - MIDDLE[node]).abs() < 1e-14, "{middle}");
+        }
+    }
+
+    #[test]
+    fn slow_motion_beside_a_mode_of_any_frequency_keeps_its_digits() {
+        // A body with drag, and one on it that swings a billion times as quick and dies out: x' = -0.3 x + u in the end.
+        for rate in [1e4, 1e7, 1e9, 1e11] {
+            let A = Mat::from_rows(&[&[-0.3, 0.0, 0.0], &[0.0, 0.0, 1.0], &[0.0, -rate * rate, -2.0 * rate]]);
+            let B = Mat::col(&[1.0, 0.0, rate]);
+            let last = Moments::family(&A, &B, 1e-9, 21).remove(20);
+            let time = 1e-9 * f64::from(1u32 << 20);
+            let expected = [(-0.3 * time).exp(), (-(-0.3 * time).exp_m1()) / 0.3];
+            assert!((last.phi(0, 0) - expected[0]).abs() < 3e-10, "{rate}: {}", last.phi(0, 0));
+            assert!((last.p(0, 0, 0) / expected[1] - 1.0).abs() < 1e-8, "{rate}: {}", last.p(0, 0, 0));
+            let decay = 1.0 - last.phi(0, 0);
+            assert!((decay / -(-0.3 * time).exp_m1() - 1.0).abs() < 1e-6, "{rate}: {decay}");
         }
     }
 
