@@ -75,7 +75,7 @@ const REACH: f64 = 3.0;
 /// A bandwidth is at most this many times its aim.
 const ABOVE_AIM: f64 = 1.35;
 /// Highest aim of the shapes for stiff modes, over the bandwidth of the others.
-const STIFF_REACH: f64 = 3.0;
+const STIFF_REACH: f64 = 8.0;
 /// Bandwidth of a design for stiff modes over that of one for the plant as it is, at least, for the first to be taken.
 const CLEARLY_QUICKER: f64 = 1.05;
 /// Decades of aims.
@@ -106,8 +106,10 @@ pub(super) struct Scan<'a> {
     pub further_shapes: FurtherShapes,
     /// A candidate that misses so many limits already is judged no further.
     most_missed: usize,
-    /// Whether a candidate that is no quicker than the answer is judged no further.
+    /// Whether a candidate that is not promising is judged no further.
     improves_only: bool,
+    /// Factor by which the bandwidth of a loop may rise above it.
+    rise_above: f64,
     pub pool: &'a dyn Pool,
     /// Every feedback that was designed, by the bits of its aim and its shape; `None` if there is none, its loop is not stable or, where one
     /// miss is too many, its sensitivity is seen to be too large.
@@ -140,6 +142,7 @@ impl<'a> Scan<'a> {
             further_shapes: FurtherShapes::default(),
             most_missed,
             improves_only: false,
+            rise_above: step_of_aims(),
             pool,
             attempts,
             ahead: BTreeMap::new(),
@@ -194,6 +197,7 @@ impl<'a> Scan<'a> {
 
     /// Varies the multiples of the answer's shape, one after the other, as long as the bandwidth rises.
     fn refine(&mut self) -> Result<(), Error> {
+        self.rise_above = 1.0 / (1.0 + RISE);
         if self.best_bandwidth() > NEAR_CEILING * self.ceiling() {
             return Ok(());
         }
@@ -214,18 +218,12 @@ impl<'a> Scan<'a> {
         let from = self.shapes.len();
         let varied = self.shapes[start.shape].variations(factor);
         self.shapes.extend(varied);
-        let aims = [start.aim_rad_s * step_of_aims().sqrt(), start.aim_rad_s];
+        let aim_rad_s = start.aim_rad_s * step_of_aims().cbrt();
         for shape in from..self.shapes.len() {
-            for aim_rad_s in aims {
-                let upcoming = (shape..self.shapes.len())
-                    .flat_map(|shape| aims.map(|aim_rad_s| Candidate { aim_rad_s, shape }));
-                self.look_ahead(upcoming.skip_while(|next| next.aim_rad_s != aim_rad_s));
-                let Some(tried) = self.attempt(aim_rad_s, shape)? else { continue };
-                let is_higher = tried.judgement.bandwidth_rad_s > (1.0 + RISE) * self.best_bandwidth();
-                if is_higher && self.keeps_all(&tried.judgement) {
-                    self.take_if_higher(tried, Some(aim_rad_s * step_of_aims()))?;
-                    break;
-                }
+            self.look_ahead((shape..self.shapes.len()).map(|shape| Candidate { aim_rad_s, shape }));
+            let Some(tried) = self.attempt(aim_rad_s, shape)? else { continue };
+            if self.is_promising(&tried.judgement) && self.keeps_all(&tried.judgement) {
+                self.take_if_higher(tried, Some(aim_rad_s * step_of_aims()))?;
             }
         }
         Ok(self.best_bandwidth() > (1.0 + RISE) * start.judgement.bandwidth_rad_s)
@@ -277,10 +275,12 @@ impl<'a> Scan<'a> {
                 if !self.keeps_all(&found.judgement) || !self.is_promising(&found.judgement) {
                     continue;
                 }
-                if found.judgement.bandwidth_rad_s > self.best_bandwidth() {
-                    self.best = Some(found);
-                } else {
-                    self.take_if_higher(found, Some(aim_rad_s * step_of_aims()))?;
+                // The answer is closed in on once, at the end.
+                if !self.take_higher(&found) {
+                    let closer = self.attempt(aim_rad_s * step_of_aims().sqrt(), shape)?;
+                    closer
+                        .filter(|closer| self.keeps_all(&closer.judgement))
+                        .map(|closer| self.take_higher(&closer));
                 }
             }
             aim_rad_s /= step_of_aims();
@@ -343,10 +343,19 @@ impl<'a> Scan<'a> {
         Ok(())
     }
 
-    /// Whether a loop, or one of an aim closely above, may have a higher bandwidth than the answer: between two aims the bandwidth rises no more
-    /// than the aim.
+    /// Whether a loop, or one of an aim that is tried above it, may have a higher bandwidth than the answer: between two aims the bandwidth rises no
+    /// more than the aim.
     fn is_promising(&self, found: &LoopJudgement) -> bool {
-        found.bandwidth_rad_s * step_of_aims() > self.best_bandwidth()
+        found.bandwidth_rad_s * self.rise_above > self.best_bandwidth()
+    }
+
+    /// Takes a feedback that keeps everything if its bandwidth is higher than the answer's. Returns whether it is.
+    fn take_higher(&mut self, found: &TriedFeedback) -> bool {
+        let is_higher = found.judgement.bandwidth_rad_s > self.best_bandwidth();
+        if is_higher {
+            self.best = Some(found.clone());
+        }
+        is_higher
     }
 
     /// The bandwidth of the best feedback so far, rad/s; 0 if there is none.
