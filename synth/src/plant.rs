@@ -3,7 +3,6 @@
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase, append, delay::pade, series};
 
-use crate::modes::stiffen;
 use crate::tolerance::ROUNDED_SAMPLE;
 use crate::{DisturbanceChannel, Error};
 
@@ -93,14 +92,6 @@ impl DesignPlant {
     /// Returns the plant that the weights are for: that of the inner loop if there is one.
     pub fn weighted_plant(&self) -> &Self {
         self.rate_loop.as_ref().map_or(self, |inner| &inner.plant)
-    }
-
-    /// Returns the plant with its lightly damped modes far quicker and well damped: what a much stiffer structure would be.
-    ///
-    /// # Errors
-    /// Those of the modes.
-    pub fn with_stiff_modes(&self) -> Result<Self, Error> {
-        stiffen(self, 0.0)
     }
 
     /// Checks that indices name signals, that everything is continuous, and that sensors have one input and one output.

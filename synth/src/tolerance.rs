@@ -40,6 +40,17 @@ pub const CEILING: f64 = 1.0 / 20.0;
 /// Factor on the ceiling of the bandwidth for each fact of the loop that is not known. A structure, a sensor or a delay
 /// that no file states is there nevertheless: 3 dB for each keep the loop at a sixth of its ceiling if nothing is known.
 pub const CAUTION: f64 = 0.7;
+/// A bandwidth is at most this many times its aim.
+pub const ABOVE_AIM: f64 = 1.35;
+/// Highest aims of the shapes for stiff modes over the bandwidth so far: first near it, then, where a notch may make the bandwidth much lower than the
+/// aim, far above.
+pub const STIFF_REACHES: [f64; 2] = [3.0, 8.0];
+/// Bandwidth of a design for stiff modes over that of one for the plant as it is, at least, for the first to be taken.
+pub const CLEARLY_QUICKER: f64 = 1.05;
+/// Share of the ceiling above which the answer is not refined.
+pub const NEAR_CEILING: f64 = 0.97;
+/// Relative rise of the bandwidth that makes a variation the answer.
+pub const RISE: f64 = 0.01;
 /// A mode below this damping ratio counts as lightly damped: it shows a peak of more than 4 dB.
 pub const LIGHTLY_DAMPED: f64 = 0.3;
 /// A lightly damped mode may be off by this share of its frequency: finite elements with joints are known to 10 or 20 %

@@ -11,7 +11,7 @@ use std::sync::{Mutex, OnceLock};
 
 use counterpoise_lti::StateSpace;
 
-use super::candidate::{MORE_PHASE, SHAPES};
+use super::candidate::{MORE_PHASE, Shape};
 use super::scan::{Candidate, FurtherShapes, PER_DECADE, Scan, TriedFeedback};
 use super::{Circumstances, LimitLoops};
 use crate::bandwidth::{Bandwidth, LimitKind, Unknown};
@@ -151,6 +151,7 @@ fn search_in_parallel(
 struct SharedSearch<'a> {
     circumstances: &'a Circumstances,
     unknown: Vec<Unknown>,
+    shapes: Vec<Shape>,
     further_shapes: FurtherShapes,
     pool: &'a dyn Pool,
 }
@@ -158,7 +159,8 @@ struct SharedSearch<'a> {
 impl<'a> SharedSearch<'a> {
     fn of(scan: &Scan<'a>) -> Self {
         let Scan { circumstances, further_shapes, pool, .. } = *scan;
-        Self { circumstances, unknown: scan.unknown.clone(), further_shapes, pool }
+        let (unknown, shapes) = (scan.unknown.clone(), scan.shapes.clone());
+        Self { circumstances, unknown, shapes, further_shapes, pool }
     }
 
     /// The bandwidth with a much stiffer structure; `None` if it is no higher or there is no mode to stiffen.
@@ -179,7 +181,7 @@ impl<'a> SharedSearch<'a> {
     fn loop_above(&self, other: &Circumstances, found: &TriedFeedback) -> Result<Option<HigherLoop>, Error> {
         let mut lifted = Scan::new(other, self.pool)?;
         lifted.unknown.clone_from(&self.unknown);
-        lifted.further_shapes = self.further_shapes;
+        lifted.adopt_shapes(&self.shapes, self.further_shapes);
         lifted.judge_up_to(1);
         let highest = climb_all(&mut lifted, found.aim_rad_s, &[])?;
         higher_loop(&lifted, highest.get(&Vec::new()), found.judgement.bandwidth_rad_s)
@@ -262,7 +264,7 @@ fn has_loop(
         let aim_rad_s = *aim;
         (0..MORE_PHASE).map(move |shape| Candidate { aim_rad_s, shape })
     };
-    for shape in 0..SHAPES.len() {
+    for shape in scan.shapes_to_climb() {
         if shape < MORE_PHASE {
             scan.look_ahead(aims.iter().flat_map(usual).skip(shape));
         }

@@ -15,7 +15,10 @@ use crate::bandwidth::{BandwidthLimit, LimitKind, Unknown};
 use crate::cascade::with_position_loop;
 use crate::error::attempt;
 use crate::modes::{light_modes, shifted_modes};
-use crate::tolerance::{CAUTION, CEILING, CLOCK_SHARE, FAR_ABOVE_CEILING};
+use crate::tolerance::{
+    ABOVE_AIM, CAUTION, CEILING, CLEARLY_QUICKER, CLOCK_SHARE, FAR_ABOVE_CEILING, NEAR_CEILING, RISE,
+    STIFF_REACHES,
+};
 use crate::{Error, FeedbackWeights, LightModes, Reference, design_feedback};
 use counterpoise_pool::Pool;
 
@@ -55,6 +58,8 @@ pub(super) struct FurtherShapes {
     damp_the_load: bool,
     /// Those for the plant with stiff modes.
     stiffen_modes: bool,
+    /// Number of the answer's own shape, if it is none of those of every search.
+    pub refined: Option<usize>,
 }
 
 /// Each of some shapes at each of some aims.
@@ -72,12 +77,6 @@ fn step_of_aims() -> f64 {
 pub(super) const PER_DECADE: i32 = 10;
 /// Highest aim over the ceiling: a little beyond, so that limits above it are told too.
 const REACH: f64 = 3.0;
-/// A bandwidth is at most this many times its aim.
-const ABOVE_AIM: f64 = 1.35;
-/// Highest aim of the shapes for stiff modes, over the bandwidth of the others.
-const STIFF_REACH: f64 = 8.0;
-/// Bandwidth of a design for stiff modes over that of one for the plant as it is, at least, for the first to be taken.
-const CLEARLY_QUICKER: f64 = 1.05;
 /// Decades of aims.
 const DECADES: i32 = 5;
 /// Halvings of the stretch between the answer and the aim above it: a tenth of a decade becomes 0.7 %.
@@ -87,10 +86,15 @@ const DELAY_REACH: f64 = 2.0;
 
 /// Factors by which the multiples of the answer's shape are varied.
 const VARIATIONS: [f64; 2] = [1.5, 1.2];
-/// Share of the ceiling above which the answer is not refined.
-const NEAR_CEILING: f64 = 0.97;
-/// Relative rise of the bandwidth that makes a variation the answer.
-const RISE: f64 = 0.01;
+
+/// How far candidates are judged.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Thoroughness {
+    /// Up to their first miss, or until they are seen not to be promising.
+    Improvements,
+    /// To their end.
+    Everything,
+}
 
 /// The search over the aim.
 pub(super) struct Scan<'a> {
@@ -98,7 +102,7 @@ pub(super) struct Scan<'a> {
     judge: Judge<'a>,
     gain: PlantGain,
     /// The shapes by number: those of every search, then those that a refinement tried.
-    shapes: Vec<Shape>,
+    pub shapes: Vec<Shape>,
     pub unknown: Vec<Unknown>,
     tried: Vec<TriedFeedback>,
     best: Option<TriedFeedback>,
@@ -106,8 +110,7 @@ pub(super) struct Scan<'a> {
     pub further_shapes: FurtherShapes,
     /// A candidate that misses so many limits already is judged no further.
     most_missed: usize,
-    /// Whether a candidate that is not promising is judged no further.
-    improves_only: bool,
+    thoroughness: Thoroughness,
     /// Factor by which the bandwidth of a loop may rise above it.
     rise_above: f64,
     pub pool: &'a dyn Pool,
@@ -141,7 +144,7 @@ impl<'a> Scan<'a> {
             best: None,
             further_shapes: FurtherShapes::default(),
             most_missed,
-            improves_only: false,
+            thoroughness: Thoroughness::Everything,
             rise_above: step_of_aims(),
             pool,
             attempts,
@@ -188,11 +191,19 @@ impl<'a> Scan<'a> {
         if is_slow && self.gain.load.is_some() {
             self.damp_load(highest)?;
         }
-        let may_leave_out = self.circumstances.may_stiffen_modes && !self.gain.modes.is_empty();
-        if may_leave_out {
-            self.stiffen_modes(highest)?;
+        let may_stiffen = self.circumstances.may_stiffen_modes && !self.gain.modes.is_empty();
+        for reach in STIFF_REACHES {
+            let before = self.best_bandwidth();
+            if may_stiffen {
+                self.stiffen_modes(highest, reach)?;
+            }
+            if reach == STIFF_REACHES[0] || self.best_bandwidth() > before {
+                self.refine()?;
+            }
         }
-        self.refine()
+        self.further_shapes.refined =
+            self.best.as_ref().map(|best| best.shape).filter(|shape| *shape >= SHAPES.len());
+        Ok(())
     }
 
     /// Varies the multiples of the answer's shape, one after the other, as long as the bandwidth rises.
@@ -201,11 +212,11 @@ impl<'a> Scan<'a> {
         if self.best_bandwidth() > NEAR_CEILING * self.ceiling() {
             return Ok(());
         }
-        self.judge_improvements(true);
+        self.judge_by(Thoroughness::Improvements);
         for factor in VARIATIONS {
             while self.vary(factor)? {}
         }
-        self.judge_improvements(false);
+        self.judge_by(Thoroughness::Everything);
         // What was judged no further than its first miss is not known to the search for what limits the answer.
         let known = SHAPES.len();
         self.attempts.retain(|(_, shape), _| *shape < known);
@@ -218,12 +229,15 @@ impl<'a> Scan<'a> {
         let from = self.shapes.len();
         let varied = self.shapes[start.shape].variations(factor);
         self.shapes.extend(varied);
-        let aim_rad_s = start.aim_rad_s * step_of_aims().cbrt();
+        let aims = [start.aim_rad_s * step_of_aims().cbrt(), start.aim_rad_s];
         for shape in from..self.shapes.len() {
-            self.look_ahead((shape..self.shapes.len()).map(|shape| Candidate { aim_rad_s, shape }));
-            let Some(tried) = self.attempt(aim_rad_s, shape)? else { continue };
-            if self.is_promising(&tried.judgement) && self.keeps_all(&tried.judgement) {
-                self.take_if_higher(tried, Some(aim_rad_s * step_of_aims()))?;
+            for aim_rad_s in aims {
+                self.look_ahead(at_aims(&aims, shape..self.shapes.len()).into_iter());
+                let Some(tried) = self.attempt(aim_rad_s, shape)? else { continue };
+                if self.is_promising(&tried.judgement) && self.keeps_all(&tried.judgement) {
+                    self.take_if_higher(tried, Some(aim_rad_s * step_of_aims()))?;
+                    break;
+                }
             }
         }
         Ok(self.best_bandwidth() > (1.0 + RISE) * start.judgement.bandwidth_rad_s)
@@ -256,16 +270,16 @@ impl<'a> Scan<'a> {
         Ok(())
     }
 
-    /// Tries the shapes for the plant with stiff modes, from the highest aim down to the answer.
-    fn stiffen_modes(&mut self, highest_rad_s: f64) -> Result<(), Error> {
-        self.further_shapes.stiffen_modes = true;
-        self.judge_improvements(true);
+    /// Tries the shapes for the plant with stiff modes, from the highest aim, or that many times the answer, down to the answer.
+    fn stiffen_modes(&mut self, highest_rad_s: f64, reach: f64) -> Result<(), Error> {
+        let had_answer = std::mem::replace(&mut self.further_shapes.stiffen_modes, true);
+        self.rise_above = step_of_aims();
+        self.judge_by(Thoroughness::Improvements);
         let before = self.best.clone();
         let (shapes, lowest) = (STIFF_MODES..SHAPES.len(), highest_rad_s * 10f64.powi(-DECADES));
-        // Nobody has seen such a shape reach much more than those that follow the modes.
         let highest_rad_s = match self.best_bandwidth() {
             0.0 => highest_rad_s,
-            best => highest_rad_s.min(STIFF_REACH * best),
+            best => highest_rad_s.min(reach * best),
         };
         let mut aim_rad_s = highest_rad_s;
         while ABOVE_AIM * aim_rad_s > self.best_bandwidth() && aim_rad_s > lowest {
@@ -275,28 +289,19 @@ impl<'a> Scan<'a> {
                 if !self.keeps_all(&found.judgement) || !self.is_promising(&found.judgement) {
                     continue;
                 }
-                // The answer is closed in on once, at the end.
-                if !self.take_higher(&found) {
-                    let closer = self.attempt(aim_rad_s * step_of_aims().sqrt(), shape)?;
-                    closer
-                        .filter(|closer| self.keeps_all(&closer.judgement))
-                        .map(|closer| self.take_higher(&closer));
-                }
+                self.take_if_higher(found, Some(aim_rad_s * step_of_aims()))?;
             }
             aim_rad_s /= step_of_aims();
         }
-        if let Some(found) = self.best.clone().filter(|found| shapes.contains(&found.shape)) {
-            let above = found.aim_rad_s * step_of_aims();
-            self.take_if_higher(found, Some(above))?;
-        }
-        self.judge_improvements(false);
+        self.judge_by(Thoroughness::Everything);
         self.attempts.retain(|(_, shape), _| !shapes.contains(shape));
         // A design on the plant as it is has costs that are those of the loop: it gives way to one that is clearly quicker.
         let quickest = before.as_ref().map_or(0.0, |before| before.judgement.bandwidth_rad_s);
         if self.best_bandwidth() < CLEARLY_QUICKER * quickest {
             self.best = before;
         }
-        self.further_shapes.stiffen_modes = self.has_answer_among(shapes);
+        let is_refined = self.best.as_ref().is_some_and(|best| best.shape >= SHAPES.len());
+        self.further_shapes.stiffen_modes = self.has_answer_among(shapes) || (is_refined && had_answer);
         Ok(())
     }
 
@@ -349,18 +354,19 @@ impl<'a> Scan<'a> {
         found.bandwidth_rad_s * self.rise_above > self.best_bandwidth()
     }
 
-    /// Takes a feedback that keeps everything if its bandwidth is higher than the answer's. Returns whether it is.
-    fn take_higher(&mut self, found: &TriedFeedback) -> bool {
-        let is_higher = found.judgement.bandwidth_rad_s > self.best_bandwidth();
-        if is_higher {
-            self.best = Some(found.clone());
-        }
-        is_higher
-    }
-
     /// The bandwidth of the best feedback so far, rad/s; 0 if there is none.
     fn best_bandwidth(&self) -> f64 {
         self.best.as_ref().map_or(0.0, |best| best.judgement.bandwidth_rad_s)
+    }
+
+    /// Takes over the shapes that another search tries.
+    pub fn adopt_shapes(&mut self, shapes: &[Shape], further: FurtherShapes) {
+        (self.shapes, self.further_shapes) = (shapes.to_vec(), further);
+    }
+
+    /// Returns the numbers of the shapes with which a limit is lifted: those of every search, then the answer's own.
+    pub fn shapes_to_climb(&self) -> impl Iterator<Item = usize> + use<> {
+        (0..SHAPES.len()).chain(self.further_shapes.refined)
     }
 
     /// Returns the highest aim that is looked at, rad/s.
@@ -409,26 +415,27 @@ impl<'a> Scan<'a> {
     }
 
     /// Judges candidates from now on no further than their first miss, or that they are no quicker than the answer; or each of them to its end.
-    fn judge_improvements(&mut self, improves_only: bool) {
-        self.improves_only = improves_only;
-        self.judge_up_to(if improves_only { 1 } else { usize::MAX });
+    fn judge_by(&mut self, thoroughness: Thoroughness) {
+        self.thoroughness = thoroughness;
+        self.judge_up_to(match thoroughness {
+            Thoroughness::Improvements => 1,
+            Thoroughness::Everything => usize::MAX,
+        });
     }
 
-    /// Halves the stretch between an aim that keeps everything and one above it that does not, if there is one. Returns the highest that keeps
-    /// everything.
+    /// Halves the stretch between an aim that keeps everything and one above it that does not, if there is one, as long as an aim in between may have
+    /// a higher bandwidth than the answer. Returns the highest that keeps everything.
     fn close_in(&mut self, found: TriedFeedback, above: Option<f64>) -> Result<TriedFeedback, Error> {
         let Some(mut high) = above else { return Ok(found) };
         let mut best = found;
         for _ in 0..HALVINGS {
+            // Between two aims the bandwidth rises no more than the aim.
+            if best.judgement.bandwidth_rad_s * high / best.aim_rad_s <= self.best_bandwidth() {
+                break;
+            }
             let middle = (best.aim_rad_s * high).sqrt();
             match self.attempt(middle, best.shape)? {
-                Some(tried)
-                    if self.keeps_all(&tried.judgement)
-                        && (!self.improves_only
-                            || tried.judgement.bandwidth_rad_s > self.best_bandwidth()) =>
-                {
-                    best = tried;
-                }
+                Some(tried) if self.keeps_all(&tried.judgement) => best = tried,
                 _ => high = middle,
             }
         }
@@ -445,11 +452,13 @@ impl<'a> Scan<'a> {
         aim_rad_s: f64,
         shape: usize,
     ) -> Result<Option<TriedFeedback>, Error> {
-        let FurtherShapes { have_more_phase, damp_the_load, stiffen_modes } = self.further_shapes;
+        const KNOWN: usize = SHAPES.len();
+        let FurtherShapes { have_more_phase, damp_the_load, stiffen_modes, refined } = self.further_shapes;
         let is_tried = match shape {
             ..MORE_PHASE => true,
             DAMPED_LOAD..STIFF_MODES => damp_the_load,
-            STIFF_MODES.. => stiffen_modes,
+            STIFF_MODES..KNOWN => stiffen_modes,
+            KNOWN.. => refined == Some(shape),
             _ => false,
         };
         if is_tried {
@@ -504,7 +513,7 @@ impl<'a> Scan<'a> {
             return Ok(None);
         }
         let judged = self.judge.judge(&controller, |found| {
-            let is_slow = self.improves_only && !self.is_promising(found);
+            let is_slow = self.thoroughness == Thoroughness::Improvements && !self.is_promising(found);
             let misses_too_many =
                 self.most_missed < usize::MAX && self.missed_limits(found).len() >= self.most_missed;
             is_slow || misses_too_many
