@@ -155,6 +155,26 @@ impl<'a> Judge<'a> {
         })
     }
 
+    /// Puts the plants at the ends of what is usual into the order in which a loop uses up what is allowed with them, the hardest first: what is not borne
+    /// is then seen sooner.
+    ///
+    /// # Errors
+    /// Those of the discretisation and the margins.
+    pub fn put_hardest_first(&mut self, controller: &StateSpace, found: &LoopJudgement) -> Result<(), Error> {
+        let K = sampled_controller(controller, &self.sampling)?.select(&[0], &[1]);
+        let mut shares = Vec::new();
+        for (k, UsualPlant { held, max_sensitivity }) in self.within_usual_ranges.iter().enumerate() {
+            shares.push((
+                k,
+                sensitivity_beside(held, &K, rates_near_peaks(found), held_loop)? / max_sensitivity,
+            ));
+        }
+        shares.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+        let mut plants: Vec<Option<UsualPlant>> = self.within_usual_ranges.drain(..).map(Some).collect();
+        self.within_usual_ranges = shares.into_iter().filter_map(|(k, _)| plants[k].take()).collect();
+        Ok(())
+    }
+
     /// Judges a continuous controller from (demand, reading) to the control; `None` if its sampled loop is not stable or its gain never falls to 1.
     /// Shifted plants and those of other circumstances are left out, and their sensitivity is taken as the plant's, if `is_out` says so of what is
     /// judged before them.

@@ -191,7 +191,12 @@ impl<'a> Scan<'a> {
         if is_slow && self.gain.load.is_some() {
             self.damp_load(highest)?;
         }
-        let may_stiffen = self.circumstances.may_stiffen_modes && !self.gain.modes.is_empty();
+        let has_modes = !self.gain.modes.is_empty();
+        let may_stiffen = self.circumstances.may_stiffen_modes && has_modes && is_slow;
+        if let Some(best) = self.best.clone() {
+            let controller = self.controller(&best.weights, best.position_gain)?;
+            self.judge.put_hardest_first(&controller, &best.judgement)?;
+        }
         for reach in STIFF_REACHES {
             let before = self.best_bandwidth();
             if may_stiffen {
@@ -213,8 +218,11 @@ impl<'a> Scan<'a> {
             return Ok(());
         }
         self.judge_by(Thoroughness::Improvements);
-        for factor in VARIATIONS {
-            while self.vary(factor)? {}
+        // Where a wide variation does not help, a narrow one hardly does.
+        let [wide, narrow] = VARIATIONS;
+        if self.vary(wide)? {
+            while self.vary(wide)? {}
+            while self.vary(narrow)? {}
         }
         self.judge_by(Thoroughness::Everything);
         // What was judged no further than its first miss is not known to the search for what limits the answer.
