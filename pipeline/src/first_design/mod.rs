@@ -90,11 +90,16 @@ fn choose_weights_on(
 ) -> Result<ChosenWeights, PipelineError> {
     let asked = project.synth.clone().unwrap_or_default();
     let stated_step = circumstances(project, &asked, modelled, reduced)?;
-    let with_usual_step = first_design_of(&stated_step, pool)?;
     let open_step = Circumstances { demand_step: 0.0, ..stated_step.clone() };
-    let (first, step) = match is_limited_by_usual_step(project, &with_usual_step) {
-        true => with_open_step(&open_step, stated_step.demand_step, with_usual_step, pool)?,
-        false => (with_usual_step, None),
+    let usual_step = stated_step.demand_step;
+    let (first, step) = match first_design_of(&stated_step, pool) {
+        Ok(found) if is_limited_by_usual_step(project, &found) => {
+            with_open_step(&open_step, usual_step, Some(found), pool)?
+        }
+        Err(SynthesisError::Refused(_)) if has_usual_step(project) => {
+            with_open_step(&open_step, usual_step, None, pool)?
+        }
+        found => (found?, None),
     };
     let mut stated = asked.clone();
     let chosen = &first.specification;
@@ -136,21 +141,27 @@ fn first_design_of(given: &Circumstances, pool: &dyn Pool) -> Result<FirstDesign
 
 /// Returns whether a first design is as slow as it is because of a step of the demand that nobody stated.
 fn is_limited_by_usual_step(project: &Project, first: &FirstDesign) -> bool {
-    let is_usual = project.verify.as_ref().is_some_and(|verify| verify.step_size == StepSize::Usual);
-    is_usual && first.bandwidth.limited_by.contains(&LimitKind::Control)
+    has_usual_step(project) && first.bandwidth.limited_by.contains(&LimitKind::Control)
+}
+
+/// Returns whether nobody stated the step of the demand.
+fn has_usual_step(project: &Project) -> bool {
+    project.verify.as_ref().is_some_and(|verify| verify.step_size == StepSize::Usual)
 }
 
 /// Returns the first design to which no step of the demand is known, which lowers its ceiling, and the step that it takes within the
-/// control's limit, which stands out of the readings' noise and resolution; the one with the usual step if that is no slower.
+/// control's limit, which stands out of the readings' noise and resolution; the one with the usual step if there is one that is no slower.
 fn with_open_step(
     open: &Circumstances,
     usual_step: f64,
-    with_usual_step: FirstDesign,
+    with_usual_step: Option<FirstDesign>,
     pool: &dyn Pool,
 ) -> Result<(FirstDesign, Option<f64>), PipelineError> {
     let first = first_design_of(open, pool)?;
-    if first.bandwidth.bandwidth_rad_s <= with_usual_step.bandwidth.bandwidth_rad_s {
-        return Ok((with_usual_step, None));
+    let is_no_quicker =
+        |usual: &FirstDesign| first.bandwidth.bandwidth_rad_s <= usual.bandwidth.bandwidth_rad_s;
+    if let Some(usual) = with_usual_step.filter(is_no_quicker) {
+        return Ok((usual, None));
     }
     let largest = (open.sampling.limit_v - open.holding_v.abs()) / first.judgement.step_gain;
     let visible = SEEN_STEPS * open.reading_step.max(open.noise_rms);

@@ -29,8 +29,8 @@ KINDS = ["sight", "gun", "antenna", "robot-joint", "gimbal", "linear-axis", "pen
 # A bandwidth that differs by less is the same: the search climbs in steps.
 STEP = 1.03
 
-# Weights that are chosen with a value known may be slower by a fifth than others would be: the search among them is coarse.
-COARSE = 1.2
+# Weights that are chosen with a value known may be slower by a seventh than others would be: the search among them is coarse.
+COARSE = 1.15
 
 # Keys without which the file describes another machine, by the last parts of their path, with the reason.
 OTHER_MACHINES = {
