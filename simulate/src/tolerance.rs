@@ -81,7 +81,7 @@ pub(crate) const SERIES_NORM: f64 = 0.1;
 /// Terms of the power series: at [`SERIES_NORM`] the first one left out, 0.1^12 / 12!, is below the rounding error.
 pub(crate) const SERIES_TERMS: usize = 12;
 /// Halvings of the shortest step for the power series up to which slow motion keeps its digits beside one: each costs a binary digit of it.
-pub(crate) const MOST_HALVINGS: usize = 6;
+pub(crate) const MOST_HALVINGS: usize = 10;
 /// Cores of fewer states stay as they are: a dense product is as fast as one of blocks.
 pub(crate) const FEWEST_MODAL_STATES: usize = 12;
 /// Most states in the block that stays together; with a larger one the blocks save little.
