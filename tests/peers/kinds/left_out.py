@@ -43,6 +43,7 @@ OTHER_MACHINES = {
     "loop": "another loop is closed",
     "drive": "another quantity is driven",
     "kind": "another quantity is driven",
+    "cylinder": "another quantity is driven",
     "inertia": "less inertia",
     "mass": "less mass",
     "beam_inertia": "less inertia",
