@@ -7,25 +7,7 @@ use std::process::{Command, Output};
 use crate::support::{folder, report_skip};
 
 /// A sight as drawn, whose step the machine must follow.
-const DRAWN: &str = r#"
-format = 2
-[plant]
-name = "sight"
-inertia = { value = 2.0, tolerance = 0.3 }
-motor = { inertia = 1e-4 }
-gearbox = { ratio = 50.0 }
-drive = { kind = "torque", limit = 2.0 }
-friction = { pivot = { coulomb = { value = 1.0, tolerance = 0.5 }, viscous = 2.0 } }
-interface = { sample_period = 2e-3 }
-[plant.sensors]
-hub_gyro = { noise = 2e-4, natural_frequency = "80 Hz" }
-hub_resolver = { noise = 1e-5 }
-[verify.step]
-rate = 0.05
-[[verify.requirement]]
-figure = "nonlinear_step_settling_time_s"
-at_most = 1.0
-"#;
+const DRAWN: &str = include_str!("../../pipeline/tests/data/drawn_sight.toml");
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_counterpoise");
 

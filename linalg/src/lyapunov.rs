@@ -1,5 +1,6 @@
 //! Lyapunov equations, continuous and discrete, solved for the whole matrix.
 
+use crate::balance::{BalancedMatrix, balance_all};
 use crate::boundary::Boundary;
 use crate::dense::{LARGE_SYMMETRIC, symmetric_product, view};
 use crate::error::{Error, check_range, check_shape, check_square};
@@ -84,20 +85,12 @@ fn separation(A: &Mat, kind: Kind) -> Result<f64, Error> {
 /// # Errors
 /// Wrong shapes, or entries that are not finite.
 pub fn refined_square_norm(A: &Mat, B: &Mat, C: &Mat, boundary: Boundary) -> Result<Option<f64>, Error> {
-    check_square("A", A)?;
-    check_shape("B", B, A.nrows(), B.ncols())?;
-    check_shape("C", C, C.nrows(), A.ncols())?;
-    let balanced = crate::balance::balance_all(A)?;
-    let d = &balanced.scale;
-    let inner = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] / d[i]);
-    let outer = Mat::from_fn(C.nrows(), C.ncols(), |i, j| C[(i, j)] * d[j]);
-    let (form, kind) = (schur(&balanced.A)?, boundary.kind());
+    let BalancedSystem { A, B, C, .. } = BalancedSystem::of(A, B, C)?;
+    let (form, kind) = (schur(&A)?, boundary.kind());
     let is_stable = form.eigenvalues().into_iter().all(|l| boundary.excess(l) < 0.0);
     match Operator::new(form, kind) {
-        Ok(operator) if is_stable => {
-            Ok(singular_equations::refined_trace(&operator, &balanced.A, [&inner, &outer]))
-        }
-        _ => Ok(singular_equations::precise_trace(&balanced.A, [&inner, &outer], kind)),
+        Ok(operator) if is_stable => Ok(singular_equations::refined_trace(&operator, &A, [&B, &C])),
+        _ => Ok(singular_equations::precise_trace(&A, [&B, &C], kind)),
     }
 }
 
@@ -113,24 +106,40 @@ pub fn precise_gramian_factors(
     C: &Mat,
     boundary: Boundary,
 ) -> Result<Option<(Mat, Mat)>, Error> {
-    check_square("A", A)?;
-    check_shape("B", B, A.nrows(), B.ncols())?;
-    check_shape("C", C, C.nrows(), A.ncols())?;
-    let balanced = crate::balance::balance_all(A)?;
-    let d = &balanced.scale;
-    let inner = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] / d[i]);
-    let outer = Mat::from_fn(C.nrows(), C.ncols(), |i, j| C[(i, j)] * d[j]);
-    let factors = singular_equations::precise_factors(&balanced.A, [&inner, &outer], boundary.kind());
+    let BalancedSystem { A, B, C, scale: d } = BalancedSystem::of(A, B, C)?;
+    let factors = singular_equations::precise_factors(&A, [&B, &C], boundary.kind());
     let Some([R, L]) = factors else { return Ok(None) };
     let R = Mat::from_fn(R.nrows(), R.ncols(), |i, j| R[(i, j)] * d[i]);
     let L = Mat::from_fn(L.nrows(), L.ncols(), |i, j| L[(i, j)] / d[i]);
     Ok(Some((check_range("the factor of a Gramian", R)?, check_range("the factor of a Gramian", L)?)))
 }
 
+/// A system whose state is scaled by `D`: `D^-1 A D`, `D^-1 B`, `C D`.
+struct BalancedSystem {
+    A: Mat,
+    B: Mat,
+    C: Mat,
+    /// The diagonal of `D`.
+    scale: Vec<f64>,
+}
+
+impl BalancedSystem {
+    /// Balances a system. `A` n x n, `B` n x m, `C` p x n.
+    fn of(A: &Mat, B: &Mat, C: &Mat) -> Result<Self, Error> {
+        check_square("A", A)?;
+        check_shape("B", B, A.nrows(), B.ncols())?;
+        check_shape("C", C, C.nrows(), A.ncols())?;
+        let BalancedMatrix { A, scale } = balance_all(A)?;
+        let B = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] / scale[i]);
+        let C = Mat::from_fn(C.nrows(), C.ncols(), |i, j| C[(i, j)] * scale[j]);
+        Ok(Self { A, B, C, scale })
+    }
+}
+
 fn solve(A: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
     check_square("A", A)?;
     check_shape("Q", Q, A.nrows(), A.ncols())?;
-    let balanced = crate::balance::balance_all(A)?;
+    let balanced = balance_all(A)?;
     let d = &balanced.scale;
     let inner = Mat::from_fn(Q.nrows(), Q.ncols(), |i, j| Q[(i, j)] / d[i] / d[j]);
     let operator = Operator::new(schur(&balanced.A)?, kind)?;

@@ -25,26 +25,11 @@ impl World for NoFiles {
     }
 }
 
-/// A machine as drawn.
-const DRAWN: &str = r#"
-format = 2
-[plant]
-name = "sight"
-inertia = { value = 2.0, tolerance = 0.3 }
-motor = { inertia = 1e-4 }
-gearbox = { ratio = 50.0 }
-drive = { kind = "torque", limit = 2.0 }
-friction = { pivot = { coulomb = { value = 1.0, tolerance = 0.5 }, viscous = 2.0 } }
-interface = { sample_period = 2e-3 }
-[plant.sensors]
-hub_gyro = { noise = 2e-4, natural_frequency = "80 Hz" }
-hub_resolver = { noise = 1e-5 }
-[verify.step]
-rate = 0.05
-[[verify.requirement]]
-figure = "nonlinear_step_settling_time_s"
-at_most = 1.0
-[[verify.requirement]]
+/// A sight as drawn.
+const DRAWN: &str = include_str!("data/drawn_sight.toml");
+
+/// What its machine must reach besides.
+const QUIET_AT_REST: &str = r#"[[verify.requirement]]
 figure = "rest_hub_rms_rad_s"
 at_most = 0.001
 "#;
@@ -59,12 +44,16 @@ struct PlayedRound {
     recorded: Vec<RecordedRun>,
 }
 
+fn drawn() -> String {
+    format!("{DRAWN}{QUIET_AT_REST}")
+}
+
 fn project(text: &str) -> Project {
     Project::parse(text, "project.toml").unwrap().project
 }
 
 fn play_round(machine: &str) -> PlayedRound {
-    let stated = project(DRAWN);
+    let stated = project(&drawn());
     let chosen = with_chosen_weights(&stated).unwrap().unwrap().project;
     let stages = run_stages(&chosen, &NoFiles).unwrap();
     let content = Arc::new(ControllerContent {
@@ -103,7 +92,7 @@ fn files(round: &PlayedRound) -> Vec<RecordingFile> {
 
 #[test]
 fn a_machine_as_drawn_runs_as_predicted_and_meets_its_requirements() {
-    let machine = DRAWN.replace("{ value = 2.0, tolerance = 0.3 }", "2.0");
+    let machine = drawn().replace("{ value = 2.0, tolerance = 0.3 }", "2.0");
     let round = play_round(&machine.replace("{ value = 1.0, tolerance = 0.5 }", "1.0"));
     for one in &round.recorded {
         assert!(!judge_run(&one.run, &one.recording).leaves_band(), "{}", one.run.name);
@@ -115,7 +104,7 @@ fn a_machine_as_drawn_runs_as_predicted_and_meets_its_requirements() {
 
 #[test]
 fn values_off_within_their_tolerances_are_found_and_the_tolerances_shrink() {
-    let machine = DRAWN.replace("{ value = 2.0, tolerance = 0.3 }", "2.4");
+    let machine = drawn().replace("{ value = 2.0, tolerance = 0.3 }", "2.4");
     let round = play_round(&machine.replace("{ value = 1.0, tolerance = 0.5 }", "1.3"));
     let update = update_model(&round.project, &round.content, &files(&round), &Serial).unwrap();
     assert!(update.explains(), "{}", update.residual);
@@ -125,7 +114,7 @@ fn values_off_within_their_tolerances_are_found_and_the_tolerances_shrink() {
         assert!(value.half_width < 0.1 * value.half_width_before, "{value:?}");
     }
     // The file keeps its form: a value with a smaller tolerance.
-    let document = counterpoise_project::Document::parse(DRAWN, "project.toml");
+    let document = counterpoise_project::Document::parse(&drawn(), "project.toml");
     let next = update.project.update(&document, &round.project).unwrap();
     let read = project(next.text());
     assert_eq!(read.tolerances.len(), 2);

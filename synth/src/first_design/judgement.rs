@@ -162,16 +162,13 @@ impl<'a> Judge<'a> {
     /// Those of the discretisation and the margins.
     pub fn put_hardest_first(&mut self, controller: &StateSpace, found: &LoopJudgement) -> Result<(), Error> {
         let K = sampled_controller(controller, &self.sampling)?.select(&[0], &[1]);
-        let mut shares = Vec::new();
-        for (k, UsualPlant { held, max_sensitivity }) in self.within_usual_ranges.iter().enumerate() {
-            shares.push((
-                k,
-                sensitivity_beside(held, &K, rates_near_peaks(found), held_loop)? / max_sensitivity,
-            ));
+        let mut by_share = Vec::new();
+        for plant in std::mem::take(&mut self.within_usual_ranges) {
+            let sensitivity = sensitivity_beside(&plant.held, &K, rates_near_peaks(found), held_loop)?;
+            by_share.push((sensitivity / plant.max_sensitivity, plant));
         }
-        shares.sort_by(|(_, a), (_, b)| b.total_cmp(a));
-        let mut plants: Vec<Option<UsualPlant>> = self.within_usual_ranges.drain(..).map(Some).collect();
-        self.within_usual_ranges = shares.into_iter().filter_map(|(k, _)| plants[k].take()).collect();
+        by_share.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        self.within_usual_ranges = by_share.into_iter().map(|(_, plant)| plant).collect();
         Ok(())
     }
 
@@ -191,10 +188,9 @@ impl<'a> Judge<'a> {
         let sampling = &self.sampling;
         let both = sampled_controller(controller, sampling)?;
         let K = both.select(&[0], &[1]);
-        let Some(nominal) = stable_margins(&self.held, &K)? else { return Ok(None) };
-        let Some(bandwidth_rad_s) = lowest_fall(&series(&self.held, &K.negate())?, &nominal)? else {
-            return Ok(None);
-        };
+        let Some(loop_gain) = stable_loop(&self.held, &K)? else { return Ok(None) };
+        let nominal = candidate_margins(&loop_gain)?;
+        let Some(bandwidth_rad_s) = lowest_fall(&loop_gain, &nominal) else { return Ok(None) };
         let crossover = nominal.phase.iter().map(|margin| margin.rate_rad_s).fold(0.0, f64::max);
         // The density of the noise is what the coarser samples keep.
         let thinned = (self.circumstances.sampling.period_s / sampling.period_s).sqrt();
@@ -219,12 +215,12 @@ impl<'a> Judge<'a> {
         if is_out(&found) {
             return Ok(Some(found));
         }
-        found.sensitivity_of_others = self.sensitivity_of_others(&K, &found)?;
+        found.sensitivity_of_others = worst_beside(&self.others, &K, &found)?.max(nominal.ms.value);
         found.shifted_sensitivity = self.shifted_sensitivity(&K, &found)?;
         if is_out(&found) {
             return Ok(Some(found));
         }
-        found.sensitivity_within_tolerances = self.sensitivity_within_tolerances(&K, &found)?;
+        found.sensitivity_within_tolerances = worst_beside(&self.within_tolerances, &K, &found)?;
         if is_out(&found) {
             return Ok(Some(found));
         }
@@ -275,18 +271,6 @@ impl<'a> Judge<'a> {
         Ok(worst)
     }
 
-    /// The largest sensitivity over the plants at the ends of tolerances; beyond what is borne, that of the first plant that exceeds it.
-    fn sensitivity_within_tolerances(&self, K: &StateSpace, nominal: &LoopJudgement) -> Result<f64, Error> {
-        let mut worst = 0.0_f64;
-        for plant in &self.within_tolerances {
-            if worst > NEIGHBOUR_MS {
-                break;
-            }
-            worst = worst.max(sensitivity_beside(plant, K, rates_near_peaks(nominal), held_loop)?);
-        }
-        Ok(worst)
-    }
-
     /// The largest sensitivity over the plants at the ends of what is usual, over what is allowed with each, and what the margins with a usual delay
     /// of the control need over what they have; above 1, that of the first plant that exceeds it.
     fn share_over_usual_ranges(&self, K: &StateSpace, nominal: &LoopJudgement) -> Result<f64, Error> {
@@ -298,14 +282,13 @@ impl<'a> Judge<'a> {
             if worst > 1.0 {
                 break;
             }
-            let found = sensitivity_beside(held, K, rates_near_peaks(nominal), held_loop)?;
-            worst = worst.max(found / max_sensitivity);
+            worst = worst.max(sensitivity_of(held_loop(held, K)?)? / max_sensitivity);
         }
         for held in &self.with_usual_delay {
             if worst > 1.0 {
                 break;
             }
-            worst = worst.max(self.share_of_margins(held, K, nominal)?);
+            worst = worst.max(self.share_of_margins(held, K)?);
         }
         Ok(worst)
     }
@@ -326,16 +309,8 @@ impl<'a> Judge<'a> {
 
     /// The largest share of the required margins, and of the highest frequency of the closed loop, that a loop with another plant uses up;
     /// infinite if it is not stable.
-    fn share_of_margins(
-        &self,
-        held: &StateSpace,
-        K: &StateSpace,
-        nominal: &LoopJudgement,
-    ) -> Result<f64, Error> {
+    fn share_of_margins(&self, held: &StateSpace, K: &StateSpace) -> Result<f64, Error> {
         let required = &self.circumstances.margins;
-        if largest_sensitivity(held, K, rates_near_peaks(nominal))? > required.max_sensitivity {
-            return Ok(f64::INFINITY);
-        }
         let Some(loop_gain) = held_loop(held, K)? else { return Ok(f64::INFINITY) };
         let found = candidate_margins(&loop_gain)?;
         let phase_deg = found.phase_margin().map_or(f64::INFINITY, |margin| margin.deg.abs());
@@ -348,19 +323,6 @@ impl<'a> Judge<'a> {
             closed_loop_bandwidth(held, K, crossover)? / highest,
         ];
         Ok(shares.into_iter().fold(0.0, f64::max))
-    }
-
-    /// The largest sensitivity over the plant and those with what the linear plant leaves out; infinite if the loop with one of them is not
-    /// stable, while one that only drifts is held.
-    fn sensitivity_of_others(&self, K: &StateSpace, nominal: &LoopJudgement) -> Result<f64, Error> {
-        let mut worst = nominal.max_sensitivity;
-        for plant in &self.others {
-            if worst > NEIGHBOUR_MS {
-                break;
-            }
-            worst = worst.max(sensitivity_beside(plant, K, rates_near_peaks(nominal), held_loop)?);
-        }
-        Ok(worst)
     }
 }
 
@@ -441,22 +403,18 @@ fn sampled_controller(controller: &StateSpace, sampling: &Sampling) -> Result<St
 
 /// Returns the lowest frequency at which the gain of a loop falls to 1, rad/s; `None` if it never does. At a resonance far above it the gain may
 /// rise above 1 once more and fall again.
-fn lowest_fall(loop_gain: &StateSpace, margins: &CandidateMargins) -> Result<Option<f64>, Error> {
+fn lowest_fall(loop_gain: &StateSpace, margins: &CandidateMargins) -> Option<f64> {
     let mut below = None;
     for margin in &margins.phase {
         let rate = margin.rate_rad_s;
         let between = below.map_or(0.5 * rate, |below: f64| (below * rate).sqrt());
         let response = frequency_response(loop_gain, &[between]);
         if response.map_or(f64::INFINITY, |values| values[0][(0, 0)].norm()) > 1.0 {
-            return Ok(Some(rate));
+            return Some(rate);
         }
         below = Some(rate);
     }
-    Ok(None)
-}
-
-fn stable_margins(plant: &StateSpace, K: &StateSpace) -> Result<Option<CandidateMargins>, Error> {
-    Ok(stable_loop(plant, K)?.map(|loop_gain| candidate_margins(&loop_gain)).transpose()?)
+    None
 }
 
 /// The loop gain of a controller on a plant; `None` if its closed loop is not stable.
@@ -494,10 +452,24 @@ fn sensitivity_beside(
     if seen > (1.0 + SEEN_ABOVE) * NEIGHBOUR_MS {
         return Ok(seen);
     }
-    match loop_of(plant, K)? {
-        Some(loop_gain) => Ok(candidate_sensitivity(&loop_gain)?.value),
-        None => Ok(f64::INFINITY),
+    sensitivity_of(loop_of(plant, K)?)
+}
+
+/// The largest sensitivity of a loop; infinite if there is none.
+fn sensitivity_of(loop_gain: Option<StateSpace>) -> Result<f64, Error> {
+    loop_gain.map_or(Ok(f64::INFINITY), |loop_gain| Ok(candidate_sensitivity(&loop_gain)?.value))
+}
+
+/// The largest sensitivity over plants whose loops may drift, 0 without any; beyond what is borne, that of the first plant that exceeds it.
+fn worst_beside(plants: &[StateSpace], K: &StateSpace, nominal: &LoopJudgement) -> Result<f64, Error> {
+    let mut worst = 0.0_f64;
+    for plant in plants {
+        if worst > NEIGHBOUR_MS {
+            break;
+        }
+        worst = worst.max(sensitivity_beside(plant, K, rates_near_peaks(nominal), held_loop)?);
     }
+    Ok(worst)
 }
 
 /// Returns the frequencies about the bandwidth and the peak of the sensitivity of a loop, rad/s, where that with another plant is likely to be large.
@@ -571,3 +543,29 @@ fn step_peak(plant: &StateSpace, K: &StateSpace, crossover: f64, sampling: &Samp
 
 /// Samples of a step that are looked at, at most: the largest control comes early.
 const MOST_SAMPLES: usize = 4000;
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use counterpoise_lti::parallel;
+
+    #[test]
+    fn a_resonance_far_above_the_fall_of_the_gain_is_not_the_bandwidth() {
+        let system = |A: &[&[f64]], B: &[&[f64]], C: &[&[f64]]| {
+            let (A, B, C) = (Mat::from_rows(A), Mat::from_rows(B), Mat::from_rows(C));
+            StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Continuous).unwrap()
+        };
+        // 5/s, and a mode at 200 rad/s with a damping ratio of 0.005 whose peak is 3.
+        let integrator = system(&[&[0.0]], &[&[1.0]], &[&[5.0]]);
+        let mode = system(&[&[0.0, 1.0], &[-4e4, -2.0]], &[&[0.0], &[1.0]], &[&[0.0, 6.0]]);
+        let both = parallel(&integrator, &mode).unwrap();
+        let sampled = c2d(&both, 1e-3, Discretisation::ZeroOrderHold).unwrap();
+        let margins = candidate_margins(&sampled).unwrap();
+        assert_eq!(margins.phase.len(), 3, "{margins:?}");
+        let fall = lowest_fall(&sampled, &margins).unwrap();
+        assert!((fall / 5.0 - 1.0).abs() < 0.01, "{fall}");
+        let highest = margins.phase.last().unwrap().rate_rad_s;
+        assert!((highest / 200.0 - 1.0).abs() < 0.1, "{highest}");
+    }
+}

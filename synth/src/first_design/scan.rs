@@ -110,6 +110,7 @@ pub(super) struct Scan<'a> {
     pub further_shapes: FurtherShapes,
     /// A candidate that misses so many limits already is judged no further.
     most_missed: usize,
+    /// How far candidates are judged.
     thoroughness: Thoroughness,
     /// Factor by which the bandwidth of a loop may rise above it.
     rise_above: f64,
@@ -213,10 +214,10 @@ impl<'a> Scan<'a> {
 
     /// Varies the multiples of the answer's shape, one after the other, as long as the bandwidth rises.
     fn refine(&mut self) -> Result<(), Error> {
-        self.rise_above = 1.0 / (1.0 + RISE);
         if self.best_bandwidth() > NEAR_CEILING * self.ceiling() {
             return Ok(());
         }
+        self.rise_above = 1.0 / (1.0 + RISE);
         self.judge_by(Thoroughness::Improvements);
         // Where a wide variation does not help, a narrow one hardly does.
         let [wide, narrow] = VARIATIONS;
@@ -225,9 +226,6 @@ impl<'a> Scan<'a> {
             while self.vary(narrow)? {}
         }
         self.judge_by(Thoroughness::Everything);
-        // What was judged no further than its first miss is not known to the search for what limits the answer.
-        let known = SHAPES.len();
-        self.attempts.retain(|(_, shape), _| *shape < known);
         Ok(())
     }
 
@@ -289,20 +287,10 @@ impl<'a> Scan<'a> {
             0.0 => highest_rad_s,
             best => highest_rad_s.min(reach * best),
         };
-        let mut aim_rad_s = highest_rad_s;
-        while ABOVE_AIM * aim_rad_s > self.best_bandwidth() && aim_rad_s > lowest {
-            for shape in shapes.clone() {
-                self.look_ahead((shape..SHAPES.len()).map(|shape| Candidate { aim_rad_s, shape }));
-                let Some(found) = self.attempt(aim_rad_s, shape)? else { continue };
-                if !self.keeps_all(&found.judgement) || !self.is_promising(&found.judgement) {
-                    continue;
-                }
-                self.take_if_higher(found, Some(aim_rad_s * step_of_aims()))?;
-            }
-            aim_rad_s /= step_of_aims();
-        }
+        self.descend(highest_rad_s, lowest, shapes.clone(), |aim_rad_s| {
+            at_aims(&[aim_rad_s], shapes.clone())
+        })?;
         self.judge_by(Thoroughness::Everything);
-        self.attempts.retain(|(_, shape), _| !shapes.contains(shape));
         // A design on the plant as it is has costs that are those of the loop: it gives way to one that is clearly quicker.
         let quickest = before.as_ref().map_or(0.0, |before| before.judgement.bandwidth_rad_s);
         if self.best_bandwidth() < CLEARLY_QUICKER * quickest {
@@ -324,8 +312,8 @@ impl<'a> Scan<'a> {
     ) -> Result<(), Error> {
         let mut aim = highest_rad_s;
         while ABOVE_AIM * aim > self.best_bandwidth() && aim > lowest_rad_s {
-            self.look_ahead(upcoming(aim).into_iter());
-            for shape in shapes.clone() {
+            for (k, shape) in shapes.clone().enumerate() {
+                self.look_ahead(upcoming(aim).into_iter().skip(k));
                 self.improve(aim, shape)?;
             }
             aim /= step_of_aims();
@@ -422,13 +410,17 @@ impl<'a> Scan<'a> {
         self.ahead.clear();
     }
 
-    /// Judges candidates from now on no further than their first miss, or that they are no quicker than the answer; or each of them to its end.
+    /// Judges candidates from now on so far. Those for stiff modes and with a shape of the answer's own, which alone are judged for improvements, are
+    /// forgotten at the end of it: the search for what limits the answer must know more of them than their first miss.
     fn judge_by(&mut self, thoroughness: Thoroughness) {
         self.thoroughness = thoroughness;
-        self.judge_up_to(match thoroughness {
-            Thoroughness::Improvements => 1,
-            Thoroughness::Everything => usize::MAX,
-        });
+        match thoroughness {
+            Thoroughness::Improvements => self.judge_up_to(1),
+            Thoroughness::Everything => {
+                self.judge_up_to(usize::MAX);
+                self.attempts.retain(|(_, shape), _| *shape < STIFF_MODES);
+            }
+        }
     }
 
     /// Halves the stretch between an aim that keeps everything and one above it that does not, if there is one, as long as an aim in between may have
