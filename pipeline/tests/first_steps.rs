@@ -171,3 +171,27 @@ fn what_is_not_known_is_taken_at_the_worst_that_is_usual() {
     assert!(open.bandwidth.bandwidth_rad_s < 1.03 * stated(noise_rms).bandwidth.bandwidth_rad_s);
     assert!(open.bandwidth.bandwidth_rad_s < stated(0.1 * noise_rms).bandwidth.bandwidth_rad_s);
 }
+
+#[test]
+fn what_is_stated_to_be_ideal_is_known() {
+    let quick = "format = 2
+plant.inertia = 1.0
+plant.drive = { kind = \"torque\", limit = 5.0 }
+plant.sensors.hub_gyro = { noise = 1e-3 }
+plant.interface.sample_period = 1e-3
+";
+    let stated = quick
+        .replace("noise = 1e-3", "noise = 1e-3, delay = 0.0")
+        .replace("sample_period = 1e-3", "sample_period = 1e-3\nplant.interface.output_delay_samples = 0");
+    let (open, known) = (choose_weights(quick), choose_weights(&stated));
+    let bandwidth = |chosen: &ChosenWeights| chosen.first.bandwidth.bandwidth_rad_s;
+    // A reading of a digital sensor may come 2 ms late, and a control a sample: each costs phase that a machine without them has.
+    assert!(bandwidth(&known) > 1.3 * bandwidth(&open), "{} {}", bandwidth(&known), bandwidth(&open));
+    let is_late = |fact: &Unknown| matches!(fact, Unknown::Sensor | Unknown::Delay);
+    assert!(open.first.bandwidth.unknown.iter().any(is_late), "{:?}", open.first.bandwidth.unknown);
+    assert!(!known.first.bandwidth.unknown.iter().any(is_late), "{:?}", known.first.bandwidth.unknown);
+    // The facts stay known where the project is written anew.
+    let project = read(&stated).1;
+    assert_eq!(read(&project.to_text()).1, project);
+    assert!(!project.assumptions().iter().any(|open| open.key.ends_with("delay")));
+}

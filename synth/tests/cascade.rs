@@ -96,6 +96,7 @@ fn a_first_design_chooses_both_loops_and_the_whole_keeps_the_margins() {
         plant: machine(),
         others: Vec::new(),
         within_tolerances: Vec::new(),
+        known_absent: Vec::new(),
         within_usual_ranges: Vec::new(),
         with_usual_delay: Vec::new(),
         others_at_usual_ends: Vec::new(),

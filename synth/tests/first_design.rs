@@ -20,6 +20,7 @@ fn circumstances(plant: DesignPlant, sampling: Sampling) -> Circumstances {
         load_output: None,
         others: Vec::new(),
         within_tolerances: Vec::new(),
+        known_absent: Vec::new(),
         within_usual_ranges: Vec::new(),
         with_usual_delay: Vec::new(),
         others_at_usual_ends: Vec::new(),

@@ -51,6 +51,7 @@ impl Machine {
             plant,
             others: Vec::new(),
             within_tolerances: Vec::new(),
+            known_absent: Vec::new(),
             within_usual_ranges: Vec::new(),
             with_usual_delay: Vec::new(),
             others_at_usual_ends: Vec::new(),

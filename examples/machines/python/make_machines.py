@@ -160,7 +160,7 @@ def project_text(name, drawn):
         lines.append(f"motor_tachometer = {{ scale = {number(10.0 / drawn['ratio'])}, noise = {number(5e-4 * drawn['ratio'])} }}")
     if drawn["base"]:
         lines += ["platform_gyro = { scale = 10.0, noise = 2e-4 }", "platform_accelerometer = { scale = 1.0, noise = 2e-3 }"]
-    lines += ["", "[verify]", "step = { rate = 0.2 }", "triangle = { rate = 0.1, period = 4.0 }"]
+    lines += ["", "[verify]", "step = { rate = 0.2, duration = 1.0 }", "triangle = { rate = 0.1, period = 4.0 }"]
     for figure, limit in (("nonlinear_step_settling_time_s", 0.25), ("nonlinear_triangle_error_rms_rad_s", 0.01), ("rest_hub_rms_rad_s", 1e-3)):
         lines += ["", "[[verify.requirement]]", f'figure = "{figure}"', f"at_most = {number(limit)}"]
     return "\n".join(lines) + "\n"

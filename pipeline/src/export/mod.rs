@@ -15,6 +15,7 @@ use counterpoise_models::plant::Plant;
 use counterpoise_verify::{Procedure, VerifiedController};
 use sha2::{Digest, Sha256};
 
+use crate::first_design::leaves_weights_open;
 use crate::traverse_file::{FolderOfFile, traverse_project};
 use crate::wording::provenance::{describe_loop_signals, describe_verdicts};
 use crate::wording::weights::describe_weights;
@@ -231,6 +232,10 @@ fn units(
 /// that mean the same. A file that cannot be read counts by its name alone.
 pub fn project_hash(project: &Project, world: &dyn World) -> String {
     let mut text = project.meaning();
+    if leaves_weights_open(project) {
+        // What is known and what is not decides on weights that are chosen.
+        text.extend(project.stated_defaults.iter().map(|key| format!("{key} is stated\n")));
+    }
     if let Some(content) = project.import.as_ref().and_then(|import| import.content.as_ref()) {
         text += &format!("{content:?}");
     }

@@ -204,6 +204,7 @@ fn circumstances(
         others: plants_beside(modelled, &plant, nominal)?,
         within_tolerances: tolerance_corners::plants_within_tolerances(project, asked, reduced)?,
         usual_reading: open.usual_reading(p),
+        known_absent: open.known_absent(),
         load_output: Some(load_output(&plant)),
         sampling: sampling(asked, modelled)?,
         control_limit: match p.amplifier.has_limit() {

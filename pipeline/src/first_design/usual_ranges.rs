@@ -11,7 +11,7 @@ use counterpoise_lti::{pade, series};
 use counterpoise_models::{AxisKind, FeedbackSignal, IDEAL_CONVERTER_BITS, Parameters};
 use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_project::{Assumption, LATEST_USUAL_READING_S, Project};
-use counterpoise_synth::{DesignPlant, LateReading, UsualReading};
+use counterpoise_synth::{DesignPlant, LateReading, Unknown, UsualReading};
 
 use super::with_angles;
 use crate::synth::design_plant;
@@ -26,18 +26,44 @@ const STEPS: [(&str, bool); 2] = [("counts", true), ("resolution", false)];
 const GYROSCOPE_NOISE: f64 = 1.7e-4;
 /// Latest reading that is usual for an encoder, s: its counter is read at once, or sent by a serial link within a tenth of a millisecond.
 const LATEST_USUAL_COUNT_S: f64 = 1e-4;
+/// Key of the delay of the control.
+const CONTROL_DELAY: &str = "plant.interface.output_delay_samples";
 /// Order of the approximation of a delay that is usual: its phase is right to 1e-5 rad up to the inverse of the delay.
 const DELAY_ORDER: usize = 3;
 
 /// The values that a project leaves open.
 pub(super) struct OpenValues {
     assumptions: Vec<Assumption>,
+    control_delay: Knowledge,
+    reading_delay: Knowledge,
+    reading_noise: Knowledge,
+}
+
+/// Whether a quantity is known that the file leaves at its default.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Knowledge {
+    /// The file states the default.
+    Stated,
+    /// The file does not name it.
+    Open,
+}
+
+impl Knowledge {
+    fn of(is_stated: bool) -> Self {
+        if is_stated { Self::Stated } else { Self::Open }
+    }
 }
 
 impl OpenValues {
     /// Lists what a project leaves open.
     pub fn of(project: &Project) -> Self {
-        Self { assumptions: project.assumptions() }
+        let sensor = |key: &str| Knowledge::of(project.states_default_of_loop_sensor(key));
+        Self {
+            assumptions: project.assumptions(),
+            control_delay: Knowledge::of(project.stated_defaults.contains(CONTROL_DELAY)),
+            reading_delay: sensor("delay"),
+            reading_noise: sensor("noise"),
+        }
     }
 
     /// Returns the plants at the ends of the usual ranges of what is left open, given the plant as it is modelled. A plant that cannot be built is left out.
@@ -58,7 +84,7 @@ impl OpenValues {
         let ends: Vec<BothPlants> =
             ends.filter_map(|(key, value)| plant_with(project, asked, key, value)).collect();
         let of_form = |form: fn(&BothPlants) -> &DesignPlant| {
-            with_usual_delays(&project.plant, form(nominal), ends.iter().map(form))
+            self.with_usual_delays(&project.plant, form(nominal), ends.iter().map(form))
         };
         Ok(PlantsAtEnds {
             as_designed: of_form(|plants| &plants.as_designed)?,
@@ -75,10 +101,14 @@ impl OpenValues {
         machine: &Parameters,
         nominal: &DesignPlant,
     ) -> Result<Vec<DesignPlant>, PipelineError> {
-        match machine.interface.output_delay_samples {
-            0 => Ok(vec![delay_control(nominal, machine)?]),
-            _ => Ok(Vec::new()),
+        match self.has_open_control_delay(machine) {
+            true => Ok(vec![delay_control(nominal, machine)?]),
+            false => Ok(Vec::new()),
         }
+    }
+
+    fn has_open_control_delay(&self, machine: &Parameters) -> bool {
+        machine.interface.output_delay_samples == 0 && self.control_delay == Knowledge::Open
     }
 
     /// Returns the step of a reading that is known, in the measured unit; 0 if none is.
@@ -92,6 +122,16 @@ impl OpenValues {
             ..IDEAL_CONVERTER_BITS => plant.interface.converter_step(sensor),
             _ => 0.0,
         }
+    }
+
+    /// Returns what is known to be absent.
+    pub fn known_absent(&self) -> Vec<Unknown> {
+        let all = [
+            (Unknown::Delay, self.control_delay),
+            (Unknown::Sensor, self.reading_delay),
+            (Unknown::Noise, self.reading_noise),
+        ];
+        all.into_iter().filter(|(_, known)| *known == Knowledge::Stated).map(|(fact, _)| fact).collect()
     }
 
     /// Returns noise and step that are usual for the sensor of the loop where the file states neither.
@@ -114,16 +154,40 @@ impl OpenValues {
         };
         self.assumptions.iter().filter_map(step).fold(0.0, f64::max)
     }
-}
 
-/// The delay that is usual for a sensor of which no lag is known, s.
-fn usual_delay_s(plant: &Parameters) -> f64 {
-    let reading = &plant.sensors.hub_gyro;
-    let knows_lag = reading.natural_frequency_rad_s.is_finite() || reading.delay_s > 0.0;
-    match knows_lag {
-        true => 0.0,
-        false if reading.resolution > 0.0 => LATEST_USUAL_COUNT_S,
-        false => LATEST_USUAL_READING_S,
+    /// The delay that is usual for a sensor of which no lag is known, s.
+    fn usual_delay_s(&self, plant: &Parameters) -> f64 {
+        let reading = &plant.sensors.hub_gyro;
+        let states_delay = reading.delay_s > 0.0 || self.reading_delay == Knowledge::Stated;
+        let knows_lag = reading.natural_frequency_rad_s.is_finite() || states_delay;
+        match knows_lag {
+            true => 0.0,
+            false if reading.resolution > 0.0 => LATEST_USUAL_COUNT_S,
+            false => LATEST_USUAL_READING_S,
+        }
+    }
+
+    /// Returns plants that differ from the nominal one, then these and the nominal one with a usual delay of the reading, then all with one of the control,
+    /// where no such delay is known.
+    fn with_usual_delays<'a>(
+        &self,
+        machine: &Parameters,
+        nominal: &DesignPlant,
+        ends: impl Iterator<Item = &'a DesignPlant>,
+    ) -> Result<Vec<DesignPlant>, PipelineError> {
+        let mut plants: Vec<DesignPlant> = ends.filter(|plant| *plant != nominal).cloned().collect();
+        let delay_s = self.usual_delay_s(machine);
+        if delay_s > 0.0 {
+            let late = plants.iter().chain([nominal]).map(|plant| delay_reading(plant, machine, delay_s));
+            let late = late.collect::<Result<Vec<_>, _>>()?;
+            plants.extend(late);
+        }
+        if self.has_open_control_delay(machine) {
+            let delayed = plants.iter().map(|plant| delay_control(plant, machine));
+            let delayed = delayed.collect::<Result<Vec<_>, _>>()?;
+            plants.extend(delayed);
+        }
+        Ok(plants)
     }
 }
 
@@ -167,28 +231,6 @@ pub(super) struct BothPlants {
 pub(super) struct PlantsAtEnds {
     pub as_designed: Vec<DesignPlant>,
     pub with_angles: Vec<DesignPlant>,
-}
-
-/// Returns plants that differ from the nominal one, then these and the nominal one with a usual delay of the reading, then all with one of the control,
-/// where no such delay is known.
-fn with_usual_delays<'a>(
-    machine: &Parameters,
-    nominal: &DesignPlant,
-    ends: impl Iterator<Item = &'a DesignPlant>,
-) -> Result<Vec<DesignPlant>, PipelineError> {
-    let mut plants: Vec<DesignPlant> = ends.filter(|plant| *plant != nominal).cloned().collect();
-    let delay_s = usual_delay_s(machine);
-    if delay_s > 0.0 {
-        let late = plants.iter().chain([nominal]).map(|plant| delay_reading(plant, machine, delay_s));
-        let late = late.collect::<Result<Vec<_>, _>>()?;
-        plants.extend(late);
-    }
-    if machine.interface.output_delay_samples == 0 {
-        let delayed = plants.iter().map(|plant| delay_control(plant, machine));
-        let delayed = delayed.collect::<Result<Vec<_>, _>>()?;
-        plants.extend(delayed);
-    }
-    Ok(plants)
 }
 
 /// Returns the plants of the design with a value of the file changed; `None` if there are none.

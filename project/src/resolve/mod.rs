@@ -44,7 +44,7 @@ mod users_unit;
 pub mod verify;
 mod weight;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use counterpoise_models::Parameters;
 use counterpoise_recordings::Mapping;
@@ -96,6 +96,8 @@ pub struct Project {
     pub measured: Option<measured_modes::MeasuredModes>,
     /// Values that are known within tolerances.
     pub tolerances: Vec<KeyTolerance>,
+    /// Paths of the physical quantities that are stated with the value of their default: they are known, where an absent key leaves its quantity open.
+    pub stated_defaults: BTreeSet<String>,
 }
 
 /// A project and what is suspicious in its file.
@@ -139,6 +141,7 @@ impl Project {
         let format = file(&mut reader, &mut project);
         reader.finish();
         project.tolerances = std::mem::take(&mut reader.tolerances);
+        project.stated_defaults = std::mem::take(&mut reader.stated_defaults);
         let plain = reader.units.is_empty() && project.tolerances.is_empty() && document.parts().is_empty();
         let news = if plain { News::Unused } else { News::Used };
         let (mut findings, assumptions) = (reader.findings, reader.assumptions);
@@ -188,15 +191,33 @@ impl Project {
     }
 
     /// Returns the canonical text of the project: sections in fixed order, units in comments, usual values
-    /// left out.
+    /// left out where the file does not state them either.
     pub fn to_text(&self) -> String {
-        writer::canonical_text(&self.lines())
+        let mut lines = self.lines();
+        for line in &mut lines {
+            if let Line::Value { path, usual, .. } = line
+                && self.stated_defaults.contains(path)
+            {
+                *usual = false;
+            }
+        }
+        writer::canonical_text(&lines)
     }
 
-    /// Returns the assumptions of the canonical text: the defaults that stand in for physical quantities, with their usual ranges. A value
-    /// that is written as its default is among them; none are returned for a project that refers to other files.
+    /// Returns the assumptions of the project: the defaults that stand in for physical quantities, with their usual ranges.
     pub fn assumptions(&self) -> Vec<Assumption> {
-        Self::parse(&self.to_text(), "project.toml").map_or_else(|_| Vec::new(), |parsed| parsed.assumptions)
+        let document = Document::parse(&self.to_text(), "project.toml");
+        // What stands in other files is not read again: it is stated, not assumed.
+        let attachments = Attachments::none();
+        let mut reader = Reader::new(&document.source, &document.entries, &attachments);
+        file(&mut reader, &mut Self::blank());
+        reader.assumptions
+    }
+
+    /// Returns whether the sensor of the loop states a quantity, by the last part of its key, with the value of its default.
+    pub fn states_default_of_loop_sensor(&self, key: &str) -> bool {
+        let section = loop_sensor::section_of(&self.plant.sensors);
+        self.stated_defaults.contains(&format!("plant.sensors.{section}.{key}"))
     }
 
     /// Returns the file with every value that differs between two projects set, and everything else of it left
@@ -263,6 +284,7 @@ impl Project {
             recording: Mapping::default(),
             measured: None,
             tolerances: Vec::new(),
+            stated_defaults: BTreeSet::new(),
         }
     }
 }

@@ -7,6 +7,7 @@ use counterpoise_pipeline::preview::DesignPreview;
 use counterpoise_pipeline::studies::trade_off::EffortPoint;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::WeightSource;
+use counterpoise_synth::LightModes;
 use counterpoise_synth::weight::handles::{WeightNumber, form_name, weight_numbers};
 use counterpoise_verify::Source;
 use egui::{RichText, Ui};
@@ -17,6 +18,7 @@ use super::design_charts::{
 use super::weight_plot::{PlottedWeight, plotted_weights, show_weight_plot};
 use super::{design_figures, loop_charts, no_controller, widgets};
 use crate::command::{Command, DesignTab};
+use crate::editing::key_reference::find_key;
 use crate::number_format::format_short;
 use crate::studio::Studio;
 use crate::theme::space;
@@ -146,7 +148,29 @@ fn show_noise(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, proj
     egui::Grid::new("noises").num_columns(3).spacing([8.0, 2.0]).show(ui, |ui| {
         widgets::number_field(ui, view, queue, "synth.feedback.measurement_noise", f.measurement_noise);
         widgets::number_field(ui, view, queue, "synth.feedback.loop_recovery", f.loop_recovery);
+        show_modes_choice(ui, view, queue, f.modes);
     });
+}
+
+/// Shows in which way the plant of the feedback has its lightly damped modes.
+fn show_modes_choice(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>, modes: LightModes) {
+    const KEY: &str = "synth.feedback.modes";
+    const NAMES: [(LightModes, &str); 2] = [(LightModes::Kept, "kept"), (LightModes::Stiffened, "stiffened")];
+    let meaning = find_key(KEY).map_or_else(String::new, |key| format!("{}\n{KEY}", key.meaning));
+    ui.label(RichText::new("modes").color(view.theme.weak)).on_hover_text(&meaning);
+    let shown = NAMES.iter().find(|(choice, _)| *choice == modes).map_or("", |(_, name)| name);
+    let combo = egui::ComboBox::from_id_salt(KEY).selected_text(shown).width(78.0);
+    let response = combo.show_ui(ui, |ui| {
+        for (choice, name) in NAMES {
+            if ui.selectable_label(modes == choice, name).clicked() && modes != choice {
+                queue.push(Command::SetText { path: KEY.to_owned(), value: name.to_owned() });
+            }
+        }
+    });
+    response.response.on_hover_text(meaning).widget_info(|| {
+        egui::WidgetInfo::labeled(egui::Role::ComboBox, true, "light modes in the plant of the feedback")
+    });
+    ui.end_row();
 }
 
 /// Shows the slider that tries another out-of-balance.

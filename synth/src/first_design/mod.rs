@@ -32,7 +32,7 @@ pub use judgement::{LoopJudgement, RequiredMargins};
 
 use counterpoise_lti::StateSpace;
 
-use crate::bandwidth::Bandwidth;
+use crate::bandwidth::{Bandwidth, Unknown};
 use crate::cause::Cause;
 use crate::finding::{DesignFinding, Part};
 use crate::{DesignPlant, Error, Sampling, Specification};
@@ -93,6 +93,8 @@ pub struct Circumstances {
     pub holding_v: f64,
     /// Step of the demand that must not take more than the control's limit, in the unit of the measured signal.
     pub demand_step: f64,
+    /// Noise, lag of the sensor or delay of which is known that there is none.
+    pub known_absent: Vec<Unknown>,
     /// Margins that the loop must keep.
     pub margins: RequiredMargins,
     /// Whether the feedback may be designed on the plant with stiff modes.
@@ -110,7 +112,7 @@ pub struct Circumstances {
 impl Circumstances {
     /// Returns whether noise or step of the readings is known.
     fn is_reading_known(&self) -> bool {
-        self.noise_rms > 0.0 || self.reading_step > 0.0
+        self.noise_rms > 0.0 || self.reading_step > 0.0 || self.known_absent.contains(&Unknown::Noise)
     }
 
     /// Returns RMS noise and step of a reading: those that are known, or else those that are usual.

@@ -659,5 +659,6 @@ fn list_unknowns(given: &Circumstances, modes: &[f64]) -> Vec<Unknown> {
         (Unknown::Demand, given.demand_step == 0.0),
         (Unknown::DriveLimit, given.control_limit == ControlLimit::OfConverter),
     ];
-    all.into_iter().filter(|(_, is_unknown)| *is_unknown).map(|(fact, _)| fact).collect()
+    let is_open = |(fact, is_unknown): &(Unknown, bool)| *is_unknown && !given.known_absent.contains(fact);
+    all.into_iter().filter(is_open).map(|(fact, _)| fact).collect()
 }

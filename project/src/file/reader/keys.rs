@@ -23,7 +23,10 @@ fn text_problem(text: &str) -> Option<String> {
 impl<'a> Visit for Reader<'a> {
     fn number(&mut self, field: &Field, value: &mut f64) {
         match self.find(field) {
-            Some(node) => *value = self.keyed_number(&self.path(field.key), node, field).unwrap_or(f64::NAN),
+            Some(node) => {
+                *value = self.keyed_number(&self.path(field.key), node, field).unwrap_or(f64::NAN);
+                self.note_stated(field, *value);
+            }
             None => {
                 *value = if let Fallback::Number(default) = field.default { default } else { f64::NAN };
                 self.note_default(field);
@@ -56,6 +59,7 @@ impl<'a> Visit for Reader<'a> {
             }
             _ => self.wrong_type(&path, node, "a whole number"),
         }
+        self.note_stated(field, f64::from(*value));
     }
 
     fn text(&mut self, field: &Field, value: &mut String) {

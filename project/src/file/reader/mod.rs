@@ -4,7 +4,7 @@ mod keys;
 mod numbers;
 mod synonyms;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::attachments::Attachments;
 use super::field::{Fallback, Field};
@@ -23,6 +23,8 @@ pub(crate) struct Reader<'a> {
     pub findings: Vec<Diagnostic>,
     /// Defaults that stand in for physical quantities.
     pub assumptions: Vec<Assumption>,
+    /// Keys of physical quantities that the file states with the value of their default.
+    pub stated_defaults: BTreeSet<String>,
     /// Values that have tolerances.
     pub tolerances: Vec<KeyTolerance>,
     /// Units of the keys of quantities, by the bytes at which the quantities stand.
@@ -78,6 +80,7 @@ impl<'a> Reader<'a> {
             lists: Vec::new(),
             findings: Vec::new(),
             assumptions: Vec::new(),
+            stated_defaults: BTreeSet::new(),
             tolerances: Vec::new(),
             units: BTreeMap::new(),
         }

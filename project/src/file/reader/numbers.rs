@@ -162,6 +162,14 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Notes that a physical quantity is written that has the value of its default.
+    pub(super) fn note_stated(&mut self, field: &Field, value: f64) {
+        let path = self.path(field.key);
+        if field.default == Fallback::Number(value) && path.starts_with(PHYSICAL) {
+            self.stated_defaults.insert(path);
+        }
+    }
+
     pub(super) fn note(&mut self, key: String, field: &Field, value: f64) {
         let silent = self.frames.last().is_none_or(|frame| frame.silent);
         if silent || self.assumptions.len() >= super::MOST_FINDINGS {
