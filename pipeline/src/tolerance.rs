@@ -155,6 +155,9 @@ pub(crate) const LEAST_LEFT: f64 = 0.1;
 /// third of what the changed load of the runs adds.
 pub(crate) const RETURNED: f64 = 1.10;
 
+/// Share of the limits of a machine up to which the experiment is planned that tells machines apart: a machine that is not the model goes farther.
+pub(crate) const PLANNED_SHARE: f64 = 0.8;
+
 /// Noise floors beyond the machines within the tolerances that a recording may differ from its prediction: of 10 000 samples of white noise the largest is
 /// four standard deviations off.
 pub(crate) const BAND_FLOORS: f64 = 6.0;
@@ -176,6 +179,9 @@ pub(crate) const POSTERIOR_DIFFERENCE: f64 = 0.005;
 /// Most Gauss-Newton steps: those within a tolerance settle in three or four, those with an effect beside it in ten.
 pub(crate) const POSTERIOR_STEPS: usize = 16;
 
+/// Gauss-Newton steps after which effects are compared: most of what one explains is there by then.
+pub(crate) const RANKING_STEPS: usize = 3;
+
 /// Damping of the first Gauss-Newton step, as a share of the diagonal.
 pub(crate) const FIRST_DAMPING: f64 = 1e-3;
 
@@ -185,20 +191,43 @@ pub(crate) const POSTERIOR_DAMPINGS: i32 = 6;
 /// Share of the cost that a Gauss-Newton step must gain for another one to be taken.
 pub(crate) const POSTERIOR_SETTLED: f64 = 1e-3;
 
+/// Gain margin that a design is asked for whose model does not explain its recordings, dB: a lightly damped mode that is missing, or another damping of one,
+/// doubles the gain, and a lag beside it turns it.
+pub(crate) const CAUTIOUS_GAIN_MARGIN_DB: f64 = 12.0;
+
 /// Room to its limit that a figure needs on the machine, as a share of the limit: a run repeats its figures to about a percent.
 pub(crate) const ACCEPTANCE_MARGIN: f64 = 0.02;
 
 /// Share by which a tolerance must shrink for a round to count as one that taught something.
 pub(crate) const CHANGED_TOLERANCE: f64 = 0.1;
 
-/// Effects of a diagnosis that are tried beside the values of a model, at most.
+/// Effects that are fitted beside the values of a model before one is chosen, at most: those that screening or a diagnosis ranks first.
 pub(crate) const MOST_CANDIDATES: usize = 4;
 
 /// Effects that a round adds to a model, at most: recordings of a few experiments tell no more apart.
-pub(crate) const MOST_EFFECTS: usize = 2;
+pub(crate) const MOST_EFFECTS: usize = 4;
 
-/// Share of the residual that must be left or less for an effect to be added.
-pub(crate) const EFFECT_GAIN: f64 = 0.7;
+/// Share of the residual's power that must be left or less for an effect to be added: what a wrong effect, fitted to what another one left, removes
+/// is mostly less than a tenth.
+pub(crate) const EFFECT_GAIN: f64 = 0.85;
+
+/// Share of the residual's power that an effect must explain in a linearised trial to be fitted.
+pub(crate) const SCREENED_SHARE: f64 = 0.05;
+
+/// Most multiples of the library's typical size up to which a linearised trial is followed.
+pub(crate) const SCREENED_MULTIPLE: f64 = 30.0;
+
+/// Orders of a ripple that are tried, per turn of the motor: once and twice a turn, and the pole and slot counts of common motors.
+pub(crate) const SCREENED_ORDERS: [f64; 9] = [1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 18.0, 24.0, 36.0];
+
+/// Reach of the phase of a ripple in one fit, rad.
+pub(crate) const PHASE_REACH: f64 = 1.0;
+
+/// Reach of the order of a ripple in one fit, as a share of it: orders are counted, and a tenth is more than gears and slots leave open.
+pub(crate) const ORDER_REACH: f64 = 0.1;
+
+/// Least reach of the place of an effect in one fit, rad.
+pub(crate) const PLACE_REACH: f64 = 0.1;
 
 /// Relative difference of sample periods that are the same: that of a decimal with seven digits.
 pub(crate) const SAME_CLOCK: f64 = 1e-6;

@@ -4,6 +4,8 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 
 use counterpoise_diagnose::experiment::Limits;
+use counterpoise_pipeline::commission::acceptance::FigureSource;
+use counterpoise_pipeline::commission::story::RunSummary;
 use counterpoise_pipeline::commission::{
     PlannedRun, RecordedRun, ReplayUse, StopReason, assign_controller, judge_requirements, judge_run,
     plan_runs, simulate_run, stop_before_update, update_model,
@@ -99,7 +101,20 @@ fn a_machine_as_drawn_runs_as_predicted_and_meets_its_requirements() {
     }
     let verdicts = judge_requirements(&round.project, &round.stages, &round.recorded);
     assert!(verdicts.iter().all(|verdict| verdict.measured.is_some()));
-    assert_eq!(stop_before_update(&verdicts), Some(StopReason::RequirementsMet));
+    assert_eq!(stop_before_update(&verdicts, &[]), Some(StopReason::RequirementsMet));
+    // A figure that no run shows is the model's, which counts for nothing once a run has left its prediction.
+    let all_but_step: Vec<RecordedRun> =
+        round.recorded.iter().filter(|one| one.run.name != "step").cloned().collect();
+    let by_model = judge_requirements(&round.project, &round.stages, &all_but_step);
+    assert!(by_model.iter().any(|verdict| verdict.source == FigureSource::NotShown));
+    let left = |leaves_band: bool| RunSummary {
+        name: "rest".to_owned(),
+        duration_s: 1.0,
+        channels: Vec::new(),
+        leaves_band,
+    };
+    assert_eq!(stop_before_update(&by_model, &[left(false)]), Some(StopReason::RequirementsMet));
+    assert_eq!(stop_before_update(&by_model, &[left(true)]), None);
 }
 
 #[test]

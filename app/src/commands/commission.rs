@@ -197,7 +197,7 @@ impl Round<'_> {
         };
         let verdicts = judge_requirements(&self.loaded.project, &designed.stages, &recorded.runs);
         summary.add_verdicts(&self.loaded.project, &verdicts);
-        if let Some(stop) = stop_before_update(&verdicts) {
+        if let Some(stop) = stop_before_update(&verdicts, &summary.runs) {
             return self.finish(summary, Some(stop));
         }
         let workers = ProgressPool::new(self.options.results.progress());

@@ -38,6 +38,18 @@ pub struct ExperimentExtremes {
     pub current_a: f64,
 }
 
+impl ExperimentExtremes {
+    /// Returns the larger of each two values.
+    #[must_use]
+    pub fn larger_of(&self, other: &Self) -> Self {
+        Self {
+            angle_rad: self.angle_rad.max(other.angle_rad),
+            rate_rad_s: self.rate_rad_s.max(other.rate_rad_s),
+            current_a: self.current_a.max(other.current_a),
+        }
+    }
+}
+
 /// An experiment of the menu that keeps the limits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlannedExperiment {

@@ -67,8 +67,10 @@ pub fn judge_run(run: &PlannedRun, recording: &Recording) -> RunJudgement {
 pub enum FigureSource {
     /// A recording of the machine.
     Recording,
-    /// The model alone: no experiment on the machine shows the figure.
+    /// The model alone: no experiment on a machine shows the figure.
     Model,
+    /// The model alone, because the experiment that shows the figure was left out, or the recording does not show it.
+    NotShown,
 }
 
 /// The outcome of a requirement on the machine.
@@ -91,7 +93,7 @@ impl MachineVerdict {
     pub fn holds(&self) -> bool {
         let value = match self.source {
             FigureSource::Recording => self.measured,
-            FigureSource::Model => self.predicted,
+            FigureSource::Model | FigureSource::NotShown => self.predicted,
         };
         value.is_some_and(|value| matches!(self.limit.judge(value), Verdict::Holds { .. }))
     }
@@ -126,17 +128,20 @@ fn judge(
     recorded: &[RecordedRun],
 ) -> MachineVerdict {
     let figure = requirement.figure;
-    let measured = if shows_in_recording(figure) {
+    let measure_shown = || {
         let experiment = Experiment::from_figure(figure);
         let shown = recorded.iter().find(|recorded| recorded.run.experiment == Some(experiment));
         shown.and_then(|recorded| measure(figure, experiment, &recorded.recording, project, settle_s))
-    } else {
-        None
+    };
+    let (source, measured) = match shows_in_recording(figure) {
+        false => (FigureSource::Model, None),
+        true => measure_shown()
+            .map_or((FigureSource::NotShown, None), |value| (FigureSource::Recording, Some(value))),
     };
     MachineVerdict {
         figure,
         limit: requirement.limit,
-        source: if measured.is_some() { FigureSource::Recording } else { FigureSource::Model },
+        source,
         predicted: verification.value(figure),
         measured,
     }

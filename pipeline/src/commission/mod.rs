@@ -13,6 +13,7 @@ pub mod acceptance;
 pub mod machine_runs;
 pub mod posterior;
 pub mod run_plan;
+mod screening;
 pub mod story;
 pub mod update;
 

@@ -8,7 +8,7 @@
 //!
 //! Effects beside the model can be fitted with the values: a missing spring must not be made up for by a wrong inertia.
 
-use counterpoise_diagnose::library::Effect;
+use counterpoise_diagnose::library::{Effect, EffectParameter};
 use counterpoise_linalg::{Mat, inverse};
 use counterpoise_models::Parameters;
 use counterpoise_pool::{Pool, map};
@@ -21,8 +21,8 @@ use crate::configuration::apply_configuration;
 use crate::recordings::read::ReadRecording;
 use crate::recordings::replay::{ReplayLength, replay_one};
 use crate::tolerance::{
-    EXPLAINED_FLOORS, FIRST_DAMPING, LEAST_TOLERANCE, POSTERIOR_DAMPINGS, POSTERIOR_DIFFERENCE,
-    POSTERIOR_SETTLED, POSTERIOR_STEPS,
+    EXPLAINED_FLOORS, FIRST_DAMPING, LEAST_TOLERANCE, ORDER_REACH, PHASE_REACH, PLACE_REACH,
+    POSTERIOR_DAMPINGS, POSTERIOR_DIFFERENCE, POSTERIOR_SETTLED, POSTERIOR_STEPS,
 };
 
 /// The tolerances of a project that recordings leave.
@@ -38,6 +38,10 @@ pub struct Posterior {
     pub residual_before: f64,
     /// The same after it.
     pub residual_after: f64,
+    /// Mean square of all residuals over their noise floors after it.
+    pub power_after: f64,
+    /// Factors on the values, in the order of `values`.
+    pub(super) factors: Vec<f64>,
 }
 
 /// A value with a tolerance, before and after recordings.
@@ -75,6 +79,24 @@ pub struct ValuedEffect {
     pub values: Vec<f64>,
 }
 
+impl ValuedEffect {
+    /// Returns whether it is the same effect, whatever its values.
+    pub fn has_effect_of(&self, other: &Self) -> bool {
+        std::ptr::eq(self.effect, other.effect)
+    }
+
+    /// Returns how far each value may move in one fit: by itself, but a phase, an order of a ripple and a place by a share of what they range over.
+    fn reaches(&self) -> Vec<f64> {
+        let reach = |(parameter, value): (&EffectParameter, &f64)| match parameter.name {
+            "phase" => PHASE_REACH,
+            "order" => ORDER_REACH * value.abs(),
+            "centre" => value.abs().max(PLACE_REACH),
+            _ => value.abs(),
+        };
+        self.effect.parameters.iter().zip(&self.values).map(reach).collect()
+    }
+}
+
 /// Fits the values that are known within tolerances to recordings, and with them those of effects beside the model.
 ///
 /// # Errors
@@ -85,18 +107,31 @@ pub fn fit_tolerances(
     effects: &[ValuedEffect],
     pool: &dyn Pool,
 ) -> Result<Posterior, PipelineError> {
-    let problem = Problem { project, recorded, unknowns: project.varied_tolerances(), effects, pool };
-    let start = vec![1.0; problem.count()];
-    let first = problem.residuals(&start)?;
-    let before = first.largest;
-    let fitted = problem.solve(start, first)?;
-    problem.posterior(&fitted, before)
+    let problem = Problem::new(project, recorded, effects, pool);
+    problem.fit(vec![1.0; problem.count()])
+}
+
+/// Fits what [`fit_tolerances`] does, from the values of an earlier fit on and in a number of steps at most; what it says of the model before a fit is that of the earlier one.
+///
+/// # Errors
+/// As [`fit_tolerances`].
+pub(super) fn fit_from(
+    earlier: &Posterior,
+    project: &Project,
+    recorded: RecordedRuns<'_>,
+    effects: &[ValuedEffect],
+    steps: usize,
+    pool: &dyn Pool,
+) -> Result<Posterior, PipelineError> {
+    let problem = Problem { steps, ..Problem::new(project, recorded, effects, pool) };
+    let fitted = problem.fit(problem.factors_of(earlier))?;
+    Ok(Posterior { residual_before: earlier.residual_before, ..fitted })
 }
 
 /// Residuals over floors, of all channels of all recordings one after the other.
 #[derive(Clone)]
-struct Residuals {
-    values: Vec<f64>,
+pub(super) struct Residuals {
+    pub(super) values: Vec<f64>,
     /// Largest RMS of a channel of a recording.
     largest: f64,
 }
@@ -121,16 +156,42 @@ struct DampedStep {
     damping: f64,
 }
 
-struct Problem<'a> {
-    project: &'a Project,
-    recorded: RecordedRuns<'a>,
+pub(super) struct Problem<'a> {
+    pub(super) project: &'a Project,
+    pub(super) recorded: RecordedRuns<'a>,
     unknowns: Vec<VariedTolerance>,
     effects: &'a [ValuedEffect],
-    pool: &'a dyn Pool,
+    /// Gauss-Newton steps at most.
+    steps: usize,
+    pub(super) pool: &'a dyn Pool,
 }
 
-impl Problem<'_> {
-    fn plant_at(&self, factors: &[f64]) -> Result<Parameters, PipelineError> {
+impl<'a> Problem<'a> {
+    pub(super) fn new(
+        project: &'a Project,
+        recorded: RecordedRuns<'a>,
+        effects: &'a [ValuedEffect],
+        pool: &'a dyn Pool,
+    ) -> Self {
+        let unknowns = project.varied_tolerances();
+        Self { project, recorded, unknowns, effects, steps: POSTERIOR_STEPS, pool }
+    }
+
+    /// Returns the factors that an earlier fit found, and 1 for each parameter of an effect.
+    pub(super) fn factors_of(&self, earlier: &Posterior) -> Vec<f64> {
+        let mut factors = earlier.factors.clone();
+        factors.resize(self.count(), 1.0);
+        factors
+    }
+
+    fn fit(&self, start: Vec<f64>) -> Result<Posterior, PipelineError> {
+        let first = self.residuals(&start)?;
+        let before = first.largest;
+        let fitted = self.solve(start, first)?;
+        self.posterior(&fitted, before)
+    }
+
+    pub(super) fn plant_at(&self, factors: &[f64]) -> Result<Parameters, PipelineError> {
         let mut plant = self.project.plant.clone();
         for (unknown, factor) in self.unknowns.iter().zip(factors) {
             unknown.parameter.scale(&mut plant, *factor)?;
@@ -151,7 +212,9 @@ impl Problem<'_> {
         let mut at = |valued: &ValuedEffect| {
             let (own, rest) = left.split_at(valued.values.len());
             left = rest;
-            let values = valued.values.iter().zip(own).map(|(value, factor)| value * factor).collect();
+            let reaches = valued.reaches();
+            let moved = |((value, reach), factor): ((&f64, f64), &f64)| value + reach * (factor - 1.0);
+            let values = valued.values.iter().zip(reaches).zip(own).map(moved).collect();
             ValuedEffect { values, ..valued.clone() }
         };
         self.effects.iter().map(&mut at).collect()
@@ -167,8 +230,12 @@ impl Problem<'_> {
         3.0 / self.relative(k).powi(2)
     }
 
-    fn residuals(&self, factors: &[f64]) -> Result<Residuals, PipelineError> {
-        let plant = apply_configuration(self.project, &self.plant_at(factors)?)?;
+    pub(super) fn residuals(&self, factors: &[f64]) -> Result<Residuals, PipelineError> {
+        self.residuals_of(&self.plant_at(factors)?)
+    }
+
+    pub(super) fn residuals_of(&self, plant: &Parameters) -> Result<Residuals, PipelineError> {
+        let plant = apply_configuration(self.project, plant)?;
         let mut all = Residuals { values: Vec::new(), largest: 0.0 };
         for item in self.recorded.read {
             let replayed = replay_one(&plant, item, self.recorded.control, ReplayLength::Whole)?;
@@ -188,7 +255,7 @@ impl Problem<'_> {
     /// Takes damped Gauss-Newton steps until the cost settles (D. Marquardt, J. SIAM 11 (1963), 431).
     fn solve(&self, mut factors: Vec<f64>, mut residuals: Residuals) -> Result<FactorFit, PipelineError> {
         let (mut covariance, mut damping) = (self.prior_covariance(), FIRST_DAMPING);
-        for _ in 0..POSTERIOR_STEPS {
+        for _ in 0..self.steps {
             if factors.is_empty() {
                 break;
             }
@@ -243,7 +310,7 @@ impl Problem<'_> {
     }
 
     /// Returns the derivatives of the residuals by each factor, from differences; `None` if a machine beside the model cannot be simulated.
-    fn derivatives(&self, factors: &[f64], residuals: &Residuals) -> Option<Vec<Vec<f64>>> {
+    pub(super) fn derivatives(&self, factors: &[f64], residuals: &Residuals) -> Option<Vec<Vec<f64>>> {
         let columns = map(self.pool, factors.len(), |k| {
             // Inside the tolerance, and far larger than the steps of converters make the residuals jump.
             let size = POSTERIOR_DIFFERENCE * self.relative(k);
@@ -306,19 +373,32 @@ impl Problem<'_> {
             });
         }
         let effects = self.effects_at(&fitted.factors);
-        Ok(Posterior { project, values, effects, residual_before, residual_after: fitted.residuals.largest })
+        Ok(Posterior {
+            project,
+            values,
+            effects,
+            residual_before,
+            residual_after: fitted.residuals.largest,
+            power_after: fitted.residuals.power(),
+            factors: fitted.factors[..self.unknowns.len()].to_vec(),
+        })
     }
 }
 
 impl Residuals {
+    /// Returns the mean square.
+    fn power(&self) -> f64 {
+        let count = self.values.len().max(1) as f64;
+        self.values.iter().map(|value| value * value).sum::<f64>() / count
+    }
+
     /// Returns by how much residuals weigh less than white noise of their floors: by their power, and by the samples over which they keep their sign
     /// over the two of white noise.
     fn inflation(&self) -> f64 {
         let count = self.values.len().max(1) as f64;
-        let power = self.values.iter().map(|value| value * value).sum::<f64>() / count;
         let changes = self.values.windows(2).filter(|pair| pair[0] * pair[1] < 0.0).count();
         let kept = count / (changes.max(1) as f64);
-        power.max(1.0) * (0.5 * kept).max(1.0)
+        self.power().max(1.0) * (0.5 * kept).max(1.0)
     }
 }
 

@@ -13,7 +13,7 @@ use counterpoise_verify::{Arrangement, Experiment, Procedure, Source, nonlinear}
 
 use super::machine_runs::{MachineRun, RunRequest, simulate_run};
 use crate::recordings::experiment::plan_experiment;
-use crate::tolerance::BAND_FLOORS;
+use crate::tolerance::{BAND_FLOORS, PLANNED_SHARE};
 use crate::{DesignStages, PipelineError, build_plant_model};
 
 /// An experiment of a round.
@@ -29,7 +29,7 @@ pub struct PlannedRun {
     pub request: RunRequest,
     /// The prediction of the model.
     pub predicted: Vec<PredictedChannel>,
-    /// The extremes that the model reaches: angle, rate and current.
+    /// The extremes that the model and the machines within the tolerances reach: angle, rate and current.
     pub reached: ExperimentExtremes,
 }
 
@@ -38,7 +38,7 @@ pub struct PlannedRun {
 pub struct PlannedRuns {
     /// Those that keep the limits.
     pub runs: Vec<PlannedRun>,
-    /// Those that leave them, by the model's own prediction.
+    /// Those that leave them on the model, or on a machine within the tolerances.
     pub left_out: Vec<PlannedRun>,
 }
 
@@ -65,7 +65,7 @@ pub struct PredictedChannel {
 }
 
 /// Returns the experiments of a round: those of the verification that run the whole controller, and one that best tells apart what the model may lack.
-/// Those that leave the limits with the model's own values are left out.
+/// Those that leave the limits on the model, or on a machine within the tolerances, are left out.
 ///
 /// # Errors
 /// Those of the simulator.
@@ -85,7 +85,13 @@ pub fn plan_runs(
         runs.push(PlannedRun { name: run_name(experiment), experiment: Some(experiment), ..run });
     }
     // A machine on which no demand within the limits tells anything apart is known well enough for its verification's experiments.
-    if let Ok(plan) = plan_experiment(project, None, limits, pool)
+    let room = Limits {
+        angle_rad: PLANNED_SHARE * limits.angle_rad,
+        rate_rad_s: PLANNED_SHARE * limits.rate_rad_s,
+        current_a: PLANNED_SHARE * limits.current_a,
+        ..limits
+    };
+    if let Ok(plan) = plan_experiment(project, None, room, pool)
         && let Some(best) = plan.experiments.into_iter().next()
     {
         let request = RunRequest {
@@ -188,7 +194,12 @@ fn predict(
     });
     let mut ran = ran.into_iter();
     let (nominal, repeated) = (ran.next().flatten()?, ran.next().flatten()?);
-    let others: Vec<Recording> = ran.flatten().map(|run| run.recording).collect();
+    let mut reached = nominal.reached;
+    let mut others: Vec<Recording> = Vec::new();
+    for other in ran.flatten() {
+        reached = reached.larger_of(&other.reached);
+        others.push(other.recording);
+    }
     let recorded = Channel::ALL.into_iter().filter(|channel| nominal.recording.has(*channel));
     let predicted = recorded.map(|channel| {
         let values = nominal.recording.samples(channel).unwrap_or_default().to_vec();
@@ -203,7 +214,7 @@ fn predict(
         PredictedChannel { channel, values, low, high }
     });
     let predicted = predicted.collect();
-    let (replay, reached) = (replay_use(plant.parameters(), &request), nominal.reached);
+    let replay = replay_use(plant.parameters(), &request);
     Some(PlannedRun { name: IDENTIFICATION, experiment: None, replay, request, predicted, reached })
 }
 

@@ -246,14 +246,17 @@ impl RoundSummary {
     }
 }
 
-/// Returns why a commissioning ends before its model is updated, if it does: every requirement holds with a margin, and a recording shows one of them.
-pub fn stop_before_update(verdicts: &[MachineVerdict]) -> Option<StopReason> {
+/// Returns why a commissioning ends before its model is updated, if it does: every requirement holds with a margin, and a recording shows one of them. A figure that a
+/// recording could have shown and none does counts by the model only if all runs stayed within their predictions.
+pub fn stop_before_update(verdicts: &[MachineVerdict], runs: &[RunSummary]) -> Option<StopReason> {
+    let leaves_band = runs.iter().any(|run| run.leaves_band);
     let with_margin = |verdict: &MachineVerdict| {
         let value = verdict.measured.or(verdict.predicted);
         let room = value.map(|value| verdict.limit.distance_to_limit(value));
         let needed = match verdict.source {
+            FigureSource::NotShown if leaves_band => return false,
             FigureSource::Recording => ACCEPTANCE_MARGIN * verdict.limit.value().abs(),
-            FigureSource::Model => 0.0,
+            FigureSource::Model | FigureSource::NotShown => 0.0,
         };
         room.is_some_and(|room| room >= needed)
     };

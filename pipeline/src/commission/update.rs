@@ -8,12 +8,17 @@ use counterpoise_pool::Pool;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::{ControllerSource, RecordingController};
 use counterpoise_project::resolve::controller_file::ControllerContent;
+use counterpoise_verify::{Limit, LoopFigure, PerformanceFigure, Requirement};
 
-use super::posterior::{Posterior, RecordedRuns, ValuedEffect, fit_tolerances};
+use super::posterior::{Posterior, Problem, RecordedRuns, ValuedEffect, fit_from, fit_tolerances};
+use super::screening::screen_effects;
 use crate::PipelineError;
 use crate::recordings::read::{control_for, recording_controller};
 use crate::recordings::{DiagnosedRecordings, GapTreatment, RecordingFile, diagnose, read_files};
-use crate::tolerance::{EFFECT_GAIN, EXPLAINED_FLOORS, MOST_CANDIDATES, MOST_EFFECTS};
+use crate::tolerance::{
+    CAUTIOUS_GAIN_MARGIN_DB, EFFECT_GAIN, EXPLAINED_FLOORS, MOST_CANDIDATES, MOST_EFFECTS, POSTERIOR_STEPS,
+    RANKING_STEPS,
+};
 
 /// The model that the recordings of a round leave.
 #[derive(Debug, Clone)]
@@ -64,39 +69,61 @@ fn candidate_effects(answer: &Answer) -> Vec<ValuedEffect> {
     all
 }
 
-fn is_same_effect(one: &ValuedEffect, other: &ValuedEffect) -> bool {
-    one.effect.component == other.effect.component && one.effect.effect == other.effect.effect
+/// A model that is fitted to the recordings of a round, with what it takes to fit it again.
+struct Fitting<'a> {
+    project: &'a Project,
+    recorded: RecordedRuns<'a>,
+    pool: &'a dyn Pool,
 }
 
-/// Adds effects to a model one after the other, as long as one lowers the residual, each fitted from the file's own values together with these.
-fn add_effects(
-    project: &Project,
-    recorded: RecordedRuns<'_>,
-    mut best: Posterior,
-    candidates: &[ValuedEffect],
-    pool: &dyn Pool,
-) -> Result<Posterior, PipelineError> {
-    for _ in 0..MOST_EFFECTS {
-        let mut improved: Option<Posterior> = None;
-        for candidate in candidates {
-            if best.effects.iter().any(|known| is_same_effect(known, candidate)) {
-                continue;
-            }
-            let effects = [best.effects.as_slice(), std::slice::from_ref(candidate)].concat();
+impl Fitting<'_> {
+    /// Returns the best of several effects, each fitted beside what a model has; `None` if none removes enough of the residual.
+    fn best_of(&self, model: &Posterior, candidates: &[ValuedEffect]) -> Option<Posterior> {
+        let is_new =
+            |candidate: &&ValuedEffect| !model.effects.iter().any(|one| one.has_effect_of(candidate));
+        let mut best: Option<Posterior> = None;
+        for candidate in candidates.iter().filter(is_new) {
+            let effects = [model.effects.as_slice(), std::slice::from_ref(candidate)].concat();
             // A machine with such an effect may be none that can be simulated.
-            let Ok(fitted) = fit_tolerances(project, recorded, &effects, pool) else { continue };
-            let least = improved.as_ref().map_or(EFFECT_GAIN * best.residual_after, |one| one.residual_after);
-            if fitted.residual_after < least {
-                improved = Some(fitted);
+            let Ok(fitted) = self.fit(model, &effects, RANKING_STEPS) else { continue };
+            let least = best.as_ref().map_or(EFFECT_GAIN * model.power_after, |one| one.power_after);
+            if fitted.power_after < least {
+                best = Some(fitted);
             }
         }
-        let Some(improved) = improved else { break };
-        best = Posterior { residual_before: best.residual_before, ..improved };
-        if best.residual_after <= EXPLAINED_FLOORS {
-            break;
-        }
+        let ranked = best?;
+        self.fit(&ranked, &ranked.effects, POSTERIOR_STEPS).ok()
     }
-    Ok(best)
+
+    fn fit(
+        &self,
+        earlier: &Posterior,
+        effects: &[ValuedEffect],
+        steps: usize,
+    ) -> Result<Posterior, PipelineError> {
+        fit_from(earlier, self.project, self.recorded, effects, steps, self.pool)
+    }
+
+    /// Adds effects of the library one after the other, as long as one removes enough of the residual.
+    fn add_screened(&self, mut model: Posterior) -> Result<Posterior, PipelineError> {
+        while model.residual_after > EXPLAINED_FLOORS && model.effects.len() < MOST_EFFECTS {
+            let problem = Problem::new(self.project, self.recorded, &model.effects, self.pool);
+            let mut candidates = screen_effects(&problem, &model)?;
+            candidates.truncate(MOST_CANDIDATES);
+            let Some(better) = self.best_of(&model, &candidates) else { break };
+            model = better;
+        }
+        Ok(model)
+    }
+
+    /// Adds effects of a diagnosis one after the other, as long as one removes enough of the residual.
+    fn add_diagnosed(&self, mut model: Posterior, candidates: &[ValuedEffect]) -> Posterior {
+        while model.residual_after > EXPLAINED_FLOORS && model.effects.len() < MOST_EFFECTS {
+            let Some(better) = self.best_of(&model, candidates) else { break };
+            model = better;
+        }
+        model
+    }
 }
 
 /// Returns a project whose recordings are made under an exported controller.
@@ -111,8 +138,8 @@ pub fn assign_controller(project: &Project, content: &Arc<ControllerContent>) ->
 
 /// Returns the model of a project, updated by recordings that were made under one exported controller.
 ///
-/// The values that are known within tolerances are fitted first. If the model then leaves more than the noise, the recordings are diagnosed, and what the diagnosis
-/// found, or nearly found, is tried beside the file's own values, which are fitted together with it.
+/// The values that are known within tolerances are fitted first. If the model then leaves more than the noise, the effects of the library that could explain the rest beside
+/// these values are fitted together with them. If more than the noise is still left, the recordings are diagnosed, and what the diagnosis found, or nearly found, is tried too.
 ///
 /// # Errors
 /// As [`read_files`], [`fit_tolerances`] and [`diagnose`].
@@ -128,12 +155,13 @@ pub fn update_model(
     let read = read_files(&given, in_loop.as_ref(), files, GapTreatment::Repaired)?;
     let control = control_for(&given, in_loop.as_ref(), read.iter().map(|item| &item.recording));
     let recorded = RecordedRuns { read: &read, control: &control };
-    let mut posterior = fit_tolerances(&given, recorded, &[], pool)?;
+    let fitting = Fitting { project: &given, recorded, pool };
+    let mut posterior = fitting.add_screened(fit_tolerances(&given, recorded, &[], pool)?)?;
     let mut diagnosed = None;
-    if posterior.residual_after > EXPLAINED_FLOORS {
+    if posterior.residual_after > EXPLAINED_FLOORS && posterior.effects.len() < MOST_EFFECTS {
         let found = diagnose(&recorded_under(&posterior.project), files, pool)?;
-        let candidates = candidate_effects(&found.diagnosis.answer);
-        posterior = add_effects(&given, recorded, posterior, &candidates, pool)?;
+        posterior = fitting.add_diagnosed(posterior, &candidate_effects(&found.diagnosis.answer));
+        posterior = fitting.add_screened(posterior)?;
         diagnosed = Some(Box::new(found));
     }
     let updated = Project {
@@ -142,5 +170,25 @@ pub fn update_model(
         ..project.clone()
     };
     let residual = posterior.residual_after;
-    Ok(ModelUpdate { project: updated, posterior, diagnosed, residual })
+    let update = ModelUpdate { project: updated, posterior, diagnosed, residual };
+    Ok(ModelUpdate { project: with_caution(&update), ..update })
 }
+
+/// Returns the updated project, whose design is asked for a wide gain margin as long as its model does not explain the recordings: what is
+/// missing in the model may be a lag or a mode, and these raise the loop's gain where nothing was measured.
+fn with_caution(update: &ModelUpdate) -> Project {
+    let mut project = update.project.clone();
+    let Some(verify) = &mut project.verify else { return project };
+    verify.requirements.retain(|requirement| requirement.source != CAUTION);
+    if !update.explains() {
+        verify.requirements.push(Requirement {
+            figure: PerformanceFigure::Loop(LoopFigure::GainMargin),
+            limit: Limit::AtLeast(CAUTIOUS_GAIN_MARGIN_DB),
+            source: CAUTION.to_owned(),
+        });
+    }
+    project
+}
+
+/// Source of the requirement that a commissioning adds.
+const CAUTION: &str = "caution of the commissioning: the model does not explain its recordings";
