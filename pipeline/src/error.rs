@@ -140,9 +140,10 @@ pub enum PipelineError {
     },
     /// A control range in which the mechanism cannot be held against gravity.
     #[error(
-        "the out-of-balance of {moment_kg_m:.2} kg m takes {needed_v:.3} V to hold, and the control is limited to {limit_v} V: \
+        "the out-of-balance of {moment_kg_m:.2} kg m takes {:.2} times what the drive's limit gives to hold ({needed_v:.3} V of control, which ends at {limit_v} V): \
          balance the mechanism, carry its weight with [plant.equilibrator], state a larger `limit` of [plant.drive], or put a gear before it \
-         (with [plant.amplifier] raise its input_limit or gain)"
+         (with [plant.amplifier] raise its input_limit or gain)",
+        needed_v / limit_v
     )]
     CannotHold {
         /// The out-of-balance, kg m.

@@ -195,3 +195,59 @@ plant.interface.sample_period = 1e-3
     assert_eq!(read(&project.to_text()).1, project);
     assert!(!project.assumptions().iter().any(|open| open.key.ends_with("delay")));
 }
+
+#[test]
+fn a_rotor_of_which_nothing_is_known_makes_no_loop_quicker() {
+    let bandwidth = |text: &str| choose_weights(text).first.bandwidth.bandwidth_rad_s;
+    let belt = format!("{BELT}plant.belt = {{ ratio = 10.0 }}\n");
+    let (known, open) =
+        (bandwidth(&belt), bandwidth(&belt.replace("plant.motor = { inertia = 0.02 }\n", "")));
+    // A belt that yields shows only between load and rotor: without a rotor the machine looked rigid.
+    assert!(open <= 1.02 * known, "{open} {known}");
+    let direct = turret("0.02", "0.5", "1e-3").replace("inertia = 1e-4, ", "");
+    assert!(bandwidth(&direct) > 50.0, "a direct drive has no transmission that yields");
+}
+
+#[test]
+fn requirements_on_the_loop_are_margins_of_a_first_design() {
+    let required = |figure: &str, side: &str, limit: f64| {
+        let text = turret("0.02", "0.5", "1e-3");
+        format!("{text}[[verify.requirement]]\nfigure = \"{figure}\"\n{side} = {limit}\n")
+    };
+    let value = |text: &str, figure: LoopFigure| {
+        let chosen = choose_weights(text);
+        let made = build_plant_model(&chosen.project).unwrap();
+        let reduced = reduce_plant(&chosen.project, &made).unwrap();
+        let controller = synthesise(&chosen.project, &made, &reduced).unwrap().sampled.controller;
+        let found = frequency_figures(&made.plant, &controller, &Procedure::default()).unwrap();
+        found.value(PerformanceFigure::Loop(figure)).unwrap()
+    };
+    let free = turret("0.02", "0.5", "1e-3");
+    for (figure, key, side, limit) in [
+        (LoopFigure::DelayMargin, "delay_margin_s", "at_least", 0.02),
+        (LoopFigure::DiskMargin, "disk_margin", "at_least", 1.3),
+        (LoopFigure::MaxComplementary, "max_complementary_sensitivity", "at_most", 1.08),
+        (LoopFigure::Crossover, "crossover_hz", "at_most", 5.0),
+    ] {
+        let (open, held) = (value(&free, figure), value(&required(key, side, limit), figure));
+        let holds = |found: f64| if side == "at_least" { found >= limit } else { found <= 1.001 * limit };
+        assert!(!holds(open), "{key} holds without being asked for: {open}");
+        assert!(holds(held), "{key}: {held}, required {limit}");
+    }
+}
+
+#[test]
+fn a_loop_of_position_keeps_more_phase_than_the_usual_shapes_leave() {
+    let text = "format = 2
+plant.inertia = 0.5
+plant.drive = { kind = \"torque\", limit = 40.0 }
+plant.sensors.encoder = { counts = \"18 bit\", delay = 1e-4 }
+plant.interface = { sample_period = 1e-3, output_delay_samples = 1 }
+[[verify.requirement]]
+figure = \"phase_margin_deg\"
+at_least = 60
+";
+    let first = choose_weights(text).first;
+    assert!(first.judgement.phase_margin_deg >= 60.0, "{:?}", first.judgement);
+    assert!(first.bandwidth.bandwidth_rad_s > 10.0, "{}", first.bandwidth.bandwidth_rad_s);
+}

@@ -79,8 +79,13 @@ impl DiagnosticKind {
 
 /// Sorts findings by importance, then by place.
 pub(crate) fn sort(findings: &mut [Diagnostic]) {
-    let section = |finding: &Diagnostic| u8::from(!finding.allowed.starts_with("section"));
-    findings.sort_by_cached_key(|d| (d.problem.rank(), section(d), d.file.clone(), d.line, d.column));
+    let is_section = |finding: &Diagnostic| finding.allowed.starts_with("section");
+    // A section that is missing hides among no wrong values: without it nothing is done.
+    let rank = |finding: &Diagnostic| match finding.problem {
+        DiagnosticKind::Missing if is_section(finding) => DiagnosticKind::WrongType.rank(),
+        problem => problem.rank(),
+    };
+    findings.sort_by_cached_key(|d| (rank(d), u8::from(!is_section(d)), d.file.clone(), d.line, d.column));
 }
 
 /// Most findings that are shown at once.

@@ -182,3 +182,53 @@ fn names_of_data_sheets_are_answered_with_the_key() {
         assert!(said(&wrong).contains(meant), "{}", said(&wrong));
     }
 }
+
+/// A slide with everything that a first design needs.
+const SLIDE: &str = "format = 2
+plant = { axis = \"linear\", mass = \"5 kg\", drive = { kind = \"torque\", limit = \"50 N\" }, interface = { sample_period = \"1 ms\" } }
+";
+
+fn first_finding(text: &str) -> String {
+    Project::parse(text, "machine.toml").unwrap_err()[0].to_string()
+}
+
+#[test]
+fn what_a_drive_needs_is_asked_for_and_what_is_missing_comes_first() {
+    let voltage = "format = 2\nplant.inertia = 1.0\nplant.motor.resistance = 1.1\nplant.drive = { kind = \"voltage\", limit = 24.0 }\nplant.interface.sample_period = 1e-3\n";
+    let found = first_finding(voltage);
+    assert!(
+        found.contains("the motor's torque constant decides") && found.contains("add `torque_constant`"),
+        "{found}"
+    );
+    assert!(
+        Project::parse(
+            &voltage.replace("resistance = 1.1", "resistance = 1.1\nplant.motor.torque_constant = 0.04"),
+            "machine.toml"
+        )
+        .is_ok()
+    );
+    let found = first_finding(&voltage.replace("\"voltage\"", "\"current\""));
+    assert!(found.contains("takes a current"), "{found}");
+    // Many wrong values do not hide that a whole section is missing.
+    let wrong = "[plant]\ninertia = \"5 kg\"\ngearbox = { ratio = -3 }\n";
+    let found = first_finding(wrong);
+    assert!(found.contains("section [plant.interface] is missing"), "{found}");
+    assert!(
+        first_finding("format = 2\n").contains("the smallest is `plant = {"),
+        "{}",
+        first_finding("format = 2\n")
+    );
+    let found = first_finding(
+        "format = 2\nplant = { inertia = 1.0, gearbox = { stiffness = 1e4 }, motor = { inertia = 1e-4 }, interface = { sample_period = 1e-3 } }\n",
+    );
+    assert!(found.contains("plant.gearbox.ratio") && found.contains("count the turns"), "{found}");
+}
+
+#[test]
+fn a_slide_is_moved_by_a_base_that_slides() {
+    let slide = format!("{SLIDE}verify.pitch = {{ amplitude = \"0.2 m/s\", frequency = 1.0 }}\n");
+    let project = Project::parse(&slide, "machine.toml").unwrap().project;
+    assert_eq!(project.verify.unwrap().procedure.pitch.amplitude, 0.2);
+    let found = first_finding(&slide.replace("0.2 m/s", "0.2 rad/s"));
+    assert!(found.contains("must be a speed"), "{found}");
+}

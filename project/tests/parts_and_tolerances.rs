@@ -192,6 +192,9 @@ fn older_formats_are_read_migrated_and_newer_ones_refused() {
     assert!(resolve_with_files(GOOD, &[]).unwrap().warnings.is_empty(), "format 1 is read");
     let migrated = Document::parse(GOOD, "rig.toml").migrate().unwrap();
     assert_eq!(migrated.text(), GOOD.replacen("format = 1", "format = 2", 1), "every comment stays");
+    let windows = GOOD.replace('\n', "\r\n");
+    let migrated_there = Document::parse(&windows, "rig.toml").migrate().unwrap();
+    assert_eq!(migrated_there.text(), migrated.text().replace('\n', "\r\n"), "line ends stay");
     let bare = GOOD.replacen("format = 1\n", "", 1);
     let migrated = Document::parse(&bare, "rig.toml").migrate().unwrap();
     assert_eq!(migrated.text().replacen("format = 2\n", "", 1), bare);

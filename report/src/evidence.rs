@@ -260,12 +260,13 @@ fn rejection_section(found: &Verification) -> ReportSection {
         bode_figure(title, unit, &curves, PhasePanel::Hidden, marks)
     };
     let unity = vec![Mark::Level { y: 0.0, text: String::new() }];
-    let (name, unit) = (found.controlled_quantity().name(), found.controlled_quantity().unit());
-    let over_pitch = over_pitch_rate(found);
+    let controlled = found.controlled_quantity();
+    let (name, unit) = (controlled.name(), controlled.unit());
+    let over_pitch = over_base_rate(found);
     ReportSection::new("Disturbance rejection ratio")
         .with_text(format!("{} over platform motion, linear plant; low is good. Exact for a tone at each frequency, hold and sampling included.", capitalise_first(name)))
         .with_figures([
-            figure(Source::Pitch, &format!("DRR: {name} over pitch rate"), &over_pitch, unity),
+            figure(Source::Pitch, &format!("DRR: {name} over {}", controlled.base_rate_name()), &over_pitch, unity),
             figure(
                 Source::Heave,
                 &format!("DRR: {name} over heave"),
@@ -319,7 +320,7 @@ fn controller_section(found: &Verification) -> ReportSection {
 
 fn plant_section(found: &Verification) -> ReportSection {
     let unit = found.controlled_quantity().unit();
-    let units = [format!("{unit} per V"), format!("{unit} per m/s\u{B2}"), over_pitch_rate(found)];
+    let units = [format!("{unit} per V"), format!("{unit} per m/s\u{B2}"), over_base_rate(found)];
     let hub = capitalise_first(found.controlled_quantity().name());
     let curves = &found.evidence.curves;
     let figures = curves.plant.iter().zip(units).map(|(curve, unit)| {
@@ -337,11 +338,12 @@ fn controlled_axis(found: &Verification) -> Axis {
     Axis::linear(found.controlled_quantity().name(), found.controlled_quantity().unit())
 }
 
-/// Returns the unit of what the loop controls over the platform's pitch rate; empty for a rate over a rate.
-fn over_pitch_rate(found: &Verification) -> String {
-    match found.controlled_quantity().unit() {
-        "rad/s" => String::new(),
-        unit => format!("{unit} per rad/s"),
+/// Returns the unit of what the loop controls over the rate of the base; empty for a rate over a rate.
+fn over_base_rate(found: &Verification) -> String {
+    let controlled = found.controlled_quantity();
+    match (controlled.unit(), controlled.base_rate_unit()) {
+        (unit, base) if unit == base => String::new(),
+        (unit, base) => format!("{unit} per {base}"),
     }
 }
 

@@ -67,6 +67,11 @@ fn sentences(first: &FirstDesignResult) -> Vec<String> {
         short_number(first.bandwidth_rad_s / TAU),
         describe_limitation(first)
     )];
+    if first.limited_by.contains("usual ranges") {
+        lines.push(
+            "`counterpoise check` lists what the file leaves open, the most important first.".to_owned(),
+        );
+    }
     if let Some(asked) = first.asked_rad_s.filter(|asked| *asked > first.bandwidth_rad_s) {
         lines.push(format!("{} rad/s are asked for.", short_number(asked)));
     }

@@ -17,7 +17,8 @@ pub fn spectra_section(all: &[HubRateSpectra], controlled: ControlledQuantity) -
         return None;
     }
     let (name, unit) = (controlled.name(), controlled.unit());
-    let over_pitch = format!("dB of {unit} per rad/s");
+    let base = controlled.base_rate_unit();
+    let over_pitch = format!("dB of {unit} per {base}");
     let of = |source| all.iter().filter(move |one| one.source == source).collect::<Vec<_>>();
     let text = format!(
         "Read from the time histories on the road, nonlinear plant, by averaged spectra; the band is the {:.0} % confidence interval. \
@@ -26,8 +27,8 @@ pub fn spectra_section(all: &[HubRateSpectra], controlled: ControlledQuantity) -
     );
     Some(ReportSection::new("Disturbance rejection from the road").with_text(text).with_figures([
         figure(
-            &format!("DRR on the road: |Pxy / Pxx|, pitch rate to {name}"),
-            if unit == "rad/s" { "dB" } else { &over_pitch },
+            &format!("DRR on the road: |Pxy / Pxx|, {} to {name}", controlled.base_rate_name()),
+            if unit == base { "dB" } else { &over_pitch },
             &of(Source::Pitch),
         ),
         figure(

@@ -216,3 +216,21 @@ fn the_module_is_linear_in_the_out_of_balance() {
         }
     }
 }
+
+#[test]
+fn a_disturbance_that_reaches_the_rate_directly_is_opposed_too() {
+    // A rotor on a rigid transmission: the base drags a part of its motion along.
+    let mut plant = plant(1.0);
+    plant.system.D[(0, 1)] = 0.3;
+    let weights = weights(DisturbanceKnowledge::Exact);
+    let part = design_feedforward(&plant, &weights, DisturbanceChannel::Heave).unwrap();
+    let c = 20.0;
+    let rates = circle(1 << 14, c);
+    let expected = wiener_hopf(&plant, &weights, &rates, c);
+    let largest = expected.iter().map(|value| value.norm()).fold(0.0, f64::max);
+    for k in (0..rates.len()).step_by(37).filter(|&k| rates[k].abs() < 30.0) {
+        let found = response_at(&part.module, rates[k]).unwrap()[(0, 0)];
+        let difference = (Complex::new(found.re, found.im) - expected[k]).norm();
+        assert!(difference < 0.02 * largest, "at {} rad/s: {found} and {}", rates[k], expected[k]);
+    }
+}

@@ -28,6 +28,9 @@ pub fn print_first_design(loaded: &ProjectOnDisk) {
     }
     result.limits.iter().for_each(print_limit);
     print_step(loaded, first);
+    if first.bandwidth.limited_by.contains(&LimitKind::UsualRanges) {
+        say!("  `counterpoise check PROJECT` lists what the file leaves open, the most important first");
+    }
     for fact in &result.unknown {
         say!("  not known, and lowers the ceiling by 3 dB: {fact}");
     }

@@ -15,7 +15,7 @@ use crate::output::{say, write_out};
 /// Arguments of `new`.
 #[derive(Args)]
 pub struct NewOptions {
-    /// Folder to make, or an empty one; its name becomes the name of the machine
+    /// Folder to make, or one without a project.toml; its name becomes the name of the machine
     pub folder: PathBuf,
     /// The machine that the file describes, in at most 25 lines; asked for on a terminal, with four of its values, if absent
     #[arg(long, value_name = "sight|gun|antenna|robot-joint|gimbal|linear-axis|pendulum")]
@@ -51,8 +51,16 @@ pub fn run(options: &NewOptions) -> CommandResult {
 
 fn print_next_steps(path: &Path, folder: &Path) {
     say!("wrote {}. Change its values to your own, and run", path.display());
-    say!("    counterpoise check {}", folder.display());
-    say!("    counterpoise design {0} -o {0}/out", folder.display());
+    let (folder, out) = (quoted(folder), quoted(&folder.join("out")));
+    say!("    counterpoise check {folder}");
+    say!("    counterpoise design {folder} -o {out}");
+}
+
+/// Returns a path as one word of a command line.
+fn quoted(path: &Path) -> String {
+    let text = path.display().to_string();
+    let is_plain = |c: char| c.is_alphanumeric() || "/._-+:\\".contains(c);
+    if text.chars().all(is_plain) { text } else { format!("\"{}\"", text.replace('"', "\\\"")) }
 }
 
 fn names() -> String {
@@ -72,7 +80,7 @@ const MOST_REFUSED: usize = 20;
 /// Asks what the machine is like, then for four of its values. An empty answer keeps the value in brackets.
 fn ask_for_machine(input: &mut dyn BufRead) -> Result<Document> {
     say!(
-        "Five questions. A number may have any unit, as in 0.5 mrad; an empty answer keeps what is in brackets."
+        "Five questions. A number may have any unit, as in 0.5 mrad, and without one it is in SI units (rad, rad/s, kg m^2, s); an empty answer keeps what is in brackets."
     );
     let mut refused = 0;
     let kind = loop {

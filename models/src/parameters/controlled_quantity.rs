@@ -204,6 +204,19 @@ impl ControlledQuantity {
         self.motion().words().unit
     }
 
+    /// Returns the name of the motion of the base that the axis feels as a rate: the pitch rate, or the speed along a slide.
+    pub fn base_rate_name(self) -> &'static str {
+        match self.axis {
+            AxisKind::Rotary => "pitch rate",
+            AxisKind::Linear => "speed of the base",
+        }
+    }
+
+    /// Returns the unit of [`Self::base_rate_name`].
+    pub fn base_rate_unit(self) -> &'static str {
+        self.axis.unit("rad/s")
+    }
+
     /// Returns the unit of the axis' travel.
     pub fn travel_unit(self) -> &'static str {
         Self { kind: QuantityKind::Position, ..self }.words().unit

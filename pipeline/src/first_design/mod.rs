@@ -218,7 +218,7 @@ fn circumstances(
         margins: margins(project),
         may_stiffen_modes: asked.may_stiffen_modes(),
         position_gain: asked.specification.position_gain,
-        asked_rad_s: asked.bandwidth_rad_s,
+        asked_rad_s: asked_bandwidth(project, asked),
         heave: opposed.and_then(|m| motion(&m.heave, &p.sensors.platform_accelerometer, modelled)),
         pitch: opposed.and_then(|m| motion(&m.pitch, &p.sensors.platform_gyro, modelled)),
         plant,
@@ -288,10 +288,30 @@ fn margins(project: &Project) -> RequiredMargins {
                 margins.max_sensitivity =
                     margins.max_sensitivity.min(1.0 + (ms - 1.0) * (1.0 - MARGINS_TO_SPARE));
             }
+            (PerformanceFigure::Loop(LoopFigure::MaxComplementary), Limit::AtMost(mt)) => {
+                margins.max_complementary =
+                    margins.max_complementary.min(mt - MARGINS_TO_SPARE * (mt - 1.0).max(0.0));
+            }
+            (PerformanceFigure::Loop(LoopFigure::DiskMargin), Limit::AtLeast(radius)) => {
+                margins.disk = margins.disk.max((1.0 + MARGINS_TO_SPARE) * radius);
+            }
+            (PerformanceFigure::Loop(LoopFigure::DelayMargin), Limit::AtLeast(seconds)) => {
+                margins.delay_s = margins.delay_s.max((1.0 + MARGINS_TO_SPARE) * seconds);
+            }
             _ => {}
         }
     }
     margins
+}
+
+/// Returns the highest bandwidth that is asked for: by a key of its own, or by a requirement on the crossover, below which the gain first falls to 1.
+fn asked_bandwidth(project: &Project, asked: &DesignRequest) -> Option<f64> {
+    let requirements = project.verify.iter().flat_map(|asked| &asked.requirements);
+    let crossovers = requirements.filter_map(|requirement| match (requirement.figure, requirement.limit) {
+        (PerformanceFigure::Loop(LoopFigure::Crossover), Limit::AtMost(hz)) => Some(TAU * hz),
+        _ => None,
+    });
+    asked.bandwidth_rad_s.into_iter().chain(crossovers).reduce(f64::min)
 }
 
 /// Returns a sine that the project expects as a spectrum of the same RMS up to twice its frequency; `None` if no sensor

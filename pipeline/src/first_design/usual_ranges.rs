@@ -8,6 +8,7 @@
 //! bandwidth.
 
 use counterpoise_lti::{pade, series};
+use counterpoise_models::parameters::Transmission;
 use counterpoise_models::{AxisKind, FeedbackSignal, IDEAL_CONVERTER_BITS, Parameters};
 use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_project::{Assumption, LATEST_USUAL_READING_S, Project};
@@ -26,6 +27,11 @@ const STEPS: [(&str, bool); 2] = [("counts", true), ("resolution", false)];
 const GYROSCOPE_NOISE: f64 = 1.7e-4;
 /// Latest reading that is usual for an encoder, s: its counter is read at once, or sent by a serial link within a tenth of a millisecond.
 const LATEST_USUAL_COUNT_S: f64 = 1e-4;
+/// Shares of the inertia at the hub that the rotor of a transmission usually has, seen through it: a tenth, up to the half that a motor chosen for the largest acceleration
+/// has.
+const USUAL_ROTORS: [f64; 2] = [0.1, 0.5];
+/// Key of the rotor's inertia.
+const ROTOR_INERTIA: &str = "plant.motor.inertia";
 /// Key of the delay of the control.
 const CONTROL_DELAY: &str = "plant.interface.output_delay_samples";
 /// Order of the approximation of a delay that is usual: its phase is right to 1e-5 rad up to the inverse of the delay.
@@ -81,8 +87,11 @@ impl OpenValues {
             let ends = assumption.usual.into_iter().flatten();
             ends.filter(|end| end.is_finite() && *end != assumption.value).map(|end| (&assumption.key, end))
         });
-        let ends: Vec<BothPlants> =
-            ends.filter_map(|(key, value)| plant_with(project, asked, key, value)).collect();
+        let machines = with_usual_rotors(project);
+        let at_end = |(key, value): (&String, f64)| -> Vec<BothPlants> {
+            machines.iter().filter_map(|machine| plant_with(machine, asked, key, value)).collect()
+        };
+        let ends: Vec<BothPlants> = ends.flat_map(at_end).collect();
         let of_form = |form: fn(&BothPlants) -> &DesignPlant| {
             self.with_usual_delays(&project.plant, form(nominal), ends.iter().map(form))
         };
@@ -231,6 +240,27 @@ pub(super) struct BothPlants {
 pub(super) struct PlantsAtEnds {
     pub as_designed: Vec<DesignPlant>,
     pub with_angles: Vec<DesignPlant>,
+}
+
+/// Returns the machine as it is, or, if a transmission drives it from a rotor of which nothing is known, with a part of its inertia in that rotor: a transmission that
+/// yields shows only between two inertias.
+fn with_usual_rotors(project: &Project) -> Vec<Project> {
+    let plant = &project.plant;
+    let is_known = plant.motor.inertia_kg_m2 > 0.0 || project.stated_defaults.contains(ROTOR_INERTIA);
+    let transmits = plant.gearbox.kind != Transmission::Direct && plant.cylinder.is_none();
+    let Some(lumped) = plant.lumped.as_ref().filter(|_| transmits && !is_known) else {
+        return vec![project.clone()];
+    };
+    let with_share = |share: f64| {
+        let mut split = project.clone();
+        let rotor = share * lumped.hub_inertia_kg_m2;
+        split.plant.motor.inertia_kg_m2 = rotor / (plant.gearbox.ratio * plant.gearbox.ratio);
+        if let Some(own) = &mut split.plant.lumped {
+            own.hub_inertia_kg_m2 -= rotor;
+        }
+        split
+    };
+    USUAL_ROTORS.map(with_share).to_vec()
 }
 
 /// Returns the plants of the design with a value of the file changed; `None` if there are none.

@@ -311,7 +311,7 @@ fn suggest_remedy_in_plant(cause: &Cause) -> &'static str {
             "look for a mode on the axis that no control reaches or no measurement shows"
         }
         Cause::NoBandwidth { .. } => {
-            "sample faster, remove delay, or lower the margins that are required; a plant with an unstable pole needs twice its rate as bandwidth"
+            "sample faster, remove delay, or lower the margins that are required; a loop of position keeps more phase as a cascade (synth.loop = \"cascade\"); a plant with an unstable pole needs twice its rate as bandwidth"
         }
         Cause::SampledUnstable { .. } => "sample faster, or lower the crossover",
         _ => "look at the weight that is named",

@@ -60,6 +60,15 @@ pub enum EditError {
     },
 }
 
+/// Returns an edited text with the line ends of the one that it came from: the editor writes those of Unix.
+fn with_line_ends_of(given: &str, edited: String) -> String {
+    let windows = given.matches("\r\n").count();
+    if windows == 0 || windows < given.matches('\n').count() {
+        return edited;
+    }
+    edited.replace("\r\n", "\n").replace('\n', "\r\n")
+}
+
 /// One step of a path: a key, and the item of a list of tables.
 struct Step<'a> {
     key: &'a str,
@@ -95,7 +104,7 @@ pub(crate) fn set(text: &str, path: &str, setting: &SettingValue) -> Result<Stri
         None => put(table, last.key, value),
         Some(index) => put_item(table, last.key, index, value, path)?,
     }
-    Ok(document.to_string())
+    Ok(with_line_ends_of(text, document.to_string()))
 }
 
 /// Returns the text with a key of the outermost table set; a new key stands before all others.
@@ -104,7 +113,8 @@ pub(crate) fn set_first(text: &str, key: &str, setting: &SettingValue) -> Result
     if document.contains_key(key) {
         return set(text, key, setting);
     }
-    let line = format!("{key} = {}\n", setting.as_written());
+    let end = if text.contains("\r\n") { "\r\n" } else { "\n" };
+    let line = format!("{key} = {}{end}", setting.as_written());
     // Comments at the top belong to the whole file: the key follows them, before an empty line or the first key.
     let top = text.lines().take_while(|line| line.trim_start().starts_with('#')).count();
     let at: usize = text.split_inclusive('\n').take(top).map(str::len).sum();
@@ -131,7 +141,7 @@ pub(crate) fn remove(text: &str, path: &str) -> Result<String, EditError> {
         }
         (Some(_), _) => {}
     }
-    Ok(document.to_string())
+    Ok(with_line_ends_of(text, document.to_string()))
 }
 
 fn parse_text(text: &str) -> Result<DocumentMut, EditError> {

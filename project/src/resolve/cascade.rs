@@ -42,14 +42,14 @@ pub(super) fn loop_kind(v: &mut dyn Visit, synth: &mut DesignRequest, measured: 
             LoopKind::Position | LoopKind::Cascade => {
                 "must be \"position\" or \"cascade\" with an encoder or a resolver"
             }
-            LoopKind::Rate => "must be \"rate\" with a sensor of rate",
+            LoopKind::Rate => "must be \"rate\" with a sensor of rate, and without any sensor",
             LoopKind::Torque => "must be \"torque\" with a torque sensor",
             LoopKind::Current => "must be \"current\" with a current sensor",
         };
         let instead = match synth.loop_kind {
-            LoopKind::Rate => "for a rate loop give [plant.sensors.tachometer] or hub_gyro in its place",
+            LoopKind::Rate => "for a rate loop give [plant.sensors] a tachometer or a hub_gyro in its place",
             LoopKind::Position | LoopKind::Cascade => {
-                "for a loop of position give [plant.sensors.encoder] or resolver in its place"
+                "for a loop of position give [plant.sensors] an encoder or a resolver, as in `encoder = { counts = 4096 }`"
             }
             LoopKind::Torque => "for a loop of torque give [plant.sensors.torque] in its place",
             LoopKind::Current => "for a loop of current give [plant.sensors.current] in its place",

@@ -220,9 +220,10 @@ fn compliance(findings: &mut Findings<'_>, plant: &Parameters) {
         };
         let section = path.trim_end_matches(key);
         let allowed = format!(
-            "acts through a transmission that gives: state {section}stiffness as well; if none is known, leave the backlash out, and the transmission is rigid"
+            "acts through a transmission that gives: state {section}stiffness as well; if none is known, leave {key} out, and the transmission is rigid"
         );
-        let remark = Remark::new(DiagnosticKind::Conflict, path, allowed).with_value(value.to_string());
+        let written = findings.written_at(path).unwrap_or_else(|| value.to_string());
+        let remark = Remark::new(DiagnosticKind::Conflict, path, allowed).with_value(written);
         findings.add(Severity::Error, remark);
     }
 }

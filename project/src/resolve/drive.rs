@@ -118,6 +118,17 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
             Some(hint.to_owned()),
         );
     }
+    if takes != DriveInput::Torque && !asks_for_motor && !v.has("motor.torque_constant") {
+        let hint = "add `torque_constant` to [plant.motor], as its data sheet has it (60 / (2 pi) over the speed constant in rpm/V); if only the torque is known, take kind = \"torque\" \
+                    and its largest torque as `limit`";
+        let what = match takes {
+            DriveInput::Voltage => "takes a voltage, whose torque the motor's torque constant decides",
+            DriveInput::Torque | DriveInput::Current => {
+                "takes a current, whose torque the motor's torque constant decides"
+            }
+        };
+        v.complain("drive", what, Some(hint.to_owned()));
+    }
     set(v, plant, takes, &stated);
 }
 

@@ -25,6 +25,12 @@ impl<'a> Findings<'a> {
         self.document.has(path)
     }
 
+    /// Returns the value at a path as the file writes it, a text without its quotes.
+    pub(super) fn written_at(&self, path: &str) -> Option<String> {
+        let of_tolerance = self.document.source_text_at(&format!("{path}.value"));
+        of_tolerance.or_else(|| self.document.source_text_at(path))
+    }
+
     pub(super) fn into_list(self) -> Vec<Diagnostic> {
         self.list
     }

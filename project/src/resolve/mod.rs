@@ -299,11 +299,18 @@ fn file(v: &mut dyn Visit, project: &mut Project) -> u32 {
             .show_default(),
         &mut format,
     );
-    table(v, &TableField::mandatory("plant", "the mechanism"), project, |v, project| {
-        plant::plant(v, &mut project.plant);
-        let section = TableField::optional("import", "the structure as matrices of a finite-element package");
-        visit_optional(v, &section, &mut project.import, import::blank_structure(), import::import);
-    });
+    let smallest = "inertia = \"1 kg m^2\", drive = \"torque\", interface = { sample_period = \"1 ms\" }";
+    table(
+        v,
+        &TableField::mandatory("plant", "the mechanism").with_smallest(smallest),
+        project,
+        |v, project| {
+            plant::plant(v, &mut project.plant);
+            let section =
+                TableField::optional("import", "the structure as matrices of a finite-element package");
+            visit_optional(v, &section, &mut project.import, import::blank_structure(), import::import);
+        },
+    );
     designs(v, project);
     recordings(v, project);
     format
@@ -344,7 +351,7 @@ fn designs(v: &mut dyn Visit, project: &mut Project) {
     let controlled = project.plant.controlled_quantity();
     let period_s = project.plant.interface.sample_period_s;
     visit_optional(v, &section, &mut project.verify, verify::blank_options(period_s), |v, verification| {
-        verify::verify(v, verification, controlled, period_s);
+        verify::verify(v, verification, controlled, axis, period_s);
     });
     let section = TableField::optional(
         "traverse",

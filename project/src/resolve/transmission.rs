@@ -30,7 +30,9 @@ const EFFICIENCY: Field =
     Field::new("mesh_efficiency", "fraction of the torque through it that arrives while it drives")
         .limit(NumberRange::AboveTo(0.0, 1.0))
         .or(1.0);
-const RATIO: Field = Field::new("ratio", "motor turns per hub turn").limit(ABOVE_0);
+const RATIO: Field = Field::new("ratio", "motor turns per hub turn").limit(ABOVE_0).if_unknown(
+    "turn the load by hand and count the turns of the motor; without the section the motor drives directly",
+);
 
 /// Reads or lists the gearbox; without one the motor is on the hub's axis.
 pub(super) fn gearbox_section(v: &mut dyn Visit, plant: &mut Parameters) {
@@ -75,7 +77,7 @@ pub(super) fn other_sections(v: &mut dyn Visit, plant: &mut Parameters) {
         }
         if !there && plant.gearbox.kind != Transmission::Direct {
             v.complain(
-                key,
+                "",
                 "must be the only transmission: one section says what lies between motor and hub",
                 None,
             );

@@ -1,6 +1,6 @@
 //! The `[verify]` section: what is done to the loop, and the limits that its figures must keep.
 
-use counterpoise_models::ControlledQuantity;
+use counterpoise_models::{AxisKind, ControlledQuantity};
 use counterpoise_verify::{
     Coincidence, Limit as Bound, LineOfSight, Optics, PerformanceFigure, Procedure, Requirement, Sine, Step,
     Triangle,
@@ -74,6 +74,7 @@ pub(crate) fn verify(
     v: &mut dyn Visit,
     verification: &mut VerificationOptions,
     controlled: ControlledQuantity,
+    axis: AxisKind,
     sample_period_s: f64,
 ) {
     let usual = usual_procedure(sample_period_s);
@@ -104,8 +105,12 @@ pub(crate) fn verify(
     table(v, &TableField::optional("heave", "sine of heave"), &mut procedure.heave, |v, s| {
         sine(v, s, usual.heave, "m/s^2")
     });
-    table(v, &TableField::optional("pitch", "sine of the pitch rate"), &mut procedure.pitch, |v, s| {
-        sine(v, s, usual.pitch, "rad/s")
+    let pitch = match axis {
+        AxisKind::Rotary => "sine of the pitch rate",
+        AxisKind::Linear => "sine of the speed of the base along the slide",
+    };
+    table(v, &TableField::optional("pitch", pitch), &mut procedure.pitch, |v, s| {
+        sine(v, s, usual.pitch, axis.unit("rad/s"))
     });
     visit_optional(
         v,

@@ -127,16 +127,17 @@ fn problem(
     if weighed >= system.outputs() {
         return Err(Error::Index { what: "weighed output", index: weighed, count: system.outputs() });
     }
-    let (n, columns) = (system.order(), plant.columns(channel));
-    let mut entering = columns.to_vec();
-    entering.push(plant.control);
-    if entering.iter().any(|&input| system.D[(weighed, input)] != 0.0) {
+    let columns = plant.columns(channel);
+    if system.D[(weighed, plant.control)] != 0.0 {
         return Err(Error::System {
             what: "plant",
-            problem: "an input reaches the rate directly (D is not zero)",
+            problem: "the control reaches the rate directly (D is not zero)",
         });
     }
-    let generator = with_derivatives(&weights.generator.realise()?, columns.len())?;
+    let generator = weights.generator.realise()?;
+    let system = without_direct_path(&system, weighed, columns, &generator)?;
+    let n = system.order();
+    let generator = with_derivatives(&generator, columns.len())?;
     let core = AugmentedPlant {
         B: system.B.block(0, plant.control, n, 1),
         C: system.C.block(weighed, 0, 1, n),
@@ -150,6 +151,45 @@ fn problem(
     let ECd = into_plant.vstack(&Mat::zeros(core.order() - n, generator.order()));
     Ok(Problem { core, ECd, generator, sensor: plant.sensor(channel).cloned() })
 }
+
+/// The plant whose disturbances reach an output through a lag that is [`DIRECT_LAG`] of the generator's quickest time constant, where they reach it directly: through a rotor on
+/// a rigid transmission, which the platform drags along.
+fn without_direct_path(
+    system: &StateSpace,
+    output: usize,
+    columns: &[usize],
+    generator: &StateSpace,
+) -> Result<StateSpace, Error> {
+    let direct: Vec<usize> =
+        columns.iter().copied().filter(|&input| system.D[(output, input)] != 0.0).collect();
+    let quickest = counterpoise_lti::poles(generator)?.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+    if direct.is_empty() || quickest == 0.0 {
+        return Ok(system.clone());
+    }
+    let (n, m, lag_rad_s) = (system.order(), direct.len(), quickest / DIRECT_LAG);
+    let A = Mat::from_fn(n + m, n + m, |i, j| match (i < n, j < n) {
+        (true, true) => system.A[(i, j)],
+        (false, false) if i == j => -lag_rad_s,
+        _ => 0.0,
+    });
+    let B = Mat::from_fn(n + m, system.inputs(), |i, j| match i.checked_sub(n) {
+        None => system.B[(i, j)],
+        Some(k) if direct[k] == j => lag_rad_s,
+        Some(_) => 0.0,
+    });
+    let C = Mat::from_fn(system.outputs(), n + m, |i, j| match j.checked_sub(n) {
+        None => system.C[(i, j)],
+        Some(k) if i == output => system.D[(output, direct[k])],
+        Some(_) => 0.0,
+    });
+    let D = Mat::from_fn(system.outputs(), system.inputs(), |i, j| {
+        if i == output && direct.contains(&j) { 0.0 } else { system.D[(i, j)] }
+    });
+    Ok(StateSpace::new(A, B, C, D, system.timebase)?)
+}
+
+/// Time constant of the lag in a direct path over the quickest of the generator: its phase is a thousandth of a radian where the disturbance has its corner.
+const DIRECT_LAG: f64 = 1e-3;
 
 /// The generator with outputs (d, d', d'', ...), `count` of them.
 pub(crate) fn with_derivatives(generator: &StateSpace, count: usize) -> Result<StateSpace, Error> {

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{
     CandidateMargins, Discretisation, StateSpace, Timebase, c2d, candidate_margins, candidate_sensitivity,
-    feedback as closed, frequency_response, h2norm, is_stable_pole, poles, series,
+    feedback as closed, frequency_response, h2norm, is_stable_pole, linfnorm, parallel, poles, series,
 };
 
 use super::Circumstances;
@@ -23,13 +23,26 @@ pub struct RequiredMargins {
     pub phase_deg: f64,
     /// Largest sensitivity.
     pub max_sensitivity: f64,
+    /// Largest complementary sensitivity; infinite if none is asked for.
+    pub max_complementary: f64,
+    /// Smallest radius of the disk margin; 0 if none is asked for.
+    pub disk: f64,
+    /// Smallest delay margin, s; 0 if none is asked for.
+    pub delay_s: f64,
 }
 
 impl Default for RequiredMargins {
     /// 6 dB, 40 degrees and 1.7: inside what Åström and Murray (Feedback Systems, section 10.3) call reasonable, 2 to 5,
     /// 30 to 60 degrees and 1.4 to 2.
     fn default() -> Self {
-        Self { gain_db: 6.0, phase_deg: 40.0, max_sensitivity: 1.7 }
+        Self {
+            gain_db: 6.0,
+            phase_deg: 40.0,
+            max_sensitivity: 1.7,
+            max_complementary: f64::INFINITY,
+            disk: 0.0,
+            delay_s: 0.0,
+        }
     }
 }
 
@@ -48,6 +61,12 @@ pub struct LoopJudgement {
     pub max_sensitivity: f64,
     /// Frequency of that, rad/s.
     pub sensitivity_peak_rad_s: f64,
+    /// Largest complementary sensitivity; 0 if it is not asked for.
+    pub max_complementary: f64,
+    /// Radius of the disk of simultaneous changes of gain and phase that the loop bears; infinite if it is not asked for.
+    pub disk_margin: f64,
+    /// Smallest delay that makes the loop unstable, s.
+    pub delay_margin_s: f64,
     /// Largest sensitivity, also with every lightly damped mode shifted; infinite if the loop is then not stable.
     pub shifted_sensitivity: f64,
     /// Largest sensitivity with the plants beside the plant; infinite if the loop with one of them is not stable.
@@ -196,6 +215,21 @@ impl<'a> Judge<'a> {
         let thinned = (self.circumstances.sampling.period_s / sampling.period_s).sqrt();
         let gain = thinned * noise_gain(&self.held, &K)?;
         let step_gain = step_peak(&self.held, &both, bandwidth_rad_s, sampling)?;
+        let asked = &self.circumstances.margins;
+        let max_complementary = match asked.max_complementary.is_finite() {
+            true => linfnorm(&complementary(&loop_gain)?, NORM_TOLERANCE)?.value,
+            false => 0.0,
+        };
+        // The radius of a disk without skew is the inverse of the largest |(S - T) / 2| = |1/2 - T|.
+        let disk_margin = match asked.disk > 0.0 {
+            true => {
+                let half = StateSpace::gain(Mat::eye(1).scale(0.5), loop_gain.timebase)?;
+                linfnorm(&parallel(&half, &complementary(&loop_gain)?.negate())?, NORM_TOLERANCE)?
+                    .value
+                    .recip()
+            }
+            false => f64::INFINITY,
+        };
         let mut found = LoopJudgement {
             bandwidth_rad_s,
             closed_loop_rad_s: closed_loop_bandwidth(&self.held, &K, crossover)?,
@@ -203,6 +237,9 @@ impl<'a> Judge<'a> {
             phase_margin_deg: nominal.phase_margin().map_or(f64::INFINITY, |margin| margin.deg.abs()),
             max_sensitivity: nominal.ms.value,
             sensitivity_peak_rad_s: nominal.ms.rate_rad_s,
+            max_complementary,
+            disk_margin,
+            delay_margin_s: nominal.phase.iter().map(|margin| margin.delay_s).fold(f64::INFINITY, f64::min),
             shifted_sensitivity: nominal.ms.value,
             sensitivity_of_others: nominal.ms.value,
             sensitivity_within_tolerances: 0.0,
@@ -348,6 +385,32 @@ impl LoopJudgement {
         self.gain_margin_db >= required.gain_db
             && self.phase_margin_deg >= required.phase_deg
             && self.max_sensitivity <= required.max_sensitivity
+            && self.max_complementary <= required.max_complementary
+            && self.disk_margin >= required.disk
+            && self.delay_margin_s >= required.delay_s
+    }
+
+    /// Returns what the loop has over what is allowed, for each limit; above 1 it misses it.
+    pub(super) fn shares_of_limits(
+        &self,
+        required: &RequiredMargins,
+        limit_v: f64,
+        holding_v: f64,
+    ) -> [f64; 12] {
+        [
+            required.gain_db / self.gain_margin_db.max(f64::MIN_POSITIVE),
+            required.phase_deg / self.phase_margin_deg.max(f64::MIN_POSITIVE),
+            self.max_sensitivity / required.max_sensitivity,
+            self.max_complementary / required.max_complementary,
+            required.disk / self.disk_margin,
+            required.delay_s / self.delay_margin_s.max(f64::MIN_POSITIVE),
+            self.shifted_sensitivity.max(self.sensitivity_of_others) / NEIGHBOUR_MS,
+            self.sensitivity_within_tolerances / NEIGHBOUR_MS,
+            self.share_within_usual_ranges,
+            self.noise_v / (NOISE_SHARE * limit_v),
+            self.quantisation_v / (NOISE_SHARE * limit_v),
+            self.step_v / (limit_v - holding_v.abs()).max(f64::MIN_POSITIVE),
+        ]
     }
 
     /// Returns whether the loop bears shifted modes.
@@ -416,6 +479,14 @@ fn lowest_fall(loop_gain: &StateSpace, margins: &CandidateMargins) -> Option<f64
     }
     None
 }
+
+/// The complementary sensitivity of a loop.
+fn complementary(loop_gain: &StateSpace) -> Result<StateSpace, Error> {
+    Ok(closed(loop_gain, &StateSpace::gain(Mat::eye(1), loop_gain.timebase)?)?)
+}
+
+/// Relative error of a norm that a requirement asks for.
+const NORM_TOLERANCE: f64 = 1e-3;
 
 /// The loop gain of a controller on a plant; `None` if its closed loop is not stable.
 fn stable_loop(plant: &StateSpace, K: &StateSpace) -> Result<Option<StateSpace>, Error> {
@@ -548,7 +619,6 @@ const MOST_SAMPLES: usize = 4000;
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use counterpoise_lti::parallel;
 
     #[test]
     fn a_resonance_far_above_the_fall_of_the_gain_is_not_the_bandwidth() {

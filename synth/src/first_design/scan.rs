@@ -87,6 +87,15 @@ const DELAY_REACH: f64 = 2.0;
 /// Factors by which the multiples of the answer's shape are varied.
 const VARIATIONS: [f64; 2] = [1.5, 1.2];
 
+/// Steps of a repair, at most.
+const REPAIR_STEPS: usize = 12;
+/// Loops that are repaired, at most.
+const REPAIRED: usize = 3;
+/// Factor on what a loop misses that a step of a repair must reach.
+const REPAIR_PROGRESS: f64 = 0.98;
+/// Largest logarithm of what a loop has over what is allowed that counts: a loop that is not stable beside the plant has no size of its miss.
+const LARGEST_EXCESS: f64 = 2.0;
+
 /// How far candidates are judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Thoroughness {
@@ -198,6 +207,9 @@ impl<'a> Scan<'a> {
             let controller = self.controller(&best.weights, best.position_gain)?;
             self.judge.put_hardest_first(&controller, &best.judgement)?;
         }
+        if self.best.is_none() {
+            self.repair_nearest()?;
+        }
         for reach in STIFF_REACHES {
             let before = self.best_bandwidth();
             if may_stiffen {
@@ -247,6 +259,58 @@ impl<'a> Scan<'a> {
             }
         }
         Ok(self.best_bandwidth() > (1.0 + RISE) * start.judgement.bandwidth_rad_s)
+    }
+
+    /// Varies the shapes of the loops that miss their limits least until one keeps everything: where more is required than usual, none of the shapes of the search
+    /// may keep it.
+    fn repair_nearest(&mut self) -> Result<(), Error> {
+        let mut nearest: Vec<TriedFeedback> = self.tried.clone();
+        nearest.sort_by(|a, b| self.excess(&a.judgement).total_cmp(&self.excess(&b.judgement)));
+        for start in nearest.into_iter().take(REPAIRED) {
+            if let Some(kept) = self.repair(start)? {
+                return self.take_if_higher(kept, None);
+            }
+        }
+        Ok(())
+    }
+
+    /// Varies the multiples of a loop's shape, and its aim, in the way that lowers most by how much it misses its limits; `None` if that does not end in a
+    /// loop that keeps everything.
+    fn repair(&mut self, start: TriedFeedback) -> Result<Option<TriedFeedback>, Error> {
+        let mut nearest = start;
+        for _ in 0..REPAIR_STEPS {
+            let from = self.shapes.len();
+            let varied = self.shapes[nearest.shape].variations(VARIATIONS[0]);
+            self.shapes.extend(varied);
+            let aims = [nearest.aim_rad_s, nearest.aim_rad_s / step_of_aims()];
+            let mut all = at_aims(&aims[..1], from..self.shapes.len());
+            all.extend(at_aims(&aims[1..], nearest.shape..nearest.shape + 1));
+            let mut better: Option<TriedFeedback> = None;
+            for (k, candidate) in all.iter().enumerate() {
+                self.look_ahead(all[k..].iter().copied());
+                let Some(tried) = self.attempt(candidate.aim_rad_s, candidate.shape)? else { continue };
+                if self.keeps_all(&tried.judgement) {
+                    return Ok(Some(tried));
+                }
+                let least =
+                    better.as_ref().map_or(REPAIR_PROGRESS * self.excess(&nearest.judgement), |one| {
+                        self.excess(&one.judgement)
+                    });
+                if self.excess(&tried.judgement) < least {
+                    better = Some(tried);
+                }
+            }
+            let Some(better) = better else { return Ok(None) };
+            nearest = better;
+        }
+        Ok(None)
+    }
+
+    /// Returns by how much a loop misses its limits: the sum of the logarithms of what it has over what is allowed.
+    fn excess(&self, found: &LoopJudgement) -> f64 {
+        let given = self.circumstances;
+        let over = found.shares_of_limits(&given.margins, given.sampling.limit_v, given.holding_v);
+        over.into_iter().map(|share| share.max(1.0).ln().min(LARGEST_EXCESS)).sum()
     }
 
     /// Returns whether the answer is far below what the clock allows.
