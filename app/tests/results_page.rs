@@ -81,7 +81,7 @@ const EXAMPLES: &[Example] = &[
 const INTRODUCTION: &str = "# JSON results
 
 This page is generated from stored results; a test compares their keys with those of the program. `--json FILE` writes the result of any
-command except `new` and `studio`.
+command except `new`, `machine` and `studio`.
 
 Numbers are in SI units, and a key that has a unit ends in it (`_rad_s`, `_nm`, `_kg_m2`). Angles are in radians, except where a key ends in
 `_deg`; ratios in dB end in `_db`. A complex number is a list of real and imaginary part. A value that does not exist is `null`. `[]` marks the elements of

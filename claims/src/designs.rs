@@ -3,7 +3,7 @@
 use counterpoise_controller::Controller;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::plant::Plant;
-use counterpoise_verify::robust::figures_of;
+use counterpoise_verify::robustness::figures_of;
 use counterpoise_verify::{
     Arrangement, Experiment, Model, PerformanceFigure, Quantity, Source, StepFigure, Value,
 };
@@ -115,7 +115,12 @@ fn designs_on_two_models_figures(
     );
     let mut simulator = counterpoise_simulate::Simulator::new(fine)?;
     let mut run = |controller: &Controller, experiment| {
-        counterpoise_verify::nonlinear::run_history(&mut simulator, controller, &tested.procedure, experiment)
+        counterpoise_verify::nonlinear_runs::run_history(
+            &mut simulator,
+            controller,
+            &tested.procedure,
+            experiment,
+        )
     };
     let moving = Experiment::Disturbance(Source::Both, Arrangement::Compensated);
     let steps = [run(tested.controller(), Experiment::Step)?, run(other, Experiment::Step)?];

@@ -2,7 +2,7 @@
 
 use counterpoise_models::Parameters;
 use counterpoise_verify::history::{Experiment, History};
-use counterpoise_verify::robust::VariedParameter;
+use counterpoise_verify::robustness::VariedParameter;
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{Arrangement, Source};
 

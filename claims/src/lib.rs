@@ -9,7 +9,7 @@
 //!
 //! Each row comes with the figures that show what decided it ([`drawing`] makes them from curves).
 //!
-//! Modules in reading order: [`criterion`], [`drawing`], [`friction_identification`], [`tested_design`], [`beam`], [`structure`], [`designs`], [`linear`], [`nonlinear`], [`imbalance`], [`rejection`],
+//! Modules in reading order: [`criterion`], [`drawing`], [`friction_identification`], [`tested_design`], [`beam`], [`structure`], [`designs`], [`linear_loop`], [`nonlinear_plant`], [`imbalance`], [`rejection`],
 //! [`friction_laws`] (with [`explicit_solver`]), [`literature_friction`], [`test_procedures`], [`identification`], [`adaptation`], [`exported_code`], [`weights`], [`loop_charts`], [`compensation_schemes`], [`gyroscope_alignment`], [`extensions`], [`page`].
 
 pub mod adaptation;
@@ -26,10 +26,10 @@ pub mod friction_laws;
 pub mod gyroscope_alignment;
 pub mod identification;
 pub mod imbalance;
-pub mod linear;
+pub mod linear_loop;
 pub mod literature_friction;
 pub mod loop_charts;
-pub mod nonlinear;
+pub mod nonlinear_plant;
 pub mod page;
 pub mod rejection;
 pub mod structure;
@@ -125,14 +125,14 @@ const ROWS: [(&str, Row); 38] = [
     ("C2", beam::tapered_elements),
     ("C3", structure::reduced_order),
     ("C4", structure::lumped_against_elements),
-    ("C5", linear::margins_and_step),
-    ("C6", linear::pitch_rejection),
-    ("C7", linear::heave_rejection),
-    ("C8", nonlinear::friction_observer),
+    ("C5", linear_loop::margins_and_step),
+    ("C6", linear_loop::pitch_rejection),
+    ("C7", linear_loop::heave_rejection),
+    ("C8", nonlinear_plant::friction_observer),
     ("C9", designs::designs_on_two_models),
-    ("C10", nonlinear::other_inertia),
-    ("C11", nonlinear::other_friction),
-    ("C12", nonlinear::other_backlash),
+    ("C10", nonlinear_plant::other_inertia),
+    ("C11", nonlinear_plant::other_friction),
+    ("C12", nonlinear_plant::other_backlash),
     ("C13", imbalance::other_imbalance),
     ("C14", imbalance::redesigned_for_imbalance),
     ("C15", friction_laws::friction_laws_over_amplitude),

@@ -5,7 +5,7 @@ use counterpoise_linalg::C64;
 use counterpoise_models::plant::Plant;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
 use counterpoise_simulate::fra::{Settings, Test, TestSine, measure_point};
-use counterpoise_verify::linear::ResponseCurve as Response;
+use counterpoise_verify::linear_loop::ResponseCurve as Response;
 use counterpoise_verify::{LoopFigure, PerformanceFigure};
 
 use super::drawing::{ClaimCurve, frequency_axis, make_figure, make_panel};

@@ -3,8 +3,8 @@
 use counterpoise_controller::Controller;
 use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
-use counterpoise_verify::linear::closed_loop::is_feedforward;
-use counterpoise_verify::robust::{VariedParameter, figures_of};
+use counterpoise_verify::linear_loop::closed_loop::is_feedforward;
+use counterpoise_verify::robustness::{VariedParameter, figures_of};
 use counterpoise_verify::signals::{Spectra, WelchOptions, rms, welch};
 use counterpoise_verify::{
     Arrangement, Experiment, History, Model, PerformanceFigure, Quantity, Source, Value,
@@ -12,7 +12,7 @@ use counterpoise_verify::{
 
 use super::drawing::{ClaimCurve, factor_axis, frequency_axis, make_figure, make_panel, time_axis};
 use super::imbalance::apply_configuration;
-use super::nonlinear::change_parameter;
+use super::nonlinear_plant::change_parameter;
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};

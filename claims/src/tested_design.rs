@@ -6,9 +6,9 @@ use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
 use counterpoise_simulate::Simulator;
 use counterpoise_verify::history::{Experiment, History};
-use counterpoise_verify::robust::figures_of;
+use counterpoise_verify::robustness::figures_of;
 use counterpoise_verify::{
-    Arrangement, Model, PerformanceFigure, Procedure, Quantity, Source, StepFigure, Value, nonlinear,
+    Arrangement, Model, PerformanceFigure, Procedure, Quantity, Source, StepFigure, Value, nonlinear_runs,
 };
 
 use super::drawing::{
@@ -242,7 +242,7 @@ impl<'a> TestedDesign<'a> {
         experiment: Experiment,
     ) -> Result<History, PipelineError> {
         let mut simulator = Simulator::new(&Plant::from_lumped(parameters)?)?;
-        Ok(nonlinear::run_history(&mut simulator, controller, &self.procedure, experiment)?)
+        Ok(nonlinear_runs::run_history(&mut simulator, controller, &self.procedure, experiment)?)
     }
 }
 

@@ -92,7 +92,7 @@ fn names(parts: &Parts) -> Result<(), Error> {
 
 fn name_problem(name: &str) -> Option<&'static str> {
     let lower = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
-    let taken = crate::lower::OWN_NAMES.contains(&name) || crate::READING_NAMES.contains(&name);
+    let taken = crate::lowering::OWN_NAMES.contains(&name) || crate::READING_NAMES.contains(&name);
     match name.chars().next() {
         None => Some("is empty"),
         Some(first) if !first.is_ascii_lowercase() => Some("must start with a lower-case letter"),

@@ -1,7 +1,7 @@
 //! A checked controller.
 
 use crate::signal::{DEMAND, HUB_RATE};
-use crate::{Correction, Error, Parts, Programs, check, lower};
+use crate::{Correction, Error, Parts, Programs, check, lowering};
 
 /// A discrete controller whose arithmetic is fixed to the last bit. It cannot be changed: what was verified is what is
 /// exported.
@@ -19,7 +19,7 @@ impl Controller {
     /// timebase or its anti-windup gains: see [`Error`].
     pub fn new(parts: Parts) -> Result<Self, Error> {
         check::check_parts(&parts)?;
-        let programs = lower::lower_parts(&parts);
+        let programs = lowering::lower_parts(&parts);
         check::check_distinct(&programs)?;
         Ok(Self { parts, programs })
     }

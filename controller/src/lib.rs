@@ -7,7 +7,7 @@
 //! *Invariant*: nothing here knows how a controller was designed, or what plant it drives; no file, thread or clock.
 //!
 //! Modules in reading order: [`sampled_controller`], [`signal`], [`parts`], [`friction`], [`estimator`], [`controller`], [`program`], [`compiled_program`],
-//! [`number`], [`guard`], [`runner`], `linear`, [`realisation`], [`sensitivity`], [`tolerance`] (the numbers that decide), [`words`], [`error`].
+//! [`number`], [`guard`], [`runner`], `linear_part`, [`realisation`], [`sensitivity`], [`tolerance`] (the numbers that decide), [`words`], [`error`].
 //!
 //! ```
 //! use counterpoise_controller::{Controller, Parts, Path, PathSignal, Readings, SampledController, Scaling};
@@ -52,8 +52,8 @@ pub mod tolerance;
 pub mod words;
 
 mod check;
-mod linear;
-mod lower;
+mod linear_part;
+mod lowering;
 mod range_checks;
 
 pub use controller::Controller;

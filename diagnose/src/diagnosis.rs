@@ -179,8 +179,8 @@ fn diagnose_of(
     pool: &dyn Pool,
 ) -> Result<Diagnosis, Error> {
     check(base, recordings, &control)?;
-    pool.progress("qualifying", 0, 1);
-    let (sound, qualification) = qualify_recordings(sizes, base, recordings)?;
+    pool.progress("checking", 0, 1);
+    let (sound, qualification) = check_recordings(sizes, base, recordings)?;
     let examined = recordings;
     let recordings = sound.as_slice();
     let project = base;
@@ -325,7 +325,7 @@ fn check(base: &Parameters, recordings: &[Recording], control: &ReplayLoop) -> R
 }
 
 /// Returns the recordings without gaps and without channels that cannot be what they claim, and what was remarked.
-fn qualify_recordings(
+fn check_recordings(
     sizes: Sizes,
     base: &Parameters,
     recordings: &[Recording],

@@ -4,7 +4,7 @@ use counterpoise_controller::{Controller, READINGS, Readings, SampledController}
 use counterpoise_models::plant::Plant;
 use counterpoise_pool::{Pool, Serial, map_all};
 use counterpoise_simulate::Simulator;
-use counterpoise_verify::{Arrangement, Experiment, Procedure, VerifiedController, nonlinear};
+use counterpoise_verify::{Arrangement, Experiment, Procedure, VerifiedController, nonlinear_runs};
 
 use crate::{
     AdjustableController, Deviation, FixedError, FixedPointController, FixedRunner, FormFigures,
@@ -225,7 +225,7 @@ fn experiments(procedure: &Procedure) -> Vec<Experiment> {
         Experiment::Step | Experiment::Triangle | Experiment::Rest => true,
         Experiment::Disturbance(_, arrangement) => *arrangement == Arrangement::Compensated,
     };
-    nonlinear::list_experiments(procedure).into_iter().filter(whole).collect()
+    nonlinear_runs::list_experiments(procedure).into_iter().filter(whole).collect()
 }
 
 /// Runs experiments with a controller, each as a job.
@@ -247,7 +247,7 @@ fn run(
     experiment: Experiment,
 ) -> Result<Run, counterpoise_verify::Error> {
     let mut recorder = Recorder { inner, seen: Record::default() };
-    let history = nonlinear::history_of(simulator, &mut recorder, procedure, experiment)?;
+    let history = nonlinear_runs::history_of(simulator, &mut recorder, procedure, experiment)?;
     Ok(Run { experiment, seen: recorder.seen, errors_rad_s: history.tracking_error_rad_s() })
 }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use bytes::Bytes;
-use counterpoise_verify::robust::{Campaign, Sample};
+use counterpoise_verify::robustness::{Campaign, Sample};
 use parquet::basic::Compression;
 use parquet::data_type::{DoubleType, Int64Type};
 use parquet::file::metadata::KeyValue;

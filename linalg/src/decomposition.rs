@@ -2,10 +2,10 @@
 
 use faer::linalg::evd::hessenberg as householder;
 
-use crate::compact;
 use crate::dense::{copy, solve, view};
 use crate::error::{Error, check_finite, check_range, check_shape, check_square, check_symmetric};
 use crate::mat::{C64, CMat, Mat};
+use crate::small_factors;
 use crate::tolerance::EPS;
 
 /// A thin singular value decomposition `A = U diag(s) V'`.
@@ -189,9 +189,9 @@ pub fn hessenberg(A: &Mat) -> Result<(Mat, Mat), Error> {
         return Ok((A.clone(), Mat::eye(n)));
     }
     let (least, most) = crate::tolerance::SAFE_ENTRIES;
-    if n <= compact::SIMILARITIES && (least..most).contains(&A.norm_max()) {
+    if n <= small_factors::SIMILARITIES && (least..most).contains(&A.norm_max()) {
         let mut H = A.clone();
-        let Q = compact::hessenberg(&mut H);
+        let Q = small_factors::hessenberg(&mut H);
         return Ok((H, Q));
     }
     Ok(blocked_hessenberg(A))
@@ -206,8 +206,8 @@ pub(crate) fn hessenberg_values(A: &Mat) -> Result<Mat, Error> {
     if n < 3 {
         return Ok(H);
     }
-    if n <= compact::SIMILARITIES && (least..most).contains(&A.norm_max()) {
-        compact::hessenberg_values(&mut H);
+    if n <= small_factors::SIMILARITIES && (least..most).contains(&A.norm_max()) {
+        small_factors::hessenberg_values(&mut H);
         return Ok(H);
     }
     Ok(upper_hessenberg(&blocked_reduction(A).0))

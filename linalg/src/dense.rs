@@ -6,9 +6,9 @@ use faer::linalg::solvers::{DenseSolveCore, Solve};
 use faer::traits::ComplexField;
 use faer::{MatMut, MatRef};
 
-use crate::compact;
 use crate::error::{Error, check_finite, check_shape, check_square};
 use crate::mat::{C64, CMat, Dense, Mat, Scalar};
+use crate::small_factors;
 
 /// The matrix as faer sees it, without a copy.
 pub(crate) fn view<T: Scalar>(A: &Dense<T>) -> MatRef<'_, T> {
@@ -91,13 +91,13 @@ pub(crate) fn symmetric_product(A: MatRef<'_, f64>, B: &Mat) -> Mat {
 /// # Errors
 /// Wrong shapes, entries that are not finite, and a pivot that is zero to working precision ([`Error::Singular`]).
 pub fn solve(A: &Mat, B: &Mat) -> Result<Mat, Error> {
-    if A.nrows() > compact::SYSTEMS {
+    if A.nrows() > small_factors::SYSTEMS {
         return lu_solve(A, B);
     }
     check_square("A", A)?;
     check_shape("B", B, A.nrows(), B.ncols())?;
     let singular = Error::Singular { what: "A", rcond: 0.0 };
-    compact::solve(A, B).filter(Mat::is_finite).ok_or(singular)
+    small_factors::solve(A, B).filter(Mat::is_finite).ok_or(singular)
 }
 
 /// Solves the complex system `A X = B` by LU with partial pivoting. Errors as for [`solve`].
@@ -111,7 +111,7 @@ pub fn csolve(A: &CMat, B: &CMat) -> Result<CMat, Error> {
 /// As for [`solve`].
 pub fn inverse(A: &Mat) -> Result<Mat, Error> {
     check_square("A", A)?;
-    if A.nrows() <= compact::SYSTEMS {
+    if A.nrows() <= small_factors::SYSTEMS {
         return solve(A, &Mat::eye(A.nrows()));
     }
     let lu = view(A).partial_piv_lu();

@@ -25,7 +25,6 @@
 
 pub mod balance;
 pub mod boundary;
-mod compact;
 pub mod cone_program;
 pub mod decomposition;
 pub mod dense;
@@ -50,6 +49,7 @@ pub mod riccati;
 mod scalar;
 pub mod schur;
 mod simple_roots;
+mod small_factors;
 mod small_systems;
 mod smith;
 pub mod sparse;

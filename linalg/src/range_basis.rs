@@ -3,11 +3,11 @@
 //!
 //! Source: Golub and Van Loan, Matrix Computations, 5.2 and 5.4.6 (QR first, then singular values of the triangle).
 
-use crate::compact::Reflector;
 use crate::decomposition::{power_of_two, svd};
 use crate::error::{Error, check_shape};
 use crate::kernel::vectorised;
 use crate::mat::Mat;
+use crate::small_factors::Reflector;
 
 /// An orthogonal `U`, m x m, whose first [`rank`](Self::rank) columns span the range of a matrix with m rows.
 #[derive(Debug)]

@@ -11,7 +11,7 @@
 //! Modules in reading order: [`system`], [`connect`](mod@connect), [`named_blocks`], [`delay`], [`zpk`], [`transfer`], [`descriptor`],
 //! [`discretise`], [`delayed_hold`], [`sampled_h2_problem`],
 //! [`scaling`], [`components`], [`roots`], [`response`], [`time`], [`gramians`], [`norms`], [`margins`](mod@margins),
-//! [`delayed_margins`], [`multiloop`], [`placement`],
+//! [`delayed_margins`], [`multiloop_margins`], [`placement`],
 //! [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
@@ -38,14 +38,14 @@ pub mod delayed_hold;
 pub mod delayed_margins;
 pub mod descriptor;
 pub mod discretise;
-mod entrywise;
+mod entrywise_zeros;
 pub mod error;
 pub mod gramians;
 mod hessenberg_sweep;
 mod hidden_modes;
 mod level;
 pub mod margins;
-pub mod multiloop;
+pub mod multiloop_margins;
 pub mod named_blocks;
 pub mod norms;
 mod peak;
@@ -79,7 +79,7 @@ pub use margins::{
     CandidateMargins, DiskMargin, GainChange, GainMargin, Margins, PhaseMargin, candidate_margins,
     candidate_sensitivity, margins,
 };
-pub use multiloop::{MultiloopMargins, multiloop_margins};
+pub use multiloop_margins::{MultiloopMargins, multiloop_margins};
 pub use named_blocks::{NamedSystem, SignalTerm, connect};
 pub use norms::{NormBounds, h2norm, hinfnorm, linfnorm, linfnorm_bounds};
 pub use peak::Peak;

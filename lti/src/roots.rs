@@ -1,7 +1,7 @@
 //! Poles and zeros.
 
 use crate::components::components;
-use crate::entrywise::entrywise_zeros;
+use crate::entrywise_zeros::entrywise_zeros;
 use crate::error::OperationContext;
 use crate::root_order::sort_roots;
 use crate::scaling::balance;

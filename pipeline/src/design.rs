@@ -4,7 +4,7 @@ use counterpoise_export::{File, FormFigures, TargetRuns, Targets};
 use counterpoise_pool::{Pool, join};
 use counterpoise_project::Project;
 use counterpoise_verify::certificate::StabilityCertificate;
-use counterpoise_verify::spectral::{HubRateSpectra, spectral_rejections};
+use counterpoise_verify::rejection_spectra::{HubRateSpectra, spectral_rejections};
 use counterpoise_verify::{Procedure, VerifiedController};
 
 use crate::certificates::{Certificate, certify_designs};

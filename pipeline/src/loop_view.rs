@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use counterpoise_linalg::C64;
 use counterpoise_lti::Margins;
-use counterpoise_verify::linear::loop_shape::nichols_points;
-use counterpoise_verify::linear::{
+use counterpoise_verify::linear_loop::loop_shape::nichols_points;
+use counterpoise_verify::linear_loop::{
     Disk, LOCUS_CROSSOVERS, LoopShape, MarginKind, RootLocus, largest_sensitivity, loop_shape,
     margins_on_path,
 };

@@ -9,10 +9,10 @@ use counterpoise_diagnose::learning::reading::{ReadElement, read_elements};
 use counterpoise_lti::{Margins, StateSpace, margins};
 use counterpoise_pool::{Pool, map};
 use counterpoise_project::Project;
-use counterpoise_verify::linear::closed_loop::resolver_use;
-use counterpoise_verify::linear::frequency::grid_hz;
-use counterpoise_verify::linear::plant::Resolver;
-use counterpoise_verify::linear::{
+use counterpoise_verify::linear_loop::closed_loop::resolver_use;
+use counterpoise_verify::linear_loop::frequency::grid_hz;
+use counterpoise_verify::linear_loop::plant::Resolver;
+use counterpoise_verify::linear_loop::{
     self, ArrangedLoop, ClosedLoop, Curves, PlantResponse, SampledPlant, arrange_controller,
 };
 use counterpoise_verify::{
@@ -301,7 +301,7 @@ pub fn preview_design(
 /// A frequency response that does not exist, or eigenvalues that were not found.
 pub fn preview_loop(design: &DesignPreview) -> Result<LoopView, PipelineError> {
     let sample_period_s = design.modelled.parameters.interface.sample_period_s;
-    let shape = linear::loop_shape(&design.broken, &design.curves, sample_period_s)?;
+    let shape = linear_loop::loop_shape(&design.broken, &design.curves, sample_period_s)?;
     Ok(LoopView::new(&shape, &design.margins, required_of(&design.project)))
 }
 
@@ -376,7 +376,7 @@ impl Responses<'_> {
             for ArrangedLoop { arrangement, closed } in self.loops {
                 let motion = |time_s: f64| procedure.motion(source, time_s);
                 let plant = &self.sampled.plant;
-                motions.push(linear::simulate_disturbance(
+                motions.push(linear_loop::simulate_disturbance(
                     plant,
                     closed,
                     source,
@@ -404,8 +404,11 @@ impl Responses<'_> {
         margins.closed_loop_stable &= whole.pole_radius() < 1.0;
         let plant = &self.sampled.plant;
         let curves = Curves::with(plant, &self.sampled.response, self.loops)?;
-        let step =
-            linear::simulate_step(plant, feedback, Step { duration_s: STEP_S, ..self.procedure().step })?;
+        let step = linear_loop::simulate_step(
+            plant,
+            feedback,
+            Step { duration_s: STEP_S, ..self.procedure().step },
+        )?;
         Ok(Half::Loop(Box::new((margins, curves, step))))
     }
 }

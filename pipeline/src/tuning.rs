@@ -24,7 +24,7 @@ use counterpoise_synth::{
     TunedFeedback, TuningSubject, TuningTask, Weight, sampled_plant, tune_parameters,
 };
 use counterpoise_verify::signals::{WelchOptions, welch};
-use counterpoise_verify::{Arrangement, Experiment, History, Procedure, Source, nonlinear};
+use counterpoise_verify::{Arrangement, Experiment, History, Procedure, Source, nonlinear_runs};
 use serde::Serialize;
 
 use crate::exchange::UnitValue;
@@ -342,7 +342,7 @@ pub fn expected_disturbance(
     let experiment = Experiment::Disturbance(source, Arrangement::Compensated);
     let mut simulator = Simulator::new(&modelled.plant)?;
     let controller = &made.sampled.controller;
-    let history = nonlinear::run_history(&mut simulator, controller, &asked_procedure, experiment)?;
+    let history = nonlinear_runs::run_history(&mut simulator, controller, &asked_procedure, experiment)?;
     let noise = reading_noise(&modelled.parameters.sensors.hub_gyro, &modelled.parameters.interface);
     let lines = output_lines(&history.from_time(asked_procedure.settle_s), &made, noise)?;
     Ok(Disturbance { lines, reading_noise_rad_s: noise })

@@ -68,10 +68,6 @@ impl KeyTolerance {
 
     /// Returns the tolerance as the file spells it.
     pub(crate) fn as_written(&self) -> String {
-        use crate::file::setting::{number, quote};
-        match self.kind {
-            ToleranceKind::Relative => number(self.half_width / self.value.abs()),
-            ToleranceKind::Absolute => quote(&format!("{} {}", number(self.half_width), self.unit)),
-        }
+        self.setting().as_written()
     }
 }

@@ -3,7 +3,7 @@
 
 use counterpoise_project::resolve::synthesis::LoopKind;
 use counterpoise_project::{Attachments, Document, Project};
-use counterpoise_verify::robust::VariedParameter;
+use counterpoise_verify::robustness::VariedParameter;
 
 const GOOD: &str = include_str!("data/rig.toml");
 

@@ -21,7 +21,7 @@ use counterpoise_report::wording::identification::describe_identified_recordings
 use counterpoise_report::wording::recordings::{
     describe_map, describe_recorded_map, describe_recordings_error,
 };
-use counterpoise_verify::robust::Sample;
+use counterpoise_verify::robustness::Sample;
 use pyo3::prelude::*;
 use serde::Serialize;
 

@@ -118,13 +118,13 @@ fn value_text(value: &ValueSummary) -> String {
     )
 }
 
-/// Returns the report of a commissioning of a project.
-pub fn commission_report(project: &str, rounds: &[RoundSummary]) -> Report {
+/// Returns the report of a commissioning of a project, in whose experiments the machine ran for so many seconds.
+pub fn commission_report(project: &str, rounds: &[RoundSummary], machine_time_s: f64) -> Report {
     let stop = rounds.last().and_then(|round| round.stop.as_ref());
     let is_met = matches!(stop, Some(StopReason::RequirementsMet | StopReason::ModelExplains));
     let tone = if is_met { OutcomeTone::Good } else { OutcomeTone::Bad };
-    let machine_s: f64 = rounds.iter().flat_map(|round| &round.runs).map(|run| run.duration_s).sum();
-    let detail = format!("{} rounds, {} s of machine time.", rounds.len(), short_number(machine_s));
+    let machine_time = short_number(machine_time_s);
+    let detail = format!("{} rounds, {machine_time} s of machine time.", rounds.len());
     let mut sections = Vec::new();
     sections.extend(tolerances_section(rounds));
     sections.extend(rounds.iter().map(round_section));

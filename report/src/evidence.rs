@@ -2,7 +2,7 @@
 
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
-use counterpoise_verify::linear::{ResponseCurve, frequency::Rejection};
+use counterpoise_verify::linear_loop::{ResponseCurve, frequency::Rejection};
 use counterpoise_verify::{
     Arrangement, Experiment, History, HistoryColumn, Model, Source, Value, Verification,
 };

@@ -8,7 +8,7 @@
 //!
 //! Modules in reading order: [`page`], [`html`], [`style`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`loop_charts`], [`spectra`],
 //! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`first_design`], [`alternatives`], [`designs`], [`targets`], [`trade_off`]; the other commands'
-//! reports: [`check`], [`commission`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robust`], [`certificate`], [`two_axes`], [`error_budget`], `error_budget_figures`, [`advice`], [`identify`], [`replay`],
+//! reports: [`check`], [`commission`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robustness`], [`certificate`], [`two_axes`], [`error_budget`], `error_budget_figures`, [`advice`], [`identify`], [`replay`],
 //! [`diagnosis`], `learned`, [`residual`], [`structure`]; and the
 //! sentences of a diagnosis: [`wording`].
 
@@ -37,7 +37,7 @@ pub mod model;
 pub mod page;
 pub mod replay;
 pub mod residual;
-pub mod robust;
+pub mod robustness;
 pub mod spectra;
 pub mod structure;
 pub mod style;

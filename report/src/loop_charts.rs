@@ -6,8 +6,8 @@ use counterpoise_pipeline::loop_view::{ChartPoints, LocusView, LoopPlane, LoopVi
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 use counterpoise_verify::Verification;
-use counterpoise_verify::linear::MarginKind;
-use counterpoise_verify::linear::{LoopCause, LoopEffect, LoopResponse};
+use counterpoise_verify::linear_loop::MarginKind;
+use counterpoise_verify::linear_loop::{LoopCause, LoopEffect, LoopResponse};
 
 use crate::ReportSection;
 use crate::bode::{BodeCurve, PhasePanel, bode_figure, response_of};

@@ -129,9 +129,9 @@ fn response(found: &ControlResponse, controlled: ControlledQuantity) -> Option<F
 fn spectrum(found: &ResidualSpectra) -> Figure {
     let line = |name: &str, colour, spectra: Option<&Spectra>| {
         let spectra = spectra?;
-        let pairs = spectra.frequency_hz.iter().zip(&spectra.pxx).skip(1);
-        let series =
-            Series::solid_line(name, colour, pairs.map(|(f, p)| (*f, p.sqrt())).filter(|p| p.1 > 0.0));
+        let density = spectra.amplitude_density_of_x();
+        let pairs = spectra.frequency_hz.iter().copied().zip(density).skip(1);
+        let series = Series::solid_line(name, colour, pairs.filter(|p| p.1 > 0.0));
         (!series.points.is_empty()).then_some(series)
     };
     let series = [

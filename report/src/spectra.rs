@@ -1,7 +1,7 @@
 //! The rejection ratio from time histories, as a section.
 
 use counterpoise_models::ControlledQuantity;
-use counterpoise_verify::spectral::{CONFIDENCE, HubRateSpectra};
+use counterpoise_verify::rejection_spectra::{CONFIDENCE, HubRateSpectra};
 use counterpoise_verify::{Arrangement, Source};
 
 use crate::ReportSection;

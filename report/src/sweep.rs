@@ -2,14 +2,14 @@
 
 use counterpoise_pipeline::studies::sweep::CampaignResult;
 use counterpoise_pipeline::wording::figures::describe_figure;
-use counterpoise_verify::robust::{MemberDifference, Sense, Summary, WorstMechanism};
+use counterpoise_verify::robustness::{MemberDifference, Sense, Summary, WorstMechanism};
 use counterpoise_verify::{Limit, Requirement, Value, Verification};
 
 use serde::Serialize;
 
 use crate::verification::VerificationContext;
 use crate::{
-    Headline, OutcomeTone, Report, ReportCell, ReportColumn, ReportSection, ReportTable, robust, summary,
+    Headline, OutcomeTone, Report, ReportCell, ReportColumn, ReportSection, ReportTable, robustness, summary,
 };
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
@@ -30,7 +30,7 @@ pub fn campaign_report(
         outside_samples(found)
     );
     let mut sections = vec![worst_cases(found, project)];
-    sections.extend(found.stability.as_ref().map(robust::robustness_section));
+    sections.extend(found.stability.as_ref().map(robustness::robustness_section));
     sections.extend(statistics(found));
     sections.extend(context.more);
     Report {

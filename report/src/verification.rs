@@ -3,7 +3,7 @@
 use counterpoise_pipeline::loop_view::LoopView;
 use counterpoise_pipeline::sight_views::SightView;
 use counterpoise_verify::Verification;
-use counterpoise_verify::spectral::HubRateSpectra;
+use counterpoise_verify::rejection_spectra::HubRateSpectra;
 
 use crate::{ProvenanceEntry, Report, ReportSection, error_budget, evidence, loop_charts, spectra, summary};
 

@@ -1,9 +1,8 @@
 //! The obstacles of a design: which part, which weight, at which frequency, and what is wrong.
 
-use std::fmt;
-
 use crate::DisturbanceChannel;
 use crate::cause::Cause;
+use crate::weight::Weight;
 
 /// Severity of a finding of a design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,12 +49,12 @@ pub enum WeightRole {
 }
 
 /// A weight that a finding concerns.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ConcernedWeight {
     /// Signal that it weighs.
     pub role: WeightRole,
-    /// Formula in s.
-    pub formula: String,
+    /// The weight itself.
+    pub weight: Weight,
 }
 
 /// One thing that stands in a design's way.
@@ -85,8 +84,8 @@ impl DesignFinding {
     }
 
     /// Returns the finding with the weight named.
-    pub fn with_weight(self, role: WeightRole, weight: &impl fmt::Display) -> Self {
-        Self { weight: Some(ConcernedWeight { role, formula: weight.to_string() }), ..self }
+    pub fn with_weight(self, role: WeightRole, weight: &Weight) -> Self {
+        Self { weight: Some(ConcernedWeight { role, weight: weight.clone() }), ..self }
     }
 
     /// Returns the finding with the frequency named.

@@ -114,7 +114,7 @@ pub use figures::{FigureSystems, Figures, figure_systems, sampled_loop_figures};
 pub use finding::{ConcernedWeight, DesignFinding, FindingSeverity, Part, WeightRole};
 pub use first_design::{
     Circumstances, ControlLimit, ExpectedMotion, FirstDesign, LimitLoops, LoopJudgement, RequiredMargins,
-    UsualReading, first_design, first_design_on,
+    UsualPlants, UsualReading, first_design, first_design_on,
 };
 pub use fixed_structure::{Block, BlockKind, BlockParameter, FixedStructure, ParameterName};
 pub use generalised_plant::{GeneralisedPlant, NamedBlock, Ports, StateOrigin};

@@ -58,12 +58,12 @@ pub enum SearchEnding {
 
 /// First and last step of the search, as natural logarithms of factors.
 const STEPS: (f64, f64) = (0.7, 0.04);
-/// Largest factor on a knob, as a natural logarithm: three decades.
+/// Largest factor on a parameter, as a natural logarithm: three decades.
 const REACH: f64 = 6.9;
 /// Weight of a missed requirement against rejection.
 const PENALTY: f64 = 100.0;
-/// Knobs: error gain, error corners, control corners, loop recovery.
-const KNOBS: usize = 4;
+/// Parameters that are searched: error gain, error corners, control corners, loop recovery.
+const PARAMETERS: usize = 4;
 
 /// Searches weights and loop recovery of the feedback so that the requirements hold on the sampled loop.
 ///
@@ -81,8 +81,8 @@ pub fn search_specification(
     let feedback_alone = Specification { heave: None, pitch: None, ..start.clone() };
     let powers = requirements.powers(plant, start)?;
     let problem = Problem { plant, start: &feedback_alone, requirements, sampling, powers };
-    let first = problem.attempt([0.0; KNOBS])?;
-    let (mut at, mut best, mut trials, mut step) = ([0.0; KNOBS], first, 1, STEPS.0);
+    let first = problem.attempt([0.0; PARAMETERS])?;
+    let (mut at, mut best, mut trials, mut step) = ([0.0; PARAMETERS], first, 1, STEPS.0);
     let mut ended = SearchEnding::Settled;
     'search: while step >= STEPS.1 {
         let mut improved = false;
@@ -139,19 +139,19 @@ pub fn trade_off(
     Ok(curve)
 }
 
-/// Each knob up and down, then each pair of knobs together and against each other.
-fn directions() -> Vec<[f64; KNOBS]> {
+/// Each parameter up and down, then each pair of parameters together and against each other.
+fn directions() -> Vec<[f64; PARAMETERS]> {
     let mut all = Vec::new();
-    for knob in 0..KNOBS {
+    for parameter in 0..PARAMETERS {
         for sign in [1.0, -1.0] {
-            let mut direction = [0.0; KNOBS];
-            direction[knob] = sign;
+            let mut direction = [0.0; PARAMETERS];
+            direction[parameter] = sign;
             all.push(direction);
         }
     }
-    for (first, second) in (0..KNOBS).flat_map(|i| (i + 1..KNOBS).map(move |j| (i, j))) {
+    for (first, second) in (0..PARAMETERS).flat_map(|i| (i + 1..PARAMETERS).map(move |j| (i, j))) {
         for (a, b) in [(1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)] {
-            let mut direction = [0.0; KNOBS];
+            let mut direction = [0.0; PARAMETERS];
             (direction[first], direction[second]) = (a, b);
             all.push(direction);
         }
@@ -172,23 +172,23 @@ struct Problem<'a> {
 }
 
 impl Problem<'_> {
-    /// Returns whether no knob is further than [`REACH`], and no corner is moved beyond half the sampling rate, where nothing sees it.
-    fn reaches(&self, knobs: [f64; KNOBS]) -> bool {
+    /// Returns whether no parameter is further than [`REACH`], and no corner is moved beyond half the sampling rate, where nothing sees it.
+    fn reaches(&self, parameters: [f64; PARAMETERS]) -> bool {
         let highest = std::f64::consts::PI / self.sampling.period_s;
         let corner = |weight: &Weight| {
             let rational = weight.rational();
             rational.zeros.iter().chain(&rational.poles).map(|root| root.norm()).fold(0.0, f64::max)
         };
-        let [_, error, control, _] = knobs.map(f64::exp);
+        let [_, error, control, _] = parameters.map(f64::exp);
         let below = |weight: &Weight, factor: f64| factor <= 1.0 || factor * corner(weight) <= highest;
         let feedback = &self.start.feedback;
-        knobs.iter().all(|knob| knob.abs() <= REACH)
+        parameters.iter().all(|parameter| parameter.abs() <= REACH)
             && below(&feedback.error, error)
             && below(&feedback.control, control)
     }
 
-    fn attempt(&self, knobs: [f64; KNOBS]) -> Result<SearchTrial, Error> {
-        let specification = move_specification(self.start, knobs);
+    fn attempt(&self, parameters: [f64; PARAMETERS]) -> Result<SearchTrial, Error> {
+        let specification = move_specification(self.start, parameters);
         let designed = design(self.plant, &specification)?;
         let sampled = discretise(&designed, self.sampling)?;
         let band = self.requirements.band_rad_s;
@@ -199,10 +199,10 @@ impl Problem<'_> {
     }
 }
 
-/// The specification with its knobs turned by exp(knobs).
-fn move_specification(start: &Specification, knobs: [f64; KNOBS]) -> Specification {
+/// The specification with its parameters multiplied by the factors exp(parameters).
+fn move_specification(start: &Specification, parameters: [f64; PARAMETERS]) -> Specification {
     let mut moved = start.clone();
-    let [gain, error, control, recovery] = knobs.map(f64::exp);
+    let [gain, error, control, recovery] = parameters.map(f64::exp);
     moved.feedback.error = stretch_weight(&start.feedback.error, error, gain);
     moved.feedback.control = stretch_weight(&start.feedback.control, control, 1.0);
     moved.feedback.loop_recovery *= recovery;

@@ -7,7 +7,8 @@ use counterpoise_lti::{Discretisation, StateSpace, Timebase, c2d, margins};
 use counterpoise_synth::cascade::difference_lag;
 use counterpoise_synth::{
     Assembly, Circumstances, ControlLimit, DesignPlant, FeedbackWeights, LightModes, RateLoop, Reference,
-    RequiredMargins, Sampling, Specification, UsualReading, Weight, design, discretise, first_design,
+    RequiredMargins, Sampling, Specification, UsualPlants, UsualReading, Weight, design, discretise,
+    first_design,
 };
 
 const PERIOD_S: f64 = 1e-3;
@@ -97,9 +98,7 @@ fn a_first_design_chooses_both_loops_and_the_whole_keeps_the_margins() {
         others: Vec::new(),
         within_tolerances: Vec::new(),
         known_absent: Vec::new(),
-        within_usual_ranges: Vec::new(),
-        with_usual_delay: Vec::new(),
-        others_at_usual_ends: Vec::new(),
+        usual: UsualPlants::default(),
         usual_reading: UsualReading::default(),
         load_output: None,
         sampling: sampling.clone(),

@@ -9,7 +9,7 @@ use counterpoise_lti::{StateSpace, Timebase, margins};
 use counterpoise_models::reference;
 use counterpoise_synth::{
     Cause, Circumstances, ControlLimit, Design, DesignPlant, Error, FirstDesign, LimitKind, RequiredMargins,
-    Sampling, Unknown, UsualReading, design, discretise, first_design,
+    Sampling, Unknown, UsualPlants, UsualReading, design, discretise, first_design,
 };
 
 const CEILING: f64 = std::f64::consts::TAU / 20.0;
@@ -21,9 +21,7 @@ fn circumstances(plant: DesignPlant, sampling: Sampling) -> Circumstances {
         others: Vec::new(),
         within_tolerances: Vec::new(),
         known_absent: Vec::new(),
-        within_usual_ranges: Vec::new(),
-        with_usual_delay: Vec::new(),
-        others_at_usual_ends: Vec::new(),
+        usual: UsualPlants::default(),
         usual_reading: UsualReading::default(),
         sampling,
         control_limit: ControlLimit::OfDrive,

@@ -7,7 +7,7 @@ use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_synth::{
     Bandwidth, BandwidthLimit, Circumstances, ControlLimit, DesignPlant, LimitKind, RequiredMargins,
-    Sampling, UsualReading, first_design,
+    Sampling, UsualPlants, UsualReading, first_design,
 };
 
 /// Two inertias on a spring with a gyroscope, and everything else that can limit their loop.
@@ -52,9 +52,7 @@ impl Machine {
             others: Vec::new(),
             within_tolerances: Vec::new(),
             known_absent: Vec::new(),
-            within_usual_ranges: Vec::new(),
-            with_usual_delay: Vec::new(),
-            others_at_usual_ends: Vec::new(),
+            usual: UsualPlants::default(),
             usual_reading: UsualReading::default(),
             load_output: None,
             sampling: Sampling { delay_samples, ..Sampling::new(self.period_s, 10.0) },

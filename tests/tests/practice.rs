@@ -61,17 +61,13 @@ fn largest_ratio(project: &Project, folder: &Path) -> f64 {
     ratios.fold(0.0, f64::max)
 }
 
-fn practice(machine: &str) -> Option<PathBuf> {
-    let folder = root().join("tests/data/practice").join(machine);
-    if !folder.is_dir() {
-        panic!("{} is not there", folder.display());
-    }
-    Some(folder)
+fn practice(machine: &str) -> PathBuf {
+    root().join("tests/data/practice").join(machine)
 }
 
 #[test]
 fn a_machine_as_modelled_replays_to_its_floor_and_is_consistent() {
-    let Some(folder) = practice("p08") else { return };
+    let folder = practice("p08");
     let project = project(&folder);
     assert!(largest_ratio(&project, &folder) < 1.5);
     let controller = project
@@ -158,8 +154,8 @@ const GAIN_CURVE: [[f64; 2]; 14] = [
 ];
 
 /// A practice machine's project with the truth entered, and all its recordings.
-fn known_machine(machine: &str) -> Option<(Project, Vec<Recording>)> {
-    let folder = practice(machine)?;
+fn known_machine(machine: &str) -> (Project, Vec<Recording>) {
+    let folder = practice(machine);
     let text = fs::read_to_string(folder.join("project.toml")).unwrap();
     let document = truth(machine)
         .iter()
@@ -168,7 +164,7 @@ fn known_machine(machine: &str) -> Option<(Project, Vec<Recording>)> {
     let mut all = recordings(&project, &folder);
     all.extend(recordings(&project, &folder.join("unseen")));
     assert_eq!(all.len(), 7);
-    Some((project, all))
+    (project, all)
 }
 
 /// Every channel of a replay within 1.5 times its floor.
@@ -182,7 +178,7 @@ fn assert_fits(machine: &str, recording: &str, replayed: &Replay) {
 #[test]
 fn machines_whose_truth_is_known_replay_in_closed_loop_to_their_floor() {
     for machine in ["p01", "p04", "p05", "p06", "p07"] {
-        let Some((project, all)) = known_machine(machine) else { return };
+        let (project, all) = known_machine(machine);
         let control = ReplayLoop::from(
             project
                 .recording_controller
@@ -200,7 +196,7 @@ fn machines_whose_truth_is_known_replay_in_closed_loop_to_their_floor() {
 #[test]
 fn machines_that_hunt_replay_to_their_floor_over_half_a_second() {
     for machine in ["p02", "p03"] {
-        let Some((project, all)) = known_machine(machine) else { return };
+        let (project, all) = known_machine(machine);
         counterpoise_tests::run_in_parallel(all.len(), &|k| {
             let replayer = Replayer::new(&project.plant, &all[k]).unwrap();
             assert_fits(machine, &all[k].name, &replayer.replay_windowed(&project.plant, 0.5).unwrap());
@@ -213,7 +209,7 @@ fn machines_that_hunt_replay_to_their_floor_over_half_a_second() {
 #[cfg(feature = "evidence")]
 #[test]
 fn an_amplifier_s_curve_is_found_as_fine_as_the_recordings_ask() {
-    let Some(folder) = practice("p03") else { return };
+    let folder = practice("p03");
     let project = project(&folder);
     let controller = project
         .recording_controller
@@ -238,7 +234,7 @@ fn an_amplifier_s_curve_is_found_as_fine_as_the_recordings_ask() {
 /// In open loop a machine that nearly stalls remembers a start for longer than its first moments show it.
 #[test]
 fn cogging_that_nearly_stalls_the_motor_replays_in_open_loop() {
-    let Some((project, all)) = known_machine("p05") else { return };
+    let (project, all) = known_machine("p05");
     counterpoise_tests::run_in_parallel(all.len(), &|k| {
         let replayer = Replayer::new(&project.plant, &all[k]).unwrap();
         assert_fits("p05", &all[k].name, &replayer.replay_open(&project.plant).unwrap());
@@ -249,7 +245,7 @@ fn cogging_that_nearly_stalls_the_motor_replays_in_open_loop() {
 /// noise of the sensors alone part by more than ten times that noise.
 #[test]
 fn a_machine_that_hunts_does_not_repeat_itself() {
-    let Some((project, all)) = known_machine("p02") else { return };
+    let (project, all) = known_machine("p02");
     let steps = all.iter().find(|r| r.name.contains("steps")).unwrap();
     let mut controller = project
         .recording_controller
@@ -276,7 +272,7 @@ fn a_machine_that_hunts_does_not_repeat_itself() {
 
 #[test]
 fn short_horizons_do_not_hide_what_a_model_lacks() {
-    let Some(folder) = practice("p02") else { return };
+    let folder = practice("p02");
     let project = project(&folder);
     let lacking = recordings(&project, &folder);
     let worst = |recording: &Recording| {

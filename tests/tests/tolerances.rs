@@ -97,7 +97,7 @@ const NO_TOLERANCES: [NoTolerance; 12] = [
     no("project/src/file/setting.rs", "SMALLEST_PLAIN", NoToleranceReason::Page),
     no("synth/src/first_design/feedforwards.rs", "ROLL_OFF", NoToleranceReason::Model),
     no("synth/src/tuning/starts.rs", "CROSSOVERS", NoToleranceReason::Grid),
-    no("verify/src/linear/root_locus.rs", "LEAST_GAIN", NoToleranceReason::Grid),
+    no("verify/src/linear_loop/root_locus.rs", "LEAST_GAIN", NoToleranceReason::Grid),
 ];
 
 /// A constant with a real value: its line, its name and what its comment says, in lower case.

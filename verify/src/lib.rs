@@ -5,8 +5,8 @@
 //!
 //! *Invariant*: nothing here knows how a controller was designed; nothing here reads a file, a clock or an unseeded random number.
 //!
-//! Modules in reading order: [`figure`], [`requirement`], [`road_class`], [`procedure`], [`signals`], [`history`], [`linear`],
-//! [`nonlinear`], [`missing_figures`], [`measure`], [`coincidence`], [`image_motion`], [`sight_options`], [`line_of_sight`], [`sight_spectrum`], [`error_budget`](mod@error_budget), [`verification`], [`two_axes`], [`spectral`], [`difference`], [`robust`], [`structured`], [`certificate`],
+//! Modules in reading order: [`figure`], [`requirement`], [`road_class`], [`procedure`], [`signals`], [`history`], [`linear_loop`],
+//! [`nonlinear_runs`], [`missing_figures`], [`measure`], [`coincidence`], [`image_motion`], [`sight_options`], [`line_of_sight`], [`sight_spectrum`], [`error_budget`](mod@error_budget), [`verification`], [`two_axes`], [`rejection_spectra`], [`difference`], [`robustness`], [`structured`], [`certificate`],
 //! [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
@@ -26,18 +26,18 @@ pub mod figure;
 pub mod history;
 pub mod image_motion;
 pub mod line_of_sight;
-pub mod linear;
+pub mod linear_loop;
 pub mod measure;
 pub mod missing_figures;
-pub mod nonlinear;
+pub mod nonlinear_runs;
 pub mod procedure;
+pub mod rejection_spectra;
 pub mod requirement;
 pub mod road_class;
-pub mod robust;
+pub mod robustness;
 pub mod sight_options;
 pub mod sight_spectrum;
 pub mod signals;
-pub mod spectral;
 mod spelling;
 pub mod structured;
 pub mod tolerance;

@@ -124,19 +124,19 @@ pub const LONGEST_SEGMENT: usize = 4096;
 /// With fewer the confidence radius exceeds the ratio itself.
 pub const FEWEST_SEGMENTS: usize = 6;
 
-// ---- robust::statistics ----
+// ---- robustness::statistics ----
 
 /// The distance from 1 is told only where its correlation is larger than the factor's own by this.
 /// Over 200 samples the standard deviation of a rank correlation by chance is 0.07.
 pub const CLEAR_RANK: f64 = 0.1;
 
-// ---- robust::sampling ----
+// ---- robustness::sampling ----
 
 /// Standard deviations at which a normal factor is cut off.
 /// Beyond three a factor of 0.33 deviation would turn negative.
 pub const NORMAL_CUT: f64 = 3.0;
 
-// ---- robust::worst_case ----
+// ---- robustness::worst_case ----
 
 /// First step, in quantiles.
 /// A fifth of a range leaves the neighbourhood of the worst sample.
@@ -403,7 +403,7 @@ pub(crate) const WORSE_FEEDFORWARD: f64 = 1.01;
 /// parameters that are known to percents.
 pub(crate) const BOUND_RATIO: f64 = 1.0001;
 
-// ---- linear::root_locus ----
+// ---- linear_loop::root_locus ----
 
 /// Ratio of two neighbouring gains below which a root locus is not divided further: a step of a part in a thousand in the gain moves a pole by less
 /// than a line's width, unless two poles meet, where no finer step helps.

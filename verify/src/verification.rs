@@ -11,14 +11,14 @@ use crate::Quantity;
 use crate::error_budget::{ErrorBudget, error_budget};
 use crate::history::{Experiment, History};
 use crate::line_of_sight;
-use crate::linear::closed_loop::is_feedforward;
-use crate::linear::frequency::compute_rejections;
-use crate::linear::{self, ArrangedLoop, ClosedLoop, Curves, SampledPlant, arrange_controller};
+use crate::linear_loop::closed_loop::is_feedforward;
+use crate::linear_loop::frequency::compute_rejections;
+use crate::linear_loop::{self, ArrangedLoop, ClosedLoop, Curves, SampledPlant, arrange_controller};
 use crate::measure::{MeasuredFigure, Value, history_figures, infinite_figures, loop_figures};
 use crate::tolerance::WORSE_FEEDFORWARD;
 use crate::{
     ARRANGEMENTS, Arrangement, Error, HeaveAndPitch, MissingReason, Model, PerformanceFigure, Procedure,
-    Requirement, Source, Verdict, nonlinear,
+    Requirement, Source, Verdict, nonlinear_runs,
 };
 
 /// Result of a verification: the measured figures, their verdicts, and the records that they were computed from.
@@ -273,9 +273,9 @@ fn nonlinear_part(
     go_on: &mut dyn FnMut(&mut Verification) -> bool,
 ) -> Result<bool, Error> {
     let mut simulator = Simulator::new(plant)?;
-    for experiment in nonlinear::list_experiments(procedure) {
+    for experiment in nonlinear_runs::list_experiments(procedure) {
         let known = same_run(controller, experiment, &found.evidence.histories);
-        let run = || nonlinear::run_history(&mut simulator, controller, procedure, experiment);
+        let run = || nonlinear_runs::run_history(&mut simulator, controller, procedure, experiment);
         match known.map_or_else(run, Ok) {
             Ok(history) => {
                 found.figures.extend(history_figures(&history, procedure.settle_s));
@@ -390,7 +390,7 @@ fn linear_loops(
     procedure: &Procedure,
     requirements: &[Requirement],
 ) -> Result<LinearLoops, Error> {
-    let resolver = linear::closed_loop::resolver_use(controller);
+    let resolver = linear_loop::closed_loop::resolver_use(controller);
     let sampled = SampledPlant::new(&linear_plant(plant, procedure)?, plant.parameters(), resolver)?;
     let moment = controller.parts().design_out_of_balance_kg_m;
     let mut loops = Vec::new();
@@ -482,7 +482,7 @@ fn linear_histories(
             match linear_history(sampled, closed, procedure, experiment)? {
                 None => figures.extend(infinite_figures(Model::Linear, experiment)),
                 Some(mut history) => {
-                    linear::surge::add_surge(&mut history, sampled, loops, procedure)?;
+                    linear_loop::surge::add_surge(&mut history, sampled, loops, procedure)?;
                     figures.extend(history_figures(&history, procedure.settle_s));
                     histories.push(history);
                 }
@@ -506,12 +506,12 @@ pub(crate) fn linear_history(
         Experiment::Disturbance(source, arrangement) => {
             let motion = |time_s: f64| procedure.motion(source, time_s);
             let duration_s = procedure.duration_of(source);
-            linear::simulate_disturbance(sampled, closed, source, arrangement, duration_s, motion)?
+            linear_loop::simulate_disturbance(sampled, closed, source, arrangement, duration_s, motion)?
         }
-        Experiment::Step | Experiment::Rest => linear::simulate_step(sampled, closed, procedure.step)?,
+        Experiment::Step | Experiment::Rest => linear_loop::simulate_step(sampled, closed, procedure.step)?,
         Experiment::Triangle => {
             let Some(triangle) = procedure.triangle else { return Ok(None) };
-            linear::simulate_triangle(sampled, closed, triangle, procedure.duration_s)?
+            linear_loop::simulate_triangle(sampled, closed, triangle, procedure.duration_s)?
         }
     };
     Ok(Some(history))

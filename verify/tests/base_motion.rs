@@ -9,7 +9,7 @@ use counterpoise_models::plant::{OperatingPoint, Plant};
 use counterpoise_models::{AccelerometerAxis, Friction, FrictionLaw, Parameters};
 use counterpoise_recordings::Signals;
 use counterpoise_verify::line_of_sight::SightAngles;
-use counterpoise_verify::robust::figures_of;
+use counterpoise_verify::robustness::figures_of;
 use counterpoise_verify::{
     Arrangement, Coincidence, ErrorSource, Limit, LineOfSight, MissingReason, Model, Optics,
     PerformanceFigure, Procedure, Quantity, Requirement, Road, RoadOrigin, SightFigure, Source, Value,

@@ -5,9 +5,9 @@ use crate::support;
 
 use counterpoise_lti::Response;
 use counterpoise_models::plant::{Angles, FrictionLinearisation, OperatingPoint};
-use counterpoise_verify::linear::frequency::{Curves, compute_rejections};
-use counterpoise_verify::linear::plant::Resolver;
-use counterpoise_verify::linear::{
+use counterpoise_verify::linear_loop::frequency::{Curves, compute_rejections};
+use counterpoise_verify::linear_loop::plant::Resolver;
+use counterpoise_verify::linear_loop::{
     ArrangedLoop, ClosedLoop, LoopCause, LoopEffect, SampledPlant, arrange_controller, simulate_disturbance,
     simulate_step,
 };

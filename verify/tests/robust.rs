@@ -3,7 +3,7 @@
 
 use crate::support;
 
-use counterpoise_verify::robust::{
+use counterpoise_verify::robustness::{
     Campaign, Distribution, Family, Layout, PointLayout, Sense, Variation, VariedParameter,
     compare_configurations, figures_of, merge_shards, one_at_a_time, rank_parameters, summarise_requirement,
     worst_case,

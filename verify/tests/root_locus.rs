@@ -3,10 +3,10 @@
 
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{Response, StateSpace, Timebase};
-use counterpoise_verify::linear::frequency::grid_hz;
-use counterpoise_verify::linear::loop_shape::loop_path;
-use counterpoise_verify::linear::root_locus::continuous_equivalent;
-use counterpoise_verify::linear::{LoopPath, RootLocus, root_locus};
+use counterpoise_verify::linear_loop::frequency::grid_hz;
+use counterpoise_verify::linear_loop::loop_shape::loop_path;
+use counterpoise_verify::linear_loop::root_locus::continuous_equivalent;
+use counterpoise_verify::linear_loop::{LoopPath, RootLocus, root_locus};
 
 fn sampled_system(A: Mat, B: Mat, C: Mat, D: f64) -> StateSpace {
     let D = Mat::from_rows(&[[D]]);

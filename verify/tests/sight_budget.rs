@@ -13,7 +13,7 @@ use counterpoise_verify::sight_spectrum::Bands;
 use counterpoise_verify::signals::rms;
 use counterpoise_verify::{
     Contribution, ErrorBudget, ErrorSource, LineOfSight, Procedure, Road, RoadColumn, RoadOrigin,
-    error_budget, nonlinear,
+    error_budget, nonlinear_runs,
 };
 use support::{controller, rig};
 
@@ -159,14 +159,16 @@ fn noise_alone_has_the_mean_square_of_its_density() {
         for seed in 0..seeds {
             let asked = Procedure { seed: 100 + seed, ..procedure_at_rest() };
             let history =
-                nonlinear::run_history(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
+                nonlinear_runs::run_history(&mut simulator, &acting, &asked, sight_experiment(&asked))
+                    .unwrap();
             let angles = SightAngles::of(&history, asked.settle_s).unwrap();
             let error = angles.error(0.02).values();
             squares.iter_mut().zip(error).for_each(|(sum, rad)| *sum += rad * rad / seeds as f64);
             if linear.is_none() {
                 let bands = Bands::of(angles.hub_rad.len(), 1e-3);
                 let loops = Propagation::new(&plant, &acting, &asked, &bands).unwrap().unwrap();
-                let run = nonlinear::run(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
+                let run =
+                    nonlinear_runs::run(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
                 linear = loops.of(*source, &run).unwrap();
             }
         }
@@ -213,8 +215,9 @@ fn linear_marches_of_all_sources_add_up_to_the_simulated_motion() {
     let plant = Plant::from_lumped(&p).unwrap();
     let mut simulator = Simulator::new(&plant).unwrap();
     let acting = controller();
-    let run = nonlinear::run(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
-    let history = nonlinear::run_history(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
+    let run = nonlinear_runs::run(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
+    let history =
+        nonlinear_runs::run_history(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
     let simulated = SightAngles::of(&history, asked.settle_s).unwrap();
     let bands = Bands::of(simulated.hub_rad.len(), 1e-3);
     let loops = Propagation::new(&plant, &acting, &asked, &bands).unwrap().unwrap();
@@ -239,7 +242,8 @@ fn steps_of_converters_are_noise_where_they_are_dithered() {
     let angles = |p: &Parameters| {
         let mut simulator = Simulator::new(&Plant::from_lumped(p).unwrap()).unwrap();
         let history =
-            nonlinear::run_history(&mut simulator, &controller(), &asked, sight_experiment(&asked)).unwrap();
+            nonlinear_runs::run_history(&mut simulator, &controller(), &asked, sight_experiment(&asked))
+                .unwrap();
         SightAngles::of(&history, asked.settle_s).unwrap()
     };
     let mut fine = quiet();
@@ -265,7 +269,7 @@ fn steps_of_converters_are_noise_where_they_are_dithered() {
     let bands = Bands::of(smooth.hub_rad.len(), 1e-3);
     let loops = Propagation::new(&plant, &acting, &asked, &bands).unwrap().unwrap();
     let mut simulator = Simulator::new(&plant).unwrap();
-    let run = nonlinear::run(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
+    let run = nonlinear_runs::run(&mut simulator, &acting, &asked, sight_experiment(&asked)).unwrap();
     let linear = loops.of(ErrorSource::Quantisation, &run).unwrap().unwrap().rad[1];
     assert!((linear / simulated - 1.0).abs() < 0.25, "{linear} {simulated}");
 }

@@ -5,7 +5,7 @@ use crate::support;
 
 use counterpoise_linalg::{C64, CMat};
 use counterpoise_verify::Procedure;
-use counterpoise_verify::robust::{Distribution, Variation, VariedParameter};
+use counterpoise_verify::robustness::{Distribution, Variation, VariedParameter};
 use counterpoise_verify::structured::factor::Reach;
 use counterpoise_verify::structured::{
     PerturbationBlock, PerturbationStructure, Uncertainty, lower_bound, robust_stability, upper_bound,

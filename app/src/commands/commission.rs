@@ -14,7 +14,7 @@ use counterpoise_host::workers::ProgressPool;
 use counterpoise_host::{code_files, files};
 use counterpoise_pipeline::commission::{
     PlannedRun, RecordedRun, ReplayUse, RoundSummary, StopReason, assign_controller, judge_requirements,
-    judge_run, plan_runs, stop_after_update, stop_before_update, update_model,
+    judge_run, machine_time_s, plan_runs, stop_after_update, stop_before_update, update_model,
 };
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::identity::ProjectIdentity;
@@ -103,7 +103,7 @@ pub fn run(options: &CommissionOptions) -> CommandResult {
     let last = rounds.last_mut().context("--rounds must be at least 1")?;
     last.stop.get_or_insert(StopReason::RoundsOver);
     let met = matches!(last.stop, Some(StopReason::RequirementsMet | StopReason::ModelExplains));
-    let page = commission_report(&path.display().to_string(), &rounds);
+    let page = commission_report(&path.display().to_string(), &rounds, machine_time_s(&rounds));
     projects::write_file(&options.output.join("story.html"), html_page(&page).as_bytes())?;
     if !output::write_json(&options.results, &Story { rounds: &rounds })? {
         rounds

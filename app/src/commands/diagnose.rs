@@ -13,7 +13,7 @@ use counterpoise_report::wording::answer::{
     AnswerText, FindingText, component_list, describe_diagnosed_recordings, describe_verdict,
     describe_warning, unit_suffix,
 };
-use counterpoise_report::wording::held_out::{HeldOutText, describe_held_out};
+use counterpoise_report::wording::held_out_recordings::{HeldOutText, describe_held_out};
 use counterpoise_report::wording::learned::LearnedText;
 use counterpoise_report::wording::recordings::{describe_recordings_error, describe_replay};
 use counterpoise_report::{diagnosis, difference, html_page};

@@ -10,8 +10,8 @@ use counterpoise_pipeline::studies::sweep::{
 use counterpoise_pipeline::{self as pipeline, DesignStages, ProjectIdentity};
 use counterpoise_project::Purpose;
 use counterpoise_report::sweep::SweepFigure;
-use counterpoise_report::{ProvenanceEntry, VerificationContext, html_page, robust, sweep};
-use counterpoise_verify::robust::{Campaign, FamilyMember};
+use counterpoise_report::{ProvenanceEntry, VerificationContext, html_page, robustness, sweep};
+use counterpoise_verify::robustness::{Campaign, FamilyMember};
 use counterpoise_verify::structured::RobustStability;
 use std::path::Path;
 
@@ -252,7 +252,7 @@ fn print(found: &CampaignResult, rows: &[SweepFigure]) {
 
 fn print_stability(found: &CampaignResult) {
     match &found.stability {
-        Some(found) => robust::robustness_lines(found).iter().for_each(|line| say!("linear: {line}")),
+        Some(found) => robustness::robustness_lines(found).iter().for_each(|line| say!("linear: {line}")),
         None => say!(
             "linear: no worst case, for nothing that enters the linear loop varies, or it is unstable as it is"
         ),

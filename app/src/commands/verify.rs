@@ -16,7 +16,7 @@ use counterpoise_report::adaptation::{describe_action, describe_refusal, trial_s
 use counterpoise_report::summary::worse_feedforwards;
 use counterpoise_report::{
     ReportOrigin, VerificationContext, advice, certificate, difference, error_budget, html_page,
-    of_verification, robust, two_axes,
+    of_verification, robustness, two_axes,
 };
 use counterpoise_verify::certificate::CaseCertificate;
 use counterpoise_verify::difference::FigureChange;
@@ -136,7 +136,7 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
         let certified = study.certificate.iter().flat_map(certificate::certificate_lines);
         certified.for_each(|line| say!("stability: {line}"));
         let heading = certificate::worst_case_heading(joints);
-        let robust = stability.into_iter().flat_map(robust::robustness_lines);
+        let robust = stability.into_iter().flat_map(robustness::robustness_lines);
         robust.for_each(|line| say!("{heading}: {line}"));
         certificate::robustness_lines(&study.regimes).iter().for_each(|line| say!("linear: {line}"));
         let action = study.adaptation.iter().filter_map(describe_action);
@@ -220,7 +220,7 @@ fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[Fi
         more: advised
             .into_iter()
             .chain(certified)
-            .chain(study.stability.as_ref().map(robust::robustness_section))
+            .chain(study.stability.as_ref().map(robustness::robustness_section))
             .chain(study.adaptation.as_ref().map(trial_section))
             .chain(study.two_axes.as_ref().map(two_axes::two_axes_section))
             .collect(),

@@ -9,7 +9,7 @@ use crate::fitting::output_error::{
     EffectFit, FitSelection, Preference, Problem, confidence_intervals, parameters_of,
 };
 use crate::fitting::score::{RecordingPart, Score, score_parts};
-use crate::learning::held_out::{HeldOutEquations, flat_preferences, preferences};
+use crate::learning::held_out_stretches::{HeldOutEquations, flat_preferences, preferences};
 use crate::learning::reading::{CurveReading, read_curve};
 use crate::learning::templates::{Template, TemplateContext, is_at};
 use crate::learning::visited_ranges::{Reach, VisitedRanges};

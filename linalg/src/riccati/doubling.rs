@@ -3,10 +3,10 @@
 //! Source: Chu, Fan and Lin, A structure-preserving doubling algorithm for continuous-time algebraic Riccati equations,
 //! Lin. Alg. Appl. 396 (2005); for discrete time the same with Hwang and Wang, Int. J. Control 77 (2004).
 
-use crate::compact;
 use crate::dense::{Factors, LARGE_SYMMETRIC, solve, symmetric_product, view};
 use crate::error::Error;
 use crate::mat::Mat;
+use crate::small_factors;
 use crate::tolerance::{
     DOUBLING_EARLY, DOUBLING_EARLY_LARGE, DOUBLING_GROWING, DOUBLING_LATE, DOUBLING_SETTLED, DOUBLING_STEPS,
     PRECISE_STATES,
@@ -113,7 +113,7 @@ fn double(form: &mut Problem) -> Option<f64> {
     if n > LARGE_SYMMETRIC {
         return double_large(form);
     }
-    if n <= compact::PRODUCTS {
+    if n <= small_factors::PRODUCTS {
         return double_small(form);
     }
     let middle = shifted_product(&form.G, &form.Q);
@@ -143,7 +143,7 @@ fn shifted_product(G: &Mat, Q: &Mat) -> Mat {
 
 /// The same for a small problem, with fewer matrices: `(I + G Q)^-1 G` is computed only if there is a next form.
 fn double_small(form: &mut Problem) -> Option<f64> {
-    let factors = compact::Factors::of(shifted_product(&form.G, &form.Q))?;
+    let factors = small_factors::Factors::of(shifted_product(&form.G, &form.Q))?;
     let moved = factors.solve(form.A.clone());
     let transposed = form.A.t();
     let step = (&transposed * (&form.Q * &moved)).symmetric_part();

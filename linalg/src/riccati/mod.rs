@@ -5,9 +5,9 @@
 //! is computed in twice the working precision, certify, and either hand over or say which mode is in the way.
 
 mod certificate;
-mod continuous;
+mod continuous_equation;
 mod decision;
-mod discrete;
+mod discrete_equation;
 mod doubling;
 mod equation;
 mod long_solution;
@@ -22,8 +22,8 @@ use std::fmt;
 use crate::mat::{C64, Mat};
 use crate::tolerance::{EPS, SENSITIVE};
 
-pub use continuous::{care, care_g};
-pub use discrete::dare;
+pub use continuous_equation::{care, care_g};
+pub use discrete_equation::dare;
 pub use reason::Reason;
 
 /// Outcome of a problem: a solution, or the reason why there is none.

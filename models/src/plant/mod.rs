@@ -2,7 +2,7 @@
 //!
 //! A [`Plant`] is [`Parameters`] whose ranges have been checked, with the structure in modal coordinates. From it:
 //! the linear [`core`] that a simulator steps exactly (its [`rows`] say which states a machine has), the [`equilibrium`], the right-hand side ([`dynamics`]) and
-//! the linearisation ([`linear`]).
+//! the linearisation ([`linearisation`]).
 
 mod amplifier;
 pub mod body;
@@ -14,7 +14,7 @@ pub mod equilibrium;
 pub mod free_functions;
 pub mod hose;
 pub mod impedance;
-pub mod linear;
+pub mod linearisation;
 mod local_plant;
 pub mod mesh_loss;
 mod outputs;
@@ -32,7 +32,7 @@ pub use self::free_functions::{
 };
 pub use self::hose::Hose;
 pub use self::impedance::Impedance;
-pub use self::linear::{Angles, FrictionLinearisation, LinearPlant, OutputRow, friction_impedance};
+pub use self::linearisation::{Angles, FrictionLinearisation, LinearPlant, OutputRow, friction_impedance};
 
 use crate::Error;
 use crate::friction::FrictionModel;

@@ -2,7 +2,7 @@
 
 use super::Plant;
 use super::core::{input, state};
-use super::linear::{Angles, LinearPlant, OutputRow, unit};
+use super::linearisation::{Angles, LinearPlant, OutputRow, unit};
 use crate::parameters::{ControlledQuantity, FeedbackSignal, QuantityKind};
 
 impl Plant {

@@ -21,5 +21,5 @@ pub use acceptance::{MachineVerdict, RecordedRun, RunJudgement, judge_requiremen
 pub use machine_runs::{MachineRun, RunRequest, simulate_run};
 pub use posterior::{FittedValue, Posterior, fit_tolerances};
 pub use run_plan::{PlannedRun, PlannedRuns, PredictedChannel, ReplayUse, plan_runs};
-pub use story::{RoundSummary, StopReason, stop_after_update, stop_before_update};
+pub use story::{RoundSummary, StopReason, machine_time_s, stop_after_update, stop_before_update};
 pub use update::{ModelUpdate, assign_controller, update_model};

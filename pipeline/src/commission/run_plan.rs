@@ -8,8 +8,8 @@ use counterpoise_project::Project;
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::Simulator;
 use counterpoise_simulate::replay::{reading_floor, sensor_of};
-use counterpoise_verify::robust::Distribution;
-use counterpoise_verify::{Arrangement, Experiment, Procedure, Source, nonlinear};
+use counterpoise_verify::robustness::Distribution;
+use counterpoise_verify::{Arrangement, Experiment, Procedure, Source, nonlinear_runs};
 
 use super::machine_runs::{MachineRun, RunRequest, simulate_run};
 use crate::recordings::experiment::plan_experiment;
@@ -122,7 +122,7 @@ fn machine_experiments(project: &Project, procedure: &Procedure) -> Vec<Experime
         Experiment::Triangle | Experiment::Disturbance(..) => required(experiment),
     };
     let is_whole = |experiment: &Experiment| !matches!(experiment, Experiment::Disturbance(_, arrangement) if *arrangement != Arrangement::Compensated);
-    nonlinear::list_experiments(procedure).into_iter().filter(is_whole).filter(is_asked).collect()
+    nonlinear_runs::list_experiments(procedure).into_iter().filter(is_whole).filter(is_asked).collect()
 }
 
 fn run_name(experiment: Experiment) -> &'static str {
@@ -146,7 +146,7 @@ fn request_of(
     procedure: &Procedure,
     experiment: Experiment,
 ) -> Result<RunRequest, PipelineError> {
-    let run = nonlinear::run(&mut Simulator::new(plant)?, controller, procedure, experiment)?;
+    let run = nonlinear_runs::run(&mut Simulator::new(plant)?, controller, procedure, experiment)?;
     let moves = matches!(experiment, Experiment::Disturbance(..));
     let motion = |values: &[f64]| if moves { values.to_vec() } else { Vec::new() };
     Ok(RunRequest {

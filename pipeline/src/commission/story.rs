@@ -40,6 +40,11 @@ pub struct RoundSummary {
     pub stop: Option<StopReason>,
 }
 
+/// Returns the time that a machine ran in the experiments of rounds, s.
+pub fn machine_time_s(rounds: &[RoundSummary]) -> f64 {
+    rounds.iter().flat_map(|round| &round.runs).map(|run| run.duration_s).sum()
+}
+
 /// An experiment of a round.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunSummary {

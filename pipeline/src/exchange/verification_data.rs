@@ -3,8 +3,8 @@
 use counterpoise_controller::{COMMON_READINGS, Controller, READING_NAMES};
 use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::{LinearPlant, Plant};
-use counterpoise_verify::linear::SampledPlant;
-use counterpoise_verify::linear::closed_loop::{ClosedLoop, arrange_controller, resolver_use};
+use counterpoise_verify::linear_loop::SampledPlant;
+use counterpoise_verify::linear_loop::closed_loop::{ClosedLoop, arrange_controller, resolver_use};
 use counterpoise_verify::{
     Arrangement, Experiment, History, Model, PerformanceFigure, Procedure, Quantity, StepFigure,
     TriangleFigure, Verification, linear_plant,

@@ -19,7 +19,7 @@ use counterpoise_project::resolve::synthesis::{DesignRequest, WeightSource};
 use counterpoise_project::resolve::verify::StepSize;
 use counterpoise_synth::{
     Circumstances, ControlLimit, DesignPlant, Error as SynthesisError, ExpectedMotion, FirstDesign,
-    LimitKind, LimitLoops, RequiredMargins, Weight, first_design_on,
+    LimitKind, LimitLoops, RequiredMargins, UsualPlants, Weight, first_design_on,
 };
 use counterpoise_verify::certificate::elements::rest_impedances;
 use counterpoise_verify::{Limit, LoopFigure, PerformanceFigure, Sine};
@@ -118,18 +118,8 @@ fn choose_weights_on(
 /// Returns the first design, whose loop holds what the file leaves open over its usual range, and the friction at rest, unless no loop does.
 fn first_design_of(given: &Circumstances, pool: &dyn Pool) -> Result<FirstDesign, SynthesisError> {
     match first_design_on(given, pool) {
-        Err(SynthesisError::Refused(_))
-            if !given.within_usual_ranges.is_empty()
-                || !given.with_usual_delay.is_empty()
-                || !given.others_at_usual_ends.is_empty() =>
-        {
-            let given = Circumstances {
-                within_usual_ranges: Vec::new(),
-                with_usual_delay: Vec::new(),
-                others_at_usual_ends: Vec::new(),
-                ..given.clone()
-            };
-            first_design_of(&given, pool)
+        Err(SynthesisError::Refused(_)) if !given.usual.is_empty() => {
+            first_design_of(&Circumstances { usual: UsualPlants::default(), ..given.clone() }, pool)
         }
         Err(SynthesisError::Refused(_)) if given.others.len() > 1 => {
             let others = given.others.iter().take(1).cloned().collect();
@@ -198,9 +188,11 @@ fn circumstances(
     // A feedforward acts on the load's rate, which a loop of torque or current does not hold.
     let opposed = motions.filter(|_| !p.sensors.measured.is_effort());
     Ok(Circumstances {
-        within_usual_ranges: at_ends.as_designed,
-        with_usual_delay: open.plants_with_delay(p, &plant)?,
-        others_at_usual_ends: at_ends.with_angles,
+        usual: UsualPlants {
+            within_ranges: at_ends.as_designed,
+            others_at_ends: at_ends.with_angles,
+            with_delay: open.plants_with_delay(p, &plant)?,
+        },
         others: plants_beside(modelled, &plant, nominal)?,
         within_tolerances: tolerance_corners::plants_within_tolerances(project, asked, reduced)?,
         usual_reading: open.usual_reading(p),

@@ -11,7 +11,7 @@ use counterpoise_lti::frequency_response;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_synth::DesignPlant;
-use counterpoise_verify::robust::{Distribution, VariedParameter};
+use counterpoise_verify::robustness::{Distribution, VariedParameter};
 
 use super::with_angles;
 use crate::synth::design_plant;

@@ -6,7 +6,7 @@
 //! in as names and bytes.
 //!
 //! Modules in reading order: [`read`](mod@read), [`replay`](mod@replay), [`project_replayer`], [`diagnose`](mod@diagnose), [`identify`](mod@identify),
-//! [`experiment`] (the next one, which separates what a diagnosis leaves), [`held_out`] (recordings that no diagnosis was given, before and after),
+//! [`experiment`] (the next one, which separates what a diagnosis leaves), [`held_out_recordings`] (recordings that no diagnosis was given, before and after),
 //! [`tracks`] (channels as measured and as simulated), [`residuals`] (what the models leave unexplained), [`redesign`] (what an improved model means for the design),
 //! [`converter_range`] (readings that cannot be), [`controller_origin`] (which export the recordings' controller comes from),
 //! [`column_remarks`] (what was found about columns), [`structure_hypotheses`] and [`measured_modes`] (what a structure's model lacks, from its measured natural frequencies).
@@ -16,7 +16,7 @@ pub mod controller_origin;
 pub mod converter_range;
 pub mod diagnose;
 pub mod experiment;
-pub mod held_out;
+pub mod held_out_recordings;
 pub mod identify;
 pub mod measured_modes;
 pub mod project_replayer;
@@ -29,7 +29,7 @@ pub mod tracks;
 
 pub use column_remarks::{ColumnRemark, UnusedColumn};
 pub use diagnose::{DiagnosedRecordings, diagnose};
-pub use held_out::{HeldOutRecording, replay_held_out};
+pub use held_out_recordings::{HeldOutRecording, replay_held_out};
 pub use identify::{AxisUnits, identify};
 pub use project_replayer::{ProjectReplayer, ReplayControl, ReplaySettings, replay_improved};
 pub use read::{GapTreatment, ReadRecording, RecordingFile, read_files};

@@ -223,9 +223,8 @@ impl From<&RegimeRobustness> for RobustnessResult {
 
 impl From<&DestabilisingMechanism> for NearestResult {
     fn from(found: &DestabilisingMechanism) -> Self {
-        let factor = |(varied, factor): &(counterpoise_verify::robust::VariedParameter, f64)| FactorResult {
-            key: varied.key(),
-            factor: *factor,
+        let factor = |(varied, factor): &(counterpoise_verify::robustness::VariedParameter, f64)| {
+            FactorResult { key: varied.key(), factor: *factor }
         };
         Self {
             scale: found.scale,

@@ -9,7 +9,7 @@ use counterpoise_controller::Controller;
 use counterpoise_models::ControlledQuantity;
 use counterpoise_project::Project;
 use counterpoise_synth::{Specification, Weight};
-use counterpoise_verify::robust::{figures_of, history_of};
+use counterpoise_verify::robustness::{figures_of, history_of};
 use counterpoise_verify::{
     LoopFigure, PerformanceFigure, Procedure, Requirement, Value, Verdict, Verification,
 };

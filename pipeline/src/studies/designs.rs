@@ -12,7 +12,7 @@ use counterpoise_synth::{
     Reference, Specification, SynthesisMethod, TuningSubject, best_loop, measure_controller,
 };
 use counterpoise_verify::signals::rms;
-use counterpoise_verify::{Arrangement, Experiment, Procedure, Source, nonlinear};
+use counterpoise_verify::{Arrangement, Experiment, Procedure, Source, nonlinear_runs};
 use serde::Serialize;
 
 use crate::exchange::UnitValue;
@@ -393,7 +393,8 @@ impl RowBuilder<'_> {
     fn run(&self, controller: &Controller) -> Result<RunFigures, PipelineError> {
         let mut simulator = Simulator::new(&self.modelled.plant)?;
         let mut run = |experiment: Experiment| -> Result<[f64; 2], PipelineError> {
-            let history = nonlinear::run_history(&mut simulator, controller, &self.procedure, experiment)?;
+            let history =
+                nonlinear_runs::run_history(&mut simulator, controller, &self.procedure, experiment)?;
             let history = match experiment {
                 Experiment::Step => history,
                 _ => history.from_time(self.procedure.settle_s),

@@ -15,9 +15,9 @@ use counterpoise_simulate::ensemble::SIDE_BY_SIDE;
 use counterpoise_simulate::fra::{
     self, MeasuredResponse, Measurement, PlannedPoint, Settings, Test, TestSine,
 };
-use counterpoise_verify::linear::SampledPlant;
-use counterpoise_verify::linear::closed_loop::resolver_use;
-use counterpoise_verify::linear::plant::Resolver;
+use counterpoise_verify::linear_loop::SampledPlant;
+use counterpoise_verify::linear_loop::closed_loop::resolver_use;
+use counterpoise_verify::linear_loop::plant::Resolver;
 use ndarray::Array2;
 use serde::Serialize;
 use std::f64::consts::TAU;

@@ -3,8 +3,8 @@
 use counterpoise_controller::Controller;
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pool::{Pool, map};
-use counterpoise_verify::robust;
-use counterpoise_verify::robust::{
+use counterpoise_verify::robustness;
+use counterpoise_verify::robustness::{
     Campaign, FamilyMember, Layout, ParameterInfluence, Sample, Sense, Summary, Variation, WorstMechanism,
     compare_configurations, one_at_a_time, rank_parameters, summarise_requirement, worst_case,
 };
@@ -233,7 +233,7 @@ pub enum ShardsProblem {
 pub fn merge_shards(campaign: &Campaign, shards: Vec<Vec<Sample>>) -> Result<Vec<Sample>, ShardsProblem> {
     match find_missing_samples(&shards, campaign.len()) {
         Some(missing) => Err(missing),
-        None => robust::merge_shards(campaign, shards).map_err(ShardsProblem::Inconsistent),
+        None => robustness::merge_shards(campaign, shards).map_err(ShardsProblem::Inconsistent),
     }
 }
 

@@ -3,8 +3,8 @@
 use counterpoise_project::{Project, StructureChoice};
 use counterpoise_verify::certificate::StabilityCertificate;
 use counterpoise_verify::difference::{FigureChange, figure_changes};
+use counterpoise_verify::rejection_spectra::{HubRateSpectra, spectral_rejections};
 use counterpoise_verify::signals::{RoadClass, RoadDrive, Vehicle, iso_road};
-use counterpoise_verify::spectral::{HubRateSpectra, spectral_rejections};
 use counterpoise_verify::structured::RobustStability;
 use counterpoise_verify::{Road, Triangle, Verification};
 

@@ -151,7 +151,7 @@ fn describe_weight(weight: &ConcernedWeight) -> String {
         WeightRole::Control => "control weight",
         WeightRole::Generator => "generator",
     };
-    format!(", {role} {}", weight.formula)
+    format!(", {role} {}", weight.weight)
 }
 
 fn describe_density(of: StatedDensity) -> &'static str {

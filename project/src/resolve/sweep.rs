@@ -1,6 +1,6 @@
 //! The `[sweep]` section: which parameters vary, one at a time and all at once.
 
-use counterpoise_verify::robust::{
+use counterpoise_verify::robustness::{
     Distribution, Family, PointLayout, Variation, VariedParameter, varied_parameters,
 };
 

@@ -14,7 +14,7 @@ use counterpoise_pipeline::recordings::{ColumnRemark, DiagnosedRecordings};
 use serde::{Serialize, Serializer};
 
 use super::effects::{describe_effect, experiment_for};
-use super::held_out::HeldOutText;
+use super::held_out_recordings::HeldOutText;
 use super::learned::{LearnedText, describe_learned};
 use super::localisation::{describe_chart, describe_pattern, describe_trend};
 use super::recordings::{describe_column_remark, describe_fault, describe_missing_demand, describe_remark};

@@ -2,7 +2,7 @@
 //!
 //! The crates below compute enums and numbers. What people read on the terminal, in a report and in the studio is put into words here: [`answer`],
 //! a diagnosis; `effects`, the effects of the library; [`file_remarks`], what is to be known of the file of a recording; [`localisation`], which component in which regime; [`recordings`], what is wrong with
-//! recordings; [`learned`], free functions in place of an unidentified effect; [`experiment`], the plan of the next one; [`held_out`], recordings that a diagnosis was not given;
+//! recordings; [`learned`], free functions in place of an unidentified effect; [`experiment`], the plan of the next one; [`held_out_recordings`], recordings that a diagnosis was not given;
 //! [`structure`], the diagnosis of a structure; [`identification`]. Sentences that stand in result files or in generated code are made in
 //! `pipeline::wording`, below this crate.
 
@@ -10,7 +10,7 @@ pub mod answer;
 mod effects;
 pub mod experiment;
 pub mod file_remarks;
-pub mod held_out;
+pub mod held_out_recordings;
 pub mod identification;
 pub mod learned;
 pub mod localisation;

@@ -2,7 +2,7 @@
 
 use super::attempt::Attempt;
 use super::crossing::{Margin, crossing, first_crossing, first_dip};
-use super::linear::{Mode, ModeOutputs, VOLTAGE};
+use super::linear_core::{Mode, ModeOutputs, VOLTAGE};
 use super::moments::NODES;
 use super::present_plant::{PresentPlant, Sample};
 use counterpoise_models::Mesh;

@@ -10,7 +10,7 @@
 
 use super::attempt::Attempt;
 use super::crossing::Margin;
-use super::linear::{Hold, dot, outputs};
+use super::linear_core::{Hold, dot, outputs};
 use super::moments::NODES;
 use super::ports::NearbyAngle;
 use super::present_plant::{Instant, PresentPlant, Sample};

@@ -15,7 +15,7 @@
 //! joint comes to rest or breaks away, shorter and shorter steps end at that instant. The control is held between
 //! samples, and most samples of a smooth motion are one step.
 //!
-//! Modules in reading order: [`modal_transform`], [`moments`], [`strips`], [`tables`], [`linear`] (the core in its modes), [`table_computation`],
+//! Modules in reading order: [`modal_transform`], [`moments`], [`strips`], [`tables`], [`linear_core`] (the core in its modes), [`table_computation`],
 //! [`ports`], [`state`], [`crossing`], [`attempt`] (one step), [`present_plant`] (where the plant is), [`joints`] (true stick),
 //! [`events`], [`filter`], [`stepper`]. Each uses only modules before it in this list.
 
@@ -24,7 +24,7 @@ pub(crate) mod crossing;
 pub(crate) mod events;
 pub(crate) mod filter;
 pub(crate) mod joints;
-pub(crate) mod linear;
+pub(crate) mod linear_core;
 pub(crate) mod modal_transform;
 pub(crate) mod moments;
 pub(crate) mod ports;

@@ -1,7 +1,7 @@
 //! The state of the plant within a run, and the linear cores of the modes in which it has been so far.
 
 use super::attempt::{Attempt, HeldInputs, StepProblem};
-use super::linear::{Mode, ModeDynamics, ModeOutputs, TIP, VOLTAGE, outputs};
+use super::linear_core::{Mode, ModeDynamics, ModeOutputs, TIP, VOLTAGE, outputs};
 use super::ports::{
     Bonds, FrictionState, FurtherPoint, NearbyAngle, PlatformPoint, PlatformSpan, Point, Ports,
 };

@@ -4,7 +4,7 @@ use super::attempt::{Attempt, Continuation, HeldInputs, Resumption};
 use super::events::{Part, TriedStep};
 use super::filter::Filter;
 use super::joints::Transition;
-use super::linear::{Mode, ModeOutputs};
+use super::linear_core::{Mode, ModeOutputs};
 use super::ports::{PlatformPoint, SensorPoint};
 use super::present_plant::{OrdinaryState, Place, PresentPlant, Sample, StepInput};
 use super::state::{Effort, PlantState};

@@ -1,6 +1,6 @@
 //! The tables of a core, computed from the moments of its blocks.
 
-use super::linear::{Chain, ModeDynamics, Span};
+use super::linear_core::{Chain, ModeDynamics, Span};
 use super::moments::{MIDDLE, NODES, cardinal_weights};
 use super::strips::{Strips, pad_rows};
 use super::tables::{

@@ -1,12 +1,12 @@
 //! Four steppers that go through their samples together.
 
-use super::nonlinear::{LanePlatform, LanePorts};
+use super::nonlinear_parts::{LanePlatform, LanePorts};
 use super::number::{LANES, Lanes};
 use super::state::{LaneState, SmoothState};
 use super::step::{LaneInput, LaneSetup, LaneStep, LaneWork};
 use super::table::{LaneTable, SEEN};
 use crate::engine::attempt::Continuation;
-use crate::engine::linear::ModeOutputs;
+use crate::engine::linear_core::ModeOutputs;
 use crate::engine::ports::{NearbyAngle, PlatformPoint};
 use crate::engine::present_plant::{OrdinaryState, Sample};
 use crate::engine::stepper::Stepper;

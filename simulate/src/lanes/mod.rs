@@ -9,10 +9,10 @@
 //! The operations of a lane are those of [`crate::engine`] in the same order, and no operation mixes lanes. So a variant has the same bytes
 //! alone, beside any others, and with any registers.
 //!
-//! Modules in reading order: [`number`], [`table`], [`nonlinear`], [`state`], [`step`], [`group`].
+//! Modules in reading order: [`number`], [`table`], [`nonlinear_parts`], [`state`], [`step`], [`group`].
 
 pub(crate) mod group;
-pub(crate) mod nonlinear;
+pub(crate) mod nonlinear_parts;
 pub(crate) mod number;
 pub(crate) mod state;
 pub(crate) mod step;

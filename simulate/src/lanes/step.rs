@@ -4,12 +4,12 @@
 //! but a smooth step (an event, an iteration that does not converge, a defect that is too large) is refused: its state stays as it was, and
 //! the engine of one mechanism takes it over the sample.
 
-use super::nonlinear::{LaneAngle, LaneMotion, LanePlatform, LanePoint, LanePorts, node_lengths};
+use super::nonlinear_parts::{LaneAngle, LaneMotion, LanePlatform, LanePoint, LanePorts, node_lengths};
 use super::number::{LANES, Lane, LaneMask, Lanes, load_registers, store_registers};
 use super::state::LaneState;
 use super::table::{LaneTable, SEEN, distance, larger_magnitude};
 use crate::engine::attempt::repeated_weights;
-use crate::engine::linear::VOLTAGE;
+use crate::engine::linear_core::VOLTAGE;
 use crate::engine::moments::{MIDDLE, NODES};
 use crate::engine::tables::{FIXED_INPUTS, OUTPUTS, PORTS, STAGES};
 use crate::tolerance::{

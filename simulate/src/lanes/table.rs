@@ -1,7 +1,7 @@
 //! The matrices of a sample's step for several mechanisms side by side.
 
 use super::number::{LANES, Lane, Lanes, load_registers};
-use crate::engine::linear::ModeDynamics;
+use crate::engine::linear_core::ModeDynamics;
 use crate::engine::tables::{FIXED_INPUTS, MIDDLE_ROWS, OUTPUTS, PORTS, STAGE_ROWS, STAGES};
 use counterpoise_models::friction::Real;
 use pulp::Simd;

@@ -11,7 +11,7 @@ use counterpoise_pipeline::studies::sweep::{RequirementSpread, requirement_sprea
 use counterpoise_pool::map;
 use counterpoise_report::wording::recordings::describe_map;
 use counterpoise_verify::VerifiedController;
-use counterpoise_verify::robust::{Campaign, Sample};
+use counterpoise_verify::robustness::{Campaign, Sample};
 
 use super::error_lines::{ErrorLines, error_lines};
 use super::verification::VerificationRequest;

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use counterpoise_lti::Margins;
-use counterpoise_verify::linear::ResponseCurve as Response;
+use counterpoise_verify::linear_loop::ResponseCurve as Response;
 
 use crate::charts::chart::{AxisScale, Chart};
 use crate::units::GainUnit;

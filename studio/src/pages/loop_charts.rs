@@ -8,7 +8,9 @@ use counterpoise_pipeline::loop_view::{
     ChartPoints, LocusView, LoopPlane, LoopView, MarginPoint, PlaneCurve,
 };
 use counterpoise_pipeline::preview::DesignPreview;
-use counterpoise_verify::linear::{Disk, LOCUS_CROSSOVERS, LoopCause, LoopEffect, LoopResponse, MarginKind};
+use counterpoise_verify::linear_loop::{
+    Disk, LOCUS_CROSSOVERS, LoopCause, LoopEffect, LoopResponse, MarginKind,
+};
 use egui::{Rect, Ui};
 
 use super::design_charts::{loop_chart, sensitivity_chart};

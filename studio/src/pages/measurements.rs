@@ -5,7 +5,7 @@ use counterpoise_pipeline::studies::fra::ResponseMap;
 use counterpoise_pipeline::studies::sweep::{RequirementSpread, StrongestParameter};
 use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_verify::Limit;
-use counterpoise_verify::robust::Sense;
+use counterpoise_verify::robustness::Sense;
 use egui::{RichText, Ui};
 use ndarray::ArrayView1;
 

@@ -138,7 +138,7 @@ impl<'a> Judge<'a> {
         let neighbours = neighbours.collect();
         let within_tolerances = all(&circumstances.within_tolerances)?;
         let mut within_usual_ranges = Vec::new();
-        for plant in &circumstances.within_usual_ranges {
+        for plant in &circumstances.usual.within_ranges {
             let held = sampled_plant(plant, sampling)?;
             let max_sensitivity = circumstances.margins.max_sensitivity;
             within_usual_ranges.push(UsualPlant { held, max_sensitivity });
@@ -151,12 +151,12 @@ impl<'a> Judge<'a> {
                 within_usual_ranges.push(UsualPlant { held, max_sensitivity: NEIGHBOUR_MS });
             }
         }
-        let with_angles = all(&circumstances.others_at_usual_ends)?;
+        let with_angles = all(&circumstances.usual.others_at_ends)?;
         let with_angles =
             with_angles.into_iter().map(|held| UsualPlant { held, max_sensitivity: NEIGHBOUR_MS });
         within_usual_ranges.extend(with_angles);
-        let with_usual_delay = all(&circumstances.with_usual_delay)?;
-        for plant in &circumstances.with_usual_delay {
+        let with_usual_delay = all(&circumstances.usual.with_delay)?;
+        for plant in &circumstances.usual.with_delay {
             let shifted = all(&shifted_modes(plant, &light_modes(plant)?)?)?;
             let shifted = shifted.into_iter().map(|held| UsualPlant { held, max_sensitivity: NEIGHBOUR_MS });
             within_usual_ranges.extend(shifted);

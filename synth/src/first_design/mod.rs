@@ -57,6 +57,26 @@ pub struct UsualReading {
     pub step: f64,
 }
 
+/// A machine with what is not stated at the ends of its usual range.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct UsualPlants {
+    /// With the values that set its modes or its lags, which the loop must hold with the largest sensitivity of its margins.
+    pub within_ranges: Vec<DesignPlant>,
+    /// The same with what the linear plant leaves out (gravity's gradient, a spring), which the loop must hold with the largest sensitivity of
+    /// [`Circumstances::others`].
+    pub others_at_ends: Vec<DesignPlant>,
+    /// With the largest usual delay of the control, if none is stated: the loop must keep its margins with it, be slow enough for its sample
+    /// rate, and bear shifted modes.
+    pub with_delay: Vec<DesignPlant>,
+}
+
+impl UsualPlants {
+    /// Returns whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.within_ranges.is_empty() && self.others_at_ends.is_empty() && self.with_delay.is_empty()
+    }
+}
+
 /// The known facts of a loop beyond its linear plant. Numbers of 0 are not known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Circumstances {
@@ -67,15 +87,8 @@ pub struct Circumstances {
     pub others: Vec<DesignPlant>,
     /// The same machine with values at the ends of their tolerances, which the loop must hold with the margin that shifted modes keep.
     pub within_tolerances: Vec<DesignPlant>,
-    /// The same machine with what is not stated, and sets its modes or its lags, at the ends of its usual range, which the loop must hold with the
-    /// largest sensitivity of its margins.
-    pub within_usual_ranges: Vec<DesignPlant>,
-    /// The same with what the linear plant leaves out (gravity's gradient, a spring), which the loop must hold with the largest sensitivity of
-    /// `others`.
-    pub others_at_usual_ends: Vec<DesignPlant>,
-    /// The same machine with the largest usual delay of its control, if none is stated: the loop must keep its margins with it, be slow enough
-    /// for its sample rate, and bear shifted modes.
-    pub with_usual_delay: Vec<DesignPlant>,
+    /// The same machine with what is not stated at the ends of its usual range.
+    pub usual: UsualPlants,
     /// Noise and step of the readings that are usual, which count if neither is known.
     pub usual_reading: UsualReading,
     /// The output of the plant (of its inner loop, if it has one) that is the load's motion, where a sensor measures something else; `None` if

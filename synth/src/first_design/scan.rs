@@ -99,10 +99,23 @@ const LARGEST_EXCESS: f64 = 2.0;
 /// How far candidates are judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Thoroughness {
-    /// Up to their first miss, or until they are seen not to be promising.
-    Improvements,
     /// To their end.
     Everything,
+    /// Until they miss so many limits.
+    Misses { most: usize },
+    /// Until they miss a limit, or are seen not to be promising.
+    Improvements,
+}
+
+impl Thoroughness {
+    /// Returns the number of missed limits at which a candidate is judged no further; `None` if it is judged to its end.
+    fn most_missed(self) -> Option<usize> {
+        match self {
+            Thoroughness::Everything => None,
+            Thoroughness::Misses { most } => Some(most),
+            Thoroughness::Improvements => Some(1),
+        }
+    }
 }
 
 /// The search over the aim.
@@ -117,8 +130,6 @@ pub(super) struct Scan<'a> {
     best: Option<TriedFeedback>,
     /// The shapes that are tried beside the usual ones.
     pub further_shapes: FurtherShapes,
-    /// A candidate that misses so many limits already is judged no further.
-    most_missed: usize,
     /// How far candidates are judged.
     thoroughness: Thoroughness,
     /// Factor by which the bandwidth of a loop may rise above it.
@@ -143,7 +154,6 @@ impl<'a> Scan<'a> {
         let unknown = list_unknowns(circumstances, &gain.modes);
         let judge = Judge::new(circumstances, &neighbours)?;
         let attempts = BTreeMap::new();
-        let most_missed = usize::MAX;
         Ok(Self {
             circumstances,
             judge,
@@ -153,7 +163,6 @@ impl<'a> Scan<'a> {
             tried: Vec::new(),
             best: None,
             further_shapes: FurtherShapes::default(),
-            most_missed,
             thoroughness: Thoroughness::Everything,
             rise_above: step_of_aims(),
             pool,
@@ -469,21 +478,17 @@ impl<'a> Scan<'a> {
     }
 
     /// Judges candidates from now on no further if they miss so many limits already.
-    pub fn judge_up_to(&mut self, most_missed: usize) {
-        self.most_missed = most_missed;
-        self.ahead.clear();
+    pub fn judge_up_to(&mut self, most: usize) {
+        self.judge_by(Thoroughness::Misses { most });
     }
 
     /// Judges candidates from now on so far. Those for stiff modes and with a shape of the answer's own, which alone are judged for improvements, are
     /// forgotten at the end of it: the search for what limits the answer must know more of them than their first miss.
     fn judge_by(&mut self, thoroughness: Thoroughness) {
         self.thoroughness = thoroughness;
-        match thoroughness {
-            Thoroughness::Improvements => self.judge_up_to(1),
-            Thoroughness::Everything => {
-                self.judge_up_to(usize::MAX);
-                self.attempts.retain(|(_, shape), _| *shape < STIFF_MODES);
-            }
+        self.ahead.clear();
+        if thoroughness == Thoroughness::Everything {
+            self.attempts.retain(|(_, shape), _| *shape < STIFF_MODES);
         }
     }
 
@@ -535,7 +540,7 @@ impl<'a> Scan<'a> {
             let lacks_phase = match self.attempt(aim_rad_s, usual)? {
                 Some(tried) => self.missed_limits(&tried.judgement) == [LimitKind::Margins],
                 // Where one miss is too many, a candidate that misses the margins is not kept.
-                None => self.most_missed == 1,
+                None => self.thoroughness.most_missed() == Some(1),
             };
             if lacks_phase {
                 self.look_ahead((shape..DAMPED_LOAD).map(|shape| Candidate { aim_rad_s, shape }));
@@ -573,13 +578,15 @@ impl<'a> Scan<'a> {
             (Err(_), LightModes::Stiffened) => return Ok(None),
             (Err(error), LightModes::Kept) => return attempt(Err(error)).map(|_: Result<(), _>| None),
         };
-        if self.most_missed == 1 && self.judge.exceeds_sensitivity(&controller, aim_rad_s)? {
+        if self.thoroughness.most_missed() == Some(1)
+            && self.judge.exceeds_sensitivity(&controller, aim_rad_s)?
+        {
             return Ok(None);
         }
         let judged = self.judge.judge(&controller, |found| {
             let is_slow = self.thoroughness == Thoroughness::Improvements && !self.is_promising(found);
-            let misses_too_many =
-                self.most_missed < usize::MAX && self.missed_limits(found).len() >= self.most_missed;
+            let most = self.thoroughness.most_missed();
+            let misses_too_many = most.is_some_and(|most| self.missed_limits(found).len() >= most);
             is_slow || misses_too_many
         })?;
         Ok(judged.map(|judgement| TriedFeedback { aim_rad_s, shape, weights, position_gain, judgement }))

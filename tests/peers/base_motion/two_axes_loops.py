@@ -2,8 +2,8 @@
 """Solves Lagrange's equations of two axes with both loops closed, and compares the product's simulation with them.
 
     python3 -m venv .venv && .venv/bin/pip install sympy numpy scipy
-    cargo build --release -p counterpoise-simulate --example two_axes
-    .venv/bin/python tests/peers/base_motion/two_axes_loops.py target/release/examples/two_axes
+    cargo build --release -p counterpoise-simulate --example two_axes_loops
+    .venv/bin/python tests/peers/base_motion/two_axes_loops.py target/release/examples/two_axes_loops
 
 The equations are those that `two_axes.py` derives. The base moves about and along all its axes by sines of its position and of its Euler angles. Both
 axes have viscous friction, a sampled proportional-integral controller and steps of their demands; the gyroscope of the traverse axis is on
@@ -30,7 +30,7 @@ SINES = [
     (0.08, 4.0, 1.5),
     (0.12, 3.0, 2.5),
 ]
-# ring: m1, c1, A, C; body: M, g, c, J about the centre of mass, pivot: so that the sums are those of simulate/examples/two_axes.rs
+# ring: m1, c1, A, C; body: M, g, c, J about the centre of mass, pivot: so that the sums are those of simulate/examples/two_axes_loops.rs
 M, MU, NU = 5.0, 1.5, 0.4
 ABOUT_AXIS, ABOUT_BEAM, ABOUT_NORMAL, PRODUCT = 12.0, 2.0, 13.0, 0.7
 FORWARD, LEFT, INCLUDED = 0.4, -0.6, 0.2

@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use counterpoise_models::Plant;
 use counterpoise_pipeline::project_procedure;
 use counterpoise_tests::examples;
-use counterpoise_verify::robust::figures_of;
+use counterpoise_verify::robustness::figures_of;
 use counterpoise_verify::{
     LineOfSight, PerformanceFigure, Procedure, Road, SightFigure, Value, error_budget,
 };

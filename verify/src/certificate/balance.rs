@@ -11,9 +11,9 @@ use counterpoise_models::{Friction, FrictionLaw};
 use super::elements::{ElementLoop, Elements, ObserverGain, Sinusoid, quasi_linear, with_mesh};
 use super::floor::Subject;
 use crate::Error;
-use crate::linear::SampledPlant;
-use crate::linear::closed_loop::resolver_use;
-use crate::linear::plant::port;
+use crate::linear_loop::SampledPlant;
+use crate::linear_loop::closed_loop::resolver_use;
+use crate::linear_loop::plant::port;
 
 /// A loop with the poles that its describing functions give.
 pub(super) struct SettledLoop {

@@ -14,7 +14,7 @@ use super::floor::Subject;
 use super::gap::gap_share;
 use super::regime::{Teeth, teeth_can_part};
 use crate::Error;
-use crate::linear::plant::port;
+use crate::linear_loop::plant::port;
 use crate::tolerance::{
     CYCLE_HALVINGS, FREQUENCY_ERROR, FREQUENCY_ROUNDS, OPEN, STEADY_GROWTH, THIRD_HARMONIC,
 };

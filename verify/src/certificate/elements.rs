@@ -11,9 +11,9 @@ use counterpoise_models::plant::{Angles, FrictionLinearisation, Impedance, Plant
 use super::CertifiedCase;
 use super::floor::Subject;
 use crate::Error;
-use crate::linear::SampledPlant;
-use crate::linear::closed_loop::resolver_use;
-use crate::linear::plant::port;
+use crate::linear_loop::SampledPlant;
+use crate::linear_loop::closed_loop::resolver_use;
+use crate::linear_loop::plant::port;
 use crate::structured::places::joint_stiffness;
 use crate::tolerance::{
     NEUTRAL, OBSERVER_PERIODS, OBSERVER_SAMPLES, OBSERVER_SMALL_DEFLECTION_RAD, OBSERVER_SMALL_SHARE, STUCK,

@@ -9,7 +9,7 @@ use super::cycle::{
 use super::elements::{ElementLoop, Elements, Learning, Sinusoid};
 use super::gap::gap_share;
 use crate::Error;
-use crate::linear::plant::port;
+use crate::linear_loop::plant::port;
 use crate::tolerance::{CYCLE_HALVINGS, FREQUENCY_ROUNDS, GAP_SWINGS, MOST_GAP_SWING, OPEN, STEADY_GROWTH};
 
 /// The growth at a swing of the gear's wind-up.

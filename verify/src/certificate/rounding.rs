@@ -7,7 +7,7 @@ use counterpoise_models::QuantityKind;
 use super::elements::{ElementLoop, Elements, Learning};
 use super::floor::{ReadingNoise, Subject};
 use crate::Error;
-use crate::linear::plant::port;
+use crate::linear_loop::plant::port;
 use crate::tolerance::{ROUNDED_STEP, RUN_S};
 
 /// Returns what the noise floor of a case is made of.

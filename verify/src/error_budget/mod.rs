@@ -22,7 +22,7 @@ use counterpoise_simulate::{Simulator, TimeHistory};
 use crate::line_of_sight::{SightAngles, sight_experiment};
 use crate::sight_spectrum::{Bands, SightSpectrum};
 use crate::tolerance::LEAST_COMPARED_SIGHT_RAD;
-use crate::{Error, LineOfSight, Procedure, nonlinear};
+use crate::{Error, LineOfSight, Procedure, nonlinear_runs};
 use propagation::Propagation;
 use sources::{BudgetMachine, switch_off};
 
@@ -314,7 +314,7 @@ impl Runs<'_> {
     fn angles(&self, on: &[ErrorSource]) -> Result<Option<SightAngles>, Error> {
         let run = self.run(on)?;
         let history =
-            nonlinear::columns_of(run, self.plant, self.procedure, sight_experiment(self.procedure));
+            nonlinear_runs::columns_of(run, self.plant, self.procedure, sight_experiment(self.procedure));
         Ok(SightAngles::of(&history, self.procedure.sight_settle_s()))
     }
 
@@ -327,7 +327,12 @@ impl Runs<'_> {
             .for_each(|source| switch_off(source, &mut from));
         let plant = Plant::with_whole_body(&from.parameters, from.body)?;
         let mut simulator = Simulator::new(&plant)?;
-        nonlinear::run(&mut simulator, self.controller, &from.procedure, sight_experiment(&from.procedure))
+        nonlinear_runs::run(
+            &mut simulator,
+            self.controller,
+            &from.procedure,
+            sight_experiment(&from.procedure),
+        )
     }
 
     fn every_source(&self) -> BudgetMachine {

@@ -21,9 +21,9 @@ use super::LinearContribution;
 use super::sources::ErrorSource;
 use crate::history::History;
 use crate::line_of_sight::SightAngles;
-use crate::linear::closed_loop::resolver_use;
-use crate::linear::noise::{NoiseEntry, NoiseResponse, noise_responses};
-use crate::linear::{
+use crate::linear_loop::closed_loop::resolver_use;
+use crate::linear_loop::noise::{NoiseEntry, NoiseResponse, noise_responses};
+use crate::linear_loop::{
     ClosedLoop, SampledPlant, arrange_controller, simulate_disturbance, surge::acting_arrangement,
 };
 use crate::sight_spectrum::{Bands, SightSpectrum};

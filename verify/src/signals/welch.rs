@@ -46,6 +46,13 @@ pub struct Spectra {
     pub segments: usize,
 }
 
+impl Spectra {
+    /// Returns the amplitude spectral density of x, unit of x per root of a hertz.
+    pub fn amplitude_density_of_x(&self) -> Vec<f64> {
+        self.pxx.iter().map(|power| power.sqrt()).collect()
+    }
+}
+
 /// Averages Hann-windowed segments that overlap by half, each less its mean:
 ///
 /// ```text

@@ -6,7 +6,7 @@ use counterpoise_models::plant::{Core, Mesh, Plant};
 use counterpoise_models::{FeedbackSignal, LumpedStructure};
 
 use super::places::{LinearisedDryFriction, Place};
-use crate::linear::plant::Resolver;
+use crate::linear_loop::plant::Resolver;
 
 /// A signal that a deviation adds, and what it is proportional to.
 pub(super) struct Channel {

@@ -11,8 +11,8 @@ use counterpoise_models::plant::{
 
 use super::places::LinearisedDryFriction;
 use crate::Error;
-use crate::linear::SampledPlant;
-use crate::linear::closed_loop::resolver_use;
+use crate::linear_loop::SampledPlant;
+use crate::linear_loop::closed_loop::resolver_use;
 use crate::tolerance::NEUTRAL;
 
 /// Errors of the plant's gain at one frequency: what the loop is closed with is an all-pass of first order with that value there.

@@ -1,6 +1,6 @@
 //! The factor of a parameter as a function of a normalised deviation.
 
-use crate::robust::Distribution;
+use crate::robustness::Distribution;
 use crate::tolerance::INSIDE_REACH;
 
 /// The factor by which a parameter differs, over a deviation delta

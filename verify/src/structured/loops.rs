@@ -28,10 +28,10 @@ use super::factor::Factor;
 use super::places::{LinearisedDryFriction, Place};
 use super::taylor::{RateInterval, SchurSystem, Taylor};
 use crate::Error;
-use crate::linear::closed_loop::resolver_use;
-use crate::linear::plant::port;
-use crate::linear::plant_response::hold_and_delay;
-use crate::linear::{ClosedLoop, SampledPlant};
+use crate::linear_loop::closed_loop::resolver_use;
+use crate::linear_loop::plant::port;
+use crate::linear_loop::plant_response::hold_and_delay;
+use crate::linear_loop::{ClosedLoop, SampledPlant};
 
 /// Readings that the loop goes through: hub gyroscope, tachometer, resolver.
 const FED_BACK: [usize; 3] = [1, 4, 5];
@@ -309,8 +309,8 @@ fn has_dynamics(base: &Base, s: usize) -> bool {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::linear::plant::Resolver;
-    use crate::robust::{Distribution, VariedParameter, varied_parameters};
+    use crate::linear_loop::plant::Resolver;
+    use crate::robustness::{Distribution, VariedParameter, varied_parameters};
     use crate::structured::places::parameter_places;
     use counterpoise_models::plant::{Angles, FrictionLinearisation};
 

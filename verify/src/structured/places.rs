@@ -2,7 +2,7 @@
 
 use counterpoise_models::parameters::{FrictionLaw, Parameters};
 
-use crate::robust::VariedParameter;
+use crate::robustness::VariedParameter;
 use crate::tolerance::STUCK;
 
 /// A place of the linear plant at which a factor acts.

@@ -11,7 +11,7 @@ use super::places::{
     Joints, LinearisedDryFriction, Place, dry_as_viscous, parameter_places, presliding_stiffness, without_dry,
 };
 use super::{Perturbation, PerturbationBlock, UpperBound, lower_bound, upper_bound, vertex_bound};
-use crate::robust::{Variation, VariedParameter};
+use crate::robustness::{Variation, VariedParameter};
 use crate::tolerance::{
     MU_HIGH_PEAK, MU_LOWEST_HZ, MU_POINTS, MU_REFINEMENTS, MU_SEARCHED, MU_SPARSE, MU_STEEP,
 };

@@ -10,7 +10,7 @@ use super::problem::{
     Bounds, DestabilisingMechanism, Direction, FrequencyBounds, Mechanism, Problem, StatedRange, Uncertainty,
 };
 use super::{Perturbation, UpperBound};
-use crate::robust::VariedParameter;
+use crate::robustness::VariedParameter;
 use crate::tolerance::WIDEST_RANGES;
 use crate::{Error, Procedure};
 

@@ -101,8 +101,9 @@ pub(super) fn find_mistake(
 /// Returns whether an exchange makes the identities of a recording hold that did not, or makes them computable at all.
 fn is_better(before: &[Identity], after: &[Identity]) -> bool {
     let holding = after.iter().all(|i| i.broken < EXCHANGE_REMAINDER.1);
-    let mended = !holds(before) && total_violation(after) < EXCHANGE_REMAINDER.0 * total_violation(before);
-    holding && (after.len() > before.len() || (after.len() == before.len() && mended))
+    let is_repaired =
+        !holds(before) && total_violation(after) < EXCHANGE_REMAINDER.0 * total_violation(before);
+    holding && (after.len() > before.len() || (after.len() == before.len() && is_repaired))
 }
 
 /// Returns the recordings without the mistake.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use counterpoise_pipeline::recordings::HeldOutRecording;
-use counterpoise_pipeline::recordings::held_out::{HeldOutComparison, HeldOutFit, HeldOutOutcome};
+use counterpoise_pipeline::recordings::held_out_recordings::{HeldOutComparison, HeldOutFit, HeldOutOutcome};
 use serde::Serialize;
 
 use super::recordings::describe_column_remark;

@@ -2,10 +2,10 @@
 
 use counterpoise_lti::StateSpace;
 
-use crate::lower::estimate;
-use crate::lower::regressors::EstimatorInputs;
-use crate::lower::schedule::Layout;
-use crate::lower::{
+use crate::lowering::estimate;
+use crate::lowering::regressors::EstimatorInputs;
+use crate::lowering::schedule::Layout;
+use crate::lowering::{
     Limits, PREFILTER_STATES, PREVIOUS_CONTROL, States, Update, Writer, curve, friction_observers, project,
     reading_names,
 };

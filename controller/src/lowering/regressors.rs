@@ -1,7 +1,7 @@
 //! The regressors by which an estimator of the out-of-balance explains the control.
 
-use crate::lower::Writer;
-use crate::lower::schedule::Layout;
+use crate::lowering::Writer;
+use crate::lowering::schedule::Layout;
 use crate::program::{ProgramTerm, Slot};
 use crate::{Estimator, Parts, PathSignal};
 

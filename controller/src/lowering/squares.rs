@@ -1,7 +1,7 @@
 //! The estimator's recursive least squares in a step.
 
-use crate::lower::regressors::{EstimatorInputs, regressors, write_unexplained};
-use crate::lower::{Limits, States, Writer};
+use crate::lowering::regressors::{EstimatorInputs, regressors, write_unexplained};
+use crate::lowering::{Limits, States, Writer};
 use crate::program::{OnRestart, Slot, StateLimits};
 use crate::tolerance::{LEAST_VARIANCE, MOST_TOLD, MOST_VARIANCE, WHOLE, WOUND_END, WOUND_START};
 use crate::{Estimator, Learning, PathSignal};

@@ -7,7 +7,7 @@ use crate::compiled_program::CompiledProgram;
 use crate::number::Dual;
 use crate::signal::COMMON_READINGS;
 use crate::tolerance::LEARNT_AT_REST_S;
-use crate::{Controller, Error, Estimator, Learning, Number, Parts, READINGS, Runner, lower};
+use crate::{Controller, Error, Estimator, Learning, Number, Parts, READINGS, Runner, lowering};
 
 impl Controller {
     /// Returns the linear part at a set out-of-balance: from the readings of every controller, in the order of [`crate::READING_NAMES`], to the
@@ -99,8 +99,8 @@ impl Controller {
     /// Returns the states that carry signals: those of the prefilter and the paths, and the control of the sample before.
     fn dynamic_states(&self) -> Vec<usize> {
         let carries = |name: &str| {
-            name == lower::PREFILTER_STATES
-                || name == lower::PREVIOUS_CONTROL
+            name == lowering::PREFILTER_STATES
+                || name == lowering::PREVIOUS_CONTROL
                 || self.parts().paths.iter().any(|path| path.name == name)
         };
         let groups = self.programs().states.iter().filter(|group| carries(&group.name));

@@ -6,7 +6,7 @@ use crate::sylvester::Kind;
 use crate::tolerance::EPS;
 
 use super::certificate::{CertifiedSolution, certify};
-use super::continuous::{check_input, remove_cross_term};
+use super::continuous_equation::{check_input, remove_cross_term};
 use super::decision::{Failure, convert_to_callers_units, decide, is_beyond_doubt, unless_lost};
 use super::equation::{Data, DiscreteRiccati};
 use super::long_solution::PreciseEquation;

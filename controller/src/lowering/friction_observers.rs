@@ -1,6 +1,6 @@
 //! The friction observers of a step.
 
-use crate::lower::{Limits, States, Writer, curve};
+use crate::lowering::{Limits, States, Writer, curve};
 use crate::program::{OnRestart, Slot};
 use crate::tolerance::{BREAKS_FROM, FARTHEST, POWER_POINTS, TANH_AT};
 use crate::{FrictionObserver, ObserverLaw};

@@ -1,6 +1,6 @@
 //! Gains, bias and transfer that follow the out-of-balance.
 
-use crate::lower::{Limits, States, Writer};
+use crate::lowering::{Limits, States, Writer};
 use crate::program::{OnRestart, Operation, Program, ProgramTerm, Slot, StateLimits};
 use crate::tolerance::{ESTIMATE_SPAN, SLOWEST_RAD_S};
 use crate::{Estimator, Learning, Parts, Scaling};

@@ -7,11 +7,11 @@ use counterpoise_simulate::Simulator;
 
 use crate::history::{Experiment, History};
 use crate::line_of_sight;
-use crate::linear::closed_loop::resolver_use;
-use crate::linear::{ArrangedLoop, ClosedLoop, SampledPlant, arrange_controller, surge};
+use crate::linear_loop::closed_loop::resolver_use;
+use crate::linear_loop::{ArrangedLoop, ClosedLoop, SampledPlant, arrange_controller, surge};
 use crate::measure::{MeasuredFigure, Value, history_figures, infinite_figures, loop_figures};
 use crate::verification::{linear_history, linear_plant, rejection_figures};
-use crate::{Arrangement, Error, MissingReason, Model, PerformanceFigure, Procedure, nonlinear};
+use crate::{Arrangement, Error, MissingReason, Model, PerformanceFigure, Procedure, nonlinear_runs};
 
 /// Measures `wanted`, in that order: infinite where the loop diverges, absent where there is no such number.
 ///
@@ -64,7 +64,8 @@ pub fn history_of(
             LinearLoop::new(plant, controller, procedure)?.history(experiment, procedure)
         }
         Need::Simulated(experiment) => {
-            match nonlinear::run_history(&mut Simulator::new(plant)?, controller, procedure, experiment) {
+            match nonlinear_runs::run_history(&mut Simulator::new(plant)?, controller, procedure, experiment)
+            {
                 Err(Error::Simulate(counterpoise_simulate::Error::Diverged { .. })) => Ok(None),
                 other => other.map(Some),
             }
@@ -118,7 +119,7 @@ fn simulate_figures(
     procedure: &Procedure,
     experiment: Experiment,
 ) -> Result<Vec<MeasuredFigure>, Error> {
-    match nonlinear::run_history(simulator, controller, procedure, experiment) {
+    match nonlinear_runs::run_history(simulator, controller, procedure, experiment) {
         Ok(history) => {
             let mut figures = history_figures(&history, procedure.settle_s);
             figures.extend(line_of_sight::figures(&history, procedure, simulator.plant().into()));

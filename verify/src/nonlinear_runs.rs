@@ -9,7 +9,7 @@ use counterpoise_simulate::{
 };
 
 use crate::history::{Experiment, History, HistoryColumn, integrate};
-use crate::linear::arrange_controller;
+use crate::linear_loop::arrange_controller;
 use crate::{Arrangement, Error, Model, Procedure, Source, line_of_sight};
 
 /// The source that acts on the mechanism: the controller, or the voltage that holds it.

@@ -1,6 +1,6 @@
 //! Straight stretches between points, as sums of clamped values: no branch, no table.
 
-use crate::lower::{Limits, Writer};
+use crate::lowering::{Limits, Writer};
 use crate::program::Slot;
 
 /// Writes a curve of a slot that is 0 or positive: y_0 at x_0 and below, straight between the points, y_n beyond. The x rise.

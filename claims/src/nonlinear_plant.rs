@@ -2,7 +2,7 @@
 
 use counterpoise_controller::Controller;
 use counterpoise_models::Parameters;
-use counterpoise_verify::robust::VariedParameter;
+use counterpoise_verify::robustness::VariedParameter;
 use counterpoise_verify::{
     Arrangement, Experiment, LoopFigure, Model, PerformanceFigure, Quantity, Source, StepFigure,
 };

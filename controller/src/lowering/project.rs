@@ -2,7 +2,7 @@
 
 use crate::Projection;
 use crate::READINGS;
-use crate::lower::{Limits, States, Update, Writer};
+use crate::lowering::{Limits, States, Update, Writer};
 use crate::program::{OnRestart, ProgramTerm, Slot};
 use crate::signal::{PLATFORM_ACCELERATION, PLATFORM_RATE, PLATFORM_SURGE};
 use crate::tolerance::HIGHEST_ELEVATION_RAD;

@@ -1,9 +1,9 @@
 //! The estimator of the out-of-balance in a step.
 
-use crate::lower::regressors::{EstimatorInputs, regressors, write_gravity_change, write_unexplained};
-use crate::lower::schedule::{self, settable_moments};
-use crate::lower::squares::squares;
-use crate::lower::{Limits, States, Writer};
+use crate::lowering::regressors::{EstimatorInputs, regressors, write_gravity_change, write_unexplained};
+use crate::lowering::schedule::{self, settable_moments};
+use crate::lowering::squares::squares;
+use crate::lowering::{Limits, States, Writer};
 use crate::program::{OnRestart, ProgramTerm, Slot};
 use crate::tolerance::LEAST_LIFT;
 use crate::{Estimator, Learning};

@@ -1,7 +1,7 @@
 //! Claims on the linear loop: margins, step, rejection.
 
 use counterpoise_linalg::C64;
-use counterpoise_verify::linear::ResponseCurve as Response;
+use counterpoise_verify::linear_loop::ResponseCurve as Response;
 use counterpoise_verify::{
     Arrangement, Experiment, LoopFigure, Model, PerformanceFigure, Quantity, Source, StepFigure, Verification,
 };
