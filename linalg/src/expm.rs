@@ -273,7 +273,7 @@ fn hold_integral(A: &Mat, B: &Mat) -> Result<(Mat, Mat), Error> {
     let structure = Structure::of(A);
     let ScaledMatrix { A, squarings, mut degree } = scale_for_approximant(A, structure.longest_path + 1);
     if squarings == 0 && structure.longest_path + 1 > EXPM_SHORT_CHAIN {
-        degree = raise_degree(&A.hstack(&B).vstack(&Mat::zeros(m, n + m)), degree);
+        degree = raise_degree(&A.hstack(B).vstack(&Mat::zeros(m, n + m)), degree);
     }
     let B = B.scale((-squarings as f64).exp2());
     let (W, V) = approximant(&A, degree);

@@ -9,7 +9,6 @@ import hard_references as hard
 import wide_references as wide
 from hard_references import absolute, eye, long, mid, plain, solve, stein
 
-EPS = 2.0 ** -53
 POINTS = ((0.0, 0.01), (0.0, 0.3), (0.0, 1.0), (0.0, 5.0), (0.1, 0.2))
 LEVEL_BITS = 400  # of Riccati equations beside the least level, whose solutions lose half of them
 
@@ -140,7 +139,7 @@ def place_error(answer, reference, problem):
     A, B, F = (np.atleast_2d(np.array(M, float)) for M in (problem['A'], problem['B'], F))
     wanted, r = [flint.acb(*p) for p in problem['poles']], np.random.default_rng(3)
     found = poles_of(long(A), long(B), long(F))
-    rounded = lambda M: long(M * (1 + EPS * r.integers(-1, 2, M.shape)))
+    rounded = lambda M: long(M * (1 + 2.0 ** -52 * r.choice([-1, 1], M.shape)))
     noise = max(poles_distance(poles_of(rounded(A), rounded(B), rounded(F)), found) for _ in range(wide.SEEDS))
     return max(0.0, poles_distance(found, wanted) - 10 * noise)
 
