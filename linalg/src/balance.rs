@@ -3,7 +3,7 @@
 use crate::error::{Error, check_square};
 use crate::kernel::vectorised;
 use crate::mat::Mat;
-use crate::tolerance::{BALANCE_GAIN, BALANCE_SWEEPS, EPS};
+use crate::tolerance::{BALANCE_GAIN, BALANCE_SWEEPS, EPS, WIDE_BALANCE};
 
 /// A balanced matrix `A = D^-1 A0 D` with `D = diag(scale)`, every entry of `scale` a power of two.
 #[derive(Debug, Clone)]
@@ -22,6 +22,15 @@ enum Couplings {
     /// Those that exceed the rounding of the state's own rate. Below it may be what a computation left where 0 belongs, and balancing
     /// would make it as large as the rest of the matrix.
     AboveRounding,
+    /// All of them, but a row or a column counts as no smaller than the state's own rate, so that none is made smaller than that.
+    BesideOwnRate,
+}
+
+impl Couplings {
+    /// What the diagonal entry adds to the sums of squares of its row and column.
+    fn own_share(self, entry: f64) -> f64 {
+        if self == Self::BesideOwnRate { entry * entry } else { 0.0 }
+    }
 }
 
 /// Scales the state of `A` so that row i and column i have similar 2-norms for every i. A row or a column that is below 1e-8 of its diagonal
@@ -44,13 +53,31 @@ pub(crate) fn balance_all(A: &Mat) -> Result<BalancedMatrix, Error> {
     balance_by(A, Couplings::All)
 }
 
+/// The same with every coupling, but no row or column is made smaller than its diagonal entry: for a matrix in which rounding errors stand in place
+/// of zeros, as a rotation leaves them. Source: James, Langou and Lowery (2014).
+pub(crate) fn balance_beside_own_rates(A: &Mat) -> Result<BalancedMatrix, Error> {
+    balance_by(A, Couplings::BesideOwnRate)
+}
+
+impl BalancedMatrix {
+    /// Returns whether the units of the states were so far apart that scaling them may have magnified rounding errors in place of zeros.
+    pub(crate) fn is_wide(&self) -> bool {
+        let (low, high) =
+            self.scale.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), &d| (low.min(d), high.max(d)));
+        high > WIDE_BALANCE * low
+    }
+}
+
 fn balance_by(A: &Mat, couplings: Couplings) -> Result<BalancedMatrix, Error> {
     check_square("A", A)?;
     let mut A = A.clone();
     let mut scale = vec![1.0; A.nrows()];
     for _ in 0..BALANCE_SWEEPS {
         let (columns, rows) = squares(&A);
-        let candidates = (0..A.nrows()).filter(|&i| factor(columns[i], rows[i]).is_some());
+        let own = |i: usize| couplings.own_share(A[(i, i)]);
+        let is_candidate = |i: &usize| factor(columns[*i] + own(*i), rows[*i] + own(*i)).is_some();
+        let candidates: Vec<usize> = (0..A.nrows()).filter(is_candidate).collect();
+        let candidates = candidates.into_iter();
         let changed = candidates.filter(|&i| rescale_state(&mut A, &mut scale, i, couplings)).count();
         if changed == 0 {
             break;
@@ -100,11 +127,12 @@ pub(crate) fn squares_of_column(A: &Mat, j: usize) -> f64 {
 /// Scales state `i` of the present matrix, where that still pays. Returns whether it did.
 fn rescale_state(A: &mut Mat, scale: &mut [f64], i: usize, couplings: Couplings) -> bool {
     let (column, row) = (squares_of_column(A, i), squares_of_row(A, i));
-    let rounding = if couplings == Couplings::All { 0.0 } else { EPS * A[(i, i)] * A[(i, i)] };
+    let rounding = if couplings == Couplings::AboveRounding { EPS * A[(i, i)] * A[(i, i)] } else { 0.0 };
     if column.min(row) <= rounding {
         return false;
     }
-    let Some(factor) = factor(column, row) else { return false };
+    let own = couplings.own_share(A[(i, i)]);
+    let Some(factor) = factor(column + own, row + own) else { return false };
     scale_state(A, i, factor);
     scale[i] *= factor;
     true

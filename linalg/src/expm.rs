@@ -1,12 +1,12 @@
 //! The matrix exponential and the integrals of it that discretisation needs.
 
-use crate::balance::balance_all;
+use crate::balance::{BalancedMatrix, balance_all, balance_beside_own_rates};
 use crate::dense::solve;
 use crate::error::{Error, check_finite, check_shape, check_square};
 use crate::kernel::vectorised;
 use crate::mat::Mat;
 use crate::structure::Structure;
-use crate::tolerance::{EXPM_BALANCE_GAIN, EXPM_ENTRY};
+use crate::tolerance::{EXPM_BALANCE_GAIN, EXPM_COMMUTES, EXPM_ENTRY, EXPM_SHORT_CHAIN};
 
 /// Returns the exponential of a square matrix.
 ///
@@ -18,13 +18,42 @@ use crate::tolerance::{EXPM_BALANCE_GAIN, EXPM_ENTRY};
 /// Not square, or not finite. An exponential that overflows is [`Error::NotFinite`].
 pub fn expm(A: &Mat) -> Result<Mat, Error> {
     check_square("A", A)?;
+    let of = |balanced: BalancedMatrix| {
+        let (d, inner) = (balanced.scale, pade(&balanced.A)?);
+        check_exponential(Mat::from_fn(A.nrows(), A.ncols(), |i, j| inner[(i, j)] * d[i] / d[j]))
+    };
     let balanced = balance_all(A)?;
     if balanced.A.norm_one() > EXPM_BALANCE_GAIN * A.norm_one() {
         return check_exponential(pade(A)?);
     }
-    let d = &balanced.scale;
-    let inner = pade(&balanced.A)?;
-    check_exponential(Mat::from_fn(A.nrows(), A.ncols(), |i, j| inner[(i, j)] * d[i] / d[j]))
+    if balanced.is_wide() {
+        commuting(A, of(balanced)?, || of(balance_beside_own_rates(A)?), |E| E)
+    } else {
+        of(balanced)
+    }
+}
+
+/// Returns the exponential, which commutes with its matrix; another one, of the matrix balanced otherwise, if the first does not and that comes nearer.
+fn commuting<T>(
+    A: &Mat,
+    first: T,
+    other: impl FnOnce() -> Result<T, Error>,
+    exponential: impl Fn(&T) -> &Mat,
+) -> Result<T, Error> {
+    let distance = commutator(A, exponential(&first));
+    if distance <= EXPM_COMMUTES {
+        return Ok(first);
+    }
+    let second = other()?;
+    Ok(if commutator(A, exponential(&second)) < distance { second } else { first })
+}
+
+/// The largest entry of `A E - E A`, each over the sum of the moduli of its terms.
+fn commutator(A: &Mat, E: &Mat) -> f64 {
+    let (a, e) = (A.map(f64::abs), E.map(f64::abs));
+    let (difference, size) = (A * E - E * A, &a * &e + &e * &a);
+    let ratios = difference.as_slice().iter().zip(size.as_slice()).filter(|(d, _)| **d != 0.0);
+    ratios.fold(0.0, |worst, (d, size)| if d.abs() <= worst * size { worst } else { d.abs() / size })
 }
 
 fn check_exponential(result: Mat) -> Result<Mat, Error> {
@@ -75,7 +104,10 @@ const COEFFICIENTS_13: [f64; 14] = [
 
 fn pade(A: &Mat) -> Result<Mat, Error> {
     let structure = Structure::of(A);
-    let ScaledMatrix { A, squarings, degree } = scale_for_approximant(A, structure.longest_path);
+    let ScaledMatrix { A, squarings, mut degree } = scale_for_approximant(A, structure.longest_path);
+    if squarings == 0 && structure.longest_path > EXPM_SHORT_CHAIN {
+        degree = raise_degree(&A, degree);
+    }
     let (W, V) = approximant(&A, degree);
     let U = &A * &W;
     let mut X = solve(&(&V - &U), &(&V + &U))?;
@@ -119,13 +151,40 @@ fn scale_for_approximant(A: &Mat, chain: usize) -> ScaledMatrix {
 /// fall into one of 2^s factors have this error. As logarithms, because a large matrix to the power 2m + 1 is beyond the largest double.
 fn chain_error(degree: usize, scaled: f64, squarings: i32, chain: usize) -> f64 {
     let missed = 2 * degree + 1;
-    let share: f64 = (1..=degree).map(|k| k as f64 / (degree + k) as f64).product();
     let ratio: f64 = if chain < missed {
         (chain + 1..=missed).map(|k| scaled.log2() + f64::from(squarings) - (k as f64).log2()).sum()
     } else {
         (1..=missed).map(|k| ((chain - missed + k) as f64 / k as f64).log2()).sum()
     };
-    share.log2() + ratio - 2.0 * degree as f64 * f64::from(squarings)
+    missed_share(degree).log2() + ratio - 2.0 * degree as f64 * f64::from(squarings)
+}
+
+/// Returns 1 / C(2m, m).
+fn missed_share(degree: usize) -> f64 {
+    (1..=degree).map(|k| k as f64 / (degree + k) as f64).product()
+}
+
+/// Returns the lowest degree from the given one on whose error is small beside every entry of the exponential of `A`, which is not halved. Steps of a
+/// chain that differ by many decades, and states that act back, make the error of its last entries larger than that of equal steps.
+fn raise_degree(A: &Mat, mut degree: usize) -> usize {
+    let higher = |degree: usize| DEGREES.iter().map(|(_, b)| b.len() - 1).find(|&m| m > degree).unwrap_or(13);
+    while degree < 13 && entry_error(A, degree) > EXPM_ENTRY {
+        degree = higher(degree);
+    }
+    degree
+}
+
+/// Returns the largest error of an entry, over the sum of the moduli of what its series is made of.
+fn entry_error(A: &Mat, degree: usize) -> f64 {
+    let A = A.map(f64::abs);
+    let mut term = A.clone();
+    let mut sum = &A + &Mat::eye(A.nrows());
+    for k in 2..=2 * degree + 1 {
+        term = (&term * &A).scale(1.0 / k as f64);
+        sum += &term;
+    }
+    let ratios = term.as_slice().iter().zip(sum.as_slice()).filter(|(missed, _)| **missed > 0.0);
+    missed_share(degree) * ratios.map(|(missed, sum)| missed / sum).fold(0.0, f64::max)
 }
 
 /// `W` and `V` of one degree.
@@ -187,26 +246,35 @@ vectorised! {
 pub fn expm_integral(A: &Mat, B: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
     check_square("A", A)?;
     check_shape("B", B, A.nrows(), B.ncols())?;
+    let of = |balanced: BalancedMatrix| {
+        let d = &balanced.scale;
+        let inner = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] * h / d[i]);
+        let (Phi, Gamma) = hold_integral(&balanced.A.scale(h), &inner)?;
+        let Phi = Mat::from_fn(Phi.nrows(), Phi.ncols(), |i, j| Phi[(i, j)] * d[i] / d[j]);
+        Ok((
+            check_exponential(Phi)?,
+            check_exponential(Mat::from_fn(B.nrows(), B.ncols(), |i, j| Gamma[(i, j)] * d[i]))?,
+        ))
+    };
     let balanced = balance_all(A)?;
-    let worthwhile = balanced.A.norm_one() <= EXPM_BALANCE_GAIN * A.norm_one();
-    if !worthwhile {
+    if balanced.A.norm_one() > EXPM_BALANCE_GAIN * A.norm_one() {
         return hold_integral(&A.scale(h), &B.scale(h));
     }
-    let d = &balanced.scale;
-    let inner = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] * h / d[i]);
-    let (Phi, Gamma) = hold_integral(&balanced.A.scale(h), &inner)?;
-    let Phi = Mat::from_fn(Phi.nrows(), Phi.ncols(), |i, j| Phi[(i, j)] * d[i] / d[j]);
-    Ok((
-        check_exponential(Phi)?,
-        check_exponential(Mat::from_fn(B.nrows(), B.ncols(), |i, j| Gamma[(i, j)] * d[i]))?,
-    ))
+    if balanced.is_wide() {
+        commuting(A, of(balanced)?, || of(balance_beside_own_rates(A)?), |(Phi, _)| Phi)
+    } else {
+        of(balanced)
+    }
 }
 
 /// `exp(A)` and the integral of `exp(A s) B` from 0 to 1.
 fn hold_integral(A: &Mat, B: &Mat) -> Result<(Mat, Mat), Error> {
     let (n, m) = B.shape();
     let structure = Structure::of(A);
-    let ScaledMatrix { A, squarings, degree } = scale_for_approximant(A, structure.longest_path + 1);
+    let ScaledMatrix { A, squarings, mut degree } = scale_for_approximant(A, structure.longest_path + 1);
+    if squarings == 0 && structure.longest_path + 1 > EXPM_SHORT_CHAIN {
+        degree = raise_degree(&A.hstack(B).vstack(&Mat::zeros(m, n + m)), degree);
+    }
     let B = B.scale((-squarings as f64).exp2());
     let (W, V) = approximant(&A, degree);
     let U = &A * &W;

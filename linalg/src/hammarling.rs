@@ -4,11 +4,13 @@
 //! after each block of columns the right-hand side is updated by a term of its rank, no factor is ever recomputed. The
 //! continuous equation stays real, the sampled one goes through complex triangular form.
 
+use crate::balance::BalancedMatrix;
 use crate::boundary::Boundary;
 use crate::dense::qr_r;
 use crate::error::{Error, check_range, check_shape, check_square};
 use crate::hammarling_leaf;
 use crate::kernel::vectorised;
+use crate::lyapunov::{inconsistency, solve_consistently};
 use crate::mat::{C64, CMat, Mat};
 use crate::schur::{DiagonalBlock, Schur, blocks, schur};
 use crate::spectrum::Spectrum;
@@ -40,8 +42,7 @@ pub fn dlyap_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
 /// # Errors
 /// Wrong shapes, entries that are not finite, or [`Error::NotStable`] with the eigenvalue.
 pub fn lyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
-    let form = BalancedSchur::of(A, Kind::Continuous)?;
-    Ok((form.gramian_factor(B)?, form.output_in_basis(C)?))
+    both_factors(A, B, C, Kind::Continuous)
 }
 
 /// Returns the factors of both Gramians from one Schur form: `A P A' - P + B B' = 0` and `A' Q A - Q + C' C = 0`; as
@@ -50,8 +51,7 @@ pub fn lyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
 /// # Errors
 /// Wrong shapes, entries that are not finite, or [`Error::NotStable`] with the eigenvalue.
 pub fn dlyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
-    let form = BalancedSchur::of(A, Kind::Discrete)?;
-    Ok((form.gramian_factor(B)?, form.output_in_basis(C)?))
+    both_factors(A, B, C, Kind::Discrete)
 }
 
 /// Returns a square factor `L`, `P = L L'`, as [`lyap_factor`] but not triangular: enough for the trace of `C P C'`.
@@ -59,7 +59,7 @@ pub fn dlyap_factors(A: &Mat, B: &Mat, C: &Mat) -> Result<(Mat, Mat), Error> {
 /// # Errors
 /// As for [`lyap_factor`].
 pub fn lyap_square_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
-    BalancedSchur::of(A, Kind::Continuous)?.gramian_factor(B)
+    square_factor(A, B, Kind::Continuous)
 }
 
 /// Returns a square factor `L`, `P = L L'`, as [`dlyap_factor`] but not triangular.
@@ -67,12 +67,35 @@ pub fn lyap_square_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
 /// # Errors
 /// As for [`dlyap_factor`].
 pub fn dlyap_square_factor(A: &Mat, B: &Mat) -> Result<Mat, Error> {
-    BalancedSchur::of(A, Kind::Discrete)?.gramian_factor(B)
+    square_factor(A, B, Kind::Discrete)
 }
 
 fn factor(A: &Mat, B: &Mat, kind: Kind) -> Result<Mat, Error> {
-    let square = BalancedSchur::of(A, kind)?.gramian_factor(B)?;
+    let square = square_factor(A, B, kind)?;
     Ok(qr_r(&square.t())?.t())
+}
+
+fn square_factor(A: &Mat, B: &Mat, kind: Kind) -> Result<Mat, Error> {
+    check_square("A", A)?;
+    let solve = |balanced| BalancedSchur::of(balanced, kind)?.gramian_factor(B);
+    solve_consistently(A, solve, |R: &Mat| factor_inconsistency(A, B, R, kind))
+}
+
+fn both_factors(A: &Mat, B: &Mat, C: &Mat, kind: Kind) -> Result<(Mat, Mat), Error> {
+    check_square("A", A)?;
+    let solve = |balanced| {
+        let form = BalancedSchur::of(balanced, kind)?;
+        Ok((form.gramian_factor(B)?, form.output_in_basis(C)?))
+    };
+    let measure = |(R, L): &(Mat, Mat)| {
+        factor_inconsistency(A, B, R, kind).max(factor_inconsistency(&A.t(), &C.t(), L, kind))
+    };
+    solve_consistently(A, solve, measure)
+}
+
+/// How far the solution with a factor `R` is from fitting the equation with `B B'`.
+fn factor_inconsistency(A: &Mat, B: &Mat, R: &Mat, kind: Kind) -> f64 {
+    inconsistency(A, &(B * &B.t()), &(R * &R.t()), kind)
 }
 
 /// A stable matrix, balanced (`A = D Ab D^-1`), in Schur form `Ab = U T U'`.
@@ -83,9 +106,7 @@ struct BalancedSchur {
 }
 
 impl BalancedSchur {
-    fn of(A: &Mat, kind: Kind) -> Result<Self, Error> {
-        check_square("A", A)?;
-        let balanced = crate::balance::balance_all(A)?;
+    fn of(balanced: BalancedMatrix, kind: Kind) -> Result<Self, Error> {
         let form = schur(&balanced.A)?;
         check_stable(&form, kind)?;
         let spectrum = Spectrum::from_form(balanced.A, form, balanced.scale);

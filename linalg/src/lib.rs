@@ -28,6 +28,7 @@ pub mod boundary;
 pub mod cone_program;
 pub mod decomposition;
 pub mod dense;
+pub mod eigenvector_gain;
 mod error;
 pub mod expm;
 mod extended_precision;
@@ -70,6 +71,7 @@ pub use decomposition::{
     pinv, rank, rank_tolerance, rcond_one, singular_values, svd, sym_eigen, sym_eigenvalues, sym_gen_eigen,
 };
 pub use dense::{Qr, cdet, cholesky, csolve, dot, inverse, qr, qr_full_q, qr_r, solve, transpose_times};
+pub use eigenvector_gain::{EigenvectorChoice, eigenvector_gain};
 pub use error::Error;
 pub use expm::{expm, expm_integral, van_loan_accumulated, van_loan_cost, van_loan_noise};
 pub use generalised_lyapunov::{CostWeights, gcare, gdare, gdlyap, glyap};

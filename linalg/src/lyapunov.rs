@@ -1,6 +1,6 @@
 //! Lyapunov equations, continuous and discrete, solved for the whole matrix.
 
-use crate::balance::{BalancedMatrix, balance_all};
+use crate::balance::{BalancedMatrix, balance_all, balance_beside_own_rates};
 use crate::boundary::Boundary;
 use crate::dense::{LARGE_SYMMETRIC, symmetric_product, view};
 use crate::error::{Error, check_range, check_shape, check_square};
@@ -9,7 +9,7 @@ use crate::mat::{C64, Mat};
 use crate::schur::{Schur, schur};
 use crate::stein_leaf;
 use crate::sylvester::{Kind, check_spectra, splitting_row};
-use crate::tolerance::{CORRECTED_STATES, DOUBTFUL_SEPARATION, MAGNIFIED};
+use crate::tolerance::{CONSISTENT, CORRECTED_STATES, DOUBTFUL_SEPARATION, MAGNIFIED};
 
 mod singular_equations;
 
@@ -139,20 +139,58 @@ impl BalancedSystem {
 fn solve(A: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
     check_square("A", A)?;
     check_shape("Q", Q, A.nrows(), A.ncols())?;
+    let measure = |X: &Mat| inconsistency(A, Q, X, kind);
+    let X = solve_consistently(A, |balanced| solve_balanced(balanced, Q, kind), measure)?;
+    check_range("the solution of the Lyapunov equation", X)
+}
+
+/// Solves an equation with the balanced matrix; once more, balanced otherwise, if the first balancing may have magnified rounding errors and the
+/// solution does not fit the data. `measure` is how far a solution is from fitting them ([`inconsistency`]).
+pub(crate) fn solve_consistently<T>(
+    A: &Mat,
+    solve: impl Fn(BalancedMatrix) -> Result<T, Error>,
+    measure: impl Fn(&T) -> f64,
+) -> Result<T, Error> {
     let balanced = balance_all(A)?;
-    let d = &balanced.scale;
+    if !balanced.is_wide() {
+        return solve(balanced);
+    }
+    let first = solve(balanced);
+    let distance = first.as_ref().map_or(f64::INFINITY, &measure);
+    if distance <= CONSISTENT {
+        return first;
+    }
+    match solve(balance_beside_own_rates(A)?) {
+        Ok(second) if first.is_err() || measure(&second) < distance => Ok(second),
+        _ => first,
+    }
+}
+
+/// The largest entry of the equation's residual, each over the sum of the moduli of its terms.
+pub(crate) fn inconsistency(A: &Mat, Q: &Mat, X: &Mat, kind: Kind) -> f64 {
+    let terms = |A: &Mat, X: &Mat| match kind {
+        Kind::Continuous => [A * X, X * &A.t()],
+        Kind::Discrete => [A * X * &A.t(), -X],
+    };
+    let ([first, second], [large, larger]) = (terms(A, X), terms(&A.map(f64::abs), &X.map(f64::abs)));
+    let (residual, size) = (first + second + Q, large + larger.map(f64::abs) + Q.map(f64::abs));
+    let ratios = residual.as_slice().iter().zip(size.as_slice()).filter(|(r, _)| **r != 0.0);
+    ratios.fold(0.0, |worst, (r, size)| if r.abs() <= worst * size { worst } else { r.abs() / size })
+}
+
+fn solve_balanced(balanced: BalancedMatrix, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
+    let BalancedMatrix { A, scale: d } = balanced;
     let inner = Mat::from_fn(Q.nrows(), Q.ncols(), |i, j| Q[(i, j)] / d[i] / d[j]);
-    let operator = Operator::new(schur(&balanced.A)?, kind)?;
+    let operator = Operator::new(schur(&A)?, kind)?;
     let X = operator.solve_any(&inner);
-    let X = match growth(&operator, &balanced.A, &inner, &X) {
-        Growth::Doubtful => singular_equations::refine_or_refuse(operator, &balanced.A, &inner, X)?,
+    let X = match growth(&operator, &A, &inner, &X) {
+        Growth::Doubtful => singular_equations::refine_or_refuse(operator, &A, &inner, X)?,
         Growth::Magnified if A.nrows() <= CORRECTED_STATES => {
-            singular_equations::correct_once(&operator, &balanced.A, &inner, X)
+            singular_equations::correct_once(&operator, &A, &inner, X)
         }
         Growth::Magnified | Growth::Benign => X,
     };
-    let X = Mat::from_fn(X.nrows(), X.ncols(), |i, j| X[(i, j)] * d[i] * d[j]);
-    check_range("the solution of the Lyapunov equation", X)
+    Ok(Mat::from_fn(X.nrows(), X.ncols(), |i, j| X[(i, j)] * d[i] * d[j]))
 }
 
 /// The comparison of a solution with the data.

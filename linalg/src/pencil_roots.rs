@@ -9,8 +9,8 @@ use crate::long_complex::LongComplex;
 use crate::mat::{C64, Mat};
 use crate::simple_roots::simple_roots;
 use crate::tolerance::{
-    PENCIL_APART, PENCIL_CONVERGED, PENCIL_MODES, PENCIL_NEARLY_REAL, PENCIL_REAL, PENCIL_SWEEPS,
-    PENCIL_TOGETHER, PENCIL_TURN,
+    PENCIL_APART, PENCIL_CONVERGED, PENCIL_MODES, PENCIL_NEARLY_REAL, PENCIL_REAL, PENCIL_STALLED,
+    PENCIL_SWEEPS, PENCIL_TOGETHER, PENCIL_TURN,
 };
 
 /// Corrects approximations of all finite eigenvalues of the pencil `M - s E`; `E` diagonal, given by its diagonal of zeros and ones.
@@ -46,6 +46,7 @@ pub(crate) fn simultaneous_roots(M: &Mat, E: &[f64], starts: &[C64]) -> Option<V
 /// The simultaneous iteration from given approximations.
 fn iterate(M: &Mat, E: &[f64], mut roots: Vec<LongComplex>) -> Option<Vec<C64>> {
     let mut settled: Vec<bool> = roots.iter().map(|root| root.is_zero()).collect();
+    let mut last = vec![f64::INFINITY; roots.len()];
     for _ in 0..PENCIL_SWEEPS {
         for k in 0..roots.len() {
             if settled[k] {
@@ -59,7 +60,11 @@ fn iterate(M: &Mat, E: &[f64], mut roots: Vec<LongComplex>) -> Option<Vec<C64>> 
                 return None;
             }
             roots[k] = roots[k] - step;
-            settled[k] = step.size() <= PENCIL_CONVERGED * roots[k].size();
+            let size = step.size() / roots[k].size();
+            // Steps that no longer shrink are rounding in 32 digits of a matrix that is nearly singular beside its norm.
+            let is_rounding = size <= PENCIL_STALLED && size >= 0.5 * last[k];
+            settled[k] = size <= PENCIL_CONVERGED || is_rounding;
+            last[k] = size;
         }
         if settled.iter().all(|s| *s) {
             return Some(pair_conjugates(roots.into_iter().map(LongComplex::round).collect()));

@@ -18,6 +18,14 @@ pub const BALANCE_SWEEPS: usize = 24;
 /// A sweep of balancing must lower a row and column by this factor to count.
 pub const BALANCE_GAIN: f64 = 0.95;
 
+/// A balanced matrix whose states were scaled by factors farther apart than this may consist of magnified rounding errors: what is computed from it is
+/// then checked against the matrix as it was given. Balancing changes matrices in units of one scale by less.
+pub const WIDE_BALANCE: f64 = 1e3;
+
+/// The residual of an equation, entry by entry over the sum of the moduli of its terms, up to which a solution fits the data: some thousand
+/// roundings. One that balancing has spoilt leaves 1e-9 or more.
+pub const CONSISTENT: f64 = 1e-12;
+
 /// Newton steps allowed to refine a Riccati solution.
 pub const NEWTON_STEPS: usize = 12;
 
@@ -134,6 +142,9 @@ pub const COUNTING_GAP: f64 = 1e-4;
 /// digit of a double, as convergence is cubic.
 pub const PENCIL_CONVERGED: f64 = 1e-17;
 
+/// ... or if its corrections below this share no longer shrink: digits that a double hardly holds.
+pub const PENCIL_STALLED: f64 = 1e-15;
+
 /// Sweeps of the simultaneous iteration for the eigenvalues of a pencil: simple ones take four to ten, multiple ones one for each
 /// three bits.
 pub const PENCIL_SWEEPS: usize = 60;
@@ -239,6 +250,10 @@ pub const DOUBLING_GROWING: f64 = 0.3;
 /// Above this relative correction the closed loop is computed anew before the next step.
 pub const NEWTON_STALE_LOOP: f64 = 1e-4;
 
+/// The same once steps have shrunk by too little: a closed loop whose separation is 1e-8 of its norm, beyond which solutions are examined twice, then
+/// moves by less than a hundredth of that.
+pub const NEWTON_STALE_RENEWED: f64 = 1e-10;
+
 /// The change that a step below this share of the solution makes to the residual is computed in working precision: its rounding errors are then below
 /// 2^-80 of the norms, five digits below those of the solution's own entries.
 pub const NEWTON_SHORT_STEP: f64 = 1e-9;
@@ -339,3 +354,11 @@ pub const EXPM_ENTRY: f64 = 1e-12;
 /// A remainder below this share of a diagonal entry counts as zero when a positive semidefinite matrix is factored in 32 digits: 2^-96, what 32 digits
 /// leave after the cancellations of some ten states.
 pub const LONG_PIVOT: f64 = 1.3e-29;
+
+/// Steps of a chain of states up to which an estimate from equal steps tells the error of an exponential's approximant: the lowest degree misses the
+/// power 7. Of longer chains every entry is estimated.
+pub const EXPM_SHORT_CHAIN: usize = 2;
+
+/// An exponential commutes with its matrix up to this, entry by entry over the moduli of the products: some roundings of each. The response of a sampled
+/// system near half the sampling rate magnifies what is left by up to a million.
+pub const EXPM_COMMUTES: f64 = 1e-14;

@@ -5,8 +5,8 @@ use crate::common;
 
 use common::{RandomGenerator, solve_care, solved_discrete, solved_g};
 use counterpoise_linalg::{
-    Boundary, Error, Mat, Outcome, Reason, Riccati, boundary_eigenvalues, care, dare, dlyap, expm, inverse,
-    lyap, lyap_factor, lyap_separation,
+    Boundary, Error, Mat, Outcome, Reason, Riccati, boundary_eigenvalues, care, dare, dlyap, dlyap_factor,
+    expm, inverse, lyap, lyap_factor, lyap_separation,
 };
 
 /// Every entry against the exact one, relative to the states' own sizes.
@@ -76,7 +76,8 @@ fn two_equal_fast_unstable_modes_in_series() {
 fn cheap_control_has_a_reason_or_a_solution() {
     // x11 = sqrt(q1 + 2 sqrt(q r)) ... in the limit of a small weight: 1 and its root.
     let A = Mat::from_rows(&[&[0.0, 1.0], &[0.0, 0.0]]);
-    for r in [1e-8, 1e-12, 1e-16, 1e-20] {
+    // The last one is a control that is weighed by 1e-12.
+    for r in [1e-8, 1e-12, 1e-16, 1e-20, 1e-24] {
         let found = solve_care(&A, &Mat::col(&[0.0, 1.0]), &Mat::diag(&[1.0, 0.0]), &Mat::eye(1).scale(r));
         let root = r.sqrt().sqrt();
         let exact = Mat::from_rows(&[
@@ -302,5 +303,40 @@ fn the_far_corner_of_the_exponential_of_a_chain_keeps_its_digits() {
             assert!((E[(0, d)] / exact - 1.0).abs() < 1e-11, "{n} {h} {d}: {:e} {exact:e}", E[(0, d)]);
             exact *= h / (d + 1) as f64;
         }
+    }
+}
+
+#[test]
+fn rounding_errors_in_place_of_zeros_are_no_couplings() {
+    // Entries of 2^-57 below the diagonal, as a rotation leaves them: balanced against the large ones above, they were taken for couplings, and the
+    // solution was wrong by 19 decades. It is that of the triangular matrix, by substitution from the last row up.
+    let e = f64::exp2(-57.0);
+    let A = Mat::from_rows(&[&[-4.0, -6.0, -8.0], &[-e, -4.0, -5.0], &[0.0, e, -4.0]]);
+    let b = Mat::col(&[2.0, -2.0, -2.0]);
+    let Q = &b * &b.t();
+    let exact = Mat::from_rows(&[
+        &[3.0419921875, -0.173828125, -1.140625],
+        &[-0.173828125, 0.265625, 0.1875],
+        &[-1.140625, 0.1875, 0.5],
+    ]);
+    agrees(&lyap(&A, &Q).unwrap(), &exact, 1e-14, "solution");
+    let factor = lyap_factor(&A, &b).unwrap();
+    agrees(&(&factor * &factor.t()), &exact, 1e-14, "factor");
+    let small = A.scale(0.125);
+    let (mut sum, mut power) = (Q.clone(), small.clone());
+    for _ in 0..10 {
+        sum = &sum + &(&power * &sum * &power.t());
+        power = &power * &power;
+    }
+    agrees(&dlyap(&small, &Q).unwrap(), &sum, 1e-14, "sampled solution");
+    let factor = dlyap_factor(&small, &b).unwrap();
+    agrees(&(&factor * &factor.t()), &sum, 1e-14, "sampled factor");
+    // exp of the triangular matrix: exp(-h) times the finite series of its nilpotent part.
+    let h = f64::exp2(-10.0);
+    let N = Mat::from_rows(&[&[0.0, -6.0 * h, -8.0 * h], &[0.0, 0.0, -5.0 * h], &[0.0, 0.0, 0.0]]);
+    let series = (Mat::eye(3) + &N + (&N * &N).scale(0.5)).scale((-4.0 * h).exp());
+    let found = expm(&A.scale(h)).unwrap();
+    for (i, j) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] {
+        assert!((found[(i, j)] / series[(i, j)] - 1.0).abs() < 1e-15, "{i} {j}: {:e}", found[(i, j)]);
     }
 }

@@ -139,8 +139,8 @@ fn climb(response: &Response, low: f64, high: f64, top: Peak, wanted: f64) -> Re
     let mut is_guided = false;
     for _ in 0..CLIMB_ROUNDS {
         let width = hill.width();
-        let rates =
-            if is_guided { hill.around_vertex() } else { None }.unwrap_or_else(|| hill.uniform_frequencies());
+        let guided = if is_guided { hill.around_vertex() } else { None };
+        let rates = guided.or_else(|| hill.above_rest()).unwrap_or_else(|| hill.uniform_frequencies());
         let values = largest_gains(response, &rates)?.into_iter().zip(rates);
         let mut points: Vec<Peak> = values.map(|(value, rate_rad_s)| Peak { value, rate_rad_s }).collect();
         // The highest comes first: the others are then its neighbours.
@@ -170,6 +170,14 @@ impl Hill {
     /// Seven frequencies at even distances.
     fn uniform_frequencies(&self) -> Vec<f64> {
         (1..8).map(|k| self.low.rate_rad_s + self.width() * f64::from(k) / 8.0).collect()
+    }
+
+    /// Seven frequencies that crowd at zero if the top is there, since the gain is an even function of frequency and nearly always has its summit
+    /// there, too; `None` if the top is elsewhere.
+    fn above_rest(&self) -> Option<Vec<f64>> {
+        let powers = [-27, -20, -14, -9, -5, -2, -1];
+        (self.top.rate_rad_s == 0.0)
+            .then(|| powers.map(|k: i32| self.high.rate_rad_s * f64::from(k).exp2()).to_vec())
     }
 
     /// Seven frequencies that crowd about the vertex of the parabola through the three points; `None` if it has none between the ends.

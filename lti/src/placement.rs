@@ -1,12 +1,17 @@
 //! Pole placement by state feedback, as insensitive to errors of the plant as one pass over the eigenvectors makes it.
 //!
 //! Source: Kautsky, Nichols and Van Dooren, Robust pole assignment in linear state feedback, Int. J. Control 41 (1985) 1129,
-//! method 0: each eigenvector in turn is chosen, within the space that its pole allows, as orthogonal to all others as can be.
+//! method 0: each eigenvector in turn is chosen, within the space that its pole allows, as orthogonal to all others as can be. If the
+//! gain in doubles misses the poles, the one that belongs to these eigenvectors is computed with 32 digits.
 
 use crate::error::OperationContext;
 use crate::root_order::sort_roots;
-use crate::tolerance::{PLACEMENT_RANK, PLACEMENT_SETTLED, PLACEMENT_SWEEPS, SAME_POLE};
-use crate::{C64, CMat, Error, Mat};
+use crate::scaling::balance;
+use crate::tolerance::{
+    NARROW_UNITS, PLACEMENT_MET, PLACEMENT_PRECISE_STATES, PLACEMENT_RANK, PLACEMENT_SETTLED,
+    PLACEMENT_SWEEPS, SAME_POLE,
+};
+use crate::{C64, CMat, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
 /// A feedback u = -F x and what it does.
@@ -16,7 +21,8 @@ pub struct Placement {
     pub F: Mat,
     /// The eigenvalues of A - B F as computed from the gain, sorted: how well the poles were met.
     pub poles: Vec<C64>,
-    /// Condition number of the eigenvectors of A - B F: an error e of the plant moves no pole by more than about this times e.
+    /// Condition number of the eigenvectors of A - B F: an error e of the plant moves no pole by more than about this times e. Of a plant
+    /// whose states have units many decades apart, in units in which the rows and columns of A are of one size.
     pub condition: f64,
 }
 
@@ -34,15 +40,73 @@ pub fn place(A: &Mat, B: &Mat, wanted: &[C64]) -> Result<Placement, Error> {
     if n == 0 {
         return Ok(Placement { F: Mat::zeros(B.ncols(), 0), poles: vec![], condition: 1.0 });
     }
-    let inputs = Inputs::of(B)?;
     let poles = order_poles(wanted)?;
-    check_multiplicity(&poles, inputs.rank)?;
-    let spaces: Result<Vec<CMat>, Error> = poles.iter().map(|&pole| inputs.space(A, pole)).collect();
-    let vectors = Vectors::start(&poles, spaces?).improve_vectors()?;
-    let F = inputs.gain(A, &poles, &vectors.X)?;
-    let mut poles = linalg::eigenvalues(&(A - &(B * &F))).with_operation("pole placement")?;
-    sort_roots(&mut poles);
-    Ok(Placement { F, poles, condition: vectors.condition()? })
+    let units = Units::of(A, B)?;
+    let placed = place_balanced(&units.A, &units.B, &poles)?;
+    Ok(Placement { F: units.restore(&placed.F), ..placed })
+}
+
+/// The plant in units in which its entries are of one size, by powers of two.
+struct Units {
+    A: Mat,
+    B: Mat,
+    states: Vec<f64>,
+    inputs: Vec<f64>,
+}
+
+impl Units {
+    /// Inputs get columns of size one; states are scaled if their units differ by many decades.
+    fn of(A: &Mat, B: &Mat) -> Result<Self, Error> {
+        let no_output = Mat::zeros(0, A.nrows());
+        let direct = Mat::zeros(0, B.ncols());
+        let g = StateSpace::new(A.clone(), B.clone(), no_output, direct, Timebase::Continuous)?;
+        let (mut scaled, mut states) = balance(&g);
+        let (low, high) = states.iter().fold((1.0_f64, 1.0_f64), |(l, h), &t| (l.min(t), h.max(t)));
+        if high <= NARROW_UNITS * low {
+            (scaled, states) = (g, vec![1.0; A.nrows()]);
+        }
+        let size = |k: usize| scaled.B.column(k).iter().map(|b| b.abs()).fold(0.0, f64::max);
+        let power = |size: f64| if size.is_normal() { (-size.log2().round()).exp2() } else { 1.0 };
+        let inputs: Vec<f64> = (0..B.ncols()).map(|k| power(size(k))).collect();
+        let B = &scaled.B * &Mat::diag(&inputs);
+        Ok(Self { A: scaled.A, B, states, inputs })
+    }
+
+    /// The gain in the units of the caller.
+    fn restore(&self, F: &Mat) -> Mat {
+        Mat::from_fn(F.nrows(), F.ncols(), |i, j| F[(i, j)] * self.inputs[i] / self.states[j])
+    }
+}
+
+fn place_balanced(A: &Mat, B: &Mat, wanted: &[C64]) -> Result<Placement, Error> {
+    let inputs = Inputs::of(B)?;
+    check_multiplicity(wanted, inputs.rank)?;
+    let spaces: Result<Vec<CMat>, Error> = wanted.iter().map(|&pole| inputs.space(A, pole)).collect();
+    let vectors = Vectors::start(wanted, spaces?).improve_vectors()?;
+    let condition = vectors.condition()?;
+    let finish = |F: Mat| -> Result<Placement, Error> {
+        let mut poles = linalg::eigenvalues(&(A - &(B * &F))).with_operation("pole placement")?;
+        sort_roots(&mut poles);
+        Ok(Placement { F, poles, condition })
+    };
+    let found = finish(inputs.gain(A, wanted, &vectors.X)?)?;
+    if A.nrows() > PLACEMENT_PRECISE_STATES || are_met(&found.poles, wanted) {
+        return Ok(found);
+    }
+    let V = &inputs.directions;
+    let choice = linalg::EigenvectorChoice { A, B, V, eigenvalues: wanted, vectors: &vectors.X };
+    let better = linalg::eigenvector_gain(choice).with_operation("pole placement")?;
+    better.map_or(Ok(found), finish)
+}
+
+/// Returns whether each wanted pole is met by a pole of its own, to rounding of a few digits.
+fn are_met(poles: &[C64], wanted: &[C64]) -> bool {
+    let mut left = poles.to_vec();
+    wanted.iter().all(|pole| {
+        let distance = |other: &C64| (other - pole).norm();
+        let nearest = (0..left.len()).min_by(|&a, &b| distance(&left[a]).total_cmp(&distance(&left[b])));
+        nearest.is_some_and(|at| distance(&left.swap_remove(at)) <= PLACEMENT_MET * pole.norm())
+    })
 }
 
 fn check(A: &Mat, B: &Mat, wanted: &[C64]) -> Result<(), Error> {
@@ -94,6 +158,8 @@ struct Inputs {
     U1: Mat,
     /// The gain of U0'(A - M) is pinv(B) U0: V diag(1/s).
     inverse: Mat,
+    /// V: the directions of the inputs that act independently.
+    directions: Mat,
 }
 
 impl Inputs {
@@ -109,6 +175,7 @@ impl Inputs {
             U0: parts.U.block(0, 0, n, rank),
             U1: parts.U.block(0, rank, n, n - rank),
             inverse: &parts.V.block(0, 0, m, rank) * &Mat::diag(&inverses),
+            directions: parts.V.block(0, 0, m, rank),
         })
     }
 
@@ -166,7 +233,9 @@ impl Vectors {
             }
             let space = &spaces[k];
             for c in 0..space.ncols() {
-                let weight = C64::from_polar(1.0, (1 + k * (c + 1)) as f64);
+                // A complex vector that is a multiple of a real one equals its conjugate.
+                let turn = if poles[k].im == 0.0 { 0 } else { c };
+                let weight = C64::from_polar(1.0, (1 + k * (c + 1) + turn) as f64);
                 let weight = if poles[k].im == 0.0 { C64::new(weight.re + 0.1, 0.0) } else { weight };
                 let column = X.column_mut(k);
                 column.iter_mut().zip(space.column(c)).for_each(|(x, s)| *x += weight * s);
@@ -293,5 +362,30 @@ mod tests {
         let pairs = [C64::new(-2.0, 3.0), C64::new(-2.0, -3.0), C64::new(-1.0, 0.0), C64::new(-1.0, 0.0)];
         let found = place(&A, &B, &pairs).unwrap();
         check_poles(&found, &pairs, 1e-7);
+    }
+
+    #[test]
+    fn units_of_states_and_inputs_cost_no_digits() {
+        // A chain of integrators in units twelve decades apart, and an input in another: the gains are the coefficients of the polynomial.
+        let wanted: Vec<C64> = (1..=6).map(|k| C64::new(-(k as f64), 0.0)).collect();
+        let unit = |i: usize| [0, -20, 20, -10, 15, 0][i];
+        let power = |k: i32| f64::from(k).exp2();
+        let A = Mat::from_fn(6, 6, |i, j| if j == i + 1 { power(unit(i) - unit(j)) } else { 0.0 });
+        let B = Mat::from_fn(6, 1, |i, _| if i == 5 { power(-17) } else { 0.0 });
+        let found = place(&A, &B, &wanted).unwrap();
+        for (k, exact) in [720.0, 1764.0, 1624.0, 735.0, 175.0, 21.0].iter().enumerate() {
+            let gain = found.F[(0, k)] * power(unit(k) - 17);
+            assert!((gain / exact - 1.0).abs() < 1e-12, "{k}: {gain}");
+        }
+    }
+
+    #[test]
+    fn a_pair_of_poles_is_placed_with_as_many_inputs_as_states() {
+        let A = Mat::from_rows(&[&[-0.18, 0.11], &[0.58, -0.54]]);
+        let B = Mat::from_rows(&[&[0.09, -0.84], &[0.1, -0.99]]);
+        let wanted = [C64::new(-1.2, 0.2), C64::new(-1.2, -0.2)];
+        let found = place(&A, &B, &wanted).unwrap();
+        check_poles(&found, &wanted, 1e-12);
+        assert!(found.condition < 10.0, "{}", found.condition);
     }
 }

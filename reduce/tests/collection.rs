@@ -96,6 +96,14 @@ fn pde() {
     check_response("pde", 1e-8);
 }
 
+/// The error of four states lies between frequencies at which a coarse search stops half a percent too low.
+#[test]
+fn pde_by_four_states() {
+    let Some((g, _)) = load("pde") else { return };
+    let reduced = balred(&g, Order::States(4), Method::SquareRoot).unwrap();
+    assert!((reduced.measured_error.value / 4.9919e-5 - 1.0).abs() < 1e-5, "{:?}", reduced.measured_error);
+}
+
 #[test]
 fn beam() {
     check("beam", 12, 1e-9);

@@ -222,3 +222,26 @@ fn a_modal_basis_keeps_its_frequencies() {
     let (x, y) = (response_at(&a, rate).unwrap()[(0, 0)], response_at(&b, rate).unwrap()[(0, 0)]);
     assert!((x - y).norm() < 0.01 * x.norm());
 }
+
+#[test]
+fn states_that_the_input_hardly_reaches_leave_the_hankel_values_right() {
+    // Four poles at -1 and two at -4 in rotated whole numbers; what the input does to two states is 2^-28 of the rest. A rotation leaves rounding errors
+    // below the diagonal, which balancing took for couplings: the values were wrong in the third digit. They are known from 300 digits.
+    let A = Mat::from_rows(&[
+        &[6.0, 3.0, -21.0, 13.0, -1.0, -7.0],
+        &[11.0, 2.0, -28.0, 17.0, -5.0, -11.0],
+        &[-2.0, 0.0, 3.0, -2.0, 2.0, 2.0],
+        &[-6.0, -3.0, 19.0, -13.0, 0.0, 6.0],
+        &[-1.0, 0.0, 1.0, -1.0, 0.0, 1.0],
+        &[9.0, 0.0, -17.0, 9.0, -9.0, -10.0],
+    ]);
+    let e = f64::exp2(-30.0);
+    let B = Mat::col(&[-3.0 - 6.0 * e, -3.0 - 12.0 * e, 1.5, 6.0 + e, 1.5 + 5.0 * e, -10.0 * e]);
+    let C = Mat::row(&[-18.65625, -2.453125, 42.640625, -23.609375, 10.578125, 17.03125]);
+    let g = StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Continuous).unwrap();
+    let reduced = balred(&g, Order::States(2), Method::SquareRoot).unwrap();
+    let exact = [3.009282498604143, 0.250704410327737, 0.01978586481184198, 0.0033952766955067854];
+    for (found, exact) in reduced.hankel.iter().zip(exact) {
+        assert!((found - exact).abs() < 1e-12 * 3.0, "{found} {exact}");
+    }
+}

@@ -222,3 +222,44 @@ fn a_plant_whose_disturbance_can_be_cancelled_has_a_controller() {
     let gain = found.controller.B[(0, 0)] * found.controller.C[(0, 0)];
     assert!((pole + 3.0).abs() < 1e-8 && (gain + 1.0).abs() < 1e-8, "{pole} {gain}");
 }
+
+/// x' = a x + w + u, z = (q x, u), y = x + v.
+fn scalar_level(a: f64, q: f64) -> GeneralisedPlant {
+    let [A, B] = [rows(&[&[a]]), rows(&[&[1.0, 0.0, 1.0]])];
+    let D = rows(&[&[0.0, 0.0, 0.0], &[0.0, 0.0, 1.0], &[0.0, 1.0, 0.0]]);
+    generalised_plant([&A, &B, &rows(&[&[q], &[0.0], &[1.0]]), &D], 1, 1)
+}
+
+fn check_level(plant: &GeneralisedPlant, level: f64) {
+    let found = hinf(plant, 1e-7);
+    check_near(found.achieved_norm, level, 1e-6);
+    assert!(found.achieved_norm >= level * (1.0 - 1e-9), "{} below {level}", found.achieved_norm);
+    assert!(found.unreachable <= level * (1.0 + 1e-9), "{} above {level}", found.unreachable);
+}
+
+/// Both Riccati equations of Doyle, Glover, Khargonekar and Francis are quadratic in one unknown; at the least level the product of their solutions is
+/// the level squared, which for q = 1 makes it a + sqrt(a^2 + 2), and for a = 0 sqrt(1 + q^2).
+#[test]
+fn the_least_level_of_scalar_plants_has_its_closed_form() {
+    for a in [-30.0_f64, -1.0, 0.0, 0.3, 5.0, 1e3] {
+        // Without the difference of two large numbers if a is negative.
+        let level = if a < 0.0 { 2.0 / ((a * a + 2.0).sqrt() - a) } else { a + (a * a + 2.0).sqrt() };
+        check_level(&scalar_level(a, 1.0), level);
+    }
+    for q in [1e-3_f64, 0.5, 7.0, 1e4] {
+        check_level(&scalar_level(0.0, q), q.hypot(1.0));
+    }
+}
+
+/// Two such plants side by side, inputs and outputs turned by a rational angle: the least level is the larger one.
+#[test]
+fn the_least_level_of_two_channels_is_that_of_the_worse_one() {
+    let turn = rows(&[&[0.6, -0.8], &[0.8, 0.6]]);
+    let A = &turn * &Mat::diag(&[-1.0, 2.0]) * turn.t();
+    let none = Mat::zeros(2, 2);
+    let one = Mat::eye(2);
+    let B = Mat::from_blocks(&[&[&one, &none, &one]]);
+    let C = Mat::from_blocks(&[&[&one], &[&none], &[&one]]);
+    let D = Mat::from_blocks(&[&[&none, &none, &none], &[&none, &none, &one], &[&none, &one, &none]]);
+    check_level(&generalised_plant([&A, &B, &C, &D], 2, 2), 2.0 + 6f64.sqrt());
+}

@@ -11,7 +11,7 @@ use crate::schur::schur;
 use crate::sylvester::Kind;
 use crate::tolerance::{
     EPS, NEWTON_FIRST_CONTRACTION, NEWTON_NEAR_START, NEWTON_SHORT_STEP, NEWTON_SPOILT, NEWTON_STALE_LOOP,
-    NEWTON_STEPS, ROUNDING,
+    NEWTON_STALE_RENEWED, NEWTON_STEPS, ROUNDING,
 };
 
 use super::Reason;
@@ -67,6 +67,35 @@ pub(super) struct RefinedSolution {
     pub(super) contraction: f64,
 }
 
+/// The effort spent on the derivative of a step; more if the steps shrink by too little.
+#[derive(Clone, Copy, PartialEq)]
+enum DerivativeCare {
+    /// The closed loop's Schur form is kept while the steps are short.
+    Kept,
+    /// It is computed anew after all but the shortest steps.
+    Renewed,
+    /// It is computed anew for each step, balanced, and the step is refined.
+    Refined,
+}
+
+impl DerivativeCare {
+    fn increased(self) -> Self {
+        if self == Self::Kept { Self::Renewed } else { Self::Refined }
+    }
+
+    /// Returns what follows a step of the given size relative to `X`.
+    fn after(self, relative: f64) -> AfterStep {
+        let longest = if self == Self::Renewed { NEWTON_STALE_RENEWED } else { NEWTON_STALE_LOOP };
+        if relative > longest { AfterStep::RenewDerivative } else { AfterStep::KeepDerivative }
+    }
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum AfterStep {
+    KeepDerivative,
+    RenewDerivative,
+}
+
 /// Refines `X`.
 ///
 /// # Errors
@@ -76,9 +105,9 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<RefinedSolution
     let mut path = Path::from(equation, X).ok_or(Reason::NoGraph)?;
     let mut size = f64::INFINITY;
     let mut steps = 0;
-    let (mut slow, mut contraction) = (false, 0.0_f64);
+    let (mut derivative, mut contraction) = (DerivativeCare::Kept, 0.0_f64);
     while steps < NEWTON_STEPS {
-        let careful = if slow { path.careful_step(equation) } else { None };
+        let careful = if derivative == DerivativeCare::Refined { path.careful_step(equation) } else { None };
         let step = careful.unwrap_or_else(|| path.derivative.solve(&path.residual)).symmetric_part();
         let relative = step.norm_fro() / path.X.high.norm_fro().max(f64::MIN_POSITIVE);
         let stuck = relative > 0.5 * size && size < NEWTON_STALE_LOOP;
@@ -92,17 +121,23 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<RefinedSolution
                 hardest: None,
             });
         }
+        if stuck && derivative == DerivativeCare::Renewed {
+            derivative = DerivativeCare::Refined;
+            continue;
+        }
         if !relative.is_finite() || stuck {
             break;
         }
         steps += 1;
         let rate = if size.is_finite() { relative / size } else { NEWTON_FIRST_CONTRACTION * relative };
-        slow = slow || rate > NEWTON_SPOILT && size.is_finite();
+        if rate > NEWTON_SPOILT && size.is_finite() {
+            derivative = derivative.increased();
+        }
         if size.is_finite() {
             contraction = rate;
         }
         size = relative;
-        path.advance(equation, &step, relative).ok_or(Reason::NoGraph)?;
+        path.advance(equation, &step, derivative.after(relative)).ok_or(Reason::NoGraph)?;
         if relative * rate < EPS / 16.0 {
             break;
         }
@@ -133,8 +168,8 @@ impl Path {
         Some(Self { X, residual: here.residual.clone(), here, ahead, derivative, closed })
     }
 
-    /// Takes a step of the given size relative to `X`; a long one makes the derivative stale.
-    fn advance(&mut self, equation: &impl Equation, step: &Mat, relative: f64) -> Option<()> {
+    /// Takes a step, which may make the derivative stale.
+    fn advance(&mut self, equation: &impl Equation, step: &Mat, after: AfterStep) -> Option<()> {
         self.ahead += step;
         if self.ahead.norm_fro() <= short_step(equation.kind()) * self.X.high.norm_fro() {
             let X = &self.X.high + &self.ahead;
@@ -145,7 +180,7 @@ impl Path {
         self.ahead = Mat::zeros(step.nrows(), step.ncols());
         self.here = equation.evaluate(&self.X)?;
         self.residual = self.here.residual.clone();
-        if relative > NEWTON_STALE_LOOP {
+        if after == AfterStep::RenewDerivative {
             self.closed = equation.closed_loop(&self.here.gain);
             self.derivative = derivative_of(&self.closed, equation.kind())?;
         }

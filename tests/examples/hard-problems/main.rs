@@ -12,7 +12,7 @@ use counterpoise_linalg::{
     C64, Mat, Outcome, Riccati,
     sparse::{Entry, Sparse},
 };
-use counterpoise_lti::{Descriptor, Discretisation, StateSpace, Timebase};
+use counterpoise_lti::{Descriptor, Discretisation, QuadraticCost, StateSpace, Timebase};
 use counterpoise_pipeline::wording::design_findings::describe_synthesis_error;
 use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
 use counterpoise_reduce::{
@@ -92,7 +92,7 @@ fn solve(problem: &Value) -> Answer {
             &matrix(problem, "E")?,
             &matrix(problem, "Q")?,
         )),
-        "hinfsyn" => hinfinity(problem),
+        "hinfsyn" | "level" => hinfinity(problem),
         "place" => placement(problem),
         "delayed" => delay_margins(problem),
         "multiloop" => multiloop(problem),
@@ -123,6 +123,8 @@ fn solve(problem: &Value) -> Answer {
         }
         "bounds" => bounds(problem),
         "c2d" | "c2d_delayed" => sampled_system(problem),
+        "d2c" => Ok(whole_system(&text(counterpoise_lti::d2c_tustin(&system(problem)?, None))?)),
+        "cost" => period_cost(problem),
         "minimal" => minimal_part(problem),
         "mh2" => square_norm(counterpoise_lti::h2norm(&system(problem)?)),
         "h2norm" => {
@@ -212,6 +214,15 @@ fn sampled_system(problem: &Value) -> Answer {
         None => counterpoise_lti::c2d(&g, period_s, method),
     };
     Ok(whole_system(&text(made)?))
+}
+
+/// The weights of state and input over one period, as one matrix.
+fn period_cost(problem: &Value) -> Answer {
+    let (Q, R, S) = (matrix(problem, "Q")?, matrix(problem, "R")?, matrix(problem, "S")?);
+    let cost = QuadraticCost { Q: &Q, R: &R, S: &S };
+    let (A, B) = (matrix(problem, "A")?, matrix(problem, "B")?);
+    let made = text(counterpoise_lti::sampled_cost(&A, &B, cost, number(problem, "h", 1.0)))?;
+    Ok(json!({ "X": rows(&made.Q.hstack(&made.S).vstack(&made.S.t().hstack(&made.R))) }))
 }
 
 fn minimal_part(problem: &Value) -> Answer {
