@@ -8,7 +8,8 @@
 //! [`balance`](mod@balance), [`schur`](mod@schur) (ordered real Schur form), [`sylvester`](mod@sylvester), [`invariant_subspace`] (how well one is determined), [`generalised_sylvester`],
 //! [`lyapunov`], [`hammarling`] (factored Lyapunov solutions), [`expm`](mod@expm), [`riccati`] (with certificates and named refusals), [`generalised_lyapunov`] (equations with a matrix `E`),
 //! [`pencil_roots`](mod@pencil_roots), [`sparse`] (large structures), [`cone_program`] (convex programs, by Clarabel), [`tolerance`],
-//! [`boundary`], [`stability`], [`staircase`] (minimal part in 32 digits), [`range_basis`] (ranks on the way to zeros), [`transfer_matrix`] (a transfer matrix to the last digits).
+//! [`boundary`], [`stability`], [`staircase`] (minimal part in 32 digits), [`range_basis`] (ranks on the way to zeros), [`transfer_matrix`] (a transfer matrix to the last digits),
+//! [`eigenvector_gain`](mod@eigenvector_gain) (the feedback of chosen eigenvectors).
 //!
 //! ```
 //! use counterpoise_linalg::{Mat, care};

@@ -2,9 +2,7 @@
 
 use crate::Error;
 use crate::error::StepContext;
-use crate::tolerance::{
-    BORDER, BORDER_NORM, CLUSTER_REACH, LIGHT_POLE, REORDERING_SHIFT, SPLIT_DOUBLE, SUSPECT_POLE,
-};
+use crate::tolerance::{BORDER, BORDER_NORM, CLUSTER_REACH, REORDERING_SHIFT, SUSPECT_POLE};
 use counterpoise_linalg as linalg;
 use counterpoise_linalg::{Boundary, C64, Mat, Schur};
 use counterpoise_lti::components::components;
@@ -52,12 +50,9 @@ pub fn split_stable(g: &StateSpace) -> Result<Split, Error> {
     };
     let near = |pole: C64| boundary.excess(pole).abs() < SUSPECT_POLE * scaled.A.norm_fro().max(1.0);
     let is_suspect = form.eigenvalues().into_iter().any(near);
-    let light = |pole: C64| boundary.excess(pole).abs() < LIGHT_POLE * scaled.A.norm_fro().max(1.0);
-    let split_double = |pole: C64| pole.im != 0.0 && pole.im.abs() < SPLIT_DOUBLE * pole.norm();
-    let is_fragile = form.eigenvalues().into_iter().any(|pole| light(pole) || split_double(pole));
     let is_whole = form.eigenvalues().into_iter().all(is_stable);
-    // A rotation rounds the damping of light modes and splits multiple ones: a system that is stable as a whole keeps its entries then.
-    if (is_fragile && is_whole) || (is_suspect && is_lightly_damped(&scaled, &form)?) {
+    // A rotation rounds the damping of light modes and splits multiple ones: a system that is stable as a whole keeps its entries.
+    if is_whole || (is_suspect && is_lightly_damped(&scaled, &form)?) {
         let rest = Mat::zeros(scaled.outputs(), scaled.inputs());
         return Ok(Split { second: StateSpace::gain(rest, timebase)?, first: scaled });
     }

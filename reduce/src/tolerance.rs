@@ -65,13 +65,6 @@ pub const REORDERING_SHIFT: f64 = 1e-14;
 /// that rounding has split lie within it.
 pub const SUSPECT_POLE: f64 = 1e-7;
 
-/// A stable system with a pole nearer to the boundary than this share of the norm keeps its entries: rounding them by a rotation changes the damping
-/// of the mode, and its peak, by more than 1e-12.
-pub const LIGHT_POLE: f64 = 2e-4;
-
-/// So does one with a pair of poles whose imaginary part is below this share: rounding splits a double pole by 1e-8 and a triple one by 1e-5.
-pub const SPLIT_DOUBLE: f64 = 1e-4;
-
 /// A pole belongs to a cluster on the boundary within this many times the distance of its farthest member.
 pub const CLUSTER_REACH: f64 = 2.0;
 

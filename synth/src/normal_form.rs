@@ -7,7 +7,7 @@ use counterpoise_lti::{StateSpace, Timebase};
 
 use crate::Error;
 use crate::generalised_plant::{Blocks, GeneralisedPlant, absorb_direct_path};
-use crate::tolerance::HINF_INDEFINITE;
+use crate::tolerance::{HINF_INDEFINITE, HINF_SLOWEST};
 
 /// The outcome of a bound.
 #[derive(Clone, Copy)]
@@ -67,8 +67,11 @@ impl NormalForm {
 
     /// A bound to start from where D11 gives none.
     pub(crate) fn initial_bound(&self) -> f64 {
-        let size =
-            (self.P.C1.norm_fro() * self.P.B1.norm_fro() / self.P.A.norm_fro().max(f64::MIN_POSITIVE)).sqrt();
+        let P = &self.P;
+        // A plant of integrators has no rate but those of the two equations, of control and of measurement.
+        let rate = (P.B2.norm_fro() * P.C1.norm_fro()).max(P.B1.norm_fro() * P.C2.norm_fro());
+        let slowest = (HINF_SLOWEST * rate).max(f64::MIN_POSITIVE);
+        let size = (P.C1.norm_fro() * P.B1.norm_fro() / P.A.norm_fro().max(slowest)).sqrt();
         if size > 0.0 && size.is_finite() { size } else { 1.0 }
     }
 

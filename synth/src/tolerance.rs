@@ -91,6 +91,10 @@ pub(crate) const HINF_TRIALS: usize = 80;
 /// no bound is the last, and a loop in doubles is exact to about 1e-15.
 pub(crate) const HINF_NOTHING: f64 = 1e-10;
 
+/// Share of the rates of the two Riccati equations above which the rate of the plant tells where the search starts. A first bound that is too high by less than ten
+/// decades only takes longer; beyond, it would end at what counts as nothing ([`HINF_NOTHING`]).
+pub(crate) const HINF_SLOWEST: f64 = 1e-6;
+
 /// X and Y count as indefinite below minus this, relatively. A loose test: the loop itself is looked at afterwards.
 pub(crate) const HINF_INDEFINITE: f64 = 1e-7;
 

@@ -79,19 +79,19 @@ enum DerivativeCare {
 }
 
 impl DerivativeCare {
-    fn increased(self) -> Self {
+    fn raise(self) -> Self {
         if self == Self::Kept { Self::Renewed } else { Self::Refined }
     }
 
     /// Returns what follows a step of the given size relative to `X`.
-    fn after(self, relative: f64) -> AfterStep {
+    fn step_end(self, relative: f64) -> StepEnd {
         let longest = if self == Self::Renewed { NEWTON_STALE_RENEWED } else { NEWTON_STALE_LOOP };
-        if relative > longest { AfterStep::RenewDerivative } else { AfterStep::KeepDerivative }
+        if relative > longest { StepEnd::RenewDerivative } else { StepEnd::KeepDerivative }
     }
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum AfterStep {
+enum StepEnd {
     KeepDerivative,
     RenewDerivative,
 }
@@ -131,13 +131,13 @@ pub(super) fn refine(equation: &impl Equation, X: Mat) -> Result<RefinedSolution
         steps += 1;
         let rate = if size.is_finite() { relative / size } else { NEWTON_FIRST_CONTRACTION * relative };
         if rate > NEWTON_SPOILT && size.is_finite() {
-            derivative = derivative.increased();
+            derivative = derivative.raise();
         }
         if size.is_finite() {
             contraction = rate;
         }
         size = relative;
-        path.advance(equation, &step, derivative.after(relative)).ok_or(Reason::NoGraph)?;
+        path.advance(equation, &step, derivative.step_end(relative)).ok_or(Reason::NoGraph)?;
         if relative * rate < EPS / 16.0 {
             break;
         }
@@ -169,7 +169,7 @@ impl Path {
     }
 
     /// Takes a step, which may make the derivative stale.
-    fn advance(&mut self, equation: &impl Equation, step: &Mat, after: AfterStep) -> Option<()> {
+    fn advance(&mut self, equation: &impl Equation, step: &Mat, end: StepEnd) -> Option<()> {
         self.ahead += step;
         if self.ahead.norm_fro() <= short_step(equation.kind()) * self.X.high.norm_fro() {
             let X = &self.X.high + &self.ahead;
@@ -180,7 +180,7 @@ impl Path {
         self.ahead = Mat::zeros(step.nrows(), step.ncols());
         self.here = equation.evaluate(&self.X)?;
         self.residual = self.here.residual.clone();
-        if after == AfterStep::RenewDerivative {
+        if end == StepEnd::RenewDerivative {
             self.closed = equation.closed_loop(&self.here.gain);
             self.derivative = derivative_of(&self.closed, equation.kind())?;
         }

@@ -122,8 +122,7 @@ fn solve(problem: &Value) -> Answer {
             peak(counterpoise_lti::hinfnorm(&system(problem)?, number(problem, "tolerance", 1e-10)))
         }
         "bounds" => bounds(problem),
-        "c2d" | "c2d_delayed" => sampled_system(problem),
-        "d2c" => Ok(whole_system(&text(counterpoise_lti::d2c_tustin(&system(problem)?, None))?)),
+        "c2d" | "c2d_delayed" | "d2c" => mapped_system(problem),
         "cost" => period_cost(problem),
         "minimal" => minimal_part(problem),
         "mh2" => square_norm(counterpoise_lti::h2norm(&system(problem)?)),
@@ -202,7 +201,11 @@ fn bounds(problem: &Value) -> Answer {
     Ok(json!({ "value": found.lower.value, "rate": found.lower.rate_rad_s, "upper": found.upper }))
 }
 
-fn sampled_system(problem: &Value) -> Answer {
+/// The sampled system, or the continuous one of a sampled one.
+fn mapped_system(problem: &Value) -> Answer {
+    if problem["kind"] == "d2c" {
+        return Ok(whole_system(&text(counterpoise_lti::d2c_tustin(&system(problem)?, None))?));
+    }
     let (g, period_s) = (system(problem)?, number(problem, "h", 1.0));
     let method = match problem["method"].as_str() {
         Some("foh") => Discretisation::FirstOrderHold,
