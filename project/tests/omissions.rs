@@ -225,6 +225,20 @@ fn what_a_drive_needs_is_asked_for_and_what_is_missing_comes_first() {
 }
 
 #[test]
+fn a_key_that_is_left_out_is_asked_for_in_one_sentence() {
+    let slide = "format = 2
+plant = { axis = \"linear\", mass = \"5 kg\", motor = { torque_constant = \"60 N/A\" }, drive = { limit = \"9 A\", bandwidth = \"900 Hz\", delay = \"0.1 ms\" }, interface = { sample_period = \"1 ms\" } }
+";
+    let found = Project::parse(slide, "machine.toml").unwrap_err();
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(found[0].to_string().contains("add kind = \"current\""), "{}", found[0]);
+    let cascade = format!("{SLIDE}synth.loop = \"cascade\"\nverify.step = {{ rate = \"0.5 mm\" }}\n");
+    let found = Project::parse(&cascade, "machine.toml").unwrap_err();
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(found[0].to_string().contains("an encoder or a resolver"), "{}", found[0]);
+}
+
+#[test]
 fn a_slide_is_moved_by_a_base_that_slides() {
     let slide = format!("{SLIDE}verify.pitch = {{ amplitude = \"0.2 m/s\", frequency = 1.0 }}\n");
     let project = Project::parse(&slide, "machine.toml").unwrap().project;

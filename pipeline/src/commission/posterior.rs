@@ -14,12 +14,12 @@ use counterpoise_models::Parameters;
 use counterpoise_pool::{Pool, map};
 use counterpoise_project::{KeyTolerance, Project, VariedTolerance};
 use counterpoise_recordings::Channel;
-use counterpoise_simulate::replay::ReplayLoop;
+use counterpoise_simulate::replay::{Replay, ReplayLoop};
 
 use crate::PipelineError;
 use crate::configuration::apply_configuration;
 use crate::recordings::read::ReadRecording;
-use crate::recordings::replay::{ReplayLength, replay_one};
+use crate::recordings::replay::{ReplayLength, replay_from_given_start, replay_one};
 use crate::tolerance::{
     EXPLAINED_FLOORS, FIRST_DAMPING, LEAST_TOLERANCE, ORDER_REACH, PHASE_REACH, PLACE_REACH,
     POSTERIOR_DAMPINGS, POSTERIOR_DIFFERENCE, POSTERIOR_SETTLED, POSTERIOR_STEPS,
@@ -230,16 +230,28 @@ impl<'a> Problem<'a> {
         3.0 / self.relative(k).powi(2)
     }
 
-    pub(super) fn residuals(&self, factors: &[f64]) -> Result<Residuals, PipelineError> {
-        self.residuals_of(&self.plant_at(factors)?)
+    /// Returns the residuals of replays whose starts are fitted.
+    fn residuals(&self, factors: &[f64]) -> Result<Residuals, PipelineError> {
+        self.residuals_by(&self.plant_at(factors)?, |plant, item| {
+            let replayed = replay_one(plant, item, self.recorded.control, ReplayLength::Whole)?;
+            Ok(replayed.followed.replay)
+        })
     }
 
-    pub(super) fn residuals_of(&self, plant: &Parameters) -> Result<Residuals, PipelineError> {
+    /// Returns the residuals of replays from the starts that the recordings give: what a change of the machine makes of them hardly depends on their starts.
+    pub(super) fn quick_residuals(&self, plant: &Parameters) -> Result<Residuals, PipelineError> {
+        self.residuals_by(plant, |plant, item| replay_from_given_start(plant, item, self.recorded.control))
+    }
+
+    fn residuals_by(
+        &self,
+        plant: &Parameters,
+        replay: impl Fn(&Parameters, &ReadRecording) -> Result<Replay, PipelineError>,
+    ) -> Result<Residuals, PipelineError> {
         let plant = apply_configuration(self.project, plant)?;
         let mut all = Residuals { values: Vec::new(), largest: 0.0 };
         for item in self.recorded.read {
-            let replayed = replay_one(&plant, item, self.recorded.control, ReplayLength::Whole)?;
-            let replay = replayed.followed.replay;
+            let replay = replay(&plant, item)?;
             for fit in replay.channels.iter().filter(|fit| JUDGED.contains(&fit.channel)) {
                 let measured = item.recording.samples(fit.channel).unwrap_or_default();
                 let simulated = replay.simulated.channel(fit.channel);
@@ -260,7 +272,7 @@ impl<'a> Problem<'a> {
                 break;
             }
             let inflation = residuals.inflation();
-            let Some(derivatives) = self.derivatives(&factors, &residuals) else { break };
+            let Some(derivatives) = self.derivatives(&factors) else { break };
             let equations = self.normal_equations(&derivatives, &residuals, &factors, inflation);
             let Ok(inverted) = inverse(&equations.matrix) else { break };
             covariance = inverted;
@@ -310,16 +322,17 @@ impl<'a> Problem<'a> {
     }
 
     /// Returns the derivatives of the residuals by each factor, from differences; `None` if a machine beside the model cannot be simulated.
-    pub(super) fn derivatives(&self, factors: &[f64], residuals: &Residuals) -> Option<Vec<Vec<f64>>> {
+    pub(super) fn derivatives(&self, factors: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let here = self.quick_residuals(&self.plant_at(factors).ok()?).ok()?;
         let columns = map(self.pool, factors.len(), |k| {
             // Inside the tolerance, and far larger than the steps of converters make the residuals jump.
             let size = POSTERIOR_DIFFERENCE * self.relative(k);
             let difference = if factors[k] + size > 1.0 + self.relative(k) { -size } else { size };
             let mut beside = factors.to_vec();
             beside[k] += difference;
-            let moved = self.residuals(&beside).ok()?;
-            let both = moved.values.iter().zip(&residuals.values);
-            (moved.values.len() == residuals.values.len())
+            let moved = self.quick_residuals(&self.plant_at(&beside).ok()?).ok()?;
+            let both = moved.values.iter().zip(&here.values);
+            (moved.values.len() == here.values.len())
                 .then(|| both.map(|(moved, here)| (moved - here) / difference).collect())
         });
         columns.into_iter().collect()

@@ -62,12 +62,12 @@ pub(super) fn screen_effects(
     fitted: &Posterior,
 ) -> Result<Vec<ValuedEffect>, PipelineError> {
     let factors = problem.factors_of(fitted);
-    let here = problem.residuals(&factors)?;
     let own = problem.plant_at(&factors)?;
+    let here = problem.quick_residuals(&own)?;
     let recordings: Vec<Recording> =
         problem.recorded.read.iter().map(|read| read.recording.clone()).collect();
     let machine = ScaledMachine::of(&own, &recordings);
-    let nuisances = orthonormal(problem.derivatives(&factors, &here).unwrap_or_default());
+    let nuisances = orthonormal(problem.derivatives(&factors).unwrap_or_default());
     let left = without(&nuisances, &here.values);
     let trials = list_trials(&machine, fitted);
     let found = map(problem.pool, trials.len(), |k| {
@@ -146,7 +146,7 @@ fn judge_trial(
     left: &[f64],
 ) -> Option<Explanation> {
     let signature = |values: &Vec<f64>| {
-        let there = problem.residuals_of(&machine.with(trial.effect, values)).ok()?;
+        let there = problem.quick_residuals(&machine.with(trial.effect, values)).ok()?;
         let changes = there.values.iter().zip(here).map(|(there, here)| there - here).collect::<Vec<f64>>();
         (changes.len() == left.len()).then(|| without(nuisances, &changes))
     };

@@ -89,6 +89,27 @@ pub fn replay_one(
     replay_on(&Mechanism { parameters: plant, structure: None }, item, control, length)
 }
 
+/// Replays one recording whole on a mechanism from the start that its first samples give, which is quicker than [`replay_one`]: a start that is fitted
+/// takes a dozen replays.
+///
+/// # Errors
+/// As [`replay_one`].
+pub fn replay_from_given_start(
+    plant: &Parameters,
+    item: &ReadRecording,
+    control: &ReplayLoop,
+) -> Result<Replay, PipelineError> {
+    let control = if item.plays_control_back() { &ReplayLoop::Open } else { control };
+    let found = Replayer::new(plant, &item.recording)
+        .and_then(|replayer| select_replay(&replayer, plant, control, ReplayLength::Whole));
+    found.map(|found| found.replay).map_err(|cause| cannot_replay(item, cause))
+}
+
+fn cannot_replay(item: &ReadRecording, cause: counterpoise_simulate::Error) -> PipelineError {
+    let unused = unused_columns([item]);
+    PipelineError::CannotReplay { recording: item.file.clone(), cause: Box::new(cause), unused }
+}
+
 fn replay_on(
     mechanism: &Mechanism<'_>,
     item: &ReadRecording,
@@ -108,11 +129,7 @@ fn replay_on(
             Ok(from_fitted_start(&replayer, plant, control, found))
         }
     });
-    let cannot = |cause: counterpoise_simulate::Error| {
-        let unused = unused_columns([item]);
-        PipelineError::CannotReplay { recording: item.file.clone(), cause: Box::new(cause), unused }
-    };
-    let mut followed = followed.map_err(cannot)?;
+    let mut followed = followed.map_err(|cause| cannot_replay(item, cause))?;
     if followed.mode != ReplayMode::Free && !item.keeps_samples {
         // Columns made from others are not the measurements that the controller read, so its control cannot be compared.
         followed.replay.channels.retain(|fit| fit.channel != Channel::Control);

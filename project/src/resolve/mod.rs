@@ -158,6 +158,7 @@ impl Project {
         }
         diagnostic::sort(&mut findings);
         section_hints::hint_at_sections(&mut findings);
+        section_hints::drop_consequences(&mut findings);
         let (errors, warnings): (Vec<_>, Vec<_>) =
             findings.into_iter().partition(|d| d.severity == Severity::Error);
         if errors.is_empty() { Ok(ParsedProject { project, warnings, assumptions }) } else { Err(errors) }

@@ -18,6 +18,31 @@ pub(super) fn hint_at_sections(findings: &mut [Diagnostic]) {
     }
 }
 
+/// Drops findings that are no more than the consequence of another one: keys that a choice has which a unit asks for, and units of a loop whose sensor is missing.
+pub(super) fn drop_consequences(findings: &mut Vec<Diagnostic>) {
+    let names_choice = |d: &Diagnostic| {
+        d.problem == DiagnosticKind::WrongType && d.hint.as_ref().is_some_and(|h| h.contains("add kind"))
+    };
+    let sections: Vec<String> = findings
+        .iter()
+        .filter(|d| names_choice(d))
+        .filter_map(|d| Some(d.path.rsplit_once('.')?.0.to_owned()))
+        .collect();
+    let has_other_loop = findings.iter().any(|d| d.path == "synth.loop");
+    findings.retain(|d| {
+        let section = d.path.rsplit_once('.').map_or("", |(section, _)| section);
+        let is_of_choice = d.problem == DiagnosticKind::UnknownKey
+            && sections.iter().any(|named| named == section)
+            && d.hint.as_ref().is_some_and(|hint| hint.contains(OTHER_CHOICES));
+        let is_of_loop =
+            has_other_loop && d.problem == DiagnosticKind::WrongType && d.path.starts_with("verify.");
+        !is_of_choice && !is_of_loop
+    });
+}
+
+/// Words of the hint at a key that other choices have.
+const OTHER_CHOICES: &str = "only with other choices than these";
+
 fn guide() -> &'static Guide {
     static GUIDE: OnceLock<Guide> = OnceLock::new();
     GUIDE.get_or_init(|| {
@@ -41,7 +66,7 @@ fn words(own: &str, name: &str, places: &Places) -> Option<String> {
     let list = |paths: &[String]| paths.iter().map(|path| section(path)).collect::<Vec<_>>().join(" or ");
     let few = |paths: &[String]| (1..=MOST_PLACES).contains(&paths.len());
     if places.of_key.iter().any(|path| path == own) {
-        return Some(format!("{} has the key \"{name}\" only with other choices than these", section(own)));
+        return Some(format!("{} has the key \"{name}\" {OTHER_CHOICES}", section(own)));
     }
     if few(&places.of_key) {
         return Some(format!("\"{name}\" is a key of {}", list(&places.of_key)));
