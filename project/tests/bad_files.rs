@@ -78,7 +78,9 @@ fn not_text_not_toml_not_there() {
     let empty = findings("");
     assert_eq!(
         empty,
-        ["rig.toml:1:1: error: plant: section [plant] is missing; it is required: the mechanism"]
+        [
+            "rig.toml:1:1: error: plant: section [plant] is missing; it is required: the mechanism; the smallest is `plant = { inertia = \"1 kg m^2\", drive = \"torque\", interface = { sample_period = \"1 ms\" } }`"
+        ]
     );
     assert!(
         findings("what is this").iter().all(|f| f.starts_with("rig.toml:1:")),

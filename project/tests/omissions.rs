@@ -184,7 +184,7 @@ fn names_of_data_sheets_are_answered_with_the_key() {
 }
 
 /// A slide with everything that a first design needs.
-const SLIDE: &str = "format = 2
+const FORCED_SLIDE: &str = "format = 2
 plant = { axis = \"linear\", mass = \"5 kg\", drive = { kind = \"torque\", limit = \"50 N\" }, interface = { sample_period = \"1 ms\" } }
 ";
 
@@ -232,15 +232,15 @@ plant = { axis = \"linear\", mass = \"5 kg\", motor = { torque_constant = \"60 N
     let found = Project::parse(slide, "machine.toml").unwrap_err();
     assert_eq!(found.len(), 1, "{found:?}");
     assert!(found[0].to_string().contains("add kind = \"current\""), "{}", found[0]);
-    let cascade = format!("{SLIDE}synth.loop = \"cascade\"\nverify.step = {{ rate = \"0.5 mm\" }}\n");
+    let cascade = format!("{FORCED_SLIDE}synth.loop = \"cascade\"\nverify.step = {{ rate = \"0.5 mm\" }}\n");
     let found = Project::parse(&cascade, "machine.toml").unwrap_err();
     assert_eq!(found.len(), 1, "{found:?}");
-    assert!(found[0].to_string().contains("an encoder or a resolver"), "{}", found[0]);
+    assert!(found[0].to_string().contains("[plant.sensors.encoder] or resolver"), "{}", found[0]);
 }
 
 #[test]
 fn a_slide_is_moved_by_a_base_that_slides() {
-    let slide = format!("{SLIDE}verify.pitch = {{ amplitude = \"0.2 m/s\", frequency = 1.0 }}\n");
+    let slide = format!("{FORCED_SLIDE}verify.pitch = {{ amplitude = \"0.2 m/s\", frequency = 1.0 }}\n");
     let project = Project::parse(&slide, "machine.toml").unwrap().project;
     assert_eq!(project.verify.unwrap().procedure.pitch.amplitude, 0.2);
     let found = first_finding(&slide.replace("0.2 m/s", "0.2 rad/s"));

@@ -49,7 +49,7 @@ pub(super) fn loop_kind(v: &mut dyn Visit, synth: &mut DesignRequest, measured: 
         let instead = match synth.loop_kind {
             LoopKind::Rate => "for a rate loop give [plant.sensors] a tachometer or a hub_gyro in its place",
             LoopKind::Position | LoopKind::Cascade => {
-                "for a loop of position give [plant.sensors] an encoder or a resolver, as in `encoder = { counts = 4096 }`"
+                "for a loop of position give [plant.sensors.encoder] or resolver, as in `encoder = { counts = 4096 }`"
             }
             LoopKind::Torque => "for a loop of torque give [plant.sensors.torque] in its place",
             LoopKind::Current => "for a loop of current give [plant.sensors.current] in its place",

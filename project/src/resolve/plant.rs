@@ -1,9 +1,9 @@
 //! The `[plant]` section: drive train, sensors, interface, and the structure.
 
 use counterpoise_models::{
-    AccelerometerAxis, AxisKind, Clock, DriveLimits, FeedbackSignal, Friction, FrictionLaw, Gearbox,
-    IDEAL_CONVERTER_BITS, Interface, Loads, LumpedStructure, Motor, Parameters, Ripple, Sensor, Sensors,
-    Transmission,
+    AccelerometerAxis, AmplifierDynamics, AxisKind, Clock, DriveLimits, FeedbackSignal, Friction,
+    FrictionLaw, Gearbox, IDEAL_CONVERTER_BITS, Interface, Loads, LumpedStructure, Motor, Parameters, Ripple,
+    Sensor, Sensors, Transmission,
 };
 
 use super::axis_words::{Words, turning_of_motor};
@@ -139,7 +139,10 @@ fn motor_and_drive(v: &mut dyn Visit, plant: &mut Parameters) {
         v.complain("motor.inertia", allowed, Some(hint.to_owned()));
     }
     let rotor = if is_turning { AxisKind::Rotary } else { turning_of_motor(plant) };
-    motor_section(&mut Words::of(rotor, v), &mut plant.motor);
+    // A drive that takes something else asks for the torque constant, also where it is the usual one.
+    let takes_torque = plant.amplifier.dynamics == AmplifierDynamics::TorqueCommand;
+    let presence = Presence::from(plant.motor != drive::usual_motor() || !takes_torque);
+    motor_section(&mut Words::of(rotor, v), &mut plant.motor, presence);
     drive::drive(&mut Words::of(rotor, v), plant);
 }
 
@@ -175,9 +178,9 @@ fn described_by_inertias(v: &mut dyn Visit, inertias: &mut Option<LumpedStructur
     }
 }
 
-fn motor_section(v: &mut dyn Visit, value: &mut Motor) {
+fn motor_section(v: &mut dyn Visit, value: &mut Motor, presence: Presence) {
     let usual = drive::usual_motor();
-    if v.enter(&TableField::optional("motor", "motor"), Presence::from(*value != usual)) {
+    if v.enter(&TableField::optional("motor", "motor"), presence) {
         motor(v, value);
         v.leave();
     } else {
