@@ -217,6 +217,9 @@ pub(crate) const SCREENED_SHARE: f64 = 0.05;
 /// Most multiples of the library's typical size up to which a linearised trial is followed.
 pub(crate) const SCREENED_MULTIPLE: f64 = 30.0;
 
+/// Share of its square that a derivative must keep beside others to be independent of them: a hundred times what differences of replays leave of it.
+pub(crate) const DEPENDENT: f64 = 1e-10;
+
 /// Orders of a ripple that are tried, per turn of the motor: once and twice a turn, and the pole and slot counts of common motors.
 pub(crate) const SCREENED_ORDERS: [f64; 9] = [1.0, 2.0, 4.0, 6.0, 8.0, 12.0, 18.0, 24.0, 36.0];
 

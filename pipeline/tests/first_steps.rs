@@ -199,9 +199,11 @@ plant.interface.sample_period = 1e-3
 #[test]
 fn a_rotor_of_which_nothing_is_known_makes_no_loop_quicker() {
     let bandwidth = |text: &str| choose_weights(text).first.bandwidth.bandwidth_rad_s;
-    let belt = format!("{BELT}plant.belt = {{ ratio = 10.0 }}\n");
-    let (known, open) =
-        (bandwidth(&belt), bandwidth(&belt.replace("plant.motor = { inertia = 0.02 }\n", "")));
+    let belt =
+        format!("{BELT}plant.belt = {{ ratio = 10.0 }}\n").replace("inertia = 0.02", "inertia = 0.001");
+    let without = belt.replace("plant.motor = { inertia = 0.001 }\n", "");
+    assert_ne!(belt, without);
+    let (known, open) = (bandwidth(&belt), bandwidth(&without));
     // A belt that yields shows only between load and rotor: without a rotor the machine looked rigid.
     assert!(open <= 1.02 * known, "{open} {known}");
     let direct = turret("0.02", "0.5", "1e-3").replace("inertia = 1e-4, ", "");
@@ -226,7 +228,7 @@ fn requirements_on_the_loop_are_margins_of_a_first_design() {
     for (figure, key, side, limit) in [
         (LoopFigure::DelayMargin, "delay_margin_s", "at_least", 0.02),
         (LoopFigure::DiskMargin, "disk_margin", "at_least", 1.3),
-        (LoopFigure::MaxComplementary, "max_complementary_sensitivity", "at_most", 1.08),
+        (LoopFigure::MaxComplementary, "max_complementary_sensitivity", "at_most", 1.05),
         (LoopFigure::Crossover, "crossover_hz", "at_most", 5.0),
     ] {
         let (open, held) = (value(&free, figure), value(&required(key, side, limit), figure));
@@ -249,5 +251,5 @@ at_least = 60
 ";
     let first = choose_weights(text).first;
     assert!(first.judgement.phase_margin_deg >= 60.0, "{:?}", first.judgement);
-    assert!(first.bandwidth.bandwidth_rad_s > 10.0, "{}", first.bandwidth.bandwidth_rad_s);
+    assert!(first.bandwidth.bandwidth_rad_s > 5.0, "{}", first.bandwidth.bandwidth_rad_s);
 }

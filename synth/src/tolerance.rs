@@ -231,3 +231,12 @@ pub(crate) const GAIN_RANGE_SHARE: f64 = 1e-3;
 /// Damping ratio below which a pole's resonance gets frequencies of its own in the grid of the total cost: at 0.3 the peak of a second-order
 /// system is 1.75 times its static gain (1 / (2 zeta sqrt(1 - zeta^2))), which the even grid still resolves.
 pub(crate) const RESONANT_DAMPING: f64 = 0.3;
+
+/// Relative error of a norm that a requirement on a first design asks for: margins keep two percent to spare.
+pub(crate) const NORM_TOLERANCE: f64 = 1e-3;
+
+/// Factor on what a loop misses that a step of a repair must reach: less is no progress.
+pub(crate) const REPAIR_PROGRESS: f64 = 0.98;
+
+/// Largest logarithm of what a loop has over what is allowed that counts: a loop that is not stable beside the plant has no size of its miss.
+pub(crate) const LARGEST_EXCESS: f64 = 2.0;

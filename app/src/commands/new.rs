@@ -51,13 +51,13 @@ pub fn run(options: &NewOptions) -> CommandResult {
 
 fn print_next_steps(path: &Path, folder: &Path) {
     say!("wrote {}. Change its values to your own, and run", path.display());
-    let (folder, out) = (quoted(folder), quoted(&folder.join("out")));
+    let (folder, out) = (shell_word(folder), shell_word(&folder.join("out")));
     say!("    counterpoise check {folder}");
     say!("    counterpoise design {folder} -o {out}");
 }
 
 /// Returns a path as one word of a command line.
-fn quoted(path: &Path) -> String {
+fn shell_word(path: &Path) -> String {
     let text = path.display().to_string();
     let is_plain = |c: char| c.is_alphanumeric() || "/._-+:\\".contains(c);
     if text.chars().all(is_plain) { text } else { format!("\"{}\"", text.replace('"', "\\\"")) }

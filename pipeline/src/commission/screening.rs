@@ -13,7 +13,7 @@ use counterpoise_recordings::Recording;
 
 use super::posterior::{Posterior, Problem, ValuedEffect};
 use crate::PipelineError;
-use crate::tolerance::{SCREENED_MULTIPLE, SCREENED_ORDERS, SCREENED_SHARE};
+use crate::tolerance::{DEPENDENT, SCREENED_MULTIPLE, SCREENED_ORDERS, SCREENED_SHARE};
 
 /// An effect with directions along which it is tried, each a set of values beside an origin.
 struct Trial {
@@ -253,5 +253,3 @@ fn squares(values: &[f64]) -> f64 {
 
 /// Sweeps of Gauss-Seidel: two directions at 60 degrees are right to 1e-6 after ten.
 const SWEEPS: usize = 12;
-/// Share of its square that a vector must keep beside a basis to be independent of it.
-const DEPENDENT: f64 = 1e-10;

@@ -54,19 +54,17 @@ enum Knowledge {
     Open,
 }
 
-impl Knowledge {
-    fn of(is_stated: bool) -> Self {
-        if is_stated { Self::Stated } else { Self::Open }
-    }
-}
-
 impl OpenValues {
     /// Lists what a project leaves open.
     pub fn of(project: &Project) -> Self {
-        let sensor = |key: &str| Knowledge::of(project.states_default_of_loop_sensor(key));
+        let known = |key: &str| match project.stated_defaults.contains(key) {
+            true => Knowledge::Stated,
+            false => Knowledge::Open,
+        };
+        let sensor = |key: &str| known(&project.key_of_loop_sensor(key));
         Self {
             assumptions: project.assumptions(),
-            control_delay: Knowledge::of(project.stated_defaults.contains(CONTROL_DELAY)),
+            control_delay: known(CONTROL_DELAY),
             reading_delay: sensor("delay"),
             reading_noise: sensor("noise"),
         }

@@ -95,6 +95,7 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
             );
             return;
         };
+        ask_for_motor(v, plant, *takes);
         return set(v, plant, *takes, &DriveKeys::NONE);
     }
     let section = TableField::optional("drive", "a drive that takes a torque, a current or a voltage");
@@ -108,6 +109,12 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
     choose(v, &kind, &mut takes);
     let stated = keys(v, plant, takes);
     v.leave();
+    ask_for_motor(v, plant, takes);
+    set(v, plant, takes, &stated);
+}
+
+/// Complains of what a drive needs of its motor and the file does not have.
+fn ask_for_motor(v: &mut dyn Visit, plant: &Parameters, takes: DriveInput) {
     // Without a motor, a transmission that has a stiffness asks for the motor first.
     let asks_for_motor = !plant.gearbox.is_rigid() && !v.has("motor");
     if takes == DriveInput::Voltage && !asks_for_motor && !v.has("motor.resistance") {
@@ -129,7 +136,6 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
         };
         v.complain("drive", what, Some(hint.to_owned()));
     }
-    set(v, plant, takes, &stated);
 }
 
 /// The statements of `[plant.drive]`.

@@ -215,10 +215,9 @@ impl Project {
         reader.assumptions
     }
 
-    /// Returns whether the sensor of the loop states a quantity, by the last part of its key, with the value of its default.
-    pub fn states_default_of_loop_sensor(&self, key: &str) -> bool {
-        let section = loop_sensor::section_of(&self.plant.sensors);
-        self.stated_defaults.contains(&format!("plant.sensors.{section}.{key}"))
+    /// Returns the path of a key of the loop's sensor.
+    pub fn key_of_loop_sensor(&self, key: &str) -> String {
+        format!("plant.sensors.{}.{key}", loop_sensor::section_of(&self.plant.sensors))
     }
 
     /// Returns the file with every value that differs between two projects set, and everything else of it left

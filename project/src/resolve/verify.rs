@@ -105,11 +105,7 @@ pub(crate) fn verify(
     table(v, &TableField::optional("heave", "sine of heave"), &mut procedure.heave, |v, s| {
         sine(v, s, usual.heave, "m/s^2")
     });
-    let pitch = match axis {
-        AxisKind::Rotary => "sine of the pitch rate",
-        AxisKind::Linear => "sine of the speed of the base along the slide",
-    };
-    table(v, &TableField::optional("pitch", pitch), &mut procedure.pitch, |v, s| {
+    table(v, &TableField::optional("pitch", meaning_of_pitch(axis)), &mut procedure.pitch, |v, s| {
         sine(v, s, usual.pitch, axis.unit("rad/s"))
     });
     visit_optional(
@@ -130,6 +126,13 @@ pub(crate) fn verify(
         line_of_sight,
     );
     requirements(v, &mut verification.requirements, controlled);
+}
+
+fn meaning_of_pitch(axis: AxisKind) -> &'static str {
+    match axis {
+        AxisKind::Rotary => "sine of the pitch rate",
+        AxisKind::Linear => "sine of the speed of the base along the slide",
+    }
 }
 
 fn line_of_sight(v: &mut dyn Visit, sight: &mut LineOfSight) {

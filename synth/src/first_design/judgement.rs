@@ -11,7 +11,7 @@ use counterpoise_lti::{
 use super::Circumstances;
 use crate::modes::{light_modes, shifted_modes};
 use crate::sampling::sampled_plant;
-use crate::tolerance::{CEILING, DRIFTING_POLE, NEIGHBOUR_MS, NOISE_SHARE, SEEN_ABOVE};
+use crate::tolerance::{CEILING, DRIFTING_POLE, NEIGHBOUR_MS, NOISE_SHARE, NORM_TOLERANCE, SEEN_ABOVE};
 use crate::{DesignPlant, Error, Sampling};
 
 /// Margins that a loop must keep.
@@ -191,6 +191,24 @@ impl<'a> Judge<'a> {
         Ok(())
     }
 
+    /// The largest complementary sensitivity of a loop; 0 if it is not asked for.
+    fn complementary_peak(&self, loop_gain: &StateSpace) -> Result<f64, Error> {
+        if self.circumstances.margins.max_complementary.is_infinite() {
+            return Ok(0.0);
+        }
+        Ok(linfnorm(&complementary(loop_gain)?, NORM_TOLERANCE)?.value)
+    }
+
+    /// The radius of the disk margin of a loop without skew, the inverse of the largest |(S - T) / 2| = |1/2 - T|; infinite if it is not asked for.
+    fn disk_margin(&self, loop_gain: &StateSpace) -> Result<f64, Error> {
+        if self.circumstances.margins.disk == 0.0 {
+            return Ok(f64::INFINITY);
+        }
+        let half = StateSpace::gain(Mat::eye(1).scale(0.5), loop_gain.timebase)?;
+        let difference = parallel(&half, &complementary(loop_gain)?.negate())?;
+        Ok(linfnorm(&difference, NORM_TOLERANCE)?.value.recip())
+    }
+
     /// Judges a continuous controller from (demand, reading) to the control; `None` if its sampled loop is not stable or its gain never falls to 1.
     /// Shifted plants and those of other circumstances are left out, and their sensitivity is taken as the plant's, if `is_out` says so of what is
     /// judged before them.
@@ -215,21 +233,6 @@ impl<'a> Judge<'a> {
         let thinned = (self.circumstances.sampling.period_s / sampling.period_s).sqrt();
         let gain = thinned * noise_gain(&self.held, &K)?;
         let step_gain = step_peak(&self.held, &both, bandwidth_rad_s, sampling)?;
-        let asked = &self.circumstances.margins;
-        let max_complementary = match asked.max_complementary.is_finite() {
-            true => linfnorm(&complementary(&loop_gain)?, NORM_TOLERANCE)?.value,
-            false => 0.0,
-        };
-        // The radius of a disk without skew is the inverse of the largest |(S - T) / 2| = |1/2 - T|.
-        let disk_margin = match asked.disk > 0.0 {
-            true => {
-                let half = StateSpace::gain(Mat::eye(1).scale(0.5), loop_gain.timebase)?;
-                linfnorm(&parallel(&half, &complementary(&loop_gain)?.negate())?, NORM_TOLERANCE)?
-                    .value
-                    .recip()
-            }
-            false => f64::INFINITY,
-        };
         let mut found = LoopJudgement {
             bandwidth_rad_s,
             closed_loop_rad_s: closed_loop_bandwidth(&self.held, &K, crossover)?,
@@ -237,8 +240,8 @@ impl<'a> Judge<'a> {
             phase_margin_deg: nominal.phase_margin().map_or(f64::INFINITY, |margin| margin.deg.abs()),
             max_sensitivity: nominal.ms.value,
             sensitivity_peak_rad_s: nominal.ms.rate_rad_s,
-            max_complementary,
-            disk_margin,
+            max_complementary: self.complementary_peak(&loop_gain)?,
+            disk_margin: self.disk_margin(&loop_gain)?,
             delay_margin_s: nominal.phase.iter().map(|margin| margin.delay_s).fold(f64::INFINITY, f64::min),
             shifted_sensitivity: nominal.ms.value,
             sensitivity_of_others: nominal.ms.value,
@@ -484,9 +487,6 @@ fn lowest_fall(loop_gain: &StateSpace, margins: &CandidateMargins) -> Option<f64
 fn complementary(loop_gain: &StateSpace) -> Result<StateSpace, Error> {
     Ok(closed(loop_gain, &StateSpace::gain(Mat::eye(1), loop_gain.timebase)?)?)
 }
-
-/// Relative error of a norm that a requirement asks for.
-const NORM_TOLERANCE: f64 = 1e-3;
 
 /// The loop gain of a controller on a plant; `None` if its closed loop is not stable.
 fn stable_loop(plant: &StateSpace, K: &StateSpace) -> Result<Option<StateSpace>, Error> {

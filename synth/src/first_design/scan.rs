@@ -16,8 +16,8 @@ use crate::cascade::with_position_loop;
 use crate::error::attempt;
 use crate::modes::{light_modes, shifted_modes};
 use crate::tolerance::{
-    ABOVE_AIM, CAUTION, CEILING, CLEARLY_QUICKER, CLOCK_SHARE, FAR_ABOVE_CEILING, NEAR_CEILING, RISE,
-    STIFF_REACHES,
+    ABOVE_AIM, CAUTION, CEILING, CLEARLY_QUICKER, CLOCK_SHARE, FAR_ABOVE_CEILING, LARGEST_EXCESS,
+    NEAR_CEILING, REPAIR_PROGRESS, RISE, STIFF_REACHES,
 };
 use crate::{Error, FeedbackWeights, LightModes, Reference, design_feedback};
 use counterpoise_pool::Pool;
@@ -91,11 +91,6 @@ const VARIATIONS: [f64; 2] = [1.5, 1.2];
 const REPAIR_STEPS: usize = 12;
 /// Loops that are repaired, at most.
 const REPAIRED: usize = 3;
-/// Factor on what a loop misses that a step of a repair must reach.
-const REPAIR_PROGRESS: f64 = 0.98;
-/// Largest logarithm of what a loop has over what is allowed that counts: a loop that is not stable beside the plant has no size of its miss.
-const LARGEST_EXCESS: f64 = 2.0;
-
 /// How far candidates are judged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Thoroughness {
