@@ -196,6 +196,11 @@ impl<'a> Problem<'a> {
         for (unknown, factor) in self.unknowns.iter().zip(factors) {
             unknown.parameter.scale(&mut plant, *factor)?;
         }
+        // In SI units both are one constant of the motor.
+        let motor = &self.project.plant.motor;
+        if motor.back_emf_v_s_rad == motor.torque_constant_nm_a {
+            plant.motor.back_emf_v_s_rad = plant.motor.torque_constant_nm_a;
+        }
         for valued in self.effects_at(factors) {
             plant = valued.effect.apply_to(&plant, &valued.values);
         }

@@ -34,7 +34,7 @@ pub enum VariedParameter {
     StructureDamping,
     /// Inertia of the motor.
     MotorInertia,
-    /// Torque per ampere; the back-EMF constant with it where both are one constant of the motor, equal in SI units.
+    /// Torque per ampere.
     TorqueConstant,
     /// Resistance of the armature.
     Resistance,
@@ -193,9 +193,6 @@ impl VariedParameter {
             VariedParameter::Backlash => vec![&mut p.gearbox.backlash_rad],
             VariedParameter::GearStiffness => vec![&mut p.gearbox.stiffness_nm_rad],
             VariedParameter::MotorInertia => vec![&mut p.motor.inertia_kg_m2],
-            VariedParameter::TorqueConstant if p.motor.back_emf_v_s_rad == p.motor.torque_constant_nm_a => {
-                vec![&mut p.motor.torque_constant_nm_a, &mut p.motor.back_emf_v_s_rad]
-            }
             VariedParameter::TorqueConstant => vec![&mut p.motor.torque_constant_nm_a],
             VariedParameter::Resistance => vec![&mut p.motor.resistance_ohm],
             VariedParameter::GyroBandwidth => vec![&mut p.sensors.hub_gyro.natural_frequency_rad_s],
@@ -249,18 +246,6 @@ mod tests {
             assert_eq!(other == rig, varied.is_of_controller(), "{key}");
             assert_eq!(VariedParameter::from_key(key), Some(varied));
         }
-    }
-
-    #[test]
-    fn torque_constant_and_back_emf_are_one_constant_where_they_are_equal() {
-        let mut rig = counterpoise_models::reference::rig();
-        rig.motor.torque_constant_nm_a = 0.5;
-        rig.motor.back_emf_v_s_rad = 0.5;
-        VariedParameter::TorqueConstant.scale(&mut rig, 1.2).unwrap();
-        assert_eq!((rig.motor.torque_constant_nm_a, rig.motor.back_emf_v_s_rad), (0.6, 0.6));
-        rig.motor.back_emf_v_s_rad = 0.55;
-        VariedParameter::TorqueConstant.scale(&mut rig, 2.0).unwrap();
-        assert_eq!((rig.motor.torque_constant_nm_a, rig.motor.back_emf_v_s_rad), (1.2, 0.55));
     }
 
     #[test]
