@@ -135,3 +135,22 @@ fn values_off_within_their_tolerances_are_found_and_the_tolerances_shrink() {
     assert_eq!(read.tolerances.len(), 2);
     assert!(read.tolerances[0].half_width < 0.05 * read.tolerances[0].value);
 }
+
+#[test]
+fn what_the_model_lacks_is_found_beside_values_that_are_off() {
+    let machine = drawn()
+        .replace("{ value = 2.0, tolerance = 0.3 }", "2.4")
+        .replace("{ value = 1.0, tolerance = 0.5 }", "1.3")
+        .replace("natural_frequency = \"80 Hz\"", "natural_frequency = \"80 Hz\", delay = 4e-3");
+    let round = play_round(&machine);
+    let update = update_model(&round.project, &round.content, &files(&round), &Serial).unwrap();
+    assert!(update.explains(), "{}", update.residual);
+    let found = update.project.plant.sensors.hub_gyro.delay_s;
+    assert!((found - 4e-3).abs() < 4e-4, "delay of {found} s");
+    for (value, truth) in update.posterior.values.iter().zip([2.4, 1.3]) {
+        assert!((value.value / truth - 1.0).abs() < 0.05, "{value:?}");
+    }
+    // A model that explains its recordings asks for no caution.
+    let requirements = |project: &Project| project.verify.as_ref().unwrap().requirements.len();
+    assert_eq!(requirements(&update.project), requirements(&round.project));
+}

@@ -79,16 +79,19 @@ def known_project(drawn_text, truth):
 
 def true_figures(folder):
     """Returns the extremes of all recordings of a commissioning, and the number of runs that the machine stopped."""
-    angle = rate = 0.0
+    largest = {"hub_position": 0.0, "hub_rate": 0.0}
     aborted = 0
     for answer in folder.glob("round-*/*/answer.json"):
         aborted += json.loads(answer.read_text())["ended"] == "aborted"
         with open(answer.parent / "recording.csv", newline="") as file:
-            rows = csv.DictReader(file)
-            position = [float(row["hub_position"]) for row in rows if row.get("hub_position")]
-        if position:
-            angle = max(angle, max(abs(value - position[0]) for value in position))
-    return {"angle": angle, "rate": rate, "aborted": aborted}
+            rows = csv.reader(file)
+            names = [name.split(" [")[0] for name in next(rows)]
+            values = [[float(value) for value in row] for row in rows]
+        for name in largest.keys() & set(names):
+            column = names.index(name)
+            start = values[0][column] if name == "hub_position" else 0.0
+            largest[name] = max(largest[name], max(abs(row[column] - start) for row in values))
+    return {"angle": largest["hub_position"], "rate": largest["hub_rate"], "aborted": aborted}
 
 
 def summary(outcome, folder):
@@ -164,7 +167,9 @@ def print_totals(results):
     for key, unit in (("rounds", ""), ("machine_s", " s of machine time"), ("seconds", " s elapsed")):
         values = [one[key] for one in commissioned]
         print(f"{key}: median {statistics.median(values):.3g}{unit}, largest {max(values):.3g}")
-    print(f"runs that the machine stopped: {sum(one['aborted'] for one in commissioned)}; largest angle in a recording {max(one['angle'] for one in commissioned):.3f} rad, allowed {LIMITS['angle']}")
+    print(
+        f"runs that the machine stopped: {sum(one['aborted'] for one in commissioned)}; largest readings {max(one['angle'] for one in commissioned):.3f} rad"
+        f" of {LIMITS['angle']}, {max(one['rate'] for one in commissioned):.3f} rad/s of {LIMITS['rate']}")
 
 
 def main():
