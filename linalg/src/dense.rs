@@ -100,6 +100,22 @@ pub fn solve(A: &Mat, B: &Mat) -> Result<Mat, Error> {
     small_factors::solve(A, B).filter(Mat::is_finite).ok_or(singular)
 }
 
+/// The largest of the moduli of a matrix's entries, each over that of another one of non-negative entries; an entry of zero counts as nothing.
+pub(crate) fn largest_share(entries: &Mat, sizes: &Mat) -> f64 {
+    let shares = entries.as_slice().iter().zip(sizes.as_slice()).filter(|(entry, _)| **entry != 0.0);
+    shares.fold(
+        0.0,
+        |worst, (entry, size)| {
+            if entry.abs() <= worst * size { worst } else { entry.abs() / size }
+        },
+    )
+}
+
+/// Returns the power of two that brings a size to about 1; 1 if the size is zero, not finite or below the normal numbers.
+pub fn unit_power(size: f64) -> f64 {
+    if size.is_normal() { (-size.log2().round()).exp2() } else { 1.0 }
+}
+
 /// Solves the complex system `A X = B` by LU with partial pivoting. Errors as for [`solve`].
 pub fn csolve(A: &CMat, B: &CMat) -> Result<CMat, Error> {
     lu_solve(A, B)

@@ -1,6 +1,7 @@
 //! The state feedback that belongs to chosen eigenvectors, with 32 digits on the way.
 
 use crate::decomposition::csvd;
+use crate::dense::unit_power;
 use crate::error::{Error, check_shape, check_square};
 use crate::long_matrix::LongMatrix;
 use crate::mat::{C64, CMat, Mat};
@@ -59,8 +60,7 @@ pub fn eigenvector_gain(choice: EigenvectorChoice) -> Result<Option<Mat>, Error>
 /// Units of the states, powers of two, in which each has the size one in some eigenvector: the entries of `A` are then of the eigenvalues' size.
 fn state_units(vectors: &CMat) -> Vec<f64> {
     let largest = |i: usize| (0..vectors.ncols()).map(|j| vectors[(i, j)].norm()).fold(0.0, f64::max);
-    let power = |size: f64| if size.is_normal() { size.log2().round().exp2() } else { 1.0 };
-    (0..vectors.nrows()).map(|i| power(largest(i))).collect()
+    (0..vectors.nrows()).map(|i| 1.0 / unit_power(largest(i))).collect()
 }
 
 /// The real and the imaginary part of a vector.
@@ -100,8 +100,7 @@ fn null_vector(A: &Mat, B: &LongMatrix, l: C64, x: &[C64]) -> Result<Option<Long
 /// Powers of two that bring the largest entry of each row to size one, so that the pivots are chosen among equals.
 fn row_units(M: &Mat) -> Vec<f64> {
     let largest = |i: usize| (0..M.ncols()).map(|j| M[(i, j)].abs()).fold(0.0, f64::max);
-    let power = |size: f64| if size.is_normal() { (-size.log2().round()).exp2() } else { 1.0 };
-    (0..M.nrows()).map(|i| power(largest(i))).collect()
+    (0..M.nrows()).map(|i| unit_power(largest(i))).collect()
 }
 
 /// Returns the coordinates of the null vector whose upper part is nearest to `x`: the least squares solution with the upper rows of the basis.

@@ -1,7 +1,7 @@
 //! The matrix exponential and the integrals of it that discretisation needs.
 
 use crate::balance::{BalancedMatrix, balance_all, balance_beside_own_rates};
-use crate::dense::solve;
+use crate::dense::{largest_share, solve};
 use crate::error::{Error, check_finite, check_shape, check_square};
 use crate::kernel::vectorised;
 use crate::mat::Mat;
@@ -52,8 +52,7 @@ fn commuting<T>(
 fn commutator(A: &Mat, E: &Mat) -> f64 {
     let (a, e) = (A.map(f64::abs), E.map(f64::abs));
     let (difference, size) = (A * E - E * A, &a * &e + &e * &a);
-    let ratios = difference.as_slice().iter().zip(size.as_slice()).filter(|(d, _)| **d != 0.0);
-    ratios.fold(0.0, |worst, (d, size)| if d.abs() <= worst * size { worst } else { d.abs() / size })
+    largest_share(&difference, &size)
 }
 
 fn check_exponential(result: Mat) -> Result<Mat, Error> {

@@ -71,7 +71,9 @@ pub use decomposition::{
     CSvd, Svd, cond, csingular_values, csvd, gen_eigenvalues, hessenberg, largest_singular_value, lstsq,
     pinv, rank, rank_tolerance, rcond_one, singular_values, svd, sym_eigen, sym_eigenvalues, sym_gen_eigen,
 };
-pub use dense::{Qr, cdet, cholesky, csolve, dot, inverse, qr, qr_full_q, qr_r, solve, transpose_times};
+pub use dense::{
+    Qr, cdet, cholesky, csolve, dot, inverse, qr, qr_full_q, qr_r, solve, transpose_times, unit_power,
+};
 pub use eigenvector_gain::{EigenvectorChoice, eigenvector_gain};
 pub use error::Error;
 pub use expm::{expm, expm_integral, van_loan_accumulated, van_loan_cost, van_loan_noise};

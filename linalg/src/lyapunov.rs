@@ -2,7 +2,7 @@
 
 use crate::balance::{BalancedMatrix, balance_all, balance_beside_own_rates};
 use crate::boundary::Boundary;
-use crate::dense::{LARGE_SYMMETRIC, symmetric_product, view};
+use crate::dense::{LARGE_SYMMETRIC, largest_share, symmetric_product, view};
 use crate::error::{Error, check_range, check_shape, check_square};
 use crate::lyapunov_leaf;
 use crate::mat::{C64, Mat};
@@ -174,8 +174,7 @@ pub(crate) fn inconsistency(A: &Mat, Q: &Mat, X: &Mat, kind: Kind) -> f64 {
     };
     let ([first, second], [large, larger]) = (terms(A, X), terms(&A.map(f64::abs), &X.map(f64::abs)));
     let (residual, size) = (first + second + Q, large + larger.map(f64::abs) + Q.map(f64::abs));
-    let ratios = residual.as_slice().iter().zip(size.as_slice()).filter(|(r, _)| **r != 0.0);
-    ratios.fold(0.0, |worst, (r, size)| if r.abs() <= worst * size { worst } else { r.abs() / size })
+    largest_share(&residual, &size)
 }
 
 fn solve_balanced(balanced: BalancedMatrix, Q: &Mat, kind: Kind) -> Result<Mat, Error> {

@@ -66,8 +66,7 @@ impl Units {
             (scaled, states) = (g, vec![1.0; A.nrows()]);
         }
         let size = |k: usize| scaled.B.column(k).iter().map(|b| b.abs()).fold(0.0, f64::max);
-        let power = |size: f64| if size.is_normal() { (-size.log2().round()).exp2() } else { 1.0 };
-        let inputs: Vec<f64> = (0..B.ncols()).map(|k| power(size(k))).collect();
+        let inputs: Vec<f64> = (0..B.ncols()).map(|k| linalg::unit_power(size(k))).collect();
         let B = &scaled.B * &Mat::diag(&inputs);
         Ok(Self { A: scaled.A, B, states, inputs })
     }

@@ -148,10 +148,9 @@ fn precise_zeros(g: &StateSpace, starts: &[C64]) -> Result<Option<Vec<C64>>, Err
 /// Returns whether a matrix stays regular if each entry is rounded by [`SINGULAR_ROUNDINGS`] units: whether the spectral radius of |inv(M)| |M| is
 /// below their reciprocal (F. Bauer, Numerische Mathematik 8 (1966) 73), which does not depend on the scaling.
 fn is_certainly_regular(M: &Mat) -> bool {
-    let power = |size: f64| if size.is_normal() { (-size.log2().round()).exp2() } else { 1.0 };
     let n = M.nrows();
     let largest = |i: usize| (0..n).map(|j| M[(i, j)].abs()).fold(0.0, f64::max);
-    let rows: Vec<f64> = (0..n).map(|i| power(largest(i))).collect();
+    let rows: Vec<f64> = (0..n).map(|i| linalg::unit_power(largest(i))).collect();
     let scaled = Mat::from_fn(n, n, |i, j| rows[i] * M[(i, j)]);
     let Ok(inverse) = linalg::inverse(&scaled) else { return false };
     let product = &inverse.map(f64::abs) * &scaled.map(f64::abs);
@@ -214,10 +213,7 @@ fn system_matrix(g: &StateSpace) -> Mat {
 /// Returns the system with inputs and outputs scaled so that B and C have norms like A; its zeros are the
 /// same.
 fn unit_gains(g: &StateSpace) -> StateSpace {
-    let power = |matrix: &Mat| {
-        let ratio = matrix.norm_max() / g.A.norm_max();
-        if ratio.is_normal() { (-ratio.log2().round()).exp2() } else { 1.0 }
-    };
+    let power = |matrix: &Mat| linalg::unit_power(matrix.norm_max() / g.A.norm_max());
     let (b, c) = (power(&g.B), power(&g.C));
     StateSpace { B: g.B.scale(b), C: g.C.scale(c), D: g.D.scale(b * c), ..g.clone() }
 }

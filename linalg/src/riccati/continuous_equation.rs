@@ -35,15 +35,8 @@ pub fn care(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outco
         return Ok(Outcome::Infeasible(Reason::SingularWeight { rcond: crate::decomposition::rcond_one(R) }));
     };
     let scaled = scale(problem);
-    let (d, back) = (&scaled.scale, scaled.inverse());
-    let ones = vec![1.0; R.nrows()];
-    let equation = ContinuousRiccati(Data {
-        A: rescale(A, &back, d),
-        B: rescale(B, &back, &ones),
-        Q: rescale(Q, d, d),
-        R: R.clone(),
-        S: S.map(|S| rescale(S, d, &ones)),
-    });
+    let (back, ones) = (scaled.inverse(), vec![1.0; R.nrows()]);
+    let equation = ContinuousRiccati(Data::convert(&scaled, A, B, Q, R, S));
     let terms = |found: &Riccati| {
         let last = found.X.clone() * B * &found.F;
         2.0 * (A.t() * &found.X).norm_fro() + last.norm_fro() + Q.norm_fro()

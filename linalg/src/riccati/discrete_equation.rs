@@ -30,14 +30,8 @@ pub fn dare(A: &Mat, B: &Mat, Q: &Mat, R: &Mat, S: Option<&Mat>) -> Result<Outco
     check_input(A, B, Q, R, S)?;
     let weight = input_weight(B, Q, R);
     let units = scale(Problem { A: A.clone(), G: (B * B.t()).scale(1.0 / weight), Q: Q.clone() });
-    let (d, back, ones) = (&units.scale, units.inverse(), vec![1.0; R.nrows()]);
-    let data = Data {
-        A: rescale(A, &back, d),
-        B: rescale(B, &back, &ones),
-        Q: rescale(Q, d, d),
-        R: R.clone(),
-        S: S.map(|S| rescale(S, d, &ones)),
-    };
+    let (back, ones) = (units.inverse(), vec![1.0; R.nrows()]);
+    let data = Data::convert(&units, A, B, Q, R, S);
     let terms = |found: &Riccati| {
         let XA = &found.X * A;
         let last = XA.t() * B * &found.F;

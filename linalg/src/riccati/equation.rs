@@ -14,6 +14,7 @@ use crate::tolerance::{EPS, EXTENDED_ERROR, GAIN_CORRECTIONS, GAIN_KNOWN, PRECIS
 
 use super::long_solution::{LinearisedEquation, PreciseEquation};
 use super::newton::{Change, Equation, Evaluation};
+use super::scaling::{ScaledProblem, rescale};
 
 /// Plant and weights in scaled coordinates; `S` may be all zero.
 pub(super) struct Data {
@@ -25,6 +26,25 @@ pub(super) struct Data {
 }
 
 impl Data {
+    /// Converts plant and weights to the units of a scaled problem.
+    pub(super) fn convert(
+        units: &ScaledProblem,
+        A: &Mat,
+        B: &Mat,
+        Q: &Mat,
+        R: &Mat,
+        S: Option<&Mat>,
+    ) -> Self {
+        let (d, back, ones) = (&units.scale, units.inverse(), vec![1.0; R.nrows()]);
+        Self {
+            A: rescale(A, &back, d),
+            B: rescale(B, &back, &ones),
+            Q: rescale(Q, d, d),
+            R: R.clone(),
+            S: S.map(|S| rescale(S, d, &ones)),
+        }
+    }
+
     /// `K'RK - SK - K'S'`, which both equations share, and `Q`; from `RK`.
     fn weights(&self, K: &Mat, RK: &ExtendedMatrix) -> ExtendedMatrix {
         let mut sum = ExtendedMatrix::from(self.Q.clone());
