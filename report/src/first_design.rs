@@ -4,7 +4,9 @@ use std::f64::consts::TAU;
 
 use counterpoise_pipeline::FirstDesignResult;
 use counterpoise_pipeline::first_design::LimitRow;
+use counterpoise_pipeline::wording::design_findings::describe_limit;
 use counterpoise_plot::number::short_number;
+use counterpoise_synth::LimitKind;
 
 use crate::page::{ReportCell, ReportColumn, ReportSection, ReportTable};
 
@@ -59,6 +61,10 @@ pub fn describe_limitation(first: &FirstDesignResult) -> String {
     }
 }
 
+/// Where a reader finds what a file leaves open, if that limits the bandwidth; without a full stop.
+pub const WHERE_OPEN_VALUES_STAND: &str =
+    "`counterpoise check PROJECT` lists what the file leaves open, the most important first";
+
 fn sentences(first: &FirstDesignResult) -> Vec<String> {
     let mut lines = vec![format!(
         "The project file states no weights, so they are chosen for the highest bandwidth (the lowest frequency at which the loop's gain falls to 1). \
@@ -67,10 +73,8 @@ fn sentences(first: &FirstDesignResult) -> Vec<String> {
         short_number(first.bandwidth_rad_s / TAU),
         describe_limitation(first)
     )];
-    if first.limited_by.contains("usual ranges") {
-        lines.push(
-            "`counterpoise check` lists what the file leaves open, the most important first.".to_owned(),
-        );
+    if first.limited_by.contains(describe_limit(LimitKind::UsualRanges)) {
+        lines.push(format!("{WHERE_OPEN_VALUES_STAND}."));
     }
     if let Some(asked) = first.asked_rad_s.filter(|asked| *asked > first.bandwidth_rad_s) {
         lines.push(format!("{} rad/s are asked for.", short_number(asked)));

@@ -8,7 +8,7 @@ use counterpoise_synth::{FirstDesign, LimitKind, Unknown};
 
 use crate::output::say;
 use counterpoise_plot::number::short_number;
-use counterpoise_report::first_design::describe_limitation;
+use counterpoise_report::first_design::{WHERE_OPEN_VALUES_STAND, describe_limitation};
 
 /// Prints the bandwidth of the chosen weights with what limits it; nothing if the file states its weights.
 pub fn print_first_design(loaded: &ProjectOnDisk) {
@@ -29,7 +29,7 @@ pub fn print_first_design(loaded: &ProjectOnDisk) {
     result.limits.iter().for_each(print_limit);
     print_step(loaded, first);
     if first.bandwidth.limited_by.contains(&LimitKind::UsualRanges) {
-        say!("  `counterpoise check PROJECT` lists what the file leaves open, the most important first");
+        say!("  {WHERE_OPEN_VALUES_STAND}");
     }
     for fact in &result.unknown {
         say!("  not known, and lowers the ceiling by 3 dB: {fact}");

@@ -104,25 +104,32 @@ impl Fitting<'_> {
         fit_from(earlier, self.project, self.recorded, effects, steps, self.pool)
     }
 
-    /// Adds effects of the library one after the other, as long as one removes enough of the residual.
-    fn add_screened(&self, mut model: Posterior) -> Result<Posterior, PipelineError> {
-        while model.residual_after > EXPLAINED_FLOORS && model.effects.len() < MOST_EFFECTS {
-            let problem = Problem::new(self.project, self.recorded, &model.effects, self.pool);
-            let mut candidates = screen_effects(&problem, &model)?;
-            candidates.truncate(MOST_CANDIDATES);
-            let Some(better) = self.best_of(&model, &candidates) else { break };
+    /// Returns whether a model leaves more than the noise, and room for an effect.
+    fn wants_effect(model: &Posterior) -> bool {
+        model.residual_after > EXPLAINED_FLOORS && model.effects.len() < MOST_EFFECTS
+    }
+
+    /// Adds the best of a model's candidates one after the other, as long as one removes enough of the residual.
+    fn add_effects(
+        &self,
+        mut model: Posterior,
+        candidates_of: impl Fn(&Posterior) -> Result<Vec<ValuedEffect>, PipelineError>,
+    ) -> Result<Posterior, PipelineError> {
+        while Self::wants_effect(&model) {
+            let Some(better) = self.best_of(&model, &candidates_of(&model)?) else { break };
             model = better;
         }
         Ok(model)
     }
 
-    /// Adds effects of a diagnosis one after the other, as long as one removes enough of the residual.
-    fn add_diagnosed(&self, mut model: Posterior, candidates: &[ValuedEffect]) -> Posterior {
-        while model.residual_after > EXPLAINED_FLOORS && model.effects.len() < MOST_EFFECTS {
-            let Some(better) = self.best_of(&model, candidates) else { break };
-            model = better;
-        }
-        model
+    /// Adds effects that screening ranks first.
+    fn add_screened(&self, model: Posterior) -> Result<Posterior, PipelineError> {
+        self.add_effects(model, |model| {
+            let problem = Problem::new(self.project, self.recorded, &model.effects, self.pool);
+            let mut candidates = screen_effects(&problem, model)?;
+            candidates.truncate(MOST_CANDIDATES);
+            Ok(candidates)
+        })
     }
 }
 
@@ -158,9 +165,10 @@ pub fn update_model(
     let fitting = Fitting { project: &given, recorded, pool };
     let mut posterior = fitting.add_screened(fit_tolerances(&given, recorded, &[], pool)?)?;
     let mut diagnosed = None;
-    if posterior.residual_after > EXPLAINED_FLOORS && posterior.effects.len() < MOST_EFFECTS {
+    if Fitting::wants_effect(&posterior) {
         let found = diagnose(&recorded_under(&posterior.project), files, pool)?;
-        posterior = fitting.add_diagnosed(posterior, &candidate_effects(&found.diagnosis.answer));
+        let candidates = candidate_effects(&found.diagnosis.answer);
+        posterior = fitting.add_effects(posterior, |_| Ok(candidates.clone()))?;
         posterior = fitting.add_screened(posterior)?;
         diagnosed = Some(Box::new(found));
     }

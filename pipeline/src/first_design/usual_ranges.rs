@@ -40,34 +40,21 @@ const DELAY_ORDER: usize = 3;
 /// The values that a project leaves open.
 pub(super) struct OpenValues {
     assumptions: Vec<Assumption>,
-    control_delay: Knowledge,
-    reading_delay: Knowledge,
-    reading_noise: Knowledge,
-}
-
-/// Whether a quantity is known that the file leaves at its default.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Knowledge {
-    /// The file states the default.
-    Stated,
-    /// The file does not name it.
-    Open,
+    /// The facts of which the file states that there is nothing: they are not open.
+    known_absent: Vec<Unknown>,
 }
 
 impl OpenValues {
     /// Lists what a project leaves open.
     pub fn of(project: &Project) -> Self {
-        let known = |key: &str| match project.stated_defaults.contains(key) {
-            true => Knowledge::Stated,
-            false => Knowledge::Open,
-        };
-        let sensor = |key: &str| known(&project.key_of_loop_sensor(key));
-        Self {
-            assumptions: project.assumptions(),
-            control_delay: known(CONTROL_DELAY),
-            reading_delay: sensor("delay"),
-            reading_noise: sensor("noise"),
-        }
+        let sensor = |key: &str| project.key_of_loop_sensor(key);
+        let facts = [
+            (Unknown::Delay, CONTROL_DELAY.to_owned()),
+            (Unknown::Sensor, sensor("delay")),
+            (Unknown::Noise, sensor("noise")),
+        ];
+        let stated = facts.into_iter().filter(|(_, key)| project.stated_defaults.contains(key));
+        Self { assumptions: project.assumptions(), known_absent: stated.map(|(fact, _)| fact).collect() }
     }
 
     /// Returns the plants at the ends of the usual ranges of what is left open, given the plant as it is modelled. A plant that cannot be built is left out.
@@ -115,7 +102,7 @@ impl OpenValues {
     }
 
     fn has_open_control_delay(&self, machine: &Parameters) -> bool {
-        machine.interface.output_delay_samples == 0 && self.control_delay == Knowledge::Open
+        machine.interface.output_delay_samples == 0 && !self.known_absent.contains(&Unknown::Delay)
     }
 
     /// Returns the step of a reading that is known, in the measured unit; 0 if none is.
@@ -133,12 +120,7 @@ impl OpenValues {
 
     /// Returns what is known to be absent.
     pub fn known_absent(&self) -> Vec<Unknown> {
-        let all = [
-            (Unknown::Delay, self.control_delay),
-            (Unknown::Sensor, self.reading_delay),
-            (Unknown::Noise, self.reading_noise),
-        ];
-        all.into_iter().filter(|(_, known)| *known == Knowledge::Stated).map(|(fact, _)| fact).collect()
+        self.known_absent.clone()
     }
 
     /// Returns noise and step that are usual for the sensor of the loop where the file states neither.
@@ -165,7 +147,7 @@ impl OpenValues {
     /// The delay that is usual for a sensor of which no lag is known, s.
     fn usual_delay_s(&self, plant: &Parameters) -> f64 {
         let reading = &plant.sensors.hub_gyro;
-        let states_delay = reading.delay_s > 0.0 || self.reading_delay == Knowledge::Stated;
+        let states_delay = reading.delay_s > 0.0 || self.known_absent.contains(&Unknown::Sensor);
         let knows_lag = reading.natural_frequency_rad_s.is_finite() || states_delay;
         match knows_lag {
             true => 0.0,
