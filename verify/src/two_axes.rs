@@ -185,6 +185,8 @@ pub struct JointRun {
     pub experiment: JointExperiment,
     /// Everything that the simulator keeps.
     pub history: TwoAxisHistory,
+    /// The inertial rates of the axes if each is alone in the same run, rad/s.
+    pub rates_alone: AxisPair<Vec<f64>>,
 }
 
 /// Both axes verified together.
@@ -196,6 +198,10 @@ pub struct JointVerification {
     pub verdicts: Vec<(JointRequirement, Verdict)>,
     /// The runs of both axes.
     pub runs: Vec<JointRun>,
+    /// Settling time from which on the figures are taken, s.
+    pub settle_s: f64,
+    /// The rate in cross-elevation over that of the ring, where the gyroscope of the traverse axis is on the ring; `None` where it is on the elevated mass.
+    pub ring_to_sight: Option<f64>,
 }
 
 impl JointVerification {
@@ -216,6 +222,17 @@ pub struct JointMachine<'a> {
     pub coupling: Coupling,
 }
 
+impl JointMachine<'_> {
+    /// Returns the rate in cross-elevation over that of the ring, where the gyroscope of the traverse axis is on the ring; `None` where it is on the
+    /// elevated mass.
+    fn ring_to_sight(&self) -> Option<f64> {
+        match self.coupling.gyroscope {
+            TraverseGyroscope::Ring => Some(self.coupling.body.included_at.cos),
+            TraverseGyroscope::ElevatedMass => None,
+        }
+    }
+}
+
 /// Runs both axes together and each alone through a procedure, and judges requirements.
 ///
 /// # Errors
@@ -232,20 +249,23 @@ pub fn verify_two_axes(
     for experiment in JointExperiment::ALL {
         let run = Run { machine, procedure, experiment };
         let history = run.run_together(&mut both)?;
-        let (together, apart) = (run.errors_of(&history), run.run_alone(&mut alone)?);
+        let (together, rates_alone) = (run.errors_of(&history), run.run_alone(&mut alone)?);
+        let apart = run.errors_alone(&history, &rates_alone);
         values.extend(JointQuantity::ALL.into_iter().map(|quantity| JointValue {
             figure: JointFigure { experiment, quantity },
             together: together.value(quantity),
             alone: apart.value(quantity),
         }));
-        runs.push(JointRun { experiment, history });
+        runs.push(JointRun { experiment, history, rates_alone });
     }
     let judge = |requirement: &JointRequirement| {
         let value = values.iter().find(|value| value.figure == requirement.figure);
         let verdict = requirement.limit.judge(value.map_or(f64::NAN, |value| value.together));
         (requirement.clone(), verdict)
     };
-    Ok(JointVerification { verdicts: requirements.iter().map(judge).collect(), values, runs })
+    let verdicts = requirements.iter().map(judge).collect();
+    let ring_to_sight = machine.ring_to_sight();
+    Ok(JointVerification { verdicts, values, runs, settle_s: procedure.settle_s, ring_to_sight })
 }
 
 /// RMS values of a run.
@@ -340,7 +360,7 @@ impl Run<'_> {
         }
     }
 
-    fn run_alone(&self, simulators: &mut AxisPair<Simulator>) -> Result<Errors, Error> {
+    fn run_alone(&self, simulators: &mut AxisPair<Simulator>) -> Result<AxisPair<Vec<f64>>, Error> {
         let (demands, procedure) = (self.demands(), self.procedure);
         let (start, seeds, period_s) = (&procedure.start_rad, &procedure.seeds, procedure.base_period_s);
         let ring = Traverse { angle_rad: start.traverse, rate_rad_s: 0.0 };
@@ -364,14 +384,19 @@ impl Run<'_> {
             &mut self.machine.controllers.traverse.runner(),
             &scenario(demands.traverse, start.traverse, seeds.traverse, below),
         )?;
-        let to_sight = match self.machine.coupling.gyroscope {
-            TraverseGyroscope::Ring => self.machine.coupling.body.included_at.cos,
-            TraverseGyroscope::ElevatedMass => 1.0,
-        };
-        let above = difference(elevation.truth.hub_rate_rad_s(), elevation.readings.demand_rad_s());
-        let below = difference(traverse.truth.hub_rate_rad_s(), traverse.readings.demand_rad_s());
+        Ok(AxisPair {
+            elevation: elevation.truth.hub_rate_rad_s().to_vec(),
+            traverse: traverse.truth.hub_rate_rad_s().to_vec(),
+        })
+    }
+
+    /// Returns the errors of axes that are alone, under the demands of a run of both.
+    fn errors_alone(&self, both: &TwoAxisHistory, rates_rad_s: &AxisPair<Vec<f64>>) -> Errors {
+        let above = difference(&rates_rad_s.elevation, both.elevation.readings.demand_rad_s());
+        let below = difference(&rates_rad_s.traverse, both.traverse.readings.demand_rad_s());
+        let to_sight = self.machine.ring_to_sight().unwrap_or(1.0);
         let cross: Vec<f64> = below.iter().map(|rate| to_sight * rate).collect();
-        Ok(self.errors(&above, &below, &cross))
+        self.errors(&above, &below, &cross)
     }
 
     fn errors_of(&self, history: &TwoAxisHistory) -> Errors {

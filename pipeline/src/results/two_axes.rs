@@ -12,6 +12,10 @@ pub struct JointResult {
     pub verdicts: Vec<JointVerdictResult>,
     /// Every figure of both axes.
     pub figures: Vec<JointFigureResult>,
+    /// Settling time from which on the figures are taken, s.
+    pub settle_s: f64,
+    /// The rate in cross-elevation over that of the ring, where the gyroscope of the traverse axis is on the ring; `None` where it is on the elevated mass.
+    pub ring_to_sight: Option<f64>,
     /// Time histories of both axes; absent unless they were asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub histories: Vec<JointHistoryResult>,
@@ -75,17 +79,29 @@ pub enum JointColumn {
     ElevationControl,
     /// Control of the traverse axis, V.
     TraverseControl,
+    /// Demand of the elevation axis, rad/s.
+    ElevationDemand,
+    /// Demand of the traverse axis, rad/s.
+    TraverseDemand,
+    /// Inertial rate of the elevation axis if each axis is alone, rad/s.
+    ElevationRateAlone,
+    /// Inertial rate of the traverse axis if each axis is alone, rad/s.
+    TraverseRateAlone,
 }
 
 impl JointColumn {
     /// The columns with their keys in the results.
-    const KEYS: [(Self, &'static str); 6] = [
+    const KEYS: [(Self, &'static str); 10] = [
         (Self::ElevationRate, "elevation_rate_rad_s"),
         (Self::RingRate, "ring_rate_rad_s"),
         (Self::CrossElevationRate, "cross_elevation_rate_rad_s"),
         (Self::Elevation, "elevation_rad"),
         (Self::ElevationControl, "elevation_control_v"),
         (Self::TraverseControl, "traverse_control_v"),
+        (Self::ElevationDemand, "elevation_demand_rad_s"),
+        (Self::TraverseDemand, "traverse_demand_rad_s"),
+        (Self::ElevationRateAlone, "elevation_rate_alone_rad_s"),
+        (Self::TraverseRateAlone, "traverse_rate_alone_rad_s"),
     ];
 }
 
@@ -134,6 +150,8 @@ impl From<&JointVerification> for JointResult {
         Self {
             verdicts: verdicts.collect(),
             figures: figures.collect(),
+            settle_s: found.settle_s,
+            ring_to_sight: found.ring_to_sight,
             histories: found.runs.iter().map(Into::into).collect(),
         }
     }
@@ -153,6 +171,10 @@ impl From<&JointRun> for JointHistoryResult {
                 history.elevation_rad(),
                 history.elevation.readings.control_v(),
                 history.traverse.readings.control_v(),
+                history.elevation.readings.demand_rad_s(),
+                history.traverse.readings.demand_rad_s(),
+                &run.rates_alone.elevation,
+                &run.rates_alone.traverse,
             ]),
         }
     }

@@ -10,7 +10,7 @@ import control
 import numpy as np
 
 import stages
-from responses import at, crossings, decibels, largest, system
+from responses import at, crossings, decibels, largest, swept, system
 
 # A Lyapunov equation of a generalised plant by another library; slow poles beside quick ones cost digits.
 NORM = 1e-5
@@ -111,16 +111,18 @@ def margins(L):
     """Margins of a sampled loop broken at the control."""
     dt = L.dt
     rates = np.geomspace(1e-3, math.pi / dt * (1 - 1e-9), 40000)
-    one = lambda rate: at(L, np.array([rate]), dt)[0, 0, 0]
-    values = at(L, rates, dt)[:, 0, 0]
+    one = lambda rate: swept(L, np.array([rate]), dt)[0, 0, 0]
+    values = swept(L, rates, dt)[:, 0, 0]
     unity = crossings(rates, np.abs(values) - 1.0, lambda r: abs(one(r)) - 1.0)
     real = [r for r in crossings(rates, values.imag, lambda r: one(r).imag) if one(r).real < 0.0]
     gains = [abs(decibels(abs(one(r)))) for r in real]
-    nyquist = at(L, np.array([math.pi / dt]), dt)[0, 0, 0].real
+    nyquist = one(math.pi / dt).real
     gains += [abs(decibels(-nyquist))] if nyquist < 0.0 else []
     return {
         "gain_margin_db": min(gains, default=math.inf),
         "phase_margin_deg": min([abs(math.degrees(np.angle(-one(r)))) for r in unity], default=math.inf),
         "crossover_rad_s": max(unity, default=0.0),
+        # where the gain falls to 1 first: a resonance may take it above 1 once more
+        "bandwidth_rad_s": min([r for r in unity if abs(one(r * (1.0 - 1e-6))) > 1.0], default=0.0),
         "max_sensitivity": largest(rates, np.abs(1.0 / (1.0 + values)), lambda r: abs(1.0 / (1.0 + one(r)))),
     }

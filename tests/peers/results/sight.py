@@ -109,7 +109,7 @@ def budget(verify):
     order = [one["source"] for one in found["contributions"]]
     whole, none = runs[frozenset(order)], runs[frozenset()]
     # bending moves nothing by itself: beside the others the structure stays flexible
-    flexible = frozenset(["bending"]) & frozenset(order)
+    flexible = frozenset(["bending"])
     for key in KEYS:
         yield f"budget, all sources: {key}", found["total_rad"][key], whole[key], 0.0
         yield f"budget, no source: {key}", found["none_rad"][key], none[key], 0.0
@@ -121,7 +121,7 @@ def budget(verify):
             shares.append(0.5 * grown)
             alone.append(runs[flexible | {one["source"]}][key])
             # over the whole, because a share may be nearly nothing
-            yield f"share of {one['source']}: {key}", 1.0, 1.0 + (one["share_rad2"][key] - shares[-1]) / whole[key] ** 2, SHARES
+            yield f"share of {one['source']}: {key}", 1.0, 1.0 + (one["share_rad2"][key] - shares[-1]) / (whole[key] ** 2 or 1.0), SHARES
             yield f"{one['source']} alone: {key}", one["alone_rad"][key], alone[-1], 0.0
         yield f"sum of the shares: {key}", found["sum_rad"][key], math.sqrt(max(sum(shares) + none[key] ** 2, 0.0)), SUMS
         yield f"superposed: {key}", found["superposed_rad"][key], math.sqrt(sum(value**2 for value in alone)), SUMS

@@ -11,7 +11,7 @@ import numpy as np
 
 import designs
 import structure
-from responses import at, bisect, crossings, decibels, golden, largest, response_rows, system
+from responses import at, bisect, crossings, decibels, golden, largest, response_rows, swept, system
 
 # Eigenvalues of a badly scaled matrix by another library.
 POLES = 1e-7
@@ -145,12 +145,12 @@ def loop_figures(systems):
     L, P, K = named["loop"], named["held_plant"], named["controller"]
     dt = L.dt
     rates = np.geomspace(1e-3, math.pi / dt * (1 - 1e-9), 40000)
-    one = lambda rate: at(L, np.array([rate]), dt)[0, 0, 0]
-    values = at(L, rates, dt)[:, 0, 0]
+    one = lambda rate: swept(L, np.array([rate]), dt)[0, 0, 0]
+    values = swept(L, rates, dt)[:, 0, 0]
     unity = crossings(rates, np.abs(values) - 1.0, lambda r: abs(one(r)) - 1.0)
     real = [r for r in crossings(rates, values.imag, lambda r: one(r).imag) if one(r).real < 0.0]
     gains = [-20.0 * math.log10(abs(one(r))) for r in real]
-    nyquist = at(L, np.array([math.pi / dt]), dt)[0, 0, 0].real
+    nyquist = one(math.pi / dt).real
     gains += [-20.0 * math.log10(-nyquist)] if nyquist < 0.0 else []
     phases = [abs(math.degrees(np.angle(-one(r)))) for r in unity]
     band = np.array([1.26 * (12.6 / 1.26) ** (k / 23.0) for k in range(24)])
@@ -396,7 +396,7 @@ def first_design(found):
     if not found:
         return
     mine = [designs.margins(system(one)) for one in found["loops"]]
-    yield "bandwidth", found["bandwidth_rad_s"], mine[0]["crossover_rad_s"], MARGINS
+    yield "bandwidth", found["bandwidth_rad_s"], mine[0]["bandwidth_rad_s"], MARGINS
     for key in ("gain_margin_db", "phase_margin_deg", "max_sensitivity"):
         yield f"first design: {key}", found[key], mine[0][key], 1e-4
     worst = max(one["max_sensitivity"] for one in mine)
@@ -422,7 +422,7 @@ def limit_rows(found, row):
         yield f"{name}: bandwidth", row["bandwidth_rad_s"], found["asked_rad_s"], 0.0
     elif row["shown_by"]:
         mine = designs.margins(system(row["shown_by"]))
-        yield f"{name}: bandwidth", row["bandwidth_rad_s"], mine["crossover_rad_s"], MARGINS
+        yield f"{name}: bandwidth", row["bandwidth_rad_s"], mine["bandwidth_rad_s"], MARGINS
         if name.startswith("margins"):
             asked = found["required"]
             keeps = mine["gain_margin_db"] >= asked["gain_margin_db"] - 1e-3 and mine["phase_margin_deg"] >= asked["phase_margin_deg"] - 1e-3
@@ -433,7 +433,7 @@ def limit_rows(found, row):
         yield f"{name}: bandwidth", row["bandwidth_rad_s"], 0.0, 0.0
     if row["lifted_rad_s"] is not None:
         mine = designs.margins(system(row["lifted_shown_by"]))
-        yield f"{name}: bandwidth without it", row["lifted_rad_s"], mine["crossover_rad_s"], MARGINS
+        yield f"{name}: bandwidth without it", row["lifted_rad_s"], mine["bandwidth_rad_s"], MARGINS
 
 
 def deciding(found):
