@@ -11,15 +11,15 @@
 use counterpoise_diagnose::library::{Effect, EffectParameter};
 use counterpoise_linalg::{Mat, inverse};
 use counterpoise_models::Parameters;
-use counterpoise_pool::{Pool, map};
+use counterpoise_pool::{Pool, Serial, map};
 use counterpoise_project::{KeyTolerance, Project, VariedTolerance};
-use counterpoise_recordings::Channel;
+use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::{Replay, ReplayLoop};
 
 use crate::PipelineError;
 use crate::configuration::apply_configuration;
 use crate::recordings::read::ReadRecording;
-use crate::recordings::replay::{ReplayLength, replay_from_given_start, replay_one};
+use crate::recordings::replay::PreparedRecording;
 use crate::tolerance::{
     EXPLAINED_FLOORS, FIRST_DAMPING, LEAST_TOLERANCE, ORDER_REACH, PHASE_REACH, PLACE_REACH,
     POSTERIOR_DAMPINGS, POSTERIOR_DIFFERENCE, POSTERIOR_SETTLED, POSTERIOR_STEPS,
@@ -61,13 +61,34 @@ pub struct FittedValue {
     pub half_width: f64,
 }
 
-/// The recordings of one controller.
-#[derive(Clone, Copy)]
+/// The recordings of one controller, ready for replays on one model after another.
 pub struct RecordedRuns<'a> {
-    /// As they were read.
-    pub read: &'a [ReadRecording],
-    /// The loop in which they were made.
-    pub control: &'a ReplayLoop,
+    recordings: Vec<PreparedRecording<'a>>,
+}
+
+impl<'a> RecordedRuns<'a> {
+    /// Prepares recordings that were made in one loop.
+    ///
+    /// # Errors
+    /// [`PipelineError::CannotReplay`] if a recording cannot be replayed on any model.
+    pub fn prepare(
+        project: &Project,
+        read: &'a [ReadRecording],
+        control: &'a ReplayLoop,
+    ) -> Result<Self, PipelineError> {
+        let one = |item| PreparedRecording::new(&project.plant, item, control);
+        Ok(Self { recordings: read.iter().map(one).collect::<Result<_, _>>()? })
+    }
+
+    /// Returns the recordings.
+    pub(super) fn iter(&self) -> impl Iterator<Item = &'a Recording> + '_ {
+        self.recordings.iter().map(PreparedRecording::recording)
+    }
+
+    /// Returns whether every recording shows the angle at its start.
+    fn shows_starts(&self) -> bool {
+        self.iter().all(|recording| recording.samples(Channel::HubPosition).is_some())
+    }
 }
 
 /// An effect with a value for each of its parameters.
@@ -103,12 +124,12 @@ impl ValuedEffect {
 /// A configuration that does not exist; [`PipelineError::CannotReplay`] if the model as it is cannot replay a recording.
 pub fn fit_tolerances(
     project: &Project,
-    recorded: RecordedRuns<'_>,
+    recorded: &RecordedRuns<'_>,
     effects: &[ValuedEffect],
     pool: &dyn Pool,
 ) -> Result<Posterior, PipelineError> {
     let problem = Problem::new(project, recorded, effects, pool);
-    problem.fit(vec![1.0; problem.count()])
+    problem.fit(vec![1.0; problem.count()], None)
 }
 
 /// Fits what [`fit_tolerances`] does, from the values of an earlier fit on and in a number of steps at most; what it says of the model before a fit is that of the earlier one.
@@ -118,14 +139,13 @@ pub fn fit_tolerances(
 pub(super) fn fit_from(
     earlier: &Posterior,
     project: &Project,
-    recorded: RecordedRuns<'_>,
+    recorded: &RecordedRuns<'_>,
     effects: &[ValuedEffect],
     steps: usize,
     pool: &dyn Pool,
 ) -> Result<Posterior, PipelineError> {
     let problem = Problem { steps, ..Problem::new(project, recorded, effects, pool) };
-    let fitted = problem.fit(problem.factors_of(earlier))?;
-    Ok(Posterior { residual_before: earlier.residual_before, ..fitted })
+    problem.fit(problem.factors_of(earlier), Some(earlier.residual_before))
 }
 
 /// Residuals over floors, of all channels of all recordings one after the other.
@@ -158,7 +178,7 @@ struct DampedStep {
 
 pub(super) struct Problem<'a> {
     pub(super) project: &'a Project,
-    pub(super) recorded: RecordedRuns<'a>,
+    pub(super) recorded: &'a RecordedRuns<'a>,
     unknowns: Vec<VariedTolerance>,
     effects: &'a [ValuedEffect],
     /// Gauss-Newton steps at most.
@@ -169,7 +189,7 @@ pub(super) struct Problem<'a> {
 impl<'a> Problem<'a> {
     pub(super) fn new(
         project: &'a Project,
-        recorded: RecordedRuns<'a>,
+        recorded: &'a RecordedRuns<'a>,
         effects: &'a [ValuedEffect],
         pool: &'a dyn Pool,
     ) -> Self {
@@ -184,10 +204,15 @@ impl<'a> Problem<'a> {
         factors
     }
 
-    fn fit(&self, start: Vec<f64>) -> Result<Posterior, PipelineError> {
-        let first = self.residuals(&start)?;
-        let before = first.largest;
-        let fitted = self.solve(start, first)?;
+    /// Fits from factors whose largest residual is known, or found here.
+    fn fit(&self, start: Vec<f64>, known_before: Option<f64>) -> Result<Posterior, PipelineError> {
+        let before = match known_before {
+            Some(before) => before,
+            None => self.residuals(&start)?.largest,
+        };
+        let first = self.residuals_of_step(&start)?;
+        let mut fitted = self.solve(start, first)?;
+        fitted.residuals = self.residuals(&fitted.factors)?;
         self.posterior(&fitted, before)
     }
 
@@ -237,28 +262,40 @@ impl<'a> Problem<'a> {
 
     /// Returns the residuals of replays whose starts are fitted.
     fn residuals(&self, factors: &[f64]) -> Result<Residuals, PipelineError> {
-        self.residuals_by(&self.plant_at(factors)?, |plant, item| {
-            let replayed = replay_one(plant, item, self.recorded.control, ReplayLength::Whole)?;
-            Ok(replayed.followed.replay)
-        })
+        self.residuals_by(&self.plant_at(factors)?, self.pool, PreparedRecording::replay_from_fitted_start)
+    }
+
+    /// Returns the residuals by which steps are judged: those of fitted starts, unless the recordings show the starts themselves.
+    fn residuals_of_step(&self, factors: &[f64]) -> Result<Residuals, PipelineError> {
+        match self.recorded.shows_starts() {
+            true => self.residuals_by(
+                &self.plant_at(factors)?,
+                self.pool,
+                PreparedRecording::replay_from_given_start,
+            ),
+            false => self.residuals(factors),
+        }
     }
 
     /// Returns the residuals of replays from the starts that the recordings give: what a change of the machine makes of them hardly depends on their starts.
     pub(super) fn quick_residuals(&self, plant: &Parameters) -> Result<Residuals, PipelineError> {
-        self.residuals_by(plant, |plant, item| replay_from_given_start(plant, item, self.recorded.control))
+        self.residuals_by(plant, &Serial, PreparedRecording::replay_from_given_start)
     }
 
     fn residuals_by(
         &self,
         plant: &Parameters,
-        replay: impl Fn(&Parameters, &ReadRecording) -> Result<Replay, PipelineError>,
+        pool: &dyn Pool,
+        replay: impl Fn(&PreparedRecording<'a>, &Parameters) -> Result<Replay, PipelineError> + Sync,
     ) -> Result<Residuals, PipelineError> {
         let plant = apply_configuration(self.project, plant)?;
+        let recordings = &self.recorded.recordings;
+        let replays = map(pool, recordings.len(), |k| replay(&recordings[k], &plant));
         let mut all = Residuals { values: Vec::new(), largest: 0.0 };
-        for item in self.recorded.read {
-            let replay = replay(&plant, item)?;
+        for (prepared, replay) in recordings.iter().zip(replays) {
+            let replay = replay?;
             for fit in replay.channels.iter().filter(|fit| JUDGED.contains(&fit.channel)) {
-                let measured = item.recording.samples(fit.channel).unwrap_or_default();
+                let measured = prepared.recording().samples(fit.channel).unwrap_or_default();
                 let simulated = replay.simulated.channel(fit.channel);
                 all.largest = all.largest.max(fit.residual_over_floor());
                 let residual =
@@ -313,7 +350,7 @@ impl<'a> Problem<'a> {
                 (factors[k] - step[(k, 0)]).clamp(low, high)
             };
             let tried: Vec<f64> = (0..n).map(moved).collect();
-            let residuals = self.residuals(&tried).ok()?;
+            let residuals = self.residuals_of_step(&tried).ok()?;
             let is_lower = self.cost(&residuals, &tried, inflation) < cost;
             is_lower.then_some(DampedStep { factors: tried, residuals, damping })
         })

@@ -64,8 +64,7 @@ pub(super) fn screen_effects(
     let factors = problem.factors_of(fitted);
     let own = problem.plant_at(&factors)?;
     let here = problem.quick_residuals(&own)?;
-    let recordings: Vec<Recording> =
-        problem.recorded.read.iter().map(|read| read.recording.clone()).collect();
+    let recordings: Vec<Recording> = problem.recorded.iter().cloned().collect();
     let machine = ScaledMachine::of(&own, &recordings);
     let nuisances = orthonormal(problem.derivatives(&factors).unwrap_or_default());
     let left = without(&nuisances, &here.values);

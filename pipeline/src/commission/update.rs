@@ -72,7 +72,7 @@ fn candidate_effects(answer: &Answer) -> Vec<ValuedEffect> {
 /// A model that is fitted to the recordings of a round, with what it takes to fit it again.
 struct Fitting<'a> {
     project: &'a Project,
-    recorded: RecordedRuns<'a>,
+    recorded: &'a RecordedRuns<'a>,
     pool: &'a dyn Pool,
 }
 
@@ -161,7 +161,7 @@ pub fn update_model(
     let in_loop = recording_controller(&given)?;
     let read = read_files(&given, in_loop.as_ref(), files, GapTreatment::Repaired)?;
     let control = control_for(&given, in_loop.as_ref(), read.iter().map(|item| &item.recording));
-    let recorded = RecordedRuns { read: &read, control: &control };
+    let recorded = &RecordedRuns::prepare(&given, &read, &control)?;
     let fitting = Fitting { project: &given, recorded, pool };
     let mut posterior = fitting.add_screened(fit_tolerances(&given, recorded, &[], pool)?)?;
     let mut diagnosed = None;

@@ -89,20 +89,56 @@ pub fn replay_one(
     replay_on(&Mechanism { parameters: plant, structure: None }, item, control, length)
 }
 
-/// Replays one recording whole on a mechanism from the start that its first samples give, which is quicker than [`replay_one`]: a start that is fitted
-/// takes a dozen replays.
-///
-/// # Errors
-/// As [`replay_one`].
-pub fn replay_from_given_start(
-    plant: &Parameters,
-    item: &ReadRecording,
-    control: &ReplayLoop,
-) -> Result<Replay, PipelineError> {
-    let control = if item.plays_control_back() { &ReplayLoop::Open } else { control };
-    let found = Replayer::new(plant, &item.recording)
-        .and_then(|replayer| select_replay(&replayer, plant, control, ReplayLength::Whole));
-    found.map(|found| found.replay).map_err(|cause| cannot_replay(item, cause))
+/// A recording that is made ready for replays on one mechanism after another: the motion of the platform and the state in which an exported controller
+/// was at the first sample are found once.
+#[derive(Debug, Clone)]
+pub struct PreparedRecording<'a> {
+    item: &'a ReadRecording,
+    control: &'a ReplayLoop,
+    replayer: Replayer<'a>,
+}
+
+impl<'a> PreparedRecording<'a> {
+    /// Prepares a recording for mechanisms with the platform's sensors of the first one.
+    ///
+    /// # Errors
+    /// [`PipelineError::CannotReplay`] with the simulator's reason.
+    pub fn new(
+        first: &Parameters,
+        item: &'a ReadRecording,
+        control: &'a ReplayLoop,
+    ) -> Result<Self, PipelineError> {
+        let control = if item.plays_control_back() { &ReplayLoop::Open } else { control };
+        let replayer = Replayer::new(first, &item.recording).map_err(|cause| cannot_replay(item, cause))?;
+        Ok(Self { item, control, replayer })
+    }
+
+    /// Returns the recording.
+    pub fn recording(&self) -> &'a Recording {
+        &self.item.recording
+    }
+
+    /// Replays the recording whole on a mechanism from the start that its first samples give, which is quicker than
+    /// [`Self::replay_from_fitted_start`]: a start that is fitted takes a dozen replays.
+    ///
+    /// # Errors
+    /// [`PipelineError::CannotReplay`] with the simulator's reason.
+    pub fn replay_from_given_start(&self, plant: &Parameters) -> Result<Replay, PipelineError> {
+        let replayer = self.replayer.with_platform_sensors_of(plant);
+        let found = select_replay(&replayer, plant, self.control, ReplayLength::Whole);
+        found.map(|found| found.replay).map_err(|cause| cannot_replay(self.item, cause))
+    }
+
+    /// Replays the recording whole on a mechanism, as [`replay_one`] does.
+    ///
+    /// # Errors
+    /// [`PipelineError::CannotReplay`] with the simulator's reason.
+    pub fn replay_from_fitted_start(&self, plant: &Parameters) -> Result<Replay, PipelineError> {
+        let replayer = self.replayer.with_platform_sensors_of(plant);
+        let found = select_replay(&replayer, plant, self.control, ReplayLength::Whole);
+        let found = found.map_err(|cause| cannot_replay(self.item, cause))?;
+        Ok(from_fitted_start(&replayer, plant, self.control, found).replay)
+    }
 }
 
 fn cannot_replay(item: &ReadRecording, cause: counterpoise_simulate::Error) -> PipelineError {
