@@ -13,3 +13,4 @@ mod plant_and_platform;
 mod project_file;
 mod quantities;
 mod reference;
+mod saved_drives;

@@ -156,7 +156,7 @@ impl Document {
     }
 
     /// Returns the text at a path of keys, where one stands there.
-    fn text_at(&self, path: &str) -> Option<String> {
+    pub(crate) fn text_at(&self, path: &str) -> Option<String> {
         match self.node_at(path).map(|node| &node.value) {
             Some(Value::Text(text)) => Some(text.clone()),
             _ => None,

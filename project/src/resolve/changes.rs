@@ -17,6 +17,9 @@ pub(crate) fn apply(document: &Document, before: &[Line], after: &[Line]) -> Res
         let still = |was_usual: bool| usual == was_usual || document.has(path);
         let same = known.map_or(usual, |(_, value, was)| (*value == setting && still(*was)) || absent(value));
         if !same {
+            let (stated, path) = find_place(out, path, after)?;
+            out = stated;
+            let path = path.as_str();
             // An empty list of numbers is what an absent key means: some keys allow no empty list.
             let is_absent = !setting.is_finite()
                 || usual && matches!(setting, SettingValue::Numbers(numbers) if numbers.is_empty());
@@ -24,6 +27,35 @@ pub(crate) fn apply(document: &Document, before: &[Line], after: &[Line]) -> Res
         }
     }
     Ok(out)
+}
+
+/// The keys of an amplifier that a drive has too.
+const OF_DRIVE: [&str; 4] = ["time_constant", "dead_zone", "current_limit", "map"];
+
+/// Returns the file in which a changed key of a listing has a place, and the path of that place. A listing always calls a drive that takes a voltage an amplifier; a
+/// file may call it a drive, which a key that a drive lacks makes an amplifier.
+fn find_place(file: Document, path: &str, after: &[Line]) -> Result<(Document, String), EditError> {
+    let (of_drive, of_amplifier) = (path.strip_prefix("plant.drive."), path.strip_prefix("plant.amplifier."));
+    match of_drive.or(of_amplifier.filter(|key| OF_DRIVE.contains(key))) {
+        Some(key) if file.has("plant.drive") => Ok((open_drive(file)?, format!("plant.drive.{key}"))),
+        None if of_amplifier.is_some() && file.has("plant.drive") => {
+            let is_of_amplifier = |path: &str| path.starts_with("plant.amplifier.");
+            let mut stated = file.remove("plant.drive")?;
+            for (path, setting, _) in
+                values(after).into_iter().filter(|(path, _, usual)| is_of_amplifier(path) && !usual)
+            {
+                stated = stated.set(path, setting)?;
+            }
+            Ok((stated, path.to_owned()))
+        }
+        _ => Ok((file, path.to_owned())),
+    }
+}
+
+/// Returns the file with a section in the place of the word of a drive, if it has one.
+fn open_drive(file: Document) -> Result<Document, EditError> {
+    let Some(word) = file.text_at("plant.drive") else { return Ok(file) };
+    file.remove("plant.drive")?.set("plant.drive.kind", &SettingValue::Text(word))
 }
 
 /// Paths of tables and keys that are no longer there, the outermost of each; later items stand later.

@@ -99,8 +99,11 @@ pub(super) fn drive(v: &mut dyn Visit, plant: &mut Parameters) {
         return set(v, plant, *takes, &DriveKeys::NONE);
     }
     let section = TableField::optional("drive", "a drive that takes a torque, a current or a voltage");
-    let usual = plant.amplifier.dynamics == AmplifierDynamics::TorqueCommand
-        && plant.amplifier.current_limit_a == f64::INFINITY;
+    let amplifier = &plant.amplifier;
+    let is_curved = amplifier.dead_zone_v != 0.0 || !amplifier.map.is_empty();
+    let usual = amplifier.dynamics == AmplifierDynamics::TorqueCommand
+        && amplifier.current_limit_a == f64::INFINITY
+        && !is_curved;
     if !v.enter(&section, Presence::from(!usual)) {
         return set(v, plant, DriveInput::Torque, &DriveKeys::NONE);
     }
@@ -144,10 +147,24 @@ struct DriveKeys {
     limit: f64,
     bandwidth_rad_s: f64,
     delay_s: f64,
+    dead_zone_v: f64,
+    /// Lag of a drive that takes a voltage, s.
+    time_constant_s: f64,
+    /// Largest current of a drive that takes a voltage, A.
+    current_limit_a: f64,
+    map: Vec<MapPoint>,
 }
 
 impl DriveKeys {
-    const NONE: Self = Self { limit: f64::INFINITY, bandwidth_rad_s: f64::INFINITY, delay_s: 0.0 };
+    const NONE: Self = Self {
+        limit: f64::INFINITY,
+        bandwidth_rad_s: f64::INFINITY,
+        delay_s: 0.0,
+        dead_zone_v: 0.0,
+        time_constant_s: 0.0,
+        current_limit_a: f64::INFINITY,
+        map: Vec::new(),
+    };
 }
 
 fn takes_of(plant: &Parameters) -> DriveInput {
@@ -188,9 +205,21 @@ fn keys(v: &mut dyn Visit, plant: &Parameters, takes: DriveInput) -> DriveKeys {
             );
             stated.limit = plant.amplifier.bus_voltage_v;
             v.number(&limit, &mut stated.limit);
+            let lag = Field::new("time_constant", "lag of the voltage").unit("s").limit(AT_LEAST_0).or(0.0);
+            v.number(&lag, &mut stated.time_constant_s);
+            let limit = Field::new("current_limit", "current is clipped to +/- this; none if absent");
+            v.number(&limit.unit("A").limit(ABOVE_0).or(f64::INFINITY), &mut stated.current_limit_a);
         }
     }
+    (stated.dead_zone_v, stated.map) = (plant.amplifier.dead_zone_v, plant.amplifier.map.clone());
+    dead_zone(v, &mut stated.dead_zone_v);
+    map(v, &mut stated.map);
     stated
+}
+
+fn dead_zone(v: &mut dyn Visit, dead_zone_v: &mut f64) {
+    let field = Field::new("dead_zone", "half width of a dead zone at the input").unit("V");
+    v.number(&field.limit(AT_LEAST_0).or(0.0), dead_zone_v);
 }
 
 /// Returns the largest torque of the motor, N m: that of the largest current.
@@ -201,12 +230,14 @@ fn torque_limit_nm(plant: &Parameters) -> f64 {
 
 /// Makes the amplifier of what is stated.
 fn set(v: &mut dyn Visit, plant: &mut Parameters, takes: DriveInput, stated: &DriveKeys) {
-    let blank = blank_amplifier();
+    let blank = Amplifier { dead_zone_v: stated.dead_zone_v, map: stated.map.clone(), ..blank_amplifier() };
     let stated_limit = stated.limit.is_finite();
     if takes == DriveInput::Voltage {
         let gain = if stated_limit { stated.limit / FULL_V } else { 1.0 };
         let dynamics = AmplifierDynamics::Modelled;
-        plant.amplifier = Amplifier { gain, bus_voltage_v: stated.limit, dynamics, ..blank };
+        let DriveKeys { limit: bus_voltage_v, time_constant_s, current_limit_a, .. } = *stated;
+        plant.amplifier =
+            Amplifier { gain, bus_voltage_v, time_constant_s, current_limit_a, dynamics, ..blank };
         return;
     }
     let current_limit_a = match takes {
@@ -277,13 +308,7 @@ fn amplifier(v: &mut dyn Visit, amplifier: &mut Amplifier) {
     v.number(&input.or(f64::INFINITY), &mut amplifier.input_limit_v);
     let bus = Field::new("bus_voltage", "output is clipped to +/- this").unit("V").limit(ABOVE_0);
     v.number(&bus.or(f64::INFINITY), &mut amplifier.bus_voltage_v);
-    v.number(
-        &Field::new("dead_zone", "half width of a dead zone at the input")
-            .unit("V")
-            .limit(AT_LEAST_0)
-            .or(0.0),
-        &mut amplifier.dead_zone_v,
-    );
+    dead_zone(v, &mut amplifier.dead_zone_v);
     let limit = Field::new("current_limit", "current is clipped to +/- this; none if absent")
         .unit("A")
         .limit(ABOVE_0);
