@@ -6,7 +6,7 @@
 //!
 //! Modules in reading order: [`terminal`], [`clock`], [`files`], [`folders`], [`json`], [`journals`], [`project_lock`], [`large_recordings`], [`projects`], [`code_files`],
 //! [`shards`], [`programs`], [`interrupt`], [`worker`], [`journal_writer`], [`recent_files`], [`file_check`], [`change_watcher`], [`time_left`], [`progress`],
-//! [`workers`], [`campaign_progress`], [`stages`], [`compilers`], [`machine_program`].
+//! [`workers`], [`campaign_progress`], [`stages`], [`compilers`], [`machine_program`], [`commissioning`].
 //!
 //! ```
 //! let folder = counterpoise_host::files::scratch_folder()?;
@@ -20,6 +20,7 @@ pub mod campaign_progress;
 pub mod change_watcher;
 pub mod clock;
 pub mod code_files;
+pub mod commissioning;
 pub mod compilers;
 pub mod file_check;
 pub mod files;
