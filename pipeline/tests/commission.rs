@@ -98,6 +98,12 @@ fn a_machine_as_drawn_runs_as_predicted_and_meets_its_requirements() {
     let round = play_round(&machine.replace("{ value = 1.0, tolerance = 0.5 }", "1.0"));
     for one in &round.recorded {
         assert!(!judge_run(&one.run, &one.recording).leaves_band(), "{}", one.run.name);
+        // A sample that was not recorded leaves the figures of the others.
+        let mut gap = one.recording.clone();
+        gap.samples_mut(Channel::HubRate).unwrap()[7] = f64::NAN;
+        let judged = judge_run(&one.run, &gap);
+        let is_number = |value: Option<f64>| value.is_some_and(f64::is_finite);
+        assert!(judged.channels.iter().all(|one| is_number(one.recorded_rms) && is_number(one.error_rms)));
     }
     let verdicts = judge_requirements(&round.project, &round.stages, &round.recorded);
     assert!(verdicts.iter().all(|verdict| verdict.measured.is_some()));

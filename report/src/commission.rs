@@ -251,8 +251,8 @@ fn run_table(runs: &[RunSummary]) -> ReportTable {
                 ReportCell::text(&run.name),
                 ReportCell::text(short_number(run.duration_s)),
                 ReportCell::text(&channel.channel),
-                ReportCell::text(short_number(channel.recorded_rms)),
-                ReportCell::text(short_number(channel.error_rms)),
+                ReportCell::text(number_or_none(channel.recorded_rms)),
+                ReportCell::text(number_or_none(channel.error_rms)),
                 ReportCell::text(short_number(100.0 * channel.outside)),
             ]
         }));

@@ -25,10 +25,10 @@ pub struct RunJudgement {
 pub struct ChannelJudgement {
     /// The channel.
     pub channel: Channel,
-    /// RMS of what was recorded.
-    pub recorded_rms: f64,
-    /// RMS of what was recorded less what was predicted.
-    pub error_rms: f64,
+    /// RMS of what was recorded; `None` if nothing was.
+    pub recorded_rms: Option<f64>,
+    /// RMS of what was recorded less what was predicted; `None` if nothing was.
+    pub error_rms: Option<f64>,
     /// Share of the samples outside the predicted band.
     pub outside: f64,
 }
@@ -46,7 +46,9 @@ pub fn judge_run(run: &PlannedRun, recording: &Recording) -> RunJudgement {
         let recorded = recording.samples(predicted.channel)?;
         let count = recorded.len().min(predicted.values.len());
         let rms = |values: &mut dyn Iterator<Item = f64>| {
-            (values.map(|value| value * value).sum::<f64>() / count.max(1) as f64).sqrt()
+            let squares: Vec<f64> =
+                values.filter(|value| value.is_finite()).map(|value| value * value).collect();
+            (!squares.is_empty()).then(|| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt())
         };
         let is_outside = |k: &usize| {
             let value = recorded[*k];

@@ -64,9 +64,9 @@ pub struct ChannelSummary {
     /// Its name in recordings.
     pub channel: String,
     /// RMS of what was recorded.
-    pub recorded_rms: f64,
+    pub recorded_rms: Option<f64>,
     /// RMS of what was recorded less what was predicted.
-    pub error_rms: f64,
+    pub error_rms: Option<f64>,
     /// Share of the samples outside the predicted band.
     pub outside: f64,
 }
