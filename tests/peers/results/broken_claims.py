@@ -24,7 +24,7 @@ BREAKAGES = {
     "cheap-control": ([("synth.feedback.control", "gain", "0.1")], ["C5", "C27"]),
     "friction-of-a-hundredth": (
         [("plant.friction.pivot", "coulomb", "1.17"), ("plant.friction.motor", "coulomb", "0.00065")],
-        ["C8", "C11", "C18", "C21"],
+        ["C8", "C11", "C15", "C16", "C18", "C21", "F3"],
     ),
     "tenfold-friction": (
         [("plant.friction.pivot", "coulomb", "1170.0"), ("plant.friction.motor", "coulomb", "0.65")],
@@ -49,6 +49,8 @@ BREAKAGES = {
     # half as much again out of balance takes more than the drive's torque
     "loud-heave": ([("verify.heave", "amplitude", "20.0")], ["C14"]),
     "light-hub": ([("plant.lumped", "hub_inertia", "5.0")], ["C10"]),
+    "raised-mass": ([("plant.lumped", "vertical_offset", "60.0")], ["C31"]),
+    "friction-of-one-end": ([("plant.friction.pivot", "coulomb", "0.5")], ["C17"]),
     "soft-tip": ([("plant.lumped", "stiffness", "1.5e5")], ["F2"]),
 }
 
