@@ -52,6 +52,7 @@ fn show_page(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         Page::Design => pages::design::show(studio, ui, queue),
         Page::Verify => pages::verify::show(studio, ui, queue),
         Page::Diagnose => pages::diagnose::show(studio, ui, queue),
+        Page::Commission => pages::commission::show(studio, ui, queue),
     }
 }
 

@@ -61,6 +61,36 @@ pub enum CloseTarget {
     Window,
 }
 
+/// Inputs of the page Commission.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CommissioningInputs {
+    /// The machine program, with its arguments.
+    pub machine: String,
+    /// Largest angle from the start, rad.
+    pub angle_rad: f64,
+    /// Largest rate, rad/s.
+    pub rate_rad_s: f64,
+    /// Largest current, A; 0 for no limit.
+    pub current_a: f64,
+    /// Duration of the experiment that tells machines apart, s.
+    pub duration_s: f64,
+    /// Folder of the rounds, in the folder of the project.
+    pub folder: String,
+}
+
+impl Default for CommissioningInputs {
+    fn default() -> Self {
+        Self {
+            machine: String::new(),
+            angle_rad: 0.1,
+            rate_rad_s: 0.2,
+            current_a: 0.0,
+            duration_s: 10.0,
+            folder: "commission".to_owned(),
+        }
+    }
+}
+
 /// Outcome of a command of the view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ViewCommand {
@@ -124,6 +154,8 @@ pub struct StudioView {
     pub requirement: usize,
     /// The section of parameters that is open.
     pub section: usize,
+    /// Inputs of the page Commission.
+    pub commissioning: CommissioningInputs,
 }
 
 impl Default for StudioView {
@@ -155,6 +187,7 @@ impl Default for StudioView {
             mode: 0,
             requirement: 0,
             section: 0,
+            commissioning: CommissioningInputs::default(),
         }
     }
 }
@@ -175,6 +208,7 @@ impl StudioView {
             Command::ToggleAngle => self.units.toggle_angle(),
             Command::ShowDesign { tab } => (self.page, self.design_tab) = (Page::Design, *tab),
             Command::ShowVerification { tab } => (self.page, self.verification_tab) = (Page::Verify, *tab),
+            Command::SetCommissioning { inputs } => self.commissioning = inputs.clone(),
             Command::ShowDiagnosis { tab } => (self.page, self.diagnosis_tab) = (Page::Diagnose, *tab),
             Command::Palette => {
                 self.palette = if self.palette.is_some() { None } else { Some(PaletteState::default()) };

@@ -4,6 +4,7 @@
 
 mod common;
 
+mod commissioning;
 mod crash_recovery;
 mod file_commands;
 mod frame_times;

@@ -48,12 +48,13 @@ fn every_control_of_every_page_has_a_name_and_is_reached_by_tab() {
     let folder = rig("names");
     let mut bench = bench(&folder);
     rest(&mut bench);
-    let wanted: [(Page, &[&str]); 5] = [
+    let wanted: [(Page, &[&str]); 6] = [
         (Page::Plant, &["File", "gearbox", "mode 1", "hub inertia"]),
         (Page::Reduce, &["balanced", "none"]),
         (Page::Design, &["error weight: corner and gain", "Heave", "A", "gain"]),
         (Page::Verify, &["Verify", "Export code", "Rejection", "holds: gain margin"]),
         (Page::Diagnose, &["Add\u{2026}", "column of the hub rate"]),
+        (Page::Commission, &["program", "folder of the rounds", "rate", "Read again"]),
     ];
     bench.state_mut().run(&Command::Recordings { paths: vec![folder.join("sandy-loam.parquet")] });
     for (page, names) in wanted {

@@ -8,6 +8,7 @@ mod paint;
 
 use std::path::Path;
 
+use crate::commissioning::commissioned_folder;
 use common::whole_rig;
 use counterpoise_studio::command::{Command, DesignSlot, DesignTab, Page, VerificationTab};
 use counterpoise_studio::frame_log::FrameLog;
@@ -54,6 +55,42 @@ fn compare(name: &str, picture: &RgbaImage) {
 }
 
 #[test]
+fn the_rounds_of_a_commissioning_look_as_they_did() {
+    let folder = commissioned_folder("round-pictures");
+    let mut seat = OffscreenStudio::new(&folder.join("state"), SIZE.map(|v| v as f32));
+    let (mut log, mut painter) = (FrameLog::new(None), Painter::default());
+    let commands = vec![Command::Open { path: folder.clone() }, Command::Go { page: Page::Commission }];
+    take_picture("commission", commands, &mut seat, &mut log, &mut painter);
+    drop(seat);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// Runs commands, and compares what the window then looks like.
+fn take_picture(
+    name: &str,
+    commands: Vec<Command>,
+    seat: &mut OffscreenStudio,
+    log: &mut FrameLog,
+    painter: &mut Painter,
+) {
+    seat.run_script(commands, log);
+    seat.studio.view.notice = None;
+    for _ in 0..3 {
+        let drawn = seat.draw_frame(Vec::new());
+        seat.textures.append(drawn.textures);
+    }
+    painter.take(&std::mem::take(&mut seat.textures));
+    let drawn = seat.draw_frame(Vec::new());
+    let mut picture = painter.paint(&drawn, SIZE);
+    for y in SIZE[1] - FOOT..SIZE[1] {
+        (0..SIZE[0]).for_each(|x| picture.put_pixel(x, y, image::Rgba([0, 0, 0, 255])));
+    }
+    if name != "welcome" {
+        compare(name, &picture);
+    }
+}
+
+#[test]
 fn each_page_looks_as_it_did() {
     let folder = whole_rig("pictures");
     let mut seat = OffscreenStudio::new(&folder.join("state"), SIZE.map(|v| v as f32));
@@ -72,21 +109,7 @@ fn each_page_looks_as_it_did() {
         ("welcome", vec![Command::Close]),
     ];
     for (name, commands) in shots {
-        seat.run_script(commands, &mut log);
-        seat.studio.view.notice = None;
-        for _ in 0..3 {
-            let drawn = seat.draw_frame(Vec::new());
-            seat.textures.append(drawn.textures);
-        }
-        painter.take(&std::mem::take(&mut seat.textures));
-        let drawn = seat.draw_frame(Vec::new());
-        let mut picture = painter.paint(&drawn, SIZE);
-        for y in SIZE[1] - FOOT..SIZE[1] {
-            (0..SIZE[0]).for_each(|x| picture.put_pixel(x, y, image::Rgba([0, 0, 0, 255])));
-        }
-        if name != "welcome" {
-            compare(name, &picture);
-        }
+        take_picture(name, commands, &mut seat, &mut log, &mut painter);
     }
     drop(seat);
     std::fs::remove_dir_all(folder).unwrap();

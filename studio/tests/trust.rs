@@ -262,6 +262,7 @@ fn a_project_without_a_controller_is_an_ordinary_one() {
             Page::Reduce => assert!(says(&bench, "plot: Control to hub rate")),
             Page::Design | Page::Verify => assert!(says(&bench, "A model without a controller")),
             Page::Diagnose => assert!(says(&bench, "No recordings yet")),
+            Page::Commission => assert!(says(&bench, "No round yet")),
         }
     }
     drop(bench);

@@ -16,6 +16,8 @@ pub enum Page {
     Verify,
     /// Recordings against the model.
     Diagnose,
+    /// Rounds of design, experiment and redesign on a machine.
+    Commission,
 }
 
 /// A tab of the page Design.
@@ -89,7 +91,8 @@ pub enum BrowsePurpose {
 
 impl Page {
     /// All pages, in the order of the work.
-    pub const ALL: [Page; 5] = [Page::Plant, Page::Reduce, Page::Design, Page::Verify, Page::Diagnose];
+    pub const ALL: [Page; 6] =
+        [Page::Plant, Page::Reduce, Page::Design, Page::Verify, Page::Diagnose, Page::Commission];
 
     /// Returns the page's name.
     pub fn name(self) -> &'static str {
@@ -99,6 +102,7 @@ impl Page {
             Page::Design => "Design",
             Page::Verify => "Verify",
             Page::Diagnose => "Diagnose",
+            Page::Commission => "Commission",
         }
     }
 }

@@ -34,6 +34,7 @@ fn page_commands() -> Vec<CommandEntry> {
         entry("Go to Design", "Ctrl+3", page(Page::Design)),
         entry("Go to Verify", "Ctrl+4", page(Page::Verify)),
         entry("Go to Diagnose", "Ctrl+5", page(Page::Diagnose)),
+        entry("Go to Commission", "Ctrl+6", page(Page::Commission)),
         entry(
             "Show the consequences of the design",
             "",
@@ -82,6 +83,9 @@ fn work_commands() -> Vec<CommandEntry> {
         entry("Add recordings", "Ctrl+R", browse(BrowsePurpose::Recordings)),
         entry("Diagnose the recordings", "F6", Command::Diagnose),
         entry("Accept the diagnosis into the project", "", Command::Accept),
+        entry("Read the rounds of the commissioning", "", Command::ReadRounds),
+        entry("Run the next round of the commissioning", "F9", Command::RunRound),
+        entry("Take the newest model of the rounds into the project", "", Command::AcceptRound),
     ]
 }
 

@@ -12,6 +12,8 @@ use serde::{Deserialize, Serialize};
 pub use choices::{BrowsePurpose, DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
 pub use list::{CommandEntry, list_commands};
 
+use crate::view::CommissioningInputs;
+
 /// Action of the user.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -134,6 +136,17 @@ pub enum Command {
     Diagnose,
     /// Puts the improved mechanism of the diagnosis into the project.
     Accept,
+    /// Sets machine program, limits and folder of a commissioning.
+    SetCommissioning {
+        /// The inputs of the page Commission.
+        inputs: CommissioningInputs,
+    },
+    /// Reads the finished rounds of the commissioning.
+    ReadRounds,
+    /// Runs the next round of the commissioning.
+    RunRound,
+    /// Puts the newest model that the rounds left into the project.
+    AcceptRound,
     /// Shows a page.
     Go {
         /// The page.

@@ -2,10 +2,11 @@
 //!
 //! Modules in reading order: [`error_lines`], [`live_design`], [`verification`], [`measurements`], [`code_export`],
 //! [`report_job`], [`kept_designs`], [`plant_pictures`], [`assumption_ranking`],
-//! [`plot_copy`], [`recording_views`], [`diagnosis`], [`folder_listing`], [`file_jobs`].
+//! [`plot_copy`], [`recording_views`], [`diagnosis`], [`commissioning`], [`folder_listing`], [`file_jobs`].
 
 pub mod assumption_ranking;
 pub mod code_export;
+pub mod commissioning;
 pub mod diagnosis;
 pub mod error_lines;
 pub mod file_jobs;
@@ -38,6 +39,7 @@ use crate::settings::{SettingsFile, write_settings};
 use crate::versioned_results::VersionedResult;
 use assumption_ranking::{RankingRequest, answer_ranking};
 use code_export::{ExportRequest, WrittenCode, export_code};
+use commissioning::{CommissioningView, CommissioningWorker, commissioning_worker};
 use diagnosis::{DiagnosisWorker, diagnosis_worker};
 use error_lines::ErrorLines;
 use file_jobs::{FileJob, FileJobResult, ProjectStore};
@@ -76,6 +78,8 @@ pub struct BackgroundJobs {
     pub settings: BackgroundWorker<Vec<SettingsFile>, ()>,
     /// Diagnoses.
     pub diagnose: DiagnosisWorker,
+    /// Reads and runs rounds of a commissioning.
+    pub commission: CommissioningWorker,
     /// Replays recordings on the model.
     pub replay: BackgroundWorker<ReplayRequest, Option<ReplayedFiles>>,
     /// Lists folders.
@@ -108,8 +112,11 @@ pub struct BackgroundJobs {
     pub partial: PartialVerification,
     /// Results of a running campaign so far.
     pub partial_campaign: PartialCampaign,
+    /// The rounds of the commissioning, or why there are none.
+    pub commissioning: Option<Result<CommissioningView, String>>,
     diagnosis_progress: SharedProgress,
     measurement_progress: SharedProgress,
+    commissioning_progress: SharedProgress,
 }
 
 /// Event of a diagnosis since the last frame.
@@ -127,6 +134,7 @@ impl BackgroundJobs {
         let disk = Arc::clone(&store.disk);
         let (diagnosis_progress, measurement_progress) =
             (SharedProgress::default(), SharedProgress::default());
+        let commissioning_progress = SharedProgress::default();
         let (partial, partial_campaign) = (PartialVerification::default(), PartialCampaign::default());
         Self {
             design: design_worker(wake),
@@ -147,6 +155,7 @@ impl BackgroundJobs {
                 write_settings(&files);
             }),
             diagnose: diagnosis_worker(wake, &diagnosis_progress),
+            commission: commissioning_worker(wake, &commissioning_progress),
             replay: BackgroundWorker::new(Arc::clone(wake), |request: ReplayRequest, token: &CancelToken| {
                 replay_files(&request, token)
             }),
@@ -173,8 +182,10 @@ impl BackgroundJobs {
             diagnosed_plant: None,
             partial,
             partial_campaign,
+            commissioning: None,
             diagnosis_progress,
             measurement_progress,
+            commissioning_progress,
         }
     }
 
@@ -187,6 +198,7 @@ impl BackgroundJobs {
         self.export.cancel();
         self.report.cancel();
         self.diagnose.cancel();
+        self.commission.cancel();
         self.replay.cancel();
     }
 
@@ -199,6 +211,7 @@ impl BackgroundJobs {
             || self.export.is_pending()
             || self.report.is_pending()
             || self.diagnose.is_pending()
+            || self.commission.is_pending()
             || self.replay.is_pending()
     }
 
@@ -217,6 +230,11 @@ impl BackgroundJobs {
     /// Returns how far the diagnosis is, in words.
     pub fn diagnosis_progress(&self) -> String {
         self.diagnosis_progress.last_message()
+    }
+
+    /// Returns how far the round of a commissioning is, in words.
+    pub fn commissioning_progress(&self) -> String {
+        self.commissioning_progress.last_message()
     }
 
     /// Returns how far the measurement is, in words.
@@ -244,6 +262,7 @@ impl BackgroundJobs {
         self.cancel();
         self.restore.cancel();
         (self.recording_views, self.diagnosis, self.diagnosed_plant) = (None, None, None);
+        self.commissioning = None;
         self.recordings.clear();
     }
 

@@ -13,9 +13,10 @@
 //! Modules in reading order: [`widgets`], [`frequency_charts`], [`no_controller`], [`welcome`], [`recent_places`], [`file_browser`], [`plant`],
 //! [`number_groups`], [`beam_drawing`], [`schematic`], [`reduce`], [`design`], [`weight_plot`], [`design_charts`], [`loop_charts`],
 //! [`design_figures`], [`kept_designs`], [`verify`], [`verify_charts`], [`limit_marks`], [`measurements`], [`diagnose`],
-//! [`recording_mapping`], [`recording_charts`], [`findings`].
+//! [`recording_mapping`], [`recording_charts`], [`findings`], [`commission`], [`round_charts`].
 
 pub mod beam_drawing;
+pub mod commission;
 pub mod design;
 pub mod design_charts;
 pub mod design_figures;
@@ -34,6 +35,7 @@ pub mod recent_places;
 pub mod recording_charts;
 pub mod recording_mapping;
 pub mod reduce;
+pub mod round_charts;
 pub mod schematic;
 pub mod verify;
 pub mod verify_charts;

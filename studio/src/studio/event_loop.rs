@@ -25,6 +25,7 @@ impl Studio {
         self.take_pictures();
         self.request_design();
         self.request_pictures();
+        self.request_rounds();
         if self.verify_at.is_some_and(Moment::has_come) && !self.view.dragging {
             self.verify();
         }

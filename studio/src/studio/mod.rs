@@ -1,11 +1,13 @@
 //! The studio: it carries out commands.
 //!
 //! Modules in reading order: `file_commands` (projects opened and saved), `closing`, `work_commands` (everything that is computed),
+//! `commissioning_commands` (rounds on a machine),
 //! `settings_commands` (what is remembered), `event_loop` (what the studio does by
 //! itself in each frame), `answers` (what the workers found).
 
 mod answers;
 mod closing;
+mod commissioning_commands;
 mod event_loop;
 mod file_commands;
 mod settings_commands;
@@ -189,6 +191,9 @@ impl Studio {
             Command::Recordings { paths } => self.set_recordings(paths),
             Command::Diagnose => self.diagnose(),
             Command::Accept => self.accept_diagnosis(),
+            Command::ReadRounds => self.read_rounds(),
+            Command::RunRound => self.run_round(),
+            Command::AcceptRound => self.accept_round(),
             _ => {}
         }
     }
