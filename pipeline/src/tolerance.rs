@@ -211,6 +211,14 @@ pub(crate) const MOST_EFFECTS: usize = 4;
 /// is mostly less than a tenth.
 pub(crate) const EFFECT_GAIN: f64 = 0.85;
 
+/// Share of what the best effect explains by which another one may explain less to be tried again when the model has everything: a value that the next effect
+/// brings moves either by that much.
+pub(crate) const NEARLY_AS_GOOD: f64 = 0.01;
+
+/// The residual's power that an effect leaves, over that of the best one, up to which the recordings cannot tell both apart: ten thousand samples of white noise vary
+/// by 3 % at two standard deviations.
+pub(crate) const AS_GOOD: f64 = 1.03;
+
 /// Share of the residual's power that an effect must explain in a linearised trial to be fitted.
 pub(crate) const SCREENED_SHARE: f64 = 0.05;
 

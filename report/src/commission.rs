@@ -1,6 +1,8 @@
 //! A commissioning: a round after the other, predicted against measured, and what is left of the tolerances.
 
-use counterpoise_pipeline::commission::story::{EffectValue, RequirementSummary, RunSummary, ValueSummary};
+use counterpoise_pipeline::commission::story::{
+    EffectValue, EquivalentEffect, FindingSummary, RequirementSummary, RunSummary, ValueSummary,
+};
 use counterpoise_pipeline::commission::{RoundSummary, StopReason};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Dash, Figure, Panel, Series};
@@ -63,7 +65,8 @@ pub fn describe_round(round: &RoundSummary) -> Vec<String> {
     }
     lines.extend(round.values.iter().map(|value| format!("  {}", value_text(value))));
     lines.extend(round.findings.iter().map(|found| {
-        format!("  added to the model: {} {}: {}", found.component, found.effect, values_text(&found.values))
+        let (values, others) = (values_text(&found.values), equivalents_text(found));
+        format!("  added to the model: {} {}: {values}{others}", found.component, found.effect)
     }));
     lines
 }
@@ -104,6 +107,16 @@ fn values_text(values: &[EffectValue]) -> String {
         format!("{} {number} {}", value.name.replace('_', " "), value.unit).trim_end().to_owned()
     };
     values.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+/// Returns which other effects the recordings cannot tell from one; empty if there is none.
+pub fn equivalents_text(found: &FindingSummary) -> String {
+    if found.equivalents.is_empty() {
+        return String::new();
+    }
+    let one = |other: &EquivalentEffect| format!("{} {}", other.component, other.effect).replace('_', " ");
+    let names: Vec<String> = found.equivalents.iter().map(one).collect();
+    format!("; the recordings cannot tell it from: {}", names.join(", "))
 }
 
 fn value_text(value: &ValueSummary) -> String {
@@ -222,7 +235,7 @@ fn round_section(round: &RoundSummary) -> ReportSection {
             vec![
                 ReportCell::text(&found.component),
                 ReportCell::text(&found.effect),
-                ReportCell::text(values_text(&found.values)),
+                ReportCell::text(values_text(&found.values) + &equivalents_text(found)),
             ]
         }));
         section = section.with_table(table);

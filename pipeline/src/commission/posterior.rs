@@ -98,9 +98,16 @@ pub struct ValuedEffect {
     pub effect: &'static Effect,
     /// The values, in the order and the units of its parameters.
     pub values: Vec<f64>,
+    /// Other effects that explain the recordings as well in its place.
+    pub equivalents: Vec<ValuedEffect>,
 }
 
 impl ValuedEffect {
+    /// Returns an effect with its values.
+    pub fn new(effect: &'static Effect, values: Vec<f64>) -> Self {
+        Self { effect, values, equivalents: Vec::new() }
+    }
+
     /// Returns whether it is the same effect, whatever its values.
     pub fn has_effect_of(&self, other: &Self) -> bool {
         std::ptr::eq(self.effect, other.effect)

@@ -163,7 +163,7 @@ fn judge_trial(
     let values = values_at(trial, &multiples);
     // In the machine's own units, from which the fit starts.
     let changed = machine.with(trial.effect, &values);
-    let valued = ValuedEffect { effect: trial.effect, values: trial.effect.values(&changed) };
+    let valued = ValuedEffect::new(trial.effect, trial.effect.values(&changed));
     let is_sound = valued.values.iter().all(|value| value.is_finite());
     is_sound.then(|| Explanation { valued, share: 1.0 - rest / squares(left).max(f64::MIN_POSITIVE) })
 }

@@ -1,5 +1,6 @@
 //! The rounds of a commissioning as plain data: what was predicted, measured, found and decided.
 
+use counterpoise_diagnose::library::Effect;
 use counterpoise_project::Project;
 use serde::{Deserialize, Serialize};
 
@@ -114,6 +115,24 @@ pub struct FindingSummary {
     pub effect: String,
     /// Its fitted values.
     pub values: Vec<EffectValue>,
+    /// Other effects that the recordings cannot tell from it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub equivalents: Vec<EquivalentEffect>,
+}
+
+/// An effect that explains the recordings as well as the one that was added.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct EquivalentEffect {
+    /// Component.
+    pub component: String,
+    /// Effect.
+    pub effect: String,
+}
+
+impl EquivalentEffect {
+    fn of(effect: &Effect) -> Self {
+        Self { component: effect.component.to_string(), effect: effect.effect.to_string() }
+    }
 }
 
 /// A fitted value of an effect.
@@ -228,6 +247,11 @@ impl RoundSummary {
             FindingSummary {
                 component: valued.effect.component.to_string(),
                 effect: valued.effect.effect.to_string(),
+                equivalents: valued
+                    .equivalents
+                    .iter()
+                    .map(|other| EquivalentEffect::of(other.effect))
+                    .collect(),
                 values: valued
                     .effect
                     .parameters

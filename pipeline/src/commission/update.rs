@@ -16,8 +16,8 @@ use crate::PipelineError;
 use crate::recordings::read::{control_for, recording_controller};
 use crate::recordings::{DiagnosedRecordings, GapTreatment, RecordingFile, diagnose, read_files};
 use crate::tolerance::{
-    CAUTIOUS_GAIN_MARGIN_DB, EFFECT_GAIN, EXPLAINED_FLOORS, MOST_CANDIDATES, MOST_EFFECTS, POSTERIOR_STEPS,
-    RANKING_STEPS,
+    AS_GOOD, CAUTIOUS_GAIN_MARGIN_DB, EFFECT_GAIN, EXPLAINED_FLOORS, MOST_CANDIDATES, MOST_EFFECTS,
+    NEARLY_AS_GOOD, POSTERIOR_STEPS, RANKING_STEPS,
 };
 
 /// The model that the recordings of a round leave.
@@ -54,7 +54,7 @@ fn candidate_effects(answer: &Answer) -> Vec<ValuedEffect> {
             values.iter().all(|value| value.is_finite()) && values.iter().any(|value| *value != 0.0);
         if is_useful && !all.iter().any(known) {
             let effect = find_effects(component, name).find(|effect| effect.parameters.len() == values.len());
-            all.extend(effect.map(|effect| ValuedEffect { effect, values }));
+            all.extend(effect.map(|effect| ValuedEffect::new(effect, values)));
         }
     };
     for finding in &answer.findings {
@@ -81,18 +81,46 @@ impl Fitting<'_> {
     fn best_of(&self, model: &Posterior, candidates: &[ValuedEffect]) -> Option<Posterior> {
         let is_new =
             |candidate: &&ValuedEffect| !model.effects.iter().any(|one| one.has_effect_of(candidate));
-        let mut best: Option<Posterior> = None;
+        let mut ranked: Vec<Posterior> = Vec::new();
         for candidate in candidates.iter().filter(is_new) {
             let effects = [model.effects.as_slice(), std::slice::from_ref(candidate)].concat();
             // A machine with such an effect may be none that can be simulated.
             let Ok(fitted) = self.fit(model, &effects, RANKING_STEPS) else { continue };
-            let least = best.as_ref().map_or(EFFECT_GAIN * model.power_after, |one| one.power_after);
-            if fitted.power_after < least {
-                best = Some(fitted);
+            if fitted.power_after < EFFECT_GAIN * model.power_after {
+                ranked.push(fitted);
             }
         }
-        let ranked = best?;
-        self.fit(&ranked, &ranked.effects, POSTERIOR_STEPS).ok()
+        ranked.sort_by(|a, b| a.power_after.total_cmp(&b.power_after));
+        let best = ranked.first()?;
+        let explained = model.power_after - best.power_after;
+        let is_near = |other: &&Posterior| other.power_after - best.power_after <= NEARLY_AS_GOOD * explained;
+        let others = ranked[1..].iter().filter(is_near).filter_map(|other| other.effects.last().cloned());
+        let mut effects = best.effects.clone();
+        if let Some(added) = effects.last_mut() {
+            added.equivalents.extend(others);
+        }
+        self.fit(best, &effects, POSTERIOR_STEPS).ok()
+    }
+
+    /// Tries the effects that were nearly as good as those that were added in their places, now that the model has everything: each gives way to one that leaves less, and
+    /// keeps those that leave as little as equivalents.
+    fn settle_equivalents(&self, mut model: Posterior) -> Posterior {
+        for k in 0..model.effects.len() {
+            let others = std::mem::take(&mut model.effects[k].equivalents);
+            let mut fits = vec![model];
+            for other in others {
+                let mut effects = fits[0].effects.clone();
+                effects[k] = other;
+                fits.extend(self.fit(&fits[0], &effects, POSTERIOR_STEPS).ok());
+            }
+            fits.sort_by(|a, b| a.power_after.total_cmp(&b.power_after));
+            let most = AS_GOOD * fits[0].power_after;
+            let as_good = fits[1..].iter().filter(|fit| fit.power_after <= most);
+            let equivalents = as_good.map(|fit| fit.effects[k].clone()).collect();
+            model = fits.swap_remove(0);
+            model.effects[k].equivalents = equivalents;
+        }
+        model
     }
 
     fn fit(
@@ -172,6 +200,7 @@ pub fn update_model(
         posterior = fitting.add_screened(posterior)?;
         diagnosed = Some(Box::new(found));
     }
+    let posterior = fitting.settle_equivalents(posterior);
     let updated = Project {
         plant: posterior.project.plant.clone(),
         tolerances: posterior.project.tolerances.clone(),

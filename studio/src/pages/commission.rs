@@ -4,7 +4,7 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::commission::story::{FindingSummary, RequirementSummary};
 use counterpoise_pipeline::commission::{RoundSummary, StopReason};
 use counterpoise_pipeline::wording::figures::describe_figure;
-use counterpoise_report::commission::{describe_round, describe_stop};
+use counterpoise_report::commission::{describe_round, describe_stop, equivalents_text};
 use counterpoise_report::wording::capitalise_first;
 use counterpoise_verify::PerformanceFigure;
 use egui::{RichText, Ui};
@@ -218,9 +218,10 @@ fn finding_line(found: &FindingSummary) -> String {
     let values: Vec<String> =
         found.values.iter().map(|value| format!("{} {}", format_short(value.value), value.unit)).collect();
     format!(
-        "added: {} {} {}",
+        "added: {} {} {}{}",
         found.component.replace('_', " "),
         found.effect.replace('_', " "),
-        values.join(", ")
+        values.join(", "),
+        equivalents_text(found)
     )
 }
