@@ -7,6 +7,7 @@ use counterpoise_lti::response_at;
 use counterpoise_pipeline::exchange::SystemResult;
 use counterpoise_pipeline::{DesignStages, PipelineError, run_stages};
 use counterpoise_project::{Document, Project};
+use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_tests::ExampleFolder;
 use counterpoise_tests::examples::attachments;
 
@@ -28,7 +29,7 @@ fn stages(sections: &str, controller: Option<&str>) -> Result<DesignStages, Pipe
     };
     let project =
         Project::resolve(&document, &files).unwrap_or_else(|findings| panic!("{findings:?}")).project;
-    run_stages(&project, &ExampleFolder(folder()))
+    run_stages(&project, &HeaderText, &ExampleFolder(folder()))
 }
 
 #[test]

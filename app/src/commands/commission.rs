@@ -24,6 +24,7 @@ use counterpoise_project::resolve::controller_file::ControllerContent;
 use counterpoise_project::{Document, Language, Purpose};
 use counterpoise_report::commission::{commission_report, describe_round, describe_stop};
 use counterpoise_report::html_page;
+use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_report::wording::recordings::describe_recordings_error;
 use serde::Serialize;
 
@@ -224,7 +225,7 @@ impl Round<'_> {
         let world = ProjectWorld::of(&self.loaded, self.options.results.progress());
         let mut project = self.loaded.project.clone();
         project.export.languages = vec![Language::C99];
-        let stages = run_stages(&project, &world)?;
+        let stages = run_stages(&project, &HeaderText, &world)?;
         let identity = ProjectIdentity::of(&project, &world);
         let controller = stages.verified.controller();
         let result = ControllerResult::new(&identity, controller);

@@ -223,6 +223,11 @@ pub fn describe_limit(kind: LimitKind) -> &'static str {
     }
 }
 
+/// Returns the names of several limits that bind together.
+pub fn join_limits(kinds: &[LimitKind]) -> String {
+    kinds.iter().map(|kind| describe_limit(*kind)).collect::<Vec<_>>().join(" and ")
+}
+
 /// Describes a fact of the loop that is not known.
 pub fn describe_unknown(unknown: Unknown) -> &'static str {
     match unknown {

@@ -1,6 +1,6 @@
 //! The words about weights and requirements.
 
-use counterpoise_pipeline::wording::weights::describe_weight;
+use counterpoise_report::wording::weights::describe_weight;
 use counterpoise_synth::Weight;
 
 #[test]

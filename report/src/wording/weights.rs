@@ -2,17 +2,17 @@
 
 use std::f64::consts::TAU;
 
+use counterpoise_pipeline::tuning::BlockResult;
 use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_synth::weight::shape::{HighFrequency, LowFrequency, Transition, WeightShape};
 use counterpoise_synth::{LightModes, Weight};
 
-use crate::tuning::block_results;
-
 /// Returns what each weight asks for, in words, one a line; of a feedback of fixed structure its blocks.
 pub fn describe_weights(synth: &DesignRequest) -> Vec<String> {
     let s = &synth.specification;
-    let blocks = block_results(&synth.options.structure);
-    let mut lines: Vec<String> = blocks.iter().map(|block| format!("feedback: {block}")).collect();
+    let blocks = synth.options.structure.blocks.iter().map(Into::into);
+    let mut lines: Vec<String> =
+        blocks.map(|block| format!("feedback: {}", describe_block(&block))).collect();
     lines.extend(
         synth
             .options
@@ -42,6 +42,12 @@ pub fn describe_weights(synth: &DesignRequest) -> Vec<String> {
         }
     }
     lines
+}
+
+/// Describes a block of a fixed structure: its kind and its values.
+fn describe_block(block: &BlockResult) -> String {
+    let values: Vec<String> = block.values.iter().map(|(key, value)| format!("{key} {value:.6}")).collect();
+    format!("{} ({})", block.kind, values.join(", "))
 }
 
 /// Describes a weight on a signal ("error", "control"): what it says of the steady and of the fast signal, up to where it is the one,
