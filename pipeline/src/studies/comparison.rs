@@ -590,7 +590,10 @@ fn spillover(
                 .findings
                 .iter()
                 .find_map(|finding| match finding.cause {
-                    counterpoise_synth::Cause::SampledUnstable { pole, .. } => Some(pole.norm()),
+                    counterpoise_synth::Cause::Plant(counterpoise_synth::PlantCause::SampledUnstable {
+                        pole,
+                        ..
+                    }) => Some(pole.norm()),
                     _ => None,
                 })
                 .unwrap_or(f64::INFINITY),
