@@ -278,7 +278,7 @@ pub fn design_project(
     let stages = made.export(&origin, verified, stability)?;
     Ok(CompletedDesign {
         identity: ProjectIdentity::of(project, world),
-        asked: asked(project)?,
+        asked: design_request(project)?,
         certificates: certify_designs(&stages.synthesised, Some(stages.verified.verification())),
         comparison,
         views: design_views(&stages.modelled, &stages.reduced, &stages.synthesised)?,
@@ -309,7 +309,7 @@ pub fn study_synthesis(project: &Project, world: &dyn World) -> Result<Synthesis
     let synthesised = synthesise(project, &modelled, &reduced)?;
     Ok(SynthesisStudy {
         identity: ProjectIdentity::of(project, world),
-        asked: asked(project)?,
+        asked: design_request(project)?,
         certificates: certify_designs(&synthesised, None),
         comparison: compare_designs(project, &modelled, &synthesised)?,
         views: design_views(&modelled, &reduced, &synthesised)?,
@@ -320,7 +320,7 @@ pub fn study_synthesis(project: &Project, world: &dyn World) -> Result<Synthesis
 }
 
 /// Returns the design that a project asks for; every project that was designed has one.
-fn asked(project: &Project) -> Result<DesignRequest, PipelineError> {
+fn design_request(project: &Project) -> Result<DesignRequest, PipelineError> {
     let missing = PipelineError::Missing { section: "synth", needed_by: "the design" };
     project.synth.clone().ok_or(missing)
 }

@@ -20,6 +20,7 @@ use counterpoise_recordings::{Channel, Recording};
 use counterpoise_report::results::verification::VerifiedAxes;
 use counterpoise_report::results::{SynthText, VerifyText};
 use counterpoise_report::wording::code_header::HeaderText;
+use counterpoise_report::wording::errors::describe_pipeline_error;
 use counterpoise_report::{VerificationContext, html_page, of_verification};
 use counterpoise_simulate::replay::{ChannelFit, RecordedController, ReplayLoop, Replayer};
 use counterpoise_simulate::signal::{Signal, Sine};
@@ -321,7 +322,7 @@ fn a_file_without_one_key_that_is_read_is_designed_or_refused_with_what_to_chang
     for _ in 0..count {
         let (name, project) = left.swap_remove(random.draw_below(left.len()));
         let Err(why) = design_project(&project) else { continue };
-        let said = why.to_string();
+        let said = describe_pipeline_error(&why);
         // a key of the machine, a weight of which the file states too few, or the clock that the machine left over would need
         let changes = ["plant.", "give the loop recovery", "sample faster"];
         if !changes.iter().any(|change| said.contains(change)) {

@@ -30,3 +30,33 @@ fn list_findings(findings: &[DesignFinding]) -> String {
         findings.iter().map(|finding| format!("  - {}", describe_design_finding(finding))).collect();
     lines.join("\n")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use counterpoise_synth::{Cause, Part, SpecificationCause};
+
+    fn findings() -> Vec<DesignFinding> {
+        let cause = Cause::Specification(SpecificationCause::NothingDisturbs);
+        vec![DesignFinding::refusal(Part::Feedback, cause)]
+    }
+
+    #[test]
+    fn every_finding_stands_below_the_error() {
+        let text = describe_error(&PipelineError::NoController(findings()));
+        let (error, finding) = text.split_once('\n').unwrap_or_default();
+        assert_eq!(error, "there is no controller for these weights:");
+        assert!(finding.starts_with("  - feedback: nothing disturbs the loop"), "{text}");
+    }
+
+    #[test]
+    fn a_controller_that_does_not_hold_the_loop_comes_with_what_to_look_at() {
+        let error = PipelineError::ControllerUnstable { file: "pid.json".to_owned(), findings: findings() };
+        let text = describe_pipeline_error(&error);
+        assert!(
+            text.starts_with("the controller in \"pid.json\" does not hold the loop:\n  - feedback"),
+            "{text}"
+        );
+        assert!(text.ends_with("look at its sign, its units and its sample time"), "{text}");
+    }
+}

@@ -111,7 +111,7 @@ fn run_campaign(
         if made.len() < count {
             break;
         }
-        samples.extend(made.into_iter().collect::<Result<Vec<_>, _>>().map_err(|error| error_lines(&error))?);
+        samples.extend(made.into_iter().collect::<Result<Vec<_>, _>>().map_err(|e| vec![e.to_string()])?);
         if let Ok(mut slot) = partial.lock() {
             *slot = Some(campaign_result(&campaign, &samples));
         }
