@@ -147,6 +147,19 @@ fn a_report_presents_results_and_calls_nothing_that_computes() {
     }
 }
 
+/// What people read is worded for them: no value is shown by the name that it has in the code.
+#[test]
+fn nothing_that_people_read_is_printed_as_debug_prints_it() {
+    for front_end in ["report", "app"] {
+        for (file, code) in sources(front_end) {
+            let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+            for line in lines {
+                assert!(!line.contains(":?}"), "{}: {line}", file.display());
+            }
+        }
+    }
+}
+
 fn is_part_of_name(letter: char) -> bool {
     letter.is_alphanumeric() || letter == '_'
 }
