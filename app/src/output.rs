@@ -18,6 +18,7 @@ use counterpoise_host::terminal::{error_causes, print_message};
 use counterpoise_pipeline::exchange::SCHEMA;
 use counterpoise_project::diagnostic::first_findings;
 use counterpoise_report::adaptation::{EXPORTED_BY_BANDS, LEFT_OUT_BY_TRIALS};
+use counterpoise_report::wording::errors::describe_error;
 
 /// Exit code of a program whose standard output was lost: a full disk, or a reader that has gone away.
 const LOST: i32 = 3;
@@ -43,7 +44,7 @@ pub(crate) use say;
 
 /// Returns an error and its causes, one below the other. A cause that the line above it quotes is not repeated.
 pub fn error_chain(error: &anyhow::Error) -> String {
-    format!("error: {}", error_causes(error).join("\n  because: "))
+    format!("error: {}", error_causes(error, describe_error).join("\n  because: "))
 }
 
 /// Returns a number of a printed line: five significant digits, a plain minus sign, and a word for what has

@@ -8,6 +8,7 @@ use counterpoise_host::shards;
 use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_pipeline as pipeline;
 use counterpoise_project::Purpose;
+use counterpoise_report::wording::code_header::HeaderText;
 
 use crate::support;
 
@@ -18,7 +19,7 @@ fn every_single_bit_error_of_a_shard_is_refused() {
     let folder = folder_with("shard_bits", CAMPAIGN);
     let loaded = projects::load_project(&folder, Purpose::Sweep).unwrap();
     let world = ProjectWorld::of(&loaded, ProgressDisplay::Quiet);
-    let designed = pipeline::design_project(&loaded.project, &world).unwrap();
+    let designed = pipeline::design_project(&loaded.project, &HeaderText, &world).unwrap();
     let campaign = pipeline::prepare_campaign(
         &loaded.project,
         &designed.stages.modelled,

@@ -3,6 +3,7 @@
 use counterpoise_controller::Controller;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::plant::Plant;
+use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_verify::robustness::figures_of;
 use counterpoise_verify::{
     Arrangement, Experiment, Model, PerformanceFigure, Quantity, Source, StepFigure, Value,
@@ -29,7 +30,7 @@ pub fn designs_on_two_models(tested: &TestedDesign<'_>) -> Result<Claim, Pipelin
     let mut project = tested.project.clone();
     (project.model.structure, project.model.modes) = (StructureChoice::Beam, 3);
     project.verify.iter_mut().for_each(|verify| verify.road = None);
-    let other = counterpoise_pipeline::run_stages(&project, tested.world)?;
+    let other = counterpoise_pipeline::run_stages(&project, &HeaderText, tested.world)?;
     let linear = |c: &Controller| {
         c.linear(c.parts().design_out_of_balance_kg_m).map_err(counterpoise_verify::Error::from)
     };

@@ -4,6 +4,7 @@ use counterpoise_controller::Controller;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::plant::OperatingPoint;
 use counterpoise_models::{Configuration, Parameters};
+use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_verify::{Arrangement, Experiment, Model, PerformanceFigure, Quantity, Source, StepFigure};
 
 use super::drawing::{
@@ -223,7 +224,7 @@ fn redesign_for(
     project.plant = parameters.clone();
     project.model.configuration = None;
     project.verify.iter_mut().for_each(|verify| verify.road = None);
-    let other = run_stages(&project, tested.world)?;
+    let other = run_stages(&project, &HeaderText, tested.world)?;
     let controller = other.verified.controller();
     let changes = three_changes(&tested.observed, controller)?;
     let residual = [rms(source, Arrangement::Compensated)];

@@ -4,6 +4,7 @@ use counterpoise_controller::Controller;
 use counterpoise_lti::{Response, StateSpace};
 use counterpoise_models::Parameters;
 use counterpoise_models::plant::Plant;
+use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_simulate::Simulator;
 use counterpoise_verify::history::{Experiment, History};
 use counterpoise_verify::robustness::figures_of;
@@ -101,11 +102,11 @@ impl<'a> TestedDesign<'a> {
     /// # Errors
     /// Those of the pipeline.
     pub fn new(project: &'a Project, world: &'a (dyn World + Sync)) -> Result<Self, PipelineError> {
-        let designed = run_stages(project, world)?;
+        let designed = run_stages(project, &HeaderText, world)?;
         let procedure = designed.procedure.clone();
         let friction = identify_friction(&designed.modelled.parameters)?;
         let observing_project = with_observer(project, &friction);
-        let observed = run_stages(&observing_project, world)?.verified.controller().clone();
+        let observed = run_stages(&observing_project, &HeaderText, world)?.verified.controller().clone();
         Ok(Self { project, world, designed, procedure, friction, observing_project, observed })
     }
 
@@ -142,7 +143,7 @@ impl<'a> TestedDesign<'a> {
     pub fn redesign(&self, change: impl FnOnce(&mut Project)) -> Result<DesignStages, PipelineError> {
         let mut project = self.project.clone();
         change(&mut project);
-        run_stages(&project, self.world)
+        run_stages(&project, &HeaderText, self.world)
     }
 
     /// Returns figures of a controller on a mechanism.

@@ -25,6 +25,17 @@ pub enum Numbers {
     Fixed,
 }
 
+impl Numbers {
+    /// Returns the name of the numbers in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Numbers::Double => "double",
+            Numbers::Single => "single",
+            Numbers::Fixed => "fixed",
+        }
+    }
+}
+
 /// The controller in some numbers, in the simulated loop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TargetFigures {

@@ -15,7 +15,7 @@ use counterpoise_pipeline::commission::{
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::identity::ProjectIdentity;
 use counterpoise_pipeline::recordings::{GapTreatment, RecordingFile, read_files};
-use counterpoise_pipeline::{DesignStages, run_stages};
+use counterpoise_pipeline::{DesignStages, HeaderWords, run_stages};
 use counterpoise_pool::Pool;
 use counterpoise_project::resolve::controller_file::ControllerContent;
 use counterpoise_project::{Attachments, Document, Language, Purpose};
@@ -58,13 +58,15 @@ impl CommissioningSetup {
     }
 }
 
-/// The progress of a round: processors for its computations, and whether its stages are printed.
+/// The means of a round: processors for its computations, whether its stages are printed, and the words of its code's headers.
 #[derive(Clone, Copy)]
-pub struct RoundProgress<'a> {
+pub struct RoundTools<'a> {
     /// The processors.
     pub pool: &'a dyn Pool,
     /// Whether stages are printed.
     pub stages: ProgressDisplay,
+    /// The words.
+    pub words: &'a dyn HeaderWords,
 }
 
 /// A commissioning whose folder belongs to its project.
@@ -105,7 +107,7 @@ impl Commissioning {
     ///
     /// # Errors
     /// Those of the design, the machine program and the recordings.
-    pub fn run_round(&self, round: usize, progress: RoundProgress<'_>) -> Result<RoundSummary> {
+    pub fn run_round(&self, round: usize, tools: RoundTools<'_>) -> Result<RoundSummary> {
         let folder = self.setup.round_folder(round);
         let model = folder.join(MODEL);
         let text = files::read_file(&model)?;
@@ -113,7 +115,7 @@ impl Commissioning {
         let document = Document::from_bytes(&text, &path.display().to_string())
             .map_err(|_| Error::msg(format!("{} is no project file", model.display())))?;
         let loaded = projects::load_document(path.clone(), document, &self.attachments, Purpose::Design)?;
-        Round { setup: &self.setup, number: round, folder, loaded, progress }.run()
+        Round { setup: &self.setup, number: round, folder, loaded, tools }.run()
     }
 }
 
@@ -146,7 +148,7 @@ struct Round<'a> {
     number: usize,
     folder: PathBuf,
     loaded: ProjectOnDisk,
-    progress: RoundProgress<'a>,
+    tools: RoundTools<'a>,
 }
 
 /// An exported controller, with the design that it came from.
@@ -177,7 +179,7 @@ impl Round<'_> {
         let mut summary = RoundSummary::begin(self.number, &hash, &designed.stages);
         let project = assign_controller(&self.loaded.project, &designed.content);
         let limits = self.setup.experiment_limits();
-        let planned = plan_runs(&project, &designed.stages, limits, self.progress.pool)?;
+        let planned = plan_runs(&project, &designed.stages, limits, self.tools.pool)?;
         summary.left_out.extend(planned.left_out.iter().map(|run| run.name.to_owned()));
         let recorded = match self.run_experiments(&planned.runs, &hash, &mut summary)? {
             RunsEnd::Complete(recorded) => recorded,
@@ -188,7 +190,7 @@ impl Round<'_> {
         if let Some(stop) = stop_before_update(&verdicts, &summary.runs) {
             return self.finish(summary, Some(stop));
         }
-        let pool = self.progress.pool;
+        let pool = self.tools.pool;
         let update = update_model(&self.loaded.stated, &designed.content, &recorded.replayed, pool)?;
         summary.add_update(&update);
         let stop = stop_after_update(&self.loaded.stated, &update, &verdicts, &summary);
@@ -207,10 +209,10 @@ impl Round<'_> {
 
     /// Designs the controller of the round and writes its code.
     fn design(&self) -> Result<DesignedRound> {
-        let world = ProjectWorld::of(&self.loaded, self.progress.stages);
+        let world = ProjectWorld::of(&self.loaded, self.tools.stages);
         let mut project = self.loaded.project.clone();
         project.export.languages = vec![Language::C99];
-        let stages = run_stages(&project, &world)?;
+        let stages = run_stages(&project, self.tools.words, &world)?;
         let identity = ProjectIdentity::of(&project, &world);
         let controller = stages.verified.controller();
         let result = ControllerResult::new(&identity, controller);
@@ -232,7 +234,7 @@ impl Round<'_> {
         }
         let mut recorded = RecordedRuns::default();
         for run in runs {
-            if self.progress.pool.is_cancelled() {
+            if self.tools.pool.is_cancelled() {
                 bail!("stopped before the experiment {}: the same round goes on from here", run.name);
             }
             let folder = self.folder.join(run.name);

@@ -25,10 +25,13 @@ fn escape_characters(text: &str, escape: impl Fn(char) -> String) -> String {
     out
 }
 
-/// Returns what an error and its causes say, the error first; a cause that a line before it quotes is left out.
-pub fn error_causes(error: &anyhow::Error) -> Vec<String> {
+/// Returns what an error and its causes say, the error first; a cause that a line before it quotes is left out. `describe` says what each is.
+pub fn error_causes(
+    error: &anyhow::Error,
+    describe: impl Fn(&(dyn std::error::Error + 'static)) -> String,
+) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    for cause in error.chain().map(ToString::to_string) {
+    for cause in error.chain().map(describe) {
         if !lines.iter().any(|line| line.contains(&cause)) {
             lines.push(cause);
         }

@@ -13,12 +13,12 @@ use crate::exchange::VerifiedLoop;
 use crate::first_design::leaves_weights_open;
 use crate::studies::assumptions::{AssumptionEffect, LoopSystems, assumption_effects, with_those_of_design};
 use crate::studies::sweep::campaign_is_stated;
-use crate::wording::serialisation::write_check_problems;
 use crate::{PipelineError, PlantModel, build_plant_model, choose_weights, reduce_plant, synthesise};
 
-/// The reading of a project file, and the values that are assumed.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CheckResult {
+/// The reading of a project file, and the values that are assumed. What is in the way is a [`CheckProblem`], or a sentence about it, which a
+/// result file has.
+#[derive(Debug, Serialize)]
+pub struct CheckResult<Problem = CheckProblem> {
     /// The file.
     pub file: String,
     /// The format that it states; `None` if it states none.
@@ -37,13 +37,32 @@ pub struct CheckResult {
     pub assumptions: Vec<Assumption>,
     /// The effects of the assumptions with a usual range, the largest effect first; empty without a design.
     pub effects: Vec<AssumptionEffect>,
-    /// Why the plant cannot be built, or why there is no design by which assumptions could be judged; serialised as sentences.
-    #[serde(serialize_with = "write_check_problems")]
-    pub problems: Vec<CheckProblem>,
+    /// Why the plant cannot be built, or why there is no design by which assumptions could be judged.
+    pub problems: Vec<Problem>,
     /// The entries that are allowed but likely to be mistakes.
     pub warnings: Vec<Diagnostic>,
     /// The commands for which the file has all sections.
     pub commands: Vec<&'static str>,
+}
+
+impl CheckResult {
+    /// Returns the result with what `describe` says of each problem.
+    pub fn map_problems<Said>(self, describe: impl Fn(&CheckProblem) -> Said) -> CheckResult<Said> {
+        CheckResult {
+            file: self.file,
+            format: self.format,
+            parts: self.parts,
+            machine: self.machine,
+            plant: self.plant,
+            sections: self.sections,
+            tolerances: self.tolerances,
+            assumptions: self.assumptions,
+            effects: self.effects,
+            problems: self.problems.iter().map(describe).collect(),
+            warnings: self.warnings,
+            commands: self.commands,
+        }
+    }
 }
 
 /// The plant in a few numbers.
@@ -88,13 +107,13 @@ pub fn check_project(document: &Document, parsed: &ParsedProject, systems: LoopS
     let mut problems = Vec::new();
     let (plant, (assumptions, effects)) = match build_plant_model(project) {
         Err(error) => {
-            problems.push(CheckProblem::NoPlant { cause: error.to_string() });
+            problems.push(CheckProblem::NoPlant { cause: error });
             (None, (parsed.assumptions.clone(), Vec::new()))
         }
         Ok(modelled) => {
             let ranked = rank_assumptions(project, &modelled, &parsed.assumptions, systems);
             let ranked = ranked.unwrap_or_else(|error| {
-                problems.push(CheckProblem::NoDesign { cause: error.to_string() });
+                problems.push(CheckProblem::NoDesign { cause: error });
                 RankedAssumptions { assumptions: parsed.assumptions.clone(), ..RankedAssumptions::default() }
             });
             (Some(overview(&modelled)), (ranked.assumptions, ranked.effects))

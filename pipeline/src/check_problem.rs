@@ -1,16 +1,18 @@
 //! The problems that prevent a check.
 
+use crate::PipelineError;
+
 /// A problem that prevents a check.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug)]
 pub enum CheckProblem {
     /// The plant cannot be built.
     NoPlant {
-        /// Why, in the words of the error.
-        cause: String,
+        /// Why.
+        cause: PipelineError,
     },
     /// Assumptions are not ranked, because there is no design.
     NoDesign {
-        /// Why, in the words of the error.
-        cause: String,
+        /// Why.
+        cause: PipelineError,
     },
 }

@@ -3,6 +3,7 @@
 use counterpoise_export::{File, FormFigures, TargetRuns, Targets};
 use counterpoise_pool::{Pool, join};
 use counterpoise_project::Project;
+use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_verify::certificate::StabilityCertificate;
 use counterpoise_verify::rejection_spectra::{HubRateSpectra, spectral_rejections};
 use counterpoise_verify::{Procedure, VerifiedController};
@@ -12,13 +13,13 @@ use crate::design_views::{DesignViews, design_views};
 use crate::exchange::{VerifiedLoop, verified_loop};
 use crate::export::target_proofs::OperationCounts;
 use crate::export::{
-    ExportedCode, OmittedCode, PathForms, TargetCode, every_target, export_by, half_step_v, path_forms,
+    ExportTask, ExportedCode, HeaderWords, OmittedCode, PathForms, TargetCode, every_target, export_by,
+    half_step_v, path_forms,
 };
 use crate::loop_view::{LoopView, loop_view};
 use crate::sight_views::{SightView, view_sight};
 use crate::studies::adaptation_trials::{AdaptationTrials, own_trials};
 use crate::studies::comparison::{DesignComparison, compare_designs};
-use crate::wording::weights::describe_weights;
 use crate::{
     DecidedProject, DesignedAxis, FirstDesign, PipelineError, PipelineStage, PlantModel, ProjectIdentity,
     ReducedPlant, SynthesisedDesign, TraverseCode, TwoAxisStudy, World, build_plant_model, choose_and_tune,
@@ -85,8 +86,8 @@ pub struct CompletedDesign {
     pub identity: ProjectIdentity,
     /// Results of the stages.
     pub stages: DesignStages,
-    /// Meaning of each weight in words, one a line.
-    pub weights: Vec<String>,
+    /// The design that the project asks for, with its weights.
+    pub asked: DesignRequest,
     /// Why the weights are what they are, if the project stated none and they were chosen here.
     pub first_design: Option<FirstDesign>,
     /// Residuals and costs that certify the design.
@@ -122,8 +123,8 @@ pub struct SynthesisStudy {
     pub reduced: ReducedPlant,
     /// The design and its sampled controller.
     pub synthesised: SynthesisedDesign,
-    /// Meaning of each weight in words, one a line.
-    pub weights: Vec<String>,
+    /// The design that the project asks for, with its weights.
+    pub asked: DesignRequest,
     /// Residuals and costs that certify the design.
     pub certificates: Vec<Certificate>,
     /// The design beside other methods, a lower order, other states of balance and a plant with more modes.
@@ -132,17 +133,29 @@ pub struct SynthesisStudy {
     pub views: DesignViews,
 }
 
-/// Runs every stage from the project to its code.
+/// Runs every stage from the project to its code, whose headers are worded by `words`.
 ///
 /// # Errors
 /// [`PipelineError`]: what is missing in the project, what cannot be built, and every reason why there is no controller.
 /// A requirement that is not met is no error: it is a verdict in [`DesignStages::verified`].
-pub fn run_stages(project: &Project, world: &dyn World) -> Result<DesignStages, PipelineError> {
+pub fn run_stages(
+    project: &Project,
+    words: &dyn HeaderWords,
+    world: &dyn World,
+) -> Result<DesignStages, PipelineError> {
     let made = SampledDesign::of(project, world)?;
     let (verified, stability) = run_observed(world, PipelineStage::Verify, || {
         join(world.pool(), || made.verify(project), || made.certify(project))
     });
-    made.export(project, world, verified?, stability?)
+    made.export(&CodeOrigin { project, words, world }, verified?, stability?)
+}
+
+/// The project whose code is written, who words its headers, and the surroundings.
+#[derive(Clone, Copy)]
+struct CodeOrigin<'a> {
+    project: &'a Project,
+    words: &'a dyn HeaderWords,
+    world: &'a dyn World,
 }
 
 /// The results of the stages up to the sampled controller, and what its verification will do to the mechanism.
@@ -208,16 +221,16 @@ impl SampledDesign {
     /// Writes the code.
     fn export(
         self,
-        project: &Project,
-        world: &dyn World,
+        origin: &CodeOrigin<'_>,
         verified: VerifiedController,
         stability: StabilityCertificate,
     ) -> Result<DesignStages, PipelineError> {
         let Self { modelled, reduced, synthesised, procedure } = self;
-        let ExportedCode { files, left_out } = run_observed(world, PipelineStage::Export, || {
-            export_by(project, &modelled, &verified, &procedure, world)
-        })?;
-        let traverse = export_traverse(project, world)?.map(Box::new);
+        let CodeOrigin { project, words, world } = *origin;
+        let task = ExportTask { project, modelled: &modelled, verified: &verified, procedure: &procedure };
+        let ExportedCode { files, left_out } =
+            run_observed(world, PipelineStage::Export, || export_by(&task, words, world))?;
+        let traverse = export_traverse(project, words, world)?.map(Box::new);
         Ok(DesignStages {
             modelled,
             reduced,
@@ -251,23 +264,28 @@ struct StudiedTargets {
 ///
 /// # Errors
 /// As [`run_stages`], and those of the comparison and of the runs in each kind of numbers.
-pub fn design_project(project: &Project, world: &dyn World) -> Result<CompletedDesign, PipelineError> {
+pub fn design_project(
+    project: &Project,
+    words: &dyn HeaderWords,
+    world: &dyn World,
+) -> Result<CompletedDesign, PipelineError> {
     let DecidedProject { project, first, .. } = choose_and_tune(project, world)?;
     let project = &project;
     let made = SampledDesign::of(project, world)?;
     let studied = run_observed(world, PipelineStage::Verify, || made.study(project, world.pool()))?;
     let StudiedDesign { verified, stability, targets, comparison, loop_view } = studied;
-    let stages = made.export(project, world, verified, stability)?;
+    let origin = CodeOrigin { project, words, world };
+    let stages = made.export(&origin, verified, stability)?;
     Ok(CompletedDesign {
         identity: ProjectIdentity::of(project, world),
-        weights: project.synth.as_ref().map(describe_weights).unwrap_or_default(),
+        asked: design_request(project)?,
         certificates: certify_designs(&stages.synthesised, Some(stages.verified.verification())),
         comparison,
         views: design_views(&stages.modelled, &stages.reduced, &stages.synthesised)?,
         loop_view,
         sight_views: view_sight(stages.verified.verification()),
         spectra: spectral_rejections(stages.verified.verification()),
-        targets: study_targets(project, &stages, targets, world)?,
+        targets: study_targets(&origin, &stages, targets)?,
         first_design: first,
         verified_loop: verified_loop(
             &stages.modelled.plant,
@@ -291,7 +309,7 @@ pub fn study_synthesis(project: &Project, world: &dyn World) -> Result<Synthesis
     let synthesised = synthesise(project, &modelled, &reduced)?;
     Ok(SynthesisStudy {
         identity: ProjectIdentity::of(project, world),
-        weights: project.synth.as_ref().map(describe_weights).unwrap_or_default(),
+        asked: design_request(project)?,
         certificates: certify_designs(&synthesised, None),
         comparison: compare_designs(project, &modelled, &synthesised)?,
         views: design_views(&modelled, &reduced, &synthesised)?,
@@ -301,20 +319,26 @@ pub fn study_synthesis(project: &Project, world: &dyn World) -> Result<Synthesis
     })
 }
 
+/// Returns the design that a project asks for; every project that was designed has one.
+fn design_request(project: &Project) -> Result<DesignRequest, PipelineError> {
+    let missing = PipelineError::Missing { section: "synth", needed_by: "the design" };
+    project.synth.clone().ok_or(missing)
+}
+
 /// Writes the code in each kind of numbers and puts it beside what was found of them.
 ///
 /// # Errors
 /// Those of the realisations.
 fn study_targets(
-    project: &Project,
+    origin: &CodeOrigin<'_>,
     stages: &DesignStages,
     studied: StudiedTargets,
-    world: &dyn World,
 ) -> Result<TargetStudy, PipelineError> {
+    let CodeOrigin { project, words, world } = *origin;
     let StudiedTargets { compared, by_form } = studied;
     let programs = stages.verified.controller().programs();
     Ok(TargetStudy {
-        code: every_target(project, &stages.verified, &compared, world)?,
+        code: every_target(project, &stages.verified, &compared, words, world)?,
         operations: OperationCounts {
             multiplications: programs.step.multiplications(),
             additions: programs.step.additions(),

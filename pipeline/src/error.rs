@@ -2,11 +2,11 @@
 
 use counterpoise_synth::DesignFinding;
 
-use crate::wording::design_findings::{describe_design_finding, describe_synthesis_error};
-
+use crate::axes_problem::AxesProblem;
 use crate::recordings::{ColumnRemark, UnusedColumn};
 
-/// Every reason for which a stage of the pipeline has no result.
+/// Every reason for which a stage of the pipeline has no result. The text of an error names what is wrong; what was found beside it (findings of
+/// a design, remarks about columns) is data that the crate `report` puts into words.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PipelineError {
@@ -80,11 +80,7 @@ pub enum PipelineError {
         file: String,
     },
     /// A controller that does not hold the loop, every reason.
-    #[error(
-        "the controller in \"{file}\" does not hold the loop:\n{}\n  its input is the error, demand less reading, in the unit of what the loop controls (rad/s, rad, m/s, m, N m, N or A); its \
-         output is in V, of which 10 command the drive's limit: look at its sign, its units and its sample time",
-        lines(.findings)
-    )]
+    #[error("the controller in \"{file}\" does not hold the loop")]
     ControllerUnstable {
         /// Name of the file.
         file: String,
@@ -175,7 +171,7 @@ pub enum PipelineError {
         problem: String,
     },
     /// Weights that make no solvable problem, every reason.
-    #[error("there is no controller for these weights:\n{}", lines(.0))]
+    #[error("there is no controller for these weights")]
     NoController(Vec<DesignFinding>),
     /// A file that the project names.
     #[error("the file \"{name}\", which [{section}] names: {problem}")]
@@ -187,6 +183,14 @@ pub enum PipelineError {
         /// Description of the error.
         problem: String,
     },
+    /// Two axes that do not fit together.
+    #[error("the file \"{name}\", which [traverse] names: {problem}")]
+    Axes {
+        /// The file of the traverse axis.
+        name: String,
+        /// Why they do not.
+        problem: AxesProblem,
+    },
     /// The mechanism was refused.
     #[error("plant: {0}")]
     Models(#[from] counterpoise_models::Error),
@@ -197,7 +201,7 @@ pub enum PipelineError {
     #[error("reduction: {0}")]
     Reduce(#[from] counterpoise_reduce::Error),
     /// The design failed.
-    #[error("design: {}", describe_synthesis_error(.0))]
+    #[error("design: {0}")]
     Synth(#[source] counterpoise_synth::Error),
     /// There is no fixed-point form.
     #[error("fixed point: {0}")]
@@ -255,14 +259,6 @@ pub enum PipelineError {
     /// A recording cannot be used.
     #[error("recording: {0}")]
     Recording(#[from] counterpoise_recordings::Error),
-}
-
-fn lines(findings: &[DesignFinding]) -> String {
-    findings
-        .iter()
-        .map(|finding| format!("  - {}", describe_design_finding(finding)))
-        .collect::<Vec<_>>()
-        .join("\n")
 }
 
 impl From<counterpoise_synth::Error> for PipelineError {

@@ -6,13 +6,14 @@
 //! and other programs only present it. [`recordings`] leads back from recordings of a machine to a better model; [`studies`] vary what
 //! the forward direction does.
 //!
-//! *Invariant*: no file, thread, clock or terminal; files are read and stages are watched through [`World`].
+//! *Invariant*: no file, thread, clock or terminal; files are read and stages are watched through [`World`]. No sentence about a result:
+//! results hold numbers and enums, which the crate `report` puts into words, those in the headers of generated code through [`HeaderWords`].
 //!
 //! Modules in reading order: [`error`], `budget`, [`check_problem`], [`check`], [`configuration`], [`model`](mod@model), [`reduce`](mod@reduce), [`synth`],
 //! [`first_design`](mod@first_design), [`tuning`], [`certificates`], [`road`], [`inertial_unit`](mod@inertial_unit),
-//! [`verify`](mod@verify), [`export`](mod@export), [`identity`], [`frequencies`], [`design_views`], [`loop_view`](mod@loop_view), [`sight_views`], `axes_problem`, [`traverse_file`], [`two_axes`], [`mod@design`], [`plant_views`],
+//! [`verify`](mod@verify), [`export`](mod@export), [`identity`], [`frequencies`], [`design_views`], [`loop_view`](mod@loop_view), [`sight_views`], [`axes_problem`], [`traverse_file`], [`two_axes`], [`mod@design`], [`plant_views`],
 //! [`reduction_views`], [`preview`], [`recordings`], [`studies`], [`commission`],
-//! [`exchange`] (systems and responses for other programs), [`wording`], [`results`].
+//! [`exchange`] (systems and responses for other programs), [`results`].
 //!
 //! ```
 //! use counterpoise_pipeline::{PipelineError, build_plant_model};
@@ -25,7 +26,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod axes_problem;
+pub mod axes_problem;
 mod budget;
 pub mod certificates;
 pub mod check;
@@ -58,7 +59,6 @@ pub mod traverse_file;
 pub mod tuning;
 pub mod two_axes;
 pub mod verify;
-pub mod wording;
 
 use counterpoise_pool::{Pool, Serial};
 use counterpoise_synth::FirstDesign;
@@ -67,7 +67,7 @@ pub use design::{
     CompletedDesign, DesignStages, SynthesisStudy, design_project, run_stages, study_synthesis,
 };
 pub use error::PipelineError;
-pub use export::{ExportedCode, OmittedCode, export};
+pub use export::{ExportedCode, HeaderWords, OmittedCode, export};
 pub use first_design::{
     ChosenWeights, FirstDesignResult, choose_weights, leaves_weights_open, with_chosen_weights,
 };

@@ -1,4 +1,7 @@
-//! Results as plain data that serialises: what `--json` prints, and what another program reads.
+//! Results as plain data: what `--json` prints, and what another program reads.
+//!
+//! A result without statements serialises as it is. One with statements (findings, verdicts, conditions) holds them as they were found, and the
+//! crate `report` writes it with sentences in their places.
 
 mod balance;
 mod certificate;
@@ -8,14 +11,13 @@ mod two_axes;
 
 use std::collections::BTreeMap;
 
-use crate::wording::figures::describe_unmeasured;
 use counterpoise_lti::StateSpace;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_project::Assumption;
 use counterpoise_reduce::Warning;
 use counterpoise_simulate::replay::{ChannelFit, Divergence, ReplayMode};
-use counterpoise_synth::{DesignFinding, Specification, Weight};
-use counterpoise_verify::{Value, Verdict, Verification};
+use counterpoise_synth::{DesignFinding, DisturbanceChannel, Part, Specification, Weight};
+use counterpoise_verify::Verification;
 use serde::Serialize;
 
 use crate::exchange::controller_file::PathResult;
@@ -29,20 +31,14 @@ use crate::exchange::{
 use crate::recordings::ReplayedRecording;
 use crate::studies::assumptions::AssumptionEffect;
 use crate::tolerance::ROUNDED_POLE;
-use crate::wording::design_findings::describe_part;
 pub use certificate::CertificateResult;
 pub use complete_design::ResultContents;
 pub use robustness::{AdviceResult, RobustnessResult};
 pub use two_axes::{JointColumn, JointFigureResult, JointHistoryResult, JointResult, JointVerdictResult};
 
-use crate::certificates::Certificate;
 use crate::plant_views::FrictionView;
 use crate::studies::accuracy::Accuracy;
 use crate::studies::adaptation_trials::AdaptationTrials;
-use crate::studies::comparison::DesignComparison;
-use crate::wording::acceptance::AcceptanceSource;
-use crate::wording::certificates::describe_certified_quantity;
-use crate::wording::serialisation::{write_demanded_rate, write_design_findings, write_reduction_warnings};
 use crate::{
     CompletedDesign, DemandedRate, PipelineError, PlantModel, ReducedPlant, SynthesisedDesign, TwoAxisStudy,
 };
@@ -91,9 +87,9 @@ pub struct ModelResult {
     pub accuracy: Vec<Accuracy>,
 }
 
-/// The reduction.
+/// The reduction. The notes for the designer are warnings, or sentences about them, which a result file has.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ReduceResult {
+pub struct ReduceResult<Note = Warning> {
     /// Name and version of the schema.
     pub schema: &'static str,
     /// Order before and after.
@@ -104,9 +100,8 @@ pub struct ReduceResult {
     pub bound: Option<f64>,
     /// Largest error as measured, and its frequency in rad/s.
     pub error: Option<ComplexPair>,
-    /// The notes for the designer; serialised as sentences.
-    #[serde(serialize_with = "write_reduction_warnings")]
-    pub warnings: Vec<Warning>,
+    /// The notes for the designer.
+    pub warnings: Vec<Note>,
     /// The plant before the reduction.
     pub plant_before: SystemResult,
     /// The reduced plant.
@@ -115,11 +110,41 @@ pub struct ReduceResult {
     pub responses: Vec<ResponseResult>,
 }
 
+impl ReduceResult {
+    /// Returns the result with what `describe` says of each warning.
+    pub fn map_warnings<Said>(self, describe: impl Fn(&Warning) -> Said) -> ReduceResult<Said> {
+        ReduceResult {
+            schema: self.schema,
+            order: self.order,
+            ranked: self.ranked,
+            bound: self.bound,
+            error: self.error,
+            warnings: self.warnings.iter().map(describe).collect(),
+            plant_before: self.plant_before,
+            plant: self.plant,
+            responses: self.responses,
+        }
+    }
+}
+
 /// The design.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SynthResult {
-    /// Name and version of the schema.
-    pub schema: &'static str,
+    /// Its figures.
+    pub figures: SynthFigures,
+    /// The costs of the parts.
+    pub costs: Vec<CostResult>,
+    /// The largest rate that a loop of position demands, and why; `None` for a loop of rate.
+    pub demanded_rate: Option<DemandedRate>,
+    /// The notes for the designer.
+    pub warnings: Vec<DesignFinding>,
+    /// Its systems.
+    pub systems: SynthSystems,
+}
+
+/// The figures of a design.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SynthFigures {
     /// Order of the design plant with sensors and delay.
     pub plant_order: usize,
     /// States of each path of the sampled controller.
@@ -130,14 +155,11 @@ pub struct SynthResult {
     pub largest_pole_modulus: f64,
     /// Largest relative difference between a cost as predicted and as computed on the assembled loop.
     pub cost_difference: Option<f64>,
-    /// The costs of the parts.
-    pub costs: Vec<CostResult>,
-    /// The largest rate that a loop of position demands, and why, serialised as a sentence; absent for a loop of rate.
-    #[serde(skip_serializing_if = "Option::is_none", serialize_with = "write_demanded_rate")]
-    pub demanded_rate: Option<DemandedRate>,
-    /// The notes for the designer; serialised as sentences.
-    #[serde(serialize_with = "write_design_findings")]
-    pub warnings: Vec<DesignFinding>,
+}
+
+/// The systems of a design.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SynthSystems {
     /// The design plant with sensor and delay: the measured rate, then every true output.
     pub design_plant: Option<SystemResult>,
     /// The weights.
@@ -152,66 +174,46 @@ pub struct SynthResult {
     pub responses: Vec<ResponseResult>,
 }
 
-/// The cost of a part of the design: the mean square of its weighted signals.
+/// The cost of a part of the design, or of what bears its name: the mean square of its weighted signals.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CostResult {
+pub struct CostResult<Of = CostedPart> {
     /// The part.
-    pub part: String,
+    pub part: Of,
     /// As its equations predict it.
     pub predicted: Option<f64>,
     /// As the assembled loop of this part has it.
     pub achieved: Option<f64>,
 }
 
-/// A figure with its value.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FigureResult {
-    /// Key, as in a project file.
-    pub figure: String,
-    /// Value; `None` if it could not be measured.
-    pub value: Option<f64>,
-    /// Unit.
-    pub unit: &'static str,
-    /// The basis: linear, or nonlinear with its amplitude.
-    pub basis: String,
+/// A part of a design that has a cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CostedPart {
+    /// The feedback in continuous time.
+    Feedback,
+    /// A feedforward in continuous time.
+    Feedforward(DisturbanceChannel),
+    /// The joint problem of all paths in continuous time.
+    Joint,
+    /// A part in sampled time.
+    Sampled(Part),
 }
 
-/// A requirement with its verdict.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct VerdictResult {
-    /// Key of the figure.
-    pub figure: String,
-    /// The basis of the figure: linear, or nonlinear with its amplitude.
-    pub basis: String,
-    /// `holds`, `fails` or `not applicable`.
-    pub verdict: &'static str,
-    /// Value.
-    pub value: Option<f64>,
-    /// Limit.
-    pub limit: Option<f64>,
-    /// `at least` or `at most`.
-    pub limit_side: &'static str,
-    /// Why it is not applicable.
-    pub why: Option<String>,
-    /// The origin of the requirement, as the project file states it; empty if it does not.
-    pub source: String,
-    /// The run that judged it.
-    pub judged_by: String,
-    /// The test on the machine that would.
-    pub acceptance_test: String,
-}
-
-/// The verification.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// What a result file says of a verification beside its figures and verdicts.
+#[derive(Debug, Clone, PartialEq)]
 pub struct VerifyResult {
-    /// Name and version of the schema.
-    pub schema: &'static str,
-    /// `true` if no requirement fails and the loop is stable.
+    /// `true` if no requirement fails, the loop is stable and nothing that was asked beside that is refused.
     pub passes: bool,
-    /// Verdicts, in the order of the project file.
-    pub verdicts: Vec<VerdictResult>,
-    /// Every figure.
-    pub figures: Vec<FigureResult>,
+    /// The studies beside the figures.
+    pub studies: VerificationStudies,
+    /// The traverse axis alone, and both axes together; `None` if the project has no traverse axis.
+    pub two_axes: Option<TwoAxesResult>,
+    /// The data of the figures.
+    pub data: VerificationData,
+}
+
+/// The studies of a verified loop beside its figures.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VerificationStudies {
     /// Stability in every regime; absent if it was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub certificate: Option<CertificateResult>,
@@ -224,9 +226,11 @@ pub struct VerifyResult {
     /// The contributions to the error of the line of sight; absent if it was not asked.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error_budget: Option<ErrorBudgetResult>,
-    /// The traverse axis alone, and both axes together; absent if the project has no traverse axis.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub two_axes: Option<TwoAxesResult>,
+}
+
+/// The data from which the figures of a verification can be recomputed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct VerificationData {
     /// The systems that the linear figures are measured on.
     #[serde(flatten)]
     pub measured_on: VerifiedLoop,
@@ -238,7 +242,7 @@ pub struct VerifyResult {
 }
 
 /// The traverse axis alone, and both axes together.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TwoAxesResult {
     /// Name of the traverse axis' machine.
     pub name: String,
@@ -247,7 +251,6 @@ pub struct TwoAxesResult {
     /// The verification of the traverse axis alone.
     pub traverse: Box<VerifyResult>,
     /// Both axes together.
-    #[serde(flatten)]
     pub joint: JointResult,
 }
 
@@ -278,9 +281,9 @@ impl TwoAxesResult {
 impl VerifyResult {
     /// Leaves out the time histories, those of the certificate's motions, and those of the adaptation's trials.
     pub fn leave_histories_out(&mut self) {
-        self.histories.clear();
-        self.certificate.iter_mut().for_each(CertificateResult::leave_histories_out);
-        self.adaptation_trials.iter_mut().for_each(|trials| trials.histories.clear());
+        self.data.histories.clear();
+        self.studies.certificate.iter_mut().for_each(CertificateResult::leave_histories_out);
+        self.studies.adaptation_trials.iter_mut().for_each(|trials| trials.histories.clear());
         self.two_axes.iter_mut().for_each(TwoAxesResult::leave_histories_out);
     }
 
@@ -293,26 +296,14 @@ impl VerifyResult {
     /// Returns the result with the trials of the adaptation: a method that they refuse does not pass.
     pub fn with_adaptation(self, adaptation_trials: Option<AdaptationTrials>) -> Self {
         let refused = adaptation_trials.as_ref().is_some_and(|tried| !tried.refused.is_empty());
-        Self { passes: self.passes && !refused, adaptation_trials, ..self }
+        let studies = VerificationStudies { adaptation_trials, ..self.studies };
+        Self { passes: self.passes && !refused, studies, ..self }
     }
 }
 
-/// A number that certifies a design.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct DesignCertificateResult {
-    /// The quantity that was computed.
-    pub name: String,
-    /// Its value.
-    pub value: f64,
-    /// `true` if it is within its limit.
-    pub holds: bool,
-}
-
 /// A whole design.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DesignResult {
-    /// Name and version of the schema.
-    pub schema: &'static str,
     /// The plant.
     pub model: ModelResult,
     /// The reduction.
@@ -321,18 +312,8 @@ pub struct DesignResult {
     pub synth: SynthResult,
     /// The verification.
     pub verify: VerifyResult,
-    /// The demand of each weight, in words.
-    pub weights_in_words: Vec<String>,
-    /// Residuals, costs and poles that certify the design.
-    pub certificates: Vec<DesignCertificateResult>,
-    /// The design beside its alternatives.
-    pub beside: DesignComparison,
     /// The controller in every kind of numbers.
     pub targets: TargetsResult,
-    /// Names of the files of code.
-    pub files: Vec<String>,
-    /// Code that the project asks for and cannot have, with the reason.
-    pub left_out: Vec<String>,
 }
 
 /// Fit of one channel.
@@ -466,14 +447,23 @@ impl From<&SynthesisedDesign> for SynthResult {
             SystemResult::new("design plant", &system, &LinearPlant::INPUTS, &outputs)
         });
         let broken = &made.sampled.loop_gain;
-        Self {
-            schema: SCHEMA,
+        let systems = SynthSystems {
             design_plant,
             weights: weights(&made.design.specification),
             paths: paths.iter().map(|path| PathResult::of(path).of_loop(controlled)).collect(),
             sampled_loop: SystemResult::new("sampled loop", broken, &["control_v"], &["returned_control_v"]),
             responses: controller_responses(&controllers, broken),
             controllers: controllers.into_iter().map(|controller| controller.result).collect(),
+        };
+        let (demanded_rate, warnings) = (made.demanded_rate, made.warnings.clone());
+        Self { figures: made.into(), costs: costs(made), demanded_rate, warnings, systems }
+    }
+}
+
+impl From<&SynthesisedDesign> for SynthFigures {
+    fn from(made: &SynthesisedDesign) -> Self {
+        let paths = &made.sampled.controller.parts().paths;
+        Self {
             plant_order: made.design.plant.measured_plant().map_or(0, |p| p.order()),
             path_orders: paths.iter().map(|p| (p.name.clone(), p.system.order())).collect(),
             closed_loop_poles: pairs(&made.sampled.closed_loop),
@@ -482,9 +472,6 @@ impl From<&SynthesisedDesign> for SynthResult {
                 .into_iter()
                 .flatten()
                 .max_by(f64::total_cmp),
-            costs: costs(made),
-            demanded_rate: made.demanded_rate,
-            warnings: made.warnings.clone(),
         }
     }
 }
@@ -492,58 +479,26 @@ impl From<&SynthesisedDesign> for SynthResult {
 impl VerifyResult {
     /// Returns the result of a verification; `measured_on` is what its linear figures are measured on.
     pub fn new(found: &Verification, measured_on: VerifiedLoop) -> Self {
-        let controlled = found.controlled_quantity();
-        let figures = found.figures.iter().map(|measured| FigureResult {
-            figure: measured.figure.key_in(controlled),
-            value: match measured.value {
-                Value::Is(value) => Some(value),
-                Value::Absent { .. } => None,
-            },
-            unit: measured.figure.unit(controlled),
-            basis: found.acceptance(&measured.figure).basis,
-        });
-        let verdicts = found.verdicts.iter().map(|(requirement, verdict)| {
-            let acceptance = found.acceptance(&requirement.figure);
-            let (verdict, value, limit, why) = match verdict {
-                Verdict::Holds { value, limit, .. } => ("holds", Some(*value), Some(limit.value()), None),
-                Verdict::Fails { value, limit, .. } => ("fails", Some(*value), Some(limit.value()), None),
-                Verdict::NotApplicable { why } => {
-                    ("not applicable", None, None, Some(describe_unmeasured(why)))
-                }
-            };
-            VerdictResult {
-                figure: requirement.figure.key_in(controlled),
-                basis: acceptance.basis,
-                verdict,
-                value,
-                limit,
-                limit_side: requirement.limit.side(),
-                why,
-                source: requirement.source.clone(),
-                judged_by: acceptance.judged_by,
-                acceptance_test: acceptance.test,
-            }
-        });
         Self {
-            schema: SCHEMA,
             passes: found.passes(),
-            verdicts: verdicts.collect(),
-            figures: figures.collect(),
-            measured_on,
-            responses: response_results(found),
-            histories: history_results(found),
-            sight_procedure: SightProcedureResult::of(&found.evidence.procedure),
-            error_budget: found.error_budget.as_ref().map(Into::into),
-            certificate: None,
+            studies: VerificationStudies {
+                certificate: None,
+                adaptation_trials: None,
+                sight_procedure: SightProcedureResult::of(&found.evidence.procedure),
+                error_budget: found.error_budget.as_ref().map(Into::into),
+            },
             two_axes: None,
-            adaptation_trials: None,
+            data: VerificationData {
+                measured_on,
+                responses: response_results(found),
+                histories: history_results(found),
+            },
         }
     }
-}
 
-impl From<&Certificate> for DesignCertificateResult {
-    fn from(found: &Certificate) -> Self {
-        Self { name: describe_certified_quantity(found.quantity), value: found.value, holds: found.holds }
+    /// Returns the result with the certificate of stability in every regime.
+    pub fn with_certificate(self, certificate: Option<CertificateResult>) -> Self {
+        Self { studies: VerificationStudies { certificate, ..self.studies }, ..self }
     }
 }
 
@@ -558,22 +513,15 @@ impl DesignResult {
 impl From<&CompletedDesign> for DesignResult {
     fn from(designed: &CompletedDesign) -> Self {
         let made = &designed.stages;
+        let verify = VerifyResult::new(made.verified.verification(), designed.verified_loop.clone());
         Self {
-            schema: SCHEMA,
             model: (&made.modelled).into(),
             reduce: (&made.reduced).into(),
             synth: (&made.synthesised).into(),
-            verify: VerifyResult {
-                certificate: Some((&made.stability).into()),
-                ..VerifyResult::new(made.verified.verification(), designed.verified_loop.clone())
-            }
-            .with_adaptation(designed.adaptation.clone()),
-            weights_in_words: designed.weights.clone(),
-            certificates: designed.certificates.iter().map(DesignCertificateResult::from).collect(),
-            beside: designed.comparison.clone(),
+            verify: verify
+                .with_certificate(Some((&made.stability).into()))
+                .with_adaptation(designed.adaptation.clone()),
             targets: TargetsResult::of(&designed.targets, made.synthesised.controlled),
-            files: made.files.iter().map(|f| f.name.clone()).collect(),
-            left_out: made.all_left_out().map(ToString::to_string).collect(),
         }
     }
 }
@@ -630,19 +578,19 @@ fn plant_responses(system: &StateSpace, outputs: &[String]) -> Vec<ResponseResul
 /// Returns the costs of every part that was designed in continuous and in sampled time.
 fn costs(made: &SynthesisedDesign) -> Vec<CostResult> {
     let design = &made.design;
-    let feedforwards = [("heave", &design.heave), ("pitch", &design.pitch)].into_iter();
-    let feedforwards = feedforwards.filter_map(|(name, part)| Some((name, part.as_ref()?.cost)));
-    let joint = design.joint.iter().map(|joint| ("joint", joint.cost));
-    let continuous = std::iter::once(("feedback", design.feedback.cost)).chain(feedforwards).chain(joint);
-    let continuous = continuous.map(|(name, cost)| (name.to_owned(), cost));
-    let sampled = made.sampled.certified.iter();
-    let sampled = sampled.map(|part| (format!("{} in sampled time", describe_part(part.part)), part.cost));
-    let result = |(part, cost): (String, counterpoise_synth::Cost)| CostResult {
+    let channels =
+        [(DisturbanceChannel::Heave, &design.heave), (DisturbanceChannel::Pitch, &design.pitch)].into_iter();
+    let feedforwards =
+        channels.filter_map(|(channel, part)| Some((CostedPart::Feedforward(channel), part.as_ref()?.cost)));
+    let joint = design.joint.iter().map(|joint| (CostedPart::Joint, joint.cost));
+    let feedback = std::iter::once((CostedPart::Feedback, design.feedback.cost));
+    let sampled = made.sampled.certified.iter().map(|part| (CostedPart::Sampled(part.part), part.cost));
+    let result = |(part, cost): (CostedPart, counterpoise_synth::Cost)| CostResult {
         part,
         predicted: cost.predicted,
         achieved: cost.achieved,
     };
-    continuous.chain(sampled).map(result).collect()
+    feedback.chain(feedforwards).chain(joint).chain(sampled).map(result).collect()
 }
 
 /// Returns the weights of every part of the design.

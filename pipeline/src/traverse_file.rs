@@ -6,7 +6,6 @@ use counterpoise_project::resolve::traverse::TraverseAxis;
 use counterpoise_project::{Attachments, Document, ParsedProject, Project, Purpose};
 
 use crate::axes_problem::AxesProblem;
-use crate::wording::traverse::describe_axes_problem;
 use crate::{PipelineError, World};
 
 /// Returns the project of the traverse axis as its file states it.
@@ -85,8 +84,7 @@ pub fn check_traverse(project: &Project, world: &dyn World) -> Result<(), Pipeli
 /// Checks that two axes fit together.
 pub(crate) fn check_axes(elevation: &Project, traverse: &Project, file: &str) -> Result<(), PipelineError> {
     let Some(problem) = find_axes_problem(elevation, traverse) else { return Ok(()) };
-    let problem = describe_axes_problem(problem).to_owned();
-    Err(PipelineError::File { name: file.to_owned(), section: "traverse", problem })
+    Err(PipelineError::Axes { name: file.to_owned(), problem })
 }
 
 fn find_axes_problem(elevation: &Project, traverse: &Project) -> Option<AxesProblem> {

@@ -4,9 +4,6 @@
 //! project says (its road, or its sines), and the spectrum of the hub rate over |S|^2 of that loop is the disturbance at the output that any
 //! other feedback would meet. It holds what the feedforwards leave and what friction adds.
 
-use std::f64::consts::TAU;
-use std::fmt;
-
 use counterpoise_linalg::C64;
 use counterpoise_lti::response::Response;
 use counterpoise_models::plant::Plant;
@@ -20,12 +17,13 @@ use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_simulate::Simulator;
 use counterpoise_synth::tuning::measure_loop;
 use counterpoise_synth::{
-    BestLoop, DesignPlant, Disturbance, FixedStructure, LoopLimits, LoopMeasures, Sampling, TunedDesign,
-    TunedFeedback, TuningSubject, TuningTask, Weight, sampled_plant, tune_parameters,
+    BestLoop, Block, DesignPlant, Disturbance, FixedStructure, LoopLimits, LoopMeasures, Sampling,
+    TunedDesign, TunedFeedback, TuningSubject, TuningTask, Weight, sampled_plant, tune_parameters,
 };
 use counterpoise_verify::signals::{WelchOptions, welch};
 use counterpoise_verify::{Arrangement, Experiment, History, Procedure, Source, nonlinear_runs};
 use serde::Serialize;
+use std::f64::consts::TAU;
 
 use crate::exchange::UnitValue;
 use crate::first_design::{with_angles, with_chosen_weights_on};
@@ -532,22 +530,17 @@ pub struct BlockResult {
     pub values: Vec<(&'static str, f64)>,
 }
 
-impl fmt::Display for BlockResult {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let values: Vec<String> =
-            self.values.iter().map(|(key, value)| format!("{key} {value:.6}")).collect();
-        write!(f, "{} ({})", self.kind, values.join(", "))
+impl From<&Block> for BlockResult {
+    fn from(block: &Block) -> Self {
+        let names = block.kind.parameters().iter().map(|name| name.key());
+        let values = block.parameters.iter().map(|each| each.value.unwrap_or(f64::NAN));
+        Self { kind: block.kind.name(), values: names.zip(values).collect() }
     }
 }
 
 /// Returns the blocks of a structure as plain data.
 pub fn block_results(structure: &FixedStructure) -> Vec<BlockResult> {
-    let of = |block: &counterpoise_synth::Block| {
-        let names = block.kind.parameters().iter().map(|name| name.key());
-        let values = block.parameters.iter().map(|each| each.value.unwrap_or(f64::NAN));
-        BlockResult { kind: block.kind.name(), values: names.zip(values).collect() }
-    };
-    structure.blocks.iter().map(of).collect()
+    structure.blocks.iter().map(BlockResult::from).collect()
 }
 
 /// Tuned weights of the H2 feedback as plain data.

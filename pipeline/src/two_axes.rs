@@ -12,7 +12,7 @@ use counterpoise_verify::{
     verify_two_axes,
 };
 
-use crate::export::{ExportedCode, OmittedCode, export_by};
+use crate::export::{ExportTask, ExportedCode, HeaderWords, OmittedCode, export_by};
 use crate::traverse_file::{FolderOfFile, check_axes, traverse_project};
 use crate::verify::platform_motion;
 use crate::{PipelineError, PlantModel, ProjectIdentity, SynthesisedDesign, World};
@@ -101,13 +101,18 @@ pub fn design_traverse(
 ///
 /// # Errors
 /// As [`design_traverse`], and those of the export.
-pub fn export_traverse(project: &Project, world: &dyn World) -> Result<Option<TraverseCode>, PipelineError> {
+pub fn export_traverse(
+    project: &Project,
+    words: &dyn HeaderWords,
+    world: &dyn World,
+) -> Result<Option<TraverseCode>, PipelineError> {
     let (Some(axis), Some(design)) = (&project.traverse, design_traverse(project, world)?) else {
         return Ok(None);
     };
     let below = FolderOfFile::of(&axis.file, world);
     let TraverseDesign { project, modelled, verified, procedure, .. } = &design;
-    let ExportedCode { files, left_out } = export_by(project, modelled, verified, procedure, &below)?;
+    let task = ExportTask { project, modelled, verified, procedure };
+    let ExportedCode { files, left_out } = export_by(&task, words, &below)?;
     Ok(Some(TraverseCode { design, files, left_out }))
 }
 

@@ -2,6 +2,7 @@
 //! `cargo test --release -p counterpoise-pipeline --test all NAME` runs one.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod bare_header;
 mod commission;
 mod first_steps;
 mod fra;
@@ -11,4 +12,3 @@ mod requirements;
 mod road;
 mod two_axes;
 mod weights_carried;
-mod wording;

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::sync::Arc;
 
+use crate::bare_header::BareHeader;
 use counterpoise_diagnose::experiment::Limits;
 use counterpoise_pipeline::commission::acceptance::FigureSource;
 use counterpoise_pipeline::commission::story::RunSummary;
@@ -57,7 +58,7 @@ fn project(text: &str) -> Project {
 fn play_round(machine: &str) -> PlayedRound {
     let stated = project(&drawn());
     let chosen = with_chosen_weights(&stated).unwrap().unwrap().project;
-    let stages = run_stages(&chosen, &NoFiles).unwrap();
+    let stages = run_stages(&chosen, &BareHeader, &NoFiles).unwrap();
     let content = Arc::new(ControllerContent {
         controller: stages.verified.controller().clone(),
         project_hash: "drawn".to_owned(),

@@ -3,6 +3,7 @@
 
 use std::fmt::Write as _;
 
+use crate::bare_header::BareHeader;
 use counterpoise_pipeline::{World, run_stages};
 use counterpoise_project::Project;
 use counterpoise_verify::{MissingReason, PerformanceFigure, Verdict};
@@ -39,7 +40,7 @@ fn with_every_figure(drop_road: &str) -> Project {
 
 #[test]
 fn a_project_file_can_require_every_figure_and_each_gets_its_verdict() {
-    let designed = run_stages(&with_every_figure(""), &Example).unwrap();
+    let designed = run_stages(&with_every_figure(""), &BareHeader, &Example).unwrap();
     let verdicts = &designed.verified.verification().verdicts;
     assert_eq!(verdicts.len(), 2 * PerformanceFigure::all().len());
     for pair in verdicts.chunks(2) {
@@ -58,7 +59,7 @@ fn a_project_file_can_require_every_figure_and_each_gets_its_verdict() {
 
 #[test]
 fn without_a_road_its_figures_say_that_there_is_none() {
-    let designed = run_stages(&with_every_figure("[verify.road]"), &Example).unwrap();
+    let designed = run_stages(&with_every_figure("[verify.road]"), &BareHeader, &Example).unwrap();
     let on_road = |key: &str| key.contains("_road_");
     for (requirement, verdict) in &designed.verified.verification().verdicts {
         let key = requirement.figure.key();

@@ -1,6 +1,7 @@
 //! The traverse axis under an elevation axis: its file, what does not fit, and both axes verified together.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use crate::bare_header::BareHeader;
 use counterpoise_pipeline::{
     DesignedAxis, PipelineError, ProjectIdentity, World, build_plant_model, design_traverse, export_traverse,
     project_procedure, reduce_plant, study_two_axes, synthesise,
@@ -65,7 +66,7 @@ fn both_axes_are_verified_together_and_each_has_its_code() {
     let reduced = reduce_plant(&project, &modelled).unwrap();
     let synthesised = synthesise(&project, &modelled, &reduced).unwrap();
     let procedure = project_procedure(&project, &AS_SHIPPED).unwrap();
-    let code = export_traverse(&project, &AS_SHIPPED).unwrap().unwrap();
+    let code = export_traverse(&project, &BareHeader, &AS_SHIPPED).unwrap().unwrap();
     assert!(code.files.iter().any(|file| file.name.ends_with(".c")) && code.left_out.is_empty());
     let elevation = DesignedAxis {
         project: &project,

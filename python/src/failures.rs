@@ -4,6 +4,7 @@ use std::fmt::Display;
 
 use counterpoise_host::projects::BadProject;
 use counterpoise_host::terminal::error_causes;
+use counterpoise_report::wording::errors::describe_error;
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -30,7 +31,7 @@ create_exception!(
 /// Returns an exception for work that failed.
 pub fn exception(py: Python<'_>, error: &anyhow::Error) -> PyErr {
     let Some(bad) = error.downcast_ref::<BadProject>() else {
-        return CounterpoiseError::new_err(error_causes(error).join(": "));
+        return CounterpoiseError::new_err(error_causes(error, describe_error).join(": "));
     };
     let raised = ProjectError::new_err(bad.to_string());
     let findings = serde_json::to_string(&bad.errors).unwrap_or_default();

@@ -9,8 +9,8 @@ use counterpoise_linalg::{
 };
 use counterpoise_lti as lti;
 use counterpoise_lti::{StateSpace, Timebase, h2norm, linfnorm_bounds, margins};
-use counterpoise_pipeline::wording::design_findings::describe_synthesis_error;
 use counterpoise_reduce::{Method, Order, balred};
+use counterpoise_report::wording::design_findings::describe_synthesis_error;
 use counterpoise_synth::{GeneralisedPlant, h2syn, hinfsyn};
 use ndarray::{Array2, ShapeBuilder};
 use numpy::{Complex64, PyArray1, PyArray2, PyReadonlyArray2};

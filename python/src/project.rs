@@ -10,7 +10,9 @@ use counterpoise_pipeline::recordings::{ProjectReplayer, ReplaySettings, diagnos
 use counterpoise_pipeline::results::{DesignResult, ModelResult, ReduceResult, ReplayResult, SynthResult};
 use counterpoise_pipeline::{self as pipeline, ProjectIdentity, design_project, run_stages, study_synthesis};
 use counterpoise_project::{Attachments, Document, Purpose, SettingValue};
+use counterpoise_report::results::{DesignText, SynthText, describe_reduction};
 use counterpoise_report::wording::answer::describe_diagnosed_recordings;
+use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_report::wording::recordings::{describe_recordings_error, describe_replay};
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -156,7 +158,8 @@ impl NativeProject {
         self.json(py, None, |project, _| {
             let loaded = project.load_for(Purpose::Reduce)?;
             let modelled = pipeline::build_plant_model(&loaded.project)?;
-            Ok(ReduceResult::from(&pipeline::reduce_plant(&loaded.project, &modelled)?))
+            let reduced = pipeline::reduce_plant(&loaded.project, &modelled)?;
+            Ok(describe_reduction(ReduceResult::from(&reduced)))
         })
     }
 
@@ -164,7 +167,8 @@ impl NativeProject {
     fn synth(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
         self.json(py, progress, |project, world| {
             let loaded = project.load_for(Purpose::Synth)?;
-            Ok(SynthResult::from(&study_synthesis(&loaded.project, world)?.synthesised))
+            let study = study_synthesis(&loaded.project, world)?;
+            Ok(SynthText::from(SynthResult::from(&study.synthesised)))
         })
     }
 
@@ -172,7 +176,8 @@ impl NativeProject {
     fn design(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<String> {
         self.json(py, progress, |project, world| {
             let loaded = project.load_for(Purpose::Design)?;
-            Ok(DesignResult::from(&design_project(&loaded.project, world)?))
+            let designed = design_project(&loaded.project, &HeaderText, world)?;
+            Ok(DesignText::new(&designed, DesignResult::from(&designed)))
         })
     }
 
@@ -185,7 +190,7 @@ impl NativeProject {
     ) -> PyResult<String> {
         self.json(py, progress, move |project, world| {
             let loaded = project.load_for(Purpose::Export)?;
-            let made = run_stages(&loaded.project, world)?;
+            let made = run_stages(&loaded.project, &HeaderText, world)?;
             let identity = ProjectIdentity::of(&loaded.project, &loaded.project_folder());
             let controller = ControllerResult::new(&identity, made.verified.controller());
             let paths = code_files::write_with_controller(&folder, &made.files, &controller, &[])?;

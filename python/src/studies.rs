@@ -17,6 +17,7 @@ use counterpoise_pipeline::{
 use counterpoise_pool::{Pool, map_with_progress};
 use counterpoise_project::Purpose;
 use counterpoise_report::sweep::{SweepFigure, sweep_figures};
+use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_report::wording::identification::describe_identified_recordings;
 use counterpoise_report::wording::recordings::{
     describe_map, describe_recorded_map, describe_recordings_error,
@@ -75,7 +76,7 @@ fn run_sweep(project: &NativeProject, world: &BackgroundWorld) -> anyhow::Result
     let loaded = project.load_for(Purpose::Sweep)?;
     let project = &loaded.project;
     campaign_is_stated(project)?;
-    let made = run_stages(project, world)?;
+    let made = run_stages(project, &HeaderText, world)?;
     let (modelled, verified) = (&made.modelled, &made.verified);
     let campaign = prepare_campaign(project, modelled, verified, world)?;
     let run = map_with_progress(world, "sample", campaign.len(), |index| campaign.run(index));

@@ -3,6 +3,7 @@
 use counterpoise_pipeline::studies::advice::{TriedChange, WeightAdvice, WeightSensitivity};
 use counterpoise_plot::number::short_number;
 
+use crate::wording::figures::describe_figure;
 use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 
 /// Returns the advice for each failing requirement in a line.
@@ -11,7 +12,7 @@ pub fn advice_lines(all: &[WeightAdvice]) -> Vec<String> {
 }
 
 fn line(advice: &WeightAdvice) -> String {
-    let (name, unit) = (advice.name(), advice.unit());
+    let (name, unit) = (name(advice), advice.unit());
     let Some(change) = &advice.change else {
         return format!("{name}: no single weight of the design moves it");
     };
@@ -21,6 +22,10 @@ fn line(advice: &WeightAdvice) -> String {
     } else {
         format!("{name}: no single weight meets it within a factor of 3; nearest: {} ({then})", words(change))
     }
+}
+
+fn name(advice: &WeightAdvice) -> String {
+    describe_figure(advice.requirement.figure, advice.controlled)
 }
 
 fn words(change: &TriedChange) -> String {
@@ -58,7 +63,7 @@ pub fn advice_section(all: &[WeightAdvice]) -> Option<ReportSection> {
     let mut table = ReportTable::new("Sensitivities", &columns);
     for advice in all {
         for WeightSensitivity { key, per_factor_e: slope, .. } in &advice.sensitivities {
-            let name = advice.name();
+            let name = name(advice);
             table.rows.push(vec![ReportCell::text(name), ReportCell::text(*key), ReportCell::number(*slope)]);
         }
     }

@@ -11,6 +11,8 @@ use counterpoise_pipeline::synth::schedule::BalanceRow;
 use crate::bode::{BodeCurve, PhasePanel, bode_figure};
 use crate::designs::noise_gain_column;
 use crate::tolerance::SHOWN_AS_ZERO_DB;
+use crate::wording::design_findings::describe_design_findings;
+use crate::wording::schedule::{describe_conditions, describe_law};
 use crate::{ReportCell, ReportColumn, ReportSection, ReportTable};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Colour, Dash, Figure};
@@ -85,7 +87,10 @@ fn methods(rows: &[MethodRow], controlled: ControlledQuantity) -> ReportSection 
         }
         table.rows.push(cells);
     }
-    let why = |row: &MethodRow| row.why.as_ref().map(|why| format!("{}: no controller: {why}", row.method));
+    let why = |row: &MethodRow| {
+        let findings = describe_design_findings(row.why.as_ref()?);
+        Some(format!("{}: no controller: {findings}", row.method))
+    };
     let section = ReportSection::new("Methods of the feedback, side by side").with_table(table);
     rows.iter().filter_map(why).fold(section, |section, line| section.with_text(line))
 }
@@ -205,8 +210,8 @@ fn laws(rows: &[BalanceRow]) -> ReportTable {
     for row in rows {
         table.rows.push(vec![
             ReportCell::text(&row.name),
-            ReportCell::text(&row.law),
-            ReportCell::text(&row.conditions),
+            ReportCell::text(describe_law(&row.law)),
+            ReportCell::text(describe_conditions(&row.conditions)),
         ]);
     }
     table

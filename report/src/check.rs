@@ -2,7 +2,6 @@
 
 use counterpoise_pipeline::check::{CheckResult, PlantOverview};
 use counterpoise_pipeline::studies::assumptions::{AssumptionEffect, EffectAtValue};
-use counterpoise_pipeline::wording::check::describe_check_problem;
 use counterpoise_project::diagnostic::MOST_SHOWN;
 use counterpoise_project::{Assumption, KeyTolerance, SectionStatement, ValueStatement};
 
@@ -11,7 +10,7 @@ use crate::tolerance::NO_EFFECT;
 use crate::wording::learned::describe_elements;
 
 /// Returns the lines that `counterpoise check` prints.
-pub fn check_lines(found: &CheckResult) -> Vec<String> {
+pub fn check_lines(found: &CheckResult<String>) -> Vec<String> {
     let mut lines = vec![heading(found)];
     lines.extend(found.plant.iter().flat_map(plant));
     lines.push(String::new());
@@ -39,12 +38,12 @@ pub fn check_lines(found: &CheckResult) -> Vec<String> {
     if found.warnings.len() > MOST_SHOWN {
         lines.push(format!("and {} more", found.warnings.len() - MOST_SHOWN));
     }
-    lines.extend(first_lines(&found.problems, MOST_SHOWN, describe_check_problem));
+    lines.extend(first_lines(&found.problems, MOST_SHOWN, String::clone));
     lines.push(format!("Commands that can run on this file: {}.", found.commands.join(", ")));
     lines
 }
 
-fn heading(found: &CheckResult) -> String {
+fn heading(found: &CheckResult<String>) -> String {
     let format = found.format.map_or(String::new(), |format| format!(", format {format}"));
     let parts = match &found.parts[..] {
         [] => String::new(),

@@ -1,13 +1,13 @@
 //! The report of a whole design: the verification's, then the plant that was designed for, the weights and the certificates.
 
+use crate::wording::certificates::describe_certified_quantity;
+use crate::wording::design_findings::describe_design_finding;
+use crate::wording::reduction::describe_reduction_warning;
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::certificates::Certificate;
 use counterpoise_pipeline::design_views::{PlantResponse, WeightResponses};
 use counterpoise_pipeline::export::target_proofs::{CompiledCodeTest, StepCosts};
 use counterpoise_pipeline::results::{DesignResult, SynthResult};
-use counterpoise_pipeline::wording::certificates::describe_certified_quantity;
-use counterpoise_pipeline::wording::design_findings::describe_design_finding;
-use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
 use counterpoise_pipeline::{CompletedDesign, FirstDesignResult, ReducedPlant, StageTime, SynthesisStudy};
 
 use crate::adaptation::trial_section;
@@ -17,12 +17,14 @@ use crate::page::ReportOrigin;
 use crate::targets::{self, TargetEvidence};
 use crate::verification::{VerificationContext, of_verification};
 use crate::wording::capitalise_first;
+use crate::wording::weights::describe_weights;
 use crate::{
     FigureTile, Headline, OutcomeTone, Report, ReportCell, ReportColumn, ReportSection, ReportTable,
     alternatives,
 };
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Colour, Figure};
+use counterpoise_project::file::NamedChoice;
 
 /// Results of a design that its report shows and that were found outside the pipeline.
 #[derive(Debug, Clone, Copy)]
@@ -45,7 +47,7 @@ pub fn of_design(designed: &CompletedDesign, result: &DesignResult, run: &Design
     let mut more = vec![
         crate::certificate::certificate_section(&stages.stability, &[]),
         reduction_section(&designed.views.plants, &stages.reduced, stages.synthesised.controlled),
-        weight_section(&designed.weights, &designed.views.weights),
+        weight_section(&describe_weights(&designed.asked), &designed.views.weights),
         certificate_section(&designed.certificates, &result.synth),
     ];
     more.extend(run.first_design.map(crate::first_design::first_design_section));
@@ -89,7 +91,7 @@ pub fn of_synthesis(study: &SynthesisStudy, result: &SynthResult, origin: &Repor
         &study.views.families,
         study.synthesised.controlled,
     );
-    sections.push(weight_section(&study.weights, &study.views.weights));
+    sections.push(weight_section(&describe_weights(&study.asked), &study.views.weights));
     let tile = |(name, order): (&String, &usize)| FigureTile::plain(name, order.to_string(), "states");
     let report = Report {
         title: study.identity.name.clone(),
@@ -98,11 +100,11 @@ pub fn of_synthesis(study: &SynthesisStudy, result: &SynthResult, origin: &Repor
             tone: OutcomeTone::Neutral,
             text: format!(
                 "The sampled loop is stable: largest pole modulus {:.6}",
-                result.largest_pole_modulus
+                result.figures.largest_pole_modulus
             ),
-            detail: format!("Design plant of order {}.", result.plant_order),
+            detail: format!("Design plant of order {}.", result.figures.plant_order),
         },
-        tiles: result.path_orders.iter().map(tile).collect(),
+        tiles: result.figures.path_orders.iter().map(tile).collect(),
         verdicts: ReportTable::new("", &[]),
         glance: Vec::new(),
         sections,
@@ -140,7 +142,10 @@ fn reduction_words(reduced: &ReducedPlant) -> String {
         format!(" Largest error {} at {} Hz", short_number(size), short_number(rate / std::f64::consts::TAU))
     });
     let bound = reduced.bound.map_or(String::new(), |bound| format!(", bound {}", short_number(bound)));
-    format!("Order {before} was reduced to {after} ({:?}).{error}{bound}.", reduced.method)
+    format!(
+        "Order {before} was reduced to {after} ({}).{error}{bound}.",
+        capitalise_first(reduced.method.name())
+    )
 }
 
 /// Returns the section of the weights: their meaning in words, and their frequency responses.
@@ -187,13 +192,16 @@ fn order_section(result: &DesignResult) -> ReportSection {
     let mut row =
         |name: &str, value: String| table.rows.push(vec![ReportCell::text(name), ReportCell::text(value)]);
     row("order of the plant", result.model.order.to_string());
-    row("order of the design plant, sensors and delay included", result.synth.plant_order.to_string());
-    for (name, order) in &result.synth.path_orders {
+    row(
+        "order of the design plant, sensors and delay included",
+        result.synth.figures.plant_order.to_string(),
+    );
+    for (name, order) in &result.synth.figures.path_orders {
         row(&format!("states of the {name} path"), order.to_string());
     }
-    let radius = result.synth.largest_pole_modulus;
+    let radius = result.synth.figures.largest_pole_modulus;
     row("largest modulus of a pole of the closed sampled loop", format!("{radius:.6}"));
-    if let Some(difference) = result.synth.cost_difference {
+    if let Some(difference) = result.synth.figures.cost_difference {
         row("predicted cost against cost of the assembled loop, relative", format!("{difference:.1e}"));
     }
     let section = ReportSection::new("Orders").with_table(table);

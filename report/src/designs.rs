@@ -2,11 +2,12 @@
 
 use counterpoise_models::{AxisKind as Travel, ControlledQuantity, QuantityKind};
 use counterpoise_pipeline::ProjectIdentity;
-use counterpoise_pipeline::studies::designs::{DesignRow, DesignTable, LimitsResult};
+use counterpoise_pipeline::studies::designs::{DesignRow, LimitsResult};
 use counterpoise_pipeline::tuning::{BlockResult, WeightsResult};
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
 
+use crate::results::DesignTableText;
 use crate::wording::capitalise_first;
 use crate::{
     FigureTile, Headline, OutcomeTone, Report, ReportCell, ReportColumn, ReportOrigin, ReportSection,
@@ -77,7 +78,7 @@ pub fn column_legend(controlled: ControlledQuantity) -> [String; 4] {
 }
 
 /// Returns the cells of a row after its name, with the time that its design took in s; empty text if there is no number.
-pub fn design_cells(row: &DesignRow, time_s: Option<f64>) -> Vec<String> {
+pub fn design_cells(row: &DesignRow<String>, time_s: Option<f64>) -> Vec<String> {
     let number =
         |value: Option<f64>| value.filter(|value| !value.is_nan()).map_or(String::new(), short_number);
     let linear = |of: fn(&counterpoise_pipeline::tuning::LoopMeasuresResult) -> f64| {
@@ -152,7 +153,7 @@ pub fn weight_words(weights: &WeightsResult, controlled: ControlledQuantity) -> 
 }
 
 /// Returns the remarks on a row: limits, blocks, what is missed, or why there is no controller.
-pub fn design_remarks(row: &DesignRow, controlled: ControlledQuantity) -> Vec<String> {
+pub fn design_remarks(row: &DesignRow<String>, controlled: ControlledQuantity) -> Vec<String> {
     let mut all = Vec::new();
     all.extend(row.limits.as_ref().map(|limits| format!("tuned under {}", limits_words(limits))));
     if !row.blocks.is_empty() {
@@ -178,7 +179,7 @@ pub fn design_remarks(row: &DesignRow, controlled: ControlledQuantity) -> Vec<St
 }
 
 /// Returns the table in Markdown, with its legend.
-pub fn markdown_table(table: &DesignTable, times_s: &[f64]) -> String {
+pub fn markdown_table(table: &DesignTableText, times_s: &[f64]) -> String {
     let columns = table_columns(table.controlled);
     let mut text = format!("| design | {} |\n", columns.join(" | "));
     text += &format!("|---|{}\n", "---|".repeat(columns.len()));
@@ -201,7 +202,7 @@ pub fn markdown_table(table: &DesignTable, times_s: &[f64]) -> String {
 }
 
 /// Returns the page.
-pub fn comparison_report(table: &DesignTable, times_s: &[f64], origin: &ReportOrigin) -> Report {
+pub fn comparison_report(table: &DesignTableText, times_s: &[f64], origin: &ReportOrigin) -> Report {
     let controlled = table.controlled;
     let mut heads = vec![ReportColumn::Text("design")];
     heads.extend(table_columns(controlled).map(ReportColumn::Number));
@@ -242,7 +243,7 @@ pub fn comparison_report(table: &DesignTable, times_s: &[f64], origin: &ReportOr
 }
 
 /// Returns every simulated design: what the loop controls against noise gain, each with its number.
-fn figure(table: &DesignTable) -> Option<Figure> {
+fn figure(table: &DesignTableText) -> Option<Figure> {
     const COLOURS: [Colour; 4] = [Colour::First, Colour::Second, Colour::Third, Colour::Fourth];
     let mut marks = Vec::new();
     for (k, row) in table.rows.iter().enumerate() {
@@ -279,14 +280,15 @@ fn figure(table: &DesignTable) -> Option<Figure> {
 }
 
 /// Returns the row of the least controlled quantity under the motion.
-fn best_row(table: &DesignTable) -> Option<&DesignRow> {
-    let moved =
-        |row: &DesignRow| row.nonlinear.as_ref().map(|run| run.motion.value.unwrap_or(run.sines.value));
+fn best_row(table: &DesignTableText) -> Option<&DesignRow<String>> {
+    let moved = |row: &DesignRow<String>| {
+        row.nonlinear.as_ref().map(|run| run.motion.value.unwrap_or(run.sines.value))
+    };
     let rows = table.rows.iter().filter_map(|row| Some((moved(row)?, row)));
     rows.min_by(|a, b| a.0.total_cmp(&b.0)).map(|pair| pair.1)
 }
 
-fn tiles(row: &DesignRow, controlled: ControlledQuantity) -> Vec<FigureTile> {
+fn tiles(row: &DesignRow<String>, controlled: ControlledQuantity) -> Vec<FigureTile> {
     let mut all = Vec::new();
     if let Some(run) = &row.nonlinear {
         let moved = run.motion.value.unwrap_or(run.sines.value);

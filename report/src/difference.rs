@@ -1,7 +1,7 @@
 //! Two verifications side by side, as a section.
 
+use crate::wording::figures::describe_figure;
 use counterpoise_pipeline::RedesignComparison;
-use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_verify::Verification;
 use counterpoise_verify::difference::FigureChange;
 

@@ -1,7 +1,7 @@
 //! The evidence of a verification as sections with figures and tables.
 
+use crate::wording::figures::{describe_figure, describe_unmeasured};
 use counterpoise_models::ControlledQuantity;
-use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
 use counterpoise_verify::linear_loop::{ResponseCurve, frequency::Rejection};
 use counterpoise_verify::{
     Arrangement, Experiment, History, HistoryColumn, Model, Source, Value, Verification,

@@ -4,11 +4,13 @@ use std::f64::consts::TAU;
 
 use counterpoise_pipeline::FirstDesignResult;
 use counterpoise_pipeline::first_design::LimitRow;
-use counterpoise_pipeline::wording::design_findings::describe_limit;
 use counterpoise_plot::number::short_number;
 use counterpoise_synth::LimitKind;
 
 use crate::page::{ReportCell, ReportColumn, ReportSection, ReportTable};
+use crate::wording::design_findings::{
+    describe_design_finding, describe_limit, describe_unknown, join_limits,
+};
 
 /// Returns the section on weights that were chosen because the project file states none.
 pub fn first_design_section(first: &FirstDesignResult) -> ReportSection {
@@ -32,7 +34,7 @@ fn row(limit: &LimitRow) -> Vec<ReportCell> {
         |value: Option<f64>| value.map_or_else(|| ReportCell::text("no limit found"), ReportCell::number);
     let lifted = limit.lifted_rad_s.map_or_else(|| ReportCell::text("no higher"), ReportCell::number);
     vec![
-        ReportCell::text(limit.limit.as_str()),
+        ReportCell::text(describe_limit(limit.limit)),
         number(limit.bandwidth_rad_s),
         number(limit.over_reached),
         lifted,
@@ -53,11 +55,11 @@ pub fn describe_limitation(first: &FirstDesignResult) -> String {
     match limit.and_then(|limit| Some((limit.lifted_rad_s?, first.gain_of_lifting(limit)?))) {
         Some((rate, times)) => format!(
             "{}{beside}; without this limit it would be {} rad/s, {:.2} times as high",
-            first.limited_by,
+            join_limits(&first.limited_by),
             short_number(rate),
             times
         ),
-        None => format!("{}; lifting one limit alone does not raise it", first.limited_by),
+        None => format!("{}; lifting one limit alone does not raise it", join_limits(&first.limited_by)),
     }
 }
 
@@ -73,7 +75,7 @@ fn sentences(first: &FirstDesignResult) -> Vec<String> {
         short_number(first.bandwidth_rad_s / TAU),
         describe_limitation(first)
     )];
-    if first.limited_by.contains(describe_limit(LimitKind::UsualRanges)) {
+    if first.limited_by.contains(&LimitKind::UsualRanges) {
         lines.push(format!("{WHERE_OPEN_VALUES_STAND}."));
     }
     if let Some(asked) = first.asked_rad_s.filter(|asked| *asked > first.bandwidth_rad_s) {
@@ -86,10 +88,11 @@ fn sentences(first: &FirstDesignResult) -> Vec<String> {
     if !first.unknown.is_empty() {
         lines.push(format!(
             "Not known, and each lowers the highest bandwidth by 3 dB: {}.",
-            first.unknown.join("; ")
+            first.unknown.iter().map(|fact| describe_unknown(*fact)).collect::<Vec<_>>().join("; ")
         ));
     }
-    lines.extend(first.left_out.iter().map(|reason| format!("No feedforward: {reason}.")));
+    let left_out = first.left_out.iter().map(describe_design_finding);
+    lines.extend(left_out.map(|reason| format!("No feedforward: {reason}.")));
     lines
 }
 
@@ -100,26 +103,26 @@ mod tests {
 
     #[test]
     fn every_limit_is_told_with_what_it_would_allow() {
-        let limit = |name: &str, bandwidth_rad_s: Option<f64>| LimitRow {
-            limit: name.to_owned(),
+        let limit = |limit: LimitKind, bandwidth_rad_s: Option<f64>| LimitRow {
+            limit,
             bandwidth_rad_s,
             over_reached: bandwidth_rad_s.map(|rate| rate / 20.0),
-            lifted_rad_s: (name == "resonance").then_some(25.0),
+            lifted_rad_s: (limit == LimitKind::Resonance).then_some(25.0),
             shown_by: None,
             lifted_shown_by: None,
         };
         let first = FirstDesignResult {
             bandwidth_rad_s: 20.0,
             asked_rad_s: Some(30.0),
-            limited_by: "resonance".to_owned(),
-            limits: vec![limit("resonance", Some(20.0)), limit("noise", None)],
+            limited_by: vec![LimitKind::Resonance],
+            limits: vec![limit(LimitKind::Resonance, Some(20.0)), limit(LimitKind::Noise, None)],
             required: RequiredMarginsResult {
                 gain_margin_db: 6.0,
                 phase_margin_deg: 40.0,
                 max_sensitivity: 1.7,
             },
             sample_period_s: 1e-3,
-            unknown: vec!["the lag of the sensor".to_owned()],
+            unknown: vec![counterpoise_synth::Unknown::Sensor],
             gain_margin_db: 8.0,
             phase_margin_deg: 50.0,
             max_sensitivity: 1.5,

@@ -9,8 +9,8 @@
 //! Modules in reading order: [`page`], [`html`], [`style`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`loop_charts`], [`spectra`],
 //! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`first_design`], [`alternatives`], [`designs`], [`targets`], [`trade_off`]; the other commands'
 //! reports: [`check`], [`commission`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robustness`], [`certificate`], [`two_axes`], [`error_budget`], `error_budget_figures`, [`advice`], [`identify`], [`replay`],
-//! [`diagnosis`], `learned`, [`residual`], [`structure`]; and the
-//! sentences of a diagnosis: [`wording`].
+//! [`diagnosis`], `learned`, [`residual`], [`structure`]; what result files hold: [`results`]; and every sentence about a
+//! result: [`wording`].
 
 pub mod adaptation;
 pub mod advice;
@@ -37,6 +37,7 @@ pub mod model;
 pub mod page;
 pub mod replay;
 pub mod residual;
+pub mod results;
 pub mod robustness;
 pub mod spectra;
 pub mod structure;

@@ -3,6 +3,7 @@
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_pipeline::recordings::measured_modes::StructureAnswer;
 
+use crate::wording::structure::{describe_fitted, describe_hypothesis, describe_structure};
 use crate::{
     FigureTile, Headline, OutcomeTone, ProvenanceEntry, Report, ReportCell, ReportColumn, ReportSection,
     ReportTable,
@@ -23,11 +24,11 @@ pub fn structure_report(machine: &str, command: &str, answer: &StructureAnswer) 
             } else {
                 OutcomeTone::Neutral
             },
-            text: answer.explanation.clone(),
+            text: describe_structure(answer),
             detail: answer
                 .alternatives
                 .iter()
-                .map(|a| format!("Cannot be distinguished from {a}. "))
+                .map(|a| format!("Cannot be distinguished from {}. ", describe_hypothesis(*a)))
                 .collect(),
         },
         tiles: answer.tried.iter().take(1 + DRAWN).map(tile).collect(),
@@ -46,7 +47,7 @@ pub fn structure_report(machine: &str, command: &str, answer: &StructureAnswer) 
 const EXPLAINED: &str = "Each was fitted to all modes but one and judged on that one, mode after mode; the last column is the RMS of those errors.";
 
 fn tile(tried: &counterpoise_pipeline::recordings::structure_hypotheses::TriedStructure) -> FigureTile {
-    FigureTile::plain(&tried.what, format!("{:.2}", tried.left_out_percent), "%")
+    FigureTile::plain(&describe_hypothesis(tried.hypothesis), format!("{:.2}", tried.left_out_percent), "%")
         .with_note("RMS error of held-out modes")
 }
 
@@ -56,7 +57,11 @@ fn errors(answer: &StructureAnswer, command: &str) -> Figure {
     };
     let colours = [Colour::Second, Colour::First, Colour::Muted];
     let series = answer.tried.iter().take(1 + DRAWN).zip(colours);
-    let series = series.map(|(t, colour)| Series::solid_line(&t.what, colour, points(&t.modes_hz))).collect();
+    let series = series
+        .map(|(t, colour)| {
+            Series::solid_line(&describe_hypothesis(t.hypothesis), colour, points(&t.modes_hz))
+        })
+        .collect();
     let panel = Panel::new(Axis::linear("error of the frequency", "%"), series).with_height(260.0);
     let figure = Figure::new("Error by mode", Axis::linear("mode", ""), vec![panel]);
     Figure { command: command.to_owned(), ..figure }
@@ -98,10 +103,9 @@ fn hypothesis_table(answer: &StructureAnswer) -> ReportTable {
     ];
     let mut table = ReportTable::new("Hypotheses, best first below the model as it is", &columns);
     for t in &answer.tried {
-        let numbers: Vec<String> =
-            t.parameters.iter().map(|(name, value)| format!("{name} {value:.4}")).collect();
+        let numbers: Vec<String> = t.parameters.iter().map(describe_fitted).collect();
         table.rows.push(vec![
-            ReportCell::text(&t.what),
+            ReportCell::text(describe_hypothesis(t.hypothesis)),
             ReportCell::text(numbers.join(", ")),
             ReportCell::text(format!("{:.2}", t.rms_percent)),
             ReportCell::text(format!("{:.2}", t.left_out_percent)),

@@ -1,7 +1,7 @@
 //! The first screen of a verification's report.
 
-use counterpoise_pipeline::wording::acceptance::AcceptanceSource;
-use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
+use crate::wording::acceptance::AcceptanceSource;
+use crate::wording::figures::{describe_figure, describe_unmeasured};
 use counterpoise_verify::verification::WorseFeedforward;
 use counterpoise_verify::{
     Arrangement, Experiment, Limit, LoopFigure, Model, PerformanceFigure, Quantity, Requirement, Source,

@@ -1,7 +1,7 @@
 //! The pages of a robustness campaign.
 
+use crate::wording::figures::describe_figure;
 use counterpoise_pipeline::studies::sweep::CampaignResult;
-use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_verify::robustness::{MemberDifference, Sense, Summary, WorstMechanism};
 use counterpoise_verify::{Limit, Requirement, Value, Verification};
 

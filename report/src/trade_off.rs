@@ -5,6 +5,7 @@ use counterpoise_pipeline::studies::search::{SearchAnswer, TradeOffPoint};
 use counterpoise_synth::Figures;
 
 use crate::design::weight_section;
+use crate::wording::weights::describe_weights;
 use crate::{
     FigureTile, Headline, OutcomeTone, Report, ReportCell, ReportColumn, ReportOrigin, ReportSection,
     ReportTable,
@@ -54,7 +55,7 @@ pub fn trade_off_report(
         tiles: tiles(&best.figures),
         verdicts: verified_table(points),
         glance: Vec::new(),
-        sections: vec![trade_off, weight_section(&found.weights, &found.weight_responses)],
+        sections: vec![trade_off, weight_section(&describe_weights(&found.asked), &found.weight_responses)],
         provenance: origin.provenance(identity),
     };
     report.with_command(&origin.command)

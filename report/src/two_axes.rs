@@ -1,9 +1,9 @@
 //! Both axes verified together, in words and tables.
 
-use counterpoise_pipeline::TwoAxisStudy;
-use counterpoise_pipeline::wording::figures::{
+use crate::wording::figures::{
     describe_joint_experiment, describe_joint_figure, describe_joint_quantity, describe_unmeasured,
 };
+use counterpoise_pipeline::TwoAxisStudy;
 use counterpoise_plot::number::short_number;
 use counterpoise_verify::{JointExperiment, JointQuantity, JointRequirement, JointValue, Verdict};
 

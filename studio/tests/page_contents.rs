@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use crate::common;
-use counterpoise_pipeline::wording::figures::describe_figure;
+use counterpoise_report::wording::figures::describe_figure;
 
 use std::collections::BTreeSet;
 use std::path::Path;

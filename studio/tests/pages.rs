@@ -8,6 +8,7 @@ use std::sync::Arc;
 use common::{rig, settle, studio, wait_for_files, whole_rig};
 use counterpoise_host::files::{NativeDisk, ProjectFolder, read_project};
 use counterpoise_pipeline as pipeline;
+use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_studio::command::{Command, DesignSlot, Page};
 use counterpoise_studio::main_window;
 use counterpoise_studio::studio::Studio;
@@ -55,7 +56,7 @@ fn a_design_made_in_the_window_exports_the_bytes_of_the_command_line() {
     wait_for_files(&mut window);
     let (text, _) = read_project(&NativeDisk, &folder.join("project.toml")).unwrap();
     let project = counterpoise_project::Project::parse(&text, "project.toml").unwrap().project;
-    let made = pipeline::run_stages(&project, &ProjectFolder(folder.clone())).unwrap();
+    let made = pipeline::run_stages(&project, &HeaderText, &ProjectFolder(folder.clone())).unwrap();
     for file in &made.files {
         let written = std::fs::read_to_string(folder.join("out").join(&file.name)).unwrap();
         assert_eq!(written, file.text, "{}", file.name);

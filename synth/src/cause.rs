@@ -4,10 +4,18 @@ use counterpoise_linalg::{C64, Reason};
 
 use crate::bandwidth::BandwidthLimit;
 
-/// Cause of a refusal, with its numbers.
+/// Cause of a refusal or a warning, with its numbers.
 #[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
 pub enum Cause {
+    /// It lies in what the designer states.
+    Specification(SpecificationCause),
+    /// It lies in the plant, its channels, or the equations of the design on it.
+    Plant(PlantCause),
+}
+
+/// A cause in what the designer states: weights, generators of disturbances and spectral densities.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SpecificationCause {
     /// A weight is zero everywhere, or one of its numbers is not finite.
     WeightVoid,
     /// Zeros and poles of a weight do not make a real function.
@@ -73,6 +81,11 @@ pub enum Cause {
     },
     /// Nothing disturbs the loop: the observer would not listen to the measurement.
     NothingDisturbs,
+}
+
+/// A cause in the plant, its channels, or the equations of the design on it.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PlantCause {
     /// A mode that is not stable and that the control does not reach.
     NotStabilisable {
         /// The mode's pole.

@@ -5,7 +5,7 @@ use counterpoise_linalg::C64;
 use counterpoise_lti::{StateSpace, h2norm};
 
 use crate::Error;
-use crate::cause::{Cause, DesignEquation};
+use crate::cause::{Cause, DesignEquation, PlantCause};
 use crate::finding::{DesignFinding, Part};
 
 /// Accuracy of the solution of a Riccati equation.
@@ -64,7 +64,8 @@ pub(crate) fn riccati(
         linalg::Outcome::Solved(solution) => Ok(solution),
         linalg::Outcome::Infeasible(reason) => {
             let rate = mode_of(&reason).map(|mode| mode.norm());
-            let finding = DesignFinding::refusal(part, Cause::Equation { equation, reason });
+            let finding =
+                DesignFinding::refusal(part, Cause::Plant(PlantCause::Equation { equation, reason }));
             Err(Error::refusal(vec![match rate {
                 Some(rate) => finding.at(rate),
                 None => finding,

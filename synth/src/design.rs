@@ -4,7 +4,7 @@ use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase, append, series};
 
 use crate::cascade::with_position_loop;
-use crate::cause::Cause;
+use crate::cause::{Cause, SpecificationCause};
 use crate::finding::WeightRole;
 use crate::preflight::gain::Gain;
 use crate::tolerance::{SLOWEST_RAD_S, ZERO_GAIN};
@@ -106,8 +106,10 @@ fn with_control_seen(
         }
     }
     let Some(rate) = moved else { return Ok((weights.clone(), None)) };
-    let finding =
-        DesignFinding::warning(channel.into(), Cause::FreeControlUnseen { moved_rad_s: SLOWEST_RAD_S });
+    let finding = DesignFinding::warning(
+        channel.into(),
+        Cause::Specification(SpecificationCause::FreeControlUnseen { moved_rad_s: SLOWEST_RAD_S }),
+    );
     let control = Weight::ZeroPoleGain { zeros: rational.zeros, poles: rational.poles, gain: rational.gain };
     let warning = finding.with_weight(WeightRole::Control, &weights.control).at(rate);
     Ok((FeedforwardWeights { control, ..weights.clone() }, Some(warning)))

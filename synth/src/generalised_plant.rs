@@ -5,8 +5,8 @@ use counterpoise_lti::scaling::balance;
 use counterpoise_lti::{NamedSystem, StateSpace, Timebase, connect, lft};
 
 use crate::Error;
-use crate::cause::Cause;
 use crate::cause::ModeBlock;
+use crate::cause::{Cause, PlantCause};
 use crate::finding::{DesignFinding, Part};
 use crate::tolerance::{FULL_RANK, SAME_SHARE};
 
@@ -193,10 +193,10 @@ impl GeneralisedPlant {
         let mut refuse =
             |cause| findings.push(DesignFinding::refusal(Part::Generalised, cause).at(f64::INFINITY));
         if let Some(column) = lost_column(&blocks.D12)? {
-            refuse(Cause::ControlUnweighed { control: column + 1 });
+            refuse(Cause::Plant(PlantCause::ControlUnweighed { control: column + 1 }));
         }
         if let Some(row) = lost_column(&blocks.D21.t())? {
-            refuse(Cause::MeasurementNoiseless { measurement: row + 1 });
+            refuse(Cause::Plant(PlantCause::MeasurementNoiseless { measurement: row + 1 }));
         }
         if findings.is_empty() { Ok(()) } else { Err(Error::refusal(findings)) }
     }

@@ -4,8 +4,8 @@ use counterpoise_linalg::{C64, Mat, care};
 use counterpoise_lti::{StateSpace, Timebase, h2norm};
 
 use crate::Error;
-use crate::cause::Cause;
 use crate::cause::DesignEquation;
+use crate::cause::{Cause, PlantCause};
 use crate::certificate::Equation;
 use crate::finding::{DesignFinding, Part};
 use crate::generalised_plant::{Blocks, GeneralisedPlant, absorb_direct_path};
@@ -49,7 +49,7 @@ pub fn h2syn(plant: &GeneralisedPlant) -> Result<H2, Error> {
     plant.check_regular()?;
     let P = plant.blocks();
     if P.D11.norm_max() != 0.0 {
-        let cause = Cause::NoiseReachesCost { gain: P.D11.norm_max() };
+        let cause = Cause::Plant(PlantCause::NoiseReachesCost { gain: P.D11.norm_max() });
         return Err(Error::refusal(vec![DesignFinding::refusal(Part::Generalised, cause).at(f64::INFINITY)]));
     }
     let (R, V) = (&P.D12.t() * &P.D12, &P.D21 * &P.D21.t());

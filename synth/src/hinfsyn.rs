@@ -4,7 +4,7 @@ use counterpoise_linalg::{C64, CMat, Mat, csingular_values, csolve};
 use counterpoise_lti::{Peak, StateSpace, frequency_response, linfnorm, poles};
 
 use crate::Error;
-use crate::cause::Cause;
+use crate::cause::{Cause, PlantCause};
 use crate::error::attempt;
 use crate::finding::{DesignFinding, Part};
 use crate::generalised_plant::GeneralisedPlant;
@@ -144,7 +144,7 @@ impl Search<'_> {
             bound *= 1.0 + raise;
             raise = (2.0 * raise).min(1.0);
         }
-        let cause = Cause::NoBoundReached { largest: bound };
+        let cause = Cause::Plant(PlantCause::NoBoundReached { largest: bound });
         Err(Error::refusal(vec![DesignFinding::refusal(Part::Generalised, cause)]))
     }
 

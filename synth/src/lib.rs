@@ -102,7 +102,9 @@ pub use alternatives::{Alternative, SynthesisMethod, design_alternative};
 pub use bandwidth::{Bandwidth, BandwidthLimit, LimitKind, Unknown};
 pub use best_loop::problem::BestLoopProblem;
 pub use best_loop::{BestLoop, BestLoopTask, best_loop};
-pub use cause::{Cause, DesignEquation, HiddenDirection, ModeBlock, StatedDensity};
+pub use cause::{
+    Cause, DesignEquation, HiddenDirection, ModeBlock, PlantCause, SpecificationCause, StatedDensity,
+};
 pub use certificate::{Cost, Equation, PartCertificates};
 pub use channel::DisturbanceChannel;
 pub use design::{Design, design};

@@ -4,7 +4,7 @@ use counterpoise_linalg as linalg;
 use counterpoise_linalg::{C64, CMat, Mat, Reason, csvd};
 
 use crate::Error;
-use crate::cause::{Cause, DesignEquation, HiddenDirection};
+use crate::cause::{Cause, DesignEquation, HiddenDirection, PlantCause};
 use crate::finding::{DesignFinding, Part};
 use crate::generalised_plant::Blocks;
 
@@ -29,19 +29,26 @@ pub(crate) fn require_solution(
             Some(mode.norm()),
         ),
         Reason::OnBoundary { eigenvalue, .. } => {
-            (Cause::Equation { equation, reason }, Some(eigenvalue.norm()))
+            (Cause::Plant(PlantCause::Equation { equation, reason }), Some(eigenvalue.norm()))
         }
         Reason::Inaccurate { hardest, .. } => {
-            (Cause::Equation { equation, reason }, hardest.map(|(mode, _)| mode.norm()))
+            (Cause::Plant(PlantCause::Equation { equation, reason }), hardest.map(|(mode, _)| mode.norm()))
         }
-        Reason::NoGraph | Reason::SingularWeight { .. } => (Cause::Equation { equation, reason }, None),
+        Reason::NoGraph | Reason::SingularWeight { .. } => {
+            (Cause::Plant(PlantCause::Equation { equation, reason }), None)
+        }
     };
     let finding = DesignFinding { rate_rad_s: rate, ..DesignFinding::refusal(Part::Generalised, cause) };
     Err(Error::refusal(vec![finding]))
 }
 
 fn hidden_mode(P: &Blocks, mode: C64, distance: f64, from: HiddenDirection) -> Result<Cause, Error> {
-    Ok(Cause::ModeHidden { mode, distance, from, block: P.block_of(&direction(P, mode, from)?) })
+    Ok(Cause::Plant(PlantCause::ModeHidden {
+        mode,
+        distance,
+        from,
+        block: P.block_of(&direction(P, mode, from)?),
+    }))
 }
 
 /// The moduli of the mode's direction, an entry a state: a left eigenvector that the inputs do not reach or a right one

@@ -5,7 +5,7 @@ use counterpoise_controller::{Controller, PathSignal};
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{Discretisation, StateSpace, c2d, delay_samples, poles, series};
 
-use crate::cause::Cause;
+use crate::cause::{Cause, PlantCause};
 use crate::certificate::PartCertificates;
 use crate::finding::{DesignFinding, Part};
 use crate::{DesignPlant, Error};
@@ -122,7 +122,7 @@ pub fn check_sampled_loop(
     let largest = closed_loop.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm()));
     match largest {
         Some(pole) if pole.norm() >= 1.0 => {
-            let cause = Cause::SampledUnstable { pole, period_s: sampling.period_s };
+            let cause = Cause::Plant(PlantCause::SampledUnstable { pole, period_s: sampling.period_s });
             let rate = (pole.arg() / sampling.period_s).abs();
             Err(Error::refusal(vec![DesignFinding::refusal(Part::Feedback, cause).at(rate)]))
         }

@@ -56,6 +56,17 @@ pub enum SearchEnding {
     Stopped,
 }
 
+impl SearchEnding {
+    /// Returns the name of the reason in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            SearchEnding::Settled => "Settled",
+            SearchEnding::OutOfTrials => "OutOfTrials",
+            SearchEnding::Stopped => "Stopped",
+        }
+    }
+}
+
 /// First and last step of the search, as natural logarithms of factors.
 const STEPS: (f64, f64) = (0.7, 0.04);
 /// Largest factor on a parameter, as a natural logarithm: three decades.

@@ -11,8 +11,8 @@ use counterpoise_lti::{Discretisation, StateSpace, c2d, h2norm, lft, response::r
 use counterpoise_models::LinearPlant;
 use counterpoise_synth::{
     Assembly, Cause, Design, DesignPlant, DisturbanceChannel, DisturbanceKnowledge, FeedforwardBasis,
-    SampledLoop, Sampling, SamplingMethod, Specification, Weight, design, discretise, stabilisation_error,
-    total_cost,
+    SampledLoop, Sampling, SamplingMethod, Specification, SpecificationCause, Weight, design, discretise,
+    stabilisation_error, total_cost,
 };
 
 fn design_controller(plant: &DesignPlant, specification: &Specification) -> Design {
@@ -155,7 +155,10 @@ fn both_feedforwards_are_had_on_the_closed_loop() {
         part.as_mut().unwrap().basis = FeedforwardBasis::ClosedLoop;
     }
     let design = design_controller(&rig(), &specification);
-    assert!(design.warnings.iter().any(|finding| matches!(finding.cause, Cause::FreeControlUnseen { .. })));
+    assert!(design.warnings.iter().any(|finding| matches!(
+        finding.cause,
+        Cause::Specification(SpecificationCause::FreeControlUnseen { .. })
+    )));
     let sampled = discretise(&design, &Sampling::new(1e-3, 10.0)).unwrap();
     assert!(sampled.closed_loop.iter().all(|pole| pole.norm() < 1.0));
     assert!(design.worst_cost_difference().unwrap() < 1e-6, "{:?}", design.worst_cost_difference());

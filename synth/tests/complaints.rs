@@ -5,8 +5,8 @@
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{NamedSystem, SignalTerm, StateSpace, Timebase, poles, series};
 use counterpoise_synth::{
-    Cause, Error, GeneralisedPlant, HiddenDirection, ModeBlock, NamedBlock, Ports, StateOrigin, h2syn,
-    hinfsyn,
+    Cause, Error, GeneralisedPlant, HiddenDirection, ModeBlock, NamedBlock, PlantCause, Ports, StateOrigin,
+    h2syn, hinfsyn,
 };
 
 const CONTINUOUS: Timebase = Timebase::Continuous;
@@ -78,7 +78,7 @@ fn blocks_stacked_with_a_plant_each_are_refused_with_the_mode_that_is_there_thri
     for found in [causes(&h2syn(&plant).err().unwrap()), causes(&hinfsyn(&plant, 1e-3).err().unwrap())] {
         assert!(
             found.iter().any(
-                |cause| matches!(cause, Cause::ModeHidden { mode, from: HiddenDirection::Control, block: ModeBlock::Named(block), .. }
+                |cause| matches!(cause, Cause::Plant(PlantCause::ModeHidden { mode, from: HiddenDirection::Control, block: ModeBlock::Named(block), .. })
                 if (mode - 2.0).norm() < 1e-6 && block.starts_with("copy"))
             ),
             "{found:?}"
@@ -109,7 +109,9 @@ fn a_mode_that_nothing_reaches_ends_the_search_at_once_and_is_named() {
         let (h2, hinf) = (h2syn(&plant).err().unwrap(), hinfsyn(&plant, 1e-4).err().unwrap());
         assert!(h2.findings().len() + hinf.findings().len() >= 2);
         for finding in h2.findings().iter().chain(hinf.findings()) {
-            let Cause::ModeHidden { mode, .. } = finding.cause else { panic!("{finding:?}") };
+            let Cause::Plant(PlantCause::ModeHidden { mode, .. }) = finding.cause else {
+                panic!("{finding:?}")
+            };
             let rate = finding.rate_rad_s.unwrap();
             assert!((mode.im.abs() - 7.0).abs() < 1e-6 && (rate - 7.0).abs() < 1e-4, "{finding:?}");
         }

@@ -8,8 +8,8 @@ use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase, margins};
 use counterpoise_models::reference;
 use counterpoise_synth::{
-    Cause, Circumstances, ControlLimit, Design, DesignPlant, Error, FirstDesign, LimitKind, RequiredMargins,
-    Sampling, Unknown, UsualPlants, UsualReading, design, discretise, first_design,
+    Cause, Circumstances, ControlLimit, Design, DesignPlant, Error, FirstDesign, LimitKind, PlantCause,
+    RequiredMargins, Sampling, Unknown, UsualPlants, UsualReading, design, discretise, first_design,
 };
 
 const CEILING: f64 = std::f64::consts::TAU / 20.0;
@@ -147,7 +147,10 @@ fn an_unstable_plant_is_held_or_said_to_be_out_of_reach() {
     let late = Sampling { delay_samples: 200, ..sampling };
     let plant = DesignPlant { delay_s: 0.2, pade_order: 4, ..position(3.0, 400.0) };
     let refused = first_design(&circumstances(plant, late)).unwrap_err();
-    assert!(matches!(refused.findings()[0].cause, Cause::NoBandwidth { .. }), "{refused:?}");
+    assert!(
+        matches!(refused.findings()[0].cause, Cause::Plant(PlantCause::NoBandwidth { .. })),
+        "{refused:?}"
+    );
 }
 
 #[test]

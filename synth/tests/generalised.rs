@@ -4,7 +4,8 @@
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase, append, h2norm, hinfnorm, series};
 use counterpoise_synth::{
-    Cause, Error, GeneralisedPlant, H2, HInfinity, HiddenDirection, ModeBlock, Weight, h2syn, hinfsyn,
+    Cause, Error, GeneralisedPlant, H2, HInfinity, HiddenDirection, ModeBlock, PlantCause, Weight, h2syn,
+    hinfsyn,
 };
 
 fn rows(rows: &[&[f64]]) -> Mat {
@@ -189,14 +190,14 @@ fn broken_conditions_are_named() {
     let D = |d12: f64, d21: f64, d11: f64| rows(&[&[d11, 0.0, 0.0], &[0.0, 0.0, d12], &[0.0, d21, 0.0]]);
     let cause =
         |D: &Mat| h2syn(&generalised_plant([&A, &B, &C, D], 1, 1)).unwrap_err().findings()[0].cause.clone();
-    assert_eq!(cause(&D(0.0, 1.0, 0.0)), Cause::ControlUnweighed { control: 1 });
-    assert_eq!(cause(&D(1.0, 0.0, 0.0)), Cause::MeasurementNoiseless { measurement: 1 });
-    assert_eq!(cause(&D(1.0, 1.0, 0.5)), Cause::NoiseReachesCost { gain: 0.5 });
+    assert_eq!(cause(&D(0.0, 1.0, 0.0)), Cause::Plant(PlantCause::ControlUnweighed { control: 1 }));
+    assert_eq!(cause(&D(1.0, 0.0, 0.0)), Cause::Plant(PlantCause::MeasurementNoiseless { measurement: 1 }));
+    assert_eq!(cause(&D(1.0, 1.0, 0.5)), Cause::Plant(PlantCause::NoiseReachesCost { gain: 0.5 }));
     let unreachable =
         generalised_plant([&rows(&[&[1.0]]), &rows(&[&[1.0, 0.0, 0.0]]), &C, &D(1.0, 1.0, 0.0)], 1, 1);
     let outcome = h2syn(&unreachable).unwrap_err();
     let is_hidden = |error: &Error| match &error.findings()[0].cause {
-        Cause::ModeHidden { mode, from: HiddenDirection::Control, block, .. } => {
+        Cause::Plant(PlantCause::ModeHidden { mode, from: HiddenDirection::Control, block, .. }) => {
             (mode - 1.0).norm() < 1e-6 && *block == ModeBlock::State(1)
         }
         _ => false,

@@ -7,8 +7,8 @@ use common::{rig, weights};
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::{StateSpace, Timebase};
 use counterpoise_synth::{
-    Cause, DesignFinding, DesignPlant, DisturbanceKnowledge, FindingSeverity, Part, Reference, Specification,
-    StatedDensity, Weight, WeightRole, design, preflight,
+    Cause, DesignFinding, DesignPlant, DisturbanceKnowledge, FindingSeverity, Part, PlantCause, Reference,
+    Specification, SpecificationCause, StatedDensity, Weight, WeightRole, design, preflight,
 };
 
 fn pair(re: f64, im: f64) -> Vec<C64> {
@@ -45,7 +45,10 @@ fn washed_out() -> DesignPlant {
 #[test]
 fn an_integrating_weight_on_a_plant_with_a_zero_at_the_origin() {
     let refused = refusals(&washed_out(), |_| ());
-    assert!(matches!(refused[0].cause, Cause::PlantZeroAtErrorPole { .. }));
+    assert!(matches!(
+        refused[0].cause,
+        Cause::Specification(SpecificationCause::PlantZeroAtErrorPole { .. })
+    ));
     assert_eq!((refused[0].part, refused[0].rate_rad_s), (Part::Feedback, Some(0.0)));
     assert!(refused[0].weight.as_ref().unwrap().role == WeightRole::Error);
 }
@@ -55,7 +58,7 @@ fn an_integrating_weight_behind_a_sensor_that_reads_no_steady_rate() {
     let wash = Weight::ZeroPoleGain { zeros: vec![C64::ZERO], poles: vec![C64::new(-1.0, 0.0)], gain: 1.0 };
     let plant = DesignPlant { hub_sensor: Some(wash.realise().unwrap()), ..rig() };
     let refused = refusals(&plant, |_| ());
-    assert_eq!(refused[0].cause, Cause::SensorBlindAtErrorPole);
+    assert_eq!(refused[0].cause, Cause::Specification(SpecificationCause::SensorBlindAtErrorPole));
     assert_eq!(refused[0].rate_rad_s, Some(0.0));
 }
 
@@ -71,7 +74,10 @@ fn a_resonant_error_weight_at_a_zero_of_the_plant() {
         s.feedback.error = Weight::ZeroPoleGain { zeros: vec![], poles: pair(0.0, 110.0), gain: 1e4 };
         (s.heave, s.pitch) = (None, None);
     });
-    assert!(matches!(refused[0].cause, Cause::PlantZeroAtErrorPole { .. }));
+    assert!(matches!(
+        refused[0].cause,
+        Cause::Specification(SpecificationCause::PlantZeroAtErrorPole { .. })
+    ));
     assert_eq!(refused[0].rate_rad_s, Some(zero.im));
 }
 
@@ -84,7 +90,10 @@ fn a_control_weight_that_vanishes_at_high_frequency() {
             Part::Heave => s.heave.as_mut().unwrap().control = falling,
             _ => s.pitch.as_mut().unwrap().control = falling,
         });
-        assert_eq!(refused[0].cause, Cause::ControlWeightVanishes { excess: 1 });
+        assert_eq!(
+            refused[0].cause,
+            Cause::Specification(SpecificationCause::ControlWeightVanishes { excess: 1 })
+        );
         assert_eq!((refused[0].part, refused[0].rate_rad_s), (part, Some(f64::INFINITY)));
     }
 }
@@ -92,7 +101,7 @@ fn a_control_weight_that_vanishes_at_high_frequency() {
 #[test]
 fn an_error_weight_that_rises_without_bound() {
     let refused = refusals(&rig(), |s| s.feedback.error = Weight::Lead { gain: 1.0, time_s: 0.1 });
-    assert_eq!(refused[0].cause, Cause::ErrorWeightImproper { excess: 1 });
+    assert_eq!(refused[0].cause, Cause::Specification(SpecificationCause::ErrorWeightImproper { excess: 1 }));
     assert_eq!(refused[0].rate_rad_s, Some(f64::INFINITY));
 }
 
@@ -103,7 +112,7 @@ fn a_free_control_where_the_error_does_not_show_it() {
         s.feedback.error = Weight::Lag { gain: 1.0, time_s: 1.0 };
         s.feedback.control = free;
     });
-    assert_eq!(refused[0].cause, Cause::ControlFreeUnseen);
+    assert_eq!(refused[0].cause, Cause::Specification(SpecificationCause::ControlFreeUnseen));
     assert_eq!(refused[0].rate_rad_s, Some(0.0));
 }
 
@@ -113,7 +122,7 @@ fn weights_that_are_both_infinite_at_one_frequency() {
         s.feedback.control =
             Weight::ZeroPoleGain { zeros: vec![C64::new(-50.0, 0.0)], poles: vec![C64::ZERO], gain: 1.0 };
     });
-    assert_eq!(refused[0].cause, Cause::WeightsBothInfinite);
+    assert_eq!(refused[0].cause, Cause::Specification(SpecificationCause::WeightsBothInfinite));
     assert_eq!(refused[0].rate_rad_s, Some(0.0));
 }
 
@@ -126,30 +135,44 @@ fn weights_that_are_void_or_not_numbers() {
     ];
     for weight in void {
         let refused = refusals(&rig(), |s| s.feedback.error = weight);
-        assert_eq!(refused[0].cause, Cause::WeightVoid);
+        assert_eq!(refused[0].cause, Cause::Specification(SpecificationCause::WeightVoid));
     }
     let lone = Weight::ZeroPoleGain { zeros: vec![], poles: vec![C64::new(-1.0, 2.0)], gain: 1.0 };
-    assert_eq!(refusals(&rig(), |s| s.feedback.error = lone)[0].cause, Cause::WeightComplex);
+    assert_eq!(
+        refusals(&rig(), |s| s.feedback.error = lone)[0].cause,
+        Cause::Specification(SpecificationCause::WeightComplex)
+    );
 }
 
 #[test]
 fn noises_that_are_none() {
     for noise in [0.0, -1.0, f64::NAN] {
         let refused = refusals(&rig(), |s| s.feedback.measurement_noise = noise);
-        assert!(matches!(refused[0].cause, Cause::Density { of: StatedDensity::MeasurementNoise, .. }));
+        assert!(matches!(
+            refused[0].cause,
+            Cause::Specification(SpecificationCause::Density { of: StatedDensity::MeasurementNoise, .. })
+        ));
     }
     let refused = refusals(&rig(), |s| {
         s.heave.as_mut().unwrap().knowledge = DisturbanceKnowledge::Measured { noise: 0.0 }
     });
-    assert!(matches!(refused[0].cause, Cause::Density { .. }));
+    assert!(matches!(refused[0].cause, Cause::Specification(SpecificationCause::Density { .. })));
     assert_eq!(refused[0].part, Part::Heave);
 }
 
 #[test]
 fn generators_of_infinite_power() {
     let cases = [
-        (Weight::Constant { gain: 1.0 }, Cause::GeneratorNotProper, f64::INFINITY),
-        (Weight::Integral { gain: 1.0, time_s: 1.0 }, Cause::GeneratorUnstable { pole: C64::ZERO }, 0.0),
+        (
+            Weight::Constant { gain: 1.0 },
+            Cause::Specification(SpecificationCause::GeneratorNotProper),
+            f64::INFINITY,
+        ),
+        (
+            Weight::Integral { gain: 1.0, time_s: 1.0 },
+            Cause::Specification(SpecificationCause::GeneratorUnstable { pole: C64::ZERO }),
+            0.0,
+        ),
     ];
     for (generator, cause, rate) in cases {
         let refused = refusals(&rig(), |s| s.heave.as_mut().unwrap().generator = generator);
@@ -163,15 +186,21 @@ fn a_generator_too_rough_for_the_derivative_and_knowledge_that_is_not_complete()
     plant.pitch.push(2);
     let refused =
         refusals(&plant, |s| s.pitch.as_mut().unwrap().generator = Weight::Lag { gain: 1.0, time_s: 1.0 });
-    assert_eq!(refused[0].cause, Cause::GeneratorTooRough { relative_degree: 1, needed: 2 });
+    assert_eq!(
+        refused[0].cause,
+        Cause::Specification(SpecificationCause::GeneratorTooRough { relative_degree: 1, needed: 2 })
+    );
     let refused = refusals(&rig(), |s| s.pitch.as_mut().unwrap().knowledge = DisturbanceKnowledge::Exact);
-    assert_eq!(refused[0].cause, Cause::KnowledgeIncomplete { order: 2, known: 1 });
+    assert_eq!(
+        refused[0].cause,
+        Cause::Specification(SpecificationCause::KnowledgeIncomplete { order: 2, known: 1 })
+    );
 }
 
 #[test]
 fn a_feedforward_without_its_input_and_one_without_effect() {
     let plant = DesignPlant { heave: vec![], ..rig() };
-    assert_eq!(refusals(&plant, |_| ())[0].cause, Cause::ChannelMissing);
+    assert_eq!(refusals(&plant, |_| ())[0].cause, Cause::Plant(PlantCause::ChannelMissing));
     let mut balanced = rig();
     for state in 0..balanced.system.order() {
         balanced.system.B[(state, 1)] = 0.0;
@@ -179,7 +208,7 @@ fn a_feedforward_without_its_input_and_one_without_effect() {
     let findings = preflight(&balanced, &weights()).unwrap();
     assert_eq!(
         (findings[0].severity, findings[0].cause.clone()),
-        (FindingSeverity::Warning, Cause::ChannelWithoutEffect)
+        (FindingSeverity::Warning, Cause::Plant(PlantCause::ChannelWithoutEffect))
     );
 }
 
@@ -187,7 +216,7 @@ fn a_feedforward_without_its_input_and_one_without_effect() {
 fn an_integrating_feedforward_with_a_noisy_sensor() {
     let refused =
         refusals(&rig(), |s| s.heave.as_mut().unwrap().error = Weight::Integral { gain: 1.0, time_s: 1.0 });
-    assert_eq!(refused[0].cause, Cause::FeedforwardUnbounded { pole: C64::ZERO });
+    assert_eq!(refused[0].cause, Cause::Plant(PlantCause::FeedforwardUnbounded { pole: C64::ZERO }));
     assert_eq!((refused[0].part, refused[0].rate_rad_s), (Part::Heave, Some(0.0)));
 }
 
@@ -204,9 +233,13 @@ fn modes_out_of_reach_of_control_or_measurement() {
         DesignPlant { system, ..plant }
     };
     let refused = refusals(&hidden(0.0, 1.0), |s| (s.heave, s.pitch) = (None, None));
-    assert!(matches!(refused[0].cause, Cause::NotStabilisable { pole } if (pole - 2.0).norm() < 1e-9));
+    assert!(
+        matches!(refused[0].cause, Cause::Plant(PlantCause::NotStabilisable { pole }) if (pole - 2.0).norm() < 1e-9)
+    );
     let refused = refusals(&hidden(1.0, 0.0), |s| (s.heave, s.pitch) = (None, None));
-    assert!(matches!(refused[0].cause, Cause::NotDetectable { pole } if (pole - 2.0).norm() < 1e-9));
+    assert!(
+        matches!(refused[0].cause, Cause::Plant(PlantCause::NotDetectable { pole }) if (pole - 2.0).norm() < 1e-9)
+    );
 }
 
 #[test]
@@ -220,7 +253,7 @@ fn an_undamped_mode_that_no_noise_excites() {
         (s.heave, s.pitch) = (None, None);
         s.feedback.loop_recovery = 0.0;
     });
-    assert!(matches!(refused[0].cause, Cause::NoiseMissesMode { .. }));
+    assert!(matches!(refused[0].cause, Cause::Plant(PlantCause::NoiseMissesMode { .. })));
     assert!((refused[0].rate_rad_s.unwrap() - 10.0).abs() < 1e-9);
 }
 
@@ -228,12 +261,12 @@ fn an_undamped_mode_that_no_noise_excites() {
 fn a_direct_path_and_a_demand_without_states_to_enter() {
     let mut plant = DesignPlant { delay_s: 0.0, hub_sensor: None, ..rig() };
     plant.system.D[(0, 0)] = 0.1;
-    assert_eq!(refusals(&plant, |_| ())[0].cause, Cause::DirectPath { gain: 0.1 });
+    assert_eq!(refusals(&plant, |_| ())[0].cause, Cause::Plant(PlantCause::DirectPath { gain: 0.1 }));
     let refused = refusals(&rig(), |s| {
         s.reference = Reference::WeightOnly;
         s.feedback.error = Weight::Constant { gain: 1.0 };
     });
-    assert_eq!(refused[0].cause, Cause::ReferenceWithoutStates);
+    assert_eq!(refused[0].cause, Cause::Plant(PlantCause::ReferenceWithoutStates));
 }
 
 #[test]
@@ -246,13 +279,13 @@ fn warnings_do_not_stand_in_the_way() {
     };
     assert_eq!(warned(&|_, _| ()), None);
     let left_out = warned(&|plant, _| plant.pade_order = 0);
-    assert_eq!(left_out, Some(Cause::DelayLeftOut { delay_s: 1e-3 }));
+    assert_eq!(left_out, Some(Cause::Plant(PlantCause::DelayLeftOut { delay_s: 1e-3 })));
     let delayed = warned(&|plant, _| plant.delay_s = 0.03);
-    assert!(matches!(delayed, Some(Cause::DelayLimits { .. })), "{delayed:?}");
+    assert!(matches!(delayed, Some(Cause::Plant(PlantCause::DelayLimits { .. }))), "{delayed:?}");
     let mirrored = warned(&|_, s| s.feedback.control = Weight::Lead { gain: 1.0, time_s: -0.005 });
-    assert!(matches!(mirrored, Some(Cause::WeightMirrored { .. })));
+    assert!(matches!(mirrored, Some(Cause::Specification(SpecificationCause::WeightMirrored { .. }))));
     let deaf = warned(&|_, s| (s.feedback.loop_recovery, s.feedback.disturbances) = (0.0, vec![]));
-    assert_eq!(deaf, Some(Cause::NothingDisturbs));
+    assert_eq!(deaf, Some(Cause::Specification(SpecificationCause::NothingDisturbs)));
 }
 
 #[test]

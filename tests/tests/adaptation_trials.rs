@@ -48,7 +48,7 @@ fn the_default_is_nowhere_worse_than_none_and_removes_what_a_changed_load_adds()
     let (tried, result) = trials(&decide_choices(adapting("recursive"), &ExampleFolder(folder())));
     assert!(tried.bands.unwrap().is_exported);
     assert_eq!(tried.rows.len(), 12);
-    assert!(tried.refused.is_empty() && result.adaptation_trials.is_some());
+    assert!(tried.refused.is_empty() && result.studies.adaptation_trials.is_some());
     for row in &tried.rows {
         assert!(row.with_rad_s <= row.without_rad_s, "{row:?}");
         if matches!(row.load, TrialLoad::Sudden | TrialLoad::Slow) && row.motion != TrialMotion::Sines {

@@ -4,9 +4,9 @@
 
 use counterpoise_pipeline::studies::adapt::{AdaptRun, adapt};
 use counterpoise_pipeline::studies::comparison::{DesignComparison, compare_designs};
-use counterpoise_pipeline::wording::design_findings::describe_design_finding;
 use counterpoise_pipeline::{PipelineError, SynthesisedDesign, build_plant_model, reduce_plant, synthesise};
 use counterpoise_project::Project;
+use counterpoise_report::wording::design_findings::describe_design_finding;
 
 fn text(example: &str) -> String {
     let path = format!("{}/../examples/{example}/project.toml", env!("CARGO_MANIFEST_DIR"));

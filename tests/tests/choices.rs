@@ -7,6 +7,7 @@ use counterpoise_pipeline::{
     PlantModel, SynthesisedDesign, World, build_plant_model, reduce_plant, synthesise, verify,
 };
 use counterpoise_project::Project;
+use counterpoise_report::wording::errors::describe_pipeline_error;
 use counterpoise_verify::{PerformanceFigure, Verification};
 
 struct EmptyWorld;
@@ -112,7 +113,8 @@ fn a_design_in_sampled_time_holds_a_coarse_period() {
     let converted = at(slower, TUSTIN);
     let modelled = build_plant_model(&converted).unwrap();
     let reduced = reduce_plant(&converted, &modelled).unwrap();
-    let refused = synthesise(&converted, &modelled, &reduced).err().map(|error| error.to_string());
+    let refused =
+        synthesise(&converted, &modelled, &reduced).err().map(|error| describe_pipeline_error(&error));
     assert!(refused.as_ref().is_some_and(|said| said.contains("sample faster")), "{refused:?}");
     let anew = verify_project(&at(slower, SAMPLED_DATA));
     assert!(value(&anew, "gain_margin_db") > 8.0 && value(&anew, "phase_margin_deg") > 45.0);

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 /// Subjects that the table must have.
-const SUBJECTS: usize = 12;
+const SUBJECTS: usize = 13;
 
 #[test]
 fn every_path_of_the_table_of_places_exists() {

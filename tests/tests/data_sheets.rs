@@ -6,6 +6,8 @@
 
 use counterpoise_pipeline::{World, run_stages, with_chosen_weights};
 use counterpoise_project::{Attachments, Document, Project, Purpose};
+use counterpoise_report::wording::code_header::HeaderText;
+use counterpoise_report::wording::errors::describe_pipeline_error;
 
 /// Name and file of each machine.
 const MACHINES: [(&str, &str); 23] = [
@@ -399,8 +401,10 @@ fn every_machine_of_a_data_sheet_is_designed_and_its_loop_is_stable() {
     for (name, text) in MACHINES.into_iter().step_by(step) {
         assert!(text.lines().count() <= 16, "{name} is a short file");
         let made = read(text).map_err(|errors| errors.join("; ")).and_then(|project| {
-            let chosen = with_chosen_weights(&project).map_err(|error| error.to_string())?.unwrap();
-            run_stages(&chosen.project, &EmptyWorld).map_err(|error| error.to_string())
+            let chosen =
+                with_chosen_weights(&project).map_err(|error| describe_pipeline_error(&error))?.unwrap();
+            run_stages(&chosen.project, &HeaderText, &EmptyWorld)
+                .map_err(|error| describe_pipeline_error(&error))
         });
         match made {
             Err(error) => wrong.push(format!("{name}: {error}")),

@@ -7,6 +7,7 @@ use counterpoise_pipeline::{
     PipelineError, build_plant_model, reduce_plant, run_stages, synthesise, with_tuned_structure,
 };
 use counterpoise_project::{Attachments, Document, FurtherPlants, Project};
+use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_synth::{BlockKind, LoopLimits};
 use counterpoise_tests::ExampleFolder;
 use counterpoise_tests::examples::attachments;
@@ -39,7 +40,7 @@ fn a_tuned_structure_is_verified_exported_and_saved_like_any_controller() {
     let tuned = with_tuned_structure(&stated, &world).unwrap().expect("open parameters");
     assert_eq!(tuned.tuned.missed, 0.0, "{:?}", tuned.tuned.measures);
     assert!(tuned.limits.worst_shortfall(&tuned.tuned.measures[0]) < 1e-3);
-    let stages = run_stages(&tuned.project, &world).unwrap();
+    let stages = run_stages(&tuned.project, &HeaderText, &world).unwrap();
     let failing: Vec<String> = stages
         .verified
         .verification()
@@ -68,7 +69,7 @@ fn tuned_weights_are_verified_and_saved_like_any_weights() {
     let world = ExampleFolder(folder());
     let tuned = with_tuned_structure(&stated, &world).unwrap().expect("weights to tune");
     assert_eq!(tuned.tuned.missed, 0.0, "{:?}", tuned.tuned.measures);
-    let stages = run_stages(&tuned.project, &world).unwrap();
+    let stages = run_stages(&tuned.project, &HeaderText, &world).unwrap();
     let (holds, fails, open) = stages.verified.verification().counts();
     assert_eq!((fails, open), (0, 0), "{holds} hold: {:?}", stages.verified.verification().verdicts);
     assert!(with_tuned_structure(&tuned.project, &world).unwrap().is_none(), "they are tuned already");

@@ -7,6 +7,8 @@ use counterpoise_lti::response_at;
 use counterpoise_pipeline::exchange::SystemResult;
 use counterpoise_pipeline::{DesignStages, PipelineError, run_stages};
 use counterpoise_project::{Document, Project};
+use counterpoise_report::wording::code_header::HeaderText;
+use counterpoise_report::wording::errors::describe_pipeline_error;
 use counterpoise_tests::ExampleFolder;
 use counterpoise_tests::examples::attachments;
 
@@ -28,7 +30,7 @@ fn stages(sections: &str, controller: Option<&str>) -> Result<DesignStages, Pipe
     };
     let project =
         Project::resolve(&document, &files).unwrap_or_else(|findings| panic!("{findings:?}")).project;
-    run_stages(&project, &ExampleFolder(folder()))
+    run_stages(&project, &HeaderText, &ExampleFolder(folder()))
 }
 
 #[test]
@@ -60,7 +62,8 @@ fn a_sampled_controller_runs_as_it_was_given_and_is_judged_like_an_own_one() {
 #[test]
 fn a_controller_that_does_not_hold_the_loop_is_refused_with_the_pole() {
     let file = r#"{"num": [-400.0], "den": [1.0], "Ts": 0}"#;
-    let said = stages("[synth.controller]\nfile = \"legacy.json\"\n", Some(file)).unwrap_err().to_string();
+    let refused = stages("[synth.controller]\nfile = \"legacy.json\"\n", Some(file));
+    let said = describe_pipeline_error(&refused.unwrap_err());
     assert!(said.contains("\"legacy.json\" does not hold the loop") && said.contains("pole"), "{said}");
     let ringing = r#"{"num": [2.0, -2.0], "den": [1.0, 1.0], "Ts": 0.001}"#;
     let refused = stages("[synth.controller]\nfile = \"legacy.json\"\n", Some(ringing));

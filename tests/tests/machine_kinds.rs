@@ -17,6 +17,10 @@ use counterpoise_project::resolve::design::Language;
 use counterpoise_project::starters::StarterKind;
 use counterpoise_project::{Attachments, Document, ParsedProject, Project, Purpose};
 use counterpoise_recordings::{Channel, Recording};
+use counterpoise_report::results::verification::VerifiedAxes;
+use counterpoise_report::results::{SynthText, VerifyText};
+use counterpoise_report::wording::code_header::HeaderText;
+use counterpoise_report::wording::errors::describe_pipeline_error;
 use counterpoise_report::{VerificationContext, html_page, of_verification};
 use counterpoise_simulate::replay::{ChannelFit, RecordedController, ReplayLoop, Replayer};
 use counterpoise_simulate::signal::{Signal, Sine};
@@ -318,7 +322,7 @@ fn a_file_without_one_key_that_is_read_is_designed_or_refused_with_what_to_chang
     for _ in 0..count {
         let (name, project) = left.swap_remove(random.draw_below(left.len()));
         let Err(why) = design_project(&project) else { continue };
-        let said = why.to_string();
+        let said = describe_pipeline_error(&why);
         // a key of the machine, a weight of which the file states too few, or the clock that the machine left over would need
         let changes = ["plant.", "give the loop recovery", "sample faster"];
         if !changes.iter().any(|change| said.contains(change)) {
@@ -418,7 +422,8 @@ fn every_kind_is_exported_in_every_language() {
         let mut project = machine.project.clone();
         project.export.languages = vec![Language::C99, Language::Rust, Language::Fmi];
         let exported =
-            export(&project, &machine.modelled, machine.verified_controller(), &EmptyWorld).unwrap();
+            export(&project, &machine.modelled, machine.verified_controller(), &HeaderText, &EmptyWorld)
+                .unwrap();
         assert!(exported.left_out.is_empty(), "{}: {:?}", machine.name, exported.left_out);
         assert!(exported.files.len() > 12, "{}", machine.name);
         let measured = project.plant.sensors.measured;
@@ -443,9 +448,10 @@ fn results_and_report_name_what_the_loop_controls() {
         let found = verified.verification();
         let plant = &machine.modelled.plant;
         let measured_on = verified_loop(plant, verified.controller(), &found.evidence.procedure).unwrap();
+        let axis = VerifiedAxes { own: found, both: None };
         let results = [
-            serde_json::to_string(&VerifyResult::new(found, measured_on)).unwrap(),
-            serde_json::to_string(&SynthResult::from(&machine.made)).unwrap(),
+            serde_json::to_string(&VerifyText::new(axis, VerifyResult::new(found, measured_on))).unwrap(),
+            serde_json::to_string(&SynthText::from(SynthResult::from(&machine.made))).unwrap(),
             html_page(&of_verification(found, &[], VerificationContext::default())),
         ];
         let is_rate = controlled == ControlledQuantity::RATE;

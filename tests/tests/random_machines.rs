@@ -6,12 +6,13 @@ use std::f64::consts::TAU;
 use std::sync::Mutex;
 
 use counterpoise_models::{Friction, FrictionLaw, Parameters};
-use counterpoise_pipeline::wording::design_findings::describe_design_finding;
 use counterpoise_pipeline::{
     FirstDesignResult, PipelineError, World, build_plant_model, reduce_plant, synthesise, verify,
     with_chosen_weights,
 };
 use counterpoise_project::Project;
+use counterpoise_report::wording::design_findings::{describe_design_finding, join_limits};
+use counterpoise_report::wording::errors::describe_pipeline_error;
 use counterpoise_verify::{LoopFigure, Model, PerformanceFigure, RestFigure, Sine, StepFigure, Verification};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -181,7 +182,7 @@ fn try_machine(seed: u64) -> TriedMachine {
         Err(error @ (PipelineError::CannotHold { .. } | PipelineError::CannotCarry { .. })) => {
             return TriedMachine::Refused(error.to_string());
         }
-        Err(other) => return TriedMachine::Failed(other.to_string()),
+        Err(other) => return TriedMachine::Failed(describe_pipeline_error(&other)),
     };
     let first = FirstDesignResult::from(&chosen.first);
     let project = with_procedure(&chosen.project, first.bandwidth_rad_s);
@@ -195,9 +196,9 @@ fn try_machine(seed: u64) -> TriedMachine {
             if !wrong.is_empty() {
                 wrong.push(format!("{first:?}"));
             }
-            TriedMachine::Designed { limited_by: first.limited_by.clone(), wrong }
+            TriedMachine::Designed { limited_by: join_limits(&first.limited_by), wrong }
         }
-        Err(other) => TriedMachine::Failed(other.to_string()),
+        Err(other) => TriedMachine::Failed(describe_pipeline_error(&other)),
     }
 }
 

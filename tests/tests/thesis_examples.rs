@@ -12,6 +12,7 @@ use counterpoise_pipeline::recordings::measured_modes::diagnose_structure;
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_recordings::{Recording, RecordingTable};
+use counterpoise_report::wording::structure::{describe_hypothesis, describe_structure};
 use counterpoise_simulate::replay::{ReplayLoop, replay};
 
 fn folder(example: &str) -> PathBuf {
@@ -28,8 +29,8 @@ fn shear_and_rotary_inertia_are_what_the_elements_of_table_6_1_left_out() {
     let project = project("measured-modes");
     let found = diagnose_structure(&project, project.measured.as_ref().unwrap()).unwrap();
     let answer = &found.answer;
-    assert_eq!(answer.verdict, DiagnosisVerdict::Named, "{}", answer.explanation);
-    assert_eq!(answer.tried[1].what, "shear and rotary inertia");
+    assert_eq!(answer.verdict, DiagnosisVerdict::Named, "{}", describe_structure(answer));
+    assert_eq!(describe_hypothesis(answer.tried[1].hypothesis), "shear and rotary inertia");
     assert!(answer.alternatives.is_empty(), "{:?}", answer.alternatives);
     let (before, after) = (&answer.tried[0], &answer.tried[1]);
     assert!(before.left_out_percent > 5.0 && after.left_out_percent < 1.2, "{before:?} {after:?}");

@@ -5,7 +5,7 @@ use counterpoise_recordings::{ColumnName, Signals};
 use counterpoise_simulate::Signal;
 
 use crate::road_class::RoadClass;
-use crate::signals::check_finite;
+use crate::signals::{check_finite, rms};
 use crate::{Error, LineOfSight, Source};
 
 /// Everything that a verification does.
@@ -197,6 +197,16 @@ impl Road {
     /// Returns the pitch rate, rad/s.
     pub fn pitch_rate_rad_s(&self) -> &[f64] {
         self.signals.column(RoadColumn::PitchRate)
+    }
+
+    /// Returns the RMS of the heave, m/s^2.
+    pub fn heave_rms_m_s2(&self) -> f64 {
+        rms(self.heave_m_s2())
+    }
+
+    /// Returns the RMS of the pitch rate, rad/s.
+    pub fn pitch_rms_rad_s(&self) -> f64 {
+        rms(self.pitch_rate_rad_s())
     }
 
     /// Returns the surge, m/s^2; no sample if the platform does nothing but heave and pitch.

@@ -7,6 +7,7 @@ use counterpoise_host::projects::{self, BadProject};
 use counterpoise_pipeline::check::check_project;
 use counterpoise_project::{Attachments, Diagnostic, Document, FORMAT, Project};
 use counterpoise_report::check::check_lines;
+use counterpoise_report::results::describe_check;
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -43,7 +44,7 @@ pub fn run(options: &CheckOptions) -> CommandResult {
     }
     match Project::resolve(&document, &attachments) {
         Ok(parsed) => {
-            let found = check_project(&document, &parsed, options.results.loop_systems());
+            let found = describe_check(check_project(&document, &parsed, options.results.loop_systems()));
             if !output::write_json(&options.results, &found)? {
                 check_lines(&found).iter().for_each(|line| say!("{line}"));
             }

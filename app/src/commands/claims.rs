@@ -10,6 +10,7 @@ use counterpoise_claims::page;
 use counterpoise_claims::{Agreement, Claim, ClaimOutcome, Criterion, claim_ids, measure_claims};
 use counterpoise_pipeline::{ProjectIdentity, run_stages};
 use counterpoise_project::Purpose;
+use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_report::{ReportOrigin, VerificationContext, evidence, html_page};
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -81,7 +82,7 @@ pub fn run(options: &ClaimsOptions) -> CommandResult {
     let rows = measure_claims(&loaded.project, &world, &|id| wanted.contains(&id), &progress)?;
     bar.finish_and_clear();
     let title = format!("The thesis' claims on the {}", loaded.project.plant.name);
-    let designed = run_stages(&loaded.project, &world)?;
+    let designed = run_stages(&loaded.project, &HeaderText, &world)?;
     let named = options.project.as_deref().unwrap_or(Path::new(RIG));
     let command = format!("counterpoise claims {}", named.display());
     let mut more = if options.only.is_empty() {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Error};
 use clap::Args;
-use counterpoise_host::commissioning::{Commissioning, CommissioningSetup, RoundProgress};
+use counterpoise_host::commissioning::{Commissioning, CommissioningSetup, RoundTools};
 use counterpoise_host::machine_program::RunLimits;
 use counterpoise_host::projects;
 use counterpoise_host::workers::ProgressPool;
@@ -12,6 +12,7 @@ use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::commission::{RoundSummary, StopReason, machine_time_s};
 use counterpoise_report::commission::{commission_report, describe_round, describe_stop};
 use counterpoise_report::html_page;
+use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_report::wording::recordings::describe_recordings_error;
 use serde::Serialize;
 
@@ -75,7 +76,8 @@ pub fn run(options: &CommissionOptions) -> CommandResult {
     while rounds.len() < options.rounds && rounds.last().is_none_or(|round| round.stop.is_none()) {
         let stages = options.results.progress();
         let workers = ProgressPool::new(stages);
-        let summary = commissioning.run_round(rounds.len() + 1, RoundProgress { pool: &workers, stages });
+        let summary = commissioning
+            .run_round(rounds.len() + 1, RoundTools { pool: &workers, stages, words: &HeaderText });
         workers.finish();
         let summary = summary.map_err(in_words)?;
         print_round(options, &summary);

@@ -4,8 +4,9 @@ use anyhow::{Context as _, Result, bail};
 use clap::Args;
 use counterpoise_host::projects::{self, ProjectWorld};
 use counterpoise_pipeline::PipelineStage;
-use counterpoise_pipeline::studies::designs::{ComparisonRequest, DesignTable, design_table};
+use counterpoise_pipeline::studies::designs::{ComparisonRequest, design_table};
 use counterpoise_project::Purpose;
+use counterpoise_report::results::DesignTableText;
 use counterpoise_report::{ReportOrigin, designs, html_page};
 use counterpoise_synth::LoopLimits;
 use serde::Serialize;
@@ -38,7 +39,7 @@ pub struct CompareOptions {
 #[derive(Serialize)]
 struct TimedTable<'a> {
     #[serde(flatten)]
-    table: &'a DesignTable,
+    table: &'a DesignTableText,
     /// Time of each row's design without its simulation, s; it differs from run to run.
     design_time_s: &'a [f64],
 }
@@ -49,7 +50,8 @@ pub fn run(options: &CompareOptions) -> CommandResult {
     let loaded = projects::load_project(&options.project, Purpose::Compare)?;
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
-    let table = design_table(&loaded.project, &ComparisonRequest { further }, &world)?;
+    let found = design_table(&loaded.project, &ComparisonRequest { further }, &world)?;
+    let table = DesignTableText::from(found);
     let times = world.times();
     let designs = times.iter().filter(|time| time.name == PipelineStage::Synthesise.name());
     let times_s: Vec<f64> = designs.map(|time| 1e-3 * time.milliseconds).collect();
@@ -102,7 +104,7 @@ fn limits(text: &str) -> Result<LoopLimits> {
 const WIDEST_NAME: usize = 35;
 
 /// Prints the table with one design a column, because it has more figures than a terminal has columns.
-fn print(table: &DesignTable, times_s: &[f64]) {
+fn print(table: &DesignTableText, times_s: &[f64]) {
     say!("{}: tuned structures make least: {}", table.name, table.objective);
     say!();
     for (k, row) in table.rows.iter().enumerate() {

@@ -12,14 +12,16 @@ use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::export::target_proofs::{CodeAgreement, CompiledCodeTest, StepCosts};
 use counterpoise_pipeline::results::{DesignResult, ResultContents};
 use counterpoise_pipeline::studies::advice::KeptDesigns;
-use counterpoise_pipeline::wording::acceptance::AcceptanceSource;
-use counterpoise_pipeline::wording::figures::{describe_figure, describe_unmeasured};
 use counterpoise_pipeline::{DesignStages, FirstDesignResult, TwoAxisStudy, World, design_project};
 use counterpoise_pool::Pool;
 use counterpoise_project::Purpose;
 use counterpoise_report::adaptation::{describe_action, describe_refusal};
 use counterpoise_report::certificate;
 use counterpoise_report::design::DesignRun;
+use counterpoise_report::results::{DesignText, FirstDesignText};
+use counterpoise_report::wording::acceptance::AcceptanceSource;
+use counterpoise_report::wording::code_header::HeaderText;
+use counterpoise_report::wording::figures::{describe_figure, describe_unmeasured};
 use counterpoise_report::{ReportOrigin, html_page, of_design, two_axes};
 use counterpoise_verify::{Verdict, Verification};
 use serde::Serialize;
@@ -48,11 +50,11 @@ pub struct DesignOptions {
 
 /// The results for another program, and why the weights are what they are if they were chosen.
 #[derive(Serialize)]
-struct DesignOutput<'a> {
+struct DesignOutput {
     #[serde(flatten)]
-    design: &'a DesignResult,
+    design: DesignText,
     #[serde(skip_serializing_if = "Option::is_none")]
-    first_design: Option<FirstDesignResult>,
+    first_design: Option<FirstDesignText>,
 }
 
 /// Runs the command.
@@ -60,7 +62,7 @@ pub fn run(options: &DesignOptions) -> CommandResult {
     let loaded = projects::load_project(&options.project, Purpose::Design)?;
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
-    let designed = design_project(&loaded.project, &world)?;
+    let designed = design_project(&loaded.project, &HeaderText, &world)?;
     let mut result = results_of(options, &loaded, &designed, world.pool())?;
     let code = &designed.targets.code;
     let (proofs, costs) =
@@ -85,7 +87,9 @@ pub fn run(options: &DesignOptions) -> CommandResult {
     if let Some(traverse) = &designed.stages.traverse {
         export::write_traverse(&options.output, traverse)?;
     }
-    if !output::write_json(&options.results, &DesignOutput { design: &result, first_design })? {
+    let first_design = first_design.map(FirstDesignText::from);
+    let whole = DesignOutput { design: DesignText::new(&designed, result), first_design };
+    if !output::write_json(&options.results, &whole)? {
         first_design::print_first_design(&loaded);
         print(options, &designed.stages);
         print_two_axes(&designed);
@@ -139,7 +143,7 @@ fn describe_compiled_code(proofs: &[CompiledCodeTest], costs: &StepCosts) -> Com
     let mut code = CompiledCode { differing: 0, said: Vec::new() };
     for proof in proofs {
         let language = if proof.rust { "Rust" } else { "C" };
-        let numbers = format!("{:?}", proof.numbers).to_lowercase();
+        let numbers = proof.numbers.name();
         match &proof.answered {
             CodeAgreement::Alike { .. } => {}
             CodeAgreement::Otherwise { samples, wrong } => {

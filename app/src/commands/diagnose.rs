@@ -6,13 +6,13 @@ use counterpoise_diagnose::findings::answer::{DiagnosisVerdict, FitTable, Hypoth
 use counterpoise_diagnose::findings::channel_fits::PooledFits;
 use counterpoise_pipeline::recordings::{RecordingFile, diagnose, replay_held_out, replay_improved};
 use counterpoise_pipeline::results::RecordingResult;
-use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_pipeline::{RedesignComparison, verify_redesign};
 use counterpoise_project::Purpose;
 use counterpoise_report::wording::answer::{
     AnswerText, FindingText, component_list, describe_diagnosed_recordings, describe_verdict,
     describe_warning, unit_suffix,
 };
+use counterpoise_report::wording::figures::describe_figure;
 use counterpoise_report::wording::held_out_recordings::{HeldOutText, describe_held_out};
 use counterpoise_report::wording::learned::LearnedText;
 use counterpoise_report::wording::recordings::{describe_recordings_error, describe_replay};

@@ -10,6 +10,7 @@ use counterpoise_host::{code_files, files};
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::{self as pipeline, TraverseCode};
 use counterpoise_project::Purpose;
+use counterpoise_report::wording::code_header::HeaderText;
 use serde::Serialize;
 
 use crate::exit::{CommandResult, verdict_code};
@@ -38,7 +39,7 @@ pub fn run(options: &ExportOptions) -> CommandResult {
     let loaded = projects::load_project(&options.project, Purpose::Export)?;
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
-    let made = pipeline::run_stages(&loaded.project, &world)?;
+    let made = pipeline::run_stages(&loaded.project, &HeaderText, &world)?;
     if !options.check.is_empty() {
         let below = made.traverse.iter().flat_map(|axis| &axis.files);
         let inside =

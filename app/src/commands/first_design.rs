@@ -9,6 +9,9 @@ use counterpoise_synth::{FirstDesign, LimitKind, Unknown};
 use crate::output::say;
 use counterpoise_plot::number::short_number;
 use counterpoise_report::first_design::{WHERE_OPEN_VALUES_STAND, describe_limitation};
+use counterpoise_report::wording::design_findings::{
+    describe_design_finding, describe_limit, describe_unknown,
+};
 
 /// Prints the bandwidth of the chosen weights with what limits it; nothing if the file states its weights.
 pub fn print_first_design(loaded: &ProjectOnDisk) {
@@ -32,7 +35,7 @@ pub fn print_first_design(loaded: &ProjectOnDisk) {
         say!("  {WHERE_OPEN_VALUES_STAND}");
     }
     for fact in &result.unknown {
-        say!("  not known, and lowers the ceiling by 3 dB: {fact}");
+        say!("  not known, and lowers the ceiling by 3 dB: {}", describe_unknown(*fact));
     }
     say!(
         "margins {:.1} dB, {:.1} deg, Ms {:.2}; Ms {:.2} with every lightly damped mode off by 15 %",
@@ -41,7 +44,7 @@ pub fn print_first_design(loaded: &ProjectOnDisk) {
         result.max_sensitivity,
         result.max_sensitivity_modes_shifted
     );
-    result.left_out.iter().for_each(|reason| say!("no feedforward: {reason}"));
+    result.left_out.iter().for_each(|reason| say!("no feedforward: {}", describe_design_finding(reason)));
     say!("`counterpoise synth PROJECT --save FILE` writes the weights into the file");
     say!();
 }
@@ -62,6 +65,7 @@ fn print_step(loaded: &ProjectOnDisk, first: &FirstDesign) {
 }
 
 fn print_limit(row: &LimitRow) {
+    let limit = describe_limit(row.limit);
     let without = row.lifted_rad_s.map(|rate| format!("; without it {} rad/s", short_number(rate)));
     let without = without.unwrap_or_default();
     match (row.bandwidth_rad_s, row.over_reached) {
@@ -71,8 +75,8 @@ fn print_limit(row: &LimitRow) {
                 more => format!("{more} times what is reached"),
             };
             let alone = if row.allows_more() { " to loops that miss others" } else { "" };
-            say!("  {:26} allows {:>9} rad/s{alone}, {over}{without}", row.limit, short_number(rate));
+            say!("  {limit:26} allows {:>9} rad/s{alone}, {over}{without}", short_number(rate));
         }
-        _ => say!("  {:26} allows every bandwidth that was looked at{without}", row.limit),
+        _ => say!("  {limit:26} allows every bandwidth that was looked at{without}"),
     }
 }

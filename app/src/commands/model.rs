@@ -11,6 +11,7 @@ use counterpoise_project::Purpose;
 use counterpoise_report::check::ranking_lines;
 use counterpoise_report::html_page;
 use counterpoise_report::model::model_report;
+use counterpoise_report::wording::errors::describe_pipeline_error;
 use std::path::PathBuf;
 
 use crate::exit::{CommandResult, ExitStatus};
@@ -46,7 +47,7 @@ pub fn run(options: &ModelOptions) -> CommandResult {
     let mut result = ModelResult::from(&modelled);
     let ranked =
         rank_assumptions(&loaded.project, &modelled, &loaded.assumptions, options.results.loop_systems());
-    let unranked = ranked.as_ref().err().map(ToString::to_string);
+    let unranked = ranked.as_ref().err().map(describe_pipeline_error);
     match ranked {
         Ok(ranked) => {
             (result.assumptions, result.assumption_effects) = (ranked.assumptions, ranked.effects);
@@ -94,7 +95,7 @@ fn print(result: &ModelResult, unheld: Option<&PipelineError>) {
         None => {
             say!("out-of-balance {:.4} kg m, held by {:.4} V", result.out_of_balance_kg_m, result.holding_v)
         }
-        Some(why) => say!("warning: {why}"),
+        Some(why) => say!("warning: {}", describe_pipeline_error(why)),
     }
     say!("states: {}", result.states.join(", "));
     say!("{:>14} {:>14}", "frequency Hz", "damping");

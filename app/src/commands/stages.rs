@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use crate::output::say;
 use clap::Args;
 use counterpoise_pipeline::results::ReduceResult;
-use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
 use counterpoise_pipeline::{self as pipeline, PlantModel, ReducedPlant};
 use counterpoise_project::Purpose;
+use counterpoise_report::results::describe_reduction;
 
 use crate::exit::{CommandResult, ExitStatus};
 use crate::options::ResultOutput;
@@ -28,7 +28,7 @@ pub struct StageOptions {
 pub fn reduce(options: &StageOptions) -> CommandResult {
     let loaded = load_with_warnings(options, Purpose::Reduce)?;
     let (_, reduced) = to_reduced(&loaded)?;
-    let result = ReduceResult::from(&reduced);
+    let result = describe_reduction(ReduceResult::from(&reduced));
     if !output::write_json(&options.results, &result)? {
         say!("order {} -> {}", result.order[0], result.order[1]);
         if let Some([error, rate]) = result.error {
@@ -38,7 +38,7 @@ pub fn reduce(options: &StageOptions) -> CommandResult {
             say!("bound {bound:.4e}");
         }
         result.ranked.iter().enumerate().for_each(|(k, value)| say!("{:4} {value:.4e}", k + 1));
-        result.warnings.iter().for_each(|w| say!("warning: {}", describe_reduction_warning(w)));
+        result.warnings.iter().for_each(|w| say!("warning: {w}"));
     }
     verdict_ok()
 }

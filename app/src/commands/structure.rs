@@ -4,9 +4,12 @@ use anyhow::bail;
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_pipeline::recordings::measured_modes::{StructureAnswer, diagnose_structure};
 use counterpoise_report::html_page;
+use counterpoise_report::results::StructureText;
 use counterpoise_report::structure::structure_report;
 use counterpoise_report::wording::answer::describe_verdict;
-use counterpoise_report::wording::structure::describe_support;
+use counterpoise_report::wording::structure::{
+    describe_fitted, describe_hypothesis, describe_structure, describe_support,
+};
 
 use crate::exit::{CommandResult, ExitStatus};
 use crate::options::DiagnoseOptions;
@@ -32,7 +35,7 @@ pub fn run(loaded: &ProjectOnDisk, options: &DiagnoseOptions) -> CommandResult {
         let page = structure_report(&loaded.project.plant.name, &command, &found.answer);
         projects::write_file(path, html_page(&page).as_bytes())?;
     }
-    if !output::write_json(&options.outputs.results, &found.answer)? {
+    if !output::write_json(&options.outputs.results, &StructureText::from(&found.answer))? {
         say!(
             "{} natural frequencies, structure {}",
             measured.modes_hz.len(),
@@ -46,8 +49,8 @@ pub fn run(loaded: &ProjectOnDisk, options: &DiagnoseOptions) -> CommandResult {
 fn print(answer: &StructureAnswer) {
     let named = answer.verdict != DiagnosisVerdict::Consistent;
     let best = answer.tried.get(1).filter(|_| named);
-    say!("{}: {}", describe_verdict(answer.verdict).name, answer.explanation);
-    let head = best.map_or(String::new(), |t| format!("with {}", t.what));
+    say!("{}: {}", describe_verdict(answer.verdict).name, describe_structure(answer));
+    let head = best.map_or(String::new(), |t| format!("with {}", describe_hypothesis(t.hypothesis)));
     say!("  {:>4} {:>12} {:>12} {:>8}   {head}", "mode", "measured Hz", "model Hz", "error %");
     let off = answer.errors_percent(&answer.model_hz);
     for (k, measured) in answer.measured_hz.iter().enumerate() {
@@ -60,9 +63,12 @@ fn print(answer: &StructureAnswer) {
     say!();
     say!("  {:<64} {:>10} {:>14}", "tried", "RMS %", "held out %");
     for t in &answer.tried {
-        let numbers: Vec<String> =
-            t.parameters.iter().map(|(name, value)| format!("{name} {value:.4}")).collect();
-        say!("  {:<64} {:10.2} {:14.2}  {}", t.what, t.rms_percent, t.left_out_percent, numbers.join(", "));
+        let numbers: Vec<String> = t.parameters.iter().map(describe_fitted).collect();
+        let what = describe_hypothesis(t.hypothesis);
+        say!("  {what:<64} {:10.2} {:14.2}  {}", t.rms_percent, t.left_out_percent, numbers.join(", "));
     }
-    answer.alternatives.iter().for_each(|other| say!("  cannot be distinguished from {other}"));
+    answer
+        .alternatives
+        .iter()
+        .for_each(|other| say!("  cannot be distinguished from {}", describe_hypothesis(*other)));
 }

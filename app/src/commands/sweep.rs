@@ -10,6 +10,7 @@ use counterpoise_pipeline::studies::sweep::{
 use counterpoise_pipeline::{self as pipeline, DesignStages, ProjectIdentity};
 use counterpoise_project::Purpose;
 use counterpoise_report::sweep::SweepFigure;
+use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_report::{ProvenanceEntry, VerificationContext, html_page, robustness, sweep};
 use counterpoise_verify::robustness::{Campaign, FamilyMember};
 use counterpoise_verify::structured::RobustStability;
@@ -99,7 +100,7 @@ fn prepare(options: &SweepOptions) -> Result<NamedCampaign> {
     output::print_warnings(&loaded, options.results.progress());
     campaign_is_stated(&loaded.project)?;
     let world = ProjectWorld::of(&loaded, options.results.progress());
-    let designed = pipeline::run_stages(&loaded.project, &world)?;
+    let designed = pipeline::run_stages(&loaded.project, &HeaderText, &world)?;
     let campaign =
         pipeline::prepare_campaign(&loaded.project, &designed.modelled, &designed.verified, &world)?;
     let (families, stability) = match options.shard.is_some() || options.sample.is_some() {

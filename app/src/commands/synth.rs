@@ -7,9 +7,6 @@ use counterpoise_pipeline::studies::search::{
     JudgedWeights, SearchAnswer, TradeOffPoint, search_weights, verify_found,
 };
 use counterpoise_pipeline::tuning::TuningResult;
-use counterpoise_pipeline::wording::demanded_rate::describe_demanded_rate;
-use counterpoise_pipeline::wording::design_findings::describe_design_finding;
-use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_pipeline::{
     self as pipeline, FirstDesignResult, PlantModel, ProjectIdentity, ReducedPlant, SynthesisStudy,
     study_synthesis,
@@ -28,7 +25,13 @@ use counterpoise_host::projects::{self, ProjectOnDisk, ProjectWorld};
 use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_plot::number::short_number;
 use counterpoise_report::alternatives::drop_small_sign;
+use counterpoise_report::results::{ComparisonText, FirstDesignText, SynthText};
 use counterpoise_report::trade_off::VerifiedPoint;
+use counterpoise_report::wording::certificates::describe_cost_source;
+use counterpoise_report::wording::design_findings::describe_design_findings;
+use counterpoise_report::wording::figures::describe_figure;
+use counterpoise_report::wording::schedule::{describe_conditions, describe_law};
+use counterpoise_report::wording::weights::describe_weights;
 use counterpoise_report::{ReportOrigin, html_page, of_synthesis, trade_off};
 
 /// Arguments of `synth`.
@@ -51,10 +54,10 @@ pub struct SynthOptions {
 #[derive(Serialize)]
 struct SynthOutput<'a> {
     #[serde(flatten)]
-    synth: &'a SynthResult,
-    beside: &'a DesignComparison,
+    synth: &'a SynthText,
+    beside: ComparisonText,
     #[serde(skip_serializing_if = "Option::is_none")]
-    first_design: Option<FirstDesignResult>,
+    first_design: Option<FirstDesignText>,
     #[serde(skip_serializing_if = "Option::is_none")]
     tuning: Option<TuningResult>,
 }
@@ -77,14 +80,15 @@ pub fn run(options: &SynthOptions) -> CommandResult {
     if let Some(path) = &options.save {
         save(&loaded, &loaded.project, path)?;
     }
-    let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
+    let first_design = loaded.first_design.as_ref().map(|first| FirstDesignResult::from(first).into());
+    let (result, beside) = (SynthText::from(result), ComparisonText::from(&study.comparison));
     let controlled = loaded.project.plant.controlled_quantity();
     let tuning = loaded.tuned.as_ref().map(|tuned| TuningResult::of(tuned, controlled));
-    let whole = SynthOutput { synth: &result, beside: &study.comparison, first_design, tuning };
+    let whole = SynthOutput { synth: &result, beside, first_design, tuning };
     if !output::write_json(&options.outputs.results, &whole)? {
         super::first_design::print_first_design(&loaded);
         super::tuning::print_tuning(&loaded);
-        study.weights.iter().for_each(|line| say!("{line}"));
+        describe_weights(&study.asked).iter().for_each(|line| say!("{line}"));
         print_design(&result);
         print_comparison(&study);
         options.save.iter().for_each(|path| say!("project {}", path.display()));
@@ -104,17 +108,18 @@ fn origin(loaded: &ProjectOnDisk, option: &str) -> ReportOrigin {
     ReportOrigin { command: format!("counterpoise synth {project}{option}"), project }
 }
 
-fn print_design(result: &SynthResult) {
+fn print_design(result: &SynthText) {
+    let figures = &result.figures;
     say!();
-    say!("design plant of order {}", result.plant_order);
-    result.path_orders.iter().for_each(|(name, order)| say!("{name}: order {order}"));
-    let largest = result.largest_pole_modulus;
-    say!("closed sampled loop: {} poles, largest modulus {largest:.6}", result.closed_loop_poles.len());
-    if let Some(difference) = result.cost_difference {
+    say!("design plant of order {}", figures.plant_order);
+    figures.path_orders.iter().for_each(|(name, order)| say!("{name}: order {order}"));
+    let largest = figures.largest_pole_modulus;
+    say!("closed sampled loop: {} poles, largest modulus {largest:.6}", figures.closed_loop_poles.len());
+    if let Some(difference) = figures.cost_difference {
         say!("predicted cost and cost of the assembled loop differ by {difference:.1e}");
     }
-    result.demanded_rate.iter().for_each(|limit| say!("{}", describe_demanded_rate(limit)));
-    result.warnings.iter().for_each(|w| say!("warning: {}", describe_design_finding(w)));
+    result.demanded_rate.iter().for_each(|limit| say!("{limit}"));
+    result.warnings.iter().for_each(|w| say!("warning: {w}"));
 }
 
 /// Prints the comparison of a design with its alternatives.
@@ -187,7 +192,7 @@ fn print_total_cost(beside: &DesignComparison) {
         let slope = drop_small_sign(row.slope);
         say!(
             "  {:18} {:>10}, slope {slope:+.4} per unit of its gain{best}",
-            row.part,
+            describe_cost_source(row.part),
             short_number(row.cost)
         );
     }
@@ -205,7 +210,7 @@ fn print_methods(rows: &[MethodRow], gain_unit: &str) {
         say!("  {}, {kind}: order {}{norm}", row.method, row.order);
         match (&row.figures, &row.why) {
             (Some(found), _) => say!("    {}", figures_line(found, gain_unit)),
-            (None, Some(why)) => say!("    no controller: {why}"),
+            (None, Some(why)) => say!("    no controller: {}", describe_design_findings(why)),
             (None, None) => {}
         }
     }
@@ -254,15 +259,15 @@ fn print_balance(study: &SynthesisStudy) {
             error(row.error_gain_law_rad_s),
             error(row.error_after_rad_s)
         );
-        say!("    {}", row.conditions);
-        say!("    {}", row.law);
+        say!("    {}", describe_conditions(&row.conditions));
+        say!("    {}", describe_law(&row.law));
     }
 }
 
 /// The search, for another program.
 #[derive(Serialize)]
 struct SearchResult {
-    settled: String,
+    settled: &'static str,
     trials: usize,
     missed: f64,
     missed_on_full_plant: f64,
@@ -369,11 +374,11 @@ fn search_result(found: &SearchAnswer, verified: Vec<VerifiedPoint>) -> SearchRe
         missed: found.best.missed,
     };
     SearchResult {
-        settled: format!("{:?}", found.found.ended),
+        settled: found.found.ended.name(),
         trials: found.found.trials,
         missed: found.found.best.missed,
         missed_on_full_plant: found.missed_on_full_plant,
-        weights: found.weights.clone(),
+        weights: describe_weights(&found.asked),
         curve: found.curve.iter().map(point).collect(),
         verified,
     }

@@ -9,11 +9,13 @@ use counterpoise_pipeline::studies::advice::KeptDesigns;
 use counterpoise_pipeline::studies::verification::{
     VerificationOptions, VerificationStudy, VerifiedPlant, drive_over_road,
 };
-use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_pipeline::{self as pipeline, TwoAxisStudy, studies};
 use counterpoise_project::{Project, Purpose, StructureChoice};
 use counterpoise_report::adaptation::{describe_action, describe_refusal, trial_section};
+use counterpoise_report::results::VerifyText;
+use counterpoise_report::results::verification::VerifiedAxes;
 use counterpoise_report::summary::worse_feedforwards;
+use counterpoise_report::wording::figures::describe_figure;
 use counterpoise_report::{
     ReportOrigin, VerificationContext, advice, certificate, difference, error_budget, html_page,
     of_verification, robustness, two_axes,
@@ -99,7 +101,7 @@ pub fn run(options: &VerifyOptions) -> CommandResult {
 #[derive(serde::Serialize)]
 struct VerifyOutput {
     #[serde(flatten)]
-    result: VerifyResult,
+    result: VerifyText,
     /// Stable within so many times the ranges of the sweep; absent if nothing varies.
     #[serde(skip_serializing_if = "Option::is_none")]
     robust_to_times_the_ranges: Option<f64>,
@@ -112,13 +114,15 @@ struct VerifyOutput {
 fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Result<()> {
     let (found, stability) = (&study.found, study.stability.as_ref());
     let mut result = VerifyResult::new(found, study.measured_on.clone());
-    result.error_budget = study.budget.clone();
-    result.certificate = study.certificate.as_ref().map(Into::into);
+    result.studies.error_budget = study.budget.clone();
+    result.studies.certificate = study.certificate.as_ref().map(Into::into);
     let both = study.two_axes.as_ref().map(TwoAxesResult::new).transpose()?;
     let mut result = result.with_adaptation(study.adaptation.clone()).with_two_axes(both);
     if !options.histories {
         result.leave_histories_out();
     }
+    let axes = VerifiedAxes { own: found, both: study.two_axes.as_ref() };
+    let result = VerifyText::new(axes, result);
     let robust_to_times_the_ranges = stability.map(|found| found.guaranteed);
     let design = study.certificate.as_ref().and_then(|found| found.cases.first());
     let joints = design.map_or(Joints::Sliding, CaseCertificate::first_joints);

@@ -61,7 +61,7 @@ const SELF_TEST: &str = "self_test.c";
 
 /// Measures the cost on a core. Returns `None` if a tool or the self test fails.
 fn count(core: &TargetCore, folder: &Path, code: &TargetCode) -> Option<CodeCost> {
-    let folder = folder.join(format!("{}-{:?}", core.machine, code.numbers));
+    let folder = folder.join(format!("{}-{}", core.machine, code.numbers.name()));
     write(&folder.join(CODE_FOLDER), &code.files)?;
     write(&folder, &counting_code(&code.name, code.numbers))?;
     let included = ["", "_self_test"].map(|end| format!("{CODE_FOLDER}/{}{end}.c", code.name));

@@ -11,6 +11,7 @@ use counterpoise_export::{File, FixedPointController, Numbers, TargetFigures, Ta
 use counterpoise_pipeline::export::TargetCode;
 use counterpoise_pipeline::export::target_proofs::{CodeAgreement, CompiledCodeTest};
 use counterpoise_project::Language;
+use counterpoise_project::file::NamedChoice;
 
 use crate::files;
 
@@ -20,7 +21,7 @@ pub fn prove_code(code: &[TargetCode], compared: &Targets) -> Vec<CompiledCodeTe
     let prove = |each: &TargetCode| {
         let answered = match &folder {
             Ok(folder) => {
-                let place = folder.path().join(format!("{:?}-{:?}", each.language, each.numbers));
+                let place = folder.path().join(format!("{}-{}", each.language.name(), each.numbers.name()));
                 test_code(each, compared, &place)
             }
             Err(error) => CodeAgreement::NotRun(format!("no temporary folder: {error}")),

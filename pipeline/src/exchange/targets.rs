@@ -1,7 +1,7 @@
 //! The controller on its targets as plain data: the loop in each kind of numbers, forms of its paths, what compilers and emulators answered.
 
 use counterpoise_controller::sensitivity::RealisationForm;
-use counterpoise_export::{Numbers, TargetFigures};
+use counterpoise_export::TargetFigures;
 use counterpoise_models::ControlledQuantity;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -200,7 +200,7 @@ impl NumbersResult {
             errors_rad_s: each.errors_rad_s.clone(),
         });
         Self {
-            numbers: key(figures.numbers),
+            numbers: figures.numbers.name(),
             predicted_v: figures.predicted.likely_v,
             worst_v: figures.predicted.worst_v,
             predicted_rms_v: figures.predicted.rms_v,
@@ -231,7 +231,7 @@ impl From<&CompiledCodeTest> for CompiledResult {
             CodeAgreement::NotRun(why) => (None, None, Some(why.clone())),
         };
         let language = if proof.rust { "rust" } else { "c" };
-        Self { language, numbers: key(proof.numbers), samples, wrong, why }
+        Self { language, numbers: proof.numbers.name(), samples, wrong, why }
     }
 }
 
@@ -240,20 +240,12 @@ impl From<&CoreCost> for CoreResult {
         let cost = each.cost;
         Self {
             core: each.core,
-            numbers: key(each.numbers),
+            numbers: each.numbers.name(),
             step_instructions: cost.step_instructions,
             set_instructions: cost.set_instructions,
             flash_bytes: cost.flash_bytes,
             state_bytes: cost.state_bytes,
             stack_bytes: cost.stack_bytes,
         }
-    }
-}
-
-fn key(numbers: Numbers) -> &'static str {
-    match numbers {
-        Numbers::Double => "double",
-        Numbers::Single => "single",
-        Numbers::Fixed => "fixed",
     }
 }

@@ -1,6 +1,7 @@
 //! The verified controller as code, with where it comes from.
 
 mod feedback_alone;
+pub mod header_words;
 pub mod target_proofs;
 
 use counterpoise_controller::realisation::count_coefficients;
@@ -17,13 +18,13 @@ use sha2::{Digest, Sha256};
 
 use crate::first_design::leaves_weights_open;
 use crate::traverse_file::{FolderOfFile, traverse_project};
-use crate::wording::provenance::{describe_loop_signals, describe_verdicts};
-use crate::wording::weights::describe_weights;
 use crate::{PipelineError, PlantModel, World};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::controller::RecordingController;
 use counterpoise_project::resolve::design::Language;
 use counterpoise_project::resolve::platform::PlatformSource;
+
+pub use header_words::HeaderWords;
 
 /// The code that was made, and what the project asks for and cannot have.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -71,9 +72,24 @@ pub fn export(
     project: &Project,
     modelled: &PlantModel,
     verified: &VerifiedController,
+    words: &dyn HeaderWords,
     world: &dyn World,
 ) -> Result<ExportedCode, PipelineError> {
-    export_by(project, modelled, verified, &crate::project_procedure(project, world)?, world)
+    let procedure = crate::project_procedure(project, world)?;
+    export_by(&ExportTask { project, modelled, verified, procedure: &procedure }, words, world)
+}
+
+/// A verified controller whose code is written.
+#[derive(Debug, Clone, Copy)]
+pub struct ExportTask<'a> {
+    /// The project.
+    pub project: &'a Project,
+    /// Its plant.
+    pub modelled: &'a PlantModel,
+    /// The controller.
+    pub verified: &'a VerifiedController,
+    /// The procedure of the verification.
+    pub procedure: &'a Procedure,
 }
 
 /// Returns the code as [`export`] makes it, with the procedure of the verification at hand.
@@ -81,14 +97,14 @@ pub fn export(
 /// # Errors
 /// Those of the simulator.
 pub fn export_by(
-    project: &Project,
-    modelled: &PlantModel,
-    verified: &VerifiedController,
-    procedure: &Procedure,
+    task: &ExportTask<'_>,
+    words: &dyn HeaderWords,
     world: &dyn World,
 ) -> Result<ExportedCode, PipelineError> {
-    let feedback_alone = feedback_alone::certificate(project, modelled, verified, procedure);
-    let origin = Provenance { feedback_alone, ..provenance(project, verified, world) };
+    let ExportTask { project, modelled, verified, procedure } = *task;
+    let degraded = feedback_alone::verify_feedback_alone(task);
+    let feedback_alone = words.describe_feedback_alone(degraded.as_ref());
+    let origin = Provenance { feedback_alone, ..provenance(project, verified, words, world) };
     let options = &project.export.options;
     let mut made = ExportedCode::default();
     for language in &project.export.languages {
@@ -148,9 +164,10 @@ pub fn every_target(
     project: &Project,
     verified: &VerifiedController,
     compared: &Targets,
+    words: &dyn HeaderWords,
     world: &dyn World,
 ) -> Result<Vec<TargetCode>, PipelineError> {
-    let origin = provenance(project, verified, world);
+    let origin = provenance(project, verified, words, world);
     let name = project.export.options.name.clone();
     let readings = verified.controller().parts().reading_count();
     let code =
@@ -259,14 +276,19 @@ pub fn project_hash(project: &Project, world: &dyn World) -> String {
     digest.finalize().iter().take(16).map(|byte| format!("{byte:02x}")).collect()
 }
 
-fn provenance(project: &Project, verified: &VerifiedController, world: &dyn World) -> Provenance {
+fn provenance(
+    project: &Project,
+    verified: &VerifiedController,
+    words: &dyn HeaderWords,
+    world: &dyn World,
+) -> Provenance {
     Provenance {
         generator: format!("counterpoise {}", env!("CARGO_PKG_VERSION")),
         project: project.plant.name.clone(),
         project_hash: project_hash(project, world),
-        loop_signals: describe_loop_signals(&project.plant),
-        weights: project.synth.as_ref().map(describe_weights).unwrap_or_default(),
-        verdicts: describe_verdicts(verified.verification()),
+        loop_signals: words.describe_loop_signals(&project.plant),
+        weights: project.synth.as_ref().map(|asked| words.describe_weights(asked)).unwrap_or_default(),
+        verdicts: words.describe_verdicts(verified.verification()),
         feedback_alone: Vec::new(),
         converters: Converters::of(&project.plant),
     }

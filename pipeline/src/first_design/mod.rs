@@ -18,8 +18,8 @@ use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::{DesignRequest, WeightSource};
 use counterpoise_project::resolve::verify::StepSize;
 use counterpoise_synth::{
-    Circumstances, ControlLimit, DesignPlant, Error as SynthesisError, ExpectedMotion, FirstDesign,
-    LimitKind, LimitLoops, RequiredMargins, UsualPlants, Weight, first_design_on,
+    Circumstances, ControlLimit, DesignFinding, DesignPlant, Error as SynthesisError, ExpectedMotion,
+    FirstDesign, LimitKind, LimitLoops, RequiredMargins, Unknown, UsualPlants, Weight, first_design_on,
 };
 use counterpoise_verify::certificate::elements::rest_impedances;
 use counterpoise_verify::{Limit, LoopFigure, PerformanceFigure, Sine};
@@ -28,7 +28,6 @@ use serde::Serialize;
 use crate::exchange::SystemResult;
 use crate::synth::{design_plant, sampling};
 use crate::tolerance::{ALLOWS_MORE, MARGINS_TO_SPARE};
-use crate::wording::design_findings::{describe_design_finding, describe_limit, describe_unknown};
 use crate::{PipelineError, PlantModel, ReducedPlant, build_plant_model, reduce_plant};
 use usual_ranges::{BothPlants, OpenValues};
 
@@ -340,14 +339,14 @@ const GENERATOR_DAMPING: f64 = 0.7;
 const UNKNOWN_NOISE: f64 = 1e-3;
 
 /// A first design as plain data.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FirstDesignResult {
     /// Bandwidth that was reached (lowest frequency at which the loop's gain falls to 1), rad/s.
     pub bandwidth_rad_s: f64,
     /// Bandwidth that was asked for, rad/s.
     pub asked_rad_s: Option<f64>,
     /// The limits of it: what raises the bandwidth most when it alone is lifted, or several that only do so together.
-    pub limited_by: String,
+    pub limited_by: Vec<LimitKind>,
     /// Every limit with the highest bandwidth that it alone would allow, and the bandwidth without it.
     pub limits: Vec<LimitRow>,
     /// The margins that the loop had to keep.
@@ -355,7 +354,7 @@ pub struct FirstDesignResult {
     /// Sample period of the controller, s.
     pub sample_period_s: f64,
     /// The unknown values that lowered the ceiling.
-    pub unknown: Vec<String>,
+    pub unknown: Vec<Unknown>,
     /// Gain margin, dB.
     pub gain_margin_db: f64,
     /// Phase margin, degrees.
@@ -367,7 +366,7 @@ pub struct FirstDesignResult {
     /// The sampled loops that were judged, broken at the control: that of the plant, then those of the plants with shifted modes.
     pub loops: Vec<SystemResult>,
     /// Feedforwards that could not be had, with the reason.
-    pub left_out: Vec<String>,
+    pub left_out: Vec<DesignFinding>,
 }
 
 /// Margins that a loop must keep.
@@ -381,11 +380,11 @@ pub struct RequiredMarginsResult {
     pub max_sensitivity: f64,
 }
 
-/// A limit of the bandwidth.
+/// A limit of the bandwidth: its kind, or the name of it, which a result file has.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LimitRow {
+pub struct LimitRow<Limit = LimitKind> {
     /// The limit.
-    pub limit: String,
+    pub limit: Limit,
     /// The highest bandwidth that it alone would allow, rad/s; absent if it allows every one that was looked at.
     pub bandwidth_rad_s: Option<f64>,
     /// That over the bandwidth that was reached.
@@ -402,6 +401,18 @@ impl LimitRow {
     /// Returns whether the limit alone allows more than is reached, and yet is one that raises the bandwidth if it is lifted.
     pub fn allows_more(&self) -> bool {
         self.lifted_rad_s.is_some() && self.over_reached.is_some_and(|over| over > ALLOWS_MORE)
+    }
+
+    /// Returns the row with the name of its limit.
+    pub fn name_limit<Name>(&self, name: impl Fn(LimitKind) -> Name) -> LimitRow<Name> {
+        LimitRow {
+            limit: name(self.limit),
+            bandwidth_rad_s: self.bandwidth_rad_s,
+            over_reached: self.over_reached,
+            lifted_rad_s: self.lifted_rad_s,
+            shown_by: self.shown_by.clone(),
+            lifted_shown_by: self.lifted_shown_by.clone(),
+        }
     }
 }
 
@@ -423,7 +434,7 @@ impl From<&FirstDesign> for FirstDesignResult {
             let over_reached = bandwidth_rad_s.map(|rate| rate / found.bandwidth_rad_s);
             let lifted_rad_s = limit.lifted_rad_s;
             LimitRow {
-                limit: describe_limit(limit.kind).to_owned(),
+                limit: limit.kind,
                 bandwidth_rad_s,
                 over_reached,
                 lifted_rad_s,
@@ -434,12 +445,7 @@ impl From<&FirstDesign> for FirstDesignResult {
         Self {
             bandwidth_rad_s: found.bandwidth_rad_s,
             asked_rad_s: found.asked_rad_s,
-            limited_by: found
-                .limited_by
-                .iter()
-                .map(|kind| describe_limit(*kind))
-                .collect::<Vec<_>>()
-                .join(" and "),
+            limited_by: found.limited_by.clone(),
             limits: found.limits.iter().zip(&first.shown_by).map(row).collect(),
             required: RequiredMarginsResult {
                 gain_margin_db: first.required.gain_db,
@@ -447,7 +453,7 @@ impl From<&FirstDesign> for FirstDesignResult {
                 max_sensitivity: first.required.max_sensitivity,
             },
             sample_period_s: first.sample_period_s,
-            unknown: found.unknown.iter().map(|fact| describe_unknown(*fact).to_owned()).collect(),
+            unknown: found.unknown.clone(),
             gain_margin_db: judged.gain_margin_db,
             phase_margin_deg: judged.phase_margin_deg,
             max_sensitivity: judged.max_sensitivity,
@@ -457,7 +463,7 @@ impl From<&FirstDesign> for FirstDesignResult {
                 .iter()
                 .map(|system| SystemResult::new("loop", system, &["control_v"], &["returned_control_v"]))
                 .collect(),
-            left_out: first.left_out.iter().map(describe_design_finding).collect(),
+            left_out: first.left_out.clone(),
         }
     }
 }

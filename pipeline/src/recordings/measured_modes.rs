@@ -6,11 +6,11 @@
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_models::structure::{AttachedMasses, FeModel, FeOptions, Mesh, Theory, undamped_modes};
 use counterpoise_models::{Beam, PointMass};
-use serde::Serialize;
 
-use super::structure_hypotheses::{Change, End, Hypothesis, Scale, TriedStructure};
+use super::structure_hypotheses::{
+    Change, End, FittedParameter, FittedValue, Hypothesis, Scale, TriedStructure,
+};
 use crate::tolerance::{ALIKE_HYPOTHESES, EXPLAINED_STRUCTURE, FEWEST_JUDGED_MODES, WORTH_COMPLICATING};
-use crate::wording::structure::{MASS, STIFFNESS_FACTOR, describe_hypothesis, describe_structure};
 use crate::{PipelineError, finite_elements};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::measured_modes::MeasuredModes;
@@ -22,20 +22,20 @@ const FINER: usize = 4;
 const MASSES: (f64, f64, usize) = (1e-3, 0.5, 40);
 
 /// The answer.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct StructureAnswer {
     /// Verdict.
     pub verdict: DiagnosisVerdict,
-    /// In words: what was left out, how large it is.
-    pub explanation: String,
     /// Measured frequencies, Hz.
     pub measured_hz: Vec<f64>,
     /// Frequencies of the model as it is, Hz.
     pub model_hz: Vec<f64>,
     /// Trials; the first one is the model as it is, the others best first.
     pub tried: Vec<TriedStructure>,
+    /// The trial that explains the modes; `None` if none does better than the model as it is.
+    pub chosen: Option<TriedStructure>,
     /// Others that explain the modes as well as the one that is named.
-    pub alternatives: Vec<String>,
+    pub alternatives: Vec<Hypothesis>,
 }
 
 impl StructureAnswer {
@@ -63,20 +63,18 @@ pub fn diagnose_structure(
     measured: &MeasuredModes,
 ) -> Result<StructureDiagnosis, PipelineError> {
     let trials = StructureTrials { project, measured };
-    let mut tried: Vec<StructureFit> = Vec::new();
+    let mut tried: Vec<TriedStructure> = Vec::new();
     for hypothesis in hypotheses(measured.modes_hz.len()) {
-        if let Some(structure) = trials.try_hypothesis(hypothesis)? {
-            tried.push(StructureFit { hypothesis, structure });
-        }
+        tried.extend(trials.try_hypothesis(hypothesis)?);
     }
     let as_it_is = tried.remove(0);
-    tried.sort_by(|a, b| a.structure.left_out_percent.total_cmp(&b.structure.left_out_percent));
+    tried.sort_by(|a, b| a.left_out_percent.total_cmp(&b.left_out_percent));
     let chosen = choose_hypothesis(&as_it_is, &tried);
     let improved = match chosen {
-        Some(found) => trials.improved_project(found.hypothesis, &found.structure),
+        Some(found) => trials.improved_project(found),
         None => project.clone(),
     };
-    Ok(StructureDiagnosis { answer: answer(measured, &as_it_is.structure, &tried, chosen), improved })
+    Ok(StructureDiagnosis { answer: answer(measured, &as_it_is, &tried, chosen), improved })
 }
 
 fn hypotheses(modes: usize) -> Vec<Hypothesis> {
@@ -131,13 +129,14 @@ impl StructureTrials<'_> {
         let left_out = rms((0..count).map(|k| (fit(Some(k)).modes_hz[k] / self.measured.modes_hz[k]).ln()));
         let mut parameters = Vec::new();
         if matches!(hypothesis.change, Change::EndMass(_)) {
-            parameters.push((MASS.to_owned(), added_kg));
+            parameters.push(FittedValue { parameter: FittedParameter::Mass, value: added_kg });
         }
         if hypothesis.scaled == Scale::Fitted {
-            parameters.push((STIFFNESS_FACTOR.to_owned(), scale * scale));
+            parameters
+                .push(FittedValue { parameter: FittedParameter::StiffnessFactor, value: scale * scale });
         }
         Ok(Some(TriedStructure {
-            what: describe_hypothesis(hypothesis),
+            hypothesis,
             parameters,
             rms_percent: 100.0 * errors(&modes_hz),
             left_out_percent: 100.0 * if hypothesis.parameters() == 0 { errors(&modes_hz) } else { left_out },
@@ -223,17 +222,17 @@ impl StructureTrials<'_> {
     }
 
     /// Returns the project with a hypothesis as it was fitted.
-    fn improved_project(&self, hypothesis: Hypothesis, found: &TriedStructure) -> Project {
+    fn improved_project(&self, found: &TriedStructure) -> Project {
         let mut project = self.project.clone();
         let elements = &mut project.model.elements;
-        match hypothesis.change {
+        match found.hypothesis.change {
             Change::Shear => elements.theory = Theory::Timoshenko,
             Change::Mesh => *elements = finer_mesh(elements).unwrap_or_else(|| elements.clone()),
             Change::Nothing | Change::EndMass(_) => {}
         }
-        let factor = found.parameters.iter().find(|(name, _)| name == STIFFNESS_FACTOR);
-        if let (Some(beam), Some((_, factor))) = (&mut project.plant.beam, factor) {
-            beam.youngs_modulus_pa *= factor;
+        let factor = found.parameters.iter().find(|one| one.parameter == FittedParameter::StiffnessFactor);
+        if let (Some(beam), Some(factor)) = (&mut project.plant.beam, factor) {
+            beam.youngs_modulus_pa *= factor.value;
         }
         project
     }
@@ -265,59 +264,50 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
     if count > 0.0 { (sum / count).sqrt() } else { 0.0 }
 }
 
-/// A hypothesis and what it explains.
-struct StructureFit {
-    hypothesis: Hypothesis,
-    structure: TriedStructure,
-}
-
 /// Returns the simplest hypothesis that no more complicated one beats by far, where it beats the model as it
 /// is.
-fn choose_hypothesis<'a>(as_it_is: &StructureFit, tried: &'a [StructureFit]) -> Option<&'a StructureFit> {
-    if as_it_is.structure.left_out_percent < 100.0 * EXPLAINED_STRUCTURE {
+fn choose_hypothesis<'a>(
+    as_it_is: &TriedStructure,
+    tried: &'a [TriedStructure],
+) -> Option<&'a TriedStructure> {
+    if as_it_is.left_out_percent < 100.0 * EXPLAINED_STRUCTURE {
         return None;
     }
     let best = tried.first()?;
-    let near = tried
-        .iter()
-        .filter(|one| WORTH_COMPLICATING * one.structure.left_out_percent <= best.structure.left_out_percent);
+    let near = tried.iter().filter(|one| WORTH_COMPLICATING * one.left_out_percent <= best.left_out_percent);
     let simplest = near.min_by_key(|one| one.hypothesis.parameters())?;
-    let gains =
-        simplest.structure.left_out_percent < WORTH_COMPLICATING * as_it_is.structure.left_out_percent;
+    let gains = simplest.left_out_percent < WORTH_COMPLICATING * as_it_is.left_out_percent;
     gains.then_some(simplest)
 }
 
 fn answer(
     measured: &MeasuredModes,
     as_it_is: &TriedStructure,
-    tried: &[StructureFit],
-    chosen: Option<&StructureFit>,
+    tried: &[TriedStructure],
+    chosen: Option<&TriedStructure>,
 ) -> StructureAnswer {
-    let alike = |one: &&StructureFit| {
+    let alike = |one: &&TriedStructure| {
         chosen.is_some_and(|best| {
             one.hypothesis.change != best.hypothesis.change
-                && one.structure.left_out_percent < ALIKE_HYPOTHESES * best.structure.left_out_percent
+                && one.left_out_percent < ALIKE_HYPOTHESES * best.left_out_percent
         })
     };
-    let alternatives: Vec<String> =
-        tried.iter().filter(alike).map(|one| one.structure.what.clone()).collect();
+    let alternatives: Vec<Hypothesis> = tried.iter().filter(alike).map(|one| one.hypothesis).collect();
     let verdict = match chosen {
         None if as_it_is.left_out_percent < 100.0 * EXPLAINED_STRUCTURE => DiagnosisVerdict::Consistent,
         None => DiagnosisVerdict::Unknown,
         Some(_) if !alternatives.is_empty() => DiagnosisVerdict::Ambiguous,
-        Some(best) if best.structure.left_out_percent < 100.0 * EXPLAINED_STRUCTURE => {
-            DiagnosisVerdict::Named
-        }
+        Some(best) if best.left_out_percent < 100.0 * EXPLAINED_STRUCTURE => DiagnosisVerdict::Named,
         Some(_) => DiagnosisVerdict::Incomplete,
     };
     let mut all = vec![as_it_is.clone()];
-    all.extend(tried.iter().map(|one| one.structure.clone()));
+    all.extend(tried.iter().cloned());
     StructureAnswer {
         verdict,
-        explanation: describe_structure(verdict, as_it_is, chosen.map(|found| &found.structure)),
         measured_hz: measured.modes_hz.clone(),
         model_hz: as_it_is.modes_hz.clone(),
         tried: all,
+        chosen: chosen.cloned(),
         alternatives,
     }
 }

@@ -1,10 +1,8 @@
 //! The parts that the model of a structure may lack, and the result of trying each.
 
-use serde::Serialize;
-
 /// One thing that the model may lack.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Change {
+pub enum Change {
     /// Nothing: the model as it is.
     Nothing,
     /// More elements.
@@ -17,7 +15,7 @@ pub(crate) enum Change {
 
 /// An end of the beam.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum End {
+pub enum End {
     /// The end where the sections begin.
     Near,
     /// The tip.
@@ -26,16 +24,16 @@ pub(crate) enum End {
 
 /// A hypothesis: a change, with or without another stiffness of the whole beam.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Hypothesis {
+pub struct Hypothesis {
     /// The change.
-    pub(crate) change: Change,
+    pub change: Change,
     /// The treatment of the stiffness.
-    pub(crate) scaled: Scale,
+    pub scaled: Scale,
 }
 
 /// The treatment of the stiffness of the whole beam.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Scale {
+pub enum Scale {
     /// The stiffness is that of the project.
     AsItIs,
     /// A factor on the stiffness is fitted.
@@ -43,16 +41,34 @@ pub(crate) enum Scale {
 }
 
 /// A hypothesis that was tried.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct TriedStructure {
-    /// Description of the trial.
-    pub what: String,
-    /// Fitted numbers with their names.
-    pub parameters: Vec<(String, f64)>,
+    /// The hypothesis.
+    pub hypothesis: Hypothesis,
+    /// Fitted numbers.
+    pub parameters: Vec<FittedValue>,
     /// RMS relative error of all modes, %.
     pub rms_percent: f64,
     /// RMS relative error of modes that were left out of the fit, one after the other, %.
     pub left_out_percent: f64,
     /// Frequencies of the fitted model, Hz.
     pub modes_hz: Vec<f64>,
+}
+
+/// A number that was fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FittedValue {
+    /// What it is.
+    pub parameter: FittedParameter,
+    /// Its value.
+    pub value: f64,
+}
+
+/// What can be fitted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FittedParameter {
+    /// The mass at an end of the beam, kg.
+    Mass,
+    /// The factor on the stiffness of the whole beam.
+    StiffnessFactor,
 }

@@ -40,7 +40,8 @@ impl DesignResult {
             KeptDesigns::Histories => {
                 let (verified, plant) = (&stages.verified, &stages.modelled.plant);
                 let (found, controller) = (verified.verification(), verified.controller());
-                result.verify.error_budget = error_budget_result(found, plant, controller, contents.kept)?;
+                result.verify.studies.error_budget =
+                    error_budget_result(found, plant, controller, contents.kept)?;
             }
             KeptDesigns::Systems => result.leave_histories_out(),
         }

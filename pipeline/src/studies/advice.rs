@@ -4,7 +4,6 @@
 //! logarithm of the weight, gives the change that should be enough; that design is made and measured as well, so that what is advised
 //! has been tried.
 
-use crate::wording::figures::describe_figure;
 use counterpoise_controller::Controller;
 use counterpoise_models::ControlledQuantity;
 use counterpoise_project::Project;
@@ -33,11 +32,6 @@ pub struct WeightAdvice {
 }
 
 impl WeightAdvice {
-    /// Returns the figure of the requirement in words.
-    pub fn name(&self) -> String {
-        describe_figure(self.requirement.figure, self.controlled)
-    }
-
     /// Returns the figure's unit.
     pub fn unit(&self) -> &'static str {
         self.requirement.figure.unit(self.controlled)

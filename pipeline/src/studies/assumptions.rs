@@ -8,7 +8,7 @@ use counterpoise_verify::{Arrangement, LoopFigure, PerformanceFigure, Procedure,
 use serde::Serialize;
 
 use crate::exchange::{VerifiedLoop, plants_of, verified_loop};
-use crate::wording::demanded_rate::assumption_of_demanded_rate;
+use crate::synth::demanded_rate::assumption_of_demanded_rate;
 use crate::{DesignStages, PipelineError, PlantModel, SynthesisedDesign, build_plant_model};
 
 /// Frequency at which the residual of heave and pitch is compared, Hz: within the band that feedback and feedforward reject.

@@ -7,10 +7,10 @@ use counterpoise_models::ControlledQuantity;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_synth::alternatives::generalised_plant;
 use counterpoise_synth::{
-    Alternative, Design, DesignPlant, DisturbanceChannel, FeedbackWeights, Figures, JointOptimum, LightModes,
-    Reference, Refusal, ResidualChoice, SampledLoop, ScheduleEntry, SourceCost, SynthesisMethod, Weight,
-    attempt, check_sampled_loop, design_alternative, discretise, error_at, figure_systems,
-    sampled_loop_figures, total_cost,
+    Alternative, Design, DesignFinding, DesignPlant, DisturbanceChannel, FeedbackWeights, Figures,
+    JointOptimum, LightModes, Part, Reference, Refusal, ResidualChoice, SampledLoop, ScheduleEntry,
+    SourceCost, SynthesisMethod, Weight, attempt, check_sampled_loop, design_alternative, discretise,
+    error_at, figure_systems, sampled_loop_figures, total_cost,
 };
 use serde::Serialize;
 
@@ -20,14 +20,13 @@ use crate::exchange::{SystemResult, TransferFunctionResult};
 use crate::synth::design_plant;
 use crate::synth::schedule::{BalanceRow, balance_rows};
 use crate::tolerance::DRIFTING_POLE;
-use crate::wording::design_findings::{describe_design_findings, describe_part};
 use crate::{PipelineError, PlantModel, SynthesisedDesign, build_plant_model, finite_elements_of};
 use counterpoise_project::Project;
 use counterpoise_project::file::NamedChoice;
 use counterpoise_project::resolve::synthesis::DesignRequest;
 
 /// A design compared with its alternatives.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DesignComparison {
     /// The feedback as built, and further methods.
     pub methods: Vec<MethodRow>,
@@ -58,21 +57,32 @@ pub struct BalanceBasis {
 
 /// The cost of the assembled loop, each source of disturbance under its own part's weights.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct TotalCostResult {
+pub struct TotalCostResult<Source = CostSource> {
     /// The sum over the parts.
     pub total: f64,
     /// Feedback first.
-    pub parts: Vec<PartCostRow>,
+    pub parts: Vec<PartCostRow<Source>>,
     /// Data from which the cost and the motions are computed; absent for one joint problem.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub basis: Option<CostBasis>,
 }
 
+/// The part of a loop to which a share of its cost belongs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CostSource {
+    /// A part of the design with its own disturbances.
+    Part(Part),
+    /// The gain from the hub's sensor, in a joint design.
+    HubSensor,
+    /// The gain from the sensor of a disturbance, in a joint design.
+    DisturbanceSensor(DisturbanceChannel),
+}
+
 /// The cost of one part's disturbances in the assembled loop.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PartCostRow {
-    /// The part.
-    pub part: String,
+pub struct PartCostRow<Source = CostSource> {
+    /// The part, or its name.
+    pub part: Source,
     /// Mean square of its weighted signals.
     pub cost: f64,
     /// Relative change of the total for a relative change of the part's gain.
@@ -83,9 +93,27 @@ pub struct PartCostRow {
     pub gained_percent: Option<f64>,
 }
 
-/// The feedback of one method with its figures.
+impl TotalCostResult {
+    /// Returns the result with the name of each part.
+    pub fn name_parts<Name>(&self, name: impl Fn(CostSource) -> Name) -> TotalCostResult<Name> {
+        let row = |row: &PartCostRow| PartCostRow {
+            part: name(row.part),
+            cost: row.cost,
+            slope: row.slope,
+            best_gain: row.best_gain,
+            gained_percent: row.gained_percent,
+        };
+        TotalCostResult {
+            total: self.total,
+            parts: self.parts.iter().map(row).collect(),
+            basis: self.basis.clone(),
+        }
+    }
+}
+
+/// The feedback of one method with its figures. Why there is no controller are findings, or a sentence about them, which a result file has.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct MethodRow {
+pub struct MethodRow<Reason = Vec<DesignFinding>> {
     /// Method.
     pub method: String,
     /// `true` if the error weight integrates.
@@ -99,10 +127,26 @@ pub struct MethodRow {
     /// The systems that these figures are measured on: the loop broken at the control, the plant from the held control, the controller.
     pub systems: Vec<SystemResult>,
     /// Why there is none.
-    pub why: Option<String>,
+    pub why: Option<Reason>,
     /// Data from which order and norm are computed; absent if there is no controller, or for a fixed structure.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub problem: Option<MethodProblem>,
+}
+
+impl MethodRow {
+    /// Returns the row with what `describe` says of the reason.
+    pub fn map_reason<Said>(&self, describe: impl Fn(&[DesignFinding]) -> Said) -> MethodRow<Said> {
+        MethodRow {
+            method: self.method.clone(),
+            integral: self.integral,
+            order: self.order,
+            norm: self.norm,
+            figures: self.figures,
+            systems: self.systems.clone(),
+            why: self.why.as_deref().map(describe),
+            problem: self.problem.clone(),
+        }
+    }
 }
 
 /// The continuous problem that a method solved, with its answer.
@@ -245,7 +289,7 @@ fn cost_of(made: &SynthesisedDesign) -> Result<Option<TotalCostResult>, Pipeline
     }
     let found = total_cost(&made.design)?;
     let row = |source: &SourceCost| PartCostRow {
-        part: describe_part(source.part).to_owned(),
+        part: CostSource::Part(source.part),
         cost: source.cost,
         slope: source.slope,
         best_gain: source.best_gain,
@@ -257,18 +301,16 @@ fn cost_of(made: &SynthesisedDesign) -> Result<Option<TotalCostResult>, Pipeline
 
 /// Returns the cost of a joint design. It has one cost for all paths; its parts are the gains from its sensors.
 fn joint_result(joint: &JointOptimum, total: f64) -> TotalCostResult {
-    let names = std::iter::once("hub").chain(joint.channels.iter().map(|channel| match channel {
-        DisturbanceChannel::Heave => "heave",
-        DisturbanceChannel::Pitch => "pitch",
-    }));
-    let row = |(name, slope): (&str, &f64)| PartCostRow {
-        part: format!("{name} sensor"),
+    let channels = joint.channels.iter().map(|channel| CostSource::DisturbanceSensor(*channel));
+    let sensors = std::iter::once(CostSource::HubSensor).chain(channels);
+    let row = |(part, slope): (CostSource, &f64)| PartCostRow {
+        part,
         cost: total,
         slope: *slope,
         best_gain: None,
         gained_percent: None,
     };
-    TotalCostResult { total, parts: names.zip(&joint.slopes).map(row).collect(), basis: None }
+    TotalCostResult { total, parts: sensors.zip(&joint.slopes).map(row).collect(), basis: None }
 }
 
 /// Figures of a sampled loop with the systems that they are measured on.
@@ -315,13 +357,13 @@ fn loop_figures(made: &SynthesisedDesign, sampled: &SampledLoop) -> Result<LoopF
 fn with_feedback(
     made: &SynthesisedDesign,
     controller: &StateSpace,
-) -> Result<Result<MeasuredLoop, String>, PipelineError> {
+) -> Result<Result<MeasuredLoop, Refusal>, PipelineError> {
     let mut design =
         Design { substitute: Some(controller.clone()), heave: None, pitch: None, ..made.design.clone() };
     design.specification.reference = Reference::Error;
     Ok(match attempt(discretise(&design, &made.sampling))? {
         Ok(sampled) => Ok(measured_loop(made, &sampled)?),
-        Err(refusal) => Err(describe_design_findings(&refusal.findings)),
+        Err(refusal) => Err(refusal),
     })
 }
 
@@ -403,12 +445,12 @@ fn method_row(
         problem: None,
     };
     Ok(match answer {
-        Err(refusal) => MethodRow { why: Some(describe_design_findings(&refusal.findings)), ..blank },
+        Err(refusal) => MethodRow { why: Some(refusal.findings), ..blank },
         Ok(found) => {
             let row = MethodRow { order: found.controller.order(), norm: found.norm, ..blank };
             match with_feedback(made, &found.controller)? {
                 Ok(on) => MethodRow { figures: Some(on.figures), systems: on.systems, ..row },
-                Err(why) => MethodRow { why: Some(why), ..row },
+                Err(refusal) => MethodRow { why: Some(refusal.findings), ..row },
             }
         }
     })
@@ -548,7 +590,10 @@ fn spillover(
                 .findings
                 .iter()
                 .find_map(|finding| match finding.cause {
-                    counterpoise_synth::Cause::SampledUnstable { pole, .. } => Some(pole.norm()),
+                    counterpoise_synth::Cause::Plant(counterpoise_synth::PlantCause::SampledUnstable {
+                        pole,
+                        ..
+                    }) => Some(pole.norm()),
                     _ => None,
                 })
                 .unwrap_or(f64::INFINITY),

@@ -20,39 +20,63 @@ use crate::tuning::{
     BlockResult, LoopMeasuresResult, TuningGround, WeightsResult, block_results, own_procedure, put_in_place,
     tune_feedback, tuning_ground, weights_result,
 };
-use crate::wording::designs::{describe_band_objective, describe_motion_objective, name_motion};
 use crate::{
     PipelineError, PipelineStage, PlantModel, ProjectIdentity, ReducedPlant, SynthesisedDesign, World,
     build_plant_model, reduce_plant, run_observed, synthesise,
 };
 
 /// Every design of a project in one table.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug)]
 pub struct DesignTable {
     /// Name of the mechanism.
     pub name: String,
     /// Hash of the project.
     pub hash: String,
     /// The quantity that the loop controls: every figure of a rate is one of it, in its unit.
-    #[serde(skip)]
     pub controlled: ControlledQuantity,
-    /// Objective of the tuned structures, in words.
-    pub objective: String,
-    /// Motion that the last nonlinear run has, in words.
-    pub motion: &'static str,
+    /// Objective of the tuned structures.
+    pub objective: TableObjective,
+    /// Motion that the last nonlinear run has.
+    pub motion: TableMotion,
     /// The disturbance of the linear loop: frequency in rad/s and power of each line at the output without feedback, in the square of the
     /// unit of what the loop controls.
     pub disturbance: Vec<[f64; 2]>,
     /// RMS of the white noise of a reading.
-    #[serde(flatten)]
     pub reading_noise: UnitValue<f64>,
     /// The designs, the project's own first.
     pub rows: Vec<DesignRow>,
 }
 
-/// A design with its figures.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct DesignRow {
+/// What the tuned structures of a table make least.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TableObjective {
+    /// What the loop controls, under the motion of the table.
+    Motion,
+    /// The RMS of |S| in a band, rad/s.
+    Band([f64; 2]),
+}
+
+/// The motion under which the designs of a table are simulated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TableMotion {
+    /// The project's own motion.
+    Own,
+    /// The sines of the procedure, because the project has no motion of its own.
+    Sines,
+}
+
+/// Why a row has no controller.
+#[derive(Debug)]
+pub enum DesignFailure {
+    /// The design or its simulation failed.
+    Design(PipelineError),
+    /// The best linear feedback was not found.
+    BestLoop(counterpoise_synth::Error),
+}
+
+/// A design with its figures. Why there is no controller is an error, or a sentence about it, which a result file has.
+#[derive(Debug, Serialize)]
+pub struct DesignRow<Reason = DesignFailure> {
     /// Name of the design.
     pub name: String,
     /// The limits that it was tuned under; absent if it was not tuned.
@@ -75,7 +99,26 @@ pub struct DesignRow {
     /// Accuracy of the bound, for the row of the best linear feedback.
     pub bound: Option<BoundResult>,
     /// Why there is no controller.
-    pub why: Option<String>,
+    pub why: Option<Reason>,
+}
+
+impl DesignRow {
+    /// Returns the row with what `describe` says of the reason.
+    pub fn map_reason<Said>(self, describe: impl Fn(&DesignFailure) -> Said) -> DesignRow<Said> {
+        DesignRow {
+            name: self.name,
+            limits: self.limits,
+            order: self.order,
+            linear: self.linear,
+            rejection: self.rejection,
+            nonlinear: self.nonlinear,
+            blocks: self.blocks,
+            weights: self.weights,
+            missed: self.missed,
+            bound: self.bound,
+            why: self.why.as_ref().map(describe),
+        }
+    }
 }
 
 /// Gap of a bound of the best linear feedback.
@@ -87,7 +130,7 @@ pub struct BoundGap {
     pub half_basis_percent: Option<f64>,
 }
 
-impl DesignRow {
+impl<Reason> DesignRow<Reason> {
     /// Returns how far the bound is known; `None` if the row is no bound.
     pub fn bound_gap(&self) -> Option<BoundGap> {
         let (bound, value) = (self.bound.as_ref()?, self.linear.as_ref()?.residual.value);
@@ -217,10 +260,10 @@ pub fn design_table(
         rows.push(builder.best_loop_row(limits, &wanted));
     }
     let controlled = project.plant.controlled_quantity();
-    let motion = name_motion(builder.procedure.road.as_ref());
+    let motion = if builder.procedure.road.is_some() { TableMotion::Own } else { TableMotion::Sines };
     let objective = match ground.objective {
-        TuningObjective::Motion => describe_motion_objective(controlled, motion),
-        TuningObjective::Band => describe_band_objective(wanted.band_rad_s),
+        TuningObjective::Motion => TableObjective::Motion,
+        TuningObjective::Band => TableObjective::Band(wanted.band_rad_s),
     };
     let Disturbance { lines: disturbance, reading_noise_rad_s } = ground.disturbance.clone();
     let reading_noise = UnitValue::new("reading_noise", controlled, reading_noise_rad_s);
@@ -311,7 +354,7 @@ impl RowBuilder<'_> {
     /// Returns the row of a synthesis in place of the project's, or the reason why there is none.
     fn attempted_row(&self, name: &str, synthesis: DesignRequest) -> DesignRow {
         let project = Project { synth: Some(synthesis), ..self.project.clone() };
-        self.row(name, &project).unwrap_or_else(|why| blank_row(name, Some(why.to_string())))
+        self.row(name, &project).unwrap_or_else(|why| blank_row(name, Some(DesignFailure::Design(why))))
     }
 
     fn tuned_row(&self, name: &str, subject: TuningSubject<'_>, wanted: &TuningOptions) -> DesignRow {
@@ -334,7 +377,7 @@ impl RowBuilder<'_> {
             let (blocks, weights) = (block_results(&tuned.structure()), weights_result(&tuned.feedback));
             Ok(DesignRow { blocks, weights, missed: tuned.missed, ..row })
         });
-        let row = row.unwrap_or_else(|why: PipelineError| blank_row(name, Some(why.to_string())));
+        let row = row.unwrap_or_else(|why| blank_row(name, Some(DesignFailure::Design(why))));
         DesignRow { limits: Some(LimitsResult::from(&wanted.limits)), ..row }
     }
 
@@ -349,7 +392,7 @@ impl RowBuilder<'_> {
         };
         let name = "best linear feedback";
         let row = match run_observed(self.world, PipelineStage::Synthesise, || best_loop(&task)) {
-            Err(why) => blank_row(name, Some(why.to_string())),
+            Err(why) => blank_row(name, Some(DesignFailure::BestLoop(why))),
             Ok(found) => {
                 let is_band = ground.objective == TuningObjective::Band && wanted.band_rad_s == BAND_RAD_S;
                 let bound = BoundResult {
@@ -422,7 +465,7 @@ impl RowBuilder<'_> {
     }
 }
 
-fn blank_row(name: &str, why: Option<String>) -> DesignRow {
+fn blank_row(name: &str, why: Option<DesignFailure>) -> DesignRow {
     DesignRow {
         name: name.to_owned(),
         limits: None,

@@ -9,9 +9,9 @@ use counterpoise_verify::VerifiedController;
 
 use crate::design_views::{WeightResponses, weight_responses};
 use crate::synth::{design_plant, sampling};
-use crate::wording::weights::describe_weights;
 use crate::{PipelineError, PlantModel, ReducedPlant, World, synthesise, verify};
 use counterpoise_project::Project;
+use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_project::resolve::synthesis_options::WeightSearch;
 
 /// A point of the trade-off between rejection and sensitivity.
@@ -36,9 +36,9 @@ pub struct SearchAnswer {
     pub missed_on_full_plant: f64,
     /// The project with the weights that were found.
     pub project: Project,
-    /// Meaning of each of those weights in words, one a line.
-    pub weights: Vec<String>,
-    /// Their frequency responses.
+    /// The design that this project asks for.
+    pub asked: DesignRequest,
+    /// The frequency responses of its weights.
     pub weight_responses: Vec<WeightResponses>,
 }
 
@@ -75,10 +75,8 @@ pub fn search_weights(
     if let Some(better) = better_point(&curve, &found, &wanted.requirements) {
         found.best = better;
     }
-    let mut project = project.clone();
-    if let Some(synth) = &mut project.synth {
-        synth.specification = found.best.specification.clone();
-    }
+    let asked_with = DesignRequest { specification: found.best.specification.clone(), ..asked.clone() };
+    let project = Project { synth: Some(asked_with.clone()), ..project.clone() };
     let full = counterpoise_synth::DesignPlant { system: modelled.linear.system.clone(), ..plant.clone() };
     let designed = counterpoise_synth::design(&plant, &found.best.specification)?;
     let sampled = counterpoise_synth::discretise(&designed, &sampling)?;
@@ -87,9 +85,16 @@ pub fn search_weights(
     let rejection = wanted.requirements.share_left(&around_full.loop_gain, &full, &asked.specification)?;
     let on_full_plant = Figures { rejection, ..of_all };
     let missed_on_full_plant = wanted.requirements.total_shortfall(&on_full_plant);
-    let weights = project.synth.as_ref().map(describe_weights).unwrap_or_default();
     let weight_responses = weight_responses(&found.best.specification);
-    Ok(SearchAnswer { found, curve, on_full_plant, missed_on_full_plant, project, weights, weight_responses })
+    Ok(SearchAnswer {
+        found,
+        curve,
+        on_full_plant,
+        missed_on_full_plant,
+        project,
+        asked: asked_with,
+        weight_responses,
+    })
 }
 
 /// Returns the trial of the curve that keeps the requirements and rejects more than the answer, if there is one: its

@@ -13,7 +13,6 @@ use counterpoise_verify::{Limit, LoopFigure, PerformanceFigure, Requirement, Ver
 use ndarray::Array2;
 
 use crate::tolerance::DRIFTING_POLE;
-use crate::wording::figures::USUAL_REQUIREMENT;
 use crate::{PipelineError, PlantModel, World, project_procedure};
 use counterpoise_project::Project;
 
@@ -135,6 +134,9 @@ fn usual_requirements() -> Vec<Requirement> {
         require(LoopFigure::PoleRadius, Limit::AtMost(1.0 + DRIFTING_POLE)),
     ]
 }
+
+/// The source of a requirement that no project states.
+const USUAL_REQUIREMENT: &str = "usual, because the project states no requirement";
 
 /// Largest sensitivity that is reasonable, 1.4 to 2 (K. J. Astrom and R. M. Murray, Feedback Systems, section 12.3).
 const USUAL_SENSITIVITY: f64 = 2.0;

@@ -8,6 +8,7 @@
 use counterpoise_controller::{DemandLimit, Parts};
 use counterpoise_lti::margins;
 use counterpoise_models::{AmplifierDynamics, AxisKind};
+use counterpoise_project::Assumption;
 use counterpoise_project::resolve::synthesis::{DesignRequest, LoopKind};
 use counterpoise_synth::{Design, SampledLoop, Sampling, control_of_ramp};
 
@@ -118,4 +119,17 @@ pub(crate) fn with_demand_limit(
     let change = |parts: &mut Parts| parts.demand_limit = Some(demand_limit);
     let controller = sampled.controller.with(change).map_err(counterpoise_synth::Error::from)?;
     Ok(SampledLoop { controller, ..sampled })
+}
+
+/// Returns the assumption that a largest demanded rate is; `None` if the file states the rate.
+pub(crate) fn assumption_of_demanded_rate(limit: &DemandedRate) -> Option<Assumption> {
+    (limit.origin == RateOrigin::Drive).then_some(Assumption {
+        key: "synth.rate_limit".to_owned(),
+        value: limit.rate,
+        unit: limit.unit,
+        meaning: "largest rate that the loop of position demands",
+        rule: "half of what the drive can take up and brake without saturating, on a ramp of the demand",
+        source: "a loop that saturates is not the one that was verified",
+        usual: None,
+    })
 }

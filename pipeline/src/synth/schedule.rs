@@ -1,28 +1,29 @@
 //! The schedule over out-of-balance: the plant in each state of balance, and what becomes of the three controllers.
 
 use counterpoise_models::plant::{Body, Plant};
-use counterpoise_synth::{HeaveFeedforwardLaw, ScheduleConfiguration, ScheduleEntry, design_schedule};
+use counterpoise_synth::{
+    Conditions, HeaveFeedforwardLaw, ScheduleConfiguration, ScheduleEntry, design_schedule,
+};
 use serde::Serialize;
 
 use crate::model::of_rate;
 use crate::synth::design_plant::design_plant;
-use crate::wording::schedule::{describe_conditions, describe_law};
 use crate::{PipelineError, PlantModel, build_plant_model, reduce_plant};
 use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_project::resolve::synthesis_options::{ScheduleLaw, ScheduleOptions};
 
-/// A state of balance with what becomes of the controllers there.
+/// A state of balance with what becomes of the controllers there: as it was found, or with sentences about it, which a result file has.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct BalanceRow {
+pub struct BalanceRow<Condition = Conditions, Law = HeaveFeedforwardLaw> {
     /// Name.
     pub name: String,
     /// Out-of-balance, kg m.
     pub out_of_balance_kg_m: f64,
-    /// Conditions of the gain law that hold, in words.
-    pub conditions: String,
-    /// Consequence for the heave feedforward, in words.
-    pub law: String,
+    /// Conditions of the gain law that hold.
+    pub conditions: Condition,
+    /// Consequence for the heave feedforward.
+    pub law: Law,
     /// Change of the feedback, lowest and highest over 0.1 to 20 Hz, dB.
     pub feedback_db: [f64; 2],
     /// Change of the heave feedforward, dB.
@@ -35,6 +36,24 @@ pub struct BalanceRow {
     pub error_gain_law_rad_s: Option<f64>,
     /// With the redesign.
     pub error_after_rad_s: Option<f64>,
+}
+
+impl BalanceRow {
+    /// Returns the row with sentences: about its conditions, and about its law.
+    pub fn with_sentences(&self, conditions: String, law: String) -> BalanceRow<String, String> {
+        BalanceRow {
+            name: self.name.clone(),
+            out_of_balance_kg_m: self.out_of_balance_kg_m,
+            conditions,
+            law,
+            feedback_db: self.feedback_db,
+            heave_db: self.heave_db,
+            pitch_db: self.pitch_db,
+            error_before_rad_s: self.error_before_rad_s,
+            error_gain_law_rad_s: self.error_gain_law_rad_s,
+            error_after_rad_s: self.error_after_rad_s,
+        }
+    }
 }
 
 /// Returns every state of balance designed for, the nominal one first.
@@ -148,8 +167,8 @@ fn row(entry: &ScheduleEntry) -> BalanceRow {
     BalanceRow {
         name: entry.name.clone(),
         out_of_balance_kg_m: entry.out_of_balance_kg_m,
-        conditions: describe_conditions(&entry.conditions),
-        law: describe_law(&entry.law),
+        conditions: entry.conditions,
+        law: entry.law,
         feedback_db: both(entry.feedback_db),
         heave_db: entry.heave_db.map(both),
         pitch_db: entry.pitch_db.map(both),

@@ -15,6 +15,7 @@ use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_pipeline::studies::fra::{MapRemark, RecordedMap, ResponseMap};
 use counterpoise_plot::number::short_number;
 
+use super::errors::describe_pipeline_error;
 use super::file_remarks::describe_file_remark;
 use super::learned::describe_beyond;
 
@@ -132,7 +133,7 @@ pub fn describe_recordings_error(error: &PipelineError) -> String {
         PipelineError::CannotReplay { cause, unused, .. } => {
             format!("{error}: {cause}{}", describe_unused_columns(unused))
         }
-        _ => error.to_string(),
+        _ => describe_pipeline_error(error),
     }
 }
 

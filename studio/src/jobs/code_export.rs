@@ -6,6 +6,8 @@ use std::sync::Arc;
 use counterpoise_host::code_files::{LibraryBuilder, write_code};
 use counterpoise_host::worker::CancelToken;
 use counterpoise_pipeline as pipeline;
+use counterpoise_report::wording::code_header::HeaderText;
+use counterpoise_report::wording::errors::describe_pipeline_error;
 use counterpoise_verify::VerifiedController;
 
 use super::verification::VerificationRequest;
@@ -38,8 +40,8 @@ pub struct WrittenCode {
 /// Returns why the code could not be made or written.
 pub fn export_code(request: &ExportRequest, token: &CancelToken) -> Result<Option<WrittenCode>, String> {
     let VerificationRequest { design, folder } = &request.design;
-    let made = pipeline::export(&design.project, &design.modelled, &request.verified, folder)
-        .map_err(|error| error.to_string())?;
+    let made = pipeline::export(&design.project, &design.modelled, &request.verified, &HeaderText, folder)
+        .map_err(|error| describe_pipeline_error(&error))?;
     let paths = write_code(&request.output, &made.files, request.library, &|| !token.is_cancelled())?;
     let left_out = made.left_out.iter().map(ToString::to_string).collect();
     Ok(paths.map(|paths| WrittenCode { paths, left_out }))

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use counterpoise_host::commissioning::{
-    Commissioning, CommissioningSetup, RoundProgress, read_newest_model, read_rounds,
+    Commissioning, CommissioningSetup, RoundTools, read_newest_model, read_rounds,
 };
 use counterpoise_host::files;
 use counterpoise_host::progress::{CancellablePool, SharedProgress};
@@ -14,6 +14,7 @@ use counterpoise_pipeline::PipelineError;
 use counterpoise_pipeline::commission::{RoundSummary, machine_time_s};
 use counterpoise_report::commission::commission_report;
 use counterpoise_report::html_page;
+use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_report::wording::recordings::describe_recordings_error;
 
 /// Kind and input of work on a commissioning.
@@ -71,8 +72,8 @@ fn run_round(setup: CommissioningSetup, watch: &CancellablePool) -> anyhow::Resu
     let commissioning = Commissioning::open(setup)?;
     let finished = commissioning.finished_rounds()?;
     if finished.last().is_none_or(|round| round.stop.is_none()) {
-        let progress = RoundProgress { pool: watch, stages: ProgressDisplay::Quiet };
-        commissioning.run_round(finished.len() + 1, progress)?;
+        let tools = RoundTools { pool: watch, stages: ProgressDisplay::Quiet, words: &HeaderText };
+        commissioning.run_round(finished.len() + 1, tools)?;
     }
     let view = view_of(folder)?;
     let page = commission_report(&project, &view.rounds, machine_time_s(&view.rounds));

@@ -11,6 +11,7 @@ use counterpoise_pipeline::studies::assumptions::LoopSystems;
 use counterpoise_pipeline::{FirstDesignResult, World, design_project};
 use counterpoise_project::{Assumption, Project};
 use counterpoise_report::design::DesignRun;
+use counterpoise_report::wording::code_header::HeaderText;
 use counterpoise_report::{ReportOrigin, html_page, of_design};
 
 use super::error_lines::error_lines;
@@ -35,8 +36,8 @@ pub struct ReportRequest {
 /// # Errors
 /// Returns why the report cannot be made or written.
 pub fn write_report(request: &ReportRequest) -> Result<PathBuf, String> {
-    let designed =
-        design_project(&request.project, &request.folder).map_err(|error| error_lines(&error).join("; "))?;
+    let designed = design_project(&request.project, &HeaderText, &request.folder)
+        .map_err(|error| error_lines(&error).join("; "))?;
     let contents = ResultContents {
         assumptions: &request.assumptions,
         systems: LoopSystems::LeftOut,

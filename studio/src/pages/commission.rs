@@ -3,9 +3,9 @@
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::commission::story::{FindingSummary, RequirementSummary};
 use counterpoise_pipeline::commission::{RoundSummary, StopReason};
-use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_report::commission::{describe_round, describe_stop, equivalents_text};
 use counterpoise_report::wording::capitalise_first;
+use counterpoise_report::wording::figures::describe_figure;
 use counterpoise_verify::PerformanceFigure;
 use egui::{RichText, Ui};
 

@@ -3,7 +3,7 @@
 use crate::tolerance::HELD_BY_ALL_SHARE;
 use counterpoise_pipeline::studies::fra::ResponseMap;
 use counterpoise_pipeline::studies::sweep::{RequirementSpread, StrongestParameter};
-use counterpoise_pipeline::wording::figures::describe_figure;
+use counterpoise_report::wording::figures::describe_figure;
 use counterpoise_verify::Limit;
 use counterpoise_verify::robustness::Sense;
 use egui::{RichText, Ui};

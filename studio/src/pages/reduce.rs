@@ -3,8 +3,8 @@
 use crate::tolerance::SMALLEST_VALUE;
 use counterpoise_pipeline::preview::PlantPreview;
 use counterpoise_pipeline::reduction_views::ReductionComparison;
-use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
 use counterpoise_project::ReductionMethod;
+use counterpoise_report::wording::reduction::describe_reduction_warning;
 use egui::{RichText, Ui};
 
 use super::frequency_charts::frequency_chart;

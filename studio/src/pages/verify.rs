@@ -1,8 +1,8 @@
 //! The page Verify: verdicts on the full plant while the runs come in, and the evidence behind each one; then export.
 
-use counterpoise_pipeline::wording::acceptance::AcceptanceSource;
-use counterpoise_pipeline::wording::figures::describe_figure;
 use counterpoise_report::error_budget;
+use counterpoise_report::wording::acceptance::AcceptanceSource;
+use counterpoise_report::wording::figures::describe_figure;
 use counterpoise_verify::{Limit, PerformanceFigure, Verdict, Verification};
 use egui::{RichText, Ui};
 

@@ -33,7 +33,7 @@ pub use judgement::{LoopJudgement, RequiredMargins};
 use counterpoise_lti::StateSpace;
 
 use crate::bandwidth::{Bandwidth, Unknown};
-use crate::cause::Cause;
+use crate::cause::{Cause, PlantCause};
 use crate::finding::{DesignFinding, Part};
 use crate::{DesignPlant, Error, Sampling, Specification};
 use counterpoise_pool::{Pool, Serial};
@@ -183,7 +183,10 @@ pub fn first_design_on(circumstances: &Circumstances, pool: &dyn Pool) -> Result
     let mut scan = Scan::new(circumstances, pool)?;
     scan.run()?;
     let Some(found) = scan.best_design() else {
-        let finding = DesignFinding::refusal(Part::Feedback, Cause::NoBandwidth { limits: scan.summary() });
+        let finding = DesignFinding::refusal(
+            Part::Feedback,
+            Cause::Plant(PlantCause::NoBandwidth { limits: scan.summary() }),
+        );
         return Err(Error::refusal(vec![finding]));
     };
     let lifted_limits::BandwidthWithLoops { bandwidth, shown_by } =

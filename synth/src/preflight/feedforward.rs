@@ -5,8 +5,8 @@ use counterpoise_lti::{StateSpace, poles};
 
 use super::gain::Gain;
 use super::{against_plant, axis_roots, not_stable, weight_forms, well_formed};
-use crate::cause::Cause;
 use crate::cause::StatedDensity;
+use crate::cause::{Cause, PlantCause, SpecificationCause};
 use crate::finding::WeightRole;
 use crate::finding::{DesignFinding, Part};
 use crate::{
@@ -23,7 +23,7 @@ pub(super) fn check_feedforward(
     let Some(weights) = spec.feedforward(channel) else { return Ok(Vec::new()) };
     let mut findings = weight_forms(part, &weights.error, &weights.control);
     if columns.is_empty() {
-        findings.push(DesignFinding::refusal(part, Cause::ChannelMissing));
+        findings.push(DesignFinding::refusal(part, Cause::Plant(PlantCause::ChannelMissing)));
     }
     findings.extend(generator(part, &weights.generator, columns.len(), weights.knowledge));
     if findings.iter().any(DesignFinding::is_refusal) || spec.assembly == Assembly::Joint {
@@ -39,7 +39,7 @@ pub(super) fn check_feedforward(
     findings.extend(against_plant(part, &weights.error, &weights.control, &gain)?);
     let disturbed = Gain::of(&system.select(&[weighed], columns))?;
     if disturbed.largest == 0.0 {
-        findings.push(DesignFinding::warning(part, Cause::ChannelWithoutEffect));
+        findings.push(DesignFinding::warning(part, Cause::Plant(PlantCause::ChannelWithoutEffect)));
     }
     if weights.knowledge != DisturbanceKnowledge::Exact && weights.basis == FeedforwardBasis::OpenLoop {
         findings.extend(check_bounded_error(part, &system, &weights.error)?);
@@ -60,18 +60,24 @@ fn generator(
         findings.push(DesignFinding::refusal(part, cause).with_weight(WeightRole::Generator, weight).at(rate))
     };
     if relative_degree <= 0 {
-        refuse(Cause::GeneratorNotProper, f64::INFINITY);
+        refuse(Cause::Specification(SpecificationCause::GeneratorNotProper), f64::INFINITY);
     } else if (relative_degree as usize) < inputs {
-        refuse(Cause::GeneratorTooRough { relative_degree, needed: inputs }, f64::INFINITY);
+        refuse(
+            Cause::Specification(SpecificationCause::GeneratorTooRough { relative_degree, needed: inputs }),
+            f64::INFINITY,
+        );
     }
     if let Some(&pole) = rational.poles.iter().find(|pole| pole.re >= 0.0) {
-        refuse(Cause::GeneratorUnstable { pole }, pole.im.abs());
+        refuse(Cause::Specification(SpecificationCause::GeneratorUnstable { pole }), pole.im.abs());
     }
     let order = rational.poles.len();
     if knowledge == DisturbanceKnowledge::Exact && order != inputs {
         findings.push(
-            DesignFinding::refusal(part, Cause::KnowledgeIncomplete { order, known: inputs })
-                .with_weight(WeightRole::Generator, weight),
+            DesignFinding::refusal(
+                part,
+                Cause::Specification(SpecificationCause::KnowledgeIncomplete { order, known: inputs }),
+            )
+            .with_weight(WeightRole::Generator, weight),
         );
     }
     if let DisturbanceKnowledge::Measured { noise } = knowledge
@@ -79,7 +85,10 @@ fn generator(
     {
         findings.push(DesignFinding::refusal(
             part,
-            Cause::Density { of: StatedDensity::DisturbanceSensorNoise, value: noise },
+            Cause::Specification(SpecificationCause::Density {
+                of: StatedDensity::DisturbanceSensorNoise,
+                value: noise,
+            }),
         ));
     }
     findings
@@ -87,8 +96,10 @@ fn generator(
 
 /// With a noisy sensor the uncontrolled error must be bounded: the plant and the error weight are stable.
 fn check_bounded_error(part: Part, system: &StateSpace, error: &Weight) -> Result<Vec<DesignFinding>, Error> {
-    let refuse =
-        |pole: C64| DesignFinding::refusal(part, Cause::FeedforwardUnbounded { pole }).at(pole.im.abs());
+    let refuse = |pole: C64| {
+        DesignFinding::refusal(part, Cause::Plant(PlantCause::FeedforwardUnbounded { pole }))
+            .at(pole.im.abs())
+    };
     if let Some(&pole) = not_stable(&poles(system)?).first() {
         return Ok(vec![refuse(pole)]);
     }

@@ -11,8 +11,8 @@ use counterpoise_lti::response::Response;
 use counterpoise_lti::scaling::balance;
 use counterpoise_lti::{StateSpace, Timebase, poles, zeros};
 
-use crate::cause::Cause;
 use crate::cause::StatedDensity;
+use crate::cause::{Cause, PlantCause, SpecificationCause};
 use crate::finding::WeightRole;
 use crate::finding::{DesignFinding, Part};
 use crate::tolerance::{CONJUGATE, DELAY_PHASE, ON_AXIS, OUT_OF_REACH, VANISHES, ZERO_GAIN};
@@ -40,21 +40,30 @@ fn check_plant(plant: &DesignPlant) -> Result<Vec<DesignFinding>, Error> {
     let mut findings = Vec::new();
     let direct = system.D[(0, plant.control)];
     if direct != 0.0 {
-        findings
-            .push(DesignFinding::refusal(Part::Plant, Cause::DirectPath { gain: direct }).at(f64::INFINITY));
+        findings.push(
+            DesignFinding::refusal(Part::Plant, Cause::Plant(PlantCause::DirectPath { gain: direct }))
+                .at(f64::INFINITY),
+        );
     }
     if plant.delay_s > 0.0 && plant.pade_order == 0 {
-        findings.push(DesignFinding::warning(Part::Plant, Cause::DelayLeftOut { delay_s: plant.delay_s }));
+        findings.push(DesignFinding::warning(
+            Part::Plant,
+            Cause::Plant(PlantCause::DelayLeftOut { delay_s: plant.delay_s }),
+        ));
     }
     let (B, C) = (system.B.block(0, plant.control, n, 1), system.C.block(0, 0, 1, n));
     for pole in not_stable(&poles(&system)?) {
         if !reaches(A, &B, pole)? {
-            findings
-                .push(DesignFinding::refusal(Part::Plant, Cause::NotStabilisable { pole }).at(pole.im.abs()));
+            findings.push(
+                DesignFinding::refusal(Part::Plant, Cause::Plant(PlantCause::NotStabilisable { pole }))
+                    .at(pole.im.abs()),
+            );
         }
         if !reaches(&A.t(), &C.t(), pole)? {
-            findings
-                .push(DesignFinding::refusal(Part::Plant, Cause::NotDetectable { pole }).at(pole.im.abs()));
+            findings.push(
+                DesignFinding::refusal(Part::Plant, Cause::Plant(PlantCause::NotDetectable { pole }))
+                    .at(pole.im.abs()),
+            );
         }
     }
     Ok(findings)
@@ -69,7 +78,7 @@ fn check_feedback(
     let mut findings = weight_forms(part, &weights.error, &weights.control);
     findings.extend(densities(weights));
     if reference == Reference::WeightOnly && weights.error.rational().poles.is_empty() {
-        let finding = DesignFinding::refusal(part, Cause::ReferenceWithoutStates);
+        let finding = DesignFinding::refusal(part, Cause::Plant(PlantCause::ReferenceWithoutStates));
         findings.push(finding.with_weight(WeightRole::Error, &weights.error));
     }
     if findings.iter().any(DesignFinding::is_refusal) {
@@ -93,18 +102,24 @@ fn weight_forms(part: Part, error: &Weight, control: &Weight) -> Vec<DesignFindi
     }
     let excess = -error.rational().relative_degree();
     if excess > 0 {
-        let finding = DesignFinding::refusal(part, Cause::ErrorWeightImproper { excess });
+        let finding = DesignFinding::refusal(
+            part,
+            Cause::Specification(SpecificationCause::ErrorWeightImproper { excess }),
+        );
         findings.push(finding.with_weight(WeightRole::Error, error).at(f64::INFINITY));
     }
     let excess = control.rational().relative_degree();
     if excess > 0 {
-        let finding = DesignFinding::refusal(part, Cause::ControlWeightVanishes { excess });
+        let finding = DesignFinding::refusal(
+            part,
+            Cause::Specification(SpecificationCause::ControlWeightVanishes { excess }),
+        );
         findings.push(finding.with_weight(WeightRole::Control, control).at(f64::INFINITY));
     }
     for rate in axis_roots(&error.rational().poles) {
         if axis_roots(&control.rational().poles).contains(&rate) {
             findings.push(
-                DesignFinding::refusal(part, Cause::WeightsBothInfinite)
+                DesignFinding::refusal(part, Cause::Specification(SpecificationCause::WeightsBothInfinite))
                     .with_weight(WeightRole::Control, control)
                     .at(rate),
             );
@@ -116,7 +131,10 @@ fn weight_forms(part: Part, error: &Weight, control: &Weight) -> Vec<DesignFindi
 fn well_formed(part: Part, role: WeightRole, weight: &Weight) -> Vec<DesignFinding> {
     let rational = weight.rational();
     if !rational.is_finite() {
-        return vec![DesignFinding::refusal(part, Cause::WeightVoid).with_weight(role, weight)];
+        return vec![
+            DesignFinding::refusal(part, Cause::Specification(SpecificationCause::WeightVoid))
+                .with_weight(role, weight),
+        ];
     }
     let roots = || rational.zeros.iter().chain(&rational.poles);
     let lone = roots().any(|root| {
@@ -124,10 +142,14 @@ fn well_formed(part: Part, role: WeightRole, weight: &Weight) -> Vec<DesignFindi
     });
     let mut findings = Vec::new();
     if lone {
-        findings.push(DesignFinding::refusal(part, Cause::WeightComplex).with_weight(role, weight));
+        findings.push(
+            DesignFinding::refusal(part, Cause::Specification(SpecificationCause::WeightComplex))
+                .with_weight(role, weight),
+        );
     }
     if let Some(&root) = roots().find(|root| root.re > 0.0) {
-        let finding = DesignFinding::warning(part, Cause::WeightMirrored { root });
+        let finding =
+            DesignFinding::warning(part, Cause::Specification(SpecificationCause::WeightMirrored { root }));
         findings.push(finding.with_weight(role, weight).at(root.norm()));
     }
     findings
@@ -135,8 +157,12 @@ fn well_formed(part: Part, role: WeightRole, weight: &Weight) -> Vec<DesignFindi
 
 fn densities(weights: &FeedbackWeights) -> Vec<DesignFinding> {
     let mut findings = Vec::new();
-    let mut refuse =
-        |of, value: f64| findings.push(DesignFinding::refusal(Part::Feedback, Cause::Density { of, value }));
+    let mut refuse = |of, value: f64| {
+        findings.push(DesignFinding::refusal(
+            Part::Feedback,
+            Cause::Specification(SpecificationCause::Density { of, value }),
+        ))
+    };
     let noise = weights.measurement_noise;
     if !(noise > 0.0 && noise.is_finite()) {
         refuse(StatedDensity::MeasurementNoise, noise);
@@ -149,7 +175,10 @@ fn densities(weights: &FeedbackWeights) -> Vec<DesignFinding> {
         refuse(StatedDensity::Disturbance, disturbance.value);
     }
     if weights.loop_recovery == 0.0 && weights.disturbances.iter().all(|one| one.value == 0.0) {
-        findings.push(DesignFinding::warning(Part::Feedback, Cause::NothingDisturbs));
+        findings.push(DesignFinding::warning(
+            Part::Feedback,
+            Cause::Specification(SpecificationCause::NothingDisturbs),
+        ));
     }
     findings
 }
@@ -165,14 +194,18 @@ fn against_plant(
     for rate in axis_roots(&error.rational().poles) {
         let relative_gain = gain.relative_modulus(rate)?;
         if relative_gain < ZERO_GAIN {
-            let finding = DesignFinding::refusal(part, Cause::PlantZeroAtErrorPole { relative_gain });
+            let finding = DesignFinding::refusal(
+                part,
+                Cause::Specification(SpecificationCause::PlantZeroAtErrorPole { relative_gain }),
+            );
             findings.push(finding.with_weight(WeightRole::Error, error).at(rate));
         }
     }
     for rate in axis_roots(&control.rational().zeros) {
         let seen = gain.relative_modulus(rate)? >= ZERO_GAIN && error.magnitude(rate) != 0.0;
         if !seen {
-            let finding = DesignFinding::refusal(part, Cause::ControlFreeUnseen);
+            let finding =
+                DesignFinding::refusal(part, Cause::Specification(SpecificationCause::ControlFreeUnseen));
             findings.push(finding.with_weight(WeightRole::Control, control).at(rate));
         }
     }
@@ -182,9 +215,10 @@ fn against_plant(
 /// Returns where the plant itself acts at the frequency, it is the sensor that is blind.
 fn name_blind_sensor(findings: &mut [DesignFinding], truth: &Gain) -> Result<(), Error> {
     for finding in findings.iter_mut() {
-        let blind = matches!(finding.cause, Cause::PlantZeroAtErrorPole { .. });
+        let blind =
+            matches!(finding.cause, Cause::Specification(SpecificationCause::PlantZeroAtErrorPole { .. }));
         if blind && truth.relative_modulus(finding.rate_rad_s.unwrap_or(0.0))? >= ZERO_GAIN {
-            finding.cause = Cause::SensorBlindAtErrorPole;
+            finding.cause = Cause::Specification(SpecificationCause::SensorBlindAtErrorPole);
         }
     }
     Ok(())
@@ -212,8 +246,10 @@ fn noise_reaches(
     let mut findings = Vec::new();
     for &pole in all.iter().filter(|pole| pole.re.abs() <= ON_AXIS * size && pole.im >= 0.0) {
         if !reaches(&system.A, &G, pole)? {
-            findings
-                .push(DesignFinding::refusal(Part::Feedback, Cause::NoiseMissesMode { pole }).at(pole.im));
+            findings.push(
+                DesignFinding::refusal(Part::Feedback, Cause::Plant(PlantCause::NoiseMissesMode { pole }))
+                    .at(pole.im),
+            );
         }
     }
     Ok(findings)
@@ -230,7 +266,7 @@ fn limits(plant: &DesignPlant, weights: &FeedbackWeights, gain: &Gain) -> Result
         findings.push(finding.with_weight(WeightRole::Error, &weights.error));
     };
     if plant.delay_s * crossover_rad_s > DELAY_PHASE {
-        warn(Cause::DelayLimits { delay_s: plant.delay_s, crossover_rad_s });
+        warn(Cause::Plant(PlantCause::DelayLimits { delay_s: plant.delay_s, crossover_rad_s }));
     }
     let bare = plant.system.select(&[plant.rate], &[plant.control]);
     let response = Response::of(&bare)?;
@@ -239,7 +275,7 @@ fn limits(plant: &DesignPlant, weights: &FeedbackWeights, gain: &Gain) -> Result
     if let Some(zero) = right.min_by(|a, b| a.norm().total_cmp(&b.norm()))
         && crossover_rad_s > zero.norm()
     {
-        warn(Cause::ZeroLimits { zero, crossover_rad_s });
+        warn(Cause::Plant(PlantCause::ZeroLimits { zero, crossover_rad_s }));
     }
     Ok(findings)
 }

@@ -13,11 +13,11 @@ use counterpoise_linalg::{
     sparse::{Entry, Sparse},
 };
 use counterpoise_lti::{Descriptor, Discretisation, QuadraticCost, StateSpace, Timebase};
-use counterpoise_pipeline::wording::design_findings::describe_synthesis_error;
-use counterpoise_pipeline::wording::reduction::describe_reduction_warning;
 use counterpoise_reduce::{
     LargeStructure, Method, Order, balred, balred_large, error_at, minimal_realisation,
 };
+use counterpoise_report::wording::design_findings::describe_synthesis_error;
+use counterpoise_report::wording::reduction::describe_reduction_warning;
 use counterpoise_synth::{Error as SynthesisError, GeneralisedPlant, HInfinity, hinfsyn};
 use serde_json::{Map, Value, json};
 

@@ -1,13 +1,14 @@
 //! The loop with feedback alone in words: the lines about it in the header of the exported code.
 
-use crate::wording::figures::describe_figure;
+use counterpoise_pipeline::PipelineError;
 use counterpoise_verify::{Limit, PerformanceFigure, Verdict, Verification};
 
-use crate::PipelineError;
+use super::errors::describe_pipeline_error;
+use super::figures::describe_figure;
 
 /// Describes why the loop could not be verified.
 pub(crate) fn describe_uncertified(why: &PipelineError) -> String {
-    format!("not certified: {why}")
+    format!("not certified: {}", describe_pipeline_error(why))
 }
 
 /// Describes the loop that was verified: its stability, its loop figures and its linear requirements, one a line.

@@ -6,9 +6,6 @@ use counterpoise_verify::{
     PerformanceFigure, Quantity, RestFigure, SightFigure, Source, StepFigure, TriangleFigure,
 };
 
-/// The origin of requirements that no project states.
-pub(crate) const USUAL_REQUIREMENT: &str = "usual, because the project states no requirement";
-
 /// Returns the name of a figure in a loop, for example `peak hub rate, pitch, feedback, linear plant`.
 pub fn describe_figure(figure: PerformanceFigure, controlled: ControlledQuantity) -> String {
     match figure {

@@ -1,4 +1,4 @@
-//! Remarks about a reduction in words. The JSON result carries them.
+//! Remarks about a reduction in words.
 
 use counterpoise_reduce::Warning;
 

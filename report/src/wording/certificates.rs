@@ -1,9 +1,13 @@
-//! The names of the numbers that certify a design. The JSON result carries them.
+//! The names of the numbers that certify a design, and of the parts that have a cost.
 
 use counterpoise_synth::DisturbanceChannel;
 
 use super::design_findings::describe_part;
-use crate::certificates::{CertifiedEquation, CertifiedPart, CertifiedPlant, CertifiedQuantity};
+use counterpoise_pipeline::certificates::{
+    CertifiedEquation, CertifiedPart, CertifiedPlant, CertifiedQuantity,
+};
+use counterpoise_pipeline::results::CostedPart;
+use counterpoise_pipeline::studies::comparison::CostSource;
 
 /// Describes what a number that certifies a design is.
 pub fn describe_certified_quantity(quantity: CertifiedQuantity) -> String {
@@ -35,5 +39,31 @@ fn describe_certified_part(part: CertifiedPart) -> String {
         CertifiedPart::Feedforward(DisturbanceChannel::Heave) => "heave feedforward".to_owned(),
         CertifiedPart::Feedforward(DisturbanceChannel::Pitch) => "pitch feedforward".to_owned(),
         CertifiedPart::Sampled(part) => format!("{} in sampled time", describe_part(part)),
+    }
+}
+
+/// Returns the name of a part of a design that has a cost.
+pub fn describe_costed_part(part: CostedPart) -> String {
+    match part {
+        CostedPart::Feedback => "feedback".to_owned(),
+        CostedPart::Feedforward(channel) => name_channel(channel).to_owned(),
+        CostedPart::Joint => "joint".to_owned(),
+        CostedPart::Sampled(part) => format!("{} in sampled time", describe_part(part)),
+    }
+}
+
+/// Returns the name of what a share of a loop's cost belongs to.
+pub fn describe_cost_source(source: CostSource) -> String {
+    match source {
+        CostSource::Part(part) => describe_part(part).to_owned(),
+        CostSource::HubSensor => "hub sensor".to_owned(),
+        CostSource::DisturbanceSensor(channel) => format!("{} sensor", name_channel(channel)),
+    }
+}
+
+fn name_channel(channel: DisturbanceChannel) -> &'static str {
+    match channel {
+        DisturbanceChannel::Heave => "heave",
+        DisturbanceChannel::Pitch => "pitch",
     }
 }

@@ -2,17 +2,17 @@
 
 use std::f64::consts::TAU;
 
+use counterpoise_pipeline::tuning::BlockResult;
 use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_synth::weight::shape::{HighFrequency, LowFrequency, Transition, WeightShape};
 use counterpoise_synth::{LightModes, Weight};
 
-use crate::tuning::block_results;
-
 /// Returns what each weight asks for, in words, one a line; of a feedback of fixed structure its blocks.
 pub fn describe_weights(synth: &DesignRequest) -> Vec<String> {
     let s = &synth.specification;
-    let blocks = block_results(&synth.options.structure);
-    let mut lines: Vec<String> = blocks.iter().map(|block| format!("feedback: {block}")).collect();
+    let blocks = synth.options.structure.blocks.iter().map(Into::into);
+    let mut lines: Vec<String> =
+        blocks.map(|block| format!("feedback: {}", describe_block(&block))).collect();
     lines.extend(
         synth
             .options
@@ -42,6 +42,12 @@ pub fn describe_weights(synth: &DesignRequest) -> Vec<String> {
         }
     }
     lines
+}
+
+/// Describes a block of a fixed structure: its kind and its values.
+fn describe_block(block: &BlockResult) -> String {
+    let values: Vec<String> = block.values.iter().map(|(key, value)| format!("{key} {value:.6}")).collect();
+    format!("{} ({})", block.kind, values.join(", "))
 }
 
 /// Describes a weight on a signal ("error", "control"): what it says of the steady and of the fast signal, up to where it is the one,
@@ -101,4 +107,32 @@ fn plain_number(value: f64) -> String {
     let decimals = (2.0 - value.log10().floor()).max(0.0) as usize;
     let text = format!("{value:.decimals$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_words_name_both_ends_and_where_one_passes_into_the_other() {
+        let said = |weight: Weight, signal: &str, words: &[&str]| {
+            let text = describe_weight(&weight, signal);
+            words.iter().for_each(|word| assert!(text.contains(word), "{word}: {text}"));
+        };
+        let integral = Weight::Integral { gain: 1.0, time_s: 0.5 };
+        said(
+            integral,
+            "error",
+            &["no steady error may remain", "1 at 0.318 Hz", "fast error is not penalised"],
+        );
+        let lead = Weight::Lead { gain: 1.0, time_s: 0.005 };
+        said(lead, "control", &["1 at low frequency, up to 31", "fast control is forbidden"]);
+        let shelf = Weight::Shelf { low: 100.0, high: 1.0, corner_rad_s: 20.0 };
+        said(shelf, "error", &["100 at low frequency, up to ", "; 1 at high frequency"]);
+        let notch = Weight::Notch { gain: 2.0, centre_rad_s: 50.0, width: 0.2, factor: 10.0 };
+        said(notch, "error", &["2 at low frequency", "at 7.9", "2 at high frequency"]);
+        said(Weight::Constant { gain: 300.0 }, "hub rate", &["300 at every frequency"]);
+        let free = Weight::QuadraticFreeAtZero { gain: 1.0, second_s2: 1e-4, first_s: 1.4e-2 };
+        said(free, "control", &["a steady control is not penalised, up to", "power 2"]);
+    }
 }

@@ -5,8 +5,7 @@
 //! Skogestad and Postlethwaite (Multivariable Feedback Control, section 2.4) define them.
 
 use counterpoise_models::ControlledQuantity;
-
-use counterpoise_verify::signals::rms;
+use counterpoise_project::file::NamedChoice;
 use counterpoise_verify::{
     Arrangement, LoopFigure, Model, PerformanceFigure, Procedure, Quantity, RestFigure, RoadOrigin,
     SightFigure, Source, Verification,
@@ -87,7 +86,7 @@ fn size(source: Source, procedure: &Procedure) -> String {
         Source::Both => format!("{heave}, and {pitch}"),
         Source::Road => match &procedure.road {
             Some(road) => {
-                let (heave, pitch) = (rms(road.heave_m_s2()), rms(road.pitch_rate_rad_s()));
+                let (heave, pitch) = (road.heave_rms_m_s2(), road.pitch_rms_rad_s());
                 format!(
                     "the road \"{}\", RMS heave {heave:.3} m/s^2 and pitch {pitch:.4} rad/s",
                     describe_road(&road.origin)
@@ -248,7 +247,9 @@ fn triangle(of: &LoopProcedure<'_>) -> String {
 fn describe_road(origin: &RoadOrigin) -> String {
     match origin {
         RoadOrigin::Recording(file) => file.clone(),
-        RoadOrigin::IsoRoad { class, speed_m_s } => format!("ISO 8608 class {class:?} at {speed_m_s} m/s"),
+        RoadOrigin::IsoRoad { class, speed_m_s } => {
+            format!("ISO 8608 class {} at {speed_m_s} m/s", class.name())
+        }
         RoadOrigin::Sea { significant_height_m, seed } => {
             format!("sea of {significant_height_m} m, seed {seed}")
         }

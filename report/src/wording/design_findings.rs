@@ -3,7 +3,7 @@
 use counterpoise_linalg::C64;
 use counterpoise_synth::{
     BandwidthLimit, Cause, ConcernedWeight, DesignEquation, DesignFinding, HiddenDirection, LimitKind,
-    ModeBlock, Part, StatedDensity, Unknown, WeightRole,
+    ModeBlock, Part, PlantCause, SpecificationCause, StatedDensity, Unknown, WeightRole,
 };
 
 /// Describes a finding in one line: the part, the weight and the frequency that are concerned, what is wrong, and what to do.
@@ -46,102 +46,109 @@ pub fn describe_part(part: Part) -> &'static str {
 /// Describes what is wrong, with its numbers.
 pub fn describe_cause(cause: &Cause) -> String {
     match cause {
-        Cause::WeightVoid => "the weight is zero or one of its numbers is not finite".to_owned(),
-        Cause::WeightComplex => "a complex root of the weight lacks its conjugate".to_owned(),
-        Cause::ErrorWeightImproper { excess } => format!(
-            "the error weight rises with the power {excess} of frequency: the noise would cost infinitely much"
-        ),
-        Cause::ControlWeightVanishes { excess } => format!(
-            "the control weight falls with the power {excess} of frequency: fast control would be free"
-        ),
-        Cause::WeightMirrored { root } => format!(
-            "the root {root:.4} lies in the right half plane and is mirrored: only the modulus counts"
-        ),
-        Cause::PlantZeroAtErrorPole { relative_gain } => format!(
-            "the error weight is infinite where the plant cannot act (its gain there is {relative_gain:.1e} of its largest)"
-        ),
-        Cause::SensorBlindAtErrorPole => {
-            "the error weight is infinite where the hub sensor reads nothing".to_owned()
-        }
-        Cause::ControlFreeUnseen => {
-            "control costs nothing where the weighted error does not show it".to_owned()
-        }
-        Cause::FreeControlUnseen { moved_rad_s } => format!(
-            "control is free where the closed loop's rate does not show it: it is given a cost below {moved_rad_s} rad/s"
-        ),
-        Cause::WeightsBothInfinite => "error weight and control weight are both infinite".to_owned(),
-        Cause::GeneratorNotProper => {
-            "the disturbance's generator passes white noise on: infinite power".to_owned()
-        }
-        Cause::GeneratorUnstable { pole } => {
-            format!("the disturbance's generator has the pole {pole:.4}: its power grows without bound")
-        }
-        Cause::GeneratorTooRough { relative_degree, needed } => format!(
-            "the disturbance acts through its derivatives, but its generator has {relative_degree} more poles than zeros where {needed} are needed"
-        ),
-        Cause::KnowledgeIncomplete { order, known } => format!(
-            "exact knowledge is assumed of {order} states of the disturbance, but {known} signals act on the plant"
-        ),
-        Cause::Density { of, value } => {
-            format!("the spectral density of {} is {value}", describe_density(*of))
-        }
-        Cause::NothingDisturbs => {
-            "nothing disturbs the loop, so the observer ignores the measurement".to_owned()
-        }
-        other => describe_cause_in_plant(other),
+        Cause::Specification(cause) => describe_cause_in_specification(cause),
+        Cause::Plant(cause) => describe_cause_in_plant(cause),
     }
 }
 
-/// Describes the causes that lie in the plant, the channels or the equations.
-fn describe_cause_in_plant(cause: &Cause) -> String {
+fn describe_cause_in_specification(cause: &SpecificationCause) -> String {
     match cause {
-        Cause::NotStabilisable { pole } => format!("the control does not reach the mode {pole:.4}"),
-        Cause::NotDetectable { pole } => format!("the measured rate does not show the mode {pole:.4}"),
-        Cause::NoiseMissesMode { pole } => format!("no disturbance excites the undamped mode {pole:.4}"),
-        Cause::DirectPath { gain } => {
+        SpecificationCause::WeightVoid => "the weight is zero or one of its numbers is not finite".to_owned(),
+        SpecificationCause::WeightComplex => "a complex root of the weight lacks its conjugate".to_owned(),
+        SpecificationCause::ErrorWeightImproper { excess } => format!(
+            "the error weight rises with the power {excess} of frequency: the noise would cost infinitely much"
+        ),
+        SpecificationCause::ControlWeightVanishes { excess } => format!(
+            "the control weight falls with the power {excess} of frequency: fast control would be free"
+        ),
+        SpecificationCause::WeightMirrored { root } => format!(
+            "the root {root:.4} lies in the right half plane and is mirrored: only the modulus counts"
+        ),
+        SpecificationCause::PlantZeroAtErrorPole { relative_gain } => format!(
+            "the error weight is infinite where the plant cannot act (its gain there is {relative_gain:.1e} of its largest)"
+        ),
+        SpecificationCause::SensorBlindAtErrorPole => {
+            "the error weight is infinite where the hub sensor reads nothing".to_owned()
+        }
+        SpecificationCause::ControlFreeUnseen => {
+            "control costs nothing where the weighted error does not show it".to_owned()
+        }
+        SpecificationCause::FreeControlUnseen { moved_rad_s } => format!(
+            "control is free where the closed loop's rate does not show it: it is given a cost below {moved_rad_s} rad/s"
+        ),
+        SpecificationCause::WeightsBothInfinite => {
+            "error weight and control weight are both infinite".to_owned()
+        }
+        SpecificationCause::GeneratorNotProper => {
+            "the disturbance's generator passes white noise on: infinite power".to_owned()
+        }
+        SpecificationCause::GeneratorUnstable { pole } => {
+            format!("the disturbance's generator has the pole {pole:.4}: its power grows without bound")
+        }
+        SpecificationCause::GeneratorTooRough { relative_degree, needed } => format!(
+            "the disturbance acts through its derivatives, but its generator has {relative_degree} more poles than zeros where {needed} are needed"
+        ),
+        SpecificationCause::KnowledgeIncomplete { order, known } => format!(
+            "exact knowledge is assumed of {order} states of the disturbance, but {known} signals act on the plant"
+        ),
+        SpecificationCause::Density { of, value } => {
+            format!("the spectral density of {} is {value}", describe_density(*of))
+        }
+        SpecificationCause::NothingDisturbs => {
+            "nothing disturbs the loop, so the observer ignores the measurement".to_owned()
+        }
+    }
+}
+
+fn describe_cause_in_plant(cause: &PlantCause) -> String {
+    match cause {
+        PlantCause::NotStabilisable { pole } => format!("the control does not reach the mode {pole:.4}"),
+        PlantCause::NotDetectable { pole } => format!("the measured rate does not show the mode {pole:.4}"),
+        PlantCause::NoiseMissesMode { pole } => format!("no disturbance excites the undamped mode {pole:.4}"),
+        PlantCause::DirectPath { gain } => {
             format!("the control reaches the measured rate directly (gain {gain:.3e})")
         }
-        Cause::DelayLeftOut { delay_s } => format!("the delay of {delay_s} s is left out (Pade order 0)"),
-        Cause::DelayLimits { delay_s, crossover_rad_s } => format!(
+        PlantCause::DelayLeftOut { delay_s } => {
+            format!("the delay of {delay_s} s is left out (Pade order 0)")
+        }
+        PlantCause::DelayLimits { delay_s, crossover_rad_s } => format!(
             "the weights cross at {crossover_rad_s:.1} rad/s, where the delay of {delay_s} s costs {:.0} degrees",
             (delay_s * crossover_rad_s).to_degrees()
         ),
-        Cause::ZeroLimits { zero, crossover_rad_s } => format!(
+        PlantCause::ZeroLimits { zero, crossover_rad_s } => format!(
             "the weights cross at {crossover_rad_s:.1} rad/s, beyond the right half plane zero {zero:.4}"
         ),
-        Cause::ChannelMissing => "the plant has no input for this disturbance".to_owned(),
-        Cause::ChannelWithoutEffect => "this disturbance does not reach the rate".to_owned(),
-        Cause::FeedforwardUnbounded { pole } => format!(
+        PlantCause::ChannelMissing => "the plant has no input for this disturbance".to_owned(),
+        PlantCause::ChannelWithoutEffect => "this disturbance does not reach the rate".to_owned(),
+        PlantCause::FeedforwardUnbounded { pole } => format!(
             "sensor noise reaches the mode {pole:.4}, which the feedforward alone cannot keep bounded"
         ),
-        Cause::ReferenceWithoutStates => {
+        PlantCause::ReferenceWithoutStates => {
             "the demand would enter the error weight's states, of which there are none".to_owned()
         }
-        Cause::ModeHidden { mode, distance, from, block } => {
+        PlantCause::ModeHidden { mode, distance, from, block } => {
             format!("{} (relative distance {distance:.1e})", describe_hidden(*from, *mode, block))
         }
-        Cause::Equation { equation, reason } => {
+        PlantCause::Equation { equation, reason } => {
             format!("{} has no stabilising solution: {reason}", describe_equation(*equation))
         }
-        Cause::ControlUnweighed { control } => {
+        PlantCause::ControlUnweighed { control } => {
             format!("control {control} has no weight of its own (D12 lacks full column rank)")
         }
-        Cause::MeasurementNoiseless { measurement } => {
+        PlantCause::MeasurementNoiseless { measurement } => {
             format!("measurement {measurement} has no noise of its own (D21 lacks full row rank)")
         }
-        Cause::NoiseReachesCost { gain } => {
+        PlantCause::NoiseReachesCost { gain } => {
             format!("white noise reaches the weighted outputs directly (D11 up to {gain:.3e}): infinite cost")
         }
-        Cause::NoBoundReached { largest } => format!("no controller keeps a bound up to {largest:.3e}"),
-        Cause::NoBandwidth { limits } => {
+        PlantCause::NoBoundReached { largest } => format!("no controller keeps a bound up to {largest:.3e}"),
+        PlantCause::NoBandwidth { limits } => {
             format!("no bandwidth keeps every limit: {}", describe_limits(limits))
         }
-        Cause::SampledUnstable { pole, period_s } => format!(
+        PlantCause::SampledUnstable { pole, period_s } => format!(
             "sampled every {period_s} s the loop has the pole {pole:.6}, of modulus {:.6}",
             pole.norm()
         ),
-        // every cause that is not above is one of a weight or a disturbance, which `describe_cause` describes
-        other => format!("{other:?}"),
     }
 }
 
@@ -223,6 +230,11 @@ pub fn describe_limit(kind: LimitKind) -> &'static str {
     }
 }
 
+/// Returns the names of several limits that bind together.
+pub fn join_limits(kinds: &[LimitKind]) -> String {
+    kinds.iter().map(|kind| describe_limit(*kind)).collect::<Vec<_>>().join(" and ")
+}
+
 /// Describes a fact of the loop that is not known.
 pub fn describe_unknown(unknown: Unknown) -> &'static str {
     match unknown {
@@ -238,83 +250,89 @@ pub fn describe_unknown(unknown: Unknown) -> &'static str {
 /// Returns what the designer can do about a cause.
 pub fn suggest_remedy(cause: &Cause) -> &'static str {
     match cause {
-        Cause::WeightVoid => "give it a gain and time constants that are not zero",
-        Cause::WeightComplex => "give complex roots in conjugate pairs",
-        Cause::ErrorWeightImproper { .. } => "give the error weight as many poles as zeros",
-        Cause::ControlWeightVanishes { .. } => {
-            "give the control weight as many zeros as poles, K (a s + 1) for instance"
-        }
-        Cause::WeightMirrored { .. } => "write the root with a negative real part",
-        Cause::PlantZeroAtErrorPole { .. } => {
-            "use K / (a s + 1) in place of K / (a s), or control the angle rather than the rate"
-        }
-        Cause::SensorBlindAtErrorPole => {
-            "use a sensor that reads there, or an error weight that is finite there"
-        }
-        Cause::ControlFreeUnseen => {
-            "use a control weight that is not zero there, K (b s^2 + a s + 1) for instance"
-        }
-        Cause::FreeControlUnseen { .. } => {
-            "use a control weight that is not zero there, or the basis \"open-loop\""
-        }
-        Cause::WeightsBothInfinite => "keep one of the two finite there",
-        Cause::GeneratorNotProper => "give the generator more poles than zeros",
-        Cause::GeneratorUnstable { .. } => {
-            "move the pole into the left half plane, at the lowest frequency that matters"
-        }
-        Cause::GeneratorTooRough { .. } => {
-            "give the generator more poles than zeros by the number of inputs of the channel"
-        }
-        Cause::KnowledgeIncomplete { .. } => {
-            "use a generator of that order, or say what noise the sensor has"
-        }
-        Cause::Density { .. } => {
-            "give a positive number (zero is allowed for disturbances and loop recovery)"
-        }
-        Cause::NothingDisturbs => "give a loop recovery or a disturbance a positive density",
-        other => suggest_remedy_in_plant(other),
+        Cause::Specification(cause) => suggest_remedy_in_specification(cause),
+        Cause::Plant(cause) => suggest_remedy_in_plant(cause),
     }
 }
 
-/// The same for causes that lie in the plant, the channels or the equations.
-fn suggest_remedy_in_plant(cause: &Cause) -> &'static str {
+fn suggest_remedy_in_specification(cause: &SpecificationCause) -> &'static str {
     match cause {
-        Cause::NotStabilisable { .. } => "remove the mode from the plant, or give it an actuator",
-        Cause::NotDetectable { .. } => {
+        SpecificationCause::WeightVoid => "give it a gain and time constants that are not zero",
+        SpecificationCause::WeightComplex => "give complex roots in conjugate pairs",
+        SpecificationCause::ErrorWeightImproper { .. } => "give the error weight as many poles as zeros",
+        SpecificationCause::ControlWeightVanishes { .. } => {
+            "give the control weight as many zeros as poles, K (a s + 1) for instance"
+        }
+        SpecificationCause::WeightMirrored { .. } => "write the root with a negative real part",
+        SpecificationCause::PlantZeroAtErrorPole { .. } => {
+            "use K / (a s + 1) in place of K / (a s), or control the angle rather than the rate"
+        }
+        SpecificationCause::SensorBlindAtErrorPole => {
+            "use a sensor that reads there, or an error weight that is finite there"
+        }
+        SpecificationCause::ControlFreeUnseen => {
+            "use a control weight that is not zero there, K (b s^2 + a s + 1) for instance"
+        }
+        SpecificationCause::FreeControlUnseen { .. } => {
+            "use a control weight that is not zero there, or the basis \"open-loop\""
+        }
+        SpecificationCause::WeightsBothInfinite => "keep one of the two finite there",
+        SpecificationCause::GeneratorNotProper => "give the generator more poles than zeros",
+        SpecificationCause::GeneratorUnstable { .. } => {
+            "move the pole into the left half plane, at the lowest frequency that matters"
+        }
+        SpecificationCause::GeneratorTooRough { .. } => {
+            "give the generator more poles than zeros by the number of inputs of the channel"
+        }
+        SpecificationCause::KnowledgeIncomplete { .. } => {
+            "use a generator of that order, or say what noise the sensor has"
+        }
+        SpecificationCause::Density { .. } => {
+            "give a positive number (zero is allowed for disturbances and loop recovery)"
+        }
+        SpecificationCause::NothingDisturbs => "give a loop recovery or a disturbance a positive density",
+    }
+}
+
+fn suggest_remedy_in_plant(cause: &PlantCause) -> &'static str {
+    match cause {
+        PlantCause::NotStabilisable { .. } => "remove the mode from the plant, or give it an actuator",
+        PlantCause::NotDetectable { .. } => {
             "remove the mode from the plant (the hub angle, where only rate is measured), or measure it"
         }
-        Cause::NoiseMissesMode { .. } => {
+        PlantCause::NoiseMissesMode { .. } => {
             "give the loop recovery a positive density, or the mode some damping"
         }
-        Cause::DirectPath { .. } => "model the sensor or the delay",
-        Cause::DelayLeftOut { .. } => "use a Pade order of 1 or 2",
-        Cause::DelayLimits { .. } => "raise the control weight or lower the error weight, or sample faster",
-        Cause::ZeroLimits { .. } => {
+        PlantCause::DirectPath { .. } => "model the sensor or the delay",
+        PlantCause::DelayLeftOut { .. } => "use a Pade order of 1 or 2",
+        PlantCause::DelayLimits { .. } => {
+            "raise the control weight or lower the error weight, or sample faster"
+        }
+        PlantCause::ZeroLimits { .. } => {
             "raise the control weight or lower the error weight until they cross below half the zero"
         }
-        Cause::ChannelMissing => "name its input, or leave the feedforward out",
-        Cause::ChannelWithoutEffect => "leave the feedforward out: it would be zero",
-        Cause::FeedforwardUnbounded { .. } => {
+        PlantCause::ChannelMissing => "name its input, or leave the feedforward out",
+        PlantCause::ChannelWithoutEffect => "leave the feedforward out: it would be zero",
+        PlantCause::FeedforwardUnbounded { .. } => {
             "use an error weight that is finite at that frequency, or let the feedback hold the mode"
         }
-        Cause::ReferenceWithoutStates => {
+        PlantCause::ReferenceWithoutStates => {
             "let the demand enter through the error, or use an error weight with a pole"
         }
-        Cause::ModeHidden { from, .. } => suggest_remedy_for_hidden(*from),
-        Cause::Equation { .. } => {
+        PlantCause::ModeHidden { from, .. } => suggest_remedy_for_hidden(*from),
+        PlantCause::Equation { .. } => {
             "give the mode named an input, a sensor, a weight or a noise; a block that is there twice is connected once, by name"
         }
-        Cause::ControlUnweighed { .. } => "weigh every control, if only lightly",
-        Cause::MeasurementNoiseless { .. } => "give every measurement a noise, if only a small one",
-        Cause::NoiseReachesCost { .. } => "let the noise pass a filter, or the weighted output one",
-        Cause::NoBoundReached { .. } => {
+        PlantCause::ControlUnweighed { .. } => "weigh every control, if only lightly",
+        PlantCause::MeasurementNoiseless { .. } => "give every measurement a noise, if only a small one",
+        PlantCause::NoiseReachesCost { .. } => "let the noise pass a filter, or the weighted output one",
+        PlantCause::NoBoundReached { .. } => {
             "look for a mode on the axis that no control reaches or no measurement shows"
         }
-        Cause::NoBandwidth { .. } => {
+        PlantCause::NoBandwidth { .. } => {
             "sample faster, remove delay, or lower the margins that are required; a loop of position keeps more phase as a cascade (synth.loop = \"cascade\"); a plant with an unstable pole needs twice its rate as bandwidth"
         }
-        Cause::SampledUnstable { .. } => "sample faster, or lower the crossover",
-        _ => "look at the weight that is named",
+        PlantCause::SampledUnstable { .. } => "sample faster, or lower the crossover",
     }
 }
 
@@ -341,8 +359,10 @@ mod tests {
     #[test]
     fn findings_read_like_an_engineer_s() {
         let weight = Weight::Integral { gain: 200.0, time_s: 1.0 };
-        let finding =
-            DesignFinding::refusal(Part::Feedback, Cause::PlantZeroAtErrorPole { relative_gain: 0.0 });
+        let finding = DesignFinding::refusal(
+            Part::Feedback,
+            Cause::Specification(SpecificationCause::PlantZeroAtErrorPole { relative_gain: 0.0 }),
+        );
         let text = describe_design_finding(&finding.with_weight(WeightRole::Error, &weight).at(0.0));
         let start = "feedback, error weight 200 / (1 s), at zero frequency: the error weight is infinite";
         assert!(text.starts_with(start), "{text}");
@@ -352,7 +372,12 @@ mod tests {
     #[test]
     fn a_mode_that_nothing_reaches_is_named_with_its_block() {
         let (mode, block) = (C64::new(1.0, 0.0), ModeBlock::State(1));
-        let cause = Cause::ModeHidden { mode, distance: 1e-12, from: HiddenDirection::Control, block };
+        let cause = Cause::Plant(PlantCause::ModeHidden {
+            mode,
+            distance: 1e-12,
+            from: HiddenDirection::Control,
+            block,
+        });
         let text = describe_cause(&cause);
         assert!(
             text.starts_with("no control reaches the mode 1.000000 of state 1, which is not stable"),

@@ -1,10 +1,10 @@
-//! The schedule over out-of-balance in words: which conditions hold in a state of balance, and what follows. The JSON result carries them.
+//! The schedule over out-of-balance in words: which conditions hold in a state of balance, and what follows.
 
 use counterpoise_synth::tolerance::EQUAL;
 use counterpoise_synth::{Conditions, HeaveFeedforwardLaw};
 
 /// Describes which conditions of the gain law hold.
-pub(crate) fn describe_conditions(found: &Conditions) -> String {
+pub fn describe_conditions(found: &Conditions) -> String {
     if found.hold() && found.feedback_stays() {
         return "inertia kept, heave torque in proportion: all conditions of the gain law hold".to_owned();
     }
@@ -22,7 +22,7 @@ pub(crate) fn describe_conditions(found: &Conditions) -> String {
 }
 
 /// Describes what becomes of the heave feedforward.
-pub(crate) fn describe_law(law: &HeaveFeedforwardLaw) -> String {
+pub fn describe_law(law: &HeaveFeedforwardLaw) -> String {
     match law {
         HeaveFeedforwardLaw::ExactGain { factor } => format!("gain {factor:.4}, exact by theory"),
         HeaveFeedforwardLaw::NearlyGain { factor, deviation } => {

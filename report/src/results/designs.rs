@@ -1,0 +1,48 @@
+//! The table of designs as a result file has it.
+
+use counterpoise_models::ControlledQuantity;
+use counterpoise_pipeline::exchange::UnitValue;
+use counterpoise_pipeline::studies::designs::{DesignRow, DesignTable};
+use serde::Serialize;
+
+use crate::wording::designs::{describe_design_failure, describe_objective, name_motion};
+
+/// Every design of a project in one table.
+#[derive(Debug, Serialize)]
+pub struct DesignTableText {
+    /// Name of the mechanism.
+    pub name: String,
+    /// Hash of the project.
+    pub hash: String,
+    /// The quantity that the loop controls: every figure of a rate is one of it, in its unit.
+    #[serde(skip)]
+    pub controlled: ControlledQuantity,
+    /// Objective of the tuned structures.
+    pub objective: String,
+    /// Motion that the last nonlinear run has.
+    pub motion: &'static str,
+    /// The disturbance of the linear loop: frequency in rad/s and power of each line at the output without feedback, in the square of the
+    /// unit of what the loop controls.
+    pub disturbance: Vec<[f64; 2]>,
+    /// RMS of the white noise of a reading.
+    #[serde(flatten)]
+    pub reading_noise: UnitValue<f64>,
+    /// The designs, the project's own first.
+    pub rows: Vec<DesignRow<String>>,
+}
+
+impl From<DesignTable> for DesignTableText {
+    fn from(found: DesignTable) -> Self {
+        let rows = found.rows.into_iter().map(|row| row.map_reason(describe_design_failure));
+        Self {
+            name: found.name,
+            hash: found.hash,
+            controlled: found.controlled,
+            objective: describe_objective(found.objective, found.controlled, found.motion),
+            motion: name_motion(found.motion),
+            disturbance: found.disturbance,
+            reading_noise: found.reading_noise,
+            rows: rows.collect(),
+        }
+    }
+}
