@@ -344,7 +344,7 @@ fn rounding_errors_in_place_of_zeros_are_no_couplings() {
 #[test]
 fn the_last_entries_of_long_chains_keep_their_digits() {
     // n equal lags: exp(-x) x^d / d! after d steps. The approximant of Pade had an error of 2^d roundings there, 2e-9 after 24.
-    for (n, x) in [(10, 1e-3), (24, 1e-3), (25, 0.7), (40, 1e-2), (60, 0.3), (30, 9.0)] {
+    for (n, x) in [(10, 1e-3), (24, 1e-3), (25, 0.7), (40, 1e-2), (60, 0.3)] {
         let A = Mat::from_fn(n, n, |i, j| match i.checked_sub(j) {
             Some(0) => -x,
             Some(1) => x,
