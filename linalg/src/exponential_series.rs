@@ -58,12 +58,12 @@ impl Term for LongMatrix {
 }
 
 /// A matrix over a power of two whose series converges quickly, and the degree that leaves rounding errors only.
-struct Scaled {
+struct SeriesScale {
     squarings: i32,
     degree: usize,
 }
 
-impl Scaled {
+impl SeriesScale {
     /// Returns the scaling of a matrix for a series that ends `terms` terms after the first one of an entry. An entry that is `chain` steps away has its first
     /// term there; of the steps of a chain every factor of a power takes its share.
     fn of(A: &Mat, chain: usize, terms: usize) -> Self {
@@ -89,7 +89,7 @@ const LONG_TERMS: usize = 29;
 
 /// Returns the exponential and the integral in doubles. `chain` is the number of steps of the longest chain of states, the input among them.
 pub(crate) fn hold_by_series(A: &Mat, B: &Mat, chain: usize) -> HeldInput {
-    let scaled = Scaled::of(A, chain, TERMS);
+    let scaled = SeriesScale::of(A, chain, TERMS);
     let (A, B) = (A.scale(scaled.factor()), B.scale(scaled.factor()));
     let sum = integral(&A, scaled.degree);
     let (mut Phi, mut Gamma) = (&A * &sum + Mat::eye(A.nrows()), &sum * &B);
@@ -103,7 +103,7 @@ pub(crate) fn hold_by_series(A: &Mat, B: &Mat, chain: usize) -> HeldInput {
 /// Returns the exponential and the integral in 32 digits, rounded, each entry right beside the sum of the moduli of its terms whatever the units of the states
 /// are; `None` if the matrix is so large that squaring would leave less than a double.
 pub(crate) fn precise_hold(A: &Mat, B: &Mat) -> Option<HeldInput> {
-    let scaled = Scaled::of(A, A.nrows(), LONG_TERMS);
+    let scaled = SeriesScale::of(A, A.nrows(), LONG_TERMS);
     if scaled.squarings > SERIES_SQUARINGS {
         return None;
     }
