@@ -30,7 +30,6 @@ pub mod cone_program;
 pub mod decomposition;
 pub mod dense;
 pub mod eigenvector_gain;
-mod entrywise_inverse;
 mod error;
 pub mod expm;
 mod exponential_series;
@@ -77,7 +76,6 @@ pub use dense::{
     Qr, cdet, cholesky, csolve, dot, inverse, qr, qr_full_q, qr_r, solve, transpose_times, unit_power,
 };
 pub use eigenvector_gain::{EigenvectorChoice, eigenvector_gain};
-pub use entrywise_inverse::entrywise_inverse;
 pub use error::Error;
 pub use expm::{expm, expm_integral, van_loan_accumulated, van_loan_cost, van_loan_noise};
 pub use generalised_lyapunov::{CostWeights, gcare, gdare, gdlyap, glyap};

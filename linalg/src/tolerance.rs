@@ -382,20 +382,5 @@ pub const SERIES_SQUARINGS: i32 = 45;
 /// An entry of the factor of a Lyapunov equation above this share of its row determines the phase of the row to all but three digits.
 pub const DETERMINES_PHASE: f64 = 1e-3;
 
-/// An entry of an inverse below this share of the diagonal entries of its row and column may have lost half of its digits.
-pub const FADED_ENTRY: f64 = 1e-8;
-
-/// Roundings of the products in an entry of a residual beyond which the inverse is to blame: elimination without loss leaves a few.
-pub const RESIDUAL_ROUNDINGS: f64 = 64.0;
-
-/// A correction of an inverse below this share of every entry is the last: the next one would be rounding.
-pub const ENTRYWISE_ERROR: f64 = 1e-10;
-
-/// Corrections of an inverse at most: each gains some ten digits of the smallest entries, and a double holds 308 decades.
-pub const ENTRYWISE_REFINEMENTS: usize = 30;
-
-/// Rows of an inverse up to which small entries are corrected: a correction of the largest takes a millisecond.
-pub const ENTRYWISE_STATES: usize = 64;
-
 /// A trace of `C X C'` below this share of the norms is computed in 32 digits throughout: a refined solution is known to some 1e-24 of its norm.
 pub const FADED_TRACE: f64 = 1e-10;

@@ -146,7 +146,8 @@ fn bilinear(g: &StateSpace, period_s: f64, a: f64) -> Result<StateSpace, Error> 
         im: 0.0,
         problem: "is mapped to infinity: use another period",
     };
-    let M = linalg::entrywise_inverse(&(&Mat::eye(n).scale(a) - &g.A)).map_err(pole)?;
+    // One solution a column: the explicit inverse loses a digit on flexible structures.
+    let M = linalg::solve(&(&Mat::eye(n).scale(a) - &g.A), &Mat::eye(n)).map_err(pole)?;
     let (MB, root) = (&M * &g.B, (2.0 * a).sqrt());
     let D = &g.D + &(&g.C * &MB);
     let A = &M.scale(2.0 * a) - &Mat::eye(n);
