@@ -3,10 +3,14 @@
 use crate::balance::{BalancedMatrix, balance_all, balance_beside_own_rates};
 use crate::dense::{largest_share, solve};
 use crate::error::{Error, check_finite, check_shape, check_square};
+use crate::exponential_series::{HeldInput, hold_by_series, precise_hold};
 use crate::kernel::vectorised;
 use crate::mat::Mat;
 use crate::structure::Structure;
-use crate::tolerance::{EXPM_BALANCE_GAIN, EXPM_COMMUTES, EXPM_ENTRY, EXPM_SHORT_CHAIN};
+use crate::tolerance::{
+    EXPM_BALANCE_GAIN, EXPM_COMMUTES, EXPM_ENTRY, EXPM_LONG_CHAIN, EXPM_SHORT_CHAIN, PRECISE_EXPONENTIAL,
+    SERIES_STATES,
+};
 
 /// Returns the exponential of a square matrix.
 ///
@@ -18,26 +22,48 @@ use crate::tolerance::{EXPM_BALANCE_GAIN, EXPM_COMMUTES, EXPM_ENTRY, EXPM_SHORT_
 /// Not square, or not finite. An exponential that overflows is [`Error::NotFinite`].
 pub fn expm(A: &Mat) -> Result<Mat, Error> {
     check_square("A", A)?;
-    let of = |balanced: BalancedMatrix| {
-        let (d, inner) = (balanced.scale, pade(&balanced.A)?);
-        check_exponential(Mat::from_fn(A.nrows(), A.ncols(), |i, j| inner[(i, j)] * d[i] / d[j]))
-    };
+    let n = A.nrows();
     let balanced = balance_all(A)?;
     if balanced.A.norm_one() > EXPM_BALANCE_GAIN * A.norm_one() {
-        return check_exponential(pade(A)?);
+        return check_exponential(pade(A, Entries::AsGiven)?);
     }
-    if balanced.is_wide() {
-        commuting(A, of(balanced)?, || of(balance_beside_own_rates(A)?), |E| E)
-    } else {
-        of(balanced)
+    let back =
+        |inner: Mat, d: &[f64]| check_exponential(Mat::from_fn(n, n, |i, j| inner[(i, j)] * d[i] / d[j]));
+    let entries = Entries::of(&balanced);
+    let first = back(pade(&balanced.A, entries)?, &balanced.scale)?;
+    if !balanced.is_wide() {
+        return Ok(first);
+    }
+    let other = || {
+        let balanced = balance_beside_own_rates(A)?;
+        back(pade(&balanced.A, entries)?, &balanced.scale)
+    };
+    let precise = || back(precise_hold(&balanced.A, &Mat::zeros(n, 0))?.Phi, &balanced.scale).ok();
+    commuting(A, first, other, precise, |E| E)
+}
+
+/// The origin of the entries of a matrix.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Entries {
+    /// They are those of the caller, or nearly so.
+    AsGiven,
+    /// They were scaled by many decades, so that the largest way from one state to another may be a long one although there is a short one.
+    Rescaled,
+}
+
+impl Entries {
+    fn of(balanced: &BalancedMatrix) -> Self {
+        if balanced.is_wide() { Self::Rescaled } else { Self::AsGiven }
     }
 }
 
-/// Returns the exponential, which commutes with its matrix; another one, of the matrix balanced otherwise, if the first does not and that comes nearer.
+/// Returns the exponential, which commutes with its matrix; another one, of the matrix balanced otherwise, if the first does not and that comes nearer; one in 32
+/// digits if neither does, and the matrix is small.
 fn commuting<T>(
     A: &Mat,
     first: T,
     other: impl FnOnce() -> Result<T, Error>,
+    precise: impl FnOnce() -> Option<T>,
     exponential: impl Fn(&T) -> &Mat,
 ) -> Result<T, Error> {
     let distance = commutator(A, exponential(&first));
@@ -45,7 +71,14 @@ fn commuting<T>(
         return Ok(first);
     }
     let second = other()?;
-    Ok(if commutator(A, exponential(&second)) < distance { second } else { first })
+    let least = commutator(A, exponential(&second));
+    if least > EXPM_COMMUTES
+        && A.nrows() <= PRECISE_EXPONENTIAL
+        && let Some(precise) = precise()
+    {
+        return Ok(precise);
+    }
+    Ok(if least < distance { second } else { first })
 }
 
 /// The largest entry of `A E - E A`, each over the sum of the moduli of its terms.
@@ -101,10 +134,14 @@ const COEFFICIENTS_13: [f64; 14] = [
     1.0,
 ];
 
-fn pade(A: &Mat) -> Result<Mat, Error> {
+fn pade(A: &Mat, entries: Entries) -> Result<Mat, Error> {
     let structure = Structure::of(A);
-    let ScaledMatrix { A, squarings, mut degree } = scale_for_approximant(A, structure.longest_path);
-    if squarings == 0 && structure.longest_path > EXPM_SHORT_CHAIN {
+    let ScaledMatrix { A: scaled, squarings, mut degree } = scale_for_approximant(A, structure.longest_path);
+    if is_long_chain(structure.longest_path, squarings, A.nrows()) {
+        return Ok(hold_by_series(A, &Mat::zeros(A.nrows(), 0), structure.longest_path).Phi);
+    }
+    let A = scaled;
+    if squarings == 0 && (structure.longest_path > EXPM_SHORT_CHAIN || entries == Entries::Rescaled) {
         degree = raise_degree(&A, degree);
     }
     let (W, V) = approximant(&A, degree);
@@ -115,6 +152,11 @@ fn pade(A: &Mat) -> Result<Mat, Error> {
         X = &X * &X;
     }
     Ok(X)
+}
+
+/// Returns whether the states of a small matrix form a chain so long that an approximant loses the digits of its last entries.
+fn is_long_chain(chain: usize, squarings: i32, states: usize) -> bool {
+    states <= SERIES_STATES && chain as f64 > EXPM_LONG_CHAIN * f64::from(squarings).exp2()
 }
 
 /// A matrix over a power of two, the exponent, and the degree of the approximant that is good for it.
@@ -245,33 +287,52 @@ vectorised! {
 pub fn expm_integral(A: &Mat, B: &Mat, h: f64) -> Result<(Mat, Mat), Error> {
     check_square("A", A)?;
     check_shape("B", B, A.nrows(), B.ncols())?;
-    let of = |balanced: BalancedMatrix| {
-        let d = &balanced.scale;
-        let inner = Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] * h / d[i]);
-        let (Phi, Gamma) = hold_integral(&balanced.A.scale(h), &inner)?;
-        let Phi = Mat::from_fn(Phi.nrows(), Phi.ncols(), |i, j| Phi[(i, j)] * d[i] / d[j]);
-        Ok((
-            check_exponential(Phi)?,
-            check_exponential(Mat::from_fn(B.nrows(), B.ncols(), |i, j| Gamma[(i, j)] * d[i]))?,
-        ))
-    };
     let balanced = balance_all(A)?;
     if balanced.A.norm_one() > EXPM_BALANCE_GAIN * A.norm_one() {
-        return hold_integral(&A.scale(h), &B.scale(h));
+        return hold_integral(&A.scale(h), &B.scale(h), Entries::AsGiven).map(HeldInput::into_pair);
     }
-    if balanced.is_wide() {
-        commuting(A, of(balanced)?, || of(balance_beside_own_rates(A)?), |(Phi, _)| Phi)
-    } else {
-        of(balanced)
+    let input = |d: &[f64]| Mat::from_fn(B.nrows(), B.ncols(), |i, j| B[(i, j)] * h / d[i]);
+    let entries = Entries::of(&balanced);
+    let first =
+        hold_integral(&balanced.A.scale(h), &input(&balanced.scale), entries)?.rescale(&balanced.scale)?;
+    if !balanced.is_wide() {
+        return Ok(first.into_pair());
+    }
+    let other = || {
+        let balanced = balance_beside_own_rates(A)?;
+        hold_integral(&balanced.A.scale(h), &input(&balanced.scale), entries)?.rescale(&balanced.scale)
+    };
+    let precise =
+        || precise_hold(&balanced.A.scale(h), &input(&balanced.scale))?.rescale(&balanced.scale).ok();
+    commuting(A, first, other, precise, |held| &held.Phi).map(HeldInput::into_pair)
+}
+
+impl HeldInput {
+    /// Returns both matrices for states in other units: `D Phi D^-1` and `D Gamma`.
+    fn rescale(self, d: &[f64]) -> Result<Self, Error> {
+        let scaled = |M: &Mat, right: &dyn Fn(usize) -> f64| {
+            check_exponential(Mat::from_fn(M.nrows(), M.ncols(), |i, j| M[(i, j)] * d[i] / right(j)))
+        };
+        Ok(Self { Phi: scaled(&self.Phi, &|j| d[j])?, Gamma: scaled(&self.Gamma, &|_| 1.0)? })
+    }
+
+    fn into_pair(self) -> (Mat, Mat) {
+        (self.Phi, self.Gamma)
     }
 }
 
 /// `exp(A)` and the integral of `exp(A s) B` from 0 to 1.
-fn hold_integral(A: &Mat, B: &Mat) -> Result<(Mat, Mat), Error> {
+fn hold_integral(A: &Mat, B: &Mat, entries: Entries) -> Result<HeldInput, Error> {
     let (n, m) = B.shape();
     let structure = Structure::of(A);
-    let ScaledMatrix { A, squarings, mut degree } = scale_for_approximant(A, structure.longest_path + 1);
-    if squarings == 0 && structure.longest_path + 1 > EXPM_SHORT_CHAIN {
+    let chain = structure.longest_path + 1;
+    let ScaledMatrix { A: scaled, squarings, mut degree } = scale_for_approximant(A, chain);
+    if is_long_chain(chain, squarings, n) {
+        let HeldInput { Phi, Gamma } = hold_by_series(A, B, chain);
+        return Ok(HeldInput { Phi: check_exponential(Phi)?, Gamma: check_exponential(Gamma)? });
+    }
+    let A = scaled;
+    if squarings == 0 && (chain > EXPM_SHORT_CHAIN || entries == Entries::Rescaled) {
         degree = raise_degree(&A.hstack(B).vstack(&Mat::zeros(m, n + m)), degree);
     }
     let B = B.scale((-squarings as f64).exp2());
@@ -285,7 +346,7 @@ fn hold_integral(A: &Mat, B: &Mat) -> Result<(Mat, Mat), Error> {
         Gamma = &Gamma + &(&Phi * &Gamma);
         Phi = &Phi * &Phi;
     }
-    Ok((check_exponential(Phi)?, check_exponential(Gamma)?))
+    Ok(HeldInput { Phi: check_exponential(Phi)?, Gamma: check_exponential(Gamma)? })
 }
 
 /// Returns the sampled cost: `Phi = exp(A h)` and `W = integral of exp(A' s) Q exp(A s) ds from 0 to h`, `Q` symmetric.

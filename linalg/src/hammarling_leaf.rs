@@ -13,7 +13,7 @@
 use crate::kernel::vectorised;
 use crate::lyapunov_leaf::{Block, diagonal, solve_block_column};
 use crate::mat::{C64, Mat};
-use crate::tolerance::EPS;
+use crate::tolerance::{DETERMINES_PHASE, EPS};
 
 vectorised! {
     /// The block upper triangular `R`, `P = R R'`, of `T P + P T' + B B' = 0`; `T` stable and quasi-triangular in standard
@@ -130,18 +130,33 @@ fn made_real([x, w]: [f64; 2], [a, omega]: [f64; 2], factor: &ComplexFactor) -> 
     let q2 = [lower[0] / rho22, lower[1] / rho22];
     let across = [-q2[1].conj(), q2[0].conj()];
     let along = upper[0] * across[0].conj() + upper[1] * across[1].conj();
-    let rho11 = along.norm();
-    let phase = if rho11 > 0.0 { along / rho11 } else { C64::from(1.0) };
-    let q1 = [phase * across[0], phase * across[1]];
-    let rho12 = (upper[0] * q2[0].conj() + upper[1] * q2[1].conj()).re;
     let coupling = -dot(beta1, beta2);
     let entry = |u: [C64; 2], v: [C64; 2]| {
         let pair = C64::new(a, omega) * u[0] * v[0].conj() + C64::new(a, -omega) * u[1] * v[1].conj();
-        (pair + coupling * u[0] * v[1].conj()).re
+        pair + coupling * u[0] * v[1].conj()
     };
-    let alpha = [entry(q1, q1), entry(q1, q2), entry(q2, q1), entry(q2, q2)];
-    let turned = |u: [C64; 2]| beta1.iter().zip(beta2).map(|(e, f)| (u[0] * e + u[1] * f).re).collect();
-    standard([[rho11, 0.0], [rho12, rho22]], alpha, [turned(q1), turned(q2)])
+    let turned =
+        |u: [C64; 2]| -> Vec<C64> { beta1.iter().zip(beta2).map(|(e, f)| u[0] * e + u[1] * f).collect() };
+    let size = (upper[0].norm_sqr() + upper[1].norm_sqr()).sqrt();
+    let phase = if along.norm() > DETERMINES_PHASE * size {
+        along / along.norm()
+    } else {
+        // A factor that is nearly singular does not determine the phase; alpha and beta, which are real as well, do.
+        phase_of_real(entry(across, q2) / a.hypot(omega), &turned(across), a.abs().sqrt())
+    };
+    let q1 = [phase * across[0], phase * across[1]];
+    let rho11 = (along * phase.conj()).re;
+    let rho12 = (upper[0] * q2[0].conj() + upper[1] * q2[1].conj()).re;
+    let alpha = [entry(q1, q1), entry(q1, q2), entry(q2, q1), entry(q2, q2)].map(|e| e.re);
+    let real = |row: Vec<C64>| row.iter().map(|e| e.re).collect();
+    standard([[rho11, 0.0], [rho12, rho22]], alpha, [real(turned(q1)), real(turned(q2))])
+}
+
+/// Returns the phase by which an entry and a row must be turned to be real, from the larger of them; `size` is that to which the row is compared.
+fn phase_of_real(entry: C64, row: &[C64], size: f64) -> C64 {
+    let square = row.iter().map(|e| e * e).sum::<C64>().sqrt() / size;
+    let larger = if entry.norm() >= square.norm() { entry } else { square };
+    if larger.norm() > 0.0 { larger.conj() / larger.norm() } else { C64::from(1.0) }
 }
 
 /// A rotation makes the diagonal entries of `alpha` equal.

@@ -32,6 +32,7 @@ pub mod dense;
 pub mod eigenvector_gain;
 mod error;
 pub mod expm;
+mod exponential_series;
 mod extended_precision;
 pub mod generalised_lyapunov;
 pub mod generalised_sylvester;

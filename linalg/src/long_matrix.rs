@@ -146,14 +146,19 @@ impl LongMatrix {
 
     pub(crate) fn plus(&self, other: &Self) -> Self {
         let mut sum = self.clone();
-        add_into(&mut sum.high, &mut sum.low, &other.high, &other.low, 1.0);
+        add_into(&mut sum.high, &mut sum.low, &other.high, &other.low, LongReal::from(1.0));
         sum
     }
 
     pub(crate) fn difference(&self, other: &Self) -> Self {
         let mut sum = self.clone();
-        add_into(&mut sum.high, &mut sum.low, &other.high, &other.low, -1.0);
+        add_into(&mut sum.high, &mut sum.low, &other.high, &other.low, LongReal::from(-1.0));
         sum
+    }
+
+    /// Adds a multiple of another matrix.
+    pub(crate) fn add_times(&mut self, other: &Self, factor: LongReal) {
+        add_into(&mut self.high, &mut self.low, &other.high, &other.low, factor);
     }
 
     /// `(M + M') / 2`
@@ -217,21 +222,27 @@ impl LongMatrix {
         X.high.is_finite().then_some(X)
     }
 
-    /// The lower triangular factor `L`, `L L' = self`, of a positive semidefinite matrix; a direction that is left with rounding errors only
-    /// gets a column of zeros.
+    /// A factor `L`, `L L' = self`, of a positive semidefinite matrix, lower triangular but for the order of its rows. The pivot is the diagonal entry
+    /// of which the largest share is left: in the given order, rounding errors of the matrix over the root of a much smaller pivot would become
+    /// entries of `L`. A direction that is left with rounding errors only gets a column of zeros.
     pub(crate) fn semidefinite_factor(&self) -> Self {
         let n = self.high.nrows();
         let (mut rest, mut L) = (self.clone(), Self::from(&Mat::zeros(n, n)));
-        for k in 0..n {
-            let pivot = rest.at(k, k);
-            if pivot.high.is_nan() || pivot.high <= LONG_PIVOT * self.high[(k, k)] {
-                continue;
+        let mut open: Vec<usize> = (0..n).filter(|&k| self.high[(k, k)] > 0.0).collect();
+        let share = |rest: &Self, k: usize| rest.high[(k, k)] / self.high[(k, k)];
+        for column in 0..n {
+            let largest =
+                open.iter().enumerate().max_by(|a, b| share(&rest, *a.1).total_cmp(&share(&rest, *b.1)));
+            let Some(k) = largest.map(|(at, _)| at).map(|at| open.swap_remove(at)) else { break };
+            if share(&rest, k).is_nan() || share(&rest, k) <= LONG_PIVOT {
+                break;
             }
-            let root = pivot.square_root();
-            let column: Vec<LongReal> = (k..n).map(|i| rest.at(i, k) / root).collect();
-            for (i, entry) in (k..n).zip(&column) {
-                (L.high[(i, k)], L.low[(i, k)]) = (entry.high, entry.low);
-                for (j, other) in (k..n).zip(&column) {
+            let pivot = rest.at(k, k).square_root();
+            (L.high[(k, column)], L.low[(k, column)]) = (pivot.high, pivot.low);
+            let entries: Vec<LongReal> = open.iter().map(|&i| rest.at(i, k) / pivot).collect();
+            for (&i, entry) in open.iter().zip(&entries) {
+                (L.high[(i, column)], L.low[(i, column)]) = (entry.high, entry.low);
+                for (&j, other) in open.iter().zip(&entries) {
                     let left = rest.at(i, j) - *entry * *other;
                     (rest.high[(i, j)], rest.low[(i, j)]) = (left.high, left.low);
                 }
@@ -280,8 +291,8 @@ fn add_multiple(x_high: &mut [f64], x_low: &mut [f64], v_high: &[f64], v_low: &[
 }
 
 vectorised! {
-    fn add_into<'a>(high: &'a mut Mat, low: &'a mut Mat, other: &'a Mat, rest: &'a Mat, sign: f64) -> () {
-        add_multiple(high.as_mut_slice(), low.as_mut_slice(), other.as_slice(), rest.as_slice(), LongReal { high: sign, low: 0.0 });
+    fn add_into<'a>(high: &'a mut Mat, low: &'a mut Mat, other: &'a Mat, rest: &'a Mat, factor: LongReal) -> () {
+        add_multiple(high.as_mut_slice(), low.as_mut_slice(), other.as_slice(), rest.as_slice(), factor);
     }
 }
 

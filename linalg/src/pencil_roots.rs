@@ -33,14 +33,17 @@ pub fn pencil_roots(M: &Mat, E: &[f64], starts: &[C64]) -> Result<Option<Vec<C64
 
 /// The eigenvalues by the simultaneous iteration; `None` if it does not converge.
 ///
-/// Two real eigenvalues that differ by rounding are never found from a conjugate pair of approximations, which stays one: these are moved then.
+/// Two real eigenvalues that differ by rounding are never found from a conjugate pair of approximations, which stays one, and a conjugate pair is never found from
+/// real approximations, which stay real: these are moved then.
 pub(crate) fn simultaneous_roots(M: &Mat, E: &[f64], starts: &[C64]) -> Option<Vec<C64>> {
-    iterate(M, E, separate_starts(starts)).or_else(|| {
-        let nearly_real = |s: &C64| s.im > 0.0 && s.im <= PENCIL_NEARLY_REAL * s.norm();
-        let moved = |s: &C64| if nearly_real(s) { C64::new(s.re + s.im, 0.5 * s.im) } else { *s };
-        let moved: Vec<C64> = starts.iter().map(moved).collect();
-        if moved == starts { None } else { iterate(M, E, separate_starts(&moved)) }
-    })
+    let nearly_real = |s: &C64| s.im > 0.0 && s.im <= PENCIL_NEARLY_REAL * s.norm();
+    let apart = |s: &C64| if nearly_real(s) { C64::new(s.re + s.im, 0.5 * s.im) } else { *s };
+    let turn = |k: usize| C64::from_polar(1.0, if k.is_multiple_of(2) { PENCIL_TURN } else { -PENCIL_TURN });
+    let off_axis = |(k, s): (usize, &C64)| if s.im == 0.0 { s * turn(k) } else { *s };
+    let from = |moved: Vec<C64>| if moved == starts { None } else { iterate(M, E, separate_starts(&moved)) };
+    iterate(M, E, separate_starts(starts))
+        .or_else(|| from(starts.iter().map(apart).collect()))
+        .or_else(|| from(starts.iter().enumerate().map(off_axis).collect()))
 }
 
 /// The simultaneous iteration from given approximations.
@@ -300,6 +303,16 @@ mod tests {
         let starts = [C64::new(exact[0], 2.7), C64::new(exact[0], -2.7), C64::new(-1.0, 0.0)];
         let found = pencil_roots(&M, &[1.0; 3], &starts).unwrap().unwrap();
         assert!(found.iter().all(|root| root.im == 0.0), "{found:?}");
+    }
+
+    #[test]
+    fn a_conjugate_pair_is_found_from_real_approximations() {
+        // Zeros of a light mode beside fast lags, of which doubles see the damping alone.
+        let M = Mat::from_rows(&[&[0.0, 2e-4, 0.0], &[-2e-4, -1e-8, 0.0], &[0.0, 0.0, -4e11]]);
+        let starts = [-1e-8, -1e-11, -4e11].map(|s| C64::new(s, 0.0));
+        let found = pencil_roots(&M, &[1.0; 3], &starts).unwrap().unwrap();
+        let (re, im) = (-5e-9, (4e-8_f64 - 25e-18).sqrt());
+        assert!(found.iter().any(|root| (root - C64::new(re, im)).norm() < 1e-18), "{found:?}");
     }
 
     #[test]

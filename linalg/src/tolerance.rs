@@ -362,3 +362,25 @@ pub const EXPM_SHORT_CHAIN: usize = 2;
 /// An exponential commutes with its matrix up to this, entry by entry over the moduli of the products: some roundings of each. The response of a sampled
 /// system near half the sampling rate magnifies what is left by up to a million.
 pub const EXPM_COMMUTES: f64 = 1e-14;
+
+/// Steps of a chain of states, for each factor of a power, beyond which an exponential is summed as a power series: an approximant of Padé has an error of
+/// 2^d roundings in the entry d steps away, 6e-14 of it at this length.
+pub const EXPM_LONG_CHAIN: f64 = 8.0;
+
+/// States up to which a chain has its exponential summed as a series: that takes twice the products of an approximant at this size.
+pub const SERIES_STATES: usize = 64;
+
+/// Largest 1-norm of a matrix whose power series is summed: what the signs of the terms cancel is then below e^2.
+pub const SERIES_NORM: f64 = 1.0;
+
+/// States up to which an exponential that does not commute with its matrix is computed in 32 digits: the largest takes some ten milliseconds.
+pub const PRECISE_EXPONENTIAL: usize = 32;
+
+/// Squarings of an exponential in 32 digits at most: each may double the relative error, and 2^-53 is to be left of 2^-100.
+pub const SERIES_SQUARINGS: i32 = 45;
+
+/// An entry of the factor of a Lyapunov equation above this share of its row determines the phase of the row to all but three digits.
+pub const DETERMINES_PHASE: f64 = 1e-3;
+
+/// A trace of `C X C'` below this share of the norms is computed in 32 digits throughout: a refined solution is known to some 1e-24 of its norm.
+pub const FADED_TRACE: f64 = 1e-10;

@@ -6,7 +6,7 @@ use crate::common;
 use common::{RandomGenerator, solve_care, solved_discrete, solved_g};
 use counterpoise_linalg::{
     Boundary, Error, Mat, Outcome, Reason, Riccati, boundary_eigenvalues, care, dare, dlyap, dlyap_factor,
-    expm, inverse, lyap, lyap_factor, lyap_separation,
+    expm, expm_integral, inverse, lyap, lyap_factor, lyap_separation,
 };
 
 /// Every entry against the exact one, relative to the states' own sizes.
@@ -338,5 +338,80 @@ fn rounding_errors_in_place_of_zeros_are_no_couplings() {
     let found = expm(&A.scale(h)).unwrap();
     for (i, j) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] {
         assert!((found[(i, j)] / series[(i, j)] - 1.0).abs() < 1e-15, "{i} {j}: {:e}", found[(i, j)]);
+    }
+}
+
+#[test]
+fn the_last_entries_of_long_chains_keep_their_digits() {
+    // n equal lags: exp(-x) x^d / d! after d steps. The approximant of Pade had an error of 2^d roundings there, 2e-9 after 24.
+    for (n, x) in [(10, 1e-3), (24, 1e-3), (25, 0.7), (40, 1e-2), (60, 0.3)] {
+        let A = Mat::from_fn(n, n, |i, j| match i.checked_sub(j) {
+            Some(0) => -x,
+            Some(1) => x,
+            _ => 0.0,
+        });
+        let mut B = Mat::zeros(n, 1);
+        B[(0, 0)] = x;
+        let (Phi, Gamma) = expm_integral(&A, &B, 1.0).unwrap();
+        let E = expm(&A).unwrap();
+        let mut exact = (-x).exp();
+        for d in 0..n {
+            for found in [E[(d, 0)], Phi[(n - 1, n - 1 - d)]] {
+                assert!((found / exact - 1.0).abs() < 2e-14, "{n} {x} {d}: {found} {exact}");
+            }
+            exact *= x / (d + 1) as f64;
+            // Gamma is the probability of more than d events of a Poisson process.
+            let (mut term, mut tail) = (exact, exact);
+            for k in d + 2..d + 60 {
+                term *= x / k as f64;
+                tail += term;
+            }
+            assert!((Gamma[(d, 0)] / tail - 1.0).abs() < 2e-14, "{n} {x} {d}: {} {tail}", Gamma[(d, 0)]);
+        }
+    }
+}
+
+#[test]
+fn the_factor_of_a_nearly_defective_pair_is_that_of_the_solution() {
+    // Eigenvalues -5, -3, -3, -1, -1 in integer coordinates, of which the input reaches three: the factor of a pair is singular, and its phase was that of rounding.
+    let A = Mat::from_rows(&[
+        &[-2.0, 2.0, 3.0, 0.0, 2.0],
+        &[-8.0, -11.0, -8.0, 3.0, -3.0],
+        &[19.0, 18.0, 14.0, -8.0, 6.0],
+        &[-5.0, -4.0, -1.0, 0.0, 1.0],
+        &[-33.0, -32.0, -29.0, 15.0, -14.0],
+    ]);
+    let e = f64::exp2(-31.0);
+    let B = Mat::col(&[-0.5, -e, 3.0 + e, 2.0 + e, -3.0 + 2.0 * e]);
+    let factor = lyap_factor(&A, &B).unwrap();
+    agrees(&(&factor * &factor.t()), &lyap(&A, &(&B * &B.t())).unwrap(), 1e-12, "factor");
+}
+
+#[test]
+fn the_exponential_of_a_triangle_with_rounding_errors_below_it_is_that_of_the_series() {
+    // Balanced, the rounding errors make the entries above the diagonal so uneven that the way through all states is the largest one from the last
+    // to the first; an approximant of low degree lacks it.
+    let e = -2.5e-17;
+    let A = Mat::from_rows(&[
+        &[-4e-3, -0.09, -0.12, 0.0, -0.06, 0.03, -4e-4, 0.0],
+        &[e, -4e-3, 0.04, -0.12, -0.03, -0.12, 2e-3, 0.0],
+        &[0.0, 0.0, -4e-3, 0.1, -0.01, -0.09, 1e-3, 0.0],
+        &[0.0, 0.0, e, -4e-3, 0.07, -0.04, 2e-3, 0.0],
+        &[0.0, 0.0, 0.0, 0.0, -4e-3, 0.12, -4e-4, 0.0],
+        &[0.0, 0.0, 0.0, 0.0, 0.0, -4e-3, 2e-3, 0.0],
+        &[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+        &[0.0; 8],
+    ]);
+    let (mut sum, mut term) = (Mat::eye(8), Mat::eye(8));
+    for k in 1..30 {
+        term = (&term * &A).scale(1.0 / f64::from(k));
+        sum = &sum + &term;
+    }
+    let found = expm(&A).unwrap();
+    for i in 0..8 {
+        for j in 0..8 {
+            let (a, b) = (found[(i, j)], sum[(i, j)]);
+            assert!((a - b).abs() <= 1e-12 * b.abs(), "{i} {j}: {a:e} {b:e}");
+        }
     }
 }

@@ -15,6 +15,15 @@ pub(crate) struct CarefulResponse {
     known: Vec<Point>,
 }
 
+/// How a response between points with large gains is found.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Accuracy {
+    /// From those points: enough to see on which side of the critical point it passes.
+    Interpolated,
+    /// By a computation of its own: for a crossing that is returned.
+    Exact,
+}
+
 impl CarefulResponse {
     /// Returns the response of a loop about those points of a grid at which rounding decides where the gain is one or the phase is -180 degrees; `None` if
     /// there are none, or if the loop has more than [`PRECISE_SIZE`] states.
@@ -57,23 +66,37 @@ impl CarefulResponse {
     }
 
     /// Returns the response at a frequency, rad/s; `None` if it is not computed here, or at a pole. Between two points with gains above 60 dB it is
-    /// interpolated, straight in logarithms.
-    pub(crate) fn at(&self, rate: f64) -> Option<C64> {
-        let [low, high] = *self.interval_around(rate)?;
-        let next = self.known.partition_point(|point| point.rate < rate);
-        let above = self.known.get(next).filter(|point| point.rate <= high);
-        if let Some(known) = above.filter(|point| point.rate == rate) {
+    /// interpolated, straight in logarithms, unless `accuracy` excludes that.
+    pub(crate) fn at(&self, rate: f64, accuracy: Accuracy) -> Option<C64> {
+        let interval = self.interval_around(rate)?;
+        if let Some(known) = self.known.get(self.next_known(rate)).filter(|point| point.rate == rate) {
             return Some(known.value);
         }
-        let below = next.checked_sub(1).map(|last| &self.known[last]).filter(|point| point.rate >= low);
-        let is_large = |point: &Point| point.value.norm() > 1.0 / LEAST_GAIN;
-        match (below, above) {
-            (Some(a), Some(b)) if is_large(a) && is_large(b) => {
+        match self.large_neighbours(rate, interval) {
+            Some([a, b]) if accuracy == Accuracy::Interpolated => {
                 let share = (rate / a.rate).ln() / (b.rate / a.rate).ln();
                 Some(a.value * (b.value / a.value).powf(share))
             }
             _ => self.computed_at(rate),
         }
+    }
+
+    /// Returns whether the response at a frequency may be interpolated.
+    pub(crate) fn interpolates(&self, rate: f64) -> bool {
+        self.interval_around(rate).is_some_and(|interval| self.large_neighbours(rate, interval).is_some())
+    }
+
+    fn next_known(&self, rate: f64) -> usize {
+        self.known.partition_point(|point| point.rate < rate)
+    }
+
+    /// Returns the known points about a frequency of an interval if both have gains above 60 dB.
+    fn large_neighbours(&self, rate: f64, &[low, high]: &[f64; 2]) -> Option<[&Point; 2]> {
+        let next = self.next_known(rate);
+        let above = self.known.get(next).filter(|point| point.rate <= high)?;
+        let below = next.checked_sub(1).map(|last| &self.known[last]).filter(|point| point.rate >= low)?;
+        let is_large = |point: &Point| point.value.norm() > 1.0 / LEAST_GAIN;
+        (is_large(below) && is_large(above)).then_some([below, above])
     }
 
     fn computed_at(&self, rate: f64) -> Option<C64> {

@@ -4,7 +4,8 @@ use crate::C64;
 use crate::response::Point;
 use crate::scan::{Scan, divide_interval};
 use crate::tolerance::{
-    CERTAIN_GAIN, CERTAIN_SIGN, KNOWN_AT_REST, LEVEL_AT_REST, REAL_AT_REST, SIGN_SAMPLES, ZOOMS,
+    CERTAIN_GAIN, CERTAIN_SIGN, CROSSING_WIDENINGS, KNOWN_AT_REST, LEVEL_AT_REST, REAL_AT_REST, SIGN_SAMPLES,
+    ZOOMS,
 };
 
 impl Scan {
@@ -89,17 +90,37 @@ impl Scan {
     }
 
     /// Returns the neighbours between which the sign changes, between a and b: seven points inside the interval at a time.
-    fn bracket(&self, mut a: Point, mut b: Point, of: &impl Fn(C64) -> f64) -> [Point; 2] {
+    fn bracket(&self, a: Point, b: Point, of: &impl Fn(C64) -> f64) -> [Point; 2] {
+        let [mut a, mut b] = self.exact_ends(a, b, of);
         let below = of(a.value) < 0.0;
         for _ in 0..ZOOMS {
             if b.rate - a.rate <= f64::EPSILON * b.rate {
                 break;
             }
-            let inside = self.evaluate(&divide_interval(a.rate, b.rate));
+            let inside = self.evaluate_exactly(&divide_interval(a.rate, b.rate));
             let change = inside.iter().position(|point| (of(point.value) < 0.0) != below);
             let last = change.map_or(inside.last(), |at| if at == 0 { None } else { inside.get(at - 1) });
             b = change.and_then(|at| inside.get(at)).copied().unwrap_or(b);
             a = last.copied().unwrap_or(a);
+        }
+        [a, b]
+    }
+
+    /// Returns two points between which the sign changes of a response that is not interpolated, about an interval in which it changes of one that may be:
+    /// each widening doubles the interval. The ends themselves if the sign changes nowhere near.
+    fn exact_ends(&self, a: Point, b: Point, of: &impl Fn(C64) -> f64) -> [Point; 2] {
+        if !self.interpolates(a.rate) && !self.interpolates(b.rate) {
+            return [a, b];
+        }
+        let (mut low, mut high) = (a.rate, b.rate);
+        for _ in 0..CROSSING_WIDENINGS {
+            if let [a, b] = self.evaluate_exactly(&[low, high])[..]
+                && (of(a.value) < 0.0) != (of(b.value) < 0.0)
+            {
+                return [a, b];
+            }
+            let ratio = (high / low).sqrt();
+            (low, high) = (low / ratio, high * ratio);
         }
         [a, b]
     }

@@ -2,7 +2,7 @@
 
 use crate::error::OperationContext;
 use crate::roots::{boundary, is_stable_pole, poles};
-use crate::tolerance::{MAGNIFIED_GRAMIAN, PRECISE_SIZE, SUSPECT_POLE};
+use crate::tolerance::{FADED_OUTPUT, MAGNIFIED_GRAMIAN, PRECISE_SIZE, SUSPECT_POLE};
 use crate::{C64, Error, Mat, StateSpace, Timebase};
 use counterpoise_linalg as linalg;
 
@@ -64,7 +64,7 @@ pub fn gramian_factors(g: &StateSpace) -> Result<(Mat, Mat), Error> {
         other => {
             let (R, L) = other.with_operation("Gramians")?;
             let is_magnified = is_magnified(g, &R, &g.B) || is_magnified(g, &L, &g.C);
-            let precise = if is_magnified { precise_factors(g)? } else { None };
+            let precise = if is_magnified || is_faded(g, &L.t(), &R) { precise_factors(g)? } else { None };
             Ok(precise.unwrap_or((R, L)))
         }
     }
@@ -80,6 +80,17 @@ pub(crate) fn is_magnified(g: &StateSpace, factor: &Mat, data: &Mat) -> bool {
     let size = if g.timebase == Timebase::Continuous { g.A.norm_fro() } else { 1.0 };
     g.order() <= PRECISE_SIZE
         && factor.norm_fro().powi(2) * size > MAGNIFIED_GRAMIAN * data.norm_fro().powi(2)
+}
+
+/// Returns whether what rows `C` see of the states of a small system, whose Gramian has the factor `R`, is so small beside the states in the units in which the factor was
+/// computed, as at the end of a chain, that rounding errors of the other states have cost it digits.
+pub(crate) fn is_faded(g: &StateSpace, C: &Mat, R: &Mat) -> bool {
+    let balanced = if g.order() <= PRECISE_SIZE { linalg::balance(&g.A).ok() } else { None };
+    let Some(linalg::BalancedMatrix { scale: d, .. }) = balanced else { return false };
+    let size = |M: &Mat, power: i32| {
+        Mat::from_fn(M.nrows(), M.ncols(), |i, j| M[(i, j)] * d[i].powi(power)).norm_fro()
+    };
+    (C * R).norm_fro() <= FADED_OUTPUT * size(&C.t(), 1) * size(R, -1)
 }
 
 /// Returns whether an eigenvalue of a small system that is not stable in doubles is not on the boundary of stability as far as the entries of A can tell,

@@ -3,7 +3,7 @@
 use crate::bounds::{is_kept_by_riccati, is_nowhere, with_care};
 use crate::discretise::d2c_tustin;
 use crate::error::OperationContext;
-use crate::gramians::{is_lightly_damped, is_magnified};
+use crate::gramians::{is_faded, is_lightly_damped, is_magnified};
 use crate::hidden_modes::{has_lone_boundary_pole, without_hidden_modes};
 use crate::level::{Level, climb_between, search_everywhere, with_middles};
 use crate::peak::{Peak, largest_gains};
@@ -50,7 +50,7 @@ fn square_norm(g: &StateSpace) -> Result<Option<f64>, Error> {
         Err(linalg::Error::NotStable { eigenvalue, .. }) => lightly_damped_norm(g, eigenvalue),
         other => {
             let factor = other.with_operation("Gramian")?;
-            if is_magnified(g, &factor, &g.B)
+            if (is_magnified(g, &factor, &g.B) || is_faded(g, &g.C, &factor))
                 && let Some(norm) = refined_norm(g)?
             {
                 return Ok(Some(norm));

@@ -3,14 +3,15 @@
 use std::ops::Range;
 
 use crate::asymptotes::Asymptotes;
-use crate::careful_response::CarefulResponse;
+use crate::careful_response::{Accuracy, CarefulResponse};
 use crate::response::{Point, Response};
 use crate::roots::{poles, uncorrected_zeros, zeros};
 use crate::scaling::balance;
 use crate::tolerance::{
-    AT_ORIGIN, CANDIDATE_GAINS, CAREFUL_ROUNDING, CERTAIN_SIGN, DELAY_TURN, DELAYED_POINTS, EVERY_GAIN,
-    LEAST_GAIN, NEAR_CRITICAL, NEAR_ORIGIN, NEAR_STEP, SCAN_BEYOND, SCAN_PER_DECADE, SCAN_PER_DELAY,
-    SCAN_POINTS, SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP, SCAN_TO_NYQUIST, ZOOMS,
+    ASYMPTOTE_DEPARTS, AT_ORIGIN, CANDIDATE_GAINS, CAREFUL_ROUNDING, CERTAIN_SIGN, DELAY_TURN,
+    DELAYED_POINTS, EVERY_GAIN, LEAST_GAIN, NEAR_CRITICAL, NEAR_ORIGIN, NEAR_STEP, SCAN_BEYOND,
+    SCAN_PER_DECADE, SCAN_PER_DELAY, SCAN_POINTS, SCAN_RESOLUTION, SCAN_ROUNDS, SCAN_STEP, SCAN_TO_NYQUIST,
+    ZOOMS,
 };
 use crate::{C64, Error, StateSpace, Timebase};
 
@@ -140,7 +141,10 @@ impl Scan {
         self.grows_towards_rest = asymptotes.slope_at_zero() < 0.0;
         let mut rates = asymptotes.frequencies_beyond(first, last, g.timebase);
         let goes_below = rates.first().is_some_and(|&rate| rate < first.rate);
-        if goes_below && first.value.norm() <= CERTAIN_SIGN * self.response.rounding_at(first.rate) {
+        let blurred = CERTAIN_SIGN * self.response.rounding_at(first.rate);
+        let departs =
+            (asymptotes.at(first.rate) - first.value).norm() > ASYMPTOTE_DEPARTS * first.value.norm();
+        if goes_below && (departs || first.value.norm() <= blurred) {
             // Rounding decides how many poles are at the origin, and with it the slope.
             rates.retain(|&rate| rate > first.rate);
         }
@@ -148,7 +152,7 @@ impl Scan {
             (end.value.norm() < 1.0) != (point.value.norm() < 1.0) && self.is_certain_limit(end)
         };
         let limits = asymptotes.limits(first, last, g.timebase);
-        let low = limits[0].filter(|&limit| is_other_side(limit, first));
+        let low = limits[0].filter(|&limit| !departs && is_other_side(limit, first));
         let high = limits[1].filter(|&limit| is_other_side(limit, last));
         self.limits = Limits { low, high };
         if rates.is_empty() && self.limits.low.is_none() && self.limits.high.is_none() {
@@ -224,10 +228,24 @@ impl Scan {
         still_open
     }
 
-    /// Returns the response at the given frequencies, without those that are poles.
+    /// Returns the response at the given frequencies, without those that are poles. Where rounding blurs it and the gain is large it is interpolated.
     pub fn evaluate(&self, rates: &[f64]) -> Vec<Point> {
+        self.evaluate_to(Accuracy::Interpolated, rates)
+    }
+
+    /// Returns the response at the given frequencies, nowhere interpolated, without those that are poles.
+    pub fn evaluate_exactly(&self, rates: &[f64]) -> Vec<Point> {
+        self.evaluate_to(Accuracy::Exact, rates)
+    }
+
+    /// Returns whether [`Scan::evaluate`] interpolates at a frequency.
+    pub fn interpolates(&self, rate: f64) -> bool {
+        self.careful.as_ref().is_some_and(|careful| careful.interpolates(rate))
+    }
+
+    fn evaluate_to(&self, accuracy: Accuracy, rates: &[f64]) -> Vec<Point> {
         let values = self.response.scalar_at_all(rates);
-        let careful = |rate: f64| self.careful.as_ref().and_then(|careful| careful.at(rate));
+        let careful = |rate: f64| self.careful.as_ref().and_then(|careful| careful.at(rate, accuracy));
         let exact = |rate: f64, value: C64| match &self.asymptotes {
             Some(asymptotes) if asymptotes.is_beyond(rate) => asymptotes.at(rate),
             _ => careful(rate).unwrap_or(value),

@@ -11,6 +11,10 @@ pub const ASYMPTOTE_MARGIN: f64 = 30.0;
 /// A crossing this near to an end of the grid, as a ratio, may be missed by the grid itself.
 pub const ASYMPTOTE_AT_END: f64 = 0.99;
 
+/// Zeros and poles whose response differs by this share from that of the states at the start of the grid do not tell how the response goes on below it: a
+/// double pole at the origin that rounding has split changes its slope.
+pub const ASYMPTOTE_DEPARTS: f64 = 0.1;
+
 /// The response is at its limit this factor beyond the grid, which ends a thousand times beyond the last root: what is left of
 /// the difference is 1e-12 of itself, and its square, by which the gain changes, far below rounding.
 pub const ASYMPTOTE_LIMIT: f64 = 1e9;
@@ -116,6 +120,10 @@ pub const LARGEST_EXCESS: f64 = 10.0;
 
 /// A Gramian larger than its data by this is refined: its modes are so close to the boundary that rounding their damping costs six of sixteen digits.
 pub const MAGNIFIED_GRAMIAN: f64 = 1e6;
+
+/// An output that sees less than this share of the states' RMS values, both by their norms, as at the end of a chain, has lost four of sixteen digits to the
+/// other states. Hankel values below this share of the factors' norms have lost as many.
+pub const FADED_OUTPUT: f64 = 1e-4;
 
 /// Poles this near to the border of stability, relative to the largest, are on it.
 pub const NORM_POLE_ON_AXIS: f64 = 1e-14;
@@ -262,6 +270,10 @@ pub const BLURRED_STRIDE: usize = 4;
 
 /// Relative error of a response with residuals in twice the working precision: a rounding of each part.
 pub const CAREFUL_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Times that an interval with a crossing of an interpolated response is doubled to enclose that of the response itself: those points are a tenth of a decade
+/// apart, and an interval of the grid is at least a thousandth of that where the phase is near -180 degrees.
+pub const CROSSING_WIDENINGS: usize = 10;
 
 /// Points of a run of one sign at which the sign is compared with rounding: the certain part of a run may be a tenth of it.
 pub const SIGN_SAMPLES: usize = 12;

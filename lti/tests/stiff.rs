@@ -115,3 +115,21 @@ fn tustins_method_keeps_the_response_in_units_over_five_decades() {
         assert!(((found - exact) / exact).norm() < 1e-10, "{angle}: {found} {exact}");
     }
 }
+
+#[test]
+fn the_norm_at_the_end_of_a_ladder_has_the_closed_form() {
+    // n lags, each driven by a share c of the one before, which sees b of it: c^(n-1) / (s + 1)^n but for c b. The square of the norm of 1 / (s + 1)^n is
+    // C(2n - 2, n - 1) / 2^(2n - 1). In scaled units the last state is 1e-33 of the first one, and its digits were those of rounding.
+    let (n, c, b) = (6, 1e-4, 1e-9);
+    let A = Mat::from_fn(n, n, |i, j| match (i == j, i == j + 1, j == i + 1) {
+        (true, ..) => -1.0,
+        (_, true, _) => c,
+        (_, _, true) => b,
+        _ => 0.0,
+    });
+    let unit = Mat::eye(n);
+    let (B, C) = (unit.block(0, 0, n, 1), unit.block(n - 1, 0, 1, n));
+    let g = StateSpace::new(A, B, C, Mat::zeros(1, 1), Timebase::Continuous).unwrap();
+    let exact = c.powi(5) * (252.0_f64 / 2048.0).sqrt();
+    assert!((h2norm(&g).unwrap() / exact - 1.0).abs() < 1e-11);
+}

@@ -11,7 +11,7 @@ use crate::generalised_plant::GeneralisedPlant;
 use crate::h2syn::h2syn;
 use crate::normal_form::{Attempt, NormalForm};
 use crate::tolerance::{
-    HINF_FIRST_RAISE, HINF_NORM, HINF_NOTHING, HINF_ROUNDED_UP, HINF_TRIALS, HINF_VERIFIED,
+    HINF_FIRST_RAISE, HINF_NORM, HINF_NOTHING, HINF_ROUNDED_UP, HINF_TRIALS, HINF_VERIFIED, HINF_WORTHWHILE,
 };
 
 /// An H-infinity controller with its certificates.
@@ -19,7 +19,7 @@ use crate::tolerance::{
 pub struct HInfinity {
     /// u = K y.
     pub controller: StateSpace,
-    /// The bound at which the controller was made.
+    /// The bound at which the controller was made, or the norm of its loop if rounding of the controller left that above the bound.
     pub bound: f64,
     /// The norm that the assembled loop really has, at most `bound` (1 + [`HINF_VERIFIED`]): the figure to quote.
     pub achieved_norm: f64,
@@ -130,16 +130,25 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// The controller at the upper end, or at the first bound above it whose loop keeps it.
+    /// The controller at the upper end, or at the first bound above it whose loop keeps it; one between the two whose loop has a clearly lower norm,
+    /// although that is above its own bound, as rounding leaves it near the optimum.
     fn verified_solution(mut self) -> Result<HInfinity, Error> {
         let mut bound = self.high.map_or(self.low.bound, |high| high.bound);
         let mut raise = HINF_FIRST_RAISE;
+        let mut lowest: Option<HInfinity> = None;
         while self.high.is_some() && self.trials < 2 * HINF_TRIALS {
             self.trials += 1;
             if let Some(K) = self.normal.central_controller(bound)?
                 && let Some(answer) = self.verify(K, bound)?
             {
-                return Ok(answer);
+                let limit = answer.achieved_norm * (1.0 - HINF_WORTHWHILE);
+                if answer.bound <= bound * (1.0 + HINF_VERIFIED) {
+                    let lower = lowest.filter(|other| other.achieved_norm < limit);
+                    return Ok(lower.unwrap_or(HInfinity { bound, ..answer }));
+                }
+                if lowest.as_ref().is_none_or(|other| answer.achieved_norm < other.achieved_norm) {
+                    lowest = Some(answer);
+                }
             }
             bound *= 1.0 + raise;
             raise = (2.0 * raise).min(1.0);
@@ -148,7 +157,7 @@ impl Search<'_> {
         Err(Error::refusal(vec![DesignFinding::refusal(Part::Generalised, cause)]))
     }
 
-    /// The controller with its certificates, if its loop is stable and keeps the bound.
+    /// The controller with its certificates, if its loop is stable; its bound is raised to the norm of the loop if that is larger.
     fn verify(&self, K: StateSpace, bound: f64) -> Result<Option<HInfinity>, Error> {
         // A bound so large or so small that the controller leaves the range of numbers proves nothing.
         if !(bound.is_finite() && [&K.A, &K.B, &K.C, &K.D].iter().all(|matrix| matrix.is_finite())) {
@@ -166,12 +175,12 @@ impl Search<'_> {
         if composed.value > peak.value {
             peak = composed;
         }
-        if peak.value.is_nan() || peak.value > bound * (1.0 + HINF_VERIFIED) {
+        if peak.value.is_nan() {
             return Ok(None);
         }
         Ok(Some(HInfinity {
             controller: K,
-            bound,
+            bound: bound.max(peak.value),
             achieved_norm: peak.value * (1.0 + HINF_ROUNDED_UP),
             peak_rad_s: peak.rate_rad_s,
             unreachable: self.unreachable,

@@ -84,6 +84,10 @@ pub(crate) const HINF_ROUNDED_UP: f64 = 1e-7;
 /// doubles with each attempt.
 pub(crate) const HINF_FIRST_RAISE: f64 = 1e-6;
 
+/// A loop whose norm is above its own bound is preferred to one that keeps a higher bound if its norm is lower by this share: a hundredth of a decibel is
+/// twelve times as much.
+pub(crate) const HINF_WORTHWHILE: f64 = 1e-4;
+
 /// Bounds tried at most, upward and in the bisection.
 pub(crate) const HINF_TRIALS: usize = 80;
 

@@ -264,3 +264,33 @@ fn the_least_level_of_two_channels_is_that_of_the_worse_one() {
     let D = Mat::from_blocks(&[&[&none, &none, &none], &[&none, &none, &one], &[&none, &one, &none]]);
     check_level(&generalised_plant([&A, &B, &C, &D], 2, 2), 2.0 + 6f64.sqrt());
 }
+
+#[test]
+fn a_plant_in_units_over_eight_decades_stops_near_the_least_level() {
+    // The least level is that of the two Riccati equations in 400 bits. Near it, rounding of the controller leaves the norm above its
+    // bound, and the first bound that is kept is 0.4 per cent above the least one.
+    let A = rows(&[
+        &[2.5047264818749717, 0.00011994664865339436, -0.026833855386411337, -0.12250758222141372],
+        &[-1268.9839291535359, 1.4451759813085951, 332.3973984109505, -817.41810909731],
+        &[-4.790430430940576, 0.002794989140785037, 1.4056334916719737, -3.4913048508514],
+        &[4.056241919194453, -6.238437706665957e-05, 0.35218827694328214, -2.2445962510972888],
+    ]);
+    let B = rows(&[
+        &[-0.009723348086382524, 0.007721064682556368, 0.0, 0.007255078416986217],
+        &[-38.96350580968938, -88.43011853850244, 0.0, 11.503948322745378],
+        &[-0.08557713792778929, 0.008791137997828439, 0.0, -0.2866031540833367],
+        &[0.07587345277538975, -0.11807953292524051, 0.0, 0.016856920291973918],
+    ]);
+    let C = rows(&[
+        &[184.19858131379837, 0.003074843179103633, -10.546826227373145, 1.8266645457934865],
+        &[101.00964817656273, -0.021128439157672863, 5.998208277845755, -5.179664030463447],
+        &[0.0, 0.0, 0.0, 0.0],
+        &[11.212451807909916, -0.010512852355798373, 4.379796562659649, -6.560470120073224],
+    ]);
+    let D = rows(&[&[0.0; 4], &[0.0; 4], &[0.0, 0.0, 0.0, 1.0], &[0.0, 0.0, 1.0, 0.0]]);
+    let found = hinf(&generalised_plant([&A, &B, &C, &D], 1, 1), 1e-6);
+    let level = 200278.3352591337;
+    let above = found.achieved_norm / level - 1.0;
+    assert!((-1e-9..5e-4).contains(&above), "{above}");
+    assert!(found.achieved_norm <= found.bound * (1.0 + 1e-6) && found.unreachable <= level * (1.0 + 1e-6));
+}

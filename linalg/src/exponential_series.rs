@@ -1,0 +1,145 @@
+//! The exponential and its integral as sums of their power series, in doubles or in 32 digits.
+//!
+//! An approximant of Padé divides by a polynomial of mixed signs, so that the error of the entry d states along a chain grows as 2^d beside that entry. A
+//! series divides by nothing: every entry is known to some roundings of the sum of the moduli of its terms. Evaluated as by Paterson and Stockmeyer,
+//! SIAM J. Comput. 2 (1973), with about twice the root of the degree in products.
+
+use crate::long_matrix::{LongMatrix, LongReal};
+use crate::mat::Mat;
+use crate::tolerance::{SERIES_NORM, SERIES_SQUARINGS};
+
+/// A matrix whose power series can be summed.
+trait Term: Clone {
+    /// Returns the number of rows.
+    fn size(&self) -> usize;
+    /// Returns the identity times a number.
+    fn identity(n: usize, factor: LongReal) -> Self;
+    /// Returns `self other`.
+    fn product(&self, other: &Self) -> Self;
+    /// Adds a multiple of another matrix.
+    fn add_multiple(&mut self, other: &Self, factor: LongReal);
+}
+
+impl Term for Mat {
+    fn size(&self) -> usize {
+        self.nrows()
+    }
+
+    fn identity(n: usize, factor: LongReal) -> Self {
+        Self::eye(n).scale(factor.high)
+    }
+
+    fn product(&self, other: &Self) -> Self {
+        self * other
+    }
+
+    fn add_multiple(&mut self, other: &Self, factor: LongReal) {
+        self.as_mut_slice().iter_mut().zip(other.as_slice()).for_each(|(s, &t)| *s += factor.high * t);
+    }
+}
+
+impl Term for LongMatrix {
+    fn size(&self) -> usize {
+        self.high.nrows()
+    }
+
+    fn identity(n: usize, factor: LongReal) -> Self {
+        let part = |value: f64| Mat::eye(n).scale(value);
+        Self { high: part(factor.high), low: part(factor.low) }
+    }
+
+    fn product(&self, other: &Self) -> Self {
+        self.times(other)
+    }
+
+    fn add_multiple(&mut self, other: &Self, factor: LongReal) {
+        self.add_times(other, factor);
+    }
+}
+
+/// A matrix over a power of two whose series converges quickly, and the degree that leaves rounding errors only.
+struct SeriesScale {
+    squarings: i32,
+    degree: usize,
+}
+
+impl SeriesScale {
+    /// Returns the scaling of a matrix for a series that ends `terms` terms after the first one of an entry. An entry that is `chain` steps away has its first
+    /// term there; of the steps of a chain every factor of a power takes its share.
+    fn of(A: &Mat, chain: usize, terms: usize) -> Self {
+        let squarings = (A.norm_one() / SERIES_NORM).log2().ceil().max(0.0);
+        let share = (chain as f64 / squarings.exp2()).ceil() as usize;
+        Self { squarings: squarings as i32, degree: share + terms }
+    }
+
+    fn factor(&self) -> f64 {
+        (-f64::from(self.squarings)).exp2()
+    }
+}
+
+/// The exponential of a matrix, and the integral of `exp(A s) B` over s from 0 to 1.
+pub(crate) struct HeldInput {
+    pub(crate) Phi: Mat,
+    pub(crate) Gamma: Mat,
+}
+
+/// Terms of a series in doubles and in 32 digits: what is left out is below 1 / 19! and 1 / 30! of the largest term, for the norm [`SERIES_NORM`].
+const TERMS: usize = 18;
+const LONG_TERMS: usize = 29;
+
+/// Returns the exponential and the integral in doubles. `chain` is the number of steps of the longest chain of states, the input among them.
+pub(crate) fn hold_by_series(A: &Mat, B: &Mat, chain: usize) -> HeldInput {
+    let scaled = SeriesScale::of(A, chain, TERMS);
+    let (A, B) = (A.scale(scaled.factor()), B.scale(scaled.factor()));
+    let sum = integral(&A, scaled.degree);
+    let (mut Phi, mut Gamma) = (&A * &sum + Mat::eye(A.nrows()), &sum * &B);
+    for _ in 0..scaled.squarings {
+        Gamma = &Gamma + &(&Phi * &Gamma);
+        Phi = &Phi * &Phi;
+    }
+    HeldInput { Phi, Gamma }
+}
+
+/// Returns the exponential and the integral in 32 digits, rounded, each entry right beside the sum of the moduli of its terms whatever the units of the states
+/// are; `None` if the matrix is so large that squaring would leave less than a double.
+pub(crate) fn precise_hold(A: &Mat, B: &Mat) -> Option<HeldInput> {
+    let scaled = SeriesScale::of(A, A.nrows(), LONG_TERMS);
+    if scaled.squarings > SERIES_SQUARINGS {
+        return None;
+    }
+    let long = |M: &Mat| LongMatrix::from(&M.scale(scaled.factor()));
+    let (A, B) = (long(A), long(B));
+    let sum = integral(&A, scaled.degree);
+    let mut Phi = A.times(&sum).plus(&LongMatrix::identity(A.high.nrows(), 1.0));
+    let mut Gamma = sum.times(&B);
+    for _ in 0..scaled.squarings {
+        Gamma = Gamma.plus(&Phi.times(&Gamma));
+        Phi = Phi.times(&Phi);
+    }
+    Some(HeldInput { Phi: Phi.round(), Gamma: Gamma.round() })
+}
+
+/// Returns the sum of `A^k / (k + 1)!` up to k = `degree`.
+fn integral<M: Term>(A: &M, degree: usize) -> M {
+    let n = A.size();
+    let width = (degree as f64 + 1.0).sqrt().ceil() as usize;
+    let mut powers = vec![A.clone()];
+    for k in 1..width {
+        powers.push(powers[k - 1].product(A));
+    }
+    let mut coefficients = vec![LongReal::from(1.0)];
+    for k in 1..=degree {
+        coefficients.push(coefficients[k - 1] / LongReal::from((k + 1) as f64));
+    }
+    let part = |coefficients: &[LongReal]| {
+        let mut sum = M::identity(n, coefficients[0]);
+        coefficients[1..].iter().zip(&powers).for_each(|(&c, power)| sum.add_multiple(power, c));
+        sum
+    };
+    let mut parts = coefficients.chunks(width).rev().map(part);
+    let last = parts.next().unwrap_or_else(|| M::identity(n, LongReal::from(1.0)));
+    parts.fold(last, |sum, mut part| {
+        part.add_multiple(&powers[width - 1].product(&sum), LongReal::from(1.0));
+        part
+    })
+}
