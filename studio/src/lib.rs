@@ -10,7 +10,7 @@
 //!
 //! *Invariant*: no equation of the field stands here, and nothing can be done here that the command line cannot do.
 //!
-//! Modules in reading order: [`command`], [`editing`], [`versioned_results`], [`jobs`], [`results`], [`units`], [`theme`],
+//! Modules in reading order: [`commissioning_inputs`], [`command`], [`editing`], [`versioned_results`], [`jobs`], [`results`], [`units`], [`theme`],
 //! [`number_format`], [`charts`], [`browser`], [`view`], [`settings`], [`file_queue`], [`studio`], [`text_difference`], [`shortcuts`], [`toolbar`],
 //! [`status_bar`], [`banners`], [`close_question`], [`command_palette`], [`pages`], [`main_window`], [`frame_log`], [`script`],
 //! [`offscreen`], [`native_window`].
@@ -31,6 +31,7 @@ pub mod charts;
 pub mod close_question;
 pub mod command;
 pub mod command_palette;
+pub mod commissioning_inputs;
 pub mod editing;
 pub mod file_queue;
 pub mod frame_log;

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::browser::Browser;
 use crate::charts::chart::Chart;
 use crate::command::{Command, DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
+use crate::commissioning_inputs::CommissioningInputs;
 use crate::theme::{DARK, LIGHT, WindowTheme};
 use crate::units::DisplayUnits;
 
@@ -59,36 +60,6 @@ pub enum CloseTarget {
     Project,
     /// The window.
     Window,
-}
-
-/// Inputs of the page Commission.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct CommissioningInputs {
-    /// The machine program, with its arguments.
-    pub machine: String,
-    /// Largest angle from the start, rad.
-    pub angle_rad: f64,
-    /// Largest rate, rad/s.
-    pub rate_rad_s: f64,
-    /// Largest current, A; 0 for no limit.
-    pub current_a: f64,
-    /// Duration of the experiment that tells machines apart, s.
-    pub duration_s: f64,
-    /// Folder of the rounds, in the folder of the project.
-    pub folder: String,
-}
-
-impl Default for CommissioningInputs {
-    fn default() -> Self {
-        Self {
-            machine: String::new(),
-            angle_rad: 0.1,
-            rate_rad_s: 0.2,
-            current_a: 0.0,
-            duration_s: 10.0,
-            folder: "commission".to_owned(),
-        }
-    }
 }
 
 /// Outcome of a command of the view.

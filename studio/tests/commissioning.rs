@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use counterpoise_studio::command::{Command, Page};
-use counterpoise_studio::view::CommissioningInputs;
+use counterpoise_studio::commissioning_inputs::CommissioningInputs;
 use egui_kittest::kittest::Queryable;
 
 use crate::common::{bench, rest, wait_until};

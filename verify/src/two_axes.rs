@@ -200,7 +200,7 @@ pub struct JointVerification {
     pub runs: Vec<JointRun>,
     /// Settling time from which on the figures are taken, s.
     pub settle_s: f64,
-    /// The rate in cross-elevation over that of the ring, where the gyroscope of the traverse axis is on the ring; `None` where it is on the elevated mass.
+    /// The rate in cross-elevation over that of the ring, where the gyroscope of the traverse axis is on the ring; `None` if it is on the elevated mass.
     pub ring_to_sight: Option<f64>,
 }
 
@@ -223,7 +223,7 @@ pub struct JointMachine<'a> {
 }
 
 impl JointMachine<'_> {
-    /// Returns the rate in cross-elevation over that of the ring, where the gyroscope of the traverse axis is on the ring; `None` where it is on the
+    /// Returns the rate in cross-elevation over that of the ring, where the gyroscope of the traverse axis is on the ring; `None` if it is on the
     /// elevated mass.
     fn ring_to_sight(&self) -> Option<f64> {
         match self.coupling.gyroscope {

@@ -14,7 +14,7 @@ pub struct JointResult {
     pub figures: Vec<JointFigureResult>,
     /// Settling time from which on the figures are taken, s.
     pub settle_s: f64,
-    /// The rate in cross-elevation over that of the ring, where the gyroscope of the traverse axis is on the ring; `None` where it is on the elevated mass.
+    /// The rate in cross-elevation over that of the ring, where the gyroscope of the traverse axis is on the ring; `None` if it is on the elevated mass.
     pub ring_to_sight: Option<f64>,
     /// Time histories of both axes; absent unless they were asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]

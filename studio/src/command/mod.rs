@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub use choices::{BrowsePurpose, DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
 pub use list::{CommandEntry, list_commands};
 
-use crate::view::CommissioningInputs;
+use crate::commissioning_inputs::CommissioningInputs;
 
 /// Action of the user.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
