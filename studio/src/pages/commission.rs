@@ -5,8 +5,6 @@ use counterpoise_pipeline::commission::story::{FindingSummary, RequirementSummar
 use counterpoise_pipeline::commission::{RoundSummary, StopReason};
 use counterpoise_report::commission::{describe_round, describe_stop, equivalents_text};
 use counterpoise_report::wording::capitalise_first;
-use counterpoise_report::wording::figures::describe_figure;
-use counterpoise_verify::PerformanceFigure;
 use egui::{RichText, Ui};
 
 use super::{round_charts, widgets};
@@ -196,15 +194,9 @@ fn loop_line(round: &RoundSummary) -> String {
     format!("{crossover}{margin}")
 }
 
-/// Returns the name of a figure, of which a result has the key.
-pub fn figure_name(key: &str, controlled: ControlledQuantity) -> String {
-    let figure = PerformanceFigure::from_key_in(controlled, key);
-    figure.map_or_else(|_| key.replace('_', " "), |figure| describe_figure(figure, controlled))
-}
-
 fn requirement_line(one: &RequirementSummary, controlled: ControlledQuantity) -> String {
     let shown = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), format_short);
-    let name = figure_name(&one.figure, controlled);
+    let name = round_charts::figure_name(&one.figure, controlled);
     format!(
         "{name}: {}, predicted {} ({} {})",
         shown(one.measured),

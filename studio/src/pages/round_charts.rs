@@ -2,8 +2,9 @@
 
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::commission::RoundSummary;
+use counterpoise_report::wording::figures::describe_figure;
+use counterpoise_verify::PerformanceFigure;
 
-use super::commission::figure_name;
 use crate::charts::chart::{Chart, LineDash};
 use crate::theme::WindowTheme;
 
@@ -25,6 +26,12 @@ pub fn charts(theme: &WindowTheme, rounds: &[RoundSummary], controlled: Controll
         chart.range[0] = Some((0.5, rounds.len().max(2) as f64 + 0.5));
     }
     all
+}
+
+/// Returns the name of a figure, of which a result has the key.
+pub fn figure_name(key: &str, controlled: ControlledQuantity) -> String {
+    let figure = PerformanceFigure::from_key_in(controlled, key);
+    figure.map_or_else(|_| key.replace('_', " "), |figure| describe_figure(figure, controlled))
 }
 
 /// Returns a level for each round that has a value.
