@@ -90,13 +90,7 @@ const LONG_TERMS: usize = 29;
 /// Returns the exponential and the integral in doubles. `chain` is the number of steps of the longest chain of states, the input among them.
 pub(crate) fn hold_by_series(A: &Mat, B: &Mat, chain: usize) -> HeldInput {
     let scaled = SeriesScale::of(A, chain, TERMS);
-    let (A, B) = (A.scale(scaled.factor()), B.scale(scaled.factor()));
-    let sum = integral(&A, scaled.degree);
-    let (mut Phi, mut Gamma) = (&A * &sum + Mat::eye(A.nrows()), &sum * &B);
-    for _ in 0..scaled.squarings {
-        Gamma = &Gamma + &(&Phi * &Gamma);
-        Phi = &Phi * &Phi;
-    }
+    let [Phi, Gamma] = hold(&A.scale(scaled.factor()), &B.scale(scaled.factor()), &scaled);
     HeldInput { Phi, Gamma }
 }
 
@@ -108,15 +102,22 @@ pub(crate) fn precise_hold(A: &Mat, B: &Mat) -> Option<HeldInput> {
         return None;
     }
     let long = |M: &Mat| LongMatrix::from(&M.scale(scaled.factor()));
-    let (A, B) = (long(A), long(B));
-    let sum = integral(&A, scaled.degree);
-    let mut Phi = A.times(&sum).plus(&LongMatrix::identity(A.high.nrows(), 1.0));
-    let mut Gamma = sum.times(&B);
+    let [Phi, Gamma] = hold(&long(A), &long(B), &scaled).map(|M| M.round());
+    Some(HeldInput { Phi, Gamma })
+}
+
+/// Returns the exponential and the integral of a matrix and an input that were scaled.
+fn hold<M: Term>(A: &M, B: &M, scaled: &SeriesScale) -> [M; 2] {
+    let one = LongReal::from(1.0);
+    let sum = integral(A, scaled.degree);
+    let mut Phi = A.product(&sum);
+    Phi.add_multiple(&M::identity(A.size(), one), one);
+    let mut Gamma = sum.product(B);
     for _ in 0..scaled.squarings {
-        Gamma = Gamma.plus(&Phi.times(&Gamma));
-        Phi = Phi.times(&Phi);
+        Gamma.add_multiple(&Phi.product(&Gamma), one);
+        Phi = Phi.product(&Phi);
     }
-    Some(HeldInput { Phi: Phi.round(), Gamma: Gamma.round() })
+    [Phi, Gamma]
 }
 
 /// Returns the sum of `A^k / (k + 1)!` up to k = `degree`.
