@@ -213,14 +213,14 @@ impl<'a> Problem<'a> {
 
     /// Fits from factors whose largest residual is known, or found here.
     fn fit(&self, start: Vec<f64>, known_before: Option<f64>) -> Result<Posterior, PipelineError> {
+        let first = self.residuals_of_step(&start)?;
         let before = match known_before {
             Some(before) => before,
-            None => self.residuals(&start)?.largest,
+            None => self.fit_starts(&start, first.clone())?.largest,
         };
-        let first = self.residuals_of_step(&start)?;
-        let mut fitted = self.solve(start, first)?;
-        fitted.residuals = self.residuals(&fitted.factors)?;
-        self.posterior(&fitted, before)
+        let FactorFit { factors, residuals, covariance } = self.solve(start, first)?;
+        let residuals = self.fit_starts(&factors, residuals)?;
+        self.posterior(&FactorFit { factors, residuals, covariance }, before)
     }
 
     pub(super) fn plant_at(&self, factors: &[f64]) -> Result<Parameters, PipelineError> {
@@ -284,6 +284,23 @@ impl<'a> Problem<'a> {
         }
     }
 
+    /// Returns the residuals of replays whose starts are fitted, given those by which a step to the same factors was judged.
+    fn fit_starts(&self, factors: &[f64], of_step: Residuals) -> Result<Residuals, PipelineError> {
+        if self.recorded.shows_starts() { self.residuals(factors) } else { Ok(of_step) }
+    }
+
+    /// Returns the residuals from given starts, given those by which a step to the same factors was judged.
+    fn given_start_residuals(
+        &self,
+        factors: &[f64],
+        of_step: &Residuals,
+    ) -> Result<Residuals, PipelineError> {
+        match self.recorded.shows_starts() {
+            true => Ok(of_step.clone()),
+            false => self.quick_residuals(&self.plant_at(factors)?),
+        }
+    }
+
     /// Returns the residuals of replays from the starts that the recordings give: what a change of the machine makes of them hardly depends on their starts.
     pub(super) fn quick_residuals(&self, plant: &Parameters) -> Result<Residuals, PipelineError> {
         self.residuals_by(plant, &Serial, PreparedRecording::replay_from_given_start)
@@ -321,7 +338,8 @@ impl<'a> Problem<'a> {
                 break;
             }
             let inflation = residuals.inflation();
-            let Some(derivatives) = self.derivatives(&factors) else { break };
+            let Ok(here) = self.given_start_residuals(&factors, &residuals) else { break };
+            let Some(derivatives) = self.derivatives(&factors, &here) else { break };
             let equations = self.normal_equations(&derivatives, &residuals, &factors, inflation);
             let Ok(inverted) = inverse(&equations.matrix) else { break };
             covariance = inverted;
@@ -370,9 +388,9 @@ impl<'a> Problem<'a> {
         squares / inflation + prior.sum::<f64>()
     }
 
-    /// Returns the derivatives of the residuals by each factor, from differences; `None` if a machine beside the model cannot be simulated.
-    pub(super) fn derivatives(&self, factors: &[f64]) -> Option<Vec<Vec<f64>>> {
-        let here = self.quick_residuals(&self.plant_at(factors).ok()?).ok()?;
+    /// Returns the derivatives of the residuals by each factor, from differences to those from given starts; `None` if a machine beside the model cannot be
+    /// simulated.
+    pub(super) fn derivatives(&self, factors: &[f64], here: &Residuals) -> Option<Vec<Vec<f64>>> {
         let columns = map(self.pool, factors.len(), |k| {
             // Inside the tolerance, and far larger than the steps of converters make the residuals jump.
             let size = POSTERIOR_DIFFERENCE * self.relative(k);

@@ -66,7 +66,7 @@ pub(super) fn screen_effects(
     let here = problem.quick_residuals(&own)?;
     let recordings: Vec<Recording> = problem.recorded.iter().cloned().collect();
     let machine = ScaledMachine::of(&own, &recordings);
-    let nuisances = orthonormal(problem.derivatives(&factors).unwrap_or_default());
+    let nuisances = orthonormal(problem.derivatives(&factors, &here).unwrap_or_default());
     let left = without(&nuisances, &here.values);
     let trials = list_trials(&machine, fitted);
     let found = map(problem.pool, trials.len(), |k| {

@@ -124,9 +124,7 @@ impl<'a> PreparedRecording<'a> {
     /// # Errors
     /// [`PipelineError::CannotReplay`] with the simulator's reason.
     pub fn replay_from_given_start(&self, plant: &Parameters) -> Result<Replay, PipelineError> {
-        let replayer = self.replayer.with_platform_sensors_of(plant);
-        let found = select_replay(&replayer, plant, self.control, ReplayLength::Whole);
-        found.map(|found| found.replay).map_err(|cause| cannot_replay(self.item, cause))
+        self.replay_whole(plant, |_, found| found)
     }
 
     /// Replays the recording whole on a mechanism, as [`replay_one`] does.
@@ -134,10 +132,17 @@ impl<'a> PreparedRecording<'a> {
     /// # Errors
     /// [`PipelineError::CannotReplay`] with the simulator's reason.
     pub fn replay_from_fitted_start(&self, plant: &Parameters) -> Result<Replay, PipelineError> {
+        self.replay_whole(plant, |replayer, found| from_fitted_start(replayer, plant, self.control, found))
+    }
+
+    fn replay_whole(
+        &self,
+        plant: &Parameters,
+        improve: impl Fn(&Replayer, SelectedReplay) -> SelectedReplay,
+    ) -> Result<Replay, PipelineError> {
         let replayer = self.replayer.with_platform_sensors_of(plant);
         let found = select_replay(&replayer, plant, self.control, ReplayLength::Whole);
-        let found = found.map_err(|cause| cannot_replay(self.item, cause))?;
-        Ok(from_fitted_start(&replayer, plant, self.control, found).replay)
+        found.map(|found| improve(&replayer, found).replay).map_err(|cause| cannot_replay(self.item, cause))
     }
 }
 
