@@ -30,6 +30,13 @@ use crate::{code_files, files};
 /// Name of the model of a round in its folder, and of its result.
 const MODEL: &str = "project.toml";
 const RESULT: &str = "round.json";
+/// Name of the page of all rounds.
+const STORY: &str = "story.html";
+
+/// Returns the folder of a round in that of the rounds.
+fn round_folder(folder: &Path, round: usize) -> PathBuf {
+    folder.join(format!("round-{round}"))
+}
 
 /// Data of a commissioning before its first round.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,7 +55,7 @@ pub struct CommissioningSetup {
 
 impl CommissioningSetup {
     fn round_folder(&self, round: usize) -> PathBuf {
-        self.folder.join(format!("round-{round}"))
+        round_folder(&self.folder, round)
     }
 
     fn experiment_limits(&self) -> Limits {
@@ -126,7 +133,7 @@ impl Commissioning {
 pub fn read_rounds(folder: &Path) -> Result<Vec<RoundSummary>> {
     let mut rounds = Vec::new();
     loop {
-        let path = folder.join(format!("round-{}", rounds.len() + 1)).join(RESULT);
+        let path = round_folder(folder, rounds.len() + 1).join(RESULT);
         if !path.exists() {
             return Ok(rounds);
         }
@@ -137,9 +144,19 @@ pub fn read_rounds(folder: &Path) -> Result<Vec<RoundSummary>> {
 
 /// Returns the text of the newest model that so many finished rounds of a folder have left; `None` if none left one.
 pub fn read_newest_model(folder: &Path, rounds: usize) -> Option<String> {
-    let model = |round: usize| files::read_file(&folder.join(format!("round-{round}")).join(MODEL)).ok();
+    let model = |round: usize| files::read_file(&round_folder(folder, round).join(MODEL)).ok();
     let newest = (2..=rounds + 1).rev().find_map(model)?;
     String::from_utf8(newest).ok()
+}
+
+/// Writes the page of all rounds into their folder, and returns its path.
+///
+/// # Errors
+/// A page that cannot be written.
+pub fn write_story(folder: &Path, page: &str) -> Result<PathBuf> {
+    let path = folder.join(STORY);
+    projects::write_file(&path, page.as_bytes())?;
+    Ok(path)
 }
 
 /// A round with its project.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Error};
 use clap::Args;
-use counterpoise_host::commissioning::{Commissioning, CommissioningSetup, RoundTools};
+use counterpoise_host::commissioning::{Commissioning, CommissioningSetup, RoundTools, write_story};
 use counterpoise_host::machine_program::RunLimits;
 use counterpoise_host::projects;
 use counterpoise_host::workers::ProgressPool;
@@ -87,14 +87,14 @@ pub fn run(options: &CommissionOptions) -> CommandResult {
     last.stop.get_or_insert(StopReason::RoundsOver);
     let met = matches!(last.stop, Some(StopReason::RequirementsMet | StopReason::ModelExplains));
     let page = commission_report(&project, &rounds, machine_time_s(&rounds));
-    projects::write_file(&options.output.join("story.html"), html_page(&page).as_bytes())?;
+    let story = write_story(&options.output, &html_page(&page))?;
     if !output::write_json(&options.results, &Story { rounds: &rounds })? {
         rounds
             .last()
             .and_then(|last| last.stop.as_ref())
             .iter()
             .for_each(|stop| say!("{}", describe_stop(stop)));
-        say!("the whole story: {}", options.output.join("story.html").display());
+        say!("the whole story: {}", story.display());
     }
     Ok(verdict_code([met]))
 }

@@ -4,9 +4,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use counterpoise_host::commissioning::{
-    Commissioning, CommissioningSetup, RoundTools, read_newest_model, read_rounds,
+    Commissioning, CommissioningSetup, RoundTools, read_newest_model, read_rounds, write_story,
 };
-use counterpoise_host::files;
 use counterpoise_host::progress::{CancellablePool, SharedProgress};
 use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_host::worker::{BackgroundWorker, CancelToken, WakeWindow};
@@ -77,6 +76,6 @@ fn run_round(setup: CommissioningSetup, watch: &CancellablePool) -> anyhow::Resu
     }
     let view = view_of(folder)?;
     let page = commission_report(&project, &view.rounds, machine_time_s(&view.rounds));
-    files::write_file(&view.folder.join("story.html"), html_page(&page).as_bytes())?;
+    write_story(&view.folder, &html_page(&page))?;
     Ok(view)
 }
