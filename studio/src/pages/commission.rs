@@ -85,14 +85,8 @@ fn show_inputs(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>) {
 
 fn show_limit(ui: &mut Ui, theme: &WindowTheme, name: &str, unit: &str, value: &mut f64) {
     let label = ui.label(RichText::new(name).color(theme.weak));
-    let speed = (value.abs() * 5e-3).max(1e-3);
-    let field = egui::DragValue::new(value)
-        .speed(speed)
-        .range(0.0..=1e6)
-        .custom_formatter(|v, _| format_short(v))
-        .custom_parser(|text| text.trim().replace(',', ".").parse().ok())
-        .update_while_editing(false);
-    ui.add_sized(egui::vec2(78.0, 20.0), field).labelled_by(label.id);
+    let edited = widgets::edit_number(ui, *value, label.id, name);
+    *value = edited.changed.map_or(*value, |changed| changed.max(0.0));
     ui.label(RichText::new(unit).small().color(theme.weak));
     ui.end_row();
 }

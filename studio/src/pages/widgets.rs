@@ -89,6 +89,30 @@ pub fn number_field(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>
     let key = find_key(path);
     let hint = key.map_or_else(String::new, |k| format!("{}\nallowed: {}\n{path}", k.meaning, k.allowed));
     let label = ui.label(RichText::new(&name).color(theme.weak)).on_hover_text(&hint);
+    let edited = edit_number(ui, value, label.id, &hint);
+    ui.label(RichText::new(key.map_or("", |k| k.unit.as_str())).small().color(theme.weak));
+    if edited.response.drag_started() {
+        view.gesture += 1;
+    }
+    if let Some(changed) = edited.changed {
+        let gesture = edited.response.dragged().then_some(view.gesture);
+        let value = if gesture.is_some() { round_to_three_digits(changed) } else { changed };
+        queue.push(Command::Set { path: path.to_owned(), value, gesture });
+    }
+    view.dragging |= edited.response.dragged();
+    ui.end_row();
+}
+
+/// A number that can be dragged or typed, as it is after a frame.
+pub struct EditedNumber {
+    /// The widget.
+    pub response: egui::Response,
+    /// The new value, if there is one.
+    pub changed: Option<f64>,
+}
+
+/// Shows a number that is dragged or typed, with a label; Esc takes back what was typed.
+pub fn edit_number(ui: &mut Ui, value: f64, label: egui::Id, hint: &str) -> EditedNumber {
     let mut edited = value;
     let speed = if value == 0.0 { 1e-3 } else { value.abs() * 5e-3 };
     let widget = egui::DragValue::new(&mut edited)
@@ -96,19 +120,10 @@ pub fn number_field(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>
         .custom_formatter(|v, _| format_short(v))
         .custom_parser(|text| text.trim().replace(',', ".").parse().ok())
         .update_while_editing(false);
-    let response = ui.add_sized(vec2(78.0, 20.0), widget).labelled_by(label.id).on_hover_text(&hint);
-    ui.label(RichText::new(key.map_or("", |k| k.unit.as_str())).small().color(theme.weak));
+    let response = ui.add_sized(vec2(78.0, 20.0), widget).labelled_by(label).on_hover_text(hint);
     note_revert(ui, &response);
-    if response.drag_started() {
-        view.gesture += 1;
-    }
-    if response.changed() && edited != value && !is_reverted(ui, &response) {
-        let gesture = response.dragged().then_some(view.gesture);
-        let value = if gesture.is_some() { round_to_three_digits(edited) } else { edited };
-        queue.push(Command::Set { path: path.to_owned(), value, gesture });
-    }
-    view.dragging |= response.dragged();
-    ui.end_row();
+    let is_changed = response.changed() && edited != value && !is_reverted(ui, &response);
+    EditedNumber { response, changed: is_changed.then_some(edited) }
 }
 
 /// Notes that Esc has ended the editing of a number.
