@@ -207,14 +207,18 @@ fn keys(v: &mut dyn Visit, plant: &Parameters, takes: DriveInput) -> DriveKeys {
             v.number(&limit, &mut stated.limit);
             let lag = Field::new("time_constant", "lag of the voltage").unit("s").limit(AT_LEAST_0).or(0.0);
             v.number(&lag, &mut stated.time_constant_s);
-            let limit = Field::new("current_limit", "current is clipped to +/- this; none if absent");
-            v.number(&limit.unit("A").limit(ABOVE_0).or(f64::INFINITY), &mut stated.current_limit_a);
+            current_limit(v, &mut stated.current_limit_a);
         }
     }
     (stated.dead_zone_v, stated.map) = (plant.amplifier.dead_zone_v, plant.amplifier.map.clone());
     dead_zone(v, &mut stated.dead_zone_v);
     map(v, &mut stated.map);
     stated
+}
+
+fn current_limit(v: &mut dyn Visit, current_limit_a: &mut f64) {
+    let field = Field::new("current_limit", "current is clipped to +/- this; none if absent").unit("A");
+    v.number(&field.limit(ABOVE_0).or(f64::INFINITY), current_limit_a);
 }
 
 fn dead_zone(v: &mut dyn Visit, dead_zone_v: &mut f64) {
@@ -309,10 +313,7 @@ fn amplifier(v: &mut dyn Visit, amplifier: &mut Amplifier) {
     let bus = Field::new("bus_voltage", "output is clipped to +/- this").unit("V").limit(ABOVE_0);
     v.number(&bus.or(f64::INFINITY), &mut amplifier.bus_voltage_v);
     dead_zone(v, &mut amplifier.dead_zone_v);
-    let limit = Field::new("current_limit", "current is clipped to +/- this; none if absent")
-        .unit("A")
-        .limit(ABOVE_0);
-    v.number(&limit.or(f64::INFINITY), &mut amplifier.current_limit_a);
+    current_limit(v, &mut amplifier.current_limit_a);
     let dynamics = "modelled: lag, feedbacks, armature and back-EMF; ideal-current: the current follows the input at once";
     choose(v, &Field::new("dynamics", dynamics).or_text("modelled"), &mut amplifier.dynamics);
     map(v, &mut amplifier.map);
