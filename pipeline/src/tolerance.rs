@@ -142,6 +142,8 @@ pub(crate) const MOST_BYTES: f64 = 2e9;
 
 /// Margins are kept with this share to spare: the verification judges the loop with every block and converter in it.
 pub(crate) const MARGINS_TO_SPARE: f64 = 0.02;
+/// Share of the bandwidth that a requirement on the overshoot leaves, at least: a slower loop settles later than one that overshoots.
+pub(crate) const OVERSHOOT_COST: f64 = 0.5;
 
 /// Ratio of the bandwidth that a limit alone allows to that which is reached from which on the limit acts only together with others: the search
 /// finds what is reached to 0.7 %, and a smaller ratio would call its error a limit.

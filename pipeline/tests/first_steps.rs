@@ -239,6 +239,34 @@ fn requirements_on_the_loop_are_margins_of_a_first_design() {
 }
 
 #[test]
+fn an_overshoot_that_is_required_chooses_the_weights_unless_it_costs_the_bandwidth() {
+    let overshoot = |limit: f64| {
+        let figure = "nonlinear_step_overshoot_percent";
+        let text = turret("0.02", "0.5", "1e-3");
+        let text = format!("{text}[[verify.requirement]]\nfigure = \"{figure}\"\nat_most = {limit}\n");
+        choose_weights(&text).first
+    };
+    let (free, held) = (overshoot(90.0), overshoot(2.0));
+    assert!(free.judgement.overshoot > 0.04, "{:?}", free.judgement);
+    assert!(held.judgement.overshoot <= 0.02, "{:?}", held.judgement);
+    assert!(held.bandwidth.bandwidth_rad_s > 0.9 * free.bandwidth.bandwidth_rad_s, "{:?}", held.bandwidth);
+    // Two integrators overshoot whatever the weights are.
+    let position = |limit: f64| {
+        let text = format!(
+            "format = 2
+plant.inertia = 0.5
+plant.drive = {{ kind = \"torque\", limit = 40.0 }}
+plant.sensors.encoder = {{ counts = \"18 bit\", delay = 1e-4 }}
+plant.interface = {{ sample_period = 1e-3, output_delay_samples = 1 }}
+verify.requirement = [{{ figure = \"linear_step_overshoot_percent\", at_most = {limit} }}]
+"
+        );
+        choose_weights(&text).first.bandwidth.bandwidth_rad_s
+    };
+    assert!(position(5.0) > 0.99 * position(90.0));
+}
+
+#[test]
 fn a_loop_of_position_keeps_more_phase_than_the_usual_shapes_leave() {
     let text = "format = 2
 plant.inertia = 0.5

@@ -239,8 +239,11 @@ pub(crate) const RESONANT_DAMPING: f64 = 0.3;
 /// Relative error of a norm that a requirement on a first design asks for: margins keep two percent to spare.
 pub(crate) const NORM_TOLERANCE: f64 = 1e-3;
 
-/// Factor on what a loop misses that a step of a repair must reach: less is no progress.
-pub(crate) const REPAIR_PROGRESS: f64 = 0.98;
+/// Bandwidth that an approach asks for over the highest so far: less is not worth another kind of feedback.
+pub(crate) const APPROACH_RISE: f64 = 1.1;
+
+/// Sum of the logarithms of what a loop has over what is allowed, at most, for an approach to start from it: 1.65 times in one limit.
+pub(crate) const NARROW_MISS: f64 = 0.5;
 
 /// Largest logarithm of what a loop has over what is allowed that counts: a loop that is not stable beside the plant has no size of its miss.
-pub(crate) const LARGEST_EXCESS: f64 = 2.0;
+pub(crate) const LARGEST_EXCESS: f64 = 6.0;

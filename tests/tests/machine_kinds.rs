@@ -307,6 +307,34 @@ fn a_quicker_clock_never_lowers_the_bandwidth_of_a_first_design() {
     }
 }
 
+/// A table over a ball screw, read at the motor, with friction so small that it matters at rest alone.
+const SCREW_TABLE: &str = r#"
+[plant]
+axis = "linear"
+mass = "55 kg"
+ball_screw = { lead = "5 mm", stiffness = "20 N/um", backlash = "2 um" }
+motor = { inertia = "1.2 kg cm^2", torque_constant = "0.5 N m/A" }
+friction.pivot = { viscous = 40.0, model = "coulomb", coulomb = "0.1 N" }
+drive = { kind = "current", limit = "9 A", bandwidth = "900 Hz", delay = "0.1 ms" }
+sensors = { encoder = { place = "motor", counts = "20 bit", delay = "0.05 ms" } }
+interface = { sample_period = "0.25 ms", output_delay_samples = 1 }
+[synth]
+loop = "cascade"
+[verify]
+step = { rate = "0.5 mm" }
+"#;
+
+#[test]
+fn a_screw_of_twice_the_stiffness_has_no_slower_first_design() {
+    let machine = Machine::from_text(("table over a screw", SCREW_TABLE));
+    let bandwidth = |stiffness: f64| {
+        let project = machine.project().with_number("plant.ball_screw.stiffness", stiffness).unwrap();
+        with_chosen_weights(&project).unwrap().unwrap().first.bandwidth.bandwidth_rad_s
+    };
+    let [soft, stiff] = [2e7, 4e7].map(bandwidth);
+    assert!(soft > 300.0 && stiff > soft, "{soft} then {stiff} rad/s");
+}
+
 #[test]
 fn a_file_without_one_key_that_is_read_is_designed_or_refused_with_what_to_change() {
     let mut left = Vec::new();

@@ -22,12 +22,12 @@ use counterpoise_synth::{
     FirstDesign, LimitKind, LimitLoops, RequiredMargins, Unknown, UsualPlants, Weight, first_design_on,
 };
 use counterpoise_verify::certificate::elements::rest_impedances;
-use counterpoise_verify::{Limit, LoopFigure, PerformanceFigure, Sine};
+use counterpoise_verify::{Limit, LoopFigure, PerformanceFigure, Sine, StepFigure};
 use serde::Serialize;
 
 use crate::exchange::SystemResult;
 use crate::synth::{design_plant, sampling};
-use crate::tolerance::{ALLOWS_MORE, MARGINS_TO_SPARE};
+use crate::tolerance::{ALLOWS_MORE, MARGINS_TO_SPARE, OVERSHOOT_COST};
 use crate::{PipelineError, PlantModel, ReducedPlant, build_plant_model, reduce_plant};
 use usual_ranges::{BothPlants, OpenValues};
 
@@ -114,11 +114,28 @@ fn choose_weights_on(
     Ok(ChosenWeights { project, first })
 }
 
-/// Returns the first design, whose loop holds what the file leaves open over its usual range, and the friction at rest, unless no loop does.
+/// Returns the first design, whose loop overshoots no more than is required, unless that costs more than [`OVERSHOOT_COST`] of the bandwidth: a loop of
+/// position that has two integrals overshoots at any bandwidth, and a loop so slow that it does not is of no use.
 fn first_design_of(given: &Circumstances, pool: &dyn Pool) -> Result<FirstDesign, SynthesisError> {
+    let held = design_that_holds(given, pool);
+    if given.margins.overshoot.is_infinite() {
+        return held;
+    }
+    let margins = RequiredMargins { overshoot: f64::INFINITY, ..given.margins };
+    let free = design_that_holds(&Circumstances { margins, ..given.clone() }, pool)?;
+    let least = OVERSHOOT_COST * free.bandwidth.bandwidth_rad_s;
+    match held {
+        Ok(held) if held.bandwidth.bandwidth_rad_s >= least => Ok(held),
+        Ok(_) | Err(SynthesisError::Refused(_)) => Ok(free),
+        error => error,
+    }
+}
+
+/// Returns the first design, whose loop holds what the file leaves open over its usual range, and the friction at rest, unless no loop does.
+fn design_that_holds(given: &Circumstances, pool: &dyn Pool) -> Result<FirstDesign, SynthesisError> {
     match first_design_on(given, pool) {
         Err(SynthesisError::Refused(_)) if !given.usual.is_empty() => {
-            first_design_of(&Circumstances { usual: UsualPlants::default(), ..given.clone() }, pool)
+            design_that_holds(&Circumstances { usual: UsualPlants::default(), ..given.clone() }, pool)
         }
         Err(SynthesisError::Refused(_)) if given.others.len() > 1 => {
             let others = given.others.iter().take(1).cloned().collect();
@@ -282,6 +299,9 @@ fn margins(project: &Project) -> RequiredMargins {
             (PerformanceFigure::Loop(LoopFigure::MaxComplementary), Limit::AtMost(mt)) => {
                 margins.max_complementary =
                     margins.max_complementary.min(mt - MARGINS_TO_SPARE * (mt - 1.0).max(0.0));
+            }
+            (PerformanceFigure::Step(_, StepFigure::Overshoot), Limit::AtMost(percent)) => {
+                margins.overshoot = margins.overshoot.min(0.01 * (1.0 - MARGINS_TO_SPARE) * percent);
             }
             (PerformanceFigure::Loop(LoopFigure::DiskMargin), Limit::AtLeast(radius)) => {
                 margins.disk = margins.disk.max((1.0 + MARGINS_TO_SPARE) * radius);

@@ -15,6 +15,7 @@ pub mod design;
 mod digits;
 mod drive;
 mod effort_checks;
+mod figure_names;
 mod findings;
 pub mod fixed_structure;
 mod format;
@@ -245,7 +246,7 @@ impl Project {
             guide.turn(walk);
             file(&mut guide, &mut Self::blank());
         }
-        guide.text()
+        guide.text() + &figure_names::figure_table()
     }
 
     /// Returns the project with the number at a path replaced; `None` if no number stands there.

@@ -6,10 +6,10 @@ use counterpoise_verify::{
     Triangle,
 };
 
+use super::figure_names::figure_hint;
 use super::model::PlantSelection;
 use super::platform::{self, PlatformSource};
 use super::seed::seed;
-use crate::diagnostic::nearest_name;
 use crate::file::field::{Field, NumberRange, TableField};
 use crate::file::visit::{Count, Visit, list, maybe_number, table, visit_optional};
 use crate::tolerance::MOST_UNSTATED_SAMPLES;
@@ -287,10 +287,7 @@ fn requirement(v: &mut dyn Visit, asked: &mut StatedRequirement, controlled: Con
     v.text(&Field::new("figure", "name of the figure that is limited"), &mut asked.figure);
     let known = PerformanceFigure::from_key_in(controlled, &asked.figure);
     if known.is_err() && !asked.figure.is_empty() {
-        let keys: Vec<String> =
-            PerformanceFigure::all().iter().map(|figure| figure.key_in(controlled)).collect();
-        let hint = nearest_name(&asked.figure, keys.iter().map(String::as_str))
-            .map(|name| format!("did you mean \"{name}\"?"));
+        let hint = Some(figure_hint(&asked.figure, controlled));
         v.complain("figure", "there is no such figure", hint);
     }
     let unit = known.map_or("", |figure| figure.unit(controlled));

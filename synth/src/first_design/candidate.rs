@@ -43,6 +43,47 @@ impl Shape {
     }
 }
 
+impl Shape {
+    /// Returns the shapes of every kind for a plant, each with its multiples at three sizes: as for the quickest observer, so large that what is left is nearly a
+    /// constant gain with an integral, and those of a slow observer.
+    pub fn kinds(may_stiffen: bool, has_load: bool) -> Vec<Self> {
+        let plants = [LightModes::Kept, LightModes::Stiffened];
+        let plants = &plants[..if may_stiffen { 2 } else { 1 }];
+        let loads = [0.0, 3.0];
+        let loads = &loads[..if has_load { 2 } else { 1 }];
+        let mut kinds = Vec::new();
+        for &in_plant in plants {
+            for modes in [Modes::Plain, Modes::Dear] {
+                for &load in loads {
+                    let kind = Self { modes, in_plant, load, ..QUICKEST };
+                    let flat = Self { integral: FLAT, observer: FLAT, roll_off: FLAT, ..kind };
+                    let slow = Self { observer: SLOW, roll_off: SLOW, ..kind };
+                    kinds.extend([kind, flat, slow]);
+                }
+            }
+        }
+        kinds
+    }
+
+    /// Returns the shapes with each multiple larger and smaller by a factor, always in the same order; `None` for a multiple that is out of its range then or
+    /// does not count.
+    pub fn steps(&self, factor: f64) -> [Option<Self>; 8] {
+        let Self { integral, observer, roll_off, load, .. } = *self;
+        let within = |multiple: f64| (1.0..=LARGEST_MULTIPLE).contains(&multiple).then_some(multiple);
+        let load_within = |cost: f64| (1.0 / LARGEST_LOAD..=LARGEST_LOAD).contains(&cost).then_some(cost);
+        [
+            within(integral * factor).map(|integral| Self { integral, ..*self }),
+            within(integral / factor).map(|integral| Self { integral, ..*self }),
+            within(observer * factor).map(|observer| Self { observer, ..*self }),
+            within(observer / factor).map(|observer| Self { observer, ..*self }),
+            within(roll_off * factor).map(|roll_off| Self { roll_off, ..*self }),
+            within(roll_off / factor).map(|roll_off| Self { roll_off, ..*self }),
+            load_within(load * factor).map(|load| Self { load, ..*self }),
+            load_within(load / factor).map(|load| Self { load, ..*self }),
+        ]
+    }
+}
+
 /// The form of the control weight at lightly damped modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Modes {
@@ -104,6 +145,14 @@ pub(super) const DAMPED_LOAD: usize = 8;
 /// one that follows a mode which the feedback cannot damp.
 pub(super) const STIFF_MODES: usize = 15;
 
+/// Multiples of the bandwidth so large that observer, roll-off and integral do not show near it.
+const FLAT: f64 = 50.0;
+/// Multiples of the bandwidth of a slow observer, which attenuates everything above it.
+const SLOW: f64 = 2.0;
+/// Largest multiple: beyond it nothing changes near the bandwidth.
+const LARGEST_MULTIPLE: f64 = 100.0;
+/// Largest cost of the load's motion over that of the control, and the inverse of the smallest.
+const LARGEST_LOAD: f64 = 100.0;
 /// Factor on the control weight at a lightly damped mode: 20 dB.
 const PEAK: f64 = 10.0;
 /// Relative half width of that: covers the shift of [`crate::tolerance::MODE_SHIFT`] either way.

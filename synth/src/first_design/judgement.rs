@@ -25,6 +25,8 @@ pub struct RequiredMargins {
     pub max_sensitivity: f64,
     /// Largest complementary sensitivity; infinite if none is asked for.
     pub max_complementary: f64,
+    /// Largest overshoot of a step of the demand as a share of it; infinite if none is asked for.
+    pub overshoot: f64,
     /// Smallest radius of the disk margin; 0 if none is asked for.
     pub disk: f64,
     /// Smallest delay margin, s; 0 if none is asked for.
@@ -40,6 +42,7 @@ impl Default for RequiredMargins {
             phase_deg: 40.0,
             max_sensitivity: 1.7,
             max_complementary: f64::INFINITY,
+            overshoot: f64::INFINITY,
             disk: 0.0,
             delay_s: 0.0,
         }
@@ -63,6 +66,8 @@ pub struct LoopJudgement {
     pub sensitivity_peak_rad_s: f64,
     /// Largest complementary sensitivity; 0 if it is not asked for.
     pub max_complementary: f64,
+    /// Overshoot of a step of the demand as a share of it; 0 if it is not asked for.
+    pub overshoot: f64,
     /// Radius of the disk of simultaneous changes of gain and phase that the loop bears; infinite if it is not asked for.
     pub disk_margin: f64,
     /// Smallest delay that makes the loop unstable, s.
@@ -199,6 +204,16 @@ impl<'a> Judge<'a> {
         Ok(linfnorm(&complementary(loop_gain)?, NORM_TOLERANCE)?.value)
     }
 
+    fn asks_for_overshoot(&self) -> bool {
+        self.circumstances.margins.overshoot.is_finite()
+    }
+
+    /// The time up to which the response to a step is looked at, s: the largest control comes early, the largest reading later.
+    fn step_end(&self, bandwidth_rad_s: f64) -> f64 {
+        let bandwidths = if self.asks_for_overshoot() { OVERSHOOT_BY } else { LARGEST_CONTROL_BY };
+        bandwidths / bandwidth_rad_s
+    }
+
     /// The radius of the disk margin of a loop without skew, the inverse of the largest |(S - T) / 2| = |1/2 - T|; infinite if it is not asked for.
     fn disk_margin(&self, loop_gain: &StateSpace) -> Result<f64, Error> {
         if self.circumstances.margins.disk == 0.0 {
@@ -232,7 +247,8 @@ impl<'a> Judge<'a> {
         // The density of the noise is what the coarser samples keep.
         let thinned = (self.circumstances.sampling.period_s / sampling.period_s).sqrt();
         let gain = thinned * noise_gain(&self.held, &K)?;
-        let step_gain = step_peak(&self.held, &both, bandwidth_rad_s, sampling)?;
+        let until_s = self.step_end(bandwidth_rad_s);
+        let step = step_response(&self.held, &both, until_s, sampling)?;
         let mut found = LoopJudgement {
             bandwidth_rad_s,
             closed_loop_rad_s: closed_loop_bandwidth(&self.held, &K, crossover)?,
@@ -241,6 +257,7 @@ impl<'a> Judge<'a> {
             max_sensitivity: nominal.ms.value,
             sensitivity_peak_rad_s: nominal.ms.rate_rad_s,
             max_complementary: self.complementary_peak(&loop_gain)?,
+            overshoot: if self.asks_for_overshoot() { step.overshoot } else { 0.0 },
             disk_margin: self.disk_margin(&loop_gain)?,
             delay_margin_s: nominal.phase.iter().map(|margin| margin.delay_s).fold(f64::INFINITY, f64::min),
             shifted_sensitivity: nominal.ms.value,
@@ -249,8 +266,8 @@ impl<'a> Judge<'a> {
             share_within_usual_ranges: 0.0,
             noise_v: gain * noise_rms,
             quantisation_v: gain * reading_step / 12f64.sqrt(),
-            step_v: demand_step.abs() * step_gain,
-            step_gain,
+            step_v: demand_step.abs() * step.largest_control,
+            step_gain: step.largest_control,
         };
         if is_out(&found) {
             return Ok(Some(found));
@@ -389,6 +406,7 @@ impl LoopJudgement {
             && self.phase_margin_deg >= required.phase_deg
             && self.max_sensitivity <= required.max_sensitivity
             && self.max_complementary <= required.max_complementary
+            && self.overshoot <= required.overshoot
             && self.disk_margin >= required.disk
             && self.delay_margin_s >= required.delay_s
     }
@@ -397,14 +415,17 @@ impl LoopJudgement {
     pub(super) fn shares_of_limits(
         &self,
         required: &RequiredMargins,
-        limit_v: f64,
+        sampling: &Sampling,
         holding_v: f64,
-    ) -> [f64; 12] {
+    ) -> [f64; 14] {
+        let limit_v = sampling.limit_v;
         [
+            self.bandwidth_rad_s.max(self.closed_loop_rad_s) / (CEILING * sampling.rate_rad_s()),
             required.gain_db / self.gain_margin_db.max(f64::MIN_POSITIVE),
             required.phase_deg / self.phase_margin_deg.max(f64::MIN_POSITIVE),
             self.max_sensitivity / required.max_sensitivity,
             self.max_complementary / required.max_complementary,
+            (1.0 + self.overshoot) / (1.0 + required.overshoot),
             required.disk / self.disk_margin,
             required.delay_s / self.delay_margin_s.max(f64::MIN_POSITIVE),
             self.shifted_sensitivity.max(self.sensitivity_of_others) / NEIGHBOUR_MS,
@@ -596,22 +617,39 @@ fn closed_loop_bandwidth(plant: &StateSpace, K: &StateSpace, crossover: f64) -> 
 const BANDWIDTH_REACH: f64 = 6.0;
 const BANDWIDTH_POINTS: u32 = 60;
 
-/// Largest control after a unit step of the demand, with the controller from demand and reading.
-fn step_peak(plant: &StateSpace, K: &StateSpace, crossover: f64, sampling: &Sampling) -> Result<f64, Error> {
-    let seconds = 6.0 / crossover;
-    let samples = ((seconds / sampling.period_s).ceil() as usize).clamp(2, MOST_SAMPLES);
+/// The response to a unit step of the demand.
+struct StepResponse {
+    largest_control: f64,
+    /// What the largest reading exceeds the step by, as a share of it; 0 if it does not.
+    overshoot: f64,
+}
+
+/// The response to a unit step of the demand, with the controller from demand and reading.
+fn step_response(
+    plant: &StateSpace,
+    K: &StateSpace,
+    until_s: f64,
+    sampling: &Sampling,
+) -> Result<StepResponse, Error> {
+    let samples = ((until_s / sampling.period_s).ceil() as usize).clamp(2, MOST_SAMPLES);
     let (mut x, mut q) = (Mat::zeros(plant.order(), 1), Mat::zeros(K.order(), 1));
-    let mut largest = 0.0_f64;
+    let (mut largest_control, mut largest_reading) = (0.0_f64, 0.0_f64);
     for _ in 0..samples {
-        let seen = Mat::eye(1).vstack(&(&plant.C * &x));
+        let reading = &plant.C * &x;
+        largest_reading = largest_reading.max(reading[(0, 0)]);
+        let seen = Mat::eye(1).vstack(&reading);
         let u = &(&K.C * &q) + &(&K.D * &seen);
-        largest = largest.max(u[(0, 0)].abs());
+        largest_control = largest_control.max(u[(0, 0)].abs());
         q = &(&K.A * &q) + &(&K.B * &seen);
         x = &(&plant.A * &x) + &(&plant.B * &u);
     }
-    Ok(largest)
+    Ok(StepResponse { largest_control, overshoot: (largest_reading - 1.0).max(0.0) })
 }
 
+/// Up to how many inverse bandwidths the largest control and the largest reading after a step are looked for: an integral that begins at a twentieth of
+/// the bandwidth turns the response back by then.
+const LARGEST_CONTROL_BY: f64 = 6.0;
+const OVERSHOOT_BY: f64 = 40.0;
 /// Samples of a step that are looked at, at most: the largest control comes early.
 const MOST_SAMPLES: usize = 4000;
 

@@ -21,11 +21,13 @@
 //! Vibration Control of Active Structures, chapter 4; a sample rate of twenty times the bandwidth is from Franklin, Powell
 //! and Workman, Digital Control of Dynamic Systems, chapter 11.
 
+mod approach;
 mod candidate;
 mod feedforwards;
 mod judgement;
 mod lifted_limits;
 mod scan;
+mod search;
 
 pub use feedforwards::ExpectedMotion;
 pub use judgement::{LoopJudgement, RequiredMargins};

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """First designs of random machines whose sensors are late, or whose values have tolerances, judged by the loop that is verified.
 
-    python3 tests/peers/kinds/random_designs.py PATH_OF_COUNTERPOISE {delays|tolerances} FIRST LAST [WORK_FOLDER]
+    python3 tests/peers/kinds/random_designs.py PATH_OF_COUNTERPOISE {delays|tolerances|bandwidths} FIRST LAST [WORK_FOLDER]
 
 A machine is drawn over seven decades of inertia: rotary or sliding; one inertia, two, a spring or an out-of-balance; no transmission, gearbox, belt,
 cable, harmonic drive or ball screw; a drive that takes a torque, a current or a voltage; with and without friction; encoder, resolver, tachometer or
@@ -12,6 +12,8 @@ design states must be those of the verified linear loop, within 0.1 dB, half a d
 
 tolerances: inertias, stiffnesses, torque constant and resistance are known to 10 to 40 %. `sweep` varies them and searches the worst case: 99 % of 200 mechanisms must
 keep a sensitivity of 2, and the worst case must be stable.
+
+bandwidths: as drawn. The bandwidth of the first design is printed with what limits it, to be compared between two programs; every machine has one.
 
 Needs nothing but Python.
 """
@@ -141,10 +143,17 @@ def judge_tolerances(program, folder):
     return ('held' if held else 'EXCEEDED'), f'{share and share.group(1)} % of the mechanisms, worst {worst and worst.group(1)}'
 
 
+def judge_bandwidth(program, folder):
+    done = subprocess.run([program, 'synth', folder], capture_output=True, text=True, timeout=300)
+    found = re.search(r'^bandwidth (\S+) rad/s.*?limited by: ([^;(]*)', done.stdout, re.M)
+    return ('found', f'{found[1]} rad/s, {found[2].strip()}') if found else ('NONE', done.stderr.strip()[:160])
+
+
 def main():
     program, kind, first, last = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
     base = pathlib.Path(sys.argv[5] if len(sys.argv) > 5 else tempfile.mkdtemp())
-    change, judge = {'delays': (with_delays, judge_delays), 'tolerances': (with_tolerances, judge_tolerances)}[kind]
+    change, judge = {'delays': (with_delays, judge_delays), 'tolerances': (with_tolerances, judge_tolerances),
+                     'bandwidths': (lambda seed, text: text, judge_bandwidth)}[kind]
     count = {}
     for seed in range(first, last):
         folder = base / f'{kind}-{seed}'
