@@ -373,6 +373,9 @@ pub const SERIES_STATES: usize = 64;
 /// Largest 1-norm of a matrix whose power series is summed: what the signs of the terms cancel is then below e^2.
 pub const SERIES_NORM: f64 = 1.0;
 
+/// A term of a power series below this share of the largest one of the same entry is rounding: a few roundings of the sum.
+pub const SERIES_ENTRY: f64 = 8.0 * EPS;
+
 /// States up to which an exponential that does not commute with its matrix is computed in 32 digits: the largest takes some ten milliseconds.
 pub const PRECISE_EXPONENTIAL: usize = 32;
 
