@@ -181,6 +181,9 @@ pub const PENCIL_NEAR: f64 = 0.1;
 /// Corrections allowed for the solution of an equation with a matrix `E`; each gains as many digits as the condition of `E` leaves.
 pub const GENERALISED_REFINEMENTS: usize = 6;
 
+/// Sweeps that bring rows and columns of a matrix to one size: each leaves the root of their ratio, so that eight leave a factor of two of seventy decades.
+pub const EQUILIBRATION_SWEEPS: usize = 8;
+
 /// Corrections of a solution with a sparse matrix at a complex frequency; each gains as many digits as the missing pivoting left.
 pub const SHIFTED_CORRECTIONS: usize = 4;
 
