@@ -11,5 +11,8 @@ import composed_references  # noqa: F401: adds its kinds to wide_references
 import structured_families
 import wide
 
+FLOOR = dict(place=1e-9, level=1e-3)
+
 if __name__ == '__main__':
+    wide.FLOOR.update(FLOOR)
     wide.main(structured_families.FAMILIES, __doc__)
