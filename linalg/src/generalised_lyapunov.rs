@@ -39,7 +39,7 @@ fn lyapunov(A: &Mat, E: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
     check_square("A", A)?;
     check_shape("E", E, A.nrows(), A.ncols())?;
     check_shape("Q", Q, A.nrows(), A.ncols())?;
-    if let Some(units) = Units::of_regular(E)? {
+    if let Some(units) = Equilibration::of_regular(E)? {
         let (A, E) = (units.scale(A), units.scale(E));
         let X = lyapunov(&A, &E, &scale_by(&units.rows, Q, &units.rows), kind)?;
         return check_range(
@@ -86,12 +86,12 @@ fn residual(A: &Mat, E: &Mat, Q: &Mat, X: &ExtendedMatrix, kind: Kind) -> Mat {
 }
 
 /// Powers of two by which the equations, the rows of `E`, and the states, its columns, are multiplied.
-struct Units {
+struct Equilibration {
     rows: Vec<f64>,
     columns: Vec<f64>,
 }
 
-impl Units {
+impl Equilibration {
     /// Returns the units in which `E` is regular; `None` if it is in its own.
     ///
     /// # Errors
@@ -179,7 +179,7 @@ fn riccati(A: &Mat, E: &Mat, B: &Mat, weights: &CostWeights, kind: Kind) -> Resu
     check_shape("E", E, A.nrows(), A.ncols())?;
     check_shape("Q", weights.Q, A.nrows(), A.ncols())?;
     let equation = GeneralisedEquation { A, E, B, weights, kind };
-    if let Some(units) = Units::of_regular(E)? {
+    if let Some(units) = Equilibration::of_regular(E)? {
         let ones = vec![1.0; B.ncols()];
         let Q = scale_by(&units.columns, weights.Q, &units.columns);
         let S = weights.S.map(|S| scale_by(&units.columns, S, &ones));
@@ -341,7 +341,7 @@ mod tests {
             assert!(found.certificate.relative_residual < 1e-15, "{:?}", found.certificate);
             assert!(found.certificate.forward_error.norm_max() < 1e-14 * found.X.norm_max());
         }
-        // Units over thirty decades in which E is singular to working precision, but for which the solutions are the same.
+        // Equilibration over thirty decades in which E is singular to working precision, but for which the solutions are the same.
         let units = |step: usize| -> Vec<f64> {
             (0..5).map(|k| f64::from(((k * step) % 5) as i32 * 26 - 52).exp2()).collect()
         };
