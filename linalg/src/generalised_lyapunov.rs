@@ -341,7 +341,7 @@ mod tests {
             assert!(found.certificate.relative_residual < 1e-15, "{:?}", found.certificate);
             assert!(found.certificate.forward_error.norm_max() < 1e-14 * found.X.norm_max());
         }
-        // Equilibration over thirty decades in which E is singular to working precision, but for which the solutions are the same.
+        // Units over thirty decades in which E is singular to working precision, but for which the solutions are the same.
         let units = |step: usize| -> Vec<f64> {
             (0..5).map(|k| f64::from(((k * step) % 5) as i32 * 26 - 52).exp2()).collect()
         };
