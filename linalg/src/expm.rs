@@ -136,9 +136,10 @@ const COEFFICIENTS_13: [f64; 14] = [
 
 fn pade(A: &Mat, entries: Entries) -> Result<Mat, Error> {
     let structure = Structure::of(A);
-    let ScaledMatrix { A: scaled, squarings, mut degree } = scale_for_approximant(A, structure.longest_path);
-    if is_long_chain(structure.longest_path, squarings, A.nrows()) {
-        return Ok(hold_by_series(A, &Mat::zeros(A.nrows(), 0), structure.longest_path).Phi);
+    let chain = chain_steps(&structure, A);
+    let ScaledMatrix { A: scaled, squarings, mut degree } = scale_for_approximant(A, chain);
+    if is_long_chain(chain, squarings, A.nrows()) {
+        return Ok(hold_by_series(A, &Mat::zeros(A.nrows(), 0), chain).Phi);
     }
     let A = scaled;
     if squarings == 0 && (structure.longest_path > EXPM_SHORT_CHAIN || entries == Entries::Rescaled) {
@@ -152,6 +153,15 @@ fn pade(A: &Mat, entries: Entries) -> Result<Mat, Error> {
         X = &X * &X;
     }
     Ok(X)
+}
+
+/// Returns the number of steps of the longest chain of states, those of the largest terms if the chain of a small matrix is long.
+fn chain_steps(structure: &Structure, A: &Mat) -> usize {
+    if is_long_chain(structure.longest_path, 0, A.nrows()) {
+        structure.count_steps_of_largest_terms(A)
+    } else {
+        structure.longest_path
+    }
 }
 
 /// Returns whether the states of a small matrix form a chain so long that an approximant loses the digits of its last entries.
@@ -325,7 +335,7 @@ impl HeldInput {
 fn hold_integral(A: &Mat, B: &Mat, entries: Entries) -> Result<HeldInput, Error> {
     let (n, m) = B.shape();
     let structure = Structure::of(A);
-    let chain = structure.longest_path + 1;
+    let chain = chain_steps(&structure, A) + 1;
     let ScaledMatrix { A: scaled, squarings, mut degree } = scale_for_approximant(A, chain);
     if is_long_chain(chain, squarings, n) {
         let HeldInput { Phi, Gamma } = hold_by_series(A, B, chain);

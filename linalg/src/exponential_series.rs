@@ -6,7 +6,8 @@
 
 use crate::long_matrix::{LongMatrix, LongReal};
 use crate::mat::Mat;
-use crate::tolerance::{SERIES_NORM, SERIES_SQUARINGS};
+use crate::structure::Moduli;
+use crate::tolerance::{SERIES_ENTRY, SERIES_NORM, SERIES_SQUARINGS};
 
 /// A matrix whose power series can be summed.
 trait Term: Clone {
@@ -75,6 +76,23 @@ impl SeriesScale {
     fn factor(&self) -> f64 {
         (-f64::from(self.squarings)).exp2()
     }
+
+    /// Raises the degree until what is left out is rounding beside every entry that is reached within `steps` steps. `A` is the scaled matrix.
+    fn reach_every_entry(&mut self, A: &Mat, steps: usize) {
+        let mut terms = Moduli::of(A);
+        let longest = self.degree + A.nrows();
+        let mut settled = 0;
+        for k in 1..longest {
+            let is_small = terms.advance(k, steps) <= SERIES_ENTRY;
+            settled = if k > self.degree && is_small { settled + 1 } else { 0 };
+            // Of a matrix with two sorts of states every other term of an entry is zero.
+            if settled == 2 {
+                self.degree = k - 2;
+                return;
+            }
+        }
+        self.degree = longest;
+    }
 }
 
 /// The exponential of a matrix, and the integral of `exp(A s) B` over s from 0 to 1.
@@ -89,8 +107,11 @@ const LONG_TERMS: usize = 29;
 
 /// Returns the exponential and the integral in doubles. `chain` is the number of steps of the longest chain of states, the input among them.
 pub(crate) fn hold_by_series(A: &Mat, B: &Mat, chain: usize) -> HeldInput {
-    let scaled = SeriesScale::of(A, chain, TERMS);
-    let [Phi, Gamma] = hold(&A.scale(scaled.factor()), &B.scale(scaled.factor()), &scaled);
+    let mut scaled = SeriesScale::of(A, chain, TERMS);
+    let A = A.scale(scaled.factor());
+    // The factors of a power do not take equal shares of every way.
+    scaled.reach_every_entry(&A, scaled.degree - TERMS / 2);
+    let [Phi, Gamma] = hold(&A, &B.scale(scaled.factor()), &scaled);
     HeldInput { Phi, Gamma }
 }
 

@@ -1,9 +1,10 @@
 //! Lyapunov and Riccati equations of a descriptor system `E x' = A x + B u` with a regular `E`.
 //!
 //! `E` is eliminated, the standard equation is solved, and the solution is corrected with residuals of the original equation in
-//! twice the working precision, so that what the elimination cost is won back.
+//! twice the working precision, so that what the elimination cost is won back. An `E` that is singular to working precision only because the units of
+//! equations or states differ is scaled by powers of two first.
 
-use crate::decomposition::rcond_one;
+use crate::decomposition::{power_of_two, rcond_one};
 use crate::dense::solve;
 use crate::error::{Error, check_range, check_shape, check_square};
 use crate::extended_precision::{ExtendedMatrix, exact_product};
@@ -11,7 +12,7 @@ use crate::lyapunov::{dlyap, lyap};
 use crate::mat::Mat;
 use crate::riccati::{Outcome, Riccati, care, dare};
 use crate::sylvester::Kind;
-use crate::tolerance::{EPS, GENERALISED_REFINEMENTS};
+use crate::tolerance::{EPS, EQUILIBRATION_SWEEPS, GENERALISED_REFINEMENTS};
 
 /// Solves `A X E' + E X A' + Q = 0`; all n x n, `E` regular.
 ///
@@ -38,7 +39,14 @@ fn lyapunov(A: &Mat, E: &Mat, Q: &Mat, kind: Kind) -> Result<Mat, Error> {
     check_square("A", A)?;
     check_shape("E", E, A.nrows(), A.ncols())?;
     check_shape("Q", Q, A.nrows(), A.ncols())?;
-    check_regular(E)?;
+    if let Some(units) = Equilibration::of_regular(E)? {
+        let (A, E) = (units.scale(A), units.scale(E));
+        let X = lyapunov(&A, &E, &scale_by(&units.rows, Q, &units.rows), kind)?;
+        return check_range(
+            "the solution of the Lyapunov equation",
+            scale_by(&units.columns, &X, &units.columns),
+        );
+    }
     let reduced = solve(E, A)?;
     let standard = |Q: &Mat| -> Result<Mat, Error> {
         let right = solve(E, &solve(E, Q)?.t())?.t();
@@ -77,13 +85,61 @@ fn residual(A: &Mat, E: &Mat, Q: &Mat, X: &ExtendedMatrix, kind: Kind) -> Mat {
     sum.add(&Q.clone().into()).to_double()
 }
 
-fn check_regular(E: &Mat) -> Result<(), Error> {
-    let rcond = rcond_one(E);
-    if E.nrows() > 0 && (rcond <= EPS || rcond.is_nan()) {
-        Err(Error::Singular { what: "E", rcond })
-    } else {
-        Ok(())
+/// Powers of two by which the equations, the rows of `E`, and the states, its columns, are multiplied.
+struct Equilibration {
+    rows: Vec<f64>,
+    columns: Vec<f64>,
+}
+
+impl Equilibration {
+    /// Returns the units in which `E` is regular; `None` if it is in its own.
+    ///
+    /// # Errors
+    /// [`Error::Singular`] if it is singular in those, too.
+    fn of_regular(E: &Mat) -> Result<Option<Self>, Error> {
+        let is_singular = |rcond: f64| rcond <= EPS || rcond.is_nan();
+        if E.nrows() == 0 || !is_singular(rcond_one(E)) {
+            return Ok(None);
+        }
+        let units = Self::equilibrate(E);
+        let rcond = rcond_one(&units.scale(E));
+        if is_singular(rcond) { Err(Error::Singular { what: "E", rcond }) } else { Ok(Some(units)) }
     }
+
+    /// Returns the units in which the largest entry of each row and column is near one (D. Ruiz, A scaling algorithm to equilibrate both rows and
+    /// columns norms in matrices, Rutherford Appleton Laboratory 2001).
+    fn equilibrate(E: &Mat) -> Self {
+        let n = E.nrows();
+        let mut units = Self { rows: vec![1.0; n], columns: vec![1.0; n] };
+        let factor = |largest: f64| if largest > 0.0 { power_of_two(1.0 / largest.sqrt()) } else { 1.0 };
+        for _ in 0..EQUILIBRATION_SWEEPS {
+            let M = units.scale(E).map(f64::abs);
+            for k in 0..n {
+                units.rows[k] *= factor((0..n).map(|j| M[(k, j)]).fold(0.0, f64::max));
+                units.columns[k] *= factor(M.column(k).iter().copied().fold(0.0, f64::max));
+            }
+        }
+        units
+    }
+
+    fn scale(&self, M: &Mat) -> Mat {
+        scale_by(&self.rows, M, &self.columns)
+    }
+
+    /// Returns a solution of the scaled Riccati equation in the caller's units.
+    fn restore(&self, mut found: Riccati) -> Riccati {
+        found.X = scale_by(&self.rows, &found.X, &self.rows);
+        found.F = Mat::from_fn(found.F.nrows(), found.F.ncols(), |i, j| found.F[(i, j)] / self.columns[j]);
+        let certificate = &mut found.certificate;
+        certificate.data_error = scale_by(&self.rows, &certificate.data_error, &self.rows);
+        certificate.scale.iter_mut().zip(&self.rows).for_each(|(d, row)| *d /= row);
+        found
+    }
+}
+
+/// Entry (i, j) times `left[i] right[j]`.
+fn scale_by(left: &[f64], M: &Mat, right: &[f64]) -> Mat {
+    Mat::from_fn(M.nrows(), M.ncols(), |i, j| left[i] * M[(i, j)] * right[j])
 }
 
 /// The weights of a quadratic cost on the state `x` and the input `u`: `x'Qx + u'Ru + 2 x'Su`.
@@ -122,7 +178,16 @@ fn riccati(A: &Mat, E: &Mat, B: &Mat, weights: &CostWeights, kind: Kind) -> Resu
     check_square("A", A)?;
     check_shape("E", E, A.nrows(), A.ncols())?;
     check_shape("Q", weights.Q, A.nrows(), A.ncols())?;
-    check_regular(E)?;
+    let equation = GeneralisedEquation { A, E, B, weights, kind };
+    if let Some(units) = Equilibration::of_regular(E)? {
+        let ones = vec![1.0; B.ncols()];
+        let Q = scale_by(&units.columns, weights.Q, &units.columns);
+        let S = weights.S.map(|S| scale_by(&units.columns, S, &ones));
+        let weights = CostWeights { Q: &Q, R: weights.R, S: S.as_ref() };
+        let answer =
+            riccati(&units.scale(A), &units.scale(E), &scale_by(&units.rows, B, &ones), &weights, kind)?;
+        return answer.try_map(|found| equation.certify_solution(units.restore(found)));
+    }
     let from_right = |M: &Mat| -> Result<Mat, Error> { Ok(solve(&E.t(), &M.t())?.t()) };
     let reduced = from_right(A)?;
     let Q = solve(&E.t(), &from_right(weights.Q)?)?.symmetric_part();
@@ -131,7 +196,6 @@ fn riccati(A: &Mat, E: &Mat, B: &Mat, weights: &CostWeights, kind: Kind) -> Resu
         Kind::Continuous => care(&reduced, B, &Q, weights.R, S.as_ref())?,
         Kind::Discrete => dare(&reduced, B, &Q, weights.R, S.as_ref())?,
     };
-    let equation = GeneralisedEquation { A, E, B, weights, kind };
     answer.try_map(|found| equation.refine_solution(found))
 }
 
@@ -152,7 +216,7 @@ struct Approximation {
 }
 
 impl GeneralisedEquation<'_> {
-    /// The solution after Newton steps on the original equation, with the certificate's residual and error computed from it.
+    /// The solution after Newton steps on the original equation, with its certificate.
     fn refine_solution(&self, mut found: Riccati) -> Result<Riccati, Error> {
         let mut X = ExtendedMatrix::from(found.X.clone());
         let mut last = f64::INFINITY;
@@ -173,6 +237,11 @@ impl GeneralisedEquation<'_> {
         }
         found.X = X.to_double().symmetric_part();
         found.F = at.gain;
+        self.certify_solution(found)
+    }
+
+    /// The solution with the certificate's residual and error computed from it.
+    fn certify_solution(&self, mut found: Riccati) -> Result<Riccati, Error> {
         let at = self.at(&found.X.clone().into())?;
         let certificate = &mut found.certificate;
         certificate.residual_norm = at.residual.norm_fro();
@@ -272,6 +341,24 @@ mod tests {
             assert!(found.certificate.relative_residual < 1e-15, "{:?}", found.certificate);
             assert!(found.certificate.forward_error.norm_max() < 1e-14 * found.X.norm_max());
         }
+        // Units over thirty decades in which E is singular to working precision, but for which the solutions are the same.
+        let units = |step: usize| -> Vec<f64> {
+            (0..5).map(|k| f64::from(((k * step) % 5) as i32 * 26 - 52).exp2()).collect()
+        };
+        let (rows, columns, ones) = (units(2), units(3), vec![1.0; 2]);
+        let (scaled, mass) = (scale_by(&rows, &A, &columns), scale_by(&rows, &E, &columns));
+        let (B1, S1) = (scale_by(&rows, &B, &ones), scale_by(&columns, &S, &ones));
+        let weights1 = CostWeights { Q: &scale_by(&columns, &Q, &columns), R: &R, S: Some(&S1) };
+        assert!(rcond_one(&mass) < EPS);
+        for solver in [gcare, gdare] {
+            let plain = solver(&A, &E, &B, &weights).unwrap().solution().unwrap();
+            let found = solver(&scaled, &mass, &B1, &weights1).unwrap().solution().unwrap();
+            assert!((scale_by(&rows, &found.X, &rows) - &plain.X).norm_max() < 1e-14 * plain.X.norm_max());
+            assert!((scale_by(&ones, &plain.F, &columns) - &found.F).norm_max() < 1e-14 * found.F.norm_max());
+        }
+        let Y = glyap(&scaled, &mass, &scale_by(&rows, &Q, &rows)).unwrap();
+        let plain = glyap(&A, &E, &Q).unwrap();
+        assert!((scale_by(&columns, &Y, &columns) - &plain).norm_max() < 1e-14 * plain.norm_max());
         // E = I is the standard equation.
         let plain = care(&A, &B, &Q, &R, Some(&S)).unwrap().solution().unwrap();
         let same = gcare(&A, &Mat::eye(5), &B, &weights).unwrap().solution().unwrap();

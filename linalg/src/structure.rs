@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use crate::kernel::vectorised;
 use crate::mat::Mat;
 
 /// What the places of the zeros of a matrix say of its powers.
@@ -27,6 +28,26 @@ impl Structure {
             structure.unreached.push((0..n).filter(|&i| steps[i].is_none()).collect());
         }
         structure
+    }
+
+    /// Returns the number of steps of the longest of the ways on which most of an entry of the exponential of `A`, the matrix of the structure, comes about, at least
+    /// that of the longest of the shortest ways.
+    ///
+    /// Between two masses of a rod the shortest way leads through the dampers, and the terms of up to twice as many steps through the springs are larger.
+    /// The moduli of the terms are computed along the entries other than zero.
+    pub(crate) fn count_steps_of_largest_terms(&self, A: &Mat) -> usize {
+        let mut terms = Moduli::of(A);
+        let mut longest = self.longest_path;
+        for k in 1..=2 * A.nrows() {
+            if terms.advance(k, A.nrows()) > 1.0 {
+                longest = longest.max(k);
+            }
+            // Of a matrix with two sorts of states every other term of an entry is zero.
+            if k > longest + 2 {
+                break;
+            }
+        }
+        longest
     }
 
     /// Sets the entries of a function of the matrix to zero where every power has a zero: pivoting leaves rounding errors there, which are
@@ -69,6 +90,51 @@ fn count_steps(targets: &[Vec<usize>], start: usize) -> Vec<Option<usize>> {
         }
     }
     steps
+}
+
+/// The moduli of a term `A^k / k!` of the exponential's series, and the largest ones of each entry so far, transposed.
+pub(crate) struct Moduli {
+    A: Mat,
+    term: Mat,
+    largest: Mat,
+}
+
+impl Moduli {
+    /// Returns those of the first term, the identity.
+    pub(crate) fn of(A: &Mat) -> Self {
+        let first = Mat::eye(A.nrows());
+        Self { A: A.map(f64::abs), term: first.clone(), largest: first }
+    }
+
+    /// Goes on to term `k`; returns its largest modulus over the largest one of the same entry before. An entry that is reached after more than `steps`
+    /// steps does not count.
+    pub(crate) fn advance(&mut self, k: usize, steps: usize) -> f64 {
+        let n = self.A.nrows();
+        let mut next = Mat::zeros(n, n);
+        for l in 0..n {
+            for (i, &a) in self.A.column(l).iter().enumerate().filter(|(_, a)| **a != 0.0) {
+                add_scaled(next.column_mut(i), self.term.column(l), a / k as f64);
+            }
+        }
+        let mut ratio = 0.0_f64;
+        for (largest, &term) in self.largest.as_mut_slice().iter_mut().zip(next.as_slice()) {
+            if *largest == 0.0 && term > 0.0 && k > steps {
+                *largest = f64::INFINITY;
+            }
+            if term > ratio * *largest {
+                ratio = term / *largest;
+            }
+            *largest = largest.max(term);
+        }
+        self.term = next;
+        ratio
+    }
+}
+
+vectorised! {
+    fn add_scaled<'a>(sum: &'a mut [f64], term: &'a [f64], factor: f64) -> () {
+        sum.iter_mut().zip(term).for_each(|(s, t)| *s += factor * t);
+    }
 }
 
 #[cfg(test)]

@@ -181,6 +181,9 @@ pub const PENCIL_NEAR: f64 = 0.1;
 /// Corrections allowed for the solution of an equation with a matrix `E`; each gains as many digits as the condition of `E` leaves.
 pub const GENERALISED_REFINEMENTS: usize = 6;
 
+/// Sweeps that bring rows and columns of a matrix to one size: each leaves the root of their ratio, so that eight leave a factor of two of seventy decades.
+pub const EQUILIBRATION_SWEEPS: usize = 8;
+
 /// Corrections of a solution with a sparse matrix at a complex frequency; each gains as many digits as the missing pivoting left.
 pub const SHIFTED_CORRECTIONS: usize = 4;
 
@@ -372,6 +375,9 @@ pub const SERIES_STATES: usize = 64;
 
 /// Largest 1-norm of a matrix whose power series is summed: what the signs of the terms cancel is then below e^2.
 pub const SERIES_NORM: f64 = 1.0;
+
+/// A term of a power series below this share of the largest one of the same entry is rounding: a few roundings of the sum.
+pub const SERIES_ENTRY: f64 = 8.0 * EPS;
 
 /// States up to which an exponential that does not commute with its matrix is computed in 32 digits: the largest takes some ten milliseconds.
 pub const PRECISE_EXPONENTIAL: usize = 32;

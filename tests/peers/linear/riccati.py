@@ -31,18 +31,20 @@ def generator(slicot, work):
     return ctypes.CDLL(out)
 
 
-def example(library, slicot, kind, group, number):
-    """A, B, Q, R and S of one example."""
+def example(library, slicot, kind, group, number, reals=None, size=0):
+    """A, B, Q, R and S of one example, with the default parameters or with those given."""
     k = LARGEST
     square = lambda: np.zeros((k, k), order='F')
     whole = lambda *values: (ctypes.c_int * len(values))(*values)
     A, B, C, Q, R, S, X = (square() for _ in range(7))
     work = np.zeros(k * k)
     real = lambda M: M.ctypes.data_as(ctypes.c_void_p)
-    nr, dpar, ipar, vec = whole(group, number), np.zeros(7), whole(0, 0, 0, 0), whole(*[0] * 10)
+    dpar = np.zeros(7)
+    dpar[:len(reals or ())] = reals or ()
+    nr, ipar, vec = whole(group, number), whole(size, 0, 0, 0), whole(*[0] * 10)
     n, m, p, info, ld, lwork = (ctypes.c_int(v) for v in (0, 0, 0, 0, k, k * k))
     text, by = ctypes.create_string_buffer(b' ' * 255, 255), ctypes.byref
-    head = [ctypes.c_char_p(b'D'), nr, real(dpar), ipar]
+    head = [ctypes.c_char_p(b'D' if reals is None and not size else b'N'), nr, real(dpar), ipar]
     sizes = [vec, by(n), by(m), by(p), real(A), by(ld), real(B), by(ld), real(C), by(ld)]
     here = os.getcwd()
     os.chdir(os.path.join(slicot, 'benchmark_data'))  # the generators open their data by bare names
