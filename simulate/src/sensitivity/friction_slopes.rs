@@ -80,7 +80,9 @@ impl JointFriction {
                     .collect(),
             ),
             Law::Bristle(_) => return Err(SensitivityRefusal::Jump { law: "bristle friction" }),
-            Law::ResetIntegrator(law) if law.static_ratio != 1.0 || law.damping_nm_s_rad != 0.0 => {
+            Law::ResetIntegrator(law)
+                if law.static_ratio != 1.0 || law.damping_nm_s_rad != 0.0 || model.asymmetry() != 0.0 =>
+            {
                 return Err(SensitivityRefusal::Jump { law: "the reset integrator" });
             }
             _ => smooth(model, &directions, families, joint)?,

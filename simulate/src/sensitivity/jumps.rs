@@ -15,17 +15,22 @@
 //! A joint that breaks away without a jump of its torque, and a voltage that leaves its limit, jump nothing. An event at the start of a
 //! sample, where the control steps, has a fixed instant.
 
-use super::block::add_multiple;
+use super::block::{Block, add_multiple};
 use super::refusal::SensitivityRefusal;
 use super::step_slopes::PlantSlopes;
 use crate::engine::linear_core::Mode;
 use crate::engine::ports::dry_torque;
 use crate::engine::present_plant::Instant;
 use crate::engine::stepper::TakenStep;
+use crate::engine::tables::OUTPUTS;
 use crate::tolerance::GRAZING;
 use counterpoise_models::Mesh;
 use counterpoise_models::friction::Law;
 use counterpoise_models::plant::core::{input, state};
+
+/// Rows of the joints' rates among what is seen.
+const MOTOR_RATE: usize = 0;
+const HUB_RATE: usize = 3;
 
 /// The discrete state of a plant over its last step.
 #[derive(Debug, Clone, Copy)]
@@ -76,7 +81,7 @@ impl PlantSlopes {
         }
         for joint in 0..2 {
             if joints[joint] {
-                self.jump_at_joint(joint, before, step, at)?;
+                self.jump_at_joint(joint, before, step, at, x)?;
             }
         }
         Ok(())
@@ -103,12 +108,13 @@ impl PlantSlopes {
         before: &Before,
         step: &TakenStep,
         at: &Instant,
+        x: &[f64],
     ) -> Result<(), SensitivityRefusal> {
         let (was, is) = (before.joints[joint], step.present.friction().get(joint));
         if was == 0.0 {
             return self.check_breakaway(joint);
         }
-        let mut rate = self.rate_slopes(joint, at.platform.rate);
+        let mut rate = self.rate_slopes(joint, at.platform.rate, x);
         let mut share = 1.0;
         if is != 0.0 {
             if was.signum() == is.signum() {
@@ -135,14 +141,11 @@ impl PlantSlopes {
         }
     }
 
-    /// Returns the derivatives of a joint's rate relative to the platform.
-    fn rate_slopes(&self, joint: usize, platform_rate: f64) -> Vec<f64> {
-        let plant = &self.machine.plant;
-        let row = if joint == 0 { plant.motor_rate_row() } else { plant.hub_rate_row() };
-        let mut rate = vec![0.0; self.state.drive.len()];
-        for (j, entry) in row.iter().enumerate() {
-            add_multiple(&mut rate, *entry, self.state.core.row(j));
-        }
+    /// Returns the derivatives of a joint's rate relative to the platform, at a physical state.
+    fn rate_slopes(&self, joint: usize, platform_rate: f64, x: &[f64]) -> Vec<f64> {
+        let mut seen = Block::new(OUTPUTS + 1, self.state.drive.len());
+        self.seen_slopes(x, &mut seen);
+        let mut rate = seen.row([MOTOR_RATE, HUB_RATE][joint]).to_vec();
         if joint == 0 {
             add_multiple(&mut rate, -platform_rate, &self.machine.slopes.coupling);
         }
