@@ -4,7 +4,7 @@
 const LANES: usize = 4;
 
 /// Derivatives of several quantities along all directions, row by row.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Block {
     width: usize,
     data: Vec<f64>,
@@ -34,16 +34,45 @@ impl Block {
         self.data.fill(0.0);
     }
 
-    /// Takes the values of another block of the same size.
-    #[inline(always)]
-    pub fn copy(&mut self, from: &Self) {
-        self.data.copy_from_slice(&from.data);
-    }
-
     /// Adds a multiple of a row of another block; columns beyond the narrower of both stay as they are.
     #[inline(always)]
     pub fn add(&mut self, row: usize, factor: f64, other: &[f64]) {
         add_multiple(self.row_mut(row), factor, other);
+    }
+
+    /// Adds the sum of the first rows, each with its factor, to a row that is no wider.
+    #[inline(always)]
+    pub fn combine(&self, factors: &[f64], out: &mut [f64]) {
+        self.combine_from(0, factors, out);
+    }
+
+    /// Adds the sum of the rows from one on, each with its factor, to a row that is no wider.
+    #[inline(always)]
+    pub fn combine_from(&self, first: usize, factors: &[f64], out: &mut [f64]) {
+        let (rows, stride) = (self.data.as_chunks::<LANES>().0, self.width / LANES);
+        let rows = &rows[first * stride..(first + factors.len()) * stride];
+        let out = out.as_chunks_mut::<LANES>().0;
+        let mut place = 0;
+        while out.len() - place >= 4 {
+            combine_columns::<4>(rows, stride, place, factors, out);
+            place += 4;
+        }
+        if out.len() - place >= 2 {
+            combine_columns::<2>(rows, stride, place, factors, out);
+            place += 2;
+        }
+        if out.len() > place {
+            combine_columns::<1>(rows, stride, place, factors, out);
+        }
+    }
+
+    /// Replaces the first two rows by combinations of both.
+    #[inline(always)]
+    pub fn transform_pair(&mut self, first: [f64; 2], second: [f64; 2]) {
+        let (a, b) = self.data.split_at_mut(self.width);
+        for (a, b) in a.iter_mut().zip(b) {
+            (*a, *b) = (first[0] * *a + first[1] * *b, second[0] * *a + second[1] * *b);
+        }
     }
 
     /// Exchanges two rows.
@@ -75,6 +104,29 @@ impl Block {
     }
 }
 
+/// Adds the sum of rows, each with its factor, in a few neighbouring columns, which stay in registers meanwhile.
+#[inline(always)]
+fn combine_columns<const COUNT: usize>(
+    rows: &[[f64; LANES]],
+    stride: usize,
+    place: usize,
+    factors: &[f64],
+    out: &mut [[f64; LANES]],
+) {
+    // loops over places, not iterators: an iterator's own functions are compiled without the widest registers unless they are inlined
+    let mut sum = [[0.0; LANES]; COUNT];
+    sum.copy_from_slice(&out[place..place + COUNT]);
+    for (row, factor) in factors.iter().enumerate() {
+        let x = &rows[row * stride + place..row * stride + place + COUNT];
+        for k in 0..COUNT {
+            for lane in 0..LANES {
+                sum[k][lane] += factor * x[k][lane];
+            }
+        }
+    }
+    out[place..place + COUNT].copy_from_slice(&sum);
+}
+
 /// Returns a number of directions padded to whole registers.
 pub(crate) fn pad_width(directions: usize) -> usize {
     directions.next_multiple_of(LANES)
@@ -86,9 +138,12 @@ pub(crate) fn add_multiple(out: &mut [f64], factor: f64, x: &[f64]) {
     if factor == 0.0 {
         return;
     }
-    for (out, x) in out.chunks_exact_mut(LANES).zip(x.chunks_exact(LANES)) {
+    let (out, x) = (out.as_chunks_mut::<LANES>().0, x.as_chunks::<LANES>().0);
+    let count = out.len().min(x.len());
+    let (out, x) = (&mut out[..count], &x[..count]);
+    for k in 0..count {
         for lane in 0..LANES {
-            out[lane] += factor * x[lane];
+            out[k][lane] += factor * x[k][lane];
         }
     }
 }

@@ -1,16 +1,12 @@
 //! The matrices of a step in the physical state, and their derivatives along the directions that change the core.
 
-use super::block::Block;
+use super::block::{Block, pad_width};
 use super::direction::Family;
 use crate::engine::linear_core::{Mode, ModeDynamics};
-use crate::engine::tables::{DEEPEST, FIXED_INPUTS, MIDDLE_ROWS, OUTPUTS, PORTS, STAGES, StepTable};
+use super::port_rows::{STAGE_OUTPUTS, UNKNOWNS};
+use crate::engine::tables::{DEEPEST, FIXED_INPUTS, MIDDLE_ROWS, StepTable};
 use counterpoise_models::Plant;
 use std::collections::BTreeMap;
-
-/// Outputs at the stages.
-pub(crate) const STAGE_OUTPUTS: usize = STAGES * OUTPUTS;
-/// Ports at the stages.
-pub(crate) const UNKNOWNS: usize = STAGES * PORTS;
 
 /// A matrix, row by row.
 #[derive(Debug, Clone)]
@@ -35,8 +31,10 @@ impl Rows {
 #[derive(Debug, Clone)]
 pub(crate) struct CoreTable {
     pub all: Rows,
+    /// Its columns of the ports in the rows of the outputs.
+    pub stages: Block,
     /// The derivatives of the matrix: entry by entry, one number for each direction that changes the core.
-    pub slopes: Vec<f64>,
+    slopes: Block,
 }
 
 /// The rows of what is seen of the physical state: the outputs, then the tip's rate.
@@ -44,7 +42,7 @@ pub(crate) struct CoreTable {
 pub(crate) struct SeenRows {
     pub all: Rows,
     /// As [`CoreTable::slopes`].
-    pub slopes: Vec<f64>,
+    slopes: Block,
 }
 
 /// The matrices of the modes and steps that a run has met.
@@ -52,11 +50,11 @@ pub(crate) struct SeenRows {
 pub(crate) struct CoreTables {
     nominal: Plant,
     period_s: f64,
-    /// The directions that change the core, in the order of the derivatives.
-    pub directions: Vec<usize>,
+    /// Number of directions that change the core: they are the first ones.
+    directions: usize,
     dynamics: BTreeMap<usize, ModeFamily>,
     tables: BTreeMap<usize, CoreTable>,
-    pub seen: SeenRows,
+    seen: SeenRows,
 }
 
 /// The cores of a mode: of the nominal plant and of the members of each direction that changes it.
@@ -68,7 +66,7 @@ struct ModeFamily {
 
 impl CoreTables {
     pub fn new(nominal: &Plant, families: &[Family], period_s: f64) -> Self {
-        let directions: Vec<usize> = (0..families.len()).filter(|&k| families[k].has_other_core).collect();
+        let directions = families.iter().take_while(|family| family.has_other_core).count();
         let rows = |plant: &Plant| -> Vec<Vec<f64>> {
             let n = plant.core_order();
             let cut = |mut row: Vec<f64>| {
@@ -86,10 +84,10 @@ impl CoreTables {
         };
         let own = rows(nominal);
         let all = Rows::new(own.len(), nominal.core_order(), |i, j| own[i][j]);
-        let others: Vec<_> = directions.iter().map(|&k| families[k].plants.each_ref().map(rows)).collect();
-        let slopes = stored_slopes(&all, &directions, families, |direction, member, i, j| {
-            others[direction][member][i][j]
-        });
+        let varied = &families[..directions];
+        let others: Vec<_> = varied.iter().map(|family| family.plants.each_ref().map(rows)).collect();
+        let slopes =
+            stored_slopes(&all, varied, |direction, member, i, j| others[direction][member][i][j]);
         Self {
             nominal: nominal.clone(),
             period_s,
@@ -107,7 +105,7 @@ impl CoreTables {
             let of = |plant: &Plant| ModeDynamics::in_physical_coordinates(plant, mode, *period_s);
             let family = dynamics.entry(mode.index()).or_insert_with(|| ModeFamily {
                 own: of(nominal),
-                members: directions.iter().map(|&k| families[k].plants.each_ref().map(of)).collect(),
+                members: families[..*directions].iter().map(|family| family.plants.each_ref().map(of)).collect(),
             });
             let own = rows_of(&mut family.own, level);
             let members: Vec<[Rows; super::stencil::MEMBERS]> = family
@@ -115,10 +113,14 @@ impl CoreTables {
                 .iter_mut()
                 .map(|members| members.each_mut().map(|member| rows_of(member, level)))
                 .collect();
-            let slopes = stored_slopes(&own, directions, families, |direction, member, i, j| {
+            let slopes = stored_slopes(&own, &families[..*directions], |direction, member, i, j| {
                 members[direction][member].row(i)[j]
             });
-            CoreTable { all: own, slopes }
+            let mut stages = Block::new(STAGE_OUTPUTS, pad_width(UNKNOWNS));
+            for row in 0..STAGE_OUTPUTS {
+                stages.row_mut(row)[..UNKNOWNS].copy_from_slice(&own.row(row)[own.columns - UNKNOWNS..]);
+            }
+            CoreTable { all: own, stages, slopes }
         });
     }
 
@@ -130,30 +132,24 @@ impl CoreTables {
     /// Adds a row's derivatives times the inputs of a step, in the columns of the directions that change the core.
     #[inline(always)]
     pub fn add_row_slopes(&self, table: &CoreTable, row: usize, inputs: &[f64], out: &mut [f64]) {
-        self.add_slopes(&table.slopes[row * table.all.columns * self.directions.len()..], inputs, out);
+        self.add_slopes(&table.slopes, row * table.all.columns, inputs, out);
     }
 
     /// Adds the derivatives of the first rows of what is seen of a physical state.
     #[inline(always)]
     pub fn add_seen(&self, rows: usize, x: &[f64], core: &Block, out: &mut Block) {
-        let Self { seen, directions, .. } = self;
+        let seen = &self.seen;
+        let width = core.row(0).len();
         for row in 0..rows {
-            for (j, entry) in seen.all.row(row).iter().enumerate() {
-                out.add(row, *entry, core.row(j));
-            }
-            self.add_slopes(&seen.slopes[row * seen.all.columns * directions.len()..], x, out.row_mut(row));
+            core.combine(seen.all.row(row), &mut out.row_mut(row)[..width]);
+            self.add_slopes(&seen.slopes, row * seen.all.columns, x, out.row_mut(row));
         }
     }
 
     #[inline(always)]
-    fn add_slopes(&self, slopes: &[f64], inputs: &[f64], out: &mut [f64]) {
-        if self.directions.is_empty() {
-            return;
-        }
-        for (input, slopes) in inputs.iter().zip(slopes.chunks_exact(self.directions.len())) {
-            for (k, slope) in self.directions.iter().zip(slopes) {
-                out[*k] += input * slope;
-            }
+    fn add_slopes(&self, slopes: &Block, first: usize, inputs: &[f64], out: &mut [f64]) {
+        if self.directions > 0 {
+            slopes.combine_from(first, inputs, &mut out[..pad_width(self.directions)]);
         }
     }
 
@@ -166,20 +162,18 @@ impl CoreTables {
 /// Returns the derivatives of a stored matrix, entry by entry, one number a direction.
 fn stored_slopes(
     own: &Rows,
-    directions: &[usize],
     families: &[Family],
     entry: impl Fn(usize, usize, usize, usize) -> f64,
-) -> Vec<f64> {
-    let places = (0..own.data.len()).map(|at| (at / own.columns, at % own.columns));
-    places
-        .flat_map(|(i, j)| {
-            let entry = &entry;
-            directions.iter().enumerate().map(move |(place, &k)| {
-                let of = std::array::from_fn(|member| entry(place, member, i, j));
-                families[k].stencil.derivative(own.row(i)[j], of)
-            })
-        })
-        .collect()
+) -> Block {
+    let mut slopes = Block::new(own.data.len(), pad_width(families.len()));
+    for (at, value) in own.data.iter().enumerate() {
+        let (i, j) = (at / own.columns, at % own.columns);
+        for (k, family) in families.iter().enumerate() {
+            let of = std::array::from_fn(|member| entry(k, member, i, j));
+            slopes.row_mut(at)[k] = family.stencil.derivative(*value, of);
+        }
+    }
+    slopes
 }
 
 /// Returns the matrix of a step from its table.

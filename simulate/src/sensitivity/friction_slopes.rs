@@ -45,8 +45,19 @@ pub(crate) struct JointFriction {
     kind: Kind,
     /// The directions in which the joint's friction differs.
     pub directions: Vec<usize>,
-    /// Derivatives of the state and of the torque in those directions over the last path.
-    pub own: Vec<[f64; 2]>,
+    /// What those directions change.
+    pub own: Vec<OwnSlopes>,
+}
+
+/// What a direction changes of a joint's friction at the same motion.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct OwnSlopes {
+    /// Of the state over the last path.
+    state: f64,
+    /// Of the torque after it.
+    pub torque: f64,
+    /// Of the state since the start of the step.
+    pub carried: f64,
 }
 
 #[derive(Debug, Clone)]
@@ -87,17 +98,30 @@ impl JointFriction {
             }
             _ => smooth(model, &directions, families, joint)?,
         };
-        let own = vec![[0.0; 2]; directions.len()];
+        let own = vec![OwnSlopes::default(); directions.len()];
         Ok(Self { model: *model, kind, directions, own })
+    }
+
+    /// Begins a step: what the directions change of the state at its start is in that state.
+    pub fn begin_step(&mut self) {
+        self.own.iter_mut().for_each(|own| own.carried = 0.0);
     }
 
     /// Returns the slopes over a path, and keeps the derivatives in the directions in which the law differs.
     pub fn slopes(&mut self, path: &JointPath) -> JointSlopes {
+        let slopes = self.slopes_of_path(path);
+        for own in &mut self.own {
+            own.carried = slopes.state[STATE] * own.carried + own.state;
+        }
+        slopes
+    }
+
+    fn slopes_of_path(&mut self, path: &JointPath) -> JointSlopes {
         match &self.kind {
             Kind::None => JointSlopes::default(),
             Kind::Sliding(families) => {
                 for (own, family) in self.own.iter_mut().zip(families) {
-                    *own = [0.0, family.torque_slope(&self.model, path)];
+                    (own.state, own.torque) = (0.0, family.torque_slope(&self.model, path));
                 }
                 JointSlopes {
                     state: [0.0, 0.0, 0.0, 1.0],
@@ -111,7 +135,7 @@ impl JointFriction {
                     let (found, directions) = along(law, path);
                     slopes = found;
                     for (own, found) in own.iter_mut().zip(directions) {
-                        *own = found;
+                        [own.state, own.torque] = found;
                     }
                 }
                 slopes
@@ -121,6 +145,7 @@ impl JointFriction {
 
     /// Returns the slopes of the torque over rate and state at the start of a step, and keeps the torque's derivatives.
     pub fn slopes_at_start(&mut self, rate: f64, state: f64) -> [f64; 2] {
+        self.begin_step();
         let still = JointPath { rates: [rate; 2], travel: 0.0, time_s: 1.0, states: [state; 2] };
         match &self.kind {
             Kind::Smooth { plain, varied } if varied.is_empty() => torque_slopes(plain, &still).0,
@@ -130,12 +155,12 @@ impl JointFriction {
                     let (found, directions) = torque_slopes(law, &still);
                     slopes = found;
                     for (k, own) in own.iter_mut().enumerate() {
-                        *own = [0.0, directions[k]];
+                        own.torque = directions[k];
                     }
                 }
                 slopes
             }
-            _ => self.slopes(&still).torque,
+            _ => self.slopes_of_path(&still).torque,
         }
     }
 }

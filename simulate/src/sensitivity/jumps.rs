@@ -143,7 +143,7 @@ impl PlantSlopes {
 
     /// Returns the derivatives of a joint's rate relative to the platform, at a physical state.
     fn rate_slopes(&self, joint: usize, platform_rate: f64, x: &[f64]) -> Vec<f64> {
-        let mut seen = Block::new(OUTPUTS + 1, self.state.drive.len());
+        let mut seen = Block::new(OUTPUTS + 1, self.width());
         self.seen_slopes(x, &mut seen);
         let mut rate = seen.row([MOTOR_RATE, HUB_RATE][joint]).to_vec();
         if joint == 0 {

@@ -59,6 +59,8 @@ impl MachineSlopes {
 /// A node of a step: what its smooth torques depend on.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Node {
+    /// Drive of the amplifier, V.
+    pub drive_v: f64,
     pub current_a: f64,
     pub wind_up_rad: f64,
     pub hub_angle_rad: f64,
@@ -75,6 +77,7 @@ impl Node {
         let [motor, wind_up_rad, hub_angle_rad, hub_rate, current] = *outputs;
         let pivot_angle_rad = hub_angle_rad - platform.angle;
         Self {
+            drive_v,
             current_a: current + plant.direct_current_a(drive_v, platform.rate),
             wind_up_rad,
             hub_angle_rad,

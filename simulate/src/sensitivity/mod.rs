@@ -11,7 +11,7 @@
 //! losses and errors of the mesh, loads, learned functions, cylinders, friction of varying level, bases that roll, yaw or surge, limits of the
 //! drive, clocks with errors.
 //!
-//! Modules in reading order: `refusal`, `stencil`, [`direction`], `dual`, `block`, `core_tables`, `machine_slopes`, `friction_slopes`,
+//! Modules in reading order: `refusal`, `stencil`, [`direction`], `dual`, `block`, `machine_slopes`, `friction_slopes`, `port_rows`, `core_tables`,
 //! `sensor_slopes`, `step_slopes`, `jumps`, `readings`, [`controllers`], [`mod@run`].
 
 mod block;
@@ -22,6 +22,7 @@ mod dual;
 mod friction_slopes;
 mod jumps;
 mod machine_slopes;
+mod port_rows;
 mod readings;
 mod refusal;
 pub mod run;

@@ -4,6 +4,7 @@ use super::block::Block;
 use super::controllers::DifferentiableController;
 use super::direction::{Direction, Family, start_of};
 use super::jumps::Before;
+use super::port_rows::given;
 use super::readings::ReadingSlopes;
 use super::refusal::SensitivityRefusal;
 use super::step_slopes::PlantSlopes;
@@ -79,9 +80,12 @@ impl Simulator {
         let (plant, stepper, steps_per_sample) = self.parts();
         check_scenario(plant, scenario)?;
         let families = directions.iter().enumerate().map(|(k, one)| Family::new(plant, one, scenario, k));
-        let families = families.collect::<Result<Vec<_>, _>>()?;
+        let mut families = families.enumerate().map(|(k, one)| Ok((k, one?))).collect::<Result<Vec<_>, SensitivityRefusal>>()?;
+        // those that change the core are the first ones: the derivatives of its matrices then stand side by side
+        families.sort_by_key(|(_, family)| !family.has_other_core);
+        let (order, families) = families.into_iter().unzip();
         let lap = Lap::new(plant, scenario, stepper, steps_per_sample)?;
-        let mut run = SlopeRun::new(plant, scenario, families, stepper)?;
+        let mut run = SlopeRun::new(plant, scenario, Directions { order, families }, stepper)?;
         run.go(lap, stepper, controller)
     }
 }
@@ -102,8 +106,17 @@ fn check_scenario(plant: &Plant, scenario: &Scenario) -> Result<(), SensitivityR
     }
 }
 
+/// The directions of a run.
+struct Directions {
+    /// Place of each family among the directions that were asked for.
+    order: Vec<usize>,
+    families: Vec<Family>,
+}
+
 /// The derivatives of one run under way.
 struct SlopeRun<'a> {
+    /// See [`Directions`].
+    order: Vec<usize>,
     scenario: &'a Scenario,
     slopes: PlantSlopes,
     count: usize,
@@ -112,6 +125,8 @@ struct SlopeRun<'a> {
     tachometer: Option<ReadingSlopes>,
     resolver: Option<ReadingSlopes>,
     readings: Vec<Readings>,
+    /// Those of readings and control in the order in which the directions were asked for.
+    asked: (Vec<Readings>, Vec<f64>),
     /// Derivatives of the controls that wait for the interface's delay, and of the one that acts until the first arrives.
     queue: VecDeque<Vec<f64>>,
     before: Vec<f64>,
@@ -126,9 +141,10 @@ impl<'a> SlopeRun<'a> {
     fn new(
         plant: &Plant,
         scenario: &'a Scenario,
-        families: Vec<Family>,
+        directions: Directions,
         stepper: &Stepper,
     ) -> Result<Self, SensitivityRefusal> {
+        let Directions { order, families } = directions;
         let start = start_of(plant, scenario)?;
         let count = families.len();
         let holding = |member: &Plant, start: &crate::PlantState| holding_control(member, &start.core);
@@ -146,13 +162,15 @@ impl<'a> SlopeRun<'a> {
         slopes.restart(&start);
         Ok(Self {
             scenario,
-            seen: Block::new(OUTPUTS + 1, slopes.state.drive.len()),
+            order,
+            seen: Block::new(OUTPUTS + 1, slopes.width()),
             slopes,
             count,
             hub,
             tachometer,
             resolver,
             readings: vec![Readings::default(); count],
+            asked: (vec![Readings::default(); count], vec![0.0; count]),
             queue: VecDeque::new(),
             before,
             discrete: None,
@@ -184,7 +202,11 @@ impl<'a> SlopeRun<'a> {
             lap.finish_sample(&motion, stepper.outputs()[HUB_ANGLE]);
             lap.check(k, stepper)?;
         }
-        Ok(SensitiveRun { history: lap.history(stepper), columns: std::mem::take(&mut self.columns) })
+        let mut columns = vec![std::array::from_fn(|_| Vec::new()); self.count];
+        for (place, own) in self.order.iter().zip(&mut self.columns) {
+            columns[*place] = std::mem::take(own);
+        }
+        Ok(SensitiveRun { history: lap.history(stepper), columns })
     }
 
     /// Reads the sensors at a sample.
@@ -259,7 +281,7 @@ impl<'a> SlopeRun<'a> {
             } else {
                 0.0
             };
-            state.drive[k] = steepness * acting[k] + own;
+            state.given.row_mut(given::DRIVE)[k] = steepness * acting[k] + own;
         }
         self.slopes.drive_v = drive_v;
     }
@@ -294,8 +316,14 @@ impl SampledController for Adapter<'_, '_> {
     fn reset(&mut self) {}
 
     fn step(&mut self, readings: &Readings) -> f64 {
-        let SlopeRun { readings: slopes, request, request_v, .. } = &mut *self.run;
-        *request_v = self.controller.step(readings, slopes, request);
+        let SlopeRun { readings: slopes, asked, request, request_v, order, .. } = &mut *self.run;
+        for (slopes, place) in slopes.iter().zip(order.iter()) {
+            asked.0[*place] = *slopes;
+        }
+        *request_v = self.controller.step(readings, &asked.0, &mut asked.1);
+        for (request, place) in request.iter_mut().zip(order.iter()) {
+            *request = asked.1[*place];
+        }
         *request_v
     }
 }

@@ -1,6 +1,6 @@
 //! The derivatives of the loop's sensor along a step.
 
-use super::block::{Block, add_multiple};
+use super::block::Block;
 use super::direction::Family;
 use super::refusal::SensitivityRefusal;
 use super::step_slopes::Machine;
@@ -54,15 +54,15 @@ impl LoopSensor {
         })
     }
 
-    /// Moves the derivatives of what it shows over a step; `outputs` are those of the outputs at the nodes.
+    /// Returns what it feels of the outputs.
+    pub fn felt(&self) -> &[f64; OUTPUTS] {
+        &self.felt
+    }
+
+    /// Moves the derivatives of what it shows over a step; `felt` are those of what it feels of the outputs at the nodes.
     #[inline(always)]
-    pub fn advance(&self, machine: &Machine, step: &TakenStep, outputs: &Block, gyro: &mut Block) {
-        let width = gyro.row(0).len();
-        let mut felt = Block::new(NODE_COUNT, width);
+    pub fn advance(&self, machine: &Machine, step: &TakenStep, felt: &mut Block, gyro: &mut Block) {
         for node in 0..NODE_COUNT {
-            for (k, factor) in self.felt.iter().enumerate() {
-                felt.add(node, *factor, outputs.row(node * OUTPUTS + k));
-            }
             self.add_readings(machine, step, node, felt.row_mut(node));
         }
         let Some(rows) = self.own.rows(step.level) else {
@@ -70,16 +70,10 @@ impl LoopSensor {
             gyro.row_mut(1).fill(0.0);
             return;
         };
-        let before = gyro.clone();
-        for (row, entries) in rows.iter().enumerate() {
-            let out = gyro.row_mut(row);
-            out.fill(0.0);
-            add_multiple(out, entries[0], before.row(0));
-            add_multiple(out, entries[1], before.row(1));
-            for node in 0..NODE_COUNT {
-                add_multiple(out, entries[2 + node], felt.row(node));
-            }
-        }
+        let [first, second] = &rows;
+        gyro.transform_pair([first[0], first[1]], [second[0], second[1]]);
+        felt.combine(&first[2..], gyro.row_mut(0));
+        felt.combine(&second[2..], gyro.row_mut(1));
         self.add_dynamics(machine, step, &rows, gyro);
     }
 

@@ -1,13 +1,14 @@
 //! The derivatives of one step: those of the ports from a linear equation, and with them those of the state at its end.
 //!
-//! The ports v at the stages solve v = P(y, memory), and the outputs y at the nodes are a matrix times (state, inputs, v). Both are
-//! differentiated as they stand. The derivatives by v are further columns at first, one a port; nine equations then give those of v.
+//! The ports v at the stages solve v = P(y, given), and the outputs y at the stages are a matrix times (state, inputs, v). Both are
+//! differentiated as they stand: with dP = C dy + D d(given) and dy = S dv + the rest, (1 - C S) dv = C (the rest) + D d(given).
 
 use super::block::{Block, add_multiple, pad_width};
-use super::core_tables::{CoreTable, CoreTables, STAGE_OUTPUTS, UNKNOWNS};
+use super::core_tables::{CoreTable, CoreTables};
 use super::direction::Family;
-use super::friction_slopes::{JointFriction, JointPath};
+use super::friction_slopes::{JointFriction, JointPath, JointSlopes};
 use super::machine_slopes::{MachineSlopes, Node};
+use super::port_rows::{FrictionRows, Place, Row, STAGE_OUTPUTS, UNKNOWNS, given};
 use super::refusal::SensitivityRefusal;
 use super::sensor_slopes::LoopSensor;
 use crate::PlantState;
@@ -17,15 +18,8 @@ use crate::engine::stepper::TakenStep;
 use crate::engine::tables::{FIXED_INPUTS, OUTPUTS, PORTS, STAGES};
 use counterpoise_models::Plant;
 
-/// Columns of the ports at the stages, padded.
+/// Columns of the equation for the ports, padded.
 const PORT_COLUMNS: usize = 12;
-const MOTOR: usize = 0;
-const WINDUP: usize = 1;
-const HUB_ANGLE: usize = 2;
-const HUB_RATE: usize = 3;
-const CURRENT: usize = 4;
-/// Rows of the relative motions: rates of motor and pivot, then their angles.
-const MOTIONS: usize = 4;
 
 /// The machine and its families.
 #[derive(Debug, Clone)]
@@ -40,14 +34,12 @@ pub(crate) struct Machine {
 pub(crate) struct StateSlopes {
     /// Physical states of the core.
     pub core: Block,
-    /// Dry friction at motor and pivot.
-    pub friction: Block,
-    /// Angles to which friction has travelled; `None` before the first step.
-    pub travelled: Option<Block>,
+    /// What a step is given beside them: see [`given`].
+    pub given: Block,
+    /// `false` before the first step, when friction has travelled nowhere.
+    has_travelled: bool,
     /// The loop's sensor: what it shows, and its derivative.
     pub gyro: Block,
-    /// Drive of the amplifier.
-    pub drive: Vec<f64>,
 }
 
 /// The derivatives of a plant along a run.
@@ -63,26 +55,30 @@ pub(crate) struct PlantSlopes {
     work: Work,
 }
 
-/// The rows along a step. Their columns are the directions, then the ports at the stages.
+/// Work space of a step.
 #[derive(Debug, Clone)]
 struct Work {
-    outputs: Block,
-    motion: Block,
-    before: Block,
-    memory: Block,
-    moved: Block,
-    ports: Block,
+    /// Outputs at the start, then the tip's rate.
     start: Block,
-    /// Of the directions alone.
-    values: Block,
+    outputs: Block,
+    ports: Block,
+    equation: Block,
     core: Block,
+    friction: Block,
     felt: Block,
-    own: Vec<f64>,
     inputs: Vec<f64>,
 }
 
+/// The slopes of a step's ports.
+struct PortSlopes {
+    rows: [Row; UNKNOWNS],
+    /// Friction at the end.
+    friction: FrictionRows,
+    end: Node,
+}
+
 impl PlantSlopes {
-    /// Returns the derivatives of a plant at rest.
+    /// Returns the derivatives of a plant at rest; families that change the core are the first ones.
     pub fn new(plant: &Plant, families: Vec<Family>, period_s: f64) -> Result<Self, SensitivityRefusal> {
         let ports = Ports::new(plant)?;
         let is_common = |ports: &Ports| ports.common_parts().is_some();
@@ -93,14 +89,15 @@ impl PlantSlopes {
         let models = ports.frictions().map(|model| *model);
         let joint = |k: usize| JointFriction::new(&models[k], k, &families);
         let (n, width) = (plant.core_order(), pad_width(families.len()));
+        let slopes = MachineSlopes::new(plant, &families);
         Ok(Self {
             joints: [joint(0)?, joint(1)?],
             sensor: LoopSensor::new(plant, &families, period_s)?,
             tables: CoreTables::new(plant, &families, period_s),
-            state: StateSlopes::new(n, width),
+            state: StateSlopes::new(n, &slopes, width),
             drive_v: 0.0,
             work: Work::new(n, width),
-            machine: Machine { slopes: MachineSlopes::new(plant, &families), plant: plant.clone(), families },
+            machine: Machine { slopes, plant: plant.clone(), families },
         })
     }
 
@@ -115,11 +112,16 @@ impl PlantSlopes {
                 state.core.row_mut(row)[k] = slope(&|state| state.core[row]);
             }
             for joint in 0..2 {
-                state.friction.row_mut(joint)[k] = slope(&|state| state.friction.get(joint));
+                state.given.row_mut(given::FRICTION + joint)[k] = slope(&|state| state.friction.get(joint));
                 state.gyro.row_mut(joint)[k] = slope(&|state| state.hub_gyro[joint]);
             }
         }
-        state.travelled = None;
+        state.has_travelled = false;
+    }
+
+    /// Returns the number of columns: the directions, padded.
+    pub fn width(&self) -> usize {
+        self.state.gyro.row(0).len()
     }
 
     /// Computes the derivatives of what is seen of a physical state: outputs, then the tip's rate.
@@ -142,10 +144,10 @@ impl PlantSlopes {
         along.fill_inputs(x);
         along.start(x);
         along.stage_outputs();
-        along.stages();
-        along.solve_ports();
-        along.finish();
-        sensor.advance(machine, step, &along.work.felt, &mut along.state.gyro);
+        let slopes = along.port_slopes();
+        along.solve_ports(&slopes.rows);
+        along.finish(&slopes, sensor.felt());
+        sensor.advance(machine, step, &mut along.work.felt, &mut along.state.gyro);
     }
 }
 
@@ -165,32 +167,27 @@ impl pulp::NullaryFnOnce for Advance<'_, '_> {
 }
 
 impl StateSlopes {
-    fn new(order: usize, width: usize) -> Self {
-        Self {
-            core: Block::new(order, width),
-            friction: Block::new(2, width),
-            travelled: None,
-            gyro: Block::new(2, width),
-            drive: vec![0.0; width],
+    fn new(order: usize, slopes: &MachineSlopes, width: usize) -> Self {
+        let mut given = Block::new(given::COUNT, width);
+        given.row_mut(given::COUPLING).copy_from_slice(&slopes.coupling);
+        given.row_mut(given::RATIO).copy_from_slice(&slopes.ratio);
+        for (k, current) in slopes.direct_current.iter().enumerate() {
+            given.row_mut(given::CURRENT + k).copy_from_slice(current);
         }
+        Self { core: Block::new(order, width), given, has_travelled: false, gyro: Block::new(2, width) }
     }
 }
 
 impl Work {
     fn new(order: usize, width: usize) -> Self {
-        let all = width + PORT_COLUMNS;
         Self {
-            outputs: Block::new((STAGES + 1) * OUTPUTS, all),
-            motion: Block::new(MOTIONS, all),
-            before: Block::new(MOTIONS, all),
-            memory: Block::new(2, all),
-            moved: Block::new(2, all),
-            ports: Block::new(UNKNOWNS, all),
-            start: Block::new(PORTS, all),
-            values: Block::new(UNKNOWNS, width),
+            start: Block::new(OUTPUTS + 1, width),
+            outputs: Block::new(STAGE_OUTPUTS, width),
+            ports: Block::new(UNKNOWNS, width),
+            equation: Block::new(UNKNOWNS, PORT_COLUMNS),
             core: Block::new(order, width),
-            felt: Block::new((STAGES + 1) * OUTPUTS, width),
-            own: vec![0.0; width],
+            friction: Block::new(2, width),
+            felt: Block::new(STAGES + 1, width),
             inputs: vec![0.0; order + FIXED_INPUTS + UNKNOWNS],
         }
     }
@@ -209,14 +206,14 @@ struct AlongStep<'a, 'b> {
 }
 
 impl AlongStep<'_, '_> {
-    fn width(&self) -> usize {
-        self.state.drive.len()
-    }
-
     #[inline(always)]
     fn node(&self, node: usize) -> Node {
         let outputs = &self.step.attempt.outputs()[node];
         Node::new(&self.machine.plant, outputs, self.drive_v, self.step.nodes[node])
+    }
+
+    fn state_count(&self) -> usize {
+        self.work.inputs.len() - FIXED_INPUTS - UNKNOWNS
     }
 
     /// Writes state, fixed inputs and ports of the step, by which the derivatives of the matrices are multiplied.
@@ -234,102 +231,111 @@ impl AlongStep<'_, '_> {
         inputs[n + FIXED_INPUTS..].copy_from_slice(attempt.port_values());
     }
 
-    /// Computes outputs, motion, friction and ports at the start.
+    /// Computes what the step is given: motion and ports at the start, and the torque of half the gap.
     #[inline(always)]
     fn start(&mut self, x: &[f64]) {
-        self.work.outputs.clear();
-        self.tables.add_seen(OUTPUTS, x, &self.state.core, &mut self.work.outputs);
-        let width = self.width();
-        self.move_joints(0);
-        if let Some(travelled) = &self.state.travelled {
-            for joint in 0..2 {
-                self.work.motion.row_mut(2 + joint)[..width].copy_from_slice(travelled.row(joint));
+        let node = self.node(0);
+        let friction = self.step.present.friction();
+        let torques =
+            [0, 1].map(|joint| self.joints[joint].slopes_at_start(node.rates()[joint], friction.get(joint)));
+        let ratio = self.machine.plant.parameters().gearbox.ratio;
+        let at = Place { stage: Some(0), node: &node, ratio };
+        let rows = FrictionRows::at_start().ports(&self.machine.plant, &at, 0, torques);
+        let (offset, slopes) = (self.step.mode.offset, &self.machine.slopes);
+        let Work { start, .. } = &mut *self.work;
+        start.clear();
+        self.tables.add_seen(OUTPUTS, x, &self.state.core, start);
+        let StateSlopes { given: rows_given, has_travelled, .. } = &mut *self.state;
+        rows_given.row_mut(given::GAP).fill(0.0);
+        if offset != 0.0 {
+            rows_given.add(given::GAP, offset.signum(), &slopes.gap_torque);
+        }
+        for joint in 0..2 {
+            let rate = rows_given.row_mut(given::RATES + joint);
+            rate.copy_from_slice(start.row([0, 3][joint]));
+            if joint == 0 {
+                add_multiple(rate, -node.platform.rate, &slopes.coupling);
             }
         }
-        self.work.memory.clear();
-        for joint in 0..2 {
-            self.work.memory.row_mut(joint)[..width].copy_from_slice(self.state.friction.row(joint));
+        if !*has_travelled {
+            let motor = rows_given.row_mut(given::ANGLES);
+            motor.fill(0.0);
+            start.combine_from(1, &[ratio, ratio], motor);
+            add_multiple(motor, node.wind_up_rad + node.pivot_angle_rad, &slopes.ratio);
+            rows_given.row_mut(given::ANGLES + 1).copy_from_slice(start.row(2));
+            *has_travelled = true;
         }
-        let friction = self.step.present.friction();
-        let node = self.node(0);
-        let slopes =
-            [0, 1].map(|joint| self.joints[joint].slopes_at_start(node.rates()[joint], friction.get(joint)));
-        self.ports_of_node(0, &node, slopes);
+        let Work { ports, start, .. } = &mut *self.work;
+        for (p, row) in rows.iter().enumerate() {
+            let port = ports.row_mut(p);
+            port.fill(0.0);
+            start.combine(&row.outputs[..OUTPUTS], port);
+            self.state.given.combine(&row.given, port);
+        }
+        self.add_own(0, &node, torques);
         for p in 0..PORTS {
-            let Work { start, ports, .. } = &mut *self.work;
-            start.row_mut(p).copy_from_slice(ports.row(p));
+            self.state.given.row_mut(given::PORTS + p).copy_from_slice(self.work.ports.row(p));
         }
     }
 
-    /// Computes the relative motions at a node.
+    /// Adds to the ports of a stage what the directions change of them at the same motion.
     #[inline(always)]
-    fn move_joints(&mut self, node: usize) {
-        let at = self.node(node);
-        let (slopes, plant) = (&self.machine.slopes, &self.machine.plant);
-        let Work { outputs, motion, .. } = &mut *self.work;
-        let row = |k: usize| outputs.row(node * OUTPUTS + k);
-        motion.clear();
-        motion.add(0, 1.0, row(MOTOR));
-        motion.add(0, -at.platform.rate, &slopes.coupling);
-        motion.add(1, 1.0, row(HUB_RATE));
-        let ratio = plant.parameters().gearbox.ratio;
-        motion.add(2, ratio, row(WINDUP));
-        motion.add(2, ratio, row(HUB_ANGLE));
-        motion.add(2, at.wind_up_rad + at.pivot_angle_rad, &slopes.ratio);
-        motion.add(3, 1.0, row(HUB_ANGLE));
+    fn add_own(&mut self, stage: usize, node: &Node, torques: [[f64; 2]; 2]) {
+        let first = stage * PORTS;
+        let ports = &mut self.work.ports;
+        for (joint, friction) in self.joints.iter().enumerate() {
+            for (k, own) in friction.directions.iter().zip(&friction.own) {
+                ports.row_mut(first + joint)[*k] -= torques[joint][1] * own.carried + own.torque;
+            }
+        }
+        for (k, family) in self.machine.families.iter().enumerate().filter(|(_, family)| family.has_other_parts) {
+            for (p, slope) in node.slopes_along(&self.machine.plant, family).into_iter().enumerate() {
+                ports.row_mut(first + p)[k] += slope;
+            }
+        }
     }
 
-    /// Computes the outputs at the stages, but for the ports' columns of the directions.
+    /// Computes the outputs at the stages without the share of the ports there.
     #[inline(always)]
     fn stage_outputs(&mut self) {
-        let width = self.width();
         for row in 0..STAGE_OUTPUTS {
-            self.add_inputs(row);
-            let n = self.state_count();
-            let Work { outputs, own, .. } = &mut *self.work;
-            let to = outputs.row_mut(OUTPUTS + row);
-            add_multiple(&mut to[..width], 1.0, own);
-            to[width..width + UNKNOWNS].copy_from_slice(&self.table.all.row(row)[n + FIXED_INPUTS..]);
+            let mut outputs = std::mem::take(&mut self.work.outputs);
+            let out = outputs.row_mut(row);
+            out.fill(0.0);
+            self.add_inputs(row, out);
+            self.work.outputs = outputs;
         }
     }
 
-    fn state_count(&self) -> usize {
-        self.work.inputs.len() - FIXED_INPUTS - UNKNOWNS
-    }
-
-    /// Computes a row of the matrix times the derivatives of state and fixed inputs, with the derivatives of the row; into `own`.
+    /// Adds a row of the step's matrix times the derivatives of state and fixed inputs, and the derivatives of the row.
     #[inline(always)]
-    fn add_inputs(&mut self, row: usize) {
-        let (n, width) = (self.state_count(), self.width());
+    fn add_inputs(&self, row: usize, out: &mut [f64]) {
+        let n = self.state_count();
         let entries = self.table.all.row(row);
-        let Work { own, inputs, start, .. } = &mut *self.work;
-        own.fill(0.0);
-        for (j, entry) in entries[..n].iter().enumerate() {
-            add_multiple(own, *entry, self.state.core.row(j));
-        }
-        add_multiple(own, entries[n], &self.state.drive);
-        if self.step.mode.offset != 0.0 {
-            add_multiple(own, entries[n + 1] * self.step.mode.offset.signum(), &self.machine.slopes.gap_torque);
-        }
-        for p in 0..PORTS {
-            add_multiple(own, entries[n + 6 + p], &start.row(p)[..width]);
-        }
-        self.tables.add_row_slopes(self.table, row, inputs, own);
+        let StateSlopes { core, given, .. } = &*self.state;
+        core.combine(&entries[..n], out);
+        given.combine_from(given::DRIVE, &entries[n..n + 2], out);
+        given.combine_from(given::PORTS, &entries[n + 6..n + FIXED_INPUTS], out);
+        self.tables.add_row_slopes(self.table, row, &self.work.inputs, out);
     }
 
-    /// Goes from node to node: motion, friction, ports.
+    /// Goes from node to node: motion, friction, ports. What the directions change of the ports at the same motion goes into their rows.
     #[inline(always)]
-    fn stages(&mut self) {
+    fn port_slopes(&mut self) -> PortSlopes {
+        self.work.ports.clear();
+        let ratio = self.machine.plant.parameters().gearbox.ratio;
         let mut before = self.node(0);
         let mut angles = self.step.present.travelled().unwrap_or(before.angles());
         let mut states = [0, 1].map(|joint| self.step.present.friction().get(joint));
-        for stage in 1..=STAGES {
-            let Work { before: rows, motion, .. } = &mut *self.work;
-            rows.copy(motion);
-            self.move_joints(stage);
-            let node = self.node(stage);
-            let after = self.step.attempt.stage_friction()[stage - 1];
-            let time_s = (NODES[stage] - NODES[stage - 1]) * self.step.table.step_s;
+        let mut friction = FrictionRows::at_start();
+        let mut rows = [Row::ZERO; UNKNOWNS];
+        self.joints.iter_mut().for_each(JointFriction::begin_step);
+        for stage in 0..STAGES {
+            let node = self.node(stage + 1);
+            let from = Place { stage: stage.checked_sub(1), node: &before, ratio };
+            let to = Place { stage: Some(stage), node: &node, ratio };
+            let after = self.step.attempt.stage_friction()[stage];
+            let time_s = (NODES[stage + 1] - NODES[stage]) * self.step.table.step_s;
             let mut torques = [[0.0; 2]; 2];
             for joint in 0..2 {
                 let path = JointPath {
@@ -338,140 +344,94 @@ impl AlongStep<'_, '_> {
                     time_s,
                     states: [states[joint], after.get(joint)],
                 };
-                torques[joint] = self.advance_friction(joint, &path);
+                let slopes: JointSlopes = self.joints[joint].slopes(&path);
+                friction.advance(joint, &slopes, &from, &to);
+                torques[joint] = slopes.torque;
             }
-            self.ports_of_node(stage, &node, torques);
+            let found = friction.ports(&self.machine.plant, &to, stage, torques);
+            rows[stage * PORTS..(stage + 1) * PORTS].copy_from_slice(&found);
+            self.add_own(stage, &node, torques);
             (before, angles) = (node, node.angles());
             states = [0, 1].map(|joint| after.get(joint));
         }
+        PortSlopes { rows, friction, end: before }
     }
 
-    /// Computes the state of a joint's friction after a path; returns the slopes of its torque over rate and state.
+    /// Solves the equation for the ports by Gauss's elimination with the largest pivot.
     #[inline(always)]
-    fn advance_friction(&mut self, joint: usize, path: &JointPath) -> [f64; 2] {
-        let slopes = self.joints[joint].slopes(path);
-        let Work { before, motion, memory, moved, .. } = &mut *self.work;
-        let [by_before, by_after, by_travel, by_state] = slopes.state;
-        moved.row_mut(joint).fill(0.0);
-        moved.add(joint, by_before, before.row(joint));
-        moved.add(joint, by_after, motion.row(joint));
-        moved.add(joint, by_travel, motion.row(2 + joint));
-        moved.add(joint, -by_travel, before.row(2 + joint));
-        moved.add(joint, by_state, memory.row(joint));
-        let friction = &self.joints[joint];
-        for (k, own) in friction.directions.iter().zip(&friction.own) {
-            moved.row_mut(joint)[*k] += own[0];
-        }
-        memory.row_mut(joint).copy_from_slice(moved.row(joint));
-        slopes.torque
-    }
-
-    /// Computes the ports at a node from its motion and friction: at the start into the first rows.
-    #[inline(always)]
-    fn ports_of_node(&mut self, node: usize, at: &Node, torques: [[f64; 2]; 2]) {
-        let (plant, slopes) = (&self.machine.plant, &self.machine.slopes);
-        let first = node.saturating_sub(1) * PORTS;
-        let parts = at.slopes(plant);
-        let Work { outputs, motion, memory, ports, .. } = &mut *self.work;
-        for p in 0..PORTS {
-            ports.row_mut(first + p).fill(0.0);
-        }
-        for joint in 0..2 {
-            let [by_rate, by_state] = torques[joint];
-            ports.add(first + joint, -by_rate, motion.row(joint));
-            ports.add(first + joint, -by_state, memory.row(joint));
-            let friction = &self.joints[joint];
-            for (k, own) in friction.directions.iter().zip(&friction.own) {
-                ports.row_mut(first + joint)[*k] -= own[1];
-            }
-        }
-        let [by_current, by_angle, by_rate] = parts.motor;
-        ports.add(first, by_current, outputs.row(node * OUTPUTS + CURRENT));
-        ports.add(first, by_current * plant.direct_current_a(1.0, 0.0), &self.state.drive);
-        ports.add(first, by_current * self.drive_v, &slopes.direct_current[0]);
-        ports.add(first, by_current * at.platform.rate, &slopes.direct_current[1]);
-        ports.add(first, by_angle, motion.row(2));
-        ports.add(first, by_rate, motion.row(0));
-        let [by_angle, by_motor, by_rate] = parts.hub;
-        ports.add(first + 1, by_angle, outputs.row(node * OUTPUTS + HUB_ANGLE));
-        ports.add(first + 1, by_motor, motion.row(2));
-        ports.add(first + 1, by_rate, motion.row(1));
-        ports.add(first + 2, parts.load, outputs.row(node * OUTPUTS + HUB_ANGLE));
-        for (k, family) in self.machine.families.iter().enumerate().filter(|(_, family)| family.has_other_parts) {
-            for (p, slope) in at.slopes_along(plant, family).into_iter().enumerate() {
-                ports.row_mut(first + p)[k] += slope;
-            }
-        }
-    }
-
-    /// Solves (1 - dP/dv) dv = dP for the ports at the stages, by Gauss's elimination with the largest pivot.
-    #[inline(always)]
-    fn solve_ports(&mut self) {
-        let width = self.width();
-        let Work { ports, values, .. } = &mut *self.work;
-        let mut left = [[0.0; UNKNOWNS]; UNKNOWNS];
-        for (row, left) in left.iter_mut().enumerate() {
-            let (own, by_ports) = ports.row(row).split_at(width);
-            values.row_mut(row).copy_from_slice(own);
-            for (column, entry) in left.iter_mut().enumerate() {
-                *entry = f64::from(u8::from(row == column)) - by_ports[column];
-            }
+    fn solve_ports(&mut self, rows: &[Row; UNKNOWNS]) {
+        let Work { ports, outputs, equation, .. } = &mut *self.work;
+        for (p, row) in rows.iter().enumerate() {
+            outputs.combine(&row.outputs, ports.row_mut(p));
+            self.state.given.combine(&row.given, ports.row_mut(p));
+            let left = equation.row_mut(p);
+            left.fill(0.0);
+            self.table.stages.combine(&row.outputs, left);
+            left.iter_mut().for_each(|entry| *entry = -*entry);
+            left[p] += 1.0;
         }
         for column in 0..UNKNOWNS {
-            let size = |row: &usize| left[*row][column].abs();
+            let size = |row: &usize| equation.row(*row)[column].abs();
             let pivot = (column..UNKNOWNS).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(column);
-            left.swap(column, pivot);
-            values.swap_rows(column, pivot);
+            equation.swap_rows(column, pivot);
+            ports.swap_rows(column, pivot);
+            let per = equation.row(column)[column].recip();
             for row in column + 1..UNKNOWNS {
-                let factor = left[row][column] / left[column][column];
-                if factor != 0.0 {
-                    for k in column..UNKNOWNS {
-                        left[row][k] -= factor * left[column][k];
-                    }
-                    values.add_row(row, -factor, column);
-                }
+                let factor = -equation.row(row)[column] * per;
+                equation.add_row(row, factor, column);
+                ports.add_row(row, factor, column);
             }
         }
         for row in (0..UNKNOWNS).rev() {
             for k in row + 1..UNKNOWNS {
-                values.add_row(row, -left[row][k], k);
+                ports.add_row(row, -equation.row(row)[k], k);
             }
-            values.scale_row(row, left[row][row].recip());
+            ports.scale_row(row, equation.row(row)[row].recip());
         }
     }
 
-    /// Computes what follows of the ports: the state at the end, friction, and what is seen at the nodes.
+    /// Computes what follows of the ports: the state at the end, friction, and what the loop's sensor feels of the outputs at the nodes.
     #[inline(always)]
-    fn finish(&mut self) {
-        let (n, width) = (self.state_count(), self.width());
+    fn finish(&mut self, slopes: &PortSlopes, seen: &[f64; OUTPUTS]) {
+        let n = self.state_count();
+        let mut core = std::mem::take(&mut self.work.core);
         for row in 0..n {
-            self.add_inputs(STAGE_OUTPUTS + row);
-            let Work { core, own, values, .. } = &mut *self.work;
-            let entries = &self.table.all.row(STAGE_OUTPUTS + row)[n + FIXED_INPUTS..];
-            for (p, entry) in entries.iter().enumerate() {
-                add_multiple(own, *entry, values.row(p));
+            let out = core.row_mut(row);
+            out.fill(0.0);
+            self.add_inputs(STAGE_OUTPUTS + row, out);
+            self.work.ports.combine(&self.table.all.row(STAGE_OUTPUTS + row)[n + FIXED_INPUTS..], out);
+        }
+        self.work.core = std::mem::replace(&mut self.state.core, core);
+        let Work { outputs, ports, felt, start, friction, .. } = &mut *self.work;
+        for row in 0..STAGE_OUTPUTS {
+            ports.combine(&self.table.all.row(row)[n + FIXED_INPUTS..], outputs.row_mut(row));
+        }
+        for node in 0..STAGES + 1 {
+            let out = felt.row_mut(node);
+            out.fill(0.0);
+            match node {
+                0 => start.combine(seen, out),
+                _ => outputs.combine_from((node - 1) * OUTPUTS, seen, out),
             }
-            core.row_mut(row).copy_from_slice(own);
         }
-        self.state.core.copy(&self.work.core);
-        let Work { memory, motion, outputs, values, felt, .. } = &mut *self.work;
-        let travelled = self.state.travelled.get_or_insert_with(|| Block::new(2, width));
+        let rows = &mut self.state.given;
+        for (joint, row) in slopes.friction.0.iter().enumerate() {
+            let out = friction.row_mut(joint);
+            out.fill(0.0);
+            outputs.combine(&row.outputs, out);
+            rows.combine(&row.given, out);
+            let own = &self.joints[joint];
+            own.directions.iter().zip(&own.own).for_each(|(k, own)| out[*k] += own.carried);
+        }
         for joint in 0..2 {
-            complete(self.state.friction.row_mut(joint), memory.row(joint), values);
-            complete(travelled.row_mut(joint), motion.row(2 + joint), values);
+            rows.row_mut(given::FRICTION + joint).copy_from_slice(friction.row(joint));
         }
-        for row in 0..(STAGES + 1) * OUTPUTS {
-            complete(felt.row_mut(row), outputs.row(row), values);
-        }
-    }
-}
-
-/// Computes a row of the directions from one that has columns of the ports, too.
-#[inline(always)]
-fn complete(to: &mut [f64], row: &[f64], values: &Block) {
-    let (own, by_ports) = row.split_at(to.len());
-    to.copy_from_slice(own);
-    for (p, factor) in by_ports[..UNKNOWNS].iter().enumerate() {
-        add_multiple(to, *factor, values.row(p));
+        let last = (STAGES - 1) * OUTPUTS;
+        let ratio = self.machine.plant.parameters().gearbox.ratio;
+        let motor = rows.row_mut(given::ANGLES);
+        motor.fill(0.0);
+        outputs.combine_from(last + 1, &[ratio, ratio], motor);
+        add_multiple(motor, slopes.end.wind_up_rad + slopes.end.pivot_angle_rad, &self.machine.slopes.ratio);
+        rows.row_mut(given::ANGLES + 1).copy_from_slice(outputs.row(last + 2));
     }
 }
