@@ -21,7 +21,7 @@ use crate::tolerance::{
 use counterpoise_pool::{Pool, map};
 
 /// Place of the hub angle among the freedoms of an initial state, as [`start_has`] lists them.
-const START_ANGLE: usize = 0;
+pub(super) const START_ANGLE: usize = 0;
 
 /// A variant of the machine in one recording of the selection.
 struct PlacedVariant {
@@ -210,7 +210,7 @@ impl Problem<'_> {
             left.iter_mut().flatten().for_each(|entry| *entry /= parameter.size);
             left
         };
-        let columns = self.difference_columns(&now, near);
+        let columns = self.columns(&now, near);
         Some(Slopes {
             residual: left(&now.residual),
             columns: columns.iter().zip(&free).map(per_value).collect(),
@@ -324,7 +324,7 @@ impl Problem<'_> {
 
     /// Returns whether the angle at the start of a recording stays where it is: nothing measures it, and a free function of the angle could
     /// move along with it.
-    fn keeps_angle(&self, near: &Assessment) -> bool {
+    pub(super) fn keeps_angle(&self, near: &Assessment) -> bool {
         let over_angle = |e: &'static Effect| {
             learned_element(e).is_some_and(|element| element.variable == RegimeVariable::Angle)
         };
@@ -335,9 +335,10 @@ impl Problem<'_> {
 
     /// Returns what each degree of freedom of each recording's initial state does to its residuals.
     fn start_columns(&self, now: &FitState, near: &[Assessment]) -> Vec<StartColumns> {
-        let values: Vec<f64> =
-            parameters_of(&self.effects).iter().zip(&now.x).map(|(k, &v)| from_variable(k, v)).collect();
-        let parameters = apply_effects(self.base, &self.effects, &values);
+        if let Some(exact) = self.exact_start_columns(now, near) {
+            return exact;
+        }
+        let parameters = self.mechanism_at(&now.x);
         let is_free = |&(place, freedom): &(usize, usize)| {
             start_has(&parameters, freedom) && !(freedom == START_ANGLE && self.keeps_angle(&near[place]))
         };
@@ -389,7 +390,20 @@ impl Problem<'_> {
         map(self.pool, near.len(), one)
     }
 
-    /// Returns what each variable changes of the residuals, by one-sided differences: variable by variable, recording by recording.
+    /// Returns the mechanism at a point of the fit.
+    pub(super) fn mechanism_at(&self, x: &[f64]) -> Parameters {
+        let free = parameters_of(&self.effects);
+        let values: Vec<f64> = free.iter().zip(x).map(|(k, &v)| from_variable(k, v)).collect();
+        apply_effects(self.base, &self.effects, &values)
+    }
+
+    /// Returns what each variable changes of the residuals: variable by variable, recording by recording; exact where the simulator knows
+    /// the derivatives, else by one-sided differences.
+    fn columns(&self, now: &FitState, near: &[Assessment]) -> Vec<Vec<Vec<f64>>> {
+        self.exact_columns(now, near).unwrap_or_else(|| self.difference_columns(now, near))
+    }
+
+    /// Returns what each variable changes of the residuals, by one-sided differences.
     fn difference_columns(&self, now: &FitState, near: &[Assessment]) -> Vec<Vec<Vec<f64>>> {
         let free = parameters_of(&self.effects);
         let steps: Vec<f64> = free.iter().zip(&now.x).map(|(free, x)| difference_step(free, *x)).collect();
@@ -429,10 +443,10 @@ impl Problem<'_> {
             .collect()
     }
 
-    /// Returns `J'J / N`, `J'r / N` and the scatter of the latter, by one-sided differences; what the initial states could do in
+    /// Returns `J'J / N`, `J'r / N` and the scatter of the latter; what the initial states could do in
     /// place of a parameter is removed from its column.
     fn linearise_cost(&self, now: &FitState, near: &[Assessment], starts: &[StartColumns]) -> LinearisedCost {
-        let columns = self.difference_columns(now, near);
+        let columns = self.columns(now, near);
         let place = |column: &Vec<Vec<f64>>| -> (Vec<StartShift>, Vec<f64>) {
             let absorbed: Vec<StartShift> =
                 starts.iter().zip(column).map(|(starts, own)| starts.fit_shift(own)).collect();
@@ -502,7 +516,7 @@ fn runs_alike(a: &EffectFit, b: &EffectFit) -> bool {
 }
 
 /// Returns the residuals of all channels with their weights; `None` if one is not finite.
-fn weight_residuals(channels: &[ChannelResidual], near: &Assessment) -> Option<Vec<f64>> {
+pub(super) fn weight_residuals(channels: &[ChannelResidual], near: &Assessment) -> Option<Vec<f64>> {
     let weighted = channels.iter().enumerate().flat_map(|(c, misfit)| {
         let weight = near.weight(c);
         misfit.residual.iter().map(move |r| weight * r)
@@ -512,11 +526,11 @@ fn weight_residuals(channels: &[ChannelResidual], near: &Assessment) -> Option<V
 }
 
 /// The present point of a fit.
-struct FitState {
-    x: Vec<f64>,
+pub(super) struct FitState {
+    pub x: Vec<f64>,
     /// The shift of each recording's initial state.
-    shifts: Vec<StartShift>,
-    residual: Vec<Vec<f64>>,
+    pub shifts: Vec<StartShift>,
+    pub residual: Vec<Vec<f64>>,
     cost: f64,
 }
 

@@ -7,5 +7,5 @@ mod access;
 pub mod objective;
 
 pub use access::{
-    Assessment, ChannelResidual, ControlSource, MechanismVariant, SimulatorAccess, Span, StartShift,
+    Assessment, ChannelResidual, ControlSource, MechanismVariant, SimulatorAccess, Span, StartShift, VariantDirection,
 };

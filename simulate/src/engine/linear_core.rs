@@ -273,6 +273,11 @@ impl ModeDynamics {
         coordinates.map_or_else(|| x.to_vec(), |to| (&to.W * &Mat::col(x)).column(0).to_vec())
     }
 
+    /// Returns the slopes of z over an input of the core.
+    pub fn input_column(&self, input: usize) -> Vec<f64> {
+        self.blocks.iter().flat_map(|block| block.B.column(input).to_vec()).collect()
+    }
+
     /// Returns the number of blocks.
     pub fn blocks(&self) -> usize {
         self.blocks.len()

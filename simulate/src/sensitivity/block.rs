@@ -19,13 +19,13 @@ impl Block {
     /// Returns the derivatives of a quantity.
     #[inline(always)]
     pub fn row(&self, row: usize) -> &[f64] {
-        &self.data[row * self.width..(row + 1) * self.width]
+        &self.data.as_slice()[row * self.width..(row + 1) * self.width]
     }
 
     /// Returns the derivatives of a quantity, to be changed.
     #[inline(always)]
     pub fn row_mut(&mut self, row: usize) -> &mut [f64] {
-        &mut self.data[row * self.width..(row + 1) * self.width]
+        &mut self.data.as_mut_slice()[row * self.width..(row + 1) * self.width]
     }
 
     /// Sets everything to 0.
@@ -70,8 +70,10 @@ impl Block {
     #[inline(always)]
     pub fn transform_pair(&mut self, first: [f64; 2], second: [f64; 2]) {
         let (a, b) = self.data.split_at_mut(self.width);
-        for (a, b) in a.iter_mut().zip(b) {
-            (*a, *b) = (first[0] * *a + first[1] * *b, second[0] * *a + second[1] * *b);
+        for k in 0..self.width {
+            let (one, other) = (a[k], b[k]);
+            a[k] = first[0] * one + first[1] * other;
+            b[k] = second[0] * one + second[1] * other;
         }
     }
 
@@ -100,7 +102,9 @@ impl Block {
     /// Multiplies a row by a factor.
     #[inline(always)]
     pub fn scale_row(&mut self, row: usize, factor: f64) {
-        self.row_mut(row).iter_mut().for_each(|entry| *entry *= factor);
+        for entry in self.row_mut(row) {
+            *entry *= factor;
+        }
     }
 }
 

@@ -22,6 +22,7 @@ impl Rows {
     }
 
     /// Returns one row.
+    #[inline(always)]
     pub fn row(&self, index: usize) -> &[f64] {
         &self.data[index * self.columns..(index + 1) * self.columns]
     }

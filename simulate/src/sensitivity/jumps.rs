@@ -72,7 +72,7 @@ impl PlantSlopes {
         }
         self.tables.prepare(step.mode, step.level, &self.machine.families);
         if teeth {
-            self.jump_at_teeth(before, &now, x);
+            self.jump_at_teeth(&now.mode, x);
         }
         if meets {
             let row = self.state.core.row_mut(state::VOLTAGE);
@@ -88,16 +88,14 @@ impl PlantSlopes {
     }
 
     /// Teeth meet or part: with a damped mesh its torque jumps.
-    fn jump_at_teeth(&mut self, before: &Before, now: &Before, x: &[f64]) {
+    fn jump_at_teeth(&mut self, mode: &Mode, x: &[f64]) {
+        let Some(dynamics) = self.tables.dynamics(mode) else { return };
         let damping = self.machine.plant.parameters().gearbox.damping_nm_s_rad;
-        let core = self.machine.plant.core(Mesh::Free);
-        let sign = x[state::WINDUP].signum();
         let mut beyond = self.state.core.row(state::WINDUP).to_vec();
-        add_multiple(&mut beyond, -sign, &self.machine.slopes.half_gap);
-        let sense = if now.mode.mesh == Mesh::Touching { damping } else { -damping };
-        let _ = before;
-        for row in 0..x.len() {
-            self.state.core.add(row, sense * core.B[(row, input::MESH_TORQUE)], &beyond);
+        add_multiple(&mut beyond, -x[state::WINDUP].signum(), &self.machine.slopes.half_gap);
+        let sense = if mode.mesh == Mesh::Touching { damping } else { -damping };
+        for (row, answer) in dynamics.input_column(input::MESH_TORQUE).into_iter().enumerate() {
+            self.state.core.add(row, sense * answer, &beyond);
         }
     }
 

@@ -73,6 +73,7 @@ pub(crate) struct Node {
 
 impl Node {
     /// Returns the relative motions where a plant shows outputs under a drive, on a platform.
+    #[inline(always)]
     pub fn new(plant: &Plant, outputs: &[f64; 5], drive_v: f64, platform: PlatformPoint) -> Self {
         let [motor, wind_up_rad, hub_angle_rad, hub_rate, current] = *outputs;
         let pivot_angle_rad = hub_angle_rad - platform.angle;
@@ -90,16 +91,19 @@ impl Node {
     }
 
     /// Returns the joints' rates relative to the platform.
+    #[inline(always)]
     pub fn rates(&self) -> [f64; 2] {
         [self.motor_rate_rad_s, self.pivot_rate_rad_s]
     }
 
     /// Returns the joints' angles relative to the platform.
+    #[inline(always)]
     pub fn angles(&self) -> [f64; 2] {
         [self.motor_angle_rad, self.pivot_angle_rad]
     }
 
     /// Returns the torques at motor and hub and the load, without dry friction.
+    #[inline(always)]
     fn smooth_parts(&self, plant: &Plant) -> [f64; PORTS] {
         let (sin, cos) = plant.tilt(self.hub_angle_rad);
         let gravity = plant.parameters().gravity_m_s2 + self.platform.heave;
@@ -119,6 +123,7 @@ impl Node {
     }
 
     /// Returns the slopes of the smooth parts over the motion.
+    #[inline(always)]
     pub fn slopes(&self, plant: &Plant) -> PartSlopes {
         let (sin, cos) = plant.tilt(self.hub_angle_rad);
         let turns = f64::from(u8::from(plant.parameters().axis == AxisKind::Rotary));

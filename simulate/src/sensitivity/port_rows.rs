@@ -53,17 +53,22 @@ impl Row {
 
     #[inline(always)]
     fn add(&mut self, factor: f64, other: &Self) {
-        for (own, other) in self.outputs.iter_mut().zip(&other.outputs) {
-            *own += factor * other;
+        for k in 0..STAGE_OUTPUTS {
+            self.outputs[k] += factor * other.outputs[k];
         }
-        for (own, other) in self.given.iter_mut().zip(&other.given) {
-            *own += factor * other;
+        for k in 0..given::COUNT {
+            self.given[k] += factor * other.given[k];
         }
     }
 
     #[inline(always)]
     fn scale(&mut self, factor: f64) {
-        self.outputs.iter_mut().chain(&mut self.given).for_each(|entry| *entry *= factor);
+        for k in 0..STAGE_OUTPUTS {
+            self.outputs[k] *= factor;
+        }
+        for k in 0..given::COUNT {
+            self.given[k] *= factor;
+        }
     }
 
     /// Adds a multiple of a joint's rate at a node; at the start it is given.

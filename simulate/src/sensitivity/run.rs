@@ -34,6 +34,19 @@ pub struct SensitiveRun {
 }
 
 impl SensitiveRun {
+    /// Returns the run itself and leaves an empty one.
+    pub(crate) fn take_history(&mut self) -> TimeHistory {
+        let final_state = self.history.final_state.clone();
+        let empty = TimeHistory {
+            sample_period_s: self.history.sample_period_s,
+            readings: Default::default(),
+            truth: Default::default(),
+            final_state,
+            effort: self.history.effort,
+        };
+        std::mem::replace(&mut self.history, empty)
+    }
+
     /// Returns the derivatives of a reading along a direction; empty for the platform's readings and the demand, which no direction changes.
     pub fn reading(&self, direction: usize, column: ReadingColumn) -> &[f64] {
         let place = match column {

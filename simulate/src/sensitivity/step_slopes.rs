@@ -367,12 +367,18 @@ impl AlongStep<'_, '_> {
             let left = equation.row_mut(p);
             left.fill(0.0);
             self.table.stages.combine(&row.outputs, left);
-            left.iter_mut().for_each(|entry| *entry = -*entry);
+            for entry in left.iter_mut() {
+                *entry = -*entry;
+            }
             left[p] += 1.0;
         }
         for column in 0..UNKNOWNS {
-            let size = |row: &usize| equation.row(*row)[column].abs();
-            let pivot = (column..UNKNOWNS).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(column);
+            let mut pivot = column;
+            for row in column + 1..UNKNOWNS {
+                if equation.row(row)[column].abs() > equation.row(pivot)[column].abs() {
+                    pivot = row;
+                }
+            }
             equation.swap_rows(column, pivot);
             ports.swap_rows(column, pivot);
             let per = equation.row(column)[column].recip();
