@@ -6,9 +6,7 @@
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{FrictionLaw, Parameters, Plant, reference};
 use counterpoise_simulate::sensitivity::{DifferentiablePi, Direction, Member, PiGains, Side};
-use counterpoise_simulate::{
-    Detail, EnsembleRun, PlatformMotion, Scenario, Signal, Simulator, run_ensemble,
-};
+use counterpoise_simulate::{Detail, EnsembleRun, PlatformMotion, Scenario, Signal, Simulator, run_ensemble};
 use std::time::Instant;
 
 type Place = fn(&mut Parameters) -> &mut f64;
@@ -47,7 +45,13 @@ fn moved(place: Place, by: f64) -> Plant {
 }
 
 fn controller() -> ProportionalIntegral {
-    ProportionalIntegral { kp_v_s_rad: 18.0, ki_v_rad: 80.0, bias_v: 2.88, sample_period_s: 1e-3, integral_v: 0.0 }
+    ProportionalIntegral {
+        kp_v_s_rad: 18.0,
+        ki_v_rad: 80.0,
+        bias_v: 2.88,
+        sample_period_s: 1e-3,
+        integral_v: 0.0,
+    }
 }
 
 /// Returns the least time of several calls, ms.
@@ -84,12 +88,19 @@ fn main() {
             Simulator::new(&plant).unwrap().run_with_slopes(&mut controller, &scenario, &directions).unwrap();
         });
         let differences = least_ms(|| {
-            let mut simulators: Vec<Simulator> =
-                PARAMETERS[..count].iter().map(|place| Simulator::new(&moved(*place, 1e-3)).unwrap()).collect();
+            let mut simulators: Vec<Simulator> = PARAMETERS[..count]
+                .iter()
+                .map(|place| Simulator::new(&moved(*place, 1e-3)).unwrap())
+                .collect();
             let mut controllers = vec![controller(); count];
             let pairs = simulators.iter_mut().zip(&mut controllers);
             let mut runs: Vec<EnsembleRun> = pairs
-                .map(|(simulator, controller)| EnsembleRun { simulator, controller, scenario: &scenario, watch: None })
+                .map(|(simulator, controller)| EnsembleRun {
+                    simulator,
+                    controller,
+                    scenario: &scenario,
+                    watch: None,
+                })
                 .collect();
             run_ensemble(&mut runs);
         });

@@ -1,13 +1,14 @@
 //! The derivatives along a run are those that differences of runs show.
 
 use counterpoise_controller::ProportionalIntegral;
+use counterpoise_models::plant::core::state;
 use counterpoise_models::{Friction, FrictionLaw, Parameters, Plant, Ripple, StribeckCurve, reference};
 use counterpoise_simulate::history::{ReadingColumn, TrueColumn};
 use counterpoise_simulate::sensitivity::{
     DifferentiablePi, Direction, Member, PiGains, SensitiveRun, SensitivityRefusal, Side,
 };
 use counterpoise_simulate::{
-    Error, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
+    Error, Imperfections, Initial, PlantState, PlatformMotion, Scenario, Signal, Simulator, TimeHistory,
 };
 
 /// Defect of a step in these runs: differences of runs need steps whose error is far below the difference.
@@ -105,12 +106,17 @@ impl Case {
         }
         let plant = Plant::from_lumped(&self.parameters).unwrap();
         let mut controller = DifferentiablePi::new(&self.controller, gains);
-        Simulator::with_tolerance(&plant, TIGHT)?.run_with_slopes(&mut controller, &self.scenario, &directions)
+        Simulator::with_tolerance(&plant, TIGHT)?.run_with_slopes(
+            &mut controller,
+            &self.scenario,
+            &directions,
+        )
     }
 
     /// Returns how far the derivatives along a parameter are from differences of runs.
     fn compare_along(&self, found: &SensitiveRun, direction: usize) -> Comparison {
-        let places: Vec<f64> = STEPS.iter().flat_map(|step| [-2.0, -1.0, 1.0, 2.0].map(|k| k * step)).collect();
+        let places: Vec<f64> =
+            STEPS.iter().flat_map(|step| [-2.0, -1.0, 1.0, 2.0].map(|k| k * step)).collect();
         let runs: Vec<TimeHistory> =
             places.iter().map(|by| self.plain(&self.plant(FACTORS[direction], *by)).unwrap()).collect();
         let mut worst = Comparison::default();
@@ -118,13 +124,16 @@ impl Case {
             let of: Vec<Vec<f64>> = runs.iter().map(column).collect();
             let differences = Differences::new(&of);
             let value = of[1].iter().fold(0.0, |m: f64, e| m.max(e.abs()));
-            let size = exact.iter().fold(1e-3 * value + f64::MIN_POSITIVE, |m: f64, e| m.max(e.abs()));
-            // a derivative far below the output itself is known no better than the runs are
+            let size = exact.iter().fold(1e-2 * value + f64::MIN_POSITIVE, |m: f64, e| m.max(e.abs()));
+            // a parameter whose doubling moves the output by less than a hundredth is compared with that: the runs are known no better
             worst = worst.worse(&differences.compare(exact, size));
         };
-        for column in
-            [ReadingColumn::HubRate, ReadingColumn::Control, ReadingColumn::MotorRate, ReadingColumn::HubPosition]
-        {
+        for column in [
+            ReadingColumn::HubRate,
+            ReadingColumn::Control,
+            ReadingColumn::MotorRate,
+            ReadingColumn::HubPosition,
+        ] {
             let of = |run: &TimeHistory| run.readings.signals.column(column).to_vec();
             compare(found.reading(direction, column), &of);
         }
@@ -165,12 +174,31 @@ impl Differences {
 
     /// Compares with the difference that agrees best with that of the next smaller step.
     fn compare(&self, exact: &[f64], size: f64) -> Comparison {
-        let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs())) / size;
+        let apart =
+            |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs())) / size;
         let judged = self.0.windows(2).map(|pair| Comparison {
             error: apart(&pair[1], exact).min(apart(&pair[0], exact)),
             doubt: apart(&pair[0], &pair[1]),
         });
         judged.min_by(|a, b| a.doubt.total_cmp(&b.doubt)).unwrap()
+    }
+}
+
+impl Case {
+    /// Returns whether nothing in the motion has a corner that the engine does not seek: no gap, no true stick, no law that turns at once.
+    fn is_smooth(&self) -> bool {
+        let turns = |friction: &Friction| {
+            matches!(
+                friction.law,
+                FrictionLaw::None
+                    | FrictionLaw::Walrath { .. }
+                    | FrictionLaw::Lugre { .. }
+                    | FrictionLaw::Dahl { .. }
+            )
+        };
+        self.parameters.gearbox.backlash_rad == 0.0
+            && turns(&self.parameters.motor_friction)
+            && turns(&self.parameters.pivot_friction)
     }
 }
 
@@ -188,7 +216,11 @@ fn law(kind: usize, coulomb_nm: f64, random: &mut RandomGenerator) -> FrictionLa
             bristle_stiffness_nm_rad: stiffness,
             bristle_damping_nm_s_rad: 0.001 * stiffness * random.next(),
         },
-        4 => FrictionLaw::ResetIntegrator { coulomb_nm, deflection_rad: 5e-4 * random.factor(), damping_nm_s_rad: 0.0 },
+        4 => FrictionLaw::ResetIntegrator {
+            coulomb_nm,
+            deflection_rad: 5e-4 * random.factor(),
+            damping_nm_s_rad: 0.0,
+        },
         5 => FrictionLaw::Walrath { coulomb_nm, time_constant_s: 0.02, smoothing_rate_rad_s: 0.01 },
         6 => FrictionLaw::Stribeck { coulomb_nm, curve: StribeckCurve::Gaussian },
         7 => FrictionLaw::Karnopp { coulomb_nm, stick_rate_rad_s: 1e-3 * random.factor() },
@@ -209,7 +241,7 @@ fn random_case(random: &mut RandomGenerator) -> (Case, String) {
             friction.static_ratio = random.draw_between(1.0, 1.6);
             friction.stribeck_rate_rad_s = 0.02 * random.factor();
         }
-        friction.asymmetry = if random.next() > 0.7 { random.draw_between(-0.2, 0.2) } else { 0.0 };
+        friction.asymmetry = if random.next() > 0.8 { random.draw_between(-0.2, 0.2) } else { 0.0 };
         friction
     };
     rig.motor_friction = friction(kinds[0], 0.065, 0.002 * random.factor(), random);
@@ -244,7 +276,13 @@ fn random_case(random: &mut RandomGenerator) -> (Case, String) {
 }
 
 fn controller() -> ProportionalIntegral {
-    ProportionalIntegral { kp_v_s_rad: 18.0, ki_v_rad: 80.0, bias_v: 2.88, sample_period_s: 1e-3, integral_v: 0.0 }
+    ProportionalIntegral {
+        kp_v_s_rad: 18.0,
+        ki_v_rad: 80.0,
+        bias_v: 2.88,
+        sample_period_s: 1e-3,
+        integral_v: 0.0,
+    }
 }
 
 fn scenario() -> Scenario {
@@ -255,26 +293,154 @@ fn scenario() -> Scenario {
     }
 }
 
+/// Share of a comparison's doubt by which the derivatives may miss the differences.
+const DOUBTS: f64 = 3.0;
+
 #[test]
 fn the_derivatives_of_the_reference_rig_are_those_of_differences() {
     let case = Case { parameters: reference::rig(), scenario: scenario(), controller: controller() };
     let found = case.exact(&[PiGains::default(); FACTORS.len()]).unwrap();
     for (k, factor) in FACTORS.iter().enumerate() {
-        let error = case.compare_along(&found, k);
-        println!("{}: {error:?}", factor.name);
+        let Comparison { error, doubt } = case.compare_along(&found, k);
+        assert!(error < 1e-6 + DOUBTS * doubt && error < 5e-6, "{}: {error:.1e}, {doubt:.1e}", factor.name);
     }
 }
 
 #[test]
+fn a_run_with_derivatives_leaves_the_bytes_of_the_plain_run() {
+    let case = Case { parameters: reference::rig(), scenario: scenario(), controller: controller() };
+    let plain = case.plain(&Plant::from_lumped(&case.parameters).unwrap()).unwrap();
+    assert_eq!(case.exact(&[PiGains::default(); FACTORS.len()]).unwrap().history, plain);
+}
+
+#[test]
+fn gains_and_the_integral_at_the_start_have_derivatives() {
+    let case = Case { parameters: reference::rig(), scenario: scenario(), controller: controller() };
+    let one = PiGains::default();
+    let kinds = [
+        PiGains { kp_v_s_rad: 1.0, ..one },
+        PiGains { ki_v_rad: 1.0, ..one },
+        PiGains { bias_v: 1.0, ..one },
+        PiGains { integral_v: 1.0, ..one },
+    ];
+    let gains: Vec<PiGains> = vec![one; FACTORS.len()].into_iter().chain(kinds).collect();
+    let found = case.exact(&gains).unwrap();
+    let plant = Plant::from_lumped(&case.parameters).unwrap();
+    for (k, kind) in kinds.iter().enumerate() {
+        let moved = |by: f64| {
+            let mut controller = case.controller.clone();
+            controller.kp_v_s_rad += by * kind.kp_v_s_rad;
+            controller.ki_v_rad += by * kind.ki_v_rad;
+            controller.bias_v += by * kind.bias_v;
+            controller.integral_v += by * kind.integral_v;
+            let run = Simulator::with_tolerance(&plant, TIGHT).unwrap().run(&mut controller, &case.scenario);
+            run.unwrap().readings.control_v().to_vec()
+        };
+        let exact = found.reading(FACTORS.len() + k, ReadingColumn::Control);
+        let worst = miss(exact, 2e-4, moved);
+        assert!(worst < 2e-6, "{kind:?}: {worst:.1e}");
+    }
+}
+
+/// Returns by how much a difference of fourth order misses derivatives, relative to the largest of them.
+fn miss(exact: &[f64], step: f64, mut run: impl FnMut(f64) -> Vec<f64>) -> f64 {
+    let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(|place| run(place * step));
+    let size = exact.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
+    let difference = |k: usize| (8.0 * (c[k] - b[k]) - (d[k] - a[k])) / (12.0 * step);
+    (0..exact.len()).map(|k| (difference(k) - exact[k]).abs() / size).fold(0.0, f64::max)
+}
+
+#[test]
+fn freedoms_of_the_start_have_derivatives() {
+    let plant = Plant::from_lumped(&reference::rig()).unwrap();
+    let mut simulator = Simulator::with_tolerance(&plant, TIGHT).unwrap();
+    let rest = simulator.rest(0.0, 0.0, 0.05);
+    let moved = |freedom: usize, by: f64| {
+        let mut start = rest.clone();
+        match freedom {
+            0 => start.core[state::ANGLE] += 1e-4 * by,
+            1 => start.core[state::RATE] += 1e-3 * by,
+            2 => start.friction.pivot += by,
+            _ => start.hub_gyro[0] += 1e-3 * by,
+        }
+        start
+    };
+    let members: Vec<_> = (0..4)
+        .map(|k| {
+            let (plant, moved) = (&plant, &moved);
+            move |by: f64| Ok(Member { plant: plant.clone(), start: Some(moved(k, by)) })
+        })
+        .collect();
+    let directions: Vec<Direction> =
+        members.iter().map(|member| Direction { member, step: 1e-2, side: Side::Both }).collect();
+    let from = |start: PlantState| Scenario { initial: Initial::State(Box::new(start)), ..scenario() };
+    let mut exact = DifferentiablePi::new(&controller(), &[]);
+    let found = simulator.run_with_slopes(&mut exact, &from(rest.clone()), &directions).unwrap();
+    for freedom in 0..4 {
+        let run = |by: f64| {
+            let history = simulator.run(&mut controller(), &from(moved(freedom, by))).unwrap();
+            history.truth.signals.column(TrueColumn::HubRate).to_vec()
+        };
+        let worst = miss(found.truth(freedom, TrueColumn::HubRate), 0.02, run);
+        assert!(worst < 1e-5, "{freedom}: {worst:.1e}");
+    }
+}
+
+#[test]
+fn a_rounded_reading_passes_the_derivatives_of_the_signal_before_it() {
+    let case = Case { parameters: reference::rig(), scenario: scenario(), controller: controller() };
+    let rounded = Case {
+        scenario: Scenario { imperfections: Imperfections::Quantisation, ..scenario() },
+        parameters: case.parameters.clone(),
+        controller: controller(),
+    };
+    let gains = [PiGains::default(); FACTORS.len()];
+    let [smooth, rounded] = [case, rounded].map(|case| case.exact(&gains).unwrap());
+    // the motion differs by the rounding alone, and the derivatives with it
+    for direction in [0, 3, 8] {
+        let [a, b] = [&smooth, &rounded].map(|run| run.reading(direction, ReadingColumn::HubRate));
+        let apart: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
+        let size: f64 = a.iter().map(|a| a * a).sum();
+        assert!(apart < 0.01 * size, "{direction}: {}", (apart / size).sqrt());
+    }
+}
+
+#[test]
+fn what_has_no_derivative_is_refused_with_its_reason() {
+    let refusal = |change: &dyn Fn(&mut Parameters), member: &dyn Fn(&mut Parameters, f64)| {
+        let with = |by: f64| {
+            let mut parameters = reference::rig();
+            change(&mut parameters);
+            member(&mut parameters, by);
+            Ok(Member { plant: Plant::from_lumped(&parameters)?, start: None })
+        };
+        let directions = [Direction { member: &with, step: 1e-3, side: Side::Above }];
+        let plant = with(0.0).unwrap().plant;
+        let mut exact = DifferentiablePi::new(&controller(), &[]);
+        Simulator::new(&plant).unwrap().run_with_slopes(&mut exact, &scenario(), &directions).unwrap_err()
+    };
+    let same = |_: &mut Parameters, _: f64| {};
+    let bristles = |p: &mut Parameters| {
+        p.pivot_friction.law = FrictionLaw::Bristle { coulomb_nm: 117.0, bristles: 20, bond_rad: 1e-4 };
+    };
+    assert!(matches!(refusal(&bristles, &same), SensitivityRefusal::Jump { .. }));
+    let lossy = |p: &mut Parameters| p.gearbox.mesh_efficiency = 0.9;
+    assert!(matches!(refusal(&lossy, &same), SensitivityRefusal::Part { .. }));
+    let closed = |p: &mut Parameters| p.gearbox.backlash_rad = 0.0;
+    let opens = |p: &mut Parameters, by: f64| p.gearbox.backlash_rad += by;
+    assert!(matches!(refusal(&closed, &opens), SensitivityRefusal::Structure { direction: 0, .. }));
+}
+
+/// The comparisons over random machines; MACHINES is their number, 24 if it is not set.
+#[test]
 fn the_derivatives_of_random_machines_are_those_of_differences() {
-    let count = std::env::var("MACHINES").map_or(60, |count| count.parse().unwrap());
+    let count = std::env::var("MACHINES").map_or(24, |count| count.parse().unwrap());
     let mut random = RandomGenerator(0x1234_5678_9abc);
-    let (mut refused, mut beyond, mut errors) = (0, 0, Vec::new());
+    let (mut refused, mut found) = (0, Vec::new());
     for machine in 0..count {
         let (case, text) = random_case(&mut random);
-        let found = match case.exact(&[PiGains::default(); FACTORS.len()]) {
-            Ok(found) => found,
-            Err(SensitivityRefusal::Run(_)) => continue,
+        let run = match case.exact(&[PiGains::default(); FACTORS.len()]) {
+            Ok(run) => run,
             Err(refusal) => {
                 refused += 1;
                 println!("{machine} {text}: {refusal}");
@@ -283,17 +449,35 @@ fn the_derivatives_of_random_machines_are_those_of_differences() {
         };
         for _ in 0..3 {
             let direction = random.draw_below(FACTORS.len());
-            let Comparison { error, doubt } = case.compare_along(&found, direction);
-            if error > 1e-6 + 3.0 * doubt {
-                println!("{machine} {text}: {} {error:.1e}, doubt {doubt:.1e}", FACTORS[direction].name);
+            let one = case.compare_along(&run, direction);
+            if one.error > 1e-6 + DOUBTS * one.doubt {
+                println!(
+                    "{machine} {text}: {} {:.1e}, doubt {:.1e}",
+                    FACTORS[direction].name, one.error, one.doubt
+                );
             }
-            errors.push(error);
-            beyond += usize::from(error > 1e-6 + 3.0 * doubt);
+            found.push((case.is_smooth(), one));
         }
     }
-    println!("beyond {beyond}");
-    errors.sort_by(f64::total_cmp);
-    let at = |share: f64| errors[(share * (errors.len() - 1) as f64) as usize];
-    println!("{} errors: median {:.1e}, 90 % {:.1e}, 95 % {:.1e}, 99 % {:.1e}, largest {:.1e}; {refused} refused",
-        errors.len(), at(0.5), at(0.9), at(0.95), at(0.99), at(1.0));
+    for (name, smooth) in
+        [("no corner in the motion", true), ("gap, true stick or corners of friction", false)]
+    {
+        let few: Vec<Comparison> =
+            found.iter().filter(|(kind, _)| *kind == smooth).map(|(_, one)| *one).collect();
+        let share = |most: &dyn Fn(&Comparison) -> bool| {
+            few.iter().filter(|one| most(one)).count() as f64 / few.len() as f64
+        };
+        let within = share(&|one| one.error <= 1e-6 + DOUBTS * one.doubt);
+        let close = share(&|one| one.error <= 1e-4);
+        let worst = few.iter().fold(0.0, |m: f64, one| m.max(one.error));
+        println!(
+            "{name}: {} comparisons, within 1e-6 or the doubt {:.1} %, within 1e-4 {:.1} %, worst {worst:.1e}",
+            few.len(),
+            100.0 * within,
+            100.0 * close
+        );
+        assert!(worst < 5e-3 && close > 0.85 && (within > 0.9 || !smooth), "{name}");
+    }
+    println!("{refused} of {count} refused");
+    assert!(refused * 20 <= count + 20);
 }

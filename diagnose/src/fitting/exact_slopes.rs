@@ -1,12 +1,9 @@
 //! The Jacobian of a fit from exact derivatives of the runs: one run with all directions in place of one run a direction.
 
 use counterpoise_pool::map;
-use counterpoise_simulate::replay::{START_FREEDOMS, start_has};
 use counterpoise_simulate::sensitivity::Side;
 
-use super::initial_states::StartColumns;
-use super::output_error::{FitState, Problem, START_ANGLE, from_variable, parameters_of, to_variable,
-    weight_residuals};
+use super::output_error::{FitState, Problem, from_variable, parameters_of, to_variable, weight_residuals};
 use crate::library::{EffectParameter, ParameterMapping};
 use crate::simulator_access::{Assessment, MechanismVariant, VariantDirection};
 use crate::tolerance::{FEWEST_EXACT_DIRECTIONS, VARIED_UNITS};
@@ -16,7 +13,9 @@ impl Problem<'_> {
     /// derivatives, or if differences are quicker.
     pub(super) fn exact_columns(&self, now: &FitState, near: &[Assessment]) -> Option<Vec<Vec<Vec<f64>>>> {
         let free = parameters_of(&self.effects);
-        if free.len() < FEWEST_EXACT_DIRECTIONS || free.iter().any(|one| one.mapping == ParameterMapping::Whole) {
+        if free.len() < FEWEST_EXACT_DIRECTIONS
+            || free.iter().any(|one| one.mapping == ParameterMapping::Whole)
+        {
             return None;
         }
         let sides: Vec<Side> = free.iter().zip(&now.x).map(|(one, x)| side(one, *x)).collect();
@@ -31,7 +30,12 @@ impl Problem<'_> {
             let directions = members.iter().zip(&sides);
             let directions: Vec<VariantDirection> =
                 directions.map(|(member, side)| VariantDirection { member, side: *side }).collect();
-            self.weighted_slopes(&MechanismVariant { parameters: self.mechanism_at(&now.x), shift }, &directions, place, near)
+            self.weighted_slopes(
+                &MechanismVariant { parameters: self.mechanism_at(&now.x), shift },
+                &directions,
+                place,
+                near,
+            )
         };
         let found = map(self.pool, near.len(), of_recording);
         let found: Vec<Vec<Vec<f64>>> = found.into_iter().collect::<Option<_>>()?;
@@ -45,33 +49,6 @@ impl Problem<'_> {
         Some(columns)
     }
 
-    /// Returns what each degree of freedom of each recording's initial state does to its residuals; `None` as [`Self::exact_columns`] does.
-    pub(super) fn exact_start_columns(&self, now: &FitState, near: &[Assessment]) -> Option<Vec<StartColumns>> {
-        let parameters = self.mechanism_at(&now.x);
-        let of_recording = |place: usize| {
-            let is_free = |freedom: &usize| {
-                start_has(&parameters, *freedom) && !(*freedom == START_ANGLE && self.keeps_angle(&near[place]))
-            };
-            let freedoms: Vec<usize> = (0..START_FREEDOMS).filter(is_free).collect();
-            let moved = |freedom: usize, by: f64| {
-                let mut shift = now.shifts[place];
-                shift[freedom] += by;
-                MechanismVariant { parameters: parameters.clone(), shift }
-            };
-            let members: Vec<_> = freedoms.iter().map(|&k| move |by: f64| moved(k, by)).collect();
-            let directions: Vec<VariantDirection> =
-                members.iter().map(|member| VariantDirection { member, side: Side::Both }).collect();
-            let nominal = MechanismVariant { parameters: parameters.clone(), shift: now.shifts[place] };
-            let found = self.weighted_slopes(&nominal, &directions, place, near)?;
-            let mut columns = vec![None; START_FREEDOMS];
-            for (freedom, column) in freedoms.into_iter().zip(found) {
-                columns[freedom] = column.iter().any(|c| *c != 0.0).then_some(column);
-            }
-            Some(StartColumns::new(columns))
-        };
-        map(self.pool, near.len(), of_recording).into_iter().collect()
-    }
-
     /// Returns the derivatives of the weighted residuals of one recording of the selection, direction by direction.
     fn weighted_slopes(
         &self,
@@ -80,9 +57,6 @@ impl Problem<'_> {
         place: usize,
         near: &[Assessment],
     ) -> Option<Vec<Vec<f64>>> {
-        if directions.len() < FEWEST_EXACT_DIRECTIONS {
-            return None;
-        }
         let (index, span) = (self.selection.recordings[place], self.selection.span);
         let found = self.simulator.residual_slopes(variant, directions, index, span, &near[place])?;
         found.iter().map(|channels| weight_residuals(channels, &near[place])).collect()

@@ -21,7 +21,7 @@ use crate::tolerance::{
 use counterpoise_pool::{Pool, map};
 
 /// Place of the hub angle among the freedoms of an initial state, as [`start_has`] lists them.
-pub(super) const START_ANGLE: usize = 0;
+const START_ANGLE: usize = 0;
 
 /// A variant of the machine in one recording of the selection.
 struct PlacedVariant {
@@ -324,7 +324,7 @@ impl Problem<'_> {
 
     /// Returns whether the angle at the start of a recording stays where it is: nothing measures it, and a free function of the angle could
     /// move along with it.
-    pub(super) fn keeps_angle(&self, near: &Assessment) -> bool {
+    fn keeps_angle(&self, near: &Assessment) -> bool {
         let over_angle = |e: &'static Effect| {
             learned_element(e).is_some_and(|element| element.variable == RegimeVariable::Angle)
         };
@@ -335,9 +335,6 @@ impl Problem<'_> {
 
     /// Returns what each degree of freedom of each recording's initial state does to its residuals.
     fn start_columns(&self, now: &FitState, near: &[Assessment]) -> Vec<StartColumns> {
-        if let Some(exact) = self.exact_start_columns(now, near) {
-            return exact;
-        }
         let parameters = self.mechanism_at(&now.x);
         let is_free = |&(place, freedom): &(usize, usize)| {
             start_has(&parameters, freedom) && !(freedom == START_ANGLE && self.keeps_angle(&near[place]))

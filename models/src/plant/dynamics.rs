@@ -291,7 +291,8 @@ impl Plant {
         let motor = &self.parameters.motor;
         let limit = self.parameters.amplifier.current_limit_a;
         let limited = current_a.clamp(-limit, limit);
-        let follows = if current_a.abs() <= limit { 1.0 + motor.torque_ripple.at(motor_angle_rad) } else { 0.0 };
+        let follows =
+            if current_a.abs() <= limit { 1.0 + motor.torque_ripple.at(motor_angle_rad) } else { 0.0 };
         let constant = motor.torque_constant_nm_a;
         [
             constant * (follows - 1.0),

@@ -76,36 +76,6 @@ impl Block {
             b[k] = second[0] * one + second[1] * other;
         }
     }
-
-    /// Exchanges two rows.
-    #[inline(always)]
-    pub fn swap_rows(&mut self, a: usize, b: usize) {
-        if a != b {
-            let (first, last) = (a.min(b), a.max(b));
-            let (above, below) = self.data.split_at_mut(last * self.width);
-            above[first * self.width..(first + 1) * self.width].swap_with_slice(&mut below[..self.width]);
-        }
-    }
-
-    /// Adds a multiple of a row to another one.
-    #[inline(always)]
-    pub fn add_row(&mut self, to: usize, factor: f64, from: usize) {
-        let width = self.width;
-        let (above, below) = self.data.split_at_mut(to.max(from) * width);
-        if to < from {
-            add_multiple(&mut above[to * width..(to + 1) * width], factor, &below[..width]);
-        } else {
-            add_multiple(&mut below[..width], factor, &above[from * width..(from + 1) * width]);
-        }
-    }
-
-    /// Multiplies a row by a factor.
-    #[inline(always)]
-    pub fn scale_row(&mut self, row: usize, factor: f64) {
-        for entry in self.row_mut(row) {
-            *entry *= factor;
-        }
-    }
 }
 
 /// Adds the sum of rows, each with its factor, in a few neighbouring columns, which stay in registers meanwhile.
@@ -117,7 +87,6 @@ fn combine_columns<const COUNT: usize>(
     factors: &[f64],
     out: &mut [[f64; LANES]],
 ) {
-    // loops over places, not iterators: an iterator's own functions are compiled without the widest registers unless they are inlined
     let mut sum = [[0.0; LANES]; COUNT];
     sum.copy_from_slice(&out[place..place + COUNT]);
     for (row, factor) in factors.iter().enumerate() {
@@ -129,6 +98,114 @@ fn combine_columns<const COUNT: usize>(
         }
     }
     out[place..place + COUNT].copy_from_slice(&sum);
+}
+
+/// A matrix whose rows stand in groups of [`GROUP`], column by column within a group, so that a product with rows of derivatives works on a
+/// group at a time.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Grouped {
+    rows: usize,
+    columns: usize,
+    data: Vec<[f64; GROUP]>,
+}
+
+/// Rows of a group.
+const GROUP: usize = 4;
+
+impl Grouped {
+    /// Returns a matrix of zeros.
+    pub fn new(rows: usize, columns: usize) -> Self {
+        Self { rows, columns, data: vec![[0.0; GROUP]; rows.div_ceil(GROUP) * columns] }
+    }
+
+    /// Sets an entry.
+    #[inline(always)]
+    pub fn set(&mut self, row: usize, column: usize, value: f64) {
+        self.data[row / GROUP * self.columns + column][row % GROUP] = value;
+    }
+
+    /// Computes rows of `out` from one on: += the matrix times rows of `x` from one on. `out` has rows for whole groups.
+    #[inline(always)]
+    pub fn multiply_add(&self, x: &Block, first: usize, out: &mut Block, to: usize) {
+        let stride = x.width / LANES;
+        let from = &x.data.as_chunks::<LANES>().0[first * stride..(first + self.columns) * stride];
+        let all = out.data.as_chunks_mut::<LANES>().0;
+        for group in 0..self.rows.div_ceil(GROUP) {
+            let factors = &self.data[group * self.columns..(group + 1) * self.columns];
+            let rows = &mut all[(to + group * GROUP) * stride..(to + (group + 1) * GROUP) * stride];
+            let mut place = 0;
+            while place + 2 <= stride {
+                multiply_tile::<2>(factors, from, stride, place, rows);
+                place += 2;
+            }
+            if place < stride {
+                multiply_tile::<1>(factors, from, stride, place, rows);
+            }
+        }
+    }
+}
+
+/// Computes rows of `out`: += for each row the sum of `slopes` over its columns, each with its factor. `slopes` has a row of derivatives for each
+/// entry of a matrix with rows for whole groups.
+#[inline(always)]
+pub(crate) fn add_entry_slopes(slopes: &Block, factors: &[f64], out: &mut Block) {
+    let (stride, wide) = (slopes.width / LANES, out.width / LANES);
+    let data = slopes.data.as_chunks::<LANES>().0;
+    let all = out.data.as_chunks_mut::<LANES>().0;
+    let group = GROUP * factors.len() * stride;
+    for (index, data) in data.chunks_exact(group).enumerate() {
+        let rows = &mut all[index * GROUP * wide..(index + 1) * GROUP * wide];
+        for place in 0..stride {
+            let mut sums = [[0.0; LANES]; GROUP];
+            for row in 0..GROUP {
+                sums[row] = rows[row * wide + place];
+            }
+            for column in 0..factors.len() {
+                for row in 0..GROUP {
+                    let x = data[(row * factors.len() + column) * stride + place];
+                    for lane in 0..LANES {
+                        sums[row][lane] += factors[column] * x[lane];
+                    }
+                }
+            }
+            for row in 0..GROUP {
+                rows[row * wide + place] = sums[row];
+            }
+        }
+    }
+}
+
+/// Works on a group of rows in a few columns, which stay in registers meanwhile.
+#[inline(always)]
+fn multiply_tile<const COUNT: usize>(
+    factors: &[[f64; GROUP]],
+    x: &[[f64; LANES]],
+    stride: usize,
+    place: usize,
+    out: &mut [[f64; LANES]],
+) {
+    let mut sums = [[[0.0; LANES]; COUNT]; GROUP];
+    for row in 0..GROUP {
+        for k in 0..COUNT {
+            sums[row][k] = out[row * stride + place + k];
+        }
+    }
+    for column in 0..factors.len() {
+        let factor = factors[column];
+        for k in 0..COUNT {
+            let x = x[column * stride + place + k];
+            for row in 0..GROUP {
+                for lane in 0..LANES {
+                    sums[row][k][lane] += factor[row] * x[lane];
+                }
+            }
+        }
+    }
+    for row in 0..GROUP {
+        for k in 0..COUNT {
+            out[row * stride + place + k] = sums[row][k];
+        }
+    }
 }
 
 /// Returns a number of directions padded to whole registers.

@@ -54,7 +54,8 @@ impl DifferentiableController for DifferentiablePi {
         let error = readings.demand_rad_s - readings.hub_rate_rad_s;
         for k in 0..count {
             let slope = slopes[k].demand_rad_s - slopes[k].hub_rate_rad_s;
-            control[k] = controller.kp_v_s_rad * slope + gains[k].kp_v_s_rad * error + integral[k] + gains[k].bias_v;
+            control[k] =
+                controller.kp_v_s_rad * slope + gains[k].kp_v_s_rad * error + integral[k] + gains[k].bias_v;
             let grown = controller.ki_v_rad * slope + gains[k].ki_v_rad * error;
             integral[k] += controller.sample_period_s * grown;
         }

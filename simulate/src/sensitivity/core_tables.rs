@@ -1,9 +1,9 @@
 //! The matrices of a step in the physical state, and their derivatives along the directions that change the core.
 
-use super::block::{Block, pad_width};
+use super::block::{Block, Grouped, add_entry_slopes, pad_width};
 use super::direction::Family;
-use crate::engine::linear_core::{Mode, ModeDynamics};
 use super::port_rows::{STAGE_OUTPUTS, UNKNOWNS};
+use crate::engine::linear_core::{Mode, ModeDynamics};
 use crate::engine::tables::{DEEPEST, FIXED_INPUTS, MIDDLE_ROWS, StepTable};
 use counterpoise_models::Plant;
 use std::collections::BTreeMap;
@@ -17,7 +17,8 @@ pub(crate) struct Rows {
 
 impl Rows {
     fn new(rows: usize, columns: usize, entry: impl Fn(usize, usize) -> f64) -> Self {
-        let data = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))).map(|(i, j)| entry(i, j)).collect();
+        let data =
+            (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))).map(|(i, j)| entry(i, j)).collect();
         Self { columns, data }
     }
 
@@ -28,14 +29,25 @@ impl Rows {
     }
 }
 
-/// A step of one length in one mode: (outputs at the stages, then the state at the end) from \[state, fixed inputs, ports at the stages\].
+/// Row of a step's result at which the state at the end begins; before it are the outputs at the stages.
+pub(crate) const STATE_ROW: usize = 16;
+
+/// A step of one length in one mode: (outputs at the stages, then the state at the end) from the state, from drive, gap and ports at the start,
+/// and from the ports at the stages.
 #[derive(Debug, Clone)]
 pub(crate) struct CoreTable {
-    pub all: Rows,
-    /// Its columns of the ports in the rows of the outputs.
+    pub state: Grouped,
+    pub given: Grouped,
+    pub ports: Grouped,
+    /// From the ports at the stages to the outputs there.
     pub stages: Block,
-    /// The derivatives of the matrix: entry by entry, one number for each direction that changes the core.
-    slopes: Block,
+    /// The derivatives of the whole matrix: entry by entry, one number for each direction that changes the core.
+    pub slopes: Block,
+}
+
+/// Returns the rows of a step's result, padded to whole groups.
+pub(crate) fn result_rows(order: usize) -> usize {
+    STATE_ROW + order.next_multiple_of(4)
 }
 
 /// The rows of what is seen of the physical state: the outputs, then the tip's rate.
@@ -65,6 +77,35 @@ struct ModeFamily {
     members: Vec<[ModeDynamics; super::stencil::MEMBERS]>,
 }
 
+impl CoreTable {
+    fn new(own: &Rows, slopes: Block) -> Self {
+        let (n, rows) = (own.columns - FIXED_INPUTS - UNKNOWNS, own.data.len() / own.columns);
+        let part = |columns: &[usize]| {
+            let mut part = Grouped::new(rows, columns.len());
+            for row in 0..rows {
+                for (place, column) in columns.iter().enumerate() {
+                    part.set(row, place, own.row(row)[*column]);
+                }
+            }
+            part
+        };
+        let mut stages = Block::new(STAGE_OUTPUTS, pad_width(UNKNOWNS));
+        for row in 0..STAGE_OUTPUTS {
+            stages.row_mut(row)[..UNKNOWNS].copy_from_slice(&own.row(row)[n + FIXED_INPUTS..]);
+        }
+        let all: Vec<usize> = (0..own.columns).collect();
+        // drive, gap and the ports at the start: the platform's rates between them depend on nothing
+        let given: Vec<usize> = [n, n + 1].into_iter().chain(n + 6..n + FIXED_INPUTS).collect();
+        Self {
+            state: part(&all[..n]),
+            given: part(&given),
+            ports: part(&all[n + FIXED_INPUTS..]),
+            stages,
+            slopes,
+        }
+    }
+}
+
 impl CoreTables {
     pub fn new(nominal: &Plant, families: &[Family], period_s: f64) -> Self {
         let directions = families.iter().take_while(|family| family.has_other_core).count();
@@ -76,7 +117,9 @@ impl CoreTables {
             };
             vec![
                 plant.motor_rate_row(),
-                (0..n).map(|j| f64::from(u8::from(j == counterpoise_models::plant::core::state::WINDUP))).collect(),
+                (0..n)
+                    .map(|j| f64::from(u8::from(j == counterpoise_models::plant::core::state::WINDUP)))
+                    .collect(),
                 plant.hub_angle_row(),
                 plant.hub_rate_row(),
                 cut(plant.current_row()),
@@ -87,8 +130,7 @@ impl CoreTables {
         let all = Rows::new(own.len(), nominal.core_order(), |i, j| own[i][j]);
         let varied = &families[..directions];
         let others: Vec<_> = varied.iter().map(|family| family.plants.each_ref().map(rows)).collect();
-        let slopes =
-            stored_slopes(&all, varied, |direction, member, i, j| others[direction][member][i][j]);
+        let slopes = stored_slopes(&all, varied, |direction, member, i, j| others[direction][member][i][j]);
         Self {
             nominal: nominal.clone(),
             period_s,
@@ -106,7 +148,10 @@ impl CoreTables {
             let of = |plant: &Plant| ModeDynamics::in_physical_coordinates(plant, mode, *period_s);
             let family = dynamics.entry(mode.index()).or_insert_with(|| ModeFamily {
                 own: of(nominal),
-                members: families[..*directions].iter().map(|family| family.plants.each_ref().map(of)).collect(),
+                members: families[..*directions]
+                    .iter()
+                    .map(|family| family.plants.each_ref().map(of))
+                    .collect(),
             });
             let own = rows_of(&mut family.own, level);
             let members: Vec<[Rows; super::stencil::MEMBERS]> = family
@@ -117,11 +162,7 @@ impl CoreTables {
             let slopes = stored_slopes(&own, &families[..*directions], |direction, member, i, j| {
                 members[direction][member].row(i)[j]
             });
-            let mut stages = Block::new(STAGE_OUTPUTS, pad_width(UNKNOWNS));
-            for row in 0..STAGE_OUTPUTS {
-                stages.row_mut(row)[..UNKNOWNS].copy_from_slice(&own.row(row)[own.columns - UNKNOWNS..]);
-            }
-            CoreTable { all: own, stages, slopes }
+            CoreTable::new(&own, slopes)
         });
     }
 
@@ -130,10 +171,12 @@ impl CoreTables {
         self.tables.get(&(mode.index() * (DEEPEST + 1) + level))
     }
 
-    /// Adds a row's derivatives times the inputs of a step, in the columns of the directions that change the core.
+    /// Adds the derivatives of a step's matrix times its inputs, in the columns of the directions that change the core.
     #[inline(always)]
-    pub fn add_row_slopes(&self, table: &CoreTable, row: usize, inputs: &[f64], out: &mut [f64]) {
-        self.add_slopes(&table.slopes, row * table.all.columns, inputs, out);
+    pub fn add_slopes(&self, table: &CoreTable, inputs: &[f64], out: &mut Block) {
+        if self.directions > 0 {
+            add_entry_slopes(&table.slopes, inputs, out);
+        }
     }
 
     /// Adds the derivatives of the first rows of what is seen of a physical state.
@@ -143,14 +186,10 @@ impl CoreTables {
         let width = core.row(0).len();
         for row in 0..rows {
             core.combine(seen.all.row(row), &mut out.row_mut(row)[..width]);
-            self.add_slopes(&seen.slopes, row * seen.all.columns, x, out.row_mut(row));
-        }
-    }
-
-    #[inline(always)]
-    fn add_slopes(&self, slopes: &Block, first: usize, inputs: &[f64], out: &mut [f64]) {
-        if self.directions > 0 {
-            slopes.combine_from(first, inputs, &mut out[..pad_width(self.directions)]);
+            if self.directions > 0 {
+                let varied = &mut out.row_mut(row)[..pad_width(self.directions)];
+                seen.slopes.combine_from(row * seen.all.columns, x, varied);
+            }
         }
     }
 
@@ -190,5 +229,10 @@ fn rows_of(dynamics: &mut ModeDynamics, level: usize) -> Rows {
         (Some(row), j) if j < n + FIXED_INPUTS => table.drive.entry(row, j - n),
         (Some(row), j) => table.end.entry(MIDDLE_ROWS + row, j - n - FIXED_INPUTS),
     };
-    Rows::new(STAGE_OUTPUTS + n, columns, |i, j| entry(table, i, j))
+    let entry = |i: usize, j: usize| match i {
+        i if i < STAGE_OUTPUTS => entry(table, i, j),
+        i if (STATE_ROW..STATE_ROW + n).contains(&i) => entry(table, i - STATE_ROW + STAGE_OUTPUTS, j),
+        _ => 0.0,
+    };
+    Rows::new(result_rows(n), columns, entry)
 }

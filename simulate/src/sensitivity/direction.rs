@@ -71,7 +71,8 @@ impl Family {
         let starts: [PlantState; MEMBERS] = starts.try_into().map_err(|_| of("starts of a family"))?;
         let own = Ports::new(nominal)?;
         let frictions = own.frictions();
-        let has_other_friction = [0, 1].map(|joint| ports.iter().any(|p| p.frictions()[joint] != frictions[joint]));
+        let has_other_friction =
+            [0, 1].map(|joint| ports.iter().any(|p| p.frictions()[joint] != frictions[joint]));
         Ok(Self {
             has_other_core: plants.iter().any(|plant| !has_same_core(plant, nominal)),
             has_other_parts: plants.iter().any(|plant| !has_same_parts(plant, nominal)),
@@ -109,7 +110,9 @@ pub(crate) fn start_of(plant: &Plant, scenario: &Scenario) -> Result<PlantState,
 }
 
 fn has_same_core(a: &Plant, b: &Plant) -> bool {
-    let rows = |plant: &Plant| [plant.motor_rate_row(), plant.hub_angle_row(), plant.tip_rate_row(), plant.current_row()];
+    let rows = |plant: &Plant| {
+        [plant.motor_rate_row(), plant.hub_angle_row(), plant.tip_rate_row(), plant.current_row()]
+    };
     rows(a) == rows(b) && [Mesh::Touching, Mesh::Free].into_iter().all(|mesh| a.core(mesh) == b.core(mesh))
 }
 
@@ -151,22 +154,38 @@ fn check_structure(nominal: &Plant, member: &Plant, direction: usize) -> Result<
     let shape = |friction: &counterpoise_models::Friction| {
         FrictionModel::new(friction).map(|model| std::mem::discriminant(model.law())).ok()
     };
-    let band = |friction: &counterpoise_models::Friction| match FrictionModel::new(friction).map(|m| *m.law()) {
+    let band = |friction: &counterpoise_models::Friction| match FrictionModel::new(friction).map(|m| *m.law())
+    {
         Ok(Law::Sliding(law)) => law.breakaway_ratio > 1.0,
         _ => false,
     };
     let checks = [
-        ("the states of the machine", nominal.core_order() == member.core_order() && nominal.is_rigid() == member.is_rigid()),
+        (
+            "the states of the machine",
+            nominal.core_order() == member.core_order() && nominal.is_rigid() == member.is_rigid(),
+        ),
         ("whether there is a gap between the teeth", gap(nominal) == gap(member)),
         ("the law of the motor's friction", shape(&own.motor_friction) == shape(&other.motor_friction)),
         ("the law of the pivot's friction", shape(&own.pivot_friction) == shape(&other.pivot_friction)),
-        ("whether the motor's friction is larger at rest", band(&own.motor_friction) == band(&other.motor_friction)),
-        ("whether the pivot's friction is larger at rest", band(&own.pivot_friction) == band(&other.pivot_friction)),
+        (
+            "whether the motor's friction is larger at rest",
+            band(&own.motor_friction) == band(&other.motor_friction),
+        ),
+        (
+            "whether the pivot's friction is larger at rest",
+            band(&own.pivot_friction) == band(&other.pivot_friction),
+        ),
         ("the interface", own.interface == other.interface),
-        ("the sensors of the platform", own.sensors.platform_gyro == other.sensors.platform_gyro
-            && own.sensors.platform_accelerometer == other.sensors.platform_accelerometer
-            && own.sensors.surge_accelerometer == other.sensors.surge_accelerometer),
-        ("what the loop's sensor measures", own.sensors.measured == other.sensors.measured && own.axis == other.axis),
+        (
+            "the sensors of the platform",
+            own.sensors.platform_gyro == other.sensors.platform_gyro
+                && own.sensors.platform_accelerometer == other.sensors.platform_accelerometer
+                && own.sensors.surge_accelerometer == other.sensors.surge_accelerometer,
+        ),
+        (
+            "what the loop's sensor measures",
+            own.sensors.measured == other.sensors.measured && own.axis == other.axis,
+        ),
     ];
     match checks.into_iter().find(|(_, same)| !same) {
         Some((what, _)) => Err(SensitivityRefusal::Structure { direction, what }),

@@ -66,7 +66,10 @@ enum Kind {
     /// True stick: the members of each direction.
     Sliding(Vec<SlidingFamily>),
     /// The law with its own slopes alone, and with those of a few directions each.
-    Smooth { plain: DryFriction<Dual<MOTION>>, varied: Vec<DryFriction<Dual<ALL>>> },
+    Smooth {
+        plain: DryFriction<Dual<MOTION>>,
+        varied: Vec<DryFriction<Dual<ALL>>>,
+    },
 }
 
 /// The friction of a joint in the members of a direction.
@@ -123,10 +126,7 @@ impl JointFriction {
                 for (own, family) in self.own.iter_mut().zip(families) {
                     (own.state, own.torque) = (0.0, family.torque_slope(&self.model, path));
                 }
-                JointSlopes {
-                    state: [0.0, 0.0, 0.0, 1.0],
-                    torque: [sliding_slope(&self.model, path), 0.0],
-                }
+                JointSlopes { state: [0.0, 0.0, 0.0, 1.0], torque: [sliding_slope(&self.model, path), 0.0] }
             }
             Kind::Smooth { plain, varied } if varied.is_empty() => along(plain, path).0,
             Kind::Smooth { varied, .. } => {
@@ -189,10 +189,8 @@ fn smooth(
     families: &[Family],
     joint: usize,
 ) -> Result<Kind, SensitivityRefusal> {
-    let refusal = |direction: usize| SensitivityRefusal::Structure {
-        direction,
-        what: "the shape of a friction law",
-    };
+    let refusal =
+        |direction: usize| SensitivityRefusal::Structure { direction, what: "the shape of a friction law" };
     let part = SensitivityRefusal::Part { part: "friction whose level depends on angle, load or time" };
     let plain = DryFriction::join([model]).ok_or(part)?.map_numbers(|[own]: [f64; 1]| Dual::fixed(own));
     let mut varied = Vec::new();
@@ -217,7 +215,10 @@ fn smooth(
 }
 
 /// Returns the slopes over a path, and those of state and torque in the directions of the law's own numbers.
-fn along<const N: usize>(law: &DryFriction<Dual<N>>, path: &JointPath) -> (JointSlopes, [[f64; 2]; TOGETHER]) {
+fn along<const N: usize>(
+    law: &DryFriction<Dual<N>>,
+    path: &JointPath,
+) -> (JointSlopes, [[f64; 2]; TOGETHER]) {
     let [before, after] = path.rates;
     let state = Dual::<N>::variable(path.states[0], STATE);
     let travel = Dual::variable(path.travel, TRAVEL);
@@ -241,7 +242,10 @@ fn along<const N: usize>(law: &DryFriction<Dual<N>>, path: &JointPath) -> (Joint
 }
 
 /// Returns the slopes of the torque over rate and state, and in the directions of the law's own numbers.
-fn torque_slopes<const N: usize>(law: &DryFriction<Dual<N>>, path: &JointPath) -> ([f64; 2], [f64; TOGETHER]) {
+fn torque_slopes<const N: usize>(
+    law: &DryFriction<Dual<N>>,
+    path: &JointPath,
+) -> ([f64; 2], [f64; TOGETHER]) {
     let torque = law.torque(Dual::variable(path.rates[1], AFTER), Dual::<N>::variable(path.states[1], STATE));
     let own = std::array::from_fn(|k| torque.slope.get(MOTION + k).copied().unwrap_or(0.0));
     ([torque.slope[AFTER], torque.slope[STATE]], own)

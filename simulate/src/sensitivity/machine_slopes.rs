@@ -31,17 +31,22 @@ impl MachineSlopes {
             slopes
         };
         let finite = |value: f64| if value.is_finite() { value } else { 0.0 };
-        let band = |friction: &counterpoise_models::Friction| match FrictionModel::new(friction).map(|m| *m.law()) {
-            Ok(Law::Sliding(law)) if law.breakaway_ratio > 1.0 => law.rest_rate_rad_s,
-            _ => 0.0,
-        };
+        let band =
+            |friction: &counterpoise_models::Friction| match FrictionModel::new(friction).map(|m| *m.law()) {
+                Ok(Law::Sliding(law)) if law.breakaway_ratio > 1.0 => law.rest_rate_rad_s,
+                _ => 0.0,
+            };
         Self {
             ratio: slopes(&|plant| plant.parameters().gearbox.ratio),
             coupling: slopes(&Plant::motor_share),
             half_gap: slopes(&|plant| 0.5 * plant.parameters().gearbox.backlash_rad),
             gap_torque: slopes(&|plant| {
                 let gearbox = &plant.parameters().gearbox;
-                if gearbox.backlash_rad == 0.0 { 0.0 } else { 0.5 * gearbox.backlash_rad * gearbox.stiffness_nm_rad }
+                if gearbox.backlash_rad == 0.0 {
+                    0.0
+                } else {
+                    0.5 * gearbox.backlash_rad * gearbox.stiffness_nm_rad
+                }
             }),
             direct_current: [
                 slopes(&|plant| plant.direct_current_a(1.0, 0.0)),

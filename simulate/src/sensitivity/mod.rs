@@ -31,7 +31,8 @@ mod stencil;
 mod step_slopes;
 
 pub use controllers::{
-    DifferentiableController, DifferentiablePi, DifferentiablePosition, DifferentiableProgram, FixedControl, PiGains,
+    DifferentiableController, DifferentiablePi, DifferentiablePosition, DifferentiableProgram, FixedControl,
+    PiGains,
 };
 pub use direction::{Direction, Member};
 pub use refusal::SensitivityRefusal;

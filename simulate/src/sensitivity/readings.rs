@@ -23,7 +23,11 @@ pub(crate) struct ReadingSlopes {
 
 impl ReadingSlopes {
     /// Returns the derivatives of a sensor that every member of the families has.
-    pub fn new(plant: &Plant, families: &[Family], sensor: impl Fn(&Parameters) -> Option<&Sensor>) -> Option<Self> {
+    pub fn new(
+        plant: &Plant,
+        families: &[Family],
+        sensor: impl Fn(&Parameters) -> Option<&Sensor>,
+    ) -> Option<Self> {
         let parameters = plant.parameters();
         let own = sensor(parameters)?.clone();
         let period_s = parameters.interface.sample_period_s;
@@ -54,11 +58,14 @@ impl ReadingSlopes {
         let sensor = &self.sensor;
         let value = sensor.gain * truth + sensor.bias + sensor.g_sensitivity * heave;
         let own = self.own.iter().zip(slopes);
-        let slopes: Vec<f64> =
-            own.map(|([gain, bias, heaved, _], slope)| sensor.gain * slope + gain * truth + bias + heaved * heave).collect();
+        let slopes: Vec<f64> = own
+            .map(|([gain, bias, heaved, _], slope)| {
+                sensor.gain * slope + gain * truth + bias + heaved * heave
+            })
+            .collect();
         let (reading, slopes) = self.delay_value(value, slopes);
-        let is_at_end = self.sensor.resolution <= 0.0
-            && (reading * self.sensor.scale_v_unit).abs() >= CONVERTER_RANGE_V;
+        let is_at_end =
+            self.sensor.resolution <= 0.0 && (reading * self.sensor.scale_v_unit).abs() >= CONVERTER_RANGE_V;
         if self.sample.is_multiple_of(self.sensor.samples_between_readings(self.period_s).max(1)) {
             self.held = if is_at_end { vec![0.0; slopes.len()] } else { slopes };
         }

@@ -16,7 +16,9 @@ pub enum SensitivityRefusal {
         part: &'static str,
     },
     /// A law of friction whose torque jumps at instants that the engine does not seek.
-    #[error("the torque of {law} jumps where a bond breaks, and the outputs with it: they have no derivative")]
+    #[error(
+        "the torque of {law} jumps where a bond breaks, and the outputs with it: they have no derivative"
+    )]
     Jump {
         /// The law.
         law: &'static str,
@@ -30,7 +32,9 @@ pub enum SensitivityRefusal {
         what: &'static str,
     },
     /// An event that a small change moves by far, or makes disappear.
-    #[error("at {time_s} s {event} only grazes its limit: a small change may leave it out, and the outputs jump")]
+    #[error(
+        "at {time_s} s {event} only grazes its limit: a small change may leave it out, and the outputs jump"
+    )]
     Grazing {
         /// When.
         time_s: f64,

@@ -18,8 +18,8 @@ use crate::scenario::{Detail, Scenario};
 use crate::sensing::Imperfections;
 use crate::tolerance::DRIVE_DIFFERENCE_V;
 use counterpoise_controller::{Readings, SampledController};
-use counterpoise_models::{AccelerometerAxis, CONVERTER_RANGE_V, Clock, DriveLimits, Plant};
 use counterpoise_models::plant::core::state;
+use counterpoise_models::{AccelerometerAxis, CONVERTER_RANGE_V, Clock, DriveLimits, Plant};
 use std::collections::VecDeque;
 
 /// Number of outputs of [`SensitiveRun`].
@@ -93,7 +93,10 @@ impl Simulator {
         let (plant, stepper, steps_per_sample) = self.parts();
         check_scenario(plant, scenario)?;
         let families = directions.iter().enumerate().map(|(k, one)| Family::new(plant, one, scenario, k));
-        let mut families = families.enumerate().map(|(k, one)| Ok((k, one?))).collect::<Result<Vec<_>, SensitivityRefusal>>()?;
+        let mut families = families
+            .enumerate()
+            .map(|(k, one)| Ok((k, one?)))
+            .collect::<Result<Vec<_>, SensitivityRefusal>>()?;
         // those that change the core are the first ones: the derivatives of its matrices then stand side by side
         families.sort_by_key(|(_, family)| !family.has_other_core);
         let (order, families) = families.into_iter().unzip();
@@ -238,7 +241,9 @@ impl<'a> SlopeRun<'a> {
             readings.hub_rate_rad_s = *slope;
         }
         if let Some(tachometer) = &mut self.tachometer {
-            for (readings, slope) in self.readings.iter_mut().zip(tachometer.read(motor_rate, &motor_slopes, 0.0)) {
+            for (readings, slope) in
+                self.readings.iter_mut().zip(tachometer.read(motor_rate, &motor_slopes, 0.0))
+            {
                 readings.motor_rate_rad_s = *slope;
             }
         }
@@ -265,7 +270,8 @@ impl<'a> SlopeRun<'a> {
     /// Carries the derivatives of the control through the output converter, the delay and the amplifier's static part.
     fn drive(&mut self, lap: &Lap, drive_v: f64) {
         let is_limited = self.request_v.abs() >= CONVERTER_RANGE_V;
-        let control: Vec<f64> = self.request.iter().map(|slope| if is_limited { 0.0 } else { *slope }).collect();
+        let control: Vec<f64> =
+            self.request.iter().map(|slope| if is_limited { 0.0 } else { *slope }).collect();
         for (k, columns) in self.columns.iter_mut().enumerate() {
             let readings = &self.readings[k];
             let values = [
@@ -286,7 +292,8 @@ impl<'a> SlopeRun<'a> {
         let drive = |plant: &Plant, control_v: f64| {
             plant.parameters().amplifier.drive_v(control_v, &plant.parameters().motor)
         };
-        let [below, above] = [-DRIVE_DIFFERENCE_V, DRIVE_DIFFERENCE_V].map(|by| drive(&machine.plant, control_v + by));
+        let [below, above] =
+            [-DRIVE_DIFFERENCE_V, DRIVE_DIFFERENCE_V].map(|by| drive(&machine.plant, control_v + by));
         let steepness = (above - below) / (2.0 * DRIVE_DIFFERENCE_V);
         for (k, family) in machine.families.iter().enumerate() {
             let own = if family.has_other_amplifier {

@@ -3,8 +3,8 @@
 use super::block::Block;
 use super::direction::Family;
 use super::refusal::SensitivityRefusal;
-use super::step_slopes::Machine;
 use super::stencil::MEMBERS;
+use super::step_slopes::Machine;
 use crate::engine::filter::Filter;
 use crate::engine::ports::SensorPoint;
 use crate::engine::stepper::TakenStep;
@@ -36,7 +36,9 @@ impl LoopSensor {
             FeedbackSignal::HubPosition => [0.0, 0.0, 1.0, 0.0, 0.0],
             FeedbackSignal::MotorPosition => [0.0, 1.0, 1.0, 0.0, 0.0],
             FeedbackSignal::Current => [0.0, 0.0, 0.0, 0.0, 1.0],
-            FeedbackSignal::Torque => return Err(SensitivityRefusal::Part { part: "a sensor of torque in the loop" }),
+            FeedbackSignal::Torque => {
+                return Err(SensitivityRefusal::Part { part: "a sensor of torque in the loop" });
+            }
         };
         let key = |plant: &Plant| {
             let gyro = &plant.parameters().sensors.hub_gyro;
@@ -108,7 +110,9 @@ impl LoopSensor {
             let stencil = &machine.families[*k].stencil;
             for row in 0..2 {
                 for (j, input) in inputs.iter().enumerate() {
-                    let of = members.each_ref().map(|m| m.rows(step.level).map_or(own[row][j], |rows| rows[row][j]));
+                    let of = members
+                        .each_ref()
+                        .map(|m| m.rows(step.level).map_or(own[row][j], |rows| rows[row][j]));
                     gyro.row_mut(row)[*k] += input * stencil.derivative(own[row][j], of);
                 }
             }

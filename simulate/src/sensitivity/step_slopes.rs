@@ -3,8 +3,8 @@
 //! The ports v at the stages solve v = P(y, given), and the outputs y at the stages are a matrix times (state, inputs, v). Both are
 //! differentiated as they stand: with dP = C dy + D d(given) and dy = S dv + the rest, (1 - C S) dv = C (the rest) + D d(given).
 
-use super::block::{Block, add_multiple, pad_width};
-use super::core_tables::{CoreTable, CoreTables};
+use super::block::{Block, Grouped, add_multiple, pad_width};
+use super::core_tables::{CoreTable, CoreTables, STATE_ROW, result_rows};
 use super::direction::Family;
 use super::friction_slopes::{JointFriction, JointPath, JointSlopes};
 use super::machine_slopes::{MachineSlopes, Node};
@@ -18,7 +18,7 @@ use crate::engine::stepper::TakenStep;
 use crate::engine::tables::{FIXED_INPUTS, OUTPUTS, PORTS, STAGES};
 use counterpoise_models::Plant;
 
-/// Columns of the equation for the ports, padded.
+/// Rows and columns of the equation for the ports, padded.
 const PORT_COLUMNS: usize = 12;
 
 /// The machine and its families.
@@ -60,10 +60,15 @@ pub(crate) struct PlantSlopes {
 struct Work {
     /// Outputs at the start, then the tip's rate.
     start: Block,
-    outputs: Block,
+    /// Outputs at the stages, then the state at the end.
+    result: Block,
+    /// The right side of the ports' equation, and its solution.
     ports: Block,
+    values: Block,
     equation: Block,
-    core: Block,
+    answers: Grouped,
+    by_outputs: Grouped,
+    by_given: Grouped,
     friction: Block,
     felt: Block,
     inputs: Vec<f64>,
@@ -182,10 +187,13 @@ impl Work {
     fn new(order: usize, width: usize) -> Self {
         Self {
             start: Block::new(OUTPUTS + 1, width),
-            outputs: Block::new(STAGE_OUTPUTS, width),
-            ports: Block::new(UNKNOWNS, width),
-            equation: Block::new(UNKNOWNS, PORT_COLUMNS),
-            core: Block::new(order, width),
+            result: Block::new(result_rows(order), width),
+            ports: Block::new(PORT_COLUMNS, width),
+            values: Block::new(PORT_COLUMNS, width),
+            answers: Grouped::new(UNKNOWNS, UNKNOWNS),
+            equation: Block::new(PORT_COLUMNS, PORT_COLUMNS),
+            by_outputs: Grouped::new(UNKNOWNS, STAGE_OUTPUTS),
+            by_given: Grouped::new(UNKNOWNS, given::COUNT),
             friction: Block::new(2, width),
             felt: Block::new(STAGES + 1, width),
             inputs: vec![0.0; order + FIXED_INPUTS + UNKNOWNS],
@@ -210,10 +218,6 @@ impl AlongStep<'_, '_> {
     fn node(&self, node: usize) -> Node {
         let outputs = &self.step.attempt.outputs()[node];
         Node::new(&self.machine.plant, outputs, self.drive_v, self.step.nodes[node])
-    }
-
-    fn state_count(&self) -> usize {
-        self.work.inputs.len() - FIXED_INPUTS - UNKNOWNS
     }
 
     /// Writes state, fixed inputs and ports of the step, by which the derivatives of the matrices are multiplied.
@@ -288,35 +292,24 @@ impl AlongStep<'_, '_> {
                 ports.row_mut(first + joint)[*k] -= torques[joint][1] * own.carried + own.torque;
             }
         }
-        for (k, family) in self.machine.families.iter().enumerate().filter(|(_, family)| family.has_other_parts) {
+        for (k, family) in
+            self.machine.families.iter().enumerate().filter(|(_, family)| family.has_other_parts)
+        {
             for (p, slope) in node.slopes_along(&self.machine.plant, family).into_iter().enumerate() {
                 ports.row_mut(first + p)[k] += slope;
             }
         }
     }
 
-    /// Computes the outputs at the stages without the share of the ports there.
+    /// Computes the result of the step without the share of the ports at the stages.
     #[inline(always)]
     fn stage_outputs(&mut self) {
-        for row in 0..STAGE_OUTPUTS {
-            let mut outputs = std::mem::take(&mut self.work.outputs);
-            let out = outputs.row_mut(row);
-            out.fill(0.0);
-            self.add_inputs(row, out);
-            self.work.outputs = outputs;
-        }
-    }
-
-    /// Adds a row of the step's matrix times the derivatives of state and fixed inputs, and the derivatives of the row.
-    #[inline(always)]
-    fn add_inputs(&self, row: usize, out: &mut [f64]) {
-        let n = self.state_count();
-        let entries = self.table.all.row(row);
+        let Work { result, inputs, .. } = &mut *self.work;
         let StateSlopes { core, given, .. } = &*self.state;
-        core.combine(&entries[..n], out);
-        given.combine_from(given::DRIVE, &entries[n..n + 2], out);
-        given.combine_from(given::PORTS, &entries[n + 6..n + FIXED_INPUTS], out);
-        self.tables.add_row_slopes(self.table, row, &self.work.inputs, out);
+        result.clear();
+        self.table.state.multiply_add(core, 0, result, 0);
+        self.table.given.multiply_add(given, given::DRIVE, result, 0);
+        self.tables.add_slopes(self.table, inputs, result);
     }
 
     /// Goes from node to node: motion, friction, ports. What the directions change of the ports at the same motion goes into their rows.
@@ -357,61 +350,49 @@ impl AlongStep<'_, '_> {
         PortSlopes { rows, friction, end: before }
     }
 
-    /// Solves the equation for the ports by Gauss's elimination with the largest pivot.
+    /// Solves the equation for the ports.
     #[inline(always)]
     fn solve_ports(&mut self, rows: &[Row; UNKNOWNS]) {
-        let Work { ports, outputs, equation, .. } = &mut *self.work;
+        let Work { ports, values, result, equation, by_outputs, by_given, answers, .. } = &mut *self.work;
         for (p, row) in rows.iter().enumerate() {
-            outputs.combine(&row.outputs, ports.row_mut(p));
-            self.state.given.combine(&row.given, ports.row_mut(p));
-            let left = equation.row_mut(p);
-            left.fill(0.0);
-            self.table.stages.combine(&row.outputs, left);
-            for entry in left.iter_mut() {
-                *entry = -*entry;
+            for k in 0..STAGE_OUTPUTS {
+                by_outputs.set(p, k, row.outputs[k]);
             }
-            left[p] += 1.0;
-        }
-        for column in 0..UNKNOWNS {
-            let mut pivot = column;
-            for row in column + 1..UNKNOWNS {
-                if equation.row(row)[column].abs() > equation.row(pivot)[column].abs() {
-                    pivot = row;
-                }
-            }
-            equation.swap_rows(column, pivot);
-            ports.swap_rows(column, pivot);
-            let per = equation.row(column)[column].recip();
-            for row in column + 1..UNKNOWNS {
-                let factor = -equation.row(row)[column] * per;
-                equation.add_row(row, factor, column);
-                ports.add_row(row, factor, column);
+            for k in 0..given::COUNT {
+                by_given.set(p, k, row.given[k]);
             }
         }
-        for row in (0..UNKNOWNS).rev() {
-            for k in row + 1..UNKNOWNS {
-                ports.add_row(row, -equation.row(row)[k], k);
+        by_outputs.multiply_add(result, 0, ports, 0);
+        by_given.multiply_add(&self.state.given, 0, ports, 0);
+        equation.clear();
+        by_outputs.multiply_add(&self.table.stages, 0, equation, 0);
+        let mut left = [[0.0; PORT_COLUMNS]; UNKNOWNS];
+        for p in 0..UNKNOWNS {
+            let row = equation.row(p);
+            for k in 0..PORT_COLUMNS {
+                left[p][k] = -row[k];
             }
-            ports.scale_row(row, equation.row(row)[row].recip());
+            left[p][p] += 1.0;
         }
+        let right = inverse_of(left);
+        for p in 0..UNKNOWNS {
+            for k in 0..UNKNOWNS {
+                answers.set(p, k, right[p][k]);
+            }
+        }
+        values.clear();
+        answers.multiply_add(ports, 0, values, 0);
     }
 
     /// Computes what follows of the ports: the state at the end, friction, and what the loop's sensor feels of the outputs at the nodes.
     #[inline(always)]
     fn finish(&mut self, slopes: &PortSlopes, seen: &[f64; OUTPUTS]) {
-        let n = self.state_count();
-        let mut core = std::mem::take(&mut self.work.core);
-        for row in 0..n {
-            let out = core.row_mut(row);
-            out.fill(0.0);
-            self.add_inputs(STAGE_OUTPUTS + row, out);
-            self.work.ports.combine(&self.table.all.row(STAGE_OUTPUTS + row)[n + FIXED_INPUTS..], out);
+        let Work { result, values, felt, start, friction, .. } = &mut *self.work;
+        self.table.ports.multiply_add(values, 0, result, 0);
+        for row in 0..self.machine.plant.core_order() {
+            self.state.core.row_mut(row).copy_from_slice(result.row(STATE_ROW + row));
         }
-        self.work.core = std::mem::replace(&mut self.state.core, core);
-        let Work { outputs, ports, felt, start, friction, .. } = &mut *self.work;
-        for row in 0..STAGE_OUTPUTS {
-            ports.combine(&self.table.all.row(row)[n + FIXED_INPUTS..], outputs.row_mut(row));
-        }
+        let outputs = &*result;
         for node in 0..STAGES + 1 {
             let out = felt.row_mut(node);
             out.fill(0.0);
@@ -440,4 +421,37 @@ impl AlongStep<'_, '_> {
         add_multiple(motor, slopes.end.wind_up_rad + slopes.end.pivot_angle_rad, &self.machine.slopes.ratio);
         rows.row_mut(given::ANGLES + 1).copy_from_slice(outputs.row(last + 2));
     }
+}
+
+/// Returns the inverse of a matrix by Gauss's and Jordan's elimination with the largest pivot.
+#[inline(always)]
+fn inverse_of(mut left: [[f64; PORT_COLUMNS]; UNKNOWNS]) -> [[f64; PORT_COLUMNS]; UNKNOWNS] {
+    let mut right = [[0.0; PORT_COLUMNS]; UNKNOWNS];
+    for (k, row) in right.iter_mut().enumerate() {
+        row[k] = 1.0;
+    }
+    for column in 0..UNKNOWNS {
+        let mut pivot = column;
+        for row in column + 1..UNKNOWNS {
+            if left[row][column].abs() > left[pivot][column].abs() {
+                pivot = row;
+            }
+        }
+        left.swap(column, pivot);
+        right.swap(column, pivot);
+        let per = left[column][column].recip();
+        for k in 0..PORT_COLUMNS {
+            left[column][k] *= per;
+            right[column][k] *= per;
+        }
+        let (own, answer) = (left[column], right[column]);
+        for row in 0..UNKNOWNS {
+            let factor = if row == column { 0.0 } else { left[row][column] };
+            for k in 0..PORT_COLUMNS {
+                left[row][k] -= factor * own[k];
+                right[row][k] -= factor * answer[k];
+            }
+        }
+    }
+    right
 }
