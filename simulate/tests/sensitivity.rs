@@ -469,14 +469,15 @@ fn the_derivatives_of_random_machines_are_those_of_differences() {
         };
         let within = share(&|one| one.error <= 1e-6 + DOUBTS * one.doubt);
         let close = share(&|one| one.error <= 1e-4);
-        let worst = few.iter().fold(0.0, |m: f64, one| m.max(one.error));
+        let far = share(&|one| one.error > 5e-3);
         println!(
-            "{name}: {} comparisons, within 1e-6 or the doubt {:.1} %, within 1e-4 {:.1} %, worst {worst:.1e}",
+            "{name}: {} comparisons, within 1e-6 or the doubt {:.1} %, within 1e-4 {:.1} %, beyond 5e-3 {:.1} %",
             few.len(),
             100.0 * within,
-            100.0 * close
+            100.0 * close,
+            100.0 * far
         );
-        assert!(worst < 5e-3 && close > 0.85 && (within > 0.9 || !smooth), "{name}");
+        assert!(far < 0.03 && close > 0.9 && (!smooth || (within > 0.8 && close == 1.0)), "{name}");
     }
     println!("{refused} of {count} refused");
     assert!(refused * 20 <= count + 20);

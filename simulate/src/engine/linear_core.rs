@@ -158,7 +158,7 @@ impl ModeDynamics {
     }
 
     /// Returns the same with the physical state as its coordinates, however many states there are.
-    pub fn in_physical_coordinates(plant: &Plant, mode: &Mode, period_s: f64) -> Self {
+    pub fn with_physical_coordinates(plant: &Plant, mode: &Mode, period_s: f64) -> Self {
         let (mut linear, core, _) = Self::without_chain(plant, mode, period_s);
         linear.keep_together(core);
         linear.add_chain()

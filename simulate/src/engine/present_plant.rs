@@ -249,7 +249,7 @@ impl PresentPlant {
     }
 
     /// Returns the angles of motor and pivot to which friction has travelled, rad; `None` before the first step of a run.
-    pub fn travelled(&self) -> Option<[f64; 2]> {
+    pub fn friction_travel(&self) -> Option<[f64; 2]> {
         self.travelled
     }
 

@@ -103,7 +103,7 @@ fn combine_columns<const COUNT: usize>(
 /// A matrix whose rows stand in groups of [`GROUP`], column by column within a group, so that a product with rows of derivatives works on a
 /// group at a time.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Grouped {
+pub(crate) struct GroupedMatrix {
     rows: usize,
     columns: usize,
     data: Vec<[f64; GROUP]>,
@@ -112,7 +112,7 @@ pub(crate) struct Grouped {
 /// Rows of a group.
 const GROUP: usize = 4;
 
-impl Grouped {
+impl GroupedMatrix {
     /// Returns a matrix of zeros.
     pub fn new(rows: usize, columns: usize) -> Self {
         Self { rows, columns, data: vec![[0.0; GROUP]; rows.div_ceil(GROUP) * columns] }

@@ -1,6 +1,6 @@
 //! The matrices of a step in the physical state, and their derivatives along the directions that change the core.
 
-use super::block::{Block, Grouped, add_entry_slopes, pad_width};
+use super::block::{Block, GroupedMatrix, add_entry_slopes, pad_width};
 use super::direction::Family;
 use super::port_rows::{STAGE_OUTPUTS, UNKNOWNS};
 use crate::engine::linear_core::{Mode, ModeDynamics};
@@ -36,9 +36,9 @@ pub(crate) const STATE_ROW: usize = 16;
 /// and from the ports at the stages.
 #[derive(Debug, Clone)]
 pub(crate) struct CoreTable {
-    pub state: Grouped,
-    pub given: Grouped,
-    pub ports: Grouped,
+    pub state: GroupedMatrix,
+    pub given: GroupedMatrix,
+    pub ports: GroupedMatrix,
     /// From the ports at the stages to the outputs there.
     pub stages: Block,
     /// The derivatives of the whole matrix: entry by entry, one number for each direction that changes the core.
@@ -81,7 +81,7 @@ impl CoreTable {
     fn new(own: &Rows, slopes: Block) -> Self {
         let (n, rows) = (own.columns - FIXED_INPUTS - UNKNOWNS, own.data.len() / own.columns);
         let part = |columns: &[usize]| {
-            let mut part = Grouped::new(rows, columns.len());
+            let mut part = GroupedMatrix::new(rows, columns.len());
             for row in 0..rows {
                 for (place, column) in columns.iter().enumerate() {
                     part.set(row, place, own.row(row)[*column]);
@@ -145,7 +145,7 @@ impl CoreTables {
     pub fn prepare(&mut self, mode: &Mode, level: usize, families: &[Family]) {
         let Self { nominal, period_s, directions, dynamics, tables, .. } = self;
         tables.entry(mode.index() * (DEEPEST + 1) + level).or_insert_with(|| {
-            let of = |plant: &Plant| ModeDynamics::in_physical_coordinates(plant, mode, *period_s);
+            let of = |plant: &Plant| ModeDynamics::with_physical_coordinates(plant, mode, *period_s);
             let family = dynamics.entry(mode.index()).or_insert_with(|| ModeFamily {
                 own: of(nominal),
                 members: families[..*directions]

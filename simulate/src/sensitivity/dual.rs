@@ -13,7 +13,7 @@ pub(crate) struct Dual<const N: usize> {
 
 impl<const N: usize> Dual<N> {
     /// Returns a constant.
-    pub fn fixed(value: f64) -> Self {
+    pub fn number(value: f64) -> Self {
         Self { value, slope: [0.0; N] }
     }
 
@@ -81,7 +81,7 @@ impl<const N: usize> Real for Dual<N> {
 
     #[inline(always)]
     fn constant(self, value: f64) -> Self {
-        Self::fixed(value)
+        Self::number(value)
     }
 
     #[inline(always)]
@@ -91,7 +91,7 @@ impl<const N: usize> Real for Dual<N> {
 
     #[inline(always)]
     fn signum(self) -> Self {
-        Self::fixed(self.value.signum())
+        Self::number(self.value.signum())
     }
 
     #[inline(always)]
@@ -157,7 +157,7 @@ impl<const N: usize> Real for Dual<N> {
     }
 
     #[inline(always)]
-    fn choose(mask: bool, first: Self, other: Self) -> Self {
+    fn choose(mask: Self::Mask, first: Self, other: Self) -> Self {
         if mask { first } else { other }
     }
 }

@@ -128,11 +128,11 @@ impl JointFriction {
                 }
                 JointSlopes { state: [0.0, 0.0, 0.0, 1.0], torque: [sliding_slope(&self.model, path), 0.0] }
             }
-            Kind::Smooth { plain, varied } if varied.is_empty() => along(plain, path).0,
+            Kind::Smooth { plain, varied } if varied.is_empty() => path_slopes(plain, path).0,
             Kind::Smooth { varied, .. } => {
                 let mut slopes = JointSlopes::default();
                 for (law, own) in varied.iter().zip(self.own.chunks_mut(TOGETHER)) {
-                    let (found, directions) = along(law, path);
+                    let (found, directions) = path_slopes(law, path);
                     slopes = found;
                     for (own, found) in own.iter_mut().zip(directions) {
                         [own.state, own.torque] = found;
@@ -192,7 +192,7 @@ fn smooth(
     let refusal =
         |direction: usize| SensitivityRefusal::Structure { direction, what: "the shape of a friction law" };
     let part = SensitivityRefusal::Part { part: "friction whose level depends on angle, load or time" };
-    let plain = DryFriction::join([model]).ok_or(part)?.map_numbers(|[own]: [f64; 1]| Dual::fixed(own));
+    let plain = DryFriction::join([model]).ok_or(part)?.map_numbers(|[own]: [f64; 1]| Dual::number(own));
     let mut varied = Vec::new();
     for few in directions.chunks(TOGETHER) {
         let mut joined = [model; JOINED];
@@ -203,7 +203,7 @@ fn smooth(
         }
         let law = DryFriction::join(joined).ok_or_else(|| refusal(few[0]))?;
         varied.push(law.map_numbers(|numbers: [f64; JOINED]| {
-            let mut dual = Dual::fixed(numbers[0]);
+            let mut dual = Dual::number(numbers[0]);
             for (place, &k) in few.iter().enumerate() {
                 let of = std::array::from_fn(|member| numbers[1 + place * MEMBERS + member]);
                 dual.slope[MOTION + place] = families[k].stencil.derivative(numbers[0], of);
@@ -215,14 +215,14 @@ fn smooth(
 }
 
 /// Returns the slopes over a path, and those of state and torque in the directions of the law's own numbers.
-fn along<const N: usize>(
+fn path_slopes<const N: usize>(
     law: &DryFriction<Dual<N>>,
     path: &JointPath,
 ) -> (JointSlopes, [[f64; 2]; TOGETHER]) {
     let [before, after] = path.rates;
     let state = Dual::<N>::variable(path.states[0], STATE);
     let travel = Dual::variable(path.travel, TRAVEL);
-    let time = Dual::fixed(path.time_s);
+    let time = Dual::number(path.time_s);
     let moved = if before * after >= 0.0 {
         law.advance(travel / time, time, state)
     } else {
@@ -257,7 +257,7 @@ fn parts<const N: usize>(
     travel: Dual<N>,
     time: Dual<N>,
 ) -> [(Dual<N>, Dual<N>); 2] {
-    let number = Dual::<N>::fixed;
+    let number = Dual::<N>::number;
     let part = before / (before - after);
     let straight = number(0.5) * (before + after) * time;
     let bend = (travel - straight) * part * part * (number(3.0) - number(2.0) * part);

@@ -34,13 +34,13 @@ const HUB_RATE: usize = 3;
 
 /// The discrete state of a plant over its last step.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Before {
+pub(crate) struct DiscreteState {
     mode: Mode,
     /// States of friction that truly sticks.
     joints: [f64; 2],
 }
 
-impl Before {
+impl DiscreteState {
     /// Returns the discrete state of a step.
     pub fn of(step: &TakenStep) -> Self {
         let friction = step.present.friction();
@@ -53,12 +53,12 @@ impl PlantSlopes {
     /// Carries the derivatives over the events between the last step and one that is about to be taken from a physical state.
     pub fn jump(
         &mut self,
-        before: &Before,
+        before: &DiscreteState,
         step: &TakenStep,
         at: &Instant,
         x: &[f64],
     ) -> Result<(), SensitivityRefusal> {
-        let now = Before::of(step);
+        let now = DiscreteState::of(step);
         if before.joints == now.joints && before.mode == now.mode {
             return Ok(());
         }
@@ -103,7 +103,7 @@ impl PlantSlopes {
     fn jump_at_joint(
         &mut self,
         joint: usize,
-        before: &Before,
+        before: &DiscreteState,
         step: &TakenStep,
         at: &Instant,
         x: &[f64],

@@ -61,6 +61,14 @@ impl MachineSlopes {
     }
 }
 
+/// The machine and its families.
+#[derive(Debug, Clone)]
+pub(crate) struct Machine {
+    pub plant: Plant,
+    pub families: Vec<Family>,
+    pub slopes: MachineSlopes,
+}
+
 /// A node of a step: what its smooth torques depend on.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Node {

@@ -3,7 +3,7 @@
 use super::block::Block;
 use super::controllers::DifferentiableController;
 use super::direction::{Direction, Family, start_of};
-use super::jumps::Before;
+use super::jumps::DiscreteState;
 use super::port_rows::given;
 use super::readings::ReadingSlopes;
 use super::refusal::SensitivityRefusal;
@@ -146,7 +146,7 @@ struct SlopeRun<'a> {
     /// Derivatives of the controls that wait for the interface's delay, and of the one that acts until the first arrives.
     queue: VecDeque<Vec<f64>>,
     before: Vec<f64>,
-    discrete: Option<Before>,
+    discrete: Option<DiscreteState>,
     columns: Vec<[Vec<f64>; COLUMNS]>,
     /// What the controller has made of the sample.
     request_v: f64,
@@ -320,7 +320,7 @@ impl<'a> SlopeRun<'a> {
                 refused = slopes.jump(before, &step, &at, &x).err();
             }
             slopes.advance(&step, &x);
-            *discrete = Some(Before::of(&step));
+            *discrete = Some(DiscreteState::of(&step));
         });
         refused.map_or(Ok(()), Err)
     }

@@ -2,9 +2,9 @@
 
 use super::block::Block;
 use super::direction::Family;
+use super::machine_slopes::Machine;
 use super::refusal::SensitivityRefusal;
 use super::stencil::MEMBERS;
-use super::step_slopes::Machine;
 use crate::engine::filter::Filter;
 use crate::engine::ports::SensorPoint;
 use crate::engine::stepper::TakenStep;
@@ -57,7 +57,7 @@ impl LoopSensor {
     }
 
     /// Returns what it feels of the outputs.
-    pub fn felt(&self) -> &[f64; OUTPUTS] {
+    pub fn felt_outputs(&self) -> &[f64; OUTPUTS] {
         &self.felt
     }
 

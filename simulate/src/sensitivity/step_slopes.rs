@@ -3,11 +3,11 @@
 //! The ports v at the stages solve v = P(y, given), and the outputs y at the stages are a matrix times (state, inputs, v). Both are
 //! differentiated as they stand: with dP = C dy + D d(given) and dy = S dv + the rest, (1 - C S) dv = C (the rest) + D d(given).
 
-use super::block::{Block, Grouped, add_multiple, pad_width};
+use super::block::{Block, GroupedMatrix, add_multiple, pad_width};
 use super::core_tables::{CoreTable, CoreTables, STATE_ROW, result_rows};
 use super::direction::Family;
 use super::friction_slopes::{JointFriction, JointPath, JointSlopes};
-use super::machine_slopes::{MachineSlopes, Node};
+use super::machine_slopes::{Machine, MachineSlopes, Node};
 use super::port_rows::{FrictionRows, Place, Row, STAGE_OUTPUTS, UNKNOWNS, given};
 use super::refusal::SensitivityRefusal;
 use super::sensor_slopes::LoopSensor;
@@ -20,14 +20,6 @@ use counterpoise_models::Plant;
 
 /// Rows and columns of the equation for the ports, padded.
 const PORT_COLUMNS: usize = 12;
-
-/// The machine and its families.
-#[derive(Debug, Clone)]
-pub(crate) struct Machine {
-    pub plant: Plant,
-    pub families: Vec<Family>,
-    pub slopes: MachineSlopes,
-}
 
 /// The derivatives of a plant's state.
 #[derive(Debug, Clone)]
@@ -66,9 +58,9 @@ struct Work {
     ports: Block,
     values: Block,
     equation: Block,
-    answers: Grouped,
-    by_outputs: Grouped,
-    by_given: Grouped,
+    answers: GroupedMatrix,
+    by_outputs: GroupedMatrix,
+    by_given: GroupedMatrix,
     friction: Block,
     felt: Block,
     inputs: Vec<f64>,
@@ -151,7 +143,7 @@ impl PlantSlopes {
         along.stage_outputs();
         let slopes = along.port_slopes();
         along.solve_ports(&slopes.rows);
-        along.finish(&slopes, sensor.felt());
+        along.finish(&slopes, sensor.felt_outputs());
         sensor.advance(machine, step, &mut along.work.felt, &mut along.state.gyro);
     }
 }
@@ -190,10 +182,10 @@ impl Work {
             result: Block::new(result_rows(order), width),
             ports: Block::new(PORT_COLUMNS, width),
             values: Block::new(PORT_COLUMNS, width),
-            answers: Grouped::new(UNKNOWNS, UNKNOWNS),
+            answers: GroupedMatrix::new(UNKNOWNS, UNKNOWNS),
             equation: Block::new(PORT_COLUMNS, PORT_COLUMNS),
-            by_outputs: Grouped::new(UNKNOWNS, STAGE_OUTPUTS),
-            by_given: Grouped::new(UNKNOWNS, given::COUNT),
+            by_outputs: GroupedMatrix::new(UNKNOWNS, STAGE_OUTPUTS),
+            by_given: GroupedMatrix::new(UNKNOWNS, given::COUNT),
             friction: Block::new(2, width),
             felt: Block::new(STAGES + 1, width),
             inputs: vec![0.0; order + FIXED_INPUTS + UNKNOWNS],
@@ -318,7 +310,7 @@ impl AlongStep<'_, '_> {
         self.work.ports.clear();
         let ratio = self.machine.plant.parameters().gearbox.ratio;
         let mut before = self.node(0);
-        let mut angles = self.step.present.travelled().unwrap_or(before.angles());
+        let mut angles = self.step.present.friction_travel().unwrap_or(before.angles());
         let mut states = [0, 1].map(|joint| self.step.present.friction().get(joint));
         let mut friction = FrictionRows::at_start();
         let mut rows = [Row::ZERO; UNKNOWNS];
