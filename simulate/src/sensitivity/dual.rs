@@ -47,6 +47,8 @@ impl<const N: usize> Sub for Dual<N> {
     }
 }
 
+// the rule of the product has other signs in it
+#[allow(clippy::suspicious_arithmetic_impl)]
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
 
@@ -57,6 +59,8 @@ impl<const N: usize> Mul for Dual<N> {
     }
 }
 
+// the rule of the quotient has other signs in it
+#[allow(clippy::suspicious_arithmetic_impl)]
 impl<const N: usize> Div for Dual<N> {
     type Output = Self;
 

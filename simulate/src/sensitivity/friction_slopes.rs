@@ -67,7 +67,7 @@ enum Kind {
     Sliding(Vec<SlidingFamily>),
     /// The law with its own slopes alone, and with those of a few directions each.
     Smooth {
-        plain: DryFriction<Dual<MOTION>>,
+        plain: Box<DryFriction<Dual<MOTION>>>,
         varied: Vec<DryFriction<Dual<ALL>>>,
     },
 }
@@ -211,7 +211,7 @@ fn smooth(
             dual
         }));
     }
-    Ok(Kind::Smooth { plain, varied })
+    Ok(Kind::Smooth { plain: Box::new(plain), varied })
 }
 
 /// Returns the slopes over a path, and those of state and torque in the directions of the law's own numbers.
