@@ -47,14 +47,19 @@ impl<N: Number> Runner<N> {
     ///
     /// A reading that is not a number or beyond its limit is replaced by the last good one; see [`Runner::status`].
     pub fn step_array(&mut self, readings: &[f64; crate::READINGS]) -> f64 {
-        let inputs = self.guard.take(&readings.map(N::from_f64));
+        self.step_numbers(&readings.map(N::from_f64)).to_f64()
+    }
+
+    /// Takes the readings as [`Runner::step_array`] does, and returns the control, in the runner's own numbers.
+    pub fn step_numbers(&mut self, readings: &[N; crate::READINGS]) -> N {
+        let inputs = self.guard.take(readings);
         let control = self.step.run(&mut self.memory, &inputs).unwrap_or(N::from_f64(0.0));
         let states = self.programs.state_count();
         let found = limit_states(&mut self.memory[..states], &self.kept);
         if found == StatePlausibility::No {
             self.restart();
         }
-        self.guard.select_control(control, found).to_f64()
+        self.guard.select_control(control, found)
     }
 
     /// Sets the out-of-balance, kg m, kept inside the controller's range: gains and bias follow, and the step this

@@ -5,6 +5,7 @@
 mod common;
 
 mod alignment;
+mod exact_slopes;
 mod friction_laws;
 mod hose;
 mod identify;

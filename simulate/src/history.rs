@@ -202,7 +202,7 @@ impl ReadingColumns {
 }
 
 /// Returns the column of a channel; `None` if no simulated instrument reads it.
-fn column_of(channel: Channel) -> Option<ReadingColumn> {
+pub(crate) fn column_of(channel: Channel) -> Option<ReadingColumn> {
     Some(match channel {
         Channel::Demand => ReadingColumn::Demand,
         Channel::Control => ReadingColumn::Control,

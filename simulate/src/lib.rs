@@ -15,7 +15,7 @@
 //! *Invariant*: nothing here knows a requirement, a design, a file, a thread or a clock; noise comes from a seed.
 //!
 //! Modules in reading order: [`signal`], [`motion`], [`firing`], [`scenario`], [`mod@run`], [`two_axes`], [`ensemble`], [`sensing`], `noise`, `sampling_errors`, `drive_limits`, [`history`],
-//! [`mod@replay`], [`fra`], [`convergence`], [`tolerance`] (the numbers that decide), [`error`].
+//! [`sensitivity`], [`mod@replay`], [`fra`], [`convergence`], [`tolerance`] (the numbers that decide), [`error`].
 //!
 //! ```
 //! use counterpoise_controller::ProportionalIntegral;
@@ -49,6 +49,7 @@ pub mod run;
 mod sampling_errors;
 pub mod scenario;
 pub mod sensing;
+pub mod sensitivity;
 pub mod signal;
 pub mod tolerance;
 pub mod two_axes;

@@ -422,6 +422,11 @@ impl<'a> Lap<'a> {
         index.map_or(self.before, |k| self.queue[k])
     }
 
+    /// Returns the control that acts over the sample, after the interface's delay, V.
+    pub fn acting_control_v(&self) -> f64 {
+        self.before_v
+    }
+
     fn log_readings(&mut self, readings: &Readings, request: f64, control: f64) {
         // in the order of `ReadingColumn`
         self.readings.signals.push([

@@ -243,3 +243,15 @@ pub const LEAST_BEND_RAD: f64 = 1e-7;
 /// Size of the impulse by which the responses of a recorded controller are taken, V and rad/s: it keeps friction observers in presliding and
 /// the limiter out of the way.
 pub const SMALL_IMPULSE: f64 = 1e-6;
+
+// ---- derivatives of a run ----
+
+/// Share of the torques on a joint below which the torque that is left to accelerate it makes a change of direction a graze: the derivatives
+/// then grow by its inverse, and beyond a thousand a change within the noise of a reading decides whether the event happens.
+pub(crate) const GRAZING: f64 = 1e-3;
+/// Half the difference of controls by which the slope of the amplifier's static part is taken, V: the part is made of straight lines, so that
+/// any difference is exact that is far above rounding and below the converter's step.
+pub(crate) const DRIVE_DIFFERENCE_V: f64 = 1e-6;
+/// Distance over which the stored numbers of a replay's mechanism are differenced, in units of a direction (a typical change of a parameter,
+/// one step of a start): the fourth-order difference of a number that changes by a tenth within a unit is then wrong by 1e-12.
+pub(crate) const FAMILY_STEP: f64 = 1e-2;

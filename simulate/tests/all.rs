@@ -14,6 +14,7 @@ mod loads;
 mod replay;
 mod sampled_world;
 mod second_method;
+mod sensitivity;
 mod sticking;
 mod stiff_drive;
 mod two_axes;

@@ -210,7 +210,7 @@ impl Problem<'_> {
             left.iter_mut().flatten().for_each(|entry| *entry /= parameter.size);
             left
         };
-        let columns = self.difference_columns(&now, near);
+        let columns = self.columns(&now, near);
         Some(Slopes {
             residual: left(&now.residual),
             columns: columns.iter().zip(&free).map(per_value).collect(),
@@ -335,9 +335,7 @@ impl Problem<'_> {
 
     /// Returns what each degree of freedom of each recording's initial state does to its residuals.
     fn start_columns(&self, now: &FitState, near: &[Assessment]) -> Vec<StartColumns> {
-        let values: Vec<f64> =
-            parameters_of(&self.effects).iter().zip(&now.x).map(|(k, &v)| from_variable(k, v)).collect();
-        let parameters = apply_effects(self.base, &self.effects, &values);
+        let parameters = self.mechanism_at(&now.x);
         let is_free = |&(place, freedom): &(usize, usize)| {
             start_has(&parameters, freedom) && !(freedom == START_ANGLE && self.keeps_angle(&near[place]))
         };
@@ -389,7 +387,20 @@ impl Problem<'_> {
         map(self.pool, near.len(), one)
     }
 
-    /// Returns what each variable changes of the residuals, by one-sided differences: variable by variable, recording by recording.
+    /// Returns the mechanism at a point of the fit.
+    pub(super) fn mechanism_at(&self, x: &[f64]) -> Parameters {
+        let free = parameters_of(&self.effects);
+        let values: Vec<f64> = free.iter().zip(x).map(|(k, &v)| from_variable(k, v)).collect();
+        apply_effects(self.base, &self.effects, &values)
+    }
+
+    /// Returns what each variable changes of the residuals: variable by variable, recording by recording; exact where the simulator knows
+    /// the derivatives, else by one-sided differences.
+    fn columns(&self, now: &FitState, near: &[Assessment]) -> Vec<Vec<Vec<f64>>> {
+        self.exact_columns(now, near).unwrap_or_else(|| self.difference_columns(now, near))
+    }
+
+    /// Returns what each variable changes of the residuals, by one-sided differences.
     fn difference_columns(&self, now: &FitState, near: &[Assessment]) -> Vec<Vec<Vec<f64>>> {
         let free = parameters_of(&self.effects);
         let steps: Vec<f64> = free.iter().zip(&now.x).map(|(free, x)| difference_step(free, *x)).collect();
@@ -429,10 +440,10 @@ impl Problem<'_> {
             .collect()
     }
 
-    /// Returns `J'J / N`, `J'r / N` and the scatter of the latter, by one-sided differences; what the initial states could do in
+    /// Returns `J'J / N`, `J'r / N` and the scatter of the latter; what the initial states could do in
     /// place of a parameter is removed from its column.
     fn linearise_cost(&self, now: &FitState, near: &[Assessment], starts: &[StartColumns]) -> LinearisedCost {
-        let columns = self.difference_columns(now, near);
+        let columns = self.columns(now, near);
         let place = |column: &Vec<Vec<f64>>| -> (Vec<StartShift>, Vec<f64>) {
             let absorbed: Vec<StartShift> =
                 starts.iter().zip(column).map(|(starts, own)| starts.fit_shift(own)).collect();
@@ -502,7 +513,7 @@ fn runs_alike(a: &EffectFit, b: &EffectFit) -> bool {
 }
 
 /// Returns the residuals of all channels with their weights; `None` if one is not finite.
-fn weight_residuals(channels: &[ChannelResidual], near: &Assessment) -> Option<Vec<f64>> {
+pub(super) fn weight_residuals(channels: &[ChannelResidual], near: &Assessment) -> Option<Vec<f64>> {
     let weighted = channels.iter().enumerate().flat_map(|(c, misfit)| {
         let weight = near.weight(c);
         misfit.residual.iter().map(move |r| weight * r)
@@ -512,11 +523,11 @@ fn weight_residuals(channels: &[ChannelResidual], near: &Assessment) -> Option<V
 }
 
 /// The present point of a fit.
-struct FitState {
-    x: Vec<f64>,
+pub(super) struct FitState {
+    pub x: Vec<f64>,
     /// The shift of each recording's initial state.
-    shifts: Vec<StartShift>,
-    residual: Vec<Vec<f64>>,
+    pub shifts: Vec<StartShift>,
+    pub residual: Vec<Vec<f64>>,
     cost: f64,
 }
 

@@ -5,6 +5,7 @@ use counterpoise_models::Parameters;
 use counterpoise_recordings::Channel;
 use counterpoise_simulate::PlantState;
 use counterpoise_simulate::replay::START_FREEDOMS;
+use counterpoise_simulate::sensitivity::Side;
 
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::rms;
@@ -38,6 +39,14 @@ pub struct MechanismVariant {
     pub parameters: Parameters,
     /// The shift of its initial state.
     pub shift: StartShift,
+}
+
+/// A direction along which residuals are differentiated.
+pub struct VariantDirection<'a> {
+    /// Returns the variant at a distance from the one at hand, in units of the direction.
+    pub member: &'a (dyn Fn(f64) -> MechanismVariant + Sync),
+    /// The side on which there are variants.
+    pub side: Side,
 }
 
 /// Part of a recording that is replayed.
@@ -146,6 +155,18 @@ pub trait SimulatorAccess: Sync {
         near: &Assessment,
     ) -> Vec<Option<Vec<ChannelResidual>>> {
         variants.iter().map(|variant| self.residuals_of(variant, index, span, near)).collect()
+    }
+    /// Returns the derivatives of the residuals of a variant along directions, direction by direction: exact, from one run. Returns `None` if the
+    /// simulator has none for this variant or one of these directions; differences of runs then take their place.
+    fn residual_slopes(
+        &self,
+        _variant: &MechanismVariant,
+        _directions: &[VariantDirection],
+        _index: usize,
+        _span: Span,
+        _near: &Assessment,
+    ) -> Option<Vec<Vec<ChannelResidual>>> {
+        None
     }
     /// Returns the angle over which the hub moves on the platform, rad.
     fn travel_rad(&self) -> f64 {

@@ -8,4 +8,5 @@ pub mod objective;
 
 pub use access::{
     Assessment, ChannelResidual, ControlSource, MechanismVariant, SimulatorAccess, Span, StartShift,
+    VariantDirection,
 };

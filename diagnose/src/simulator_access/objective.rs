@@ -8,7 +8,9 @@ use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::PlantState;
 use counterpoise_simulate::history::ReadingColumns;
-use counterpoise_simulate::replay::{Replay, ReplayLoop, ReplayVariant, Replayer, reading_floor};
+use counterpoise_simulate::replay::{
+    Replay, ReplayDirection, ReplayLoop, ReplayMember, ReplayVariant, Replayer, SlopedReplay, reading_floor,
+};
 
 use crate::error::Error;
 use crate::recording::measured_signals::{MeasuredSignals, read_signals};
@@ -17,6 +19,7 @@ use crate::recording::series::deviation;
 use crate::recording::series::rms;
 use crate::simulator_access::access::{
     Assessment, ChannelResidual, ControlSource, MechanismVariant, SimulatorAccess, Span, StartShift,
+    VariantDirection,
 };
 use crate::tolerance::{FITTED_SHARE, STEPS_PER_SAMPLE};
 
@@ -181,6 +184,26 @@ impl<'a> RecordingReplays<'a> {
             let residual: Vec<f64> = simulated.iter().zip(recorded).map(difference).collect();
             let told = if shown == channel { floor } else { self.control_floor };
             out.push(ChannelResidual { channel, residual, floor: told });
+        }
+        Some(out)
+    }
+
+    /// Returns the derivatives of every scored channel's residual along a direction.
+    fn channel_slopes(
+        &self,
+        found: &SlopedReplay,
+        direction: usize,
+        index: usize,
+        source: ControlSource,
+    ) -> Option<Vec<ChannelResidual>> {
+        let mut out = Vec::new();
+        for (place, channel) in SCORED.into_iter().enumerate() {
+            let Some((shown, c)) = self.scored_channel(&found.replay, index, source, place) else { continue };
+            let recorded = self.prepared.whole[index].samples(shown)?;
+            let floor = self.floors[index][c];
+            let slope = |(s, r): (&f64, &f64)| if r.is_finite() { -s / floor } else { 0.0 };
+            let residual = found.slope(direction, shown).iter().zip(recorded).map(slope).collect();
+            out.push(ChannelResidual { channel, residual, floor });
         }
         Some(out)
     }
@@ -350,6 +373,33 @@ impl SimulatorAccess for RecordingReplays<'_> {
         let replays = ready.replay_variants(self.control(near.source), &asked);
         let length = ready.recording().len();
         replays.into_iter().map(|replay| self.channels(&replay.ok()?, index, length, near.source)).collect()
+    }
+
+    fn residual_slopes(
+        &self,
+        variant: &MechanismVariant,
+        directions: &[VariantDirection],
+        index: usize,
+        span: Span,
+        near: &Assessment,
+    ) -> Option<Vec<Vec<ChannelResidual>>> {
+        let start = near.start.as_ref()?;
+        let (ready, control) = (self.prepared_replayer(index, span), self.control(near.source));
+        let member = |variant: MechanismVariant| ReplayMember {
+            steps: self.possible_shift(index, near.source, &variant.shift),
+            parameters: variant.parameters,
+        };
+        let members: Vec<_> =
+            directions.iter().map(|direction| move |by: f64| member((direction.member)(by))).collect();
+        let asked: Vec<ReplayDirection> = members
+            .iter()
+            .zip(directions)
+            .map(|(member, direction)| ReplayDirection { member, side: direction.side })
+            .collect();
+        let nominal = member(variant.clone());
+        let run = |r: &Replayer| Ok(r.replay_with_slopes(control, start, &nominal, &asked));
+        let found = self.with(&variant.parameters, ready, run)?.ok()?;
+        (0..directions.len()).map(|k| self.channel_slopes(&found, k, index, near.source)).collect()
     }
 
     fn travel_rad(&self) -> f64 {

@@ -37,6 +37,12 @@ pub const RESTARTS: usize = 1;
 pub const TRIAL_RESTARTS: usize = 1;
 /// Share by which a new initial state must lower the cost for a further restart.
 pub const RESTART_WORTH: f64 = 2e-3;
+/// Fewest parameters for which exact derivatives take the place of differences of runs: a run with derivatives costs as much as six runs before its
+/// first direction, and each direction less than a run (docs/evidence/simulator.md).
+pub const FEWEST_EXACT_DIRECTIONS: usize = 16;
+/// Units of a variable on either side within which a parameter must be inside its bounds to be varied on both: twice the distance over which a
+/// replay's stored numbers are differenced, and as much again.
+pub const VARIED_UNITS: f64 = 4e-2;
 /// Iterations for which the derivatives with respect to the initial states are reused. They change
 /// slowly, and computing them costs one replay for each freedom.
 pub const STARTS_KEPT: usize = 4;

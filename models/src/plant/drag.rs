@@ -10,6 +10,12 @@ impl Friction {
         speed * (self.quadratic_nm_s2_rad2 * rate_rad_s + self.viscous_asymmetry * self.viscous_nm_s_rad)
     }
 
+    /// Returns the slope of [`Friction::drag_nm`] over the rate, N m s/rad; at rest that of the positive direction.
+    pub fn drag_slope_nm_s_rad(&self, rate_rad_s: f64) -> f64 {
+        2.0 * self.quadratic_nm_s2_rad2 * rate_rad_s.abs()
+            + self.viscous_asymmetry * self.viscous_nm_s_rad * rate_rad_s.signum()
+    }
+
     /// Returns whether [`Friction::drag_nm`] is not zero throughout.
     pub fn has_drag(&self) -> bool {
         self.quadratic_nm_s2_rad2 != 0.0 || self.viscous_asymmetry * self.viscous_nm_s_rad != 0.0

@@ -279,6 +279,39 @@ impl Plant {
     }
 }
 
+impl Plant {
+    /// Returns the slopes of [`Plant::motor_torque_nm`] over current, motor angle and motor rate; beyond the limit of the current it does
+    /// not follow the current.
+    pub fn motor_torque_slopes(
+        &self,
+        current_a: f64,
+        motor_angle_rad: f64,
+        motor_rate_rad_s: f64,
+    ) -> [f64; 3] {
+        let motor = &self.parameters.motor;
+        let limit = self.parameters.amplifier.current_limit_a;
+        let limited = current_a.clamp(-limit, limit);
+        let follows =
+            if current_a.abs() <= limit { 1.0 + motor.torque_ripple.at(motor_angle_rad) } else { 0.0 };
+        let constant = motor.torque_constant_nm_a;
+        [
+            constant * (follows - 1.0),
+            constant * limited * motor.torque_ripple.slope_at(motor_angle_rad)
+                + motor.cogging.slope_at(motor_angle_rad),
+            -self.parameters.motor_friction.drag_slope_nm_s_rad(motor_rate_rad_s),
+        ]
+    }
+
+    /// Returns the slopes of [`Plant::hub_torque_nm`] over the relative hub angle, the motor angle and the relative hub rate.
+    pub fn hub_torque_slopes(&self, motor_angle_rad: f64, relative_rate_rad_s: f64) -> [f64; 3] {
+        [
+            -self.spring.0,
+            self.parameters.gearbox.mesh_ripple.slope_at(motor_angle_rad),
+            -self.parameters.pivot_friction.drag_slope_nm_s_rad(relative_rate_rad_s),
+        ]
+    }
+}
+
 /// Sine and cosine of the hub's angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SinCos {

@@ -336,6 +336,16 @@ impl Attempt {
         &self.start
     }
 
+    /// Returns the values of the ports at the stages, stage by stage.
+    pub fn port_values(&self) -> &[f64; STAGES * PORTS] {
+        &self.values
+    }
+
+    /// Returns friction's state at the stages.
+    pub fn stage_friction(&self) -> &[FrictionState; STAGES] {
+        &self.memory
+    }
+
     /// Returns the values of the ports at the end.
     pub fn end_ports(&self) -> [f64; PORTS] {
         std::array::from_fn(|p| self.values[(STAGES - 1) * PORTS + p])

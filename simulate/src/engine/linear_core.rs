@@ -152,6 +152,20 @@ impl Span<'_> {
 impl ModeDynamics {
     /// Returns the core of a plant in a mode, for steps of a sample period and its halves.
     pub fn new(plant: &Plant, mode: &Mode, period_s: f64) -> Self {
+        let (mut linear, core, others) = Self::without_chain(plant, mode, period_s);
+        linear.take_apart(core, &others);
+        linear.add_chain()
+    }
+
+    /// Returns the same with the physical state as its coordinates, however many states there are.
+    pub fn with_physical_coordinates(plant: &Plant, mode: &Mode, period_s: f64) -> Self {
+        let (mut linear, core, _) = Self::without_chain(plant, mode, period_s);
+        linear.keep_together(core);
+        linear.add_chain()
+    }
+
+    /// Returns the core without blocks and moments, its equations, and the rows of what is seen beside the outputs.
+    fn without_chain(plant: &Plant, mode: &Mode, period_s: f64) -> (Self, Core, Mat) {
         let mut core = plant.core(mode.mesh);
         if mode.held != 0.0 {
             hold_voltage(&mut core);
@@ -169,7 +183,7 @@ impl ModeDynamics {
         let n = core.A.nrows();
         let outputs = output_rows(plant);
         let others = Mat::from_rows(&[unit(n, state::VOLTAGE), plant.tip_rate_row()]);
-        let mut linear = Self {
+        let linear = Self {
             blocks: Vec::new(),
             firsts: Vec::new(),
             n,
@@ -187,18 +201,24 @@ impl ModeDynamics {
             period_s,
             tables: vec![None; DEEPEST + 1],
         };
-        linear.take_apart(core, &others);
-        linear.coarse = Chain::new(&linear.blocks, period_s / f64::from(1u32 << LEVELS), LEVELS + 1);
-        linear
+        (linear, core, others)
+    }
+
+    fn add_chain(mut self) -> Self {
+        let finest = self.period_s / f64::from(1u32 << LEVELS);
+        self.coarse = Chain::new(&self.blocks, finest, LEVELS + 1);
+        self
+    }
+
+    /// Takes the core as one block.
+    fn keep_together(&mut self, core: Core) {
+        self.blocks = vec![Block { A: core.A, B: core.B }];
+        self.firsts = vec![0];
     }
 
     /// Changes to coordinates in which the core falls apart into blocks, if there are any and they save work.
     fn take_apart(&mut self, core: Core, others: &Mat) {
-        let Some(modal) = modal(&core.A) else {
-            self.blocks = vec![Block { A: core.A, B: core.B }];
-            self.firsts = vec![0];
-            return;
-        };
+        let Some(modal) = modal(&core.A) else { return self.keep_together(core) };
         let column = |v: &[f64]| (&modal.W * &Mat::col(v)).column(0).to_vec();
         self.carried = column(&self.carried);
         self.lift = column(&self.lift);
@@ -251,6 +271,11 @@ impl ModeDynamics {
     pub fn coordinates(&self, x: &[f64]) -> Vec<f64> {
         let coordinates = self.coordinates.as_ref();
         coordinates.map_or_else(|| x.to_vec(), |to| (&to.W * &Mat::col(x)).column(0).to_vec())
+    }
+
+    /// Returns the slopes of z over an input of the core.
+    pub fn input_column(&self, input: usize) -> Vec<f64> {
+        self.blocks.iter().flat_map(|block| block.B.column(input).to_vec()).collect()
     }
 
     /// Returns the number of blocks.

@@ -802,7 +802,7 @@ impl Path {
 /// Returns the torque of the dry part: the viscous and quadratic parts are elsewhere. A law that truly sticks slides in the
 /// direction that its state tells, and takes no part in the ports at rest.
 #[inline]
-fn dry_torque(model: &FrictionModel, rate: f64, level: f64, state: f64) -> f64 {
+pub(crate) fn dry_torque(model: &FrictionModel, rate: f64, level: f64, state: f64) -> f64 {
     let Law::Sliding(_) = model.law() else { return model.dry_torque(rate, level, &[state]) };
     if state == 0.0 {
         return 0.0;

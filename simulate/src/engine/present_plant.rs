@@ -248,6 +248,11 @@ impl PresentPlant {
         &self.z
     }
 
+    /// Returns the angles of motor and pivot to which friction has travelled, rad; `None` before the first step of a run.
+    pub fn friction_travel(&self) -> Option<[f64; 2]> {
+        self.travelled
+    }
+
     /// Returns the states of dry friction.
     pub fn friction(&self) -> &FrictionState {
         &self.friction

@@ -48,6 +48,20 @@ pub(crate) struct Checkpoint {
     level: usize,
 }
 
+/// A step that is about to be taken, and the plant at its start.
+pub(crate) struct TakenStep<'a> {
+    pub attempt: &'a mut Attempt,
+    pub table: &'a StepTable,
+    /// The plant where the step begins.
+    pub present: &'a PresentPlant,
+    pub mode: &'a Mode,
+    /// Halvings of the sample period that the step is long.
+    pub level: usize,
+    pub part: Part,
+    /// The platform at the nodes of the step.
+    pub nodes: &'a [PlatformPoint; 4],
+}
+
 /// The result of a step that was tried.
 enum StepOutcome {
     Good { defect: f64 },
@@ -202,7 +216,7 @@ impl Stepper {
 
     /// Moves the state over one sample period.
     pub fn advance(&mut self, sample: &Sample) {
-        self.advance_observed(sample, &mut |_, _, _| {});
+        self.advance_observed(sample, &mut |_| {});
     }
 
     /// Adds the answer to a further torque on the hub over the sample that one step has just taken, which is the cubic through its values at the nodes.
@@ -229,11 +243,7 @@ impl Stepper {
 
     /// Moves the state over one sample period; `observer` sees every step that is taken, and which part of the sample it is.
     #[inline]
-    pub fn advance_observed(
-        &mut self,
-        sample: &Sample,
-        observer: &mut impl FnMut(&mut Attempt, &StepTable, Part),
-    ) {
+    pub fn advance_observed(&mut self, sample: &Sample, observer: &mut impl FnMut(TakenStep)) {
         self.present.settle_joints(sample);
         let before = self.present.changes;
         let (mut tick, mut approach) = (0, Approach::default());
@@ -249,10 +259,7 @@ impl Stepper {
             let deepest = if self.present.changes - before > MANY_CHANGES { LEVELS } else { DEEPEST };
             match self.try_step(sample, tick, &mode, deepest) {
                 StepOutcome::Good { defect } => {
-                    if let Some(table) = self.present.linear().table(self.level) {
-                        let part = Part { start: fraction(tick), share: fraction(TICKS >> self.level) };
-                        observer(&mut self.attempt, table, part);
-                    }
+                    self.show_step(tick, &mode, observer);
                     self.take_step(&mode);
                     tick += TICKS >> self.level;
                     match self.transition(sample, tick, &mode) {
@@ -268,6 +275,15 @@ impl Stepper {
                 }
             }
         }
+    }
+
+    /// Shows the step that is taken from a tick on to an observer.
+    #[inline]
+    fn show_step(&mut self, tick: u32, mode: &Mode, observer: &mut impl FnMut(TakenStep)) {
+        let Self { present, attempt, level, nodes, .. } = self;
+        let Some(table) = present.linear().table(*level) else { return };
+        let part = Part { start: fraction(tick), share: fraction(TICKS >> *level) };
+        observer(TakenStep { attempt, table, present, mode, level: *level, part, nodes });
     }
 
     /// Carries out what the step that ended at a tick leads to: a change of the mesh, or of a joint.

@@ -12,6 +12,7 @@ mod normal_equations;
 pub mod platform;
 mod recorded_controller;
 mod recorded_readings;
+mod slopes;
 pub(crate) mod smoother;
 pub mod start;
 mod windowed_replay;
@@ -21,6 +22,7 @@ pub use control::control_fit;
 pub use exported_controller::ExportedController;
 pub use platform::{platform_motion, reading_floor, sensor_of};
 pub use recorded_controller::RecordedController;
+pub use slopes::{ReplayDirection, ReplayMember, SlopedReplay};
 pub use start::{UNKNOWNS as START_FREEDOMS, start_has};
 pub use windowed_replay::{Divergence, ReplayMode, SelectedReplay, WINDOW_S};
 

@@ -14,6 +14,9 @@ use super::initial_controller_state::fit_initial_states;
 use super::platform::reading_floor;
 use super::recorded_readings::{READ, recorded_readings};
 use crate::Error;
+use crate::sensitivity::{
+    DifferentiableController, DifferentiablePi, DifferentiablePosition, DifferentiableProgram,
+};
 use crate::tolerance::{INTEGRAL_SAMPLES, START_RATE_SAMPLES};
 
 /// A controller whose control a closed-loop replay computes anew from the simulated readings.
@@ -73,9 +76,36 @@ impl RecordedController {
             Self::ProportionalIntegral(controller) => Box::new(with_fitted_integral(controller, recording)),
             Self::Position(controller) => Box::new(position_at_start(controller, recording)),
             Self::Exported(controller) => {
-                let platform = [Channel::PlatformRate, Channel::PlatformAccel, Channel::PlatformSurge]
-                    .map(|channel| recording.samples(channel).unwrap_or_default());
-                Box::new(WithRecordedPlatform { runner: fitted.of(controller, recording), platform, next: 0 })
+                let runner = fitted.of(controller, recording);
+                Box::new(WithRecordedPlatform { runner, platform: recorded_platform(recording), next: 0 })
+            }
+        })
+    }
+
+    /// Returns the same as [`Self::at_start_of`], for a run with derivatives.
+    ///
+    /// # Errors
+    /// As [`Self::at_start_of`].
+    pub(crate) fn differentiable_at_start_of<'r>(
+        &self,
+        recording: &'r Recording,
+        fitted: &FittedStart,
+    ) -> Result<Box<dyn DifferentiableController + 'r>, Error> {
+        recording.samples(Channel::Demand).ok_or(Error::NoChannel { channel: "demand" })?;
+        Ok(match self {
+            Self::ProportionalIntegral(controller) => {
+                Box::new(DifferentiablePi::new(&with_fitted_integral(controller, recording), &[]))
+            }
+            Self::Position(controller) => {
+                Box::new(DifferentiablePosition::new(&position_at_start(controller, recording)))
+            }
+            Self::Exported(controller) => {
+                let runner = fitted.of(controller, recording);
+                Box::new(WithRecordedPlatform {
+                    runner: DifferentiableProgram::new(controller.controller(), &runner),
+                    platform: recorded_platform(recording),
+                    next: 0,
+                })
             }
         })
     }
@@ -256,21 +286,23 @@ fn proportional_integral(controller: &ProportionalIntegral, read: &[Readings], c
     made.into_iter().map(|u| (u + integral).clamp(-CONVERTER_RANGE_V, CONVERTER_RANGE_V)).collect()
 }
 
+/// Returns the recorded platform rate, heave and surge; empty if not recorded.
+fn recorded_platform(recording: &Recording) -> [&[f64]; 3] {
+    [Channel::PlatformRate, Channel::PlatformAccel, Channel::PlatformSurge]
+        .map(|channel| recording.samples(channel).unwrap_or_default())
+}
+
 /// An exported controller that reads the recorded platform sensors.
-struct WithRecordedPlatform<'r> {
-    runner: Runner,
+struct WithRecordedPlatform<'r, R = Runner> {
+    runner: R,
     /// Recorded platform rate, heave and surge; empty if not recorded.
     platform: [&'r [f64]; 3],
     next: usize,
 }
 
-impl SampledController for WithRecordedPlatform<'_> {
-    fn reset(&mut self) {
-        self.runner.reset();
-        self.next = 0;
-    }
-
-    fn step(&mut self, readings: &Readings) -> f64 {
+impl<R> WithRecordedPlatform<'_, R> {
+    /// Returns the readings of the next sample, with those of the platform as recorded.
+    fn read_recorded(&mut self, readings: &Readings) -> Readings {
         let recorded = |column: &[f64], simulated: f64| {
             column.get(self.next).copied().filter(|v| v.is_finite()).unwrap_or(simulated)
         };
@@ -281,6 +313,25 @@ impl SampledController for WithRecordedPlatform<'_> {
             ..*readings
         };
         self.next += 1;
+        read
+    }
+}
+
+impl SampledController for WithRecordedPlatform<'_> {
+    fn reset(&mut self) {
+        self.runner.reset();
+        self.next = 0;
+    }
+
+    fn step(&mut self, readings: &Readings) -> f64 {
+        let read = self.read_recorded(readings);
         self.runner.step(&read)
+    }
+}
+
+impl DifferentiableController for WithRecordedPlatform<'_, DifferentiableProgram> {
+    fn step(&mut self, readings: &Readings, slopes: &[Readings], control: &mut [f64]) -> f64 {
+        let read = self.read_recorded(readings);
+        self.runner.step(&read, slopes, control)
     }
 }

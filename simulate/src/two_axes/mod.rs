@@ -14,7 +14,7 @@ mod quartics;
 use crate::Error;
 use crate::engine::filter::Filter;
 use crate::engine::present_plant::Sample;
-use crate::engine::stepper::{Checkpoint, Stepper};
+use crate::engine::stepper::{Checkpoint, Stepper, TakenStep};
 use crate::firing::Firing;
 use crate::history::TimeHistory;
 use crate::motion::{FurtherMotion, MotionSample, PlatformMotion};
@@ -321,7 +321,7 @@ impl<'a> Side<'a> {
     fn advance(&mut self, k: usize) {
         let Self { stepper, trace, motion, drive_v, lap, .. } = self;
         let sample = Sample { drive_v: *drive_v, start_s: lap.time(k), motion };
-        stepper.advance_observed(&sample, &mut |attempt, table, part| {
+        stepper.advance_observed(&sample, &mut |TakenStep { attempt, table, part, .. }| {
             attempt.accept_torque(sample.motion.other_torques(part.start, part.share));
             trace.add(attempt, table, part);
         });
