@@ -34,7 +34,7 @@ impl Scan<'_> {
             self.tried.iter().map(|tried| self.near(tried.clone(), 0.0)).collect();
         starts.sort_by(|a, b| a.miss.total_cmp(&b.miss));
         for start in starts.into_iter().take(STARTS) {
-            self.approach(start, 0.0)?;
+            self.approach(start.found, 0.0)?;
             if self.best.is_some() {
                 break;
             }
@@ -54,7 +54,7 @@ impl Scan<'_> {
         starts.sort_by(|a, b| a.miss.total_cmp(&b.miss));
         for start in starts.into_iter().take(STARTS) {
             let target_rad_s = APPROACH_RISE * self.best_bandwidth();
-            self.approach(start, target_rad_s)?;
+            self.approach(start.found, target_rad_s)?;
         }
         self.judge_by(Thoroughness::Everything);
         Ok(self.best_bandwidth() > reached)
@@ -80,44 +80,48 @@ impl Scan<'_> {
         Ok(starts)
     }
 
-    /// Varies aim and multiples of a loop as long as that brings it nearer to a bandwidth and all limits. Each loop that reaches them is taken as the answer if it
-    /// is the quickest, and a higher bandwidth is asked for; where none is asked for, the first ends it.
-    fn approach(&mut self, start: NearLoop, target_rad_s: f64) -> Result<(), Error> {
+    /// Varies aim and multiples of a loop as long as that brings it nearer to a bandwidth and all limits. From each loop that reaches them on, a higher bandwidth is
+    /// asked for.
+    fn approach(&mut self, start: TriedFeedback, target_rad_s: f64) -> Result<(), Error> {
         let mut target_rad_s = target_rad_s;
-        let mut at = self.near(start.found, target_rad_s);
+        let mut at = self.near(start, target_rad_s);
+        self.ask_for_more_if_reached(&mut at, &mut target_rad_s);
         let mut judged = 0;
         for factor in FACTORS {
             let (mut way, mut failures) = (0, 0);
             let mut ways = self.ways(&at.found, factor);
             while failures < ways.len() && judged < MOST_JUDGED {
-                while at.miss == 0.0 {
-                    if target_rad_s == 0.0 {
-                        self.take_if_quickest(at.found);
-                        return Ok(());
-                    }
-                    target_rad_s = APPROACH_RISE * at.found.judgement.bandwidth_rad_s;
-                    self.take_if_quickest(at.found.clone());
-                    at = self.near(at.found, target_rad_s);
-                }
                 let upcoming: Vec<Candidate> = ways[way..].iter().flatten().copied().collect();
-                let tries_one = ways[way].is_some();
-                judged += usize::from(tries_one);
                 let approach = Approach { target_rad_s, least_miss: at.miss };
-                let nearer = if tries_one { self.attempt_nearer(&upcoming, approach)? } else { None };
-                match nearer {
-                    Some(nearer) => {
-                        at = nearer;
-                        failures = 0;
-                        ways = self.ways(&at.found, factor);
-                    }
-                    None => {
-                        failures += 1;
-                        way = (way + 1) % ways.len();
-                    }
+                let nearer = match ways[way] {
+                    Some(_) => self.attempt_nearer(&upcoming, approach)?,
+                    None => None,
+                };
+                judged += usize::from(ways[way].is_some());
+                if let Some(nearer) = nearer {
+                    (at, failures) = (nearer, 0);
+                    self.ask_for_more_if_reached(&mut at, &mut target_rad_s);
+                    ways = self.ways(&at.found, factor);
+                } else {
+                    failures += 1;
+                    way = (way + 1) % ways.len();
                 }
             }
         }
         Ok(())
+    }
+
+    /// Takes a loop at no distance as the answer if it is the quickest, and asks for a higher bandwidth than its own.
+    fn ask_for_more_if_reached(&mut self, at: &mut NearLoop, target_rad_s: &mut f64) {
+        if at.miss > 0.0 {
+            return;
+        }
+        let bandwidth_rad_s = at.found.judgement.bandwidth_rad_s;
+        if self.keeps_all(&at.found.judgement) && bandwidth_rad_s > self.best_bandwidth() {
+            self.best = Some(at.found.clone());
+        }
+        *target_rad_s = APPROACH_RISE * bandwidth_rad_s;
+        at.miss = self.miss(&at.found.judgement, *target_rad_s);
     }
 
     /// Returns the candidates beside a loop, always in the same order; `None` for one that is out of range. Each has a shape with a number of its own, because a loop is
@@ -152,11 +156,5 @@ impl Scan<'_> {
 
     fn near(&self, found: TriedFeedback, target_rad_s: f64) -> NearLoop {
         NearLoop { miss: self.miss(&found.judgement, target_rad_s), found }
-    }
-
-    fn take_if_quickest(&mut self, found: TriedFeedback) {
-        if self.keeps_all(&found.judgement) && found.judgement.bandwidth_rad_s > self.best_bandwidth() {
-            self.best = Some(found);
-        }
     }
 }
