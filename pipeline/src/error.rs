@@ -151,8 +151,9 @@ pub enum PipelineError {
     },
     /// A weight that the drive cannot carry at any control.
     #[error(
-        "the out-of-balance of {moment_kg_m:.2} kg m takes {needed_nm:.4} N m to hold, and the drive gives at most {largest_nm:.4} N m: with a cylinder \
-         raise its supply_pressure, area or lever, with a motor its current limit, or carry the weight with [plant.equilibrator]"
+        "the out-of-balance of {moment_kg_m:.2} kg m takes {needed_nm:.4} N m to hold, and the drive gives at most {largest_nm:.4} N m: \
+         raise `limit` of [plant.drive] (of a cylinder supply_pressure, area or lever), put a gear before the load, or carry the weight with \
+         [plant.equilibrator]"
     )]
     CannotCarry {
         /// The out-of-balance, kg m.

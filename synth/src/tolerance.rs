@@ -247,3 +247,16 @@ pub(crate) const NARROW_MISS: f64 = 0.5;
 
 /// Largest logarithm of what a loop has over what is allowed that counts: a loop that is not stable beside the plant has no size of its miss.
 pub(crate) const LARGEST_EXCESS: f64 = 6.0;
+
+/// Largest multiple of the bandwidth in a shape: beyond it nothing changes near the bandwidth.
+pub(crate) const LARGEST_MULTIPLE: f64 = 100.0;
+
+/// Largest cost of the load's motion over that of the control, and the inverse of the smallest.
+pub(crate) const LARGEST_LOAD: f64 = 100.0;
+
+/// Up to how many inverse bandwidths after a step the largest control is looked for: it comes early.
+pub(crate) const CONTROL_PEAK_BY: f64 = 6.0;
+
+/// Up to how many inverse bandwidths after a step the largest reading is looked for: an integral that begins at a twentieth of the bandwidth turns the response
+/// back by then.
+pub(crate) const OVERSHOOT_BY: f64 = 40.0;

@@ -11,7 +11,7 @@ use counterpoise_lti::{pade, series};
 use counterpoise_models::parameters::Transmission;
 use counterpoise_models::{AxisKind, FeedbackSignal, IDEAL_CONVERTER_BITS, Parameters};
 use counterpoise_project::resolve::synthesis::DesignRequest;
-use counterpoise_project::{Assumption, LATEST_USUAL_READING_S, Project};
+use counterpoise_project::{Assumption, LATEST_USUAL_COUNT_S, LATEST_USUAL_READING_S, Project};
 use counterpoise_synth::{DesignPlant, LateReading, Unknown, UsualReading};
 
 use super::with_angles;
@@ -25,8 +25,6 @@ const STEPS: [(&str, bool); 2] = [("counts", true), ("resolution", false)];
 /// Noise density of a gyroscope of which nothing is known, rad/s over the root of a hertz: 0.01 degrees a second, as the data sheets of most
 /// micromechanical gyroscopes state it. Fibre-optic and ring laser gyroscopes are a hundred times quieter.
 const GYROSCOPE_NOISE: f64 = 1.7e-4;
-/// Latest reading that is usual for an encoder, s: its counter is read at once, or sent by a serial link within a tenth of a millisecond.
-const LATEST_USUAL_COUNT_S: f64 = 1e-4;
 /// Shares of the inertia at the hub that the rotor of a transmission usually has, seen through it: a tenth, up to the half that a motor chosen for the largest acceleration
 /// has.
 const USUAL_ROTORS: [f64; 2] = [0.1, 0.5];
@@ -151,7 +149,9 @@ impl OpenValues {
         let knows_lag = reading.natural_frequency_rad_s.is_finite() || states_delay;
         match knows_lag {
             true => 0.0,
-            false if reading.resolution > 0.0 => LATEST_USUAL_COUNT_S,
+            false if reading.resolution > 0.0 || plant.sensors.measured == FeedbackSignal::Current => {
+                LATEST_USUAL_COUNT_S
+            }
             false => LATEST_USUAL_READING_S,
         }
     }

@@ -1,7 +1,7 @@
 //! The needs of a loop of torque, force or current: something between motor and sensor that has a state, and something that holds the machine.
 
 use counterpoise_models::parameters::AmplifierDynamics;
-use counterpoise_models::{FeedbackSignal, Parameters};
+use counterpoise_models::{AxisKind, FeedbackSignal, Parameters};
 
 use super::Project;
 use super::findings::Findings;
@@ -27,11 +27,18 @@ pub(super) fn check_effort_loop(findings: &mut Findings<'_>, project: &Project) 
     if let Some((problem, hint)) = missing {
         add(findings, key, problem, hint);
     } else if runs_away(plant) {
+        let inertia = match plant.axis {
+            AxisKind::Rotary => "hub_inertia",
+            AxisKind::Linear => "mass",
+        };
+        let hint = format!(
+            "state friction = {{ pivot = {{ viscous = ... }} }}, or what the load presses against as lumped = {{ {inertia} = ..., position_stiffness = ... }}"
+        );
         add(
             findings,
             key,
             "does not see a steady rate, and nothing brakes this machine: it would run away",
-            "state friction = { pivot = { viscous = ... } }, or what the load presses against as lumped = { hub_inertia = ..., position_stiffness = ... }",
+            &hint,
         );
     }
     without_rate(findings, project);

@@ -2,7 +2,7 @@
 
 use counterpoise_models::{Drift, Sensor};
 
-use crate::assumption::LATEST_USUAL_READING_S;
+use crate::assumption::{LATEST_USUAL_COUNT_S, LATEST_USUAL_READING_S};
 use crate::file::field::{Field, NumberRange, UsualRange};
 use crate::file::visit::Visit;
 use crate::tolerance::MOST_TILT_RAD;
@@ -48,11 +48,19 @@ pub(super) fn sensor(v: &mut dyn Visit, sensor: &mut Sensor, unit: &'static str)
         &mut sensor.gain,
     );
     v.number(&Field::new("bias", "constant error of the reading").unit(unit).or(0.0), &mut sensor.bias);
+    let (source, latest_s) = if sensor.resolution > 0.0 || unit == "A" {
+        (
+            "what is left out is ideal; encoders and current sensors are usually up to 0.1 ms late",
+            LATEST_USUAL_COUNT_S,
+        )
+    } else {
+        ("what is left out is ideal; digital sensors are usually up to 2 ms late", LATEST_USUAL_READING_S)
+    };
     v.number(
         &Field::new("delay", "delay of the reading").unit("s").limit(AT_LEAST_0).or(0.0).with_assumption(
             "none, as in an ideal sensor",
-            "what is left out is ideal; digital sensors are usually up to 2 ms late",
-            UsualRange::Values(0.0, LATEST_USUAL_READING_S),
+            source,
+            UsualRange::Values(0.0, latest_s),
         ),
         &mut sensor.delay_s,
     );

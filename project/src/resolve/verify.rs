@@ -2,8 +2,8 @@
 
 use counterpoise_models::{AxisKind, ControlledQuantity};
 use counterpoise_verify::{
-    Coincidence, Limit as Bound, LineOfSight, Optics, PerformanceFigure, Procedure, Requirement, Sine, Step,
-    Triangle,
+    Coincidence, Limit as Bound, LineOfSight, LoopFigure, Optics, PerformanceFigure, Procedure, Requirement,
+    Sine, Step, Triangle,
 };
 
 use super::figure_names::figure_hint;
@@ -283,6 +283,23 @@ fn resolve_requirements(asked: &StatedRequirement, controlled: ControlledQuantit
     limits.into_iter().flatten().filter_map(requirement).collect()
 }
 
+/// The ranges of the lower and of the upper limit of a figure, outside of which no loop can meet them: a phase margin is an angle up to half a turn, the disk
+/// margin of a loop without skew is at most 2, and the largest sensitivity is never below 1.
+fn ranges_of_limits(figure: Option<PerformanceFigure>) -> [NumberRange; 2] {
+    match figure {
+        Some(PerformanceFigure::Loop(LoopFigure::PhaseMargin)) => {
+            [NumberRange::Between(-180.0, 180.0), NumberRange::Any]
+        }
+        Some(PerformanceFigure::Loop(LoopFigure::DiskMargin)) => {
+            [NumberRange::Between(0.0, 2.0), NumberRange::Any]
+        }
+        Some(PerformanceFigure::Loop(LoopFigure::MaxSensitivity)) => {
+            [NumberRange::Any, NumberRange::Above(1.0)]
+        }
+        _ => [NumberRange::Any; 2],
+    }
+}
+
 fn requirement(v: &mut dyn Visit, asked: &mut StatedRequirement, controlled: ControlledQuantity) {
     v.text(&Field::new("figure", "name of the figure that is limited"), &mut asked.figure);
     let known = PerformanceFigure::from_key_in(controlled, &asked.figure);
@@ -290,9 +307,10 @@ fn requirement(v: &mut dyn Visit, asked: &mut StatedRequirement, controlled: Con
         let hint = Some(figure_hint(&asked.figure, controlled));
         v.complain("figure", "there is no such figure", hint);
     }
+    let [lower, upper] = ranges_of_limits(known.as_ref().ok().copied());
     let unit = known.map_or("", |figure| figure.unit(controlled));
-    maybe_number(v, &Field::new("at_least", "lower limit").unit(unit), &mut asked.at_least);
-    maybe_number(v, &Field::new("at_most", "upper limit").unit(unit), &mut asked.at_most);
+    maybe_number(v, &Field::new("at_least", "lower limit").unit(unit).limit(lower), &mut asked.at_least);
+    maybe_number(v, &Field::new("at_most", "upper limit").unit(unit).limit(upper), &mut asked.at_most);
     let source = "where the requirement comes from, for example the clause of a specification";
     v.text(&Field::new("source", source).or_text(""), &mut asked.source);
     if asked.at_least.is_none() && asked.at_most.is_none() {

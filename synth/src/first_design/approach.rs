@@ -6,18 +6,21 @@
 
 use super::candidate::Shape;
 use super::scan::{Approach, Candidate, Scan, Thoroughness, TriedFeedback, step_of_aims};
-use crate::Error;
 use crate::tolerance::{APPROACH_RISE, NARROW_MISS};
+use crate::{Error, LightModes};
 
 /// Factors by which aim and multiples are varied, one after the other.
 const FACTORS: [f64; 3] = [2.0, 1.5, 1.25];
 /// Loops that are judged from one start, at most.
 const MOST_JUDGED: usize = 60;
-/// Loops that an approach starts from, at most.
+/// Loops that an approach starts from, at most; half of them where no loop keeps everything yet.
 const STARTS: usize = 6;
 /// Aims of a kind of shape from which the nearest is taken, in steps of aims above the bandwidth that is asked for: a notch makes the bandwidth lower than
 /// the aim.
 const AIMS_ABOVE: [i32; 2] = [0, 3];
+
+/// Costs of the load's motion over that of the control; the first leaves the load out.
+const LOADS: [f64; 2] = [0.0, 3.0];
 
 /// A loop and its distance.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,33 +29,35 @@ struct NearLoop {
     found: TriedFeedback,
 }
 
+/// Returns the loops that are near enough to start from, the nearest first.
+fn narrowest(mut starts: Vec<NearLoop>) -> impl Iterator<Item = NearLoop> {
+    starts.retain(|start| start.miss < NARROW_MISS);
+    starts.sort_by(|a, b| a.miss.total_cmp(&b.miss));
+    starts.into_iter()
+}
+
 impl Scan<'_> {
-    /// Looks for a loop that keeps everything from those that were tried and miss their limits least: where more is required than usual, none of the shapes of the
+    /// Tries to find a loop that keeps everything from those that were tried and miss their limits least: where more is required than usual, none of the shapes of the
     /// search may keep it.
     pub fn approach_from_tried(&mut self) -> Result<(), Error> {
-        let mut starts: Vec<NearLoop> =
-            self.tried.iter().map(|tried| self.near(tried.clone(), 0.0)).collect();
-        starts.sort_by(|a, b| a.miss.total_cmp(&b.miss));
-        for start in starts.into_iter().take(STARTS) {
-            self.approach(start.found, 0.0)?;
-            if self.best.is_some() {
-                break;
-            }
+        let starts: Vec<NearLoop> =
+            self.tried.iter().map(|tried| self.measure_distance(tried.clone(), 0.0)).collect();
+        for start in narrowest(starts).take(STARTS / 2) {
+            let target_rad_s = APPROACH_RISE * self.best_bandwidth();
+            self.approach(start.found, target_rad_s)?;
         }
         self.judge_by(Thoroughness::Everything);
         Ok(())
     }
 
-    /// Looks for a clearly quicker loop than the answer from shapes of every kind that miss that narrowly. Returns whether there is one.
-    pub fn approach_from_kinds(&mut self, may_stiffen: bool) -> Result<bool, Error> {
+    /// Tries to find a clearly quicker loop than the answer from shapes of every kind that miss that narrowly. Returns whether there is one.
+    pub fn approach_from_kinds(&mut self, plants: &[LightModes]) -> Result<bool, Error> {
         let reached = self.best_bandwidth();
         if reached == 0.0 {
             return Ok(false);
         }
-        let mut starts = self.starts_of_kinds(may_stiffen, APPROACH_RISE * reached)?;
-        starts.retain(|start| start.miss < NARROW_MISS);
-        starts.sort_by(|a, b| a.miss.total_cmp(&b.miss));
-        for start in starts.into_iter().take(STARTS) {
+        let starts = self.starts_of_kinds(plants, APPROACH_RISE * reached)?;
+        for start in narrowest(starts).take(STARTS) {
             let target_rad_s = APPROACH_RISE * self.best_bandwidth();
             self.approach(start.found, target_rad_s)?;
         }
@@ -61,10 +66,11 @@ impl Scan<'_> {
     }
 
     /// Returns the loop of each kind of shape that is nearest to a bandwidth and all limits.
-    fn starts_of_kinds(&mut self, may_stiffen: bool, target_rad_s: f64) -> Result<Vec<NearLoop>, Error> {
+    fn starts_of_kinds(&mut self, plants: &[LightModes], target_rad_s: f64) -> Result<Vec<NearLoop>, Error> {
         let mut starts = Vec::new();
+        let loads = if self.gain.load.is_some() { &LOADS[..] } else { &LOADS[..1] };
         let aims: Vec<f64> = AIMS_ABOVE.iter().map(|&k| target_rad_s * step_of_aims().powi(k)).collect();
-        for kind in Shape::kinds(may_stiffen, self.gain.load.is_some()) {
+        for kind in Shape::kinds(plants, loads) {
             let from = self.shapes.len();
             self.shapes.resize(from + aims.len(), kind);
             let candidates: Vec<Candidate> =
@@ -84,7 +90,7 @@ impl Scan<'_> {
     /// asked for.
     fn approach(&mut self, start: TriedFeedback, target_rad_s: f64) -> Result<(), Error> {
         let mut target_rad_s = target_rad_s;
-        let mut at = self.near(start, target_rad_s);
+        let mut at = self.measure_distance(start, target_rad_s);
         self.ask_for_more_if_reached(&mut at, &mut target_rad_s);
         let mut judged = 0;
         for factor in FACTORS {
@@ -150,11 +156,11 @@ impl Scan<'_> {
         self.judge_nearer(approach);
         self.look_ahead(upcoming.iter().copied());
         let found = self.attempt(aim_rad_s, shape)?;
-        let near = found.map(|found| self.near(found, approach.target_rad_s));
+        let near = found.map(|found| self.measure_distance(found, approach.target_rad_s));
         Ok(near.filter(|near| near.miss < approach.least_miss))
     }
 
-    fn near(&self, found: TriedFeedback, target_rad_s: f64) -> NearLoop {
+    fn measure_distance(&self, found: TriedFeedback, target_rad_s: f64) -> NearLoop {
         NearLoop { miss: self.miss(&found.judgement, target_rad_s), found }
     }
 }

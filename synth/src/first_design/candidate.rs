@@ -8,7 +8,7 @@ use counterpoise_lti::response::Response;
 use counterpoise_lti::{StateSpace, zeros};
 
 use super::Circumstances;
-use crate::tolerance::{BLIND_BELOW, BLIND_FALL, BLIND_SPAN, LIGHTLY_DAMPED};
+use crate::tolerance::{BLIND_BELOW, BLIND_FALL, BLIND_SPAN, LARGEST_LOAD, LARGEST_MULTIPLE, LIGHTLY_DAMPED};
 use crate::{Error, FeedbackWeights, LightModes, Weight};
 
 /// Multiples of the bandwidth that shape the weights.
@@ -44,13 +44,9 @@ impl Shape {
 }
 
 impl Shape {
-    /// Returns the shapes of every kind for a plant, each with its multiples at three sizes: as for the quickest observer, so large that what is left is nearly a
+    /// Returns the shapes of every kind for some forms of the plant and costs of the load's motion, each with its multiples at three sizes: as for the quickest observer, so large that what is left is nearly a
     /// constant gain with an integral, and those of a slow observer.
-    pub fn kinds(may_stiffen: bool, has_load: bool) -> Vec<Self> {
-        let plants = [LightModes::Kept, LightModes::Stiffened];
-        let plants = &plants[..if may_stiffen { 2 } else { 1 }];
-        let loads = [0.0, 3.0];
-        let loads = &loads[..if has_load { 2 } else { 1 }];
+    pub fn kinds(plants: &[LightModes], loads: &[f64]) -> Vec<Self> {
         let mut kinds = Vec::new();
         for &in_plant in plants {
             for modes in [Modes::Plain, Modes::Dear] {
@@ -149,10 +145,6 @@ pub(super) const STIFF_MODES: usize = 15;
 const FLAT: f64 = 50.0;
 /// Multiples of the bandwidth of a slow observer, which attenuates everything above it.
 const SLOW: f64 = 2.0;
-/// Largest multiple: beyond it nothing changes near the bandwidth.
-const LARGEST_MULTIPLE: f64 = 100.0;
-/// Largest cost of the load's motion over that of the control, and the inverse of the smallest.
-const LARGEST_LOAD: f64 = 100.0;
 /// Factor on the control weight at a lightly damped mode: 20 dB.
 const PEAK: f64 = 10.0;
 /// Relative half width of that: covers the shift of [`crate::tolerance::MODE_SHIFT`] either way.

@@ -11,7 +11,10 @@ use counterpoise_lti::{
 use super::Circumstances;
 use crate::modes::{light_modes, shifted_modes};
 use crate::sampling::sampled_plant;
-use crate::tolerance::{CEILING, DRIFTING_POLE, NEIGHBOUR_MS, NOISE_SHARE, NORM_TOLERANCE, SEEN_ABOVE};
+use crate::tolerance::{
+    CEILING, CONTROL_PEAK_BY, DRIFTING_POLE, NEIGHBOUR_MS, NOISE_SHARE, NORM_TOLERANCE, OVERSHOOT_BY,
+    SEEN_ABOVE,
+};
 use crate::{DesignPlant, Error, Sampling};
 
 /// Margins that a loop must keep.
@@ -210,7 +213,7 @@ impl<'a> Judge<'a> {
 
     /// The time up to which the response to a step is looked at, s: the largest control comes early, the largest reading later.
     fn step_end(&self, bandwidth_rad_s: f64) -> f64 {
-        let bandwidths = if self.asks_for_overshoot() { OVERSHOOT_BY } else { LARGEST_CONTROL_BY };
+        let bandwidths = if self.asks_for_overshoot() { OVERSHOOT_BY } else { CONTROL_PEAK_BY };
         bandwidths / bandwidth_rad_s
     }
 
@@ -646,10 +649,6 @@ fn step_response(
     Ok(StepResponse { largest_control, overshoot: (largest_reading - 1.0).max(0.0) })
 }
 
-/// Up to how many inverse bandwidths the largest control and the largest reading after a step are looked for: an integral that begins at a twentieth of
-/// the bandwidth turns the response back by then.
-const LARGEST_CONTROL_BY: f64 = 6.0;
-const OVERSHOOT_BY: f64 = 40.0;
 /// Samples of a step that are looked at, at most: the largest control comes early.
 const MOST_SAMPLES: usize = 4000;
 

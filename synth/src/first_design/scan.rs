@@ -163,7 +163,7 @@ impl<'a> Scan<'a> {
         })
     }
 
-    /// The ceiling that sample rate, ignorance and what was asked for set, rad/s.
+    /// Returns the ceiling that sample rate, ignorance and what was asked for set, rad/s.
     pub fn ceiling(&self) -> f64 {
         let asked = self.circumstances.asked_rad_s.unwrap_or(f64::INFINITY);
         self.sample_ceiling().min(asked)
@@ -174,13 +174,13 @@ impl<'a> Scan<'a> {
         CEILING * self.circumstances.sampling.rate_rad_s() * caution
     }
 
-    /// Whether a loop, or one of an aim that is tried above it, may have a higher bandwidth than the answer: between two aims the bandwidth rises no
+    /// Returns whether a loop, or one of an aim that is tried above it, may have a higher bandwidth than the answer: between two aims the bandwidth rises no
     /// more than the aim.
     pub fn is_promising(&self, found: &LoopJudgement) -> bool {
         found.bandwidth_rad_s * self.rise_above > self.best_bandwidth()
     }
 
-    /// The bandwidth of the best feedback so far, rad/s; 0 if there is none.
+    /// Returns the bandwidth of the best feedback so far, rad/s; 0 if there is none.
     pub fn best_bandwidth(&self) -> f64 {
         self.best.as_ref().map_or(0.0, |best| best.judgement.bandwidth_rad_s)
     }
@@ -327,7 +327,7 @@ impl<'a> Scan<'a> {
         Ok(judged.map(|judgement| TriedFeedback { aim_rad_s, shape, weights, position_gain, judgement }))
     }
 
-    /// The feedback of weights, with the position loop about it if the plant has one.
+    /// Returns the feedback of weights, with the position loop about it if the plant has one.
     pub fn controller(
         &self,
         weights: &FeedbackWeights,

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use super::candidate::{DAMPED_LOAD, DEAR, MORE_PHASE, SHAPES, STIFF_MODES};
 use super::scan::{Candidate, PER_DECADE, Scan, Thoroughness, TriedFeedback, at_aims, step_of_aims};
-use crate::Error;
 use crate::tolerance::{
     ABOVE_AIM, CLEARLY_QUICKER, CLOCK_SHARE, FAR_ABOVE_CEILING, NEAR_CEILING, RISE, STIFF_REACHES,
 };
+use crate::{Error, LightModes};
 
 /// Decades of aims.
 const DECADES: i32 = 5;
@@ -63,7 +63,9 @@ impl Scan<'_> {
                 self.refine()?;
             }
         }
-        if is_slow && self.approach_from_kinds(may_stiffen)? {
+        let plants = [LightModes::Kept, LightModes::Stiffened];
+        let plants = if may_stiffen { &plants[..] } else { &plants[..1] };
+        if is_slow && self.approach_from_kinds(plants)? {
             self.refine()?;
         }
         self.further_shapes.refined =
