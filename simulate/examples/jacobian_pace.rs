@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release -p counterpoise-simulate --example jacobian_pace`; with `plain`, `exact` or `differences`, a number of parameters and a
 //! duration in seconds it runs that alone, for a count of instructions.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{FrictionLaw, Parameters, Plant, reference};
