@@ -8,7 +8,7 @@ pub const LATEST_USUAL_READING_S: f64 = 2e-3;
 
 /// Latest reading that is usual for an encoder or for a current sensor, s: a counter is read at once, or sent by a serial link within a tenth of a millisecond, and a
 /// drive samples its current with its own clock.
-pub const LATEST_USUAL_COUNT_S: f64 = 1e-4;
+pub(crate) const LATEST_USUAL_COUNT_S: f64 = 1e-4;
 
 /// A value that the file does not have and that a default stands in for.
 #[derive(Debug, Clone, PartialEq, Serialize)]

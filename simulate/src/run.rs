@@ -255,7 +255,7 @@ impl<'a> Lap<'a> {
         let motion = track.clone().sample(angle);
         let start = motion.at(0.0);
         let mut sensing = Sensing::new(parameters, scenario.imperfections);
-        let state = initial(plant, scenario, &start)?;
+        let state = initial_state(plant, scenario, start.angle, start.rate)?;
         stepper.restart(&state);
         stepper.fire(scenario.firing);
         stepper.limit_current(None);
@@ -497,9 +497,20 @@ pub(crate) fn holding_control(plant: &Plant, core: &[f64]) -> f64 {
     amplifier.control_v(drive_v, motor)
 }
 
-fn initial(plant: &Plant, scenario: &Scenario, start: &PlatformPoint) -> Result<PlantState, Error> {
+/// Returns the state from which a scenario starts a plant on a platform at an angle and a rate.
+///
+/// # Errors
+/// [`Error::Length`] for a state of another plant, [`Error::Range`] for an angle beyond what the displacements of presliding bear.
+pub(crate) fn initial_state(
+    plant: &Plant,
+    scenario: &Scenario,
+    platform_angle_rad: f64,
+    platform_rate: f64,
+) -> Result<PlantState, Error> {
     match &scenario.initial {
-        Initial::Rest { hub_angle_rad } => Ok(state_at_rest(plant, *hub_angle_rad, start.angle, start.rate)),
+        Initial::Rest { hub_angle_rad } => {
+            Ok(state_at_rest(plant, *hub_angle_rad, platform_angle_rad, platform_rate))
+        }
         Initial::State(given) => {
             let (found, expected) = (given.core.len(), plant.core_order());
             if found != expected {

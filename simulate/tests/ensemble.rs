@@ -1,36 +1,12 @@
 //! Variants that run side by side leave the bytes that each leaves alone.
 
+use crate::common::RandomGenerator;
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::{Friction, FrictionLaw, OperatingPoint, Parameters, Plant, Ripple, reference};
 use counterpoise_simulate::{
     Detail, EnsembleRun, Imperfections, Initial, PlatformMotion, Registers, RunObserver, Scenario, Signal,
     Simulator, TimeHistory, run_ensemble, run_ensemble_in,
 };
-
-/// Numbers between 0 and 1, the same for one seed (Marsaglia's xorshift).
-struct RandomGenerator(u64);
-
-impl RandomGenerator {
-    fn next(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn draw_between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-
-    fn draw_below(&mut self, count: usize) -> usize {
-        (self.next() * count as f64) as usize
-    }
-
-    /// Returns a factor within a decade around 1.
-    fn factor(&mut self) -> f64 {
-        10f64.powf(self.draw_between(-0.5, 0.5))
-    }
-}
 
 /// The kinds of laws that take part: the last three never do.
 fn law(kind: usize, coulomb_nm: f64, random: &mut RandomGenerator) -> FrictionLaw {

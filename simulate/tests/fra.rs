@@ -1,23 +1,13 @@
 //! The analyser on the simulator, against the linearised plant and on a recording of itself.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use counterpoise_controller::ProportionalIntegral;
+use crate::common::controller;
 use counterpoise_linalg::{C64, Mat};
 use counterpoise_lti::StateSpace;
 use counterpoise_models::{
     Angles, FrictionLaw, FrictionLinearisation, LinearPlant, OperatingPoint, Parameters, Plant, reference,
 };
 use counterpoise_simulate::fra::{self, Measurement, Settings, Test, TestSine};
-
-fn controller() -> ProportionalIntegral {
-    ProportionalIntegral {
-        kp_v_s_rad: 18.0,
-        ki_v_rad: 80.0,
-        bias_v: 2.88,
-        sample_period_s: 1e-3,
-        integral_v: 0.0,
-    }
-}
 
 fn without_dry_friction() -> Parameters {
     let mut rig = reference::rig();

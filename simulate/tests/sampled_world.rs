@@ -1,21 +1,12 @@
 //! Clocks that jitter, miss and are late, converters with missing codes, and gyroscopes that drift.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use crate::common::controller;
 use counterpoise_controller::{ProportionalIntegral, Readings, SampledController};
 use counterpoise_models::{Clock, Drift, Parameters, Plant, reference};
 use counterpoise_simulate::{Imperfections, PlatformMotion, Scenario, Signal, TimeHistory, run};
 
 const SEED: u64 = 4;
-
-fn controller() -> ProportionalIntegral {
-    ProportionalIntegral {
-        kp_v_s_rad: 18.0,
-        ki_v_rad: 80.0,
-        bias_v: 2.88,
-        sample_period_s: 1e-3,
-        integral_v: 0.0,
-    }
-}
 
 /// A controller that counts its steps.
 struct StepCounter {

@@ -1,6 +1,7 @@
 //! The integrator against a second method: the plant's right-hand side by small Runge-Kutta steps.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use crate::common::controller;
 use counterpoise_controller::{ProportionalIntegral, Readings, SampledController};
 use counterpoise_models::plant::{Body, BodyMode};
 use counterpoise_models::{
@@ -11,16 +12,6 @@ use counterpoise_simulate::tolerance::TOLERANCE;
 use counterpoise_simulate::{
     Imperfections, PlatformMotion, Playback, Scenario, Signal, Simulator, Sine, TimeHistory,
 };
-
-fn controller() -> ProportionalIntegral {
-    ProportionalIntegral {
-        kp_v_s_rad: 18.0,
-        ki_v_rad: 80.0,
-        bias_v: 2.88,
-        sample_period_s: 1e-3,
-        integral_v: 0.0,
-    }
-}
 
 fn shaken(duration_s: f64) -> Scenario {
     let sine = |amplitude, hz: f64, phase_rad| Sine {

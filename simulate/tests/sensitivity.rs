@@ -1,5 +1,6 @@
 //! The derivatives along a run are those that differences of runs show.
 
+use crate::common::{RandomGenerator, controller};
 use counterpoise_controller::ProportionalIntegral;
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{Friction, FrictionLaw, Parameters, Plant, Ripple, StribeckCurve, reference};
@@ -13,31 +14,6 @@ use counterpoise_simulate::{
 
 /// Defect of a step in these runs: differences of runs need steps whose error is far below the difference.
 const TIGHT: f64 = 1e-11;
-
-/// Numbers between 0 and 1, the same for one seed (Marsaglia's xorshift).
-struct RandomGenerator(u64);
-
-impl RandomGenerator {
-    fn next(&mut self) -> f64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn draw_between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
-
-    fn draw_below(&mut self, count: usize) -> usize {
-        (self.next() * count as f64) as usize
-    }
-
-    /// Returns a factor within a decade around 1.
-    fn factor(&mut self) -> f64 {
-        10f64.powf(self.draw_between(-0.5, 0.5))
-    }
-}
 
 /// A parameter that is multiplied by 1 + s.
 #[derive(Clone, Copy)]
@@ -135,11 +111,11 @@ impl Case {
             ReadingColumn::HubPosition,
         ] {
             let of = |run: &TimeHistory| run.readings.signals.column(column).to_vec();
-            compare(found.reading(direction, column), &of);
+            compare(found.slopes.reading(direction, column), &of);
         }
         for column in [TrueColumn::TipRate, TrueColumn::HubAngle, TrueColumn::Voltage, TrueColumn::WindUp] {
             let of = |run: &TimeHistory| run.truth.signals.column(column).to_vec();
-            compare(found.truth(direction, column), &of);
+            compare(found.slopes.truth(direction, column), &of);
         }
         worst
     }
@@ -275,16 +251,6 @@ fn random_case(random: &mut RandomGenerator) -> (Case, String) {
     (Case { parameters: rig, scenario, controller: controller() }, text)
 }
 
-fn controller() -> ProportionalIntegral {
-    ProportionalIntegral {
-        kp_v_s_rad: 18.0,
-        ki_v_rad: 80.0,
-        bias_v: 2.88,
-        sample_period_s: 1e-3,
-        integral_v: 0.0,
-    }
-}
-
 fn scenario() -> Scenario {
     Scenario {
         demand_rad_s: Signal::sine(0.05, 12.0),
@@ -336,7 +302,7 @@ fn gains_and_the_integral_at_the_start_have_derivatives() {
             let run = Simulator::with_tolerance(&plant, TIGHT).unwrap().run(&mut controller, &case.scenario);
             run.unwrap().readings.control_v().to_vec()
         };
-        let exact = found.reading(FACTORS.len() + k, ReadingColumn::Control);
+        let exact = found.slopes.reading(FACTORS.len() + k, ReadingColumn::Control);
         let worst = miss(exact, 2e-4, moved);
         assert!(worst < 2e-6, "{kind:?}: {worst:.1e}");
     }
@@ -381,7 +347,7 @@ fn freedoms_of_the_start_have_derivatives() {
             let history = simulator.run(&mut controller(), &from(moved(freedom, by))).unwrap();
             history.truth.signals.column(TrueColumn::HubRate).to_vec()
         };
-        let worst = miss(found.truth(freedom, TrueColumn::HubRate), 0.02, run);
+        let worst = miss(found.slopes.truth(freedom, TrueColumn::HubRate), 0.02, run);
         assert!(worst < 1e-5, "{freedom}: {worst:.1e}");
     }
 }
@@ -398,7 +364,7 @@ fn a_rounded_reading_passes_the_derivatives_of_the_signal_before_it() {
     let [smooth, rounded] = [case, rounded].map(|case| case.exact(&gains).unwrap());
     // the motion differs by the rounding alone, and the derivatives with it
     for direction in [0, 3, 8] {
-        let [a, b] = [&smooth, &rounded].map(|run| run.reading(direction, ReadingColumn::HubRate));
+        let [a, b] = [&smooth, &rounded].map(|run| run.slopes.reading(direction, ReadingColumn::HubRate));
         let apart: f64 = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum();
         let size: f64 = a.iter().map(|a| a * a).sum();
         assert!(apart < 0.01 * size, "{direction}: {}", (apart / size).sqrt());

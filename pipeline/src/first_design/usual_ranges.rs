@@ -11,7 +11,7 @@ use counterpoise_lti::{pade, series};
 use counterpoise_models::parameters::Transmission;
 use counterpoise_models::{AxisKind, FeedbackSignal, IDEAL_CONVERTER_BITS, Parameters};
 use counterpoise_project::resolve::synthesis::DesignRequest;
-use counterpoise_project::{Assumption, LATEST_USUAL_COUNT_S, LATEST_USUAL_READING_S, Project};
+use counterpoise_project::{Assumption, LATEST_USUAL_READING_S, Project};
 use counterpoise_synth::{DesignPlant, LateReading, Unknown, UsualReading};
 
 use super::with_angles;
@@ -38,6 +38,8 @@ const DELAY_ORDER: usize = 3;
 /// The values that a project leaves open.
 pub(super) struct OpenValues {
     assumptions: Vec<Assumption>,
+    /// Latest reading that is usual for the loop's sensor, s.
+    latest_usual_reading_s: f64,
     /// The facts of which the file states that there is nothing: they are not open.
     known_absent: Vec<Unknown>,
 }
@@ -52,7 +54,12 @@ impl OpenValues {
             (Unknown::Noise, sensor("noise")),
         ];
         let stated = facts.into_iter().filter(|(_, key)| project.stated_defaults.contains(key));
-        Self { assumptions: project.assumptions(), known_absent: stated.map(|(fact, _)| fact).collect() }
+        let known_absent = stated.map(|(fact, _)| fact).collect();
+        let assumptions = project.assumptions();
+        let delay = assumptions.iter().find(|assumption| assumption.key == sensor("delay"));
+        let usual = delay.and_then(|assumption| assumption.usual);
+        let latest_usual_reading_s = usual.map_or(LATEST_USUAL_READING_S, |[_, latest]| latest);
+        Self { assumptions, latest_usual_reading_s, known_absent }
     }
 
     /// Returns the plants at the ends of the usual ranges of what is left open, given the plant as it is modelled. A plant that cannot be built is left out.
@@ -149,10 +156,7 @@ impl OpenValues {
         let knows_lag = reading.natural_frequency_rad_s.is_finite() || states_delay;
         match knows_lag {
             true => 0.0,
-            false if reading.resolution > 0.0 || plant.sensors.measured == FeedbackSignal::Current => {
-                LATEST_USUAL_COUNT_S
-            }
-            false => LATEST_USUAL_READING_S,
+            false => self.latest_usual_reading_s,
         }
     }
 

@@ -3,7 +3,7 @@
 use counterpoise_models::ControlledQuantity;
 use counterpoise_verify::PerformanceFigure;
 
-use crate::diagnostic::nearest_name;
+use crate::diagnostic::did_you_mean;
 
 /// Figures whose names contain what was written that a hint lists, at most.
 const MOST_LISTED: usize = 4;
@@ -11,8 +11,8 @@ const MOST_LISTED: usize = 4;
 /// Returns a hint that leads to the figure that was meant.
 pub(super) fn figure_hint(written: &str, controlled: ControlledQuantity) -> String {
     let keys: Vec<String> = PerformanceFigure::all().iter().map(|figure| figure.key_in(controlled)).collect();
-    if let Some(name) = nearest_name(written, keys.iter().map(String::as_str)) {
-        return format!("did you mean \"{name}\"?");
+    if let Some(hint) = did_you_mean(written, keys.iter().map(String::as_str)) {
+        return hint;
     }
     let containing = keys.iter().filter(|key| key.contains(&written.to_lowercase()));
     let quoted: Vec<String> = containing.take(MOST_LISTED).map(|key| format!("\"{key}\"")).collect();

@@ -3,7 +3,7 @@
 use counterpoise_models::two_axes::{BodyInertia, PivotPosition, TraverseGyroscope};
 use counterpoise_verify::{JointFigure, JointRequirement, Limit as Bound};
 
-use crate::diagnostic::nearest_name;
+use crate::diagnostic::did_you_mean;
 use crate::file::field::{Field, NumberRange, TableField};
 use crate::file::visit::{NamedChoice, Visit, choose, list, maybe_number};
 
@@ -148,8 +148,7 @@ fn requirement(v: &mut dyn Visit, asked: &mut WrittenRequirement) {
     let known = JointFigure::from_key(&asked.figure);
     if known.is_none() && !asked.figure.is_empty() {
         let keys: Vec<String> = JointFigure::all().map(|figure| figure.key()).collect();
-        let hint = nearest_name(&asked.figure, keys.iter().map(String::as_str))
-            .map(|name| format!("did you mean \"{name}\"?"));
+        let hint = did_you_mean(&asked.figure, keys.iter().map(String::as_str));
         v.complain("figure", "there is no such figure of both axes", hint);
     }
     let unit = known.map_or("", |figure| figure.quantity.unit());

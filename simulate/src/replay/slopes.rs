@@ -2,9 +2,10 @@
 
 use super::start;
 use super::{Replay, ReplayLoop, Replayer, START_FREEDOMS};
-use crate::history::{ReadingColumn, column_of};
+use crate::history::column_of;
 use crate::sensitivity::{
-    DifferentiableController, Direction, FixedControl, Member, SensitiveRun, SensitivityRefusal, Side,
+    DifferentiableController, Direction, FixedControl, Member, OutputSlopes, SensitiveRun,
+    SensitivityRefusal, Side,
 };
 use crate::tolerance::FAMILY_STEP;
 use crate::{Error, PlantState};
@@ -33,13 +34,13 @@ pub struct ReplayDirection<'a> {
 pub struct SlopedReplay {
     /// The replay itself.
     pub replay: Replay,
-    run: SensitiveRun,
+    slopes: OutputSlopes,
 }
 
 impl SlopedReplay {
     /// Returns the derivatives of a channel along a direction; empty for channels that no direction changes.
     pub fn slope(&self, direction: usize, channel: Channel) -> &[f64] {
-        column_of(channel).map_or(&[], |column: ReadingColumn| self.run.reading(direction, column))
+        column_of(channel).map_or(&[], |column| self.slopes.reading(direction, column))
     }
 }
 
@@ -72,14 +73,13 @@ impl Replayer<'_> {
         let mut run = |controller: &mut dyn DifferentiableController| {
             simulator.run_with_slopes(controller, &scenario, &families)
         };
-        let mut run = match control {
+        let SensitiveRun { history, slopes } = match control {
             ReplayLoop::Open => run(&mut FixedControl(&mut self.playback()?))?,
             ReplayLoop::Closed(controller) => {
                 run(controller.differentiable_at_start_of(self.recording, &self.fitted)?.as_mut())?
             }
         };
-        let history = run.take_history();
-        Ok(SlopedReplay { replay: self.compare_channels(&at.plant, control, history, start), run })
+        Ok(SlopedReplay { replay: self.compare_channels(&at.plant, control, history, start), slopes })
     }
 
     /// Returns the plant of a member and its start.

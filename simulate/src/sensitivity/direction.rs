@@ -4,7 +4,8 @@ use super::refusal::SensitivityRefusal;
 use super::stencil::{MEMBERS, Side, Stencil};
 use crate::engine::ports::Ports;
 use crate::engine::state::PlantState;
-use crate::{Error, Initial, Scenario};
+use crate::run::initial_state;
+use crate::{Error, Scenario};
 use counterpoise_models::friction::{FrictionModel, Law};
 use counterpoise_models::{Mesh, Plant};
 
@@ -95,18 +96,7 @@ impl Family {
 /// Returns the state from which a scenario starts a plant.
 pub(crate) fn start_of(plant: &Plant, scenario: &Scenario) -> Result<PlantState, Error> {
     let platform = &scenario.platform;
-    match &scenario.initial {
-        Initial::Rest { hub_angle_rad } => {
-            let rate = platform.pitch_rate_rad_s.at(0.0);
-            Ok(crate::state_at_rest(plant, *hub_angle_rad, platform.initial_angle_rad, rate))
-        }
-        Initial::State(state) if state.core.len() == plant.core_order() => Ok((**state).clone()),
-        Initial::State(state) => Err(Error::Length {
-            what: "the initial state of the core",
-            found: state.core.len(),
-            expected: plant.core_order(),
-        }),
-    }
+    initial_state(plant, scenario, platform.initial_angle_rad, platform.pitch_rate_rad_s.at(0.0))
 }
 
 fn has_same_core(a: &Plant, b: &Plant) -> bool {

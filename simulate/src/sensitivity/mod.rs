@@ -36,5 +36,5 @@ pub use controllers::{
 };
 pub use direction::{Direction, Member};
 pub use refusal::SensitivityRefusal;
-pub use run::SensitiveRun;
+pub use run::{OutputSlopes, SensitiveRun};
 pub use stencil::Side;

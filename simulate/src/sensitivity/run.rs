@@ -22,31 +22,26 @@ use counterpoise_models::plant::core::state;
 use counterpoise_models::{AccelerometerAxis, CONVERTER_RANGE_V, Clock, DriveLimits, Plant};
 use std::collections::VecDeque;
 
-/// Number of outputs of [`SensitiveRun`].
+/// Number of outputs of [`OutputSlopes`].
 const COLUMNS: usize = 11;
 
-/// The derivatives of one output along one direction, sample by sample.
+/// A run with the derivatives of its outputs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensitiveRun {
     /// The run itself: the same bytes as without derivatives.
     pub history: TimeHistory,
+    /// The derivatives.
+    pub slopes: OutputSlopes,
+}
+
+/// The derivatives of the outputs of a run, direction by direction.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutputSlopes {
+    /// Of each output, sample by sample.
     columns: Vec<[Vec<f64>; COLUMNS]>,
 }
 
-impl SensitiveRun {
-    /// Returns the run itself and leaves an empty one.
-    pub(crate) fn take_history(&mut self) -> TimeHistory {
-        let final_state = self.history.final_state.clone();
-        let empty = TimeHistory {
-            sample_period_s: self.history.sample_period_s,
-            readings: Default::default(),
-            truth: Default::default(),
-            final_state,
-            effort: self.history.effort,
-        };
-        std::mem::replace(&mut self.history, empty)
-    }
-
+impl OutputSlopes {
     /// Returns the derivatives of a reading along a direction; empty for the platform's readings and the demand, which no direction changes.
     pub fn reading(&self, direction: usize, column: ReadingColumn) -> &[f64] {
         let place = match column {
@@ -222,7 +217,7 @@ impl<'a> SlopeRun<'a> {
         for (place, own) in self.order.iter().zip(&mut self.columns) {
             columns[*place] = std::mem::take(own);
         }
-        Ok(SensitiveRun { history: lap.history(stepper), columns })
+        Ok(SensitiveRun { history: lap.history(stepper), slopes: OutputSlopes { columns } })
     }
 
     /// Reads the sensors at a sample.

@@ -41,11 +41,9 @@ impl Shape {
             Self { roll_off: roll_off * factor, ..*self },
         ]
     }
-}
 
-impl Shape {
-    /// Returns the shapes of every kind for some forms of the plant and costs of the load's motion, each with its multiples at three sizes: as for the quickest observer, so large that what is left is nearly a
-    /// constant gain with an integral, and those of a slow observer.
+    /// Returns the shapes of every kind for some forms of the plant and costs of the load's motion, each with its multiples at three sizes: as for the
+    /// quickest observer, so large that what is left is nearly a constant gain with an integral, and those of a slow observer.
     pub fn kinds(plants: &[LightModes], loads: &[f64]) -> Vec<Self> {
         let mut kinds = Vec::new();
         for &in_plant in plants {
@@ -61,22 +59,20 @@ impl Shape {
         kinds
     }
 
-    /// Returns the shapes with each multiple larger and smaller by a factor, always in the same order; `None` for a multiple that is out of its range then or
-    /// does not count.
+    /// Returns the shapes beside this one, [`Self::variations`] and those with another cost of the load, always in the same order; `None` for one that is out of
+    /// range or no other.
     pub fn steps(&self, factor: f64) -> [Option<Self>; 8] {
-        let Self { integral, observer, roll_off, load, .. } = *self;
-        let within = |multiple: f64| (1.0..=LARGEST_MULTIPLE).contains(&multiple).then_some(multiple);
-        let load_within = |cost: f64| (1.0 / LARGEST_LOAD..=LARGEST_LOAD).contains(&cost).then_some(cost);
-        [
-            within(integral * factor).map(|integral| Self { integral, ..*self }),
-            within(integral / factor).map(|integral| Self { integral, ..*self }),
-            within(observer * factor).map(|observer| Self { observer, ..*self }),
-            within(observer / factor).map(|observer| Self { observer, ..*self }),
-            within(roll_off * factor).map(|roll_off| Self { roll_off, ..*self }),
-            within(roll_off / factor).map(|roll_off| Self { roll_off, ..*self }),
-            load_within(load * factor).map(|load| Self { load, ..*self }),
-            load_within(load / factor).map(|load| Self { load, ..*self }),
-        ]
+        let [less_integral, more_integral, slower, quicker, earlier, later] = self.variations(factor);
+        let [dearer, cheaper] = [self.load * factor, self.load / factor].map(|load| Self { load, ..*self });
+        [more_integral, less_integral, quicker, slower, later, earlier, dearer, cheaper]
+            .map(|shape| (shape != *self && shape.is_in_range()).then_some(shape))
+    }
+
+    fn is_in_range(&self) -> bool {
+        let multiples = [self.integral, self.observer, self.roll_off];
+        let has_load = (1.0 / LARGEST_LOAD..=LARGEST_LOAD).contains(&self.load);
+        multiples.iter().all(|multiple| (1.0..=LARGEST_MULTIPLE).contains(multiple))
+            && (self.load == 0.0 || has_load)
     }
 }
 
