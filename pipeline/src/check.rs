@@ -101,6 +101,21 @@ const PURPOSES: [Purpose; 10] = [
     Purpose::Diagnose,
 ];
 
+/// The thing that commands lack on a file, the least first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Lacks {
+    Nothing,
+    Design,
+    Plant,
+}
+
+fn what_lacks(problem: &CheckProblem) -> Lacks {
+    match problem {
+        CheckProblem::NoDesign { .. } => Lacks::Design,
+        CheckProblem::NoPlant { .. } => Lacks::Plant,
+    }
+}
+
 /// Returns how a file was read and which values are assumed. The design is computed, if there is one, to rank the assumptions.
 pub fn check_project(document: &Document, parsed: &ParsedProject, systems: LoopSystems) -> CheckResult {
     let project = &parsed.project;
@@ -119,9 +134,15 @@ pub fn check_project(document: &Document, parsed: &ParsedProject, systems: LoopS
             (Some(overview(&modelled)), (ranked.assumptions, ranked.effects))
         }
     };
+    let lacks = problems.iter().map(what_lacks).max().unwrap_or(Lacks::Nothing);
     let can = |purpose: &Purpose| {
+        let has_what_it_needs = match purpose {
+            Purpose::Replay | Purpose::Diagnose | Purpose::Identify => true,
+            Purpose::Model | Purpose::Reduce => lacks < Lacks::Plant,
+            _ => lacks == Lacks::Nothing,
+        };
         let varies = *purpose != Purpose::Sweep || campaign_is_stated(project).is_ok();
-        varies && project.supports(document, *purpose)
+        has_what_it_needs && varies && project.supports(document, *purpose)
     };
     CheckResult {
         file: document.name().to_owned(),

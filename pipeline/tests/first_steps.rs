@@ -281,3 +281,50 @@ at_least = 60
     assert!(first.judgement.phase_margin_deg >= 60.0, "{:?}", first.judgement);
     assert!(first.bandwidth.bandwidth_rad_s > 5.0, "{}", first.bandwidth.bandwidth_rad_s);
 }
+
+/// A direct drive with a gyroscope of which everything is stated but the stiffness of its structure.
+const DIRECT: &str = "format = 2
+plant.lumped.hub_inertia = \"0.02 kg m^2\"
+plant.motor = { torque_constant = \"0.3 N m/A\" }
+plant.drive = { kind = \"current\", limit = \"5 A\" }
+plant.sensors.hub_gyro = { noise = \"0.01 deg/s\", delay = \"0 ms\" }
+plant.interface = { sample_period = \"250 us\", output_delay_samples = 0 }
+verify.step.rate = 0.05
+";
+
+#[test]
+fn a_structure_that_is_stated_rigid_is_known_and_stays_so_when_it_is_saved() {
+    let open = choose_weights(DIRECT);
+    assert_eq!(open.first.bandwidth.unknown, [Unknown::Structure]);
+    let stated = format!("{DIRECT}plant.lumped.stiffness = \"rigid\"\n");
+    let rigid = choose_weights(&stated);
+    assert_eq!(rigid.first.bandwidth.unknown, []);
+    let rates = [&open, &rigid].map(|chosen| chosen.first.bandwidth.bandwidth_rad_s);
+    assert!(rates[1] > 1.1 * rates[0], "{rates:?}");
+    let (document, project) = read(&stated);
+    let saved = rigid.project.update(&document, &project).unwrap();
+    assert!(saved.text().contains("stiffness = \"rigid\""), "{}", saved.text());
+    let whole = Project::parse(&project.to_text(), "written.toml").unwrap().project;
+    assert_eq!(whole.plant, project.plant);
+}
+
+#[test]
+fn limits_that_raise_nothing_alone_are_those_that_the_loop_uses_up() {
+    // A screw's stiffness is known, the lag of its sensor is not, and a spring holds the slide.
+    let screw = "format = 2
+plant.axis = \"linear\"
+plant.lumped = { mass = \"3 kg\", position_stiffness = \"50 N/mm\" }
+plant.ball_screw = { lead = \"5 mm\", stiffness = \"50 N/um\" }
+plant.motor.inertia = \"0.1 kg cm^2\"
+plant.drive.limit = \"1 N m\"
+plant.sensors.torque.noise = \"1 N\"
+plant.interface.sample_period = \"0.5 ms\"
+";
+    let found = choose_weights(screw).first.bandwidth;
+    let used = |kind: &LimitKind| found.limits.iter().find(|limit| limit.kind == *kind).and_then(|l| l.used);
+    assert!(found.limits.iter().all(|limit| limit.used.is_some_and(|used| (0.0..=1.0).contains(&used))));
+    let is_nearly_used_up = |kind: &LimitKind| used(kind).is_some_and(|used| used > 0.94);
+    assert!(found.limits.iter().all(|limit| limit.lifted_rad_s.is_none()), "{found:?}");
+    assert!(found.limited_by.iter().all(is_nearly_used_up), "{found:?}");
+    assert!(!found.limited_by.contains(&LimitKind::SampleRate), "{found:?}");
+}

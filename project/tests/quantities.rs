@@ -268,3 +268,22 @@ fn what_data_sheets_write_in_two_ways_is_asked_for() {
     assert!(hint("380 rpm/V", "V s/rad").contains("inverse"));
     assert!(read_quantity("5 mm/rev", "m").is_err(), "a length is no travel a turn");
 }
+
+#[test]
+fn words_that_are_units_elsewhere_are_answered() {
+    let said = |text: &str, wanted: &str| {
+        let error = read_quantity(text, wanted).unwrap_err();
+        format!("{error} ({})", error.hint().unwrap_or_default())
+    };
+    assert!(
+        said("0.5 mil", "rad").contains("6400 to the turn is 0.98175 mrad"),
+        "{}",
+        said("0.5 mil", "rad")
+    );
+    // a prefix and a unit that make a word by chance
+    assert!(said("0.5 Grad", "rad").contains("write deg"), "{}", said("0.5 Grad", "rad"));
+    assert!(read_quantity("2 Mrad/s", "rad/s").is_ok());
+    for text in ["200:0", "200:", "200:-1", "200:x", "1:nan"] {
+        assert!(said(text, "").contains("second number is above 0"), "{text}: {}", said(text, ""));
+    }
+}

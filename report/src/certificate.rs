@@ -1,5 +1,6 @@
 //! The stability certificate in words: what is proved, what is predicted, what the simulator shows.
 
+use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::studies::certificate::RegimeRobustness;
 use counterpoise_plot::number::short_number;
 use counterpoise_plot::{Axis, Colour, Figure, Mark, Panel, Series};
@@ -20,14 +21,13 @@ pub fn describe_verdict(case: &CaseCertificate) -> String {
             None => "stable: predicted in every regime, and quiet in the runs; not proved".to_owned(),
         },
         Stability::LimitCycle { amplitude_rad_s, frequency_hz } => format!(
-            "NOT quiet at rest: a limit cycle of {} {} at {} Hz",
-            short_number(1e3 * amplitude_rad_s),
-            case.controlled.milli_unit(),
+            "NOT quiet at rest: a limit cycle of {} at {} Hz",
+            with_unit_of_size(amplitude_rad_s, case.controlled),
             short_number(frequency_hz)
         ),
         Stability::Unstable => "NOT stable: the motion grows".to_owned(),
         Stability::NotPredicted => format!(
-            "not predicted: the runs show neither rest nor a limit cycle; at rest the {} {} {} RMS",
+            "not predicted: the runs show neither rest nor a limit cycle; at rest the {} {} RMS",
             if case.controlled == case.rate {
                 format!(
                     "{} moves",
@@ -36,8 +36,7 @@ pub fn describe_verdict(case: &CaseCertificate) -> String {
             } else {
                 format!("{} varies by", case.controlled.name())
             },
-            short_number(1e3 * case.rest.rms_rad_s),
-            case.controlled.milli_unit()
+            with_unit_of_size(case.rest.rms_rad_s, case.controlled)
         ),
     }
 }
@@ -83,7 +82,7 @@ fn sector(case: &CaseCertificate) -> String {
         );
     }
     format!(
-        "no proof: the condition fails at {} Hz for every multiplier that was tried",
+        "no proof that covers every friction law: what was tried fails at {} Hz",
         short_number(proof.frequency_hz)
     )
 }
@@ -101,10 +100,16 @@ pub fn name_regime(regime: Regime) -> &'static str {
     }
 }
 
+/// What quiets a limit cycle.
+const QUIETING: &str = "less play, less dry friction or its compensation ([synth.observer]), a finer sensor or a slower loop ([synth] bandwidth, or the weights) quiets it";
+
 /// Returns the certificate in lines, for a terminal and for the section's text: the worst case first.
 pub fn certificate_lines(found: &StabilityCertificate) -> Vec<String> {
     let Some(worst) = found.worst_case() else { return Vec::new() };
     let mut lines = vec![format!("{} (worst case: {})", describe_verdict(worst), worst.name)];
+    if matches!(worst.stability, Stability::LimitCycle { .. }) {
+        lines.push(QUIETING.to_owned());
+    }
     if let Some(at) = worst.worst_regime() {
         lines.push(format!("worst regime: {}, {}", name_regime(at.regime), loop_words(at)));
     }
@@ -118,9 +123,8 @@ pub fn certificate_lines(found: &StabilityCertificate) -> Vec<String> {
             "not predicted reliably, because the loop is no low-pass there"
         };
         format!(
-            "limit cycle of {} {} at {} Hz: {trust}",
-            short_number(1e3 * cycle.rate_rad_s),
-            worst.rate.milli_unit(),
+            "limit cycle of {} at {} Hz: {trust}",
+            with_unit_of_size(cycle.rate_rad_s, worst.rate),
             short_number(cycle.frequency_hz)
         )
     }));
@@ -149,20 +153,25 @@ fn loop_words(at: &RegimeLoop) -> String {
 }
 
 fn orbit_words(orbit: &Orbit, case: &CaseCertificate) -> String {
-    let unit = case.controlled.milli_unit();
+    let size = |value: f64| with_unit_of_size(value, case.controlled);
     if orbit.rms_rad_s.is_infinite() {
-        return format!(
-            "simulated from {} {unit}: the motion diverges",
-            short_number(1e3 * orbit.start_rad_s)
-        );
+        return format!("simulated from {}: the motion diverges", size(orbit.start_rad_s));
     }
     format!(
-        "simulated from {} {unit} at {} Hz: {} {unit} at {} Hz stays",
-        short_number(1e3 * orbit.start_rad_s),
+        "simulated from {} at {} Hz: {} at {} Hz stays",
+        size(orbit.start_rad_s),
         short_number(orbit.start_hz),
-        short_number(1e3 * orbit.amplitude_rad_s),
+        size(orbit.amplitude_rad_s),
         short_number(orbit.frequency_hz)
     )
+}
+
+/// Returns a value in thousandths of the unit of a quantity, or in the unit if it is no less than 1.
+fn with_unit_of_size(value: f64, quantity: ControlledQuantity) -> String {
+    match value.abs() < 1.0 {
+        true => format!("{} {}", short_number(1e3 * value), quantity.milli_unit()),
+        false => format!("{} {}", short_number(value), quantity.unit()),
+    }
 }
 
 /// Returns the structured singular value of the further cases and regimes in lines; the design's own case in the sliding regime is the

@@ -205,15 +205,17 @@ pub fn ranking_lines(effects: &[AssumptionEffect]) -> Vec<String> {
 
 /// Returns whether an assumption that is wrong by its usual range changes a figure of the loop by what two decimals show.
 pub fn has_effect(effect: &AssumptionEffect) -> bool {
-    effect.at.iter().any(|at| {
-        let changes = [
-            at.gain_margin_change_db,
-            at.phase_margin_change_deg,
-            at.sensitivity_change_db,
-            at.residual_change_db,
-        ];
-        !at.is_stable || changes.into_iter().flatten().any(|change| change.abs() >= NO_EFFECT)
-    })
+    effect.at.iter().any(changes_loop)
+}
+
+fn changes_loop(at: &EffectAtValue) -> bool {
+    let changes = [
+        at.gain_margin_change_db,
+        at.phase_margin_change_deg,
+        at.sensitivity_change_db,
+        at.residual_change_db,
+    ];
+    !at.is_stable || changes.into_iter().flatten().any(|change| change.abs() >= NO_EFFECT)
 }
 
 /// Returns the keys whose usual range has no effect on the loop as one sentence without a period; `None` if each has one.
@@ -223,18 +225,12 @@ pub fn describe_no_effect(effects: &[AssumptionEffect]) -> Option<String> {
         .then(|| format!("no effect on the linear loop anywhere in their usual ranges: {}", keys.join(", ")))
 }
 
-/// Returns what the loop loses or gains if an assumption is wrong by its usual range, as one sentence without a period.
+/// Returns what the loop loses or gains if an assumption is wrong by its usual range, as one sentence without a period; an end of the range that changes
+/// nothing is left out.
 pub fn describe_effect(effect: &AssumptionEffect) -> String {
-    let [low, high] = &effect.at;
-    let unit = effect.unit;
-    format!(
-        "{}: at {} {}; at {} {}",
-        effect.key,
-        with_unit(low.value, unit),
-        change(low),
-        with_unit(high.value, unit),
-        change(high)
-    )
+    let ends = effect.at.iter().filter(|at| changes_loop(at));
+    let ends = ends.map(|at| format!("at {} {}", with_unit(at.value, effect.unit), change(at)));
+    format!("{}: {}", effect.key, ends.collect::<Vec<_>>().join("; "))
 }
 
 fn change(at: &EffectAtValue) -> String {

@@ -16,12 +16,15 @@ use crate::wording::design_findings::{
 pub fn first_design_section(first: &FirstDesignResult) -> ReportSection {
     let columns = [
         ReportColumn::Text("limit"),
+        ReportColumn::Number("the loop uses [%]"),
         ReportColumn::Number("allows alone [rad/s]"),
         ReportColumn::Number("over what is reached"),
         ReportColumn::Number("bandwidth without it [rad/s]"),
     ];
-    let mut table =
-        ReportTable::new("What each limit alone would allow, and the bandwidth without it", &columns);
+    let mut table = ReportTable::new(
+        "How much of each limit the loop uses up, what it alone would allow, and the bandwidth without it",
+        &columns,
+    );
     table.rows = first.limits.iter().map(row).collect();
     sentences(first)
         .into_iter()
@@ -35,6 +38,7 @@ fn row(limit: &LimitRow) -> Vec<ReportCell> {
     let lifted = limit.lifted_rad_s.map_or_else(|| ReportCell::text("no higher"), ReportCell::number);
     vec![
         ReportCell::text(describe_limit(limit.limit)),
+        limit.used.map_or_else(|| ReportCell::text("not known"), |used| ReportCell::number(100.0 * used)),
         number(limit.bandwidth_rad_s),
         number(limit.over_reached),
         lifted,
@@ -107,6 +111,7 @@ mod tests {
             limit,
             bandwidth_rad_s,
             over_reached: bandwidth_rad_s.map(|rate| rate / 20.0),
+            used: Some(0.98),
             lifted_rad_s: (limit == LimitKind::Resonance).then_some(25.0),
             shown_by: None,
             lifted_shown_by: None,
@@ -141,7 +146,7 @@ mod tests {
             assert!(text.contains(said), "{said}: {text}");
         }
         let rows = &section.tables[0].rows;
-        assert_eq!((rows.len(), &rows[1][1]), (2, &ReportCell::text("no limit found")));
-        assert_eq!((&rows[0][3], &rows[1][3]), (&ReportCell::number(25.0), &ReportCell::text("no higher")));
+        assert_eq!((rows.len(), &rows[1][2]), (2, &ReportCell::text("no limit found")));
+        assert_eq!((&rows[0][4], &rows[1][4]), (&ReportCell::number(25.0), &ReportCell::text("no higher")));
     }
 }

@@ -18,6 +18,10 @@ const FOLDER: &str = "COUNTERPOISE_KILLED_SESSION";
 const KILLS: u32 = 30;
 /// The edits that a crash may take.
 const LOSS: Duration = Duration::from_secs(1);
+/// A session on a busy machine makes its first edit by then.
+const STARTS_WITHIN: Duration = Duration::from_secs(60);
+/// One kill of so many comes while the session starts.
+const EARLY_KILLS: u32 = 5;
 /// Every so many edits the session saves.
 const SAVES: u32 = 17;
 
@@ -62,8 +66,14 @@ fn folder() -> PathBuf {
     folder
 }
 
-/// Runs the session and kills it after a while; gives when each edit was made, and when it was killed.
-fn run_and_kill(folder: &Path, after: Duration) -> (Vec<(u32, Instant)>, Instant) {
+/// The moment of a kill.
+enum Kill {
+    AfterStart(Duration),
+    AfterFirstEdit(Duration),
+}
+
+/// Runs the session and kills it; gives when each edit was made, and when it was killed.
+fn run_and_kill(folder: &Path, kill: Kill) -> (Vec<(u32, Instant)>, Instant) {
     let mut child = Process::new(std::env::current_exe().unwrap())
         .args(["--exact", "crash_recovery::session_that_is_killed", "--nocapture"])
         .env(FOLDER, folder)
@@ -72,11 +82,23 @@ fn run_and_kill(folder: &Path, after: Duration) -> (Vec<(u32, Instant)>, Instant
         .spawn()
         .unwrap();
     let lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    let (first, seen) = std::sync::mpsc::channel();
     let reader = std::thread::spawn(move || {
-        let number = |line: String| Some((line.split_once("made ")?.1.trim().parse().ok()?, Instant::now()));
+        let number = |line: String| {
+            let made = (line.split_once("made ")?.1.trim().parse().ok()?, Instant::now());
+            // Nobody listens any more when a slow session makes its first edit.
+            let _ = first.send(());
+            Some(made)
+        };
         lines.map_while(Result::ok).filter_map(number).collect::<Vec<_>>()
     });
-    std::thread::sleep(after);
+    match kill {
+        Kill::AfterStart(after) => std::thread::sleep(after),
+        Kill::AfterFirstEdit(after) => {
+            seen.recv_timeout(STARTS_WITHIN).unwrap();
+            std::thread::sleep(after);
+        }
+    }
     let at = Instant::now();
     child.kill().unwrap();
     child.wait().unwrap();
@@ -88,8 +110,9 @@ fn thirty_kills_lose_at_most_the_last_second() {
     let folder = folder();
     let (mut edits, mut lost, mut oldest) = (0, 0, Duration::ZERO);
     for k in 0..KILLS {
-        let after = Duration::from_millis(60 + u64::from(k * 7919 % 140));
-        let (made, at) = run_and_kill(&folder, after);
+        let after = Duration::from_millis(u64::from(k * 7919 % 140));
+        let kill = if k % EARLY_KILLS == 0 { Kill::AfterStart(after) } else { Kill::AfterFirstEdit(after) };
+        let (made, at) = run_and_kill(&folder, kill);
         error_gain(&std::fs::read_to_string(folder.join("project.toml")).unwrap());
         let mut again = Studio::new(&folder.join("state"), Arc::new(|| {}));
         again.run(&Command::Open { path: folder.clone() });

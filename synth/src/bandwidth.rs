@@ -32,6 +32,8 @@ pub struct BandwidthLimit {
     pub kind: LimitKind,
     /// The highest bandwidth that it allows, rad/s; infinite if it allows every one that was looked at.
     pub bandwidth_rad_s: f64,
+    /// The share of what it allows that the loop uses up; `None` if there is no loop.
+    pub used: Option<f64>,
     /// The bandwidth if this limit alone were lifted, rad/s; `None` if it would be no higher.
     pub lifted_rad_s: Option<f64>,
 }
@@ -58,9 +60,9 @@ pub enum Unknown {
 pub struct Bandwidth {
     /// The bandwidth that was reached, rad/s.
     pub bandwidth_rad_s: f64,
-    /// Deciding limits: the limit whose lifting alone raises it most, or several that only a lifting of all of them raises.
+    /// Deciding limits: the limit whose lifting alone raises it most, or, if none does, those of which the loop uses up nearly all.
     pub limited_by: Vec<LimitKind>,
-    /// Every limit: those whose lifting alone raises the bandwidth first, by how much they do; then by what they allow.
+    /// Every limit: those whose lifting alone raises the bandwidth first, by how much they do; then by how much of them the loop uses up.
     pub limits: Vec<BandwidthLimit>,
     /// Unknown facts.
     pub unknown: Vec<Unknown>,

@@ -13,6 +13,13 @@ pub enum Cause {
     Plant(PlantCause),
 }
 
+impl Cause {
+    /// Returns whether it is that the weights cross where a delay or a zero does not allow it.
+    pub fn is_crossover_of_weights(&self) -> bool {
+        matches!(self, Self::Plant(PlantCause::DelayLimits { .. } | PlantCause::ZeroLimits { .. }))
+    }
+}
+
 /// A cause in what the designer states: weights, generators of disturbances and spectral densities.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SpecificationCause {

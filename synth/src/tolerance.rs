@@ -207,6 +207,9 @@ pub const LARGEST_ZERO: f64 = 0.99995;
 /// A bandwidth is higher if it is by this share: the answer itself is known to 0.7 %.
 pub const HIGHER_BANDWIDTH: f64 = 0.015;
 
+/// Share of what a limit allows from which on it is nearly used up: half a decibel below it. The search meets a limit that decides to a few percent.
+pub const NEARLY_USED_UP: f64 = 0.944;
+
 /// Above this many times the ceiling of the bandwidth only the usual shape is tried: such aims serve to tell the other limits.
 pub const FAR_ABOVE_CEILING: f64 = 1.5;
 

@@ -7,6 +7,7 @@ use clap::Args;
 use counterpoise_export::File;
 use counterpoise_host::code_files;
 use counterpoise_host::compilers::{processor, proofs};
+use counterpoise_host::stages::StagePrinter;
 use counterpoise_host::terminal::print_message;
 use counterpoise_pipeline::exchange::ControllerResult;
 use counterpoise_pipeline::export::target_proofs::{CodeAgreement, CompiledCodeTest, StepCosts};
@@ -59,7 +60,14 @@ struct DesignOutput {
 
 /// Runs the command.
 pub fn run(options: &DesignOptions) -> CommandResult {
+    let choice = StagePrinter::new(options.results.progress());
+    choice.begins("weights");
     let loaded = projects::load_project(&options.project, Purpose::Design)?;
+    let mut times = Vec::new();
+    if loaded.first_design.is_some() || loaded.tuned.is_some() {
+        choice.ends();
+        times = choice.times();
+    }
     output::print_warnings(&loaded, options.results.progress());
     let world = ProjectWorld::of(&loaded, options.results.progress());
     let designed = design_project(&loaded.project, &HeaderText, &world)?;
@@ -70,12 +78,13 @@ pub fn run(options: &DesignOptions) -> CommandResult {
     result.targets = result.targets.with_answers(&proofs, &costs);
     let compiled = describe_compiled_code(&proofs, &costs);
     let first_design = loaded.first_design.as_ref().map(FirstDesignResult::from);
+    times.extend(world.times());
     let run = DesignRun {
         origin: &ReportOrigin {
             project: loaded.path.display().to_string(),
             command: format!("counterpoise design {}", options.project.display()),
         },
-        times: &world.times(),
+        times: &times,
         proofs: &proofs,
         costs: &costs,
         first_design: first_design.as_ref(),

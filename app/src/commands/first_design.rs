@@ -2,7 +2,7 @@
 
 use counterpoise_host::projects::ProjectOnDisk;
 use counterpoise_pipeline::FirstDesignResult;
-use counterpoise_pipeline::first_design::{LimitRow, falls_short};
+use counterpoise_pipeline::first_design::{falls_short, unknown_key};
 
 use counterpoise_synth::{FirstDesign, LimitKind, Unknown};
 
@@ -13,10 +13,18 @@ use counterpoise_report::wording::design_findings::{
     describe_design_finding, describe_limit, describe_unknown,
 };
 
+/// What is known to be absent by a value of 0.
+const NONE_BY_0: [Unknown; 3] = [Unknown::Noise, Unknown::Sensor, Unknown::Delay];
+
 /// Prints the bandwidth of the chosen weights with what limits it; nothing if the file states its weights.
 pub fn print_first_design(loaded: &ProjectOnDisk) {
     let Some(first) = &loaded.first_design else { return };
     let result = FirstDesignResult::from(first);
+    let key = |fact: Unknown| match unknown_key(&loaded.project, fact) {
+        key if fact == Unknown::Structure => format!("{key}; \"rigid\" if there is none"),
+        key if NONE_BY_0.contains(&fact) => format!("{key}; 0 if there is none"),
+        key => key,
+    };
     say!(
         "the file states no weights: they are chosen for the highest bandwidth (where the loop's gain first falls to 1)"
     );
@@ -29,13 +37,13 @@ pub fn print_first_design(loaded: &ProjectOnDisk) {
     if let Some(asked) = result.asked_rad_s.filter(|_| falls_short(first)) {
         say!("warning: {} rad/s are asked for and CANNOT BE REACHED", short_number(asked));
     }
-    result.limits.iter().for_each(print_limit);
+    print_limits(&result);
     print_step(loaded, first);
     if first.bandwidth.limited_by.contains(&LimitKind::UsualRanges) {
         say!("  {WHERE_OPEN_VALUES_STAND}");
     }
     for fact in &result.unknown {
-        say!("  not known, and lowers the ceiling by 3 dB: {}", describe_unknown(*fact));
+        say!("  not known, and lowers the ceiling by 3 dB: {} ({})", describe_unknown(*fact), key(*fact));
     }
     say!(
         "margins {:.1} dB, {:.1} deg, Ms {:.2}; Ms {:.2} with every lightly damped mode off by 15 %",
@@ -64,19 +72,16 @@ fn print_step(loaded: &ProjectOnDisk, first: &FirstDesign) {
     }
 }
 
-fn print_limit(row: &LimitRow) {
-    let limit = describe_limit(row.limit);
-    let without = row.lifted_rad_s.map(|rate| format!("; without it {} rad/s", short_number(rate)));
-    let without = without.unwrap_or_default();
-    match (row.bandwidth_rad_s, row.over_reached) {
-        (Some(rate), Some(over)) => {
-            let over = match short_number(over) {
-                same if same == "1" => "which is reached".to_owned(),
-                more => format!("{more} times what is reached"),
-            };
-            let alone = if row.allows_more() { " to loops that miss others" } else { "" };
-            say!("  {limit:26} allows {:>9} rad/s{alone}, {over}{without}", short_number(rate));
-        }
-        _ => say!("  {limit:26} allows every bandwidth that was looked at{without}"),
+/// Prints how much of each limit the loop uses up, what the limit alone would allow, and the bandwidth without it.
+fn print_limits(first: &FirstDesignResult) {
+    say!("  {:48} {:>9} {:>14} {:>14}", "limit", "loop uses", "allows alone", "without it");
+    for row in &first.limits {
+        let used = row.used.map_or_else(|| "-".to_owned(), |used| format!("{:.0} %", 100.0 * used));
+        let rate = |value: Option<f64>, none: &str| {
+            value.map_or_else(|| none.to_owned(), |rate| format!("{} rad/s", short_number(rate)))
+        };
+        let allows = rate(row.bandwidth_rad_s, "not met");
+        let lifted = rate(row.lifted_rad_s, "no higher");
+        say!("  {:48} {used:>9} {allows:>14} {lifted:>14}", describe_limit(row.limit));
     }
 }

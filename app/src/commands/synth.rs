@@ -72,7 +72,11 @@ pub fn run(options: &SynthOptions) -> CommandResult {
         return report_search(options, &loaded, &modelled, &reduced);
     }
     let study = study_synthesis(&loaded.project, &loaded.project_folder())?;
-    let result = SynthResult::from(&study.synthesised);
+    let mut result = SynthResult::from(&study.synthesised);
+    if loaded.first_design.is_some() {
+        // Chosen weights were judged by the margins of their loop, whatever they ask for by themselves.
+        result.warnings.retain(|warning| !warning.cause.is_crossover_of_weights());
+    }
     if let Some(path) = &options.outputs.report {
         let origin = origin(&loaded, "");
         projects::write_file(path, html_page(&of_synthesis(&study, &result, &origin)).as_bytes())?;
@@ -91,7 +95,7 @@ pub fn run(options: &SynthOptions) -> CommandResult {
         describe_weights(&study.asked).iter().for_each(|line| say!("{line}"));
         print_design(&result);
         print_comparison(&study);
-        options.save.iter().for_each(|path| say!("project {}", path.display()));
+        options.save.iter().for_each(|path| print_saved(&loaded, path));
         options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));
     }
     Ok(ExitStatus::SUCCESS)
@@ -101,6 +105,15 @@ pub fn run(options: &SynthOptions) -> CommandResult {
 fn save(loaded: &ProjectOnDisk, project: &Project, path: &Path) -> anyhow::Result<()> {
     let document = project.update(&loaded.document, &loaded.stated)?;
     projects::write_file(path, document.text().as_bytes())
+}
+
+/// Prints where a project was saved, and what its chosen weights took the place of.
+fn print_saved(loaded: &ProjectOnDisk, path: &Path) {
+    say!("project {}", path.display());
+    let asked = loaded.stated.synth.as_ref().and_then(|synth| synth.bandwidth_rad_s);
+    if loaded.first_design.is_some() && asked.is_some() {
+        say!("        its weights stand in the place of synth.bandwidth, which is not written");
+    }
 }
 
 fn origin(loaded: &ProjectOnDisk, option: &str) -> ReportOrigin {

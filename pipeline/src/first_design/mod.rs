@@ -29,6 +29,7 @@ use crate::exchange::SystemResult;
 use crate::synth::{design_plant, sampling};
 use crate::tolerance::{ALLOWS_MORE, MARGINS_TO_SPARE, OVERSHOOT_COST};
 use crate::{PipelineError, PlantModel, ReducedPlant, build_plant_model, reduce_plant};
+pub use usual_ranges::unknown_key;
 use usual_ranges::{BothPlants, OpenValues};
 
 /// A project whose weights were chosen.
@@ -365,7 +366,7 @@ pub struct FirstDesignResult {
     pub bandwidth_rad_s: f64,
     /// Bandwidth that was asked for, rad/s.
     pub asked_rad_s: Option<f64>,
-    /// The limits of it: what raises the bandwidth most when it alone is lifted, or several that only do so together.
+    /// The limits of it: what raises the bandwidth most when it alone is lifted, or, if none does, those of which the loop uses up nearly all.
     pub limited_by: Vec<LimitKind>,
     /// Every limit with the highest bandwidth that it alone would allow, and the bandwidth without it.
     pub limits: Vec<LimitRow>,
@@ -409,6 +410,8 @@ pub struct LimitRow<Limit = LimitKind> {
     pub bandwidth_rad_s: Option<f64>,
     /// That over the bandwidth that was reached.
     pub over_reached: Option<f64>,
+    /// The share of what the limit allows that the chosen loop uses up: of the margin, sensitivity or control that comes nearest; absent if that is not known.
+    pub used: Option<f64>,
     /// The bandwidth if this limit alone were lifted, rad/s; absent if it would be no higher.
     pub lifted_rad_s: Option<f64>,
     /// The sampled loop, broken at the control, that has the highest bandwidth with the limit kept; absent where a formula tells it.
@@ -429,6 +432,7 @@ impl LimitRow {
             limit: name(self.limit),
             bandwidth_rad_s: self.bandwidth_rad_s,
             over_reached: self.over_reached,
+            used: self.used,
             lifted_rad_s: self.lifted_rad_s,
             shown_by: self.shown_by.clone(),
             lifted_shown_by: self.lifted_shown_by.clone(),
@@ -457,6 +461,7 @@ impl From<&FirstDesign> for FirstDesignResult {
                 limit: limit.kind,
                 bandwidth_rad_s,
                 over_reached,
+                used: limit.used.filter(|used| used.is_finite()),
                 lifted_rad_s,
                 shown_by: loops.allowed.as_ref().map(told),
                 lifted_shown_by: loops.lifted.as_ref().map(told),

@@ -35,6 +35,18 @@ const CONTROL_DELAY: &str = "plant.interface.output_delay_samples";
 /// Order of the approximation of a delay that is usual: its phase is right to 1e-5 rad up to the inverse of the delay.
 const DELAY_ORDER: usize = 3;
 
+/// Returns the key of a project that states what is not known.
+pub fn unknown_key(project: &Project, fact: Unknown) -> String {
+    match fact {
+        Unknown::Structure => project.key_of_stiffness(),
+        Unknown::Noise => project.key_of_loop_sensor("noise"),
+        Unknown::Sensor => project.key_of_loop_sensor("delay"),
+        Unknown::Delay => CONTROL_DELAY.to_owned(),
+        Unknown::Demand => "verify.step.rate".to_owned(),
+        Unknown::DriveLimit => "plant.drive.limit".to_owned(),
+    }
+}
+
 /// The values that a project leaves open.
 pub(super) struct OpenValues {
     assumptions: Vec<Assumption>,
@@ -54,8 +66,12 @@ impl OpenValues {
             (Unknown::Noise, sensor("noise")),
         ];
         let stated = facts.into_iter().filter(|(_, key)| project.stated_defaults.contains(key));
-        let known_absent = stated.map(|(fact, _)| fact).collect();
+        let mut known_absent: Vec<Unknown> = stated.map(|(fact, _)| fact).collect();
         let assumptions = project.assumptions();
+        let states_rigid = project.stated_defaults.iter().any(|key| MODES.contains(&last_part(key)));
+        if states_rigid && !assumptions.iter().any(|open| MODES.contains(&last_part(&open.key))) {
+            known_absent.push(Unknown::Structure);
+        }
         let delay = assumptions.iter().find(|assumption| assumption.key == sensor("delay"));
         let usual = delay.and_then(|assumption| assumption.usual);
         let latest_usual_reading_s = usual.map_or(LATEST_USUAL_READING_S, |[_, latest]| latest);
@@ -72,7 +88,8 @@ impl OpenValues {
         asked: &DesignRequest,
         nominal: &BothPlants,
     ) -> Result<PlantsAtEnds, PipelineError> {
-        let of_modes = self.assumptions.iter().filter(|assumption| MODES.contains(&last_part(assumption)));
+        let of_modes =
+            self.assumptions.iter().filter(|assumption| MODES.contains(&last_part(&assumption.key)));
         let ends = of_modes.flat_map(|assumption| {
             let ends = assumption.usual.into_iter().flatten();
             ends.filter(|end| end.is_finite() && *end != assumption.value).map(|end| (&assumption.key, end))
@@ -141,7 +158,7 @@ impl OpenValues {
     fn usual_step(&self, plant: &Parameters) -> f64 {
         let step = |assumption: &Assumption| {
             let [low, high] = assumption.usual?;
-            let (_, falls) = STEPS.into_iter().find(|(key, _)| *key == last_part(assumption))?;
+            let (_, falls) = STEPS.into_iter().find(|(key, _)| *key == last_part(&assumption.key))?;
             // The resolution is the step of the load: what is assumed over what is usual.
             let resolution = plant.sensors.hub_gyro.resolution;
             Some(if falls { resolution * assumption.value / low } else { high })
@@ -184,8 +201,7 @@ impl OpenValues {
     }
 }
 
-fn last_part(assumption: &Assumption) -> &str {
-    let key = assumption.key.as_str();
+fn last_part(key: &str) -> &str {
     key.rsplit('.').next().unwrap_or(key)
 }
 

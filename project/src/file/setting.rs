@@ -19,6 +19,9 @@ pub enum SettingValue {
     List(Vec<SettingValue>),
 }
 
+/// Words for a number without a limit, where its absence means the same.
+pub(crate) const UNLIMITED: [&str; 2] = ["unlimited", "rigid"];
+
 /// Below this size, and from the next on, a number is written with an exponent.
 const SMALLEST_PLAIN: f64 = 1e-3;
 const LARGEST_PLAIN: f64 = 1e6;
@@ -26,6 +29,9 @@ const LARGEST_PLAIN: f64 = 1e6;
 /// Returns a number in the shortest form that reads back as the same number.
 pub(crate) fn number(value: f64) -> String {
     let size = value.abs();
+    if value == f64::INFINITY {
+        return quote(UNLIMITED[0]);
+    }
     if value == 0.0 || (SMALLEST_PLAIN..LARGEST_PLAIN).contains(&size) {
         format!("{value:?}")
     } else {

@@ -221,6 +221,12 @@ impl Project {
         format!("plant.sensors.{}.{key}", loop_sensor::section_of(&self.plant.sensors))
     }
 
+    /// Returns the path of the stiffness of the transmission, or of the structure if the motor drives it directly.
+    pub fn key_of_stiffness(&self) -> String {
+        let section = transmission::section_of(self.plant.gearbox.kind).unwrap_or("lumped");
+        format!("plant.{section}.stiffness")
+    }
+
     /// Returns the file with every value that differs between two projects set, and everything else of it left
     /// as it is.
     ///

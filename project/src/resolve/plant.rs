@@ -170,6 +170,10 @@ fn one_inertia(v: &mut dyn Visit, lumped: &mut Option<LumpedStructure>) {
 fn described_by_inertias(v: &mut dyn Visit, inertias: &mut Option<LumpedStructure>) {
     let short = inertias.as_ref().is_some_and(|l| *l == LumpedStructure::rigid(l.hub_inertia_kg_m2));
     let section = TableField::optional("lumped", "the structure as one inertia, two, or more in a chain");
+    if v.has("inertia") && v.has("lumped") {
+        let allowed = "must not stand beside [plant.lumped], which describes the structure";
+        v.complain("inertia", allowed, Some("write it there, as `hub_inertia`".to_owned()));
+    }
     if v.enter(&section, Presence::from(inertias.is_some() && !short)) {
         let mut value = inertias.take().filter(|_| !short).unwrap_or_else(blank_lumped);
         lumped_inertias(v, &mut value);
@@ -345,12 +349,15 @@ fn clock(v: &mut dyn Visit, clock: &mut Clock) {
     v.number(&share("late_samples", late), &mut clock.late_samples);
 }
 
+/// Shortest sample period of a controller, s: a clock of 1 MHz is a thousand times as quick as any mechanism follows.
+const SHORTEST_PERIOD_S: f64 = 1e-6;
+
 fn interface(v: &mut dyn Visit, interface: &mut Interface) {
     v.number(
         &Field::new("sample_period", "sample period of the controller")
             .if_unknown("take a twentieth of the time in which the loop is to settle, or what the target's timer gives")
             .unit("s")
-            .limit(NumberRange::AboveTo(0.0, 1.0)),
+            .limit(NumberRange::Between(SHORTEST_PERIOD_S, 1.0)),
         &mut interface.sample_period_s,
     );
     let bits = NumberRange::Between(1.0, MOST_CONVERTER_BITS);

@@ -5,16 +5,22 @@ use std::sync::OnceLock;
 use super::{Project, file};
 use crate::diagnostic::{Diagnostic, DiagnosticKind};
 use crate::file::guide::{Guide, Places, SOME_WALKS};
+use crate::file::reader::synonyms::keys_meant_by;
 
 /// Most sections that a hint names: a key of more places means something else in each.
 const MOST_PLACES: usize = 3;
+/// Most sections of the section in which an unknown key stands that a hint names: there they are alike.
+const MOST_PARTS: usize = 10;
 
 /// Adds to each unknown key without a hint the sections that have a key, or are a section, of that name.
 pub(super) fn hint_at_sections(findings: &mut [Diagnostic]) {
     let unknown = |d: &&mut Diagnostic| d.problem == DiagnosticKind::UnknownKey && d.hint.is_none();
     for finding in findings.iter_mut().filter(unknown) {
         let (own, name) = finding.path.rsplit_once('.').unwrap_or(("", &finding.path));
-        finding.hint = words(&without_numbers(own), name, &guide().places_of(name));
+        let own = without_numbers(own);
+        let at = |name: &str| words(&own, name, &guide().places_of(name));
+        // A name of data sheets may mean a key of another section.
+        finding.hint = at(name).or_else(|| keys_meant_by(name).find_map(at));
     }
 }
 
@@ -70,6 +76,11 @@ fn words(own: &str, name: &str, places: &Places) -> Option<String> {
     }
     if few(&places.of_key) {
         return Some(format!("\"{name}\" is a key of {}", list(&places.of_key)));
+    }
+    let is_part = |path: &&String| path.rsplit_once('.').is_some_and(|(outer, _)| outer == own);
+    let parts: Vec<String> = places.of_key.iter().filter(is_part).cloned().collect();
+    if (1..=MOST_PARTS).contains(&parts.len()) {
+        return Some(format!("\"{name}\" is a key of {}", list(&parts)));
     }
     few(&places.sections).then(|| format!("the section of this name is {}", list(&places.sections)))
 }

@@ -90,6 +90,18 @@ pub(super) fn other_sections(v: &mut dyn Visit, plant: &mut Parameters) {
     }
 }
 
+/// Returns the name of the section of a kind of transmission; `None` if the motor drives directly.
+pub(super) fn section_of(kind: Transmission) -> Option<&'static str> {
+    match kind {
+        Transmission::Direct => None,
+        Transmission::Gearbox => Some("gearbox"),
+        Transmission::Belt => Some("belt"),
+        Transmission::Cable => Some("cable"),
+        Transmission::HarmonicDrive => Some("harmonic_drive"),
+        Transmission::BallScrew { .. } => Some("ball_screw"),
+    }
+}
+
 /// A transmission still to be read, unless it is of this kind already.
 fn begin(gearbox: &mut Gearbox, kind: Transmission) {
     if gearbox.kind != kind {

@@ -37,6 +37,9 @@ pub enum QuantityError {
         /// The unit of the key.
         wanted: String,
     },
+    /// A ratio whose second number is none, or not above 0.
+    #[error("must be a number, or a ratio such as 200:1 whose second number is above 0")]
+    Ratio,
     /// The quantity measures something else.
     #[error("must be {}; {written} is {}", measured_quantity(.wanted), .found)]
     Dimension {
@@ -61,6 +64,9 @@ impl QuantityError {
                         .to_owned(),
                 )
             }
+            Self::Unit { why: UnitError::Unknown { name, .. }, .. } if hint_at_word(name).is_some() => {
+                hint_at_word(name).map(str::to_owned)
+            }
             Self::Unit { why: UnitError::Unknown { nearest: Some(name), .. }, .. } => {
                 Some(format!("did you mean \"{name}\"?"))
             }
@@ -72,6 +78,17 @@ impl QuantityError {
 
 /// Names of the lines of an encoder, of which a turn has a quarter as many as counts, or as many.
 const LINES: [&str; 7] = ["line", "lines", "ppr", "PPR", "lpr", "pulse", "pulses"];
+
+/// Returns what to write in the place of a word for a unit that is none here.
+fn hint_at_word(name: &str) -> Option<&'static str> {
+    match name.to_lowercase().as_str() {
+        "mil" | "mils" => {
+            Some("a mil has several sizes: one of 6400 to the turn is 0.98175 mrad, one of an inch 0.0254 mm")
+        }
+        "grad" => Some("write deg for degrees, or gon for the 400th part of a turn"),
+        _ => None,
+    }
+}
 
 fn in_unit(wanted: &str) -> String {
     if wanted.is_empty() { String::new() } else { format!(" in {wanted}") }
@@ -109,7 +126,10 @@ pub fn read_quantity(text: &str, wanted: &str) -> Result<f64, QuantityError> {
         return require_finite(parts.number.scale_by_power_of_ten(0) / per, wanted);
     }
     if parts.unit.starts_with(':') {
-        return Err(mismatch(text, wanted, "a ratio", Dimension::default()));
+        return Err(match wanted {
+            "" => QuantityError::Ratio,
+            _ => mismatch(text, wanted, "a ratio", Dimension::default()),
+        });
     }
     let scale = scale(&parts, text, wanted)?;
     require_finite(scale.apply(&parts.number), wanted)

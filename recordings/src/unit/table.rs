@@ -201,8 +201,14 @@ impl NamedUnit {
     }
 }
 
+/// Words that a prefix and a unit make by chance: a Grad is a degree in German.
+const OTHER_WORDS: [&str; 1] = ["Grad"];
+
 /// Returns the unit of a name with or without prefix, and the power of ten of the prefix; `None` if no unit has the name.
 pub fn find_named_unit(name: &str) -> Option<(&'static NamedUnit, i32)> {
+    if OTHER_WORDS.contains(&name) {
+        return None;
+    }
     let exact = UNITS.iter().find(|unit| unit.name == name).map(|unit| (unit, 0));
     let prefixed = || {
         PREFIXES.iter().find_map(|(prefix, power)| {

@@ -16,7 +16,7 @@ pub struct FirstDesignText {
     pub bandwidth_rad_s: f64,
     /// Bandwidth that was asked for, rad/s.
     pub asked_rad_s: Option<f64>,
-    /// The limits of it: what raises the bandwidth most when it alone is lifted, or several that only do so together.
+    /// The limits of it: what raises the bandwidth most when it alone is lifted, or, if none does, those of which the loop uses up nearly all.
     pub limited_by: String,
     /// Every limit with the highest bandwidth that it alone would allow, and the bandwidth without it.
     pub limits: Vec<LimitRow<&'static str>>,

@@ -12,7 +12,7 @@ pub fn describe_check_problem(problem: &CheckProblem) -> String {
         }
         CheckProblem::NoDesign { cause } => {
             let cause = describe_pipeline_error(cause);
-            format!("assumptions are not ranked, because there is no design: {cause}")
+            format!("there is no design, so that assumptions are not ranked: {cause}")
         }
     }
 }

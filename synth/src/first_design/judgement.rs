@@ -2,13 +2,14 @@
 
 use std::f64::consts::PI;
 
-use counterpoise_linalg::{C64, Mat};
+use counterpoise_linalg::{C64, Mat, dot};
 use counterpoise_lti::{
     CandidateMargins, Discretisation, StateSpace, Timebase, c2d, candidate_margins, candidate_sensitivity,
     feedback as closed, frequency_response, h2norm, is_stable_pole, linfnorm, parallel, poles, series,
 };
 
 use super::Circumstances;
+use crate::bandwidth::LimitKind;
 use crate::modes::{light_modes, shifted_modes};
 use crate::sampling::sampled_plant;
 use crate::tolerance::{
@@ -414,29 +415,31 @@ impl LoopJudgement {
             && self.delay_margin_s >= required.delay_s
     }
 
-    /// Returns what the loop has over what is allowed, for each limit; above 1 it misses it.
+    /// Returns what the loop has over what is allowed, for each figure with the limit that it belongs to; above 1 it misses it.
     pub(super) fn shares_of_limits(
         &self,
         required: &RequiredMargins,
         sampling: &Sampling,
         holding_v: f64,
-    ) -> [f64; 14] {
+    ) -> [(LimitKind, f64); 15] {
         let limit_v = sampling.limit_v;
+        let highest = CEILING * sampling.rate_rad_s();
         [
-            self.bandwidth_rad_s.max(self.closed_loop_rad_s) / (CEILING * sampling.rate_rad_s()),
-            required.gain_db / self.gain_margin_db.max(f64::MIN_POSITIVE),
-            required.phase_deg / self.phase_margin_deg.max(f64::MIN_POSITIVE),
-            self.max_sensitivity / required.max_sensitivity,
-            self.max_complementary / required.max_complementary,
-            (1.0 + self.overshoot) / (1.0 + required.overshoot),
-            required.disk / self.disk_margin,
-            required.delay_s / self.delay_margin_s.max(f64::MIN_POSITIVE),
-            self.shifted_sensitivity.max(self.sensitivity_of_others) / NEIGHBOUR_MS,
-            self.sensitivity_within_tolerances / NEIGHBOUR_MS,
-            self.share_within_usual_ranges,
-            self.noise_v / (NOISE_SHARE * limit_v),
-            self.quantisation_v / (NOISE_SHARE * limit_v),
-            self.step_v / (limit_v - holding_v.abs()).max(f64::MIN_POSITIVE),
+            (LimitKind::SampleRate, self.bandwidth_rad_s.max(self.closed_loop_rad_s) / highest),
+            (LimitKind::Margins, required.gain_db / self.gain_margin_db.max(f64::MIN_POSITIVE)),
+            (LimitKind::Margins, required.phase_deg / self.phase_margin_deg.max(f64::MIN_POSITIVE)),
+            (LimitKind::Margins, self.max_sensitivity / required.max_sensitivity),
+            (LimitKind::Margins, self.max_complementary / required.max_complementary),
+            (LimitKind::Margins, (1.0 + self.overshoot) / (1.0 + required.overshoot)),
+            (LimitKind::Margins, required.disk / self.disk_margin),
+            (LimitKind::Margins, required.delay_s / self.delay_margin_s.max(f64::MIN_POSITIVE)),
+            (LimitKind::Resonance, self.shifted_sensitivity / NEIGHBOUR_MS),
+            (LimitKind::AtRest, self.sensitivity_of_others / NEIGHBOUR_MS),
+            (LimitKind::Tolerances, self.sensitivity_within_tolerances / NEIGHBOUR_MS),
+            (LimitKind::UsualRanges, self.share_within_usual_ranges),
+            (LimitKind::Noise, self.noise_v / (NOISE_SHARE * limit_v)),
+            (LimitKind::Quantisation, self.quantisation_v / (NOISE_SHARE * limit_v)),
+            (LimitKind::Control, self.step_v / (limit_v - holding_v.abs()).max(f64::MIN_POSITIVE)),
         ]
     }
 
@@ -635,18 +638,31 @@ fn step_response(
     sampling: &Sampling,
 ) -> Result<StepResponse, Error> {
     let samples = ((until_s / sampling.period_s).ceil() as usize).clamp(2, MOST_SAMPLES);
-    let (mut x, mut q) = (Mat::zeros(plant.order(), 1), Mat::zeros(K.order(), 1));
+    let (mut x, mut q) = (vec![0.0; plant.order()], vec![0.0; K.order()]);
+    let (plant_row, controller_row) = (plant.C.row_vec(0), K.C.row_vec(0));
     let (mut largest_control, mut largest_reading) = (0.0_f64, 0.0_f64);
     for _ in 0..samples {
-        let reading = &plant.C * &x;
-        largest_reading = largest_reading.max(reading[(0, 0)]);
-        let seen = Mat::eye(1).vstack(&reading);
-        let u = &(&K.C * &q) + &(&K.D * &seen);
-        largest_control = largest_control.max(u[(0, 0)].abs());
-        q = &(&K.A * &q) + &(&K.B * &seen);
-        x = &(&plant.A * &x) + &(&plant.B * &u);
+        let reading = dot(&plant_row, &x);
+        largest_reading = largest_reading.max(reading);
+        let u = dot(&controller_row, &q) + K.D[(0, 0)] + K.D[(0, 1)] * reading;
+        largest_control = largest_control.max(u.abs());
+        q = next_state(K, &q, &[1.0, reading]);
+        x = next_state(plant, &x, &[u]);
     }
     Ok(StepResponse { largest_control, overshoot: (largest_reading - 1.0).max(0.0) })
+}
+
+/// The state of a sampled system a sample later, A x + B u.
+fn next_state(system: &StateSpace, x: &[f64], u: &[f64]) -> Vec<f64> {
+    let mut next = vec![0.0; system.order()];
+    let columns = |M: &Mat, by: &[f64], next: &mut [f64]| {
+        for (j, by) in by.iter().enumerate() {
+            next.iter_mut().zip(M.column(j)).for_each(|(sum, entry)| *sum += entry * by);
+        }
+    };
+    columns(&system.A, x, &mut next);
+    columns(&system.B, u, &mut next);
+    next
 }
 
 /// Samples of a step that are looked at, at most: the largest control comes early.

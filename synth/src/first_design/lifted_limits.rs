@@ -14,9 +14,9 @@ use counterpoise_lti::StateSpace;
 use super::candidate::{MORE_PHASE, Shape};
 use super::scan::{Candidate, FurtherShapes, PER_DECADE, Scan, TriedFeedback};
 use super::{Circumstances, LimitLoops};
-use crate::bandwidth::{Bandwidth, LimitKind, Unknown};
+use crate::bandwidth::{Bandwidth, BandwidthLimit, LimitKind, Unknown};
 use crate::modes::stiffen;
-use crate::tolerance::HIGHER_BANDWIDTH;
+use crate::tolerance::{HIGHER_BANDWIDTH, NEARLY_USED_UP};
 use crate::{DesignPlant, Error, Sampling};
 use counterpoise_pool::Pool;
 
@@ -71,11 +71,13 @@ pub(super) fn bandwidth(scan: &mut Scan, found: &TriedFeedback) -> Result<Bandwi
     let size = |rate: Option<f64>| rate.unwrap_or(0.0);
     shown.sort_by(|(a, _), (b, _)| {
         let lifted = size(b.lifted_rad_s).total_cmp(&size(a.lifted_rad_s));
-        lifted.then(a.bandwidth_rad_s.total_cmp(&b.bandwidth_rad_s))
+        lifted
+            .then(size(b.used).total_cmp(&size(a.used)))
+            .then(a.bandwidth_rad_s.total_cmp(&b.bandwidth_rad_s))
     });
     let (limits, shown_by): (Vec<_>, Vec<_>) = shown.into_iter().unzip();
     let first = limits.first().filter(|limit| limit.lifted_rad_s.is_some()).map(|limit| vec![limit.kind]);
-    let limited_by = first.unwrap_or_else(|| joint_limits(&missed, limits.iter().map(|limit| limit.kind)));
+    let limited_by = first.unwrap_or_else(|| limits_together(scan, &limits));
     let bandwidth = Bandwidth {
         bandwidth_rad_s: reached,
         limited_by,
@@ -101,19 +103,21 @@ fn higher_loop(
     }
 }
 
-/// The fewest limits that only together keep the candidates from being the answer, the highest bandwidth first.
-fn joint_limits(missed: &HighestFeedbacks, kinds: impl Iterator<Item = LimitKind> + Clone) -> Vec<LimitKind> {
-    let several = missed.iter().filter(|(set, _)| set.len() > 1);
-    let fewest = several.min_by(|a, b| {
-        a.0.len()
-            .cmp(&b.0.len())
-            .then(b.1.judgement.bandwidth_rad_s.total_cmp(&a.1.judgement.bandwidth_rad_s))
-    });
-    match fewest {
-        Some((set, _)) => kinds.filter(|kind| set.contains(&(*kind as u8))).collect(),
-        // Nothing above the answer is a stable loop.
-        None => vec![LimitKind::Margins],
+/// The limits of a bandwidth that lifting one alone does not raise: those of which the loop uses up nearly all, or else those beyond which no loop was seen to keep
+/// them, or else the fewest that only together keep the loops that were seen from being the answer.
+fn limits_together(scan: &Scan, limits: &[BandwidthLimit]) -> Vec<LimitKind> {
+    let kinds = |is_one: &dyn Fn(&BandwidthLimit) -> bool| -> Vec<LimitKind> {
+        limits.iter().filter(|limit| is_one(limit)).map(|limit| limit.kind).collect()
+    };
+    let used_up = kinds(&|limit| limit.used.is_some_and(|used| used >= NEARLY_USED_UP));
+    if !used_up.is_empty() {
+        return used_up;
     }
+    let allowed = (1.0 + HIGHER_BANDWIDTH) * scan.best_bandwidth();
+    let lowest = kinds(&|limit| limit.bandwidth_rad_s <= allowed);
+    let together = if lowest.is_empty() { scan.joint_limits() } else { lowest };
+    // Nothing above the answer is a stable loop.
+    if together.is_empty() { vec![LimitKind::Margins] } else { together }
 }
 
 /// The loop with a cause of phase lag lifted; `None` if its bandwidth is no higher or there is no such cause.

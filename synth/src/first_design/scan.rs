@@ -15,7 +15,7 @@ use crate::bandwidth::{BandwidthLimit, LimitKind, Unknown};
 use crate::cascade::with_position_loop;
 use crate::error::attempt;
 use crate::modes::{light_modes, shifted_modes};
-use crate::tolerance::{CAUTION, CEILING, LARGEST_EXCESS};
+use crate::tolerance::{CAUTION, CEILING, HIGHER_BANDWIDTH, LARGEST_EXCESS};
 use crate::{Error, FeedbackWeights, LightModes, Reference, design_feedback};
 use counterpoise_pool::Pool;
 
@@ -354,9 +354,27 @@ impl<'a> Scan<'a> {
     /// Returns by how much a loop misses its limits and a bandwidth: the sum of the logarithms of what it has over what is allowed.
     pub fn miss(&self, found: &LoopJudgement, target_rad_s: f64) -> f64 {
         let given = self.circumstances;
-        let over = found.shares_of_limits(&given.margins, &given.sampling, given.holding_v);
-        let rates = [found.bandwidth_rad_s / self.ceiling(), target_rad_s / found.bandwidth_rad_s];
-        over.into_iter().chain(rates).map(|share| share.max(1.0).ln().min(LARGEST_EXCESS)).sum()
+        let shares = found.shares_of_limits(&given.margins, &given.sampling, given.holding_v);
+        let is_beside = |kind| matches!(kind, LimitKind::Resonance | LimitKind::AtRest);
+        // Shifted modes and what the linear plant leaves out are missed together: they count once.
+        let (beside, over): (Vec<_>, Vec<_>) = shares.into_iter().partition(|(kind, _)| is_beside(*kind));
+        let beside = beside.into_iter().map(|(_, share)| share).fold(0.0, f64::max);
+        let rates = [beside, found.bandwidth_rad_s / self.ceiling(), target_rad_s / found.bandwidth_rad_s];
+        let all = over.into_iter().map(|(_, share)| share).chain(rates);
+        all.map(|share| share.max(1.0).ln().min(LARGEST_EXCESS)).sum()
+    }
+
+    /// Returns the share of what a limit allows that a loop uses up.
+    pub fn used_share(&self, kind: LimitKind, found: &LoopJudgement) -> f64 {
+        let given = self.circumstances;
+        let ceiling = match kind {
+            LimitKind::SampleRate => self.sample_ceiling(),
+            LimitKind::Asked => given.asked_rad_s.unwrap_or(f64::INFINITY),
+            _ => f64::INFINITY,
+        };
+        let shares = found.shares_of_limits(&given.margins, &given.sampling, given.holding_v);
+        let own = shares.into_iter().filter(|(of, _)| *of == kind).map(|(_, share)| share);
+        own.fold(found.bandwidth_rad_s / ceiling, f64::max)
     }
 
     /// Returns the limits that a loop does not keep.
@@ -403,6 +421,17 @@ impl<'a> Scan<'a> {
         self.highest_keeping(kind).map_or(0.0, |tried| tried.judgement.bandwidth_rad_s)
     }
 
+    /// Returns the fewest limits that only together keep the candidates that were seen from being the answer, the highest bandwidth first; none if no
+    /// stable loop above the answer was seen.
+    pub fn joint_limits(&self) -> Vec<LimitKind> {
+        let reached = self.best_bandwidth() * (1.0 + HIGHER_BANDWIDTH);
+        let above = self.tried.iter().filter(|tried| tried.judgement.bandwidth_rad_s > reached);
+        let missed =
+            above.map(|tried| (self.missed_limits(&tried.judgement), tried.judgement.bandwidth_rad_s));
+        let fewest = missed.min_by(|a, b| a.0.len().cmp(&b.0.len()).then(b.1.total_cmp(&a.1)));
+        fewest.map(|(kinds, _)| kinds).unwrap_or_default()
+    }
+
     /// The feedback of the highest bandwidth that was seen to keep a limit.
     fn highest_keeping(&self, kind: LimitKind) -> Option<&TriedFeedback> {
         let keeping = self.tried.iter().chain(&self.best).filter(|tried| self.keeps(kind, &tried.judgement));
@@ -435,8 +464,11 @@ impl<'a> Scan<'a> {
     /// Returns every limit, the lowest first.
     pub fn summary(&self) -> Vec<BandwidthLimit> {
         let asked = self.circumstances.asked_rad_s.map(|_| LimitKind::Asked);
-        let limit =
-            |kind| BandwidthLimit { kind, bandwidth_rad_s: self.highest_bandwidth(kind), lifted_rad_s: None };
+        let limit = |kind| {
+            let bandwidth_rad_s = self.highest_bandwidth(kind);
+            let used = self.best.as_ref().map(|best| self.used_share(kind, &best.judgement));
+            BandwidthLimit { kind, bandwidth_rad_s, used, lifted_rad_s: None }
+        };
         let mut limits: Vec<BandwidthLimit> = KINDS.into_iter().chain(asked).map(limit).collect();
         // Of a machine without friction whose weight does not matter there is nothing to say.
         // Nor of one whose file has no tolerances, or leaves nothing open that sets a mode.

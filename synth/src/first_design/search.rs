@@ -5,7 +5,8 @@ use std::ops::Range;
 use super::candidate::{DAMPED_LOAD, DEAR, MORE_PHASE, SHAPES, STIFF_MODES};
 use super::scan::{Candidate, PER_DECADE, Scan, Thoroughness, TriedFeedback, at_aims, step_of_aims};
 use crate::tolerance::{
-    ABOVE_AIM, CLEARLY_QUICKER, CLOCK_SHARE, FAR_ABOVE_CEILING, NEAR_CEILING, RISE, STIFF_REACHES,
+    ABOVE_AIM, CLEARLY_QUICKER, CLOCK_SHARE, FAR_ABOVE_CEILING, HIGHER_BANDWIDTH, NEAR_CEILING, RISE,
+    STIFF_REACHES,
 };
 use crate::{Error, LightModes};
 
@@ -37,6 +38,10 @@ impl Scan<'_> {
                     descent[..at].iter().rev().map(|tried| tried.aim_rad_s).find(|other| *other != aim);
                 self.take_if_higher(tried, above)?;
             }
+        }
+        // No loop is quicker than the answer, because of the clock or of what is asked for.
+        if self.best_bandwidth() * (1.0 + HIGHER_BANDWIDTH) >= self.ceiling() {
+            return Ok(());
         }
         if self.is_free_of_clock() {
             self.attenuate_modes(highest)?;

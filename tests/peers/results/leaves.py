@@ -111,6 +111,7 @@ CLASSES = [
     (r"targets\.(multiplications|additions|states)", DATA),
     (r"targets\.(compiled|cores)\..*", "what a compiler and an emulator answered about the generated code"),
     (r"first_design\.(bandwidth_rad_s|gain_margin_db|phase_margin_deg|max_sensitivity\w*|limits\.\d+\.over_reached)", RECOMPUTED),
+    (r"first_design\.limits\.\d+\.used", "of margins and shifted modes it is recomputed; the others' plants, noise and steps are not in the result"),
     (r"first_design\.asked_rad_s", DATA),
     (rf"first_design\.limits\.\d+\.(lifted_)?shown_by\.({SYSTEM})", DATA),
     (r"first_design\.limits\.\d+\.(bandwidth_rad_s|lifted_rad_s)", RECOMPUTED),

@@ -405,6 +405,7 @@ def first_design(found):
         if row["over_reached"] is not None:
             yield f"{row['limit']}: over what was reached", row["over_reached"], row["bandwidth_rad_s"] / found["bandwidth_rad_s"], SUMS
         yield from limit_rows(found, row)
+        yield from used_shares(found, row, mine[0], worst)
     yield "limit that decides", 0.0, float(deciding(found) != found["limited_by"]), 0.0
 
 
@@ -434,6 +435,20 @@ def limit_rows(found, row):
     if row["lifted_rad_s"] is not None:
         mine = designs.margins(system(row["lifted_shown_by"]))
         yield f"{name}: bandwidth without it", row["lifted_rad_s"], mine["bandwidth_rad_s"], MARGINS
+
+
+# The largest sensitivity that the loop may have with shifted modes.
+SHIFTED_MS = 2.0
+
+
+def used_shares(found, row, loop, shifted):
+    """The share of the margins, and of the sensitivity with shifted modes, that the loop uses up. Only the usual margins are in the result."""
+    if row["limit"] == "resonance":
+        yield "resonance: used", row["used"], shifted / SHIFTED_MS, 1e-4
+    elif row["limit"].startswith("margins"):
+        asked = found["required"]
+        shares = [asked["gain_margin_db"] / loop["gain_margin_db"], asked["phase_margin_deg"] / loop["phase_margin_deg"], loop["max_sensitivity"] / asked["max_sensitivity"]]
+        yield "margins: used at least", 1.0, float(row["used"] >= max(shares) - 1e-4), 0.0
 
 
 def deciding(found):

@@ -2,7 +2,7 @@
 
 mod keys;
 mod numbers;
-mod synonyms;
+pub(crate) mod synonyms;
 
 use std::collections::{BTreeMap, BTreeSet};
 

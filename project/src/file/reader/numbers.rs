@@ -4,6 +4,7 @@ use super::Reader;
 use crate::assumption::{Assumption, KeyTolerance, ToleranceKind};
 use crate::diagnostic::DiagnosticKind;
 use crate::file::field::{DefaultRule, Fallback, Field, NumberRange, UnitHint, UsualRange};
+use crate::file::setting::UNLIMITED;
 use crate::file::source::Remark;
 use crate::file::tree::{Entry, Node, Value};
 use crate::tolerance::NUMBER_SIZES;
@@ -15,6 +16,11 @@ pub(super) const PHYSICAL: &str = "plant.";
 impl<'a> Reader<'a> {
     /// Returns the number at a key, which may have a tolerance.
     pub(super) fn keyed_number(&mut self, path: &str, node: &'a Node, field: &Field) -> Option<f64> {
+        let may_be_unlimited = field.default == Fallback::Number(f64::INFINITY);
+        if may_be_unlimited && matches!(&node.value, Value::Text(text) if UNLIMITED.contains(&text.as_str()))
+        {
+            return Some(f64::INFINITY);
+        }
         let Value::Table(entries) = &node.value else { return self.number_at(path, node, field) };
         let Some(value) = entries.iter().find(|entry| entry.key == "value") else {
             self.wrong_type(path, node, &format!("a number{}", in_unit(field.unit)));
