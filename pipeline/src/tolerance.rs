@@ -145,6 +145,10 @@ pub(crate) const MARGINS_TO_SPARE: f64 = 0.02;
 /// Share of the bandwidth that a requirement on the overshoot leaves, at least: a slower loop settles later than one that overshoots.
 pub(crate) const OVERSHOOT_COST: f64 = 0.5;
 
+/// Share of the control that the usual step of the demand takes from which on a first design is looked for without it, too: 3 dB below its limit. What nobody stated may
+/// not decide, and a search that meets it ends a little below it.
+pub(crate) const STEP_THAT_DECIDES: f64 = 0.7;
+
 /// Ratio of the bandwidth that a limit alone allows to that which is reached from which on the limit acts only together with others: the search
 /// finds what is reached to 0.7 %, and a smaller ratio would call its error a limit.
 pub(crate) const ALLOWS_MORE: f64 = 1.015;

@@ -59,3 +59,6 @@ pub(crate) const MOST_UNSTATED_SAMPLES: f64 = 4e4;
 /// Deviation of a fitted weight from a point of its table that is allowed, dB: so far a first-order weight is from its
 /// asymptotes at its corner, from which tables are often written.
 pub(crate) const FITTED_WEIGHT_DB: f64 = 3.0;
+
+/// Shortest sample period of a controller, s: a clock of 1 MHz is a thousand times as quick as any mechanism follows.
+pub(crate) const SHORTEST_PERIOD_S: f64 = 1e-6;

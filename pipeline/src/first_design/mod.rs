@@ -27,7 +27,7 @@ use serde::Serialize;
 
 use crate::exchange::SystemResult;
 use crate::synth::{design_plant, sampling};
-use crate::tolerance::{ALLOWS_MORE, MARGINS_TO_SPARE, OVERSHOOT_COST};
+use crate::tolerance::{ALLOWS_MORE, MARGINS_TO_SPARE, OVERSHOOT_COST, STEP_THAT_DECIDES};
 use crate::{PipelineError, PlantModel, ReducedPlant, build_plant_model, reduce_plant};
 pub use usual_ranges::unknown_key;
 use usual_ranges::{BothPlants, OpenValues};
@@ -146,9 +146,12 @@ fn design_that_holds(given: &Circumstances, pool: &dyn Pool) -> Result<FirstDesi
     }
 }
 
-/// Returns whether a first design is as slow as it is because of a step of the demand that nobody stated.
+/// Returns whether a first design may be as slow as it is because of a step of the demand that nobody stated: the step takes most of the control.
 fn is_limited_by_usual_step(project: &Project, first: &FirstDesign) -> bool {
-    has_usual_step(project) && first.bandwidth.limited_by.contains(&LimitKind::Control)
+    let control = first.bandwidth.limits.iter().find(|limit| limit.kind == LimitKind::Control);
+    let takes_most = control.and_then(|limit| limit.used).is_some_and(|used| used > STEP_THAT_DECIDES);
+    let is_named = first.bandwidth.limited_by.contains(&LimitKind::Control);
+    has_usual_step(project) && (is_named || takes_most)
 }
 
 /// Returns whether nobody stated the step of the demand.

@@ -349,15 +349,12 @@ fn clock(v: &mut dyn Visit, clock: &mut Clock) {
     v.number(&share("late_samples", late), &mut clock.late_samples);
 }
 
-/// Shortest sample period of a controller, s: a clock of 1 MHz is a thousand times as quick as any mechanism follows.
-const SHORTEST_PERIOD_S: f64 = 1e-6;
-
 fn interface(v: &mut dyn Visit, interface: &mut Interface) {
     v.number(
         &Field::new("sample_period", "sample period of the controller")
             .if_unknown("take a twentieth of the time in which the loop is to settle, or what the target's timer gives")
             .unit("s")
-            .limit(NumberRange::Between(SHORTEST_PERIOD_S, 1.0)),
+            .limit(NumberRange::Between(crate::tolerance::SHORTEST_PERIOD_S, 1.0)),
         &mut interface.sample_period_s,
     );
     let bits = NumberRange::Between(1.0, MOST_CONVERTER_BITS);
