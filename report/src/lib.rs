@@ -30,6 +30,7 @@ pub mod first_design;
 pub mod fra;
 pub mod html;
 pub mod identify;
+pub mod key_reference;
 mod learned;
 mod localisation;
 pub mod loop_charts;

@@ -7,6 +7,7 @@ use counterpoise_host::projects::{self, BadProject};
 use counterpoise_pipeline::check::check_project;
 use counterpoise_project::{Attachments, Diagnostic, Document, FORMAT, Project};
 use counterpoise_report::check::check_lines;
+use counterpoise_report::key_reference::key_lines;
 use counterpoise_report::results::describe_check;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -19,7 +20,12 @@ use crate::output::{self, say};
 #[derive(Args)]
 pub struct CheckOptions {
     /// Project file, or a folder with a project.toml
-    pub project: PathBuf,
+    #[arg(required_unless_present = "keys")]
+    pub project: Option<PathBuf>,
+    /// Print the reference of a section of the project file (plant.gearbox), of a key (backlash) or of the figures that a requirement may limit (figures); without
+    /// a name the list of all sections
+    #[arg(long, value_name = "NAME", num_args = 0..=1, require_equals = true, default_missing_value = "", conflicts_with_all = ["project", "migrate", "json"])]
+    pub keys: Option<String>,
     /// Rewrite a file of an older format in the present one, with its comments; nothing else of it changes
     #[arg(long)]
     pub migrate: bool,
@@ -37,7 +43,10 @@ struct FileErrors<'a> {
 
 /// Runs the command.
 pub fn run(options: &CheckOptions) -> CommandResult {
-    let path = project_file(&options.project);
+    let Some(project) = &options.project else {
+        return print_keys(options.keys.as_deref().unwrap_or_default());
+    };
+    let path = project_file(project);
     let (document, attachments) = projects::read_as_written(&path)?;
     if options.migrate {
         return migrate(&document, &attachments);
@@ -58,6 +67,17 @@ pub fn run(options: &CheckOptions) -> CommandResult {
             Err(BadProject { errors, document }.into())
         }
     }
+}
+
+/// Prints the reference of a section or a key.
+fn print_keys(asked: &str) -> CommandResult {
+    let Some(lines) = key_lines(&Project::reference(), asked) else {
+        bail!(
+            "the project file has no section or key \"{asked}\"; `counterpoise check --keys` lists the sections"
+        );
+    };
+    lines.iter().for_each(|line| say!("{line}"));
+    Ok(ExitStatus::SUCCESS)
 }
 
 /// Sets the format of a file and of its parts, after all of them have been read.

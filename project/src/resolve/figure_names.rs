@@ -17,8 +17,8 @@ pub(super) fn figure_hint(written: &str, controlled: ControlledQuantity) -> Stri
     let containing = keys.iter().filter(|key| key.contains(&written.to_lowercase()));
     let quoted: Vec<String> = containing.take(MOST_LISTED).map(|key| format!("\"{key}\"")).collect();
     if quoted.is_empty() {
-        "figures are, for example, \"gain_margin_db\", \"max_sensitivity\" and \"nonlinear_step_overshoot_percent\"; all of them stand at the end of \
-         docs/reference/project-file.md"
+        "figures are, for example, \"gain_margin_db\", \"max_sensitivity\" and \"nonlinear_step_overshoot_percent\"; `counterpoise check --keys=figures` \
+         lists all of them"
             .to_owned()
     } else {
         format!("did you mean {}?", quoted.join(" or "))

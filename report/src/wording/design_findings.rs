@@ -1,6 +1,7 @@
 //! The obstacles of a design, in words that a designer can act on: which weight, at which frequency, and what to do.
 
 use counterpoise_linalg::C64;
+use counterpoise_plot::number::short_number;
 use counterpoise_synth::{
     BandwidthLimit, Cause, ConcernedWeight, DesignEquation, DesignFinding, HiddenDirection, LimitKind,
     ModeBlock, Part, PlantCause, SpecificationCause, StatedDensity, Unknown, WeightRole,
@@ -141,7 +142,9 @@ fn describe_cause_in_plant(cause: &PlantCause) -> String {
         PlantCause::NoiseReachesCost { gain } => {
             format!("white noise reaches the weighted outputs directly (D11 up to {gain:.3e}): infinite cost")
         }
-        PlantCause::NoBoundReached { largest } => format!("no controller keeps a bound up to {largest:.3e}"),
+        PlantCause::NoBoundReached { largest } => {
+            format!("no controller keeps a bound up to {}", short_number(*largest))
+        }
         PlantCause::NoBandwidth { limits } => {
             format!("no bandwidth keeps every limit: {}", describe_limits(limits))
         }
@@ -209,7 +212,10 @@ fn describe_limits(limits: &[BandwidthLimit]) -> String {
     let words: Vec<String> = limits
         .iter()
         .filter(|limit| limit.bandwidth_rad_s.is_finite())
-        .map(|limit| format!("{} up to {:.3e} rad/s", describe_limit(limit.kind), limit.bandwidth_rad_s))
+        .map(|limit| match limit.bandwidth_rad_s {
+            0.0 => format!("{} at none", describe_limit(limit.kind)),
+            rate => format!("{} up to {} rad/s", describe_limit(limit.kind), short_number(rate)),
+        })
         .collect();
     if words.is_empty() { "no loop was stable".to_owned() } else { words.join(", ") }
 }
