@@ -68,6 +68,7 @@ pub fn with_observer(project: &Project, found: &IdentifiedFriction) -> Project {
             pivot: Some(found.parameters.pivot_friction.clone()),
             model: ObserverFriction::Dahl,
             sign_rate_rad_s: 5e-3,
+            learning: None,
         });
     }
     project

@@ -9,8 +9,8 @@ use crate::signal::{HUB_POSITION, HUB_RATE};
 use crate::tolerance::{HIGHEST_ELEVATION_RAD, LONGEST_WINDOW, SAME_PERIOD};
 use crate::words;
 use crate::{
-    DemandLimit, Error, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, PathSignal,
-    Programs, Scaling,
+    DemandLimit, Error, Estimator, FrictionObserver, Learning, LevelLearning, ObserverLaw, Parts, Path,
+    PathSignal, Programs, Scaling,
 };
 
 /// Names that target code uses itself, beside the words of its languages.
@@ -32,6 +32,7 @@ pub fn check_parts(parts: &Parts) -> Result<(), Error> {
     }
     parts.paths.iter().try_for_each(|each| path(each, parts))?;
     parts.observers.iter().try_for_each(observer)?;
+    parts.level_learning.as_ref().map_or(Ok(()), level_learning)?;
     drive_curve(&parts.drive_curve)?;
     parts.estimator.as_ref().map_or(Ok(()), estimator)
 }
@@ -176,6 +177,21 @@ fn system(name: &str, system: &StateSpace, inputs: usize, period_s: f64) -> Resu
         Timebase::Discrete { period_s: own } if (own - period_s).abs() <= SAME_PERIOD * period_s => Ok(()),
         other => Err(Error::Timebase { path: name.to_owned(), found: other.to_string(), period_s }),
     }
+}
+
+fn level_learning(learning: &LevelLearning) -> Result<(), Error> {
+    at_least_0("lowest level of the friction (1)", learning.lowest)?;
+    let range = NumberRequirement {
+        holds: learning.highest >= learning.lowest && learning.highest.is_finite(),
+        words: "at least the lowest level, and finite",
+    };
+    require("highest level of the friction (1)", learning.highest, range)?;
+    let part = NumberRequirement { holds: (0.0..=1.0).contains(&learning.cancelled), words: "from 0 to 1" };
+    require("cancelled part of the friction (1)", learning.cancelled, part)?;
+    require_positive("gain of the learnt level (1/s)", learning.gain_per_s)?;
+    require_positive("volts of the sliding friction (V)", learning.volts)?;
+    require_positive("rate above which friction slides (rad/s)", learning.sliding_rate_rad_s)?;
+    require_positive("rate scale of the learnt level (rad/s)", learning.rate_scale_rad_s)
 }
 
 fn observer(observer: &FrictionObserver) -> Result<(), Error> {

@@ -32,6 +32,35 @@ pub struct FrictionObserver {
     pub viscous_v_s_rad: f64,
 }
 
+/// The level of the friction over that of the observers, learnt from the feedback while the friction slides
+///
+/// ```text
+///     whole = sum of the observers' volts,   phi = whole / volts,   rho = w / rate_scale
+///     output = cancelled level whole
+///     left = feedback / volts - (1 - cancelled) level phi - slope rho - offset
+///     level += gain T left phi,  slope += gain T left rho,  offset += gain T left        while |w| > sliding_rate, over 1 + rho^2
+/// ```
+///
+/// with the level inside its limits. Friction whose level is wrong leaves the feedback a part that follows phi; what follows the
+/// rate, and what is constant, is learnt beside it and goes into slope and offset, which act on nothing. It follows the rate of the first observer.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LevelLearning {
+    /// Lowest level over that of the observers, and the level at the start.
+    pub lowest: f64,
+    /// Highest level over that of the observers.
+    pub highest: f64,
+    /// Part of the level that is cancelled, 0 to 1.
+    pub cancelled: f64,
+    /// Inverse of the time constant of the learning, 1/s.
+    pub gain_per_s: f64,
+    /// Volts of the observers while they slide, V.
+    pub volts: f64,
+    /// The rate above which the friction slides for certain, rad/s: it is learnt in full from twice this rate on.
+    pub sliding_rate_rad_s: f64,
+    /// The rate that counts as 1, rad/s.
+    pub rate_scale_rad_s: f64,
+}
+
 /// The laws of an observer, with T the sample period and g the level at the speed of the sample.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]

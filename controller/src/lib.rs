@@ -59,7 +59,7 @@ mod range_checks;
 pub use controller::Controller;
 pub use error::Error;
 pub use estimator::{Estimator, Learning};
-pub use friction::{FrictionObserver, ObserverLaw};
+pub use friction::{FrictionObserver, LevelLearning, ObserverLaw};
 pub use guard::{GuardSettings, SensorUse, Status};
 pub use number::Number;
 pub use parts::{Correction, DemandLimit, Parts, Path, Projection, Scaling};

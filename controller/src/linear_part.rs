@@ -111,7 +111,9 @@ impl Controller {
     fn learning_states(&self) -> Vec<usize> {
         let weighs =
             |name: &str| name == "liveliness" || name.starts_with("variance_") || name.starts_with("factor_");
-        let groups = self.programs().states.iter().filter(|group| !weighs(&group.name));
+        let groups = self.programs().states.iter();
+        let groups =
+            groups.filter(|group| !weighs(&group.name) && !lowering::is_of_friction_level(&group.name));
         groups.flat_map(|group| group.first..group.first + group.initial.len()).collect()
     }
 }

@@ -4,7 +4,7 @@ use counterpoise_lti::StateSpace;
 use serde::{Deserialize, Serialize};
 
 use crate::tolerance::READING_LIMITS;
-use crate::{COMMON_READINGS, Estimator, FrictionObserver, PathSignal, READINGS};
+use crate::{COMMON_READINGS, Estimator, FrictionObserver, LevelLearning, PathSignal, READINGS};
 
 /// A discrete transfer path from signals to volts
 ///
@@ -24,6 +24,15 @@ pub struct Path {
     pub anti_windup: Vec<f64>,
     /// Scaling of the output with the out-of-balance.
     pub scaling: Scaling,
+}
+
+impl Path {
+    /// Returns whether the path feeds back a motion that the control moves.
+    pub fn is_feedback(&self) -> bool {
+        let fed_back =
+            [PathSignal::HubRate, PathSignal::RateError, PathSignal::MotorRate, PathSignal::HubPosition];
+        self.inputs.iter().any(|input| fed_back.contains(input))
+    }
 }
 
 /// Law by which a path's output follows the out-of-balance M that is set.
@@ -105,6 +114,8 @@ pub struct Parts {
     pub paths: Vec<Path>,
     /// Friction observers, summed after the paths.
     pub observers: Vec<FrictionObserver>,
+    /// The learning of the friction's level; `None` cancels what the observers give.
+    pub level_learning: Option<LevelLearning>,
     /// Out-of-balance that the paths were designed for, kg m.
     pub design_out_of_balance_kg_m: f64,
     /// Lowest and highest out-of-balance that may be set, kg m.
@@ -141,6 +152,11 @@ impl Parts {
         from[0] + self.limit_v - from[1]
     }
 
+    /// Returns the part of the friction that its observers cancel when their level is right.
+    pub fn cancelled_part(&self) -> f64 {
+        self.level_learning.map_or(1.0, |learning| learning.cancelled)
+    }
+
     /// Returns parts without paths and observers: control 0 within +/- `limit_v`, out-of-balance 0 within +/- 1e6 kg m.
     pub fn new(sample_period_s: f64, limit_v: f64) -> Self {
         Self {
@@ -151,6 +167,7 @@ impl Parts {
             demand_limit: None,
             paths: Vec::new(),
             observers: Vec::new(),
+            level_learning: None,
             design_out_of_balance_kg_m: 0.0,
             out_of_balance_range_kg_m: (-1e6, 1e6),
             bias_v_per_kg_m: 0.0,

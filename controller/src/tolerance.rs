@@ -91,3 +91,6 @@ pub(crate) const HANDOVER_S: f64 = 0.1;
 /// Largest magnitude of the readings where a design says nothing, in the order of [`crate::READING_NAMES`]: rad/s, rad/s, rad/s,
 /// m/s^2, rad/s, rad, m/s^2. No sensor of a stabilised mechanism gives more, and powers of them stay finite in single precision.
 pub(crate) const READING_LIMITS: [f64; 7] = [1e3, 1e3, 1e3, 1e4, 1e5, 1e3, 1e4];
+
+/// Largest size of what is learnt beside the level of the friction, in volts of the sliding friction: it only has to be beyond every feedback.
+pub const MOST_LEARNT: f64 = 20.0;

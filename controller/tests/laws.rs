@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use counterpoise_controller::{
-    Controller, Estimator, FrictionObserver, Learning, ObserverLaw, Parts, Path, PathSignal, Scaling,
+    Controller, Estimator, FrictionObserver, Learning, LevelLearning, ObserverLaw, Parts, Path, PathSignal,
+    Scaling,
 };
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
@@ -257,5 +258,60 @@ fn a_held_estimate_is_used_only_after_its_time() {
         runner.step_array(&[0.002 * 90.0 * 9.81, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let expected = if k <= 1000 { 150.0 } else { 90.0 };
         assert!((used_moment(&controller, &runner.states()) - expected).abs() < 1e-6, "{k}");
+    }
+}
+
+/// A machine whose rate is given and whose friction the feedback has to overcome: what the observers do not cancel stands in the feedback, beside a part that
+/// follows the rate and a constant one.
+fn learn_level(true_level: f64, samples: usize) -> (f64, Vec<f64>) {
+    let period_s = 1e-3;
+    let mut parts = Parts::new(period_s, 1e4);
+    parts.observers = observing(ObserverLaw::Dahl, Vec::new(), period_s).parts().observers.clone();
+    parts.level_learning = Some(LevelLearning {
+        lowest: 0.5,
+        highest: 2.0,
+        cancelled: 0.95,
+        gain_per_s: 3.0,
+        volts: COULOMB,
+        sliding_rate_rad_s: 0.01,
+        rate_scale_rad_s: 0.05,
+    });
+    let timebase = Timebase::Discrete { period_s };
+    // The feedback passes the demand less the rate on, so that the demand can be what the feedback shall give.
+    let through = StateSpace::gain(Mat::row(&[1.0]), timebase).unwrap();
+    parts.paths = vec![Path {
+        name: "feedback".into(),
+        inputs: vec![PathSignal::RateError],
+        system: through,
+        anti_windup: Vec::new(),
+        scaling: Scaling::Fixed,
+    }];
+    let mut runner = Controller::new(parts).unwrap().runner();
+    let mut whole = observing(ObserverLaw::Dahl, Vec::new(), period_s).runner();
+    let (mut cancelled, mut levels) = (0.0, Vec::new());
+    for k in 0..samples {
+        let t = k as f64 * period_s;
+        let rate = 0.1 * (3.0 * t).sin() + 0.05 * (7.3 * t + 1.0).sin();
+        let friction = whole.step_array(&[0.0, rate, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let feedback = true_level * friction - cancelled + 40.0 * rate + 7.0;
+        let volts = runner.step_array(&[feedback + rate, rate, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        cancelled = volts - feedback;
+        if friction.abs() > 0.9 * COULOMB {
+            levels.push(cancelled / 0.95 / friction);
+        }
+    }
+    (*levels.last().unwrap(), levels)
+}
+
+#[test]
+fn the_level_of_friction_is_learnt_beside_what_follows_the_rate_and_stays_in_its_range() {
+    for true_level in [0.6, 1.0, 1.8] {
+        let (learnt, levels) = learn_level(true_level, 60_000);
+        assert!((levels[0] - 0.5).abs() < 0.02, "it starts at the lowest: {}", levels[0]);
+        assert!((learnt / true_level - 1.0).abs() < 0.02, "{learnt} for {true_level}");
+    }
+    for (true_level, kept) in [(0.2, 0.5), (5.0, 2.0)] {
+        let (learnt, _) = learn_level(true_level, 60_000);
+        assert!((learnt - kept).abs() < 0.02, "{learnt} for {true_level}");
     }
 }

@@ -162,6 +162,8 @@ pub(crate) fn meaning(group: &StateGroup) -> String {
         "previous_control_v" => "limited control of the sample before, V".to_owned(),
         "platform_pitch_rad" => "pitch angle of the platform, rad".to_owned(),
         "prefilter" => "reference prefilter".to_owned(),
+        "friction_level" => "level of the friction over that of its observers, learnt".to_owned(),
+        "friction_slope" | "friction_offset" => "learnt beside the friction's level".to_owned(),
         "liveliness" => "estimator: mean square of its first regressor, (m/s^2)^2".to_owned(),
         _ if name.starts_with("estimate_") => "estimator: a parameter".to_owned(),
         _ if name.starts_with("variance_") => "estimator: a factor of its covariance".to_owned(),

@@ -197,6 +197,7 @@ fn observer(plant: &Parameters, dice: &mut Dice) -> ObserverOptions {
         pivot: Some(pivot),
         model: ObserverFriction::Dahl,
         sign_rate_rad_s: 0.01,
+        learning: None,
     }
 }
 

@@ -86,6 +86,7 @@ fn an_observer_of_twice_the_friction_is_certified_to_hunt() {
         pivot: Some(identified.pivot_friction),
         model: ObserverFriction::Dahl,
         sign_rate_rad_s: 0.01,
+        learning: None,
     });
     let found = certify_project(&project);
     assert!(found.sector.is_none(), "no sector argument applies to an observer in the loop");

@@ -6,6 +6,7 @@
 mod curve;
 mod estimate;
 mod friction_observers;
+mod learnt_level;
 mod project;
 mod regressors;
 mod schedule;
@@ -24,7 +25,7 @@ pub const PREFILTER_STATES: &str = "prefilter";
 /// The limited control of the sample before.
 pub const PREVIOUS_CONTROL: &str = "previous_control_v";
 /// Names of states and locals that a path must not take.
-pub const OWN_NAMES: [&str; 23] = [
+pub const OWN_NAMES: [&str; 26] = [
     PREFILTER_STATES,
     PREVIOUS_CONTROL,
     "out_of_balance_kg_m",
@@ -48,7 +49,15 @@ pub const OWN_NAMES: [&str; 23] = [
     "demand_following",
     "limited_demand",
     "limited_error",
+    learnt_level::LEVEL,
+    learnt_level::SLOPE,
+    learnt_level::OFFSET,
 ];
+
+/// Returns whether a group of states holds what is learnt of the friction's level: at rest it stands still, and a loop about rest does not have it.
+pub(crate) fn is_of_friction_level(group: &str) -> bool {
+    [learnt_level::LEVEL, learnt_level::SLOPE, learnt_level::OFFSET].contains(&group)
+}
 
 /// Returns the programs of a controller with the given parts.
 pub fn lower_parts(parts: &Parts) -> Programs {

@@ -3,6 +3,7 @@
 use counterpoise_lti::StateSpace;
 
 use crate::lowering::estimate;
+use crate::lowering::learnt_level::LearntLevel;
 use crate::lowering::regressors::EstimatorInputs;
 use crate::lowering::schedule::Layout;
 use crate::lowering::{
@@ -68,7 +69,10 @@ pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Pr
     let observe = |o: &FrictionObserver| {
         friction_observers::observe(o, signals.slot(o.rate), parts.sample_period_s, states, &mut writer)
     };
-    let dry: Vec<Slot> = parts.observers.iter().map(observe).collect();
+    let observed: Vec<Slot> = parts.observers.iter().map(observe).collect();
+    let learning = parts.level_learning.as_ref().filter(|_| !observed.is_empty());
+    let learnt = learning.map(|learning| LearntLevel::begin(*learning, &observed, states, &mut writer));
+    let dry = learnt.as_ref().map_or(observed, |learnt| vec![learnt.cancelled]);
     let path_states: Vec<Vec<Slot>> =
         parts.paths.iter().map(|path| states.array(&path.name, path.system.order())).collect();
     let outputs = outputs(parts, layout, &signals, &path_states, &mut writer);
@@ -84,6 +88,11 @@ pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Pr
     pending.extend(signals.previous_control.map(|state| Update { state, value: limited }));
     for Update { state, value } in pending {
         writer.copy(state, value);
+    }
+    if let (Some(learnt), Some(first)) = (&learnt, parts.observers.first()) {
+        let fed_back = parts.paths.iter().zip(&outputs).filter(|(path, _)| path.is_feedback());
+        let feedback: Vec<Slot> = fed_back.map(|(_, output)| *output).collect();
+        learnt.learn(&feedback, signals.slot(first.rate), parts.sample_period_s, &mut writer);
     }
     fade(parts, layout, &mut writer);
     let signal = |signal| signals.slot(signal);

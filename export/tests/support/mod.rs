@@ -7,8 +7,8 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use counterpoise_controller::signal::{HUB_POSITION, PLATFORM_SURGE};
 use counterpoise_controller::{
-    COMMON_READINGS, Controller, Correction, Estimator, FrictionObserver, Learning, Number, ObserverLaw,
-    Parts, Path, PathSignal, Projection, READINGS, Readings, SampledController, Scaling,
+    COMMON_READINGS, Controller, Correction, Estimator, FrictionObserver, Learning, LevelLearning, Number,
+    ObserverLaw, Parts, Path, PathSignal, Projection, READINGS, Readings, SampledController, Scaling,
 };
 use counterpoise_export::{File, FixedPointController, FixedRunner, Provenance};
 use counterpoise_linalg::Mat;
@@ -106,7 +106,7 @@ pub fn projecting_controller() -> Controller {
 }
 
 /// Returns every block that a controller can have: besides those of [`typical_controller`], corrected readings, heave and surge projected across the beam, two
-/// designs that the out-of-balance fades between, a second observer that follows the demand, and the estimator of the out-of-balance.
+/// designs that the out-of-balance fades between, a second observer that follows the demand, a friction level that is learnt, and the estimator of the out-of-balance.
 pub fn complete_controller() -> Controller {
     let with = |parts: &mut Parts| {
         parts.projection = projecting_controller().parts().projection;
@@ -128,6 +128,15 @@ pub fn complete_controller() -> Controller {
             rest_stiffness_nm_rad: 5.2e4,
             volts_per_nm: 2e-3,
             viscous_v_s_rad: 0.0,
+        });
+        parts.level_learning = Some(LevelLearning {
+            lowest: 0.5,
+            highest: 1.5,
+            cancelled: 0.95,
+            gain_per_s: 3.0,
+            volts: 0.143,
+            sliding_rate_rad_s: 0.01,
+            rate_scale_rad_s: 0.05,
         });
         parts.estimator = Some(Estimator {
             gravity_m_s2: 9.80665,

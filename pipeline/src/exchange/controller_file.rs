@@ -4,8 +4,8 @@
 //! replay of recordings.
 
 use counterpoise_controller::{
-    COMMON_READINGS, Controller, Correction, DemandLimit, Estimator, FrictionObserver, Path, PathSignal,
-    Projection, READING_NAMES, Scaling,
+    COMMON_READINGS, Controller, Correction, DemandLimit, Estimator, FrictionObserver, LevelLearning, Path,
+    PathSignal, Projection, READING_NAMES, Scaling,
 };
 use counterpoise_models::ControlledQuantity;
 use serde::Serialize;
@@ -51,6 +51,9 @@ pub struct ControllerResult {
     pub paths: Vec<PathResult>,
     /// Friction observers, summed after the paths.
     pub observers: Vec<FrictionObserver>,
+    /// Learning of the friction's level; absent if what the observers give is cancelled.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub level_learning: Option<LevelLearning>,
     /// `true` if the controller estimates the out-of-balance while it runs.
     pub estimates_out_of_balance: bool,
     /// Estimator of the out-of-balance; `None` if it has none.
@@ -97,6 +100,7 @@ impl ControllerResult {
             demand_limit: parts.demand_limit,
             paths: parts.paths.iter().map(PathResult::of).collect(),
             observers: parts.observers.clone(),
+            level_learning: parts.level_learning,
             estimates_out_of_balance: parts.estimator.is_some(),
             estimator: parts.estimator.clone(),
             drive_curve: parts.drive_curve.clone(),

@@ -2,7 +2,7 @@
 
 use counterpoise_controller::signal::{HUB_POSITION, HUB_RATE};
 use counterpoise_controller::{
-    Correction, Estimator, FrictionObserver, Learning, Parts, PathSignal, Projection, READINGS,
+    Correction, Estimator, FrictionObserver, Learning, LevelLearning, Parts, PathSignal, Projection, READINGS,
 };
 use counterpoise_lti::{StateSpace, c2d};
 use counterpoise_models::{CONVERTER_RANGE_V, Friction, MapPoint, Parameters, Sensor, Sensors};
@@ -20,7 +20,8 @@ use crate::tolerance::{
 use crate::{PipelineError, PlantModel};
 use counterpoise_project::resolve::synthesis::DesignRequest;
 use counterpoise_project::resolve::synthesis_options::{
-    AdaptationMethod, AdaptationOptions, AdaptationUse, Compensation, ObserverFriction, ObserverOptions,
+    self as options, AdaptationMethod, AdaptationOptions, AdaptationUse, Compensation, ObserverFriction,
+    ObserverOptions,
 };
 
 /// Standard deviation with which parameters other than the imbalance start, V or V s/rad.
@@ -31,6 +32,9 @@ const PITCH_WASHOUT_S: f64 = 10.0;
 /// Usual hold band. What the band leaves after a slow change is never learnt: 6 % left 24 % of the hub rate that a change of 30 % adds where
 /// no observer covers friction, 4 % leaves 18 %. On every example the out-of-balance stands still when nothing changes.
 pub(crate) const HOLD_BAND: f64 = 0.04;
+
+/// Sliding rates that the learning of the friction's level counts as a rate of 1: the rates of a motion that slides for most of its time.
+const SLIDING_RATES_AS_ONE: f64 = 20.0;
 
 /// Returns the sampled controller with the blocks beside its paths, checked again.
 ///
@@ -65,7 +69,10 @@ pub(crate) fn with_controller_blocks(
     if bare && corrections.is_empty() && projection.is_none() {
         return Ok(sampled);
     }
+    let learning = observer.and_then(|observer| observer.learning.map(|asked| (asked, observer.share)));
+    let level_learning = learning.map(|(asked, share)| level_learning(asked, share, &observers));
     let change = |parts: &mut Parts| {
+        parts.level_learning = level_learning;
         (parts.prefilter, parts.observers, parts.estimator) = (prefilter, observers, estimator);
         (parts.drive_curve, parts.corrections) = (drive_curve, corrections);
         parts.projection = projection;
@@ -168,7 +175,27 @@ fn observers(asked: &ObserverOptions, p: &Parameters) -> Result<Vec<FrictionObse
     let motor = follow("friction_motor", FrictionSide::Motor, &asked.motor, &p.motor_friction);
     let identified: Vec<ObservedFriction> = pivot.into_iter().chain(motor).collect();
     let drive = Drive { ratio: p.gearbox.ratio, stall_nm_v: torque_per_volt(p) };
-    Ok(friction_observers(&identified, drive, asked.drives, asked.share)?)
+    // A level that is learnt has its own share.
+    let share = if asked.learning.is_some() { 1.0 } else { asked.share };
+    Ok(friction_observers(&identified, drive, asked.drives, share)?)
+}
+
+/// Returns the learning of the level that observers of the whole friction have.
+fn level_learning(
+    asked: options::LevelLearning,
+    share: f64,
+    observers: &[FrictionObserver],
+) -> LevelLearning {
+    let volts = observers.iter().map(|observer| observer.volts_per_nm.abs() * observer.coulomb_nm).sum();
+    LevelLearning {
+        lowest: asked.lowest,
+        highest: asked.highest,
+        cancelled: share,
+        gain_per_s: asked.time_constant_s.recip(),
+        volts,
+        sliding_rate_rad_s: asked.sliding_rate_rad_s,
+        rate_scale_rad_s: SLIDING_RATES_AS_ONE * asked.sliding_rate_rad_s,
+    }
 }
 
 /// Returns the estimator of the out-of-balance.

@@ -1,8 +1,8 @@
 //! The file `controller.json` that an export writes, read back: the same controller to the last bit.
 
 use counterpoise_controller::{
-    COMMON_READINGS, Controller, Correction, DemandLimit, Estimator, FrictionObserver, Parts, Path,
-    PathSignal, Projection, READINGS, Scaling,
+    COMMON_READINGS, Controller, Correction, DemandLimit, Estimator, FrictionObserver, LevelLearning, Parts,
+    Path, PathSignal, Projection, READINGS, Scaling,
 };
 use counterpoise_linalg::Mat;
 use counterpoise_lti::{StateSpace, Timebase};
@@ -40,6 +40,8 @@ struct ControllerFile {
     demand_limit: Option<DemandLimit>,
     paths: Vec<FilePath>,
     observers: Vec<FrictionObserver>,
+    #[serde(default)]
+    level_learning: Option<LevelLearning>,
     estimator: Option<Estimator>,
     drive_curve: Vec<[f64; 2]>,
 }
@@ -92,6 +94,7 @@ pub(crate) fn parse(text: &str) -> Result<ControllerContent, String> {
         demand_limit: file.demand_limit,
         paths: file.paths.iter().map(FilePath::path).collect::<Result<_, _>>()?,
         observers: file.observers,
+        level_learning: file.level_learning,
         design_out_of_balance_kg_m: file.design_out_of_balance_kg_m,
         out_of_balance_range_kg_m: file.out_of_balance_range_kg_m.into(),
         bias_v_per_kg_m: file.bias_v_per_kg_m,

@@ -92,6 +92,21 @@ pub struct ObserverOptions {
     pub model: ObserverFriction,
     /// Rate below which the sign of a law that truly sticks is softened, rad/s.
     pub sign_rate_rad_s: f64,
+    /// The learning of the level that is really there; `None` keeps the stated one.
+    pub learning: Option<LevelLearning>,
+}
+
+/// The learning of the level of a friction from the feedback.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LevelLearning {
+    /// Lowest level over the stated one, and the level at the start.
+    pub lowest: f64,
+    /// Highest level over the stated one.
+    pub highest: f64,
+    /// Time constant of the learning while the friction slides, s.
+    pub time_constant_s: f64,
+    /// Rate above which the friction slides for certain, rad/s.
+    pub sliding_rate_rad_s: f64,
 }
 
 /// The states of balance that are designed for.
@@ -315,7 +330,27 @@ fn blank_observer() -> ObserverOptions {
         pivot: None,
         model: ObserverFriction::Dahl,
         sign_rate_rad_s: 5e-3,
+        learning: None,
     }
+}
+
+fn level_learning(v: &mut dyn Visit, learning: &mut LevelLearning) {
+    let lowest = Field::new("lowest", "lowest level over the stated one, and the level at the start");
+    v.number(&lowest.limit(NumberRange::Between(0.0, 1.0)).or(0.5), &mut learning.lowest);
+    let highest = Field::new("highest", "highest level over the stated one");
+    v.number(&highest.limit(NumberRange::AtLeast(1.0)).or(2.0), &mut learning.highest);
+    let time = "time constant of the learning while the friction slides; a level that is wrong by half is put right within about ten of them";
+    v.number(
+        &Field::new("time_constant", time).unit("s").limit(ABOVE_0).or(0.3),
+        &mut learning.time_constant_s,
+    );
+    let rate = "rate above which the friction slides for certain";
+    let rate = Field::new("sliding_rate", rate).unit("rad/s").limit(ABOVE_0);
+    v.number(&rate.or(0.01), &mut learning.sliding_rate_rad_s);
+}
+
+fn blank_learning() -> LevelLearning {
+    LevelLearning { lowest: 0.5, highest: 2.0, time_constant_s: 0.3, sliding_rate_rad_s: 0.01 }
 }
 
 fn observer(v: &mut dyn Visit, observer: &mut ObserverOptions) {
@@ -329,6 +364,9 @@ fn observer(v: &mut dyn Visit, observer: &mut ObserverOptions) {
     let sign = Field::new("sign_rate", "rate over which the sign of a law with true sticking is smoothed")
         .unit("rad/s");
     v.number(&sign.limit(ABOVE_0).or(5e-3), &mut observer.sign_rate_rad_s);
+    let learning =
+        TableField::optional("learning", "the level that is really there is learnt from the feedback");
+    visit_optional(v, &learning, &mut observer.learning, blank_learning(), level_learning);
     let motor = "identified friction at the motor shaft, with its own law; if absent, the plant's";
     let motor = TableField::optional("motor", motor);
     visit_optional(v, &motor, &mut observer.motor, blank_identified(), identified_friction);

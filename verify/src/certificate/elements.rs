@@ -29,6 +29,13 @@ pub struct ObserverGain {
     pub integral: f64,
 }
 
+impl ObserverGain {
+    /// Returns the gain of the part that is cancelled when a level that is learnt is right.
+    fn times(self, part: f64) -> Self {
+        Self { direct: part * self.direct, integral: part * self.integral }
+    }
+}
+
 /// Linear replacements of the nonlinear parts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Elements {
@@ -97,7 +104,9 @@ impl Elements {
             .parts()
             .observers
             .iter()
-            .map(|observer| presliding_gain(observer, period_s, ratio))
+            .map(|observer| {
+                Ok(presliding_gain(observer, period_s, ratio)?.times(controller.parts().cancelled_part()))
+            })
             .collect()
     }
 
@@ -112,7 +121,8 @@ impl Elements {
         let observer = |observer: &FrictionObserver| {
             let rate = if observer.rate == PathSignal::MotorRate { ratio * rate_rad_s } else { rate_rad_s };
             let level = observer.coulomb_nm * level_slope(&observer.level, rate);
-            ObserverGain { direct: observer.volts_per_nm * level, integral: 0.0 }
+            let whole = ObserverGain { direct: observer.volts_per_nm * level, integral: 0.0 };
+            whole.times(subject.controller.parts().cancelled_part())
         };
         Ok(Self {
             motor: slope(&parameters.motor_friction, ratio * rate_rad_s)?,
@@ -134,7 +144,8 @@ impl Elements {
                 PathSignal::MotorRate => motion.rate_rad_s * motion.motor_over_hub,
                 _ => motion.rate_rad_s,
             };
-            observer_gain(observer, felt, frequency, period_s)
+            let whole = observer_gain(observer, felt, frequency, period_s)?;
+            Ok(whole.times(subject.controller.parts().cancelled_part()))
         };
         Ok(Self {
             motor: friction_impedance(&parameters.motor_friction, motor_rad, frequency)?,
