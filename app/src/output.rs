@@ -12,7 +12,7 @@ use counterpoise_host::files::state_folder;
 use counterpoise_host::journals::has_unsaved_edits;
 use counterpoise_host::json::json_text;
 use counterpoise_host::projects::{self, ProjectOnDisk};
-use counterpoise_host::result_files::{ResultFolder, ResultTable};
+use counterpoise_host::result_files::{ResultFolder, ResultTable, number_cell};
 use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_host::terminal::escape_controls;
 use counterpoise_host::terminal::{error_causes, print_message};
@@ -99,8 +99,9 @@ pub fn write_figures(results: &ResultOutput, report: &Report) -> Result<()> {
     let mut files = ResultFolder::new(&folder.join("figures"));
     for (k, table) in figure_tables(report).into_iter().enumerate() {
         let name = format!("{:03}_{}", k + 1, table.title);
-        let cell = |value: &f64| if value.is_finite() { format!("{value:?}") } else { String::new() };
-        let cells = |row: FigureRow| std::iter::once(row.curve).chain(row.values.iter().map(cell)).collect();
+        let cells = |row: FigureRow| {
+            std::iter::once(row.curve).chain(row.values.iter().map(|value| number_cell(*value))).collect()
+        };
         let rows = table.rows.into_iter().map(cells).collect();
         files.write_table(&ResultTable { name, columns: table.columns, rows })?;
     }

@@ -14,7 +14,7 @@ use serde_json::Value;
 
 use crate::projects::write_file;
 
-pub use tables::ResultTable;
+pub use tables::{ResultTable, number_cell};
 
 /// Most characters of a file's name before its ending: file systems allow 255 bytes.
 const LONGEST_NAME: usize = 120;

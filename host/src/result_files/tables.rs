@@ -205,7 +205,7 @@ fn curves_of(object: &Map<String, Value>, place: &str) -> Vec<ResultTable> {
         if let Some(step_s) = step_s {
             let start_s = number("start_s").unwrap_or(0.0);
             columns.insert(0, "time_s".to_owned());
-            let time = |k: usize| format!("{:?}", start_s + k as f64 * step_s);
+            let time = |k: usize| number_cell(start_s + k as f64 * step_s);
             rows.iter_mut().enumerate().for_each(|(k, row)| row.insert(0, time(k)));
         } else if own.len() == 1 {
             columns.insert(0, "sample".to_owned());
@@ -220,33 +220,44 @@ fn curves_of(object: &Map<String, Value>, place: &str) -> Vec<ResultTable> {
 /// Returns a list of objects as a table of their numbers and texts, one row an object; `None` if it is none, or one of systems.
 fn rows_of(list: &[Value], place: &str) -> Option<ResultTable> {
     let mut columns: Vec<String> = Vec::new();
-    let mut rows: Vec<Vec<(String, String)>> = Vec::new();
+    let mut rows: Vec<Vec<NamedCell>> = Vec::new();
     for value in list {
         let object = value.as_object().filter(|object| !is_system(object))?;
         let mut cells = Vec::new();
         flatten(object, "", &mut cells);
-        let new = cells.iter().map(|(key, _)| key).filter(|key| !columns.contains(key));
+        let new = cells.iter().map(|cell| &cell.key).filter(|key| !columns.contains(key));
         let new: Vec<String> = new.cloned().collect();
         columns.extend(new);
         rows.push(cells);
     }
-    let cell = |row: &[(String, String)], column: &String| {
-        row.iter().find(|(key, _)| key == column).map_or_else(String::new, |(_, text)| text.clone())
+    let text = |row: &[NamedCell], column: &String| {
+        row.iter().find(|cell| cell.key == *column).map_or_else(String::new, |cell| cell.text.clone())
     };
-    let rows = rows.iter().map(|row| columns.iter().map(|column| cell(row, column)).collect()).collect();
+    let rows = rows.iter().map(|row| columns.iter().map(|column| text(row, column)).collect()).collect();
     (!columns.is_empty()).then(|| ResultTable { name: place.to_owned(), columns, rows })
 }
 
+/// A cell and the column that it belongs to.
+struct NamedCell {
+    key: String,
+    text: String,
+}
+
 /// Adds the numbers, texts and truth values of an object and of the objects in it, with their keys.
-fn flatten(object: &Map<String, Value>, within: &str, cells: &mut Vec<(String, String)>) {
+fn flatten(object: &Map<String, Value>, within: &str, cells: &mut Vec<NamedCell>) {
     for (key, value) in object {
         let key = join(within, key);
         match value {
             Value::Object(inner) => flatten(inner, &key, cells),
             Value::Array(_) => {}
-            scalar => cells.push((key, text_of(scalar))),
+            scalar => cells.push(NamedCell { key, text: text_of(scalar) }),
         }
     }
+}
+
+/// Returns a number with all its digits; empty if it is not finite.
+pub fn number_cell(value: f64) -> String {
+    if value.is_finite() { format!("{value:?}") } else { String::new() }
 }
 
 /// Returns a list of rows of numbers, such as the points of a curve or complex numbers (real and imaginary part), as a table with the columns
