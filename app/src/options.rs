@@ -2,16 +2,23 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_pipeline::studies::assumptions::LoopSystems;
 
+/// The options that write a result to files, by a name that other options can require.
+pub const WRITTEN: &str = "written";
+
 /// The destination of a result.
 #[derive(Args, Clone)]
+#[command(group = ArgGroup::new(WRITTEN).multiple(true).args(["json", "data"]))]
 pub struct ResultOutput {
     /// Print the result as JSON (to standard output, or to FILE)
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "-")]
     pub json: Option<PathBuf>,
+    /// Write every curve and table of the result as CSV, and the whole result as a MATLAB file (result.mat), to this folder
+    #[arg(long, value_name = "FOLDER")]
+    pub data: Option<PathBuf>,
     /// Print no progress
     #[arg(long, short)]
     pub quiet: bool,
@@ -23,9 +30,9 @@ impl ResultOutput {
         if self.quiet { ProgressDisplay::Quiet } else { ProgressDisplay::Shown }
     }
 
-    /// Returns whether a result contains systems for other programs: if it is written as JSON.
+    /// Returns whether a result contains systems for other programs: if it is written to files.
     pub fn loop_systems(&self) -> LoopSystems {
-        if self.json.is_some() { LoopSystems::Included } else { LoopSystems::LeftOut }
+        if self.json.is_some() || self.data.is_some() { LoopSystems::Included } else { LoopSystems::LeftOut }
     }
 }
 

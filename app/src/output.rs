@@ -12,13 +12,16 @@ use counterpoise_host::files::state_folder;
 use counterpoise_host::journals::has_unsaved_edits;
 use counterpoise_host::json::json_text;
 use counterpoise_host::projects::{self, ProjectOnDisk};
+use counterpoise_host::result_files::{ResultFolder, ResultTable, number_cell};
 use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_host::terminal::escape_controls;
 use counterpoise_host::terminal::{error_causes, print_message};
 use counterpoise_pipeline::exchange::SCHEMA;
 use counterpoise_project::diagnostic::first_findings;
 use counterpoise_report::adaptation::{EXPORTED_BY_BANDS, LEFT_OUT_BY_TRIALS};
+use counterpoise_report::figure_tables::{FigureRow, figure_tables};
 use counterpoise_report::wording::errors::describe_error;
+use counterpoise_report::{Report, html_page};
 
 /// Exit code of a program whose standard output was lost: a full disk, or a reader that has gone away.
 const LOST: i32 = 3;
@@ -62,8 +65,13 @@ pub fn format_figure(value: f64) -> String {
     format!("{value:.decimals$}")
 }
 
-/// Prints a result as JSON where that was asked for; says whether it went to standard output.
-pub fn write_json<T: Serialize>(results: &ResultOutput, result: &T) -> Result<bool> {
+/// Writes a result as JSON and as files of data where that was asked for; says whether the JSON went to standard output.
+pub fn write_result<T: Serialize>(results: &ResultOutput, result: &T) -> Result<bool> {
+    if let Some(folder) = &results.data {
+        let mut files = ResultFolder::new(folder);
+        files.write_result(result)?;
+        files.write_contents()?;
+    }
     let Some(target) = &results.json else { return Ok(false) };
     let text = with_schema(json_text(result)?);
     if [Path::new("-"), Path::new("/dev/stdout")].contains(&target.as_path()) {
@@ -74,9 +82,30 @@ pub fn write_json<T: Serialize>(results: &ResultOutput, result: &T) -> Result<bo
     Ok(false)
 }
 
-/// Writes a list as [`write_json`] does; it stands under a key so that the result can state its schema.
-pub fn json_list<T: Serialize>(results: &ResultOutput, key: &'static str, list: &[T]) -> Result<bool> {
-    write_json(results, &KeyedList { key, list })
+/// Writes a list as [`write_result`] does; it stands under a key so that the result can state its schema.
+pub fn write_list<T: Serialize>(results: &ResultOutput, key: &'static str, list: &[T]) -> Result<bool> {
+    write_result(results, &KeyedList { key, list })
+}
+
+/// Writes a report, and the tables of its figures where files of data were asked for.
+pub fn write_report(path: &Path, results: &ResultOutput, report: &Report) -> Result<()> {
+    projects::write_file(path, html_page(report).as_bytes())?;
+    write_figures(results, report)
+}
+
+/// Writes the tables of a report's figures where files of data were asked for.
+pub fn write_figures(results: &ResultOutput, report: &Report) -> Result<()> {
+    let Some(folder) = &results.data else { return Ok(()) };
+    let mut files = ResultFolder::new(&folder.join("figures"));
+    for (k, table) in figure_tables(report).into_iter().enumerate() {
+        let name = format!("{:03}_{}", k + 1, table.title);
+        let cells = |row: FigureRow| {
+            std::iter::once(row.curve).chain(row.values.iter().map(|value| number_cell(*value))).collect()
+        };
+        let rows = table.rows.into_iter().map(cells).collect();
+        files.write_table(&ResultTable { name, columns: table.columns, rows })?;
+    }
+    files.write_contents()
 }
 
 /// A list under a key.

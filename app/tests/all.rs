@@ -6,6 +6,7 @@ mod support;
 
 mod check;
 mod commission;
+mod data_files;
 mod exit_codes;
 mod hostile_projects;
 mod improved;

@@ -4,7 +4,7 @@
 //!
 //! *Invariant*: no mathematics, and no sentence about a result; what is computed and how it is worded is decided elsewhere.
 //!
-//! Modules in reading order: [`terminal`], [`clock`], [`files`], [`folders`], [`json`], [`journals`], [`project_lock`], [`large_recordings`], [`projects`], [`code_files`],
+//! Modules in reading order: [`terminal`], [`clock`], [`files`], [`folders`], [`json`], [`result_files`], [`journals`], [`project_lock`], [`large_recordings`], [`projects`], [`code_files`],
 //! [`shards`], [`programs`], [`interrupt`], [`worker`], [`journal_writer`], [`recent_files`], [`file_check`], [`change_watcher`], [`time_left`], [`progress`],
 //! [`workers`], [`campaign_progress`], [`stages`], [`compilers`], [`machine_program`], [`commissioning`].
 //!
@@ -36,6 +36,7 @@ pub mod progress;
 pub mod project_lock;
 pub mod projects;
 pub mod recent_files;
+pub mod result_files;
 pub mod shards;
 pub mod stages;
 pub mod terminal;

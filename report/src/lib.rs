@@ -6,7 +6,7 @@
 //! *Invariant*: nothing here computes, measures or judges; results come in complete from the pipeline. Nothing here reads a file, a clock
 //! or the network. Same report, same bytes.
 //!
-//! Modules in reading order: [`page`], [`html`], [`style`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`loop_charts`], [`spectra`],
+//! Modules in reading order: [`page`], [`html`], [`style`], [`figure_tables`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`loop_charts`], [`spectra`],
 //! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`first_design`], [`alternatives`], [`designs`], [`targets`], [`trade_off`]; the other commands'
 //! reports: [`check`], [`commission`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robustness`], [`certificate`], [`two_axes`], [`error_budget`], `error_budget_figures`, [`advice`], [`identify`], [`replay`],
 //! [`diagnosis`], `learned`, [`residual`], [`structure`]; what result files hold: [`results`]; and every sentence about a
@@ -26,6 +26,7 @@ pub mod difference;
 pub mod error_budget;
 mod error_budget_figures;
 pub mod evidence;
+pub mod figure_tables;
 pub mod first_design;
 pub mod fra;
 pub mod html;

@@ -233,6 +233,56 @@ fn matrices_in_nastrans_formats_make_the_same_plant() {
 }
 
 #[test]
+fn matrices_of_abaqus_and_calculix_make_the_same_plant() {
+    let market = resolve_project(&document("imported-structure"), "imported-structure", &[]);
+    let content = market.import.as_ref().unwrap().content.as_ref().unwrap();
+    let rows = &content.matrices.rows;
+    let expected = build_plant_model(&market).unwrap().plant.body().clone();
+    let lines = |A: &Mat, word: &dyn Fn(usize) -> String| -> String {
+        let places = (0..A.ncols()).flat_map(|j| (0..=j).map(move |i| (i, j)));
+        let line = |(i, j): (usize, usize)| format!("{},{},{:.15e}\n", word(i), word(j), A[(i, j)]);
+        places.filter(|&place| A[place] != 0.0).map(line).collect()
+    };
+    let label = |i: usize| format!("{},{}", rows[i].grid, rows[i].component);
+    let number = |i: usize| (i + 1).to_string();
+    let (M, K) = (&content.matrices.M.to_dense(), &content.matrices.K.to_dense());
+    let names: String = rows.iter().map(|row| format!("{}.{}\n", row.grid, row.component)).collect();
+    let map = std::fs::read_to_string(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../examples/imported-structure/nodes.map"
+    ));
+    let map = map.unwrap();
+    let without_rows: String =
+        map.lines().filter(|line| !line.starts_with("row")).map(|l| format!("{l}\n")).collect();
+    let text = |key: &str, value: &str| (format!("plant.import.{key}"), SettingValue::Text(value.to_owned()));
+    let files =
+        [text("mass_matrix", "m.dat"), text("stiffness_matrix", "k.dat"), text("node_map", "some.map")];
+    for (format, word, map) in [
+        ("abaqus", &label as &dyn Fn(usize) -> String, &without_rows),
+        ("abaqus", &number, &map),
+        ("calculix", &number, &without_rows),
+    ] {
+        let mut settings = vec![text("format", format)];
+        settings.extend(files.iter().cloned());
+        settings.extend((format == "calculix").then(|| text("row_names", "rows.dof")));
+        let written = settings
+            .iter()
+            .fold(document("imported-structure"), |d, (key, value)| d.set(key, value).unwrap());
+        let content = [
+            ("m.dat", lines(M, word)),
+            ("k.dat", lines(K, word)),
+            ("some.map", map.clone()),
+            ("rows.dof", names.clone()),
+        ];
+        let found = build_plant_model(&resolve_project(&written, "imported-structure", &content)).unwrap();
+        assert!((found.plant.body().inertia_kg_m2 / expected.inertia_kg_m2 - 1.0).abs() < 1e-9, "{format}");
+        for (a, b) in found.plant.body().modes.iter().zip(&expected.modes) {
+            assert!((a.frequency_rad_s / b.frequency_rad_s - 1.0).abs() < 1e-9, "{format}");
+        }
+    }
+}
+
+#[test]
 fn a_damping_matrix_takes_the_place_of_ratios() {
     let market = resolve_project(&document("imported-structure"), "imported-structure", &[]);
     let content = market.import.as_ref().unwrap().content.as_ref().unwrap();

@@ -9,7 +9,6 @@ use std::path::PathBuf;
 
 use clap::Args;
 use counterpoise_report::adaptation::{self, adaptation_report};
-use counterpoise_report::html_page;
 
 use crate::exit::{CommandResult, verdict_code};
 use crate::options::CommandOutputs;
@@ -35,18 +34,11 @@ pub fn run(options: &AdaptOptions) -> CommandResult {
     let (runs, tried) = (&result.runs, &result.trials);
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise adapt {}", options.project.display());
-        projects::write_file(
-            path,
-            html_page(&adaptation_report(
-                &loaded.project.plant.name,
-                &command,
-                runs,
-                AdaptedIntervals::of(runs),
-            ))
-            .as_bytes(),
-        )?;
+        let name = &loaded.project.plant.name;
+        let page = adaptation_report(name, &command, runs, AdaptedIntervals::of(runs));
+        output::write_report(path, &options.outputs.results, &page)?;
     }
-    if !output::write_json(&options.outputs.results, &result)? {
+    if !output::write_result(&options.outputs.results, &result)? {
         print(runs);
         adaptation::trial_lines(tried).iter().for_each(|line| say!("{line}"));
         options.outputs.report.iter().for_each(|path| say!("report  {}", path.display()));

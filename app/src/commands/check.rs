@@ -54,14 +54,14 @@ pub fn run(options: &CheckOptions) -> CommandResult {
     match Project::resolve(&document, &attachments) {
         Ok(parsed) => {
             let found = describe_check(check_project(&document, &parsed, options.results.loop_systems()));
-            if !output::write_json(&options.results, &found)? {
+            if !output::write_result(&options.results, &found)? {
                 check_lines(&found).iter().for_each(|line| say!("{line}"));
             }
             Ok(ExitStatus::SUCCESS)
         }
         Err(errors) => {
             let refused = FileErrors { file: document.name(), errors: &errors };
-            if output::write_json(&options.results, &refused)? {
+            if output::write_result(&options.results, &refused)? {
                 return Ok(ExitStatus::BAD_INPUT);
             }
             Err(BadProject { errors, document }.into())

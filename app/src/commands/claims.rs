@@ -11,7 +11,7 @@ use counterpoise_claims::{Agreement, Claim, ClaimOutcome, Criterion, claim_ids, 
 use counterpoise_pipeline::{ProjectIdentity, run_stages};
 use counterpoise_project::Purpose;
 use counterpoise_report::wording::code_header::HeaderText;
-use counterpoise_report::{ReportOrigin, VerificationContext, evidence, html_page};
+use counterpoise_report::{ReportOrigin, VerificationContext, evidence};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::examples::write_example;
@@ -105,9 +105,9 @@ pub fn run(options: &ClaimsOptions) -> CommandResult {
     };
     let report = page::claims_report(&rows, context, &|id| format!("{command} --only {id}"));
     let path = options.report.clone().unwrap_or_else(|| page_of(&options.only));
-    projects::write_file(&path, html_page(&report).as_bytes())?;
+    output::write_report(&path, &options.results, &report)?;
     let table: Vec<Row<'_>> = rows.iter().map(row).collect();
-    if !output::json_list(&options.results, "claims", &table)? {
+    if !output::write_list(&options.results, "claims", &table)? {
         table.iter().for_each(print);
         say!("report  {}", path.display());
     }

@@ -88,7 +88,8 @@ pub fn run(options: &CommissionOptions) -> CommandResult {
     let met = matches!(last.stop, Some(StopReason::RequirementsMet | StopReason::ModelExplains));
     let page = commission_report(&project, &rounds, machine_time_s(&rounds));
     let story = write_story(&options.output, &html_page(&page))?;
-    if !output::write_json(&options.results, &Story { rounds: &rounds })? {
+    output::write_figures(&options.results, &page)?;
+    if !output::write_result(&options.results, &Story { rounds: &rounds })? {
         rounds
             .last()
             .and_then(|last| last.stop.as_ref())

@@ -7,7 +7,7 @@ use counterpoise_pipeline::PipelineStage;
 use counterpoise_pipeline::studies::designs::{ComparisonRequest, design_table};
 use counterpoise_project::Purpose;
 use counterpoise_report::results::DesignTableText;
-use counterpoise_report::{ReportOrigin, designs, html_page};
+use counterpoise_report::{ReportOrigin, designs};
 use counterpoise_synth::LoopLimits;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -63,12 +63,10 @@ pub fn run(options: &CompareOptions) -> CommandResult {
         projects::write_file(path, text.as_bytes())?;
     }
     if let Some(path) = &options.report {
-        projects::write_file(
-            path,
-            html_page(&designs::comparison_report(&table, &times_s, &origin)).as_bytes(),
-        )?;
+        let page = designs::comparison_report(&table, &times_s, &origin);
+        output::write_report(path, &options.results, &page)?;
     }
-    if !output::write_json(&options.results, &TimedTable { table: &table, design_time_s: &times_s })? {
+    if !output::write_result(&options.results, &TimedTable { table: &table, design_time_s: &times_s })? {
         print(&table, &times_s);
         options.markdown.iter().for_each(|path| say!("table   {}", path.display()));
         options.report.iter().for_each(|path| say!("report  {}", path.display()));

@@ -29,7 +29,7 @@ use serde::Serialize;
 
 use super::{export, first_design};
 use crate::exit::{CommandResult, verdict_code};
-use crate::options::ResultOutput;
+use crate::options::{ResultOutput, WRITTEN};
 use crate::output;
 use counterpoise_host::projects::{self, ProjectOnDisk, ProjectWorld};
 
@@ -41,8 +41,8 @@ pub struct DesignOptions {
     /// Folder for report and code
     #[arg(short, long, default_value = "out")]
     pub output: PathBuf,
-    /// With --json: also the time histories of every experiment, from which the nonlinear figures can be recomputed (tens of megabytes)
-    #[arg(long, requires = "json")]
+    /// With --json or --data: also the time histories of every experiment, from which the nonlinear figures can be recomputed (tens of megabytes)
+    #[arg(long, requires = WRITTEN)]
     pub histories: bool,
     /// The destination of results.
     #[command(flatten)]
@@ -89,16 +89,17 @@ pub fn run(options: &DesignOptions) -> CommandResult {
         costs: &costs,
         first_design: first_design.as_ref(),
     };
-    let page = html_page(&of_design(&designed, &result, &run));
+    let page = of_design(&designed, &result, &run);
+    output::write_figures(&options.results, &page)?;
     let controller = ControllerResult::new(&designed.identity, designed.stages.verified.controller());
-    let report = File { name: "report.html".to_owned(), text: page };
+    let report = File { name: "report.html".to_owned(), text: html_page(&page) };
     code_files::write_with_controller(&options.output, &designed.stages.files, &controller, &[report])?;
     if let Some(traverse) = &designed.stages.traverse {
         export::write_traverse(&options.output, traverse)?;
     }
     let first_design = first_design.map(FirstDesignText::from);
     let whole = DesignOutput { design: DesignText::new(&designed, result), first_design };
-    if !output::write_json(&options.results, &whole)? {
+    if !output::write_result(&options.results, &whole)? {
         first_design::print_first_design(&loaded);
         print(options, &designed.stages);
         print_two_axes(&designed);

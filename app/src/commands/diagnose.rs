@@ -16,7 +16,7 @@ use counterpoise_report::wording::figures::describe_figure;
 use counterpoise_report::wording::held_out_recordings::{HeldOutText, describe_held_out};
 use counterpoise_report::wording::learned::LearnedText;
 use counterpoise_report::wording::recordings::{describe_recordings_error, describe_replay};
-use counterpoise_report::{diagnosis, difference, html_page};
+use counterpoise_report::{diagnosis, difference};
 use counterpoise_verify::Verification;
 
 use crate::exit::{CommandResult, ExitStatus};
@@ -60,9 +60,9 @@ pub fn run(options: &DiagnoseOptions) -> CommandResult {
         let command = format!("counterpoise diagnose {}", loaded.path.display());
         let name = &loaded.project.plant.name;
         let page = diagnosis::diagnosis_report(name, &command, &diagnosed, &answer, consequence.as_ref());
-        projects::write_file(path, html_page(&page).as_bytes())?;
+        output::write_report(path, &options.outputs.results, &page)?;
     }
-    if !output::write_json(&options.outputs.results, &answer)? {
+    if !output::write_result(&options.outputs.results, &answer)? {
         print(&answer);
         print_confirmation(&confirmed);
         print_held_out(&answer.held_out_recordings);

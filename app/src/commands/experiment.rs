@@ -103,7 +103,7 @@ pub fn run(options: &ExperimentOptions) -> CommandResult {
     if let Some(best) = planned.experiments.first() {
         projects::write_file(&options.output, csv(&best.demand, period_s).as_bytes())?;
     }
-    if !output::write_json(&options.results, &text)? {
+    if !output::write_result(&options.results, &text)? {
         print(&text, options);
     }
     Ok(ExitStatus::SUCCESS)

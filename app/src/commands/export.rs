@@ -54,7 +54,7 @@ pub fn run(options: &ExportOptions) -> CommandResult {
         written.extend(write_traverse(&options.output, traverse)?);
     }
     let names: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
-    if !output::json_list(&options.results, "files", &names)? {
+    if !output::write_list(&options.results, "files", &names)? {
         names.iter().for_each(|name| say!("{name}"));
     }
     made.all_left_out().for_each(|code| print_message(&format!("left out  {code}")));
@@ -87,7 +87,7 @@ struct CheckedCode {
 
 fn check_files(options: &ExportOptions, code: &[File]) -> CommandResult {
     let outcomes: Vec<CheckedCode> = options.check.iter().map(|path| outcome(path, code)).collect();
-    if !output::json_list(&options.results, "files", &outcomes)? {
+    if !output::write_list(&options.results, "files", &outcomes)? {
         outcomes.iter().for_each(|outcome| say!("{}: {}", outcome.file, outcome.says));
     }
     let unread = outcomes.iter().filter(|outcome| outcome.unread).count();

@@ -13,7 +13,6 @@ use counterpoise_pipeline::studies::fra_plan::usual_frequencies_hz;
 use counterpoise_pipeline::studies::fra_summary::{MapTotals, MeasuringPace};
 use counterpoise_project::{Project, Purpose, StructureChoice};
 use counterpoise_report::fra::{fra_report, map_title, sticking_lines};
-use counterpoise_report::html_page;
 use counterpoise_report::wording::recordings::{describe_map, describe_recorded_map};
 use counterpoise_simulate::fra::Measurement;
 use ndarray::Array2;
@@ -119,12 +118,10 @@ pub fn run(options: &FraOptions) -> CommandResult {
             .chain(std::env::args().skip_while(|argument| argument != "fra"))
             .collect::<Vec<_>>()
             .join(" ");
-        projects::write_file(
-            path,
-            html_page(&fra_report(&maps, MapTotals::of(&maps), &speed, &command)).as_bytes(),
-        )?;
+        let page = fra_report(&maps, MapTotals::of(&maps), &speed, &command);
+        output::write_report(path, &options.outputs.results, &page)?;
     }
-    if !output::json_list(&options.outputs.results, "maps", &maps)? {
+    if !output::write_list(&options.outputs.results, "maps", &maps)? {
         maps.iter().for_each(print);
         tell_speed(&maps, &speed);
     }

@@ -7,7 +7,6 @@ use clap::Args;
 use counterpoise_diagnose::identification::Estimate;
 use counterpoise_pipeline::recordings::{AxisUnits, identify};
 use counterpoise_project::Purpose;
-use counterpoise_report::html_page;
 use counterpoise_report::identify::identification_report;
 use counterpoise_report::wording::identification::{
     AmplifierText, IdentificationText, describe_identified_recordings,
@@ -52,15 +51,11 @@ pub fn run(options: &IdentifyOptions) -> CommandResult {
     }
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise identify {}", loaded.path.display());
-        let page = html_page(&identification_report(
-            &loaded.project.plant.name,
-            &command,
-            &found,
-            &identified.units,
-        ));
-        projects::write_file(path, page.as_bytes())?;
+        let name = &loaded.project.plant.name;
+        let page = identification_report(name, &command, &found, &identified.units);
+        output::write_report(path, &options.outputs.results, &page)?;
     }
-    if !output::write_json(&options.outputs.results, &found)? {
+    if !output::write_result(&options.outputs.results, &found)? {
         print(&found, &identified.units);
     }
     Ok(ExitStatus::SUCCESS)

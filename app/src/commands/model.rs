@@ -9,7 +9,6 @@ use counterpoise_pipeline::studies::accuracy::simulation_accuracy;
 use counterpoise_pipeline::{self as pipeline, PipelineError};
 use counterpoise_project::Purpose;
 use counterpoise_report::check::ranking_lines;
-use counterpoise_report::html_page;
 use counterpoise_report::model::model_report;
 use counterpoise_report::wording::errors::describe_pipeline_error;
 use std::path::PathBuf;
@@ -65,9 +64,9 @@ pub fn run(options: &ModelOptions) -> CommandResult {
         workers.finish();
         result.accuracy = accuracy?;
         let page = model_report(&result, &views, &result.accuracy, &command);
-        projects::write_file(path, html_page(&page).as_bytes())?;
+        output::write_report(path, &options.results, &page)?;
     }
-    if !output::write_json(&options.results, &result)? {
+    if !output::write_result(&options.results, &result)? {
         print(&result, pipeline::cannot_hold(&modelled).as_ref());
         print_assumptions(&result);
         if let Some(why) = unranked {

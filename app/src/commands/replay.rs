@@ -83,9 +83,9 @@ pub fn run(options: &ReplayOptions) -> CommandResult {
         let command = format!("counterpoise replay {}", loaded.path.display());
         let title = format!("Replay of {}", loaded.project.plant.name);
         let page = counterpoise_report::replay::replay_report(&title, &command, &result, &replayed);
-        projects::write_file(path, counterpoise_report::html_page(&page).as_bytes())?;
+        output::write_report(path, &options.outputs.results, &page)?;
     }
-    if !output::write_json(&options.outputs.results, &result)? {
+    if !output::write_result(&options.outputs.results, &result)? {
         print(&result);
     }
     Ok(ExitStatus::SUCCESS)

@@ -29,7 +29,7 @@ pub fn reduce(options: &StageOptions) -> CommandResult {
     let loaded = load_with_warnings(options, Purpose::Reduce)?;
     let (_, reduced) = to_reduced(&loaded)?;
     let result = describe_reduction(ReduceResult::from(&reduced));
-    if !output::write_json(&options.results, &result)? {
+    if !output::write_result(&options.results, &result)? {
         say!("order {} -> {}", result.order[0], result.order[1]);
         if let Some([error, rate]) = result.error {
             say!("largest error {error:.4e} at {rate:.4} rad/s");

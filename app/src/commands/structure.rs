@@ -3,7 +3,6 @@
 use anyhow::bail;
 use counterpoise_diagnose::findings::answer::DiagnosisVerdict;
 use counterpoise_pipeline::recordings::measured_modes::{StructureAnswer, diagnose_structure};
-use counterpoise_report::html_page;
 use counterpoise_report::results::StructureText;
 use counterpoise_report::structure::structure_report;
 use counterpoise_report::wording::answer::describe_verdict;
@@ -33,9 +32,9 @@ pub fn run(loaded: &ProjectOnDisk, options: &DiagnoseOptions) -> CommandResult {
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise diagnose {}", loaded.path.display());
         let page = structure_report(&loaded.project.plant.name, &command, &found.answer);
-        projects::write_file(path, html_page(&page).as_bytes())?;
+        output::write_report(path, &options.outputs.results, &page)?;
     }
-    if !output::write_json(&options.outputs.results, &StructureText::from(&found.answer))? {
+    if !output::write_result(&options.outputs.results, &StructureText::from(&found.answer))? {
         say!(
             "{} natural frequencies, structure {}",
             measured.modes_hz.len(),

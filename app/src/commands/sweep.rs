@@ -11,7 +11,7 @@ use counterpoise_pipeline::{self as pipeline, DesignStages, ProjectIdentity};
 use counterpoise_project::Purpose;
 use counterpoise_report::sweep::SweepFigure;
 use counterpoise_report::wording::code_header::HeaderText;
-use counterpoise_report::{ProvenanceEntry, VerificationContext, html_page, robustness, sweep};
+use counterpoise_report::{ProvenanceEntry, VerificationContext, robustness, sweep};
 use counterpoise_verify::robustness::{Campaign, FamilyMember};
 use counterpoise_verify::structured::RobustStability;
 use std::path::Path;
@@ -206,10 +206,10 @@ fn finish(named: &NamedCampaign, options: &SweepOptions) -> CommandResult {
             ProvenanceEntry::new("command", &command),
         ],
     };
-    let page = html_page(&sweep::campaign_report(nominal, &found, &project, context).with_command(&command));
-    projects::write_file(&options.output.join("report.html"), page.as_bytes())?;
+    let page = sweep::campaign_report(nominal, &found, &project, context).with_command(&command);
+    output::write_report(&options.output.join("report.html"), &options.results, &page)?;
     let rows = sweep::sweep_figures(&found);
-    if !output::json_list(&options.results, "figures", &rows)? {
+    if !output::write_list(&options.results, "figures", &rows)? {
         print(&found, &rows);
         print_stability(&found);
         say!("report  {}", options.output.join("report.html").display());
@@ -291,7 +291,7 @@ fn one_sample(
         factors: keys.zip(sample.factors.iter().copied()).collect(),
         figures: figures.zip(sample.values.iter().copied()).collect(),
     };
-    if !output::write_json(results, &one)? {
+    if !output::write_result(results, &one)? {
         one.factors.iter().for_each(|(key, factor)| say!("{key} x {factor:.4}"));
         one.figures.iter().for_each(|(key, value)| say!("{key} = {value:.6}"));
     }

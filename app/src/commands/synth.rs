@@ -32,7 +32,7 @@ use counterpoise_report::wording::design_findings::describe_design_findings;
 use counterpoise_report::wording::figures::describe_figure;
 use counterpoise_report::wording::schedule::{describe_conditions, describe_law};
 use counterpoise_report::wording::weights::describe_weights;
-use counterpoise_report::{ReportOrigin, html_page, of_synthesis, trade_off};
+use counterpoise_report::{ReportOrigin, of_synthesis, trade_off};
 
 /// Arguments of `synth`.
 #[derive(Args)]
@@ -79,7 +79,7 @@ pub fn run(options: &SynthOptions) -> CommandResult {
     }
     if let Some(path) = &options.outputs.report {
         let origin = origin(&loaded, "");
-        projects::write_file(path, html_page(&of_synthesis(&study, &result, &origin)).as_bytes())?;
+        output::write_report(path, &options.outputs.results, &of_synthesis(&study, &result, &origin))?;
     }
     if let Some(path) = &options.save {
         save(&loaded, &loaded.project, path)?;
@@ -89,7 +89,7 @@ pub fn run(options: &SynthOptions) -> CommandResult {
     let controlled = loaded.project.plant.controlled_quantity();
     let tuning = loaded.tuned.as_ref().map(|tuned| TuningResult::of(tuned, controlled));
     let whole = SynthOutput { synth: &result, beside, first_design, tuning };
-    if !output::write_json(&options.outputs.results, &whole)? {
+    if !output::write_result(&options.outputs.results, &whole)? {
         super::first_design::print_first_design(&loaded);
         super::tuning::print_tuning(&loaded);
         describe_weights(&study.asked).iter().for_each(|line| say!("{line}"));
@@ -329,9 +329,9 @@ fn report_search(
         let identity = ProjectIdentity::of(&loaded.project, &loaded.project_folder());
         let page =
             trade_off::trade_off_report(&identity, &found, &result.verified, &origin(loaded, " --search"));
-        projects::write_file(path, html_page(&page).as_bytes())?;
+        output::write_report(path, &options.outputs.results, &page)?;
     }
-    if !output::write_json(&options.outputs.results, &result)? {
+    if !output::write_result(&options.outputs.results, &result)? {
         print_search(&found, &result, loaded.project.plant.controlled_quantity().gain_unit());
         print_verified(&result.verified, chosen);
         options.save.iter().for_each(|path| say!("project {}", path.display()));

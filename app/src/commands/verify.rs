@@ -17,7 +17,7 @@ use counterpoise_report::results::verification::VerifiedAxes;
 use counterpoise_report::summary::worse_feedforwards;
 use counterpoise_report::wording::figures::describe_figure;
 use counterpoise_report::{
-    ReportOrigin, VerificationContext, advice, certificate, difference, error_budget, html_page,
+    Report, ReportOrigin, VerificationContext, advice, certificate, difference, error_budget,
     of_verification, robustness, two_axes,
 };
 use counterpoise_verify::certificate::CaseCertificate;
@@ -28,7 +28,7 @@ use counterpoise_verify::{Road, Triangle};
 
 use super::design::print_verdicts;
 use crate::exit::{CommandResult, verdict_code};
-use crate::options::ResultOutput;
+use crate::options::{ResultOutput, WRITTEN};
 use crate::output::{self, say};
 use counterpoise_host::projects::{self, ProjectWorld};
 
@@ -55,8 +55,8 @@ pub struct VerifyOptions {
     /// Write a report with pictures to this HTML file
     #[arg(long, value_name = "FILE")]
     pub report: Option<PathBuf>,
-    /// With --json: also the time histories of every experiment, from which the nonlinear figures can be recomputed (tens of megabytes)
-    #[arg(long, requires = "json")]
+    /// With --json or --data: also the time histories of every experiment, from which the nonlinear figures can be recomputed (tens of megabytes)
+    #[arg(long, requires = WRITTEN)]
     pub histories: bool,
     /// The destination of results.
     #[command(flatten)]
@@ -82,7 +82,7 @@ pub fn run(options: &VerifyOptions) -> CommandResult {
     let before = options.against.as_ref().map(|path| verify_project(options, path)).transpose()?;
     let changed = before.as_ref().map(|before| study.list_changes_from(before));
     if let Some(path) = &options.report {
-        projects::write_file(path, page(options, &study, changed.as_deref()).as_bytes())?;
+        output::write_report(path, &options.results, &page(options, &study, changed.as_deref()))?;
     }
     let found = &study.found;
     match &changed {
@@ -130,7 +130,7 @@ fn print_verification(options: &VerifyOptions, study: &VerificationStudy) -> Res
     let robustness = own.into_iter().chain(study.regimes.iter().map(Into::into)).collect();
     let advised = study.advice.iter().map(Into::into).collect();
     let shown = VerifyOutput { result, robust_to_times_the_ranges, robustness, advice: advised };
-    if !output::write_json(&options.results, &shown)? {
+    if !output::write_result(&options.results, &shown)? {
         print_verdicts(found);
         let both = study.two_axes.iter().flat_map(two_axes::two_axes_lines);
         both.for_each(|line| say!("two axes: {line}"));
@@ -211,7 +211,7 @@ fn command(options: &VerifyOptions) -> String {
     words
 }
 
-fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[FigureChange]>) -> String {
+fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[FigureChange]>) -> Report {
     let origin = ReportOrigin { project: String::new(), command: command(options) };
     let advised = advice::advice_section(&study.advice);
     let certified =
@@ -237,7 +237,7 @@ fn page(options: &VerifyOptions, study: &VerificationStudy, changed: Option<&[Fi
         report.headline.detail = format!("{} {difference}", report.headline.detail).trim().to_owned();
         report.sections.insert(0, difference::changes_section(&before, changed));
     }
-    html_page(&report.with_command(&origin.command))
+    report.with_command(&origin.command)
 }
 
 /// A figure before and after, for another program.
@@ -261,7 +261,7 @@ fn print_changes(options: &VerifyOptions, changed: &[FigureChange]) -> Result<()
         holds: change.holds,
     };
     let rows: Vec<Row> = changed.iter().map(row).collect();
-    if output::json_list(&options.results, "changes", &rows)? {
+    if output::write_list(&options.results, "changes", &rows)? {
         return Ok(());
     }
     let judged = changed.iter().filter(|change| change.holds.is_some() || change.held.is_some());

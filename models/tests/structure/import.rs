@@ -1,7 +1,10 @@
 use super::{assert_all, assert_close, options, uniform_beam};
 use counterpoise_linalg::{Mat, Sparse};
 use counterpoise_models::Error;
-use counterpoise_models::structure::import::{Dof, Imported, NodeMap, matrix_market, read_dmig, read_op4};
+use counterpoise_models::structure::import::{
+    Dof, Imported, NodeMap, has_labels, is_binary_op4, matrix_market, read_binary_op4, read_dmig,
+    read_labels, read_op4, read_rows, read_triplets,
+};
 use counterpoise_models::structure::{
     AttachedMasses, FeModel, Integration, Mesh, Support, reduce_to_lumped, undamped_modes,
 };
@@ -271,6 +274,208 @@ fn op4_names_the_line_that_is_wrong() {
             read_op4(&text)
         );
     }
+}
+
+/// Which entries of a symmetric matrix are written.
+#[derive(Clone, Copy)]
+enum Part {
+    Whole,
+    Lower,
+    Upper,
+}
+
+/// The matrix's nonzero entries as lines, with the words of a row and of a column.
+fn entry_lines(A: &Mat, part: Part, comma: &str, words: impl Fn(usize) -> String) -> String {
+    let n = A.nrows();
+    let is_there = |i: usize, j: usize| match part {
+        Part::Whole => true,
+        Part::Lower => i >= j,
+        Part::Upper => i <= j,
+    };
+    let places = (0..n).flat_map(|j| (0..n).map(move |i| (i, j)));
+    let line = |(i, j): (usize, usize)| format!("{}{comma}{}{comma}{:.15e}\n", words(i), words(j), A[(i, j)]);
+    places.filter(|&(i, j)| is_there(i, j) && A[(i, j)] != 0.0).map(line).collect()
+}
+
+#[test]
+fn abaqus_and_calculix_give_the_same_structure() {
+    let map = NodeMap::parse(&map_text()).unwrap();
+    let (M, K) = (map_matrix(&model().M, &map), map_matrix(&model().K, &map));
+    for part in [Part::Whole, Part::Lower, Part::Upper] {
+        let label = |i: usize| format!("{},{}", map.rows[i].grid, map.rows[i].component);
+        let text = |A: &Mat| {
+            format!("** made by a test\n*MATRIX INPUT, NAME=A\n{}", entry_lines(A, part, ",", label))
+        };
+        assert!(has_labels(&text(&M)));
+        let mut named = [("M", &M), ("K", &K)].map(|(name, A)| (name, read_labels(&text(A)).unwrap()));
+        named.iter_mut().for_each(|(name, matrix)| matrix.name = (*name).to_owned());
+        let all = named.map(|(_, matrix)| matrix);
+        assert_same(&Imported::from_dmig(&all, "M", None, "K").unwrap(), &map);
+
+        let numbered = |A: &Mat| entry_lines(A, part, "  ", |i| (i + 1).to_string());
+        assert!(!has_labels(&numbered(&M)));
+        let of = |A: &Mat| read_triplets(&numbered(A), map.rows.len()).unwrap();
+        let rows: String = map.rows.iter().map(|row| format!("{}.{}\n", row.grid, row.component)).collect();
+        assert_eq!(read_rows(&rows).unwrap(), map.rows);
+        assert_same(&Imported::from_row_order(&map, of(&M), None, of(&K)), &map);
+    }
+}
+
+#[test]
+fn lines_of_entries_that_are_wrong_are_named() {
+    let refused = |found: Result<(), Error>| match found {
+        Err(Error::Import { line, what }) => (line, what),
+        other => panic!("{other:?}"),
+    };
+    for (text, line, word) in [
+        ("1 1 2.0\n3 1 1.0\n", 2, "outside 2 x 2"),
+        ("1 1 2.0\n0 1 1.0\n", 2, "outside"),
+        ("1 1 2.0\n\n1 1 3.0\n", 3, "earlier line"),
+        ("1 1\n", 1, "row, column and value"),
+        ("1 1 nan\n", 1, "not a number"),
+        ("1 1 1e999\n", 1, "not a number"),
+        ("1 99999999999999999999 1\n", 1, "not a whole number"),
+        ("*MATRIX INPUT, NAME=K, SCALE FACTOR=2\n1 1 1\n", 1, "scale factor"),
+    ] {
+        let (at, what) = refused(read_triplets(text, 2).map(drop));
+        assert_eq!(at, line, "{text}");
+        assert!(what.contains(word), "{text}: {what}");
+    }
+    let too_many = refused(read_triplets("1 1 1\n", usize::MAX).map(drop)).1;
+    assert!(too_many.contains("unknowns"), "{too_many}");
+    for (text, line, word) in [
+        ("1,1,1,1,2.0\n-3,1,1,1,1.0\n", 2, "internal to Abaqus"),
+        ("1,1,1,1,2.0\n1,1,1,1,2.0\n", 2, "earlier line"),
+        ("1,1,1,1,2.0\n1,999,1,1,2.0\n", 2, "whole number"),
+        ("1,1,1,1,2.0\n1,1,2.0\n", 2, "row node"),
+    ] {
+        let (at, what) = refused(read_labels(text).map(drop));
+        assert_eq!(at, line, "{text}");
+        assert!(what.contains(word), "{text}: {what}");
+    }
+    for (text, line) in [("1.1\n1.1\n", 2), ("1\n", 1), ("1.x\n", 1), ("1.1 2\n", 1)] {
+        assert_eq!(refused(read_rows(text).map(drop)).0, line, "{text}");
+    }
+    assert!(read_labels("").is_ok_and(|none| none.entries.is_empty()) && !has_labels(""));
+}
+
+/// How a binary OUTPUT4 file is written.
+#[derive(Clone, Copy)]
+struct BinaryForm {
+    big_endian: bool,
+    single: bool,
+    columns: Columns,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Columns {
+    Dense,
+    Sparse,
+    Bigmat,
+}
+
+fn binary_op4(name: &str, A: &Mat, form: BinaryForm) -> Vec<u8> {
+    let word = |value: i64| {
+        let value = i32::try_from(value).unwrap();
+        if form.big_endian { value.to_be_bytes() } else { value.to_le_bytes() }
+    };
+    let value = |value: f64| match (form.single, form.big_endian) {
+        (true, true) => (value as f32).to_be_bytes().to_vec(),
+        (true, false) => (value as f32).to_le_bytes().to_vec(),
+        (false, true) => value.to_be_bytes().to_vec(),
+        (false, false) => value.to_le_bytes().to_vec(),
+    };
+    let record = |data: &[u8]| [&word(data.len() as i64)[..], data, &word(data.len() as i64)[..]].concat();
+    let (n, size) = (A.nrows() as i64, if form.single { 1 } else { 2 });
+    let rows = if form.columns == Columns::Bigmat { -n } else { n };
+    let header: Vec<u8> = [n, rows, 6, if form.single { 1 } else { 2 }].into_iter().flat_map(word).collect();
+    let mut out = record(&[&header[..], format!("{name:<8}").as_bytes()].concat());
+    let mut column = |col: i64, first: i64, data: &[u8]| {
+        let head: Vec<u8> = [col, first, data.len() as i64 / 4].into_iter().flat_map(word).collect();
+        out.extend(record(&[&head[..], data].concat()));
+    };
+    for j in 0..A.ncols() {
+        let values = A.column(j);
+        if form.columns == Columns::Dense {
+            column(j as i64 + 1, 1, &values.iter().flat_map(|v| value(*v)).collect::<Vec<u8>>());
+            continue;
+        }
+        let mut data = Vec::new();
+        for (i, v) in values.iter().enumerate().filter(|(_, v)| **v != 0.0) {
+            let row = i as i64 + 1;
+            match form.columns {
+                Columns::Bigmat => data.extend([word(size + 1), word(row)].concat()),
+                _ => data.extend(word(row + 65_536 * (size + 1))),
+            }
+            data.extend(value(*v));
+        }
+        column(j as i64 + 1, 0, &data);
+    }
+    column(n + 1, 1, &value(1.0));
+    out
+}
+
+/// Every way in which a binary file can be written.
+fn binary_forms() -> Vec<BinaryForm> {
+    let columns = [Columns::Dense, Columns::Sparse, Columns::Bigmat];
+    let ways = columns.into_iter().flat_map(|columns| [(columns, false), (columns, true)]);
+    let form = |(columns, single)| [false, true].map(|big_endian| BinaryForm { big_endian, single, columns });
+    ways.flat_map(form).collect()
+}
+
+#[test]
+fn binary_op4_reads_every_form() {
+    let A = Mat::from_rows(&[
+        [12.0, 6.0, 0.0, -1.25],
+        [6.0, 4.0, 0.0, 0.0],
+        [0.0, 0.0, 3.25, 0.0],
+        [-1.25, 0.0, 0.0, 1e8],
+    ]);
+    for form in binary_forms() {
+        let bytes = [binary_op4("KGG", &A, form), binary_op4("MGG", &A, form)].concat();
+        assert!(is_binary_op4(&bytes));
+        let found = read_binary_op4(&bytes).unwrap();
+        let names: Vec<&str> = found.iter().map(|one| one.name.as_str()).collect();
+        assert_eq!(names, ["KGG", "MGG"]);
+        assert!(found.iter().all(|one| one.matrix.to_dense() == A));
+    }
+    assert!(!is_binary_op4(OP4_DENSE.as_bytes()) && !is_binary_op4(b"") && !is_binary_op4(&[24, 0]));
+}
+
+#[test]
+fn spoilt_binary_op4_is_refused_and_nothing_else() {
+    let A = Mat::from_fn(5, 5, |i, j| (i + j) as f64);
+    let mut state = 7_u64;
+    let mut next = |below: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % below
+    };
+    for form in binary_forms() {
+        let sound = binary_op4("KGG", &A, form);
+        for cut in 0..sound.len() {
+            assert!(read_binary_op4(&sound[..cut]).is_err(), "cut at {cut}");
+        }
+        for _ in 0..2000 {
+            let mut bytes = sound.clone();
+            for _ in 0..=next(3) {
+                let at = next(bytes.len());
+                bytes[at] = [0, 1, 0x7f, 0x80, 0xff, 24][next(6)];
+            }
+            let _ = read_binary_op4(&bytes).is_ok();
+        }
+    }
+    let wide = [&48_i32.to_le_bytes()[..], &[0; 48], &48_i32.to_le_bytes()].concat();
+    let told = |bytes: &[u8]| read_binary_op4(bytes).unwrap_err().to_string();
+    assert!(told(&wide).contains("32-bit words"), "{}", told(&wide));
+    let form = BinaryForm { big_endian: false, single: false, columns: Columns::Dense };
+    let mut complex = binary_op4("KGG", &A, form);
+    complex[16] = 4;
+    assert!(told(&complex).contains("type 4"), "{}", told(&complex));
+    let mut huge = binary_op4("KGG", &A, form);
+    huge[8..12].copy_from_slice(&i32::MAX.to_le_bytes());
+    assert!(told(&huge).contains("unknowns"), "{}", told(&huge));
+    let nan = binary_op4("KGG", &Mat::from_rows(&[[f64::NAN]]), form);
+    assert!(told(&nan).contains("finite"), "{}", told(&nan));
 }
 
 #[test]

@@ -30,10 +30,11 @@ use tree::{Entry, Lookup, Node, Start, Value};
 pub const FORMAT: u32 = 2;
 
 /// Keys that name a file which resolving the project needs; some may hold the table itself instead.
-const NAMING_FILES: [&str; 11] = [
+const NAMING_FILES: [&str; 12] = [
     "plant.amplifier.map",
     "plant.import.mass_matrix",
     "plant.import.stiffness_matrix",
+    "plant.import.row_names",
     "plant.import.damping_matrix",
     "plant.import.node_map",
     "verify.road.heave_psd",

@@ -5,7 +5,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use counterpoise_linalg::{Sparse, sparse::ProgressObserver};
 use counterpoise_models::PointMass;
 use counterpoise_models::structure::fe::AttachedMasses;
-use counterpoise_models::structure::import::{Dmig, Imported, NodeMap, matrix_market, read_dmig, read_op4};
+use counterpoise_models::structure::import::{
+    Dmig, Imported, NodeMap, has_labels, is_binary_op4, matrix_market, read_binary_op4, read_dmig,
+    read_labels, read_op4, read_rows, read_triplets,
+};
 use counterpoise_models::structure::{Condensation, FeModel, Shapes};
 
 use super::structure::{assumed_ratio, masses};
@@ -23,6 +26,8 @@ pub struct ImportedStructure {
     pub stiffness: MatrixFile,
     /// File of the damping matrix; an empty name if there is none.
     pub damping: MatrixFile,
+    /// File that names the unknown of each row; empty unless the format is CalculiX'.
+    pub row_names: String,
     /// File that says which node each row belongs to and where the nodes lie.
     pub node_map: String,
     /// Damping ratio of flexible mode 1, 2, ..., the last holding for all above, if there is no damping matrix.
@@ -60,13 +65,22 @@ pub enum MatrixFormat {
     MatrixMarket,
     /// Nastran DMIG entries.
     Dmig,
-    /// Nastran OUTPUT4, as text.
+    /// Nastran OUTPUT4, as text or binary.
     Op4,
+    /// Abaqus' .mtx files, of FORMAT=MATRIX INPUT or COORDINATE.
+    Abaqus,
+    /// CalculiX' .sti and .mas files, and its .dof file that names their rows.
+    Calculix,
 }
 
 impl NamedChoice for MatrixFormat {
-    const NAMES: &'static [(&'static str, Self)] =
-        &[("matrix-market", Self::MatrixMarket), ("dmig", Self::Dmig), ("op4", Self::Op4)];
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("matrix-market", Self::MatrixMarket),
+        ("dmig", Self::Dmig),
+        ("op4", Self::Op4),
+        ("abaqus", Self::Abaqus),
+        ("calculix", Self::Calculix),
+    ];
 }
 
 impl NamedChoice for Shapes {
@@ -145,6 +159,7 @@ pub(crate) fn blank_structure() -> ImportedStructure {
         mass: MatrixFile::default(),
         stiffness: MatrixFile::default(),
         damping: MatrixFile::default(),
+        row_names: String::new(),
         node_map: String::new(),
         modal_damping: Vec::new(),
         shapes: Shapes::default(),
@@ -167,11 +182,17 @@ pub(crate) fn import(v: &mut dyn Visit, import: &mut ImportedStructure) {
     );
     let damping = Field::new("damping_matrix", "file of the damping matrix, SI units");
     v.text(&damping.or_text(""), &mut import.damping.file);
-    if import.format != MatrixFormat::MatrixMarket {
+    if matches!(import.format, MatrixFormat::Dmig | MatrixFormat::Op4) {
         let name = |key, meaning| Field::new(key, meaning).or_text("");
         v.text(&name("mass_name", "name of the mass matrix in its file"), &mut import.mass.name);
         v.text(&name("stiffness_name", "name of the stiffness matrix"), &mut import.stiffness.name);
         v.text(&name("damping_name", "name of the damping matrix"), &mut import.damping.name);
+    }
+    if import.format == MatrixFormat::Calculix {
+        v.text(
+            &Field::new("row_names", "file that names the node and component of each row (.dof)"),
+            &mut import.row_names,
+        );
     }
     let map = "file that states the node of each row and the positions of the nodes";
     v.text(&Field::new("node_map", map), &mut import.node_map);
@@ -196,14 +217,19 @@ pub(crate) fn import(v: &mut dyn Visit, import: &mut ImportedStructure) {
 fn content(v: &mut dyn Visit, import: &ImportedStructure) -> Option<ImportedContent> {
     let map = read(v, "node_map", &import.node_map, NodeMap::parse)?;
     let matrices = match import.format {
-        MatrixFormat::MatrixMarket => visit_matrices(v, import, &map, |text, _| matrix_market(text)),
-        MatrixFormat::Op4 => visit_matrices(v, import, &map, |text, name| {
-            let all = read_op4(text)?;
-            let known: Vec<&str> = all.iter().map(|one| one.name.as_str()).collect();
-            let at = the_one(&known, name)?;
-            Ok(all[at].matrix.clone())
+        MatrixFormat::MatrixMarket => {
+            visit_matrices(v, import, &map, |v, key, from| read(v, key, &from.file, matrix_market))
+        }
+        MatrixFormat::Op4 => visit_matrices(v, import, &map, |v, key, from| {
+            read_bytes(v, key, &from.file, |bytes| op4_matrix(bytes, &from.name))
         }),
-        MatrixFormat::Dmig => grids(v, import),
+        MatrixFormat::Calculix => {
+            let map = name_rows(v, import, &map)?;
+            triplets(v, import, &map)
+        }
+        MatrixFormat::Abaqus if is_labelled(v, import)? => grids(v, import, |text, _| read_labels(text)),
+        MatrixFormat::Abaqus => triplets(v, import, &map),
+        MatrixFormat::Dmig => grids(v, import, dmig_matrix),
     }?;
     let content = ImportedContent { matrices, map };
     match content.matrices.to_sparse_structure(&content.map) {
@@ -215,25 +241,76 @@ fn content(v: &mut dyn Visit, import: &ImportedStructure) -> Option<ImportedCont
     }
 }
 
+/// Matrices of lines with row, column and value, in the rows' order of a node map.
+fn triplets(v: &mut dyn Visit, import: &ImportedStructure, map: &NodeMap) -> Option<Imported> {
+    if map.rows.is_empty() {
+        v.complain(
+            "node_map",
+            "a line \"row NODE COMPONENT\" for each row: these matrices do not name their rows",
+            None,
+        );
+        return None;
+    }
+    let rows = map.rows.len();
+    visit_matrices(v, import, map, |v, key, from| read(v, key, &from.file, |text| read_triplets(text, rows)))
+}
+
+/// Returns the node map with the rows that the file of row names lists.
+fn name_rows(v: &mut dyn Visit, import: &ImportedStructure, map: &NodeMap) -> Option<NodeMap> {
+    let rows = read(v, "row_names", &import.row_names, read_rows)?;
+    if !map.rows.is_empty() {
+        v.complain("node_map", "no \"row\" lines, because row_names names the rows", None);
+        return None;
+    }
+    Some(NodeMap { rows, ..map.clone() })
+}
+
+/// Returns whether the entries of the mass matrix name their nodes; `None` if there is nothing to read.
+fn is_labelled(v: &mut dyn Visit, import: &ImportedStructure) -> Option<bool> {
+    read(v, "mass_matrix", &import.mass.file, |text| Ok(has_labels(text)))
+}
+
+/// Returns a matrix of an OUTPUT4 file, text or binary, by its name.
+fn op4_matrix(bytes: &[u8], name: &str) -> Result<Sparse, counterpoise_models::Error> {
+    let refuse = |what: &str| counterpoise_models::Error::Import { line: 0, what: what.to_owned() };
+    let all = if is_binary_op4(bytes) {
+        read_binary_op4(bytes)?
+    } else {
+        let text = std::str::from_utf8(bytes);
+        read_op4(text.map_err(|_| refuse("it is neither OUTPUT4 text nor a binary OUTPUT4 file"))?)?
+    };
+    let known: Vec<&str> = all.iter().map(|one| one.name.as_str()).collect();
+    Ok(all[the_one(&known, name)?].matrix.clone())
+}
+
+fn dmig_matrix(text: &str, name: &str) -> Result<Dmig, counterpoise_models::Error> {
+    let all = read_dmig(text)?;
+    let known: Vec<&str> = all.iter().map(|one| one.name.as_str()).collect();
+    Ok(all[the_one(&known, name)?].clone())
+}
+
 /// Matrices in the rows' order of the node map.
 fn visit_matrices(
     v: &mut dyn Visit,
     import: &ImportedStructure,
     map: &NodeMap,
-    parse: impl Fn(&str, &str) -> Result<Sparse, counterpoise_models::Error>,
+    mut matrix: impl FnMut(&mut dyn Visit, &str, &MatrixFile) -> Option<Sparse>,
 ) -> Option<Imported> {
-    let mut matrix = |key, from: &MatrixFile| read(v, key, &from.file, |text| parse(text, &from.name));
     let (mass, stiffness) =
-        (matrix("mass_matrix", &import.mass), matrix("stiffness_matrix", &import.stiffness));
+        (matrix(v, "mass_matrix", &import.mass), matrix(v, "stiffness_matrix", &import.stiffness));
     let damping = match import.damping.file.is_empty() {
         true => None,
-        false => Some(matrix("damping_matrix", &import.damping)?),
+        false => Some(matrix(v, "damping_matrix", &import.damping)?),
     };
     Some(Imported::from_row_order(map, mass?, damping, stiffness?))
 }
 
 /// Matrices that name their rows.
-fn grids(v: &mut dyn Visit, import: &ImportedStructure) -> Option<Imported> {
+fn grids(
+    v: &mut dyn Visit,
+    import: &ImportedStructure,
+    parse: impl Fn(&str, &str) -> Result<Dmig, counterpoise_models::Error>,
+) -> Option<Imported> {
     let mut all: Vec<Dmig> = Vec::new();
     let mut named = Vec::new();
     for (key, from) in [
@@ -244,12 +321,7 @@ fn grids(v: &mut dyn Visit, import: &ImportedStructure) -> Option<Imported> {
         if from.file.is_empty() {
             continue;
         }
-        let inside = read(v, key, &from.file, |text| {
-            let all = read_dmig(text)?;
-            let known: Vec<&str> = all.iter().map(|one| one.name.as_str()).collect();
-            let at = the_one(&known, &from.name)?;
-            Ok(all[at].clone())
-        })?;
+        let inside = read(v, key, &from.file, |text| parse(text, &from.name))?;
         // names need not differ between files
         let name = format!("{key}:{}", inside.name);
         all.push(Dmig { name: name.clone(), ..inside });
@@ -279,7 +351,7 @@ fn the_one(known: &[&str], name: &str) -> Result<usize, counterpoise_models::Err
     found.ok_or_else(|| counterpoise_models::Error::Import { line: 0, what: what() })
 }
 
-/// Returns a file parsed; `None` if there is nothing to read, or what is wrong has been said.
+/// Returns a text parsed; `None` if there is nothing to read, or what is wrong has been said.
 fn read<T>(
     v: &mut dyn Visit,
     key: &str,
@@ -288,6 +360,23 @@ fn read<T>(
 ) -> Option<T> {
     let parsed =
         v.attached_text(file)?.and_then(|text| parse(&text).map_err(|error| describe_mistake(&error)));
+    accept(v, key, parsed)
+}
+
+/// Returns the bytes of a file parsed; `None` if there is nothing to read, or what is wrong has been said.
+fn read_bytes<T>(
+    v: &mut dyn Visit,
+    key: &str,
+    file: &str,
+    parse: impl Fn(&[u8]) -> Result<T, counterpoise_models::Error>,
+) -> Option<T> {
+    let parsed =
+        v.attached_bytes(file)?.and_then(|bytes| parse(&bytes).map_err(|error| describe_mistake(&error)));
+    accept(v, key, parsed)
+}
+
+/// Returns what was parsed; says what is wrong with it.
+fn accept<T>(v: &mut dyn Visit, key: &str, parsed: Result<T, String>) -> Option<T> {
     match parsed {
         Ok(value) => Some(value),
         Err(why) => {

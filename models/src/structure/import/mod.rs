@@ -1,19 +1,24 @@
-//! Structures from elsewhere: M, C and K as text, and which row belongs to which node.
+//! Structures from elsewhere: M, C and K as text or bytes, and which row belongs to which node.
 //!
-//! Readers take text and give matrices; nothing here opens a file. Matrix Market ([`matrix_market()`]) and OP4
-//! ([`read_op4()`]) hold plain matrices, whose rows the node map names; DMIG ([`read_dmig()`]) names its own.
+//! Readers take the content of a file and give matrices; nothing here opens one. Matrix Market ([`matrix_market()`]), OP4
+//! ([`read_op4()`], [`read_binary_op4()`]) and lines of row, column and value ([`read_triplets()`]) hold plain matrices, whose rows the node map or a
+//! list of rows ([`read_rows()`]) names; DMIG ([`read_dmig()`]) and Abaqus' matrix input ([`read_labels()`]) name their own.
 //! [`Imported::structure`] makes the [`FeModel`] that modal analysis and the plant take.
 
 pub mod dmig;
 pub mod matrix_market;
 pub mod node_map;
 pub mod op4;
+pub mod op4_binary;
 mod text;
+pub mod triplets;
 
 pub use dmig::{Dmig, read_dmig};
 pub use matrix_market::matrix_market;
 pub use node_map::{Dof, NodeMap};
 pub use op4::{Op4, read_op4};
+pub use op4_binary::{is_binary_op4, read_binary_op4};
+pub use triplets::{has_labels, read_labels, read_rows, read_triplets};
 
 use super::fe::{AttachedMasses, FeModel, NodeRows};
 use super::large::{Condensation, Shapes};
