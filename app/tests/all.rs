@@ -7,6 +7,7 @@ mod support;
 mod check;
 mod commission;
 mod exit_codes;
+mod front;
 mod hostile_projects;
 mod improved;
 mod interrupts;
