@@ -14,11 +14,12 @@ use counterpoise_synth::{
     measure_controller, sampled_plant, search_front,
 };
 
-use super::designs::{TableObjective, limits_of, own_name, structures, three_part, variants};
+use super::designs::{LimitsResult, TableObjective, limits_of, own_name, structures, three_part, variants};
 use crate::exchange::UnitValue;
 use crate::tolerance::TUNED_LIMIT_KEPT;
 use crate::tuning::{
-    LoopMeasuresResult, TuningGround, own_procedure, put_in_place, tune_feedback, tuning_ground,
+    BlockResult, LoopMeasuresResult, TuningGround, WeightsResult, block_results, own_procedure, put_in_place,
+    tune_feedback, tuning_ground, weights_result,
 };
 use crate::{
     PipelineError, PipelineStage, PlantModel, ProjectIdentity, ReducedPlant, World, build_plant_model,
@@ -39,7 +40,7 @@ pub struct ProjectFront {
     /// The objectives that are traded.
     pub objectives: Vec<FrontObjective>,
     /// Limits that every design keeps.
-    pub limits: LoopLimits,
+    pub limits: LimitsResult,
     /// Method of the search.
     pub method: FrontMethod,
     /// Plants on which every design was measured.
@@ -91,6 +92,12 @@ pub struct KindPoint {
     pub kind: usize,
     /// The design.
     pub point: FrontPoint,
+    /// Figures of the loop on the nominal plant.
+    pub linear: Option<LoopMeasuresResult>,
+    /// The blocks of a structure.
+    pub blocks: Vec<BlockResult>,
+    /// The weights of an H2 feedback.
+    pub weights: Option<WeightsResult>,
     /// Whether no other design of any kind is better in every objective.
     pub is_nondominated: bool,
     /// Whether no PI with a lag is better in every objective.
@@ -102,8 +109,8 @@ pub struct KindPoint {
 pub struct ReferenceDesign {
     /// Name.
     pub name: String,
-    /// Figures of the loop on each plant.
-    pub measures: Vec<LoopMeasures>,
+    /// Figures of the loop on the nominal plant.
+    pub linear: LoopMeasuresResult,
     /// The figure of each objective on the worst plant.
     pub figures: Vec<f64>,
 }
@@ -133,7 +140,7 @@ pub fn project_front(
     let mut limits = options.limits;
     if limits.decay_rad_s == 0.0 {
         // A slow pole costs little under a motion and shows in every step.
-        limits.decay_rad_s = own[0].measures[0].decay_rad_s.max(0.0);
+        limits.decay_rad_s = own[0].linear.decay_rad_s.max(0.0);
     }
     let options = FrontOptions { limits, ..options.clone() };
     let KindFronts { mut kinds, mut points } = stage.search_kinds(&options)?;
@@ -156,7 +163,7 @@ pub fn project_front(
         has_own_motion: own_procedure(project, world)?.road.is_some(),
         points,
         objectives: options.objectives,
-        limits,
+        limits: LimitsResult::from(&limits),
         method: options.method,
         plants: ground.plants.len() + ground.mechanisms.len(),
         disturbance: ground.disturbance.lines.clone(),
@@ -201,6 +208,13 @@ fn put_feedback_in_place(feedback: &TunedFeedback, synthesis: &mut DesignRequest
 struct KindFronts {
     kinds: Vec<FrontKind>,
     points: Vec<KindPoint>,
+}
+
+fn feedback_blocks(feedback: &TunedFeedback) -> Vec<BlockResult> {
+    match feedback {
+        TunedFeedback::Structure(structure) => block_results(structure),
+        TunedFeedback::Weights(_) => Vec::new(),
+    }
 }
 
 /// What every kind of a front has in common.
@@ -262,7 +276,16 @@ impl FrontStage<'_> {
             let kind = kinds.len();
             let DesignFront { points: found, evaluations, is_complete } = front;
             kinds.push(FrontKind { name, role, evaluations, is_complete, why });
-            let of_kind = |point| KindPoint { kind, point, is_nondominated: false, clears_bar: false };
+            let controlled = self.project.plant.controlled_quantity();
+            let of_kind = |point: FrontPoint| KindPoint {
+                kind,
+                linear: point.measures.first().map(|first| LoopMeasuresResult::of(first, controlled)),
+                blocks: feedback_blocks(&point.feedback),
+                weights: weights_result(&point.feedback),
+                point,
+                is_nondominated: false,
+                clears_bar: false,
+            };
             points.extend(found.into_iter().map(of_kind));
         }
         Ok(KindFronts { kinds, points })
@@ -384,8 +407,7 @@ impl FrontStage<'_> {
         wanted: &TuningOptions,
         objectives: &[FrontObjective],
     ) -> Option<ReferenceDesign> {
-        let controlled = self.project.plant.controlled_quantity();
-        let limits = limits_of(&LoopMeasuresResult::of(&own.measures[0], controlled), wanted);
+        let limits = limits_of(&own.linear, wanted);
         let (name, structure) = structures().into_iter().find(|(name, _)| name.ends_with(BAR))?;
         let subject = TuningSubject::Structure(&structure);
         let wanted = TuningOptions { limits, ..wanted.clone() };
@@ -410,6 +432,8 @@ impl FrontStage<'_> {
         let plants = self.ground.plants.iter().chain(&self.ground.mechanisms);
         let measures = plants.map(measure).collect::<Result<Vec<_>, _>>()?;
         let figures = objectives.iter().map(|each| each.worst_figure(&measures)).collect();
-        Ok(ReferenceDesign { name: name.to_owned(), measures, figures })
+        let controlled = self.project.plant.controlled_quantity();
+        let linear = LoopMeasuresResult::of(&measures[0], controlled);
+        Ok(ReferenceDesign { name: name.to_owned(), linear, figures })
     }
 }

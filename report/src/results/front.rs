@@ -3,11 +3,9 @@
 use counterpoise_models::ControlledQuantity;
 use counterpoise_pipeline::exchange::UnitValue;
 use counterpoise_pipeline::studies::designs::{LimitsResult, TableMotion};
-use counterpoise_pipeline::studies::front::{KindPoint, KindRole, ProjectFront, ReferenceDesign};
-use counterpoise_pipeline::tuning::{
-    BlockResult, LoopMeasuresResult, WeightsResult, block_results, weights_result,
-};
-use counterpoise_synth::{FrontMethod, FrontObjective, LoopMeasures, TunedFeedback};
+use counterpoise_pipeline::studies::front::{KindPoint, KindRole, ProjectFront};
+use counterpoise_pipeline::tuning::{BlockResult, LoopMeasuresResult, WeightsResult};
+use counterpoise_synth::{FrontMethod, FrontObjective};
 use serde::Serialize;
 
 use crate::wording::designs::describe_objective;
@@ -116,7 +114,7 @@ pub struct ReferenceText {
     #[serde(serialize_with = "write_figures")]
     pub figures: Vec<f64>,
     /// Figures of the loop on the nominal plant.
-    pub linear: Option<LoopMeasuresResult>,
+    pub linear: LoopMeasuresResult,
 }
 
 fn write_names<S: serde::Serializer>(objectives: &[FrontObjective], to: S) -> Result<S::Ok, S::Error> {
@@ -130,8 +128,6 @@ fn write_figures<S: serde::Serializer>(figures: &[f64], to: S) -> Result<S::Ok, 
 impl From<&ProjectFront> for FrontText {
     fn from(found: &ProjectFront) -> Self {
         let controlled = found.controlled;
-        let nominal =
-            |all: &[LoopMeasures]| all.first().map(|first| LoopMeasuresResult::of(first, controlled));
         let kinds = found.kinds.iter().enumerate().map(|(k, kind)| KindText {
             name: kind.name.clone(),
             role: role_name(kind.role),
@@ -147,15 +143,14 @@ impl From<&ProjectFront> for FrontText {
             figures: each.point.figures.clone(),
             nondominated: each.is_nondominated,
             clears_bar: each.clears_bar,
-            linear: nominal(&each.point.measures),
-            blocks: match &each.point.feedback {
-                TunedFeedback::Structure(structure) => block_results(structure),
-                TunedFeedback::Weights(_) => Vec::new(),
-            },
-            weights: weights_result(&each.point.feedback),
+            linear: each.linear,
+            blocks: each.blocks.clone(),
+            weights: each.weights.clone(),
         });
-        let references = found.references.iter().map(|ReferenceDesign { name, measures, figures }| {
-            ReferenceText { name: name.clone(), figures: figures.clone(), linear: nominal(measures) }
+        let references = found.references.iter().map(|each| ReferenceText {
+            name: each.name.clone(),
+            figures: each.figures.clone(),
+            linear: each.linear,
         });
         let motion = if found.has_own_motion { TableMotion::Own } else { TableMotion::Sines };
         Self {
@@ -164,7 +159,7 @@ impl From<&ProjectFront> for FrontText {
             controlled,
             objective: describe_objective(found.objective, controlled, motion),
             objectives: found.objectives.clone(),
-            limits: LimitsResult::from(&found.limits),
+            limits: found.limits,
             method: match found.method {
                 FrontMethod::Evolution => "evolution",
                 FrontMethod::Random => "random",
