@@ -6,11 +6,11 @@
 
 use std::cmp::Ordering;
 
-/// Returns whether costs are nowhere more and somewhere less than others.
+/// Returns whether costs are nowhere more and somewhere less than others. A cost that is not a number dominates nothing.
 pub fn dominates(costs: &[f64], others: &[f64]) -> bool {
     let mut is_less = false;
     for (cost, other) in costs.iter().zip(others) {
-        if cost > other {
+        if cost.is_nan() || cost > other {
             return false;
         }
         is_less |= cost < other;
