@@ -8,6 +8,7 @@ mod check;
 mod commission;
 mod data_files;
 mod exit_codes;
+mod front;
 mod hostile_projects;
 mod improved;
 mod interrupts;

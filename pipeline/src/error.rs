@@ -73,6 +73,22 @@ pub enum PipelineError {
          their values into the file"
     )]
     NotTuned,
+    /// A front without a design.
+    #[error(
+        "no design of any kind has a stable loop within the limits of the front: largest |S| {ms}, largest |T| {mt}, slowest decay {decay_rad_s:.3} rad/s, and those \
+         that [synth.front] states besides{}; raise the limits, state a lower `decay`, or raise `evaluations`",
+        first_reason(.why)
+    )]
+    NoFront {
+        /// Limit of |S|.
+        ms: f64,
+        /// Limit of |T|.
+        mt: f64,
+        /// Limit of the decay, rad/s.
+        decay_rad_s: f64,
+        /// Why the first kind without a search could not be searched.
+        why: Option<Box<counterpoise_synth::Error>>,
+    },
     /// A controller whose file was not handed in.
     #[error("the file \"{file}\" of [synth.controller] was not read")]
     ControllerNotRead {
@@ -270,4 +286,8 @@ impl From<counterpoise_synth::Error> for PipelineError {
             other => PipelineError::Synth(other),
         }
     }
+}
+
+fn first_reason(why: &Option<Box<counterpoise_synth::Error>>) -> String {
+    why.as_ref().map_or(String::new(), |why| format!(" ({why})"))
 }

@@ -7,7 +7,7 @@
 //! or the network. Same report, same bytes.
 //!
 //! Modules in reading order: [`page`], [`html`], [`style`], [`figure_tables`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`loop_charts`], [`spectra`],
-//! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`first_design`], [`alternatives`], [`designs`], [`targets`], [`trade_off`]; the other commands'
+//! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`first_design`], [`alternatives`], [`designs`], [`targets`], [`trade_off`], [`front`]; the other commands'
 //! reports: [`check`], [`commission`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robustness`], [`certificate`], [`two_axes`], [`error_budget`], `error_budget_figures`, [`advice`], [`identify`], [`replay`],
 //! [`diagnosis`], `learned`, [`residual`], [`structure`]; what result files hold: [`results`]; and every sentence about a
 //! result: [`wording`].
@@ -29,6 +29,7 @@ pub mod evidence;
 pub mod figure_tables;
 pub mod first_design;
 pub mod fra;
+pub mod front;
 pub mod html;
 pub mod identify;
 pub mod key_reference;

@@ -16,8 +16,8 @@
 //! - in sampled time: [`sampling`], [`discretise`](mod@discretise), [`ramp`];
 //! - around it: [`schedule`](mod@schedule) over out-of-balance with its [`scheduled_controller`], [`figures`](mod@figures),
 //!   [`requirements`] and [`search`](mod@search) from requirements to weights, [`observer`] of friction, [`adaptation`];
-//! - feedback of fixed structure: [`fixed_structure`], and its [`tuning`] under limits of the loop; [`best_loop`](mod@best_loop), what
-//!   any linear feedback could do;
+//! - feedback of fixed structure: [`fixed_structure`], and its [`tuning`] under limits of the loop; [`front`], the designs between which
+//!   objectives are traded; [`best_loop`](mod@best_loop), what any linear feedback could do;
 //! - other methods: [`generalised_plant`], [`h2syn`](mod@h2syn), [`hinfsyn`](mod@hinfsyn), [`lqg`], [`alternatives`];
 //! - [`tolerance`]: every number that decides.
 //!
@@ -66,6 +66,7 @@ pub mod figures;
 pub mod finding;
 pub mod first_design;
 pub mod fixed_structure;
+pub mod front;
 pub mod generalised_plant;
 pub mod h2syn;
 pub mod hinfsyn;
@@ -119,6 +120,7 @@ pub use first_design::{
     UsualPlants, UsualReading, first_design, first_design_on,
 };
 pub use fixed_structure::{Block, BlockKind, BlockParameter, FixedStructure, ParameterName};
+pub use front::{DesignFront, FrontMethod, FrontObjective, FrontPoint, FrontTask, search_front};
 pub use generalised_plant::{GeneralisedPlant, NamedBlock, Ports, StateOrigin};
 pub use h2syn::{H2, h2syn};
 pub use hinfsyn::{HInfinity, hinfsyn};

@@ -263,3 +263,19 @@ pub(crate) const CONTROL_PEAK_BY: f64 = 6.0;
 /// Up to how many inverse bandwidths after a step the largest reading is looked for: an integral that begins at a twentieth of the bandwidth turns the response
 /// back by then.
 pub(crate) const OVERSHOOT_BY: f64 = 40.0;
+
+/// Gain margin beyond which two loops of a front count as equal, dB: a factor of 1000 on the gain is no limit of any mechanism.
+pub(crate) const LARGEST_MARGIN_DB: f64 = 60.0;
+
+/// Phase margin beyond which two loops of a front count as equal, degrees: there is no larger angle to the negative real axis.
+pub(crate) const LARGEST_MARGIN_DEG: f64 = 180.0;
+
+/// Delay margin beyond which two loops of a front count as equal, s: no sampled controller waits longer.
+pub(crate) const LARGEST_MARGIN_S: f64 = 1e3;
+
+/// Least figure of a loop whose logarithm a front tells apart: below it there is nothing but rounding.
+pub(crate) const LEAST_FIGURE: f64 = 1e-300;
+
+/// Share by which a search for a front keeps the limits on its grid more tightly than they are asked: the grid resolves a peak to 1e-3, and a design
+/// that misses a limit by its exact figures is left out at the end.
+pub(crate) const FRONT_GRID_SHARE: f64 = 1e-3;

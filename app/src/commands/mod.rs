@@ -21,5 +21,7 @@ pub mod structure;
 pub mod studio;
 pub mod sweep;
 pub mod synth;
+mod synth_front;
+mod synth_outputs;
 pub mod tuning;
 pub mod verify;

@@ -11,12 +11,13 @@ use counterpoise_pipeline::{
     self as pipeline, FirstDesignResult, PlantModel, ProjectIdentity, ReducedPlant, SynthesisStudy,
     study_synthesis,
 };
-use counterpoise_project::{Project, Purpose};
+use counterpoise_project::Purpose;
 use counterpoise_synth::{Figures, SearchEnding, SearchTrial};
-use counterpoise_verify::Verdict;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
+use super::synth_front::{self, FrontArguments, FrontRequest};
+use super::synth_outputs::{origin, save_project, verdicts_of};
 use crate::exit::{CommandResult, ExitStatus, verdict_code};
 use crate::options::CommandOutputs;
 use crate::output::{self, say};
@@ -29,20 +30,22 @@ use counterpoise_report::results::{ComparisonText, FirstDesignText, SynthText};
 use counterpoise_report::trade_off::VerifiedPoint;
 use counterpoise_report::wording::certificates::describe_cost_source;
 use counterpoise_report::wording::design_findings::describe_design_findings;
-use counterpoise_report::wording::figures::describe_figure;
 use counterpoise_report::wording::schedule::{describe_conditions, describe_law};
 use counterpoise_report::wording::weights::describe_weights;
-use counterpoise_report::{ReportOrigin, of_synthesis, trade_off};
+use counterpoise_report::{of_synthesis, trade_off};
 
 /// Arguments of `synth`.
 #[derive(Args)]
 pub struct SynthOptions {
     /// Project file, or a folder with a project.toml
     pub project: PathBuf,
-    /// Search the weights for the requirements of [synth.search]
+    /// Search the front of designs that [synth.front] trades; the weights for the requirements of [synth.search] if the file has these and no [synth.front]
     #[arg(long)]
     pub search: bool,
-    /// Write the project with its weights, or with the values of its blocks: those that were chosen or tuned if the file states none, or with --search those that were found
+    /// What the front trades and how.
+    #[command(flatten)]
+    pub front: FrontArguments,
+    /// Write the project with its weights, or with the values of its blocks: those that were chosen or tuned if the file states none, or with --search those that were found or chosen from the front
     #[arg(long, value_name = "FILE")]
     pub save: Option<PathBuf>,
     /// The destinations of report and results.
@@ -64,6 +67,17 @@ struct SynthOutput<'a> {
 
 /// Runs the command.
 pub fn run(options: &SynthOptions) -> CommandResult {
+    let request = FrontRequest {
+        project: &options.project,
+        arguments: &options.front,
+        save: options.save.as_deref(),
+        outputs: &options.outputs,
+    };
+    if options.search
+        && let Some(asked) = synth_front::asked_front(&request)?
+    {
+        return synth_front::run(&request, &asked);
+    }
     let loaded = projects::load_project(&options.project, Purpose::Synth)?;
     output::print_warnings(&loaded, options.outputs.results.progress());
     if options.search {
@@ -82,7 +96,7 @@ pub fn run(options: &SynthOptions) -> CommandResult {
         output::write_report(path, &options.outputs.results, &of_synthesis(&study, &result, &origin))?;
     }
     if let Some(path) = &options.save {
-        save(&loaded, &loaded.project, path)?;
+        save_project(&loaded, &loaded.project, path)?;
     }
     let first_design = loaded.first_design.as_ref().map(|first| FirstDesignResult::from(first).into());
     let (result, beside) = (SynthText::from(result), ComparisonText::from(&study.comparison));
@@ -101,12 +115,6 @@ pub fn run(options: &SynthOptions) -> CommandResult {
     Ok(ExitStatus::SUCCESS)
 }
 
-/// Writes the file with the weights of a project; everything else of it stays as it is.
-fn save(loaded: &ProjectOnDisk, project: &Project, path: &Path) -> anyhow::Result<()> {
-    let document = project.update(&loaded.document, &loaded.stated)?;
-    projects::write_file(path, document.text().as_bytes())
-}
-
 /// Prints where a project was saved, and what its chosen weights took the place of.
 fn print_saved(loaded: &ProjectOnDisk, path: &Path) {
     say!("project {}", path.display());
@@ -114,11 +122,6 @@ fn print_saved(loaded: &ProjectOnDisk, path: &Path) {
     if loaded.first_design.is_some() && asked.is_some() {
         say!("        its weights stand in the place of synth.bandwidth, which is not written");
     }
-}
-
-fn origin(loaded: &ProjectOnDisk, option: &str) -> ReportOrigin {
-    let project = loaded.path.display().to_string();
-    ReportOrigin { command: format!("counterpoise synth {project}{option}"), project }
 }
 
 fn print_design(result: &SynthText) {
@@ -321,7 +324,7 @@ fn report_search(
     let full = found.found.best.missed == 0.0 && found.missed_on_full_plant == 0.0;
     let holds = if judged.is_empty() { full } else { chosen.is_some() };
     if let Some(path) = &options.save {
-        save(loaded, &found.project, path)?;
+        save_project(loaded, &found.project, path)?;
     }
     let points: Vec<VerifiedPoint> = judged.iter().map(verified_point).collect();
     let result = search_result(&found, points);
@@ -341,22 +344,12 @@ fn report_search(
 }
 
 fn verified_point(point: &JudgedWeights) -> VerifiedPoint {
-    let found = point.verified.verification();
-    let (holds, fails, open) = found.counts();
-    let failing = found.verdicts.iter().filter_map(|(requirement, verdict)| match verdict {
-        Verdict::Fails { value, limit, .. } => Some(format!(
-            "{}: {} against {}",
-            describe_figure(requirement.figure, found.controlled_quantity()),
-            output::format_figure(*value),
-            limit.value()
-        )),
-        _ => None,
-    });
+    let found = verdicts_of(point.verified.verification());
     VerifiedPoint {
         max_sensitivity_limit: point.ms_limit,
         rejection: point.found.best.figures.rejection,
-        verdicts: [holds, fails, open],
-        failing: failing.collect(),
+        verdicts: found.verdicts,
+        failing: found.failing,
         holds: point.holds(),
     }
 }

@@ -205,7 +205,7 @@ pub struct ComparisonRequest {
 const BAND_RAD_S: [f64; 2] = [1.26, 12.6];
 
 /// Returns the structures that are tuned, with their names.
-fn structures() -> Vec<(&'static str, FixedStructure)> {
+pub(super) fn structures() -> Vec<(&'static str, FixedStructure)> {
     use BlockKind::{Lead, LowPass, Notch, ProportionalIntegral};
     let of = |kinds: &[BlockKind]| FixedStructure {
         blocks: kinds.iter().map(|kind| Block::open(*kind)).collect(),
@@ -276,7 +276,7 @@ const TUNED_WEIGHTS: &str = "H2, weights tuned";
 
 /// Returns the specification from which weights are tuned: the project's, its parts put together by
 /// `simple-add`.
-fn three_part(asked: &DesignRequest) -> Specification {
+pub(super) fn three_part(asked: &DesignRequest) -> Specification {
     let mut specification = asked.specification.clone();
     if specification.assembly == Assembly::Joint {
         specification.assembly = Assembly::SimpleAdd;
@@ -285,7 +285,7 @@ fn three_part(asked: &DesignRequest) -> Specification {
     specification
 }
 
-fn own_name(asked: &DesignRequest) -> String {
+pub(super) fn own_name(asked: &DesignRequest) -> String {
     match (asked.options.fixed_feedback_name(), asked.specification.assembly, asked.options.method) {
         (Some(name), ..) => format!("own: {name}"),
         (_, Assembly::Joint, _) => "own: joint optimum".to_owned(),
@@ -298,7 +298,7 @@ fn own_name(asked: &DesignRequest) -> String {
 
 /// Returns the equal limits of a tuned structure: the figures that the own controller reaches. Its decay is among them, because a slow
 /// pole costs little under a motion and shows in every step.
-fn limits_of(own: &LoopMeasuresResult, wanted: &TuningOptions) -> LoopLimits {
+pub(super) fn limits_of(own: &LoopMeasuresResult, wanted: &TuningOptions) -> LoopLimits {
     LoopLimits {
         max_sensitivity: own.max_sensitivity,
         max_complementary: own.max_complementary,
@@ -311,7 +311,7 @@ fn limits_of(own: &LoopMeasuresResult, wanted: &TuningOptions) -> LoopLimits {
 }
 
 /// Returns the methods that the project did not choose: the three-part H2 design, and the joint optimum.
-fn variants(asked: &DesignRequest) -> Vec<(&'static str, DesignRequest)> {
+pub(super) fn variants(asked: &DesignRequest) -> Vec<(&'static str, DesignRequest)> {
     let mut plain = asked.clone();
     plain.options.remove_fixed_feedback();
     plain.options.tuning = None;

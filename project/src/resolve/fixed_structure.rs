@@ -190,7 +190,7 @@ pub(crate) fn tuning(v: &mut dyn Visit, tuning: &mut TuningOptions) {
     } else {
         tuning.band_rad_s = band;
     }
-    limits(v, &mut tuning.limits);
+    limits(v, &mut tuning.limits, LimitDefaults::OF_TUNING);
     plants(v, &mut tuning.plants);
     let starts = Field::new(
         "starts",
@@ -201,11 +201,32 @@ pub(crate) fn tuning(v: &mut dyn Visit, tuning: &mut TuningOptions) {
     v.whole_number(&seed.or(1.0), &mut tuning.seed);
 }
 
-fn limits(v: &mut dyn Visit, limits: &mut LoopLimits) {
+/// What limits of a loop are if a file states none.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct LimitDefaults {
+    /// Largest |S| and largest |T|.
+    pub peak: f64,
+    /// Meaning of the limit of the decay.
+    pub decay: &'static str,
+}
+
+impl LimitDefaults {
+    /// Those of a tuning.
+    pub const OF_TUNING: Self = Self { peak: 1.4, decay: "slowest decay of a pole of the closed loop" };
+    /// Those of a front.
+    pub const OF_FRONT: Self = Self {
+        peak: 2.0,
+        decay: "slowest decay of a pole of the closed loop; 0 takes that of the project's own design",
+    };
+}
+
+/// Reads or lists the limits of a loop.
+pub(super) fn limits(v: &mut dyn Visit, limits: &mut LoopLimits, usual: LimitDefaults) {
     let above_1 = NumberRange::Above(1.0);
-    let ms = Field::new("max_sensitivity", "largest sensitivity").limit(above_1).or(1.4);
+    let ms = Field::new("max_sensitivity", "largest sensitivity").limit(above_1).or(usual.peak);
     v.number(&ms.show_default(), &mut limits.max_sensitivity);
-    let mt = Field::new("max_complementary", "largest complementary sensitivity").limit(above_1).or(1.4);
+    let mt =
+        Field::new("max_complementary", "largest complementary sensitivity").limit(above_1).or(usual.peak);
     v.number(&mt.show_default(), &mut limits.max_complementary);
     let gain = Field::new("gain_margin", "lowest gain margin").unit("dB").limit(AT_LEAST_0).or(0.0);
     v.number(&gain, &mut limits.gain_margin_db);
@@ -222,7 +243,7 @@ fn limits(v: &mut dyn Visit, limits: &mut LoopLimits) {
     let effort =
         Field::new("effort", "largest RMS control of the feedback under the objective's disturbance");
     visit_limit(v, &effort.unit("V"), &mut limits.effort_v);
-    let decay = Field::new("decay", "slowest decay of a pole of the closed loop").unit("rad/s");
+    let decay = Field::new("decay", usual.decay).unit("rad/s");
     v.number(&decay.limit(AT_LEAST_0).or(0.0), &mut limits.decay_rad_s);
     let damping = Field::new("damping", "smallest damping ratio of the poles up to twice the crossover");
     v.number(&damping.limit(NumberRange::Between(0.0, 0.99)).or(0.0), &mut limits.damping);

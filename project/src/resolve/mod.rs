@@ -21,6 +21,7 @@ pub mod fixed_structure;
 mod format;
 mod free_functions;
 mod friction;
+pub mod front;
 pub mod import;
 pub mod imported_controller;
 mod loads;

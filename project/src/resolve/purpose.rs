@@ -22,6 +22,8 @@ pub enum Purpose {
     Diagnose,
     /// The design of a controller, without judging it.
     Synth,
+    /// The front of designs. The weights are chosen by the search, and nothing of the file is tuned before.
+    Front,
     /// Several designs in one table, simulated.
     Compare,
     /// The design of a controller and its verification.
@@ -66,7 +68,7 @@ impl Purpose {
             Self::Replay => "replay",
             Self::Experiment => "experiment",
             Self::Diagnose => "diagnose",
-            Self::Synth => "synth",
+            Self::Synth | Self::Front => "synth",
             Self::Compare => "compare",
             Self::Verify => "verify",
             Self::Design => "design",

@@ -6,6 +6,7 @@ use counterpoise_synth::{BandSpectrum, Drives, FixedStructure, Requirements, Syn
 
 use super::fixed_structure::{TuningOptions, blocks, tuning};
 use super::friction::{blank_identified, identified_friction};
+use super::front::{FrontOptions, front};
 use super::imported_controller::{ImportedController, imported_controller};
 use super::model::count;
 use super::weight::{blank_weight, weight};
@@ -35,6 +36,8 @@ pub struct SynthesisOptions {
     pub adaptation: Option<AdaptationOptions>,
     /// Requirements from which weights are searched.
     pub search: Option<WeightSearch>,
+    /// Objectives, limits and size of a front of designs.
+    pub front: Option<FrontOptions>,
     /// Blocks of the feedback in place of the H2 feedback; none without a fixed structure.
     pub structure: FixedStructure,
     /// A feedback that was made elsewhere, in place of the H2 feedback.
@@ -253,6 +256,7 @@ impl Default for SynthesisOptions {
             schedule: None,
             adaptation: None,
             search: None,
+            front: None,
             structure: FixedStructure::default(),
             imported: None,
             tuning: None,
@@ -290,6 +294,9 @@ pub(crate) fn tables(v: &mut dyn Visit, options: &mut SynthesisOptions) {
     visit_optional(v, &section, &mut options.adaptation, blank_adaptation(), adaptation);
     let section = TableField::optional("search", "requirements from which weights are searched");
     visit_optional(v, &section, &mut options.search, blank_search(), search);
+    let section =
+        TableField::optional("front", "what `synth --search` trades between designs, and under which limits");
+    visit_optional(v, &section, &mut options.front, FrontOptions::default(), front);
     blocks(v, &mut options.structure.blocks);
     let section = TableField::optional(
         "controller",

@@ -24,15 +24,27 @@ pub(crate) struct DescentResult {
     pub evaluations: usize,
 }
 
-/// Descends from a start; `None` if no loop near it is stable.
+/// Descends from a start to the end; `None` if no loop near it is stable.
 ///
 /// # Errors
 /// [`Error::System`] if a program cannot be set up.
 pub(crate) fn descend(problem: &Problem<'_>, start: &[f64]) -> Result<Option<DescentResult>, Error> {
+    descend_some(problem, start, DESCENT_STEPS)
+}
+
+/// Descends from a start by at most `steps` steps; `None` if no loop near it is stable.
+///
+/// # Errors
+/// As [`descend`].
+pub(crate) fn descend_some(
+    problem: &Problem<'_>,
+    start: &[f64],
+    steps: usize,
+) -> Result<Option<DescentResult>, Error> {
     let Some(mut at) = stable_start(problem, start) else { return Ok(None) };
     let Ok(mut found) = problem.evaluate(&at) else { return Ok(None) };
     let (mut radius, mut evaluations, mut settled) = (REGION_FIRST, 1, f64::INFINITY);
-    for _ in 0..DESCENT_STEPS {
+    for _ in 0..steps {
         let within = |k: usize, sign: f64| {
             let range = problem.family.ranges()[k];
             let room = if sign > 0.0 { range[1] - at[k] } else { at[k] - range[0] };

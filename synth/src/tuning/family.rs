@@ -32,6 +32,11 @@ pub(crate) trait FeedbackFamily {
     /// As [`FeedbackFamily::gain`].
     fn response(&self, at: &[f64], grid: &LoopGrid) -> Result<GridResponse, Error>;
 
+    /// Feedbacks that one call of [`FeedbackFamily::response`] computes.
+    fn response_feedbacks(&self) -> usize {
+        1
+    }
+
     /// The sampled feedback from the error to the control, as it runs.
     ///
     /// # Errors

@@ -112,6 +112,23 @@ impl LoopLimits {
         ]
     }
 
+    /// Returns the limits with every limit tightened by a share of itself.
+    pub(crate) fn tighten_by(&self, share: f64) -> Self {
+        let (lowered, raised) = (1.0 - share, 1.0 + share);
+        Self {
+            max_sensitivity: self.max_sensitivity * lowered,
+            max_complementary: self.max_complementary * lowered,
+            gain_margin_db: self.gain_margin_db * raised,
+            phase_margin_deg: self.phase_margin_deg * raised,
+            delay_margin_s: self.delay_margin_s * raised,
+            noise_gain: self.noise_gain * lowered,
+            control_peak: self.control_peak * lowered,
+            effort_v: self.effort_v * lowered,
+            decay_rad_s: self.decay_rad_s * raised,
+            damping: self.damping * raised,
+        }
+    }
+
     /// Returns the limits that a grid must keep so that the figures keep these: those of the last round, moved by what the
     /// worst plant's figures exceed.
     pub(crate) fn tighten(&self, last: &Self, found: &[LoopMeasures]) -> Self {

@@ -12,20 +12,22 @@
 //! An exact penalty and a trust region decide on the step; several deterministic starts guard against local minima.
 //!
 //! Modules in reading order: `disturbance`, `limits` (with the figures of a loop by another path), `grid`, `family`, `random`, `blocks`, `starts`,
-//! `block_family`, `shape`, `weights`, `problem`, `loop_response`, `crossings`, `evaluation`, `tangent`, `descent`, `search`.
+//! `block_family`, `shape`, `weights`, `problem`, `loop_response`, `crossings`, `evaluation`, `tangent`, `descent`,
+//! `search`; and `grid_measures`, the figures of a loop without slopes.
 
 mod block_family;
 mod blocks;
 mod crossings;
-mod descent;
+pub(crate) mod descent;
 mod disturbance;
 mod evaluation;
-mod family;
-mod grid;
+pub(crate) mod family;
+pub(crate) mod grid;
+mod grid_measures;
 mod limits;
 mod loop_response;
-mod problem;
-mod random_generator;
+pub(crate) mod problem;
+pub(crate) mod random_generator;
 mod search;
 mod shape;
 mod starts;

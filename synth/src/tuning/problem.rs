@@ -17,7 +17,7 @@ use crate::tolerance::DRIFTING_POLE;
 pub(crate) struct Problem<'a> {
     pub task: &'a TuningTask<'a>,
     /// Family of the feedback that moves.
-    pub family: Box<dyn FeedbackFamily + 'a>,
+    pub family: Box<dyn FeedbackFamily + Send + 'a>,
     pub grid: LoopGrid,
     pub plants: Vec<LoopPlant>,
     /// The sampled plants on which the loop must be stable alone.
@@ -45,7 +45,7 @@ impl<'a> Problem<'a> {
             let of = Response::of(&system)?.at_all(&grid.rates)?;
             plants.push(LoopPlant { response: of.iter().map(|H| H[(0, 0)]).collect(), system });
         }
-        let family: Box<dyn FeedbackFamily + 'a> = match task.subject {
+        let family: Box<dyn FeedbackFamily + Send + 'a> = match task.subject {
             TuningSubject::Structure(structure) => {
                 Box::new(Blocks::new(structure, task.sampling, &grid, &plants[0])?)
             }
@@ -72,7 +72,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Returns whether the loop holds the machine with what the linear plant leaves out.
-    fn holds(&self, K: &StateSpace) -> Result<bool, Error> {
+    pub fn holds(&self, K: &StateSpace) -> Result<bool, Error> {
         for plant in &self.held {
             let drifts = |pole: &C64| (pole - C64::ONE).norm() < DRIFTING_POLE;
             if closed_poles(plant, K)?.iter().any(|pole| pole.norm() >= 1.0 && !drifts(pole)) {

@@ -231,6 +231,10 @@ impl FeedbackFamily for Weights<'_> {
         Ok(GridResponse { K, slopes })
     }
 
+    fn response_feedbacks(&self) -> usize {
+        self.ranges.len() + 1
+    }
+
     fn sampled_feedback(&self, at: &[f64]) -> Result<StateSpace, Error> {
         cached_system(&self.designs, at, || self.design_feedback(at))
     }
