@@ -37,6 +37,7 @@ const EXAMPLES: &[Example] = &[
     example("model", &["model", "examples/reference-rig"]),
     example("reduce", &["reduce", "examples/reference-rig"]),
     example("synth", &["synth", "examples/reference-rig"]),
+    example("synth-search", &["synth", "examples/servo-pendulum", "--search", "--evaluations", "400"]),
     example("compare", &["compare", "examples/reference-rig"]),
     example("verify", &["verify", "examples/reference-rig"]),
     example("verify-line-of-sight", &["verify", "examples/gun-recoil"]),

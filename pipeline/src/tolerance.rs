@@ -248,3 +248,7 @@ pub(crate) const PLACE_REACH: f64 = 0.1;
 
 /// Relative difference of sample periods that are the same: that of a decimal with seven digits.
 pub(crate) const SAME_CLOCK: f64 = 1e-6;
+
+/// Sliding rates that the learning of the friction's level counts as a rate of 1: on the reference rig's road and sines 5 of them made the learning three times as slow, because
+/// its steps fell with the square of the rate.
+pub(crate) const SLIDING_RATES_AS_ONE: f64 = 20.0;

@@ -206,7 +206,7 @@ pub fn certificate_section(found: &StabilityCertificate, robust: &[RegimeRobustn
     }
     section = section.with_text(
         "Every block of the exported controller is part of these loops: its friction observers, its estimator and the inverse of the \
-         drive's curve. At rest, friction is the spring of its presliding stiffness. Limit cycles are predicted by harmonic balance, \
+         drive's curve. A friction level that is learnt counts as the stated one; the runs learn it. At rest, friction is the spring of its presliding stiffness. Limit cycles are predicted by harmonic balance, \
          and each prediction is the start of a run on the simulator, which is followed until the motion settles or fades. Stability is \
          called proved only where a sector argument holds: what is known of the friction laws (that they take energy, that they are functions \
          of the rate or yield as a spring does) contradicts any motion that keeps itself up, at every frequency, with a bound between the \

@@ -8,7 +8,7 @@
 //!
 //! Modules in reading order: [`page`], [`html`], [`style`], [`figure_tables`], [`bode`]; a verification's report: [`summary`], [`evidence`], [`loop_charts`], [`spectra`],
 //! [`verification`], [`difference`], [`triangle`]; a design's: [`design`], [`first_design`], [`alternatives`], [`designs`], [`targets`], [`trade_off`], [`front`]; the other commands'
-//! reports: [`check`], [`commission`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robustness`], [`certificate`], [`two_axes`], [`error_budget`], `error_budget_figures`, [`advice`], [`identify`], [`replay`],
+//! reports: [`check`], [`key_reference`], [`commission`], [`model`], [`fra`], [`adaptation`], [`sweep`], [`robustness`], [`certificate`], [`two_axes`], [`error_budget`], `error_budget_figures`, [`advice`], [`identify`], [`replay`],
 //! [`diagnosis`], `learned`, [`residual`], [`structure`]; what result files hold: [`results`]; and every sentence about a
 //! result: [`wording`].
 

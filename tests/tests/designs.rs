@@ -47,7 +47,7 @@ fn a_tuned_structure_is_verified_exported_and_saved_like_any_controller() {
         .verification()
         .verdicts
         .iter()
-        .filter(|(_, verdict)| !matches!(verdict, counterpoise_verify::Verdict::Holds { .. }))
+        .filter(|(_, verdict)| !matches!(verdict, Verdict::Holds { .. }))
         .map(|(requirement, verdict)| format!("{}: {verdict:?}", requirement.figure.key()))
         .collect();
     assert!(failing.is_empty(), "{failing:?}");

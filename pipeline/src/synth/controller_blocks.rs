@@ -15,7 +15,7 @@ use crate::synth::design_plant::{attach_sensors, torque_per_volt};
 use crate::synth::friction_observers::observer_friction;
 use crate::tolerance::{
     BEYOND_FULL_SCALE, LEAST_DEAD_BAND_M_S2, LEAST_SLOPE, LEAST_TORQUE_OVER_FRICTION,
-    LEAST_TORQUE_WITHOUT_GRAVITY, LEAST_UNOBSERVED, SHORTEST_STRETCH_SHARE, SMALL_KG_M,
+    LEAST_TORQUE_WITHOUT_GRAVITY, LEAST_UNOBSERVED, SHORTEST_STRETCH_SHARE, SLIDING_RATES_AS_ONE, SMALL_KG_M,
 };
 use crate::{PipelineError, PlantModel};
 use counterpoise_project::resolve::synthesis::DesignRequest;
@@ -32,9 +32,6 @@ const PITCH_WASHOUT_S: f64 = 10.0;
 /// Usual hold band. What the band leaves after a slow change is never learnt: 6 % left 24 % of the hub rate that a change of 30 % adds where
 /// no observer covers friction, 4 % leaves 18 %. On every example the out-of-balance stands still when nothing changes.
 pub(crate) const HOLD_BAND: f64 = 0.04;
-
-/// Sliding rates that the learning of the friction's level counts as a rate of 1: the rates of a motion that slides for most of its time.
-const SLIDING_RATES_AS_ONE: f64 = 20.0;
 
 /// Returns the sampled controller with the blocks beside its paths, checked again.
 ///

@@ -184,7 +184,7 @@ impl Header {
         if cols < 1 || rows == 0 {
             return Err(mistake(record.at, &format!("a matrix of {rows} x {cols} has no entries")));
         }
-        let bigmat = rows < 0 || rows >= STRING_ROW;
+        let bigmat = !(0..STRING_ROW).contains(&rows);
         let (rows, cols) = (rows.unsigned_abs() as usize, cols as usize);
         check_size(0, rows, cols)?;
         let name = String::from_utf8_lossy(&record.data[16..]).trim_matches(['\0', ' ']).to_owned();
