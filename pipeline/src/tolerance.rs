@@ -249,6 +249,6 @@ pub(crate) const PLACE_REACH: f64 = 0.1;
 /// Relative difference of sample periods that are the same: that of a decimal with seven digits.
 pub(crate) const SAME_CLOCK: f64 = 1e-6;
 
-/// Sliding rates that the learning of the friction's level counts as a rate of 1: on the reference rig's road and sines 5 of them made the learning three times as slow, because
-/// its steps fell with the square of the rate.
+/// Sliding rates that the learning of the friction's level counts as a rate of 1. Its steps fall with the square of the rate: with 5 of them the sines of the reference rig
+/// leave 1.13 mrad/s after 14 s, with 20 they leave 0.84.
 pub(crate) const SLIDING_RATES_AS_ONE: f64 = 20.0;
