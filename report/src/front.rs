@@ -179,6 +179,9 @@ pub fn figures(front: &FrontText, words: &[ObjectiveWords]) -> Vec<Figure> {
     (1..words.len()).filter_map(|k| figure(front, words, k)).collect()
 }
 
+/// Ratio of the largest value to the smallest from which on an axis is logarithmic.
+const DECADE: f64 = 10.0;
+
 fn figure(front: &FrontText, words: &[ObjectiveWords], other: usize) -> Option<Figure> {
     let at = |figures: &[f64]| [words[other].scale * figures[other], words[0].scale * figures[0]];
     let is_drawn = |point: &[f64; 2]| point.iter().all(|value| value.is_finite());
@@ -210,6 +213,10 @@ fn figure(front: &FrontText, words: &[ObjectiveWords], other: usize) -> Option<F
         let values = all.iter().map(|point| point[place]);
         let (low, high) = values
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+        if low > 0.0 && high > DECADE * low {
+            let room = (high / low).powf(ROOM);
+            return Axis::logarithmic(word.name, word.unit).with_range(low / room, high * room);
+        }
         let room = ROOM * if high > low { high - low } else { high.abs().max(1.0) };
         Axis::linear(word.name, word.unit).with_range(low - room, high + room)
     };
