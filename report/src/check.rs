@@ -238,7 +238,8 @@ fn change(at: &EffectAtValue) -> String {
         return "the loop is unstable".to_owned();
     }
     let part = |name: &str, value: Option<f64>, unit: &str| {
-        value.map(|value| format!("{name} {}{unit}", signed_number(value)))
+        let value = value.filter(|value| value.abs() >= NO_EFFECT);
+        value.map(|value| format!("{name} {value:+.2}{unit}"))
     };
     let parts = [
         part("gain margin", at.gain_margin_change_db, " dB"),
@@ -247,11 +248,6 @@ fn change(at: &EffectAtValue) -> String {
         part("residual", at.residual_change_db, " dB"),
     ];
     parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
-}
-
-fn signed_number(value: f64) -> String {
-    let shown = if value.abs() < NO_EFFECT { 0.0 } else { value };
-    format!("{shown:+.2}")
 }
 
 fn with_unit(value: f64, unit: &str) -> String {
