@@ -8,7 +8,7 @@ use counterpoise_diagnose::fitting::output_error::{FitSelection, Problem};
 use counterpoise_diagnose::library::{Component, EffectName, find_effects};
 use counterpoise_diagnose::recording::instrument_faults::{FaultKind, find_instrument_faults};
 use counterpoise_diagnose::simulator_access::objective::{PreparedRecordings, RecordingReplays};
-use counterpoise_models::{Parameters, Plant, Sensor, reference};
+use counterpoise_models::{FeedbackSignal, Parameters, Plant, Sensor, reference};
 use counterpoise_pool::Serial;
 use counterpoise_recordings::{Channel, Recording};
 use counterpoise_simulate::replay::ReplayLoop;
@@ -138,4 +138,20 @@ fn a_sensor_that_is_stated_to_be_slower_has_no_fault() {
     let not_stated = find_instrument_faults(&rig(), &control, &recordings);
     let held = |samples| not_stated.faults.iter().any(|fault| fault.kind == FaultKind::Held { samples });
     assert!(held(5) && held(4), "{:?}", not_stated.faults);
+}
+
+#[test]
+fn a_control_that_rests_with_a_loop_of_position_is_not_stuck() {
+    let mut resting = recording(&rig(), 2);
+    resting.samples_mut(Channel::Control).unwrap()[..1200].fill(0.0);
+    let control = ReplayLoop::Open;
+    let is_stuck = |machine: &Parameters| {
+        let found = find_instrument_faults(machine, &control, std::slice::from_ref(&resting));
+        found.faults.iter().any(|fault| matches!(fault.kind, FaultKind::Stuck { .. }))
+    };
+    // Behind a gyroscope, whose noise never rests, it is.
+    assert!(is_stuck(&rig()));
+    let mut of_position = rig();
+    of_position.sensors.measured = FeedbackSignal::HubPosition;
+    assert!(!is_stuck(&of_position));
 }

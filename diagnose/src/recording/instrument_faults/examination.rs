@@ -65,6 +65,12 @@ fn shows_a_place(base: &Parameters, column: RecorderColumn) -> bool {
     column == RecorderColumn::HubRate && base.sensors.measured.is_position()
 }
 
+/// Returns whether a fault is no more than a machine at rest: where the loop's sensor shows a place in steps, the control stands still with it.
+fn rests_with_machine(base: &Parameters, column: RecorderColumn, kind: &FaultKind) -> bool {
+    let stands_still = matches!(kind, FaultKind::Stuck { .. });
+    stands_still && column == RecorderColumn::Control && base.sensors.measured.is_position()
+}
+
 impl ExaminedRecordings {
     /// Notes a fault in recordings; adds them to a fault of this kind that is known already.
     fn note(&mut self, column: RecorderColumn, kind: FaultKind, recordings: &[usize], treatment: Treatment) {
@@ -96,7 +102,8 @@ impl ExaminedRecordings {
                 let period_s = self.recordings[r].sample_period_s;
                 self.bridge(r, column, control, base);
                 let Some(series) = column.of(&self.recordings[r]) else { continue };
-                for seen in single_column::find_faults(column, series, base, period_s) {
+                let found = single_column::find_faults(column, series, base, period_s);
+                for seen in found.into_iter().filter(|seen| !rests_with_machine(base, column, &seen.kind)) {
                     let done = self.without(r, column, &seen.useless, &seen.kind, control, base);
                     self.note(column, seen.kind, &[r], done);
                 }
