@@ -104,7 +104,8 @@ pub fn run(options: &ExperimentOptions) -> CommandResult {
         projects::write_file(&options.output, csv(&best.demand, period_s).as_bytes())?;
     }
     if !output::write_result(&options.results, &text)? {
-        print(&text, options);
+        let controlled = loaded.project.plant.controlled_quantity();
+        print(&text, options, [controlled.travel_unit(), controlled.rate().unit()]);
     }
     Ok(ExitStatus::SUCCESS)
 }
@@ -116,12 +117,13 @@ fn csv(demand: &[f64], period_s: f64) -> String {
     std::iter::once("time [s],demand\n".to_owned()).chain(rows).collect()
 }
 
-fn print(text: &ExperimentPlanText, options: &ExperimentOptions) {
+/// Prints a plan, with the units of a motion and of its rate.
+fn print(text: &ExperimentPlanText, options: &ExperimentOptions, [travel, rate]: [&str; 2]) {
     say!("machines that are left:");
     text.machines.iter().enumerate().for_each(|(k, name)| say!("  {}: {name}", k + 1));
     say!("best experiment: {}", text.what);
     say!(
-        "  reaches {:.4} rad, {:.4} rad/s and {:.3} A",
+        "  reaches {:.4} {travel}, {:.4} {rate} and {:.3} A",
         text.reached_angle_rad,
         text.reached_rate_rad_s,
         text.reached_current_a
@@ -130,6 +132,11 @@ fn print(text: &ExperimentPlanText, options: &ExperimentOptions) {
     for pair in &text.separations {
         let machines = format!("{} and {}", pair.first + 1, pair.second + 1);
         say!("  {machines:<12} {:>29.1} {:>22.1} %", pair.log_likelihood_ratio, 100.0 * pair.probability);
+    }
+    if text.separations.iter().all(|pair| pair.probability == 0.0) && !text.separations.is_empty() {
+        say!(
+            "  within these limits no experiment tells the machines apart; wider limits, or a further sensor, may"
+        );
     }
     text.others.iter().for_each(|other| {
         say!(
