@@ -9,6 +9,7 @@ use counterpoise_synth::FrontObjective;
 use crate::designs::{block_words, limits_words, table_columns, weight_words};
 use crate::results::FrontText;
 use crate::results::front::FrontDesign;
+use crate::tolerance::DECADE;
 use crate::wording::capitalise_first;
 use crate::{
     FigureTile, Headline, OutcomeTone, Report, ReportCell, ReportColumn, ReportOrigin, ReportSection,
@@ -178,9 +179,6 @@ fn designs_table(front: &FrontText, words: &[ObjectiveWords]) -> ReportTable {
 pub fn figures(front: &FrontText, words: &[ObjectiveWords]) -> Vec<Figure> {
     (1..words.len()).filter_map(|k| figure(front, words, k)).collect()
 }
-
-/// Ratio of the largest value to the smallest from which on an axis is logarithmic.
-const DECADE: f64 = 10.0;
 
 fn figure(front: &FrontText, words: &[ObjectiveWords], other: usize) -> Option<Figure> {
     let at = |figures: &[f64]| [words[other].scale * figures[other], words[0].scale * figures[0]];

@@ -30,3 +30,6 @@ pub(crate) const COST_SHOWN_AS_ZERO_DB: f64 = 5e-4;
 
 /// Magnitude below which three decimals leave fewer than two digits: the number is written with an exponent.
 pub(crate) const LEAST_WITH_THREE_DECIMALS: f64 = 0.01;
+
+/// Ratio of the largest value to the smallest from which on an axis of a front is logarithmic: on a linear one most of its designs lie on top of each other.
+pub(crate) const DECADE: f64 = 10.0;
