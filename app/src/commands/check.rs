@@ -24,7 +24,7 @@ pub struct CheckOptions {
     pub project: Option<PathBuf>,
     /// Print the reference of a section of the project file (plant.gearbox), of a key (backlash) or of the figures that a requirement may limit (figures); without
     /// a name the list of all sections
-    #[arg(long, value_name = "NAME", num_args = 0..=1, require_equals = true, default_missing_value = "", conflicts_with_all = ["project", "migrate", "json"])]
+    #[arg(long, value_name = "NAME", num_args = 0..=1, require_equals = true, default_missing_value = "", conflicts_with_all = ["project", "migrate", "json", "data"])]
     pub keys: Option<String>,
     /// Rewrite a file of an older format in the present one, with its comments; nothing else of it changes
     #[arg(long)]

@@ -17,7 +17,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 use super::synth_front::{self, FrontArguments, FrontRequest};
-use super::synth_outputs::{origin, save_project, verdicts_of};
+use super::synth_outputs::{report_origin, save_project, verdicts_of};
 use crate::exit::{CommandResult, ExitStatus, verdict_code};
 use crate::options::CommandOutputs;
 use crate::output::{self, say};
@@ -92,7 +92,7 @@ pub fn run(options: &SynthOptions) -> CommandResult {
         result.warnings.retain(|warning| !warning.cause.is_crossover_of_weights());
     }
     if let Some(path) = &options.outputs.report {
-        let origin = origin(&loaded, "");
+        let origin = report_origin(&loaded, "");
         output::write_report(path, &options.outputs.results, &of_synthesis(&study, &result, &origin))?;
     }
     if let Some(path) = &options.save {
@@ -330,8 +330,12 @@ fn report_search(
     let result = search_result(&found, points);
     if let Some(path) = &options.outputs.report {
         let identity = ProjectIdentity::of(&loaded.project, &loaded.project_folder());
-        let page =
-            trade_off::trade_off_report(&identity, &found, &result.verified, &origin(loaded, " --search"));
+        let page = trade_off::trade_off_report(
+            &identity,
+            &found,
+            &result.verified,
+            &report_origin(loaded, " --search"),
+        );
         output::write_report(path, &options.outputs.results, &page)?;
     }
     if !output::write_result(&options.outputs.results, &result)? {

@@ -16,7 +16,7 @@ use counterpoise_report::front::{
 use counterpoise_report::results::FrontText;
 use counterpoise_synth::LoopLimits;
 
-use super::synth_outputs::{origin, save_project, verdicts_of};
+use super::synth_outputs::{report_origin, save_project, verdicts_of};
 use crate::exit::{CommandResult, ExitStatus, verdict_code};
 use crate::options::CommandOutputs;
 use crate::output::{self, say};
@@ -168,7 +168,7 @@ pub fn run(request: &FrontRequest<'_>, asked: &AskedFront) -> CommandResult {
         }
     }
     if let Some(path) = &outputs.report {
-        let page = front_report(&text, &origin(loaded, " --search"));
+        let page = front_report(&text, &report_origin(loaded, " --search"));
         output::write_report(path, &outputs.results, &page)?;
     }
     if !output::write_result(&outputs.results, &text)? {

@@ -18,7 +18,7 @@ pub fn save_project(loaded: &ProjectOnDisk, project: &Project, path: &Path) -> a
 }
 
 /// Returns the command of a report and the project that it is of.
-pub fn origin(loaded: &ProjectOnDisk, option: &str) -> ReportOrigin {
+pub fn report_origin(loaded: &ProjectOnDisk, option: &str) -> ReportOrigin {
     let project = loaded.path.display().to_string();
     ReportOrigin { command: format!("counterpoise synth {project}{option}"), project }
 }

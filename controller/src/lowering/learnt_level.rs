@@ -26,7 +26,7 @@ pub(super) struct LearntLevel {
 
 impl LearntLevel {
     /// Writes the volts that act.
-    pub fn begin(
+    pub fn write_volts(
         learning: LevelLearning,
         observed: &[Slot],
         states: &mut States,
@@ -44,7 +44,7 @@ impl LearntLevel {
     }
 
     /// Writes the learning from what the feedback paths give.
-    pub fn learn(&self, feedback: &[Slot], rate: Slot, period_s: f64, writer: &mut Writer) {
+    pub fn write_learning(&self, feedback: &[Slot], rate: Slot, period_s: f64, writer: &mut Writer) {
         let LevelLearning {
             lowest,
             highest,

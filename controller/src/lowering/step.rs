@@ -71,7 +71,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Pr
     };
     let observed: Vec<Slot> = parts.observers.iter().map(observe).collect();
     let learning = parts.level_learning.as_ref().filter(|_| !observed.is_empty());
-    let learnt = learning.map(|learning| LearntLevel::begin(*learning, &observed, states, &mut writer));
+    let learnt = learning.map(|learning| LearntLevel::write_volts(*learning, &observed, states, &mut writer));
     let dry = learnt.as_ref().map_or(observed, |learnt| vec![learnt.cancelled]);
     let path_states: Vec<Vec<Slot>> =
         parts.paths.iter().map(|path| states.array(&path.name, path.system.order())).collect();
@@ -92,7 +92,7 @@ pub(crate) fn program(parts: &Parts, layout: &Layout, states: &mut States) -> Pr
     if let (Some(learnt), Some(first)) = (&learnt, parts.observers.first()) {
         let fed_back = parts.paths.iter().zip(&outputs).filter(|(path, _)| path.is_feedback());
         let feedback: Vec<Slot> = fed_back.map(|(_, output)| *output).collect();
-        learnt.learn(&feedback, signals.slot(first.rate), parts.sample_period_s, &mut writer);
+        learnt.write_learning(&feedback, signals.slot(first.rate), parts.sample_period_s, &mut writer);
     }
     fade(parts, layout, &mut writer);
     let signal = |signal| signals.slot(signal);
