@@ -98,6 +98,14 @@ pub struct PositionController {
 }
 
 impl PositionController {
+    /// Returns over how many samples the position is differenced; 0 if a sensor measures the rate.
+    pub fn rate_samples(&self) -> usize {
+        match self.rate {
+            RateSource::Differences(count) => count.max(1),
+            RateSource::Measured => 0,
+        }
+    }
+
     /// Returns the rate at a sample with a position, and keeps the position.
     fn rate_rad_s(&mut self, position_rad: f64, readings: &Readings) -> f64 {
         let RateSource::Differences(count) = self.rate else { return readings.hub_rate_rad_s };

@@ -148,16 +148,43 @@ pub fn state_at_rest(
     if plant.has_state(state::MOTOR) {
         core[state::MOTOR] = plant.parameters().motor.platform_coupling * platform_rate;
     }
-    let position = hub_angle_rad - platform_angle_rad;
-    let shown = match plant.parameters().sensors.measured {
-        FeedbackSignal::HubRate => platform_rate,
-        FeedbackSignal::RelativeRate | FeedbackSignal::MotorRate => 0.0,
+    let platform = MotionAtStart { angle_rad: platform_angle_rad, rate_rad_s: platform_rate };
+    let shown = loop_sensor_input(plant, &core, platform);
+    PlantState { core, friction: FrictionState::default(), bonds: Bonds::default(), hub_gyro: [shown, 0.0] }
+}
+
+/// Motion of the platform at the start of a run.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct MotionAtStart {
+    /// Angle, rad.
+    pub angle_rad: f64,
+    /// Rate, rad/s.
+    pub rate_rad_s: f64,
+}
+
+/// Returns what the loop's sensor is given in a state of the mechanism, in its unit.
+pub(crate) fn loop_sensor_input(plant: &Plant, core: &[f64], platform: MotionAtStart) -> f64 {
+    let parameters = plant.parameters();
+    let position = core[state::ANGLE] - platform.angle_rad;
+    let relative_rate = core[state::RATE] - platform.rate_rad_s;
+    let motor_rate = if plant.has_mechanism_state(state::MOTOR) {
+        let coupling = parameters.motor.platform_coupling;
+        (core[state::MOTOR] - coupling * platform.rate_rad_s) / parameters.gearbox.ratio
+    } else {
+        relative_rate
+    };
+    match parameters.sensors.measured {
+        FeedbackSignal::HubRate => core[state::RATE],
+        FeedbackSignal::RelativeRate => relative_rate,
+        FeedbackSignal::MotorRate => motor_rate,
         FeedbackSignal::HubPosition => position,
         FeedbackSignal::MotorPosition => position + core[state::WINDUP],
-        FeedbackSignal::Torque => plant.transmitted_torque_at_rest_nm(core[state::WINDUP], position),
+        FeedbackSignal::Torque => {
+            plant.transmitted_torque_at_rest_nm(core[state::WINDUP], position)
+                + parameters.gearbox.damping_nm_s_rad * (motor_rate - relative_rate)
+        }
         FeedbackSignal::Current => core[state::CURRENT],
-    };
-    PlantState { core, friction: FrictionState::default(), bonds: Bonds::default(), hub_gyro: [shown, 0.0] }
+    }
 }
 
 pub(crate) fn require_positive(what: &'static str, value: f64) -> Result<(), Error> {
@@ -259,7 +286,7 @@ impl<'a> Lap<'a> {
         stepper.restart(&state);
         stepper.fire(scenario.firing);
         stepper.limit_current(None);
-        sensing.settle_sensors(&motion, stepper.outputs()[HUB_ANGLE]);
+        sensing.settle_sensors(&motion, stepper.outputs()[HUB_ANGLE], state.hub_gyro[1] * period_s);
         let before = holding_control(plant, &state.core);
         let limited = LimitedDrive::new(parameters, before);
         let clock = match scenario.imperfections {

@@ -81,6 +81,8 @@ struct Chain {
     converter: Converter,
     delay_samples: f64,
     past: Vec<f64>,
+    /// Change of the value from sample to sample before the first one.
+    slope_before: f64,
     /// The value at the sample before; `None` before the first.
     before: Option<f64>,
     drift: Option<DriftNoise>,
@@ -122,6 +124,7 @@ impl Chain {
                 .with_missing_codes(interface.missing_codes),
             delay_samples: sensor.delay_s / interface.sample_period_s,
             past: Vec::new(),
+            slope_before: 0.0,
             before: None,
             drift,
             held: (every > 1).then_some(HeldReading { every, sample: 0, reading: 0.0 }),
@@ -159,7 +162,7 @@ impl Chain {
         self.past.push(value);
         let position = (self.past.len() - 1) as f64 - self.delay_samples;
         if position <= 0.0 {
-            return self.past[0];
+            return self.past[0] + position * self.slope_before;
         }
         let (index, part) = (position as usize, position.fract());
         let next = self.past.get(index + 1).copied().unwrap_or(value);
@@ -277,9 +280,11 @@ impl Sensing {
         }
     }
 
-    /// Puts the platform's sensors where they would be after a long time at a platform state and a hub angle.
-    pub fn settle_sensors(&mut self, motion: &MotionSample, hub_angle_rad: f64) {
+    /// Puts the platform's sensors where they would be after a long time at a platform state and a hub angle; what the loop's sensor is given
+    /// changed by `slope` a sample before the start.
+    pub fn settle_sensors(&mut self, motion: &MotionSample, hub_angle_rad: f64, slope: f64) {
         let start = motion.at(0.0);
+        self.hub_gyro.slope_before = self.hub_gyro.sensor.gain * slope;
         self.platform_gyro.state = [start.rate, 0.0];
         self.accelerometer.state = [self.mounted.heave_felt(motion, 0.0, hub_angle_rad), 0.0];
         if let Some(surge) = &mut self.surge {

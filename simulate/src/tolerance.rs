@@ -150,6 +150,13 @@ pub(crate) const IMBALANCE: f64 = 0.5;
 pub(crate) const FAR: f64 = 3e4;
 /// Samples from which the first rates and angles are taken.
 pub(crate) const FIRST_SAMPLES: usize = 5;
+/// Samples through which a parabola gives angle, rate and acceleration at the start.
+pub(crate) const FIRST_MOTION_SAMPLES: usize = 20;
+/// Standard errors of the rate at the start beyond which the hub moves.
+pub(crate) const FIRST_MOTION_ERRORS: f64 = 6.0;
+/// Share of the recorded control's RMS below which a difference says nothing about the controller: a converter that the project does not
+/// state (14 bits have steps of 1.2e-4 of their range), gains written with four digits, and numbers printed with six all leave less.
+pub(crate) const SAME_CONTROL_SHARE: f64 = 2e-4;
 /// Samples from which the controller's integral at the start is taken.
 pub(crate) const INTEGRAL_SAMPLES: usize = 200;
 /// Samples from which the rate before the first sample is taken, for a controller that differences its position.

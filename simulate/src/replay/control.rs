@@ -4,7 +4,7 @@
 //! machine did: what is left is the rounding of the converters, or another controller was in the loop.
 
 use super::{ChannelFit, RecordedController, fit};
-use crate::tolerance::SHORTEST_WINDOW;
+use crate::tolerance::{SAME_CONTROL_SHARE, SHORTEST_WINDOW};
 use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
 
@@ -33,12 +33,17 @@ pub fn control_fit(
         let to = (from..control.len()).find(|&k| !whole(k)).unwrap_or(control.len());
         if to >= from + SHORTEST_WINDOW {
             made[from..to].copy_from_slice(&controller.compute_control(&recording.part(from..to))?);
+            // what a controller knew before its first sample was not recorded
+            made[from..(from + controller.unrecorded_samples()).min(to)].fill(f64::NAN);
         }
         from = to + 1;
     }
     let pairs = made.iter().zip(control);
     let compared: Vec<f64> = pairs.map(|(m, c)| if m.is_finite() { *c } else { f64::NAN }).collect();
-    let fit = fit(Channel::Control, &made, &compared, controller.rounding_floor(parameters))?;
+    let size = control.iter().copied().filter(|v| v.is_finite()).map(|v| v * v).sum::<f64>();
+    let size = (size / control.len().max(1) as f64).sqrt();
+    let floor = controller.rounding_floor(parameters).max(SAME_CONTROL_SHARE * size);
+    let fit = fit(Channel::Control, &made, &compared, floor)?;
     Some((fit, made))
 }
 

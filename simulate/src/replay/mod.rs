@@ -7,6 +7,7 @@
 
 mod control;
 mod exported_controller;
+mod first_motion;
 mod initial_controller_state;
 mod normal_equations;
 pub mod platform;
@@ -318,8 +319,7 @@ impl<'a> Replayer<'a> {
         Ok(self.compare_channels(&plant, control, history, start.clone()))
     }
 
-    /// Replays the recording once from a given start whose freedoms (hub angle, common rate, gear torque, both dry frictions, a hose,
-    /// current) are moved by `steps` of their step sizes: for fits of start and mechanism together.
+    /// Replays the recording once from a given start whose freedoms (those of [`start_has`]) are moved by `steps` of their step sizes: for fits of start and mechanism together.
     ///
     /// # Errors
     /// As [`replay`].

@@ -130,6 +130,14 @@ impl RecordedController {
         }
     }
 
+    /// Returns for how many samples the controller computes with readings from before the recording.
+    pub(crate) fn unrecorded_samples(&self) -> usize {
+        match self {
+            Self::Position(controller) => controller.rate_samples(),
+            Self::ProportionalIntegral(_) | Self::Exported(_) => 0,
+        }
+    }
+
     /// Returns the channels that the controller needs to be compared with its recorded control.
     pub(crate) fn needed_channels(&self) -> Vec<Channel> {
         match self {
@@ -243,23 +251,49 @@ fn position_noise(
 
 /// Returns a position controller with the rate and the integral that it had at the first sample; as it was handed in if its readings were
 /// not recorded.
+///
+/// A controller that was switched on with the recording knew no position before the first, so that its rate began at 0; one that ran before
+/// knew the motion. The one that gives the first recorded controls more closely is taken.
 fn position_at_start(controller: &PositionController, recording: &Recording) -> PositionController {
-    let mut ready = PositionController { integral_v: 0.0, earlier_rad: Vec::new(), ..controller.clone() };
+    let fresh = PositionController {
+        integral_v: 0.0,
+        earlier_rad: Vec::new(),
+        start_rate_rad_s: 0.0,
+        ..controller.clone()
+    };
+    let running = PositionController { start_rate_rad_s: first_rate(controller, recording), ..fresh.clone() };
+    let (Some(read), Some(control)) = (recorded_readings(recording), recording.samples(Channel::Control))
+    else {
+        return running;
+    };
+    let [fresh, running] = [fresh, running].map(|one| with_integral_of(one, &read, control));
+    let apart = |one: &PositionController| {
+        let mut runner = one.clone();
+        let pairs = read.iter().zip(control).take(runner.rate_samples());
+        let errors = pairs.map(|(readings, recorded)| (recorded - runner.step(readings)).powi(2));
+        errors.filter(|error| error.is_finite()).sum::<f64>()
+    };
+    if apart(&fresh) < apart(&running) { fresh } else { running }
+}
+
+/// Returns the rate that the first positions of a recording show, rad/s; 0 if they were not recorded.
+fn first_rate(controller: &PositionController, recording: &Recording) -> f64 {
     let channel = match controller.position {
         PositionSource::LoopSensor => Channel::HubRate,
         PositionSource::HubPosition => Channel::HubPosition,
     };
     let column = recording.samples(channel).unwrap_or_default();
     let place = START_RATE_SAMPLES.min(column.len().saturating_sub(1));
-    if place > 0 {
-        let rate = (column[place] - column[0]) / (place as f64 * recording.sample_period_s);
-        ready.start_rate_rad_s = if rate.is_finite() { rate } else { 0.0 };
+    if place == 0 {
+        return 0.0;
     }
-    let (Some(read), Some(control)) = (recorded_readings(recording), recording.samples(Channel::Control))
-    else {
-        return ready;
-    };
-    if controller.ki_v_rad == 0.0 {
+    let rate = (column[place] - column[0]) / (place as f64 * recording.sample_period_s);
+    if rate.is_finite() { rate } else { 0.0 }
+}
+
+/// Returns a position controller with the integral at the start that explains the first recorded controls best.
+fn with_integral_of(ready: PositionController, read: &[Readings], control: &[f64]) -> PositionController {
+    if ready.ki_v_rad == 0.0 {
         return ready;
     }
     let mut observer = ready.clone();
@@ -272,8 +306,7 @@ fn position_at_start(controller: &PositionController, recording: &Recording) -> 
         sum += left;
         count += 1.0;
     }
-    ready.integral_v = if count > 0.0 { sum / count } else { 0.0 };
-    ready
+    PositionController { integral_v: if count > 0.0 { sum / count } else { 0.0 }, ..ready }
 }
 
 /// Returns the control of a proportional-integral controller, with the integral at the start that fits best.

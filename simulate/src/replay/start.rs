@@ -1,7 +1,8 @@
 //! The state at the start of a recording, fitted to its first moments.
 //!
-//! Seven numbers are unknown: hub angle, the rate at which hub and motor turn together, gear torque, dry friction at
-//! motor and pivot, current, and the torque of a hose if there is one. They are fitted by Levenberg and Marquardt's method to hub rate, motor rate and hub
+//! Eight numbers are unknown: hub angle, the rate of the hub, gear torque, dry friction at
+//! motor and pivot, current, the torque of a hose if there is one, and by how much an elastic transmission lets the motor turn faster than
+//! the hub. They are fitted by Levenberg and Marquardt's method to hub rate, motor rate and hub
 //! position over the first 0.6 seconds, or the first tenth of a shorter recording, under the recorded control, with the weak
 //! preference that the torques on motor and hub balance. What none of the readings shows (the angle of a balanced mechanism without a
 //! resolver) stays where it was guessed. The structure is taken bent as the gear torque bends it.
@@ -9,11 +10,12 @@
 //! If dry friction alone can hold the hub, the teeth may be apart at the start. The fit is then tried with the teeth apart as well,
 //! and the place inside the gap stands where the gear torque stood.
 
+use super::first_motion::FirstMotion;
 use super::normal_equations::{NormalEquations, squares};
 use super::{Playback, Replayer, reading_floor};
 use crate::ensemble::{EnsembleRun, SIDE_BY_SIDE, run_ensemble};
 use crate::history::TimeHistory;
-use crate::run::Simulator;
+use crate::run::{MotionAtStart, Simulator, loop_sensor_input};
 use crate::scenario::Scenario;
 use crate::tolerance::{
     FAR, FIRST_SAMPLES, IMBALANCE, LEAST_DAMPING, START_ANGLE_STEP_RAD, START_EXPLAINED, START_FLAT,
@@ -26,7 +28,7 @@ use counterpoise_models::{Mesh, Parameters, Plant};
 use counterpoise_recordings::Channel;
 
 /// Number of unknowns.
-pub const UNKNOWNS: usize = 7;
+pub const UNKNOWNS: usize = 8;
 
 type Unknowns = [f64; UNKNOWNS];
 
@@ -38,15 +40,20 @@ const MOTOR_DRY: usize = 3;
 const PIVOT_DRY: usize = 4;
 const CURRENT: usize = 5;
 const HOSE: usize = 6;
+const TWIST: usize = 7;
 
 /// Steps of the gear's unknown from the middle of the gap to a flank while the teeth are apart: a fit finds the place to a fraction of
 /// a step, and a difference of one step stays inside the gap.
 const STEPS_TO_FLANK: f64 = 20.0;
 
-/// Returns whether a mechanism's start has a freedom: hub angle, common rate, gear torque, both dry frictions, current, and in the last place
-/// a hose's torque, which only a mechanism with a hose has.
+/// Returns whether a mechanism's start has a freedom: hub angle, its rate, gear torque, both dry frictions, current, a hose's torque, which
+/// only a mechanism with a hose has, and the rate at which the transmission winds up, which only an elastic one has.
 pub fn start_has(parameters: &Parameters, freedom: usize) -> bool {
-    freedom != HOSE || parameters.lumped.as_ref().and_then(Hose::of).is_some()
+    match freedom {
+        HOSE => parameters.lumped.as_ref().and_then(Hose::of).is_some(),
+        TWIST => !parameters.gearbox.is_rigid(),
+        _ => true,
+    }
 }
 
 /// Returns the state of the plant at the first sample.
@@ -124,7 +131,7 @@ pub(crate) fn redraw_start(
 }
 
 /// The signs of a draw.
-const DRAWN: Unknowns = [1.0, -1.0, 1.0, 1.0, -1.0, 1.0, -1.0];
+const DRAWN: Unknowns = [1.0, -1.0, 1.0, 1.0, -1.0, 1.0, -1.0, 1.0];
 
 struct Fit<'a, 'b> {
     simulator: &'a mut Simulator,
@@ -142,6 +149,8 @@ struct Fit<'a, 'b> {
     anchor: Unknowns,
     /// The contact of the teeth at the start; if they do not touch, the gear's unknown is the place inside the gap.
     mesh: Mesh,
+    /// The motion that the loop's sensor shows at the start.
+    motion: FirstMotion,
 }
 
 impl<'a, 'b> Fit<'a, 'b> {
@@ -171,9 +180,12 @@ impl<'a, 'b> Fit<'a, 'b> {
             0.01 * parameters.pivot_friction.breakaway_nm().max(1e-2),
             1e-2,
             0.01 * plant.hose().map_or(0.0, |hose| hose.level_nm).max(1e-2),
+            1e-4,
         ];
+        let platform_rate = replayer.platform().pitch_rate_rad_s.at(0.0);
         Self {
-            platform_rate: replayer.platform().pitch_rate_rad_s.at(0.0),
+            motion: FirstMotion::of(parameters, recording, platform_rate),
+            platform_rate,
             samples: samples.clamp(1, replayer.samples),
             simulator,
             beside: Vec::new(),
@@ -233,25 +245,65 @@ impl<'a, 'b> Fit<'a, 'b> {
         current.is_finite().then_some(current)
     }
 
-    /// Rest or steady motion, with the current given or as the weight needs it: friction carries what is left.
+    /// Returns the hub angle that the first readings show; 0 if none does.
+    fn first_angle(&self) -> f64 {
+        self.motion.angle_rad.unwrap_or_else(|| self.first_mean(Channel::HubPosition))
+    }
+
+    /// Returns the hub's rate on the platform that the first readings show.
+    fn first_rate(&self) -> f64 {
+        if self.replayer.recording().has(Channel::MotorRate) {
+            self.first_mean(Channel::MotorRate) / self.plant.parameters().gearbox.ratio
+        } else if self.motion.is_moving() {
+            self.motion.rate_rad_s
+        } else {
+            0.0
+        }
+    }
+
+    /// Rest or motion as the first readings show it, with the current given or as weight and acceleration need it: friction carries what is left.
     fn guess(&self, current: Option<f64>) -> Unknowns {
         let parameters = self.plant.parameters();
-        let angle = self.first_mean(Channel::HubPosition);
-        let motor_rate = self.first_mean(Channel::MotorRate);
+        let (angle, rate) = (self.first_angle(), self.first_rate());
         let weight = self.weight_nm(angle);
         let (ratio, constant) = (parameters.gearbox.ratio, parameters.motor.torque_constant_nm_a);
         if self.mesh == Mesh::Free {
-            return [angle, motor_rate / ratio, 0.0, 0.0, -weight, 0.0, 0.0];
+            return [angle, rate, 0.0, 0.0, -weight, 0.0, 0.0, 0.0];
         }
-        let current = current.unwrap_or(weight / (ratio * constant));
         let (motor, pivot) =
             (parameters.motor_friction.breakaway_nm(), parameters.pivot_friction.breakaway_nm());
+        if self.motion.is_moving() {
+            return self.guess_in_motion(angle, rate, current);
+        }
+        let current = current.unwrap_or(weight / (ratio * constant));
         // the surplus of the motor is shared by the two frictions in proportion to their levels
         let surplus = ratio * constant * current - weight;
         let share = surplus / (ratio * motor + pivot).max(f64::MIN_POSITIVE);
         let share = share.clamp(-1.0, 1.0);
         let mesh = weight + pivot * share;
-        [angle, motor_rate / ratio, mesh, motor * share, pivot * share, current, 0.0]
+        [angle, rate, mesh, motor * share, pivot * share, current, 0.0, 0.0]
+    }
+
+    /// Returns a start in motion: both frictions act against it, and the gear passes what accelerates the hub.
+    fn guess_in_motion(&self, angle: f64, rate: f64, current: Option<f64>) -> Unknowns {
+        let parameters = self.plant.parameters();
+        let sense = rate.signum();
+        let (motor, pivot) = (
+            sense * parameters.motor_friction.breakaway_nm(),
+            sense * parameters.pivot_friction.breakaway_nm(),
+        );
+        let (ratio, constant) = (parameters.gearbox.ratio, parameters.motor.torque_constant_nm_a);
+        let acceleration = self.motion.acceleration_rad_s2;
+        let mesh = self.weight_nm(angle)
+            + pivot
+            + parameters.pivot_friction.viscous_nm_s_rad * rate
+            + self.plant.body().inertia_kg_m2 * acceleration;
+        let at_the_motor = mesh / ratio
+            + motor
+            + ratio
+                * (parameters.motor_friction.viscous_nm_s_rad * rate
+                    + parameters.motor.inertia_kg_m2 * acceleration);
+        [angle, rate, mesh, motor, pivot, current.unwrap_or(at_the_motor / constant), 0.0, 0.0]
     }
 
     /// Returns the torque of weight and spring that the gear must pass, N m.
@@ -267,7 +319,7 @@ impl<'a, 'b> Fit<'a, 'b> {
     fn state(&self, u: &Unknowns) -> PlantState {
         let parameters = self.plant.parameters();
         let mut start = self.simulator.rest(u[ANGLE], 0.0, self.platform_rate + u[RATE]);
-        let motor_rate = parameters.gearbox.ratio * u[RATE];
+        let motor_rate = parameters.gearbox.ratio * (u[RATE] + u[TWIST]);
         let motor = &parameters.motor;
         let voltage_v = motor.resistance_ohm * u[CURRENT] + motor.back_emf_v_s_rad * motor_rate;
         let of_states = [
@@ -290,6 +342,11 @@ impl<'a, 'b> Fit<'a, 'b> {
             hose: u[HOSE],
             gear: 0.0,
         };
+        let platform = MotionAtStart { angle_rad: 0.0, rate_rad_s: self.platform_rate };
+        start.hub_gyro = self.motion.sensor_state(
+            loop_sensor_input(&self.plant, &start.core, platform),
+            &parameters.sensors.hub_gyro,
+        );
         start
     }
 
@@ -312,6 +369,13 @@ impl<'a, 'b> Fit<'a, 'b> {
             parameters.pivot_friction.torque_at_state_nm(state.friction.pivot),
             state.core[state::CURRENT],
             state.friction.hose,
+            if start_has(parameters, TWIST) {
+                let of_platform = parameters.motor.platform_coupling * self.platform_rate;
+                (state.core[state::MOTOR] - of_platform) / parameters.gearbox.ratio
+                    - (state.core[state::RATE] - self.platform_rate)
+            } else {
+                0.0
+            },
         ]
     }
 
@@ -373,8 +437,12 @@ impl<'a, 'b> Fit<'a, 'b> {
 
     fn imbalance(&self, u: &Unknowns) -> [f64; 2] {
         let parameters = self.plant.parameters();
-        let motor_scale = IMBALANCE * parameters.motor_friction.breakaway_nm().max(1e-3);
-        let pivot_scale = IMBALANCE * parameters.pivot_friction.breakaway_nm().max(1.0);
+        // what accelerates at the start is in no balance of the torques
+        let acceleration = self.motion.acceleration_rad_s2;
+        let of_motor = parameters.motor.inertia_kg_m2 * parameters.gearbox.ratio * acceleration;
+        let of_hub = self.plant.body().inertia_kg_m2 * acceleration;
+        let motor_scale = (IMBALANCE * parameters.motor_friction.breakaway_nm().max(1e-3)).hypot(of_motor);
+        let pivot_scale = (IMBALANCE * parameters.pivot_friction.breakaway_nm().max(1.0)).hypot(of_hub);
         let motor = parameters.motor.torque_constant_nm_a * u[CURRENT]
             - u[MOTOR_DRY]
             - parameters.motor_friction.viscous_nm_s_rad * parameters.gearbox.ratio * u[RATE]

@@ -88,6 +88,10 @@ impl Replayer<'_> {
         if window_s < WINDOW_S {
             replay = self.replay_windowed_with_control(parameters, window_s, controller)?;
         }
+        // a start that a window's first half does not show, as that of an elastic gear behind few counts, leaves more than the divergence
+        if excess(&replay) > excess(&free) {
+            return Ok(SelectedReplay { replay: free, mode, divergence: Some(divergence) });
+        }
         let mode = ReplayMode::Windowed { window_s, free: free.channels };
         Ok(SelectedReplay { replay, mode, divergence: Some(divergence) })
     }

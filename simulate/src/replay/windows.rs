@@ -18,7 +18,7 @@ use crate::tolerance::{
 };
 use crate::{Error, PlantState, PlatformMotion};
 use counterpoise_models::plant::core::state;
-use counterpoise_models::{Friction, Parameters, Plant};
+use counterpoise_models::{FeedbackSignal, Friction, Parameters, Plant};
 use counterpoise_recordings::Channel;
 
 /// Number of unknowns.
@@ -242,7 +242,7 @@ impl<'a, 'b> Windows<'a, 'b> {
         {
             out.core[index] += by[moved];
         }
-        out.hub_gyro[0] += by[HUB];
+        out.hub_gyro[0] += self.shown_by_loop_sensor(by);
         let dry = |friction: &Friction, old: f64, by: f64| {
             let most = friction.breakaway_nm();
             friction.state_at_torque((friction.torque_at_state_nm(old) + by).clamp(-most, most))
@@ -250,6 +250,20 @@ impl<'a, 'b> Windows<'a, 'b> {
         out.friction.motor = dry(&parameters.motor_friction, near.friction.motor, by[MOTOR_DRY]);
         out.friction.pivot = dry(&parameters.pivot_friction, near.friction.pivot, by[PIVOT_DRY]);
         out
+    }
+
+    /// Returns by how much a move of the state changes what the loop's sensor is given.
+    fn shown_by_loop_sensor(&self, by: &Move) -> f64 {
+        let parameters = self.plant.parameters();
+        match parameters.sensors.measured {
+            FeedbackSignal::HubRate | FeedbackSignal::RelativeRate => by[HUB],
+            FeedbackSignal::MotorRate if parameters.gearbox.is_rigid() => by[HUB],
+            FeedbackSignal::MotorRate => by[MOTOR] / parameters.gearbox.ratio,
+            FeedbackSignal::HubPosition => by[ANGLE],
+            FeedbackSignal::MotorPosition if parameters.gearbox.is_rigid() => by[ANGLE],
+            FeedbackSignal::MotorPosition => by[ANGLE] + by[WINDUP],
+            FeedbackSignal::Torque | FeedbackSignal::Current => 0.0,
+        }
     }
 
     fn residuals(
