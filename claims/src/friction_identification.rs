@@ -78,8 +78,14 @@ fn record_machine(truth: &Parameters) -> Result<(Recording, ReplayLoop), Pipelin
     let plant = Plant::from_lumped(truth)?;
     let sample_period_s = truth.interface.sample_period_s;
     let bias_v = plant.equilibrium(&Default::default()).control_v;
-    let mut controller =
-        ProportionalIntegral { kp_v_s_rad: 18.0, ki_v_rad: 80.0, bias_v, sample_period_s, integral_v: 0.0 };
+    let mut controller = ProportionalIntegral {
+        kp_v_s_rad: 18.0,
+        ki_v_rad: 80.0,
+        bias_v,
+        sample_period_s,
+        integral_v: 0.0,
+        anti_windup: counterpoise_controller::AntiWindup::None,
+    };
     let control = ReplayLoop::from(&controller);
     let scenario = Scenario {
         demand_rad_s: Signal::Triangle { amplitude: TRIANGLE.0, period_s: TRIANGLE.1 },

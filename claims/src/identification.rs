@@ -42,7 +42,14 @@ const TRIANGLE: (f64, f64, f64) = (0.15, 2.0, 10.0);
 fn holding_controller(machine: &Parameters) -> Result<ProportionalIntegral, PipelineError> {
     let bias_v = Plant::from_lumped(machine)?.equilibrium(&Default::default()).control_v;
     let sample_period_s = machine.interface.sample_period_s;
-    Ok(ProportionalIntegral { kp_v_s_rad: 18.0, ki_v_rad: 80.0, bias_v, sample_period_s, integral_v: 0.0 })
+    Ok(ProportionalIntegral {
+        kp_v_s_rad: 18.0,
+        ki_v_rad: 80.0,
+        bias_v,
+        sample_period_s,
+        integral_v: 0.0,
+        anti_windup: counterpoise_controller::AntiWindup::None,
+    })
 }
 
 /// Returns a triangle wave recorded on a machine in closed loop, with noise and converters.

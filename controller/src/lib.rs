@@ -66,6 +66,7 @@ pub use parts::{Correction, DemandLimit, Parts, Path, Projection, Scaling};
 pub use program::Programs;
 pub use runner::Runner;
 pub use sampled_controller::{
-    PositionController, PositionSource, ProportionalIntegral, RateSource, Readings, SampledController,
+    AntiWindup, IntegralMotion, PositionController, PositionSource, ProportionalIntegral, RateSource,
+    Readings, SampledController,
 };
 pub use signal::{COMMON_READINGS, PathSignal, READING_NAMES, READINGS};

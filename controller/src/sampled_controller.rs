@@ -27,7 +27,66 @@ pub trait SampledController {
     fn step(&mut self, readings: &Readings) -> f64;
 }
 
-/// The controller of a recording: e = demand - hub rate, u = kp e + q + bias, then q += ki T e.
+/// Treatment of an integral while the control is limited.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub enum AntiWindup {
+    /// The integral goes on as if the control were not limited.
+    #[default]
+    None,
+    /// The control is limited, in volts, and the integral waits while it is.
+    Hold(f64),
+    /// The control is limited, in volts, and the integral waits while the error would drive it further.
+    HoldOutward(f64),
+    /// The integral itself stays within a limit, in volts.
+    Clamp(f64),
+}
+
+/// What an integral did from one sample to the next.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IntegralMotion {
+    /// It grew by what the error added.
+    Grew,
+    /// It stayed.
+    Stayed,
+    /// It reached a bound.
+    Bounded,
+}
+
+impl AntiWindup {
+    /// Returns an integral after a sample: the error would raise it by `growth`, beside a control that is not limited yet.
+    fn advance(self, integral: f64, growth: f64, control: f64) -> f64 {
+        match self {
+            Self::Hold(limit) if control.abs() >= limit => integral,
+            Self::HoldOutward(limit) if control.abs() >= limit && control * growth > 0.0 => integral,
+            Self::Clamp(limit) => (integral + growth).clamp(-limit, limit),
+            Self::None | Self::Hold(_) | Self::HoldOutward(_) => integral + growth,
+        }
+    }
+
+    /// Returns the control that leaves a controller with this rule.
+    fn limited(self, control: f64) -> f64 {
+        match self {
+            Self::Hold(limit) | Self::HoldOutward(limit) => control.clamp(-limit, limit),
+            Self::None | Self::Clamp(_) => control,
+        }
+    }
+
+    /// Returns whether a control that left the controller stands at the limit of this rule.
+    pub fn is_limited(self, control: f64) -> bool {
+        matches!(self, Self::Hold(limit) | Self::HoldOutward(limit) if control.abs() >= limit)
+    }
+
+    /// Returns what an integral did between two samples.
+    pub fn motion_between(self, before: f64, after: f64) -> IntegralMotion {
+        match self {
+            Self::Hold(_) | Self::HoldOutward(_) if after == before => IntegralMotion::Stayed,
+            Self::Clamp(limit) if after.abs() >= limit => IntegralMotion::Bounded,
+            _ => IntegralMotion::Grew,
+        }
+    }
+}
+
+/// The controller of a recording: e = demand - hub rate, u = kp e + q + bias, then q += ki T e unless the rule against windup forbids it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ProportionalIntegral {
     /// Proportional gain, V s/rad.
@@ -40,6 +99,8 @@ pub struct ProportionalIntegral {
     pub sample_period_s: f64,
     /// State q, V.
     pub integral_v: f64,
+    /// Treatment of the integral while the control is limited.
+    pub anti_windup: AntiWindup,
 }
 
 impl SampledController for ProportionalIntegral {
@@ -50,8 +111,9 @@ impl SampledController for ProportionalIntegral {
     fn step(&mut self, readings: &Readings) -> f64 {
         let error = readings.demand_rad_s - readings.hub_rate_rad_s;
         let control = self.kp_v_s_rad * error + self.integral_v + self.bias_v;
-        self.integral_v += self.ki_v_rad * self.sample_period_s * error;
-        control
+        let growth = self.ki_v_rad * self.sample_period_s * error;
+        self.integral_v = self.anti_windup.advance(self.integral_v, growth, control);
+        self.anti_windup.limited(control)
     }
 }
 
@@ -74,7 +136,7 @@ pub enum PositionSource {
 }
 
 /// A position controller with a rate loop inside, as a positioning drive has it: e = kp (demand - position) - rate,
-/// u = kv e + q, then q += ki T e.
+/// u = kv e + q, then q += ki T e unless the rule against windup forbids it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PositionController {
     /// Gain of the position loop, 1/s.
@@ -93,6 +155,8 @@ pub struct PositionController {
     pub start_rate_rad_s: f64,
     /// State q, V.
     pub integral_v: f64,
+    /// Treatment of the integral while the control is limited.
+    pub anti_windup: AntiWindup,
     /// The positions of the samples before, the latest first, rad.
     pub earlier_rad: Vec<f64>,
 }
@@ -135,8 +199,9 @@ impl SampledController for PositionController {
         let rate = self.rate_rad_s(position, readings);
         let error = self.kp_1_s * (readings.demand_rad_s - position) - rate;
         let control = self.kv_v_s_rad * error + self.integral_v;
-        self.integral_v += self.ki_v_rad * self.sample_period_s * error;
-        control
+        let growth = self.ki_v_rad * self.sample_period_s * error;
+        self.integral_v = self.anti_windup.advance(self.integral_v, growth, control);
+        self.anti_windup.limited(control)
     }
 }
 
@@ -155,6 +220,7 @@ mod tests {
             position: PositionSource::LoopSensor,
             start_rate_rad_s: 0.5,
             integral_v: 0.0,
+            anti_windup: AntiWindup::None,
             earlier_rad: Vec::new(),
         };
         for k in 0..5 {
@@ -165,5 +231,36 @@ mod tests {
         }
         controller.reset();
         assert!(controller.earlier_rad.is_empty());
+    }
+
+    /// A controller that integrates an error of 1 with a gain of 2 V, sample after sample, beside a bias.
+    fn integrals(anti_windup: AntiWindup, errors: &[f64]) -> Vec<[f64; 2]> {
+        let mut controller = ProportionalIntegral {
+            kp_v_s_rad: 1.0,
+            ki_v_rad: 2.0,
+            bias_v: 0.5,
+            sample_period_s: 1.0,
+            integral_v: 0.0,
+            anti_windup,
+        };
+        let one = |error: &f64| {
+            let readings = Readings { demand_rad_s: *error, ..Readings::default() };
+            [controller.step(&readings), controller.integral_v]
+        };
+        errors.iter().map(one).collect()
+    }
+
+    #[test]
+    fn the_integral_waits_or_is_bounded_while_the_control_is_limited() {
+        let errors = [1.0, 1.0, 1.0, -1.0, -1.0];
+        let of = |rule| integrals(rule, &errors);
+        let on = [[1.5, 2.0], [3.5, 4.0], [5.5, 6.0], [5.5, 4.0], [3.5, 2.0]];
+        assert_eq!(of(AntiWindup::None), on);
+        // beyond 5 V the control is 5 V; the integral waits at the third and the fourth sample, and only while it would grow outward
+        assert_eq!(of(AntiWindup::Hold(5.0))[2..], [[5.0, 4.0], [3.5, 2.0], [1.5, 0.0]]);
+        let outward = integrals(AntiWindup::HoldOutward(3.0), &[1.0, 1.0, 1.0, -0.1]);
+        assert_eq!(outward[1..3], [[3.0, 2.0], [3.0, 2.0]]);
+        assert!((outward[3][1] - 1.8).abs() < 1e-12, "{outward:?}");
+        assert_eq!(of(AntiWindup::Clamp(3.0)), [[1.5, 2.0], [3.5, 3.0], [4.5, 3.0], [2.5, 1.0], [0.5, -1.0]]);
     }
 }

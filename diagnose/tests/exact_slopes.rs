@@ -8,7 +8,7 @@ use counterpoise_diagnose::simulator_access::{
     ChannelResidual, MechanismVariant, SimulatorAccess, Span, VariantDirection,
 };
 use counterpoise_models::{Parameters, Plant, reference};
-use counterpoise_simulate::replay::ReplayLoop;
+use counterpoise_simulate::replay::{ReplayLoop, START_FREEDOMS};
 use counterpoise_simulate::sensitivity::Side;
 use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
@@ -18,13 +18,14 @@ const BIAS_V: f64 = 2.88;
 type Change = fn(&mut MechanismVariant, f64);
 
 /// Parameters in units of a thousandth, and freedoms of the start.
-const CHANGES: [Change; 6] = [
+const CHANGES: [Change; 7] = [
     |variant, by| variant.parameters.pivot_friction.viscous_nm_s_rad *= 1.0 + 1e-3 * by,
     |variant, by| variant.parameters.lumped.as_mut().unwrap().out_of_balance_kg_m *= 1.0 + 1e-3 * by,
     |variant, by| variant.parameters.gearbox.stiffness_nm_rad *= 1.0 + 1e-3 * by,
     |variant, by| variant.parameters.sensors.hub_gyro.gain *= 1.0 + 1e-3 * by,
     |variant, by| variant.shift[1] += by,
     |variant, by| variant.shift[4] += by,
+    |variant, by| variant.shift[7] += by,
 ];
 
 #[test]
@@ -43,8 +44,10 @@ fn exact_slopes_of_residuals_are_those_of_differences() {
     let control = ReplayLoop::from(&controller(BIAS_V));
     let replays = RecordingReplays::new(&base, &control, &prepared).unwrap();
     let near = replays.assess(&base, 0).unwrap();
-    let variant =
-        |parameters: &Parameters| MechanismVariant { parameters: parameters.clone(), shift: [0.0; 7] };
+    let variant = |parameters: &Parameters| MechanismVariant {
+        parameters: parameters.clone(),
+        shift: [0.0; START_FREEDOMS],
+    };
     let members: Vec<_> = CHANGES
         .iter()
         .map(|change| {

@@ -54,6 +54,7 @@ fn control_v(machine: &Parameters) -> Vec<f64> {
         bias_v: plant.equilibrium(&Default::default()).control_v,
         sample_period_s: machine.interface.sample_period_s,
         integral_v: 0.0,
+        anti_windup: counterpoise_controller::AntiWindup::None,
     };
     let scenario = Scenario {
         demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s: 0.4 },

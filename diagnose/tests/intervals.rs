@@ -56,8 +56,14 @@ fn truth(p: &Parameters) -> [f64; 4] {
 fn triangle(p: &Parameters, seed: u64) -> Recording {
     let mut simulator = Simulator::new(&Plant::from_lumped(p).unwrap()).unwrap();
     let (kp_v_s_rad, ki_v_rad, sample_period_s) = (18.0, 80.0, 1e-3);
-    let mut controller =
-        ProportionalIntegral { kp_v_s_rad, ki_v_rad, bias_v: 2.88, sample_period_s, integral_v: 0.0 };
+    let mut controller = ProportionalIntegral {
+        kp_v_s_rad,
+        ki_v_rad,
+        bias_v: 2.88,
+        sample_period_s,
+        integral_v: 0.0,
+        anti_windup: counterpoise_controller::AntiWindup::None,
+    };
     let scenario = Scenario {
         demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s: 2.0 },
         imperfections: Imperfections::NoiseAndQuantisation { seed },

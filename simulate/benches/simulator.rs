@@ -69,6 +69,7 @@ fn proportional_integral(plant: &Plant) -> ProportionalIntegral {
         bias_v: plant.equilibrium(&OperatingPoint::default()).control_v,
         sample_period_s: 1e-3,
         integral_v: 0.0,
+        anti_windup: counterpoise_controller::AntiWindup::None,
     }
 }
 

@@ -52,6 +52,7 @@ fn controller() -> ProportionalIntegral {
         bias_v: 2.88,
         sample_period_s: 1e-3,
         integral_v: 0.0,
+        anti_windup: counterpoise_controller::AntiWindup::None,
     }
 }
 

@@ -150,8 +150,10 @@ pub(crate) const IMBALANCE: f64 = 0.5;
 pub(crate) const FAR: f64 = 3e4;
 /// Samples from which the first rates and angles are taken.
 pub(crate) const FIRST_SAMPLES: usize = 5;
-/// Samples through which a parabola gives angle, rate and acceleration at the start.
-pub(crate) const FIRST_MOTION_SAMPLES: usize = 20;
+/// Samples through which a parabola gives angle, rate and acceleration at the start: as many of these as it follows.
+pub(crate) const FIRST_MOTION_SAMPLES: [usize; 3] = [20, 12, 8];
+/// What such a parabola may leave, in noise floors: a step within the samples leaves more.
+pub(crate) const FIRST_MOTION_LEFT: f64 = 1.5;
 /// Standard errors of the rate at the start beyond which the hub moves.
 pub(crate) const FIRST_MOTION_ERRORS: f64 = 6.0;
 /// Share of the recorded control's RMS below which a difference says nothing about the controller: a converter that the project does not

@@ -125,6 +125,7 @@ fn runs(random: &mut RandomGenerator, count: usize) -> Vec<Run> {
                 bias_v: plant.equilibrium(&OperatingPoint::default()).control_v,
                 sample_period_s: 1e-3,
                 integral_v: 0.0,
+                anti_windup: counterpoise_controller::AntiWindup::None,
             };
             let own = scenario(random);
             (

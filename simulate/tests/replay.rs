@@ -6,11 +6,11 @@ use crate::common;
 
 use common::{controller, recording};
 use counterpoise_controller::ProportionalIntegral;
-use counterpoise_models::{MapPoint, Parameters, Ripple, reference};
+use counterpoise_models::{FeedbackSignal, MapPoint, Parameters, Plant, Ripple, reference};
 use counterpoise_recordings::Channel;
 use counterpoise_simulate::replay::COMPARED;
 use counterpoise_simulate::replay::{ReplayMode, ReplayVariant, Replayer, SelectedReplay};
-use counterpoise_simulate::{Replay, ReplayLoop, replay};
+use counterpoise_simulate::{Detail, Imperfections, Replay, ReplayLoop, Scenario, Signal, Simulator, replay};
 
 /// RMS error over floor that counts as a fit.
 const FIT: f64 = 1.5;
@@ -98,6 +98,36 @@ fn the_hunting_machines_fit_in_open_loop() {
             let replay = replay_experiment(machine, experiment, &ReplayLoop::Open);
             let rates = [Channel::HubRate, Channel::MotorRate];
             assert_fits(&replay, &rates, &format!("{machine} {experiment}"));
+        }
+    }
+}
+
+/// Recordings that begin in the middle of the motion, of loops whose sensor is of each kind, with a delay and without.
+#[test]
+fn recordings_that_begin_in_motion_fit_from_their_first_sample_on() {
+    let all = [FeedbackSignal::HubRate, FeedbackSignal::RelativeRate, FeedbackSignal::MotorRate];
+    for (measured, delay_s) in all.into_iter().flat_map(|measured| [(measured, 0.0), (measured, 4.5e-3)]) {
+        let mut machine = reference::rig();
+        machine.sensors.measured = measured;
+        machine.sensors.hub_gyro.delay_s = delay_s;
+        if measured == FeedbackSignal::MotorRate {
+            machine.sensors.hub_gyro.natural_frequency_rad_s = f64::INFINITY;
+        }
+        let loop_gains = ProportionalIntegral { kp_v_s_rad: 9.0, bias_v: 2.88, ..controller() };
+        let scenario = Scenario {
+            demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s: 2.0 },
+            imperfections: Imperfections::NoiseAndQuantisation { seed: 3 },
+            detail: Detail::Recording,
+            ..Scenario::at_rest(8.0)
+        };
+        let mut simulator = Simulator::new(&Plant::from_lumped(&machine).unwrap()).unwrap();
+        let history = simulator.run(&mut loop_gains.clone(), &scenario).unwrap();
+        let whole = history.readings.recording("triangle", 1e-3);
+        let control = ReplayLoop::Closed(loop_gains.into());
+        for from in [1370, 2900] {
+            let replayed = replay(&machine, &whole.part(from..8000), &control).unwrap();
+            let worst = largest_ratio(&replayed);
+            assert!(worst < 1.3, "{measured:?}, late by {delay_s} s, from sample {from}: {worst:.2} floors");
         }
     }
 }

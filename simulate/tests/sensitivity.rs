@@ -1,7 +1,7 @@
 //! The derivatives along a run are those that differences of runs show.
 
 use crate::common::{RandomGenerator, controller};
-use counterpoise_controller::ProportionalIntegral;
+use counterpoise_controller::{AntiWindup, ProportionalIntegral};
 use counterpoise_models::plant::core::state;
 use counterpoise_models::{Friction, FrictionLaw, Parameters, Plant, Ripple, StribeckCurve, reference};
 use counterpoise_simulate::history::{ReadingColumn, TrueColumn};
@@ -314,6 +314,33 @@ fn miss(exact: &[f64], step: f64, mut run: impl FnMut(f64) -> Vec<f64>) -> f64 {
     let size = exact.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
     let difference = |k: usize| (8.0 * (c[k] - b[k]) - (d[k] - a[k])) / (12.0 * step);
     (0..exact.len()).map(|k| (difference(k) - exact[k]).abs() / size).fold(0.0, f64::max)
+}
+
+#[test]
+fn gains_have_derivatives_while_the_control_is_limited() {
+    let rules = [AntiWindup::Hold(3.1), AntiWindup::HoldOutward(3.1), AntiWindup::Clamp(0.02)];
+    for anti_windup in rules {
+        let controller = ProportionalIntegral { anti_windup, ..controller() };
+        let case = Case { parameters: reference::rig(), scenario: scenario(), controller };
+        let one = PiGains::default();
+        let gains = [vec![one; FACTORS.len()], vec![PiGains { kp_v_s_rad: 1.0, ..one }]].concat();
+        let found = case.exact(&gains).unwrap();
+        let plant = Plant::from_lumped(&case.parameters).unwrap();
+        let run = |rule: AntiWindup, by: f64| {
+            let mut moved = ProportionalIntegral { anti_windup: rule, ..case.controller.clone() };
+            moved.kp_v_s_rad += by;
+            let run = Simulator::with_tolerance(&plant, TIGHT).unwrap().run(&mut moved, &case.scenario);
+            run.unwrap().readings.control_v().to_vec()
+        };
+        assert!(run(anti_windup, 0.0) != run(AntiWindup::None, 0.0), "{anti_windup:?} does nothing");
+        let exact = found.slopes.reading(FACTORS.len(), ReadingColumn::Control);
+        // at a sample where the control just reaches its limit, a difference sees the integral of both sides
+        let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(|k| run(anti_windup, k * 1e-5));
+        let size = exact.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
+        let difference = |k: usize| (8.0 * (c[k] - b[k]) - (d[k] - a[k])) / 12e-5;
+        let wrong = (0..exact.len()).filter(|k| (difference(*k) - exact[*k]).abs() > 1e-4 * size).count();
+        assert!(100 * wrong <= exact.len(), "{anti_windup:?}: {wrong} of {}", exact.len());
+    }
 }
 
 #[test]

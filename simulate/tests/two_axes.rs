@@ -115,6 +115,7 @@ const PI_GAINS: ProportionalIntegral = ProportionalIntegral {
     bias_v: 0.0,
     sample_period_s: 1e-3,
     integral_v: 0.0,
+    anti_windup: counterpoise_controller::AntiWindup::None,
 };
 
 /// The reference rig, and a ring with its drive whose hub carries it.

@@ -3,9 +3,10 @@
 //! Every channel is checked by itself (not finite, stuck, clipped, coarsely quantised), and the three ways to know the
 //! hub's rate on the platform (gyroscopes, tachometer over the ratio, the resolver's derivative) against each other.
 
+use counterpoise_controller::AntiWindup;
 use counterpoise_models::Parameters;
 use counterpoise_recordings::{Channel, Recording};
-use counterpoise_simulate::replay::{ReplayLoop, control_fit};
+use counterpoise_simulate::replay::{RecordedController, ReplayLoop, control_fit};
 
 use crate::recording::measured_signals::MeasuredSignals;
 use crate::recording::series::rms;
@@ -167,6 +168,8 @@ pub struct ControlMismatch {
     pub rms_v: f64,
     /// The same as a multiple of what rounding leaves.
     pub ratio: f64,
+    /// A rule against windup with which the same controller makes the recorded control; `None` if none does.
+    pub with_anti_windup: Option<AntiWindup>,
 }
 
 /// Compares the recorded control with what the project's controller makes of the recorded demand and hub rate. Returns `None` if they
@@ -180,7 +183,28 @@ pub fn check_control(
     let ReplayLoop::Closed(controller) = control else { return None };
     let (fit, _) = control_fit(base, recording, controller)?;
     let ratio = fit.residual_over_floor();
-    (ratio > FOREIGN_CONTROL_MULTIPLE).then_some(ControlMismatch { rms_v: fit.rms_error, ratio })
+    (ratio > FOREIGN_CONTROL_MULTIPLE).then(|| ControlMismatch {
+        rms_v: fit.rms_error,
+        ratio,
+        with_anti_windup: find_anti_windup(base, recording, controller),
+    })
+}
+
+/// Returns the rule against windup with which a controller that states none makes the recorded control, which reached its limit.
+fn find_anti_windup(
+    base: &Parameters,
+    recording: &Recording,
+    controller: &RecordedController,
+) -> Option<AntiWindup> {
+    let control = recording.samples(Channel::Control)?;
+    let limit = control.iter().copied().filter(|v| v.is_finite()).map(f64::abs).fold(0.0, f64::max);
+    let rules = [AntiWindup::Hold(limit), AntiWindup::HoldOutward(limit), AntiWindup::Clamp(limit)];
+    let fits = |rule: &AntiWindup| {
+        let other = controller.with_anti_windup(*rule)?;
+        let (fit, _) = control_fit(base, recording, &other)?;
+        Some(fit.residual_over_floor()).filter(|ratio| *ratio <= FOREIGN_CONTROL_MULTIPLE)
+    };
+    rules.into_iter().find(|rule| fits(rule).is_some())
 }
 
 /// Detects that the gyroscopes are wrong: two other sensors agree with each other and not with them.

@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use counterpoise_controller::{PositionController, PositionSource, ProportionalIntegral, RateSource};
+use counterpoise_controller::{
+    AntiWindup, PositionController, PositionSource, ProportionalIntegral, RateSource,
+};
+use counterpoise_models::CONVERTER_RANGE_V;
 
 use super::controller_file::{ControllerContent, parse};
 
@@ -74,6 +77,7 @@ fn blank_proportional_integral() -> ProportionalIntegral {
         bias_v: f64::NAN,
         sample_period_s: f64::NAN,
         integral_v: 0.0,
+        anti_windup: AntiWindup::None,
     }
 }
 
@@ -87,6 +91,7 @@ fn blank_position() -> PositionController {
         position: PositionSource::HubPosition,
         start_rate_rad_s: 0.0,
         integral_v: 0.0,
+        anti_windup: AntiWindup::None,
         earlier_rad: Vec::new(),
     }
 }
@@ -155,6 +160,54 @@ fn proportional_integral(v: &mut dyn Visit, controller: &mut ProportionalIntegra
     v.number(&Field::new("kp", "proportional gain").unit("V s/rad"), &mut controller.kp_v_s_rad);
     v.number(&Field::new("ki", "integral gain").unit("V/rad").or(0.0), &mut controller.ki_v_rad);
     v.number(&Field::new("bias", "constant added to the control").unit("V").or(0.0), &mut controller.bias_v);
+    anti_windup(v, &mut controller.anti_windup);
+}
+
+/// The rules of an integral while the control is limited.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum WindupRule {
+    None,
+    Hold,
+    HoldOutward,
+    Clamp,
+}
+
+impl NamedChoice for WindupRule {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("none", Self::None),
+        ("hold", Self::Hold),
+        ("hold-outward", Self::HoldOutward),
+        ("clamp", Self::Clamp),
+    ];
+}
+
+fn anti_windup(v: &mut dyn Visit, controller: &mut AntiWindup) {
+    let (mut rule, mut limit) = match *controller {
+        AntiWindup::None => (WindupRule::None, CONVERTER_RANGE_V),
+        AntiWindup::Hold(limit) => (WindupRule::Hold, limit),
+        AntiWindup::HoldOutward(limit) => (WindupRule::HoldOutward, limit),
+        AntiWindup::Clamp(limit) => (WindupRule::Clamp, limit),
+    };
+    let meaning = "treatment of the integral while the control is limited: none goes on, hold waits, hold-outward waits while the error would drive the control further, clamp keeps the integral itself within the limit";
+    choose(v, &Field::new("anti_windup", meaning).or_text("none"), &mut rule);
+    if rule == WindupRule::None {
+        *controller = AntiWindup::None;
+        return;
+    }
+    let meaning = "control beyond which the integral is treated so; only with an `anti_windup`";
+    v.number(
+        &Field::new("limit", meaning)
+            .unit("V")
+            .limit(NumberRange::AboveTo(0.0, CONVERTER_RANGE_V))
+            .or(CONVERTER_RANGE_V),
+        &mut limit,
+    );
+    *controller = match rule {
+        WindupRule::None => AntiWindup::None,
+        WindupRule::Hold => AntiWindup::Hold(limit),
+        WindupRule::HoldOutward => AntiWindup::HoldOutward(limit),
+        WindupRule::Clamp => AntiWindup::Clamp(limit),
+    };
 }
 
 fn position_controller(v: &mut dyn Visit, controller: &mut PositionController) {
@@ -177,6 +230,7 @@ fn position_controller(v: &mut dyn Visit, controller: &mut PositionController) {
     v.whole_number(&field, &mut samples);
     controller.rate =
         if samples == 0 { RateSource::Measured } else { RateSource::Differences(samples as usize) };
+    anti_windup(v, &mut controller.anti_windup);
 }
 
 /// Takes the position from the sensor of the loop, which measures one; complains if the rate is to be read and no sensor measures it.

@@ -1,5 +1,6 @@
 //! Faults of recordings, in sentences.
 
+use counterpoise_controller::AntiWindup;
 use counterpoise_diagnose::Error;
 use counterpoise_diagnose::recording::gap_repair::Repair;
 use counterpoise_diagnose::recording::instrument_faults::{
@@ -269,6 +270,15 @@ fn describe_meaning(meaning: Meaning) -> &'static str {
 
 /// Describes a recorded control that the project's controller does not make.
 pub fn describe_control_mismatch(mismatch: &ControlMismatch) -> String {
+    if let Some(rule) = mismatch.with_anti_windup {
+        return format!(
+            "it is not what the project's recording controller makes of the recorded readings, but {} V RMS off; with \
+             {} in [recording_controller] it is: the integral waited while the control was limited. The recorded control is \
+             played back until the file says so",
+            short_number(mismatch.rms_v),
+            key_of_anti_windup(rule)
+        );
+    }
     format!(
         "it is not what the project's recording controller makes of the recorded readings, but {} V RMS off, {} times what \
          rounding leaves: another controller was in the loop, or a column is not what it read or gave. The recorded control is \
@@ -276,6 +286,17 @@ pub fn describe_control_mismatch(mismatch: &ControlMismatch) -> String {
         short_number(mismatch.rms_v),
         short_number(mismatch.ratio)
     )
+}
+
+/// Returns a rule against windup as the project file states it.
+fn key_of_anti_windup(rule: AntiWindup) -> String {
+    let (name, limit) = match rule {
+        AntiWindup::None => return "`anti_windup = \"none\"`".to_owned(),
+        AntiWindup::Hold(limit) => ("hold", limit),
+        AntiWindup::HoldOutward(limit) => ("hold-outward", limit),
+        AntiWindup::Clamp(limit) => ("clamp", limit),
+    };
+    format!("`anti_windup = \"{name}\"` and `limit = {limit}`")
 }
 
 /// Describes a fault of an instrument: what is wrong in which recordings, and what was done.

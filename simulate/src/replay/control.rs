@@ -60,6 +60,7 @@ mod tests {
             bias_v: 2.88,
             sample_period_s: 1e-3,
             integral_v: 0.0,
+            anti_windup: counterpoise_controller::AntiWindup::None,
         }
     }
 
@@ -91,6 +92,31 @@ mod tests {
         };
         assert!(ratio(18.0) < 1.05, "{}", ratio(18.0));
         assert!(ratio(17.0) > 5.0, "{}", ratio(17.0));
+    }
+
+    #[test]
+    fn what_a_file_rounds_away_is_no_other_controller() {
+        let rig = reference::rig();
+        let mut ideal = rig.clone();
+        (ideal.interface.input_bits, ideal.interface.output_bits) = (40, 40);
+        let mut recorded = recording();
+        let printed: Vec<f64> = {
+            let mut ready = ProportionalIntegral { integral_v: 0.7, ..controller(18.0) };
+            let (demand, rate) =
+                (recorded.samples(Channel::Demand).unwrap(), recorded.samples(Channel::HubRate).unwrap());
+            let one = |(d, r): (&f64, &f64)| {
+                let readings = Readings { demand_rad_s: *d, hub_rate_rad_s: *r, ..Readings::default() };
+                let control: f64 = format!("{:.5e}", ready.step(&readings)).parse().unwrap();
+                control
+            };
+            demand.iter().zip(&rate[..1200]).map(one).collect()
+        };
+        recorded.samples_mut(Channel::Control).unwrap()[..1200].copy_from_slice(&printed);
+        let recorded = recorded.part(0..1200);
+        let ratio =
+            |kp: f64| control_fit(&ideal, &recorded, &controller(kp).into()).unwrap().0.residual_over_floor();
+        assert!(ratio(18.0) < 1.0, "{}", ratio(18.0));
+        assert!(ratio(17.5) > 5.0, "{}", ratio(17.5));
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The motion that the loop's sensor shows at the start of a recording: a parabola through its first angles, or a line through its first rates.
 
 use super::platform::{reading_floor, sensor_of};
-use crate::tolerance::{FIRST_MOTION_ERRORS, FIRST_MOTION_SAMPLES};
+use crate::tolerance::{FIRST_MOTION_ERRORS, FIRST_MOTION_LEFT, FIRST_MOTION_SAMPLES};
 use counterpoise_models::{FeedbackSignal, Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
 use nalgebra::{Matrix3, Vector3};
@@ -22,17 +22,20 @@ pub(super) struct FirstMotion {
 }
 
 impl FirstMotion {
-    /// Returns the motion; at rest if the sensor measures a torque or a current, or if a reading is missing.
+    /// Returns the motion; at rest if the sensor measures a torque or a current, if a reading is missing, or if no parabola follows the first
+    /// readings, as where a step begins with the recording.
     pub fn of(parameters: &Parameters, recording: &Recording, platform_rate: f64) -> Self {
         let measured = parameters.sensors.measured;
         let read = recording.samples(Channel::HubRate).unwrap_or_default();
-        let read = &read[..read.len().min(FIRST_MOTION_SAMPLES)];
         let floor = sensor_of(parameters, Channel::HubRate)
             .map_or(0.0, |sensor| reading_floor(sensor, &parameters.interface));
-        if measured.is_effort() || read.len() < FIRST_MOTION_SAMPLES || read.iter().any(|v| !v.is_finite()) {
-            return Self::default();
-        }
-        let Some(parabola) = Parabola::through(read, recording.sample_period_s) else { return Self::default() };
+        let follows = |count: &usize| {
+            let read = read.get(..*count).filter(|read| read.iter().all(|v| v.is_finite()))?;
+            let parabola = Parabola::through(read, recording.sample_period_s)?;
+            (parabola.left <= FIRST_MOTION_LEFT * floor).then_some(parabola)
+        };
+        let found = FIRST_MOTION_SAMPLES.iter().find_map(follows);
+        let Some(parabola) = found.filter(|_| !measured.is_effort()) else { return Self::default() };
         let [level, slope, bend] = parabola.terms;
         let found = if measured.is_position() {
             Self {
@@ -73,6 +76,8 @@ struct Parabola {
     terms: [f64; 3],
     /// Standard error of each term for readings with a noise of 1.
     errors: [f64; 3],
+    /// RMS of what the parabola leaves.
+    left: f64,
 }
 
 impl Parabola {
@@ -93,7 +98,11 @@ impl Parabola {
         let inverse = matrix.try_inverse()?;
         let scales = [1.0, 1.0 / span_s, 1.0 / (span_s * span_s)];
         let found = inverse * right;
+        let squared = |(k, sample): (usize, &f64)| (sample - powers(k).dot(&found)).powi(2);
+        let freedom = samples.len().checked_sub(3).filter(|left| *left > 0)?;
+        let left = (samples.iter().enumerate().map(squared).sum::<f64>() / freedom as f64).sqrt();
         Some(Self {
+            left,
             terms: [0, 1, 2].map(|i| found[i] * scales[i]),
             errors: [0, 1, 2].map(|i| inverse[(i, i)].sqrt() * scales[i]),
         })

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use counterpoise_controller::{
-    Controller, PositionController, PositionSource, ProportionalIntegral, READINGS, RateSource, Readings,
-    Runner, SampledController,
+    AntiWindup, Controller, PositionController, PositionSource, ProportionalIntegral, READINGS, RateSource,
+    Readings, Runner, SampledController,
 };
 use counterpoise_models::{CONVERTER_RANGE_V, Parameters, Sensor};
 use counterpoise_recordings::{Channel, Recording};
@@ -45,6 +45,19 @@ impl RecordedController {
             Self::ProportionalIntegral(controller) => Box::new(controller.clone()),
             Self::Position(controller) => Box::new(controller.clone()),
             Self::Exported(controller) => Box::new(controller.controller().runner()),
+        }
+    }
+
+    /// Returns the same controller with a rule against windup; `None` if it has one, or if it is an exported one.
+    pub fn with_anti_windup(&self, rule: AntiWindup) -> Option<Self> {
+        match self {
+            Self::ProportionalIntegral(one) if one.anti_windup == AntiWindup::None => {
+                Some(Self::ProportionalIntegral(ProportionalIntegral { anti_windup: rule, ..one.clone() }))
+            }
+            Self::Position(one) if one.anti_windup == AntiWindup::None => {
+                Some(Self::Position(PositionController { anti_windup: rule, ..one.clone() }))
+            }
+            Self::ProportionalIntegral(_) | Self::Position(_) | Self::Exported(_) => None,
         }
     }
 
@@ -311,12 +324,27 @@ fn with_integral_of(ready: PositionController, read: &[Readings], control: &[f64
 
 /// Returns the control of a proportional-integral controller, with the integral at the start that fits best.
 fn proportional_integral(controller: &ProportionalIntegral, read: &[Readings], control: &[f64]) -> Vec<f64> {
-    let mut ready = ProportionalIntegral { integral_v: 0.0, ..controller.clone() };
-    let made: Vec<f64> = read.iter().map(|readings| ready.step(readings)).collect();
+    let from = |integral_v: f64| {
+        let mut ready = ProportionalIntegral { integral_v, ..controller.clone() };
+        read.iter().map(|readings| ready.step(readings)).collect::<Vec<f64>>()
+    };
+    let made = from(0.0);
+    // a rule against windup lets the integral forget its start once the control is limited
+    let linear = match controller.anti_windup {
+        AntiWindup::None => made.len(),
+        _ => {
+            let bounded = |v: &&f64| v.abs() >= CONVERTER_RANGE_V;
+            control.iter().take_while(|v| !bounded(v)).count().min(INTEGRAL_SAMPLES).max(1)
+        }
+    };
     let free = |k: &usize| control[*k].abs() < CONVERTER_RANGE_V;
-    let left: Vec<f64> = (0..made.len()).filter(free).map(|k| control[k] - made[k]).collect();
+    let left: Vec<f64> = (0..linear).filter(free).map(|k| control[k] - made[k]).collect();
     let integral = left.iter().sum::<f64>() / left.len().max(1) as f64;
-    made.into_iter().map(|u| (u + integral).clamp(-CONVERTER_RANGE_V, CONVERTER_RANGE_V)).collect()
+    let limited = |u: f64| u.clamp(-CONVERTER_RANGE_V, CONVERTER_RANGE_V);
+    match controller.anti_windup {
+        AntiWindup::None => made.into_iter().map(|u| limited(u + integral)).collect(),
+        _ => from(integral).into_iter().map(limited).collect(),
+    }
 }
 
 /// Returns the recorded platform rate, heave and surge; empty if not recorded.

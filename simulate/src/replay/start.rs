@@ -336,6 +336,12 @@ impl<'a, 'b> Fit<'a, 'b> {
         {
             start.core[index] = value;
         }
+        // the structure is bent as its acceleration bends it: w^2 q = phi J a
+        let body = self.plant.body();
+        let turned_nm = body.inertia_kg_m2 * self.motion.acceleration_rad_s2;
+        for (k, mode) in body.modes.iter().enumerate() {
+            start.core[state::MODES + 2 * k] += mode.hub_shape * turned_nm / mode.frequency_rad_s.powi(2);
+        }
         start.friction = FrictionState {
             motor: parameters.motor_friction.state_at_torque(u[MOTOR_DRY]),
             pivot: parameters.pivot_friction.state_at_torque(u[PIVOT_DRY]),

@@ -2,8 +2,8 @@
 
 use counterpoise_controller::number::Dual;
 use counterpoise_controller::{
-    Controller, PositionController, PositionSource, ProportionalIntegral, READINGS, RateSource, Readings,
-    Runner, SampledController,
+    Controller, IntegralMotion, PositionController, PositionSource, ProportionalIntegral, READINGS,
+    RateSource, Readings, Runner, SampledController,
 };
 
 /// A controller in a run with derivatives.
@@ -52,14 +52,29 @@ impl DifferentiableController for DifferentiablePi {
         self.integral.resize(count, 0.0);
         let Self { controller, gains, integral } = self;
         let error = readings.demand_rad_s - readings.hub_rate_rad_s;
+        let before = controller.integral_v;
+        let own = controller.step(readings);
+        let motion = controller.anti_windup.motion_between(before, controller.integral_v);
         for k in 0..count {
             let slope = slopes[k].demand_rad_s - slopes[k].hub_rate_rad_s;
             control[k] =
                 controller.kp_v_s_rad * slope + gains[k].kp_v_s_rad * error + integral[k] + gains[k].bias_v;
             let grown = controller.ki_v_rad * slope + gains[k].ki_v_rad * error;
-            integral[k] += controller.sample_period_s * grown;
+            integral[k] = integral_slope(motion, integral[k], controller.sample_period_s * grown);
         }
-        controller.step(readings)
+        if controller.anti_windup.is_limited(own) {
+            control.fill(0.0);
+        }
+        own
+    }
+}
+
+/// Returns the derivative of an integral after a sample: its own before it, and that of what the error would add.
+fn integral_slope(motion: IntegralMotion, before: f64, growth: f64) -> f64 {
+    match motion {
+        IntegralMotion::Grew => before + growth,
+        IntegralMotion::Stayed => before,
+        IntegralMotion::Bounded => 0.0,
     }
 }
 
@@ -98,6 +113,9 @@ impl DifferentiableController for DifferentiablePosition {
     fn step(&mut self, readings: &Readings, slopes: &[Readings], control: &mut [f64]) -> f64 {
         self.integral.resize(slopes.len(), 0.0);
         self.earlier.resize(slopes.len(), Vec::new());
+        let before = self.controller.integral_v;
+        let own = self.controller.step(readings);
+        let motion = self.controller.anti_windup.motion_between(before, self.controller.integral_v);
         for (k, slopes) in slopes.iter().enumerate() {
             let position = match self.controller.position {
                 PositionSource::HubPosition => slopes.hub_position_rad,
@@ -107,9 +125,13 @@ impl DifferentiableController for DifferentiablePosition {
             let controller = &self.controller;
             let error = controller.kp_1_s * (slopes.demand_rad_s - position) - rate;
             control[k] = controller.kv_v_s_rad * error + self.integral[k];
-            self.integral[k] += controller.ki_v_rad * controller.sample_period_s * error;
+            let growth = controller.ki_v_rad * controller.sample_period_s * error;
+            self.integral[k] = integral_slope(motion, self.integral[k], growth);
         }
-        self.controller.step(readings)
+        if self.controller.anti_windup.is_limited(own) {
+            control.fill(0.0);
+        }
+        own
     }
 }
 

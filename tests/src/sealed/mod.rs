@@ -39,7 +39,14 @@ pub const GAINS: [f64; 3] = [18.0, 80.0, 2.88];
 /// Returns the controller of that loop.
 pub fn controller() -> ProportionalIntegral {
     let [kp_v_s_rad, ki_v_rad, bias_v] = GAINS;
-    ProportionalIntegral { kp_v_s_rad, ki_v_rad, bias_v, sample_period_s: PERIOD, integral_v: 0.0 }
+    ProportionalIntegral {
+        kp_v_s_rad,
+        ki_v_rad,
+        bias_v,
+        sample_period_s: PERIOD,
+        integral_v: 0.0,
+        anti_windup: counterpoise_controller::AntiWindup::None,
+    }
 }
 
 /// Returns the machine of a seed, recorded.
