@@ -60,16 +60,20 @@ pub fn start_has(parameters: &Parameters, freedom: usize) -> bool {
 pub(crate) fn estimate(simulator: &mut Simulator, replayer: &Replayer) -> Result<PlantState, Error> {
     let mut fit = Fit::new(simulator, replayer);
     if fit.channels.is_empty() || !replayer.recording().has(Channel::Control) {
-        return Ok(fit.state(&fit.guess(None)));
+        return Ok(fit.state(&fit.guess(Mesh::Touching, None)));
     }
     let mut best: Option<(f64, PlantState)> = None;
     let commanded = fit.commanded_current();
-    for (mesh, current) in [(Mesh::Touching, None), (Mesh::Touching, commanded), (Mesh::Free, None)] {
-        if mesh == Mesh::Free && !fit.can_be_open() {
-            continue;
-        }
-        fit.mesh = mesh;
-        let guess = fit.guess(current);
+    let places = [(Mesh::Touching, None), (Mesh::Touching, commanded), (Mesh::Free, None)];
+    let places = places.into_iter().filter(|(mesh, _)| *mesh == Mesh::Touching || fit.can_be_open());
+    let still = places.map(|(mesh, current)| (mesh, Bending::AtRest, fit.guess(mesh, current)));
+    let in_motion = [Bending::ByAcceleration, Bending::AtRest]
+        .map(|bending| (Mesh::Touching, bending, fit.guess_in_motion(commanded)));
+    let bends = fit.deflections().any(|deflection| deflection != 0.0);
+    let moving = in_motion.into_iter().skip(usize::from(!bends)).filter(|_| fit.motion.is_moving());
+    let guesses: Vec<(Mesh, Bending, Unknowns)> = moving.chain(still).collect();
+    for (mesh, bending, guess) in guesses {
+        (fit.mesh, fit.bending) = (mesh, bending);
         let (cost, found) = fit.descend(guess)?;
         if best.as_ref().is_none_or(|(least, _)| cost < *least) {
             best = Some((cost, fit.state(&found)));
@@ -78,7 +82,7 @@ pub(crate) fn estimate(simulator: &mut Simulator, replayer: &Replayer) -> Result
             break;
         }
     }
-    Ok(best.map_or_else(|| fit.state(&fit.guess(None)), |(_, found)| found))
+    Ok(best.map_or_else(|| fit.state(&fit.guess(Mesh::Touching, None)), |(_, found)| found))
 }
 
 /// Returns the state at the first sample, sought from that of a plant nearby.
@@ -89,9 +93,10 @@ pub(crate) fn refine(
 ) -> Result<PlantState, Error> {
     let mut fit = Fit::new(simulator, replayer);
     if fit.channels.is_empty() || !replayer.recording().has(Channel::Control) {
-        return Ok(fit.state(&fit.guess(None)));
+        return Ok(fit.state(&fit.guess(Mesh::Touching, None)));
     }
     fit.mesh = fit.mesh_of(near);
+    fit.bending = fit.bending_of(near);
     let (_, found) = fit.descend(fit.unknowns(near))?;
     Ok(fit.state(&found))
 }
@@ -105,6 +110,7 @@ pub(crate) fn nudge_start(
 ) -> PlantState {
     let mut fit = Fit::new(simulator, replayer);
     fit.mesh = fit.mesh_of(near);
+    fit.bending = fit.bending_of(near);
     let mut moved = fit.unknowns(near);
     (0..UNKNOWNS).for_each(|k| moved[k] += steps[k] * fit.steps[k]);
     fit.state(&fit.bound_unknowns(moved))
@@ -121,6 +127,7 @@ pub(crate) fn redraw_start(
         return Ok(at.clone());
     }
     fit.mesh = fit.mesh_of(at);
+    fit.bending = fit.bending_of(at);
     let now = fit.bound_unknowns(fit.unknowns(at));
     fit.anchor = now;
     let residuals = fit.residuals(&now)?;
@@ -151,6 +158,17 @@ struct Fit<'a, 'b> {
     mesh: Mesh,
     /// The motion that the loop's sensor shows at the start.
     motion: FirstMotion,
+    /// The bending of the structure at the start.
+    bending: Bending,
+}
+
+/// Bending of the structure at the start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Bending {
+    /// As at rest: the acceleration that the first readings show is that of the structure's own vibration, or there is none.
+    AtRest,
+    /// As the acceleration bends it that the first readings show.
+    ByAcceleration,
 }
 
 impl<'a, 'b> Fit<'a, 'b> {
@@ -185,6 +203,7 @@ impl<'a, 'b> Fit<'a, 'b> {
         let platform_rate = replayer.platform().pitch_rate_rad_s.at(0.0);
         Self {
             motion: FirstMotion::of(parameters, recording, platform_rate),
+            bending: Bending::AtRest,
             platform_rate,
             samples: samples.clamp(1, replayer.samples),
             simulator,
@@ -261,20 +280,17 @@ impl<'a, 'b> Fit<'a, 'b> {
         }
     }
 
-    /// Rest or motion as the first readings show it, with the current given or as weight and acceleration need it: friction carries what is left.
-    fn guess(&self, current: Option<f64>) -> Unknowns {
+    /// Returns a start at rest or in steady motion, with the current given or as the weight needs it: friction carries what is left.
+    fn guess(&self, mesh: Mesh, current: Option<f64>) -> Unknowns {
         let parameters = self.plant.parameters();
         let (angle, rate) = (self.first_angle(), self.first_rate());
         let weight = self.weight_nm(angle);
         let (ratio, constant) = (parameters.gearbox.ratio, parameters.motor.torque_constant_nm_a);
-        if self.mesh == Mesh::Free {
+        if mesh == Mesh::Free {
             return [angle, rate, 0.0, 0.0, -weight, 0.0, 0.0, 0.0];
         }
         let (motor, pivot) =
             (parameters.motor_friction.breakaway_nm(), parameters.pivot_friction.breakaway_nm());
-        if self.motion.is_moving() {
-            return self.guess_in_motion(angle, rate, current);
-        }
         let current = current.unwrap_or(weight / (ratio * constant));
         // the surplus of the motor is shared by the two frictions in proportion to their levels
         let surplus = ratio * constant * current - weight;
@@ -285,7 +301,8 @@ impl<'a, 'b> Fit<'a, 'b> {
     }
 
     /// Returns a start in motion: both frictions act against it, and the gear passes what accelerates the hub.
-    fn guess_in_motion(&self, angle: f64, rate: f64, current: Option<f64>) -> Unknowns {
+    fn guess_in_motion(&self, current: Option<f64>) -> Unknowns {
+        let (angle, rate) = (self.first_angle(), self.first_rate());
         let parameters = self.plant.parameters();
         let sense = rate.signum();
         let (motor, pivot) = (
@@ -336,11 +353,10 @@ impl<'a, 'b> Fit<'a, 'b> {
         {
             start.core[index] = value;
         }
-        // the structure is bent as its acceleration bends it: w^2 q = phi J a
-        let body = self.plant.body();
-        let turned_nm = body.inertia_kg_m2 * self.motion.acceleration_rad_s2;
-        for (k, mode) in body.modes.iter().enumerate() {
-            start.core[state::MODES + 2 * k] += mode.hub_shape * turned_nm / mode.frequency_rad_s.powi(2);
+        if self.bending == Bending::ByAcceleration {
+            for (k, deflection) in self.deflections().enumerate() {
+                start.core[state::MODES + 2 * k] += deflection;
+            }
         }
         start.friction = FrictionState {
             motor: parameters.motor_friction.state_at_torque(u[MOTOR_DRY]),
@@ -354,6 +370,21 @@ impl<'a, 'b> Fit<'a, 'b> {
             &parameters.sensors.hub_gyro,
         );
         start
+    }
+
+    /// Returns what the acceleration at the start adds to the deflection of each mode of the structure at rest: w^2 q = phi J a.
+    fn deflections(&self) -> impl Iterator<Item = f64> + '_ {
+        let body = self.plant.body();
+        let turned_nm = body.inertia_kg_m2 * self.motion.acceleration_rad_s2;
+        body.modes.iter().map(move |mode| mode.hub_shape * turned_nm / mode.frequency_rad_s.powi(2))
+    }
+
+    /// Returns the bending of a state: the one whose deflection of the first mode is nearer.
+    fn bending_of(&self, near: &PlantState) -> Bending {
+        let rest = self.simulator.rest(near.core[state::ANGLE], 0.0, near.core[state::RATE]);
+        let Some(deflection) = self.deflections().next() else { return Bending::AtRest };
+        let found = near.core[state::MODES] - rest.core[state::MODES];
+        if found.abs() > 0.5 * deflection.abs() { Bending::ByAcceleration } else { Bending::AtRest }
     }
 
     /// Returns the unknowns of a state.
