@@ -336,10 +336,10 @@ pub(super) static EFFECTS: &[Effect] = &[
         component: Component::Pivot,
         kind: EffectKind::MissingPhysics,
         parameters: &[
-            parameter!("warm_up", "1", [-1.0, 0.95], 0.1, Linear, pivot_friction.warm_up),
+            parameter!("warm_up", "1", [-15.0, 0.95], 0.1, Linear, pivot_friction.warm_up),
             parameter!("time_constant", "s", [0.5, 200.0], 0.4, Log, pivot_friction.warm_up_time_s),
         ],
-        starts: &[&[0.2, 4.0], &[-0.2, 4.0], &[0.2, 15.0]],
+        starts: &[&[0.2, 4.0], &[-0.2, 4.0], &[0.2, 15.0], &[-2.0, 60.0]],
     },
     Effect {
         // T = f F r R sin(c) / L, another force: a gas of another temperature, another spring (AMCP 706-345, 1960)

@@ -49,9 +49,9 @@ pub const ASYMMETRY: Range = Range::Between(-0.999, 0.999);
 pub const RIPPLE_AMPLITUDE: Range = Range::Between(-0.999, 0.999);
 /// Growth of the Coulomb level per N m of load.
 pub const LOAD_COEFFICIENT: Range = Range::NOT_NEGATIVE;
-/// Relative change of the level as the joint warms up. At 1 no friction is left when the joint is warm; below -2 the level
-/// would more than triple, which no lubricant does: such a number is taken for a wrong sign or unit.
-pub const WARM_UP: Range = Range::AboveTo(-2.0, 0.999);
+/// Relative change of the level as the joint warms up. At 1 no friction is left when the joint is warm. A level that rises evenly has a time
+/// constant far beyond the recording, so that what it would reach says nothing; below -20 the number is taken for a wrong sign or unit.
+pub const WARM_UP: Range = Range::AboveTo(-20.0, 0.999);
 /// Time constant of the warm-up, s.
 pub const WARM_UP_TIME: Range = Range::POSITIVE;
 
