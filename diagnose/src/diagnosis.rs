@@ -163,7 +163,8 @@ fn diagnose_scaled(
     let (scaled, measured) = (scale.apply_to(base), base.sensors.measured);
     let resized: Vec<Recording> = recordings.iter().map(|r| scale.recording(r, measured)).collect();
     let control = scale.replayed_loop(control, measured);
-    let mut found = diagnose_of(scale.sizes(), &scaled, control, &resized, pool)?;
+    let sizes = scale.sizes().with_rates_of(&resized, measured);
+    let mut found = diagnose_of(sizes, &scaled, control, &resized, pool)?;
     found.recordings = recordings.to_vec();
     scale.bring_back(&mut found.answer, &scaled);
     found.improved = scale.inverse().apply_to(&found.improved);

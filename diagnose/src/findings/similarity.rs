@@ -64,7 +64,7 @@ impl SimilarityScale {
 
     /// Returns what is known of the sizes of the scaled machine.
     pub fn sizes(self) -> Sizes {
-        Sizes { typical: false, motor_turns: self.ratio }
+        Sizes { typical: false, motor_turns: self.ratio, ..Sizes::TYPICAL }
     }
 
     /// Returns the dynamically similar machine with other torques and another gear.

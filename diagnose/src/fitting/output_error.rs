@@ -13,7 +13,7 @@ use crate::recording::series::dot;
 use crate::simulator_access::{
     Assessment, ChannelResidual, MechanismVariant, SimulatorAccess, Span, StartShift,
 };
-use crate::tolerance::fitting::LEAST_DAMPING;
+use crate::tolerance::fitting::{INDISTINCT_SHARE, LEAST_DAMPING};
 use crate::tolerance::{
     FIT_ITERATIONS, FIT_STEP, FIT_TOLERANCE, FITTED_SHARE, RESTART_WORTH, RESTARTS, SEARCH_ITERATIONS,
     STARTS_KEPT, STRETCH, STRETCHES_TOGETHER, SYSTEMATIC, TRIAL_ITERATIONS, TRIAL_RESTARTS,
@@ -542,13 +542,26 @@ fn mean_square(residuals: &[Vec<f64>]) -> f64 {
     residuals.iter().map(|r| dot(r, r)).sum::<f64>() / count.max(1) as f64
 }
 
+/// Returns the inverse of an information matrix. If two parameters only act together, that of the matrix with the least addition that tells
+/// them apart: their own variances are then huge, and those of the others are as they would be.
+fn covariance_of(information: &Mat) -> Option<Mat> {
+    let found = inverse(information).ok().filter(Mat::is_finite);
+    found.or_else(|| {
+        let mut ridged = information.clone();
+        for j in 0..ridged.nrows() {
+            ridged[(j, j)] *= 1.0 + INDISTINCT_SHARE;
+        }
+        inverse(&ridged).ok().filter(Mat::is_finite)
+    })
+}
+
 /// Returns 95 % intervals of a fit's values: the larger of Fisher's information, inflated by the residual's own size and colour,
 /// and the sandwich `H^-1 S H^-1` of the gradient's scatter (White 1982), which holds where the residual's colour meets that of
 /// the slopes; to it comes what two simulators of the same mechanism differ by.
 ///
 /// `samples` is the number of residuals that the fit saw, `inflation` how many of them carry the information of one.
 pub fn confidence_intervals(fit: &EffectFit, samples: usize, inflation: f64) -> Vec<[f64; 2]> {
-    let covariance = inverse(&fit.information).ok();
+    let covariance = covariance_of(&fit.information);
     let sandwich = covariance.as_ref().map(|c| &(c * &fit.scatter) * c);
     let scale = fit.cost.max(1.0) * inflation / samples.max(1) as f64;
     let bound = |(j, (parameter, &value)): (usize, (&&'static EffectParameter, &f64))| {

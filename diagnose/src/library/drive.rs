@@ -146,8 +146,17 @@ pub(super) static TEXTBOOK: &[Effect] = &[
         component: Component::Motor,
         kind: EffectKind::MissingPhysics,
         parameters: &[
-            parameter!("static_ratio", "1", [1.0, 4.0], 0.2, Linear, motor_friction.static_ratio),
-            parameter!("stribeck_rate", "rad/s", [0.01, 1e3], 0.3, Log, motor_friction.stribeck_rate_rad_s),
+            parameter!(
+                "static_ratio",
+                "1",
+                [1.0, 4.0],
+                0.2,
+                Linear,
+                get | p | p.motor_friction.static_ratio,
+                set | p,
+                v | p.motor_friction.set_static_ratio(v)
+            ),
+            parameter!("stribeck_rate", "rad/s", [1e-4, 1e4], 0.3, Log, motor_friction.stribeck_rate_rad_s),
         ],
         starts: &[&[1.3, 2.0], &[1.3, 0.5], &[1.3, 10.0]],
     },
@@ -319,7 +328,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         effect: EffectName::CurrentLimit,
         component: Component::Amplifier,
         kind: EffectKind::MissingPhysics,
-        parameters: &[parameter!("current_limit", "A", [0.5, 1e3], 0.1, Log,
+        parameters: &[parameter!("current_limit", "A", [1e-3, 1e4], 0.1, Log,
             get current_limit, set |p, v| p.amplifier.current_limit_a = v)],
         starts: &[&[30.0], &[20.0], &[13.0], &[9.0]],
     },

@@ -243,8 +243,17 @@ pub(super) static EFFECTS: &[Effect] = &[
         component: Component::Pivot,
         kind: EffectKind::MissingPhysics,
         parameters: &[
-            parameter!("static_ratio", "1", [1.0, 4.0], 0.2, Linear, pivot_friction.static_ratio),
-            parameter!("stribeck_rate", "rad/s", [5e-4, 0.5], 0.3, Log, pivot_friction.stribeck_rate_rad_s),
+            parameter!(
+                "static_ratio",
+                "1",
+                [1.0, 4.0],
+                0.2,
+                Linear,
+                get | p | p.pivot_friction.static_ratio,
+                set | p,
+                v | p.pivot_friction.set_static_ratio(v)
+            ),
+            parameter!("stribeck_rate", "rad/s", [1e-6, 50.0], 0.3, Log, pivot_friction.stribeck_rate_rad_s),
         ],
         starts: &[&[1.3, 0.01], &[1.3, 0.003], &[1.3, 0.04]],
     },

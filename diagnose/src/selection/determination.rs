@@ -12,14 +12,14 @@ impl Searcher<'_> {
     pub(crate) fn drop_undetermined(&self, search: &mut SearchOutcome) {
         while let Some(best) = &search.accepted {
             let count = best.fit.effects.len();
-            let Some(index) = (0..count).find(|i| count > 1 && self.is_undetermined(best, *i)) else {
-                return;
-            };
-            let Some(simpler) = self.without_effect(best, index, search) else { return };
-            let explains = simpler.whole.largest_excess() < EXPLAINED;
-            if !explains && simpler.whole.loss_against(&best.whole) > AMBIGUOUS {
-                return;
-            }
+            // the latest first: two effects that only cancel each other leave no interval of the others either
+            let undetermined = (0..count).rev().filter(|i| count > 1 && self.is_undetermined(best, *i));
+            let mut spared = undetermined.filter_map(|index| {
+                let simpler = self.without_effect(best, index, search)?;
+                let explains = simpler.whole.largest_excess() < EXPLAINED;
+                (explains || simpler.whole.loss_against(&best.whole) <= AMBIGUOUS).then_some((index, simpler))
+            });
+            let Some((index, simpler)) = spared.next() else { return };
             if index < search.rivals.len() {
                 search.rivals.remove(index);
             }

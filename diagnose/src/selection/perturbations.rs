@@ -2,13 +2,13 @@
 //! that shows.
 
 use crate::tolerance::selection::{
-    LARGEST_MULTIPLE, LARGEST_SCALED_LOGARITHM, LARGEST_SCALED_MULTIPLE, LARGEST_SCALED_RIPPLE,
-    SCALED_FACTORS,
+    CURRENT_LIMIT_STARTS, LARGEST_MULTIPLE, LARGEST_SCALED_LOGARITHM, LARGEST_SCALED_MULTIPLE,
+    LARGEST_SCALED_RIPPLE, SCALED_FACTORS, STRIBECK_STARTS,
 };
-use counterpoise_models::Parameters;
+use counterpoise_models::{CONVERTER_RANGE_V, Parameters};
 
 use crate::fitting::output_error::{from_variable, to_variable};
-use crate::library::{Effect, ParameterMapping};
+use crate::library::{Component, Effect, EffectName, ParameterMapping};
 use crate::selection::sizes::Sizes;
 
 /// One effect with a set of directions in its parameters' fit variables.
@@ -103,7 +103,8 @@ pub(crate) fn perturbations_of(
         return [1, 2, 4, 8].into_iter().map(towards).collect();
     }
     if !effect.starts.is_empty() {
-        let all = effect.starts.iter().map(|start| perturbation_towards(effect, base, start));
+        let all = starts_of(effect, base, sizes).into_iter();
+        let all = all.map(|start| perturbation_towards(effect, base, &start));
         let mut all: Vec<Perturbation> =
             all.filter(|perturbation| perturbation.directions[0][0] != 0.0).collect();
         if is_centred(effect) && origin[0] == 0.0 {
@@ -123,6 +124,35 @@ pub(crate) fn perturbations_of(
         );
     }
     all
+}
+
+/// Returns the values from which a fit of an effect starts: those of the library, or on a machine of another size those that its recordings and
+/// its drive suggest.
+fn starts_of(effect: &Effect, base: &Parameters, sizes: Sizes) -> Vec<Vec<f64>> {
+    let listed = || effect.starts.iter().map(|start| start.to_vec()).collect();
+    if sizes.typical {
+        return listed();
+    }
+    match (effect.effect, effect.component) {
+        (EffectName::Stribeck, component) => {
+            let ratio = if component == Component::Motor { base.gearbox.ratio } else { 1.0 };
+            STRIBECK_STARTS
+                .iter()
+                .map(|share| vec![effect.starts[0][0], share * ratio * sizes.rate_rad_s])
+                .collect()
+        }
+        (EffectName::CurrentLimit, _) => {
+            let amplifier = &base.amplifier;
+            let most =
+                amplifier.drive_v(CONVERTER_RANGE_V, &base.motor) * amplifier.stall_gain_a_v(&base.motor);
+            if most.is_finite() && most > 0.0 {
+                CURRENT_LIMIT_STARTS.iter().map(|share| vec![share * most]).collect()
+            } else {
+                listed()
+            }
+        }
+        _ => listed(),
+    }
 }
 
 /// Returns whether the parameters are a stiffness and the position at which it is slack.

@@ -19,7 +19,9 @@ impl Searcher<'_> {
             let present = search.accepted.as_ref();
             let found = present.map_or(0, |c| c.fit.effects.len());
             self.pool.progress("naming", found, EFFECTS_AT_MOST);
-            if found >= EFFECTS_AT_MOST {
+            // beside values of a textbook, two effects that cancel each other gain a little even where nothing is left to explain
+            let complete = !self.sizes.typical && present.is_some_and(FittedCandidate::explains);
+            if found >= EFFECTS_AT_MOST || complete {
                 break;
             }
             let stage = match present {

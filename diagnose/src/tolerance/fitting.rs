@@ -32,3 +32,5 @@ pub const LEAST_DAMPING: f64 = 1e-9;
 
 /// Smallest Coulomb level, N m, that is written: a level of 0 would change the friction's law.
 pub const LEAST_LEVEL_NM: f64 = 1e-9;
+/// Share of its own information that is added to each parameter's if the matrix of information is singular.
+pub const INDISTINCT_SHARE: f64 = 1e-9;

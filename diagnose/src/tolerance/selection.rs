@@ -59,3 +59,10 @@ pub const WHOLE_ORDER: f64 = 0.004;
 pub const ROUNDED_ORDER_COST: f64 = 1.01;
 /// Share of the knots' spacing within which two knots are one: a curve with both would be steep between them by rounding alone.
 pub const SAME_KNOT: f64 = 0.1;
+/// Rate of the hub of a machine like the reference rig, rad/s: its experiments go to 0.1 and 0.15 rad/s.
+pub const TYPICAL_RATE_RAD_S: f64 = 0.1;
+/// Rates of Stribeck's curve from which a fit starts on a machine of any size, as shares of the hub's usual rate.
+pub const STRIBECK_STARTS: [f64; 4] = [0.02, 0.06, 0.2, 0.5];
+/// Limits of the current from which a fit starts on such a machine, as shares of the current that the largest control drives through the
+/// motor at rest.
+pub const CURRENT_LIMIT_STARTS: [f64; 6] = [0.7, 0.4, 0.25, 0.15, 0.08, 0.04];

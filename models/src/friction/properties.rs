@@ -3,7 +3,7 @@
 //! Other crates read and write these quantities here only, so that each is defined once and for every law.
 
 use super::bristle::MEAN_DEFLECTION;
-use crate::parameters::{Friction, FrictionLaw, Ripple};
+use crate::parameters::{Friction, FrictionLaw, Ripple, StribeckCurve};
 
 /// The factors between two dynamically similar machines.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -140,6 +140,15 @@ impl Friction {
     /// Returns the Coulomb level of the law, N m: see [`FrictionLaw::coulomb_nm`].
     pub fn coulomb_nm(&self) -> f64 {
         self.law.coulomb_nm()
+    }
+
+    /// Sets the ratio of the level at rest to the Coulomb level. A law of Coulomb or Karnopp, whose level does not depend on the rate, becomes
+    /// one whose level falls with the rate by exp(-(w / `stribeck_rate_rad_s`)^2); with a ratio of 1 it moves as before.
+    pub fn set_static_ratio(&mut self, ratio: f64) {
+        self.static_ratio = ratio;
+        if let FrictionLaw::Coulomb { coulomb_nm } | FrictionLaw::Karnopp { coulomb_nm, .. } = self.law {
+            self.law = FrictionLaw::Stribeck { coulomb_nm, curve: StribeckCurve::Gaussian };
+        }
     }
 
     /// Returns the largest dry torque at rest, N m, without ripple, load or warm-up.
