@@ -10,9 +10,9 @@ pub const FACTOR_STEP: f64 = 0.05;
 /// Step of a torque, as a share of the RMS torque of the drive at that place: the control then moves by some converter steps.
 pub const TORQUE_STEP: f64 = 0.01;
 /// Points of a function while candidates are ranked.
-pub const SCREENED_POINTS: usize = 8;
+pub const SCREENED_POINTS: usize = 12;
 /// Points of a function that is fitted.
-pub const FITTED_POINTS: usize = 12;
+pub const FITTED_POINTS: usize = 20;
 /// Points of the chosen function: enough for a bump of a twentieth of the range.
 pub const FINE_POINTS: usize = 25;
 /// Points of a function of time for each period of what repeats in time.
