@@ -19,7 +19,7 @@ use crate::selection::signature::EffectSignature;
 use crate::selection::sizes::Sizes;
 use crate::simulator_access::SimulatorAccess;
 use crate::tolerance::findings::{EXCITED_MULTIPLE, LEAST_DISTANCE, LEAST_INFORMATION};
-use crate::tolerance::findings::{LARGEST_REPORTED_MULTIPLE, SMALL_TRAVEL_RAD};
+use crate::tolerance::findings::{LARGEST_REPORTED_MULTIPLE, SMALL_TRAVEL_RAD, WHOLE_SAMPLES};
 use crate::tolerance::{
     AMBIGUOUS, EXPLAINED, GAIN_NEEDED, RIGHT_OF_THREE, RIGHT_OF_UNKNOWN, RIGHT_WHERE_EXPLAINED,
     RIGHT_WHERE_INCOMPLETE, RIVAL_DECAY, SHARE_TO_NAME, TEXTBOOK_SHARE_TO_NAME,
@@ -119,21 +119,38 @@ impl VerdictEvidence<'_> {
                 names.push(name);
             }
         }
-        names.extend(self.structural_equivalent(chosen).filter(|name| !names.contains(name)));
+        names.extend(self.structural_equivalent(accepted, index).filter(|name| !names.contains(name)));
         names
     }
 
     /// Returns the effect that acts as another one does whatever is recorded: on a platform that stands still, and over a small travel, a mass
-    /// above or below the pivot pulls back or pushes away as a spring does.
-    fn structural_equivalent(&self, effect: &Effect) -> Option<Name> {
-        let stands_still = !self.base.sensors.platform_gyro.is_fitted() && self.base.axis == AxisKind::Rotary;
+    /// above or below the pivot pulls back or pushes away as a spring does; and beside one sensor alone, whole samples by which its reading is
+    /// late are those by which the control is.
+    fn structural_equivalent(&self, accepted: &FittedCandidate, index: usize) -> Option<Name> {
+        let effect = accepted.fit.effects[index];
+        let sensors = &self.base.sensors;
+        let stands_still = !sensors.platform_gyro.is_fitted() && self.base.axis == AxisKind::Rotary;
         let small = self.simulator.travel_rad() < SMALL_TRAVEL_RAD;
-        let other = match (effect.component, effect.effect) {
-            (Component::Structure, EffectName::VerticalOffset) => EffectName::PositionStiffness,
-            (Component::Structure, EffectName::PositionStiffness) => EffectName::VerticalOffset,
+        let alone = !sensors.platform_gyro.is_fitted()
+            && sensors.motor_tachometer.is_none()
+            && sensors.hub_resolver.is_none();
+        let first: usize = accepted.fit.effects[..index].iter().map(|e| e.parameters.len()).sum();
+        let late_samples = accepted.fit.values[first] / self.base.interface.sample_period_s;
+        let whole = (late_samples - late_samples.round()).abs() < WHOLE_SAMPLES && late_samples.round() > 0.0;
+        let (component, other, holds) = match (effect.component, effect.effect) {
+            (Component::Structure, EffectName::VerticalOffset) => {
+                (Component::Structure, EffectName::PositionStiffness, stands_still && small)
+            }
+            (Component::Structure, EffectName::PositionStiffness) => {
+                (Component::Structure, EffectName::VerticalOffset, stands_still && small)
+            }
+            (Component::Control, EffectName::Delay) => (Component::HubGyro, EffectName::Delay, alone),
+            (Component::HubGyro, EffectName::Delay) => {
+                (Component::Control, EffectName::Delay, alone && whole)
+            }
             _ => return None,
         };
-        (stands_still && small).then_some(Name { effect: other, component: Component::Structure })
+        holds.then_some(Name { effect: other, component })
     }
 
     fn probability(&self, accepted: &FittedCandidate, index: usize) -> f64 {
@@ -144,14 +161,9 @@ impl VerdictEvidence<'_> {
         let others = rivals.iter().filter(|r| r.newest_effect().is_some_and(|e| !same_name(e, chosen)));
         let weight: f64 =
             others.map(|r| (-RIVAL_DECAY * r.log_likelihood_deficit(best).max(0.0)).exp()).sum();
-        let tried = |name: &Name| {
-            rivals
-                .iter()
-                .filter_map(FittedCandidate::newest_effect)
-                .any(|e| (e.effect, e.component) == (name.effect, name.component))
-        };
+        // what acts alike whatever is recorded is as probable, however its fit went
         let weight =
-            weight + f64::from(u8::from(self.structural_equivalent(chosen).is_some_and(|n| !tried(&n))));
+            if self.structural_equivalent(accepted, index).is_some() { weight.max(1.0) } else { weight };
         self.ceiling(accepted) / (1.0 + weight)
     }
 

@@ -17,3 +17,5 @@ pub const LEAST_INFORMATION: f64 = 1e-12;
 pub const EXCITED_MULTIPLE: f64 = 2.0;
 /// Least distance from the noise floors that a share is taken of: below, nothing is left to explain.
 pub const LEAST_DISTANCE: f64 = 1e-3;
+/// Distance from a whole number of samples up to which a reading may be late by samples.
+pub const WHOLE_SAMPLES: f64 = 0.15;
