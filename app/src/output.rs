@@ -17,6 +17,7 @@ use counterpoise_host::stages::ProgressDisplay;
 use counterpoise_host::terminal::escape_controls;
 use counterpoise_host::terminal::{error_causes, print_message};
 use counterpoise_pipeline::exchange::SCHEMA;
+use counterpoise_pipeline::recordings::tracks::{ChannelTrack, TrackColumn};
 use counterpoise_project::diagnostic::first_findings;
 use counterpoise_report::adaptation::{EXPORTED_BY_BANDS, LEFT_OUT_BY_TRIALS};
 use counterpoise_report::figure_tables::{FigureRow, figure_tables};
@@ -106,6 +107,51 @@ pub fn write_figures(results: &ResultOutput, report: &Report) -> Result<()> {
         files.write_table(&ResultTable { name, columns: table.columns, rows })?;
     }
     files.write_contents()
+}
+
+/// Writes what was measured beside what the models simulate, a table for each recording, where files of data were asked for: `before` is the
+/// model as it was, `after` the improved one if there is one.
+pub fn write_tracks<'t>(
+    results: &ResultOutput,
+    tracks: impl IntoIterator<Item = &'t ChannelTrack>,
+) -> Result<()> {
+    let Some(folder) = &results.data else { return Ok(()) };
+    let mut files = ResultFolder::new(&folder.join("series"));
+    let mut groups: Vec<Vec<&ChannelTrack>> = Vec::new();
+    for track in tracks {
+        // recordings of one name in two folders are two tables
+        let belongs = |group: &&mut Vec<&ChannelTrack>| {
+            group[0].recording == track.recording && group.iter().all(|other| other.channel != track.channel)
+        };
+        match groups.last_mut().filter(belongs) {
+            Some(group) => group.push(track),
+            None => groups.push(vec![track]),
+        }
+    }
+    groups.iter().try_for_each(|group| files.write_table(&track_table(group)))?;
+    files.write_contents()
+}
+
+/// Returns the channels of a recording as a table over time.
+fn track_table(tracks: &[&ChannelTrack]) -> ResultTable {
+    let runs =
+        [(TrackColumn::Measured, "measured"), (TrackColumn::Before, "before"), (TrackColumn::After, "after")];
+    let mut columns = vec!["time [s]".to_owned()];
+    let mut series: Vec<&[f64]> = Vec::new();
+    for track in tracks {
+        for (run, word) in runs.into_iter().filter(|(run, _)| track.signals.has(*run)) {
+            columns.push(format!("{} {word} [{}]", track.channel.name(), track.channel.unit()));
+            series.push(track.signals.column(run));
+        }
+    }
+    let length = series.first().map_or(0, |column| column.len());
+    let row = |k: usize| {
+        let time = tracks.first().map_or(0.0, |track| k as f64 * track.period_s);
+        let values = series.iter().map(|column| column.get(k).copied().unwrap_or(f64::NAN));
+        std::iter::once(time).chain(values).map(number_cell).collect()
+    };
+    let name = tracks.first().map_or_else(String::new, |track| track.recording.clone());
+    ResultTable { name, columns, rows: (0..length).map(row).collect() }
 }
 
 /// A list under a key.

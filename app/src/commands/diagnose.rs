@@ -62,6 +62,7 @@ pub fn run(options: &DiagnoseOptions) -> CommandResult {
         let page = diagnosis::diagnosis_report(name, &command, &diagnosed, &answer, consequence.as_ref());
         output::write_report(path, &options.outputs.results, &page)?;
     }
+    output::write_tracks(&options.outputs.results, &diagnosed.tracks)?;
     if !output::write_result(&options.outputs.results, &answer)? {
         print(&answer);
         print_confirmation(&confirmed);

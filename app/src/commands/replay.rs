@@ -85,6 +85,7 @@ pub fn run(options: &ReplayOptions) -> CommandResult {
         let page = counterpoise_report::replay::replay_report(&title, &command, &result, &replayed);
         output::write_report(path, &options.outputs.results, &page)?;
     }
+    output::write_tracks(&options.outputs.results, replayed.iter().flat_map(|one| &one.tracks))?;
     if !output::write_result(&options.outputs.results, &result)? {
         print(&result);
     }
