@@ -5,7 +5,7 @@ use counterpoise_recordings::Channel;
 
 use crate::recording::series::{correlation_time, rms};
 use crate::simulator_access::{Assessment, SimulatorAccess};
-use crate::tolerance::SCORE_FLOOR;
+use crate::tolerance::{EXPLAINED, NOTHING_LEFT, SCORE_FLOOR};
 use counterpoise_pool::{Pool, map};
 
 /// The fit of one channel over one part of one recording.
@@ -147,6 +147,11 @@ impl Score {
     /// Returns the largest excess of a cell.
     pub fn largest_excess(&self) -> f64 {
         self.cells.iter().map(|cell| cell.excess).fold(0.0, f64::max)
+    }
+
+    /// Returns whether nothing is left that a further effect could explain.
+    pub fn is_complete(&self) -> bool {
+        self.largest_excess() < EXPLAINED && self.distance() < NOTHING_LEFT
     }
 }
 

@@ -49,6 +49,14 @@ fn set_lag_of_drive(p: &mut Parameters, lag_s: f64) {
     p.amplifier.dynamics = AmplifierDynamics::CurrentLoop { bandwidth_rad_s: 1.0 / lag_s, delay_s };
 }
 
+fn static_ratio(p: &Parameters) -> f64 {
+    p.motor_friction.static_ratio
+}
+
+fn set_static_ratio(p: &mut Parameters, ratio: f64) {
+    p.motor_friction.set_static_ratio(ratio);
+}
+
 fn current_limit(p: &Parameters) -> f64 {
     if p.amplifier.current_limit_a.is_finite() { p.amplifier.current_limit_a } else { 1e3 }
 }
@@ -146,16 +154,7 @@ pub(super) static TEXTBOOK: &[Effect] = &[
         component: Component::Motor,
         kind: EffectKind::MissingPhysics,
         parameters: &[
-            parameter!(
-                "static_ratio",
-                "1",
-                [1.0, 4.0],
-                0.2,
-                Linear,
-                get | p | p.motor_friction.static_ratio,
-                set | p,
-                v | p.motor_friction.set_static_ratio(v)
-            ),
+            parameter!("static_ratio", "1", [1.0, 4.0], 0.2, Linear, get static_ratio, set set_static_ratio),
             parameter!("stribeck_rate", "rad/s", [1e-4, 1e4], 0.3, Log, motor_friction.stribeck_rate_rad_s),
         ],
         starts: &[&[1.3, 2.0], &[1.3, 0.5], &[1.3, 10.0]],

@@ -14,6 +14,14 @@ fn lumped_set(p: &mut Parameters, write: impl FnOnce(&mut LumpedStructure)) {
     }
 }
 
+fn static_ratio(p: &Parameters) -> f64 {
+    p.pivot_friction.static_ratio
+}
+
+fn set_static_ratio(p: &mut Parameters, ratio: f64) {
+    p.pivot_friction.set_static_ratio(ratio);
+}
+
 fn equilibrator_factor(p: &Parameters) -> f64 {
     p.loads.equilibrator.as_ref().map_or(1.0, |equilibrator| equilibrator.factor)
 }
@@ -243,16 +251,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         component: Component::Pivot,
         kind: EffectKind::MissingPhysics,
         parameters: &[
-            parameter!(
-                "static_ratio",
-                "1",
-                [1.0, 4.0],
-                0.2,
-                Linear,
-                get | p | p.pivot_friction.static_ratio,
-                set | p,
-                v | p.pivot_friction.set_static_ratio(v)
-            ),
+            parameter!("static_ratio", "1", [1.0, 4.0], 0.2, Linear, get static_ratio, set set_static_ratio),
             parameter!("stribeck_rate", "rad/s", [1e-6, 50.0], 0.3, Log, pivot_friction.stribeck_rate_rad_s),
         ],
         starts: &[&[1.3, 0.01], &[1.3, 0.003], &[1.3, 0.04]],

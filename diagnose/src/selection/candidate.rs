@@ -4,9 +4,7 @@ use crate::fitting::output_error::{EffectFit, parameters_of};
 use crate::fitting::score::{RecordingPart, Score};
 use crate::library::Effect;
 use crate::simulator_access::Assessment;
-use crate::tolerance::{
-    EFFECT_PRICE, EXPLAINED, FITTED_SHARE, HARM, NOTHING_LEFT, PARAMETER_PRICE, SYSTEMATIC_GAIN,
-};
+use crate::tolerance::{EFFECT_PRICE, FITTED_SHARE, HARM, PARAMETER_PRICE, SYSTEMATIC_GAIN};
 
 /// A candidate that was fitted and assessed.
 #[derive(Debug, Clone)]
@@ -94,7 +92,7 @@ impl FittedCandidate {
 
     /// Returns whether nothing is left that a further effect could explain.
     pub fn explains(&self) -> bool {
-        self.whole.largest_excess() < EXPLAINED && self.whole.distance() < NOTHING_LEFT
+        self.whole.is_complete()
     }
 
     pub(crate) fn has_same_effects(&self, other: &Self) -> bool {

@@ -20,7 +20,8 @@ impl Searcher<'_> {
             let found = present.map_or(0, |c| c.fit.effects.len());
             self.pool.progress("naming", found, EFFECTS_AT_MOST);
             // beside values of a textbook, two effects that cancel each other gain a little even where nothing is left to explain
-            let complete = !self.sizes.typical && present.is_some_and(FittedCandidate::explains);
+            let score = present.map_or(&search.baseline.score, |candidate| &candidate.whole);
+            let complete = !self.sizes.typical && score.is_complete();
             if found >= EFFECTS_AT_MOST || complete {
                 break;
             }
