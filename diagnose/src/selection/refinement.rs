@@ -127,7 +127,7 @@ impl Searcher<'_> {
         let tried = search.stages.iter().map(|stage| stage.extend_candidate(without)).max_by_key(Vec::len);
         match tried.filter(|tried| tried.len() >= RIVALS) {
             Some(tried) => tried,
-            None => self.run_stage(without, StageBreadth::Rivals).adding_one(without.fit.effects.len()),
+            None => self.run_stage(without, StageBreadth::Narrow).adding_one(without.fit.effects.len()),
         }
     }
 

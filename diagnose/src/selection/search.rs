@@ -9,7 +9,7 @@ use crate::selection::candidate::FittedCandidate;
 use crate::selection::outcome::SearchOutcome;
 use crate::selection::searcher::Searcher;
 use crate::selection::stage::{Stage, StageBreadth};
-use crate::tolerance::{EFFECTS_AT_MOST, RIVALS, SWAP_NEEDED};
+use crate::tolerance::{EFFECTS_AT_MOST, RIVALS, SWAP_NEEDED, TEXTBOOK_SHARE_TO_NAME};
 
 impl Searcher<'_> {
     /// Searches for up to three effects; returns `None` if the model as it is cannot be simulated.
@@ -20,8 +20,7 @@ impl Searcher<'_> {
             let found = present.map_or(0, |c| c.fit.effects.len());
             self.pool.progress("naming", found, EFFECTS_AT_MOST);
             // beside values of a textbook, two effects that cancel each other gain a little even where nothing is left to explain
-            let score = present.map_or(&search.baseline.score, |candidate| &candidate.whole);
-            let complete = !self.sizes.typical && score.is_complete();
+            let complete = !self.sizes.typical && present.is_some_and(FittedCandidate::explains);
             if found >= EFFECTS_AT_MOST || complete {
                 break;
             }
@@ -54,8 +53,16 @@ impl Searcher<'_> {
         needed: &[usize],
         search: &SearchOutcome,
     ) -> Option<FittedCandidate> {
-        let worth =
-            |c: &&FittedCandidate| c.is_acceptable() && c.is_worth_more_than(smaller, &search.baseline.score);
+        let least_share = if !self.sizes.typical && smaller.is_complete() {
+            TEXTBOOK_SHARE_TO_NAME
+        } else {
+            f64::NEG_INFINITY
+        };
+        let worth = |c: &&FittedCandidate| {
+            c.is_acceptable()
+                && c.is_worth_more_than(smaller, &search.baseline.score)
+                && c.power_share(smaller) > least_share
+        };
         let beyond = |c: &&FittedCandidate| self.exceeds_null_gain(c, smaller);
         let mut worthy: Vec<&FittedCandidate> = stage.candidates.iter().filter(worth).take(RIVALS).collect();
         if !self.sizes.typical {

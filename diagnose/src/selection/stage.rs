@@ -62,8 +62,8 @@ impl Stage {
 pub(crate) enum StageBreadth {
     /// For the next effect.
     Full,
-    /// For what could stand in the place of an effect that was found.
-    Rivals,
+    /// For one effect alone: what could stand in the place of one that was found, or what is left of a model that explains everything.
+    Narrow,
 }
 
 /// The assessments of every recording for the present model.
@@ -93,7 +93,10 @@ impl Searcher<'_> {
         let hides = !self.sizes.typical && plain.sought.iter().zip(&plain.fitted).any(thrown_off);
         let from = if hides || is_close(&plain.fitted) { &plain.fitted } else { &plain.sought };
         let against = StageAssessments { screened_from: from, judged_against: &plain.fitted };
-        self.screen_and_fit(None, against, StageBreadth::Full)
+        // where values of a textbook leave nothing to explain, one effect alone may be below the noise, and a pair follows it
+        let complete = !self.sizes.typical && plain.score.is_complete();
+        let breadth = if complete { StageBreadth::Narrow } else { StageBreadth::Full };
+        self.screen_and_fit(None, against, breadth)
     }
 
     /// Runs a stage on top of a model.
