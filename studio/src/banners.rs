@@ -1,8 +1,8 @@
-//! Banners above a page: another program has changed the file, or another window has the project open.
+//! Banners above a page: another program has changed the file, another window has the project open, or its text has errors.
 
 use egui::{RichText, Ui};
 
-use crate::command::{BrowsePurpose, Command};
+use crate::command::{BrowsePurpose, Command, Page};
 use crate::studio::Studio;
 use crate::text_difference::{DifferenceLine, line_differences};
 use crate::theme::{WindowTheme, space};
@@ -16,6 +16,9 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let Some(opened) = &studio.opened else { return };
     if opened.is_read_only() {
         show_read_only_banner(ui, &theme, queue, &opened.path);
+    }
+    if !opened.session.errors().is_empty() && studio.view.page != Page::Text {
+        show_error_banner(ui, &theme, queue, opened.session.errors().len());
     }
     let Some(disk) = &opened.disk_text else { return };
     let (mine, theirs) = (opened.session.text(), disk.text.as_str());
@@ -58,6 +61,22 @@ fn show_read_only_banner(ui: &mut Ui, theme: &WindowTheme, queue: &mut Vec<Comma
             let again = ui.button("Open it again");
             if again.on_hover_text("after the other window was closed").clicked() {
                 queue.push(Command::Open { path: path.to_owned() });
+            }
+        });
+    });
+    ui.add_space(space::SMALL);
+}
+
+/// Shows that the project's text has errors, and leads to the page on which they are mended.
+fn show_error_banner(ui: &mut Ui, theme: &WindowTheme, queue: &mut Vec<Command>, count: usize) {
+    theme.card().show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        ui.horizontal_wrapped(|ui| {
+            let errors = if count == 1 { "an error".to_owned() } else { format!("{count} errors") };
+            let text = format!("The project's text has {errors}; this page shows the last one without.");
+            ui.label(RichText::new(text).color(theme.bad));
+            if ui.button("Mend the text").on_hover_text("Shift+F8").clicked() {
+                queue.push(Command::NextError);
             }
         });
     });

@@ -11,8 +11,8 @@
 //! *Invariant*: no equation of the field stands here, and nothing can be done here that the command line cannot do.
 //!
 //! Modules in reading order: [`commissioning_inputs`], [`command`], [`editing`], [`versioned_results`], [`jobs`], [`results`], [`units`], [`theme`],
-//! [`number_format`], [`charts`], [`browser`], [`view`], [`settings`], [`file_queue`], [`studio`], [`text_difference`], [`shortcuts`], [`toolbar`],
-//! [`status_bar`], [`banners`], [`close_question`], [`command_palette`], [`pages`], [`main_window`], [`frame_log`], [`script`],
+//! [`number_format`], [`charts`], [`help`], [`browser`], [`view`], [`settings`], [`file_queue`], [`studio`], [`text_difference`], [`shortcuts`], [`toolbar`],
+//! [`status_bar`], [`banners`], [`close_question`], [`command_palette`], [`help_window`], [`pages`], [`main_window`], [`frame_log`], [`script`],
 //! [`offscreen`], [`native_window`].
 //!
 //! ```
@@ -35,6 +35,8 @@ pub mod commissioning_inputs;
 pub mod editing;
 pub mod file_queue;
 pub mod frame_log;
+pub mod help;
+pub mod help_window;
 pub mod jobs;
 pub mod main_window;
 pub mod native_window;

@@ -6,12 +6,13 @@ use crate::command::{Command, Page};
 use crate::jobs::plot_copy::ClipboardContent;
 use crate::studio::Studio;
 use crate::theme::space;
-use crate::{banners, close_question, command_palette, pages, shortcuts, status_bar, toolbar};
+use crate::{banners, close_question, command_palette, help_window, pages, shortcuts, status_bar, toolbar};
 
 /// Shows the studio and carries out what the user asked for in this frame.
 pub fn show(studio: &mut Studio, ui: &mut Ui) {
     let theme = studio.view.theme;
     studio.view.dragging = false;
+    studio.view.help.pointed = None;
     studio.view.limits_scope = limits_scope(studio);
     let mut queue = shortcuts::pressed_commands(studio, ui);
     queue.extend(dropped_files(ui));
@@ -21,6 +22,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui) {
     let ground = egui::Frame::new().fill(theme.ground).inner_margin(egui::Margin::same(space::MEDIUM as i8));
     egui::CentralPanel::default().frame(ground).show(ui, |ui| show_page(studio, ui, &mut queue));
     pages::file_browser::show_over_page(studio, ui, &mut queue);
+    help_window::show(studio, ui);
     command_palette::show(studio, ui, &mut queue);
     close_question::show(studio, ui, &mut queue);
     match studio.clipboard.take() {
@@ -53,6 +55,7 @@ fn show_page(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         Page::Verify => pages::verify::show(studio, ui, queue),
         Page::Diagnose => pages::diagnose::show(studio, ui, queue),
         Page::Commission => pages::commission::show(studio, ui, queue),
+        Page::Text => pages::project_text::show(studio, ui, queue),
     }
 }
 

@@ -40,6 +40,8 @@ pub struct UserSettings {
     pub units: DisplayUnits,
     /// The zoom; `None` for 1.
     pub zoom: Option<f32>,
+    /// `true` if the hint on what can be dragged was closed.
+    pub is_hint_closed: bool,
     /// The size of the window, points; `None` before the first window.
     pub window_size: Option<[f32; 2]>,
 }
@@ -98,12 +100,14 @@ impl UserSettings {
     pub fn apply(&self, view: &mut StudioView) {
         view.theme = if self.theme == ThemeChoice::Light { LIGHT } else { DARK };
         view.units = self.units;
+        view.shows_hint = !self.is_hint_closed;
     }
 
     /// Takes over what the view shows.
     pub fn update_from(&mut self, view: &StudioView) {
         self.theme = if view.theme == LIGHT { ThemeChoice::Light } else { ThemeChoice::Dark };
         self.units = view.units;
+        self.is_hint_closed = !view.shows_hint;
     }
 }
 

@@ -2,7 +2,7 @@
 
 use egui::{Key, KeyboardShortcut, Modifiers, Ui};
 
-use crate::command::{Command, list_commands};
+use crate::command::{Command, Page, list_commands};
 use crate::studio::Studio;
 
 /// Returns a shortcut from its written form, as `Ctrl+Z`; `None` if there is no such key.
@@ -33,9 +33,17 @@ pub fn pressed_commands(studio: &Studio, ui: &Ui) -> Vec<Command> {
     all.extend(parse_shortcut("Ctrl+Shift+P").map(|s| (s, Command::Palette)));
     all.extend(parse_shortcut("Ctrl+Shift+Z").map(|s| (s, Command::Redo)));
     all.sort_by_key(|(s, _)| !s.modifiers.shift);
+    // the page Text has no plot, and there everyone looks for a word with this key
+    let fits_text = studio.view.page == Page::Text && studio.opened.is_some();
+    if let Some((_, fit)) = all.iter_mut().find(|(_, command)| fits_text && *command == Command::FitPlot) {
+        *fit = Command::FindText;
+    }
     let has_palette = studio.view.palette.is_some();
     // the toolkit removes the focus before this frame, so that of the last frame decides to whom Esc belongs
-    let is_escape_taken = has_palette || egui::Popup::is_any_open(ui.ctx()) || studio.view.had_keyboard_focus;
+    let is_escape_taken = has_palette
+        || studio.view.help.shown.is_some()
+        || egui::Popup::is_any_open(ui.ctx())
+        || studio.view.had_keyboard_focus;
     all.retain(|(_, command)| match command {
         Command::Palette => true,
         Command::Cancel => !is_escape_taken && studio.can_stop(),

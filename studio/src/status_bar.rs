@@ -42,9 +42,20 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
                 }
                 ui.add(egui::Label::new(RichText::new(&notice.text).small().color(colour)).truncate())
                     .on_hover_text(&notice.text);
+            } else if studio.view.shows_hint && studio.opened.is_some() {
+                show_hint(ui, &theme, queue);
             }
         });
     });
+}
+
+/// Shows what can be dragged, until it was read once.
+fn show_hint(ui: &mut Ui, theme: &WindowTheme, queue: &mut Vec<Command>) {
+    if ui.small_button("Understood").clicked() {
+        queue.push(Command::CloseHint);
+    }
+    let text = "Round handles of weights, grips of limits and every number can be dragged; F1 explains what is under the pointer.";
+    ui.add(egui::Label::new(RichText::new(text).small().color(theme.accent)).truncate());
 }
 
 fn current_status(studio: &Studio, theme: &WindowTheme) -> Status {

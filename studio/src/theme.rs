@@ -104,6 +104,8 @@ impl WindowTheme {
         v.text_edit_bg_color = Some(self.field);
         v.override_text_color = Some(self.text);
         v.weak_text_color = Some(self.weak);
+        // a blinking cursor would draw frames while nothing changes
+        v.text_cursor.blink = false;
         v.window_stroke = Stroke::new(1.0, self.line);
         v.selection.bg_fill = self.accent.gamma_multiply(0.30);
         v.selection.stroke = Stroke::new(1.0, self.accent);

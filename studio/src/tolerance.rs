@@ -26,3 +26,15 @@ pub(crate) const LARGEST_EXPONENT: f64 = 300.0;
 
 /// Distance of a logarithmic tick from a whole power of ten, in decades, that is rounding.
 pub(crate) const WHOLE_DECADE: f64 = 1e-6;
+
+/// Shortest window of a recording, as a share of it: a shorter one could not be gripped again on a screen of a thousand points.
+pub(crate) const SHORTEST_WINDOW_SHARE: f64 = 0.002;
+
+/// Pause after which typing is another step of undo, s: longer than between two letters of a word, shorter than between two thoughts.
+pub(crate) const TYPING_PAUSE_S: f64 = 1.0;
+
+/// Fewest letters of a term that is looked for in a text: shorter ones stand for other things, too.
+pub(crate) const SHORTEST_TERM: usize = 3;
+
+/// Smallest limit of the largest sensitivity to which it is dragged: no loop is below 1, and the project file refuses 1.
+pub(crate) const SMALLEST_SENSITIVITY_LIMIT: f64 = 1.01;

@@ -132,6 +132,7 @@ fn show_tools(studio: &Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let gain = if units.gain == GainUnit::Decibel { "dB" } else { "abs" };
     let angle = if units.angle == AngleUnit::Milliradian { "mrad" } else { "deg" };
     let settings = [
+        tool("?", "Help: what is under the pointer, terms, and what can be done here (F1)", Command::Help),
         tool("Commands", "Every command, by name (Ctrl+K)", Command::Palette),
         tool("Theme", "Light or dark (Ctrl+T)", Command::ToggleTheme),
         tool(angle, "Angles in mrad or degrees (Ctrl+G)", Command::ToggleAngle),

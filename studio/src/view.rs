@@ -11,6 +11,8 @@ use crate::browser::Browser;
 use crate::charts::chart::Chart;
 use crate::command::{Command, DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
 use crate::commissioning_inputs::CommissioningInputs;
+use crate::help::page_texts::page_topic;
+use crate::help::topics::HelpState;
 use crate::theme::{DARK, LIGHT, WindowTheme};
 use crate::units::DisplayUnits;
 
@@ -60,6 +62,69 @@ pub enum CloseTarget {
     Project,
     /// The window.
     Window,
+}
+
+/// The page Text as it is used.
+#[derive(Debug, Clone, Default)]
+pub struct TextViewState {
+    /// The text that was shown last: if another stands in the project, its change is shown.
+    pub shown: String,
+    /// A place to be shown: line and column from 1.
+    pub go_to: Option<TextPlace>,
+    /// `true` if the text is to get the keyboard when the place is shown.
+    pub focuses_editor: bool,
+    /// `true` if the next error is to be shown.
+    pub goes_to_error: bool,
+    /// The word that is looked for.
+    pub find: String,
+    /// `true` if the field of this word is to get the keyboard.
+    pub focuses_find: bool,
+    /// Time and line of what was typed last, by which a new step of undo begins.
+    pub typed: Option<TypedPlace>,
+}
+
+/// The tab X-Y of the page Diagnose.
+#[derive(Debug, Clone, Default)]
+pub struct CrossPlotState {
+    /// Name of the horizontal channel; empty for the usual one.
+    pub x: String,
+    /// Name of the vertical channel; empty for the usual one.
+    pub y: String,
+    /// The window of time, s; `None` for the whole recording.
+    pub window_s: Option<[f64; 2]>,
+    /// The paths that were drawn last.
+    pub paths: Option<Arc<CrossPlotPaths>>,
+}
+
+/// Paths of one channel against another.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct CrossPlotPaths {
+    /// Recording, channels and window that the paths belong to.
+    pub key: String,
+    /// As measured.
+    pub measured: Vec<[f64; 2]>,
+    /// As the project's model simulates it.
+    pub model: Option<Vec<[f64; 2]>>,
+    /// As the diagnosed model simulates it.
+    pub improved: Option<Vec<[f64; 2]>>,
+}
+
+/// A place in the project's text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TextPlace {
+    /// The line, from 1.
+    pub line: usize,
+    /// The character in it, from 1.
+    pub column: usize,
+}
+
+/// Time and place of what was typed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TypedPlace {
+    /// Time of the window, s.
+    pub time_s: f64,
+    /// The line, from 1.
+    pub line: usize,
 }
 
 /// Outcome of a command of the view.
@@ -127,6 +192,14 @@ pub struct StudioView {
     pub section: usize,
     /// Inputs of the page Commission.
     pub commissioning: CommissioningInputs,
+    /// The page Text.
+    pub text: TextViewState,
+    /// The tab X-Y of the page Diagnose.
+    pub cross_plot: CrossPlotState,
+    /// Help.
+    pub help: HelpState,
+    /// `true` until the hint on what can be dragged was closed.
+    pub shows_hint: bool,
 }
 
 impl Default for StudioView {
@@ -159,6 +232,10 @@ impl Default for StudioView {
             requirement: 0,
             section: 0,
             commissioning: CommissioningInputs::default(),
+            text: TextViewState::default(),
+            cross_plot: CrossPlotState::default(),
+            help: HelpState::default(),
+            shows_hint: true,
         }
     }
 }
@@ -180,7 +257,19 @@ impl StudioView {
             Command::ShowDesign { tab } => (self.page, self.design_tab) = (Page::Design, *tab),
             Command::ShowVerification { tab } => (self.page, self.verification_tab) = (Page::Verify, *tab),
             Command::SetCommissioning { inputs } => self.commissioning = inputs.clone(),
+            Command::SetCrossPlot { x, y, window_s } => {
+                let plot = &mut self.cross_plot;
+                (plot.x, plot.y, plot.window_s) = (x.clone(), y.clone(), *window_s);
+            }
+            Command::ShowLine { line, column } => {
+                (self.page, self.text.focuses_editor) = (Page::Text, true);
+                self.text.go_to = Some(TextPlace { line: *line, column: *column });
+            }
+            Command::NextError => (self.page, self.text.goes_to_error) = (Page::Text, true),
+            Command::FindText => (self.page, self.text.focuses_find) = (Page::Text, true),
             Command::ShowDiagnosis { tab } => (self.page, self.diagnosis_tab) = (Page::Diagnose, *tab),
+            Command::Help => self.help.toggle(page_topic(self.page)),
+            Command::CloseHint => self.shows_hint = false,
             Command::Palette => {
                 self.palette = if self.palette.is_some() { None } else { Some(PaletteState::default()) };
             }

@@ -6,12 +6,16 @@ mod common;
 
 mod commissioning;
 mod crash_recovery;
+mod cross_plot;
 mod file_commands;
 mod frame_times;
+mod help;
 mod journal_fuzz;
 mod page_contents;
 mod pages;
 mod pictures;
+mod project_text;
+mod requirement_limits;
 mod same_recordings;
 mod save_kills;
 mod slow_disk;

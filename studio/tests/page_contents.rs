@@ -9,6 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use common::{StudioHarness, bench, rest, rig, says, studio, wait_until, whole_rig};
+use counterpoise_studio::charts::chart::Chart;
 use counterpoise_studio::command::{BrowsePurpose, Command, DesignSlot, DiagnosisTab, Page, VerificationTab};
 use counterpoise_studio::results::VerificationState;
 use egui::{Key, Modifiers};
@@ -43,21 +44,34 @@ fn tab_order(bench: &mut StudioHarness) -> BTreeSet<String> {
     names
 }
 
+/// The controls of each page by which Tab has to come.
+const WANTED: [(Page, &[&str]); 7] = [
+    (Page::Plant, &["File", "gearbox", "mode 1", "hub inertia"]),
+    (Page::Reduce, &["balanced", "none"]),
+    (
+        Page::Design,
+        &[
+            "error weight: corner and gain",
+            "Heave",
+            "A",
+            "gain",
+            "requirement: gain margin",
+            "limit: gain margin",
+        ],
+    ),
+    (Page::Verify, &["Verify", "Export code", "Rejection", "holds: gain margin"]),
+    (Page::Diagnose, &["Add\u{2026}", "column of the hub rate"]),
+    (Page::Text, &["Find", "text of the project"]),
+    (Page::Commission, &["program", "folder of the rounds", "rate", "Read again"]),
+];
+
 #[test]
 fn every_control_of_every_page_has_a_name_and_is_reached_by_tab() {
     let folder = rig("names");
     let mut bench = bench(&folder);
     rest(&mut bench);
-    let wanted: [(Page, &[&str]); 6] = [
-        (Page::Plant, &["File", "gearbox", "mode 1", "hub inertia"]),
-        (Page::Reduce, &["balanced", "none"]),
-        (Page::Design, &["error weight: corner and gain", "Heave", "A", "gain"]),
-        (Page::Verify, &["Verify", "Export code", "Rejection", "holds: gain margin"]),
-        (Page::Diagnose, &["Add\u{2026}", "column of the hub rate"]),
-        (Page::Commission, &["program", "folder of the rounds", "rate", "Read again"]),
-    ];
     bench.state_mut().run(&Command::Recordings { paths: vec![folder.join("sandy-loam.parquet")] });
-    for (page, names) in wanted {
+    for (page, names) in WANTED {
         bench.state_mut().run(&Command::Go { page });
         rest(&mut bench);
         bench.check_accessibility();
@@ -368,14 +382,18 @@ fn the_limit_of_the_chosen_requirement_is_drawn_where_its_figure_is_read_and_in_
         bench.run_steps(2);
         bench.state().view.chart.clone().unwrap()
     };
+    let selected = |chart: &Chart| {
+        chart.bounds.iter().filter(|bound| bound.is_selected).map(|bound| bound.at).collect::<Vec<_>>()
+    };
     let rejection = seen("DRR heave at 1 Hz", "Rejection of heave");
-    assert_eq!(rejection.levels, [-70.0]);
-    assert!((rejection.marks[0].x - 1.0).abs() < 1e-9 && rejection.marks[0].label.contains("limit"));
-    assert!(seen("gain margin", "Rejection of heave").marks.is_empty());
-    assert_eq!(seen("peak current", "Current").levels, [30.0, -30.0]);
-    assert!(
-        (seen("step overshoot, nonlinear", "Step of the demand: hub rate").levels[0] - 115.0).abs() < 1e-9
-    );
+    assert_eq!(selected(&rejection).len(), 1);
+    assert!((selected(&rejection)[0] + 70.0).abs() < 1e-9);
+    let [from, to] = rejection.bounds[0].span.unwrap();
+    assert!(from < 1.0 && to > 1.0, "the limit stands about its frequency");
+    assert!(selected(&seen("gain margin", "Rejection of heave")).is_empty());
+    assert_eq!(selected(&seen("peak current", "Current")), [30.0, -30.0]);
+    let overshoot = selected(&seen("step overshoot, nonlinear", "Step of the demand: hub rate"));
+    assert!((overshoot[0] - 115.0).abs() < 1e-9);
     drop(bench);
     std::fs::remove_dir_all(folder).unwrap();
 }

@@ -9,8 +9,9 @@ mod paint;
 use std::path::Path;
 
 use crate::commissioning::commissioned_folder;
+use crate::cross_plot::friction_example;
 use common::whole_rig;
-use counterpoise_studio::command::{Command, DesignSlot, DesignTab, Page, VerificationTab};
+use counterpoise_studio::command::{Command, DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
 use counterpoise_studio::frame_log::FrameLog;
 use counterpoise_studio::offscreen::OffscreenStudio;
 use image::RgbaImage;
@@ -65,6 +66,27 @@ fn the_rounds_of_a_commissioning_look_as_they_did() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
+#[test]
+fn a_channel_against_another_looks_as_it_did() {
+    let folder = friction_example("picture");
+    let mut seat = OffscreenStudio::new(&folder.join("state"), SIZE.map(|v| v as f32));
+    let (mut log, mut painter) = (FrameLog::new(None), Painter::default());
+    let channels = Command::SetCrossPlot {
+        x: "hub_rate".to_owned(),
+        y: "control".to_owned(),
+        window_s: Some([0.5, 6.5]),
+    };
+    let commands = vec![
+        Command::Open { path: folder.clone() },
+        Command::Recordings { paths: vec![folder.join("triangle.parquet")] },
+        channels,
+        Command::ShowDiagnosis { tab: DiagnosisTab::CrossPlot },
+    ];
+    take_picture("cross-plot", commands, &mut seat, &mut log, &mut painter);
+    drop(seat);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
 /// Runs commands, and compares what the window then looks like.
 fn take_picture(
     name: &str,
@@ -96,6 +118,10 @@ fn each_page_looks_as_it_did() {
     let mut seat = OffscreenStudio::new(&folder.join("state"), SIZE.map(|v| v as f32));
     let (mut log, mut painter) = (FrameLog::new(None), Painter::default());
     let gain = Command::Set { path: "synth.feedback.error.gain".to_owned(), value: 31.0, gesture: Some(1) };
+    let backlash = Command::Set { path: "plant.gearbox.backlash".to_owned(), value: -1e-3, gesture: None };
+    let inserted = "colour = 3\n".to_owned();
+    let wrong_key = Command::SpliceText { from: 0, to: 0, inserted, gesture: None };
+    let consequences = Command::ShowDesign { tab: DesignTab::Consequences };
     let first = vec![Command::Open { path: folder.clone() }];
     let shots: Vec<(&str, Vec<Command>)> = vec![
         ("design", [first, vec![Command::Keep { slot: DesignSlot::A }, gain]].concat()),
@@ -105,7 +131,9 @@ fn each_page_looks_as_it_did() {
         ("verify", vec![Command::ShowVerification { tab: VerificationTab::Histories }]),
         ("rejection", vec![Command::ShowVerification { tab: VerificationTab::Rejection }]),
         ("diagnose", vec![Command::Go { page: Page::Diagnose }]),
-        ("light", vec![Command::ToggleTheme, Command::ShowDesign { tab: DesignTab::Consequences }]),
+        ("text", vec![backlash, wrong_key, Command::NextError]),
+        ("light", vec![Command::Undo, Command::Undo, Command::ToggleTheme, consequences]),
+        ("help", vec![Command::ToggleTheme, Command::Help]),
         ("welcome", vec![Command::Close]),
     ];
     for (name, commands) in shots {

@@ -263,6 +263,7 @@ fn a_project_without_a_controller_is_an_ordinary_one() {
             Page::Design | Page::Verify => assert!(says(&bench, "A model without a controller")),
             Page::Diagnose => assert!(says(&bench, "No recordings yet")),
             Page::Commission => assert!(says(&bench, "No round yet")),
+            Page::Text => assert!(says(&bench, "No errors")),
         }
     }
     drop(bench);

@@ -47,6 +47,14 @@ pub enum PlotAxis {
 }
 
 impl PlotAxis {
+    /// Returns the other axis.
+    pub fn other(self) -> Self {
+        match self {
+            Self::X => Self::Y,
+            Self::Y => Self::X,
+        }
+    }
+
     /// Returns the axis' place in pairs: 0 for x, 1 for y.
     pub fn index(self) -> usize {
         match self {
@@ -74,6 +82,45 @@ pub struct LabelledPoint {
     pub label: String,
 }
 
+/// The side of a limit on which the curve must not be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ForbiddenSide {
+    /// Above the limit, or to the right of it.
+    Larger,
+    /// Below the limit, or to the left of it.
+    Smaller,
+}
+
+/// The meaning of a shaded region.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BoundTone {
+    /// The wrong side of a limit that holds.
+    Kept,
+    /// The wrong side of a limit that is broken.
+    Broken,
+    /// Outside a window that was chosen.
+    Outside,
+}
+
+/// A limit with the region on its wrong side.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChartBound {
+    /// What is limited, with the limit.
+    pub label: String,
+    /// The axis on which the limit lies.
+    pub axis: PlotAxis,
+    /// The limit, in the unit of this axis.
+    pub at: f64,
+    /// The wrong side.
+    pub side: ForbiddenSide,
+    /// The part of the other axis to which the limit applies, in its unit; `None` for all of it.
+    pub span: Option<[f64; 2]>,
+    /// The meaning of the region.
+    pub tone: BoundTone,
+    /// `true` if the requirement is selected.
+    pub is_selected: bool,
+}
+
 /// A plot as data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
@@ -91,6 +138,8 @@ pub struct Chart {
     pub spots: Vec<LabelledPoint>,
     /// Horizontal lines.
     pub levels: Vec<f64>,
+    /// Limits with the regions on their wrong sides.
+    pub bounds: Vec<ChartBound>,
     /// The range of each axis before the user zooms; `None` fits the content.
     pub range: [Option<(f64, f64)>; 2],
     /// Charts of one group share their x axis and their cursor.
@@ -108,6 +157,7 @@ impl Chart {
             marks: Vec::new(),
             spots: Vec::new(),
             levels: Vec::new(),
+            bounds: Vec::new(),
             range: [None, None],
             group: None,
         }

@@ -39,13 +39,17 @@ pub fn chart_to_figure(chart: &Chart) -> Figure {
     let series = chart.curves.iter().map(series).collect();
     let levels = chart.levels.iter().map(|y| Mark::Level { y: *y, text: String::new() });
     let instants = chart.marks.iter().map(|mark| Mark::Instant { x: mark.x, text: mark.label.clone() });
+    let bounds = chart.bounds.iter().map(|bound| match bound.axis {
+        PlotAxis::X => Mark::Instant { x: bound.at, text: bound.label.clone() },
+        PlotAxis::Y => Mark::Level { y: bound.at, text: bound.label.clone() },
+    });
     let spots = chart.spots.iter().map(|spot| Mark::Point {
         x: spot.at[0],
         y: spot.at[1],
         text: spot.label.clone(),
         colour: Colour::First,
     });
-    let marks = levels.chain(instants).chain(spots).collect();
+    let marks = levels.chain(instants).chain(bounds).chain(spots).collect();
     let panel = Panel::new(axis(chart, PlotAxis::Y), series).with_height(HEIGHT).with_marks(marks);
     Figure::new(&chart.title, axis(chart, PlotAxis::X), vec![panel])
 }

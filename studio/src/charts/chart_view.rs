@@ -4,9 +4,11 @@ use egui::{Color32, Ui, Vec2};
 use egui_plot::{AxisHints, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotTransform};
 
 use super::axis_ticks::{X_DISTANCE, Y_DISTANCE, axis_ticks, format_decade_tick, format_linear_tick};
+use super::bound_regions::draw_bounds;
 use super::chart::{AxisScale, Chart, ChartCurve, LineDash, PlotAxis};
 use super::line_simplification::simplify_line;
 use super::plot_limits::PlotLimits;
+use crate::help::glossary::describe_terms;
 use crate::number_format::format_short;
 use crate::theme::WindowTheme;
 
@@ -72,7 +74,7 @@ fn show_heading(ui: &mut Ui, chart: &Chart, theme: &WindowTheme, limits: &PlotLi
     ui.horizontal(|ui| {
         ui.set_height(HEADING_HEIGHT);
         if fits {
-            ui.label(egui::RichText::new(&chart.title).strong());
+            with_terms(ui.label(egui::RichText::new(&chart.title).strong()), &chart.title);
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 5.0;
@@ -87,7 +89,8 @@ fn show_heading(ui: &mut Ui, chart: &Chart, theme: &WindowTheme, limits: &PlotLi
                 show_legend(ui, entries.iter().rev(), theme);
             } else {
                 ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                    ui.add(egui::Label::new(egui::RichText::new(&chart.title).strong()).truncate());
+                    let title = egui::Label::new(egui::RichText::new(&chart.title).strong()).truncate();
+                    with_terms(ui.add(title), &chart.title);
                 });
             }
         });
@@ -102,6 +105,15 @@ fn show_heading(ui: &mut Ui, chart: &Chart, theme: &WindowTheme, limits: &PlotLi
                 });
             }
         });
+    }
+}
+
+/// Shows the glossary's terms of a title while the pointer is on it.
+fn with_terms(response: egui::Response, title: &str) {
+    if response.hovered()
+        && let Some(terms) = describe_terms(title)
+    {
+        response.on_hover_text(terms);
     }
 }
 
@@ -152,7 +164,7 @@ fn cursor_id(chart: &Chart) -> egui::Id {
 }
 
 /// Returns where the pointer stood on the chart, or on another of its group, in the frame before.
-fn cursor_position(ui: &Ui, chart: &Chart) -> Option<f64> {
+pub fn cursor_position(ui: &Ui, chart: &Chart) -> Option<f64> {
     let kept: Option<(u64, f64)> = ui.data(|d| d.get_temp(cursor_id(chart)));
     let (frame, x) = kept?;
     (ui.ctx().cumulative_frame_nr() <= frame + 1).then_some(x)
@@ -201,6 +213,7 @@ fn show_plot(
     let (title, response) = (chart.title.clone(), shown.response);
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, format!("plot: {title}")));
     keep_cursor(ui, chart, &shown.transform, &response);
+    draw_bounds(ui, chart, theme, &shown.transform);
     (shown.transform, response)
 }
 

@@ -18,6 +18,8 @@ pub enum Page {
     Diagnose,
     /// Rounds of design, experiment and redesign on a machine.
     Commission,
+    /// The project file as text, with its errors in place.
+    Text,
 }
 
 /// A tab of the page Design.
@@ -50,6 +52,8 @@ pub enum VerificationTab {
 pub enum DiagnosisTab {
     /// Measured and simulated channels.
     Signals,
+    /// One channel against another.
+    CrossPlot,
     /// Residuals.
     Errors,
     /// The findings, and how the fit improved.
@@ -91,8 +95,8 @@ pub enum BrowsePurpose {
 
 impl Page {
     /// All pages, in the order of the work.
-    pub const ALL: [Page; 6] =
-        [Page::Plant, Page::Reduce, Page::Design, Page::Verify, Page::Diagnose, Page::Commission];
+    pub const ALL: [Page; 7] =
+        [Page::Plant, Page::Reduce, Page::Design, Page::Verify, Page::Diagnose, Page::Commission, Page::Text];
 
     /// Returns the page's name.
     pub fn name(self) -> &'static str {
@@ -103,6 +107,7 @@ impl Page {
             Page::Verify => "Verify",
             Page::Diagnose => "Diagnose",
             Page::Commission => "Commission",
+            Page::Text => "Text",
         }
     }
 }
@@ -142,8 +147,9 @@ impl VerificationTab {
 
 impl DiagnosisTab {
     /// All tabs.
-    pub const ALL: [DiagnosisTab; 5] = [
+    pub const ALL: [DiagnosisTab; 6] = [
         DiagnosisTab::Signals,
+        DiagnosisTab::CrossPlot,
         DiagnosisTab::Errors,
         DiagnosisTab::Findings,
         DiagnosisTab::Map,
@@ -154,6 +160,7 @@ impl DiagnosisTab {
     pub fn name(self) -> &'static str {
         match self {
             DiagnosisTab::Signals => "Signals",
+            DiagnosisTab::CrossPlot => "X-Y",
             DiagnosisTab::Errors => "Residuals",
             DiagnosisTab::Findings => "Findings",
             DiagnosisTab::Map => "Localisation",

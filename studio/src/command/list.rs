@@ -35,6 +35,7 @@ fn page_commands() -> Vec<CommandEntry> {
         entry("Go to Verify", "Ctrl+4", page(Page::Verify)),
         entry("Go to Diagnose", "Ctrl+5", page(Page::Diagnose)),
         entry("Go to Commission", "Ctrl+6", page(Page::Commission)),
+        entry("Go to Text", "Ctrl+7", page(Page::Text)),
         entry(
             "Show the consequences of the design",
             "",
@@ -50,6 +51,7 @@ fn page_commands() -> Vec<CommandEntry> {
         entry("Show the analyser's map", "", verification(VerificationTab::Map)),
         entry("Show the robustness", "", verification(VerificationTab::Robustness)),
         entry("Show measured and simulated channels", "", diagnosis(DiagnosisTab::Signals)),
+        entry("Show one channel against another", "", diagnosis(DiagnosisTab::CrossPlot)),
         entry("Show the residuals of the model", "", diagnosis(DiagnosisTab::Errors)),
         entry("Show the findings of the diagnosis", "", diagnosis(DiagnosisTab::Findings)),
         entry("Show the localisation map", "", diagnosis(DiagnosisTab::Map)),
@@ -66,6 +68,8 @@ fn file_commands() -> Vec<CommandEntry> {
         entry("Save the project", "Ctrl+S", Command::Save),
         entry("Save the project as", "Ctrl+Shift+S", browse(BrowsePurpose::SaveAs)),
         entry("Read the file again", "", Command::Reload),
+        entry("Find in the project's text", "", Command::FindText),
+        entry("Go to the next error of the project's text", "Shift+F8", Command::NextError),
         entry("Close the project", "Ctrl+W", Command::AskClose),
     ]
 }
@@ -118,6 +122,7 @@ fn view_commands() -> Vec<CommandEntry> {
         entry("Save plot as a file", "Ctrl+Shift+G", Command::Browse { purpose: BrowsePurpose::PlotFile }),
         entry("Everything larger", "Ctrl+Plus", Command::Larger),
         entry("Everything smaller", "Ctrl+Minus", Command::Smaller),
+        entry("Help on what is under the pointer", "F1", Command::Help),
         entry("All commands", "Ctrl+K", Command::Palette),
     ]
 }

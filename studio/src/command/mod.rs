@@ -53,6 +53,18 @@ pub enum Command {
         /// The text.
         text: String,
     },
+    /// Replaces a stretch of the project's text, as it is typed. Changes that share a gesture are one step of undo.
+    SpliceText {
+        /// First byte of the stretch.
+        from: usize,
+        /// Byte behind its last.
+        to: usize,
+        /// The text that replaces it.
+        inserted: String,
+        /// The gesture that the command belongs to.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        gesture: Option<u64>,
+    },
     /// Undoes the last change of the project.
     Undo,
     /// Redoes the change that was undone last.
@@ -132,6 +144,16 @@ pub enum Command {
         #[serde(rename = "inquiry")]
         tab: DiagnosisTab,
     },
+    /// Chooses what the tab X-Y draws.
+    SetCrossPlot {
+        /// Name of the horizontal channel.
+        x: String,
+        /// Name of the vertical channel.
+        y: String,
+        /// Start and end of the window of time, s; none for the whole recording.
+        #[serde(default)]
+        window_s: Option<[f64; 2]>,
+    },
     /// Diagnoses the machine from the recordings.
     Diagnose,
     /// Puts the improved mechanism of the diagnosis into the project.
@@ -153,6 +175,17 @@ pub enum Command {
         #[serde(rename = "place")]
         page: Page,
     },
+    /// Shows a line of the project's text on the page Text.
+    ShowLine {
+        /// The line, from 1.
+        line: usize,
+        /// The character in it, from 1.
+        column: usize,
+    },
+    /// Shows the next error of the project's text, below the cursor or again from the top.
+    NextError,
+    /// Looks for a word in the project's text.
+    FindText,
     /// Keeps the design as it stands for comparison.
     Keep {
         /// The slot.
@@ -185,6 +218,10 @@ pub enum Command {
     Larger,
     /// Makes everything smaller.
     Smaller,
+    /// Explains what is under the pointer or has the focus, or the page.
+    Help,
+    /// Closes the hint on what can be dragged, for good.
+    CloseHint,
     /// Opens or closes the command palette.
     Palette,
     /// Shows the whole content of the plot under the pointer (or of the last one).
@@ -210,10 +247,17 @@ pub enum Command {
 impl Command {
     /// Returns whether the command changes the project; only such commands are in the journal and can be undone.
     pub fn is_edit(&self) -> bool {
-        use Command::{Redo, Remove, Replace, Set, SetText, SetWhole, Undo};
+        use Command::{Redo, Remove, Replace, Set, SetText, SetWhole, SpliceText, Undo};
         matches!(
             self,
-            Set { .. } | SetWhole { .. } | SetText { .. } | Remove { .. } | Replace { .. } | Undo | Redo
+            Set { .. }
+                | SetWhole { .. }
+                | SetText { .. }
+                | Remove { .. }
+                | Replace { .. }
+                | SpliceText { .. }
+                | Undo
+                | Redo
         )
     }
 }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use counterpoise_project::file::EditError;
 use counterpoise_project::{Assumption, Attachments, Diagnostic, Document, Project, SettingValue};
 
+use super::text_change::TextChange;
 use crate::command::Command;
 
 /// Number of steps that can be undone. A text is about 10 kB, so that the steps take a few megabytes at most.
@@ -129,7 +130,10 @@ impl Session {
     /// # Errors
     /// Returns an error if a path leads nowhere or a value cannot be written; the project is then as it was.
     pub fn apply(&mut self, command: &Command) -> Result<(), EditError> {
-        let gesture = if let Command::Set { gesture, .. } = command { *gesture } else { None };
+        let gesture = match command {
+            Command::Set { gesture, .. } | Command::SpliceText { gesture, .. } => *gesture,
+            _ => None,
+        };
         let changed = match command {
             Command::Set { path, value, .. } => self.document.set(path, &SettingValue::Number(*value))?,
             Command::SetWhole { path, value } => self.document.set(path, &SettingValue::Whole(*value))?,
@@ -138,6 +142,12 @@ impl Session {
             }
             Command::Remove { path } => self.document.remove(path)?,
             Command::Replace { text } => self.document.with_text(text),
+            Command::SpliceText { from, to, inserted, .. } => {
+                let change = TextChange { replaced: *from..*to, inserted: inserted.clone() };
+                // a change of another text, as in a damaged journal, changes nothing
+                let Some(text) = change.apply(self.document.text()) else { return Ok(()) };
+                self.document.with_text(&text)
+            }
             Command::Undo => {
                 self.undo();
                 return Ok(());
@@ -239,6 +249,23 @@ mod tests {
         s.apply(&Command::Redo).unwrap();
         s.apply(&Command::Redo).unwrap();
         assert!(s.text().contains("gain = 50.0"));
+    }
+
+    #[test]
+    fn what_is_typed_in_one_go_is_one_step_of_undo() {
+        let mut s = session();
+        let end = s.text().len();
+        let typed = |k: usize, letter: &str| Command::SpliceText {
+            from: end + k,
+            to: end + k,
+            inserted: letter.to_owned(),
+            gesture: Some(1),
+        };
+        "# by hand".chars().enumerate().for_each(|(k, c)| s.apply(&typed(k, &c.to_string())).unwrap());
+        assert!(s.text().ends_with("# by hand"));
+        s.apply(&typed(1_000_000, "x")).unwrap();
+        s.apply(&Command::Undo).unwrap();
+        assert_eq!(s.text(), TEXT);
     }
 
     #[test]

@@ -9,14 +9,17 @@ use counterpoise_project::Project;
 use counterpoise_project::resolve::synthesis::WeightSource;
 use counterpoise_synth::LightModes;
 use counterpoise_synth::weight::handles::{WeightNumber, form_name, weight_numbers};
-use counterpoise_verify::Source;
+use counterpoise_verify::{Arrangement, Experiment, HistoryColumn, Source};
 use egui::{RichText, Ui};
 
 use super::design_charts::{
     control_chart, effort_chart, loop_chart, motion_chart, sensitivity_chart, step_chart,
 };
+use super::loop_charts::LoopCharts;
+use super::requirement_bounds::{BoundContext, BoundPlot, BoundedChart, ChartPlace, plot_bounds};
+use super::requirement_values::{RequirementValue, Requirements, ValueSources};
 use super::weight_plot::{PlottedWeight, plotted_weights, show_weight_plot};
-use super::{design_figures, loop_charts, no_controller, widgets};
+use super::{design_figures, loop_charts, no_controller, requirement_strip, widgets};
 use crate::command::{Command, DesignTab};
 use crate::editing::key_reference::find_key;
 use crate::number_format::format_short;
@@ -44,8 +47,13 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let design = studio.results.design_at(revision).map(|(design, age)| (Arc::clone(design), age));
     let effort = studio.results.effort.clone();
     let shape = studio.results.loop_view.clone().filter(|shape| shape.revision == revision);
+    let requirements =
+        Requirements::new(&opened.session, &project, ValueSources::of_results(&studio.results, revision));
     let view = &mut studio.view;
     let preview = design.as_ref().map(|(design, _)| Arc::clone(design));
+    if let Some((design, _)) = &design {
+        requirement_strip::show(ui, view, &requirements.values, design.synthesised.controlled);
+    }
     widgets::side_panel("weights", &view.theme, SIDE_WIDTH).show(ui, |ui| {
         egui::ScrollArea::vertical().show(ui, |ui| show_side(ui, view, queue, &project, preview.as_ref()));
     });
@@ -66,8 +74,19 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     }
     show_tabs(ui, view, queue);
     match view.design_tab {
-        DesignTab::Consequences => show_plots(ui, view, queue, &project, &design, effort.as_ref()),
-        DesignTab::Loop => loop_charts::show(ui, view, queue, &design, shape.as_ref().map(|of| &of.value)),
+        DesignTab::Consequences => {
+            let shown = ShownDesign { project: &project, design: &design, requirements: &requirements };
+            show_plots(ui, view, queue, &shown, effort.as_ref());
+        }
+        DesignTab::Loop => {
+            let loop_view = shape.as_ref().map(|of| &of.value);
+            loop_charts::show(
+                ui,
+                view,
+                queue,
+                LoopCharts { design: &design, loop_view, requirements: &requirements },
+            );
+        }
     }
 }
 
@@ -203,27 +222,57 @@ fn show_trial(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, desi
     });
 }
 
+/// A design as the tab Consequences shows it.
+struct ShownDesign<'a> {
+    project: &'a Project,
+    design: &'a DesignPreview,
+    requirements: &'a Requirements,
+}
+
 fn show_plots(
     ui: &mut Ui,
     view: &mut StudioView,
     queue: &mut Vec<Command>,
-    project: &Project,
-    design: &DesignPreview,
+    shown: &ShownDesign,
     effort: Option<&VersionedResult<Vec<EffortPoint>>>,
 ) {
     let area = widgets::take_remaining_area(ui);
     let cells = widgets::design_page_cells(area);
-    show_weight_plot(ui, view, queue, project, cells[0]);
-    let charts = [
-        loop_chart(view, design),
-        sensitivity_chart(view, design),
-        step_chart(view, design),
-        control_chart(view, design),
-        motion_chart(view, design, Source::Heave),
-        motion_chart(view, design, Source::Pitch),
-        effort_chart(view, effort),
-    ];
+    show_weight_plot(ui, view, queue, shown.project, cells[0]);
+    let charts = bounded_charts(view, shown.design, &shown.requirements.values);
     for (cell, chart) in cells[1..].iter().zip(&charts) {
-        widgets::show_chart(ui, view, queue, *cell, chart);
+        chart.show(ui, view, queue, ChartPlace { cell: *cell, paths: &shown.requirements.paths });
     }
+    let effort = effort_chart(view, effort);
+    widgets::show_chart(ui, view, queue, cells[cells.len() - 1], &effort);
+}
+
+/// Returns the consequences of a design, each with the limits that concern it.
+fn bounded_charts(
+    view: &StudioView,
+    design: &DesignPreview,
+    values: &[RequirementValue],
+) -> [BoundedChart; 6] {
+    let motion = |source| Experiment::Disturbance(source, Arrangement::Compensated);
+    let context = BoundContext {
+        margins: &design.margins,
+        step: Some(&design.step),
+        control_origin_v: design.modelled.linear.equilibrium.control_v,
+        controlled: design.synthesised.controlled,
+        shown: &[],
+    };
+    let bounded = |chart, plot, shown: &[Experiment]| {
+        BoundedChart::new(chart, plot_bounds(plot, view, values, &BoundContext { shown, ..context }))
+    };
+    let hub = BoundPlot::History(HistoryColumn::HubRate);
+    let control = BoundPlot::History(HistoryColumn::Control);
+    let runs = [Experiment::Step, motion(Source::Heave), motion(Source::Pitch)];
+    [
+        bounded(loop_chart(view, design), BoundPlot::LoopGain, &[]),
+        bounded(sensitivity_chart(view, design), BoundPlot::Sensitivity, &[]),
+        bounded(step_chart(view, design), hub, &[Experiment::Step]),
+        bounded(control_chart(view, design), control, &runs),
+        bounded(motion_chart(view, design, Source::Heave), hub, &[motion(Source::Heave)]),
+        bounded(motion_chart(view, design, Source::Pitch), hub, &[motion(Source::Pitch)]),
+    ]
 }

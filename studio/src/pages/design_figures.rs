@@ -6,6 +6,7 @@ use egui::{RichText, Ui};
 
 use super::kept_designs;
 use crate::command::{Command, DesignSlot};
+use crate::help::glossary::describe_terms;
 use crate::number_format::format_short;
 use crate::theme::WindowTheme;
 use crate::view::StudioView;
@@ -72,7 +73,12 @@ fn show_row(ui: &mut Ui, view: &StudioView, design: &DesignPreview, row: &Figure
     };
     let text = |design: &DesignPreview| format_short(factor * (row.value)(design));
     let label = if unit.is_empty() { row.name.to_owned() } else { format!("{}, {unit}", row.name) };
-    ui.label(RichText::new(label).color(theme.weak));
+    let name = ui.label(RichText::new(label).color(theme.weak));
+    if name.hovered()
+        && let Some(terms) = describe_terms(row.name)
+    {
+        name.on_hover_text(terms);
+    }
     right_aligned(ui, |ui| drop(ui.label(RichText::new(text(design)).strong())));
     for slot in DesignSlot::ALL {
         let value = view.kept.get(&slot).map_or(String::new(), |kept| text(kept));

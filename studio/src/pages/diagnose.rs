@@ -3,7 +3,7 @@
 use egui::{RichText, Ui};
 
 use super::recording_charts::{residual_chart, signal_chart};
-use super::{findings, recording_mapping, widgets};
+use super::{findings, recording_cross_plot, recording_mapping, widgets};
 use crate::command::{BrowsePurpose, Command, DiagnosisTab};
 use crate::jobs::BackgroundJobs;
 use crate::jobs::recording_views::{ChannelView, RecordingView};
@@ -44,6 +44,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     show_tabs(ui, view, queue, jobs);
     match (view.diagnosis_tab, &jobs.diagnosis) {
         (DiagnosisTab::Signals | DiagnosisTab::Errors, _) => show_channels(ui, view, queue, jobs),
+        (DiagnosisTab::CrossPlot, _) => show_cross_plot(ui, view, queue, jobs),
         (_, Some(Err(why))) => {
             widgets::show_error_list(ui, &theme, "The recordings could not be diagnosed", why);
         }
@@ -146,6 +147,18 @@ fn selected_recording<'a>(
 ) -> Option<&'a RecordingView> {
     let all = &views?.value;
     all.get(view.recording.min(all.len().saturating_sub(1)))
+}
+
+/// Shows one channel of the selected recording against another.
+fn show_cross_plot(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, jobs: &BackgroundJobs) {
+    let views = jobs.recording_views.as_ref();
+    match (selected_recording(view, views), views) {
+        (Some(recording), Some(of)) => recording_cross_plot::show(ui, view, queue, recording, of.revision),
+        _ => {
+            let text = "the recordings are read and replayed on the model";
+            widgets::show_placeholder(ui, &view.theme, "Reading", text);
+        }
+    }
 }
 
 /// Most remarks of a recording that are shown at once.

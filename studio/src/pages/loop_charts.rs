@@ -15,6 +15,8 @@ use egui::{Rect, Ui};
 
 use super::design_charts::{loop_chart, sensitivity_chart};
 use super::frequency_charts::frequency_chart;
+use super::requirement_bounds::{BoundContext, BoundPlot, BoundedChart, ChartPlace, plot_bounds};
+use super::requirement_values::Requirements;
 use super::widgets;
 use crate::charts::chart::{AxisScale, Chart, LabelledPoint, LineDash};
 use crate::command::Command;
@@ -28,43 +30,50 @@ const NYQUIST: [(f64, f64); 2] = [(-3.0, 1.5), (-2.2, 2.2)];
 /// Height of a cell beside its plot: margins of the card, heading, numbers and labels of the axes, points.
 const CELL_FRAME: [f32; 2] = [78.0, 84.0];
 
-/// Shows the charts. Without `loop_view` the paths have the points of the other curves, and the root locus follows in a moment.
-pub fn show(
-    ui: &mut Ui,
-    view: &mut StudioView,
-    queue: &mut Vec<Command>,
-    design: &DesignPreview,
-    loop_view: Option<&LoopView>,
-) {
+/// What the charts show.
+pub struct LoopCharts<'a> {
+    /// The design.
+    pub design: &'a DesignPreview,
+    /// The loop in detail; without it the paths have the points of the other curves, and the root locus follows in a moment.
+    pub loop_view: Option<&'a LoopView>,
+    /// The requirements, whose limits are drawn.
+    pub requirements: &'a Requirements,
+}
+
+/// Shows the charts.
+pub fn show(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, of: LoopCharts) {
+    let LoopCharts { design, loop_view, requirements } = of;
     let area = widgets::take_remaining_area(ui);
     let cells = widgets::grid_cells(area, 9, 3);
     let plane = loop_view.map_or(&design.plane, |view| &view.plane);
+    let locus = loop_view.map(|view| &view.locus);
+    let context = BoundContext {
+        margins: &design.margins,
+        step: None,
+        control_origin_v: 0.0,
+        controlled: design.synthesised.controlled,
+        shown: &[],
+    };
+    let bounded = |view: &StudioView, chart, plot| {
+        BoundedChart::new(chart, plot_bounds(plot, view, &requirements.values, &context))
+    };
+    let free = |chart| BoundedChart::new(chart, Vec::new());
+    let path = |cause, effect| [LoopPath { cause, effect }];
+    let (demand, control) =
+        (path(LoopCause::Demand, LoopEffect::Hub), path(LoopCause::Control, LoopEffect::Hub));
     let charts = [
-        loop_chart(view, design),
-        phase_chart(view, design),
-        nichols_chart(view, plane),
-        with_equal_scales(nyquist_chart(view, plane), cells[3]),
-        with_equal_scales(
-            locus_chart(view, loop_view.map(|view| &view.locus), design.crossover_hz()),
-            cells[4],
-        ),
-        sensitivity_chart(view, design),
-        response_chart(
-            view,
-            design,
-            "Hub for the demand",
-            &[LoopPath { cause: LoopCause::Demand, effect: LoopEffect::Hub }],
-        ),
-        response_chart(
-            view,
-            design,
-            "Hub for 1 V on the control",
-            &[LoopPath { cause: LoopCause::Control, effect: LoopEffect::Hub }],
-        ),
-        control_chart(view, design),
+        bounded(view, loop_chart(view, design), BoundPlot::LoopGain),
+        bounded(view, phase_chart(view, design), BoundPlot::LoopPhase),
+        free(nichols_chart(view, plane)),
+        free(with_equal_scales(nyquist_chart(view, plane), cells[3])),
+        free(with_equal_scales(locus_chart(view, locus, design.crossover_hz()), cells[4])),
+        bounded(view, sensitivity_chart(view, design), BoundPlot::Sensitivity),
+        free(response_chart(view, design, "Hub for the demand", &demand)),
+        free(response_chart(view, design, "Hub for 1 V on the control", &control)),
+        free(control_chart(view, design)),
     ];
     for (cell, chart) in cells.iter().zip(&charts) {
-        widgets::show_chart(ui, view, queue, *cell, chart);
+        chart.show(ui, view, queue, ChartPlace { cell: *cell, paths: &requirements.paths });
     }
 }
 

@@ -11,9 +11,10 @@
 //! 4. Say in place what is missing and how to get it ([`widgets::show_placeholder`]), never with a blank.
 //!
 //! Modules in reading order: [`widgets`], [`frequency_charts`], [`no_controller`], [`welcome`], [`recent_places`], [`file_browser`], [`plant`],
-//! [`number_groups`], [`beam_drawing`], [`schematic`], [`reduce`], [`design`], [`weight_plot`], [`design_charts`], [`loop_charts`],
-//! [`design_figures`], [`kept_designs`], [`verify`], [`verify_charts`], [`limit_marks`], [`measurements`], [`diagnose`],
-//! [`recording_mapping`], [`recording_charts`], [`findings`], [`commission`], [`round_charts`].
+//! [`number_groups`], [`beam_drawing`], [`schematic`], [`reduce`], [`design`], [`plot_handles`], [`edge_grips`], [`weight_plot`], [`design_charts`],
+//! [`loop_charts`], [`requirement_values`], [`requirement_bounds`], [`requirement_strip`], [`design_figures`], [`kept_designs`], [`verify`],
+//! [`verify_charts`], [`measurements`], [`diagnose`], [`recording_mapping`], [`recording_charts`], [`recording_cross_plot`], [`findings`], [`commission`],
+//! [`round_charts`], [`project_text`], [`text_colours`].
 
 pub mod beam_drawing;
 pub mod commission;
@@ -21,22 +22,29 @@ pub mod design;
 pub mod design_charts;
 pub mod design_figures;
 pub mod diagnose;
+pub mod edge_grips;
 pub mod file_browser;
 pub mod findings;
 pub mod frequency_charts;
 pub mod kept_designs;
-pub mod limit_marks;
 pub mod loop_charts;
 pub mod measurements;
 pub mod no_controller;
 pub mod number_groups;
 pub mod plant;
+pub mod plot_handles;
+pub mod project_text;
 pub mod recent_places;
 pub mod recording_charts;
+pub mod recording_cross_plot;
 pub mod recording_mapping;
 pub mod reduce;
+pub mod requirement_bounds;
+pub mod requirement_strip;
+pub mod requirement_values;
 pub mod round_charts;
 pub mod schematic;
+pub mod text_colours;
 pub mod verify;
 pub mod verify_charts;
 pub mod weight_plot;

@@ -7,6 +7,7 @@ use counterpoise_verify::{Limit, PerformanceFigure, Verdict, Verification};
 use egui::{RichText, Ui};
 
 use super::measurements::{self, ShownMeasurements};
+use super::requirement_values::{Requirements, ValueSources};
 use super::{no_controller, verify_charts, widgets};
 use crate::command::{BrowsePurpose, Command, VerificationTab};
 use crate::number_format::format_short;
@@ -37,19 +38,19 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         widgets::show_error_list(ui, &view.theme, "The design could not be verified", why);
     }
     let Some((found, state)) = results.verification(revision) else {
-        if let Some(reasons) = no_design {
-            let title = "There is no controller to verify";
-            return widgets::show_error_list(ui, &view.theme, title, &reasons);
-        }
         let is_running = results.verifying || results.designing;
-        let title = if is_running { "Verifying" } else { "Not verified yet" };
-        let text = if is_running {
-            "the first runs appear in a moment"
-        } else {
-            "F5 runs the design on the full plant"
-        };
-        return widgets::show_placeholder(ui, &view.theme, title, text);
+        return show_missing(
+            ui,
+            view,
+            no_design.as_deref(),
+            if is_running { RunState::Running } else { RunState::Resting },
+        );
     };
+    let project = opened.session.project();
+    let requirements = project.map_or_else(Requirements::default, |project| {
+        Requirements::new(&opened.session, project, ValueSources::of_results(results, revision))
+    });
+    let verification = verify_charts::ShownVerification { found, requirements: &requirements };
     widgets::side_panel("verdicts", &view.theme, SIDE_WIDTH).show(ui, |ui| {
         show_actions(ui, view, queue, state);
         ui.add_space(space::SMALL);
@@ -70,11 +71,30 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         ui.multiply_opacity(0.55);
     }
     match view.verification_tab {
-        VerificationTab::Histories => verify_charts::show_histories(ui, view, queue, found),
-        VerificationTab::Rejection => verify_charts::show_responses(ui, view, queue, found),
+        VerificationTab::Histories => verify_charts::show_histories(ui, view, queue, verification),
+        VerificationTab::Rejection => verify_charts::show_responses(ui, view, queue, verification),
         VerificationTab::Map => measurements::show_map(ui, view, queue, &shown),
         VerificationTab::Robustness => measurements::show_campaign(ui, view, queue, &shown),
     }
+}
+
+/// Whether a design or a verification is being made.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum RunState {
+    Running,
+    Resting,
+}
+
+/// Shows why there is no verification.
+fn show_missing(ui: &mut Ui, view: &StudioView, no_design: Option<&[String]>, state: RunState) {
+    if let Some(reasons) = no_design {
+        return widgets::show_error_list(ui, &view.theme, "There is no controller to verify", reasons);
+    }
+    let (title, text) = match state {
+        RunState::Running => ("Verifying", "the first runs appear in a moment"),
+        RunState::Resting => ("Not verified yet", "F5 runs the design on the full plant"),
+    };
+    widgets::show_placeholder(ui, &view.theme, title, text);
 }
 
 fn show_actions(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>, state: VerificationState) {

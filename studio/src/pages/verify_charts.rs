@@ -1,11 +1,14 @@
 //! The evidence of a verification as charts: time histories and responses over frequency.
 
 use counterpoise_report::wording::capitalise_first;
-use counterpoise_verify::{Arrangement, Experiment, History, HistoryColumn, Model, Source, Verification};
+use counterpoise_verify::{
+    Arrangement, Experiment, History, HistoryColumn, Model, Requirement, Source, Verification,
+};
 use egui::Ui;
 
 use super::frequency_charts::{frequency_chart, magnitude_points, mark_margins};
-use super::limit_marks;
+use super::requirement_bounds::{BoundContext, BoundPlot, BoundedChart, ChartPlace, plot_bounds};
+use super::requirement_values::Requirements;
 use super::widgets;
 use crate::charts::chart::{Chart, LineDash};
 use crate::command::Command;
@@ -24,72 +27,119 @@ struct ShownSignal<'a> {
     column: HistoryColumn,
 }
 
-/// Shows the run behind the selected verdict: four of its signals under one cursor.
-pub fn show_histories(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, found: &Verification) {
-    let experiment = limit_marks::selected_requirement(view, found)
-        .map_or(Experiment::Step, |requirement| Experiment::from_figure(requirement.figure));
-    let tip = view.units.display_unit(found.controlled_quantity().tip_unit());
-    let tip_name = capitalise_first(&found.controlled_quantity().tip_name());
-    let controlled = found.controlled_quantity();
-    let drive_name = capitalise_first(controlled.drive_name());
-    let shown = |name, unit, factor, column| ShownSignal { name, unit, factor, column };
-    let mut charts = [
-        hub_chart(view, found, experiment),
-        history_chart(view, found, experiment, &shown("Control", "V", 1.0, HistoryColumn::Control)),
-        history_chart(
-            view,
-            found,
-            experiment,
-            &shown(&drive_name, controlled.drive_unit(), 1.0, HistoryColumn::Current),
-        ),
-        history_chart(
-            view,
-            found,
-            experiment,
-            &shown(&tip_name, &tip.name, tip.factor, HistoryColumn::TipRate),
-        ),
-    ];
-    let columns =
-        [HistoryColumn::HubRate, HistoryColumn::Control, HistoryColumn::Current, HistoryColumn::TipRate];
-    for (chart, column) in charts.iter_mut().zip(columns) {
-        limit_marks::mark_history_limit(view, found, column, chart);
+/// A verification with the requirements of the project as it stands.
+#[derive(Clone, Copy)]
+pub struct ShownVerification<'a> {
+    /// The verification.
+    pub found: &'a Verification,
+    /// The requirements, whose limits are drawn.
+    pub requirements: &'a Requirements,
+}
+
+impl ShownVerification<'_> {
+    /// Returns a chart with the limits that concern it; `shown` are the runs that it shows.
+    fn bound_chart(
+        &self,
+        view: &StudioView,
+        chart: Chart,
+        plot: BoundPlot,
+        shown: &[Experiment],
+    ) -> BoundedChart {
+        let context = BoundContext {
+            margins: &self.found.evidence.margins,
+            step: self.found.history(Model::Linear, Experiment::Step),
+            control_origin_v: 0.0,
+            controlled: self.found.controlled_quantity(),
+            shown,
+        };
+        BoundedChart::new(chart, plot_bounds(plot, view, &self.requirements.values, &context))
     }
-    let area = widgets::take_remaining_area(ui);
-    for (cell, chart) in widgets::grid_cells(area, 4, 2).iter().zip(&charts) {
-        widgets::show_chart(ui, view, queue, *cell, chart);
+
+    fn show_charts(
+        &self,
+        ui: &mut Ui,
+        view: &mut StudioView,
+        queue: &mut Vec<Command>,
+        charts: &[BoundedChart; 4],
+    ) {
+        let area = widgets::take_remaining_area(ui);
+        for (cell, chart) in widgets::grid_cells(area, 4, 2).iter().zip(charts) {
+            chart.show(ui, view, queue, ChartPlace { cell: *cell, paths: &self.requirements.paths });
+        }
     }
 }
 
+/// Shows the run behind the selected verdict: four of its signals under one cursor.
+pub fn show_histories(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, of: ShownVerification) {
+    let found = of.found;
+    let experiment =
+        selected_requirement(view, found).map_or(Experiment::Step, |r| Experiment::from_figure(r.figure));
+    let controlled = found.controlled_quantity();
+    let tip = view.units.display_unit(controlled.tip_unit());
+    let (tip_name, drive_name) =
+        (capitalise_first(&controlled.tip_name()), capitalise_first(controlled.drive_name()));
+    let shown = |name, unit, factor, column| ShownSignal { name, unit, factor, column };
+    let signal = |signal: ShownSignal<'_>| {
+        let chart = history_chart(view, found, experiment, &signal);
+        of.bound_chart(view, chart, BoundPlot::History(signal.column), &[experiment])
+    };
+    let hub = hub_chart(view, found, experiment);
+    let charts = [
+        of.bound_chart(view, hub, BoundPlot::History(HistoryColumn::HubRate), &hub_runs(experiment)),
+        signal(shown("Control", "V", 1.0, HistoryColumn::Control)),
+        signal(shown(&drive_name, controlled.drive_unit(), 1.0, HistoryColumn::Current)),
+        signal(shown(&tip_name, &tip.name, tip.factor, HistoryColumn::TipRate)),
+    ];
+    of.show_charts(ui, view, queue, &charts);
+}
+
+/// Returns the runs that the chart of the hub shows.
+fn hub_runs(experiment: Experiment) -> Vec<Experiment> {
+    match experiment {
+        Experiment::Disturbance(source, _) => {
+            vec![experiment, Experiment::Disturbance(source, Arrangement::Feedback)]
+        }
+        _ => vec![experiment],
+    }
+}
+
+/// Returns the selected requirement.
+fn selected_requirement<'a>(view: &StudioView, found: &'a Verification) -> Option<&'a Requirement> {
+    let last = found.verdicts.len().saturating_sub(1);
+    found.verdicts.get(view.requirement.min(last)).map(|(requirement, _)| requirement)
+}
+
 /// Shows what the loop does over frequency.
-pub fn show_responses(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, found: &Verification) {
+pub fn show_responses(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, of: ShownVerification) {
+    let found = of.found;
     let curves = &found.evidence.curves;
-    let of = |response| magnitude_points(view, &curves.frequency_hz, response);
+    let points = |response| magnitude_points(view, &curves.frequency_hz, response);
     let c = view.theme.curves;
     let mut loop_gain = frequency_chart(view, "Loop gain", "modulus").with_curve(
         "L",
         c[0],
         LineDash::Solid,
-        of(&curves.broken),
+        points(&curves.broken),
     );
     loop_gain.levels.push(view.units.display_gain(1.0));
     mark_margins(view, &found.evidence.margins, &mut loop_gain);
     loop_gain.range[1] = Some((view.units.display_gain(1e-4), view.units.display_gain(1e4)));
     let mut sensitivity = frequency_chart(view, "Sensitivity", "modulus");
     for (k, (one, name)) in curves.sensitivities.iter().zip(["S", "T"]).enumerate() {
-        sensitivity = sensitivity.with_curve(name, c[k], [LineDash::Solid, LineDash::Dashed][k % 2], of(one));
+        let dash = [LineDash::Solid, LineDash::Dashed][k % 2];
+        sensitivity = sensitivity.with_curve(name, c[k], dash, points(one));
     }
-    limit_marks::mark_sensitivity_limit(view, found, &mut sensitivity);
     sensitivity.range[1] = Some((view.units.display_gain(1e-3), view.units.display_gain(4.0)));
+    let rejection = |source| (rejection_chart(view, found, source), BoundPlot::Rejection(source));
     let charts = [
-        rejection_chart(view, found, Source::Heave),
-        rejection_chart(view, found, Source::Pitch),
-        loop_gain,
-        sensitivity,
+        rejection(Source::Heave),
+        rejection(Source::Pitch),
+        (loop_gain, BoundPlot::LoopGain),
+        (sensitivity, BoundPlot::Sensitivity),
     ];
-    let area = widgets::take_remaining_area(ui);
-    for (cell, chart) in widgets::grid_cells(area, 4, 2).iter().zip(charts) {
-        widgets::show_chart(ui, view, queue, *cell, &chart.with_group(FREQUENCY_GROUP));
-    }
+    let charts =
+        charts.map(|(chart, plot)| of.bound_chart(view, chart.with_group(FREQUENCY_GROUP), plot, &[]));
+    of.show_charts(ui, view, queue, &charts);
 }
 
 fn experiment_name(experiment: Experiment) -> &'static str {
@@ -174,6 +224,5 @@ fn rejection_chart(view: &StudioView, found: &Verification, source: Source) -> C
         let points = curves.frequency_hz.iter().zip(&one.response).map(point).collect();
         chart = chart.with_curve(name, view.theme.curves[k], dash, points);
     }
-    limit_marks::mark_rejection_limit(view, found, source, &mut chart);
     chart
 }

@@ -7,6 +7,7 @@ use counterpoise_synth::{FeedforwardWeights, Weight};
 use egui::{Color32, Ui};
 
 use super::frequency_charts::frequency_chart;
+use super::plot_handles::moved_position;
 use super::widgets;
 use crate::charts::chart::{Chart, LineDash, PlotAxis};
 use crate::charts::chart_view::ChartResponse;
@@ -135,21 +136,10 @@ impl PlottedHandle<'_> {
     }
 }
 
-/// Returns where a handle is dragged to: it stays under the pointer at the point where it was gripped.
-fn dragged_position(ui: &Ui, response: &egui::Response, at: egui::Pos2) -> Option<egui::Pos2> {
-    let id = response.id.with("grip");
-    if response.drag_started() {
-        let origin = ui.input(|i| i.pointer.press_origin()).unwrap_or(at);
-        ui.data_mut(|d| d.insert_temp(id, at - origin));
-    }
-    let grip: egui::Vec2 = ui.data(|d| d.get_temp(id)).unwrap_or_default();
-    response.interact_pointer_pos().map(|pointer| pointer + grip)
-}
-
+/// What help says of a handle.
+const HANDLE_HELP: &str = "A handle of a weight. Drag it, or move it by the arrow keys: the numbers of the weight change in the project, and every plot follows. One step of undo takes back a whole drag.";
 /// Size of the area in which a handle is gripped, points: a finger's width would cover its neighbours.
 const GRIP_SIZE: f32 = 22.0;
-/// Distance that an arrow key moves a handle, points.
-const ARROW_STEP: f32 = 2.0;
 
 fn show_handle(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, plotted: &PlottedHandle) {
     let theme = view.theme;
@@ -169,11 +159,7 @@ fn show_handle(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, plo
     if response.drag_started() {
         view.gesture += 1;
     }
-    let moved = if response.dragged() {
-        dragged_position(ui, &response, at)
-    } else {
-        arrow_key_position(ui, &response, at)
-    };
+    let moved = moved_position(ui, &response, at);
     view.dragging |= response.dragged();
     if let Some(to) = moved {
         let position = plotted.position_at(view, to);
@@ -184,23 +170,7 @@ fn show_handle(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, plo
         }
     }
     if is_active {
+        view.help.note(&name, HANDLE_HELP);
         response.on_hover_text(name);
     }
-}
-
-/// Returns where the arrow keys move a handle that has the focus.
-fn arrow_key_position(ui: &Ui, response: &egui::Response, at: egui::Pos2) -> Option<egui::Pos2> {
-    if !response.has_focus() {
-        return None;
-    }
-    let keys = [
-        (egui::Key::ArrowLeft, egui::vec2(-ARROW_STEP, 0.0)),
-        (egui::Key::ArrowRight, egui::vec2(ARROW_STEP, 0.0)),
-        (egui::Key::ArrowUp, egui::vec2(0.0, -ARROW_STEP)),
-        (egui::Key::ArrowDown, egui::vec2(0.0, ARROW_STEP)),
-    ];
-    let step = ui.input(|i| {
-        keys.iter().filter(|(k, _)| i.key_pressed(*k)).fold(egui::Vec2::ZERO, |sum, (_, v)| sum + *v)
-    });
-    (step != egui::Vec2::ZERO).then_some(at + step)
 }

@@ -7,6 +7,8 @@ use crate::charts::chart_view::{self, ChartResponse, ChartStyle};
 use crate::command::{BrowsePurpose, Command};
 use crate::editing::key_reference::find_key;
 use crate::editing::weight_handles::round_to_three_digits;
+use crate::help::plot_texts::plot_help;
+use crate::help::topics::HelpTopic;
 use crate::number_format::format_short;
 use crate::theme::{WindowTheme, space};
 use crate::view::StudioView;
@@ -59,6 +61,9 @@ pub fn show_chart(
     if shown.response.hovered() || view.chart.is_none() {
         view.chart = Some(chart.clone());
     }
+    if shown.response.hovered() {
+        view.help.note(&chart.title, plot_help(&chart.title));
+    }
     if view.fit_request.take_if(|title| *title == chart.title).is_some() {
         shown.limits.reset(ui);
     }
@@ -100,6 +105,9 @@ pub fn number_field(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>
         queue.push(Command::Set { path: path.to_owned(), value, gesture });
     }
     view.dragging |= edited.response.dragged();
+    if label.hovered() || edited.response.hovered() || edited.response.has_focus() {
+        view.help.pointed = Some(HelpTopic::of_key(path));
+    }
     ui.end_row();
 }
 

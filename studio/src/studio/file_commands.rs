@@ -192,11 +192,15 @@ impl Studio {
         self.opened = Some(OpenProject { path, session, lock, modified, disk_text: None });
         self.is_file_check_due = true;
         self.restore_view(loaded.settings);
+        if self.opened.as_ref().is_some_and(|opened| opened.session.project().is_none()) {
+            // a file that was never read has nothing to show but its text, where it is mended
+            self.run(&Command::NextError);
+        }
     }
 
     /// Restores what the window showed of the project when it was open last.
     fn restore_view(&mut self, settings: Option<ProjectSettings>) {
-        (self.view.kept, self.view.kept_texts) = Default::default();
+        (self.view.kept, self.view.kept_texts, self.view.text) = Default::default();
         let Some(settings) = settings else { return };
         settings.apply(&mut self.view);
         let Some(opened) = self.opened.as_ref().filter(|_| !settings.kept.is_empty()) else { return };

@@ -173,7 +173,7 @@ impl Studio {
         }
         self.jobs.recordings = paths.to_vec();
         (self.jobs.recording_views, self.jobs.diagnosis, self.jobs.diagnosed_plant) = (None, None, None);
-        self.view.recording = 0;
+        (self.view.recording, self.view.cross_plot) = Default::default();
         self.replay_recordings();
     }
 
