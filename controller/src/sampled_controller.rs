@@ -64,7 +64,7 @@ impl AntiWindup {
     }
 
     /// Returns the control that leaves a controller with this rule.
-    fn limited(self, control: f64) -> f64 {
+    fn limit_control(self, control: f64) -> f64 {
         match self {
             Self::Hold(limit) | Self::HoldOutward(limit) => control.clamp(-limit, limit),
             Self::None | Self::Clamp(_) => control,
@@ -113,7 +113,7 @@ impl SampledController for ProportionalIntegral {
         let control = self.kp_v_s_rad * error + self.integral_v + self.bias_v;
         let growth = self.ki_v_rad * self.sample_period_s * error;
         self.integral_v = self.anti_windup.advance(self.integral_v, growth, control);
-        self.anti_windup.limited(control)
+        self.anti_windup.limit_control(control)
     }
 }
 
@@ -201,7 +201,7 @@ impl SampledController for PositionController {
         let control = self.kv_v_s_rad * error + self.integral_v;
         let growth = self.ki_v_rad * self.sample_period_s * error;
         self.integral_v = self.anti_windup.advance(self.integral_v, growth, control);
-        self.anti_windup.limited(control)
+        self.anti_windup.limit_control(control)
     }
 }
 

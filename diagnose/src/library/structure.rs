@@ -252,7 +252,7 @@ pub(super) static EFFECTS: &[Effect] = &[
         kind: EffectKind::MissingPhysics,
         parameters: &[
             parameter!("static_ratio", "1", [1.0, 4.0], 0.2, Linear, get static_ratio, set set_static_ratio),
-            parameter!("stribeck_rate", "rad/s", [1e-6, 50.0], 0.3, Log, pivot_friction.stribeck_rate_rad_s),
+            parameter!("stribeck_rate", "rad/s", [1e-4, 50.0], 0.3, Log, pivot_friction.stribeck_rate_rad_s),
         ],
         starts: &[&[1.3, 0.01], &[1.3, 0.003], &[1.3, 0.04]],
     },

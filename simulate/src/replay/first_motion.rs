@@ -31,7 +31,7 @@ impl FirstMotion {
             .map_or(0.0, |sensor| reading_floor(sensor, &parameters.interface));
         let follows = |count: &usize| {
             let read = read.get(..*count).filter(|read| read.iter().all(|v| v.is_finite()))?;
-            let parabola = Parabola::through(read, recording.sample_period_s)?;
+            let parabola = Parabola::fit(read, recording.sample_period_s)?;
             (parabola.left <= FIRST_MOTION_LEFT * floor).then_some(parabola)
         };
         let found = FIRST_MOTION_SAMPLES.iter().find_map(follows);
@@ -82,7 +82,7 @@ struct Parabola {
 
 impl Parabola {
     /// Returns the parabola through samples of a period; `None` if they are too few.
-    fn through(samples: &[f64], period_s: f64) -> Option<Self> {
+    fn fit(samples: &[f64], period_s: f64) -> Option<Self> {
         // in units of the samples' span, in which the equations are well conditioned
         let span_s = samples.len() as f64 * period_s;
         let powers = |k: usize| {
@@ -117,7 +117,7 @@ mod tests {
     fn a_parabola_is_found_and_its_errors_are_those_of_least_squares() {
         let value = |k: usize| 0.3 - 2.0 * (k as f64 * 1e-3) + 40.0 * (k as f64 * 1e-3).powi(2);
         let samples: Vec<f64> = (0..20).map(value).collect();
-        let found = Parabola::through(&samples, 1e-3).unwrap();
+        let found = Parabola::fit(&samples, 1e-3).unwrap();
         for (term, expected) in found.terms.iter().zip([0.3, -2.0, 40.0]) {
             assert!((term / expected - 1.0).abs() < 1e-8, "{:?}", found.terms);
         }
