@@ -230,7 +230,7 @@ fn with_fitted_integral(controller: &ProportionalIntegral, recording: &Recording
     for k in 0..recording.len().min(INTEGRAL_SAMPLES) {
         let readings = Readings { demand_rad_s: demand[k], hub_rate_rad_s: rate[k], ..Readings::default() };
         let left = control[k] - observer.step(&readings);
-        if left.is_nan() || control[k].abs() >= CONVERTER_RANGE_V {
+        if left.is_nan() || is_limited(controller.anti_windup, control[k]) {
             break;
         }
         sum += left;
@@ -313,13 +313,18 @@ fn with_integral_of(ready: PositionController, read: &[Readings], control: &[f64
     let (mut sum, mut count) = (0.0, 0.0);
     for (readings, recorded) in read.iter().zip(control).take(INTEGRAL_SAMPLES) {
         let left = recorded - observer.step(readings);
-        if left.is_nan() || recorded.abs() >= CONVERTER_RANGE_V {
+        if left.is_nan() || is_limited(ready.anti_windup, *recorded) {
             break;
         }
         sum += left;
         count += 1.0;
     }
     PositionController { integral_v: if count > 0.0 { sum / count } else { 0.0 }, ..ready }
+}
+
+/// Returns whether a recorded control stood at the limit of the converter or of a rule against windup.
+fn is_limited(rule: AntiWindup, control_v: f64) -> bool {
+    control_v.abs() >= CONVERTER_RANGE_V || rule.is_limited(control_v)
 }
 
 /// Returns the control of a proportional-integral controller, with the integral at the start that fits best.
@@ -333,11 +338,11 @@ fn proportional_integral(controller: &ProportionalIntegral, read: &[Readings], c
     let linear = match controller.anti_windup {
         AntiWindup::None => made.len(),
         _ => {
-            let bounded = |v: &&f64| v.abs() >= CONVERTER_RANGE_V;
-            control.iter().take_while(|v| !bounded(v)).count().min(INTEGRAL_SAMPLES).max(1)
+            let free = |v: &&f64| !is_limited(controller.anti_windup, **v);
+            control.iter().take_while(free).count().clamp(1, INTEGRAL_SAMPLES)
         }
     };
-    let free = |k: &usize| control[*k].abs() < CONVERTER_RANGE_V;
+    let free = |k: &usize| !is_limited(controller.anti_windup, control[*k]);
     let left: Vec<f64> = (0..linear).filter(free).map(|k| control[k] - made[k]).collect();
     let integral = left.iter().sum::<f64>() / left.len().max(1) as f64;
     let limited = |u: f64| u.clamp(-CONVERTER_RANGE_V, CONVERTER_RANGE_V);
