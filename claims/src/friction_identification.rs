@@ -74,18 +74,22 @@ pub fn with_observer(project: &Project, found: &IdentifiedFriction) -> Project {
     project
 }
 
-fn record_machine(truth: &Parameters) -> Result<(Recording, ReplayLoop), PipelineError> {
-    let plant = Plant::from_lumped(truth)?;
-    let sample_period_s = truth.interface.sample_period_s;
-    let bias_v = plant.equilibrium(&Default::default()).control_v;
-    let mut controller = ProportionalIntegral {
+/// Returns a PI controller that holds a machine's weight.
+pub(crate) fn holding_controller(machine: &Parameters) -> Result<ProportionalIntegral, PipelineError> {
+    let bias_v = Plant::from_lumped(machine)?.equilibrium(&Default::default()).control_v;
+    let sample_period_s = machine.interface.sample_period_s;
+    Ok(ProportionalIntegral {
         kp_v_s_rad: 18.0,
         ki_v_rad: 80.0,
         bias_v,
         sample_period_s,
-        integral_v: 0.0,
-        anti_windup: counterpoise_controller::AntiWindup::None,
-    };
+        ..ProportionalIntegral::default()
+    })
+}
+
+fn record_machine(truth: &Parameters) -> Result<(Recording, ReplayLoop), PipelineError> {
+    let plant = Plant::from_lumped(truth)?;
+    let mut controller = holding_controller(truth)?;
     let control = ReplayLoop::from(&controller);
     let scenario = Scenario {
         demand_rad_s: Signal::Triangle { amplitude: TRIANGLE.0, period_s: TRIANGLE.1 },
@@ -94,7 +98,7 @@ fn record_machine(truth: &Parameters) -> Result<(Recording, ReplayLoop), Pipelin
         ..Scenario::at_rest(TRIANGLE.2)
     };
     let run = Simulator::new(&plant)?.run(&mut controller, &scenario)?;
-    Ok((run.readings.recording("triangle", sample_period_s), control))
+    Ok((run.readings.recording("triangle", truth.interface.sample_period_s), control))
 }
 
 /// Returns the mechanism with the presliding stiffness that replays a recording best.

@@ -1,6 +1,6 @@
 //! Claims on identification by the triangle wave: a machine that the project does not know, recorded and identified.
 
-use counterpoise_controller::{ProportionalIntegral, SampledController};
+use counterpoise_controller::SampledController;
 use counterpoise_diagnose::identification::{Estimate, GainPoint, Identification, identify};
 use counterpoise_models::Parameters;
 use counterpoise_models::parameters::MapPoint;
@@ -9,6 +9,7 @@ use counterpoise_recordings::Recording;
 use counterpoise_simulate::{Detail, Imperfections, Scenario, Signal, Simulator};
 
 use super::drawing::{ClaimCurve, CurveStyle, make_figure, make_panel};
+use super::friction_identification::holding_controller;
 use super::{Claim, Criterion, TestedDesign};
 use counterpoise_pipeline::PipelineError;
 use counterpoise_plot::{Axis, Figure as Drawing, Point};
@@ -37,20 +38,6 @@ pub const AMPLIFIER: [(f64, f64); 14] = [
 const STATES: [f64; 2] = [0.005, 0.5];
 /// The triangle: rad/s, s, and how long it is recorded, s.
 const TRIANGLE: (f64, f64, f64) = (0.15, 2.0, 10.0);
-
-/// Returns a PI controller that holds a machine's weight.
-fn holding_controller(machine: &Parameters) -> Result<ProportionalIntegral, PipelineError> {
-    let bias_v = Plant::from_lumped(machine)?.equilibrium(&Default::default()).control_v;
-    let sample_period_s = machine.interface.sample_period_s;
-    Ok(ProportionalIntegral {
-        kp_v_s_rad: 18.0,
-        ki_v_rad: 80.0,
-        bias_v,
-        sample_period_s,
-        integral_v: 0.0,
-        anti_windup: counterpoise_controller::AntiWindup::None,
-    })
-}
 
 /// Returns a triangle wave recorded on a machine in closed loop, with noise and converters.
 fn record_triangle(

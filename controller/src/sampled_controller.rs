@@ -86,8 +86,9 @@ impl AntiWindup {
     }
 }
 
-/// The controller of a recording: e = demand - hub rate, u = kp e + q + bias, then q += ki T e unless the rule against windup forbids it.
-#[derive(Debug, Clone, PartialEq)]
+/// The controller of a recording: e = demand - hub rate, u = kp e + q + bias, then q += ki T e unless the rule against windup forbids it. By default every
+/// number is 0 and there is no such rule.
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct ProportionalIntegral {
     /// Proportional gain, V s/rad.
     pub kp_v_s_rad: f64,

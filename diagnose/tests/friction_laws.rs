@@ -53,8 +53,7 @@ fn control_v(machine: &Parameters) -> Vec<f64> {
         ki_v_rad: 80.0,
         bias_v: plant.equilibrium(&Default::default()).control_v,
         sample_period_s: machine.interface.sample_period_s,
-        integral_v: 0.0,
-        anti_windup: counterpoise_controller::AntiWindup::None,
+        ..ProportionalIntegral::default()
     };
     let scenario = Scenario {
         demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s: 0.4 },

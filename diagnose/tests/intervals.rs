@@ -61,8 +61,7 @@ fn triangle(p: &Parameters, seed: u64) -> Recording {
         ki_v_rad,
         bias_v: 2.88,
         sample_period_s,
-        integral_v: 0.0,
-        anti_windup: counterpoise_controller::AntiWindup::None,
+        ..ProportionalIntegral::default()
     };
     let scenario = Scenario {
         demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s: 2.0 },

@@ -68,8 +68,7 @@ fn proportional_integral(plant: &Plant) -> ProportionalIntegral {
         ki_v_rad: 80.0,
         bias_v: plant.equilibrium(&OperatingPoint::default()).control_v,
         sample_period_s: 1e-3,
-        integral_v: 0.0,
-        anti_windup: counterpoise_controller::AntiWindup::None,
+        ..ProportionalIntegral::default()
     }
 }
 

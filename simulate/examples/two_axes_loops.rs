@@ -106,8 +106,7 @@ fn run(elevation: &Plant, traverse: &Plant, base: BaseMotion) -> Result<(), Box<
         ki_v_rad,
         bias_v: 0.0,
         sample_period_s: 1e-3,
-        integral_v: 0.0,
-        anti_windup: counterpoise_controller::AntiWindup::None,
+        ..ProportionalIntegral::default()
     };
     let mut controllers = Controllers { elevation: &mut gains(8.0, 40.0), traverse: &mut gains(20.0, 100.0) };
     let found = TwoAxisSimulator::new(elevation, traverse, coupling)?.run(&mut controllers, &scenario)?;

@@ -24,8 +24,8 @@
 //!
 //! let plant = Plant::from_lumped(&reference::rig())?;
 //! let mut controller = ProportionalIntegral {
-//!     kp_v_s_rad: 18.0, ki_v_rad: 80.0, bias_v: 2.88, sample_period_s: 1e-3, integral_v: 0.0,
-//!     anti_windup: counterpoise_controller::AntiWindup::None,
+//!     kp_v_s_rad: 18.0, ki_v_rad: 80.0, bias_v: 2.88, sample_period_s: 1e-3,
+//!     ..ProportionalIntegral::default()
 //! };
 //! let scenario = Scenario { demand_rad_s: Signal::step(0.1, 0.05), ..Scenario::at_rest(2.0) };
 //! let history = run(&plant, &mut controller, &scenario)?;

@@ -124,8 +124,7 @@ fn runs(random: &mut RandomGenerator, count: usize) -> Vec<Run> {
                 ki_v_rad: 80.0 * random.factor(),
                 bias_v: plant.equilibrium(&OperatingPoint::default()).control_v,
                 sample_period_s: 1e-3,
-                integral_v: 0.0,
-                anti_windup: counterpoise_controller::AntiWindup::None,
+                ..ProportionalIntegral::default()
             };
             let own = scenario(random);
             (

@@ -29,8 +29,7 @@ fn controller() -> ProportionalIntegral {
         ki_v_rad: 80.0,
         bias_v: 2.88,
         sample_period_s: 1e-3,
-        integral_v: 0.0,
-        anti_windup: counterpoise_controller::AntiWindup::None,
+        ..ProportionalIntegral::default()
     }
 }
 

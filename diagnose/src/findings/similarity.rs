@@ -293,8 +293,7 @@ mod tests {
             ki_v_rad: 80.0,
             bias_v,
             sample_period_s,
-            integral_v: 0.0,
-            anti_windup: counterpoise_controller::AntiWindup::None,
+            ..ProportionalIntegral::default()
         };
         let scenario = Scenario {
             demand_rad_s: Signal::Triangle { amplitude: 0.15, period_s: 1.0 },

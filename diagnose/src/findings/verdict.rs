@@ -5,7 +5,7 @@ use crate::findings::answer::{
     Name, NearestEffect, NextExperiment, Pattern, SearchWarning, UnexcitedEffect,
 };
 use crate::findings::channel_fits::fits_by_channel;
-use crate::fitting::output_error::confidence_intervals;
+use crate::fitting::output_error::{confidence_intervals, parameters_of};
 use crate::fitting::score::score_parts;
 use crate::library::{Component, Effect, EffectName, EffectParameter};
 use crate::localisation::error_hypotheses::COMPONENTS;
@@ -134,7 +134,7 @@ impl VerdictEvidence<'_> {
         let alone = !sensors.platform_gyro.is_fitted()
             && sensors.motor_tachometer.is_none()
             && sensors.hub_resolver.is_none();
-        let first: usize = accepted.fit.effects[..index].iter().map(|e| e.parameters.len()).sum();
+        let first = parameters_of(&accepted.fit.effects[..index]).len();
         let late_samples = accepted.fit.values[first] / self.base.interface.sample_period_s;
         let whole = (late_samples - late_samples.round()).abs() < WHOLE_SAMPLES && late_samples.round() > 0.0;
         let (component, other, holds) = match (effect.component, effect.effect) {
@@ -204,7 +204,7 @@ impl VerdictEvidence<'_> {
     }
 
     fn fitted_parameters(&self, accepted: &FittedCandidate, index: usize) -> Vec<FittedParameter> {
-        let first: usize = accepted.fit.effects[..index].iter().map(|e| e.parameters.len()).sum();
+        let first = parameters_of(&accepted.fit.effects[..index]).len();
         let effect = accepted.fit.effects[index];
         let (samples, inflation) = self.worth(accepted);
         let bounds = confidence_intervals(&accepted.fit, samples, inflation);

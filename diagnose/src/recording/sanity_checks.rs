@@ -200,11 +200,11 @@ fn find_anti_windup(
     let limit = control.iter().copied().filter(|v| v.is_finite()).map(f64::abs).fold(0.0, f64::max);
     let rules = [AntiWindup::Hold(limit), AntiWindup::HoldOutward(limit), AntiWindup::Clamp(limit)];
     let fits = |rule: &AntiWindup| {
-        let other = controller.with_anti_windup(*rule)?;
-        let (fit, _) = control_fit(base, recording, &other)?;
-        Some(fit.residual_over_floor()).filter(|ratio| *ratio <= FOREIGN_CONTROL_MULTIPLE)
+        let other = controller.with_anti_windup(*rule);
+        let found = other.and_then(|other| control_fit(base, recording, &other));
+        found.is_some_and(|(fit, _)| fit.residual_over_floor() <= FOREIGN_CONTROL_MULTIPLE)
     };
-    rules.into_iter().find(|rule| fits(rule).is_some())
+    rules.into_iter().find(fits)
 }
 
 /// Detects that the gyroscopes are wrong: two other sensors agree with each other and not with them.

@@ -9,7 +9,6 @@ pub fn controller(bias_v: f64) -> ProportionalIntegral {
         ki_v_rad: 80.0,
         bias_v,
         sample_period_s: 1e-3,
-        integral_v: 0.0,
-        anti_windup: counterpoise_controller::AntiWindup::None,
+        ..ProportionalIntegral::default()
     }
 }

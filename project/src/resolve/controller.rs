@@ -76,8 +76,7 @@ fn blank_proportional_integral() -> ProportionalIntegral {
         ki_v_rad: f64::NAN,
         bias_v: f64::NAN,
         sample_period_s: f64::NAN,
-        integral_v: 0.0,
-        anti_windup: AntiWindup::None,
+        ..ProportionalIntegral::default()
     }
 }
 

@@ -17,8 +17,6 @@ pub(super) struct FirstMotion {
     rate_error_rad_s: f64,
     /// Acceleration, rad/s^2; 0 if the hub does not clearly move.
     pub acceleration_rad_s2: f64,
-    /// Rate of change of what the sensor measures, in its unit over s; 0 if the hub does not clearly move.
-    slope: f64,
 }
 
 impl FirstMotion {
@@ -43,7 +41,6 @@ impl FirstMotion {
                 rate_rad_s: slope,
                 rate_error_rad_s: floor * parabola.errors[1],
                 acceleration_rad_s2: 2.0 * bend,
-                slope,
             }
         } else {
             let of_platform = if measured == FeedbackSignal::HubRate { platform_rate } else { 0.0 };
@@ -52,17 +49,22 @@ impl FirstMotion {
                 rate_rad_s: level - of_platform,
                 rate_error_rad_s: floor * parabola.errors[0],
                 acceleration_rad_s2: slope,
-                slope,
             }
         };
-        if found.is_moving() { found } else { Self { acceleration_rad_s2: 0.0, slope: 0.0, ..found } }
+        if found.is_moving() { found } else { Self { acceleration_rad_s2: 0.0, ..found } }
     }
 
     /// Returns output and slope of a sensor's filter whose input has a value and has moved as the readings do: y'' + 2 z w y' + w^2 y = w^2 r
     /// follows r = a t with y = a t - 2 z a / w.
     pub fn sensor_state(&self, input: f64, sensor: &Sensor) -> [f64; 2] {
         let lag_s = 2.0 * sensor.damping_ratio / sensor.natural_frequency_rad_s;
-        [input - lag_s * self.slope, self.slope]
+        let slope = self.slope();
+        [input - lag_s * slope, slope]
+    }
+
+    /// Returns the rate of change of what the sensor measures, in its unit over s; 0 if the hub does not clearly move.
+    fn slope(&self) -> f64 {
+        if self.angle_rad.is_some() && self.is_moving() { self.rate_rad_s } else { self.acceleration_rad_s2 }
     }
 
     /// Returns whether the hub moves by more than the sensor's noise and rounding show of a hub at rest.

@@ -225,19 +225,33 @@ fn with_fitted_integral(controller: &ProportionalIntegral, recording: &Recording
         return ready;
     };
     ready.integral_v = 0.0;
-    let mut observer = ready.clone();
+    let read = demand.iter().zip(rate).map(|(demand, rate)| Readings {
+        demand_rad_s: *demand,
+        hub_rate_rad_s: *rate,
+        ..Readings::default()
+    });
+    ready.integral_v = integral_at_start(ready.clone(), ready.anti_windup, read, control);
+    ready
+}
+
+/// Returns the integral at the first sample that explains the first recorded controls best: the mean of what a controller whose integral
+/// starts at 0 leaves unexplained, as long as the control is not limited; 0 if it is from the first sample on.
+fn integral_at_start(
+    mut observer: impl SampledController,
+    rule: AntiWindup,
+    read: impl Iterator<Item = Readings>,
+    control: &[f64],
+) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
-    for k in 0..recording.len().min(INTEGRAL_SAMPLES) {
-        let readings = Readings { demand_rad_s: demand[k], hub_rate_rad_s: rate[k], ..Readings::default() };
-        let left = control[k] - observer.step(&readings);
-        if left.is_nan() || is_limited(controller.anti_windup, control[k]) {
+    for (readings, recorded) in read.zip(control).take(INTEGRAL_SAMPLES) {
+        let left = recorded - observer.step(&readings);
+        if left.is_nan() || is_limited(rule, *recorded) {
             break;
         }
         sum += left;
         count += 1.0;
     }
-    ready.integral_v = if count > 0.0 { sum / count } else { 0.0 };
-    ready
+    if count > 0.0 { sum / count } else { 0.0 }
 }
 
 /// Returns the RMS of a position controller's control from white noise on its sensors.
@@ -309,17 +323,8 @@ fn with_integral_of(ready: PositionController, read: &[Readings], control: &[f64
     if ready.ki_v_rad == 0.0 {
         return ready;
     }
-    let mut observer = ready.clone();
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (readings, recorded) in read.iter().zip(control).take(INTEGRAL_SAMPLES) {
-        let left = recorded - observer.step(readings);
-        if left.is_nan() || is_limited(ready.anti_windup, *recorded) {
-            break;
-        }
-        sum += left;
-        count += 1.0;
-    }
-    PositionController { integral_v: if count > 0.0 { sum / count } else { 0.0 }, ..ready }
+    let integral_v = integral_at_start(ready.clone(), ready.anti_windup, read.iter().copied(), control);
+    PositionController { integral_v, ..ready }
 }
 
 /// Returns whether a recorded control stood at the limit of the converter or of a rule against windup.
@@ -329,27 +334,20 @@ fn is_limited(rule: AntiWindup, control_v: f64) -> bool {
 
 /// Returns the control of a proportional-integral controller, with the integral at the start that fits best.
 fn proportional_integral(controller: &ProportionalIntegral, read: &[Readings], control: &[f64]) -> Vec<f64> {
-    let from = |integral_v: f64| {
-        let mut ready = ProportionalIntegral { integral_v, ..controller.clone() };
-        read.iter().map(|readings| ready.step(readings)).collect::<Vec<f64>>()
-    };
-    let made = from(0.0);
-    // a rule against windup lets the integral forget its start once the control is limited
-    let linear = match controller.anti_windup {
-        AntiWindup::None => made.len(),
-        _ => {
-            let free = |v: &&f64| !is_limited(controller.anti_windup, **v);
-            control.iter().take_while(free).count().clamp(1, INTEGRAL_SAMPLES)
-        }
-    };
-    let free = |k: &usize| !is_limited(controller.anti_windup, control[*k]);
-    let left: Vec<f64> = (0..linear).filter(free).map(|k| control[k] - made[k]).collect();
-    let integral = left.iter().sum::<f64>() / left.len().max(1) as f64;
     let limited = |u: f64| u.clamp(-CONVERTER_RANGE_V, CONVERTER_RANGE_V);
-    match controller.anti_windup {
-        AntiWindup::None => made.into_iter().map(|u| limited(u + integral)).collect(),
-        _ => from(integral).into_iter().map(limited).collect(),
+    let at_zero = ProportionalIntegral { integral_v: 0.0, ..controller.clone() };
+    let made_by = |mut ready: ProportionalIntegral| read.iter().map(move |readings| ready.step(readings));
+    if controller.anti_windup != AntiWindup::None {
+        // such a rule lets the integral forget its start once the control is limited
+        let read = read.iter().copied();
+        let integral_v = integral_at_start(at_zero.clone(), controller.anti_windup, read, control);
+        return made_by(ProportionalIntegral { integral_v, ..at_zero }).map(limited).collect();
     }
+    let made: Vec<f64> = made_by(at_zero).collect();
+    let free = |k: &usize| control[*k].abs() < CONVERTER_RANGE_V;
+    let left: Vec<f64> = (0..made.len()).filter(free).map(|k| control[k] - made[k]).collect();
+    let integral = left.iter().sum::<f64>() / left.len().max(1) as f64;
+    made.into_iter().map(|u| limited(u + integral)).collect()
 }
 
 /// Returns the recorded platform rate, heave and surge; empty if not recorded.

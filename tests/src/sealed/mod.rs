@@ -44,8 +44,7 @@ pub fn controller() -> ProportionalIntegral {
         ki_v_rad,
         bias_v,
         sample_period_s: PERIOD,
-        integral_v: 0.0,
-        anti_windup: counterpoise_controller::AntiWindup::None,
+        ..ProportionalIntegral::default()
     }
 }
 
