@@ -199,7 +199,7 @@ pub(crate) const DIVERGED_FLOORS: f64 = 0.5;
 pub(crate) const LONG_WINDOWS: f64 = 3.0;
 /// A residual of more than this many times the difference of two runs of one model is not their divergence: the free replay says that the
 /// model is wrong.
-pub(crate) const WRONG_MODEL: f64 = 10.0;
+pub const WRONG_MODEL: f64 = 10.0;
 
 // ---- deconvolution of a sensor ----
 

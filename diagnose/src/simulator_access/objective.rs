@@ -11,6 +11,7 @@ use counterpoise_simulate::history::ReadingColumns;
 use counterpoise_simulate::replay::{
     Replay, ReplayDirection, ReplayLoop, ReplayMember, ReplayVariant, Replayer, SlopedReplay, reading_floor,
 };
+use counterpoise_simulate::tolerance::WRONG_MODEL;
 
 use crate::error::Error;
 use crate::recording::measured_signals::{MeasuredSignals, read_signals};
@@ -265,10 +266,7 @@ impl<'a> RecordingReplays<'a> {
         }
         let divergence = self.divergence(parameters, index, &quiet, ControlSource::ClosedLoop)?;
         let channels = self.channels(&quiet, index, length, ControlSource::ClosedLoop)?;
-        // in any loop that controls a rate the angle drifts, which is no sign of hunting
-        let hunts =
-            |(m, w): (&ChannelResidual, &f64)| *w > HUNTING_DIVERGENCE && m.channel != Channel::HubPosition;
-        if !channels.iter().zip(&divergence).any(hunts) {
+        if !hunts(&channels, &divergence) {
             return Some(Assessment {
                 channels,
                 divergence,
@@ -286,6 +284,16 @@ impl<'a> RecordingReplays<'a> {
         let divergence = self.divergence(parameters, index, &played, ControlSource::Playback)?;
         Some(Assessment { channels, divergence, start: Some(played.start), source: ControlSource::Playback })
     }
+}
+
+/// Returns whether two runs of a model differ so much that its residual tells of that and not of the model: one far above their difference says that
+/// the model is wrong, and the recorded control would hide it.
+fn hunts(channels: &[ChannelResidual], divergence: &[f64]) -> bool {
+    // in any loop that controls a rate the angle drifts, which is no sign of hunting
+    let telling = || channels.iter().zip(divergence).filter(|(m, _)| m.channel != Channel::HubPosition);
+    let apart = telling().fold(0.0_f64, |most, (_, apart)| most.max(*apart));
+    let excess = telling().fold(0.0_f64, |most, (channel, _)| most.max(channel.relative_rms()));
+    apart > HUNTING_DIVERGENCE && excess < WRONG_MODEL * apart
 }
 
 /// Returns whether the demand of a recording equals its hub rate: then a controller that was not recorded makes the model follow.
