@@ -46,12 +46,13 @@ pub(crate) fn explain(searcher: &Searcher, evidence: VerdictEvidence) -> Explana
         let Some(rest) = Rest::of(searcher, &now) else { break };
         let task = rest.task(searcher, &now);
         let Some(first) = task.one_function() else { break };
+        let first = task.with_simple_form(first);
         if let Some(better) = task.name_function(&first, named.as_ref()) {
             search.accepted = Some(better);
             search.rivals = Vec::new();
             continue;
         }
-        learned = task.with_more(Some(first)).and_then(|functions| functions.model(&task));
+        learned = task.with_more(first).model(&task);
         break;
     }
     if learned.is_none() && search.accepted.is_none() {

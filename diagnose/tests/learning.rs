@@ -98,6 +98,33 @@ fn a_tight_spot_is_modelled_to_the_noise_and_read_with_its_place() {
 }
 
 #[test]
+fn a_drag_with_the_cube_of_the_rate_is_held_to_its_form_and_goes_on_beyond_the_recordings() {
+    let drag = |rate: f64| -30.0 * (rate / 0.15).powi(3);
+    let points: Vec<f64> = (0..201).map(|k| 0.4 * (f64::from(k) / 100.0 - 1.0)).collect();
+    let values = points.iter().map(|x| drag(*x)).collect();
+    let torque = LearnedQuantity::Torque;
+    let element = LearnedElement::neutral(LearnedPlace::Pivot, torque, RegimeVariable::Rate, points);
+    let mut machine = reference::rig();
+    machine.learned.push(LearnedElement { values, ..element });
+    let (model, improved) = learn_model(&machine).unwrap();
+    let part = &model.parts[0];
+    println!("{:?}, held out {:?}", part.reading, model.worst_held_out);
+    assert_eq!(model.parts.len(), 1);
+    assert!(model.worst_held_out[0] > 3.0 && model.worst_held_out[1] < 1.5, "{:?}", model.worst_held_out);
+    let reading = part.reading.as_ref().unwrap();
+    assert_eq!(reading.form, CurveForm::Cubic);
+    let found = &improved.learned[0];
+    assert_eq!(found, &part.element);
+    let [visited, beyond] = [0.1, 0.2].map(|rate| {
+        let at = found.points.iter().position(|x| *x >= rate).expect("a point beyond the recordings");
+        (found.values[at] / drag(found.points[at]), found.coverage[at])
+    });
+    println!("{visited:?} {beyond:?}");
+    assert!((visited.0 - 1.0).abs() < 0.05 && (beyond.0 - 1.0).abs() < 0.1);
+    assert!(visited.1 > 0.0 && beyond.1 == 0.0);
+}
+
+#[test]
 fn a_machine_as_modelled_is_given_no_function() {
     assert_eq!(learn_model(&reference::rig()), None);
 }

@@ -8,7 +8,7 @@ use counterpoise_simulate::replay::{START_FREEDOMS, start_has};
 
 use crate::fitting::initial_states::StartColumns;
 use crate::fitting::normal_equations::{LinearisedCost, damped_step, long_run, stretch_sums};
-use crate::library::{Effect, EffectParameter, ParameterMapping, learned_element};
+use crate::library::{Effect, EffectParameter, ParameterMapping, learned_element, value_rows};
 use crate::recording::series::dot;
 use crate::simulator_access::{
     Assessment, ChannelResidual, MechanismVariant, SimulatorAccess, Span, StartShift,
@@ -553,6 +553,35 @@ fn covariance_of(information: &Mat) -> Option<Mat> {
         }
         inverse(&ridged).ok().filter(Mat::is_finite)
     })
+}
+
+/// Returns half the width of the 95 % band of each free function of a fit at its points, effect after effect, empty for other effects; the band is
+/// that of [`confidence_intervals`], carried from the parameters to the values.
+pub fn value_half_widths(fit: &EffectFit, samples: usize, inflation: f64) -> Vec<Vec<f64>> {
+    let covariance = covariance_of(&fit.information);
+    let sandwich = covariance.as_ref().map(|c| &(c * &fit.scatter) * c);
+    let scale = fit.cost.max(1.0) * inflation / samples.max(1) as f64;
+    let mut first = 0;
+    let band = |effect: &&'static Effect| {
+        let own = first;
+        first += effect.parameters.len();
+        let rows = value_rows(effect);
+        let points = rows.first().map_or(0, Vec::len);
+        let variance = |of: &Mat, k: usize| {
+            let at = |j: usize| rows[j][k] * effect.parameters[j].size;
+            let sums = (0..rows.len())
+                .map(|i| (0..rows.len()).map(|j| at(i) * of[(own + i, own + j)] * at(j)).sum::<f64>());
+            sums.sum::<f64>().max(0.0)
+        };
+        let half = |k: usize| {
+            let fisher = covariance.as_ref().map_or(f64::INFINITY, |c| variance(c, k) * scale);
+            let coloured = sandwich.as_ref().map_or(0.0, |s| variance(s, k));
+            let value: f64 = rows.iter().zip(&fit.values[own..]).map(|(row, value)| row[k] * value).sum();
+            1.96 * fisher.max(coloured).sqrt().hypot(SYSTEMATIC * value)
+        };
+        (0..points).map(half).collect()
+    };
+    fit.effects.iter().map(band).collect()
 }
 
 /// Returns 95 % intervals of a fit's values: the larger of Fisher's information, inflated by the residual's own size and colour,

@@ -6,14 +6,14 @@ use counterpoise_models::{LearnedElement, LearnedPlace, Parameters, RegimeVariab
 
 use crate::findings::channel_fits::{PooledFits, fits_by_channel};
 use crate::fitting::output_error::{
-    EffectFit, FitSelection, Preference, Problem, confidence_intervals, parameters_of,
+    EffectFit, FitSelection, Preference, Problem, parameters_of, value_half_widths,
 };
 use crate::fitting::score::{RecordingPart, Score, score_parts};
 use crate::learning::held_out_stretches::{HeldOutEquations, flat_preferences, preferences};
 use crate::learning::reading::{CurveReading, read_curve};
 use crate::learning::templates::{Template, TemplateContext, is_at};
 use crate::learning::visited_ranges::{Reach, VisitedRanges};
-use crate::library::{Component, Effect, learned_element};
+use crate::library::{Component, Effect, has_free_points, learned_element, learned_values_in};
 use crate::localisation::error_map::MapCell;
 use crate::recording::series::correlation_time;
 use crate::selection::candidate::{FittedCandidate, whole_parts};
@@ -93,7 +93,7 @@ struct TriedPlace {
 /// Free functions that were fitted, with what each gains.
 pub(crate) struct FittedFunctions {
     pub learned: FunctionFit,
-    gains: Vec<f64>,
+    pub gains: Vec<f64>,
 }
 
 /// The data that functions are fitted to, and those that they are judged by.
@@ -109,9 +109,17 @@ struct Smoothness {
     curvature: f64,
 }
 
+impl FunctionFit {
+    /// Returns the same functions with another fit of them.
+    pub(crate) fn with_candidate(&self, candidate: FittedCandidate) -> Self {
+        Self { candidate, ..self.clone() }
+    }
+}
+
 /// Fits free functions; returns the model and the mechanism with them, or `None` if none explains enough.
 pub fn learn_functions(task: &LearningTask) -> Option<(LearnedModel, Parameters)> {
-    task.with_more(None)?.model(task)
+    let first = task.with_simple_form(task.one_function()?);
+    task.with_more(first).model(task)
 }
 
 impl FittedFunctions {
@@ -120,7 +128,12 @@ impl FittedFunctions {
         let candidate = &self.learned.candidate;
         let model = task.model(candidate, &self.gains)?;
         let place_probability = self.place_probability();
-        Some((LearnedModel { place_probability, ..model }, candidate.fit.parameters.clone()))
+        let mut improved = candidate.fit.parameters.clone();
+        let fitted = improved.learned.len().saturating_sub(model.parts.len());
+        for (element, part) in improved.learned[fitted..].iter_mut().zip(&model.parts) {
+            element.clone_from(&part.element);
+        }
+        Some((LearnedModel { place_probability, ..model }, improved))
     }
 
     /// Returns the probability of the first function's place among those that were tried.
@@ -153,17 +166,15 @@ impl LearningTask<'_> {
         Some(FittedFunctions { learned, gains })
     }
 
-    /// Adds free functions to those that were fitted until they explain the recordings or none is worth having; returns `None` if there is
-    /// none at all.
-    pub(crate) fn with_more(&self, found: Option<FittedFunctions>) -> Option<FittedFunctions> {
-        let mut found = found.or_else(|| self.one_function())?;
+    /// Adds free functions to those that were fitted until they explain the recordings or none is worth having.
+    pub(crate) fn with_more(&self, mut found: FittedFunctions) -> FittedFunctions {
         while found.gains.len() < FUNCTIONS_AT_MOST && !found.explains() && !self.searcher.pool.is_cancelled()
         {
             let Some(next) = self.next(Some(&found.learned)) else { break };
             found.gains.push(next.candidate.gain() - found.gains.iter().sum::<f64>());
             found.learned = next;
         }
-        Some(found)
+        found
     }
 
     /// Returns the effective number of parameters of free functions: the trace of the matrix that maps residuals to fitted values (Hastie,
@@ -368,7 +379,7 @@ impl LearningTask<'_> {
     }
 
     /// Assesses a fit on all recordings, and on the parts that it was not fitted to.
-    fn assess_fit(&self, fit: EffectFit, parts: Vec<RecordingPart>) -> Option<FittedCandidate> {
+    pub(crate) fn assess_fit(&self, fit: EffectFit, parts: Vec<RecordingPart>) -> Option<FittedCandidate> {
         let all = 0..self.before.len();
         let judged: Vec<Assessment> = all.map(|r| self.assessment(&fit, r)).collect::<Option<_>>()?;
         Some(FittedCandidate {
@@ -394,7 +405,7 @@ impl LearningTask<'_> {
         let mut first = 0;
         let mut all = Vec::new();
         for (effect, smooth) in effects.iter().zip(smoothness) {
-            if let Some(element) = learned_element(effect) {
+            if let Some(element) = learned_element(effect).filter(|_| has_free_points(effect)) {
                 all.extend(preferences(element, first, smooth.roughness, smooth.curvature));
                 if span == Span::Head {
                     let known = self.visited.determined_points(element);
@@ -421,7 +432,7 @@ impl LearningTask<'_> {
     }
 
     /// Fits all functions of a model to all recordings, whole; the held-out figures stay those of the fit to the first parts.
-    fn fitted_to_all(&self, learned: FunctionFit) -> FunctionFit {
+    pub(crate) fn fitted_to_all(&self, learned: FunctionFit) -> FunctionFit {
         let selection = FitSelection {
             iterations: FINAL_ITERATIONS,
             restarts: 1,
@@ -477,15 +488,13 @@ impl LearningTask<'_> {
     fn model(&self, candidate: &FittedCandidate, gains: &[f64]) -> Option<LearnedModel> {
         let fit = &candidate.fit;
         let (samples, inflation) = self.independence(candidate);
-        let intervals = confidence_intervals(fit, samples, inflation);
-        let mut first = 0;
+        let bands = value_half_widths(fit, samples, inflation);
         let mut parts = Vec::new();
         for (k, effect) in fit.effects.iter().enumerate() {
-            let (count, known) = (effect.parameters.len(), learned_element(effect)?);
-            let bounds = &intervals[first..first + count];
+            let known = learned_element(effect)?;
             let element = LearnedElement {
-                values: fit.values[first..first + count].to_vec(),
-                half_width: bounds.iter().map(|[low, high]| 0.5 * (high - low)).collect(),
+                values: learned_values_in(&fit.parameters, known),
+                half_width: bands.get(k).cloned().unwrap_or_default(),
                 coverage: self.visited.coverage(known),
                 ..known.clone()
             };
@@ -495,7 +504,6 @@ impl LearningTask<'_> {
                 reading,
                 log_likelihood_gain: gains.get(k).copied().unwrap_or(0.0),
             });
-            first += count;
         }
         Some(LearnedModel {
             parts,

@@ -9,7 +9,7 @@ use crate::fitting::output_error::FitSelection;
 use crate::fitting::score::score_parts;
 use crate::learning::learner::{FittedFunctions, LearningTask};
 use crate::learning::reading::{CurveForm, CurveReading, read_curve};
-use crate::library::{Component, Effect, EffectName, find_effects, learned_element};
+use crate::library::{Component, Effect, EffectName, find_effects, learned_element, learned_values_in};
 use crate::selection::candidate::FittedCandidate;
 use crate::tolerance::{AMBIGUOUS, PARAMETER_PRICE, SEARCH_ITERATIONS};
 
@@ -84,12 +84,10 @@ impl LearningTask<'_> {
     ) -> Option<FittedCandidate> {
         let candidate = &functions.learned.candidate;
         let [effect] = candidate.fit.effects.as_slice() else { return None };
-        let coverage = self.visited.coverage(learned_element(effect)?);
-        let element = LearnedElement {
-            values: candidate.fit.values.clone(),
-            coverage,
-            ..learned_element(effect)?.clone()
-        };
+        let known = learned_element(effect)?;
+        let values = learned_values_in(&candidate.fit.parameters, known);
+        let coverage = self.visited.coverage(known);
+        let element = LearnedElement { values, coverage, ..known.clone() };
         let reading = read_curve(&element)?;
         let forms = library_forms(&element, &reading, self.base);
         let fitted = forms.iter().filter_map(|form| self.fit_form(form, functions, named));

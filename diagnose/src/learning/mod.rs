@@ -3,6 +3,7 @@
 //! Modules in reading order: [`visited_ranges`] (which values the recordings have of each regime variable), `templates` (the functions that
 //! are tried), `held_out_stretches` (what a function promises on stretches that did not choose it, and how smooth it should be), [`learner`]
 //! (the fit), [`reading`] (a fitted curve in the words of physics), `library_forms` (a curve that is an effect of the library),
+//! `simple_forms` (a curve that is held to a simple form),
 //! `comparison` (effects of the library against a free function).
 
 pub(crate) mod comparison;
@@ -10,6 +11,7 @@ mod held_out_stretches;
 pub mod learner;
 mod library_forms;
 pub mod reading;
+mod simple_forms;
 mod templates;
 pub mod visited_ranges;
 

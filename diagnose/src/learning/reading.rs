@@ -8,7 +8,7 @@ use crate::tolerance::identification::NORMAL_95;
 use crate::tolerance::learning::FLAT_CURVE;
 use crate::tolerance::learning::FORM_RIDGE;
 use crate::tolerance::learning::{
-    BAND_FLOOR, FORM_GRID, ORDERS_AT_MOST, READ_FROM_COVERAGE, READ_SHARE, SMALLEST_WIDTH,
+    BAND_FLOOR, FORM_GRID, FORM_SLOPE_STEP, ORDERS_AT_MOST, READ_FROM_COVERAGE, READ_SHARE, SMALLEST_WIDTH,
 };
 
 /// A simple form of a curve over a variable x.
@@ -28,7 +28,7 @@ pub enum CurveForm {
     Cubic,
     /// level + rise clamp((x - centre) / width).
     Saturation,
-    /// level + rise (1 - exp(-(x - x_0) / constant)), x_0 the first point.
+    /// level + rise (1 - exp(-x / constant)).
     ExponentialApproach,
     /// level + amplitude sin(order x + phase).
     Sine,
@@ -96,10 +96,12 @@ struct Curve {
 }
 
 /// A form with its inner parameters at given values, fitted in the others.
-struct FittedForm {
-    form: CurveForm,
-    inner: Vec<f64>,
-    linear: Vec<f64>,
+pub(crate) struct FittedForm {
+    pub form: CurveForm,
+    /// Values of the parameters that do not enter linearly.
+    pub inner: Vec<f64>,
+    /// Coefficients of its terms.
+    pub linear: Vec<f64>,
     deviation: Vec<f64>,
     misfit: f64,
 }
@@ -124,16 +126,10 @@ pub fn read_elements(elements: &[LearnedElement]) -> Vec<ReadElement> {
 /// Returns the simple form that a curve has; `None` if none explains most of it, or if it has too few points.
 pub fn read_curve(element: &LearnedElement) -> Option<CurveReading> {
     let curve = Curve::of(element)?;
-    let constant = curve.fit_best_form(CurveForm::Constant)?;
-    let total = constant.misfit;
     let count = curve.x.len() as f64;
-    let forms = forms_over(element.variable).iter().filter_map(|form| curve.fit_best_form(*form));
-    // Schwarz 1978, of a curve whose own deviation is one: what is below the noise counts as noise
-    let price = |fit: &FittedForm| {
-        let size = fit.inner.len() + fit.linear.len();
-        count * (1.0 + fit.misfit / count).ln() + size as f64 * count.ln()
-    };
-    let best = forms.chain([constant]).min_by(|a, b| price(a).total_cmp(&price(b)))?;
+    let ranked = curve.ranked_forms(element.variable);
+    let total = ranked.iter().find(|fit| fit.form == CurveForm::Constant)?.misfit;
+    let best = ranked.into_iter().next()?;
     let explained = if total > 0.0 { 1.0 - best.misfit / total } else { 1.0 };
     let flat = best.form == CurveForm::Constant;
     let within_noise = best.misfit < count;
@@ -144,6 +140,42 @@ pub fn read_curve(element: &LearnedElement) -> Option<CurveReading> {
         parameters: curve.parameters(&best),
         explained,
     })
+}
+
+/// Returns the forms of a curve, that which comes nearest for its number of parameters first; none if it has too few points.
+pub(crate) fn nearest_forms(element: &LearnedElement) -> Vec<FittedForm> {
+    Curve::of(element).map_or_else(Vec::new, |curve| curve.ranked_forms(element.variable))
+}
+
+/// Returns a form that comes nearest to a curve; `None` if the curve has too few points.
+pub(crate) fn nearest_of_form(element: &LearnedElement, form: CurveForm) -> Option<FittedForm> {
+    Curve::of(element)?.fit_best_form(form)
+}
+
+impl FittedForm {
+    /// Returns the values of its terms over some points, term by term.
+    pub fn term_rows(&self, points: &[f64]) -> Vec<Vec<f64>> {
+        let at: Vec<Vec<f64>> = points.iter().map(|x| terms(self.form, &self.inner, *x)).collect();
+        (0..self.linear.len()).map(|term| at.iter().map(|row| row[term]).collect()).collect()
+    }
+
+    /// Returns what a change of a parameter that does not enter linearly changes of its values over some points, by the difference of two.
+    pub fn inner_slope(&self, place: usize, points: &[f64]) -> Vec<f64> {
+        let step = FORM_SLOPE_STEP * self.inner[place].abs().max(f64::MIN_POSITIVE);
+        let moved = |by: f64| {
+            let mut inner = self.inner.clone();
+            inner[place] += by;
+            Self { inner, linear: self.linear.clone(), deviation: Vec::new(), ..*self }.values(points)
+        };
+        moved(step).iter().zip(moved(-step)).map(|(above, below)| (above - below) / (2.0 * step)).collect()
+    }
+
+    /// Returns its values over some points.
+    pub fn values(&self, points: &[f64]) -> Vec<f64> {
+        let at =
+            |x: &f64| terms(self.form, &self.inner, *x).iter().zip(&self.linear).map(|(t, c)| t * c).sum();
+        points.iter().map(at).collect()
+    }
 }
 
 /// Returns the forms that make sense over a variable, the shortest first.
@@ -187,6 +219,20 @@ impl Curve {
         };
         let (low, high) = low_high(&x);
         Some(Self { weight: kept.iter().map(weight).collect(), x, y, low, high })
+    }
+
+    /// Returns the forms that make sense over a variable, the best for its number of parameters first.
+    fn ranked_forms(&self, variable: RegimeVariable) -> Vec<FittedForm> {
+        let count = self.x.len() as f64;
+        // Schwarz 1978, of a curve whose own deviation is one: what is below the noise counts as noise
+        let price = |fit: &FittedForm| {
+            let size = fit.inner.len() + fit.linear.len();
+            count * (1.0 + fit.misfit / count).ln() + size as f64 * count.ln()
+        };
+        let forms = forms_over(variable).iter().chain([&CurveForm::Constant]);
+        let mut ranked: Vec<FittedForm> = forms.filter_map(|form| self.fit_best_form(*form)).collect();
+        ranked.sort_by(|a, b| price(a).total_cmp(&price(b)));
+        ranked
     }
 
     /// Returns a form fitted to the curve: its inner parameters by a grid that is refined twice, the others by least squares.
@@ -235,23 +281,8 @@ impl Curve {
             .min(ORDERS_AT_MOST / (self.high - self.low) * std::f64::consts::TAU)
     }
 
-    fn row(&self, form: CurveForm, inner: &[f64], x: f64) -> Vec<f64> {
-        match form {
-            CurveForm::Constant => vec![1.0],
-            CurveForm::Linear => vec![1.0, x],
-            CurveForm::Sign => vec![1.0, if x == 0.0 { 0.0 } else { x.signum() }],
-            CurveForm::DeadZone => vec![1.0, (x.abs() - inner[0]).max(0.0) * x.signum()],
-            CurveForm::Quadratic => vec![1.0, x, x * x],
-            CurveForm::Cubic => vec![1.0, x, x * x * x],
-            CurveForm::Saturation => vec![1.0, ((x - inner[0]) / inner[1]).clamp(-1.0, 1.0)],
-            CurveForm::ExponentialApproach => vec![1.0, 1.0 - (-(x - self.low) / inner[0]).exp()],
-            CurveForm::Sine => vec![1.0, (inner[0] * x).sin(), (inner[0] * x).cos()],
-            CurveForm::Bump => vec![1.0, (-((x - inner[0]) / inner[1]).powi(2)).exp()],
-        }
-    }
-
     fn fit_form(&self, form: CurveForm, inner: Vec<f64>) -> Option<FittedForm> {
-        let rows: Vec<Vec<f64>> = self.x.iter().map(|x| self.row(form, &inner, *x)).collect();
+        let rows: Vec<Vec<f64>> = self.x.iter().map(|x| terms(form, &inner, *x)).collect();
         let count = rows[0].len();
         let sum = |of: &dyn Fn(usize) -> f64| (0..self.x.len()).map(|k| self.weight[k] * of(k)).sum::<f64>();
         let mut normal = Mat::from_fn(count, count, |i, j| sum(&|k| rows[k][i] * rows[k][j]));
@@ -317,6 +348,22 @@ impl Curve {
                 vec![level, amplitude, inner("order", 0), phase]
             }
         }
+    }
+}
+
+/// Returns the terms of a form at a point, which enter it linearly.
+fn terms(form: CurveForm, inner: &[f64], x: f64) -> Vec<f64> {
+    match form {
+        CurveForm::Constant => vec![1.0],
+        CurveForm::Linear => vec![1.0, x],
+        CurveForm::Sign => vec![1.0, if x == 0.0 { 0.0 } else { x.signum() }],
+        CurveForm::DeadZone => vec![1.0, (x.abs() - inner[0]).max(0.0) * x.signum()],
+        CurveForm::Quadratic => vec![1.0, x, x * x],
+        CurveForm::Cubic => vec![1.0, x, x * x * x],
+        CurveForm::Saturation => vec![1.0, ((x - inner[0]) / inner[1]).clamp(-1.0, 1.0)],
+        CurveForm::ExponentialApproach => vec![1.0, 1.0 - (-x / inner[0]).exp()],
+        CurveForm::Sine => vec![1.0, (inner[0] * x).sin(), (inner[0] * x).cos()],
+        CurveForm::Bump => vec![1.0, (-((x - inner[0]) / inner[1]).powi(2)).exp()],
     }
 }
 

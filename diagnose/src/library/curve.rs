@@ -29,7 +29,7 @@ pub fn make_free_gain_curve() -> &'static Effect {
 pub fn gain_curve_inputs(effect: &Effect) -> Option<&'static [f64]> {
     match effect.parameters.first()?.access {
         Access::Curve { inputs_v, .. } => Some(inputs_v),
-        Access::Field { .. } | Access::Learned { .. } => None,
+        Access::Field { .. } | Access::Learned { .. } | Access::Coefficient { .. } => None,
     }
 }
 

@@ -57,6 +57,15 @@ pub enum Access {
         /// The index among its points.
         point: usize,
     },
+    /// A coefficient of a free function that is a sum of rows.
+    Coefficient {
+        /// The function, without any row.
+        element: &'static LearnedElement,
+        /// What a coefficient of one adds to its values.
+        row: &'static [f64],
+        /// What the coefficient is of its values: 1 times its own row, 0 times every other.
+        dual: &'static [f64],
+    },
 }
 
 impl EffectParameter {
@@ -66,6 +75,7 @@ impl EffectParameter {
             Access::Field { get, .. } => get(of),
             Access::Curve { inputs_v, point } => amplifier_map::fraction(of, inputs_v[point]),
             Access::Learned { element, point } => learned_values::read(of, element, point),
+            Access::Coefficient { element, dual, .. } => learned_values::read_coefficient(of, element, dual),
         }
     }
 
@@ -77,6 +87,9 @@ impl EffectParameter {
                 amplifier_map::set_fraction(of, amplifier_map::CurvePoint { inputs_v, point }, value);
             }
             Access::Learned { element, point } => learned_values::write(of, element, point, value),
+            Access::Coefficient { element, row, .. } => {
+                learned_values::add_row(of, element, row, value - self.read(of));
+            }
         }
     }
 }

@@ -17,6 +17,7 @@ mod structure;
 pub use curve::{gain_curve_inputs, make_free_gain_curve, make_gain_curve};
 pub use effect::{Access, Effect, EffectKind, EffectParameter, ParameterMapping};
 pub use free_functions::{component_of, learned_element, make_learned_effect};
+pub(crate) use free_functions::{has_free_points, learned_values_in, make_form_effect, value_rows};
 pub(crate) use names::named;
 pub use names::{Component, EffectName};
 

@@ -57,6 +57,21 @@ pub const READ_SHARE: f64 = 0.95;
 pub const BAND_FLOOR: f64 = 0.02;
 /// Points of the grid along each parameter that does not enter a form linearly; it is refined twice.
 pub const FORM_GRID: usize = 24;
+/// Forms that are fitted in the simulator in the place of a free function, those that come nearest to its curve.
+pub const FORMS_FITTED: usize = 3;
+/// Points of the table of a form.
+pub const FORM_POINTS: usize = 61;
+/// Share of the visited range by which a form goes on at either end of it.
+pub const FORM_CONTINUATION: f64 = 0.5;
+/// Steps in which the parameters of a form that do not enter linearly are found in the simulator.
+pub const FORM_ROUNDS: usize = 3;
+/// Relative step with which the slope of a form along a parameter of its own is differenced: half of the digits remain.
+pub const FORM_SLOPE_STEP: f64 = 1e-4;
+/// Largest torque of a term of a form anywhere in its table, as a multiple of the step with which it is differenced: a cubic term is ten times
+/// as large at the end of the table as at that of the recordings.
+pub const FORM_BOUND: f64 = 4000.0;
+/// Diagonal of the inverse of normalised rows from which on they do not determine their coefficients: seven digits are lost.
+pub const INDISTINCT_ROWS: f64 = 1e7;
 /// Smallest width of a bump, as a share of the range.
 pub const SMALLEST_WIDTH: f64 = 0.02;
 /// Most periods of a sine over the range.

@@ -161,12 +161,30 @@ fn range(element: &LearnedElement) -> String {
     if element.variable == RegimeVariable::Turn {
         return format!("known over the whole turn of the {}", place(element.place));
     }
-    format!(
-        "known for {} from {} to {}; flat outside, where the recordings do not go",
-        variable(element.variable),
-        describe_value(element.variable, *low),
-        describe_value(element.variable, *high)
-    )
+    let value = |at: f64| describe_value(element.variable, at);
+    let over = variable(element.variable);
+    match visited_points(element) {
+        Some([first, last]) if first > *low || last < *high => format!(
+            "the recordings go for {over} from {} to {}; the curve goes on to {} and {}, and is flat beyond",
+            value(first),
+            value(last),
+            value(*low),
+            value(*high)
+        ),
+        _ => format!(
+            "known for {over} from {} to {}; flat outside, where the recordings do not go",
+            value(*low),
+            value(*high)
+        ),
+    }
+}
+
+/// Returns the first and the last point near which recordings have samples; `None` if the coverage is not known.
+fn visited_points(element: &LearnedElement) -> Option<[f64; 2]> {
+    let mut visited =
+        element.points.iter().zip(&element.coverage).filter(|(_, share)| **share > 0.0).map(|(at, _)| *at);
+    let first = visited.next()?;
+    Some([first, visited.next_back().unwrap_or(first)])
 }
 
 /// Returns a value of the variable with a unit of its size.
