@@ -32,7 +32,8 @@ use crate::selection::searcher::Searcher;
 use crate::selection::sizes::Sizes;
 use crate::simulator_access::SimulatorAccess;
 use crate::simulator_access::objective::{PreparedRecordings, RecordingReplays};
-use crate::tolerance::{BIAS_SEEN_RAD_S, SAMPLES_AT_MOST, TEXTBOOK_SAMPLES_AT_MOST};
+use crate::shortening::{shorten, textbook_samples};
+use crate::tolerance::{BIAS_SEEN_RAD_S, SAMPLES_AT_MOST};
 use counterpoise_pool::{Pool, map};
 
 /// A diagnosis: the answer, and the machine that explains the recordings.
@@ -181,7 +182,12 @@ fn diagnose_of(
 ) -> Result<Diagnosis, Error> {
     check(base, recordings, &control)?;
     pool.progress("checking", 0, 1);
-    let (sound, qualification) = check_recordings(sizes, base, recordings)?;
+    let (mut sound, mut qualification) = check_recordings(base, recordings)?;
+    let most = match sizes.typical {
+        true => SAMPLES_AT_MOST,
+        false => textbook_samples(base, &control, &sound, pool),
+    };
+    shorten(&mut sound, most, &mut qualification);
     let examined = recordings;
     let recordings = sound.as_slice();
     let project = base;
@@ -327,7 +333,6 @@ fn check(base: &Parameters, recordings: &[Recording], control: &ReplayLoop) -> R
 
 /// Returns the recordings without gaps and without channels that cannot be what they claim, and what was remarked.
 fn check_recordings(
-    sizes: Sizes,
     base: &Parameters,
     recordings: &[Recording],
 ) -> Result<(Vec<Recording>, Vec<RecordingRemark>), Error> {
@@ -355,31 +360,7 @@ fn check_recordings(
     if sound.is_empty() {
         return Err(Error::Unusable { remarks: told });
     }
-    shorten(&mut sound, if sizes.typical { SAMPLES_AT_MOST } else { TEXTBOOK_SAMPLES_AT_MOST }, &mut told);
     Ok((sound, told))
-}
-
-/// Shortens recordings to what a diagnosis can replay some thousand times: the first part of each, with an equal share of the
-/// samples that the short ones leave.
-fn shorten(recordings: &mut [Recording], most: usize, told: &mut Vec<RecordingRemark>) {
-    let mut order: Vec<usize> = (0..recordings.len()).collect();
-    order.sort_by_key(|&r| recordings[r].len());
-    let mut left = most;
-    for (k, &r) in order.iter().enumerate() {
-        let share = left / (order.len() - k);
-        let recording = &mut recordings[r];
-        if recording.len() > share {
-            let period = recording.sample_period_s;
-            told.push(RecordingRemark::Shortened {
-                recording: recording.name.clone(),
-                used_s: share as f64 * period,
-                length_s: recording.len() as f64 * period,
-                most_samples: most,
-            });
-            *recording = recording.part(0..share);
-        }
-        left -= recording.len();
-    }
 }
 
 /// Removes a channel from a recording that can do without it; returns whether it was removed.

@@ -15,7 +15,7 @@
 //! 7. [`learning`]: free functions model what has no name; `explanation` chooses between them and the library's effects.
 //! 8. [`identification`]: the triangle-wave method, apart from the others.
 //! 9. [`findings`]: verdict and findings.
-//! 10. [`diagnosis`]: all of it in one function.
+//! 10. [`diagnosis`]: all of it in one function; `shortening` says how much of the recordings it replays.
 //! 11. [`experiment`](mod@experiment): the next experiment, which separates the machines that are left.
 //!
 //! Beside them stand [`error`] and [`tolerance`] (the numbers that decide, each with its reason).
@@ -58,6 +58,7 @@ pub mod experiment;
 pub mod findings;
 
 mod explanation;
+mod shortening;
 
 pub mod diagnosis;
 

@@ -147,6 +147,8 @@ pub const SOLE_EVIDENCE_SHARE: f64 = 0.9;
 pub const SAMPLES_AT_MOST: usize = 48_000;
 /// The same for a machine whose model has textbook values: its effects are many and large, and every fit takes longer.
 pub const TEXTBOOK_SAMPLES_AT_MOST: usize = 12_000;
+/// Mean square of the residual after the first part of a recording, as a multiple of that within it, from which on more of the recordings is replayed.
+pub const LATE_MISMATCH: f64 = 4.0;
 
 // --------------------------------------------------------------------------------------------------- knots of the gain curve
 

@@ -26,7 +26,7 @@ def joint(v):
              out_of_balance=0.5, torque_constant=0.1, gain=2.0, bandwidth=1885)
     v.control = dict(position=1, on_motor=1, kp=25, kv=7, ki=140, count=COUNTS_GEAR / 100)
     v.sensor = 'sensors.encoder = { place = "motor", counts = 4096 }'
-    v.drive = 'drive = { kind = "current", limit = 20.0, bandwidth = "300 Hz" }'
+    v.drive = 'drive = { kind = "current", limit = 20.0, bandwidth = %(bandwidth)r }'
     v.amplitude = 0.3
 
 
@@ -44,7 +44,7 @@ def direct(v):
     v.update(inertia=0.5, viscous=0.3, coulomb=0.4, torque_constant=1.0, gain=4.0)
     v.control = dict(kv=6, ki=90, sensor=600, noise=2e-4, converter=0)
     v.sensor = "sensors.hub_gyro = { noise = 2e-4, natural_frequency = 600.0, damping_ratio = 0.7 }"
-    v.drive = 'drive = { kind = "torque", limit = %r }'
+    v.drive = 'drive = { kind = "torque", limit = %(ten)r }'
     v.amplitude = 0.4
 
 
@@ -118,7 +118,7 @@ def conceal(draw, name, v, true):
     elif key == "drift":
         true[key] = draw.choice([-1, 1]) * draw.uniform(0.02, 0.06)
     elif key == "bump":
-        true.update(bump=draw.uniform(0.4, 1.5), bump_at=draw.uniform(-0.6, 0.6) * angle, bump_width=draw.uniform(0.08, 0.3) * angle)
+        true.update(bump=draw.uniform(0.4, 1.5), bump_at=(draw.uniform(-0.6, 0.6) + (0 if v.control.get("position") else 1)) * angle, bump_width=draw.uniform(0.08, 0.3) * angle)
     elif key == "cogging":
         per = v.get("ratio", 1)
         true.update(cogging=size * 0.3 * level / per, order=draw.choice([4, 6, 12]) if per > 1 else draw.choice([24, 36]))
@@ -129,7 +129,7 @@ def conceal(draw, name, v, true):
 
 def project(name, v):
     text = ["format = 2", "[plant]", f'name = "{name}"']
-    text.append(v.drive % (10 * v["gain"]) if "%r" in v.drive else v.drive)
+    text.append(v.drive % {**v, "ten": 10 * v["gain"]})
     if "ratio" in v:
         elastic = f', stiffness = {v["stiffness"]!r}, damping = {v["damping"]!r}' if "stiffness" in v else ""
         text.append(f'gearbox = {{ ratio = {float(v["ratio"])!r}{elastic} }}')
