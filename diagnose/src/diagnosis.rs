@@ -30,9 +30,9 @@ use crate::recording::sanity_checks::{check_control, check_signals};
 use crate::recording::unknown_heave::drop_unknown_heave;
 use crate::selection::searcher::Searcher;
 use crate::selection::sizes::Sizes;
+use crate::shortening::{shorten, textbook_samples};
 use crate::simulator_access::SimulatorAccess;
 use crate::simulator_access::objective::{PreparedRecordings, RecordingReplays};
-use crate::shortening::{shorten, textbook_samples};
 use crate::tolerance::{BIAS_SEEN_RAD_S, SAMPLES_AT_MOST};
 use counterpoise_pool::{Pool, map};
 

@@ -101,9 +101,22 @@ pub(crate) fn can_show(p: &Parameters, recordings: &[Recording], effect: &Effect
     let recorded = |channel| recordings.iter().all(|recording| recording.has(channel));
     match effect.effect {
         EffectName::Misalignment => recorded(Channel::PlatformRoll) && recorded(Channel::PlatformYaw),
+        EffectName::PositionStiffness => {
+            (effect.parameters.len() > 1) == shows_angle(p, recorded(Channel::HubPosition))
+        }
         EffectName::Tilt => p.sensors.surge_accelerometer.is_some() && recorded(Channel::PlatformSurge),
         _ => true,
     }
+}
+
+/// Returns whether a recording tells the angle itself and not only how far the machine turns: by a sensor, by gravity, or by what the project has
+/// along the angle.
+fn shows_angle(p: &Parameters, is_recorded: bool) -> bool {
+    let lumped = p.lumped.as_ref();
+    let along = lumped.is_none_or(|l| {
+        l.out_of_balance_kg_m != 0.0 || l.vertical_offset_kg_m != 0.0 || l.position_stiffness_nm_rad != 0.0
+    });
+    is_recorded || along || !p.learned.is_empty()
 }
 
 /// Returns whether a machine with textbook values can have an effect of the textbook's own list: friction there has a scale of its own, whatever the
@@ -219,6 +232,24 @@ mod tests {
         };
         let expected = list_effects().into_iter().filter(|e| !absent(e)).count();
         assert_eq!(possible_effects(&rig()).len(), expected);
+    }
+
+    #[test]
+    fn a_spring_has_a_centre_only_where_something_shows_the_angle() {
+        let mut recording = Recording::new("rate loop", 1e-3);
+        recording.set(Channel::HubRate, vec![0.0; 4]);
+        let centred = |p: &Parameters, recording: &Recording| {
+            let springs = list_effects().into_iter().filter(|e| e.effect == EffectName::PositionStiffness);
+            let shown = springs.filter(|e| can_show(p, std::slice::from_ref(recording), e));
+            shown.map(|e| e.parameters.len() == 2).collect::<Vec<bool>>()
+        };
+        let mut p = rig();
+        assert_eq!(centred(&p, &recording), [true]);
+        p.lumped.as_mut().unwrap().out_of_balance_kg_m = 0.0;
+        p.lumped.as_mut().unwrap().vertical_offset_kg_m = 0.0;
+        assert_eq!(centred(&p, &recording), [false]);
+        recording.set(Channel::HubPosition, vec![0.0; 4]);
+        assert_eq!(centred(&p, &recording), [true]);
     }
 
     #[test]

@@ -67,11 +67,12 @@ fn library_forms(element: &LearnedElement, reading: &CurveReading, base: &Parame
         _ => None,
     };
     let Some((component, name, start)) = found else { return Vec::new() };
-    let sized = find_effects(component, name).filter(|e| e.parameters.len() == start.len());
+    let sized = find_effects(component, name).filter(|e| e.parameters.len() <= start.len());
     let within = |e: &&'static Effect| {
         e.parameters.iter().zip(&start).all(|(p, v)| v.is_finite() && (p.bounds[0]..=p.bounds[1]).contains(v))
     };
-    sized.filter(within).map(|effect| LibraryForm { effect, start: start.clone() }).collect()
+    let of_effect = |effect: &'static Effect| start[..effect.parameters.len()].to_vec();
+    sized.filter(within).map(|effect| LibraryForm { effect, start: of_effect(effect) }).collect()
 }
 
 impl LearningTask<'_> {

@@ -134,6 +134,23 @@ pub(super) static EFFECTS: &[Effect] = &[
         starts: &[&[400.0, 0.02], &[400.0, -0.1], &[400.0, 0.1]],
     },
     Effect {
+        // the same where nothing shows the angle itself: its zero is then that of the spring
+        effect: EffectName::PositionStiffness,
+        component: Component::Structure,
+        kind: EffectKind::MissingPhysics,
+        parameters: &[parameter!(
+            "stiffness",
+            "N m/rad",
+            [-2.0e4, 2.0e4],
+            300.0,
+            Linear,
+            get | p | lumped_value(p, |l| l.position_stiffness_nm_rad),
+            set | p,
+            v | lumped_set(p, |l| l.position_stiffness_nm_rad = v)
+        )],
+        starts: &[&[400.0]],
+    },
+    Effect {
         // dT/dt = k (w - |w| T / (2 T_max) - w |T| / (2 T_max)): a hose between hub and platform that yields (Bouc 1967; Wen 1976)
         effect: EffectName::Hysteresis,
         component: Component::Structure,

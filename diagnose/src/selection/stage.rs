@@ -141,7 +141,8 @@ impl Searcher<'_> {
             candidates.extend(self.fit_candidates(present, &both, judged));
         }
         if breadth == StageBreadth::Full && !alone {
-            let spring = spring_in_place_of_hose(&candidates, taken.len(), self.simulator.count());
+            let spring =
+                spring_in_place_of_hose(&candidates, taken.len(), self.simulator.count(), &self.effects);
             candidates.extend(self.fit_candidates(present, &spring.into_iter().collect::<Vec<_>>(), judged));
         }
         let (candidates, others) = split_finalists(rank_candidates(candidates));

@@ -111,8 +111,13 @@ impl FrictionModel {
         if !self.is_modulated() {
             return 1.0;
         }
-        let warmth = 1.0 + self.warm_up * (-at.time_s / self.warm_up_time_s).exp_m1();
-        let own = (1.0 + self.ripple.at(at.angle_rad)) * warmth;
+        // exponential and sine take most of the time of a step: those of nothing are left out
+        let warmth = match self.warm_up {
+            0.0 => 1.0,
+            warm_up => 1.0 + warm_up * (-at.time_s / self.warm_up_time_s).exp_m1(),
+        };
+        let ripple = if self.ripple.amplitude == 0.0 { 0.0 } else { self.ripple.at(at.angle_rad) };
+        let own = (1.0 + ripple) * warmth;
         (own + self.load_per_coulomb * at.load_nm.abs()).max(LEAST_LEVEL)
     }
 
