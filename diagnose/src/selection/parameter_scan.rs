@@ -2,15 +2,17 @@
 //! the model as it is does not describe it.
 
 use crate::tolerance::selection::{
-    ASSESSED_SCAN_POINTS, ORDERS_KEPT, SCAN_POINTS, SCAN_REFINEMENT_POINTS, SCAN_REFINEMENT_SHARE,
-    SCANNED_ORDERS,
+    ASSESSED_SCAN_POINTS, CURRENT_LIMIT_SHARES, ORDERS_KEPT, SCAN_POINTS, SCAN_REFINEMENT_POINTS,
+    SCAN_REFINEMENT_SHARE, SCANNED_ORDERS,
 };
 use counterpoise_models::Parameters;
 
 use crate::fitting::output_error::EffectFit;
 use crate::library::{Component, Effect, EffectName, ParameterMapping, find_effects, find_scan_range};
 use crate::selection::order_spectrum::{BalanceOverAngle, OrderRange};
-use crate::selection::perturbations::{Perturbation, perturbation_towards, ripple_perturbation};
+use crate::selection::perturbations::{
+    Perturbation, perturbation_towards, ripple_perturbation, stall_current_a,
+};
 use crate::selection::signature::{
     EffectSignature, ScreeningContext, is_close, measure_signature, weight_residuals,
 };
@@ -62,7 +64,43 @@ pub(crate) fn scan_backlash(scene: &ScreeningContext) -> Option<EffectSignature>
         let judged = scene.simulator.assess(&parameters, index);
         judged.and_then(|j| played(&parameters, &j)).unwrap_or(f64::INFINITY)
     };
-    let [mut low, mut high] = find_scan_range(effect)?;
+    let best = scan_range(scene, find_scan_range(effect)?, here, &cost)?;
+    Some(EffectSignature::from_start(effect, vec![best], scene.judged.len()))
+}
+
+/// Scans the limit of the current on the recording that is farthest from the model, as it is in the loop: a limit that is never reached changes
+/// nothing, so no slope leads to one, and beside a much tighter one than the recordings have almost everything else seems to explain more. Returns
+/// `None` on a machine like the reference rig, and if no value is worth refining.
+pub(crate) fn scan_current_limit(
+    scene: &ScreeningContext,
+    effects: &[&'static Effect],
+) -> Option<EffectSignature> {
+    let effect = effects.iter().copied().find(|effect| effect.effect == EffectName::CurrentLimit)?;
+    let most = stall_current_a(scene.base).filter(|_| !scene.sizes.typical && !is_close(scene.judged))?;
+    let far = |judged: &Assessment| {
+        let channels = judged.channels.iter();
+        channels.map(|channel| channel.relative_rms().max(1.0).ln()).sum::<f64>()
+    };
+    let index =
+        (0..scene.judged.len()).max_by(|&a, &b| far(&scene.judged[a]).total_cmp(&far(&scene.judged[b])))?;
+    let cost = |value: f64| {
+        let parameters = effect.apply_to(scene.base, &[value]);
+        let judged = scene.simulator.assess(&parameters, index);
+        judged.map_or(f64::INFINITY, |judged| far(&judged))
+    };
+    let range = CURRENT_LIMIT_SHARES.map(|share| share * most);
+    let best = scan_range(scene, range, far(&scene.judged[index]), &cost)?;
+    Some(EffectSignature::from_start(effect, vec![best], scene.judged.len()))
+}
+
+/// Returns the value in a range at which a cost is least, by points on a logarithmic grid that is refined; `None` if it is not worth refining beside the
+/// cost of the model as it is.
+fn scan_range(
+    scene: &ScreeningContext,
+    [mut low, mut high]: [f64; 2],
+    here: f64,
+    cost: &(dyn Fn(f64) -> f64 + Sync),
+) -> Option<f64> {
     let (mut best, mut least) = (low, here);
     for count in ASSESSED_SCAN_POINTS {
         let value = |k: usize| low * (high / low).powf(k as f64 / (count - 1) as f64);
@@ -76,7 +114,7 @@ pub(crate) fn scan_backlash(scene: &ScreeningContext) -> Option<EffectSignature>
         }
         (low, high) = (value(lowest.saturating_sub(1)), value((lowest + 1).min(count - 1)));
     }
-    Some(EffectSignature::from_start(effect, vec![best], scene.judged.len()))
+    Some(best)
 }
 
 /// Returns the orders of a repeating torque that explain most of the first part of the most active recording.

@@ -142,17 +142,18 @@ fn starts_of(effect: &Effect, base: &Parameters, sizes: Sizes) -> Vec<Vec<f64>> 
                 .collect()
         }
         (EffectName::CurrentLimit, _) => {
-            let amplifier = &base.amplifier;
-            let most =
-                amplifier.drive_v(CONVERTER_RANGE_V, &base.motor) * amplifier.stall_gain_a_v(&base.motor);
-            if most.is_finite() && most > 0.0 {
-                CURRENT_LIMIT_STARTS.iter().map(|share| vec![share * most]).collect()
-            } else {
-                listed()
-            }
+            let shares = |most: f64| CURRENT_LIMIT_STARTS.iter().map(|share| vec![share * most]).collect();
+            stall_current_a(base).map_or_else(listed, shares)
         }
         _ => listed(),
     }
+}
+
+/// Returns the current that the largest control drives through the motor at rest, A; `None` if nothing bounds it.
+pub(crate) fn stall_current_a(base: &Parameters) -> Option<f64> {
+    let amplifier = &base.amplifier;
+    let most = amplifier.drive_v(CONVERTER_RANGE_V, &base.motor) * amplifier.stall_gain_a_v(&base.motor);
+    (most.is_finite() && most > 0.0).then_some(most)
 }
 
 /// Returns whether the parameters are a stiffness and the position at which it is slack.

@@ -7,7 +7,7 @@ use crate::selection::baseline::{Baseline, log_excess};
 use crate::selection::candidate::{FittedCandidate, rank_candidates};
 use crate::selection::hose_spring::spring_in_place_of_hose;
 use crate::selection::pairs::rank_pairs;
-use crate::selection::parameter_scan::scan_backlash;
+use crate::selection::parameter_scan::{scan_backlash, scan_current_limit};
 use crate::selection::screening::screen_effects;
 use crate::selection::searcher::Searcher;
 use crate::selection::signature::{EffectSignature, ScreeningContext, ScreeningDepth, is_close};
@@ -167,7 +167,8 @@ impl Searcher<'_> {
         let one = |(effect, start): &(&'static Effect, Vec<f64>)| {
             EffectSignature::from_start(effect, start.clone(), self.simulator.count())
         };
-        self.seeds.iter().map(one).chain(scan_backlash(scene)).collect()
+        let scanned = scan_backlash(scene).into_iter().chain(scan_current_limit(scene, &self.effects));
+        self.seeds.iter().map(one).chain(scanned).collect()
     }
 
     /// Fits and assesses every proposal.

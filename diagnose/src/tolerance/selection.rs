@@ -66,3 +66,5 @@ pub const STRIBECK_STARTS: [f64; 4] = [0.02, 0.06, 0.2, 0.5];
 /// Limits of the current from which a fit starts on such a machine, as shares of the current that the largest control drives through the
 /// motor at rest.
 pub const CURRENT_LIMIT_STARTS: [f64; 6] = [0.7, 0.4, 0.25, 0.15, 0.08, 0.04];
+/// The least and the largest of such limits that are scanned.
+pub const CURRENT_LIMIT_SHARES: [f64; 2] = [0.02, 0.9];
