@@ -33,7 +33,7 @@ use crate::selection::sizes::Sizes;
 use crate::shortening::{shorten, textbook_samples};
 use crate::simulator_access::SimulatorAccess;
 use crate::simulator_access::objective::{PreparedRecordings, RecordingReplays};
-use crate::tolerance::{BIAS_SEEN_RAD_S, SAMPLES_AT_MOST};
+use crate::tolerance::{BIAS_SEEN_RAD_S, SAMPLES_AT_MOST, STIFF_STEPS_PER_SAMPLE};
 use counterpoise_pool::{Pool, map};
 
 /// A diagnosis: the answer, and the machine that explains the recordings.
@@ -195,6 +195,7 @@ fn diagnose_of(
     let prepared = PreparedRecordings::new(recordings, base);
     let simulator = RecordingReplays::new(base, &control, &prepared)?;
     let simulator = if sizes.typical { simulator } else { simulator.with_stated_noise(project) };
+    let simulator = with_steps_enough(simulator, base, pool);
     let has = |column: fn(&Recording) -> bool| recordings.iter().all(column);
     let redundant = RedundantSensors {
         motor_rate: has(|r| r.has(Channel::MotorRate)),
@@ -224,6 +225,19 @@ fn diagnose_of(
     let Explanation { answer, improved } = explain(&searcher, evidence);
     let improved = with_noise_levels_of(improved, project);
     Ok(Diagnosis { answer, improved, recordings: examined.to_vec(), control })
+}
+
+/// Returns the replays with a bound on their steps that the mechanism as the project file has it keeps.
+fn with_steps_enough<'a>(
+    simulator: RecordingReplays<'a>,
+    base: &Parameters,
+    pool: &dyn Pool,
+) -> RecordingReplays<'a> {
+    let judged = map(pool, simulator.count(), |index| simulator.assess(base, index).is_some());
+    match judged.contains(&false) {
+        true => simulator.with_step_bound(STIFF_STEPS_PER_SAMPLE),
+        false => simulator,
+    }
 }
 
 /// Locates where the recordings depart from the replay of the model as it was: component by regime.

@@ -68,6 +68,8 @@ pub(crate) const LEAST_HUB_SHARE: f64 = 0.05;
 
 // ---- joints that truly stick ----
 
+/// Torque by which a joint at rest may exceed what its friction holds without breaking away, relative to that: some thousand units of rounding.
+pub(crate) const HOLD_ROUNDING: f64 = 1e-12;
 /// Rate below zero that is still zero but for rounding, rad/s at the hub.
 pub(crate) const RATE_ROUNDING_RAD_S: f64 = 1e-12;
 /// Rate relative to the platform, rad/s at the hub, below which a joint that rests is still taken to rest at the

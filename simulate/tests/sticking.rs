@@ -460,3 +460,30 @@ fn holds_last_ten_thousand_seconds() {
         }
     }
 }
+
+/// A machine that was put down rests exactly at what its friction can hold: rounding decides there, and must not end a step without end.
+#[test]
+fn a_joint_at_the_very_limit_of_what_it_holds_takes_no_more_steps_than_any() {
+    let level = 20.0;
+    let plant = machine(|rig| {
+        let coulomb = |coulomb_nm| Friction::with_viscous_part(FrictionLaw::Coulomb { coulomb_nm }, 0.1);
+        rig.gearbox.backlash_rad = 0.0;
+        rig.pivot_friction = coulomb(level);
+        rig.motor_friction = coulomb(50.0);
+    });
+    let stiffness = plant.parameters().gearbox.stiffness_nm_rad;
+    let rest = Simulator::new(&plant).unwrap().rest(0.0, 0.0, 0.0);
+    let mut tried = 0;
+    for side in [-1.0, 1.0] {
+        for ulps in -40..=40 {
+            let mut start = rest.clone();
+            let wind_up = start.core[state::WINDUP] + side * level / stiffness;
+            start.core[state::WINDUP] = wind_up * (1.0 + f64::from(ulps) * f64::EPSILON);
+            let scenario = Scenario { initial: Initial::State(Box::new(start)), ..Scenario::at_rest(0.01) };
+            let steps = run(&plant, &[0.0; 12], &scenario).effort.count_tried();
+            assert!(steps < 2000, "{side} {ulps}: {steps} steps");
+            tried += steps;
+        }
+    }
+    println!("{tried} steps in 162 runs");
+}

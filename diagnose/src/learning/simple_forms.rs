@@ -127,12 +127,12 @@ fn makes_sense(found: &FittedCandidate) -> bool {
     !element.quantity.is_factor() || values.iter().all(|value| (low..=high).contains(value))
 }
 
-/// Returns the table of a form: over the turn, over the time of the recordings, or over what they visit and half as much again at either end.
+/// Returns the table of a form: over the turn, or over what the recordings visit and half as much again at either end, of time at the later one.
 fn form_table(curve: &LearnedElement) -> LearnedElement {
     let (first, last) = (curve.points[0], curve.points[curve.points.len() - 1]);
     let (low, high) = match curve.variable {
         RegimeVariable::Turn => (0.0, TAU * (1.0 - 1.0 / FORM_POINTS as f64)),
-        RegimeVariable::Time => (first, last),
+        RegimeVariable::Time => (first, last + FORM_CONTINUATION * (last - first)),
         _ => (first - FORM_CONTINUATION * (last - first), last + FORM_CONTINUATION * (last - first)),
     };
     let at = |k: usize| low + (high - low) * k as f64 / (FORM_POINTS - 1) as f64;

@@ -113,6 +113,16 @@ impl<'a> RecordingReplays<'a> {
         self
     }
 
+    /// Returns the same with another bound on the steps that a mechanism may take for each sample.
+    pub fn with_step_bound(self, steps_per_sample: f64) -> Self {
+        let bounded = |all: Vec<Replayer<'a>>| {
+            all.into_iter().map(|one| one.with_step_bound(steps_per_sample)).collect::<Vec<_>>()
+        };
+        let standing = self.prepared.whole.iter().map(|_| OnceLock::new()).collect();
+        let (whole, heads, noisy) = (bounded(self.whole), bounded(self.heads), bounded(self.noisy));
+        Self { whole, heads, noisy, standing, ..self }
+    }
+
     /// Returns the signals of a recording; `None` if it has no hub rate or no control.
     pub fn signals_of(&self, index: usize) -> Option<MeasuredSignals> {
         let measured = self.base.sensors.measured;

@@ -84,6 +84,8 @@ pub const PERIOD_SEEN: f64 = 0.75;
 pub const PERIODS_SAMPLED: f64 = 0.5;
 /// Steps a sample, on average, beyond which a mechanism is not tried: no mechanism that is recorded at this rate is so stiff.
 pub const STEPS_PER_SAMPLE: f64 = 60.0;
+/// The same for a machine that the project file describes so stiff, or sampled so slowly, that its own model takes more: it is diagnosed slowly.
+pub const STIFF_STEPS_PER_SAMPLE: f64 = 1500.0;
 /// Difference between the gyroscopes' rate and the motor's or the resolver's, rad/s, from which a bias is sought from the start. The
 /// signature of a small bias does not show that a loop that holds a biased rate moves from the first sample on.
 pub const BIAS_SEEN_RAD_S: f64 = 2e-4;

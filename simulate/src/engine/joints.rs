@@ -16,7 +16,7 @@ use super::ports::NearbyAngle;
 use super::present_plant::{Instant, PresentPlant, Sample};
 use super::strips::Strips;
 use super::tables::{OUTPUTS, PORTS};
-use crate::tolerance::{AT_REST_RATE_RAD_S, RATE_ROUNDING_RAD_S};
+use crate::tolerance::{AT_REST_RATE_RAD_S, HOLD_ROUNDING, RATE_ROUNDING_RAD_S};
 use counterpoise_models::friction::Stick;
 use counterpoise_models::plant::core::input;
 
@@ -29,8 +29,13 @@ pub(crate) struct Load {
 
 impl Load {
     /// Returns how far the joint is from breaking away, N m: negative beyond it.
+    ///
+    /// A torque that differs from it by no more than rounding counts as one at it: a machine that was put down holds exactly what its friction can, and would
+    /// break away and be at rest again without end.
     fn margin(&self) -> f64 {
-        (self.stick.positive_nm - self.torque_nm).min(self.stick.negative_nm + self.torque_nm)
+        let margin = (self.stick.positive_nm - self.torque_nm).min(self.stick.negative_nm + self.torque_nm);
+        let rounding = HOLD_ROUNDING * (self.stick.positive_nm + self.stick.negative_nm);
+        if margin.abs() <= rounding { 0.0 } else { margin }
     }
 }
 
