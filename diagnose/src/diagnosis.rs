@@ -164,7 +164,7 @@ fn diagnose_scaled(
     let (scaled, measured) = (scale.apply_to(base), base.sensors.measured);
     let resized: Vec<Recording> = recordings.iter().map(|r| scale.recording(r, measured)).collect();
     let control = scale.replayed_loop(control, measured);
-    let sizes = scale.sizes().with_rates_of(&resized, measured);
+    let sizes = scale.sizes().with_rates_of(&resized, measured).with_motor_of(base);
     let mut found = diagnose_of(sizes, &scaled, control, &resized, pool)?;
     found.recordings = recordings.to_vec();
     scale.bring_back(&mut found.answer, &scaled);
@@ -268,7 +268,10 @@ fn effects_for(sizes: Sizes, base: &Parameters) -> Vec<&'static Effect> {
     if !sizes.typical {
         // a textbook leaves friction out: there it has a scale of its own, and is no change of the model's own level
         effects.retain(|e| e.effect != EffectName::Coulomb);
-        effects.extend(list_textbook_effects().into_iter().filter(|effect| can_have_textbook(base, effect)));
+        let tied = sizes.one_motor_constant && base.motor.back_emf_v_s_rad > 0.0;
+        effects.retain(|e| !(tied && e.effect == EffectName::TorqueConstant));
+        let own = list_textbook_effects().into_iter().filter(|effect| can_have_textbook(base, effect));
+        effects.extend(own.filter(|e| tied || e.effect != EffectName::TorqueConstant));
         // a drive that is written as a source of current has neither: its resistance would stand for the torque constant
         let winding = [EffectName::BackEmf, EffectName::Resistance];
         effects.retain(|e| base.motor.back_emf_v_s_rad > 0.0 || !winding.contains(&e.effect));

@@ -71,10 +71,33 @@ fn set_own_level(law: &mut FrictionLaw, level_nm: f64) {
     }
 }
 
+/// Sets the torque constant, and the back-EMF constant in the same proportion: both are one constant of the motor.
+fn set_motor_constant(p: &mut Parameters, torque_constant_nm_a: f64) {
+    p.motor.back_emf_v_s_rad *= torque_constant_nm_a / p.motor.torque_constant_nm_a;
+    p.motor.torque_constant_nm_a = torque_constant_nm_a;
+}
+
 /// Effects that only a machine with textbook values is tried with: friction of its own scale, which a textbook leaves out, and parameters
 /// of a drive whose textbook values may be wrong as well. Sizes are those of the scaled machine, whose drive has a torque of some hundred
 /// N m at the hub, so that a friction may start from nothing.
 pub(super) static TEXTBOOK: &[Effect] = &[
+    Effect {
+        // T_m = K i and e = K w, another K, where the file has one value for both (Dholiwar 2007, (5-22), (5-23))
+        effect: EffectName::TorqueConstant,
+        component: Component::Motor,
+        kind: EffectKind::ParameterChange,
+        parameters: &[parameter!(
+            "torque_constant",
+            "N m/A",
+            [1e-6, 1e5],
+            0.05,
+            Log,
+            get | p | p.motor.torque_constant_nm_a,
+            set | p,
+            v | set_motor_constant(p, v)
+        )],
+        starts: &[],
+    },
     Effect {
         // T_2 = K delta + D delta', another D (Dholiwar 2007, (5-22))
         effect: EffectName::Damping,

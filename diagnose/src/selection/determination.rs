@@ -8,10 +8,17 @@ use crate::tolerance::{AMBIGUOUS, EXPLAINED, SEARCH_ITERATIONS};
 
 impl Searcher<'_> {
     /// Drops effects from the accepted model as long as the 95 % interval of one's size contains the model's own value and the others alone
-    /// still explain the recordings, or lose less than decides between two candidates.
+    /// still explain the recordings, or lose less than decides between two candidates. An only one goes if the model as it was explains them.
     pub(crate) fn drop_undetermined(&self, search: &mut SearchOutcome) {
         while let Some(best) = &search.accepted {
             let count = best.fit.effects.len();
+            if count == 1
+                && search.baseline.score.largest_excess() < EXPLAINED
+                && self.is_undetermined(best, 0)
+            {
+                (search.accepted, search.rivals) = (None, Vec::new());
+                return;
+            }
             // the latest first: two effects that only cancel each other leave no interval of the others either
             let undetermined = (0..count).rev().filter(|i| count > 1 && self.is_undetermined(best, *i));
             let mut spared = undetermined.filter_map(|index| {

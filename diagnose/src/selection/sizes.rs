@@ -1,6 +1,6 @@
 //! The known sizes of a machine, and the gain that an effect must have there.
 
-use counterpoise_models::FeedbackSignal;
+use counterpoise_models::{FeedbackSignal, Parameters};
 use counterpoise_recordings::Recording;
 
 use crate::recording::measured_signals::read_signals;
@@ -16,11 +16,20 @@ pub struct Sizes {
     pub motor_turns: f64,
     /// Rate of the hub on the platform that nine in ten samples do not exceed, rad/s.
     pub rate_rad_s: f64,
+    /// `true` if the motor's back-EMF constant is its torque constant, which in SI units they are: one value stands for both.
+    pub one_motor_constant: bool,
 }
 
 impl Sizes {
     /// The sizes of a machine like the reference rig.
-    pub const TYPICAL: Self = Self { typical: true, motor_turns: 1.0, rate_rad_s: TYPICAL_RATE_RAD_S };
+    pub const TYPICAL: Self = Self { typical: true, motor_turns: 1.0, rate_rad_s: TYPICAL_RATE_RAD_S, one_motor_constant: false };
+
+    /// Returns the same for a motor as the project file has it.
+    #[must_use]
+    pub fn with_motor_of(self, base: &Parameters) -> Self {
+        let motor = &base.motor;
+        Self { one_motor_constant: motor.back_emf_v_s_rad == motor.torque_constant_nm_a, ..self }
+    }
 
     /// Returns the same with the rates of recordings in a loop of what `measured` says; unchanged if they show none.
     #[must_use]
