@@ -22,7 +22,7 @@ use crate::tolerance::findings::{EXCITED_MULTIPLE, LEAST_DISTANCE, LEAST_INFORMA
 use crate::tolerance::findings::{LARGEST_REPORTED_MULTIPLE, SMALL_TRAVEL_RAD, WHOLE_SAMPLES};
 use crate::tolerance::{
     AMBIGUOUS, EXPLAINED, GAIN_NEEDED, RIGHT_OF_THREE, RIGHT_OF_UNKNOWN, RIGHT_WHERE_EXPLAINED,
-    RIGHT_WHERE_INCOMPLETE, RIVAL_DECAY, SHARE_TO_NAME, TEXTBOOK_SHARE_TO_NAME,
+    RIGHT_OF_TEXTBOOK, RIGHT_WHERE_INCOMPLETE, RIVAL_DECAY, SHARE_TO_NAME, TEXTBOOK_SHARE_TO_NAME,
 };
 use counterpoise_models::{AxisKind, Parameters};
 
@@ -169,9 +169,10 @@ impl VerdictEvidence<'_> {
 
     /// Returns the probability that a name without a rival is true, by how well the model explains the recordings.
     fn ceiling(&self, accepted: &FittedCandidate) -> f64 {
-        let explained = self.sizes.typical && accepted.whole.largest_excess() < EXPLAINED;
+        let explained = accepted.whole.largest_excess() < EXPLAINED;
         match (explained, accepted.fit.effects.len()) {
-            (true, ..3) => RIGHT_WHERE_EXPLAINED,
+            (true, ..3) if self.sizes.typical => RIGHT_WHERE_EXPLAINED,
+            (true, ..3) => RIGHT_OF_TEXTBOOK,
             (true, _) => RIGHT_OF_THREE,
             (false, _) => RIGHT_WHERE_INCOMPLETE,
         }
