@@ -140,7 +140,7 @@ fn track_table(tracks: &[&ChannelTrack]) -> ResultTable {
     let mut series: Vec<&[f64]> = Vec::new();
     for track in tracks {
         for (run, word) in runs.into_iter().filter(|(run, _)| track.signals.has(*run)) {
-            columns.push(format!("{} {word} [{}]", track.channel.name(), track.channel.unit()));
+            columns.push(format!("{} {word} [{}]", track.words.name, track.words.unit));
             series.push(track.signals.column(run));
         }
     }

@@ -12,6 +12,7 @@ mod two_axes;
 use std::collections::BTreeMap;
 
 use counterpoise_lti::StateSpace;
+use counterpoise_models::Parameters;
 use counterpoise_models::plant::LinearPlant;
 use counterpoise_project::Assumption;
 use counterpoise_reduce::Warning;
@@ -28,7 +29,7 @@ use crate::exchange::{
     BalanceResult, HistoryResult, ResponseResult, SCHEMA, StructureResult, SystemResult, TargetsResult,
     TransferFunctionResult, VerifiedLoop,
 };
-use crate::recordings::ReplayedRecording;
+use crate::recordings::{ReplayedRecording, channel_word};
 use crate::studies::assumptions::AssumptionEffect;
 use crate::tolerance::ROUNDED_POLE;
 pub use certificate::CertificateResult;
@@ -366,6 +367,25 @@ pub struct PartingResult {
 pub struct ReplayResult {
     /// Recordings.
     pub recordings: Vec<RecordingResult>,
+}
+
+impl ReplayResult {
+    /// Returns the same with the channels named as a machine's recordings show them, for people; programs read the names of the channels.
+    #[must_use]
+    pub fn in_words_of(&self, plant: &Parameters) -> Self {
+        let named = |channels: &BTreeMap<&'static str, ChannelResult>| {
+            channels.iter().map(|(name, fit)| (channel_word(plant, name), *fit)).collect()
+        };
+        let one = |recording: &RecordingResult| RecordingResult {
+            channels: named(&recording.channels),
+            free: named(&recording.free),
+            parting: recording
+                .parting
+                .map(|found| PartingResult { channel: channel_word(plant, found.channel), ..found }),
+            ..recording.clone()
+        };
+        Self { recordings: self.recordings.iter().map(one).collect() }
+    }
 }
 
 /// A pole as a natural frequency and a damping ratio.

@@ -139,7 +139,7 @@ fn fit_section(answer: &AnswerText, tracks: &[ChannelTrack]) -> ReportSection {
             channels.get(channel).map_or_else(|| ReportCell::text(""), |c| ReportCell::number(c.rms_error))
         };
         table.rows.push(vec![
-            ReportCell::text(channel.name()),
+            ReportCell::text(track_words(tracks, channel)),
             ReportCell::number(before.floor),
             ReportCell::number(before.rms_error),
             number(&answer.fit.after),
@@ -245,10 +245,14 @@ pub(super) fn comparison(track: &ChannelTrack, command: &str) -> Figure {
         residuals.push(Series::solid_line("improved model", Colour::First, residual(ResidualColumn::After)));
     }
     let panels = vec![
-        Panel::new(Axis::linear(track.channel.name(), track.channel.unit()), signals).with_height(190.0),
-        Panel::new(Axis::linear("residual", track.channel.unit()), residuals).with_height(120.0),
+        Panel::new(Axis::linear(track.words.name, track.words.unit), signals).with_height(190.0),
+        Panel::new(Axis::linear("residual", track.words.unit), residuals).with_height(120.0),
     ];
-    let title = format!("{}: {}", track.recording, track.channel.name().replace('_', " "));
+    let title = format!("{}: {}", track.recording, track.words.name.replace('_', " "));
     let figure = Figure::new(&title, Axis::linear("time", "s"), panels);
     Figure { command: command.to_owned(), ..figure }
+}
+/// Returns the name of a channel as a machine has it, or that of the channel if it was not drawn.
+fn track_words(tracks: &[ChannelTrack], channel: Channel) -> &'static str {
+    tracks.iter().find(|track| track.channel == channel).map_or(channel.name(), |track| track.words.name)
 }

@@ -4,7 +4,9 @@ use crate::output::say;
 use counterpoise_diagnose::Diagnosis;
 use counterpoise_diagnose::findings::answer::{DiagnosisVerdict, FitTable, Hypothesis};
 use counterpoise_diagnose::findings::channel_fits::PooledFits;
-use counterpoise_pipeline::recordings::{RecordingFile, diagnose, replay_held_out, replay_improved};
+use counterpoise_pipeline::recordings::{
+    RecordingFile, channel_word, diagnose, replay_held_out, replay_improved,
+};
 use counterpoise_pipeline::results::RecordingResult;
 use counterpoise_pipeline::{RedesignComparison, verify_redesign};
 use counterpoise_project::Purpose;
@@ -64,9 +66,9 @@ pub fn run(options: &DiagnoseOptions) -> CommandResult {
     }
     output::write_tracks(&options.outputs.results, &diagnosed.tracks)?;
     if !output::write_result(&options.outputs.results, &answer)? {
-        print(&answer);
-        print_confirmation(&confirmed);
-        print_held_out(&answer.held_out_recordings);
+        print(&loaded, &answer);
+        print_confirmation(&loaded, &confirmed);
+        print_held_out(&loaded, &answer.held_out_recordings);
         consequence.iter().for_each(print_consequence);
     }
     Ok(ExitStatus::SUCCESS)
@@ -83,7 +85,7 @@ fn confirm(
     Ok(replayed.iter().map(describe_replay).collect())
 }
 
-fn print_confirmation(replayed: &[RecordingResult]) {
+fn print_confirmation(loaded: &ProjectOnDisk, replayed: &[RecordingResult]) {
     if replayed.is_empty() {
         return;
     }
@@ -92,13 +94,14 @@ fn print_confirmation(replayed: &[RecordingResult]) {
         let ratios: Vec<String> = recording
             .channels
             .iter()
+            .map(|(name, c)| (channel_word(&loaded.project.plant, name), c))
             .map(|(name, c)| format!("{name} {:.4e} ({:.2} floors)", c.rms_error, c.residual_over_floor))
             .collect();
         say!("  {}: {}", recording.file, ratios.join(", "));
     }
 }
 
-fn print_held_out(recordings: &[HeldOutText]) {
+fn print_held_out(loaded: &ProjectOnDisk, recordings: &[HeldOutText]) {
     if recordings.is_empty() {
         return;
     }
@@ -117,6 +120,7 @@ fn print_held_out(recordings: &[HeldOutText]) {
         );
         for (name, c) in &recording.channels {
             let ratio = c.after_over_floor;
+            let name = channel_word(&loaded.project.plant, name);
             say!("    {name:<14} {:12.4e} {:12.4e} {:12.4e} {ratio:16.2}", c.floor, c.before, c.after);
         }
         recording.remarks.iter().for_each(|remark| say!("    {remark}"));
@@ -155,7 +159,7 @@ fn print_consequence(found: &RedesignComparison) {
     found.redesigned.iter().for_each(|v| line("designed anew", v));
 }
 
-fn print(answer: &AnswerText) {
+fn print(loaded: &ProjectOnDisk, answer: &AnswerText) {
     if !answer.qualification.is_empty() {
         say!("about the recordings themselves:");
         answer.qualification.iter().for_each(|remark| say!("  {remark}"));
@@ -176,7 +180,7 @@ fn print(answer: &AnswerText) {
     answer.findings.iter().for_each(print_finding);
     answer.learned.iter().for_each(print_learned);
     print_candidates(answer);
-    print_fit(&answer.fit);
+    print_fit(loaded, &answer.fit);
     if let Some(next) = &answer.next_experiment {
         say!("next experiment: {}; it {}", next.what, next.why);
     }
@@ -241,7 +245,7 @@ fn print_candidates(answer: &AnswerText) {
     }
 }
 
-fn print_fit(fit: &FitTable) {
+fn print_fit(loaded: &ProjectOnDisk, fit: &FitTable) {
     say!(
         "  {:<14} {:>12} {:>12} {:>12} {:>16} {:>16}",
         "channel",
@@ -252,7 +256,7 @@ fn print_fit(fit: &FitTable) {
         "held out after"
     );
     for (channel, before) in fit.before.iter() {
-        let name = channel.name();
+        let name = channel_word(&loaded.project.plant, channel.name());
         let number = |table: &PooledFits| table.get(channel).map_or(f64::NAN, |c| c.rms_error);
         say!(
             "  {name:<14} {:12.4e} {:12.4e} {:12.4e} {:16.4e} {:16.4e}",

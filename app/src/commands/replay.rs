@@ -79,15 +79,16 @@ pub fn run(options: &ReplayOptions) -> CommandResult {
     for path in &in_parts {
         result.recordings.extend(replay_in_parts(&replayer, path, options)?);
     }
+    let shown = result.in_words_of(&loaded.project.plant);
     if let Some(path) = &options.outputs.report {
         let command = format!("counterpoise replay {}", loaded.path.display());
         let title = format!("Replay of {}", loaded.project.plant.name);
-        let page = counterpoise_report::replay::replay_report(&title, &command, &result, &replayed);
+        let page = counterpoise_report::replay::replay_report(&title, &command, &shown, &replayed);
         output::write_report(path, &options.outputs.results, &page)?;
     }
     output::write_tracks(&options.outputs.results, replayed.iter().flat_map(|one| &one.tracks))?;
     if !output::write_result(&options.outputs.results, &result)? {
-        print(&result);
+        print(&shown);
     }
     Ok(ExitStatus::SUCCESS)
 }

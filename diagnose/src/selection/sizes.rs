@@ -22,7 +22,8 @@ pub struct Sizes {
 
 impl Sizes {
     /// The sizes of a machine like the reference rig.
-    pub const TYPICAL: Self = Self { typical: true, motor_turns: 1.0, rate_rad_s: TYPICAL_RATE_RAD_S, one_motor_constant: false };
+    pub const TYPICAL: Self =
+        Self { typical: true, motor_turns: 1.0, rate_rad_s: TYPICAL_RATE_RAD_S, one_motor_constant: false };
 
     /// Returns the same for a motor as the project file has it.
     #[must_use]

@@ -176,7 +176,7 @@ fn replay_on(
         followed.replay.channels.retain(|fit| fit.channel != Channel::Control);
     }
     let remarks = item.remarks.iter().cloned().chain(anomalies(plant, &item.recording)).collect();
-    let tracks = compare_channels(&item.recording, &followed.replay, None);
+    let tracks = compare_channels(plant, &item.recording, &followed.replay, None);
     Ok(ReplayedRecording { file: item.file.clone(), followed, remarks, tracks })
 }
 

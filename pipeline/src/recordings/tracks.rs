@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::recordings::channel_words::{ChannelWords, channel_words};
 use counterpoise_models::{ControlledQuantity, Parameters};
 use counterpoise_recordings::{Channel, ColumnName, Recording, Signals};
 use counterpoise_simulate::replay::{ChannelFit, Replay, ReplayLoop, replay};
@@ -13,6 +14,8 @@ pub struct ChannelTrack {
     pub recording: String,
     /// The channel.
     pub channel: Channel,
+    /// What the machine has in it.
+    pub words: ChannelWords,
     /// Sample period, s.
     pub period_s: f64,
     /// The samples of every run.
@@ -47,7 +50,12 @@ impl ChannelTrack {
     }
 
     /// Returns a track with the residuals of its models.
-    fn new(recording: String, channel: Channel, period_s: f64, signals: Signals<TrackColumn>) -> Self {
+    fn new(
+        recording: &Recording,
+        channel: Channel,
+        words: ChannelWords,
+        signals: Signals<TrackColumn>,
+    ) -> Self {
         let measured = signals.column(TrackColumn::Measured);
         let residual = |run| measured.iter().zip(signals.column(run)).map(|(m, s)| m - s).collect();
         let models = [TrackColumn::Before, TrackColumn::After].into_iter().filter(|run| signals.has(*run));
@@ -56,9 +64,10 @@ impl ChannelTrack {
         let sum: f64 = measured.iter().zip(before).map(|(m, b)| (m - b).powi(2)).sum();
         let power: f64 = measured.iter().map(|m| m * m).sum();
         Self {
-            recording,
+            recording: short_name(&recording.name),
             channel,
-            period_s,
+            words,
+            period_s: recording.sample_period_s,
             residuals: Signals::stack(residuals.iter().map(Vec::as_slice)),
             relative_residual_power: sum / power.max(f64::MIN_POSITIVE),
             signals,
@@ -96,19 +105,24 @@ pub fn replay_before_and_after(
     let of = |recording: &Recording| {
         let before = replay(plant, recording, control).ok()?;
         let after = is_improved.then(|| replay(improved, recording, control).ok()).flatten();
-        Some(compare_channels(recording, &before, after.as_ref()))
+        Some(compare_channels(plant, recording, &before, after.as_ref()))
     };
     recordings.iter().filter_map(of).flatten().collect()
 }
 
-/// Returns the compared channels of one recording beside its replays.
-pub fn compare_channels(recording: &Recording, before: &Replay, after: Option<&Replay>) -> Vec<ChannelTrack> {
+/// Returns the compared channels of one recording of a machine beside its replays.
+pub fn compare_channels(
+    plant: &Parameters,
+    recording: &Recording,
+    before: &Replay,
+    after: Option<&Replay>,
+) -> Vec<ChannelTrack> {
     let track = |channel: Channel| {
         let runs = [Some(before), after].into_iter().flatten();
         let simulated = runs.map(|replay| replay.simulated.channel(channel));
         let columns = std::iter::once(recording.samples(channel)?).chain(simulated);
-        let (name, period_s) = (short_name(&recording.name), recording.sample_period_s);
-        Some(ChannelTrack::new(name, channel, period_s, Signals::stack(columns)))
+        let words = channel_words(plant, channel);
+        Some(ChannelTrack::new(recording, channel, words, Signals::stack(columns)))
     };
     COMPARED.into_iter().filter_map(track).collect()
 }
