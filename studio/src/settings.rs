@@ -68,6 +68,8 @@ pub struct ProjectSettings {
     pub output_folder: Option<PathBuf>,
     /// The texts of the projects whose designs are kept.
     pub kept: BTreeMap<DesignSlot, String>,
+    /// The named designs that are drawn, by the place of their colour.
+    pub overlaid: BTreeMap<usize, String>,
 }
 
 impl Default for ProjectSettings {
@@ -82,6 +84,7 @@ impl Default for ProjectSettings {
             requirement: 0,
             output_folder: None,
             kept: BTreeMap::new(),
+            overlaid: BTreeMap::new(),
         }
     }
 }
@@ -129,6 +132,7 @@ impl ProjectSettings {
             requirement: view.requirement,
             output_folder: view.output_folder.clone(),
             kept: view.kept_texts.clone(),
+            overlaid: view.history.shown.clone(),
         }
     }
 
@@ -140,6 +144,7 @@ impl ProjectSettings {
         (view.part, view.section, view.requirement) = (self.part, self.section, self.requirement);
         view.output_folder.clone_from(&self.output_folder);
         view.kept_texts.clone_from(&self.kept);
+        view.history.shown.clone_from(&self.overlaid);
     }
 }
 

@@ -7,6 +7,7 @@ mod common;
 mod commissioning;
 mod crash_recovery;
 mod cross_plot;
+mod design_history;
 mod file_commands;
 mod frame_times;
 mod help;

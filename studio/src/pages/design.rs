@@ -15,13 +15,15 @@ use egui::{RichText, Ui};
 use super::design_charts::{
     control_chart, effort_chart, loop_chart, motion_chart, sensitivity_chart, step_chart,
 };
+use super::design_history::CurrentDesign;
 use super::loop_charts::LoopCharts;
 use super::requirement_bounds::{BoundContext, BoundPlot, BoundedChart, ChartPlace, plot_bounds};
 use super::requirement_values::{RequirementValue, Requirements, ValueSources};
 use super::weight_plot::{PlottedWeight, plotted_weights, show_weight_plot};
-use super::{design_figures, loop_charts, no_controller, requirement_strip, widgets};
+use super::{design_figures, design_history, loop_charts, no_controller, requirement_strip, widgets};
 use crate::command::{Command, DesignTab};
 use crate::editing::key_reference::find_key;
+use crate::editing::weight_text::design_sections;
 use crate::number_format::format_short;
 use crate::studio::Studio;
 use crate::theme::space;
@@ -49,6 +51,8 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let shape = studio.results.loop_view.clone().filter(|shape| shape.revision == revision);
     let requirements =
         Requirements::new(&opened.session, &project, ValueSources::of_results(&studio.results, revision));
+    let is_shown = studio.view.design_tab == DesignTab::History;
+    let weights = if is_shown { design_sections(opened.session.text()) } else { String::new() };
     let view = &mut studio.view;
     let preview = design.as_ref().map(|(design, _)| Arc::clone(design));
     if let Some((design, _)) = &design {
@@ -86,6 +90,10 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
                 queue,
                 LoopCharts { design: &design, loop_view, requirements: &requirements },
             );
+        }
+        DesignTab::History => {
+            let shown = CurrentDesign { design: &design, values: &requirements.values, weights: &weights };
+            design_history::show(ui, view, queue, &shown);
         }
     }
 }

@@ -13,13 +13,14 @@ use counterpoise_verify::linear_loop::{
 };
 use egui::{Rect, Ui};
 
-use super::design_charts::{loop_chart, sensitivity_chart};
+use super::design_charts::{loop_chart, sensitivity_chart, with_overlays};
 use super::frequency_charts::frequency_chart;
 use super::requirement_bounds::{BoundContext, BoundPlot, BoundedChart, ChartPlace, plot_bounds};
 use super::requirement_values::Requirements;
 use super::widgets;
 use crate::charts::chart::{AxisScale, Chart, LabelledPoint, LineDash};
 use crate::command::Command;
+use crate::design_overlays::OverlaidDesign;
 use crate::number_format::format_short;
 use crate::view::StudioView;
 
@@ -99,9 +100,7 @@ fn phase_chart(view: &StudioView, design: &DesignPreview) -> Chart {
     };
     let mut chart = Chart::new("Loop phase", view.units.frequency_label(), "phase, deg");
     chart.scales = [AxisScale::Log, AxisScale::Linear];
-    for (slot, kept) in &view.kept {
-        chart = chart.with_curve(slot.name(), view.theme.kept_colour(*slot), LineDash::Dotted, of(kept));
-    }
+    chart = with_overlays(view, chart, of);
     chart = chart.with_curve("L", view.theme.curves[0], LineDash::Solid, of(design));
     chart.levels.push(-180.0);
     if let Some(margin) = design.margins.phase_margin() {
@@ -125,9 +124,8 @@ fn label_margins(plane: &LoopPlane, of: fn(&PlaneCurve) -> &ChartPoints) -> Vec<
 
 fn nichols_chart(view: &StudioView, plane: &LoopPlane) -> Chart {
     let mut chart = Chart::new("Nichols", "phase of L, deg", "modulus of L, dB");
-    for (slot, kept) in &view.kept {
-        let path = kept.plane.path.nichols.clone();
-        chart = chart.with_path(slot.name(), view.theme.kept_colour(*slot), LineDash::Dotted, path);
+    for OverlaidDesign { name, colour, design } in view.overlaid_designs() {
+        chart = chart.with_path(&name.label(), colour, LineDash::Dotted, design.plane.path.nichols.clone());
     }
     chart = chart
         .with_path(&outline_name(plane), view.theme.weak, LineDash::Dashed, plane.outline.nichols.clone())
@@ -146,9 +144,8 @@ fn outline_name(plane: &LoopPlane) -> String {
 fn nyquist_chart(view: &StudioView, plane: &LoopPlane) -> Chart {
     let theme = &view.theme;
     let mut chart = Chart::new("Nyquist", "real part of L", "imaginary part of L");
-    for (slot, kept) in &view.kept {
-        let path = kept.plane.path.nyquist.clone();
-        chart = chart.with_path(slot.name(), theme.kept_colour(*slot), LineDash::Dotted, path);
+    for OverlaidDesign { name, colour, design } in view.overlaid_designs() {
+        chart = chart.with_path(&name.label(), colour, LineDash::Dotted, design.plane.path.nyquist.clone());
     }
     chart = chart.with_path("", theme.weak, LineDash::Dotted, plane.unit.nyquist.clone()).with_path(
         &outline_name(plane),
@@ -223,10 +220,10 @@ struct LoopPath {
 fn response_chart(view: &StudioView, design: &DesignPreview, title: &str, wanted: &[LoopPath]) -> Chart {
     let is_wanted = |r: &&LoopResponse| wanted.contains(&LoopPath { cause: r.cause, effect: r.effect });
     let mut chart = frequency_chart(view, title, "modulus");
-    for (slot, kept) in &view.kept {
+    for OverlaidDesign { name, colour, design: kept } in view.overlaid_designs() {
         for response in kept.curves.loop_responses.iter().filter(is_wanted).take(1) {
-            let colour = view.theme.kept_colour(*slot);
-            chart = chart.with_curve(slot.name(), colour, LineDash::Dotted, moduli(view, kept, response));
+            let points = moduli(view, &kept, response);
+            chart = chart.with_curve(&name.label(), colour, LineDash::Dotted, points);
         }
     }
     let found = design.curves.loop_responses.iter().filter(is_wanted).zip(view.theme.curves.iter().cycle());

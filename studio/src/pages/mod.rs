@@ -12,7 +12,7 @@
 //!
 //! Modules in reading order: [`widgets`], [`frequency_charts`], [`no_controller`], [`welcome`], [`recent_places`], [`file_browser`], [`plant`],
 //! [`number_groups`], [`beam_drawing`], [`schematic`], [`reduce`], [`design`], [`plot_handles`], [`edge_grips`], [`weight_plot`], [`design_charts`],
-//! [`loop_charts`], [`requirement_values`], [`requirement_bounds`], [`requirement_strip`], [`design_figures`], [`kept_designs`], [`verify`],
+//! [`loop_charts`], [`requirement_values`], [`requirement_bounds`], [`requirement_strip`], [`design_figures`], [`kept_designs`], [`design_history`], [`verify`],
 //! [`verify_charts`], [`measurements`], [`diagnose`], [`recording_mapping`], [`recording_charts`], [`recording_cross_plot`], [`findings`], [`commission`],
 //! [`round_charts`], [`project_text`], [`text_colours`].
 
@@ -21,6 +21,7 @@ pub mod commission;
 pub mod design;
 pub mod design_charts;
 pub mod design_figures;
+pub mod design_history;
 pub mod diagnose;
 pub mod edge_grips;
 pub mod file_browser;

@@ -1,11 +1,13 @@
 //! The evidence of a verification as charts: time histories and responses over frequency.
 
 use counterpoise_report::wording::capitalise_first;
+use counterpoise_verify::linear_loop::Curves;
 use counterpoise_verify::{
     Arrangement, Experiment, History, HistoryColumn, Model, Requirement, Source, Verification,
 };
 use egui::Ui;
 
+use super::design_charts::with_overlays;
 use super::frequency_charts::{frequency_chart, magnitude_points, mark_margins};
 use super::requirement_bounds::{BoundContext, BoundPlot, BoundedChart, ChartPlace, plot_bounds};
 use super::requirement_values::Requirements;
@@ -115,16 +117,16 @@ pub fn show_responses(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Comman
     let curves = &found.evidence.curves;
     let points = |response| magnitude_points(view, &curves.frequency_hz, response);
     let c = view.theme.curves;
-    let mut loop_gain = frequency_chart(view, "Loop gain", "modulus").with_curve(
-        "L",
-        c[0],
-        LineDash::Solid,
-        points(&curves.broken),
-    );
+    let mut loop_gain = with_overlays(view, frequency_chart(view, "Loop gain", "modulus"), |design| {
+        magnitude_points(view, &design.curves.frequency_hz, &design.curves.broken)
+    });
+    loop_gain = loop_gain.with_curve("L", c[0], LineDash::Solid, points(&curves.broken));
     loop_gain.levels.push(view.units.display_gain(1.0));
     mark_margins(view, &found.evidence.margins, &mut loop_gain);
     loop_gain.range[1] = Some((view.units.display_gain(1e-4), view.units.display_gain(1e4)));
-    let mut sensitivity = frequency_chart(view, "Sensitivity", "modulus");
+    let mut sensitivity = with_overlays(view, frequency_chart(view, "Sensitivity", "modulus"), |design| {
+        magnitude_points(view, &design.curves.frequency_hz, &design.curves.sensitivities[0])
+    });
     for (k, (one, name)) in curves.sensitivities.iter().zip(["S", "T"]).enumerate() {
         let dash = [LineDash::Solid, LineDash::Dashed][k % 2];
         sensitivity = sensitivity.with_curve(name, c[k], dash, points(one));
@@ -165,6 +167,12 @@ fn hub_chart(view: &StudioView, found: &Verification, experiment: Experiment) ->
     let label = format!("{}, {}", controlled.name(), unit.name);
     let mut chart = Chart::new(&title, "time, s", &label).with_group(TIME_GROUP);
     let factor = unit.factor;
+    chart = with_runs(
+        view,
+        chart,
+        experiment,
+        &ShownSignal { name: "", unit: "", factor, column: HistoryColumn::HubRate },
+    );
     if let Experiment::Disturbance(source, _) = experiment
         && let Some(h) =
             found.history(Model::Nonlinear, Experiment::Disturbance(source, Arrangement::Feedback))
@@ -192,6 +200,7 @@ fn history_chart(
 ) -> Chart {
     let label = format!("{}, {}", shown.name.to_lowercase(), shown.unit);
     let chart = Chart::new(shown.name, "time, s", &label).with_group(TIME_GROUP);
+    let chart = with_runs(view, chart, experiment, shown);
     match found.history(Model::Nonlinear, experiment) {
         Some(h) => {
             let points = history_points(h, shown.column, shown.factor);
@@ -199,6 +208,19 @@ fn history_chart(
         }
         None => chart,
     }
+}
+
+/// Adds the run of each design that is drawn over the current one, if it was made.
+fn with_runs(view: &StudioView, mut chart: Chart, experiment: Experiment, shown: &ShownSignal<'_>) -> Chart {
+    for overlaid in view.overlaid_designs() {
+        let found = view.history.runs_of(&overlaid);
+        let run = found.and_then(|found| found.history(Model::Nonlinear, experiment));
+        if let Some(run) = run {
+            let points = history_points(run, shown.column, shown.factor);
+            chart = chart.with_curve(&overlaid.name.label(), overlaid.colour, LineDash::Dotted, points);
+        }
+    }
+    chart
 }
 
 /// Returns the disturbance rejection over frequency, for each arrangement of the controller.
@@ -210,19 +232,26 @@ fn rejection_chart(view: &StudioView, found: &Verification, source: Source) -> C
         ("Rejection of pitch", format!("{unit} per rad/s"))
     };
     let curves = &found.evidence.curves;
-    let mut chart = frequency_chart(view, title, &label);
+    let points = |curves: &Curves, response: &[counterpoise_linalg::C64]| {
+        let point = |(f, h): (&f64, &counterpoise_linalg::C64)| {
+            let rate = view.units.display_frequency(f * std::f64::consts::TAU);
+            [rate, view.units.display_gain(h.norm())]
+        };
+        curves.frequency_hz.iter().zip(response).map(point).collect::<Vec<_>>()
+    };
+    let mut chart = with_overlays(view, frequency_chart(view, title, &label), |design| {
+        let mut rejections = design.curves.rejection.iter();
+        let whole =
+            rejections.find(|one| one.source == source && one.arrangement == Arrangement::Compensated);
+        whole.map_or_else(Vec::new, |one| points(&design.curves, &one.response))
+    });
     for one in curves.rejection.iter().filter(|r| r.source == source) {
         let (name, k, dash) = match one.arrangement {
             Arrangement::Uncontrolled => ("none", 3, LineDash::Dotted),
             Arrangement::Feedback => ("feedback", 1, LineDash::Dashed),
             Arrangement::Compensated => ("with feedforward", 0, LineDash::Solid),
         };
-        let point = |(f, h): (&f64, &counterpoise_linalg::C64)| {
-            let rate = view.units.display_frequency(f * std::f64::consts::TAU);
-            [rate, view.units.display_gain(h.norm())]
-        };
-        let points = curves.frequency_hz.iter().zip(&one.response).map(point).collect();
-        chart = chart.with_curve(name, view.theme.curves[k], dash, points);
+        chart = chart.with_curve(name, view.theme.curves[k], dash, points(curves, &one.response));
     }
     chart
 }
