@@ -11,7 +11,7 @@
 //! *Invariant*: no equation of the field stands here, and nothing can be done here that the command line cannot do.
 //!
 //! Modules in reading order: [`commissioning_inputs`], [`command`], [`editing`], [`versioned_results`], [`jobs`], [`results`], [`units`], [`theme`],
-//! [`number_format`], [`charts`], [`help`], [`browser`], [`design_overlays`], [`view`], [`settings`], [`file_queue`], [`studio`], [`text_difference`], [`shortcuts`], [`toolbar`],
+//! [`number_format`], [`charts`], [`help`], [`browser`], [`design_overlays`], [`tile_layout`], [`view`], [`settings`], [`file_queue`], [`studio`], [`text_difference`], [`shortcuts`], [`toolbar`],
 //! [`status_bar`], [`banners`], [`close_question`], [`command_palette`], [`help_window`], [`pages`], [`main_window`], [`frame_log`], [`script`],
 //! [`offscreen`], [`native_window`].
 //!
@@ -52,6 +52,7 @@ pub mod status_bar;
 pub mod studio;
 pub mod text_difference;
 pub mod theme;
+pub mod tile_layout;
 mod tolerance;
 pub mod toolbar;
 pub mod units;

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::command::{DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
 use crate::theme::{DARK, LIGHT};
+use crate::tile_layout::{LayoutNode, TilePlace};
 use crate::units::DisplayUnits;
 use crate::view::{ControllerPart, StudioView};
 
@@ -70,6 +71,8 @@ pub struct ProjectSettings {
     pub kept: BTreeMap<DesignSlot, String>,
     /// The named designs that are drawn, by the place of their colour.
     pub overlaid: BTreeMap<usize, String>,
+    /// The layouts of plots that differ from the usual ones.
+    pub plots: BTreeMap<TilePlace, LayoutNode>,
 }
 
 impl Default for ProjectSettings {
@@ -85,6 +88,7 @@ impl Default for ProjectSettings {
             output_folder: None,
             kept: BTreeMap::new(),
             overlaid: BTreeMap::new(),
+            plots: BTreeMap::new(),
         }
     }
 }
@@ -133,6 +137,7 @@ impl ProjectSettings {
             output_folder: view.output_folder.clone(),
             kept: view.kept_texts.clone(),
             overlaid: view.history.shown.clone(),
+            plots: view.tiles.layouts(),
         }
     }
 
@@ -145,6 +150,7 @@ impl ProjectSettings {
         view.output_folder.clone_from(&self.output_folder);
         view.kept_texts.clone_from(&self.kept);
         view.history.shown.clone_from(&self.overlaid);
+        view.tiles.set_layouts(&self.plots);
     }
 }
 

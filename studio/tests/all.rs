@@ -15,6 +15,7 @@ mod journal_fuzz;
 mod page_contents;
 mod pages;
 mod pictures;
+mod plot_tiles;
 mod project_text;
 mod requirement_limits;
 mod same_recordings;

@@ -6,7 +6,7 @@ use egui_plot::{AxisHints, Line, LineStyle, Plot, PlotPoints, PlotTransform};
 use super::axis_ticks::{X_DISTANCE, Y_DISTANCE, axis_ticks, format_decade_tick, format_linear_tick};
 use super::bound_regions::draw_bounds;
 use super::chart::{AxisScale, Chart, ChartCurve, LineDash, PlotAxis};
-use super::chart_heading::show_heading;
+use super::chart_heading::{HeadingResponse, HeadingStyle, show_heading};
 use super::line_simplification::simplify_line;
 use super::plot_labels::draw_labels;
 use super::plot_limits::PlotLimits;
@@ -26,6 +26,8 @@ pub struct ChartStyle<'a> {
     pub theme: &'a WindowTheme,
     /// Key of the limits beside the chart's own axes: if it changes, the chart is fitted again.
     pub scope: &'a str,
+    /// What the button in the corner of a tile does; `None` for a chart that is no tile.
+    pub corner: Option<&'a str>,
 }
 
 /// Response of a chart to the user.
@@ -36,6 +38,8 @@ pub struct ChartResponse {
     pub response: egui::Response,
     /// The limits, to be reset.
     pub limits: PlotLimits,
+    /// The title, and the button in the corner.
+    pub heading: HeadingResponse,
 }
 
 /// Shows a chart in a card, with the legend above the plot.
@@ -50,14 +54,15 @@ pub fn show_chart(ui: &mut Ui, chart: &Chart, style: ChartStyle, size: Vec2) -> 
             let mut limits = PlotLimits::new(chart, style.scope);
             let top = ui.cursor().top();
             let cursor = cursor_position(ui, chart);
-            show_heading(ui, chart, style.theme, &limits, cursor);
+            let heading_style = HeadingStyle { theme: style.theme, corner: style.corner, cursor };
+            let heading = show_heading(ui, chart, &heading_style, &limits);
             let height = (inner.y - (ui.cursor().top() - top) - 2.0).max(LEAST_HEIGHT);
             let (transform, response) =
                 show_plot(ui, chart, style.theme, Vec2::new(inner.x, height), &mut limits);
             if response.double_clicked() {
                 limits.reset(ui);
             }
-            ChartResponse { transform, response, limits }
+            ChartResponse { transform, response, limits, heading }
         })
         .inner
 }
@@ -95,7 +100,9 @@ fn show_plot(
     let hints = |axis: PlotAxis| axis_hints(&labels[axis.index()], chart.scales[axis.index()], axis, theme);
     limits.take_wheel(ui, area);
     let scales = chart.scales;
+    // a plot keeps its limits wherever its tile stands
     let mut plot = Plot::new(("chart", &chart.title))
+        .id(egui::Id::unique(("chart", &chart.title)))
         .width(size.x)
         .height(size.y)
         .custom_x_axes(vec![hints(PlotAxis::X)])

@@ -255,6 +255,17 @@ pub enum Command {
     CloseHint,
     /// Opens or closes the command palette.
     Palette,
+    /// Lets the plot under the pointer (or the last one) fill its page, or shows all plots again.
+    MaximisePlot,
+    /// Hides that plot.
+    HidePlot,
+    /// Shows a hidden plot of the page.
+    ShowPlot {
+        /// The key of the plot, as in `loop-gain`.
+        plot: String,
+    },
+    /// Gives the plots of the page their usual layout.
+    ResetPlots,
     /// Shows the whole content of the plot under the pointer (or of the last one).
     FitPlot,
     /// Copies that plot as numbers.

@@ -31,6 +31,7 @@ pub fn page_help(page: Page) -> PageHelp {
                 "A chip is clicked to stress its limit in the plots.",
                 "A, B and C keep a design for comparison in this window.",
                 "Ctrl+D keeps it with a name in the project's history, the tab History.",
+                "A plot is dragged by its title; a double click on the title, or Ctrl+M, maximises it.",
             ],
         },
         Page::Verify => PageHelp {

@@ -8,7 +8,7 @@ use egui::{RichText, Ui};
 
 use super::measurements::{self, ShownMeasurements};
 use super::requirement_values::{Requirements, ValueSources};
-use super::{no_controller, verify_charts, widgets};
+use super::{no_controller, plot_tiles, verify_charts, widgets};
 use crate::command::{BrowsePurpose, Command, VerificationTab};
 use crate::number_format::format_short;
 use crate::results::VerificationState;
@@ -81,6 +81,7 @@ fn show_tabs(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>, runs: Run
                 queue.push(Command::ShowVerification { tab });
             }
         }
+        plot_tiles::show_menu(ui, view, queue);
         if runs == RunState::Running {
             let text = "the designs that are drawn beside it run on the full plant";
             ui.label(RichText::new(text).small().color(view.theme.accent));

@@ -23,6 +23,7 @@ use crate::jobs::file_jobs::{
 };
 use crate::jobs::kept_designs::{KeptRequest, KeptText};
 use crate::settings::ProjectSettings;
+use crate::tile_layout::PlotTiles;
 use counterpoise_host::journal_writer::JournalEnding;
 use counterpoise_host::project_lock::ProjectLock;
 use counterpoise_host::recent_files::RecentList;
@@ -203,6 +204,7 @@ impl Studio {
     /// Restores what the window showed of the project when it was open last.
     fn restore_view(&mut self, settings: Option<ProjectSettings>) {
         (self.view.kept, self.view.kept_texts, self.view.text) = Default::default();
+        self.view.tiles = PlotTiles::default();
         let Some(settings) = settings else { return };
         settings.apply(&mut self.view);
         let Some(opened) = self.opened.as_ref().filter(|_| !settings.kept.is_empty()) else { return };
