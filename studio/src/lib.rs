@@ -11,7 +11,7 @@
 //! *Invariant*: no equation of the field stands here, and nothing can be done here that the command line cannot do.
 //!
 //! Modules in reading order: [`commissioning_inputs`], [`command`], [`editing`], [`versioned_results`], [`jobs`], [`results`], [`units`], [`theme`],
-//! [`number_format`], [`charts`], [`help`], [`browser`], [`view`], [`settings`], [`file_queue`], [`studio`], [`text_difference`], [`shortcuts`], [`toolbar`],
+//! [`number_format`], [`charts`], [`help`], [`browser`], [`design_overlays`], [`tile_layout`], [`view`], [`settings`], [`file_queue`], [`studio`], [`text_difference`], [`shortcuts`], [`toolbar`],
 //! [`status_bar`], [`banners`], [`close_question`], [`command_palette`], [`help_window`], [`pages`], [`main_window`], [`frame_log`], [`script`],
 //! [`offscreen`], [`native_window`].
 //!
@@ -32,6 +32,7 @@ pub mod close_question;
 pub mod command;
 pub mod command_palette;
 pub mod commissioning_inputs;
+pub mod design_overlays;
 pub mod editing;
 pub mod file_queue;
 pub mod frame_log;
@@ -51,6 +52,7 @@ pub mod status_bar;
 pub mod studio;
 pub mod text_difference;
 pub mod theme;
+pub mod tile_layout;
 mod tolerance;
 pub mod toolbar;
 pub mod units;

@@ -42,5 +42,7 @@ fn needs_rest(command: &Command) -> bool {
             | Command::SavePlot { .. }
             | Command::WriteReport { .. }
             | Command::Keep { .. }
+            | Command::KeepDesign { .. }
+            | Command::RestoreDesign { .. }
     )
 }

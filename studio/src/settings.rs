@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::command::{DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
 use crate::theme::{DARK, LIGHT};
+use crate::tile_layout::{LayoutNode, TilePlace};
 use crate::units::DisplayUnits;
 use crate::view::{ControllerPart, StudioView};
 
@@ -68,6 +69,10 @@ pub struct ProjectSettings {
     pub output_folder: Option<PathBuf>,
     /// The texts of the projects whose designs are kept.
     pub kept: BTreeMap<DesignSlot, String>,
+    /// The named designs that are drawn, by the place of their colour.
+    pub overlaid: BTreeMap<usize, String>,
+    /// The layouts of plots that differ from the usual ones.
+    pub plots: BTreeMap<TilePlace, LayoutNode>,
 }
 
 impl Default for ProjectSettings {
@@ -82,6 +87,8 @@ impl Default for ProjectSettings {
             requirement: 0,
             output_folder: None,
             kept: BTreeMap::new(),
+            overlaid: BTreeMap::new(),
+            plots: BTreeMap::new(),
         }
     }
 }
@@ -129,6 +136,8 @@ impl ProjectSettings {
             requirement: view.requirement,
             output_folder: view.output_folder.clone(),
             kept: view.kept_texts.clone(),
+            overlaid: view.history.shown.clone(),
+            plots: view.tiles.layouts(),
         }
     }
 
@@ -140,6 +149,8 @@ impl ProjectSettings {
         (view.part, view.section, view.requirement) = (self.part, self.section, self.requirement);
         view.output_folder.clone_from(&self.output_folder);
         view.kept_texts.clone_from(&self.kept);
+        view.history.shown.clone_from(&self.overlaid);
+        view.tiles.set_layouts(&self.plots);
     }
 }
 

@@ -1,6 +1,7 @@
 //! One small system of colours, type sizes and distances, dark and light.
 
 use crate::command::DesignSlot;
+use crate::design_overlays::MOST_OVERLAYS;
 use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Visuals};
 
 /// Distances in points: everything is a multiple of the smallest.
@@ -42,6 +43,8 @@ pub struct WindowTheme {
     pub curves: [Color32; 4],
     /// Kept designs A, B and C.
     pub kept: [Color32; 3],
+    /// Named designs that are drawn over the current one.
+    pub overlays: [Color32; MOST_OVERLAYS],
 }
 
 const fn rgb(value: u32) -> Color32 {
@@ -63,6 +66,7 @@ pub const DARK: WindowTheme = WindowTheme {
     warn: rgb(0xe6_b3_4d),
     curves: [rgb(0x4d_a3_ff), rgb(0xf2_9f_4b), rgb(0x7c_d4_b5), rgb(0xc0_9b_f2)],
     kept: [rgb(0xe8_7b_b0), rgb(0xb9_c9_4e), rgb(0x9a_b4_d6)],
+    overlays: [rgb(0xf4_d3_5e), rgb(0x5f_d0_e8), rgb(0xe8_80_66), rgb(0x9b_d8_6a), rgb(0xd9_a8_f0)],
 };
 
 /// The theme for a bright room.
@@ -80,6 +84,7 @@ pub const LIGHT: WindowTheme = WindowTheme {
     warn: rgb(0x9a_6a_00),
     curves: [rgb(0x0b_6b_cb), rgb(0xc7_66_0a), rgb(0x12_8a_6b), rgb(0x7a_4f_c4)],
     kept: [rgb(0xb8_35_7a), rgb(0x6b_7a_00), rgb(0x4a_6a_94)],
+    overlays: [rgb(0x8f_6a_00), rgb(0x00_7c_94), rgb(0xa8_43_2a), rgb(0x4b_7d_1e), rgb(0x8a_3f_a6)],
 };
 
 impl WindowTheme {

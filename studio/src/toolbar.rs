@@ -7,12 +7,20 @@ use crate::studio::{OpenProject, Studio};
 use crate::theme::space;
 use crate::units::{AngleUnit, FrequencyUnit, GainUnit};
 
+/// Width from which the toolbar has room for the name of the program, points.
+const WIDE: f32 = 1500.0;
+/// Width of the choice of a configuration, points.
+const CONFIGURATION_WIDTH: f32 = 96.0;
+
 /// Shows the toolbar.
 pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let theme = studio.view.theme;
     ui.horizontal(|ui| {
-        ui.label(RichText::new("Counterpoise").strong().size(15.0));
-        ui.add_space(space::SMALL);
+        // in a narrow window the project's name is worth more than that of the program, which is in the window's title
+        if ui.available_width() > WIDE {
+            ui.label(RichText::new("Counterpoise").strong().size(15.0));
+            ui.add_space(space::SMALL);
+        }
         show_file_menu(ui, studio, queue);
         ui.add_space(space::SMALL);
         for page in Page::ALL {
@@ -23,18 +31,18 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
                 queue.push(Command::Go { page });
             }
         }
-        ui.add_space(space::LARGE);
+        ui.add_space(space::MEDIUM);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             show_tools(studio, ui, queue);
-            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                if let Some(opened) = &studio.opened {
-                    show_save_state(studio, ui, opened);
-                    show_configurations(ui, opened, queue);
+            if let Some(opened) = &studio.opened {
+                show_configurations(ui, opened, queue);
+                show_save_state(studio, ui, opened);
+                ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                     let name = opened.session.project().map_or("project", |p| p.plant.name.as_str());
                     ui.add(egui::Label::new(RichText::new(name).color(theme.weak)).truncate())
-                        .on_hover_text(opened.path.display().to_string());
-                }
-            });
+                        .on_hover_text(format!("{name}\n{}", opened.path.display()));
+                });
+            }
         });
     });
 }
@@ -98,7 +106,7 @@ fn show_configurations(ui: &mut Ui, opened: &OpenProject, queue: &mut Vec<Comman
     };
     let now = project.model.configuration.clone();
     let shown = now.clone().unwrap_or_else(|| "as written".to_owned());
-    let combo = egui::ComboBox::from_id_salt("configuration").selected_text(shown).width(120.0);
+    let combo = egui::ComboBox::from_id_salt("configuration").selected_text(shown).width(CONFIGURATION_WIDTH);
     let shown = combo.show_ui(ui, |ui| {
         if ui.selectable_label(now.is_none(), "as written").clicked() && now.is_some() {
             queue.push(Command::Remove { path: KEY.to_owned() });

@@ -11,9 +11,11 @@ use crate::browser::Browser;
 use crate::charts::chart::Chart;
 use crate::command::{Command, DesignSlot, DesignTab, DiagnosisTab, Page, VerificationTab};
 use crate::commissioning_inputs::CommissioningInputs;
+use crate::design_overlays::{HistoryState, OverlaidDesign, OverlayName};
 use crate::help::page_texts::page_topic;
 use crate::help::topics::HelpState;
 use crate::theme::{DARK, LIGHT, WindowTheme};
+use crate::tile_layout::{PlotTiles, TilePlace};
 use crate::units::DisplayUnits;
 
 /// The part of the controller whose weights are shown.
@@ -156,6 +158,10 @@ pub struct StudioView {
     pub kept: BTreeMap<DesignSlot, Arc<DesignPreview>>,
     /// The texts of the projects whose designs are kept, by which they are restored.
     pub kept_texts: BTreeMap<DesignSlot, String>,
+    /// The layouts of the plots.
+    pub tiles: PlotTiles,
+    /// The history of designs.
+    pub history: HistoryState,
     /// Out-of-balance that is tried, kg m.
     pub trial_moment_kg_m: Option<f64>,
     /// Number of the last gesture.
@@ -214,6 +220,8 @@ impl Default for StudioView {
             part: ControllerPart::Feedback,
             kept: BTreeMap::new(),
             kept_texts: BTreeMap::new(),
+            tiles: PlotTiles::default(),
+            history: HistoryState::default(),
             trial_moment_kg_m: None,
             gesture: 0,
             dragging: false,
@@ -249,6 +257,15 @@ impl StudioView {
                 self.kept.remove(slot);
                 self.kept_texts.remove(slot);
             }
+            Command::NameDesign => {
+                (self.page, self.design_tab) = (Page::Design, DesignTab::History);
+                (self.history.typed, self.history.focuses_name) = (self.history.free_name(), true);
+            }
+            Command::OverlayDesign { name } => {
+                if let Err(why) = self.history.toggle_overlay(name) {
+                    self.show_error(why);
+                }
+            }
             Command::Try { out_of_balance_kg_m } => self.trial_moment_kg_m = *out_of_balance_kg_m,
             Command::ToggleTheme => self.theme = if self.theme == DARK { LIGHT } else { DARK },
             Command::ToggleFrequency => self.units.toggle_frequency(),
@@ -270,12 +287,49 @@ impl StudioView {
             Command::ShowDiagnosis { tab } => (self.page, self.diagnosis_tab) = (Page::Diagnose, *tab),
             Command::Help => self.help.toggle(page_topic(self.page)),
             Command::CloseHint => self.shows_hint = false,
+            Command::MaximisePlot | Command::HidePlot | Command::ShowPlot { .. } | Command::ResetPlots => {
+                self.arrange_plots(command);
+            }
             Command::Palette => {
                 self.palette = if self.palette.is_some() { None } else { Some(PaletteState::default()) };
             }
             _ => return ViewCommand::NotOfView,
         }
         ViewCommand::Applied
+    }
+
+    /// Returns the place whose plots are tiles, if one is shown.
+    pub fn shown_tiles(&self) -> Option<TilePlace> {
+        TilePlace::shown(self.page, self.design_tab, self.verification_tab)
+    }
+
+    fn arrange_plots(&mut self, command: &Command) {
+        let Some(place) = self.shown_tiles() else { return };
+        let tiles = &mut self.tiles;
+        let pointed = tiles.pointed.clone().unwrap_or_default();
+        match command {
+            Command::MaximisePlot => tiles.toggle_maximised(place, &pointed),
+            Command::HidePlot => tiles.hide_plot(place, &pointed),
+            Command::ShowPlot { plot } => tiles.show_plot(place, plot),
+            _ => tiles.reset(place),
+        }
+    }
+
+    /// Returns the designs that are drawn over the current one: A, B and C, then the named ones.
+    pub fn overlaid_designs(&self) -> Vec<OverlaidDesign> {
+        let slots = self.kept.iter().map(|(slot, design)| OverlaidDesign {
+            name: OverlayName::Slot(*slot),
+            colour: self.theme.kept_colour(*slot),
+            design: Arc::clone(design),
+        });
+        let named = self.history.shown.iter().filter_map(|(place, name)| {
+            Some(OverlaidDesign {
+                name: OverlayName::Named(name.clone()),
+                colour: *self.theme.overlays.get(*place)?,
+                design: Arc::clone(self.history.previews.get(name)?),
+            })
+        });
+        slots.chain(named).collect()
     }
 
     /// Shows a message at the foot of the window.

@@ -138,7 +138,7 @@ fn show_stacked_charts(ui: &mut egui::Ui, channels: &[Arc<MinMaxPyramid>]) {
             colour: DARK.curves[k % 4],
             dash: LineDash::Solid,
         });
-        let style = ChartStyle { theme: &DARK, scope: "" };
+        let style = ChartStyle { theme: &DARK, scope: "", corner: None };
         show_chart(ui, &chart, style, egui::vec2(1260.0, 96.0));
     }
 }

@@ -122,6 +122,14 @@ fn each_page_looks_as_it_did() {
     let inserted = "colour = 3\n".to_owned();
     let wrong_key = Command::SpliceText { from: 0, to: 0, inserted, gesture: None };
     let consequences = Command::ShowDesign { tab: DesignTab::Consequences };
+    let name = "before the change".to_owned();
+    let history = vec![
+        Command::Help,
+        Command::KeepDesign { name: name.clone() },
+        Command::Set { path: "synth.feedback.control.gain".to_owned(), value: 2.0, gesture: None },
+        Command::OverlayDesign { name },
+        Command::ShowDesign { tab: DesignTab::History },
+    ];
     let first = vec![Command::Open { path: folder.clone() }];
     let shots: Vec<(&str, Vec<Command>)> = vec![
         ("design", [first, vec![Command::Keep { slot: DesignSlot::A }, gain]].concat()),
@@ -134,6 +142,7 @@ fn each_page_looks_as_it_did() {
         ("text", vec![backlash, wrong_key, Command::NextError]),
         ("light", vec![Command::Undo, Command::Undo, Command::ToggleTheme, consequences]),
         ("help", vec![Command::ToggleTheme, Command::Help]),
+        ("history", history),
         ("welcome", vec![Command::Close]),
     ];
     for (name, commands) in shots {

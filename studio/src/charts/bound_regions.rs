@@ -1,6 +1,6 @@
 //! The limits of a chart: the region on the wrong side of each is shaded.
 
-use egui::{Color32, Pos2, Rect, Stroke, Ui, pos2};
+use egui::{Color32, Pos2, Rect, Stroke, Ui};
 use egui_plot::PlotTransform;
 
 use super::chart::{BoundTone, Chart, ChartBound, ForbiddenSide, PlotAxis};
@@ -9,6 +9,10 @@ use crate::theme::WindowTheme;
 /// Opacity of a region whose limit holds, of one whose limit is broken, and of what lies outside a window.
 const OPACITY: [f32; 3] = [0.10, 0.24, 0.16];
 
+/// Distance of the first grip from the end of its edge, as a share of it, and of the next ones from each other.
+const GRIP_PLACE: f32 = 0.06;
+const GRIP_STEP: f32 = 0.13;
+
 /// A limit as it lies in a plot on the screen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BoundArea {
@@ -16,6 +20,15 @@ pub struct BoundArea {
     pub region: Rect,
     /// The two ends of the limit itself.
     pub edge: [Pos2; 2],
+}
+
+impl BoundArea {
+    /// Returns the middle of the grip of the limit with a number: grips of limits that lie together stand beside each other.
+    pub fn grip_centre(&self, index: usize) -> Pos2 {
+        let [start, end] = self.edge;
+        let share = (GRIP_PLACE + GRIP_STEP * index as f32).min(1.0 - GRIP_PLACE);
+        end + (start - end) * share
+    }
 }
 
 /// Returns where a limit lies on the screen; `None` if neither the limit nor anything of its region is in view.
@@ -50,7 +63,7 @@ pub fn bound_colour(bound: &ChartBound, theme: &WindowTheme) -> Color32 {
     if bound.tone == BoundTone::Outside { theme.accent } else { theme.bad }
 }
 
-/// Draws the limits of a chart over its plot; the selected one has its label.
+/// Draws the limits of a chart over its plot.
 pub fn draw_bounds(ui: &Ui, chart: &Chart, theme: &WindowTheme, transform: &PlotTransform) {
     let painter = ui.painter().with_clip_rect(transform.frame().intersect(ui.clip_rect()));
     for bound in &chart.bounds {
@@ -65,12 +78,6 @@ pub fn draw_bounds(ui: &Ui, chart: &Chart, theme: &WindowTheme, transform: &Plot
         let width = if bound.is_selected { 2.0 } else { 1.0 };
         let line = if bound.is_selected { colour } else { colour.gamma_multiply(0.6) };
         painter.line_segment(edge, Stroke::new(width, line));
-        if bound.is_selected {
-            let label = painter.layout_no_wrap(bound.label.clone(), egui::FontId::proportional(11.0), colour);
-            // beside a narrow region at the right end the label stands where it fits
-            let left = (region.left() + 4.0).min(transform.frame().right() - label.size().x - 4.0);
-            painter.galley(pos2(left.max(transform.frame().left()), region.top() + 2.0), label, colour);
-        }
     }
 }
 
@@ -78,6 +85,7 @@ pub fn draw_bounds(ui: &Ui, chart: &Chart, theme: &WindowTheme, transform: &Plot
 mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
     use super::*;
+    use egui::pos2;
     use egui_plot::PlotBounds;
 
     #[test]

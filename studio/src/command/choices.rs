@@ -30,6 +30,8 @@ pub enum DesignTab {
     Consequences,
     /// The loop in the complex plane: phase, Nichols, Nyquist, root locus, and the responses of the closed loop.
     Loop,
+    /// The history of designs, each with its name.
+    History,
 }
 
 /// A tab of the page Verify.
@@ -114,13 +116,14 @@ impl Page {
 
 impl DesignTab {
     /// All tabs.
-    pub const ALL: [DesignTab; 2] = [DesignTab::Consequences, DesignTab::Loop];
+    pub const ALL: [DesignTab; 3] = [DesignTab::Consequences, DesignTab::Loop, DesignTab::History];
 
     /// Returns the tab's name.
     pub fn name(self) -> &'static str {
         match self {
             DesignTab::Consequences => "Consequences",
             DesignTab::Loop => "Loop",
+            DesignTab::History => "History",
         }
     }
 }

@@ -46,6 +46,7 @@ fn page_commands() -> Vec<CommandEntry> {
             "",
             Command::ShowDesign { tab: DesignTab::Loop },
         ),
+        entry("Show the history of designs", "", Command::ShowDesign { tab: DesignTab::History }),
         entry("Show the time histories", "", verification(VerificationTab::Histories)),
         entry("Show the disturbance rejection", "", verification(VerificationTab::Rejection)),
         entry("Show the analyser's map", "", verification(VerificationTab::Map)),
@@ -96,6 +97,8 @@ fn work_commands() -> Vec<CommandEntry> {
 fn design_commands() -> Vec<CommandEntry> {
     let [a, b, c] = DesignSlot::ALL;
     vec![
+        entry("Keep this design with a name", "Ctrl+D", Command::NameDesign),
+        entry("Put the deleted design back", "", Command::PutDesignBack),
         entry("Keep this design as A", "Ctrl+Shift+1", Command::Keep { slot: a }),
         entry("Keep this design as B", "Ctrl+Shift+2", Command::Keep { slot: b }),
         entry("Keep this design as C", "Ctrl+Shift+3", Command::Keep { slot: c }),
@@ -116,6 +119,9 @@ fn view_commands() -> Vec<CommandEntry> {
         entry("Gains in dB or absolute", "Ctrl+B", Command::ToggleGain),
         entry("Angles in mrad or degrees", "Ctrl+G", Command::ToggleAngle),
         entry("Fit the plot", "Ctrl+F", Command::FitPlot),
+        entry("Maximise the plot, or show all again", "Ctrl+M", Command::MaximisePlot),
+        entry("Hide the plot", "", Command::HidePlot),
+        entry("Usual layout of the plots", "", Command::ResetPlots),
         entry("Copy plot as CSV", "Ctrl+Shift+C", Command::CopyCsv),
         entry("Copy plot as SVG", "", Command::CopySvg),
         entry("Copy plot as PNG", "", Command::CopyPng),

@@ -201,6 +201,37 @@ pub enum Command {
         /// The slot.
         slot: DesignSlot,
     },
+    /// Asks for the name of the design as it stands, to keep it in the project's history of designs.
+    NameDesign,
+    /// Keeps the design as it stands in the history.
+    KeepDesign {
+        /// The name.
+        name: String,
+    },
+    /// Puts the weights and the order of a design of the history back into the project.
+    RestoreDesign {
+        /// The name.
+        name: String,
+    },
+    /// Draws a design of the history over the current one, or draws it no longer.
+    OverlayDesign {
+        /// The name.
+        name: String,
+    },
+    /// Gives a design of the history another name.
+    RenameDesign {
+        /// The name.
+        name: String,
+        /// The other name.
+        new_name: String,
+    },
+    /// Deletes a design of the history.
+    DeleteDesign {
+        /// The name.
+        name: String,
+    },
+    /// Puts the design of the history that was deleted last back.
+    PutDesignBack,
     /// Designs for another out-of-balance without changing the project; no value ends the trial.
     Try {
         /// First moment of mass, kg m.
@@ -224,6 +255,17 @@ pub enum Command {
     CloseHint,
     /// Opens or closes the command palette.
     Palette,
+    /// Lets the plot under the pointer (or the last one) fill its page, or shows all plots again.
+    MaximisePlot,
+    /// Hides that plot.
+    HidePlot,
+    /// Shows a hidden plot of the page.
+    ShowPlot {
+        /// The key of the plot, as in `loop-gain`.
+        plot: String,
+    },
+    /// Gives the plots of the page their usual layout.
+    ResetPlots,
     /// Shows the whole content of the plot under the pointer (or of the last one).
     FitPlot,
     /// Copies that plot as numbers.

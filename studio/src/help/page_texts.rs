@@ -29,7 +29,9 @@ pub fn page_help(page: Page) -> PageHelp {
                 "Round handles in the plot of the weights are dragged; with the focus (Tab) arrow keys move them.",
                 "The grip of a limit in a plot is dragged, or moved by arrow keys: the project's limit changes.",
                 "A chip is clicked to stress its limit in the plots.",
-                "A, B and C keep a design for comparison.",
+                "A, B and C keep a design for comparison in this window.",
+                "Ctrl+D keeps it with a name in the project's history, the tab History.",
+                "A plot is dragged by its title; a double click on the title, or Ctrl+M, maximises it.",
             ],
         },
         Page::Verify => PageHelp {

@@ -12,6 +12,7 @@ use counterpoise_project::{Attachments, Document, STARTER};
 use crate::command::Command;
 use crate::editing::journal::{self, JournalFlush};
 use crate::editing::session::{Session, file_name};
+use crate::jobs::history_file::history_path;
 use crate::settings::ProjectSettings;
 use counterpoise_host::file_check::{modification_time, recordings_beside};
 use counterpoise_host::project_lock::ProjectLock;
@@ -223,6 +224,7 @@ impl ProjectStore {
             return SaveOutcome::Failed(format!("{} is open in another window", to.display()));
         }
         let copied = names.iter().try_for_each(|name| self.copy_named_file(from, to, name));
+        let copied = copied.and_then(|()| self.copy_file(&history_path(from), &history_path(to)));
         match copied.and_then(|()| self.write(to, text)) {
             Ok(modified) => SaveOutcome::Saved { modified, lock },
             Err(why) => SaveOutcome::Failed(why),
@@ -285,12 +287,17 @@ impl ProjectStore {
         let place = |file: &Path| file.parent().unwrap_or(Path::new(".")).join(name);
         let (source, target) = (place(from), place(to));
         let is_outside = Path::new(name).components().any(|part| part == std::path::Component::ParentDir);
-        if is_outside || target.exists() || !source.is_file() {
+        if is_outside { Ok(()) } else { self.copy_file(&source, &target) }
+    }
+
+    /// Copies a file to a place where none stands.
+    fn copy_file(&self, source: &Path, target: &Path) -> Result<(), String> {
+        if target.exists() || !source.is_file() {
             return Ok(());
         }
         let bytes =
-            self.disk.read(&source).map_err(|error| format!("cannot read {}: {error}", source.display()))?;
-        files::write_on(self.disk.as_ref(), &target, &bytes)
+            self.disk.read(source).map_err(|error| format!("cannot read {}: {error}", source.display()))?;
+        files::write_on(self.disk.as_ref(), target, &bytes)
             .map_err(|error| format!("{} cannot be written: {error}", target.display()))
     }
 }

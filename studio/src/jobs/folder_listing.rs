@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use counterpoise_host::files::is_recording;
 use counterpoise_host::folders::{FolderItem, ItemKind, folder_items};
 
+use super::history_file::is_history;
 use crate::command::BrowsePurpose;
 
 /// The folder to list.
@@ -46,7 +47,7 @@ fn serves(item: &FolderItem, purpose: BrowsePurpose) -> bool {
     let has_ending = |ending: &str| Path::new(&item.name).extension().is_some_and(|e| e == ending);
     item.kind != ItemKind::File
         || match purpose {
-            BrowsePurpose::Project | BrowsePurpose::SaveAs => has_ending("toml"),
+            BrowsePurpose::Project | BrowsePurpose::SaveAs => has_ending("toml") && !is_history(&item.path),
             BrowsePurpose::Recordings => is_recording(&item.path),
             BrowsePurpose::Export => false,
             BrowsePurpose::PlotFile => ["svg", "png", "csv"].into_iter().any(has_ending),

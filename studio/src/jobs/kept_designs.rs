@@ -1,13 +1,13 @@
-//! The designs that were kept for comparison, computed again when their project is opened.
+//! The designs that are drawn over the current one, computed when they are needed.
 
 use std::sync::Arc;
 
 use counterpoise_host::worker::CancelToken;
 use counterpoise_pipeline::preview::{DesignPreview, PreviewCache, PreviewRequest, preview_design};
 use counterpoise_pool::Serial;
-use counterpoise_project::{Document, Project};
+use counterpoise_project::{Attachments, Document, Project};
 
-use crate::command::DesignSlot;
+use crate::design_overlays::OverlayName;
 
 /// The designs to compute.
 #[derive(Debug, Clone)]
@@ -15,32 +15,46 @@ pub struct KeptRequest {
     /// The project's document; kept texts are read with the files that it names.
     pub document: Document,
     /// The files that the project names.
-    pub attachments: counterpoise_project::Attachments,
-    /// The texts of the projects, by slot.
-    pub texts: Vec<(DesignSlot, String)>,
+    pub attachments: Attachments,
+    /// The texts of the projects.
+    pub texts: Vec<KeptText>,
 }
 
-/// A kept design that was computed again.
+/// The text of a project whose design is drawn.
+#[derive(Debug, Clone)]
+pub struct KeptText {
+    /// The name of the design.
+    pub name: OverlayName,
+    /// The text.
+    pub text: String,
+}
+
+/// A design that was computed again.
 #[derive(Debug, Clone)]
 pub struct RestoredDesign {
-    /// Slot.
-    pub slot: DesignSlot,
-    /// The design.
-    pub design: Arc<DesignPreview>,
+    /// The name of the design.
+    pub name: OverlayName,
+    /// The design, or why it cannot be computed.
+    pub design: Result<Arc<DesignPreview>, String>,
 }
 
-/// Computes kept designs; one that cannot be computed any more is left out.
+/// Computes designs.
 pub fn restore_kept_designs(request: KeptRequest, token: &CancelToken) -> Vec<RestoredDesign> {
     let mut cache = PreviewCache::default();
-    let mut restore = |(slot, text): &(DesignSlot, String)| {
+    let mut restore = |KeptText { name, text }: &KeptText| {
         if token.is_cancelled() {
             return None;
         }
         let document = request.document.with_text(text);
-        let project = Project::resolve(&document, &request.attachments).ok()?.project;
-        let preview = PreviewRequest { project: Arc::new(project), out_of_balance_kg_m: None };
-        let design = preview_design(&preview, &mut cache, &Serial).ok()?;
-        Some(RestoredDesign { slot: *slot, design: Arc::new(design) })
+        let design = match Project::resolve(&document, &request.attachments) {
+            Ok(parsed) => {
+                let project = Arc::new(parsed.project);
+                let preview = PreviewRequest { project, out_of_balance_kg_m: None };
+                preview_design(&preview, &mut cache, &Serial).map(Arc::new).map_err(|error| error.to_string())
+            }
+            Err(errors) => Err(errors.first().map_or_else(String::new, ToString::to_string)),
+        };
+        Some(RestoredDesign { name: name.clone(), design })
     };
     request.texts.iter().filter_map(&mut restore).collect()
 }

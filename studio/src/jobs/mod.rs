@@ -2,7 +2,7 @@
 //!
 //! Modules in reading order: [`error_lines`], [`live_design`], [`verification`], [`measurements`], [`code_export`],
 //! [`report_job`], [`kept_designs`], [`plant_pictures`], [`assumption_ranking`],
-//! [`plot_copy`], [`recording_views`], [`diagnosis`], [`commissioning`], [`folder_listing`], [`file_jobs`].
+//! [`overlay_runs`], [`history_file`], [`plot_copy`], [`recording_views`], [`diagnosis`], [`commissioning`], [`folder_listing`], [`file_jobs`].
 
 pub mod assumption_ranking;
 pub mod code_export;
@@ -11,9 +11,11 @@ pub mod diagnosis;
 pub mod error_lines;
 pub mod file_jobs;
 pub mod folder_listing;
+pub mod history_file;
 pub mod kept_designs;
 pub mod live_design;
 pub mod measurements;
+pub mod overlay_runs;
 pub mod plant_pictures;
 pub mod plot_copy;
 pub mod recording_views;
@@ -44,9 +46,11 @@ use diagnosis::{DiagnosisWorker, diagnosis_worker};
 use error_lines::ErrorLines;
 use file_jobs::{FileJob, FileJobResult, ProjectStore};
 use folder_listing::{FolderListing, ListingRequest, list_folder};
+use history_file::{HistoryFile, HistoryJob, run_history_job};
 use kept_designs::{KeptRequest, RestoredDesign, restore_kept_designs};
 use live_design::{TimedPreview, preview_timed};
 use measurements::{MeasurementWorker, PartialCampaign, measurement_worker};
+use overlay_runs::{OverlayRunWorker, overlay_run_worker};
 use plant_pictures::{BeamModes, ReductionPicture};
 use plot_copy::{CopiedPlot, CopyRequest, copy_plot};
 use recording_views::{RecordingView, ReplayRequest, ReplayedFiles, replay_files};
@@ -74,6 +78,12 @@ pub struct BackgroundJobs {
     pub report: BackgroundWorker<ReportRequest, Result<PathBuf, String>>,
     /// Computes the kept designs of a project that was opened.
     pub restore: BackgroundWorker<KeptRequest, Vec<RestoredDesign>>,
+    /// Computes the named designs that are drawn.
+    pub overlays: BackgroundWorker<KeptRequest, Vec<RestoredDesign>>,
+    /// Runs the drawn designs on the full plant.
+    pub overlay_runs: OverlayRunWorker,
+    /// Reads and writes the history of designs.
+    pub history: BackgroundWorker<HistoryJob, HistoryFile>,
     /// Writes settings.
     pub settings: BackgroundWorker<Vec<SettingsFile>, ()>,
     /// Diagnoses.
@@ -131,7 +141,7 @@ pub enum DiagnosisNews {
 impl BackgroundJobs {
     /// Starts the workers; they wait for work.
     pub fn new(wake: &WakeWindow, store: ProjectStore) -> Self {
-        let disk = Arc::clone(&store.disk);
+        let (disk, history_disk) = (Arc::clone(&store.disk), Arc::clone(&store.disk));
         let (diagnosis_progress, measurement_progress) =
             (SharedProgress::default(), SharedProgress::default());
         let commissioning_progress = SharedProgress::default();
@@ -150,6 +160,13 @@ impl BackgroundJobs {
             }),
             restore: BackgroundWorker::new(Arc::clone(wake), |request: KeptRequest, token: &CancelToken| {
                 restore_kept_designs(request, token)
+            }),
+            overlays: BackgroundWorker::new(Arc::clone(wake), |request: KeptRequest, token: &CancelToken| {
+                restore_kept_designs(request, token)
+            }),
+            overlay_runs: overlay_run_worker(wake),
+            history: BackgroundWorker::new(Arc::clone(wake), move |job: HistoryJob, _: &CancelToken| {
+                run_history_job(job, history_disk.as_ref())
             }),
             settings: BackgroundWorker::new(Arc::clone(wake), |files: Vec<SettingsFile>, _: &CancelToken| {
                 write_settings(&files);
@@ -200,6 +217,7 @@ impl BackgroundJobs {
         self.diagnose.cancel();
         self.commission.cancel();
         self.replay.cancel();
+        self.overlay_runs.cancel();
     }
 
     /// Returns whether anything that the user can stop runs, or has an answer that was not yet taken.
@@ -223,6 +241,9 @@ impl BackgroundJobs {
             || self.beam_modes.is_pending()
             || self.ranking.is_pending()
             || self.restore.is_pending()
+            || self.overlays.is_pending()
+            || self.overlay_runs.is_pending()
+            || self.history.is_pending()
             || self.copy.is_pending()
             || self.loop_view.is_pending()
     }
@@ -261,6 +282,7 @@ impl BackgroundJobs {
     pub fn clear(&mut self) {
         self.cancel();
         self.restore.cancel();
+        self.overlays.cancel();
         (self.recording_views, self.diagnosis, self.diagnosed_plant) = (None, None, None);
         self.commissioning = None;
         self.recordings.clear();

@@ -15,16 +15,22 @@ use egui::{RichText, Ui};
 use super::design_charts::{
     control_chart, effort_chart, loop_chart, motion_chart, sensitivity_chart, step_chart,
 };
+use super::design_history::CurrentDesign;
 use super::loop_charts::LoopCharts;
+use super::plot_tiles::TileRequest;
 use super::requirement_bounds::{BoundContext, BoundPlot, BoundedChart, ChartPlace, plot_bounds};
-use super::requirement_values::{RequirementValue, Requirements, ValueSources};
+use super::requirement_values::{Requirements, ValueSources};
 use super::weight_plot::{PlottedWeight, plotted_weights, show_weight_plot};
-use super::{design_figures, loop_charts, no_controller, requirement_strip, widgets};
+use super::{
+    design_figures, design_history, loop_charts, no_controller, plot_tiles, requirement_strip, widgets,
+};
 use crate::command::{Command, DesignTab};
 use crate::editing::key_reference::find_key;
+use crate::editing::weight_text::design_sections;
 use crate::number_format::format_short;
 use crate::studio::Studio;
 use crate::theme::space;
+use crate::tile_layout::TilePlace;
 use crate::versioned_results::{Freshness, VersionedResult};
 use crate::view::{ControllerPart, StudioView};
 
@@ -49,6 +55,8 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     let shape = studio.results.loop_view.clone().filter(|shape| shape.revision == revision);
     let requirements =
         Requirements::new(&opened.session, &project, ValueSources::of_results(&studio.results, revision));
+    let is_shown = studio.view.design_tab == DesignTab::History;
+    let weights = if is_shown { design_sections(opened.session.text()) } else { String::new() };
     let view = &mut studio.view;
     let preview = design.as_ref().map(|(design, _)| Arc::clone(design));
     if let Some((design, _)) = &design {
@@ -87,6 +95,10 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
                 LoopCharts { design: &design, loop_view, requirements: &requirements },
             );
         }
+        DesignTab::History => {
+            let shown = CurrentDesign { design: &design, values: &requirements.values, weights: &weights };
+            design_history::show(ui, view, queue, &shown);
+        }
     }
 }
 
@@ -97,6 +109,7 @@ fn show_tabs(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>) {
                 queue.push(Command::ShowDesign { tab });
             }
         }
+        plot_tiles::show_menu(ui, view, queue);
     });
 }
 
@@ -236,23 +249,24 @@ fn show_plots(
     shown: &ShownDesign,
     effort: Option<&VersionedResult<Vec<EffortPoint>>>,
 ) {
-    let area = widgets::take_remaining_area(ui);
-    let cells = widgets::design_page_cells(area);
-    show_weight_plot(ui, view, queue, shown.project, cells[0]);
-    let charts = bounded_charts(view, shown.design, &shown.requirements.values);
-    for (cell, chart) in cells[1..].iter().zip(&charts) {
-        chart.show(ui, view, queue, ChartPlace { cell: *cell, paths: &shown.requirements.paths });
-    }
-    let effort = effort_chart(view, effort);
-    widgets::show_chart(ui, view, queue, cells[cells.len() - 1], &effort);
+    let draw = &mut |ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, tile: TileRequest| {
+        if tile.key == "weights" {
+            return Some(show_weight_plot(ui, view, queue, shown.project, tile.cell));
+        }
+        if tile.key == "effort" {
+            let effort = effort_chart(view, effort);
+            return Some(widgets::show_chart(ui, view, queue, tile.cell, &effort));
+        }
+        let chart = consequence_chart(view, shown, tile.key)?;
+        let place = ChartPlace { cell: tile.cell, paths: &shown.requirements.paths };
+        Some(chart.show(ui, view, queue, place))
+    };
+    plot_tiles::show(ui, view, queue, TilePlace::Consequences, draw);
 }
 
-/// Returns the consequences of a design, each with the limits that concern it.
-fn bounded_charts(
-    view: &StudioView,
-    design: &DesignPreview,
-    values: &[RequirementValue],
-) -> [BoundedChart; 6] {
+/// Returns a consequence of a design with the limits that concern it, by the key of its tile.
+fn consequence_chart(view: &StudioView, shown: &ShownDesign, key: &str) -> Option<BoundedChart> {
+    let (design, values) = (shown.design, &shown.requirements.values);
     let motion = |source| Experiment::Disturbance(source, Arrangement::Compensated);
     let context = BoundContext {
         margins: &design.margins,
@@ -267,12 +281,13 @@ fn bounded_charts(
     let hub = BoundPlot::History(HistoryColumn::HubRate);
     let control = BoundPlot::History(HistoryColumn::Control);
     let runs = [Experiment::Step, motion(Source::Heave), motion(Source::Pitch)];
-    [
-        bounded(loop_chart(view, design), BoundPlot::LoopGain, &[]),
-        bounded(sensitivity_chart(view, design), BoundPlot::Sensitivity, &[]),
-        bounded(step_chart(view, design), hub, &[Experiment::Step]),
-        bounded(control_chart(view, design), control, &runs),
-        bounded(motion_chart(view, design, Source::Heave), hub, &[motion(Source::Heave)]),
-        bounded(motion_chart(view, design, Source::Pitch), hub, &[motion(Source::Pitch)]),
-    ]
+    Some(match key {
+        "loop-gain" => bounded(loop_chart(view, design), BoundPlot::LoopGain, &[]),
+        "sensitivity" => bounded(sensitivity_chart(view, design), BoundPlot::Sensitivity, &[]),
+        "step" => bounded(step_chart(view, design), hub, &[Experiment::Step]),
+        "control" => bounded(control_chart(view, design), control, &runs),
+        "heave" => bounded(motion_chart(view, design, Source::Heave), hub, &[motion(Source::Heave)]),
+        "pitch" => bounded(motion_chart(view, design, Source::Pitch), hub, &[motion(Source::Pitch)]),
+        _ => return None,
+    })
 }

@@ -6,18 +6,18 @@ use counterpoise_verify::{Arrangement, History, Source};
 
 use super::frequency_charts::{frequency_chart, magnitude_points, mark_margins};
 use crate::charts::chart::{AxisScale, Chart, LabelledPoint, LineDash};
+use crate::design_overlays::OverlaidDesign;
 use crate::versioned_results::VersionedResult;
 use crate::view::StudioView;
 
-/// Adds the kept designs to a chart, each in its colour.
-fn with_kept_designs(
+/// Adds the designs that are drawn over the current one to a chart, each in its colour.
+pub fn with_overlays(
     view: &StudioView,
     mut chart: Chart,
     points: impl Fn(&DesignPreview) -> Vec<[f64; 2]>,
 ) -> Chart {
-    for (slot, kept) in &view.kept {
-        let colour = view.theme.kept_colour(*slot);
-        chart = chart.with_curve(slot.name(), colour, LineDash::Dotted, points(kept));
+    for OverlaidDesign { name, colour, design } in view.overlaid_designs() {
+        chart = chart.with_curve(&name.label(), colour, LineDash::Dotted, points(&design));
     }
     chart
 }
@@ -25,7 +25,7 @@ fn with_kept_designs(
 /// Returns the loop gain with its margins.
 pub fn loop_chart(view: &StudioView, design: &DesignPreview) -> Chart {
     let of = |d: &DesignPreview| magnitude_points(view, &d.curves.frequency_hz, &d.curves.broken);
-    let mut chart = with_kept_designs(view, frequency_chart(view, "Loop gain", "modulus"), of);
+    let mut chart = with_overlays(view, frequency_chart(view, "Loop gain", "modulus"), of);
     chart = chart.with_curve("L", view.theme.curves[0], LineDash::Solid, of(design));
     chart.levels.push(view.units.display_gain(1.0));
     mark_margins(view, &design.margins, &mut chart);
@@ -38,7 +38,7 @@ pub fn sensitivity_chart(view: &StudioView, design: &DesignPreview) -> Chart {
     let of = |k: usize| {
         move |d: &DesignPreview| magnitude_points(view, &d.curves.frequency_hz, &d.curves.sensitivities[k])
     };
-    let mut chart = with_kept_designs(view, frequency_chart(view, "Sensitivity", "modulus"), of(0));
+    let mut chart = with_overlays(view, frequency_chart(view, "Sensitivity", "modulus"), of(0));
     chart = chart.with_curve("S", view.theme.curves[0], LineDash::Solid, of(0)(design));
     chart = chart.with_curve("T", view.theme.curves[1], LineDash::Dashed, of(1)(design));
     chart.levels.push(view.units.display_gain(design.margins.ms.value));
@@ -61,7 +61,7 @@ fn controlled_chart(view: &StudioView, of: &DesignPreview, title: &str) -> Chart
 /// Returns the response to a step of the demand.
 pub fn step_chart(view: &StudioView, design: &DesignPreview) -> Chart {
     let of = |d: &DesignPreview| controlled_points(view, d, d.step.time_s(), d.step.hub_rate_rad_s());
-    let mut chart = with_kept_designs(view, controlled_chart(view, design, "Step of the demand"), of);
+    let mut chart = with_overlays(view, controlled_chart(view, design, "Step of the demand"), of);
     let demand = controlled_points(view, design, design.step.time_s(), design.step.demand_rad_s());
     chart = chart.with_curve("demand", view.theme.weak, LineDash::Dashed, demand);
     chart.group = None;
@@ -115,7 +115,7 @@ pub fn motion_chart(view: &StudioView, design: &DesignPreview, source: Source) -
             history.map_or(Vec::new(), |h| controlled_points(view, d, h.time_s(), h.hub_rate_rad_s()))
         }
     };
-    let chart = with_kept_designs(view, controlled_chart(view, design, title), of(Arrangement::Compensated));
+    let chart = with_overlays(view, controlled_chart(view, design, title), of(Arrangement::Compensated));
     let c = &view.theme.curves;
     chart.with_curve("feedback alone", c[1], LineDash::Dashed, of(Arrangement::Feedback)(design)).with_curve(
         "with feedforward",

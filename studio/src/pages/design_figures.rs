@@ -87,8 +87,8 @@ fn show_row(ui: &mut Ui, view: &StudioView, design: &DesignPreview, row: &Figure
     }
 }
 
-/// Width of a column of numbers, points: six digits.
-const NUMBER_WIDTH: f32 = 40.0;
+/// Width of a column of numbers, points: seven digits.
+const NUMBER_WIDTH: f32 = 45.0;
 
 fn right_aligned(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     let size = egui::vec2(NUMBER_WIDTH, 18.0);

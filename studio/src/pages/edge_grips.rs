@@ -10,9 +10,6 @@ use crate::theme::WindowTheme;
 
 /// Size of a grip on the edge of a region, points.
 const GRIP: Vec2 = Vec2::new(18.0, 10.0);
-/// Distance of the first grip from the end of its edge, as a share of it, and of the next ones from each other.
-const GRIP_PLACE: f32 = 0.06;
-const GRIP_STEP: f32 = 0.13;
 
 /// A grip on an edge.
 pub struct EdgeGrip<'a> {
@@ -38,9 +35,7 @@ pub struct GrippedEdge {
 
 /// Shows a grip, which is dragged or moved by the arrow keys; `None` if its edge is not in view.
 pub fn show_edge_grip(ui: &Ui, theme: &WindowTheme, grip: &EdgeGrip) -> Option<GrippedEdge> {
-    let [start, end] = bound_area(grip.chart, grip.bound, &grip.shown.transform)?.edge;
-    let share = (GRIP_PLACE + GRIP_STEP * grip.index as f32).min(1.0 - GRIP_PLACE);
-    let at = end + (start - end) * share;
+    let at = bound_area(grip.chart, grip.bound, &grip.shown.transform)?.grip_centre(grip.index);
     let is_level = grip.bound.axis == PlotAxis::Y;
     let (size, icon) = if is_level {
         (GRIP, egui::CursorIcon::ResizeVertical)

@@ -13,14 +13,16 @@ use counterpoise_verify::linear_loop::{
 };
 use egui::{Rect, Ui};
 
-use super::design_charts::{loop_chart, sensitivity_chart};
+use super::design_charts::{loop_chart, sensitivity_chart, with_overlays};
 use super::frequency_charts::frequency_chart;
+use super::plot_tiles::{self, TileRequest};
 use super::requirement_bounds::{BoundContext, BoundPlot, BoundedChart, ChartPlace, plot_bounds};
 use super::requirement_values::Requirements;
-use super::widgets;
 use crate::charts::chart::{AxisScale, Chart, LabelledPoint, LineDash};
 use crate::command::Command;
+use crate::design_overlays::OverlaidDesign;
 use crate::number_format::format_short;
+use crate::tile_layout::TilePlace;
 use crate::view::StudioView;
 
 /// Ends of the Nichols chart's modulus, dB.
@@ -31,6 +33,7 @@ const NYQUIST: [(f64, f64); 2] = [(-3.0, 1.5), (-2.2, 2.2)];
 const CELL_FRAME: [f32; 2] = [78.0, 84.0];
 
 /// What the charts show.
+#[derive(Clone, Copy)]
 pub struct LoopCharts<'a> {
     /// The design.
     pub design: &'a DesignPreview,
@@ -42,9 +45,17 @@ pub struct LoopCharts<'a> {
 
 /// Shows the charts.
 pub fn show(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, of: LoopCharts) {
-    let LoopCharts { design, loop_view, requirements } = of;
-    let area = widgets::take_remaining_area(ui);
-    let cells = widgets::grid_cells(area, 9, 3);
+    let draw = &mut |ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, tile: TileRequest| {
+        let chart = tile_chart(view, &of, &tile)?;
+        let place = ChartPlace { cell: tile.cell, paths: &of.requirements.paths };
+        Some(chart.show(ui, view, queue, place))
+    };
+    plot_tiles::show(ui, view, queue, TilePlace::Loop, draw);
+}
+
+/// Returns the chart of a tile.
+fn tile_chart(view: &StudioView, of: &LoopCharts, tile: &TileRequest) -> Option<BoundedChart> {
+    let LoopCharts { design, loop_view, requirements } = *of;
     let plane = loop_view.map_or(&design.plane, |view| &view.plane);
     let locus = loop_view.map(|view| &view.locus);
     let context = BoundContext {
@@ -54,27 +65,27 @@ pub fn show(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, of: Lo
         controlled: design.synthesised.controlled,
         shown: &[],
     };
-    let bounded = |view: &StudioView, chart, plot| {
-        BoundedChart::new(chart, plot_bounds(plot, view, &requirements.values, &context))
-    };
+    let bounded =
+        |chart, plot| BoundedChart::new(chart, plot_bounds(plot, view, &requirements.values, &context));
     let free = |chart| BoundedChart::new(chart, Vec::new());
-    let path = |cause, effect| [LoopPath { cause, effect }];
-    let (demand, control) =
-        (path(LoopCause::Demand, LoopEffect::Hub), path(LoopCause::Control, LoopEffect::Hub));
-    let charts = [
-        bounded(view, loop_chart(view, design), BoundPlot::LoopGain),
-        bounded(view, phase_chart(view, design), BoundPlot::LoopPhase),
-        free(nichols_chart(view, plane)),
-        free(with_equal_scales(nyquist_chart(view, plane), cells[3])),
-        free(with_equal_scales(locus_chart(view, locus, design.crossover_hz()), cells[4])),
-        bounded(view, sensitivity_chart(view, design), BoundPlot::Sensitivity),
-        free(response_chart(view, design, "Hub for the demand", &demand)),
-        free(response_chart(view, design, "Hub for 1 V on the control", &control)),
-        free(control_chart(view, design)),
-    ];
-    for (cell, chart) in cells.iter().zip(&charts) {
-        chart.show(ui, view, queue, ChartPlace { cell: *cell, paths: &requirements.paths });
-    }
+    let equal = |chart| free(with_equal_scales(chart, tile.cell));
+    let path = |cause| [LoopPath { cause, effect: LoopEffect::Hub }];
+    Some(match tile.key {
+        "loop-gain" => bounded(loop_chart(view, design), BoundPlot::LoopGain),
+        "loop-phase" => bounded(phase_chart(view, design), BoundPlot::LoopPhase),
+        "nichols" => free(nichols_chart(view, plane)),
+        "nyquist" => equal(nyquist_chart(view, plane)),
+        "root-locus" => equal(locus_chart(view, locus, design.crossover_hz())),
+        "sensitivity" => bounded(sensitivity_chart(view, design), BoundPlot::Sensitivity),
+        "hub-for-demand" => {
+            free(response_chart(view, design, "Hub for the demand", &path(LoopCause::Demand)))
+        }
+        "hub-for-control" => {
+            free(response_chart(view, design, "Hub for 1 V on the control", &path(LoopCause::Control)))
+        }
+        "control-for-noise" => free(control_chart(view, design)),
+        _ => return None,
+    })
 }
 
 /// Widens one range of the chart so that a unit is as long on one axis as on the other.
@@ -99,9 +110,7 @@ fn phase_chart(view: &StudioView, design: &DesignPreview) -> Chart {
     };
     let mut chart = Chart::new("Loop phase", view.units.frequency_label(), "phase, deg");
     chart.scales = [AxisScale::Log, AxisScale::Linear];
-    for (slot, kept) in &view.kept {
-        chart = chart.with_curve(slot.name(), view.theme.kept_colour(*slot), LineDash::Dotted, of(kept));
-    }
+    chart = with_overlays(view, chart, of);
     chart = chart.with_curve("L", view.theme.curves[0], LineDash::Solid, of(design));
     chart.levels.push(-180.0);
     if let Some(margin) = design.margins.phase_margin() {
@@ -125,9 +134,8 @@ fn label_margins(plane: &LoopPlane, of: fn(&PlaneCurve) -> &ChartPoints) -> Vec<
 
 fn nichols_chart(view: &StudioView, plane: &LoopPlane) -> Chart {
     let mut chart = Chart::new("Nichols", "phase of L, deg", "modulus of L, dB");
-    for (slot, kept) in &view.kept {
-        let path = kept.plane.path.nichols.clone();
-        chart = chart.with_path(slot.name(), view.theme.kept_colour(*slot), LineDash::Dotted, path);
+    for OverlaidDesign { name, colour, design } in view.overlaid_designs() {
+        chart = chart.with_path(&name.label(), colour, LineDash::Dotted, design.plane.path.nichols.clone());
     }
     chart = chart
         .with_path(&outline_name(plane), view.theme.weak, LineDash::Dashed, plane.outline.nichols.clone())
@@ -146,9 +154,8 @@ fn outline_name(plane: &LoopPlane) -> String {
 fn nyquist_chart(view: &StudioView, plane: &LoopPlane) -> Chart {
     let theme = &view.theme;
     let mut chart = Chart::new("Nyquist", "real part of L", "imaginary part of L");
-    for (slot, kept) in &view.kept {
-        let path = kept.plane.path.nyquist.clone();
-        chart = chart.with_path(slot.name(), theme.kept_colour(*slot), LineDash::Dotted, path);
+    for OverlaidDesign { name, colour, design } in view.overlaid_designs() {
+        chart = chart.with_path(&name.label(), colour, LineDash::Dotted, design.plane.path.nyquist.clone());
     }
     chart = chart.with_path("", theme.weak, LineDash::Dotted, plane.unit.nyquist.clone()).with_path(
         &outline_name(plane),
@@ -223,10 +230,10 @@ struct LoopPath {
 fn response_chart(view: &StudioView, design: &DesignPreview, title: &str, wanted: &[LoopPath]) -> Chart {
     let is_wanted = |r: &&LoopResponse| wanted.contains(&LoopPath { cause: r.cause, effect: r.effect });
     let mut chart = frequency_chart(view, title, "modulus");
-    for (slot, kept) in &view.kept {
+    for OverlaidDesign { name, colour, design: kept } in view.overlaid_designs() {
         for response in kept.curves.loop_responses.iter().filter(is_wanted).take(1) {
-            let colour = view.theme.kept_colour(*slot);
-            chart = chart.with_curve(slot.name(), colour, LineDash::Dotted, moduli(view, kept, response));
+            let points = moduli(view, &kept, response);
+            chart = chart.with_curve(&name.label(), colour, LineDash::Dotted, points);
         }
     }
     let found = design.curves.loop_responses.iter().filter(is_wanted).zip(view.theme.curves.iter().cycle());

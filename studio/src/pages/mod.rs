@@ -11,8 +11,8 @@
 //! 4. Say in place what is missing and how to get it ([`widgets::show_placeholder`]), never with a blank.
 //!
 //! Modules in reading order: [`widgets`], [`frequency_charts`], [`no_controller`], [`welcome`], [`recent_places`], [`file_browser`], [`plant`],
-//! [`number_groups`], [`beam_drawing`], [`schematic`], [`reduce`], [`design`], [`plot_handles`], [`edge_grips`], [`weight_plot`], [`design_charts`],
-//! [`loop_charts`], [`requirement_values`], [`requirement_bounds`], [`requirement_strip`], [`design_figures`], [`kept_designs`], [`verify`],
+//! [`number_groups`], [`beam_drawing`], [`schematic`], [`reduce`], [`plot_tiles`], [`design`], [`plot_handles`], [`edge_grips`], [`weight_plot`], [`design_charts`],
+//! [`loop_charts`], [`requirement_values`], [`requirement_bounds`], [`requirement_strip`], [`design_figures`], [`kept_designs`], [`design_history`], [`verify`],
 //! [`verify_charts`], [`measurements`], [`diagnose`], [`recording_mapping`], [`recording_charts`], [`recording_cross_plot`], [`findings`], [`commission`],
 //! [`round_charts`], [`project_text`], [`text_colours`].
 
@@ -21,6 +21,7 @@ pub mod commission;
 pub mod design;
 pub mod design_charts;
 pub mod design_figures;
+pub mod design_history;
 pub mod diagnose;
 pub mod edge_grips;
 pub mod file_browser;
@@ -33,6 +34,7 @@ pub mod no_controller;
 pub mod number_groups;
 pub mod plant;
 pub mod plot_handles;
+pub mod plot_tiles;
 pub mod project_text;
 pub mod recent_places;
 pub mod recording_charts;

@@ -15,6 +15,7 @@ use super::edge_grips::{EdgeGrip, GrippedEdge, show_edge_grip};
 use super::requirement_values::RequirementValue;
 use super::widgets;
 use crate::charts::chart::{BoundTone, Chart, ChartBound, ForbiddenSide, PlotAxis};
+use crate::charts::chart_view::ChartResponse;
 use crate::command::Command;
 use crate::editing::weight_handles::round_to_three_digits;
 use crate::number_format::format_short;
@@ -174,7 +175,13 @@ impl BoundedChart {
     }
 
     /// Shows the chart in a cell; its limits are dragged to the paths of the project's requirements.
-    pub fn show(&self, ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, place: ChartPlace) {
+    pub fn show(
+        &self,
+        ui: &mut Ui,
+        view: &mut StudioView,
+        queue: &mut Vec<Command>,
+        place: ChartPlace,
+    ) -> ChartResponse {
         let shown = widgets::show_chart(ui, view, queue, place.cell, &self.chart);
         for (index, one) in self.bounds.iter().enumerate() {
             let name = format!("limit: {}", one.bound.label);
@@ -183,6 +190,7 @@ impl BoundedChart {
                 take_move(view, queue, one, ShownMove { gripped, paths: place.paths });
             }
         }
+        shown
     }
 }
 

@@ -12,8 +12,18 @@ use crate::theme::{WindowTheme, space};
 use crate::versioned_results::Freshness;
 use crate::view::StudioView;
 
-/// Size of a chip, points.
-const CHIP: Vec2 = Vec2::new(158.0, 44.0);
+/// Least width of a chip, and its height, points.
+const CHIP: Vec2 = Vec2::new(140.0, 44.0);
+/// Room at both sides of the text of a chip, points.
+const CHIP_MARGIN: f32 = 7.0;
+/// Sizes of the text of a chip, points.
+const NAME_SIZE: f32 = 12.0;
+const DETAILS_SIZE: f32 = 10.0;
+const VALUE_SIZE: f32 = 13.0;
+const LIMIT_SIZE: f32 = 11.0;
+/// Room between two texts of a chip, and for the sign of its verdict, points.
+const TEXT_GAP: f32 = 5.0;
+const SIGN_WIDTH: f32 = 13.0;
 /// What help says of a chip.
 const CHIP_HELP: &str = "A requirement of the project: the value of the figure, its limit, and the room between them as a bar from the middle. A click stresses the limit in the plots that it concerns, where it can be dragged. A dim chip shows the value of an older design.";
 /// Height of the bar of a margin, points.
@@ -86,6 +96,23 @@ impl Chip {
         words.collect::<Vec<_>>().join(", ")
     }
 
+    /// Returns the details as they stand in the chip.
+    fn short_details(&self) -> String {
+        self.details.replace(" plant", "")
+    }
+
+    /// Returns the width that shows all of its texts.
+    fn width(&self, ui: &Ui) -> f32 {
+        let width = |text: &str, size| {
+            let font = FontId::proportional(size);
+            ui.painter().layout_no_wrap(text.to_owned(), font, Color32::WHITE).size().x
+        };
+        let heading = width(&self.name, NAME_SIZE) + TEXT_GAP + width(&self.short_details(), DETAILS_SIZE);
+        let numbers =
+            SIGN_WIDTH + width(&self.value, VALUE_SIZE) + 2.0 * TEXT_GAP + width(&self.limit, LIMIT_SIZE);
+        (heading.max(numbers) + 2.0 * CHIP_MARGIN).max(CHIP.x).ceil()
+    }
+
     fn colour(&self, theme: &WindowTheme) -> Color32 {
         match self.room {
             Some(room) if room < 0.0 => theme.bad,
@@ -105,7 +132,7 @@ impl Chip {
 
     fn show(&self, ui: &mut Ui, theme: &WindowTheme) -> egui::Response {
         let is_selected = self.is_selected;
-        let (area, response) = ui.allocate_exact_size(CHIP, Sense::click());
+        let (area, response) = ui.allocate_exact_size(vec2(self.width(ui), CHIP.y), Sense::click());
         let stale = if self.freshness == Freshness::Stale { " (of an older design)" } else { "" };
         let whole = self.whole_name();
         let text = format!("requirement: {whole}: {} {}, {}{stale}", self.value, self.limit, self.word());
@@ -138,19 +165,19 @@ impl Chip {
         let painter = ui.painter().with_clip_rect(area.intersect(ui.clip_rect()));
         painter.rect(area, 5.0, theme.card, stroke, egui::StrokeKind::Inside);
         let dim = if self.freshness == Freshness::Stale { 0.55 } else { 1.0 };
-        let (left, right) = (area.left() + 7.0, area.right() - 7.0);
+        let (left, right) = (area.left() + CHIP_MARGIN, area.right() - CHIP_MARGIN);
         let text = |at, anchor, text: &str, size, colour: Color32| {
             painter.text(at, anchor, text, FontId::proportional(size), colour.gamma_multiply(dim))
         };
-        let name = text(pos2(left, area.top() + 3.0), Align2::LEFT_TOP, &self.name, 12.0, theme.text);
-        let details = pos2(name.right() + 5.0, name.bottom() - 1.0);
-        text(details, Align2::LEFT_BOTTOM, &self.details, 10.0, theme.weak);
+        let name = text(pos2(left, area.top() + 3.0), Align2::LEFT_TOP, &self.name, NAME_SIZE, theme.text);
+        let details = pos2(name.right() + TEXT_GAP, name.bottom() - 1.0);
+        text(details, Align2::LEFT_BOTTOM, &self.short_details(), DETAILS_SIZE, theme.weak);
         let middle = area.top() + 26.0;
         let value_colour = if self.word() == "holds" { theme.text } else { self.colour(theme) };
         let sign = pos2(left + 4.0, middle);
         draw_sign(&painter, sign, self.word(), self.colour(theme).gamma_multiply(dim));
-        text(pos2(left + 13.0, middle), Align2::LEFT_CENTER, &self.value, 13.0, value_colour);
-        text(pos2(right, middle), Align2::RIGHT_CENTER, &self.limit, 11.0, theme.weak);
+        text(pos2(left + SIGN_WIDTH, middle), Align2::LEFT_CENTER, &self.value, VALUE_SIZE, value_colour);
+        text(pos2(right, middle), Align2::RIGHT_CENTER, &self.limit, LIMIT_SIZE, theme.weak);
         let bar =
             Rect::from_min_size(pos2(left, area.bottom() - BAR_HEIGHT - 3.0), vec2(right - left, BAR_HEIGHT));
         self.paint_bar(&painter, theme, bar, dim);

@@ -8,7 +8,7 @@ use egui::{RichText, Ui};
 
 use super::measurements::{self, ShownMeasurements};
 use super::requirement_values::{Requirements, ValueSources};
-use super::{no_controller, verify_charts, widgets};
+use super::{no_controller, plot_tiles, verify_charts, widgets};
 use crate::command::{BrowsePurpose, Command, VerificationTab};
 use crate::number_format::format_short;
 use crate::results::VerificationState;
@@ -32,6 +32,8 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
         revision,
         progress: studio.jobs().measure.is_busy().then(|| studio.jobs().measurement_progress()),
     };
+    let has_overlay_runs = studio.jobs().overlay_runs.is_busy();
+    let runs = if has_overlay_runs { RunState::Running } else { RunState::Resting };
     let no_design = studio.results.design_errors(revision).map(<[String]>::to_vec);
     let (results, view) = (&studio.results, &mut studio.view);
     if let Some(why) = why {
@@ -59,13 +61,7 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
             show_line_of_sight(ui, view, found);
         });
     });
-    ui.horizontal(|ui| {
-        for tab in VerificationTab::ALL {
-            if ui.selectable_label(view.verification_tab == tab, tab.name()).clicked() {
-                queue.push(Command::ShowVerification { tab });
-            }
-        }
-    });
+    show_tabs(ui, view, queue, runs);
     let is_measurement = matches!(view.verification_tab, VerificationTab::Map | VerificationTab::Robustness);
     if state == VerificationState::Stale && !is_measurement {
         ui.multiply_opacity(0.55);
@@ -78,7 +74,22 @@ pub fn show(studio: &mut Studio, ui: &mut Ui, queue: &mut Vec<Command>) {
     }
 }
 
-/// Whether a design or a verification is being made.
+fn show_tabs(ui: &mut Ui, view: &StudioView, queue: &mut Vec<Command>, runs: RunState) {
+    ui.horizontal(|ui| {
+        for tab in VerificationTab::ALL {
+            if ui.selectable_label(view.verification_tab == tab, tab.name()).clicked() {
+                queue.push(Command::ShowVerification { tab });
+            }
+        }
+        plot_tiles::show_menu(ui, view, queue);
+        if runs == RunState::Running {
+            let text = "the designs that are drawn beside it run on the full plant";
+            ui.label(RichText::new(text).small().color(view.theme.accent));
+        }
+    });
+}
+
+/// Whether something is being computed.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum RunState {
     Running,

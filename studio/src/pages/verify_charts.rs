@@ -1,17 +1,21 @@
 //! The evidence of a verification as charts: time histories and responses over frequency.
 
 use counterpoise_report::wording::capitalise_first;
+use counterpoise_verify::linear_loop::Curves;
 use counterpoise_verify::{
     Arrangement, Experiment, History, HistoryColumn, Model, Requirement, Source, Verification,
 };
-use egui::Ui;
+use egui::{Rect, Ui};
 
+use super::design_charts::with_overlays;
 use super::frequency_charts::{frequency_chart, magnitude_points, mark_margins};
+use super::plot_tiles::{self, TileRequest};
 use super::requirement_bounds::{BoundContext, BoundPlot, BoundedChart, ChartPlace, plot_bounds};
 use super::requirement_values::Requirements;
-use super::widgets;
 use crate::charts::chart::{Chart, LineDash};
+use crate::charts::chart_view::ChartResponse;
 use crate::command::Command;
+use crate::tile_layout::TilePlace;
 use crate::view::StudioView;
 
 /// The charts over time share their x axis and cursor.
@@ -55,42 +59,61 @@ impl ShownVerification<'_> {
         BoundedChart::new(chart, plot_bounds(plot, view, &self.requirements.values, &context))
     }
 
-    fn show_charts(
+    fn show_tile(
         &self,
         ui: &mut Ui,
         view: &mut StudioView,
         queue: &mut Vec<Command>,
-        charts: &[BoundedChart; 4],
-    ) {
-        let area = widgets::take_remaining_area(ui);
-        for (cell, chart) in widgets::grid_cells(area, 4, 2).iter().zip(charts) {
-            chart.show(ui, view, queue, ChartPlace { cell: *cell, paths: &self.requirements.paths });
-        }
+        shown: TileChart,
+    ) -> ChartResponse {
+        let place = ChartPlace { cell: shown.cell, paths: &self.requirements.paths };
+        shown.chart.show(ui, view, queue, place)
     }
+}
+
+/// A chart with its place.
+struct TileChart {
+    chart: BoundedChart,
+    cell: Rect,
 }
 
 /// Shows the run behind the selected verdict: four of its signals under one cursor.
 pub fn show_histories(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, of: ShownVerification) {
+    let draw = &mut |ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, tile: TileRequest| {
+        let chart = signal_chart(view, of, tile.key)?;
+        Some(of.show_tile(ui, view, queue, TileChart { chart, cell: tile.cell }))
+    };
+    plot_tiles::show(ui, view, queue, TilePlace::Histories, draw);
+}
+
+/// Returns a signal of the run behind the selected verdict, by the key of its tile.
+fn signal_chart(view: &StudioView, of: ShownVerification, key: &str) -> Option<BoundedChart> {
     let found = of.found;
     let experiment =
         selected_requirement(view, found).map_or(Experiment::Step, |r| Experiment::from_figure(r.figure));
     let controlled = found.controlled_quantity();
-    let tip = view.units.display_unit(controlled.tip_unit());
-    let (tip_name, drive_name) =
-        (capitalise_first(&controlled.tip_name()), capitalise_first(controlled.drive_name()));
-    let shown = |name, unit, factor, column| ShownSignal { name, unit, factor, column };
-    let signal = |signal: ShownSignal<'_>| {
-        let chart = history_chart(view, found, experiment, &signal);
-        of.bound_chart(view, chart, BoundPlot::History(signal.column), &[experiment])
+    let signal = |name: &str, unit: &str, factor, column| {
+        let chart = history_chart(view, found, experiment, &ShownSignal { name, unit, factor, column });
+        of.bound_chart(view, chart, BoundPlot::History(column), &[experiment])
     };
-    let hub = hub_chart(view, found, experiment);
-    let charts = [
-        of.bound_chart(view, hub, BoundPlot::History(HistoryColumn::HubRate), &hub_runs(experiment)),
-        signal(shown("Control", "V", 1.0, HistoryColumn::Control)),
-        signal(shown(&drive_name, controlled.drive_unit(), 1.0, HistoryColumn::Current)),
-        signal(shown(&tip_name, &tip.name, tip.factor, HistoryColumn::TipRate)),
-    ];
-    of.show_charts(ui, view, queue, &charts);
+    Some(match key {
+        "hub" => {
+            let hub = hub_chart(view, found, experiment);
+            let runs = hub_runs(experiment);
+            of.bound_chart(view, hub, BoundPlot::History(HistoryColumn::HubRate), &runs)
+        }
+        "control" => signal("Control", "V", 1.0, HistoryColumn::Control),
+        "drive" => {
+            let name = capitalise_first(controlled.drive_name());
+            signal(&name, controlled.drive_unit(), 1.0, HistoryColumn::Current)
+        }
+        "tip" => {
+            let (name, tip) =
+                (capitalise_first(&controlled.tip_name()), view.units.display_unit(controlled.tip_unit()));
+            signal(&name, &tip.name, tip.factor, HistoryColumn::TipRate)
+        }
+        _ => return None,
+    })
 }
 
 /// Returns the runs that the chart of the hub shows.
@@ -111,35 +134,46 @@ fn selected_requirement<'a>(view: &StudioView, found: &'a Verification) -> Optio
 
 /// Shows what the loop does over frequency.
 pub fn show_responses(ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, of: ShownVerification) {
-    let found = of.found;
+    let draw = &mut |ui: &mut Ui, view: &mut StudioView, queue: &mut Vec<Command>, tile: TileRequest| {
+        let found = of.found;
+        let (chart, plot) = match tile.key {
+            "heave" => (rejection_chart(view, found, Source::Heave), BoundPlot::Rejection(Source::Heave)),
+            "pitch" => (rejection_chart(view, found, Source::Pitch), BoundPlot::Rejection(Source::Pitch)),
+            "loop-gain" => (verified_loop_chart(view, found), BoundPlot::LoopGain),
+            "sensitivity" => (verified_sensitivity_chart(view, found), BoundPlot::Sensitivity),
+            _ => return None,
+        };
+        let chart = of.bound_chart(view, chart.with_group(FREQUENCY_GROUP), plot, &[]);
+        Some(of.show_tile(ui, view, queue, TileChart { chart, cell: tile.cell }))
+    };
+    plot_tiles::show(ui, view, queue, TilePlace::Rejection, draw);
+}
+
+fn verified_loop_chart(view: &StudioView, found: &Verification) -> Chart {
     let curves = &found.evidence.curves;
-    let points = |response| magnitude_points(view, &curves.frequency_hz, response);
-    let c = view.theme.curves;
-    let mut loop_gain = frequency_chart(view, "Loop gain", "modulus").with_curve(
-        "L",
-        c[0],
-        LineDash::Solid,
-        points(&curves.broken),
-    );
-    loop_gain.levels.push(view.units.display_gain(1.0));
-    mark_margins(view, &found.evidence.margins, &mut loop_gain);
-    loop_gain.range[1] = Some((view.units.display_gain(1e-4), view.units.display_gain(1e4)));
-    let mut sensitivity = frequency_chart(view, "Sensitivity", "modulus");
+    let chart = with_overlays(view, frequency_chart(view, "Loop gain", "modulus"), |design| {
+        magnitude_points(view, &design.curves.frequency_hz, &design.curves.broken)
+    });
+    let points = magnitude_points(view, &curves.frequency_hz, &curves.broken);
+    let mut chart = chart.with_curve("L", view.theme.curves[0], LineDash::Solid, points);
+    chart.levels.push(view.units.display_gain(1.0));
+    mark_margins(view, &found.evidence.margins, &mut chart);
+    chart.range[1] = Some((view.units.display_gain(1e-4), view.units.display_gain(1e4)));
+    chart
+}
+
+fn verified_sensitivity_chart(view: &StudioView, found: &Verification) -> Chart {
+    let curves = &found.evidence.curves;
+    let mut chart = with_overlays(view, frequency_chart(view, "Sensitivity", "modulus"), |design| {
+        magnitude_points(view, &design.curves.frequency_hz, &design.curves.sensitivities[0])
+    });
     for (k, (one, name)) in curves.sensitivities.iter().zip(["S", "T"]).enumerate() {
         let dash = [LineDash::Solid, LineDash::Dashed][k % 2];
-        sensitivity = sensitivity.with_curve(name, c[k], dash, points(one));
+        let points = magnitude_points(view, &curves.frequency_hz, one);
+        chart = chart.with_curve(name, view.theme.curves[k], dash, points);
     }
-    sensitivity.range[1] = Some((view.units.display_gain(1e-3), view.units.display_gain(4.0)));
-    let rejection = |source| (rejection_chart(view, found, source), BoundPlot::Rejection(source));
-    let charts = [
-        rejection(Source::Heave),
-        rejection(Source::Pitch),
-        (loop_gain, BoundPlot::LoopGain),
-        (sensitivity, BoundPlot::Sensitivity),
-    ];
-    let charts =
-        charts.map(|(chart, plot)| of.bound_chart(view, chart.with_group(FREQUENCY_GROUP), plot, &[]));
-    of.show_charts(ui, view, queue, &charts);
+    chart.range[1] = Some((view.units.display_gain(1e-3), view.units.display_gain(4.0)));
+    chart
 }
 
 fn experiment_name(experiment: Experiment) -> &'static str {
@@ -165,6 +199,12 @@ fn hub_chart(view: &StudioView, found: &Verification, experiment: Experiment) ->
     let label = format!("{}, {}", controlled.name(), unit.name);
     let mut chart = Chart::new(&title, "time, s", &label).with_group(TIME_GROUP);
     let factor = unit.factor;
+    chart = with_runs(
+        view,
+        chart,
+        experiment,
+        &ShownSignal { name: "", unit: "", factor, column: HistoryColumn::HubRate },
+    );
     if let Experiment::Disturbance(source, _) = experiment
         && let Some(h) =
             found.history(Model::Nonlinear, Experiment::Disturbance(source, Arrangement::Feedback))
@@ -192,6 +232,7 @@ fn history_chart(
 ) -> Chart {
     let label = format!("{}, {}", shown.name.to_lowercase(), shown.unit);
     let chart = Chart::new(shown.name, "time, s", &label).with_group(TIME_GROUP);
+    let chart = with_runs(view, chart, experiment, shown);
     match found.history(Model::Nonlinear, experiment) {
         Some(h) => {
             let points = history_points(h, shown.column, shown.factor);
@@ -199,6 +240,19 @@ fn history_chart(
         }
         None => chart,
     }
+}
+
+/// Adds the run of each design that is drawn over the current one, if it was made.
+fn with_runs(view: &StudioView, mut chart: Chart, experiment: Experiment, shown: &ShownSignal<'_>) -> Chart {
+    for overlaid in view.overlaid_designs() {
+        let found = view.history.runs_of(&overlaid);
+        let run = found.and_then(|found| found.history(Model::Nonlinear, experiment));
+        if let Some(run) = run {
+            let points = history_points(run, shown.column, shown.factor);
+            chart = chart.with_curve(&overlaid.name.label(), overlaid.colour, LineDash::Dotted, points);
+        }
+    }
+    chart
 }
 
 /// Returns the disturbance rejection over frequency, for each arrangement of the controller.
@@ -210,19 +264,26 @@ fn rejection_chart(view: &StudioView, found: &Verification, source: Source) -> C
         ("Rejection of pitch", format!("{unit} per rad/s"))
     };
     let curves = &found.evidence.curves;
-    let mut chart = frequency_chart(view, title, &label);
+    let points = |curves: &Curves, response: &[counterpoise_linalg::C64]| {
+        let point = |(f, h): (&f64, &counterpoise_linalg::C64)| {
+            let rate = view.units.display_frequency(f * std::f64::consts::TAU);
+            [rate, view.units.display_gain(h.norm())]
+        };
+        curves.frequency_hz.iter().zip(response).map(point).collect::<Vec<_>>()
+    };
+    let mut chart = with_overlays(view, frequency_chart(view, title, &label), |design| {
+        let mut rejections = design.curves.rejection.iter();
+        let whole =
+            rejections.find(|one| one.source == source && one.arrangement == Arrangement::Compensated);
+        whole.map_or_else(Vec::new, |one| points(&design.curves, &one.response))
+    });
     for one in curves.rejection.iter().filter(|r| r.source == source) {
         let (name, k, dash) = match one.arrangement {
             Arrangement::Uncontrolled => ("none", 3, LineDash::Dotted),
             Arrangement::Feedback => ("feedback", 1, LineDash::Dashed),
             Arrangement::Compensated => ("with feedforward", 0, LineDash::Solid),
         };
-        let point = |(f, h): (&f64, &counterpoise_linalg::C64)| {
-            let rate = view.units.display_frequency(f * std::f64::consts::TAU);
-            [rate, view.units.display_gain(h.norm())]
-        };
-        let points = curves.frequency_hz.iter().zip(&one.response).map(point).collect();
-        chart = chart.with_curve(name, view.theme.curves[k], dash, points);
+        chart = chart.with_curve(name, view.theme.curves[k], dash, points(curves, &one.response));
     }
     chart
 }

@@ -81,7 +81,7 @@ pub fn show_weight_plot(
     queue: &mut Vec<Command>,
     project: &Project,
     cell: egui::Rect,
-) {
+) -> ChartResponse {
     let theme = view.theme;
     let weights = plotted_weights(project, view.part, &theme);
     let mut chart = frequency_chart(view, "Weights", "modulus");
@@ -103,6 +103,7 @@ pub fn show_weight_plot(
             show_handle(ui, view, queue, &plotted);
         }
     }
+    shown
 }
 
 /// A handle on its plot.

@@ -1,5 +1,6 @@
 //! The widgets of the pages: cells, plots that can be copied, numbers with units, messages.
 
+use counterpoise_report::wording::capitalise_first;
 use egui::{Rect, RichText, Ui, Vec2, vec2};
 
 use crate::charts::chart::Chart;
@@ -38,14 +39,6 @@ fn cells_of(area: Rect, count: usize, columns: usize) -> Vec<Rect> {
     (0..count).map(cell).collect()
 }
 
-/// Returns the cells of the page Design: nine in three columns, the first two of the first row joined into one.
-pub fn design_page_cells(area: Rect) -> Vec<Rect> {
-    let mut cells = cells_of(area, 9, 3);
-    let second = cells.remove(1);
-    cells[0] = cells[0].union(second);
-    cells
-}
-
 /// Shows a chart in a cell. It can be copied from its menu, and by command while the pointer is on it.
 pub fn show_chart(
     ui: &mut Ui,
@@ -56,7 +49,8 @@ pub fn show_chart(
 ) -> ChartResponse {
     let theme = view.theme;
     let mut inside = ui.new_child(egui::UiBuilder::new().id_salt(&chart.title).max_rect(cell));
-    let style = ChartStyle { theme: &theme, scope: &view.limits_scope };
+    let corner = view.tiles.corner;
+    let style = ChartStyle { theme: &theme, scope: &view.limits_scope, corner };
     let shown = chart_view::show_chart(&mut inside, chart, style, cell.size());
     if shown.response.hovered() || view.chart.is_none() {
         view.chart = Some(chart.clone());
@@ -81,10 +75,28 @@ pub fn show_chart(
                 ui.close();
             }
         }
+        if let Some(action) = corner {
+            show_tile_menu(ui, queue, action);
+        }
         let hint = "the wheel zooms, a drag pans, a double click fits";
         ui.label(RichText::new(hint).small().color(theme.weak));
     });
     shown
+}
+
+/// Shows what can be done with a plot that is a tile.
+fn show_tile_menu(ui: &mut Ui, queue: &mut Vec<Command>, action: &str) {
+    ui.separator();
+    for (name, command) in [
+        (capitalise_first(action), Command::MaximisePlot),
+        ("Hide this plot".to_owned(), Command::HidePlot),
+        ("Usual layout of the plots".to_owned(), Command::ResetPlots),
+    ] {
+        if ui.button(name).clicked() {
+            queue.push(command);
+            ui.close();
+        }
+    }
 }
 
 /// Shows a number of the project that is dragged or typed, with its unit; meaning and range appear on hover.

@@ -8,6 +8,7 @@ use std::time::Duration;
 use counterpoise_verify::VerifiedController;
 
 use super::Studio;
+use crate::design_overlays::OverlayName;
 use crate::jobs::DiagnosisNews;
 use crate::jobs::code_export::WrittenCode;
 use crate::jobs::kept_designs::RestoredDesign;
@@ -82,6 +83,8 @@ impl Studio {
     fn take_verification(&mut self, revision: u64, found: VerifiedController) {
         (self.results.verification_failure, self.results.partial) = (None, None);
         self.results.verified = Some(VersionedResult { revision, value: Arc::new(found) });
+        self.results.verifying = false;
+        self.complete_kept_design(revision);
     }
 
     fn take_partial_verification(&mut self) {
@@ -154,8 +157,11 @@ impl Studio {
             self.results.beam_modes = Some(Arc::new(modes));
         }
         if let Some((_, restored)) = self.jobs.restore.take() {
-            for RestoredDesign { slot, design } in restored {
-                self.view.kept.entry(slot).or_insert(design);
+            for RestoredDesign { name, design } in restored {
+                // a design that cannot be computed any more is left out
+                if let (OverlayName::Slot(slot), Ok(design)) = (name, design) {
+                    self.view.kept.entry(slot).or_insert(design);
+                }
             }
         }
         if let Some((_, copied)) = self.jobs.copy.take() {

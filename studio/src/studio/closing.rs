@@ -2,6 +2,7 @@
 
 use super::Studio;
 use crate::command::Command;
+use crate::design_overlays::HistoryState;
 use crate::results::ComputedResults;
 use crate::view::CloseTarget;
 use counterpoise_host::journal_writer::JournalEnding;
@@ -29,7 +30,8 @@ impl Studio {
         }
         (self.results, self.requested_design, self.verify_at) = (ComputedResults::default(), None, None);
         (self.view.output_folder, self.view.browser, self.view.close_question) = (None, None, None);
-        self.view.shows_difference = false;
+        (self.view.shows_difference, self.view.history) = (false, HistoryState::default());
+        self.is_history_read_due = false;
     }
 
     /// Waits until every queued save is done, and leaves the project. Its journal is kept if there are unsaved edits.
@@ -40,7 +42,7 @@ impl Studio {
             self.take_file_result();
         }
         self.leave(None);
-        while self.jobs.settings.is_busy() {
+        while self.jobs.settings.is_busy() || self.jobs.history.is_busy() {
             wait_between_looks();
         }
     }

@@ -12,6 +12,7 @@ use crate::browser::Browser;
 use crate::command::{BrowsePurpose, Page};
 use crate::jobs::assumption_ranking::RankingRequest;
 use crate::jobs::file_jobs::DiskText;
+use crate::jobs::history_file::history_path;
 use counterpoise_host::file_check::FileCheck;
 
 /// Shortest time between two frames that the studio asks for itself.
@@ -23,8 +24,12 @@ impl Studio {
         self.take_file_result();
         self.take_answers();
         self.take_pictures();
+        self.take_history();
+        self.take_overlays();
         self.request_design();
         self.request_pictures();
+        self.request_overlays();
+        self.request_overlay_runs();
         self.request_rounds();
         if self.verify_at.is_some_and(Moment::has_come) && !self.view.dragging {
             self.verify();
@@ -114,6 +119,8 @@ impl Studio {
         self.jobs.watcher.set_paths(self.watched_paths());
         let has_changed = self.jobs.watcher.take_change();
         self.is_file_check_due |= has_changed;
+        self.is_history_read_due |= has_changed;
+        self.read_changed_history();
         self.take_listing();
         if has_changed || self.view.browser.as_ref().is_some_and(|browser| !browser.is_listed()) {
             self.ask_for_listing();
@@ -128,8 +135,9 @@ impl Studio {
     }
 
     fn watched_paths(&self) -> Vec<PathBuf> {
-        let project =
-            self.opened.iter().flat_map(|o| [Some(o.path.clone()), o.path.parent().map(Path::to_owned)]);
+        let project = self.opened.iter().flat_map(|o| {
+            [Some(o.path.clone()), Some(history_path(&o.path)), o.path.parent().map(Path::to_owned)]
+        });
         project.flatten().chain(self.view.browser.iter().map(Browser::folder)).collect()
     }
 

@@ -14,14 +14,16 @@ use crate::browser::Browser;
 use crate::command::{BrowsePurpose, Command};
 use counterpoise_host::journals::journal_path;
 
+use crate::design_overlays::{HistoryFileState, OverlayName};
 use crate::editing::journal::JournalHeader;
 use crate::editing::session::file_name;
 use crate::file_queue::{QueuedCommand, is_save};
 use crate::jobs::file_jobs::{
     DiskText, FileJob, FileJobResult, LoadedProject, Overwrite, ProjectOrigin, SaveOutcome,
 };
-use crate::jobs::kept_designs::KeptRequest;
+use crate::jobs::kept_designs::{KeptRequest, KeptText};
 use crate::settings::ProjectSettings;
+use crate::tile_layout::PlotTiles;
 use counterpoise_host::journal_writer::JournalEnding;
 use counterpoise_host::project_lock::ProjectLock;
 use counterpoise_host::recent_files::RecentList;
@@ -191,6 +193,7 @@ impl Studio {
         let (path, session, modified, lock) = (loaded.path, loaded.session, loaded.modified, loaded.lock);
         self.opened = Some(OpenProject { path, session, lock, modified, disk_text: None });
         self.is_file_check_due = true;
+        self.is_history_read_due = true;
         self.restore_view(loaded.settings);
         if self.opened.as_ref().is_some_and(|opened| opened.session.project().is_none()) {
             // a file that was never read has nothing to show but its text, where it is mended
@@ -201,13 +204,15 @@ impl Studio {
     /// Restores what the window showed of the project when it was open last.
     fn restore_view(&mut self, settings: Option<ProjectSettings>) {
         (self.view.kept, self.view.kept_texts, self.view.text) = Default::default();
+        self.view.tiles = PlotTiles::default();
         let Some(settings) = settings else { return };
         settings.apply(&mut self.view);
         let Some(opened) = self.opened.as_ref().filter(|_| !settings.kept.is_empty()) else { return };
+        let text = |(slot, text)| KeptText { name: OverlayName::Slot(slot), text };
         let request = KeptRequest {
             document: opened.session.document().clone(),
             attachments: opened.session.attachments().clone(),
-            texts: settings.kept.into_iter().collect(),
+            texts: settings.kept.into_iter().map(text).collect(),
         };
         self.jobs.restore.ask(0, request);
     }
@@ -261,7 +266,8 @@ impl Studio {
         opened.session.mark_saved(text);
         let mut message = format!("saved {}", path.display());
         let browses_save_as = self.view.browser.as_ref().is_some_and(|b| b.purpose == BrowsePurpose::SaveAs);
-        if opened.path != path {
+        let is_renamed = opened.path != path;
+        if is_renamed {
             self.journal.end(JournalEnding::Remove, std::mem::replace(&mut opened.lock, lock));
             opened.session.rename(&file_name(path));
             opened.path = path.to_owned();
@@ -278,6 +284,10 @@ impl Studio {
         self.saves += 1;
         self.view.shows_difference = false;
         self.view.show_message(message);
+        if is_renamed {
+            (self.view.history.file, self.view.history.known) = (HistoryFileState::Unread, Vec::new());
+            self.is_history_read_due = true;
+        }
     }
 
     fn show_save_error(&mut self, path: &Path, why: &str) {

@@ -1,7 +1,7 @@
 //! The studio: it carries out commands.
 //!
 //! Modules in reading order: `file_commands` (projects opened and saved), `closing`, `work_commands` (everything that is computed),
-//! `commissioning_commands` (rounds on a machine),
+//! `history_commands` (designs kept with a name), `overlays` (designs drawn over the current one), `commissioning_commands` (rounds on a machine),
 //! `settings_commands` (what is remembered), `event_loop` (what the studio does by
 //! itself in each frame), `answers` (what the workers found).
 
@@ -10,8 +10,12 @@ mod closing;
 mod commissioning_commands;
 mod event_loop;
 mod file_commands;
+mod history_commands;
+mod overlays;
 mod settings_commands;
 mod work_commands;
+
+pub use history_commands::rate_figures;
 
 use counterpoise_host::clock::Moment;
 use std::path::{Path, PathBuf};
@@ -99,6 +103,7 @@ pub struct Studio {
     /// The settings that are on disk, or on their way there.
     stored_settings: (UserSettings, Option<ProjectSettings>),
     is_file_check_due: bool,
+    is_history_read_due: bool,
 }
 
 impl Studio {
@@ -134,6 +139,7 @@ impl Studio {
             requested_design: None,
             verify_at: None,
             is_file_check_due: false,
+            is_history_read_due: false,
         }
     }
 
@@ -182,6 +188,11 @@ impl Studio {
             Command::Sweep => self.run_campaign(),
             Command::Keep { slot } => self.keep_design(*slot),
             Command::Return { slot } => self.restore_design(*slot),
+            Command::KeepDesign { name } => self.keep_named_design(name),
+            Command::RestoreDesign { name } => self.restore_named_design(name),
+            Command::RenameDesign { name, new_name } => self.rename_named_design(name, new_name),
+            Command::DeleteDesign { name } => self.delete_named_design(name),
+            Command::PutDesignBack => self.put_design_back(),
             Command::FitPlot => self.fit_plot(),
             Command::CopyCsv => self.copy_plot(CopyFormat::Csv),
             Command::CopySvg => self.copy_plot(CopyFormat::Svg),
@@ -200,6 +211,7 @@ impl Studio {
 
     fn cancel(&mut self) {
         self.verify_at = None;
+        self.view.history.are_runs_stopped = true;
         self.jobs.cancel();
         self.stop_opening();
         self.view.show_message("stopped");

@@ -36,6 +36,8 @@ impl Studio {
 
     pub(super) fn verify(&mut self) {
         self.verify_at = None;
+        self.view.history.are_runs_stopped = false;
+        self.jobs.overlay_runs.cancel();
         if let Some(request) = self.verification_request() {
             let (revision, design) = (request.revision, Arc::clone(&request.value.design));
             self.jobs.verify.ask(revision, request);
